@@ -4,16 +4,13 @@ from __future__ import annotations
 
 import math
 from dataclasses import asdict, dataclass
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
-
-from dummydesign.core.errors import InputError
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
 KINDS = ("measured", "fitted", "digitised", "inferred", "assumed")
-_FIELDS = {"value", "low", "high", "kind", "source"}
+FIELDS = {"value", "low", "high", "kind", "source"}
 
 
 @dataclass(frozen=True)
@@ -45,61 +42,6 @@ def line_of(text: str, *keys: str) -> int:
                 row = index
                 break
     return row + 1
-
-
-def read_quantity(
-    table: dict[str, Any], key: str, path: Path, text: str = "", kinds: tuple[str, ...] = KINDS
-) -> Quantity:
-    """Read ``table[key]`` as a :class:`Quantity`, refusing what has no interval, kind or source.
-
-    Parameters
-    ----------
-    table : dict
-        The table of a TOML file that holds the entry.
-    key : str
-        Name of the entry, with the unit as suffix.
-    path : Path
-        The file, named in messages.
-    text : str
-        Its text, from which the line in a message is taken; without it messages have no line.
-    kinds : tuple of str
-        Kinds of number that are allowed.
-
-    Raises
-    ------
-    InputError
-        With file and line when the entry is missing, has unknown keys, or low <= value <= high fails.
-    """
-    where = f"{path.name}:{line_of(text, key)}: " if text else f"{path.name}: "
-
-    def wrong(code: str, message: str, quantity: str = key) -> InputError:
-        return InputError(f"{where}'{key}' {message}", code, quantity)
-
-    if key not in table:
-        message = f"{path.name}: '{key}' is missing; it needs value, low, high, kind and source"
-        raise InputError(message, "missing", key)
-    entry = table[key]
-    if not isinstance(entry, dict):
-        raise wrong("malformed", f"= {entry!r} is a bare number; give value, low, high, kind and source")
-    unknown = sorted(set(entry) - _FIELDS)
-    missing = sorted(_FIELDS - set(entry))
-    if unknown:
-        message = f"has unknown key '{unknown[0]}'; known are {', '.join(sorted(_FIELDS))}"
-        raise wrong("unknown_key", message, f"{key}.{unknown[0]}")
-    if missing:
-        raise wrong("missing", f"lacks {', '.join(missing)}", f"{key}.{missing[0]}")
-    if entry["kind"] not in kinds:
-        message = f"has kind '{entry['kind']}'; known kinds are {', '.join(kinds)}"
-        raise wrong("unknown_name", message, f"{key}.kind")
-    if not str(entry["source"]).strip():
-        raise wrong("no_source", "has an empty source; say where the number was read", f"{key}.source")
-    try:
-        value, low, high = (float(entry[name]) for name in ("value", "low", "high"))
-    except (TypeError, ValueError):
-        raise wrong("not_a_number", "needs numbers for value, low and high") from None
-    if not all(math.isfinite(number) for number in (value, low, high)) or not low <= value <= high:
-        raise wrong("inconsistent", f"needs finite low <= value <= high, given {low}, {value}, {high}")
-    return Quantity(value, low, high, str(entry["kind"]), str(entry["source"]))
 
 
 PAPER = (

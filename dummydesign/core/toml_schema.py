@@ -10,7 +10,7 @@ from typing import Any
 
 from dummydesign.core.errors import InputError, unknown_name
 from dummydesign.core.library import read_toml
-from dummydesign.core.quantity import KINDS, Quantity, line_of, read_quantity
+from dummydesign.core.quantity import FIELDS, KINDS, Quantity, line_of
 
 REQUIRED: Any = object()
 """Default of a key that must be there."""
@@ -108,10 +108,36 @@ class Table:
         return tuple(values)
 
     def quantity(self, key: str, kinds: tuple[str, ...] = KINDS) -> Quantity:
-        """Return a number with interval, kind and source."""
-        before = line_of(self.text, *self.keys) - 1
-        text = "\n" * before + "\n".join(self.text.split("\n")[before:])
-        return read_quantity(self.data, key, self.path, text, kinds)
+        """Return a number with interval, kind and source; refuse one that lacks any of them."""
+        where = f"{self.path.name}:{line_of(self.text, *self.keys, key)}: "
+
+        def wrong(code: str, message: str, quantity: str = key) -> InputError:
+            return InputError(f"{where}'{key}' {message}", code, quantity)
+
+        if key not in self.data:
+            message = f"{self.path.name}: '{key}' is missing; it needs value, low, high, kind and source"
+            raise InputError(message, "missing", key)
+        entry = self.data[key]
+        if not isinstance(entry, dict):
+            raise wrong("malformed", f"= {entry!r} is a bare number; give value, low, high, kind and source")
+        unknown, missing = sorted(set(entry) - FIELDS), sorted(FIELDS - set(entry))
+        if unknown:
+            message = f"has unknown key '{unknown[0]}'; known are {', '.join(sorted(FIELDS))}"
+            raise wrong("unknown_key", message, f"{key}.{unknown[0]}")
+        if missing:
+            raise wrong("missing", f"lacks {', '.join(missing)}", f"{key}.{missing[0]}")
+        if entry["kind"] not in kinds:
+            message = f"has kind '{entry['kind']}'; known kinds are {', '.join(kinds)}"
+            raise wrong("unknown_name", message, f"{key}.kind")
+        if not str(entry["source"]).strip():
+            raise wrong("no_source", "has an empty source; say where the number was read", f"{key}.source")
+        try:
+            value, low, high = (float(entry[name]) for name in ("value", "low", "high"))
+        except (TypeError, ValueError):
+            raise wrong("not_a_number", "needs numbers for value, low and high") from None
+        if not all(math.isfinite(number) for number in (value, low, high)) or not low <= value <= high:
+            raise wrong("inconsistent", f"needs finite low <= value <= high, given {low}, {value}, {high}")
+        return Quantity(value, low, high, str(entry["kind"]), str(entry["source"]))
 
     def table(self, key: str, required: bool = True) -> Table:
         """Return a table inside this one; an empty one where it may be left out."""

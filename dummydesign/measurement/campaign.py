@@ -119,13 +119,7 @@ class Campaign:
 
 
 def check_against_declared(trial: Trial, table: Table) -> None:
-    """Refuse magnitudes that can only be another unit, seen against the thickness, speed and force in its table.
-
-    Raises
-    ------
-    InputError
-        Naming the file, what it holds, what is declared, and the unit it looks like.
-    """
+    """Refuse magnitudes that can only be another unit, seen against the thickness, speed and force in its table."""
     trace = trial.trace
     try:
         ramp = find_ramp(trace.time_s, trace.displacement_mm, "slowed")
@@ -203,13 +197,7 @@ def check_edge(pad: PadSpec, punch: PunchSpec, shapes: Sequence[PadShape], where
 
 
 def check_set(trials: Sequence[Trial], tables: Sequence[Table]) -> list[dict[str, str]]:
-    """Refuse files and sequence numbers that are used twice; return what is missing for some tests.
-
-    Raises
-    ------
-    InputError
-        For a file or a sequence number that is used twice.
-    """
+    """Refuse files and sequence numbers that are used twice; return what is missing for some tests."""
     for key in ("file", "sequence"):
         seen: dict[Any, int] = {}
         for index, (trial, table) in enumerate(zip(trials, tables)):

@@ -296,13 +296,7 @@ class SetUp:
         return Path(name) if kind == "profile" else None
 
     def tables(self) -> dict[str, dict[str, Any]]:
-        """``pad``, ``punch`` and ``sensor`` as the file holds them.
-
-        Raises
-        ------
-        InputError
-            Where one of them has another form.
-        """
+        """``pad``, ``punch`` and ``sensor`` as the file holds them."""
         if self.young_kPa is None and (self.resin is None or self.ratio is None):
             raise InputError("say what the pads are: --young KPA, or --resin NAME with --ratio R", "missing", "young")
         material = {"young_kPa_nominal": self.young_kPa, "resin": self.resin, "ratio": self.ratio}

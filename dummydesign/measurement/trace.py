@@ -85,8 +85,9 @@ def read_trace(path: str | Path, velocity_mm_s: float | None = None) -> Trace:
     fault = magnitude_fault(time, displacement, force, velocity_mm_s, SECONDS in header)
     if fault:
         raise InputError(f"{path.name}: {fault.message}{import_first(path)}", fault.code, fault.column)
-    _check_one_press(path, displacement, force)
-    return Trace(path.name, time, displacement, force)
+    trace = Trace(path.name, time, displacement, force)
+    check_one_press(trace, import_first(path))
+    return trace
 
 
 def import_first(path: str | Path) -> str:
@@ -164,16 +165,17 @@ def read_cell(cell: str | None, name: str, where: str) -> float:
     return number
 
 
-def _check_one_press(path: Path, displacement: NDArray, force: NDArray) -> None:
-    """Refuse several presses in one file: they would be read as one long hold."""
+def check_one_press(trace: Trace, advice: str = "") -> None:
+    """Refuse several presses in one trace, which would be read as one long hold; ``advice`` ends the message."""
     from dummydesign.measurement.importing.signs import find_presses
 
+    force = trace.force_N - np.median(trace.force_N[:3])
     try:
-        count = len(find_presses(path.name, displacement, force - np.median(force[:3]), True))
+        count = len(find_presses(trace.name, trace.displacement_mm, force, True))
     except InputError:
         return  # too little force to tell; whoever uses the trace says so
     if count > 1:
-        message = f"{path.name}: holds {count} presses; a trace is one{import_first(path)}"
+        message = f"{trace.name}: holds {count} presses; a trace is one{advice}"
         raise InputError(message, "malformed", "trace", count, 1)
 
 
@@ -239,13 +241,7 @@ def _deepest_loaded(displacement: NDArray, force: NDArray) -> tuple[float, float
 
 def pulls_more(displacement: NDArray, force: NDArray) -> bool:
     """Whether a sticky pad pulls harder at the lift-off than it was pressed: compression where it is deepest, and a
-    larger tension elsewhere. That is data; a force of the wrong sign is tension where it is deepest.
-
-    Parameters
-    ----------
-    displacement, force : ndarray, shape (n,)
-        [mm, N]
-    """
+    larger tension elsewhere. That is data; a force of the wrong sign is tension where it is deepest."""
     largest = float(displacement.max())
     if largest <= 0.0:
         return False

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import json
 import os
 import re
 import tempfile
 import zipfile
 from collections.abc import Iterator
+from contextlib import suppress
 from itertools import count
 from pathlib import Path
-from typing import IO
+from typing import IO, Any
 
 from dummydesign.core.errors import InputError
 from dummydesign.core.files import unwritable, write_bytes
@@ -47,11 +49,29 @@ def inside(root: Path, path: str) -> Path:
     return found
 
 
+def read_json(path: Path) -> dict[str, Any]:
+    """What a JSON file holds; empty where it cannot be read or holds something else than keys."""
+    try:
+        found = json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return {}
+    return found if isinstance(found, dict) else {}
+
+
 def numbered(name: str, ending: str = "") -> Iterator[str]:
     """Yield the names ``name``, ``name-2``, ``name-3`` and so on, of which the first free one is taken."""
     yield f"{name}{ending}"
     for number in count(2):
         yield f"{name}-{number}{ending}"
+
+
+def new_folder(home: Path, names: Iterator[str]) -> Path:
+    """Make a folder under the first of some names that is free."""
+    while True:
+        folder = home / next(names)
+        with suppress(FileExistsError):
+            folder.mkdir()
+            return folder
 
 
 def save_upload(folder: Path, name: str, content: bytes) -> Path:

@@ -4,9 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
-import json
 import shutil
-import tomllib
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
@@ -16,11 +14,11 @@ from typing import Any
 from dummydesign.core.errors import InputError
 from dummydesign.core.files import unwritable, write_bytes, write_text
 from dummydesign.core.manifest import NAME as MANIFEST
-from dummydesign.measurement.campaign_file import FILE
+from dummydesign.measurement.campaign_file import FILE, read_campaign_toml, trial_tables
 from dummydesign.measurement.campaign_from_files import COLUMNS, named_values, read_trials
 from dummydesign.measurement.campaign_status import differences_from_plan
 from dummydesign.measurement.trace import read_trace
-from dummydesign.studio.file_transfer import check_press, inside, plain_name, save_upload
+from dummydesign.studio.file_transfer import check_press, inside, plain_name, read_json, save_upload
 from dummydesign.studio.made import Mould, moulds, shape_key
 from dummydesign.studio.project_files import Deleted, delete, replace_file
 from dummydesign.studio.state import State
@@ -59,8 +57,7 @@ def presses_for(root: Path, campaign: str, name: str) -> dict[str, str]:
     with suppress(InputError):
         trace = read_trace(folder / HELD / name)
     rows = []
-    data = tomllib.loads((folder / FILE).read_text(encoding="utf-8-sig"))
-    for number, trial in enumerate(trial for trial in data.get("trial", []) if isinstance(trial, dict)):
+    for number, trial in enumerate(table.data for table in trial_tables(read_campaign_toml(folder))):
         fits = trace is not None and not list(differences_from_plan(trace, trial))
         there = (folder / str(trial.get("file"))).is_file()
         words = f"{trial.get('file')}{' (as planned)' if fits else ''}{', replaces the one there' if there else ''}"
@@ -155,13 +152,7 @@ def place_of(root: Path, name: str) -> str:
 def bring_in(root: Path, name: str) -> str:
     """Make a campaign of the files as they are; return its folder from the project folder on."""
     folder = place_of(root, name)
-    try:
-        tomllib.loads((root / FOLDER / FILE).read_text(encoding="utf-8-sig"))
-    except (OSError, UnicodeDecodeError):
-        message = f"{FILE} is not among the files, or is not UTF-8 text"
-        raise InputError(message, "file_unreadable", "campaign", FILE) from None
-    except tomllib.TOMLDecodeError as problem:
-        raise InputError(f"{FILE}: not valid TOML: {problem}", "malformed", "campaign", FILE) from None
+    read_campaign_toml(root / FOLDER)
     try:
         (root / folder).parent.mkdir(exist_ok=True)
         shutil.move(root / FOLDER, root / folder)
@@ -246,7 +237,7 @@ def _kind(mould: Mould) -> tuple[Any, ...]:
 def plan_of(root: Path, campaign: str) -> dict[str, Any]:
     """The fields of a plan that ``campaign new`` wrote, by its manifest; empty where it cannot be read."""
     try:
-        manifest = json.loads((root / campaign / MANIFEST).read_text(encoding="utf-8"))
+        manifest = read_json(root / campaign / MANIFEST)
         pads, set_up = manifest["inputs"]["design"], manifest["inputs"]["set_up"]
         if manifest["command"] != "campaign new" or pads["by_depth"]:
             return {}
@@ -256,7 +247,7 @@ def plan_of(root: Path, campaign: str) -> dict[str, Any]:
             "hold": float(pads["hold_s"]), "shape": str(set_up.get("shape", "slab")), "pad": str(set_up["pad"]),
             "resin": set_up.get("resin"), "ratio": set_up.get("ratio"), "punch": str(set_up["punch"]),
         }  # fmt: skip
-    except (OSError, ValueError, KeyError, TypeError):
+    except (ValueError, KeyError, TypeError):
         return {}
     return found if found["resin"] and found["ratio"] else {}
 

@@ -15,6 +15,7 @@ from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import lru_cache
+from itertools import count
 from pathlib import Path
 from typing import Any
 
@@ -24,6 +25,7 @@ from dummydesign.core.library import find
 from dummydesign.core.manifest import NAME as MANIFEST
 from dummydesign.core.manifest import sha256_of
 from dummydesign.studio import job_process as runner
+from dummydesign.studio.file_transfer import new_folder, read_json
 
 
 def shown(words: Sequence[str]) -> str:
@@ -55,7 +57,7 @@ KINDS = {"tissue": "materials/tissues", "resin": "materials/resins", "mould pres
 def changed_inputs(root: Path, manifest: Path) -> list[str]:
     """Files that are gone or have another content than when a command read them."""
     try:
-        read = json.loads(manifest.read_text(encoding="utf-8"))["files_read"]
+        read = read_json(manifest)["files_read"]
         return [str(one["name"]) for one in read if sha256_of(_place(root, str(one["name"]))) != one["sha256"]]
     except (OSError, ValueError, KeyError, TypeError):
         return []
@@ -73,14 +75,9 @@ def _place(root: Path, name: str) -> Path:
 
 def holds_answer(root: Path, folder: str, answer: Mapping[str, Any]) -> bool:
     """Whether a folder still holds an answer: it may be gone, or another command has written it since."""
-    if not (root / folder).is_dir():
-        return False
-    try:
-        kept = json.loads((root / folder / MANIFEST).read_text(encoding="utf-8"))["inputs"]
-        asked = answer.get("inputs") or {}
-        return all(kept[name] == asked[name] for name in kept.keys() & asked.keys())
-    except (OSError, ValueError, KeyError, AttributeError, TypeError):
-        return True
+    kept, asked = read_json(root / folder / MANIFEST).get("inputs"), answer.get("inputs") or {}
+    same = not isinstance(kept, dict) or all(kept[name] == asked[name] for name in kept.keys() & asked.keys())
+    return (root / folder).is_dir() and same
 
 
 def changed_since(paths: list[Path], started: float) -> bool:
@@ -119,10 +116,7 @@ class Job:
     def answer(self) -> dict[str, Any]:
         """What the command printed; empty where it printed no answer, or only an error."""
         path = self.folder / runner.ANSWER
-        try:
-            found = _answer(path, path.stat().st_mtime_ns)
-        except (OSError, ValueError):
-            return {}
+        found = _answer(path, path.stat().st_mtime_ns) if path.is_file() else {}
         return {} if set(found) == {"error"} else found
 
     @property
@@ -144,8 +138,7 @@ class Job:
 
 @lru_cache(maxsize=16)
 def _answer(path: Path, stamp: int) -> dict[str, Any]:
-    found = json.loads(path.read_text(encoding="utf-8"))
-    return found if isinstance(found, dict) else {}
+    return read_json(path)
 
 
 def start(root: Path, name: str, words: Sequence[str]) -> Job:
@@ -203,13 +196,7 @@ def _spawn(root: Path, folder: Path) -> None:
 
 def _new_folder(home: Path, name: str) -> Path:
     numbers = [int(found[1]) for path in home.iterdir() if (found := re.match(r"(\d+)-", path.name))]
-    number = max(numbers, default=0)
-    while True:
-        number += 1
-        folder = home / f"{number:04d}-{name}"
-        with suppress(FileExistsError):
-            folder.mkdir()
-            return folder
+    return new_folder(home, (f"{number:04d}-{name}" for number in count(max(numbers, default=0) + 1)))
 
 
 def read_job(folder: Path) -> Job:
@@ -221,10 +208,8 @@ def read_job(folder: Path) -> Job:
     state, seconds = _state(folder, started)
     progress = ""
     if state == "running":
-        try:
+        with suppress(OSError):
             progress = (folder / runner.PROGRESS).read_text(encoding="utf-8")
-        except OSError:
-            progress = ""
     return Job(folder, asked["name"], tuple(asked["words"]), state, started, seconds, progress)
 
 

@@ -13,7 +13,7 @@ from dummydesign.core.manifest import NAME as MANIFEST
 from dummydesign.core.manifest import sha256_of
 from dummydesign.geometry.shape_registry import read_shape, shape_kinds
 from dummydesign.measurement.campaign_file import FILE as CAMPAIGN
-from dummydesign.project.status import finished_manifest
+from dummydesign.project.status import finished_manifest, things_in
 from dummydesign.studio.state import State, design_state
 
 GROUPS = ("Pour", "Print or machine", "Draw", "Check", "More")
@@ -136,7 +136,8 @@ def calibrations(root: Path, campaign: str) -> list[Calibration]:
     for folder, manifest in _manifests(root, "calibrations", "loop"):
         path = str(manifest.get("inputs", {}).get("campaign", ""))
         read = manifest.get("files_read") or []
-        sums = tuple((str(one["file"]), one.get("sha256")) for one in read if _parent(one) == path.rstrip("/"))
+        sums = tuple((str(one["file"]), one.get("sha256")) for one in read
+                     if str(one.get("name", "")).rpartition("/")[0] == path.rstrip("/"))  # fmt: skip
         if not (root / folder / "calibration.json").is_file():
             continue
         if not (_names(root, path, campaign) or _was_renamed(root, path, campaign, dict(sums))):
@@ -154,10 +155,6 @@ def _was_renamed(root: Path, path: str, campaign: str, sums: dict[str, str | Non
     return old is not None and gone and sha256_of(root / campaign / CAMPAIGN) == old
 
 
-def _parent(one: dict[str, Any]) -> str:
-    return str(one.get("name", "")).rpartition("/")[0]
-
-
 def _names(root: Path, path: str, folder: str) -> bool:
     """Whether a path, typed in the project or below it, is a folder of the project."""
     if Path(path).is_absolute():
@@ -168,12 +165,9 @@ def _names(root: Path, path: str, folder: str) -> bool:
 
 
 def _manifests(root: Path, room: str, command: str) -> list[tuple[str, dict[str, Any]]]:
-    rows = []
-    for path in (root / room).glob(f"*/{MANIFEST}"):
-        manifest = finished_manifest(path)
-        if manifest is not None and manifest["command"] == command:
-            rows.append((path.parent.relative_to(root).as_posix(), manifest))
-    return sorted(rows, key=lambda row: (str(row[1].get("date", "")), row[0]))
+    """Folders of a room that a command made, with their manifests, the newest last."""
+    own = (one.folder for one in things_in(root, room) if one.command == command)
+    return [(folder, found) for folder in own if (found := finished_manifest(root / folder / MANIFEST))]
 
 
 def grouped_files(names: Iterable[str]) -> list[tuple[str, list[tuple[str, str]]]]:

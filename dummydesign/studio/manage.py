@@ -47,8 +47,7 @@ def manage(studio: Studio, path: str, kind: str, then: Then) -> None:
             bar.run(lambda: then(path, ""))
 
     def ask_name() -> None:
-        form.clear()
-        with form, ui.element("div").classes("fields"):
+        with parts.fresh(form), ui.element("div").classes("fields"):
             field = ui.input(f"New name of {name}", value=_short(studio.root, path)).props('data-test="new-name"')
             with ui.element("div"):
                 parts.button("Save", lambda: take_name(field.value or ""), "save-name", main=True)
@@ -89,8 +88,7 @@ def manage(studio: Studio, path: str, kind: str, then: Then) -> None:
         bar.run(lambda: then(path, path))
 
     def ask_file() -> None:
-        form.clear()
-        with form:
+        with parts.fresh(form):
             html(f"<p>Choose the file that replaces {escape(name)}. The earlier one goes to the bin.</p>")
             drop_zone(take_file, lambda name, why: parts.tell_problem(f"{name} was refused: it {why}"), "replace",
                       multiple=False)  # fmt: skip
@@ -200,8 +198,7 @@ class UndoBar:
 
     def say(self, text: str) -> ui.element:
         """Show a sentence in the place of the last."""
-        self._area.clear()
-        with self._area:
+        with parts.fresh(self._area):
             html(f"<p>{escape(text)}</p>")
             place = ui.element("div")
             parts.button("Close", self._area.clear, label="Close this message").props("dense")

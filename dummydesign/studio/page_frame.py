@@ -17,7 +17,7 @@ from nicegui import ui
 from dummydesign.core.errors import InputError
 from dummydesign.project.folder import FILE, Project, read_project
 from dummydesign.report import page as report_page
-from dummydesign.studio.parts import area, html, problem_text, tell_problem
+from dummydesign.studio.parts import area, fresh, html, problem_text, tell_problem
 from dummydesign.studio.state import State, address, page_link, read_state
 
 STEPS = (
@@ -129,8 +129,7 @@ def _tell_failures() -> None:
         seen_s[text] = now
         if again:
             return  # a timer that fails again and again
-        place.clear()
-        with place:
+        with fresh(place):
             tell_problem(text)
         ui.run_javascript(f"document.getElementById('{place.html_id}')?.scrollIntoView({{block: 'center'}})")
 

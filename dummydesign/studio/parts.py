@@ -7,9 +7,10 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from html import escape
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 from nicegui import ui
+from nicegui.elements.mixins.value_element import ValueElement
 
 from dummydesign.core.errors import InputError
 from dummydesign.report.page import Table, marked_terms
@@ -29,6 +30,18 @@ def area(test: str = "", live: bool = False) -> ui.element:
     if test:
         place.props(f'data-test="{test}"')
     return place.props('role="status" aria-live="polite"') if live else place
+
+
+def fresh(place: ui.element) -> ui.element:
+    """Empty a place, to fill it anew in a ``with`` block."""
+    place.clear()
+    return place
+
+
+def on_change(then: Callable[..., object], *fields: ui.element) -> None:
+    """Call a function whenever one of some fields gets another value."""
+    for field in fields:
+        cast(ValueElement, field).on_value_change(then)
 
 
 def button(
@@ -55,10 +68,7 @@ def select_several(label: str, known: Mapping[str, str], value: Sequence[str], t
 
 
 def marked(text: str) -> str:
-    """Return a text as HTML in which the first use of each term opens its definition under the pointer and by touch.
-
-    These are no stops of the Tab key: by keyboard the same lines are at the end of each page.
-    """
+    """Return a text as HTML in which the first use of each term opens its definition under the pointer and by touch."""
     pieces, at = [], 0
     for start, end, term in marked_terms(text):
         definition = f'<abbr class="term" data-term="{escape(term.text)}">{escape(text[start:end])}</abbr>'

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import json
-import tomllib
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from dummydesign.core.errors import InputError
-from dummydesign.measurement.campaign_file import FILE
+from dummydesign.measurement.campaign_file import read_campaign_toml
 from dummydesign.measurement.campaign_from_files import read_trials
 from dummydesign.studio import choices, made
 from dummydesign.studio import file_transfer as files
@@ -85,10 +83,10 @@ def records(root: Path, pad: PressedPad) -> list[str]:
 
 def gauge_points(folder: Path) -> list[GaugePoint]:
     """Gauge points of a mould; empty where its specification cannot be read."""
+    points = files.read_json(folder / "spec.json").get("gauge_points", [])
     try:
-        points = json.loads((folder / "spec.json").read_text(encoding="utf-8"))["gauge_points"]
         return [GaugePoint(str(one["name"]), float(one["low_mm"]), float(one["high_mm"])) for one in points]
-    except (OSError, ValueError, KeyError, TypeError):
+    except (ValueError, KeyError, TypeError):
         return []
 
 
@@ -99,8 +97,8 @@ def _count(presses: Sequence[str]) -> str:
 def _of_campaign(root: Path, folder: str) -> list[PressedPad]:
     try:
         trials = read_trials(root / folder)
-        data = tomllib.loads((root / folder / FILE).read_text(encoding="utf-8-sig"))
-    except (InputError, OSError, ValueError):
+        data = read_campaign_toml(root / folder).data
+    except InputError:
         return []
     by_pad: dict[tuple[str, float], list[str]] = {}
     for trial in trials:

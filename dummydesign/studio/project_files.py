@@ -7,7 +7,7 @@ import os
 import shutil
 import time
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 from typing import Any
@@ -19,7 +19,7 @@ from dummydesign.core.manifest import NAME as MANIFEST
 from dummydesign.core.manifest import sha256_of
 from dummydesign.project.folder import FILE, FOLDERS, Project, change_project, read_project
 from dummydesign.studio import jobs
-from dummydesign.studio.file_transfer import inside, numbered, plain_name, save_upload
+from dummydesign.studio.file_transfer import inside, new_folder, numbered, plain_name, read_json, save_upload
 
 HOME = ".studio/bin"
 ENTRY, CONTENT = "entry.json", "content"
@@ -40,7 +40,7 @@ def deleted(root: Path) -> list[Deleted]:
     found = []
     for path in (root / HOME).glob(f"*/{ENTRY}"):
         try:
-            kept = json.loads(path.read_text(encoding="utf-8"))
+            kept = read_json(path)
             when = float(kept["time"])
             time.localtime(when)
             found.append(Deleted(path.parent, str(kept["path"]), when, str(kept["why"])))
@@ -203,10 +203,7 @@ def _renamed(names: Sequence[str], old: str, new: str) -> list[str]:
 
 
 def _sums(manifest: Path) -> dict[str, Any]:
-    try:
-        found = json.loads(manifest.read_text(encoding="utf-8"))["sha256"]
-    except (OSError, ValueError, KeyError, TypeError):
-        return {}
+    found = read_json(manifest).get("sha256")
     return found if isinstance(found, dict) else {}
 
 
@@ -221,7 +218,7 @@ def _follow_inside(folder: Path, names: Sequence[str], old: str, new: str) -> No
     write_text(tissue, "\n".join(lines) + table + rest)
     if manifest.name not in names or not _sums(manifest):
         return
-    kept = json.loads(manifest.read_text(encoding="utf-8"))
+    kept = read_json(manifest)
     sums = {new + name[len(old) :] if name.startswith(old) else name: sum for name, sum in kept["sha256"].items()}
     write_text(manifest, json.dumps(kept | {"sha256": sums | {tissue.name: sha256_of(tissue)}}, indent=1) + "\n")
 
@@ -244,11 +241,7 @@ def _new_folder(home: Path, name: str, now: float) -> Path:
     names = numbered(f"{time.strftime('%Y%m%d-%H%M%S', time.localtime(now))}-{name}")
     try:
         home.mkdir(parents=True, exist_ok=True)
-        while True:
-            with suppress(FileExistsError):
-                folder = home / next(names)
-                folder.mkdir()
-                return folder
+        return new_folder(home, names)
     except OSError as problem:
         raise unwritable("bin", home, problem, "bin") from None
 

@@ -105,8 +105,8 @@ def lengths_of(kind: str, thickness_mm: float, radius_mm: float) -> tuple[Length
     """Return the lengths of a kind that can be moved at a thickness; none for a slab."""
     made = shape_kind(kind)
     _, columns = made.candidates(np.array([thickness_mm]), radius_mm)
-    rows = zip(*columns.values())
-    usable = np.array([_can_be_made(made.of(dict(zip(columns, map(float, row)))), thickness_mm) for row in rows], bool)
+    shapes = (made.of(dict(zip(columns, map(float, row)))) for row in zip(*columns.values()))
+    usable = np.array([_allowed(shape.check, thickness_mm) for shape in shapes], bool)
     found = []
     for name, column in columns.items():
         kept = column[usable]
@@ -129,14 +129,15 @@ def first_shape(
     order = np.argsort((((rows - middle) / spread) ** 2).sum(axis=1), kind="stable")
     for row in rows[order[:MOST_TRIED]]:
         shape = made.of(dict(zip(columns, map(float, row))))
-        if _can_be_made(shape, thickness_mm) and solvable(shape):
+        if _allowed(shape.check, thickness_mm) and solvable(shape):
             return shape
     return None
 
 
-def _can_be_made(shape: PadShape, thickness_mm: float) -> bool:
+def _allowed(call: Callable[..., object], *given: object) -> bool:
+    """Whether a call is not refused."""
     try:
-        shape.check(thickness_mm)
+        call(*given)
     except InputError:
         return False
     return True
@@ -177,21 +178,14 @@ def stamp_of(root: Path, state: State) -> tuple[tuple[str, int, int], ...]:
 
 
 def first_pad(root: Path, state: State, kind: str) -> PadShape:
-    """Return a shape of a kind that can be pressed at the thickness of a state, the nearest to the one that is chosen.
-
-    One that the tables hold is taken; where they hold none, one that can be made and solved.
-    """
+    """Return the shape of a kind nearest to the chosen one that the tables hold at its thickness; else one to solve."""
     if kind == Slab.name:
         return Slab()
     evaluator = evaluator_of(root, state)
     near = read_shape(state.shape) if state.shape.startswith(f"{kind}:") else None
 
     def tabulated(shape: PadShape) -> bool:
-        try:
-            evaluator.evaluate(shape, state.thickness_mm, state.ratio)
-        except InputError:
-            return False
-        return True
+        return _allowed(evaluator.evaluate, shape, state.thickness_mm, state.ratio)
 
     radius_mm = evaluator.inputs.punch.radius_mm
     for solvable in (tabulated, lambda shape: True):

@@ -56,8 +56,7 @@ class Panel:
 
     def renew(self) -> None:
         """Write the command lines anew, after something was chosen, and show what belongs to them."""
-        self._lines.clear()
-        with self._lines:
+        with parts.fresh(self._lines):
             parts.command_lines(self.commands)
         self.update()
 

@@ -332,12 +332,11 @@ def _warnings(
     if tissue.measured:
         unknown = [v for v in unknown if all(max(v / one, one / v) > SPEED_APART for one in tissue.velocities_mm_s)]
     speeds = ", ".join(f"{v:g}" for v in unknown)
-    if tissue.measured and unknown:
-        own.append(("speed_not_in_band", f"nobody was pressed at {speeds} mm/s: the range there lies between the "
-                    "curves of the speeds beside it"))  # fmt: skip
-    elif fitted and unknown:
-        own.append(("speed_not_in_band", f"the tissue has no dampers at {speeds} mm/s: its range there uses dampers "
-                    "interpolated in ln c over ln v"))  # fmt: skip
+    why = f"the tissue has no dampers at {speeds} mm/s: its range there uses dampers interpolated in ln c over ln v"
+    if tissue.measured:
+        why = f"nobody was pressed at {speeds} mm/s: the range there lies between the curves of the speeds beside it"
+    if unknown and (tissue.measured or fitted):
+        own.append(("speed_not_in_band", why))
     of_fit = [w for w in fit.result["warnings"] if w["code"] in (SHOWN if fitted else CODES)]
     before, after = ([{"code": code, "message": text} for code, text in found] for found in (notices, own))
     return before + of_fit + after

@@ -77,9 +77,9 @@ _STAMP = re.compile(
 _MINUTES = re.compile(r"(\d{1,3}):(\d{2})[.,](\d+)", re.ASCII)
 
 
-def is_number(cell: str, decimal: str | None = None) -> bool:
-    """Whether a cell is a number, with this decimal sign or with either."""
-    return any(parse(cell, sign) is not None for sign in ((decimal,) if decimal else (".", ",")))
+def is_number(cell: str) -> bool:
+    """Whether a cell is a number, with either decimal sign."""
+    return any(parse(cell, sign) is not None for sign in (".", ","))
 
 
 def parse(cell: str, decimal: str) -> float | None:
@@ -186,10 +186,7 @@ def elapsed_seconds(stamps: Sequence[tuple[float, str]], log: ImportLog) -> NDAr
 
 
 def _days(texts: Sequence[str], log: ImportLog) -> tuple[dict[str, int], str]:
-    """Days of each date since the first one, and the order in which they are written.
-
-    Where several orders fit, dates that never go back come first, then the shortest time.
-    """
+    """Days of each date since the first one, and the order in which they are written."""
     written = [text for text in dict.fromkeys(texts) if text]
     if len(written) < 2:
         return dict.fromkeys(written, 0), ""

@@ -59,11 +59,7 @@ def describe_columns(layout: Layout) -> list[Column]:
 
 
 def find_candidates(columns: Sequence[Column], log: ImportLog) -> Candidates:
-    """Find the columns that may be time, displacement and force.
-
-    A name and a unit that agree outweigh a name or a unit alone. A column whose name speaks for one thing and
-    whose unit for another (a deformation in per cent) is neither.
-    """
+    """Find the columns that may be time, displacement and force."""
     named = {role: _named(columns, role, word, log) for role, word in log.settings.columns.items()}
     taken = {column.index for column in named.values()}
     if len(taken) < len(named):

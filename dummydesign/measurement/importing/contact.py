@@ -325,10 +325,7 @@ def _zero_of_press(
 def find_tares(
     contacts: Sequence[ContactEstimate], rest_N: float, sign: float, log: ImportLog, given_N: float | None = None
 ) -> list[float]:
-    """Choose what is subtracted from the force of each press: the reading that is given, or that at no load. [N]
-
-    Only a lead-in shows what the force reads at no load; a press without one takes that of the press before.
-    """
+    """Choose what is subtracted from the force of each press: the reading that is given, or that at no load. [N]"""
     if log.settings.tare == "none" or given_N is not None:
         tare = 0.0 if given_N is None else sign * given_N
         why = "given by --tare" + ("" if given_N is None else " (compression positive)")

@@ -46,11 +46,7 @@ class Layout:
 
 
 def find_layout(text: str, log: ImportLog) -> Layout:
-    """Find the table of numbers.
-
-    Separator and decimal sign are read off lines spread over the whole text; then the first and the last line of
-    that form bound the table, and the header is looked for above it.
-    """
+    """Find the table of numbers."""
     skipped = log.settings.skip or 0
     lines = cell_text.whole_cells(text.replace("\r\n", "\n").replace("\r", "\n").split("\n")[skipped:])
     sample = _spread(lines)

@@ -205,11 +205,7 @@ ALIKE_DEPTH, ALIKE_SPEED, DIFFERENT = 1.4, 1.2, 1.4
 
 
 def doubts_of(trace: Trace, resolution_N: float = 0.0) -> list[dict[str, str]]:
-    """Return warnings about one trace.
-
-    A force before contact beyond :func:`allowed_offset`; a contact that is not where the displacement is zero for any
-    zero of the force within its noise; clipping, drop-outs, spikes.
-    """
+    """Return warnings about one trace."""
     log = ImportLog(trace.name, Settings(flip=frozenset()))
 
     def warn(code: str, message: str) -> None:

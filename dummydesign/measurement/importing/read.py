@@ -202,13 +202,7 @@ Planned = tuple[Imported, ImportedPress, str]
 
 
 def files_of(paths: Iterable[str | Path]) -> list[tuple[Path, bool]]:
-    """List the files that are meant, each with whether it is from a folder: of one, those with the usual endings.
-
-    Raises
-    ------
-    InputError
-        When a path does not exist, or a folder holds no such file.
-    """
+    """List the files that are meant, each with whether it is from a folder: of one, those with the usual endings."""
     found: dict[Path, tuple[Path, bool]] = {}
     for path in map(Path, paths):
         if not path.exists():
@@ -281,13 +275,7 @@ def import_files(
 
 
 def plan_traces(imported: Sequence[Imported], folder: Path | None) -> list[Planned]:
-    """Choose the file name of every press.
-
-    Raises
-    ------
-    InputError
-        When a trace would take the place of a file that was read: nothing of a source is changed.
-    """
+    """Choose the file name of every press."""
     sources = {one.source.resolve() for one in imported}
     taken: set[str] = set()
     planned = []

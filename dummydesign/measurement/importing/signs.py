@@ -147,10 +147,7 @@ def find_presses(file: str, x: NDArray, load: NDArray, several: bool, time: NDAr
 
 
 def _touching(x: NDArray, smooth: NDArray, low: float) -> NDArray:
-    """Where the punch touches: the force is above zero, unless it is small and the punch is out.
-
-    The second half is for a force whose zero has drifted away since the start.
-    """
+    """Where the punch touches: the force is above zero, unless it is small and the punch is out."""
     touching = smooth > low
     peak = int(np.argmax(smooth))
     before = np.nonzero(~touching[:peak])[0]

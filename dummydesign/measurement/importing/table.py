@@ -198,11 +198,7 @@ def _cell_fault(layout: Layout, index: int, column: int, cell: str, log: ImportL
 
 
 def _recordings(time: NDArray, body: Body, log: ImportLog) -> tuple[NDArray, tuple[tuple[int, int], ...]]:
-    """Find rows to keep and the recordings in them.
-
-    A row that repeats the one before it is left out. Where the time falls back to (about) its beginning, or where
-    text interrupts the table, another recording begins.
-    """
+    """Find rows to keep and the recordings in them."""
     keep = np.ones(len(time), bool)
     same = np.flatnonzero((np.diff(time) == 0) & np.all(body.values[1:] == body.values[:-1], axis=1)) + 1
     if same.size and same.size <= 0.02 * len(time):

@@ -60,8 +60,7 @@ class BringIn:
             for key, label in FIELDS.items():
                 self.fields[key] = ui.input(label, value=start.get(key, "")).props(f'data-test="bring-{key}"')
         self.work = Work(self.studio, "fromfiles", "Make the campaign", self.words, self.done, self.belongs)
-        for field in self.fields.values():
-            field.on_value_change(self.work.renew)
+        parts.on_change(self.work.renew, *self.fields.values())
 
     def show(self) -> None:
         """Show what waits, and the way it goes in."""
@@ -71,8 +70,7 @@ class BringIn:
         # what was made stays in sight once its files are gone
         self.by_table.set_visibility(not as_it_is)
         self.empty.set_visibility(bool(names))
-        self.files.clear()
-        with self.files:
+        with parts.fresh(self.files):
             if names:
                 html(f'<p data-test="waiting">{len(names)} files wait: {escape(", ".join(names[:8]))}'
                      f"{' …' if len(names) > 8 else ''}</p>")  # fmt: skip
@@ -208,8 +206,7 @@ class Presses:
 
     def show_held(self) -> None:
         """Files without a planned name, each with the presses it may be."""
-        self.held.clear()
-        with self.held:
+        with parts.fresh(self.held):
             for name in incoming.held(self.root, self.campaign):
                 self._held(name)
 
@@ -260,8 +257,7 @@ class Presses:
                 if found is not None:
                     self.show(found)
         except InputError as problem:
-            self.found.clear()
-            with self.found:
+            with parts.fresh(self.found):
                 parts.tell_problem(str(problem))
         finally:
             self.at_work = False
@@ -270,8 +266,7 @@ class Presses:
         """How far the campaign is."""
         if found.pressed:
             self.change.clear()
-        self.found.clear()
-        with self.found:
+        with parts.fresh(self.found):
             parts.command_line(["campaign", "check", self.campaign])
             _show_status(found, self.state)
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable, Mapping
 from html import escape
 from pathlib import Path
@@ -14,6 +13,7 @@ from dummydesign.core.errors import InputError
 from dummydesign.project.folder import Project
 from dummydesign.project.status import things_in
 from dummydesign.studio import choices, made, parts, pressed_pads
+from dummydesign.studio import file_transfer as transfer
 from dummydesign.studio.jobs import Job, changed_since, options
 from dummydesign.studio.manage import DropList
 from dummydesign.studio.page_frame import Studio, keep_state
@@ -64,10 +64,8 @@ class Comparison:
         self._list_earlier()
         self.find_pads()
         self.pad.on_value_change(self.new_pad)
-        for field in (self.files, self.record):
-            field.on_value_change(self.work.renew)
-        for field in (self.tissue, self.calibration):
-            field.on_value_change(self.renew)
+        parts.on_change(self.work.renew, self.files, self.record)
+        parts.on_change(self.renew, self.tissue, self.calibration)
 
     def find_pads(self, dropped: bool = False) -> None:
         """Read which pads were pressed; the one that is chosen stays, unless presses were dropped."""
@@ -236,8 +234,7 @@ def record_form(studio: Studio, state: State, then: Callable[[], None]) -> None:
         then()
 
     def list_records() -> None:
-        kept.clear()
-        with kept:
+        with parts.fresh(kept):
             _records(root, chosen.value)
 
     work = Work(studio, "record", "Keep this record", words, show,
@@ -258,8 +255,7 @@ def record_form(studio: Studio, state: State, then: Callable[[], None]) -> None:
 
     new_mould()
     chosen.on_value_change(new_mould)
-    for field in (mass, modulus, level, bubbles, note):
-        field.on_value_change(work.renew)
+    parts.on_change(work.renew, mass, modulus, level, bubbles, note)
 
 
 def _records(root: Path, folder: str) -> None:
@@ -267,10 +263,10 @@ def _records(root: Path, folder: str) -> None:
     rows = []
     for path in sorted((root / folder).glob("record*.json")):
         try:
-            one = json.loads(path.read_text(encoding="utf-8"))
+            one = transfer.read_json(path)
             verdict = "accepted" if one["accepted"] else f"not accepted: {', '.join(one['missed'])}"
             rows.append([path.name, f"{one['thickness_mm']:.2f}", f"{one['mass_g']:g}", verdict])
-        except (OSError, ValueError, KeyError, TypeError):
+        except (ValueError, KeyError, TypeError):
             continue
     if rows:
         parts.table(["record", "thickness mm", "mass g", ""], rows, words=True)

@@ -314,8 +314,7 @@ class DesignPage:
             parts.shown_file("/solid/pad", f"solid of {pad['shape']}, {pad['thickness']} mm", "shown solid", **pad)
 
     def _say(self, state: State, light: str, text: str, stage: str) -> None:
-        self.verdict.clear()
-        with self.verdict:
+        with parts.fresh(self.verdict):
             parts.tell_verdict(light, text, stage, "" if stage else "(castings are being counted …)", state.label)
 
     def pad_words(self) -> list[str]:

@@ -47,7 +47,7 @@ class Learning:
         self.others = parts.area()
         html("<h2 id=next>The next measurement</h2><p>Plans the presses that tell most, as a new campaign.</p>")
         self.next = Work(studio, "next", "Plan the next measurement", self.next_words, self.show_plan,
-                         self.next_belongs, lambda job, mine: self.list_calibrations())  # fmt: skip
+                         self.belongs, lambda job, mine: self.list_calibrations())  # fmt: skip
         self.campaign.on_value_change(self.renew)
         self.prior.on_value_change(self.renew_lines)
         self.list_calibrations()
@@ -71,14 +71,9 @@ class Learning:
         return [*words, "--plan", plan, *(["--replace"] if same else [])]
 
     def belongs(self, job: Job, words: list[str]) -> bool:
-        """Whether a job learned from the campaign that is chosen, and its calibration is still there."""
-        file = str(job.answer.get("calibration_file") or "")
-        return job.words[1:2] == (self.campaign.value,) and (not file or (self.root / file).is_file())
-
-    def next_belongs(self, job: Job, words: list[str]) -> bool:
-        """Whether a job planned what to press after the campaign that is chosen, and the plan is still there."""
-        plan = _plan_folder(job.answer)
-        return job.words[1:2] == (self.campaign.value,) and (not plan or (self.root / plan).is_dir())
+        """Whether a job was of the campaign that is chosen, and what it made is still there."""
+        path = _plan_folder(job.answer) if job.name == "next" else str(job.answer.get("calibration_file") or "")
+        return job.words[1:2] == (self.campaign.value,) and (not path or (self.root / path).exists())
 
     def renew(self) -> None:
         """Another campaign was chosen."""

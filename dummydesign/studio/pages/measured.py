@@ -62,8 +62,7 @@ class MeasuredPage:
         self._work = Work(studio, "import", "Read the files", self._words, self._show, self._belongs,
                           lambda job, mine: self._list_imports())  # fmt: skip
         self._choose(chosen)
-        for field in (self._chosen, *self._fields.values()):
-            field.on_value_change(self._renew)
+        parts.on_change(self._renew, self._chosen, *self._fields.values())
         self._imports = ui.element("section").props('data-test="imports"').style("width:100%")
         self._list_imports()
         html(f'<p class="note">A puck of resin was pressed: {page_link("/resin", "find its modulus", "resin")}.</p>')

@@ -89,8 +89,7 @@ class MouldPage:
     def show_pad(self) -> None:
         """Where the pad comes from, what kind of mould it gets, and which moulds there are."""
         now = self.chosen()
-        self.source.clear()
-        with self.source:
+        with parts.fresh(self.source):
             _source(self.root, now)
         self.kind.set_content(f'<p class="note">{escape(made.PRESETS[self.preset.value])}</p>')
         self.shown = ""

@@ -40,12 +40,10 @@ def make_new(studio: Studio) -> None:
         return {"name": name.value or None, "tissue": tissue.value or None, "resin": resin.value or None}
 
     def renew() -> None:
-        line.clear()
-        with line:
+        with parts.fresh(line):
             parts.command_line(["init", ".", *options(given())])
 
-    for field in (name, tissue, resin):
-        field.on_value_change(renew)
+    parts.on_change(renew, name, tissue, resin)
     renew()
     problem = ui.element("div")
 

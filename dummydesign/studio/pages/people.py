@@ -68,8 +68,7 @@ def fit_panel(page: TissuePage) -> None:
         page.keep(presses=SEPARATOR.join(picked.value or []), name=name.value or "", touched=contact.value)
         work.renew()
 
-    for field in (picked, name, contact, lowpass):
-        field.on_value_change(renew)
+    parts.on_change(renew, picked, name, contact, lowpass)
 
 
 def _start(page: TissuePage, known: dict[str, str]) -> tuple[list[str], str, str]:
@@ -169,8 +168,7 @@ class _People:
             self._replace = ui.checkbox("Replace my tissue of this name").props('data-test="people-replace"')
         self._chain = Chain(self._page.studio, "people", "Fit all and make the tissue", self._steps, self._show,
                             self._ended, self._check)  # fmt: skip
-        for field in (*self._fields.values(), self._name, self._elements, self._lowpass, self._replace):
-            field.on_value_change(self._renew)
+        parts.on_change(self._renew, *self._fields.values(), self._name, self._elements, self._lowpass, self._replace)
 
     def _renew(self) -> None:
         people = "\n".join(f"{path}\t{name}" for path, name in self._assigned().items())

@@ -109,8 +109,7 @@ class TrialTable:
         self.day.set_options(days, value=self.day.value if self.day.value in days else ALL)
         by_depth = all(row["target_force_N"] is None for row in self.rows)
         aim = "target_depth_mm" if by_depth else "target_force_N"
-        self.table.clear()
-        with self.table:
+        with parts.fresh(self.table):
             value_table(("sequence", "thickness_mm", "velocity_mm_s", aim, "age_days", "temperature_C", "rest_s"),
                         self.rows, self.changed)  # fmt: skip
 
@@ -199,8 +198,7 @@ class PlanForm:
             self.fields[key].props(f'data-test="{"re" if replaced else ""}plan-{key}"')
         label = "Change the plan" if replaced else "Plan it"
         self.work = Work(studio, name, label, self.words, self.show, self.belongs)
-        for field in (self.source, self.moulds, *self.fields.values()):
-            field.on_value_change(self.renew)
+        parts.on_change(self.renew, self.source, self.moulds, *self.fields.values())
         self.renew()
 
     def _input(self, key: str, label: str, given: Mapping[str, Any]) -> None:

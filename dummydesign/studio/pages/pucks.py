@@ -57,8 +57,7 @@ class PuckPage:
             field.props(f'data-test="{test}"')
         self._work = Work(studio, "puck", "Find the modulus", self._words, self._show,
                           ended=lambda job, mine: self._list())  # fmt: skip
-        for field in self._fields.values():
-            field.on_value_change(self._renew)
+        parts.on_change(self._renew, *self._fields.values())
         self._own = ui.element("section").style("width:100%")
         self._list()
 
@@ -110,8 +109,7 @@ class PuckPage:
 
     def _list(self) -> None:
         own = [entry for entry in entries("materials/resins").values() if entry.origin == "user"]
-        self._own.clear()
-        with self._own:
+        with parts.fresh(self._own):
             if own:
                 names = ", ".join(f"{one.name}{' (chosen)' * (one.name == self._state.resin)}" for one in own)
                 html(f"<h2>Your own resins</h2><p>{escape(names)}</p>")

@@ -147,8 +147,7 @@ class Search:
             except InputError:
                 return
             if full is not None and not box.is_deleted:
-                box.clear()
-                with box:
+                with parts.fresh(box):
                     parts.table(full.head, full.rows)
 
         ui.timer(0.1, fill, once=True)
@@ -183,8 +182,7 @@ class Designs:
             return
         self.seen = names
         kept = list(self.chosen.value) if self.chosen is not None else []
-        self.box.clear()
-        with self.box:
+        with parts.fresh(self.box):
             if not found:
                 html("<p>none yet</p>")
             for one in reversed(found):

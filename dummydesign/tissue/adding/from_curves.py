@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import tempfile
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
 
@@ -16,7 +15,7 @@ from dummydesign.core.files import write_text
 from dummydesign.core.serialise import Serialised
 from dummydesign.measurement.landmarks import approach_velocity, find_ramp
 from dummydesign.measurement.motion import work_mJ
-from dummydesign.measurement.trace import Trace, read_trace
+from dummydesign.measurement.trace import Trace, check_one_press, magnitude_fault
 from dummydesign.tissue.adding.from_traces import (
     copies_of,
     fit_people,
@@ -278,12 +277,13 @@ def _check_presses(read: dict[str, list[Trace]]) -> tuple[dict[str, list[Trace]]
 def _traces(curves: list[ObservedCurve]) -> dict[str, list[Trace]]:
     """Curves as traces by person, each with its commanded speed, and with all that is checked of traces."""
     read: dict[str, list[Trace]] = {}
-    with tempfile.TemporaryDirectory() as folder:
-        for number, curve in enumerate(curves, start=1):
-            rows = zip(curve.time_s, curve.depth_mm, curve.force_N)
-            text = "".join(f"{t:.9g},{x:.9g},{f:.9g}\n" for t, x, f in rows)
-            file = Path(folder) / f"curve_{number}_line_{curve.line}.csv"
-            file.write_text(f"time_s,displacement_mm,force_N\n{text}", encoding="utf-8")
-            trace = replace(read_trace(file), told_mm_s=curve.velocity_mm_s)
-            read.setdefault(curve.subject, []).append(trace)
+    for number, curve in enumerate(curves, start=1):
+        arrays = (curve.time_s, curve.depth_mm, curve.force_N)
+        # nine digits, which two tables of one press share
+        time, x, force = (np.array([float(f"{value:.9g}") for value in array]) for array in arrays)
+        trace = Trace(f"curve_{number}_line_{curve.line}.csv", time, x, force, curve.velocity_mm_s)
+        if fault := magnitude_fault(time, x, force):
+            raise InputError(f"{trace.name}: {fault.message}", fault.code, fault.column)
+        check_one_press(trace)
+        read.setdefault(curve.subject, []).append(trace)
     return read

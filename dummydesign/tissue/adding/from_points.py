@@ -18,19 +18,8 @@ from dummydesign.core.quantity import Quantity
 from dummydesign.measurement.motion import ramp_and_hold
 from dummydesign.tissue.adding.from_traces import tissue_folder
 from dummydesign.tissue.adding.observations import Steady, read_points
+from dummydesign.tissue.model import posterior
 from dummydesign.tissue.model.laws import law_named
-from dummydesign.tissue.model.posterior import (
-    COLUMNS,
-    LAW,
-    SPEEDS_MM_S,
-    STEADY_N,
-    draws_csv,
-    draws_path,
-    read_draws,
-    subject_of,
-    typical_subjects,
-    weighted_quantile,
-)
 from dummydesign.tissue.model.tissue import Tissue
 from dummydesign.tissue.model.tissue_file import KIND, read_tissue, tissue_toml
 
@@ -73,11 +62,11 @@ def next_measurement(draws: NDArray, weight: NDArray, persons_measured: int = 0)
 def _observed(draws: NDArray) -> dict[str, NDArray]:
     """Logarithms of what a press of each person (m, 5) to 10 N would show."""
     gamma1, gamma = draws[..., 0], draws[..., 1:3]
-    depth = np.cbrt(STEADY_N / gamma1)
+    depth = np.cbrt(posterior.STEADY_N / gamma1)
     seen = {"steady_depth": np.log(depth)}
-    for at, speed in enumerate(SPEEDS_MM_S):
+    for at, speed in enumerate(posterior.SPEEDS_MM_S):
         motion = ramp_and_hold(speed, depth, 10.0, ramp_points=24, brake_points=8, hold_points=24)
-        curve = law_named(LAW).force(motion, gamma1, gamma, draws[..., [3 + at, 5 + at]])
+        curve = law_named(posterior.LAW).force(motion, gamma1, gamma, draws[..., [3 + at, 5 + at]])
         label, after = (("slow", 1.0), ("fast", 0.05))[at]
         seen[f"{label}_peak"] = np.log(curve.max(axis=-1) / curve[..., -1])
         # the hold is sampled alike for all persons
@@ -119,17 +108,17 @@ def add_points(name: str, points: str) -> dict[str, Any]:
          "gamma1 x^3 as their reading errors allow; its interval was widened"}
         for one in steady if one.scatter > 2.0
     ]  # fmt: skip
-    draws_file = draws_path(entry.path)
+    draws_file = posterior.draws_path(entry.path)
     files = {"tissue": folder / f"{tissue.name}.toml"}
     extra: dict[str, Any] = {}
     if draws_file.is_file() and "inferred" in tissue.kinds:
-        draws, weight = read_draws(draws_file)
+        draws, weight = posterior.read_draws(draws_file)
         known = [one for one in _already(tissue) if one.name not in {new.name for new in steady}]
-        updated, posterior, found = _update_inferred(tissue, draws, weight, known + steady)
+        updated, after_points, found = _update_inferred(tissue, draws, weight, known + steady)
         files["draws"] = folder / f"{tissue.name}_draws.csv"
         # the draws keep their weight without points: every update starts from there with all points at once
-        write_text(files["draws"], draws_csv(draws, weight))
-        extra["next_measurement"] = next_measurement(draws, posterior, len(known + steady))
+        write_text(files["draws"], posterior.draws_csv(draws, weight))
+        extra["next_measurement"] = next_measurement(draws, after_points, len(known + steady))
     else:
         updated, found = _update_fitted(tissue, steady)
     warnings += found
@@ -197,10 +186,10 @@ def _with_people(
         one = measured.get(name)
         span = math.exp(1.96 * (one.deviation if one else unknown))
         kinds = [("digitised", one.source) if one else ("inferred", source)]
-        kinds += [("inferred", source)] * (len(COLUMNS) - 1)
+        kinds += [("inferred", source)] * (len(posterior.COLUMNS) - 1)
         least = np.r_[value[row, 0] / span, value[row, 1:] * low]
         most = np.r_[value[row, 0] * span, value[row, 1:] * high]
-        subjects.append(subject_of(name, value[row], least, most, kinds))
+        subjects.append(posterior.subject_of(name, value[row], least, most, kinds))
     notes = (f"gamma1 of {', '.join(measured)} from points; everything else inferred.", *tissue.notes[1:])
     return replace(tissue, subjects=tuple(subjects), notes=notes, origin="user")
 
@@ -208,18 +197,18 @@ def _with_people(
 def _relative_interval(draws: NDArray, weight: NDArray) -> tuple[NDArray, NDArray]:
     """Ends of the 95 % interval over the median of gamma2, gamma3 and the c at known gamma1, shape (6,)."""
     gamma1 = draws[..., :1]
-    area = np.cbrt(STEADY_N / gamma1) ** 2
+    area = np.cbrt(posterior.STEADY_N / gamma1) ** 2
     relative = np.concatenate([draws[..., 1:3] / gamma1, draws[..., 3:] / (gamma1 * area)], axis=-1)
     flat, share = relative.reshape(-1, 6), np.repeat(weight, draws.shape[1])
-    low, middle, high = (weighted_quantile(flat, at, share) for at in (0.025, 0.5, 0.975))
+    low, middle, high = (posterior.weighted_quantile(flat, at, share) for at in (0.025, 0.5, 0.975))
     return low / middle, high / middle
 
 
 def _arms_for(draws: NDArray, weight: NDArray, gamma1: NDArray) -> NDArray:
     """Rows (n, 7) for given rising gamma1; more than five people take the five sets of arms in turn."""
     count, last = draws.shape[1], max(len(gamma1) - 1, 1)
-    typical = typical_subjects(draws, weight)
-    area, own_area = (np.cbrt(STEADY_N / value)[:, None] ** 2 for value in (typical[:, 0], gamma1))
+    typical = posterior.typical_subjects(draws, weight)
+    area, own_area = (np.cbrt(posterior.STEADY_N / value)[:, None] ** 2 for value in (typical[:, 0], gamma1))
     ratio = typical[:, 1:3] / typical[:, :1]
     time = typical[:, 3:] / (typical[:, [1, 1, 2, 2]] * area)
     rows = np.arange(len(gamma1))

@@ -28,12 +28,7 @@ _NAME = re.compile(r"^[A-Za-z0-9][A-Za-z0-9_-]*$")
 def add_tissue(
     name: str, files: list[str], law: str, elements: str, lowpass: str | None, replace_own: bool = False
 ) -> dict[str, Any]:
-    """Make a tissue from several subjects and keep it in the user's folder.
-
-    A TOML file (as ``fit --out`` writes) brings its subjects; a folder holds the traces of one subject
-    and gives the subject its name; single traces belong to the subject named before their first
-    underscore. Traces are fitted per speed.
-    """
+    """Make a tissue from several subjects and keep it in the user's folder."""
     path, hidden = reserve(name, replace_own, elements)
     sensor = parse_lowpass(lowpass)
     subjects, groups = _sort_files(files)

@@ -55,10 +55,7 @@ class Responses:
         self._slope = self._spline.derivative()
 
     def arm(self, log_rate: float) -> tuple[NDArray, NDArray]:
-        """A and dA / d ln r at one ln r, each of shape (bins,). [mm3]
-
-        Faster than the table an arm is a damper, A falls as 1 / r; slower it is a spring.
-        """
+        """A and dA / d ln r at one ln r, each of shape (bins,). [mm3]"""
         low, high = self.log_rate
         if log_rate > high:
             value = self._spline(high) * np.exp(high - log_rate)
@@ -197,10 +194,7 @@ class TissueProblem:
         return evaluate
 
     def starts(self, arms: int, count: int = 4) -> list[NDArray]:
-        """Parameter vectors to start from: the best few of all combinations of arm rates.
-
-        For given rates the force is linear in the gammas, which non-negative least squares finds.
-        """
+        """Parameter vectors to start from: the best few of all combinations of arm rates."""
         weight = 1.0 / (0.03 + 0.02 * np.abs(self.force))
         grid = np.log(START_RATES_PER_S / self.depth**2)
         chosen = self._combinations(arms, grid, weight, self.slices, count)

@@ -62,11 +62,7 @@ class ReducedTrace:
 
 
 def reduce_trace(trace: Trace) -> ReducedTrace:
-    """Cut a press into bins: evenly over the rise, from 1 ms growing by a third each over the hold.
-
-    What comes after the hold (unloading) is left out, as is what lies more than a few samples before
-    contact. The displacement is kept as measured; in the hold it is averaged between nodes.
-    """
+    """Cut a press into bins: evenly over the rise, from 1 ms growing by a third each over the hold."""
     try:
         ramp = find_ramp(trace.time_s, trace.displacement_mm)
     except InputError as problem:

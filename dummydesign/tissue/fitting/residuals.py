@@ -53,10 +53,7 @@ def trace_residuals(pairs: Sequence[tuple[TissueProblem, Optimum]]) -> dict[str,
 
 
 def heldout_rmse(problem: TissueProblem, optimum: Optimum) -> float | None:
-    """Rms over the bins of conditions (speed and depth) left out of the fit one after another. [N]
-
-    None with fewer than three conditions, or when none can be left out without losing its dampers.
-    """
+    """Rms over the bins of conditions (speed and depth) left out of the fit one after another. [N]"""
     conditions = [{id(trace) for trace in group} for _, _, group in condition_groups(problem.traces)]
     if len(conditions) < 3:
         return None

@@ -22,13 +22,7 @@ HELD_FORCES = 40
 
 
 def stack(subjects: Sequence[Parameters], velocity_mm_s: float) -> tuple[str, NDArray, NDArray, NDArray]:
-    """Law, gamma1 (S,), gamma (S, arms) and dampers (S, arms) of several subjects at one speed.
-
-    Raises
-    ------
-    InputError
-        For subjects of different laws or numbers of elements.
-    """
+    """Law, gamma1 (S,), gamma (S, arms) and dampers (S, arms) of several subjects at one speed."""
     law = one_law(subjects)
     if len({len(subject.gamma_N_per_mm3) for subject in subjects}) != 1:
         message = "subjects fitted with different numbers of elements cannot share a range"
@@ -255,28 +249,9 @@ class MaxwellLaw(ABC):
         return depth
 
     def steady_depths(self, subjects: Sequence[Parameters], force_N: ArrayLike) -> NDArray:
-        """Depth of each subject at rest, shape (subjects, ...). [mm]
-
-        Parameters
-        ----------
-        subjects : sequence of Parameters
-        force_N : array_like, shape (...)
-            Below 0 counts as 0. [N]
-        """
+        """Depth of each subject at rest, shape (subjects, ...); a force below 0 counts as 0. [mm]"""
         force = np.maximum(np.asarray(force_N, float), 0.0)
         return np.stack([self.root(force / subject.gamma1_N_per_mm3) for subject in subjects])
-
-    def steady_forces(self, subjects: Sequence[Parameters], depth_mm: ArrayLike) -> NDArray:
-        """Force of each subject at rest, shape (subjects, ...). [N]
-
-        Parameters
-        ----------
-        subjects : sequence of Parameters
-        depth_mm : array_like, shape (...)
-            Below 0 counts as 0. [mm]
-        """
-        powered = np.maximum(np.asarray(depth_mm, float), 0.0) ** self.power
-        return np.stack([subject.gamma1_N_per_mm3 * powered for subject in subjects])
 
     def exponent_of(self, subjects: Sequence[Parameters], low_N: float, high_N: float, hold_s: float) -> float:
         """Exponent of the subjects' steady force over depth between two forces; that of the law.

@@ -209,10 +209,7 @@ class MeasuredPerson(MeasuredParameters):
         return force_N * mean[: len(SHARES)], force_N * mean[len(SHARES) :]
 
     def rise_at(self, velocity_mm_s: float) -> tuple[NDArray, NDArray] | None:
-        """Depth and force of the rise at a speed, to the deepest press there; None for one that was not pressed.
-
-        Between two speeds the forces at equal depth are linear in ln speed, to the smaller of both depths. [mm, N]
-        """
+        """Depth and force of the rise at a speed, to the deepest press there; None for one that was not pressed."""
         pairs = [(self._by_speed[speed][-1], share) for speed, share in self._speeds(velocity_mm_s)]
         if not pairs:
             return None

@@ -89,10 +89,10 @@ def weighted_quantile(values: NDArray, share: float, weight: NDArray) -> NDArray
     return take(ordered, lower) * (1 - part) + take(ordered, upper) * part
 
 
-def typical_subjects(draws: NDArray, weight: NDArray | None = None, gamma1: NDArray | None = None) -> NDArray:
+def typical_subjects(draws: NDArray, weight: NDArray | None = None) -> NDArray:
     """Five subjects that differ as those of the draws do.
 
-    gamma1 are the posterior medians of the k-th smallest of five (or as given); the ratios gamma_i / gamma1 and the
+    gamma1 are the posterior medians of the k-th smallest of five; the ratios gamma_i / gamma1 and the
     times c / (gamma x^2) at the depth of 10 N are medians of their own k-th smallest, dealt to the subjects by
     :data:`DEALT`; the gammas of an arm are put in the order of gamma1.
     """
@@ -103,7 +103,7 @@ def typical_subjects(draws: NDArray, weight: NDArray | None = None, gamma1: NDAr
 
     drawn = draws[..., 0]
     typical = np.empty(draws.shape[1:])
-    typical[:, 0] = medians(drawn) if gamma1 is None else np.sort(gamma1)
+    typical[:, 0] = medians(drawn)
     area, own_area = np.cbrt(STEADY_N / drawn) ** 2, np.cbrt(STEADY_N / typical[:, 0]) ** 2
     for arm in (2, 3):
         ratio = medians(draws[..., arm - 1] / drawn)[list(DEALT[f"gamma{arm}"])]
@@ -129,13 +129,12 @@ SEED, FARTHEST = 47, float(np.log(10.0))
 """No parameter is drawn farther than a factor of ten from the middle of the subjects."""
 
 
-def drawn_tissues(tissue: Tissue, count: int, seed: int = SEED) -> tuple[Tissue, ...]:
+def drawn_tissues(tissue: Tissue, count: int) -> tuple[Tissue, ...]:
     """Tissues that the data of one allow; none where one subject, or a standard's spring, says nothing of others."""
     if len(tissue.subjects) < 2 or not law_named(tissue.law).fitted:
         return ()
-    rng = np.random.default_rng(seed)
-    groups = _posterior(tissue, count)
-    return groups or tuple(_of_subjects(tissue, rng) for _ in range(count))
+    rng = np.random.default_rng(SEED)
+    return _posterior(tissue, count) or tuple(_of_subjects(tissue, rng) for _ in range(count))
 
 
 def _posterior(tissue: Tissue, count: int) -> tuple[Tissue, ...]:

@@ -18,12 +18,6 @@ STEADY_PARTS_N = {"below_5N": (0.5, 5.0), "above_5N": (5.0, 15.0)}
 """Parts of the steady-state range that are reported separately; below 5 N there are no measurements. [N]"""
 
 
-def steady_force_range(subjects: tuple[Parameters, ...], depth_mm: ArrayLike) -> tuple[NDArray, NDArray]:
-    """Steady-state range gamma1 x^3 over depth: lowest and highest subject, shapes of ``depth_mm``. [N]"""
-    force = law_named(subjects[0].law).steady_forces(subjects, depth_mm)
-    return force.min(axis=0), force.max(axis=0)
-
-
 def steady_depth_range(subjects: tuple[Parameters, ...], force_N: ArrayLike) -> tuple[NDArray, NDArray]:
     """Steady-state range over force: depth of the stiffest and of the softest subject. [mm]"""
     depth = law_named(subjects[0].law).steady_depths(subjects, force_N)
@@ -153,10 +147,7 @@ def end_of_hold_range(
     subjects: tuple[Parameters, ...], force_N: NDArray, velocity_mm_s: float, hold_s: float,
     deceleration_mm_s2: float = DECELERATION_MM_S2,
 ) -> tuple[NDArray, NDArray]:  # fmt: skip
-    """Depth of the stiffest and of the softest subject at forces at the end of a hold, shapes (n,). [mm]
-
-    After a short hold a subject still carries part of its peak and is less deep at a force than at rest.
-    """
+    """Depth of the stiffest and of the softest subject at forces at the end of a hold, shapes (n,). [mm]"""
     law = law_named(one_law(subjects))
     found = law.end_of_hold_depths(subjects, force_N, velocity_mm_s, hold_s, deceleration_mm_s2)
     return found.min(axis=0), found.max(axis=0)

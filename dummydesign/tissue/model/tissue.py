@@ -78,15 +78,8 @@ def nest(flat: Mapping[tuple[str, str], Any]) -> dict[str, Any]:
 
 
 def behind_ranges(people: int) -> str:
-    """How many people stand behind a range without a law, and how often one more lies outside: 2 / (n + 1).
-
-    Of n + 1 people of one population each is as likely to be the lowest, and the highest, whatever its distribution.
-
-    Parameters
-    ----------
-    people : int
-        At least one.
-    """
+    """How many people stand behind a range without a law, and how often one more lies outside: 2 / (n + 1)."""
+    # of n + 1 people of one population each is as likely to be the lowest, and the highest, whatever its distribution
     if people < 2:
         return "one person stands behind it, who makes no range"
     share = 200.0 / (people + 1)
@@ -160,11 +153,7 @@ class Tissue:
 
     @cached_property
     def bands(self) -> dict[str, Any]:
-        """Band of every parameter: value is the mean over subjects, low and high the extreme subjects.
-
-        Dampers are {speed: Quantity}. The band says how people differ; how well each subject is known
-        is in the subject's own interval.
-        """
+        """Band of every parameter: value is the mean over subjects, low and high the extreme subjects."""
         speeds, bands = [speed_key(speed) for speed in self.velocities_mm_s], {}
         for name, entry in self.subjects[0].numbers.items():
             rows = [subject.numbers[name] for subject in self.subjects]
@@ -195,10 +184,6 @@ class Tissue:
         chosen = "value" if aim == "average" else "high"
         values = {key: getattr(quantity, chosen) for key, quantity in flatten(self.bands).items()}
         return Parameters.from_dict(self.law, nest(values))
-
-    def steady_force_range(self, depth_mm: ArrayLike) -> tuple[NDArray, NDArray]:
-        """Lowest and highest steady force gamma1 x^3 of the subjects over depth. [N]"""
-        return ranges.steady_force_range(self.parameter_sets, depth_mm)
 
     def steady_depth_range(self, force_N: ArrayLike) -> tuple[NDArray, NDArray]:
         """Depth of the stiffest and of the softest subject over steady force. [mm]"""
@@ -261,18 +246,7 @@ def same_shape(subjects: tuple[Subject, ...]) -> None:
 
 
 def share_a_speed(velocities_mm_s: Mapping[str, Sequence[float]]) -> None:
-    """Refuse people of whom one was pressed at none of the first one's speeds.
-
-    Parameters
-    ----------
-    velocities_mm_s : mapping of str to sequence of float
-        Of every person. [mm/s]
-
-    Raises
-    ------
-    InputError
-        With both names and their speeds.
-    """
+    """Refuse people of whom one was pressed at none of the first one's speeds."""
     first = next(iter(velocities_mm_s))
     for name, speeds in velocities_mm_s.items():
         if not set(speeds) & set(velocities_mm_s[first]):

@@ -34,17 +34,7 @@ ONE_FORCE = 1.3
 
 
 def subjects_of(people: Sequence[tuple[str, MeasuredPerson, str, str]]) -> tuple[Subject, ...]:
-    """Make subjects of people with their presses.
-
-    Parameters
-    ----------
-    people : sequence of (name, MeasuredPerson, kind, source)
-
-    Raises
-    ------
-    InputError
-        When they share no speed or no steady force.
-    """
+    """Make subjects of people with their presses."""
     every = [person for _, person, _, _ in people]
     speeds = sorted(set.intersection(*(set(one.velocities_mm_s) for one in every)))
     if not speeds:
@@ -99,11 +89,6 @@ def _number(value: float, width: float, kind: str, source: str) -> Quantity:
     return Quantity(value, max(value - width, 0.5 * value), value + width, kind, source)
 
 
-def tissue_entries() -> dict[str, Entry]:
-    """List the known tissues by lower-case name, the user's own winning over the built-in ones."""
-    return entries(KIND)
-
-
 def load_tissue(name_or_path: str) -> Tissue:
     """Load a tissue by name (any case) or from the path of a TOML file.
 
@@ -118,7 +103,7 @@ def load_tissue(name_or_path: str) -> Tissue:
 def readable_tissues() -> tuple[list[Tissue], list[str]]:
     """Load all known tissues; a user's file that cannot be read gives a warning and the built-in one is taken."""
     tissues, problems = [], []
-    for entry in tissue_entries().values():
+    for entry in entries(KIND).values():
         built_in = Entry(entry.name, data_folder() / KIND / f"{entry.name}.toml", "built-in")
         for one in [entry, *([built_in] if entry.origin == "user" and built_in.path.is_file() else [])]:
             try:
@@ -130,13 +115,7 @@ def readable_tissues() -> tuple[list[Tissue], list[str]]:
 
 
 def read_tissue(entry: Entry) -> Tissue:
-    """Read and check one tissue file.
-
-    Raises
-    ------
-    InputError
-        With file and line, for a key or number that the schema or the law does not allow.
-    """
+    """Read and check one tissue file."""
     top = read_table(entry.path, KEYS)
     law, tables = top.string("law", choices=LAWS), top.tables("subject")
     try:

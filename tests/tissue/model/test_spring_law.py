@@ -50,8 +50,6 @@ def test_force_is_k_times_depth_in_any_motion_and_steady_depth_is_force_over_k(s
     np.testing.assert_allclose(spring.parameter_sets[1].force(motion, 100.0), K * motion.displacement_mm, rtol=1e-12)
     stiff, soft = spring.steady_depth_range([5.0, 10.0])
     np.testing.assert_allclose([stiff, soft], [[5 / 12, 10 / 12], [5 / 8, 10 / 8]])
-    low, high = spring.steady_force_range([0.5, 1.0])
-    np.testing.assert_allclose([low, high], [[4, 8], [6, 12]])
 
 
 def test_peaks_are_the_steady_force_and_energies_those_of_a_spring_at_every_speed_and_hold(spring):

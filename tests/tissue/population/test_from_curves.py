@@ -54,6 +54,13 @@ def test_curves_that_contradict_each_other_are_refused_in_one_line(tmp_path):
     assert "\n" not in str(told.value) and "line 2" in str(told.value)
 
 
+def test_forces_in_millinewtons_are_refused_without_naming_a_file_that_nobody_has(tmp_path):
+    path = table(tmp_path / "c.csv", people={"anna": 50.0})
+    with raises_code("implausible_unit", "force_N") as told:
+        add_curves("mine", str(path), "ode", "5")
+    assert "import" not in str(told.value) and "curve_2_line_" in str(told.value)
+
+
 def test_a_person_without_a_hold_has_no_steady_force(tmp_path):
     with raises_code("not_enough_data", "hold_s"):
         add_curves("mine", str(table(tmp_path / "c.csv", hold_s=0.1)), "ode", "5")

@@ -6,13 +6,14 @@ import numpy as np
 import pytest
 
 from dummydesign.cli.entry import run
+from dummydesign.core.library import entries
 from dummydesign.measurement.motion import Motion, ramp_and_hold
 from dummydesign.tissue import load_tissue
 from dummydesign.tissue.adding.from_points import next_measurement
 from dummydesign.tissue.adding.observations import read_points
 from dummydesign.tissue.model.parameters import Parameters
 from dummydesign.tissue.model.posterior import draws_path, read_draws, typical_subjects, weighted_quantile
-from dummydesign.tissue.model.tissue_file import KIND, tissue_entries
+from dummydesign.tissue.model.tissue_file import KIND
 from tests.support.refusal import raises_code
 
 
@@ -178,17 +179,17 @@ def test_own_errors_of_points_are_used_when_given(tmp_path):
 def test_the_shipped_subjects_are_those_of_the_shipped_draws():
     for site in ("palm", "thenar", "forefinger"):
         tissue = load_tissue(site)
-        draws, weight = read_draws(draws_path(tissue_entries()[site].path))
+        draws, weight = read_draws(draws_path(entries(KIND)[site].path))
         assert draws.shape == (400, 5, 7) and weight.sum() == pytest.approx(1.0, rel=1e-3)
         shipped = np.array([p.gamma1_N_per_mm3 for p in tissue.parameter_sets])
         # a thinned part of the draws that the file was made from: 3.5 standard errors of a median, 1.25 sd / sqrt(m)
         error = 3.5 * 1.2533 * np.log(np.sort(draws[..., 0], axis=1)).std(axis=0) / np.sqrt(len(draws))
         assert np.all(np.abs(np.log(typical_subjects(draws)[:, 0] / shipped)) < error)
-        assert KIND in str(tissue_entries()[site].path)
+        assert KIND in str(entries(KIND)[site].path)
 
 
 def test_a_measurement_that_tells_nothing_is_ranked_last_and_the_only_telling_one_removes_most():
-    draws, weight = read_draws(draws_path(tissue_entries()["palm"].path))
+    draws, weight = read_draws(draws_path(entries(KIND)["palm"].path))
     same = draws.copy()
     # the same steady coefficients in all draws: their measurement cannot tell draws apart
     area = np.cbrt(10.0 / draws[..., :1]) ** 2

@@ -1,14 +1,12 @@
 """The laws of soft tissue that are known: each module here offers instances of ``MaxwellLaw``.
 
-A new law is one module here, and one part in ``report/html/live.js`` where the what-if page shall compute it.
+A new law is one module here, and one part in ``report/live.js`` where the what-if page shall compute it.
 """
 
 from __future__ import annotations
 
 import importlib
 import pkgutil
-from collections.abc import Iterator
-from contextlib import contextmanager
 
 from dummydesign.core.errors import InputError, unknown_name
 from dummydesign.tissue.model.maxwell_law import MaxwellLaw
@@ -43,15 +41,3 @@ def fitted_law(name: str) -> MaxwellLaw:
         message = f"law = {name} is not fitted to traces: it is {law.words}; fit ode, consistent or published"
         raise InputError(message, "unsupported", "law", name)
     return law
-
-
-@contextmanager
-def registered_law(law: MaxwellLaw) -> Iterator[None]:
-    """Know a further law for a while."""
-    if law.name in LAWS:
-        raise InputError(f"law '{law.name}' is known already: give another name", "file_exists", "law", law.name)
-    LAWS[law.name] = law
-    try:
-        yield
-    finally:
-        del LAWS[law.name]

@@ -57,10 +57,6 @@ class Curves(MaxwellLaw):
         """Depth of each at forces at the end of its own shortest hold, shape (subjects, ...). [mm]"""
         return np.stack([one.depth_mm(force_N, np.inf) for one in subjects])
 
-    def steady_forces(self, subjects: Sequence[Any], depth_mm: ArrayLike) -> NDArray:
-        """Force of each at the end of its own shortest hold, shape (subjects, ...). [N]"""
-        return np.stack([one.steady_N(depth_mm, np.inf) for one in subjects])
-
     def exponent_of(self, subjects: Sequence[Any], low_N: float, high_N: float, hold_s: float) -> float:
         """Mean exponent of the steady curves between two forces, or about the one."""
         ends = np.array([low_N, high_N]) if high_N > low_N else low_N * np.array([0.9, 1.1])

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import re
+
 import pytest
 
-from tests.support.snapshots import CASES, FOLDER, answers, differs
+from dummydesign.cli.text import LINES, WIDTH
+from tests.support.snapshots import CASES, DETAILS, FOLDER, answers, differs
 
 
 @pytest.fixture(scope="module")
@@ -18,6 +21,26 @@ def found(tmp_path_factory):
 @pytest.mark.parametrize("name", CASES)
 def test_an_answer_is_as_it_was(name, found):
     assert differs((FOLDER / f"{name}.txt").read_text(encoding="utf-8"), found[name]) == ""
+
+
+@pytest.mark.parametrize("name", [name for name in CASES if "help" not in name and not name.endswith("details")])
+def test_an_answer_fits_one_screen(name, found):
+    lines = found[name].partition(DETAILS)[0].splitlines()[1:-1]
+    assert len([line for line in lines if not line.startswith("error: ")]) <= LINES
+    assert [line for line in lines if len(line) > WIDTH and not line.startswith("error: ")] == []
+    assert sum(line.startswith("WARNING") for line in lines) <= 4
+
+
+NUMBERS = re.compile(r"(?<![\w.])\d+\.\d+(?![\w.])")
+
+
+@pytest.mark.parametrize("name", ["compare", "fit", "loop", "replay", "predict-shape", "tissues-show", "resins-show"])
+def test_what_the_screen_says_stands_in_the_details_too(name, found):
+    screen, _, details = found[name].partition(DETAILS)
+    known = [float(one) for one in NUMBERS.findall(details)]
+    for one in NUMBERS.findall(screen):
+        digits = len(one.partition(".")[2])
+        assert any(abs(float(one) - other) <= 0.51 * 10.0**-digits for other in known), one
 
 
 def test_the_folder_holds_these_answers_and_no_others():

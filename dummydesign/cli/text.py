@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import textwrap
 from collections.abc import Sequence
+from pathlib import Path
 from typing import Any
 
 WIDTH, LINES, INDENT = 100, 30, 8
@@ -88,6 +89,53 @@ def tissue_lines(result: dict[str, Any]) -> list[str]:
 def warning_lines(result: dict[str, Any]) -> list[str]:
     """Warnings that were not said first."""
     return [f"warning: {item['message']}" for item in result["warnings"] if item["code"] not in FIRST]
+
+
+MOST_WARNINGS = 4
+
+
+def warning_block(result: dict[str, Any], leave: Sequence[str] = (), most: int = MOST_WARNINGS) -> list[str]:
+    """At most four warnings of two lines each; those of one code are one, with their number."""
+    by_code: dict[str, list[str]] = {}
+    for item in result["warnings"]:
+        if item["code"] not in (*FIRST, *leave):
+            by_code.setdefault(item["code"], []).append(item["message"])
+    lines = []
+    for messages in list(by_code.values())[:most]:
+        like = f" (and {len(messages) - 1} more: --details)" if len(messages) > 1 else ""
+        lines += labelled("WARNING", shortened(sentence(messages[0]), 170 - len(like)) + like, 2)
+    left = len(by_code) - most
+    return [*lines, *(labelled("", f"{left} more warnings: --details") if left > 0 else [])]
+
+
+def sentence(text: str) -> str:
+    """The text with a capital, unless it begins with a name."""
+    first = text.partition(" ")[0].rstrip(",;:")
+    return text[0].upper() + text[1:] if first.isalpha() else text
+
+
+def shortened(text: str, most: int) -> str:
+    """The text, cut at a word when it is longer."""
+    return textwrap.shorten(text, most, placeholder=" ...") if len(text) > most else text
+
+
+def files_block(result: dict[str, Any], first: Sequence[str] = ("report",)) -> list[str]:
+    """The folder and the files to begin with."""
+    files = {role: path for role, path in result.get("files", {}).items() if path}
+    if not files:
+        return []
+    shown = [role for role in first if role in files] or list(files)[:1]
+    folder = Path(files[shown[0]]).parent
+    names = [Path(files[role]).name for role in shown]
+    left = [f"{len(files) - len(shown)} more"] if len(files) > len(shown) else []
+    return labelled("FILES", f"{folder}/: {', '.join([*names, *left])}", 2)
+
+
+def screen(head: Sequence[str], table: Sequence[str], *tail: Sequence[str], more: str = "") -> str:
+    """Head, table and blocks on one screen; of the table the first rows, with the number of the others."""
+    words = more or "  ... and {} more rows: --details"
+    wide = [line if len(line) <= WIDTH else f"{line[: WIDTH - 4].rstrip()} ..." for line in (*head, *table)]
+    return "\n".join(fitted(wide[: len(head)], wide[len(head) :], [list(block) for block in tail], (), words))
 
 
 def file_lines(result: dict[str, Any]) -> list[str]:

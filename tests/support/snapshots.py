@@ -14,9 +14,13 @@ import sys
 import tempfile
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
+from dummydesign.cli.entry import _render_of
 from tests.support.answer_inputs import make_inputs
 
+RENDER_OF = _render_of
+DETAILS = "\n==== --details\n"
 FOLDER = Path(__file__).resolve().parents[1] / "snapshots"
 NUMBER = re.compile(r"(?<![\w.])[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?(?![\w]|\.\d)")
 SUGGEST = "suggest --tissue forefinger --shape slab --no-cad --no-verify"
@@ -58,23 +62,40 @@ CASES = {
 
 def answers(folder: Path) -> Iterator[tuple[str, str]]:
     """Name and whole answer of each case, in order: later ones read what earlier ones wrote."""
+    from unittest import mock
+
     from dummydesign import cli
+    from dummydesign.cli import entry
 
     make_inputs(folder / "in")
     for name, words in CASES.items():
         out, err = io.StringIO(), io.StringIO()
-        with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err), contextlib.chdir(folder):
+        whole: list[str] = []
+
+        def both(module: Any, options: Any, whole: list[str] = whole) -> Any:
+            def screen(result: dict[str, Any]) -> str:
+                if hasattr(module, "render_details") and not getattr(options, "details", False):
+                    whole.append(module.render_details(result))
+                return RENDER_OF(module, options)(result)
+
+            return screen
+
+        with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err), contextlib.chdir(folder), (
+                mock.patch.object(entry, "_render_of", both)):  # fmt: skip
             try:
                 status = cli.run([*words.split(), *([] if "help" in name else ["-q"])])
             except SystemExit as end:
                 status = int(end.code or 0)
         text = f"$ dummydesign {words}\n{out.getvalue()}{err.getvalue()}status {status}\n"
+        if whole and whole[0].strip() not in text:
+            text += f"{DETAILS}{whole[0].rstrip()}\n"
         yield name, settled(text.replace(str(folder), "FOLDER").replace(os.environ["DUMMYDESIGN_HOME"], "HOME"))
 
 
 def settled(text: str) -> str:
     """The text without what changes from day to day."""
     text = re.sub(r"\b\d{4}-\d{2}-\d{2}(?:[T ]\d{2}:\d{2}(?::\d{2})?)?\b", "DATE", text)
+    text = re.sub(r"\b\d+ in \d+\.\d\d s;", "N in SECONDS s;", text)
     return re.sub(r"\bdesigns in \S+ s\b", "designs in SECONDS s", text)
 
 

@@ -6,7 +6,7 @@ import argparse
 from typing import Any
 
 from dummydesign.cli.common_options import add_replace_option
-from dummydesign.cli.text import file_lines, warning_lines
+from dummydesign.cli.text import file_lines, files_block, labelled, screen, warning_block, warning_lines
 from dummydesign.core.errors import InputError, NoAnswerError
 
 HELP = "Plan presses (randomised, with a sheet to press from), check them, or make a campaign of files."
@@ -216,6 +216,26 @@ def _numbers(option: str, text: str | None) -> tuple[float, ...] | None:
 
 
 def render(result: dict[str, Any]) -> str:
+    """What was planned, what the plan can see, and what to do next."""
+    if "ready" in result:
+        return _status(result)
+    if "decisions" in result:
+        table = [f"  {one['what']:<28} {one['value']} ({one['why']})" for one in result["decisions"]]
+        return screen([], table, warning_block(result), files_block(result, ("campaign",)))
+    first, power = _plan(result)[0], result["power"]
+    head = labelled("PLAN", first)
+    for label, names in () if power is None else (
+        ("FINDS", list(power["seen"])), ("MISSES", list(power["hidden"])),
+        ("ALIKE", [" and ".join(pair["effects"]) for pair in power["alike"]]), ("NO TEST", list(power["untested"])),
+    ):  # fmt: skip
+        head += labelled(label, ", ".join(names), 4)
+    return screen(
+        head, [], warning_block(result), files_block(result, ("sheet", "campaign")),
+        labelled("MORE", "--details: sizes of the effects that this plan misses"),
+    )  # fmt: skip
+
+
+def render_details(result: dict[str, Any]) -> str:
     """Make the readable text."""
     if "ready" in result:
         return _status(result)

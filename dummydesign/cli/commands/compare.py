@@ -6,7 +6,16 @@ import argparse
 from typing import Any
 
 from dummydesign.cli.common_options import add_replace_option, call_in_steps
-from dummydesign.cli.text import file_lines, tissue_lines, verdict_lines, warning_lines
+from dummydesign.cli.text import (
+    file_lines,
+    files_block,
+    labelled,
+    screen,
+    tissue_lines,
+    verdict_lines,
+    warning_block,
+    warning_lines,
+)
 
 HELP = "Compare the traces of a cast dummy with a tissue: parameters, steady-state range, force variation range."
 
@@ -52,6 +61,41 @@ def default_out(options: argparse.Namespace) -> str:
 
 
 def render(result: dict[str, Any]) -> str:
+    """The verdict, each press beside the people's range, then which parameters lie outside."""
+    law = "measured curves, no law" if result["law"] == "curves" else f"law {result['law']}"
+    head = [*verdict_lines(result["verdict"]), *tissue_lines(result), *labelled("TISSUE", f"{result['tissue']}, {law}")]
+    if "pad" in result:
+        head += labelled("PAD", _pad(result["pad"]))
+    rows = ["  steady N  mm/s   depth mm  pad peak N  people N        samples inside"]
+    for row in result["force_variation_range"]:
+        span = f"{row['range_peak_low_N']:.2f} to {row['range_peak_high_N']:.2f}"
+        rows.append(f"  {row['steady_force_N']:<9.3g} {row['velocity_mm_s']:<6.4g} {row['depth_mm']:<9.2f} "
+                    f"{row['peak_force_N']:<11.2f} {span:<15} {100 * row['inside_fraction']:.0f} %")  # fmt: skip
+    steady = result["steady_state_range"]
+    low, high = steady["span_N"]
+    shares = {f"{0.1 * low:g} to {low:g} N": steady["below_5N_fraction"],
+              f"{low:g} to {high:g} N": steady["above_5N_fraction"]}  # fmt: skip
+    curve = "; ".join(f"{span}: {'not reached' if share is None else f'{100 * share:.0f} %'}"
+                      for span, share in shares.items())  # fmt: skip
+    outside = [name for name, row in result["parametric"].items() if row["inside"] is False]
+    known = [name for name, row in result["parametric"].items() if row["inside"] is not None]
+    laws = f"{len(outside)} of {len(known)} outside the subjects' band: {', '.join(outside)}" if outside else (
+        f"all {len(known)} inside the subjects' band" if known else "")  # fmt: skip
+    return screen(
+        [*head, ""], rows, [""], labelled("STEADY", f"part of the steady curve inside the range: {curve}"),
+        labelled("LAW", laws, 2), warning_block(result), files_block(result, ("report", "picture")),
+        labelled("MORE", "--details: parameters of the law with their intervals"),
+    )  # fmt: skip
+
+
+def _pad(pad: dict[str, Any]) -> str:
+    """The pad as it was cast."""
+    force = "" if pad["force_percent"] is None else f", force {pad['force_percent']:+.1f} % off the designed pad's"
+    state = "accepted" if pad["accepted"] else "not accepted"
+    return f"{pad['thickness_mm']:.2f} +- {pad['thickness_sd_mm']:.2f} mm as cast, {state}{force}"
+
+
+def render_details(result: dict[str, Any]) -> str:
     """Make the readable tables."""
 
     def text(value: float | None) -> str:
@@ -60,10 +104,7 @@ def render(result: dict[str, Any]) -> str:
     law = "measured curves, no law" if result["law"] == "curves" else f"law {result['law']}"
     lines = [*verdict_lines(result["verdict"]), *tissue_lines(result), f"against {result['tissue']}, {law}"]
     if "pad" in result:
-        pad = result["pad"]
-        force = "" if pad["force_percent"] is None else f", force {pad['force_percent']:+.1f} % off the designed pad's"
-        state = "accepted" if pad["accepted"] else "not accepted"
-        lines.append(f"pad of {pad['thickness_mm']:.2f} +- {pad['thickness_sd_mm']:.2f} mm as cast, {state}{force}")
+        lines.append(f"pad of {_pad(result['pad'])}")
     if result["parametric"]:
         lines.append(
             f"{'parameter':<22} {'dummy':>10} {'95 % low':>10} {'95 % high':>10} {'band low':>10} {'band high':>10}"

@@ -6,7 +6,7 @@ import argparse
 from typing import Any
 
 from dummydesign.cli.common_options import add_replace_option, call_in_steps
-from dummydesign.cli.text import file_lines, warning_lines
+from dummydesign.cli.text import file_lines, files_block, labelled, screen, warning_block, warning_lines
 
 HELP = "Fit the nonlinear 3, 5 or 7 element law to traces of one tissue or dummy."
 
@@ -44,6 +44,29 @@ def run(options: argparse.Namespace) -> dict[str, Any]:
 
 
 def render(result: dict[str, Any]) -> str:
+    """How well the law fits, its parameters, and the presses with the largest residuals."""
+    from dummydesign.core.serialise import parameter_rows
+
+    rows = sorted(result["by_trace"], key=lambda row: -row["rmse_N"])
+    worst = rows[0]
+    head = labelled("FIT", f"{result['elements']} elements, law {result['law']}, {result['mode']}: residual "
+                           f"{result['rmse_N']:.3g} N rms, noise {result['noise_floor_N']:.3g} N; {len(rows)} presses, "
+                           f"largest residual in {worst['file']}, {worst['rmse_N']:.3g} N rms")  # fmt: skip
+    table = [f"  {'parameter':<28} {'value':>10} {'95 % low':>10} {'95 % high':>10}"]
+    for label, one in parameter_rows(result["parameters"]):
+        low, high = (f"{one[end]:.4g}" if one[end] is not None else "-" for end in ("low", "high"))
+        state = "  at its bound" if one["at_bound"] else ""
+        table.append(f"  {label:<28} {one['value']:>10.4g} {low:>10} {high:>10}{state}")
+    left = {number: row["heldout_rmse_N"] for number, row in result["comparison"].items()}
+    rivals = "; ".join(f"{number} elements {error:.3g} N" for number, error in left.items() if error is not None)
+    return screen(
+        [*head, ""], table, [""], labelled("RIVALS", f"error on presses left out: {rivals}" if rivals else ""),
+        warning_block(result), files_block(result, ("tissue", "report")),
+        labelled("MORE", "--details: residual of every press, other numbers of elements"),
+    )  # fmt: skip
+
+
+def render_details(result: dict[str, Any]) -> str:
     """Make the readable tables."""
     from dummydesign.core.serialise import parameter_rows
 

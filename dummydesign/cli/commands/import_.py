@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import argparse
 import re
+from pathlib import Path
 from typing import Any
 
 from dummydesign.cli.common_options import call
+from dummydesign.cli.text import labelled, screen, warning_block
 from dummydesign.core.errors import InputError
 
 HELP = "Read the files of test machines: each press a trace, tared, zero at contact, compression positive."
@@ -76,8 +78,6 @@ def pairs(option: str, text: str) -> dict[str, str]:
 
 def default_out(options: argparse.Namespace) -> str | None:
     """Name of the folder when none is typed; None without files."""
-    from pathlib import Path
-
     names = options.files
     if not names:
         return None
@@ -88,6 +88,34 @@ def default_out(options: argparse.Namespace) -> str | None:
 
 
 def render(result: dict[str, Any]) -> str:
+    """How each file was read in a line, then its presses."""
+    if "profiles" in result:
+        return render_details(result)
+    count = sum(len(one["traces"]) for one in result["files"])
+    head = labelled("READ", f"{count} press{'es' * (count != 1)} from {len(result['files'])} file"
+                            f"{'s' * (len(result['files']) != 1)}. Check units, signs and contact in the preview.")
+    for one in result["files"][:3]:
+        known = {decision["what"]: decision["value"] for decision in one["decisions"]}
+        words = ", ".join(f"{name} {known[name]}" for name in DECIDED if name in known)
+        head += labelled("FILE", f"{Path(one['source']).name}: {words}", 3)
+    head += labelled("", f"{len(result['files']) - 3} more files: --details" if len(result["files"]) > 3 else "")
+    table = [f"  {'press':<28} {'mm/s':>8} {'hold s':>8} {'mm':>8} {'peak N':>8} {'steady N':>8}"]
+    for trace in (trace for one in result["files"] for trace in one["traces"]):
+        steady = "-" if trace["steady_force_N"] is None else f"{trace['steady_force_N']:.3f}"
+        table.append(f"  {trace['file'][:28]:<28} {trace['velocity_mm_s']:>8.4g} {trace['hold_s']:>8.3g} "
+                     f"{trace['depth_mm']:>8.3f} {trace['peak_force_N']:>8.3f} {steady:>8}")  # fmt: skip
+    made = f"traces in {result['inputs']['out']}/, {result['preview']} (look at it first)"
+    made += f", profile {result['profile']}" if "profile" in result else ""
+    return screen([*head, ""], table, [""], warning_block(result), labelled("FILES", made),
+                  labelled("MORE", "--details: every decision and why"))  # fmt: skip
+
+
+DECIDED = ("displacement column", "displacement unit", "displacement sign", "force column", "force unit", "force sign",
+           "tare", "contact")  # fmt: skip
+"""Decisions that change force or depth."""
+
+
+def render_details(result: dict[str, Any]) -> str:
     """Make the readable tables."""
     if "profiles" in result:
         rows = [f"{one['name']:<20} {one['origin']:<9} {one['path']}" for one in result["profiles"]]

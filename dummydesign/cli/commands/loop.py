@@ -7,7 +7,7 @@ from textwrap import wrap
 from typing import Any
 
 from dummydesign.cli.common_options import add_effect_option, add_replace_option, call_in_steps
-from dummydesign.cli.text import file_lines, warning_lines
+from dummydesign.cli.text import file_lines, files_block, labelled, screen, warning_block, warning_lines
 
 HELP = "Measured campaign: residual, the effect the model lacks, the corrected model, and what to measure next."
 
@@ -43,6 +43,30 @@ def default_out(options: argparse.Namespace) -> str:
 
 
 def render(result: dict[str, Any]) -> str:
+    """The answer in words, then error and parameters before and after."""
+    words = " ".join(text.strip() for text in result["answer"] if not text.startswith("Next:"))
+    head = [*labelled("RESULT", words, 9), ""]
+    rows = [f"  {'':<20} {'base':>9} {'after':>9} {'95 % low':>9} {'95 % high':>9}"]
+    for name in ("train", "heldout"):
+        errors = [result[label]["error"][f"{name}_rmse_N"] for label in ("base", "after")]
+        cells = " ".join(f"{'-' if error is None else format(error, '.4f'):>9}" for error in errors)
+        rows.append(f"  {'error N, ' + {'train': 'fitted', 'heldout': 'left out'}[name]:<20} {cells}")
+    for name, after in result["after"]["parameters"].items():
+        values = (result["base"]["parameters"][name]["value"], *(after[end] for end in ("value", "low", "high")))
+        rows.append(f"  {name:<20} " + " ".join(f"{value:>9.4g}" for value in values))
+    for effect in result["effects"]:
+        for name, value in effect["parameters"].items():
+            cells = " ".join(f"{value[end]:>9.4g}" for end in ("value", "low", "high"))
+            rows.append(f"  {name:<20} {'-':>9} {cells}  ({effect['name']})")
+    coming = result["next_measurement"]
+    return screen(
+        head, rows, [""], warning_block(result), labelled("NEXT", coming["text"] if coming else "", 3),
+        files_block(result, ("report", "calibration")),
+        labelled("MORE", "--details: evidence of each effect, rivals, what stays unexplained"),
+    )  # fmt: skip
+
+
+def render_details(result: dict[str, Any]) -> str:
     """The answer in words, then the readable tables."""
 
     def number(value: float | None, form: str = ".4f") -> str:

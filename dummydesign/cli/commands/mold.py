@@ -8,6 +8,7 @@ from typing import Any
 
 from dummydesign.cli.common_options import add_replace_option, call
 from dummydesign.cli.progress import Watch
+from dummydesign.cli.text import files_block, labelled, screen, warning_block
 from dummydesign.core.errors import InputError, NoAnswerError, quantity_name
 
 RECORD_HELP = "keep what was really poured, and say which limits the pad misses"
@@ -155,6 +156,42 @@ def default_in_project(options: argparse.Namespace) -> str | None:
 
 
 def render(result: dict[str, Any]) -> str:
+    """What to pour, whether the checks pass, what to mind, and the file to begin with."""
+    if "specification" in result:
+        return render_record(result)
+    if "moulds" in result:
+        return _short(_job(result).splitlines(), result)
+    inputs, pour, batch = result["inputs"], result["pour"], result["batch"]
+    count = inputs.get("count", 1)
+    size = f"{inputs['length_mm']:g} x {inputs['width_mm']:g} x {inputs['thickness_mm']:g} mm"
+    head = labelled("MOULD", f"{inputs['preset']}, for {count} pad{'s' * (count > 1)} {inputs['shape']} of {size}", 2)
+    weights = [("", batch)] if "base" not in batch else [("upper layer, poured first: ", batch),
+                                                         ("base layer, poured second: ", batch["base"])]  # fmt: skip
+    for words, one in weights:
+        parts = " + ".join(f"{part['name']} {part['mass_g']:.1f} g" for part in one["components"])
+        head += labelled("WEIGH", f"{words}{parts} = {one['total_g']:.1f} g; pour {one['pour_g']:.1f} g of it")
+    head += labelled("", f"ratio {inputs['ratio']:g} ({inputs['ratio_meaning']}), {inputs['resin']}")
+    if pour["silicone_mass_g"]:
+        head += labelled("", f"silicone {pour['silicone_mass_g']:.0f} g for the mould itself")
+    checks = result.get("checks", [])
+    counts = {status: sum(c["status"] == status for c in checks) for status in ("pass", "fail", "skipped")}
+    text = f"{counts['pass']} passed, {counts['fail']} failed, {counts['skipped']} skipped" if checks else ""
+    table = [f"  {item['status']:<8}{item['id']}: {item.get('note', '')}" for item in checks
+             if item["status"] != "pass"]  # fmt: skip
+    more = labelled("MORE", "--details: volumes, every check, every file and caution")
+    return screen(
+        [*head, *labelled("CHECKS", text)], table, warning_block(result),
+        files_block(result, ("pour_sheet_a4", "mould")), more, more="  ... and {} more checks: --details",
+    )  # fmt: skip
+
+
+def _short(lines: list[str], result: dict[str, Any]) -> str:
+    """A job of several moulds on one screen."""
+    kept = [line for line in lines if not line.startswith(("warning: ", "job: ", "job_pdf: ", "manifest: "))]
+    return screen([], kept, warning_block(result), files_block(result, ("job_pdf", "job")))
+
+
+def render_details(result: dict[str, Any]) -> str:
     """Write the answer as short tables."""
     if "specification" in result:
         return render_record(result)

@@ -6,7 +6,7 @@ import argparse
 from typing import Any
 
 from dummydesign.cli.common_options import call
-from dummydesign.cli.text import tissue_lines, verdict_lines, warning_lines
+from dummydesign.cli.text import labelled, screen, tissue_lines, verdict_lines, warning_block, warning_lines
 
 HELP = "Force of one pad at static depths, under a measured motion, or in a ramp and hold."
 SHOWN = 25
@@ -64,6 +64,46 @@ def _progress(options: argparse.Namespace) -> Any:
 
 
 def render(result: dict[str, Any]) -> str:
+    """The pad, then its presses or its curve, thinned to a dozen rows."""
+    young, given = result["young_kPa"], result["inputs"]
+    span = f" ({young['low']:.3g} to {young['high']:.3g})" if young["low"] < young["high"] else ""
+    shape = "" if given["shape"] == "slab" else f"{given['shape']}, "
+    first = [item["message"] for item in result["warnings"] if item["code"] == NO_RELAXATION]
+    head = [
+        *verdict_lines(result.get("verdict")), *tissue_lines(result),
+        *(line for text in first for line in labelled("WARNING", text, 2)),
+        *labelled("PAD", f"{shape}{given['thickness_mm']:g} mm, E = {young['value']:.4g} kPa{span}, "
+                         f"punch {given['punch']}, fidelity {result['fidelity']}"),
+    ]  # fmt: skip
+    if "peak_force_N" in result:
+        head += labelled("PRESS", f"peak {result['peak_force_N']:.3f} N at {result['peak_time_s']:.4f} s, "
+                                  f"{result['steady_force_N']:.3f} N at the end")  # fmt: skip
+    tail = []
+    for contact in result.get("contact_pressure", []):
+        edge = f", at the edge up to {contact['edge_kPa']:.3g} kPa" if contact["edge_kPa"] > contact["peak_kPa"] else ""
+        tail += labelled("CONTACT", f"at {contact['depth_mm']:.3g} mm: mean {contact['mean_kPa']:.3g} kPa, peak "
+                                    f"{contact['peak_kPa']:.3g} kPa at radius {contact['peak_radius_mm']:.2g} mm{edge}")
+    table = _tissue_presses(result) if "conditions" in result else (
+        _press_lines(result["presses"]) if "presses" in result else _curve_lines(result, 12)[-13:])  # fmt: skip
+    more = labelled("MORE", "--details: all points and the solver's work; --out FILE writes the curve")
+    warnings = warning_block(result, (NO_RELAXATION,))
+    return screen([*head, ""], table, [""], tail[:4], warnings, more)
+
+
+def _tissue_presses(result: dict[str, Any]) -> list[str]:
+    """Each press beside the people's range."""
+    lines = ["  steady N  mm/s   depth mm  pad peak N  people N"]
+    for row in result["conditions"]:
+        head = f"  {row['steady_force_N']:<9g} {row['velocity_mm_s']:<6g} "
+        if row["depth_mm"] is None:
+            lines.append(head + row["out_of_reach"])
+            continue
+        people = f"{row['target_peak_low_N']:.1f} to {row['target_peak_high_N']:.1f}"
+        lines.append(f"{head}{row['depth_mm']:<9.2f} {row['peak_force_N']:<11.1f} {people}")
+    return lines
+
+
+def render_details(result: dict[str, Any]) -> str:
     """Write the answer as a short table."""
     young = result["young_kPa"]
     first = [item["message"] for item in result["warnings"] if item["code"] == NO_RELAXATION]
@@ -112,7 +152,7 @@ def _press_lines(presses: list[dict[str, Any]]) -> list[str]:
     return lines
 
 
-def _curve_lines(result: dict[str, Any]) -> list[str]:
+def _curve_lines(result: dict[str, Any], shown: int = SHOWN) -> list[str]:
     """A curve over depth or over time, thinned."""
     lines: list[str] = []
     names: tuple[str, ...]
@@ -128,6 +168,6 @@ def _curve_lines(result: dict[str, Any]) -> list[str]:
         formats = ("{:>9.3f}", "{:>9.3f}", "{:>12.3f}", "{:>13.3f}", "{:>15.3f}")
     lines.append(" ".join(f"{name:>{len(form.format(0))}}" for name, form in zip(names, formats)))
     rows = list(zip(*(result[name] for name in names)))
-    step = max(1, len(rows) // SHOWN)
+    step = max(1, -(-len(rows) // shown))
     lines += [" ".join(form.format(value) for form, value in zip(formats, row)) for row in rows[::step]]
     return lines

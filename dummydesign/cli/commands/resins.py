@@ -6,7 +6,7 @@ import argparse
 from typing import Any
 
 from dummydesign.cli.common_options import ACTIONS, add_own_actions, render_own, run_own
-from dummydesign.cli.text import file_lines, warning_lines
+from dummydesign.cli.text import file_lines, files_block, labelled, screen, shortened, warning_block, warning_lines
 from dummydesign.core.errors import InputError
 
 HELP = "List the known resins, show one with all its numbers and sources, and add, rename or remove your own."
@@ -103,17 +103,35 @@ def _add_compression(options: argparse.Namespace) -> dict[str, Any]:
 
 
 def render(result: dict[str, Any]) -> str:
+    """Modulus over ratio on one screen; lists and pucks are short as they are."""
+    if "curve" not in result:
+        return render_details(result)
+    rows = _render_resin(result)
+    end = next((row for row, line in enumerate(rows) if line.startswith("numbers (")), len(rows))
+    kinds: dict[str, int] = {}
+    for item in result["numbers"].values():
+        kinds[item["kind"]] = kinds.get(item["kind"], 0) + 1
+    text = ", ".join(f"{count} {kind}" for kind, count in kinds.items())
+    notes = [line for note in result["resin"]["notes"][:2] for line in labelled("NOTE", shortened(note, 170), 2)]
+    return screen(
+        [*labelled("RESIN", rows[0], 2), *rows[1:3]], rows[3 : end - 1], [""], labelled("NUMBERS", text), notes,
+        warning_block(result, most=2), files_block(result, ()),
+        labelled("MORE", "--details: every number with its interval and source, all notes"),
+    )  # fmt: skip
+
+
+def render_details(result: dict[str, Any]) -> str:
     """Lay the answer out as short tables."""
     own = render_own(result)
     if own is not None:
         return own
     lines: list[str] = []
     if "resins" in result:
-        lines.append(f"{'name':<24} {'origin':<9} {'ratio':<12} {'E in kPa':<14} ratio definition")
+        lines.append(f"{'name':<20} {'origin':<9} {'ratio':<9} {'E in kPa':<13} ratio definition")
         for row in result["resins"]:
             ratio = "{:g} to {:g}".format(*row["ratio_range"])
             young = "{:.3g} to {:.3g}".format(*row["young_kPa_range"])
-            lines.append(f"{row['name']:<24} {row['origin']:<9} {ratio:<12} {young:<14} {row['ratio_meaning']}")
+            lines.append(f"{row['name']:<20} {row['origin']:<9} {ratio:<9} {young:<13} {row['ratio_meaning']}")
     elif "young_kPa" in result:
         lines += _render_puck(result)
     else:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 from typing import Any
 
+from dummydesign.cli.text import labelled, screen
 from dummydesign.core.errors import InputError
 
 HELP = "Where a project folder stands: what was measured, designed, made and learned, and what to do next."
@@ -29,13 +30,23 @@ def run(options: argparse.Namespace) -> dict[str, Any]:
 
 def render(result: dict[str, Any]) -> str:
     """One line a thing found, then what comes next."""
+    lines = _found(result)
+    steps = labelled("NEXT", f"{result['next']['text']}\n{result['next']['command']}")
+    return screen(lines[:2], lines[2:], [""], steps, more="  ... and {} more: --details")
+
+
+def render_details(result: dict[str, Any]) -> str:
+    """The same with every thing found."""
+    return "\n".join([*_found(result), "", f"next: {result['next']['text']}", f"  {result['next']['command']}"])
+
+
+def _found(result: dict[str, Any]) -> list[str]:
     given = ", ".join(f"{name} {value}" for name, value in result["given"].items()) or "nothing given"
     lines = [f"project '{result['name']}' ({given})", ""]
     for room, items in result["found"].items():
         lines.append(f"{room}/".ljust(15) + ("-" if not items else ""))
         lines += [f"  {one['folder'].partition('/')[2]:<32} {status_line(one)}".rstrip() for one in items]
-    lines += [f"cannot be read: {problem}" for problem in result["problems"]]
-    return "\n".join([*lines, "", f"next: {result['next']['text']}", f"  {result['next']['command']}"])
+    return [*lines, *(f"cannot be read: {problem}" for problem in result["problems"])]
 
 
 def status_line(one: dict[str, Any]) -> str:

@@ -6,7 +6,7 @@ import argparse
 from typing import Any
 
 from dummydesign.cli.common_options import ACTIONS, add_own_actions, render_own, run_own
-from dummydesign.cli.text import file_lines, warning_lines
+from dummydesign.cli.text import file_lines, files_block, labelled, screen, shortened, warning_block, warning_lines
 from dummydesign.core.errors import InputError
 
 HELP = "List the known tissues, show one with all its numbers and sources, and add, rename or remove your own."
@@ -117,6 +117,28 @@ def _show(name: str) -> dict[str, Any]:
 
 
 def render(result: dict[str, Any]) -> str:
+    """Bands of the parameters and the subjects on one screen; other actions are short as they are."""
+    if "bands" not in result:
+        return render_details(result)
+    rows = render_details(result).splitlines()
+    words = "subject ", "note: ", "source: ", "warning: ", "what would narrow"
+    files = set(file_lines({"files": {}, **result}))
+    table = [row for row in rows[1:] if not row.startswith(words) and row not in files]
+    people = [row.removeprefix("subject ") for row in rows if row.startswith("subject ")]
+    if result["law"] != "curves":
+        people = [f"{row.partition(', ')[0]})" if "(" in row else row for row in people]
+    table += ["", *(f"  {row}" for row in people)]
+    notes = [line for note in result["notes"][:2] for line in labelled("NOTE", shortened(note, 170), 2)]
+    left = [one for one in result["warnings"] if one["message"] not in result["notes"]]
+    following = result["next_measurement"]["text"] if "next_measurement" in result else ""
+    return screen(
+        labelled("TISSUE", rows[0]), table, [""], notes, warning_block({"warnings": left}, most=2),
+        labelled("NEXT", following, 2), files_block(result, ()),
+        labelled("MORE", "--details: where every number comes from, all notes"),
+    )  # fmt: skip
+
+
+def render_details(result: dict[str, Any]) -> str:
     """Make the readable table."""
     from dummydesign.core.serialise import parameter_rows
 

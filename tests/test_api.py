@@ -92,7 +92,7 @@ def test_without_cad_both_name_the_same_next_command_and_keep_the_recipe(capsys,
         dummydesign.suggest("palm", **PALM, verify=False, cad=True, out="a")
     theirs = printed(capsys, *PALM_OPTIONS, "--cad", "--out", "a", status=1)
     error = theirs.pop("error")
-    assert error == {"code": caught.value.code, "message": str(caught.value)}
+    assert error == caught.value.to_dict()
     assert json.loads(json.dumps(caught.value.result)) == theirs
 
 

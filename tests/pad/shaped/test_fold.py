@@ -7,6 +7,7 @@ import pytest
 
 from dummydesign.core.errors import NoAnswerError
 from dummydesign.geometry.shape_registry import read_shape
+from dummydesign.geometry.shapes.crowned import Crowned
 from dummydesign.pad.axisymmetric.case import Case
 from dummydesign.pad.axisymmetric.self_contact import FoldWatch, RoundFace, crossing, opening_deg
 from dummydesign.pad.axisymmetric.shaped_pad import solve_shaped_pad
@@ -61,7 +62,8 @@ def test_a_path_that_ends_with_a_nearly_shut_notch_names_it():
 
 
 @pytest.mark.slow
-def test_a_steep_crown_ends_where_it_folds_on_to_the_pad_and_says_so():
+def test_a_steep_crown_ends_where_it_folds_on_to_the_pad_and_says_so(monkeypatch):
+    monkeypatch.setattr(Crowned, "check", lambda *_: None)  # no mould can make it
     depth = 8.0 * np.array([0.1, 0.3, 0.36, 0.38, 0.4, 0.45])
     curve = solve_shaped_pad(Pad(8.0, 0.03, 7.9, geometry=STEEP), depth)
     assert 0.3 * 8.0 <= curve.depth_mm[-1] < 0.45 * 8.0

@@ -5,7 +5,7 @@
     answer.to_dict()["recommendation"]["thickness_mm"]
 
 The command line calls these functions, with the same defaults, and prints what they return. A module is imported
-when one of its calls is asked for, heavy packages when a function runs.
+when one of its calls is requested, heavy packages when a function runs.
 """
 
 from __future__ import annotations

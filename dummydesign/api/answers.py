@@ -295,7 +295,7 @@ def answer_folder(
     Parameters
     ----------
     out : path, optional
-        The folder that is asked for.
+        The requested folder.
     asked : Question
     replace : bool
         Take the place of another answer.

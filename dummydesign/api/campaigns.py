@@ -62,17 +62,17 @@ def plan_campaign(
     by_shape = _by_shape(set_up, tables, design.pads_mm)
     for campaign, pads_mm in by_shape:
         _check_set_up(campaign, pads_mm)
-    told = {key: ", ".join(f"{k} = {v}" for k, v in tables[key].items()) for key in ("pad", "punch", "sensor")}
+    summary = {key: ", ".join(f"{k} = {v}" for k, v in tables[key].items()) for key in ("pad", "punch", "sensor")}
     if set_up.shapes:
-        told["shapes"] = "; ".join(f"{thickness:g} mm: {shape}" for thickness, shape in set_up.shapes)
+        summary["shapes"] = "; ".join(f"{thickness:g} mm: {shape}" for thickness, shape in set_up.shapes)
     with new_folder(folder, question("campaign new", inputs), replace=replace) as output:
-        expected, told["expected"], notes, material = _expected(plan, by_shape)
+        expected, summary["expected"], notes, material = _expected(plan, by_shape)
         # shaped pads last: the power of a plan with one is not computed
         seen, warnings = _power(plan, by_shape[-1][0], design.seed) if power else (None, [])
         trials = [_trial(row, set_up) for row in plan]
         output.path(FILE).write_text(campaign_toml(set_up, trials, comments), encoding="utf-8")
         _copy_profile(set_up, output.work)
-        page = sheet_html(set_up.name, plan, told, design.seed, expected)
+        page = sheet_html(set_up.name, plan, summary, design.seed, expected)
         output.path("sheet.html").write_text(page, encoding="utf-8")
         result = output.answer({
             "inputs": {**inputs, "folder": str(output.folder)},

@@ -60,7 +60,7 @@ def suggest(
     replace: bool = False,
     progress: Callable[[str], None] | None = None,
 ) -> Answer:
-    """Recommend ratio, thickness and, if asked for, shape of a pad for a tissue; with ``out`` its mould and report.
+    """Recommend ratio, thickness and, on request, shape of a pad for a tissue; with ``out`` its mould and report.
 
     Parameters
     ----------

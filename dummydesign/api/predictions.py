@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 
 
 def pad_of_inputs(inputs: dict[str, Any]) -> tuple[Pad | Puck, dict[str, float], list[str]]:
-    """Make the pad or puck that is asked for; also its modulus with interval, and sources."""
+    """Make the pad or puck of the question; also its modulus with interval, and sources."""
     from dummydesign.geometry.punch import equal_area_radius_mm, punch_sides_mm, read_profile
     from dummydesign.geometry.shape_registry import read_shape
     from dummydesign.pad.material.hyperelastic import read_law
@@ -351,7 +351,7 @@ def _against(
 def _add_fields(
     made: Pad | Puck, result: dict[str, Any], path: str | PathLike[str] | None, picture: str | PathLike[str] | None
 ) -> dict[str, Any]:
-    """Put the contact pressures into the answer, and write fields and picture where they are asked for."""
+    """Put the contact pressures into the answer, and write fields and picture where requested."""
     from dummydesign.pad.fields.solve import contact_pressures, has_fields, solve_fields
 
     depths = [depth for depth in result["depth_mm"] if depth > 0.0]

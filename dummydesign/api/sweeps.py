@@ -156,7 +156,7 @@ def _work_out(
         rows = found["rows"]
         live = live_data(resin, sites, study.sampling)
         page = write_whatif(output.work, study, rows, resin, sites, live, found["warnings"])
-    told = output.answer({"warnings": found["warnings"], "files": {"rows": str(file.path), **page}})
+    answered = output.answer({"warnings": found["warnings"], "files": {"rows": str(file.path), **page}})
     inputs = {**inputs, "out": str(output.folder)}
-    warnings = tuple(told["warnings"])
-    return Rows(study, tuple(rows), found["seconds"], inputs, warnings, sources, kept, told["files"])
+    warnings = tuple(answered["warnings"])
+    return Rows(study, tuple(rows), found["seconds"], inputs, warnings, sources, kept, answered["files"])

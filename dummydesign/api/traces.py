@@ -144,7 +144,7 @@ def compare(
     lowpass : str, optional
         Filter the forces went through, ``HZ[:ORDER[:PASSES]]``.
     record : path, optional
-        Record of the pad as it was cast, by ``mold record``: told beside the verdict.
+        Record of the pad as it was cast, by ``mold record``, printed with the verdict.
     punch : str
         Of the test, as in :func:`dummydesign.suggest`.
     edge_radius_mm : float

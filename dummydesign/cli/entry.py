@@ -68,7 +68,7 @@ def settle_out(project: Project | None, command: str, module: ModuleType, option
 
 
 class _Parser(argparse.ArgumentParser):
-    """An argument parser whose complaints are one line and exit status 2; its help is made when asked for."""
+    """An argument parser whose complaints are one line and exit status 2; its help is made on request."""
 
     command = ""
 
@@ -210,7 +210,7 @@ def _render_of(module: Any, options: argparse.Namespace) -> Any:
 
 
 def _loudness(options: argparse.Namespace) -> str:
-    """How much is told of the work: by -v ``verbose``, by -q ``quiet``."""
+    """How much to print of the work: by -v ``verbose``, by -q ``quiet``."""
     verbose, quiet = getattr(options, "verbose", False), getattr(options, "quiet", False)
     if verbose and quiet:
         raise InputError("--verbose and --quiet: the one or the other", "conflict", "verbose")

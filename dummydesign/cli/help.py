@@ -52,9 +52,9 @@ def epilog_of(command: str, parser: argparse.ArgumentParser) -> str:
 
 def finish(parser: argparse.ArgumentParser, command: str) -> None:
     """Add it to a command and, below it, to its actions."""
-    for words, told in FLAGS:
+    for flags, meaning in FLAGS:
         # an action must not take back what stands before it
-        parser.add_argument(*words, action="store_true", default=argparse.SUPPRESS, help=told)
+        parser.add_argument(*flags, action="store_true", default=argparse.SUPPRESS, help=meaning)
     vars(parser)["command"] = command
     parser.formatter_class = argparse.RawDescriptionHelpFormatter
     for action in parser._actions:

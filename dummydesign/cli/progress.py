@@ -16,11 +16,11 @@ from dummydesign.core.process import VARIABLE, write_progress
 
 Clock = Callable[[], float]
 loudness: ContextVar[str] = ContextVar("loudness", default="")
-"""How much is told: ``verbose`` (a line for each step, on any stream), ``quiet`` (nothing), else a terminal's line."""
+"""How much to print: ``verbose`` (a line for each step, on any stream), ``quiet`` (nothing), else a terminal's line."""
 
 
 def say(text: str) -> None:
-    """A line on standard error, when much is to be told."""
+    """A line on standard error, in verbose mode."""
     if loudness.get() == "verbose":
         print(text, file=sys.stderr, flush=True)
 
@@ -41,7 +41,7 @@ def _processor_s() -> float:
 
 
 class _Shown:
-    """A line on a stream: overwritten on a terminal, one below the other when much is told.
+    """A line on a stream: overwritten on a terminal, one below the other in verbose mode.
 
     The loudness is that of the moment it is made.
     """
@@ -123,7 +123,7 @@ class Steps(_Shown):
     """Shows one line on a terminal, which each step overwrites; nothing anywhere else.
 
     How many steps there will be is not known before the end: ``about`` is where the count starts from, and it grows
-    when more come. The time left is that of the steps so far, carried on.
+    when more come. The time left is that of the steps so far, extrapolated.
     """
 
     def __init__(self, about: int, stream: TextIO | None = None, clock: Clock = time.monotonic) -> None:

@@ -47,7 +47,7 @@ def details(result: dict[str, Any]) -> str:
     lines += [_condition(row) for row in best["conditions"]]
     no_law = any(item["code"] == NO_LAW for item in result["warnings"])
     words = "the people's slowest rise, scaled to their steady force" if no_law else (
-        "the tissue's law carried on; no data on people")  # fmt: skip
+        "the tissue's law extrapolated; no data on people")  # fmt: skip
     lines += ["", f"  small forces ({words}):", "  N      depth mm   tissue mm"]
     for row in best["low_force"]:
         depth = "-" if row["depth_mm"] is None else f"{row['depth_mm']:.2f}"
@@ -387,7 +387,7 @@ def _notes(result: dict[str, Any]) -> list[str]:
 
 
 def _impact(result: dict[str, Any]) -> list[str]:
-    """What a free mass does on pad and people, where one was asked for."""
+    """What a free mass does on pad and people, where one was requested."""
     pad, known = impact_of(result)
     if not pad or not known:
         return []

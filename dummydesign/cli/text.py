@@ -63,7 +63,7 @@ def fitted(
 
 NO_LAW = "measured_curves"
 FIRST = (NO_LAW, "tissue_punch", "force_not_in_band", "speed_not_in_band", "calibration_resin")
-"""Codes of what is said right after the verdict: it rests on what nobody measured, or on another resin's campaign."""
+"""Codes of warnings printed right after the verdict: missing measurements, or another resin's campaign."""
 CODES = {"green": "32", "amber": "33", "red": "31"}
 
 
@@ -81,13 +81,13 @@ def verdict_lines(verdict: dict[str, Any] | None, coloured: bool | None = None) 
 
 
 def tissue_lines(result: dict[str, Any]) -> list[str]:
-    """What a tissue does not have, or is not known for in this test, before anything that is held against it."""
+    """What a tissue does not have, or is not known for in this test, before any comparison with it."""
     said = [item["message"] for item in result["warnings"] if item["code"] in FIRST]
     return [*said, ""] if said else []
 
 
 def warning_lines(result: dict[str, Any]) -> list[str]:
-    """Warnings that were not said first."""
+    """Warnings not printed with the verdict."""
     return [f"warning: {item['message']}" for item in result["warnings"] if item["code"] not in FIRST]
 
 

@@ -26,7 +26,7 @@ MOST = 1000
 
 @dataclass(frozen=True)
 class OutputTarget:
-    """Folder and stem to write to, the files of an earlier answer that go, and what the user has to be told."""
+    """Folder and stem to write to, the files of an earlier answer that go, and warnings for the user."""
 
     folder: Path
     stem: str
@@ -130,7 +130,7 @@ class Output:
         return (value.replace(f"{self.work}{os.sep}", "") if here else value).replace(str(self.work), str(self.folder))
 
     def answer(self, result: Mapping[str, Any]) -> dict[str, Any]:
-        """Finish an answer: paths as they will be, the manifest among its ``files``, what must be told among its
+        """Finish an answer: paths as they will be, the manifest among its ``files``, warnings among its
         ``warnings``."""
         found = self.settled(result)
         found["files"] = {**found.get("files", {}), "manifest": str(self.folder / self.place.manifest)}

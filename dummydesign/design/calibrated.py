@@ -119,7 +119,7 @@ def _differences(calibration: Calibration, resin: Resin, ratio: float, punch: st
     carried = "modulus, relaxation and effects are carried over, what was found of the force law is not"
     if pad.get("resin") not in (None, resin.name):
         said.append(("calibration_resin", f"the calibration's campaign pressed pads of {pad['resin']}; this design is "
-                     f"of {resin.name}, and takes its modulus and relaxation all the same"))
+                     f"of {resin.name}, and still uses its modulus and relaxation"))
     if pad.get("ratio") is None:
         said.append(("calibration_ratio", f"the calibration's campaign says no ratio: its modulus is taken for that at "
                      f"{ratio:g}, the ratio of {resin.name}'s relaxation; name resin and ratio in campaign.toml"))

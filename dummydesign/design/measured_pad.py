@@ -113,7 +113,7 @@ RAW_BIAS = 1.5
 def verdict_of_traces(found: Comparison, tissue: Tissue) -> Verdict:
     """Judge a cast pad by its traces.
 
-    Each press is held against the subjects at its own steady force, speed, hold and braking; repeats are averaged.
+    Each press is compared with the subjects at its own steady force, speed, hold and braking; repeats are averaged.
     True pads that may be behind the measurement are drawn from the noise, the scatter of repeats and the zero of
     depth. A press of the test that was not made, or without a test a speed of the tissue at which the pad was not
     pressed, leaves open whether it is inside.
@@ -189,7 +189,7 @@ def peak_of(trace: ReducedTrace, noise_N: float = 0.0) -> float:
 def energy_of(trace: ReducedTrace) -> float:
     """Integral of F dx from contact to the end of the hold, where nothing moves any more. [mJ]
 
-    The stop of the ideal ramp lies in the middle of the braking, or between two samples: up to there the steepest part
+    The stop of the ideal ramp lies halfway through the braking, or between two samples: up to there the steepest part
     of the rise is missing, 3 % of the energy at 150 samples in the rise.
     """
     time = trace.trace.time_s

@@ -64,7 +64,7 @@ def reactions(answer: Suggestion, law: ForceLaw) -> list[Reaction]:
     found = []
     for name, pair in cases.items():
         change = np.array([100.0 * (_measure(curves, *case, answer) / nominal - 1.0) for case in pair])
-        # an end at which the force cannot be reached has no number: the bar then ends at no change, and says so
+        # an end at which the force cannot be reached has no number: the bar then ends at no change, with a note
         name += "" if np.isfinite(change).all() else " *"
         low, high = np.fmin.reduce([*change, 0 * nominal]), np.fmax.reduce([*change, 0 * nominal])
         found.append(Reaction(name, (float(low[0]), float(high[0])), (float(low[1]), float(high[1]))))

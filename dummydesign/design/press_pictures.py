@@ -56,7 +56,7 @@ class PressPictures:
 def press_pictures(answer: Suggestion) -> PressPictures:
     """Solve the recommended pad, and the best slab beside a shaped one, at the forces of the test."""
     if not answer.request.verify:
-        return PressPictures(left_out="left out, as finite elements were not asked for")
+        return PressPictures(left_out="left out, as finite elements were not requested")
     if not answer.shape.axisymmetric:
         kind = answer.shape.name
         return PressPictures(left_out=f"left out: {kind} pads are not round, and no one section stands for them")

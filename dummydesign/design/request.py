@@ -14,7 +14,7 @@ from dummydesign.design.options import SuggestOptions
 from dummydesign.geometry.dimensions import PUNCH_RADIUS_MM
 
 Progress = Callable[[str], None]
-"""Is told each step of the work as it begins, in words."""
+"""Called with the name of each step as it begins."""
 
 
 def quiet(step: str) -> None:
@@ -96,7 +96,7 @@ def face_of(punch: str, condition: str | None) -> str:
 
 @dataclass(frozen=True)
 class Request(SuggestOptions):
-    """What is asked for. Ranges are (low, high) with both ends included, None for all that is allowed.
+    """The question. Ranges are (low, high) with both ends included, None for all that is allowed.
 
     ``punch``, ``force_N``, ``velocity_mm_s``, ``hold_s``, ``pad_mm``, ``base``, ``edge_radius_mm`` and ``condition``
     are the test that the pad and the people behind the tissue are pressed by; ``preset``, ``machine`` and ``silicone``

@@ -52,7 +52,7 @@ class PressRow:
 
 @dataclass(frozen=True)
 class SafetyView(Serialised):
-    """Presses, and when asked for the impact of a mass and the comparison with limits, as plain rows."""
+    """Presses, and on request the impact of a mass and the comparison with limits, as plain rows."""
 
     presses: tuple[PressRow, ...]
     impact: tuple[dict[str, Any], ...] = ()
@@ -120,7 +120,7 @@ def safety_view(
 
 
 def _bottoming(slabs: Slabs, mass_kg: float, velocity_mm_s: float) -> dict[str, str]:
-    """What is said of a pad that does not stop a mass within its depth."""
+    """Text for a pad that does not stop a mass within its depth."""
     limit, thickness = float(slabs.curves.limit_mm[slabs.slab[0]]), float(slabs.thickness_mm[0])
     depth = np.linspace(0.0, limit, 200)
     force = slabs.young_MPa[0] * slabs.curves.area_at(slabs.slab, depth[None])[0]

@@ -25,7 +25,7 @@ RAMP_MM = 1.0
 
 @dataclass(frozen=True)
 class CrownWithRing(PadShape):
-    """A crown in the middle of a pad with one more line of the mesh, at which a ring of full thickness may begin.
+    """A crown at the centre of a pad with one more line of the mesh, at which a ring of full thickness may begin.
 
     It is solved and never cast. Crown and ring are compared with the crown alone on the same cells, so that the
     difference is not that of two meshes. The wall of the ring leans inwards by :data:`RAMP_MM`, which adds material.

@@ -68,7 +68,7 @@ def solve(inputs: Inputs, found: SearchOutcome, progress: Progress = quiet) -> S
     if request.calibration is not None and chosen.shape.plain:
         return SolvedDesign(chosen, expected, not_verified(CALIBRATED))
     if not request.verify:
-        return SolvedDesign(chosen, expected, not_verified("not asked for"))
+        return SolvedDesign(chosen, expected, not_verified("not requested"))
     best, forces = chosen.found.best, (space.targets.protocol.low_grid_N[1], *space.targets.protocol.forces_N)
     centring = centring_tolerance(
         best, chosen.shape, space.radius_mm, inputs.punch.half_width_mm, forces, space.extent_mm,
@@ -161,7 +161,7 @@ def _recommended(inputs: Inputs, candidate: DesignCandidate, shape: PadShape) ->
 
 
 def suggest(request: Request, law: ForceLaw | None = None) -> Suggestion:
-    """Find ratio, thickness and, if asked for, shape of a pad for a tissue, with tolerance study and verification."""
+    """Find ratio, thickness and, on request, shape of a pad for a tissue, with tolerance study and verification."""
     return design(resolve(request, law))
 
 

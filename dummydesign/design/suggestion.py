@@ -53,7 +53,7 @@ class Suggestion:
     ``law`` is the force law in proportion with thickness, ``cast`` that of the shape as it is cast, from elements
     when it was verified; ``beside`` the best design of each kind of shape; ``centring`` how far off the centre of
     a crown the punch may press (with verification); ``warnings`` are {code, message}; ``calibration`` says what was
-    used of one and what it left; ``sites`` the grid of crowns, where several were asked for.
+    used of one and what it left; ``sites`` the grid of crowns, where several were requested.
     """
 
     request: Request

@@ -107,7 +107,7 @@ class PadShape:
     """What is added to the drafted slab's closed form of volume, in words."""
     open_mould_only: ClassVar[str] = ""
     """Why no lid can close the mould of this shape; empty when one can."""
-    told: ClassVar[frozenset[str]] = frozenset()
+    required_warnings: ClassVar[frozenset[str]] = frozenset()
     """Codes of the warnings without which no mould of this shape goes out."""
 
     sliders: ClassVar[tuple[str, ...]] = ()

@@ -40,7 +40,7 @@ def find_ramp(time_s: ArrayLike, displacement_mm: ArrayLike, stop: Literal["reac
 
     The depth is the median near the largest displacement. Two rules for the stop:
 
-    - ``reached``: where the motion, carried on at the speed it has over the last hundredths of a millimetre,
+    - ``reached``: where the motion, extrapolated at the speed it has over the last hundredths of a millimetre,
       reaches that depth; the hold ends where the motion leaves it for good. Exact for a clean ramp.
     - ``slowed``: where the speed, over a window that steps of 5 um do not disturb, falls to a tenth of that
       between contact and 60 % of the depth. It does not move when the robot creeps by hundredths of a millimetre

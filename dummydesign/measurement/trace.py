@@ -36,7 +36,7 @@ LOADED, FEW = 0.3, 0.05
 class Trace:
     """One measured (or simulated) press; arrays of shape (n,), compression positive.
 
-    ``told_mm_s`` is the speed the robot was told, where that is known: a shallow press brakes from the surface on, and
+    ``told_mm_s`` is the commanded speed, where known: a shallow press brakes from the surface on, and
     its motion does not show it.
     """
 
@@ -173,7 +173,7 @@ def check_one_press(trace: Trace, advice: str = "") -> None:
     try:
         count = len(find_presses(trace.name, trace.displacement_mm, force, True))
     except InputError:
-        return  # too little force to tell; whoever uses the trace says so
+        return  # too little force to tell; whoever uses the trace reports it
     if count > 1:
         message = f"{trace.name}: holds {count} presses; a trace is one{advice}"
         raise InputError(message, "malformed", "trace", count, 1)

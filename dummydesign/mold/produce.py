@@ -181,7 +181,7 @@ def _shown(made: Parts, meshes: dict[str, Any]) -> tuple[dict[str, Any], dict[st
 def finish_picture(
     process: subprocess.Popen[bytes], folder: Path, spec: MouldSpec, warnings: list[dict[str, str]]
 ) -> dict[str, str]:
-    """Wait for the picture; without one the mould is as good, and a warning says so."""
+    """Wait for the picture; without one the mould is as good, with a warning."""
     try:
         process.wait(PICTURE_S)
     except subprocess.TimeoutExpired:

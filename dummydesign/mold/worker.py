@@ -18,7 +18,7 @@ RESULT = ".result.json"
 
 
 def run(spec_file: Path, folder: Path) -> dict[str, Any]:
-    """Make the mould described in ``spec_file``; never raises for what can be told in words."""
+    """Make the mould described in ``spec_file``; never raises for faults with a message."""
     problem = cad_problem()
     if problem:
         return {"error": {"code": "cad_unavailable", "message": problem}}

@@ -186,7 +186,7 @@ def _check_depth(depth: Array, curve: ForceCurve, pad: Pad | Puck) -> None:
     worst, limit = float(np.max(depth)), curve.limit_mm
     if worst <= limit * (1.0 + 1e-9):
         return
-    # A solve may have ended early and says so; a law holds as far as it says.
+    # A solve may have ended early, with a note; a law holds to that depth.
     stopped = bool(curve.notes) and curve.solver["unknowns"] > 0
     reason = "; ".join(curve.notes) if stopped else "beyond it the pad model is not validated"
     message = (

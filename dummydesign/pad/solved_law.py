@@ -89,7 +89,7 @@ class SolvedLaw(BaseForceLaw):
         """
         radius = np.asarray(radius_mm, float)
         if not np.allclose(radius, self.radius_mm):
-            raise ValueError(f"solved for a punch radius of {self.radius_mm} mm, asked for {radius}")
+            raise ValueError(f"solved for a punch radius of {self.radius_mm} mm, requested {radius}")
         depth, thickness, young = np.broadcast_arrays(
             *(np.asarray(value, float) for value in (depth_mm, thickness_mm, young_MPa))
         )

@@ -51,7 +51,7 @@ class Project:
             value = getattr(self, name)
             given = f"{name} = {toml_text(value)}" if value is not None else f"# {name} = "
             lines.append(f"{given:<40} # {_HELP[name]}")
-        lines += ["", "# What 'dummydesign suggest' is asked for.", "[asked]"]
+        lines += ["", "# Options of 'dummydesign suggest'.", "[asked]"]
         known = dict(self.asked)
         lines += [f"{name} = {toml_text(known[name])}" if name in known else f"# {name} = " for name in ASKED]
         return "\n".join(lines) + "\n"

@@ -83,19 +83,20 @@ def _look(root: Path, room: str, problems: list[str]) -> list[ProjectFile]:
             if (path / CAMPAIGN).is_file():
                 rows.append(_campaign(path, name, problems))
         elif path.is_dir():
-            told = finished_manifest(path / MANIFEST)
-            if told is not None:
-                rows.append(ProjectFile(name, str(told["command"]), str(told.get("date", "")), _summary(told)))
+            manifest = finished_manifest(path / MANIFEST)
+            if manifest is not None:
+                command, date = str(manifest["command"]), str(manifest.get("date", ""))
+                rows.append(ProjectFile(name, command, date, _summary(manifest)))
         elif room == "tissue" and path.suffix == ".toml" and not path.stem.endswith("-manifest"):
-            told = finished_manifest(path.with_name(f"{path.stem}-{MANIFEST}")) or {}
-            rows.append(ProjectFile(name, str(told.get("command", "")), str(told.get("date", ""))))
+            manifest = finished_manifest(path.with_name(f"{path.stem}-{MANIFEST}")) or {}
+            rows.append(ProjectFile(name, str(manifest.get("command", "")), str(manifest.get("date", ""))))
         elif room == "measured" and path.suffix.lower() in TEXTS:
             rows.append(ProjectFile(name, ""))
     return sorted(rows, key=lambda one: one.date)
 
 
-def _summary(told: dict[str, Any]) -> dict[str, Any] | None:
-    found = told.get("summary")
+def _summary(manifest: dict[str, Any]) -> dict[str, Any] | None:
+    found = manifest.get("summary")
     return found if isinstance(found, dict) else None
 
 
@@ -105,9 +106,9 @@ def _campaign(path: Path, name: str, problems: list[str]) -> ProjectFile:
     except InputError as problem:
         problems.append(f"{name}: {problem}")
         return ProjectFile(name, "", "", {"pressed": 0, "missing": 0, "wrong": 1})
-    told = finished_manifest(path / MANIFEST) or {}
+    manifest = finished_manifest(path / MANIFEST) or {}
     counts = {"pressed": len(state.pressed), "missing": len(state.missing), "wrong": len(state.wrong)}
-    return ProjectFile(name, str(told.get("command", "")), str(told.get("date", "")), counts)
+    return ProjectFile(name, str(manifest.get("command", "")), str(manifest.get("date", "")), counts)
 
 
 def _next(project: Project, found: dict[str, tuple[ProjectFile, ...]]) -> tuple[str, str]:
@@ -142,7 +143,7 @@ def _next(project: Project, found: dict[str, tuple[ProjectFile, ...]]) -> tuple[
             return "learn from the campaign", f"dummydesign loop {_word(one.folder)}"
     if open_plans:
         left = open_plans[-1].summary or {}
-        text = f"press what is left ({left['missing']} of {left['missing'] + left['pressed']} presses)"
+        text = f"press the rest ({left['missing']} of {left['missing'] + left['pressed']} presses)"
         text = text if not left["wrong"] else "fix the problems of the campaign"
         return text, f"dummydesign campaign check {_word(open_plans[-1].folder)}"
     latest = found["calibrations"][-1]

@@ -85,7 +85,8 @@ def _percent(share: float | None) -> str:
 
 def _steady_words(data: dict[str, Any]) -> str:
     reached, low = data["steady_state_range"]["reached_N"], data["steady_state_range"]["span_N"][0]
-    carried = "their slowest rise, scaled to their steady force" if data["law"] == "curves" else "their law carried on"
+    curves = data["law"] == "curves"
+    carried = "their slowest rise, scaled to their steady force" if curves else "their law extrapolated"
     text = f"Below {low:g} N the subjects' range is {carried}, and drawn paler."
     return text if reached is None else f"The dummy was pressed from {reached[0]:.3g} to {reached[1]:.3g} N. {text}"
 

@@ -54,7 +54,7 @@ def write_fit_report(folder: Path, stem: str, fit: TissueFit, sources: Sequence[
     sections = [
         Section("Force over time", "Dots are means over the bins that were fitted, the line is the fit along the "
                 f"measured motion.{left_out}", _presses(fit)),
-        Section("What is left", "Measured minus fitted, in bins. The area is three times the noise floor, up and down.",
+        Section("Residual", "Measured minus fitted, in bins. The area is three times the noise floor, up and down.",
                 _residuals(fit)),
         Section("Parameters", _notes(data), table=table_of_parameters(data["parameters"])),
         *_by_condition(data),

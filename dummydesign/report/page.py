@@ -99,7 +99,7 @@ def glossary_page() -> str:
     return "\n".join(lines) + "\n"
 
 
-# A browser that honours this refuses any request of the page, and says so in its console.
+# A browser that honours this refuses any request of the page, and reports it in its console.
 POLICY = "default-src 'none'; img-src data:; style-src 'unsafe-inline'; script-src 'unsafe-inline'"
 
 

@@ -93,7 +93,7 @@ def _pressure(pictures: PressPictures) -> Plot:
 def _place(pad: PressedPad) -> str:
     """Where inside the contact the pressure is largest, in words."""
     at, reach = pad.contact["peak_radius_mm"], pad.contact["contact_radius_mm"]
-    return "in the middle" if at < 0.1 * reach else f"{at:.1f} mm from the middle"
+    return "at the centre" if at < 0.1 * reach else f"{at:.1f} mm from the middle"
 
 
 def _edge(pad: PressedPad) -> str:
@@ -135,7 +135,7 @@ def _table(pictures: PressPictures) -> Table:
 
 
 def safety_section(view: SafetyView) -> Section:
-    """Energy and pressure at each condition, and when asked for an impact and a user's limits."""
+    """Energy and pressure at each condition, and on request an impact and a user's limits."""
     rows = [
         [
             f"{row.steady_force_N:g}", f"{row.velocity_mm_s:g}",

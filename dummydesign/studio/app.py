@@ -282,7 +282,7 @@ def _write_privately(path: Path, text: str) -> None:
 
 
 def _listen(port: int | None) -> socket.socket:
-    """A socket of this machine alone, on the port asked for or the first free one."""
+    """A socket of this machine alone, on the requested port or the first free one."""
     if port is not None and not 1 <= port <= 65535:
         message = f"--port {port} is outside the allowed range 1 to 65535"
         raise InputError(message, "out_of_range", "port", port, (1, 65535))

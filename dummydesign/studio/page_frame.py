@@ -60,7 +60,7 @@ def lay_out(
     studio: Studio, here: str, title: str, query: Mapping[str, str], body: Body,
     empty: Callable[[Studio], None] | None = None,
 ) -> None:  # fmt: skip
-    """Lay out a page; what is wrong in the folder is said on it."""
+    """Lay out a page; with faults of the folder on it."""
     ui.colors(primary="#0b5cad")
     ui.add_head_html(page_head())
     ui.page_title(f"{title} – dummydesign studio")

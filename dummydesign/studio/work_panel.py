@@ -81,7 +81,7 @@ class Work(Panel):
     """The panel of a long command.
 
     What is shown comes from the jobs of this name in the folder, so that every tab and a restart see the same: the
-    newest one that belongs to what is chosen and has an answer. A later one that failed is said over it.
+    newest one that belongs to what is chosen and has an answer. A later one that failed is shown over it.
     """
 
     def __init__(
@@ -149,7 +149,7 @@ class Work(Panel):
                 self._ended(newest, mine)
 
     def _tell_end(self, job: Job | None, mine: bool) -> None:
-        """Say how a command ended; one for another choice is said with its line."""
+        """Say how a command ended; one for another choice is shown with its line."""
         self._problem.clear()
         if job is None or job.state == "running":
             return

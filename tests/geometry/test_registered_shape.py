@@ -35,7 +35,7 @@ class Coned(PadShape):
 
     name: ClassVar[str] = "coned"
     closed_form: ClassVar[str] = ", a truncated cone"
-    told: ClassVar[frozenset[str]] = frozenset({"curved_master", "thickness_varies"})
+    required_warnings: ClassVar[frozenset[str]] = frozenset({"curved_master", "thickness_varies"})
     top_mm: float
     foot_mm: float
     height_mm: float
@@ -179,7 +179,7 @@ def test_its_mould_is_specified_weighed_and_described():
     assert cavity_volume_mm3(spec) == pytest.approx(cavity_volume_mm3(plain) + cone, rel=1e-9)
     assert plan.pad_mass_g == pytest.approx(cavity_volume_mm3(spec) * spec.pour.density_g_per_cm3 * 1e-3)
     warnings = pour_warnings(spec, plan)
-    assert Coned.told <= {item["code"] for item in warnings}
+    assert Coned.required_warnings <= {item["code"] for item in warnings}
     written = sheet.to_markdown(sheet.pour_sheet(spec, plan, warnings))
     assert "Truncated cone: top radius 4" in written and "coned pad 60 x 50 x 12 mm" in written
     assert "at a tip of radius" not in written

@@ -37,7 +37,7 @@ ABOUT_STEPS = 12
 
 
 def run(options: argparse.Namespace) -> dict[str, Any]:
-    """Read the traces, fit, and write what was asked for."""
+    """Read the traces, fit, and write the requested files."""
     from dummydesign.api.traces import fit
 
     return call_in_steps(ABOUT_STEPS, fit, options, out=options.out or None).to_dict()

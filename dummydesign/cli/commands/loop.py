@@ -25,7 +25,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 ABOUT_STEPS = 18
-"""Steps of a usual campaign: base, single effects, one more of them, what is left, the next measurement."""
+"""Steps of a usual campaign: base, single effects, one more of them, the residual, the next measurement."""
 
 
 def run(options: argparse.Namespace) -> dict[str, Any]:

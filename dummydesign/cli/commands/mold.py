@@ -139,7 +139,7 @@ def _numbers(option: str, text: str, count: int) -> Any:
     except ValueError:
         found = ()
     if len(found) != count:
-        message = f"{option} {text} must be {count} numbers parted by commas"
+        message = f"{option} {text} must be {count} comma-separated numbers"
         raise InputError(message, "malformed", quantity_name(option), text)
     return found
 

@@ -15,8 +15,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
     parser.add_argument("campaign", metavar="CAMPAIGN_DIR", help="folder with campaign.toml and one CSV per trial")
     parser.add_argument("--calibration", metavar="FILE", required=True, help="calibration.json of 'dummydesign loop'")
-    told = "judge each pad of the campaign by its presses, as 'compare' does"
-    parser.add_argument("--tissue", metavar="NAME|FILE", help=told)
+    words = "judge each pad of the campaign by its presses, as 'compare' does"
+    parser.add_argument("--tissue", metavar="NAME|FILE", help=words)
     add_effect_option(parser)
 
 

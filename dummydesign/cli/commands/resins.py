@@ -20,22 +20,22 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     show = actions.add_parser("show", help="one resin, every number with its source", allow_abbrev=False)
     show.add_argument("name", metavar="NAME", help="a known resin or a TOML file")
     show.add_argument("--out", metavar="DIR", help="also write a plot and its CSV")
-    told = "keep a resin file, or update a resin by a file of measured points"
-    add = actions.add_parser("add", help=told, allow_abbrev=False)
+    words = "keep a resin file, or update a resin by a file of measured points"
+    add = actions.add_parser("add", help=words, allow_abbrev=False)
     add.add_argument("file", metavar="FILE", help="TOML file of a resin, or of points: base, name and [[point]]s")
-    told = "take the place of a resin of your own that has this name"
-    add.add_argument("--replace", action="store_true", help=told)
-    told = "modulus and relaxation of a batch from its puck's curve"
-    puck = actions.add_parser("add-compression", help=told, allow_abbrev=False)
-    told = "time_s, displacement_mm, force_N: one slow loading, or ramps and holds"
-    puck.add_argument("file", metavar="TRACE.csv", help=told)
+    words = "take the place of a resin of your own that has this name"
+    add.add_argument("--replace", action="store_true", help=words)
+    words = "modulus and relaxation of a batch from its puck's curve"
+    puck = actions.add_parser("add-compression", help=words, allow_abbrev=False)
+    words = "time_s, displacement_mm, force_N: one slow loading, or ramps and holds"
+    puck.add_argument("file", metavar="TRACE.csv", help=words)
     puck.add_argument("--diameter", type=float, required=True, metavar="MM", help="of the puck")
     puck.add_argument("--height", type=float, required=True, metavar="MM", help="of the puck")
     puck.add_argument("--name", required=True, help="of the resin that results")
     puck.add_argument("--ratio", type=float, required=True, metavar="R", help="mixing ratio of the puck")
     puck.add_argument("--resin", metavar="BASE", help="resin whose law is updated")
-    told = "begin NAME again, without the points it has"
-    puck.add_argument("--replace", action="store_true", help=told)
+    words = "begin NAME again, without the points it has"
+    puck.add_argument("--replace", action="store_true", help=words)
     add_own_actions(actions, "resin")
 
 

@@ -47,7 +47,7 @@ def run(options: argparse.Namespace) -> dict[str, Any]:
     result = answer.to_dict()
     if not answer.found.verdict.acceptable:
         text = f"no acceptable pad: the best one found is {result['verdict']['level'].replace('_', ' ')}"
-        text += "" if options.cad is not None else "; no mould was made of it (--cad makes it all the same)"
+        text += "" if options.cad is not None else "; no mould was made of it (--cad makes it anyway)"
         raise NoAnswerError("no_acceptable_pad", text, result, "verdict")
     return result
 

@@ -324,7 +324,7 @@ def _near(chosen: Chosen, space: SearchSpace, low_share: float) -> list[DesignCa
 def _best_of(drawn: Sequence[TissueScores]) -> tuple[int, bool]:
     """Which pad is surely expected to be worth more than the first, and whether for the tissue as it is known alone.
 
-    Where the doubt about the tissue hides a difference, that for the tissue in the middle of what is known decides
+    Where the doubt about the tissue hides a difference, that for the central tissue decides
     among the pads that are expected to be worth no less over all of it.
     """
     gains = [one.merit - drawn[0].merit for one in drawn]
@@ -340,7 +340,7 @@ def _best_of(drawn: Sequence[TissueScores]) -> tuple[int, bool]:
 def _error_of_mean(values: NDArray) -> float:
     """Standard error of the mean of values (tissues, pours), drawn along each axis.
 
-    Tissues drawn evenly over a posterior come in strata: what is left is how neighbours differ.
+    Tissues drawn evenly over a posterior come in strata: only differences of neighbours remain.
     """
     tissues, pours = values.shape
     of_pours = values.mean(axis=0).var() / pours

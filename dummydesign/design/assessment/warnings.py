@@ -137,7 +137,7 @@ def _of_speeds(space: SearchSpace, tissue: Tissue) -> Warnings:
     if not far:
         return []
     there, known = (" and ".join(f"{v:g}" for v in speeds) for speeds in (far, tissue.velocities_mm_s))
-    text = f"{tissue.name} is known at {known} mm/s only: what it does at {there} mm/s is its dampers carried on"
+    text = f"{tissue.name} is known at {known} mm/s only: what it does at {there} mm/s is extrapolated by its dampers"
     return [("speed_not_in_band", f"{text}, not a measurement")]
 
 
@@ -159,7 +159,7 @@ def _why_stiff(chosen: Chosen) -> str:
     if not chosen.shape.flat_top:
         return "the shape starts stiffer or softer than tissue there"
     text = "a flat pad starts far more linear than tissue, whatever its ratio"
-    # other kinds were compared already where rows of them stand beside it
+    # other kinds were compared already where rows of them are beside it
     return text if len(chosen.beside) > 1 else f"{text}; '--shape auto' looks for others"
 
 

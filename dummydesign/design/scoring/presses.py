@@ -259,7 +259,7 @@ def steady_depth(
         rows, some, settled = np.arange(len(depth)), slabs, np.zeros(depth.shape, bool)
         for _ in range(8):
             before = depth[rows]
-            # depths that are out of reach are tried at the limit: what is left there may bring them in
+            # depths that are out of reach are tried at the limit: the rest there may bring them in
             tried = np.where(np.isfinite(before), before, some.curves.limit_mm[some.slab][:, None])
             new = some.curves.depth_at(some.slab, elastic[rows] / left(some, tried, speeds, sampling))
             # a depth that has settled stays, so that no design depends on which others are worked out with it

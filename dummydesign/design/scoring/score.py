@@ -148,7 +148,7 @@ def _inside_at_samples(press: SimulatedPress, band: ForceRange) -> NDArray:
 
 
 def _inside_in_order(press: SimulatedPress, band: ForceRange) -> NDArray:
-    """The same for presses that are held against many ranges: looked up in the order of time, which is quick."""
+    """The same for presses that are compared with many ranges: looked up in the order of time, which is quick."""
     order, times = press.in_order
     ends = np.empty(order.shape, complex)
     ends.ravel()[order.ravel()] = np.interp(times, band.time_s, _both_ends(band))

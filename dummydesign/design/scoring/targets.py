@@ -115,7 +115,7 @@ class Targets:
 
     @property
     def parametric(self) -> bool:
-        """Whether the tissue has parameters that a pad's can be held against."""
+        """Whether the tissue has parameters that a pad's can be compared with."""
         return not self.tissue.measured
 
     @property

@@ -126,7 +126,7 @@ class ShapeComparison:
 
 @dataclass(frozen=True)
 class SearchOutcome:
-    """What tables give for a request: the best flat slab, designs of the kinds asked for, kinds without one."""
+    """What tables give for a request: the best flat slab, designs of the requested kinds, kinds without one."""
 
     asked: str
     slab_law: ForceLaw
@@ -179,7 +179,7 @@ def best_of_kinds(
 
 
 def choose(found: SearchOutcome, space: SearchSpace) -> Chosen:
-    """Take the best of what was found: solved designs first; a slab only where it was asked for or by ``auto``."""
+    """Take the best of what was found: solved designs first; a slab only where it was requested or by ``auto``."""
     flat, law, designs = found.slab, found.slab_law, found.designs
     if found.asked.lower() == Slab.name and flat is not None:
         return Chosen(Slab(), flat, law, law, ())
@@ -256,7 +256,7 @@ def _fitted(designs: Sequence[Shaped], space: SearchSpace, kind: str | None = No
 def _designs(
     text: str, space: SearchSpace, refused: Mapping[str, str]
 ) -> tuple[tuple[Shaped, ...], tuple[ShapeComparison, ...]]:
-    """Designs of the kinds asked for by their tables, and the kinds that have none with the reason."""
+    """Designs of the requested kinds by their tables, and the kinds that have none with the reason."""
     found: list[Shaped] = []
     kinds = [kind for kind in kinds_of(text) if kind not in refused]
     failed = [ShapeComparison(kind, reason=refused[kind]) for kind in kinds_of(text) if kind in refused]

@@ -73,7 +73,7 @@ class ElementsLaw(BaseForceLaw):
 
 
 def solve_law(shaped: Shaped, space: SearchSpace, solved: PathCache | None = None) -> ElementsLaw:
-    """Solve the best pad of a search, once for all moduli, on the base and of the size that are asked for."""
+    """Solve the best pad of a search, once for all moduli, on the base and of the size requested."""
     inputs, own = _inputs(shaped, space)
     if shaped.shape.axisymmetric:
         made = cached("design", {**inputs, **own}, lambda: _solve_round(shaped, space, solved))
@@ -193,7 +193,7 @@ def solve_leading(designs: Sequence[Shaped], space: SearchSpace, progress: Progr
     table's doubt of :data:`DOUBT` included; the best of these is solved to the end, and the next where it turns out
     worse. Pads that are nearly the same are not pressed one by one: once the first is solved, the others are judged by
     what its elements give over its table. Fields of caps take minutes in space and are solved, the first of them, when
-    nothing else was asked for.
+    nothing else was requested.
     """
     order = sorted((shaped for shaped in designs if shaped.shape.axisymmetric), key=_rank, reverse=True)
     if not order:

@@ -1,7 +1,7 @@
 """Search over shapes: which of a family comes nearest to the tissue's curve, then ratio and thickness exactly.
 
 The first sieve is elastic and free of the resin's steps: at the depths where the aim carries 0.5 to 15 N
-every shape's force is known up to its modulus, whose best value in ln F is a mean. What is left is the
+every shape's force is known up to its modulus, whose best value in ln F is a mean. The remainder is the
 misfit (:mod:`dummydesign.design.search.best_of_kinds`). The best of it, one a thickness, go through the same
 search over ratio and thickness as slabs do.
 """

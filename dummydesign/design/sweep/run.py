@@ -141,7 +141,7 @@ def whatif(
 def _counted(
     results: Iterable[list[dict[str, Any]]], size: int, done: int, progress: Callable[[int, int], None]
 ) -> Iterator[list[dict[str, Any]]]:
-    """The same results, told of as they come."""
+    """The same results, reported as they come."""
     progress(done, size)
     for rows in results:
         done += len(rows)

@@ -182,7 +182,7 @@ class Study(Serialised):
 
     @property
     def protocol(self) -> Protocol:
-        """The test that scores are of: forces and speeds that were asked for, those of the paper in place of defaults.
+        """The test that scores are of: forces and speeds requested, those of the paper in place of defaults.
 
         The default forces are shown, 1 N among them, and are no test; so scores of a study that names none are those
         that ``suggest`` gives.

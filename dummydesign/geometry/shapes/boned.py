@@ -39,7 +39,7 @@ class Boned(ConicProfile):
     order: ClassVar[int] = 4
     closed_form: ClassVar[str] = ", less the bone by the conic's integral"
     open_mould_only: ClassVar[str] = "the bone of a boned pad hangs from a plate on an open mould"
-    told: ClassVar[frozenset[str]] = frozenset({"bone_air"})
+    required_warnings: ClassVar[frozenset[str]] = frozenset({"bone_air"})
     similarity: ClassVar[Similarity | None] = Similarity(
         ("thickness over punch radius", "bone height over thickness", "foot over punch radius"),
         (True, False, True), "slab",

@@ -51,7 +51,7 @@ class Bumped(PadShape):
     order: ClassVar[int] = 2
     flat_top: ClassVar[bool] = False
     closed_form: ClassVar[str] = ", caps of spheres"
-    told: ClassVar[frozenset[str]] = frozenset({"curved_master", "thickness_varies", "air_pockets"})
+    required_warnings: ClassVar[frozenset[str]] = frozenset({"curved_master", "thickness_varies", "air_pockets"})
     similarity: ClassVar[Similarity | None] = Similarity(
         ("thickness over punch radius", "pitch over punch radius", "grade over height of the caps"),
         (True, True, False), "tip",

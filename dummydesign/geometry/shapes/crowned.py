@@ -35,7 +35,7 @@ class Crowned(ConicProfile):
 
     One pad may have several such crowns, ``sites_along`` its length times ``sites_across`` its width, their tips
     ``pitch_along`` and ``pitch_across`` apart about the pad's middle. One is pressed at a time, and the origin of
-    ``drop_mm`` is its tip; how little the others change the force is solved where sites are asked for
+    ``drop_mm`` is its tip; how little the others change the force is solved where sites are requested
     (:mod:`dummydesign.design.sites`).
     """
 
@@ -43,7 +43,7 @@ class Crowned(ConicProfile):
     order: ClassVar[int] = 1
     flat_top: ClassVar[bool] = False
     closed_form: ClassVar[str] = ", its crown by the conic's integral"
-    told: ClassVar[frozenset[str]] = frozenset({"curved_master", "thickness_varies"})
+    required_warnings: ClassVar[frozenset[str]] = frozenset({"curved_master", "thickness_varies"})
     similarity: ClassVar[Similarity | None] = Similarity(
         ("thickness over punch radius", "crown height over thickness", "foot over punch radius", "R c / b^2"),
         (True, False, True, True), "tip",

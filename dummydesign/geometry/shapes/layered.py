@@ -24,7 +24,7 @@ class Layered(PadShape):
     name: ClassVar[str] = "layered"
     order: ClassVar[int] = 3
     open_mould_only: ClassVar[str] = "a layered pad is poured twice and its spacer needs an open mould"
-    told: ClassVar[frozenset[str]] = frozenset({"layer_bond"})
+    required_warnings: ClassVar[frozenset[str]] = frozenset({"layer_bond"})
     similarity: ClassVar[Similarity | None] = Similarity(
         ("thickness over punch radius", "upper layer over thickness", "modulus ratio"), (True, False, True), "slab"
     )

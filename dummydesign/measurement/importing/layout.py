@@ -286,7 +286,7 @@ def _refuse_two_commas(separator: str, cells: Sequence[str], width: int, header:
         if len(names) == width // 2 and _count_names(names) >= 2:
             message = (
                 f"{len(names)} names but {width} cells a row: the comma separates both columns and decimals, which "
-                "cannot be told apart; export with ';' between columns, or with numbers in quotes"
+                "look the same; export with ';' between columns, or with numbers in quotes"
             )
             raise log.fault(message, "malformed", "table")
 

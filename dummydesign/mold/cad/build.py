@@ -26,7 +26,7 @@ def build(spec: MouldSpec, bone_file: Path | None = None) -> Parts:
     """Build every part that the specification asks for.
 
     Parts in use (pad, mould, lid, strike-off, tray, ...) share the mould's frame; parts of the casting
-    boxes stand beside them in the assembly.
+    boxes lie next to them in the assembly.
     """
     placed = None if bone_file is None else single_solid(cq.Shape.importBrep(str(bone_file)))
     plan = layout(spec)

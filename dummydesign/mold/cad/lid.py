@@ -60,7 +60,7 @@ def ball(place: Point, z_mm: float, radius_mm: float) -> Any:
 
 
 def _wire(outline: Outline, z_mm: float) -> Any:
-    """Outline as a closed wire that starts in the middle of the front side."""
+    """Outline as a closed wire that starts halfway along the front side."""
     x, y, r = outline.length_mm / 2, outline.width_mm / 2, outline.radius_mm
     path = cq.Workplane(origin=(0, 0, z_mm)).moveTo(0, -y).lineTo(x - r, -y).radiusArc((x, -y + r), -r)
     path = path.lineTo(x, y - r).radiusArc((x - r, y), -r).lineTo(-x + r, y).radiusArc((-x, y - r), -r)

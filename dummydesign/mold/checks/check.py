@@ -11,7 +11,7 @@ from dummydesign.mold.model.spec import MouldSpec
 
 @dataclass(frozen=True)
 class Check:
-    """One check: what was measured, the limit it was held against and the verdict."""
+    """One check: what was measured, the limit and the verdict."""
 
     id: str
     value: Any

@@ -85,6 +85,6 @@ def _weights(spec: MouldSpec, pour: Pour, plan: PourPlan) -> list[Check]:
 def _check_warnings(spec: MouldSpec, warnings: Sequence[Mapping[str, str]]) -> Check:
     """Level tolerance, and for an open mould the meniscus, must be among what the answer and the sheet say."""
     needed = {"level", "meniscus"} if spec.body.style != "lidded" else {"level"}
-    needed |= spec.pad.shape.told
+    needed |= spec.pad.shape.required_warnings
     missing = sorted(needed - {item["code"] for item in warnings})
     return equal("warnings_told", len(missing), 0, ", ".join(missing))

@@ -22,7 +22,7 @@ VIEW = (-0.42, -1.0, 0.95)
 STACK = ("tray", "mould", "pad", "layer_top", "spacer", "layer_base", "lid", "backer", "strike_off", "carrier")
 
 BOXES = (("master", "face_sheet", "frame"), ("lid_master", "lid_frame"), ("sprue_pin",), ("vent_pin",), ("collar",))
-"""Parts that stand beside those in use, one over the other."""
+"""Parts next to those in use, one over the other."""
 
 
 def pack(meshes: dict[str, Any], colours: dict[str, tuple[float, float, float]], title: str, path: Path) -> None:

@@ -84,7 +84,7 @@
     const right = [a, b, 0], up = [-b * d, a * d, c], near = [b * c, -a * c, d], upright = box.height > 1.15 * box.width;
     arrange(share, upright);
     const [low, high] = boxOf(meshes, (m) => m.move), middle = low.map((v, k) => (v + high[k]) / 2);
-    // Names stand in strips at the sides, what stands beside on the right; what is drawn fits what is left.
+    // Names stand in strips at the sides, neighbouring parts on the right; the drawing fits the rest.
     const each = meshes.length > 1 ? Math.min(0.2, 120 / box.width) : 0, sides = groups.length > 1 && !upright ? 2 : 1, strip = each * sides;
     let wide = 1e-6, tall = 1e-6;
     for (const m of meshes) for (let i = 0; i < 8; i++) {
@@ -94,7 +94,7 @@
     const perPixel = Math.max(wide / (0.48 * box.width * (1 - strip)), tall / (0.47 * box.height)) / view.zoom;
     const scale = [2 / (perPixel * box.width), 2 / (perPixel * box.height)];
     gl.uniformMatrix3fv(at("turn"), false, [right[0], up[0], near[0], right[1], up[1], near[1], right[2], up[2], near[2]]);
-    // With names on the left alone, what is in the middle stands in the middle of what they leave free.
+    // With names on the left alone, the rest is centred in the free space.
     const shift = sides === 1 ? strip * box.width / 2 * perPixel : 0, centre = middle.map((v, k) => v - right[k] * shift);
     gl.uniform3f(at("middle"), ...centre); gl.uniform2f(at("scale"), ...scale);
     const draw = (mesh, kind, count, plain, colour, lifted) => {

@@ -179,7 +179,7 @@ def _read_fit(table: Table) -> tuple[PrintFit, list[str]]:
 
 @dataclass(frozen=True)
 class Surface:
-    """Depth of what is left of the layers' valleys, and the draft: ``least_draft_deg`` and so much more per depth."""
+    """Remaining depth of the layers' valleys, and the draft: ``least_draft_deg`` and so much more per depth."""
 
     depth_mm: float
     least_draft_deg: float

@@ -296,7 +296,7 @@ def solve_on_lattice(
 
 
 def of_two_meshes(coarse: Path, fine: Path, nodes: Array, least_error: float) -> dict[str, Any]:
-    """F / d at the first of the nodes from two meshes: the finer one's, carried on by the one that got further."""
+    """F / d at the first of the nodes from two meshes: the finer one's, extrapolated by the one that got further."""
     both = min(len(coarse.force), len(fine.force))
     further = fine if len(fine.force) > both else coarse
     count = len(further.force)

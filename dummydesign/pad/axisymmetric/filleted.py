@@ -2,7 +2,7 @@
 
 The face inside the fillet is glued from the start. Beyond it the pad's surface rolls on to the fillet, and further on
 to the punch's upright side; what touches there sticks where it touched. Nothing is singular: the force is solved on
-two meshes, the cells of one twice as large, and carried on by half of what that changed.
+two meshes, the cells of one twice as large, and extrapolated by half of what that changed.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ Array = np.ndarray
 CELLS, GROWTH, LARGEST = 3.0, 1.5, 0.2
 # Cells over a large fillet are no larger than this (thicknesses).
 AT_FILLET = 0.06
-# What is left of the step between the meshes, added and stated as error; and the error of contact and steps.
+# The rest of the step between the meshes, added and stated as error; and the error of contact and steps.
 MESH_LEFT = 0.5
 LEAST_ERROR = 1.5e-3
 

@@ -121,7 +121,7 @@ def follow_sliding(
 ) -> Path:  # fmt: skip
     """Follow the slab through depths while the mesh's columns follow the fillet.
 
-    The next state is carried on from the last two in the frame of the punch, in which it hardly changes.
+    The next state is extrapolated from the last two in the frame of the punch, in which it hardly changes.
     """
     began = time.perf_counter()
     problem = mesh.problem

@@ -10,7 +10,7 @@ touch that never turns back, as in compression [1]:
     t = mu p s / sqrt(s^2 + e^2),   e = 2e-4 heights.
 
 Contact is a penalty; its penetration is 1e-5 heights times the pressure in shear moduli. With bonded plates
-the edge is a singular corner: its cells invert at some compression, where the curve ends and says so.
+the edge is a singular corner: its cells invert at some compression, where the curve ends with a note.
 
 References
 ----------

@@ -74,7 +74,7 @@ def _case(pad: Pad, depth_mm: Sequence[float] | Array) -> tuple[Case, Array]:
 
 
 def sharp(rough: Array, fine: Array) -> tuple[Array, Array]:
-    """Values with fillets of 0.1 and 0.05 carried on to a sharp edge; NaN where a fillet did not get to.
+    """Values with fillets of 0.1 and 0.05 extrapolated to a sharp edge; NaN where a fillet did not get to.
 
     Where only one is known, the step between them is taken from the last depth at which both are.
     """

@@ -39,7 +39,7 @@ LIMIT_ERROR = 0.3
 
 
 def extrapolate_to_sharp(values: Array, step: Array, share: float) -> Array:
-    """Values carried on to a sharp edge by a share of the step that halving the rim made.
+    """Values extrapolated to a sharp edge by a share of the step that halving the rim made.
 
     Where the effect of a rim vanishes with its power p, 1 / (2^p - 1) of the step is left after the smaller rim.
     """

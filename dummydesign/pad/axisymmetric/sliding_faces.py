@@ -28,7 +28,7 @@ from dummydesign.pad.specimen import Pad
 Array = np.ndarray
 
 RIMS = (0.1, 0.05)
-# What is left of a correction by one halving of the fillet.
+# The rest of a correction by one halving of the fillet.
 LEFT = 1.0 / (2.0**RIM_POWER - 1.0)
 # Error of the ratio from cells and contact: half the cells moved it by up to 0.3 % and 1 %.
 GLUED_ERROR, SLIDING_ERROR = 3e-3, 1e-2

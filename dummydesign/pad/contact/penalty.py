@@ -25,7 +25,7 @@ PROFILE_PUNCH = Penalty(2000.0, 1.0, "cell", "no edge; not varied alone, half th
 ROUND_SHAPED_PAD = Penalty(2000.0, 0.1, "cell", "four times as stiff: 0.1 to 0.4 %, past the punch's edge up to 1.4 %")
 SHAPED_PAD_IN_SPACE = Penalty(1000.0, 0.3, "cell", "not varied alone; the mesh as a whole is in the stated error")
 RESTING_BASE = Penalty(3e4, 1.0, "thickness", "twice as stiff moves the force by less than 0.1 %")
-FILLETED_PUNCH = Penalty(750.0, 1.0, "fillet", "half of it on cells of twice the size: carried on with them")
+FILLETED_PUNCH = Penalty(750.0, 1.0, "fillet", "half of it on cells of twice the size: extrapolated with them")
 RUBBING_PUNCH = Penalty(750.0, 0.4, "fillet", "that of the glued fillet; 2.5 times the grip moves the force by 0.2 %")
 PUCK_PLATES = Penalty(1e5, 1.0, "height", "penetration stays 1e-5 heights times the pressure in shear moduli")
 

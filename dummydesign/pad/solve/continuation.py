@@ -99,7 +99,7 @@ def follow(
 
     With ``lattice`` the steps end at multiples of ``largest_step`` (halves, quarters, ... of it at the start),
     whatever depths are wanted; those are solved beside the path and leave no trace on it. Contact that sticks
-    remembers its path, so this makes an answer independent of the other depths that are asked for.
+    remembers its path, so this makes an answer independent of the other requested depths.
 
     ``visit`` is called with every wanted depth and the equilibrium found there, ``keep`` with the end of every step.
     Where ``visit`` says why, the path ends before that depth.

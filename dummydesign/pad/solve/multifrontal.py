@@ -2,7 +2,7 @@
 
 The cells are halved again and again along their longest direction [1]. From the smallest boxes up,
 unknowns whose cells all lie inside a box are eliminated from a dense matrix (the front [2]) by Cholesky's
-method; what is left couples the box to its neighbours. Dense fronts run at the speed of the BLAS library,
+method; the rest couples the box to its neighbours. Dense fronts run at the speed of the BLAS library,
 which a column-oriented sparse factorisation does not reach on meshes of quadratic hexahedra.
 
 References
@@ -26,7 +26,7 @@ LEAF_CELLS = 4
 class _Front:
     """One box of cells: unknowns (first those eliminated, then its rim), and what is added up in it.
 
-    ``takes`` says which entries of its cells' matrices, or of what is left of each of its children, are added up on and
+    ``takes`` says which entries of its cells' matrices, or of the rest of each of its children, are added up on and
     below its diagonal, and ``places`` where.
     """
 
@@ -182,7 +182,7 @@ class _Factor:
         self.inverse, self.rows = inverse, inverse @ coupling
 
     def take_from(self, rest: Array) -> Array:
-        """What is left of the rim's block: on and below the diagonal, as ``rest`` is given."""
+        """The rest of the rim's block: on and below the diagonal, as ``rest`` is given."""
         from scipy.linalg.blas import dsyrk
 
         left = rest.copy()

@@ -7,7 +7,7 @@ punch: a cell that is crumpled where it touches the punch's corner is a matter o
 
 Most states are settled by less: seen from above a face that is nowhere turned over covers each place once and cannot
 cross itself. Where it is (a crown that bulges over its foot), every place that is covered more than once is covered by
-a triangle that is turned over too, so only those that stand over or under such ones are held against each other.
+a triangle that is turned over too, so only those that stand over or under such ones are compared.
 """
 
 from __future__ import annotations

@@ -283,7 +283,7 @@ def _open_depths(load: Load, depths: Array) -> tuple[Array, str | None]:
         radius, extent, load.base, load.condition, load.law, load.poisson, shape=load.shape,
         thickness_mm=load.thickness_mm, first=first_depth(depths),
     )  # fmt: skip
-    # Checked often, as a notch that is narrow is told by the state before.
+    # Checked often, as a notch that is narrow shows in the state before.
     ends = np.union1d(depths, np.arange(CHECKED_AT, depths[-1], CHECKED_AT))
     path = solve_round_path(case, ends, CELLS, RIMS[0])
     if path.stop is None or not path.stop.startswith(FOLDED):

@@ -80,7 +80,7 @@ def _off(depth: Array, reach: dict[float, float], correction: Array) -> Array:
 
 @one_blas_thread()
 def solve_factor(block: Block, deepest: float, progress: Callable[[float], None] | None = None) -> FactorCurve:
-    """Solve a rectangular punch and its twin with several corner cells and fillets, and fit what is left at size 0."""
+    """Solve a rectangular punch and its twin with several corner cells and fillets, and fit the limit at size 0."""
     outline = 1.0
     if not block.mirrors and block.middle_extents != block.half_extents:
         # Half of a quarter is enough on a square slab; what the true outline changes is that of first touch.

@@ -141,7 +141,7 @@ def _shares(inputs: Array) -> tuple[Array, Array]:
 
 
 def _levels(surface: Response, inputs: Array, wanted: Array) -> Array:
-    """Values at all levels of those inputs that are asked for them; 0 of the others."""
+    """Values at all levels of those inputs that need them; 0 of the others."""
     rows = np.zeros((len(inputs), len(surface.levels)))
     rows[wanted] = surface.at_levels(inputs[wanted])
     return rows

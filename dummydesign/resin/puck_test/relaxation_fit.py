@@ -227,7 +227,7 @@ def _rmse(problem: PuckProblem, found: Trial) -> float:
 
 
 def _spreads(found: Trial) -> Array:
-    """Standard deviations of the parameters from the Jacobian; what cannot be told has a very large one."""
+    """Standard deviations of the parameters from the Jacobian; an undetermined one has a very large one."""
     _, singular, turn = np.linalg.svd(found.jacobian, full_matrices=False)
     floor = 1e-10 * singular[0]
     return np.sqrt(np.sum((turn / np.maximum(singular, floor)[:, None]) ** 2, axis=0))

@@ -205,7 +205,7 @@ def _sources(job: Job) -> list[str]:
 
 
 def _out(job: Job) -> str:
-    """Folder that an import wrote; it has a number where the one asked for was taken."""
+    """Folder that an import wrote; it has a number where the requested one was taken."""
     return str(Path(job.answer.get("preview") or "measured/none/preview.html").parent.as_posix())
 
 

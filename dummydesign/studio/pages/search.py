@@ -66,7 +66,7 @@ def state_of_answer(state: State, answer: dict[str, Any], folder: str) -> State:
 
 
 def _folder(job: Job) -> str:
-    """The folder of a search's answer, from the project folder on; another number than asked for when it was taken."""
+    """The folder of a search's answer, from the project folder on; another number than requested when it was taken."""
     return "designs/" + str(job.answer["inputs"]["out"]).replace("\\", "/").rpartition("/")[2]
 
 

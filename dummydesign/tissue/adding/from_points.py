@@ -86,7 +86,7 @@ def add_points(name: str, points: str) -> dict[str, Any]:
     Every subject's points give its gamma1 = F / x^3 by weighted least squares in logarithms. In an
     inferred tissue the measured persons stand as they are; the posterior of the population is weighted
     by how well it foresaw them (persons are normal in ln gamma1 with the mean and spread of each draw),
-    and what is left of five subjects comes from it. In another tissue the subject of that name is
+    and the rest of five subjects comes from it. In another tissue the subject of that name is
     combined with its points.
     """
     try:
@@ -254,7 +254,7 @@ def _update_fitted(tissue: Tissue, steady: list[Steady]) -> tuple[Tissue, list[d
             warnings.append(
                 {"code": "points_contradict", "message": f"{one.name}: points say gamma1 = "
                  f"{math.exp(one.log_gamma1):.4g}, the tissue {old.value:.4g} N/mm3, {apart:.1f} standard "
-                 "deviations apart; both were combined all the same"}
+                 "deviations apart; both were combined anyway"}
             )  # fmt: skip
         a, b = old_deviation**-2, one.deviation**-2
         mean, span = (a * math.log(old.value) + b * one.log_gamma1) / (a + b), math.exp(1.96 * (a + b) ** -0.5)

@@ -104,13 +104,13 @@ def fit_row(person: str, source: str, fit: TissueFit) -> dict[str, Any]:
 
 
 def fit_warnings(person: str, fit: TissueFit) -> list[dict[str, str]]:
-    """Return the warnings of a fit with the person's name; copies are told by :func:`copies_of`."""
+    """Return the warnings of a fit with the person's name; copies are found by :func:`copies_of`."""
     found = [warning for warning in fit.result["warnings"] if warning["code"] != "same_press"]
     return [{"code": w["code"], "message": f"{person}: {w['message']}"} for w in found]
 
 
 def copies_of(read: dict[str, list[Trace]]) -> list[dict[str, str]]:
-    """Warn of presses that come twice, over all subjects: one under two names counts twice."""
+    """Warn of presses that are listed twice, over all subjects: one under two names counts twice."""
     return copies_among([replace(trace, name=f"{who}: {trace.name}") for who, own in read.items() for trace in own])
 
 
@@ -122,7 +122,7 @@ def tissue_of_fits(name: str, fits: dict[str, TissueFit], others: Sequence[Subje
     names = [subject.name.lower() for subject in subjects]
     double = next((n for n in names if names.count(n) > 1), None)
     if double:
-        raise InputError(f"subject '{double}' comes twice; rename one file", "duplicate", "subject", double)
+        raise InputError(f"subject '{double}' is listed twice; rename one file", "duplicate", "subject", double)
     same_shape(tuple(subjects))
     ordered = tuple(sorted(subjects, key=lambda s: s.parameters.gamma1_N_per_mm3))
     notes = ("Below the smallest steady force that was measured the band is the law extrapolated.",)

@@ -193,7 +193,7 @@ def _objects(problem: TissueProblem, optimum: Optimum, intervals: bool, tell: Pr
     for index, value in enumerate(optimum.solution.parameters):
         at_bound = bool(min(value - low[index], high[index] - value) < 1e-4)
         entry: dict[str, Any] = {"value": float(np.exp(value)), "low": None, "high": None, "at_bound": at_bound}
-        reason = "intervals were not asked for"
+        reason = "intervals were not requested"
         if intervals:
             tell(f"interval {index + 1} of {len(low)}")
             found = profile_interval(model, optimum.solution, index, low, high)
@@ -240,7 +240,7 @@ UNKNOWN = 1000.0
 def subject_from_fit(name: str, fit: TissueFit) -> Subject:
     """Make a subject from a fit: kind ``fitted``, the law and mode in the source.
 
-    An interval without an end on one side gets a factor of :data:`UNKNOWN` there, and its source says so.
+    An interval without an end on one side gets a factor of :data:`UNKNOWN` there, as its source states.
     A fit per condition has no intervals; the range over its conditions stands in.
     """
     files = [row["file"] for row in fit.result["by_trace"]]

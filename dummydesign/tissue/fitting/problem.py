@@ -109,7 +109,7 @@ def estimate_noise(
 
     plain, plain_cost = search(begin, low, high)
     if plain.white_N < 0.9 * high.white_N and plain.slow_N < 0.9 * high.slow_N:
-        return plain  # what is left looks like the noise of the holds
+        return plain  # the residual looks like the noise of the holds
     low, high = replace(low, misfit_fraction=LOWEST), replace(high, misfit_fraction=1.0)
     wide, wide_cost = search(replace(plain, misfit_fraction=max(plain.misfit_fraction, 3e-3)), low, high)
     # slow noise and misfit are alike: misfit must earn its place

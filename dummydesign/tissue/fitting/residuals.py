@@ -1,4 +1,4 @@
-"""What is left after a fit: residuals on the raw samples, the noise floor, and the error on left-out data."""
+"""Residuals of a fit on the raw samples, the noise floor, and the error on left-out data."""
 
 from __future__ import annotations
 

@@ -2,7 +2,7 @@
 
 Between the presses of one speed, forces over the steady force are linear in ln depth; between speeds in ln speed; the
 steady curve is a monotone cubic of ln force over ln depth through its points, and below the shallowest press it is the
-rise of that press of the slowest speed, scaled to its steady force. Nothing is carried on further than a press
+rise of that press of the slowest speed, scaled to its steady force. Nothing is extrapolated further than a press
 belongs to a force (20 %) or a speed (15 %).
 """
 
@@ -90,7 +90,7 @@ def log_steady_curve(x: NDArray, rise_N: NDArray, depth: NDArray, force: NDArray
 
 
 def extrapolate_linearly(at: NDArray, x: NDArray, y: NDArray) -> NDArray:
-    """Straight lines through points, carried on at both ends by the line through the outer two."""
+    """Straight lines through points, extrapolated at both ends by the line through the outer two."""
     found = np.interp(at, x, y)
     found = found + np.minimum(at - x[0], 0.0) * (y[1] - y[0]) / (x[1] - x[0])
     return found + np.maximum(at - x[-1], 0.0) * (y[-1] - y[-2]) / (x[-1] - x[-2])
@@ -263,7 +263,7 @@ class MeasuredPerson(MeasuredParameters):
 
 
 class MeasuredAim(MeasuredParameters):
-    """What lies in the middle of people, or on the strict side of all, at equal steady force.
+    """The average of people, or on the strict side of all, at equal steady force.
 
     The mean of their ln depths and of their forces at equal shares of the depth and equal times of the hold
     (``average``), or the smallest depth and the largest forces (``safe-side``).

@@ -23,7 +23,7 @@ class ShapeSolids(Protocol):
         ...
 
     def bone(self, pad: PadGeometry) -> Any:
-        """The rigid bone under the free face, cut out of the gel; asked for when the shape has one."""
+        """The rigid bone under the free face, cut out of the gel; called when the shape has one."""
         ...
 
 

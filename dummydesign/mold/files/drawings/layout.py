@@ -152,7 +152,7 @@ def _at_scale(view: View, scale: float, larger: float) -> Placed:
 
 
 def _rows(placed: list[Placed], room_mm: float) -> list[list[Placed]]:
-    """One view below the other; a third and a fourth stand beside the first two where there is room."""
+    """One view below the other; a third and a fourth lie next to the first two where there is room."""
     rows = [[one] for one in placed[:2]]
     for one in placed[2:]:
         wide = [sum(other.width + GAP_MM for other in row) for row in rows[:2]]
@@ -232,7 +232,7 @@ def _lanes(measures: list[tuple[Point, Point, float]], side: str, edge: float) -
     lanes: list[list[Dimension]] = []
     ordered, axis = sorted(measures, key=lambda one: one[2]), int(vertical)
     for rank, (start, end, value) in enumerate(ordered):
-        # The lines up to those further out cross this one's lane; its number stands beside them.
+        # The lines up to those further out cross this one's lane; its number is next to them.
         crossing = [point[axis] for other in ordered[rank + 1 :] for point in other[:2]]
         before = _crossed(Dimension(start, end, 0.0, vertical, value), crossing) and not _crossed(
             Dimension(start, end, 0.0, vertical, value, before=True), crossing

@@ -39,8 +39,8 @@ class Curves(MaxwellLaw):
     def notice_of(self, name: str) -> tuple[str, str]:
         """Say that there are no parameters and nothing beside what was pressed."""
         return "measured_curves", (
-            f"{name} is measured curves, without a law: pads are held against their ranges of peaks, steady forces and "
-            "energies; there are no parameters, and nothing is carried on to presses that were not made"
+            f"{name} is measured curves, without a law: pads are compared with their ranges of peaks, steady forces "
+            "and energies; there are no parameters, and nothing is extrapolated to presses that were not made"
         )
 
     def drive(self, motion: Motion) -> Drive:

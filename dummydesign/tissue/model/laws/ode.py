@@ -64,7 +64,7 @@ class OdeDrive:
 
 
 def _mean_survival(rate_step: NDArray, after: NDArray, rise: NDArray, decay: NDArray) -> NDArray:
-    """Mean over a step of exp(-decay from then to the step's end): what is left of stretch added evenly.
+    """Mean over a step of exp(-decay from then to the step's end): the rest of stretch added evenly.
 
     With w the share of the step still to go, the decay is r dt (x1^2 w - x1 dx w^2 + dx^2 w^3 / 3). Four
     Gauss points per panel; panels halve towards the end of the step, where a fast arm keeps its memory.

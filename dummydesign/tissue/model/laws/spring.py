@@ -24,7 +24,7 @@ class Spring(MaxwellLaw):
     def notice_of(self, name: str) -> tuple[str, str]:
         """Say that it says nothing of speed and relaxation."""
         return "spring_tissue", (
-            f"{name} is a spring constant: it says nothing of speed and relaxation, so peaks are held against the "
+            f"{name} is a spring constant: it says nothing of speed and relaxation, so peaks are compared with the "
             "steady force itself; a pad that relaxes reads high in them, and one that does not may still be below a "
             "person's"
         )

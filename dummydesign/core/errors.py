@@ -52,6 +52,7 @@ CODES: dict[str, str] = {
     "cad_failed": "The solids of a mould could not be made.",
     "check_failed": "A mould was made and one of its checks failed.",
     "campaign_wrong": "The presses of a campaign contradict its plan.",
+    "machine_unfit": "This machine lacks something that every command needs.",
     "worker_lost": "A process of a study stopped unexpectedly.",
     "not_specified": "An error raised outside this package, without a code.",
 }

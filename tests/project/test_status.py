@@ -56,7 +56,7 @@ def test_a_learned_calibration_asks_for_the_design_again(tmp_path):
     (tmp_path / "campaigns" / "first").rmdir()
     plan(tmp_path, "first", ["a.csv"])
     wrote(tmp_path / "calibrations" / "loop-first", "loop", "2026-01-03", campaign="first", verdict="none", effects=[])
-    assert "press what is left" in status_of(project).next_text
+    assert "press the rest" in status_of(project).next_text
 
 
 def test_an_unfinished_answer_and_a_damaged_campaign_are_not_taken_for_done(tmp_path):

@@ -119,10 +119,10 @@ def _first(rows: list[dict[str, Any]], varied: dict[str, list[Any]]) -> list[str
     differ = [name for name, values in varied.items() if len(values) > 1]
     score = "score" in rows[0]
     lines = [f"  {'score  ' if score else ''}{'mm':<7}{'ratio':<7}{'kPa':<7}"
-             + "".join(f"{f'mm at {force} N':<12}" for force in shown) + ", ".join(differ)]  # fmt: skip
+             + "".join(f"{f'at {force} N':<10}" for force in shown) + ", ".join(differ)]  # fmt: skip
     for row in rows[:BEST] if score else rows:
         depths = (row["depth_mm_at_N"][force] for force in shown)
-        cells = "".join(f"{'-' if depth is None else f'{depth:.2f}':<12}" for depth in depths)
+        cells = "".join(f"{'-' if depth is None else f'{depth:.2f}':<10}" for depth in depths)
         total = f"{row['score']['total']:<7.2f}" if score else ""
         lines.append(f"  {total}{row['thickness_mm']:<7g}{row['ratio']:<7g}{row['young_kPa']:<7.3g}{cells}"
                      + ", ".join(str(row[name]) for name in differ))  # fmt: skip

@@ -64,7 +64,7 @@ def test_show_gives_every_number_with_its_source(capsys):
     found = json.loads(capsys.readouterr().out)
     assert all({"value", "low", "high", "kind", "source"} <= set(item) for item in found["numbers"].values())
     assert found["resin"]["modulus"]["young_ref_kPa"]["value"] == 25.0
-    assert run(["resins", "show", "polyurethane-nagoya"]) == 0
+    assert run(["resins", "show", "polyurethane-nagoya", "--details"]) == 0
     text = capsys.readouterr().out
     assert "relative to the long-term modulus" in text and "section IV" in text
 

@@ -258,6 +258,6 @@ def test_a_workbook_is_read_like_text(tmp_path, capsys):
 def test_readable_tables_show_decisions_and_traces(tmp_path, capsys):
     made = machine_file(5)
     (tmp_path / made.name).write_bytes(made.data)
-    assert run(["import", made.name]) == 0
+    assert run(["import", made.name, "--details"]) == 0
     out = capsys.readouterr().out
     assert "Standardkraft" in out and "preview: " in out and "press_00005_1.csv" in out

@@ -99,9 +99,10 @@ def test_the_terminal_shows_the_best_first_with_its_shape(capsys, tmp_path, monk
     asked = ["whatif", "--thickness", "4.5,8", "--ratio", "15.5", "--tissue", "forefinger", "--shape", f"slab,{CROWN}"]
     assert main_status(asked) == 0
     lines = capsys.readouterr().out.splitlines()
-    first = next(line for line in lines if line.startswith(("4.5", "8")))
-    assert first.startswith("4.5") and first.endswith(CROWN)
-    scores = [float(line.split(" score ")[1].split()[0]) for line in lines if " score " in line]
+    head = next(row for row, line in enumerate(lines) if line.startswith("  score"))
+    rows = [line.split() for line in lines[head + 1 : head + 5]]
+    assert rows[0][1] == "4.5" and rows[0][-1] == CROWN
+    scores = [float(row[0]) for row in rows]
     assert scores == sorted(scores, reverse=True)
     assert main_status([*asked, "--json", "--resume"]) == 0
     rows = json.loads(capsys.readouterr().out)["rows"]

@@ -1,0 +1,148 @@
+"""What a machine lacks: versions, optional parts, folders, one solve and one solid."""
+
+from __future__ import annotations
+
+import platform
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from importlib import metadata
+from pathlib import Path
+
+from dummydesign.core import cache
+from dummydesign.core.errors import DummydesignError
+from dummydesign.core.library import user_folder
+from dummydesign.core.serialise import Serialised
+
+NEEDED = ("numpy", "scipy", "scikit-fem", "threadpoolctl")
+PARTS = (
+    ("mould", ("cadquery", "trimesh", "networkx", "lxml", "ezdxf", "reportlab", "segno"), "pip install cadquery"),
+    ("pictures", ("pyvista", "matplotlib"), "pip install pyvista matplotlib"),
+    ("studio", ("nicegui",), "pip install 'dummydesign[studio]'"),
+    ("tables", ("pandas", "xarray"), "pip install 'dummydesign[tables]'"),
+    ("xlsx", ("openpyxl",), "pip install 'dummydesign[xlsx]'"),
+    ("cluster", ("distributed",), "pip install 'dummydesign[cluster]'"),
+)
+"""What a part is for, its packages, and how to get them."""
+SOLVE_LIMIT = 0.03
+"""Largest difference of the trial solve from the response table, relative."""
+SOLID_S = 120.0
+SOLID = "import cadquery; print(cadquery.Workplane().box(30, 20, 10).val().Volume())"
+
+
+@dataclass(frozen=True)
+class Check(Serialised):
+    """One thing looked at: ``status`` is ok, missing (optional) or failed; ``advice`` is what to type."""
+
+    name: str
+    status: str
+    value: str
+    advice: str = ""
+
+
+@dataclass(frozen=True)
+class Health(Serialised):
+    """All checks of a machine; ``ready`` when none failed."""
+
+    checks: tuple[Check, ...]
+    ready: bool
+    warnings: tuple[dict[str, str], ...] = field(default=())
+
+
+def check_machine(solid: bool = True) -> Health:
+    """Look at versions, parts, folders, one solve and, with ``solid``, one solid."""
+    checks = [*_versions(), *_parts(), *_folders(), _solve(), *([_solid()] if solid else [])]
+    return Health(tuple(checks), all(one.status != "failed" for one in checks))
+
+
+def _version(package: str) -> str | None:
+    try:
+        return metadata.version(package)
+    except metadata.PackageNotFoundError:
+        return None
+
+
+def _versions() -> Iterator[Check]:
+    from dummydesign._version import __version__
+
+    yield Check("dummydesign", "ok", __version__)
+    yield Check("python", "ok", f"{platform.python_version()}, {platform.system()} {platform.machine()}")
+    found = {name: _version(name) for name in NEEDED}
+    lacking = [name for name, version in found.items() if version is None]
+    text = ", ".join(f"{name} {version}" for name, version in found.items() if version)
+    yield Check("packages", "failed" if lacking else "ok", text, f"pip install {' '.join(lacking)}" if lacking else "")
+
+
+def _parts() -> Iterator[Check]:
+    for name, packages, advice in PARTS:
+        found = {package: _version(package) for package in packages}
+        lacking = [package for package, version in found.items() if version is None]
+        if lacking:
+            yield Check(name, "missing", f"no {', '.join(lacking)}", advice)
+        else:
+            yield Check(name, "ok", ", ".join(f"{package} {version}" for package, version in found.items()))
+
+
+def _folders() -> Iterator[Check]:
+    yield _writable("this folder", Path.cwd(), "change to a folder of your own")
+    yield _writable("own data", user_folder(), "set DUMMYDESIGN_HOME to a folder that you can write to")
+    place = cache.folder()
+    if place is None:
+        yield Check("cache", "missing", "off: every solve is made again", "unset DUMMYDESIGN_CACHE")
+        return
+    size = sum(path.stat().st_size for path in place.rglob("*.json")) if place.is_dir() else 0
+    found = _writable("cache", place, "set DUMMYDESIGN_CACHE to a folder that you can write to")
+    # without a cache answers are the same, only later
+    status = "missing" if found.status == "failed" else found.status
+    yield Check("cache", status, f"{found.value}, {size / 1e6:.1f} MB", found.advice)
+
+
+def _writable(name: str, place: Path, advice: str) -> Check:
+    """Whether a file can be made there, or in the nearest folder above that exists."""
+    there = next((path for path in (place, *place.parents) if path.is_dir()), None)
+    try:
+        if there is None:
+            raise OSError("no such folder")
+        with tempfile.TemporaryFile(dir=there):
+            pass
+    except OSError as problem:
+        return Check(name, "failed", f"{place}: {problem.strerror or problem}", advice)
+    return Check(name, "ok", f"{place}, can be written to")
+
+
+def _solve() -> Check:
+    """Solve a small slab by finite elements and compare it with its response table."""
+    try:
+        from dummydesign.pad.predict import predict_static
+        from dummydesign.pad.specimen import Pad
+
+        begun = time.perf_counter()
+        pad = Pad(10.0, 0.03, 7.9)
+        forces = [float(predict_static(pad, [1.0], fidelity=name).force_N[0]) for name in ("axisymmetric", "table")]
+    except (DummydesignError, ImportError, ArithmeticError, OSError) as problem:
+        return Check("solve", "failed", " ".join(str(problem).split()), "install the package again")
+    away = abs(forces[0] / forces[1] - 1.0)
+    text = f"{forces[0]:.3f} N, {100 * away:.2f} % from the table, {time.perf_counter() - begun:.1f} s"
+    advice = "" if away <= SOLVE_LIMIT else "report it with the versions above"
+    return Check("solve", "ok" if away <= SOLVE_LIMIT else "failed", text, advice)
+
+
+def _solid() -> Check:
+    """Make a box with the CAD kernel in a process of its own, as a kernel that lacks a library may end the process."""
+    advice = "Debian, Ubuntu: apt-get install libgl1 libx11-6; without moulds use --no-cad"
+    begun = time.perf_counter()
+    try:
+        words = [sys.executable, "-c", SOLID]
+        done = subprocess.run(words, capture_output=True, text=True, timeout=SOLID_S, check=False)
+    except (OSError, subprocess.TimeoutExpired) as problem:
+        return Check("solid", "missing", f"{type(problem).__name__}", advice)
+    printed = done.stdout.split()
+    if done.returncode or not printed:
+        last = (done.stderr.strip().splitlines() or [f"status {done.returncode}"])[-1]
+        return Check("solid", "missing", last, advice)
+    exact = abs(float(printed[-1]) / 6000.0 - 1.0) < 1e-9
+    text = f"box of {float(printed[-1]):.1f} mm3, {time.perf_counter() - begun:.1f} s"
+    return Check("solid", "ok" if exact else "failed", text, "" if exact else "install cadquery again")

@@ -1,0 +1,60 @@
+"""``dummydesign history``: past answers of a folder with their verdicts."""
+
+from __future__ import annotations
+
+import argparse
+from typing import Any
+
+from dummydesign.cli.text import labelled, screen
+
+HELP = "Past answers of this folder with their verdicts, the newest first."
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the folder."""
+    parser.add_argument("folder", nargs="?", default=".", metavar="DIR", help="default: this folder")
+
+
+def run(options: argparse.Namespace) -> dict[str, Any]:
+    """Read the manifests."""
+    from dataclasses import asdict
+    from pathlib import Path
+
+    from dummydesign.project.history import history_of
+
+    rows = [asdict(one) for one in history_of(Path(options.folder))]
+    return {"inputs": {"folder": options.folder}, "warnings": [], "sources": [], "answers": rows}
+
+
+def render(result: dict[str, Any]) -> str:
+    """One line an answer."""
+    rows = _rows(result)
+    return screen([], rows) if rows else _nothing(result)
+
+
+def render_details(result: dict[str, Any]) -> str:
+    """All of them."""
+    return "\n".join(_rows(result)) or _nothing(result)
+
+
+def _nothing(result: dict[str, Any]) -> str:
+    return "\n".join(labelled("NONE", f"no answers in {result['inputs']['folder']}"))
+
+
+def _rows(result: dict[str, Any]) -> list[str]:
+    rows = []
+    for one in result["answers"]:
+        when = one["date"][:16].replace("T", " ")
+        rows.append(f"  {when:<17}{one['command']:<16}{one['folder']:<28} {_words(one['summary'])}")
+    return [f"  {'when':<17}{'command':<16}{'folder':<28} answer", *rows] if rows else []
+
+
+def _words(summary: dict[str, Any] | None) -> str:
+    """What an answer came to, in a few words."""
+    known = summary or {}
+    parts = [str(known[name]).replace("_", " ") for name in ("verdict", "shape") if known.get(name)]
+    if "thickness_mm" in known and "ratio" in known:
+        parts.append(f"{known['thickness_mm']:g} mm, ratio {known['ratio']:g}")
+    if "effects" in known:
+        parts.append(", ".join(known["effects"]) or "no effect")
+    return "; ".join(parts)

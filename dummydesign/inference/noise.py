@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
+from copy import copy
 from dataclasses import dataclass
 from typing import Any, Protocol
 
@@ -56,6 +57,13 @@ class Bins:
         gap = np.maximum(self.start[:, None, :] - self.end[:, :, None], 0.0)
         self._gap = np.maximum(gap, np.swapaxes(gap, 1, 2))
         self._rows = np.arange(longest)
+
+    def without(self, rows: NDArray) -> Bins:
+        """The same bins with those of some traces (mask over traces) unused."""
+        rest = copy(self)
+        rest.used = self.used & ~rows[:, None]
+        rest._both = rest.used[:, :, None] & rest.used[:, None, :]
+        return rest
 
     def stacked(self, values: NDArray) -> NDArray:
         """Put joined bins (total, ...) into the padded stack (traces, longest, ...)."""

@@ -19,11 +19,13 @@ from dummydesign.loop.fitting.noise import repeat_pairs
 from dummydesign.loop.model.base_law import SetupLaw
 from dummydesign.loop.model.campaign_law import law_of, start_young_kPa, within_reach
 from dummydesign.loop.model.effect import Effect
+from dummydesign.loop.model.forward_model import readings
 from dummydesign.loop.next_measurement import NextMeasurement, next_measurement
 from dummydesign.loop.prior import Joined, check_prior, join, with_prior_effects
 from dummydesign.loop.result import LoopResult
 from dummydesign.loop.selection.cross_validation import AssessedModel, assess
 from dummydesign.loop.selection.learn_effect import can_be_learned, learn
+from dummydesign.loop.selection.learned_first import learned_first
 from dummydesign.loop.selection.residuals import dependences, run_checks
 from dummydesign.loop.selection.search import search
 from dummydesign.loop.selection.verdict import AcceptedEffect, remainder
@@ -73,7 +75,8 @@ def replay(campaign: Campaign, calibration: Calibration, progress: Progress = qu
             raise InputError(message, "not_applicable", "effect", effect.name)
     refuse_unsound(effects, presses, law)
     progress("with what was found")
-    after = presses.at_samples(calibration.after.nodes(presses, law))
+    shown = presses.at_samples(calibration.after.nodes(presses, law))
+    after = [readings(presses, one, calibration.after.active) for one in shown]
     progress("with the base model")
     base = presses.at_samples(calibration.base.nodes(presses, law))
     measured = [trial.trace.force_N for trial in campaign.trials]
@@ -108,11 +111,15 @@ def close_loop(
     left = remainder(base, after, where_after, checks)
     verdict = "unexplained" if left.reasons else "effect" if effects else "none"
     learnt = None
-    if left.reasons and can_be_learned(checks, where_after):
-        progress("learning what is left")
-        learnt = learn(after.fit)
+    if left.reasons:
+        progress("learning the remainder")
+        first = learned_first(base, after, available, progress)
+        if first is not None:
+            learnt, after, effects = first.learnt, first.after, first.effects
+        elif can_be_learned(checks, where_after):
+            learnt = learn(after.fit)
+            after = after if learnt is None else assess(learnt.fit)
     if learnt is not None:
-        after = assess(learnt.fit)
         where_after, checks = dependences(after.fit), run_checks(after.fit)
         still = remainder(base, after, where_after, checks)
         left = replace(still, reasons=(learnt.text, *still.reasons))

@@ -113,6 +113,11 @@ class Presses:
         return np.array([pads.index(trial.pad) for trial in self.trials])
 
     @cached_property
+    def flat_top_N(self) -> float | None:
+        """The largest reading when presses stay at it, see :func:`flat_top`. [N]"""
+        return flat_top([trial.trace.force_N for trial in self.trials])
+
+    @cached_property
     def _laws(self) -> dict[int, tuple[Any, Any]]:
         return {}
 
@@ -157,6 +162,29 @@ class Presses:
             values = press.filtered @ node_force_N[row, : len(press.time_s)]
             out.append(np.interp(self.trials[row].trace.time_s, press.time_s, values))
         return out
+
+
+FLAT_RUN, FLAT_PRESSES = 6, 2
+"""Samples in a row at the largest reading, and presses that must have so many."""
+
+
+def flat_top(forces_N: list[NDArray]) -> float | None:
+    """The largest reading, when presses stay at it although their noise would move them; None otherwise. [N]
+
+    Readings coarser than the noise stay at one value by themselves and tell nothing.
+    """
+    top = max(float(force.max()) for force in forces_N)
+    steps = [np.diff(np.unique(force)) for force in forces_N]
+    step = min((float(one.min()) for one in steps if len(one)), default=0.0)
+    noise = float(np.median([np.median(np.abs(np.diff(force))) for force in forces_N]))
+    if noise <= 2.0 * step:
+        return None
+    runs = 0
+    for force in forces_N:
+        at = (force >= top - 0.5 * step - 1e-9 * abs(top)).astype(int)
+        edges = np.flatnonzero(np.diff(np.r_[0, at, 0]))
+        runs += int((edges[1::2] - edges[::2]).max(initial=0)) >= FLAT_RUN
+    return top if runs >= FLAT_PRESSES else None
 
 
 def make_presses(campaign: Campaign) -> Presses:

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from dummydesign.loop.data.trials import History, Presses, stack
 from dummydesign.loop.model.base_law import PuckLaw, SetupLaw, SlabLaw, UnitForce
 from dummydesign.loop.model.effect import HOOKS, OWNERS, PADS, SETUP, Effect, Parameter, Values
-from dummydesign.loop.model.forward_model import Active, BaseParameters, simulate
+from dummydesign.loop.model.forward_model import Active, BaseParameters, readings, simulate
 from dummydesign.measurement.campaign import Trial
 from dummydesign.measurement.trace import Trace
 from dummydesign.pad.tables.slab import load_table
@@ -139,7 +139,8 @@ def _done(effect: Effect) -> Iterator[str]:
 
 def _on_presses(effect: Effect, presses: Presses, law: SetupLaw) -> Iterator[str]:
     def force(values: Values | None) -> NDArray:
-        return simulate(presses, law, BASE, () if values is None else (Active(effect, values),))
+        acting = () if values is None else (Active(effect, values),)
+        return readings(presses, simulate(presses, law, BASE, acting), acting)
 
     size, null, typical = effect.parameters[0], effect.null_values(), _of_size(effect, 1.0)
     base = force(None)
@@ -256,7 +257,9 @@ def reference_presses(shape: str) -> tuple[Presses, SetupLaw]:
                     Trial(trace.name, thickness, speed, 3.0, None, repeat, order + 1, 60.0 if order % 2 else 3600.0,
                           21.0 + order, 9.0 * repeat, trace)
                 )  # fmt: skip
-    return stack(tuple(trials), None), law
+    presses = stack(tuple(trials), None)
+    vars(presses)["flat_top_N"] = 0.5 * float(simulate(presses, law, BASE).max())  # as if their readings were clipped
+    return presses, law
 
 
 def _trace(name: str, depth_mm: float, speed_mm_s: float, law: UnitForce, thickness_mm: float) -> Trace:

@@ -17,6 +17,7 @@ FOLLOWED = {
     "depth_mm": "depth in mm",
     "depth_share": "depth over thickness",
     "force_N": "force in N",
+    "reading_N": "reading in N",
     "since_stop_s": "time since the stop in s",
     "temperature_C": "temperature in C",
     "age_days": "age in days",
@@ -25,7 +26,8 @@ FOLLOWED = {
 """Quantities that a learned effect can follow, in words; thickness only together with the time since the stop: alone,
 or with depth, it is the law error of each pad."""
 ACTS_ON = {
-    "depth_mm": "law", "depth_share": "law", "force_N": "sensor", "since_stop_s": "surface", "temperature_C": "scale",
+    "depth_mm": "law", "depth_share": "law", "force_N": "sensor", "reading_N": "reading",
+    "since_stop_s": "surface", "temperature_C": "scale",
     "age_days": "scale",
 }  # fmt: skip
 """The method of :class:`Effect` through which a learned effect of one quantity acts; one of two acts on the surface."""
@@ -123,7 +125,7 @@ class Learned(Effect):
     def __init__(self, shape: SmoothChange) -> None:
         self.shape = shape
         self.name = PREFIX + shape.name.lower()
-        self.belongs_to = "sensor" if "force_N" in shape.follows else "pad"
+        self.belongs_to = "sensor" if {"force_N", "reading_N"} & set(shape.follows) else "pad"
         self.needs = tuple(one for one in shape.follows if one in BY_TRIAL)
         self.designed_for, count = "a pad without it", "two quantities"
         self._acts_on = "surface"
@@ -163,6 +165,9 @@ class Learned(Effect):
     def sensor(self, presses: Presses, force_N: NDArray, values: Values) -> NDArray:
         return force_N * (1.0 + values["size"] * self.shape(force_N)) if self._acts_on == "sensor" else force_N
 
+    def reading(self, presses: Presses, force_N: NDArray, values: Values) -> NDArray:
+        return force_N * (1.0 + values["size"] * self.shape(force_N)) if self._acts_on == "reading" else force_N
+
 
 def followed(presses: Presses, forces_N: NDArray) -> dict[str, NDArray]:
     """The quantities of the bins that carry force, (k,) each; those that a campaign does not vary are left out.
@@ -177,6 +182,7 @@ def followed(presses: Presses, forces_N: NDArray) -> dict[str, NDArray]:
         "depth_mm": depth[loaded],
         "depth_share": (depth / presses.thickness_mm[:, None])[loaded],
         "force_N": forces_N[loaded],
+        "reading_N": forces_N[loaded],
         "since_stop_s": since[loaded & (since > 2e-3)],
         "temperature_C": presses.history.temperature_C,
         "age_days": presses.history.age_days,
@@ -201,6 +207,7 @@ def at_nodes(name: str, presses: Presses, depth_mm: NDArray, force_N: NDArray) -
         "depth_mm": lambda: np.maximum(depth_mm, 0.0),
         "depth_share": lambda: np.maximum(depth_mm, 0.0) / presses.thickness_mm[:, None],
         "force_N": lambda: force_N,
+        "reading_N": lambda: force_N,
         "since_stop_s": lambda: np.where(since > 0.0, since, np.nan),
         "thickness_mm": lambda: presses.thickness_mm[:, None],
         "temperature_C": lambda: presses.history.temperature_C[:, None],

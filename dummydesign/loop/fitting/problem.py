@@ -25,6 +25,7 @@ from dummydesign.loop.model.forward_model import (
     at_the_surface,
     before_the_pad,
     loaded,
+    readings,
     sensor_signal,
     simulate_yielding,
 )
@@ -62,7 +63,7 @@ def base_and_law_columns(problem: CampaignProblem, vector: NDArray, step: float)
         changed = arms_of(presses, BaseParameters.from_logs(other), acting, depth)
         moved.append(_with_arms(presses, elastic, arms, total, changed))
     shown = [sensor_signal(presses, at_the_surface(presses, one, acting, depth), acting) for one in moved]
-    bins = presses.measured(np.stack(shown, axis=-1))
+    bins = readings(presses, presses.measured(np.stack(shown, axis=-1)), acting)
     change = (bins[..., 1:] - bins[..., :1]) / step
     return change[..., [0, 4, 5, 6, 7]], change[..., 1:4]
 
@@ -159,7 +160,12 @@ class CampaignProblem:
 
     def predict(self, vector: NDArray, offset_mm: NDArray | float = 0.0) -> NDArray:
         """Bin means (T, B). [N]"""
-        return self.presses.measure(self.nodes(vector, offset_mm))
+        return readings(self.presses, self.presses.measure(self.nodes(vector, offset_mm)), self.active_of(vector))
+
+    def at_samples(self, vector: NDArray, offset_mm: NDArray | float = 0.0) -> list[NDArray]:
+        """Readings at the raw samples of each trial. [N]"""
+        active = self.active_of(vector)
+        return [readings(self.presses, one, active) for one in self.presses.at_samples(self.nodes(vector, offset_mm))]
 
     def slope(self, vector: NDArray, forces: NDArray) -> NDArray:
         """Change of the bins with the contact position (T, B). [N/mm]"""
@@ -185,7 +191,9 @@ class CampaignProblem:
                 moved[-1][self.law_entries(term)] += STEP
         if moved:
             shown = np.stack([self.nodes(one, near_mm=near) for one in moved], axis=-1)
-            change = self.presses.measured(shown) - forces[..., None]
+            bins = self.presses.measured(shown)
+            read = [readings(self.presses, bins[..., at], self.active_of(one)) for at, one in enumerate(moved)]
+            change = np.stack(read, axis=-1) - forces[..., None]
         for number, (entry, step) in enumerate(steps):
             out[..., entry] = change[..., number] / step
         if shared:

@@ -271,6 +271,25 @@ class Effect:
         """
         return force_N
 
+    def reading(self, presses: Presses, force_N: NDArray, values: Values) -> NDArray:
+        """Sensor: the signal after the declared filter, number by number.
+
+        Parameters
+        ----------
+        presses : Presses
+            T trials of N samples, with their conditions.
+        force_N : ndarray, any shape
+            Filtered readings so far. [N]
+        values : mapping of str to float
+            The effect's parameters, each in its own unit.
+
+        Returns
+        -------
+        ndarray, shape of ``force_N``
+            [N]
+        """
+        return force_N
+
     def base_starts(self, logs: NDArray) -> list[NDArray]:
         """Where to start the base's logarithms when this effect is added; the best is kept."""
         return [logs]

@@ -173,6 +173,13 @@ def sensor_signal(presses: Presses, force_N: NDArray, acting: Sequence[Active]) 
     return force_N
 
 
+def readings(presses: Presses, force_N: NDArray, acting: Sequence[Active]) -> NDArray:
+    """What is read of a filtered force of any shape. [N]"""
+    for one in acting:
+        force_N = one.effect.reading(presses, force_N, one.values)
+    return force_N
+
+
 def _balance(pressed: Callable, yielded: Callable, depth: NDArray) -> tuple[NDArray, NDArray]:
     """Depth that agrees with the yielding under its force, and that force: fixed point, a secant jump per node after
     two steps."""

@@ -36,7 +36,7 @@ class Errors:
 def _squares(found: CampaignFit) -> tuple[NDArray, NDArray, NDArray]:
     """Per bin: count of raw samples, mean and sum of squares of the raw residual, all (T, B)."""
     presses = found.problem.presses
-    modelled = presses.at_samples(found.problem.nodes(found.vector))
+    modelled = found.problem.at_samples(found.vector)
     count, mean, total = (np.zeros(presses.used.shape) for _ in range(3))
     for row, (press, trial, model) in enumerate(zip(presses.presses, presses.trials, modelled)):
         time = trial.trace.time_s

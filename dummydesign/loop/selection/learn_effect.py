@@ -10,11 +10,9 @@ from numpy.typing import NDArray
 
 from dummydesign.loop.effects.learned import FOLLOWED, Learned, SmoothChange, followed, largest_change
 from dummydesign.loop.fitting.candidates import modest
-from dummydesign.loop.fitting.fit import CampaignFit, fit_with_noise, prior_precision
-from dummydesign.loop.fitting.noise import make_whitener
+from dummydesign.loop.fitting.fit import CampaignFit, fit, fit_with_noise
 from dummydesign.loop.fitting.problem import CampaignProblem
 from dummydesign.loop.fitting.screening import project
-from dummydesign.loop.selection.cross_validation import leave_out
 from dummydesign.loop.selection.residuals import Check, Dependence
 
 AS_GOOD = 0.1  # share of what a curve explains that a closed form may lose
@@ -24,6 +22,7 @@ CAUSES = {
     "depth_share": "a material law that stiffens or softens otherwise; press a puck between plates, where the strain "
     "is uniform",
     "force_N": "a load cell that is not linear or saturates, or a set-up that gives way; press with another load cell",
+    "reading_N": "an amplifier that is not linear or saturates; press with another load cell and amplifier",
     "since_stop_s": "a relaxation that two arms do not hold; hold longer",
     "temperature_C": "a modulus that changes otherwise with temperature; press the same pad cold and warm",
     "age_days": "cure that goes on, or drying; press the same pad again in a week",
@@ -105,6 +104,8 @@ class Learnt:
     evidence: float
     left_out: float
     form: ClosedForm
+    cost: float = 0.0
+    """Minus twice the log prior of the curve, with the volume that the data leave it: what it costs a model."""
 
     @property
     def text(self) -> str:
@@ -170,14 +171,17 @@ def _learnt(found: CampaignFit, usual: CampaignFit, shape: SmoothChange, step: _
             break
     if fit is usual:
         return None
-    ratio = _left_out(found, fit, shape, step.precision)
+    ratio = refitted_squares(fit, shape) / refitted_squares(found)
     if ratio > HALVED:
         return None
     if len(shape.follows) > 1:
         form = ClosedForm("surface", largest_change(shape, step.information), 0.0)
     else:
         form = closed_form(np.array(shape.knots[0]), shape.flat, step.information, shape.name)
-    return Learnt(Learned(shape), fit, evidence, ratio, form)
+    values = shape.flat
+    volume = np.linalg.slogdet(np.eye(len(values)) + np.linalg.solve(step.precision, step.information))[1]
+    cost = float(values @ step.precision @ values + volume)
+    return Learnt(Learned(shape), fit, evidence, ratio, form, cost)
 
 
 def can_be_learned(checks: list[Check], where: list[Dependence]) -> bool:
@@ -203,7 +207,7 @@ def _pairs(
     if {BY_TIME, "since_stop_s"} <= set(quantities):
         pairs.append((BY_TIME, "since_stop_s"))
     # in a press these go together: their plane is hardly seen
-    alike = {"depth_mm", "depth_share", "force_N"}
+    alike = {"depth_mm", "depth_share", "force_N", "reading_N"}
     return [_first(fit, quantities, *pair) for pair in pairs if not set(pair) <= alike]
 
 
@@ -218,9 +222,10 @@ def _knots(fit: CampaignFit, name: str, values: NDArray, most: int) -> tuple[flo
 def _with(fit: CampaignFit, shape: SmoothChange) -> tuple[CampaignProblem, NDArray]:
     """The model with this shape in place of any it has learned, at size one."""
     problem, vector = fit.problem, fit.vector
-    if problem.effects and isinstance(problem.effects[-1], Learned):
-        problem = replace(problem, effects=problem.effects[:-1])
-        vector = np.delete(vector, problem.fixed)
+    for one in problem.effects:
+        if isinstance(one, Learned):
+            vector = np.delete(vector, problem.entries[one.name])
+            problem = replace(problem, effects=tuple(other for other in problem.effects if other is not one))
     return problem.plus(Learned(shape)), np.insert(vector, problem.fixed, 1.0)
 
 
@@ -255,26 +260,34 @@ def _step(fit: CampaignFit, shape: SmoothChange) -> _Step:
     return best
 
 
-def _left_out(before: CampaignFit, after: CampaignFit, shape: SmoothChange, precision: NDArray) -> float:
-    """Mean square error of left-out conditions with a learned effect over that without, all values estimated anew."""
-    presses = before.problem.presses
-    cells = presses.cell
-    weight = presses.samples * presses.used
-    plain = leave_out(before, cells)
-    at = after.problem.fixed - 1
-    jacobian = np.concatenate([np.delete(after.jacobian, at, axis=-1), _columns(after, shape)], axis=-1)
-    own = np.delete(after.vector, at)
-    prior = np.zeros((jacobian.shape[-1],) * 2)
-    prior[: len(own), : len(own)] = np.diag(np.delete(prior_precision(after.problem, after.sizes), at) + 1e-9)
-    prior[len(own) :, len(own) :] = precision
-    whiten = make_whitener(presses, after.sizes.noise, after.slope)
-    turned, white = whiten(jacobian), whiten(after.residual)
-    normal, gradient = np.einsum("tbi,tbj->tij", turned, turned), np.einsum("tbi,tb->ti", turned, white)
-    full, squares = normal.sum(axis=0) + prior, np.zeros(2)
-    for cell, change in plain.items():
-        out = cells == cell
-        rest = full - normal[out].sum(axis=0)
-        moved = -np.linalg.lstsq(rest, gradient[out].sum(axis=0), rcond=1e-12)[0]
-        for place, (fit, columns, step) in enumerate(((before, before.jacobian, change), (after, jacobian, moved))):
-            squares[place] += (weight[out] * (fit.residual[out] - columns[out] @ step) ** 2).sum()
-    return float(squares[1] / squares[0]) if squares[0] > 0 else 1.0
+FOLDS, REFITS = 4, 2
+"""Parts of the conditions that are left out one after another, and rounds in which a curve is learned without one."""
+
+
+def refitted_squares(found: CampaignFit, shape: SmoothChange | None = None) -> float:
+    """Squared error of left-out conditions, each part of them predicted by real fits to the rest. [N2]
+
+    A linear step would run away along what nothing determines. A learned ``shape`` is learned anew each time.
+    """
+    presses = found.problem.presses
+    part = np.unique(presses.cell, return_inverse=True)[1] % FOLDS
+    weight, total = presses.samples * presses.used, 0.0
+    for fold in range(FOLDS):
+        out = part == fold
+        if not out.any() or out.all():
+            continue
+        rest = replace(found.problem, presses=replace(presses, bins=presses.bins.without(out)))
+        known = fit(rest, found.vector, found.sizes, 6)
+        for _ in range(REFITS if shape is not None else 0):
+            known = fit(*_with(known, _learned_again(known)), found.sizes, 4)
+        model = replace(known.problem, presses=presses)
+        total += float((weight[out] * (presses.force_N - model.predict(known.vector))[out] ** 2).sum())
+    return total / float(weight.sum())
+
+
+def _learned_again(found: CampaignFit) -> SmoothChange:
+    """The shape that a fit holds, one step further."""
+    shape = next(one.shape for one in found.problem.effects if isinstance(one, Learned))
+    step = _step(found, shape)
+    new = step.values - np.average(step.values, weights=np.maximum(np.diag(step.information), 1e-12))
+    return shape.with_flat(new)

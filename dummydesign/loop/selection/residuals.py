@@ -38,7 +38,7 @@ def raw_residuals(found: CampaignFit) -> list[NDArray]:
     ridge = found.sizes.noise.position_mm**-2
     shift = (weight * found.slope * found.residual).sum(axis=1) / ((weight * found.slope**2).sum(axis=1) + ridge)
     # slope is dF/dx: a trial that touched earlier by s reads s dF/dx more
-    modelled = presses.at_samples(found.problem.nodes(found.vector, -shift))
+    modelled = found.problem.at_samples(found.vector, -shift)
     return [trial.trace.force_N - model for trial, model in zip(presses.trials, modelled)]
 
 

@@ -22,6 +22,8 @@ from dummydesign.loop.selection.cross_validation import (
 from dummydesign.loop.selection.residuals import Check, Dependence
 
 GAIN_FLOOR = 30.0
+EACH_PARAMETER = 12.0
+"""Evidence that each parameter of a named effect costs where models of different kinds are compared."""
 NEXT_FLOOR = 50.0
 IMITATED = 0.015
 """Share of an effect's evidence up to which another that acts on the same bins is in doubt: laws of growth are never
@@ -152,6 +154,8 @@ def worth(gain: float, limit: Needed, before: CampaignFit, after: CampaignFit) -
 def at_bound(fit: CampaignFit) -> bool:
     """Whether the size of an effect ended at the end of what is plausible: something else is being imitated."""
     for one in fit.active:
+        if one.effect.held:  # learned: its size is one
+            continue
         size = one.effect.parameters[0]
         value, reach = one.values[size.name], 1e-3 * (size.high - size.low)
         if value != size.null and (value <= size.low + reach or value >= size.high - reach):

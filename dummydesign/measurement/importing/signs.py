@@ -108,6 +108,8 @@ LOW, HIGH = 0.01, 0.03
 """Shares of the largest force below which it is zero, and above which it is a press."""
 PAUSE = 0.5
 """Share of the time between two presses above which one step of it is a pause of the recording."""
+INWARD, MARGIN = 0.1, 2
+"""Share of the deepest press's way that a press goes inward, and samples before its force begins that count for it."""
 BACK = 0.3
 """Share of its depth that the punch must come back before the next press is one of its own."""
 
@@ -131,7 +133,9 @@ def find_presses(file: str, x: NDArray, load: NDArray, several: bool, time: NDAr
     a, b = max(runs, key=lambda run: float(smooth[run[0] : run[1]].max()), default=(0, 1))
     depth = float(x[a:b].max() - x[a])
     # A force without way is the jolt of the punch when the robot starts or stops in the air, or a spike.
-    runs = [(a, b) for a, b in runs if smooth[a:b].max() >= 0.3 * peak or np.ptp(x[a:b]) >= 0.1 * depth]
+    # A drifting zero shows force on the way out as well. Only a press goes inward by a share of its depth.
+    inward = [(a, b) for a, b in runs if _inward(x[max(a - MARGIN, 0) : b]) >= INWARD * depth]
+    runs = inward or [(a, b) for a, b in runs if smooth[a:b].max() >= 0.3 * peak]
     if not runs:
         message = f"{file}: nothing is pressed: the force stays within {high:.3g} N of its reading at rest"
         raise InputError(message, "nothing_found", "force_N")
@@ -144,6 +148,11 @@ def find_presses(file: str, x: NDArray, load: NDArray, several: bool, time: NDAr
     at = np.arange(len(x), dtype=float) if time is None else time
     cuts = [0, *(_cut(at, x, before[1], after[0]) for before, after in pairwise(joined)), len(x)]
     return [Span(a, b, run[0]) for a, b, run in zip(cuts, cuts[1:], joined)]
+
+
+def _inward(x: NDArray) -> float:
+    """The longest way inward, from any place to a deeper one after it."""
+    return float((x - np.minimum.accumulate(x)).max(initial=0.0))
 
 
 def _touching(x: NDArray, smooth: NDArray, low: float) -> NDArray:

@@ -13,7 +13,7 @@ from dummydesign.loop import check_effect, effects
 from dummydesign.loop.effects.registry import EFFECTS, effect_named
 from dummydesign.loop.model.base_law import PuckLaw
 from dummydesign.loop.model.effect import Arm
-from dummydesign.loop.model.forward_model import Active, BaseParameters, relax, simulate
+from dummydesign.loop.model.forward_model import Active, BaseParameters, readings, relax, simulate
 from dummydesign.pad.material.relaxation import PronyTerm, relaxed_force
 from dummydesign.pad.tables import puck as puck_shapes
 from dummydesign.pad.tables import puck as puck_table
@@ -31,7 +31,8 @@ def values_of(name, **changes):
 
 def run(plain, *active, base=BASE):
     presses, law = plain
-    return simulate(presses, law, base, active)
+    vars(presses)["flat_top_N"] = 5.0  # as if readings were clipped there, which only one effect asks for
+    return readings(presses, simulate(presses, law, base, active), active)
 
 
 def test_each_effect_stands_once_in_the_registry_and_its_folder_says_whose_it_is():

@@ -70,3 +70,17 @@ def test_presses_of_two_days_are_parted_at_the_pause(tmp_path):
     first, second = import_file(tmp_path / "two.csv").presses
     assert len(first.time_s) == len(second.time_s) == len(t)
     assert first.time_s == pytest.approx(t, abs=1e-5) and second.time_s == pytest.approx(t, abs=1e-5)
+
+
+@pytest.mark.parametrize("seed", range(12))
+@pytest.mark.parametrize("what", ["drift", "spikes"])
+def test_a_drifting_zero_or_short_spikes_make_no_further_presses(seed, what):
+    rng = np.random.default_rng([seed, 90])
+    time = np.arange(0.0, 20.0, 0.002)
+    x = np.interp(time, [0.0, 1.9, 2.2, 12.2, 12.6, 20.0], [-1.0, 0.0, 2.0, 2.0, -1.0, -1.0])
+    force = rng.uniform(3.0, 15.0) * (np.clip(x, 0.0, None) / 2.0) ** 1.5 + rng.normal(0.0, 0.03, len(time))
+    if what == "drift":
+        force += 0.07 * time
+    for at in rng.integers(0, len(time) - 4, 3) if what == "spikes" else ():
+        force[at : at + 4] += 0.5 * force.max()
+    assert len(find_presses("a.csv", x, force, True, time)) == 1

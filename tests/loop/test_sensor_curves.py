@@ -1,0 +1,63 @@
+"""What a load cell does to its readings: clipping is named, a curve is learned, the pad stays as it is."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from dummydesign.loop.data.trials import make_presses
+from dummydesign.loop.fitting.fit import fit_base
+from dummydesign.loop.model.campaign_law import law_of
+from dummydesign.loop.run import close_loop
+from dummydesign.loop.selection.cross_validation import leave_out
+from dummydesign.loop.selection.learn_effect import FOLDS, refitted_squares
+from dummydesign.measurement.campaign_file import read_campaign
+
+
+def reading(campaign, change):
+    """The campaign with other readings of the same forces."""
+    trials = [replace(one, trace=replace(one.trace, force_N=change(one.trace.force_N))) for one in campaign.trials]
+    return replace(campaign, trials=tuple(trials))
+
+
+def largest(campaign):
+    return max(float(trial.trace.force_N.max()) for trial in campaign.trials)
+
+
+def test_clipped_readings_are_named_and_the_modulus_is_that_without(campaigns):
+    campaign = read_campaign(campaigns("none", 411))
+    limit = 0.8 * largest(campaign)
+    clipped, clean = close_loop(reading(campaign, lambda force: np.minimum(force, limit))), close_loop(campaign)
+    assert [one.candidate.effect.name for one in clipped.effects] == ["sensor_clipping"]
+    assert clipped.verdict == "effect" and clean.verdict == "none"
+    assert clipped.after.fit.base.young_MPa == pytest.approx(clean.after.fit.base.young_MPa, rel=0.01)
+    (active,) = clipped.after.fit.active
+    assert active.values["share"] == pytest.approx(1.0, abs=0.05)
+
+
+def test_errors_by_real_fits_are_those_of_linear_steps_where_nothing_is_missing(campaigns):
+    campaign = read_campaign(campaigns("none", 412))
+    base = fit_base(make_presses(campaign), law_of(campaign), 0.03)
+    presses, total = base.problem.presses, 0.0
+    part = np.unique(presses.cell, return_inverse=True)[1] % FOLDS
+    weight = presses.samples * presses.used
+    for fold, change in leave_out(base, part).items():
+        out = part == fold
+        total += (weight[out] * (base.residual[out] - base.jacobian[out] @ change) ** 2).sum()
+    assert refitted_squares(base) == pytest.approx(total / weight.sum(), rel=0.05)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed, curve_per_N", [(413, -0.015), (414, 0.01)])
+def test_a_curve_of_the_amplifier_is_learned_as_one_of_the_reading(campaigns, seed, curve_per_N):
+    campaign = read_campaign(campaigns("none", seed))
+    found = close_loop(reading(campaign, lambda force: force + curve_per_N * force * np.abs(force)))
+    assert found.learnt is not None and found.learnt.effect.name == "learned_reading_n"
+    assert found.learnt.effect.belongs_to == "sensor"
+    at = np.linspace(0.2, 0.9, 8) * largest(campaign)
+    # a constant change is the modulus
+    off = found.learnt.effect.shape(at + curve_per_N * at**2) - curve_per_N * at
+    assert np.ptp(off) < 0.35 * abs(curve_per_N) * np.ptp(at)
+    assert found.learnt.left_out < 0.6

@@ -1,4 +1,4 @@
-"""The commands of docs/from-machine-to-design.md, run in order: ``python -m tests.support.walkthrough`` renews its blocks.
+"""Run the commands of docs/from-machine-to-design.md; ``python -m tests.support.walkthrough`` renews its answers.
 
 A block of the page is a command and its answer. A line ``...`` leaves out lines, an end `` ...`` the rest of a line.
 Renewing keeps as many lines before and after ``...`` as the page has.
@@ -24,7 +24,9 @@ from tests.support.snapshots import differs, settled
 
 ROOT = Path(__file__).resolve().parents[2]
 PAGE = ROOT / "docs" / "from-machine-to-design.md"
-BLOCK = re.compile(r"^```(?:text|sh)\n(?:\$ )?dummydesign (?P<words>.+)\n(?P<answer>(?:(?!```).*\n)*)```$", re.MULTILINE)
+BLOCK = re.compile(
+    r"^```(?:text|sh)\n(?:\$ )?dummydesign (?P<words>.+)\n(?P<answer>(?:(?!```).*\n)*)```$", re.MULTILINE
+)
 WIDTH = 150
 """Longer lines are cut on the page."""
 

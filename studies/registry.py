@@ -85,7 +85,7 @@ STUDIES = (
         "the published method's dummies", "under a minute with --solve",
     ),
     Study(
-        "thickness", "", ("docs/whatif.md", "docs/data/thickness-curves.csv"),
+        "thickness", "", ("docs/whatif.md", "docs/data/thickness.csv", "docs/data/thickness-curves.csv"),
         "what thickness does to a slab", "some minutes with --solve",
     ),
     Study("shapes", "", ("docs/shapes.md", "docs/data/shapes.csv"), "what each shape reaches for each tissue"),

@@ -2,8 +2,8 @@
 
     python -m studies.thickness [--solve]
 
-writes the tables into ``docs/whatif.md``; with ``--solve`` the curves behind them are solved again first
-(sixteen slabs, some minutes) into ``docs/data/thickness-curves.csv``.
+writes ``docs/data/thickness.csv`` and a short table of it into ``docs/whatif.md``. With ``--solve`` the curves behind
+them are solved again first (sixteen slabs, some minutes) into ``docs/data/thickness-curves.csv``.
 """
 
 from __future__ import annotations
@@ -34,7 +34,10 @@ DEPTHS_MM = (1.0, 2.0, 2.9)
 STRAINS = (0.1, 0.2, 0.3, 0.4)
 _CASE = ("base", "yeoh_c2_over_mu", "thickness_mm", "radius_mm")
 CURVES = Path("docs") / "data" / "thickness-curves.csv"
+TABLE = Path("docs") / "data" / "thickness.csv"
 PAGE = Path("docs") / "whatif.md"
+ON_PAGE: dict[str, tuple[float, ...]] = {"force_N": (5.0, 10.0), "depth_mm": (1.0,), "strain": (0.2,)}
+"""Rows of the page, on both bases of the neo-Hookean solid; the CSV file has all."""
 MARKED = MarkedPage(PAGE, "<!-- thickness tables: begin -->", "<!-- thickness tables: end -->")
 
 
@@ -161,38 +164,46 @@ def laws(slabs: list[SolvedSlab]) -> dict[str, SolvedLaw]:
     return {name: law_of(group) for name, group in groups.items()}
 
 
-def tables_text(found: dict[str, dict[float, list[Curvature]]]) -> str:
-    """Markdown tables of exponents, growth in brackets, thickness across."""
-    titles = {"force_N": "equal force", "depth_mm": "equal depth", "strain": "equal strain"}
-    units = {"force_N": "N", "depth_mm": "mm", "strain": "of the thickness"}
-    lines = []
+def table_text(found: dict[str, dict[float, list[Curvature]]]) -> str:
+    """Write exponent and growth of every slab at equal force, depth and strain as CSV; empty beyond what was solved."""
+    stream = io.StringIO()
+    table = csv.writer(stream, lineterminator="\n")
+    table.writerow(["equal", "value", "base", "thickness_mm", "depth_over_thickness", "exponent", "growth"])
     for terms, values in found.items():
-        lines += ["", f"At {titles[terms]}:", ""]
-        lines.append("| base | at | " + " | ".join(f"{thickness:g} mm" for thickness in THICKNESS_MM) + " |")
-        lines.append("|---" * (2 + len(THICKNESS_MM)) + "|")
-        for name in dict.fromkeys(row.base for rows in values.values() for row in rows):
-            for value, rows in values.items():
-                cells = [_cell(row, terms) for row in rows if row.base == name]
-                lines.append(f"| {name} | {value:g} {units[terms]} | " + " | ".join(cells) + " |")
+        for value, rows in values.items():
+            for row in rows:
+                known = (row.strain, row.exponent, row.growth) if row.exponent is not None else (None, None, None)
+                cells = ["" if number is None else f"{number:.3f}" for number in known]
+                table.writerow([terms, f"{value:g}", row.base, f"{row.thickness_mm:g}", *cells])
+    return stream.getvalue()
+
+
+def page_text(found: dict[str, dict[float, list[Curvature]]]) -> str:
+    """Markdown table of exponents on both bases of the neo-Hookean solid, thickness across."""
+    units = {"force_N": "N", "depth_mm": "mm", "strain": "of the thickness"}
+    lines = ["| base | at | " + " | ".join(f"{thickness:g} mm" for thickness in THICKNESS_MM) + " |"]
+    lines.append("|---" * (2 + len(THICKNESS_MM)) + "|")
+    for base in ("bonded", "sliding"):
+        for terms, values in ON_PAGE.items():
+            for value in values:
+                rows = [row for row in found[terms][value] if row.base == base]
+                cells = ["-" if row.exponent is None else f"{row.exponent:.2f}" for row in rows]
+                lines.append(f"| {base} | {value:g} {units[terms]} | " + " | ".join(cells) + " |")
     return "\n".join(lines) + "\n"
 
 
-def _cell(row: Curvature, terms: str) -> str:
-    if row.exponent is None:
-        return "–"
-    place = f" at {row.strain:.2f} h" if terms == "force_N" else ""
-    return f"{row.exponent:.2f} ({row.growth:.2f}){place}"
-
-
 def write_page(folder: Path, slabs: list[SolvedSlab]) -> None:
-    """Put statement and tables between their marks in the page.
+    """Write the CSV file and put statement and table between their marks in the page.
 
     Raises
     ------
     InputError
         When the page or its marks are missing.
     """
-    MARKED.write(folder, f"{STATEMENT}\n{tables_text(study(slabs))}")
+    found = study(slabs)
+    MARKED.write(folder, f"{STATEMENT}\n\n{page_text(found)}")
+    (folder / TABLE).parent.mkdir(parents=True, exist_ok=True)
+    write_text(folder / TABLE, table_text(found))
 
 
 def main(arguments: list[str] | None = None) -> None:

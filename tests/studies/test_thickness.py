@@ -82,6 +82,7 @@ def test_the_page_holds_what_the_command_writes(slabs, tmp_path):
     page.write_text(text, encoding="utf-8")
     module.write_page(tmp_path, slabs)
     assert page.read_text(encoding="utf-8") == text
+    assert (tmp_path / module.TABLE).read_text(encoding="utf-8") == (ROOT / module.TABLE).read_text(encoding="utf-8")
 
 
 def test_curves_survive_being_written(slabs):

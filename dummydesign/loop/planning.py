@@ -330,7 +330,7 @@ def plan_power(plan: tuple[Planned, ...], campaign: Campaign, young_MPa: float, 
     units: dict[str, NDArray] = {}
     untested: dict[str, str] = {}
     projection, whiten = project(found)
-    for effect in known_effects():
+    for effect in (one for one in known_effects() if not one.seen_raw):
         reason = effect.unavailable(presses, law)
         if reason:
             untested[effect.name] = reason

@@ -130,10 +130,10 @@ def answer_of(result: LoopResult) -> list[str]:
         first = "Nothing is missing: the model describes the campaign down to its noise."
     elif result.verdict == "effect":
         them = "it" if len(names) == 1 else "them"
-        first = f"The model lacked {listed(names)}; with {them} what is left is noise."
+        first = f"The model lacked {listed(names)}; with {them} the residual is noise."
     else:
         used = "is" if len(names) == 1 else "are"
-        found = f" beyond {listed(names)}, which {used} used all the same" if names else ""
+        found = f" beyond {listed(names)}, which {used} used anyway" if names else ""
         first = f"Something is missing that no known effect explains{found}: {result.remainder.reasons[0]}."
     # what the fit did not see is said first
     unseen = "".join(f"{one['message']}. " for one in result.warnings if one["code"] == "beyond_table")
@@ -144,10 +144,15 @@ def answer_of(result: LoopResult) -> list[str]:
         change = f"falls from {before:.3g} to {left:.3g} N" if result.effects else f"is {left:.3g} N"
         floor = after.fit.sizes.floor_N
         lines.append(f"The error on left-out conditions {change}; the noise floor is {floor:.2g} N.")
-    young = after.to_dict()["parameters"]["young_kPa"]
+    parameters = after.to_dict()["parameters"]
+    young = parameters["young_kPa"]
     lines.append(
         f"The long-term modulus is {young['value']:.3g} kPa (95 %: {young['low']:.4g} to {young['high']:.4g})."
-    )
+        if young["determined"] else "The long-term modulus is not determined by this campaign."
+    )  # fmt: skip
+    unknown = [name for name, one in parameters.items() if not one["determined"] and name != "young_kPa"]
+    if unknown:
+        lines.append(f"Not determined by this campaign: {', '.join(unknown)}.")
     if joined is not None and joined.used:
         lines.append("The prior agrees with this campaign: modulus, relaxation and their intervals come from both.")
     elif joined is not None:
@@ -161,9 +166,10 @@ def _effect_text(result: LoopResult, effect: Effect, rivals: tuple[str, ...]) ->
     size = effect.parameters[0]
     value, worth = effect_intervals(result.after, effect)[size.name], worth_of(result, effect)
     unit = "" if size.unit == "1" else f" {size.unit}"
+    span = f"95 %: {value['low']:.3g} to {value['high']:.3g}" if value["determined"] else "not determined"
     text = (
-        f"{named(effect.name).capitalize()}: {size.name} = {value['value']:.3g}{unit} (95 %: {value['low']:.3g} to "
-        f"{value['high']:.3g}), worth {worth.change_N:+.2g} N at the largest force, {worth.force_N:.3g} N."
+        f"{named(effect.name).capitalize()}: {size.name} = {value['value']:.3g}{unit} ({span}), "
+        f"worth {worth.change_N:+.2g} N at the largest force, {worth.force_N:.3g} N."
     )
     if rivals:
         text += f" {listed([named(name) for name in rivals], 'or').capitalize()} would explain it as well."

@@ -28,7 +28,7 @@ from dummydesign.loop.selection.learn_effect import can_be_learned, learn
 from dummydesign.loop.selection.learned_first import learned_first
 from dummydesign.loop.selection.residuals import dependences, run_checks
 from dummydesign.loop.selection.search import search
-from dummydesign.loop.selection.verdict import AcceptedEffect, remainder
+from dummydesign.loop.selection.verdict import AcceptedEffect, at_bound, remainder
 from dummydesign.measurement.campaign import Campaign
 
 
@@ -133,7 +133,7 @@ def close_loop(
     return LoopResult(
         campaign, presses, base, after, verdict, effects, tuple(found.screened), tuple(found.ranking), left,
         tuple(dependences(base.fit)), tuple(where_after), tuple(checks), following, untested,
-        _warnings(campaign, presses, beyond, joined), learnt, joined,
+        (*_warnings(campaign, presses, beyond, joined), *_better_alone(found.ranking, after)), learnt, joined,
     )  # fmt: skip
 
 
@@ -157,6 +157,23 @@ def _next(
     first, *others = (effects[0].candidate, *effects[0].ranking[1:2]) if effects else ranking[:1]
     fit, name = (others[0].fit, others[0].effect.name) if others else (base.fit, "none")
     return next_measurement(first.fit, fit, (first.effect.name, name), campaign.lowpass)
+
+
+BETTER = 10.0
+"""Minus twice the log likelihood by which an effect that was not taken must explain more than the model to be named."""
+
+
+def _better_alone(ranking: list[EffectCandidate], after: AssessedModel) -> tuple[dict[str, str], ...]:
+    """Single effects that explain more than the model that is returned, and why they were not taken."""
+    out = []
+    used = {effect.name for effect in after.fit.problem.effects}
+    for one in ranking:
+        if one.effect.name not in used and one.fit.score < after.fit.score - BETTER:
+            why = "its size is at its bound" if at_bound(one.fit) else "it does not predict left-out presses better"
+            name = one.effect.name.replace("_", " ")
+            message = f"{name} alone explains more than this model and was not taken: {why}; test for it by itself"
+            out.append({"code": "explains_more", "message": message})
+    return tuple(out)
 
 
 def _warnings(

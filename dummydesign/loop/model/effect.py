@@ -109,6 +109,9 @@ class Effect:
     always_fitted: bool = False
     """Fitted whatever its score: for effects whose first-order change the base can imitate."""
 
+    seen_raw: bool = False
+    """Seen in the raw readings, without a fit: no plan decides whether it can be."""
+
     def undefined(self, presses: Presses, law: SetupLaw) -> str:
         """Say why the effect has no value on these trials (another shape, nothing declared); empty if it has."""
         if law.shape not in self.shapes:

@@ -257,13 +257,18 @@ def pad_errors(fit: CampaignFit) -> Errors:
     return errors(fit, fit.problem.presses.pad)
 
 
+DECADES = 100.0
+"""Ratio of the ends of an interval above which the campaign does not determine the parameter."""
+
+
 def interval(fit: CampaignFit, covariance: NDArray, place: int, to_value: Callable[[float], float]) -> dict[str, Any]:
     """Value with its 95 % interval."""
     low, high = fit.problem.bounds()
     at, spread = fit.vector[place], NORMAL_95 * float(np.sqrt(max(covariance[place, place], 0.0)))
     ends = sorted((to_value(max(at - spread, low[place])), to_value(min(at + spread, high[place]))))
     bound = bool(at <= low[place] + 1e-6 or at >= high[place] - 1e-6)
-    return {"value": to_value(at), "low": ends[0], "high": ends[1], "at_bound": bound}
+    known = not (ends[0] > 0.0 and ends[1] > DECADES * ends[0])
+    return {"value": to_value(at), "low": ends[0], "high": ends[1], "at_bound": bound, "determined": known}
 
 
 def base_intervals(fit: CampaignFit, lack_ratio: float | None = None) -> dict[str, Any]:
@@ -279,3 +284,10 @@ def effect_intervals(model: AssessedModel, effect: Effect) -> dict[str, Any]:
     fit, covariance = model.fit, widened(model.fit, model.lack.ratio)
     entries = fit.problem.entries[effect.name]
     return {p.name: interval(fit, covariance, at, p.to_value) for p, at in zip(effect.parameters, entries)}
+
+
+def holds_null(model: AssessedModel, effect: Effect) -> bool:
+    """Whether the interval of an effect's size holds the value at which the effect is absent."""
+    size = effect.parameters[0]
+    found = effect_intervals(model, effect)[size.name]
+    return bool(found["low"] <= size.null <= found["high"]) and not effect.held

@@ -18,7 +18,7 @@ from dummydesign.loop.fitting.candidates import (
 from dummydesign.loop.fitting.fit import CampaignFit, fit_with_noise, same_noise
 from dummydesign.loop.fitting.screening import Screened, screen
 from dummydesign.loop.model.effect import Effect
-from dummydesign.loop.selection.cross_validation import AssessedModel, assess, errors
+from dummydesign.loop.selection.cross_validation import AssessedModel, assess, errors, holds_null
 from dummydesign.loop.selection.residuals import dependences, run_checks
 from dummydesign.loop.selection.verdict import (
     AcceptedEffect,
@@ -114,6 +114,9 @@ def _change(current: AssessedModel, checks: list[EffectCheck], tried: int) -> Ca
     weakest_first = sorted(checks, key=lambda check: check.options[0].gain)
     for check in weakest_first:
         if not worth(check.options[0].gain, _limit(check, checks, tried), check.reduced, current.fit):
+            return check.reduced
+    for check in weakest_first if len(checks) > 1 else ():
+        if holds_null(current, check.effect):
             return check.reduced
     swaps = [one for check in checks for one in check.options[1:] if not at_bound(one.fit)]
     better = min(swaps, key=lambda one: one.fit.score, default=None)

@@ -21,6 +21,7 @@ class SensorClipping(Effect):
     remedy = "take a larger range, or press less deep; readings at that value are lost"
     reference = "saturation; the value is read off the raw data"
     always_fitted = True
+    seen_raw = True
 
     def untestable(self, presses: Presses) -> str:
         return "" if presses.flat_top_N is not None else "needs readings that stay at one largest value"

@@ -1,0 +1,19 @@
+"""A clamp that controls its force."""
+
+from __future__ import annotations
+
+from dummydesign.person.drives.drive import Drive, Response, late_from, of_trajectory
+from dummydesign.person.integrate import follow_force
+from dummydesign.person.people import People
+from dummydesign.person.press import Press
+
+
+class Force(Drive):
+    """F(t) on people is F(t) on the pad; depth follows."""
+
+    name = form = "force"
+    words = "a force-controlled clamp: people bear the same force over time, and are pressed as deep as it takes"
+
+    def respond(self, press: Press, people: People, keep: bool = True) -> Response:
+        """Solve the law for the depth."""
+        return of_trajectory(follow_force(people, press.time_s, press.force_N, late_from(press)))

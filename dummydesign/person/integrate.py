@@ -8,7 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from dummydesign.design.assessment.safety import QUASI_STATIC_AFTER_S
 from dummydesign.person.people import People
+from dummydesign.person.smoothing import interpolation
 
 TOLERANCE = 2e-5
 """Error of a step, over the depth."""
@@ -33,10 +35,17 @@ class Trajectory:
     energy_mJ: NDArray
     stop_s: NDArray
     late_N: NDArray
+    held_N: NDArray
 
 
 Input = Callable[[float], tuple[NDArray | float, NDArray | float]]
 """Force [N] and path [mm] of the pad at a time."""
+
+
+def held_after(time_s: NDArray, force_N: NDArray) -> NDArray:
+    """Largest force later than 0.5 s after contact, shape (p,); NaN where it is not followed that long. [N]"""
+    late = np.where(np.broadcast_to(time_s >= QUASI_STATIC_AFTER_S, force_N.shape), force_N, -np.inf).max(axis=-1)
+    return np.where(np.isfinite(late), late, np.nan)
 
 
 def follow_force(people: People, time_s: NDArray, force_N: NDArray, late_s: float = np.inf) -> Trajectory:
@@ -69,9 +78,11 @@ def follow_force(people: People, time_s: NDArray, force_N: NDArray, late_s: floa
             x = new
         found.append(x)
     depth = np.stack(found, axis=-1)
-    stop, late = np.full(len(people), time_s[-1]), time_s >= late_s
-    held = wanted[:, late].mean(axis=-1) if late.any() else np.full(len(people), np.nan)
-    return Trajectory(time_s, depth, wanted, wanted.max(axis=-1), depth.max(axis=-1), energy, stop, held)
+    stop, held = np.full(len(people), time_s[-1]), np.full(len(people), np.nan)
+    if late_s < time_s[-1]:
+        held = wanted @ interpolation(np.linspace(late_s, float(time_s[-1]), 25), time_s).mean(axis=0)
+    longer = held_after(time_s, wanted)
+    return Trajectory(time_s, depth, wanted, wanted.max(axis=-1), depth.max(axis=-1), energy, stop, held, longer)
 
 
 def _depth_for(people: People, x: NDArray, q: NDArray, step: float, goal: NDArray) -> NDArray:
@@ -141,6 +152,7 @@ def run_robot(
     times, depths, forces = [0.0], [x], [force]
     peak, deepest, energy = force.copy(), x.copy(), np.zeros(count)
     stop = np.full(count, np.nan)
+    longer = np.full(count, np.nan)
     late, period = np.zeros(count), 2.0 * np.pi * np.sqrt(mass / max(stiffness_N_per_mm, 1e-9))
     fastest = max(float(np.max(np.abs(v))), 1e-9)
     time, step = 0.0, min(1e-3 * float(np.min(scale_mm)) / fastest, longest_step(0.0))
@@ -174,6 +186,8 @@ def run_robot(
         energy = energy + np.where(going, 0.5 * (force + at_end) * way, 0.0)
         peak = np.where(going, np.maximum(peak, np.where(halted, at_end, new_force)), peak)
         deepest = np.where(going, np.maximum(deepest, reached), deepest)
+        if time + taken >= QUASI_STATIC_AFTER_S:
+            longer = np.where(going, np.fmax(longer, new_force), longer)
         stop = np.where(halted, time + share * taken, stop)
         late = late + 0.5 * max(time + taken - max(time, late_s), 0.0) * (force + new_force)
         before, time = (taken, a), time + taken
@@ -188,7 +202,7 @@ def run_robot(
     stop = np.where(np.isnan(stop), np.nan if until_stop else time, stop)
     curves = [np.stack(rows, axis=-1) for rows in (depths, forces)]
     held = late / (time - late_s) if time > late_s else np.full(count, np.nan)
-    return Trajectory(np.array(times), *curves, peak, deepest, energy, stop, held)
+    return Trajectory(np.array(times), *curves, peak, deepest, energy, stop, held, longer)
 
 
 def _solve(

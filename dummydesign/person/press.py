@@ -19,13 +19,17 @@ from dummydesign.tissue.fitting.reduction import rounded_velocity
 RISE_NODES, AFTER, GROWTH = 160, 0.25, 1.08
 """Nodes from contact to a quarter of the rise (8 ms at least) after the stop; then each interval is 8 % longer."""
 AFTER_S = 0.008
+MOST_ROUNDS, MOST_NODES = 5, 900
+"""How often nodes are added where samples show more, and up to how many."""
 CONTACT_SD_MM = 0.01
 """Standard deviation of where a trace has its zero: half of the 0.02 mm to which a robot is taken to repeat."""
 SHORTEST_HOLD_S = 0.3
-CONTACT_WINDOW, LEAST_NEAR = 0.4, 5
+CONTACT_WINDOW, LEAST_NEAR = 0.3, 6
 """Share of the rise on both sides of contact whose samples give the speed there, and how many there are at least."""
 LATE = 0.05
 """Share of the hold, at its end, whose mean force is the steady force."""
+LATE_CONTACT = 0.6
+"""Share of the depth at which a force must have begun."""
 SEEN = 6.0
 """Multiple of the noise that the force of a press must reach."""
 MOVING = 0.2
@@ -124,17 +128,16 @@ def read_press(trace: Trace, lowpass: Lowpass | None = None) -> Press:
         ramp = find_ramp(time, x, "slowed")
     except InputError as problem:
         raise problem.within(trace.name) from None
-    _check_contact(trace, ramp.contact_time_s, noise)
+    _check_contact(trace, ramp.contact_time_s, noise, lowpass is not None)
     fastest = approach_velocity(time, x, ramp)
     velocity = rounded_velocity(trace.told_mm_s or fastest)
     _check_stop(trace, ramp.stop_time_s, velocity)
-    end = max(ramp.hold_end_s, ramp.stop_time_s)
+    end = max(_leaving(time, x), ramp.stop_time_s)
     used = (time >= ramp.contact_time_s) & (time <= end)
     end = float(time[used][-1])
     nodes = _nodes(ramp.stop_time_s - ramp.contact_time_s, end - ramp.contact_time_s)
     since = time[used] - ramp.contact_time_s
-    path = smooth_curve(since, x[used], nodes)
-    load = smooth_curve(since, force[used], nodes, lowpass)
+    path, load, nodes = _smoothed(since, x[used], force[used], nodes, lowpass)
     speed, error = contact_speed(time - ramp.contact_time_s, x, ramp.stop_time_s - ramp.contact_time_s, path.noise)
     speed = np.minimum(speed, fastest)
     hold = end - ramp.stop_time_s
@@ -146,16 +149,53 @@ def read_press(trace: Trace, lowpass: Lowpass | None = None) -> Press:
 
 
 def contact_speed(time_s: NDArray, x_mm: NDArray, stop_s: float, noise_mm: float) -> tuple[NDArray, float]:
-    """Speed at contact and its standard deviation, by a parabola through 0.4 rises before and after it. [mm/s]"""
+    """Speed at contact and its standard deviation. [mm/s]
+
+    A parabola through 0.3 rises before and after, with a cubic from contact on: what a pad takes of the speed of a
+    free mass begins there.
+    """
     near = np.abs(time_s) <= CONTACT_WINDOW * stop_s
     if near.sum() < LEAST_NEAR:
         near = np.zeros(len(time_s), bool)
         near[np.argsort(np.abs(time_s))[:LEAST_NEAR]] = True
-    time, scale = time_s[near], CONTACT_WINDOW * stop_s
-    design = np.stack([np.ones(len(time)), time / scale, (time / scale) ** 2], axis=-1)
-    inverse = np.linalg.pinv(design)
+    scale = CONTACT_WINDOW * stop_s
+    time = time_s[near] / scale
+    powers = [np.ones(len(time)), time, time**2, np.maximum(time, 0.0) ** 3]
+    inverse = np.linalg.pinv(np.stack(powers[: 4 if (time < -0.5).any() else 3], axis=-1))
     slope = float(inverse[1] @ x_mm[near]) / scale
     return np.asarray(max(slope, 1e-3)), noise_mm * float(np.linalg.norm(inverse[1])) / scale
+
+
+def _leaving(time: NDArray, x: NDArray) -> float:
+    """Time at which the punch begins to leave: the last at which it is slow before it falls to half its depth. [s]
+
+    The last sample of a press that is not unloaded. An arm that swings over its depth has not left.
+    """
+    largest = float(x.max())
+    deepest = int(np.argmax(x))
+    below = np.flatnonzero(x[deepest:] < 0.5 * largest)
+    if not below.size:
+        return float(time[-1])
+    out = deepest + int(below[0])
+    high = deepest + int(np.flatnonzero(x[deepest:out] >= 0.75 * float(np.median(x[deepest:out])))[-1])
+    speed = float(x[high] - x[out]) / max(float(time[out] - time[high]), 1e-9)
+    window = max(0.03 * largest / max(speed, 1e-9), 2.0 * float(np.median(np.diff(time))))
+    fallen = x[deepest : high + 1] - np.interp(time[deepest : high + 1] + window, time, x)
+    slow = np.flatnonzero(fallen <= 0.3 * speed * window)
+    return float(time[deepest + (int(slow[-1]) if slow.size else 0)])
+
+
+def _smoothed(
+    since: NDArray, x: NDArray, force: NDArray, nodes: NDArray, lowpass: Lowpass | None
+) -> tuple[SmoothCurve, SmoothCurve, NDArray]:
+    """Smooth path and force at nodes; an arm that rings gets more nodes than a press that relaxes."""
+    for _ in range(MOST_ROUNDS):
+        path, load = smooth_curve(since, x, nodes), smooth_curve(since, force, nodes, lowpass)
+        coarse = path.coarse | load.coarse
+        if not coarse.any() or len(nodes) + coarse.sum() > MOST_NODES:
+            return path, load, nodes
+        nodes = np.sort(np.r_[nodes, 0.5 * (nodes[1:] + nodes[:-1])[coarse]])
+    return smooth_curve(since, x, nodes), smooth_curve(since, force, nodes, lowpass), nodes
 
 
 def _not_pulling(curve: SmoothCurve) -> SmoothCurve:
@@ -174,8 +214,11 @@ def _nodes(stop_s: float, end_s: float) -> NDArray:
     return np.r_[even, fine + grown * (end_s - fine) / grown[-1]]
 
 
-def _check_contact(trace: Trace, contact_s: float, noise_N: float) -> None:
-    """Refuse a trace that carries load at its zero of displacement, or touches long after it."""
+def _check_contact(trace: Trace, contact_s: float, noise_N: float, delayed: bool) -> None:
+    """Refuse a trace that carries load at its zero of displacement, or touches long after it.
+
+    A filter delays the force, so that nothing is known of the second.
+    """
     peak, time, x = float(trace.force_N.max()), trace.time_s, trace.displacement_mm
     near = int(np.searchsorted(time, contact_s, side="right"))
     touched = float(trace.force_N[: max(near, 1)].max())
@@ -187,7 +230,7 @@ def _check_contact(trace: Trace, contact_s: float, noise_N: float) -> None:
         raise InputError(message, "inconsistent", "contact", touched, 0.0)
     loaded = trace.force_N > max(0.02 * peak, SEEN * noise_N)
     first = float(x[int(np.argmax(loaded))])
-    if first > 0.5 * float(x.max()):
+    if first > LATE_CONTACT * float(x.max()) and not delayed:
         message = (
             f"{trace.name}: carries no force down to {first:.3g} mm of {float(x.max()):.3g} mm; contact must be at "
             "displacement 0, 'dummydesign import' finds it"

@@ -14,17 +14,21 @@ CELLS = 3
 """Bins an interval between nodes is cut into before samples are averaged."""
 LEAST_NOISE = 1e-5
 """Smallest noise that is assumed, over the largest value: numbers in files are rounded."""
+SURE, SMALL = 4.0, 1.5e-3
+"""Standard errors, and share of the range, by which a mean of samples must miss the curve to ask for more nodes."""
 SCANNED = np.logspace(-10.0, 4.0, 57)
 """Weights of the roughness that are tried."""
 
 
 @dataclass(frozen=True)
 class SmoothCurve:
-    """A curve at nodes: values (n,), a factor (n, n) of their covariance, and the noise of one sample."""
+    """A curve at nodes: values (n,), a factor (n, n) of their covariance, the noise of one sample, and which of the
+    n - 1 intervals are too coarse for what the samples show."""
 
     value: NDArray
     factor: NDArray
     noise: float
+    coarse: NDArray
 
 
 def smooth_curve(
@@ -54,7 +58,7 @@ def smooth_curve(
 
     noise = max(float(noise_of(values)), LEAST_NOISE * float(np.max(np.abs(values), initial=1e-12)))
     at, mean, count = _averaged(time_s, values, nodes_s)
-    design = _interpolation(at, nodes_s)
+    design = interpolation(at, nodes_s)
     if lowpass is not None:
         design = design @ lowpass.apply(nodes_s, np.eye(len(nodes_s))).T
     offset = 0.0 if start is None else start
@@ -77,11 +81,15 @@ def smooth_curve(
     freedom = (share / damped).sum(axis=1)
     chosen = damped[int(np.argmin(np.maximum(left, 0.0) / noise**2 + 2.0 * freedom))]
     value = basis @ (loading / chosen) + offset
+    missed = np.abs(wanted - weighted @ (value - offset))
+    amiss = (missed > SURE * noise) & (missed > SMALL * np.sqrt(count) * float(np.ptp(mean)))
+    coarse = np.zeros(len(nodes_s) - 1, bool)
+    coarse[np.clip(np.searchsorted(nodes_s, at[amiss], side="right") - 1, 0, len(coarse) - 1)] = True
     factor = noise * basis / np.sqrt(chosen)
     if start is not None:
         value = np.r_[start, value]
         factor = np.vstack([np.zeros(factor.shape[1]), factor])
-    return SmoothCurve(value, factor, noise)
+    return SmoothCurve(value, factor, noise, coarse)
 
 
 def _averaged(time_s: NDArray, values: NDArray, nodes_s: NDArray) -> tuple[NDArray, NDArray, NDArray]:
@@ -94,7 +102,7 @@ def _averaged(time_s: NDArray, values: NDArray, nodes_s: NDArray) -> tuple[NDArr
     return at, np.bincount(cell, values)[used] / number[used], number[used].astype(float)
 
 
-def _interpolation(at: NDArray, nodes: NDArray) -> NDArray:
+def interpolation(at: NDArray, nodes: NDArray) -> NDArray:
     """Matrix (len(at), n) of linear interpolation between nodes."""
     left = np.clip(np.searchsorted(nodes, at, side="right") - 1, 0, len(nodes) - 2)
     share = np.clip((at - nodes[left]) / (nodes[left + 1] - nodes[left]), 0.0, 1.0)

@@ -13,16 +13,20 @@ from numpy.typing import NDArray
 from dummydesign.core.errors import InputError, out_of_range
 from dummydesign.core.parsing import Purpose, read_number
 from dummydesign.measurement.motion import work_mJ
+from dummydesign.person.integrate import held_after
 from dummydesign.person.press import LATE, Press
+from dummydesign.person.smoothing import interpolation
 
 if TYPE_CHECKING:
     from dummydesign.person.integrate import Trajectory
     from dummydesign.person.people import People
+    from dummydesign.person.signs import TraceSigns
 
 FOUR = ("peak_N", "steady_N", "depth_mm", "energy_mJ")
 """What is reported of a press."""
 FASTER = 20.0
 """Factor of the tolerance where only the four numbers of many draws are wanted."""
+LATE_POINTS = 25
 MASS = Purpose("mass in kg", "kg", (0.05, 500.0))
 STIFFNESS = Purpose("stiffness in N/mm", "N/mm", (0.1, 10_000.0))
 MASSES, STIFFNESSES = (1e-3, 1e4), (1e-3, 1e6)
@@ -31,7 +35,10 @@ MASSES, STIFFNESSES = (1e-3, 1e4), (1e-3, 1e6)
 
 @dataclass(frozen=True)
 class Response:
-    """What persons bear: curves of shape (p, n) over ``time_s`` (n,) or (p, n), and the four numbers, shape (p,)."""
+    """What persons bear: curves of shape (p, n) over ``time_s`` (n,) or (p, n), and numbers, shape (p,).
+
+    ``held_N`` is the largest force later than 0.5 s after contact.
+    """
 
     time_s: NDArray
     depth_curve_mm: NDArray
@@ -41,15 +48,11 @@ class Response:
     depth_mm: NDArray
     energy_mJ: NDArray
 
+    held_N: NDArray
+
     def four(self) -> dict[str, NDArray]:
         """The four numbers by name."""
         return {name: getattr(self, name) for name in FOUR}
-
-    def held_after(self, later_s: float) -> NDArray:
-        """Largest force later than a time after contact, shape (p,); NaN where it is not followed that long. [N]"""
-        late = np.broadcast_to(self.time_s >= later_s, self.force_curve_N.shape)
-        force = np.where(late, self.force_curve_N, -np.inf).max(axis=-1)
-        return np.where(np.isfinite(force), force, np.nan)
 
 
 class Drive(ABC):
@@ -119,10 +122,23 @@ class Drive(ABC):
             "unsupported", "drive", self.name,
         )  # fmt: skip
 
+    def contradicted(self, signs: TraceSigns) -> str:
+        """Say why this drive cannot have made the trace; empty where nothing speaks against it."""
+        return ""
+
     def on_pad(self, press: Press) -> dict[str, NDArray | None]:
         """The four numbers of the pad, over the same part of the press as those of people."""
         return {"peak_N": press.peak_N, "steady_N": press.steady_N, "depth_mm": press.depth_mm,
                 "energy_mJ": press.energy_mJ}  # fmt: skip
+
+
+def not_kept(signs: TraceSigns) -> str:
+    """Say that the path was not kept, for drives that keep it; empty where it was."""
+    if signs.looks_like == "force":
+        return f"the depth crept by {signs.creep_mm:.2g} mm while the force was kept: it looks like --drive force"
+    if signs.looks_like == "mass":
+        return f"the pad alone took its speed: it looks like --drive mass:{signs.mass_kg:.3g}"
+    return ""
 
 
 def late_from(press: Press) -> float:
@@ -132,12 +148,15 @@ def late_from(press: Press) -> float:
 
 def of_trajectory(run: Trajectory) -> Response:
     """Make the answer of an integrated motion."""
-    return Response(run.time_s, run.depth_mm, run.force_N, run.peak_N, run.late_N, run.deepest_mm, run.energy_mJ)
+    return Response(run.time_s, run.depth_mm, run.force_N, run.peak_N, run.late_N, run.deepest_mm, run.energy_mJ,
+                    run.held_N)  # fmt: skip
 
 
 def of_curves(press: Press, time_s: NDArray, depth: NDArray, force: NDArray) -> Response:
     """Make the answer of curves of shape (p, n) over common times (n,)."""
-    depth, late = np.broadcast_to(depth, force.shape), time_s >= late_from(press)
+    depth, start = np.broadcast_to(depth, force.shape), late_from(press)
     energy = work_mJ(np.maximum(depth, 0.0), force)
-    held = force[:, late].mean(axis=-1) if late.any() else np.full(len(force), np.nan)
-    return Response(time_s, depth, force, force.max(axis=-1), held, depth.max(axis=-1), energy)
+    held = np.full(len(force), np.nan)
+    if np.isfinite(start):
+        held = force @ interpolation(np.linspace(start, float(time_s[-1]), LATE_POINTS), time_s).mean(axis=0)
+    return Response(time_s, depth, force, force.max(axis=-1), held, depth.max(axis=-1), energy, held_after(time_s, force))

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from dummydesign.person.drives.drive import Drive, Response, late_from, of_trajectory
+from dummydesign.person.drives.drive import Drive, Response, late_from, not_kept, of_trajectory
 from dummydesign.person.integrate import follow_force
 from dummydesign.person.people import People
 from dummydesign.person.press import Press
+from dummydesign.person.signs import TraceSigns
 
 
 class Force(Drive):
@@ -13,6 +14,12 @@ class Force(Drive):
 
     name = form = "force"
     words = "a force-controlled clamp: people bear the same force over time, and are pressed as deep as it takes"
+
+    def contradicted(self, signs: TraceSigns) -> str:
+        """Where the path was kept instead, or the pad took the speed."""
+        if signs.looks_like == "position":
+            return f"the force relaxed by {signs.relaxed_N:.2g} N while the path was kept: it looks like --drive position"
+        return not_kept(signs) if signs.looks_like == "mass" else ""
 
     def respond(self, press: Press, people: People, keep: bool = True) -> Response:
         """Solve the law for the depth."""

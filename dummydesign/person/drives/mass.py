@@ -12,9 +12,12 @@ from dummydesign.person.drives.drive import FASTER, MASS, MASSES, Drive, Respons
 from dummydesign.person.integrate import TOLERANCE, run_robot
 from dummydesign.person.people import People
 from dummydesign.person.press import Press
+from dummydesign.person.signs import TraceSigns
 
 LONGEST_S, AFTER_STOP = 60.0, 1.0
 CURVE_STEPS = 400
+SAME_MASS = 1.3
+"""Factor within which a mass agrees with the one that the trace shows."""
 
 
 class Mass(Drive):
@@ -23,6 +26,16 @@ class Mass(Drive):
     name, form = "mass", "mass:KG"
     numbers = ((MASS, MASSES),)
     words = "a free mass that touches at the trace's speed and is stopped by the person alone"
+
+    def contradicted(self, signs: TraceSigns) -> str:
+        """Where the punch was held, or another mass explains the path."""
+        if signs.creep_mm is not None:
+            return f"the punch was held {signs.held_s:.2g} s under load; a free mass leaves at once"
+        if signs.mass_kg is None:
+            return "the force on the pad does not explain how the speed was lost: no free mass did this"
+        if not 1.0 / SAME_MASS < self.values[0] / signs.mass_kg < SAME_MASS:
+            return f"the path on the pad is that of a free mass of {signs.mass_kg:.3g} kg"
+        return ""
 
     def respond(self, press: Press, people: People, keep: bool = True) -> Response:
         """Integrate until every body has stopped; with curves, as long again for the rebound."""

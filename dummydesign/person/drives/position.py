@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from dummydesign.person.drives.drive import Drive, Response, of_curves
+from dummydesign.person.drives.drive import Drive, Response, not_kept, of_curves
 from dummydesign.person.people import People
 from dummydesign.person.press import Press
+from dummydesign.person.signs import TraceSigns
 
 
 class Position(Drive):
@@ -12,6 +13,10 @@ class Position(Drive):
 
     name = form = "position"
     words = "the arm follows its path whatever it meets: people are pressed by the same displacement from contact on"
+
+    def contradicted(self, signs: TraceSigns) -> str:
+        """Where the path was not kept."""
+        return not_kept(signs)
 
     def respond(self, press: Press, people: People, keep: bool = True) -> Response:
         """Force of the law along the path."""

@@ -19,6 +19,7 @@ from dummydesign.person.drives.drive import (
 from dummydesign.person.integrate import TOLERANCE, Input, run_robot
 from dummydesign.person.people import People
 from dummydesign.person.press import Press
+from dummydesign.person.signs import TraceSigns
 
 
 class Spring(Drive):
@@ -27,6 +28,18 @@ class Spring(Drive):
     name, form = "spring", "spring:N_PER_MM,KG"
     numbers = ((STIFFNESS, STIFFNESSES), (MASS, MASSES))
     words = "an arm with a spring and a mass: the command that the trace implies acts on the person through both"
+
+    def contradicted(self, signs: TraceSigns) -> str:
+        """Where such an arm would have followed the force as it relaxed, and the path was kept."""
+        if signs.creep_mm is None or signs.relaxed_N is None:
+            return ""
+        follows = signs.relaxed_N / self.values[0]
+        if follows > 2.0 * signs.kept_mm and abs(signs.creep_mm) < follows / 3.0:
+            return (
+                f"the force relaxed by {signs.relaxed_N:.2g} N and the punch moved {signs.creep_mm:.2g} mm; an arm of "
+                f"{self.values[0]:g} N/mm with a fixed command moves {follows:.2g} mm: the arm is stiffer, or corrected"
+            )
+        return ""
 
     def respond(self, press: Press, people: People, keep: bool = True) -> Response:
         """Integrate from contact to the end of the hold, in the difference to the path on the pad."""

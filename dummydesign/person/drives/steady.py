@@ -10,9 +10,11 @@ from numpy.typing import NDArray
 
 from dummydesign.core.errors import InputError
 from dummydesign.measurement.motion import Motion, ramp_and_hold, work_mJ
-from dummydesign.person.drives.drive import Drive, Response
+from dummydesign.person.drives.drive import Drive, Response, not_kept
+from dummydesign.person.integrate import held_after
 from dummydesign.person.people import People
 from dummydesign.person.press import Press
+from dummydesign.person.signs import TraceSigns
 
 
 class Steady(Drive):
@@ -34,6 +36,10 @@ class Steady(Drive):
         if float(np.min(press.steady_N)) <= 0.0:
             message = f"{press.trace.name}: its steady force is {float(np.min(press.steady_N)):.3g} N; it must be above 0"
             raise InputError(message, "out_of_range", "steady_force_N", float(np.min(press.steady_N)))
+
+    def contradicted(self, signs: TraceSigns) -> str:
+        """Where the path was not kept."""
+        return not_kept(signs)
 
     def respond(self, press: Press, people: People, keep: bool = True) -> Response:
         """Find each depth, and press."""
@@ -69,4 +75,5 @@ def press_of(press: Press) -> tuple[float, float]:
 
 def _response(motion: Motion, force: NDArray, depth: NDArray) -> Response:
     x = motion.displacement_mm
-    return Response(motion.time_s, x, force, force.max(axis=-1), force[..., -1], depth, work_mJ(x, force))
+    return Response(motion.time_s, x, force, force.max(axis=-1), force[..., -1], depth, work_mJ(x, force),
+                    held_after(motion.time_s, force))  # fmt: skip

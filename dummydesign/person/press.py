@@ -47,7 +47,7 @@ class Press:
         Nodes; finer about the stop.
     x_mm, force_N : ndarray, shape (n,) or (p, n)
         Depth and force of the pad at the nodes; several where they are drawn from their errors.
-    x_factor, force_factor : ndarray, shape (n, n)
+    x_factor, force_factor : ndarray, shape (n, k)
         Factors of the covariances.
     contact_s, stop_s, hold_s, velocity_mm_s : float
         Time of contact in the trace; stop, hold and speed of the robot, two digits. [s, mm/s]
@@ -98,10 +98,9 @@ class Press:
 
     def drawn(self, count: int, rng: np.random.Generator) -> Press:
         """Draw presses that may be behind the trace: noise of both columns, and where contact is."""
-        nodes = len(self.time_s)
-        x = self.x_mm + rng.standard_normal((count, nodes)) @ self.x_factor.T
+        x = self.x_mm + rng.standard_normal((count, self.x_factor.shape[1])) @ self.x_factor.T
         shift = CONTACT_SD_MM * rng.standard_normal((count, 1))
-        force = self.force_N + rng.standard_normal((count, nodes)) @ self.force_factor.T
+        force = self.force_N + rng.standard_normal((count, self.force_factor.shape[1])) @ self.force_factor.T
         steady = None
         if self.steady_N is not None:
             late = self.time_s >= self.time_s[-1] - LATE * self.hold_s

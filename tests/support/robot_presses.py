@@ -90,17 +90,17 @@ def command(velocity, depth, hold, ramp_s=0.004):
     return (lambda t: path(t + start * 0.0)), speed, stop + hold
 
 
-def by_path(body, path, speed, end, begin, points=60001):
+def by_path(body, path, speed, end, begin, points=60001, max_step=0.01):
     """Follow a path."""
     got = solve_ivp(lambda t, q: body.rates(path(t), speed(t), q), (begin, end), np.zeros(body.arms), "Radau",
-                    dense_output=True, rtol=1e-8, atol=1e-10, max_step=0.01)  # fmt: skip
+                    dense_output=True, rtol=1e-8, atol=1e-10, max_step=max_step)  # fmt: skip
     t = grid(begin, end, points)
     q = got.sol(t) if body.arms else np.zeros((0, len(t)))
     x = np.array([path(one) for one in t])
     return Run(t, x, np.array([body.force(a, b) for a, b in zip(x, q.T)]))
 
 
-def by_robot(body, path, speed, end, begin, stiffness, mass_kg, points=60001):
+def by_robot(body, path, speed, end, begin, stiffness, mass_kg, points=60001, max_step=0.01):
     """A mass on a spring whose other end follows a path."""
     mass = 1e-3 * mass_kg
 
@@ -109,7 +109,7 @@ def by_robot(body, path, speed, end, begin, stiffness, mass_kg, points=60001):
         return np.r_[v, (stiffness * (path(t) - x) - body.force(x, q)) / mass, body.rates(x, v, q)]
 
     got = solve_ivp(slope, (begin, end), np.r_[path(begin), speed(begin), np.zeros(body.arms)], "Radau",
-                    dense_output=True, rtol=1e-8, atol=1e-10, max_step=0.01)  # fmt: skip
+                    dense_output=True, rtol=1e-8, atol=1e-10, max_step=max_step)  # fmt: skip
     t = grid(begin, end, points)
     y = got.sol(t)
     return Run(t, y[0], np.array([body.force(one[0], one[2:]) for one in y.T]))
@@ -133,7 +133,7 @@ def by_mass(body, velocity, mass_kg, points=20001):
     return Run(t, y[0], np.array([body.force(one[0], one[2:]) for one in y.T]))
 
 
-def skin_by_force(gamma1, gammas, dampers, force, force_rate, begin, end, points=40001):
+def skin_by_force(gamma1, gammas, dampers, force, force_rate, begin, end, points=40001, max_step=0.01):
     """A person under a force over time: the depth's own equation, from F' = (dF/dx) x' + sum x^2 gamma q'."""
     gammas, dampers = np.array(gammas), np.array(dampers)
     x0 = (force(begin) / (gamma1 + gammas.sum())) ** (1.0 / 3.0)
@@ -146,7 +146,7 @@ def skin_by_force(gamma1, gammas, dampers, force, force_rate, begin, end, points
         return np.r_[v, v - loss]
 
     got = solve_ivp(slope, (begin, end), np.r_[x0, np.full(len(gammas), x0)], "Radau", dense_output=True, rtol=1e-8,
-                    atol=1e-11, max_step=0.01)  # fmt: skip
+                    atol=1e-11, max_step=max_step)  # fmt: skip
     t = grid(begin, end, points)
     y = got.sol(t)
     return Run(t, y[0], np.array([force(one) for one in t]))

@@ -81,9 +81,12 @@ def _headline(result: dict[str, Any]) -> list[str]:
         row, press = min(rows, key=lambda pair: (WORST.index(pair[0]["result"]), -_share(pair[0])))
         high = _text(row["person_high_95"])
         count = sum(one["result"] == row["result"] for one, _ in rows)
+        reason = "" if row["result"] == "pass" else f" {row['reason'][0].upper()}{row['reason'][1:]}."
+        if any(one["drive_contradicted"] for one in result["presses"]):
+            reason += " The drive does not fit the trace."
         text = (
-            f"{count} of {len(rows)} checks: {row['name']} on people up to {high} {row['unit']} (95 %), limit "
-            f"{row['limit']:.4g}; pad {_text(row['pad'])}. {row['reason'].capitalize()}."
+            f"{count} of {len(rows)} checks. Closest: {row['name']}, people up to {high} {row['unit']} (95 %), "
+            f"limit {row['limit']:.4g}, pad {_text(row['pad'])}.{reason}"
         )
         return _first(row["result"].upper(), text)
     press = max(result["presses"], key=lambda one: one["factor_peak"][1] or 0.0)

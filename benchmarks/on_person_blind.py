@@ -5,7 +5,7 @@ five drives, by equations and an integrator (scipy's Radau) that share no code w
 both columns, an error of contact, a sampling rate, and in every third case a declared sensor filter. One more person
 of the population is pressed by the same robot; the interval must hold her in 95 % of cases.
 
-    python -m benchmarks.on_person_blind [--cases 200] [--seed 5001] [--out FILE.csv]
+    python -m benchmarks.on_person_blind [--cases 200] [--seed 7301] [--out FILE.csv]
 """
 
 from __future__ import annotations
@@ -42,7 +42,8 @@ from tests.support.robot_presses import (
 
 DRIVES = ("position", "steady", "force", "mass", "spring")
 CONTACT_MM = 0.01
-TRIVIAL = {("position", "depth_mm"), ("steady", "steady_N"), ("force", "peak_N"), ("force", "steady_N")}
+TRIVIAL = {("position", "depth_mm"), ("steady", "steady_N"), ("force", "peak_N"), ("force", "steady_N"),
+           ("mass", "energy_mJ")}  # fmt: skip
 """What the drive itself prescribes: the interval there is that of the trace alone."""
 
 
@@ -84,7 +85,8 @@ def case(number: int, seed: int) -> tuple[str, dict[str, tuple[float, float, flo
     pad = gel_pad(rng.uniform(0.7, 1.3) * 9.0 / scale**1.35, rng.uniform(1.2, 1.7), rng.uniform(0.2, 0.8),
                   rng.uniform(0.05, 0.4))  # fmt: skip
     depth, hold = rng.uniform(0.8, 1.1) * scale, rng.uniform(1.0, 2.0)
-    path, speed, end = command(velocity, depth, hold, rng.uniform(0.05, 0.15) * depth / velocity)
+    rounding = max(velocity / (4.0 * rng.uniform(5e3, 30e3)), 2e-4)
+    path, speed, end = command(velocity, depth, hold, rounding)
     begin = -0.5 / velocity
     text, mass, stiffness = drive, 0.0, 0.0
     if drive in ("mass", "spring"):
@@ -105,7 +107,7 @@ def case(number: int, seed: int) -> tuple[str, dict[str, tuple[float, float, flo
     trace = sampled(run, rate, rng.uniform(0.005, 0.03), rng.uniform(0.0005, 0.002), int(rng.integers(1 << 30)),
                     f"case-{number}", passed)  # fmt: skip
     trace = Trace(trace.name, trace.time_s, trace.displacement_mm + CONTACT_MM * rng.standard_normal(), trace.force_N)
-    truth = truth_of(drive, person, values, run, (path, speed, end, begin), velocity, mass, stiffness)
+    truth = truth_of(drive, person, values, run, (path, speed, end, begin, hold, rounding), velocity, mass, stiffness)
     found = on_person([trace], tissue, read_drive(text), lowpass=passed)
     interval = found.presses[0].interval
     rows = {}
@@ -121,10 +123,10 @@ def truth_of(
     stiffness: float,
 ) -> dict[str, float]:  # fmt: skip
     """What the press is on the person, by Radau."""
-    path, speed, end, begin = robot
-    late = 0.95 * (pad.t[-1] - pad.t[0]) + pad.t[0]
+    path, speed, end, begin, hold, rounding = robot
+    late = pad.t[-1] - 0.05 * hold
     if drive == "mass":
-        run, late = by_mass(person, velocity, mass, 6001), np.inf
+        run = by_mass(person, velocity, mass, 6001)
     elif drive == "spring":
         run = by_robot(person, path, speed, end, begin, stiffness, mass, 12001)
     elif drive == "position":
@@ -133,54 +135,34 @@ def truth_of(
         after = pad.t > 0.0
         rate = np.gradient(pad.f[after], pad.t[after])
         run = skin_by_force(values[0], values[1:3], values[3:], lambda t: np.interp(t, pad.t, pad.f),
-                            lambda t: np.interp(t, pad.t[after], rate), 0.01 * 1.0 / velocity, pad.t[-1], 12001)  # fmt: skip
+                            lambda t: np.interp(t, pad.t[after], rate), 0.05 / velocity, pad.t[-1], 12001)  # fmt: skip
     else:
-        run = pressed_to(person, float(pad.f[pad.t >= late].mean()), path, speed, end, begin, velocity, values)
-    held = run.f[run.t >= late]
-    return {"peak_N": run.peak, "steady_N": float(held.mean()) if len(held) else np.nan, "depth_mm": run.depth,
+        run = pressed_to(person, float(pad.f[pad.t >= late].mean()), hold, rounding, begin, velocity, values)
+    held = float(run.f[run.t >= run.t[-1] - 0.05 * hold].mean()) if drive != "mass" else np.nan
+    return {"peak_N": run.peak, "steady_N": held, "depth_mm": run.depth,
             "energy_mJ": run.energy}  # fmt: skip
 
 
 def pressed_to(
-    person: Any, force: float, path: Any, speed: Any, end: float, begin: float, velocity: float, values: np.ndarray
+    person: Any, force: float, hold: float, rounding: float, begin: float, velocity: float, values: np.ndarray
 ) -> Run:  # fmt: skip
-    """The same robot, its path made longer until the force at the end of the hold is that of the pad."""
-    stop = end - brentq_hold(path, end)
-    hold, braking = end - stop, None
+    """The same robot, sent deeper until the force at the end of the hold is that of the pad."""
     guess = (force / values[0]) ** (1.0 / 3.0)
     low, high = 0.3 * guess, 1.3 * guess
-    for _ in range(22):
+    for _ in range(16):
         middle = 0.5 * (low + high)
-        own_path, own_speed, own_end = command(velocity, middle, hold, (stop_of(path, speed, stop, velocity)))
-        run = by_path(person, own_path, own_speed, own_end, begin, 3001)
-        held = float(run.f[run.t >= 0.95 * (run.t[-1] - run.t[0]) + run.t[0]].mean())
+        path, speed, end = command(velocity, middle, hold, rounding)
+        run = by_path(person, path, speed, end, begin, 12001)
+        held = float(run.f[run.t >= run.t[-1] - 0.05 * hold].mean())
         low, high = (middle, high) if held < force else (low, middle)
-        if high - low < 1e-4 * guess:
-            break
-    return by_path(person, own_path, own_speed, own_end, begin, 12001)
-
-
-def brentq_hold(path: Any, end: float) -> float:
-    """Hold of a command: its end less the depth over the speed. [s]"""
-    depth = path(end)
-    times = np.linspace(0.0, end, 20001)
-    way = np.array([path(t) for t in times])
-    reached = float(np.interp(0.5 * depth, way, times))
-    return end - 2.0 * reached
-
-
-def stop_of(path: Any, speed: Any, stop: float, velocity: float) -> float:
-    """Rounding of a command at its stop: the speed there falls from 3/4 to 1/4 in 2 ln 3 of it. [s]"""
-    times = np.linspace(max(0.0, 0.2 * stop), 2.0 * stop, 20001)
-    share = np.array([speed(t) for t in times]) / velocity
-    return float(np.interp(-0.25, -share, times) - np.interp(-0.75, -share, times)) / (2.0 * np.log(3.0))
+    return run
 
 
 def main() -> None:
     """Run the cases and print the rates."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--cases", type=int, default=200)
-    parser.add_argument("--seed", type=int, default=5001)
+    parser.add_argument("--seed", type=int, default=7301)
     parser.add_argument("--out")
     options = parser.parse_args()
     inside: dict[tuple[str, str], list[bool]] = defaultdict(list)

@@ -24,8 +24,9 @@ MOST_ROUNDS, MOST_NODES = 5, 900
 CONTACT_SD_MM = 0.01
 """Standard deviation of where a trace has its zero: half of the 0.02 mm to which a robot is taken to repeat."""
 SHORTEST_HOLD_S = 0.3
-CONTACT_WINDOW, LEAST_NEAR = 0.3, 6
-"""Share of the rise on both sides of contact whose samples give the speed there, and how many there are at least."""
+CONTACT_WINDOW, LEAST_NEAR, SPEED_SHARE = 0.3, 5, 0.002
+"""Share of the rise on both sides of contact whose samples give the speed there, how many there are at least on a
+side, and the relative error of their curve."""
 LATE = 0.05
 """Share of the hold, at its end, whose mean force is the steady force."""
 LATE_CONTACT = 0.6
@@ -150,19 +151,18 @@ def read_press(trace: Trace, lowpass: Lowpass | None = None) -> Press:
 def contact_speed(time_s: NDArray, x_mm: NDArray, stop_s: float, noise_mm: float) -> tuple[NDArray, float]:
     """Speed at contact and its standard deviation. [mm/s]
 
-    A parabola through 0.3 rises before and after, with a cubic from contact on: what a pad takes of the speed of a
-    free mass begins there.
+    A parabola through as much before contact as after it, at most 0.3 rises, with a cubic from contact on: what a pad
+    takes of the speed of a free mass begins there. A trace that begins at contact is read from a parabola alone.
     """
-    near = np.abs(time_s) <= CONTACT_WINDOW * stop_s
-    if near.sum() < LEAST_NEAR:
-        near = np.zeros(len(time_s), bool)
-        near[np.argsort(np.abs(time_s))[:LEAST_NEAR]] = True
-    scale = CONTACT_WINDOW * stop_s
+    lead, step = float(-time_s[0]), float(np.median(np.diff(time_s)))
+    seen = lead >= LEAST_NEAR * step
+    scale = max(min(lead, CONTACT_WINDOW * stop_s) if seen else 0.5 * CONTACT_WINDOW * stop_s, LEAST_NEAR * step)
+    near = np.abs(time_s) <= scale * (1.0 + 1e-9)
     time = time_s[near] / scale
     powers = [np.ones(len(time)), time, time**2, np.maximum(time, 0.0) ** 3]
-    inverse = np.linalg.pinv(np.stack(powers[: 4 if (time < -0.5).any() else 3], axis=-1))
-    slope = float(inverse[1] @ x_mm[near]) / scale
-    return np.asarray(max(slope, 1e-3)), noise_mm * float(np.linalg.norm(inverse[1])) / scale
+    inverse = np.linalg.pinv(np.stack(powers[: 4 if seen else 3], axis=-1))
+    slope = max(float(inverse[1] @ x_mm[near]) / scale, 1e-3)
+    return np.asarray(slope), float(np.hypot(noise_mm * np.linalg.norm(inverse[1]) / scale, SPEED_SHARE * slope))
 
 
 def _leaving(time: NDArray, x: NDArray) -> float:

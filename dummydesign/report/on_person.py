@@ -21,7 +21,7 @@ from dummydesign.report.plot_layers import Band, Line
 ROWS = (("peak_N", "peak force [N]"), ("steady_N", "steady force [N]"), ("depth_mm", "depth [mm]"),
         ("energy_mJ", "energy [mJ]"), ("mean_pressure_N_per_cm2", "mean pressure [N/cm2]"))  # fmt: skip
 DRAWN = 400
-MOST_ROWS = 2_000_000
+MOST_ROWS = 500_000
 
 
 def write_on_person(found: OnPerson, result: dict[str, Any], rate_hz: float, folder: Path) -> dict[str, str]:

@@ -113,7 +113,7 @@ def test_an_extrapolation_says_how_far():
     assert depth.value == pytest.approx(2.5, rel=1e-2) and depth.end < 2.0 and "%" in depth.text
     fast = on_person([press(velocity=400.0)], TISSUE, read_drive("position")).presses[0]
     assert any(one.quantity == "velocity_mm_s" and one.end == 250.0 for one in fast.beyond)
-    inside = on_person([press(depth=1.9, hold=9.0)], TISSUE, read_drive("steady")).presses[0]
+    inside = on_person([press(depth=1.1, hold=9.0)], TISSUE, read_drive("steady")).presses[0]
     assert inside.beyond == ()
 
 
@@ -132,15 +132,21 @@ def test_the_trace_tells_which_drive_made_it(trace, looks, fits, not_):
         assert signs.mass_kg == pytest.approx(2.0, rel=0.05)
 
 
-def test_measured_curves_take_steady_and_refuse_the_rest():
-    from tests.support.two_people import two_people
+def test_measured_curves_take_steady_and_refuse_the_rest(tmp_path, monkeypatch):
+    from dummydesign.tissue.adding.from_curves import add_curves
+    from tests.support.fung_people import PEOPLE, write_table
 
-    tissue = two_people()
-    trace = press(10.0, 1.8, 10.0)
+    monkeypatch.setenv("DUMMYDESIGN_HOME", str(tmp_path / "home"))
+    table = write_table(tmp_path / "c.csv", PEOPLE, (5.0, 10.0, 15.0))
+    add_curves("curved", str(table), "none", "5")
+    tissue, trace = load_tissue("curved"), press(10.0, 1.1, 10.0)
     for text in ("position", "force", "mass:2", "spring:20,2"):
         with pytest.raises(InputError) as raised:
             on_person([trace], tissue, read_drive(text))
         assert raised.value.code == "unsupported"
+    found = on_person([trace], tissue, read_drive("steady")).presses[0]
+    assert found.band["steady_N"] == pytest.approx([found.pad["steady_N"]] * 2, rel=2e-2)
+    assert found.interval["peak_N"][0] < found.band["peak_N"][0] < found.band["peak_N"][1] < found.interval["peak_N"][1]
 
 
 def cut(trace, until):

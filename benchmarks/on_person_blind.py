@@ -1,9 +1,9 @@
 """Blind check of `on-person`: does the 95 % interval hold what the press is on a person nobody measured?
 
-Every case makes a population of people, measures a few of them with errors, and presses a pad with a robot of one of the
-five drives, by equations and an integrator (scipy's Radau) that share no code with the package. The trace gets noise in
-both columns, an error of contact, a sampling rate, and in every third case a declared sensor filter. One more person
-of the population is pressed by the same robot; the interval must hold her in 95 % of cases.
+Every case makes a population of people, measures a few of them with errors, and presses a pad with a robot of one of
+the five drives, by equations and an integrator (scipy's Radau) that share no code with the package. The trace gets
+noise in both columns, an error of contact, a sampling rate, and in every third case a declared sensor filter. One more
+person of the population is pressed by the same robot; the interval must hold that person in 95 % of cases.
 
     python -m benchmarks.on_person_blind [--cases 200] [--seed 7301] [--out FILE.csv]
 """
@@ -48,7 +48,7 @@ TRIVIAL = {("position", "depth_mm"), ("steady", "steady_N"), ("force", "peak_N")
 
 
 def population(rng: np.random.Generator, velocity: float) -> tuple[Tissue, np.ndarray]:
-    """Subjects as they were measured, and the ln parameters of one more person (5 of gamma1, gamma2, gamma3, c2, c3)."""
+    """Subjects as they were measured, and ln gamma1, gamma2, gamma3, c2, c3 of one more person."""
     start = load_tissue(str(rng.choice(["forefinger", "palm", "thenar"])))
     average = start.target()
     middle = np.log([average.gamma1_N_per_mm3, *average.gamma_N_per_mm3, *average.dampers_at(velocity)])
@@ -97,7 +97,7 @@ def case(number: int, seed: int) -> tuple[str, dict[str, tuple[float, float, flo
         run = by_robot(pad, path, speed, end, begin, stiffness, mass, 12001)
     elif drive == "mass":
         text = f"mass:{mass}kg"
-        hit = by_mass(pad, velocity, mass, 6001)
+        hit = by_mass(pad, velocity, mass, 6001, 0.4)
         lead = np.linspace(begin, 0.0, 500)[:-1]
         run = Run(np.r_[lead, hit.t], np.r_[velocity * lead, hit.x], np.r_[0.0 * lead, hit.f])
     else:
@@ -171,7 +171,8 @@ def main() -> None:
         drive, rows, words = case(number, options.seed)
         for name, (truth, low, high) in rows.items():
             inside[drive, name].append(low <= truth <= high)
-            table.append([number, drive, name, f"{truth:.6g}", f"{low:.6g}", f"{high:.6g}", int(low <= truth <= high), words])
+            numbers = (f"{value:.6g}" for value in (truth, low, high))
+            table.append([number, drive, name, *numbers, int(low <= truth <= high), words])
         if number % 10 == 9:
             told = [one for (d, n), values in inside.items() if (d, n) not in TRIVIAL for one in values]
             print(f"{number + 1} cases, {time.time() - begun:.0f} s: {100 * np.mean(told):.1f} % inside", flush=True)

@@ -12,7 +12,7 @@ from dummydesign.core.parsing import Purpose, read_allowed
 
 RATE = Purpose("rate in Hz", "Hz", (0.0, 1e6))
 RATES_HZ = (1.0, 100_000.0)
-GUARD_BAND = "JCGM 106:2012, Evaluation of measurement data - The role of measurement uncertainty in conformity assessment"
+GUARD_BAND = "JCGM 106:2012, The role of measurement uncertainty in conformity assessment"
 
 
 def on_person(

@@ -115,8 +115,8 @@ def run_robot(
     """Integrate M u'' = F_p(t) - K u - F(x_p(t) + u, q) of all persons, by the trapezoidal rule.
 
     u is the difference of the path on a person to the path x_p on the pad, where the force was F_p. The command
-    x_p + (F_p + M x_p'') / K that the trace implies acts through the spring, and the acceleration of the trace drops out
-    of the equation. The rule keeps the energy of springs and masses. The step keeps the difference to a third-order
+    x_p + (F_p + M x_p'') / K that the trace implies acts through the spring, and the acceleration of the trace drops
+    out of the equation. The rule keeps the energy of springs and masses. The step keeps the difference to a third-order
     prediction, which is the rule's error, below 2e-5 of the depth.
 
     Parameters
@@ -202,7 +202,7 @@ def run_robot(
     stop = np.where(np.isnan(stop), np.nan if until_stop else time, stop)
     curves = [np.stack(rows, axis=-1) for rows in (depths, forces)]
     held = late / (time - late_s) if time > late_s else np.full(count, np.nan)
-    return Trajectory(np.array(times), *curves, peak, deepest, energy, stop, held, longer)
+    return Trajectory(np.array(times), curves[0], curves[1], peak, deepest, energy, stop, held, longer)
 
 
 def _solve(

@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.measurement.motion import DECELERATION_MM_S2, HOLD_S
-from dummydesign.person.people import People
 from dummydesign.tissue.comparison import PAPER_N
 from dummydesign.tissue.model.measured_curves import FORCE_APART, SPEED_APART, common_span
 
@@ -31,7 +30,7 @@ class Beyond:
     text: str
 
 
-def beyond_range(tissue: Tissue, people: People, found: Response, velocity_mm_s: float) -> list[Beyond]:
+def beyond_range(tissue: Tissue, found: Response, velocity_mm_s: float) -> list[Beyond]:
     """Return how a press leaves the range of steady forces, depths, peaks and speeds in which people were pressed.
 
     A file of a tissue does not say how deep its subjects were pressed. The range is that of the published protocol:
@@ -41,22 +40,19 @@ def beyond_range(tissue: Tissue, people: People, found: Response, velocity_mm_s:
     Parameters
     ----------
     tissue : Tissue
-    people : People
-        Its subjects, ``()`` of measured curves.
     found : Response
         Of the subjects.
     velocity_mm_s : float
         Of the press.
     """
     low, high = _forces(tissue)
-    speeds = tissue.velocities_mm_s
-    rows: list[Beyond] = []
+    speeds, rows = tissue.velocities_mm_s, list[Beyond]()
     if speeds:
         slow, fast = min(speeds), max(speeds)
         if not slow / SPEED_APART <= velocity_mm_s <= fast * SPEED_APART:
             end = fast if velocity_mm_s > fast else slow
-            rows.append(Beyond("velocity_mm_s", velocity_mm_s, end,
-                               f"{velocity_mm_s:g} mm/s, people were pressed at {slow:g} to {fast:g} mm/s"))  # fmt: skip
+            words = f"{velocity_mm_s:g} mm/s, people were pressed at {slow:g} to {fast:g} mm/s"
+            rows.append(Beyond("velocity_mm_s", velocity_mm_s, end, words))
     held = found.steady_N[np.isfinite(found.steady_N)]
     if held.size and float(held.min()) < low / FORCE_APART:
         rows.append(Beyond("steady_force_N", float(held.min()), low,
@@ -64,7 +60,7 @@ def beyond_range(tissue: Tissue, people: People, found: Response, velocity_mm_s:
     if held.size and float(held.max()) > high * FORCE_APART:
         rows.append(Beyond("steady_force_N", float(held.max()), high,
                            f"{float(held.max()):.3g} N steady, people were pressed up to {high:g} N"))  # fmt: skip
-    deepest, strongest = _limits(tissue, people, high)
+    deepest, strongest = _limits(tissue, high)
     for quantity, values, ends, unit in (
         ("depth_mm", found.depth_mm, deepest, "mm deep"), ("peak_force_N", found.peak_N, strongest, "N at the peak")
     ):  # fmt: skip
@@ -86,7 +82,7 @@ def _forces(tissue: Tissue) -> tuple[float, float]:
     return (min(low for low, _ in known), max(high for _, high in known)) if known else PAPER_N
 
 
-def _limits(tissue: Tissue, people: People, high_N: float) -> tuple[NDArray, NDArray]:
+def _limits(tissue: Tissue, high_N: float) -> tuple[NDArray, NDArray]:
     """Deepest press and strongest peak of each subject, shapes (subjects,). [mm, N]"""
     from dummydesign.tissue.model.laws import law_named
 

@@ -135,7 +135,6 @@ def _press_people(
     names, rng = [one.name for one in tissue.subjects], np.random.default_rng(SEED)
     pad = {name: None if value is None else float(np.mean(value)) for name, value in drive.on_pad(press).items()}
     if tissue.measured:
-        people = None
         found = drive.on_curves(press, tissue.parameter_sets)
         another, own, pads = _of_few(found), {}, np.full(1, pad["peak_N"])
     else:
@@ -152,7 +151,7 @@ def _press_people(
         another = {name: value[:OTHERS] for name, value in values.items()}
         own = {name: value[OTHERS:].reshape(count, OWN) for name, value in values.items()}
         pads = pressed.peak_N[:OTHERS]
-    beyond = tuple(beyond_range(tissue, people, found, press.velocity_mm_s))
+    beyond = tuple(beyond_range(tissue, found, press.velocity_mm_s))
     interval = {name: _ends(another[name]) for name in FOUR}
     band = {name: _outer(found.four()[name]) for name in FOUR}
     subjects = tuple(
@@ -164,10 +163,11 @@ def _press_people(
     rows: tuple[LimitRow, ...] = ()
     if limits is not None:
         rows = against_guarded_limits(_loads(press, found, another, own), limits, area_mm2, bool(beyond))
-    peak = pad["peak_N"] or np.nan
+    peak, (low, high) = pad["peak_N"] or np.nan, band["peak_N"]
+    factor = (None if low is None else low / peak, None if high is None else high / peak)
     return PersonPress(
-        press, found, pad, subjects, band, interval, tuple(None if end is None else end / peak for end in band["peak_N"]),
-        _ends(another["peak_N"] / pads), signs, drive.contradicted(signs), beyond, rows,
+        press, found, pad, subjects, band, interval, factor, _ends(another["peak_N"] / pads), signs,
+        drive.contradicted(signs), beyond, rows,
     )  # fmt: skip
 
 

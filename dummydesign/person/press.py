@@ -33,7 +33,7 @@ LATE_CONTACT = 0.6
 """Share of the depth at which a force must have begun."""
 SEEN = 6.0
 """Multiple of the noise that the force of a press must reach."""
-MOVING = 0.2
+MOVING = 0.35
 """Share of the speed at which a trace that ends is still moving."""
 
 
@@ -131,7 +131,7 @@ def read_press(trace: Trace, lowpass: Lowpass | None = None) -> Press:
     _check_contact(trace, ramp.contact_time_s, noise, lowpass is not None)
     fastest = approach_velocity(time, x, ramp)
     velocity = rounded_velocity(trace.told_mm_s or fastest)
-    _check_stop(trace, ramp.stop_time_s, velocity)
+    _check_stop(trace, ramp.contact_time_s, ramp.stop_time_s, velocity)
     end = max(_leaving(time, x), ramp.stop_time_s)
     used = (time >= ramp.contact_time_s) & (time <= end)
     end = float(time[used][-1])
@@ -237,13 +237,13 @@ def _check_contact(trace: Trace, contact_s: float, noise_N: float, delayed: bool
         raise InputError(message, "inconsistent", "contact", first, 0.0)
 
 
-def _check_stop(trace: Trace, stop_s: float, velocity_mm_s: float) -> None:
+def _check_stop(trace: Trace, contact_s: float, stop_s: float, velocity_mm_s: float) -> None:
     """Refuse a trace that ends while the punch still goes deeper."""
     time, x = trace.time_s, trace.displacement_mm
-    deepest = int(np.argmax(x))
-    if deepest < len(x) - 5 and time[-1] - stop_s > 2.0 * float(np.median(np.diff(time))):
+    rise = stop_s - contact_s
+    if time[-1] - stop_s > max(5.0 * float(np.median(np.diff(time))), 0.05 * rise):
         return
-    back = max(len(x) - max(len(x) // 50, 4), 0)
+    back = min(int(np.searchsorted(time, time[-1] - 0.1 * rise)), len(x) - 3)
     speed = float((x[-1] - x[back]) / (time[-1] - time[back]))
     if speed > MOVING * velocity_mm_s:
         message = (

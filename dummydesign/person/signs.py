@@ -23,7 +23,8 @@ class TraceSigns(Serialised):
     """Signs of the drive in one press.
 
     ``looks_like`` is ``position``, ``force``, ``mass`` or None; ``creep_mm`` and ``relaxed_N`` are the changes from
-    just after the stop to the end of the hold, None without a hold; ``mass_kg`` is the free mass that explains the path.
+    just after the stop to the end of the hold, None without a hold; ``mass_kg`` is the free mass that explains the
+    path.
     """
 
     looks_like: str | None
@@ -41,7 +42,8 @@ def signs_of(press: Press) -> TraceSigns:
     kept = max(KEPT_MM, KEPT_SHARE * depth)
     mass = _free_mass(press, depth)
     if press.hold_s < SHORTEST_HOLD_S:
-        return TraceSigns("mass" if mass is not None else None, press.hold_s, None, kept, None, float(press.peak_N), mass)
+        looks = "mass" if mass is not None else None
+        return TraceSigns(looks, press.hold_s, None, kept, None, float(press.peak_N), mass)
     since = press.time_s - press.stop_s
     # the first samples of a hold still belong to the braking
     first = int(np.searchsorted(since, max(0.1 * press.stop_s, 0.02)))

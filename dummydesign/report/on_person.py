@@ -37,7 +37,8 @@ def write_on_person(found: OnPerson, result: dict[str, Any], rate_hz: float, fol
         (_span(worst["factor_peak"]), "times the pad's peak on the subjects, largest press"),
         (_span(worst["interval_95"]["peak_N"]) + " N", "peak force on one more person, 95 %"),
     ]
-    lead = f"{found.drive.words[0].upper()}{found.drive.words[1:]}. {found.tissue.title}, {len(found.tissue.subjects)} subjects."
+    words = f"{found.drive.words[0].upper()}{found.drive.words[1:]}"
+    lead = f"{words}. {found.tissue.title}, {len(found.tissue.subjects)} subjects."
     files = write_report(folder, f"On people: {found.tissue.name}", lead, sections, facts=facts,
                          warnings=result["warnings"], sources=result["sources"])  # fmt: skip
     files["curves"] = str(write_text(folder / "on_person.csv", curves_csv(found, rate_hz)))
@@ -64,7 +65,7 @@ def curves_csv(found: OnPerson, rate_hz: float) -> str:
     writer.writerow(head)
     total = sum(float(np.max(one.found.time_s)) * rate_hz for one in found.presses)
     if total > MOST_ROWS:
-        message = f"--rate {rate_hz:g} Hz makes {total:.3g} rows; at most {MOST_ROWS} are written: give a smaller --rate"
+        message = f"--rate {rate_hz:g} Hz makes {total:.3g} rows; at most {MOST_ROWS} are written: give a lower rate"
         raise InputError(message, "too_large", "rate_Hz", rate_hz, MOST_ROWS)
     for one in found.presses:
         end = max(float(one.press.time_s[-1]), float(np.max(one.found.time_s)))
@@ -96,8 +97,8 @@ def press_figure(one: PersonPress, name: str) -> Plot:
     )
     band = one.band["peak_N"]
     alt = (
-        f"Force over time since contact on a logarithmic axis: the pad peaks at {one.pad['peak_N']:.3g} N, the subjects "
-        f"between {band[0]:.3g} and {band[1]:.3g} N."
+        f"Force over time since contact on a logarithmic axis: the pad peaks at {one.pad['peak_N']:.3g} N, the "
+        f"subjects between {band[0]:.3g} and {band[1]:.3g} N."
     )
     title = f"{one.press.trace.name}: {one.press.velocity_mm_s:g} mm/s"
     return press_plot(name, title, alt, layers, (start, end))
@@ -112,7 +113,8 @@ def _press_section(one: PersonPress, row: dict[str, Any], names: set[str]) -> Se
     if one.beyond:
         text += " Extrapolated: " + "; ".join(entry.text for entry in one.beyond) + "."
     plot = press_figure(one, unique("press", names))
-    return Section(f"Press {one.press.trace.name}", text, [plot], Table(["", "pad", "subjects", "95 % of people"], body))
+    table = Table(["", "pad", "subjects", "95 % of people"], body)
+    return Section(f"Press {one.press.trace.name}", text, [plot], table)
 
 
 def _limit_section(result: dict[str, Any]) -> Section:
@@ -122,8 +124,8 @@ def _limit_section(result: dict[str, Any]) -> Section:
         for press in result["presses"] for row in press["limits"]
     ]  # fmt: skip
     text = (
-        "Pass: the upper end of the 95 % interval of one more person is at most the limit, and nothing is extrapolated. "
-        "Fail: the lower 95 % end of one subject is above it. Undecided: anything else."
+        "Pass: the upper end of the 95 % interval of one more person is at most the limit, and nothing is "
+        "extrapolated. Fail: the lower 95 % end of one subject is above it. Undecided: anything else."
     )
     head = ["press", "limit of", "limit", "unit", "pad", "people, 95 %", "result", "why"]
     return Section("Limits", text, table=Table(head, body))
@@ -136,5 +138,5 @@ def _drive_section(found: OnPerson, result: dict[str, Any]) -> Section:
         for row in result["presses"]
     ]  # fmt: skip
     text = f"Given: {found.drive.text}. What the traces show of the robot that made them:"
-    head = ["press", "looks like", "creep in the hold [mm]", "force relaxed [N]", "against the drive that was given"]
+    head = ["press", "looks like", "creep in the hold [mm]", "force relaxed [N]", "against the given drive"]
     return Section("Which drive", text, table=Table(head, body))

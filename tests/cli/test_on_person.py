@@ -22,7 +22,8 @@ FOUR = {"peak_N", "steady_N", "depth_mm", "energy_mJ"}
 def write(path, trace, columns=(0, 1, 2), factor=(1.0, 1.0, 1.0)):
     rows = np.c_[trace.time_s, trace.displacement_mm, trace.force_N] * factor
     names = "time_s", "displacement_mm", "force_N"
-    np.savetxt(path, rows[:, columns], delimiter=",", header=",".join(names[k] for k in columns), comments="", fmt="%.7g")
+    head = ",".join(names[k] for k in columns)
+    np.savetxt(path, rows[:, columns], delimiter=",", header=head, comments="", fmt="%.7g")
 
 
 @pytest.fixture
@@ -114,8 +115,8 @@ def test_bad_input_is_one_line_and_status_2(here, capsys):
     for name, kept in (("short.csv", rows[short]), ("air.csv", rows * [1, 1, 0] + [0, -3, 0])):
         np.savetxt(name, kept, delimiter=",", header="time_s,displacement_mm,force_N", comments="", fmt="%.7g")
     tissue = ["--tissue", "palm"]
-    cases = [["metres.csv"], ["millinewtons.csv"], ["no_force.csv"], ["twice.csv"], ["short.csv"], ["air.csv"], ["gone.csv"]]
-    cases = [[*one, *tissue] for one in cases]
+    names = "metres", "millinewtons", "no_force", "twice", "short", "air", "gone"
+    cases = [[f"{name}.csv", *tissue] for name in names]
     cases += [["v10.csv", *tissue, *more] for more in (
         ["--drive", "mass:0"], ["--drive", "mass:-1"], ["--drive", "mass:5000"], ["--drive", "spring:0,1"],
         ["--drive", "spring:20,-1"], ["--drive", "spring:50000,2"], ["--drive", "mass"], ["--drive", "hand"],

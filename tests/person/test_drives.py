@@ -17,7 +17,6 @@ from tests.support.robot_presses import (
     by_robot,
     command,
     gel_pad,
-
     linear_body,
     sampled,
     skin_by_force,
@@ -54,6 +53,11 @@ def test_position_is_the_law_along_the_path_by_another_integrator(velocity):
         near(found, by_path(skin_of(one, velocity), path, speed, end, -0.6 / velocity), row)
 
 
+def through(t, x):
+    """A path and its speed by straight lines."""
+    return lambda s: np.interp(s, t, x), lambda s: (np.interp(s + 1e-7, t, x) - np.interp(s - 1e-7, t, x)) / 2e-7
+
+
 @pytest.mark.parametrize("velocity", SPEEDS)
 def test_steady_presses_everyone_to_the_pad_s_steady_force(velocity):
     run, _ = pressed(velocity, hold=9.0)
@@ -62,9 +66,7 @@ def test_steady_presses_everyone_to_the_pad_s_steady_force(velocity):
     assert found.steady_N == pytest.approx(np.full(5, float(press.steady_N)), rel=1e-3)
     for row, one in enumerate(TISSUE.parameter_sets):
         t, x = found.time_s[row], found.depth_curve_mm[row]
-        own = by_path(skin_of(one, velocity), lambda s: np.interp(s, t, x),
-                      lambda s: np.interp(s + 1e-7, t, x) / 2e-7 - np.interp(s - 1e-7, t, x) / 2e-7, t[-1], 0.0)
-        near(found, own, row)
+        near(found, by_path(skin_of(one, velocity), *through(t, x), t[-1], 0.0), row)
 
 
 @pytest.mark.parametrize("velocity", SPEEDS)
@@ -148,9 +150,9 @@ def test_two_masses_and_springs_by_hand():
 
 def ending(run):
     """The trace of a run that then holds its last depth: what is looked at lies before."""
-    tail = np.linspace(run.t[-1], run.t[-1] + 0.1, 500)[1:]
-    return sampled(Run(np.r_[run.t, tail], np.r_[run.x, np.full(499, run.x[-1])], np.r_[run.f, np.full(499, run.f[-1])]),
-                   10_000.0)  # fmt: skip
+    tail, same = np.linspace(run.t[-1], run.t[-1] + 0.1, 500)[1:], np.ones(499)
+    held = Run(np.r_[run.t, tail], np.r_[run.x, same * run.x[-1]], np.r_[run.f, same * run.f[-1]])
+    return sampled(held, 10_000.0)
 
 
 def test_an_infinitely_stiff_arm_is_position():
@@ -180,8 +182,8 @@ def test_work_of_the_command_is_in_spring_mass_and_person():
     """With springs for people nothing is lost: work of the command = spring + kinetic + person, at any time."""
     v, big, mass, pad, k = 60.0, 25.0, 3.0, 8.0, 20.0
     t = np.linspace(0.0, 0.07, 7001)
-    run = Run(np.r_[np.linspace(-0.01, 0, 100)[:-1], t], np.r_[v * np.linspace(-0.01, 0, 100)[:-1],
-              two_springs(t, v, big, pad, mass)], np.r_[np.zeros(99), pad * two_springs(t, v, big, pad, mass)])  # fmt: skip
+    lead, path = np.linspace(-0.01, 0, 100)[:-1], two_springs(t, v, big, pad, mass)
+    run = Run(np.r_[lead, t], np.r_[v * lead, path], np.r_[0.0 * lead, pad * path])
     found = press_by_spring(read_press(ending(run)), springs(k), big, mass)
     inside = found.time_s < 0.065
     at, x = found.time_s[inside], found.depth_curve_mm[0][inside]

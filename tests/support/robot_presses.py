@@ -115,8 +115,8 @@ def by_robot(body, path, speed, end, begin, stiffness, mass_kg, points=60001, ma
     return Run(t, y[0], np.array([body.force(one[0], one[2:]) for one in y.T]))
 
 
-def by_mass(body, velocity, mass_kg, points=20001):
-    """A free mass, up to its stop."""
+def by_mass(body, velocity, mass_kg, points=20001, rebound=0.0):
+    """A free mass, up to its stop, and a part of that time longer."""
     mass = 1e-3 * mass_kg
 
     def slope(t, y):
@@ -130,6 +130,11 @@ def by_mass(body, velocity, mass_kg, points=20001):
                     dense_output=True, rtol=1e-9, atol=1e-11)  # fmt: skip
     t = np.linspace(0.0, got.t[-1], points)
     y = got.sol(t)
+    if rebound:
+        end = (1.0 + rebound) * got.t[-1]
+        back = solve_ivp(slope, (got.t[-1], end), y[:, -1], "Radau", dense_output=True, rtol=1e-8, atol=1e-10)
+        later = np.linspace(got.t[-1], end, points // 2)[1:]
+        t, y = np.r_[t, later], np.hstack([y, back.sol(later)])
     return Run(t, y[0], np.array([body.force(one[0], one[2:]) for one in y.T]))
 
 

@@ -110,7 +110,8 @@ def _table(result: dict[str, Any]) -> list[str]:
         one = presses[0]
         lines = [f"  {'':<22} {'pad':>8} {'subjects':>18} {'95 % of people':>18}"]
         return lines + [
-            f"  {words:<22} {_text(one['pad'][key]):>8} {_span(one['band'][key]):>18} {_span(one['interval_95'][key]):>18}"
+            f"  {words:<22} {_text(one['pad'][key]):>8} {_span(one['band'][key]):>18} "
+            f"{_span(one['interval_95'][key]):>18}"
             for key, words in FOUR
         ]
     lines = [f"  {'press':<20} {'mm/s':>5} {'pad peak N':>10} {'subjects N':>14} {'95 % N':>14} {'times':>14} "

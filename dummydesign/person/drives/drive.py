@@ -99,7 +99,8 @@ class Drive(ABC):
         return self.name + (":" + ",".join(f"{value:g}" for value in self.values) if self.values else "")
 
     def check(self, press: Press) -> None:
-        """Refuse a press that the drive cannot carry over to people."""
+        """Refuse a press that the drive cannot carry over to people; by itself none."""
+        return None
 
     @abstractmethod
     def respond(self, press: Press, people: People, keep: bool = True) -> Response:
@@ -159,4 +160,5 @@ def of_curves(press: Press, time_s: NDArray, depth: NDArray, force: NDArray) -> 
     held = np.full(len(force), np.nan)
     if np.isfinite(start):
         held = force @ interpolation(np.linspace(start, float(time_s[-1]), LATE_POINTS), time_s).mean(axis=0)
-    return Response(time_s, depth, force, force.max(axis=-1), held, depth.max(axis=-1), energy, held_after(time_s, force))
+    longer = held_after(time_s, force)
+    return Response(time_s, depth, force, force.max(axis=-1), held, depth.max(axis=-1), energy, longer)

@@ -18,7 +18,7 @@ class Force(Drive):
     def contradicted(self, signs: TraceSigns) -> str:
         """Where the path was kept instead, or the pad took the speed."""
         if signs.looks_like == "position":
-            return f"the force relaxed by {signs.relaxed_N:.2g} N while the path was kept: it looks like --drive position"
+            return f"the force relaxed by {signs.relaxed_N:.2g} N while the path was kept: it looks like position"
         return not_kept(signs) if signs.looks_like == "mass" else ""
 
     def respond(self, press: Press, people: People, keep: bool = True) -> Response:

@@ -33,9 +33,10 @@ class Steady(Drive):
         if press.steady_N is None:
             message = f"{press.trace.name}: a hold of {press.hold_s:.3g} s has no steady force; drive = steady needs it"
             raise InputError(message, "not_enough_data", "hold_s", press.hold_s)
-        if float(np.min(press.steady_N)) <= 0.0:
-            message = f"{press.trace.name}: its steady force is {float(np.min(press.steady_N)):.3g} N; it must be above 0"
-            raise InputError(message, "out_of_range", "steady_force_N", float(np.min(press.steady_N)))
+        steady = float(np.min(press.steady_N))
+        if steady <= 0.0:
+            message = f"{press.trace.name}: its steady force is {steady:.3g} N; it must be above 0"
+            raise InputError(message, "out_of_range", "steady_force_N", steady)
 
     def contradicted(self, signs: TraceSigns) -> str:
         """Where the path was not kept."""
@@ -60,7 +61,8 @@ class Steady(Drive):
         from dummydesign.tissue.model.laws.curves import CURVES
 
         hold, braking = press_of(press)
-        motion, force, depth = CURVES.press(people, float(np.mean(press.steady_N)), press.velocity_mm_s, hold, braking)
+        steady = float(np.mean(np.asarray(press.steady_N)))
+        motion, force, depth = CURVES.press(people, steady, press.velocity_mm_s, hold, braking)
         return _response(motion, force, depth)
 
 

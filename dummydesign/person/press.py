@@ -139,7 +139,8 @@ def read_press(trace: Trace, lowpass: Lowpass | None = None) -> Press:
     since = time[used] - ramp.contact_time_s
     path, load, nodes = _smoothed(since, x[used], force[used], nodes, lowpass)
     speed, error = contact_speed(time - ramp.contact_time_s, x, ramp.stop_time_s - ramp.contact_time_s, path.noise)
-    speed = np.minimum(speed, fastest)
+    if time[0] > ramp.contact_time_s - LEAST_NEAR * float(np.median(np.diff(time))):
+        speed = np.minimum(speed, fastest)  # without an approach the curve starts too steep where the robot brakes
     hold = end - ramp.stop_time_s
     steady = None
     if hold >= SHORTEST_HOLD_S:

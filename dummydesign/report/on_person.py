@@ -26,12 +26,7 @@ MOST_ROWS = 500_000
 
 def write_on_person(found: OnPerson, result: dict[str, Any], rate_hz: float, folder: Path) -> dict[str, str]:
     """Write ``report.html``, ``on_person.csv`` (curves at a uniform rate) and ``on_person.json``."""
-    sections, names = [], set[str]()
-    for one, row in zip(found.presses, result["presses"]):
-        sections.append(_press_section(one, row, names))
-    if any(row["limits"] for row in result["presses"]):
-        sections.insert(0, _limit_section(result))
-    sections.append(_drive_section(found, result))
+    sections = [*people_sections(found, result["presses"]), _drive_section(found, result)]
     worst = max(result["presses"], key=lambda row: row["factor_peak"][1] or 0.0)
     facts = [
         (_span(worst["factor_peak"]), "times the pad's peak on the subjects, largest press"),
@@ -44,6 +39,13 @@ def write_on_person(found: OnPerson, result: dict[str, Any], rate_hz: float, fol
     files["curves"] = str(write_text(folder / "on_person.csv", curves_csv(found, rate_hz)))
     files["json"] = str(write_text(folder / "on_person.json", json.dumps(result["presses"], indent=1) + "\n"))
     return files
+
+
+def people_sections(found: OnPerson, rows: list[dict[str, Any]], prefix: str = "press") -> list[Section]:
+    """Sections of the limits, where there are any, and of each press."""
+    names: set[str] = set()
+    limits = [_limit_section(rows)] if any(row["limits"] for row in rows) else []
+    return [*limits, *(_press_section(one, row, prefix, names) for one, row in zip(found.presses, rows))]
 
 
 def on_grid(one: PersonPress, time_s: NDArray) -> tuple[NDArray, NDArray]:
@@ -104,7 +106,7 @@ def press_figure(one: PersonPress, name: str) -> Plot:
     return press_plot(name, title, alt, layers, (start, end))
 
 
-def _press_section(one: PersonPress, row: dict[str, Any], names: set[str]) -> Section:
+def _press_section(one: PersonPress, row: dict[str, Any], prefix: str, names: set[str]) -> Section:
     body = [[words, row["pad"][key], _span(row["band"][key]), _span(row["interval_95"][key])] for key, words in ROWS]
     body += [[f"{subject['name']}: peak, depth", "", f"{subject['peak_N']:.3g} N, {subject['depth_mm']:.3g} mm",
               _span(subject["interval_95"]["peak_N"]) + " N" if subject["interval_95"] else "–"]
@@ -112,16 +114,16 @@ def _press_section(one: PersonPress, row: dict[str, Any], names: set[str]) -> Se
     text = f"Peak force on the subjects is {_span(row['factor_peak'])} times the pad's."
     if one.beyond:
         text += " Extrapolated: " + "; ".join(entry.text for entry in one.beyond) + "."
-    plot = press_figure(one, unique("press", names))
+    plot = press_figure(one, unique(prefix, names))
     table = Table(["", "pad", "subjects", "95 % of people"], body)
     return Section(f"Press {one.press.trace.name}", text, [plot], table)
 
 
-def _limit_section(result: dict[str, Any]) -> Section:
+def _limit_section(presses: list[dict[str, Any]]) -> Section:
     body = [
         [press["file"], row["name"], row["limit"], row["unit"], row["pad"],
          _span([row["person_low_95"], row["person_high_95"]]), row["result"].upper(), row["reason"]]
-        for press in result["presses"] for row in press["limits"]
+        for press in presses for row in press["limits"]
     ]  # fmt: skip
     text = (
         "Pass: the upper end of the 95 % interval of one more person is at most the limit, and nothing is "

@@ -5,7 +5,7 @@ the five drives, by equations and an integrator (scipy's Radau) that share no co
 noise in both columns, an error of contact, a sampling rate, and in every third case a declared sensor filter. One more
 person of the population is pressed by the same robot; the interval must hold that person in 95 % of cases.
 
-    python -m benchmarks.on_person_blind [--cases 200] [--seed 7301] [--out FILE.csv]
+    python -m benchmarks.on_person_blind [--cases 200] [--seed 8801] [--out FILE.csv]
 """
 
 from __future__ import annotations
@@ -134,8 +134,9 @@ def truth_of(
     elif drive == "force":
         after = pad.t > 0.0
         rate = np.gradient(pad.f[after], pad.t[after])
+        first = pad.t[after][np.argmax(pad.f[after] > 0.01 * pad.peak)]
         run = skin_by_force(values[0], values[1:3], values[3:], lambda t: np.interp(t, pad.t, pad.f),
-                            lambda t: np.interp(t, pad.t[after], rate), 0.05 / velocity, pad.t[-1], 12001)  # fmt: skip
+                            lambda t: np.interp(t, pad.t[after], rate), first, pad.t[-1], 12001)  # fmt: skip
     else:
         run = pressed_to(person, float(pad.f[pad.t >= late].mean()), hold, rounding, begin, velocity, values)
     held = float(run.f[run.t >= run.t[-1] - 0.05 * hold].mean()) if drive != "mass" else np.nan
@@ -162,7 +163,7 @@ def main() -> None:
     """Run the cases and print the rates."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--cases", type=int, default=200)
-    parser.add_argument("--seed", type=int, default=7301)
+    parser.add_argument("--seed", type=int, default=8801)
     parser.add_argument("--out")
     options = parser.parse_args()
     inside: dict[tuple[str, str], list[bool]] = defaultdict(list)

@@ -16,6 +16,8 @@ LEAST_NOISE = 1e-5
 """Smallest noise that is assumed, over the largest value: numbers in files are rounded."""
 SURE, SMALL = 4.0, 1.5e-3
 """Standard errors, and share of the range, by which a mean of samples must miss the curve to ask for more nodes."""
+MOST_UNSURE = 0.03
+"""Largest standard deviation, over the range, that undoing a filter may make of the noise."""
 SCANNED = np.logspace(-10.0, 4.0, 57)
 """Weights of the roughness that are tried."""
 
@@ -79,10 +81,20 @@ def smooth_curve(
     damped = np.maximum(damped, 1e-13)
     left = total - 2.0 * (loading**2 / damped).sum(axis=1) + (share * loading**2 / damped**2).sum(axis=1)
     freedom = (share / damped).sum(axis=1)
-    chosen = damped[int(np.argmin(np.maximum(left, 0.0) / noise**2 + 2.0 * freedom))]
+    left = np.maximum(left, 0.0)
+    sample, spare = noise, len(wanted) - freedom
+    if lowpass is not None:
+        # what no weight can fit is an error of the curve's form, not a reason to follow every sample
+        floor = float(np.min(np.where(spare > 0.2 * len(wanted), left / np.maximum(spare, 1.0), np.inf)))
+        noise = float(np.sqrt(max(noise**2, floor if np.isfinite(floor) else 0.0)))
+    risk = left / noise**2 + 2.0 * freedom
+    if lowpass is not None:
+        unsure = noise * np.sqrt((1.0 / damped @ (basis**2).T).max(axis=1))
+        risk = np.where(unsure > MOST_UNSURE * float(np.ptp(mean)), np.inf, risk)
+    chosen = damped[int(np.argmin(risk)) if np.isfinite(risk).any() else -1]
     value = basis @ (loading / chosen) + offset
     missed = np.abs(wanted - weighted @ (value - offset))
-    amiss = (missed > SURE * noise) & (missed > SMALL * np.sqrt(count) * float(np.ptp(mean)))
+    amiss = (missed > SURE * sample) & (missed > SMALL * np.sqrt(count) * float(np.ptp(mean)))
     coarse = np.zeros(len(nodes_s) - 1, bool)
     coarse[np.clip(np.searchsorted(nodes_s, at[amiss], side="right") - 1, 0, len(coarse) - 1)] = True
     factor = noise * basis / np.sqrt(chosen)

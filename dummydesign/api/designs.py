@@ -112,8 +112,8 @@ def suggest(
     robot_mass_kg, robot_velocity_mm_s : float
         Mass and speed (250 mm/s by default) of a free body that hits tissue and pad, for the safety view. [kg, mm/s]
     drive : str, optional
-        What moves the robot, as in :func:`dummydesign.on_person`: the answer adds what the predicted presses would be on
-        people.
+        What moves the robot, as in :func:`dummydesign.on_person`: the answer adds what the predicted presses would be
+        on people.
     limits : path, optional
         Limits of force and pressure with their source (TOML), for the safety view.
     out : path, optional

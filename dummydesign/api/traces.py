@@ -216,7 +216,20 @@ def compare(
 def question_of_traces(
     command: str, inputs: dict[str, Any], names: list[str], traces: list[Trace], tissue: str | None = None
 ) -> Question:
-    """The question of a call with traces; those in memory count by their numbers."""
+    """Make the question of a call with traces; those in memory count by their numbers.
+
+    Parameters
+    ----------
+    command : str
+        Name of the command, as it is typed.
+    inputs : dict
+        All values used.
+    names : list of str
+        Files that are read.
+    traces : list of Trace
+    tissue : str, optional
+        Name of the library or path.
+    """
     from hashlib import sha256
 
     numbers = [
@@ -228,7 +241,12 @@ def question_of_traces(
 
 
 def read_traces(traces: Traces) -> tuple[list[str], list[Trace]]:
-    """Names and traces; files are read."""
+    """Return names and traces; files are read.
+
+    Parameters
+    ----------
+    traces : iterable of path or Trace
+    """
     from dummydesign.measurement.trace import Trace, read_trace
 
     given = list(traces)

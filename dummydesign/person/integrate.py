@@ -16,7 +16,7 @@ TOLERANCE = 2e-5
 """Error of a step, over the depth."""
 SOLVED_MM = 1e-7
 MOST_STEPS = 400_000
-RINGS = 10.0
+RINGS = 30.0
 """Periods of the robot's own ringing after the stop that are followed closely; then it is damped."""
 DAMPED = (0.7, 0.36)
 """Newmark's gamma and beta that damp it; 1/2 and 1/4 are the trapezoidal rule."""
@@ -139,7 +139,7 @@ def run_robot(
     late_s : float
         From when on the mean of the force is taken. [s]
     loose_after_s : float
-        Ten periods after this time the robot's own ringing is damped, so that forces and depths are their means. [s]
+        Thirty periods after this time the robot's own ringing is damped, so that forces and depths are their means. [s]
     tolerance : float
         Error of a step, over the depth.
     """

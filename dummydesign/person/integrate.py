@@ -20,7 +20,8 @@ RINGS = 30.0
 """Periods of the robot's own ringing after the stop that are followed closely; then it is damped."""
 DAMPED = (0.7, 0.36)
 """Newmark's gamma and beta that damp it; 1/2 and 1/4 are the trapezoidal rule."""
-SUBSTEPS = 2
+SUBSTEPS, SOLVED, LEAST_N = 2, 1e-9, 1e-3
+"""Steps between two times, error of the force over itself, and the least force that it is measured by. [N]"""
 
 
 @dataclass(frozen=True)
@@ -48,7 +49,10 @@ def held_after(time_s: NDArray, force_N: NDArray) -> NDArray:
     return np.where(np.isfinite(late), late, np.nan)
 
 
-def follow_force(people: People, time_s: NDArray, force_N: NDArray, late_s: float = np.inf) -> Trajectory:
+def follow_force(
+    people: People, time_s: NDArray, force_N: NDArray, late_s: float = np.inf, substeps: int = SUBSTEPS,
+    tolerance: float = SOLVED,
+) -> Trajectory:  # fmt: skip
     """Press so that each person bears a force that is given over time, F(x, q) = F(t).
 
     Each step solves for the depth at its end, by Newton's method inside a bracket; the arms are exact for the even
@@ -62,17 +66,21 @@ def follow_force(people: People, time_s: NDArray, force_N: NDArray, late_s: floa
         Below 0 counts as 0.
     late_s : float
         From when on the mean of the force is taken. [s]
+    substeps : int
+        Steps between two times.
+    tolerance : float
+        Error of the force at each step, over the force.
     """
     wanted = np.maximum(np.broadcast_to(force_N, (len(people), len(time_s))), 0.0)
     x, q = np.zeros(len(people)), people.at_rest()
     energy, found = np.zeros(len(people)), [x]
     for at in range(1, len(time_s)):
-        step = float(time_s[at] - time_s[at - 1]) / SUBSTEPS
-        for part in range(1, SUBSTEPS + 1):
-            share = part / SUBSTEPS
-            before = wanted[:, at - 1] + (share - 1.0 / SUBSTEPS) * (wanted[:, at] - wanted[:, at - 1])
+        step = float(time_s[at] - time_s[at - 1]) / substeps
+        for part in range(1, substeps + 1):
+            share = part / substeps
+            before = wanted[:, at - 1] + (share - 1.0 / substeps) * (wanted[:, at] - wanted[:, at - 1])
             goal = wanted[:, at - 1] + share * (wanted[:, at] - wanted[:, at - 1])
-            new = _depth_for(people, x, q, step, goal)
+            new = _depth_for(people, x, q, step, goal, tolerance)
             q = people.carried(x, q, new, step)[0]
             energy = energy + 0.5 * (before + goal) * (new - x)
             x = new
@@ -85,7 +93,9 @@ def follow_force(people: People, time_s: NDArray, force_N: NDArray, late_s: floa
     return Trajectory(time_s, depth, wanted, wanted.max(axis=-1), depth.max(axis=-1), energy, stop, held, longer)
 
 
-def _depth_for(people: People, x: NDArray, q: NDArray, step: float, goal: NDArray) -> NDArray:
+def _depth_for(
+    people: People, x: NDArray, q: NDArray, step: float, goal: NDArray, tolerance: float
+) -> NDArray:  # fmt: skip
     """Depth at the end of a step whose force is the goal, shape (p,). [mm]"""
     low, high = np.zeros(len(people)), np.maximum(people.law.root(goal / people.gamma1), x) + 1e-9
     for _ in range(60):
@@ -97,7 +107,7 @@ def _depth_for(people: People, x: NDArray, q: NDArray, step: float, goal: NDArra
     for _ in range(80):
         stretch, gain = people.carried(x, q, new, step)
         lacking = goal - people.force_of(new, stretch)
-        if np.all(np.abs(lacking) <= 1e-9 * np.maximum(goal, 1e-6)):
+        if np.all(np.abs(lacking) <= tolerance * np.maximum(goal, LEAST_N)):
             break
         low, high = np.where(lacking > 0.0, new, low), np.where(lacking > 0.0, high, new)
         guess = new + lacking / np.maximum(people.slope_of(new, stretch, gain), 1e-12)

@@ -23,4 +23,5 @@ class Force(Drive):
 
     def respond(self, press: Press, people: People, keep: bool = True) -> Response:
         """Solve the law for the depth."""
-        return of_trajectory(follow_force(people, press.time_s, press.force_N, late_from(press)))
+        given = people, press.time_s, press.force_N, late_from(press)
+        return of_trajectory(follow_force(*given) if keep else follow_force(*given, substeps=1, tolerance=1e-5))

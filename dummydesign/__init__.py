@@ -13,7 +13,7 @@ from dummydesign._version import __version__
 
 CALLS = (
     "calibrate", "close_loop", "compare", "compare_designs", "fit", "import_traces", "load_resin", "load_tissue",
-    "make_mould", "predict", "record_pad", "replay", "suggest", "whatif",
+    "make_mould", "on_person", "predict", "record_pad", "replay", "suggest", "whatif",
 )  # fmt: skip
 __all__ = ["__version__", *CALLS]
 

@@ -125,6 +125,7 @@ COMMAND_OF = {
     "fit": ["fit", "a.csv"],
     "compare": ["compare", "a.csv", "--tissue", "palm"],
     "compare_designs": ["compare-designs", "a", "b"],
+    "on_person": ["on-person", "a.csv", "--tissue", "palm"],
     "calibrate": ["loop", "campaign"],
     "close_loop": ["loop", "campaign"],
     "replay": ["replay", "campaign", "--calibration", "c.json"],

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from contextlib import AbstractContextManager, nullcontext
+from dataclasses import dataclass
+from dataclasses import replace as replace_fields
 from math import isfinite
 from os import PathLike, fspath
 from pathlib import Path
@@ -16,9 +18,11 @@ from dummydesign.core.parsing import MASS, ROBOT_VELOCITY, read_number
 
 if TYPE_CHECKING:
     from dummydesign.core.outputs import Output
+    from dummydesign.design.assessment.safety import Limits
     from dummydesign.design.request import Request
     from dummydesign.design.safety_view import SafetyView
     from dummydesign.design.suggestion import Suggestion
+    from dummydesign.person.drives.drive import Drive
 
 
 ROBOT_VELOCITY_MM_S = 250.0
@@ -56,6 +60,7 @@ def suggest(
     robot_mass_kg: float | str | None = None,
     robot_velocity_mm_s: float | str | None = None,
     limits: str | PathLike[str] | None = None,
+    drive: str | None = None,
     out: str | PathLike[str] | None = None,
     replace: bool = False,
     progress: Callable[[str], None] | None = None,
@@ -106,6 +111,9 @@ def suggest(
         How many castings are drawn for every share and factor, 1200 to 100,000.
     robot_mass_kg, robot_velocity_mm_s : float
         Mass and speed (250 mm/s by default) of a free body that hits tissue and pad, for the safety view. [kg, mm/s]
+    drive : str, optional
+        What moves the robot, as in :func:`dummydesign.on_person`: the answer adds what the predicted presses would be
+        on people.
     limits : path, optional
         Limits of force and pressure with their source (TOML), for the safety view.
     out : path, optional
@@ -154,6 +162,7 @@ def suggest(
         "robot_mass_kg": robot_mass_kg,
         "robot_velocity_mm_s": robot_velocity_mm_s,
         "limits": None if limits is None else str(limits),
+        **({} if drive is None else {"drive": _drive(drive).text}),
     }
     own = [fspath(path) for path in effects]
     with _effects(own, request.calibration):
@@ -197,13 +206,15 @@ def _answer(
     with answer_folder(folder, asked, replace) as output:
         found = design(wanted, progress)
         safety = safety_view(found, mass_kg, velocity_mm_s, limits)
+        people = _on_people(found, inputs.get("drive"), limits)
         if output is None:
-            return Answer(found, found.to_dict(inputs, safety))
+            return Answer(found, found.to_dict(inputs, safety) | people.values)
         cad = found.verdict.acceptable if inputs["cad"] is None else inputs["cad"]
         inputs = {**inputs, "cad": cad, "out": str(output.folder)}
         progress("mould and report" if cad else "report")
         mould, missing = _mould(found, output) if cad else (None, None)
-        result = _written(found, safety, found.to_dict(inputs, safety, mould), output, progress)
+        whole = found.to_dict(inputs, safety, mould) | people.values
+        result = _written(found, safety, whole, output, progress, people.sections)
         best = result["recommendation"]
         output.extra["summary"] = {name: best[name] for name in ("shape", "thickness_mm", "ratio", "resin")} | {
             "young_kPa": best["young_kPa"]["value"], "verdict": result["verdict"]["level"],
@@ -212,6 +223,34 @@ def _answer(
     if missing is not None:
         raise NoAnswerError(missing.code, output.settled(str(missing)), result, missing.quantity)
     return Answer(found, result)
+
+
+@dataclass(frozen=True)
+class _People:
+    """What a drive adds to an answer and to its report."""
+
+    values: dict[str, Any]
+    sections: tuple[Any, ...] = ()
+
+
+def _drive(text: str) -> Drive:
+    from dummydesign.person.drives import read_drive
+
+    return read_drive(text)
+
+
+def _on_people(found: Suggestion, drive: str | None, limits: Limits | None) -> _People:
+    """Carry the predicted presses over to people, where a drive was given."""
+    if drive is None:
+        return _People({})
+    from dummydesign.person.of_design import design_on_people, to_dict
+    from dummydesign.report.on_person import people_sections
+
+    pressed = design_on_people(found, _drive(drive), limits)
+    values = to_dict(pressed)
+    sections = people_sections(pressed, values["presses"], "people")
+    titled = (replace_fields(one, title=f"On people, {drive}: {one.title}") for one in sections)
+    return _People({"on_person": values}, tuple(titled))
 
 
 def _named_files(request: Request) -> list[str]:
@@ -234,8 +273,9 @@ def _mould(found: Suggestion, output: Output) -> tuple[dict[str, Any] | None, No
 
 
 def _written(
-    found: Suggestion, safety: SafetyView, result: dict[str, Any], output: Output, progress: Callable[[str], None]
-) -> dict[str, Any]:
+    found: Suggestion, safety: SafetyView, result: dict[str, Any], output: Output, progress: Callable[[str], None],
+    people: tuple[Any, ...] = (),
+) -> dict[str, Any]:  # fmt: skip
     """Write the report and the answer, and return the answer with all files."""
     from dummydesign.design.plot_data import suggestion_curves
     from dummydesign.design.press_pictures import press_pictures
@@ -243,7 +283,7 @@ def _written(
 
     curves = suggestion_curves(found)
     progress("stress in the pad")
-    report = write_suggestion(output.work, found, result, curves, safety, press_pictures(found))
+    report = write_suggestion(output.work, found, result, curves, safety, press_pictures(found), people)
     result = {**result, "files": {**result["files"], **report}}
     return output.answer({**result, "files": {**result["files"], "json": str(_write_answer(output, result, curves))}})
 

@@ -97,12 +97,12 @@ def fit(
     if out is not None and not str(out).lower().endswith(".toml"):
         message = f"out = '{out}' must end in .toml: a tissue file is written there"
         raise InputError(message, "bad_name", "out", str(out))
-    names, read = _read(traces)
+    names, read = read_traces(traces)
     inputs = {
         "traces": names, "elements": str(elements), "law": law, "mode": mode, "contact": contact,
         "lowpass": passed.to_dict() if passed else None, "out": None if out is None else fspath(out),
     }  # fmt: skip
-    asked = _question("fit", inputs, names, read)
+    asked = question_of_traces("fit", inputs, names, read)
     with nullcontext() if out is None else new_files(out, asked, replace=replace) as output:
         found = fit_traces(read, count, law, mode, passed, contact=contact, progress=progress)
         result = {"inputs": inputs, **found.to_dict(), "sources": [LAW_SOURCE], "files": {}}
@@ -186,13 +186,13 @@ def compare(
     test = read_test(punch, edge_radius_mm, force_N, velocity_mm_s, hold_s, deceleration_mm_s2, condition)
     site, passed = load_tissue(tissue), parse_lowpass(lowpass)
     pad = None if record is None else read_record(fspath(record))
-    names, read = _read(traces)
+    names, read = read_traces(traces)
     inputs = {
         "traces": names, "tissue": tissue, "lowpass": passed.to_dict() if passed else None, **test.to_dict(),
         "out": None if out is None else fspath(out), **({} if record is None else {"record": fspath(record)}),
     }  # fmt: skip
     more = [fspath(name) for name in (record, punch.partition("profile:")[2] or None) if name is not None]
-    with answer_folder(out, _question("compare", inputs, [*names, *more], read, tissue), replace) as output:
+    with answer_folder(out, question_of_traces("compare", inputs, [*names, *more], read, tissue), replace) as output:
         found = compare_traces(read, site, passed, test.presses, progress)
         values = dict(found.result)
         if pad is not None:
@@ -213,10 +213,23 @@ def compare(
     return Result(found, result, "compare")
 
 
-def _question(
+def question_of_traces(
     command: str, inputs: dict[str, Any], names: list[str], traces: list[Trace], tissue: str | None = None
 ) -> Question:
-    """The question of a call with traces; those in memory count by their numbers."""
+    """Make the question of a call with traces; those in memory count by their numbers.
+
+    Parameters
+    ----------
+    command : str
+        Name of the command, as it is typed.
+    inputs : dict
+        All values used.
+    names : list of str
+        Files that are read.
+    traces : list of Trace
+    tissue : str, optional
+        Name of the library or path.
+    """
     from hashlib import sha256
 
     numbers = [
@@ -227,8 +240,13 @@ def _question(
     return question(command, {**inputs, "trace_numbers_sha256": numbers}, tissue=tissue, files=files)
 
 
-def _read(traces: Traces) -> tuple[list[str], list[Trace]]:
-    """Names and traces; files are read."""
+def read_traces(traces: Traces) -> tuple[list[str], list[Trace]]:
+    """Return names and traces; files are read.
+
+    Parameters
+    ----------
+    traces : iterable of path or Trace
+    """
     from dummydesign.measurement.trace import Trace, read_trace
 
     given = list(traces)

@@ -33,6 +33,7 @@ UNITS: dict[str, dict[str, float]] = {
     "kPa": {"Pa": 1e-3, "kPa": 1.0, "MPa": 1000.0},
     "s": {"ms": 1e-3, "s": 1.0, "min": 60.0},
     "g": {"mg": 1e-3, "g": 1.0, "kg": 1000.0},
+    "Hz": {"Hz": 1.0, "kHz": 1000.0},
     "kg": {"g": 1e-3, "kg": 1.0, "t": 1000.0},
 }
 """Units that are understood for each unit a number is wanted in, with their size in it."""

@@ -150,6 +150,7 @@ GIVEN: dict[tuple[str, ...], tuple[str, ...]] = {
     ("predict",): ("punch",),
     ("whatif",): ("tissue", "resin", "aim", "punch"),
     ("compare",): ("tissue", "punch"),
+    ("on-person",): ("tissue", "punch"),
     ("mold",): ("resin",),
     ("campaign", "new"): ("punch",),
     ("campaign", "from-files"): ("punch",),
@@ -158,6 +159,7 @@ GIVEN: dict[tuple[str, ...], tuple[str, ...]] = {
 OUT = {
     "suggest": "designs", "whatif": "designs", "import": "measured", "compare": "designs",
     "compare-designs": "designs", "mold": "moulds", "loop": "calibrations",
+    "on-person": "designs",
 }  # fmt: skip
 """Folder of the project into which each command writes when no ``--out`` is typed."""
 WITH_TISSUE = ("aim",)

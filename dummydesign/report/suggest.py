@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -168,9 +169,12 @@ def sensitivity_bars(answer: Suggestion, curves: SuggestionCurves) -> list[Plot]
 
 def write_suggestion(
     folder: Path, answer: Suggestion, result: dict[str, Any], curves: SuggestionCurves, safety: SafetyView,
-    pictures: PressPictures,
+    pictures: PressPictures, people: Sequence[Section] = (),
 ) -> dict[str, str]:
-    """Write the report of a suggestion into a folder; see :func:`dummydesign.report.page.write_report`."""
+    """Write the report of a suggestion into a folder; see :func:`dummydesign.report.page.write_report`.
+
+    ``people`` are the sections on people, where a drive was given.
+    """
     best = result["recommendation"]
     young, batch = best["young_kPa"], best["batch"]
     size, base = "{:g} x {:g} mm".format(*answer.request.pad_mm), base_words(answer.request.base)
@@ -211,6 +215,7 @@ def write_suggestion(
             ["total", f"{best['recipe']['total_g']:.1f}"]])),
         _solids(best, result.get("files", {}), answer.request.pad_mm),
         safety_section(safety),
+        *people,
     ]  # fmt: skip
     title = f"Dummy for the {answer.tissue.name}"
     return write_report(folder, title, lead, sections, facts=facts, scripts=[view_script()],

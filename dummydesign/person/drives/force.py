@@ -1,0 +1,27 @@
+"""A clamp that controls its force."""
+
+from __future__ import annotations
+
+from dummydesign.person.drives.drive import Drive, Response, late_from, not_kept, of_trajectory
+from dummydesign.person.integrate import follow_force
+from dummydesign.person.people import People
+from dummydesign.person.press import Press
+from dummydesign.person.signs import TraceSigns
+
+
+class Force(Drive):
+    """F(t) on people is F(t) on the pad; depth follows."""
+
+    name = form = "force"
+    words = "a force-controlled clamp: people bear the same force over time, and are pressed as deep as it takes"
+
+    def contradicted(self, signs: TraceSigns) -> str:
+        """Where the path was kept instead, or the pad took the speed."""
+        if signs.looks_like == "position":
+            return f"the force relaxed by {signs.relaxed_N:.2g} N while the path was kept: it looks like position"
+        return not_kept(signs) if signs.looks_like == "mass" else ""
+
+    def respond(self, press: Press, people: People, keep: bool = True) -> Response:
+        """Solve the law for the depth."""
+        given = people, press.time_s, press.force_N, late_from(press)
+        return of_trajectory(follow_force(*given) if keep else follow_force(*given, substeps=1, tolerance=1e-5))

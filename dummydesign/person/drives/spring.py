@@ -1,0 +1,78 @@
+"""An arm of finite stiffness and mass that executes the command which the trace implies."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dummydesign.person.drives.drive import (
+    FASTER,
+    MASS,
+    MASSES,
+    STIFFNESS,
+    STIFFNESSES,
+    Drive,
+    Response,
+    late_from,
+    of_trajectory,
+)
+from dummydesign.person.integrate import TOLERANCE, Input, run_robot
+from dummydesign.person.people import People
+from dummydesign.person.press import Press
+from dummydesign.person.signs import TraceSigns
+
+
+class Spring(Drive):
+    """M x'' = K (x_c - x) - F with the command x_c = x_p + (F_p + M x_p'') / K of the trace on the pad."""
+
+    name, form = "spring", "spring:N_PER_MM,KG"
+    numbers = ((STIFFNESS, STIFFNESSES), (MASS, MASSES))
+    words = "an arm with a spring and a mass: the command that the trace implies acts on the person through both"
+
+    def contradicted(self, signs: TraceSigns) -> str:
+        """Where such an arm would have followed the force as it relaxed, and the path was kept."""
+        if signs.creep_mm is None or signs.relaxed_N is None:
+            return ""
+        follows = signs.relaxed_N / self.values[0]
+        if follows > 2.0 * signs.kept_mm and abs(signs.creep_mm) < follows / 3.0:
+            return (
+                f"the force relaxed by {signs.relaxed_N:.2g} N and the punch moved {signs.creep_mm:.2g} mm; an arm of "
+                f"{self.values[0]:g} N/mm with a fixed command moves {follows:.2g} mm: the arm is stiffer, or corrected"
+            )
+        return ""
+
+    def respond(self, press: Press, people: People, keep: bool = True) -> Response:
+        """Integrate from contact to the end of the hold, in the difference to the path on the pad."""
+        stiffness, mass = self.values
+        return press_by_spring(press, people, stiffness, mass, keep)
+
+
+def press_by_spring(
+    press: Press, people: People, stiffness_N_per_mm: float, mass_kg: float, keep: bool = True
+) -> Response:
+    """Press people by a spring and a mass; a stiffness of 0 leaves the mass with the force that acted on it."""
+    count, nodes = len(people), press.time_s
+
+    def next_node(time: float) -> float:
+        at = int(np.searchsorted(nodes, time * (1.0 + 1e-9) + 1e-12, side="right"))
+        return float(nodes[min(at, len(nodes) - 1)] - time)
+
+    scale = np.full(count, float(np.max(press.depth_mm)))
+    run = run_robot(people, mass_kg, stiffness_N_per_mm, _between_nodes(press), float(nodes[-1]), np.zeros(count),
+                    scale, next_node, keep=keep, late_s=late_from(press), loose_after_s=press.stop_s,
+                    tolerance=TOLERANCE * (1.0 if keep else FASTER))  # fmt: skip
+    return of_trajectory(run)
+
+
+def _between_nodes(press: Press) -> Input:
+    """Force and path of the pad, linear between the nodes."""
+    nodes = press.time_s
+
+    def given(time: float) -> tuple[NDArray, NDArray]:
+        at = min(max(int(np.searchsorted(nodes, time)), 1), len(nodes) - 1)
+        share = float((time - nodes[at - 1]) / (nodes[at] - nodes[at - 1]))
+        force, path = (row[..., at - 1] + share * (row[..., at] - row[..., at - 1])
+                       for row in (press.force_N, press.x_mm))  # fmt: skip
+        return force, path
+
+    return given

@@ -1,0 +1,233 @@
+"""Motion of a robot that meets people: a mass on a spring, a free mass, and a force that is followed."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dummydesign.design.assessment.safety import QUASI_STATIC_AFTER_S
+from dummydesign.person.people import People
+from dummydesign.person.smoothing import interpolation
+
+TOLERANCE = 2e-5
+"""Error of a step, over the depth."""
+SOLVED_MM = 1e-7
+MOST_STEPS = 400_000
+RINGS = 30.0
+"""Periods of the robot's own ringing after the stop that are followed closely; then it is damped."""
+DAMPED = (0.7, 0.36)
+"""Newmark's gamma and beta that damp it; 1/2 and 1/4 are the trapezoidal rule."""
+SUBSTEPS, SOLVED, LEAST_N = 2, 1e-9, 1e-3
+"""Steps between two times, error of the force over itself, and the least force that it is measured by. [N]"""
+
+
+@dataclass(frozen=True)
+class Trajectory:
+    """Depths and forces of persons, shape (p, n) over times (n,); what a press comes to, shape (p,)."""
+
+    time_s: NDArray
+    depth_mm: NDArray
+    force_N: NDArray
+    peak_N: NDArray
+    deepest_mm: NDArray
+    energy_mJ: NDArray
+    stop_s: NDArray
+    late_N: NDArray
+    held_N: NDArray
+
+
+Input = Callable[[float], tuple[NDArray | float, NDArray | float]]
+"""Force [N] and path [mm] of the pad at a time."""
+
+
+def held_after(time_s: NDArray, force_N: NDArray) -> NDArray:
+    """Largest force later than 0.5 s after contact, shape (p,); NaN where it is not followed that long. [N]"""
+    late = np.where(np.broadcast_to(time_s >= QUASI_STATIC_AFTER_S, force_N.shape), force_N, -np.inf).max(axis=-1)
+    return np.where(np.isfinite(late), late, np.nan)
+
+
+def follow_force(
+    people: People, time_s: NDArray, force_N: NDArray, late_s: float = np.inf, substeps: int = SUBSTEPS,
+    tolerance: float = SOLVED,
+) -> Trajectory:  # fmt: skip
+    """Press so that each person bears a force that is given over time, F(x, q) = F(t).
+
+    Each step solves for the depth at its end, by Newton's method inside a bracket; the arms are exact for the even
+    speed of the step.
+
+    Parameters
+    ----------
+    people : People
+    time_s : ndarray, shape (n,)
+    force_N : ndarray, shape (n,) or (p, n)
+        Below 0 counts as 0.
+    late_s : float
+        From when on the mean of the force is taken. [s]
+    substeps : int
+        Steps between two times.
+    tolerance : float
+        Error of the force at each step, over the force.
+    """
+    wanted = np.maximum(np.broadcast_to(force_N, (len(people), len(time_s))), 0.0)
+    x, q = np.zeros(len(people)), people.at_rest()
+    energy, found = np.zeros(len(people)), [x]
+    for at in range(1, len(time_s)):
+        step = float(time_s[at] - time_s[at - 1]) / substeps
+        for part in range(1, substeps + 1):
+            share = part / substeps
+            before = wanted[:, at - 1] + (share - 1.0 / substeps) * (wanted[:, at] - wanted[:, at - 1])
+            goal = wanted[:, at - 1] + share * (wanted[:, at] - wanted[:, at - 1])
+            new = _depth_for(people, x, q, step, goal, tolerance)
+            q = people.carried(x, q, new, step)[0]
+            energy = energy + 0.5 * (before + goal) * (new - x)
+            x = new
+        found.append(x)
+    depth = np.stack(found, axis=-1)
+    stop, held = np.full(len(people), time_s[-1]), np.full(len(people), np.nan)
+    if late_s < time_s[-1]:
+        held = wanted @ interpolation(np.linspace(late_s, float(time_s[-1]), 25), time_s).mean(axis=0)
+    longer = held_after(time_s, wanted)
+    return Trajectory(time_s, depth, wanted, wanted.max(axis=-1), depth.max(axis=-1), energy, stop, held, longer)
+
+
+def _depth_for(
+    people: People, x: NDArray, q: NDArray, step: float, goal: NDArray, tolerance: float
+) -> NDArray:  # fmt: skip
+    """Depth at the end of a step whose force is the goal, shape (p,). [mm]"""
+    low, high = np.zeros(len(people)), np.maximum(people.law.root(goal / people.gamma1), x) + 1e-9
+    for _ in range(60):
+        short = people.force_of(high, people.carried(x, q, high, step)[0]) < goal
+        if not short.any():
+            break
+        high = np.where(short, 2.0 * high, high)
+    new = np.clip(np.where(x > 0.0, x, high), low, high)
+    for _ in range(80):
+        stretch, gain = people.carried(x, q, new, step)
+        lacking = goal - people.force_of(new, stretch)
+        if np.all(np.abs(lacking) <= tolerance * np.maximum(goal, LEAST_N)):
+            break
+        low, high = np.where(lacking > 0.0, new, low), np.where(lacking > 0.0, high, new)
+        guess = new + lacking / np.maximum(people.slope_of(new, stretch, gain), 1e-12)
+        new = np.where((guess > low) & (guess < high), guess, 0.5 * (low + high))
+        if np.all(high - low <= 1e-12):
+            break
+    return new
+
+
+def run_robot(
+    people: People, mass_kg: float, stiffness_N_per_mm: float, given: Input, end_s: float, velocity_mm_s: NDArray,
+    scale_mm: NDArray, longest_step: Callable[[float], float], until_stop: bool = False, keep: bool = True,
+    late_s: float = np.inf, loose_after_s: float = np.inf, tolerance: float = TOLERANCE,
+) -> Trajectory:  # fmt: skip
+    """Integrate M u'' = F_p(t) - K u - F(x_p(t) + u, q) of all persons, by the trapezoidal rule.
+
+    u is the difference of the path on a person to the path x_p on the pad, where the force was F_p. The command
+    x_p + (F_p + M x_p'') / K that the trace implies acts through the spring, and the acceleration of the trace drops
+    out of the equation. The rule keeps the energy of springs and masses. The step keeps the difference to a third-order
+    prediction, which is the rule's error, below 2e-5 of the depth.
+
+    Parameters
+    ----------
+    people : People
+    mass_kg, stiffness_N_per_mm : float
+        Of the robot; a stiffness of 0 and no input is a free mass.
+    given : callable
+        Force [N] and path [mm] on the pad at a time.
+    end_s : float
+        Until when.
+    velocity_mm_s, scale_mm : ndarray, shape (p,)
+        u' at time 0, and the size of depths.
+    longest_step : callable
+        Longest step at a time. [s]
+    until_stop : bool
+        End when every body has stopped; depth and energy are then those of the stop.
+    keep : bool
+        Keep the curves over time.
+    late_s : float
+        From when on the mean of the force is taken. [s]
+    loose_after_s : float
+        Thirty periods after this time the robot's own ringing is damped, so that forces and depths are their means. [s]
+    tolerance : float
+        Error of a step, over the depth.
+    """
+    mass, count = 1e-3 * mass_kg, len(people)
+    u, v, q = np.zeros(count), np.array(velocity_mm_s, float), people.at_rest()
+    pushed, path = given(0.0)
+    x = path + u
+    force = people.force_of(x, q)
+    a = (pushed - force) / mass
+    times, depths, forces = [0.0], [x], [force]
+    peak, deepest, energy = force.copy(), x.copy(), np.zeros(count)
+    stop = np.full(count, np.nan)
+    longer = np.full(count, np.nan)
+    late, period = np.zeros(count), 2.0 * np.pi * np.sqrt(mass / max(stiffness_N_per_mm, 1e-9))
+    fastest = max(float(np.max(np.abs(v))), 1e-9)
+    time, step = 0.0, min(1e-3 * float(np.min(scale_mm)) / fastest, longest_step(0.0))
+    before: tuple[float, NDArray] | None = None
+    for _ in range(MOST_STEPS):
+        if time >= end_s * (1.0 - 1e-12) or (until_stop and not np.isnan(stop).any()):
+            break
+        taken = min(step, longest_step(time), end_s - time)
+        pushed, path = given(time + taken)
+        jerk = np.zeros(count) if before is None else (a - before[1]) / before[0]
+        predicted = u + taken * v + 0.5 * taken**2 * a + taken**3 / 6.0 * jerk
+        loose = max(1.0, (time - loose_after_s) / (RINGS * period)) ** 3
+        new_share, far_share = (0.5, 0.25) if loose == 1.0 else DAMPED
+        constant = u + taken * v + (0.5 - far_share) * taken**2 * a
+        weight = far_share * taken**2 / mass
+        new, new_q, new_force = _solve(
+            people, x, q, taken, constant + weight * pushed, weight, stiffness_N_per_mm, path, predicted
+        )
+        error = float(np.max(np.abs(new - predicted) / scale_mm)) / (tolerance * loose)
+        if before is not None and error > 2.0 and taken > 1e-9:
+            step = taken * max(0.3, 0.85 * error ** (-1.0 / 3.0))
+            continue
+        new_a = (pushed - stiffness_N_per_mm * new - new_force) / mass
+        new_v, new_x = v + taken * ((1.0 - new_share) * a + new_share * new_a), path + new
+        going = np.isnan(stop) if until_stop else np.ones(count, bool)
+        halted = going & until_stop & (new_v <= 0.0)
+        share = np.where(halted, v / np.maximum(v - new_v, 1e-300), 1.0)
+        reached = np.where(halted, x + 0.5 * share * taken * v, new_x)
+        at_end = force + share * (new_force - force)
+        way = np.maximum(reached, 0.0) - np.maximum(x, 0.0)
+        energy = energy + np.where(going, 0.5 * (force + at_end) * way, 0.0)
+        peak = np.where(going, np.maximum(peak, np.where(halted, at_end, new_force)), peak)
+        deepest = np.where(going, np.maximum(deepest, reached), deepest)
+        if time + taken >= QUASI_STATIC_AFTER_S:
+            longer = np.where(going, np.fmax(longer, new_force), longer)
+        stop = np.where(halted, time + share * taken, stop)
+        late = late + 0.5 * max(time + taken - max(time, late_s), 0.0) * (force + new_force)
+        before, time = (taken, a), time + taken
+        u, v, a, q, x, force = new, new_v, new_a, new_q, new_x, new_force
+        if keep:
+            times.append(time)
+            depths.append(x)
+            forces.append(force)
+        grown = taken * float(np.clip(0.85 * max(error, 1e-9) ** (-1.0 / 3.0), 0.3, 1.6))
+        # a step that was cut to end at a node says nothing against the longer one
+        step = max(grown, step) if error < 1.0 and taken < step else grown
+    stop = np.where(np.isnan(stop), np.nan if until_stop else time, stop)
+    curves = [np.stack(rows, axis=-1) for rows in (depths, forces)]
+    held = late / (time - late_s) if time > late_s else np.full(count, np.nan)
+    return Trajectory(np.array(times), curves[0], curves[1], peak, deepest, energy, stop, held, longer)
+
+
+def _solve(
+    people: People, x: NDArray, q: NDArray, step: float, constant: NDArray, weight: float, stiffness: float,
+    path: NDArray | float, guess: NDArray,
+) -> tuple[NDArray, NDArray, NDArray]:  # fmt: skip
+    """Solve u = constant - weight (K u + F(path + u)) for u, stretches and force at the end of a step (Newton)."""
+    new = guess
+    for _ in range(25):
+        stretch, gain = people.carried(x, q, path + new, step)
+        force, slope = people.force_of(path + new, stretch), people.slope_of(path + new, stretch, gain)
+        left = new - constant + weight * (stiffness * new + force)
+        change = left / (1.0 + weight * (stiffness + slope))
+        new = new - change
+        if float(np.max(np.abs(change))) <= SOLVED_MM:
+            break
+    # the last change is so small that force and stretch follow it on their tangents
+    return new, stretch - gain * change[:, None], np.maximum(force - slope * change, 0.0)

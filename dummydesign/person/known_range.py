@@ -1,0 +1,98 @@
+"""The range in which people were pressed, and how far a press goes beyond it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dummydesign.measurement.motion import DECELERATION_MM_S2, HOLD_S
+from dummydesign.tissue.comparison import PAPER_N
+from dummydesign.tissue.model.measured_curves import FORCE_APART, SPEED_APART, common_span
+
+if TYPE_CHECKING:
+    from dummydesign.person.drives.drive import Response
+    from dummydesign.tissue.model.tissue import Tissue
+
+NEAR = 1.05
+"""Factor up to which a press still counts as inside."""
+
+
+@dataclass(frozen=True)
+class Beyond:
+    """One way in which a press leaves the range: what, its value, the end of the range, and words."""
+
+    quantity: str
+    value: float
+    end: float
+    text: str
+
+
+def beyond_range(tissue: Tissue, found: Response, velocity_mm_s: float) -> list[Beyond]:
+    """Return how a press leaves the range of steady forces, depths, peaks and speeds in which people were pressed.
+
+    A file of a tissue does not say how deep its subjects were pressed. The range is that of the published protocol:
+    steady forces of 5 to 15 N at the speeds of the tissue, 10 s held; measured curves have their own. A subject was
+    pressed as deep as 15 N at rest takes it, and bore the peak on the way.
+
+    Parameters
+    ----------
+    tissue : Tissue
+    found : Response
+        Of the subjects.
+    velocity_mm_s : float
+        Of the press.
+    """
+    low, high = _forces(tissue)
+    speeds, rows = tissue.velocities_mm_s, list[Beyond]()
+    if speeds:
+        slow, fast = min(speeds), max(speeds)
+        if not slow / SPEED_APART <= velocity_mm_s <= fast * SPEED_APART:
+            end = fast if velocity_mm_s > fast else slow
+            words = f"{velocity_mm_s:g} mm/s, people were pressed at {slow:g} to {fast:g} mm/s"
+            rows.append(Beyond("velocity_mm_s", velocity_mm_s, end, words))
+    held = found.steady_N[np.isfinite(found.steady_N)]
+    if held.size and float(held.min()) < low / FORCE_APART:
+        rows.append(Beyond("steady_force_N", float(held.min()), low,
+                           f"{float(held.min()):.2g} N steady, people were pressed from {low:g} N on"))  # fmt: skip
+    if held.size and float(held.max()) > high * FORCE_APART:
+        rows.append(Beyond("steady_force_N", float(held.max()), high,
+                           f"{float(held.max()):.3g} N steady, people were pressed up to {high:g} N"))  # fmt: skip
+    deepest, strongest = _limits(tissue, high)
+    for quantity, values, ends, unit in (
+        ("depth_mm", found.depth_mm, deepest, "mm deep"), ("peak_force_N", found.peak_N, strongest, "N at the peak")
+    ):  # fmt: skip
+        over = values / ends
+        worst = int(np.argmax(over))
+        if over[worst] > NEAR:
+            rows.append(Beyond(quantity, float(values[worst]), float(ends[worst]),
+                               f"{values[worst]:.3g} {unit} on {tissue.subjects[worst].name}, who was pressed to "
+                               f"{ends[worst]:.3g} ({100.0 * (over[worst] - 1.0):.0f} % beyond)"))  # fmt: skip
+    return rows
+
+
+def _forces(tissue: Tissue) -> tuple[float, float]:
+    """Lowest and highest steady force. [N]"""
+    if not tissue.measured:
+        return PAPER_N
+    spans = [common_span(tissue.parameter_sets, speed, HOLD_S) for speed in tissue.velocities_mm_s]  # type: ignore[arg-type]
+    known = [span for span in spans if span is not None]
+    return (min(low for low, _ in known), max(high for _, high in known)) if known else PAPER_N
+
+
+def _limits(tissue: Tissue, high_N: float) -> tuple[NDArray, NDArray]:
+    """Deepest press and strongest peak of each subject, shapes (subjects,). [mm, N]"""
+    from dummydesign.tissue.model.laws import law_named
+
+    law, subjects = law_named(tissue.law), tissue.parameter_sets
+    speeds = tissue.velocities_mm_s or (10.0,)
+    if tissue.measured:
+        depth = np.array([max(press.depth_mm for press in one.presses) for one in subjects])  # type: ignore[attr-defined]
+        peak = np.array([max(max(p.rise_N.max(), p.hold_N.max()) for p in one.presses) for one in subjects])  # type: ignore[attr-defined]
+        return depth, peak
+    if not law.fitted:
+        return np.full(len(subjects), np.inf), np.full(len(subjects), np.inf)
+    _, force, depth = law.press(subjects, high_N, max(speeds), HOLD_S, DECELERATION_MM_S2)
+    return depth, force.max(axis=-1)

@@ -1,0 +1,90 @@
+"""Limits with a guard band: pass, fail or undecided by the 95 % end of what people bear."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from dummydesign.core.serialise import Serialised
+from dummydesign.design.assessment.safety import N_PER_CM2
+
+if TYPE_CHECKING:
+    from dummydesign.design.assessment.safety import Limits
+
+
+@dataclass(frozen=True)
+class LimitRow(Serialised):
+    """One limit: the value on the pad, the 95 % interval on one more person, the result and why."""
+
+    name: str
+    unit: str
+    limit: float
+    pad: float | None
+    person_low_95: float | None
+    person_high_95: float | None
+    result: str
+    reason: str
+    source: str
+
+
+@dataclass(frozen=True)
+class Load:
+    """One kind of contact: force on the pad, 95 % ends on one more person, lower 95 % ends of the subjects. [N]"""
+
+    kind: str
+    pad_N: float | None
+    low_N: float | None
+    high_N: float | None
+    subjects_low_N: tuple[float, ...]
+
+
+def decide(high: float | None, subjects_low: tuple[float, ...], limit: float, extrapolated: bool) -> tuple[str, str]:
+    """Decide one limit with a guard band as wide as the doubt.
+
+    Pass: the upper end of the 95 % interval of one more person is at most the limit, and nothing is extrapolated.
+    Fail: the lower end of one subject's own interval is above it. Else undecided.
+
+    References
+    ----------
+    JCGM 106:2012, 8.3 (guarded acceptance and guarded rejection).
+    """
+    if subjects_low and max(subjects_low) > limit:
+        return "fail", "the lower 95 % end of the highest subject is above the limit"
+    if high is None:
+        return "undecided", "the interval of people is not known"
+    if high > limit:
+        return "undecided", "the limit lies inside the guard band"
+    if extrapolated:
+        return "undecided", "the press goes beyond the range in which people were pressed"
+    return "pass", "the upper 95 % end of people is at most the limit"
+
+
+def against_guarded_limits(
+    loads: list[Load], limits: Limits, area_mm2: float, extrapolated: bool
+) -> tuple[LimitRow, ...]:
+    """Compare loads with limits of force and of mean pressure, quasi-static and transient.
+
+    Parameters
+    ----------
+    loads : list of Load
+        ``quasi-static`` (largest force later than 0.5 s) and ``transient`` (peak).
+    limits : Limits
+    area_mm2 : float
+        Of the punch. [mm2]
+    extrapolated : bool
+        Whether the press goes beyond the range in which people were pressed.
+    """
+    rows = []
+    for name, unit, quantity, scale in (
+        ("force", "N", limits.force_N, 1.0),
+        ("mean pressure", "N/cm2", limits.pressure_N_per_cm2, N_PER_CM2 / area_mm2),
+    ):
+        for load in loads:
+            if load.pad_N is None and load.high_N is None and not load.subjects_low_N:
+                continue
+            factor = limits.transient_factor.value if load.kind == "transient" else 1.0
+            limit = quantity.value * factor
+            pad, low, high = (None if one is None else one * scale for one in (load.pad_N, load.low_N, load.high_N))
+            result, reason = decide(high, tuple(one * scale for one in load.subjects_low_N), limit, extrapolated)
+            rows.append(LimitRow(f"{name} {load.kind}", unit, limit, pad, low, high, result, reason, quantity.source))
+    return tuple(rows)

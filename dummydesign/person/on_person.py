@@ -1,0 +1,245 @@
+"""What presses on a pad would have been on people: each press, each subject, one more person, against limits."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dummydesign.core.errors import InputError
+from dummydesign.core.serialise import to_plain
+from dummydesign.design.assessment.safety import N_PER_CM2
+from dummydesign.measurement.importing.press_checks import copies_among, doubts_of
+from dummydesign.person.drives.drive import FOUR, Drive, Response
+from dummydesign.person.integrate import held_after
+from dummydesign.person.known_range import Beyond, beyond_range
+from dummydesign.person.limits import LimitRow, Load, against_guarded_limits
+from dummydesign.person.people import People
+from dummydesign.person.population import draw_another, draw_subject
+from dummydesign.person.press import Press, read_press
+from dummydesign.person.signs import TraceSigns, signs_of
+
+if TYPE_CHECKING:
+    from dummydesign.design.assessment.safety import Limits
+    from dummydesign.measurement.sensor import Lowpass
+    from dummydesign.measurement.trace import Trace
+    from dummydesign.tissue.model.tissue import Tissue
+
+SEED, OTHERS, OWN = 61, 600, 120
+"""Draws of one more person, and of each subject."""
+ENDS = (0.025, 0.975)
+Interval = tuple[float | None, float | None]
+
+
+@dataclass(frozen=True)
+class PersonPress:
+    """One press: on the pad, on every subject, on one more person.
+
+    ``pad``, ``subjects`` and the intervals are by the names of :data:`~.drives.drive.FOUR`; ``factor`` is the lowest
+    and highest subject's peak over the pad's, ``factor_95`` that of one more person.
+    """
+
+    press: Press
+    found: Response
+    pad: dict[str, float | None]
+    subjects: tuple[dict[str, Any], ...]
+    band: dict[str, Interval]
+    interval: dict[str, Interval]
+    factor: Interval
+    factor_95: Interval
+    signs: TraceSigns
+    contradicted: str
+    beyond: tuple[Beyond, ...]
+    limits: tuple[LimitRow, ...]
+
+    def to_dict(self, area_mm2: float) -> dict[str, Any]:
+        """Return the press in the form of the contract."""
+
+        def pressure(force: float | None) -> float | None:
+            return None if force is None else force * N_PER_CM2 / area_mm2
+
+        name = "mean_pressure_N_per_cm2"
+        return to_plain({
+            "file": self.press.trace.name, "velocity_mm_s": self.press.velocity_mm_s,
+            "contact_mm_s": float(self.press.contact_mm_s), "hold_s": self.press.hold_s,
+            "pad": {**self.pad, name: pressure(self.pad["peak_N"])},
+            "subjects": [{**one, name: pressure(one["peak_N"])} for one in self.subjects],
+            "band": {**self.band, name: [pressure(end) for end in self.band["peak_N"]]},
+            "interval_95": {**self.interval, name: [pressure(end) for end in self.interval["peak_N"]]},
+            "factor_peak": list(self.factor), "factor_peak_95": list(self.factor_95),
+            "limits": [row.to_dict() for row in self.limits], "signs": self.signs.to_dict(),
+            "drive_contradicted": self.contradicted or None,
+            "beyond_range": [{"quantity": one.quantity, "value": one.value, "pressed_to": one.end, "text": one.text}
+                             for one in self.beyond],
+        })  # fmt: skip
+
+
+@dataclass(frozen=True)
+class OnPerson:
+    """All presses with the drive, the tissue and what was asked."""
+
+    presses: tuple[PersonPress, ...]
+    drive: Drive
+    tissue: Tissue
+    area_mm2: float
+    warnings: tuple[dict[str, str], ...]
+
+
+def on_person(
+    traces: Sequence[Trace], tissue: Tissue, drive: Drive, *, limits: Limits | None = None,
+    lowpass: Lowpass | None = None, area_mm2: float = 196.0, progress: Callable[[str], None] | None = None,
+) -> OnPerson:  # fmt: skip
+    """Work out what each press would have been on the subjects of a tissue and on one more person.
+
+    Parameters
+    ----------
+    traces : sequence of Trace
+        One press each.
+    tissue : Tissue
+    drive : Drive
+        What moves the robot.
+    limits : Limits, optional
+        Own limits of force and pressure.
+    lowpass : Lowpass, optional
+        Filter that the forces went through; it is undone.
+    area_mm2 : float
+        Of the punch. [mm2]
+    progress : callable, optional
+        Called with a word at each step.
+
+    Raises
+    ------
+    InputError
+        For a press, or a tissue, that the drive cannot carry over.
+    """
+    if not traces:
+        raise InputError("no trace was given; give one or more TRACE.csv", "missing", "trace")
+    found = []
+    for number, trace in enumerate(traces):
+        if progress is not None:
+            progress(f"press {number + 1} of {len(traces)}")
+        press = read_press(trace, lowpass)
+        drive.check(press)
+        found.append(_press_people(press, tissue, drive, limits, area_mm2))
+    warnings = [*_of_traces(traces), *_of_presses(found, drive, tissue)]
+    return OnPerson(tuple(found), drive, tissue, area_mm2, tuple(warnings))
+
+
+def _press_people(
+    press: Press, tissue: Tissue, drive: Drive, limits: Limits | None, area_mm2: float
+) -> PersonPress:  # fmt: skip
+    """Press subjects and draws, and judge."""
+    names, rng = [one.name for one in tissue.subjects], np.random.default_rng(SEED)
+    pad = {name: None if value is None else float(np.mean(value)) for name, value in drive.on_pad(press).items()}
+    if tissue.measured:
+        found = drive.on_curves(press, tissue.parameter_sets)
+        another, own, pads = _of_few(found), {}, np.full(1, pad["peak_N"])
+    else:
+        people = People.of(tissue.parameter_sets, press.velocity_mm_s)
+        found = drive.respond(press, people)
+        count = len(names)
+        drawn = [draw_another(tissue, press.velocity_mm_s, OTHERS, rng)]
+        drawn += [draw_subject(tissue, row, press.velocity_mm_s, OWN, rng) for row in range(count)]
+        everyone = People(people.law, *(np.concatenate([getattr(one, part) for one in drawn])
+                                        for part in ("gamma1", "gamma", "c")))  # fmt: skip
+        pressed = press.drawn(len(everyone), rng)
+        answer = drive.respond(pressed, everyone, keep=False)
+        values = {**answer.four(), "held_N": answer.held_N}
+        another = {name: value[:OTHERS] for name, value in values.items()}
+        own = {name: value[OTHERS:].reshape(count, OWN) for name, value in values.items()}
+        pads = pressed.peak_N[:OTHERS]
+    beyond = tuple(beyond_range(tissue, found, press.velocity_mm_s))
+    interval = {name: _ends(another[name]) for name in FOUR}
+    band = {name: _outer(found.four()[name]) for name in FOUR}
+    subjects = tuple(
+        {"name": name, **{key: _number(value[row]) for key, value in found.four().items()},
+         "interval_95": {key: _ends(own[key][row]) for key in FOUR} if own else None}
+        for row, name in enumerate(names)
+    )  # fmt: skip
+    signs = signs_of(press)
+    rows: tuple[LimitRow, ...] = ()
+    if limits is not None:
+        rows = against_guarded_limits(_loads(press, found, another, own), limits, area_mm2, bool(beyond))
+    peak, (low, high) = pad["peak_N"] or np.nan, band["peak_N"]
+    factor = (None if low is None else low / peak, None if high is None else high / peak)
+    return PersonPress(
+        press, found, pad, subjects, band, interval, factor, _ends(another["peak_N"] / pads), signs,
+        drive.contradicted(signs), beyond, rows,
+    )  # fmt: skip
+
+
+def _loads(press: Press, found: Response, another: dict[str, NDArray], own: dict[str, NDArray]) -> list[Load]:
+    """Transient and quasi-static forces."""
+    loads = []
+    pads = {"transient": float(press.peak_N), "quasi-static": float(held_after(press.time_s, press.force_N[None])[0])}
+    for kind, name, values in (("transient", "peak_N", found.peak_N), ("quasi-static", "held_N", found.held_N)):
+        low, high = _ends(another[name])
+        if own:
+            ends = [_ends(row)[0] for row in own[name]]
+        else:
+            ends = [_number(value) for value in values]
+        known = tuple(end for end in ends if end is not None)
+        loads.append(Load(kind, _number(pads[kind]) if known or high is not None else None, low, high, known))
+    return loads
+
+
+def _of_few(found: Response) -> dict[str, NDArray]:
+    """Quantiles of one more person where people are curves: Student's prediction in logarithms, as two values."""
+    from scipy.stats import t
+
+    rows = {}
+    for name, values in {**found.four(), "held_N": found.held_N}.items():
+        count = len(values)
+        if count < 2 or not np.all(np.isfinite(values)):
+            rows[name] = np.full(2, np.nan)
+            continue
+        logs = np.log(values)
+        half = t.ppf(ENDS[1], count - 1) * logs.std(ddof=1) * np.sqrt(1.0 + 1.0 / count)
+        # quantiles of 0.025 and 0.975 of these many equal halves are their ends
+        rows[name] = np.exp(logs.mean() + half * np.repeat([-1.0, 1.0], 20))
+    return rows
+
+
+def _ends(values: NDArray) -> Interval:
+    """Ends of the 95 % interval of draws; None where they are not known."""
+    known = values[np.isfinite(values)]
+    if len(known) < 0.9 * len(values) or not len(known):
+        return None, None
+    low, high = np.quantile(known, ENDS)
+    return float(low), float(high)
+
+
+def _outer(values: NDArray) -> Interval:
+    known = values[np.isfinite(values)]
+    return (float(known.min()), float(known.max())) if len(known) else (None, None)
+
+
+def _number(value: float) -> float | None:
+    return float(value) if np.isfinite(value) else None
+
+
+def _of_traces(traces: Sequence[Trace]) -> list[dict[str, str]]:
+    """What looks wrong in the files."""
+    return [*(warning for trace in traces for warning in doubts_of(trace)), *copies_among(traces)]
+
+
+def _of_presses(found: Sequence[PersonPress], drive: Drive, tissue: Tissue) -> list[dict[str, str]]:
+    """What the reader must know: a drive that does not fit, a range that is left, people who were not measured."""
+    rows: list[tuple[str, str]] = []
+    for one in found:
+        file = one.press.trace.name
+        if one.contradicted:
+            rows.append(("drive_mismatch", f"{file}: --drive {drive.text} does not fit the trace: {one.contradicted}"))
+    for one in found:
+        if one.beyond:
+            words = "; ".join(entry.text for entry in one.beyond)
+            rows.append(("beyond_range", f"{one.press.trace.name}: extrapolated: {words}"))
+    if "inferred" in tissue.kinds:
+        rows.append(("inferred_tissue", f"the subjects of {tissue.name} are inferred, not measured"))
+    if len(tissue.subjects) < 2:
+        rows.append(("one_subject", "one subject says nothing of how people differ: the interval is this person's own"))
+    rows += [] if tissue.notice is None else [tissue.notice]
+    return [{"code": code, "message": text} for code, text in rows]

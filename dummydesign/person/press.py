@@ -1,0 +1,253 @@
+"""One press of a trace: contact, stop and end, smooth depth and force of the pad, and their errors."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dummydesign.core.errors import InputError
+from dummydesign.measurement.importing.signs import noise_of
+from dummydesign.measurement.landmarks import approach_velocity, find_ramp
+from dummydesign.measurement.motion import work_mJ
+from dummydesign.measurement.sensor import Lowpass
+from dummydesign.measurement.trace import Trace
+from dummydesign.person.smoothing import SmoothCurve, smooth_curve
+from dummydesign.tissue.fitting.reduction import rounded_velocity
+
+RISE_NODES, AFTER, GROWTH = 160, 0.25, 1.08
+"""Nodes from contact to a quarter of the rise (8 ms at least) after the stop; then each interval is 8 % longer."""
+AFTER_S = 0.008
+MOST_ROUNDS, MOST_NODES = 5, 900
+"""How often nodes are added where samples show more, and up to how many."""
+CONTACT_SD_MM = 0.01
+"""Standard deviation of where a trace has its zero: half of the 0.02 mm to which a robot is taken to repeat."""
+SHORTEST_HOLD_S = 0.3
+CONTACT_WINDOW, LEAST_NEAR, SPEED_SHARE = 0.3, 5, 0.002
+"""Share of the rise on both sides of contact whose samples give the speed there, how many there are at least on a
+side, and the relative error of their curve."""
+LATE = 0.05
+"""Share of the hold, at its end, whose mean force is the steady force."""
+LATE_CONTACT = 0.6
+"""Share of the depth at which a force must have begun."""
+SEEN = 6.0
+"""Multiple of the noise that the force of a press must reach."""
+MOVING = 0.35
+"""Share of the speed at which a trace that ends is still moving."""
+
+
+@dataclass(frozen=True)
+class Press:
+    """A press on the pad, from contact to the end of the hold; time counts from contact.
+
+    Attributes
+    ----------
+    trace : Trace
+    time_s : ndarray, shape (n,)
+        Nodes; finer about the stop.
+    x_mm, force_N : ndarray, shape (n,) or (p, n)
+        Depth and force of the pad at the nodes; several where they are drawn from their errors.
+    x_factor, force_factor : ndarray, shape (n, k)
+        Factors of the covariances.
+    contact_s, stop_s, hold_s, velocity_mm_s : float
+        Time of contact in the trace; stop, hold and speed of the robot, two digits. [s, mm/s]
+    contact_mm_s : ndarray, shape () or (p,)
+        Speed at contact. [mm/s]
+    contact_sd_mm_s : float
+        Its standard deviation. [mm/s]
+    steady_N : ndarray or None
+        Mean of the last twentieth of the hold, shape () or (p,); None without a hold.
+    noise_N : float
+        Noise of one sample.
+    """
+
+    trace: Trace
+    time_s: NDArray
+    x_mm: NDArray
+    force_N: NDArray
+    x_factor: NDArray
+    force_factor: NDArray
+    contact_s: float
+    stop_s: float
+    hold_s: float
+    velocity_mm_s: float
+    contact_mm_s: NDArray
+    contact_sd_mm_s: float
+    steady_N: NDArray | None
+    noise_N: float
+
+    @property
+    def peak_N(self) -> NDArray:
+        """Largest force. [N]"""
+        return self.force_N.max(axis=-1)
+
+    @property
+    def depth_mm(self) -> NDArray:
+        """Largest depth. [mm]"""
+        return self.x_mm.max(axis=-1)
+
+    @property
+    def energy_mJ(self) -> NDArray:
+        """Work on the pad from contact to the end of the hold. [mJ]"""
+        return work_mJ(self.x_mm, self.force_N)
+
+    @property
+    def stopped(self) -> int:
+        """Number of the node with the largest depth."""
+        return int(np.argmax(self.x_mm if self.x_mm.ndim == 1 else self.x_mm.mean(axis=0)))
+
+    def drawn(self, count: int, rng: np.random.Generator) -> Press:
+        """Draw presses that may be behind the trace: noise of both columns, and where contact is."""
+        x = self.x_mm + rng.standard_normal((count, self.x_factor.shape[1])) @ self.x_factor.T
+        shift = CONTACT_SD_MM * rng.standard_normal((count, 1))
+        force = self.force_N + rng.standard_normal((count, self.force_factor.shape[1])) @ self.force_factor.T
+        steady = None
+        if self.steady_N is not None:
+            late = self.time_s >= self.time_s[-1] - LATE * self.hold_s
+            steady = self.steady_N + (force - self.force_N)[:, late].mean(axis=-1)
+        speed = np.maximum(self.contact_mm_s + self.contact_sd_mm_s * rng.standard_normal(count), 1e-3)
+        return replace(self, x_mm=x - shift, force_N=force, steady_N=steady, contact_mm_s=speed)
+
+
+def read_press(trace: Trace, lowpass: Lowpass | None = None) -> Press:
+    """Find the press in a trace and smooth it; a declared filter of the force is undone.
+
+    Raises
+    ------
+    InputError
+        For a trace without contact, one that begins pressed, or ends before the stop.
+    """
+    time, x, force = trace.time_s, trace.displacement_mm, trace.force_N
+    noise = float(noise_of(force))
+    largest = float(force.max())
+    if largest <= SEEN * noise or float(x.max()) <= 0.0:
+        message = f"{trace.name}: has no contact: its force never rises above its noise while it presses"
+        raise InputError(message, "nothing_found", "contact", largest)
+    try:
+        ramp = find_ramp(time, x, "slowed")
+    except InputError as problem:
+        raise problem.within(trace.name) from None
+    _check_contact(trace, ramp.contact_time_s, noise, lowpass is not None)
+    fastest = approach_velocity(time, x, ramp)
+    velocity = rounded_velocity(trace.told_mm_s or fastest)
+    _check_stop(trace, ramp.contact_time_s, ramp.stop_time_s, velocity)
+    end = max(_leaving(time, x), ramp.stop_time_s)
+    used = (time >= ramp.contact_time_s) & (time <= end)
+    end = float(time[used][-1])
+    nodes = _nodes(ramp.stop_time_s - ramp.contact_time_s, end - ramp.contact_time_s)
+    since = time[used] - ramp.contact_time_s
+    path, load, nodes = _smoothed(since, x[used], force[used], nodes, lowpass)
+    speed, error = contact_speed(time - ramp.contact_time_s, x, ramp.stop_time_s - ramp.contact_time_s, path.noise)
+    if time[0] > ramp.contact_time_s - LEAST_NEAR * float(np.median(np.diff(time))):
+        speed = np.minimum(speed, fastest)  # without an approach the curve starts too steep where the robot brakes
+    hold = end - ramp.stop_time_s
+    steady = None
+    if hold >= SHORTEST_HOLD_S:
+        steady = np.asarray(force[used][since >= since[-1] - LATE * hold].mean())
+    return Press(trace, nodes, path.value, _not_pulling(load).value, path.factor, load.factor, ramp.contact_time_s,
+                 ramp.stop_time_s - ramp.contact_time_s, hold, velocity, speed, error, steady, load.noise)  # fmt: skip
+
+
+def contact_speed(time_s: NDArray, x_mm: NDArray, stop_s: float, noise_mm: float) -> tuple[NDArray, float]:
+    """Speed at contact and its standard deviation. [mm/s]
+
+    A parabola through as much before contact as after it, at most 0.3 rises, with a cubic from contact on: what a pad
+    takes of the speed of a free mass begins there. A trace that begins at contact is read from a parabola alone.
+    """
+    lead, step = float(-time_s[0]), float(np.median(np.diff(time_s)))
+    seen = lead >= LEAST_NEAR * step
+    scale = max(min(lead, CONTACT_WINDOW * stop_s) if seen else 0.5 * CONTACT_WINDOW * stop_s, LEAST_NEAR * step)
+    near = np.abs(time_s) <= scale * (1.0 + 1e-9)
+    time = time_s[near] / scale
+    powers = [np.ones(len(time)), time, time**2, np.maximum(time, 0.0) ** 3]
+    inverse = np.linalg.pinv(np.stack(powers[: 4 if seen else 3], axis=-1))
+    slope = max(float(inverse[1] @ x_mm[near]) / scale, 1e-3)
+    return np.asarray(slope), float(np.hypot(noise_mm * np.linalg.norm(inverse[1]) / scale, SPEED_SHARE * slope))
+
+
+def _leaving(time: NDArray, x: NDArray) -> float:
+    """Time at which the punch begins to leave: the last at which it is slow before it falls to half its depth. [s]
+
+    The last sample of a press that is not unloaded. An arm that swings over its depth has not left.
+    """
+    largest = float(x.max())
+    deepest = int(np.argmax(x))
+    below = np.flatnonzero(x[deepest:] < 0.5 * largest)
+    if not below.size:
+        return float(time[-1])
+    out = deepest + int(below[0])
+    high = deepest + int(np.flatnonzero(x[deepest:out] >= 0.75 * float(np.median(x[deepest:out])))[-1])
+    speed = float(x[high] - x[out]) / max(float(time[out] - time[high]), 1e-9)
+    window = max(0.03 * largest / max(speed, 1e-9), 2.0 * float(np.median(np.diff(time))))
+    fallen = x[deepest : high + 1] - np.interp(time[deepest : high + 1] + window, time, x)
+    slow = np.flatnonzero(fallen <= 0.3 * speed * window)
+    return float(time[deepest + (int(slow[-1]) if slow.size else 0)])
+
+
+def _smoothed(
+    since: NDArray, x: NDArray, force: NDArray, nodes: NDArray, lowpass: Lowpass | None
+) -> tuple[SmoothCurve, SmoothCurve, NDArray]:
+    """Smooth path and force at nodes; an arm that rings gets more nodes than a press that relaxes."""
+    for _ in range(MOST_ROUNDS):
+        path, load = smooth_curve(since, x, nodes), smooth_curve(since, force, nodes, lowpass)
+        coarse = path.coarse | load.coarse
+        if not coarse.any() or len(nodes) + coarse.sum() > MOST_NODES:
+            return path, load, nodes
+        nodes = np.sort(np.r_[nodes, 0.5 * (nodes[1:] + nodes[:-1])[coarse]])
+    return smooth_curve(since, x, nodes), smooth_curve(since, force, nodes, lowpass), nodes
+
+
+def _not_pulling(curve: SmoothCurve) -> SmoothCurve:
+    return replace(curve, value=np.maximum(curve.value, 0.0))
+
+
+def _nodes(stop_s: float, end_s: float) -> NDArray:
+    """Times since contact: even to a little after the stop, then growing. [s]"""
+    fine = min(stop_s + max(AFTER * stop_s, AFTER_S), end_s)
+    even = np.linspace(0.0, fine, RISE_NODES + 1)
+    if fine >= end_s * (1.0 - 1e-9):
+        return even
+    step = fine / RISE_NODES
+    count = max(int(np.ceil(np.log1p((end_s - fine) / step * (GROWTH - 1.0)) / np.log(GROWTH))), 1)
+    grown = np.cumsum(GROWTH ** np.arange(1, count + 1))
+    return np.r_[even, fine + grown * (end_s - fine) / grown[-1]]
+
+
+def _check_contact(trace: Trace, contact_s: float, noise_N: float, delayed: bool) -> None:
+    """Refuse a trace that carries load at its zero of displacement, or touches long after it.
+
+    A filter delays the force, so that nothing is known of the second.
+    """
+    peak, time, x = float(trace.force_N.max()), trace.time_s, trace.displacement_mm
+    near = int(np.searchsorted(time, contact_s, side="right"))
+    touched = float(trace.force_N[: max(near, 1)].max())
+    if touched > max(0.1 * peak, SEEN * noise_N):
+        message = (
+            f"{trace.name}: carries {touched:.3g} N at displacement 0; contact must be zero in both columns, "
+            "'dummydesign import' finds it"
+        )
+        raise InputError(message, "inconsistent", "contact", touched, 0.0)
+    loaded = trace.force_N > max(0.02 * peak, SEEN * noise_N)
+    first = float(x[int(np.argmax(loaded))])
+    if first > LATE_CONTACT * float(x.max()) and not delayed:
+        message = (
+            f"{trace.name}: carries no force down to {first:.3g} mm of {float(x.max()):.3g} mm; contact must be at "
+            "displacement 0, 'dummydesign import' finds it"
+        )
+        raise InputError(message, "inconsistent", "contact", first, 0.0)
+
+
+def _check_stop(trace: Trace, contact_s: float, stop_s: float, velocity_mm_s: float) -> None:
+    """Refuse a trace that ends while the punch still goes deeper."""
+    time, x = trace.time_s, trace.displacement_mm
+    rise = stop_s - contact_s
+    if time[-1] - stop_s > max(5.0 * float(np.median(np.diff(time))), 0.05 * rise):
+        return
+    back = min(int(np.searchsorted(time, time[-1] - 0.1 * rise)), len(x) - 3)
+    speed = float((x[-1] - x[back]) / (time[-1] - time[back]))
+    if speed > MOVING * velocity_mm_s:
+        message = (
+            f"{trace.name}: ends before the stop, at {speed:.3g} mm/s; record the press until it is held or leaves"
+        )
+        raise InputError(message, "not_enough_data", "hold_s", speed)

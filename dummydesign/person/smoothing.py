@@ -1,0 +1,124 @@
+"""A smooth curve through noisy samples, with its error; a declared low-pass of the sensor is undone."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dummydesign.measurement.importing.signs import noise_of
+from dummydesign.measurement.sensor import Lowpass
+
+CELLS = 3
+"""Bins an interval between nodes is cut into before samples are averaged."""
+LEAST_NOISE = 1e-5
+"""Smallest noise that is assumed, over the largest value: numbers in files are rounded."""
+SURE, SMALL = 4.0, 1.5e-3
+"""Standard errors, and share of the range, by which a mean of samples must miss the curve to ask for more nodes."""
+MOST_UNSURE = 0.03
+"""Largest standard deviation, over the range, that undoing a filter may make of the noise."""
+SCANNED = np.logspace(-10.0, 4.0, 57)
+"""Weights of the roughness that are tried."""
+
+
+@dataclass(frozen=True)
+class SmoothCurve:
+    """A curve at nodes: values (n,), a factor (n, n) of their covariance, the noise of one sample, and which of the
+    n - 1 intervals are too coarse for what the samples show."""
+
+    value: NDArray
+    factor: NDArray
+    noise: float
+    coarse: NDArray
+
+
+def smooth_curve(
+    time_s: NDArray, values: NDArray, nodes_s: NDArray, lowpass: Lowpass | None = None, start: float | None = 0.0
+) -> SmoothCurve:
+    """Fit a curve, linear between nodes, to samples: least squares with a penalty on second differences.
+
+    The weight of the penalty makes the expected error smallest (Mallows' C_p with the noise of the samples). The
+    covariance is the Bayesian one of the same penalty.
+
+    Parameters
+    ----------
+    time_s, values : ndarray, shape (m,)
+        Samples inside the nodes.
+    nodes_s : ndarray, shape (n,)
+        Rising.
+    lowpass : Lowpass, optional
+        Filter that the values went through; the curve is what went into it.
+    start : float, optional
+        Value that is known at the first node; None where it is not.
+
+    References
+    ----------
+    Wahba, Spline Models for Observational Data, SIAM 1990, chapters 4 and 5.
+    """
+    from scipy.linalg import eigh
+
+    noise = max(float(noise_of(values)), LEAST_NOISE * float(np.max(np.abs(values), initial=1e-12)))
+    at, mean, count = _averaged(time_s, values, nodes_s)
+    design = interpolation(at, nodes_s)
+    if lowpass is not None:
+        design = design @ lowpass.apply(nodes_s, np.eye(len(nodes_s))).T
+    offset = 0.0 if start is None else start
+    if start is not None:
+        design = design[:, 1:]
+    weighted = design * np.sqrt(count)[:, None]
+    wanted = (mean - offset * (design.sum(axis=1) if start is None else 1.0)) * np.sqrt(count)
+    normal = weighted.T @ weighted
+    rough = np.diff(np.eye(len(nodes_s)), 2, axis=0)[:, 0 if start is None else 1 :]
+    penalty = rough.T @ rough
+    penalty *= np.trace(normal) / np.trace(penalty)
+    share, basis = eigh(normal, normal + penalty + 1e-14 * np.trace(normal) * np.eye(len(normal)))
+    share = np.clip(share, 0.0, 1.0)
+    loading = basis.T @ (weighted.T @ wanted)
+    total = float(wanted @ wanted)
+    # residual sum of squares and degrees of freedom of each weight in closed form
+    damped = share + SCANNED[:, None] * (1.0 - share)
+    damped = np.maximum(damped, 1e-13)
+    left = total - 2.0 * (loading**2 / damped).sum(axis=1) + (share * loading**2 / damped**2).sum(axis=1)
+    freedom = (share / damped).sum(axis=1)
+    left = np.maximum(left, 0.0)
+    sample, spare = noise, len(wanted) - freedom
+    if lowpass is not None:
+        # what no weight can fit is an error of the curve's form, not a reason to follow every sample
+        floor = float(np.min(np.where(spare > 0.2 * len(wanted), left / np.maximum(spare, 1.0), np.inf)))
+        noise = float(np.sqrt(max(noise**2, floor if np.isfinite(floor) else 0.0)))
+    risk = left / noise**2 + 2.0 * freedom
+    if lowpass is not None:
+        unsure = noise * np.sqrt((1.0 / damped @ (basis**2).T).max(axis=1))
+        risk = np.where(unsure > MOST_UNSURE * float(np.ptp(mean)), np.inf, risk)
+    chosen = damped[int(np.argmin(risk)) if np.isfinite(risk).any() else -1]
+    value = basis @ (loading / chosen) + offset
+    missed = np.abs(wanted - weighted @ (value - offset))
+    amiss = (missed > SURE * sample) & (missed > SMALL * np.sqrt(count) * float(np.ptp(mean)))
+    coarse = np.zeros(len(nodes_s) - 1, bool)
+    coarse[np.clip(np.searchsorted(nodes_s, at[amiss], side="right") - 1, 0, len(coarse) - 1)] = True
+    factor = noise * basis / np.sqrt(chosen)
+    if start is not None:
+        value = np.r_[start, value]
+        factor = np.vstack([np.zeros(factor.shape[1]), factor])
+    return SmoothCurve(value, factor, noise, coarse)
+
+
+def _averaged(time_s: NDArray, values: NDArray, nodes_s: NDArray) -> tuple[NDArray, NDArray, NDArray]:
+    """Mean time and value, and number, of the samples in each third between two nodes."""
+    place = np.interp(time_s, nodes_s, np.arange(len(nodes_s)) * float(CELLS))
+    cell = np.minimum(place.astype(int), CELLS * (len(nodes_s) - 1) - 1)
+    number = np.bincount(cell)
+    used = number > 0
+    at = np.bincount(cell, time_s)[used] / number[used]
+    return at, np.bincount(cell, values)[used] / number[used], number[used].astype(float)
+
+
+def interpolation(at: NDArray, nodes: NDArray) -> NDArray:
+    """Matrix (len(at), n) of linear interpolation between nodes."""
+    left = np.clip(np.searchsorted(nodes, at, side="right") - 1, 0, len(nodes) - 2)
+    share = np.clip((at - nodes[left]) / (nodes[left + 1] - nodes[left]), 0.0, 1.0)
+    matrix = np.zeros((len(at), len(nodes)))
+    rows = np.arange(len(at))
+    matrix[rows, left], matrix[rows, left + 1] = 1.0 - share, share
+    return matrix

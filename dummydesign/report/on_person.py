@@ -1,0 +1,144 @@
+"""Report of presses carried over to people: figures, tables, limits, and the curves as CSV."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dummydesign.core.errors import InputError
+from dummydesign.core.files import write_text
+from dummydesign.person.on_person import OnPerson, PersonPress
+from dummydesign.report.page import Section, Table, log_start, unique, write_report
+from dummydesign.report.plot import Plot, press_plot
+from dummydesign.report.plot_layers import Band, Line
+
+ROWS = (("peak_N", "peak force [N]"), ("steady_N", "steady force [N]"), ("depth_mm", "depth [mm]"),
+        ("energy_mJ", "energy [mJ]"), ("mean_pressure_N_per_cm2", "mean pressure [N/cm2]"))  # fmt: skip
+DRAWN = 400
+MOST_ROWS = 500_000
+
+
+def write_on_person(found: OnPerson, result: dict[str, Any], rate_hz: float, folder: Path) -> dict[str, str]:
+    """Write ``report.html``, ``on_person.csv`` (curves at a uniform rate) and ``on_person.json``."""
+    sections = [*people_sections(found, result["presses"]), _drive_section(found, result)]
+    worst = max(result["presses"], key=lambda row: row["factor_peak"][1] or 0.0)
+    facts = [
+        (_span(worst["factor_peak"]), "times the pad's peak on the subjects, largest press"),
+        (_span(worst["interval_95"]["peak_N"]) + " N", "peak force on one more person, 95 %"),
+    ]
+    words = f"{found.drive.words[0].upper()}{found.drive.words[1:]}"
+    lead = f"{words}. {found.tissue.title}, {len(found.tissue.subjects)} subjects."
+    files = write_report(folder, f"On people: {found.tissue.name}", lead, sections, facts=facts,
+                         warnings=result["warnings"], sources=result["sources"])  # fmt: skip
+    files["curves"] = str(write_text(folder / "on_person.csv", curves_csv(found, rate_hz)))
+    files["json"] = str(write_text(folder / "on_person.json", json.dumps(result["presses"], indent=1) + "\n"))
+    return files
+
+
+def people_sections(found: OnPerson, rows: list[dict[str, Any]], prefix: str = "press") -> list[Section]:
+    """Sections of the limits, where there are any, and of each press."""
+    names: set[str] = set()
+    limits = [_limit_section(rows)] if any(row["limits"] for row in rows) else []
+    return [*limits, *(_press_section(one, row, prefix, names) for one, row in zip(found.presses, rows))]
+
+
+def on_grid(one: PersonPress, time_s: NDArray) -> tuple[NDArray, NDArray]:
+    """Depths and forces of the subjects at times since contact, shape (subjects, n); NaN where they are not known."""
+    rows = []
+    for curve in (one.found.depth_curve_mm, one.found.force_curve_N):
+        times = np.broadcast_to(one.found.time_s, curve.shape)
+        rows.append(np.array([np.interp(time_s, t, y, right=np.nan) for t, y in zip(times, curve)]))
+    return rows[0], rows[1]
+
+
+def curves_csv(found: OnPerson, rate_hz: float) -> str:
+    """Curves of pad and subjects at a uniform rate, one block a press."""
+    head = ["file", "time_s", "pad_displacement_mm", "pad_force_N", "people_low_N", "people_high_N"]
+    for subject in found.tissue.subjects:
+        head += [f"{subject.name}_displacement_mm", f"{subject.name}_force_N"]
+    stream = io.StringIO()
+    writer = csv.writer(stream, lineterminator="\n")
+    writer.writerow(head)
+    total = sum(float(np.max(one.found.time_s)) * rate_hz for one in found.presses)
+    if total > MOST_ROWS:
+        message = f"--rate {rate_hz:g} Hz makes {total:.3g} rows; at most {MOST_ROWS} are written: give a lower rate"
+        raise InputError(message, "too_large", "rate_Hz", rate_hz, MOST_ROWS)
+    for one in found.presses:
+        end = max(float(one.press.time_s[-1]), float(np.max(one.found.time_s)))
+        time = np.arange(int(np.floor(end * rate_hz * (1 + 1e-9))) + 1) / rate_hz
+        depth, force = on_grid(one, time)
+        pad = [np.interp(time, one.press.time_s, row, right=np.nan) for row in (one.press.x_mm, one.press.force_N)]
+        with np.errstate(all="ignore"):
+            outer = [np.where(np.isnan(force).any(axis=0), np.nan, edge) for edge in (force.min(0), force.max(0))]
+        columns = [time, *pad, *outer, *(row for pair in zip(depth, force) for row in pair)]
+        for values in zip(*(column.tolist() for column in columns)):
+            writer.writerow([one.press.trace.name, *("" if v != v else f"{v:.6g}" for v in values)])
+    return stream.getvalue()
+
+
+def _span(ends: list[float | None]) -> str:
+    return "–" if ends[0] is None or ends[1] is None else f"{ends[0]:.3g} to {ends[1]:.3g}"
+
+
+def press_figure(one: PersonPress, name: str) -> Plot:
+    """Force over time: the pad, the subjects, and their band."""
+    end = max(float(one.press.time_s[-1]), float(np.max(one.found.time_s)))
+    start = log_start(one.press.stop_s)
+    time = np.geomspace(start, end, DRAWN)
+    force = on_grid(one, time)[1]
+    known = ~np.isnan(force).any(axis=0)
+    layers = (
+        Band("subjects", time[known], force[:, known].min(axis=0), force[:, known].max(axis=0)),
+        Line("pad", time, np.interp(time, one.press.time_s, one.press.force_N, right=np.nan)),
+    )
+    band = one.band["peak_N"]
+    alt = (
+        f"Force over time since contact on a logarithmic axis: the pad peaks at {one.pad['peak_N']:.3g} N, the "
+        f"subjects between {band[0]:.3g} and {band[1]:.3g} N."
+    )
+    title = f"{one.press.trace.name}: {one.press.velocity_mm_s:g} mm/s"
+    return press_plot(name, title, alt, layers, (start, end))
+
+
+def _press_section(one: PersonPress, row: dict[str, Any], prefix: str, names: set[str]) -> Section:
+    body = [[words, row["pad"][key], _span(row["band"][key]), _span(row["interval_95"][key])] for key, words in ROWS]
+    body += [[f"{subject['name']}: peak, depth", "", f"{subject['peak_N']:.3g} N, {subject['depth_mm']:.3g} mm",
+              _span(subject["interval_95"]["peak_N"]) + " N" if subject["interval_95"] else "–"]
+             for subject in row["subjects"]]  # fmt: skip
+    text = f"Peak force on the subjects is {_span(row['factor_peak'])} times the pad's."
+    if one.beyond:
+        text += " Extrapolated: " + "; ".join(entry.text for entry in one.beyond) + "."
+    plot = press_figure(one, unique(prefix, names))
+    table = Table(["", "pad", "subjects", "95 % of people"], body)
+    return Section(f"Press {one.press.trace.name}", text, [plot], table)
+
+
+def _limit_section(presses: list[dict[str, Any]]) -> Section:
+    body = [
+        [press["file"], row["name"], row["limit"], row["unit"], row["pad"],
+         _span([row["person_low_95"], row["person_high_95"]]), row["result"].upper(), row["reason"]]
+        for press in presses for row in press["limits"]
+    ]  # fmt: skip
+    text = (
+        "Pass: the upper end of the 95 % interval of one more person is at most the limit, and nothing is "
+        "extrapolated. Fail: the lower 95 % end of one subject is above it. Undecided: anything else."
+    )
+    head = ["press", "limit of", "limit", "unit", "pad", "people, 95 %", "result", "why"]
+    return Section("Limits", text, table=Table(head, body))
+
+
+def _drive_section(found: OnPerson, result: dict[str, Any]) -> Section:
+    body = [
+        [row["file"], row["signs"]["looks_like"] or "not clear", row["signs"]["creep_mm"], row["signs"]["relaxed_N"],
+         row["drive_contradicted"] or "nothing speaks against it"]
+        for row in result["presses"]
+    ]  # fmt: skip
+    text = f"Given: {found.drive.text}. What the traces show of the robot that made them:"
+    head = ["press", "looks like", "creep in the hold [mm]", "force relaxed [N]", "against the given drive"]
+    return Section("Which drive", text, table=Table(head, body))

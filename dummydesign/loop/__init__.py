@@ -19,7 +19,7 @@ __all__ = ["Arm", "Effect", "Parameter", "check_effect", "wrap"]
 
 
 def __getattr__(name: str) -> Any:
-    """Import the few names that are for others when they are asked for."""
+    """Import the few names that are for others on first use."""
     if name not in _FACE:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     import importlib

@@ -147,7 +147,7 @@ class Calibration:
 
     @property
     def caution(self) -> str:
-        """What a user of an incomplete calibration must be told; empty when what it left was noise."""
+        """Warning about an incomplete calibration; empty when its residual was noise."""
         if self.verdict != "unexplained":
             return ""
         why = f": {self.unexplained_because[0]}" if self.unexplained_because else ""

@@ -151,7 +151,7 @@ def _expected(row: Planned, pad: Pad | Puck, curve: ForceCurve, material: Materi
         except NoAnswerError:
             return None
         except InputError:
-            # Too small a force to be told from first touch.
+            # Too small a force to differ from first touch.
             return 0.0
 
     limit = min(curve.limit_mm, MAX_DEPTH_OVER_THICKNESS * pad.thickness_mm)

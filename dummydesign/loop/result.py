@@ -135,7 +135,7 @@ def answer_of(result: LoopResult) -> list[str]:
         used = "is" if len(names) == 1 else "are"
         found = f" beyond {listed(names)}, which {used} used anyway" if names else ""
         first = f"Something is missing that no known effect explains{found}: {result.remainder.reasons[0]}."
-    # what the fit did not see is said first
+    # what the fit did not see comes first
     unseen = "".join(f"{one['message']}. " for one in result.warnings if one["code"] == "beyond_table")
     lines = [unseen + first]
     lines += [_effect_text(result, found.candidate.effect, found.confounded_with) for found in result.effects]

@@ -179,7 +179,7 @@ def _better_alone(ranking: list[EffectCandidate], after: AssessedModel) -> tuple
 def _warnings(
     campaign: Campaign, presses: Presses, beyond: str, joined: Joined | None
 ) -> tuple[dict[str, str], ...]:
-    # what a fit does not see is said first
+    # what a fit does not see comes first
     out = [{"code": "beyond_table", "message": beyond}] if beyond else []
     out += campaign.warnings
     if not repeat_pairs(presses):

@@ -98,9 +98,9 @@ def _lengths(designs: Sequence[Mapping[str, Any]]) -> list[Row]:
 
 def press_rows(designs: Sequence[Mapping[str, Any]]) -> list[Row]:
     """Peak of each press against the people's range, a cell a design."""
-    asked = [{(row["steady_force_N"], row["velocity_mm_s"]): row for row in one["conditions"]} for one in designs]
-    keys = sorted({key for one in asked for key in one}, key=lambda key: (key[1], key[0]))
-    return [(f"{force:g} N {speed:g} mm/s", [_press(one.get((force, speed))) for one in asked])
+    pressed = [{(row["steady_force_N"], row["velocity_mm_s"]): row for row in one["conditions"]} for one in designs]
+    keys = sorted({key for one in pressed for key in one}, key=lambda key: (key[1], key[0]))
+    return [(f"{force:g} N {speed:g} mm/s", [_press(one.get((force, speed))) for one in pressed])
             for force, speed in keys]  # fmt: skip
 
 

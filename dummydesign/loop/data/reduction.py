@@ -31,7 +31,7 @@ NEAR_S = 0.01
 EARLY_S = (0.06, 0.005)
 EARLY_NODES = 16  # nodes before contact, closer towards it: a tilted punch and an early force clock are seen there
 QUARTIC = np.array([-13.0, 67.0, -19.0, -70.0, -19.0, 67.0, -13.0]) / 132.0
-"""Weights of seven even samples, over their step squared, for the second derivative in the middle."""
+"""Weights of seven even samples, over their step squared, for the second derivative at the fourth."""
 UNEVEN = 0.05  # relative difference of steps up to which samples count as even
 PRE, RISE, HOLD, UNLOADING = 0, 1, 2, 3  # phases of a press; a bin's label is 100 times its phase plus its place
 

@@ -60,7 +60,7 @@ KEPT = 6  # depths of which the values are kept: a fit asks for those of the tri
 
 
 def memoised_law(law: Callable[[NDArray, NDArray], NDArray]) -> Callable[[NDArray, NDArray], NDArray]:
-    """A law that gives the same values, from memory where it was asked for the same depths a short time ago."""
+    """A law that gives the same values, from memory for the depths of its last calls."""
     kept: dict[tuple[bytes, bytes], NDArray] = {}
 
     def remembered(depth_mm: NDArray, thickness_mm: NDArray) -> NDArray:

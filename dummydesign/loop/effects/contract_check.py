@@ -70,7 +70,7 @@ def problem_text(problem: BaseException) -> str:
 
 def _declared(effect: Effect) -> Iterator[str]:
     if not (isinstance(effect.name, str) and effect.name.isidentifier() and effect.name.islower()):
-        yield f"name = {effect.name!r} must be one word of lower-case letters, digits and underscores"
+        yield f"name = {effect.name!r} must be a single word, lower-case letters, digits and underscores"
     if effect.hook not in HOOKS:
         yield f"hook = {effect.hook!r} must be one of {', '.join(HOOKS)}"
     if effect.belongs_to not in OWNERS:

@@ -111,7 +111,7 @@ class Learnt:
     def text(self) -> str:
         """The finding in a sentence."""
         return (
-            f"what is left follows {self.effect.shape.text} and was learned: {self.form.text}. The error "
+            f"the residual follows {self.effect.shape.text} and was learned: {self.form.text}. The error "
             f"on left-out conditions falls to {100 * np.sqrt(self.left_out):.0f} % of what it was"
         )
 
@@ -201,7 +201,7 @@ def _first(fit: CampaignFit, quantities: dict[str, NDArray], *names: str) -> tup
 def _pairs(
     fit: CampaignFit, quantities: dict[str, NDArray], best_first: list[str]
 ) -> list[tuple[SmoothChange, _Step]]:
-    """Changes over two quantities, of which one is promising alone, with their first step."""
+    """Changes over two quantities, one of them promising alone, with their first step."""
     places = range(min(PROMISING, len(best_first)))
     pairs = [(best_first[place], second) for place in places for second in best_first[place + 1 :]]
     if {BY_TIME, "since_stop_s"} <= set(quantities):

@@ -80,7 +80,7 @@ def _lines(found: CampaignFit, residual: list[NDArray]) -> Check:
 
 
 def _steps(found: CampaignFit, residual: list[NDArray]) -> Check:
-    """Largest step in any hold, in standard deviations of white and slow noise or of what is left beside it if that is
+    """Largest step in any hold, in standard deviations of white and slow noise or of the rest if that is
     more (Student's t); a smooth drift is allowed."""
     presses, noise = found.problem.presses, found.sizes.noise
     worst, where, size = 0.0, "", 0.0

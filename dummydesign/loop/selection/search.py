@@ -124,7 +124,7 @@ def _change(current: AssessedModel, checks: list[EffectCheck], tried: int) -> Ca
         return better.fit
     for check in weakest_first:
         before = assess(check.reduced)
-        # rivals that cannot be told from it may stand in for it: which of them predicts best is chance
+        # rivals that look the same may stand in for it: which of them predicts best is chance
         stand_ins = [one for one in _near(check, current.lack.ratio) if one.gain <= check.options[0].gain]
         if not any(predicts_better(before, one.fit) for one in (check.options[0], *stand_ins)):
             return check.reduced
@@ -137,7 +137,7 @@ def _found(current: AssessedModel, checks: list[EffectCheck], tried: int) -> lis
         own = replace(check.options[0], fit=current.fit)
         names = tuple(one.effect.name for one in _near(check, current.lack.ratio)[:2])
         others = [one for one in check.screened if one.effect.name != check.effect.name]
-        # effects whose signature is nearly parallel cannot be told apart by this campaign
+        # effects whose signature is nearly parallel look the same in this campaign
         alike = [one for one in others if abs(float(own.screened.signature @ one.signature)) > FAMILY_COSINE]
         family = tuple(one.effect.name for one in alike)
         limit, left = _limit(check, checks, tried).least, current.errors.heldout_N
@@ -155,7 +155,7 @@ FIRST, NEXT = (7, 2.0), (4, 5.0)
 """
 PROMISING = (12.0, 25.0)
 """Evidence of the best model with one effect, and with one effect more than the last that was worth it, below which
-it is not carried on to see whether two are worth it together."""
+it is not continued to see whether two are worth it together."""
 
 
 @dataclass(frozen=True)
@@ -196,7 +196,7 @@ def search(base: AssessedModel, available: tuple[Effect, ...], progress: Progres
             waiting = True
         before, won = best, won + gained
         progress(f"effect {size + 1}")
-        # rivals are carried on where something is missing
+        # rivals are continued where something is missing
         parents = [best, *(with_noise_of(best, one.fit) for one in beam[1:] if not done)]
         children = _children(parents, available, won)
         tried += len(children)

@@ -88,7 +88,7 @@ class Remainder:
 
 
 def remainder(base: AssessedModel, after: AssessedModel, where: list[Dependence], checks: list[Check]) -> Remainder:
-    """Judge what is left after the best model: noise, or something more."""
+    """Judge the remainder of the best model: noise, or something more."""
     reasons = [f"{check.name}: {check.text}" for check in checks if check.exceeded]
     floor, left = after.fit.sizes.floor_N, after.errors.heldout_N
     expected = expected_heldout_N(after.fit) / floor

@@ -131,7 +131,7 @@ def find_presses(file: str, x: NDArray, load: NDArray, several: bool, time: NDAr
     low, high = max(6.0 * noise, LOW * peak), max(12.0 * noise, HIGH * peak)
     runs = [(a, b) for a, b in true_runs(_touching(x, smooth, low)) if smooth[a:b].max() >= high]
     a, b = max(runs, key=lambda run: float(smooth[run[0] : run[1]].max()), default=(0, 1))
-    depth = float(x[a:b].max() - x[a])
+    depth = float(x[a:b].max() - x[max(a - MARGIN, 0)])
     # A force without way is the jolt of the punch when the robot starts or stops in the air, or a spike.
     # A drifting zero shows force on the way out as well. Only a press goes inward by a share of its depth.
     inward = [(a, b) for a, b in runs if _inward(x[max(a - MARGIN, 0) : b]) >= INWARD * depth]

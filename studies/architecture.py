@@ -23,6 +23,7 @@ ROOMS = (
     ("api", "the calls for scripts"),
     ("project", "project folder: defaults, where it stands"),
     ("report", "one-page HTML, plots, CSV; computes nothing"),
+    ("person", "a press on a pad, carried over to people"),
     ("design", "targets, search, assessment, sweeps"),
     ("loop", "campaign, residual, missing effect, calibration"),
     ("mold", "mould: specification, solids, files, checks"),

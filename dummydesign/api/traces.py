@@ -227,6 +227,7 @@ def question_of_traces(
     names : list of str
         Files that are read.
     traces : list of Trace
+        What was measured.
     tissue : str, optional
         Name of the library or path.
     """

@@ -125,10 +125,18 @@ def files_block(result: dict[str, Any], first: Sequence[str] = ("report",)) -> l
     if not files:
         return []
     shown = [role for role in first if role in files] or list(files)[:1]
-    folder = Path(files[shown[0]]).parent
+    folder = at_home(Path(files[shown[0]]).parent)
     names = [Path(files[role]).name for role in shown]
     left = [f"{len(files) - len(shown)} more"] if len(files) > len(shown) else []
-    return labelled("FILES", f"{folder}/: {', '.join([*names, *left])}", 2)
+    return [f"{'FILES':<{INDENT}}{folder}/: {', '.join([*names, *left])}"]  # a path is never broken
+
+
+def at_home(folder: Path) -> str:
+    """A folder as it is typed: below the home folder from ~ on."""
+    try:
+        return f"~/{folder.relative_to(Path.home()).as_posix()}" if folder.is_absolute() else str(folder)
+    except (RuntimeError, ValueError):
+        return str(folder)
 
 
 def screen(head: Sequence[str], table: Sequence[str], *tail: Sequence[str], more: str = "") -> str:

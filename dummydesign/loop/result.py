@@ -171,6 +171,8 @@ def _effect_text(result: LoopResult, effect: Effect, rivals: tuple[str, ...]) ->
         f"{named(effect.name).capitalize()}: {size.name} = {value['value']:.3g}{unit} ({span}), "
         f"worth {worth.change_N:+.2g} N at the largest force, {worth.force_N:.3g} N."
     )
+    if value["at_bound"]:
+        text += " Its size is at the end of its range, so another cause is possible."
     if rivals:
         text += f" {listed([named(name) for name in rivals], 'or').capitalize()} would explain it as well."
     if effect.cause:

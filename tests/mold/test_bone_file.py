@@ -100,7 +100,7 @@ def test_the_resin_is_the_pads_less_the_bone_as_measured_and_the_answer_tells_th
     (["--bone", "ball.stl"], "bone_height_mm is missing"),
     (["--bone", "ball.obj", "--bone-height", "5"], ".stl, .step, .stp"), (["--bone-height", "5"], "belongs to a bone"),
     (["--bone", "ball.stl", "--bone-height", "14"], "bone height = 14"),
-    (["--bone", "ball.stl", "--bone-height", "5", "--bone-turn", "1,2"], "3 numbers"),
+    (["--bone", "ball.stl", "--bone-height", "5", "--bone-turn", "1,2"], "3 comma-separated numbers"),
     (["--bone", "ball.stl", "--bone-height", "5", "--bone-scale", "0"], "bone scale = 0"),
     (["--bone", "ball.stl", "--bone-height", "5", "--shape", "crowned:20,2"], "takes no bone"),
     (["--bone", "ball.stl", "--bone-height", "5", "--count", "2"], "one mould"),

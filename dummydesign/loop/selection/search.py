@@ -148,6 +148,8 @@ def _found(current: AssessedModel, checks: list[EffectCheck], tried: int) -> lis
 WIDTH = 3  # models of each size that are kept
 WITHIN = (0.5, 0.8, 0.9)
 """A rival model of one, two, or more effects is kept when it has this share of the best one's evidence."""
+BOUND_SHARE = 0.5
+"""Share of the evidence of a model at its bound that another must have to be taken before it."""
 MOST = 6  # effects in a model at most
 USUAL = 3  # effects that are usual at once; a further one must lower the left-out error by much
 FIRST, NEXT = (7, 2.0), (4, 5.0)
@@ -209,12 +211,17 @@ def search(base: AssessedModel, available: tuple[Effect, ...], progress: Progres
 
 
 def _beam(candidates: list[EffectCandidate], won: float, size: int) -> list[EffectCandidate]:
-    """The best models with different effects, none of them at its bound, when ``won`` is what their parent gained."""
+    """The best models with different effects, when ``won`` is what their parent gained.
+
+    One at its bound is kept when no other comes near its evidence: what explains most may not be passed over.
+    """
+    inside = max((one.gain for one in candidates if not at_bound(one.fit)), default=0.0)
     seen: set[frozenset[str]] = set()
     kept: list[EffectCandidate] = []
     share = _share(size)
     for one in candidates:
-        if at_bound(one.fit) or names_of(one.fit) in seen or len(kept) == WIDTH:
+        imitates = at_bound(one.fit) and (kept or won + inside >= BOUND_SHARE * (won + one.gain))
+        if imitates or names_of(one.fit) in seen or len(kept) == WIDTH:
             continue
         if kept and won + one.gain < share * (won + kept[0].gain):
             break

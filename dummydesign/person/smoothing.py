@@ -10,8 +10,9 @@ from numpy.typing import NDArray
 from dummydesign.measurement.importing.signs import noise_of
 from dummydesign.measurement.sensor import Lowpass
 
-CELLS = 3
-"""Bins an interval between nodes is cut into before samples are averaged."""
+CELLS = 9
+"""Bins an interval between nodes is cut into before samples are averaged: few enough to be quick, and so many that an
+arm that rings is not averaged out."""
 LEAST_NOISE = 1e-5
 """Smallest noise that is assumed, over the largest value: numbers in files are rounded."""
 SURE, SMALL = 4.0, 1.5e-3
@@ -105,7 +106,7 @@ def smooth_curve(
 
 
 def _averaged(time_s: NDArray, values: NDArray, nodes_s: NDArray) -> tuple[NDArray, NDArray, NDArray]:
-    """Mean time and value, and number, of the samples in each third between two nodes."""
+    """Mean time and value, and number, of the samples in each bin between two nodes."""
     place = np.interp(time_s, nodes_s, np.arange(len(nodes_s)) * float(CELLS))
     cell = np.minimum(place.astype(int), CELLS * (len(nodes_s) - 1) - 1)
     number = np.bincount(cell)

@@ -74,6 +74,11 @@ class Run:
     def energy(self):
         return cumulative_trapezoid(self.f, np.maximum(self.x, 0.0))[-1]
 
+    @property
+    def settled_energy(self):
+        """Mean over the last twentieth: an arm that rings takes energy back and forth."""
+        return cumulative_trapezoid(self.f, np.maximum(self.x, 0.0))[self.t[1:] > 0.95 * self.t[-1]].mean()
+
 
 def command(velocity, depth, hold, ramp_s=0.004):
     """A path and its speed: even speed from contact, rounded within ``ramp_s``, then a hold."""

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from dummydesign.measurement.importing.signs import noise_of
 from dummydesign.measurement.sensor import Lowpass
 
-CELLS = 9
+CELLS = 5
 """Bins an interval between nodes is cut into before samples are averaged: few enough to be quick, and so many that an
 arm that rings is not averaged out."""
 LEAST_NOISE = 1e-5

@@ -65,9 +65,9 @@ def population(rng: np.random.Generator, velocity: float) -> tuple[Tissue, np.nd
     for number, row in enumerate(measured):
         numbers = {}
         for name, value, sd in zip(names, row, error):
-            ends = np.exp(value + 1.96 * sd * np.array([0.0, -1.0, 1.0]))
+            middle_value, low, high = np.exp(value + 1.96 * sd * np.array([0.0, -1.0, 1.0])).tolist()
             speed = speed_key(velocity) if name[0] == "c" else ""
-            numbers[name, speed] = Quantity(*map(float, ends), "fitted", "blind")
+            numbers[name, speed] = Quantity(middle_value, low, high, "fitted", "blind")
         subjects.append(Subject.of(f"subject-{number + 1}", "ode", nest(numbers)))
     return replace(start, name="blind", subjects=tuple(subjects), origin="file"), true[-1]
 

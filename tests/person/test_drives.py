@@ -113,6 +113,7 @@ def test_a_free_mass_on_springs_is_that_of_the_closed_form_and_of_the_safety_vie
     assert same.depth_mm == pytest.approx(other.depth_mm, rel=2e-3)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("velocity", "stiffness", "mass"), [(10.0, 5.0, 0.5), (250.0, 20.0, 0.1), (250.0, 80.0, 0.5),
                                                             (100.0, 300.0, 5.0)])  # fmt: skip
 def test_an_arm_with_a_spring_acts_on_people_as_its_true_command_does(velocity, stiffness, mass):

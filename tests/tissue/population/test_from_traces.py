@@ -75,7 +75,7 @@ def test_a_fit_written_by_fit_is_taken_as_a_subject_under_its_file_name(home, ca
     assert [s.name for s in load_tissue("own").subjects] == ["carla"]
     capsys.readouterr()
     assert run(["tissues", "add", "own2", "carla.toml", "carla.toml"]) == 2
-    assert "comes twice" in capsys.readouterr().err
+    assert "is listed twice" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(

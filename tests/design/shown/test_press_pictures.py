@@ -74,7 +74,7 @@ def test_pictures_are_within_three_percent_of_the_fine_elements(answer, pictures
 def test_without_finite_elements_and_for_pads_that_are_not_round_it_says_what_is_left_out(answer):
     quick = replace(answer, request=replace(answer.request, verify=False))
     made = press_pictures(quick)
-    assert made.pads == () and "finite elements were not asked for" in pressed_section(quick, made).text
+    assert made.pads == () and "finite elements were not requested" in pressed_section(quick, made).text
     bumped = suggest(Request("forefinger", shape="bumped:5,2.91,1.24,0.34", verify=False))
     bumped = replace(bumped, request=replace(bumped.request, verify=True))
     assert "bumped pads are not round" in pressed_section(bumped, press_pictures(bumped)).text

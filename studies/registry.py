@@ -89,7 +89,10 @@ STUDIES = (
         "thickness", "", ("docs/whatif.md", "docs/data/thickness.csv", "docs/data/thickness-curves.csv"),
         "what thickness does to a slab", "some minutes with --solve",
     ),
-    Study("shapes", "", ("docs/shapes.md", "docs/data/shapes.csv"), "what each shape reaches for each tissue"),
+    Study(
+        "shapes", "", ("docs/shapes.md", "docs/data/shapes.csv", "docs/data/shapes-designs.csv"),
+        "what each shape reaches for each tissue",
+    ),
     Study("verification", "", ("VERIFICATION.md",), "checks of the pad model against closed forms"),
     Study("ways", "", ("docs/architecture.md",), "ways of design, campaign and slider", "1 min"),
     Study("errors", "", ("docs/errors.md",), "list of error codes", "1 s"),

@@ -36,6 +36,7 @@ from studies.marked_page import MarkedPage
 
 TISSUES = ("forefinger", "palm", "thenar")
 CHECKED_N = MISFIT_N[::3]
+SHOWN_N = ("0.5", "1", "5", "15")
 PAGE, DATA = Path("docs") / "shapes.md", Path("docs") / "data"
 CURVES, DESIGNS = DATA / "shapes.csv", DATA / "shapes-designs.csv"
 MARKED = MarkedPage(PAGE, "<!-- shapes tables: begin -->", "<!-- shapes tables: end -->")
@@ -132,7 +133,8 @@ def lowest_slab(answer: Suggestion, law: Any) -> tuple[float, float, float]:
 
 def tables(found: list[tuple[Suggestion, list[Row], tuple[float, float, float]]]) -> str:
     """The best pad of each kind as a Markdown table."""
-    head = ("tissue", "pad", "mm", "kPa", "misfit", "glued", "frictionless", "exponent at 0.5, 1, 5, 15 N", "total")
+    forces = f"exponent at {', '.join(SHOWN_N)} N"
+    head = ("tissue", "pad", "mm", "kPa", "misfit", "glued", "frictionless", forces, "total")
     lines = [head, ("---",) * len(head)]
     for answer, rows, (thickness, young, misfit) in found:
         name = answer.tissue.name
@@ -149,7 +151,7 @@ def _cells(row: Row) -> list[str]:
     solved = [_reached(row.solved.misfit[name]) if row.solved else "" for name in CONDITIONS]
     return [
         str(item.shape), f"{item.candidate.thickness_mm:g}", f"{item.young_kPa:.3g}",
-        _two(near.misfit_rms_ln_force), *solved, ", ".join(map(_two, near.exponent_at_N.values())),
+        _two(near.misfit_rms_ln_force), *solved, ", ".join(_two(near.exponent_at_N[force]) for force in SHOWN_N),
         f"{item.candidate.total:.2f}",
     ]  # fmt: skip
 

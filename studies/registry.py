@@ -83,7 +83,7 @@ STUDIES = (
     Study(
         "paper_dummies.study", "",
         ("docs/dummies.md", *(f"docs/data/dummies{part}.csv" for part in ("", "-statements", "-figures"))),
-        "the published method's dummies", "under a minute with --solve",
+        "the published method's dummies", "2 min",
     ),
     Study(
         "thickness", "", ("docs/whatif.md", "docs/data/thickness.csv", "docs/data/thickness-curves.csv"),
@@ -91,7 +91,7 @@ STUDIES = (
     ),
     Study(
         "shapes", "", ("docs/shapes.md", "docs/data/shapes.csv", "docs/data/shapes-designs.csv"),
-        "what each shape reaches for each tissue",
+        "what each shape reaches for each tissue", "6 min",
     ),
     Study("verification", "", ("VERIFICATION.md",), "checks of the pad model against closed forms"),
     Study("ways", "", ("docs/architecture.md",), "ways of design, campaign and slider", "1 min"),

@@ -27,7 +27,7 @@ from dummydesign.design.inputs import Inputs, resolve  # noqa: E402
 from dummydesign.design.mould import tolerances_of  # noqa: E402
 from dummydesign.design.request import Request  # noqa: E402
 from dummydesign.design.scoring.targets import make_targets  # noqa: E402
-from dummydesign.design.scoring.verdict import ACCEPTABLE, LEVELS, ranges_of, readings_of, verdict  # noqa: E402
+from dummydesign.design.scoring.verdict import LEVELS, NOT_ACCEPTABLE, ranges_of, readings_of, verdict  # noqa: E402
 from dummydesign.design.search.best_of_kinds import best_of_kinds  # noqa: E402
 from dummydesign.design.suggest import SolvedDesign, solve  # noqa: E402
 from dummydesign.tissue.model.posterior import COLUMNS, read_draws, subject_of  # noqa: E402
@@ -106,8 +106,8 @@ def table(rows: list[dict]) -> str:
     lines = ["| site | tissues | " + " | ".join([*kinds, "any"]) + " |", "|---" * (3 + len(kinds)) + "|"]
     for site in (*SITES, "all"):
         own = [row["kinds"] for row in rows if site in (row["site"], "all")]
-        shares = [np.mean([row.get(kind, (0,))[0] >= ACCEPTABLE for row in own]) for kind in kinds]
-        shares.append(np.mean([any(entry[0] >= ACCEPTABLE for entry in row.values()) for row in own]))
+        shares = [np.mean([row.get(kind, (0,))[0] > NOT_ACCEPTABLE for row in own]) for kind in kinds]
+        shares.append(np.mean([any(entry[0] > NOT_ACCEPTABLE for entry in row.values()) for row in own]))
         lines.append(f"| {site} | {len(own)} | " + " | ".join(f"{share:.3f}" for share in shares) + " |")
     return "\n".join(lines)
 

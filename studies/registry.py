@@ -81,14 +81,19 @@ STUDIES = (
         "relaxation of the polyurethane, printed to be entered by hand",
     ),
     Study(
-        "paper_dummies.study", "", ("docs/dummies.md", "docs/data/dummies.csv"),
-        "the published method's dummies", "under a minute with --solve",
+        "paper_dummies.study", "",
+        ("docs/dummies.md", *(f"docs/data/dummies{part}.csv" for part in ("", "-statements", "-figures"))),
+        "the published method's dummies", "2 min",
     ),
     Study(
         "thickness", "", ("docs/whatif.md", "docs/data/thickness.csv", "docs/data/thickness-curves.csv"),
         "what thickness does to a slab", "some minutes with --solve",
     ),
-    Study("shapes", "", ("docs/shapes.md", "docs/data/shapes.csv"), "what each shape reaches for each tissue"),
+    Study(
+        "shapes", "", ("docs/shapes.md", "docs/data/shapes.csv", "docs/data/shapes-designs.csv"),
+        "what each shape reaches for each tissue", "6 min",
+    ),
+    Study("shape_figure", "", ("docs/images/shapes.png",), "cross-sections of the best pads of a forefinger", "2 s"),
     Study("verification", "", ("VERIFICATION.md",), "checks of the pad model against closed forms"),
     Study("ways", "", ("docs/architecture.md",), "ways of design, campaign and slider", "1 min"),
     Study("errors", "", ("docs/errors.md",), "list of error codes", "1 s"),

@@ -3,13 +3,15 @@
     python -m studies.shapes
 
 designs a pad of every kind for the palm, the thenar and the forefinger of the library (average subject, the
-paper's polyurethane), solves the best ones again by finite elements, and writes the tables into
-``docs/shapes.md`` and the curves into ``docs/data/shapes.csv``. Nothing is drawn at random.
+paper's polyurethane), solves the best ones again by finite elements, and writes a table into ``docs/shapes.md``, the
+designs into ``docs/data/shapes-designs.csv`` and the curves into ``docs/data/shapes.csv``. Nothing is drawn at random.
 """
 
 from __future__ import annotations
 
 import argparse
+import csv
+import io
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -34,7 +36,9 @@ from studies.marked_page import MarkedPage
 
 TISSUES = ("forefinger", "palm", "thenar")
 CHECKED_N = MISFIT_N[::3]
-PAGE, CURVES = Path("docs") / "shapes.md", Path("docs") / "data" / "shapes.csv"
+SHOWN_N = ("0.5", "1", "5", "15")
+PAGE, DATA = Path("docs") / "shapes.md", Path("docs") / "data"
+CURVES, DESIGNS = DATA / "shapes.csv", DATA / "shapes-designs.csv"
 MARKED = MarkedPage(PAGE, "<!-- shapes tables: begin -->", "<!-- shapes tables: end -->")
 
 
@@ -128,45 +132,28 @@ def lowest_slab(answer: Suggestion, law: Any) -> tuple[float, float, float]:
 
 
 def tables(found: list[tuple[Suggestion, list[Row], tuple[float, float, float]]]) -> str:
-    """The study as Markdown tables."""
-    parts = []
-    for answer, rows, nearest in found:
-        name, gamma = answer.tissue.name, answer.targets.parameters.gamma1_N_per_mm3
-        parts.append(f"### {name[0].upper()}{name[1:]}, gamma1 = {gamma:.3g} N/mm3")
-        flat = next(row.item for row in rows if row.item.kind == Slab.name)
-        base = flat.low_force.misfit_rms_ln_force if flat.low_force else None
-        lines = [
-            "| pad | mm | E kPa | misfit | of the slab's | glued | frictionless | fraction < 5 N | fraction > 5 N "
-            "| exponent 0.5 / 1 / 5 / 15 N | d/h at 15 N | total |",
-            "|---|---|---|---|---|---|---|---|---|---|---|---|",
-        ]
-        lines += [_line(row, base) for row in rows]
-        lines.append(
-            f"| slab, nearest in misfit alone | {nearest[0]:g} | {nearest[1]:.3g} | {nearest[2]:.2f} "
-            f"| {_share(nearest[2], base)} | | | | | | | |"
-        )
-        parts.append("\n".join(lines))
-        margins = [row for row in rows if row.centring]
-        if margins:
-            head = "| pad | " + " | ".join(f"{force:g} N" for force in margins[0].centring.force_N) + " |"
-            cells = [" | ".join(map(_margin, *_pairs(row.centring))) for row in margins]
-            body = [f"| {row.item.shape} | {text} |" for row, text in zip(margins, cells)]
-            mark = "|---" * (1 + len(margins[0].centring.force_N)) + "|"
-            parts.append("Contact radius and, in brackets, the alignment tolerance of the punch [mm]:")
-            parts.append("\n".join([head, mark, *body]))
-    return "\n\n".join(parts) + "\n"
+    """The best pad of each kind as a Markdown table."""
+    forces = f"exponent at {', '.join(SHOWN_N)} N"
+    head = ("tissue", "pad", "mm", "kPa", "misfit", "glued", "frictionless", forces, "total")
+    lines = [head, ("---",) * len(head)]
+    for answer, rows, (thickness, young, misfit) in found:
+        name = answer.tissue.name
+        lines += [(name, *_cells(row)) for row in rows]
+        lines.append((name, "slab, least misfit", f"{thickness:g}", f"{young:.3g}", f"{misfit:.2f}", *[""] * 4))
+    return "\n".join(f"| {' | '.join(line)} |" for line in lines) + "\n"
 
 
-def _pairs(lands: CentringTolerance) -> tuple[tuple[float | None, ...], tuple[float | None, ...]]:
-    return lands.contact_radius_mm, lands.margin_mm
-
-
-def _margin(radius: float | None, margin: float | None) -> str:
-    return "-" if radius is None else f"{radius:.1f} ({margin:.1f})"
-
-
-def _share(misfit: float | None, base: float | None) -> str:
-    return "-" if misfit is None or not base else f"{misfit / base:.2f}"
+def _cells(row: Row) -> list[str]:
+    item = row.item
+    if item.candidate is None:
+        return [item.kind, "", "", item.reason or "", *[""] * 4]
+    near = item.low_force
+    solved = [_reached(row.solved.misfit[name]) if row.solved else "" for name in CONDITIONS]
+    return [
+        str(item.shape), f"{item.candidate.thickness_mm:g}", f"{item.young_kPa:.3g}",
+        _two(near.misfit_rms_ln_force), *solved, ", ".join(_two(near.exponent_at_N[force]) for force in SHOWN_N),
+        f"{item.candidate.total:.2f}",
+    ]  # fmt: skip
 
 
 def _two(value: float | None) -> str:
@@ -180,18 +167,31 @@ def _reached(misfit: tuple[float, float] | None) -> str:
     return f"{misfit[0]:.2f}{part}"
 
 
-def _line(row: Row, base: float | None) -> str:
-    item = row.item
-    if item.candidate is None:
-        return f"| {item.kind} | {item.reason} |" + " |" * 10
-    near = item.low_force
-    exponents = " / ".join(_two(near.exponent_at_N[force]) for force in ("0.5", "1", "5", "15"))
-    solved = [_reached(row.solved.misfit[name]) if row.solved else "" for name in CONDITIONS]
-    return (
-        f"| {item.shape} | {item.candidate.thickness_mm:g} | {item.young_kPa:.3g} | {_two(near.misfit_rms_ln_force)} "
-        f"| {_share(near.misfit_rms_ln_force, base)} | {solved[0]} | {solved[1]} | {near.share_below_5N:.2f} "
-        f"| {near.share_above_5N:.2f} | {exponents} | {_two(near.depth_over_thickness)} | {item.candidate.total:.2f} |"
-    )
+def designs_text(rows: list[Row]) -> str:
+    """Every design with its scores, and its contact radius and alignment tolerance at four forces, as CSV."""
+    stream = io.StringIO()
+    table = csv.writer(stream, lineterminator="\n")
+    forces = next(row.centring.force_N for row in rows if row.centring)
+    table.writerow([
+        "tissue", "shape", "thickness_mm", "young_kPa", "misfit", *(f"misfit_{name}" for name in CONDITIONS),
+        *(f"misfit_{name}_to_N" for name in CONDITIONS), "steady_inside_below_5N", "steady_inside_above_5N",
+        *(f"exponent_{force}N" for force in rows[0].item.low_force.exponent_at_N), "depth_over_thickness_15N", "total",
+        *(f"contact_radius_{force:g}N_mm" for force in forces),
+        *(f"alignment_tolerance_{force:g}N_mm" for force in forces),
+    ])  # fmt: skip
+    for row in rows:
+        item, near, lands = row.item, row.item.low_force, row.centring
+        if item.candidate is None:
+            continue
+        misfits = [(row.solved and row.solved.misfit[name]) or (None, None) for name in CONDITIONS]
+        ends = (*lands.contact_radius_mm, *lands.margin_mm) if lands else (None,) * (2 * len(forces))
+        values = (
+            item.candidate.thickness_mm, item.young_kPa, near.misfit_rms_ln_force, *(one for one, _ in misfits),
+            *(end for _, end in misfits), near.share_below_5N, near.share_above_5N, *near.exponent_at_N.values(),
+            near.depth_over_thickness, item.candidate.total, *ends,
+        )  # fmt: skip
+        table.writerow([row.tissue, item.shape, *("" if value is None else f"{value:.4g}" for value in values)])
+    return stream.getvalue()
 
 
 def curves_text(rows: list[Row]) -> str:
@@ -230,7 +230,9 @@ def main(arguments: list[str] | None = None) -> None:
         found.append((answer, rows, lowest_slab(answer, law)))
     made = tables(found)
     print(made)
-    write_text(options.repository / CURVES, curves_text([row for _, rows, _ in found for row in rows]))
+    every = [row for _, rows, _ in found for row in rows]
+    write_text(options.repository / CURVES, curves_text(every))
+    write_text(options.repository / DESIGNS, designs_text(every))
     MARKED.write(options.repository, made)
 
 

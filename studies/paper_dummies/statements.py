@@ -78,7 +78,7 @@ def _steady(name: str) -> list[Statement]:
     if name == "III":
         rows += [
             say("gamma1 above all subjects", "IV-A", "input", lambda d: _parameter(d, "gamma1", "above")),
-            say("gamma1 misleads: high from the small forces, the curve itself inside", "V-B", "band", _misleading),
+            say("gamma1 misleads: high due to small forces, curve inside the range", "V-B", "band", _misleading),
             say("gamma2 and c2 below all subjects", "IV-A", "band", lambda d: _both(d, "gamma2", "c2", "below")),
         ]
     else:

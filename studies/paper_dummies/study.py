@@ -1,11 +1,12 @@
-"""The paper's three dummies in simulation, beside what the paper says of them.
+"""The paper's three dummies in simulation, compared with the paper's statements about them.
 
     python -m studies.paper_dummies.study [--solve]
 
-presses dummies I, II, III (polyurethane at 100:15; slabs of 15, 20, 5 mm) on a glued and on a sliding base,
-with four moduli, neo-Hookean and stiffening, fits the five-element law, holds them against palm, thenar and
-forefinger, and writes the tables into ``docs/dummies.md``. Nothing is drawn at random. ``--solve`` solves the
-stiffening slabs again (twelve slabs, less than a minute) into ``docs/data/dummies.csv``.
+presses dummies I, II, III (polyurethane at 100:15; slabs of 15, 20, 5 mm) on a glued and on a sliding base, with
+four moduli, neo-Hookean and stiffening, fits the five-element law, and compares them with palm, thenar and
+forefinger. Writes tables into ``docs/dummies.md``, and all figures into ``docs/data/dummies-statements.csv`` and
+``docs/data/dummies-figures.csv``. Nothing is drawn at random. ``--solve`` solves the stiffening slabs again (twelve
+slabs, less than a minute) into ``docs/data/dummies.csv``.
 """
 
 from __future__ import annotations
@@ -17,16 +18,17 @@ from dummydesign.core.files import write_text
 from dummydesign.pad.solved_law import SolvedSlab, solve_slab
 from studies.marked_page import MarkedPage
 from studies.paper_dummies.presses import steady_scan, stiffening_cases, study
-from studies.paper_dummies.tables import tables
+from studies.paper_dummies.tables import figures_text, judge_every, statements_text, tables
 from studies.thickness import curves_text, read_curves
 
-CURVES = Path("docs") / "data" / "dummies.csv"
+DATA = Path("docs") / "data"
+CURVES, STATEMENTS, FIGURES = (DATA / f"dummies{part}.csv" for part in ("", "-statements", "-figures"))
 PAGE = Path("docs") / "dummies.md"
 MARKED = MarkedPage(PAGE, "<!-- dummies tables: begin -->", "<!-- dummies tables: end -->")
 
 
 def read_or_solve(path: Path, solve: bool) -> list[SolvedSlab]:
-    """Read the stiffening slabs; solve and store them when asked to or when there are none."""
+    """Read the stiffening slabs; solve and store them if ``solve`` or if there are none."""
     if not solve and path.is_file():
         return read_curves(path.read_text(encoding="utf-8"))
     slabs = []
@@ -52,8 +54,11 @@ def main(arguments: list[str] | None = None) -> None:
     options = parser.parse_args(arguments)
     MARKED.read(options.repository)
     slabs = read_or_solve(options.repository / CURVES, options.solve)
-    made = tables(study(slabs), steady_scan(slabs))
+    results = study(slabs)
+    made = tables(results, steady_scan(slabs))
     print(made)
+    write_text(options.repository / STATEMENTS, statements_text(judge_every(results)))
+    write_text(options.repository / FIGURES, figures_text(results))
     MARKED.write(options.repository, made)
 
 

@@ -1,49 +1,49 @@
-"""Tables of the study of the paper's dummies: verdicts, what each variant changes, and why some words fail."""
+"""Tables of the study of the paper's dummies: verdicts, why some statements fail, and the files with all figures."""
 
 from __future__ import annotations
 
+import csv
+import io
 import math
 from collections.abc import Iterable, Sequence
 
 import numpy as np
 
-from studies.paper_dummies.dummies import HELD, REFERENCE, SITES, Dummy, Variant
+from studies.paper_dummies.dummies import FORCES_N, HELD, REFERENCE, SITES, YOUNG_KPA, Dummy, Variant
 from studies.paper_dummies.in_time import CENTRE, SOFT_EDGE, SPEEDS, STIFF_EDGE, Dummies, Judged
 from studies.paper_dummies.statements import ABOUT_5N, Statement, statements
 
-SHOWN = (
-    REFERENCE,
-    Variant("sliding"),
-    *(Variant("bonded", young) for young in (15.0, 34.0, 50.0)),
-    *(Variant("bonded", 25.0, c2) for c2 in (0.1, 0.3)),
-)
-"""Variants with columns of their own: the reference, and one thing changed at a time."""
-MARKS = {True: "+", False: "–", None: "·"}
 WANTED_PLACE = {"I": CENTRE, "II": SOFT_EDGE, "III": STIFF_EDGE}
 WANTED_PEAK = {"I": CENTRE, "II": STIFF_EDGE, "III": (0.0, 1.0)}
 NOT_AT_ALL = "cannot be reproduced"
 NOT_NEO_HOOKEAN = f"{NOT_AT_ALL} by a neo-Hookean resin"
+SHORT = {"agrees": "yes", "disagrees": "other", NOT_NEO_HOOKEAN: "stiffening", NOT_AT_ALL: "never"}
+"""Verdicts as the page's cells."""
+ANSWERS = {True: "yes", False: "no", None: ""}
+SHARES = ("below_5N_fraction", "above_5N_fraction")
 Results = dict[Variant, Dummies]
+AllJudged = list[tuple[Statement, dict[Variant, Judged]]]
+
+
+def judge_every(results: Results) -> AllJudged:
+    """Every statement with its judgement and numbers in every variant."""
+    return [
+        (statement, {variant: statement.judge(dummies) for variant, dummies in results.items()})
+        for statement in statements()
+    ]
 
 
 def tables(results: Results, scan: Results) -> str:
-    """All tables of the page as Markdown."""
-    judged = [(statement, judge_all(statement, results)) for statement in statements()]
+    """Return the tables of the page as Markdown."""
+    judged = judge_every(results)
     parts = [
-        ("Side by side", side_by_side(judged)),
-        ("One thing changed at a time", by_variant(judged)),
-        ("How much holds at once", at_once(judged)),
-        ("Moduli at which the steady curve runs as the paper says", moduli(scan)),
-        ("Why: the exponent", exponents(results, scan)),
-        ("Why: the relaxation", relaxation(results)),
-        ("The simulated dummies", figures(results)),
+        ("Statements", f"{by_dummy(judged)}\n{_counts(judged)}"),
+        ("How many statements hold at once", at_once(judged)),
+        ("Exponent of the steady curve", exponents(results, scan)),
+        ("Peak over steady force at 10 N", relaxation(results)),
+        ("The simulated dummies (glued, 25 kPa)", figures(results)),
     ]
     return "\n".join(f"### {title}\n\n{text}" for title, text in parts)
-
-
-def judge_all(statement: Statement, results: Results) -> dict[Variant, Judged]:
-    """The statement's judgement and numbers in every variant."""
-    return {variant: statement.judge(dummies) for variant, dummies in results.items()}
 
 
 def verdict(judged: dict[Variant, Judged]) -> str:
@@ -69,85 +69,60 @@ def _table(head: Sequence[object], rows: Iterable[Sequence[object]]) -> str:
     return "\n".join([_row(head), "|---" * len(head) + "|", *(_row(row) for row in rows)]) + "\n"
 
 
-def _held_in(judged: dict[Variant, Judged]) -> str:
-    """Variants that agree, of those that could be judged, neo-Hookean and stiffening apart."""
-    texts = []
-    for stiff in (False, True):
-        own = [holds for variant, (holds, _) in judged.items() if bool(variant.stiffening) is stiff]
-        texts.append(f"{sum(holds is True for holds in own)}/{sum(holds is not None for holds in own)}")
-    return ", ".join(texts)
-
-
-def side_by_side(judged: list[tuple[Statement, dict[Variant, Judged]]]) -> str:
-    """The main table: words, verdict, and the number in the reference."""
-    rows = []
+def by_dummy(judged: AllJudged) -> str:
+    """Verdict of each statement, dummies across."""
+    cells: dict[tuple[str, str], dict[str, str]] = {}
     for statement, found in judged:
-        holds, number = found[REFERENCE]
-        shown = number if holds is not None else f"not judged: {number}"
-        words = f"{statement.words} ({statement.section})"
-        rows.append((statement.dummy, words, statement.basis, verdict(found), shown, _held_in(found)))
-    head = ("dummy", "the paper says (section)", "basis", "ours", "numbers (glued, 25 kPa)", "holds in, of variants")
-    return _table(head, rows) + "\n" + _counts(judged)
+        cells.setdefault((statement.words, statement.basis), {})[statement.dummy] = SHORT[verdict(found)]
+    rows = [(*key, *(own.get(name, "") for name in SITES)) for key, own in cells.items()]
+    return _table(("the paper's statement", "basis", *SITES), rows)
 
 
-def _counts(judged: list[tuple[Statement, dict[Variant, Judged]]]) -> str:
-    kinds = ("agrees", "disagrees", NOT_NEO_HOOKEAN, NOT_AT_ALL)
+def _counts(judged: AllJudged) -> str:
     rows = []
     for basis in ("input", "band", "free"):
-        words = [verdict(found) for statement, found in judged if statement.basis == basis]
-        rows.append((basis, *(words.count(kind) for kind in kinds), len(words)))
-    rows.append(("all", *(sum(row[column] for row in rows) for column in range(1, len(kinds) + 2))))
-    return _table(("basis", *kinds, "rows"), rows)
+        verdicts = [SHORT[verdict(found)] for statement, found in judged if statement.basis == basis]
+        rows.append((basis, *(verdicts.count(kind) for kind in SHORT.values()), len(verdicts)))
+    rows.append(("all", *(sum(row[column] for row in rows) for column in range(1, len(SHORT) + 2))))
+    return _table(("basis", *SHORT.values(), "rows"), rows)
 
 
-def by_variant(judged: list[tuple[Statement, dict[Variant, Judged]]]) -> str:
-    """Marks of every statement in the reference and its neighbours, with the number where the mark changes."""
-    rows = []
-    for statement, found in judged:
-        first = found[REFERENCE][0]
-        cells = []
-        for variant in SHOWN:
-            holds, number = found[variant]
-            cells.append(MARKS[holds] + (f" {number}" if holds is not first and holds is not None else ""))
-        rows.append((statement.dummy, statement.words, *cells))
-    return _table(("dummy", "the paper says", *SHOWN), rows)
+def statements_text(judged: AllJudged) -> str:
+    """Every statement in every variant, with the number behind it, as CSV; ``holds`` is empty if not judged."""
+    head = ("dummy", "statement", "section", "basis", "base", "young_kPa", "yeoh_c2_over_mu", "holds", "number")
+    return _csv(
+        head,
+        (
+            (s.dummy, s.words, s.section, s.basis, *_named(v), ANSWERS[holds], number)
+            for s, found in judged for v, (holds, number) in found.items()
+        ),
+    )  # fmt: skip
 
 
-def at_once(judged: list[tuple[Statement, dict[Variant, Judged]]]) -> str:
-    """How many statements each variant holds, together and a dummy."""
-    rows = []
-    for variant in judged[0][1]:
-        held = {name: 0 for name in SITES}
-        out = 0
-        for statement, found in judged:
-            held[statement.dummy] += found[variant][0] is True
-            out += found[variant][0] is None
-        rows.append((str(variant), sum(held.values()), *held.values(), out))
-    total = {name: sum(statement.dummy == name for statement, _ in judged) for name in SITES}
-    rows.sort(key=lambda row: -row[1])
-    head = (
-        "variant",
-        f"holds, of {len(judged)}",
-        *(f"{name}, of {count}" for name, count in total.items()),
-        "not judged",
-    )
-    return _table(head, rows)
+def _named(variant: Variant) -> tuple[str, str, str]:
+    return variant.base, f"{variant.young_kPa:g}", f"{variant.stiffening:g}"
 
 
-def moduli(scan: Results) -> str:
-    """Moduli at which the three words on the steady curve of a dummy hold at once, by base and law."""
-    said = {name: [s for s in statements() if s.steady_curve and s.dummy == name] for name in SITES}
-    rows: dict[tuple[str, float], list[str]] = {}
-    for kind in dict.fromkeys((variant.base, variant.stiffening) for variant in scan):
-        own = {v.young_kPa: dummies for v, dummies in scan.items() if (v.base, v.stiffening) == kind}
-        held = {
-            name: {young for young, dummies in own.items() if all(s.judge(dummies)[0] for s in words)}
-            for name, words in said.items()
-        }
-        held["all"] = set.intersection(*held.values())
-        rows[kind] = [", ".join(f"{young:g}" for young in sorted(found)) or "none" for found in held.values()]
-    table = [(HELD[base], f"{c2:g}", *cells) for (base, c2), cells in rows.items()]
-    return _table(("base", "c2/mu", *(f"{name}, kPa" for name in SITES), "all three, kPa"), table)
+def _csv(head: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
+    stream = io.StringIO()
+    csv.writer(stream, lineterminator="\n").writerows([head, *rows])
+    return stream.getvalue()
+
+
+def at_once(judged: AllJudged) -> str:
+    """How many statements each variant holds, modulus across."""
+    kinds = dict.fromkeys((variant.base, variant.stiffening) for variant in judged[0][1])
+    rows = [
+        (HELD[base], f"{c2:g}", *(_count(judged, Variant(base, young, c2)) for young in YOUNG_KPA))
+        for base, c2 in kinds
+    ]  # fmt: skip
+    return _table(("base", "c2/mu", *(f"{young:g} kPa" for young in YOUNG_KPA)), rows)
+
+
+def _count(judged: AllJudged, variant: Variant) -> str:
+    holds = [found[variant][0] for _, found in judged]
+    out = holds.count(None)
+    return f"{holds.count(True)}" + (f" of {len(holds) - out}" if out else "")
 
 
 def needed_exponents(dummy: Dummy, name: str) -> tuple[float, float, float]:
@@ -177,102 +152,92 @@ def _span(values: Iterable[float], digits: int = 2) -> str:
 
 
 def exponents(results: Results, scan: Results) -> str:
-    """Exponent needed by the words against the exponent a slab has, over all bases and moduli."""
-    rows = []
-    for name in SITES:
-        need = needed_exponents(results[REFERENCE][name], name)
-        cells = [name, f"{need[0]:.2f} ({need[1]:.2f} to {need[2]:.2f})", _span([results[REFERENCE][name].exponent()])]
-        for c2 in sorted({variant.stiffening for variant in results}):
-            for base in ("bonded", "sliding"):
-                near = [
-                    dummies[name].exponent() for variant, dummies in scan.items()
-                    if (variant.base, variant.stiffening) == (base, c2)
-                ]  # fmt: skip
-                cells.append(_span(near))
-        rows.append(cells)
-    kinds = [
-        f"{held}, {'neo-Hookean' if not c2 else f'c2/mu {c2:g}'}"
-        for c2 in sorted({variant.stiffening for variant in results})
-        for held in ("glued", "sliding")
-    ]
-    return _table(("dummy", "needed", "glued, 25 kPa", *(f"{kind}, 15 to 50 kPa" for kind in kinds)), rows)
+    """Exponent needed against the exponent of a slab, and moduli at which all steady statements of a dummy hold."""
+    wanted = {name: [s for s in statements() if s.steady_curve and s.dummy == name] for name in SITES}
+    needed = [needed_exponents(results[REFERENCE][name], name) for name in SITES]
+    rows = [("needed", "", *(f"{mean:.2f} ({low:.2f} to {high:.2f})" for mean, low, high in needed), "", "", "")]
+    for base, c2 in dict.fromkeys((variant.base, variant.stiffening) for variant in scan):
+        own = {v.young_kPa: dummies for v, dummies in scan.items() if (v.base, v.stiffening) == (base, c2)}
+        held = (
+            [young for young, dummies in own.items() if all(s.judge(dummies)[0] for s in wanted[name])]
+            for name in SITES
+        )
+        spans = (_span(dummies[name].exponent() for dummies in own.values()) for name in SITES)
+        rows.append((HELD[base], f"{c2:g}", *spans, *(_span(found, 0) if found else "none" for found in held)))
+    head = ("base", "c2/mu", *(f"exponent {name}" for name in SITES), *(f"kPa, {name}" for name in SITES))
+    return _table(head, rows)
 
 
 def relaxation(results: Results) -> str:
-    """Peak over steady force at 10 N: wanted by the words, and what one relaxation law gives the three."""
+    """Peak over steady force at 10 N, wanted and simulated, and the largest ratio of II's single arms to another's."""
     rows = []
     for speed in SPEEDS:
         for name in SITES:
-            press = results[REFERENCE][name].presses.get((10.0, speed))
-            if press is None:
-                continue
+            press = results[REFERENCE][name].presses[10.0, speed]
             low, high = press.band.peak_low_N, press.band.peak_high_N
             wanted = [(low + place * (high - low)) / 10.0 for place in WANTED_PEAK[name]]
             every = [
                 dummies[name].presses[10.0, speed].peak_N / 10.0
                 for dummies in results.values() if (10.0, speed) in dummies[name].presses
             ]  # fmt: skip
-            rows.append(
-                (f"{speed:g}", name, f"{wanted[0]:.2f} to {wanted[1]:.2f}", f"{press.peak_N / 10:.2f}", _span(every))
-            )
-    return _table(("mm/s", "dummy", "wanted", "glued, 25 kPa", "all variants"), rows) + "\n" + _arms(results)
+            arms = "" if name == "II" else f"{_largest_arm(results, speed, name):.2f}"
+            spans = (f"{press.peak_N / 10:.2f}", _span(every))
+            rows.append((f"{speed:g}", name, f"{wanted[0]:.2f} to {wanted[1]:.2f}", *spans, arms))
+    return _table(("mm/s", "dummy", "wanted", "glued, 25 kPa", "all variants", "II over this, one arm"), rows)
 
 
-def _arms(results: Results) -> str:
-    """What one arm adds to the peak of II over what it adds to I and to III: largest over all arm times."""
-    rows = []
-    for speed in SPEEDS:
-        for other in ("I", "III"):
-            ratio = {
-                variant: dummies["II"].arm_weights[speed] / dummies[other].arm_weights[speed]
-                for variant, dummies in results.items()
-                if all(dummies[name].arm_weights for name in ("II", other))
-            }
-            own = ratio[REFERENCE]
-            neo = [float(r.max()) for variant, r in ratio.items() if not variant.stiffening]
-            every = [float(r.max()) for r in ratio.values()]
-            rows.append(
-                (f"{speed:g}", other, f"{own.min():.2f} to {own.max():.2f}", f"{max(neo):.2f}", f"{max(every):.2f}")
-            )
-    head = ("mm/s", "II over", "glued, 25 kPa, arms of 1 ms to 10 s", "largest, neo-Hookean", "largest, all variants")
-    return _table(head, rows)
+def _largest_arm(results: Results, speed: float, other: str) -> float:
+    """What one arm adds to the peak of II over what it adds to another's: largest over arm times and variants."""
+    pairs = [(dummies["II"].arm_weights, dummies[other].arm_weights) for dummies in results.values()]
+    return max(float((own[speed] / others[speed]).max()) for own, others in pairs if own and others)
 
 
 def figures(results: Results) -> str:
-    """What was simulated: reach, place, ranges below and above 5 N, force variation ranges, fit."""
-    rows = []
-    for variant in SHOWN:
-        for name, dummy in results[variant].items():
-            shares = dummy.steady_inside
-            rows.append(
-                (
-                    str(variant), name, f"{dummy.reach_N:.1f}", _force_list(dummy),
-                    f"{shares['below_5N_fraction']:.2f}", f"{shares['above_5N_fraction']:.2f}",
-                    *(_range_shares(dummy, speed) for speed in SPEEDS), *_fitted(dummy),
-                )
-            )  # fmt: skip
-    head = (
-        "variant", "dummy", "reach, N", "depth at 5, 10, 15 N, mm", "steady range 0.5 to 5 N", "5 to 15 N",
-        "F(t) in range at 5, 10, 15 N, 10 mm/s", "the same, 250 mm/s", "gamma1, 2, 3, N/mm3",
-        "c2, c3 at 10, 250 mm/s, N s/mm", "rms misfit, N",
-    )  # fmt: skip
+    """Reach, depths, shares of the steady curve inside the band and misfit of the reference."""
+    rows = [
+        (
+            name, f"{dummy.reach_N:.1f}", ", ".join(_cell(dummy.depth_at(force)) or "–" for force in FORCES_N),
+            *(_cell(dummy.steady_inside[part]) for part in SHARES), f"{dummy.rmse_N:.2f}",
+        )
+        for name, dummy in results[REFERENCE].items()
+    ]  # fmt: skip
+    head = ("dummy", "reach, N", "mm at 5, 10, 15 N", "inside, 0.5 to 5 N", "5 to 15 N", "rms misfit, N")
     return _table(head, rows)
 
 
-def _force_list(dummy: Dummy) -> str:
-    depths = [dummy.depth_at(force) for force in (5.0, 10.0, 15.0)]
-    return ", ".join("–" if np.isnan(depth) else f"{depth:.2f}" for depth in depths)
+def figures_text(results: Results) -> str:
+    """Reach, depths, shares inside the bands and fitted parameters in every variant, as CSV; empty out of reach."""
+    head = (
+        "base", "young_kPa", "yeoh_c2_over_mu", "dummy", "reach_N", *(f"depth_{force:g}N_mm" for force in FORCES_N),
+        "steady_inside_0.5_to_5N", "steady_inside_5_to_15N",
+        *(f"inside_{force:g}N_{speed:g}mm_s" for speed in SPEEDS for force in FORCES_N),
+        *(f"gamma{arm}_N_per_mm3" for arm in (1, 2, 3)),
+        *(f"c{arm}_{speed:g}mm_s_N_s_per_mm" for speed in SPEEDS for arm in (2, 3)), "rms_misfit_N",
+    )  # fmt: skip
+    rows = (
+        (
+            *_named(variant), name, f"{dummy.reach_N:.1f}", *(_cell(dummy.depth_at(force)) for force in FORCES_N),
+            *(_cell(dummy.steady_inside[part]) for part in SHARES),
+            *(_cell(share) for speed in SPEEDS for share in _range_shares(dummy, speed)), *_fitted(dummy),
+        )
+        for variant, dummies in results.items() for name, dummy in dummies.items()
+    )  # fmt: skip
+    return _csv(head, rows)
 
 
-def _range_shares(dummy: Dummy, speed: float) -> str:
-    presses = [dummy.presses.get((force, speed)) for force in (5.0, 10.0, 15.0)]
-    return ", ".join("–" if press is None else f"{press.inside['inside_fraction']:.2f}" for press in presses)
+def _cell(value: float) -> str:
+    return "" if np.isnan(value) else f"{value:.2f}"
 
 
-def _fitted(dummy: Dummy) -> tuple[str, str, str]:
-    if dummy.parameters is None:
-        return "–", "–", "–"
+def _range_shares(dummy: Dummy, speed: float) -> list[float]:
+    presses = [dummy.presses.get((force, speed)) for force in FORCES_N]
+    return [math.nan if press is None else press.inside["inside_fraction"] for press in presses]
+
+
+def _fitted(dummy: Dummy) -> list[str]:
     own = dummy.parameters
-    springs = ", ".join(f"{value:.3g}" for value in (own.gamma1_N_per_mm3, *own.gamma_N_per_mm3))
-    dampers = "; ".join(", ".join(f"{value:.3g}" for value in own.dampers_at(speed)) for speed in SPEEDS)
-    return springs, dampers, f"{dummy.rmse_N:.2f}"
+    if own is None:
+        return [""] * 8
+    dampers = (damper for speed in SPEEDS for damper in own.dampers_at(speed))
+    fitted = (own.gamma1_N_per_mm3, *own.gamma_N_per_mm3, *dampers)
+    return [*(f"{value:.3g}" for value in fitted), f"{dummy.rmse_N:.2f}"]

@@ -140,7 +140,7 @@ def close_loop(
 def _available(presses: Presses, law: SetupLaw) -> tuple[tuple[Effect, ...], dict[str, str]]:
     """Effects that can be fitted to these presses, and why each of the others cannot."""
     known = known_effects()
-    reasons = {effect.name: effect.unavailable(presses, law) for effect in known}
+    reasons = {effect.name: effect.unavailable(presses, law) or effect.unseen(presses) for effect in known}
     if presses.elastic_only:
         reasons |= {effect.name: "needs holds or two speeds" for effect in known if effect.relaxes}
     usable = tuple(effect for effect in known if not reasons[effect.name])

@@ -118,6 +118,12 @@ class Presses:
         return flat_top([trial.trace.force_N for trial in self.trials])
 
     @cached_property
+    def pulls(self) -> int:
+        """In how many presses the readings show tension on the way back, see :func:`shows_tension`."""
+        rows = zip(self.trials, self.contact_s, self.hold_end_s)
+        return sum(shows_tension(trial.trace.time_s, trial.trace.force_N, a, b) for trial, a, b in rows)
+
+    @cached_property
     def _laws(self) -> dict[int, tuple[Any, Any]]:
         return {}
 
@@ -162,6 +168,21 @@ class Presses:
             values = press.filtered @ node_force_N[row, : len(press.time_s)]
             out.append(np.interp(self.trials[row].trace.time_s, press.time_s, values))
         return out
+
+
+TENSION_RUN, TENSION_Z = 5, 5.0
+"""Readings in a row that make a tension, and how many standard deviations of their mean they lie below zero."""
+
+
+def shows_tension(time_s: NDArray, force_N: NDArray, contact_s: float, hold_end_s: float) -> bool:
+    """Whether readings on the way back lie below those before contact, beyond noise and drift of the zero."""
+    before, back = force_N[time_s < contact_s - 0.005], force_N[time_s > hold_end_s]
+    if len(before) < TENSION_RUN or len(back) < TENSION_RUN:
+        return False
+    means = np.convolve(back - np.median(before), np.full(TENSION_RUN, 1.0 / TENSION_RUN), "valid")
+    noise = max(float(np.std(before)), float(np.median(np.abs(np.diff(back)))))
+    # the zero may have drifted: off the pad the readings end at it
+    return bool(means.min() - min(means[-1], 0.0) < -TENSION_Z * noise / np.sqrt(TENSION_RUN))
 
 
 FLAT_RUN, FLAT_PRESSES = 6, 2

@@ -56,7 +56,7 @@ def learned_first(
 
 def _cost(model: AssessedModel, learnt: Learnt | None = None) -> float:
     """Minus twice the log likelihood, with what the curve and the named parameters cost."""
-    named = sum(len(one.parameters) for one in model.fit.problem.effects if not one.held)
+    named = sum(not p.of_form for one in model.fit.problem.effects if not one.held for p in one.parameters)
     return model.fit.score + (0.0 if learnt is None else learnt.cost) + EACH_PARAMETER * named
 
 

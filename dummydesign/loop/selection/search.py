@@ -36,6 +36,7 @@ ALTERNATIVES, PRUNE_LEAST_Z, LIKE = 3, 4.0, 0.3
 """Effects tried in the place of each one found: how many, from which score on, and from which share of the squared
 score of the one found."""
 NEAR = 40.0  # a first fit so near the evidence of the effect found is fitted to the end
+CERTAIN = 10.0  # times the evidence that an effect needs, from which on it is not dropped for its interval
 SWAP = 10.0  # evidence by which another effect must be better to take a place
 
 
@@ -116,7 +117,9 @@ def _change(current: AssessedModel, checks: list[EffectCheck], tried: int) -> Ca
         if not worth(check.options[0].gain, _limit(check, checks, tried), check.reduced, current.fit):
             return check.reduced
     for check in weakest_first if len(checks) > 1 else ():
-        if holds_null(current, check.effect):
+        # the interval is linear: where nothing else explains what the effect does, its size is unknown and not null
+        plain = check.options[0].gain < CERTAIN * _limit(check, checks, tried).least
+        if plain and holds_null(current, check.effect):
             return check.reduced
     swaps = [one for check in checks for one in check.options[1:] if not at_bound(one.fit)]
     better = min(swaps, key=lambda one: one.fit.score, default=None)

@@ -9,13 +9,19 @@ from dummydesign.loop.model.effect import Arm, Effect, Parameter, Values
 
 
 class RateDependentViscosity(Effect):
-    """Time constants fall as (ramp speed / 50 mm/s)^-exponent: a shear-thinning viscosity, frozen per trial."""
+    """Time constants fall as (speed / 50 mm/s)^-exponent: a shear-thinning viscosity, frozen per trial.
+
+    The speed is sqrt(v^2 + v0^2) with v the ramp's and ``plateau_mm_per_s`` v0, below which gels thin no more.
+    """
 
     name = "rate_dependent_viscosity"
     hook = "pad"
     belongs_to = "pad"
     designed_for = "relaxation as it is after a ramp of 50 mm/s"
-    parameters = (Parameter("exponent", "1", 0.0, -0.8, 1.5, 0.1),)
+    parameters = (
+        Parameter("exponent", "1", 0.0, -0.8, 1.5, 0.1),
+        Parameter("plateau_mm_per_s", "mm/s", 5.0, 0.5, 100.0, 5.0, log=True, spread=1.0),
+    )
     signature = "time constants differ between speeds; one spectrum cannot serve both"
     cause = "gel whose flow thins with speed"
     remedy = "press at a speed between the two and at one beyond, to fix the exponent"
@@ -26,7 +32,8 @@ class RateDependentViscosity(Effect):
         return "" if speed.max() > 1.5 * speed.min() else "needs two speeds"
 
     def arms(self, presses: Presses, arms: tuple[Arm, ...], depth_mm: NDArray, values: Values) -> tuple[Arm, ...]:
-        factor = (presses.velocity_mm_s[:, None] / REFERENCE_MM_S) ** (-values["exponent"])
+        slow, speed = values["plateau_mm_per_s"], presses.velocity_mm_s[:, None]
+        factor = ((speed**2 + slow**2) / (REFERENCE_MM_S**2 + slow**2)) ** (-0.5 * values["exponent"])
         return tuple(arm.changed(tau_s=arm.tau_s * factor) for arm in arms)
 
 

@@ -1,4 +1,6 @@
-"""Blind study on campaigns of another mind: ``python -m benchmarks.loop_other_mind --seed N --campaigns N --rows FILE``.
+"""Blind study on campaigns of another mind.
+
+``python -m benchmarks.loop_other_mind --seed N --campaigns N --rows FILE``; then the same with ``--table``.
 
 The generator is tests/support/other_mind.py. Every run is one line of the file of rows; ``--table`` prints rates, and
 for each effect from which size on, in noise floors of the base model on left-out conditions, 9 of 10 are found.
@@ -112,6 +114,8 @@ def table(rows: list[dict]) -> str:
 
     known = [row for kind in ("none", "one", "two", "three") for row in of[kind]]
     named = [row for row in known if put[row["seed"]] == set(row["named"]) and row["learned"] is None]
+    clipped = [row for row in of["one"] if "sensor_clipping" in put[row["seed"]]]
+    adhering = [row for row in large if "adhesion" in put[row["seed"]]]
     lines = ["| | found | rate | 95 % |", "|---|---|---|---|"]
     lines += [
         share("none: something named or learned", [bool(r["named"] or r["learned"]) for r in of["none"]]),
@@ -126,12 +130,12 @@ def table(rows: list[dict]) -> str:
         share("known, called unexplained", [r["verdict"] == "unexplained" for r in known if r["kind"] != "none"]),
         share("unnamed: called unexplained", [r["verdict"] == "unexplained" for r in of["unnamed"]]),
         share("unnamed: learned", [r["learned"] is not None for r in of["unnamed"]]),
-        share("clipping found", [r["named"][:1] == ["sensor_clipping"] for r in of["one"]
-                                 if "sensor_clipping" in put[r["seed"]]]),
-        share("adhesion found, 3 floors or more", ["adhesion" in r["named"] for r in large if "adhesion" in put[r["seed"]]]),
+        share("clipping found", [r["named"][:1] == ["sensor_clipping"] for r in clipped]),
+        share("adhesion found, 3 floors or more", ["adhesion" in r["named"] for r in adhering]),
         share("modulus inside its 95 % interval", [covers(r) for r in known]),
         share("modulus inside, effects all right", [covers(r) for r in named]),
-        share("new pads: corrected model worse than the base", [r["replay_N"][1] > 1.02 * r["replay_N"][0] for r in ran]),
+        share("new pads: corrected model worse than the base",
+              [r["replay_N"][1] > 1.02 * r["replay_N"][0] for r in ran]),
         share("refused", ["refused" in r for r in rows]),
     ]  # fmt: skip
     ratio = [r["replay_N"][1] / r["replay_N"][0] for r in of["unnamed"]]
@@ -141,7 +145,8 @@ def table(rows: list[dict]) -> str:
               f"Processor seconds: two effects median {np.median([r['cpu_s'] for r in of['two']]):.1f}; all "
               f"{np.quantile([r['cpu_s'] for r in ran], 0.95):.1f} in 95 %, largest {max(r['cpu_s'] for r in ran):.1f}."
               if of["two"] else ""]  # fmt: skip
-    lines += ["", "| effect | campaigns | found | floors of those found first | of those not |", "|---|---|---|---|---|"]
+    lines += ["", "| effect | campaigns | found | floors of those found first | of those not |"]
+    lines.append("|---|---|---|---|---|")
     for name in generator.SIZES:
         own = [row for row in of["one"] if name in put[row["seed"]]]
         hit = sorted(floors(r) for r in own if r["named"][:1] == [name])

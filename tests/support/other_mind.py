@@ -222,7 +222,7 @@ def write_campaign(folder: Path, effects: tuple[tuple[str, float], ...], seed: i
     return Truth(put, 1e3 * young, float(np.sqrt(np.mean(np.concatenate(squares)))))
 
 
-def _press(k, plan, depths, put, young, tau, beta, pads, rng) -> tuple:  # noqa: ANN001
+def _press(k, plan, depths, put, young, tau, beta, pads, rng) -> tuple:
     """Time, position and force on the sensor's pad side of one trial."""
     h, v = plan.thickness_mm[k], plan.speed_mm_s[k]
     time, x, stop, end = _motion(v, depths[k], bool(plan.unloads[k]), 8.0, rng)
@@ -252,7 +252,8 @@ def _press(k, plan, depths, put, young, tau, beta, pads, rng) -> tuple:  # noqa:
         share = np.maximum(depth, 0.0) / h
         elastic = young * scale * _elastic(h, depth, put) * (1.0 + level + slope * share / 0.4 + curve * share**2)
         if put.get("softening_with_cycles"):
-            count = sum(1.0 / (1.0 + np.exp((depth - depths[j]) / (0.05 * depths[j]))) for j in same_pad)
+            past = [(depth - depths[j]) / (0.06 * depths[j]) for j in same_pad]
+            count = sum(0.5 - 0.5 * t / np.sqrt(1.0 + t**2) for t in past)
             elastic = elastic * (1.0 - put["softening_with_cycles"] * (1.0 - 0.55**count) / 0.45)
         growth = put.get("strain_dependent_relaxation", 0.0) * (share - 0.15)
         weight = 1.0 + growth / (1.0 + 0.3 * np.abs(growth))
@@ -267,7 +268,8 @@ def _press(k, plan, depths, put, young, tau, beta, pads, rng) -> tuple:  # noqa:
     force = np.maximum(force - pull * edge, -pull * np.exp(-((np.minimum(depth, 0.0) / 0.4) ** 2)))
     if put.get("friction_hysteresis"):
         force = force * (1.0 + put["friction_hysteresis"] * _dahl(x))
-    force = force + put.get("inertia", 0.0) * 1e-3 * np.gradient(np.gradient(x, STEP_S), STEP_S) * (time < time[end - 1])
+    acceleration = np.gradient(np.gradient(x, STEP_S), STEP_S) * (time < time[end - 1])
+    force = force + put.get("inertia", 0.0) * 1e-3 * acceleration
     force = force + put.get("force_bias", 0.0) + put.get("force_drift", 0.0) * 1.2 * time**0.9
     return time, x, force
 

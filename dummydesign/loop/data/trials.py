@@ -147,6 +147,17 @@ class Presses:
         """Whether each trial goes on after the hold, shape (T,)."""
         return ((self.label // 100 == UNLOADING) & self.used).any(axis=1)
 
+    @cached_property
+    def back_mm_s(self) -> NDArray:
+        """Mean speed on the way back (T,), that of the ramp where there is none. [mm/s]"""
+        speeds = []
+        for trial, end, ramp in zip(self.trials, self.hold_end_s, self.velocity_mm_s):
+            away = trial.trace.time_s > end
+            time, x = trial.trace.time_s[away], trial.trace.displacement_mm[away]
+            moved = len(x) > 1 and x[0] > x[-1]
+            speeds.append((x[0] - x[-1]) / (time[-1] - time[0]) if moved else ramp)
+        return np.array(speeds)
+
     @property
     def elastic_only(self) -> bool:
         """Whether nothing shows relaxation: no trial holds and all have about one speed."""

@@ -140,6 +140,8 @@ class CampaignFit:
     chi2: float
     score: float
     joined: bool = False
+    doubt: NDArray | None = None
+    """Covariance of the base logarithms beside the fit's own, from rival models and the law; see ``doubt_of``."""
 
     @property
     def base(self) -> BaseParameters:

@@ -76,7 +76,10 @@ class Parameter:
 
 @dataclass(frozen=True)
 class Arm:
-    """A relaxing arm: time [s] and strength, scalars or (T, 1); ``weight`` (T, N) scales what is loaded into it."""
+    """A relaxing arm: time [s] and strength, scalars or (T, 1), a time that changes (T, N).
+
+    ``weight`` (T, N) scales what is loaded into it.
+    """
 
     tau_s: float | NDArray
     beta: float | NDArray

@@ -25,9 +25,10 @@ from dummydesign.loop.prior import Joined, check_prior, join, with_prior_effects
 from dummydesign.loop.result import LoopResult
 from dummydesign.loop.selection.cross_validation import AssessedModel, assess
 from dummydesign.loop.selection.learn_effect import can_be_learned, learn
-from dummydesign.loop.selection.learned_first import learned_first
+from dummydesign.loop.selection.learned_first import learned_alone, learned_first
 from dummydesign.loop.selection.residuals import dependences, run_checks
-from dummydesign.loop.selection.search import search
+from dummydesign.loop.selection.rivals import doubt_of
+from dummydesign.loop.selection.search import Selection, rank, search
 from dummydesign.loop.selection.verdict import AcceptedEffect, at_bound, remainder
 from dummydesign.measurement.campaign import Campaign
 
@@ -104,13 +105,15 @@ def close_loop(
     campaign, presses, beyond = within_reach(campaign, make_presses(campaign), law)
     base = assess(fit_base(presses, law, young_MPa or 1e-3 * start_young_kPa(campaign), progress))
     available, untested = _available(presses, law)
-    found = search(base, available, progress)
+    ranked = rank(base, available, progress)
+    alone = learned_alone(base, ranked[1], progress)
+    found = search(base, available, progress, ranked) if alone is None else Selection(alone.after, (), *ranked)
     after, effects = found.after, found.effects
     progress("remainder")
     where_after, checks = dependences(after.fit), run_checks(after.fit)
     left = remainder(base, after, where_after, checks)
-    verdict = "unexplained" if left.reasons else "effect" if effects else "none"
-    learnt = None
+    verdict = "unexplained" if left.reasons or alone else "effect" if effects else "none"
+    learnt = None if alone is None else alone.learnt
     if left.reasons:
         progress("learning the remainder")
         first = learned_first(base, after, available, progress)
@@ -123,6 +126,8 @@ def close_loop(
         where_after, checks = dependences(after.fit), run_checks(after.fit)
         still = remainder(base, after, where_after, checks)
         left = replace(still, reasons=(learnt.text, *still.reasons))
+    if learnt is None:
+        after = replace(after, fit=replace(after.fit, doubt=doubt_of(after.fit, found.rivals)))
     joined = None
     if prior is not None:
         progress("prior")
@@ -140,7 +145,7 @@ def close_loop(
 def _available(presses: Presses, law: SetupLaw) -> tuple[tuple[Effect, ...], dict[str, str]]:
     """Effects that can be fitted to these presses, and why each of the others cannot."""
     known = known_effects()
-    reasons = {effect.name: effect.unavailable(presses, law) for effect in known}
+    reasons = {effect.name: effect.unavailable(presses, law) or effect.unseen(presses) for effect in known}
     if presses.elastic_only:
         reasons |= {effect.name: "needs holds or two speeds" for effect in known if effect.relaxes}
     usable = tuple(effect for effect in known if not reasons[effect.name])

@@ -120,8 +120,8 @@ def test_the_answer_says_what_was_found_what_it_is_worth_and_what_to_do(results)
     worth = worth_of(result, effect)
     loss = next(one.values for one in result.after.fit.active if one.effect is effect)["modulus_loss_per_K"]
     warm = next(trial.temperature_C for trial in result.presses.trials if trial.file == worth.file) - 23.0
-    # the force is linear in the modulus
-    assert worth.change_N == pytest.approx(worth.force_N * (1.0 - 1.0 / (1.0 - loss * warm)), rel=1e-3)
+    # the force is linear in the modulus; the shift of relaxation times adds little
+    assert worth.change_N == pytest.approx(worth.force_N * (1.0 - 1.0 / (1.0 - loss * warm)), rel=0.02)
 
 
 def test_residuals_are_drawn_pad_by_pad_in_two_colours_named_at_the_curves(results, tmp_path):

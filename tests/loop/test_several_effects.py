@@ -134,7 +134,7 @@ def test_an_effect_in_doubt_must_lower_the_left_out_error_by_much(gain, left, st
 
 def doubtful(share, monkeypatch):
     """What an effect must gain beside one of evidence 1e5 with which it shares so much of its bins."""
-    effects = (effect_named("adhesion"), effect_named("contact_offset"))
+    effects = (effect_named("force_bias"), effect_named("contact_offset"))
     jacobian = np.zeros((1, 100, 7))
     jacobian[0, :50, 5] = 1.0
     jacobian[0, round(50 * (1.0 - share)) : round(50 * (2.0 - share)), 6] = 1.0
@@ -143,7 +143,7 @@ def doubtful(share, monkeypatch):
     fit = SimpleNamespace(problem=problem, sizes=sizes, slope=None, jacobian=jacobian)
     monkeypatch.setattr(verdict, "make_whitener", lambda *args: lambda values: values)
     monkeypatch.setattr(verdict, "lack_of_fit", lambda fit: SimpleNamespace(ratio=1.0))
-    return verdict.needed([], fit, "contact_offset", {"adhesion": 1e5}, 20)
+    return verdict.needed([], fit, "contact_offset", {"force_bias": 1e5}, 20)
 
 
 def test_an_effect_is_in_doubt_as_far_as_it_acts_where_a_larger_one_does(monkeypatch):

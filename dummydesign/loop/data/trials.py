@@ -118,6 +118,12 @@ class Presses:
         return flat_top([trial.trace.force_N for trial in self.trials])
 
     @cached_property
+    def pulls(self) -> int:
+        """In how many presses the readings show tension on the way back, see :func:`shows_tension`."""
+        rows = zip(self.trials, self.contact_s, self.hold_end_s)
+        return sum(shows_tension(trial.trace.time_s, trial.trace.force_N, a, b) for trial, a, b in rows)
+
+    @cached_property
     def _laws(self) -> dict[int, tuple[Any, Any]]:
         return {}
 
@@ -141,6 +147,17 @@ class Presses:
         """Whether each trial goes on after the hold, shape (T,)."""
         return ((self.label // 100 == UNLOADING) & self.used).any(axis=1)
 
+    @cached_property
+    def back_mm_s(self) -> NDArray:
+        """Mean speed on the way back (T,), that of the ramp where there is none. [mm/s]"""
+        speeds = []
+        for trial, end, ramp in zip(self.trials, self.hold_end_s, self.velocity_mm_s):
+            away = trial.trace.time_s > end
+            time, x = trial.trace.time_s[away], trial.trace.displacement_mm[away]
+            moved = len(x) > 1 and x[0] > x[-1]
+            speeds.append((x[0] - x[-1]) / (time[-1] - time[0]) if moved else ramp)
+        return np.array(speeds)
+
     @property
     def elastic_only(self) -> bool:
         """Whether nothing shows relaxation: no trial holds and all have about one speed."""
@@ -162,6 +179,21 @@ class Presses:
             values = press.filtered @ node_force_N[row, : len(press.time_s)]
             out.append(np.interp(self.trials[row].trace.time_s, press.time_s, values))
         return out
+
+
+TENSION_RUN, TENSION_Z = 5, 5.0
+"""Readings in a row that make a tension, and how many standard deviations of their mean they lie below zero."""
+
+
+def shows_tension(time_s: NDArray, force_N: NDArray, contact_s: float, hold_end_s: float) -> bool:
+    """Whether readings on the way back lie below those before contact, beyond noise and drift of the zero."""
+    before, back = force_N[time_s < contact_s - 0.005], force_N[time_s > hold_end_s]
+    if len(before) < TENSION_RUN or len(back) < TENSION_RUN:
+        return False
+    means = np.convolve(back - np.median(before), np.full(TENSION_RUN, 1.0 / TENSION_RUN), "valid")
+    noise = max(float(np.std(before)), float(np.median(np.abs(np.diff(back)))))
+    # the zero may have drifted: off the pad the readings end at it
+    return bool(means.min() - min(means[-1], 0.0) < -TENSION_Z * noise / np.sqrt(TENSION_RUN))
 
 
 FLAT_RUN, FLAT_PRESSES = 6, 2

@@ -22,7 +22,7 @@ from dummydesign.loop.fitting.noise import (
     make_whitener,
 )
 from dummydesign.loop.fitting.problem import BASE, CampaignProblem
-from dummydesign.loop.model.base_law import SetupLaw
+from dummydesign.loop.model.base_law import USUAL_ROUGHNESS, SetupLaw
 from dummydesign.loop.model.forward_model import Active, BaseParameters
 
 NORMAL_95 = 1.959964
@@ -140,6 +140,8 @@ class CampaignFit:
     chi2: float
     score: float
     joined: bool = False
+    doubt: NDArray | None = None
+    """Covariance of the base logarithms beside the fit's own, from rival models and the law; see ``doubt_of``."""
 
     @property
     def base(self) -> BaseParameters:
@@ -161,8 +163,9 @@ def start_vector(problem: CampaignProblem, young_MPa: float) -> NDArray:
 
 
 def prior_precision(problem: CampaignProblem, sizes: Sizes) -> NDArray:
-    """Inverse prior variances of the vector: of the law error only."""
-    return np.r_[np.zeros(problem.fixed), np.repeat(np.array(sizes.law) ** -2.0, len(problem.thicknesses))]
+    """Inverse prior variances of the vector: of the law error, and of parameters of form."""
+    forms = [p.spread**-2.0 for effect in problem.effects for p in effect.parameters]
+    return np.r_[np.zeros(BASE), forms, np.repeat(np.array(sizes.law) ** -2.0, len(problem.thicknesses))]
 
 
 def fit(
@@ -237,6 +240,13 @@ def size_likelihood(found: CampaignFit) -> SizeLikelihood:
     wide = np.einsum("tb,tbk->tk", shift, dense.reshape(*shift.shape, -1))
     order = np.r_[0, 1 + np.arange(p), 1 + p + count + np.arange(LAW_TERMS * half)]
     gram[np.ix_(order, order)] = inner
+    # parameters of form have a prior, a row each
+    prior = prior_precision(problem, found.sizes)[:p]
+    known, at = found.vector[:p], 1 + np.arange(p)
+    gram[0, 0] += float(prior @ known**2)
+    gram[0, at] -= prior * known
+    gram[at, 0] -= prior * known
+    gram[at, at] += prior
     trials = 1 + p + np.arange(count)
     gram[np.ix_(trials, order)] = wide
     gram[np.ix_(order, trials)] = wide.T
@@ -281,14 +291,12 @@ KNOTS = 9
 
 
 def rough_columns(found: CampaignFit) -> NDArray:
-    """What a rough law could add, in newton at one standard deviation, shape (T, B, q); q is 0 for smooth laws."""
+    """What a rough law could add, in newton at one standard deviation, shape (T, B, q)."""
     presses, law = found.problem.presses, found.problem.law
     depth = presses.measure(np.maximum(presses.displacement_mm, 0.0))
     columns = []
     for pad in presses.pads:
-        size = law.roughness(pad) if hasattr(law, "roughness") else 0.0
-        if not size:
-            continue
+        size = law.roughness(pad) if hasattr(law, "roughness") else USUAL_ROUGHNESS
         own = np.array([trial.pad == pad for trial in presses.trials])[:, None] & presses.used
         knots = np.linspace(0.0, float(depth[own].max()), KNOTS)
         at = np.clip(depth, knots[0], knots[-1])

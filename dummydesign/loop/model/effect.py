@@ -44,6 +44,9 @@ class Parameter:
         Fitted as a logarithm (times).
     starts : tuple of float
         Further values to start from.
+    spread : float
+        Standard deviation of the coordinate about the null before any data: finite for a parameter of form, of a law
+        that is a convention.
     """
 
     name: str
@@ -54,6 +57,12 @@ class Parameter:
     typical: float
     log: bool = False
     starts: tuple[float, ...] = ()
+    spread: float = float("inf")
+
+    @property
+    def of_form(self) -> bool:
+        """Whether it is the form of a law, known before any data within its spread."""
+        return bool(np.isfinite(self.spread))
 
     def to_coordinate(self, value: float) -> float:
         """Value as a number of order one."""
@@ -67,7 +76,10 @@ class Parameter:
 
 @dataclass(frozen=True)
 class Arm:
-    """A relaxing arm: time [s] and strength, scalars or (T, 1); ``weight`` (T, N) scales what is loaded into it."""
+    """A relaxing arm: time [s] and strength, scalars or (T, 1), a time that changes (T, N).
+
+    ``weight`` (T, N) scales what is loaded into it.
+    """
 
     tau_s: float | NDArray
     beta: float | NDArray
@@ -125,6 +137,10 @@ class Effect:
 
     def untestable(self, presses: Presses) -> str:
         """Say why trials on which the effect is defined cannot show it; empty when they can."""
+        return ""
+
+    def unseen(self, presses: Presses) -> str:
+        """Say why the raw readings rule the effect out; empty when they do not."""
         return ""
 
     def unavailable(self, presses: Presses, law: SetupLaw) -> str:

@@ -63,7 +63,9 @@ def relax(time_s: NDArray, elastic_N: NDArray, arms: Sequence[Arm]) -> NDArray:
 def arm_forces(time_s: NDArray, elastic_N: NDArray, arms: Sequence[Arm]) -> NDArray:
     """Force that each arm holds of several elastic forces, per unit strength, shape (arms, K, T, N). [N]"""
     step, rise = np.diff(time_s, axis=1), np.diff(elastic_N, axis=-1)
-    ratio = np.stack([np.broadcast_to(step / arm.tau_s, step.shape) for arm in arms])[:, None]
+    times = [np.asarray(arm.tau_s) for arm in arms]
+    times = [tau[:, 1:] if tau.ndim == 2 and tau.shape[1] > 1 else tau for tau in times]
+    ratio = np.stack([np.broadcast_to(step / tau, step.shape) for tau in times])[:, None]
     lost = -np.expm1(-ratio)
     middle = [1.0 if arm.weight is None else 0.5 * (arm.weight[:, 1:] + arm.weight[:, :-1]) for arm in arms]
     fed = np.stack([rise * weight for weight in middle])

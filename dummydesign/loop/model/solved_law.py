@@ -15,7 +15,7 @@ from dummydesign.core.cache import cached
 from dummydesign.core.errors import InputError, NoAnswerError
 from dummydesign.geometry.dimensions import MAX_DEPTH_OVER_THICKNESS
 from dummydesign.geometry.interface import BASES
-from dummydesign.loop.model.base_law import SlabLaw, UnitForce
+from dummydesign.loop.model.base_law import USUAL_ROUGHNESS, SlabLaw, UnitForce
 from dummydesign.measurement.campaign import Trial
 from dummydesign.pad.axisymmetric.case import Case
 from dummydesign.pad.specimen import Pad, Puck
@@ -266,7 +266,7 @@ class SolvedLaw:
 
     def roughness(self, pad: tuple[str, float]) -> float:
         """Relative roughness of the force on a pad."""
-        return getattr(self.law_of(pad), "roughness", 0.0)
+        return max(getattr(self.law_of(pad), "roughness", 0.0), USUAL_ROUGHNESS)
 
     def on(self, trials: Sequence[Trial]) -> BoundLaw:
         """The law of these trials, row by row."""

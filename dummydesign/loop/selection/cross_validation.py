@@ -164,6 +164,8 @@ def widened(found: CampaignFit, lack_ratio: float | None = None) -> NDArray:
     covariance = found.covariance * np.outer(factor, factor) * max(1.0, lack_ratio or 1.0)
     if lack_ratio is not None and lack_ratio > MISFIT:
         covariance = covariance + jackknife(found)
+    if found.doubt is not None:
+        covariance[:BASE, :BASE] += found.doubt
     return 0.5 * (covariance + covariance.T)
 
 

@@ -84,6 +84,7 @@ def _forms(knots: NDArray) -> list[tuple[str, int, list[tuple[NDArray, str]]]]:
 
 KNOTS, MOST_BY_TRIAL, PAIR_KNOTS = 30, 4, 8
 """Knots of a quantity that varies in a press, of one that belongs to a trial, and of one of a pair in a press."""
+SPARE = 0.35  # share of the largest force by which the knots of a curve of the force go on, straight, beyond it
 PROMISING = 2  # quantities that pairs are made of, with all others: those that alone have most evidence
 BY_TIME = "thickness_mm"
 """Followed together with the time since the stop only: what flows through a pad takes longer in a thicker one."""
@@ -215,7 +216,8 @@ def _knots(fit: CampaignFit, name: str, values: NDArray, most: int) -> tuple[flo
     """Knots over the range of a quantity; of the time since the stop they are even in the logarithm."""
     by_trial = len(values) == len(fit.problem.presses.trials)
     count = min(MOST_BY_TRIAL, len(np.unique(values))) if by_trial else most
-    ends = values.min(), values.max()
+    # the modulus imitates a curve of the force: without it the force on the sensor may be larger
+    ends = values.min(), values.max() * (1.0 + SPARE * (name in ("force_N", "reading_N")))
     return tuple((np.geomspace(*ends, count) if name == "since_stop_s" else np.linspace(*ends, count)).tolist())
 
 

@@ -10,12 +10,14 @@ from dataclasses import dataclass, replace
 
 from dummydesign.core.process import Progress
 from dummydesign.loop.effects.learned import Learned
+from dummydesign.loop.fitting.candidates import EffectCandidate
+from dummydesign.loop.fitting.fit import CampaignFit
 from dummydesign.loop.model.effect import Effect
 from dummydesign.loop.selection.cross_validation import AssessedModel, assess
 from dummydesign.loop.selection.learn_effect import Learnt, can_be_learned, learn, refitted_squares
 from dummydesign.loop.selection.residuals import dependences, run_checks
 from dummydesign.loop.selection.search import search
-from dummydesign.loop.selection.verdict import EACH_PARAMETER, AcceptedEffect
+from dummydesign.loop.selection.verdict import EACH_PARAMETER, AcceptedEffect, remainder
 
 
 @dataclass(frozen=True)
@@ -25,6 +27,28 @@ class LearnedFirst:
     learnt: Learnt
     after: AssessedModel
     effects: tuple[AcceptedEffect, ...]
+
+
+def learned_alone(base: AssessedModel, ranking: list[EffectCandidate], progress: Progress) -> LearnedFirst | None:
+    """A function that leaves nothing but noise, where the best single effect leaves more and explains less."""
+    best = ranking[0].fit if ranking else base.fit
+    if not _leaves(base, base.fit) or not can_be_learned(run_checks(base.fit), dependences(base.fit)):
+        return None
+    if best is not base.fit and not _leaves(base, best):
+        return None
+    progress("learning from the base model")
+    function = learn(base.fit)
+    if function is None or _leaves(base, function.fit):
+        return None
+    after = assess(function.fit)
+    if _cost(after, function) >= best.score + EACH_PARAMETER:
+        return None
+    return LearnedFirst(function, after, ())
+
+
+def _leaves(base: AssessedModel, fit: CampaignFit) -> bool:
+    """Whether a model leaves more than noise."""
+    return bool(remainder(base, assess(fit), dependences(fit), run_checks(fit)).reasons)
 
 
 def learned_first(
@@ -56,7 +80,7 @@ def learned_first(
 
 def _cost(model: AssessedModel, learnt: Learnt | None = None) -> float:
     """Minus twice the log likelihood, with what the curve and the named parameters cost."""
-    named = sum(len(one.parameters) for one in model.fit.problem.effects if not one.held)
+    named = sum(not p.of_form for one in model.fit.problem.effects if not one.held for p in one.parameters)
     return model.fit.score + (0.0 if learnt is None else learnt.cost) + EACH_PARAMETER * named
 
 

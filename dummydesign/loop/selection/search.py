@@ -20,6 +20,7 @@ from dummydesign.loop.fitting.screening import Screened, screen
 from dummydesign.loop.model.effect import Effect
 from dummydesign.loop.selection.cross_validation import AssessedModel, assess, errors, holds_null
 from dummydesign.loop.selection.residuals import dependences, run_checks
+from dummydesign.loop.selection.rivals import Rival
 from dummydesign.loop.selection.verdict import (
     AcceptedEffect,
     Needed,
@@ -36,6 +37,7 @@ ALTERNATIVES, PRUNE_LEAST_Z, LIKE = 3, 4.0, 0.3
 """Effects tried in the place of each one found: how many, from which score on, and from which share of the squared
 score of the one found."""
 NEAR = 40.0  # a first fit so near the evidence of the effect found is fitted to the end
+CERTAIN = 10.0  # times the evidence that an effect needs, from which on it is not dropped for its interval
 SWAP = 10.0  # evidence by which another effect must be better to take a place
 
 
@@ -116,7 +118,9 @@ def _change(current: AssessedModel, checks: list[EffectCheck], tried: int) -> Ca
         if not worth(check.options[0].gain, _limit(check, checks, tried), check.reduced, current.fit):
             return check.reduced
     for check in weakest_first if len(checks) > 1 else ():
-        if holds_null(current, check.effect):
+        # the interval is linear: where nothing else explains what the effect does, its size is unknown and not null
+        plain = check.options[0].gain < CERTAIN * _limit(check, checks, tried).least
+        if plain and holds_null(current, check.effect):
             return check.reduced
     swaps = [one for check in checks for one in check.options[1:] if not at_bound(one.fit)]
     better = min(swaps, key=lambda one: one.fit.score, default=None)
@@ -168,20 +172,33 @@ class Selection:
     effects: tuple[AcceptedEffect, ...]
     screened: list[Screened]
     ranking: list[EffectCandidate]
+    rivals: tuple[Rival, ...] = ()
+    """Models that were tried with one effect more, or another in the place of one."""
 
 
-def search(base: AssessedModel, available: tuple[Effect, ...], progress: Progress = quiet) -> Selection:
+Ranked = tuple[list[Screened], list[EffectCandidate]]
+
+
+def rank(base: AssessedModel, available: tuple[Effect, ...], progress: Progress = quiet) -> Ranked:
+    """Scores of all effects, and the models with one effect; both best first."""
+    screened, first = first_fits(base.fit, available, *FIRST, progress)
+    return screened, to_the_end(base.fit, first)
+
+
+def search(
+    base: AssessedModel, available: tuple[Effect, ...], progress: Progress = quiet, ranked: Ranked | None = None
+) -> Selection:
     """Grow models by one effect at a time, take the largest that is worth its effects, then look at each of them.
 
     The best models of each size are kept, so that a rival that fits less well alone may win with a partner,
     and one size beyond the last that was worth it, because two effects may only be worth it together: unless the last
     that was worth it left nothing but noise. What must be gained grows with the number of models tried.
     """
-    screened, first = first_fits(base.fit, available, *FIRST, progress)
-    ranking = to_the_end(base.fit, first)
+    screened, ranking = ranked or rank(base, available, progress)
     tried = len(ranking)
     chosen, before, beam, won = base.fit, base.fit, _beam(ranking, 0.0, 1), 0.0
     waiting = done = False
+    children = ranking
     gained = ranking[0].gain if ranking else 0.0
     for size in range(1, MOST + 1):
         if not beam or gained < PROMISING[min(size, 2) - 1]:
@@ -205,9 +222,18 @@ def search(base: AssessedModel, available: tuple[Effect, ...], progress: Progres
         beam = _beam(children, won, size + 1)
         gained = beam[0].gain if beam else 0.0
     if chosen is base.fit:
-        return Selection(base, (), screened, ranking)
+        return Selection(base, (), screened, ranking, _tried(ranking))
     after, effects = prune_effects(assess(chosen), available, tried, progress)
-    return Selection(after if effects else base, tuple(effects), screened, ranking)
+    if not effects:
+        return Selection(base, (), screened, ranking, _tried(ranking))
+    own = names_of(after.fit)
+    more = _tried([one for one in children if own < names_of(one.fit)])
+    swaps = [(option.gain - one.ranking[0].gain, option.fit) for one in effects for option in one.ranking[1:]]
+    return Selection(after, tuple(effects), screened, ranking, (*more, *swaps))
+
+
+def _tried(candidates: list[EffectCandidate]) -> tuple[Rival, ...]:
+    return tuple((one.gain, one.fit) for one in candidates)
 
 
 def _beam(candidates: list[EffectCandidate], won: float, size: int) -> list[EffectCandidate]:

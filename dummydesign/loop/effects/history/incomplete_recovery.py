@@ -10,7 +10,8 @@ from dummydesign.loop.model.effect import Effect, Parameter, Values
 
 
 class IncompleteRecovery(Effect):
-    """A dent of fraction x (depth of an earlier press) x exp(-elapsed / tau) is left; the deepest one counts.
+    """A dent of fraction x (depth of an earlier press) x exp(-elapsed / tau) is left; of the others ``adding`` is added
+    to the deepest: none or all is a convention.
 
     The punch touches later by the dent, on pads that had little rest.
     """
@@ -23,6 +24,7 @@ class IncompleteRecovery(Effect):
     parameters = (
         Parameter("fraction", "1", 0.0, 0.0, 0.5, 0.02),
         Parameter("tau_s", "s", 120.0, 10.0, 3000.0, 120.0, log=True, starts=(40.0, 500.0)),
+        Parameter("adding", "1", 0.0, 0.0, 1.0, 1.0, spread=0.5),
     )
     signature = "contact comes later after a deep press and a short rest"
     cause = "rests that are too short after deep presses"
@@ -34,4 +36,6 @@ class IncompleteRecovery(Effect):
 
     def depth(self, presses: Presses, depth_mm: NDArray, values: Values) -> NDArray:
         left = presses.history.earlier_depth_mm * np.exp(-presses.history.elapsed_s / values["tau_s"])
-        return depth_mm - values["fraction"] * left.max(axis=1)[:, None]
+        deepest = left.max(axis=1)
+        dent = deepest + values["adding"] * (left.sum(axis=1) - deepest)
+        return depth_mm - values["fraction"] * dent[:, None]

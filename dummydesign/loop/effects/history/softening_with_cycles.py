@@ -12,15 +12,20 @@ from dummydesign.loop.model.effect import Effect, Parameter, Values
 class SofteningWithCycles(Effect):
     """Elastic force loses ``softening`` at the first reloading to a depth reached before, more at later ones.
 
-    Loss after n earlier presses to this depth: softening (1 - exp(-n / 1.5)) / (1 - exp(-1 / 1.5)). Beyond the
-    deepest earlier press the virgin curve is rejoined over a tenth of the depth. No recovery.
+    Loss after n earlier presses to this depth: softening (1 - exp(-n / cycles)) / (1 - exp(-1 / cycles)). About
+    ``rejoin_share`` of the earlier depth the virgin curve is rejoined, within ``width_share`` of it. No recovery.
     """
 
     name = "softening_with_cycles"
     hook = "batch"
     belongs_to = "pad"
     designed_for = "a pad that is pressed for the first time"
-    parameters = (Parameter("softening", "1", 0.0, 0.0, 0.5, 0.03),)
+    parameters = (
+        Parameter("softening", "1", 0.0, 0.0, 0.5, 0.03),
+        Parameter("rejoin_share", "1", 1.0, 0.8, 1.3, 1.0, log=True, spread=0.05),
+        Parameter("width_share", "1", 0.05, 0.01, 0.3, 0.05, log=True, spread=0.7),
+        Parameter("cycles", "1", 1.5, 0.3, 10.0, 1.5, log=True, spread=0.3),
+    )
     signature = "first press high, later ones lower; only below the depth reached before"
     cause = "filled or weakly crosslinked gel on its first presses"
     remedy = "press every pad a few times to its full depth before it is measured, and use it like that"
@@ -34,10 +39,7 @@ class SofteningWithCycles(Effect):
         depth = np.maximum(depth_mm, 1e-9)
         for earlier in presses.history.earlier_depth_mm.T:
             if np.any(earlier > 0):
-                count += np.clip((earlier[:, None] / depth - REJOIN) / (1.0 - REJOIN), 0.0, 1.0)
-        loss = np.expm1(-count / CYCLES) / np.expm1(-1.0 / CYCLES)
+                beyond = depth / np.maximum(earlier[:, None], 1e-9) - values["rejoin_share"]
+                count += 0.5 * (1.0 - np.tanh(beyond / values["width_share"]))
+        loss = np.expm1(-count / values["cycles"]) / np.expm1(-1.0 / values["cycles"])
         return 1.0 - values["softening"] * loss
-
-
-CYCLES = 1.5
-REJOIN = 0.9

@@ -2,21 +2,26 @@
 
 from __future__ import annotations
 
+import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.loop.data.trials import Presses
-from dummydesign.loop.model.effect import Effect, Parameter, Values
+from dummydesign.loop.model.effect import Arm, Effect, Parameter, Values
 
 
 class Temperature(Effect):
-    """E x (1 - modulus_loss_per_K (T - 23 C)). The shift of relaxation times is left out."""
+    """E x (1 - modulus_loss_per_K (T - 23 C)); relaxation times shift as exp(-times_over_modulus
+    modulus_loss_per_K (T - 23 C)), little in gels."""
 
     name = "temperature"
     hook = "batch"
     belongs_to = "pad"
     designed_for = "23 C"
     needs = ("temperature_C",)
-    parameters = (Parameter("modulus_loss_per_K", "1/K", 0.0, -0.1, 0.1, 0.005),)
+    parameters = (
+        Parameter("modulus_loss_per_K", "1/K", 0.0, -0.1, 0.1, 0.005),
+        Parameter("times_over_modulus", "1", 0.0, -20.0, 20.0, 1.0, spread=3.0),
+    )
     signature = "scale that follows the temperature of the trial"
     cause = "room that is not kept at one temperature"
     remedy = "keep pads and room within 1 K, or give temperature_C of every trial"
@@ -28,6 +33,13 @@ class Temperature(Effect):
 
     def scale(self, presses: Presses, depth_mm: NDArray, values: Values) -> NDArray:
         return 1.0 - values["modulus_loss_per_K"] * (presses.history.temperature_C[:, None] - REFERENCE_C)
+
+    def arms(self, presses: Presses, arms: tuple[Arm, ...], depth_mm: NDArray, values: Values) -> tuple[Arm, ...]:
+        if not values["times_over_modulus"]:
+            return arms
+        shift = values["times_over_modulus"] * values["modulus_loss_per_K"]
+        factor = np.exp(-shift * (presses.history.temperature_C[:, None] - REFERENCE_C))
+        return tuple(arm.changed(tau_s=arm.tau_s * factor) for arm in arms)
 
 
 REFERENCE_C = 23.0

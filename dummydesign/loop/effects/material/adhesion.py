@@ -10,14 +10,18 @@ from dummydesign.loop.model.effect import Effect, Parameter, Values
 
 
 class Adhesion(Effect):
-    """On the way back the contact carries tension up to ``pull_off_N``, and lets go over the first 0.5 mm above
-    the surface."""
+    """On the way back the contact carries tension up to ``pull_off_N``, and lets go over ``release_mm`` above the
+    surface; below it the edge of the contact pulls, and less the deeper: pull_off exp(-depth / neck_mm)."""
 
     name = "adhesion"
     hook = "pad"
     belongs_to = "pad"
     designed_for = "the way in and the hold, not the way back"
-    parameters = (Parameter("pull_off_N", "N", 0.0, 0.0, 5.0, 0.1),)
+    parameters = (
+        Parameter("pull_off_N", "N", 0.0, 0.0, 50.0, 0.1),
+        Parameter("release_mm", "mm", 0.5, 0.05, 5.0, 0.5, log=True, spread=0.7),
+        Parameter("neck_mm", "mm", 0.05, 0.005, 1.0, 0.05, log=True, starts=(0.3,), spread=1.0),
+    )
     signature = "tension near zero depth, unloading only"
     cause = "tacky gel on a clean punch"
     remedy = "powder the surface with talc, or keep to the way in and the hold"
@@ -26,10 +30,23 @@ class Adhesion(Effect):
     def untestable(self, presses: Presses) -> str:
         return "" if presses.unloads.any() else "needs trials that go on after the hold (unloading)"
 
+    def unseen(self, presses: Presses) -> str:
+        return "" if presses.pulls >= WAYS_BACK else "fewer than two presses read tension on the way back"
+
     def floor(self, presses: Presses, floor_N: NDArray, values: Values) -> NDArray:
-        away = presses.time_s > presses.hold_end_s[:, None]
-        held = np.clip(1.0 + presses.displacement_mm / RELEASE_MM, 0.0, 1.0)
-        return floor_N - values["pull_off_N"] * np.where(away, held, 0.0)
+        return floor_N - values["pull_off_N"] * _leaves(presses)
+
+    def surface(self, presses: Presses, depth_mm: NDArray, force_N: NDArray, values: Values) -> NDArray:
+        neck = np.exp(-np.maximum(depth_mm, 0.0) / values["neck_mm"])
+        held = np.clip(1.0 + depth_mm / values["release_mm"], 0.0, 1.0)
+        pull = values["pull_off_N"] * _leaves(presses)
+        return np.maximum(force_N - pull * neck, -pull * held)
 
 
-RELEASE_MM = 0.5
+def _leaves(presses: Presses) -> NDArray:
+    """Whether the punch is on its way back, (T, N)."""
+    return presses.time_s > presses.hold_end_s[:, None]
+
+
+WAYS_BACK = 2
+"""Presses that must show tension: an effect of one way back is of that press."""

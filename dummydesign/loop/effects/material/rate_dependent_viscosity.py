@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.loop.data.trials import Presses
@@ -9,13 +10,21 @@ from dummydesign.loop.model.effect import Arm, Effect, Parameter, Values
 
 
 class RateDependentViscosity(Effect):
-    """Time constants fall as (ramp speed / 50 mm/s)^-exponent: a shear-thinning viscosity, frozen per trial."""
+    """Time constants fall as (speed / 50 mm/s)^-exponent: a shear-thinning viscosity, frozen per trial.
+
+    The speed is sqrt(v^2 + v0^2) with v the ramp's and ``plateau_mm_per_s`` v0, below which gels thin no more. On the
+    way back v goes towards the speed there by the power ``way_back``: 0 is that of the ramp, 1 its own.
+    """
 
     name = "rate_dependent_viscosity"
     hook = "pad"
     belongs_to = "pad"
     designed_for = "relaxation as it is after a ramp of 50 mm/s"
-    parameters = (Parameter("exponent", "1", 0.0, -0.8, 1.5, 0.1),)
+    parameters = (
+        Parameter("exponent", "1", 0.0, -0.8, 1.5, 0.1),
+        Parameter("plateau_mm_per_s", "mm/s", 5.0, 0.5, 100.0, 5.0, log=True, spread=1.0),
+        Parameter("way_back", "1", 0.0, 0.0, 1.0, 1.0, spread=0.5),
+    )
     signature = "time constants differ between speeds; one spectrum cannot serve both"
     cause = "gel whose flow thins with speed"
     remedy = "press at a speed between the two and at one beyond, to fix the exponent"
@@ -26,7 +35,11 @@ class RateDependentViscosity(Effect):
         return "" if speed.max() > 1.5 * speed.min() else "needs two speeds"
 
     def arms(self, presses: Presses, arms: tuple[Arm, ...], depth_mm: NDArray, values: Values) -> tuple[Arm, ...]:
-        factor = (presses.velocity_mm_s[:, None] / REFERENCE_MM_S) ** (-values["exponent"])
+        slow, speed = values["plateau_mm_per_s"], presses.velocity_mm_s[:, None]
+        if values["way_back"] and presses.unloads.any():
+            away = presses.time_s > presses.hold_end_s[:, None]
+            speed = speed * np.where(away, (presses.back_mm_s[:, None] / speed) ** values["way_back"], 1.0)
+        factor = ((speed**2 + slow**2) / (REFERENCE_MM_S**2 + slow**2)) ** (-0.5 * values["exponent"])
         return tuple(arm.changed(tau_s=arm.tau_s * factor) for arm in arms)
 
 

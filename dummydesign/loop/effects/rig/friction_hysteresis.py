@@ -11,12 +11,15 @@ from dummydesign.loop.model.effect import Effect, Parameter, Values
 
 class FrictionHysteresis(Effect):
     """Loss as a fraction of the force, each way: F (1 + friction) on the way in and in the hold, F (1 - friction)
-    on the way out, turning over within 0.1 mm of the way back."""
+    on the way out, turning over within ``turn_mm`` of the way back, 0.1 mm as a rule."""
 
     name = "friction_hysteresis"
     hook = "pad"
     belongs_to = "rig"
-    parameters = (Parameter("friction_fraction", "1", 0.0, 0.0, 0.6, 0.03),)
+    parameters = (
+        Parameter("friction_fraction", "1", 0.0, 0.0, 0.6, 0.03),
+        Parameter("turn_mm", "mm", 0.1, 0.02, 0.5, 0.1, log=True, spread=0.7),
+    )
     signature = "unloading lower than relaxation alone explains, without rate dependence"
     cause = "dry friction in the guide of the punch, or under the punch"
     remedy = "move the punch without a pad and read the force of the guide; lubricate it"
@@ -26,9 +29,6 @@ class FrictionHysteresis(Effect):
         return "" if presses.unloads.any() else "needs trials that go on after the hold (unloading)"
 
     def surface(self, presses: Presses, depth_mm: NDArray, force_N: NDArray, values: Values) -> NDArray:
-        back = np.clip((presses.depth_mm[:, None] - presses.displacement_mm) / TURN_MM, 0.0, 1.0)
+        back = np.clip((presses.depth_mm[:, None] - presses.displacement_mm) / values["turn_mm"], 0.0, 1.0)
         away = presses.time_s > presses.hold_end_s[:, None]
         return force_N * (1.0 + values["friction_fraction"] * np.where(away, 1.0 - 2.0 * back, 1.0))
-
-
-TURN_MM = 0.1

@@ -1,0 +1,100 @@
+"""Parameters of form, tension read off the raw data, doubt between models: closed forms, limits and older files."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from dummydesign.loop.calibration_file import read_calibration, write_calibration
+from dummydesign.loop.data.trials import shows_tension
+from dummydesign.loop.effects.registry import EFFECTS, effect_named
+from dummydesign.loop.fitting.fit import prior_precision
+from dummydesign.loop.model.effect import Arm
+from dummydesign.loop.model.forward_model import parameter_names, relax
+from dummydesign.loop.selection.rivals import LAW_ERROR, doubt_of
+from dummydesign.loop.selection.verdict import EACH_PARAMETER
+from tests.support.made_calibration import calibration, effect
+from tests.support.refusal import raises_code
+
+FORMS = [(one, p) for one in EFFECTS for p in one.parameters if p.of_form]
+
+
+@pytest.mark.parametrize(("one", "p"), FORMS, ids=lambda value: value.name)
+def test_a_form_has_its_usual_value_at_coordinate_zero_and_is_never_a_size(one, p):
+    assert p.to_coordinate(p.null) == pytest.approx(0.0)
+    assert p is not one.parameters[0] and p.low <= p.null <= p.high
+
+
+def test_only_forms_and_the_law_error_have_priors():
+    problem = SimpleNamespace(effects=(effect_named("friction_hysteresis"),), thicknesses=np.array([5.0, 10.0]))
+    turn = effect_named("friction_hysteresis").parameters[1]
+    sizes = SimpleNamespace(law=(0.1, 0.2, 0.5))
+    expected = [*[0.0] * 6, turn.spread**-2.0, 100.0, 100.0, 25.0, 25.0, 4.0, 4.0]
+    assert prior_precision(problem, sizes) == pytest.approx(expected)
+
+
+def test_a_calibration_from_before_forms_were_known_is_read_with_their_usual_values(tmp_path):
+    made = calibration(effect("friction_hysteresis", friction_fraction=0.05))
+    names = tuple(parameter_names([made.after.active[0].effect]))
+    made = replace(made, posterior=replace(made.posterior, names=names))
+    path = write_calibration(made, tmp_path / "calibration.json")
+    whole = json.loads(path.read_text())
+    del whole["after"]["effects"][0]["parameters"]["turn_mm"]
+    known = whole["posterior"]
+    place = known["names"].index("log friction_hysteresis.turn_mm")
+    for row in (known["names"], known["mean"], known["covariance"], *known["covariance"]):
+        del row[place]
+    path.write_text(json.dumps(whole))
+    read = read_calibration(path)
+    assert read.after.active[0].values == {"friction_fraction": 0.05, "turn_mm": 0.1}
+    assert read.posterior.names[-1] == "friction_hysteresis.friction_fraction"
+    # a size may not be missing
+    del whole["after"]["effects"][0]["parameters"]["friction_fraction"]
+    path.write_text(json.dumps(whole))
+    with raises_code("malformed"):
+        read_calibration(path)
+
+
+def test_an_arm_whose_time_changes_decays_with_each_time_in_turn():
+    time = np.linspace(0.0, 4.0, 401)[None]
+    elastic = np.minimum(time / 0.01, 1.0)
+    tau = np.where(time <= 2.0, 1.0, 0.25)
+    held = relax(time, elastic, [Arm(tau, 0.5)]) - elastic
+    start = held[0, 1]
+    expected = start * np.exp(-np.minimum(time[0] - 0.01, 1.99) / 1.0 - np.maximum(time[0] - 2.0, 0.0) / 0.25)
+    assert held[0, 1:] == pytest.approx(expected[1:], rel=1e-9)
+
+
+def way_back(pull_N, drift_N_s=0.0, seed=3):
+    """Time, force, contact and end of hold of a press of 5 N with tension on the way back."""
+    time = np.arange(0.0, 4.0, 1e-2)
+    force = 5.0 * np.clip((time - 0.5) / 0.2, 0.0, 1.0) * np.clip((3.0 - time) / 0.2, 0.0, 1.0)
+    force = force - pull_N * ((time > 3.0) & (time < 3.3)) + drift_N_s * time
+    return time, force + np.random.default_rng(seed).normal(0.0, 0.02, len(time)), 0.5, 2.8
+
+
+def test_tension_is_seen_beyond_the_noise_and_a_drift_of_the_zero_is_none():
+    for seed in range(40):
+        assert shows_tension(*way_back(0.2, seed=seed)) and shows_tension(*way_back(0.2, 0.01, seed))
+        assert not shows_tension(*way_back(0.0, seed=seed)) and not shows_tension(*way_back(0.0, -0.02, seed))
+
+
+def model(log_young, variance=0.0, effects=()):
+    vector = np.array([log_young, 0.0, 0.0, 0.0, 0.0])
+    covariance = np.diag([variance, 0.0, 0.0, 0.0, 0.0])
+    return SimpleNamespace(vector=vector, covariance=covariance, active=(), problem=SimpleNamespace(effects=effects))
+
+
+def test_rivals_widen_the_modulus_by_their_weight_and_the_law_by_its_error():
+    chosen, other = model(0.0), model(0.1, 0.02**2, (effect_named("thickness_error"),))
+    alone = doubt_of(chosen, [])
+    assert alone[0, 0] == pytest.approx(LAW_ERROR**2) and np.count_nonzero(alone) == 1
+    # as likely as the chosen one once its parameter is paid for
+    even = doubt_of(chosen, [(EACH_PARAMETER, other)])
+    assert even[0, 0] == pytest.approx(0.5 * (0.1**2 + 0.02**2) + LAW_ERROR**2)
+    never = doubt_of(chosen, [(EACH_PARAMETER - 60.0, other)])
+    assert never[0, 0] == pytest.approx(LAW_ERROR**2, rel=1e-6)

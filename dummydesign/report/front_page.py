@@ -1,0 +1,404 @@
+"""The first page of a report: verdict, a drawing, facts, presses as small multiples, a table, what to do next.
+
+A command fills a :class:`FrontPage`; :func:`lay_out` places it on one sheet of A4. The same sheet is the report's first
+page, as SVG, and ``report.pdf``.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from itertools import chain
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dummydesign._version import __version__
+from dummydesign.report.plot import Axis, Plot
+from dummydesign.report.plot_layers import Band, Dots, Line, corners
+from dummydesign.report.vector_sheet import (
+    INK,
+    PANEL,
+    PAPER,
+    PT_MM,
+    RULE,
+    SOFT,
+    Box,
+    Item,
+    Path,
+    Text,
+    VectorSheet,
+    paragraph,
+    rectangle,
+    shortened,
+    text_width_mm,
+    wrapped,
+)
+
+PAPER_MM = (210.0, 297.0)
+WIDTH_MM, HEIGHT_MM = 186.0, 272.0
+"""The sheet, inside the paper's margins. [mm]"""
+SIZES_PT = (9.0, 8.5, 8.0, 7.5, 7.0, 6.5, 6.0)
+"""Sizes of the text that are tried, the largest first. [pt]"""
+LEAST_PANEL_MM, MOST_PANEL_MM = 24.0, 40.0
+"""Height of a small multiple. [mm]"""
+MOST_PANELS, COLUMNS, GAP_MM = 6, 3, 4.0
+MOST_ROWS, MOST_NOTES = 9, 4
+"""Rows of the table and warnings that are shown; the report has all."""
+LIGHTS = {"green": ("#2e8b57", "#e9f5ee"), "amber": ("#d98e04", "#fdf4e1"), "red": ("#c62828", "#fbe9e7")}
+NO_LIGHT = ("#0b5cad", "#e8f0f8")
+STYLES = {"main": ("#0b5cad", ()), "aim": ("#b3500f", (1.2, 0.8)), "other": ("#6b7782", (0.4, 0.6))}
+"""Colour and dashes of curves by the names that plots use."""
+BAND, BAD = "#b9cfe4", "#b3261e"
+PITCH = 1.28
+"""Distance of lines over the size of their text."""
+
+
+@dataclass(frozen=True)
+class Fact:
+    """A value with its label; ``large`` for the one number that is read from afar."""
+
+    label: str
+    text: str
+    large: bool = False
+
+
+@dataclass(frozen=True)
+class Panel:
+    """A press as a small multiple: its plot, the test at its upper left, how it reads at its upper right."""
+
+    plot: Plot
+    test: str
+    reads: str
+    bad: bool = False
+    level: str = ""
+    """Panels of one level share the scale of their forces."""
+
+
+@dataclass(frozen=True)
+class Grid:
+    """A table of texts; rows in ``marked`` are in the colour of what is outside."""
+
+    head: Sequence[str]
+    rows: Sequence[Sequence[str]]
+    marked: frozenset[int] = frozenset()
+
+
+@dataclass(frozen=True)
+class FrontPage:
+    """What stands on the first page.
+
+    Attributes
+    ----------
+    title, basis : str
+        Name of the answer, and for what it holds.
+    verdict : tuple of (str or None, str)
+        Light (green, amber, red or none) and words; the words up to the first full stop are set in bold.
+    drawing : tuple of (str, callable)
+        Heading and what draws into a box. [mm]
+    facts_title, facts : str, sequence of Fact
+        What stands right of the drawing.
+    panels_title, panels : str, sequence of Panel
+        The presses, at most six.
+    keys : sequence of (str, str)
+        Style (``band``, ``main``, ``aim``, ``other``) and name of each curve.
+    table : Grid
+        What stands under the presses.
+    blocks : sequence of (str, sequence of str)
+        Heading and paragraphs right of the table.
+    notes : sequence of str
+        Warnings, each with what to do.
+    steps : sequence of str
+        What to do next, in its order; commands begin with ``dummydesign``.
+    beside : str
+        What may be done instead.
+    foot : str
+        Where the rest is.
+    """
+
+    title: str
+    basis: str
+    verdict: tuple[str | None, str]
+    drawing: tuple[str, Callable[[Box], list[Item]]]
+    facts_title: str
+    facts: Sequence[Fact]
+    panels_title: str
+    panels: Sequence[Panel]
+    keys: Sequence[tuple[str, str]]
+    table: Grid
+    blocks: Sequence[tuple[str, Sequence[str]]] = ()
+    notes: Sequence[str] = ()
+    steps: Sequence[str] = ()
+    beside: str = ""
+    foot: str = ""
+
+
+def lay_out(page: FrontPage) -> VectorSheet:
+    """Place everything on one sheet, with the largest text at which the presses keep their least height.
+
+    Parameters
+    ----------
+    page : FrontPage
+        The content.
+
+    Returns
+    -------
+    VectorSheet
+        The sheet. Long texts end in three dots; what no size makes room for is left to the report.
+    """
+    rows = max(-(-len(page.panels[:MOST_PANELS]) // COLUMNS), 1)
+    smaller = ((page, size) for size in SIZES_PT)
+    for shown, size in chain(smaller, ((shown, SIZES_PT[-1]) for shown in _shorter(page))):
+        top, y = _head(shown, size)
+        fixed = _lower(shown, size, 0.0)[1] + _panel_head(size) + GAP_MM
+        room = (HEIGHT_MM - y - fixed) / rows
+        if room >= LEAST_PANEL_MM:
+            break
+    sheet = VectorSheet(page.title, WIDTH_MM, HEIGHT_MM, top)
+    y = _panels(sheet.items, shown, y, min(room, MOST_PANEL_MM), size) + GAP_MM
+    sheet.items += _lower(shown, size, y)[0]
+    return sheet
+
+
+def _shorter(page: FrontPage) -> Iterator[FrontPage]:
+    """The page with less and less of what the report has as well: warnings, blocks, facts."""
+    for _ in page.notes[1:]:
+        yield (page := replace(page, notes=page.notes[:-1]))
+    for _ in page.blocks[1:]:
+        yield (page := replace(page, blocks=page.blocks[:-1]))
+    for _ in page.facts[2:]:
+        yield (page := replace(page, facts=page.facts[:-1]))
+    yield replace(page, notes=(), blocks=())
+
+
+def _line_mm(size: float) -> float:
+    return PITCH * size * PT_MM
+
+
+def _heading(words: str, x: float, y: float, wide: float, size: float) -> tuple[list[Item], float]:
+    """A heading over a rule, and the edge under it."""
+    low = y + _line_mm(size + 1) + 0.6
+    words = shortened(words, wide, size + 1, "bold")
+    return [Text(x, y + 0.8 * _line_mm(size + 1), words, size + 1, "bold"),
+            Path(((x, low), (x + wide, low)), RULE, width_mm=0.3)], low + 1.2  # fmt: skip
+
+
+def _head(page: FrontPage, size: float) -> tuple[list[Item], float]:
+    """Title, for what it holds, verdict, drawing and facts."""
+    version = f"dummydesign {__version__}"
+    room = WIDTH_MM - text_width_mm(version, 7.0) - 6.0
+    items: list[Item] = [Text(0.0, 5.6, shortened(page.title, room, 16.0, "bold"), 16.0, "bold"),
+                         Text(WIDTH_MM, 5.6, version, 7.0, anchor="end", colour=SOFT)]  # fmt: skip
+    found, y = paragraph(0.0, 7.6, wrapped(page.basis, WIDTH_MM, size, most=4), size, colour=SOFT)
+    items += found
+    found, y = _verdict(*page.verdict, y + 2.0, size + 1.5)
+    items += found
+    y += GAP_MM
+    wide = 0.6 * WIDTH_MM
+    found, under = _heading(page.drawing[0], 0.0, y, wide, size)
+    items += found
+    found, low = _facts(page, wide + 6.0, y, WIDTH_MM - wide - 6.0, size)
+    low = max(low, under + 46.0)
+    return [*items, *page.drawing[1]((0.0, under, wide, low)), *found], low + GAP_MM
+
+
+def _verdict(light: str | None, words: str, y: float, size: float) -> tuple[list[Item], float]:
+    """The verdict in a box in the colour of its light, which is named as well."""
+    colour, pale = LIGHTS.get(light or "", NO_LIGHT)
+    first, _, rest = words.partition(". ")
+    strong = f"{light.upper()}: {first.rstrip('.').upper()}" if light else f"{first.rstrip('.')}."
+    left, room = (14.0, WIDTH_MM - 18.0) if light else (5.0, WIDTH_MM - 9.0)
+    found, low = paragraph(left, y + 1.6, wrapped(strong, room, size + 2.0, "bold", 3), size + 2.0, "bold")
+    more, low = paragraph(left, low + 0.4, wrapped(rest, room, size, most=6), size)
+    low += 1.6
+    items: list[Item] = [rectangle((0.0, y, WIDTH_MM, low), pale, colour, 0.5)]
+    if light:
+        turn = np.linspace(0.0, 2.0 * np.pi, 49)[:-1]
+        middle = 0.5 * (y + low)
+        ring = tuple((7.0 + 3.4 * math.cos(t), middle + 3.4 * math.sin(t)) for t in turn)
+        items.append(Path(ring, None, colour, closed=True))
+    return [*items, *found, *more], low
+
+
+def _facts(page: FrontPage, x: float, y: float, wide: float, size: float) -> tuple[list[Item], float]:
+    """Labels and their values, one under the other."""
+    items, y = _heading(page.facts_title, x, y, wide, size)
+    for fact in page.facts:
+        found, y = paragraph(x, y + 0.5, [shortened(fact.label, wide, size - 1)], size - 1, colour=SOFT)
+        items += found
+        big = size + (7.0 if fact.large else 0.5)
+        found, y = paragraph(x, y, wrapped(fact.text, wide, big, "bold", 4), big, "bold")
+        items += found
+    return items, y
+
+
+def _panel_head(size: float) -> float:
+    return _line_mm(size + 1) + 1.8
+
+
+def _panels(items: list[Item], page: FrontPage, y: float, high: float, size: float) -> float:
+    """The presses as small multiples, and the edge under them."""
+    left_out = f": the first {MOST_PANELS} of {len(page.panels)}" if len(page.panels) > MOST_PANELS else ""
+    found, under = _heading(f"{page.panels_title}{left_out}", 0.0, y, WIDTH_MM, size)
+    items += found
+    x, base = WIDTH_MM, y + 0.8 * _line_mm(size + 1)
+    for style, name in reversed(page.keys):
+        x -= text_width_mm(name, size - 1)
+        items.append(Text(x, base, name, size - 1, colour=SOFT))
+        colour, dash = STYLES.get(style, (BAND, ()))
+        line = Path(((x - 8.0, base - 1.0), (x - 1.5, base - 1.0)), colour, None, 2.0 if style == "band" else 0.5, dash)
+        items.append(line)
+        x -= 12.0
+    shown = page.panels[:MOST_PANELS]
+    wide = (WIDTH_MM - (COLUMNS - 1) * GAP_MM) / COLUMNS
+    tops = {panel.level: _top([one for one in shown if one.level == panel.level]) for panel in shown}
+    for number, panel in enumerate(shown):
+        row, column = divmod(number, COLUMNS)
+        left, top = column * (wide + GAP_MM), under + row * high
+        items += _panel(panel, (left, top, left + wide, top + high - 1.5), tops[panel.level], size - 1)
+    return under + max(-(-len(shown) // COLUMNS), 1) * high
+
+
+def _top(panels: Sequence[Panel]) -> float:
+    """The largest force of some panels. [N]"""
+    ends = [layer.extent() for panel in panels for layer in panel.plot.layers if isinstance(layer, Band | Line)]
+    most = [float(np.nanmax(y)) for _, y in ends if np.isfinite(y).any()]
+    return 1.06 * max(most, default=1.0)
+
+
+def _panel(panel: Panel, box: Box, top: float, size: float) -> list[Item]:
+    """One press: people's band and the pad's force over time since contact, on a logarithmic axis."""
+    left, high, right, low = box
+    line = _line_mm(size)
+    low_x, high_x = panel.plot.x_range or (1e-3, 10.0)
+    x = Axis("", low_x, high_x, left + 7.5, right - 1.0, log=True)
+    y = Axis("", 0.0, top, low - line - 0.4, high + line + 1.0)
+    reads = shortened(panel.reads, 0.55 * (right - left), size, "bold")
+    room = right - left - text_width_mm(reads, size, "bold") - 3.0
+    items: list[Item] = [
+        rectangle((x.start, y.stop, x.stop, y.start), PAPER, None),
+        Text(left, high + 0.8 * line, shortened(panel.test, room, size, "bold"), size, "bold"),
+        Text(right, high + 0.8 * line, reads, size, "bold", "end", BAD if panel.bad else SOFT),
+    ]
+    for value, words in y.ticks(4):
+        place = y.place(value)
+        items.append(Path(((x.start, place), (x.stop, place)), RULE, width_mm=0.15))
+        base = place + 0.25 * size * PT_MM
+        items.append(Text(x.start - 1.0, base, words, size - 0.5, anchor="end", colour=SOFT))
+    decades = range(math.ceil(math.log10(low_x) - 1e-9), math.floor(math.log10(high_x) + 1e-9) + 1)
+    for power in decades:
+        place = x.place(10.0**power)
+        items.append(Path(((place, y.start), (place, y.start + 0.7)), SOFT, width_mm=0.2))
+        anchor = "end" if place > x.stop - 2.0 else "middle"
+        unit = " s" if power == decades[-1] else ""
+        items.append(Text(place, y.start + line, f"{10.0**power:g}{unit}", size - 0.5, anchor=anchor, colour=SOFT))
+    for layer in panel.plot.layers:
+        if isinstance(layer, Band):
+            at, lower, upper = (np.asarray(v, float) for v in (layer.at, layer.low, layer.high))
+            ends = np.r_[at, at[::-1]], np.r_[upper, lower[::-1]]
+            items += _run(x, y, *ends, None, BAND, (), closed=True)
+        elif isinstance(layer, Line) and not isinstance(layer, Dots):
+            colour, dash = STYLES.get(layer.style, STYLES["other"])
+            items += _run(x, y, np.asarray(layer.x, float), np.asarray(layer.y, float), colour, None, dash)
+    items.append(Path(((x.start, y.stop), (x.start, y.start), (x.stop, y.start)), SOFT, width_mm=0.25))
+    if not any(isinstance(layer, Line) for layer in panel.plot.layers if getattr(layer, "style", "") == "main"):
+        items.append(Text(0.5 * (x.start + x.stop), y.place(0.15 * top), "not reached", size, anchor="middle"))
+    return items
+
+
+def _run(
+    x: Axis, y: Axis, xs: NDArray, ys: NDArray, stroke: str | None, fill: str | None, dash: tuple[float, ...],
+    closed: bool = False,
+) -> list[Item]:  # fmt: skip
+    """A curve or an area in places of its axes, without points that no one would see; none before the axis begins."""
+    known = np.isfinite(xs) & np.isfinite(ys) & (xs > 0.0)
+    if known.sum() < 2:
+        return []
+    across = np.clip(x.places(xs[known]), x.start, x.stop)
+    along = np.clip(y.places(ys[known]), y.stop, y.start)
+    kept = corners(across, along, 0.02)
+    points = tuple((float(a), float(b)) for a, b in zip(across[kept], along[kept]))
+    return [Path(points, stroke, fill, 0.5, dash, closed)]
+
+
+def _lower(page: FrontPage, size: float, y: float) -> tuple[list[Item], float]:
+    """Table and blocks, warnings, steps and foot, from an edge on; and the edge under them."""
+    wide = 0.6 * WIDTH_MM
+    items, low = _grid(page.table, 0.0, y, wide if page.blocks else WIDTH_MM, size)
+    under, x = y, wide + 6.0
+    for title, texts in page.blocks:
+        found, under = _heading(title, x, under, WIDTH_MM - x, size)
+        items += found
+        for text in texts:
+            found, under = paragraph(x, under, wrapped(text, WIDTH_MM - x, size, most=3), size)
+            items, under = [*items, *found], under + 0.6
+        under += 1.5
+    y = max(low, under) + 1.5
+    for note in page.notes[:MOST_NOTES]:
+        found, low = paragraph(5.0, y + 0.8, wrapped(note, WIDTH_MM - 6.0, size, most=2), size)
+        items += [Path(((1.5, y + 0.8), (1.5, low)), LIGHTS["amber"][0], width_mm=1.0), *found]
+        y = low + 0.6
+    if page.steps:
+        found, y = _steps(page, y + 1.0, size)
+        items += found
+    found, y = paragraph(0.0, y + 1.5, wrapped(page.foot, WIDTH_MM, size - 1, most=2), size - 1, colour=SOFT)
+    return [*items, *found], y
+
+
+def _steps(page: FrontPage, y: float, size: float) -> tuple[list[Item], float]:
+    """What to do next, numbered, on a tinted ground; commands in the letters of a terminal."""
+    head, low = _heading("What to do next", 4.0, y + 1.5, WIDTH_MM - 8.0, size)
+    items: list[Item] = []
+    numbered = len(page.steps) > 1
+    for number, step in enumerate(page.steps, 1):
+        left = 9.0 if numbered else 4.0
+        typed = step.startswith("dummydesign ")
+        face, own = ("mono", size - 0.5) if typed else ("plain", size)
+        lines = wrapped(step, WIDTH_MM - left - 8.0, own, face, 3)
+        if typed:  # a shell takes the lines as one
+            lines = [*(f"{line} \\" for line in lines[:-1]), lines[-1]]
+        if numbered:
+            items.append(Text(5.0, low + 0.8 * _line_mm(size), str(number), size, "bold"))
+        found, low = paragraph(left, low, lines, own, face, pitch=PITCH * size / own)
+        items, low = [*items, *found], low + 0.7
+    if page.beside:
+        left = 9.0 if numbered else 4.0
+        found, low = paragraph(left, low, wrapped(page.beside, WIDTH_MM - left - 4.0, size, most=2), size, colour=SOFT)
+        items += found
+    low += 1.0
+    return [rectangle((0.0, y, WIDTH_MM, low), PANEL, None), *head, *items], low
+
+
+def _grid(table: Grid, x: float, y: float, wide: float, size: float) -> tuple[list[Item], float]:
+    """A table: columns as wide as their widest text, spread over the width; smaller where it has no room."""
+    rows = [list(table.head), *(list(row) for row in table.rows)]
+    if not table.rows:
+        return [], y
+    if len(table.rows) > MOST_ROWS + 1:
+        rows = [*rows[: MOST_ROWS + 1], [f"... and {len(table.rows) - MOST_ROWS} more in the report"]]
+    count = len(table.head)
+
+    def widths(of: float) -> list[float]:
+        faces = ["bold", *["plain"] * len(rows)]
+        return [max(text_width_mm(row[k], of, face) for row, face in zip(rows, faces) if 1 < len(row) > k)
+                for k in range(count)]  # fmt: skip
+
+    while size > 4.5 and sum(widths(size)) + 2.0 * (count - 1) > wide:
+        size -= 0.5
+    own = widths(size)
+    gap = min((wide - sum(own)) / max(count - 1, 1), 9.0)
+    rights = np.cumsum(own) + gap * np.arange(count)
+    step, items = 1.5 * size * PT_MM, list[Item]()
+    for number, row in enumerate(rows):
+        base = y + number * step + 0.72 * step
+        colour = SOFT if number == 0 else BAD if number - 1 in table.marked else INK
+        face = "plain" if number else "bold"
+        for k, words in ((k, words) for k, words in enumerate(row) if words):
+            first, last = k == 0, k == count - 1
+            place = x if first else x + float(rights[k]) - (own[k] if last else 0.0)
+            items.append(Text(place, base, words, size, face, "start" if first or last else "end", colour))
+        if number + 1 < len(rows):
+            edge = y + (number + 1) * step
+            items.append(Path(((x, edge), (x + float(rights[-1]), edge)), RULE, width_mm=0.3 if number == 0 else 0.15))
+    return items, y + len(rows) * step

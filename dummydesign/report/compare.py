@@ -12,8 +12,11 @@ from typing import Any
 import numpy as np
 
 from dummydesign.core.files import write_bytes, write_text
+from dummydesign.report import compare_facts
+from dummydesign.report.front_page import FOOT, Fact, FrontPage, Grid, Panel, warning_texts
 from dummydesign.report.page import STYLES, Section, Table, digits, log_start, unique, write_report
 from dummydesign.report.plot import Plot, press_plot, steady_plot
+from dummydesign.report.plot_drawing import plot_drawing
 from dummydesign.report.plot_layers import Band, Bars, Dots, Layer, Line
 from dummydesign.tissue.comparison import Comparison
 from dummydesign.tissue.model.ranges import interpolate_rows
@@ -50,17 +53,39 @@ def write_compare_report(
         f"{'no law' if tissue.measured else 'law ' + data['law']}. "
         "Each press is compared with the subjects at its own steady force, speed, hold and braking."
     ) + _test_words(data)
+    steady_figure, presses = _steady(found, tissue), _presses(found, data)
     sections = [
-        Section("Steady force", _steady_words(data), [_steady(found, tissue)]),
+        Section("Steady force", _steady_words(data), [steady_figure]),
         Section("Force over time", "Repeats of a condition share a figure; the range is that of the first.",
-                _presses(found, data), _conditions(rows)),
+                presses, _conditions(rows)),
         *([Section("Parameters", PARAMETERS, _parameters(data), _parametric(data))] if data["parametric"] else []),
         Section("Fit behind the parameters", f"Rms residual {fit['rmse_N']:.3g} N, noise floor "
                 f"{fit['noise_floor_N']:.3g} N, largest residual {fit['max_residual_N']:.3g} N.", table=_traces(data)),
     ]  # fmt: skip
     title = f"Dummy against {tissue.name}"
     return write_report(folder, title, lead, sections, facts=facts, warnings=data["warnings"], sources=tissue.sources,
-                        verdict=verdict)  # fmt: skip
+                        verdict=verdict, front=_front(title, data, verdict, steady_figure, presses))  # fmt: skip
+
+
+def _front(
+    title: str, data: dict[str, Any], verdict: dict[str, Any] | None, steady: Plot, presses: list[Plot]
+) -> FrontPage:
+    """The first page: verdict, steady curve, each press in the people's range."""
+    head, rows = compare_facts.press_rows(data)
+    facts = [
+        Fact("people", f"{data['tissue']}, {compare_facts.law_text(data)}", True),
+        Fact("part of the steady curve inside the people's range", compare_facts.steady_text(data).replace("; ", "\n")),
+        Fact("parameters of the law", compare_facts.parameters_text(data)),
+        Fact("pad", compare_facts.pad_text(data)),
+    ]
+    return FrontPage(
+        title, f"Each press is compared with people at its own steady force, speed and hold.{_test_words(data)}",
+        (verdict["light"], verdict["text"]) if verdict else (None, f"Compared with {data['tissue']}."),
+        ("Steady force over depth", plot_drawing(steady)), "Comparison", [fact for fact in facts if fact.text],
+        "Force [N] over time since contact",
+        [Panel(plot, f"{row[0]} N, {row[1]} mm/s", f"{row[3]} N: {row[5]} inside") for plot, row in zip(presses, rows)],
+        [("band", "people"), ("main", "this pad")], Grid(head, rows), notes=warning_texts(data["warnings"]), foot=FOOT,
+    )  # fmt: skip
 
 
 def _test_words(data: dict[str, Any]) -> str:

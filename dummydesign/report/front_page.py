@@ -7,23 +7,25 @@ page, as SVG, and ``report.pdf``.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import chain
 
 import numpy as np
-from numpy.typing import NDArray
 
 from dummydesign._version import __version__
-from dummydesign.report.plot import Axis, Plot
-from dummydesign.report.plot_layers import Band, Dots, Line, corners
+from dummydesign.report.plot import Plot
+from dummydesign.report.plot_drawing import draw_axes, draw_layers
+from dummydesign.report.plot_layers import Band, Line
 from dummydesign.report.vector_sheet import (
+    BAND,
     INK,
     PANEL,
-    PAPER,
+    PITCH,
     PT_MM,
     RULE,
     SOFT,
+    STYLES,
     Box,
     Item,
     Path,
@@ -48,11 +50,10 @@ MOST_ROWS, MOST_NOTES = 9, 4
 """Rows of the table and warnings that are shown; the report has all."""
 LIGHTS = {"green": ("#2e8b57", "#e9f5ee"), "amber": ("#d98e04", "#fdf4e1"), "red": ("#c62828", "#fbe9e7")}
 NO_LIGHT = ("#0b5cad", "#e8f0f8")
-STYLES = {"main": ("#0b5cad", ()), "aim": ("#b3500f", (1.2, 0.8)), "other": ("#6b7782", (0.4, 0.6))}
-"""Colour and dashes of curves by the names that plots use."""
-BAND, BAD = "#b9cfe4", "#b3261e"
-PITCH = 1.28
-"""Distance of lines over the size of their text."""
+BAD = "#b3261e"
+
+
+FOOT = "report.html continues with all figures and tables, the warnings and the sources."
 
 
 @dataclass(frozen=True)
@@ -73,7 +74,7 @@ class Panel:
     reads: str
     bad: bool = False
     level: str = ""
-    """Panels of one level share the scale of their forces."""
+    """Panels of one level share the scale of their forces; those without a level have their own."""
 
 
 @dataclass(frozen=True)
@@ -100,9 +101,9 @@ class FrontPage:
     facts_title, facts : str, sequence of Fact
         What stands right of the drawing.
     panels_title, panels : str, sequence of Panel
-        The presses, at most six.
+        The presses; six are shown.
     keys : sequence of (str, str)
-        Style (``band``, ``main``, ``aim``, ``other``) and name of each curve.
+        Style (``band``, ``dots``, ``main``, ``aim``, ``other``) and name of each curve.
     table : Grid
         What stands under the presses.
     blocks : sequence of (str, sequence of str)
@@ -159,6 +160,20 @@ def lay_out(page: FrontPage) -> VectorSheet:
     y = _panels(sheet.items, shown, y, min(room, MOST_PANEL_MM), size) + GAP_MM
     sheet.items += _lower(shown, size, y)[0]
     return sheet
+
+
+def sentence(text: str) -> str:
+    """The text with a capital, unless it begins with a file's name, and a full stop."""
+    first = text.partition(" ")[0].rstrip(",;:")
+    return text and f"{text[0].upper() if first.isalpha() else text[0]}{text[1:].removesuffix('.')}."
+
+
+def warning_texts(warnings: Sequence[Mapping[str, str]]) -> list[str]:
+    """The first warning of each kind, and how many more there are of it."""
+    kinds: dict[str, list[str]] = {}
+    for item in warnings:
+        kinds.setdefault(item["code"], []).append(item["message"])
+    return [sentence(found[0]) + (f" ({len(found) - 1} more)" if len(found) > 1 else "") for found in kinds.values()]
 
 
 def _shorter(page: FrontPage) -> Iterator[FrontPage]:
@@ -239,7 +254,7 @@ def _panel_head(size: float) -> float:
 
 def _panels(items: list[Item], page: FrontPage, y: float, high: float, size: float) -> float:
     """The presses as small multiples, and the edge under them."""
-    left_out = f": the first {MOST_PANELS} of {len(page.panels)}" if len(page.panels) > MOST_PANELS else ""
+    left_out = f": {MOST_PANELS} of {len(page.panels)}" if len(page.panels) > MOST_PANELS else ""
     found, under = _heading(f"{page.panels_title}{left_out}", 0.0, y, WIDTH_MM, size)
     items += found
     x, base = WIDTH_MM, y + 0.8 * _line_mm(size + 1)
@@ -247,79 +262,49 @@ def _panels(items: list[Item], page: FrontPage, y: float, high: float, size: flo
         x -= text_width_mm(name, size - 1)
         items.append(Text(x, base, name, size - 1, colour=SOFT))
         colour, dash = STYLES.get(style, (BAND, ()))
-        line = Path(((x - 8.0, base - 1.0), (x - 1.5, base - 1.0)), colour, None, 2.0 if style == "band" else 0.5, dash)
-        items.append(line)
+        if style == "dots":
+            items.append(rectangle((x - 3.2, base - 1.5, x - 2.2, base - 0.5), STYLES["other"][0], None))
+        else:
+            width = 2.0 if style == "band" else 0.5
+            items.append(Path(((x - 8.0, base - 1.0), (x - 1.5, base - 1.0)), colour, None, width, dash))
         x -= 12.0
-    shown = page.panels[:MOST_PANELS]
+    # of more presses those that lie evenly in their order
+    at = np.linspace(0, len(page.panels) - 1, min(len(page.panels), MOST_PANELS)).round().astype(int)
+    shown = [page.panels[number] for number in at]
     wide = (WIDTH_MM - (COLUMNS - 1) * GAP_MM) / COLUMNS
-    tops = {panel.level: _top([one for one in shown if one.level == panel.level]) for panel in shown}
+    ranges = {panel.level: _range([one for one in shown if one.level == panel.level]) for panel in shown}
     for number, panel in enumerate(shown):
         row, column = divmod(number, COLUMNS)
         left, top = column * (wide + GAP_MM), under + row * high
-        items += _panel(panel, (left, top, left + wide, top + high - 1.5), tops[panel.level], size - 1)
+        items += _panel(panel, (left, top, left + wide, top + high - 1.5), ranges[panel.level], size - 1)
     return under + max(-(-len(shown) // COLUMNS), 1) * high
 
 
-def _top(panels: Sequence[Panel]) -> float:
-    """The largest force of some panels. [N]"""
+def _range(panels: Sequence[Panel]) -> tuple[float, float] | None:
+    """The range of forces of the panels of one level; None for their own."""
+    if not panels[0].level:
+        return None
     ends = [layer.extent() for panel in panels for layer in panel.plot.layers if isinstance(layer, Band | Line)]
     most = [float(np.nanmax(y)) for _, y in ends if np.isfinite(y).any()]
-    return 1.06 * max(most, default=1.0)
+    return 0.0, 1.06 * max(most, default=1.0)
 
 
-def _panel(panel: Panel, box: Box, top: float, size: float) -> list[Item]:
-    """One press: people's band and the pad's force over time since contact, on a logarithmic axis."""
+def _panel(panel: Panel, box: Box, y_range: tuple[float, float] | None, size: float) -> list[Item]:
+    """One press: its test and how it reads over its plot."""
     left, high, right, low = box
     line = _line_mm(size)
-    low_x, high_x = panel.plot.x_range or (1e-3, 10.0)
-    x = Axis("", low_x, high_x, left + 7.5, right - 1.0, log=True)
-    y = Axis("", 0.0, top, low - line - 0.4, high + line + 1.0)
     reads = shortened(panel.reads, 0.55 * (right - left), size, "bold")
     room = right - left - text_width_mm(reads, size, "bold") - 3.0
-    items: list[Item] = [
-        rectangle((x.start, y.stop, x.stop, y.start), PAPER, None),
+    unit = " s" if panel.plot.x_name == "time_s" else ""
+    items, (x, y) = draw_axes(panel.plot, (left, high + line + 0.7, right, low), size - 0.5, y_range, unit)
+    items += [
         Text(left, high + 0.8 * line, shortened(panel.test, room, size, "bold"), size, "bold"),
         Text(right, high + 0.8 * line, reads, size, "bold", "end", BAD if panel.bad else SOFT),
+        *draw_layers(panel.plot, x, y, size - 0.5),
     ]
-    for value, words in y.ticks(4):
-        place = y.place(value)
-        items.append(Path(((x.start, place), (x.stop, place)), RULE, width_mm=0.15))
-        base = place + 0.25 * size * PT_MM
-        items.append(Text(x.start - 1.0, base, words, size - 0.5, anchor="end", colour=SOFT))
-    decades = range(math.ceil(math.log10(low_x) - 1e-9), math.floor(math.log10(high_x) + 1e-9) + 1)
-    for power in decades:
-        place = x.place(10.0**power)
-        items.append(Path(((place, y.start), (place, y.start + 0.7)), SOFT, width_mm=0.2))
-        anchor = "end" if place > x.stop - 2.0 else "middle"
-        unit = " s" if power == decades[-1] else ""
-        items.append(Text(place, y.start + line, f"{10.0**power:g}{unit}", size - 0.5, anchor=anchor, colour=SOFT))
-    for layer in panel.plot.layers:
-        if isinstance(layer, Band):
-            at, lower, upper = (np.asarray(v, float) for v in (layer.at, layer.low, layer.high))
-            ends = np.r_[at, at[::-1]], np.r_[upper, lower[::-1]]
-            items += _run(x, y, *ends, None, BAND, (), closed=True)
-        elif isinstance(layer, Line) and not isinstance(layer, Dots):
-            colour, dash = STYLES.get(layer.style, STYLES["other"])
-            items += _run(x, y, np.asarray(layer.x, float), np.asarray(layer.y, float), colour, None, dash)
-    items.append(Path(((x.start, y.stop), (x.start, y.start), (x.stop, y.start)), SOFT, width_mm=0.25))
-    if not any(isinstance(layer, Line) for layer in panel.plot.layers if getattr(layer, "style", "") == "main"):
-        items.append(Text(0.5 * (x.start + x.stop), y.place(0.15 * top), "not reached", size, anchor="middle"))
+    if not any(isinstance(layer, Line) and layer.style == "main" for layer in panel.plot.layers):
+        items.append(Text(0.5 * (x.start + x.stop), y.place(0.15 * y.high), "not reached", size, anchor="middle"))
     return items
-
-
-def _run(
-    x: Axis, y: Axis, xs: NDArray, ys: NDArray, stroke: str | None, fill: str | None, dash: tuple[float, ...],
-    closed: bool = False,
-) -> list[Item]:  # fmt: skip
-    """A curve or an area in places of its axes, without points that no one would see; none before the axis begins."""
-    known = np.isfinite(xs) & np.isfinite(ys) & (xs > 0.0)
-    if known.sum() < 2:
-        return []
-    across = np.clip(x.places(xs[known]), x.start, x.stop)
-    along = np.clip(y.places(ys[known]), y.stop, y.start)
-    kept = corners(across, along, 0.02)
-    points = tuple((float(a), float(b)) for a, b in zip(across[kept], along[kept]))
-    return [Path(points, stroke, fill, 0.5, dash, closed)]
 
 
 def _lower(page: FrontPage, size: float, y: float) -> tuple[list[Item], float]:

@@ -15,7 +15,7 @@ from dummydesign.design.safety_view import SafetyView
 from dummydesign.geometry.punch import read_punch
 from dummydesign.mold.files.solid_view import box, read_stl, view_script
 from dummydesign.report import suggest_facts
-from dummydesign.report.front_page import Fact, FrontPage, Grid, Panel
+from dummydesign.report.front_page import FOOT, Fact, FrontPage, Grid, Panel
 from dummydesign.report.pad_drawing import pad_section
 from dummydesign.report.page import STYLES, Section, Table, solid_section, write_report
 from dummydesign.report.plot import Plot, press_plot, steady_plot
@@ -199,7 +199,7 @@ def suggestion_front(answer: Suggestion, result: dict[str, Any], presses: Sequen
         notes=suggest_facts.warning_texts(result),
         steps=[step if step.startswith("dummydesign ") else _sentence(step) for step in steps],
         beside=_sentence(suggest_facts.meanwhile_text(result)),
-        foot="report.html continues with all figures and tables, the warnings and the sources.",
+        foot=FOOT,
     )
 
 

@@ -21,6 +21,15 @@ Box = tuple[float, float, float, float]
 
 PT_MM = 25.4 / 72.0
 INK, SOFT, RULE, PANEL, PAPER = "#1b232b", "#4f5b66", "#c9d1d8", "#f3f5f7", "#ffffff"
+BAND = "#b9cfe4"
+STYLES: dict[str, tuple[str, tuple[float, ...]]] = {
+    "main": ("#0b5cad", ()), "aim": ("#b3500f", (1.2, 0.8)), "other": ("#6b7782", (0.4, 0.6)),
+    "alt1": ("#2f8f5b", ()), "alt2": ("#8a4fb0", ()), "alt3": ("#c2417c", ()), "alt4": ("#8c7a10", ()),
+    "alt5": ("#2a8c9c", ()),
+}  # fmt: skip
+"""Colour and dashes of curves by the names that plots use."""
+PITCH = 1.28
+"""Distance of lines over the size of their text."""
 # Adobe's metrics of the 95 printable characters of ASCII, in thousandths of the font's size.
 _PLAIN = (
     "278 278 355 556 556 889 667 191 333 333 389 584 278 333 278 278 556 556 556 556 556 556 556 556 556 556 278 "
@@ -282,7 +291,7 @@ def _font(text: Text) -> str:
 
 def paragraph(
     x_mm: float, y_mm: float, lines: Sequence[str], size_pt: float, face: str = "plain", colour: str = INK,
-    pitch: float = 1.28,
+    pitch: float = PITCH,
 ) -> tuple[list[Item], float]:  # fmt: skip
     """Texts of lines from a top edge on, and the edge under the last. [mm]"""
     step = pitch * size_pt * PT_MM

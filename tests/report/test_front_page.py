@@ -124,7 +124,7 @@ def some_page(presses=6, long=False):
     return FrontPage(
         f"Pad for the {'fore' * (60 if long else 1)}finger", words, ("amber", f"Not settled. {words}"),
         ("Pad (mm)", section), "Recipe", [Fact("ratio", "15.5", True), *[Fact(words, words)] * (6 if long else 2)],
-        "Force", [Panel(plot, f"press {n} {words}", words, level="") for n, plot in enumerate(plots)],
+        "Force", [Panel(plot, f"press {n} {words}", words, level="a") for n, plot in enumerate(plots)],
         [("band", "people"), ("main", "pad")], Grid(("steady N", "mm/s", "depth mm", "people N", ""), rows),
         [(words, [words] * 2)] * 3, [words] * (8 if long else 1),
         [words, f"dummydesign suggest --out {'x' * (400 if long else 4)}", words], words, "report.html continues",
@@ -158,7 +158,7 @@ def test_a_press_out_of_reach_is_named_and_its_pad_not_drawn():
 def test_curves_of_one_level_share_their_scale():
     page = some_page(2)
     high = replace(page.panels[1].plot, layers=(Band("people", [1e-3, 10.0], [0.0, 0.0], [60.0, 60.0]),))
-    for level, count in (("", 2), ("b", 1)):
+    for level, count in (("a", 2), ("b", 1)):
         panels = [page.panels[0], replace(page.panels[1], plot=high, level=level)]
         words = [text.words for text in lay_out(replace(page, panels=panels)).texts]
         assert words.count("60") == count

@@ -15,7 +15,7 @@ import numpy as np
 
 from dummydesign._version import __version__
 from dummydesign.report.plot import Plot
-from dummydesign.report.plot_drawing import draw_axes, draw_layers
+from dummydesign.report.plot_drawing import draw_axes, draw_layers, name_curves, names_mm
 from dummydesign.report.plot_layers import Band, Line
 from dummydesign.report.vector_sheet import (
     BAND,
@@ -43,7 +43,7 @@ WIDTH_MM, HEIGHT_MM = 186.0, 272.0
 """The sheet, inside the paper's margins. [mm]"""
 SIZES_PT = (9.0, 8.5, 8.0, 7.5, 7.0, 6.5, 6.0)
 """Sizes of the text that are tried, the largest first. [pt]"""
-LEAST_PANEL_MM, MOST_PANEL_MM = 24.0, 40.0
+LEAST_PANEL_MM, MOST_PANEL_MM = 24.0, 52.0
 """Height of a small multiple. [mm]"""
 MOST_PANELS, COLUMNS, GAP_MM = 6, 3, 4.0
 MOST_ROWS, MOST_NOTES = 9, 4
@@ -103,7 +103,8 @@ class FrontPage:
     panels_title, panels : str, sequence of Panel
         The presses; six are shown.
     keys : sequence of (str, str)
-        Style (``band``, ``dots``, ``main``, ``aim``, ``other``) and name of each curve.
+        Style (``band``, ``dots``, ``main``, ``aim``, ``other``) and name of each curve; without any, the curves are
+        named where they end.
     table : Grid
         What stands under the presses.
     blocks : sequence of (str, sequence of str)
@@ -276,7 +277,8 @@ def _panels(items: list[Item], page: FrontPage, y: float, high: float, size: flo
     for number, panel in enumerate(shown):
         row, column = divmod(number, COLUMNS)
         left, top = column * (wide + GAP_MM), under + row * high
-        items += _panel(panel, (left, top, left + wide, top + high - 1.5), ranges[panel.level], size - 1)
+        box = (left, top, left + wide, top + high - 1.5)
+        items += _panel(panel, box, ranges[panel.level], size - 1, bool(page.keys))
     return under + max(-(-len(shown) // COLUMNS), 1) * high
 
 
@@ -289,20 +291,24 @@ def _range(panels: Sequence[Panel]) -> tuple[float, float] | None:
     return 0.0, 1.06 * max(most, default=1.0)
 
 
-def _panel(panel: Panel, box: Box, y_range: tuple[float, float] | None, size: float) -> list[Item]:
+def _panel(
+    panel: Panel, box: Box, y_range: tuple[float, float] | None, size: float, keyed: bool = True
+) -> list[Item]:
     """One press: its test and how it reads over its plot."""
     left, high, right, low = box
     line = _line_mm(size)
     reads = shortened(panel.reads, 0.55 * (right - left), size, "bold")
     room = right - left - text_width_mm(reads, size, "bold") - 3.0
     unit = " s" if panel.plot.x_name == "time_s" else ""
-    items, (x, y) = draw_axes(panel.plot, (left, high + line + 0.7, right, low), size - 0.5, y_range, unit)
+    names = 0.0 if keyed else names_mm(panel.plot, size - 0.5, right - left)
+    items, (x, y) = draw_axes(panel.plot, (left, high + line + 0.7, right - names, low), size - 0.5, y_range, unit)
     items += [
         Text(left, high + 0.8 * line, shortened(panel.test, room, size, "bold"), size, "bold"),
         Text(right, high + 0.8 * line, reads, size, "bold", "end", BAD if panel.bad else SOFT),
         *draw_layers(panel.plot, x, y, size - 0.5),
+        *([] if keyed else name_curves(panel.plot, x, y, size - 0.5, names)),
     ]
-    if not any(isinstance(layer, Line) and layer.style == "main" for layer in panel.plot.layers):
+    if keyed and not any(isinstance(layer, Line) and layer.style == "main" for layer in panel.plot.layers):
         items.append(Text(0.5 * (x.start + x.stop), y.place(0.15 * y.high), "not reached", size, anchor="middle"))
     return items
 
@@ -380,7 +386,7 @@ def _grid(table: Grid, x: float, y: float, wide: float, size: float) -> tuple[li
         colour = SOFT if number == 0 else BAD if number - 1 in table.marked else INK
         face = "plain" if number else "bold"
         for k, words in ((k, words) for k, words in enumerate(row) if words):
-            first, last = k == 0, k == count - 1
+            first, last = k == 0, k == count - 1 and not table.head[k]
             place = x if first else x + float(rights[k]) - (own[k] if last else 0.0)
             items.append(Text(place, base, words, size, face, "start" if first or last else "end", colour))
         if number + 1 < len(rows):

@@ -32,20 +32,47 @@ PX_PER_MM = 4.0
 
 
 def plot_drawing(plot: Plot, size_pt: float = 7.5) -> Callable[[Box], list[Item]]:
-    """Return what draws a plot with the labels of its axes into a box."""
+    """Return what draws a plot with the labels of its axes and the names of its curves into a box."""
 
     def drawn(box: Box) -> list[Item]:
         left, high, right, low = box
         line = PITCH * size_pt * PT_MM
-        items, (x, y) = draw_axes(plot, (left, high + line, right, low - line), size_pt)
+        names = names_mm(plot, size_pt, right - left)
+        items, (x, y) = draw_axes(plot, (left, high + line, right - names, low - line), size_pt)
         across = shortened(plot.x_label, right - left, size_pt)
         items.append(Text(0.5 * (x.start + x.stop), low - 0.25 * line, across, size_pt, anchor="middle", colour=SOFT))
         if plot.y_label:
             items.append(Text(left, high + 0.6 * line, shortened(plot.y_label, right - left, size_pt), size_pt,
                               colour=SOFT))  # fmt: skip
-        return items + draw_layers(plot, x, y, size_pt)
+        return items + draw_layers(plot, x, y, size_pt) + name_curves(plot, x, y, size_pt, names)
 
     return drawn
+
+
+def _curves(plot: Plot) -> dict[str, Line]:
+    """Curves and points by their names."""
+    return {layer.name: layer for layer in reversed(plot.layers) if isinstance(layer, Line)}
+
+
+def names_mm(plot: Plot, size_pt: float, wide_mm: float) -> float:
+    """Room that the names of the curves take at the right of the axes. [mm]"""
+    widest = max((text_width_mm(name, size_pt) for name in _curves(plot)), default=0.0)
+    return min(widest, 0.3 * wide_mm) + 1.5
+
+
+def name_curves(plot: Plot, x: Axis, y: Axis, size_pt: float, room_mm: float) -> list[Item]:
+    """Write the names of curves and points right of the axes, at the height of their ends and clear of each other."""
+    step, ends = PITCH * size_pt * PT_MM, list[tuple[float, str, str]]()
+    for name, layer in _curves(plot).items():
+        across, along = np.asarray(layer.x, float), y.places(np.asarray(layer.y, float))
+        known = np.flatnonzero(np.isfinite(across) & np.isfinite(along))
+        if len(known):
+            ends.append((float(along[known[-1]]), name, STYLES.get(layer.style, STYLES["other"])[0]))
+    items, low = list[Item](), y.start + step
+    for place, name, colour in sorted(ends, reverse=True):
+        low = min(max(place, y.stop) + 0.25 * size_pt * PT_MM, low - step)
+        items.append(Text(x.stop + 1.0, low, shortened(name, room_mm, size_pt), size_pt, colour=colour))
+    return items
 
 
 def draw_axes(

@@ -11,8 +11,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from dummydesign.report import whatif_facts
+from dummydesign.report.front_page import FOOT, Fact, FrontPage, Grid, Panel, sentence, warning_texts
 from dummydesign.report.page import STYLES, Section, Table, script_json, write_report
 from dummydesign.report.plot import Plot
+from dummydesign.report.plot_drawing import plot_drawing
 from dummydesign.report.plot_layers import Cells, Dots, Layer, Line
 
 if TYPE_CHECKING:
@@ -108,7 +111,8 @@ def write_whatif(
 ) -> dict[str, str]:  # fmt: skip
     """Write the report of a study into a folder; see :func:`dummydesign.report.page.write_report`."""
     live = live_section(data, resin, tissue, _start(study, rows))
-    sections = [live, _thickness(study, rows), *_map(study, rows), _table(study, rows)]
+    thickness = _thickness(study, rows)
+    sections = [live, thickness, *_map(study, rows), _table(study, rows)]
     lead = (
         f"{study.size} pads of {resin.title}: {_span(study.thickness_mm)} mm thick, ratio {_span(study.ratio)}, "
         f"{', '.join(name for name, _ in study.punches)}, by {study.fidelity}."
@@ -116,7 +120,32 @@ def write_whatif(
     if tissue is not None and tissue.notice is not None:
         lead = f"{tissue.notice[1]}. {lead}"
     sources = [*resin.references, *([] if tissue is None else tissue.sources)]
-    return write_report(folder, "What if", lead, sections, warnings=warnings, sources=sources, scripts=live_scripts())
+    return write_report(folder, "What if", lead, sections, warnings=warnings, sources=sources, scripts=live_scripts(),
+                        front=_front(study, rows, lead, thickness.plots, warnings))  # fmt: skip
+
+
+def _front(
+    study: Study, rows: Rows, lead: str, plots: Sequence[Plot], warnings: list[dict[str, str]]
+) -> FrontPage:
+    """The first page: the best design or the study in words, depth and exponents over thickness, a table."""
+    ordered = whatif_facts.best_first(rows)
+    plane = whatif_facts.in_plane(ordered)
+    head, body, _ = whatif_facts.plane_table(ordered) if plane else whatif_facts.first_table(ordered)
+    best, facts, words = ordered[0], [Fact("designs", f"{len(rows)}", True)], lead
+    if "score" in best:
+        text = f"{best['thickness_mm']:g} mm, ratio {best['ratio']:g}, {best['shape']}"
+        score = f"{best['score']['total']:.2f}"
+        facts = [Fact(f"best score for {study.tissue}, 0 to 1", score, True), Fact("pad", text)]
+        words = f"Best for {study.tissue}, aim {study.aim}: {text}. {lead}"
+    fixed = "\n".join(whatif_facts.fixed_texts(ordered))
+    return FrontPage(
+        "What if", f"{study.fidelity}; forces {_span(study.forces_N)} N, speeds {_span(study.velocities_mm_s)} mm/s.",
+        (None, words), (plots[2].title, plot_drawing(plots[2])), "Study", [*facts, Fact("all designs", fixed)],
+        "Local exponent d ln F / d ln x over thickness [mm]",
+        [Panel(plot, plot.title.partition(" thickness ")[2], "") for plot in plots[:2]], (),
+        Grid(head, body), [("Cells", [sentence(whatif_facts.plane_text(ordered))])] if plane else (),
+        warning_texts(warnings), foot=f"{FOOT} Its sliders compute any other pad; rows.csv has every design.",
+    )  # fmt: skip
 
 
 def _span(values: tuple[float, ...]) -> str:

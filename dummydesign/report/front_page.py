@@ -45,6 +45,8 @@ SIZES_PT = (9.0, 8.5, 8.0, 7.5, 7.0, 6.5, 6.0)
 """Sizes of the text that are tried, the largest first. [pt]"""
 LEAST_PANEL_MM, MOST_PANEL_MM = 24.0, 52.0
 """Height of a small multiple. [mm]"""
+DRAWING_MM, SPARE_MM = 46.0, 36.0
+"""Least height of the drawing, and how much more it takes of a sheet that has room. [mm]"""
 MOST_PANELS, COLUMNS, GAP_MM = 6, 3, 4.0
 MOST_ROWS, MOST_NOTES = 9, 4
 """Rows of the table and warnings that are shown; the report has all."""
@@ -149,16 +151,18 @@ def lay_out(page: FrontPage) -> VectorSheet:
     VectorSheet
         The sheet. Long texts end in three dots; what no size makes room for is left to the report.
     """
-    rows = max(-(-len(page.panels[:MOST_PANELS]) // COLUMNS), 1)
+    rows = -(-len(page.panels[:MOST_PANELS]) // COLUMNS)
     smaller = ((page, size) for size in SIZES_PT)
     for shown, size in chain(smaller, ((shown, SIZES_PT[-1]) for shown in _shorter(page))):
         top, y = _head(shown, size)
         fixed = _lower(shown, size, 0.0)[1] + _panel_head(size) + GAP_MM
-        room = (HEIGHT_MM - y - fixed) / rows
-        if room >= LEAST_PANEL_MM:
+        room = (HEIGHT_MM - y - fixed) / max(rows, 1)
+        if room >= (LEAST_PANEL_MM if rows else 0.0):
             break
+    panel = min(room, MOST_PANEL_MM)
+    top, y = _head(shown, size, min(max(HEIGHT_MM - y - fixed - rows * panel, 0.0), SPARE_MM))
     sheet = VectorSheet(page.title, WIDTH_MM, HEIGHT_MM, top)
-    y = _panels(sheet.items, shown, y, min(room, MOST_PANEL_MM), size) + GAP_MM
+    y = _panels(sheet.items, shown, y, panel, size) + GAP_MM
     sheet.items += _lower(shown, size, y)[0]
     return sheet
 
@@ -200,8 +204,8 @@ def _heading(words: str, x: float, y: float, wide: float, size: float) -> tuple[
             Path(((x, low), (x + wide, low)), RULE, width_mm=0.3)], low + 1.2  # fmt: skip
 
 
-def _head(page: FrontPage, size: float) -> tuple[list[Item], float]:
-    """Title, for what it holds, verdict, drawing and facts."""
+def _head(page: FrontPage, size: float, spare_mm: float = 0.0) -> tuple[list[Item], float]:
+    """Title, for what it holds, verdict, drawing and facts; the drawing takes what is spare."""
     version = f"dummydesign {__version__}"
     room = WIDTH_MM - text_width_mm(version, 7.0) - 6.0
     items: list[Item] = [Text(0.0, 5.6, shortened(page.title, room, 16.0, "bold"), 16.0, "bold"),
@@ -215,7 +219,7 @@ def _head(page: FrontPage, size: float) -> tuple[list[Item], float]:
     found, under = _heading(page.drawing[0], 0.0, y, wide, size)
     items += found
     found, low = _facts(page, wide + 6.0, y, WIDTH_MM - wide - 6.0, size)
-    low = max(low, under + 46.0)
+    low = max(low, under + DRAWING_MM + spare_mm)
     return [*items, *page.drawing[1]((0.0, under, wide, low)), *found], low + GAP_MM
 
 
@@ -255,6 +259,8 @@ def _panel_head(size: float) -> float:
 
 def _panels(items: list[Item], page: FrontPage, y: float, high: float, size: float) -> float:
     """The presses as small multiples, and the edge under them."""
+    if not page.panels:
+        return y
     left_out = f": {MOST_PANELS} of {len(page.panels)}" if len(page.panels) > MOST_PANELS else ""
     found, under = _heading(f"{page.panels_title}{left_out}", 0.0, y, WIDTH_MM, size)
     items += found
@@ -279,7 +285,7 @@ def _panels(items: list[Item], page: FrontPage, y: float, high: float, size: flo
         left, top = column * (wide + GAP_MM), under + row * high
         box = (left, top, left + wide, top + high - 1.5)
         items += _panel(panel, box, ranges[panel.level], size - 1, bool(page.keys))
-    return under + max(-(-len(shown) // COLUMNS), 1) * high
+    return under - (-len(shown) // COLUMNS) * high
 
 
 def _range(panels: Sequence[Panel]) -> tuple[float, float] | None:
@@ -302,9 +308,10 @@ def _panel(
     unit = " s" if panel.plot.x_name == "time_s" else ""
     names = 0.0 if keyed else names_mm(panel.plot, size - 0.5, right - left)
     items, (x, y) = draw_axes(panel.plot, (left, high + line + 0.7, right - names, low), size - 0.5, y_range, unit)
+    if reads:
+        items.append(Text(right, high + 0.8 * line, reads, size, "bold", "end", BAD if panel.bad else SOFT))
     items += [
         Text(left, high + 0.8 * line, shortened(panel.test, room, size, "bold"), size, "bold"),
-        Text(right, high + 0.8 * line, reads, size, "bold", "end", BAD if panel.bad else SOFT),
         *draw_layers(panel.plot, x, y, size - 0.5),
         *([] if keyed else name_curves(panel.plot, x, y, size - 0.5, names)),
     ]

@@ -14,19 +14,23 @@ from numpy.typing import NDArray
 from dummydesign.core.errors import InputError
 from dummydesign.core.files import write_text
 from dummydesign.person.on_person import OnPerson, PersonPress
+from dummydesign.report import person_facts
+from dummydesign.report.front_page import FOOT, Fact, FrontPage, Grid, Panel, sentence, warning_texts
 from dummydesign.report.page import Section, Table, log_start, unique, write_report
 from dummydesign.report.plot import Plot, press_plot
+from dummydesign.report.plot_drawing import plot_drawing
 from dummydesign.report.plot_layers import Band, Line
 
 ROWS = (("peak_N", "peak force [N]"), ("steady_N", "steady force [N]"), ("depth_mm", "depth [mm]"),
         ("energy_mJ", "energy [mJ]"), ("mean_pressure_N_per_cm2", "mean pressure [N/cm2]"))  # fmt: skip
-DRAWN = 400
+DRAWN, MOST_CHECKS = 400, 5
 MOST_ROWS = 500_000
 
 
 def write_on_person(found: OnPerson, result: dict[str, Any], rate_hz: float, folder: Path) -> dict[str, str]:
     """Write ``report.html``, ``on_person.csv`` (curves at a uniform rate) and ``on_person.json``."""
-    sections = [*people_sections(found, result["presses"]), _drive_section(found, result)]
+    pressed = people_sections(found, result["presses"])
+    sections = [*pressed, _drive_section(found, result)]
     worst = max(result["presses"], key=lambda row: row["factor_peak"][1] or 0.0)
     facts = [
         (_span(worst["factor_peak"]), "times the pad's peak on the subjects, largest press"),
@@ -34,11 +38,38 @@ def write_on_person(found: OnPerson, result: dict[str, Any], rate_hz: float, fol
     ]
     words = f"{found.drive.words[0].upper()}{found.drive.words[1:]}"
     lead = f"{words}. {found.tissue.title}, {len(found.tissue.subjects)} subjects."
-    files = write_report(folder, f"On people: {found.tissue.name}", lead, sections, facts=facts,
-                         warnings=result["warnings"], sources=result["sources"])  # fmt: skip
+    title = f"On people: {found.tissue.name}"
+    front = _front(title, lead, result, [plot for section in pressed for plot in section.plots])
+    files = write_report(folder, title, lead, sections, facts=facts, warnings=result["warnings"],
+                         sources=result["sources"], front=front)  # fmt: skip
     files["curves"] = str(write_text(folder / "on_person.csv", curves_csv(found, rate_hz)))
     files["json"] = str(write_text(folder / "on_person.json", json.dumps(result["presses"], indent=1) + "\n"))
     return files
+
+
+def _front(title: str, lead: str, result: dict[str, Any], plots: list[Plot]) -> FrontPage:
+    """The first page: the closest limit, the hardest press, every press, the limits."""
+    presses = result["presses"]
+    word, text = person_facts.headline(result)
+    at = max(range(len(presses)), key=lambda row: presses[row]["factor_peak"][1] or 0.0)
+    hardest, (head, rows) = presses[at], person_facts.press_table(result)
+    times = f"{person_facts.span_text(hardest['factor_peak'])} times"
+    factors = [f"{one['factor_peak'][1] or 0.0:.3g} times at most" for one in presses]
+    checks = [sentence(f"{row['result']}: {person_facts.limit_text(row)}")
+              for row, _ in person_facts.limit_rows(result)[:MOST_CHECKS]]  # fmt: skip
+    return FrontPage(
+        title, lead, (None, text if word == "result" else f"{word.upper()}. {text}"),
+        (f"Force [N] over time, {hardest['file']}", plot_drawing(plots[at])), "Largest factor of the peak",
+        [Fact("peak force on the subjects over the pad's", times, True),
+         Fact("peak force, 95 % of people", f"{person_facts.span_text(hardest['interval_95']['peak_N'])} N"),
+         Fact("peak force on the pad", f"{person_facts.number_text(hardest['pad']['peak_N'])} N"),
+         Fact("drive", result["drive"])],
+        "Force [N] over time since contact",
+        [Panel(plot, f"{one['velocity_mm_s']:g} mm/s, {one['file']}", factor)
+         for plot, one, factor in zip(plots, presses, factors)] if len(presses) > 1 else (),
+        [("band", "subjects"), ("main", "pad")], Grid(head, rows), [("Limits", checks)] if checks else (),
+        warning_texts(result["warnings"]), foot=FOOT,
+    )  # fmt: skip
 
 
 def people_sections(found: OnPerson, rows: list[dict[str, Any]], prefix: str = "press") -> list[Section]:

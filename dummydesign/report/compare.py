@@ -13,7 +13,7 @@ import numpy as np
 
 from dummydesign.core.files import write_bytes, write_text
 from dummydesign.report import compare_facts
-from dummydesign.report.front_page import FOOT, Fact, FrontPage, Grid, Panel, warning_texts
+from dummydesign.report.front_page import FOOT, Fact, FrontPage, Grid, Panel, sentence, warning_texts
 from dummydesign.report.page import STYLES, Section, Table, digits, log_start, unique, write_report
 from dummydesign.report.plot import Plot, press_plot, steady_plot
 from dummydesign.report.plot_drawing import plot_drawing
@@ -84,7 +84,8 @@ def _front(
         ("Steady force over depth", plot_drawing(steady)), "Comparison", [fact for fact in facts if fact.text],
         "Force [N] over time since contact",
         [Panel(plot, f"{row[0]} N, {row[1]} mm/s", f"{row[3]} N: {row[5]} inside") for plot, row in zip(presses, rows)],
-        [("band", "people"), ("main", "this pad")], Grid(head, rows), notes=warning_texts(data["warnings"]), foot=FOOT,
+        [("band", "people"), ("main", "this pad")], Grid(head, rows), notes=warning_texts(data["warnings"]),
+        steps=[sentence(step) for step in compare_facts.next_steps({"verdict": verdict})], foot=FOOT,
     )  # fmt: skip
 
 

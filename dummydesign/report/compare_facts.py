@@ -48,3 +48,17 @@ def parameters_text(result: dict[str, Any]) -> str:
     if outside:
         return f"{len(outside)} of {len(known)} outside the subjects' band: {', '.join(outside)}"
     return f"all {len(known)} inside the subjects' band" if known else ""
+
+
+def next_steps(result: dict[str, Any]) -> list[str]:
+    """What to do with the pad, by the light of its verdict; nothing without one."""
+    verdict = result["verdict"] or {"light": ""}
+    if verdict["light"] == "green":
+        return ["use the pad; its readings need no correction"]
+    if verdict["light"] == "amber" and verdict["correction"]["factor"] is not None:
+        force, energy = verdict["correction"]["force"], verdict["correction"]["factor"]
+        return [f"use the pad; multiply forces by {max(force or 1.0, 1.0):.2f}, energies by {max(energy, 1.0):.2f}"]
+    if verdict["light"] != "red":
+        return []
+    return ["do not use this pad for these presses", "press a campaign of it: dummydesign campaign new DIR",
+            "let it correct the next design: dummydesign loop DIR"]  # fmt: skip

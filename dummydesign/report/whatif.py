@@ -11,6 +11,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from dummydesign.core.options import command_words
+from dummydesign.design.options import SuggestOptions
 from dummydesign.report import whatif_facts
 from dummydesign.report.front_page import FOOT, Fact, FrontPage, Grid, Panel, sentence, warning_texts
 from dummydesign.report.page import STYLES, Section, Table, script_json, write_report
@@ -131,12 +133,16 @@ def _front(
     ordered = whatif_facts.best_first(rows)
     plane = whatif_facts.in_plane(ordered)
     head, body, _ = whatif_facts.plane_table(ordered) if plane else whatif_facts.first_table(ordered)
+    steps: list[str] = []
     best, facts, words = ordered[0], [Fact("designs", f"{len(rows)}", True)], lead
     if "score" in best:
         text = f"{best['thickness_mm']:g} mm, ratio {best['ratio']:g}, {best['shape']}"
         score = f"{best['score']['total']:.2f}"
         facts = [Fact(f"best score for {study.tissue}, 0 to 1", score, True), Fact("pad", text)]
         words = f"Best for {study.tissue}, aim {study.aim}: {text}. {lead}"
+        again = command_words(SuggestOptions, {"aim": study.aim, "resin": study.resin}, ("aim", "resin"))
+        again = f"dummydesign suggest --tissue {study.tissue}{again}"
+        steps = ["Search all pads, with castings, recipe and mould.", again]
     fixed = "\n".join(whatif_facts.fixed_texts(ordered))
     return FrontPage(
         "What if", f"{study.fidelity}; forces {_span(study.forces_N)} N, speeds {_span(study.velocities_mm_s)} mm/s.",
@@ -144,7 +150,7 @@ def _front(
         "Local exponent d ln F / d ln x over thickness [mm]",
         [Panel(plot, plot.title.partition(" thickness ")[2], "") for plot in plots[:2]], (),
         Grid(head, body), [("Cells", [sentence(whatif_facts.plane_text(ordered))])] if plane else (),
-        warning_texts(warnings), foot=f"{FOOT} Its sliders compute any other pad; rows.csv has every design.",
+        warning_texts(warnings), steps, foot=f"{FOOT} Its sliders compute any other pad; rows.csv has every design.",
     )  # fmt: skip
 
 

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from dummydesign.cli.entry import run
+from dummydesign.report.compare_facts import next_steps
 from dummydesign.report.front_page import HEIGHT_MM, PAPER_MM, WIDTH_MM
 from dummydesign.report.plot import Plot
 from dummydesign.report.plot_drawing import draw_axes, name_curves, plot_drawing
@@ -87,11 +88,22 @@ def test_the_page_of_a_comparison_has_the_verdict_and_each_press(made):
         assert f"{row['peak_force_N']:.2f} {span} {100 * row['inside_fraction']:.0f} %" in page
 
 
+@pytest.mark.parametrize(
+    ("light", "numbers"), [("green", ()), ("amber", ("1.12", "1.16")), ("red", ("dummydesign loop",)), (None, ())]
+)
+def test_what_to_do_with_a_measured_pad_follows_from_its_light(light, numbers):
+    verdict = light and {"light": light, "correction": {"factor": 1.16, "force": 1.12}}
+    steps = next_steps({"verdict": verdict})
+    assert bool(steps) == (light is not None) and all(number in " ".join(steps) for number in numbers)
+    assert len(steps) == (3 if light == "red" else int(light is not None))
+
+
 def test_the_page_of_a_study_has_the_best_designs_or_the_plane(made):
     page, rows = texts_of(made, "whatif"), made["whatif"][1]["rows"]
     best = sorted(rows, key=lambda row: -row["score"]["total"])
     for row in best[:5]:
         assert f"{row['score']['total']:.2f} {row['thickness_mm']:g} {row['ratio']:g} {row['young_kPa']:.3g}" in page
+    assert "dummydesign suggest --tissue palm" in page
     assert f"Best for palm, aim average: {best[0]['thickness_mm']:g} mm, ratio {best[0]['ratio']:g}" in page
     page, rows = texts_of(made, "plane"), made["plane"][1]["rows"]
     forces = list(rows[0]["depth_mm_at_N"])

@@ -73,6 +73,7 @@ def render(result: dict[str, Any]) -> str:
     return screen(
         [*head, *labelled("PAD", facts.pad_text(result)), ""], rows, [""], labelled("STEADY", steady),
         labelled("LAW", facts.parameters_text(result), 2), warning_block(result),
+        labelled("NEXT", "; ".join(facts.next_steps(result))),
         files_block(result, ("report", "first_page", "picture")),
         labelled("MORE", "--details: parameters of the law with their intervals"),
     )  # fmt: skip

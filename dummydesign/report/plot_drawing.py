@@ -57,7 +57,7 @@ def _curves(plot: Plot) -> dict[str, Line]:
 def names_mm(plot: Plot, size_pt: float, wide_mm: float) -> float:
     """Room that the names of the curves take at the right of the axes. [mm]"""
     widest = max((text_width_mm(name, size_pt) for name in _curves(plot)), default=0.0)
-    return min(widest, 0.3 * wide_mm) + 1.5
+    return min(widest, 0.35 * wide_mm) + 1.5
 
 
 def name_curves(plot: Plot, x: Axis, y: Axis, size_pt: float, room_mm: float) -> list[Item]:

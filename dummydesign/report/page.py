@@ -168,7 +168,7 @@ def page(
         + (f'<section class="front" aria-label="First page">{front}</section>' if front else "")
         + (_contents([section.title for section in sections], bool(cited)) if front else "")
         + _banner(verdict)
-        + f'<h1 id="summary">{escape(title)}</h1><p class="lead">{escape(lead)}</p>'
+        + f'<h1>{escape(title)}</h1><p class="lead">{escape(lead)}</p>'
         + (f'<div class="facts">{boxes}</div>' if boxes else "")
         + warned
         + body
@@ -185,7 +185,8 @@ def _contents(titles: Sequence[str], sources: bool) -> str:
     parts = [("summary", "Summary"), *((f"part-{number}", title) for number, title in enumerate(titles, 1))]
     parts += [("sources", "Sources")] if sources else []
     links = "".join(f'<li><a href="#{anchor}">{escape(title)}</a></li>' for anchor, title in parts)
-    return f'<nav class="contents" aria-label="Contents"><h2>Contents</h2><ol>{links}</ol></nav>'
+    listed = f'<nav class="contents" aria-label="Contents"><h2>Contents</h2><ol>{links}</ol></nav>'
+    return f'{listed}<div id="summary"></div>'
 
 
 @cache

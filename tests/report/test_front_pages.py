@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from dummydesign.cli.entry import run
-from dummydesign.report.compare_facts import next_steps
+from dummydesign.report.compare import next_steps
 from dummydesign.report.front_page import HEIGHT_MM, PAPER_MM, WIDTH_MM
 from dummydesign.report.plot import Plot
 from dummydesign.report.plot_drawing import draw_axes, name_curves, plot_drawing

@@ -62,7 +62,7 @@ def default_out(options: argparse.Namespace) -> str:
 
 def render(result: dict[str, Any]) -> str:
     """The verdict, each press beside the people's range, then which parameters lie outside."""
-    from dummydesign.report import compare_facts as facts
+    from dummydesign.report import compare as facts
 
     tissue = f"{result['tissue']}, {facts.law_text(result)}"
     head = [*verdict_lines(result["verdict"]), *tissue_lines(result), *labelled("TISSUE", tissue)]
@@ -81,7 +81,7 @@ def render(result: dict[str, Any]) -> str:
 
 def render_details(result: dict[str, Any]) -> str:
     """Make the readable tables."""
-    from dummydesign.report import compare_facts as facts
+    from dummydesign.report import compare as facts
 
     def text(value: float | None) -> str:
         return "-" if value is None else f"{value:.4g}"

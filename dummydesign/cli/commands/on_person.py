@@ -53,7 +53,7 @@ def render(result: dict[str, Any]) -> str:
 
 def render_details(result: dict[str, Any]) -> str:
     """Lay everything out."""
-    from dummydesign.report import person_facts as facts
+    from dummydesign.report import on_person as facts
 
     lines = [*_headline(result), "", *_table(result), ""]
     for press in result["presses"]:
@@ -67,7 +67,7 @@ def render_details(result: dict[str, Any]) -> str:
 
 def _headline(result: dict[str, Any]) -> list[str]:
     """What it comes to: limits where there are any, else the peak of people over the pad's."""
-    from dummydesign.report.person_facts import headline
+    from dummydesign.report.on_person import headline
 
     word, text = headline(result)
     return _first(word.upper(), text)
@@ -80,7 +80,7 @@ def _first(word: str, text: str) -> list[str]:
 
 def _table(result: dict[str, Any]) -> list[str]:
     """All five numbers of a single press; of several presses a line each."""
-    from dummydesign.report.person_facts import press_table
+    from dummydesign.report.on_person import press_table
 
     head, rows = press_table(result)
     first, widths = (22, (8, 18, 18)) if len(result["presses"]) == 1 else (20, (5, 10, 14, 14, 14, 14))
@@ -90,7 +90,7 @@ def _table(result: dict[str, Any]) -> list[str]:
 
 def _limits(result: dict[str, Any], most: int | None) -> list[str]:
     """Checks of the limits; on one screen the worst of them."""
-    from dummydesign.report.person_facts import limit_rows, number_text, span_text
+    from dummydesign.report.on_person import limit_rows, number_text, span_text
 
     rows = [(row, press["file"]) for press in result["presses"] for row in press["limits"]]
     return [

@@ -61,7 +61,7 @@ def default_out(options: argparse.Namespace) -> str:
 
 def render(result: dict[str, Any]) -> str:
     """The ten best for the tissue, or depths with thickness across and ratio down."""
-    from dummydesign.report import whatif_facts as facts
+    from dummydesign.report import whatif as facts
 
     rows = facts.best_first(result["rows"])
     seconds = f"{len(rows)} in {result['seconds']:.2f} s; "
@@ -84,7 +84,7 @@ def render(result: dict[str, Any]) -> str:
 
 def render_details(result: dict[str, Any]) -> str:
     """Lay the first rows out as a table; the rest stands in the CSV."""
-    from dummydesign.report.whatif_facts import best_first
+    from dummydesign.report.whatif import best_first
 
     rows = best_first(result["rows"])
     forces = list(rows[0]["depth_mm_at_N"])

@@ -17,7 +17,7 @@ from dummydesign.geometry.punch import equal_area_radius_mm
 from dummydesign.geometry.shape_registry import read_shape
 from dummydesign.pad.elastic_force import solve_points
 from dummydesign.pad.specimen import Pad
-from dummydesign.report.whatif_facts import best_first
+from dummydesign.report.whatif import best_first
 from dummydesign.resin import load_resin
 from tests.support.refusal import raises_code
 

@@ -47,7 +47,7 @@ LEAST_PANEL_MM, MOST_PANEL_MM = 24.0, 52.0
 """Height of a small multiple. [mm]"""
 DRAWING_MM, SPARE_MM = 46.0, 36.0
 """Least height of the drawing, and how much more it takes of a sheet that has room. [mm]"""
-MOST_PANELS, COLUMNS, GAP_MM = 6, 3, 4.0
+MOST_PANELS, GAP_MM = 6, 4.0
 MOST_ROWS, MOST_NOTES = 9, 4
 """Rows of the table and warnings that are shown; the report has all."""
 LIGHTS = {"green": ("#2e8b57", "#e9f5ee"), "amber": ("#d98e04", "#fdf4e1"), "red": ("#c62828", "#fbe9e7")}
@@ -151,7 +151,8 @@ def lay_out(page: FrontPage) -> VectorSheet:
     VectorSheet
         The sheet. Long texts end in three dots; what no size makes room for is left to the report.
     """
-    rows = -(-len(page.panels[:MOST_PANELS]) // COLUMNS)
+    count = min(len(page.panels), MOST_PANELS)
+    rows = -(-count // _columns(count))
     smaller = ((page, size) for size in SIZES_PT)
     for shown, size in chain(smaller, ((shown, SIZES_PT[-1]) for shown in _shorter(page))):
         top, y = _head(shown, size)
@@ -257,6 +258,11 @@ def _panel_head(size: float) -> float:
     return _line_mm(size + 1) + 1.8
 
 
+def _columns(panels: int) -> int:
+    """How many panels are in a row."""
+    return 2 if panels in (1, 2, 4) else 3
+
+
 def _panels(items: list[Item], page: FrontPage, y: float, high: float, size: float) -> float:
     """The presses as small multiples, and the edge under them."""
     if not page.panels:
@@ -278,14 +284,15 @@ def _panels(items: list[Item], page: FrontPage, y: float, high: float, size: flo
     # of more presses those that lie evenly in their order
     at = np.linspace(0, len(page.panels) - 1, min(len(page.panels), MOST_PANELS)).round().astype(int)
     shown = [page.panels[number] for number in at]
-    wide = (WIDTH_MM - (COLUMNS - 1) * GAP_MM) / COLUMNS
+    columns = _columns(len(shown))
+    wide = (WIDTH_MM - (columns - 1) * GAP_MM) / columns
     ranges = {panel.level: _range([one for one in shown if one.level == panel.level]) for panel in shown}
     for number, panel in enumerate(shown):
-        row, column = divmod(number, COLUMNS)
+        row, column = divmod(number, columns)
         left, top = column * (wide + GAP_MM), under + row * high
         box = (left, top, left + wide, top + high - 1.5)
         items += _panel(panel, box, ranges[panel.level], size - 1, bool(page.keys))
-    return under - (-len(shown) // COLUMNS) * high
+    return under - (-len(shown) // columns) * high
 
 
 def _range(panels: Sequence[Panel]) -> tuple[float, float] | None:

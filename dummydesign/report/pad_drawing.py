@@ -122,7 +122,7 @@ def _punch(punch: Punch, at: Callable[[float, float], Point], thickness_mm: floa
     r, z = ([0.0, punch.half_width_mm], [0.0, 0.0]) if punch.profile_mm is None else punch.profile_mm
     out, up = np.asarray(r), thickness_mm + np.asarray(z)
     points = [at(float(a), float(b)) for a, b in zip([*-out[::-1], *out], [*up[::-1], *up])]
-    points = [(a, max(b, top + 1.0)) for a, b in points]
+    points = [(a, b) for a, b in points if b >= top + 1.0]
     (first, _), (last, _) = points[0], points[-1]
     kind, _, size = punch.text.partition(":")
     words = "punch" if kind == "profile" else f"punch {size} x {size}" if punch.square else f"{kind} punch {size}"

@@ -153,6 +153,8 @@ def file_lines(result: dict[str, Any]) -> list[str]:
 
 def first_lines(result: dict[str, Any]) -> list[str]:
     """What must be read next: a pad that bottoms out, the impact, a puck to be measured first, and why this pad."""
+    from dummydesign.report.suggest_facts import impact_of
+
     lines = [f"BOTTOMS OUT: {item['message']}" for item in result["warnings"] if item["code"] == "bottoms_out"]
     pad, known = impact_of(result)
     if pad and known:
@@ -166,13 +168,6 @@ def first_lines(result: dict[str, Any]) -> list[str]:
     lines += [choice["expectation"]["text"]] if choice and choice["expectation"]["differs"] else []
     lines += [choice["expectation"]["undecided"]] if choice and choice["expectation"]["undecided"] else []
     return [*lines, ""] if lines else []
-
-
-def impact_of(result: dict[str, Any]) -> tuple[dict[str, Any] | None, list[float]]:
-    """The row of a pad that stops a free mass, None where none does, and the peaks of the people who stop it. [N]"""
-    rows = [row for row in result.get("safety", {}).get("impact", []) if row["peak_force_N"] is not None]
-    pad = next((row for row in rows if row["body"] == "pad"), None)
-    return pad, [row["peak_force_N"] for row in rows if row["body"] != "pad"]
 
 
 def _wants_colour() -> bool:

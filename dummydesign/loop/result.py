@@ -162,6 +162,26 @@ def answer_of(result: LoopResult) -> list[str]:
     return lines
 
 
+def answer_words(data: dict[str, Any]) -> str:
+    """The answer's sentences in one text, without the next measurement."""
+    return " ".join(text.strip() for text in data["answer"] if not text.startswith("Next:"))
+
+
+def answer_rows(data: dict[str, Any]) -> tuple[list[str], list[list[str]]]:
+    """Head and rows of errors and parameters before and after; of an effect's parameters its name comes last."""
+    rows = []
+    for name, label in (("train", "fitted"), ("heldout", "left out")):
+        errors = [data[stage]["error"][f"{name}_rmse_N"] for stage in ("base", "after")]
+        rows.append([f"error N, {label}", *("-" if error is None else f"{error:.4f}" for error in errors)])
+    for name, after in data["after"]["parameters"].items():
+        values = (data["base"]["parameters"][name]["value"], *(after[end] for end in ("value", "low", "high")))
+        rows.append([name, *(f"{value:.4g}" for value in values)])
+    for effect in data["effects"]:
+        rows += [[name, "-", *(f"{value[end]:.4g}" for end in ("value", "low", "high")), f"({effect['name']})"]
+                 for name, value in effect["parameters"].items()]  # fmt: skip
+    return ["", "base", "after", "95 % low", "95 % high"], rows
+
+
 def _effect_text(result: LoopResult, effect: Effect, rivals: tuple[str, ...]) -> str:
     size = effect.parameters[0]
     value, worth = effect_intervals(result.after, effect)[size.name], worth_of(result, effect)

@@ -12,8 +12,10 @@ from typing import Any
 import numpy as np
 
 from dummydesign.core.files import write_bytes, write_text
+from dummydesign.report.front_page import FOOT, Fact, FrontPage, Grid, Panel, sentence, warning_texts
 from dummydesign.report.page import STYLES, Section, Table, digits, log_start, unique, write_report
 from dummydesign.report.plot import Plot, press_plot, steady_plot
+from dummydesign.report.plot_drawing import plot_drawing
 from dummydesign.report.plot_layers import Band, Bars, Dots, Layer, Line
 from dummydesign.tissue.comparison import Comparison
 from dummydesign.tissue.model.ranges import interpolate_rows
@@ -50,17 +52,40 @@ def write_compare_report(
         f"{'no law' if tissue.measured else 'law ' + data['law']}. "
         "Each press is compared with the subjects at its own steady force, speed, hold and braking."
     ) + _test_words(data)
+    steady_figure, presses = _steady(found, tissue), _presses(found, data)
     sections = [
-        Section("Steady force", _steady_words(data), [_steady(found, tissue)]),
+        Section("Steady force", _steady_words(data), [steady_figure]),
         Section("Force over time", "Repeats of a condition share a figure; the range is that of the first.",
-                _presses(found, data), _conditions(rows)),
+                presses, _conditions(rows)),
         *([Section("Parameters", PARAMETERS, _parameters(data), _parametric(data))] if data["parametric"] else []),
         Section("Fit behind the parameters", f"Rms residual {fit['rmse_N']:.3g} N, noise floor "
                 f"{fit['noise_floor_N']:.3g} N, largest residual {fit['max_residual_N']:.3g} N.", table=_traces(data)),
     ]  # fmt: skip
     title = f"Dummy against {tissue.name}"
     return write_report(folder, title, lead, sections, facts=facts, warnings=data["warnings"], sources=tissue.sources,
-                        verdict=verdict)  # fmt: skip
+                        verdict=verdict, front=_front(title, data, verdict, steady_figure, presses))  # fmt: skip
+
+
+def _front(
+    title: str, data: dict[str, Any], verdict: dict[str, Any] | None, steady: Plot, presses: list[Plot]
+) -> FrontPage:
+    """The first page: verdict, steady curve, each press in the people's range."""
+    head, rows = press_rows(data)
+    facts = [
+        Fact("people", f"{data['tissue']}, {law_text(data)}", True),
+        Fact("part of the steady curve inside the people's range", steady_text(data).replace("; ", "\n")),
+        Fact("parameters of the law", parameters_text(data)),
+        Fact("pad", pad_text(data)),
+    ]
+    return FrontPage(
+        title, f"Each press is compared with people at its own steady force, speed and hold.{_test_words(data)}",
+        (verdict["light"], verdict["text"]) if verdict else (None, f"Compared with {data['tissue']}."),
+        ("Steady force over depth", plot_drawing(steady)), "Comparison", [fact for fact in facts if fact.text],
+        "Force [N] over time since contact",
+        [Panel(plot, f"{row[0]} N, {row[1]} mm/s", f"{row[3]} N: {row[5]} inside") for plot, row in zip(presses, rows)],
+        [("band", "people"), ("main", "this pad")], Grid(head, rows), notes=warning_texts(data["warnings"]),
+        steps=[sentence(step) for step in next_steps({"verdict": verdict})], foot=FOOT,
+    )  # fmt: skip
 
 
 def _test_words(data: dict[str, Any]) -> str:
@@ -289,3 +314,62 @@ def _picture(found: Comparison, tissue: Tissue) -> bytes:
     stream = io.BytesIO()
     figure.savefig(stream, format="png", dpi=110)
     return stream.getvalue()
+
+
+def law_text(result: dict[str, Any]) -> str:
+    """By what the people are known."""
+    return "measured curves, no law" if result["law"] == "curves" else f"law {result['law']}"
+
+
+def pad_text(result: dict[str, Any]) -> str:
+    """The pad as it was cast; empty without its record."""
+    pad = result.get("pad")
+    if pad is None:
+        return ""
+    force = "" if pad["force_percent"] is None else f", force {pad['force_percent']:+.1f} % off the designed pad's"
+    state = "accepted" if pad["accepted"] else "not accepted"
+    return f"{pad['thickness_mm']:.2f} +- {pad['thickness_sd_mm']:.2f} mm as cast, {state}{force}"
+
+
+def press_rows(result: dict[str, Any]) -> tuple[list[str], list[list[str]]]:
+    """Head and rows of the table of presses."""
+    rows = [
+        [f"{row['steady_force_N']:.3g}", f"{row['velocity_mm_s']:.4g}", f"{row['depth_mm']:.2f}",
+         f"{row['peak_force_N']:.2f}", f"{row['range_peak_low_N']:.2f} to {row['range_peak_high_N']:.2f}",
+         f"{100 * row['inside_fraction']:.0f} %"]
+        for row in result["force_variation_range"]
+    ]  # fmt: skip
+    return ["steady N", "mm/s", "depth mm", "pad peak N", "people N", "samples inside"], rows
+
+
+def steady_text(result: dict[str, Any]) -> str:
+    """How much of the steady curve is inside the people's range, below and within the forces of the test."""
+    steady = result["steady_state_range"]
+    low, high = steady["span_N"]
+    shares = {f"{0.1 * low:g} to {low:g} N": steady["below_5N_fraction"],
+              f"{low:g} to {high:g} N": steady["above_5N_fraction"]}  # fmt: skip
+    return "; ".join(f"{span}: {'not reached' if share is None else f'{100 * share:.0f} %'}"
+                     for span, share in shares.items())  # fmt: skip
+
+
+def parameters_text(result: dict[str, Any]) -> str:
+    """Which parameters of the law are outside the subjects' band; empty without a law."""
+    outside = [name for name, row in result["parametric"].items() if row["inside"] is False]
+    known = [name for name, row in result["parametric"].items() if row["inside"] is not None]
+    if outside:
+        return f"{len(outside)} of {len(known)} outside the subjects' band: {', '.join(outside)}"
+    return f"all {len(known)} inside the subjects' band" if known else ""
+
+
+def next_steps(result: dict[str, Any]) -> list[str]:
+    """What to do with the pad, by the light of its verdict; nothing without one."""
+    verdict = result["verdict"] or {"light": ""}
+    if verdict["light"] == "green":
+        return ["use the pad; its readings need no correction"]
+    if verdict["light"] == "amber" and verdict["correction"]["factor"] is not None:
+        force, energy = verdict["correction"]["force"], verdict["correction"]["factor"]
+        return [f"use the pad; multiply forces by {max(force or 1.0, 1.0):.2f}, energies by {max(energy, 1.0):.2f}"]
+    if verdict["light"] != "red":
+        return []
+    return ["do not use this pad for these presses", "press a campaign of it: dummydesign campaign new DIR",
+            "let it correct the next design: dummydesign loop DIR"]  # fmt: skip

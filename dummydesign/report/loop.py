@@ -9,9 +9,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from dummydesign.loop.result import LoopResult, answer_of, listed, named, result_dict
+from dummydesign.loop.result import LoopResult, answer_rows, answer_words, listed, named, result_dict
+from dummydesign.report.front_page import FOOT, Fact, FrontPage, Grid, Panel, sentence, warning_texts
 from dummydesign.report.page import STYLES, Section, Table, digits, log_start, unique, write_report
 from dummydesign.report.plot import Plot, press_plot
+from dummydesign.report.plot_drawing import plot_drawing
 from dummydesign.report.plot_layers import Band, Bars, Dots, Label, Layer, Line
 
 MOST_BARS = 12
@@ -182,7 +184,7 @@ def write_loop_report(folder: Path, result: LoopResult) -> dict[str, str]:
         expected = f"{left['expected_over_noise_floor']:.2f} when nothing is missing"
         words = f"noise floors of error on left-out conditions, {expected}"
         facts.insert(1, (f"{left['heldout_over_noise_floor']:.2f}", words))
-    answer = answer_of(result)
+    answer, presses = data["answer"], list(press_plots(result))
     lead = f"{result.campaign.name}, {len(result.presses.trials)} trials. {answer[0]}"
     because = [f"Unexplained: {reason}." for reason in data["residual"]["unexplained_because"]]
     sections = [
@@ -195,11 +197,40 @@ def write_loop_report(folder: Path, result: LoopResult) -> dict[str, str]:
         Section("What the residual depends on", _where_words(data), residual_plots(result), _where(data)),
         *_next(data),
         Section("Force over time", "Dots are measured means over bins, broken lines the base model, full lines the "
-                "corrected one; repeats of a condition share a figure.", list(press_plots(result))),
+                "corrected one; repeats of a condition share a figure.", presses),
         *_untested(data),
     ]  # fmt: skip
     title = f"Loop: {result.campaign.name}"
-    return write_report(folder, title, lead, sections, facts=facts, warnings=data["warnings"], sources=data["sources"])
+    return write_report(folder, title, lead, sections, facts=facts, warnings=data["warnings"], sources=data["sources"],
+                        front=_front(title, data, presses, trial_plot(result, data)))  # fmt: skip
+
+
+def _front(title: str, data: dict[str, Any], presses: list[Plot], trials: Plot) -> FrontPage:
+    """The first page: answer, residual of each trial, presses, parameters, next measurement."""
+    base, after = (data[stage]["error"] for stage in ("base", "after"))
+    young, coming = data["after"]["parameters"]["young_kPa"], data["next_measurement"]
+    texts = [plot.title.partition(": ") for plot in presses]
+    head, rows = answer_rows(data)
+    change = f"{base['train_rmse_N']:.3g} to {after['train_rmse_N']:.3g} N"
+    facts = [Fact("rms residual, base to corrected", change, True)]
+    if base["heldout_rmse_N"] is not None and after["heldout_rmse_N"] is not None:
+        change = f"{base['heldout_rmse_N']:.3g} to {after['heldout_rmse_N']:.3g} N"
+        facts.append(Fact("on left-out conditions, base to corrected", change))
+    facts.append(Fact("noise floor", f"{after['noise_floor_N']:.3g} N"))
+    if young["determined"]:
+        words = f"{young['value']:.3g} kPa (95 %: {young['low']:.4g} to {young['high']:.4g})"
+        facts.append(Fact("long-term modulus", words))
+    blocks = [("Effects", _effect_words(data)), ("Unexplained", [sentence(text) for text in data["residual"][
+        "unexplained_because"]])]  # fmt: skip
+    return FrontPage(
+        title, f"{len(data['residual']['by_trial'])} trials; base: the model without effects.",
+        (None, answer_words(data)), ("Rms residual of each trial", plot_drawing(trials)), "Result", facts,
+        "Force [N] over time since contact",
+        [Panel(plot, words[0], words[2]) for plot, words in zip(presses, texts)],
+        [("dots", "measured"), ("aim", "base"), ("main", "corrected")], Grid([*head, ""], rows),
+        [(name, texts) for name, texts in blocks if texts], warning_texts(data["warnings"]),
+        [sentence(coming["text"])] if coming else [], foot=FOOT,
+    )  # fmt: skip
 
 
 def _effect_words(data: dict[str, Any]) -> list[str]:

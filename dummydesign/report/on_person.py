@@ -14,19 +14,25 @@ from numpy.typing import NDArray
 from dummydesign.core.errors import InputError
 from dummydesign.core.files import write_text
 from dummydesign.person.on_person import OnPerson, PersonPress
+from dummydesign.report.front_page import FOOT, Fact, FrontPage, Grid, Panel, sentence, warning_texts
 from dummydesign.report.page import Section, Table, log_start, unique, write_report
 from dummydesign.report.plot import Plot, press_plot
+from dummydesign.report.plot_drawing import plot_drawing
 from dummydesign.report.plot_layers import Band, Line
 
 ROWS = (("peak_N", "peak force [N]"), ("steady_N", "steady force [N]"), ("depth_mm", "depth [mm]"),
         ("energy_mJ", "energy [mJ]"), ("mean_pressure_N_per_cm2", "mean pressure [N/cm2]"))  # fmt: skip
-DRAWN = 400
+FOUR = (("peak_N", "peak force N"), ("steady_N", "steady force N"), ("depth_mm", "depth mm"),
+        ("energy_mJ", "energy mJ"), ("mean_pressure_N_per_cm2", "mean pressure N/cm2"))  # fmt: skip
+WORST = ("fail", "undecided", "pass")
+DRAWN, MOST_CHECKS = 400, 5
 MOST_ROWS = 500_000
 
 
 def write_on_person(found: OnPerson, result: dict[str, Any], rate_hz: float, folder: Path) -> dict[str, str]:
     """Write ``report.html``, ``on_person.csv`` (curves at a uniform rate) and ``on_person.json``."""
-    sections = [*people_sections(found, result["presses"]), _drive_section(found, result)]
+    pressed = people_sections(found, result["presses"])
+    sections = [*pressed, _drive_section(found, result)]
     worst = max(result["presses"], key=lambda row: row["factor_peak"][1] or 0.0)
     facts = [
         (_span(worst["factor_peak"]), "times the pad's peak on the subjects, largest press"),
@@ -34,11 +40,38 @@ def write_on_person(found: OnPerson, result: dict[str, Any], rate_hz: float, fol
     ]
     words = f"{found.drive.words[0].upper()}{found.drive.words[1:]}"
     lead = f"{words}. {found.tissue.title}, {len(found.tissue.subjects)} subjects."
-    files = write_report(folder, f"On people: {found.tissue.name}", lead, sections, facts=facts,
-                         warnings=result["warnings"], sources=result["sources"])  # fmt: skip
+    title = f"On people: {found.tissue.name}"
+    front = _front(title, lead, result, [plot for section in pressed for plot in section.plots])
+    files = write_report(folder, title, lead, sections, facts=facts, warnings=result["warnings"],
+                         sources=result["sources"], front=front)  # fmt: skip
     files["curves"] = str(write_text(folder / "on_person.csv", curves_csv(found, rate_hz)))
     files["json"] = str(write_text(folder / "on_person.json", json.dumps(result["presses"], indent=1) + "\n"))
     return files
+
+
+def _front(title: str, lead: str, result: dict[str, Any], plots: list[Plot]) -> FrontPage:
+    """The first page: the closest limit, the hardest press, every press, the limits."""
+    presses = result["presses"]
+    word, text = headline(result)
+    at = max(range(len(presses)), key=lambda row: presses[row]["factor_peak"][1] or 0.0)
+    hardest, (head, rows) = presses[at], press_table(result)
+    times = f"{span_text(hardest['factor_peak'])} times"
+    factors = [f"{one['factor_peak'][1] or 0.0:.3g} times at most" for one in presses]
+    checks = [sentence(f"{row['result']}: {limit_text(row)}")
+              for row, _ in limit_rows(result)[:MOST_CHECKS]]  # fmt: skip
+    return FrontPage(
+        title, lead, (None, text if word == "result" else f"{word.upper()}. {text}"),
+        (f"Force [N] over time, {hardest['file']}", plot_drawing(plots[at])), "Largest factor of the peak",
+        [Fact("peak force on the subjects over the pad's", times, True),
+         Fact("peak force, 95 % of people", f"{span_text(hardest['interval_95']['peak_N'])} N"),
+         Fact("peak force on the pad", f"{number_text(hardest['pad']['peak_N'])} N"),
+         Fact("drive", result["drive"])],
+        "Force [N] over time since contact",
+        [Panel(plot, f"{one['velocity_mm_s']:g} mm/s, {one['file']}", factor)
+         for plot, one, factor in zip(plots, presses, factors)] if len(presses) > 1 else (),
+        [("band", "subjects"), ("main", "pad")], Grid(head, rows), [("Limits", checks)] if checks else (),
+        warning_texts(result["warnings"]), foot=FOOT,
+    )  # fmt: skip
 
 
 def people_sections(found: OnPerson, rows: list[dict[str, Any]], prefix: str = "press") -> list[Section]:
@@ -142,3 +175,65 @@ def _drive_section(found: OnPerson, result: dict[str, Any]) -> Section:
     text = f"Given: {found.drive.text}. What the traces show of the robot that made them:"
     head = ["press", "looks like", "creep in the hold [mm]", "force relaxed [N]", "against the given drive"]
     return Section("Which drive", text, table=Table(head, body))
+
+
+def number_text(value: float | None) -> str:
+    """Three digits."""
+    return "-" if value is None else f"{value:.3g}"
+
+
+def span_text(ends: list[float | None]) -> str:
+    """Both ends of an interval."""
+    return "-" if ends[0] is None or ends[1] is None else f"{ends[0]:.3g} to {ends[1]:.3g}"
+
+
+def limit_rows(result: dict[str, Any]) -> list[tuple[dict[str, Any], str]]:
+    """Checks of limits with the file of their press, the worst first."""
+    rows = [(row, press["file"]) for press in result["presses"] for row in press["limits"]]
+
+    def place(pair: tuple[dict[str, Any], str]) -> tuple[int, float]:
+        """Worse results first, of those the nearest to its limit."""
+        return WORST.index(pair[0]["result"]), -(pair[0]["person_high_95"] or 0.0) / pair[0]["limit"]
+
+    return sorted(rows, key=place)
+
+
+def headline(result: dict[str, Any]) -> tuple[str, str]:
+    """A word and its text: the worst check of the limits where there are any, else people's peak over the pad's."""
+    rows = limit_rows(result)
+    if not rows:
+        press = max(result["presses"], key=lambda one: one["factor_peak"][1] or 0.0)
+        factor, of_people = span_text(press["factor_peak"]), span_text(press["factor_peak_95"])
+        return "result", (f"Peak force on the subjects is {factor} times the pad's; for 95 % of people {of_people} "
+                          f"times ({press['file']}).")  # fmt: skip
+    row = rows[0][0]
+    count = sum(one["result"] == row["result"] for one, _ in rows)
+    reason = "" if row["result"] == "pass" else f" {row['reason'][0].upper()}{row['reason'][1:]}."
+    if any(one["drive_contradicted"] for one in result["presses"]):
+        reason += " The drive does not fit the trace."
+    return row["result"], (
+        f"{count} of {len(rows)} checks. Closest: {row['name']}, people up to {number_text(row['person_high_95'])} "
+        f"{row['unit']} (95 %), limit {row['limit']:.4g}, pad {number_text(row['pad'])}.{reason}"
+    )
+
+
+def press_table(result: dict[str, Any]) -> tuple[list[str], list[list[str]]]:
+    """Head and rows: all five numbers of a single press, a row a press of several."""
+    if len(result["presses"]) == 1:
+        one = result["presses"][0]
+        rows = [[words, number_text(one["pad"][key]), span_text(one["band"][key]), span_text(one["interval_95"][key])]
+                for key, words in FOUR]  # fmt: skip
+        return ["", "pad", "subjects", "95 % of people"], rows
+    rows = [
+        [one["file"], f"{one['velocity_mm_s']:.4g}", number_text(one["pad"]["peak_N"]),
+         *(span_text(ends) for ends in (one["band"]["peak_N"], one["interval_95"]["peak_N"], one["factor_peak"],
+                                        one["band"]["depth_mm"]))]
+        for one in result["presses"]
+    ]  # fmt: skip
+    return ["press", "mm/s", "pad peak N", "subjects N", "95 % N", "times", "depth mm"], rows
+
+
+def limit_text(row: dict[str, Any]) -> str:
+    """A check of a limit with its numbers."""
+    people = span_text([row["person_low_95"], row["person_high_95"]])
+    return f"{row['name']}: limit {row['limit']:.4g}, pad {number_text(row['pad'])}, people {people} {row['unit']}"

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Iterable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import cache
 from html import escape, unescape
@@ -14,10 +15,11 @@ from typing import Any
 from numpy.typing import NDArray
 
 from dummydesign._version import __version__
-from dummydesign.core.files import write_text
+from dummydesign.core.files import write_bytes, write_text
 from dummydesign.core.library import data_folder, read_toml
 from dummydesign.core.serialise import parameter_rows
 from dummydesign.mold.files.solid_view import stack, view_html
+from dummydesign.report.front_page import PAPER_MM, FrontPage, lay_out
 from dummydesign.report.plot import Plot
 
 NOT_READ = re.compile(r"<(script|style|title|desc)\b.*?</\1>|<[^>]+>", re.DOTALL)
@@ -132,35 +134,39 @@ class Section:
     table: Table | None = None
     html: str = ""
 
-    def to_html(self) -> str:
-        """The section as HTML."""
+    def to_html(self, anchor: str = "") -> str:
+        """The section as HTML; an anchor is what a link goes to."""
         plots = f'<div class="plots">{"".join(plot.html() for plot in self.plots)}</div>' if self.plots else ""
         text = "".join(f"<p>{escape(part)}</p>" for part in self.text.split("\n\n") if part)
         table = self.table.html() if self.table else ""
-        return f"<section><h2>{escape(self.title)}</h2>{text}{self.html}{plots}{table}</section>"
+        named = f' id="{anchor}"' if anchor else ""
+        return f"<section{named}><h2>{escape(self.title)}</h2>{text}{self.html}{plots}{table}</section>"
 
 
 def page(
     title: str, lead: str, sections: Iterable[Section], facts: Sequence[tuple[str, str]] = (),
     warnings: Sequence[Mapping[str, str]] = (), sources: Sequence[str] = (), scripts: Sequence[str] = (),
-    tables: str = "report", verdict: Mapping[str, Any] | None = None,
+    tables: str = "report", verdict: Mapping[str, Any] | None = None, front: str = "",
 ) -> str:  # fmt: skip
-    """Lay out one page."""
+    """Lay out one page; with a front, which prints on a sheet of its own, a list of contents follows it."""
     style = (Path(__file__).parent / "page.css").read_text(encoding="utf-8")
-    body = "".join(section.to_html() for section in sections)
+    sections = list(sections)
+    body = "".join(section.to_html(f"part-{number}") for number, section in enumerate(sections, 1))
     if '<svg class="plot"' in body:
         scripts = [*scripts, plots_js()]
     boxes = "".join(f'<div class="fact"><b>{escape(v)}</b><span>{escape(what)}</span></div>' for v, what in facts)
     said = "".join(f"<li>{escape(item['message'])}</li>" for item in warnings)
     warned = f'<ul class="warnings">{said}</ul>' if said else ""
     listed = "".join(f"<li>{escape(text)}</li>" for text in sources)
-    cited = f'<section><h2>Sources</h2><ul class="sources">{listed}</ul></section>' if listed else ""
+    cited = f'<section id="sources"><h2>Sources</h2><ul class="sources">{listed}</ul></section>' if listed else ""
     beside = f" The values of every figure are in the {escape(tables)}-*.csv files beside this page." if tables else ""
     return (
         '<!doctype html><html lang="en"><head><meta charset="utf-8">'
         f'<meta http-equiv="Content-Security-Policy" content="{POLICY}">'
         '<meta name="viewport" content="width=device-width, initial-scale=1">'
         f"<title>{escape(title)}</title><style>{style}</style></head><body><main>"
+        + (f'<section class="front" aria-label="First page">{front}</section>' if front else "")
+        + (_contents([section.title for section in sections], bool(cited)) if front else "")
         + _banner(verdict)
         + f'<h1>{escape(title)}</h1><p class="lead">{escape(lead)}</p>'
         + (f'<div class="facts">{boxes}</div>' if boxes else "")
@@ -172,6 +178,15 @@ def page(
         f"(relaxed) Young's moduli.{beside}</footer>"
         "</main>" + "".join(f"<script>{script}</script>" for script in scripts) + "</body></html>\n"
     )
+
+
+def _contents(titles: Sequence[str], sources: bool) -> str:
+    """Links to the parts of a page."""
+    parts = [("summary", "Summary"), *((f"part-{number}", title) for number, title in enumerate(titles, 1))]
+    parts += [("sources", "Sources")] if sources else []
+    links = "".join(f'<li><a href="#{anchor}">{escape(title)}</a></li>' for anchor, title in parts)
+    listed = f'<nav class="contents" aria-label="Contents"><h2>Contents</h2><ol>{links}</ol></nav>'
+    return f'{listed}<div id="summary"></div>'
 
 
 @cache
@@ -195,10 +210,19 @@ def _banner(verdict: Mapping[str, Any] | None) -> str:
 
 
 def write_report(
-    folder: Path, title: str, lead: str, sections: Sequence[Section], stem: str = "report", **parts: Any
-) -> dict[str, str]:
-    """Write ``report.html`` and a CSV of every plot (``report-NAME.csv``); see :func:`page` for the other parts."""
+    folder: Path, title: str, lead: str, sections: Sequence[Section], stem: str = "report",
+    front: FrontPage | None = None, **parts: Any,
+) -> dict[str, str]:  # fmt: skip
+    """Write ``report.html`` and a CSV of every plot (``report-NAME.csv``); see :func:`page` for the other parts.
+
+    A front is the page's first sheet, and ``report.pdf`` where the library that writes PDF is installed.
+    """
     files = {}
+    if front is not None:
+        sheet = lay_out(front)
+        parts["front"] = sheet.svg()
+        with suppress(ImportError):
+            files["first_page"] = str(write_bytes(folder / f"{stem}.pdf", sheet.pdf(PAPER_MM)))
     for plot in (plot for section in sections for plot in section.plots):
         path = write_text(folder / f"{stem}-{plot.name}.csv", plot.csv_text())
         files[f"report_{plot.name.replace('-', '_')}"] = str(path)

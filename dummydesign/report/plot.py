@@ -158,7 +158,7 @@ class Plot:
 
     def svg(self) -> str:
         """The figure as SVG with its alternative text, and the ends of its axes for the page's script."""
-        x, y = self._axes()
+        x, y = self.axes()
         clip = f"clip-{escape(self.name)}"
         parts = [
             f'<svg class="plot" viewBox="0 0 {self._width:g} {self._height:g}" role="img" '
@@ -198,7 +198,8 @@ class Plot:
             f'<span class="keys">{self.legend()}</span>{note}</figcaption></figure>'
         )
 
-    def _axes(self) -> tuple[Axis, Axis]:
+    def axes(self) -> tuple[Axis, Axis]:
+        """Both axes with their ranges and places."""
         parts = [layer.extent() for layer in self.layers]
         xs = np.concatenate([part[0] for part in parts]).tolist() if parts else []
         ys = np.concatenate([part[1] for part in parts]).tolist() if parts else []
@@ -278,14 +279,14 @@ def _path(x: Axis, y: Axis, xs: np.ndarray, ys: np.ndarray) -> str:
     """Path through points, broken where one is missing, without those that no one would see."""
     across, along = x.places(xs), y.places(ys)
     words = []
-    for start, stop in _runs(np.isfinite(across) & np.isfinite(along)):
+    for start, stop in runs(np.isfinite(across) & np.isfinite(along)):
         kept = corners(across[start:stop], along[start:stop])
         points = zip(across[start:stop][kept].tolist(), along[start:stop][kept].tolist())
         words.append("M" + "L".join([f"{_short(a)} {_short(b)}" for a, b in points]))
     return "".join(words)
 
 
-def _runs(known: np.ndarray) -> list[tuple[int, int]]:
+def runs(known: np.ndarray) -> list[tuple[int, int]]:
     """Start and stop of each run of points that are there."""
     steps = np.flatnonzero(np.diff(np.r_[False, known, False])).tolist()
     return list(zip(steps[::2], steps[1::2]))

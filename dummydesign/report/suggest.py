@@ -12,7 +12,11 @@ from dummydesign.design.options import base_words
 from dummydesign.design.plot_data import THICKNESS_GRID_MM, SuggestionCurves
 from dummydesign.design.press_pictures import PressPictures
 from dummydesign.design.safety_view import SafetyView
+from dummydesign.geometry.punch import read_punch
 from dummydesign.mold.files.solid_view import box, read_stl, view_script
+from dummydesign.report import suggest_facts
+from dummydesign.report.front_page import FOOT, Fact, FrontPage, Grid, Panel
+from dummydesign.report.pad_drawing import pad_section
 from dummydesign.report.page import STYLES, Section, Table, solid_section, write_report
 from dummydesign.report.plot import Plot, press_plot, steady_plot
 from dummydesign.report.plot_layers import Band, Bars, Cells, Dots, Ellipse, Layer, Line
@@ -167,6 +171,63 @@ def sensitivity_bars(answer: Suggestion, curves: SuggestionCurves) -> list[Plot]
     return plots
 
 
+def suggestion_front(answer: Suggestion, result: dict[str, Any], presses: Sequence[Plot]) -> FrontPage:
+    """Fill the first page from the answer and the plots of its presses, in the order of its conditions."""
+    best, given = result["recommendation"], result["inputs"]
+    section = pad_section(answer.shape, best["thickness_mm"], tuple(given["pad_mm"]), read_punch(given["punch"]),
+                          base_words(given["base"]))  # fmt: skip
+    head, rows = suggest_facts.press_rows(result)
+    impact, steps = suggest_facts.impact_text(result), suggest_facts.next_steps(result)
+    risks = [suggest_facts.risk_text(result), impact and f"impact: {impact}"]
+    blocks = [
+        ("Correction", [_sentence(line) for line in suggest_facts.correction_lines(result)]),
+        ("Why this pad", [_sentence(suggest_facts.why_text(result))]),
+        ("Risk", [_sentence(text) for text in risks if text]),
+    ]
+    return FrontPage(
+        title=f"Pad for the {answer.tissue.name}",
+        basis=_basis(result),
+        verdict=(result["verdict"]["light"], result["verdict"]["text"]),
+        drawing=("Pad, cut through its highest point (mm)", section),
+        facts_title="Recipe",
+        facts=_recipe_facts(result),
+        panels_title="Force [N] over time since contact",
+        panels=[_panel(plot, row, cells) for plot, row, cells in zip(presses, best["conditions"], rows)],
+        keys=[("band", "people"), ("main", "this pad"), ("aim", f"aim: {given['aim']}")],
+        table=Grid(head, rows, frozenset(n for n, cells in enumerate(rows) if cells[-1] != "inside")),
+        blocks=[(title, texts) for title, texts in blocks if texts],
+        notes=suggest_facts.warning_texts(result),
+        steps=[step if step.startswith("dummydesign ") else _sentence(step) for step in steps],
+        beside=_sentence(suggest_facts.meanwhile_text(result)),
+        foot=FOOT,
+    )
+
+
+def _basis(result: dict[str, Any]) -> str:
+    """What the answer holds for, and the calibration that it uses."""
+    used = suggest_facts.calibration_text(result)
+    return f"Valid for {suggest_facts.valid_text(result)}." + (f" {_sentence(used)}" if used else "")
+
+
+def _recipe_facts(result: dict[str, Any]) -> list[Fact]:
+    """Ratio, weights, modulus and the words for the pad."""
+    best = result["recommendation"]
+    name, *lengths = suggest_facts.pad_text(result).split("\n")
+    return [
+        Fact(f"ratio: {suggest_facts.ratio_meaning(best)}, by weight", f"{best['ratio']:g}", True),
+        Fact(f"weigh ({best['resin']})", "\n".join(suggest_facts.batch_lines(best["batch"]))),
+        Fact("long-term modulus", suggest_facts.modulus_text(best)),
+        Fact("pad", "\n".join([name, *lengths])),
+    ]
+
+
+def _panel(plot: Plot, row: dict[str, Any], cells: Sequence[str]) -> Panel:
+    """One press with its peak."""
+    test = f"{row['steady_force_N']:g} N, {row['velocity_mm_s']:g} mm/s"
+    reads = cells[-1] if row["depth_mm"] is None else f"{row['peak_force_N']:.1f} N: {cells[-1]}"
+    return Panel(plot, test, reads, cells[-1] != "inside", f"{row['steady_force_N']:g}")
+
+
 def write_suggestion(
     folder: Path, answer: Suggestion, result: dict[str, Any], curves: SuggestionCurves, safety: SafetyView,
     pictures: PressPictures, people: Sequence[Section] = (),
@@ -201,11 +262,12 @@ def write_suggestion(
         lead = f"{answer.tissue.notice[1]}. {lead}"
     if result["calibration"] is not None:
         lead = f"{result['calibration']['text']}. {lead}"
+    presses = press_plots(answer)
     sections = [
         Section("Steady force", _steady_words(answer), [steady_figure(answer, curves)], _low_table(best)),
         *_shapes(answer, result, curves),
         Section("Force over time", _press_words(answer),
-                press_plots(answer), _conditions(best)),
+                presses, _conditions(best)),
         pressed_section(answer, pictures),
         Section("Why this design", _why(result),
                 [*score_maps(answer, curves), exponent_plot(answer, curves), *sensitivity_bars(answer, curves)],
@@ -219,6 +281,7 @@ def write_suggestion(
     ]  # fmt: skip
     title = f"Dummy for the {answer.tissue.name}"
     return write_report(folder, title, lead, sections, facts=facts, scripts=[view_script()],
+                        front=suggestion_front(answer, result, presses),
                         **{name: result[name] for name in ("warnings", "sources", "verdict")})  # fmt: skip
 
 
@@ -317,7 +380,8 @@ SCORED = ("aim", "steady_state_range", "force_variation_range", "parametric")
 
 
 def _sentence(text: str) -> str:
-    return f"{text[0].upper()}{text[1:]}."
+    """The text with a capital and a full stop."""
+    return text and f"{text[0].upper()}{text[1:].removesuffix('.')}."
 
 
 def _low_table(best: dict[str, Any]) -> Table:

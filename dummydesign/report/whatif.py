@@ -11,8 +11,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from dummydesign.core.options import command_words
+from dummydesign.design.options import SuggestOptions
+from dummydesign.report.front_page import FOOT, Fact, FrontPage, Grid, Panel, sentence, warning_texts
 from dummydesign.report.page import STYLES, Section, Table, script_json, write_report
 from dummydesign.report.plot import Plot
+from dummydesign.report.plot_drawing import plot_drawing
 from dummydesign.report.plot_layers import Cells, Dots, Layer, Line
 
 if TYPE_CHECKING:
@@ -100,6 +104,78 @@ STATEMENT = (
 )
 """What finite elements say of thickness; the tables behind it are written by ``studies.thickness``."""
 Rows = list[dict[str, Any]]
+BEST, ACROSS = 10, 7
+VARIED = ("shape", "punch", "condition", "base", "edge_radius_mm")
+
+
+def best_first(rows: Rows) -> Rows:
+    """Rows by falling score, those of equal score as they were; as they are without scores."""
+    if not rows or "score" not in rows[0]:
+        return rows
+    return sorted(rows, key=lambda row: -row["score"]["total"])
+
+
+def varied(rows: Rows) -> dict[str, list[Any]]:
+    """The values of each setting beside thickness and ratio, in their order."""
+    return {name: list(dict.fromkeys(row[name] for row in rows)) for name in VARIED}
+
+
+def fixed_texts(rows: Rows) -> list[str]:
+    """Settings that all designs share."""
+    return [f"{name.removesuffix('_mm').replace('_', ' ')} {values[0]}" for name, values in varied(rows).items()
+            if len(values) == 1 and values[0]]  # fmt: skip
+
+
+def in_plane(rows: Rows) -> bool:
+    """Whether thickness and ratio alone differ, and no tissue ranks the designs."""
+    return "score" not in rows[0] and all(len(values) == 1 for values in varied(rows).values())
+
+
+def plane_text(rows: Rows) -> str:
+    """What the cells of :func:`plane_table` hold."""
+    return f"depth in mm at {_middle(rows)} N steady ('-': not reached), peak over steady at the highest speed"
+
+
+def _middle(rows: Rows) -> str:
+    forces = list(rows[0]["depth_mm_at_N"])
+    return forces[len(forces) // 2]
+
+
+def plane_table(rows: Rows) -> tuple[list[str], list[list[str]], int]:
+    """Head and rows of depth at one force and peak over steady, and how many thicknesses are left out."""
+    force = _middle(rows)
+    across = sorted({row["thickness_mm"] for row in rows})
+    shown = across if len(across) <= ACROSS else [across[round(i * (len(across) - 1) / (ACROSS - 1))]
+                                                  for i in range(ACROSS)]  # fmt: skip
+    at = {(row["ratio"], row["thickness_mm"]): row for row in rows}
+    body = []
+    for ratio in sorted({row["ratio"] for row in rows}):
+        cells = []
+        for thickness in shown:
+            row = at.get((ratio, thickness))
+            depth = None if row is None else row["depth_mm_at_N"][force]
+            peak = None if row is None else list(row["peak_over_steady"].values())[-1]
+            cells.append("-" if depth is None else f"{depth:.2f}" + ("" if peak is None else f", {peak:.2f}"))
+        young = next(row["young_kPa"] for row in rows if row["ratio"] == ratio)
+        body.append([f"{ratio:g}", f"{young:.3g}", *cells])
+    return ["ratio", "kPa", *(f"{thickness:g} mm" for thickness in shown)], body, len(across) - len(shown)
+
+
+def first_table(rows: Rows) -> tuple[list[str], list[list[str]], int]:
+    """Head and rows of the best designs, all where no tissue ranks them, and how many are left out."""
+    forces = list(rows[0]["depth_mm_at_N"])
+    shown = forces if len(forces) <= 3 else [forces[0], forces[len(forces) // 2], forces[-1]]
+    differ = [name for name, values in varied(rows).items() if len(values) > 1]
+    score = "score" in rows[0]
+    body = []
+    for row in rows[:BEST] if score else rows:
+        depths = (row["depth_mm_at_N"][force] for force in shown)
+        body.append([*([f"{row['score']['total']:.2f}"] if score else []), f"{row['thickness_mm']:g}",
+                     f"{row['ratio']:g}", f"{row['young_kPa']:.3g}",
+                     *("-" if depth is None else f"{depth:.2f}" for depth in depths),
+                     ", ".join(str(row[name]) for name in differ)])  # fmt: skip
+    head = [*(["score"] if score else []), "mm", "ratio", "kPa", *(f"at {force} N" for force in shown)]
+    return [*head, ", ".join(differ)], body, len(rows) - BEST if score else 0
 
 
 def write_whatif(
@@ -108,7 +184,8 @@ def write_whatif(
 ) -> dict[str, str]:  # fmt: skip
     """Write the report of a study into a folder; see :func:`dummydesign.report.page.write_report`."""
     live = live_section(data, resin, tissue, _start(study, rows))
-    sections = [live, _thickness(study, rows), *_map(study, rows), _table(study, rows)]
+    thickness = _thickness(study, rows)
+    sections = [live, thickness, *_map(study, rows), _table(study, rows)]
     lead = (
         f"{study.size} pads of {resin.title}: {_span(study.thickness_mm)} mm thick, ratio {_span(study.ratio)}, "
         f"{', '.join(name for name, _ in study.punches)}, by {study.fidelity}."
@@ -116,7 +193,36 @@ def write_whatif(
     if tissue is not None and tissue.notice is not None:
         lead = f"{tissue.notice[1]}. {lead}"
     sources = [*resin.references, *([] if tissue is None else tissue.sources)]
-    return write_report(folder, "What if", lead, sections, warnings=warnings, sources=sources, scripts=live_scripts())
+    return write_report(folder, "What if", lead, sections, warnings=warnings, sources=sources, scripts=live_scripts(),
+                        front=_front(study, rows, lead, thickness.plots, warnings))  # fmt: skip
+
+
+def _front(
+    study: Study, rows: Rows, lead: str, plots: Sequence[Plot], warnings: list[dict[str, str]]
+) -> FrontPage:
+    """The first page: the best design or the study in words, depth and exponents over thickness, a table."""
+    ordered = best_first(rows)
+    plane = in_plane(ordered)
+    head, body, _ = plane_table(ordered) if plane else first_table(ordered)
+    steps: list[str] = []
+    best, facts, words = ordered[0], [Fact("designs", f"{len(rows)}", True)], lead
+    if "score" in best:
+        text = f"{best['thickness_mm']:g} mm, ratio {best['ratio']:g}, {best['shape']}"
+        score = f"{best['score']['total']:.2f}"
+        facts = [Fact(f"best score for {study.tissue}, 0 to 1", score, True), Fact("pad", text)]
+        words = f"Best for {study.tissue}, aim {study.aim}: {text}. {lead}"
+        again = command_words(SuggestOptions, {"aim": study.aim, "resin": study.resin}, ("aim", "resin"))
+        again = f"dummydesign suggest --tissue {study.tissue}{again}"
+        steps = ["Search all pads, with castings, recipe and mould.", again]
+    fixed = "\n".join(fixed_texts(ordered))
+    return FrontPage(
+        "What if", f"{study.fidelity}; forces {_span(study.forces_N)} N, speeds {_span(study.velocities_mm_s)} mm/s.",
+        (None, words), (plots[2].title, plot_drawing(plots[2])), "Study", [*facts, Fact("all designs", fixed)],
+        "Local exponent d ln F / d ln x over thickness [mm]",
+        [Panel(plot, plot.title.partition(" thickness ")[2], "") for plot in plots[:2]], (),
+        Grid(head, body), [("Cells", [sentence(plane_text(ordered))])] if plane else (),
+        warning_texts(warnings), steps, foot=f"{FOOT} Its sliders compute any other pad; rows.csv has every design.",
+    )  # fmt: skip
 
 
 def _span(values: tuple[float, ...]) -> str:

@@ -37,7 +37,7 @@ def test_the_lowest_subject_s_factor_is_the_shortfall_of_the_verdict(designed):
 def test_the_report_shows_each_press_on_people(designed):
     _, folder = designed
     page = (folder / "o" / "report.html").read_text(encoding="utf-8")
-    assert page.count("On people, steady: Press") == 6
+    assert page.count("<h2>On people, steady: Press") == 6
 
 
 def test_a_bad_drive_is_refused_before_the_search(capsys):

@@ -62,49 +62,34 @@ def default_out(options: argparse.Namespace) -> str:
 
 def render(result: dict[str, Any]) -> str:
     """The verdict, each press beside the people's range, then which parameters lie outside."""
-    law = "measured curves, no law" if result["law"] == "curves" else f"law {result['law']}"
-    head = [*verdict_lines(result["verdict"]), *tissue_lines(result), *labelled("TISSUE", f"{result['tissue']}, {law}")]
-    if "pad" in result:
-        head += labelled("PAD", _pad(result["pad"]))
-    rows = ["  steady N  mm/s   depth mm  pad peak N  people N        samples inside"]
-    for row in result["force_variation_range"]:
-        span = f"{row['range_peak_low_N']:.2f} to {row['range_peak_high_N']:.2f}"
-        rows.append(f"  {row['steady_force_N']:<9.3g} {row['velocity_mm_s']:<6.4g} {row['depth_mm']:<9.2f} "
-                    f"{row['peak_force_N']:<11.2f} {span:<15} {100 * row['inside_fraction']:.0f} %")  # fmt: skip
-    steady = result["steady_state_range"]
-    low, high = steady["span_N"]
-    shares = {f"{0.1 * low:g} to {low:g} N": steady["below_5N_fraction"],
-              f"{low:g} to {high:g} N": steady["above_5N_fraction"]}  # fmt: skip
-    curve = "; ".join(f"{span}: {'not reached' if share is None else f'{100 * share:.0f} %'}"
-                      for span, share in shares.items())  # fmt: skip
-    outside = [name for name, row in result["parametric"].items() if row["inside"] is False]
-    known = [name for name, row in result["parametric"].items() if row["inside"] is not None]
-    laws = f"{len(outside)} of {len(known)} outside the subjects' band: {', '.join(outside)}" if outside else (
-        f"all {len(known)} inside the subjects' band" if known else "")  # fmt: skip
+    from dummydesign.report import compare as facts
+
+    tissue = f"{result['tissue']}, {facts.law_text(result)}"
+    head = [*verdict_lines(result["verdict"]), *tissue_lines(result), *labelled("TISSUE", tissue)]
+    columns, body = facts.press_rows(result)
+    widths = (8, 5, 8, 10, 14, 0)
+    rows = ["  " + "  ".join(f"{cell:<{wide}}" for cell, wide in zip(row, widths)) for row in (columns, *body)]
+    steady = f"part of the steady curve inside the range: {facts.steady_text(result)}"
     return screen(
-        [*head, ""], rows, [""], labelled("STEADY", f"part of the steady curve inside the range: {curve}"),
-        labelled("LAW", laws, 2), warning_block(result), files_block(result, ("report", "picture")),
+        [*head, *labelled("PAD", facts.pad_text(result)), ""], rows, [""], labelled("STEADY", steady),
+        labelled("LAW", facts.parameters_text(result), 2), warning_block(result),
+        labelled("NEXT", "; ".join(facts.next_steps(result))),
+        files_block(result, ("report", "first_page", "picture")),
         labelled("MORE", "--details: parameters of the law with their intervals"),
     )  # fmt: skip
 
 
-def _pad(pad: dict[str, Any]) -> str:
-    """The pad as it was cast."""
-    force = "" if pad["force_percent"] is None else f", force {pad['force_percent']:+.1f} % off the designed pad's"
-    state = "accepted" if pad["accepted"] else "not accepted"
-    return f"{pad['thickness_mm']:.2f} +- {pad['thickness_sd_mm']:.2f} mm as cast, {state}{force}"
-
-
 def render_details(result: dict[str, Any]) -> str:
     """Make the readable tables."""
+    from dummydesign.report import compare as facts
 
     def text(value: float | None) -> str:
         return "-" if value is None else f"{value:.4g}"
 
-    law = "measured curves, no law" if result["law"] == "curves" else f"law {result['law']}"
-    lines = [*verdict_lines(result["verdict"]), *tissue_lines(result), f"against {result['tissue']}, {law}"]
+    against = f"against {result['tissue']}, {facts.law_text(result)}"
+    lines = [*verdict_lines(result["verdict"]), *tissue_lines(result), against]
     if "pad" in result:
-        lines.append(f"pad of {_pad(result['pad'])}")
+        lines.append(f"pad of {facts.pad_text(result)}")
     if result["parametric"]:
         lines.append(
             f"{'parameter':<22} {'dummy':>10} {'95 % low':>10} {'95 % high':>10} {'band low':>10} {'band high':>10}"

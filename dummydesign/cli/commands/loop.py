@@ -44,24 +44,16 @@ def default_out(options: argparse.Namespace) -> str:
 
 def render(result: dict[str, Any]) -> str:
     """The answer in words, then error and parameters before and after."""
-    words = " ".join(text.strip() for text in result["answer"] if not text.startswith("Next:"))
-    head = [*labelled("RESULT", words, 9), ""]
-    rows = [f"  {'':<20} {'base':>9} {'after':>9} {'95 % low':>9} {'95 % high':>9}"]
-    for name in ("train", "heldout"):
-        errors = [result[label]["error"][f"{name}_rmse_N"] for label in ("base", "after")]
-        cells = " ".join(f"{'-' if error is None else format(error, '.4f'):>9}" for error in errors)
-        rows.append(f"  {'error N, ' + {'train': 'fitted', 'heldout': 'left out'}[name]:<20} {cells}")
-    for name, after in result["after"]["parameters"].items():
-        values = (result["base"]["parameters"][name]["value"], *(after[end] for end in ("value", "low", "high")))
-        rows.append(f"  {name:<20} " + " ".join(f"{value:>9.4g}" for value in values))
-    for effect in result["effects"]:
-        for name, value in effect["parameters"].items():
-            cells = " ".join(f"{value[end]:>9.4g}" for end in ("value", "low", "high"))
-            rows.append(f"  {name:<20} {'-':>9} {cells}  ({effect['name']})")
+    from dummydesign.loop.result import answer_rows, answer_words
+
+    head, body = answer_rows(result)
+    rows = [f"  {row[0]:<20} " + " ".join(f"{cell:>9}" for cell in row[1:5]) + "".join(f"  {word}" for word in row[5:])
+            for row in (head, *body)]  # fmt: skip
     coming = result["next_measurement"]
     return screen(
-        head, rows, [""], warning_block(result), labelled("NEXT", coming["text"] if coming else "", 3),
-        files_block(result, ("report", "calibration")),
+        [*labelled("RESULT", answer_words(result), 9), ""], rows, [""], warning_block(result),
+        labelled("NEXT", coming["text"] if coming else "", 3),
+        files_block(result, ("report", "first_page", "calibration")),
         labelled("MORE", "--details: evidence of each effect, rivals, what stays unexplained"),
     )  # fmt: skip
 

@@ -59,79 +59,33 @@ def default_out(options: argparse.Namespace) -> str:
     return f"whatif-{load_resin(options.resin).name}"
 
 
-def best_first(rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
-    """Rows by falling score, those of equal score as they were; as they are without scores."""
-    if not rows or "score" not in rows[0]:
-        return rows
-    return sorted(rows, key=lambda row: -row["score"]["total"])
-
-
-BEST, ACROSS = 10, 7
-
-
 def render(result: dict[str, Any]) -> str:
     """The ten best for the tissue, or depths with thickness across and ratio down."""
-    rows = best_first(result["rows"])
-    scored = "score" in rows[0]
-    varied = {name: list(dict.fromkeys(row[name] for row in rows)) for name in VARIED}
-    head = [*tissue_lines(result), *labelled("DESIGNS", f"{len(rows)} in {result['seconds']:.2f} s; " + "; ".join(
-        f"{name.removesuffix('_mm').replace('_', ' ')} {values[0]}" for name, values in varied.items()
-        if len(values) == 1 and values[0]))]  # fmt: skip
-    plane = not scored and all(len(values) == 1 for values in varied.values())
-    table = _plane(rows) if plane else _first(rows, varied)
+    from dummydesign.report import whatif as facts
+
+    rows = facts.best_first(result["rows"])
+    seconds = f"{len(rows)} in {result['seconds']:.2f} s; "
+    head = [*tissue_lines(result), *labelled("DESIGNS", seconds + "; ".join(facts.fixed_texts(rows)))]
+    plane = facts.in_plane(rows)
+    columns, body, left = facts.plane_table(rows) if plane else facts.first_table(rows)
+    widths = (7, 8, *[12] * len(columns)) if plane else (*[7] * columns.index("kPa"), 7, *[10] * len(columns))
+    table = [f"  {facts.plane_text(rows)}"] if plane else []
+    last = len(columns) if plane else len(columns) - 1
+    table += ["  " + "".join(f"{cell:<{wide}}" for cell, wide in zip(row[:last], widths)) + "".join(row[last:])
+              for row in (columns, *body)]  # fmt: skip
+    if left > 0:
+        table.append(f"  {left} more thicknesses: --details" if plane else f"  ... and {left} more designs: --details")
     more = "  ... and {} more rows: --details" if plane else "  ... and {} more designs: --details"
     return screen(
-        [*head, ""], table, [""], warning_block(result), files_block(result, ("report", "rows")),
+        [*head, ""], table, [""], warning_block(result), files_block(result, ("report", "first_page", "rows")),
         labelled("MORE", "--details: exponents, peaks and every design; rows.csv has every number"), more=more,
     )  # fmt: skip
 
 
-VARIED = ("shape", "punch", "condition", "base", "edge_radius_mm")
-
-
-def _plane(rows: list[dict[str, Any]]) -> list[str]:
-    """Depth at one force, thickness across, ratio down."""
-    forces = list(rows[0]["depth_mm_at_N"])
-    force = forces[len(forces) // 2]
-    across = sorted({row["thickness_mm"] for row in rows})
-    shown = across if len(across) <= ACROSS else [across[round(i * (len(across) - 1) / (ACROSS - 1))]
-                                                  for i in range(ACROSS)]  # fmt: skip
-    at = {(row["ratio"], row["thickness_mm"]): row for row in rows}
-    lines = [f"  depth in mm at {force} N steady ('-': not reached), peak over steady at the highest speed",
-             f"  {'ratio':<7}{'kPa':<8}" + "".join(f"{f'{thickness:g} mm':<12}" for thickness in shown)]  # fmt: skip
-    for ratio in sorted({row["ratio"] for row in rows}):
-        cells = []
-        for thickness in shown:
-            row = at.get((ratio, thickness))
-            depth = None if row is None else row["depth_mm_at_N"][force]
-            peak = None if row is None else list(row["peak_over_steady"].values())[-1]
-            cells.append("-" if depth is None else f"{depth:.2f}" + ("" if peak is None else f", {peak:.2f}"))
-        young = next(row["young_kPa"] for row in rows if row["ratio"] == ratio)
-        lines.append(f"  {ratio:<7g}{young:<8.3g}" + "".join(f"{cell:<12}" for cell in cells))
-    left = len(across) - len(shown)
-    return [*lines, *([f"  {left} more thicknesses: --details"] if left else [])]
-
-
-def _first(rows: list[dict[str, Any]], varied: dict[str, list[Any]]) -> list[str]:
-    """The best designs, one a row, with what differs between them."""
-    forces = list(rows[0]["depth_mm_at_N"])
-    shown = forces if len(forces) <= 3 else [forces[0], forces[len(forces) // 2], forces[-1]]
-    differ = [name for name, values in varied.items() if len(values) > 1]
-    score = "score" in rows[0]
-    lines = [f"  {'score  ' if score else ''}{'mm':<7}{'ratio':<7}{'kPa':<7}"
-             + "".join(f"{f'at {force} N':<10}" for force in shown) + ", ".join(differ)]  # fmt: skip
-    for row in rows[:BEST] if score else rows:
-        depths = (row["depth_mm_at_N"][force] for force in shown)
-        cells = "".join(f"{'-' if depth is None else f'{depth:.2f}':<10}" for depth in depths)
-        total = f"{row['score']['total']:<7.2f}" if score else ""
-        lines.append(f"  {total}{row['thickness_mm']:<7g}{row['ratio']:<7g}{row['young_kPa']:<7.3g}{cells}"
-                     + ", ".join(str(row[name]) for name in differ))  # fmt: skip
-    left = len(rows) - BEST
-    return [*lines, *([f"  ... and {left} more designs: --details"] if score and left > 0 else [])]
-
-
 def render_details(result: dict[str, Any]) -> str:
     """Lay the first rows out as a table; the rest stands in the CSV."""
+    from dummydesign.report.whatif import best_first
+
     rows = best_first(result["rows"])
     forces = list(rows[0]["depth_mm_at_N"])
     speeds = list(rows[0]["peak_over_steady"])

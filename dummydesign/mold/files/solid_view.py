@@ -65,10 +65,12 @@ def pack(triangles: NDArray, colour: tuple[float, float, float], lift_mm: float)
 
 def stack(parts: Mapping[str, NDArray], gap_mm: float = 25.0, beside_mm: float = 0.0) -> list[Shown]:
     """Parts one over the other, each lifted clear of the one below it when they are drawn apart."""
-    from dummydesign.mold.files.picture import exploded
+    lifts = dict.fromkeys(parts, 0.0)
+    if len(parts) > 1:
+        from dummydesign.mold.files.picture import exploded
 
-    heights = {name: (float(one[..., 2].min()), float(one[..., 2].max())) for name, one in parts.items()}
-    lifts = exploded(heights, list(parts), gap_mm)
+        heights = {name: (float(one[..., 2].min()), float(one[..., 2].max())) for name, one in parts.items()}
+        lifts = exploded(heights, list(parts), gap_mm)
     return [Shown(name, one, COLOURS.get(name.split(",")[0], (0.7, 0.7, 0.72)), lifts[name], beside_mm)
             for name, one in parts.items()]  # fmt: skip
 

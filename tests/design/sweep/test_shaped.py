@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 
 from dummydesign.api.predictions import predict
-from dummydesign.cli.commands.whatif import best_first
 from dummydesign.cli.entry import main
 from dummydesign.design.sweep.rows_file import RowsFile, settings_of
 from dummydesign.design.sweep.run import whatif
@@ -18,6 +17,7 @@ from dummydesign.geometry.punch import equal_area_radius_mm
 from dummydesign.geometry.shape_registry import read_shape
 from dummydesign.pad.elastic_force import solve_points
 from dummydesign.pad.specimen import Pad
+from dummydesign.report.whatif import best_first
 from dummydesign.resin import load_resin
 from tests.support.refusal import raises_code
 

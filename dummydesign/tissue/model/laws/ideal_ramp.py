@@ -7,7 +7,6 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from dummydesign.measurement.landmarks import find_ramp
 from dummydesign.measurement.motion import Motion
 from dummydesign.tissue.model.maxwell_law import MaxwellLaw
 
@@ -73,6 +72,8 @@ class RampDrive:
 
 def ramps_of(motion: Motion) -> tuple[NDArray, NDArray, NDArray]:
     """Contact time [s], stop time [s] and depth [mm] of each motion, each of shape (...)."""
+    from dummydesign.measurement.landmarks import find_ramp
+
     time, x = np.broadcast_arrays(motion.time_s, motion.displacement_mm)
     flat_time, flat_x = time.reshape(-1, time.shape[-1]), x.reshape(-1, x.shape[-1])
     found = [find_ramp(t, d) for t, d in zip(flat_time, flat_x)]

@@ -1,0 +1,225 @@
+"""What a suggestion's answer states on one screen and on its report's first page: pad, recipe, correction, steps.
+
+Every text is made of the answer's values; terminal and report only lay it out.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from dummydesign.core.options import command_words
+from dummydesign.design.options import SuggestOptions, base_words
+
+MOST_NOTES = 4
+NOTES = {
+    "bottoms_out": "{message}",
+    "measured_curves": "{message}",
+    "tissue_punch": "{message}",
+    "force_not_in_band": "{message}",
+    "speed_not_in_band": "{message}",
+    "calibration_resin": "{message}",
+    "out_of_reach": "{message}. Allow a thicker pad (--thickness) or a smaller force.",
+    "one_subject": "Only one subject: a range needs at least two ('dummydesign tissues add').",
+    "contradictory_points": "{message}",
+    "calibration": "{message}",
+    "at_edge": "{message}. Widen the range.",
+    "outside_steady_range": "{message}.",
+    "cad_unavailable": "{message}",
+    "curved_master": "Print the curved plug in layers of at most 0.1 mm, or machine it: its height sets the force.",
+}
+"""Warnings that change what one does, the most pressing first, and their words on the screen."""
+TYPED_AGAIN = ("aim", "shape", "punch", "edge_radius_mm", "force_N", "velocity_mm_s", "hold_s", "base", "condition",
+               "preset", "pad_mm", "thickness_mm", "ratio", "sites")  # fmt: skip
+"""Options of the next search beside tissue and resin, in the order in which they are typed."""
+
+
+def calibration_text(result: dict[str, Any]) -> str:
+    """The calibration that was used and the first thing that it leaves unexplained; empty without one."""
+    used = result["calibration"]
+    if used is None:
+        return ""
+    return used["text"] + "".join(f"; unexplained: {reason}" for reason in used["unexplained_because"][:1])
+
+
+def pad_text(result: dict[str, Any]) -> str:
+    """Shape, thickness, size and base; the shape's lengths and its sites in lines of their own."""
+    import numpy as np
+
+    from dummydesign.geometry.shape_registry import read_shape
+
+    best, (length, width) = result["recommendation"], result["inputs"]["pad_mm"]
+    base = base_words(result["inputs"]["base"])
+    name, _, lengths = best["shape"].partition(":")
+    thickness = f"{best['thickness_mm']:g} mm"
+    if lengths:
+        shape = read_shape(best["shape"])
+        beside = float(shape.drop_mm(np.array(length / 2), np.array(width / 2)))
+        least = best["thickness_mm"] - max(shape.bone_height_mm, beside)
+        if not shape.flat_top:
+            thickness += f" at the tip, {least:.3g} mm beside it"
+        elif shape.bone_height_mm:
+            thickness += f", {least:.3g} mm of gel over the bone"
+    text = f"{name}, {thickness}, {length:g} x {width:g} mm, {base}"
+    if lengths:
+        text += f"\n{lengths.replace('=', ' ').replace('_', ' ').replace(',', ', ')} (lengths in mm)"
+    return text + (f"\n{result['sites']['text']}" if result["sites"] else "")
+
+
+def ratio_meaning(best: dict[str, Any]) -> str:
+    """What the ratio counts, in few words."""
+    return best["ratio_meaning"].replace("isocyanate parts", "isocyanate").removesuffix(" by weight")
+
+
+def modulus_text(best: dict[str, Any]) -> str:
+    """Long-term modulus with its interval."""
+    young = best["young_kPa"]
+    return f"{young['value']:.3g} kPa (95 %: {young['low']:.3g} to {young['high']:.3g})"
+
+
+def batch_lines(batch: dict[str, Any]) -> list[str]:
+    """What to mix and how much of it to pour; of a layered pad both pours, and what a puck takes besides."""
+    lines = []
+    for name, one in (("", batch), *((("base: ", batch["base"]),) if "base" in batch else ())):
+        weigh = " + ".join(f"{item['name']} {item['mass_g']:.1f} g" for item in one["components"])
+        lines.append(f"{name}{weigh} = {one['total_g']:.1f} g; pour {one['pour_g']:.1f} g of it")
+    if batch["witness"]["total_g"] > batch["total_g"]:
+        lines[0] += f" (with a puck: {batch['witness']['total_g']:.1f} g)"
+    return lines
+
+
+def test_text(given: dict[str, Any]) -> str:
+    """The presses for which the answer holds."""
+    forces, speeds = (sorted(given[name]) for name in ("force_N", "velocity_mm_s"))
+    span = f"{forces[0]:g} to {forces[-1]:g} N" if len(forces) > 1 else f"{forces[0]:g} N"
+    edge = f", edge radius {given['edge_radius_mm']:g} mm" if given["edge_radius_mm"] else ""
+    face = "" if given["condition"] == "bonded" else f", {given['condition']}"
+    hold = "" if given["hold_s"] == 10.0 else f", held {given['hold_s']:g} s"
+    return f"{punch_text(given['punch'])}{edge}{face}, {span}, {' and '.join(f'{v:g}' for v in speeds)} mm/s{hold}"
+
+
+def punch_text(punch: str) -> str:
+    """The punch and its size."""
+    kind, _, size = punch.partition(":")
+    return f"{size} x {size} mm punch" if kind == "square" else f"{kind} punch {size} mm"
+
+
+def valid_text(result: dict[str, Any]) -> str:
+    """For which presses the answer holds, and where people's data come from."""
+    given, text = result["inputs"], test_text(result["inputs"])
+    if "inferred_tissue" in {item["code"] for item in result["warnings"]}:
+        text += f"; {given['tissue']}: inferred, not measured"
+    return text + ("; limits of the verdict: your own" if result["verdict"]["limits"]["origin"] != "built-in" else "")
+
+
+def press_rows(result: dict[str, Any]) -> tuple[list[str], list[list[str]]]:
+    """Head and rows of the table of presses; a row of a press out of reach ends after its test."""
+    rows = []
+    for row in result["recommendation"]["conditions"]:
+        test = [f"{row['steady_force_N']:g}", f"{row['velocity_mm_s']:g}"]
+        if row["depth_mm"] is None:
+            rows.append([*test, "out of reach"])
+            continue
+        people = f"{row['target_peak_low_N']:.1f} to {row['target_peak_high_N']:.1f}"
+        reads = row["reads"] if row["reads"] == "inside" else f"{row['percent_outside']:.0f} % {row['reads']}"
+        rows.append([*test, f"{row['depth_mm']:.2f}", f"{100 * row['gel_compression']:.0f} %",
+                     f"{row['peak_force_N']:.1f}", people, reads])  # fmt: skip
+    return ["steady N", "mm/s", "depth mm", "gel used", "pad peak N", "people N", ""], rows
+
+
+def correction_lines(result: dict[str, Any]) -> list[str]:
+    """By what readings are multiplied: at central estimates, for 95 % of castings, and after measuring."""
+    factors = result["verdict"]["correction"]
+    if result["verdict"]["light"] == "red" or factors["factor"] is None:
+        return []
+    forces, energies = (
+        [factors[f"{name}{when}"] for when in ("_central", "", "_after_measuring")] for name in ("force", "factor")
+    )
+    if max(value for value in (*forces, *energies) if value is not None) <= 1.01:
+        return ["no correction needed"]
+    reach = " in reach" if result["castings"]["out_of_reach"] >= 0.005 else ""
+    if any(e is not None and f is not None and e - f > 0.005 for f, e in zip(forces, energies)):
+        return [_factors("forces", forces, reach), _factors("energies", energies, None)]
+    return [_factors("readings", energies, reach)]
+
+
+def _factors(what: str, values: list[float | None], reach: str | None) -> str:
+    """Factors of forces or energies: central, for 95 % of castings, and once the resin is measured."""
+    central, most, after = values
+    text = f"multiply {what} by {max(central or 1.0, 1.0):.2f} (central); {most:.2f} covers 95 %"
+    text += "" if reach is None else f" of castings{reach}"
+    return text + ("" if after is None or (most or 1.0) - after < 0.005 else f", {max(after, 1.0):.2f} once measured")
+
+
+def why_text(result: dict[str, Any]) -> str:
+    """How near each kind comes to the tissue, or why no other was compared."""
+    known = [row for row in result["shapes"] if row["shape"] is not None and row["misfit_rms_ln_force"] is not None]
+    mine = next((row for row in known if row["shape"] == result["recommendation"]["shape"]), None)
+    undecided = result["choice"]["expectation"]["undecided"]
+    text = f"{undecided}\n" if undecided else ""
+    if mine is None or len(known) < 2:
+        return text + result["choice"]["text"]
+    forces = sorted(result["inputs"]["force_N"])
+    others = sorted((row for row in known if row is not mine), key=lambda row: row["misfit_rms_ln_force"])
+    listed = ", ".join(f"{row['kind']} {row['misfit_rms_ln_force']:.2f}" for row in others)
+    fit = f"{mine['misfit_rms_ln_force']:.2f}; {listed}"
+    return f"{text}misfit to people {0.1 * forces[0]:g} to {forces[-1]:g} N: {fit}"
+
+
+def risk_text(result: dict[str, Any]) -> str:
+    """How steeply the modulus follows the ratio; empty where it hardly does."""
+    slope = abs(100 * result["sensitivity"]["d_ln_young_per_percent_ratio"])
+    return "" if slope < 0.5 else f"1 % of the ratio changes the modulus by {slope:.0f} %"
+
+
+def warning_texts(result: dict[str, Any]) -> list[str]:
+    """At most four warnings, each with what to do."""
+    messages = {item["code"]: item["message"] for item in reversed(result["warnings"])}
+    shown = [code for code in NOTES if code in messages][:MOST_NOTES]
+    return [NOTES[code].format(message=f"{messages[code][0].upper()}{messages[code][1:]}") for code in shown]
+
+
+def impact_of(result: dict[str, Any]) -> tuple[dict[str, Any] | None, list[float]]:
+    """The row of a pad that stops a free mass, None where none does, and the peaks of the people who stop it. [N]"""
+    rows = [row for row in result.get("safety", {}).get("impact", []) if row["peak_force_N"] is not None]
+    pad = next((row for row in rows if row["body"] == "pad"), None)
+    return pad, [row["peak_force_N"] for row in rows if row["body"] != "pad"]
+
+
+def impact_text(result: dict[str, Any]) -> str:
+    """What a free mass does on pad and people; empty where none was requested."""
+    pad, known = impact_of(result)
+    if not pad or not known:
+        return ""
+    span = f"{min(known):.3g} to {max(known):.3g} N" if len(known) > 1 else f"{known[0]:.3g} N"
+    return f"peak {pad['peak_force_N']:.3g} N at {pad['depth_mm']:.3g} mm on the pad, {span} on people"
+
+
+def next_steps(result: dict[str, Any]) -> list[str]:
+    """What to do now: measure first, or the one step that the answer rests on."""
+    first = result["measure_first"]
+    if result["verdict"]["light"] == "red":
+        return ["do not cast this pad: try another resin, shape or thickness, or a smaller force"]
+    if not first["group"]:
+        return [result["rests_on"]["next_step"]]
+    steps = [first["text"], first["protocol"].partition("; this")[0], first["command"]]
+    if first["group"] in ("modulus", "relaxation"):
+        name = first["command"].partition("--name ")[2].split()[0]
+        given = dict(result["inputs"])
+        if given["condition"] == "bonded":
+            given["condition"] = None
+        asked = command_words(SuggestOptions, given, TYPED_AGAIN)
+        steps.append(f"dummydesign suggest --tissue {given['tissue']}{asked} --resin {name}")
+    return steps
+
+
+def meanwhile_text(result: dict[str, Any]) -> str:
+    """Two ratios to pour before anything is measured, where they help."""
+    first = result["measure_first"]
+    if result["verdict"]["light"] == "red" or not first["ratios"]:
+        return ""
+    if first["either_fraction"] - max(first["each_fraction"]) < 0.03:
+        return ""
+    low, high = first["ratios"]
+    words = "usable" if first["acceptable_means"] == "usable" else "right uncorrected"
+    share = 100 * first["either_fraction"]
+    return f"or pour at ratios {low:g} and {high:g}: at least one is {words} with {share:.0f} % probability"

@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 COMMANDS = (
     "suggest", "compare-designs", "predict", "whatif", "import", "fit", "mold", "campaign", "loop", "replay", "compare",
     "on-person", "tissues", "resins", "init", "status", "history", "studio", "doctor",
+    "completion",
 )  # fmt: skip
 """The commands in the order of the overview; each is a module of its own in ``cli/commands``."""
 

@@ -65,6 +65,8 @@ DEPTH = Purpose("depth in mm", "mm", (0.0, math.inf))
 THICKNESSES = Purpose("thickness in mm", "mm", (0.0, math.inf))
 LENGTH = Purpose("length in mm", "mm", (0.0, math.inf))
 WIDTH = Purpose("width in mm", "mm", (0.0, math.inf))
+RATE = Purpose("rate in Hz", "Hz", (0.0, 1e6))
+RATES_HZ = (1.0, 100_000.0)
 EDGE = Purpose("edge radius in mm", "mm", (0.0, 50.0))
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import errno
 import importlib
 import io
 import os
@@ -172,6 +173,11 @@ def _run(arguments: list[str]) -> int:
                 problem = NoAnswerError("not_representative", message, quantity="verdict")
         except NoAnswerError as reason:
             result, problem = reason.result, reason
+        except OSError as reason:
+            if reason.errno != errno.ENAMETOOLONG:
+                raise
+            message = f"the name of a file or folder is too long: '{str(reason.filename)[:40]}...'; give a shorter one"
+            raise InputError(message, "malformed", "path", reason.filename) from None
         if as_json:
             from dummydesign.core.serialise import json_text
 

@@ -186,7 +186,8 @@ def _set_up(options: argparse.Namespace, moulded: Any = None) -> Any:
         options.name or Path(options.folder).resolve().name, young, options.resin, options.ratio,
         moulded.outline if moulded else options.pad or "150x120", options.punch, options.base, options.contact,
         parse_lowpass(options.lowpass), shape=moulded.shape if moulded else options.shape or "slab",
-        edge_radius_mm=read_number(options.edge_radius, EDGE), shapes=moulded.shapes if moulded and moulded.mixed else (),
+        edge_radius_mm=read_number(options.edge_radius, EDGE),
+        shapes=moulded.shapes if moulded and moulded.mixed else (),
     )  # fmt: skip
 
 

@@ -161,10 +161,10 @@ def _run(arguments: list[str]) -> int:
         added = [word for word in words if word not in arguments]
         if added and project is not None:
             say(f"from project '{project.name}': {' '.join(added)}")
-        settle_out(project, name, module, options)
         COMMAND_LINE.set(tuple(words))
         problem: NoAnswerError | None = None
         try:
+            settle_out(project, name, module, options)
             with timed():
                 result = module.run(options)
             verdict = result.get("verdict")

@@ -8,10 +8,8 @@ from typing import Any
 
 from dummydesign.api.answers import Result, answer_folder
 from dummydesign.api.traces import Traces, question_of_traces, read_traces
-from dummydesign.core.parsing import Purpose, read_allowed
+from dummydesign.core.parsing import RATE, RATES_HZ, read_allowed
 
-RATE = Purpose("rate in Hz", "Hz", (0.0, 1e6))
-RATES_HZ = (1.0, 100_000.0)
 GUARD_BAND = "JCGM 106:2012, The role of measurement uncertainty in conformity assessment"
 
 

@@ -16,6 +16,8 @@ from dummydesign.core.parsing import (
     EDGE,
     FORCE,
     HOLD,
+    RATE,
+    RATES_HZ,
     THICKNESS,
     VELOCITY,
     YOUNG,
@@ -186,6 +188,7 @@ def predict(
     prony: str | None = None,
     fidelity: str = "table",
     out: str | PathLike[str] | None = None,
+    rate_Hz: float | str | None = None,
     fields: str | PathLike[str] | None = None,
     picture: str | PathLike[str] | None = None,
     progress: Callable[[float], None] | None = None,
@@ -235,6 +238,8 @@ def predict(
         ``table``, ``axisymmetric``, ``3d`` or ``viscoelastic``.
     out : path, optional
         CSV file of the curve; several presses are written to a file each, named as in ``NAME_5N_10mm_s.csv``.
+    rate_Hz : float, optional
+        Of the curves over time in ``out``, by linear interpolation; without it their own times are written. [Hz]
     fields : path, optional
         ``NAME.vtu`` for displacement, stress and contact at the static depths, with fidelity ``axisymmetric``.
     picture : path, optional
@@ -272,6 +277,9 @@ def predict(
     if (fields or picture) and (depth_mm is None or fidelity != "axisymmetric"):
         message = "fields and pictures are of static depths: --depth with --fidelity axisymmetric"
         raise InputError(message, "not_applicable", "fields" if fields else "picture")
+    if rate_Hz is not None and (out is None or asked not in (["motion"], ["force_N"])):
+        message = "--rate is of curves over time in a file: give --out, and --motion or --force"
+        raise InputError(message, "not_applicable", "rate_Hz", rate_Hz)
     made, young, sources = pad_of_inputs(inputs)
     moves = asked != ["depth_mm"] or tissue is not None
     warnings = relaxation_warnings(made, moves) + pad_warnings(made, fidelity)
@@ -300,14 +308,14 @@ def predict(
         files = _add_fields(made, result, fields, picture)
     if out:
         columns = STATIC if asked == ["depth_mm"] else MOVED
-        files = _write(fspath(out), columns, result) | files
+        files = _write(fspath(out), columns, result, inputs["rate_Hz"]) | files
     return Result(found, result | ({"files": files} if files else {}), "predict")
 
 
 ALLOWED = {
     "thickness_mm": (THICKNESS, 0.01, 1000.0), "young_kPa": (YOUNG, *YOUNG_KPA), "force_N": (FORCE, 1e-4, 1e5),
     "velocity_mm_s": (VELOCITY, 1e-4, 1e5), "hold_s": (HOLD, 1e-6, 1e6),
-    "deceleration_mm_s2": (DECELERATION, 1e-3, inf),
+    "deceleration_mm_s2": (DECELERATION, 1e-3, inf), "rate_Hz": (RATE, *RATES_HZ),
 }  # fmt: skip
 """Purpose, smallest and largest of each number; those of the edge follow from the punch."""
 SEVERAL = ("force_N", "velocity_mm_s")
@@ -396,18 +404,33 @@ def _presses(
     return last.prediction, {"depth_mm": last.depth_mm, **several}
 
 
-def _write(path: str, columns: tuple[str, ...], result: dict[str, Any]) -> dict[str, str]:
+def _write(path: str, columns: tuple[str, ...], result: dict[str, Any], rate_Hz: float | None) -> dict[str, str]:
     """Write the curve, or one file a press that is in reach; return them by role."""
     from dummydesign.core.files import write_text
 
     if "presses" not in result:
-        return {"curve": str(write_text(path, _csv(columns, result)))}
-    files, place = {}, Path(path)
-    for press in (press for press in result["presses"] if columns[0] in press):
-        name = f"{press['steady_force_N']:g}N_{press['velocity_mm_s']:g}mm_s"
-        written = write_text(place.with_name(f"{place.stem}_{name}{place.suffix}"), _csv(columns, press))
-        files[f"curve_{name}"] = str(written)
+        curves, names = [result], [""]
+    else:
+        curves = [press for press in result["presses"] if columns[0] in press]
+        names = [f"_{press['steady_force_N']:g}N_{press['velocity_mm_s']:g}mm_s" for press in curves]
+    if rate_Hz is not None:
+        curves = _at_rate(curves, columns, rate_Hz)
+    place, files = Path(path), {}
+    for curve, name in zip(curves, names):
+        file = place.with_name(f"{place.stem}{name}{place.suffix}") if name else place
+        files[f"curve{name}"] = str(write_text(file, _csv(columns, curve)))
     return files
+
+
+def _at_rate(curves: list[dict[str, Any]], columns: tuple[str, ...], rate_Hz: float) -> list[dict[str, Any]]:
+    """The curves at a uniform rate, each from its first time on."""
+    import numpy as np
+
+    from dummydesign.core.interpolation import uniform_times
+
+    times = uniform_times([(curve["time_s"][0], curve["time_s"][-1]) for curve in curves], rate_Hz)
+    return [{"time_s": time, **{name: np.interp(time, curve["time_s"], curve[name]) for name in columns[1:]}}
+            for curve, time in zip(curves, times)]  # fmt: skip
 
 
 def _csv(columns: tuple[str, ...], curve: dict[str, Any]) -> str:

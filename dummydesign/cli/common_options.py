@@ -10,7 +10,7 @@ from typing import Any
 
 def option_of(argument: str) -> str:
     """Return the option that gives an argument of the Python interface: its name without the unit."""
-    return re.sub(r"_(mm|mm_s|mm_s2|N|s|g|kg|kPa|deg)$", "", argument)
+    return re.sub(r"_(mm|mm_s|mm_s2|N|s|g|kg|kPa|deg|Hz)$", "", argument)
 
 
 def call(function: Callable[..., Any], options: argparse.Namespace, **more: Any) -> Any:

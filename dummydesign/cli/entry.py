@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import errno
 import importlib
 import io
 import os
@@ -26,6 +27,7 @@ if TYPE_CHECKING:
 COMMANDS = (
     "suggest", "compare-designs", "predict", "whatif", "import", "fit", "mold", "campaign", "loop", "replay", "compare",
     "on-person", "tissues", "resins", "init", "status", "history", "studio", "doctor",
+    "completion",
 )  # fmt: skip
 """The commands in the order of the overview; each is a module of its own in ``cli/commands``."""
 
@@ -159,10 +161,10 @@ def _run(arguments: list[str]) -> int:
         added = [word for word in words if word not in arguments]
         if added and project is not None:
             say(f"from project '{project.name}': {' '.join(added)}")
-        settle_out(project, name, module, options)
         COMMAND_LINE.set(tuple(words))
         problem: NoAnswerError | None = None
         try:
+            settle_out(project, name, module, options)
             with timed():
                 result = module.run(options)
             verdict = result.get("verdict")
@@ -171,6 +173,11 @@ def _run(arguments: list[str]) -> int:
                 problem = NoAnswerError("not_representative", message, quantity="verdict")
         except NoAnswerError as reason:
             result, problem = reason.result, reason
+        except OSError as reason:
+            if reason.errno != errno.ENAMETOOLONG:
+                raise
+            message = f"the name of a file or folder is too long: '{str(reason.filename)[:40]}...'; give a shorter one"
+            raise InputError(message, "malformed", "path", reason.filename) from None
         if as_json:
             from dummydesign.core.serialise import json_text
 

@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+
+from dummydesign.core.errors import InputError
+
+MOST_ROWS = 500_000
 
 
 def monotone_cubic(x: NDArray, y: NDArray) -> Callable[[ArrayLike], NDArray]:
@@ -70,3 +74,13 @@ def between(x: NDArray, y: NDArray, columns: NDArray, rows: NDArray, values: NDA
     first = np.take_along_axis(by_row, low[None], axis=0)[0]
     second = np.take_along_axis(by_row, low[None] + 1, axis=0)[0]
     return (1.0 - part) * first + part * second
+
+
+def uniform_times(spans_s: Sequence[tuple[float, float]], rate_hz: float) -> list[NDArray]:
+    """Times at a uniform rate over each span, from its start; refused when all together are too many for a file. [s]"""
+    total = sum(end - start for start, end in spans_s) * rate_hz
+    if total > MOST_ROWS:
+        message = f"--rate {rate_hz:g} Hz makes {total:.3g} rows; at most {MOST_ROWS} are written: give a lower rate"
+        raise InputError(message, "too_large", "rate_Hz", rate_hz, MOST_ROWS)
+    # an end that is a whole number of steps belongs to the times
+    return [start + np.arange(int((end - start) * rate_hz * (1 + 1e-9)) + 1) / rate_hz for start, end in spans_s]

@@ -25,12 +25,12 @@ def one_of(quantity: str, name: str, known: Sequence[str]) -> None:
 
 
 UNITS: dict[str, dict[str, float]] = {
-    "mm": {"um": 1e-3, "µm": 1e-3, "mm": 1.0, "cm": 10.0, "m": 1000.0},
-    "mm/s": {"mm/s": 1.0, "cm/s": 10.0, "m/s": 1000.0},
+    "mm": {"um": 1e-3, "µm": 1e-3, "mm": 1.0, "cm": 10.0, "in": 25.4, "m": 1000.0},
+    "mm/s": {"mm/s": 1.0, "cm/s": 10.0, "in/s": 25.4, "m/s": 1000.0},
     "mm/s2": {"mm/s2": 1.0, "m/s2": 1000.0},
-    "N": {"mN": 1e-3, "N": 1.0, "kN": 1000.0},
+    "N": {"mN": 1e-3, "N": 1.0, "lbf": 4.4482216152605, "kN": 1000.0},
     "N/mm": {"N/m": 1e-3, "N/cm": 0.1, "N/mm": 1.0, "kN/m": 1.0},
-    "kPa": {"Pa": 1e-3, "kPa": 1.0, "MPa": 1000.0},
+    "kPa": {"Pa": 1e-3, "kPa": 1.0, "psi": 6.894757293168, "MPa": 1000.0},
     "s": {"ms": 1e-3, "s": 1.0, "min": 60.0},
     "g": {"mg": 1e-3, "g": 1.0, "kg": 1000.0},
     "Hz": {"Hz": 1.0, "kHz": 1000.0},
@@ -65,6 +65,8 @@ DEPTH = Purpose("depth in mm", "mm", (0.0, math.inf))
 THICKNESSES = Purpose("thickness in mm", "mm", (0.0, math.inf))
 LENGTH = Purpose("length in mm", "mm", (0.0, math.inf))
 WIDTH = Purpose("width in mm", "mm", (0.0, math.inf))
+RATE = Purpose("rate in Hz", "Hz", (0.0, 1e6))
+RATES_HZ = (1.0, 100_000.0)
 EDGE = Purpose("edge radius in mm", "mm", (0.0, 50.0))
 
 

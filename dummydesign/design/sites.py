@@ -149,20 +149,6 @@ class Sites:
         }  # fmt: skip
 
 
-def parse_sites(text: str | tuple[int, int] | None) -> tuple[int, int] | None:
-    """Read ``NxM``, crowns along the length times across the width."""
-    from dummydesign.geometry.shapes.crowned import MOST_SITES
-
-    if text is None:
-        return None
-    parts = text.lower().split("x") if isinstance(text, str) else [str(value) for value in text]
-    if len(parts) != 2 or not all(part.strip().isdigit() and 1 <= int(part) <= MOST_SITES for part in parts):
-        shown = text if isinstance(text, str) else "x".join(parts)
-        message = f"sites = {shown} is not NxM with 1 to {MOST_SITES} crowns each way, such as 4x3"
-        raise InputError(message, "malformed", "sites", shown)
-    return int(parts[0]), int(parts[1])
-
-
 def lay_out_sites(
     shape: PadShape, best: DesignCandidate, space: SearchSpace, punch: Punch, wanted: tuple[int, int]
 ) -> Sites:

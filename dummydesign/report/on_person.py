@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from dummydesign.core.errors import InputError
 from dummydesign.core.files import write_text
+from dummydesign.core.interpolation import uniform_times
 from dummydesign.person.on_person import OnPerson, PersonPress
 from dummydesign.report.front_page import FOOT, Fact, FrontPage, Grid, Panel, sentence, warning_texts
 from dummydesign.report.page import Section, Table, log_start, unique, write_report
@@ -26,7 +26,6 @@ FOUR = (("peak_N", "peak force N"), ("steady_N", "steady force N"), ("depth_mm",
         ("energy_mJ", "energy mJ"), ("mean_pressure_N_per_cm2", "mean pressure N/cm2"))  # fmt: skip
 WORST = ("fail", "undecided", "pass")
 DRAWN, MOST_CHECKS = 400, 5
-MOST_ROWS = 500_000
 
 
 def write_on_person(found: OnPerson, result: dict[str, Any], rate_hz: float, folder: Path) -> dict[str, str]:
@@ -98,13 +97,8 @@ def curves_csv(found: OnPerson, rate_hz: float) -> str:
     stream = io.StringIO()
     writer = csv.writer(stream, lineterminator="\n")
     writer.writerow(head)
-    total = sum(float(np.max(one.found.time_s)) * rate_hz for one in found.presses)
-    if total > MOST_ROWS:
-        message = f"--rate {rate_hz:g} Hz makes {total:.3g} rows; at most {MOST_ROWS} are written: give a lower rate"
-        raise InputError(message, "too_large", "rate_Hz", rate_hz, MOST_ROWS)
-    for one in found.presses:
-        end = max(float(one.press.time_s[-1]), float(np.max(one.found.time_s)))
-        time = np.arange(int(np.floor(end * rate_hz * (1 + 1e-9))) + 1) / rate_hz
+    spans = [(0.0, max(float(one.press.time_s[-1]), float(np.max(one.found.time_s)))) for one in found.presses]
+    for one, time in zip(found.presses, uniform_times(spans, rate_hz)):
         depth, force = on_grid(one, time)
         pad = [np.interp(time, one.press.time_s, row, right=np.nan) for row in (one.press.x_mm, one.press.force_N)]
         with np.errstate(all="ignore"):

@@ -72,6 +72,7 @@ def write_plot(resin: Resin, folder: Path) -> dict[str, str]:
 
 
 def _draw(resin: Resin, ratios: np.ndarray, young: np.ndarray, beta: np.ndarray, names: list[str]) -> bytes:
+    from matplotlib import rc_context
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(6.4, 6.4), layout="constrained")
@@ -94,5 +95,7 @@ def _draw(resin: Resin, ratios: np.ndarray, young: np.ndarray, beta: np.ndarray,
         if axes.get_legend_handles_labels()[0]:
             axes.legend(fontsize="small")
     stream = io.BytesIO()
-    figure.savefig(stream, format="svg", metadata={"Date": None})
+    # the names inside an SVG are random without it
+    with rc_context({"svg.hashsalt": "resin"}):
+        figure.savefig(stream, format="svg", metadata={"Date": None})
     return stream.getvalue()

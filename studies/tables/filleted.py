@@ -87,10 +87,10 @@ def content(base: str, count: int, fresh: int, pool: ProcessPoolExecutor) -> dic
     drawn = [(float(ratio), float(fillet), base) for ratio, fillet in zip(*places)]
     miss = []
     for task, (solved, _) in zip(drawn, pool.map(solve, drawn)):
-        answer = between_fillets(table, task[1])
-        wanted = np.minimum(DEPTHS, answer.depth_limit(task[0]))
+        between = between_fillets(table, task[1])
+        wanted = np.minimum(DEPTHS, between.depth_limit(task[0]))
         known = np.isfinite(solved) & (DEPTHS <= wanted * (1.0 + 1e-9))
-        miss.append(np.where(known, np.abs(answer.log_stiffness(wanted, task[0])[0] - solved), np.nan))
+        miss.append(np.where(known, np.abs(between.log_stiffness(wanted, task[0])[0] - solved), np.nan))
     rows = np.array(miss)
     table["provenance"] = {
         "law": "neo-Hookean, incompressible",

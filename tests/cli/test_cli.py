@@ -167,3 +167,13 @@ def test_an_option_that_a_command_does_not_have_is_named_with_the_nearest_or_wit
     assert cli.run(words) == 2
     error = capsys.readouterr().err.strip()
     assert error.startswith("error: ") and says in error and "\n" not in error
+
+
+PRESS = ["predict", "--young", "30", "--thickness", "5", "--motion"]
+
+
+@pytest.mark.parametrize("words", [["history"], ["status"], ["import"], PRESS])
+def test_a_name_too_long_for_the_system_is_bad_input(words, capsys):
+    assert cli.run([*words, "a" * 300]) == 2
+    error = capsys.readouterr().err
+    assert error.startswith("error: ") and error.count("\n") == 1

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import subprocess
+import sys
 
 import pytest
 
@@ -128,3 +130,14 @@ def test_a_campaign_on_pads_of_it_is_held_against_its_modulus_and_a_design_takes
     best = asked(*words, "--calibration", tmp_path / "out" / "calibration.json")["recommendation"]
     softer = 32.0 / young_kPa(25.0)
     assert best["young_kPa"]["value"] == pytest.approx(softer * young_kPa(best["ratio"]), rel=0.06)
+
+
+def test_the_same_resin_is_drawn_the_same(tmp_path):
+    code = (
+        "import sys; from dummydesign.cli.entry import run; "
+        "sys.exit(run(['resins', 'show', 'polyurethane-nagoya', '--out', sys.argv[1]]))"
+    )
+    for name in ("a", "b"):
+        subprocess.run([sys.executable, "-c", code, str(tmp_path / name)], check=True, capture_output=True)
+    drawn = [sorted((tmp_path / name).glob("*.svg"))[0].read_bytes() for name in ("a", "b")]
+    assert drawn[0] == drawn[1]

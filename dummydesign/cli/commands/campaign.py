@@ -55,7 +55,7 @@ def _set_up_options(parser: argparse.ArgumentParser) -> None:
     add("--shape", metavar="NAME:P,..", help=shape)
     punches = "square:14 (default), round:D, ball:D, profile:FILE.csv or plate"
     add("--punch", default="square:14", metavar="SHAPE", help=punches)
-    add("--edge-radius", type=float, default=0.0, metavar="MM", help="fillet of the punch's edge (default 0, sharp)")
+    add("--edge-radius", default=0.0, metavar="MM", help="fillet of the punch's edge (default 0, sharp)")
     add("--base", default="bonded", help="bonded (default), sliding or friction:MU")
     add("--contact", default="bonded", help="of the punch: bonded (default), frictionless or friction:MU")
     add("--lowpass", metavar="HZ[:ORDER[:PASSES]]", help="filter the force went through before it was saved")
@@ -171,7 +171,7 @@ def _with_moulds(plan: dict[str, Any], asked: dict[str, Any]) -> dict[str, Any]:
 def _set_up(options: argparse.Namespace, moulded: Any = None) -> Any:
     from pathlib import Path
 
-    from dummydesign.core.parsing import YOUNG, YOUNG_KPA, read_allowed
+    from dummydesign.core.parsing import EDGE, YOUNG, YOUNG_KPA, read_allowed, read_number
     from dummydesign.measurement.campaign_file import SetUp
     from dummydesign.measurement.sensor import parse_lowpass
 
@@ -186,7 +186,8 @@ def _set_up(options: argparse.Namespace, moulded: Any = None) -> Any:
         options.name or Path(options.folder).resolve().name, young, options.resin, options.ratio,
         moulded.outline if moulded else options.pad or "150x120", options.punch, options.base, options.contact,
         parse_lowpass(options.lowpass), shape=moulded.shape if moulded else options.shape or "slab",
-        edge_radius_mm=options.edge_radius, shapes=moulded.shapes if moulded and moulded.mixed else (),
+        edge_radius_mm=read_number(options.edge_radius, EDGE),
+        shapes=moulded.shapes if moulded and moulded.mixed else (),
     )  # fmt: skip
 
 

@@ -151,7 +151,7 @@ def default_in_project(options: argparse.Namespace) -> str | None:
     from dummydesign.mold.job import folder_name, read_thicknesses
 
     shape = "boned" if options.bone else options.shape.partition(":")[0].lower()
-    kind = "" if shape == "slab" else shape
+    kind = "" if shape in ("slab", "puck") else shape  # as ``PadSpec.prefix``
     return folder_name(read_thicknesses(options.thickness), options.castings, kind, options.count)
 
 

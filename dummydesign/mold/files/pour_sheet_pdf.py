@@ -5,6 +5,7 @@ from __future__ import annotations
 import html
 import importlib.util
 import io
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
@@ -45,6 +46,20 @@ def fonts() -> tuple[str, str]:
         pdfmetrics.registerFont(TTFont(name, str(folder / f"{name}.ttf")))
     pdfmetrics.registerFontFamily(names[0], normal=names[0], bold=names[1], italic=names[0], boldItalic=names[1])
     return names
+
+
+JAPANESE = re.compile("[\u2e80-\u9fff\uf900-\ufaff\uff00-\uffef]+")
+
+
+def marked(words: str) -> str:
+    """Escape a paragraph's words; Japanese letters get a font of their own, which the reader's program brings."""
+    from reportlab.pdfbase import pdfmetrics
+    from reportlab.pdfbase.cidfonts import UnicodeCIDFont
+
+    name = "HeiseiKakuGo-W5"
+    if JAPANESE.search(words) and name not in pdfmetrics.getRegisteredFontNames():
+        pdfmetrics.registerFont(UnicodeCIDFont(name))
+    return JAPANESE.sub(lambda found: f'<font name="{name}">{found[0]}</font>', html.escape(words))
 
 
 def sheet_pdf(blocks: Sequence[Block], foot: Foot, drawings: Sequence[Drawing] = (), paper: str = "A4") -> bytes:
@@ -104,14 +119,14 @@ def _story(blocks: Sequence[Block], wide: float) -> list[Any]:
     story: list[Any] = []
     for index, block in enumerate(blocks):
         if block.kind == "head":
-            story += [flow.CondPageBreak(MM * 30), flow.Paragraph(html.escape(block.text), heads[min(index, 1)])]
+            story += [flow.CondPageBreak(MM * 30), flow.Paragraph(marked(block.text), heads[min(index, 1)])]
         elif block.kind == "text":
-            story += [flow.Paragraph(html.escape(block.text), text), flow.Spacer(1, 3)]
+            story += [flow.Paragraph(marked(block.text), text), flow.Spacer(1, 3)]
         elif block.kind == "list":
-            items = [flow.ListItem(flow.Paragraph(html.escape(item), text), spaceAfter=2) for item in block.items]
+            items = [flow.ListItem(flow.Paragraph(marked(item), text), spaceAfter=2) for item in block.items]
             story.append(flow.ListFlowable(items, bulletFontName=plain, bulletFontSize=9, leftIndent=16))
         else:
-            rows = [[flow.Paragraph(html.escape(words), cell) for words in row] for row in block.rows]
+            rows = [[flow.Paragraph(marked(words), cell) for words in row] for row in block.rows]
             table = flow.Table(rows, colWidths=_widths(block.rows, wide, plain), repeatRows=1, style=grid)
             story += [flow.KeepTogether(table) if len(rows) < 9 else table, flow.Spacer(1, 5)]
     return story
@@ -149,7 +164,7 @@ def _picture(drawing: Drawing, wide: float) -> list[Any]:
 
     words = f"{drawing.title}: not to scale here; the drawings' own PDF is true to scale."
     style = ParagraphStyle("under", fontName=fonts()[0], fontSize=8)
-    return [KeepTogether([Picture(), Paragraph(html.escape(words), style)])]
+    return [KeepTogether([Picture(), Paragraph(marked(words), style)])]
 
 
 def _foot(canvas: Any, foot: Foot, page: int, pages: int, wide: float, margin: float) -> None:

@@ -206,3 +206,11 @@ def test_drawings_are_wellformed_and_equal_for_equal_parts(open_parts):
     document = ezdxf.read(io.StringIO(text))
     assert not document.audit().errors and len(document.modelspace().query("DIMENSION")) >= 5
     assert text == to_dxf(drawing) and to_pdf([drawing], "a") == to_pdf([drawing], "a")
+
+
+def test_the_order_of_the_lines_does_not_change_the_dxf():
+    from dummydesign.mold.files.drawings.export import to_dxf
+    from dummydesign.mold.files.drawings.sheet import LAYERS, Drawing, Line
+
+    lines = [Line(((0.0, float(i)), (10.0, 5.0)), layer) for i in range(3) for layer in list(LAYERS)[:2]]
+    assert to_dxf(Drawing("t", 1.0, lines=lines)) == to_dxf(Drawing("t", 1.0, lines=lines[::-1]))

@@ -54,3 +54,10 @@ def test_equal_sheets_are_equal_files_and_another_date_is_another_file(open_spec
 def test_a_word_wider_than_its_column_and_marks_of_html_do_no_harm():
     rows = (("a", "b <c> & d"), ("x" * 300, "y"))
     assert pages_mm(sheet_pdf([Block("head", "<b>"), Block("table", rows=rows)], Foot("A", "c " * 500, "")))
+
+
+def test_japanese_letters_have_a_font_that_holds_them():
+    blocks = [Block("head", "前指"), Block("text", "resin <ウレタン> 15 ± 1"), Block("table", rows=(("名",), ("x",)))]
+    data = sheet_pdf(blocks, Foot("ABCD", "command", "2026-01-01"))
+    assert b"HeiseiKakuGo-W5" in data and pages_mm(data)
+    assert b"HeiseiKakuGo" not in sheet_pdf([Block("text", "resin ± 1")], Foot("ABCD", "command", "2026-01-01"))

@@ -22,7 +22,8 @@ def to_dxf(sheet: Drawing) -> str:
         space = document.modelspace()
         for name, width in LAYERS.items():
             document.layers.add(name, lineweight=round(100 * width))
-        for line in sheet.lines:
+        # edges come from the solid in an order that differs between processes
+        for line in sorted(sheet.lines, key=lambda one: (one.layer, one.points)):
             space.add_lwpolyline(line.points, dxfattribs={"layer": line.layer})
         for text in sheet.texts:
             place = TextEntityAlignment.BOTTOM_CENTER if text.middle else TextEntityAlignment.BOTTOM_LEFT

@@ -1,0 +1,106 @@
+"""Completion of a command line in bash, zsh and fish: the words that may come next, from the commands' own parsers."""
+
+from __future__ import annotations
+
+import argparse
+import re
+from collections.abc import Iterable, Sequence
+
+from dummydesign.cli.entry import COMMANDS, parser_of
+from dummydesign.cli.help import meanings_of
+from dummydesign.core.library import entries
+
+WORDS = "DUMMYDESIGN_COMPLETE"
+"""Environment variable with the words typed so far, by which a shell's script asks for the next one."""
+BETWEEN = "\x1f"
+LIBRARY = {
+    "tissue": "materials/tissues", "resin": "materials/resins", "preset": "molds", "machine": "molds/machines",
+    "silicone": "molds/silicones",
+}  # fmt: skip
+SCRIPTS = {
+    "bash": r"""_dummydesign() {
+  local IFS=$'\x1f'
+  local typed="${COMP_WORDS[*]:1:COMP_CWORD}"
+  IFS=$'\n'
+  COMPREPLY=($(DUMMYDESIGN_COMPLETE="$typed" dummydesign completion bash 2>/dev/null))
+  [[ ${#COMPREPLY[@]} == 1 && ${COMPREPLY[0]} == *: ]] && compopt -o nospace 2>/dev/null
+  return 0
+}
+complete -o default -F _dummydesign dummydesign
+""",
+    "zsh": r"""#compdef dummydesign
+_dummydesign() {
+  local -a found open
+  found=(${(f)"$(DUMMYDESIGN_COMPLETE="${(pj:\x1f:)words[2,CURRENT]}" dummydesign completion zsh 2>/dev/null)"})
+  open=(${(M)found:#*:})
+  found=(${found:#*:})
+  (( ${#open} )) && compadd -S '' -a open
+  (( ${#found} )) && compadd -a found
+  (( ${#open} + ${#found} )) || _files
+}
+compdef _dummydesign dummydesign
+""",
+    "fish": r"""function __dummydesign
+  set -l now (commandline -ct)
+  set -l typed (commandline -opc) "$now"
+  set -lx DUMMYDESIGN_COMPLETE (string join \x1f -- $typed[2..])
+  set -l found (dummydesign completion fish 2>/dev/null)
+  if set -q found[1]
+    printf '%s\n' $found
+  else
+    __fish_complete_path "$now"
+  end
+end
+complete -c dummydesign -f -a '(__dummydesign)'
+""",
+}
+
+
+def script_of(shell: str) -> str:
+    """Return the script that a shell reads once; at each Tab it asks this program for the next words."""
+    return SCRIPTS[shell]
+
+
+def next_words(typed: Sequence[str]) -> list[str]:
+    """Return what the last of the words after ``dummydesign`` may become; empty where a file or a number is due."""
+    *before, now = typed
+    if not before:
+        return _beginning(now, COMMANDS)
+    if before[0] not in COMMANDS:
+        return []
+    parser, command = parser_of(before[0]), before[0]
+    for word in before[1:]:
+        below = _actions_of(parser)
+        if word in below:
+            parser, command = below[word], f"{command} {word}"
+    asked = parser._option_string_actions.get(before[-1])
+    if asked is not None and asked.nargs != 0:
+        return _beginning(now, _values(command, asked))
+    if now.startswith("-"):
+        return _beginning(now, parser._option_string_actions)
+    due = [action for action in parser._actions if not action.option_strings]
+    return _beginning(now, (value for action in due for value in _values(command, action)))
+
+
+def _actions_of(parser: argparse.ArgumentParser) -> dict[str, argparse.ArgumentParser]:
+    found = [action.choices for action in parser._actions if isinstance(action, argparse._SubParsersAction)]
+    return dict(found[0]) if found else {}
+
+
+def _values(command: str, action: argparse.Action) -> list[str]:
+    """What an option or argument may be: its choices, named files, and the words that its help explains."""
+    if action.choices is not None:
+        return [str(choice) for choice in action.choices]
+    name = action.dest
+    own_only = command.endswith((" remove", " rename"))
+    if name == "name" and command.partition(" ")[2] in ("show", "path", "remove", "rename"):
+        name = command.partition(" ")[0].removesuffix("s")
+    named = [one.name for one in entries(LIBRARY[name]).values() if one.origin == "user" or not own_only] \
+        if name in LIBRARY else []  # fmt: skip
+    listed = [part for part in str(action.metavar or "").split("|") if re.fullmatch(r"[a-z][a-z-]*|\d", part)]
+    meant = [word.partition(":")[0] + ":" * (":" in word) for word in meanings_of(command, action) if " " not in word]
+    return [*named, *(listed if len(listed) > 1 else []), *meant]
+
+
+def _beginning(now: str, words: Iterable[str]) -> list[str]:
+    return list(dict.fromkeys(word for word in words if word.startswith(now)))

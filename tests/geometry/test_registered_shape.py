@@ -94,7 +94,9 @@ class ConedSolids(FlatSolids):
     def tops(self, pad: PadGeometry) -> list[Any]:
         import cadquery as cq
 
-        return [cq.Solid.makeCone(pad.shape.top_mm, pad.shape.foot_mm, pad.shape.height_mm)]
+        shape = pad.shape
+        assert isinstance(shape, Coned)
+        return [cq.Solid.makeCone(shape.top_mm, shape.foot_mm, shape.height_mm)]
 
 
 class ConedFamily(Family):
@@ -154,7 +156,7 @@ def _spec(thickness_mm: float = 12.0):
 
 def test_it_is_read_printed_and_listed_and_known_no_longer_than_registered():
     assert read_shape(TEXT) == Coned(4.0, 9.0, 3.0) == read_shape(str(Coned(4.0, 9.0, 3.0)))
-    assert list(shape_kinds())[-1] == "coned"
+    assert "coned" in list(shape_kinds())[5:]
     with raises_code("file_exists", "shape"), registered(Coned):
         pass
     with raises_code("unknown_name", "shape"):

@@ -13,7 +13,7 @@ from dummydesign.loop.fitting.noise import estimate_slow_noise, first_sizes, rep
 from dummydesign.loop.fitting.problem import CampaignProblem
 from dummydesign.loop.model.base_law import SLAB_ERROR
 from dummydesign.loop.selection.cross_validation import errors, lack_of_fit
-from dummydesign.loop.selection.residuals import run_checks
+from dummydesign.loop.selection.residuals import dependences, run_checks
 from dummydesign.loop.selection.verdict import GAIN_FLOOR, gain_threshold
 
 
@@ -121,6 +121,15 @@ def test_a_drop_in_one_hold_is_seen_as_a_step(base):
     step = next(check for check in run_checks(found) if check.name == "step in the hold")
     assert base.problem.presses.trials[11].file in step.text
     assert float(step.text.split(", ")[1].split(" s ")[0]) == pytest.approx(4.0, abs=0.2)
+
+
+def test_a_residual_that_follows_the_logarithm_of_time_in_the_hold_is_put_to_the_time_since_the_stop(base):
+    presses = base.problem.presses
+    since = 0.5 * (presses.bins.start + presses.bins.end) - presses.stop_s[:, None]
+    wave = 0.03 * base.forces * np.cos(np.log(np.maximum(since, 1e-3))) * (since > 0.0)
+    first, second = dependences(replace(base, residual=np.where(presses.used, wave, 0.0)))[:2]
+    assert first.factor == "time since stop" and first.share > 0.75
+    assert second.excess < 0.8 * first.excess
 
 
 def test_left_out_errors_are_not_smaller_than_fitted_ones_and_near_the_noise(base):

@@ -61,6 +61,8 @@ def test_what_a_near_rim_takes_is_smooth_in_depth_and_its_error_counts_the_table
     # under a fillet whose points are held one by one it went up and down by half a per cent
     slope = np.diff(found.log_factor) / np.diff(found.share)
     assert (slope > 0.0).all() and slope.max() < 2.0 * slope.min()
+    # as deep as the table goes
+    assert found.share[-1] * 8.0 == pytest.approx(float(table.depth_limit_mm(8.0, RADIUS)), rel=1e-6)
     assert (found.error > table.relative_error(found.share * 8.0, 8.0, RADIUS)).all()
 
 

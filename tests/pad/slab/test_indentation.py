@@ -154,14 +154,16 @@ def test_a_sticking_flat_punch_agrees_with_the_glued_one_solved_the_other_way():
 @pytest.mark.parametrize("young_MPa", [0.03, 0.06])
 def test_under_a_ball_a_slab_that_lies_by_friction_is_between_a_free_and_a_glued_one_at_its_own_modulus(young_MPa):
     ball = read_punch("ball:20")
-    free, rubs, glued = (
+    curves = [
         solve_points(
             Pad(10.0, young_MPa, ball.radius_mm, profile_mm=ball.profile_mm, condition="frictionless", base=base),
             np.array([0.3]),
-        ).force_N[0]
+        )
         for base in ("sliding", "friction:0.3", "bonded")
-    )
+    ]
+    free, rubs, glued = (curve.force_N[0] for curve in curves)
     assert 1.02 * free < rubs < 0.998 * glued
+    assert all(1e-4 < curve.error_N[0] / curve.force_N[0] < 0.02 for curve in curves)
 
 
 @pytest.mark.parametrize("text", ["glue", "friction", "friction:x", "friction:-1", "friction:9"])

@@ -57,7 +57,9 @@ def _faults(rows: list[dict[str, Any]]) -> list[str]:
     lines = [
         "", "## Faults that the tests see", "",
         "`python -m benchmarks.mutation` changes one sign, limit or index in lines drawn at random from core, pad,",
-        "loop and design, and runs the default tests that execute the line; rows in `benchmarks/mutation.jsonl`.", "",
+        "loop and design, and runs the default tests that execute the line; rows in `benchmarks/mutation.jsonl`.",
+        "Faults that were not run count as open. What to expect of a new draw is the first figure: the tests of the second",
+        "were written for this one.", "",
         "| state | seed | faults | caught | caught with the tests written for those missed | open |",
         "|---|---|---|---|---|---|",
     ]  # fmt: skip

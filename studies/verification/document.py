@@ -58,8 +58,8 @@ def _faults(rows: list[dict[str, Any]]) -> list[str]:
         "", "## Faults that the tests see", "",
         "`python -m benchmarks.mutation` changes one sign, limit or index in lines drawn at random from core, pad,",
         "loop and design, and runs the default tests that execute the line; rows in `benchmarks/mutation.jsonl`.",
-        "Faults that were not run count as open. What to expect of a new draw is the first figure: the tests of the second",
-        "were written for this one.", "",
+        "Faults that were not run count as open. The tests of the second figure were written for this draw: a new draw",
+        "is better judged by the first.", "",
         "| state | seed | faults | caught | caught with the tests written for those missed | open |",
         "|---|---|---|---|---|---|",
     ]  # fmt: skip

@@ -64,13 +64,15 @@ def read_trace(path: str | Path, velocity_mm_s: float | None = None) -> Trace:
         too few samples, or magnitudes that show another unit (m, um, mN, kN, ms) or sign.
     """
     path = Path(path)
+    file = path.name
     header, places, rows = open_csv(path, COLUMNS, "trace")
     values, lines = [], []
     for line, row in rows:
         if len(row) <= max(places):
             message = f"{path.name}:{line}: has {len(row)} cells, the header has {len(header)}"
             raise InputError(message, "malformed", "trace", len(row), len(header))
-        values.append([read_cell(row[at], name, f"{path.name}:{line}") for name, at in zip(COLUMNS, places)])
+        where = f"{file}:{line}"
+        values.append([read_cell(row[at], name, where) for name, at in zip(COLUMNS, places)])
         lines.append(line)
     if len(values) < MIN_SAMPLES:
         message = f"{path.name}: {len(values)} samples; at least {MIN_SAMPLES} are needed"

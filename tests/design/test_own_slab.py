@@ -46,12 +46,23 @@ def test_a_small_pad_is_softer_by_what_the_whole_solve_says():
     assert factor[0] < 0.97
 
 
+def test_at_a_solved_depth_the_law_of_a_filleted_punch_is_its_own_solve_in_millimetres(monkeypatch):
+    monkeypatch.setattr("dummydesign.pad.solved_law.SHARES", np.array([0.03, 0.06]))
+    law = own_slab_law(load_table("bonded"), pad(edge_radius_mm=0.5), np.array([8.0]))
+    depth = np.array([0.03, 0.06]) * 8.0
+    direct = solve_under_fillet(pad(thickness_mm=8.0, young_MPa=0.05, edge_radius_mm=0.5), depth)
+    np.testing.assert_allclose(law.force(depth, 8.0, 0.05, RADIUS), direct.force_N, rtol=1e-6)
+    np.testing.assert_allclose(law.relative_error(depth, 8.0, RADIUS), direct.error_N / direct.force_N, rtol=1e-6)
+
+
 def test_what_a_near_rim_takes_is_smooth_in_depth_and_its_error_counts_the_table_s():
     table = load_table("bonded")
     found = solve_over_table(table, pad(extent_mm=2.2 * RADIUS), 8.0)
     # under a fillet whose points are held one by one it went up and down by half a per cent
     slope = np.diff(found.log_factor) / np.diff(found.share)
     assert (slope > 0.0).all() and slope.max() < 2.0 * slope.min()
+    # as deep as the table goes
+    assert found.share[-1] * 8.0 == pytest.approx(float(table.depth_limit_mm(8.0, RADIUS)), rel=1e-6)
     assert (found.error > table.relative_error(found.share * 8.0, 8.0, RADIUS)).all()
 
 

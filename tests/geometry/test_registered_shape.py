@@ -9,12 +9,13 @@ from typing import Any, ClassVar
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 from dummydesign import cli
 from dummydesign.core.errors import InputError
-from dummydesign.design.search.shape_family import Designs
+from dummydesign.design.search.shape_family import Designs, Family
 from dummydesign.geometry.dimensions import STEEPEST_TOP_DEG, THINNEST_GEL_MM, check_inside, check_left
-from dummydesign.geometry.pad_shape import PadShape, grid
+from dummydesign.geometry.pad_shape import PadBlock, PadShape, grid
 from dummydesign.geometry.shape_registry import read_shape, registered, shape_kinds
 from dummydesign.mold.cad.shapes import FlatSolids
 from dummydesign.mold.checks import solids as check
@@ -22,7 +23,7 @@ from dummydesign.mold.checks import solids as check_shape
 from dummydesign.mold.files import pour_sheet as sheet
 from dummydesign.mold.model.layout import cavity_volume_mm3, layout
 from dummydesign.mold.model.preset import mould_spec
-from dummydesign.mold.model.spec import read_kind
+from dummydesign.mold.model.spec import PadGeometry, read_kind
 from dummydesign.mold.pour.plan import pour_plan
 from dummydesign.mold.pour.warnings import pour_warnings
 from dummydesign.pad.tables.slab import load_table
@@ -40,9 +41,15 @@ class Coned(PadShape):
     foot_mm: float
     height_mm: float
 
-    flat_top = property(lambda self: False)
-    first_exponent = property(lambda self: 1.0)
-    relief_mm = property(lambda self: self.height_mm)
+    flat_top: ClassVar[bool] = False
+
+    @property
+    def first_exponent(self) -> float:
+        return 1.0
+
+    @property
+    def relief_mm(self) -> float:
+        return self.height_mm
 
     @property
     def steepest_deg(self) -> float:
@@ -51,62 +58,66 @@ class Coned(PadShape):
     def lines_mm(self) -> tuple[float, ...]:
         return self.top_mm, self.foot_mm
 
-    def drop_mm(self, x_mm, y_mm):
+    def drop_mm(self, x_mm: NDArray, y_mm: NDArray) -> NDArray:
         share = (np.hypot(x_mm, y_mm) - self.top_mm) / (self.foot_mm - self.top_mm)
         return self.height_mm * np.clip(share, 0.0, 1.0)
 
-    def top_volume_mm3(self, block) -> float:
+    def top_volume_mm3(self, block: PadBlock) -> float:
         return math.pi * self.height_mm / 3 * (self.top_mm**2 + self.top_mm * self.foot_mm + self.foot_mm**2)
 
     def check(self, thickness_mm: float, length_mm: float = 150.0, width_mm: float = 120.0) -> None:
         if not 0.0 < self.top_mm < self.foot_mm:
-            raise InputError(f"top = {self.top_mm:g} mm is not below foot = {self.foot_mm:g} mm")
+            message = f"top = {self.top_mm:g} mm is not between 0 and foot = {self.foot_mm:g} mm"
+            raise InputError(message, "out_of_range", "top_mm", self.top_mm, (0.0, self.foot_mm))
         if not 0.0 < self.steepest_deg <= STEEPEST_TOP_DEG:
-            raise InputError(f"cone slope = {self.steepest_deg:.0f} deg is above {STEEPEST_TOP_DEG:g} deg")
+            message = f"cone slope = {self.steepest_deg:.0f} deg is not between 0 and {STEEPEST_TOP_DEG:g} deg"
+            raise InputError(message, "out_of_range", "slope_deg", self.steepest_deg, (0.0, STEEPEST_TOP_DEG))
         check_left("cone", self.height_mm, thickness_mm, THINNEST_GEL_MM)
         check_inside("cone", self.foot_mm, min(length_mm, width_mm))
 
-    def mark(self, block, scale: float) -> str:
+    def mark(self, block: PadBlock, scale: float) -> str:
         return f"truncated cone: top radius {self.top_mm:g}, foot {self.foot_mm:g}, height {self.height_mm:g} mm"
 
     @classmethod
-    def candidates(cls, thickness_mm, radius_mm):
+    def candidates(cls, thickness_mm: NDArray, radius_mm: float) -> tuple[NDArray, dict[str, NDArray]]:
         h, top, wider, share = grid(thickness_mm, np.array([2.0, 4.0, 6.0]), np.array([2.0, 5.0]), np.array([0.2, 0.4]))
         return h, {"top": top, "foot": top + wider, "height": np.round(share * h, 1)}
 
     @classmethod
-    def in_proportion(cls, k):
+    def in_proportion(cls, k: NDArray) -> dict[str, NDArray]:
         return {"height": k}
 
 
 class ConedSolids(FlatSolids):
     """An exact cone."""
 
-    def tops(self, pad) -> list[Any]:
+    def tops(self, pad: PadGeometry) -> list[Any]:
         import cadquery as cq
 
-        return [cq.Solid.makeCone(pad.shape.top_mm, pad.shape.foot_mm, pad.shape.height_mm)]
+        shape = pad.shape
+        assert isinstance(shape, Coned)
+        return [cq.Solid.makeCone(shape.top_mm, shape.foot_mm, shape.height_mm)]
 
 
-class ConedFamily:
+class ConedFamily(Family):
     """A law it brings: the slab under a punch of the contact's radius, which grows down the cone."""
 
     kind = "coned"
     source = "law"
 
-    def candidates(self, thickness_mm, radius_mm):
+    def candidates(self, thickness_mm: NDArray, radius_mm: float) -> Designs:
         return Designs(self.kind, *Coned.candidates(np.asarray(thickness_mm, float), radius_mm))
 
-    def check(self, shape) -> None:
+    def check(self, shape: PadShape) -> None:
         assert isinstance(shape, Coned)
 
-    def at_thickness(self, shape, thickness_mm, wanted_mm):
+    def at_thickness(self, shape: PadShape, thickness_mm: float, wanted_mm: NDArray) -> Designs:
         wanted = np.asarray(wanted_mm, float)
         grows = Coned.in_proportion(wanted / thickness_mm)
         scaled = {name: value * grows.get(name, np.ones_like(wanted)) for name, value in shape.parameters}
         return Designs(self.kind, wanted, scaled)
 
-    def area_mm2(self, designs, depth_mm, radius_mm):
+    def area_mm2(self, designs: Designs, depth_mm: NDArray, radius_mm: float) -> NDArray:
         h, p = designs.thickness_mm[:, None], {name: value[:, None] for name, value in designs.parameters.items()}
         depth = np.maximum(depth_mm, 0.0)
         contact = np.minimum(p["top"] + (p["foot"] - p["top"]) * depth / p["height"], radius_mm)
@@ -115,10 +126,10 @@ class ConedFamily:
         area = load_table("bonded").force(held, h, 1.0, np.clip(contact, low * h, high * h))
         return np.where(depth <= held * (1.0 + 1e-9), area, np.nan)
 
-    def limit_mm(self, designs, radius_mm):
+    def limit_mm(self, designs: Designs, radius_mm: float) -> NDArray:
         return 0.45 * designs.thickness_mm
 
-    def relative_error(self, designs, depth_mm, radius_mm):
+    def relative_error(self, designs: Designs, depth_mm: NDArray, radius_mm: float) -> NDArray:
         return np.full(np.shape(depth_mm), 0.3)
 
 
@@ -145,7 +156,7 @@ def _spec(thickness_mm: float = 12.0):
 
 def test_it_is_read_printed_and_listed_and_known_no_longer_than_registered():
     assert read_shape(TEXT) == Coned(4.0, 9.0, 3.0) == read_shape(str(Coned(4.0, 9.0, 3.0)))
-    assert list(shape_kinds())[-1] == "coned"
+    assert "coned" in list(shape_kinds())[5:]
     with raises_code("file_exists", "shape"), registered(Coned):
         pass
     with raises_code("unknown_name", "shape"):

@@ -1,5 +1,8 @@
 """Scores: perfect for a pad that is the tissue, monotone, honest about what is out of reach."""
 
+from dataclasses import replace
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
@@ -46,6 +49,17 @@ def test_closeness_to_the_aim_falls_on_both_sides_of_it(targets):
     close = evaluate(slabs, targets).aim
     assert close[0] < close[1] < close[2] > close[3] > close[4]
     assert depth[2] == pytest.approx(targets.aim_depth_mm(10.0), rel=1e-3)
+
+
+def test_a_pad_on_the_aim_in_depth_and_peak_is_wholly_close_and_one_off_in_either_in_part(targets):
+    gamma1 = targets.parameters.gamma1_N_per_mm3
+    found = evaluate(cubic_slabs([gamma1]), targets)
+    pressed = list(zip(targets.conditions, found.presses))
+    for factor, aim in ((1.0, 1.0), (1e6, 0.5)):
+        peaks = [
+            replace(one, aim=SimpleNamespace(peak_high_N=factor * float(press.peak_N[0]))) for one, press in pressed
+        ]
+        assert scored_for(found, replace(targets, conditions=tuple(peaks))).aim[0] == pytest.approx(aim, abs=0.01)
 
 
 def test_presses_scored_for_another_tissue_are_those_pressed_for_it(targets):
@@ -109,7 +123,6 @@ def test_a_pad_without_relaxation_has_gamma1_of_its_steady_curve(targets):
 
 def test_parameters_at_the_aim_score_one_and_half_a_band_away_one_half(finger, targets):
     assert parametric_score([targets.parameters], targets)[0] == pytest.approx(1.0)
-    from dataclasses import replace
 
     shift = np.sqrt(2.2 / 0.8)  # half of the band of gamma1 in the logarithm
     moved = replace(targets.parameters, gamma1_N_per_mm3=shift * targets.parameters.gamma1_N_per_mm3)

@@ -37,6 +37,12 @@ def test_the_pulse_of_a_stop_takes_off_the_speed_and_is_as_short_as_the_brake():
     assert variance == pytest.approx(BRAKE_S**2 / 12.0, abs=0.3e-6)
 
 
+def test_a_fast_rise_has_nodes_half_way_between_its_samples():
+    time = reduced(lambda time: np.maximum(braked(time), 0.0)).time_s
+    rise = time[(time > TOUCH_S) & (time < STOP_S)]
+    np.testing.assert_allclose(np.diff(rise), 0.5e-3, atol=1e-5)
+
+
 def test_a_coarse_position_does_not_change_the_speed_that_is_taken_off():
     press = reduced(lambda time: np.maximum(braked(time), 0.0), resolution_mm=0.005)
     near = np.abs(press.time_s - STOP_S) < 0.05

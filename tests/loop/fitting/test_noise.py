@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from dummydesign.inference.noise import Noise
 from dummydesign.loop.fitting.fit import fit, fit_base, start_vector
-from dummydesign.loop.fitting.noise import estimate_slow_noise, first_sizes, repeat_pairs
+from dummydesign.loop.fitting.noise import contrasts, estimate_slow_noise, first_sizes, repeat_pairs
 from dummydesign.loop.fitting.problem import CampaignProblem
 from dummydesign.loop.model.base_law import SLAB_ERROR
-from dummydesign.loop.selection.cross_validation import errors, lack_of_fit
-from dummydesign.loop.selection.residuals import run_checks
+from dummydesign.loop.selection.cross_validation import errors, jackknife, lack_of_fit
+from dummydesign.loop.selection.residuals import dependences, run_checks
 from dummydesign.loop.selection.verdict import GAIN_FLOOR, gain_threshold
 
 
@@ -46,6 +47,19 @@ def test_repeats_are_paired_within_their_condition(plain):
         assert (one.thickness_mm, one.velocity_mm_s, one.target_force_N) == (
             two.thickness_mm, two.velocity_mm_s, two.target_force_N
         )  # fmt: skip
+
+
+def test_repeats_are_compared_bin_by_bin_of_one_label_and_only_where_both_were_sampled():
+    """A bin before contact that one of two repeats lacks is no partner of the other's."""
+    label = np.r_[0, 1, 2, 100 + np.arange(12), 200, 300]
+    used = np.ones((2, len(label)), bool)
+    used[1, 0] = used[0, 7] = False
+    edges = SimpleNamespace(start_s=np.arange(17.0), end_s=np.arange(1.0, 18.0))
+    made = SimpleNamespace(cell=np.zeros(2), history=SimpleNamespace(repeat=np.arange(2)), label=np.stack([label] * 2),
+                           used=used, presses=(edges, edges), samples=np.ones((2, 17)))  # fmt: skip
+    [(_, _, a, b)] = contrasts(made, np.zeros((2, 17)))[1]
+    np.testing.assert_array_equal(a, [*range(1, 7), *range(8, 16)])
+    np.testing.assert_array_equal(a, b)
 
 
 @pytest.mark.slow
@@ -121,6 +135,21 @@ def test_a_drop_in_one_hold_is_seen_as_a_step(base):
     step = next(check for check in run_checks(found) if check.name == "step in the hold")
     assert base.problem.presses.trials[11].file in step.text
     assert float(step.text.split(", ")[1].split(" s ")[0]) == pytest.approx(4.0, abs=0.2)
+
+
+def test_a_residual_that_follows_the_logarithm_of_time_in_the_hold_is_put_to_the_time_since_the_stop(base):
+    presses = base.problem.presses
+    since = 0.5 * (presses.bins.start + presses.bins.end) - presses.stop_s[:, None]
+    wave = 0.03 * base.forces * np.cos(np.log(np.maximum(since, 1e-3))) * (since > 0.0)
+    first, second = dependences(replace(base, residual=np.where(presses.used, wave, 0.0)))[:2]
+    assert first.factor == "time since stop" and first.share > 0.75
+    assert second.excess < 0.8 * first.excess
+
+
+def test_leaving_conditions_out_of_a_fit_that_misses_nothing_gives_about_its_own_variances(base):
+    """Of the relaxation; that of the modulus counts what pads differ by, which their conditions share."""
+    ratio = np.diag(jackknife(base))[1:5] / np.diag(base.covariance)[1:5]
+    assert np.all(ratio > 0.2) and np.all(ratio < 5.0)
 
 
 def test_left_out_errors_are_not_smaller_than_fitted_ones_and_near_the_noise(base):

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from dummydesign.geometry.punch import read_punch
 from dummydesign.pad.axisymmetric.case import EDGE_STABILISATION, Case, first_stiffness
 from dummydesign.pad.axisymmetric.profile_punch import (
     Region,
@@ -16,6 +17,7 @@ from dummydesign.pad.axisymmetric.profile_punch import (
 from dummydesign.pad.axisymmetric.sharp_edge import solve_path
 from dummydesign.pad.axisymmetric.sliding_faces import solve_flat
 from dummydesign.pad.contact.axisymmetric import FlatPunch, ProfilePunch, Surface
+from dummydesign.pad.elastic_force import solve_points
 from dummydesign.pad.fem.mesh_axisymmetric import Resolution
 from dummydesign.pad.material.hyperelastic import neo_hookean
 from dummydesign.pad.specimen import Pad
@@ -147,6 +149,21 @@ def test_a_sticking_flat_punch_agrees_with_the_glued_one_solved_the_other_way():
     stick = press(problem, depths, 0.015, 0.03).force
     glued, half = (solve_path(Case(1.0, 8.0), depths, rim, Resolution()).force for rim in (0.05, 0.025))
     assert np.all(np.abs(stick - glued) < 0.6 * (half - glued))
+
+
+@pytest.mark.parametrize("young_MPa", [0.03, 0.06])
+def test_under_a_ball_a_slab_that_lies_by_friction_is_between_a_free_and_a_glued_one_at_its_own_modulus(young_MPa):
+    ball = read_punch("ball:20")
+    curves = [
+        solve_points(
+            Pad(10.0, young_MPa, ball.radius_mm, profile_mm=ball.profile_mm, condition="frictionless", base=base),
+            np.array([0.3]),
+        )
+        for base in ("sliding", "friction:0.3", "bonded")
+    ]
+    free, rubs, glued = (curve.force_N[0] for curve in curves)
+    assert 1.02 * free < rubs < 0.998 * glued
+    assert all(1e-4 < curve.error_N[0] / curve.force_N[0] < 0.02 for curve in curves)
 
 
 @pytest.mark.parametrize("text", ["glue", "friction", "friction:x", "friction:-1", "friction:9"])

@@ -58,6 +58,11 @@ def test_patch_a_brick_between_sliding_plates_is_compressed_uniformly_on_a_skewe
     assert path.smallest_J == pytest.approx(1.0, abs=3e-5)
 
 
+def test_face_and_fillet_of_a_punch_reach_its_sides():
+    punch = block_problem(Block((0.7, 0.5), (5.0, 5.0)), Cells(0.45), rim=0.1).punch
+    np.testing.assert_allclose(np.array(punch.core) + punch.rim, (0.7, 0.5), rtol=1e-12)
+
+
 def test_the_dissection_solves_what_a_sparse_factorisation_solves():
     problem = block_problem(half(10.0), Cells(0.45))
     solid, rng = problem.solid, np.random.default_rng(3)

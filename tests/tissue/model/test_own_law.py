@@ -4,6 +4,7 @@ import json
 
 import numpy as np
 import pytest
+from numpy.typing import ArrayLike, NDArray
 
 from dummydesign.cli.entry import run
 from dummydesign.core.recurrence import linear_recurrence
@@ -12,7 +13,7 @@ from dummydesign.measurement.motion import Motion, ramp_and_hold
 from dummydesign.resin import load_resin
 from dummydesign.tissue import load_tissue
 from dummydesign.tissue.model.laws import LAWS
-from dummydesign.tissue.model.maxwell_law import MaxwellLaw
+from dummydesign.tissue.model.maxwell_law import Drive, MaxwellLaw
 from tests.support.refusal import raises_code
 
 DEPTH_MM = 4.0
@@ -26,17 +27,17 @@ class OneTime(MaxwellLaw):
     reference = "made up for this test"
     elements = (3, 5)
 
-    def drive(self, motion):
+    def drive(self, motion: Motion) -> Drive:
         return OneTimeDrive(motion)
 
 
-class OneTimeDrive:
-    def __init__(self, motion):
+class OneTimeDrive(Drive):
+    def __init__(self, motion: Motion) -> None:
         self._x = np.maximum(np.asarray(motion.displacement_mm, float), 0.0)
         self._step = np.diff(np.asarray(motion.time_s, float), axis=-1)
         self.elastic = self._x**3
 
-    def arm(self, rate):
+    def arm(self, rate: ArrayLike) -> NDArray:
         decay = np.asarray(rate, float)[..., None] * DEPTH_MM**2 * self._step
         gain = np.where(decay > 1e-12, -np.expm1(-decay) / np.maximum(decay, 1e-12), 1.0)
         stretch = linear_recurrence(np.exp(-decay), np.diff(self._x, axis=-1) * gain)

@@ -13,7 +13,7 @@ from dummydesign.measurement.landmarks import approach_velocity, find_ramp
 from dummydesign.measurement.motion import work_mJ
 from dummydesign.measurement.sensor import Lowpass
 from dummydesign.measurement.trace import Trace
-from dummydesign.person.smoothing import SmoothCurve, smooth_curve
+from dummydesign.person.smoothing import SmoothCurve, smooth_curve, symmetric_root
 from dummydesign.tissue.fitting.reduction import rounded_velocity
 
 RISE_NODES, AFTER, GROWTH = 160, 0.25, 1.08
@@ -48,8 +48,8 @@ class Press:
         Nodes; finer about the stop.
     x_mm, force_N : ndarray, shape (n,) or (p, n)
         Depth and force of the pad at the nodes; several where they are drawn from their errors.
-    x_factor, force_factor : ndarray, shape (n, k)
-        Factors of the covariances.
+    x_factor, force_factor : ndarray, shape (n, n)
+        Symmetric square roots of the covariances.
     contact_s, stop_s, hold_s, velocity_mm_s : float
         Time of contact in the trace; stop, hold and speed of the robot, two digits. [s, mm/s]
     contact_mm_s : ndarray, shape () or (p,)
@@ -145,7 +145,8 @@ def read_press(trace: Trace, lowpass: Lowpass | None = None) -> Press:
     steady = None
     if hold >= SHORTEST_HOLD_S:
         steady = np.asarray(force[used][since >= since[-1] - LATE * hold].mean())
-    return Press(trace, nodes, path.value, _not_pulling(load).value, path.factor, load.factor, ramp.contact_time_s,
+    return Press(trace, nodes, path.value, _not_pulling(load).value, symmetric_root(path.factor),
+                 symmetric_root(load.factor), ramp.contact_time_s,
                  ramp.stop_time_s - ramp.contact_time_s, hold, velocity, speed, error, steady, load.noise)  # fmt: skip
 
 

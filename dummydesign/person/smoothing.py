@@ -105,6 +105,15 @@ def smooth_curve(
     return SmoothCurve(value, factor, noise, coarse)
 
 
+def symmetric_root(factor: NDArray) -> NDArray:
+    """Return the symmetric square root (n, n) of factor factor', which is unique where eigenvectors are not.
+
+    Draws made with it do not depend on the signs that a machine's linear algebra gives to eigenvectors.
+    """
+    basis, length, _ = np.linalg.svd(factor, full_matrices=False)
+    return np.asarray((basis * length) @ basis.T)
+
+
 def _averaged(time_s: NDArray, values: NDArray, nodes_s: NDArray) -> tuple[NDArray, NDArray, NDArray]:
     """Mean time and value, and number, of the samples in each bin between two nodes."""
     place = np.interp(time_s, nodes_s, np.arange(len(nodes_s)) * float(CELLS))

@@ -36,6 +36,7 @@ CASES = {
     "predict-shape": "predict --young 25 --thickness 10 --depth 0.5,2,4 --shape crowned:10,2",
     "fit": "fit in/press_0.csv in/press_1.csv in/press_2.csv in/press_3.csv --out tissue.toml",
     "compare": "compare in/press_0.csv in/press_1.csv in/press_2.csv in/press_3.csv --tissue forefinger --out compared",
+    "on-person": "on-person in/press_0.csv in/press_2.csv --tissue forefinger --drive steady --out people",
     "suggest": f"{SUGGEST} --out slab",
     "suggest-details": f"{SUGGEST} --out slab --details --replace",
     "suggest-crowned": "suggest --tissue forefinger --shape crowned --no-cad --no-verify --out crowned",

@@ -23,12 +23,17 @@ MOST_ROUNDS, MOST_NODES = 5, 900
 """How often nodes are added where samples show more, and up to how many."""
 CONTACT_SD_MM = 0.01
 """Standard deviation of where a trace has its zero: half of the 0.02 mm to which a robot is taken to repeat."""
+CURVE_ERROR = 0.002
+"""Relative standard deviation of what smoothing rounds off a force up to the stop, and less after it: peaks of simulated
+presses are off by 0.05 to 0.34 % where a robot stops sharply."""
 SHORTEST_HOLD_S = 0.3
 CONTACT_WINDOW, LEAST_NEAR, SPEED_SHARE = 0.3, 5, 0.002
 """Share of the rise on both sides of contact whose samples give the speed there, how many there are at least on a
 side, and the relative error of their curve."""
 LATE = 0.05
 """Share of the hold, at its end, whose mean force is the steady force."""
+RINGS = 5
+"""Intervals after the stop in which samples show more than the nodes: an arm that rings on."""
 LATE_CONTACT = 0.6
 """Share of the depth at which a force must have begun."""
 SEEN = 6.0
@@ -60,6 +65,8 @@ class Press:
         Mean of the last twentieth of the hold, shape () or (p,); None without a hold.
     noise_N : float
         Noise of one sample.
+    rings : bool
+        Whether samples show more than the most nodes can follow: an arm that rings through the hold.
     """
 
     trace: Trace
@@ -76,6 +83,7 @@ class Press:
     contact_sd_mm_s: float
     steady_N: NDArray | None
     noise_N: float
+    rings: bool = False
 
     @property
     def peak_N(self) -> NDArray:
@@ -106,6 +114,8 @@ class Press:
         if self.steady_N is not None:
             late = self.time_s >= self.time_s[-1] - LATE * self.hold_s
             steady = self.steady_N + (force - self.force_N)[:, late].mean(axis=-1)
+        near = np.exp(-np.maximum(self.time_s / self.stop_s - 1.0, 0.0))
+        force = force * (1.0 + CURVE_ERROR * rng.standard_normal((count, 1)) * near)
         speed = np.maximum(self.contact_mm_s + self.contact_sd_mm_s * rng.standard_normal(count), 1e-3)
         return replace(self, x_mm=x - shift, force_N=force, steady_N=steady, contact_mm_s=speed)
 
@@ -141,13 +151,15 @@ def read_press(trace: Trace, lowpass: Lowpass | None = None) -> Press:
     speed, error = contact_speed(time - ramp.contact_time_s, x, ramp.stop_time_s - ramp.contact_time_s, path.noise)
     if time[0] > ramp.contact_time_s - LEAST_NEAR * float(np.median(np.diff(time))):
         speed = np.minimum(speed, fastest)  # without an approach the curve starts too steep where the robot brakes
+    late = nodes[:-1] > 2.0 * (ramp.stop_time_s - ramp.contact_time_s)
+    rings = int(((path.coarse | load.coarse) & late).sum()) >= RINGS
     hold = end - ramp.stop_time_s
     steady = None
     if hold >= SHORTEST_HOLD_S:
         steady = np.asarray(force[used][since >= since[-1] - LATE * hold].mean())
     return Press(trace, nodes, path.value, _not_pulling(load).value, symmetric_root(path.factor),
                  symmetric_root(load.factor), ramp.contact_time_s,
-                 ramp.stop_time_s - ramp.contact_time_s, hold, velocity, speed, error, steady, load.noise)  # fmt: skip
+                 ramp.stop_time_s - ramp.contact_time_s, hold, velocity, speed, error, steady, load.noise, rings)  # fmt: skip
 
 
 def contact_speed(time_s: NDArray, x_mm: NDArray, stop_s: float, noise_mm: float) -> tuple[NDArray, float]:

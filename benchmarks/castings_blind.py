@@ -442,8 +442,8 @@ def table(rows: list[dict]) -> str:
     lines = [
         HEAD,
         f"The stated factor suffices for {_share(*covered(rows, 'needed', 'factor'))} of the pads in reach. The stated",
-        f"over-reading holds for {_share(*covered(rows, 'over', 'over_q95'))}. Out of reach are {100 * counted:.1f} % of",
-        f"all pads; {100 * stated:.1f} % were stated.",
+        f"over-reading holds for {_share(*covered(rows, 'over', 'over_q95'))}. Out of reach are",
+        f"{100 * counted:.1f} % of all pads; {100 * stated:.1f} % were stated.",
         METHOD,
         f"{len(rows)} designs, {pads} pads with all uncertainties and {pads} with modulus and relaxation at their",
         f"centre; seed {seeds}. Run by `python benchmarks/castings_blind.py`; `--table-only` writes this page from the",

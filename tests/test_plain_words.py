@@ -14,7 +14,7 @@ AROUND = re.compile(
     r"|not known of it|asked for|comes? twice|word of)\b",
     re.IGNORECASE,
 )
-OLD_PAGES = {"pad.md", "shapes-model.md",
+OLD_PAGES = {"shapes-model.md",
              "loop.md", "loop-turns.md"}  # fmt: skip
 """Pages that were not yet written anew."""
 

@@ -14,8 +14,7 @@ AROUND = re.compile(
     r"|not known of it|asked for|comes? twice|word of)\b",
     re.IGNORECASE,
 )
-OLD_PAGES = {"shapes-model.md",
-             "loop.md", "loop-turns.md"}  # fmt: skip
+OLD_PAGES = {"loop.md", "loop-turns.md"}
 """Pages that were not yet written anew."""
 
 

@@ -8,15 +8,18 @@ JSON object a line), so that a study can be stopped and resumed; the table goes 
 from __future__ import annotations
 
 import argparse
+import csv
 import sys
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT))
 
-from benchmarks.loop_blind_table import table  # noqa: E402
+from benchmarks.loop_blind_table import HEADS, data, table  # noqa: E402
 from benchmarks.loop_campaigns import KINDS, kind_of, run_one  # noqa: E402
 from benchmarks.rows import keep_row, read_rows, scratch  # noqa: E402
+
+PAGE = ROOT / "docs" / "loop-blind.md"
 
 
 def main() -> None:
@@ -26,7 +29,7 @@ def main() -> None:
     parser.add_argument("--campaigns", type=int, default=250)
     parser.add_argument("--part", type=int, nargs=2, default=(0, 1), metavar=("K", "N"), help="each N-th from K")
     parser.add_argument("--rows", type=Path, default=ROOT / "benchmarks" / "loop_blind.jsonl")
-    parser.add_argument("--out", type=Path, default=ROOT / "docs" / "loop-blind.md")
+    parser.add_argument("--out", type=Path, default=PAGE)
     parser.add_argument("--only", nargs="*", choices=KINDS, help="kinds to run")
     parser.add_argument("--table-only", action="store_true")
     options = parser.parse_args()
@@ -42,6 +45,9 @@ def main() -> None:
         print(seed, row["effects"], row["verdict"], row["found"], row["cpu_seconds"], file=sys.stderr, flush=True)
     rows = sorted(read_rows(options.rows), key=lambda row: row["seed"])
     options.out.write_text(table(rows))
+    for name, lines in data(rows).items() if options.out == PAGE else ():
+        with (PAGE.parent / "data" / f"{name}.csv").open("w", newline="") as stream:
+            csv.writer(stream, lineterminator="\n").writerows([HEADS[name], *lines])
     print(f"{len(rows)} campaigns, table in {options.out}", file=sys.stderr)
 
 

@@ -14,8 +14,7 @@ AROUND = re.compile(
     r"|not known of it|asked for|comes? twice|word of)\b",
     re.IGNORECASE,
 )
-OLD_PAGES = {"pad.md", "shapes-model.md", "castings-blind.md",
-             "verdict-blind.md", "loop.md", "loop-blind.md", "loop-turns.md", "accuracy.md"}  # fmt: skip
+OLD_PAGES = {"loop.md", "loop-turns.md"}
 """Pages that were not yet written anew."""
 
 

@@ -29,14 +29,15 @@ COMMANDS = (
     "on-person", "tissues", "resins", "init", "status", "history", "studio", "doctor",
     "completion",
 )  # fmt: skip
-"""The commands in the order of the overview; each is a module of its own in ``cli/commands``."""
+"""The commands in the order of the overview; each is a module in ``cli/commands``, but for the one about the command line
+itself."""
+ELSEWHERE = {"import": "commands.import_", "completion": "completion_command"}
 
 
 def module_of(command: str) -> ModuleType:
     """The module of a command (``HELP``, ``add_arguments``, ``run``, ``render``); importing it loads nothing heavy."""
-    return importlib.import_module(
-        "dummydesign.cli.commands." + {"import": "import_"}.get(command, command.replace("-", "_"))
-    )
+    name = ELSEWHERE.get(command, "commands." + command.replace("-", "_"))
+    return importlib.import_module(f"dummydesign.cli.{name}")
 
 
 def project_here(arguments: Sequence[str]) -> Project | None:

@@ -235,8 +235,10 @@ def _of_presses(found: Sequence[PersonPress], drive: Drive, tissue: Tissue) -> l
             rows.append(("drive_mismatch", f"{file}: --drive {drive.text} does not fit the trace: {one.contradicted}"))
     for one in found:
         if one.press.rings and drive.name == "spring":
-            words = ("the arm rings through the hold, and nothing says how it would ring on a person: read depth and energy as "
-                     "estimates, not as intervals; use a stiffer or damped arm")  # fmt: skip
+            words = (
+                "the arm rings through the hold, and nothing says how it would ring on a person: read depth and energy "
+                "as estimates, not as intervals; use a stiffer or damped arm"
+            )
             rows.append(("arm_rings", f"{one.press.trace.name}: {words}"))
     for one in found:
         if one.beyond:

@@ -24,7 +24,7 @@ MOST_ROUNDS, MOST_NODES = 5, 900
 CONTACT_SD_MM = 0.01
 """Standard deviation of where a trace has its zero: half of the 0.02 mm to which a robot is taken to repeat."""
 CURVE_ERROR = 0.002
-"""Relative standard deviation of what smoothing rounds off a force up to the stop, and less after it: peaks of simulated
+"""Relative standard deviation of what smoothing rounds off a force up to the stop, less after it: peaks of simulated
 presses are off by 0.05 to 0.34 % where a robot stops sharply."""
 SHORTEST_HOLD_S = 0.3
 CONTACT_WINDOW, LEAST_NEAR, SPEED_SHARE = 0.3, 5, 0.002
@@ -157,9 +157,11 @@ def read_press(trace: Trace, lowpass: Lowpass | None = None) -> Press:
     steady = None
     if hold >= SHORTEST_HOLD_S:
         steady = np.asarray(force[used][since >= since[-1] - LATE * hold].mean())
-    return Press(trace, nodes, path.value, _not_pulling(load).value, symmetric_root(path.factor),
-                 symmetric_root(load.factor), ramp.contact_time_s,
-                 ramp.stop_time_s - ramp.contact_time_s, hold, velocity, speed, error, steady, load.noise, rings)  # fmt: skip
+    roots = symmetric_root(path.factor), symmetric_root(load.factor)
+    return Press(
+        trace, nodes, path.value, _not_pulling(load).value, *roots, ramp.contact_time_s,
+        ramp.stop_time_s - ramp.contact_time_s, hold, velocity, speed, error, steady, load.noise, rings,
+    )  # fmt: skip
 
 
 def contact_speed(time_s: NDArray, x_mm: NDArray, stop_s: float, noise_mm: float) -> tuple[NDArray, float]:

@@ -37,8 +37,9 @@ def test_the_reports_bars_are_those_of_the_cast_pad(crowned, tmp_path):
     cast, searched = (bars(reactions(crowned, law)) for law in (crowned.cast, crowned.law))
     (name,) = (name for name in cast if name.startswith("thickness"))
     assert not np.allclose(cast[name], searched[name], atol=0.05)
-    write_suggestion(tmp_path, crowned, crowned.to_dict(), suggestion_curves(crowned), safety_view(crowned),
-                     press_pictures(crowned))
+    result = {**crowned.to_dict(), "inputs": crowned.request.to_dict(), "warnings": [], "files": {}}
+    pictures = press_pictures(crowned)
+    write_suggestion(tmp_path, crowned, result, suggestion_curves(crowned), safety_view(crowned), pictures)
     page = (tmp_path / "report.html").read_text()
     low, high = cast[name][0]
     assert f"Change of depth at 10 N, 10 mm/s: {name} {low:.1f} to {high:.1f} %" in page

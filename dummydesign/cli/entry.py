@@ -29,8 +29,8 @@ COMMANDS = (
     "on-person", "tissues", "resins", "init", "status", "history", "studio", "doctor",
     "completion",
 )  # fmt: skip
-"""The commands in the order of the overview; each is a module in ``cli/commands``, but for the one about the command line
-itself."""
+"""The commands in the order of the overview; each is a module in ``cli/commands``, but for the one about the command
+line itself."""
 ELSEWHERE = {"import": "commands.import_", "completion": "completion_command"}
 
 

@@ -107,7 +107,7 @@ def solve_curves() -> list[dict]:
                 continue
             depth = SHARES * thickness
             if shape == "slab":
-                curve = solve_curve(Pad(thickness, 1.0, RADIUS_MM, extent_mm=75.7), depth)
+                curve = solve_curve(Pad(thickness, 1.0, RADIUS_MM, extent_mm=75.7), depth, independent=True)
             else:
                 pad = Pad(thickness, 1.0, RADIUS_MM, extent_mm=75.7, geometry=read_shape(shape))
                 curve = solve_shaped_pad(pad, depth, cells=CELLS)

@@ -1,8 +1,8 @@
 """Cost of the pad model: work counted, and times as ratios within one run.
 
 Run with ``python benchmarks/pad.py``; seconds are processor time. The axisymmetric curve has 12 depths to d / h = 0.5,
-for thin to thick pads; the table is timed against it in the same process. Then the same depths under a punch with a
-fillet of 0.5 mm, and of the forefinger's crowned pad.
+for thin to thick pads, with three rims and the table's correction and with six rims alone; the table is timed against
+it in the same process. Then the same depths under a punch with a fillet of 0.5 mm, and of the forefinger's crowned pad.
 """
 
 from __future__ import annotations
@@ -11,6 +11,7 @@ import os
 import time
 from collections.abc import Callable
 from functools import partial
+from itertools import product
 
 import numpy as np
 
@@ -32,11 +33,11 @@ def main() -> None:
     """Print one row per pad."""
     os.environ["DUMMYDESIGN_CACHE"] = "off"
     table = load_table()
-    print("thickness_mm  unknowns  load_steps  newton_iterations  seconds  table_speed_up  largest_difference_%")
-    for thickness in (5.0, 10.0, 15.0, 20.0):
+    print("thickness_mm  rims  unknowns  load_steps  newton_iterations  seconds  table_speed_up  largest_difference_%")
+    for thickness, rims in product((5.0, 10.0, 15.0, 20.0), (3, 6)):
         depth = thickness * SHARES
         began = time.process_time()
-        solved = solve_curve(Pad(thickness, 0.025, RADIUS_MM), depth)
+        solved = solve_curve(Pad(thickness, 0.025, RADIUS_MM), depth, independent=rims == 6)
         seconds = time.process_time() - began
         began = time.process_time()
         for _ in range(100):
@@ -45,8 +46,8 @@ def main() -> None:
         work = solved.solver
         off = 100 * np.abs(force / solved.force_N - 1).max()
         print(
-            f"{thickness:12.1f}  {work['unknowns']:8d}  {work['load_steps']:10d}  {work['newton_iterations']:17d}"
-            f"  {seconds:7.2f}  {seconds / quick:14.0f}  {off:20.2f}"
+            f"{thickness:12.1f}  {rims:4d}  {work['unknowns']:8d}  {work['load_steps']:10d}"
+            f"  {work['newton_iterations']:17d}  {seconds:7.2f}  {seconds / quick:14.0f}  {off:20.2f}"
         )
     print("pad                      seconds  newton_iterations_a_depth")
     for thickness in (5.0, 10.0, 20.0):

@@ -185,9 +185,13 @@ def _by_elements(
 
 
 def solve_points(
-    pad: Pad | Puck, depth_mm: Array, progress: Progress | None = None, cells: int | None = None
-) -> PadCurve:
-    """Static force at given depths, solved by the elements that fit the pad, the punch and its contact."""
+    pad: Pad | Puck, depth_mm: Array, progress: Progress | None = None, cells: int | None = None,
+    independent: bool = False,
+) -> PadCurve:  # fmt: skip
+    """Static force at given depths, solved by the elements that fit the pad, the punch and its contact.
+
+    ``independent`` of the response table, to check it with (``solve_curve``).
+    """
     if isinstance(pad, Puck):
         from dummydesign.pad.axisymmetric.puck import solve_puck
 
@@ -213,8 +217,9 @@ def solve_points(
         return _of_unit_modulus("profile", pad, depths, lambda own: solve_profile(own, depth_mm), unit)
     if pad.edge_radius_mm:
         return solve_under_fillet(pad, depth_mm, progress)
-    solve = solve_curve if pad.condition == "bonded" and pad.base in BASES else solve_flat
-    return solve(pad, depth_mm, progress)
+    if pad.condition == "bonded" and pad.base in BASES:
+        return solve_curve(pad, depth_mm, progress, independent)
+    return solve_flat(pad, depth_mm, progress)
 
 
 def _of_unit_modulus(

@@ -22,7 +22,7 @@ def build() -> dict[str, object]:
     rows = []
     for ratio in RATIOS:
         soft, hard = (
-            solve_curve(Pad(1.0, 1.0, ratio, poisson=poisson, extent_mm=ratio + 8.0), DEPTHS)
+            solve_curve(Pad(1.0, 1.0, ratio, poisson=poisson, extent_mm=ratio + 8.0), DEPTHS, independent=True)
             for poisson in (POISSON, 0.5)
         )
         both, at, under = np.intersect1d(np.round(soft.depth_mm, 6), np.round(hard.depth_mm, 6), return_indices=True)

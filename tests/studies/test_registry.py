@@ -95,7 +95,8 @@ def test_one_row_of_the_table_of_compressible_slabs_is_found_again():
     from dummydesign.pad.tables.slab import load_compressibility
 
     table, ratio, depths = load_compressibility(), 0.79, np.array([0.1, 0.2])
-    soft, hard = (solve_curve(Pad(1.0, 1.0, ratio, poisson=p, extent_mm=ratio + 8.0), depths) for p in (0.48, 0.5))
+    pads = (Pad(1.0, 1.0, ratio, poisson=p, extent_mm=ratio + 8.0) for p in (0.48, 0.5))
+    soft, hard = (solve_curve(pad, depths, independent=True) for pad in pads)
     found = (np.asarray(hard.force_N) / np.asarray(soft.force_N) - 1.0) / 0.04
     stored = table.coefficient(depths[:, None], np.full((2, 1), ratio))[:, 0]
     assert found == pytest.approx(stored, rel=0.03)

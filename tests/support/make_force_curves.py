@@ -35,8 +35,9 @@ def main() -> None:
             if (base, poisson, thickness) in done:
                 continue
             curve = solve_curve(
-                Pad(thickness, 1.0, RADIUS_MM, base=base, poisson=poisson, extent_mm=75.7), SHARES * thickness
-            )
+                Pad(thickness, 1.0, RADIUS_MM, base=base, poisson=poisson, extent_mm=75.7), SHARES * thickness,
+                independent=True,
+            )  # fmt: skip
             rows.append(
                 {
                     "base": base,

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from dummydesign.core.cache import cached
+from dummydesign.geometry.interface import BASES
 from dummydesign.pad.axisymmetric.case import (
     Case,
     Progress,
@@ -21,9 +22,10 @@ from dummydesign.pad.axisymmetric.case import (
 )
 from dummydesign.pad.fem.mesh_axisymmetric import Resolution
 from dummydesign.pad.force_law import PadCurve
+from dummydesign.pad.material.hyperelastic import Yeoh
 from dummydesign.pad.solve.continuation import Path, cost, follow
 from dummydesign.pad.specimen import Pad
-from dummydesign.pad.tables.slab import sharp_edge_doubt
+from dummydesign.pad.tables.slab import ResponseTable, load_edge_correction, load_table, sharp_edge_doubt
 
 Array = np.ndarray
 
@@ -93,10 +95,10 @@ class Limit:
         near = np.abs(np.log(self.samples.ratio / ratio)) < 0.12
         out = np.empty(len(depth))
         for i, x in enumerate(depth):
-            close = near & (np.abs(self.samples.depth - x) <= max(0.3 * x, 0.03))
+            close = near & _near(self.samples.depth, x)
             if not close.any():
                 close = near
-            scatter = np.sqrt(np.mean(self.residual[close] ** 2) / close.sum())
+            scatter = _scatter(self.residual, close)
             correction = _correction(self.samples.take(close), self.ratio_range) @ self.correction
             out[i] = VALUE_ERROR + 2.0 * scatter + LIMIT_ERROR * np.abs(correction).min()
         return out
@@ -143,6 +145,14 @@ def fit_limit(
     # Weak preference for low orders keeps the series smooth where few rims reach.
     order = np.add.outer(np.arange(terms[0]), np.arange(terms[1])).ravel()
     damping = np.diag(np.concatenate([0.02 * 1.6**order, np.full(correction.shape[1], 0.3)]))
+    solution, misfit = _robust_fit(matrix, target, sigma, damping)
+    count = terms[0] * terms[1]
+    coefficients, misfit = solution[:count].reshape(terms), misfit[: len(samples.depth)]
+    return Limit(coefficients, solution[count:], depth_range, ratio_range, samples, misfit)
+
+
+def _robust_fit(matrix: Array, target: Array, sigma: Array, damping: Array) -> tuple[Array, Array]:
+    """Damped least squares, in which values far off weigh less; the solution and what it leaves of the target."""
     weight = 1.0 / sigma
     for _ in range(15):
         system = np.concatenate([matrix * weight[:, None], damping])
@@ -150,9 +160,60 @@ def fit_limit(
         solution, *_ = np.linalg.lstsq(system, load, rcond=None)
         misfit = target - matrix @ solution
         weight = np.sqrt(np.minimum(1.0, 1.5 * sigma / np.maximum(np.abs(misfit), 1e-15))) / sigma
-    count = terms[0] * terms[1]
-    coefficients, misfit = solution[:count].reshape(terms), misfit[: len(samples.depth)]
-    return Limit(coefficients, solution[count:], depth_range, ratio_range, samples, misfit)
+    return solution, misfit
+
+
+@dataclass(frozen=True)
+class Departure:
+    """Departure of ln s0 of one slab from the response table: at first touch, and a series that vanishes there."""
+
+    table: ResponseTable
+    first: float
+    coefficients: Array
+    samples: Samples
+    residual: Array
+
+    def log_stiffness(self, depth: Array, ratio: Array) -> Array:
+        """ln s0 at relative depths of one a / h."""
+        further = _further(depth, float(self.samples.depth.max())) @ self.coefficients
+        return self.table.log_stiffness(depth, ratio)[0] + self.first + further
+
+    def error(self, depth: Array, ratio: float) -> Array:
+        """Relative error: the table's own, its correction included, scatter of the rims, a share of the departure."""
+        scatter = [_scatter(self.residual, _near(self.samples.depth, x)) for x in depth]
+        further = _further(depth, float(self.samples.depth.max())) @ self.coefficients
+        return self.table.solved_error(depth, 1.0, ratio) + 2.0 * np.array(scatter) + DEPARTURE_ERROR * np.abs(further)
+
+
+def _further(depth: Array, reached: float) -> Array:
+    """Columns of a departure beyond that at first touch."""
+    share = depth / reached
+    return share[:, None] * np.polynomial.chebyshev.chebvander(2.0 * share - 1.0, DEPARTURE_TERMS - 1)
+
+
+def fit_departure(samples: Samples, first: float, table: ResponseTable) -> Departure:
+    """Fit the departure from a table, whose correction carries few rims of one slab to the sharp edge."""
+    samples = samples.take(samples.psi <= LARGEST_PSI)
+    ratio = samples.ratio[:1]
+    at_first = float(np.log(first) - table.log_stiffness(0.0, ratio)[0][0])
+    correction = _correction(samples, table.ratio_range) @ load_edge_correction(table.base)
+    target = np.log(samples.stiffness) + correction - table.log_stiffness(samples.depth, ratio)[0] - at_first
+    sigma = VALUE_ERROR + CORRECTION_ERROR * samples.psi
+    damping = np.diag(1.6 ** np.arange(DEPARTURE_TERMS) / USUAL_DEPARTURE)
+    matrix = _further(samples.depth, float(samples.depth.max()))
+    coefficients, misfit = _robust_fit(matrix, target, sigma, damping)
+    return Departure(table, at_first, coefficients, samples, misfit)
+
+
+def _near(depth: Array, x: float) -> Array:
+    """Which values are near a depth."""
+    return np.abs(depth - x) <= max(0.3 * x, 0.03)
+
+
+def _scatter(residual: Array, close: Array) -> float:
+    """Error of the mean of the residuals that are close by; of all of them where none is."""
+    chosen = residual[close] if close.any() else residual
+    return float(np.sqrt(np.mean(chosen**2) / len(chosen)))
 
 
 # Rims of the ladder over the smaller of punch radius and thickness, and the depth in that unit that every curve is
@@ -164,13 +225,20 @@ MOST_WASTED = 45
 # A curve is solved on this many depths besides the wanted ones, and fitted by a series of this many terms.
 GRID_POINTS = 12
 SERIES_TERMS = 8
+# A slab that its response table covers is solved with the largest rims alone: the table's correction carries them to
+# the sharp edge, and a series of so many terms has what the slab departs from the table by beyond first touch, usually
+# by no more than half a per cent. Outer over punch radius lies where this was tried (docs/pad.md).
+RIMS_BY_TABLE, DEPARTURE_TERMS, USUAL_DEPARTURE = RIMS[:3], 3, 5e-3
+# Share of a departure beyond first touch that may be the correction's error: at a / h of 1 it was all of 0.4 %.
+DEPARTURE_ERROR = 0.5
+EXTENTS_BY_TABLE = (6.0, 25.0)
+# Where a table ends earlier, six rims are solved at whatever depth, so that a force depends little on the other depths.
+REACH_OF_TABLE = 0.58
 # Cells at the edge that are added where the path of the largest fillet ends early: their corner cell inverts later.
 CLOSER = (1, 2)
 
 
-def solve_path(
-    case: Case, depths: Array, rim: float, resolution: Resolution, progress: Progress | None = None
-) -> Path:
+def solve_path(case: Case, depths: Array, rim: float, resolution: Resolution, progress: Progress | None = None) -> Path:
     """Follow the slab under a punch with one fillet."""
     problem = rimmed_problem(case, rim, resolution)
     # Under a small rim the first touch is steep: steps down to a tenth of it.
@@ -207,32 +275,67 @@ def solve_rims(
     return Samples(joined[0], np.full(len(joined[0]), case.radius), joined[1], joined[2]), paths
 
 
-def solve_curve(pad: Pad, depth_mm: Sequence[float] | Array, progress: Progress | None = None) -> PadCurve:
-    """Static force of a slab under a round, flat, sharp-edged punch at the wanted depths."""
+def solve_curve(
+    pad: Pad, depth_mm: Sequence[float] | Array, progress: Progress | None = None, independent: bool = False
+) -> PadCurve:
+    """Static force of a slab under a round, flat, sharp-edged punch at the wanted depths.
+
+    Where the response table covers the slab, three rims and the table's correction give the limit of small rims. With
+    ``independent``, and everywhere else, six rims give it and nothing of the table enters.
+    """
     case, depths = Case.of(pad), relative_depths(depth_mm, pad.thickness_mm)
-    made = cached("slab", {"case": case, "depths": depths}, lambda: _relative_curve(case, depths, progress))
+    table = None if independent else _table_of(case, depths)
+    made = cached(
+        "slab" if table is None else "slab-by-table", {"case": case, "depths": depths},
+        lambda: _relative_curve(case, depths, table, progress),
+    )  # fmt: skip
     unit = pad.young_MPa * 1.5 / (1.0 + pad.poisson)  # E' = 3 mu of the law with this shear modulus
     depth = depths[: len(made["stiffness"])] * pad.thickness_mm
     force = unit * pad.radius_mm * depth * made["stiffness"]
     return PadCurve(depth, force, force * made["error"], made["solver"], made["notes"], force * made["own"])
 
 
-def _relative_curve(case: Case, depths: Array, progress: Progress | None) -> dict[str, Any]:
+def _table_of(case: Case, depths: Array) -> ResponseTable | None:
+    """The response table that covers a slab to any depth, if one does."""
+    low, high = EXTENTS_BY_TABLE
+    plain = (
+        case.condition == "bonded"
+        and case.base in BASES
+        and case.poisson == 0.5
+        and case.law == Yeoh(case.law.shear_MPa)
+    )
+    if not plain or not low <= case.extent / case.radius <= high:
+        return None
+    table = load_table(case.base)
+    inside = table.ratio_range[0] <= case.radius <= table.ratio_range[1]
+    reach = table.depth_limit(case.radius)
+    return table if inside and reach >= REACH_OF_TABLE and depths[-1] <= reach else None
+
+
+def _relative_curve(
+    case: Case, depths: Array, table: ResponseTable | None, progress: Progress | None
+) -> dict[str, Any]:
     """s = F / (E a d) and its relative error at the first of the relative ``depths``, those that were reached."""
     deepest = max(depths[-1], LEAST_DEPTH * case.scale)
     even = deepest * np.linspace(0.0, 1.0, GRID_POINTS + 1)[1:]
     apart = np.abs(even[:, None] - depths).min(axis=1) > 0.02 * deepest
     grid = np.union1d(depths, even[apart])
-    samples, paths = solve_rims(case, grid, RIMS, Resolution(), progress)
+    samples, paths = solve_rims(case, grid, RIMS if table is None else RIMS_BY_TABLE, Resolution(), progress)
     stops = [path.stop for path in paths if path.stop]
     reached = float(samples.depth.max()) if len(samples.depth) else 0.0
     if len(np.unique(samples.depth)) < 4:
+        if table is not None:
+            return _relative_curve(case, depths, None, progress)
         raise unsolved("; ".join(stops[:1]) or "no depth")
-    radius, first = np.array([case.radius]), np.array([first_stiffness(case)])
-    limit = fit_limit(samples, radius, first, (0.0, reached), None, (SERIES_TERMS, 1))
+    radius, first = np.array([case.radius]), first_stiffness(case)
+    limit: Limit | Departure
+    if table is None:
+        limit = fit_limit(samples, radius, np.array([first]), (0.0, reached), None, (SERIES_TERMS, 1))
+    else:
+        limit = fit_departure(samples, first, table)
     notes = end_note(reached, depths[-1], stops[0]) if reached < depths[-1] * (1.0 - 1e-9) else ()
     kept = depths[depths <= reached * (1.0 + 1e-9)]
-    stiffness = np.exp(limit.log_stiffness(kept, radius[0]))
     own = limit.error(kept, case.radius)
     error = np.maximum(own, sharp_edge_doubt(kept, radius[0])) if case.condition == "bonded" else own
+    stiffness = np.exp(limit.log_stiffness(kept, radius[0]))
     return {"stiffness": stiffness, "error": error, "own": own, "solver": cost(paths), "notes": notes}

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache, partial
 from typing import Any
@@ -202,5 +203,15 @@ def load_table(base: str = "bonded") -> ResponseTable:
     if base not in BASES:
         message = f"base = '{base}' has no table; known are {', '.join(BASES)}; use --fidelity axisymmetric"
         raise InputError(message, "not_tabulated", "base", base, BASES)
+    return _read(base, partial(fill_table, ResponseTable))
+
+
+@lru_cache(maxsize=2)
+def load_edge_correction(base: str) -> Array:
+    """Read the factors by which a shipped table's values with a rim were carried to the sharp edge."""
+    return _read(base, lambda data: np.array(data["correction"], dtype=float))
+
+
+def _read(base: str, parse: Callable[[dict[str, Any]], Any]) -> Any:
     command = "python -m studies.tables.slab"
-    return json_table.read(f"slab-{base}.json", "response table", command, partial(fill_table, ResponseTable))
+    return json_table.read(f"slab-{base}.json", "response table", command, parse)

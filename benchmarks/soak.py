@@ -52,8 +52,8 @@ def draw(rng: random.Random, costly: bool) -> list[str]:
     parser, words, command = parser_of(name), [name], name
     below = _actions_of(parser)
     if below and rng.random() < 0.95:
-        action = rng.choice(sorted(below))
-        parser, words, command = below[action], [name, action], f"{name} {action}"
+        part = rng.choice(sorted(below))
+        parser, words, command = below[part], [name, part], f"{name} {part}"
     for action in parser._actions:
         if not action.option_strings and action.choices is None and rng.random() < 0.9:
             words.append(value(rng, command, action))
@@ -119,6 +119,12 @@ def in_process(words: list[str]) -> tuple[int, str]:
     return status, error.getvalue()
 
 
+def _small_files() -> None:
+    """As on a full disk: no file may be longer than 4 KB."""
+    signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (4096, 4096))
+
+
 def children(rng: random.Random, count: int, folder: Path) -> tuple[Counter, list[str]]:
     """Run commands as processes, two at a time; some are killed, some find the disk full."""
     seen: Counter = Counter()
@@ -128,8 +134,7 @@ def children(rng: random.Random, count: int, folder: Path) -> tuple[Counter, lis
         for _ in range(2):
             words = draw(rng, costly=rng.random() < 0.1)
             full = rng.random() < 0.3
-            limit = (lambda: (signal.signal(signal.SIGXFSZ, signal.SIG_IGN),
-                              resource.setrlimit(resource.RLIMIT_FSIZE, (4096, 4096)))) if full else None  # fmt: skip
+            limit = _small_files if full else None
             child = subprocess.Popen([sys.executable, "-m", "dummydesign", *words], cwd=folder, preexec_fn=limit,
                                      stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)  # fmt: skip
             pair.append((words, child, rng.uniform(0.1, 2.0) if rng.random() < 0.5 else 60.0, full))

@@ -24,10 +24,10 @@ from dummydesign.loop.next_measurement import NextMeasurement, next_measurement
 from dummydesign.loop.prior import Joined, check_prior, join, with_prior_effects
 from dummydesign.loop.result import LoopResult
 from dummydesign.loop.selection.cross_validation import AssessedModel, assess
-from dummydesign.loop.selection.learn_effect import can_be_learned, learn
+from dummydesign.loop.selection.learn_effect import Learnt, can_be_learned, learn
 from dummydesign.loop.selection.learned_first import learned_alone, learned_first
 from dummydesign.loop.selection.residuals import dependences, run_checks
-from dummydesign.loop.selection.rivals import doubt_of
+from dummydesign.loop.selection.rivals import doubt_of, doubt_of_curve
 from dummydesign.loop.selection.search import Selection, rank, search
 from dummydesign.loop.selection.verdict import AcceptedEffect, at_bound, remainder
 from dummydesign.measurement.campaign import Campaign
@@ -126,8 +126,8 @@ def close_loop(
         where_after, checks = dependences(after.fit), run_checks(after.fit)
         still = remainder(base, after, where_after, checks)
         left = replace(still, reasons=(learnt.text, *still.reasons))
-    if learnt is None:
-        after = replace(after, fit=replace(after.fit, doubt=doubt_of(after.fit, found.rivals)))
+    doubt = doubt_of(after.fit, found.rivals) if learnt is None else doubt_of_curve(learnt.effect.shape.flat)
+    after = replace(after, fit=replace(after.fit, doubt=doubt))
     joined = None
     if prior is not None:
         progress("prior")
@@ -138,7 +138,8 @@ def close_loop(
     return LoopResult(
         campaign, presses, base, after, verdict, effects, tuple(found.screened), tuple(found.ranking), left,
         tuple(dependences(base.fit)), tuple(where_after), tuple(checks), following, untested,
-        (*_warnings(campaign, presses, beyond, joined), *_better_alone(found.ranking, after)), learnt, joined,
+        (*_beside_curve(learnt), *_warnings(campaign, presses, beyond, joined), *_better_alone(found.ranking, after)),
+        learnt, joined,
     )  # fmt: skip
 
 
@@ -179,6 +180,17 @@ def _better_alone(ranking: list[EffectCandidate], after: AssessedModel) -> tuple
             message = f"{name} alone explains more than this model and was not taken: {why}; test for it by itself"
             out.append({"code": "explains_more", "message": message})
     return tuple(out)
+
+
+def _beside_curve(learnt: Learnt | None) -> tuple[dict[str, str], ...]:
+    """What a learned curve makes of the modulus."""
+    if learnt is None:
+        return ()
+    message = (
+        f"do not use the modulus: it shares its level with the learned curve of {learnt.effect.shape.text}; "
+        "compress a puck of this batch"
+    )
+    return ({"code": "modulus_beside_curve", "message": message},)
 
 
 def _warnings(

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from dummydesign.loop.calibration import calibration_of
 from dummydesign.loop.run import close_loop
 from dummydesign.measurement.campaign_file import read_campaign
 from tests.support import other_mind
@@ -52,6 +53,8 @@ def test_a_curve_of_the_sensor_is_learned_beyond_the_forces_that_the_base_shows(
     result = close_loop(read_campaign(tmp_path / "a"))
     assert result.learnt is not None and result.effects == () and result.learnt.effect.shape.name == "reading_N"
     assert result.after.errors.heldout_N < 1.5 * truth.floor_N < 0.5 * result.base.errors.heldout_N
+    known = calibration_of(result).posterior.interval("log young_kPa")
+    assert known[0] < truth.young_kPa < known[1] and result.warnings[0]["code"] == "modulus_beside_curve"
     # the curve but for its level, which the modulus has: F (1 + c F)
     knots, values = np.array(result.learnt.effect.shape.knots[0]), result.learnt.effect.shape.flat
     seen = knots < 0.7 * knots[-1]

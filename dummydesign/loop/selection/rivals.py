@@ -36,5 +36,12 @@ def doubt_of(chosen: CampaignFit, rivals: Iterable[Rival]) -> NDArray:
     return out
 
 
+def doubt_of_curve(flat: NDArray) -> NDArray:
+    """Covariance (5, 5) of the base logarithms beside a learned curve with these values: both share their level."""
+    out = np.zeros((BASE, BASE))
+    out[0, 0] = LAW_ERROR**2 + float(np.abs(flat).max()) ** 2
+    return out
+
+
 def _named(fit: CampaignFit) -> int:
     return sum(not p.of_form for one in fit.problem.effects if not one.held for p in one.parameters)

@@ -195,6 +195,7 @@ def test_work_of_the_command_is_in_spring_mass_and_person():
     assert np.max(np.abs(work - kept)[5:-5]) < 5e-3 * work[-1]
 
 
+@pytest.mark.slow
 def test_sampling_does_not_matter():
     run, _ = pressed(250.0)
     people = People.of(TISSUE.parameter_sets, 250.0)

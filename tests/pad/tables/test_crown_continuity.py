@@ -44,6 +44,7 @@ def test_a_foot_that_grows_past_a_join_does_not_move_the_force(table, foot):
     assert np.max(np.abs(step)) < ALLOWED
 
 
+@pytest.mark.slow
 def test_a_path_through_all_parameters_meets_no_step(table):
     pads = random_pads(table, 77031, 3000)
     rng = np.random.default_rng(8113)

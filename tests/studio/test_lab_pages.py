@@ -260,3 +260,37 @@ def test_a_cast_pad_is_compared_by_its_presses_and_its_record_is_kept(page, stud
     choose(page, "pad", "campaigns/first: slab, 15 mm, 4 presses")
     page.wait_for_function("!document.querySelector('[data-test=found-compare] [data-test=verdict]')")
     assert Path(root / "designs" / "compare-forefinger" / "report.html").is_file()
+
+
+LIMITS = """schema = 1
+name = "ours"
+force_N = { value = 0.3, low = 0.3, high = 0.3, kind = "assumed", source = "our lab" }
+pressure_N_per_cm2 = { value = 300.0, low = 300.0, high = 300.0, kind = "assumed", source = "our lab" }
+transient_factor = { value = 2.0, low = 2.0, high = 2.0, kind = "assumed", source = "our lab" }
+"""
+
+
+def test_presses_of_a_pad_are_put_on_people_by_a_drive_and_limits_of_ones_own(page, studio):
+    root = studio[1]
+    opened(page, studio, "cast?thickness_mm=6&shape=slab&ratio=15")
+    page.wait_for_selector(by("run-on-person"))
+    page.wait_for_selector("code >> text=on-person")
+    choose(page, "pad", "campaigns/first: slab, 6 mm, 4 presses")
+    choose(page, "drive", "mass: a free body")
+    assert not page.locator(f"input{by('drive-stiffness')}").is_visible()
+    page.wait_for_selector("text=mass in kg is empty")
+    page.locator(f"input{by('drive-mass')}").fill("4")
+    drop(page, "limits", {"name": "ours.toml", "mimeType": "text/plain", "buffer": LIMITS.encode()},
+         {"name": "bad.toml", "mimeType": "text/plain", "buffer": b"name = 'bad'"})  # fmt: skip
+    page.wait_for_selector(f"{by('drop-limits-said')} [data-kind=refused] >> text=bad.toml")
+    page.wait_for_selector(f"{by('drop-limits-said')} [data-kind=taken] >> text=ours.toml")
+    assert [path.name for path in (root / "limits").iterdir()] == ["ours.toml"]
+    page.wait_for_selector("code >> text=--drive mass:4 --limits limits/ours.toml")
+    page.locator(by("run-on-person")).click()
+    page.wait_for_selector(f"{by('found-on-person')} {by('people')}")
+    assert page.locator(f"{by('found-on-person')} .verdict.red").count() == 1
+    assert page.locator(f"{by('found-on-person')} table").nth(0).locator("tbody tr").count() == 4
+    folder = root / "designs" / "on-person-forefinger"
+    assert (folder / "report.html").is_file()
+    choose(page, "drive", "force: the arm keeps its force")
+    page.wait_for_function("!document.querySelector('[data-test=found-on-person] [data-test=people]')")

@@ -17,6 +17,7 @@ from dummydesign.studio import file_transfer as transfer
 from dummydesign.studio.jobs import Job, changed_since, options
 from dummydesign.studio.manage import DropList
 from dummydesign.studio.page_frame import Studio, keep_state
+from dummydesign.studio.pages.people_of_pad import PeopleOfPad
 from dummydesign.studio.parts import html
 from dummydesign.studio.pressed_pads import PressedPad
 from dummydesign.studio.state import State, page_link
@@ -61,10 +62,11 @@ class Comparison:
             self.calibration = parts.select("Calibration", known, state.calibration, "calibration", wide=False)
             self.replay = Work(studio, "replay", "Predict its presses and compare", self.replay_words, self.show_replay,
                                self.replay_belongs)  # fmt: skip
+        self.people = PeopleOfPad(studio, self.chosen, lambda: list(self.files.value or []), lambda: self.tissue.value)
         self._list_earlier()
         self.find_pads()
         self.pad.on_value_change(self.new_pad)
-        parts.on_change(self.work.renew, self.files, self.record)
+        parts.on_change(self.renew_lines, self.files, self.record)
         parts.on_change(self.renew, self.tissue, self.calibration)
 
     def find_pads(self, dropped: bool = False) -> None:
@@ -102,9 +104,9 @@ class Comparison:
         self.renew_lines()
 
     def renew_lines(self) -> None:
-        """Write both commands anew."""
-        self.work.renew()
-        self.replay.renew()
+        """Write the commands anew."""
+        for work in (self.work, self.replay, self.people.work):
+            work.renew()
 
     def words(self) -> list[str]:
         """The comparison as a command."""
@@ -151,10 +153,10 @@ class Comparison:
         parts.warnings(answer)
 
     def _list_earlier(self) -> None:
-        """Comparisons in the folder, also those made on the terminal."""
-        found = [one for one in things_in(self.root, "designs") if one.command == "compare"]
+        """Comparisons and presses on people in the folder, also those made on the terminal."""
+        found = [one for one in things_in(self.root, "designs") if one.command in ("compare", "on-person")]
         if found:
-            html("<h2>Comparisons in this project</h2>")
+            html("<h2>Earlier in this project</h2>")
         for one in reversed(found):
             html(f"<p>{escape(choices.file_line(one))}</p>")
             if (self.root / one.folder / "report.html").is_file():

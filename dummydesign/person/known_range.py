@@ -11,11 +11,13 @@ from numpy.typing import NDArray
 from dummydesign.measurement.motion import DECELERATION_MM_S2, HOLD_S
 from dummydesign.tissue.comparison import PAPER_N
 from dummydesign.tissue.model.measured_curves import FORCE_APART, SPEED_APART, common_span
+from dummydesign.tissue.model.tissue import PRESSED
 
 if TYPE_CHECKING:
     from dummydesign.person.drives.drive import Response
     from dummydesign.tissue.model.tissue import Tissue
 
+STEADY, DEPTH, PEAK = PRESSED
 NEAR = 1.05
 """Factor up to which a press still counts as inside."""
 
@@ -33,9 +35,10 @@ class Beyond:
 def beyond_range(tissue: Tissue, found: Response, velocity_mm_s: float) -> list[Beyond]:
     """Return how a press leaves the range of steady forces, depths, peaks and speeds in which people were pressed.
 
-    A file of a tissue does not say how deep its subjects were pressed. The range is that of the published protocol:
-    steady forces of 5 to 15 N at the speeds of the tissue, 10 s held; measured curves have their own. A subject was
-    pressed as deep as 15 N at rest takes it, and bore the peak on the way.
+    Subjects that were fitted, and measured curves, have the range of their own presses; a steady force is inside if
+    all of them were pressed so. Of others it is that of the published protocol: steady forces of 5 to 15 N at the
+    speeds of the tissue, 10 s held; a subject was pressed as deep as 15 N at rest takes it, and bore the peak on
+    the way.
 
     Parameters
     ----------
@@ -60,7 +63,7 @@ def beyond_range(tissue: Tissue, found: Response, velocity_mm_s: float) -> list[
     if held.size and float(held.max()) > high * FORCE_APART:
         rows.append(Beyond("steady_force_N", float(held.max()), high,
                            f"{float(held.max()):.3g} N steady, people were pressed up to {high:g} N"))  # fmt: skip
-    deepest, strongest = _limits(tissue, high)
+    deepest, strongest = _limits(tissue)
     for quantity, values, ends, unit in (
         ("depth_mm", found.depth_mm, deepest, "mm deep"), ("peak_force_N", found.peak_N, strongest, "N at the peak")
     ):  # fmt: skip
@@ -76,13 +79,15 @@ def beyond_range(tissue: Tissue, found: Response, velocity_mm_s: float) -> list[
 def _forces(tissue: Tissue) -> tuple[float, float]:
     """Lowest and highest steady force. [N]"""
     if not tissue.measured:
-        return PAPER_N
+        steady = [one.pressed.get(STEADY) for one in tissue.subjects]
+        own = [PAPER_N if one is None else (one.low, one.high) for one in steady]
+        return max(low for low, _ in own), min(high for _, high in own)
     spans = [common_span(tissue.parameter_sets, speed, HOLD_S) for speed in tissue.velocities_mm_s]  # type: ignore[arg-type]
     known = [span for span in spans if span is not None]
     return (min(low for low, _ in known), max(high for _, high in known)) if known else PAPER_N
 
 
-def _limits(tissue: Tissue, high_N: float) -> tuple[NDArray, NDArray]:
+def _limits(tissue: Tissue) -> tuple[NDArray, NDArray]:
     """Deepest press and strongest peak of each subject, shapes (subjects,). [mm, N]"""
     from dummydesign.tissue.model.laws import law_named
 
@@ -94,5 +99,8 @@ def _limits(tissue: Tissue, high_N: float) -> tuple[NDArray, NDArray]:
         return depth, peak
     if not law.fitted:
         return np.full(len(subjects), np.inf), np.full(len(subjects), np.inf)
-    _, force, depth = law.press(subjects, high_N, max(speeds), HOLD_S, DECELERATION_MM_S2)
-    return depth, force.max(axis=-1)
+    _, force, assumed_mm = law.press(subjects, PAPER_N[1], max(speeds), HOLD_S, DECELERATION_MM_S2)
+    own = [one.pressed for one in tissue.subjects]
+    depth = np.array([one[DEPTH].high if one else deep for one, deep in zip(own, assumed_mm)])
+    peak = np.array([one[PEAK].high if one else strong for one, strong in zip(own, force.max(axis=-1))])
+    return depth, peak

@@ -22,7 +22,7 @@ from dummydesign.tissue.fitting.reduction import reduce_trace, rounded_velocity,
 from dummydesign.tissue.fitting.residuals import heldout_rmse, trace_residuals
 from dummydesign.tissue.model.laws import fitted_law, law_named
 from dummydesign.tissue.model.parameters import speed_key
-from dummydesign.tissue.model.tissue import Subject
+from dummydesign.tissue.model.tissue import PRESSED, Subject
 
 MODES = ("auto", "joint", "per-speed", "per-condition")
 CONTACTS = ("none", "per-press")
@@ -256,7 +256,14 @@ def subject_from_fit(name: str, fit: TissueFit) -> Subject:
         numbers[key] = {
             speed: _quantity(one, source, _over_conditions(fit, key, float(speed))) for speed, one in by_speed.items()
         }
-    return Subject.of(name, fit.law, numbers)
+    rows = fit.result["by_trace"]
+    pressed = {key: [float(row[key]) for row in rows] for key in PRESSED}
+    if min(min(values) for values in pressed.values()) <= 0.0:
+        return Subject.of(name, fit.law, numbers)
+    words = f"{len(rows)} press{'es' if len(rows) > 1 else ''}: {shown}; median, lowest and highest"
+    spans = {key: Quantity(float(np.median(values)), min(values), max(values), "measured", words)
+             for key, values in pressed.items()}  # fmt: skip
+    return Subject.of(name, fit.law, numbers, spans)
 
 
 def _over_conditions(fit: TissueFit, key: str, speed: float | None = None) -> list[float] | None:

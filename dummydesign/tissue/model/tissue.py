@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -23,21 +23,25 @@ if TYPE_CHECKING:
     from dummydesign.tissue.model.ranges import ForceRange
 
 AIMS = ("average", "safe-side")
+PRESSED = ("steady_force_N", "depth_mm", "peak_force_N")
+"""What is kept of the presses of a subject, the lowest and the highest."""
 
 
 @dataclass(frozen=True)
 class Subject:
     """One person (or posterior quantile): a name and every parameter with interval, kind and source.
 
-    ``numbers`` maps outward names to a Quantity; dampers to {speed: Quantity}.
+    ``numbers`` maps outward names to a Quantity; dampers to {speed: Quantity}. ``pressed`` has the median, lowest and
+    highest steady force, depth and peak force of the presses that were fitted; it is empty where they are not known.
     """
 
     name: str
     parameters: Parameters
     numbers: dict[str, Any]
+    pressed: Mapping[str, Quantity] = field(default_factory=dict)
 
     @classmethod
-    def of(cls, name: str, law: str, numbers: dict[str, Any]) -> Subject:
+    def of(cls, name: str, law: str, numbers: dict[str, Any], pressed: Mapping[str, Quantity] | None = None) -> Subject:
         """Make a subject of a law from its numbers.
 
         Parameters
@@ -48,13 +52,16 @@ class Subject:
             Name of the law.
         numbers : dict
             Quantity by outward name; dampers {speed: Quantity}.
+        pressed : mapping, optional
+            Quantity by each of :data:`PRESSED`.
         """
         values = nest({key: quantity.value for key, quantity in flatten(numbers).items()})
-        return cls(name, Parameters.from_dict(law, values), numbers)
+        return cls(name, Parameters.from_dict(law, values), numbers, pressed or {})
 
     def to_dict(self) -> dict[str, Any]:
         """Return the name and the numbers with their sources."""
-        return {"name": self.name, **to_plain(self.numbers)}
+        pressed = {"pressed": to_plain(self.pressed)} if self.pressed else {}
+        return {"name": self.name, **to_plain(self.numbers), **pressed}
 
 
 def flatten(numbers: Mapping[str, Any]) -> dict[tuple[str, str], Any]:

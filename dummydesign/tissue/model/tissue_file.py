@@ -24,7 +24,7 @@ from dummydesign.tissue.model.measured_curves import (
     common_span,
 )
 from dummydesign.tissue.model.parameters import speed_key
-from dummydesign.tissue.model.tissue import Subject, Tissue, same_shape
+from dummydesign.tissue.model.tissue import PRESSED, Subject, Tissue, same_shape
 
 KIND = "materials/tissues"
 KEYS = ("schema", "name", "title", "law", "sources", "notes", "subject", "inference")
@@ -162,8 +162,8 @@ def _press(table: Table) -> HeldPress:
 def _subject(table: Table, law: str) -> Subject:
     """Read one [[subject]] table of parameters."""
     name, form = table.string("name"), law_named(law)
-    table.only(["name", *form.parameter_names(max(form.elements))])
-    keys = sorted(set(table.data) - {"name"}, key=lambda key: (key[0] == "c", key))
+    table.only(["name", "pressed", *form.parameter_names(max(form.elements))])
+    keys = sorted(set(table.data) - {"name", "pressed"}, key=lambda key: (key[0] == "c", key))
     numbers: dict[str, Any] = {key: (_dampers if key[0] == "c" else _positive)(table, key) for key in keys}
     arms = arms_of(numbers)
     wanted = {form.steady_name} | {f"gamma{a}_N_per_mm3" for a in arms} | {f"c{a}_N_s_per_mm" for a in arms}
@@ -175,7 +175,16 @@ def _subject(table: Table, law: str) -> Subject:
     if len({tuple(numbers[f"c{arm}_N_s_per_mm"]) for arm in arms}) > 1:
         message = f"{table.where()}: subject '{name}' has dampers at different speeds in its arms"
         raise InputError(message, "inconsistent", "c_N_s_per_mm")
-    return Subject.of(name, law, numbers)
+    return Subject.of(name, law, numbers, _pressed(table) if "pressed" in table.data else None)
+
+
+def _pressed(table: Table) -> dict[str, Quantity]:
+    """Read the range of the presses of a subject: all of it."""
+    entry = table.data["pressed"]
+    if not isinstance(entry, dict) or set(entry) != set(PRESSED):
+        raise _fault(table, "pressed", f"must have {', '.join(PRESSED)} and nothing else", "malformed")
+    flat = replace(table, data={f"pressed.{key}": entry[key] for key in PRESSED})
+    return {key: _positive(flat, f"pressed.{key}") for key in PRESSED}
 
 
 def _dampers(table: Table, key: str) -> dict[str, Quantity]:
@@ -218,6 +227,7 @@ def tissue_toml(tissue: Tissue, extra: str = "") -> str:
                 lines += [f"{key}.{speeds[speed]} = {_inline(q)}" for speed, q in entry.items()]
             else:
                 lines.append(f"{key} = {_inline(entry)}")
+        lines += [f"pressed.{key} = {_inline(entry)}" for key, entry in subject.pressed.items()]
     return "\n".join(lines) + "\n" + (f"\n{extra.rstrip()}\n" if extra else "")
 
 

@@ -9,11 +9,11 @@ import pytest
 
 from dummydesign.core.library import data_folder
 from dummydesign.pad.predict import predict_static
-from dummydesign.pad.spatial.square_factor import solve_factor
+from dummydesign.pad.spatial.square_factor import CORRECTION_ERROR, MESH_ERROR, FactorCurve, solve_factor
 from dummydesign.pad.spatial.square_punch import Block, Cells, block_problem, solve_ratios, twin_problem
 from dummydesign.pad.specimen import Pad
 from dummydesign.pad.tables.slab import load_table
-from dummydesign.pad.tables.square import SIDE_OVER_RADIUS, load_square, square_factor
+from dummydesign.pad.tables.square import HELD_ERROR, SIDE_OVER_RADIUS, load_square, square_factor
 from tests.support.refusal import raises_code
 
 RADIUS = 7.0 / SIDE_OVER_RADIUS
@@ -134,3 +134,14 @@ def test_what_cannot_be_known_is_refused(monkeypatch, tmp_path):
     with raises_code("table_unavailable", "table"):
         load_square()
     load_square.cache_clear()
+
+
+def test_the_stated_error_of_a_factor_adds_cells_scatter_and_what_is_extrapolated():
+    curve = FactorCurve(np.array([0.1, 0.5]), np.array([1.0]), np.array([2.0]), 0.5, {0.45: 0.1, 0.2: 0.05},
+                        {0.28: 0.5}, 1e-3, 2e-3, {})  # fmt: skip
+    value, error = curve.factor(np.array([0.04, 0.08, 0.3, 0.6]))
+    half_of = np.array([0.2 * 1.0, 0.45 * 1.0, 0.28 * 2.0, 0.28 * 2.0]) * CORRECTION_ERROR
+    scatter = 2.0 * np.array([1e-3, 1e-3, 2e-3, 2e-3])
+    held = np.array([0.0, 0.0, 0.0, HELD_ERROR * 0.1 / 0.5])
+    assert error == pytest.approx(MESH_ERROR + half_of + scatter + held)
+    assert value == pytest.approx(np.exp(0.1 + 0.5 * np.array([0.04, 0.08, 0.3, 0.5])))

@@ -17,6 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 from dummydesign.core.errors import InputError
 from dummydesign.measurement.campaign import Trial
 from dummydesign.pad.force_law import BaseForceLaw
+from dummydesign.pad.tables.filleted import FILLETS, POWER, load_filleted
 from dummydesign.pad.tables.slab import ResponseTable, load_compressibility, load_table
 from dummydesign.pad.tables.square import load_square, square_factor
 
@@ -65,6 +66,9 @@ USUAL_ROUGHNESS = 0.001
 """Relative roughness of a solved force over depth: slabs of 6, 10 and 16 mm under a filleted punch differ from GetFEM's
 by 0.05 to 0.09 % (root mean square) beside a parabola in depth."""
 
+EDGES = (0.0, *map(float, FILLETS))
+"""Fillets over the punch's radius between which the change of a force by a fillet is interpolated."""
+
 _SHARES = np.linspace(0.0, 0.6, 121)
 
 
@@ -97,6 +101,23 @@ def square_over_circle(depth_mm: NDArray, thickness_mm: NDArray, radius_mm: floa
     share = np.clip(depth_mm / thickness_mm, 0.0, _SHARES[-1])
     rows = np.broadcast_to(np.asarray(thickness_mm, float), (len(share), 1))[:, 0]
     return np.stack([np.interp(s, _SHARES, _square_curve(float(h), radius_mm, base)) for s, h in zip(share, rows)])
+
+
+@lru_cache(maxsize=512)
+def _edge_curves(thickness_mm: float, radius_mm: float, base: str) -> Callable[[float], NDArray]:
+    """ln of filleted over sharp at the relative depths ``_SHARES`` on one thickness, by (fillet / radius)^POWER."""
+    from scipy.interpolate import PchipInterpolator
+
+    sharp = load_table(base)
+    ratio = float(np.clip(radius_mm / thickness_mm, *sharp.ratio_range))
+    ideal = sharp.log_stiffness(np.minimum(_SHARES, sharp.depth_limit(ratio)), ratio)[0]
+    rows = [np.zeros_like(_SHARES)]
+    for fillet in EDGES[1:]:
+        table = load_filleted(base, fillet)
+        end = min(float(table.depth_limit(ratio)), float(sharp.depth_limit(ratio)))
+        change = table.log_stiffness(np.minimum(_SHARES, end), ratio)[0] - ideal
+        rows.append(np.where(_SHARES <= end, change, np.interp(end, _SHARES, change)))
+    return PchipInterpolator(np.power(EDGES, POWER), np.array(rows), axis=0)
 
 
 class _OneFace(BaseForceLaw):
@@ -164,8 +185,8 @@ class SlabLaw(_OneFace):
     @property
     def offers(self) -> frozenset[str]:
         """A flat face, and on a glued base what slip and bubbles change."""
-        glued = self.table.base == "bonded"
-        return frozenset({"flat_faces", "base_that_can_slip", "bulk_that_gives"} if glued else {"flat_faces"})
+        own = {"flat_faces", "sharp_edge"}
+        return frozenset(own | {"base_that_can_slip", "bulk_that_gives"} if self.table.base == "bonded" else own)
 
     def on(self, trials: Sequence[Trial]) -> SlabLaw:
         """Itself: the thickness says all of a slab."""
@@ -174,6 +195,14 @@ class SlabLaw(_OneFace):
     def sliding(self) -> SlabLaw:
         """The same punch on a base that slides."""
         return SlabLaw(load_table("sliding"), self.radius_mm, self.square)
+
+    def edge_factor(self, edge_radius_mm: float, depth_mm: NDArray, thickness_mm: NDArray) -> NDArray:
+        """Force under a punch with a fillet over that of the sharp one, by the tables of both."""
+        share = np.clip(depth_mm / thickness_mm, 0.0, _SHARES[-1])
+        place = min(edge_radius_mm / self.radius_mm, EDGES[-1]) ** POWER
+        rows = np.broadcast_to(np.asarray(thickness_mm, float), (len(share), 1))[:, 0]
+        curves = {h: _edge_curves(float(h), self.radius_mm, self.table.base)(place) for h in set(rows)}
+        return np.exp(np.stack([np.interp(s, _SHARES, curves[h]) for s, h in zip(share, rows)]))
 
     def compressibility_coefficient(self, depth_mm: NDArray, thickness_mm: NDArray) -> NDArray:
         """c of a compressible slab, F / (1 + (1 - 2 nu) c), tabulated from finite elements."""

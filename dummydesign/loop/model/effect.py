@@ -22,6 +22,7 @@ SETUP = {
     "base_that_can_slip": "pads glued to their base under a glued flat punch",
     "bulk_that_gives": "pads glued to their base under a glued flat punch",
     "frictionless_plates": "pucks whose plates are declared frictionless",
+    "sharp_edge": "slabs under a glued flat punch declared with a sharp edge",
 }  # what an effect may need of a set-up (its force law's ``offers``), in words
 PADS = {"slab": "slabs", "cylinder": "pucks between plates", "shaped": "shaped pads, other punches and contacts"}
 Values = dict[str, float]

@@ -152,7 +152,7 @@ def table(rows: list[dict]) -> str:
         "- Medians over the turns: half width " + " -> ".join(f"{v:.2f}" for v in np.median(width, axis=0)) +
         " %, error " + " -> ".join(f"{v:.2f}" for v in np.median(error, axis=0)) + " noise floors.",
         f"- The modulus is inside its 95 % interval in {sum(map(sum, inside))} of {np.size(inside)} turns.",
-        f"- A prior was held to contradict its own material in {_refused(told)} of {2 * len(told)} turns.",
+        f"- A prior contradicted its own material in {_refused(told)} of {2 * len(told)} turns.",
     ]  # fmt: skip
     wrong = [row for row in rows if "contradicted" in row]
     if wrong:

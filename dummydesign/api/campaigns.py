@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from dummydesign.api.answers import Result, question
 from dummydesign.core.errors import InputError
+from dummydesign.core.inches import check_units
 from dummydesign.core.process import quiet
 
 if TYPE_CHECKING:
@@ -20,8 +21,9 @@ if TYPE_CHECKING:
 
 
 def plan_campaign(
-    folder: str | PathLike[str], set_up: SetUp, design: PlanSettings, *, power: bool = True, replace: bool = False
-) -> Result:
+    folder: str | PathLike[str], set_up: SetUp, design: PlanSettings, *, power: bool = True, replace: bool = False,
+    units: str = "mm",
+) -> Result:  # fmt: skip
     """Make a randomised, balanced plan of presses, with its campaign file and a sheet to press from.
 
     Parameters
@@ -36,6 +38,8 @@ def plan_campaign(
         Work out which effects the plan cannot see or tell apart.
     replace : bool
         Take the place of the other answer instead.
+    units : str
+        Of the sheet: ``mm`` (mm, N) or ``in`` (inches, pounds-force).
 
     Returns
     -------
@@ -52,6 +56,7 @@ def plan_campaign(
     from dummydesign.measurement.campaign_plan import make_plan
     from dummydesign.report.campaign_sheet import sheet_html
 
+    check_units(units)
     plan = make_plan(design)
     tables = set_up.tables()
     inputs = {"set_up": {**set_up.__dict__, "lowpass": tables["sensor"].get("lowpass_hz")}, "design": design.__dict__}
@@ -72,7 +77,7 @@ def plan_campaign(
         trials = [_trial(row, set_up) for row in plan]
         output.path(FILE).write_text(campaign_toml(set_up, trials, comments), encoding="utf-8")
         _copy_profile(set_up, output.work)
-        page = sheet_html(set_up.name, plan, summary, design.seed, expected)
+        page = sheet_html(set_up.name, plan, summary, design.seed, expected, units)
         output.path("sheet.html").write_text(page, encoding="utf-8")
         result = output.answer({
             "inputs": {**inputs, "folder": str(output.folder)},

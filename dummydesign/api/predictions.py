@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from dummydesign.api.answers import Result
 from dummydesign.core.errors import InputError
+from dummydesign.core.inches import SYSTEMS, check_units, twin_of
 from dummydesign.core.parsing import (
     DECELERATION,
     DEPTH,
@@ -189,6 +190,7 @@ def predict(
     fidelity: str = "table",
     out: str | PathLike[str] | None = None,
     rate_Hz: float | str | None = None,
+    units: str = "mm",
     fields: str | PathLike[str] | None = None,
     picture: str | PathLike[str] | None = None,
     progress: Callable[[float], None] | None = None,
@@ -240,6 +242,8 @@ def predict(
         CSV file of the curve; several presses are written to a file each, named as in ``NAME_5N_10mm_s.csv``.
     rate_Hz : float, optional
         Of the curves over time in ``out``, by linear interpolation; without it their own times are written. [Hz]
+    units : str
+        Of ``out``: ``mm`` (mm, N) or ``in`` (inches and pounds-force, columns such as displacement_in, force_lbf).
     fields : path, optional
         ``NAME.vtu`` for displacement, stress and contact at the static depths, with fidelity ``axisymmetric``.
     picture : path, optional
@@ -277,6 +281,9 @@ def predict(
     if (fields or picture) and (depth_mm is None or fidelity != "axisymmetric"):
         message = "fields and pictures are of static depths: --depth with --fidelity axisymmetric"
         raise InputError(message, "not_applicable", "fields" if fields else "picture")
+    check_units(units)
+    if units != SYSTEMS[0] and out is None:
+        raise InputError("--units is of the table that --out writes: give --out", "not_applicable", "units", units)
     if rate_Hz is not None and (out is None or asked not in (["motion"], ["force_N"])):
         message = "--rate is of curves over time in a file: give --out, and --motion or --force"
         raise InputError(message, "not_applicable", "rate_Hz", rate_Hz)
@@ -308,7 +315,7 @@ def predict(
         files = _add_fields(made, result, fields, picture)
     if out:
         columns = STATIC if asked == ["depth_mm"] else MOVED
-        files = _write(fspath(out), columns, result, inputs["rate_Hz"]) | files
+        files = _write(fspath(out), columns, result, inputs["rate_Hz"], units) | files
     return Result(found, result | ({"files": files} if files else {}), "predict")
 
 
@@ -404,7 +411,9 @@ def _presses(
     return last.prediction, {"depth_mm": last.depth_mm, **several}
 
 
-def _write(path: str, columns: tuple[str, ...], result: dict[str, Any], rate_Hz: float | None) -> dict[str, str]:
+def _write(
+    path: str, columns: tuple[str, ...], result: dict[str, Any], rate_Hz: float | None, units: str
+) -> dict[str, str]:
     """Write the curve, or one file a press that is in reach; return them by role."""
     from dummydesign.core.files import write_text
 
@@ -418,7 +427,7 @@ def _write(path: str, columns: tuple[str, ...], result: dict[str, Any], rate_Hz:
     place, files = Path(path), {}
     for curve, name in zip(curves, names):
         file = place.with_name(f"{place.stem}{name}{place.suffix}") if name else place
-        files[f"curve{name}"] = str(write_text(file, _csv(columns, curve)))
+        files[f"curve{name}"] = str(write_text(file, _csv(columns, curve, units)))
     return files
 
 
@@ -433,6 +442,7 @@ def _at_rate(curves: list[dict[str, Any]], columns: tuple[str, ...], rate_Hz: fl
             for curve, time in zip(curves, times)]  # fmt: skip
 
 
-def _csv(columns: tuple[str, ...], curve: dict[str, Any]) -> str:
-    rows = zip(*(curve[name] for name in columns))
-    return "\n".join([",".join(columns), *(",".join(f"{value:.8g}" for value in row) for row in rows)]) + "\n"
+def _csv(columns: tuple[str, ...], curve: dict[str, Any], units: str) -> str:
+    names, sizes = zip(*(twin_of(name, units) for name in columns))
+    rows = zip(*([value / size for value in curve[name]] for name, size in zip(columns, sizes)))
+    return "\n".join([",".join(names), *(",".join(f"{value:.8g}" for value in row) for row in rows)]) + "\n"

@@ -104,15 +104,15 @@ _COLUMNS = ("time_s", "displacement_mm")
 
 
 def read_motion(path: str | Path) -> Motion:
-    """Read the columns time_s and displacement_mm of a CSV file; other columns are ignored."""
+    """Read the columns time_s and displacement_mm (or displacement_in) of a CSV file; others are ignored."""
     from dummydesign.measurement.trace import open_csv, read_cell
 
     path = Path(path)
-    _, places, rows = open_csv(path, _COLUMNS, "motion_file")
+    _, places, sizes, rows = open_csv(path, _COLUMNS, "motion_file")
     values: list[list[float]] = []
     for line, row in rows:
         where, cells = f"{path.name}:{line}", [row[at] if at < len(row) else None for at in places]
-        values.append([read_cell(cell, name, where) for name, cell in zip(_COLUMNS, cells)])
+        values.append([size * read_cell(cell, name, where) for name, cell, size in zip(_COLUMNS, cells, sizes)])
         time = values[-1][0]
         if len(values) > 1 and time <= values[-2][0]:
             raise InputError(f"{where}: time_s = {time} does not increase", "malformed", "time_s", time)

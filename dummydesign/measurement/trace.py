@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.core.errors import InputError
+from dummydesign.core.inches import columns_in
 from dummydesign.measurement.importing.vocabulary import absent_roles, absent_words
 
 COLUMNS = ("time_s", "displacement_mm", "force_N")
@@ -50,6 +51,8 @@ class Trace:
 def read_trace(path: str | Path, velocity_mm_s: float | None = None) -> Trace:
     """Read one trace CSV with the columns time_s, displacement_mm and force_N (others are ignored).
 
+    ``displacement_in`` and ``force_lbf`` are read where displacement_mm or force_N is absent.
+
     Parameters
     ----------
     path : path
@@ -65,14 +68,14 @@ def read_trace(path: str | Path, velocity_mm_s: float | None = None) -> Trace:
     """
     path = Path(path)
     file = path.name
-    header, places, rows = open_csv(path, COLUMNS, "trace")
+    header, places, sizes, rows = open_csv(path, COLUMNS, "trace")
     values, lines = [], []
     for line, row in rows:
         if len(row) <= max(places):
             message = f"{path.name}:{line}: has {len(row)} cells, the header has {len(header)}"
             raise InputError(message, "malformed", "trace", len(row), len(header))
         where = f"{file}:{line}"
-        values.append([read_cell(row[at], name, where) for name, at in zip(COLUMNS, places)])
+        values.append([size * read_cell(row[at], name, where) for name, at, size in zip(COLUMNS, places, sizes)])
         lines.append(line)
     if len(values) < MIN_SAMPLES:
         message = f"{path.name}: {len(values)} samples; at least {MIN_SAMPLES} are needed"
@@ -99,8 +102,10 @@ def import_first(path: str | Path) -> str:
 
 def open_csv(
     path: Path, names: Sequence[str], quantity: str
-) -> tuple[list[str], list[int], Iterator[tuple[int, list[str]]]]:
-    """Read a CSV file: its header, the columns of the names, and the rows that are not blank, each with its line.
+) -> tuple[list[str], list[int], list[float], Iterator[tuple[int, list[str]]]]:
+    """Read a CSV file: header, columns of the names with the size of their unit, and rows with their lines.
+
+    Rows that are blank are left out. A column in inches or pounds-force has their size, any other 1.
 
     Parameters
     ----------
@@ -122,7 +127,8 @@ def open_csv(
         raise InputError(f"{what} cannot be read: {problem.strerror}{hint}", "file_unreadable", quantity) from None
     rows = csv.reader(io.StringIO(text))
     header = [cell.strip() for cell in next(rows, [])]
-    missing = next((name for name in names if name not in header), "")
+    found, sizes = columns_in(tuple(names), header)
+    missing = next((name for name, place in zip(names, found) if place is None), "")
     if missing:
         roles = [name.partition("_")[0] for name in names]
         absent = absent_roles(header, roles) if len(header) > 1 else ()
@@ -132,7 +138,7 @@ def open_csv(
         advice = _header_advice(missing, header, names) + (import_first(path) if any(header) else "")
         raise InputError(f"{path.name}:1: column '{missing}' is missing{advice}", "missing", missing)
     filled = ((rows.line_num, row) for row in rows if any(cell.strip() for cell in row))
-    return header, [header.index(name) for name in names], filled
+    return header, [place for place in found if place is not None], sizes, filled
 
 
 def _header_advice(missing: str, header: list[str], names: Sequence[str]) -> str:

@@ -6,6 +6,7 @@ from collections.abc import Iterable, Sequence
 from html import escape
 from itertools import groupby
 
+from dummydesign.core.inches import twin_of
 from dummydesign.loop.planning import Expected
 from dummydesign.measurement.campaign_plan import FRESH_REST_S, Planned
 
@@ -21,19 +22,24 @@ td.free { min-width: 16mm } .tight td, .tight th { padding: 0.3px 3px; font-size
 
 
 def sheet_html(
-    name: str, plan: Sequence[Planned], set_up: dict[str, str], seed: int, expected: Sequence[Expected] = ()
-) -> str:
-    """Write the sheet as one HTML page, to be printed on one side for up to about fifty presses."""
+    name: str, plan: Sequence[Planned], set_up: dict[str, str], seed: int, expected: Sequence[Expected] = (),
+    units: str = "mm",
+) -> str:  # fmt: skip
+    """Write the sheet as one HTML page, to be printed on one side for up to about fifty presses.
+
+    With ``units`` "in" presses are in inches, inches a second and pounds-force; the set-up is as in the campaign file.
+    """
     head = "".join(f"<p><b>{escape(key)}</b> {escape(value)}</p>" for key, value in set_up.items())
     rows, beside = [], dict(zip((row.sequence for row in plan), expected))
-    columns = ["", "pad mm", "mm/s", *_targets(plan[0].by_depth, bool(expected)), "hold s", "rest before", "way back",
-               "save as", "°C, remarks"]  # fmt: skip
+    length = twin_of("_mm", units)[0].removeprefix("_")
+    columns = ["", f"pad {length}", f"{length}/s", *_targets(plan[0].by_depth, bool(expected), units), "hold s",
+               "rest before", "way back", "save as", "°C, remarks"]  # fmt: skip
     for age, day in groupby(plan, key=lambda row: row.age_days):
         rows.append(
             f'<tr class="day"><td colspan="{len(columns)}">age {age:g} days &nbsp; date ____________ &nbsp; '
             "by ____________</td></tr>"
         )
-        rows += [_row(row, beside.get(row.sequence)) for row in day]
+        rows += [_row(row, beside.get(row.sequence), units) for row in day]
     heads = "".join(f"<th>{text}</th>" for text in columns)
     drive = _hold(plan[0].by_depth, beside.values())
     tight = " class=tight" if len(plan) > 40 else ""
@@ -46,9 +52,10 @@ def sheet_html(
     )
 
 
-def _targets(by_depth: bool, both: bool) -> list[str]:
+def _targets(by_depth: bool, both: bool, units: str) -> list[str]:
     """Headings of what is pressed to, and of what is expected beside it."""
-    planned, other = ("depth mm", "force N (95 %)") if by_depth else ("force N", "depth mm (95 %)")
+    depth, force = (twin_of(name, units)[0].replace("_", " ") for name in ("depth_mm", "force_N"))
+    planned, other = (depth, f"{force} (95 %)") if by_depth else (force, f"{depth} (95 %)")
     return [planned, other] if both else [planned]
 
 
@@ -63,20 +70,25 @@ def _hold(by_depth: bool, expected: Iterable[Expected]) -> str:
     return words
 
 
-def _row(row: Planned, expected: Expected | None) -> str:
+def _row(row: Planned, expected: Expected | None, units: str) -> str:
+    length, force = (twin_of(name, units)[1] for name in ("_mm", "_N"))
+    planned, other = (length, force) if row.by_depth else (force, length)
+    form = "g" if units == "mm" else ".4g"
     rest = "fresh, 1 h" if row.rest_s >= FRESH_REST_S else f"{row.rest_s:g} s"
     cells = (
-        f"{row.sequence}", f"{row.thickness_mm:g}", f"{row.velocity_mm_s:g}", f"{row.target:g}",
-        *([] if expected is None else [_beside(expected)]), f"{row.hold_s:g}", rest, "record" if row.unload else "",
+        f"{row.sequence}", f"{row.thickness_mm / length:{form}}", f"{row.velocity_mm_s / length:{form}}",
+        f"{row.target / planned:{form}}", *([] if expected is None else [_beside(expected, other)]),
+        f"{row.hold_s:g}", rest, "record" if row.unload else "",
     )  # fmt: skip
     numbers = "".join(f'<td class="n">{cell}</td>' for cell in cells)
     return f'<tr>{numbers}<td>{row.file}</td><td class="free"></td></tr>'
 
 
-def _beside(one: Expected) -> str:
-    """The other quantity with its interval; an end that is out of reach is the limit, marked."""
-    reach = "beyond the model !" if one.by_depth else f"over {one.limit_mm:.3g} !"
-    if one.value is None:
-        return reach if one.low is None else f"{reach} (from {one.low:.3g})"
-    high = f"{one.high:.3g}" if one.high is not None else f"over {one.limit_mm:.3g} !"
-    return f"{one.value:.3g} ({one.low:.3g} to {high})"
+def _beside(one: Expected, size: float) -> str:
+    """The other quantity with its interval in a unit of a size; an end that is out of reach is the limit, marked."""
+    value, low, high = (None if end is None else f"{end / size:.3g}" for end in (one.value, one.low, one.high))
+    limit = f"over {one.limit_mm / size:.3g} !"
+    reach = "beyond the model !" if one.by_depth else limit
+    if value is None:
+        return reach if low is None else f"{reach} (from {low})"
+    return f"{value} ({low} to {limit if high is None else high})"

@@ -32,6 +32,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("--no-power", action="store_true", help="do not work out which effects the plan cannot see or tell apart")
     add("--moulds", action="store_true", help="make the moulds of all pads too, in DIR-moulds (needs --resin)")
     add("--preset", default="open", metavar="NAME|FILE", help="of the moulds (default open)")
+    add("--units", default="mm", metavar="NAME", help="of the sheet: mm (default; mm, N) or in (inches, pounds-force)")
     check = actions.add_parser("check", help="what is not yet pressed, and problems", allow_abbrev=False)
     check.add_argument("folder", metavar="DIR", help="folder with campaign.toml")
     files = actions.add_parser("from-files", help="campaign.toml from traces one has", allow_abbrev=False)
@@ -85,7 +86,9 @@ def run(options: argparse.Namespace) -> dict[str, Any]:
 
     design = _design(options, moulded)
     moulds = _moulds(options, set_up, design) if options.moulds else None
-    plan = plan_campaign(options.folder, set_up, design, power=not options.no_power, replace=options.replace).to_dict()
+    plan = plan_campaign(
+        options.folder, set_up, design, power=not options.no_power, replace=options.replace, units=options.units
+    ).to_dict()
     if moulded is not None:
         plan["inputs"]["from_mould"] = list(moulded.folders)
     elif options.pads is None:

@@ -45,6 +45,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("--fidelity", default="table", metavar="NAME", help="table (default), axisymmetric, 3d or viscoelastic")
     add("--out", metavar="FILE.csv", help="write the curve as CSV; several presses to a file each")
     add("--rate", metavar="HZ", help="uniform rate of curves over time in --out (default: the answer's own times)")
+    add("--units", default="mm", metavar="NAME", help="of --out: mm (default; mm, N) or in (inches, pounds-force)")
     add("--fields", metavar="FILE.vtu", help="stress and contact at the depths, for ParaView (axisymmetric)")
     add("--picture", metavar="FILE.png", help="deformed cross-section with stress and contact pressure (axisymmetric)")
 

@@ -197,7 +197,21 @@ class SlabLaw(_OneFace):
         return SlabLaw(load_table("sliding"), self.radius_mm, self.square)
 
     def edge_factor(self, edge_radius_mm: float, depth_mm: NDArray, thickness_mm: NDArray) -> NDArray:
-        """Force under a punch with a fillet over that of the sharp one, by the tables of both."""
+        """Force under a punch with a fillet over that of the sharp one, by the tables of both.
+
+        Parameters
+        ----------
+        edge_radius_mm : float
+            Fillet; beyond 0.3 of the punch's radius that of 0.3. [mm]
+        depth_mm : ndarray, shape (T, N)
+            Depths on T pads. [mm]
+        thickness_mm : ndarray, shape (T, 1)
+            Of the pads. [mm]
+
+        Returns
+        -------
+        ndarray, shape (T, N)
+        """
         share = np.clip(depth_mm / thickness_mm, 0.0, _SHARES[-1])
         place = min(edge_radius_mm / self.radius_mm, EDGES[-1]) ** POWER
         rows = np.broadcast_to(np.asarray(thickness_mm, float), (len(share), 1))[:, 0]

@@ -1,0 +1,112 @@
+"""Forces by table do not jump where pieces, nodes and neighbouring tables join: paths through every coordinate.
+
+Crowned pads have a module of their own (test_crown_continuity).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from dummydesign.pad.tables import puck
+from dummydesign.pad.tables.bumped import HEIGHT_OVER_PITCH, PLACES, SMALLEST
+from dummydesign.pad.tables.filleted import FILLETS, load_filleted
+from dummydesign.pad.tables.shape import load_shape_table
+from dummydesign.pad.tables.slab import load_table
+from dummydesign.pad.tables.square import load_square
+from tests.support.steps import largest_steps
+
+WIDTH, ALLOWED, PATHS = 1e-6, 1e-4, 400
+"""Share of a path of 4 % over which ln F may change by ``ALLOWED``."""
+
+
+def steps_along(function, points, coordinate):
+    end = points.copy()
+    end[:, coordinate] *= 1.04
+    return largest_steps(function, points, end, WIDTH)
+
+
+def shaped(kind, seed):
+    """Function and random points (pad's numbers and d/h) of a kind's table, inside its depth limit."""
+    table = load_shape_table(kind)
+    low, high = (table.coordinates(end[None])[0] for end in (table.low, table.high))
+    rng = np.random.default_rng(seed)
+    pads = rng.uniform(low, high, (PATHS, len(low)))
+    pads = np.where(table.similarity.logarithms, np.exp(pads), pads)
+    points = np.hstack([pads, rng.uniform(0.02, 0.58, (PATHS, 1))])
+    points = points[points[:, -1] < 0.95 * table.depth_limit(pads)]
+    return lambda at: table.log_factor(at[:, :-1], np.arange(len(at)), at[:, -1])[0], points
+
+
+@pytest.mark.parametrize("kind", ["layered", "boned"])
+@pytest.mark.parametrize("coordinate", range(4))
+def test_a_shaped_pad_meets_no_step(kind, coordinate):
+    function, points = shaped(kind, 61 + coordinate)
+    assert len(points) > PATHS / 2
+    assert steps_along(function, points, coordinate).max() < ALLOWED
+
+
+def built(points):
+    """Number of caps under the punch of a field that are high enough to be built."""
+    height = HEIGHT_OVER_PITCH * points[:, 1]
+    own = [height * (1.0 - points[:, 2] * (i * i + j * j)) for i, j, _ in PLACES]
+    return sum((one >= SMALLEST).astype(int) for one in own)
+
+
+@pytest.mark.parametrize("coordinate", range(4))
+def test_a_field_of_caps_meets_a_step_only_where_a_cap_is_built_or_not(coordinate):
+    function, points = shaped("bumped", 811 + coordinate)
+    end = points.copy()
+    end[:, coordinate] *= 1.04
+    steps = steps_along(function, points, coordinate)
+    same = built(points) == built(end)
+    assert same.sum() > PATHS / 4
+    assert steps[same].max() < ALLOWED
+
+
+@pytest.mark.parametrize("base", ["bonded", "sliding"])
+@pytest.mark.parametrize("coordinate", range(2))
+def test_slabs_and_squares_meet_no_step(base, coordinate):
+    table, square = load_table(base), load_square(base)
+    rng = np.random.default_rng(35)
+    low, high = (np.log(end) for end in table.ratio_range)
+    points = np.column_stack([rng.uniform(0.0, 0.45, PATHS), np.exp(rng.uniform(low, high - 0.05, PATHS))])
+    assert steps_along(lambda at: table.log_stiffness(at[:, 0], at[:, 1])[0], points, coordinate).max() < ALLOWED
+    assert steps_along(lambda at: square.factor(at[:, 0], at[:, 1])[0], points, coordinate).max() < ALLOWED
+
+
+@pytest.mark.parametrize("base", ["bonded", "sliding"])
+@pytest.mark.parametrize("fillet", FILLETS[:-1])
+def test_a_fillet_that_grows_past_a_node_moves_the_force_by_less_than_the_stated_error(base, fillet):
+    """The solves that are known change at a node, and the series with them."""
+    depth, ratio = np.meshgrid(np.linspace(0.02, 0.58, 57), np.geomspace(0.26, 2.6, 37))
+    below, above = (load_filleted(base, float(fillet) * (1.0 + share)) for share in (-1e-6, 1e-6))
+    step = np.abs(above.log_stiffness(depth, ratio)[0] - below.log_stiffness(depth, ratio)[0])
+    known = depth <= np.minimum(below.depth_limit(ratio), above.depth_limit(ratio))
+    assert known.mean() > 0.6
+    assert np.max((step / below.relative_error(depth, 1.0, ratio))[known]) < 1.0
+    assert np.max(step[known & (depth < 0.3)]) < 2e-3
+
+
+@pytest.mark.parametrize("base", ["bonded", "sliding"])
+def test_a_small_fillet_leads_to_the_sharp_edge(base):
+    """The series of the smallest fillet against the table of the sharp edge, within what the series leaves."""
+    depth, ratio = np.meshgrid([0.05, 0.15, 0.3], np.geomspace(0.3, 1.6, 9))
+    sharp = load_table(base)
+    table = load_filleted(base, 1e-6)
+    apart = np.abs(table.log_stiffness(depth, ratio)[0] - sharp.log_stiffness(depth, ratio)[0])
+    assert np.max(apart - table.relative_error(depth, 1.0, ratio)) <= 0.0
+
+
+def test_a_puck_meets_no_step_where_its_neighbours_change():
+    tables = puck.load_shapes()
+    known = np.array([table.radius_over_height for table in tables])
+    # of four neighbours, where the nearest change: at the nodes and half way between any two of them
+    middles = np.sqrt([a * b for n, a in enumerate(known) for b in known[n + 1 :]])
+    joins = [place for place in (*known[1:-1], *middles) if known[0] * 1.001 < place < known[-1] * 0.999]
+    steps = []
+    for place in joins:
+        below, above = (puck.interpolate(tables, place * (1.0 + share)) for share in (-2e-4, 2e-4))
+        reach = min(len(below.compression), len(above.compression))
+        steps.append(np.abs(above.log_factor[..., :reach] - below.log_factor[..., :reach]).max())
+    assert len(steps) > 10 and max(steps) < 2e-3

@@ -1,8 +1,8 @@
 """Do balls and profile punches state their error? ``python benchmarks/profile_punches.py``; about three minutes.
 
 Seven punches press slabs of 4 to 20 mm to d/h 0.5, without friction, with friction 0.3 and where what touches sticks;
-printed is what cells of half the size change, beside what is stated. The ledge has a step narrower than a cell. Then
-the processor time of the five slabs that ``suggest --punch ball:12`` solves.
+printed is what cells of half the size change, beside what is stated. The ledge has a step narrower than a cell,
+before which its curve ends. Then the processor time of the five slabs that ``suggest --punch ball:12`` solves.
 """
 
 from __future__ import annotations

@@ -8,7 +8,9 @@ import pytest
 from dummydesign.geometry.punch import read_punch
 from dummydesign.pad.axisymmetric.case import EDGE_STABILISATION, Case, first_stiffness
 from dummydesign.pad.axisymmetric.profile_punch import (
+    CELLS,
     Region,
+    before_the_step,
     indentation_problem,
     press,
     profile,
@@ -65,6 +67,38 @@ def test_the_force_under_a_ball_that_sticks_or_rubs_does_not_depend_on_the_list_
     ]
     many = np.interp(lists[0], found[1].depth_mm, found[1].force_N)
     assert many == pytest.approx(found[0].force_N, rel=3e-4)
+
+
+LEDGE = profile([0.0, 3.0, 3.5, 4.0, 4.2, 6.0], [0.0, 0.0, 0.1, 1.0, 3.0, 3.2])  # mm; a wall of 0.2 mm, 3 mm high
+
+
+@pytest.mark.parametrize("punch", [sphere(6.0), sphere(20.0), profile([0, 1, 2, 4, 6], [0, 0.3, 0.8, 1.8, 2.8])])
+def test_a_smooth_punch_has_no_step(punch):
+    depth = np.linspace(0.1, 5.0, 30)
+    kept, note = before_the_step(punch, 5.8, depth, 1.0, CELLS)
+    assert note == "" and np.all(kept == depth)
+
+
+def test_forces_end_before_the_top_of_a_step_that_cells_do_not_resolve():
+    depth = np.linspace(0.1, 5.0, 50)
+    kept, note = before_the_step(LEDGE, 6.0, depth, 1.0, CELLS)
+    assert note and 2.0 < kept[-1] <= 2.5
+    assert before_the_step(LEDGE, 6.0, kept, 1.0, CELLS)[1] == ""
+    with raises_code("unsupported", "punch_profile"):
+        before_the_step(LEDGE, 6.0, np.array([4.0, 5.0]), 1.0, CELLS)
+    with raises_code("unsupported", "punch_profile"):
+        solve_profile(Pad(10.0, 0.04, 6.0, condition="bonded"), [4.0], LEDGE)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("condition", ["bonded", "friction:0.3"])
+def test_before_a_step_forces_keep_their_stated_error(condition):
+    depth = [0.5, 1.0, 2.0, 3.0, 4.0]
+    fine, own = (
+        solve_profile(Pad(10.0, 0.04, 6.0, condition=condition), depth, LEDGE, cells=n) for n in (2 * CELLS, CELLS)
+    )
+    assert len(own.force_N) == 3 and any("step" in note for note in own.notes)
+    assert np.all(np.abs(np.log(own.force_N / fine.force_N[:3])) < own.error_N / own.force_N)
 
 
 def test_contact_forces_are_the_derivative_of_their_energy_and_their_tangent_is_exact():

@@ -49,14 +49,39 @@ def test_errors_by_real_fits_are_those_of_linear_steps_where_nothing_is_missing(
     assert refitted_squares(base) == pytest.approx(total / weight.sum(), rel=0.05)
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("seed, curve_per_N", [(413, -0.015), (414, 0.01)])
-def test_a_curve_of_the_amplifier_is_learned_as_one_of_the_reading(campaigns, seed, curve_per_N):
+@pytest.mark.parametrize("seed, curve_per_N", [
+    (413, -0.015), pytest.param(414, 0.01, marks=pytest.mark.slow), pytest.param(415, -0.03, marks=pytest.mark.slow),
+])  # fmt: skip
+def test_a_quadratic_amplifier_is_named_and_the_modulus_is_that_without(campaigns, seed, curve_per_N):
     campaign = read_campaign(campaigns("none", seed))
     found = close_loop(reading(campaign, lambda force: force + curve_per_N * force * np.abs(force)))
+    assert [one.candidate.effect.name for one in found.effects] == ["sensor_curve"]
+    assert found.verdict == "effect" and found.learnt is None
+    (active,) = found.after.fit.active
+    assert active.values["relative_change"] == pytest.approx(10.0 * curve_per_N, rel=0.15)
+    assert active.values["exponent"] == pytest.approx(1.0, abs=0.2)
+    assert found.after.fit.base.young_MPa == pytest.approx(close_loop(campaign).after.fit.base.young_MPa, rel=0.015)
+
+
+def test_a_curve_within_what_load_cells_are_good_for_is_not_named(campaigns):
+    campaign = read_campaign(campaigns("none", 416))
+    found = close_loop(reading(campaign, lambda force: force * (1.0 - 0.0005 * np.abs(force))))
+    assert "sensor_curve" not in [one.candidate.effect.name for one in found.effects]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed, height", [(413, -0.12), (414, 0.1)])
+def test_a_bump_of_the_amplifier_is_learned_as_a_function_of_the_reading(campaigns, seed, height):
+    campaign = read_campaign(campaigns("none", seed))
+    top = largest(campaign)
+
+    def bump(force):
+        return height * np.exp(-(((force - 0.45 * top) / (0.12 * top)) ** 2))
+
+    found = close_loop(reading(campaign, lambda force: force * (1.0 + bump(force))))
+    assert found.verdict == "unexplained"
     assert found.learnt is not None and found.learnt.effect.name == "learned_reading_n"
     assert found.learnt.effect.belongs_to == "sensor"
-    at = np.linspace(0.2, 0.9, 8) * largest(campaign)
-    # a constant change is the modulus
-    off = found.learnt.effect.shape(at + curve_per_N * at**2) - curve_per_N * at
-    assert np.ptp(off) < 0.35 * abs(curve_per_N) * np.ptp(at)
+    at = np.linspace(0.2, 0.9, 15) * top
+    off = found.learnt.effect.shape(at * (1.0 + bump(at))) - bump(at)
+    assert np.ptp(off) < 0.35 * abs(height)

@@ -122,6 +122,10 @@ class Effect:
     always_fitted: bool = False
     """Fitted whatever its score: for effects whose first-order change the base can imitate."""
 
+    negligible: float = 0.0
+    """Distance of the size from its null value below which the effect is not named: instruments and force laws are no
+    better."""
+
     seen_raw: bool = False
     """Seen in the raw readings, without a fit: no plan decides whether it can be."""
 

@@ -115,7 +115,9 @@ def _change(current: AssessedModel, checks: list[EffectCheck], tried: int) -> Ca
     """The model with one effect dropped or exchanged, when that is called for."""
     weakest_first = sorted(checks, key=lambda check: check.options[0].gain)
     for check in weakest_first:
-        if not worth(check.options[0].gain, _limit(check, checks, tried), check.reduced, current.fit):
+        limit = _limit(check, checks, tried)
+        sized = not _negligible(current.fit, check.effect)
+        if not (sized and worth(check.options[0].gain, limit, check.reduced, current.fit)):
             return check.reduced
     for check in weakest_first if len(checks) > 1 else ():
         # the interval is linear: where nothing else explains what the effect does, its size is unknown and not null
@@ -133,6 +135,12 @@ def _change(current: AssessedModel, checks: list[EffectCheck], tried: int) -> Ca
         if not any(predicts_better(before, one.fit) for one in (check.options[0], *stand_ins)):
             return check.reduced
     return None
+
+
+def _negligible(fit: CampaignFit, effect: Effect) -> bool:
+    size = effect.parameters[0]
+    values = next(one.values for one in fit.active if one.effect.name == effect.name)
+    return abs(values[size.name] - size.null) < effect.negligible
 
 
 def _found(current: AssessedModel, checks: list[EffectCheck], tried: int) -> list[AcceptedEffect]:

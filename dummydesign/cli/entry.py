@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import atexit
 import errno
 import importlib
 import io
@@ -197,7 +198,7 @@ def _run(arguments: list[str]) -> int:
         return 2
     except KeyboardInterrupt:
         print("error: stopped by the user", file=sys.stderr)
-        return 130
+        return STOPPED
     except BrokenPipeError:
         raise
     except Exception as problem:
@@ -225,6 +226,10 @@ def _loudness(options: argparse.Namespace) -> str:
     return "verbose" if verbose else "quiet" if quiet else ""
 
 
+STOPPED = 130
+"""Exit status of a command that the user ended."""
+
+
 def _stop(*_: object) -> NoReturn:
     """End as by Ctrl-C, so that half-written folders are cleared away."""
     STOP.set()
@@ -249,4 +254,9 @@ def main() -> NoReturn:
         # The reader (such as head) has seen enough; what is still buffered must not raise at exit.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         status = 0
+    if status == STOPPED:
+        # Where the interrupt came inside exec() of a text, as dataclasses do, Python would end by the signal instead.
+        atexit._run_exitfuncs()
+        sys.stderr.flush()
+        os._exit(STOPPED)
     sys.exit(status)

@@ -189,7 +189,7 @@ def _effect_text(result: LoopResult, effect: Effect, rivals: tuple[str, ...]) ->
     span = f"95 %: {value['low']:.3g} to {value['high']:.3g}" if value["determined"] else "not determined"
     text = (
         f"{named(effect.name).capitalize()}: {size.name} = {value['value']:.3g}{unit} ({span}), "
-        f"worth {worth.change_N:+.2g} N at the largest force, {worth.force_N:.3g} N."
+        f"changes the largest force ({worth.force_N:.3g} N) by {worth.change_N:+.2g} N."
     )
     if value["at_bound"]:
         text += " Its size is at the end of its range, so another cause is possible."

@@ -69,8 +69,20 @@ def _front(title: str, lead: str, result: dict[str, Any], plots: list[Plot]) -> 
         [Panel(plot, f"{one['velocity_mm_s']:g} mm/s, {one['file']}", factor)
          for plot, one, factor in zip(plots, presses, factors)] if len(presses) > 1 else (),
         [("band", "subjects"), ("main", "pad")], Grid(head, rows), [("Limits", checks)] if checks else (),
-        warning_texts(result["warnings"]), foot=FOOT,
+        warning_texts(result["warnings"]), steps=[sentence(step) for step in next_steps(result)], foot=FOOT,
     )  # fmt: skip
+
+
+def next_steps(result: dict[str, Any]) -> list[str]:
+    """What to do with the result, by the worst check of the limits."""
+    found = headline(result)[0]
+    if found == "result":
+        return ["compare the peak force on people with your limits: on-person --limits FILE.toml"]
+    if found == "pass":
+        return ["keep speed, force and moving mass at or below those of these presses"]
+    if found == "fail":
+        return ["reduce speed, force or moving mass", "press the pad again with the new setting"]
+    return ["reduce speed, force or moving mass, or measure more subjects of this tissue: dummydesign tissues add"]
 
 
 def people_sections(found: OnPerson, rows: list[dict[str, Any]], prefix: str = "press") -> list[Section]:

@@ -5,6 +5,7 @@ Every text is made of the answer's values; terminal and report only lay it out.
 
 from __future__ import annotations
 
+from dataclasses import fields
 from typing import Any
 
 from dummydesign.core.options import command_words
@@ -61,7 +62,10 @@ def pad_text(result: dict[str, Any]) -> str:
             thickness += f", {least:.3g} mm of gel over the bone"
     text = f"{name}, {thickness}, {length:g} x {width:g} mm, {base}"
     if lengths:
-        text += f"\n{lengths.replace('=', ' ').replace('_', ' ').replace(',', ', ')} (lengths in mm)"
+        in_mm = {one.name.removesuffix("_mm") for one in fields(shape) if one.name.endswith("_mm")}
+        given = (part.partition("=") for part in lengths.split(","))
+        words = (f"{key.replace('_', ' ')} {value}{' mm' if key in in_mm else ''}" for key, _, value in given)
+        text += f"\n{', '.join(words)}"
     return text + (f"\n{result['sites']['text']}" if result["sites"] else "")
 
 
@@ -100,6 +104,8 @@ def test_text(given: dict[str, Any]) -> str:
 def punch_text(punch: str) -> str:
     """The punch and its size."""
     kind, _, size = punch.partition(":")
+    if kind == "profile":
+        return f"punch of profile {size}"
     return f"{size} x {size} mm punch" if kind == "square" else f"{kind} punch {size} mm"
 
 

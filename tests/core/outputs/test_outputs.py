@@ -249,6 +249,17 @@ def test_two_designs_never_share_a_folder_and_the_command_says_so(tmp_path, caps
         assert ".part-" not in path.read_text()
 
 
+def test_a_command_that_is_ended_inside_exec_has_its_status(tmp_path):
+    """Python marks an interrupt there as unhandled for good, and would end by the signal."""
+    (tmp_path / "ended.py").write_text(
+        "import dummydesign.cli.entry as entry\n\ndef run(arguments):\n    try:\n"
+        "        exec('raise KeyboardInterrupt')\n    except KeyboardInterrupt:\n        return 130\n\n"
+        "entry.run = run\nentry.main()\n"
+    )
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join([str(tmp_path), str(ROOT)])}
+    assert subprocess.run([sys.executable, "-m", "ended"], env=environment, timeout=60).returncode == 130
+
+
 def test_a_command_that_is_ended_leaves_nothing(tmp_path):
     command = [sys.executable, "-m", "dummydesign", "suggest", "--tissue", "palm", "--no-cad", "--out", "o"]
     environment = {**os.environ, "PYTHONPATH": ROOT, "DUMMYDESIGN_CACHE": "off"}

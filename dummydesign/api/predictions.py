@@ -204,7 +204,7 @@ def predict(
     young_kPa : float, optional
         Long-term (equilibrium) Young's modulus, in place of ``resin`` and ``ratio``. [kPa]
     resin : str, optional
-        Name or path; modulus and relaxation are those of the resin at ``ratio``.
+        Name or path; modulus and relaxation are those of the resin at ``ratio``; polyurethane-nagoya for a ratio.
     ratio : float, optional
         Mixing ratio, in the resin's own definition.
     depth_mm : numbers or text
@@ -271,10 +271,19 @@ def predict(
     [4.95, 10.74]
     """
     inputs = {name: _in_units(name, value) for name, value in locals().items() if name != "progress"}
+    if ratio is not None and resin is None and young_kPa is None:
+        from dummydesign.resin.model.resin_file import DEFAULT
+
+        inputs["resin"] = DEFAULT
     asked = [name for name in ("depth_mm", "motion", "force_N") if inputs[name] is not None]
     if len(asked) > 1 or (not asked and tissue is None):
         message = f"give exactly one of --depth, --motion and --force, not {len(asked)}"
         raise InputError(message, "conflict" if asked else "missing", "depth")
+    if velocity_mm_s is not None and asked in (["depth_mm"], ["motion"]) and tissue is None:
+        why = "forces at a depth are static" if asked == ["depth_mm"] else "a motion has its own speed"
+        given = asked[0].removesuffix("_mm")
+        message = f"--velocity is of a ramp, and {why}: leave it out, or give --force in place of --{given}"
+        raise InputError(message, "not_applicable", "velocity_mm_s")
     from dummydesign.measurement.motion import read_motion
     from dummydesign.pad.predict import predict_motion, predict_static
 

@@ -29,7 +29,7 @@ from dummydesign.loop.selection.learned_first import learned_alone, learned_firs
 from dummydesign.loop.selection.residuals import dependences, run_checks
 from dummydesign.loop.selection.rivals import doubt_of, doubt_of_curve
 from dummydesign.loop.selection.search import Selection, rank, search
-from dummydesign.loop.selection.verdict import AcceptedEffect, at_bound, remainder
+from dummydesign.loop.selection.verdict import AcceptedEffect, at_bound, needed, remainder
 from dummydesign.measurement.campaign import Campaign
 
 
@@ -138,7 +138,7 @@ def close_loop(
     return LoopResult(
         campaign, presses, base, after, verdict, effects, tuple(found.screened), tuple(found.ranking), left,
         tuple(dependences(base.fit)), tuple(where_after), tuple(checks), following, untested,
-        (*_beside_curve(learnt), *_warnings(campaign, presses, beyond, joined), *_better_alone(found.ranking, after)),
+        (*_beside_curve(learnt), *_warnings(campaign, presses, beyond, joined), *_better_alone(found, after)),
         learnt, joined,
     )  # fmt: skip
 
@@ -169,16 +169,20 @@ BETTER = 10.0
 """Minus twice the log likelihood by which an effect that was not taken must explain more than the model to be named."""
 
 
-def _better_alone(ranking: list[EffectCandidate], after: AssessedModel) -> tuple[dict[str, str], ...]:
-    """Single effects that explain more than the model that is returned, and why they were not taken."""
+def _better_alone(found: Selection, after: AssessedModel) -> tuple[dict[str, str], ...]:
+    """Single effects beyond noise that explain more than the model that is returned, and why they were not taken."""
     out = []
     used = {effect.name for effect in after.fit.problem.effects}
-    for one in ranking:
-        if one.effect.name not in used and one.fit.score < after.fit.score - BETTER:
-            why = "its size is at its bound" if at_bound(one.fit) else "it does not predict left-out presses better"
-            name = one.effect.name.replace("_", " ")
-            message = f"{name} alone explains more than this model and was not taken: {why}; test for it by itself"
-            out.append({"code": "explains_more", "message": message})
+    for one in found.ranking:
+        name = one.effect.name
+        if name in used or one.fit.score >= after.fit.score - BETTER:
+            continue
+        if one.gain < needed(found.screened, one.fit, name, {}, len(found.ranking)).least:
+            continue  # noise alone may explain as much
+        why = "its size is at its bound" if at_bound(one.fit) else "it does not predict left-out presses better"
+        plain = name.replace("_", " ")
+        message = f"{plain} alone explains more than this model and was not taken: {why}; test for it by itself"
+        out.append({"code": "explains_more", "message": message})
     return tuple(out)
 
 

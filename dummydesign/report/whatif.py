@@ -131,9 +131,16 @@ def in_plane(rows: Rows) -> bool:
     return "score" not in rows[0] and all(len(values) == 1 for values in varied(rows).values())
 
 
-def plane_text(rows: Rows) -> str:
-    """What the cells of :func:`plane_table` hold."""
-    return f"depth in mm at {_middle(rows)} N steady ('-': not reached), peak over steady at the highest speed"
+def plane_texts(rows: Rows) -> tuple[str, str]:
+    """What the two parts of each cell of :func:`plane_table` hold."""
+    return f"depth in mm at {_middle(rows)} N steady ('-': not reached)", "peak over steady at the highest speed"
+
+
+def plane_parts(body: list[list[str]]) -> tuple[list[list[str]], list[list[str]]]:
+    """Rows of :func:`plane_table` as two tables: depths, and peaks over steady ('-' where there is none)."""
+    cells = [[cell.partition(", ") for cell in row[2:]] for row in body]
+    return ([[*row[:2], *(one[0] for one in parts)] for row, parts in zip(body, cells)],
+            [[*row[:2], *(one[2] or "-" for one in parts)] for row, parts in zip(body, cells)])  # fmt: skip
 
 
 def _middle(rows: Rows) -> str:
@@ -159,6 +166,12 @@ def plane_table(rows: Rows) -> tuple[list[str], list[list[str]], int]:
         young = next(row["young_kPa"] for row in rows if row["ratio"] == ratio)
         body.append([f"{ratio:g}", f"{young:.3g}", *cells])
     return ["ratio", "kPa", *(f"{thickness:g} mm" for thickness in shown)], body, len(across) - len(shown)
+
+
+def first_text(rows: Rows) -> str:
+    """What the columns of :func:`first_table` hold."""
+    best = "best first; " if "score" in rows[0] else ""
+    return f"{best}thickness in mm, modulus in kPa, depth in mm at 'N' steady ('-': not reached)"
 
 
 def first_table(rows: Rows) -> tuple[list[str], list[list[str]], int]:
@@ -220,7 +233,7 @@ def _front(
         (None, words), (plots[2].title, plot_drawing(plots[2])), "Study", [*facts, Fact("all designs", fixed)],
         "Local exponent d ln F / d ln x over thickness [mm]",
         [Panel(plot, plot.title.partition(" thickness ")[2], "") for plot in plots[:2]], (),
-        Grid(head, body), [("Cells", [sentence(plane_text(ordered))])] if plane else (),
+        Grid(head, body), [("Cells", [sentence(", ".join(plane_texts(ordered)))])] if plane else (),
         warning_texts(warnings), steps, foot=f"{FOOT} Its sliders compute any other pad; rows.csv has every design.",
     )  # fmt: skip
 

@@ -70,6 +70,21 @@ def test_bad_input_is_one_line_and_status_2(words, says, capsys):
     assert says in err
 
 
+def test_a_ratio_alone_is_of_the_resin_that_suggest_takes(capsys):
+    def forces(*words: str) -> list[float]:
+        assert cli.run(["predict", "--thickness", "10", "--depth", "1", "--ratio", "15.4", *words, "--json"]) == 0
+        return json.loads(capsys.readouterr().out)["force_N"]
+
+    assert forces() == forces("--resin", "polyurethane-nagoya")
+
+
+def test_a_speed_is_refused_where_nothing_moves_at_it(capsys):
+    words = ["predict", "--young", "25", "--thickness", "5", "--depth", "1", "--velocity", "10", "--json"]
+    assert cli.run(words) == 2
+    error = json.loads(capsys.readouterr().out)["error"]
+    assert (error["code"], error["quantity"]) == ("not_applicable", "velocity_mm_s")
+
+
 def test_out_of_reach_is_status_1_and_json_still_has_the_reason(capsys):
     words = ["predict", "--young", "25", "--thickness", "5", "--force", "500", "--velocity", "10", "--json"]
     assert cli.run(words) == 1

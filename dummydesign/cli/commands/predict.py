@@ -19,7 +19,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
     add = parser.add_argument
     add("--young", metavar="KPA", help="long-term Young's modulus in kPa")
-    add("--resin", metavar="NAME|FILE", help="resin, with --ratio")
+    add("--resin", metavar="NAME|FILE", help="resin, with --ratio (default polyurethane-nagoya)")
     add("--ratio", type=float, metavar="R", help="mixing ratio of the resin")
     add("--thickness", required=True, metavar="MM", help="of the pad at its highest point")
     add("--depth", metavar="D1,D2,...", help="static depths in mm")
@@ -28,7 +28,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("--velocity", metavar="MM_S,...", help="speed of the ramp; or several")
     add("--hold", default=10.0, metavar="S", help="hold after the stop (default 10 s)")
     add("--deceleration", default=30000.0, metavar="MM_S2", help="braking (default 30000 mm/s2)")
-    add("--tissue", metavar="NAME|FILE", help="hold the pad against a tissue: the verdict and its numbers")
+    add("--tissue", metavar="NAME|FILE", help="compare the pad with a tissue: the verdict and its numbers")
     add("--aim", default="average", metavar="AIM", help="with --tissue: average (default), safe-side or subject:NAME")
     punches = "square:14 (default), round:D, rectangle:AxB, profile:FILE.csv, plate"
     add("--punch", default="square:14", metavar="KIND:SIZE", help=punches)
@@ -80,6 +80,8 @@ def render(result: dict[str, Any]) -> str:
     if "peak_force_N" in result:
         head += labelled("PRESS", f"peak {result['peak_force_N']:.3f} N at {result['peak_time_s']:.4f} s, "
                                   f"{result['steady_force_N']:.3f} N at the end")  # fmt: skip
+    elif "presses" not in result and "conditions" not in result:
+        head += labelled("FORCE", "static: fully relaxed at each depth")
     tail = []
     for contact in result.get("contact_pressure", []):
         edge = f", at the edge up to {contact['edge_kPa']:.3g} kPa" if contact["edge_kPa"] > contact["peak_kPa"] else ""

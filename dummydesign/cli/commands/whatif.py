@@ -11,6 +11,7 @@ from dummydesign.cli.text import files_block, labelled, screen, tissue_lines, wa
 
 HELP = "Compute many pads at once: depth, stiffness, local exponent, peak over steady, score for a tissue."
 SHOWN = 40
+BOTH = 7  # ratios up to which depths and peaks both fit one screen
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -68,11 +69,20 @@ def render(result: dict[str, Any]) -> str:
     head = [*tissue_lines(result), *labelled("DESIGNS", seconds + "; ".join(facts.fixed_texts(rows)))]
     plane = facts.in_plane(rows)
     columns, body, left = facts.plane_table(rows) if plane else facts.first_table(rows)
-    widths = (7, 8, *[12] * len(columns)) if plane else (*[7] * columns.index("kPa"), 7, *[10] * len(columns))
-    table = [f"  {facts.plane_text(rows)}"] if plane else []
+    widths = (7, 8, *[9] * len(columns)) if plane else (*[7] * columns.index("kPa"), 7, *[10] * len(columns))
     last = len(columns) if plane else len(columns) - 1
-    table += ["  " + "".join(f"{cell:<{wide}}" for cell, wide in zip(row[:last], widths)) + "".join(row[last:])
-              for row in (columns, *body)]  # fmt: skip
+
+    def lines_of(part: list[list[str]]) -> list[str]:
+        cells = ["".join(f"{cell:<{wide}}" for cell, wide in zip(row[:last], widths)) for row in (columns, *part)]
+        return [f"  {line}{''.join(row[last:])}".rstrip() for line, row in zip(cells, (columns, *part))]
+
+    if plane:
+        (depths, peaks), (text, peak_text) = facts.plane_parts(body), facts.plane_texts(rows)
+        table = [f"  {text}", *lines_of(depths)]
+        if len(body) <= BOTH:
+            table += ["", f"  {peak_text}", *lines_of(peaks)]
+    else:
+        table = [f"  {facts.first_text(rows)}", *lines_of(body)]
     if left > 0:
         table.append(f"  {left} more thicknesses: --details" if plane else f"  ... and {left} more designs: --details")
     more = "  ... and {} more rows: --details" if plane else "  ... and {} more designs: --details"

@@ -85,7 +85,7 @@ def design_warnings(
     alone = len(tissue.subjects) < 2
     if alone:
         text = f"{tissue.name} has one subject, who makes no range: shares in range and of castings mean nothing"
-        said.append(("one_subject", f"{text}; scores and verdict hold the pad against this one person"))
+        said.append(("one_subject", f"{text}; scores and verdict compare the pad with this one person"))
     said += _of_speeds(space, tissue)
     if pour.yield_fraction < 0.5 and not alone:
         share, exact = 100 * pour.yield_fraction, 100 * pour.making_only_fraction

@@ -154,11 +154,12 @@ def study_warnings(study: Study, rows: list[dict[str, Any]]) -> list[dict[str, s
     said = []
     stopped = sum(row["limit"] is not None for row in rows)
     if stopped:
-        message = f"{stopped} of {study.size} designs do not reach every force; 'limit' says why"
+        message = f"{stopped} of {study.size} designs do not reach every force: see the column limit of rows.csv"
         said.append({"code": "out_of_reach", "message": message})
     rough = [row["force_error_percent"] for row in rows if (row["force_error_percent"] or 0.0) > ROUGH_PERCENT]
     if rough:
-        message = f"the force of {len(rough)} designs has an error of up to {max(rough):.1f} % ('force_error_percent')"
+        most = f"{max(rough):.1f} % (column force_error_percent of rows.csv)"
+        message = f"the force of {len(rough)} designs has an error of up to {most}"
         said.append({"code": "rough_solve", "message": f"{message}; their exponents are less accurate"})
     said += pressed_alone([len(read_shape(shape).places_mm) for shape in study.shapes])
     if study.reduced:

@@ -38,7 +38,7 @@ class Step:
     words: str
 
 
-def watch(call: Callable[[], Any], most: int = 30) -> tuple[list[Step], int]:
+def watch(call: Callable[[], Any], most: int) -> tuple[list[Step], int]:
     """First calls of the package's functions, as deep as gives ``most`` rows, and the number of modules they ran in."""
     steps: dict[tuple[str, str], Step] = {}
     modules: set[str] = set()
@@ -115,6 +115,7 @@ def main(arguments: list[str] | None = None) -> None:
     """Write the ways into docs/architecture.md of the repository one stands in."""
     parser = argparse.ArgumentParser(prog="python -m studies.ways", description=__doc__)
     parser.add_argument("--repository", type=Path, default=Path("."), help="folder that holds docs/")
+    parser.add_argument("--rows", type=int, default=12, help="functions of each way at most")
     options = parser.parse_args(arguments)
     PAGE.read(options.repository)
     parts = []
@@ -122,7 +123,7 @@ def main(arguments: list[str] | None = None) -> None:
         for name, run in WAYS:
             with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(io.StringIO()):
                 run(Path(place))  # so that imports are no part of the way
-                steps, count = watch(partial(run, Path(place)))
+                steps, count = watch(partial(run, Path(place)), options.rows)
             parts.append(f"### The way of {name}: {count} modules\n\n{table(steps)}")
     PAGE.write(options.repository, "\n".join(parts))
     print(f"{PAGE.place}: {len(WAYS)} ways")

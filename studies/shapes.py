@@ -36,7 +36,6 @@ from studies.marked_page import MarkedPage
 
 TISSUES = ("forefinger", "palm", "thenar")
 CHECKED_N = MISFIT_N[::3]
-SHOWN_N = ("0.5", "1", "5", "15")
 PAGE, DATA = Path("docs") / "shapes.md", Path("docs") / "data"
 CURVES, DESIGNS = DATA / "shapes.csv", DATA / "shapes-designs.csv"
 MARKED = MarkedPage(PAGE, "<!-- shapes tables: begin -->", "<!-- shapes tables: end -->")
@@ -132,39 +131,23 @@ def lowest_slab(answer: Suggestion, law: Any) -> tuple[float, float, float]:
 
 
 def tables(found: list[tuple[Suggestion, list[Row], tuple[float, float, float]]]) -> str:
-    """The best pad of each kind as a Markdown table."""
-    forces = f"exponent at {', '.join(SHOWN_N)} N"
-    head = ("tissue", "pad", "mm", "kPa", "misfit", "glued", "frictionless", forces, "total")
-    lines = [head, ("---",) * len(head)]
-    for answer, rows, (thickness, young, misfit) in found:
-        name = answer.tissue.name
-        lines += [(name, *_cells(row)) for row in rows]
-        lines.append((name, "slab, least misfit", f"{thickness:g}", f"{young:.3g}", f"{misfit:.2f}", *[""] * 4))
+    """Misfit and score of the best pad of each kind as a Markdown table, a column a tissue."""
+    lines = [("pad", *(answer.tissue.name for answer, _, _ in found)), ("---",) * (1 + len(found))]
+    for kind in [row.item.kind for row in found[0][1]]:
+        lines.append((kind, *(_cell(row) for _, rows, _ in found for row in rows if row.item.kind == kind)))
+    slabs = (f"{misfit:.2f} ({thickness:g} mm, {young:.3g} kPa)" for _, _, (thickness, young, misfit) in found)
+    lines.append(("slab of any modulus, least misfit", *slabs))
     return "\n".join(f"| {' | '.join(line)} |" for line in lines) + "\n"
 
 
-def _cells(row: Row) -> list[str]:
+def _cell(row: Row) -> str:
+    """Misfit of a glued face, by finite elements where they reach all forces, and the total score."""
     item = row.item
     if item.candidate is None:
-        return [item.kind, "", "", item.reason or "", *[""] * 4]
-    near = item.low_force
-    solved = [_reached(row.solved.misfit[name]) if row.solved else "" for name in CONDITIONS]
-    return [
-        str(item.shape), f"{item.candidate.thickness_mm:g}", f"{item.young_kPa:.3g}",
-        _two(near.misfit_rms_ln_force), *solved, ", ".join(_two(near.exponent_at_N[force]) for force in SHOWN_N),
-        f"{item.candidate.total:.2f}",
-    ]  # fmt: skip
-
-
-def _two(value: float | None) -> str:
-    return "-" if value is None else f"{value:.2f}"
-
-
-def _reached(misfit: tuple[float, float] | None) -> str:
-    if misfit is None:
-        return "-"
-    part = "" if misfit[1] >= CHECKED_N[-1] * (1.0 - 1e-9) else f" (to {misfit[1]:.2g} N)"
-    return f"{misfit[0]:.2f}{part}"
+        return item.reason or "-"
+    solved = row.solved.misfit[CONDITIONS[0]] if row.solved else None
+    near = solved[0] if solved and solved[1] >= CHECKED_N[-1] * (1.0 - 1e-9) else item.low_force.misfit_rms_ln_force
+    return f"{'-' if near is None else f'{near:.2f}'}; {item.candidate.total:.2f}"
 
 
 def designs_text(rows: list[Row]) -> str:

@@ -1,7 +1,7 @@
 """The ways of a design, a campaign and a slider through the modules: ``python -m studies.ways``.
 
 They are written into docs/architecture.md. Each way is a run of the package that is watched: a row is the first call
-of a function, indented by how deep in the package it was called, with the first line of what it says of itself.
+of a function, indented by how deep in the package it was called; ``--words`` adds the first line of its docstring.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ class Step:
     words: str
 
 
-def watch(call: Callable[[], Any], most: int = 30) -> tuple[list[Step], int]:
+def watch(call: Callable[[], Any], most: int) -> tuple[list[Step], int]:
     """First calls of the package's functions, as deep as gives ``most`` rows, and the number of modules they ran in."""
     steps: dict[tuple[str, str], Step] = {}
     modules: set[str] = set()
@@ -76,9 +76,9 @@ def _words(frame: FrameType) -> str:
     return text.splitlines()[0].rstrip(".") if text else ""
 
 
-def table(steps: list[Step]) -> str:
-    """Steps as lines of code and words."""
-    rows = [(f"{'  ' * (step.depth - 1)}{step.module}.{step.function}", step.words) for step in steps]
+def table(steps: list[Step], words: bool) -> str:
+    """Steps as lines of code, on request with what each says of itself."""
+    rows = [(f"{'  ' * (step.depth - 1)}{step.module}.{step.function}", words * step.words) for step in steps]
     width = min(58, max(len(name) for name, _ in rows))
     lines = [f"{name:<{width}}  {words}".rstrip() for name, words in rows]
     return "\n".join(["```text", *(line if len(line) <= 140 else f"{line[:137]}..." for line in lines), "```", ""])
@@ -115,6 +115,8 @@ def main(arguments: list[str] | None = None) -> None:
     """Write the ways into docs/architecture.md of the repository one stands in."""
     parser = argparse.ArgumentParser(prog="python -m studies.ways", description=__doc__)
     parser.add_argument("--repository", type=Path, default=Path("."), help="folder that holds docs/")
+    parser.add_argument("--rows", type=int, default=12, help="functions of each way at most")
+    parser.add_argument("--words", action="store_true", help="first line of each function's docstring beside it")
     options = parser.parse_args(arguments)
     PAGE.read(options.repository)
     parts = []
@@ -122,8 +124,8 @@ def main(arguments: list[str] | None = None) -> None:
         for name, run in WAYS:
             with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(io.StringIO()):
                 run(Path(place))  # so that imports are no part of the way
-                steps, count = watch(partial(run, Path(place)))
-            parts.append(f"### The way of {name}: {count} modules\n\n{table(steps)}")
+                steps, count = watch(partial(run, Path(place)), options.rows)
+            parts.append(f"### The way of {name}: {count} modules\n\n{table(steps, options.words)}")
     PAGE.write(options.repository, "\n".join(parts))
     print(f"{PAGE.place}: {len(WAYS)} ways")
 

@@ -95,11 +95,11 @@ STATEMENT = (
     "dummy II (20 mm, the thickest) is the most curved because it is thick. At equal depth and equal strain the 5 mm "
     "slab is by far the most curved and the 20 mm slab the least, on a glued and on a sliding base. At equal force the "
     "difference is smaller. At 25 kPa on a glued base the exponent falls from 1.21 (5 mm) to 1.05 (20 mm) at 5 N, and "
-    "from 1.36 to 1.15 at 10 N, where 5 and 10 mm are alike. In stiffening resins, too, the 20 mm slab is the least "
-    "curved from 2 to 15 N. So if dummy II was the most curved, its thickness was not the cause."
+    "from 1.36 to 1.15 at 10 N. In stiffening resins, too, the 20 mm slab is the least curved. So the thickness of "
+    "dummy II was not the cause."
     "\n\n"
-    "Not covered: depths above 0.6 of the thickness, where a slab of 10 mm or more of 25 kPa would carry 15 N; resins "
-    "other than neo-Hookean and Yeoh; a pad that lifts off its base or wraps the punch."
+    "Not covered: depths above 0.6 of the thickness; resins other than neo-Hookean and Yeoh; a pad that lifts off its "
+    "base or wraps the punch."
 )
 """What finite elements say of thickness; the tables behind it are written by ``studies.thickness``."""
 Rows = list[dict[str, Any]]

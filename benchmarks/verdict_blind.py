@@ -227,12 +227,10 @@ Is the verdict of `compare` right? Simulated castings with known truth are press
 ## Method
 
 - Designs for the built-in tissues are cast with errors of weighing, thickness and resin.
-- The generator of `tests/support` presses the castings, with its own finite-element curves and integrator. Recommended
-  crowns are pressed on the curves of `benchmarks/castings_blind_curves.json`.
+- The generator of `tests/support` presses them, with its own finite-element curves and integrator.
 - Truth is the verdict on exact presses at 5, 10 and 15 N.
 - A casting is *near a border* if forces 1 % larger or smaller change its true level.
-- Castings that do not reach 15 N within the curves were drawn again. The curves end at 0.45 of the thickness, at 0.59
-  for a recommended crown.
+- Castings that do not reach 15 N within the curves (0.45 of the thickness, 0.59 for a recommended crown) were drawn again.
 """
 
 

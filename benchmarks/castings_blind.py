@@ -440,11 +440,11 @@ def table(rows: list[dict]) -> str:
         f"over-reading holds for {_share(*covered(rows, 'over', 'over_q95'))}. {100 * counted:.1f} % of all pads",
         f"are out of reach; {100 * stated:.1f} % were stated.",
         METHOD,
-        f"{len(rows)} designs, {pads} pads with all uncertainties and {pads} with modulus and relaxation at their",
-        f"centre; seed {seeds}. Run by `python benchmarks/castings_blind.py`; `--table-only` writes this page from the",
-        "rows that are kept.", "", "## 95 % figures", "",
-        "Share of the pads in reach of every press for which the stated figure suffices. 95 % is expected. In",
-        "brackets: one standard error of the pads. The 1200 castings behind a figure add 0.6 points.", "",
+        f"{len(rows)} designs, {pads} pads with all uncertainties and {pads} with modulus and relaxation known; seed {seeds}.",
+        "`python benchmarks/castings_blind.py` runs the study; `--table-only` writes this page from kept rows.", "",
+        "## 95 % figures", "",
+        "Share of the pads in reach for which the stated figure suffices. 95 % is expected. In brackets: one standard",
+        "error of the pads. The 1200 castings behind a figure add 0.6 points.", "",
         "| designs | number | " + " | ".join(name for name, *_ in shown) + " |", "|---|---|" + "---|" * len(shown),
     ]  # fmt: skip
     for words, own in groups.items():

@@ -440,7 +440,8 @@ def table(rows: list[dict]) -> str:
         f"over-reading holds for {_share(*covered(rows, 'over', 'over_q95'))}. {100 * counted:.1f} % of all pads",
         f"are out of reach; {100 * stated:.1f} % were stated.",
         METHOD,
-        f"{len(rows)} designs, {pads} pads with all uncertainties and {pads} with modulus and relaxation known; seed {seeds}.",
+        f"{len(rows)} designs, {pads} pads with all uncertainties and {pads} with modulus and relaxation at their",
+        f"centre; seed {seeds}.",
         "`python benchmarks/castings_blind.py` runs the study; `--table-only` writes this page from kept rows.", "",
         "## 95 % figures", "",
         "Share of the pads in reach for which the stated figure suffices. 95 % is expected. In brackets: one standard",
@@ -473,7 +474,7 @@ def _weakest(groups: dict[str, list[dict]], name: str, *names: str) -> str:
     share = {words: covered(own, *names) for words, own in groups.items()}
     low = min(share, key=lambda words: share[words][0] / max(share[words][1], 1))
     most = max(float(beyond(own, *names) or 0.0) for own in groups.values())
-    return f"- {name}: {_share(*share[low])} for {low}; {most} % more would suffice for 95 % in every group."
+    return f"- {name}: {_share(*share[low])} for {low}; a figure {most} % larger holds for 95 % everywhere."
 
 
 def _percent(good: int, every: int) -> tuple[str, str]:

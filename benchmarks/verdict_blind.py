@@ -254,9 +254,8 @@ def table(rows: list[dict]) -> str:
         f"{len(rows)} castings, seed {seeds}, {seconds:.1f} s of processor time each.", "",
         "`python benchmarks/verdict_blind.py` runs the study and writes this page.", "", "## Results", "",
         f"- `compare` gives the true level in {same} of {len(rows)}.",
-        f"- {len(low)} castings read more than 1 % too low. {wrong} of these are green, {passed} amber with a",
-        "  factor, the others red.",
-        f"- {len(red)} castings are truly not representative. {missed} are not red, {clear} of them not near a border.",
+        f"- {len(low)} castings read more than 1 % too low: {wrong} are green, {passed} amber, the others red.",
+        f"- {len(red)} castings are truly not representative: {missed} are not red, {clear} of them not near a border.",
         f"- The stated factor suffices in {held} of {len(known)}, a factor 1 % larger in {nearly}.",
         f"- The true over-reading is below the stated 95 % figure in {over} of {len(rows)}.",
         "", "| true level | " + " | ".join(LEVELS) + " |", "|---|" + "---|" * len(LEVELS),
@@ -264,16 +263,13 @@ def table(rows: list[dict]) -> str:
     for true in LEVELS:
         count = Counter(row["level"] for row in rows if row["true"] == true)
         lines.append(f"| {true} ({LIGHTS[true]}) | " + " | ".join(str(count[level]) for level in LEVELS) + " |")
-    others = [row for row in rows if row["level"] != row["true"]]
-    if others:
-        lines += ["", "Castings with another level than the true one:", ""]
-        for row in others:
+    for row in rows:
+        if row["level"] != row["true"]:
             border = "near a border" if row["near_border"] else "not near a border"
-            lines.append(
-                f"- {row['number']}, {row['tissue']} {row['shape']}: truly {row['true']} (shortfall "
-                f"{row['true_shortfall']:.3f}, over-reading {row['true_over']:.3f}, {border}), called {row['level']} "
-                f"(shortfall {row['shortfall'] or 0.0:.3f}, over-reading {row['over'] or 0.0:.3f})."
-            )
+            lines += [
+                "", f"Wrong: {row['tissue']} {row['shape']}, {border}. True shortfall {row['true_shortfall']:.3f}, read as "
+                f"{row['shortfall'] or 0.0:.3f}. True over-reading {row['true_over']:.3f}, read as {row['over'] or 0.0:.3f}.",
+            ]  # fmt: skip
     return "\n".join(lines) + "\n"
 
 

@@ -266,10 +266,9 @@ def table(rows: list[dict]) -> str:
     for row in rows:
         if row["level"] != row["true"]:
             border = "near a border" if row["near_border"] else "not near a border"
-            lines += [
-                "", f"Wrong: {row['tissue']} {row['shape']}, {border}. True shortfall {row['true_shortfall']:.3f}, read as "
-                f"{row['shortfall'] or 0.0:.3f}. True over-reading {row['true_over']:.3f}, read as {row['over'] or 0.0:.3f}.",
-            ]  # fmt: skip
+            ratios = (row["true_shortfall"], row["shortfall"] or 0.0, row["true_over"], row["over"] or 0.0)
+            words = "True shortfall {:.3f}, read as {:.3f}; true over-reading {:.3f}, read as {:.3f}.".format(*ratios)
+            lines += ["", f"Wrong: {row['tissue']} {row['shape']}, {border}. {words}"]
     return "\n".join(lines) + "\n"
 
 

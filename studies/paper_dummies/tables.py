@@ -23,7 +23,7 @@ ANSWERS = {True: "yes", False: "no", None: ""}
 SHARES = ("below_5N_fraction", "above_5N_fraction")
 Results = dict[Variant, Dummies]
 AllJudged = list[tuple[Statement, dict[Variant, Judged]]]
-Cells = tuple[Sequence[object], list[Sequence[object]]]
+Cells = tuple[Sequence[str], Sequence[Sequence[object]]]
 """Head and rows of a table."""
 
 

@@ -391,17 +391,12 @@ code of its own. No real pad was cast.
 METHOD = """
 ## Method
 
-1. `suggest` designs crowned pads and slabs for the built-in tissues. The resin is known in four degrees: as stated,
-   modulus known better, modulus and relaxation measured, and both measured well. In the last, pads are also made well
-   (0.01 g, 0.05 mm, ratios in steps of 0.02).
+1. `suggest` designs crowned pads and slabs for the built-in tissues. The resin is known in four degrees, from as stated
+   to measured and made well (0.01 g, 0.05 mm, ratios in steps of 0.02).
 2. Each shape gives one ratio for every level that occurs.
 3. Each pad draws resin, weighing and thickness from their intervals. Its force law has a smooth error of the stated
-   size.
-4. Force curves are finite-element solutions 0.2 mm below and above the thickness
-   (`benchmarks/castings_blind_curves.json`).
-
-No pad uses `dummydesign.design.assessment.castings`. The subjects' presses are the design's. The factor a pad needs is
-the largest ratio of the lowest subject to the pad, over all peaks, energies and the steady curve.
+   size. Force curves are finite-element solutions (`benchmarks/castings_blind_curves.json`).
+4. The factor a pad needs is the largest ratio of the lowest subject to the pad, over peaks, energies and steady curve.
 """
 
 
@@ -442,25 +437,25 @@ def table(rows: list[dict]) -> str:
     lines = [
         HEAD,
         f"The stated factor suffices for {_share(*covered(rows, 'needed', 'factor'))} of the pads in reach. The stated",
-        f"over-reading holds for {_share(*covered(rows, 'over', 'over_q95'))}. Out of reach are",
-        f"{100 * counted:.1f} % of all pads; {100 * stated:.1f} % were stated.",
+        f"over-reading holds for {_share(*covered(rows, 'over', 'over_q95'))}. {100 * counted:.1f} % of all pads",
+        f"are out of reach; {100 * stated:.1f} % were stated.",
         METHOD,
         f"{len(rows)} designs, {pads} pads with all uncertainties and {pads} with modulus and relaxation at their",
-        f"centre; seed {seeds}. Run by `python benchmarks/castings_blind.py`; `--table-only` writes this page from the",
-        "rows that are kept.", "", "## 95 % figures", "",
-        "Share of the pads in reach of every press for which the stated figure suffices. 95 % is expected. In",
-        "brackets: one standard error of the pads. The 1200 castings behind a figure add 0.6 points.", "",
+        f"centre; seed {seeds}.",
+        "`python benchmarks/castings_blind.py` runs the study; `--table-only` writes this page from kept rows.", "",
+        "## 95 % figures", "",
+        "Share of the pads in reach for which the stated figure suffices. 95 % is expected. In brackets: one standard",
+        "error of the pads. The 1200 castings behind a figure add 0.6 points.", "",
         "| designs | number | " + " | ".join(name for name, *_ in shown) + " |", "|---|---|" + "---|" * len(shown),
     ]  # fmt: skip
     for words, own in groups.items():
-        if words == "all" or words in LEVELS or words.startswith("resin"):
+        if words == "all" or words in LEVELS:
             cells = (_share(*covered(own, *names)) for _, *names in shown)
             lines.append(f"| {words} | {len(own)} | {' | '.join(cells)} |")
     lines += [
-        "", "Weakest groups. The excess is the pads' 95 % quantile over the stated figure:", "",
-        *(_weakest(groups, *one) for one in shown), "",
-        "`docs/data/castings-blind.csv` has all groups, also by shape, and the shortfall.", "", "## Levels", "",
-        "| level | pads | promised | stated | counted |", "|---|---|---|---|---|",
+        "", "Weakest groups:", "", *(_weakest(groups, *one) for one in shown), "",
+        "`docs/data/castings-blind.csv` has all groups, also by shape and by what is known of the resin.", "",
+        "## Levels", "", "| level | promised | stated | counted |", "|---|---|---|---|",
     ]  # fmt: skip
     for level, worst in (("stands_for", 0), ("usable_with_correction", 1), ("not_settled", 1)):
         own = groups[level]
@@ -469,23 +464,17 @@ def table(rows: list[dict]) -> str:
         stated = sum(row["pads"] * sum(row["stated"][name] for name in CLASSES[: worst + 1]) for row in own)
         promised = f"{'stands for' if worst == 0 else 'usable'}, 95 %" if level != "not_settled" else "nothing"
         share = f"{100 * stated / pads:.1f} %" if pads else ""
-        lines.append(f"| {level} | {pads} | {promised} | {share} | {_share(good, pads)} |")
-    lines += ["", "## Classes", "", "Share of all pads in per cent. `docs/data/castings-blind-classes.csv` has",
-              "each degree of knowledge of the resin, with standard errors.", "",
-              "| | " + " | ".join(CLASSES) + " |", "|---|" + "---|" * len(CLASSES)]  # fmt: skip
-    shares = [shares_of(rows, kind) for kind in CLASSES]
-    for at, name in enumerate(("stated", "counted")):
-        lines.append(f"| {name} | " + " | ".join(f"{100 * share[at]:.1f}" for share in shares) + " |")
+        lines.append(f"| {level} | {promised} | {share} | {_share(good, pads)} |")
+    lines += ["", "`docs/data/castings-blind-classes.csv` has the share of each class."]
     return "\n".join(lines) + "\n"
 
 
 def _weakest(groups: dict[str, list[dict]], name: str, *names: str) -> str:
-    """The groups with the lowest share and with the largest excess, in a line."""
+    """The group with the lowest share, and the largest excess of any group, in a line."""
     share = {words: covered(own, *names) for words, own in groups.items()}
-    far = {words: beyond(own, *names) for words, own in groups.items()}
     low = min(share, key=lambda words: share[words][0] / max(share[words][1], 1))
-    most = max(far, key=lambda words: float(far[words] or 0.0))
-    return f"- {name}: {_share(*share[low])} for {low}; excess {far[most]} % for {most}."
+    most = max(float(beyond(own, *names) or 0.0) for own in groups.values())
+    return f"- {name}: {_share(*share[low])} for {low}; a figure {most} % larger holds for 95 % everywhere."
 
 
 def _percent(good: int, every: int) -> tuple[str, str]:

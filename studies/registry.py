@@ -82,7 +82,8 @@ STUDIES = (
     ),
     Study(
         "paper_dummies.study", "",
-        ("docs/dummies.md", *(f"docs/data/dummies{part}.csv" for part in ("", "-statements", "-figures"))),
+        ("docs/dummies.md", *(f"docs/data/dummies{part}.csv" for part in (
+            "", "-statements", "-figures", "-verdicts", "-at-once", "-exponents", "-peaks"))),
         "the published method's dummies", "2 min",
     ),
     Study(

@@ -4,9 +4,9 @@
 
 presses dummies I, II, III (polyurethane at 100:15; slabs of 15, 20, 5 mm) on a glued and on a sliding base, with
 four moduli, neo-Hookean and stiffening, fits the five-element law, and compares them with palm, thenar and
-forefinger. Writes tables into ``docs/dummies.md``, and all figures into ``docs/data/dummies-statements.csv`` and
-``docs/data/dummies-figures.csv``. Nothing is drawn at random. ``--solve`` solves the stiffening slabs again (twelve
-slabs, less than a minute) into ``docs/data/dummies.csv``.
+forefinger. Writes two short tables into ``docs/dummies.md`` and all tables into ``docs/data/dummies-*.csv``. Nothing
+is drawn at random. ``--solve`` solves the stiffening slabs again (twelve slabs, less than a minute) into
+``docs/data/dummies.csv``.
 """
 
 from __future__ import annotations
@@ -18,11 +18,11 @@ from dummydesign.core.files import write_text
 from dummydesign.pad.solved_law import SolvedSlab, solve_slab
 from studies.marked_page import MarkedPage
 from studies.paper_dummies.presses import steady_scan, stiffening_cases, study
-from studies.paper_dummies.tables import figures_text, judge_every, statements_text, tables
+from studies.paper_dummies.tables import data_files, page_tables
 from studies.thickness import curves_text, read_curves
 
 DATA = Path("docs") / "data"
-CURVES, STATEMENTS, FIGURES = (DATA / f"dummies{part}.csv" for part in ("", "-statements", "-figures"))
+CURVES = DATA / "dummies.csv"
 PAGE = Path("docs") / "dummies.md"
 MARKED = MarkedPage(PAGE, "<!-- dummies tables: begin -->", "<!-- dummies tables: end -->")
 
@@ -55,10 +55,10 @@ def main(arguments: list[str] | None = None) -> None:
     MARKED.read(options.repository)
     slabs = read_or_solve(options.repository / CURVES, options.solve)
     results = study(slabs)
-    made = tables(results, steady_scan(slabs))
+    made = page_tables(results)
     print(made)
-    write_text(options.repository / STATEMENTS, statements_text(judge_every(results)))
-    write_text(options.repository / FIGURES, figures_text(results))
+    for part, text in data_files(results, steady_scan(slabs)).items():
+        write_text(options.repository / DATA / f"dummies{part}.csv", text)
     MARKED.write(options.repository, made)
 
 

@@ -9,7 +9,7 @@ from collections.abc import Iterable, Sequence
 
 import numpy as np
 
-from studies.paper_dummies.dummies import FORCES_N, HELD, REFERENCE, SITES, YOUNG_KPA, Dummy, Variant
+from studies.paper_dummies.dummies import FORCES_N, REFERENCE, SITES, Dummy, Variant
 from studies.paper_dummies.in_time import CENTRE, SOFT_EDGE, SPEEDS, STIFF_EDGE, Dummies, Judged
 from studies.paper_dummies.statements import ABOUT_5N, Statement, statements
 
@@ -23,6 +23,8 @@ ANSWERS = {True: "yes", False: "no", None: ""}
 SHARES = ("below_5N_fraction", "above_5N_fraction")
 Results = dict[Variant, Dummies]
 AllJudged = list[tuple[Statement, dict[Variant, Judged]]]
+Cells = tuple[Sequence[str], Sequence[Sequence[object]]]
+"""Head and rows of a table."""
 
 
 def judge_every(results: Results) -> AllJudged:
@@ -33,17 +35,23 @@ def judge_every(results: Results) -> AllJudged:
     ]
 
 
-def tables(results: Results, scan: Results) -> str:
-    """Return the tables of the page as Markdown."""
+def page_tables(results: Results) -> str:
+    """Return the tables of the page as Markdown: verdicts counted, and peaks."""
+    short = _table(("mm/s", "dummy", "wanted", "all variants"), [(*row[:3], row[4]) for row in peaks(results)[1]])
+    return f"{_table(*counts(judge_every(results)))}\nPeak over steady force at 10 N:\n\n{short}"
+
+
+def data_files(results: Results, scan: Results) -> dict[str, str]:
+    """Return every table as CSV, by the end of its file's name."""
     judged = judge_every(results)
-    parts = [
-        ("Statements", f"{by_dummy(judged)}\n{_counts(judged)}"),
-        ("How many statements hold at once", at_once(judged)),
-        ("Exponent of the steady curve", exponents(results, scan)),
-        ("Peak over steady force at 10 N", relaxation(results)),
-        ("The simulated dummies (glued, 25 kPa)", figures(results)),
-    ]
-    return "\n".join(f"### {title}\n\n{text}" for title, text in parts)
+    return {
+        "-verdicts": _csv(*by_dummy(judged)),
+        "-at-once": _csv(*at_once(judged)),
+        "-exponents": _csv(*exponents(results, scan)),
+        "-peaks": _csv(*peaks(results)),
+        "-statements": statements_text(judged),
+        "-figures": figures_text(results),
+    }
 
 
 def verdict(judged: dict[Variant, Judged]) -> str:
@@ -69,22 +77,24 @@ def _table(head: Sequence[object], rows: Iterable[Sequence[object]]) -> str:
     return "\n".join([_row(head), "|---" * len(head) + "|", *(_row(row) for row in rows)]) + "\n"
 
 
-def by_dummy(judged: AllJudged) -> str:
+def by_dummy(judged: AllJudged) -> Cells:
     """Verdict of each statement, dummies across."""
     cells: dict[tuple[str, str], dict[str, str]] = {}
     for statement, found in judged:
         cells.setdefault((statement.words, statement.basis), {})[statement.dummy] = SHORT[verdict(found)]
     rows = [(*key, *(own.get(name, "") for name in SITES)) for key, own in cells.items()]
-    return _table(("the paper's statement", "basis", *SITES), rows)
+    return ("statement", "basis", *SITES), rows
 
 
-def _counts(judged: AllJudged) -> str:
-    rows = []
+def counts(judged: AllJudged) -> Cells:
+    """Statements by basis and verdict."""
+    rows: list[Sequence[object]] = []
     for basis in ("input", "band", "free"):
         verdicts = [SHORT[verdict(found)] for statement, found in judged if statement.basis == basis]
         rows.append((basis, *(verdicts.count(kind) for kind in SHORT.values()), len(verdicts)))
-    rows.append(("all", *(sum(row[column] for row in rows) for column in range(1, len(SHORT) + 2))))
-    return _table(("basis", *SHORT.values(), "rows"), rows)
+    every = [SHORT[verdict(found)] for _, found in judged]
+    rows.append(("all", *(every.count(kind) for kind in SHORT.values()), len(every)))
+    return ("basis", *SHORT.values(), "all"), rows
 
 
 def statements_text(judged: AllJudged) -> str:
@@ -109,20 +119,13 @@ def _csv(head: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
     return stream.getvalue()
 
 
-def at_once(judged: AllJudged) -> str:
-    """How many statements each variant holds, modulus across."""
-    kinds = dict.fromkeys((variant.base, variant.stiffening) for variant in judged[0][1])
-    rows = [
-        (HELD[base], f"{c2:g}", *(_count(judged, Variant(base, young, c2)) for young in YOUNG_KPA))
-        for base, c2 in kinds
-    ]  # fmt: skip
-    return _table(("base", "c2/mu", *(f"{young:g} kPa" for young in YOUNG_KPA)), rows)
-
-
-def _count(judged: AllJudged, variant: Variant) -> str:
-    holds = [found[variant][0] for _, found in judged]
-    out = holds.count(None)
-    return f"{holds.count(True)}" + (f" of {len(holds) - out}" if out else "")
+def at_once(judged: AllJudged) -> Cells:
+    """How many statements each variant holds, of those that could be judged."""
+    rows: list[Sequence[object]] = []
+    for variant in judged[0][1]:
+        holds = [found[variant][0] for _, found in judged]
+        rows.append((*_named(variant), holds.count(True), len(holds) - holds.count(None)))
+    return ("base", "young_kPa", "yeoh_c2_over_mu", "true", "judged"), rows
 
 
 def needed_exponents(dummy: Dummy, name: str) -> tuple[float, float, float]:
@@ -151,11 +154,13 @@ def _span(values: Iterable[float], digits: int = 2) -> str:
     return low if low == high else f"{low} to {high}"
 
 
-def exponents(results: Results, scan: Results) -> str:
+def exponents(results: Results, scan: Results) -> Cells:
     """Exponent needed against the exponent of a slab, and moduli at which all steady statements of a dummy hold."""
     wanted = {name: [s for s in statements() if s.steady_curve and s.dummy == name] for name in SITES}
     needed = [needed_exponents(results[REFERENCE][name], name) for name in SITES]
-    rows = [("needed", "", *(f"{mean:.2f} ({low:.2f} to {high:.2f})" for mean, low, high in needed), "", "", "")]
+    rows: list[Sequence[object]] = [
+        ("needed", "", *(f"{mean:.2f} ({low:.2f} to {high:.2f})" for mean, low, high in needed), "", "", "")
+    ]
     for base, c2 in dict.fromkeys((variant.base, variant.stiffening) for variant in scan):
         own = {v.young_kPa: dummies for v, dummies in scan.items() if (v.base, v.stiffening) == (base, c2)}
         held = (
@@ -163,14 +168,14 @@ def exponents(results: Results, scan: Results) -> str:
             for name in SITES
         )
         spans = (_span(dummies[name].exponent() for dummies in own.values()) for name in SITES)
-        rows.append((HELD[base], f"{c2:g}", *spans, *(_span(found, 0) if found else "none" for found in held)))
-    head = ("base", "c2/mu", *(f"exponent {name}" for name in SITES), *(f"kPa, {name}" for name in SITES))
-    return _table(head, rows)
+        rows.append((base, f"{c2:g}", *spans, *(_span(found, 0) if found else "none" for found in held)))
+    columns = [f"{quantity}_{name}" for quantity in ("exponent", "young_kPa") for name in SITES]
+    return ("base", "yeoh_c2_over_mu", *columns), rows
 
 
-def relaxation(results: Results) -> str:
+def peaks(results: Results) -> Cells:
     """Peak over steady force at 10 N, wanted and simulated, and the largest ratio of II's single arms to another's."""
-    rows = []
+    rows: list[Sequence[object]] = []
     for speed in SPEEDS:
         for name in SITES:
             press = results[REFERENCE][name].presses[10.0, speed]
@@ -183,26 +188,13 @@ def relaxation(results: Results) -> str:
             arms = "" if name == "II" else f"{_largest_arm(results, speed, name):.2f}"
             spans = (f"{press.peak_N / 10:.2f}", _span(every))
             rows.append((f"{speed:g}", name, f"{wanted[0]:.2f} to {wanted[1]:.2f}", *spans, arms))
-    return _table(("mm/s", "dummy", "wanted", "glued, 25 kPa", "all variants", "II over this, one arm"), rows)
+    return ("velocity_mm_s", "dummy", "wanted", "bonded_25_kPa", "all_variants", "II_over_this_one_arm"), rows
 
 
 def _largest_arm(results: Results, speed: float, other: str) -> float:
     """What one arm adds to the peak of II over what it adds to another's: largest over arm times and variants."""
     pairs = [(dummies["II"].arm_weights, dummies[other].arm_weights) for dummies in results.values()]
     return max(float((own[speed] / others[speed]).max()) for own, others in pairs if own and others)
-
-
-def figures(results: Results) -> str:
-    """Reach, depths, shares of the steady curve inside the band and misfit of the reference."""
-    rows = [
-        (
-            name, f"{dummy.reach_N:.1f}", ", ".join(_cell(dummy.depth_at(force)) or "–" for force in FORCES_N),
-            *(_cell(dummy.steady_inside[part]) for part in SHARES), f"{dummy.rmse_N:.2f}",
-        )
-        for name, dummy in results[REFERENCE].items()
-    ]  # fmt: skip
-    head = ("dummy", "reach, N", "mm at 5, 10, 15 N", "inside, 0.5 to 5 N", "5 to 15 N", "rms misfit, N")
-    return _table(head, rows)
 
 
 def figures_text(results: Results) -> str:

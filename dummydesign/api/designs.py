@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING, Any
 
 from dummydesign.api.answers import Answer, Result, answer_folder, question
 from dummydesign.core.errors import InputError, NoAnswerError, out_of_range
-from dummydesign.core.options import read_options
 from dummydesign.core.parsing import MASS, ROBOT_VELOCITY, read_number
+from dummydesign.design.options import read_options
 
 if TYPE_CHECKING:
     from dummydesign.core.outputs import Output
@@ -277,8 +277,7 @@ def _written(
     people: tuple[Any, ...] = (),
 ) -> dict[str, Any]:  # fmt: skip
     """Write the report and the answer, and return the answer with all files."""
-    from dummydesign.design.plot_data import suggestion_curves
-    from dummydesign.design.press_pictures import press_pictures
+    from dummydesign.design.plot_data import press_pictures, suggestion_curves
     from dummydesign.report.suggest import write_suggestion
 
     curves = suggestion_curves(found)

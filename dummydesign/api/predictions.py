@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Any
 
 from dummydesign.api.answers import Result
 from dummydesign.core.errors import InputError
-from dummydesign.core.inches import SYSTEMS, check_units, twin_of
 from dummydesign.core.parsing import (
     DECELERATION,
     DEPTH,
@@ -19,13 +18,16 @@ from dummydesign.core.parsing import (
     HOLD,
     RATE,
     RATES_HZ,
+    SYSTEMS,
     THICKNESS,
     VELOCITY,
     YOUNG,
     YOUNG_KPA,
+    check_units,
     parts_of,
     read_allowed,
     read_number,
+    twin_of,
 )
 
 if TYPE_CHECKING:
@@ -381,11 +383,11 @@ def _add_fields(
     result["warnings"] += [{"code": "contact_pressure", "message": note} for note in notes]
     files: dict[str, Any] = {}
     if path:
-        from dummydesign.pad.fields.export import write_fields
+        from dummydesign.pad.fields.stress import write_fields
 
         files["fields"] = [str(file) for file in write_fields(fields, fspath(path))]
     if picture:
-        from dummydesign.pad.fields.export import write_picture
+        from dummydesign.pad.fields.stress import write_picture
         from dummydesign.pad.specimen import Pad
 
         assert isinstance(made, Pad)  # a puck was refused by the solve

@@ -144,7 +144,7 @@ def _work_out(
         return Rows(study, tuple(found["rows"]), found["seconds"], inputs, tuple(found["warnings"]), sources)
     from dummydesign.core.outputs import growing_folder
     from dummydesign.design.sweep.live_data import live_data
-    from dummydesign.design.sweep.rows_file import RowsFile, settings_of
+    from dummydesign.design.sweep.rows import RowsFile, settings_of
     from dummydesign.report.whatif import write_whatif
 
     settings = settings_of(study, resin, sites)

@@ -9,7 +9,7 @@ import numpy as np
 
 from dummydesign.core.serialise import to_plain
 from dummydesign.design.assessment.castings import GROUPS, TISSUE
-from dummydesign.design.scoring.deviations import TOLERANCE
+from dummydesign.design.scoring.score import TOLERANCE
 from dummydesign.design.scoring.targets import Targets
 from dummydesign.design.search.best_of_kinds import low_force
 from dummydesign.geometry.pad_shape import PadShape

@@ -20,8 +20,8 @@ from dummydesign.mold.checks.check import genera
 from dummydesign.mold.checks.process import check_process
 from dummydesign.mold.checks.solids import check_shape, check_solids
 from dummydesign.mold.files import picture as view
-from dummydesign.mold.files.drawings.export import to_dxf, to_pdf, to_svg
 from dummydesign.mold.files.drawings.parts import NO_PAPERS, DocumentInfo, part_views, sheets
+from dummydesign.mold.files.drawings.sheet import to_dxf, to_pdf, to_svg
 from dummydesign.mold.files.meshes import coloured_scene, tessellate, write_3mf, write_glb, write_stl
 from dummydesign.mold.files.picture import turned_over
 from dummydesign.mold.files.pour_sheet import pour_sheet, to_html, to_markdown

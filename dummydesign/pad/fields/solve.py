@@ -25,8 +25,14 @@ from dummydesign.pad.axisymmetric.case import (
     rimmed_problem,
 )
 from dummydesign.pad.axisymmetric.filleted import filleted_problem
-from dummydesign.pad.axisymmetric.friction import follow_rubbing, rubbing_problem
-from dummydesign.pad.axisymmetric.frictionless import COARSE, FINE, SlidingMesh, follow_sliding
+from dummydesign.pad.axisymmetric.friction import (
+    COARSE,
+    FINE,
+    SlidingMesh,
+    follow_rubbing,
+    follow_sliding,
+    rubbing_problem,
+)
 from dummydesign.pad.axisymmetric.profile_punch import CELLS as PROFILE_CELLS
 from dummydesign.pad.axisymmetric.profile_punch import edge_problem, load_steps, profile, profile_problem
 from dummydesign.pad.axisymmetric.self_contact import FoldWatch, RoundFace

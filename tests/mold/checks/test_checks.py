@@ -119,7 +119,7 @@ def test_lid_turned_round_collides(lidded_parts):
 
 
 def test_lid_with_symmetric_keys_fails_the_one_way_check(lidded_parts):
-    from dummydesign.mold.cad.lid import ball
+    from dummydesign.mold.cad.casting_box import ball
 
     land, keys = lidded_parts.plan.land_mm, lidded_parts.plan.keys[:2]
     places = [*keys, *(type(key)(-key.x_mm, -key.y_mm) for key in keys)]
@@ -222,10 +222,10 @@ def test_strike_off_leaves_the_pad_at_its_thickness(open_parts):
 
 
 def test_collar_is_built_for_degassing_in_the_mould(open_spec):
-    from dummydesign.mold.cad import aids
+    from dummydesign.mold.cad.build import collar
 
     spec = replace(open_spec, pour=replace(open_spec.pour, degas="mould"))
-    ring = aids.collar(spec, layout(spec))
+    ring = collar(spec, layout(spec))
     assert ring.isValid() and len(ring.Solids()) == 1
     assert ring.BoundingBox().zmax == pytest.approx(layout(spec).land_mm + 3 * layout(spec).depth_mm)
 

@@ -49,7 +49,7 @@ def test_drawings_dimension_the_curve_and_stay_on_paper(crowned, layered, boned)
 
 
 def test_section_across_a_ridge_shows_its_profile():
-    from dummydesign.mold.files.drawings import projection
+    from dummydesign.mold.files.drawings import parts as projection
 
     spec = shape_spec("crowned:10,2,0,1", 8.0)
     loops = projection.cut_at_x(cavity_solid(spec.pad)).loops

@@ -13,9 +13,8 @@ from dummydesign.pad.axisymmetric.friction import solve_under_fillet
 from dummydesign.pad.fem import mesh_axisymmetric as meshes
 from dummydesign.pad.fem.mixed_solid import Solid
 from dummydesign.pad.fields import solve as fields_solve
-from dummydesign.pad.fields.export import grid, write_fields
 from dummydesign.pad.fields.solve import has_fields, solve_fields
-from dummydesign.pad.fields.stress import cauchy, face_tractions, to_nodes
+from dummydesign.pad.fields.stress import cauchy, face_tractions, grid, to_nodes, write_fields
 from dummydesign.pad.material.hyperelastic import Yeoh
 from dummydesign.pad.specimen import Pad, Puck
 from tests.support.refusal import raises_code

@@ -1,4 +1,4 @@
-"""Completion of a command line in bash, zsh and fish: the words that may come next, from the commands' own parsers."""
+"""``dummydesign completion``: the words that may come next in bash, zsh and fish, from the commands' own parsers."""
 
 from __future__ import annotations
 

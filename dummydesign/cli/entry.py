@@ -1,4 +1,4 @@
-"""The command line: find the command, read its arguments, call one function, print what it returns."""
+"""The command line: find the command, read its arguments, call one function, print what it returns; its help."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Numbers, ranges and lists as they are typed, with units; checks of single numbers."""
+"""Numbers, ranges and lists as they are typed, with units; checks of single numbers; columns in inches."""
 
 from __future__ import annotations
 

@@ -1,4 +1,8 @@
-"""What a report draws of a suggestion: its curves, and how it reacts to what is not exact."""
+"""What a report draws of a suggestion: its curves, how it reacts to what is not exact, and inside of the pressed pad.
+
+The inside, deformed cross-sections with stress at the forces of the test and the contact pressure, is solved on coarse elements under the circle of the punch's area, static, at the depths of the design. The best slab
+is solved beside a shaped pad, so that peak and position of the pressure can be compared.
+"""
 
 from __future__ import annotations
 
@@ -277,7 +281,7 @@ def _pressed(answer: Suggestion, candidate: DesignCandidate, shape: PadShape) ->
 
 def _solved(pad: Pad, depth_mm: NDArray) -> dict[str, Any]:
     """States at rising depths as plain values."""
-    from dummydesign.pad.fields.solve import solve_fields
+    from dummydesign.pad.fields import solve_fields
 
     fields, _ = solve_fields(pad, np.maximum.accumulate(depth_mm).tolist(), coarse=True)
     return {"states": [

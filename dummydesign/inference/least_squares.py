@@ -1,4 +1,7 @@
-"""Least squares in a box: by a trust region from several starts, and by Marquardt's steps from one."""
+"""Least squares in a box; intervals by profile likelihood, and choice between nested models.
+
+By a trust region from several starts, or by Marquardt's steps from one.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,24 @@
-"""Predict the force of one pad: at static depths, or under a motion with relaxation."""
+"""Predict the force of one pad: at static depths, or under a motion with relaxation.
+
+The error of the quick prediction (elastic table convolved with Prony terms) was measured against finite strain:
+``python -m studies.tables.separability`` solves presses and holds at finite strain over depth, thickness
+and base and stores
+
+    rho = (F - F_quick) / (F_quick - F_elastic),
+
+the error as a share of the viscous part of the force. It is measured twice. For single arms, over the rise time in
+units of the arm's time: its value at the stop is what :func:`allowance` uses, arm by arm, as a part of the
+interval of every dynamic prediction (the stress of the arms adds, and the field of deformation hardly depends on
+them). And for whole sets of arms, the first that of the
+library's polyurethane, at 10, 50 and 250 mm/s, as a check that the sum holds.
+
+An arm much slower than the rise has rho near 0 (its stress is that of a jump, which is separable in a hold); one
+much faster has the largest, because the second Piola stress then lags by the current deformation and not by
+that of the past.
+
+Shaped pads were pressed too (part ``shapes``): what they do beyond a slab that is pressed as deep relative to its gel
+is added as a share by kind (:func:`shape_share`).
+"""
 
 from __future__ import annotations
 

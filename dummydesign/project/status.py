@@ -1,4 +1,4 @@
-"""Where a project stands: what lies in each folder, what was found, and the one thing to do next."""
+"""Where a project stands: what lies in each folder, the past answers, and the one thing to do next."""
 
 from __future__ import annotations
 

@@ -42,8 +42,7 @@ from dummydesign.design.scoring.verdict import (
     deviations_of,
     ranges_of,
 )
-from dummydesign.design.search.best_of_kinds import Chosen, ShapeComparison, compare_shape
-from dummydesign.design.search.shapes import mixable
+from dummydesign.design.search.best_of_kinds import Chosen, ShapeComparison, compare_shape, mixable
 from dummydesign.design.search.slabs import DesignCandidate, make_slabs, with_parameters
 
 if TYPE_CHECKING:

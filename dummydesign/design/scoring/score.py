@@ -1,9 +1,4 @@
-"""Scores of many designs at once: fraction in range the tissue's ranges, closeness to the aim, parameters.
-
-Every part lies between 0 and 1 and more is better; the total is their mean by the weights of the aim
-(:mod:`dummydesign.design.scoring.settings`), so it rises whenever a part rises and the others stay. A condition out of
-reach counts as 0, never as missing.
-"""
+"""Scores of many designs at once: how far from the subjects, closeness to the aim, parameters."""
 
 from __future__ import annotations
 

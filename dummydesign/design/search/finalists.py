@@ -15,8 +15,8 @@ from dummydesign.core.interpolation import monotone_cubic
 from dummydesign.design.request import Progress, quiet
 from dummydesign.design.scoring.score import deviations
 from dummydesign.design.scoring.verdict import NOT_ACCEPTABLE, ranges_of, readings_of, representative
+from dummydesign.design.search.best_of_kinds import Shaped
 from dummydesign.design.search.shape_family import FamilyLaw
-from dummydesign.design.search.shapes import Shaped
 from dummydesign.design.search.slabs import SearchSpace, search
 from dummydesign.geometry.dimensions import PAD_EXTENT_MM, PUNCH_RADIUS_MM
 from dummydesign.geometry.pad_shape import PadShape

@@ -1,4 +1,4 @@
-"""Rows of a what-if study: slabs, shaped pads and filleted punches, many at once."""
+"""Rows of a what-if study, many designs at once, and their file, to which they are appended so that it can go on."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""One file to its columns in s, mm and N."""
+"""One file, text or an Excel workbook, to its columns in s, mm and N."""
 
 from __future__ import annotations
 

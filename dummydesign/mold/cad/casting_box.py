@@ -1,17 +1,27 @@
-"""The box a silicone part is cast in: rigid master (complement of the part) and lift-off frame."""
+"""The box a silicone part is cast in, rigid master (complement of the part) and lift-off frame; the lid's too."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from dummydesign.mold.cad.kernel import cq
-from dummydesign.mold.cad.parts import Parts
 from dummydesign.mold.cad.solids import cylinders, drafted_prism, rough_bounds, single_solid
-from dummydesign.mold.model.layout import Funnel, Layout, Point, layout, recess_outline, sheet_outline, silicone_scale
-from dummydesign.mold.model.outline import Outline
+from dummydesign.mold.model.layout import (
+    Funnel,
+    Layout,
+    Outline,
+    Point,
+    layout,
+    recess_outline,
+    sheet_outline,
+    silicone_scale,
+)
 from dummydesign.mold.model.spec import MouldSpec
+
+if TYPE_CHECKING:
+    from dummydesign.mold.cad.build import Parts
 
 VOLUME_EPS_MM3 = 1e-3
 

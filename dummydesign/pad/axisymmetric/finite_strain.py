@@ -1,4 +1,4 @@
-"""How far a finite-strain viscoelastic pad departs from the quasi-linear prediction."""
+"""How far a finite-strain viscoelastic pad departs from the quasi-linear prediction, solved along its motion."""
 
 from __future__ import annotations
 

@@ -1,4 +1,7 @@
-"""A slab that rubs along a filleted punch; force by the condition at its face."""
+"""A slab that slides or rubs along a filleted punch; force by the condition at its face.
+
+Without friction the mesh moves with the fillet.
+"""
 
 from __future__ import annotations
 

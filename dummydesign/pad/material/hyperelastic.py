@@ -1,4 +1,4 @@
-"""Hyperelastic laws by one contract: neo-Hooke, Yeoh, Ogden."""
+"""Hyperelastic laws by one contract: neo-Hooke, Yeoh, Ogden; the determinant of the deformation gradient."""
 
 from __future__ import annotations
 

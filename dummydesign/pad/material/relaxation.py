@@ -1,4 +1,24 @@
-"""Prony relaxation on top of an elastic force (quasi-linear law), exact for piecewise-linear histories."""
+"""Prony relaxation: on top of an elastic force (quasi-linear, exact for piecewise-linear histories), and at finite strain.
+
+At finite strain a law remembers its history at each point. Form (Simo 1987 [1], isochoric part only): the long-term response is any hyperelastic law; each arm adds a
+second Piola stress Q_i, a linear convolution on the isochoric second Piola stress of that law,
+
+    S(t) = S_inf(C) + sum_i Q_i,   Q_i' + Q_i / tau_i = beta_i d/dt S_iso,   S_iso = 2 d W(J^(-2/3) C) / dC,
+
+with beta_i relative to the LONG-TERM modulus, as everywhere here. Over a step the isochoric stress is taken
+as linear in time, for which the update is exact (Taylor, Pister and Goudreau [2]):
+
+    Q_n+1 = exp(-x) Q_n + beta (1 - exp(-x)) / x (S_iso,n+1 - S_iso,n),   x = dt / tau.
+
+That makes a step a hyperelastic problem of the energy W(F) + b W(J^(-1/3) F) + 1/2 H : C with constant H
+and b, so the algorithmic tangent is exact and symmetric. That a gel follows this form and not another one
+(dashpots in the deformed state, for example) is an assumption of the model.
+
+References
+----------
+.. [1] J. C. Simo, Comput. Methods Appl. Mech. Eng. 60 (1987) 153, doi 10.1016/0045-7825(87)90107-1.
+.. [2] R. L. Taylor, K. S. Pister, G. L. Goudreau, Int. J. Numer. Meth. Eng. 2 (1970) 45.
+"""
 
 from __future__ import annotations
 

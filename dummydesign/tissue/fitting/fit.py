@@ -1,4 +1,7 @@
-"""Fit of the tissue law to traces: joint, per speed or per condition, with intervals and rivals compared."""
+"""Fit of the tissue law to traces: joint, per speed or per condition, with intervals and rivals compared.
+
+A press whose contact is not where the file has it gets an offset of its own, where that is to be proposed.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The fit of one set of parameters to traces: model, starts, noise, optimum."""
+"""The fit of one set of parameters to traces: model, starts, noise, optimum, residuals on the raw samples."""
 
 from __future__ import annotations
 

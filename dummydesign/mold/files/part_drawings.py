@@ -1,4 +1,4 @@
-"""The drawing of every part that is made: what is shown and what is measured. CAD child only."""
+"""The drawing of every part: what is shown, taken from the solids themselves, and what is measured. CAD child only."""
 
 from __future__ import annotations
 
@@ -7,11 +7,11 @@ from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Any
 
+from dummydesign.mold.cad.build import Parts
 from dummydesign.mold.cad.kernel import cq, occ
-from dummydesign.mold.cad.parts import Parts
 from dummydesign.mold.cad.solids import edges_of, height_range
-from dummydesign.mold.files.drawings.layout import LETTER, Measure, View, arrange, crown_detail
-from dummydesign.mold.files.drawings.sheet import Drawing, Title
+from dummydesign.mold.files.drawing_layout import LETTER, Measure, View, arrange, crown_detail
+from dummydesign.mold.files.drawing_sheet import Drawing, Title
 from dummydesign.mold.pour.steps import shape_mark
 
 CURVE_MM = 0.5

@@ -1,4 +1,4 @@
-"""A drawing in millimetres on paper: lines, texts, dimensions, hatching, title block."""
+"""A drawing in millimetres on paper: lines, texts, dimensions, hatching, title block; as DXF, SVG and PDF."""
 
 from __future__ import annotations
 

@@ -1,7 +1,8 @@
 """What a report draws of a suggestion: its curves, how it reacts to what is not exact, and inside of the pressed pad.
 
-The inside, deformed cross-sections with stress at the forces of the test and the contact pressure, is solved on coarse elements under the circle of the punch's area, static, at the depths of the design. The best slab
-is solved beside a shaped pad, so that peak and position of the pressure can be compared.
+The inside, deformed cross-sections with stress at the forces of the test and the contact pressure, is solved on
+coarse elements under the circle of the punch's area, static, at the depths of the design. The best slab is solved
+beside a shaped pad, so that peak and position of the pressure can be compared.
 """
 
 from __future__ import annotations

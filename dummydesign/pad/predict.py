@@ -16,8 +16,8 @@ An arm much slower than the rise has rho near 0 (its stress is that of a jump, w
 much faster has the largest, because the second Piola stress then lags by the current deformation and not by
 that of the past.
 
-Shaped pads were pressed too (part ``shapes``): what they do beyond a slab that is pressed as deep relative to its gel
-is added as a share by kind (:func:`shape_share`).
+Shaped pads were pressed too (part ``shapes``): what they do beyond a slab that is pressed as deep relative to its
+gel is added as a share by kind (:func:`shape_share`).
 """
 
 from __future__ import annotations

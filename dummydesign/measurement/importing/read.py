@@ -1,4 +1,4 @@
-"""Files to presses and traces: zero at contact, tared, compression positive; profiles that keep the choices for a machine."""
+"""Files to presses and traces: zero at contact, tared, compression positive; the profile of a machine."""
 
 from __future__ import annotations
 

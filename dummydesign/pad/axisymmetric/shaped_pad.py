@@ -7,11 +7,11 @@ it and the punch's edge later. The edge is a fillet of small radius, without a w
 A pad with a flat top has the sharp edge of a slab under its punch. Its force is the ratio to a homogeneous
 slab on the same cells with the same fillet, times the slab's own sharp-edge force (``axisymmetric``).
 
-A slab whose face or base slides: the ratio of its force to the glued slab's on one mesh, times the glued curve.
-An edge fillet of 0.1 lowers the force by a few per cent, in the glued and in the sliding slab alike: with friction
-their ratio changes by some tenths of a per cent when the fillet is halved, without by 0.2 to 2 %.
-So the ratio is solved with two fillets and extrapolated with the power of ``edge_extrapolation``, and the glued curve
-is the limit of ``sharp_edge``.
+A slab whose face or base slides: the ratio of its force to the glued slab's on one mesh, times the glued curve. An
+edge fillet of 0.1 lowers the force by a few per cent, in the glued and in the sliding slab alike: with friction
+their ratio changes by some tenths of a per cent when the fillet is halved, without by 0.2 to 2 %. So the ratio is
+solved with two fillets and extrapolated with the power of ``edge_extrapolation``, and the glued curve is the limit
+of ``sharp_edge``.
 """
 
 from __future__ import annotations

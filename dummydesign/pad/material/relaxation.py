@@ -1,7 +1,9 @@
-"""Prony relaxation: on top of an elastic force (quasi-linear, exact for piecewise-linear histories), and at finite strain.
+"""Prony relaxation: on top of an elastic force (quasi-linear, exact for piecewise-linear histories), and at finite
+strain.
 
-At finite strain a law remembers its history at each point. Form (Simo 1987 [1], isochoric part only): the long-term response is any hyperelastic law; each arm adds a
-second Piola stress Q_i, a linear convolution on the isochoric second Piola stress of that law,
+At finite strain a law remembers its history at each point. Form (Simo 1987 [1], isochoric part only): the long-term
+response is any hyperelastic law; each arm adds a second Piola stress Q_i, a linear convolution on the isochoric
+second Piola stress of that law,
 
     S(t) = S_inf(C) + sum_i Q_i,   Q_i' + Q_i / tau_i = beta_i d/dt S_iso,   S_iso = 2 d W(J^(-2/3) C) / dC,
 

@@ -1,17 +1,19 @@
 """Force of a pad of any shape under a flat punch, by finite elements in space.
 
-Also a field of caps under the 14 x 14 mm punch, what its table is made of. Lattice, punch and pad mirror in both axes and in the diagonal, so an eighth is solved; the pad is taken as a square of
-its width, far outside what the punch moves. Grid lines lie over the middles of the caps and half-way between them, so
-that every cap of every pitch is cut into cells alike and what cells change is smooth over a table.
+Also a field of caps under the 14 x 14 mm punch, what its table is made of. Lattice, punch and pad mirror in both
+axes and in the diagonal, so an eighth is solved; the pad is taken as a square of its width, far outside what the
+punch moves. Grid lines lie over the middles of the caps and half-way between them, so that every cap of every pitch
+is cut into cells alike and what cells change is smooth over a table.
 
-Whether the face has folded on to itself is asked as ``fold`` does of round pads. The face is a lattice of triangles through its nodes. It has met itself when an edge of one triangle pierces another,
-or when it has passed a plane of symmetry, where its mirror image stands. A face that starts without crossing itself
-cannot come to lie inside the gel, or inside another part of itself, without that. One of both must be free of the
-punch: a cell that is crumpled where it touches the punch's corner is a matter of the sharp edge.
+Whether the face has folded on to itself is asked as ``fold`` does of round pads. The face is a lattice of triangles
+through its nodes. It has met itself when an edge of one triangle pierces another, or when it has passed a plane of
+symmetry, where its mirror image stands. A face that starts without crossing itself cannot come to lie inside the
+gel, or inside another part of itself, without that. One of both must be free of the punch: a cell that is crumpled
+where it touches the punch's corner is a matter of the sharp edge.
 
-Most states are settled by less: seen from above a face that is nowhere turned over covers each place once and cannot
-cross itself. Where it is (a crown that bulges over its foot), every place that is covered more than once is covered by
-a triangle that is turned over too, so only those that stand over or under such ones are compared.
+Most states are settled by less: seen from above a face that is nowhere turned over covers each place once and
+cannot cross itself. Where it is (a crown that bulges over its foot), every place that is covered more than once is
+covered by a triangle that is turned over too, so only those that stand over or under such ones are compared.
 """
 
 from __future__ import annotations

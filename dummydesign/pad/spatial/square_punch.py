@@ -1,7 +1,8 @@
 """A rectangular punch on a slab in space, sharp or filleted, with its round twin.
 
-Its factor over the round twin is taken to the limit of small cells. Sharp edges with three corner cells carry it to where the corner cell folds; edges with a fillet of two radii carry
-it on. Both are fitted together: one parabola or cubic in depth, and what one unit of corner cell or fillet changes.
+Its factor over the round twin is taken to the limit of small cells. Sharp edges with three corner cells carry it to
+where the corner cell folds; edges with a fillet of two radii carry it on. Both are fitted together: one parabola or
+cubic in depth, and what one unit of corner cell or fillet changes.
 """
 
 from __future__ import annotations

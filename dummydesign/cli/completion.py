@@ -8,7 +8,6 @@ from collections.abc import Iterable, Sequence
 from typing import Any
 
 from dummydesign.cli.entry import COMMANDS, meanings_of, parser_of
-from dummydesign.core.library import entries
 
 WORDS = "DUMMYDESIGN_COMPLETE"
 """Environment variable with the words typed so far, by which a shell's script asks for the next one."""
@@ -89,6 +88,8 @@ def _actions_of(parser: argparse.ArgumentParser) -> dict[str, argparse.ArgumentP
 
 def _values(command: str, action: argparse.Action) -> list[str]:
     """What an option or argument may be: its choices, named files, and the words that its help explains."""
+    from dummydesign.core.library import entries
+
     if action.choices is not None:
         return [str(choice) for choice in action.choices]
     name = action.dest

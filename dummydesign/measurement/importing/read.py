@@ -366,32 +366,32 @@ def _digits(rows: NDArray) -> bytes:
     return text[text > 0].tobytes()
 
 
-KIND = "profiles"
+PROFILES = "profiles"
 """Folder of the profiles in the user's own one."""
 
 
 def list_profiles() -> list[Entry]:
     """The profiles that are known, by name."""
-    return [entry for _, entry in sorted(entries(KIND).items())]
+    return [entry for _, entry in sorted(entries(PROFILES).items())]
 
 
-_KEYS = {field.name for field in fields(Settings)}
-_PLAIN = Settings()
+_SETTINGS = {field.name for field in fields(Settings)}
+_NO_SETTINGS = Settings()
 
 
 def load_profile(name: str) -> Settings:
     """Read a profile by name, or from a file that ends in ``.toml``."""
-    return _read(find(KIND, "profile", name).path)
+    return _read_profile(find(PROFILES, "profile", name).path)
 
 
-def _read(path: Path) -> Settings:
+def _read_profile(path: Path) -> Settings:
     data, _ = read_toml(path)
     if data.pop("schema", 1) != 1:
         raise InputError(f"{path.name}: schema is not 1, the one that this version reads", "unsupported", "schema")
     values: dict[str, Any] = {}
     for key, value in data.items():
-        if key not in _KEYS:
-            raise unknown_name("key", key, _KEYS, "unknown_key", "profile").within(path.name)
+        if key not in _SETTINGS:
+            raise unknown_name("key", key, _SETTINGS, "unknown_key", "profile").within(path.name)
         if key in ("columns", "units"):
             valid, form = isinstance(value, dict) and not set(value) - set(ROLES), f"texts for {', '.join(ROLES)}"
         elif key == "skip":
@@ -432,27 +432,37 @@ def learned(given: Settings, found: Iterable[Imported]) -> Settings:
 
 
 def save_profile(name: str, settings: Settings, overwrite: bool = False) -> Path:
-    """Keep a profile in the user's folder."""
+    """Keep a profile in the user's folder.
+
+    Parameters
+    ----------
+    name : str
+        Name of the profile: letters, digits, '-', '_' and '.'.
+    settings : Settings
+        What was settled for the machine.
+    overwrite : bool
+        Replace a profile of this name that has other settings.
+    """
     if not re.fullmatch(r"[\w][\w .-]{0,60}", name) or name.lower().endswith(".toml"):
         message = f"--save-profile '{name}': a profile's name is made of letters, digits, '-', '_' and '.'"
         raise InputError(message, "bad_name", "save_profile", name)
-    path = user_folder() / KIND / f"{name}.toml"
-    if path.exists() and not overwrite and _read(path) != settings:
+    path = user_folder() / PROFILES / f"{name}.toml"
+    if path.exists() and not overwrite and _read_profile(path) != settings:
         message = f"--save-profile '{name}': exists already with other settings; add --replace to replace it"
         raise InputError(message, "file_exists", "save_profile", name)
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
     except OSError as problem:
         raise unwritable("folder", path.parent, problem, "folder") from None
-    return write_text(path, _toml(settings))
+    return write_text(path, _profile_text(settings))
 
 
-def _toml(settings: Settings) -> str:
+def _profile_text(settings: Settings) -> str:
     lines = ["schema = 1"]
     tables: list[str] = []
     for field in fields(Settings):
         value = getattr(settings, field.name)
-        if value is None or value == getattr(_PLAIN, field.name):
+        if value is None or value == getattr(_NO_SETTINGS, field.name):
             continue
         if isinstance(value, dict):
             tables += ["", f"[{field.name}]", *(f"{role} = {toml_text(text)}" for role, text in value.items())]

@@ -13,7 +13,8 @@ from dummydesign.pad.axisymmetric.case import Case
 from dummydesign.pad.axisymmetric.friction import solve_under_fillet
 from dummydesign.pad.fem import mesh_axisymmetric as meshes
 from dummydesign.pad.fem.mixed_solid import Solid
-from dummydesign.pad.fields import cauchy, face_tractions, grid, has_fields, solve_fields, to_nodes, write_fields
+from dummydesign.pad.field_files import grid, write_fields
+from dummydesign.pad.fields import cauchy, face_tractions, has_fields, solve_fields, to_nodes
 from dummydesign.pad.material.hyperelastic import Yeoh
 from dummydesign.pad.specimen import Pad, Puck
 from tests.support.refusal import raises_code

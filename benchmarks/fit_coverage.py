@@ -13,7 +13,7 @@ from dataclasses import replace
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from dummydesign.inference.likelihood import profile_interval
+from dummydesign.inference.least_squares import profile_interval
 from dummydesign.measurement.motion import contact_velocity
 from dummydesign.measurement.trace import Trace
 from dummydesign.tissue.fitting.problem import TissueProblem, largest_slow

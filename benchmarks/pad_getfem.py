@@ -27,7 +27,7 @@ import numpy as np
 
 from dummydesign.core.process import ONE_THREAD
 from dummydesign.geometry.shapes.crowned import Crowned
-from dummydesign.pad.fields.solve import solve_fields
+from dummydesign.pad.fields import solve_fields
 from dummydesign.pad.specimen import Pad
 
 Array = np.ndarray

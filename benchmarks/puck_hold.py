@@ -19,7 +19,7 @@ from dummydesign.pad.axisymmetric.puck import solve_puck
 from dummydesign.pad.material.hyperelastic import Ogden
 from dummydesign.pad.specimen import Puck
 from dummydesign.pad.tables.puck import table_for
-from dummydesign.resin.puck_test.reduction import reduce_press
+from dummydesign.resin.puck_test.loading_fit import reduce_press
 from dummydesign.resin.puck_test.relaxation_fit import fit_relaxation
 
 YOUNG_KPA = 30.0

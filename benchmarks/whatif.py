@@ -18,7 +18,7 @@ from pathlib import Path
 import numpy as np
 
 from dummydesign.design.sweep.live_data import live_data
-from dummydesign.design.sweep.rows_file import RowsFile, settings_of
+from dummydesign.design.sweep.rows import RowsFile, settings_of
 from dummydesign.design.sweep.run import open_executor, targets_of, tasks_of, whatif
 from dummydesign.design.sweep.spec import Study, parse_shapes
 from dummydesign.report.whatif import write_whatif

@@ -21,13 +21,12 @@ from numpy.typing import NDArray
 
 from dummydesign.core.errors import NoAnswerError
 from dummydesign.core.files import write_text
-from dummydesign.design.assessment.verification import CentringTolerance, centring_tolerance
 from dummydesign.design.request import RADIUS_MM, Request
 from dummydesign.design.scoring.presses import DEPTH_SHARE
 from dummydesign.design.scoring.targets import Targets
 from dummydesign.design.search.best_of_kinds import MISFIT_N, ShapeComparison, steady_force
 from dummydesign.design.suggest import suggest
-from dummydesign.design.suggestion import Suggestion
+from dummydesign.design.suggestion import CentringTolerance, Suggestion, centring_tolerance
 from dummydesign.geometry.dimensions import PUNCH_SIDE_MM
 from dummydesign.geometry.interface import CONDITIONS
 from dummydesign.geometry.shapes.slab import Slab

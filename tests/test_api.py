@@ -16,8 +16,7 @@ import dummydesign
 from dummydesign.cli.common_options import option_of
 from dummydesign.cli.entry import parser_of, run
 from dummydesign.core.errors import InputError, NoAnswerError
-from dummydesign.core.options import options_of
-from dummydesign.design.options import SuggestOptions
+from dummydesign.design.options import SuggestOptions, options_of
 from dummydesign.design.request import Request
 from dummydesign.measurement.motion import ramp_and_hold
 from dummydesign.tissue.model.laws import law_named

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from dummydesign.api.answers import Result, question
 from dummydesign.core.errors import InputError
-from dummydesign.core.inches import check_units
+from dummydesign.core.parsing import check_units
 from dummydesign.core.process import quiet
 
 if TYPE_CHECKING:

@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Any
 
 from dummydesign.api.answers import Result
 from dummydesign.core.errors import InputError
-from dummydesign.core.inches import SYSTEMS, check_units, twin_of
 from dummydesign.core.parsing import (
     DECELERATION,
     DEPTH,
@@ -19,13 +18,16 @@ from dummydesign.core.parsing import (
     HOLD,
     RATE,
     RATES_HZ,
+    SYSTEMS,
     THICKNESS,
     VELOCITY,
     YOUNG,
     YOUNG_KPA,
+    check_units,
     parts_of,
     read_allowed,
     read_number,
+    twin_of,
 )
 
 if TYPE_CHECKING:
@@ -376,7 +378,7 @@ def _add_fields(
     made: Pad | Puck, result: dict[str, Any], path: str | PathLike[str] | None, picture: str | PathLike[str] | None
 ) -> dict[str, Any]:
     """Put the contact pressures into the answer, and write fields and picture where requested."""
-    from dummydesign.pad.fields.solve import contact_pressures, has_fields, solve_fields
+    from dummydesign.pad.fields import contact_pressures, has_fields, solve_fields
 
     depths = [depth for depth in result["depth_mm"] if depth > 0.0]
     if not (path or picture):
@@ -390,11 +392,11 @@ def _add_fields(
     result["warnings"] += [{"code": "contact_pressure", "message": note} for note in notes]
     files: dict[str, Any] = {}
     if path:
-        from dummydesign.pad.fields.export import write_fields
+        from dummydesign.pad.field_files import write_fields
 
         files["fields"] = [str(file) for file in write_fields(fields, fspath(path))]
     if picture:
-        from dummydesign.pad.fields.export import write_picture
+        from dummydesign.pad.field_files import write_picture
         from dummydesign.pad.specimen import Pad
 
         assert isinstance(made, Pad)  # a puck was refused by the solve

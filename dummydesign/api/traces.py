@@ -322,9 +322,8 @@ def import_traces(
     InputError
         For files that cannot be read, and for what they leave open: then with the option that settles it.
     """
-    from dummydesign.measurement.importing.profiles import learned
-    from dummydesign.measurement.importing.profiles import save_profile as keep
-    from dummydesign.measurement.importing.read import describe, import_files, plan_traces, write_traces
+    from dummydesign.measurement.importing.read import describe, import_files, learned, plan_traces, write_traces
+    from dummydesign.measurement.importing.read import save_profile as keep
 
     given: dict[str, Any] = {"columns": columns, "units": units, "separator": separator, "decimal": decimal,
                              "encoding": encoding, "skip": skip, "tare": tare, "contact": contact, "split": split,
@@ -360,7 +359,7 @@ def _settings(profile: str | None, given: dict[str, Any]) -> Settings:
     from dataclasses import replace
 
     from dummydesign.measurement.importing.decisions import Settings
-    from dummydesign.measurement.importing.profiles import load_profile
+    from dummydesign.measurement.importing.read import load_profile
 
     base = load_profile(profile) if profile else Settings()
     for key in ("columns", "units"):

@@ -1,14 +1,13 @@
-"""Completion of a command line in bash, zsh and fish: the words that may come next, from the commands' own parsers."""
+"""``dummydesign completion``: the words that may come next in bash, zsh and fish, from the commands' own parsers."""
 
 from __future__ import annotations
 
 import argparse
 import re
 from collections.abc import Iterable, Sequence
+from typing import Any
 
-from dummydesign.cli.entry import COMMANDS, parser_of
-from dummydesign.cli.help import meanings_of
-from dummydesign.core.library import entries
+from dummydesign.cli.entry import COMMANDS, meanings_of, parser_of
 
 WORDS = "DUMMYDESIGN_COMPLETE"
 """Environment variable with the words typed so far, by which a shell's script asks for the next one."""
@@ -89,6 +88,8 @@ def _actions_of(parser: argparse.ArgumentParser) -> dict[str, argparse.ArgumentP
 
 def _values(command: str, action: argparse.Action) -> list[str]:
     """What an option or argument may be: its choices, named files, and the words that its help explains."""
+    from dummydesign.core.library import entries
+
     if action.choices is not None:
         return [str(choice) for choice in action.choices]
     name = action.dest
@@ -104,3 +105,26 @@ def _values(command: str, action: argparse.Action) -> list[str]:
 
 def _beginning(now: str, words: Iterable[str]) -> list[str]:
     return list(dict.fromkeys(word for word in words if word.startswith(now)))
+
+
+HELP = "Print the script that completes commands, options and names in bash, zsh or fish."
+SHELLS = ("bash", "zsh", "fish")
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the shell."""
+    parser.add_argument("shell", choices=SHELLS, metavar="|".join(SHELLS), help="which shell reads the script")
+
+
+def run(options: argparse.Namespace) -> dict[str, Any]:
+    """Return the script, or the next words when the script asks for them."""
+    import os
+
+    asked = os.environ.get(WORDS)
+    found = {"script": script_of(options.shell)} if asked is None else {"words": next_words(asked.split(BETWEEN))}
+    return {"inputs": {"shell": options.shell}, "warnings": [], "sources": [], **found}
+
+
+def render(result: dict[str, Any]) -> str:
+    """The script as it is, or a word a line."""
+    return "\n".join(result["words"]) if "words" in result else result["script"]

@@ -155,7 +155,7 @@ class PadEvaluator:
 
     def with_castings(self, pad: EvaluatedPad, shape: PadShape) -> Verdict:
         """Judge a pad with what its castings may turn out as; the same verdict as that of ``suggest``."""
-        from dummydesign.design.mould import tolerances_of
+        from dummydesign.design.suggestion import tolerances_of
         from dummydesign.design.test_setup import beyond_people
 
         inputs, space = self.inputs, self.inputs.space

@@ -10,23 +10,26 @@ import numpy as np
 from dummydesign.core.process import one_blas_thread
 from dummydesign.design.assessment.castings import PadCastings, pour_yield, verdict_of_design
 from dummydesign.design.assessment.choice import Expectation, by_expectation, explain, measure_first
-from dummydesign.design.assessment.verification import (
-    CentringTolerance,
-    Verification,
-    centring_tolerance,
-    not_verified,
-    of_shape,
-    verify_design,
-)
 from dummydesign.design.assessment.warnings import count_unmeasured, design_warnings
 from dummydesign.design.inputs import Inputs, resolve
-from dummydesign.design.mould import mould_of, recipe_and_batch, tolerances_of
 from dummydesign.design.request import Progress, Request, quiet
 from dummydesign.design.scoring.presses import make_curves
 from dummydesign.design.search.best_of_kinds import Chosen, SearchOutcome, best_of_kinds, choose, close_to
 from dummydesign.design.search.shape_family import FamilyLaw
 from dummydesign.design.search.slabs import DesignCandidate
-from dummydesign.design.suggestion import RecommendedDesign, Suggestion
+from dummydesign.design.suggestion import (
+    CentringTolerance,
+    RecommendedDesign,
+    Suggestion,
+    Verification,
+    centring_tolerance,
+    mould_of,
+    not_verified,
+    of_shape,
+    recipe_and_batch,
+    tolerances_of,
+    verify_design,
+)
 from dummydesign.design.test_setup import beyond_people, own_warnings, pad_of_request, refused_kinds, standard_press
 from dummydesign.geometry.pad_shape import PadShape
 from dummydesign.geometry.shapes.slab import Slab

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.core.errors import InputError
-from dummydesign.core.inches import columns_in
+from dummydesign.core.parsing import columns_in
 from dummydesign.measurement.importing.vocabulary import absent_roles, absent_words
 
 COLUMNS = ("time_s", "displacement_mm", "force_N")

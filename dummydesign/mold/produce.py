@@ -12,17 +12,16 @@ from typing import Any
 import numpy as np
 
 from dummydesign.core.process import write_progress
-from dummydesign.mold.cad.build import build
-from dummydesign.mold.cad.parts import Parts
+from dummydesign.mold.cad.build import Parts, build
 from dummydesign.mold.checks import files as check_files
 from dummydesign.mold.checks import release
 from dummydesign.mold.checks.check import genera
 from dummydesign.mold.checks.process import check_process
 from dummydesign.mold.checks.solids import check_shape, check_solids
 from dummydesign.mold.files import picture as view
-from dummydesign.mold.files.drawings.export import to_dxf, to_pdf, to_svg
-from dummydesign.mold.files.drawings.parts import NO_PAPERS, DocumentInfo, part_views, sheets
+from dummydesign.mold.files.drawing_sheet import to_dxf, to_pdf, to_svg
 from dummydesign.mold.files.meshes import coloured_scene, tessellate, write_3mf, write_glb, write_stl
+from dummydesign.mold.files.part_drawings import NO_PAPERS, DocumentInfo, part_views, sheets
 from dummydesign.mold.files.picture import turned_over
 from dummydesign.mold.files.pour_sheet import pour_sheet, to_html, to_markdown
 from dummydesign.mold.files.pour_sheet_pdf import Foot, sheet_pdf

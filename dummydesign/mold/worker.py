@@ -22,7 +22,7 @@ def run(spec_file: Path, folder: Path) -> dict[str, Any]:
     problem = cad_problem()
     if problem:
         return {"error": {"code": "cad_unavailable", "message": problem}}
-    from dummydesign.mold.files.drawings.parts import DocumentInfo
+    from dummydesign.mold.files.part_drawings import DocumentInfo
     from dummydesign.mold.model.spec import MouldSpec
     from dummydesign.mold.produce import produce
 

@@ -113,8 +113,7 @@ def _in_space(
 ) -> ForceCurve:
     """The axisymmetric curve of the circle of equal area, times the ratio solved in space on twin cells."""
     from dummydesign.pad.solve.continuation import add_costs
-    from dummydesign.pad.spatial.square_factor import FactorCurve, solve_factor
-    from dummydesign.pad.spatial.square_punch import Block
+    from dummydesign.pad.spatial.square_punch import Block, FactorCurve, solve_factor
 
     if pad.geometry != SLAB:
         return _shape_in_space(pad, deepest_mm, depths_mm, progress)
@@ -198,9 +197,8 @@ def solve_points(
         return solve_puck(pad, depth_mm, progress)
     from dummydesign.pad.axisymmetric.friction import solve_under_fillet
     from dummydesign.pad.axisymmetric.profile_punch import solve_profile
-    from dummydesign.pad.axisymmetric.shaped_pad import solve_shaped_pad
+    from dummydesign.pad.axisymmetric.shaped_pad import solve_flat, solve_shaped_pad
     from dummydesign.pad.axisymmetric.sharp_edge import solve_curve
-    from dummydesign.pad.axisymmetric.sliding_faces import solve_flat
 
     depths = {"extent": pad.extent_mm or PAD_EXTENT_MM, "depth": depth_mm}
     if pad.geometry != SLAB:

@@ -1,9 +1,11 @@
-"""Where a project stands: what lies in each folder, what was found, and the one thing to do next."""
+"""Where a project stands: what lies in each folder, the past answers, and the one thing to do next."""
 
 from __future__ import annotations
 
 import json
+import os
 import shlex
+from collections.abc import Iterator
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
@@ -172,3 +174,49 @@ def _plan(best: dict[str, Any], mould: str) -> str:
     if not {"ratio", "resin"} <= set(best):
         return "dummydesign campaign new campaigns/first --young KPA"
     return f"dummydesign campaign new campaigns/first --resin {_word(str(best['resin']))} --ratio {best['ratio']:g}"
+
+
+DEEPEST = 3
+"""Folders below the one named that are looked into."""
+
+
+@dataclass(frozen=True)
+class PastAnswer:
+    """One answer: its folder from the one named on, command, date and what its manifest sums up."""
+
+    folder: str
+    command: str
+    date: str
+    version: str
+    summary: dict[str, Any] | None
+
+
+def history_of(folder: Path) -> tuple[PastAnswer, ...]:
+    """List the answers in a folder and up to three folders below it, the newest first.
+
+    Raises
+    ------
+    InputError
+        When there is no such folder.
+    """
+    if not folder.is_dir():
+        message = f"folder '{folder}' does not exist; name one that holds answers"
+        raise InputError(message, "file_not_found", "folder", str(folder))
+    found = []
+    for path in _manifests(folder):
+        content = finished_manifest(path)
+        if content is not None:
+            place = path.parent if path.name == MANIFEST else path.with_name(path.name.removesuffix(f"-{MANIFEST}"))
+            summary = content.get("summary")
+            found.append(PastAnswer(
+                str(place.relative_to(folder)), str(content["command"]), str(content.get("date", "")),
+                str(content.get("version", "")), summary if isinstance(summary, dict) else None,
+            ))  # fmt: skip
+    return tuple(sorted(found, key=lambda one: one.date, reverse=True))
+
+
+def _manifests(folder: Path) -> Iterator[Path]:
+    for place, below, names in os.walk(folder):
+        deep = len(Path(place).relative_to(folder).parts)
+        below[:] = [] if deep >= DEEPEST else sorted(name for name in below if not name.startswith("."))
+        yield from (Path(place) / name for name in sorted(names) if name == MANIFEST or name.endswith(f"-{MANIFEST}"))

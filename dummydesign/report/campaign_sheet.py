@@ -6,7 +6,7 @@ from collections.abc import Iterable, Sequence
 from html import escape
 from itertools import groupby
 
-from dummydesign.core.inches import twin_of
+from dummydesign.core.parsing import twin_of
 from dummydesign.loop.planning import Expected
 from dummydesign.measurement.campaign_plan import FRESH_REST_S, Planned
 

@@ -14,7 +14,7 @@ from dummydesign.report.page import STYLES, Section, Table, log_start, table_of_
 from dummydesign.report.plot import Plot, press_plot
 from dummydesign.report.plot_layers import Band, Dots, Layer, Line
 from dummydesign.tissue.fitting.fit import TissueFit, subject_from_fit
-from dummydesign.tissue.fitting.residuals import residual_plot, residual_table
+from dummydesign.tissue.fitting.problem import residual_plot, residual_table
 from dummydesign.tissue.model.laws import law_named
 from dummydesign.tissue.model.tissue import Tissue
 from dummydesign.tissue.model.tissue_file import tissue_toml
@@ -67,7 +67,7 @@ def write_fit_report(folder: Path, stem: str, fit: TissueFit, sources: Sequence[
 
 def _series(fit: TissueFit) -> Iterable[tuple[ReducedTrace, np.ndarray, np.ndarray, np.ndarray]]:
     """Each trace with its fitted force in bins, and the fitted curve at its nodes with times since contact."""
-    from dummydesign.tissue.fitting.residuals import fitted_force
+    from dummydesign.tissue.fitting.problem import fitted_force
 
     for problem, optimum in fit.problems:
         binned = problem.predict(optimum.solution.parameters, optimum.arms)[0]

@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from dummydesign.design.options import base_words
-from dummydesign.design.plot_data import THICKNESS_GRID_MM, SuggestionCurves
-from dummydesign.design.press_pictures import PressPictures
+from dummydesign.design.plot_data import THICKNESS_GRID_MM, PressPictures, SuggestionCurves
 from dummydesign.design.safety_view import SafetyView
 from dummydesign.geometry.punch import read_punch
 from dummydesign.mold.files.solid_view import box, read_stl, view_script

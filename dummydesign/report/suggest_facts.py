@@ -8,8 +8,7 @@ from __future__ import annotations
 from dataclasses import fields
 from typing import Any
 
-from dummydesign.core.options import command_words
-from dummydesign.design.options import SuggestOptions, base_words
+from dummydesign.design.options import SuggestOptions, base_words, command_words
 
 MOST_NOTES = 4
 NOTES = {

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from dummydesign.design.press_pictures import ABOVE_MM, PressedPad, PressPictures
+from dummydesign.design.plot_data import ABOVE_MM, PressedPad, PressPictures
 from dummydesign.design.safety_view import SafetyView
 from dummydesign.report.page import Section, Table
 from dummydesign.report.plot import Plot

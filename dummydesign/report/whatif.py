@@ -11,8 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from dummydesign.core.options import command_words
-from dummydesign.design.options import SuggestOptions
+from dummydesign.design.options import SuggestOptions, command_words
 from dummydesign.report.front_page import FOOT, Fact, FrontPage, Grid, Panel, sentence, warning_texts
 from dummydesign.report.page import STYLES, Section, Table, script_json, write_report
 from dummydesign.report.plot import Plot

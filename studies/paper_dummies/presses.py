@@ -147,9 +147,8 @@ def fit_presses(presses: dict[tuple[float, float], PressFigures], law: str) -> t
     Parameters, float
         Parameters, and rms residual of the binned traces [N].
     """
-    from dummydesign.tissue.fitting.problem import TissueProblem
+    from dummydesign.tissue.fitting.problem import TissueProblem, trace_residuals
     from dummydesign.tissue.fitting.reduction import reduce_trace, speed_groups
-    from dummydesign.tissue.fitting.residuals import trace_residuals
     from dummydesign.tissue.model.parameters import Parameters
 
     groups = speed_groups([reduce_trace(press.trace) for press in presses.values()])

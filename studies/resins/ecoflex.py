@@ -23,7 +23,7 @@ import numpy as np
 from dummydesign.core.errors import InputError
 from dummydesign.core.files import write_text
 from dummydesign.core.library import data_folder
-from dummydesign.inference.likelihood import CHI_SQUARE_95
+from dummydesign.inference.least_squares import CHI_SQUARE_95
 from dummydesign.pad.tables.puck import DIAMETER_MM, HEIGHT_MM, load_puck_table
 from dummydesign.resin.puck_test.loading_fit import LoadingCurve, PuckFit, fit_pucks
 

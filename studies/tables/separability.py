@@ -1,6 +1,6 @@
 """Measure the error of the quick prediction: ``python -m studies.tables.separability [--part NAME]``.
 
-What is measured and what for stands in :mod:`dummydesign.pad.tables.quasi_linear_error`, which reads the result.
+What is measured and what for stands in :mod:`dummydesign.pad.predict`, which reads the result.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from dummydesign.measurement.motion import DECELERATION_MM_S2, ramp_and_hold
 from dummydesign.pad.axisymmetric.case import Case
 from dummydesign.pad.axisymmetric.finite_strain import SLAB_RIMS, nodes_of_motion, solve_ratio
 from dummydesign.pad.material.relaxation import PronyTerm
-from dummydesign.pad.tables.quasi_linear_error import COMMAND
+from dummydesign.pad.predict import COMMAND
 from studies.tables.common import Build
 from studies.tables.separability_shapes import SPEEDS_MM_S, build_shapes
 

@@ -14,7 +14,7 @@ from dummydesign.measurement.motion import ramp_and_hold
 from dummydesign.pad.axisymmetric.case import Case
 from dummydesign.pad.axisymmetric.finite_strain import CELLS, nodes_of_motion, solve_ratio
 from dummydesign.pad.material.relaxation import PronyTerm
-from dummydesign.pad.tables.quasi_linear_error import most_viscous, over_gel, slab_allowance
+from dummydesign.pad.predict import most_viscous, over_gel, slab_allowance
 from studies.tables.designs import designs
 
 KINDS = ("crowned", "layered", "boned")

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from dummydesign.pad.spatial.square_factor import CORRECTION_ERROR, MESH_ERROR, RIMMED_ERROR
+from dummydesign.pad.spatial.square_punch import CORRECTION_ERROR, MESH_ERROR, RIMMED_ERROR
 from studies.tables.slab import RATIO_RANGE
 
 Array = np.ndarray

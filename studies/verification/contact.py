@@ -9,7 +9,7 @@ import numpy as np
 from dummydesign.geometry.shapes.crowned import Crowned
 from dummydesign.pad.axisymmetric.friction import solve_under_fillet
 from dummydesign.pad.elastic_force import solve_points
-from dummydesign.pad.fields.solve import solve_fields
+from dummydesign.pad.fields import solve_fields
 from dummydesign.pad.specimen import Pad
 from studies.verification.check import Check
 from studies.verification.edges import PRESSURE

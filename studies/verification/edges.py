@@ -12,7 +12,7 @@ from dummydesign.pad.axisymmetric.case import Case, first_stiffness
 from dummydesign.pad.axisymmetric.filleted import filleted_problem
 from dummydesign.pad.axisymmetric.friction import solve_under_fillet
 from dummydesign.pad.axisymmetric.shaped_pad import solve_shaped_pad
-from dummydesign.pad.fields.solve import solve_fields
+from dummydesign.pad.fields import solve_fields
 from dummydesign.pad.solve.continuation import follow
 from dummydesign.pad.specimen import Pad
 from dummydesign.pad.tables.slab import load_table

@@ -9,16 +9,15 @@ import numpy as np
 
 from dummydesign.geometry.dimensions import PUNCH_RADIUS_MM
 from dummydesign.pad.axisymmetric.case import Case, first_stiffness, rimmed_problem
+from dummydesign.pad.axisymmetric.finite_strain import follow_motion
 from dummydesign.pad.axisymmetric.puck import UnitPuck, compress, puck_problem
 from dummydesign.pad.axisymmetric.sharp_edge import solve_curve
 from dummydesign.pad.fem import mesh_axisymmetric as meshes
 from dummydesign.pad.fem.mesh_axisymmetric import Resolution
 from dummydesign.pad.fem.mixed_solid import Solid
 from dummydesign.pad.material.hyperelastic import HyperelasticLaw, Ogden, Yeoh, neo_hookean
-from dummydesign.pad.material.relaxation import PronyTerm, relaxed_force
-from dummydesign.pad.material.viscoelastic import Viscoelastic
+from dummydesign.pad.material.relaxation import PronyTerm, Viscoelastic, relaxed_force
 from dummydesign.pad.solve.continuation import follow
-from dummydesign.pad.solve.motion_path import follow_motion
 from dummydesign.pad.solve.sparse import Pattern
 from dummydesign.pad.specimen import Pad
 from studies.verification import contact, edges

@@ -12,8 +12,7 @@ import time
 import pytest
 
 from dummydesign import cli
-from dummydesign.cli.entry import parser_of
-from dummydesign.cli.help import help_texts, meanings_of
+from dummydesign.cli.entry import help_texts, meanings_of, parser_of
 from dummydesign.cli.progress import Count, Steps, Watch, loudness
 from dummydesign.core.process import VARIABLE, write_progress
 

@@ -10,7 +10,7 @@ from dummydesign.cli.entry import COMMANDS, module_of
 
 def test_every_module_of_the_folder_is_a_command():
     found = {module.name for module in pkgutil.iter_modules(commands.__path__)}
-    named = {module_of(command).__name__ for command in COMMANDS} - {"dummydesign.cli.completion_command"}
+    named = {module_of(command).__name__ for command in COMMANDS} - {"dummydesign.cli.completion"}
     assert {f"{commands.__name__}.{name}" for name in found} == named
 
 

@@ -9,7 +9,7 @@ import pytest
 
 from dummydesign import predict
 from dummydesign.api.campaigns import plan_campaign
-from dummydesign.core.inches import twin_of
+from dummydesign.core.parsing import twin_of
 from dummydesign.measurement.campaign_plan import PlanSettings
 from dummydesign.measurement.motion import read_motion
 from dummydesign.measurement.trace import read_trace

@@ -7,8 +7,8 @@ import json
 import pytest
 
 from dummydesign.core import library as json_table
+from dummydesign.pad import predict as separability
 from dummydesign.pad.tables import filleted, puck, shape, slab, square
-from dummydesign.pad.tables import quasi_linear_error as separability
 from dummydesign.pad.tables import slab as compressibility
 from tests.support.refusal import raises_code
 

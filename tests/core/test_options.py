@@ -8,9 +8,8 @@ from functools import partial
 
 import pytest
 
-from dummydesign.core.options import add_options, command_words, option, read_options
 from dummydesign.core.parsing import HOLD, VELOCITY, parse_limits, read_number, read_numbers
-from dummydesign.design.options import SuggestOptions
+from dummydesign.design.options import SuggestOptions, add_options, command_words, option, read_options
 from dummydesign.design.request import Request
 from tests.support.refusal import raises_code
 

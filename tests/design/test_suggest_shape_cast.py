@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from dummydesign.design.plot_data import reactions, suggestion_curves
-from dummydesign.design.press_pictures import press_pictures
+from dummydesign.design.plot_data import press_pictures, reactions, suggestion_curves
 from dummydesign.design.request import RADIUS_MM, Request
 from dummydesign.design.safety_view import safety_view
 from dummydesign.design.search.shape_family import FamilyLaw

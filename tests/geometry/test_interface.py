@@ -9,7 +9,7 @@ import pytest
 from dummydesign.design.sweep.spec import check_friction
 from dummydesign.geometry.interface import BASES, CONDITIONS, Interface
 from dummydesign.pad.axisymmetric.puck import UnitPuck
-from dummydesign.pad.axisymmetric.sliding_faces import solve_flat
+from dummydesign.pad.axisymmetric.shaped_pad import solve_flat
 from dummydesign.pad.specimen import Pad
 from tests.support.refusal import raises_code
 

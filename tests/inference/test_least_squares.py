@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from dummydesign.inference.least_squares import Solution, solve, solve_by_differences, solve_marquardt
-from dummydesign.inference.likelihood import profile_interval
+from dummydesign.inference.least_squares import Solution, profile_interval, solve, solve_by_differences, solve_marquardt
 
 WIDE = np.full(2, 50.0)
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from dummydesign.inference.likelihood import CHI_SQUARE_95, PARSIMONY, aicc, simplest, within
+from dummydesign.inference.least_squares import CHI_SQUARE_95, PARSIMONY, aicc, simplest, within
 
 
 def test_the_correction_vanishes_for_many_numbers_and_punishes_few():

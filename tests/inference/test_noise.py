@@ -19,7 +19,7 @@ from dummydesign.inference.noise import (
     whitener,
 )
 from dummydesign.measurement.landmarks import Hold
-from dummydesign.resin.puck_test.reduction import PuckNoise, covariance, estimate
+from dummydesign.resin.puck_test.loading_fit import PuckNoise, covariance, estimate
 from dummydesign.tissue.fitting.problem import LARGEST_POSITION_MM, estimate_noise
 
 

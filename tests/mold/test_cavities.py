@@ -13,7 +13,7 @@ from dummydesign.mold.checks import solids as check
 from dummydesign.mold.checks.check import genera
 from dummydesign.mold.checks.process import check_process
 from dummydesign.mold.files import meshes as mesh
-from dummydesign.mold.files.drawings.parts import part_views
+from dummydesign.mold.files.part_drawings import part_views
 from dummydesign.mold.files.pour_sheet import pour_sheet, to_markdown
 from dummydesign.mold.model.layout import best_grid, layout, mould_volume_mm3
 from dummydesign.mold.model.preset import mould_spec

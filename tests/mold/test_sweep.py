@@ -9,8 +9,8 @@ import pytest
 from dummydesign.mold.checks import solids as check
 from dummydesign.mold.checks.files import volumes_by_gmsh
 from dummydesign.mold.checks.solids import check_shape
-from dummydesign.mold.files.drawings.parts import DocumentInfo, part_views, sheets
-from dummydesign.mold.files.drawings.sheet import TEXT_MM
+from dummydesign.mold.files.drawing_sheet import TEXT_MM
+from dummydesign.mold.files.part_drawings import DocumentInfo, part_views, sheets
 from dummydesign.mold.files.step import step_text
 from dummydesign.mold.pour.plan import pour_plan
 from dummydesign.mold.pour.steps import order_faults, pour_steps

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 
 from dummydesign.cli import run
-from dummydesign.project.history import history_of
+from dummydesign.project.status import history_of
 
 
 def answer(folder, command, date, **more):

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from dummydesign.design.scoring.deviations import CLASSES, Ranges, Readings, classes, deviations
+from dummydesign.design.scoring.score import CLASSES, Ranges, Readings, classes, deviations
 from dummydesign.design.scoring.settings import verdict_limits
 from dummydesign.design.scoring.verdict import outside, reads_of, representative
 

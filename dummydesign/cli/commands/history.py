@@ -20,7 +20,7 @@ def run(options: argparse.Namespace) -> dict[str, Any]:
     from dataclasses import asdict
     from pathlib import Path
 
-    from dummydesign.project.history import history_of
+    from dummydesign.project.status import history_of
 
     rows = [asdict(one) for one in history_of(Path(options.folder))]
     return {"inputs": {"folder": options.folder}, "warnings": [], "sources": [], "answers": rows}

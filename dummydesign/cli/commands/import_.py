@@ -39,7 +39,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> dict[str, Any]:
     """Read, decide, write traces and preview; or list the profiles."""
     if options.list:
-        from dummydesign.measurement.importing.profiles import list_profiles
+        from dummydesign.measurement.importing.read import list_profiles
 
         rows = [{"name": one.name, "origin": one.origin, "path": str(one.path)} for one in list_profiles()]
         return {"inputs": {"list": True}, "profiles": rows}

@@ -17,8 +17,7 @@ OWN_TEST = ("punch", "edge_radius_mm", "condition", "force_N", "velocity_mm_s", 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add what can be asked."""
-    from dummydesign.core.options import add_options
-    from dummydesign.design.options import SuggestOptions
+    from dummydesign.design.options import SuggestOptions, add_options
 
     add = parser.add_argument
     add_options(parser, SuggestOptions, ("tissue", "aim", "resin", "thickness_mm", "ratio", "calibration"))

@@ -44,7 +44,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> dict[str, Any]:
     """Work out the study, write rows and report, and return the rows."""
-    from dummydesign.api.sweeps import whatif
+    from dummydesign.api.designs import whatif
 
     count = Count("designs")
     try:

@@ -22,10 +22,18 @@ from dummydesign.design.assessment.castings import (
     Pours,
     Tolerances,
 )
-from dummydesign.design.scoring.deviations import CLASSES, STANDS_FOR, USABLE, classes
 from dummydesign.design.scoring.law_parameters import gamma1_score, rough_parametric
 from dummydesign.design.scoring.presses import make_curves
-from dummydesign.design.scoring.score import Evaluation, evaluate, evaluated_gamma1, scored_for
+from dummydesign.design.scoring.score import (
+    CLASSES,
+    STANDS_FOR,
+    USABLE,
+    Evaluation,
+    classes,
+    evaluate,
+    evaluated_gamma1,
+    scored_for,
+)
 from dummydesign.design.scoring.verdict import (
     ACCEPTABLE,
     BORDERLINE,
@@ -34,8 +42,7 @@ from dummydesign.design.scoring.verdict import (
     deviations_of,
     ranges_of,
 )
-from dummydesign.design.search.best_of_kinds import Chosen, ShapeComparison, compare_shape
-from dummydesign.design.search.shapes import mixable
+from dummydesign.design.search.best_of_kinds import Chosen, ShapeComparison, compare_shape, mixable
 from dummydesign.design.search.slabs import DesignCandidate, make_slabs, with_parameters
 
 if TYPE_CHECKING:

@@ -10,9 +10,9 @@ from dummydesign.tissue.model.laws import law_named
 
 if TYPE_CHECKING:
     from dummydesign.design.assessment.castings import PourYield
-    from dummydesign.design.assessment.verification import CentringTolerance, Verification
     from dummydesign.design.search.best_of_kinds import Chosen
     from dummydesign.design.search.slabs import DesignCandidate, SearchSpace
+    from dummydesign.design.suggestion import CentringTolerance, Verification
     from dummydesign.resin.model.resin import Resin
     from dummydesign.tissue.model.tissue import Tissue
 

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.core.serialise import Serialised
-from dummydesign.design.scoring.deviations import (
+from dummydesign.design.scoring.score import (
     CLASSES,
     ENERGY,
     OUT_OF_REACH,
@@ -21,13 +21,13 @@ from dummydesign.design.scoring.deviations import (
     STEADY,
     USABLE,
     Deviations,
+    Evaluation,
     Ranges,
     Readings,
     classes,
     deviations,
     tolerance_of,
 )
-from dummydesign.design.scoring.score import Evaluation
 from dummydesign.design.scoring.settings import VerdictLimits, verdict_limits
 from dummydesign.design.scoring.targets import Targets
 

@@ -13,10 +13,10 @@ from dummydesign.core.cache import cached
 from dummydesign.core.errors import NoAnswerError
 from dummydesign.core.interpolation import monotone_cubic
 from dummydesign.design.request import Progress, quiet
-from dummydesign.design.scoring.deviations import deviations
+from dummydesign.design.scoring.score import deviations
 from dummydesign.design.scoring.verdict import NOT_ACCEPTABLE, ranges_of, readings_of, representative
+from dummydesign.design.search.best_of_kinds import Shaped
 from dummydesign.design.search.shape_family import FamilyLaw
-from dummydesign.design.search.shapes import Shaped
 from dummydesign.design.search.slabs import SearchSpace, search
 from dummydesign.geometry.dimensions import PAD_EXTENT_MM, PUNCH_RADIUS_MM
 from dummydesign.geometry.pad_shape import PadShape
@@ -143,8 +143,7 @@ def _solve_round(shaped: Shaped, space: SearchSpace, solved: PathCache | None) -
 def _solve_field(shape: PadShape, thickness_mm: float, depth_mm: NDArray) -> dict[str, Any]:
     """In space under the 14 x 14 mm punch; with a table, on its grid, whose stated error of the solves it has."""
     from dummydesign.geometry.shapes.bumped import Bumped
-    from dummydesign.pad.spatial.caps_under_square import COARSE, HALF_SIDE_MM, press_field
-    from dummydesign.pad.spatial.shaped_pad import solve_shaped_block
+    from dummydesign.pad.spatial.shaped_pad import COARSE, HALF_SIDE_MM, press_field, solve_shaped_block
     from dummydesign.pad.tables.shape import load_shape_table
 
     if not shape.tabulated:

@@ -21,7 +21,7 @@ from dummydesign.pad.force_law import ForceLaw
 
 if TYPE_CHECKING:
     from dummydesign.design.scoring.targets import Targets
-    from dummydesign.design.sweep.rows_file import RowsFile
+    from dummydesign.design.sweep.rows import RowsFile
     from dummydesign.resin.model.resin import Resin
 
 
@@ -119,7 +119,7 @@ def whatif(
     if progress is not None:
         results = _counted(results, study.size, len(set(done) & set(study.keys())), progress)
     if file is None:
-        from dummydesign.design.sweep.rows_file import key_of
+        from dummydesign.design.sweep.rows import key_of
 
         for rows in results:
             found.update((key_of(row), row) for row in rows)

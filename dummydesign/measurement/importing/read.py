@@ -1,10 +1,10 @@
-"""Files to presses and traces: zero at contact, tared, compression positive."""
+"""Files to presses and traces: zero at contact, tared, compression positive; the profile of a machine."""
 
 from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -12,14 +12,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from dummydesign.core.errors import InputError
-from dummydesign.core.files import write_bytes
+from dummydesign.core.errors import InputError, unknown_name
+from dummydesign.core.files import unwritable, write_bytes, write_text
+from dummydesign.core.library import Entry, entries, find, read_toml, toml_text, user_folder
 from dummydesign.measurement.importing import contact as contact_zero
 from dummydesign.measurement.importing.decisions import Decision, ImportLog, NoTableError, Settings
 from dummydesign.measurement.importing.press_checks import check_press, fingerprint
 from dummydesign.measurement.importing.signs import HIGH, Span, find_presses, find_signs
 from dummydesign.measurement.importing.table import Columns, read_columns
-from dummydesign.measurement.importing.vocabulary import BASE, USUAL_UNITS, scaled_unit
+from dummydesign.measurement.importing.vocabulary import BASE, ROLES, USUAL_UNITS, scaled_unit
 from dummydesign.measurement.landmarks import SHALLOWEST_MM, Summary, summarise
 from dummydesign.measurement.trace import COLUMNS, SECONDS, magnitude_fault
 
@@ -363,3 +364,110 @@ def _digits(rows: NDArray) -> bytes:
     text[..., -1] = ord(",")
     text[:, -1, -1] = ord("\n")
     return text[text > 0].tobytes()
+
+
+PROFILES = "profiles"
+"""Folder of the profiles in the user's own one."""
+
+
+def list_profiles() -> list[Entry]:
+    """The profiles that are known, by name."""
+    return [entry for _, entry in sorted(entries(PROFILES).items())]
+
+
+_SETTINGS = {field.name for field in fields(Settings)}
+_NO_SETTINGS = Settings()
+
+
+def load_profile(name: str) -> Settings:
+    """Read a profile by name, or from a file that ends in ``.toml``."""
+    return _read_profile(find(PROFILES, "profile", name).path)
+
+
+def _read_profile(path: Path) -> Settings:
+    data, _ = read_toml(path)
+    if data.pop("schema", 1) != 1:
+        raise InputError(f"{path.name}: schema is not 1, the one that this version reads", "unsupported", "schema")
+    values: dict[str, Any] = {}
+    for key, value in data.items():
+        if key not in _SETTINGS:
+            raise unknown_name("key", key, _SETTINGS, "unknown_key", "profile").within(path.name)
+        if key in ("columns", "units"):
+            valid, form = isinstance(value, dict) and not set(value) - set(ROLES), f"texts for {', '.join(ROLES)}"
+        elif key == "skip":
+            valid, form = type(value) is int and value >= 0, "a whole number from 0"
+        elif key == "flip":
+            valid = isinstance(value, list) and not set(map(str, value)) - {"displacement", "force"}
+            form = "a list of 'displacement' and 'force', which may be empty"
+        else:
+            valid, form = isinstance(value, str), "a text in quotes"
+        if not valid:
+            code = "out_of_range" if key == "skip" else "malformed"
+            raise InputError(f"{path.name}: {key} = {value!r} must be {form}", code, key, value)
+        values[key] = frozenset(value) if key == "flip" else value
+        if isinstance(value, dict):
+            values[key] = {role: str(text) for role, text in value.items()}
+    return Settings(**values)
+
+
+def learned(given: Settings, found: Iterable[Imported]) -> Settings:
+    """What to keep for the next time: what the user gave, and the columns and signs of text that all files share."""
+    layouts = [one.columns for one in found]
+
+    def common(values: list[str]) -> str | None:
+        return values[0] if values and len(set(values)) == 1 and values[0] else None
+
+    columns = dict(given.columns)
+    for role in ROLES:
+        title = common([one.chosen[role].title for one in layouts])
+        # Units are not kept: a file states its own, and one that does not was read with those that were given.
+        if role not in columns and title and all(list(one.layout.names).count(title) == 1 for one in layouts):
+            columns[role] = title
+    return replace(
+        given,
+        columns=columns,
+        separator=given.separator or common([one.layout.separator for one in layouts]),
+        decimal=given.decimal or common([one.layout.decimal for one in layouts]),
+    )
+
+
+def save_profile(name: str, settings: Settings, overwrite: bool = False) -> Path:
+    """Keep a profile in the user's folder.
+
+    Parameters
+    ----------
+    name : str
+        Name of the profile: letters, digits, '-', '_' and '.'.
+    settings : Settings
+        What was settled for the machine.
+    overwrite : bool
+        Replace a profile of this name that has other settings.
+    """
+    if not re.fullmatch(r"[\w][\w .-]{0,60}", name) or name.lower().endswith(".toml"):
+        message = f"--save-profile '{name}': a profile's name is made of letters, digits, '-', '_' and '.'"
+        raise InputError(message, "bad_name", "save_profile", name)
+    path = user_folder() / PROFILES / f"{name}.toml"
+    if path.exists() and not overwrite and _read_profile(path) != settings:
+        message = f"--save-profile '{name}': exists already with other settings; add --replace to replace it"
+        raise InputError(message, "file_exists", "save_profile", name)
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+    except OSError as problem:
+        raise unwritable("folder", path.parent, problem, "folder") from None
+    return write_text(path, _profile_text(settings))
+
+
+def _profile_text(settings: Settings) -> str:
+    lines = ["schema = 1"]
+    tables: list[str] = []
+    for field in fields(Settings):
+        value = getattr(settings, field.name)
+        if value is None or value == getattr(_NO_SETTINGS, field.name):
+            continue
+        if isinstance(value, dict):
+            tables += ["", f"[{field.name}]", *(f"{role} = {toml_text(text)}" for role, text in value.items())]
+        elif isinstance(value, frozenset):
+            lines.append(f"{field.name} = [{', '.join(toml_text(item) for item in sorted(value))}]")
+        else:
+            lines.append(f"{field.name} = {value if isinstance(value, int) else toml_text(value)}")
+    return "\n".join([*lines, *tables]) + "\n"

@@ -6,20 +6,93 @@ turned over and scaled by the silicone's shrinkage, so that no feature can be fo
 
 from __future__ import annotations
 
+import math
+from dataclasses import dataclass, field, replace
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-from dummydesign.mold.cad import aids, lid
-from dummydesign.mold.cad.casting_box import bolt_holes, casting_box, let_in_sheet
+from dummydesign.mold.cad.casting_box import add_lid, bolt_holes, casting_box, let_in_sheet, mould_tools
 from dummydesign.mold.cad.kernel import cq
 from dummydesign.mold.cad.label import label_bars
-from dummydesign.mold.cad.parts import Parts
 from dummydesign.mold.cad.shapes import solids_of
 from dummydesign.mold.cad.solids import cylinders, drafted_prism, single_solid
+from dummydesign.mold.model import formulas as formula
 from dummydesign.mold.model import layout as dimensions
-from dummydesign.mold.model.layout import Layout, layout, plug_top_mm
-from dummydesign.mold.model.outline import Outline
+from dummydesign.mold.model.layout import Layout, Outline, Point, layout, plug_top_mm
 from dummydesign.mold.model.spec import MouldSpec, PadGeometry
+from dummydesign.mold.pour.plan import CARRIER_VENT_MM, CARRIER_VENTS
+
+CORE_MM = 1.0
+"""How far the core of a mould reaches beyond its openings and its height."""
+
+
+@dataclass(frozen=True)
+class Part:
+    """One part: its solid in its own frame, what it is made of and where it goes in the assembly."""
+
+    name: str
+    solid: Any
+    material: str
+    offset_mm: tuple[float, float, float] = (0.0, 0.0, 0.0)
+
+    @cached_property
+    def volume_mm3(self) -> float:
+        """Volume of the solid."""
+        return float(self.solid.Volume())
+
+
+@dataclass
+class Parts:
+    """All parts of a mould and the tools they were cut with, for the checks.
+
+    ``with_bone`` is the pad with its bone, when it has one; ``whole`` the parts of a printed mould in one.
+    """
+
+    spec: MouldSpec
+    plan: Layout
+    pad_nominal: Any
+    parts: dict[str, Part] = field(default_factory=dict)
+    tools: dict[str, list[Any]] = field(default_factory=dict)
+    hull: Any = None
+    with_bone: Any = None
+    whole: Any = None
+    _core: tuple[Any, Any] = (None, None)
+
+    @property
+    def cavity(self) -> Any:
+        """What fills the mould up to the fill plane: the pad, and its bone when it has one."""
+        return self.solid("pad") if self.with_bone is None else self.with_bone
+
+    @property
+    def mould(self) -> Any:
+        """The mould that the pad is cast in, a printed one as if it had no joint."""
+        return self.solid("mould") if self.whole is None else self.whole
+
+    @property
+    def core(self) -> Any:
+        """The mould around its cavities: all that a pad meets on its way out, without the label's many faces."""
+        if self._core[0] is not self.mould:
+            spec, plan = self.spec, self.plan
+            high = plan.height_mm + 2 * CORE_MM
+            room = drafted_prism(plan.openings.grown(CORE_MM), high, 0.0, -spec.body.floor_mm - CORE_MM)
+            self._core = self.mould, single_solid(self.mould.intersect(room))
+        return self._core[1]
+
+    @property
+    def cavities(self) -> list[Any]:
+        """What fills each cavity of the mould; :attr:`cavity` is the first of them."""
+        first = self.plan.places[0]
+        moves = [(place.x_mm - first.x_mm, place.y_mm - first.y_mm, 0.0) for place in self.plan.places]
+        return [self.cavity.translate(move) if any(move) else self.cavity for move in moves]
+
+    def add(self, name: str, solid: Any, material: str, offset_mm: tuple[float, float, float] = (0, 0, 0)) -> None:
+        """Add one part."""
+        self.parts[name] = Part(name, solid, material, offset_mm)
+
+    def solid(self, name: str) -> Any:
+        """Solid of a part in its own frame."""
+        return self.parts[name].solid
 
 
 def build(spec: MouldSpec, bone_file: Path | None = None) -> Parts:
@@ -42,19 +115,19 @@ def build(spec: MouldSpec, bone_file: Path | None = None) -> Parts:
     else:
         _add_silicone(made, beside)
     if spec.body.style == "lidded":
-        lid.add_lid(made, beside)
+        add_lid(made, beside)
     elif bone is not None:
-        made.add("carrier", aids.carrier(spec, plan, bone), "rigid")
+        made.add("carrier", carrier(spec, plan, bone), "rigid")
     else:
-        made.add("strike_off", aids.strike_off(spec, plan), "rigid")
+        made.add("strike_off", strike_off(spec, plan), "rigid")
     if len(spec.pad.shape.places_mm) > 1:
-        made.add("carrier", aids.marked_carrier(spec, plan), "rigid", (0, -plan.flange.width_mm - 40.0, 0))
+        made.add("carrier", marked_carrier(spec, plan), "rigid", (0, -plan.flange.width_mm - 40.0, 0))
     if spec.base is not None:
         _add_layers(made, -plan.flange.width_mm - 40.0)
     if not spec.is_printed:
-        made.add("tray", aids.tray(spec, plan), "rigid")
+        made.add("tray", tray(spec, plan), "rigid")
     if spec.pour.degas == "mould":
-        made.add("collar", aids.collar(spec, plan), "rigid", (0, plan.flange.width_mm + 40.0, 0))
+        made.add("collar", collar(spec, plan), "rigid", (0, plan.flange.width_mm + 40.0, 0))
     return made
 
 
@@ -66,7 +139,7 @@ def _add_silicone(made: Parts, beside_mm: float) -> None:
     if spec.body.style == "open":
         mould = mould.cut(*plan.at_places(brim_tool(spec, plan)))
     else:
-        mould = mould.cut(*lid.mould_tools(spec, plan, made.tools))
+        mould = mould.cut(*mould_tools(spec, plan, made.tools))
     bars = label_tools(spec, plan)
     made.tools["label"] = bars
     if bars:
@@ -87,7 +160,7 @@ def _add_layers(made: Parts, beside_mm: float) -> None:
     low = drafted_prism(plan.fill_outline.grown(1.0), plan.interface_mm + 1.0, 0.0, -1.0)
     made.add("layer_top", single_solid(pad.intersect(low)), "resin", (0, beside_mm, 0))
     made.add("layer_base", single_solid(pad.cut(low)), "resin_base", (0, beside_mm, 0))
-    made.add("spacer", aids.spacer(made.spec, plan), "rigid")
+    made.add("spacer", spacer(made.spec, plan), "rigid")
 
 
 def brim_tool(spec: MouldSpec, plan: Layout) -> Any:
@@ -165,3 +238,123 @@ def pad_solid(pad: PadGeometry) -> Any:
     """Make the gel of a pad: the cavity's solid less the bone."""
     whole, bone = cavity_solid(pad), bone_solid(pad)
     return whole if bone is None else single_solid(whole.cut(bone))
+
+
+EAR_RADIUS_MM = 8.0
+# Room around silicone that a printed ring is put over; its lower edge is the first layer.
+COLLAR_GAP_MM = 0.3
+
+
+def strike_off(spec: MouldSpec, plan: Layout) -> Any:
+    """Plate that rests on the land and dips through the freeboard to the fill plane, a film gap around it.
+
+    Lowered hinged from one edge it drives the air and the excess out through the gap and leaves the free
+    face flat at the pad's thickness.
+    """
+    aids = spec.aids
+    dip = drafted_prism(
+        plan.brim_outline.grown(-aids.plate_clearance_mm), spec.body.freeboard_mm, spec.pad.draft_deg, plan.depth_mm
+    )
+    plate = drafted_prism(plan.top.grown(-1.0), aids.plate_mm, 0.0, plan.land_mm)
+    return single_solid(plate.fuse(*plan.at_places(dip)))
+
+
+def tray(spec: MouldSpec, plan: Layout) -> Any:
+    """Flat stiff carrier with a rim that leaves room for thermal growth and three ears for level screws."""
+    aids, body = spec.aids, spec.body
+    pocket = plan.bottom.grown(aids.tray_clearance_mm)
+    outer = pocket.grown(aids.tray_rim_mm)
+    low = -body.floor_mm - aids.tray_floor_mm
+    solid = drafted_prism(outer, aids.tray_floor_mm + aids.tray_rim_height_mm, 0.0, low)
+    reach = outer.width_mm / 2 + EAR_RADIUS_MM - 4.0
+    # Two ears that met would close a gap between them and the rim.
+    side = max(EAR_RADIUS_MM + 2.0, outer.length_mm / 2 - outer.radius_mm - EAR_RADIUS_MM)
+    places = [Point(-side, reach), Point(side, reach), Point(0.0, -reach)]
+    ears = cylinders(places, EAR_RADIUS_MM, aids.tray_floor_mm, low)
+    holes = cylinders(places, aids.level_screw_hole_mm / 2, aids.tray_floor_mm + 2, low - 1)
+    solid = solid.fuse(*ears)
+    return single_solid(solid.cut(drafted_prism(pocket, aids.tray_rim_height_mm + 1.0, 0.0, -body.floor_mm), *holes))
+
+
+def collar(spec: MouldSpec, plan: Layout) -> Any:
+    """Ring on the land that holds foaming resin while it is degassed in the mould; a lip centres it outside."""
+    aids = spec.aids
+    high = formula.collar_height_mm(plan.depth_mm, spec.pour.foam_factor)
+    gap, lip = COLLAR_GAP_MM + spec.machines.elephant_foot_mm, 4.0
+    inner = plan.openings.grown(1.0)
+    outside = plan.top.grown(gap + aids.collar_wall_mm)
+    ring = drafted_prism(outside, high + lip, 0.0, plan.land_mm - lip)
+    seat = drafted_prism(plan.top.grown(gap), lip, 0.0, plan.land_mm - lip)
+    return single_solid(ring.cut(drafted_prism(inner, high + 1.0, 0.0, plan.land_mm), seat))
+
+
+# Clear width between a vent and the wall of the cavity. [mm]
+VENT_INSET_MM = 3.0
+# Border of the carrier of several crowns around the pad, and its marks: gap to the pad, width and depth. [mm]
+CARRIER_BORDER_MM, MARK_GAP_MM, MARK_WIDTH_MM, MARK_DEPTH_MM = 15.0, 2.0, 0.8, 0.6
+
+
+def spacer(spec: MouldSpec, plan: Layout) -> Any:
+    """Plate that rests on the land and dips to the interface of a layered pad, a film gap around it.
+
+    Lowered hinged from one edge it drives out air and excess and leaves the layer poured first at its height.
+    """
+    aids = spec.aids
+    inner = plan.interface_outline.grown(-aids.plate_clearance_mm)
+    # A corner sharper than the gap stays sharp.
+    inner = replace(inner, radius_mm=max(0.0, inner.radius_mm))
+    dip = drafted_prism(inner, plan.depth_mm - plan.interface_mm, spec.pad.draft_deg, plan.interface_mm)
+    return single_solid(strike_off(spec, plan).fuse(dip))
+
+
+def carrier(spec: MouldSpec, plan: Layout, finished: Any) -> Any:
+    """Plate with the ``finished`` bone under it.
+
+    It closes the mould at the fill plane and stays on the pad as its rigid base.
+
+    Four vents open at the corners of the cavity, four holes beyond it take the screws that hold pad and plate later.
+    """
+    low, high = plan.depth_mm - 1.0, plan.land_mm + spec.aids.plate_mm + 1.0
+    tools = cylinders(vent_places(plan), CARRIER_VENT_MM / 2, high - low, low)
+    tools += cylinders(screw_places(plan), spec.box.bolt_hole_mm / 2, high - low, low)
+    return single_solid(single_solid(strike_off(spec, plan).cut(*tools)).fuse(finished.scale(plan.scale)))
+
+
+def marked_carrier(spec: MouldSpec, plan: Layout) -> Any:
+    """Plate that the finished pad is glued to, its middle on the plate's, with marks of the sites around the pad.
+
+    A groove at each end of every row and column of crowns points at their tips: where the lines between them cross,
+    the punch is set down. The plate stands over the mould, the side that the pad is glued to below.
+    """
+    # The finished pad's free face is glued on.
+    pad, low, places = plan.fill_outline.scaled(1.0 / plan.scale), plan.land_mm, spec.pad.shape.places_mm
+    solid = drafted_prism(pad.grown(CARRIER_BORDER_MM), spec.aids.plate_mm, 0.0, low)
+    long = CARRIER_BORDER_MM - MARK_GAP_MM + 1.0
+    off = MARK_GAP_MM + long / 2
+    grooves = [(x, side * (pad.width_mm / 2 + off), MARK_WIDTH_MM, long)
+               for x in sorted({x for x, _ in places}) for side in (1.0, -1.0)]  # fmt: skip
+    grooves += [(side * (pad.length_mm / 2 + off), y, long, MARK_WIDTH_MM)
+                for y in sorted({y for _, y in places}) for side in (1.0, -1.0)]  # fmt: skip
+    tools = [
+        cq.Solid.makeBox(dx, dy, MARK_DEPTH_MM + 1.0).translate(cq.Vector(x - dx / 2, y - dy / 2, low - 1.0))
+        for x, y, dx, dy in grooves
+    ]
+    return single_solid(solid.cut(*tools))
+
+
+def vent_places(plan: Layout) -> tuple[Point, ...]:
+    """Vents in the corners of the fill plane, the last to be reached when the carrier is lowered."""
+    return _corners(plan.fill_outline, VENT_INSET_MM + CARRIER_VENT_MM / 2)[:CARRIER_VENTS]
+
+
+def screw_places(plan: Layout) -> tuple[Point, ...]:
+    """Screw holes in the corners of the land, half-way between the cavity and the rim."""
+    border = (plan.top.length_mm - plan.opening.length_mm) / 4
+    return _corners(plan.top, border)
+
+
+def _corners(outline: Outline, inset_mm: float) -> tuple[Point, ...]:
+    # On a rounded corner the parallel line runs at 45 degrees inside the square one.
+    cut = (1 - math.sqrt(0.5)) * max(0.0, outline.radius_mm - inset_mm)
+    x, y = outline.length_mm / 2 - inset_mm - cut, outline.width_mm / 2 - inset_mm - cut
+    return Point(x, y), Point(x, -y), Point(-x, -y), Point(-x, y)

@@ -12,8 +12,7 @@ from numpy.typing import NDArray
 
 from dummydesign.geometry.conic import Conic
 from dummydesign.mold.cad.kernel import cq, occ
-from dummydesign.mold.model.layout import Point
-from dummydesign.mold.model.outline import Outline
+from dummydesign.mold.model.layout import Outline, Point
 
 NEAR_MM = 1e-4
 

@@ -10,16 +10,16 @@ from typing import Any
 import numpy as np
 
 from dummydesign.geometry.dimensions import RIM_FREE_MM
+from dummydesign.mold.cad.build import CORE_MM, Parts
 from dummydesign.mold.cad.casting_box import to_casting
 from dummydesign.mold.cad.kernel import cq
 from dummydesign.mold.cad.label import label_bars
-from dummydesign.mold.cad.parts import CORE_MM, Parts
 from dummydesign.mold.cad.solids import drafted_prism, heights_over, rough_bounds
 from dummydesign.mold.checks import release
 from dummydesign.mold.checks.check import Check, above, below, equal, skipped
 from dummydesign.mold.files.meshes import tessellate
 from dummydesign.mold.model import layout as dimensions
-from dummydesign.mold.model.outline import Outline
+from dummydesign.mold.model.layout import Outline
 from dummydesign.mold.model.spec import PadGeometry
 
 OFF_MM = 1e-4

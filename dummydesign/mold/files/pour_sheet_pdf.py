@@ -12,8 +12,7 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
-from dummydesign.mold.files.drawings.export import binary_streams, draw
-from dummydesign.mold.files.drawings.sheet import PAPERS, Drawing
+from dummydesign.mold.files.drawing_sheet import PAPERS, Drawing, binary_streams, draw
 from dummydesign.mold.files.pour_sheet import Block
 
 PAGES_MM = {"A4": (210.0, 297.0), "A3": (297.0, 420.0)}

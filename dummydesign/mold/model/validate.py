@@ -9,8 +9,7 @@ from typing import Any
 from dummydesign.core.errors import InputError, out_of_range, quantity_name, unknown_name
 from dummydesign.geometry.dimensions import RIM_FREE_MM
 from dummydesign.mold.model import formulas as formula
-from dummydesign.mold.model.layout import Layout, check_face_sheet, layout
-from dummydesign.mold.model.outline import Outline
+from dummydesign.mold.model.layout import Layout, Outline, check_face_sheet, layout
 from dummydesign.mold.model.products import Machines, check_surface
 from dummydesign.mold.model.spec import MouldSpec, PadGeometry
 

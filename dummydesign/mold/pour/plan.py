@@ -8,8 +8,7 @@ from typing import Any
 
 from dummydesign.mold.model import formulas as formula
 from dummydesign.mold.model import layout as dimensions
-from dummydesign.mold.model.layout import Funnel, layout
-from dummydesign.mold.model.outline import Outline
+from dummydesign.mold.model.layout import Funnel, Outline, layout
 from dummydesign.mold.model.spec import MouldSpec, Pour
 
 RATIO_ERROR_LIMIT_PERCENT = 0.5

@@ -1,13 +1,18 @@
-"""A slab that rubs along a filleted punch; force by the condition at its face."""
+"""A slab that slides or rubs along a filleted punch; force by the condition at its face.
+
+Without friction the mesh moves with the fillet.
+"""
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Any
 
 import numpy as np
 
+from dummydesign.core.process import one_blas_thread
 from dummydesign.geometry.interface import FACES, Interface
 from dummydesign.pad.axisymmetric.case import (
     FIRST_STEP,
@@ -19,18 +24,169 @@ from dummydesign.pad.axisymmetric.case import (
     round_problem,
     solve_on_lattice,
 )
-from dummydesign.pad.axisymmetric.filleted import CELLS, GROWTH, LARGEST, fine_columns, solve_filleted
-from dummydesign.pad.axisymmetric.frictionless import solve_sliding
-from dummydesign.pad.contact.axisymmetric import FilletedPunch
+from dummydesign.pad.axisymmetric.filleted import CELLS, GROWTH, LARGEST, fine_columns, lines, solve_filleted
+from dummydesign.pad.contact.axisymmetric import FilletedPunch, Surface
 from dummydesign.pad.contact.friction import RubbingSurface
-from dummydesign.pad.contact.penalty import RUBBING_PUNCH
+from dummydesign.pad.contact.penalty import FILLETED_PUNCH, RUBBING_PUNCH
 from dummydesign.pad.fem import mesh_axisymmetric as meshes
+from dummydesign.pad.fem.mesh_axisymmetric import columns
+from dummydesign.pad.fem.mixed_solid import Discretisation, Solid
 from dummydesign.pad.force_law import PadCurve
-from dummydesign.pad.solve.continuation import Path, follow
-from dummydesign.pad.solve.equilibrium import Problem, Solution
+from dummydesign.pad.solve.continuation import EASY, Path, follow
+from dummydesign.pad.solve.equilibrium import Failure, Problem, Solution, find_equilibrium
 from dummydesign.pad.specimen import Pad
 
 Array = np.ndarray
+
+# Undeformed length of the face over the fillet, and of the even cells above it, in fillets.
+SPAN, ABOVE = 0.8, 2.0
+# The energy term that keeps cells from inverting, in shear moduli; a tenth of it changes no force by more than 0.2 %.
+STABILISATION = 10.0
+# A column is moved by this share of what it is away from the fillet's start, and at most by this share of a cell.
+GAIN, FURTHEST = 0.5, 0.5
+
+
+class SlidingMesh:
+    """The slab under a filleted punch without friction, its columns at any place; lengths in thicknesses."""
+
+    def __init__(self, case: Case, cells: int) -> None:
+        fillet = case.edge
+        self.case, self.punch, self.cells = case, FilletedPunch(case.radius, fillet), cells
+        flat, self._cell = self.punch.flat_radius, SPAN * fillet / cells
+        self.edge = flat
+        self._inside = (1.0 - lines(flat, self._cell, GROWTH, LARGEST) / flat)[::-1]
+        self._even = self._cell * np.arange(cells + round(ABOVE * fillet / self._cell) + 1)
+        beyond = case.extent - flat - self._even[-1]
+        self._beyond = lines(beyond, self._cell, GROWTH, LARGEST, 1.0) / beyond
+        self._z = -lines(1.0, self._cell, GROWTH, LARGEST)
+        mesh = self._mesh()
+        top, r = meshes.on_top(mesh), mesh.nodes[0]
+        self._sides = meshes.edges_on(mesh, top & (r <= case.radius + 0.8 * case.scale))
+        self.face = np.nonzero(top)[0][np.argsort(r[top])]
+        depths = np.sort(np.concatenate([self._z, 0.5 * (self._z[1:] + self._z[:-1])]))
+        self._column = np.argmin(np.abs(r[:, None] - self._middles(flat)), axis=1)
+        self._row = np.argmin(np.abs(mesh.nodes[1][:, None] - depths), axis=1)
+        self.problem: Problem = round_problem(
+            mesh, case, np.array([], dtype=int), self._surface(mesh), self.punch,
+            np.nonzero(top & (r <= flat + 1e-9))[0], STABILISATION,
+        )  # fmt: skip
+
+    def _radii(self, edge: float) -> Array:
+        """Radii of the columns when the fillet's first one is at ``edge`` in the undeformed slab."""
+        start = edge + self._even[-1]
+        outside = start + (self.case.extent - start) * self._beyond
+        return np.concatenate([edge * self._inside[:-1], edge + self._even[:-1], outside])
+
+    def _middles(self, edge: float) -> Array:
+        """Those and the radii half-way between them: all that have nodes."""
+        radii = self._radii(edge)
+        both = np.empty(2 * len(radii) - 1)
+        both[::2], both[1::2] = radii, 0.5 * (radii[1:] + radii[:-1])
+        return both
+
+    def _mesh(self) -> Discretisation:
+        points, quads, _ = columns(self._radii(self.edge), -self._z)
+        return meshes.discretise(points, quads)
+
+    def _surface(self, mesh: Discretisation) -> Surface:
+        return Surface(mesh.nodes, self._sides, self.case.law.shear_MPa * FILLETED_PUNCH.contact / self.punch.rim)
+
+    def move(self, edge: float) -> None:
+        """Put the columns where the fillet's first one is at a radius ``edge`` of the undeformed slab."""
+        self.edge = edge
+        mesh = self._mesh()
+        self.problem.solid = Solid(mesh, self.case.law, self.case.poisson, STABILISATION)
+        self.problem.surface = self._surface(mesh)
+
+    def nearer(self, edge: float, places: Array, depth: float) -> tuple[float, Array]:
+        """Columns nearer to the fillet's start than those at ``edge``, and where their nodes are then."""
+        way = self.punch.outline(places[self.face], depth)
+        before, at = self._middles(edge), 2 * (len(self._inside) - 1)
+        stretch = (way[at + 1] - way[at - 1]) / (before[at + 1] - before[at - 1])
+        miss = (way[at] - self.punch.flat_radius) / max(stretch, 0.3)
+        moved = edge - float(np.clip(GAIN * miss, -FURTHEST * self._cell, FURTHEST * self._cell))
+        grid = np.zeros((len(before), self._row.max() + 1, 2))
+        grid[self._column, self._row] = places
+        grid += np.gradient(grid, before, axis=0) * (self._middles(moved) - before)[:, None, None]
+        return moved, grid[self._column, self._row]
+
+    def stretch(self, u: Array, depth: float) -> float:
+        """Largest stretch of the face along the outline, of the cells over the fillet and next to it."""
+        nodes = self.problem.solid.mesh.nodes[:, self.face].T
+        way = self.punch.outline(nodes + u.reshape(-1, 2)[self.face], depth)
+        at = 2 * (len(self._inside) - 2) + 2 * np.arange(self.cells + 2)
+        return float((np.diff(way[at]) / np.diff(nodes[at, 0])).max())
+
+
+SMALLEST_SLIDE = LATTICE / 128.0
+# Error of contact, steps and the energy term; beside the step between the meshes, doubled where the fine one has ended.
+SLIDING_ERROR = 3e-3
+
+
+def solve_sliding(case: Case, nodes: Array, progress: Progress | None = None) -> dict[str, Any]:
+    """F / d over mu h at the first of the nodes, those that were reached, and its relative error."""
+    coarse, fine = (follow_sliding(SlidingMesh(case, cells), nodes, progress) for cells in (COARSE, FINE))
+    return of_two_meshes(coarse, fine, nodes, SLIDING_ERROR)
+
+
+@one_blas_thread()
+def follow_sliding(
+    mesh: SlidingMesh, depths: Array, progress: Progress | None = None,
+    visit: Callable[[float, Solution], None] | None = None,
+) -> Path:  # fmt: skip
+    """Follow the slab through depths while the mesh's columns follow the fillet.
+
+    The next state is extrapolated from the last two in the frame of the punch, in which it hardly changes.
+    """
+    began = time.perf_counter()
+    problem = mesh.problem
+    u, p = problem.start()
+    rate = problem.direction()
+    places = problem.solid.mesh.nodes.T + u.reshape(-1, 2)
+    earlier: tuple[float, float, Array, Array] | None = None
+    depth, here, step, stop, stretch = 0.0, mesh.edge, float(depths[0]), None, 1.0
+    found: list[tuple[float, float, float]] = []
+    steps = iterations = 0
+    while len(found) < len(depths) and stop is None:
+        remaining = depths[len(found)] - depth
+        goal = float(depths[len(found)] if remaining <= 1.25 * step else depth + min(step, 0.5 * remaining))
+        if earlier is None:
+            ahead = goal - depth
+            edge, guess, pressure = here, places + ahead * rate[0].reshape(-1, 2), p + ahead * rate[1]
+        else:
+            ahead = min((goal - depth) / (depth - earlier[0]), 5.0)
+            edge = here + ahead * (here - earlier[1])
+            guess, pressure = places + ahead * (places - earlier[2]), p + ahead * (p - earlier[3])
+            edge, guess = mesh.nearer(edge, guess, goal)
+        mesh.move(edge)
+        nodes = problem.solid.mesh.nodes.T
+        answer = find_equilibrium(problem, (guess - nodes).ravel(), pressure, goal)
+        iterations += answer.iterations
+        if isinstance(answer, Failure):
+            step = 0.5 * (goal - depth)
+            if step < SMALLEST_SLIDE:
+                stop = (
+                    f"{answer.reason}; at relative depth {depth:.3f} the face is {stretch:.1f} times as long where it "
+                    "slides round the fillet; under a larger fillet it gets further"
+                )
+            continue
+        earlier = (depth, here, places, p)
+        depth, here, p, places = goal, edge, answer.p, nodes + answer.u.reshape(-1, 2)
+        stretch = mesh.stretch(answer.u, depth)
+        steps += 1
+        if goal >= depths[len(found)] * (1.0 - 1e-12):
+            found.append((goal, problem.force(answer.state), float(answer.state.J.min())))
+            if visit:
+                visit(goal, answer)
+            if progress:
+                progress(goal)
+        if answer.iterations <= EASY:
+            step = min(1.4 * step, LATTICE)
+    table = np.array(found).reshape(-1, 3)
+    return Path(
+        table[:, 0], table[:, 1], table[:, 2], problem.pattern.n, steps, iterations, time.perf_counter() - began, stop
+    )
+
 
 # Cells over the fillet of the two meshes; even cells reach this many fillets inwards of it, and half of one beyond.
 COARSE, FINE = 2, 3

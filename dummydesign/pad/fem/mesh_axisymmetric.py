@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from dummydesign.pad.fem.mixed_solid import Discretisation
-from dummydesign.pad.material.kinematics import Axisymmetric
+from dummydesign.pad.material.hyperelastic import Axisymmetric
 
 Array = np.ndarray
 

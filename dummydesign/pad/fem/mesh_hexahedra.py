@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from dummydesign.pad.fem.mixed_solid import Discretisation
-from dummydesign.pad.material.kinematics import Spatial
+from dummydesign.pad.material.hyperelastic import Spatial
 
 Array = np.ndarray
 _TOLERANCE = 1e-9

@@ -23,8 +23,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from dummydesign.core.errors import InputError
-from dummydesign.pad.material.hyperelastic import HyperelasticLaw, Yeoh
-from dummydesign.pad.material.kinematics import Axisymmetric, Spatial
+from dummydesign.pad.material.hyperelastic import Axisymmetric, HyperelasticLaw, Spatial, Yeoh
 
 Array = np.ndarray
 

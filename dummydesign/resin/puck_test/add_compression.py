@@ -174,7 +174,7 @@ def _fit_loading(trace: Trace, table: PuckTable, window: tuple[float, float], pu
 def _fit_holds(
     trace: Trace, holds: tuple[Hold, ...], table: PuckTable, window: tuple[float, float], puck: PuckPoint
 ) -> _Fit:
-    from dummydesign.resin.puck_test.reduction import reduce_press
+    from dummydesign.resin.puck_test.loading_fit import reduce_press
     from dummydesign.resin.puck_test.relaxation_fit import fit_relaxation
 
     # half a hundredth of the height more, so that a hold at the very end is not cut by its own noise

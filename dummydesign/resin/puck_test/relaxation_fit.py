@@ -33,12 +33,17 @@ from functools import cache, partial
 import numpy as np
 
 from dummydesign.core.recurrence import linear_recurrence
-from dummydesign.inference.least_squares import solve_by_differences
-from dummydesign.inference.likelihood import CHI_SQUARE_95, aicc, simplest, within
+from dummydesign.inference.least_squares import CHI_SQUARE_95, aicc, simplest, solve_by_differences, within
 from dummydesign.pad.tables.puck import PuckTable, friction_of, uniaxial
 from dummydesign.resin.model.resin import Interval
-from dummydesign.resin.puck_test.loading_fit import ALPHA_RANGE, LARGEST_OFFSET
-from dummydesign.resin.puck_test.reduction import PuckNoise, PuckPress, estimate, whitener
+from dummydesign.resin.puck_test.loading_fit import (
+    ALPHA_RANGE,
+    LARGEST_OFFSET,
+    PuckNoise,
+    PuckPress,
+    estimate,
+    whitener,
+)
 
 Array = np.ndarray
 

@@ -12,14 +12,14 @@ from nicegui import ui
 from dummydesign.core.errors import InputError
 from dummydesign.project.folder import Project
 from dummydesign.project.status import things_in
-from dummydesign.studio import choices, made, parts, pressed_pads
+from dummydesign.studio import choices, made, parts
 from dummydesign.studio import file_transfer as transfer
 from dummydesign.studio.jobs import Job, changed_since, options
+from dummydesign.studio.made import PressedPad
 from dummydesign.studio.manage import DropList
 from dummydesign.studio.page_frame import Studio, keep_state
 from dummydesign.studio.pages.people_of_pad import PeopleOfPad
 from dummydesign.studio.parts import html
-from dummydesign.studio.pressed_pads import PressedPad
 from dummydesign.studio.state import State, page_link
 from dummydesign.studio.work_panel import Work
 
@@ -45,7 +45,7 @@ class Comparison:
     def __init__(self, studio: Studio, state: State) -> None:
         self.studio, self.root, self.state = studio, studio.root, state
         self.pads: list[PressedPad] = []
-        DropList(lambda name, content: f"{pressed_pads.keep_press(self.root, name, content)} was added.",
+        DropList(lambda name, content: f"{made.keep_press(self.root, name, content)} was added.",
                  lambda: self.find_pads(dropped=True), "Drop presses of the pad: CSV with time_s, displacement_mm, "
                  "force_N. Bring files in another form in under Measured first.", "cast")  # fmt: skip
         self.pad = ui.select({}, label="Pad").props('data-test="pad"').style("width:100%")
@@ -72,11 +72,11 @@ class Comparison:
     def find_pads(self, dropped: bool = False) -> None:
         """Read which pads were pressed; the one that is chosen stays, unless presses were dropped."""
         before = self.pad.value
-        self.pads = pressed_pads.pads(self.root, self.state)
+        self.pads = made.pads(self.root, self.state)
         named = {one.label: one.label for one in self.pads}
-        first = pressed_pads.nearest(self.pads, self.state)
+        first = made.nearest(self.pads, self.state)
         if dropped:
-            first, before = next(one for one in self.pads if one.files[0].startswith(pressed_pads.DROPPED)), None
+            first, before = next(one for one in self.pads if one.files[0].startswith(made.DROPPED)), None
         kept = before if before in named else first.label if first else None
         self.pad.set_options(named, value=kept)
         self.pad.set_enabled(bool(named))
@@ -92,7 +92,7 @@ class Comparison:
         names = {path: path.rpartition("/")[2] for path in pad.files} if pad else {}
         self.files.set_options(names, value=list(names))
         self.files.set_enabled(bool(names))
-        records = pressed_pads.records(self.root, pad) if pad else []
+        records = made.records(self.root, pad) if pad else []
         kept = self.record.value if self.record.value in records else ""
         self.record.set_options({"": "none"} | {one: one for one in records}, value=kept)
         self.model.set_visibility(bool(pad and pad.campaign))
@@ -204,7 +204,7 @@ def show_comparison(root: Path, answer: Mapping[str, Any]) -> None:
 def record_form(studio: Studio, state: State, then: Callable[[], None]) -> None:
     """Fields for what was really cast, and the verdict of the record."""
     root = studio.root
-    moulds = [one for one in reversed(made.moulds(root)) if pressed_pads.gauge_points(root / one.folder)]
+    moulds = [one for one in reversed(made.moulds(root)) if made.gauge_points(root / one.folder)]
     if not moulds:
         html(f'<p class="note">No mould in this project yet: {page_link("/mould", "make one")}.</p>')
         return
@@ -247,7 +247,7 @@ def record_form(studio: Studio, state: State, then: Callable[[], None]) -> None:
         points.clear()
         gauged.clear()
         with points:
-            for one in pressed_pads.gauge_points(root / chosen.value):
+            for one in made.gauge_points(root / chosen.value):
                 field = ui.number(f"Thickness, {one.name} [mm]", min=0, step=0.01)
                 field.props(f'data-test="gauge-{one.name}" hint="{one.low_mm:.2f} to {one.high_mm:.2f} mm"')
                 field.on_value_change(work.renew)

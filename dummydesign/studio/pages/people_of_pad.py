@@ -16,10 +16,10 @@ from dummydesign.report.on_person import headline, limit_rows, number_text, pres
 from dummydesign.studio import file_transfer as transfer
 from dummydesign.studio import parts
 from dummydesign.studio.jobs import options
+from dummydesign.studio.made import PressedPad
 from dummydesign.studio.manage import DropList
 from dummydesign.studio.page_frame import Studio
 from dummydesign.studio.parts import html
-from dummydesign.studio.pressed_pads import PressedPad
 from dummydesign.studio.work_panel import Work
 
 LIMITS = "limits"

@@ -25,8 +25,8 @@ from dummydesign.tissue.adding.from_traces import (
     tissue_of_fits,
 )
 from dummydesign.tissue.adding.observations import HELD_S, ObservedCurve, check_curves, read_curves
+from dummydesign.tissue.fitting.problem import fitted_force
 from dummydesign.tissue.fitting.reduction import ReducedTrace, condition_groups, reduce_trace
-from dummydesign.tissue.fitting.residuals import fitted_force
 from dummydesign.tissue.model.laws import DEFAULT, fitted_law
 from dummydesign.tissue.model.laws.curves import CURVES
 from dummydesign.tissue.model.measured_curves import DEPTH_MM, FIRST_HOLD_S, SHARES, HeldPress, MeasuredPerson

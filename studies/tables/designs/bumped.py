@@ -13,7 +13,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from dummydesign.geometry.shapes.bumped import Bumped
-from dummydesign.pad.spatial.caps_under_square import COARSE, FINER, press_field
+from dummydesign.pad.spatial.shaped_pad import COARSE, FINER, press_field
 from dummydesign.pad.tables.bumped import (
     FIRST,
     HEIGHT_OVER_PITCH,

@@ -6,7 +6,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from dummydesign.design.scoring.deviations import (
+from dummydesign.design.scoring.score import (
     CLASSES,
     ENERGY,
     PEAK,

@@ -8,9 +8,8 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from dummydesign.design.request import RADIUS_MM
-from dummydesign.design.scoring.deviations import Readings
 from dummydesign.design.scoring.presses import Sampling, Slabs, make_curves
-from dummydesign.design.scoring.score import evaluate
+from dummydesign.design.scoring.score import Readings, evaluate
 from dummydesign.design.scoring.targets import make_targets
 from dummydesign.design.scoring.verdict import LEVELS, ranges_of, readings_of, verdict
 from tests.support.judged_pads import pad, ranges

@@ -11,9 +11,18 @@ from dummydesign.design.scoring.presses import Sampling
 from dummydesign.design.scoring.targets import make_targets
 from dummydesign.design.search import best_of_kinds as best_of_kinds_module
 from dummydesign.design.search import shape_family as families
-from dummydesign.design.search.best_of_kinds import MISFIT_N, best_of_kinds, choose, kinds_of, low_force, misfit
+from dummydesign.design.search.best_of_kinds import (
+    MISFIT_N,
+    best_of_kinds,
+    choose,
+    kinds_of,
+    low_force,
+    misfit,
+    prescreen,
+    search_fixed,
+    search_shape,
+)
 from dummydesign.design.search.shape_family import Designs, FamilyLaw
-from dummydesign.design.search.shapes import prescreen, search_fixed, search_shape
 from dummydesign.design.search.slabs import SearchSpace, search
 from dummydesign.geometry.conic import sphere_foot_mm
 from dummydesign.geometry.shapes.crowned import Crowned

@@ -8,11 +8,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from dummydesign.design.press_pictures import press_pictures
+from dummydesign.design.plot_data import press_pictures
 from dummydesign.design.request import Request
 from dummydesign.design.suggest import suggest
 from dummydesign.design.test_setup import pad_of_request
-from dummydesign.pad.fields.solve import solve_fields
+from dummydesign.pad.fields import solve_fields
 from dummydesign.report.suggest_sections import pressed_section
 
 

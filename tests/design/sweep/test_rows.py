@@ -15,7 +15,7 @@ import pytest
 
 from dummydesign.core.errors import InputError
 from dummydesign.design.sweep import run as module
-from dummydesign.design.sweep.rows_file import RowsFile, key_of, settings_of
+from dummydesign.design.sweep.rows import RowsFile, key_of, settings_of
 from dummydesign.design.sweep.run import completed, open_executor, whatif
 from dummydesign.design.sweep.spec import Study
 from dummydesign.resin import load_resin

@@ -8,7 +8,7 @@ import pytest
 
 from dummydesign.core.errors import InputError, NoAnswerError
 from dummydesign.core.parsing import parse_limits, parse_values
-from dummydesign.design.sweep.rows_file import RowFormat
+from dummydesign.design.sweep.rows import RowFormat
 from dummydesign.design.sweep.run import whatif
 from dummydesign.design.sweep.spec import Study
 from dummydesign.geometry.punch import equal_area_radius_mm

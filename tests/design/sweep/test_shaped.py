@@ -10,7 +10,7 @@ import pytest
 
 from dummydesign.api.predictions import predict
 from dummydesign.cli.entry import main
-from dummydesign.design.sweep.rows_file import RowsFile, settings_of
+from dummydesign.design.sweep.rows import RowsFile, settings_of
 from dummydesign.design.sweep.run import whatif
 from dummydesign.design.sweep.spec import Study, parse_shapes
 from dummydesign.geometry.punch import equal_area_radius_mm

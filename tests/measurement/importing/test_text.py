@@ -7,9 +7,8 @@ import pytest
 
 from dummydesign.measurement.importing.cells import decimal_evidence, is_number, parse, seconds_of_stamp
 from dummydesign.measurement.importing.decisions import ImportLog, NoTableError, Settings
-from dummydesign.measurement.importing.decoding import decode
 from dummydesign.measurement.importing.layout import find_layout
-from dummydesign.measurement.importing.table import read_body
+from dummydesign.measurement.importing.table import decode, read_body
 from tests.support.refusal import raises_code
 
 ROWS = [(0.01 * i, -1.0 + 0.1 * i, 0.004 * i * i) for i in range(40)]

@@ -13,8 +13,7 @@ from dummydesign.mold.checks import release as check_mesh
 from dummydesign.mold.checks import release as demould
 from dummydesign.mold.checks import solids as check
 from dummydesign.mold.files import meshes as mesh
-from dummydesign.mold.model.layout import layout
-from dummydesign.mold.model.outline import Outline
+from dummydesign.mold.model.layout import Outline, layout
 from dummydesign.mold.pour.plan import pour_plan, stems_mm3
 from dummydesign.mold.pour.warnings import pour_warnings
 from tests.support.mould_checks import failed
@@ -119,7 +118,7 @@ def test_lid_turned_round_collides(lidded_parts):
 
 
 def test_lid_with_symmetric_keys_fails_the_one_way_check(lidded_parts):
-    from dummydesign.mold.cad.lid import ball
+    from dummydesign.mold.cad.casting_box import ball
 
     land, keys = lidded_parts.plan.land_mm, lidded_parts.plan.keys[:2]
     places = [*keys, *(type(key)(-key.x_mm, -key.y_mm) for key in keys)]
@@ -137,7 +136,7 @@ def test_lid_moved_sideways_fails_interference(lidded_parts):
 
 
 def test_wrong_compensation_is_seen(open_parts):
-    from dummydesign.mold.cad.parts import Parts
+    from dummydesign.mold.cad.build import Parts
 
     wrong = Parts(open_parts.spec, open_parts.plan, open_parts.pad_nominal.scale(1.001))
     wrong.parts, wrong.tools, wrong.hull = open_parts.parts, open_parts.tools, open_parts.hull
@@ -145,7 +144,7 @@ def test_wrong_compensation_is_seen(open_parts):
 
 
 def test_missing_label_on_the_master_is_seen(open_parts):
-    from dummydesign.mold.cad.parts import Part, Parts
+    from dummydesign.mold.cad.build import Part, Parts
 
     plan, grow = open_parts.plan, open_parts.plan.silicone_scale
     deep = open_parts.spec.body.label_depth_mm
@@ -170,7 +169,7 @@ def test_thin_wall_and_floor_are_seen(open_parts):
 
 
 def test_features_that_touch_are_seen(lidded_parts):
-    from dummydesign.mold.cad.parts import Parts
+    from dummydesign.mold.cad.build import Parts
 
     made = lidded_parts
     near = Parts(made.spec, made.plan, made.pad_nominal, made.parts, dict(made.tools))
@@ -222,10 +221,10 @@ def test_strike_off_leaves_the_pad_at_its_thickness(open_parts):
 
 
 def test_collar_is_built_for_degassing_in_the_mould(open_spec):
-    from dummydesign.mold.cad import aids
+    from dummydesign.mold.cad.build import collar
 
     spec = replace(open_spec, pour=replace(open_spec.pour, degas="mould"))
-    ring = aids.collar(spec, layout(spec))
+    ring = collar(spec, layout(spec))
     assert ring.isValid() and len(ring.Solids()) == 1
     assert ring.BoundingBox().zmax == pytest.approx(layout(spec).land_mm + 3 * layout(spec).depth_mm)
 

@@ -8,10 +8,9 @@ import numpy as np
 import pytest
 
 from dummydesign.geometry.shape_registry import read_shape
-from dummydesign.mold.files.drawings.export import to_dxf
-from dummydesign.mold.files.drawings.layout import SCALES, View, arrange, crown_detail, foot_mm
-from dummydesign.mold.files.drawings.parts import DocumentInfo, part_views, sheets
-from dummydesign.mold.files.drawings.sheet import PAPERS, ratio
+from dummydesign.mold.files.drawing_layout import SCALES, View, arrange, crown_detail, foot_mm
+from dummydesign.mold.files.drawing_sheet import PAPERS, ratio, to_dxf
+from dummydesign.mold.files.part_drawings import DocumentInfo, part_views, sheets
 from tests.mold.files.test_drawings import TITLE, meeting
 
 CROWNS = {"crowned:21.2,2,9.4": (21.2, 2.0, 9.4), "crowned:3,8,9,1": (3.0, 8.0, 9.0), "crowned:10,2": (10.0, 2.0, 6.0),

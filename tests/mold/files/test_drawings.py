@@ -11,11 +11,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from dummydesign.mold.files.drawings import projection
-from dummydesign.mold.files.drawings.export import to_dxf, to_pdf, to_svg
-from dummydesign.mold.files.drawings.layout import SCALES, Measure, View, arrange, place
-from dummydesign.mold.files.drawings.parts import DocumentInfo, part_views, sheets
-from dummydesign.mold.files.drawings.sheet import PAPERS, TEXT_MM, Drawing, Line, Title, hatch
+from dummydesign.mold.files import part_drawings as projection
+from dummydesign.mold.files.drawing_layout import SCALES, Measure, View, arrange, place
+from dummydesign.mold.files.drawing_sheet import PAPERS, TEXT_MM, Drawing, Line, Title, hatch, to_dxf, to_pdf, to_svg
+from dummydesign.mold.files.part_drawings import DocumentInfo, part_views, sheets
 from tests.support.mould_checks import shape_spec
 from tests.support.pdf_paths import contents, pages_mm, paths_mm
 
@@ -209,8 +208,7 @@ def test_drawings_are_wellformed_and_equal_for_equal_parts(open_parts):
 
 
 def test_the_order_of_the_lines_does_not_change_the_dxf():
-    from dummydesign.mold.files.drawings.export import to_dxf
-    from dummydesign.mold.files.drawings.sheet import LAYERS, Drawing, Line
+    from dummydesign.mold.files.drawing_sheet import LAYERS, Drawing, Line, to_dxf
 
     lines = [Line(((0.0, float(i)), (10.0, 5.0)), layer) for i in range(3) for layer in list(LAYERS)[:2]]
     assert to_dxf(Drawing("t", 1.0, lines=lines)) == to_dxf(Drawing("t", 1.0, lines=lines[::-1]))

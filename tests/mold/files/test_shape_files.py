@@ -32,7 +32,7 @@ def test_curved_faces_survive_step(crowned, boned, tmp_path):
 
 @pytest.mark.slow
 def test_drawings_dimension_the_curve_and_stay_on_paper(crowned, layered, boned):
-    from dummydesign.mold.files.drawings.parts import part_views, sheets
+    from dummydesign.mold.files.part_drawings import part_views, sheets
 
     heights = {
         "crowned": crowned.plan.face_mm, "layered": layered.plan.interface_mm, "boned": 9.0 * boned.plan.scale,
@@ -49,7 +49,7 @@ def test_drawings_dimension_the_curve_and_stay_on_paper(crowned, layered, boned)
 
 
 def test_section_across_a_ridge_shows_its_profile():
-    from dummydesign.mold.files.drawings import projection
+    from dummydesign.mold.files import part_drawings as projection
 
     spec = shape_spec("crowned:10,2,0,1", 8.0)
     loops = projection.cut_at_x(cavity_solid(spec.pad)).loops

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import segno
 
-from dummydesign.mold.files.drawings.sheet import Drawing, Line
+from dummydesign.mold.files.drawing_sheet import Drawing, Line
 from dummydesign.mold.files.pour_sheet import Block, pour_sheet
 from dummydesign.mold.files.pour_sheet_pdf import QR_MM, Foot, sheet_pdf
 from dummydesign.mold.pour.plan import pour_plan

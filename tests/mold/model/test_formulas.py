@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from dummydesign.mold.model import formulas as formula
-from dummydesign.mold.model.outline import Outline, drafted_volume_mm3, edge_fillet_volume_mm3, slab_volume_mm3
+from dummydesign.mold.model.layout import Outline, drafted_volume_mm3, edge_fillet_volume_mm3, slab_volume_mm3
 from dummydesign.mold.pour.plan import split_batch
 
 

@@ -9,7 +9,7 @@ from dummydesign.geometry.interface import BASES, Interface
 from dummydesign.pad.axisymmetric.case import Case
 from dummydesign.pad.axisymmetric.filleted import filleted_problem, follow_filleted
 from dummydesign.pad.axisymmetric.profile_punch import Region, indentation_problem
-from dummydesign.pad.axisymmetric.sliding_faces import solve_flat
+from dummydesign.pad.axisymmetric.shaped_pad import solve_flat
 from dummydesign.pad.contact.axisymmetric import FlatPunch
 from dummydesign.pad.contact.friction import RestingBase, weight_over_shear
 from dummydesign.pad.fem import mesh_axisymmetric as meshes

@@ -8,9 +8,8 @@ import pytest
 from dummydesign.geometry.dimensions import PAD_EXTENT_MM
 from dummydesign.geometry.shape_registry import read_shape
 from dummydesign.pad.axisymmetric.case import Case
-from dummydesign.pad.axisymmetric.shaped_pad import solve_shaped_pad
+from dummydesign.pad.axisymmetric.shaped_pad import solve_ratio, solve_shaped_pad
 from dummydesign.pad.axisymmetric.shaped_problem import FREE_STEP, shaped_problem, solve_path
-from dummydesign.pad.axisymmetric.sliding_faces import solve_ratio
 from dummydesign.pad.contact.axisymmetric import FlatPunch, Surface
 from dummydesign.pad.contact.penalty import closure
 from dummydesign.pad.material.hyperelastic import Yeoh

@@ -10,8 +10,7 @@ from dummydesign.pad.fem import mesh_axisymmetric as meshes
 from dummydesign.pad.fem import mesh_hexahedra as space
 from dummydesign.pad.fem.mesh_axisymmetric import Resolution
 from dummydesign.pad.fem.mixed_solid import Solid, lame_ratio
-from dummydesign.pad.material.hyperelastic import Yeoh, neo_hookean
-from dummydesign.pad.material.kinematics import Axisymmetric, Spatial
+from dummydesign.pad.material.hyperelastic import Axisymmetric, Spatial, Yeoh, neo_hookean
 from dummydesign.pad.solve import equilibrium
 from dummydesign.pad.solve.continuation import follow
 from dummydesign.pad.solve.equilibrium import Problem

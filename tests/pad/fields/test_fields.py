@@ -7,15 +7,14 @@ import pytest
 
 from dummydesign.geometry.dimensions import PAD_EXTENT_MM
 from dummydesign.geometry.shape_registry import read_shape
+from dummydesign.pad import fields as fields_solve
 from dummydesign.pad.axisymmetric import shaped_problem as paths
 from dummydesign.pad.axisymmetric.case import Case
 from dummydesign.pad.axisymmetric.friction import solve_under_fillet
 from dummydesign.pad.fem import mesh_axisymmetric as meshes
 from dummydesign.pad.fem.mixed_solid import Solid
-from dummydesign.pad.fields import solve as fields_solve
-from dummydesign.pad.fields.export import grid, write_fields
-from dummydesign.pad.fields.solve import has_fields, solve_fields
-from dummydesign.pad.fields.stress import cauchy, face_tractions, to_nodes
+from dummydesign.pad.field_files import grid, write_fields
+from dummydesign.pad.fields import cauchy, face_tractions, has_fields, solve_fields, to_nodes
 from dummydesign.pad.material.hyperelastic import Yeoh
 from dummydesign.pad.specimen import Pad, Puck
 from tests.support.refusal import raises_code

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 from dummydesign.pad.axisymmetric.puck import UnitPuck, puck_problem
-from dummydesign.pad.material.hyperelastic import Ogden, neo_hookean, read_law
-from dummydesign.pad.material.kinematics import Axisymmetric, Spatial
+from dummydesign.pad.material.hyperelastic import Axisymmetric, Ogden, Spatial, neo_hookean, read_law
 from dummydesign.pad.solve.continuation import follow
 from tests.support.refusal import raises_code
 

@@ -6,14 +6,12 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
+from dummydesign.pad.axisymmetric.finite_strain import follow_motion
 from dummydesign.pad.axisymmetric.puck import UnitPuck, puck_problem
-from dummydesign.pad.material.hyperelastic import Ogden, Yeoh, neo_hookean
-from dummydesign.pad.material.kinematics import Axisymmetric, Spatial
-from dummydesign.pad.material.relaxation import PronyTerm, relaxed_force
-from dummydesign.pad.material.viscoelastic import Isochoric, Viscoelastic
+from dummydesign.pad.material.hyperelastic import Axisymmetric, Ogden, Spatial, Yeoh, neo_hookean
+from dummydesign.pad.material.relaxation import Isochoric, PronyTerm, Viscoelastic, relaxed_force
 from dummydesign.pad.solve.continuation import follow
 from dummydesign.pad.solve.equilibrium import Problem
-from dummydesign.pad.solve.motion_path import follow_motion
 from tests.support.refusal import raises_code
 
 ARMS = (PronyTerm(0.05, 0.6), PronyTerm(1.0, 0.3))

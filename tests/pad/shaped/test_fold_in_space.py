@@ -13,9 +13,19 @@ from dummydesign.pad.axisymmetric.case import Case
 from dummydesign.pad.axisymmetric.self_contact import FoldWatch
 from dummydesign.pad.axisymmetric.shaped_problem import solve_path as climb_round
 from dummydesign.pad.fem.mesh_hexahedra import horizontal_faces
-from dummydesign.pad.spatial.caps_under_square import field_problem
-from dummydesign.pad.spatial.self_contact import SpatialFace, lattice_triangles, pierced, turned_over
-from dummydesign.pad.spatial.shaped_pad import Grid, Load, axis_lines, shaped_problem, solve_path, solve_shaped_block
+from dummydesign.pad.spatial.shaped_pad import (
+    Grid,
+    Load,
+    SpatialFace,
+    axis_lines,
+    field_problem,
+    lattice_triangles,
+    pierced,
+    shaped_problem,
+    solve_path,
+    solve_shaped_block,
+    turned_over,
+)
 from dummydesign.pad.specimen import Pad
 
 STEEP = Crowned(2.0, 6.0, 2.2)

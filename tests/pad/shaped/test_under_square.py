@@ -10,8 +10,7 @@ import pytest
 from dummydesign.geometry.dimensions import PAD_LENGTH_MM, PAD_WIDTH_MM
 from dummydesign.geometry.shapes.bumped import Bumped
 from dummydesign.pad.solve.continuation import follow
-from dummydesign.pad.spatial.caps_under_square import HALF_SIDE_MM, field_lines, press_field
-from dummydesign.pad.spatial.shaped_pad import Grid, Load, shaped_problem
+from dummydesign.pad.spatial.shaped_pad import HALF_SIDE_MM, Grid, Load, field_lines, press_field, shaped_problem
 
 
 @pytest.mark.parametrize("pitch", [3.5, 5.0, 7.3])

@@ -3,9 +3,8 @@
 import numpy as np
 import pytest
 
-from dummydesign.pad.axisymmetric.shaped_pad import LEFT_TO_SHARP
+from dummydesign.pad.axisymmetric.shaped_pad import LEFT, LEFT_TO_SHARP
 from dummydesign.pad.axisymmetric.sharp_edge import RIM_POWER, extrapolate_to_sharp
-from dummydesign.pad.axisymmetric.sliding_faces import LEFT
 
 SHARP, WEIGHT = np.array([1.0, 3.0]), np.array([0.2, -0.1])
 

@@ -10,14 +10,12 @@ import pytest
 from dummydesign.design.sweep.run import whatif
 from dummydesign.design.sweep.spec import Study
 from dummydesign.geometry.shapes.crowned import Crowned
+from dummydesign.pad import fields as sliding
 from dummydesign.pad.axisymmetric.case import Case, first_stiffness
 from dummydesign.pad.axisymmetric.filleted import FilletedPunch
-from dummydesign.pad.axisymmetric.friction import solve_under_fillet
-from dummydesign.pad.axisymmetric.frictionless import COARSE, FINE, SlidingMesh, follow_sliding
+from dummydesign.pad.axisymmetric.friction import COARSE, FINE, SlidingMesh, follow_sliding, solve_under_fillet
 from dummydesign.pad.elastic_force import solve_points
-from dummydesign.pad.fields import solve as sliding
-from dummydesign.pad.fields.solve import solve_fields
-from dummydesign.pad.fields.stress import FREE, SLIPS, Pressed
+from dummydesign.pad.fields import FREE, SLIPS, Pressed, solve_fields
 from dummydesign.pad.material.hyperelastic import neo_hookean
 from dummydesign.pad.solve.continuation import Path
 from dummydesign.pad.specimen import Pad

@@ -16,8 +16,8 @@ from dummydesign.pad.axisymmetric.profile_punch import (
     profile,
     solve_profile,
 )
+from dummydesign.pad.axisymmetric.shaped_pad import solve_flat
 from dummydesign.pad.axisymmetric.sharp_edge import solve_path
-from dummydesign.pad.axisymmetric.sliding_faces import solve_flat
 from dummydesign.pad.contact.axisymmetric import FlatPunch, ProfilePunch, Surface
 from dummydesign.pad.elastic_force import solve_points
 from dummydesign.pad.fem.mesh_axisymmetric import Resolution

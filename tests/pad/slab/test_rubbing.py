@@ -10,8 +10,7 @@ import pytest
 from dummydesign.pad.axisymmetric.case import LATTICE, Case
 from dummydesign.pad.axisymmetric.friction import COARSE, FINE, follow_rubbing, rubbing_problem, solve_under_fillet
 from dummydesign.pad.elastic_force import solve_points
-from dummydesign.pad.fields.solve import solve_fields
-from dummydesign.pad.fields.stress import SLIPS, STICKS
+from dummydesign.pad.fields import SLIPS, STICKS, solve_fields
 from dummydesign.pad.material.hyperelastic import neo_hookean
 from dummydesign.pad.solve.equilibrium import Solution
 from dummydesign.pad.specimen import Pad

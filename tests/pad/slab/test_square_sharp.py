@@ -16,8 +16,7 @@ from dummydesign.pad.solve.continuation import follow
 from dummydesign.pad.solve.equilibrium import Problem
 from dummydesign.pad.solve.multifrontal import Dissection
 from dummydesign.pad.solve.sparse import Pattern
-from dummydesign.pad.spatial.square_factor import outline_factor
-from dummydesign.pad.spatial.square_punch import Block, Cells, block_problem, solve_ratios, twin_problem
+from dummydesign.pad.spatial.square_punch import Block, Cells, block_problem, outline_factor, solve_ratios, twin_problem
 from tests.support.refusal import raises_code
 
 LAW = neo_hookean(1.0)

@@ -12,9 +12,8 @@ from dummydesign.measurement.motion import Motion, ramp_and_hold
 from dummydesign.pad.axisymmetric.finite_strain import nodes_of_motion
 from dummydesign.pad.material.hyperelastic import Ogden
 from dummydesign.pad.material.relaxation import PronyTerm, relaxed_force
-from dummydesign.pad.predict import predict_motion, predict_static
+from dummydesign.pad.predict import MARGIN, load_quick_error, predict_motion, predict_static
 from dummydesign.pad.specimen import Pad
-from dummydesign.pad.tables.quasi_linear_error import MARGIN, load_quick_error
 from dummydesign.pad.tables.slab import load_table
 from studies.tables.separability import RADIUS_MM
 from tests.support.refusal import raises_code

@@ -187,7 +187,7 @@ def test_caps_start_as_one_cap_by_hertz_and_are_stiffer_once_more_of_them_are_to
 @pytest.mark.slow
 def test_a_field_of_caps_solved_in_space_agrees_with_its_table_within_the_stated_error():
     """The whole error of the table: docs/shapes-model.md."""
-    from dummydesign.pad.spatial.caps_under_square import COARSE, press_field
+    from dummydesign.pad.spatial.shaped_pad import COARSE, press_field
 
     field, h = Bumped.proportioned(5.2, 0.3), 8.0
     depth, area, _ = press_field(field, h, np.array([0.1, 0.2, 0.3, 0.4]), COARSE)

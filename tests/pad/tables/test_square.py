@@ -9,8 +9,17 @@ import pytest
 
 from dummydesign.core.library import data_folder
 from dummydesign.pad.predict import predict_static
-from dummydesign.pad.spatial.square_factor import CORRECTION_ERROR, MESH_ERROR, FactorCurve, solve_factor
-from dummydesign.pad.spatial.square_punch import Block, Cells, block_problem, solve_ratios, twin_problem
+from dummydesign.pad.spatial.square_punch import (
+    CORRECTION_ERROR,
+    MESH_ERROR,
+    Block,
+    Cells,
+    FactorCurve,
+    block_problem,
+    solve_factor,
+    solve_ratios,
+    twin_problem,
+)
 from dummydesign.pad.specimen import Pad
 from dummydesign.pad.tables.slab import load_table
 from dummydesign.pad.tables.square import HELD_ERROR, SIDE_OVER_RADIUS, load_square, square_factor

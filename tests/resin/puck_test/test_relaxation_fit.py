@@ -11,7 +11,7 @@ import pytest
 from dummydesign.measurement.landmarks import find_holds
 from dummydesign.pad.material.relaxation import PronyTerm, relaxed_force
 from dummydesign.pad.tables.puck import table_for
-from dummydesign.resin.puck_test.reduction import PuckNoise, covariance, reduce_press
+from dummydesign.resin.puck_test.loading_fit import PuckNoise, covariance, reduce_press
 from dummydesign.resin.puck_test.relaxation_fit import PuckProblem, fit_relaxation
 from tests.support.puck_history import frictionless, ramps, relaxed
 

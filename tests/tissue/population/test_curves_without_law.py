@@ -5,9 +5,8 @@ import dataclasses
 import numpy as np
 import pytest
 
-from dummydesign.design.scoring.deviations import TOLERANCE, Readings
 from dummydesign.design.scoring.presses import Sampling
-from dummydesign.design.scoring.score import evaluate
+from dummydesign.design.scoring.score import TOLERANCE, Readings, evaluate
 from dummydesign.design.scoring.targets import make_targets
 from dummydesign.design.scoring.verdict import ranges_of, readings_of
 from dummydesign.measurement.motion import ramp_and_hold

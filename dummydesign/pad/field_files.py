@@ -13,7 +13,7 @@ import numpy as np
 
 from dummydesign.core.errors import InputError
 from dummydesign.core.files import unwritable, write_bytes, write_text
-from dummydesign.pad.fields.stress import Pressed
+from dummydesign.pad.fields import Pressed
 
 Array = np.ndarray
 

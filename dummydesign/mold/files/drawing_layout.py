@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from dummydesign.geometry.pad_shape import PadShape
-from dummydesign.mold.files.drawings.sheet import (
+from dummydesign.mold.files.drawing_sheet import (
     HIGH_MM,
     MARGIN_MM,
     PAPERS,

@@ -1,1 +1,0 @@
-"""Dimensioned drawings of every part: what is drawn, where it stands on the paper, and its files."""

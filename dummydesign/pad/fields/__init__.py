@@ -1,1 +1,0 @@
-"""Displacement, stress and contact pressure inside a pressed pad: solved, written for ParaView, drawn."""

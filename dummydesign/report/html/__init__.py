@@ -1,1 +1,0 @@
-"""One HTML page without anything from outside, its script and its viewer."""

@@ -10,7 +10,7 @@ import zipfile
 
 from dummydesign.core.errors import InputError
 from dummydesign.measurement.importing.decisions import ImportLog
-from dummydesign.measurement.importing.vocabulary import is_known_word
+from dummydesign.measurement.importing.vocabulary import ROLES, is_known_word, roles_of_name, split_name
 
 _MARKS = {
     codecs.BOM_UTF8: "utf-8-sig", codecs.BOM_UTF32_LE: "utf-32", codecs.BOM_UTF32_BE: "utf-32",
@@ -18,6 +18,8 @@ _MARKS = {
 }  # fmt: skip
 _PAGES = ("cp1252", "cp932", "mac_roman", "cp850", "euc_jp", "cp1250")
 """Code pages that are tried, likeliest first: Western and Japanese Windows, old Macs, DOS, Unix, Central Europe."""
+_HEADER_ROWS = 60
+"""Rows of a sheet among which the names of columns are looked for."""
 _NO_TEXT = {
     b"%PDF": "a PDF", b"\x89PNG": "a picture", b"\xff\xd8\xff": "a picture", b"GIF8": "a picture",
     b"\xd0\xcf\x11\xe0": "an old Excel workbook (.xls): save it as .xlsx or CSV",
@@ -135,7 +137,7 @@ def workbook_text(data: bytes, log: ImportLog) -> str:
     except ImportError:
         message = "is an Excel workbook; save it as CSV, or install the reader: pip install 'dummydesign[xlsx]'"
         raise log.fault(message, "program_missing", "openpyxl") from None
-    sheets: dict[str, list[str]] = {}
+    sheets: dict[str, list[list[str]]] = {}
     try:
         with zipfile.ZipFile(io.BytesIO(data)) as packed:
             if sum(part.file_size for part in packed.infolist()) > MOST_BYTES:
@@ -143,9 +145,9 @@ def workbook_text(data: bytes, log: ImportLog) -> str:
                 raise log.fault(message, "too_large", "workbook")
         book = openpyxl.load_workbook(io.BytesIO(data), read_only=True, data_only=True)
         for sheet in book.worksheets:
-            lines = ["\t".join(map(_cell, row)).rstrip("\t") for row in sheet.iter_rows(values_only=True)]
-            if sum(map(_numeric, lines)) >= 3:
-                sheets[sheet.title] = lines
+            rows = [[_cell(value) for value in row] for row in sheet.iter_rows(values_only=True)]
+            if sum(map(_numeric, rows)) >= 3:
+                sheets[sheet.title] = rows
     except InputError:
         raise
     except Exception as problem:  # openpyxl raises whatever the XML made of it
@@ -154,8 +156,36 @@ def workbook_text(data: bytes, log: ImportLog) -> str:
     if not sheets:
         message = "no sheet holds a table of numbers; export time, displacement and force as columns"
         raise log.fault(message, "nothing_found", "table")
-    log.decide("sheets", ", ".join(sheets), "the sheets that hold rows of numbers")
-    return "\n".join(line for lines in sheets.values() for line in lines) + "\n"
+    tests = _sheets_of_tests(sheets, log)
+    log.decide("sheets", ", ".join(tests), "the sheets that hold rows of numbers")
+    return "\n".join("\t".join(row).rstrip("\t") for rows in tests.values() for row in rows) + "\n"
+
+
+def _sheets_of_tests(sheets: dict[str, list[list[str]]], log: ImportLog) -> dict[str, list[list[str]]]:
+    """Leave out, where some sheets name time, displacement and force, the other sheets and the cells beside the table.
+
+    Test programs write a sheet of results and a sheet a specimen; people then calculate beside the columns.
+    """
+    widths = {title: width for title, rows in sheets.items() if (width := _named_width(rows))}
+    if not widths:
+        return sheets
+    others = [title for title in sheets if title not in widths]
+    if others:
+        log.decide("sheets left out", ", ".join(others), "other sheets name time, displacement and force; these do not")
+    beside = [title for title in widths if any(any(row[widths[title] :]) for row in sheets[title])]
+    if beside:
+        why = "cells to the right of the last named column are no part of the table"
+        log.decide("cells left out", ", ".join(beside), why)
+    return {title: [row[:width] for row in sheets[title]] for title, width in widths.items()}
+
+
+def _named_width(rows: list[list[str]]) -> int:
+    """Columns up to the last one with a name, where the first rows name time, displacement and force; else 0."""
+    for row in rows[:_HEADER_ROWS]:
+        known = frozenset[str]().union(*(roles_of_name(split_name(cell)[0]) for cell in row if cell))
+        if known >= set(ROLES):
+            return max(at for at, cell in enumerate(row, 1) if cell)
+    return 0
 
 
 def _cell(value: object) -> str:
@@ -170,6 +200,6 @@ def _cell(value: object) -> str:
     return repr(value) if isinstance(value, float) else " ".join(str(value).split())
 
 
-def _numeric(line: str) -> bool:
-    cells = [cell for cell in line.split("\t") if cell]
+def _numeric(row: list[str]) -> bool:
+    cells = [cell for cell in row if cell]
     return len(cells) >= 2 and sum(cell[0] in "+-0123456789.,−" for cell in cells) >= 2

@@ -5,6 +5,7 @@ from __future__ import annotations
 import codecs
 import datetime
 import io
+import itertools
 import re
 import zipfile
 
@@ -130,8 +131,11 @@ def is_workbook(data: bytes) -> bool:
         return False
 
 
-def workbook_text(data: bytes, log: ImportLog) -> str:
-    """Return the sheets that hold a table as lines of cells separated by tabs, one sheet after the other."""
+def workbook_texts(data: bytes, log: ImportLog) -> dict[str, str]:
+    """Return the sheets that hold a table as lines of cells separated by tabs.
+
+    By the sheet's title where several sheets are tests of their own; else one sheet after the other, without a title.
+    """
     try:
         import openpyxl
     except ImportError:
@@ -158,7 +162,31 @@ def workbook_text(data: bytes, log: ImportLog) -> str:
         raise log.fault(message, "nothing_found", "table")
     tests = _sheets_of_tests(sheets, log)
     log.decide("sheets", ", ".join(tests), "the sheets that hold rows of numbers")
-    return "\n".join("\t".join(row).rstrip("\t") for rows in tests.values() for row in rows) + "\n"
+    texts = {title: "".join("\t".join(row).rstrip("\t") + "\n" for row in rows) for title, rows in tests.items()}
+    return texts if len(texts) > 1 and _time_begins_again(list(tests.values())) else {"": "".join(texts.values())}
+
+
+def _time_begins_again(tests: list[list[list[str]]]) -> bool:
+    """Whether the time of every sheet begins before that of the sheet before it ended: each is a test of its own."""
+    spans = []
+    for rows in tests:
+        at = next((at for row in rows[:_HEADER_ROWS] for at in _time_columns(row)), None)
+        if at is None:
+            return False
+        times = [time for row in rows if at < len(row) and (time := _number(row[at])) is not None]
+        spans.append((times[0], times[-1]) if times else (0.0, 0.0))
+    return all(begin < before_end for (_, before_end), (begin, _) in itertools.pairwise(spans))
+
+
+def _time_columns(row: list[str]) -> list[int]:
+    return [at for at, cell in enumerate(row) if cell and "time" in roles_of_name(split_name(cell)[0])]
+
+
+def _number(cell: str) -> float | None:
+    try:
+        return float(cell)
+    except ValueError:
+        return None
 
 
 def _sheets_of_tests(sheets: dict[str, list[list[str]]], log: ImportLog) -> dict[str, list[list[str]]]:
@@ -180,11 +208,13 @@ def _sheets_of_tests(sheets: dict[str, list[list[str]]], log: ImportLog) -> dict
 
 
 def _named_width(rows: list[list[str]]) -> int:
-    """Columns up to the last one with a name, where the first rows name time, displacement and force; else 0."""
+    """Columns before the first one without a name, where the first rows name time, displacement and force; else 0."""
     for row in rows[:_HEADER_ROWS]:
-        known = frozenset[str]().union(*(roles_of_name(split_name(cell)[0]) for cell in row if cell))
-        if known >= set(ROLES):
-            return max(at for at, cell in enumerate(row, 1) if cell)
+        known = [roles_of_name(split_name(cell)[0]) & set(ROLES) for cell in row]
+        if frozenset[str]().union(*known) >= set(ROLES):
+            last = max(at for at, roles in enumerate(known) if roles)
+            nameless = (at for at in range(last + 1, len(row)) if not row[at] or _number(row[at]) is not None)
+            return next(nameless, len(row))
     return 0
 
 

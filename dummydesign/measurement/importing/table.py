@@ -14,7 +14,7 @@ from dummydesign.core.errors import InputError
 from dummydesign.measurement.importing import cells as cell_text
 from dummydesign.measurement.importing.columns import Column, choose, describe_columns, find_candidates, find_factors
 from dummydesign.measurement.importing.decisions import ImportLog
-from dummydesign.measurement.importing.decoding import decode, is_workbook, workbook_text
+from dummydesign.measurement.importing.decoding import decode, is_workbook, workbook_texts
 from dummydesign.measurement.importing.layout import Layout, find_layout
 from dummydesign.measurement.importing.vocabulary import ROLES
 
@@ -38,10 +38,20 @@ class Columns:
     chosen: dict[str, Column]
 
 
-def read_columns(path: Path, log: ImportLog) -> Columns:
-    """Read time, displacement and force of a file as a test machine wrote it."""
+def read_texts(path: Path, log: ImportLog) -> dict[str, str]:
+    """Read a file to text; a workbook whose sheets are tests of their own to one text a sheet, by its title."""
     data = _read_bytes(path)
-    layout = find_layout(workbook_text(data, log) if is_workbook(data) else decode(data, log), log)
+    return workbook_texts(data, log) if is_workbook(data) else {"": decode(data, log)}
+
+
+def read_columns(path: Path, log: ImportLog) -> Columns:
+    """Read time, displacement and force of a file as a test machine wrote it, all sheets of a workbook as one text."""
+    return columns_of("".join(read_texts(path, log).values()), log)
+
+
+def columns_of(text: str, log: ImportLog) -> Columns:
+    """Read time, displacement and force of a text."""
+    layout = find_layout(text, log)
     columns = describe_columns(layout)
     found = find_candidates(columns, log)
     named = {column.index for role in ROLES for column in found[role]}

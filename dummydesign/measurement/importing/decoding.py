@@ -170,10 +170,11 @@ def _time_begins_again(tests: list[list[list[str]]]) -> bool:
     """Whether the time of every sheet begins before that of the sheet before it ended: each is a test of its own."""
     spans = []
     for rows in tests:
-        at = next((at for row in rows[:_HEADER_ROWS] for at in _time_columns(row)), None)
-        if at is None:
+        heads = [(row, at) for row, cells in enumerate(rows[:_HEADER_ROWS]) for at in _time_columns(cells)]
+        if not heads:
             return False
-        times = [time for row in rows if at < len(row) and (time := _number(row[at])) is not None]
+        head, at = heads[0]
+        times = [time for row in rows[head:] if at < len(row) and (time := _number(row[at])) is not None]
         spans.append((times[0], times[-1]) if times else (0.0, 0.0))
     return all(begin < before_end for (_, before_end), (begin, _) in itertools.pairwise(spans))
 

@@ -102,7 +102,8 @@ def render(result: dict[str, Any]) -> str:
         words = ", ".join(f"{name} {known[name]}" for name in DECIDED if name in known)
         sheet = f" [{one['sheet']}]" if "sheet" in one else ""
         head += labelled("FILE", f"{Path(one['source']).name}{sheet}: {words}", 3)
-    head += labelled("", f"{len(result['files']) - 3} more {'sheets' if sheets else 'files'}: --details" if len(result["files"]) > 3 else "")
+    more, kind = len(result["files"]) - 3, "sheets" if sheets else "files"
+    head += labelled("", f"{more} more {kind}: --details" if more > 0 else "")
     table = [f"  {'press':<28} {'mm/s':>8} {'hold s':>8} {'mm':>8} {'peak N':>8} {'steady N':>8}"]
     for trace in (trace for one in result["files"] for trace in one["traces"]):
         steady = "-" if trace["steady_force_N"] is None else f"{trace['steady_force_N']:.3f}"

@@ -98,10 +98,12 @@ def _tests_of(path: Path, settings: Settings | None) -> list[tuple[str, str, Imp
     if len(texts) == 1:
         return [("", next(iter(texts.values())), log)]
     why = "one of the sheets that are tests of their own: each has its own zero and presses"
-    return [
-        (title, text, ImportLog(f"{path.name} [{title}]", log.settings, [*log.decisions, Decision("sheet", title, why)]))
-        for title, text in texts.items()
-    ]
+    tests = []
+    for title, text in texts.items():
+        own = ImportLog(f"{path.name} [{title}]", log.settings, list(log.decisions))
+        own.decide("sheet", title, why)
+        tests.append((title, text, own))
+    return tests
 
 
 def _import_text(path: Path, text: str, log: ImportLog, sheet: str = "") -> Imported:

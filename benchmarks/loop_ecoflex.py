@@ -122,7 +122,7 @@ def page(table: list[dict[str, str]]) -> str:
         "Data: Dawood, Zhang, Osman, Suulker, Abdulali, Angelmahr, Althoefer (2026), Hyperelastic Characterisation",
         "of Silicone Tissue Phantoms, CC BY 4.0. Two specimens of each mixture, 50 x 30 mm, 10 mm/min, no hold,",
         "friction of the plates not stated. Base: frictionless neo-Hookean puck. Errors are N rms to "
-        f"{DEEP_MM:g} mm.", "",
+        f"{DEEP_MM:g} mm.", "Other public measurements: [real presses](real-data.md).", "",
         f"- The loop finds plate friction in {len(rubbing)} of {len(table)} mixtures, {min(sizes):.2f} to "
         f"{max(sizes):.2f}.",
         f"- There the error on the specimen left out falls to {min(share):.2f} to {max(share):.2f} of the base's "

@@ -95,6 +95,10 @@ STUDIES = (
         "what each shape reaches for each tissue", "6 min",
     ),
     Study("shape_figure", "", ("docs/images/shapes.png",), "cross-sections of the best pads of a forefinger", "2 s"),
+    Study(
+        "real_data", "MEAT_DIR ADHESIVE_DIR", ("docs/real-data.md", "docs/data/real-data.csv"),
+        "real presses of other laboratories, predicted from left-out presses", "3 min",
+    ),
     Study("verification", "", ("VERIFICATION.md",), "checks of the pad model against closed forms"),
     Study("ways", "", ("docs/architecture.md",), "ways of design, campaign and slider", "1 min"),
     Study("errors", "", ("docs/errors.md",), "list of error codes", "1 s"),

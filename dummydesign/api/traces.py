@@ -302,7 +302,8 @@ def import_traces(
     flip : iterable of str, optional
         Which of ``displacement`` and ``force`` to negate; empty for none.
     tare, contact : str, optional
-        ``auto``, ``none``, or the reading at no force and at contact, as the file counts it, in N and mm.
+        ``auto``, ``none``, or the reading at no force and at contact, as the file counts it, in N and mm. ``tare`` may
+        be ``first``: the first sample of each file.
     split : str, optional
         ``auto`` or ``none``.
     out : path, optional

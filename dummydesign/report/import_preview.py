@@ -34,8 +34,8 @@ def write_preview(
         if drawn + len(one.presses) <= MOST_PRESSES:
             drawn += len(one.presses)
             plots = [_recording(number, one), *(_toe(number, one, press) for press in one.presses)]
-        sections.append(Section(one.source.name, "", plots, _traces(written)))
-        sections.append(Section(f"{one.source.name}: what was decided", html=_decisions(written)))
+        sections.append(Section(one.name, "", plots, _traces(written)))
+        sections.append(Section(f"{one.name}: what was decided", html=_decisions(written)))
     presses = sum(len(one.presses) for one in imported)
     facts = [(str(len(imported)), "files"), (str(presses), "presses")]
     lead = (
@@ -72,7 +72,7 @@ def _recording(number: int, one: Imported) -> Plot:
     touch = [press.begins_s + _contact_time(press) for press in one.presses]
     layers.append(Dots("contact", np.array(touch), np.zeros(len(touch)), "aim"))
     count = len(one.presses)
-    alt = f"Force over time of {one.source.name}: {count} press{'es' if count > 1 else ''}, largest force {top:.3g} N."
+    alt = f"Force over time of {one.name}: {count} press{'es' if count > 1 else ''}, largest force {top:.3g} N."
     return Plot(
         f"file-{number + 1}", "Force over time", alt, "time of the file [s]", "force [N]", "time_s", "force_N",
         tuple(layers), note="Nothing of the recording is left out: presses are parted where the punch is farthest out.",
@@ -98,7 +98,7 @@ def _toe(number: int, one: Imported, press: ImportedPress) -> Plot:
     interval = Band("contact by the force, 95 %", np.array([low, high]), np.zeros(2), np.full(2, height))
     line = Line(f"press {press.number}", x[part], force[part], STYLES[(press.number - 1) % len(STYLES)])
     alt = (
-        f"Force over position about the contact of press {press.number} of {one.source.name}; by the force alone "
+        f"Force over position about the contact of press {press.number} of {one.name}; by the force alone "
         f"contact lies between {low:.3g} and {high:.3g} mm of the zero that was taken."
     )
     zero = Dots("zero", np.zeros(1), np.zeros(1), "aim")

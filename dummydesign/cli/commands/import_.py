@@ -29,7 +29,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("--encoding", metavar="E", help="such as utf-8, utf-16, cp1252, cp932")
     add("--skip", metavar="N", help="lines to leave out at the start of the file")
     add("--flip", metavar="WHICH", help="displacement, force, both with a comma, or none (default: by what they do)")
-    add("--tare", metavar="auto|none|N", help="reading at no force, as the file counts it (default auto: lead-in)")
+    add("--tare", metavar="auto|none|first|N", help="reading at no force, as the file counts it, or of each file's "
+        "first sample (default auto: lead-in)")  # fmt: skip
     add("--contact", metavar="auto|none|MM", help="reading at contact, as the file counts it (default auto: by force)")
     add("--split", metavar="auto|none", help="auto: parted where force and depth return to zero; none: one press")
     add("--out", metavar="DIR", help="folder of the traces (default import-NAME)")
@@ -92,17 +93,22 @@ def render(result: dict[str, Any]) -> str:
     if "profiles" in result:
         return render_details(result)
     count = sum(len(one["traces"]) for one in result["files"])
-    head = labelled("READ", f"{count} press{'es' * (count != 1)} from {len(result['files'])} file"
-                            f"{'s' * (len(result['files']) != 1)}. Check units, signs and contact in the preview.")
+    files, sheets = len({one["source"] for one in result["files"]}), sum("sheet" in one for one in result["files"])
+    origin = f"{files} file{'s' * (files != 1)}" + (f" ({sheets} sheets)" if sheets else "")
+    head = labelled("READ", f"{count} press{'es' * (count != 1)} from {origin}. "
+                            "Check units, signs and contact in the preview.")  # fmt: skip
     for one in result["files"][:3]:
         known = {decision["what"]: decision["value"] for decision in one["decisions"]}
         words = ", ".join(f"{name} {known[name]}" for name in DECIDED if name in known)
-        head += labelled("FILE", f"{Path(one['source']).name}: {words}", 3)
-    head += labelled("", f"{len(result['files']) - 3} more files: --details" if len(result["files"]) > 3 else "")
+        sheet = f" [{one['sheet']}]" if "sheet" in one else ""
+        head += labelled("FILE", f"{Path(one['source']).name}{sheet}: {words}", 3)
+    more, kind = len(result["files"]) - 3, "sheets" if sheets else "files"
+    head += labelled("", f"{more} more {kind}: --details" if more > 0 else "")
     table = [f"  {'press':<28} {'mm/s':>8} {'hold s':>8} {'mm':>8} {'peak N':>8} {'steady N':>8}"]
     for trace in (trace for one in result["files"] for trace in one["traces"]):
         steady = "-" if trace["steady_force_N"] is None else f"{trace['steady_force_N']:.3f}"
-        table.append(f"  {trace['file'][:28]:<28} {trace['velocity_mm_s']:>8.4g} {trace['hold_s']:>8.3g} "
+        file = trace["file"] if len(trace["file"]) <= 28 else "..." + trace["file"][-25:]
+        table.append(f"  {file:<28} {trace['velocity_mm_s']:>8.4g} {trace['hold_s']:>8.3g} "
                      f"{trace['depth_mm']:>8.3f} {trace['peak_force_N']:>8.3f} {steady:>8}")  # fmt: skip
     made = f"traces in {result['inputs']['out']}/, {result['preview']} (look at it first)"
     made += f", profile {result['profile']}" if "profile" in result else ""

@@ -338,7 +338,7 @@ def find_tares(
         if abs(rest_N) > max(4.0 * max(first.noise_N, 1e-12), 0.004 * first.peak_N):
             shown = sign * rest_N
             doubt = f"the force is {shown:.3g} N at the first sample and there is no lead-in before contact"
-            option = f"--tare {shown:.4g} where it is an offset, --tare none where it presses"
+            option = f"--tare {shown:.4g} where it is an offset (first: of each file), --tare none where it presses"
             raise log.question(f"{doubt}: an offset, or already pressed", option)
         log.decide("tare", "none", "there is no lead-in, and the force begins at zero within its noise")
     elif abs(level) <= 1.5 * first.tare_error_N or abs(level) < 0.1 * first.noise_N:

@@ -78,8 +78,11 @@ def _several_holds(press: _Press) -> None:
     summary, grid = press.summary, np.linspace(press.time[0], press.time[-1], 2000)
     x, step = np.interp(grid, press.time, press.x), grid[1] - grid[0]
     slow = np.abs(np.gradient(x, step)) < 0.05 * max(summary.velocity_mm_s, 1e-9)
-    pressed = slow & (x > 0.1 * summary.depth_mm) & (np.abs(x - summary.depth_mm) > 0.05 * summary.depth_mm)
-    least_s = max(0.3, 5.0 * step, 0.3 * summary.hold_s)
+    deepest = np.abs(x - summary.depth_mm) <= 0.05 * summary.depth_mm
+    pressed = slow & (x > 0.1 * summary.depth_mm) & ~deepest
+    # a hold found on a staircase reaches over its last steps: only standing at the deepest is compared with
+    first, last = _longest(slow & deepest)
+    least_s = max(0.3, 5.0 * step, 0.3 * min(summary.hold_s, (last - first) * step))
     plateaus = [float(np.median(x[a:b])) for a, b in true_runs(pressed) if (b - a) * step > least_s]
     if plateaus:
         depths = ", ".join(f"{depth:.2f}" for depth in sorted({*plateaus, summary.depth_mm}))

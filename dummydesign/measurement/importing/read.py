@@ -19,7 +19,7 @@ from dummydesign.measurement.importing import contact as contact_zero
 from dummydesign.measurement.importing.decisions import Decision, ImportLog, NoTableError, Settings
 from dummydesign.measurement.importing.press_checks import check_press, fingerprint
 from dummydesign.measurement.importing.signs import HIGH, Span, find_presses, find_signs
-from dummydesign.measurement.importing.table import Columns, read_columns
+from dummydesign.measurement.importing.table import Columns, columns_of, read_texts
 from dummydesign.measurement.importing.vocabulary import BASE, ROLES, USUAL_UNITS, scaled_unit
 from dummydesign.measurement.landmarks import SHALLOWEST_MM, Summary, summarise
 from dummydesign.measurement.trace import COLUMNS, SECONDS, magnitude_fault
@@ -61,6 +61,13 @@ class Imported:
     decisions: tuple[Decision, ...]
     warnings: tuple[dict[str, Any], ...]
     columns: Columns
+    sheet: str = ""
+    """Title of the sheet, of a workbook whose sheets are tests of their own."""
+
+    @property
+    def name(self) -> str:
+        """Name of the file, and of the sheet in it."""
+        return f"{self.source.name} [{self.sheet}]" if self.sheet else self.source.name
 
 
 def import_file(path: str | Path, settings: Settings | None = None) -> Imported:
@@ -82,8 +89,29 @@ def import_file(path: str | Path, settings: Settings | None = None) -> Imported:
     """
     path = Path(path)
     log = ImportLog(path.name, settings or Settings())
-    columns = read_columns(path, log)
-    tare = _read_option("tare", log.settings.tare, "force")
+    return _import_text(path, "".join(read_texts(path, log).values()), log)
+
+
+def _tests_of(path: Path, settings: Settings | None) -> list[tuple[str, str, ImportLog]]:
+    """The title, the text and the log of each test of a file: one, or one a sheet of a workbook of tests."""
+    log = ImportLog(path.name, settings or Settings())
+    texts = read_texts(path, log)
+    if len(texts) == 1:
+        return [("", next(iter(texts.values())), log)]
+    why = "one of the sheets that are tests of their own: each has its own zero and presses"
+    tests = []
+    for title, text in texts.items():
+        own = ImportLog(f"{path.name} [{title}]", log.settings, list(log.decisions))
+        own.decide("sheet", title, why)
+        tests.append((title, text, own))
+    return tests
+
+
+def _import_text(path: Path, text: str, log: ImportLog, sheet: str = "") -> Imported:
+    """Read one test."""
+    columns = columns_of(text, log)
+    first = float(columns.force_N[0])
+    tare = first if log.settings.tare == "first" else _read_option("tare", log.settings.tare, "force")
     zero = _read_option("contact", log.settings.contact, "length")
     signs = find_signs(columns.displacement_mm, columns.force_N, tare, log)
     time, x = columns.time_s, signs.displacement * columns.displacement_mm
@@ -108,7 +136,7 @@ def import_file(path: str | Path, settings: Settings | None = None) -> Imported:
         check_press(t, way, force, contact, summary, partial(log.warn, name=name))
         interval = contact.low_mm - at, contact.high_mm - at
         presses.append(ImportedPress(number, t, way, force, summary, *interval, float(time[span.start])))
-    return Imported(path, tuple(presses), tuple(log.decisions), tuple(log.warnings), columns)
+    return Imported(path, tuple(presses), tuple(log.decisions), tuple(log.warnings), columns, sheet)
 
 
 def _read_option(option: str, word: str, kind: str) -> float | None:
@@ -123,6 +151,7 @@ def _read_option(option: str, word: str, kind: str) -> float | None:
     except ValueError:
         pass
     form = f"a reading in {BASE[kind]} (or with a unit: {USUAL_UNITS[kind]})"
+    form += ", or first (each file's first sample)" if option == "tare" else ""
     raise InputError(f"--{option} {word} is not auto, none or {form}", "not_a_number", option, word)
 
 
@@ -245,9 +274,18 @@ def import_files(
     warnings: list[dict[str, Any]] = []
     problems: list[InputError] = []
     listed = files_of(paths)
+    count = 0
     for path, in_folder in listed:
         try:
-            imported.append(import_file(path, settings))
+            tests = _tests_of(path, settings)
+            count += len(tests)
+            for sheet, text, log in tests:
+                try:
+                    imported.append(_import_text(path, text, log, sheet))
+                except InputError as problem:
+                    if len(tests) == 1:
+                        raise
+                    problems.append(problem)
         except InputError as problem:
             if in_folder and isinstance(problem, NoTableError):
                 message = f"{path.name} is left out: it holds no table of numbers"
@@ -255,20 +293,22 @@ def import_files(
             else:
                 problems.append(problem)
     if problems:
-        more = f" (and {len(problems) - 1} of {len(listed)} files more have such a doubt)" if len(problems) > 1 else ""
+        kind = "files" if count <= len(listed) else "sheets"
+        total = max(count, len(listed))
+        more = f" (and {len(problems) - 1} of {total} {kind} more have such a doubt)" if len(problems) > 1 else ""
         first = problems[0]
         raise type(first)(f"{first}{more}", first.code, first.quantity, first.value, first.allowed)
     if not imported:
         message = f"none of the {len(listed)} files holds a table of numbers"
         raise InputError(message, "nothing_found", "table")
-    seen: dict[str, tuple[Path, int]] = {}
+    seen: dict[str, tuple[Imported, int]] = {}
     for one in imported:
         for press in one.presses:
             key = fingerprint(press.displacement_mm, press.force_N)
-            source, number = seen.setdefault(key, (one.source, press.number))
-            if source != one.source:
+            other, number = seen.setdefault(key, (one, press.number))
+            if other is not one:
                 message = (
-                    f"{one.source.name} press {press.number} is the same recording as {source.name} press {number}: "
+                    f"{one.name} press {press.number} is the same recording as {other.name} press {number}: "
                     "one subject under two names, or a copy? take one of them out"
                 )
                 warnings.append({"code": "same_press", "message": message})
@@ -282,7 +322,7 @@ def plan_traces(imported: Sequence[Imported], folder: Path | None) -> list[Plann
     planned = []
     for one in imported:
         for press in one.presses:
-            name = _name(one.source, press.number, taken)
+            name = _name(one.source, one.sheet, press.number, taken)
             if folder is not None and (folder / name).resolve() in sources:
                 message = f"trace '{name}' would take the place of a file that is read; give another --out"
                 raise InputError(message, "file_exists", "out", name)
@@ -303,6 +343,7 @@ def describe(imported: Sequence[Imported], planned: Sequence[Planned]) -> list[d
     return [
         {
             "source": str(one.source),
+            **({"sheet": one.sheet} if one.sheet else {}),
             "traces": [
                 {"file": name, "press": press.number, "samples": len(press.time_s), **press.summary.to_dict()}
                 for owner, press, name in planned if owner is one
@@ -314,9 +355,10 @@ def describe(imported: Sequence[Imported], planned: Sequence[Planned]) -> list[d
     ]  # fmt: skip
 
 
-def _name(source: Path, number: int, taken: set[str]) -> str:
-    """A plain name: the source's, and the number of the press; another count behind it where two sources share one."""
-    stem = re.sub(r"[^\w.-]+", "_", source.stem).strip("._") or "trace"
+def _name(source: Path, sheet: str, number: int, taken: set[str]) -> str:
+    """A plain name: the source's, its sheet's, and the number of the press; a count behind it where two share one."""
+    plain = (re.sub(r"[^\w.-]+", "_", word).strip("._") for word in (source.stem[:60] if sheet else source.stem, sheet))
+    stem = "_".join(word for word in plain if word) or "trace"
     name, count = f"{stem[:100]}_{number}.csv", 1
     while name.lower() in taken:
         count += 1

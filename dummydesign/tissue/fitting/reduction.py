@@ -70,7 +70,11 @@ def reduce_trace(trace: Trace) -> ReducedTrace:
     time, force = trace.time_s, trace.force_N
     hold = ramp.hold_end_s - ramp.stop_time_s
     if hold < 5 * ramp.rise_time_s * 0.02 or hold < 0.05:
-        message = f"{trace.name}: a hold of {hold:.3g} s is too short to see relaxation; hold 10 s"
+        needed = max(10.0, 0.1 * ramp.rise_time_s)
+        message = (
+            f"{trace.name}: a hold of {hold:.3g} s after a rise of {ramp.rise_time_s:.3g} s is too short to see "
+            f"relaxation; hold {needed:.3g} s"
+        )
         raise InputError(message, "not_enough_data", "hold_s", float(hold))
     edges = _edges(ramp, time)
     binning = cut(time, edges)

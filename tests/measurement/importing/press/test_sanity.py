@@ -77,6 +77,17 @@ def test_a_staircase_is_told(press):
     assert "several_holds" in checked(time, x, 2.0 * np.maximum(x, 0) ** 1.5)
 
 
+def test_a_staircase_is_told_where_it_ends_without_standing(press):
+    # four steps held for 150 s each; rises fewer samples apart than holds, and the last rise ends the test
+    corners, time = [0.0], [np.zeros(1)]
+    for step in (2.4, 6.0) * 5:
+        time.append(corners[-1] + np.arange(step, (120.0 if step < 5 else 150.0) + 0.1, step))
+        corners.append(float(time[-1][-1]))
+    time = np.concatenate(time[:-1])
+    x = np.interp(time, corners[:-1], [0, 0.26, 0.26, 0.52, 0.52, 0.78, 0.78, 1.04, 1.04, 1.27])
+    assert "several_holds" in checked(time, x, 4.0 * np.maximum(x, 0))
+
+
 @pytest.mark.parametrize("change", ["grams", "inches"])
 def test_a_press_far_from_any_hand_or_pad_is_doubted(press, change):
     time, x, force = press

@@ -1,0 +1,236 @@
+"""From the bytes of a file, or an Excel workbook, to text."""
+
+from __future__ import annotations
+
+import codecs
+import datetime
+import io
+import itertools
+import re
+import zipfile
+
+from dummydesign.core.errors import InputError
+from dummydesign.measurement.importing.decisions import ImportLog
+from dummydesign.measurement.importing.vocabulary import ROLES, is_known_word, roles_of_name, split_name
+
+_MARKS = {
+    codecs.BOM_UTF8: "utf-8-sig", codecs.BOM_UTF32_LE: "utf-32", codecs.BOM_UTF32_BE: "utf-32",
+    codecs.BOM_UTF16_LE: "utf-16", codecs.BOM_UTF16_BE: "utf-16",
+}  # fmt: skip
+_PAGES = ("cp1252", "cp932", "mac_roman", "cp850", "euc_jp", "cp1250")
+"""Code pages that are tried, likeliest first: Western and Japanese Windows, old Macs, DOS, Unix, Central Europe."""
+_HEADER_ROWS = 60
+"""Rows of a sheet among which the names of columns are looked for."""
+_NO_TEXT = {
+    b"%PDF": "a PDF", b"\x89PNG": "a picture", b"\xff\xd8\xff": "a picture", b"GIF8": "a picture",
+    b"\xd0\xcf\x11\xe0": "an old Excel workbook (.xls): save it as .xlsx or CSV",
+    b"PK\x03\x04": "a ZIP archive: unpack it first", b"\x1f\x8b": "a gzip archive: unpack it first",
+    b"HDF": "an HDF file: export the test as text", b"\x89HDF": "an HDF file: export the test as text",
+    b"TDSm": "a TDMS file: export the test as text",
+}  # fmt: skip
+
+
+def decode(data: bytes, log: ImportLog) -> str:
+    """Decode the bytes of a file."""
+    if not data.strip(b"\x00\r\n\t \xef\xbb\xbf\xff\xfe"):
+        raise log.fault("is empty; export the test again", "not_enough_data", "file")
+    for magic, what in _NO_TEXT.items():
+        if data.startswith(magic):
+            raise log.fault(f"is {what}, not a table of text; export CSV or text", "file_unreadable", "file")
+    if log.settings.encoding is not None:
+        return _decode_as(data, log.settings.encoding, log)
+    marked = next((name for mark, name in _MARKS.items() if data.startswith(mark)), None)
+    for name, why in (
+        (marked, "byte order mark at the start"), (_wide(data), "every second byte is zero"),
+        ("utf-8", "all of it is valid UTF-8"),
+    ):  # fmt: skip
+        text = _try(data, name) if name else None
+        if text is not None and name:
+            if name != "utf-8" or not data.isascii():
+                log.decide("encoding", name, why)
+            return text
+        if marked:
+            message = f"begins as {marked} but does not go on as such; say --encoding NAME"
+            raise log.fault(message, "file_unreadable", "encoding", marked)
+    if b"\x00" in data:
+        message = "holds zero bytes, so it is no text; export the test as CSV or text"
+        raise log.fault(message, "file_unreadable", "file")
+    return _decode_by_words(data, log)
+
+
+def _decode_as(data: bytes, encoding: str, log: ImportLog) -> str:
+    try:
+        "".encode(encoding)
+    except LookupError:
+        message = f"--encoding {encoding} is not known; known are utf-8, utf-16, latin-1, cp1252, cp932 and others"
+        raise InputError(message, "unknown_name", "encoding", encoding) from None
+    text = _try(data, encoding)
+    if text is None:
+        message = f"is not text in the encoding {encoding}; leave --encoding out to have it found"
+        raise log.fault(message, "inconsistent", "encoding", encoding)
+    log.decide("encoding", encoding, "given by --encoding")
+    return text.removeprefix("\ufeff")
+
+
+def _try(data: bytes, name: str) -> str | None:
+    try:
+        text = data.decode(name)
+    except ValueError:
+        return None
+    return None if "\x00" in text else text
+
+
+def _wide(data: bytes) -> str | None:
+    """UTF-16 without a mark: text that is nearly all ASCII has a zero in every second byte."""
+    head = data[:4096]
+    half = max(len(head) // 2, 1)
+    low, high = head[0::2].count(0) / half, head[1::2].count(0) / half
+    if high > 0.7 and low < 0.1:
+        return "utf-16-le"
+    return "utf-16-be" if low > 0.7 and high < 0.1 else None
+
+
+def _decode_by_words(data: bytes, log: ImportLog) -> str:
+    """Take the code page in which most column names are known words.
+
+    Some twenty letters beyond ASCII stand in such a file, all of them in its header: too few for statistics of
+    letters, enough for a vocabulary.
+    """
+    texts = {page: text for page in _PAGES if (text := _try(data, page)) is not None}
+    if not texts:
+        texts = {"latin-1": data.decode("latin-1")}
+        head = texts["latin-1"][:4096]
+        if sum(not (letter.isprintable() or letter in "\r\n\t") for letter in head) > 0.05 * len(head):
+            message = "is no text in any encoding tried; export it as UTF-8 or say --encoding NAME"
+            raise log.fault(message, "file_unreadable", "encoding")
+    counts = {page: _known_words(text) for page, text in texts.items()}
+    page = max(counts, key=lambda name: counts[name])
+    known = f"{counts[page]} words of its header are known in it" if counts[page] else "numbers read alike in all"
+    log.decide("encoding", page, f"not UTF-8; {known}")
+    return texts[page]
+
+
+def _known_words(text: str) -> int:
+    """Words beyond ASCII, in the lines before the numbers, that are known as names of columns."""
+    words = (re.split(r"[\s;,\t\"()\[\]/|_]+", line) for line in text[:20000].splitlines()[:200])
+    return sum(is_known_word(word) for line in words for word in line if not word.isascii())
+
+
+MOST_BYTES = 1_000_000_000
+"""Largest unpacked size that is read."""
+
+
+def is_workbook(data: bytes) -> bool:
+    """Whether bytes are an .xlsx workbook."""
+    if not data.startswith(b"PK\x03\x04"):
+        return False
+    try:
+        with zipfile.ZipFile(io.BytesIO(data)) as packed:
+            return "xl/workbook.xml" in packed.namelist()
+    except (zipfile.BadZipFile, OSError, ValueError, EOFError, NotImplementedError):
+        return False
+
+
+def workbook_texts(data: bytes, log: ImportLog) -> dict[str, str]:
+    """Return the sheets that hold a table as lines of cells separated by tabs.
+
+    By the sheet's title where several sheets are tests of their own; else one sheet after the other, without a title.
+    """
+    try:
+        import openpyxl
+    except ImportError:
+        message = "is an Excel workbook; save it as CSV, or install the reader: pip install 'dummydesign[xlsx]'"
+        raise log.fault(message, "program_missing", "openpyxl") from None
+    sheets: dict[str, list[list[str]]] = {}
+    try:
+        with zipfile.ZipFile(io.BytesIO(data)) as packed:
+            if sum(part.file_size for part in packed.infolist()) > MOST_BYTES:
+                message = f"unpacks to more than {MOST_BYTES // 10**6} MB; save the sheet as CSV"
+                raise log.fault(message, "too_large", "workbook")
+        book = openpyxl.load_workbook(io.BytesIO(data), read_only=True, data_only=True)
+        for sheet in book.worksheets:
+            rows = [[_cell(value) for value in row] for row in sheet.iter_rows(values_only=True)]
+            if sum(map(_numeric, rows)) >= 3:
+                sheets[sheet.title] = rows
+    except InputError:
+        raise
+    except Exception as problem:  # openpyxl raises whatever the XML made of it
+        message = f"cannot be read as an Excel workbook ({type(problem).__name__}); save it again, or as CSV"
+        raise log.fault(message, "file_unreadable", "workbook") from None
+    if not sheets:
+        message = "no sheet holds a table of numbers; export time, displacement and force as columns"
+        raise log.fault(message, "nothing_found", "table")
+    tests = _sheets_of_tests(sheets, log)
+    log.decide("sheets", ", ".join(tests), "the sheets that hold rows of numbers")
+    texts = {title: "".join("\t".join(row).rstrip("\t") + "\n" for row in rows) for title, rows in tests.items()}
+    return texts if len(texts) > 1 and _time_begins_again(list(tests.values())) else {"": "".join(texts.values())}
+
+
+def _time_begins_again(tests: list[list[list[str]]]) -> bool:
+    """Whether the time of every sheet begins before that of the sheet before it ended: each is a test of its own."""
+    spans = []
+    for rows in tests:
+        heads = [(row, at) for row, cells in enumerate(rows[:_HEADER_ROWS]) for at in _time_columns(cells)]
+        if not heads:
+            return False
+        head, at = heads[0]
+        times = [time for row in rows[head:] if at < len(row) and (time := _number(row[at])) is not None]
+        spans.append((times[0], times[-1]) if times else (0.0, 0.0))
+    return all(begin < before_end for (_, before_end), (begin, _) in itertools.pairwise(spans))
+
+
+def _time_columns(row: list[str]) -> list[int]:
+    return [at for at, cell in enumerate(row) if cell and "time" in roles_of_name(split_name(cell)[0])]
+
+
+def _number(cell: str) -> float | None:
+    try:
+        return float(cell)
+    except ValueError:
+        return None
+
+
+def _sheets_of_tests(sheets: dict[str, list[list[str]]], log: ImportLog) -> dict[str, list[list[str]]]:
+    """Leave out, where some sheets name time, displacement and force, the other sheets and the cells beside the table.
+
+    Test programs write a sheet of results and a sheet a specimen; people then calculate beside the columns.
+    """
+    widths = {title: width for title, rows in sheets.items() if (width := _named_width(rows))}
+    if not widths:
+        return sheets
+    others = [title for title in sheets if title not in widths]
+    if others:
+        log.decide("sheets left out", ", ".join(others), "other sheets name time, displacement and force; these do not")
+    beside = [title for title in widths if any(any(row[widths[title] :]) for row in sheets[title])]
+    if beside:
+        why = "cells to the right of the last named column are no part of the table"
+        log.decide("cells left out", ", ".join(beside), why)
+    return {title: [row[:width] for row in sheets[title]] for title, width in widths.items()}
+
+
+def _named_width(rows: list[list[str]]) -> int:
+    """Columns before the first one without a name, where the first rows name time, displacement and force; else 0."""
+    for row in rows[:_HEADER_ROWS]:
+        known = [roles_of_name(split_name(cell)[0]) & set(ROLES) for cell in row]
+        if frozenset[str]().union(*known) >= set(ROLES):
+            last = max(at for at, roles in enumerate(known) if roles)
+            nameless = (at for at in range(last + 1, len(row)) if not row[at] or _number(row[at]) is not None)
+            return next(nameless, len(row))
+    return 0
+
+
+def _cell(value: object) -> str:
+    if value is None:
+        return ""
+    if isinstance(value, datetime.datetime):
+        return value.isoformat(sep=" ", timespec="microseconds")
+    if isinstance(value, datetime.time):
+        return value.isoformat(timespec="microseconds")
+    if isinstance(value, datetime.timedelta):
+        return repr(value.total_seconds())
+    return repr(value) if isinstance(value, float) else " ".join(str(value).split())
+
+
+def _numeric(row: list[str]) -> bool:
+    cells = [cell for cell in row if cell]
+    return len(cells) >= 2 and sum(cell[0] in "+-0123456789.,−" for cell in cells) >= 2

@@ -1,0 +1,100 @@
+"""Workbooks as test programs write them: a sheet of results, a sheet a specimen, and what people add beside."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from dummydesign.measurement.importing.decisions import QuestionError, Settings
+from dummydesign.measurement.importing.read import describe, import_file, import_files, plan_traces
+
+openpyxl = pytest.importorskip("openpyxl")
+NAMES = ("Temps d'essai", "Force standard", "Allongement", "Ecartement entre outils")
+UNITS = ("s", "N", "mm", "mm")
+
+
+def press(surface_mm=0.0, stiffness=0.4, offset_N=0.0, rest_s=2.0):
+    """Time, force and way of a ramp and hold; the surface may lie below the machine's zero."""
+    time = np.arange(0.0, 16.0, 0.1)
+    way = np.clip(time - rest_s, 0.0, 4.0)
+    depth = np.maximum(way - surface_mm, 0.0)
+    relaxed = 0.6 + 0.4 * np.exp(-np.maximum(time - rest_s - 4.0, 0.0) / 3.0)
+    noise = 2e-4 * np.sin(37.0 * time)
+    return time, stiffness * depth**1.5 * relaxed + offset_N + noise, way
+
+
+def add_sheet(book, title, data, beside=False, note=()):
+    """A specimen's sheet: its title over every column, French names, units, numbers; then what a person adds."""
+    sheet = book.create_sheet(title)
+    sheet.append([title] * 4)
+    sheet.append([*NAMES, *([None, None, 20, 80] if beside else [])])
+    sheet.append(UNITS)
+    for at, (t, force, way) in enumerate(zip(*(column.tolist() for column in data))):
+        sheet.append([t, force, way, 15.0 - way, *([None, 100 * way / 15.0] if beside and 3 < at < 90 else [])])
+    if note:
+        sheet.append(note)
+
+
+def book_of_tests(path, tests, beside=(), note=()):
+    book = openpyxl.Workbook()
+    parameters = book.active
+    parameters.title = "Paramètres"
+    parameters.append([None, None, None])
+    for row in (("HR", "%", 25), ("TA", "°C", 28), ("Opérateur", None, "A")):
+        parameters.append(row)
+    results = book.create_sheet("Résultats")
+    results.append([None, "Désignation éprouvette", "Fmax", "dL(Fmax)"])
+    results.append([None, None, "N", "mm"])
+    for title, (_, force, _) in tests.items():
+        results.append([title, title, float(force.max()), 4.0])
+    for title, data in tests.items():
+        add_sheet(book, title, data, title in beside, note)
+    book.save(path)
+
+
+def test_each_sheet_of_a_specimen_is_a_test_of_its_own(tmp_path):
+    tests = {"230407_FF1A": press(), "230407_FF1B": press(1.5, 1.2), "230407_RDG1A": press(0.5, 0.8)}
+    book_of_tests(tmp_path / "day.xlsx", tests, beside=("230407_FF1B",))
+    read, warnings = import_files([tmp_path / "day.xlsx"])
+    assert not warnings and [one.sheet for one in read] == list(tests)
+    for one, (title, (_, force, _)) in zip(read, tests.items()):
+        assert len(one.presses) == 1 and title in one.name
+        found = one.presses[0]
+        assert found.force_N.max() == pytest.approx(float(force.max()), abs=2e-3)
+        # each specimen has a zero of its own: no depth of one is counted from the surface of another
+        surface = {"230407_FF1A": 0.0, "230407_FF1B": 1.5, "230407_RDG1A": 0.5}[title]
+        assert found.displacement_mm.max() == pytest.approx(4.0 - surface, abs=0.15)
+    planned = plan_traces(read, tmp_path)
+    assert [name for _, _, name in planned] == [f"day_{title}_1.csv" for title in tests]
+    rows = describe(read, planned)
+    assert [row["sheet"] for row in rows] == list(tests) and len({row["source"] for row in rows}) == 1
+
+
+def test_numbers_below_and_beside_the_table_of_a_sheet_are_left_out(tmp_path):
+    tests = {"A": press(), "B": press(0.0, 0.7)}
+    book_of_tests(tmp_path / "day.xlsx", tests, beside=("A",), note=(None, 0.5, 12.0))
+    read, _ = import_files([tmp_path / "day.xlsx"])
+    assert [len(one.presses[0].time_s) for one in read] == [len(data[0]) for data in tests.values()]
+
+
+def test_one_recording_over_two_sheets_stays_one_press(tmp_path):
+    time, force, way = press()
+    halves = {"part 1": (time[:80], force[:80], way[:80]), "part 2": (time[80:], force[80:], way[80:])}
+    book_of_tests(tmp_path / "long.xlsx", halves)
+    read, _ = import_files([tmp_path / "long.xlsx"])
+    assert len(read) == 1 and read[0].sheet == "" and len(read[0].presses[0].time_s) == len(time)
+    assert len(import_file(tmp_path / "long.xlsx").presses[0].time_s) == len(time)
+
+
+def test_every_test_may_begin_with_an_offset_of_its_own(tmp_path):
+    offsets = {"A": -0.826, "B": 0.31}
+    tests = {title: press(0.0, 2.0, offset, rest_s=0.0) for title, offset in offsets.items()}
+    book_of_tests(tmp_path / "day.xlsx", tests)
+    with pytest.raises(QuestionError) as asked:
+        import_files([tmp_path / "day.xlsx"])
+    assert (asked.value.code, asked.value.quantity) == ("needs_decision", "tare")
+    read, _ = import_files([tmp_path / "day.xlsx"], Settings(tare="first"))
+    for one, offset in zip(read, offsets.values()):
+        _, force, _ = tests[one.sheet]
+        assert one.presses[0].force_N.max() == pytest.approx(float(force.max()) - offset, abs=2e-3)
+        assert abs(one.presses[0].force_N[0]) < 1e-3

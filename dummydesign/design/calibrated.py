@@ -13,6 +13,7 @@ from dummydesign.core.quantity import Quantity
 from dummydesign.design.search.shape_family import Designs, Family
 from dummydesign.geometry.dimensions import PUNCH
 from dummydesign.geometry.shape_registry import read_shape
+from dummydesign.measurement.campaign import with_edge
 from dummydesign.pad.tables.slab import load_compressibility
 from dummydesign.resin.model.resin import RelaxationGivenModulus
 
@@ -58,7 +59,9 @@ class Calibrated:
         }  # fmt: skip
 
 
-def with_calibration(resin: Resin, path: str, punch: str = PUNCH, square: bool = True) -> Calibrated:
+def with_calibration(
+    resin: Resin, path: str, punch: str = PUNCH, square: bool = True, edge_radius_mm: float = 0.0
+) -> Calibrated:
     """Read a calibration and put it into a resin and a force law.
 
     The resin's law is updated by the campaign's modulus at its ratio and takes the campaign's relaxation there.
@@ -80,6 +83,7 @@ def with_calibration(resin: Resin, path: str, punch: str = PUNCH, square: bool =
             f"({resin.ratio_min:g} to {resin.ratio_max:g}): design with --resin {pressed}, or without it "
             "(--calibration none)", "inconsistent", "calibration.ratio", ratio, (resin.ratio_min, resin.ratio_max),
         )  # fmt: skip
+    punch = with_edge(punch, edge_radius_mm)
     warnings = _differences(calibration, resin, ratio, punch)
     source = f"calibration {path} of a measured campaign"
     young = 1e3 * float(calibration.after.base.young_MPa)
@@ -96,7 +100,7 @@ def with_calibration(resin: Resin, path: str, punch: str = PUNCH, square: bool =
         updated, arms=tuple(arms), relaxation_ratio_ref=float(ratio), references=(*resin.references, source),
         joint_relaxation=_joint(calibration),
     )  # fmt: skip
-    return Calibrated(resin, CorrectedLaw(calibration, square, BASE, punch), calibration, warnings, path)
+    return Calibrated(resin, CorrectedLaw(calibration, square, BASE, punch, edge_radius_mm), calibration, warnings, path)
 
 
 def _joint(calibration: Calibration) -> RelaxationGivenModulus | None:

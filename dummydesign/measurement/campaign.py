@@ -42,6 +42,11 @@ class PadSpec:
     geometry: PadShape = SLAB
 
 
+def with_edge(punch: str, edge_radius_mm: float) -> str:
+    """A punch as it is typed, with the fillet of its edge where it has one."""
+    return f"{punch}, edge radius {edge_radius_mm:g} mm" if edge_radius_mm else punch
+
+
 @dataclass(frozen=True)
 class PunchSpec:
     """The impactor: ``square`` (side), ``round`` or ``ball`` (diameter), ``profile`` or ``plate``, and its contact.
@@ -62,7 +67,7 @@ class PunchSpec:
         """As it is typed, such as ``square:14``, with the fillet of its edge; the kind alone of plate and profile."""
         size = self.side_mm if self.shape == "square" else self.diameter_mm
         words = self.shape if size is None or self.shape in ("plate", "profile") else f"{self.shape}:{size:g}"
-        return f"{words}, edge radius {self.edge_radius_mm:g} mm" if self.edge_radius_mm else words
+        return with_edge(words, self.edge_radius_mm)
 
     @property
     def radius_mm(self) -> float:
@@ -185,13 +190,18 @@ def check_edge(pad: PadSpec, punch: PunchSpec, shapes: Sequence[PadShape], where
         share = f"{LARGEST_EDGE_RADIUS:g} of the punch's half-width"
         message = f"{text} is outside the allowed range 0 to {most:.4g}, {share}"
         raise InputError(message, "out_of_range", "edge_radius_mm", edge, (0.0, most))
-    unsolved = [f"shape = {shape}" for shape in shapes if not shape.plain][:1]
-    unsolved += [] if Interface.find(punch.contact, CONDITIONS) else [f"contact = {punch.contact}"]
-    unsolved += [] if pad.base in BASES else [f"base = {pad.base}"]
+    shaped = [shape for shape in shapes if not shape.plain]
+    unsolved = [f"shape = {shape}" for shape in shaped if not shape.axisymmetric][:1]
+    contact = Interface.find(punch.contact, CONDITIONS)
+    # a face that slides or rubs round the fillet is followed on slabs only
+    glued = contact is not None and contact.bonded
+    unsolved += [] if contact and (glued or not shaped) else [f"contact = {punch.contact}"]
+    held = ("bonded",) if any(shape.bone_height_mm for shape in shaped) else BASES
+    unsolved += [] if pad.base in held else [f"base = {pad.base}"]
     if unsolved:
         message = (
-            f"{text} with {unsolved[0]} is not solved; a fillet goes with a flat punch on slabs whose base is bonded "
-            "or sliding: give 0 for the sharp edge"
+            f"{text} with {unsolved[0]} is not solved; a fillet goes with a flat punch on slabs, or glued on round "
+            "shapes, whose base is bonded, or sliding without a bone: give 0 for the sharp edge"
         )
         raise InputError(message, "unsupported", "edge_radius_mm", edge)
 

@@ -139,6 +139,8 @@ def write_campaign(
     crowned: bool = False,
     rows: list[dict] | None = None,
     cast: str | None = None,
+    edge_mm: float = 0.0,
+    declared: bool = True,
 ) -> Truth:
     """Write a campaign with one effect of the given size; the same seed has the same material in both roles.
 
@@ -146,8 +148,11 @@ def write_campaign(
     round punch of the same area; they are solved glued and incompressible, and a tilt has no toe on them.
     ``rows`` are planned presses (h, v, target in N, repeat, sequence, rest, age, temperature, unload) in place of the
     usual ones; a pad pressed in several such campaigns of one seed is the same pad. ``cast`` is what [pad] says it was
-    cast of (lines of TOML).
+    cast of (lines of TOML). ``edge_mm`` is a fillet of the punch that presses crowned pads, 0 or 0.4; the file says so
+    when it is ``declared``.
     """
+    if edge_mm and not crowned:
+        raise ValueError("the fillet is solved for crowned pads")
     if crowned and {effect, *(name for name, _ in more)} & {"base_slip", "compressibility", "punch_tilt"}:
         raise ValueError("slip of the base, compressibility and tilt are not made for crowned pads")
     material = np.random.default_rng([seed, 1])
@@ -174,11 +179,12 @@ def write_campaign(
         pads = {row["h"]: np.random.default_rng([seed, 5, round(100 * row["h"])]).normal(0, level_error, 2)
                 for row in rows}  # fmt: skip
     h = np.array([row["h"] for row in rows])
-    pad = Pad(h, np.array([pads[t][0] for t in h]), np.array([pads[t][1] for t in h]), crown=crowned)
+    own = {"crown": crowned, "edge_mm": edge_mm}
+    pad = Pad(h, np.array([pads[t][0] for t in h]), np.array([pads[t][1] for t in h]), **own)
     share = np.linspace(0.0, 0.42, 85)
     depths = []
     for i, row in enumerate(rows):
-        one = Pad(h[i : i + 1].repeat(85), np.zeros(85), np.zeros(85), crown=crowned)
+        one = Pad(h[i : i + 1].repeat(85), np.zeros(85), np.zeros(85), **own)
         force = nominal * 1e-3 * one.force(share * row["h"])
         target = min(row["target"] if planned else row["level"] * top_force, row.get("level", 0.95) * force[-1])
         depths.append(float(np.interp(target, force, share * row["h"])))
@@ -196,7 +202,9 @@ def write_campaign(
     force = at_the_pad(effects, force)
     before = np.stack([at_the_punch(effects, t, f, a) for t, f, a in zip(time, force, stacked(4))])
     signal = butterworth(time, before, 35.0, effects.get("sensor_lag", 0.0))
-    return _write(folder, effects, rows, moved, signal, nominal, young, slow_time, rng, crowned, cast)
+    cast = "\n".join([*([cast] if cast else []), *([f'shape = "{CROWN}"'] if crowned else [])])
+    punch = [f"edge_radius_mm = {edge_mm}"] if edge_mm and declared else []
+    return _write(folder, effects, rows, moved, signal, nominal, young, slow_time, rng, crowned, cast, punch)
 
 
 def _physics(effects, young, tau, beta, pad, rows, depths, rng) -> Physics:
@@ -264,12 +272,12 @@ def _physics(effects, young, tau, beta, pad, rows, depths, rng) -> Physics:
     return Physics(young * scale, taus, betas, pad, offset, **extra)
 
 
-def _write(folder, effects, rows, moved, force, nominal, young, slow_time, rng, crowned, cast) -> Truth:
+def _write(folder, effects, rows, moved, force, nominal, young, slow_time, rng, crowned, cast, punch) -> Truth:
     folder.mkdir(parents=True, exist_ok=True)
     lines = [
         "schema = 1", f'name = "{folder.name}"', "[pad]", f"young_kPa_nominal = {nominal:.2f}",
         *([cast] if cast else []), "length_mm = 150.0",
-        "width_mm = 120.0", 'base = "bonded"', *([f'shape = "{CROWN}"'] if crowned else []), "[punch]",
+        "width_mm = 120.0", 'base = "bonded"', "[punch]", *punch,
         *(['shape = "round"', f"diameter_mm = {28.0 / np.sqrt(np.pi):.6f}"] if crowned else
           ['shape = "square"', "side_mm = 14.0"]), 'contact = "bonded"',
         "[sensor]", "lowpass_hz = 35.0", "lowpass_order = 2", "lowpass_passes = 1", "force_resolution_N = 0.01",

@@ -18,6 +18,7 @@ from dummydesign.loop.fitting.problem import BASE
 from dummydesign.loop.model.base_law import SetupLaw
 from dummydesign.loop.model.campaign_law import start_young_kPa
 from dummydesign.loop.model.forward_model import NAMES, Active, BaseParameters, LawError, parameter_names, simulate
+from dummydesign.loop.pad_scatter import recorded_spread
 from dummydesign.loop.prior import carried_law
 from dummydesign.loop.result import LoopResult
 from dummydesign.loop.selection.cross_validation import pad_spreads, widened
@@ -73,7 +74,10 @@ def posterior_of(fit: CampaignFit, lack_ratio: float | None = None) -> Posterior
     scale = np.r_[np.ones(BASE), [1.0 if p.log else p.typical for p, _ in found]]
     own = widened(fit, lack_ratio)[: len(mean), : len(mean)] * np.outer(scale, scale)
     names = parameter_names([one.effect for one in fit.active])
-    return Posterior(tuple(names), mean, own, pad_spreads(fit))
+    level, *rest = pad_spreads(fit)
+    # what records told of the pads is not told of the next one
+    level = float(np.hypot(level, recorded_spread(fit.problem.presses)))
+    return Posterior(tuple(names), mean, own, (level, *rest))
 
 
 _PHASES = {PRE: "before_contact", RISE: "rise", HOLD: "hold", UNLOADING: "unloading"}
@@ -208,6 +212,7 @@ def calibration_of(result: LoopResult, prior: Calibration | None = None) -> Cali
         "shape": result.campaign.pad.shape,
         "contact": result.campaign.punch.contact,
         "punch": result.campaign.punch.text,
+        **result.campaign.usual_pad,
     }
     # what a joined prior left was widened by the lack of fit before
     lack = None if result.joined is not None and result.joined.used else result.after.lack.ratio

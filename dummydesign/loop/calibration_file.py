@@ -16,6 +16,7 @@ from dummydesign.core.errors import InputError
 from dummydesign.core.files import write_text
 from dummydesign.geometry.interface import BASES, CONDITIONS, FRICTION, Interface
 from dummydesign.loop.calibration import PADS, Calibration, Model, Posterior
+from dummydesign.loop.data.pad_factors import USUAL
 from dummydesign.loop.effects.learned import Learned, SmoothChange, followed_by
 from dummydesign.loop.effects.registry import known_effects
 from dummydesign.loop.fitting.noise import LAW_TERMS
@@ -204,6 +205,7 @@ def _pad(table: _Entry) -> dict[str, Any]:
         "young_kPa_expected": young and young.positive(), "resin": resin and resin.text(),
         "ratio": ratio and ratio.positive(), "base": base and base.text(), "shape": "slab" if slab else "cylinder",
         "contact": contact and contact.interface(CONDITIONS), **({"punch": punch.text()} if punch else {}),
+        **{key: usual.positive() for key in USUAL if (usual := table.get(key))},
     }  # fmt: skip
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -85,7 +85,11 @@ class PunchSpec:
 class Trial:
     """One press with what was declared of it; None where nothing was declared.
 
-    ``thickness_sd_mm`` is the standard error of a thickness that was measured. ``geometry`` is the shape of the pad.
+    ``thickness_sd_mm`` is the standard error of a thickness that was measured, ``design_thickness_mm`` what the pad was
+    designed as. ``geometry`` is the shape of the pad. ``witness_kPa`` is the modulus of a puck of the pad's own batch,
+    ``weighed_ratio`` the ratio that was weighed, each with its standard error. ``young_factor`` is what these make of
+    the pad's modulus over that of the campaign's usual pad, and ``young_factor_sd`` the standard deviation of its
+    logarithm; the loop sets them.
     """
 
     file: str
@@ -101,6 +105,13 @@ class Trial:
     trace: Trace = field(repr=False)
     geometry: PadShape = SLAB
     thickness_sd_mm: float | None = None
+    design_thickness_mm: float | None = None
+    witness_kPa: float | None = None
+    witness_sd_kPa: float | None = None
+    weighed_ratio: float | None = None
+    weighed_ratio_sd: float | None = None
+    young_factor: float = 1.0
+    young_factor_sd: float = 0.0
 
     @property
     def pad(self) -> tuple[str, float]:
@@ -110,7 +121,10 @@ class Trial:
 
 @dataclass(frozen=True)
 class Campaign:
-    """A checked campaign, trials in the order of ``campaign.toml``; ``records`` are files of pads that it names."""
+    """A checked campaign, trials in the order of ``campaign.toml``; ``records`` are files of pads that it names.
+
+    ``usual_pad`` are witness and weighed ratio of the pad that the modulus is of; the loop sets them.
+    """
 
     name: str
     folder: Path
@@ -121,6 +135,7 @@ class Campaign:
     trials: tuple[Trial, ...]
     warnings: tuple[dict[str, str], ...] = ()
     records: tuple[Path, ...] = ()
+    usual_pad: Mapping[str, float] = field(default_factory=dict)
 
 
 def check_against_declared(trial: Trial, table: Table) -> None:

@@ -67,6 +67,29 @@ class Truth:
     young_kPa: float
 
 
+@dataclass(frozen=True)
+class CastPads:
+    """How pads of one recipe differ (standard deviations), what is read of them, and whether the campaign says it."""
+
+    thickness_mm: float = 0.12
+    ln_young: float = 0.05
+    gauge_mm: float = 0.05
+    witness: float = 0.02
+    recorded: bool = True
+
+    def pad(self, seed: int, held_out: bool, h: float, young_kPa: float) -> tuple[float, float, str]:
+        """Thickness and factor of the modulus of a pad, and the lines that its trials carry."""
+        rng = np.random.default_rng([seed, 6, held_out, round(100 * h)])
+        thickness, factor = h + rng.normal(0, self.thickness_mm), float(np.exp(rng.normal(0, self.ln_young)))
+        read = thickness + rng.normal(0, self.gauge_mm)
+        witness = young_kPa * factor * float(np.exp(rng.normal(0, self.witness)))
+        lines = (
+            f"thickness_mm = {read:.3f}\nthickness_sd_mm = {self.gauge_mm}\ndesign_thickness_mm = {h}\n"
+            f"witness_kPa = {witness:.4f}\nwitness_sd_kPa = {self.witness * witness:.4f}"
+        )
+        return thickness, factor, lines if self.recorded else f"thickness_mm = {h}"
+
+
 def conditions(rng: np.random.Generator, held_out: bool, thicknesses: tuple = SLABS) -> list[dict]:
     """Trials with sequence, rest, age and temperature, in the order they are run."""
     pads, further = thicknesses
@@ -141,6 +164,7 @@ def write_campaign(
     cast: str | None = None,
     edge_mm: float = 0.0,
     declared: bool = True,
+    cast_pads: CastPads | None = None,
 ) -> Truth:
     """Write a campaign with one effect of the given size; the same seed has the same material in both roles.
 
@@ -149,7 +173,7 @@ def write_campaign(
     ``rows`` are planned presses (h, v, target in N, repeat, sequence, rest, age, temperature, unload) in place of the
     usual ones; a pad pressed in several such campaigns of one seed is the same pad. ``cast`` is what [pad] says it was
     cast of (lines of TOML). ``edge_mm`` is a fillet of the punch that presses crowned pads, 0 or 0.4; the file says so
-    when it is ``declared``.
+    when it is ``declared``. ``cast_pads`` gives each pad a thickness and a modulus of its own, and a record.
     """
     if edge_mm and not crowned:
         raise ValueError("the fillet is solved for crowned pads")
@@ -180,7 +204,13 @@ def write_campaign(
                 for row in rows}  # fmt: skip
     h = np.array([row["h"] for row in rows])
     own = {"crown": crowned, "edge_mm": edge_mm}
-    pad = Pad(h, np.array([pads[t][0] for t in h]), np.array([pads[t][1] for t in h]), **own)
+    of_pad = {t: (t, 1.0, f"thickness_mm = {t}") for t in pads}
+    if cast_pads is not None:
+        of_pad = {t: cast_pads.pad(seed, held_out, t, 1e3 * young) for t in pads}
+    for row in rows:
+        row["declared"] = of_pad[row["h"]][2]
+    real, factor = (np.array([of_pad[t][k] for t in h]) for k in (0, 1))
+    pad = Pad(real, np.array([pads[t][0] for t in h]), np.array([pads[t][1] for t in h]), **own)
     share = np.linspace(0.0, 0.42, 85)
     depths = []
     for i, row in enumerate(rows):
@@ -198,6 +228,7 @@ def write_campaign(
     time, x, away = stacked(0), stacked(1), stacked(2).astype(bool)
     time = time + np.maximum(np.arange(longest) - np.array([[len(m[0]) - 1] for m in moved]), 0) * 1e-3
     physics = _physics(effects, young, tau, beta, pad, rows, np.array(depths), rng)
+    physics.young = physics.young * factor
     force = pad_force(time, x, away, physics)
     force = at_the_pad(effects, force)
     before = np.stack([at_the_punch(effects, t, f, a) for t, f, a in zip(time, force, stacked(4))])
@@ -294,7 +325,7 @@ def _write(folder, effects, rows, moved, force, nominal, young, slow_time, rng, 
         table = "\n".join(f"{a:.4f},{b:.3f},{c:.2f}" for a, b, c in zip(t, place, saved))
         (folder / name).write_text("time_s,displacement_mm,force_N\n" + table + "\n")
         lines += [
-            "[[trial]]", f'file = "{name}"', f"thickness_mm = {row['h']}", f"velocity_mm_s = {row['v']}",
+            "[[trial]]", f'file = "{name}"', row["declared"], f"velocity_mm_s = {row['v']}",
             "hold_s = 10.0", f"target_force_N = {row['target']}", f"repeat = {row['repeat']}",
             f"sequence = {row['sequence']}", f"rest_s = {row['rest']}", f"temperature_C = {row['temperature']}",
             f"age_days = {row['age']}",

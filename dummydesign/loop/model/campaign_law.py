@@ -16,7 +16,7 @@ from dummydesign.geometry.interface import BASES
 from dummydesign.geometry.pad_shape import PadShape
 from dummydesign.loop.data.trials import Presses, stack
 from dummydesign.loop.model.base_law import PuckLaw, SetupLaw, SlabLaw
-from dummydesign.loop.model.solved_law import ROUGHNESS, SolvedCurve, SolvedLaw, error_priors
+from dummydesign.loop.model.solved_law import ROUGHNESS, THICKNESS_SLOPE, SolvedCurve, SolvedLaw, error_priors
 from dummydesign.measurement.campaign import Campaign, PunchSpec, Trial
 from dummydesign.pad.elastic_force import has_square_factor
 from dummydesign.pad.specimen import Pad, Puck
@@ -107,7 +107,9 @@ def _named(punch: PunchSpec) -> str:
 
 def _law(campaign: Campaign, trials: Sequence[Trial], progress: Progress) -> SlabLaw | PuckLaw | SolvedLaw:
     pad, punch, geometry = campaign.pad, campaign.punch, trials[0].geometry
-    measured = [(t.thickness_sd_mm or 0.0) / t.thickness_mm for t in trials]
+    measured = [
+        math.hypot((t.thickness_sd_mm or 0.0) / t.thickness_mm, t.young_factor_sd / THICKNESS_SLOPE) for t in trials
+    ]
     thickness_error = float(np.sqrt(np.mean(np.square(measured))))
     if pad.shape == "cylinder":
         if punch.contact == "frictionless":

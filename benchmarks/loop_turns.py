@@ -6,9 +6,9 @@ tests/support/campaign_generator.py, which shares no code with the loop. After e
 same campaign on pads that no turn presses. Criteria, set before any seed was drawn: the interval of the modulus is
 narrower after each turn, and the error on the other pads smaller after the third turn than after the first.
 
-With ``--pads`` every pad has a thickness and a modulus of its own (``CastPads`` of the generator), and each series is run
-twice: with what was read of each pad (thickness, witness of its batch) in the campaigns, and without. Criterion, set
-before: the error on newly cast pads is smaller with records than without in every turn's median.
+With ``--pads`` every pad has a thickness and a modulus of its own (``CastPads`` of the generator), and each series is
+run twice: with what was read of each pad (thickness, witness of its batch) in the campaigns, and without. Criterion,
+set before: the error on newly cast pads is smaller with records than without in every turn's median.
 """
 
 from __future__ import annotations
@@ -102,7 +102,8 @@ def run_seed(seed: int, folder: Path, pads: generator.CastPads | None = None) ->
                 "prior_used": None if result["prior"] is None else result["prior"]["used"],
                 "conflicts": [] if result["prior"] is None else result["prior"]["conflicts"],
                 "young": [low, high], "design": [best["thickness_mm"], best["young_kPa"]["low"],
-                best["young_kPa"]["high"]], "replay": seen.total_rmse_N, "pad_factors": result["pad_factors"], "cpu_seconds": time.process_time() - started,
+                best["young_kPa"]["high"]], "replay": seen.total_rmse_N,
+                "pad_factors": result["pad_factors"], "cpu_seconds": time.process_time() - started,
             }
         )  # fmt: skip
         designed = round(float(np.clip(best["thickness_mm"], *REACH_MM)), 1)
@@ -176,13 +177,14 @@ def pads_table(rows: list[dict]) -> list[str]:
     if not seeds:
         return []
     pads = generator.CastPads()
+    series = f"{len(seeds)} series of new seeds, run once"
     lines = [
         "", "## Pads with a factor of their own", "",
-        f"Here every pad has a thickness ({pads.thickness_mm:g} mm) and a modulus ({100 * pads.ln_young:g} %) of its own "
-        "(standard", "deviations), beside half a per cent in level and slope that nobody can read. Each series is run twice: "
-        "without records, and", f"with the thickness as gauged ({pads.gauge_mm:g} mm) and a witness of each batch "
-        f"({100 * pads.witness:g} %). The other pads are newly cast too. Made by",
-        f"`python benchmarks/loop_turns.py --pads --seed {seeds[0]}`, {len(seeds)} series of new seeds, run once.", "",
+        f"Here every pad has a thickness ({pads.thickness_mm:g} mm) and a modulus ({100 * pads.ln_young:g} %) of its "
+        "own (standard", "deviations), beside half a per cent in level and slope that nobody can read. Each series is "
+        "run twice: without", f"records, and with the thickness as gauged ({pads.gauge_mm:g} mm) and a witness of each "
+        f"batch ({100 * pads.witness:g} %).", "The other pads are newly cast too. Made by",
+        f"`python benchmarks/loop_turns.py --pads --seed {seeds[0]}`, {series}.", "",
         "| seed | put in | error without records, floors | with records | named without records | with records |",
         "|---|---|---|---|---|---|",
     ]  # fmt: skip
@@ -208,9 +210,9 @@ def pads_table(rows: list[dict]) -> list[str]:
     last = [next(row for row in both[True] if row["seed"] == seed)["turns"][-1]["pad_factors"] for seed in seeds]
     told = [one["explained"] for one in last if one["explained"] is not None]
     lines += [
-        f"- With records the error is smaller in {smaller} of {3 * len(seeds)} turns, and smaller after the third turn than "
-        f"after the first in {falls} of {len(seeds)}.",
-        f"- The answer's own factor of the pads after the third turn: {np.median([one['size_percent'] for one in last]):.1f} "
+        f"- With records the error is smaller in {smaller} of {3 * len(seeds)} turns, and smaller after the third turn "
+        f"than after the first in {falls} of {len(seeds)}.",
+        f"- The pads' own factor as the third answer states it: {np.median([one['size_percent'] for one in last]):.1f} "
         f"%, of whose square the records tell {100 * np.median(told):.0f} % and "
         f"{np.median([one['left_percent'] for one in last]):.1f} % is left (medians).",
     ]  # fmt: skip

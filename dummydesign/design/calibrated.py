@@ -100,7 +100,8 @@ def with_calibration(
         updated, arms=tuple(arms), relaxation_ratio_ref=float(ratio), references=(*resin.references, source),
         joint_relaxation=_joint(calibration),
     )  # fmt: skip
-    return Calibrated(resin, CorrectedLaw(calibration, square, BASE, punch, edge_radius_mm), calibration, warnings, path)
+    law = CorrectedLaw(calibration, square, BASE, punch, edge_radius_mm)
+    return Calibrated(resin, law, calibration, warnings, path)
 
 
 def _joint(calibration: Calibration) -> RelaxationGivenModulus | None:

@@ -291,7 +291,7 @@ def _fillet_words(request: Request, punch: Punch) -> str:
     """What a fillet changes on a shaped pad: nothing while the contact lies inside the flat face."""
     inner = punch.half_width_mm - request.edge_radius_mm
     return (
-        f"the pad is designed with a sharp edge, for it was not solved: a fillet of {request.edge_radius_mm:g} mm changes nothing while the "
-        f"contact is inside {inner:.3g} mm from the centre, and beyond makes the pad softer by up to what a punch "
-        f"{2 * request.edge_radius_mm:g} mm narrower would"
+        f"the pad is designed with a sharp edge, for it was not solved: a fillet of {request.edge_radius_mm:g} mm "
+        f"changes nothing while the contact is inside {inner:.3g} mm from the centre, and beyond makes the pad softer "
+        f"by up to what a punch {2 * request.edge_radius_mm:g} mm narrower would"
     )

@@ -27,7 +27,8 @@ class PadScatter(Serialised):
 
     ``size_percent`` is of the whole factor, ``left_percent`` of what the records did not tell, as the fit estimates it;
     ``explained`` the share of the whole's square that they told, None with fewer than two pads that have a record: what
-    was told and what is left are independent, and their squares add up to the whole's. ``errors`` are the errors of the readings that the records state, by what was read, in per cent.
+    was told and what is left are independent, and their squares add up to the whole's. ``errors`` are the errors of the
+    readings that the records state, by what was read, in per cent.
     """
 
     pads: int
@@ -62,7 +63,7 @@ def recorded_ln(presses: Presses) -> tuple[NDArray, NDArray]:
     told, known = np.zeros(len(presses.pads)), np.zeros(len(presses.pads), bool)
     for place, pad in enumerate(presses.pads):
         trial = next(one for one in presses.trials if one.pad == pad)
-        known[place] = (trial.young_factor_sd > 0.0 and _read(trial)) or trial.design_thickness_mm is not None
+        known[place] = _read(trial) or trial.design_thickness_mm is not None
         told[place] = np.log(trial.young_factor)
         if trial.design_thickness_mm:
             told[place] -= THICKNESS_SLOPE * np.log(trial.thickness_mm / trial.design_thickness_mm)
@@ -71,7 +72,7 @@ def recorded_ln(presses: Presses) -> tuple[NDArray, NDArray]:
 
 def recorded_spread(presses: Presses) -> float:
     """Standard deviation of what records told of the pads' moduli, in ln; 0 where fewer than two have one."""
-    factors = {trial.pad: trial.young_factor for trial in presses.trials if trial.young_factor_sd > 0.0}
+    factors = {trial.pad: trial.young_factor for trial in presses.trials if _read(trial)}
     return float(np.std(np.log(list(factors.values())), ddof=1)) if len(factors) >= FEWEST else 0.0
 
 
@@ -88,7 +89,9 @@ def known_pads(trials: Sequence[Trial]) -> tuple[dict[str, Any], ...]:
 
 
 def _read(trial: Trial) -> bool:
-    return bool(trial.witness_kPa or trial.weighed_ratio)
+    """Whether a witness or a weighing told something of a trial's pad."""
+    read = trial.witness_kPa or trial.weighed_ratio
+    return bool(read) and (trial.young_factor != 1.0 or trial.young_factor_sd > 0.0)
 
 
 def _errors(trials: Sequence[Trial]) -> dict[str, float]:

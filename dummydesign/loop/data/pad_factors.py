@@ -1,8 +1,8 @@
 """What is known of a pad before it is pressed: its own factor of the modulus, from its witness and its weighing.
 
-A force is in proportion to the modulus, and pads of one recipe differ in it by what was weighed and by how they cured. A
-witness puck of the batch and the weighed masses are read relative to those of the campaign's pads, so that what a puck
-test reads too high on all pucks stays out. Thickness is not here: it acts through the force law.
+A force is in proportion to the modulus, and pads of one recipe differ in it by what was weighed and by how they cured.
+A witness puck of the batch and the weighed masses are read relative to those of the campaign's pads, so that what a
+puck test reads too high on all pucks stays out. Thickness is not here: it acts through the force law.
 """
 
 from __future__ import annotations
@@ -19,11 +19,11 @@ from dummydesign.measurement.campaign import Campaign, Trial
 PADS_DIFFER = 0.1
 """Standard deviation of ln modulus between pads of one recipe of which nothing is known. The polyurethane's modulus
 changes by 17 % a per cent of its ratio; scales good to 0.1 g weigh 0.4 % of 26 g of its hardener (a pad of 200 g): 7 %,
-and as much again for the cure, by judgement."""
+and as much again for the cure: judgement."""
 CURE = 0.07
 """The same of pads of which the weighed ratio is exactly known: the cure's share."""
 WITNESS_SHARE = 0.03
-"""Standard error of a witness's modulus over it where none is given, by judgement: one puck, its height and position."""
+"""Standard error of a witness's modulus over it where none is given, by judgement: its height and place."""
 RATIO_STEP = 0.002
 USUAL = ("usual_witness_kPa", "usual_weighed_ratio")
 """What a calibration remembers of the pads that its modulus is of: geometric means."""

@@ -39,8 +39,8 @@ SCALE_G = 0.1
 class Measured:
     """What was measured of a cast pad; None where it was not.
 
-    ``points`` are the gauge points of ``thicknesses_mm`` by name, empty for a plain list. ``weighed_g`` are the masses of
-    the liquids that were weighed in, by name, each within plus and minus ``scale_g``.
+    ``points`` are the gauge points of ``thicknesses_mm`` by name, empty for a plain list. ``weighed_g`` are the masses
+    of the liquids that were weighed in, by name, each within plus and minus ``scale_g``.
     """
 
     thicknesses_mm: tuple[float, ...]
@@ -179,8 +179,7 @@ def record_pad(
 
 
 def weighed_ratio(measured: Measured, spec: MouldSpec) -> tuple[float, float]:
-    """The mixing ratio that the weighed masses make, and its standard error: each mass is even within the scale's limit.
-    """
+    """The mixing ratio that the weighed masses make, and its standard error; each is even within the scale's limit."""
     from dummydesign.resin import load_resin
 
     resin, masses = load_resin(spec.pour.resin), dict(measured.weighed_g)

@@ -48,8 +48,8 @@ LEFT_TO_SHARP = 0.42 / (1.0 - 0.42)
 EDGE_ERROR = 0.3
 MESH_ERROR = 1.0
 LEAST_ERROR = 2e-3
-# Smallest fillet over the smaller of radius and thickness that is followed: smaller ones end at half the depth. They are
-# interpolated to the sharp edge in the power that slabs show (``tables.filleted``).
+# Smallest fillet over the smaller of radius and thickness that is followed: smaller ones end at half the depth. They
+# are interpolated to the sharp edge in the power that slabs show (``tables.filleted``).
 LEAST_FILLET = 0.015
 
 

@@ -97,7 +97,8 @@ BOWL = Boned(20.0, 3.0, 9.0)
 @pytest.mark.parametrize(
     ("base", "contact", "shape", "solved"),
     [
-        ("bonded", "bonded", CROWN, True), ("sliding", "bonded", CROWN, True), ("sliding", "bonded", Layered(3.0, 0.3), True),
+        ("bonded", "bonded", CROWN, True), ("sliding", "bonded", CROWN, True),
+        ("sliding", "bonded", Layered(3.0, 0.3), True),
         ("bonded", "bonded", BOWL, True), ("sliding", "bonded", BOWL, False), ("bonded", "frictionless", CROWN, False),
         ("bonded", "friction:0.3", CROWN, False), ("friction:0.3", "bonded", CROWN, False),
         ("bonded", "bonded", Bumped(5.0, 2.0, 1.0), False),

@@ -57,7 +57,7 @@ class Correction:
         unit = acting(depth_mm, thickness_mm)
         if not self.knows_the_law():
             return unit
-        error = self.calibration.after.law_error(thickness_mm[:, 0], shapes or ())
+        error = self.calibration.after.law_error(thickness_mm[:, 0], shapes or (), cast=True)
         return unit * error.factor(np.clip(depth_mm, 0.0, limit_mm) / thickness_mm)
 
     def knows_the_law(self) -> bool:

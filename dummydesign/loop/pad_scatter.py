@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 
 from dummydesign.core.serialise import Serialised
 from dummydesign.loop.data.trials import Presses
-from dummydesign.loop.fitting.fit import CampaignFit
+from dummydesign.loop.fitting.fit import NORMAL_95, CampaignFit
+from dummydesign.loop.model.campaign_law import level_error
 from dummydesign.loop.model.solved_law import THICKNESS_SLOPE
 from dummydesign.measurement.campaign import Trial
 
@@ -56,6 +57,18 @@ def pad_scatter(fit: CampaignFit) -> PadScatter:
     if explained is not None:
         text += f"; the records tell {100.0 * explained:.0f} % of its square and {left:.2g} % is left"
     return PadScatter(len(known), int(known.sum()), size, left, explained, errors, advice, f"{text}. {advice}.")
+
+
+def carried_share(fit: CampaignFit) -> float:
+    """Share of the levels that were found on pads that is the law's, and so that of other pads too.
+
+    The law's own level is known within a factor of two (the spread of its prior); beyond twice its median the pads'
+    levels are their own. Of independent parts the law's share of a level is its share of the square.
+    """
+    trials, (median, spread) = fit.problem.presses.trials, fit.problem.law.error_priors[0]
+    recorded = np.mean([level_error(trial) ** 2 for trial in trials])
+    own = np.sqrt(max(median**2 - recorded, 0.0)) * np.exp(NORMAL_95 * spread)
+    return float(min(1.0, (own / fit.sizes.level) ** 2))
 
 
 def recorded_ln(presses: Presses) -> tuple[NDArray, NDArray]:

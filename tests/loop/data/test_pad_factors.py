@@ -8,13 +8,14 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from dummydesign.loop.calibration import Model
 from dummydesign.loop.calibration_file import read_calibration, write_calibration
 from dummydesign.loop.data.pad_factors import CURE, PADS_DIFFER, WITNESS_SHARE, usual_of, with_pad_factors
 from dummydesign.loop.data.trials import make_presses
 from dummydesign.loop.fitting.fit import fit_base
 from dummydesign.loop.model.campaign_law import law_of
 from dummydesign.loop.model.forward_model import BaseParameters, simulate
-from dummydesign.loop.pad_scatter import known_pads, pad_scatter, recorded_spread
+from dummydesign.loop.pad_scatter import carried_share, known_pads, pad_scatter, recorded_spread
 from dummydesign.measurement.campaign_file import read_campaign
 from dummydesign.resin import load_resin
 from tests.support import campaign_generator as generator
@@ -139,3 +140,22 @@ def test_records_of_pads_that_differ_leave_less_to_the_pads_than_none(tmp_path):
         level = fit.vector[fit.problem.law_entries(0)]
         levels[recorded] = np.std(level, ddof=1)
     assert levels[True] < 0.012 < 0.02 < levels[False]
+
+
+def test_a_level_beyond_what_the_law_can_be_off_is_the_pad_s_and_does_not_go_over_to_others(campaign):
+    law = law_of(campaign)
+    fit = SimpleNamespace(problem=SimpleNamespace(presses=make_presses(campaign), law=law), sizes=None)
+    median, spread = law.error_priors[0]
+    largest = median * np.exp(1.96 * spread)
+    for level, share in ((median, 1.0), (0.99 * largest, 1.0), (2.0 * largest, 0.25), (10.0 * largest, 0.01)):
+        fit.sizes = SimpleNamespace(level=level)
+        assert carried_share(fit) == pytest.approx(share, rel=1e-3)
+    widened = with_pad_factors(witnessed(campaign, {5.0: 30.0, 15.0: 33.0, 20.0: 27.0}, 0.03))
+    fit.problem = SimpleNamespace(presses=make_presses(widened), law=law_of(widened))
+    fit.sizes = SimpleNamespace(level=2.0 * largest)
+    assert carried_share(fit) == pytest.approx(0.25, rel=1e-3), "what a record leaves open is not the law's"
+    model = Model(BASE, (), np.array([5.0, 15.0]), np.array([[0.04, 0.08], [0.1, 0.1], [0.0, 0.0]]), (), 0.25)
+    found = model.law_error(np.array([5.0, 15.0, 20.0]))
+    np.testing.assert_allclose(found.level, [0.04, 0.08, 0.02])
+    np.testing.assert_allclose(found.slope, 0.1)
+    np.testing.assert_allclose(model.law_error(np.array([5.0, 15.0]), cast=True).level, [0.01, 0.02])

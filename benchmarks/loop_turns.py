@@ -213,8 +213,8 @@ def pads_table(rows: list[dict]) -> list[str]:
         f"- With records the error is smaller in {smaller} of {3 * len(seeds)} turns, and smaller after the third turn "
         f"than after the first in {falls} of {len(seeds)}.",
         f"- The pads' own factor as the third answer states it: {np.median([one['size_percent'] for one in last]):.1f} "
-        f"%, of whose square the records tell {100 * np.median(told):.0f} % and "
-        f"{np.median([one['left_percent'] for one in last]):.1f} % is left (medians).",
+        f"%, of whose square the records explain {100 * np.median(told):.0f} % and "
+        f"{np.median([one['left_percent'] for one in last]):.1f} % remains (medians).",
     ]  # fmt: skip
     return lines
 

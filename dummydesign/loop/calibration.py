@@ -75,7 +75,7 @@ def posterior_of(fit: CampaignFit, lack_ratio: float | None = None) -> Posterior
     own = widened(fit, lack_ratio)[: len(mean), : len(mean)] * np.outer(scale, scale)
     names = parameter_names([one.effect for one in fit.active])
     level, *rest = pad_spreads(fit)
-    # what records told of the pads is not told of the next one
+    # what records say of these pads is not known of the next one
     level = float(np.hypot(level, recorded_spread(fit.problem.presses)))
     return Posterior(tuple(names), mean, own, (level, *rest))
 

@@ -259,8 +259,8 @@ def _learned(entry: _Entry, follows: tuple[str, ...]) -> Learned:
 
 
 def _law_error(table: _Entry) -> tuple[np.ndarray, np.ndarray, tuple[str, ...], float]:
-    """Thicknesses (h,), of each shape rising; level, slope and curvature (3, h); shapes, empty for slabs alone; share of
-    a level that goes over to other pads."""
+    """Thicknesses (h,), of each shape rising; level, slope and curvature (3, h); shapes, empty for slabs alone; share
+    of a level that goes over to other pads."""
     thickness = table["thickness_mm"].numbers(0.0, math.inf)
     terms = [row.numbers(-LARGEST_LAW_ERROR, LARGEST_LAW_ERROR) for row in table["level_slope_curve"].items()]
     shapes = tuple(one.text() for one in table["shape"].items()) if "shape" in table.value else ()

@@ -1,4 +1,4 @@
-"""By how much the pads of a campaign differ of their own, how much of it their records told, what would tell more."""
+"""By how much the pads of a campaign differ of their own, what their records explain of it, and what would lower it."""
 
 from __future__ import annotations
 
@@ -17,19 +17,19 @@ from dummydesign.loop.model.solved_law import THICKNESS_SLOPE
 from dummydesign.measurement.campaign import Trial
 
 FEWEST = 2
-"""Pads with a record below which no share can be told."""
+"""Pads with a record below which no share is stated."""
 MOST_OF_IT = 0.5
-"""Share of what is left that the errors of one kind of reading make, from which it is named."""
+"""Share of the rest that the errors of one kind of reading make, from which it is named."""
 
 
 @dataclass(frozen=True)
 class PadScatter(Serialised):
     """Own factors of the pads of a campaign, standard deviations of ln force at a given depth in per cent.
 
-    ``size_percent`` is of the whole factor, ``left_percent`` of what the records did not tell, as the fit estimates it;
-    ``explained`` the share of the whole's square that they told, None with fewer than two pads that have a record: what
-    was told and what is left are independent, and their squares add up to the whole's. ``errors`` are the errors of the
-    readings that the records state, by what was read, in per cent.
+    ``size_percent`` is of the whole factor, ``left_percent`` of the part without a record, as the fit estimates it;
+    ``explained`` the records' share of the whole's square, None with fewer than two pads that have a record: the two
+    parts are independent, and their squares add up to the whole's. ``errors`` are those of the readings that the
+    records state, by what was read, in per cent.
     """
 
     pads: int
@@ -45,17 +45,17 @@ class PadScatter(Serialised):
 def pad_scatter(fit: CampaignFit) -> PadScatter:
     """Own factors of the pads that a fit saw."""
     presses = fit.problem.presses
-    told, known = recorded_ln(presses)
+    stated, known = recorded_ln(presses)
     left = 100.0 * fit.sizes.level
     size, explained = left, None
     if known.sum() >= FEWEST:
-        size = float(np.hypot(left, 100.0 * np.std(told[known], ddof=1)))
+        size = float(np.hypot(left, 100.0 * np.std(stated[known], ddof=1)))
         explained = 1.0 - (left / size) ** 2
     errors = _errors(presses.trials)
     advice = _advice(errors, left, int(known.sum()), len(known))
     text = f"Each pad has a factor of its own of about {size:.2g} % (standard deviation)"
     if explained is not None:
-        text += f"; the records tell {100.0 * explained:.0f} % of its square and {left:.2g} % is left"
+        text += f"; the records explain {100.0 * explained:.0f} % of its square, and {left:.2g} % remains"
     return PadScatter(len(known), int(known.sum()), size, left, explained, errors, advice, f"{text}. {advice}.")
 
 
@@ -73,18 +73,18 @@ def carried_share(fit: CampaignFit) -> float:
 
 def recorded_ln(presses: Presses) -> tuple[NDArray, NDArray]:
     """Logarithm of each pad's force as its record has it over the designed pad's, and which have a record (pads,)."""
-    told, known = np.zeros(len(presses.pads)), np.zeros(len(presses.pads), bool)
+    stated, known = np.zeros(len(presses.pads)), np.zeros(len(presses.pads), bool)
     for place, pad in enumerate(presses.pads):
         trial = next(one for one in presses.trials if one.pad == pad)
         known[place] = _read(trial) or trial.design_thickness_mm is not None
-        told[place] = np.log(trial.young_factor)
+        stated[place] = np.log(trial.young_factor)
         if trial.design_thickness_mm:
-            told[place] -= THICKNESS_SLOPE * np.log(trial.thickness_mm / trial.design_thickness_mm)
-    return told, known
+            stated[place] -= THICKNESS_SLOPE * np.log(trial.thickness_mm / trial.design_thickness_mm)
+    return stated, known
 
 
 def recorded_spread(presses: Presses) -> float:
-    """Standard deviation of what records told of the pads' moduli, in ln; 0 where fewer than two have one."""
+    """Standard deviation of what records say of the pads' moduli, in ln; 0 where fewer than two have one."""
     factors = {trial.pad: trial.young_factor for trial in presses.trials if _read(trial)}
     return float(np.std(np.log(list(factors.values())), ddof=1)) if len(factors) >= FEWEST else 0.0
 
@@ -102,7 +102,7 @@ def known_pads(trials: Sequence[Trial]) -> tuple[dict[str, Any], ...]:
 
 
 def _read(trial: Trial) -> bool:
-    """Whether a witness or a weighing told something of a trial's pad."""
+    """Whether a witness or a weighing says something of a trial's pad."""
     read = trial.witness_kPa or trial.weighed_ratio
     return bool(read) and (trial.young_factor != 1.0 or trial.young_factor_sd > 0.0)
 
@@ -118,12 +118,12 @@ def _errors(trials: Sequence[Trial]) -> dict[str, float]:
 
 
 def _advice(errors: dict[str, float], left: float, recorded: int, pads: int) -> str:
-    """What would lower the factor that is left."""
+    """What would lower the rest of the factor."""
     if recorded < pads:
         which = "each pad" if not recorded else f"the other {pads - recorded}"
         return f"To know it before a pad is pressed, weigh and gauge {which} and test a witness puck: mold record"
     worst = max(errors, key=lambda name: errors[name], default="")
     if worst and errors[worst] ** 2 >= MOST_OF_IT * left**2:
         todo = {"modulus": "test more witness pucks of each batch", "thickness": "gauge each pad where it is pressed"}
-        return f"Most of what is left is the error of the {worst} ({errors[worst]:.2g} %): {todo[worst]}"
-    return "What is left is of the force law or of the cure: press more pads"
+        return f"Most of the rest is the error of the {worst} ({errors[worst]:.2g} %): {todo[worst]}"
+    return "The rest is of the force law or of the cure: press more pads"

@@ -167,11 +167,15 @@ class CalibratedFamily:
 
     def _pressed(self, designs: Designs) -> list[str]:
         """For each pad the shape of the campaign that it has, or a word that no pad has."""
-        found = np.full(len(designs.thickness_mm), OTHER, dtype=object)
+        count = len(designs.thickness_mm)
+        found = np.full(count, OTHER, dtype=object)
+        # parameters that a search leaves out, such as a ridge, have their usual values
+        usual = dict(designs.shape(0).parameters) if count else {}
         for text in set(self.correction.calibration.after.shapes) - {""}:
             shape = read_shape(text)
-            if shape.name == self.plain.kind:
-                same = [np.isclose(designs.parameters[name], value, rtol=1e-6) for name, value in shape.parameters]
+            if shape.name == self.plain.kind and count:
+                own = {name: designs.parameters.get(name, np.full(count, usual[name])) for name, _ in shape.parameters}
+                same = [np.isclose(own[name], value, rtol=1e-6) for name, value in shape.parameters]
                 found[np.logical_and.reduce(same)] = text
         return list(found)
 

@@ -22,7 +22,7 @@ from dummydesign.loop.model.forward_model import Active
 from tests.support.made_calibration import calibration, effect
 
 RADIUS, CROWN = 14.0 / np.sqrt(np.pi), "crowned:radius=20,height=3,foot=11"
-SPACE = SimpleNamespace(radius_mm=RADIUS, base="bonded", extent_mm=PAD_EXTENT_MM)
+SPACE = SimpleNamespace(radius_mm=RADIUS, base="bonded", extent_mm=PAD_EXTENT_MM, edge_radius_mm=0.0)
 
 
 def law_of(*active, shape=CROWN, **options):

@@ -94,14 +94,17 @@ def run_one(kind: str, before: int, seed: int, folder: Path) -> dict:
                 "verdict": REFUSED, "found": [], "cpu_seconds": 0.0, "message": said}  # fmt: skip
 
 
-def learned(put_in: Put, seed: int, folder: Path, crowned: bool = False) -> dict:
+def learned(
+    put_in: Put, seed: int, folder: Path, crowned: bool = False, edge_mm: float = 0.0, declared: bool = True
+) -> dict:
     """Write a campaign with these effects and one on new pads, run the loop, predict the second.
 
-    With ``crowned`` the generator's pads are crowned.
+    With ``crowned`` the generator's pads are crowned; their punch may have a fillet, declared or not.
     """
     first, more = (put_in[0], tuple(put_in[1:])) if put_in else (("none", 0.0), ())
-    truth = generator.write_campaign(folder / "a", *first, seed, more=more, crowned=crowned)
-    generator.write_campaign(folder / "b", *first, seed, held_out=True, more=more, crowned=crowned)
+    own = {"more": more, "crowned": crowned, "edge_mm": edge_mm, "declared": declared}
+    truth = generator.write_campaign(folder / "a", *first, seed, **own)
+    generator.write_campaign(folder / "b", *first, seed, held_out=True, **own)
     campaign, started = read_campaign(folder / "a"), time.process_time()
     result = close_loop(campaign)
     row = row_of(put_in, truth, result, time.process_time() - started)

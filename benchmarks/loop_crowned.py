@@ -3,6 +3,7 @@
 The same effects, seeds and sizes are put into campaigns of crowned pads and of slabs, by
 tests/support/campaign_generator.py, which shares no code with the effect classes and solves its crowned pads on finer
 cells than the loop. Slip of the base, compressibility and tilt are not made for crowned pads and are left out of both.
+Further kinds of pads are crowned ones under a punch with a fillet of 0.4 mm that the campaign declares, or does not.
 Every run is kept in ``--rows`` (one JSON object a line), so that it can be stopped and resumed; the counts are printed.
 """
 
@@ -39,25 +40,32 @@ def draw(number: int, seed: int) -> Put:
     return [(str(n), generator.SIZES[n] * float(rng.uniform(LEAST, MOST)) / FLOORS[n]) for n in names]
 
 
-def run_one(number: int, seed: int, crowned: bool, folder: Path) -> dict:
+KINDS = {
+    "crowned": {"crowned": True}, "slabs": {}, "fillet": {"crowned": True, "edge_mm": 0.4},
+    "undeclared": {"crowned": True, "edge_mm": 0.4, "declared": False},
+}  # fmt: skip
+"""Pads of a campaign and the punch's fillet, as ``learned`` takes them."""
+
+
+def run_one(number: int, seed: int, pads: str, folder: Path) -> dict:
     """Make a campaign and one on new pads, run the loop, predict the second."""
-    row = learned(draw(number, seed), seed, folder, crowned=crowned)
-    return {"seed": seed, "number": number, "pads": "crowned" if crowned else "slabs", **row}
+    return {"seed": seed, "number": number, "pads": pads, **learned(draw(number, seed), seed, folder, **KINDS[pads])}
 
 
 def counts(rows: list[dict]) -> str:
-    """How often the names are right, as text: crowned pads and slabs side by side."""
-    lines = [f"{'':<34} {'crowned':>9} {'slabs':>9}"]
+    """How often the names are right, as text: the kinds of pads side by side."""
+    kinds = [pads for pads in KINDS if any(row["pads"] == pads for row in rows)]
+    lines = [f"{'':<34}" + "".join(f" {pads:>10}" for pads in kinds)]
     for size, label in ((0, "none"), (1, "one"), (2, "two")):
         told = {}
-        for pads in ("crowned", "slabs"):
+        for pads in kinds:
             own = [row for row in rows if row["pads"] == pads and len(row["effects"]) == size]
             named = sum(set(row["effects"]) <= set(row["found"]) for row in own)
             wrong = sum(bool(set(row["found"]) - set(row["effects"])) for row in own)
             quiet = sum(row["verdict"] != "unexplained" for row in own)
             told[pads] = [f"{count} of {len(own)}" for count in (named, wrong, quiet)]
         for place, what in enumerate(("all named", "a name that is not in it", "verdict not unexplained")):
-            lines.append(f"{label + ': ' + what:<34} {told['crowned'][place]:>9} {told['slabs'][place]:>9}")
+            lines.append(f"{label + ': ' + what:<34}" + "".join(f" {told[pads][place]:>10}" for pads in kinds))
     return "\n".join(lines)
 
 
@@ -66,19 +74,19 @@ def main() -> None:
     parser = argparse.ArgumentParser(description="Crowned pads against slabs in the loop.")
     parser.add_argument("--seed", type=int, default=970100, help="seeds count up from here")
     parser.add_argument("--campaigns", type=int, default=40, help="of each kind of pad")
-    parser.add_argument("--pads", choices=("crowned", "slabs", "both"), default="both")
+    parser.add_argument("--pads", choices=(*KINDS, "both", "all"), default="both")
     parser.add_argument("--rows", type=Path, default=ROOT / "benchmarks" / "loop_crowned.jsonl")
     options = parser.parse_args()
-    kinds = {"crowned": (True,), "slabs": (False,), "both": (True, False)}[options.pads]
+    kinds = {"both": ("crowned", "slabs"), "all": tuple(KINDS)}.get(options.pads, (options.pads,))
 
     known = {(row["seed"], row["pads"]) for row in read_rows(options.rows)}
     for number in range(options.campaigns):
-        for crowned in kinds:
+        for pads in kinds:
             seed = options.seed + number
-            if (seed, "crowned" if crowned else "slabs") in known:
+            if (seed, pads) in known:
                 continue
             with scratch("crowned-") as folder:
-                row = run_one(number, seed, crowned, folder)
+                row = run_one(number, seed, pads, folder)
             keep_row(options.rows, row)
             print(seed, row["pads"], row["effects"], row["verdict"], row["found"], row["cpu_seconds"], file=sys.stderr)
     print(counts(read_rows(options.rows)))

@@ -217,6 +217,9 @@ def record_pad(
     gauge_mm: float | None = None,
     note: str = "",
     replace: bool = False,
+    modulus_error_kPa: float | None = None,
+    weighed_g: Mapping[str, float] | None = None,
+    scale_g: float | None = None,
 ) -> Result:
     """Keep what was really poured in the folder of its mould, and say which limits the pad misses.
 
@@ -241,6 +244,12 @@ def record_pad(
         Anything else, kept with the record.
     replace : bool
         Take the place of the first record instead of the next free number.
+    modulus_error_kPa : float, optional
+        Standard error of the witness's modulus. [kPa]
+    weighed_g : mapping of str to float, optional
+        Masses of the liquids that were weighed in, ``{"polyol": 174.1, "isocyanate": 26.1}``. [g]
+    scale_g : float, optional
+        Limit of the scale's error, 0.1 by default. [g]
 
     Returns
     -------
@@ -257,7 +266,7 @@ def record_pad(
     from dummydesign._version import __version__
     from dummydesign.core.manifest import add_record
     from dummydesign.measurement.pad_record import STEM
-    from dummydesign.mold.pour.record import GAUGE_MM, Measured, read_points, read_spec
+    from dummydesign.mold.pour.record import GAUGE_MM, SCALE_G, Measured, read_points, read_spec
     from dummydesign.mold.pour.record import record_pad as judged
 
     named = thicknesses_mm if isinstance(thicknesses_mm, Mapping) else {}
@@ -265,13 +274,18 @@ def record_pad(
     places = tuple(float(one) for one in values)
     gauge = GAUGE_MM if gauge_mm is None else gauge_mm
     spec = read_spec(fspath(folder))
-    measured = Measured(places, mass_g, modulus_kPa, level_deg, bubbles, gauge, note, tuple(named))
+    measured = Measured(
+        places, mass_g, modulus_kPa, level_deg, bubbles, gauge, note, tuple(named), modulus_error_kPa,
+        dict(weighed_g or {}), SCALE_G if scale_g is None else scale_g,
+    )  # fmt: skip
     found = judged(measured, spec, read_points(fspath(folder)))
     content = {**found.to_dict(), "gauge_mm": gauge, "version": __version__, "date": date.today().isoformat()}
     path = add_record(Path(folder), STEM, content, apart=("date", "version"), replace=replace)
     inputs: dict[str, Any] = {
         "folder": str(folder), "thicknesses_mm": dict(named) or list(places), "mass_g": mass_g,
         "modulus_kPa": modulus_kPa, "level_deg": level_deg, "bubbles": bubbles, "gauge_mm": gauge, "note": note,
+        "modulus_error_kPa": modulus_error_kPa, "weighed_g": None if weighed_g is None else dict(weighed_g),
+        "scale_g": scale_g,
     }  # fmt: skip
     warnings = [{"code": "limit_missed", "message": text} for text in found.missed]
     plain = {key: value for key, value in found.to_dict().items() if key not in ("schema", *inputs)}

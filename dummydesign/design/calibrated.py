@@ -13,6 +13,7 @@ from dummydesign.core.quantity import Quantity
 from dummydesign.design.search.shape_family import Designs, Family
 from dummydesign.geometry.dimensions import PUNCH
 from dummydesign.geometry.shape_registry import read_shape
+from dummydesign.measurement.campaign import with_edge
 from dummydesign.pad.tables.slab import load_compressibility
 from dummydesign.resin.model.resin import RelaxationGivenModulus
 
@@ -58,7 +59,9 @@ class Calibrated:
         }  # fmt: skip
 
 
-def with_calibration(resin: Resin, path: str, punch: str = PUNCH, square: bool = True) -> Calibrated:
+def with_calibration(
+    resin: Resin, path: str, punch: str = PUNCH, square: bool = True, edge_radius_mm: float = 0.0
+) -> Calibrated:
     """Read a calibration and put it into a resin and a force law.
 
     The resin's law is updated by the campaign's modulus at its ratio and takes the campaign's relaxation there.
@@ -80,6 +83,7 @@ def with_calibration(resin: Resin, path: str, punch: str = PUNCH, square: bool =
             f"({resin.ratio_min:g} to {resin.ratio_max:g}): design with --resin {pressed}, or without it "
             "(--calibration none)", "inconsistent", "calibration.ratio", ratio, (resin.ratio_min, resin.ratio_max),
         )  # fmt: skip
+    punch = with_edge(punch, edge_radius_mm)
     warnings = _differences(calibration, resin, ratio, punch)
     source = f"calibration {path} of a measured campaign"
     young = 1e3 * float(calibration.after.base.young_MPa)
@@ -96,7 +100,8 @@ def with_calibration(resin: Resin, path: str, punch: str = PUNCH, square: bool =
         updated, arms=tuple(arms), relaxation_ratio_ref=float(ratio), references=(*resin.references, source),
         joint_relaxation=_joint(calibration),
     )  # fmt: skip
-    return Calibrated(resin, CorrectedLaw(calibration, square, BASE, punch), calibration, warnings, path)
+    law = CorrectedLaw(calibration, square, BASE, punch, edge_radius_mm)
+    return Calibrated(resin, law, calibration, warnings, path)
 
 
 def _joint(calibration: Calibration) -> RelaxationGivenModulus | None:
@@ -162,11 +167,15 @@ class CalibratedFamily:
 
     def _pressed(self, designs: Designs) -> list[str]:
         """For each pad the shape of the campaign that it has, or a word that no pad has."""
-        found = np.full(len(designs.thickness_mm), OTHER, dtype=object)
+        count = len(designs.thickness_mm)
+        found = np.full(count, OTHER, dtype=object)
+        # parameters that a search leaves out, such as a ridge, have their usual values
+        usual = dict(designs.shape(0).parameters) if count else {}
         for text in set(self.correction.calibration.after.shapes) - {""}:
             shape = read_shape(text)
-            if shape.name == self.plain.kind:
-                same = [np.isclose(designs.parameters[name], value, rtol=1e-6) for name, value in shape.parameters]
+            if shape.name == self.plain.kind and count:
+                own = {name: designs.parameters.get(name, np.full(count, usual[name])) for name, _ in shape.parameters}
+                same = [np.isclose(own[name], value, rtol=1e-6) for name, value in shape.parameters]
                 found[np.logical_and.reduce(same)] = text
         return list(found)
 

@@ -69,7 +69,7 @@ def resolve(request: Request, law: ForceLaw | None = None) -> Inputs:
 
         if not standard_press(request):
             check_calibrated(request, punch, thickness)
-        calibrated = with_calibration(resin, request.calibration, request.punch, punch.square)
+        calibrated = with_calibration(resin, request.calibration, request.punch, punch.square, request.edge_radius_mm)
         resin, law = calibrated.resin, cast(ForceLaw, calibrated.law)
         correct = cast(Correct, partial(CalibratedFamily, correction=calibrated.law.correction))
     if law is None:
@@ -78,8 +78,9 @@ def resolve(request: Request, law: ForceLaw | None = None) -> Inputs:
     verdict_limits()
     check_mould(request, resin, float(thickness[0]), float(ratios[0]))
     space = SearchSpace(
-        resin, targets, thickness, ratios, punch.radius_mm, sampling, request.pad_mm, request.base, correct
-    )
+        resin, targets, thickness, ratios, punch.radius_mm, sampling, request.pad_mm, request.base, correct,
+        request.edge_radius_mm,
+    )  # fmt: skip
     return Inputs(request, tissue, space, law, punch, castings, calibrated)
 
 

@@ -141,7 +141,9 @@ class PadEvaluator:
         request, space, punch = self.inputs.request, self.inputs.space, self.inputs.punch
         if refused := refused_kinds(request, punch).get(shape.name):
             raise InputError(refused, "unsupported", "shape", shape.name)
-        if not request.calibration and (why := why_solved(request, punch, thickness_mm)):
+        # with a calibration slabs are pressed by their table, under a fillet too; shapes have none with a fillet
+        unknown = not request.calibration or (request.edge_radius_mm and not shape.plain)
+        if unknown and (why := why_solved(request, punch, thickness_mm)):
             raise NotTabulated(why, "punch")
         space.resin.check_ratio(ratio)
         shape.check(thickness_mm, *request.pad_mm)

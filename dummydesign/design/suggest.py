@@ -120,7 +120,8 @@ def assess(inputs: Inputs, solved: SolvedDesign) -> Suggestion:
     tolerances = tolerances_of(space.resin, best, request, chosen.shape)
     cast = PadCastings(inputs.castings, chosen.cast, best, space, tolerances)
     pour = pour_yield(cast)
-    warnings = own_warnings(request, inputs.punch, inputs.tissue, chosen.shape.plain)
+    solved_round = solved.verification.fidelity == "axisymmetric" and chosen.shape.axisymmetric
+    warnings = own_warnings(request, inputs.punch, inputs.tissue, chosen.shape.plain or solved_round)
     solves = solved.verification, solved.centring, request.verify
     warnings += design_warnings(chosen, space, inputs.tissue, pour, *solves)
     listed = [{"code": code, "message": text} for code, text in warnings]

@@ -81,17 +81,17 @@ def why_solved(request: Request, punch: Punch, thickness_mm: float) -> str:
 
 def check_calibrated(request: Request, punch: Punch, thickness_mm: NDArray) -> None:
     """Refuse to design with a calibration where its corrections have nothing to act on: the tables of glued slabs."""
-    why = why_solved(request, punch, float(thickness_mm[-1]))
-    free = [one for one in thickness_mm if not why_solved(request, punch, float(one))]
+    # slabs under a filleted punch have tables too
+    sharp = replace(request, edge_radius_mm=0.0)
+    why = why_solved(sharp, punch, float(thickness_mm[-1]))
+    free = [one for one in thickness_mm if not why_solved(sharp, punch, float(one))]
     instead = f" or up to --thickness {free[0]:g}:{free[-1]:g}" if free else ""
-    if request.edge_radius_mm:
-        why = f"the edge radius of {request.edge_radius_mm:g} mm is not in them"
-    elif request.base != "bonded":
+    if request.base != "bonded":
         why = f"base = {request.base} is not in them"
     elif request.face != "bonded" and punch.profile_mm is None:
         why = f"condition = {request.face} is not in them"
     if why:
-        raise InputError("a calibration corrects the tables of glued pads under flat punches with sharp edges, and "
+        raise InputError("a calibration corrects the tables of glued pads under flat glued punches, and "
                          f"{why}: design without it (--calibration none){instead}",
                          "not_applicable", "calibration")  # fmt: skip
 
@@ -232,13 +232,13 @@ def refused_kinds(request: Request, punch: Punch) -> dict[str, str]:
     return found
 
 
-def own_warnings(request: Request, punch: Punch, tissue: Tissue, flat: bool) -> list[tuple[str, str]]:
-    """What must be said of a test that is not the paper's."""
+def own_warnings(request: Request, punch: Punch, tissue: Tissue, edge_known: bool) -> list[tuple[str, str]]:
+    """What must be said of a test that is not the paper's; ``edge_known`` is whether the force knows the fillet."""
     said = tissue_warnings(tissue, request.punch, request.edge_radius_mm, request.protocol.forces_N)
     if punch.sides_mm and not (punch.square and request.face == "bonded"):
         said.append(("equal_area_punch", f"the punch {request.punch} is taken as the circle of its area; 'predict "
                      "--fidelity 3d' gives what its sides add"))  # fmt: skip
-    if request.edge_radius_mm and not flat:
+    if request.edge_radius_mm and not edge_known:
         said.append(("fillet", _fillet_words(request, punch)))
     return said
 
@@ -291,7 +291,7 @@ def _fillet_words(request: Request, punch: Punch) -> str:
     """What a fillet changes on a shaped pad: nothing while the contact lies inside the flat face."""
     inner = punch.half_width_mm - request.edge_radius_mm
     return (
-        f"the pad is designed with a sharp edge: a fillet of {request.edge_radius_mm:g} mm changes nothing while the "
-        f"contact is inside {inner:.3g} mm from the centre, and beyond makes the pad softer by up to what a punch "
-        f"{2 * request.edge_radius_mm:g} mm narrower would"
+        f"the pad is designed with a sharp edge, for it was not solved: a fillet of {request.edge_radius_mm:g} mm "
+        f"changes nothing while the contact is inside {inner:.3g} mm from the centre, and beyond makes the pad softer "
+        f"by up to what a punch {2 * request.edge_radius_mm:g} mm narrower would"
     )

@@ -18,6 +18,7 @@ from dummydesign.loop.fitting.problem import BASE
 from dummydesign.loop.model.base_law import SetupLaw
 from dummydesign.loop.model.campaign_law import start_young_kPa
 from dummydesign.loop.model.forward_model import NAMES, Active, BaseParameters, LawError, parameter_names, simulate
+from dummydesign.loop.pad_scatter import carried_share, recorded_spread
 from dummydesign.loop.prior import carried_law
 from dummydesign.loop.result import LoopResult
 from dummydesign.loop.selection.cross_validation import pad_spreads, widened
@@ -73,7 +74,10 @@ def posterior_of(fit: CampaignFit, lack_ratio: float | None = None) -> Posterior
     scale = np.r_[np.ones(BASE), [1.0 if p.log else p.typical for p, _ in found]]
     own = widened(fit, lack_ratio)[: len(mean), : len(mean)] * np.outer(scale, scale)
     names = parameter_names([one.effect for one in fit.active])
-    return Posterior(tuple(names), mean, own, pad_spreads(fit))
+    level, *rest = pad_spreads(fit)
+    # what records say of these pads is not known of the next one
+    level = float(np.hypot(level, recorded_spread(fit.problem.presses)))
+    return Posterior(tuple(names), mean, own, (level, *rest))
 
 
 _PHASES = {PRE: "before_contact", RISE: "rise", HOLD: "hold", UNLOADING: "unloading"}
@@ -81,13 +85,17 @@ _PHASES = {PRE: "before_contact", RISE: "rise", HOLD: "hold", UNLOADING: "unload
 
 @dataclass(frozen=True)
 class Model:
-    """A fitted model: base parameters, effects, and the law error found on each thickness."""
+    """A fitted model: base parameters, effects, and the law error found on each thickness.
+
+    ``carried`` is the share of a pad's level that goes over to another pad: what is of the law, not of the pad.
+    """
 
     base: BaseParameters
     active: tuple[Active, ...]
     thickness_mm: NDArray
     law: NDArray
     shapes: tuple[str, ...] = ()
+    carried: float = 1.0
 
     @property
     def pads(self) -> tuple[tuple[str, float], ...]:
@@ -98,9 +106,12 @@ class Model:
         """Names of the parameters in a posterior; see :func:`parameter_names`."""
         return parameter_names([one.effect for one in self.active])
 
-    def law_error(self, thickness_mm: NDArray, shapes: Sequence[str] = ()) -> LawError:
+    def law_error(self, thickness_mm: NDArray, shapes: Sequence[str] = (), cast: bool = False) -> LawError:
         """Law error of pads (T,): of one's own shape, linear in the logarithm of thickness between the known and
         constant outside; none for a shape that was not measured.
+
+        A pad of another thickness than those that were pressed takes :attr:`carried` of the level, and so does every
+        pad that is newly ``cast``.
         """
         at, wanted = np.log(thickness_mm), np.array(list(shapes) or [""] * len(thickness_mm))
         own = np.array([shape for shape, _ in self.pads])
@@ -109,6 +120,9 @@ class Model:
             rows, known = wanted == shape, own == shape
             for term, values in zip(terms, self.law):
                 term[rows] = np.interp(at[rows], np.log(self.thickness_mm[known]), values[known])
+        if self.carried < 1.0:
+            same = np.array([(shape, h) in self.pads for shape, h in zip(wanted.tolist(), thickness_mm.tolist())])
+            terms[0] *= np.where(same & (not cast), 1.0, self.carried)
         return LawError(*terms)
 
     def nodes(self, presses: Presses, law: SetupLaw) -> NDArray:
@@ -128,6 +142,7 @@ class Model:
             "law_error": {
                 "thickness_mm": self.thickness_mm.tolist(), "level_slope_curve": self.law.tolist(),
                 **({"shape": list(self.shapes)} if any(self.shapes) else {}),
+                **({"carried_to_other_pads": self.carried} if self.carried < 1.0 else {}),
             },
         }
 
@@ -188,7 +203,8 @@ def model_of(fit: CampaignFit) -> Model:
     """Take the model out of a fit."""
     law = np.array(np.split(fit.vector[fit.problem.fixed :], LAW_TERMS))
     shapes = tuple(shape for shape, _ in fit.problem.presses.pads)
-    return Model(fit.base, fit.active, fit.problem.thicknesses, law, shapes if any(shapes) else ())
+    carried = carried_share(fit)
+    return Model(fit.base, fit.active, fit.problem.thicknesses, law, shapes if any(shapes) else (), carried)
 
 
 def calibration_of(result: LoopResult, prior: Calibration | None = None) -> Calibration:
@@ -208,6 +224,7 @@ def calibration_of(result: LoopResult, prior: Calibration | None = None) -> Cali
         "shape": result.campaign.pad.shape,
         "contact": result.campaign.punch.contact,
         "punch": result.campaign.punch.text,
+        **result.campaign.usual_pad,
     }
     # what a joined prior left was widened by the lack of fit before
     lack = None if result.joined is not None and result.joined.used else result.after.lack.ratio

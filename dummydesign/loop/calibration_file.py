@@ -16,6 +16,7 @@ from dummydesign.core.errors import InputError
 from dummydesign.core.files import write_text
 from dummydesign.geometry.interface import BASES, CONDITIONS, FRICTION, Interface
 from dummydesign.loop.calibration import PADS, Calibration, Model, Posterior
+from dummydesign.loop.data.pad_factors import USUAL
 from dummydesign.loop.effects.learned import Learned, SmoothChange, followed_by
 from dummydesign.loop.effects.registry import known_effects
 from dummydesign.loop.fitting.noise import LAW_TERMS
@@ -204,6 +205,7 @@ def _pad(table: _Entry) -> dict[str, Any]:
         "young_kPa_expected": young and young.positive(), "resin": resin and resin.text(),
         "ratio": ratio and ratio.positive(), "base": base and base.text(), "shape": "slab" if slab else "cylinder",
         "contact": contact and contact.interface(CONDITIONS), **({"punch": punch.text()} if punch else {}),
+        **{key: usual.positive() for key in USUAL if (usual := table.get(key))},
     }  # fmt: skip
 
 
@@ -256,8 +258,9 @@ def _learned(entry: _Entry, follows: tuple[str, ...]) -> Learned:
     return Learned(SmoothChange(follows, tuple(tuple(axis) for axis in axes), changes if pair else changes[0]))
 
 
-def _law_error(table: _Entry) -> tuple[np.ndarray, np.ndarray, tuple[str, ...]]:
-    """Thicknesses (h,), of each shape rising; level, slope and curvature (3, h); shapes, empty for slabs alone."""
+def _law_error(table: _Entry) -> tuple[np.ndarray, np.ndarray, tuple[str, ...], float]:
+    """Thicknesses (h,), of each shape rising; level, slope and curvature (3, h); shapes, empty for slabs alone; share
+    of a level that goes over to other pads."""
     thickness = table["thickness_mm"].numbers(0.0, math.inf)
     terms = [row.numbers(-LARGEST_LAW_ERROR, LARGEST_LAW_ERROR) for row in table["level_slope_curve"].items()]
     shapes = tuple(one.text() for one in table["shape"].items()) if "shape" in table.value else ()
@@ -268,4 +271,5 @@ def _law_error(table: _Entry) -> tuple[np.ndarray, np.ndarray, tuple[str, ...]]:
         raise table["thickness_mm"].fault("must hold thicknesses above 0 that rise")
     if len(terms) != LAW_TERMS or any(len(term) != len(thickness) for term in terms):
         raise _Fault(f"{table.at}.level_slope_curve must hold {LAW_TERMS} rows of {len(thickness)} numbers")
-    return np.array(thickness), np.array(terms), shapes
+    carried = table.get("carried_to_other_pads")
+    return np.array(thickness), np.array(terms), shapes, 1.0 if carried is None else carried.number(0.0, 1.0)

@@ -15,7 +15,7 @@ from dummydesign.loop.model.base_law import SlabLaw, UnitForce
 from dummydesign.loop.model.effect import SETUP
 from dummydesign.loop.model.forward_model import Active
 from dummydesign.pad.force_law import BaseForceLaw
-from dummydesign.pad.tables.slab import load_table
+from dummydesign.pad.tables.filleted import slab_table
 
 BULK = "bulk_that_gives"
 
@@ -57,7 +57,7 @@ class Correction:
         unit = acting(depth_mm, thickness_mm)
         if not self.knows_the_law():
             return unit
-        error = self.calibration.after.law_error(thickness_mm[:, 0], shapes or ())
+        error = self.calibration.after.law_error(thickness_mm[:, 0], shapes or (), cast=True)
         return unit * error.factor(np.clip(depth_mm, 0.0, limit_mm) / thickness_mm)
 
     def knows_the_law(self) -> bool:
@@ -99,6 +99,7 @@ class CorrectedLaw(BaseForceLaw):
     square: bool = True
     base: str = "bonded"
     punch: str = PUNCH
+    edge_radius_mm: float = 0.0
 
     @property
     def correction(self) -> Correction:
@@ -117,7 +118,8 @@ class CorrectedLaw(BaseForceLaw):
         depth, thickness, young = np.broadcast_arrays(
             *(np.asarray(value, dtype=float) for value in (depth_mm, thickness_mm, young_MPa))
         )
-        law = SlabLaw(load_table(self.base), np.asarray(radius_mm, float).item(), self.square)
+        radius = np.asarray(radius_mm, float).item()
+        law = SlabLaw(slab_table(self.base, self.edge_radius_mm, radius), radius, self.square)
         x, h = depth.reshape(-1, 1), thickness.reshape(-1, 1)
         limit = law.limit(h)
         unit = self.correction.apply(law, x, h, limit)
@@ -126,7 +128,9 @@ class CorrectedLaw(BaseForceLaw):
 
     def depth_limit_mm(self, thickness_mm: ArrayLike, radius_mm: ArrayLike) -> NDArray:
         """Depth to which the table holds. [mm]"""
-        return load_table(self.base).depth_limit_mm(np.asarray(thickness_mm, float), np.asarray(radius_mm, float))
+        radius = np.asarray(radius_mm, float)
+        table = slab_table(self.base, self.edge_radius_mm, float(radius.max()))
+        return table.depth_limit_mm(np.asarray(thickness_mm, float), radius)
 
 
 def young_factor(calibration: Calibration) -> float:

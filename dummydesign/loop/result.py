@@ -13,6 +13,7 @@ from dummydesign.loop.fitting.candidates import EffectCandidate
 from dummydesign.loop.fitting.screening import Screened
 from dummydesign.loop.model.effect import Effect
 from dummydesign.loop.next_measurement import NextMeasurement
+from dummydesign.loop.pad_scatter import pad_scatter
 from dummydesign.loop.prior import Joined
 from dummydesign.loop.selection.cross_validation import AssessedModel, effect_intervals, lack_of_fit
 from dummydesign.loop.selection.learn_effect import Learnt
@@ -76,6 +77,7 @@ def result_dict(result: LoopResult) -> dict[str, Any]:
         "threshold": gain_threshold(list(result.screened), lack),
         "ranking": [{"name": c.effect.name, "evidence": c.gain} for c in result.ranking],
         "screening": [{"name": one.effect.name, "z": one.z} for one in result.screened],
+        "pad_factors": pad_scatter(result.after.fit).to_dict(),
         "learned": to_plain(result.learnt),
         "untested": result.untested,
         "prior": to_plain(result.joined),
@@ -157,6 +159,9 @@ def answer_of(result: LoopResult) -> list[str]:
         lines.append("The prior agrees with this campaign: modulus, relaxation and their intervals come from both.")
     elif joined is not None:
         lines.append(f"The prior contradicts this campaign, which stands alone: {'; '.join(joined.conflicts)}.")
+    scatter = pad_scatter(after.fit)
+    if scatter.recorded:
+        lines.append(scatter.text)
     if result.next is not None:
         lines.append(f"Next: {result.next.text}.")
     return lines

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from dummydesign.core.errors import InputError
 from dummydesign.core.process import Progress, one_blas_thread, quiet
 from dummydesign.loop.calibration import Calibration
+from dummydesign.loop.data.pad_factors import with_pad_factors
 from dummydesign.loop.data.trials import Presses, make_presses
 from dummydesign.loop.effects.registry import known_effects, refuse_unsound
 from dummydesign.loop.fitting.candidates import EffectCandidate
@@ -21,6 +22,7 @@ from dummydesign.loop.model.campaign_law import law_of, start_young_kPa, within_
 from dummydesign.loop.model.effect import Effect
 from dummydesign.loop.model.forward_model import readings
 from dummydesign.loop.next_measurement import NextMeasurement, next_measurement
+from dummydesign.loop.pad_scatter import known_pads
 from dummydesign.loop.prior import Joined, check_prior, join, with_prior_effects
 from dummydesign.loop.result import LoopResult
 from dummydesign.loop.selection.cross_validation import AssessedModel, assess
@@ -43,6 +45,8 @@ class Replayed:
     peak_error_N: NDArray
     total_rmse_N: float
     total_base_rmse_N: float
+    pads: tuple[dict[str, Any], ...] = ()
+    """What was known of each pad's modulus and thickness before; empty where nothing was."""
     left_out: str = ""
     """Presses deeper than the force law of their pad, in words; empty where there are none."""
 
@@ -56,6 +60,7 @@ class Replayed:
             ],
             "rmse_N": self.total_rmse_N,
             "base_rmse_N": self.total_base_rmse_N,
+            "known_pads": list(self.pads),
         }
 
 
@@ -65,6 +70,7 @@ def replay(campaign: Campaign, calibration: Calibration, progress: Progress = qu
 
     ``peak_error_N`` is modelled minus measured largest force, both smoothed over five samples.
     """
+    campaign = with_pad_factors(campaign, calibration.pad)
     law = law_of(campaign, progress)
     progress("presses")
     campaign, presses, left_out = within_reach(campaign, make_presses(campaign), law, least=1)
@@ -90,7 +96,7 @@ def replay(campaign: Campaign, calibration: Calibration, progress: Progress = qu
     own, plain = (float(np.sqrt(np.average(one, weights=weight))) for one in (squares, base_squares))
     return Replayed(
         tuple(trial.file for trial in campaign.trials), np.sqrt(squares), np.sqrt(base_squares), peaks[0] - peaks[1],
-        own, plain, left_out,
+        own, plain, known_pads(presses.trials), left_out,
     )  # fmt: skip
 
 
@@ -101,6 +107,7 @@ def close_loop(
     """Run the loop on a campaign."""
     if prior is not None:
         check_prior(prior, campaign)
+    campaign = with_pad_factors(campaign, None if prior is None else prior.pad)
     law = law_of(campaign, progress)
     campaign, presses, beyond = within_reach(campaign, make_presses(campaign), law)
     base = assess(fit_base(presses, law, young_MPa or 1e-3 * start_young_kPa(campaign), progress))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -42,6 +42,11 @@ class PadSpec:
     geometry: PadShape = SLAB
 
 
+def with_edge(punch: str, edge_radius_mm: float) -> str:
+    """A punch as it is typed, with the fillet of its edge where it has one."""
+    return f"{punch}, edge radius {edge_radius_mm:g} mm" if edge_radius_mm else punch
+
+
 @dataclass(frozen=True)
 class PunchSpec:
     """The impactor: ``square`` (side), ``round`` or ``ball`` (diameter), ``profile`` or ``plate``, and its contact.
@@ -62,7 +67,7 @@ class PunchSpec:
         """As it is typed, such as ``square:14``, with the fillet of its edge; the kind alone of plate and profile."""
         size = self.side_mm if self.shape == "square" else self.diameter_mm
         words = self.shape if size is None or self.shape in ("plate", "profile") else f"{self.shape}:{size:g}"
-        return f"{words}, edge radius {self.edge_radius_mm:g} mm" if self.edge_radius_mm else words
+        return with_edge(words, self.edge_radius_mm)
 
     @property
     def radius_mm(self) -> float:
@@ -80,7 +85,11 @@ class PunchSpec:
 class Trial:
     """One press with what was declared of it; None where nothing was declared.
 
-    ``thickness_sd_mm`` is the standard error of a thickness that was measured. ``geometry`` is the shape of the pad.
+    ``thickness_sd_mm`` is the standard error of a thickness that was measured, ``design_thickness_mm`` what the pad was
+    designed as. ``geometry`` is the shape of the pad. ``witness_kPa`` is the modulus of a puck of the pad's own batch,
+    ``weighed_ratio`` the ratio that was weighed, each with its standard error. ``young_factor`` is what these make of
+    the pad's modulus over that of the campaign's usual pad, and ``young_factor_sd`` the standard deviation of its
+    logarithm; the loop sets them.
     """
 
     file: str
@@ -96,6 +105,13 @@ class Trial:
     trace: Trace = field(repr=False)
     geometry: PadShape = SLAB
     thickness_sd_mm: float | None = None
+    design_thickness_mm: float | None = None
+    witness_kPa: float | None = None
+    witness_sd_kPa: float | None = None
+    weighed_ratio: float | None = None
+    weighed_ratio_sd: float | None = None
+    young_factor: float = 1.0
+    young_factor_sd: float = 0.0
 
     @property
     def pad(self) -> tuple[str, float]:
@@ -105,7 +121,10 @@ class Trial:
 
 @dataclass(frozen=True)
 class Campaign:
-    """A checked campaign, trials in the order of ``campaign.toml``; ``records`` are files of pads that it names."""
+    """A checked campaign, trials in the order of ``campaign.toml``; ``records`` are files of pads that it names.
+
+    ``usual_pad`` are witness and weighed ratio of the pad that the modulus is of; the loop sets them.
+    """
 
     name: str
     folder: Path
@@ -116,6 +135,7 @@ class Campaign:
     trials: tuple[Trial, ...]
     warnings: tuple[dict[str, str], ...] = ()
     records: tuple[Path, ...] = ()
+    usual_pad: Mapping[str, float] = field(default_factory=dict)
 
 
 def check_against_declared(trial: Trial, table: Table) -> None:
@@ -185,13 +205,18 @@ def check_edge(pad: PadSpec, punch: PunchSpec, shapes: Sequence[PadShape], where
         share = f"{LARGEST_EDGE_RADIUS:g} of the punch's half-width"
         message = f"{text} is outside the allowed range 0 to {most:.4g}, {share}"
         raise InputError(message, "out_of_range", "edge_radius_mm", edge, (0.0, most))
-    unsolved = [f"shape = {shape}" for shape in shapes if not shape.plain][:1]
-    unsolved += [] if Interface.find(punch.contact, CONDITIONS) else [f"contact = {punch.contact}"]
-    unsolved += [] if pad.base in BASES else [f"base = {pad.base}"]
+    shaped = [shape for shape in shapes if not shape.plain]
+    unsolved = [f"shape = {shape}" for shape in shaped if not shape.axisymmetric][:1]
+    contact = Interface.find(punch.contact, CONDITIONS)
+    # a face that slides or rubs round the fillet is followed on slabs only
+    glued = contact is not None and contact.bonded
+    unsolved += [] if contact and (glued or not shaped) else [f"contact = {punch.contact}"]
+    held = ("bonded",) if any(shape.bone_height_mm for shape in shaped) else BASES
+    unsolved += [] if pad.base in held else [f"base = {pad.base}"]
     if unsolved:
         message = (
-            f"{text} with {unsolved[0]} is not solved; a fillet goes with a flat punch on slabs whose base is bonded "
-            "or sliding: give 0 for the sharp edge"
+            f"{text} with {unsolved[0]} is not solved; a fillet goes with a flat punch on slabs, or glued on round "
+            "shapes, whose base is bonded, or sliding without a bone: give 0 for the sharp edge"
         )
         raise InputError(message, "unsupported", "edge_radius_mm", edge)
 

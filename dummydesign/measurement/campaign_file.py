@@ -34,6 +34,11 @@ FILE = "campaign.toml"
 TRIAL_NUMBERS = {
     "thickness_mm": (0.5, 200.0),
     "thickness_sd_mm": (0.0, 10.0),
+    "design_thickness_mm": (0.5, 200.0),
+    "witness_kPa": (0.5, 5000.0),
+    "witness_sd_kPa": (0.0, 2500.0),
+    "weighed_ratio": (0.0, 1000.0),
+    "weighed_ratio_sd": (0.0, 100.0),
     "velocity_mm_s": (0.001, 5000.0),
     "hold_s": (0.0, 1e5),
     "target_force_N": (0.0, 2000.0),

@@ -22,7 +22,8 @@ class PadRecord:
     ``thickness_mm`` is the thickness as the pad's force law means it: the mean of a flat pad's ``thicknesses_mm``, the
     reading at the tip of any other. ``thickness_sd_mm`` is the standard error of the thickness at a place between those
     gauged, :func:`thickness_error`. ``points`` are the names of the gauge points, empty for a plain list.
-    ``young_kPa`` is the witness's modulus, None where none was tested.
+    ``young_kPa`` is the witness's modulus, None where none was tested, ``young_sd_kPa`` its standard error, None where
+    it was not given. ``weighed_ratio`` is the ratio that the weighed masses make, with its standard error.
     ``missed`` are the limits of acceptance that the pad fails, in words.
     """
 
@@ -47,6 +48,9 @@ class PadRecord:
     note: str = ""
     limits: tuple[dict[str, Any], ...] = field(default=(), compare=False)
     points: tuple[str, ...] = ()
+    young_sd_kPa: float | None = None
+    weighed_ratio: float | None = None
+    weighed_ratio_sd: float | None = None
 
     def to_dict(self) -> dict[str, Any]:
         """Return the fields as plain values, with the schema first."""
@@ -98,6 +102,7 @@ def read_record(path: str | Path) -> PadRecord:
             _optional(data, "young_kPa"), _optional(data, "level_deg"), data.get("bubbles"), bool(data["accepted"]),
             _optional(data, "force_percent"), tuple(str(one) for one in data["missed"]), str(data.get("note", "")),
             tuple(data.get("limits", ())), tuple(str(one) for one in data.get("points", ())),
+            _optional(data, "young_sd_kPa"), _optional(data, "weighed_ratio"), _optional(data, "weighed_ratio_sd"),
         )  # fmt: skip
     except (KeyError, TypeError, ValueError) as problem:
         message = f"pad record '{path}' is damaged at {problem}; record the pad again"
@@ -157,7 +162,15 @@ def trial_with_record(table: Table, record: PadRecord) -> Table:
         message = f"{where}: shape = {shape!r}, but the record is of shape {record.shape!r}"
         raise InputError(message, "inconsistent", "trial.shape", shape, record.shape)
     own = {} if record.shape in ("slab", "puck") else {"shape": record.shape}
-    measured = {"thickness_mm": record.thickness_mm, "thickness_sd_mm": record.thickness_sd_mm}
+    measured: dict[str, Any] = {"thickness_mm": record.thickness_mm, "thickness_sd_mm": record.thickness_sd_mm}
+    measured["design_thickness_mm"] = record.design_thickness_mm
+    batch = {
+        "witness_kPa": record.young_kPa, "witness_sd_kPa": record.young_sd_kPa,
+        "weighed_ratio": record.weighed_ratio, "weighed_ratio_sd": record.weighed_ratio_sd,
+    }  # fmt: skip
+    if not record.shape.startswith("layered"):
+        # a witness of two resins is of one of them
+        measured |= {key: value for key, value in batch.items() if value is not None}
     return replace(table, data={**table.data, **own, **measured})
 
 

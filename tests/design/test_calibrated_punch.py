@@ -11,6 +11,7 @@ from dummydesign.design.request import Request
 from dummydesign.loop.calibration import Calibration, Model
 from dummydesign.loop.calibration_file import write_calibration
 from dummydesign.loop.model.forward_model import BaseParameters
+from dummydesign.pad.tables.filleted import load_filleted
 from dummydesign.pad.tables.slab import load_table
 from tests.support.made_calibration import calibration as made_calibration
 from tests.support.refusal import raises_code
@@ -62,9 +63,16 @@ def test_a_file_without_a_punch_is_taken_for_the_standard_punch(calibration):
     assert law == pytest.approx(1.1, rel=1e-6)
 
 
+def test_a_fillet_is_designed_for_with_the_table_of_that_fillet_and_the_law_of_a_campaign_under_it(calibration):
+    table = load_filleted("bonded", 1.0 / 8.0).force(DEPTH_MM, THICKNESS_MM, YOUNG_MPA, 8.0)
+    for pressed, found, warned in (("round:16, edge radius 1 mm", 1.1, False), ("round:16", 1.0, True)):
+        made = _resolved(calibration(pressed), "round:16", edge_radius_mm=1.0)
+        assert _force(made) / table == pytest.approx(found, rel=1e-6)
+        assert any(one["code"] == "calibration_punch" for one in made.calibrated.warnings) == warned
+
+
 @pytest.mark.parametrize("punch, more, code", [
     ("ball:20", {}, "not_applicable"),
-    ("round:16", {"edge_radius_mm": 1.0}, "not_applicable"),
     ("square:14", {"base": "sliding"}, "not_applicable"), ("square:14", {"pad_mm": (40.0, 40.0)}, "not_applicable"),
 ])  # fmt: skip
 def test_what_a_calibration_cannot_correct_is_refused_with_the_way_out(calibration, punch, more, code):

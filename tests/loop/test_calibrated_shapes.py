@@ -12,7 +12,7 @@ import pytest
 from dummydesign import cli
 from dummydesign.design.calibrated import CalibratedFamily
 from dummydesign.design.search import finalists as elements_law
-from dummydesign.design.search.shape_family import FamilyLaw, load_family
+from dummydesign.design.search.shape_family import Designs, FamilyLaw, load_family
 from dummydesign.geometry.dimensions import PAD_EXTENT_MM
 from dummydesign.geometry.shape_registry import read_shape
 from dummydesign.loop.calibration_file import write_calibration
@@ -22,7 +22,7 @@ from dummydesign.loop.model.forward_model import Active
 from tests.support.made_calibration import calibration, effect
 
 RADIUS, CROWN = 14.0 / np.sqrt(np.pi), "crowned:radius=20,height=3,foot=11"
-SPACE = SimpleNamespace(radius_mm=RADIUS, base="bonded", extent_mm=PAD_EXTENT_MM)
+SPACE = SimpleNamespace(radius_mm=RADIUS, base="bonded", extent_mm=PAD_EXTENT_MM, edge_radius_mm=0.0)
 
 
 def law_of(*active, shape=CROWN, **options):
@@ -47,6 +47,17 @@ def test_effects_of_the_laboratory_change_no_shaped_pad():
                  tilt_deg=2.0))  # fmt: skip
     assert np.array_equal(law.force(D, H, 0.025, RADIUS), law.plain.force(D, H, 0.025, RADIUS))
     assert law.notes == ()
+
+
+def test_a_search_that_leaves_out_lengths_of_usual_value_finds_the_shape_that_was_pressed():
+    """Candidates of the search say nothing of a ridge, which the campaign's shape has as 0."""
+    family = CalibratedFamily(load_family("crowned"), Correction(calibration(shapes=(CROWN,), level=0.03)))
+    lengths = {"radius": [20.0, 19.0], "height": [3.0, 3.0], "foot": [11.0, 11.0]}
+    designs = Designs("crowned", np.full(2, 10.0), {name: np.array(values) for name, values in lengths.items()})
+    ratio = family.area_mm2(designs, np.full((2, 1), 1.5), RADIUS) / family.plain.area_mm2(
+        designs, np.full((2, 1), 1.5), RADIUS
+    )
+    np.testing.assert_allclose(ratio[:, 0], [1.03, 1.0])
 
 
 def test_the_law_error_is_that_of_the_shape_that_was_pressed():

@@ -148,6 +148,7 @@ def test_units_of_an_effect_are_those_of_its_parameters(monkeypatch):
     fit = SimpleNamespace(
         vector=np.r_[np.zeros(5), 2.0, 0.0], covariance=covariance, sizes=SimpleNamespace(law=(0.1, 0.2, 0.3)),
         active=(Active(tilt, {tilt.parameters[0].name: tilt.parameters[0].to_value(2.0)}),), joined=True,
+        problem=SimpleNamespace(presses=SimpleNamespace(trials=())),
     )  # fmt: skip
     monkeypatch.setattr("dummydesign.loop.calibration.pad_spreads", lambda found: found.sizes.law)
     known = posterior_of(fit)

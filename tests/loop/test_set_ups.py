@@ -11,6 +11,7 @@ from dummydesign.cli.entry import run
 from tests.support.pressed_set_up import press_set_up
 
 CROWN = "crowned:radius=20,height=3,foot=11"
+BONE = "boned:height=3,radius=20,foot=9"
 PLAN = ["--young", "25", "--pads", "10", "--depth", "1,2.5", "--velocity", "10,250", "--repeats", "2", "--ages", "9",
         "--no-power"]  # fmt: skip
 YOUNG_KPA = 27.0
@@ -25,7 +26,9 @@ YOUNG_KPA = 27.0
         ["--punch", "round:14", "--contact", "frictionless", "--edge-radius", "0.5"],
         ["--punch", "round:14", "--contact", "friction:0.3", "--edge-radius", "0.5"],
         ["--punch", "round:14", "--contact", "friction:0.3"], ["--punch", "round:14", "--base", "friction:0.5"],
-        ["--punch", "round:14", "--shape", CROWN], ["--pad", "cylinder:20", "--contact", "friction:0.3"],
+        ["--punch", "round:14", "--shape", CROWN], ["--punch", "round:14", "--shape", CROWN, "--edge-radius", "0.4"],
+        ["--shape", "layered:top=3,modulus_ratio=0.3", "--base", "sliding", "--edge-radius", "0.5"],
+        ["--pad", "cylinder:20", "--contact", "friction:0.3"],
         ["--pad", "cylinder:50", "--contact", "frictionless"],
     ],
     ids=lambda words: " ".join(words).replace("--", ""),
@@ -57,9 +60,10 @@ def test_a_campaign_of_the_set_up_is_planned_pressed_checked_calibrated_and_pred
     [
         (["--edge-radius", "5"], "0 to 2.1"),
         (["--edge-radius", "-1"], "0 to 2.1"),
-        (["--edge-radius", "0.5", "--contact", "friction:0.3", "--shape", CROWN], f"shape = {CROWN} is not solved"),
+        (["--edge-radius", "0.5", "--contact", "friction:0.3", "--shape", CROWN], "contact = friction:0.3 is not"),
         (["--edge-radius", "0.5", "--base", "friction:0.3"], "base = friction:0.3 is not solved"),
-        (["--edge-radius", "0.5", "--shape", CROWN], f"shape = {CROWN} is not solved"),
+        (["--edge-radius", "0.5", "--shape", BONE, "--base", "sliding"], "base = sliding is not solved"),
+        (["--edge-radius", "0.5", "--shape", "bumped:pitch=5,radius=2,height=1"], "height=1 is not solved"),
         (["--edge-radius", "0.5", "--punch", "ball:12"], "a ball has no edge"),
         (["--shape", "bumped:pitch=5,radius=2,height=1"], "at 95 %) is of one form of caps"),
         (["--shape", CROWN, "--punch", "ball:12"], "pressed by a flat punch"),

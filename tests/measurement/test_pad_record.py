@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 
 from dummydesign.measurement.campaign_file import read_campaign
 from dummydesign.measurement.pad_record import PadRecord, read_record, thickness_error
@@ -32,6 +33,18 @@ def test_a_trial_takes_thickness_and_error_from_its_record_and_only_that_trial(t
     assert read.trials[0].thickness_sd_mm == RECORD.thickness_sd_mm and read.trials[1].thickness_sd_mm is None
     assert read.trials[0].pad != read.trials[1].pad and read.records == (tmp_path / "record.json",)
     assert [one["code"] for one in read.warnings].count("pad_not_accepted") == 1
+
+
+def test_a_trial_takes_witness_and_weighing_from_its_record_but_not_those_of_two_layers(tmp_path):
+    known = replace(RECORD, young_sd_kPa=0.5, weighed_ratio=15.04, weighed_ratio_sd=0.02)
+    save(tmp_path, known)
+    text = 'thickness_mm = 15.0\nrecord = "record.json"'
+    first, second = read_campaign(write(tmp_path, text=lambda t: t.replace("thickness_mm = 15.0", text, 1))).trials[:2]
+    read = (first.witness_kPa, first.witness_sd_kPa, first.weighed_ratio, first.weighed_ratio_sd)
+    assert read == (26.5, 0.5, 15.04, 0.02) and first.design_thickness_mm == 15.0
+    assert second.witness_kPa is None and second.weighed_ratio is None and second.design_thickness_mm is None
+    save(tmp_path, replace(known, shape="layered:top=5,modulus_ratio=2"))
+    assert read_campaign(tmp_path).trials[0].witness_kPa is None
 
 
 def test_the_pads_record_stands_for_every_trial_its_size_and_its_witness(tmp_path):

@@ -67,6 +67,29 @@ class Truth:
     young_kPa: float
 
 
+@dataclass(frozen=True)
+class CastPads:
+    """How pads of one recipe differ (standard deviations), what is read of them, and whether the campaign says it."""
+
+    thickness_mm: float = 0.12
+    ln_young: float = 0.05
+    gauge_mm: float = 0.05
+    witness: float = 0.02
+    recorded: bool = True
+
+    def pad(self, seed: int, held_out: bool, h: float, young_kPa: float) -> tuple[float, float, str]:
+        """Thickness and factor of the modulus of a pad, and the lines that its trials carry."""
+        rng = np.random.default_rng([seed, 6, held_out, round(100 * h)])
+        thickness, factor = h + rng.normal(0, self.thickness_mm), float(np.exp(rng.normal(0, self.ln_young)))
+        read = thickness + rng.normal(0, self.gauge_mm)
+        witness = young_kPa * factor * float(np.exp(rng.normal(0, self.witness)))
+        lines = (
+            f"thickness_mm = {read:.3f}\nthickness_sd_mm = {self.gauge_mm}\ndesign_thickness_mm = {h}\n"
+            f"witness_kPa = {witness:.4f}\nwitness_sd_kPa = {self.witness * witness:.4f}"
+        )
+        return thickness, factor, lines if self.recorded else f"thickness_mm = {h}"
+
+
 def conditions(rng: np.random.Generator, held_out: bool, thicknesses: tuple = SLABS) -> list[dict]:
     """Trials with sequence, rest, age and temperature, in the order they are run."""
     pads, further = thicknesses
@@ -139,6 +162,9 @@ def write_campaign(
     crowned: bool = False,
     rows: list[dict] | None = None,
     cast: str | None = None,
+    edge_mm: float = 0.0,
+    declared: bool = True,
+    cast_pads: CastPads | None = None,
 ) -> Truth:
     """Write a campaign with one effect of the given size; the same seed has the same material in both roles.
 
@@ -146,8 +172,11 @@ def write_campaign(
     round punch of the same area; they are solved glued and incompressible, and a tilt has no toe on them.
     ``rows`` are planned presses (h, v, target in N, repeat, sequence, rest, age, temperature, unload) in place of the
     usual ones; a pad pressed in several such campaigns of one seed is the same pad. ``cast`` is what [pad] says it was
-    cast of (lines of TOML).
+    cast of (lines of TOML). ``edge_mm`` is a fillet of the punch that presses crowned pads, 0 or 0.4; the file says so
+    when it is ``declared``. ``cast_pads`` gives each pad a thickness and a modulus of its own, and a record.
     """
+    if edge_mm and not crowned:
+        raise ValueError("the fillet is solved for crowned pads")
     if crowned and {effect, *(name for name, _ in more)} & {"base_slip", "compressibility", "punch_tilt"}:
         raise ValueError("slip of the base, compressibility and tilt are not made for crowned pads")
     material = np.random.default_rng([seed, 1])
@@ -174,11 +203,18 @@ def write_campaign(
         pads = {row["h"]: np.random.default_rng([seed, 5, round(100 * row["h"])]).normal(0, level_error, 2)
                 for row in rows}  # fmt: skip
     h = np.array([row["h"] for row in rows])
-    pad = Pad(h, np.array([pads[t][0] for t in h]), np.array([pads[t][1] for t in h]), crown=crowned)
+    own = {"crown": crowned, "edge_mm": edge_mm}
+    of_pad = {t: (t, 1.0, f"thickness_mm = {t}") for t in pads}
+    if cast_pads is not None:
+        of_pad = {t: cast_pads.pad(seed, held_out, t, 1e3 * young) for t in pads}
+    for row in rows:
+        row["declared"] = of_pad[row["h"]][2]
+    real, factor = (np.array([of_pad[t][k] for t in h]) for k in (0, 1))
+    pad = Pad(real, np.array([pads[t][0] for t in h]), np.array([pads[t][1] for t in h]), **own)
     share = np.linspace(0.0, 0.42, 85)
     depths = []
     for i, row in enumerate(rows):
-        one = Pad(h[i : i + 1].repeat(85), np.zeros(85), np.zeros(85), crown=crowned)
+        one = Pad(h[i : i + 1].repeat(85), np.zeros(85), np.zeros(85), **own)
         force = nominal * 1e-3 * one.force(share * row["h"])
         target = min(row["target"] if planned else row["level"] * top_force, row.get("level", 0.95) * force[-1])
         depths.append(float(np.interp(target, force, share * row["h"])))
@@ -192,11 +228,14 @@ def write_campaign(
     time, x, away = stacked(0), stacked(1), stacked(2).astype(bool)
     time = time + np.maximum(np.arange(longest) - np.array([[len(m[0]) - 1] for m in moved]), 0) * 1e-3
     physics = _physics(effects, young, tau, beta, pad, rows, np.array(depths), rng)
+    physics.young = physics.young * factor
     force = pad_force(time, x, away, physics)
     force = at_the_pad(effects, force)
     before = np.stack([at_the_punch(effects, t, f, a) for t, f, a in zip(time, force, stacked(4))])
     signal = butterworth(time, before, 35.0, effects.get("sensor_lag", 0.0))
-    return _write(folder, effects, rows, moved, signal, nominal, young, slow_time, rng, crowned, cast)
+    cast = "\n".join([*([cast] if cast else []), *([f'shape = "{CROWN}"'] if crowned else [])])
+    punch = [f"edge_radius_mm = {edge_mm}"] if edge_mm and declared else []
+    return _write(folder, effects, rows, moved, signal, nominal, young, slow_time, rng, crowned, cast, punch)
 
 
 def _physics(effects, young, tau, beta, pad, rows, depths, rng) -> Physics:
@@ -264,12 +303,12 @@ def _physics(effects, young, tau, beta, pad, rows, depths, rng) -> Physics:
     return Physics(young * scale, taus, betas, pad, offset, **extra)
 
 
-def _write(folder, effects, rows, moved, force, nominal, young, slow_time, rng, crowned, cast) -> Truth:
+def _write(folder, effects, rows, moved, force, nominal, young, slow_time, rng, crowned, cast, punch) -> Truth:
     folder.mkdir(parents=True, exist_ok=True)
     lines = [
         "schema = 1", f'name = "{folder.name}"', "[pad]", f"young_kPa_nominal = {nominal:.2f}",
         *([cast] if cast else []), "length_mm = 150.0",
-        "width_mm = 120.0", 'base = "bonded"', *([f'shape = "{CROWN}"'] if crowned else []), "[punch]",
+        "width_mm = 120.0", 'base = "bonded"', "[punch]", *punch,
         *(['shape = "round"', f"diameter_mm = {28.0 / np.sqrt(np.pi):.6f}"] if crowned else
           ['shape = "square"', "side_mm = 14.0"]), 'contact = "bonded"',
         "[sensor]", "lowpass_hz = 35.0", "lowpass_order = 2", "lowpass_passes = 1", "force_resolution_N = 0.01",
@@ -286,7 +325,7 @@ def _write(folder, effects, rows, moved, force, nominal, young, slow_time, rng, 
         table = "\n".join(f"{a:.4f},{b:.3f},{c:.2f}" for a, b, c in zip(t, place, saved))
         (folder / name).write_text("time_s,displacement_mm,force_N\n" + table + "\n")
         lines += [
-            "[[trial]]", f'file = "{name}"', f"thickness_mm = {row['h']}", f"velocity_mm_s = {row['v']}",
+            "[[trial]]", f'file = "{name}"', row["declared"], f"velocity_mm_s = {row['v']}",
             "hold_s = 10.0", f"target_force_N = {row['target']}", f"repeat = {row['repeat']}",
             f"sequence = {row['sequence']}", f"rest_s = {row['rest']}", f"temperature_C = {row['temperature']}",
             f"age_days = {row['age']}",

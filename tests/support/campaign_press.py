@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from dataclasses import dataclass, field
-from functools import lru_cache
+from functools import lru_cache, partial
 from pathlib import Path
 
 import numpy as np
@@ -51,11 +51,12 @@ def _layer_force(depth: np.ndarray, thickness: np.ndarray, base: str, poisson: f
 
 
 @lru_cache(maxsize=4)
-def _crowns(base: str, poisson: float) -> list[tuple[float, CubicSpline]]:
+def _crowns(base: str, poisson: float, edge_mm: float) -> list[tuple[float, CubicSpline]]:
     """Solved thicknesses and splines of ln F / (E d^1.5) over the root of the depth, from first touch."""
     rows = [
-        r for r in json.loads(CROWNED_CURVES.read_text()) if r["base"] == base and abs(r["poisson"] - poisson) < 1e-9
-    ]
+        r for r in json.loads(CROWNED_CURVES.read_text())
+        if r["base"] == base and abs(r["poisson"] - poisson) < 1e-9 and r.get("edge_radius_mm", 0.0) == edge_mm
+    ]  # fmt: skip
     out = []
     for row in sorted(rows, key=lambda r: r["thickness_mm"]):
         depth, area = np.array(row["depth_mm"]), np.array(row["force_over_young_mm2"])
@@ -66,9 +67,11 @@ def _crowns(base: str, poisson: float) -> list[tuple[float, CubicSpline]]:
     return out
 
 
-def _crown_force(depth: np.ndarray, thickness: np.ndarray, base: str, poisson: float) -> np.ndarray:
+def _crown_force(
+    depth: np.ndarray, thickness: np.ndarray, base: str, poisson: float, edge_mm: float = 0.0
+) -> np.ndarray:
     """F / E of depths (T, ...) on crowned pads (T,): linear in ln h at equal depth from the nearest solved."""
-    solved = _crowns(base, poisson)
+    solved = _crowns(base, poisson, edge_mm)
     nodes = np.log([h for h, _ in solved])
     flat = np.maximum(depth, 0.0).reshape(len(thickness), -1)
     out = np.zeros_like(flat)
@@ -96,6 +99,7 @@ class Pad:
     tilt_deg: float = 0.0
     bump: float = 0.0
     crown: bool = False
+    edge_mm: float = 0.0
 
     def table(self, points: int = 6001) -> tuple[np.ndarray, np.ndarray]:
         """Depths (points,) over thickness from -0.3 to 0.5 and F / E (T, points) there. [mm2]"""
@@ -112,7 +116,7 @@ class Pad:
 
     def _flat(self, depth: np.ndarray) -> np.ndarray:
         h = self.thickness + self.thickness_error
-        solved = _crown_force if self.crown else _layer_force
+        solved = partial(_crown_force, edge_mm=self.edge_mm) if self.crown else _layer_force
         bonded = solved(depth, h, "bonded", 0.5)
         if self.poisson < 0.5:
             # parabola through the compliances at 0.5, 0.48 and 0.46

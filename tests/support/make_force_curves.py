@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import json
 import sys
+from itertools import product
 from pathlib import Path
 
 import numpy as np
@@ -21,6 +22,7 @@ RADIUS_MM = 14.0 / np.sqrt(np.pi)
 SHARES = np.array([0.02, 0.05, 0.1, 0.15, 0.2, 0.25, 0.3, 0.35, 0.4, 0.45, 0.5])
 CASES = [("bonded", 0.5), ("sliding", 0.5), ("bonded", 0.48), ("bonded", 0.46)]
 CROWN, CROWN_THICKNESSES, CROWN_CELLS = "crowned:radius=20,height=3,foot=11", (7.0, 10.0, 12.0, 14.0), 32
+FILLET_MM = 0.4
 CROWN_SHARES = np.r_[0.01, 0.02, 0.035, np.arange(0.05, 0.46, 0.025)]
 OUT = Path(__file__).parent / "force_curves.json"
 CROWNED = Path(__file__).parent / "crowned_curves.json"
@@ -52,18 +54,19 @@ def main() -> None:
 
 
 def crowned() -> None:
-    """The same for a crown on bases of four thicknesses."""
+    """The same for a crown on bases of four thicknesses, under a sharp edge and under a fillet."""
     rows = json.loads(CROWNED.read_text()) if CROWNED.exists() else []
-    done = {row["thickness_mm"] for row in rows}
-    for thickness in CROWN_THICKNESSES:
-        if thickness in done:
+    done = {(row["thickness_mm"], row.get("edge_radius_mm", 0.0)) for row in rows}
+    for edge, thickness in product((0.0, FILLET_MM), CROWN_THICKNESSES):
+        if (thickness, edge) in done:
             continue
         curve = solve_shaped_pad(
-            Pad(thickness, 1.0, RADIUS_MM, extent_mm=75.7, geometry=read_shape(CROWN)),
+            Pad(thickness, 1.0, RADIUS_MM, extent_mm=75.7, geometry=read_shape(CROWN), edge_radius_mm=edge),
             CROWN_SHARES * thickness,
             cells=CROWN_CELLS,
         )
-        rows.append(_crowned_row(thickness, curve.depth_mm, curve.force_N))
+        own = {"edge_radius_mm": edge} if edge else {}
+        rows.append(_crowned_row(thickness, curve.depth_mm, curve.force_N) | own)
         CROWNED.write_text(json.dumps(rows, indent=1) + "\n")
         print("crowned", thickness, len(curve.depth_mm), curve.solver["seconds"], file=sys.stderr, flush=True)
 

@@ -22,6 +22,9 @@ def add_record_arguments(parser: argparse.ArgumentParser) -> None:
         help="at the gauge points of the pour sheet; of a flat pad also five or more numbers")  # fmt: skip
     add("--mass", type=float, metavar="G", required=True, help="of the trimmed pad")
     add("--modulus", type=float, metavar="KPA", help="of the witness puck, from resins add-compression")
+    add("--modulus-error", type=float, metavar="KPA", help="standard error of that modulus")
+    add("--weighed", metavar="NAME=G,..", help="masses of the liquids that were weighed in")
+    add("--scale", type=float, metavar="G", help="limit of the scale's error (default 0.1)")
     add("--level", type=float, metavar="DEG", help="as read when the mould was filled")
     add("--bubbles", type=int, metavar="N", help="over 1 mm, under the punch")
     add("--gauge", type=float, metavar="MM", help="standard error of the gauge on a gel (default 0.05)")
@@ -33,7 +36,8 @@ def run_record(options: argparse.Namespace) -> dict[str, Any]:
     """Judge and keep the record."""
     from dummydesign.api.moulds import record_pad
 
-    result = call(record_pad, options, thicknesses_mm=_readings(options.thicknesses)).to_dict()
+    weighed = None if options.weighed is None else _weighed(options.weighed)
+    result = call(record_pad, options, thicknesses_mm=_readings(options.thicknesses), weighed_g=weighed).to_dict()
     if not result["accepted"]:
         message = f"the pad is not accepted: {', '.join(result['missed'])}"
         raise NoAnswerError("pad_not_accepted", message, result, "pad")
@@ -61,6 +65,19 @@ def _readings(text: str) -> list[float] | dict[str, float]:
         message = f"--thickness {plain[0]:g} has no name; give NAME=MM for every point or for none"
         raise InputError(message, "missing", "thickness", plain[0])
     return named or plain
+
+
+def _weighed(text: str) -> dict[str, float]:
+    """Masses as typed, ``polyol=174.1,isocyanate=26.1``. [g]"""
+    found: dict[str, float] = {}
+    for part in text.split(","):
+        name, _, value = (one.strip() for one in part.partition("="))
+        try:
+            found[name] = float(value)
+        except ValueError:
+            message = f"--weighed {part.strip()!r} must be NAME=G"
+            raise InputError(message, "not_a_number", "weighed", part.strip()) from None
+    return found
 
 
 def render_record(result: dict[str, Any]) -> str:

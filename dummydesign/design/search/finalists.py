@@ -93,11 +93,14 @@ def rough_law(shaped: Shaped, space: SearchSpace, solved: PathCache) -> Elements
 
 
 def _inputs(shaped: Shaped, space: SearchSpace) -> tuple[dict[str, Any], dict[str, Any]]:
-    """What a solve depends on; apart from it base and size of the pad where they are not those of the tables."""
+    """What a solve depends on; apart from it base and size of the pad, and the punch's fillet, where they are not those
+    of the tables."""
     thickness = shaped.found.best.thickness_mm
     own: dict[str, Any] = {} if space.base == "bonded" else {"base": space.base}
     if space.extent_mm != PAD_EXTENT_MM:
         own["extent_mm"] = space.extent_mm
+    if space.edge_radius_mm and shaped.shape.axisymmetric:
+        own["edge_radius_mm"] = space.edge_radius_mm
     depth = thickness * solved_shares(shaped, space.radius_mm)
     return {"shape": str(shaped.shape), "thickness": thickness, "radius": space.radius_mm, "depth": depth}, own
 

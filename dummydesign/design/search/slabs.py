@@ -42,6 +42,7 @@ class SearchSpace:
     pad_mm: tuple[float, float] = (PAD_LENGTH_MM, PAD_WIDTH_MM)
     base: str = "bonded"
     correct: Correct | None = None
+    edge_radius_mm: float = 0.0
 
     @property
     def extent_mm(self) -> float:

@@ -113,6 +113,12 @@ class Presses:
         return np.array([pads.index(trial.pad) for trial in self.trials])
 
     @cached_property
+    def young_factor(self) -> NDArray | None:
+        """What is known of each trial's pad: its modulus over that of the usual pad (T,); None where nothing is."""
+        factors = np.array([trial.young_factor for trial in self.trials])
+        return None if np.all(factors == 1.0) else factors
+
+    @cached_property
     def flat_top_N(self) -> float | None:
         """The largest reading when presses stay at it, see :func:`flat_top`. [N]"""
         return flat_top([trial.trace.force_N for trial in self.trials])

@@ -16,7 +16,7 @@ from dummydesign.geometry.interface import BASES
 from dummydesign.geometry.pad_shape import PadShape
 from dummydesign.loop.data.trials import Presses, stack
 from dummydesign.loop.model.base_law import PuckLaw, SetupLaw, SlabLaw
-from dummydesign.loop.model.solved_law import ROUGHNESS, SolvedCurve, SolvedLaw, error_priors
+from dummydesign.loop.model.solved_law import ROUGHNESS, THICKNESS_SLOPE, SolvedCurve, SolvedLaw, error_priors
 from dummydesign.measurement.campaign import Campaign, PunchSpec, Trial
 from dummydesign.pad.elastic_force import has_square_factor
 from dummydesign.pad.specimen import Pad, Puck
@@ -107,8 +107,7 @@ def _named(punch: PunchSpec) -> str:
 
 def _law(campaign: Campaign, trials: Sequence[Trial], progress: Progress) -> SlabLaw | PuckLaw | SolvedLaw:
     pad, punch, geometry = campaign.pad, campaign.punch, trials[0].geometry
-    measured = [(t.thickness_sd_mm or 0.0) / t.thickness_mm for t in trials]
-    thickness_error = float(np.sqrt(np.mean(np.square(measured))))
+    thickness_error = float(np.sqrt(np.mean([level_error(t) ** 2 for t in trials]))) / THICKNESS_SLOPE
     if pad.shape == "cylinder":
         if punch.contact == "frictionless":
             return _widened(PuckLaw(pad.diameter_mm or 0.0), thickness_error)
@@ -117,6 +116,11 @@ def _law(campaign: Campaign, trials: Sequence[Trial], progress: Progress) -> Sla
         return _widened(SlabLaw(load_table(pad.base), punch.radius_mm, punch.shape == "square"), thickness_error)
     check_round(geometry)
     return _solved(campaign, trials, "shaped", thickness_error, progress)
+
+
+def level_error(trial: Trial) -> float:
+    """What is not known of a pad's level: errors of its measured thickness and of its modulus' factor, in ln force."""
+    return math.hypot(THICKNESS_SLOPE * (trial.thickness_sd_mm or 0.0) / trial.thickness_mm, trial.young_factor_sd)
 
 
 def check_round(geometry: PadShape) -> None:

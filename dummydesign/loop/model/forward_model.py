@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from dummydesign.core.recurrence import linear_recurrence
 from dummydesign.loop.data.trials import Presses
-from dummydesign.loop.model.base_law import REFERENCE_DEPTH, SetupLaw, UnitForce
+from dummydesign.loop.model.base_law import REFERENCE_DEPTH, SetupLaw, UnitForce, wrap
 from dummydesign.loop.model.effect import Arm, Effect, Values
 
 NAMES = ("young_kPa", "tau_1_s", "beta_1", "tau_2_s", "beta_2")
@@ -162,10 +162,18 @@ def before_the_pad(
     unit: UnitForce = presses.remembered(law)
     for one in acting:
         unit = one.effect.law(unit, one.values)
+    own = presses.young_factor
+    if own is not None:
+        unit = wrap(unit, _times(own[:, None], unit))
     start = presses.displacement_mm - np.broadcast_to(offset_mm, presses.thickness_mm.shape)[:, None]
     for one in acting:
         start = one.effect.depth(presses, start, one.values)
     return unit, start
+
+
+def _times(factor: NDArray, law: UnitForce) -> UnitForce:
+    """A law times a factor of each pad's modulus (T, 1)."""
+    return lambda depth_mm, thickness_mm: factor * law(depth_mm, thickness_mm)
 
 
 def sensor_signal(presses: Presses, force_N: NDArray, acting: Sequence[Active]) -> NDArray:

@@ -221,7 +221,10 @@ def _solve_coarse(pad: Pad | Puck, depth_mm: NDArray, cells: int) -> dict[str, A
     slides_round = not isinstance(pad, Puck) and pad.edge_radius_mm > 0.0 and pad.condition != "bonded"
     if isinstance(pad, Puck) or pad.profile_mm is not None or pad.base not in BASES or slides_round:
         return {"area_mm2": solve_points(pad, wanted).force_N / pad.young_MPa}
-    case = replace(Case.of(replace(pad, law=None)), edge=0.0, first=float(wanted[0]) / h)
+    case = Case.of(replace(pad, law=None))
+    # a slab's ratio hardly knows the fillet, which is small beside its cells; a shaped pad's does
+    edge = 0.0 if pad.geometry.plain else case.edge
+    case = replace(case, edge=edge, first=float(wanted[0]) / h)
     # shear modulus 1, so that Young's modulus is 2 (1 + nu)
     path = solve_path(case, wanted / h, cells, RATIO_RIM)
     return {"area_mm2": path.force * h**2 / (2.0 * (1.0 + pad.poisson))}

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import json
-from dataclasses import asdict, dataclass
+import math
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
 
-from dummydesign.core.errors import InputError, out_of_range
+from dummydesign.core.errors import InputError, out_of_range, unknown_name
 from dummydesign.measurement.pad_record import PadRecord, thickness_error
 from dummydesign.mold.model import formulas as formula
 from dummydesign.mold.model.spec import MouldSpec
@@ -29,11 +31,16 @@ GAUGE_MM = 0.05
 """Standard error of a thickness gauge on a gel, when none is given: judgement, its foot sinks in by some 0.05 mm."""
 
 
+SCALE_G = 0.1
+"""Limit of a scale's error when none is given, as ``suggest --weighing``."""
+
+
 @dataclass(frozen=True)
 class Measured:
     """What was measured of a cast pad; None where it was not.
 
-    ``points`` are the gauge points of ``thicknesses_mm`` by name, empty for a plain list.
+    ``points`` are the gauge points of ``thicknesses_mm`` by name, empty for a plain list. ``weighed_g`` are the masses
+    of the liquids that were weighed in, by name, each within plus and minus ``scale_g``.
     """
 
     thicknesses_mm: tuple[float, ...]
@@ -44,6 +51,9 @@ class Measured:
     gauge_mm: float = GAUGE_MM
     note: str = ""
     points: tuple[str, ...] = ()
+    young_sd_kPa: float | None = None
+    weighed_g: Mapping[str, float] = field(default_factory=dict)
+    scale_g: float = SCALE_G
 
     @property
     def readings(self) -> dict[str, float]:
@@ -125,6 +135,8 @@ def check_measured(measured: Measured, spec: MouldSpec, points: tuple[GaugePoint
         raise out_of_range("--mass", f"{measured.mass_g:g} g", f"{0.3 * wanted:.0f}", f"{3 * wanted:.0f} g", advice)
     for name, value, low, high in (
         ("--modulus", measured.young_kPa, 0.5, 5000.0),
+        ("--modulus-error", measured.young_sd_kPa, 0.0, 0.5 * (measured.young_kPa or 5000.0)),
+        ("--scale", measured.scale_g, 0.0, 10.0),
         ("--level", measured.level_deg, 0.0, 10.0),
         ("--bubbles", measured.bubbles, 0, 10000),
         ("--gauge", measured.gauge_mm, 0.0, 0.2 * h),
@@ -151,6 +163,7 @@ def record_pad(
         thickness = pressed_thickness_mm(measured.readings, points, pad.thickness_mm)
     by_thickness = force_change_percent(spec, thickness / pad.thickness_mm)
     limits = judge(measured, spec, points)
+    ratio = weighed_ratio(measured, spec) if measured.weighed_g else (None, None)
     stiffer = 1.0 if young is None or spec.base is not None else young / spec.pour.young_kPa
     return PadRecord(
         specification=spec.hash, shape=pad.name, length_mm=pad.length_mm, width_mm=pad.width_mm, resin=spec.pour.resin,
@@ -160,8 +173,34 @@ def record_pad(
         bubbles=measured.bubbles, accepted=not any(one.missed for one in limits),
         force_percent=None if by_thickness is None else 100 * ((1 + by_thickness / 100) * stiffer - 1),
         missed=tuple(_words(one) for one in limits if one.missed), note=measured.note,
-        limits=tuple(asdict(one) for one in limits),
+        limits=tuple(asdict(one) for one in limits), young_sd_kPa=measured.young_sd_kPa, weighed_ratio=ratio[0],
+        weighed_ratio_sd=ratio[1],
     )  # fmt: skip
+
+
+def weighed_ratio(measured: Measured, spec: MouldSpec) -> tuple[float, float]:
+    """The mixing ratio that the weighed masses make, and its standard error; each is even within the scale's limit."""
+    from dummydesign.resin import load_resin
+
+    resin, masses = load_resin(spec.pour.resin), dict(measured.weighed_g)
+    parts = resin.parts(spec.pour.ratio)
+    for name, mass in masses.items():
+        if name not in parts:
+            raise unknown_name("weighed liquid", name, tuple(parts), quantity="weighed")
+        if not (math.isfinite(mass) and mass > 0.0):
+            raise InputError(f"--weighed {name}={mass:g} must be above 0 g", "out_of_range", "weighed", mass)
+    if missing := [name for name in parts if name not in masses]:
+        message = f"--weighed lacks {', '.join(missing)}; give NAME=G of every liquid of {resin.name}"
+        raise InputError(message, "missing", "weighed")
+    by_ratio = next(liquid.name for liquid in resin.liquids if liquid.parts is None)
+    rest = sum(mass for name, mass in masses.items() if name != by_ratio)
+    ratio = sum(part for name, part in parts.items() if name != by_ratio) * masses[by_ratio] / rest
+    if not 0.5 * spec.pour.ratio <= ratio <= 2.0 * spec.pour.ratio:
+        said = f"the mould is for ratio {spec.pour.ratio:g}"
+        raise out_of_range("--weighed", f"ratio {ratio:.4g}", f"{0.5 * spec.pour.ratio:g}", f"{2 * spec.pour.ratio:g}",
+                           said)  # fmt: skip
+    each = measured.scale_g / math.sqrt(3.0)
+    return ratio, ratio * each * math.hypot(1.0 / masses[by_ratio], math.sqrt(len(masses) - 1) / rest)
 
 
 def _evened_mm(measured: Measured, spec: MouldSpec, points: tuple[GaugePoint, ...]) -> tuple[float, ...]:

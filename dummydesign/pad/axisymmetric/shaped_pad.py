@@ -46,7 +46,7 @@ from dummydesign.pad.force_law import NO_COST, PadCurve
 from dummydesign.pad.material.hyperelastic import Yeoh
 from dummydesign.pad.solve.continuation import Path, add_costs, cost, follow
 from dummydesign.pad.specimen import SLAB, Pad
-from dummydesign.pad.tables.filleted import slab_table
+from dummydesign.pad.tables.filleted import POWER, slab_table
 
 Array = np.ndarray
 
@@ -118,6 +118,9 @@ LEFT_TO_SHARP = 0.42 / (1.0 - 0.42)
 EDGE_ERROR = 0.3
 MESH_ERROR = 1.0
 LEAST_ERROR = 2e-3
+# Smallest fillet over the smaller of radius and thickness that is followed: smaller ones end at half the depth. They
+# are interpolated to the sharp edge in the power that slabs show (``tables.filleted``).
+LEAST_FILLET = 0.015
 
 
 def rough_shaped_pad(pad: Pad, depth_mm: Sequence[float] | Array, solved: PathCache) -> PadCurve:
@@ -125,6 +128,8 @@ def rough_shaped_pad(pad: Pad, depth_mm: Sequence[float] | Array, solved: PathCa
 
     A third to a sixth of the work, to see which of several pads is worth the whole of it; the error is not stated.
     """
+    if pad.edge_radius_mm:
+        pad = replace(pad, edge_radius_mm=max(pad.edge_radius_mm, least_fillet_mm(pad)))
     case, depths = _case(pad, depth_mm)
     grid = grids(CELLS, case)[-1]
     paths = [solved.path(case, depths, grid, False)]
@@ -164,6 +169,9 @@ def solve_shaped_pad(
     solved: PathCache | None = None,
 ) -> PadCurve:  # fmt: skip
     """Static force of a round shaped pad under a round, flat punch with a sharp or filleted edge, from first touch."""
+    least = least_fillet_mm(pad)
+    if 0.0 < pad.edge_radius_mm < least:
+        return _nearly_sharp(pad, least, depth_mm, cells, progress, solved)
     case, depths = _case(pad, depth_mm)
     solved = PathCache() if solved is None else solved
     if case.shape.flat_top:
@@ -174,6 +182,28 @@ def solve_shaped_pad(
     error = LEAST_ERROR + EDGE_ERROR * np.abs(added) + MESH_ERROR * held_on(np.abs(np.log(half / fine)))
     stops = [path.stop for path in paths[:-1] if path.stop]
     return _curve(case, depths, value * pad.shear_MPa * pad.thickness_mm**2, error, paths, stops)
+
+
+def least_fillet_mm(pad: Pad) -> float:
+    """Smallest fillet of a shaped pad's punch that is followed. [mm]"""
+    return LEAST_FILLET * min(pad.radius_mm, pad.thickness_mm)
+
+
+def _nearly_sharp(
+    pad: Pad, least_mm: float, depth_mm: Sequence[float] | Array, cells: int, progress: Progress | None,
+    solved: PathCache | None,
+) -> PadCurve:  # fmt: skip
+    """Force between that under a sharp edge and that under the smallest fillet that is followed."""
+    sharp_edge = solve_shaped_pad(replace(pad, edge_radius_mm=0.0), depth_mm, cells, progress, solved)
+    fillet = solve_shaped_pad(replace(pad, edge_radius_mm=least_mm), depth_mm, cells, progress)
+    count = min(len(sharp_edge.force_N), len(fillet.force_N))
+    part = (pad.edge_radius_mm / least_mm) ** POWER
+    logs = [np.log(curve.force_N[:count]) for curve in (sharp_edge, fillet)]
+    force = np.exp((1.0 - part) * logs[0] + part * logs[1])
+    error = np.maximum(*(curve.error_N[:count] / curve.force_N[:count] for curve in (sharp_edge, fillet)))
+    shorter = min(sharp_edge, fillet, key=lambda curve: len(curve.force_N))
+    solver = add_costs(sharp_edge.solver, fillet.solver)
+    return PadCurve(shorter.depth_mm[:count], force, error * force, solver, shorter.notes)
 
 
 def _over_slab(

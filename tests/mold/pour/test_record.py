@@ -106,6 +106,19 @@ def test_the_command_keeps_a_record_that_reads_back_and_names_what_is_missed(fol
     assert "MISSED" in text and "not accepted" in text and "None" not in text
 
 
+def test_weighed_masses_become_a_ratio_with_the_scale_s_error(folder, capsys):
+    words = ["mold", "record", str(folder), "--thickness", "10,10,10,10,10", "--mass", f"{MASS:.2f}", "--json",
+             "--modulus", f"{SPEC.pour.young_kPa:g}", "--modulus-error", "0.5"]  # fmt: skip
+    assert cli.run([*words, "--weighed", "polyol=200.0,isocyanate=30.3", "--scale", "0.1"]) == 0
+    record = read_record(json.loads(capsys.readouterr().out)["files"]["record"])
+    assert record.weighed_ratio == pytest.approx(15.15) and record.young_sd_kPa == 0.5
+    # each mass is even within 0.1 g: variances add in the logarithm of the ratio
+    assert record.weighed_ratio_sd / 15.15 == pytest.approx(0.1 / np.sqrt(3) * np.hypot(1 / 30.3, 1 / 200.0))
+    for wrong in ("polyol=200.0", "polyol=200,isocyanate=30,water=1", "polyol=200,isocyanate=100", "polyol=a"):
+        assert cli.run([*words, "--weighed", wrong]) == 2
+        assert capsys.readouterr().err.count("\n") == 1
+
+
 def test_a_changed_specification_a_folder_without_one_and_text_for_numbers_are_one_line(folder, tmp_path, capsys):
     words = ["--thickness", "10,10,10,10,10", "--mass", f"{MASS:.2f}"]
     path = folder / "spec.json"

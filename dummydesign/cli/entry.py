@@ -176,6 +176,10 @@ def _run(arguments: list[str]) -> int:
         except NoAnswerError as reason:
             result, problem = reason.result, reason
         except OSError as reason:
+            if reason.errno in FULL:
+                from dummydesign.core.files import unwritable
+
+                raise unwritable("file", reason.filename or "?", reason, "file") from None
             if reason.errno != errno.ENAMETOOLONG:
                 raise
             message = f"the name of a file or folder is too long: '{str(reason.filename)[:40]}...'; give a shorter one"
@@ -204,6 +208,9 @@ def _run(arguments: list[str]) -> int:
     except Exception as problem:
         if os.environ.get("DUMMYDESIGN_DEBUG"):
             raise
+        if isinstance(problem, OSError) and problem.errno in FULL:
+            print(f"error: the answer cannot be printed: {problem.strerror}", file=sys.stderr)
+            return 2
         text = " ".join(str(problem).split())
         print(
             f"error: internal error ({type(problem).__name__}: {text}); "
@@ -226,6 +233,8 @@ def _loudness(options: argparse.Namespace) -> str:
     return "verbose" if verbose else "quiet" if quiet else ""
 
 
+FULL = {getattr(errno, name) for name in ("ENOSPC", "EDQUOT", "EFBIG", "EROFS") if hasattr(errno, name)}
+"""Reasons of the system why no file can be written: a full disk, a quota, a limit of size, a disk for reading only."""
 STOPPED = 130
 """Exit status of a command that the user ended."""
 

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import errno
 import json
+import os
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 
@@ -177,3 +180,27 @@ def test_a_name_too_long_for_the_system_is_bad_input(words, capsys):
     assert cli.run([*words, "a" * 300]) == 2
     error = capsys.readouterr().err
     assert error.startswith("error: ") and error.count("\n") == 1
+
+
+def test_a_full_disk_is_one_line_and_status_2_wherever_it_is_met(monkeypatch, tmp_path, capsys):
+    monkeypatch.chdir(tmp_path)
+    whole = Path.write_text
+
+    def full(self, text, *args, **more):
+        if "plan" in str(self):
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), str(self))
+        return whole(self, text, *args, **more)
+
+    monkeypatch.setattr(Path, "write_text", full)
+    assert cli.run(["campaign", "new", "plan", "--young", "25", "--no-power", "--json"]) == 2
+    assert json.loads(capsys.readouterr().out)["error"]["code"] == "file_unwritable"
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="this system has no disk that is always full")
+def test_an_answer_that_cannot_be_printed_is_status_2():
+    with open("/dev/full", "w", encoding="utf-8") as full:
+        words = [sys.executable, "-m", "dummydesign", "tissues", "list"]
+        done = subprocess.run(words, stdout=full, stderr=subprocess.PIPE, text=True, check=False)
+    assert done.returncode == 2
+    assert done.stderr.startswith("error: ") and done.stderr.count("\n") == 1

@@ -30,7 +30,13 @@ PARTS = (
 SOLVE_LIMIT = 0.03
 """Largest difference of the trial solve from the response table, relative."""
 SOLID_S = 120.0
-SOLID = "import cadquery; print(cadquery.Workplane().box(30, 20, 10).val().Volume())"
+SOLID = """
+import sys
+from dummydesign.mold.cad.kernel import cad_problem, cq
+if problem := cad_problem():
+    sys.exit(problem)
+print(cq.Workplane().box(30, 20, 10).val().Volume())
+"""
 
 
 @dataclass(frozen=True)
@@ -142,7 +148,8 @@ def _solid() -> Check:
     printed = done.stdout.split()
     if done.returncode or not printed:
         last = (done.stderr.strip().splitlines() or [f"status {done.returncode}"])[-1]
-        return Check("solid", "missing", last, advice)
+        value, _, remedy = last.partition(": pip install ")
+        return Check("solid", "missing", value, f"pip install {remedy}" if remedy else advice)
     exact = abs(float(printed[-1]) / 6000.0 - 1.0) < 1e-9
     text = f"box of {float(printed[-1]):.1f} mm3, {time.perf_counter() - begun:.1f} s"
     return Check("solid", "ok" if exact else "failed", text, "" if exact else "install cadquery again")

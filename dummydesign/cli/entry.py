@@ -175,6 +175,13 @@ def _run(arguments: list[str]) -> int:
                 problem = NoAnswerError("not_representative", message, quantity="verdict")
         except NoAnswerError as reason:
             result, problem = reason.result, reason
+        except ModuleNotFoundError as reason:
+            module_name = (reason.name or "dummydesign").split(".")[0]
+            if module_name == "dummydesign":
+                raise
+            package = PACKAGES.get(module_name, module_name)
+            message = f"the package '{package}' is needed for this and not installed: pip install {package}"
+            raise InputError(message, "program_missing", "package", package) from None
         except OSError as reason:
             if reason.errno in FULL:
                 from dummydesign.core.files import unwritable
@@ -233,6 +240,8 @@ def _loudness(options: argparse.Namespace) -> str:
     return "verbose" if verbose else "quiet" if quiet else ""
 
 
+PACKAGES = {"skfem": "scikit-fem", "OCP": "cadquery", "vtkmodules": "vtk", "PIL": "pillow"}
+"""Packages by the name of their module, where the two differ."""
 FULL = {getattr(errno, name) for name in ("ENOSPC", "EDQUOT", "EFBIG", "EROFS") if hasattr(errno, name)}
 """Reasons of the system why no file can be written: a full disk, a quota, a limit of size, a disk for reading only."""
 STOPPED = 130

@@ -6,6 +6,7 @@ import hashlib
 import json
 import subprocess
 import sys
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
@@ -191,7 +192,8 @@ def finish_picture(
     picture = folder / f"mould_{spec.tag}.png"
     if picture.is_file():
         return {"picture": picture.name}
-    message = "no picture: this machine cannot render (libegl1 or Mesa helps); the drawings and files are complete"
+    remedy = "libegl1 or Mesa helps" if find_spec("pyvista") else "PyVista is missing: pip install pyvista"
+    message = f"no picture: this machine cannot render ({remedy}); the drawings and files are complete"
     warnings.append({"code": "no_picture", "message": message})
     return {}
 

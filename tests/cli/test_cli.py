@@ -99,6 +99,18 @@ def test_a_fault_of_our_own_is_told_without_a_traceback(monkeypatch, capsys):
     assert "internal error (" in err and "Traceback" not in err
 
 
+def test_a_package_that_is_missing_is_named_with_the_command_that_brings_it(monkeypatch, capsys):
+    from dummydesign.cli.commands import tissues
+
+    def lacks(options):
+        raise ModuleNotFoundError("No module named 'skfem.mesh'", name="skfem.mesh")
+
+    monkeypatch.setattr(tissues, "run", lacks)
+    assert cli.run(["tissues", "list", "--json"]) == 2
+    error = json.loads(capsys.readouterr().out)["error"]
+    assert (error["code"], error["quantity"], error["value"]) == ("program_missing", "package", "scikit-fem")
+
+
 def test_a_reader_that_stops_early_is_no_error():
     command = f"{sys.executable} -m dummydesign | head -1; exit ${{PIPESTATUS[0]}}"
     done = subprocess.run(["bash", "-c", command], capture_output=True, text=True)

@@ -10,7 +10,7 @@ from typing import Any
 
 from dummydesign.core.errors import InputError, unknown_name
 from dummydesign.core.files import unwritable, write_text
-from dummydesign.core.library import Entry, entries, find, read_toml, toml_text, user_folder
+from dummydesign.core.library import DEVICE, Entry, entries, find, read_toml, toml_text, user_folder
 from dummydesign.measurement.importing.decisions import Settings
 from dummydesign.measurement.importing.read import Imported
 from dummydesign.measurement.importing.vocabulary import ROLES
@@ -82,7 +82,7 @@ def learned(given: Settings, found: Iterable[Imported]) -> Settings:
 
 def save_profile(name: str, settings: Settings, overwrite: bool = False) -> Path:
     """Keep a profile in the user's folder."""
-    if not re.fullmatch(r"[\w][\w .-]{0,60}", name) or name.lower().endswith(".toml"):
+    if not re.fullmatch(r"[\w][\w .-]{0,60}", name) or name.lower().endswith(".toml") or DEVICE.fullmatch(name):
         message = f"--save-profile '{name}': a profile's name is made of letters, digits, '-', '_' and '.'"
         raise InputError(message, "bad_name", "save_profile", name)
     path = user_folder() / KIND / f"{name}.toml"

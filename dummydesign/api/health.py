@@ -19,14 +19,14 @@ from dummydesign.core.serialise import Serialised
 
 NEEDED = ("numpy", "scipy", "scikit-fem", "threadpoolctl")
 PARTS = (
-    ("mould", ("cadquery", "trimesh", "networkx", "lxml", "ezdxf", "reportlab", "segno"), "pip install cadquery"),
-    ("pictures", ("pyvista", "matplotlib"), "pip install pyvista matplotlib"),
-    ("studio", ("nicegui",), "pip install 'dummydesign[studio]'"),
-    ("tables", ("pandas", "xarray"), "pip install 'dummydesign[tables]'"),
-    ("xlsx", ("openpyxl",), "pip install 'dummydesign[xlsx]'"),
-    ("cluster", ("distributed",), "pip install 'dummydesign[cluster]'"),
+    ("mould", ("cadquery", "trimesh", "networkx", "lxml", "ezdxf", "reportlab", "segno"), "", "moulds and drawings"),
+    ("pictures", ("pyvista", "matplotlib"), "", "pictures of moulds and curves"),
+    ("studio", ("nicegui",), "dummydesign[studio]", "the pages in the browser"),
+    ("tables", ("pandas", "xarray"), "dummydesign[tables]", "data frames in Python"),
+    ("xlsx", ("openpyxl",), "dummydesign[xlsx]", "Excel files of test machines"),
+    ("cluster", ("distributed",), "dummydesign[cluster]", "large sweeps on several machines"),
 )
-"""What a part is for, its packages, and how to get them."""
+"""A part, its packages, the extra that brings them (else they are installed by name), and what it is for."""
 SOLVE_LIMIT = 0.03
 """Largest difference of the trial solve from the response table, relative."""
 SOLID_S = 120.0
@@ -83,11 +83,12 @@ def _versions() -> Iterator[Check]:
 
 
 def _parts() -> Iterator[Check]:
-    for name, packages, advice in PARTS:
+    for name, packages, extra, purpose in PARTS:
         found = {package: _version(package) for package in packages}
         lacking = [package for package, version in found.items() if version is None]
         if lacking:
-            yield Check(name, "missing", f"no {', '.join(lacking)}", advice)
+            wanted = f"'{extra}'" if extra else " ".join(lacking)
+            yield Check(name, "missing", f"no {', '.join(lacking)}", f"for {purpose}: pip install {wanted}")
         else:
             yield Check(name, "ok", ", ".join(f"{package} {version}" for package, version in found.items()))
 

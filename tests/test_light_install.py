@@ -28,7 +28,7 @@ def test_the_light_set_is_a_part_of_the_whole_in_the_same_versions():
     assert lines_of("requirements-light.txt") < whole()
 
 
-def test_the_light_set_with_moulds_lacks_pictures_alone_and_names_what_cadquery_needs():
+def test_the_light_set_with_moulds_lacks_pyvista_alone_and_names_what_cadquery_needs():
     light = lines_of("requirements-mould-light.txt")
     assert {line.split(">")[0] for line in whole() - light} == {"cadquery", "pyvista"}
     assert {line.split(">")[0] for line in light - whole()} == {

@@ -20,7 +20,8 @@ from dummydesign.core.serialise import Serialised
 NEEDED = ("numpy", "scipy", "scikit-fem", "threadpoolctl")
 PARTS = (
     ("mould", ("cadquery", "trimesh", "networkx", "lxml", "ezdxf", "reportlab", "segno"), "", "moulds and drawings"),
-    ("pictures", ("pyvista", "matplotlib"), "", "pictures of moulds and curves"),
+    ("pictures", ("matplotlib",), "", "pictures of moulds and curves"),
+    ("fields", ("pyvista",), "", "fields for ParaView, bones of many triangles"),
     ("studio", ("nicegui",), "dummydesign[studio]", "the pages in the browser"),
     ("tables", ("pandas", "xarray"), "dummydesign[tables]", "data frames in Python"),
     ("xlsx", ("openpyxl",), "dummydesign[xlsx]", "Excel files of test machines"),

@@ -6,7 +6,6 @@ import hashlib
 import json
 import subprocess
 import sys
-from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
@@ -192,8 +191,7 @@ def finish_picture(
     picture = folder / f"mould_{spec.tag}.png"
     if picture.is_file():
         return {"picture": picture.name}
-    remedy = "libegl1 or Mesa helps" if find_spec("pyvista") else "PyVista is missing: pip install pyvista"
-    message = f"no picture: this machine cannot render ({remedy}); the drawings and files are complete"
+    message = "no picture: it could not be drawn in time; the drawings and files are complete"
     warnings.append({"code": "no_picture", "message": message})
     return {}
 

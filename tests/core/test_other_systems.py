@@ -93,3 +93,12 @@ def test_places_in_a_project_have_forward_slashes_and_another_drive_is_outside(m
     root = PureWindowsPath("C:/work/project")
     assert str(project_files._place_in(root, "measured\\import-1\\a.csv")) == "measured/import-1/a.csv"
     assert project_files._place_in(root, "D:\\a.csv") is None
+
+
+def test_a_script_whose_workers_would_run_it_again_gets_the_line_that_it_lacks(tmp_path):
+    """Processes are spawned on every system, as on Windows."""
+    lines = "import dummydesign\nprint(len(dummydesign.whatif([8, 12], [14, 16], workers=2).rows))\n"
+    (tmp_path / "script.py").write_text(lines, encoding="utf-8")
+    done = run(tmp_path, "script.py", DUMMYDESIGN_CACHE="off")
+    assert done.returncode == 1
+    assert b"if __name__ == '__main__':" in done.stderr.splitlines()[-1]

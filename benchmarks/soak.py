@@ -1,8 +1,9 @@
 """Random commands over one project: ``python -m benchmarks.soak --commands 2000 --children 100``.
 
 Commands, options and values are drawn from the parsers: valid, at an edge, and wrong. Most run in this process, quick
-ones only. Children run two at a time; half of them are killed at a random time, and some may write 4 kB at most, as on
-a full disk (``ulimit -f``, without its signal). Checked: exit status 0, 1 or 2 (3 lines of error at most, no traceback,
+ones only. Children run two at a time; half of them are killed at a random time, and some may write 4 kB at most
+(``ulimit -f``, without its signal). ``--full 200`` runs children on a disk with at most 40 kB left (a file system in
+memory; needs Linux and root). Checked: exit status 0, 1 or 2 (3 lines of error at most, no traceback,
 no internal error), every JSON file parses, every CSV, STEP and PDF file is whole, no hidden file is left by a command
 that was not killed, and the memory of this process. Prints each defect with its command; exit status 1 when any.
 """
@@ -16,6 +17,7 @@ import json
 import os
 import random
 import resource
+import shutil
 import signal
 import subprocess
 import sys
@@ -151,11 +153,46 @@ def children(rng: random.Random, count: int, folder: Path) -> tuple[Counter, lis
     return seen, bad
 
 
+def full_disk(rng: random.Random, count: int, home: Path) -> tuple[Counter, list[str]]:
+    """Run commands two at a time over a project on an almost full disk, which a new one replaces after ten commands."""
+    seen: Counter = Counter()
+    bad: list[str] = []
+    disk = home / "disk"
+    disk.mkdir()
+    for _ in range(0, count, 10):
+        subprocess.run(["mount", "-t", "tmpfs", "-o", "size=1m", "tmpfs", str(disk)], check=True)
+        try:
+            folder = disk / "project"
+            inside = {f"DUMMYDESIGN_{name.upper()}": str(disk / name) for name in ("home", "cache")}
+            environment = {**os.environ, **({**inside, "TMPDIR": str(disk)} if rng.random() < 0.5 else {})}
+            words = [sys.executable, "-m", "dummydesign"]
+            subprocess.run([*words, "init", str(folder), "--tissue", "forefinger"], env=environment, check=True,
+                           stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)  # fmt: skip
+            (disk / "filler").write_bytes(b"0" * (shutil.disk_usage(disk).free // 4096 - rng.randint(0, 10)) * 4096)
+            for _ in range(5):
+                pair = [rng.choice(VALID).split() if rng.random() < 0.6 else draw(rng, costly=rng.random() < 0.1)
+                        for _ in range(2)]  # fmt: skip
+                running = [subprocess.Popen([*words, *one], cwd=folder, env=environment, stdout=subprocess.DEVNULL,
+                                            stderr=subprocess.PIPE, text=True) for one in pair]  # fmt: skip
+                for one, child in zip(pair, running):
+                    error = child.communicate()[1]
+                    full = "no space" in error.lower()
+                    seen[f"no space {child.returncode}" if full else f"small disk {child.returncode}"] += 1
+                    found = judged(one, child.returncode, error)
+                    bad += [f"full disk: {' '.join(one)[:200]}: {fault}" for fault in found]
+                bad += [f"full disk, after {pair}: {fault}" for fault in broken(folder)]
+                bad += [f"full disk, after {pair}: left {one}" for one in sorted(hidden(folder))]
+        finally:
+            subprocess.run(["umount", "-l", str(disk)], check=True)
+    return seen, bad
+
+
 def main() -> int:
     """Run the commands and print what was seen."""
     parser = argparse.ArgumentParser(description="Random commands over one project.")
     parser.add_argument("--commands", type=int, default=2000, help="in this process")
     parser.add_argument("--children", type=int, default=60, help="as processes of their own")
+    parser.add_argument("--full", type=int, default=0, help="as processes on a small disk that fills; Linux, root")
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--seconds", type=float, default=1e9, help="stop the first part after this time")
     options = parser.parse_args()
@@ -188,6 +225,10 @@ def main() -> int:
         more, worse = children(rng, options.children, folder)
         seen.update(more)
         bad += worse + broken(folder)
+        if options.full:
+            more, worse = full_disk(rng, options.full, Path(work))
+            seen.update(more)
+            bad += worse
         files = sum(path.is_file() for path in folder.rglob("*"))
     print(f"{sum(seen.values())} commands, {dict(sorted(seen.items()))}")
     print(f"memory grew by {grown:.0f} MB over the last three quarters; {files} files")

@@ -57,3 +57,10 @@ def test_a_folder_without_rights_fails(tmp_path):
 def test_a_folder_that_cannot_be_made_fails(tmp_path):
     (tmp_path / "file").write_text("")
     assert health._writable("x", tmp_path / "file" / "new", "advice").status == "ok"  # the folder above can be used
+
+
+def test_a_solid_without_its_packages_is_told_what_to_install(monkeypatch):
+    reason = "CadQuery is not installed (OCP is missing): pip install cadquery"
+    monkeypatch.setattr(health, "SOLID", f"import sys; sys.exit({reason!r})")
+    check = health._solid()
+    assert (check.status, check.advice) == ("missing", "pip install cadquery")

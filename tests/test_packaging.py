@@ -4,13 +4,18 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import subprocess
 import sys
 import sysconfig
+import tomllib
 import venv
+import zipfile
 from pathlib import Path
 
 import pytest
+
+from dummydesign import __version__
 
 ROOT = Path(__file__).parent.parent
 
@@ -25,10 +30,10 @@ def installed(tmp_path_factory):
     wheel = next(folder.glob("*.whl"))
     home = folder / "env"
     venv.create(home, with_pip=False)
-    python = home / "bin" / "python"
-    site = next((home / "lib").glob("python*/site-packages"))
-    install = [sys.executable, "-m", "pip", "install", "-q", "--no-deps", "--target", str(site), str(wheel)]
-    subprocess.run(install, check=True, capture_output=True)
+    python = home / ("Scripts/python.exe" if os.name == "nt" else "bin/python")
+    site = next(home.glob("[Ll]ib/**/site-packages"))
+    with zipfile.ZipFile(wheel) as packed:
+        packed.extractall(site)
     (site / "borrowed.pth").write_text(sysconfig.get_paths()["purelib"] + "\n")
     return python
 
@@ -39,7 +44,8 @@ def run(python, folder, *words):
 
 def evaluate(python, folder, *words):
     """Run Python without the environment of the tests, whose PYTHONPATH may name the repository."""
-    environment = {"PATH": os.environ["PATH"], "HOME": str(folder)}
+    environment = {"PATH": os.environ["PATH"], "HOME": str(folder), "LOCALAPPDATA": str(folder)}
+    environment |= {name: os.environ[name] for name in ("SYSTEMROOT",) if name in os.environ}  # Windows needs it
     return subprocess.run([str(python), *words], cwd=folder, env=environment, capture_output=True, text=True)
 
 
@@ -91,3 +97,27 @@ print(len(set(found)), cache.code_version.__wrapped__() == found[0])
 """
     found = evaluate(installed, tmp_path, "-c", code)
     assert found.stdout.split() == ["3", "True"], found.stderr
+
+
+def test_version_and_day_of_the_release_are_the_same_everywhere():
+    """The changelog's newest section, the citation, the archive's description and the package."""
+    changes = (ROOT / "CHANGELOG.md").read_text(encoding="utf-8")
+    newest = re.search(r"^## \[(\d+\.\d+\.\d+)\] - (\d{4}-\d{2}-\d{2})$", changes, re.M)
+    archive = json.loads((ROOT / ".zenodo.json").read_text(encoding="utf-8"))
+    citation = dict(re.findall(r"^(version|date-released): (.+)$", (ROOT / "CITATION.cff").read_text("utf-8"), re.M))
+    assert newest is not None
+    assert newest.groups() == (__version__, citation["date-released"])
+    assert (citation["version"], archive["version"]) == (__version__, __version__)
+    assert archive["publication_date"] == citation["date-released"]
+
+
+def test_the_lock_holds_every_package_of_the_tests_and_no_address():
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    extras = project["optional-dependencies"]
+    asked = list(project["dependencies"])
+    for name in ("dev", "xlsx", "tables", "cluster"):
+        asked += extras[name]
+    lines = (ROOT / "requirements-test.lock").read_text(encoding="utf-8").splitlines()
+    locked = {line.split("==")[0] for line in lines if not line.lstrip().startswith("#")}
+    assert {re.split(r"[<>=\[]", line)[0] for line in asked} <= locked
+    assert not any("://" in line or "index" in line.lower() for line in lines)

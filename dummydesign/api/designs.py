@@ -400,7 +400,7 @@ def whatif(
     fidelity : str
         ``table``, ``axisymmetric`` or ``3d``.
     workers : int
-        Processes on this machine.
+        Processes on this machine. A script must then start its work below ``if __name__ == "__main__":``.
     scheduler : str, optional
         Address of a running Dask scheduler.
     executor : concurrent.futures.Executor, optional

@@ -19,18 +19,25 @@ from dummydesign.core.serialise import Serialised
 
 NEEDED = ("numpy", "scipy", "scikit-fem", "threadpoolctl")
 PARTS = (
-    ("mould", ("cadquery", "trimesh", "networkx", "lxml", "ezdxf", "reportlab", "segno"), "pip install cadquery"),
-    ("pictures", ("pyvista", "matplotlib"), "pip install pyvista matplotlib"),
-    ("studio", ("nicegui",), "pip install 'dummydesign[studio]'"),
-    ("tables", ("pandas", "xarray"), "pip install 'dummydesign[tables]'"),
-    ("xlsx", ("openpyxl",), "pip install 'dummydesign[xlsx]'"),
-    ("cluster", ("distributed",), "pip install 'dummydesign[cluster]'"),
+    ("mould", ("cadquery", "trimesh", "networkx", "lxml", "ezdxf", "reportlab", "segno"), "", "moulds and drawings"),
+    ("pictures", ("matplotlib",), "", "pictures of moulds and curves"),
+    ("fields", ("pyvista",), "", "fields for ParaView, bones of many triangles"),
+    ("studio", ("nicegui",), "dummydesign[studio]", "the pages in the browser"),
+    ("tables", ("pandas", "xarray"), "dummydesign[tables]", "data frames in Python"),
+    ("xlsx", ("openpyxl",), "dummydesign[xlsx]", "Excel files of test machines"),
+    ("cluster", ("distributed",), "dummydesign[cluster]", "large sweeps on several machines"),
 )
-"""What a part is for, its packages, and how to get them."""
+"""A part, its packages, the extra that brings them (else they are installed by name), and what it is for."""
 SOLVE_LIMIT = 0.03
 """Largest difference of the trial solve from the response table, relative."""
 SOLID_S = 120.0
-SOLID = "import cadquery; print(cadquery.Workplane().box(30, 20, 10).val().Volume())"
+SOLID = """
+import sys
+from dummydesign.mold.cad.kernel import cad_problem, cq
+if problem := cad_problem():
+    sys.exit(problem)
+print(cq.Workplane().box(30, 20, 10).val().Volume())
+"""
 
 
 @dataclass(frozen=True)
@@ -77,11 +84,12 @@ def _versions() -> Iterator[Check]:
 
 
 def _parts() -> Iterator[Check]:
-    for name, packages, advice in PARTS:
+    for name, packages, extra, purpose in PARTS:
         found = {package: _version(package) for package in packages}
         lacking = [package for package, version in found.items() if version is None]
         if lacking:
-            yield Check(name, "missing", f"no {', '.join(lacking)}", advice)
+            wanted = f"'{extra}'" if extra else " ".join(lacking)
+            yield Check(name, "missing", f"no {', '.join(lacking)}", f"for {purpose}: pip install {wanted}")
         else:
             yield Check(name, "ok", ", ".join(f"{package} {version}" for package, version in found.items()))
 
@@ -136,13 +144,15 @@ def _solid() -> Check:
     begun = time.perf_counter()
     try:
         words = [sys.executable, "-c", SOLID]
-        done = subprocess.run(words, capture_output=True, text=True, timeout=SOLID_S, check=False)
+        done = subprocess.run(words, capture_output=True, encoding="utf-8", errors="replace",
+                              timeout=SOLID_S, check=False)  # fmt: skip
     except (OSError, subprocess.TimeoutExpired) as problem:
         return Check("solid", "missing", f"{type(problem).__name__}", advice)
     printed = done.stdout.split()
     if done.returncode or not printed:
         last = (done.stderr.strip().splitlines() or [f"status {done.returncode}"])[-1]
-        return Check("solid", "missing", last, advice)
+        value, _, remedy = last.partition(": pip install ")
+        return Check("solid", "missing", value, f"pip install {remedy}" if remedy else advice)
     exact = abs(float(printed[-1]) / 6000.0 - 1.0) < 1e-9
     text = f"box of {float(printed[-1]):.1f} mm3, {time.perf_counter() - begun:.1f} s"
     return Check("solid", "ok" if exact else "failed", text, "" if exact else "install cadquery again")

@@ -231,7 +231,18 @@ def _run(arguments: list[str]) -> int:
                 problem = NoAnswerError("not_representative", message, quantity="verdict")
         except NoAnswerError as reason:
             result, problem = reason.result, reason
+        except ModuleNotFoundError as reason:
+            module_name = (reason.name or "dummydesign").split(".")[0]
+            if module_name == "dummydesign":
+                raise
+            package = PACKAGES.get(module_name, module_name)
+            message = f"the package '{package}' is needed for this and not installed: pip install {package}"
+            raise InputError(message, "program_missing", "package", package) from None
         except OSError as reason:
+            if reason.errno in FULL:
+                from dummydesign.core.files import unwritable
+
+                raise unwritable("file", reason.filename or "?", reason, "file") from None
             if reason.errno != errno.ENAMETOOLONG:
                 raise
             message = f"the name of a file or folder is too long: '{str(reason.filename)[:40]}...'; give a shorter one"
@@ -260,6 +271,9 @@ def _run(arguments: list[str]) -> int:
     except Exception as problem:
         if os.environ.get("DUMMYDESIGN_DEBUG"):
             raise
+        if isinstance(problem, OSError) and problem.errno in FULL:
+            print(f"error: the answer cannot be printed: {problem.strerror}", file=sys.stderr)
+            return 2
         text = " ".join(str(problem).split())
         print(
             f"error: internal error ({type(problem).__name__}: {text}); "
@@ -282,6 +296,10 @@ def _loudness(options: argparse.Namespace) -> str:
     return "verbose" if verbose else "quiet" if quiet else ""
 
 
+PACKAGES = {"skfem": "scikit-fem", "OCP": "cadquery", "vtkmodules": "vtk", "PIL": "pillow"}
+"""Packages by the name of their module, where the two differ."""
+FULL = {getattr(errno, name) for name in ("ENOSPC", "EDQUOT", "EFBIG", "EROFS") if hasattr(errno, name)}
+"""Reasons of the system why no file can be written: a full disk, a quota, a limit of size, a disk for reading only."""
 STOPPED = 130
 """Exit status of a command that the user ended."""
 

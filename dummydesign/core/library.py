@@ -55,7 +55,7 @@ def entries(kind: str) -> dict[str, Entry]:
 
 def find(kind: str, what: str, name: str) -> Entry:
     """Find a file by name, or take ``name`` as a path when it ends in ``.toml`` or has a folder in it."""
-    if name.lower().endswith(".toml") or os.sep in name:
+    if name.lower().endswith(".toml") or {os.sep, os.altsep or os.sep} & set(name):
         path = Path(name)
         if not path.is_file():
             raise InputError(f"{what} file '{name}' does not exist", "file_not_found", quantity_name(what), name)
@@ -109,12 +109,17 @@ def read(name: str, what: str, rebuild: str, parse: Callable[[dict[str, Any]], T
 
 
 _NAME = re.compile(r"[A-Za-z0-9](?:[A-Za-z0-9_.-]*[A-Za-z0-9_-])?")
+DEVICE = re.compile(r"(?i)(con|prn|aux|nul|com\d|lpt\d)(\..*)?")
+"""Names that are devices on Windows, with any ending: no file of such a name can be handed on to it."""
 
 
 def check_name(what: str, name: str) -> None:
     """Refuse a name that cannot be a file's (InputError)."""
     if not _NAME.fullmatch(name):
         message = f"{what} name '{name}' cannot be a file name: it may hold letters, digits, '-', '_' and '.'"
+        raise InputError(message, "bad_name", quantity_name(what), name)
+    if DEVICE.fullmatch(name):
+        message = f"{what} name '{name}' is the name of a device on Windows; choose another name"
         raise InputError(message, "bad_name", quantity_name(what), name)
 
 

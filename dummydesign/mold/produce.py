@@ -190,7 +190,7 @@ def finish_picture(
     picture = folder / f"mould_{spec.tag}.png"
     if picture.is_file():
         return {"picture": picture.name}
-    message = "no picture: this machine cannot render (libegl1 or Mesa helps); the drawings and files are complete"
+    message = "no picture: it could not be drawn in time; the drawings and files are complete"
     warnings.append({"code": "no_picture", "message": message})
     return {}
 

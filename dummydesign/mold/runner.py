@@ -83,8 +83,8 @@ def _run_module(words: Sequence[str], timeout_s: float) -> subprocess.CompletedP
     path = os.pathsep.join(filter(None, (package, os.environ.get("PYTHONPATH"))))
     environment = {**os.environ, **ONE_THREAD, "PYTHONPATH": path}
     try:
-        return subprocess.run([sys.executable, *words], capture_output=True, text=True, timeout=timeout_s,
-                              env=environment)  # fmt: skip
+        return subprocess.run([sys.executable, *words], capture_output=True, encoding="utf-8", errors="replace",
+                              timeout=timeout_s, env=environment)  # fmt: skip
     except subprocess.TimeoutExpired:
         return None
 

@@ -209,7 +209,7 @@ def history_of(folder: Path) -> tuple[PastAnswer, ...]:
             place = path.parent if path.name == MANIFEST else path.with_name(path.name.removesuffix(f"-{MANIFEST}"))
             summary = content.get("summary")
             found.append(PastAnswer(
-                str(place.relative_to(folder)), str(content["command"]), str(content.get("date", "")),
+                place.relative_to(folder).as_posix(), str(content["command"]), str(content.get("date", "")),
                 str(content.get("version", "")), summary if isinstance(summary, dict) else None,
             ))  # fmt: skip
     return tuple(sorted(found, key=lambda one: one.date, reverse=True))

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import os
-import re
 import tempfile
 import zipfile
 from collections.abc import Iterator
@@ -15,8 +14,8 @@ from typing import IO, Any
 
 from dummydesign.core.errors import InputError
 from dummydesign.core.files import unwritable, write_bytes
+from dummydesign.core.library import DEVICE
 
-_RESERVED = re.compile(r"(?i)(con|prn|aux|nul|com\d|lpt\d)(\..*)?")
 MEANINGFUL = frozenset({"project.toml", "campaign.toml", "manifest.json", "calibration.json", "study.json"})
 """A folder with one of these is taken for a project, a campaign or a result."""
 
@@ -29,7 +28,7 @@ def plain_name(name: str) -> str:
     if not name or name != Path(name).name or "\\" in name or ":" in name or name in (".", ".."):
         message = f"file name '{name}' is not taken: it must be a plain name, without folders"
         raise InputError(message, "bad_name", "file_name", name)
-    if name.startswith(".") or not name.isprintable() or len(name.encode()) > 200 or _RESERVED.fullmatch(name):
+    if name.startswith(".") or not name.isprintable() or len(name.encode()) > 200 or DEVICE.fullmatch(name):
         raise InputError(f"file name '{name}' is not taken: rename the file", "bad_name", "file_name", name)
     return name
 

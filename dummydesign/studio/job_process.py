@@ -38,7 +38,7 @@ def main(folder: Path, handed_on: int | None = None) -> int:
         return 2
     awake = take(folder / AWAKE, PATIENCE_S)
     asked = json.loads((folder / COMMAND).read_text(encoding="utf-8"))
-    (folder / PID).write_text(str(os.getpid()), encoding="utf-8")
+    write_text(folder / PID, str(os.getpid()))
     stopped = False
     start = time.time()
     environment = {**os.environ, VARIABLE: str((folder / PROGRESS).resolve())}
@@ -48,7 +48,7 @@ def main(folder: Path, handed_on: int | None = None) -> int:
             stderr=errors, stdin=subprocess.DEVNULL, env=environment,
             pass_fds=() if os.name == "nt" else (lock.fileno(),),
         )  # fmt: skip
-        (folder / CHILD).write_text(str(child.pid), encoding="utf-8")
+        write_text(folder / CHILD, str(child.pid))
 
         def stop(number: int, frame: FrameType | None) -> None:
             nonlocal stopped

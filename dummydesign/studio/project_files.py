@@ -167,10 +167,20 @@ def check_idle(root: Path, path: str) -> None:
         if job.state != "running":
             continue
         for word in (piece for text in job.words for piece in {text, *text.split(",")}):
-            place = PurePosixPath(os.path.normpath(os.path.relpath(root / word, root)))
+            place = _place_in(root, word)
+            if place is None:
+                continue
             if place == target or place in target.parents[:-1] or target in place.parents:
                 message = f"'{path}' is in use by a running command ({job.name}). Wait for it, or stop it"
                 raise InputError(message, "busy", "path", path)
+
+
+def _place_in(root: Path, word: str) -> PurePosixPath | None:
+    """Path from the project's folder to what a word names; None on another drive."""
+    try:
+        return PurePosixPath(os.path.relpath(root / word, root).replace(os.sep, "/"))
+    except ValueError:
+        return None
 
 
 def parts_of(root: Path, path: str) -> list[Path]:

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import errno
 import json
+import os
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 
@@ -111,6 +114,19 @@ def test_a_fault_of_our_own_is_told_without_a_traceback(monkeypatch, capsys):
     assert "internal error (" in err and "Traceback" not in err
 
 
+def test_a_package_that_is_missing_is_named_with_the_command_that_brings_it(monkeypatch, capsys):
+    from dummydesign.cli.commands import tissues
+
+    def lacks(options):
+        raise ModuleNotFoundError("No module named 'skfem.mesh'", name="skfem.mesh")
+
+    monkeypatch.setattr(tissues, "run", lacks)
+    assert cli.run(["tissues", "list", "--json"]) == 2
+    error = json.loads(capsys.readouterr().out)["error"]
+    assert (error["code"], error["quantity"], error["value"]) == ("program_missing", "package", "scikit-fem")
+
+
+@pytest.mark.skipif(os.name == "nt", reason="pipes of a POSIX shell")
 def test_a_reader_that_stops_early_is_no_error():
     command = f"{sys.executable} -m dummydesign | head -1; exit ${{PIPESTATUS[0]}}"
     done = subprocess.run(["bash", "-c", command], capture_output=True, text=True)
@@ -192,3 +208,27 @@ def test_a_name_too_long_for_the_system_is_bad_input(words, capsys):
     assert cli.run([*words, "a" * 300]) == 2
     error = capsys.readouterr().err
     assert error.startswith("error: ") and error.count("\n") == 1
+
+
+def test_a_full_disk_is_one_line_and_status_2_wherever_it_is_met(monkeypatch, tmp_path, capsys):
+    monkeypatch.chdir(tmp_path)
+    whole = Path.write_text
+
+    def full(self, text, *args, **more):
+        if "plan" in str(self):
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), str(self))
+        return whole(self, text, *args, **more)
+
+    monkeypatch.setattr(Path, "write_text", full)
+    assert cli.run(["campaign", "new", "plan", "--young", "25", "--no-power", "--json"]) == 2
+    assert json.loads(capsys.readouterr().out)["error"]["code"] == "file_unwritable"
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="this system has no disk that is always full")
+def test_an_answer_that_cannot_be_printed_is_status_2():
+    with open("/dev/full", "w", encoding="utf-8") as full:
+        words = [sys.executable, "-m", "dummydesign", "tissues", "list"]
+        done = subprocess.run(words, stdout=full, stderr=subprocess.PIPE, text=True, check=False)
+    assert done.returncode == 2
+    assert done.stderr.startswith("error: ") and done.stderr.count("\n") == 1

@@ -36,4 +36,6 @@ def render(result: dict[str, Any]) -> str:
         if one["advice"]:
             lines.append(f"  {'':<22}{one['advice']}")
     text = "This machine can be used." if result["ready"] else "This machine cannot be used yet."
+    if result["ready"] and any(one["status"] == "missing" for one in result["checks"]):
+        text += " What is missing is optional."
     return screen([*labelled("READY" if result["ready"] else "FAILED", text), ""], lines)

@@ -38,7 +38,10 @@ def render_details(result: dict[str, Any]) -> str:
 
 
 def _nothing(result: dict[str, Any]) -> str:
-    return "\n".join(labelled("NONE", f"no answers in {result['inputs']['folder']}"))
+    folder = result["inputs"]["folder"]
+    where = "this folder" if folder == "." else f"folder '{folder}'"
+    text = f"No answers in {where}. Name another folder, or make one: dummydesign suggest --tissue forefinger"
+    return "\n".join(labelled("NONE", text))
 
 
 def _rows(result: dict[str, Any]) -> list[str]:
@@ -46,7 +49,7 @@ def _rows(result: dict[str, Any]) -> list[str]:
     for one in result["answers"]:
         when = one["date"][:16].replace("T", " ")
         rows.append(f"  {when:<17}{one['command']:<16}{one['folder']:<28} {_words(one['summary'])}")
-    return [f"  {'when':<17}{'command':<16}{'folder':<28} answer", *rows] if rows else []
+    return [f"  {'when (UTC)':<17}{'command':<16}{'folder':<28} answer", *rows] if rows else []
 
 
 def _words(summary: dict[str, Any] | None) -> str:

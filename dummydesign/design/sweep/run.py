@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from dummydesign.core.errors import DummydesignError, InputError, NoAnswerError, out_of_range
+from dummydesign.core.process import COMMAND_LINE
 from dummydesign.design.sites import pressed_alone
 from dummydesign.design.sweep.rows import Task, work
 from dummydesign.design.sweep.spec import Key, Study
@@ -90,10 +91,13 @@ def completed(function: Callable[[Any], Any], tasks: Iterable[Any], executor: Ex
             except (DummydesignError, GeneratorExit):
                 raise
             except Exception as problem:
+                advice = "what was done is kept: run the same command with --resume"
+                if COMMAND_LINE.get() is None:
+                    # each process runs a script from its top again
+                    advice += "; a script must start its work below: if __name__ == '__main__':"
                 raise NoAnswerError(
                     "worker_lost",
-                    f"a worker failed ({type(problem).__name__}: {problem}); what was done is kept: "
-                    "run the same command with --resume",
+                    f"a worker failed ({type(problem).__name__}: {problem}); {advice}",
                     quantity="workers",
                 ) from problem
     finally:

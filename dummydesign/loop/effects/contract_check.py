@@ -6,6 +6,7 @@ import traceback
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, fields
 from functools import lru_cache
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -64,7 +65,7 @@ def check_effect(effect: type[Effect] | Effect) -> tuple[str, ...]:
 def problem_text(problem: BaseException) -> str:
     """An exception in a few words: kind, text and the line it came from."""
     frames = traceback.extract_tb(problem.__traceback__)
-    where = f" (line {frames[-1].lineno} of {frames[-1].filename.rpartition('/')[2]})" if frames else ""
+    where = f" (line {frames[-1].lineno} of {Path(frames[-1].filename).name})" if frames else ""
     return f"{type(problem).__name__}: {' '.join(str(problem).split())[:200]}{where}"
 
 

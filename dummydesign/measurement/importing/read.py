@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from dummydesign.core.errors import InputError, unknown_name
 from dummydesign.core.files import unwritable, write_bytes, write_text
-from dummydesign.core.library import Entry, entries, find, read_toml, toml_text, user_folder
+from dummydesign.core.library import DEVICE, Entry, entries, find, read_toml, toml_text, user_folder
 from dummydesign.measurement.importing import contact as contact_zero
 from dummydesign.measurement.importing.decisions import Decision, ImportLog, NoTableError, Settings
 from dummydesign.measurement.importing.press_checks import check_press, fingerprint
@@ -485,7 +485,7 @@ def save_profile(name: str, settings: Settings, overwrite: bool = False) -> Path
     overwrite : bool
         Replace a profile of this name that has other settings.
     """
-    if not re.fullmatch(r"[\w][\w .-]{0,60}", name) or name.lower().endswith(".toml"):
+    if not re.fullmatch(r"[\w][\w .-]{0,60}", name) or name.lower().endswith(".toml") or DEVICE.fullmatch(name):
         message = f"--save-profile '{name}': a profile's name is made of letters, digits, '-', '_' and '.'"
         raise InputError(message, "bad_name", "save_profile", name)
     path = user_folder() / PROFILES / f"{name}.toml"

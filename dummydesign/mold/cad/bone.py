@@ -102,13 +102,17 @@ def _of_triangles(path: Path) -> tuple[Any, float]:
         faces = faces[:, ::-1]
     off = 0.0
     if len(faces) > MOST_TRIANGLES:
-        points, faces, off = _simplified(points, faces)
+        points, faces, off = _simplified(points, faces, path.name)
     return _sewn(points, faces, path.name), off
 
 
-def _simplified(points: Any, faces: Any) -> tuple[Any, Any, float]:
+def _simplified(points: Any, faces: Any, name: str) -> tuple[Any, Any, float]:
     """At most so many triangles, and the largest distance of the old corners from the new surface."""
-    import pyvista
+    try:
+        import pyvista
+    except ModuleNotFoundError as problem:
+        what = f"has {len(faces):,} triangles; more than {MOST_TRIANGLES:,} need PyVista ({problem.name} is missing)"
+        raise _wrong(name, f"{what}: pip install pyvista, or give STEP", "program_missing") from None
 
     packed = np.hstack([np.full((len(faces), 1), 3), faces]).ravel()
     whole = pyvista.PolyData(points, packed)

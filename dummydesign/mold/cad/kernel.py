@@ -91,12 +91,6 @@ def load_trimesh() -> None:
         importlib.import_module("trimesh")
 
 
-def load_pyvista() -> None:
-    """Import PyVista and its plotting without the charts of Matplotlib."""
-    with _left_out(("matplotlib.pyplot", "matplotlib.backends", "matplotlib.figure"), ()):
-        importlib.import_module("pyvista.plotting")
-
-
 LIBRARIES = "apt-get install libgl1 libx11-6"
 
 

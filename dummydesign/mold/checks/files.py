@@ -61,7 +61,7 @@ def check_second_reader(assembly: Path, volume_mm3: float, count: int) -> Check:
 def _run(command: list[str]) -> str:
     """What a program prints; nothing when it cannot be run or takes too long."""
     try:
-        done = subprocess.run(command, capture_output=True, text=True, timeout=READER_LIMIT_S)
+        done = subprocess.run(command, capture_output=True, encoding="utf-8", errors="replace", timeout=READER_LIMIT_S)
     except (OSError, subprocess.TimeoutExpired):
         return ""
     return done.stdout

@@ -1,4 +1,4 @@
-"""Picture of the parts by PyVista, as a process of its own: a renderer that crashes harms nothing.
+"""Picture of the parts, as a process of its own beside the checks; the mould is as good without one.
 
 ``python -m dummydesign.mold.files.picture meshes.npz picture.png``
 """
@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +19,8 @@ GAP_SHARE, LABEL_SHARE = 0.22, 0.55
 # Neighbouring triangles of one curved face turn by 11.5 deg at the most.
 EDGE_DEG = 14.0
 VIEW = (-0.42, -1.0, 0.95)
+LIGHTS = (((-1, -2, 3), 0.75), ((2, -1, 1.5), 0.35), ((0, 1, 2), 0.25))
+"""Where each light comes from, and its strength."""
 # From the lowest to the highest.
 STACK = ("tray", "mould", "pad", "layer_top", "spacer", "layer_base", "lid", "backer", "strike_off", "carrier")
 
@@ -58,49 +61,60 @@ def exploded(bounds: Mapping[str, tuple[float, float]], order: Sequence[str], ga
     return lifts
 
 
-def draw(source: Path, picture: Path) -> None:
-    """Draw the packed meshes: the parts in use stacked with gaps, the casting box beside them."""
-    import pyvista
+@dataclass(frozen=True)
+class Scene:
+    """Parts as they stand in the picture (vertices, faces, colour), their labels, and the view."""
 
+    parts: tuple[tuple[NDArray, NDArray, tuple[float, ...]], ...]
+    labels: tuple[tuple[NDArray, str], ...]
+    title: str
+    window: tuple[int, int]
+    scale: float
+    middle: NDArray
+
+
+def scene_of(source: Path) -> Scene:
+    """Place the packed meshes: the parts in use stacked with gaps, the casting box beside them."""
     data = np.load(source)
     names = list(dict.fromkeys(key.split("/")[0] for key in data.files if "/" in key))
-    meshes = {name: _surface(pyvista, data, name) for name in names}
+    points = {name: np.asarray(data[f"{name}/vertices"], float) for name in names}
     stacks = [stacked(names), *([name for name in box if name in names] for box in BOXES[:2])]
     # Stacks stand side by side along the picture's own horizontal, so that their feet are level.
-    away, right, up = _view_axes()
-    shown: list[tuple[Any, Any]] = []
-    labels: list[tuple[Any, str]] = []
+    _, right, up = _view_axes()
+    shown: list[tuple[NDArray, NDArray, tuple[float, ...]]] = []
+    labels: list[tuple[NDArray, str]] = []
     corners: list[Any] = []
     side = 0.0
-    size = max(mesh.bounds[1] - mesh.bounds[0] for mesh in meshes.values())
+    size = max(np.ptp(part[:, 0]) for part in points.values())
     gap, label_room = GAP_SHARE * size, LABEL_SHARE * size
     for stack in filter(None, stacks):
-        bounds = {name: (meshes[name].bounds[4], meshes[name].bounds[5]) for name in stack}
-        lifts = exploded(bounds, stack, gap)
-        half = max(np.ptp(_corners(meshes[name]) @ right) for name in stack) / 2
+        lifts = exploded({name: (points[name][:, 2].min(), points[name][:, 2].max()) for name in stack}, stack, gap)
+        half = max(np.ptp(_corners(points[name]) @ right) for name in stack) / 2
         side += half if labels else 0.0
         for name in stack:
-            mesh = meshes[name].translate(side * right + np.array((0, 0, lifts[name])), inplace=False)
-            shown.append((mesh, data[f"{name}/colour"].tolist()))
-            places = _corners(mesh)
+            moved = points[name] + side * right + np.array((0, 0, lifts[name]))
+            shown.append((moved, np.asarray(data[f"{name}/faces"]), tuple(data[f"{name}/colour"].tolist())))
+            places = _corners(moved)
             left = places[np.argmin(places @ right + 1e-3 * (places @ up))]
-            labels.append((left, name))
+            labels.append((left, name.replace("_", " ")))
             corners += [*places, left - label_room * right]
         side += half + label_room
     window, scale, middle = _frame(np.array(corners), right, up)
-    plot: Any = pyvista.Plotter(off_screen=True, window_size=list(window), lighting="none")
-    plot.set_background("#ffffff", top="#e8edf2")
-    for mesh, colour in shown:
-        _add(plot, mesh, colour)
-    _light_and_look(plot, pyvista, middle, away, scale)
-    for place, name in labels:
-        plot.add_point_labels(
-            [place], [name.replace("_", " ") + "  "], font_size=22, text_color="#20303c", shape=None,
-            show_points=False, always_visible=True, justification_horizontal="right", bold=False,
-        )  # fmt: skip
-    plot.add_text(str(data["title"]), position=(24, window[1] - 44), font_size=13, color="#20303c")
-    plot.screenshot(str(picture))
-    plot.close()
+    return Scene(tuple(shown), tuple(labels), str(data["title"]), window, scale, middle)
+
+
+def draw(source: Path, picture: Path) -> None:
+    """Draw the packed meshes: the parts in use stacked with gaps, the casting box beside them.
+
+    Edges are drawn, which makes flat faces readable and shows where a shallow crown begins.
+    """
+    from dummydesign.mold.files.renderer import render
+
+    scene = scene_of(source)
+    axes = _view_axes()
+    render(
+        scene.parts, scene.labels, scene.title, scene.window, axes, scene.middle, scene.scale, LIGHTS, EDGE_DEG, picture
+    )
 
 
 def _view_axes() -> tuple[Any, Any, Any]:
@@ -111,8 +125,8 @@ def _view_axes() -> tuple[Any, Any, Any]:
     return away, right, np.cross(away, right)
 
 
-def _corners(mesh: Any) -> Any:
-    x0, x1, y0, y1, z0, z1 = mesh.bounds
+def _corners(points: NDArray) -> NDArray:
+    (x0, y0, z0), (x1, y1, z1) = points.min(axis=0), points.max(axis=0)
     return np.array([(x, y, z) for x in (x0, x1) for y in (y0, y1) for z in (z0, z1)])
 
 
@@ -126,39 +140,8 @@ def _frame(corners: Any, right: Any, up: Any) -> tuple[tuple[int, int], float, A
     return (WIDTH, height), scale, right * (across.max() + across.min()) / 2 + up * level
 
 
-def _surface(pyvista: Any, data: Any, name: str) -> Any:
-    faces = data[f"{name}/faces"]
-    cells = np.hstack([np.full((len(faces), 1), 3), faces]).ravel()
-    return pyvista.PolyData(data[f"{name}/vertices"], cells)
-
-
-def _add(plot: Any, mesh: Any, colour: Sequence[float]) -> None:
-    """Add one part with its edges drawn, which makes flat faces readable and shows where a shallow crown begins."""
-    # Every triangle has its own normal: one shared with a crown would shade the flat beside it as if it were bent.
-    plot.add_mesh(mesh, color=colour, smooth_shading=False, ambient=0.25, diffuse=0.75, specular=0.15)
-    edges = mesh.extract_feature_edges(feature_angle=EDGE_DEG, boundary_edges=False, manifold_edges=False)
-    plot.add_mesh(edges, color="#33424d", line_width=1.2)
-
-
-def _light_and_look(plot: Any, pyvista: Any, middle: Any, away: Any, scale: float) -> None:
-    """Light the scene and set the parallel view."""
-    for place, strength in (((-1, -2, 3), 0.75), ((2, -1, 1.5), 0.35), ((0, 1, 2), 0.25)):
-        plot.add_light(pyvista.Light(position=place, light_type="scene light", intensity=strength))
-    camera = plot.camera
-    camera.parallel_projection = True
-    camera.focal_point = middle
-    camera.position = middle + 3000.0 * away
-    camera.up = (0.0, 0.0, 1.0)
-    camera.clipping_range = (10.0, 6000.0)
-    camera.parallel_scale = scale
-    plot.enable_anti_aliasing("ssaa")
-
-
 def main() -> None:
     """Draw the picture named on the command line."""
-    from dummydesign.mold.cad.kernel import load_pyvista
-
-    load_pyvista()
     part = Path(sys.argv[2]).with_suffix(".part.png")
     draw(Path(sys.argv[1]), part)
     part.replace(sys.argv[2])

@@ -189,7 +189,7 @@ class MeasuredPage:
             parts.shown_file(f"/files/{answer['preview']}", "preview of the presses")
         keys = ("file", "samples", "velocity_mm_s", "hold_s", "depth_mm", "peak_force_N", "steady_force_N")
         for one in answer["files"]:
-            html(f"<h2>{escape(one['source'].rpartition('/')[2])}</h2>")
+            html(f"<h2>{escape(Path(one['source']).name)}</h2>")
             parts.table(["press", "samples", "mm/s", "hold s", "depth mm", "peak N", "steady N"],
                         [[trace[key] for key in keys] for trace in one["traces"]])  # fmt: skip
             rows = [[made["what"], str(made["value"]), made["why"]] for made in one["decisions"]]

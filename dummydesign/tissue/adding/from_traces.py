@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from dummydesign.core.errors import InputError
 from dummydesign.core.files import output_folder, write_text
-from dummydesign.core.library import make_room, user_folder
+from dummydesign.core.library import DEVICE, make_room, user_folder
 from dummydesign.measurement.importing.press_checks import copies_among
 from dummydesign.measurement.sensor import parse_lowpass
 from dummydesign.measurement.trace import read_trace
@@ -48,7 +48,7 @@ def add_tissue(
 
 def tissue_folder(name: str) -> Path:
     """Folder of the user's tissues, tried for writing; refuses names that make no file name."""
-    if not _NAME.match(name):
+    if not _NAME.match(name) or DEVICE.fullmatch(name):
         message = f"tissue name '{name}' may hold letters, digits, '-' and '_' only"
         raise InputError(message, "bad_name", "tissue", name)
     return output_folder(user_folder() / KIND)

@@ -80,7 +80,7 @@ def test_names_say_what_was_pressed():
     ("change", "code"),
     [
         ({"pads_mm": (0.1,)}, "out_of_range"), ({"velocities_mm_s": ()}, "missing"),
-        ({"targets": (3.0, 3.0)}, "duplicate"), ({"repeats": 0}, "out_of_range"),
+        ({"targets": (3.0, 3.0)}, "duplicate"), ({"repeats": 0}, "out_of_range"), ({"seed": -1}, "out_of_range"),
         ({"pads_mm": (5.0,), "velocities_mm_s": (10.0,), "targets": (3.0,), "repeats": 1}, "out_of_range"),
         ({"targets": (4.0,), "by_depth": True}, "out_of_range"),
     ],

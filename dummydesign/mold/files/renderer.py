@@ -1,0 +1,176 @@
+"""Draw solids in a parallel view: triangles by NumPy into a depth buffer, letters by Matplotlib.
+
+No graphics library or display is needed, and the picture is the same on every machine.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+FINE = 2
+"""Pixels are drawn so many times finer along each side and averaged."""
+CHUNK = 2_000_000
+AMBIENT, DIFFUSE = 0.25, 0.75
+BOTTOM, TOP = (255, 255, 255), (232, 237, 242)
+INK = (51, 66, 77)
+PIXELS_PER_INCH = 100
+
+
+class Canvas:
+    """A picture with a depth for each pixel. Places are columns, rows from the top and heights towards the viewer."""
+
+    def __init__(self, width: int, height: int) -> None:
+        self.width, self.height = width, height
+        share = np.linspace(0.0, 1.0, height)[:, None, None]
+        self.colour = np.repeat(np.array(TOP) * (1 - share) + np.array(BOTTOM) * share, width, axis=1).reshape(-1, 3)
+        self.depth = np.full(width * height, -np.inf)
+
+    def fill(self, corners: NDArray, colours: NDArray) -> None:
+        """Draw triangles, shape (n, 3, 3), each of one colour; the nearest is seen whatever their order."""
+        rows, first = self._rows(corners)
+        which = np.repeat(np.arange(len(corners)), rows)
+        row = np.repeat(first, rows) + _counting(rows)
+        left, right = _span(corners[which], row + 0.5)
+        start = np.clip(np.ceil(left - 0.5), 0, self.width).astype(int)
+        stop = np.clip(np.ceil(right - 0.5), 0, self.width).astype(int)
+        slope = _plane(corners)
+        some = stop > start
+        which, row, start, length = which[some], row[some], start[some], (stop - start)[some]
+        ends = np.append(np.searchsorted(np.cumsum(length), np.arange(CHUNK, length.sum(), CHUNK)), len(length))
+        begin = 0
+        for end in ends:
+            n = length[begin:end]
+            column = np.repeat(start[begin:end], n) + _counting(n)
+            owner, line = np.repeat(which[begin:end], n), np.repeat(row[begin:end], n)
+            level = slope[owner, 0] * (column + 0.5) + slope[owner, 1] * (line + 0.5) + slope[owner, 2]
+            place = line * self.width + column
+            np.maximum.at(self.depth, place, level)
+            seen = level >= self.depth[place]
+            self.colour[place[seen]] = colours[owner[seen]]
+            begin = end
+
+    def lines(self, ends: NDArray, near: float) -> None:
+        """Draw lines, shape (n, 2, 3), where nothing lies more than ``near`` before them."""
+        steps = np.ceil(np.abs(ends[:, 1, :2] - ends[:, 0, :2]).max(axis=1)).astype(int) + 1
+        which = np.repeat(np.arange(len(ends)), steps)
+        share = (_counting(steps) / np.repeat(np.maximum(steps - 1, 1), steps))[:, None]
+        points = ends[which, 0] * (1 - share) + ends[which, 1] * share
+        for across, down in ((0, 0), (1, 0), (0, 1)):
+            column, row = (np.floor(points[:, 0]).astype(int) + across, np.floor(points[:, 1]).astype(int) + down)
+            inside = (column >= 0) & (column < self.width) & (row >= 0) & (row < self.height)
+            place = row[inside] * self.width + column[inside]
+            seen = points[inside, 2] + near >= self.depth[place]
+            self.colour[place[seen]] = INK
+
+    def pixels(self) -> NDArray:
+        """The averaged picture; shape (height, width, 3), 0 to 1."""
+        fine = self.colour.reshape(self.height // FINE, FINE, self.width // FINE, FINE, 3)
+        return np.clip(fine.mean(axis=(1, 3)) / 255.0, 0.0, 1.0)
+
+    def _rows(self, corners: NDArray) -> tuple[NDArray, NDArray]:
+        """Number of rows whose middle a triangle meets, and the first."""
+        low, high = corners[:, :, 1].min(axis=1), corners[:, :, 1].max(axis=1)
+        first = np.clip(np.ceil(low - 0.5), 0, self.height).astype(int)
+        last = np.clip(np.ceil(high - 0.5), 0, self.height).astype(int)
+        return last - first, first
+
+
+def _counting(lengths: NDArray) -> NDArray:
+    """0, 1, 2, ... anew for each length."""
+    return np.arange(lengths.sum()) - np.repeat(np.cumsum(lengths) - lengths, lengths)
+
+
+def _span(corners: NDArray, level: NDArray) -> tuple[NDArray, NDArray]:
+    """Where triangles begin and end along a row."""
+    left, right = np.full(len(level), np.inf), np.full(len(level), -np.inf)
+    for a, b in ((0, 1), (1, 2), (2, 0)):
+        (xa, ya), (xb, yb) = corners[:, a, :2].T, corners[:, b, :2].T
+        crossed = (np.minimum(ya, yb) <= level) & (level <= np.maximum(ya, yb)) & (ya != yb)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            x = xa + (level - ya) / (yb - ya) * (xb - xa)
+        left = np.where(crossed, np.minimum(left, x), left)
+        right = np.where(crossed, np.maximum(right, x), right)
+    return left, right
+
+
+def _plane(corners: NDArray) -> NDArray:
+    """Height over column and row of each triangle: two slopes and the height at the origin."""
+    a, b, c = corners[:, 0], corners[:, 1], corners[:, 2]
+    (ux, uy, uz), (vx, vy, vz) = (b - a).T, (c - a).T
+    area = ux * vy - uy * vx
+    area = np.where(area == 0.0, np.inf, area)
+    along, down = (uz * vy - vz * uy) / area, (ux * vz - vx * uz) / area
+    return np.stack([along, down, a[:, 2] - along * a[:, 0] - down * a[:, 1]], axis=1)
+
+
+def normals_of(vertices: NDArray, faces: NDArray) -> NDArray:
+    """Unit normals of triangles, outwards; zero where a triangle has no area."""
+    a, b, c = (vertices[faces[:, number]] for number in range(3))
+    across = np.cross(b - a, c - a)
+    size = np.linalg.norm(across, axis=1, keepdims=True)
+    return np.divide(across, size, out=np.zeros_like(across), where=size > 0)
+
+
+def sharp_edges(faces: NDArray, normals: NDArray, least_deg: float) -> NDArray:
+    """Pairs of corners of the edges at which two faces turn by more than an angle; shape (n, 2)."""
+    edges = np.sort(np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]]), axis=1)
+    owner = np.tile(np.arange(len(faces)), 3)
+    order = np.lexsort((edges[:, 1], edges[:, 0]))
+    edges, owner = edges[order], owner[order]
+    twice = np.flatnonzero((edges[1:] == edges[:-1]).all(axis=1))
+    turn = np.einsum("ij,ij->i", normals[owner[twice]], normals[owner[twice + 1]])
+    return edges[twice[turn < np.cos(np.radians(least_deg))]]
+
+
+def render(
+    parts: Sequence[tuple[NDArray, NDArray, Sequence[float]]], labels: Sequence[tuple[NDArray, str]], title: str,
+    window: tuple[int, int], axes: tuple[NDArray, NDArray, NDArray], middle: NDArray, scale: float,
+    lights: Sequence[tuple[Sequence[float], float]], edge_deg: float, path: Path,
+) -> None:  # fmt: skip
+    """Draw parts (vertices, faces, colour) in a parallel view and write a PNG.
+
+    ``axes`` point to the viewer, to the right and up; ``scale`` is half the height of the view. [mm]
+    """
+    width, height = window[0] * FINE, window[1] // FINE * FINE * FINE
+    away, right, up = axes
+    per_mm = height / (2.0 * scale)
+
+    def placed(points: NDArray) -> NDArray:
+        moved = points - middle
+        across, high = moved @ right * per_mm + width / 2, height / 2 - moved @ up * per_mm
+        return np.stack([across, high, moved @ away * per_mm], axis=-1)
+
+    canvas = Canvas(width, height)
+    triangles, colours, lines = [], [], []
+    for vertices, faces, colour in parts:
+        normals = normals_of(vertices, faces)
+        front = normals @ away > 1e-9
+        light = np.full(np.count_nonzero(front), AMBIENT)
+        for place, power in lights:
+            light += DIFFUSE * power * np.maximum(normals[front] @ (np.array(place) / np.linalg.norm(place)), 0.0)
+        triangles.append(placed(vertices)[faces[front]])
+        colours.append(np.clip(light[:, None] * np.array(colour), 0.0, 1.0) * 255.0)
+        lines.append(placed(vertices)[sharp_edges(faces, normals, edge_deg)])
+    canvas.fill(np.concatenate(triangles), np.concatenate(colours))
+    canvas.lines(np.concatenate(lines), near=2.0 * FINE)
+    _write(canvas.pixels(), [(placed(point[None])[0] / FINE, text) for point, text in labels], title, path)
+
+
+def _write(pixels: NDArray, labels: Sequence[tuple[NDArray, str]], title: str, path: Path) -> None:
+    from matplotlib.figure import Figure
+
+    height, width = pixels.shape[:2]
+    figure = Figure(figsize=(width / PIXELS_PER_INCH, height / PIXELS_PER_INCH), dpi=PIXELS_PER_INCH)
+    axes: Any = figure.add_axes((0, 0, 1, 1))
+    axes.imshow(pixels, extent=(0, width, height, 0), interpolation="nearest")
+    axes.set_axis_off()
+    ink = "#20303c"
+    for place, text in labels:
+        axes.text(place[0] - 10, place[1], text, ha="right", va="center", fontsize=16, color=ink)
+    axes.text(24, 40, title, ha="left", va="center", fontsize=18, color=ink)
+    figure.savefig(path, dpi=PIXELS_PER_INCH, format="png")

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from dummydesign.measurement.trace import Trace
     from dummydesign.tissue.model.tissue import Tissue
 
-SEED, OTHERS, OWN = 61, 600, 120
+SEED, OTHERS, OWN = 61, 512, 120
 """Draws of one more person, and of each subject."""
 ENDS = (0.025, 0.975)
 Interval = tuple[float | None, float | None]
@@ -121,7 +121,7 @@ def on_person(
     for number, trace in enumerate(traces):
         if progress is not None:
             progress(f"press {number + 1} of {len(traces)}")
-        press = read_press(trace, lowpass)
+        press = read_press(trace, lowpass, drive.arm)
         drive.check(press)
         found.append(_press_people(press, tissue, drive, limits, area_mm2))
     warnings = [*_of_traces(traces), *_of_presses(found, drive, tissue)]
@@ -208,7 +208,8 @@ def _ends(values: NDArray) -> Interval:
     known = values[np.isfinite(values)]
     if len(known) < 0.9 * len(values) or not len(known):
         return None, None
-    low, high = np.quantile(known, ENDS)
+    # between these ranks of n draws lies one more draw in (n + 1) x 0.95 of n + 1 cases
+    low, high = np.quantile(known, ENDS, method="weibull")
     return float(low), float(high)
 
 

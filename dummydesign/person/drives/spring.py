@@ -6,6 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.person.drives.drive import (
+    DAMPING,
+    DAMPINGS,
     FASTER,
     MASS,
     MASSES,
@@ -19,14 +21,19 @@ from dummydesign.person.drives.drive import (
 from dummydesign.person.integrate import TOLERANCE, Input, run_robot
 from dummydesign.person.people import People
 from dummydesign.person.press import Press
+from dummydesign.person.ringing import Arm
 from dummydesign.person.signs import TraceSigns
 
 
 class Spring(Drive):
-    """M x'' = K (x_c - x) - F with the command x_c = x_p + (F_p + M x_p'') / K of the trace on the pad."""
+    """M x'' = K (x_c - x) + D (x_c' - x') - F with the command x_c that the trace on the pad implies.
 
-    name, form = "spring", "spring:N_PER_MM,KG"
-    numbers = ((STIFFNESS, STIFFNESSES), (MASS, MASSES))
+    D is 2 zeta sqrt(K M) of the damping ratio zeta, 0 by itself.
+    """
+
+    name, form = "spring", "spring:N_PER_MM,KG[,DAMPING_RATIO]"
+    numbers = ((STIFFNESS, STIFFNESSES), (MASS, MASSES), (DAMPING, DAMPINGS))
+    defaults = (0.0,)
     words = "an arm with a spring and a mass: the command that the trace implies acts on the person through both"
 
     def contradicted(self, signs: TraceSigns) -> str:
@@ -43,13 +50,18 @@ class Spring(Drive):
 
     def respond(self, press: Press, people: People, keep: bool = True) -> Response:
         """Integrate from contact to the end of the hold, in the difference to the path on the pad."""
-        stiffness, mass = self.values
-        return press_by_spring(press, people, stiffness, mass, keep)
+        return press_by_spring(press, people, *self.values[:2], keep, self.values[2])
+
+    @property
+    def arm(self) -> Arm:
+        """Stiffness, mass and damping."""
+        return Arm(*self.values)
 
 
 def press_by_spring(
-    press: Press, people: People, stiffness_N_per_mm: float, mass_kg: float, keep: bool = True
-) -> Response:
+    press: Press, people: People, stiffness_N_per_mm: float, mass_kg: float, keep: bool = True,
+    damping_ratio: float = 0.0,
+) -> Response:  # fmt: skip
     """Press people by a spring and a mass; a stiffness of 0 leaves the mass with the force that acted on it."""
     count, nodes = len(people), press.time_s
 
@@ -60,7 +72,9 @@ def press_by_spring(
     scale = np.full(count, float(np.max(press.depth_mm)))
     run = run_robot(people, mass_kg, stiffness_N_per_mm, _between_nodes(press), float(nodes[-1]), np.zeros(count),
                     scale, next_node, keep=keep, late_s=late_from(press), loose_after_s=press.stop_s,
-                    tolerance=TOLERANCE * (1.0 if keep else FASTER))  # fmt: skip
+                    tolerance=TOLERANCE * (1.0 if keep else FASTER),
+                    damping_N_s_per_mm=Arm(stiffness_N_per_mm, mass_kg, damping_ratio).damping_N_s_per_mm,
+                    mean_from_s=press.mean_from_s, lost_mm_s=press.lost_mm_s)  # fmt: skip
     return of_trajectory(run)
 
 

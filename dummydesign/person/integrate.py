@@ -16,11 +16,15 @@ from dummydesign.person.smoothing import interpolation
 TOLERANCE = 2e-5
 """Error of a step, over the depth."""
 SOLVED_MM = 1e-7
+LEAST_DEPTH = 1e-3
 MOST_STEPS = 400_000
 RINGS = 300.0
 """Periods of the robot's own ringing after the stop that are followed; then it is damped."""
-DAMPED = (0.7, 0.36)
-"""Newmark's gamma and beta that damp it; 1/2 and 1/4 are the trapezoidal rule."""
+IN_PHASE, STABLE, DAMPED = (0.5, 1.0 / 12.0), (0.5, 0.25), (0.7, 0.36)
+"""Newmark's gamma and beta: Fox and Goodwin's, whose period is right to the fourth order; the trapezoidal rule, for
+steps that are long beside the period; and what damps."""
+SHORT, STIFFENING = 1.5, 5.0
+"""Square of the step times the frequency below which the first is used, and stiffness of a person over force / depth."""
 SUBSTEPS, SOLVED, LEAST_N = 2, 1e-9, 1e-3
 """Steps between two times, error of the force over itself, and the least force that it is measured by. [N]"""
 
@@ -125,12 +129,17 @@ def run_robot(
     damping_N_s_per_mm: float = 0.0, mean_from_s: float = np.inf,
     lost_mm_s: NDArray | float = 0.0,
 ) -> Trajectory:  # fmt: skip
-    """Integrate M u'' = F_p(t) - D u' - K u - F(x_p(t) + u, q) of all persons, by the trapezoidal rule.
+    """Integrate M u'' = F_p(t) - D u' - K u - F(x_p(t) + u, q) of all persons, by Newmark's rules.
 
     u is the difference of the path on a person to the path x_p on the pad, where the force was F_p. The command
     x_c that the trace implies, with M x_p'' = K (x_c - x_p) + D (x_c' - x_p') - F_p, acts on the person too, and the
-    acceleration of the trace drops out of the equation. The rule keeps the energy of springs and masses. The step keeps the difference to a third-order
-    prediction, which is the rule's error, below 2e-5 of the depth.
+    acceleration of the trace drops out of the equation. The rules keep the energy of springs and masses. The step
+    keeps the difference to a third-order prediction, which bounds the rule's error, below 2e-5 of the depth.
+
+    References
+    ----------
+    Fox and Goodwin, Proceedings of the Cambridge Philosophical Society 45 (1949) 373; Newmark, ASCE Journal of the
+    Engineering Mechanics Division 85 (1959) 67.
 
     Parameters
     ----------
@@ -186,7 +195,9 @@ def run_robot(
         jerk = np.zeros(count) if before is None else (a - before[1]) / before[0]
         predicted = u + taken * v + 0.5 * taken**2 * a + taken**3 / 6.0 * jerk
         loose = max(1.0, (time - loose_after_s) / (RINGS * period)) ** 3
-        new_share, far_share = (0.5, 0.25) if loose == 1.0 else DAMPED
+        stiff = stiffness_N_per_mm + STIFFENING * float(np.max(force / np.maximum(x, LEAST_DEPTH * scale_mm)))
+        new_share, far_share = IN_PHASE if stiff * taken**2 < SHORT * mass else STABLE
+        new_share, far_share = (new_share, far_share) if loose == 1.0 else DAMPED
         constant = u + taken * v + (0.5 - far_share) * taken**2 * a
         weight = far_share * taken**2 / mass
         resisting = damping * new_share / (far_share * taken)

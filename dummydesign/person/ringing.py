@@ -16,6 +16,8 @@ NODES_A_PERIOD = 16.0
 """Straight lines a period: they miss a sine by 1 % of its amplitude, at frequencies far above its own."""
 LEAST_MEAN = 10.0
 """Periods that must be left for means."""
+BEYOND = 0.5
+"""Periods by which the close curve is fitted farther than it is used: its end is straight, and a ringing is not."""
 GROWTH = 1.08
 BEFORE = 3.0
 """Periods before the stop from which on the nodes are as close as the ringing needs."""
@@ -85,14 +87,18 @@ def smoothed_ringing(
     split = end - until > LEAST_MEAN * arm.period_s and end - until > 0.05 * (end - stop_s)
     if not split:
         until = end
-    close = _close_nodes(nodes_s, stop_s, until, ring / NODES_A_PERIOD, BEFORE * ring)
-    inside = since_s <= until
+    beyond = until + BEYOND * ring if split else until
+    close = _close_nodes(nodes_s, stop_s, beyond, ring / NODES_A_PERIOD, BEFORE * ring)
+    inside = since_s <= beyond
     rough = real_bends(close)
     noises = [float(np.nanmin([quiet_noise(one), _plain_noise(one)])) for one in (x, force)]
     first = [smooth_curve(since_s[inside], one[inside], close, passed, bends=rough, noise=noise)
              for one, passed, noise in zip((x, force), (None, lowpass), noises)]  # fmt: skip
     if not split:
         return first[0], first[1], close, np.inf
+    kept = int(np.searchsorted(close, until)) + 1
+    close, until = close[:kept], float(close[kept - 1])
+    first = [SmoothCurve(one.value[:kept], one.factor[:kept], one.noise, one.coarse[: kept - 1]) for one in first]
     wide = _wide_nodes(until + GAP_S, end, ring)
     second = []
     for one, noise in zip((x, force), noises):

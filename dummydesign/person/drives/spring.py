@@ -24,6 +24,10 @@ from dummydesign.person.press import Press
 from dummydesign.person.ringing import Arm
 from dummydesign.person.signs import TraceSigns
 
+STEPS, FEWER = 48.0, 32.0
+"""Steps a period of the arm after the stop, with curves and for draws. They are even: steps that grow and shrink with
+the ringing would drive it."""
+
 
 class Spring(Drive):
     """M x'' = K (x_c - x) + D (x_c' - x') - F with the command x_c that the trace on the pad implies.
@@ -64,16 +68,19 @@ def press_by_spring(
 ) -> Response:  # fmt: skip
     """Press people by a spring and a mass; a stiffness of 0 leaves the mass with the force that acted on it."""
     count, nodes = len(people), press.time_s
+    arm = Arm(stiffness_N_per_mm, mass_kg, damping_ratio)
+    even = arm.period_s / (STEPS if keep else FEWER)
 
-    def next_node(time: float) -> float:
+    def longest(time: float) -> float:
         at = int(np.searchsorted(nodes, time * (1.0 + 1e-9) + 1e-12, side="right"))
-        return float(nodes[min(at, len(nodes) - 1)] - time)
+        left = float(nodes[min(at, len(nodes) - 1)] - time)
+        return left if time < press.stop_s or left <= even else left / int(np.ceil(left / even - 1e-6))
 
     scale = np.full(count, float(np.max(press.depth_mm)))
     run = run_robot(people, mass_kg, stiffness_N_per_mm, _between_nodes(press), float(nodes[-1]), np.zeros(count),
-                    scale, next_node, keep=keep, late_s=late_from(press), loose_after_s=press.stop_s,
+                    scale, longest, keep=keep, late_s=late_from(press), loose_after_s=press.stop_s,
                     tolerance=TOLERANCE * (1.0 if keep else FASTER),
-                    damping_N_s_per_mm=Arm(stiffness_N_per_mm, mass_kg, damping_ratio).damping_N_s_per_mm,
+                    damping_N_s_per_mm=arm.damping_N_s_per_mm,
                     mean_from_s=press.mean_from_s, lost_mm_s=press.lost_mm_s)  # fmt: skip
     return of_trajectory(run)
 

@@ -18,7 +18,7 @@ TOLERANCE = 2e-5
 SOLVED_MM = 1e-7
 LEAST_DEPTH = 1e-3
 MOST_STEPS = 400_000
-RINGS = 300.0
+RINGS = 100.0
 """Periods of the robot's own ringing after the stop that are followed; then it is damped."""
 IN_PHASE, STABLE, DAMPED = (0.5, 1.0 / 12.0), (0.5, 0.25), (0.7, 0.36)
 """Newmark's gamma and beta: Fox and Goodwin's, whose period is right to the fourth order; the trapezoidal rule, for
@@ -161,7 +161,7 @@ def run_robot(
     late_s : float
         From when on the mean of the force is taken. [s]
     loose_after_s : float
-        Three hundred periods after this time the robot's own ringing is damped, so that forces and depths are their means. [s]
+        A hundred periods after this time the robot's own ringing is damped, so that forces and depths are their means. [s]
     tolerance : float
         Error of a step, over the depth.
     damping_N_s_per_mm : float
@@ -196,7 +196,8 @@ def run_robot(
         predicted = u + taken * v + 0.5 * taken**2 * a + taken**3 / 6.0 * jerk
         loose = max(1.0, (time - loose_after_s) / (RINGS * period)) ** 3
         stiff = stiffness_N_per_mm + STIFFENING * float(np.max(force / np.maximum(x, LEAST_DEPTH * scale_mm)))
-        new_share, far_share = IN_PHASE if stiff * taken**2 < SHORT * mass else STABLE
+        ringing = stiffness_N_per_mm > 0.0 and stiff * taken**2 < SHORT * mass
+        new_share, far_share = IN_PHASE if ringing else STABLE
         new_share, far_share = (new_share, far_share) if loose == 1.0 else DAMPED
         constant = u + taken * v + (0.5 - far_share) * taken**2 * a
         weight = far_share * taken**2 / mass

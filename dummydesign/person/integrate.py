@@ -24,7 +24,7 @@ IN_PHASE, STABLE, DAMPED = (0.5, 1.0 / 12.0), (0.5, 0.25), (0.7, 0.36)
 """Newmark's gamma and beta: Fox and Goodwin's, whose period is right to the fourth order; the trapezoidal rule, for
 steps that are long beside the period; and what damps."""
 SHORT, STIFFENING = 1.5, 5.0
-"""Square of the step times the frequency below which the first is used, and stiffness of a person over force / depth."""
+"""Square of step times frequency below which the first is used, and a person's stiffness over force / depth."""
 SUBSTEPS, SOLVED, LEAST_N = 2, 1e-9, 1e-3
 """Steps between two times, error of the force over itself, and the least force that it is measured by. [N]"""
 
@@ -126,8 +126,7 @@ def run_robot(
     people: People, mass_kg: float, stiffness_N_per_mm: float, given: Input, end_s: float, velocity_mm_s: NDArray,
     scale_mm: NDArray, longest_step: Callable[[float], float], until_stop: bool = False, keep: bool = True,
     late_s: float = np.inf, loose_after_s: float = np.inf, tolerance: float = TOLERANCE,
-    damping_N_s_per_mm: float = 0.0, mean_from_s: float = np.inf,
-    lost_mm_s: NDArray | float = 0.0,
+    damping_N_s_per_mm: float = 0.0, mean_from_s: float = np.inf, lost_mm_s: NDArray | float = 0.0,
 ) -> Trajectory:  # fmt: skip
     """Integrate M u'' = F_p(t) - D u' - K u - F(x_p(t) + u, q) of all persons, by Newmark's rules.
 
@@ -161,7 +160,7 @@ def run_robot(
     late_s : float
         From when on the mean of the force is taken. [s]
     loose_after_s : float
-        A hundred periods after this time the robot's own ringing is damped, so that forces and depths are their means. [s]
+        A hundred periods after this time the robot's own ringing is damped: forces and depths become means. [s]
     tolerance : float
         Error of a step, over the depth.
     damping_N_s_per_mm : float

@@ -13,7 +13,7 @@ from dummydesign.measurement.landmarks import approach_velocity, find_ramp
 from dummydesign.measurement.motion import work_mJ
 from dummydesign.measurement.sensor import Lowpass
 from dummydesign.measurement.trace import Trace
-from dummydesign.person.ringing import Arm, smoothed_ringing
+from dummydesign.person.ringing import Arm, smoothed_ringing, still_rings
 from dummydesign.person.smoothing import SmoothCurve, smooth_curve
 from dummydesign.tissue.fitting.reduction import rounded_velocity
 
@@ -67,7 +67,7 @@ class Press:
     noise_N : float
         Noise of one sample.
     rings : bool
-        Whether samples show more than the nodes can follow: an arm that rings through the hold.
+        Whether an arm is seen to ring on in the hold.
     mean_from_s : float
         From when on depth and force are means over the ringing of the arm; infinite where they are not. [s]
     """
@@ -173,6 +173,8 @@ def read_press(trace: Trace, lowpass: Lowpass | None = None, arm: Arm | None = N
         speed = np.minimum(speed, fastest)  # without an approach the curve starts too steep where the robot brakes
     late = nodes[:-1] > 2.0 * (ramp.stop_time_s - ramp.contact_time_s)
     rings = int(((path.coarse | load.coarse) & late).sum()) >= RINGS
+    if arm is not None:
+        rings = still_rings(path, nodes, min(mean_from, float(nodes[-1])), arm.period_s)
     hold = end - ramp.stop_time_s
     steady = None
     if hold >= SHORTEST_HOLD_S:

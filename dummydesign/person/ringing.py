@@ -23,6 +23,8 @@ BEFORE = 3.0
 """Periods before the stop from which on the nodes are as close as the ringing needs."""
 WINDOW = 4.0
 """Periods in the window of a mean: a raised cosine, which passes less than 1 % of the ringing."""
+SEEN, SEEN_SHARE = 3.0, 1e-3
+"""Multiple of its error, and share of the depth, from which on a ringing counts as seen (standard deviation)."""
 GAP_S = 1e-7
 """Between the last node that follows the ringing and the first mean."""
 ORDER, WHITE = 6, 924.0
@@ -51,6 +53,17 @@ class Arm:
 def period_s(stiffness_N_per_mm: float, mass_kg: float) -> float:
     """Period of a mass on a spring. [s]"""
     return float(2.0 * np.pi * np.sqrt(1e-3 * mass_kg / max(stiffness_N_per_mm, 1e-9)))
+
+
+def still_rings(curve: SmoothCurve, nodes_s: NDArray, until_s: float, period: float) -> bool:
+    """Whether the arm is seen to ring in the last two periods before a time."""
+    late = (nodes_s <= until_s) & (nodes_s > until_s - 2.0 * period)
+    if late.sum() < NODES_A_PERIOD or nodes_s[late][0] < 0.5 * until_s:
+        return False
+    value, time = curve.value[late], nodes_s[late]
+    left = value - np.polyval(np.polyfit(time, value, 1), time)
+    error = np.sqrt((curve.factor[late] ** 2).sum(axis=1).mean())
+    return bool(left.std() > max(SEEN * float(error), SEEN_SHARE * float(curve.value.max())))
 
 
 def quiet_noise(values: NDArray) -> float:
@@ -143,9 +156,9 @@ def _wide_nodes(begin_s: float, end_s: float, step_s: float) -> NDArray:
 def slow_mean(time_s: NDArray, values: NDArray, window_s: float) -> tuple[NDArray, NDArray]:
     """Return even times, and at each a straight line through the samples about it, weighted by a raised cosine."""
     step = float(np.median(np.diff(time_s)))
-    at = time_s[0] + step * np.arange(int(round((time_s[-1] - time_s[0]) / step)) + 1)
+    at = time_s[0] + step * np.arange(round((time_s[-1] - time_s[0]) / step) + 1)
     even = np.interp(at, time_s, values)
-    half = max(int(round(0.5 * window_s / step)), 1)
+    half = max(round(0.5 * window_s / step), 1)
     away = np.arange(-half, half + 1) / (half + 1.0)
     weight = 0.5 * (1.0 + np.cos(np.pi * away))
 

@@ -64,7 +64,8 @@ def smooth_curve(
     """
     from scipy.linalg import eigh
 
-    noise = max(float(noise_of(values) if noise is None else noise), LEAST_NOISE * float(np.max(np.abs(values), initial=1e-12)))
+    least = LEAST_NOISE * float(np.max(np.abs(values), initial=1e-12))
+    noise = max(float(noise_of(values)) if noise is None else noise, least)
     at, mean, count = _averaged(time_s, values, nodes_s)
     design = interpolation(at, nodes_s)
     if lowpass is not None:
@@ -104,7 +105,8 @@ def smooth_curve(
     amiss = (missed > SURE * sample) & (missed > SMALL * np.sqrt(count) * float(np.ptp(mean)))
     coarse = np.zeros(len(nodes_s) - 1, bool)
     coarse[np.clip(np.searchsorted(nodes_s, at[amiss], side="right") - 1, 0, len(coarse) - 1)] = True
-    factor = noise * root_of_inverse(normal + SCANNED[best] * (penalty + 1e-14 * np.trace(normal) * np.eye(len(normal))))
+    ridge = 1e-14 * np.trace(normal) * np.eye(len(normal))
+    factor = noise * root_of_inverse(normal + SCANNED[best] * (penalty + ridge))
     if start is not None:
         value = np.r_[start, value]
         factor = np.vstack([np.zeros(factor.shape[1]), factor])

@@ -46,8 +46,9 @@ class Spring(Drive):
             return ""
         follows = signs.relaxed_N / self.values[0]
         if follows > 2.0 * signs.kept_mm and abs(signs.creep_mm) < follows / 3.0:
+            moved = f"{signs.creep_mm:.2g} mm" if abs(signs.creep_mm) >= 0.005 else "less than 0.01 mm"
             return (
-                f"the force relaxed by {signs.relaxed_N:.2g} N and the punch moved {signs.creep_mm:.2g} mm; an arm of "
+                f"the force relaxed by {signs.relaxed_N:.2g} N and the punch moved {moved}; an arm of "
                 f"{self.values[0]:g} N/mm with a fixed command moves {follows:.2g} mm: the arm is stiffer, or corrected"
             )
         return ""

@@ -18,7 +18,7 @@ from dummydesign.person.drives.drive import (
     late_from,
     of_trajectory,
 )
-from dummydesign.person.integrate import TOLERANCE, Input, run_robot
+from dummydesign.person.integrate import RINGS, TOLERANCE, Input, run_robot
 from dummydesign.person.people import People
 from dummydesign.person.press import Press
 from dummydesign.person.ringing import Arm
@@ -70,12 +70,12 @@ def press_by_spring(
     """Press people by a spring and a mass; a stiffness of 0 leaves the mass with the force that acted on it."""
     count, nodes = len(people), press.time_s
     arm = Arm(stiffness_N_per_mm, mass_kg, damping_ratio)
-    even = arm.period_s / (STEPS if keep else FEWER)
+    even, calm = arm.period_s / (STEPS if keep else FEWER), press.stop_s + RINGS * arm.period_s
 
     def longest(time: float) -> float:
         at = int(np.searchsorted(nodes, time * (1.0 + 1e-9) + 1e-12, side="right"))
         left = float(nodes[min(at, len(nodes) - 1)] - time)
-        return left if time < press.stop_s or left <= even else left / int(np.ceil(left / even - 1e-6))
+        return left if not press.stop_s <= time < calm or left <= even else left / int(np.ceil(left / even - 1e-6))
 
     scale = np.full(count, float(np.max(press.depth_mm)))
     run = run_robot(people, mass_kg, stiffness_N_per_mm, _between_nodes(press), float(nodes[-1]), np.zeros(count),

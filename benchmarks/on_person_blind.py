@@ -2,7 +2,7 @@
 
 Every case makes a population of people, measures a few of them with errors, and presses a pad with a robot of one of
 the five drives, by equations and an integrator (scipy's LSODA) that share no code with the package. Arms with a spring
-are there without damping and, as "damped", with a damping ratio of 0.01 to 0.1 that is told. The trace gets noise in
+are there without damping and, as "damped", with a declared damping ratio of 0.01 to 0.1. The trace gets noise in
 both columns, an error of contact, a sampling rate, and in every third case a declared sensor filter. One more person of
 the population is pressed by the same robot; the interval must hold that person in 95 % of cases.
 

@@ -55,7 +55,8 @@ class Spring(Drive):
 
     def respond(self, press: Press, people: People, keep: bool = True) -> Response:
         """Integrate from contact to the end of the hold, in the difference to the path on the pad."""
-        return press_by_spring(press, people, *self.values[:2], keep, self.values[2])
+        stiffness, mass, ratio = self.values
+        return press_by_spring(press, people, stiffness, mass, keep, ratio)
 
     @property
     def arm(self) -> Arm:

@@ -35,7 +35,8 @@ def on_person(
     tissue : str
         Name of the library, or path of a TOML file.
     drive : str
-        What moves the robot: ``position``, ``steady``, ``force``, ``mass:KG`` or ``spring:N_PER_MM,KG``.
+        What moves the robot: ``position``, ``steady``, ``force``, ``mass:KG`` or
+        ``spring:N_PER_MM,KG[,DAMPING_RATIO]``.
     limits : path, optional
         Own limits of force and pressure, as in :func:`dummydesign.suggest`.
     lowpass : str, optional

@@ -35,6 +35,7 @@ UNITS: dict[str, dict[str, float]] = {
     "g": {"mg": 1e-3, "g": 1.0, "kg": 1000.0},
     "Hz": {"Hz": 1.0, "kHz": 1000.0},
     "kg": {"g": 1e-3, "kg": 1.0, "t": 1000.0},
+    "": {"%": 0.01},
 }
 """Units that are understood for each unit a number is wanted in, with their size in it."""
 NUMBER = re.compile(r"^\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(\S*)\s*$")

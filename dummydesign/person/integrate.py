@@ -10,16 +10,21 @@ from numpy.typing import NDArray
 
 from dummydesign.design.assessment.safety import QUASI_STATIC_AFTER_S
 from dummydesign.person.people import People
+from dummydesign.person.ringing import GAP_S
 from dummydesign.person.smoothing import interpolation
 
 TOLERANCE = 2e-5
 """Error of a step, over the depth."""
 SOLVED_MM = 1e-7
+LEAST_DEPTH = 1e-3
 MOST_STEPS = 400_000
-RINGS = 30.0
-"""Periods of the robot's own ringing after the stop that are followed closely; then it is damped."""
-DAMPED = (0.7, 0.36)
-"""Newmark's gamma and beta that damp it; 1/2 and 1/4 are the trapezoidal rule."""
+RINGS = 100.0
+"""Periods of the robot's own ringing after the stop that are followed; then it is damped."""
+IN_PHASE, STABLE, DAMPED = (0.5, 1.0 / 12.0), (0.5, 0.25), (0.7, 0.36)
+"""Newmark's gamma and beta: Fox and Goodwin's, whose period is right to the fourth order; the trapezoidal rule, for
+steps that are long beside the period; and what damps."""
+SHORT, STIFFENING = 1.5, 5.0
+"""Square of step times frequency below which the first is used, and a person's stiffness over force / depth."""
 SUBSTEPS, SOLVED, LEAST_N = 2, 1e-9, 1e-3
 """Steps between two times, error of the force over itself, and the least force that it is measured by. [N]"""
 
@@ -121,13 +126,19 @@ def run_robot(
     people: People, mass_kg: float, stiffness_N_per_mm: float, given: Input, end_s: float, velocity_mm_s: NDArray,
     scale_mm: NDArray, longest_step: Callable[[float], float], until_stop: bool = False, keep: bool = True,
     late_s: float = np.inf, loose_after_s: float = np.inf, tolerance: float = TOLERANCE,
+    damping_N_s_per_mm: float = 0.0, mean_from_s: float = np.inf, lost_mm_s: NDArray | float = 0.0,
 ) -> Trajectory:  # fmt: skip
-    """Integrate M u'' = F_p(t) - K u - F(x_p(t) + u, q) of all persons, by the trapezoidal rule.
+    """Integrate M u'' = F_p(t) - D u' - K u - F(x_p(t) + u, q) of all persons, by Newmark's rules.
 
     u is the difference of the path on a person to the path x_p on the pad, where the force was F_p. The command
-    x_p + (F_p + M x_p'') / K that the trace implies acts through the spring, and the acceleration of the trace drops
-    out of the equation. The rule keeps the energy of springs and masses. The step keeps the difference to a third-order
-    prediction, which is the rule's error, below 2e-5 of the depth.
+    x_c that the trace implies, with M x_p'' = K (x_c - x_p) + D (x_c' - x_p') - F_p, acts on the person too, and the
+    acceleration of the trace drops out of the equation. The rules keep the energy of springs and masses. The step
+    keeps the difference to a third-order prediction, which bounds the rule's error, below 2e-5 of the depth.
+
+    References
+    ----------
+    Fox and Goodwin, Proceedings of the Cambridge Philosophical Society 45 (1949) 373; Newmark, ASCE Journal of the
+    Engineering Mechanics Division 85 (1959) 67.
 
     Parameters
     ----------
@@ -149,9 +160,16 @@ def run_robot(
     late_s : float
         From when on the mean of the force is taken. [s]
     loose_after_s : float
-        Thirty periods after this time the robot's own ringing is damped, so that forces and depths are their means. [s]
+        A hundred periods after this time the robot's own ringing is damped: forces and depths become means. [s]
     tolerance : float
         Error of a step, over the depth.
+    damping_N_s_per_mm : float
+        D, of the robot alone.
+    mean_from_s : float
+        From when on force and path on the pad are means over its ringing. The person goes on at the same depth and
+        speed; what rang on the pad passes to the difference. [s]
+    lost_mm_s : ndarray or float
+        Speed of the path just before that time, less that after it.
     """
     mass, count = 1e-3 * mass_kg, len(people)
     u, v, q = np.zeros(count), np.array(velocity_mm_s, float), people.at_rest()
@@ -164,6 +182,7 @@ def run_robot(
     stop = np.full(count, np.nan)
     longer = np.full(count, np.nan)
     late, period = np.zeros(count), 2.0 * np.pi * np.sqrt(mass / max(stiffness_N_per_mm, 1e-9))
+    damping = damping_N_s_per_mm
     fastest = max(float(np.max(np.abs(v))), 1e-9)
     time, step = 0.0, min(1e-3 * float(np.min(scale_mm)) / fastest, longest_step(0.0))
     before: tuple[float, NDArray] | None = None
@@ -175,17 +194,23 @@ def run_robot(
         jerk = np.zeros(count) if before is None else (a - before[1]) / before[0]
         predicted = u + taken * v + 0.5 * taken**2 * a + taken**3 / 6.0 * jerk
         loose = max(1.0, (time - loose_after_s) / (RINGS * period)) ** 3
-        new_share, far_share = (0.5, 0.25) if loose == 1.0 else DAMPED
+        stiff = stiffness_N_per_mm + STIFFENING * float(np.max(force / np.maximum(x, LEAST_DEPTH * scale_mm)))
+        ringing = stiffness_N_per_mm > 0.0 and stiff * taken**2 < SHORT * mass
+        new_share, far_share = IN_PHASE if ringing else STABLE
+        new_share, far_share = (new_share, far_share) if loose == 1.0 else DAMPED
         constant = u + taken * v + (0.5 - far_share) * taken**2 * a
         weight = far_share * taken**2 / mass
+        resisting = damping * new_share / (far_share * taken)
+        known = weight * (pushed - damping * (v + taken * (1.0 - new_share) * a) + resisting * constant)
         new, new_q, new_force = _solve(
-            people, x, q, taken, constant + weight * pushed, weight, stiffness_N_per_mm, path, predicted
+            people, x, q, taken, constant + known, weight, stiffness_N_per_mm + resisting, path, predicted
         )
         error = float(np.max(np.abs(new - predicted) / scale_mm)) / (tolerance * loose)
         if before is not None and error > 2.0 and taken > 1e-9:
             step = taken * max(0.3, 0.85 * error ** (-1.0 / 3.0))
             continue
-        new_a = (pushed - stiffness_N_per_mm * new - new_force) / mass
+        drag = damping * (v + taken * (1.0 - new_share) * a) + resisting * (new - constant)
+        new_a = (pushed - drag - stiffness_N_per_mm * new - new_force) / mass
         new_v, new_x = v + taken * ((1.0 - new_share) * a + new_share * new_a), path + new
         going = np.isnan(stop) if until_stop else np.ones(count, bool)
         halted = going & until_stop & (new_v <= 0.0)
@@ -202,6 +227,11 @@ def run_robot(
         late = late + 0.5 * max(time + taken - max(time, late_s), 0.0) * (force + new_force)
         before, time = (taken, a), time + taken
         u, v, a, q, x, force = new, new_v, new_a, new_q, new_x, new_force
+        if time >= mean_from_s:
+            time, mean_from_s, before = mean_from_s + GAP_S, np.inf, None
+            pushed, path = given(time)
+            u, v = x - path, v + lost_mm_s
+            a = (pushed - damping * v - stiffness_N_per_mm * u - force) / mass
         if keep:
             times.append(time)
             depths.append(x)

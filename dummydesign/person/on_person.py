@@ -28,9 +28,11 @@ if TYPE_CHECKING:
     from dummydesign.measurement.trace import Trace
     from dummydesign.tissue.model.tissue import Tissue
 
-SEED, OTHERS, OWN = 61, 600, 120
+SEED, OTHERS, OWN = 61, 512, 120
 """Draws of one more person, and of each subject."""
 ENDS = (0.025, 0.975)
+SEEN_SAMPLES = 6.0
+"""Samples a period from which on the ringing of an arm is followed."""
 Interval = tuple[float | None, float | None]
 
 
@@ -121,7 +123,7 @@ def on_person(
     for number, trace in enumerate(traces):
         if progress is not None:
             progress(f"press {number + 1} of {len(traces)}")
-        press = read_press(trace, lowpass)
+        press = read_press(trace, lowpass, drive.arm)
         drive.check(press)
         found.append(_press_people(press, tissue, drive, limits, area_mm2))
     warnings = [*_of_traces(traces), *_of_presses(found, drive, tissue)]
@@ -208,7 +210,8 @@ def _ends(values: NDArray) -> Interval:
     known = values[np.isfinite(values)]
     if len(known) < 0.9 * len(values) or not len(known):
         return None, None
-    low, high = np.quantile(known, ENDS)
+    # between these ranks of n draws lies one more draw in (n + 1) x 0.95 of n + 1 cases
+    low, high = np.quantile(known, ENDS, method="weibull")
     return float(low), float(high)
 
 
@@ -233,13 +236,18 @@ def _of_presses(found: Sequence[PersonPress], drive: Drive, tissue: Tissue) -> l
         file = one.press.trace.name
         if one.contradicted:
             rows.append(("drive_mismatch", f"{file}: --drive {drive.text} does not fit the trace: {one.contradicted}"))
+    arm = drive.arm
     for one in found:
-        if one.press.rings and drive.name == "spring":
-            words = (
-                "the arm rings through the hold, and nothing says how it would ring on a person: read depth and energy "
-                "as estimates, not as intervals; use a stiffer or damped arm"
-            )
-            rows.append(("arm_rings", f"{one.press.trace.name}: {words}"))
+        if arm is None:
+            break
+        file, step = one.press.trace.name, float(np.median(np.diff(one.press.trace.time_s)))
+        if arm.period_s < SEEN_SAMPLES * step:
+            own, least = 1.0 / arm.period_s, SEEN_SAMPLES / arm.period_s
+            words = f"the arm's own {own:.3g} Hz need at least {least:.0f} samples/s; peaks of its ringing are missing"
+            rows.append(("arm_unseen", f"{file}: {words}"))
+        elif one.press.rings and arm.damping_ratio == 0.0:
+            words = "the arm still rings in the hold and is taken as undamped; if it has a damping ratio, give it: "
+            rows.append(("arm_rings", f"{file}: {words}--drive {drive.text},RATIO"))
     for one in found:
         if one.beyond:
             words = "; ".join(entry.text for entry in one.beyond)

@@ -58,7 +58,7 @@ def draw_another(tissue: Tissue, velocity_mm_s: float, count: int, rng: np.rando
     """Draw one more person of the subjects' kind, ``count`` times.
 
     Of an inferred tissue: persons of its posterior. Of n subjects with ln parameters of mean m and residuals R (n, k):
-    m + sqrt((n - 1) / chi2_(n-1)) (z1 R / sqrt(n (n - 1)) + z2 R / sqrt(n - 1)), z standard normal, which for every
+    m + sqrt((n - 1) / chi2_(n-1)) sqrt(1 + 1 / n) S z, S S = R' R / (n - 1), z standard normal, which for every
     linear function of the parameters is Student's prediction for one more value; what the subjects' own intervals
     add is in their scatter. Of one subject nothing is known of others: its own intervals.
 
@@ -66,6 +66,9 @@ def draw_another(tissue: Tissue, velocity_mm_s: float, count: int, rng: np.rando
     ----------
     Gelman et al., Bayesian Data Analysis, 3rd edition, section 3.2 (prediction with flat priors).
     """
+    from scipy.special import ndtri
+    from scipy.stats import chi2
+
     people = People.of(tissue.parameter_sets, velocity_mm_s)
     subjects = len(people)
     if subjects < 2:
@@ -77,11 +80,25 @@ def draw_another(tissue: Tissue, velocity_mm_s: float, count: int, rng: np.rando
         return People.of(chosen, velocity_mm_s)
     logs = log_parameters(people)
     middle = logs.mean(axis=0)
-    residual = (logs - middle) / np.sqrt(subjects - 1.0)
-    spread = np.sqrt((subjects - 1.0) / rng.chisquare(subjects - 1.0, size=(count, 1)))
-    mean = rng.standard_normal((count, subjects)) / np.sqrt(subjects)
-    shift = spread * ((mean + rng.standard_normal((count, subjects))) @ residual)
+    scatter = (logs - middle).T @ (logs - middle) / (subjects - 1.0) * (1.0 + 1.0 / subjects)
+    length, basis = np.linalg.eigh(scatter)
+    root = (basis * np.sqrt(np.maximum(length, 0.0))) @ basis.T
+    even = _even_draws(count, 1 + len(root), rng)
+    spread = np.sqrt((subjects - 1.0) / chi2.ppf(even[:, :1], subjects - 1.0))
+    shift = spread * (ndtri(even[:, 1:]) @ root)
     return people_of_logs(people, middle + np.clip(shift, -FARTHEST, FARTHEST))
+
+
+def _even_draws(count: int, size: int, rng: np.random.Generator) -> NDArray:
+    """Draws in the unit cube that fill it evenly (Sobol's sequence, scrambled), shape (count, size).
+
+    Plain draws leave more or less than their share beyond the ends of an interval, and one seed does so always.
+    """
+    from scipy.stats.qmc import Sobol
+
+    power = int(np.ceil(np.log2(max(count, 2))))
+    found = Sobol(size, seed=rng).random_base2(power)[rng.permutation(1 << power)[:count]]
+    return np.clip(found, 1e-9, 1.0 - 1e-9)
 
 
 def _inferred(tissue: Tissue) -> bool:

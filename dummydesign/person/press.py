@@ -13,7 +13,8 @@ from dummydesign.measurement.landmarks import approach_velocity, find_ramp
 from dummydesign.measurement.motion import work_mJ
 from dummydesign.measurement.sensor import Lowpass
 from dummydesign.measurement.trace import Trace
-from dummydesign.person.smoothing import SmoothCurve, smooth_curve, symmetric_root
+from dummydesign.person.ringing import Arm, smoothed_ringing, still_rings
+from dummydesign.person.smoothing import SmoothCurve, smooth_curve
 from dummydesign.tissue.fitting.reduction import rounded_velocity
 
 RISE_NODES, AFTER, GROWTH = 160, 0.25, 1.08
@@ -53,8 +54,8 @@ class Press:
         Nodes; finer about the stop.
     x_mm, force_N : ndarray, shape (n,) or (p, n)
         Depth and force of the pad at the nodes; several where they are drawn from their errors.
-    x_factor, force_factor : ndarray, shape (n, n)
-        Symmetric square roots of the covariances.
+    x_factor, force_factor : ndarray, shape (n, k)
+        Roots of the covariances.
     contact_s, stop_s, hold_s, velocity_mm_s : float
         Time of contact in the trace; stop, hold and speed of the robot, two digits. [s, mm/s]
     contact_mm_s : ndarray, shape () or (p,)
@@ -66,7 +67,9 @@ class Press:
     noise_N : float
         Noise of one sample.
     rings : bool
-        Whether samples show more than the most nodes can follow: an arm that rings through the hold.
+        Whether an arm is seen to ring on in the hold.
+    mean_from_s : float
+        From when on depth and force are means over the ringing of the arm; infinite where they are not. [s]
     """
 
     trace: Trace
@@ -84,6 +87,7 @@ class Press:
     steady_N: NDArray | None
     noise_N: float
     rings: bool = False
+    mean_from_s: float = np.inf
 
     @property
     def peak_N(self) -> NDArray:
@@ -105,6 +109,16 @@ class Press:
         """Number of the node with the largest depth."""
         return int(np.argmax(self.x_mm if self.x_mm.ndim == 1 else self.x_mm.mean(axis=0)))
 
+    @property
+    def lost_mm_s(self) -> NDArray | float:
+        """Speed of the path where its means begin: what it was just before, less that of the means. [mm/s]"""
+        if not np.isfinite(self.mean_from_s):
+            return 0.0
+        last = int(np.searchsorted(self.time_s, self.mean_from_s * (1.0 + 1e-12), side="right")) - 1
+        slope = np.diff(self.x_mm, axis=-1) / np.diff(self.time_s)
+        before = 1.5 * slope[..., last - 1] - 0.5 * slope[..., last - 2]
+        return np.asarray(before - slope[..., last + 1])
+
     def drawn(self, count: int, rng: np.random.Generator) -> Press:
         """Draw presses that may be behind the trace: noise of both columns, and where contact is."""
         x = self.x_mm + rng.standard_normal((count, self.x_factor.shape[1])) @ self.x_factor.T
@@ -120,8 +134,10 @@ class Press:
         return replace(self, x_mm=x - shift, force_N=force, steady_N=steady, contact_mm_s=speed)
 
 
-def read_press(trace: Trace, lowpass: Lowpass | None = None) -> Press:
+def read_press(trace: Trace, lowpass: Lowpass | None = None, arm: Arm | None = None) -> Press:
     """Find the press in a trace and smooth it; a declared filter of the force is undone.
+
+    With an arm, its ringing is followed closely for some time and averaged over afterwards.
 
     Raises
     ------
@@ -145,22 +161,27 @@ def read_press(trace: Trace, lowpass: Lowpass | None = None) -> Press:
     end = max(_leaving(time, x), ramp.stop_time_s)
     used = (time >= ramp.contact_time_s) & (time <= end)
     end = float(time[used][-1])
-    nodes = _nodes(ramp.stop_time_s - ramp.contact_time_s, end - ramp.contact_time_s)
+    stop, mean_from = ramp.stop_time_s - ramp.contact_time_s, np.inf
+    nodes = _nodes(stop, end - ramp.contact_time_s)
     since = time[used] - ramp.contact_time_s
-    path, load, nodes = _smoothed(since, x[used], force[used], nodes, lowpass)
+    if arm is None:
+        path, load, nodes = _smoothed(since, x[used], force[used], nodes, lowpass)
+    else:
+        path, load, nodes, mean_from = smoothed_ringing(since, x[used], force[used], nodes, stop, arm, lowpass)
     speed, error = contact_speed(time - ramp.contact_time_s, x, ramp.stop_time_s - ramp.contact_time_s, path.noise)
     if time[0] > ramp.contact_time_s - LEAST_NEAR * float(np.median(np.diff(time))):
         speed = np.minimum(speed, fastest)  # without an approach the curve starts too steep where the robot brakes
     late = nodes[:-1] > 2.0 * (ramp.stop_time_s - ramp.contact_time_s)
     rings = int(((path.coarse | load.coarse) & late).sum()) >= RINGS
+    if arm is not None:
+        rings = still_rings(path, nodes, min(mean_from, float(nodes[-1])), arm.period_s)
     hold = end - ramp.stop_time_s
     steady = None
     if hold >= SHORTEST_HOLD_S:
         steady = np.asarray(force[used][since >= since[-1] - LATE * hold].mean())
-    roots = symmetric_root(path.factor), symmetric_root(load.factor)
     return Press(
-        trace, nodes, path.value, _not_pulling(load).value, *roots, ramp.contact_time_s,
-        ramp.stop_time_s - ramp.contact_time_s, hold, velocity, speed, error, steady, load.noise, rings,
+        trace, nodes, path.value, _not_pulling(load).value, path.factor, load.factor, ramp.contact_time_s,
+        ramp.stop_time_s - ramp.contact_time_s, hold, velocity, speed, error, steady, load.noise, rings, mean_from,
     )  # fmt: skip
 
 

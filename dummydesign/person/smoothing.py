@@ -25,7 +25,7 @@ SCANNED = np.logspace(-10.0, 4.0, 57)
 
 @dataclass(frozen=True)
 class SmoothCurve:
-    """A curve at nodes: values (n,), a factor (n, n) of their covariance, the noise of one sample, and which of the
+    """A curve at nodes: values (n,), a factor (n, k) of their covariance, the noise of one sample, and which of the
     n - 1 intervals are too coarse for what the samples show."""
 
     value: NDArray
@@ -35,8 +35,9 @@ class SmoothCurve:
 
 
 def smooth_curve(
-    time_s: NDArray, values: NDArray, nodes_s: NDArray, lowpass: Lowpass | None = None, start: float | None = 0.0
-) -> SmoothCurve:
+    time_s: NDArray, values: NDArray, nodes_s: NDArray, lowpass: Lowpass | None = None, start: float | None = 0.0,
+    bends: NDArray | None = None, noise: float | None = None,
+) -> SmoothCurve:  # fmt: skip
     """Fit a curve, linear between nodes, to samples: least squares with a penalty on second differences.
 
     The weight of the penalty makes the expected error smallest (Mallows' C_p with the noise of the samples). The
@@ -52,6 +53,10 @@ def smooth_curve(
         Filter that the values went through; the curve is what went into it.
     start : float, optional
         Value that is known at the first node; None where it is not.
+    bends : ndarray, shape (k, n), optional
+        What is penalised, instead of the second differences.
+    noise : float, optional
+        Of one sample, instead of that which second differences show.
 
     References
     ----------
@@ -59,7 +64,8 @@ def smooth_curve(
     """
     from scipy.linalg import eigh
 
-    noise = max(float(noise_of(values)), LEAST_NOISE * float(np.max(np.abs(values), initial=1e-12)))
+    least = LEAST_NOISE * float(np.max(np.abs(values), initial=1e-12))
+    noise = max(float(noise_of(values)) if noise is None else noise, least)
     at, mean, count = _averaged(time_s, values, nodes_s)
     design = interpolation(at, nodes_s)
     if lowpass is not None:
@@ -70,7 +76,7 @@ def smooth_curve(
     weighted = design * np.sqrt(count)[:, None]
     wanted = (mean - offset * (design.sum(axis=1) if start is None else 1.0)) * np.sqrt(count)
     normal = weighted.T @ weighted
-    rough = np.diff(np.eye(len(nodes_s)), 2, axis=0)[:, 0 if start is None else 1 :]
+    rough = (np.diff(np.eye(len(nodes_s)), 2, axis=0) if bends is None else bends)[:, 0 if start is None else 1 :]
     penalty = rough.T @ rough
     penalty *= np.trace(normal) / np.trace(penalty)
     share, basis = eigh(normal, normal + penalty + 1e-14 * np.trace(normal) * np.eye(len(normal)))
@@ -92,26 +98,32 @@ def smooth_curve(
     if lowpass is not None:
         unsure = noise * np.sqrt((1.0 / damped @ (basis**2).T).max(axis=1))
         risk = np.where(unsure > MOST_UNSURE * float(np.ptp(mean)), np.inf, risk)
-    chosen = damped[int(np.argmin(risk)) if np.isfinite(risk).any() else -1]
+    best = int(np.argmin(risk)) if np.isfinite(risk).any() else -1
+    chosen = damped[best]
     value = basis @ (loading / chosen) + offset
     missed = np.abs(wanted - weighted @ (value - offset))
     amiss = (missed > SURE * sample) & (missed > SMALL * np.sqrt(count) * float(np.ptp(mean)))
     coarse = np.zeros(len(nodes_s) - 1, bool)
     coarse[np.clip(np.searchsorted(nodes_s, at[amiss], side="right") - 1, 0, len(coarse) - 1)] = True
-    factor = noise * basis / np.sqrt(chosen)
+    ridge = 1e-14 * np.trace(normal) * np.eye(len(normal))
+    factor = noise * root_of_inverse(normal + SCANNED[best] * (penalty + ridge))
     if start is not None:
         value = np.r_[start, value]
         factor = np.vstack([np.zeros(factor.shape[1]), factor])
     return SmoothCurve(value, factor, noise, coarse)
 
 
-def symmetric_root(factor: NDArray) -> NDArray:
-    """Return the symmetric square root (n, n) of factor factor', which is unique where eigenvectors are not.
+def root_of_inverse(precision: NDArray) -> NDArray:
+    """Return the upper triangular root (n, n) of the inverse of a symmetric matrix.
 
-    Draws made with it do not depend on the signs that a machine's linear algebra gives to eigenvectors.
+    It is unique: draws made with it do not depend on the signs that a machine's linear algebra gives to eigenvectors.
     """
-    basis, length, _ = np.linalg.svd(factor, full_matrices=False)
-    return np.asarray((basis * length) @ basis.T)
+    from scipy.linalg import cholesky, solve_triangular
+
+    scale = 1.0 / np.sqrt(np.diag(precision))
+    even = precision * scale[:, None] * scale
+    lower = cholesky(even + 1e-13 * np.eye(len(even)), lower=True)
+    return scale[:, None] * solve_triangular(lower, np.eye(len(even)), lower=True).T
 
 
 def _averaged(time_s: NDArray, values: NDArray, nodes_s: NDArray) -> tuple[NDArray, NDArray, NDArray]:

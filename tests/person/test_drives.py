@@ -116,15 +116,17 @@ def test_a_free_mass_on_springs_is_that_of_the_closed_form_and_of_the_safety_vie
 @pytest.mark.slow
 @pytest.mark.parametrize(("velocity", "stiffness", "mass"), [(10.0, 5.0, 0.5), (250.0, 20.0, 0.1), (250.0, 80.0, 0.5),
                                                             (100.0, 300.0, 5.0)])  # fmt: skip
-def test_an_arm_with_a_spring_acts_on_people_as_its_true_command_does(velocity, stiffness, mass):
+@pytest.mark.parametrize("ratio", (0.0, 0.05))
+def test_an_arm_with_a_spring_acts_on_people_as_its_true_command_does(velocity, stiffness, mass, ratio):
     path, speed, end = command(velocity, 2.0, 2.0, 0.02)
     begin = -0.6 / velocity
-    pad = by_robot(gel_pad(), path, speed, end, begin, stiffness, mass)
-    press = read_press(sampled(pad, 2000.0))
-    drive = read_drive(f"spring:{stiffness},{mass}")
+    pad = by_robot(gel_pad(), path, speed, end, begin, stiffness, mass, ratio=ratio, method="LSODA")
+    drive = read_drive(f"spring:{stiffness},{mass},{ratio}")
+    press = read_press(sampled(pad, 2000.0), None, drive.arm)
     found = drive.respond(press, People.of(TISSUE.parameter_sets, press.velocity_mm_s))
     for row, one in enumerate(TISSUE.parameter_sets):
-        own = by_robot(skin_of(one, press.velocity_mm_s), path, speed, end, begin, stiffness, mass)
+        person = skin_of(one, press.velocity_mm_s)
+        own = by_robot(person, path, speed, end, begin, stiffness, mass, ratio=ratio, method="LSODA")
         near(found, own, row, energy=own.settled_energy)
 
 
@@ -226,7 +228,9 @@ def test_a_declared_filter_is_undone():
     ("mass:0", "out_of_range"), ("mass:-2", "out_of_range"), ("mass:4000", "implausible_unit"),
     ("mass", "malformed"), ("mass:two", "not_a_number"), ("mass:nan", "not_a_number"), ("mass:1,2", "malformed"),
     ("spring:0,3", "out_of_range"), ("spring:-5,3", "out_of_range"), ("spring:20000,3", "implausible_unit"),
-    ("spring:20", "malformed"), ("spring:20,0", "out_of_range"), ("spring:20,4000", "implausible_unit"),
+    ("spring:20", "malformed"), ("spring:20,3,0.1,1", "malformed"), ("spring:20,3,-0.1", "out_of_range"),
+    ("spring:20,3,5", "out_of_range"), ("spring:20,3,nan", "not_a_number"),
+    ("spring:20,0", "out_of_range"), ("spring:20,4000", "implausible_unit"),
     ("bounce", "unknown_name"), ("position:3", "malformed"), ("", "unknown_name"),
 ])  # fmt: skip
 def test_bad_drives_are_refused(text, code):
@@ -236,5 +240,8 @@ def test_bad_drives_are_refused(text, code):
 
 
 def test_units_of_masses_and_stiffnesses():
-    assert read_drive("spring:20000N/m,500g").values == pytest.approx((20.0, 0.5))
+    assert read_drive("spring:20000N/m,500g").values == pytest.approx((20.0, 0.5, 0.0))
+    assert read_drive("spring:20,0.5,5%").values == pytest.approx((20.0, 0.5, 0.05))
+    assert [read_drive(text).text for text in ("spring:20,3", "spring:20,3,0", "spring:20,3,0.05")] == [
+        "spring:20,3", "spring:20,3", "spring:20,3,0.05"]  # fmt: skip
     assert list(DRIVES) == ["position", "steady", "force", "mass", "spring"]

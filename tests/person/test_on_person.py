@@ -181,14 +181,12 @@ def test_ten_seconds_at_1_khz_take_less_than_a_second_per_subject(drive):
     assert time.process_time() - begun < len(TISSUE.subjects)
 
 
-def test_draws_do_not_depend_on_the_signs_of_eigenvectors():
-    from dummydesign.person.smoothing import smooth_curve, symmetric_root
+def test_the_root_of_a_covariance_is_unique_and_its_inverse_is_the_precision():
+    from dummydesign.person.smoothing import root_of_inverse
 
     rng = np.random.default_rng(3)
-    t = np.linspace(0.0, 1.0, 400)
-    factor = smooth_curve(t, t**2 + 0.01 * rng.standard_normal(400), np.linspace(0.0, 1.0, 60)).factor
-    turned = factor[:, ::-1] * rng.choice([-1.0, 1.0], factor.shape[1])
-    assert not np.allclose(turned, factor, atol=1e-2 * np.abs(factor).max())
-    root = symmetric_root(factor)
-    assert symmetric_root(turned) == pytest.approx(root, abs=1e-7 * np.abs(root).max())
-    assert root @ root.T == pytest.approx(factor @ factor.T, abs=1e-9 * np.abs(root).max() ** 2)
+    rough = np.diff(np.eye(60), 2, axis=0)
+    precision = np.diag(rng.uniform(0.0, 9.0, 60)) + 1e4 * rough.T @ rough
+    root = root_of_inverse(precision)
+    assert np.all(np.tril(root, -1) == 0.0) and np.all(np.diag(root) > 0.0)
+    assert root @ root.T @ precision == pytest.approx(np.eye(60), abs=1e-6)

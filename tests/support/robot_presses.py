@@ -95,9 +95,9 @@ def command(velocity, depth, hold, ramp_s=0.004):
     return (lambda t: path(t + start * 0.0)), speed, stop + hold
 
 
-def by_path(body, path, speed, end, begin, points=60001, max_step=0.01):
+def by_path(body, path, speed, end, begin, points=60001, max_step=0.01, method="Radau"):
     """Follow a path."""
-    got = solve_ivp(lambda t, q: body.rates(path(t), speed(t), q), (begin, end), np.zeros(body.arms), "Radau",
+    got = solve_ivp(lambda t, q: body.rates(path(t), speed(t), q), (begin, end), np.zeros(body.arms), method,
                     dense_output=True, rtol=1e-8, atol=1e-10, max_step=max_step)  # fmt: skip
     t = grid(begin, end, points)
     q = got.sol(t) if body.arms else np.zeros((0, len(t)))
@@ -105,15 +105,18 @@ def by_path(body, path, speed, end, begin, points=60001, max_step=0.01):
     return Run(t, x, np.array([body.force(a, b) for a, b in zip(x, q.T)]))
 
 
-def by_robot(body, path, speed, end, begin, stiffness, mass_kg, points=60001, max_step=0.01):
-    """A mass on a spring whose other end follows a path."""
+def by_robot(body, path, speed, end, begin, stiffness, mass_kg, points=60001, max_step=0.01, ratio=0.0,
+             method="Radau"):  # fmt: skip
+    """A mass on a spring, and a damper beside it, whose other end follows a path."""
     mass = 1e-3 * mass_kg
+    damping = 2.0 * ratio * np.sqrt(stiffness * mass)
 
     def slope(t, y):
         x, v, q = y[0], y[1], y[2:]
-        return np.r_[v, (stiffness * (path(t) - x) - body.force(x, q)) / mass, body.rates(x, v, q)]
+        pulled = stiffness * (path(t) - x) + (damping * (speed(t) - v) if damping else 0.0)
+        return np.r_[v, (pulled - body.force(x, q)) / mass, body.rates(x, v, q)]
 
-    got = solve_ivp(slope, (begin, end), np.r_[path(begin), speed(begin), np.zeros(body.arms)], "Radau",
+    got = solve_ivp(slope, (begin, end), np.r_[path(begin), speed(begin), np.zeros(body.arms)], method,
                     dense_output=True, rtol=1e-8, atol=1e-10, max_step=max_step)  # fmt: skip
     t = grid(begin, end, points)
     y = got.sol(t)

@@ -17,7 +17,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
     parser.add_argument("traces", nargs="+", metavar="TRACE.csv", help="time_s,displacement_mm,force_N, one press each")
     parser.add_argument("--tissue", required=True, metavar="NAME|FILE", help="see 'dummydesign tissues list'")
-    drives = "position (default), steady, force, mass:KG, spring:N_PER_MM,KG: what moves the robot"
+    drives = "what moves the robot: position (default), steady, force, mass:KG, spring:N_PER_MM,KG[,DAMPING_RATIO]"
     parser.add_argument("--drive", default="position", metavar="NAME", help=drives)
     limits = "your limits of force and pressure with their source, as 'suggest --limits' takes them"
     parser.add_argument("--limits", metavar="FILE.toml", help=limits)

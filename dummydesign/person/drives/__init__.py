@@ -25,7 +25,7 @@ DRIVES: dict[str, type[Drive]] = _find()
 
 
 def read_drive(text: str) -> Drive:
-    """Read a drive as it is typed: ``position``, ``mass:KG``, ``spring:N_PER_MM,KG``.
+    """Read a drive as it is typed: ``position``, ``mass:KG``, ``spring:N_PER_MM,KG[,DAMPING_RATIO]``.
 
     Raises
     ------

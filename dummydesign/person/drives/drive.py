@@ -20,6 +20,7 @@ from dummydesign.person.smoothing import interpolation
 if TYPE_CHECKING:
     from dummydesign.person.integrate import Trajectory
     from dummydesign.person.people import People
+    from dummydesign.person.ringing import Arm
     from dummydesign.person.signs import TraceSigns
 
 FOUR = ("peak_N", "steady_N", "depth_mm", "energy_mJ")
@@ -27,10 +28,13 @@ FOUR = ("peak_N", "steady_N", "depth_mm", "energy_mJ")
 FASTER = 20.0
 """Factor of the tolerance where only the four numbers of many draws are wanted."""
 LATE_POINTS = 25
+DAMPING = Purpose("damping ratio", "", (0.0, 1.0))
 MASS = Purpose("mass in kg", "kg", (0.05, 500.0))
 STIFFNESS = Purpose("stiffness in N/mm", "N/mm", (0.1, 10_000.0))
 MASSES, STIFFNESSES = (1e-3, 1e4), (1e-3, 1e6)
 """Masses and stiffnesses that are allowed with their unit. [kg, N/mm]"""
+DAMPINGS = (0.0, 2.0)
+"""Damping ratios of an arm that are allowed."""
 
 
 @dataclass(frozen=True)
@@ -66,6 +70,8 @@ class Drive(ABC):
         The whole word with its numbers, such as ``mass:KG``.
     numbers : tuple of (Purpose, (float, float))
         What its numbers are, and their ranges.
+    defaults : tuple of float
+        Values of the last numbers, which may be left out.
     curves : bool
         Whether it works with measured curves, without a law.
     words : str
@@ -75,10 +81,13 @@ class Drive(ABC):
     name: ClassVar[str]
     form: ClassVar[str]
     numbers: ClassVar[tuple[tuple[Purpose, tuple[float, float]], ...]] = ()
+    defaults: ClassVar[tuple[float, ...]] = ()
     curves: ClassVar[bool] = False
     words: ClassVar[str]
 
     def __init__(self, *values: float) -> None:
+        left_out = len(self.numbers) - len(values)
+        values = (*values, *self.defaults[len(self.defaults) - left_out :]) if left_out > 0 else values
         for (purpose, (low, high)), value in zip(self.numbers, values, strict=True):
             if not low <= value <= high:
                 raise out_of_range(purpose.quantity, f"{value:g}", f"{low:g}", f"{high:g}")
@@ -88,15 +97,23 @@ class Drive(ABC):
     def read(cls, text: str) -> Drive:
         """Make the drive from what stands behind the colon."""
         parts = text.split(",") if text else []
-        if len(parts) != len(cls.numbers):
+        if not len(cls.numbers) - len(cls.defaults) <= len(parts) <= len(cls.numbers):
             message = f"drive '{cls.name}{':' if text else ''}{text}' is not of the form {cls.form}"
             raise InputError(message, "malformed", "drive", f"{cls.name}:{text}", cls.form)
         return cls(*(read_number(part.strip(), purpose) for part, (purpose, _) in zip(parts, cls.numbers)))
 
     @property
     def text(self) -> str:
-        """The drive as it is typed."""
-        return self.name + (":" + ",".join(f"{value:g}" for value in self.values) if self.values else "")
+        """The drive as it is typed, without last numbers that are their defaults."""
+        given, usual = list(self.values), list(self.defaults)
+        while usual and given[-1] == usual.pop():
+            given.pop()
+        return self.name + (":" + ",".join(f"{value:g}" for value in given) if given else "")
+
+    @property
+    def arm(self) -> Arm | None:
+        """The arm that may ring in the trace; None where the drive has none."""
+        return None
 
     def check(self, press: Press) -> None:
         """Refuse a press that the drive cannot carry over to people; by itself none."""

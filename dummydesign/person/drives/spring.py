@@ -6,6 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.person.drives.drive import (
+    DAMPING,
+    DAMPINGS,
     FASTER,
     MASS,
     MASSES,
@@ -16,17 +18,26 @@ from dummydesign.person.drives.drive import (
     late_from,
     of_trajectory,
 )
-from dummydesign.person.integrate import TOLERANCE, Input, run_robot
+from dummydesign.person.integrate import RINGS, TOLERANCE, Input, run_robot
 from dummydesign.person.people import People
 from dummydesign.person.press import Press
+from dummydesign.person.ringing import Arm
 from dummydesign.person.signs import TraceSigns
+
+STEPS, FEWER = 48.0, 32.0
+"""Steps a period of the arm after the stop, with curves and for draws. They are even: steps that grow and shrink with
+the ringing would drive it."""
 
 
 class Spring(Drive):
-    """M x'' = K (x_c - x) - F with the command x_c = x_p + (F_p + M x_p'') / K of the trace on the pad."""
+    """M x'' = K (x_c - x) + D (x_c' - x') - F with the command x_c that the trace on the pad implies.
 
-    name, form = "spring", "spring:N_PER_MM,KG"
-    numbers = ((STIFFNESS, STIFFNESSES), (MASS, MASSES))
+    D is 2 zeta sqrt(K M) of the damping ratio zeta, 0 by itself.
+    """
+
+    name, form = "spring", "spring:N_PER_MM,KG[,DAMPING_RATIO]"
+    numbers = ((STIFFNESS, STIFFNESSES), (MASS, MASSES), (DAMPING, DAMPINGS))
+    defaults = (0.0,)
     words = "an arm with a spring and a mass: the command that the trace implies acts on the person through both"
 
     def contradicted(self, signs: TraceSigns) -> str:
@@ -35,32 +46,44 @@ class Spring(Drive):
             return ""
         follows = signs.relaxed_N / self.values[0]
         if follows > 2.0 * signs.kept_mm and abs(signs.creep_mm) < follows / 3.0:
+            moved = f"{signs.creep_mm:.2g} mm" if abs(signs.creep_mm) >= 0.005 else "less than 0.01 mm"
             return (
-                f"the force relaxed by {signs.relaxed_N:.2g} N and the punch moved {signs.creep_mm:.2g} mm; an arm of "
+                f"the force relaxed by {signs.relaxed_N:.2g} N and the punch moved {moved}; an arm of "
                 f"{self.values[0]:g} N/mm with a fixed command moves {follows:.2g} mm: the arm is stiffer, or corrected"
             )
         return ""
 
     def respond(self, press: Press, people: People, keep: bool = True) -> Response:
         """Integrate from contact to the end of the hold, in the difference to the path on the pad."""
-        stiffness, mass = self.values
-        return press_by_spring(press, people, stiffness, mass, keep)
+        stiffness, mass, ratio = self.values
+        return press_by_spring(press, people, stiffness, mass, keep, ratio)
+
+    @property
+    def arm(self) -> Arm:
+        """Stiffness, mass and damping."""
+        return Arm(*self.values)
 
 
 def press_by_spring(
-    press: Press, people: People, stiffness_N_per_mm: float, mass_kg: float, keep: bool = True
-) -> Response:
+    press: Press, people: People, stiffness_N_per_mm: float, mass_kg: float, keep: bool = True,
+    damping_ratio: float = 0.0,
+) -> Response:  # fmt: skip
     """Press people by a spring and a mass; a stiffness of 0 leaves the mass with the force that acted on it."""
     count, nodes = len(people), press.time_s
+    arm = Arm(stiffness_N_per_mm, mass_kg, damping_ratio)
+    even, calm = arm.period_s / (STEPS if keep else FEWER), press.stop_s + RINGS * arm.period_s
 
-    def next_node(time: float) -> float:
+    def longest(time: float) -> float:
         at = int(np.searchsorted(nodes, time * (1.0 + 1e-9) + 1e-12, side="right"))
-        return float(nodes[min(at, len(nodes) - 1)] - time)
+        left = float(nodes[min(at, len(nodes) - 1)] - time)
+        return left if not press.stop_s <= time < calm or left <= even else left / int(np.ceil(left / even - 1e-6))
 
     scale = np.full(count, float(np.max(press.depth_mm)))
     run = run_robot(people, mass_kg, stiffness_N_per_mm, _between_nodes(press), float(nodes[-1]), np.zeros(count),
-                    scale, next_node, keep=keep, late_s=late_from(press), loose_after_s=press.stop_s,
-                    tolerance=TOLERANCE * (1.0 if keep else FASTER))  # fmt: skip
+                    scale, longest, keep=keep, late_s=late_from(press), loose_after_s=press.stop_s,
+                    tolerance=TOLERANCE * (1.0 if keep else FASTER),
+                    damping_N_s_per_mm=arm.damping_N_s_per_mm,
+                    mean_from_s=press.mean_from_s, lost_mm_s=press.lost_mm_s)  # fmt: skip
     return of_trajectory(run)
 
 

@@ -11,6 +11,7 @@ from typing import Any
 from nicegui import ui
 
 from dummydesign.core.errors import InputError
+from dummydesign.core.parsing import Purpose
 from dummydesign.person.drives import DRIVES, read_drive
 from dummydesign.report.on_person import headline, limit_rows, number_text, press_table, span_text
 from dummydesign.studio import file_transfer as transfer
@@ -42,10 +43,10 @@ class PeopleOfPad:
             known = {name: f"{name}: {SHORT[name]}" if name in SHORT else name for name in DRIVES}
             self.drive = parts.select("What moves the robot", known, "position", "drive")
             self.numbers: dict[str, ui.number] = {}
-            for purpose in dict.fromkeys(one for drive in DRIVES.values() for one, _ in drive.numbers):
+            for purpose, usual in _numbers().items():
                 name = purpose.quantity.partition(" in ")[0]
-                label = f"{name[0].upper()}{name[1:]} [{purpose.unit}]"
-                self.numbers[purpose.quantity] = ui.number(label, min=0).props(f'data-test="drive-{name}"')
+                label = f"{name[0].upper()}{name[1:]}" + (f" [{purpose.unit}]" if purpose.unit else "")
+                self.numbers[purpose.quantity] = ui.number(label, value=usual, min=0).props(f'data-test="drive-{name}"')
             self.limits = parts.select("Your limits", self._known_limits(), "", "limits")
         DropList(self._keep_limits, self._find_limits, "Drop your limits of force and pressure with their source: "
                  "a TOML file as 'suggest --limits' takes it.", "limits")  # fmt: skip
@@ -101,6 +102,15 @@ class PeopleOfPad:
         chosen = kept.relative_to(self.root).as_posix()
         self.limits.set_options(self._known_limits(), value=chosen)
         return f"{chosen} was added."
+
+
+def _numbers() -> dict[Purpose, float | None]:
+    """Numbers of all drives, with the default of those that may be left out."""
+    found: dict[Purpose, float | None] = {}
+    for drive in DRIVES.values():
+        usual = [None] * (len(drive.numbers) - len(drive.defaults)) + list(drive.defaults)
+        found |= {purpose: value for (purpose, _), value in zip(drive.numbers, usual)}
+    return found
 
 
 def show_people(root: Path, answer: Mapping[str, Any]) -> None:

@@ -184,13 +184,15 @@ def _drive_section(found: OnPerson, result: dict[str, Any]) -> Section:
 
 
 def number_text(value: float | None) -> str:
-    """Three digits."""
-    return "-" if value is None else f"{value:.3g}"
+    """Three digits; none as a power of ten below a million."""
+    if value is None:
+        return "-"
+    return f"{value:.3g}" if not 999.5 <= abs(value) < 1e6 else f"{float(f'{value:.3g}'):.0f}"
 
 
 def span_text(ends: list[float | None]) -> str:
     """Both ends of an interval."""
-    return "-" if ends[0] is None or ends[1] is None else f"{ends[0]:.3g} to {ends[1]:.3g}"
+    return "-" if ends[0] is None or ends[1] is None else f"{number_text(ends[0])} to {number_text(ends[1])}"
 
 
 def limit_rows(result: dict[str, Any]) -> list[tuple[dict[str, Any], str]]:
@@ -210,8 +212,9 @@ def headline(result: dict[str, Any]) -> tuple[str, str]:
     if not rows:
         press = max(result["presses"], key=lambda one: one["factor_peak"][1] or 0.0)
         factor, of_people = span_text(press["factor_peak"]), span_text(press["factor_peak_95"])
-        return "result", (f"Peak force on the subjects is {factor} times the pad's; for 95 % of people {of_people} "
-                          f"times ({press['file']}).")  # fmt: skip
+        first = extrapolation_text(result["presses"])
+        return "result", (f"{first}Peak force on the subjects is {factor} times the pad's; for 95 % of people "
+                          f"{of_people} times ({press['file']}).")  # fmt: skip
     row = rows[0][0]
     count = sum(one["result"] == row["result"] for one, _ in rows)
     reason = "" if row["result"] == "pass" else f" {row['reason'][0].upper()}{row['reason'][1:]}."
@@ -221,6 +224,25 @@ def headline(result: dict[str, Any]) -> tuple[str, str]:
         f"{count} of {len(rows)} checks. Closest: {row['name']}, people up to {number_text(row['person_high_95'])} "
         f"{row['unit']} (95 %), limit {row['limit']:.4g}, pad {number_text(row['pad'])}.{reason}"
     )
+
+
+FAR = 2.0
+"""Times beyond the presses on people from which on numbers must not be used, as in the verdict on a pad."""
+
+
+def extrapolation_text(presses: list[dict[str, Any]]) -> str:
+    """How far the presses go beyond those on people, the worst first; nothing where they do not."""
+    ways = [one for press in presses for one in press["beyond_range"]]
+    times = [max(one["value"] / one["pressed_to"], one["pressed_to"] / max(one["value"], 1e-12)) for one in ways]
+    if not ways:
+        return ""
+    size, worst = max(zip(times, ways), key=lambda pair: pair[0])
+    name, _, unit = worst["quantity"].replace("velocity_mm_s", "speed_mm/s").rpartition("_")
+    value, end = number_text(worst["value"]), number_text(worst["pressed_to"])
+    reached = f"{name.replace('_', ' ')} {value} {unit}, people were pressed to {end} {unit}"
+    if size > FAR:
+        return f"Do not use these numbers: {reached}. Extrapolated: "
+    return f"Extrapolated ({reached}). "
 
 
 def press_table(result: dict[str, Any]) -> tuple[list[str], list[list[str]]]:

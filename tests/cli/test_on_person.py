@@ -128,3 +128,17 @@ def test_bad_input_is_one_line_and_status_2(here, capsys):
         printed = capsys.readouterr()
         assert printed.out == "" and printed.err.startswith("error: ") and printed.err.count("\n") == 1, words
         assert "internal error" not in printed.err, printed.err
+
+
+def test_a_press_beyond_people_is_named_before_any_factor(here, capsys):
+    from dummydesign.report.on_person import extrapolation_text
+
+    words = ["v10.csv", "--tissue", "forefinger", "--drive"]
+    inside, deep = (answer(capsys, *words, drive)["presses"] for drive in ("steady", "spring:1000,3"))
+    assert extrapolation_text(inside) == ""
+    ways = deep[0]["beyond_range"]
+    worst = max(ways, key=lambda one: max(one["value"] / one["pressed_to"], one["pressed_to"] / one["value"]))
+    assert run(["on-person", *words, "spring:1000,3"]) == 0
+    head = " ".join(capsys.readouterr().out.partition("\n\n")[0].split())
+    places = [head.index(text) for text in (f"{worst['value']:.3g}", f"{worst['pressed_to']:.3g}", "times the pad")]
+    assert places == sorted(places)

@@ -17,8 +17,7 @@ from dummydesign.person.drives.drive import FOUR, Drive, Response
 from dummydesign.person.integrate import held_after
 from dummydesign.person.known_range import Beyond, beyond_range
 from dummydesign.person.limits import LimitRow, Load, against_guarded_limits
-from dummydesign.person.people import People
-from dummydesign.person.population import draw_another, draw_subject
+from dummydesign.person.people import People, draw_another, draw_subject
 from dummydesign.person.press import Press, read_press
 from dummydesign.person.signs import TraceSigns, signs_of
 

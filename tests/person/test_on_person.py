@@ -11,7 +11,7 @@ from dummydesign.measurement.trace import Trace
 from dummydesign.person.drives import read_drive
 from dummydesign.person.limits import decide
 from dummydesign.person.on_person import on_person
-from dummydesign.person.population import draw_another, log_parameters
+from dummydesign.person.people import draw_another, log_parameters
 from dummydesign.person.press import read_press
 from dummydesign.person.signs import signs_of
 from dummydesign.tissue import load_tissue

@@ -1,6 +1,5 @@
 """Intervals, limits, signs of the drive, ranges, and the agreement with the verdict of `compare`."""
 
-import time
 from dataclasses import replace
 
 import numpy as np
@@ -8,6 +7,7 @@ import pytest
 
 from dummydesign.core.errors import InputError
 from dummydesign.measurement.trace import Trace
+from dummydesign.person import integrate
 from dummydesign.person.drives import read_drive
 from dummydesign.person.limits import decide
 from dummydesign.person.on_person import on_person
@@ -173,12 +173,14 @@ def test_bad_traces_are_one_line(trace, drive, code):
 
 
 @pytest.mark.parametrize("drive", ["position", "steady", "force", "mass:2", "spring:1000,3"])
-def test_ten_seconds_at_1_khz_take_less_than_a_second_per_subject(drive):
+def test_the_work_of_ten_seconds_at_1_khz_is_less_than_a_solve_a_sample(drive, monkeypatch):
+    # benchmarks/on_person_time.py has the processor time: at most a second a subject
+    solve, solves = integrate._solve, []
+    monkeypatch.setattr(integrate, "_solve", lambda *given, **named: solves.append(1) or solve(*given, **named))
     trace = press(250.0, 1.4, 10.0, noise_N=0.02, noise_mm=0.001)
-    on_person([trace], TISSUE, read_drive("position"))  # modules are loaded
-    begun = time.process_time()
-    on_person([trace], TISSUE, read_drive(drive))
-    assert time.process_time() - begun < len(TISSUE.subjects)
+    found = on_person([trace], TISSUE, read_drive(drive))
+    assert len(found.presses[0].press.time_s) < 1000
+    assert len(solves) < len(trace.time_s)
 
 
 def test_the_root_of_a_covariance_is_unique_and_its_inverse_is_the_precision():

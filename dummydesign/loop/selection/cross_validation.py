@@ -285,7 +285,12 @@ def effect_intervals(model: AssessedModel, effect: Effect) -> dict[str, Any]:
     """Parameters of one fitted effect of a model with 95 % intervals, widened by its lack of fit."""
     fit, covariance = model.fit, widened(model.fit, model.lack.ratio)
     entries = fit.problem.entries[effect.name]
-    return {p.name: interval(fit, covariance, at, p.to_value) for p, at in zip(effect.parameters, entries)}
+    found = {p.name: interval(fit, covariance, at, p.to_value) for p, at in zip(effect.parameters, entries)}
+    size = effect.parameters[0]
+    one = found[size.name]
+    # with its null value inside, the interval reaches over all decades
+    one["determined"] = one["determined"] and (effect.held or not one["low"] <= size.null <= one["high"])
+    return found
 
 
 def holds_null(model: AssessedModel, effect: Effect) -> bool:

@@ -8,7 +8,6 @@ from numpy.typing import NDArray
 from dummydesign.loop.model.base_law import UnitForce, wrap
 from dummydesign.loop.model.effect import Effect, Parameter, Values
 
-
 AT_SHARE = 0.3
 """Depth over thickness at which the coefficient means the same whatever the exponent."""
 

@@ -1,7 +1,7 @@
 """From which size on is each effect found? Single effects of the other generator, sizes over two decades.
 
-``python -m benchmarks.loop_detection --seed N --rounds N --rows FILE`` runs every effect once a round; ``--table FILE``
-writes docs/data/loop-detection.csv and the figures from the rows. An effect is found when the loop names it first.
+``python -m benchmarks.loop_detection --seed N --rounds N --rows FILE`` runs every effect once a round; ``--table``
+writes docs/data/loop-detection.csv and docs/images/loop-detection.svg from the rows. An effect is found when the loop names it first.
 
 The share found is a logistic curve in the logarithm of the size, with a middle of each effect's own and one steepness
 for all; both are integrated over a grid, so that nine campaigns an effect give an interval and not a step.
@@ -23,6 +23,7 @@ from numpy.typing import NDArray
 from benchmarks.loop_other_mind import floors
 from benchmarks.rows import keep_row, read_rows, scratch
 from dummydesign.core.errors import InputError
+from dummydesign.core.files import write_text
 from dummydesign.loop.calibration import calibration_of
 from dummydesign.loop.run import close_loop
 from dummydesign.measurement.campaign_file import read_campaign
@@ -34,6 +35,7 @@ NAMES = {"sensor_square": "sensor_curve"}
 MOST = {"base_slip": 4.0, "compressibility": 3.0, "punch_tilt": 3.0, "strain_dependent_relaxation": 4.0,
         "thickness_error": 4.0, "softening_with_cycles": 3.0, "sensor_clipping": 1.5}  # fmt: skip
 """Largest size over the usual one where ten times the usual one is not physical."""
+DATA, FIGURE = Path("docs/data/loop-detection.csv"), Path("docs/images/loop-detection.svg")
 GOLDEN = 0.618034
 FOUND = 0.9
 
@@ -68,16 +70,16 @@ def run_one(place: int, turn: int, seed: int, folder: Path) -> dict:
 
 @dataclass(frozen=True)
 class Found:
-    """Detection of one effect: campaigns, how many found, and the size found in 9 of 10 with its 90 % interval."""
+    """Detection of one effect: the size found in 9 of 10 with its 90 % interval, sizes found and missed."""
 
     name: str
-    campaigns: int
-    found: int
-    smallest_found: float
-    largest_missed: float
     size: tuple[float, float, float]
     range: tuple[float, float]
     floors_per_size: float
+    hits: list[float]
+    misses: list[float]
+    curve: tuple[NDArray, NDArray]
+    """Sizes, and the chance at each to be found."""
 
 
 STEEP = np.geomspace(1.0, 20.0, 25)
@@ -110,10 +112,12 @@ def detection(rows: list[dict]) -> list[Found]:
         hits = [row["size"] for row in some if row["named"][:1] == [name]]
         misses = [row["size"] for row in some if row["named"][:1] != [name]]
         seen = [floors(row) / row["size"] for row in some if floors(row) >= 1.0]
+        shown = np.geomspace(min(sizes), max(sizes), 40)
+        chance = [np.average(1.0 / (1.0 + np.exp(-STEEP[:, None] * (np.log(one) - grids[name]))), weights=weights)
+                  for one in shown]  # fmt: skip
         found.append(
-            Found(name, len(some), len(hits), min(hits, default=np.nan), max(misses, default=np.nan),
-                  (float(low), float(middle), float(high)), (min(sizes), max(sizes)),
-                  float(np.median(seen)) if len(seen) > 1 else 0.0)
+            Found(name, (float(low), float(middle), float(high)), (min(sizes), max(sizes)),
+                  float(np.median(seen)) if len(seen) > 1 else 0.0, hits, misses, (shown, np.array(chance)))
         )  # fmt: skip
     return found
 
@@ -135,13 +139,14 @@ def lines_of(found: list[Found]) -> list[list[str]]:
     for one in found:
         unit = UNITS.get(one.name, "")
         low, middle, high = one.size
-        known = middle <= one.range[1]
-        size = f"{middle:.2g}" if known else f"above {one.range[1]:.2g}"
-        span = f"{low:.2g} to {high:.2g}" if known and high <= 2.0 * one.range[1] else f"above {low:.2g}"
+        most = one.range[1]
+        known = middle <= most
+        size = f"{middle:.2g}" if known else f"above {most:.2g}"
+        span = f"{low:.2g} to {high:.2g}" if high <= most else f"above {min(low, most):.2g}"
         ratio = one.floors_per_size
         worth = "below 1" if not ratio or middle * ratio < 1.0 else f"{middle * ratio:.1f}" if known else "not known"
-        ends = "" if not ratio or not known else f"{low * ratio:.1f} to {high * ratio:.1f}"
-        out.append([one.name, str(one.campaigns), str(one.found), f"{size} {unit}".strip(), span, worth, ends])
+        ends = f"{low * ratio:.1f} to {high * ratio:.1f}" if ratio and high <= most else ""
+        out.append([one.name, str(len(one.hits) + len(one.misses)), str(len(one.hits)), f"{size} {unit}".strip(), span, worth, ends])
     return out
 
 
@@ -152,6 +157,31 @@ def table(found: list[Found]) -> str:
     """The table in Markdown."""
     rows = [HEAD, ["---"] * len(HEAD), *lines_of(found)]
     return "\n".join(f"| {' | '.join(row)} |" for row in rows) + "\n"
+
+
+PANEL_MM, ACROSS, LETTERS_PT = (45.0, 36.0), 4, 6.0
+
+
+def figure(found: list[Found]) -> str:
+    """The chance to be found over the size, a panel for each effect, as SVG."""
+    from dummydesign.report.plot import Plot
+    from dummydesign.report.plot_drawing import plot_drawing
+    from dummydesign.report.plot_layers import Dots, Line
+    from dummydesign.report.vector_sheet import Text, VectorSheet
+
+    wide, high = PANEL_MM
+    sheet = VectorSheet("Chance that the loop names a single effect first, over its size", ACROSS * wide,
+                        -(-len(found) // ACROSS) * high)  # fmt: skip
+    for place, one in enumerate(found):
+        left, top = place % ACROSS * wide + 2.0, place // ACROSS * high + 2.0
+        named = np.repeat([1.0, 0.0], [len(one.hits), len(one.misses)])
+        layers = [Line("", *one.curve), Dots("", [*one.hits, *one.misses], named)]
+        unit = UNITS.get(one.name, "")
+        plot = Plot(one.name, one.name, one.name, f"size [{unit or '1'}]", "", "size", "chance", layers, log_x=True,
+                    x_range=(0.8 * one.range[0], 1.25 * one.range[1]), y_range=(-0.08, 1.08))  # fmt: skip
+        sheet.items.append(Text(left, top + 3.0, one.name.replace("_", " "), LETTERS_PT + 1.0, "bold"))
+        sheet.items += plot_drawing(plot, LETTERS_PT)((left, top + 2.0, left + wide - 5.0, top + high - 4.0))
+    return sheet.svg().replace("<svg ", '<svg xmlns="http://www.w3.org/2000/svg" ', 1) + "\n"
 
 
 def main() -> None:
@@ -174,8 +204,9 @@ def main() -> None:
         print(json.dumps(shown), file=sys.stderr, flush=True)
     if options.table:
         found = detection(read_rows(options.rows))
-        with Path("docs/data/loop-detection.csv").open("w", newline="") as stream:
+        with DATA.open("w", newline="") as stream:
             csv.writer(stream, lineterminator="\n").writerows([HEAD, *lines_of(found)])
+        write_text(FIGURE, figure(found))
         print(table(found))
 
 

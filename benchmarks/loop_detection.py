@@ -1,10 +1,12 @@
 """From which size on is each effect found? Single effects of the other generator, sizes over two decades.
 
 ``python -m benchmarks.loop_detection --seed N --rounds N --rows FILE`` runs every effect once a round; ``--table``
-writes docs/data/loop-detection.csv and docs/images/loop-detection.svg from the rows. An effect is found when the loop names it first.
+writes docs/data/loop-detection.csv and docs/images/loop-detection.svg from the rows, with the single effects of
+another study's rows (``--beside FILE``). An effect is found when the loop names it first.
 
 The share found is a logistic curve in the logarithm of the size, with a middle of each effect's own and one steepness
-for all; both are integrated over a grid, so that nine campaigns an effect give an interval and not a step.
+for all; both are integrated over a grid, so that a few campaigns an effect give an interval and not a step. The sizes
+of the first rounds are spread over two decades, those of later ones lie near the middle as it is known by then.
 """
 
 from __future__ import annotations
@@ -36,21 +38,29 @@ MOST = {"base_slip": 4.0, "compressibility": 3.0, "punch_tilt": 3.0, "strain_dep
         "thickness_error": 4.0, "softening_with_cycles": 3.0, "sensor_clipping": 1.5}  # fmt: skip
 """Largest size over the usual one where ten times the usual one is not physical."""
 DATA, FIGURE = Path("docs/data/loop-detection.csv"), Path("docs/images/loop-detection.svg")
-GOLDEN = 0.618034
+GOLDEN, SPREAD = 0.618034, 2
 FOUND = 0.9
 
 
-def size_of(place: int, turn: int) -> float:
-    """Size of an effect in a round, spread evenly in the logarithm over the two decades below its largest."""
+def size_of(place: int, turn: int, rows: list[dict]) -> float:
+    """Size of an effect in a round.
+
+    Spread evenly in the logarithm over the two decades below its largest; from the third round on near the middle of
+    its curve, within a factor of 1.5 and those decades.
+    """
     name = list(USUAL)[place]
     share = (place * 0.37 + turn * GOLDEN) % 1.0
-    return USUAL[name] * MOST.get(name, 10.0) * 10.0 ** (2.0 * share - 2.0)
+    largest = USUAL[name] * MOST.get(name, 10.0)
+    if turn < SPREAD:
+        return largest * 10.0 ** (2.0 * share - 2.0)
+    middle = next(one.middle for one in detection(rows) if one.name == NAMES.get(name, name))
+    return float(np.clip(middle * 1.5 ** (2.0 * share - 1.0), 0.01 * largest, largest))
 
 
-def run_one(place: int, turn: int, seed: int, folder: Path) -> dict:
+def run_one(place: int, turn: int, seed: int, folder: Path, rows: list[dict]) -> dict:
     """One campaign with one effect: what was put in, and what was named."""
     name = list(USUAL)[place]
-    truth = generator.write_campaign(folder, ((name, size_of(place, turn)),), seed)
+    truth = generator.write_campaign(folder, ((name, size_of(place, turn, rows)),), seed)
     row = {"seed": seed, "effect": NAMES.get(name, name), "size": abs(truth.effects[name]), "floor_N": truth.floor_N}
     try:
         campaign, began = read_campaign(folder), time.process_time()
@@ -68,11 +78,22 @@ def run_one(place: int, turn: int, seed: int, folder: Path) -> dict:
     }  # fmt: skip
 
 
+def singles(rows: list[dict]) -> list[dict]:
+    """Campaigns with one effect among the rows of the study of another mind."""
+    out = []
+    for row in rows:
+        if len(row["put"]) == 1 and row["put"][0][0] in USUAL:
+            name, size = row["put"][0]
+            out.append({**row, "effect": NAMES.get(name, name), "size": abs(size)})
+    return out
+
+
 @dataclass(frozen=True)
 class Found:
     """Detection of one effect: the size found in 9 of 10 with its 90 % interval, sizes found and missed."""
 
     name: str
+    middle: float
     size: tuple[float, float, float]
     range: tuple[float, float]
     floors_per_size: float
@@ -92,7 +113,7 @@ def detection(rows: list[dict]) -> list[Found]:
     """Size from which on each effect is found in 9 of 10, from all effects together."""
     rows = [row for row in rows if "refused" not in row]
     names = list(dict.fromkeys(NAMES.get(name, name) for name in USUAL))
-    own = {name: [row for row in rows if row["effect"] == name] for name in names}
+    own = {name: some for name in names if (some := [row for row in rows if row["effect"] == name])}
     tables, grids = {}, {}
     for name, some in own.items():
         size = np.log([row["size"] for row in some])
@@ -108,6 +129,7 @@ def detection(rows: list[dict]) -> list[Found]:
         weights = np.exp(tables[name] - each[name][:, None] + (total - total.max())[:, None])
         places = grids[name] + np.log(FOUND / (1.0 - FOUND)) / STEEP[:, None]
         low, middle, high = np.exp(_quantiles(places, weights, (0.05, 0.5, 0.95)))
+        half = float(np.exp(_quantiles(np.broadcast_to(grids[name], weights.shape), weights, (0.5,))[0]))
         sizes = [row["size"] for row in some]
         hits = [row["size"] for row in some if row["named"][:1] == [name]]
         misses = [row["size"] for row in some if row["named"][:1] != [name]]
@@ -116,7 +138,7 @@ def detection(rows: list[dict]) -> list[Found]:
         chance = [np.average(1.0 / (1.0 + np.exp(-STEEP[:, None] * (np.log(one) - grids[name]))), weights=weights)
                   for one in shown]  # fmt: skip
         found.append(
-            Found(name, (float(low), float(middle), float(high)), (min(sizes), max(sizes)),
+            Found(name, half, (float(low), float(middle), float(high)), (min(sizes), max(sizes)),
                   float(np.median(seen)) if len(seen) > 1 else 0.0, hits, misses, (shown, np.array(chance)))
         )  # fmt: skip
     return found
@@ -146,7 +168,8 @@ def lines_of(found: list[Found]) -> list[list[str]]:
         ratio = one.floors_per_size
         worth = "below 1" if not ratio or middle * ratio < 1.0 else f"{middle * ratio:.1f}" if known else "not known"
         ends = f"{low * ratio:.1f} to {high * ratio:.1f}" if ratio and high <= most else ""
-        out.append([one.name, str(len(one.hits) + len(one.misses)), str(len(one.hits)), f"{size} {unit}".strip(), span, worth, ends])
+        count = str(len(one.hits) + len(one.misses))
+        out.append([one.name, count, str(len(one.hits)), f"{size} {unit}".strip(), span, worth, ends])
     return out
 
 
@@ -190,20 +213,25 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=1030000)
     parser.add_argument("--rounds", type=int, default=8)
     parser.add_argument("--rows", type=Path, default=Path("benchmarks/loop_detection.jsonl"))
+    parser.add_argument("--beside", type=Path, nargs="*", default=[], help="rows of benchmarks.loop_other_mind")
     parser.add_argument("--table", action="store_true")
     options = parser.parse_args()
+
+    def rows() -> list[dict]:
+        return [*read_rows(options.rows), *(one for path in options.beside for one in singles(read_rows(path)))]
+
     known = {row["seed"] for row in read_rows(options.rows)}
     for number in range(0 if options.table else options.rounds * len(USUAL)):
         seed = options.seed + number
         if seed in known:
             continue
         with scratch("detect-") as folder:
-            keep_row(options.rows, run_one(number % len(USUAL), number // len(USUAL), seed, folder / "a"))
+            keep_row(options.rows, run_one(number % len(USUAL), number // len(USUAL), seed, folder / "a", rows()))
         row = read_rows(options.rows)[-1]
         shown = {key: row.get(key) for key in ("seed", "effect", "size", "verdict", "named", "refused", "cpu_s")}
         print(json.dumps(shown), file=sys.stderr, flush=True)
     if options.table:
-        found = detection(read_rows(options.rows))
+        found = detection(rows())
         with DATA.open("w", newline="") as stream:
             csv.writer(stream, lineterminator="\n").writerows([HEAD, *lines_of(found)])
         write_text(FIGURE, figure(found))

@@ -146,6 +146,8 @@ def leave_out(found: CampaignFit, cells: NDArray) -> dict[int, NDArray]:
     return changes
 
 
+SIZE_ERROR = 0.01
+"""Relative standard deviation of what the law of an effect is off in its size: no instrument or force law is better."""
 MISFIT = 1.5  # lack of fit over the pure error of repeats, a ratio of variances, above which a model is taken to misfit
 
 
@@ -166,6 +168,10 @@ def widened(found: CampaignFit, lack_ratio: float | None = None) -> NDArray:
         covariance = covariance + jackknife(found)
     if found.doubt is not None:
         covariance[:BASE, :BASE] += found.doubt
+    for effect in found.problem.effects:
+        if not effect.held:
+            size = found.problem.entries[effect.name][0]
+            covariance[size, size] += (SIZE_ERROR * found.vector[size]) ** 2
     return 0.5 * (covariance + covariance.T)
 
 

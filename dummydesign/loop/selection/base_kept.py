@@ -35,11 +35,11 @@ def left_out_errors(base: AssessedModel, corrected: AssessedModel) -> tuple[Left
     """
     models = base.fit, corrected.fit
     found = []
-    linear = base.errors.heldout_N, corrected.errors.heldout_N
-    if linear[0] is not None and linear[1] is not None:
-        if linear[1] ** 2 >= CLEAR * linear[0] ** 2:
-            linear = tuple(float(np.sqrt(refitted_squares(one, _shape(one)))) for one in models)
-        found.append(LeftOut("other conditions", *linear))
+    before, after = base.errors.heldout_N, corrected.errors.heldout_N
+    if before is not None and after is not None:
+        if after**2 >= CLEAR * before**2:
+            before, after = (float(np.sqrt(refitted_squares(one, _shape(one)))) for one in models)
+        found.append(LeftOut("other conditions", before, after))
     for kind, out in (("deeper presses", deepest(base.fit)), ("faster presses", fastest(base.fit))):
         if out.any():
             found.append(LeftOut(kind, *(_error_N(one, out) for one in models)))

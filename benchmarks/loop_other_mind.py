@@ -186,6 +186,7 @@ def main() -> None:
     parser.add_argument("--campaigns", type=int, default=100)
     parser.add_argument("--part", type=int, nargs=2, default=(0, 1), metavar=("K", "N"), help="each N-th from K")
     parser.add_argument("--only", nargs="*", choices=SHOWN)
+    parser.add_argument("--effect", choices=list(generator.SIZES), help="this one alone in every campaign")
     parser.add_argument("--rows", type=Path, required=True)
     parser.add_argument("--table", action="store_true")
     options = parser.parse_args()
@@ -196,8 +197,11 @@ def main() -> None:
         counts[kind] += 1
         if number % options.part[1] != options.part[0] or seed in known or (options.only and kind not in options.only):
             continue
+        place = counts[kind] - 1
+        if options.effect:
+            kind, place = "one", list(generator.SIZES).index(options.effect)
         with scratch("mind-") as folder:
-            keep_row(options.rows, run_one(kind, counts[kind] - 1, seed, folder))
+            keep_row(options.rows, run_one(kind, place, seed, folder))
         row = read_rows(options.rows)[-1]
         shown = {key: row.get(key) for key in ("seed", "put", "verdict", "named", "learned", "refused", "cpu_s")}
         print(json.dumps(shown), file=sys.stderr, flush=True)

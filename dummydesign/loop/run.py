@@ -133,6 +133,8 @@ def close_loop(
         compared = left_out_errors(base, after)
         if predicts_worse(compared):
             said = _base_kept(effects, learnt, compared)
+            dropped = (base.fit.score - after.fit.score, after.fit)
+            found = replace(found, rivals=(dropped, *((one.gain, one.fit) for one in found.ranking)))
             after, effects, learnt = base, (), None
             where_after, checks = dependences(base.fit), run_checks(base.fit)
             left = remainder(base, base, where_after, checks)

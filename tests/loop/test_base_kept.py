@@ -39,6 +39,12 @@ def test_all_kinds_count_together(beyond, worse):
     assert predicts_worse((same, LeftOut("deeper presses", 0.2, 0.2 * beyond))) is worse
 
 
+def test_an_effect_that_predicts_other_pads_better_stays():
+    worse = LeftOut("deeper presses", 0.2, 0.3)
+    assert not predicts_worse((worse, LeftOut("other pads", 0.8, 0.2)))
+    assert predicts_worse((worse, LeftOut("other pads", 0.2, 0.8)))
+
+
 def test_without_a_kind_nothing_is_compared():
     assert not predicts_worse(())
 
@@ -62,4 +68,7 @@ def test_where_the_corrected_model_predicts_worse_the_base_is_written(campaign, 
     assert kept.warnings[0]["code"] == "base_kept" and kept.verdict in ("none", "unexplained")
     made = calibration_of(kept)
     assert made.after.active == () and made.after.base == made.base.base
+    # the modulus of the model that was dropped is in the interval: it explains the campaign
+    low, high = made.posterior.interval("log young_kPa")
+    assert low < 1e3 * right.after.fit.base.young_MPa < high
     assert "base_kept" not in [one["code"] for one in right.warnings]

@@ -16,6 +16,7 @@ WORSE = 1.02
 """Squared error over the base's beyond which the base predicts better; up to it the two are the same."""
 CLEAR = 0.5
 """Squared left-out error over the base's, both by a linear step, below which no refit is needed to compare them."""
+PADS = "other pads"
 NEAR_END = 0.8  # share of the largest depth of a pad, or speed, beyond which a press lies beyond the others
 
 
@@ -31,7 +32,8 @@ class LeftOut:
 def left_out_errors(base: AssessedModel, corrected: AssessedModel) -> tuple[LeftOut, ...]:
     """Errors of both models on other conditions, and on deeper and faster presses than those that they are fitted to.
 
-    Kinds that a campaign does not have are missing.
+    Where these are worse together, errors on whole pads left out come last. Kinds that a campaign does not have are
+    missing.
     """
     models = base.fit, corrected.fit
     found = []
@@ -42,14 +44,20 @@ def left_out_errors(base: AssessedModel, corrected: AssessedModel) -> tuple[Left
         found.append(LeftOut("other conditions", before, after))
     for kind, out in (("deeper presses", deepest(base.fit)), ("faster presses", fastest(base.fit))):
         if out.any():
-            found.append(LeftOut(kind, *(_error_N(one, out) for one in models)))
+            found.append(LeftOut(kind, *(_error_N(one, [out]) for one in models)))
+    pad = base.fit.problem.presses.pad
+    if predicts_worse(tuple(found)) and len(np.unique(pad)) > 1:
+        # what acts as one factor per pad shows on pads that were left out with their law error
+        found.append(LeftOut(PADS, *(_error_N(one, [pad == place for place in np.unique(pad)]) for one in models)))
     return tuple(found)
 
 
 def predicts_worse(found: tuple[LeftOut, ...]) -> bool:
-    """Whether the corrected model predicts left-out presses worse than the base, all kinds together."""
-    base, corrected = (sum(getattr(one, name) ** 2 for one in found) for name in ("base_N", "corrected_N"))
-    return bool(corrected > WORSE * base)
+    """Whether the corrected model predicts presses worse than the base, and pads that were left out not better."""
+    pads = [one for one in found if one.kind == PADS]
+    kinds = [one for one in found if one.kind != PADS]
+    base, corrected = (sum(getattr(one, name) ** 2 for one in kinds) for name in ("base_N", "corrected_N"))
+    return bool(corrected > WORSE * base) and not any(one.corrected_N < one.base_N for one in pads)
 
 
 def deepest(found: CampaignFit) -> NDArray:
@@ -69,11 +77,14 @@ def fastest(found: CampaignFit) -> NDArray:
     return out if min(left) > 1 else np.zeros_like(out)
 
 
-def _error_N(found: CampaignFit, out: NDArray) -> float:
-    presses = found.problem.presses
-    weight = (presses.samples * presses.used)[out]
-    residual = (presses.force_N - predicted_without(found, out, _shape(found)))[out]
-    return float(np.sqrt(np.average(residual**2, weights=weight)))
+def _error_N(found: CampaignFit, parts: list[NDArray]) -> float:
+    """Error on parts of the presses, each predicted by a fit without it. [N]"""
+    presses, squares, total = found.problem.presses, 0.0, 0.0
+    for out in parts:
+        weight = (presses.samples * presses.used)[out]
+        residual = (presses.force_N - predicted_without(found, out, _shape(found)))[out]
+        squares, total = squares + float((weight * residual**2).sum()), total + float(weight.sum())
+    return float(np.sqrt(squares / total))
 
 
 def _shape(found: CampaignFit) -> SmoothChange | None:

@@ -298,6 +298,8 @@ def rough_columns(found: CampaignFit) -> NDArray:
     for pad in presses.pads:
         size = law.roughness(pad) if hasattr(law, "roughness") else USUAL_ROUGHNESS
         own = np.array([trial.pad == pad for trial in presses.trials])[:, None] & presses.used
+        if not own.any():  # left out
+            continue
         knots = np.linspace(0.0, float(depth[own].max()), KNOTS)
         at = np.clip(depth, knots[0], knots[-1])
         for place in range(1, KNOTS):

@@ -11,6 +11,7 @@ from dummydesign.loop import run
 from dummydesign.loop.calibration import calibration_of
 from dummydesign.loop.run import close_loop
 from dummydesign.loop.selection.base_kept import LeftOut, deepest, fastest, left_out_errors, predicts_worse
+from dummydesign.loop.selection.learn_effect import predicted_without
 from dummydesign.measurement.campaign_file import read_campaign
 from tests.support import campaign_generator as generator
 
@@ -72,3 +73,15 @@ def test_where_the_corrected_model_predicts_worse_the_base_is_written(campaign, 
     low, high = made.posterior.interval("log young_kPa")
     assert low < 1e3 * right.after.fit.base.young_MPa < high
     assert "base_kept" not in [one["code"] for one in right.warnings]
+
+
+@pytest.mark.slow
+def test_a_learned_curve_is_compared_on_pads_that_were_left_out(tmp_path):
+    generator.write_campaign(tmp_path / "a", "stiffness_bump", 2.0 * generator.UNKNOWN["stiffness_bump"], 403)
+    result = close_loop(read_campaign(tmp_path / "a"))
+    assert result.learnt is not None
+    pad = result.presses.pad
+    for place in np.unique(pad):
+        forces = predicted_without(result.after.fit, pad == place, result.learnt.effect.shape)
+        left = np.where(result.presses.used, result.presses.force_N - forces, 0.0)[pad == place]
+        assert np.sqrt(np.mean(left**2)) < 0.2 * result.presses.force_N.max()

@@ -37,7 +37,7 @@ too often: whole pads left out are now compared as well. In them:
 
 ## From which size an effect is found
 
-One effect a campaign, of the other generator: `python -m benchmarks.loop_detection --seed 1030000 --rounds 4 --beside
+One effect a campaign, of the other generator: `python -m benchmarks.loop_detection --seed 1030000 --rounds 6 --beside
 benchmarks/loop_other_mind_1040000.jsonl` ({runs} campaigns). The single effects of the study and the further campaigns
 above are counted too. An effect is found when it is named first.
 
@@ -68,10 +68,10 @@ def section() -> str:
     for name, seed in MORE:
         own = read_rows(HERE / f"loop_other_mind_{seed}.jsonl")
         further += own
-        extra = [row for row in own if loop_other_mind.floors(row) >= 3.0]
-        first = sum(row["named"][:1] == [name] for row in extra)
-        more.append(f"- `{name}` alone, 3 floors or more (`--seed {seed} --effect {name}`): right first in {first} of "
-                    f"{len(extra)} further campaigns.")  # fmt: skip
+        missed = sorted(row["put"][0][1] for row in own if row["named"][:1] != [name])
+        sizes = f" Missed at {' and '.join(f'{size:.2g}' for size in missed)}." if missed else ""
+        more.append(f"- `{name}` alone (`--seed {seed} --campaigns {len(own)} --effect {name}`): right first in"
+                    f"\n  {len(own) - len(missed)} of {len(own)} further campaigns.{sizes}")  # fmt: skip
     known = [*read_rows(SIZES), *loop_detection.singles([*rows, *further])]
     found = loop_detection.detection(known)
     return SECTION.format(

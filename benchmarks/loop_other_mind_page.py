@@ -49,6 +49,7 @@ above are counted too. An effect is found when it is named first.
 - "Above": the curve does not reach 9 of 10 within the sizes that were tried.
 - Sizes lie over two decades in the first rounds and near the middle of each curve in later ones.
 - `punch_edge` is missing: its curves exist for one size only. See [loop.md](loop.md).
+- The same table is `docs/data/loop-detection.csv`.
 
 ![Chance to be named first over the size of the effect, one panel for each effect](images/loop-detection.svg)
 """

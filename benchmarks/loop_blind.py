@@ -17,6 +17,7 @@ sys.path.insert(0, str(ROOT))
 
 from benchmarks.loop_blind_table import HEADS, data, table  # noqa: E402
 from benchmarks.loop_campaigns import KINDS, kind_of, run_one  # noqa: E402
+from benchmarks.loop_other_mind_page import section  # noqa: E402
 from benchmarks.rows import keep_row, read_rows, scratch  # noqa: E402
 
 PAGE = ROOT / "docs" / "loop-blind.md"
@@ -44,7 +45,7 @@ def main() -> None:
         keep_row(options.rows, row)
         print(seed, row["effects"], row["verdict"], row["found"], row["cpu_seconds"], file=sys.stderr, flush=True)
     rows = sorted(read_rows(options.rows), key=lambda row: row["seed"])
-    options.out.write_text(table(rows))
+    options.out.write_text(table(rows) + (section() if options.out == PAGE else ""))
     for name, lines in data(rows).items() if options.out == PAGE else ():
         with (PAGE.parent / "data" / f"{name}.csv").open("w", newline="") as stream:
             csv.writer(stream, lineterminator="\n").writerows([HEADS[name], *lines])

@@ -25,6 +25,7 @@ from dummydesign.loop.next_measurement import NextMeasurement, next_measurement
 from dummydesign.loop.pad_scatter import known_pads
 from dummydesign.loop.prior import Joined, check_prior, join, with_prior_effects
 from dummydesign.loop.result import LoopResult
+from dummydesign.loop.selection.base_kept import LeftOut, left_out_errors, predicts_worse
 from dummydesign.loop.selection.cross_validation import AssessedModel, assess
 from dummydesign.loop.selection.learn_effect import Learnt, can_be_learned, learn
 from dummydesign.loop.selection.learned_first import learned_alone, learned_first
@@ -133,6 +134,18 @@ def close_loop(
         where_after, checks = dependences(after.fit), run_checks(after.fit)
         still = remainder(base, after, where_after, checks)
         left = replace(still, reasons=(learnt.text, *still.reasons))
+    said: tuple[dict[str, str], ...] = ()
+    if after is not base:
+        progress("against the base model")
+        compared = left_out_errors(base, after)
+        if predicts_worse(compared):
+            said = _base_kept(effects, learnt, compared)
+            dropped = (base.fit.score - after.fit.score, after.fit)
+            found = replace(found, rivals=(dropped, *((one.gain, one.fit) for one in found.ranking)))
+            after, effects, learnt = base, (), None
+            where_after, checks = dependences(base.fit), run_checks(base.fit)
+            left = remainder(base, base, where_after, checks)
+            verdict = "unexplained" if left.reasons else "none"
     doubt = doubt_of(after.fit, found.rivals) if learnt is None else doubt_of_curve(learnt.effect.shape.flat)
     after = replace(after, fit=replace(after.fit, doubt=doubt))
     joined = None
@@ -145,7 +158,8 @@ def close_loop(
     return LoopResult(
         campaign, presses, base, after, verdict, effects, tuple(found.screened), tuple(found.ranking), left,
         tuple(dependences(base.fit)), tuple(where_after), tuple(checks), following, untested,
-        (*_beside_curve(learnt), *_warnings(campaign, presses, beyond, joined), *_better_alone(found, after)),
+        (*said, *_beside_curve(learnt), *_warnings(campaign, presses, beyond, joined),
+         *_better_alone(found, after)),
         learnt, joined,
     )  # fmt: skip
 
@@ -191,6 +205,17 @@ def _better_alone(found: Selection, after: AssessedModel) -> tuple[dict[str, str
         message = f"{plain} alone explains more than this model and was not taken: {why}; test for it by itself"
         out.append({"code": "explains_more", "message": message})
     return tuple(out)
+
+
+def _base_kept(
+    effects: tuple[AcceptedEffect, ...], learnt: Learnt | None, compared: tuple[LeftOut, ...]
+) -> tuple[dict[str, str], ...]:
+    """Why the base model is returned though something explains the campaign."""
+    named = [one.candidate.effect.name.replace("_", " ") for one in effects]
+    dropped = " and ".join([*named, *([] if learnt is None else [f"a function of {learnt.effect.shape.text}"])])
+    errors = ", ".join(f"{one.kind} {one.corrected_N:.3g} N with it, {one.base_N:.3g} N without" for one in compared)
+    message = f"{dropped} explains this campaign but predicts left-out presses worse ({errors}): the base model is kept"
+    return ({"code": "base_kept", "message": message},)
 
 
 def _beside_curve(learnt: Learnt | None) -> tuple[dict[str, str], ...]:

@@ -98,3 +98,36 @@ def test_rivals_widen_the_modulus_by_their_weight_and_the_law_by_its_error():
     assert even[0, 0] == pytest.approx(0.5 * (0.1**2 + 0.02**2) + LAW_ERROR**2)
     never = doubt_of(chosen, [(EACH_PARAMETER - 60.0, other)])
     assert never[0, 0] == pytest.approx(LAW_ERROR**2, rel=1e-6)
+
+
+def test_the_exponent_of_stiffening_keeps_its_coefficient_at_a_depth_of_three_tenths():
+    one, depth, thickness = effect_named("strain_stiffening"), np.linspace(0.0, 4.0, 9)[None], np.array([[10.0]])
+
+    def plain(d, h):
+        return np.ones_like(d)
+
+    factors = [one.law(plain, {"coefficient": 1.5, "exponent": p})(depth, thickness)[0] for p in (2.0, 3.0)]
+    assert factors[0] == pytest.approx(1.0 + 1.5 * (depth[0] / 10.0) ** 2)
+    assert factors[1][6] == pytest.approx(factors[0][6]) == pytest.approx(1.0 + 1.5 * 0.09)
+    assert np.all(factors[1][7:] > factors[0][7:]) and np.all(factors[1][1:6] < factors[0][1:6])
+
+
+def test_a_joint_that_hardens_gives_way_as_a_spring_at_ten_newton():
+    one, force = effect_named("machine_compliance"), np.array([[0.0, 1.0, 10.0, 20.0]])
+    spring = one.yielding(None, force, {"compliance_mm_per_N": 0.01, "exponent": 1.0})
+    joint = one.yielding(None, force, {"compliance_mm_per_N": 0.01, "exponent": 0.7})
+    assert spring == pytest.approx(0.01 * force)
+    assert joint[0, 2] == pytest.approx(spring[0, 2]) and joint[0, 0] == 0.0
+    assert joint[0, 1] > spring[0, 1] and joint[0, 3] < spring[0, 3]
+
+
+def test_two_stages_of_a_lag_share_its_time():
+    """A ramp after two filters of first order, in closed form; late by the whole time in the end."""
+    time, share, lag = np.linspace(0.0, 1.0, 600)[None] ** 1.3, 0.25, 0.04
+    presses = SimpleNamespace(time_s=time)
+    late = effect_named("sensor_lag").sensor(presses, 5.0 * time, {"time_constant_s": lag, "second_stage": share})
+    slow, fast = (1.0 - share) * lag, share * lag
+    gone = (slow**2 * np.exp(-time / slow) - fast**2 * np.exp(-time / fast)) / (slow - fast)
+    # the second stage takes the first one's signal for straight between samples
+    assert late == pytest.approx(5.0 * (time - lag + gone), abs=2e-4)
+    assert late[0, -1] == pytest.approx(5.0 * (1.0 - lag), abs=1e-5)

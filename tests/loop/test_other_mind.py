@@ -35,6 +35,8 @@ CASES = [
     ((("softening_with_cycles", 0.08), ("ageing", 0.035)), 960012),
     ((("adhesion", 0.45), ("contact_offset", 0.11)), 960013),
     ((("inertia", 0.05), ("slow_relaxation_mode", 0.19)), 960014),
+    ((("strain_stiffening", 1.4), ("machine_compliance", 0.012)), 960015),
+    ((("sensor_lag", 0.008), ("contact_offset", 0.09)), 960016),
 ]
 
 
@@ -48,15 +50,21 @@ def test_two_effects_of_other_laws_are_named_and_nothing_else(put, seed, tmp_pat
 
 
 @pytest.mark.slow
-def test_a_curve_of_the_sensor_is_learned_beyond_the_forces_that_the_base_shows(tmp_path):
+def test_a_curve_of_the_sensor_is_named_and_the_modulus_beside_it_holds(tmp_path):
     truth = other_mind.write_campaign(tmp_path / "a", (("sensor_square", 0.02),), 960021)
     result = close_loop(read_campaign(tmp_path / "a"))
-    assert result.learnt is not None and result.effects == () and result.learnt.effect.shape.name == "reading_N"
+    assert [one.candidate.effect.name for one in result.effects] == ["sensor_curve"]
     assert result.after.errors.heldout_N < 1.5 * truth.floor_N < 0.5 * result.base.errors.heldout_N
     known = calibration_of(result).posterior.interval("log young_kPa")
-    assert known[0] < truth.young_kPa < known[1] and result.warnings[0]["code"] == "modulus_beside_curve"
-    # the curve but for its level, which the modulus has: F (1 + c F)
-    knots, values = np.array(result.learnt.effect.shape.knots[0]), result.learnt.effect.shape.flat
-    seen = knots < 0.7 * knots[-1]
-    slope = np.polynomial.Polynomial.fit(knots[seen], values[seen], 1).convert().coef
-    assert slope[1] / (1.0 + slope[0]) ** 2 == pytest.approx(truth.effects["sensor_square"], rel=0.1)
+    assert known[0] < truth.young_kPa < known[1]
+    (active,) = result.after.fit.active
+    assert active.values["relative_change"] == pytest.approx(10.0 * truth.effects["sensor_square"], rel=0.1)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("share", "seed"), [(0.3, 960031), (1.0, 960032)])
+def test_a_top_that_is_cut_off_is_named_alone_and_the_modulus_holds(share, seed, tmp_path):
+    truth = other_mind.write_campaign(tmp_path / "a", (("sensor_clipping", share),), seed)
+    result = close_loop(read_campaign(tmp_path / "a"))
+    assert [one.candidate.effect.name for one in result.effects] == ["sensor_clipping"]
+    assert result.learnt is None and result.after.fit.base.young_MPa == pytest.approx(1e-3 * truth.young_kPa, rel=0.02)

@@ -124,12 +124,43 @@ def errors_of(square):
 
 
 @pytest.mark.parametrize(
-    ("gain", "left", "stands"),
-    [(49.0, 0.1, False), (51.0, 0.5, True), (51.0, 0.9, False), (101.0, 0.9, True), (101.0, 1.0, True)],
-)
-def test_an_effect_in_doubt_must_lower_the_left_out_error_by_much(gain, left, stands, monkeypatch):
+    ("gain", "left", "apart", "stands"),
+    [(49.0, 0.1, 60.0, False), (51.0, 0.5, 0.0, True), (51.0, 0.9, 0.0, False), (51.0, 0.9, 51.0, True),
+     (51.0, 0.9, 49.0, False), (101.0, 0.9, 0.0, True), (101.0, 1.0, 0.0, True)],
+)  # fmt: skip
+def test_an_effect_in_doubt_has_its_evidence_apart_or_lowers_the_left_out_error(gain, left, apart, stands, monkeypatch):
     monkeypatch.setattr(acceptance, "errors", lambda fit: errors_of(fit))
-    assert acceptance.worth(gain, Needed(50.0, 100.0), before=1.0, after=left) is stands
+    monkeypatch.setattr(acceptance, "evidence_apart", lambda fit, name: apart)
+    assert acceptance.worth(gain, Needed(50.0, 100.0, "ageing"), before=1.0, after=left) is stands
+
+
+def test_evidence_apart_counts_only_bins_that_the_form_error_of_another_effect_does_not_reach(monkeypatch):
+    """A large bias on the first half of the bins, an offset on all of them, noise 1."""
+    effects = (effect_named("force_bias"), effect_named("contact_offset"))
+    bins, size = 100, 3.0
+    jacobian = np.zeros((1, bins, 7))
+    jacobian[0, :50, 5], jacobian[0, :, 6] = 1.0, 1.0
+    vector = np.r_[np.zeros(5), 100.0, size]
+
+    class Problem(CampaignProblem):
+        def predict(self, at):
+            return jacobian @ at
+
+    problem = Problem(SimpleNamespace(used=np.ones((1, bins), bool)), None, effects)
+    forces = jacobian @ vector
+    fit = SimpleNamespace(problem=problem, sizes=SimpleNamespace(noise=None), slope=None, jacobian=jacobian,
+                          vector=vector, forces=forces, residual=np.zeros((1, bins)))  # fmt: skip
+    monkeypatch.setattr(verdict, "make_whitener", lambda *args: lambda values: values)
+    monkeypatch.setattr(verdict, "prior_precision", lambda problem, sizes: np.zeros(7))
+    # fifty bins of size 3 and noise 1 are left; 100 on the others is off by up to sqrt(0.015) x 100 = 12
+    assert verdict.evidence_apart(fit, "contact_offset") == pytest.approx(50 * size**2)
+    # a bias whose form error is within the noise hides nothing: the bias is then known from all bins
+    near = SimpleNamespace(**{**vars(fit), "vector": np.r_[np.zeros(5), 2.0, size]})
+    near.forces = jacobian @ near.vector
+    assert verdict.evidence_apart(near, "contact_offset") == pytest.approx(50 * size**2)
+    # the offset's form error of 0.37 reaches every bin of the bias
+    assert verdict.evidence_apart(fit, "force_bias") < 1e-3
+
 
 
 def doubtful(share, monkeypatch):
@@ -148,7 +179,7 @@ def doubtful(share, monkeypatch):
 
 def test_an_effect_is_in_doubt_as_far_as_it_acts_where_a_larger_one_does(monkeypatch):
     usual = verdict.NEXT_FLOOR + 2.0 * np.log(20)
-    assert doubtful(0.0, monkeypatch) == Needed(pytest.approx(usual), pytest.approx(usual))
+    assert doubtful(0.0, monkeypatch) == Needed(pytest.approx(usual), pytest.approx(usual), "contact_offset")
     half, whole = doubtful(0.5, monkeypatch), doubtful(1.0, monkeypatch)
     assert half.least == whole.least == pytest.approx(usual)
     assert whole.doubted == pytest.approx(verdict.IMITATED * 1e5) == 2.0 * half.doubted

@@ -16,7 +16,7 @@ from scipy.interpolate import CubicSpline
 from scipy.signal import bilinear, butter, lfilter
 
 CURVES = Path(__file__).parent / "other_mind_curves.json"
-STEP_S = 2.5e-4
+STEP_S, PEAK = 2.5e-4, 1.4
 PADS_MM, FURTHER_MM = (6.0, 10.0, 16.0), 12.0
 SIZES = {
     "contact_offset": 0.05, "machine_compliance": 0.006, "punch_tilt": 2.0, "base_slip": 0.2, "compressibility": 0.012,
@@ -196,7 +196,7 @@ def write_campaign(folder: Path, effects: tuple[tuple[str, float], ...], seed: i
         "lowpass_passes = 1", "force_resolution_N = 0.01",
     ]  # fmt: skip
     for k, (time, x, force) in enumerate(presses):
-        signal = _read(time, force, put, largest)
+        signal = _read(time, force, put, PEAK * top_N)
         stop = int(np.argmax(x >= 0.999 * x.max()))
         save = np.unique(np.r_[np.arange(0, min(stop + 2000, len(time)), 4), np.arange(stop, len(time), 40)])
         away = np.flatnonzero(x[stop + 4000 :] < 0.98 * x[stop])
@@ -288,8 +288,8 @@ def _limit(put: dict[str, float], largest: float) -> float:
     return largest / (1.0 + 0.35 * put["sensor_clipping"]) if put.get("sensor_clipping") else np.inf
 
 
-def _read(time: np.ndarray, force: np.ndarray, put: dict[str, float], largest: float) -> np.ndarray:
-    """The declared filter, the stages that nobody declared, clock and curve of the amplifier."""
+def _read(time: np.ndarray, force: np.ndarray, put: dict[str, float], full: float) -> np.ndarray:
+    """The declared filter, the stages that nobody declared, clock, and the curve of an amplifier of this full load."""
     b, a = butter(2, 50.0, fs=1.0 / STEP_S)
     signal = lfilter(b, a, force - force[0]) + force[0]
     lag = put.get("sensor_lag", 0.0)
@@ -299,4 +299,4 @@ def _read(time: np.ndarray, force: np.ndarray, put: dict[str, float], largest: f
     if put.get("time_skew"):
         signal = np.interp(time - put["time_skew"] - 5e-5 * time, time, signal)
     signal = signal * (1.0 + put.get("sensor_square", 0.0) * signal)
-    return signal * (1.0 + put.get("sensor_cube", 0.0) * (signal / largest) ** 2)
+    return signal * (1.0 + put.get("sensor_cube", 0.0) * (signal / full) ** 2)

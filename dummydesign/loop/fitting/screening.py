@@ -105,10 +105,10 @@ def _ends(effect: Effect) -> tuple[float, float]:
 
 
 def starts_of(effect: Effect) -> list[NDArray]:
-    """Coordinates to try: the typical size, with each starting value of a second parameter."""
+    """Coordinates to try: the typical size, with each start of a second parameter (its null if that is not 0)."""
     first = effect.parameters[0]
     size = 1.0 if first.to_value(1.0) != first.null else -1.0
-    rest = [(p.typical, *p.starts) for p in effect.parameters[1:]]
+    rest = [(p.typical if p.log or p.null == 0.0 else p.null, *p.starts) for p in effect.parameters[1:]]
     grid: list[list[float]] = [[]]
     for parameter, values in zip(effect.parameters[1:], rest):
         grid = [[*g, parameter.to_coordinate(v)] for g in grid for v in values]

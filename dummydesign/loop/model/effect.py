@@ -329,6 +329,11 @@ class Effect:
         return {p.name: p.null for p in self.parameters}
 
 
+def usual_arms(logs: NDArray) -> NDArray:
+    """The base's logarithms (5,) with times and strengths of a usual soft gel."""
+    return np.r_[logs[0], np.log([0.07, 0.3, 1.5, 0.3])]
+
+
 def effect_classes(module: ModuleType) -> list[type[Effect]]:
     """Effect classes that a module defines, in the order they stand in it."""
     own = [value for value in vars(module).values() if isinstance(value, type) and issubclass(value, Effect)]

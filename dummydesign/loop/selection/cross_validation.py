@@ -146,6 +146,8 @@ def leave_out(found: CampaignFit, cells: NDArray) -> dict[int, NDArray]:
     return changes
 
 
+SIZE_ERROR = 0.01
+"""Relative standard deviation of what the law of an effect is off in its size: no instrument or force law is better."""
 MISFIT = 1.5  # lack of fit over the pure error of repeats, a ratio of variances, above which a model is taken to misfit
 
 
@@ -166,6 +168,10 @@ def widened(found: CampaignFit, lack_ratio: float | None = None) -> NDArray:
         covariance = covariance + jackknife(found)
     if found.doubt is not None:
         covariance[:BASE, :BASE] += found.doubt
+    for effect in found.problem.effects:
+        if not effect.held:
+            size = found.problem.entries[effect.name][0]
+            covariance[size, size] += (SIZE_ERROR * found.vector[size]) ** 2
     return 0.5 * (covariance + covariance.T)
 
 
@@ -285,7 +291,12 @@ def effect_intervals(model: AssessedModel, effect: Effect) -> dict[str, Any]:
     """Parameters of one fitted effect of a model with 95 % intervals, widened by its lack of fit."""
     fit, covariance = model.fit, widened(model.fit, model.lack.ratio)
     entries = fit.problem.entries[effect.name]
-    return {p.name: interval(fit, covariance, at, p.to_value) for p, at in zip(effect.parameters, entries)}
+    found = {p.name: interval(fit, covariance, at, p.to_value) for p, at in zip(effect.parameters, entries)}
+    size = effect.parameters[0]
+    one = found[size.name]
+    # with its null value inside, the interval reaches over all decades
+    one["determined"] = one["determined"] and (effect.held or not one["low"] <= size.null <= one["high"])
+    return found
 
 
 def holds_null(model: AssessedModel, effect: Effect) -> bool:

@@ -278,13 +278,18 @@ def refitted_squares(found: CampaignFit, shape: SmoothChange | None = None) -> f
         out = part == fold
         if not out.any() or out.all():
             continue
-        rest = replace(found.problem, presses=replace(presses, bins=presses.bins.without(out)))
-        known = fit(rest, found.vector, found.sizes, 6)
-        for _ in range(REFITS if shape is not None else 0):
-            known = fit(*_with(known, _learned_again(known)), found.sizes, 4)
-        model = replace(known.problem, presses=presses)
-        total += float((weight[out] * (presses.force_N - model.predict(known.vector))[out] ** 2).sum())
+        total += float((weight[out] * (presses.force_N - predicted_without(found, out, shape))[out] ** 2).sum())
     return total / float(weight.sum())
+
+
+def predicted_without(found: CampaignFit, out: NDArray, shape: SmoothChange | None = None) -> NDArray:
+    """Bins (T, B) of all presses by a fit to those that are not ``out`` (T,), a learned shape learned anew. [N]"""
+    presses = found.problem.presses
+    rest = replace(found.problem, presses=replace(presses, bins=presses.bins.without(out)))
+    known = fit(rest, found.vector, found.sizes, 6)
+    for _ in range(REFITS if shape is not None else 0):
+        known = fit(*_with(known, _learned_again(known)), found.sizes, 4)
+    return replace(known.problem, presses=presses).predict(known.vector)
 
 
 def _learned_again(found: CampaignFit) -> SmoothChange:

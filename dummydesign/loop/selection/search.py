@@ -119,7 +119,7 @@ def _change(current: AssessedModel, checks: list[EffectCheck], tried: int) -> Ca
         sized = not _negligible(current.fit, check.effect)
         if not (sized and worth(check.options[0].gain, limit, check.reduced, current.fit)):
             return check.reduced
-    for check in weakest_first if len(checks) > 1 else ():
+    for check in weakest_first:
         # the interval is linear: where nothing else explains what the effect does, its size is unknown and not null
         plain = check.options[0].gain < CERTAIN * _limit(check, checks, tried).least
         if plain and holds_null(current, check.effect):

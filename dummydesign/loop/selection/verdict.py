@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.loop.fitting.candidates import EffectCandidate
-from dummydesign.loop.fitting.fit import CampaignFit
+from dummydesign.loop.fitting.fit import CampaignFit, prior_precision
 from dummydesign.loop.fitting.noise import make_whitener
 from dummydesign.loop.fitting.screening import Screened
 from dummydesign.loop.selection.cross_validation import (
@@ -28,6 +28,8 @@ NEXT_FLOOR = 50.0
 IMITATED = 0.015
 """Share of an effect's evidence up to which another that acts on the same bins is in doubt: laws of growth are never
 quite the true ones, and what they leave must not be called an effect."""
+APART = 0.1
+"""Squared form error of the other effects, over the noise of a bin, up to which the bin shows an effect in doubt."""
 LACK_LIMIT = 1.5
 LACK_P = 0.01
 PROBE_LIMIT = 60.0
@@ -56,10 +58,12 @@ def gain_threshold(screened: list[Screened], ratio: float | None, floor: float =
 
 @dataclass(frozen=True)
 class Needed:
-    """Evidence without which an effect is not accepted, and up to which it must lower the left-out error by much."""
+    """Evidence without which an effect is not accepted, and up to which it must lower the left-out error by much, or
+    have it on bins where the other effects do not act."""
 
     least: float
     doubted: float
+    name: str
 
 
 def needed(screened: list[Screened], fit: CampaignFit, name: str, others: dict[str, float], tried: int) -> Needed:
@@ -68,7 +72,7 @@ def needed(screened: list[Screened], fit: CampaignFit, name: str, others: dict[s
     where = _where(fit, {name, *others})
     left = max((gain * float(np.minimum(where[name], where[one]).sum()) for one, gain in others.items()), default=0.0)
     least = gain_threshold(screened, lack_of_fit(fit).ratio, floor)
-    return Needed(least, max(least, IMITATED * left))
+    return Needed(least, max(least, IMITATED * left), name)
 
 
 def _where(fit: CampaignFit, names: set[str]) -> dict[str, NDArray]:
@@ -76,6 +80,29 @@ def _where(fit: CampaignFit, names: set[str]) -> dict[str, NDArray]:
     whiten = make_whitener(fit.problem.presses, fit.sizes.noise, fit.slope, False)
     squares = {name: whiten(fit.jacobian[..., fit.problem.entries[name][0]]) ** 2 for name in names}
     return {name: values / max(float(values.sum()), 1e-300) for name, values in squares.items()}
+
+
+def evidence_apart(fit: CampaignFit, name: str) -> float:
+    """Evidence of an effect's size on those bins alone that the form error of the other effects does not reach.
+
+    Of each other effect the share :data:`IMITATED` of its squares may be form. Its evidence is the square of the size
+    over its standard error there, base, law error and all other parameters free.
+    """
+    problem, quiet = fit.problem, np.zeros(fit.problem.presses.used.shape)
+    whiten = make_whitener(problem.presses, fit.sizes.noise, fit.slope)
+    for one in problem.effects:
+        if one.name != name and not one.held:
+            vector = fit.vector.copy()
+            vector[problem.entries[one.name][0]] = one.parameters[0].to_coordinate(one.parameters[0].null)
+            change = np.where(problem.presses.used, fit.forces - problem.predict(vector), 0.0)
+            quiet += IMITATED * whiten(change) ** 2
+    shown = problem.presses.used & (quiet < APART)
+    rows, left = whiten(fit.jacobian)[shown], whiten(fit.residual)[shown]
+    prior = prior_precision(problem, fit.sizes)
+    inverse = np.linalg.pinv(rows.T @ rows + np.diag(prior + 1e-9), rcond=1e-14, hermitian=True)
+    place = problem.entries[name][0]
+    size = fit.vector[place] + inverse[place] @ (rows.T @ left - prior * fit.vector)
+    return float(size**2 / max(inverse[place, place], 1e-300))
 
 
 @dataclass(frozen=True)
@@ -147,8 +174,11 @@ def much_better(before: Errors, after: Errors) -> bool:
 
 
 def worth(gain: float, limit: Needed, before: CampaignFit, after: CampaignFit) -> bool:
-    """Whether an effect has the evidence it needs, and where that is in doubt lowers the left-out error by much."""
-    return gain >= limit.least and (gain >= limit.doubted or much_better(errors(before), errors(after)))
+    """Whether an effect has the evidence it needs; where that is in doubt, whether it has it apart from the others or
+    lowers the left-out error by much."""
+    if gain < limit.least or gain >= limit.doubted:
+        return gain >= limit.least
+    return evidence_apart(after, limit.name) >= limit.least or much_better(errors(before), errors(after))
 
 
 def at_bound(fit: CampaignFit) -> bool:

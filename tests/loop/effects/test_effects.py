@@ -187,7 +187,7 @@ def test_a_lag_delays_a_ramp_by_its_time_constant():
         time_s = np.linspace(0.0, 1.0, 400)[None] ** 1.5
 
     ramp = 5.0 * Ramp.time_s
-    late = SensorLag().sensor(Ramp, ramp, {"time_constant_s": 0.02})
+    late = SensorLag().sensor(Ramp, ramp, {"time_constant_s": 0.02, "second_stage": 0.0})
     exact = 5.0 * (Ramp.time_s - 0.02 * (1.0 - np.exp(-Ramp.time_s / 0.02)))
     np.testing.assert_allclose(late, exact, atol=1e-12)
 

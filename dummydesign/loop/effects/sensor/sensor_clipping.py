@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.loop.data.trials import Presses
-from dummydesign.loop.model.effect import Effect, Parameter, Values
+from dummydesign.loop.model.effect import Effect, Parameter, Values, usual_arms
 
 
 class SensorClipping(Effect):
@@ -22,6 +22,10 @@ class SensorClipping(Effect):
     reference = "saturation; the value is read off the raw data"
     always_fitted = True
     seen_raw = True
+
+    def base_starts(self, logs: NDArray) -> list[NDArray]:
+        # the base imitates a top that is cut off by arms far from their own
+        return [logs, usual_arms(logs)]
 
     def untestable(self, presses: Presses) -> str:
         return "" if presses.flat_top_N is not None else "needs readings that stay at one largest value"

@@ -18,7 +18,7 @@ _MODULES = {
     "calibrate": "api.campaigns", "replay": "api.campaigns", "compare_designs": "api.designs",
     "suggest": "api.designs", "make_mould": "api.moulds", "record_pad": "api.moulds", "predict": "api.predictions",
     "whatif": "api.designs", "compare": "api.traces", "fit": "api.traces", "import_traces": "api.traces",
-    "on_person": "api.person", "load_resin": "resin", "load_tissue": "tissue",
+    "on_person": "api.traces", "load_resin": "resin", "load_tissue": "tissue",
 }  # fmt: skip
 __all__ = sorted([*_MODULES, "close_loop"])
 

@@ -27,11 +27,9 @@ from dummydesign.loop.prior import Joined, check_prior, join, with_prior_effects
 from dummydesign.loop.result import LoopResult
 from dummydesign.loop.selection.base_kept import LeftOut, left_out_errors, predicts_worse
 from dummydesign.loop.selection.cross_validation import AssessedModel, assess
-from dummydesign.loop.selection.learn_effect import Learnt, can_be_learned, learn
-from dummydesign.loop.selection.learned_first import learned_alone, learned_first
+from dummydesign.loop.selection.learn_effect import Learnt, can_be_learned, learn, learned_alone, learned_first
 from dummydesign.loop.selection.residuals import dependences, run_checks
-from dummydesign.loop.selection.rivals import doubt_of, doubt_of_curve
-from dummydesign.loop.selection.search import Selection, rank, search
+from dummydesign.loop.selection.search import Selection, doubt_of, doubt_of_curve, rank, search
 from dummydesign.loop.selection.verdict import AcceptedEffect, at_bound, needed, remainder
 from dummydesign.measurement.campaign import Campaign
 

@@ -15,7 +15,7 @@ from dummydesign.loop.effects.registry import EFFECTS, effect_named
 from dummydesign.loop.fitting.fit import prior_precision
 from dummydesign.loop.model.effect import Arm
 from dummydesign.loop.model.forward_model import parameter_names, relax
-from dummydesign.loop.selection.rivals import LAW_ERROR, doubt_of
+from dummydesign.loop.selection.search import LAW_ERROR, doubt_of
 from dummydesign.loop.selection.verdict import EACH_PARAMETER
 from tests.support.made_calibration import calibration, effect
 from tests.support.refusal import raises_code

@@ -31,7 +31,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> dict[str, Any]:
     """Read the traces, press people, write curves and report."""
-    from dummydesign.api.person import on_person
+    from dummydesign.api.traces import on_person
 
     return call_in_steps(ABOUT_STEPS, on_person, options).to_dict()
 

@@ -14,6 +14,7 @@ set before: the error on newly cast pads is smaller with records than without in
 from __future__ import annotations
 
 import argparse
+import csv
 import json
 import sys
 import time
@@ -131,43 +132,67 @@ def planned_like(rows: list[dict]) -> list[dict]:
     return [{**row, "h": {8.0: 10.0, 14.0: 17.0}[row["h"]]} for row in rows]
 
 
+FIELDS = (
+    "seed", "put_in", "records", "turn", "modulus_half_width_percent", "error_on_other_pads_floors",
+    "modulus_in_interval", "named",
+)  # fmt: skip
+
+
+def turn_rows(rows: list[dict]) -> list[dict]:
+    """Each turn of each series, as a row of the data file."""
+    return [
+        {
+            "seed": row["seed"], "put_in": row["effect"],
+            "records": {None: "", False: "no", True: "yes"}[row.get("recorded")], "turn": place,
+            "modulus_half_width_percent": f"{100 * np.log(turn['young'][1] / turn['young'][0]) / 2:.2f}",
+            "error_on_other_pads_floors": f"{turn['replay'] / row['floor']:.2f}",
+            "modulus_in_interval": "yes" if turn["young"][0] <= row["young"] <= turn["young"][1] else "no",
+            "named": " ".join(turn["found"]),
+        }
+        for row in rows if "turns" in row for place, turn in enumerate(row["turns"], 1)
+    ]  # fmt: skip
+
+
 def table(rows: list[dict]) -> str:
-    """What was found, as the page of the documentation."""
-    told = [row for row in rows if "turns" in row and "recorded" not in row]
-    if not told:
-        return "\n".join(pads_table(rows)).strip() + "\n"
-    width = np.array([[100 * np.log(t["young"][1] / t["young"][0]) / 2 for t in row["turns"]] for row in told])
-    error = np.array([[t["replay"] / row["floor"] for t in row["turns"]] for row in told])
-    inside = [[t["young"][0] <= row["young"] <= t["young"][1] for t in row["turns"]] for row in told]
+    """Write what was found as the page of the documentation."""
+    plain = [row for row in rows if "turns" in row and "recorded" not in row]
     lines = [
         "# Three turns", "",
-        "Simulated material (tests/support/campaign_generator.py). Each turn: press, `loop --prior --plan`, `suggest",
-        "--calibration`; the next turn presses the plan and the pad that was designed. Made by",
-        f"`python benchmarks/loop_turns.py --seed {min(row['seed'] for row in rows)}`; {len(told)} series of new",
-        "seeds, run once; rows in benchmarks/loop_turns.jsonl.", "",
-        "| seed | put in | half width of the modulus' interval, % | error on other pads, floors | modulus inside |",
-        "|---|---|---|---|---|",
-    ]
-    for row, w, e, i in zip(told, width, error, inside):
-        cells = [" -> ".join(f"{v:.2f}" for v in values) for values in (w, e)]
-        words = " ".join("yes" if one else "no" for one in i)
-        lines.append(f"| {row['seed']} | {row['effect']} | {cells[0]} | {cells[1]} | {words} |")
+        "Simulated material. Each turn is a campaign, `loop --prior --plan` and `suggest --calibration`. The next turn",
+        "presses the plan and the designed pad. `docs/data/loop-turns.csv` has every turn of every series. Errors are",
+        "those on pads that no turn presses, in noise floors.",
+    ]  # fmt: skip
+    if plain:
+        lines += _plain_lines(rows, plain)
+    return "\n".join([*lines, *pads_table(rows)]) + "\n"
+
+
+def _plain_lines(rows: list[dict], plain: list[dict]) -> list[str]:
+    """The first study: pads of one material, as designed."""
+    width = np.array([[100 * np.log(t["young"][1] / t["young"][0]) / 2 for t in row["turns"]] for row in plain])
+    error = np.array([[t["replay"] / row["floor"] for t in row["turns"]] for row in plain])
+    inside = [[t["young"][0] <= row["young"] <= t["young"][1] for t in row["turns"]] for row in plain]
     narrower = int((np.diff(width, axis=1) < 0).all(axis=1).sum())
-    smaller, each = int((error[:, -1] < error[:, 0]).sum()), int((np.diff(error, axis=1) < 0).all(axis=1).sum())
-    lines += [
-        "", f"- The interval of the modulus is narrower after each turn in {narrower} of {len(told)}.",
-        f"- The error on other pads is smaller after the third turn than after the first in {smaller} of {len(told)}, "
-        f"and smaller after each turn in {each}.",
-        "- Medians over the turns: half width " + " -> ".join(f"{v:.2f}" for v in np.median(width, axis=0)) +
-        " %, error " + " -> ".join(f"{v:.2f}" for v in np.median(error, axis=0)) + " noise floors.",
-        f"- The modulus is inside its 95 % interval in {sum(map(sum, inside))} of {np.size(inside)} turns.",
-        f"- A prior contradicted its own material in {_refused(told)} of {2 * len(told)} turns.",
+    smaller = int((error[:, -1] < error[:, 0]).sum())
+    lines = [
+        "", "## Pads of one material", "",
+        f"`python benchmarks/loop_turns.py --seed {min(row['seed'] for row in rows)}`, {len(plain)} series of new "
+        "seeds, run once:", "",
+        f"- Modulus: half width of the interval {_medians(width)} %, narrower after each turn in {narrower} of "
+        f"{len(plain)}.", f"- It contains the true value in {sum(map(sum, inside))} of {np.size(inside)} turns.",
+        f"- Error {_medians(error)}: smaller after the third turn than after the first in {smaller} of {len(plain)}.",
+        f"- A prior contradicted its own material in {_refused(plain)} of {2 * len(plain)} turns.",
     ]  # fmt: skip
     wrong = [row for row in rows if "contradicted" in row]
     if wrong:
         named = sum(not row["used"] and any("young_kPa" in text for text in row["conflicts"]) for row in wrong)
         lines.append(f"- A prior with a modulus 25 % off was named with it in {named} of {len(wrong)}.")
-    return "\n".join([*lines, *pads_table(rows)]) + "\n"
+    return lines
+
+
+def _medians(values: np.ndarray | list[list[float]]) -> str:
+    """Median of each turn."""
+    return " -> ".join(f"{v:.2f}" for v in np.median(values, axis=0))
 
 
 def pads_table(rows: list[dict]) -> list[str]:
@@ -177,50 +202,53 @@ def pads_table(rows: list[dict]) -> list[str]:
     if not seeds:
         return []
     pads = generator.CastPads()
-    series = f"{len(seeds)} series of new seeds, run once"
     lines = [
         "", "## Pads with a factor of their own", "",
-        f"Here every pad has a thickness ({pads.thickness_mm:g} mm) and a modulus ({100 * pads.ln_young:g} %) of its "
-        "own (standard", "deviations), beside half a per cent in level and slope that nobody can read. Each series is "
-        "run twice: without", f"records, and with the thickness as gauged ({pads.gauge_mm:g} mm) and a witness of each "
-        f"batch ({100 * pads.witness:g} %).", "The other pads are newly cast too. Made by",
-        f"`python benchmarks/loop_turns.py --pads --seed {seeds[0]}`, {series}.", "",
-        "| seed | put in | error without records, floors | with records | named without records | with records |",
-        "|---|---|---|---|---|---|",
+        f"Each pad has its own thickness ({pads.thickness_mm:g} mm) and modulus ({100 * pads.ln_young:g} %), as "
+        "standard deviations. Level and slope", "of its force are off by another half per cent that nobody can read. "
+        "Each series is run without records, and with", f"the gauged thickness ({pads.gauge_mm:g} mm) and a witness of "
+        f"each batch ({100 * pads.witness:g} %). The other pads are newly cast too.",
+        f"`python benchmarks/loop_turns.py --pads --seed {seeds[0]}`, {len(seeds)} series of new seeds, run once:", "",
+        "| | without records | with records |", "|---|---|---|",
     ]  # fmt: skip
     error: dict[bool, list[list[float]]] = {False: [], True: []}
     right: dict[bool, list[bool]] = {False: [], True: []}
     for seed in seeds:
-        cells, names = [], []
         for one in (False, True):
             row = next(row for row in both[one] if row["seed"] == seed)
             error[one].append([turn["replay"] / row["floor"] for turn in row["turns"]])
             wanted = [] if row["effect"] == "none" else [row["effect"]]
             right[one] += [turn["found"] == wanted for turn in row["turns"]]
-            cells.append(" -> ".join(f"{value:.2f}" for value in error[one][-1]))
-            names.append("; ".join(", ".join(turn["found"]) or "-" for turn in row["turns"]))
-        lines.append(f"| {seed} | {row['effect']} | {cells[0]} | {cells[1]} | {names[0]} | {names[1]} |")
-    lines.append("")
-    for one, words in ((False, "Without records"), (True, "With records")):
-        median = " -> ".join(f"{value:.2f}" for value in np.median(error[one], axis=0))
-        lines.append(f"- {words}: median error {median} floors; names right in {sum(right[one])} of {len(right[one])} "
-                     "turns.")  # fmt: skip
-    falls = sum(errors[-1] < errors[0] for errors in error[True])
+    falls = {one: sum(each[-1] < each[0] for each in error[one]) for one in error}
     smaller = int((np.array(error[True]) < np.array(error[False])).sum())
     last = [next(row for row in both[True] if row["seed"] == seed)["turns"][-1]["pad_factors"] for seed in seeds]
-    told = [one["explained"] for one in last if one["explained"] is not None]
+    explained = [one["explained"] for one in last if one["explained"] is not None]
     lines += [
-        f"- With records the error is smaller in {smaller} of {3 * len(seeds)} turns, and smaller after the third turn "
-        f"than after the first in {falls} of {len(seeds)}.",
-        f"- The pads' own factor as the third answer states it: {np.median([one['size_percent'] for one in last]):.1f} "
-        f"%, of whose square the records explain {100 * np.median(told):.0f} % and "
-        f"{np.median([one['left_percent'] for one in last]):.1f} % remains (medians).",
+        f"| median error | {_medians(error[False])} | {_medians(error[True])} |",
+        f"| error smaller after the third turn | {falls[False]} of {len(seeds)} | {falls[True]} of {len(seeds)} |",
+        f"| exactly the right names | {sum(right[False])} of {len(right[False])} turns | {sum(right[True])} of "
+        f"{len(right[True])} |",
+        "", f"- With records the error is smaller in {smaller} of {3 * len(seeds)} turns.",
+        f"- The third answer states an own factor of {np.median([one['size_percent'] for one in last]):.1f} %. The "
+        f"records explain {100 * np.median(explained):.0f} % of its square;",
+        f"  {np.median([one['left_percent'] for one in last]):.1f} % remains (medians).",
     ]  # fmt: skip
     return lines
 
 
-def _refused(told: list[dict]) -> int:
-    return sum(turn["prior_used"] is False for row in told for turn in row["turns"])
+def write_page(rows: list[dict], page: Path) -> None:
+    """Write the page, and beside it the data file of all turns."""
+    page.write_text(table(rows), encoding="utf-8")
+    data = page.parent / "data" / "loop-turns.csv"
+    data.parent.mkdir(exist_ok=True)
+    with data.open("w", newline="", encoding="utf-8") as file:
+        writer = csv.DictWriter(file, FIELDS, lineterminator="\n")
+        writer.writeheader()
+        writer.writerows(turn_rows(rows))
+
+
+def _refused(rows: list[dict]) -> int:
+    return sum(turn["prior_used"] is False for row in rows for turn in row["turns"])
 
 
 def _run_pads(options: argparse.Namespace) -> None:
@@ -233,7 +261,7 @@ def _run_pads(options: argparse.Namespace) -> None:
                 row = run_seed(seed, folder, generator.CastPads(recorded=recorded))
             keep_row(options.rows, row)
             print(json.dumps(row), file=sys.stderr, flush=True)
-    options.out.write_text(table(read_rows(options.rows)))
+    write_page(read_rows(options.rows), options.out)
 
 
 def main() -> None:
@@ -258,7 +286,7 @@ def main() -> None:
             row = run_seed(seed, folder) if place < options.seeds else contradicted(seed, folder)
         keep_row(options.rows, row)
         print(json.dumps(row), file=sys.stderr, flush=True)
-    options.out.write_text(table(read_rows(options.rows)))
+    write_page(read_rows(options.rows), options.out)
 
 
 if __name__ == "__main__":

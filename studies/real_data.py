@@ -32,10 +32,7 @@ from studies.marked_page import MarkedPage
 
 REPOSITORY = Path(__file__).resolve().parents[1]
 ROWS = Path("docs", "data", "real-data.csv")
-PAGES = {
-    name: MarkedPage(Path("docs", "real-data.md"), f"<!-- {name} -->", f"<!-- end of {name} -->")
-    for name in ("beef", "adhesive")
-}
+PAGE = MarkedPage(Path("docs", "real-data.md"), "<!-- errors -->", "<!-- end of errors -->")
 FEWEST = 4
 """Presses of a group: fewer are not parted into fitted and predicted ones."""
 RATES = ("0d1", "1", "2", "5")
@@ -212,21 +209,30 @@ def usable(traces: Iterable[Trace]) -> list[Trace]:
 
 
 def table(rows: Sequence[dict[str, object]]) -> str:
-    """One line a day (or step): medians over its presses, in percent of the largest force."""
+    """One line a source: medians over its presses, in percent of the largest force; in brackets those of its days."""
     lines = [
-        "| group | presses | elements | spring alone | law | own factor | own zero | linear branches | factor |",
+        "| source | presses | elements | spring alone | law | own factor | own zero | linear branches | factor |",
         "|---|---|---|---|---|---|---|---|---|",
     ]
     names = "error_spring", "error_law", "error_law_scaled", "error_law_shifted", "error_linear"
-    days = list(dict.fromkeys(_day(row) for row in rows))
-    for day in [*days, "all"] if len(days) > 1 else days:
-        mine = [row for row in rows if day in (_day(row), "all")]
+    for source in dict.fromkeys(str(row["source"]) for row in rows):
+        mine = [row for row in rows if row["source"] == source]
+        days = list(dict.fromkeys(_day(row) for row in mine))
+        cells = []
+        for key in names:
+            each = [_percent([row for row in mine if _day(row) == day], key) for day in days]
+            span = f" ({min(each):.0f} to {max(each):.0f})" if len(days) > 1 else ""
+            cells.append(f"{_percent(mine, key):.0f} %{span}")
         count = ", ".join(sorted({str(row["elements"]) for row in mine}))
-        shares = (f"{100 * float(np.median([float(str(row[key])) for row in mine])):.0f} %" for key in names)
         factors = [float(str(row["scale"])) for row in mine]
-        span = f"{min(factors):.2f} to {max(factors):.2f}"
-        lines.append(f"| {day} | {len(mine)} | {count} | {' | '.join(shares)} | {span} |")
+        factor = f"{min(factors):.2f} to {max(factors):.2f}"
+        lines.append(f"| {source} | {len(mine)} | {count} | {' | '.join(cells)} | {factor} |")
     return "\n".join(lines)
+
+
+def _percent(rows: Sequence[dict[str, object]], key: str) -> float:
+    """Median of a share, in percent."""
+    return 100 * float(np.median([float(str(row[key])) for row in rows]))
 
 
 def _day(row: dict[str, object]) -> str:
@@ -240,8 +246,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser.add_argument("meat", type=Path, metavar="MEAT_DIR")
     parser.add_argument("adhesive", type=Path, metavar="ADHESIVE_DIR")
     options = parser.parse_args(arguments)
-    for page in PAGES.values():
-        page.read(REPOSITORY)
+    PAGE.read(REPOSITORY)
     groups, every, asked = meat_presses(options.meat)
     rows = []
     for group, traces in sorted(groups.items()):
@@ -256,8 +261,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
         writer = csv.DictWriter(file, FIELDS, lineterminator="\n")
         writer.writeheader()
         writer.writerows(shown)
-    for source, page in PAGES.items():
-        page.write(REPOSITORY, table([row for row in shown if row["source"] == source]) + "\n")
+    PAGE.write(REPOSITORY, table(shown) + "\n")
 
 
 if __name__ == "__main__":

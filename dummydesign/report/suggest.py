@@ -271,9 +271,8 @@ def write_suggestion(
         Section("Why this design", _why(result),
                 [*score_maps(answer, curves), exponent_plot(answer, curves), *sensitivity_bars(answer, curves)],
                 _alternatives(result)),
-        Section("Recipe", "", table=Table(["component", "weigh g"], [
-            *([item["name"], f"{item['mass_g']:.1f}"] for item in best["recipe"]["components"]),
-            ["total", f"{best['recipe']['total_g']:.1f}"]])),
+        Section("Recipe", "Pour this much of the mix into the mould: the rest keeps the weighing error small and stays "
+                "in the cup.", table=_recipe_table(best)),
         _solids(best, result.get("files", {}), answer.request.pad_mm),
         safety_section(safety),
         *people,
@@ -284,15 +283,29 @@ def write_suggestion(
                         **{name: result[name] for name in ("warnings", "sources", "verdict")})  # fmt: skip
 
 
+def _recipe_table(best: dict[str, Any]) -> Table:
+    """What to weigh, what of it the mould needs, and what to pour; of a layered pad both pours."""
+    rows = []
+    for layer, batch, recipe in (("", best["batch"], best["recipe"]),
+                                 *((("base: ", best["batch"]["base"], best["recipe"].get("base")),)
+                                   if "base" in best["batch"] else ())):  # fmt: skip
+        needs = {} if recipe is None else {item["name"]: f"{item['mass_g']:.1f}" for item in recipe["components"]}
+        rows += [[layer + item["name"], f"{item['mass_g']:.1f}", needs.get(item["name"], ""), ""]
+                 for item in batch["components"]]  # fmt: skip
+        total = "" if recipe is None else f"{recipe['total_g']:.1f}"
+        rows.append([f"{layer}total", f"{batch['total_g']:.1f}", total, f"{batch['pour_g']:.1f}"])
+    return Table(["component", "weigh g", "least batch g", "pour g"], rows)
+
+
 def _castings_fact(result: dict[str, Any]) -> list[tuple[str, str]]:
     """The share of castings that are usable, and the correction."""
     castings, factors = result["castings"], result["verdict"]["correction"]
     share = castings["stands_for"] + castings["usable"]
     facts = [(f"{100 * share:.0f} %", f"of {castings['n']} castings are usable")]
     if result["verdict"]["light"] == "amber" and factors["factor"] is not None:
-        facts.append((f"{factors['force']:.2f}", "multiply forces by it (95 % of castings in reach)"))
+        facts.append((f"{factors['force']:.2f}", "multiply forces by this (95 % of castings in reach)"))
         if factors["factor"] - factors["force"] > 0.005:
-            facts.append((f"{factors['factor']:.2f}", "multiply energies by it (95 % of castings in reach)"))
+            facts.append((f"{factors['factor']:.2f}", "multiply energies by this (95 % of castings in reach)"))
     return facts
 
 

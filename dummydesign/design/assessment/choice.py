@@ -417,9 +417,10 @@ def measure_first(cast: PadCastings) -> MeasureFirst:
     if group == TISSUE:
         text = f"measure people: for other people that the data allow {100 * (over_tissues or 0.0):.0f} % of castings"
         return MeasureFirst(group, *shares, *_how(group, cast), f"{text} {words}")
-    text = f"measure {NAMES[group]}: {100 * now:.0f} % of castings {words}, {100 * (now + gains[group]):.0f} %"
+    then = f"{100 * (now + gains[group]):.0f} % of castings {words}"
+    text = f"measure {NAMES[group]}: then {then} (now {100 * now:.0f} %)"
     pair = _two_ratios(cast, worst) if group in RESIN else (None, None, None)
-    return MeasureFirst(group, *shares, *_how(group, cast), f"{text} once it is known", *pair)
+    return MeasureFirst(group, *shares, *_how(group, cast), text, *pair)
 
 
 def _how(group: str, cast: PadCastings) -> tuple[str, str]:

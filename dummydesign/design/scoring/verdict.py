@@ -40,7 +40,8 @@ LEVEL_WORDS = {
 LEVELS = tuple(LEVEL_WORDS)
 LIGHTS = dict(zip(LEVELS, ("green", "amber", "amber", "red")))
 QUANTITIES = {PEAK: "the peak", STEADY: "the steady force at equal depth", ENERGY: "the energy"}
-OUTCOMES = {OUT_OF_REACH: "out of reach", READS_LOW: "too low", OVER: "too high"}
+OUTCOMES = {OUT_OF_REACH: "too soft to reach a force", READS_LOW: "too low", OVER: "too high"}
+TIMES = 3.0  # a reading further above the subjects is stated in times, not in per cent
 SAFE_SIDE, QUANTILE = "safe-side", 0.95
 NOT_ACCEPTABLE, BORDERLINE, ACCEPTABLE = 0, 1, 2
 
@@ -292,7 +293,7 @@ def _reading_words(found: Deviations, readings: Readings, level: str) -> str:
         return below or above
     if ranges.subjects < 2:
         return "all readings are as near to the one subject as can be set"
-    return f"all {presses} peaks and the steady curve are among the subjects"
+    return f"all {presses} peaks and the steady curve are inside the subjects' range"
 
 
 def _worst_words(found: Deviations, readings: Readings, ratios: dict[str, NDArray], side: str, who: str) -> str:
@@ -308,6 +309,8 @@ def _worst_words(found: Deviations, readings: Readings, ratios: dict[str, NDArra
     else:
         where = f"at {ranges.force_N[at]:.3g} N, {ranges.velocity_mm_s[at]:g} mm/s"
     reading = f" ({readings.peak_N[at]:.1f} N)" if name == PEAK else ""
+    if side == "above" and value > TIMES:
+        return f"{QUANTITIES[name]} {where}{reading} is {value:.2g} times that of {who}"
     return f"{QUANTITIES[name]} {where}{reading} is {percent:.0f} % {side} {who}"
 
 
@@ -339,7 +342,7 @@ def _ending(level: str, correction: Correction, unsettled: str, over_castings: b
     elif every - force < 0.005:
         words = f"multiply readings by {every:.2f}"
     elif force < 1.0 + tolerance_of(PEAK):
-        words = f"multiply energies by {every:.2f}, forces by nothing"
+        words = f"multiply energies by {every:.2f}, forces need no factor"
     else:
         words = f"multiply forces by {force:.2f}, energies by {every:.2f}"
     return f"{words} for 95 % of them" if over_castings else words

@@ -193,7 +193,7 @@ def _power(
     try:
         found = plan_power(plan, campaign, 1e-3 * start_young_kPa(campaign), seed)
     except InputError as problem:
-        message = f"the effects that this plan can detect were not computed: {problem}"
+        message = f"which effects this plan can detect is not known for this pad and punch: {problem}"
         return None, [{"code": "no_power", "message": message}]
     return found.to_dict(), []
 

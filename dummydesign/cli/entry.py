@@ -48,8 +48,8 @@ def meanings_of(command: str, action: argparse.Action) -> dict[str, str]:
 
 FLAGS = (
     (("--json",), "print one JSON object and nothing else"),
-    (("--details",), "print all of the answer, not one screen of it"),
-    (("-v", "--verbose"), "a line for each step with the time since the start, and what it took at the end"),
+    (("--details",), "print the whole answer instead of one screen"),
+    (("-v", "--verbose"), "print each step with the time since the start, and the time and memory at the end"),
     (("-q", "--quiet"), "no progress, only the answer"),
 )
 

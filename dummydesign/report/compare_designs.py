@@ -77,7 +77,7 @@ def design_rows(designs: Sequence[Mapping[str, Any]]) -> list[Row]:
         values = [one["scores"].get(key) for one in designs]
         if any(value is not None for value in values):
             rows.append((f"  {words}", [_number(value) for value in values]))
-    for key, words in (("shortfall", "shortfall"), ("over", "over-reading")):
+    for key, words in (("shortfall", "people/pad"), ("over", "pad/people")):
         cells = [f"{_number(one[key]['central'])}, 95 %: {_number(one[key]['q95'])}" for one in designs]
         rows.append((words, cells))
     factors = [one["correction"] for one in designs]

@@ -168,8 +168,8 @@ def plane_table(rows: Rows) -> tuple[list[str], list[list[str]], int]:
 
 def first_text(rows: Rows) -> str:
     """What the columns of :func:`first_table` hold."""
-    best = "best first; " if "score" in rows[0] else ""
-    return f"{best}thickness in mm, modulus in kPa, depth in mm at 'N' steady ('-': not reached)"
+    best = "best first (score: 1 is best); " if "score" in rows[0] else ""
+    return f"{best}'at N': depth in mm at that steady force ('-': not reached)"
 
 
 def first_table(rows: Rows) -> tuple[list[str], list[list[str]], int]:

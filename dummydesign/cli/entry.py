@@ -49,7 +49,7 @@ def meanings_of(command: str, action: argparse.Action) -> dict[str, str]:
 FLAGS = (
     (("--json",), "print one JSON object and nothing else"),
     (("--details",), "print the whole answer instead of one screen"),
-    (("-v", "--verbose"), "print each step with the time since the start, and the time and memory at the end"),
+    (("-v", "--verbose"), "print each step with the time since the start, and the total and processor time at the end"),
     (("-q", "--quiet"), "no progress, only the answer"),
 )
 
@@ -139,6 +139,10 @@ class _Parser(argparse.ArgumentParser):
 
     def error(self, message: str) -> NoReturn:
         found = re.match(r"argument ([^\s:/]+)", message)
+        if missing := re.match(r"the following arguments are required: (.*)", message):
+            message = f"missing {missing[1]}; '{self.prog} --help' explains each"
+        if whole := re.match(r"argument (\S+): invalid int value: (.*)", message):
+            message = f"{whole[1]} {whole[2]} is not a whole number"
         raise InputError(message, "bad_arguments", quantity_name(found[1]) if found else "arguments")
 
 

@@ -253,8 +253,8 @@ def write_suggestion(
     ]
     first = result["measure_first"]
     lead = (f"{_sentence(first['text'])} {_sentence(first['protocol'])} " if first["text"] else "") + (
-        f"Recommended for {answer.tissue.title} ({answer.tissue.name}), aim {answer.request.aim}, of "
-        f"{answer.resin.title}. {result['rests_on']['text']}"
+        f"Tissue: {answer.tissue.title}, aim {answer.request.aim}. Resin: {answer.resin.title}. "
+        f"{result['rests_on']['text']}"
         + ("" if first["text"] else f" Next: {result['rests_on']['next_step']}.")
     )
     if answer.tissue.notice is not None:
@@ -284,7 +284,7 @@ def write_suggestion(
 
 
 def _recipe_table(best: dict[str, Any]) -> Table:
-    """What to weigh, what of it the mould needs, and what to pour; of a layered pad both pours."""
+    """What to weigh, the least batch that fills the mould, and what to pour; of a layered pad both pours."""
     rows = []
     for layer, batch, recipe in (("", best["batch"], best["recipe"]),
                                  *((("base: ", best["batch"]["base"], best["recipe"].get("base")),)
@@ -322,8 +322,8 @@ def _steady_words(answer: Suggestion) -> str:
         steep = answer.targets.power > 1.0
         top = "A flat pad starts nearly linear, so it crosses the tissue's curve and cannot follow it." if steep else ""
     return (
-        f"The relaxed pad and the subjects. {low} The band of the pad holds 95 % of its castings, by what is not known "
-        "of the resin and the errors of weighing and thickness. "
+        f"The relaxed pad and the subjects. {low} The band of the pad holds 95 % of its castings. It covers the "
+        "uncertainty of the resin and the errors of weighing and thickness. "
         + top
     )
 
@@ -351,7 +351,7 @@ def _shapes(answer: Suggestion, result: dict[str, Any], curves: SuggestionCurves
     if answer.sites:
         text += f" Its sites: {answer.sites.text}."
     if answer.centring:
-        text += f" Of the recommended pad {answer.centring.text}."
+        text += f" Recommended pad, {answer.centring.text}."
     shown = [f"{force:g}" for force in (0.2 * low, low, high)]
     head = ["pad", "thickness mm", "ratio", "misfit", f"in range {0.1 * low:g} to {low:g} N",
             f"in range {low:g} to {high:g} N", *(f"exponent at {force} N" for force in shown),

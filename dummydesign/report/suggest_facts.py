@@ -86,7 +86,7 @@ def batch_lines(batch: dict[str, Any]) -> list[str]:
         weigh = " + ".join(f"{item['name']} {item['mass_g']:.1f} g" for item in one["components"])
         lines.append(f"{name}{weigh} = {one['total_g']:.1f} g; pour {one['pour_g']:.1f} g of it")
     if batch["witness"]["total_g"] > batch["total_g"]:
-        lines[0] += f" (to cast a puck too, mix {batch['witness']['total_g']:.1f} g)"
+        lines[0] += f" (mix {batch['witness']['total_g']:.1f} g with a puck)"
     return lines
 
 

@@ -325,6 +325,8 @@ def _casting_words(shares: dict[str, float], level: str, limits: VerdictLimits, 
         text = f"{np.floor(1000.0 * share) / 10.0:.1f} % of {of} {word}"  # not rounded up to the limit
     else:
         text = f"{good} % of {of} {word}"
+    if level == "not_settled" and share < limits.share and not strict:
+        text += f", {100.0 * limits.share:g} % needed"
     return f"{text} ({', '.join(lost)})" if lost and level != "stands_for" else text
 
 

@@ -214,7 +214,7 @@ def when_it_fails(spec: MouldSpec) -> tuple[str, ...]:
         much = "Too much poured: wipe what comes out of the vents off the plate before it gels."
         air = "Air under the plate of the bone: lift one edge, let it out, lower again until all vents show resin."
     else:
-        little = f"Too little poured: {mix}, or cast a thinner pad and enter its mass."
+        little = f"Too little poured: {mix}, or strike off lower and enter the mass."
         much = "Too much poured: take it off with a syringe from a corner before it gels."
         air = "Air under the plate: lift one edge, let it out, lower again."
     torn = "A torn corner of the mould: outside the land it may be glued with silicone; in the cavity cast a new mould."

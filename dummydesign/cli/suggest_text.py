@@ -161,7 +161,7 @@ def _more_details(result: dict[str, Any]) -> list[str]:
     if checked["max_difference_percent"] is not None:
         lines.append(
             f"verified: {checked['fidelity']} finite elements differ by at most "
-            f"{checked['max_difference_percent']:.2f} % from the table"
+            f"{checked['max_difference_percent']:.2f} % from the stored solutions"
         )
     lines += ["", result["rests_on"]["text"]]
     if not result["measure_first"]["group"]:

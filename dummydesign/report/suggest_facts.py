@@ -33,6 +33,10 @@ TYPED_AGAIN = ("aim", "shape", "punch", "edge_radius_mm", "force_N", "velocity_m
 """Options of the next search beside tissue and resin, in the order in which they are typed."""
 
 
+PARTS = {"crowned": "crown", "boned": "bone", "bumped": "bumps", "layered": "layers"}
+"""What the lengths of a shape measure."""
+
+
 def calibration_text(result: dict[str, Any]) -> str:
     """The calibration that was used and the first thing that it leaves unexplained; empty without one."""
     used = result["calibration"]
@@ -64,7 +68,7 @@ def pad_text(result: dict[str, Any]) -> str:
         in_mm = {one.name.removesuffix("_mm") for one in fields(shape) if one.name.endswith("_mm")}
         given = (part.partition("=") for part in lengths.split(","))
         words = (f"{key.replace('_', ' ')} {value}{' mm' if key in in_mm else ''}" for key, _, value in given)
-        text += f"\n{', '.join(words)}"
+        text += f"\n{PARTS.get(name, name)}: {', '.join(words)}"
     return text + (f"\n{result['sites']['text']}" if result["sites"] else "")
 
 

@@ -152,7 +152,7 @@ def render_details(result: dict[str, Any]) -> str:
                  for row in result["added"]]  # fmt: skip
         return "\n".join(lines + warning_lines(result))
     if "tissues" in result:
-        lines = [f"{'tissue':<14} {'origin':<9} {'kind':<20} {'law':<11} subjects  gamma1 in N/mm3 (k in N/mm)"]
+        lines = [f"{'tissue':<14} {'origin':<9} {'kind':<20} {'law':<11} subjects  gamma1 N/mm3, or k N/mm"]
         for row in result["tissues"]:
             name, (low, high) = list(row.items())[-1]
             at = name.removeprefix("depth_at_").removesuffix("_mm") if name.startswith("depth_at_") else ""

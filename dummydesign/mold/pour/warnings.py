@@ -29,10 +29,9 @@ def pour_warnings(spec: MouldSpec, plan: PourPlan) -> list[dict[str, str]]:
     if small.ratio_error_percent > RATIO_ERROR_LIMIT_PERCENT:
         mix, alone = batch_of(spec, pour, small).mix, small.batch_mass_g
         found["small_batch"] = (
-            f"mix {mix.total_g:g} g though {alone:g} g would fill the mould: a balance of "
-            f"{spec.machines.balance_resolution_g:g} g leaves up to {small.ratio_error_percent:.2f} % error in the "
-            f"smaller component of {alone:g} g, {mix.error_percent:.2f} % of {mix.total_g:g} g; a finer balance "
-            "saves resin"
+            f"mix {mix.total_g:g} g, although {alone:g} g fill the mould: with a balance of "
+            f"{spec.machines.balance_resolution_g:g} g the error of the smaller component is then at most "
+            f"{mix.error_percent:.2f} % instead of {small.ratio_error_percent:.2f} %; a finer balance saves resin"
         )
     if plan.wall_deflection_mm > 0.2:
         bulge = f"the walls may bulge by {plan.wall_deflection_mm:.2f} mm under the liquid"

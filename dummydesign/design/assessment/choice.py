@@ -139,7 +139,7 @@ def explain(cast: PadCastings, kind: str, beside: tuple[ShapeComparison, ...]) -
     best, targets = cast.candidate, cast.space.targets
     totals = castings_for_tissues(cast, 0.0).total
     score = float(totals.mean()), float(np.quantile(totals, 0.05)), tissue_share(totals)
-    doubt = f"score with all uncertainties: {score[0]:.2f} (5 % below {score[1]:.2f})"
+    doubt = f"score {score[0]:.2f} of 1 with all uncertainties (5 % of castings below {score[1]:.2f})"
     others = [(item.candidate, item.kind) for item in beside if item.kind != kind and item.candidate is not None]
     if not others:
         return Choice(f"no other kind of shape was compared; {doubt}", None, {}, None, *score)

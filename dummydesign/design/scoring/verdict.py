@@ -39,7 +39,7 @@ LEVEL_WORDS = {
 }
 LEVELS = tuple(LEVEL_WORDS)
 LIGHTS = dict(zip(LEVELS, ("green", "amber", "amber", "red")))
-QUANTITIES = {PEAK: "the peak", STEADY: "the steady force at equal depth", ENERGY: "the energy"}
+QUANTITIES = {PEAK: "the peak", ENERGY: "the energy"}
 OUTCOMES = {OUT_OF_REACH: "too soft to reach a force", READS_LOW: "too low", OVER: "too high"}
 TIMES = 3.0  # a reading further above the subjects is stated in times, not in per cent
 SAFE_SIDE, QUANTILE = "safe-side", 0.95
@@ -304,14 +304,14 @@ def _worst_words(found: Deviations, readings: Readings, ratios: dict[str, NDArra
     ranges = found.ranges
     # a reading below a subject's is given as a share of the subject's
     percent = 100.0 * (1.0 - 1.0 / value if side == "below" else value - 1.0)
-    if name == STEADY:
-        where = f"({ranges.steady_N[at]:.3g} N)"
+    if name == STEADY:  # compared at the pad's depth
+        what = f"at {readings.depth_mm[at]:.2f} mm the pad's steady force ({ranges.steady_N[at]:.3g} N)"
     else:
-        where = f"at {ranges.force_N[at]:.3g} N, {ranges.velocity_mm_s[at]:g} mm/s"
-    reading = f" ({readings.peak_N[at]:.1f} N)" if name == PEAK else ""
+        what = f"{QUANTITIES[name]} at {ranges.force_N[at]:.3g} N, {ranges.velocity_mm_s[at]:g} mm/s"
+        what += f" ({readings.peak_N[at]:.1f} N)" if name == PEAK else ""
     if side == "above" and value > TIMES:
-        return f"{QUANTITIES[name]} {where}{reading} is {value:.2g} times that of {who}"
-    return f"{QUANTITIES[name]} {where}{reading} is {percent:.0f} % {side} {who}"
+        return f"{what} is {value:.2g} times that of {who}"
+    return f"{what} is {percent:.0f} % {side} {who}"
 
 
 def _casting_words(shares: dict[str, float], level: str, limits: VerdictLimits, strict: bool, of: str) -> str:

@@ -116,10 +116,10 @@ class SuggestOptions:
     tissue: str = option(MISSING, "tissue", "NAME|FILE", "see 'dummydesign tissues list'")
     aim: str = option("average", "aim", "AIM", "average (default), safe-side or subject:NAME")
     resin: str = option("polyurethane-nagoya", "resin", "NAME|FILE", "see 'dummydesign resins list'")
-    thickness_mm: tuple[float, float] | None = option(None, "thickness", "MIN:MAX", "range to search in mm, within 3 to 30",
+    thickness_mm: tuple[float, float] | None = option(None, "thickness", "MIN:MAX", "search range in mm, within 3 to 30",
         read=partial(parse_limits, quantity="thickness in mm"), between=":")  # fmt: skip
     ratio: tuple[float, float] | None = option(None, "ratio", "MIN:MAX",
-        "range of the mixing ratio to search, within the resin's range",
+        "search range of the mixing ratio, within the resin's range",
         read=partial(parse_limits, quantity="ratio"), between=":")  # fmt: skip
     shape: str = option("auto", "shape", "NAME[:P,..]", _shape_help)
     verify: bool = option(True, "no-verify", "", "do not check the design by finite elements")

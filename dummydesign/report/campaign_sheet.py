@@ -47,7 +47,7 @@ def sheet_html(
         f'<!doctype html><html lang="en"><meta charset="utf-8"><title>{escape(name)}</title><style>{_STYLE}</style>'
         f"<h1>{escape(name)}: {len(plan)} presses in this order (seed {seed})</h1>{head}"
         f"<p>Start above the surface and record from there. {drive} Write down the temperature "
-        "of the pad at every press. A press that failed: strike it out, rest the pad, press it again, and note it here.</p>"
+        "of the pad at every press. A press that failed: strike it out, rest the pad, press it again, note it here.</p>"
         f"<table{tight}><tr>{heads}</tr>{''.join(rows)}</table></html>\n"
     )
 

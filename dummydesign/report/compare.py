@@ -357,7 +357,8 @@ def parameters_text(result: dict[str, Any]) -> str:
     outside = [name for name, row in result["parametric"].items() if row["inside"] is False]
     known = [name for name, row in result["parametric"].items() if row["inside"] is not None]
     if outside:
-        return f"{len(outside)} of {len(known)} parameters of the force law are outside the subjects' band: {', '.join(outside)}"
+        count = f"{len(outside)} of {len(known)} parameters of the force law"
+        return f"{count} are outside the subjects' band: {', '.join(outside)}"
     return f"all {len(known)} parameters of the force law are inside the subjects' band" if known else ""
 
 

@@ -29,7 +29,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--out", metavar="DIR", help="folder of the files (default compare-TISSUE)")
     add_replace_option(parser)
     test = parser.add_argument_group(
-        "your own test", "as in 'suggest'; without these options every press is used as measured. Numbers may carry a unit"
+        "your own test", "as in 'suggest'; without them every press is used as measured. Numbers may carry a unit"
     )
     punches = "square:14 (default), rectangle:AxB, round:D, ball:D, profile:FILE.csv"
     test.add_argument("--punch", default="square:14", metavar="KIND:SIZE", help=punches)

@@ -32,7 +32,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("--aim", default="average", metavar="AIM", help="with --tissue: average (default), safe-side or subject:NAME")
     punches = "square:14 (default), round:D, rectangle:AxB, profile:FILE.csv, plate"
     add("--punch", default="square:14", metavar="KIND:SIZE", help=punches)
-    edge = "fillet of the punch's edge, 0 (default, sharp) to 0.3 of its half-width; shapes need --fidelity axisymmetric"
+    edge = "fillet of the punch's edge, 0 (default, sharp) to 0.3 of its half-width; shapes: --fidelity axisymmetric"
     add("--edge-radius", default=0.0, metavar="MM", help=edge)
     add("--condition", default="bonded", metavar="NAME", help="bonded (default), frictionless, friction:MU")
     add("--base", default="bonded", metavar="NAME", help="bonded (default), sliding or friction:MU")
@@ -45,7 +45,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("--fidelity", default="table", metavar="NAME", help="table (default), axisymmetric, 3d or viscoelastic")
     add("--out", metavar="FILE.csv", help="write the curve as CSV; several presses to a file each")
     add("--rate", metavar="HZ", help="uniform sampling rate in --out (default: the computed times)")
-    add("--units", default="mm", metavar="NAME", help="units of --out: mm (mm, N; default) or in (inches, pounds-force)")
+    add("--units", default="mm", metavar="NAME", help="of --out: mm (mm, N; default) or in (inches, pounds-force)")
     add("--fields", metavar="FILE.vtu", help="stress and contact at the depths, for ParaView (axisymmetric)")
     add("--picture", metavar="FILE.png", help="deformed cross-section with stress and contact pressure (axisymmetric)")
 

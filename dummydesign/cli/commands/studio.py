@@ -15,7 +15,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add = parser.add_argument
     place = "made when needed (default: the project of the current folder, else this folder)"
     add("folder", nargs="?", metavar="DIR", help=place)
-    add("--port", type=int, metavar="P", help="port, open to this computer only (default: the first free one from 8420)")
+    add("--port", type=int, metavar="P", help="open to this computer only (default: the first free one from 8420)")
     add("--no-browser", action="store_true", help="print the address only")
 
 

@@ -172,8 +172,8 @@ def _batch_words(spec: MouldSpec, pour: Pour, plan: PourPlan, batch: Batch, digi
         error = (f"The mould needs only {plan.batch_mass_g:.{digits}f} g. Of that the balance leaves up to "
                  f"{plan.ratio_error_percent:.2f} % error in a component's share; of this mix "
                  f"{batch.mix.error_percent:.2f} %. A finer balance saves resin.")  # fmt: skip
-    rest = (f"With a witness puck mix the second column, {batch.with_witness.total_g:.{digits}f} g; pour the same mass into "
-            "the mould.")  # fmt: skip
+    rest = (f"With a witness puck mix the second column, {batch.with_witness.total_g:.{digits}f} g; pour the same mass "
+            "into the mould.")  # fmt: skip
     if batch.holds_witness:
         rest = f"The rest is enough for the witness puck ({batch.witness_g:.1f} g)."
     return [

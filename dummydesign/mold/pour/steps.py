@@ -191,7 +191,7 @@ def _drying(spec: MouldSpec) -> list[Step]:
 def _levelling(spec: MouldSpec, plan: PourPlan) -> Step:
     load = spec.count * plan.fill_mass_g + (plan.base.fill_mass_g if plan.base else 0.0)
     cavity = "cavity" if spec.count == 1 else "cavities"
-    under = f"with a weight of about {load:.0f} g on a clean film in the {cavity} (it imitates the resin); then take the weight out"
+    under = f"with a weight of about {load:.0f} g on a clean film in the {cavity} to imitate the resin; take it out again"
     if spec.pour.degas == "mould":
         under = "at once, with the resin in it"
     carried, stay = ("the mould", "it stays") if spec.is_printed else ("tray and mould", "they stay")
@@ -208,8 +208,8 @@ def _mixing(spec: MouldSpec) -> Step:
 
 
 def _degas_in_cup(spec: MouldSpec) -> Step:
-    return Step(f"Degas in the cup below {spec.pour.degas_pressure_kPa:g} kPa until the foam has fallen, then one minute "
-                "more. With less vacuum the bubbles only swell.", (DEGAS,))  # fmt: skip
+    return Step(f"Degas in the cup below {spec.pour.degas_pressure_kPa:g} kPa until the foam has fallen, then one "
+                "minute more. With less vacuum the bubbles only swell.", (DEGAS,))  # fmt: skip
 
 
 def _degas_in_mould(spec: MouldSpec, plan: PourPlan) -> list[Step]:
@@ -274,5 +274,5 @@ def _cure(spec: MouldSpec, plan: PourPlan) -> Step:
         how = (f"Close the {VENTED_OVEN} and cure {pour.cure_time_h:g} h at {pour.cure_temperature_C:g} C ({vapour}: "
                "lead the oven's air outdoors or into extraction)")  # fmt: skip
     carried = "" if spec.is_printed else ", in the tray"
-    return Step(f"{how}, where it stands{carried}. The hot mould grows by {plan.thermal_growth_mm:.1f} mm. The cavity is "
-                f"made {100 * (layout(spec).scale - 1):+.2f} % larger, so that the pad has its size after the cure.", (CURE,))  # fmt: skip
+    return Step(f"{how}, where it stands{carried}. The hot mould grows by {plan.thermal_growth_mm:.1f} mm. The cavity "
+                f"is cut {100 * (layout(spec).scale - 1):+.2f} % so that the cured pad has its size.", (CURE,))  # fmt: skip

@@ -116,7 +116,7 @@ class SuggestOptions:
     tissue: str = option(MISSING, "tissue", "NAME|FILE", "see 'dummydesign tissues list'")
     aim: str = option("average", "aim", "AIM", "average (default), safe-side or subject:NAME")
     resin: str = option("polyurethane-nagoya", "resin", "NAME|FILE", "see 'dummydesign resins list'")
-    thickness_mm: tuple[float, float] | None = option(None, "thickness", "MIN:MAX", "search range in mm, within 3 to 30",
+    thickness_mm: tuple[float, float] | None = option(None, "thickness", "MIN:MAX", "search range in mm, in 3 to 30",
         read=partial(parse_limits, quantity="thickness in mm"), between=":")  # fmt: skip
     ratio: tuple[float, float] | None = option(None, "ratio", "MIN:MAX",
         "search range of the mixing ratio, within the resin's range",

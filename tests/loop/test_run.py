@@ -115,7 +115,8 @@ def test_the_answer_says_what_was_found_what_it_is_worth_and_what_to_do(results)
     said = answer_of(result)
     assert "temperature" in said[0] and "the residual is noise" in said[0]
     assert "Usual cause: " in said[1] and said[1].endswith(".")
-    assert any("error on presses left out of the fit falls from" in text for text in said) and said[-1].startswith("Next: ")
+    assert any("error on presses left out of the fit falls from" in text for text in said)
+    assert said[-1].startswith("Next: ")
     effect = next(found.candidate.effect for found in result.effects if found.candidate.effect.name == "temperature")
     worth = worth_of(result, effect)
     loss = next(one.values for one in result.after.fit.active if one.effect is effect)["modulus_loss_per_K"]

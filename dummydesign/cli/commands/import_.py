@@ -28,7 +28,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("--decimal", metavar="C", help="decimal sign: . or ,")
     add("--encoding", metavar="E", help="such as utf-8, utf-16, cp1252, cp932")
     add("--skip", metavar="N", help="lines to leave out at the start of the file")
-    add("--flip", metavar="WHICH", 
+    add("--flip", metavar="WHICH",
         help="reverse the sign of displacement, force, or displacement,force; none (default: detected)")
     add("--tare", metavar="auto|none|N", help="force reading without load, in the file's unit (default auto: lead-in)")
     add("--contact", metavar="auto|none|MM",

@@ -191,7 +191,7 @@ def _drying(spec: MouldSpec) -> list[Step]:
 def _levelling(spec: MouldSpec, plan: PourPlan) -> Step:
     load = spec.count * plan.fill_mass_g + (plan.base.fill_mass_g if plan.base else 0.0)
     cavity = "cavity" if spec.count == 1 else "cavities"
-    under = f"with a weight of about {load:.0f} g on a clean film in the {cavity} to imitate the resin; take it out again"
+    under = f"with a weight of about {load:.0f} g on a clean film in the {cavity} in place of the resin; take it out"
     if spec.pour.degas == "mould":
         under = "at once, with the resin in it"
     carried, stay = ("the mould", "it stays") if spec.is_printed else ("tray and mould", "they stay")
@@ -275,4 +275,5 @@ def _cure(spec: MouldSpec, plan: PourPlan) -> Step:
                "lead the oven's air outdoors or into extraction)")  # fmt: skip
     carried = "" if spec.is_printed else ", in the tray"
     return Step(f"{how}, where it stands{carried}. The hot mould grows by {plan.thermal_growth_mm:.1f} mm. The cavity "
-                f"is cut {100 * (layout(spec).scale - 1):+.2f} % so that the cured pad has its size.", (CURE,))  # fmt: skip
+                f"is cut {100 * (layout(spec).scale - 1):+.2f} % so that the cured pad has its size.",
+                (CURE,))  # fmt: skip

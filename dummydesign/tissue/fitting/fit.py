@@ -385,8 +385,9 @@ def _warnings(law: str, result: dict[str, Any], pairs: Sequence[tuple[TissueProb
     rmse, floor = result["rmse_N"], result["noise_floor_N"]
     if rmse > 2.0 * floor:
         above = f"{rmse / floor:.3g} times the noise" if floor > 0.0 else "above traces without noise"
-        found.append(("lack_of_fit", f"rms residual {rmse:.3g} N is {above}: the law does not describe these traces; fit "
-                      "one pad or person at a time and check each contact; the intervals include the misfit"))  # fmt: skip
+        text = f"rms residual {rmse:.3g} N is {above}: the law does not describe these traces"
+        todo = "fit one pad or person at a time and check each contact; the intervals include the misfit"
+        found.append(("lack_of_fit", f"{text}; {todo}"))
     for name, entry in result["parameters"].items():
         for key, one in {"": entry}.items() if "value" in entry else entry.items():
             at = f" at {key} mm/s" if key else ""

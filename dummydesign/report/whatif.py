@@ -232,7 +232,8 @@ def _front(
         steps = ["Search all pads for a verdict, with castings, recipe and mould.", again]
     fixed = "\n".join(fixed_texts(ordered))
     return FrontPage(
-        "What if", f"By {_solved(study)}; forces {_span(study.forces_N)} N, speeds {_span(study.velocities_mm_s)} mm/s.",
+        "What if",
+        f"By {_solved(study)}; forces {_span(study.forces_N)} N, speeds {_span(study.velocities_mm_s)} mm/s.",
         (None, words), (plots[2].title, plot_drawing(plots[2])), "Study", [*facts, Fact("all designs", fixed)],
         "Local exponent d ln F / d ln x over thickness [mm]",
         [Panel(plot, plot.title.partition(" thickness ")[2], "") for plot in plots[:2]], (),

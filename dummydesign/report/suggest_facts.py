@@ -154,7 +154,7 @@ def correction_lines(result: dict[str, Any]) -> list[str]:
 def _factors(what: str, values: list[float | None], reach: str | None) -> str:
     """Factors of forces or energies: for 95 % of castings, at central estimates, and once the resin is measured."""
     central, most, after = values
-    text = f"multiply {what} by {most:.2f} to cover 95 %" + ("" if reach is None else f" of castings{reach}")
+    text = f"multiply {what} by {most:.2f} for 95 %" + ("" if reach is None else f" of castings{reach}")
     later = "" if after is None or (most or 1.0) - after < 0.005 else f"; after measuring {max(after, 1.0):.2f}"
     return f"{text} (central {max(central or 1.0, 1.0):.2f}{later})"
 

@@ -79,7 +79,7 @@ def test_page_and_pdf_have_the_same_texts_and_the_answers_numbers(made):
         at = texts.index(f"{row['steady_force_N']:g} N, {row['velocity_mm_s']:g} mm/s")
         assert texts[at - 1].startswith(f"{row['peak_force_N']:.1f} N: ")
     factor = verdict["correction"]
-    assert f"by {factor['force']:.2f} to cover 95 %" in page
+    assert f"by {factor['force']:.2f} for 95 %" in page
     assert f"(central {max(factor['force_central'], 1):.2f}" in page
     assert answer["measure_first"]["command"] in page.replace(" \\ ", " ")
     for heading in ("Recipe", "Correction", "What to do next", "Force [N] over time since contact"):

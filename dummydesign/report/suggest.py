@@ -11,6 +11,7 @@ import numpy as np
 from dummydesign.design.options import base_words
 from dummydesign.design.plot_data import THICKNESS_GRID_MM, PressPictures, SuggestionCurves
 from dummydesign.design.safety_view import SafetyView
+from dummydesign.design.scoring.verdict import percent_of_castings
 from dummydesign.geometry.punch import read_punch
 from dummydesign.mold.files.solid_view import box, read_stl, view_script
 from dummydesign.report import suggest_facts
@@ -301,7 +302,9 @@ def _castings_fact(result: dict[str, Any]) -> list[tuple[str, str]]:
     """The share of castings that are usable, and the correction."""
     castings, factors = result["castings"], result["verdict"]["correction"]
     share = castings["stands_for"] + castings["usable"]
-    facts = [(f"{100 * share:.0f} %", f"of {castings['n']} castings are usable")]
+    needed = result["verdict"]["limits"]["share"]
+    words = f"of {castings['n']} castings are usable ({100 * needed:g} % needed)"
+    facts = [(percent_of_castings(share, needed), words)]
     if result["verdict"]["light"] == "amber" and factors["factor"] is not None:
         facts.append((f"{factors['force']:.2f}", "multiply forces by this (95 % of castings in reach)"))
         if factors["factor"] - factors["force"] > 0.005:

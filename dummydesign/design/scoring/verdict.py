@@ -314,6 +314,13 @@ def _worst_words(found: Deviations, readings: Readings, ratios: dict[str, NDArra
     return f"{what} is {percent:.0f} % {side} {who}"
 
 
+def percent_of_castings(share: float, limit: float | None) -> str:
+    """The share in per cent, not rounded up to the limit that a level needs."""
+    if limit is not None and share < limit <= 0.01 * round(100.0 * share):
+        return f"{np.floor(1000.0 * share) / 10.0:.1f} %"
+    return f"{round(100.0 * share)} %"
+
+
 def _casting_words(shares: dict[str, float], level: str, limits: VerdictLimits, strict: bool, of: str) -> str:
     """What becomes of the castings; the classes add up to 100 %."""
     share = shares[STANDS_FOR] + (0.0 if strict else shares[USABLE])
@@ -321,10 +328,8 @@ def _casting_words(shares: dict[str, float], level: str, limits: VerdictLimits, 
     rest = whole_percents([shares[name] for name in OUTCOMES], good)
     lost = [f"{percent} % {words}" for words, percent in zip(OUTCOMES.values(), rest) if percent > 0]
     word = "keep the safe side" if strict else "are usable"
-    if level == "not_settled" and share < limits.share <= 0.01 * good:
-        text = f"{np.floor(1000.0 * share) / 10.0:.1f} % of {of} {word}"  # not rounded up to the limit
-    else:
-        text = f"{good} % of {of} {word}"
+    shown = percent_of_castings(share, limits.share) if level == "not_settled" else f"{good} %"
+    text = f"{shown} of {of} {word}"
     if level == "not_settled" and share < limits.share and not strict:
         text += f", {100.0 * limits.share:g} % needed"
     return f"{text} ({', '.join(lost)})" if lost and level != "stands_for" else text

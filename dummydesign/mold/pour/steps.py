@@ -191,7 +191,7 @@ def _drying(spec: MouldSpec) -> list[Step]:
 def _levelling(spec: MouldSpec, plan: PourPlan) -> Step:
     load = spec.count * plan.fill_mass_g + (plan.base.fill_mass_g if plan.base else 0.0)
     cavity = "cavity" if spec.count == 1 else "cavities"
-    under = f"with a weight of about {load:.0f} g on a clean film in the {cavity} in place of the resin; take it out"
+    under = f"with a weight of about {load:.0f} g on a clean film in the {cavity} in place of the resin. Take it out"
     if spec.pour.degas == "mould":
         under = "at once, with the resin in it"
     carried, stay = ("the mould", "it stays") if spec.is_printed else ("tray and mould", "they stay")

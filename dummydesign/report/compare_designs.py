@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from dummydesign.core.serialise import percent_below_limit
 from dummydesign.report.page import STYLES, Section, Table, write_report
 from dummydesign.report.plot import Plot, steady_plot
 from dummydesign.report.plot_layers import Band, Layer, Line
@@ -96,9 +97,7 @@ def _correction(design: Mapping[str, Any]) -> str:
 
 
 def _usable(castings: Mapping[str, Any]) -> str:
-    from dummydesign.design.scoring.verdict import percent_of_castings
-
-    return percent_of_castings(castings["usable_fraction"], castings["needed_fraction"])
+    return percent_below_limit(castings["usable_fraction"], castings["needed_fraction"])
 
 
 def _lengths(designs: Sequence[Mapping[str, Any]]) -> list[Row]:

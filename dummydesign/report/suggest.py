@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from dummydesign.core.serialise import percent_below_limit
 from dummydesign.design.options import base_words
 from dummydesign.design.plot_data import THICKNESS_GRID_MM, PressPictures, SuggestionCurves
 from dummydesign.design.safety_view import SafetyView
-from dummydesign.design.scoring.verdict import percent_of_castings
 from dummydesign.geometry.punch import read_punch
 from dummydesign.mold.files.solid_view import box, read_stl, view_script
 from dummydesign.report import suggest_facts
@@ -304,7 +304,7 @@ def _castings_fact(result: dict[str, Any]) -> list[tuple[str, str]]:
     share = castings["stands_for"] + castings["usable"]
     needed = result["verdict"]["limits"]["share"]
     words = f"of {castings['n']} castings are usable ({100 * needed:g} % needed)"
-    facts = [(percent_of_castings(share, needed), words)]
+    facts = [(percent_below_limit(share, needed), words)]
     if result["verdict"]["light"] == "amber" and factors["factor"] is not None:
         facts.append((f"{factors['force']:.2f}", "multiply forces by this (95 % of castings in reach)"))
         if factors["factor"] - factors["force"] > 0.005:

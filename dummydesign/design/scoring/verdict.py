@@ -9,7 +9,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from dummydesign.core.serialise import Serialised
+from dummydesign.core.serialise import Serialised, percent_below_limit
 from dummydesign.design.scoring.score import (
     CLASSES,
     ENERGY,
@@ -314,13 +314,6 @@ def _worst_words(found: Deviations, readings: Readings, ratios: dict[str, NDArra
     return f"{what} is {percent:.0f} % {side} {who}"
 
 
-def percent_of_castings(share: float, limit: float | None) -> str:
-    """The share in per cent, not rounded up to the limit that a level needs."""
-    if limit is not None and share < limit <= 0.01 * round(100.0 * share):
-        return f"{np.floor(1000.0 * share) / 10.0:.1f} %"
-    return f"{round(100.0 * share)} %"
-
-
 def _casting_words(shares: dict[str, float], level: str, limits: VerdictLimits, strict: bool, of: str) -> str:
     """What becomes of the castings; the classes add up to 100 %."""
     share = shares[STANDS_FOR] + (0.0 if strict else shares[USABLE])
@@ -328,7 +321,7 @@ def _casting_words(shares: dict[str, float], level: str, limits: VerdictLimits, 
     rest = whole_percents([shares[name] for name in OUTCOMES], good)
     lost = [f"{percent} % {words}" for words, percent in zip(OUTCOMES.values(), rest) if percent > 0]
     word = "keep the safe side" if strict else "are usable"
-    shown = percent_of_castings(share, limits.share) if level == "not_settled" else f"{good} %"
+    shown = percent_below_limit(share, limits.share) if level == "not_settled" else f"{good} %"
     text = f"{shown} of {of} {word}"
     if level == "not_settled" and share < limits.share and not strict:
         text += f", {100.0 * limits.share:g} % needed"

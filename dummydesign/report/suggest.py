@@ -272,8 +272,8 @@ def write_suggestion(
         Section("Why this design", _why(result),
                 [*score_maps(answer, curves), exponent_plot(answer, curves), *sensitivity_bars(answer, curves)],
                 _alternatives(result)),
-        Section("Recipe", "Pour this much of the mix into the mould: the rest keeps the weighing error small and stays "
-                "in the cup.", table=_recipe_table(best)),
+        Section("Recipe", "Weigh the whole batch: it keeps the weighing error small. Pour the mass in the last column "
+                "into the mould; the rest is spare.", table=_recipe_table(best)),
         _solids(best, result.get("files", {}), answer.request.pad_mm),
         safety_section(safety),
         *people,

@@ -88,6 +88,18 @@ def test_page_and_pdf_have_the_same_texts_and_the_answers_numbers(made):
         assert length in texts
 
 
+def test_the_recipe_weighs_the_batch_that_is_mixed(made):
+    first, answer, _ = made
+    recipe = (first / "report.html").read_text(encoding="utf-8").partition("<h2>Recipe</h2>")[2]
+    table, best = recipe.partition("</table>")[0], answer["recommendation"]
+    cells = [re.findall(r"<td[^>]*>(.*?)</td>", row) for row in table.split("<tr>")[2:]]
+    mixed = [(item["name"], f"{item['mass_g']:.1f}") for item in best["batch"]["components"]]
+    assert [tuple(row[:2]) for row in cells[:-1]] == mixed
+    assert cells[-1][1:] == [f"{best['batch']['total_g']:.1f}", f"{best['recipe']['total_g']:.1f}",
+                             f"{best['batch']['pour_g']:.1f}"]  # fmt: skip
+    assert best["recipe"]["total_g"] < best["batch"]["total_g"]
+
+
 def test_the_report_begins_with_the_sheet_then_lists_its_contents(made):
     text = (made[0] / "report.html").read_text(encoding="utf-8")
     main = text.partition("<main>")[2]

@@ -140,7 +140,8 @@ class _Parser(argparse.ArgumentParser):
     def error(self, message: str) -> NoReturn:
         found = re.match(r"argument ([^\s:/]+)", message)
         if missing := re.match(r"the following arguments are required: (.*)", message):
-            message = f"missing {missing[1]}; '{self.prog} --help' explains each"
+            verb = "are" if ", " in missing[1] else "is"
+            message = f"{missing[1]} {verb} required; '{self.prog} --help' explains more"
         if whole := re.match(r"argument (\S+): invalid int value: (.*)", message):
             message = f"{whole[1]} {whole[2]} is not a whole number"
         raise InputError(message, "bad_arguments", quantity_name(found[1]) if found else "arguments")

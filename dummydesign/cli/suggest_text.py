@@ -41,7 +41,7 @@ def details(result: dict[str, Any]) -> str:
         "  " + "   ".join(f"{name.replace('_', ' ')} {'none' if value is None else format(value, '.2f')}"
                           for name, value in best["scores"].items()),
         "",
-        "  steady N  mm/s   depth mm  depth/thickness  gel used  peak N   tissue peak N   fraction in range  reads",
+        "  steady N  mm/s   depth mm  depth/thickness  % of gel  peak N   tissue peak N   fraction in range  reads",
     ]
     lines += [_condition(row) for row in best["conditions"]]
     no_law = any(item["code"] == NO_LAW for item in result["warnings"])

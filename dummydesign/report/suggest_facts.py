@@ -132,7 +132,7 @@ def press_rows(result: dict[str, Any]) -> tuple[list[str], list[list[str]]]:
         reads = row["reads"] if row["reads"] == "inside" else f"{row['percent_outside']:.0f} % {row['reads']}"
         rows.append([*test, f"{row['depth_mm']:.2f}", f"{100 * row['gel_compression']:.0f} %",
                      f"{row['peak_force_N']:.1f}", people, reads])  # fmt: skip
-    return ["steady N", "mm/s", "depth mm", "gel used", "pad peak N", "people N", ""], rows
+    return ["steady N", "mm/s", "depth mm", "% of gel", "pad peak N", "people N", ""], rows
 
 
 def correction_lines(result: dict[str, Any]) -> list[str]:

@@ -82,7 +82,7 @@ def render(result: dict[str, Any]) -> str:
         head += labelled("PRESS", f"peak {result['peak_force_N']:.3f} N at {result['peak_time_s']:.4f} s, "
                                   f"{result['steady_force_N']:.3f} N at the end")  # fmt: skip
     elif "presses" not in result and "conditions" not in result:
-        head += labelled("FORCE", "static: fully relaxed at each depth")
+        head += labelled("FORCE", "static, fully relaxed at each depth; low and high: the model's own uncertainty")
     tail = []
     for contact in result.get("contact_pressure", []):
         edge = f", at the edge up to {contact['edge_kPa']:.3g} kPa" if contact["edge_kPa"] > contact["peak_kPa"] else ""

@@ -156,7 +156,7 @@ def _factors(what: str, values: list[float | None], reach: str | None) -> str:
     central, most, after = values
     text = f"multiply {what} by {most:.2f} for 95 %" + ("" if reach is None else f" of castings{reach}")
     later = "" if after is None or (most or 1.0) - after < 0.005 else f"; after measuring {max(after, 1.0):.2f}"
-    return f"{text} (central {max(central or 1.0, 1.0):.2f}{later})"
+    return f"{text} (nominal {max(central or 1.0, 1.0):.2f}{later})"
 
 
 def why_text(result: dict[str, Any]) -> str:

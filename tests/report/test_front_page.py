@@ -80,7 +80,7 @@ def test_page_and_pdf_have_the_same_texts_and_the_answers_numbers(made):
         assert texts[at - 1].startswith(f"{row['peak_force_N']:.1f} N: ")
     factor = verdict["correction"]
     assert f"by {factor['force']:.2f} for 95 %" in page
-    assert f"(central {max(factor['force_central'], 1):.2f}" in page
+    assert f"(nominal {max(factor['force_central'], 1):.2f}" in page
     assert answer["measure_first"]["command"] in page.replace(" \\ ", " ")
     for heading in ("Recipe", "Correction", "What to do next", "Force [N] over time since contact"):
         assert heading in texts

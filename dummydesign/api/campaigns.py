@@ -111,10 +111,10 @@ def _expected(
         message = f"no {what} beside the {'depth' if plan[0].by_depth else 'force'} of each press: {problem}"
         return (), message, [{"code": "no_expected", "message": message}], None
     known = material.high_kPa > material.low_kPa
-    interval = f" (95 %: {material.low_kPa:.3g} to {material.high_kPa:.3g})" if known else ", its interval not known"
-    arms = "relaxation of the resin" if material.prony else "no relaxation known"
-    words = f"{what} at {material.young_kPa:.3g} kPa{interval}; {arms}; in brackets 95 % of "
-    words += "modulus and force law" if known else "the force law alone"
+    interval = f" (95 %: {material.low_kPa:.3g} to {material.high_kPa:.3g} kPa)" if known else " (interval not known)"
+    arms = "with the resin's relaxation" if material.prony else "without relaxation"
+    words = f"{what} for a modulus of {material.young_kPa:.3g} kPa{interval}, {arms}; in brackets the 95 % interval "
+    words += "by modulus and force law" if known else "by the force law alone"
     deep = [row.file for row, one in zip(plan, found) if one.beyond]
     may = [row.file for row, one in zip(plan, found) if one.may_go_beyond and not one.beyond]
     notes = []
@@ -193,7 +193,7 @@ def _power(
     try:
         found = plan_power(plan, campaign, 1e-3 * start_young_kPa(campaign), seed)
     except InputError as problem:
-        message = f"the effects that this plan can detect were not computed: {problem}"
+        message = f"which effects this plan can detect is not known for this pad and punch: {problem}"
         return None, [{"code": "no_power", "message": message}]
     return found.to_dict(), []
 

@@ -133,7 +133,7 @@ def _solve() -> Check:
     except (DummydesignError, ImportError, ArithmeticError, OSError) as problem:
         return Check("solve", "failed", " ".join(str(problem).split()), "install the package again")
     away = abs(forces[0] / forces[1] - 1.0)
-    text = f"{forces[0]:.3f} N, {100 * away:.2f} % from the table, {time.perf_counter() - begun:.1f} s"
+    text = f"{forces[0]:.3f} N, {100 * away:.2f} % from the stored solution, {time.perf_counter() - begun:.1f} s"
     advice = "" if away <= SOLVE_LIMIT else "report it with the versions above"
     return Check("solve", "ok" if away <= SOLVE_LIMIT else "failed", text, advice)
 

@@ -60,11 +60,11 @@ def make_mould(
     face_sheet_mm : float, optional
         Thickness of a sheet of glass let into the master as the tested face; the preset's by default, 0 for none. [mm]
     bone : path, optional
-        STL or STEP of a bone (millimetres) that hangs in the gel; the model takes the nearest dome.
+        STL or STEP of a bone (millimetres) that hangs in the gel; the model uses the closest dome.
     bone_height_mm : float, optional
         How far it reaches into the gel from the free face; needed with a bone. [mm]
     bone_scale : float
-        Its size over that in the file.
+        Its scale factor of the file.
     bone_turn_deg : (float, float, float)
         Turns about x, y and z, in this order, after which its lowest point is the tip towards the tested face. [deg]
     bone_at_mm : (float, float)

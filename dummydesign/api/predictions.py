@@ -279,7 +279,8 @@ def predict(
         inputs["resin"] = DEFAULT
     asked = [name for name in ("depth_mm", "motion", "force_N") if inputs[name] is not None]
     if len(asked) > 1 or (not asked and tissue is None):
-        message = f"give exactly one of --depth, --motion and --force, not {len(asked)}"
+        given = f"{len(asked)} of them are given" if asked else "none is given"
+        message = f"give exactly one of --depth, --motion and --force (with --velocity); {given}"
         raise InputError(message, "conflict" if asked else "missing", "depth")
     if velocity_mm_s is not None and asked in (["depth_mm"], ["motion"]) and tissue is None:
         why = "forces at a depth are static" if asked == ["depth_mm"] else "a motion has its own speed"

@@ -33,7 +33,7 @@ def add_effect_option(parser: argparse.ArgumentParser) -> None:
     """Declare ``--effect``, which may be given several times."""
     parser.add_argument(
         "--effect", dest="effects", metavar="FILE.py", action="append", default=[],
-        help="an effect of your own, one class in a file that is run; may be given several times",
+        help="file with one effect class of your own; its code is run; may be repeated",
     )  # fmt: skip
 
 
@@ -42,7 +42,7 @@ def add_replace_option(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--replace",
         action="store_true",
-        help="take the place of another answer in --out (default: it stays, and the new one gets the next number)",
+        help="overwrite an earlier answer in --out (default: keep it and number the new folder)",
     )
 
 

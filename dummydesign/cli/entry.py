@@ -48,8 +48,8 @@ def meanings_of(command: str, action: argparse.Action) -> dict[str, str]:
 
 FLAGS = (
     (("--json",), "print one JSON object and nothing else"),
-    (("--details",), "print all of the answer, not one screen of it"),
-    (("-v", "--verbose"), "a line for each step with the time since the start, and what it took at the end"),
+    (("--details",), "print the whole answer instead of one screen"),
+    (("-v", "--verbose"), "print each step with the time since the start, and the total and processor time at the end"),
     (("-q", "--quiet"), "no progress, only the answer"),
 )
 
@@ -139,6 +139,11 @@ class _Parser(argparse.ArgumentParser):
 
     def error(self, message: str) -> NoReturn:
         found = re.match(r"argument ([^\s:/]+)", message)
+        if missing := re.match(r"the following arguments are required: (.*)", message):
+            verb = "are" if ", " in missing[1] else "is"
+            message = f"{missing[1]} {verb} required; '{self.prog} --help' explains more"
+        if whole := re.match(r"argument (\S+): invalid int value: (.*)", message):
+            message = f"{whole[1]} {whole[2]} is not a whole number"
         raise InputError(message, "bad_arguments", quantity_name(found[1]) if found else "arguments")
 
 

@@ -41,7 +41,7 @@ def details(result: dict[str, Any]) -> str:
         "  " + "   ".join(f"{name.replace('_', ' ')} {'none' if value is None else format(value, '.2f')}"
                           for name, value in best["scores"].items()),
         "",
-        "  steady N  mm/s   depth mm  depth/thickness  gel used  peak N   tissue peak N   fraction in range  reads",
+        "  steady N  mm/s   depth mm  depth/thickness  % of gel  peak N   tissue peak N   fraction in range  reads",
     ]
     lines += [_condition(row) for row in best["conditions"]]
     no_law = any(item["code"] == NO_LAW for item in result["warnings"])
@@ -161,7 +161,7 @@ def _more_details(result: dict[str, Any]) -> list[str]:
     if checked["max_difference_percent"] is not None:
         lines.append(
             f"verified: {checked['fidelity']} finite elements differ by at most "
-            f"{checked['max_difference_percent']:.2f} % from the table"
+            f"{checked['max_difference_percent']:.2f} % from the stored solutions"
         )
     lines += ["", result["rests_on"]["text"]]
     if not result["measure_first"]["group"]:

@@ -115,8 +115,14 @@ def sentence(text: str) -> str:
 
 
 def shortened(text: str, most: int) -> str:
-    """The text, cut at a word when it is longer."""
-    return textwrap.shorten(text, most, placeholder=" ...") if len(text) > most else text
+    """The text, cut at the end of a statement when it is longer, or else at a word."""
+    if len(text) <= most:
+        return text
+    ends = [at for mark in ("; ", ". ", ": ") if (at := text.rfind(mark, 40, most - len(CUT))) > 0]
+    return f"{text[: max(ends)]}{CUT}" if ends else textwrap.shorten(text, most, placeholder=" ...")
+
+
+CUT = " (more: --details)"
 
 
 def files_block(result: dict[str, Any], first: Sequence[str] = ("report",)) -> list[str]:

@@ -43,7 +43,7 @@ def choose_target(
 
     ``shared`` is a set of files with one stem in a folder with others: ``STEM.toml``, ``STEM-manifest.json``, ...
     """
-    why = "was written by other inputs"
+    why = "holds the answer to other inputs"
     for number in range(1, MOST):
         path = out if number == 1 else _numbered(out, number, shared)
         place = OutputTarget(path, path.name, NAME)
@@ -70,7 +70,7 @@ def choose_target(
         raise InputError(message, "file_exists", "out", str(out))
     if number == 1:
         return place
-    message = f"'{out}' {why} and stays as it is; this answer is in '{path}' (--replace takes the other's place)"
+    message = f"'{out}' {why} and was kept; this answer is in '{path}' (--replace overwrites)"
     return dataclasses.replace(place, warnings=({"code": "output_numbered", "message": message},))
 
 
@@ -238,7 +238,7 @@ def _merge(work: Path, place: OutputTarget) -> None:
             message = f"'{there}' is a folder; a file of that name has to be written"
             raise InputError(message, "file_exists", "out", str(there))
         if there.exists() and name not in place.old and name != place.manifest and not place.takes_over:
-            message = f"'{there}' is in the way: no command is known to have written it; name another --out"
+            message = f"'{there}' exists, and no command is known to have written it; name another --out"
             raise InputError(message, "file_exists", "out", str(there))
     trash = work.with_name(work.name.replace(".part-", ".old-"))
     moves: list[tuple[Path, Path]] = []

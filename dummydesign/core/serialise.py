@@ -84,3 +84,10 @@ class Serialised:
         """Return the values of this answer as plain data."""
         names = [*(item.name for item in fields(self)), *self.also]  # type: ignore[arg-type]
         return {name: to_plain(getattr(self, name)) for name in names}
+
+
+def percent_below_limit(share: float, limit: float | None) -> str:
+    """Write a share in per cent; one below a limit is not rounded up to it."""
+    if limit is not None and share < limit <= 0.01 * round(100.0 * share):
+        return f"{math.floor(1000.0 * share) / 10.0:.1f} %"
+    return f"{round(100.0 * share)} %"

@@ -142,7 +142,7 @@ def verdict_of_traces(found: Comparison, tissue: Tissue) -> Verdict:
     if not len(steady):
         unsettled = " and ".join(filter(None, [unsettled, f"it was not pressed above {lowest:g} N"]))
     readings = Readings(peak, energy, depth)
-    return verdict(ranges, readings, spread, of="pads that these traces allow", unsettled=unsettled, cast=True)
+    return verdict(ranges, readings, spread, of="pads that fit these traces", unsettled=unsettled, cast=True)
 
 
 def _press(

@@ -106,7 +106,7 @@ def base_words(base: str) -> str:
 def _shape_help() -> str:
     from dummydesign.geometry.shape_registry import shape_help
 
-    return shape_help("auto", default="auto") + "; lengths that are not given are searched"
+    return shape_help("auto", default="auto") + "; lengths not given are searched"
 
 
 @dataclass(frozen=True)
@@ -116,10 +116,10 @@ class SuggestOptions:
     tissue: str = option(MISSING, "tissue", "NAME|FILE", "see 'dummydesign tissues list'")
     aim: str = option("average", "aim", "AIM", "average (default), safe-side or subject:NAME")
     resin: str = option("polyurethane-nagoya", "resin", "NAME|FILE", "see 'dummydesign resins list'")
-    thickness_mm: tuple[float, float] | None = option(None, "thickness", "MIN:MAX", "limits in mm, inside 3 to 30",
+    thickness_mm: tuple[float, float] | None = option(None, "thickness", "MIN:MAX", "search range in mm, in 3 to 30",
         read=partial(parse_limits, quantity="thickness in mm"), between=":")  # fmt: skip
     ratio: tuple[float, float] | None = option(None, "ratio", "MIN:MAX",
-        "limits of the mixing ratio, inside the resin's range",
+        "search range of the mixing ratio, within the resin's range",
         read=partial(parse_limits, quantity="ratio"), between=":")  # fmt: skip
     shape: str = option("auto", "shape", "NAME[:P,..]", _shape_help)
     verify: bool = option(True, "no-verify", "", "do not check the design by finite elements")
@@ -127,13 +127,13 @@ class SuggestOptions:
         read=partial(read_number, purpose=parsing.HOLD))  # fmt: skip
     deceleration_mm_s2: float = option(30_000.0, "deceleration", "MM_S2", "braking (default 30000 mm/s2)",
         read=partial(read_number, purpose=parsing.DECELERATION))  # fmt: skip
-    weighing_g: float = option(0.1, "balance", "G", "error of weighing, plus and minus (default 0.1 g)",
+    weighing_g: float = option(0.1, "balance", "G", "weighing error, plus or minus (default 0.1 g)",
         read=partial(_read_error, purpose=parsing.BALANCE), argument="balance_g")  # fmt: skip
     thickness_tolerance_mm: float = option(0.2, "thickness-tolerance", "MM",
-        "error of the cast thickness, plus and minus (default 0.2 mm)",
+        "error of the cast thickness, plus or minus (default 0.2 mm)",
         read=partial(_read_error, purpose=parsing.TOLERANCE))  # fmt: skip
     calibration: str | None = option(None, "calibration", "FILE",
-        "file written by 'dummydesign loop'; none leaves a project's out", read=str)  # fmt: skip
+        "file written by 'dummydesign loop'; none: ignore the project's", read=str)  # fmt: skip
     punch: str = option(PUNCH, "punch", "KIND:SIZE",
         "square:14 (default), rectangle:AxB, round:D, ball:D, profile:FILE.csv")  # fmt: skip
     force_N: tuple[float, ...] = option((5.0, 10.0, 15.0), "force", "F1,F2,...", "steady forces (default 5,10,15 N)",
@@ -153,8 +153,8 @@ class SuggestOptions:
         "printer, vacuum chamber and oven the mould must fit")  # fmt: skip
     silicone: str | None = option(None, "silicone", "NAME|FILE", "silicone of the mould")
     sites: tuple[int, int] | None = option(None, "sites", "NxM",
-        "crowns along and across one pad, such as 4x3, far enough apart to be independent (solved)",
+        "crowns along and across one pad, such as 4x3, far enough apart to be independent",
         read=read_sites, between="x")  # fmt: skip
     castings: int = option(1200, "castings", "N",
-        "castings that are drawn for every share and factor (default 1200, which is the least)",
+        "number of simulated castings (default and minimum 1200)",
         read=partial(read_count, quantity="castings"))  # fmt: skip

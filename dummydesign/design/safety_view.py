@@ -33,7 +33,7 @@ BEYOND = "not stopped within what the model covers"
 TEXT = (
     "Load on the tissue and on the pad under the same press: the energy of the rise (integral of F dx "
     "from touch to stop, the criterion the paper names for dummy II) and the largest mean pressure, force over the "
-    "{punch} face. A pad serves a criterion where its number lies among the subjects'. Peak pressure is not "
+    "{punch} face. A pad suits a criterion if its value is inside the subjects' range. Peak pressure is not "
     "given: under a sharp edge it grows without bound, it needs the edge radius of the real part."
 )
 

@@ -325,7 +325,7 @@ def of_shape(law: ElementsLaw, young_MPa: float, radius_mm: float) -> Verificati
     """The record of a shape that was designed on its own elements: what the table gave, what was solved."""
     table = np.asarray(law.table.force(law.depth_mm, law.thickness_mm, young_MPa, radius_mm), float)
     depth, force, solved = (tuple(values.tolist()) for values in (law.depth_mm, table, table * np.exp(law.log_factor)))
-    notes = ("the design is based on the finite-element solution, not on the table", *([law.end] if law.end else []))
+    notes = ("forces come from finite elements of this pad, not from stored solutions", *([law.end] if law.end else []))
     largest = float(np.max(np.abs(np.expm1(law.log_factor))))
     return Verification(law.table.shape.fidelity, 100.0 * largest, depth, force, solved, notes)
 
@@ -373,13 +373,13 @@ class CentringTolerance(Serialised):
         """The margins as a sentence."""
         free = [f"{m:.1f} mm at {f:g} N" for f, m in zip(self.force_N, self.margin_mm) if m is not None and m >= 0.05]
         wide = [f"{f:g}" for f, m in zip(self.force_N, self.margin_mm) if m is not None and m < 0.05]
-        parts = [f"nothing changes within {', '.join(free)}"] if free else []
+        parts = [f"no effect within {', '.join(free)}"] if free else []
         if wide:
             parts.append(
-                f"at {', '.join(wide)} N the force falls by at most {LOSS_PERCENT:g} % per 0.5 mm, up to 1 mm off "
-                "centre (crowns solved in space, docs/shapes.md)"
+                f"at {', '.join(wide)} N the force falls by at most {LOSS_PERCENT:g} % per 0.5 mm, up to 1 mm "
+                "(docs/shapes.md)"
             )
-        return f"placement on the crown: {'; '.join(parts)}"
+        return f"punch off the crown's centre: {'; '.join(parts)}"
 
 
 def centring_tolerance(

@@ -49,13 +49,13 @@ class Option:
     @property
     def text(self) -> str:
         """The press in words."""
-        away = " and the way back" if self.unloading else ""
+        away = " and unloading" if self.unloading else ""
         when = f", {self.circumstance}" if self.circumstance else ""
         shape = "" if self.geometry.plain else f"{self.geometry} "
         what = f"{'the' if self.known else 'a new'} {self.thickness_mm:g} mm {shape}pad"
         return (
             f"press {what} to {self.depth_share * self.thickness_mm:.2g} mm at "
-            f"{self.velocity_mm_s:g} mm/s with hold{away}{when}"
+            f"{self.velocity_mm_s:g} mm/s; record the hold{away}{when}"
         )
 
 

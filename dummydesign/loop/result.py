@@ -105,12 +105,14 @@ def _effect(found: AcceptedEffect, result: LoopResult) -> dict[str, Any]:
 
 @dataclass(frozen=True)
 class Worth:
-    """What an effect changes at the largest force of the campaign."""
+    """What an effect changes at the largest force of the campaign, and the most that it changes anywhere."""
 
     name: str
     change_N: float
     force_N: float
     file: str
+    most_N: float
+    most_file: str
 
 
 def worth_of(result: LoopResult, effect: Effect) -> Worth:
@@ -120,8 +122,12 @@ def worth_of(result: LoopResult, effect: Effect) -> Worth:
     vector[fit.problem.entries[effect.name]] = [p.to_coordinate(p.null) for p in effect.parameters]
     measured = np.where(presses.used, presses.force_N, -np.inf)
     row, column = np.unravel_index(int(np.argmax(measured)), measured.shape)
-    force, without = float(fit.forces[row, column]), float(fit.problem.predict(vector)[row, column])
-    return Worth(effect.name, force - without, force, presses.trials[row].file)
+    predicted = fit.problem.predict(vector)
+    force, without = float(fit.forces[row, column]), float(predicted[row, column])
+    change = np.where(presses.used, fit.forces - predicted, 0.0)
+    most, at = np.unravel_index(int(np.argmax(np.abs(change))), change.shape)
+    files = presses.trials[row].file, presses.trials[most].file
+    return Worth(effect.name, force - without, force, files[0], float(change[most, at]), files[1])
 
 
 def answer_of(result: LoopResult) -> list[str]:
@@ -135,8 +141,9 @@ def answer_of(result: LoopResult) -> list[str]:
         first = f"The model lacked {listed(names)}; with {them} the residual is noise."
     else:
         used = "is" if len(names) == 1 else "are"
-        found = f" beyond {listed(names)}, which {used} used anyway" if names else ""
-        first = f"Something is missing that no known effect explains{found}: {result.remainder.reasons[0]}."
+        found = f" {listed(names).capitalize()} {used} used, but not enough." if names else ""
+        first = (f"Something is missing that no known effect explains.{found} What remains: "
+                 f"{result.remainder.reasons[0]}.")  # fmt: skip
     # what the fit did not see comes first
     unseen = "".join(f"{one['message']}. " for one in result.warnings if one["code"] == "beyond_table")
     lines = [unseen + first]
@@ -145,7 +152,7 @@ def answer_of(result: LoopResult) -> list[str]:
     if left is not None and before is not None:
         change = f"falls from {before:.3g} to {left:.3g} N" if result.effects else f"is {left:.3g} N"
         floor = after.fit.sizes.floor_N
-        lines.append(f"The error on left-out conditions {change}; the noise floor is {floor:.2g} N.")
+        lines.append(f"The error on presses left out of the fit {change}; noise alone leaves {floor:.2g} N.")
     parameters = after.to_dict()["parameters"]
     young = parameters["young_kPa"]
     lines.append(
@@ -184,7 +191,7 @@ def answer_rows(data: dict[str, Any]) -> tuple[list[str], list[list[str]]]:
     for effect in data["effects"]:
         rows += [[name, "-", *(f"{value[end]:.4g}" for end in ("value", "low", "high")), f"({effect['name']})"]
                  for name, value in effect["parameters"].items()]  # fmt: skip
-    return ["", "base", "after", "95 % low", "95 % high"], rows
+    return ["", "base", "corrected", "95 % low", "95 % high"], rows
 
 
 def _effect_text(result: LoopResult, effect: Effect, rivals: tuple[str, ...]) -> str:
@@ -192,16 +199,17 @@ def _effect_text(result: LoopResult, effect: Effect, rivals: tuple[str, ...]) ->
     value, worth = effect_intervals(result.after, effect)[size.name], worth_of(result, effect)
     unit = "" if size.unit == "1" else f" {size.unit}"
     span = f"95 %: {value['low']:.3g} to {value['high']:.3g}" if value["determined"] else "not determined"
-    text = (
-        f"{named(effect.name).capitalize()}: {size.name} = {value['value']:.3g}{unit} ({span}), "
-        f"changes the largest force ({worth.force_N:.3g} N) by {worth.change_N:+.2g} N."
-    )
+    if abs(worth.change_N) < 0.1 * abs(worth.most_N):  # the largest force hides what the effect does
+        change = f"changes forces by up to {worth.most_N:+.2g} N ({worth.most_file})"
+    else:
+        change = f"changes the largest force ({worth.force_N:.3g} N) by {worth.change_N:+.2g} N"
+    text = f"{named(effect.name).capitalize()}: {size.name} = {value['value']:.3g}{unit} ({span}), {change}."
     if value["at_bound"]:
         text += " Its size is at the end of its range, so another cause is possible."
     if rivals:
         text += f" {listed([named(name) for name in rivals], 'or').capitalize()} would explain it as well."
     if effect.cause:
-        text += f" As a rule: {effect.cause}."
+        text += f" Usual cause: {effect.cause}."
     if effect.remedy:
         text += f" {effect.remedy[0].upper()}{effect.remedy[1:]}."
     return text

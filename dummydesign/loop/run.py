@@ -200,7 +200,7 @@ def _better_alone(found: Selection, after: AssessedModel) -> tuple[dict[str, str
             continue  # noise alone may explain as much
         why = "its size is at its bound" if at_bound(one.fit) else "it does not predict left-out presses better"
         plain = name.replace("_", " ")
-        message = f"{plain} alone explains more than this model and was not taken: {why}; test for it by itself"
+        message = f"{plain} alone fits better, but was not added: {why}; test for it by itself"
         out.append({"code": "explains_more", "message": message})
     return tuple(out)
 

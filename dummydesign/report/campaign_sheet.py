@@ -33,7 +33,7 @@ def sheet_html(
     rows, beside = [], dict(zip((row.sequence for row in plan), expected))
     length = twin_of("_mm", units)[0].removeprefix("_")
     columns = ["", f"pad {length}", f"{length}/s", *_targets(plan[0].by_depth, bool(expected), units), "hold s",
-               "rest before", "way back", "save as", "°C, remarks"]  # fmt: skip
+               "rest before", "unloading", "save as", "°C, remarks"]  # fmt: skip
     for age, day in groupby(plan, key=lambda row: row.age_days):
         rows.append(
             f'<tr class="day"><td colspan="{len(columns)}">age {age:g} days &nbsp; date ____________ &nbsp; '
@@ -47,7 +47,7 @@ def sheet_html(
         f'<!doctype html><html lang="en"><meta charset="utf-8"><title>{escape(name)}</title><style>{_STYLE}</style>'
         f"<h1>{escape(name)}: {len(plan)} presses in this order (seed {seed})</h1>{head}"
         f"<p>Start above the surface and record from there. {drive} Write down the temperature "
-        "of the pad at every press. A press that failed: strike it out, rest the pad, press it again, say so here.</p>"
+        "of the pad at every press. A press that failed: strike it out, rest the pad, press it again, note it here.</p>"
         f"<table{tight}><tr>{heads}</tr>{''.join(rows)}</table></html>\n"
     )
 
@@ -64,7 +64,7 @@ def _hold(by_depth: bool, expected: Iterable[Expected]) -> str:
     found = list(expected)
     words = "Hold the position; do not control the force."
     if found and not by_depth:
-        words = f"Press to the force, or to the depth beside it if your machine controls position. {words}"
+        words = f"Press to the force. If your machine controls position, press to the depth in the next column. {words}"
     if any(one.beyond or one.may_go_beyond for one in found):
         words += " <b>!</b> is deeper than 0.6 of the pad's thickness, or than the model reaches: stop at that depth."
     return words

@@ -357,8 +357,9 @@ def parameters_text(result: dict[str, Any]) -> str:
     outside = [name for name, row in result["parametric"].items() if row["inside"] is False]
     known = [name for name, row in result["parametric"].items() if row["inside"] is not None]
     if outside:
-        return f"{len(outside)} of {len(known)} outside the subjects' band: {', '.join(outside)}"
-    return f"all {len(known)} inside the subjects' band" if known else ""
+        count = f"{len(outside)} of {len(known)} parameters of the force law"
+        return f"{count} are outside the subjects' band: {', '.join(outside)}"
+    return f"all {len(known)} parameters of the force law are inside the subjects' band" if known else ""
 
 
 def next_steps(result: dict[str, Any]) -> list[str]:

@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from dummydesign.core.serialise import percent_below_limit
 from dummydesign.report.page import STYLES, Section, Table, write_report
 from dummydesign.report.plot import Plot, steady_plot
 from dummydesign.report.plot_layers import Band, Layer, Line
@@ -42,7 +43,7 @@ def write_designs_report(folder: Path, found: Comparison) -> dict[str, str]:
     lead = f"{len(designs)} designs of 'dummydesign suggest': {', '.join(one['folder'] for one in designs)}."
     if found.differences:
         names = ", ".join(one["name"] for one in found.differences)
-        lead = f"Not comparable as they are: the questions differ in {names}. {lead}"
+        lead = f"These designs answer different questions: they differ in {names}. {lead}"
     return write_report(folder, "Designs side by side", lead, sections, facts=facts, warnings=found.warnings,
                         sources=found.sources)  # fmt: skip
 
@@ -77,16 +78,26 @@ def design_rows(designs: Sequence[Mapping[str, Any]]) -> list[Row]:
         values = [one["scores"].get(key) for one in designs]
         if any(value is not None for value in values):
             rows.append((f"  {words}", [_number(value) for value in values]))
-    for key, words in (("shortfall", "shortfall"), ("over", "over-reading")):
+    for key, words in (("shortfall", "people/pad"), ("over", "pad/people")):
         cells = [f"{_number(one[key]['central'])}, 95 %: {_number(one[key]['q95'])}" for one in designs]
         rows.append((words, cells))
-    factors = [one["correction"] for one in designs]
     return [
         *rows,
-        ("correction", [f"{_number(one['factor_central'])}, 95 %: {_number(one['factor'])}" for one in factors]),
-        ("usable", [f"{100 * one['castings']['usable_fraction']:.0f} % of castings" for one in designs]),
+        ("correction", [_correction(one) for one in designs]),
+        ("usable", [f"{_usable(one['castings'])} of castings" for one in designs]),
         ("mix", [_mix(one["batch"]) for one in designs]),
     ]
+
+
+def _correction(design: Mapping[str, Any]) -> str:
+    """The factor of readings; of a red pad none helps."""
+    if design["verdict"]["light"] == "red":
+        return "none helps"
+    return f"{_number(design['correction']['factor_central'])}, 95 %: {_number(design['correction']['factor'])}"
+
+
+def _usable(castings: Mapping[str, Any]) -> str:
+    return percent_below_limit(castings["usable_fraction"], castings["needed_fraction"])
 
 
 def _lengths(designs: Sequence[Mapping[str, Any]]) -> list[Row]:

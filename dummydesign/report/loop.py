@@ -163,7 +163,7 @@ def press_plots(result: LoopResult) -> Iterator[Plot]:
             f"and {left:.3g} N after."
         )
         name = unique("press-" + label.replace(" mm/s", "mm-s").replace(", ", "-").replace(" ", ""), names)
-        title = f"{label}: {1e3 * before:.0f} to {1e3 * left:.0f} mN"
+        title = f"{label}: rms {1e3 * before:.0f} to {1e3 * left:.0f} mN"
         yield press_plot(name, title, alt, layers, (log_start(min(rises)), max(ends)))
 
 
@@ -182,7 +182,7 @@ def write_loop_report(folder: Path, result: LoopResult) -> dict[str, str]:
     left = data["residual"]
     if left["heldout_over_noise_floor"] is not None:
         expected = f"{left['expected_over_noise_floor']:.2f} when nothing is missing"
-        words = f"noise floors of error on left-out conditions, {expected}"
+        words = f"error on presses left out of the fit, over the noise; {expected}"
         facts.insert(1, (f"{left['heldout_over_noise_floor']:.2f}", words))
     answer, presses = data["answer"], list(press_plots(result))
     lead = f"{result.campaign.name}, {len(result.presses.trials)} trials. {answer[0]}"
@@ -215,7 +215,7 @@ def _front(title: str, data: dict[str, Any], presses: list[Plot], trials: Plot) 
     facts = [Fact("rms residual, base to corrected", change, True)]
     if base["heldout_rmse_N"] is not None and after["heldout_rmse_N"] is not None:
         change = f"{base['heldout_rmse_N']:.3g} to {after['heldout_rmse_N']:.3g} N"
-        facts.append(Fact("on left-out conditions, base to corrected", change))
+        facts.append(Fact("on presses left out of the fit, base to corrected", change))
     facts.append(Fact("noise floor", f"{after['noise_floor_N']:.3g} N"))
     if young["determined"]:
         words = f"{young['value']:.3g} kPa (95 %: {young['low']:.4g} to {young['high']:.4g})"
@@ -237,11 +237,11 @@ def _effect_words(data: dict[str, Any]) -> list[str]:
     out = []
     for effect in data["effects"]:
         name = named(effect["name"])
-        text = f"{name.capitalize()} acts at the {effect['stage']}."
+        text = f"{name.capitalize()} acts on the {effect['stage']}."
         if effect["confounded_with"]:
-            text += f" Explains the data as well: {listed([named(name) for name in effect['confounded_with']])}."
+            text += f" Would explain the data as well: {listed([named(name) for name in effect['confounded_with']])}."
         if effect["family"]:
-            text += f" Acts alike in this campaign: {listed([named(name) for name in effect['family']])}."
+            text += f" Looks the same in this campaign: {listed([named(name) for name in effect['family']])}."
         out.append(text)
     return out or ["No effect was accepted."]
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from dummydesign.core.serialise import percent_below_limit
 from dummydesign.design.options import base_words
 from dummydesign.design.plot_data import THICKNESS_GRID_MM, PressPictures, SuggestionCurves
 from dummydesign.design.safety_view import SafetyView
@@ -253,8 +254,8 @@ def write_suggestion(
     ]
     first = result["measure_first"]
     lead = (f"{_sentence(first['text'])} {_sentence(first['protocol'])} " if first["text"] else "") + (
-        f"Recommended for {answer.tissue.title} ({answer.tissue.name}), aim {answer.request.aim}, of "
-        f"{answer.resin.title}. {result['rests_on']['text']}"
+        f"Tissue: {answer.tissue.title}, aim {answer.request.aim}. Resin: {answer.resin.title}. "
+        f"{result['rests_on']['text']}"
         + ("" if first["text"] else f" Next: {result['rests_on']['next_step']}.")
     )
     if answer.tissue.notice is not None:
@@ -271,9 +272,8 @@ def write_suggestion(
         Section("Why this design", _why(result),
                 [*score_maps(answer, curves), exponent_plot(answer, curves), *sensitivity_bars(answer, curves)],
                 _alternatives(result)),
-        Section("Recipe", "", table=Table(["component", "weigh g"], [
-            *([item["name"], f"{item['mass_g']:.1f}"] for item in best["recipe"]["components"]),
-            ["total", f"{best['recipe']['total_g']:.1f}"]])),
+        Section("Recipe", "Weigh the whole batch: it keeps the weighing error small. Pour the mass in the last column "
+                "into the mould; the rest is spare.", table=_recipe_table(best)),
         _solids(best, result.get("files", {}), answer.request.pad_mm),
         safety_section(safety),
         *people,
@@ -284,15 +284,31 @@ def write_suggestion(
                         **{name: result[name] for name in ("warnings", "sources", "verdict")})  # fmt: skip
 
 
+def _recipe_table(best: dict[str, Any]) -> Table:
+    """What to weigh, the least batch that fills the mould, and what to pour; of a layered pad both pours."""
+    rows = []
+    for layer, batch, recipe in (("", best["batch"], best["recipe"]),
+                                 *((("base: ", best["batch"]["base"], best["recipe"].get("base")),)
+                                   if "base" in best["batch"] else ())):  # fmt: skip
+        needs = {} if recipe is None else {item["name"]: f"{item['mass_g']:.1f}" for item in recipe["components"]}
+        rows += [[layer + item["name"], f"{item['mass_g']:.1f}", needs.get(item["name"], ""), ""]
+                 for item in batch["components"]]  # fmt: skip
+        total = "" if recipe is None else f"{recipe['total_g']:.1f}"
+        rows.append([f"{layer}total", f"{batch['total_g']:.1f}", total, f"{batch['pour_g']:.1f}"])
+    return Table(["component", "weigh g", "least batch g", "pour g"], rows)
+
+
 def _castings_fact(result: dict[str, Any]) -> list[tuple[str, str]]:
     """The share of castings that are usable, and the correction."""
     castings, factors = result["castings"], result["verdict"]["correction"]
     share = castings["stands_for"] + castings["usable"]
-    facts = [(f"{100 * share:.0f} %", f"of {castings['n']} castings are usable")]
+    needed = result["verdict"]["limits"]["share"]
+    words = f"of {castings['n']} castings are usable ({100 * needed:g} % needed)"
+    facts = [(percent_below_limit(share, needed), words)]
     if result["verdict"]["light"] == "amber" and factors["factor"] is not None:
-        facts.append((f"{factors['force']:.2f}", "multiply forces by it (95 % of castings in reach)"))
+        facts.append((f"{factors['force']:.2f}", "multiply forces by this (95 % of castings in reach)"))
         if factors["factor"] - factors["force"] > 0.005:
-            facts.append((f"{factors['factor']:.2f}", "multiply energies by it (95 % of castings in reach)"))
+            facts.append((f"{factors['factor']:.2f}", "multiply energies by this (95 % of castings in reach)"))
     return facts
 
 
@@ -309,8 +325,8 @@ def _steady_words(answer: Suggestion) -> str:
         steep = answer.targets.power > 1.0
         top = "A flat pad starts nearly linear, so it crosses the tissue's curve and cannot follow it." if steep else ""
     return (
-        f"The relaxed pad and the subjects. {low} The band of the pad holds 95 % of its castings, by what is not known "
-        "of the resin and the errors of weighing and thickness. "
+        f"The relaxed pad and the subjects. {low} The band of the pad holds 95 % of its castings. It covers the "
+        "uncertainty of the resin and the errors of weighing and thickness. "
         + top
     )
 
@@ -338,7 +354,7 @@ def _shapes(answer: Suggestion, result: dict[str, Any], curves: SuggestionCurves
     if answer.sites:
         text += f" Its sites: {answer.sites.text}."
     if answer.centring:
-        text += f" Of the recommended pad {answer.centring.text}."
+        text += f" Recommended pad, {answer.centring.text}."
     shown = [f"{force:g}" for force in (0.2 * low, low, high)]
     head = ["pad", "thickness mm", "ratio", "misfit", f"in range {0.1 * low:g} to {low:g} N",
             f"in range {low:g} to {high:g} N", *(f"exponent at {force} N" for force in shown),

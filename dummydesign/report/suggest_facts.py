@@ -33,6 +33,10 @@ TYPED_AGAIN = ("aim", "shape", "punch", "edge_radius_mm", "force_N", "velocity_m
 """Options of the next search beside tissue and resin, in the order in which they are typed."""
 
 
+PARTS = {"crowned": "crown", "boned": "bone", "bumped": "bumps", "layered": "layers"}
+"""What the lengths of a shape measure."""
+
+
 def calibration_text(result: dict[str, Any]) -> str:
     """The calibration that was used and the first thing that it leaves unexplained; empty without one."""
     used = result["calibration"]
@@ -64,7 +68,7 @@ def pad_text(result: dict[str, Any]) -> str:
         in_mm = {one.name.removesuffix("_mm") for one in fields(shape) if one.name.endswith("_mm")}
         given = (part.partition("=") for part in lengths.split(","))
         words = (f"{key.replace('_', ' ')} {value}{' mm' if key in in_mm else ''}" for key, _, value in given)
-        text += f"\n{', '.join(words)}"
+        text += f"\n{PARTS.get(name, name)}: {', '.join(words)}"
     return text + (f"\n{result['sites']['text']}" if result["sites"] else "")
 
 
@@ -86,7 +90,7 @@ def batch_lines(batch: dict[str, Any]) -> list[str]:
         weigh = " + ".join(f"{item['name']} {item['mass_g']:.1f} g" for item in one["components"])
         lines.append(f"{name}{weigh} = {one['total_g']:.1f} g; pour {one['pour_g']:.1f} g of it")
     if batch["witness"]["total_g"] > batch["total_g"]:
-        lines[0] += f" (with a puck: {batch['witness']['total_g']:.1f} g)"
+        lines[0] += f" (mix {batch['witness']['total_g']:.1f} g with a puck)"
     return lines
 
 
@@ -128,7 +132,7 @@ def press_rows(result: dict[str, Any]) -> tuple[list[str], list[list[str]]]:
         reads = row["reads"] if row["reads"] == "inside" else f"{row['percent_outside']:.0f} % {row['reads']}"
         rows.append([*test, f"{row['depth_mm']:.2f}", f"{100 * row['gel_compression']:.0f} %",
                      f"{row['peak_force_N']:.1f}", people, reads])  # fmt: skip
-    return ["steady N", "mm/s", "depth mm", "gel used", "pad peak N", "people N", ""], rows
+    return ["steady N", "mm/s", "depth mm", "% of gel", "pad peak N", "people N", ""], rows
 
 
 def correction_lines(result: dict[str, Any]) -> list[str]:
@@ -148,11 +152,11 @@ def correction_lines(result: dict[str, Any]) -> list[str]:
 
 
 def _factors(what: str, values: list[float | None], reach: str | None) -> str:
-    """Factors of forces or energies: central, for 95 % of castings, and once the resin is measured."""
+    """Factors of forces or energies: for 95 % of castings, at central estimates, and once the resin is measured."""
     central, most, after = values
-    text = f"multiply {what} by {max(central or 1.0, 1.0):.2f} (central); {most:.2f} covers 95 %"
-    text += "" if reach is None else f" of castings{reach}"
-    return text + ("" if after is None or (most or 1.0) - after < 0.005 else f", {max(after, 1.0):.2f} once measured")
+    text = f"multiply {what} by {most:.2f} for 95 %" + ("" if reach is None else f" of castings{reach}")
+    later = "" if after is None or (most or 1.0) - after < 0.005 else f"; after measuring {max(after, 1.0):.2f}"
+    return f"{text} (nominal {max(central or 1.0, 1.0):.2f}{later})"
 
 
 def why_text(result: dict[str, Any]) -> str:
@@ -166,8 +170,8 @@ def why_text(result: dict[str, Any]) -> str:
     forces = sorted(result["inputs"]["force_N"])
     others = sorted((row for row in known if row is not mine), key=lambda row: row["misfit_rms_ln_force"])
     listed = ", ".join(f"{row['kind']} {row['misfit_rms_ln_force']:.2f}" for row in others)
-    fit = f"{mine['misfit_rms_ln_force']:.2f}; {listed}"
-    return f"{text}misfit to people {0.1 * forces[0]:g} to {forces[-1]:g} N: {fit}"
+    fit = f"{mine['misfit_rms_ln_force']:.2f} ({listed})"
+    return f"{text}misfit to people, {0.1 * forces[0]:g} to {forces[-1]:g} N: {fit}"
 
 
 def risk_text(result: dict[str, Any]) -> str:
@@ -225,6 +229,6 @@ def meanwhile_text(result: dict[str, Any]) -> str:
     if first["either_fraction"] - max(first["each_fraction"]) < 0.03:
         return ""
     low, high = first["ratios"]
-    words = "usable" if first["acceptable_means"] == "usable" else "right uncorrected"
+    words = "is usable" if first["acceptable_means"] == "usable" else "needs no correction"
     share = 100 * first["either_fraction"]
-    return f"or pour at ratios {low:g} and {high:g}: at least one is {words} with {share:.0f} % probability"
+    return f"or pour pads at ratios {low:g} and {high:g}: {share:.0f} % probability that at least one {words}"

@@ -81,7 +81,7 @@ def _pressure(pictures: PressPictures) -> Plot:
     for pad, style in ((deepest, "main"), *((one, "alt1") for one in pictures.slab[-1:])):
         profile = pad.contact["profile"]
         layers.append(Line(pad.title, profile["radius_mm"], profile["pressure_kPa"], style))
-        words.append(f"{pad.title} {pad.contact['mean_kPa']:.2g} kPa on average, {pad.contact['peak_kPa']:.2g} at most "
+        words.append(f"{pad.title} {pad.contact['mean_kPa']:.3g} kPa on average, {pad.contact['peak_kPa']:.3g} at most "
                      f"{_place(pad)}")  # fmt: skip
     high = 1.3 * max(max(one.contact["peak_kPa"], one.contact["mean_kPa"]) for one in (deepest, *pictures.slab[-1:]))
     note = "the last tenth of the contact, at the punch's edge, may leave the picture"
@@ -107,16 +107,16 @@ def _compared(pictures: PressPictures) -> str:
     """Peak of the contact pressure and its place, slab and shaped pad, at the highest force."""
     pad = pictures.pads[-1]
     own = (
-        f"At {pad.force_N:g} N the pressure on the {pad.title} pad averages {pad.contact['mean_kPa']:.2g} kPa; away "
-        f"from the punch's edge it is largest {_place(pad)}, {pad.contact['peak_kPa']:.2g} kPa, {_edge(pad)}"
+        f"At {pad.force_N:g} N the pressure on the {pad.title} pad averages {pad.contact['mean_kPa']:.3g} kPa; away "
+        f"from the punch's edge it is largest {_place(pad)}, {pad.contact['peak_kPa']:.3g} kPa, {_edge(pad)}"
     )
     if not pictures.slab:
         return f"{own}."
     flat = pictures.slab[-1]
     ratio = pad.contact["peak_kPa"] / flat.contact["peak_kPa"]
     return (
-        f"{own}. On the best slab it averages {flat.contact['mean_kPa']:.2g} kPa at {flat.force_N:g} N, is largest "
-        f"{_place(flat)}, {flat.contact['peak_kPa']:.2g} kPa, {_edge(flat)}. The peak away from the edge is "
+        f"{own}. On the best slab it averages {flat.contact['mean_kPa']:.3g} kPa at {flat.force_N:g} N, is largest "
+        f"{_place(flat)}, {flat.contact['peak_kPa']:.3g} kPa, {_edge(flat)}. The peak away from the edge is "
         f"{ratio:.2g} times the slab's."
     )
 
@@ -129,7 +129,7 @@ def _table(pictures: PressPictures) -> Table:
         found = pad.contact
         edge = "rises" if found["edge_kPa"] > found["peak_kPa"] else "falls"
         lengths = (f"{pad.depth_mm:.2f}", f"{found['contact_radius_mm']:.1f}")
-        pressures = (f"{found['mean_kPa']:.2g}", f"{found['peak_kPa']:.2g}")
+        pressures = (f"{found['mean_kPa']:.3g}", f"{found['peak_kPa']:.3g}")
         rows.append([pad.title, f"{pad.force_N:g}", *lengths, *pressures, f"{found['peak_radius_mm']:.1f}", edge])
     return Table(head, rows)
 

@@ -168,8 +168,8 @@ def plane_table(rows: Rows) -> tuple[list[str], list[list[str]], int]:
 
 def first_text(rows: Rows) -> str:
     """What the columns of :func:`first_table` hold."""
-    best = "best first; " if "score" in rows[0] else ""
-    return f"{best}thickness in mm, modulus in kPa, depth in mm at 'N' steady ('-': not reached)"
+    best = "best first (score: 1 is best); " if "score" in rows[0] else ""
+    return f"{best}'at N': depth in mm at that steady force ('-': not reached)"
 
 
 def first_table(rows: Rows) -> tuple[list[str], list[list[str]], int]:
@@ -185,7 +185,7 @@ def first_table(rows: Rows) -> tuple[list[str], list[list[str]], int]:
                      f"{row['ratio']:g}", f"{row['young_kPa']:.3g}",
                      *("-" if depth is None else f"{depth:.2f}" for depth in depths),
                      ", ".join(str(row[name]) for name in differ)])  # fmt: skip
-    head = [*(["score"] if score else []), "mm", "ratio", "kPa", *(f"at {force} N" for force in shown)]
+    head = [*(["score"] if score else []), "pad mm", "ratio", "kPa", *(f"at {force} N" for force in shown)]
     return [*head, ", ".join(differ)], body, len(rows) - BEST if score else 0
 
 
@@ -199,13 +199,18 @@ def write_whatif(
     sections = [live, thickness, *_map(study, rows), _table(study, rows)]
     lead = (
         f"{study.size} pads of {resin.title}: {_span(study.thickness_mm)} mm thick, ratio {_span(study.ratio)}, "
-        f"{', '.join(name for name, _ in study.punches)}, by {study.fidelity}."
+        f"{', '.join(name for name, _ in study.punches)}, by {_solved(study)}."
     )
     if tissue is not None and tissue.notice is not None:
         lead = f"{tissue.notice[1]}. {lead}"
     sources = [*resin.references, *([] if tissue is None else tissue.sources)]
     return write_report(folder, "What if", lead, sections, warnings=warnings, sources=sources, scripts=live_scripts(),
                         front=_front(study, rows, lead, thickness.plots, warnings))  # fmt: skip
+
+
+def _solved(study: Study) -> str:
+    """How the forces were computed."""
+    return "stored finite-element solutions" if study.fidelity == "table" else f"finite elements ({study.fidelity})"
 
 
 def _front(
@@ -221,13 +226,14 @@ def _front(
         text = f"{best['thickness_mm']:g} mm, ratio {best['ratio']:g}, {best['shape']}"
         score = f"{best['score']['total']:.2f}"
         facts = [Fact(f"best score for {study.tissue}, 0 to 1", score, True), Fact("pad", text)]
-        words = f"Best for {study.tissue}, aim {study.aim}: {text}. {lead}"
+        words = f"Highest score for {study.tissue}, aim {study.aim}: {text}. A score is no verdict. {lead}"
         again = command_words(SuggestOptions, {"aim": study.aim, "resin": study.resin}, ("aim", "resin"))
         again = f"dummydesign suggest --tissue {study.tissue}{again}"
-        steps = ["Search all pads, with castings, recipe and mould.", again]
+        steps = ["Search all pads for a verdict, with castings, recipe and mould.", again]
     fixed = "\n".join(fixed_texts(ordered))
     return FrontPage(
-        "What if", f"{study.fidelity}; forces {_span(study.forces_N)} N, speeds {_span(study.velocities_mm_s)} mm/s.",
+        "What if",
+        f"By {_solved(study)}; forces {_span(study.forces_N)} N, speeds {_span(study.velocities_mm_s)} mm/s.",
         (None, words), (plots[2].title, plot_drawing(plots[2])), "Study", [*facts, Fact("all designs", fixed)],
         "Local exponent d ln F / d ln x over thickness [mm]",
         [Panel(plot, plot.title.partition(" thickness ")[2], "") for plot in plots[:2]], (),

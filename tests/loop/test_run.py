@@ -114,10 +114,12 @@ def test_the_answer_says_what_was_found_what_it_is_worth_and_what_to_do(results)
     result = results("temperature", 402)
     said = answer_of(result)
     assert "temperature" in said[0] and "the residual is noise" in said[0]
-    assert "As a rule: " in said[1] and said[1].endswith(".")
-    assert any("error on left-out conditions falls from" in text for text in said) and said[-1].startswith("Next: ")
+    assert "Usual cause: " in said[1] and said[1].endswith(".")
+    assert any("error on presses left out of the fit falls from" in text for text in said)
+    assert said[-1].startswith("Next: ")
     effect = next(found.candidate.effect for found in result.effects if found.candidate.effect.name == "temperature")
     worth = worth_of(result, effect)
+    assert abs(worth.most_N) >= abs(worth.change_N) and worth.most_file
     loss = next(one.values for one in result.after.fit.active if one.effect is effect)["modulus_loss_per_K"]
     warm = next(trial.temperature_C for trial in result.presses.trials if trial.file == worth.file) - 23.0
     # the force is linear in the modulus; the shift of relaxation times adds little

@@ -79,12 +79,25 @@ def test_page_and_pdf_have_the_same_texts_and_the_answers_numbers(made):
         at = texts.index(f"{row['steady_force_N']:g} N, {row['velocity_mm_s']:g} mm/s")
         assert texts[at - 1].startswith(f"{row['peak_force_N']:.1f} N: ")
     factor = verdict["correction"]
-    assert f"{factor['force']:.2f} covers 95 %" in page and f"{max(factor['force_central'], 1):.2f} (central)" in page
+    assert f"by {factor['force']:.2f} for 95 %" in page
+    assert f"(nominal {max(factor['force_central'], 1):.2f}" in page
     assert answer["measure_first"]["command"] in page.replace(" \\ ", " ")
     for heading in ("Recipe", "Correction", "What to do next", "Force [N] over time since contact"):
         assert heading in texts
     for length in ("4.5", "2.5", "2", "9.4", "R 21.2"):
         assert length in texts
+
+
+def test_the_recipe_weighs_the_batch_that_is_mixed(made):
+    first, answer, _ = made
+    recipe = (first / "report.html").read_text(encoding="utf-8").partition("<h2>Recipe</h2>")[2]
+    table, best = recipe.partition("</table>")[0], answer["recommendation"]
+    cells = [re.findall(r"<td[^>]*>(.*?)</td>", row) for row in table.split("<tr>")[2:]]
+    mixed = [(item["name"], f"{item['mass_g']:.1f}") for item in best["batch"]["components"]]
+    assert [tuple(row[:2]) for row in cells[:-1]] == mixed
+    assert cells[-1][1:] == [f"{best['batch']['total_g']:.1f}", f"{best['recipe']['total_g']:.1f}",
+                             f"{best['batch']['pour_g']:.1f}"]  # fmt: skip
+    assert best["recipe"]["total_g"] < best["batch"]["total_g"]
 
 
 def test_the_report_begins_with_the_sheet_then_lists_its_contents(made):

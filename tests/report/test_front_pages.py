@@ -104,7 +104,7 @@ def test_the_page_of_a_study_has_the_best_designs_or_the_plane(made):
     for row in best[:5]:
         assert f"{row['score']['total']:.2f} {row['thickness_mm']:g} {row['ratio']:g} {row['young_kPa']:.3g}" in page
     assert "dummydesign suggest --tissue palm" in page
-    assert f"Best for palm, aim average: {best[0]['thickness_mm']:g} mm, ratio {best[0]['ratio']:g}" in page
+    assert f"Highest score for palm, aim average: {best[0]['thickness_mm']:g} mm, ratio {best[0]['ratio']:g}" in page
     page, rows = texts_of(made, "plane"), made["plane"][1]["rows"]
     forces = list(rows[0]["depth_mm_at_N"])
     known = [row for row in rows if row["ratio"] == 15.5]

@@ -9,7 +9,7 @@ from dummydesign.cli.common_options import add_replace_option
 from dummydesign.cli.text import file_lines, files_block, labelled, screen, warning_block, warning_lines
 from dummydesign.core.errors import InputError, NoAnswerError
 
-HELP = "Plan presses (randomised, with a sheet to press from), check them, or make a campaign of files."
+HELP = "Plan presses (randomised, with a sheet to press from), check them, or make a campaign from files."
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -35,7 +35,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("--units", default="mm", metavar="NAME", help="of the sheet: mm (default; mm, N) or in (inches, pounds-force)")
     check = actions.add_parser("check", help="what is not yet pressed, and problems", allow_abbrev=False)
     check.add_argument("folder", metavar="DIR", help="folder with campaign.toml")
-    files = actions.add_parser("from-files", help="campaign.toml from traces one has", allow_abbrev=False)
+    files = actions.add_parser("from-files", help="campaign.toml from existing traces", allow_abbrev=False)
     files.add_argument("folder", metavar="DIR", help="folder to make; the traces are copied into it")
     files.add_argument("files", nargs="+", metavar="FILE", help="traces, named such as t05_v010_f03_1.csv")
     files.add_argument("--table", metavar="trials.csv", help="file,thickness_mm,velocity_mm_s,... of each press")
@@ -229,12 +229,16 @@ def render(result: dict[str, Any]) -> str:
     first, power = _plan(result)[0], result["power"]
     head = labelled("PLAN", first)
     for label, names in () if power is None else (
-        ("FINDS", list(power["seen"])), ("MISSES", list(power["hidden"])),
-        ("ALIKE", [" and ".join(pair["effects"]) for pair in power["alike"]]), ("NO TEST", list(power["untested"])),
+        ("DETECTS", list(power["seen"])), ("MISSES", list(power["hidden"])),
+        ("ALIKE", [f"{' and '.join(pair['effects'])} look the same in this plan" for pair in power["alike"]]),
+        ("NO TEST", list(power["untested"])),
     ):  # fmt: skip
         head += labelled(label, ", ".join(names), 4)
     return screen(
-        head, [], warning_block(result), files_block(result, ("sheet", "campaign")),
+        head, [], warning_block(result),
+        labelled("NEXT", "print the sheet, press in its order and save each trace under its name in the folder; then "
+                         f"dummydesign campaign check {result['inputs']['folder']}"),
+        files_block(result, ("sheet", "campaign")),
         labelled("MORE", "--details: sizes of the effects that this plan misses"),
     )  # fmt: skip
 
@@ -253,14 +257,14 @@ def _plan(result: dict[str, Any]) -> list[str]:
     days = sorted({trial["age_days"] for trial in trials})
     per_day = ", ".join(f"{sum(t['age_days'] == day for t in trials)} at {day:g} days" for day in days)
     back = sum(trial["unload"] for trial in trials)
-    lines = [f"{len(trials)} presses in a drawn order: {per_day}; {back} record the way back"]
+    lines = [f"{len(trials)} presses in random order: {per_day}; {back} also record the unloading"]
     power = result["power"]
     if power is None:
         return lines
-    lines.append(f"seen at their usual size: {', '.join(power['seen']) or 'nothing'}")
+    lines.append(f"this plan detects, at their usual size: {', '.join(power['seen']) or 'nothing'}")
     if power["hidden"]:
         hidden = ", ".join(f"{name} ({size:.1f} standard deviations)" for name, size in power["hidden"].items())
-        lines.append(f"hidden at their usual size: {hidden}")
+        lines.append(f"this plan cannot detect, at their usual size: {hidden}")
     for pair in power["alike"]:
         lines.append(f"look alike: {' and '.join(pair['effects'])} (cosine {pair['cosine']:.2f})")
     lines += [f"not testable: {name}: {reason}" for name, reason in power["untested"].items()]

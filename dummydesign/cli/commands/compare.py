@@ -29,12 +29,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--out", metavar="DIR", help="folder of the files (default compare-TISSUE)")
     add_replace_option(parser)
     test = parser.add_argument_group(
-        "your own test", "as 'suggest' has it; without these each press counts as it was made. Numbers may carry a unit"
+        "your own test", "as in 'suggest'; without them every press is used as measured. Numbers may carry a unit"
     )
     punches = "square:14 (default), rectangle:AxB, round:D, ball:D, profile:FILE.csv"
     test.add_argument("--punch", default="square:14", metavar="KIND:SIZE", help=punches)
     test.add_argument("--edge-radius", default=0.0, metavar="MM", help="fillet of the punch's edge (default 0, sharp)")
-    faces = "bonded (default; under a ball or a profile frictionless), frictionless, friction:MU: said in the report"
+    faces = "bonded (default; under a ball or a profile frictionless), frictionless, friction:MU (for the report only)"
     test.add_argument("--condition", metavar="NAME", help=faces)
     test.add_argument("--force", metavar="F1,F2,...", help="steady forces in N: presses to others are left out")
     test.add_argument("--velocity", metavar="V1,V2,...", help="speeds in mm/s: presses at others are left out")
@@ -69,7 +69,7 @@ def render(result: dict[str, Any]) -> str:
     columns, body = facts.press_rows(result)
     widths = (8, 5, 8, 10, 14, 0)
     rows = ["  " + "  ".join(f"{cell:<{wide}}" for cell, wide in zip(row, widths)) for row in (columns, *body)]
-    steady = f"part of the steady curve inside the range: {facts.steady_text(result)}"
+    steady = f"fraction inside the subjects' range: {facts.steady_text(result)}"
     return screen(
         [*head, *labelled("PAD", facts.pad_text(result)), ""], rows, [""], labelled("STEADY", steady),
         labelled("LAW", facts.parameters_text(result), 2), warning_block(result),

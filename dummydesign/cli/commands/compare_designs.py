@@ -48,7 +48,7 @@ def _different(result: dict[str, Any], most: int | None) -> list[str]:
     if not rows:
         return []
     text = "; ".join(f"{name}: {' | '.join(values)}" for name, *values in rows)
-    return [*labelled("DIFFER", f"not comparable as they are. {text}", most), ""]
+    return [*labelled("DIFFER", f"these designs answer different questions. {text}", most), ""]
 
 
 def _header(designs: Sequence[dict[str, Any]]) -> list[tuple[str, list[str]]]:

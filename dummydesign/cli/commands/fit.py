@@ -16,7 +16,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("traces", nargs="+", metavar="TRACE.csv", help="time_s,displacement_mm,force_N")
     add = parser.add_argument
     add("--elements", default="auto", metavar="3|5|7|auto",
-        help="default auto: by AICc, and fewer where these predict left-out presses better")  # fmt: skip
+        help="auto (default): chosen by AICc, or fewer if these predict left-out presses better")  # fmt: skip
     add("--law", default="ode", metavar="published|consistent|ode",
         help="ode (default): the law along the measured motion; published, consistent: closed forms of an ideal "
         "ramp and hold, as printed and as they follow from the law")  # fmt: skip
@@ -49,9 +49,9 @@ def render(result: dict[str, Any]) -> str:
 
     rows = sorted(result["by_trace"], key=lambda row: -row["rmse_N"])
     worst = rows[0]
-    head = labelled("FIT", f"{result['elements']} elements, law {result['law']}, {result['mode']}: residual "
-                           f"{result['rmse_N']:.3g} N rms, noise {result['noise_floor_N']:.3g} N; {len(rows)} presses, "
-                           f"largest residual in {worst['file']}, {worst['rmse_N']:.3g} N rms")  # fmt: skip
+    head = labelled("FIT", f"{result['elements']} elements (law {result['law']}, mode {result['mode']}): residual "
+                           f"{result['rmse_N']:.3g} N rms, noise alone {result['noise_floor_N']:.3g} N. {len(rows)} "
+                           f"presses; the worst is {worst['file']} with {worst['rmse_N']:.3g} N rms.")  # fmt: skip
     table = [f"  {'parameter':<28} {'value':>10} {'95 % low':>10} {'95 % high':>10}"]
     for label, one in parameter_rows(result["parameters"]):
         low, high = (f"{one[end]:.4g}" if one[end] is not None else "-" for end in ("low", "high"))

@@ -60,4 +60,4 @@ def _words(summary: dict[str, Any] | None) -> str:
         parts.append(f"{known['thickness_mm']:g} mm, ratio {known['ratio']:g}")
     if "effects" in known:
         parts.append(", ".join(known["effects"]) or "no effect")
-    return "; ".join(parts)
+    return "; ".join(parts) or "-"

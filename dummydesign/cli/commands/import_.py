@@ -11,7 +11,7 @@ from dummydesign.cli.common_options import call
 from dummydesign.cli.text import labelled, screen, warning_block
 from dummydesign.core.errors import InputError
 
-HELP = "Read the files of test machines: each press a trace, tared, zero at contact, compression positive."
+HELP = "Read test-machine files: one trace for each press, tared, zero at contact, compression positive."
 ROLES = ("time", "displacement", "force")
 
 
@@ -19,20 +19,22 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
     add = parser.add_argument
     add("files", nargs="*", metavar="FILE|FOLDER", help="text in any usual form, or .xlsx (extra xlsx)")
-    add("--profile", metavar="NAME|FILE", help="settings kept for a machine; other options win over it")
-    add("--save-profile", metavar="NAME", help="keep what was given and found under this name")
+    add("--profile", metavar="NAME|FILE", help="saved settings of a machine; other options override it")
+    add("--save-profile", metavar="NAME", help="save the settings under this name")
     add("--list", action="store_true", help="show the profiles")
     add("--columns", metavar="time=NAME,...", help="column of time, displacement or force: its name or number")
-    add("--units", metavar="time=s,...", help="unit of time, displacement or force; 0.5N is what one count is")
+    add("--units", metavar="time=s,...", help="unit of time, displacement or force; 0.5N: one count is 0.5 N")
     add("--separator", metavar="C", help="between columns: tab, semicolon, comma, bar or spaces")
     add("--decimal", metavar="C", help="decimal sign: . or ,")
     add("--encoding", metavar="E", help="such as utf-8, utf-16, cp1252, cp932")
     add("--skip", metavar="N", help="lines to leave out at the start of the file")
-    add("--flip", metavar="WHICH", help="displacement, force, both with a comma, or none (default: by what they do)")
-    add("--tare", metavar="auto|none|first|N", help="reading at no force, as the file counts it, or of each file's "
-        "first sample (default auto: lead-in)")  # fmt: skip
-    add("--contact", metavar="auto|none|MM", help="reading at contact, as the file counts it (default auto: by force)")
-    add("--split", metavar="auto|none", help="auto: parted where force and depth return to zero; none: one press")
+    add("--flip", metavar="WHICH",
+        help="reverse the sign of displacement, force, or displacement,force; none (default: detected)")
+    add("--tare", metavar="auto|none|first|N",
+        help="force reading without load, in the file's unit, or each test's first sample (default auto: lead-in)")
+    add("--contact", metavar="auto|none|MM",
+        help="displacement reading at contact, in the file's unit (default auto: by force)")
+    add("--split", metavar="auto|none", help="auto: split where force and depth return to zero; none: one press")
     add("--out", metavar="DIR", help="folder of the traces (default import-NAME)")
     add("--replace", action="store_true", help="take the place of another answer in --out, or of the profile's name")
 
@@ -99,12 +101,11 @@ def render(result: dict[str, Any]) -> str:
                             "Check units, signs and contact in the preview.")  # fmt: skip
     for one in result["files"][:3]:
         known = {decision["what"]: decision["value"] for decision in one["decisions"]}
-        words = ", ".join(f"{name} {known[name]}" for name in DECIDED if name in known)
         sheet = f" [{one['sheet']}]" if "sheet" in one else ""
-        head += labelled("FILE", f"{Path(one['source']).name}{sheet}: {words}", 3)
+        head += labelled("FILE", f"{Path(one['source']).name}{sheet}: {_decided(known)}", 3)
     more, kind = len(result["files"]) - 3, "sheets" if sheets else "files"
     head += labelled("", f"{more} more {kind}: --details" if more > 0 else "")
-    table = [f"  {'press':<28} {'mm/s':>8} {'hold s':>8} {'mm':>8} {'peak N':>8} {'steady N':>8}"]
+    table = [f"  {'press':<28} {'mm/s':>8} {'hold s':>8} {'depth mm':>8} {'peak N':>8} {'steady N':>8}"]
     for trace in (trace for one in result["files"] for trace in one["traces"]):
         steady = "-" if trace["steady_force_N"] is None else f"{trace['steady_force_N']:.3f}"
         file = trace["file"] if len(trace["file"]) <= 28 else "..." + trace["file"][-25:]
@@ -116,9 +117,16 @@ def render(result: dict[str, Any]) -> str:
                   labelled("MORE", "--details: every decision and why"))  # fmt: skip
 
 
-DECIDED = ("displacement column", "displacement unit", "displacement sign", "force column", "force unit", "force sign",
-           "tare", "contact")  # fmt: skip
-"""Decisions that change force or depth."""
+def _decided(known: dict[str, str]) -> str:
+    """The decisions that change force or depth: columns, units, signs, tare and contact."""
+    parts = []
+    for role in ("displacement", "force"):
+        column, unit, sign = (known.get(f"{role} {what}") for what in ("column", "unit", "sign"))
+        text = f"{role} from '{column}'" if column is not None else role
+        text += f" in {unit}" if unit is not None else ""
+        parts.append(text + (f", sign {sign}" if sign not in (None, "as written") else ""))
+    parts += [f"{name}: {known[name]}" for name in ("tare", "contact") if name in known]
+    return "; ".join(parts)
 
 
 def render_details(result: dict[str, Any]) -> str:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from typing import Any
 
-HELP = "Make a project folder: project.toml and a folder for each step; commands run inside it take it from there."
+HELP = "Make a project folder: project.toml and a folder for each step; commands run inside it use it."
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

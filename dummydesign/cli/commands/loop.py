@@ -9,7 +9,7 @@ from typing import Any
 from dummydesign.cli.common_options import add_effect_option, add_replace_option, call_in_steps
 from dummydesign.cli.text import file_lines, files_block, labelled, screen, warning_block, warning_lines
 
-HELP = "Measured campaign: residual, the effect the model lacks, the corrected model, and what to measure next."
+HELP = "Find which effect the model lacks in a measured campaign, correct the model, and plan what to measure next."
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -19,7 +19,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--prior", metavar="CALIBRATION", help="calibration.json of an earlier campaign of the same material"
     )
-    parser.add_argument("--plan", metavar="DIR", help="where the next measurement goes, as a campaign to press")
+    parser.add_argument("--plan", metavar="DIR", help="write the next measurement as a campaign to press")
     add_replace_option(parser)
     add_effect_option(parser)
 

@@ -11,7 +11,7 @@ from dummydesign.cli.progress import Watch
 from dummydesign.cli.text import files_block, labelled, screen, warning_block
 from dummydesign.core.errors import InputError, NoAnswerError, quantity_name
 
-RECORD_HELP = "keep what was really poured, and say which limits the pad misses"
+RECORD_HELP = "store what was poured and list the limits that the pad misses"
 
 
 def add_record_arguments(parser: argparse.ArgumentParser) -> None:
@@ -111,7 +111,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     from dummydesign.geometry.shape_registry import shape_help
 
     add = parser.add_argument
-    actions = parser.add_subparsers(dest="action", metavar="[record]", help="without it a mould is made")
+    actions = parser.add_subparsers(dest="action", metavar="[record]", help="without 'record' a mould is made")
     record = actions.add_parser("record", help=RECORD_HELP, allow_abbrev=False)
     add_record_arguments(record)
     add("--thickness", metavar="MM[,MM..]", help="thickness of the pad, 3 to 30 mm; required; several make one job")
@@ -125,10 +125,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("--resin", metavar="NAME|FILE", help="resin to weigh (default the paper's polyurethane)")
     add("--ratio", type=float, default=15.0, metavar="R", help="mixing ratio of the resin (default 15)")
     add("--base-ratio", type=float, metavar="R", help="ratio of a layered pad's base (default: from its modulus ratio)")
-    add("--face-sheet", type=float, metavar="MM", help="thickness of a sheet of glass let in as the tested face")
-    add("--bone", metavar="FILE", help="STL or STEP (mm) of a bone in the gel; the model takes the nearest dome")
-    add("--bone-height", type=float, metavar="MM", help="how far it reaches into the gel from the free face")
-    add("--bone-scale", type=float, default=1.0, metavar="S", help="size over that in the file (default 1)")
+    add("--face-sheet", type=float, metavar="MM", help="thickness of a glass sheet that forms the tested face")
+    add("--bone", metavar="FILE", help="STL or STEP (mm) of a bone in the gel; the model uses the closest dome")
+    add("--bone-height", type=float, metavar="MM", help="how far the bone reaches into the gel from the free face")
+    add("--bone-scale", type=float, default=1.0, metavar="S", help="scale factor of the file (default 1)")
     add("--bone-turn", default="0,0,0", metavar="X,Y,Z", help="degrees about x, y, z; then its lowest point is the tip")
     add("--bone-at", default="0,0", metavar="X,Y", help="where the tip lies from the pad's middle, mm (default 0,0)")
     add("--out", metavar="DIR", help="folder for the files (default mould_tMM)")

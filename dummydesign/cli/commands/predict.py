@@ -24,15 +24,15 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("--thickness", required=True, metavar="MM", help="of the pad at its highest point")
     add("--depth", metavar="D1,D2,...", help="static depths in mm")
     add("--motion", metavar="FILE.csv", help="measured motion: columns time_s, displacement_mm")
-    add("--force", metavar="N,...", help="force at the end of a ramp and hold, with --velocity; or several")
-    add("--velocity", metavar="MM_S,...", help="speed of the ramp; or several")
+    add("--force", metavar="N,...", help="force at the end of the hold, with --velocity; one or several")
+    add("--velocity", metavar="MM_S,...", help="speed of the ramp; one or several")
     add("--hold", default=10.0, metavar="S", help="hold after the stop (default 10 s)")
     add("--deceleration", default=30000.0, metavar="MM_S2", help="braking (default 30000 mm/s2)")
     add("--tissue", metavar="NAME|FILE", help="compare the pad with a tissue: the verdict and its numbers")
     add("--aim", default="average", metavar="AIM", help="with --tissue: average (default), safe-side or subject:NAME")
     punches = "square:14 (default), round:D, rectangle:AxB, profile:FILE.csv, plate"
     add("--punch", default="square:14", metavar="KIND:SIZE", help=punches)
-    edge = "fillet of the punch's edge, 0 (default, sharp) to 0.3 of its half-width; of shapes: --fidelity axisymmetric"
+    edge = "fillet of the punch's edge, 0 (default, sharp) to 0.3 of its half-width; shapes: --fidelity axisymmetric"
     add("--edge-radius", default=0.0, metavar="MM", help=edge)
     add("--condition", default="bonded", metavar="NAME", help="bonded (default), frictionless, friction:MU")
     add("--base", default="bonded", metavar="NAME", help="bonded (default), sliding or friction:MU")
@@ -44,8 +44,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("--prony", metavar="TAU:BETA,...", help="relaxation, beta relative to the long-term modulus")
     add("--fidelity", default="table", metavar="NAME", help="table (default), axisymmetric, 3d or viscoelastic")
     add("--out", metavar="FILE.csv", help="write the curve as CSV; several presses to a file each")
-    add("--rate", metavar="HZ", help="uniform rate of curves over time in --out (default: the answer's own times)")
-    add("--units", default="mm", metavar="NAME", help="of --out: mm (default; mm, N) or in (inches, pounds-force)")
+    add("--rate", metavar="HZ", help="uniform sampling rate in --out (default: the computed times)")
+    add("--units", default="mm", metavar="NAME", help="of --out: mm (mm, N; default) or in (inches, pounds-force)")
     add("--fields", metavar="FILE.vtu", help="stress and contact at the depths, for ParaView (axisymmetric)")
     add("--picture", metavar="FILE.png", help="deformed cross-section with stress and contact pressure (axisymmetric)")
 
@@ -68,20 +68,21 @@ def _progress(options: argparse.Namespace) -> Any:
 def render(result: dict[str, Any]) -> str:
     """The pad, then its presses or its curve, thinned to a dozen rows."""
     young, given = result["young_kPa"], result["inputs"]
-    span = f" ({young['low']:.3g} to {young['high']:.3g})" if young["low"] < young["high"] else ""
+    span = f" (95 %: {young['low']:.3g} to {young['high']:.3g})" if young["low"] < young["high"] else ""
+    solved = "" if result["fidelity"] == "table" else f", {result['fidelity']}"
     shape = "" if given["shape"] == "slab" else f"{given['shape']}, "
     first = [item["message"] for item in result["warnings"] if item["code"] == NO_RELAXATION]
     head = [
         *verdict_lines(result.get("verdict")), *tissue_lines(result),
         *(line for text in first for line in labelled("WARNING", text, 2)),
         *labelled("PAD", f"{shape}{given['thickness_mm']:g} mm, E = {young['value']:.4g} kPa{span}, "
-                         f"punch {given['punch']}, fidelity {result['fidelity']}"),
+                         f"punch {given['punch']}{solved}"),
     ]  # fmt: skip
     if "peak_force_N" in result:
         head += labelled("PRESS", f"peak {result['peak_force_N']:.3f} N at {result['peak_time_s']:.4f} s, "
                                   f"{result['steady_force_N']:.3f} N at the end")  # fmt: skip
     elif "presses" not in result and "conditions" not in result:
-        head += labelled("FORCE", "static: fully relaxed at each depth")
+        head += labelled("FORCE", "static, fully relaxed at each depth; low and high: the model's own uncertainty")
     tail = []
     for contact in result.get("contact_pressure", []):
         edge = f", at the edge up to {contact['edge_kPa']:.3g} kPa" if contact["edge_kPa"] > contact["peak_kPa"] else ""
@@ -103,7 +104,8 @@ def _tissue_presses(result: dict[str, Any]) -> list[str]:
             lines.append(head + row["out_of_reach"])
             continue
         people = f"{row['target_peak_low_N']:.1f} to {row['target_peak_high_N']:.1f}"
-        lines.append(f"{head}{row['depth_mm']:<9.2f} {row['peak_force_N']:<11.1f} {people}")
+        reads = row["reads"] if row["reads"] == "inside" else f"{row['percent_outside']:.0f} % {row['reads']}"
+        lines.append(f"{head}{row['depth_mm']:<9.2f} {row['peak_force_N']:<11.1f} {people:<14}{reads}")
     return lines
 
 
@@ -172,6 +174,18 @@ def _curve_lines(result: dict[str, Any], shown: int = SHOWN) -> list[str]:
         formats = ("{:>9.3f}", "{:>9.3f}", "{:>12.3f}", "{:>13.3f}", "{:>15.3f}")
     lines.append(" ".join(f"{name:>{len(form.format(0))}}" for name, form in zip(names, formats)))
     rows = list(zip(*(result[name] for name in names)))
-    step = max(1, -(-len(rows) // shown))
-    lines += [" ".join(form.format(value) for form, value in zip(formats, row)) for row in rows[::step]]
+    picked: Any = slice(None, None, max(1, -(-len(rows) // shown)))
+    if "peak_force_N" in result and shown < SHOWN:
+        rows, picked = _spread_in_time(rows, result["peak_time_s"], shown), slice(None)
+    lines += [" ".join(form.format(value) for form, value in zip(formats, row)) for row in rows[picked]]
     return lines
+
+
+def _spread_in_time(rows: list[tuple[float, ...]], peak_s: float, shown: int) -> list[tuple[float, ...]]:
+    """The rows nearest to even times up to the peak force, and to even steps of log time after it."""
+    last, rise = rows[-1][0], shown // 3
+    wanted = [peak_s * step / rise for step in range(rise + 1)]
+    if last > peak_s > 0.0:
+        wanted += [peak_s * (last / peak_s) ** (step / (shown - rise - 1)) for step in range(1, shown - rise)]
+    chosen = {min(range(len(rows)), key=lambda at: abs(rows[at][0] - time)) for time in wanted}
+    return [rows[at] for at in sorted(chosen)]

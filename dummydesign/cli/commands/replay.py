@@ -33,8 +33,10 @@ def run(options: argparse.Namespace) -> dict[str, Any]:
 
 def render(result: dict[str, Any]) -> str:
     """The error over all presses, the pads, and the presses with the largest errors."""
-    effects = ", ".join(result["effects"]) or "no effect"
-    text = f"{result['rmse_N']:.4f} N rms with {effects}; {result['base_rmse_N']:.4f} N with the base model"
+    text = f"{result['rmse_N']:.4f} N rms; the calibration has no effect, so this is the base model's error"
+    if result["effects"]:
+        text = f"{result['rmse_N']:.4f} N rms with {', '.join(result['effects'])}; "
+        text += f"{result['base_rmse_N']:.4f} N with the base model"
     head = [*verdict_lines(result["verdict"]), *labelled("ERROR", f"{text}; {len(result['trials'])} presses")]
     for pad in result["pads"] if len(result["pads"]) > 1 else ():
         level = pad["reason"] if pad["verdict"] is None else pad["verdict"]["level"].replace("_", " ")

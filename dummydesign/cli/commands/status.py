@@ -8,12 +8,12 @@ from typing import Any
 from dummydesign.cli.text import labelled, screen
 from dummydesign.core.errors import InputError
 
-HELP = "Where a project folder stands: what was measured, designed, made and learned, and what to do next."
+HELP = "Show the state of a project: what was measured, designed, made and learned, and what to do next."
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the folder."""
-    parser.add_argument("folder", nargs="?", metavar="DIR", help="default: the project one stands in")
+    parser.add_argument("folder", nargs="?", metavar="DIR", help="default: the project of the current folder")
 
 
 def run(options: argparse.Namespace) -> dict[str, Any]:

@@ -13,9 +13,9 @@ HELP = "Open a project folder as a page in the browser: bring in files, design, 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
     add = parser.add_argument
-    place = "made when needed (default: the project one stands in, else this folder)"
+    place = "made when needed (default: the project of the current folder, else this folder)"
     add("folder", nargs="?", metavar="DIR", help=place)
-    add("--port", type=int, metavar="P", help="of this machine alone (default: the first free one from 8420)")
+    add("--port", type=int, metavar="P", help="open to this computer only (default: the first free one from 8420)")
     add("--no-browser", action="store_true", help="print the address only")
 
 

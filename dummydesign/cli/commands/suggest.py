@@ -23,7 +23,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_options(parser, SuggestOptions, ("tissue", "aim", "resin", "thickness_mm", "ratio", "calibration"))
     add_effect_option(parser)
     add_options(parser, SuggestOptions, ("shape",))
-    add("--cad", action="store_const", const=True, help="make the mould also of a pad that is not acceptable")
+    add("--cad", action="store_const", const=True, help="make the mould even if the pad is red")
     add("--no-cad", dest="cad", action="store_const", const=False, help="skip the mould; write recipe and report only")
     add_options(parser, SuggestOptions, ("verify",))
     test = parser.add_argument_group("your own test", "numbers may carry their unit: 0.25m/s, 10mm/s")
@@ -32,7 +32,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("--robot-mass", metavar="KG", help="safety view: mass of the free body that hits tissue and pad")
     add("--robot-velocity", metavar="MM_S", help="its speed, with --robot-mass (default 250 mm/s)")
     add("--limits", metavar="FILE", help="safety view: your limits of force and pressure, with their source (TOML)")
-    drives = "add what the predicted presses would be on people: position, steady, force, mass:KG, spring:N_PER_MM,KG"
+    drives = "also predict the presses on people: position, steady, force, mass:KG, spring:N_PER_MM,KG"
     add("--drive", metavar="NAME", help=drives)
     add("--out", metavar="DIR", help="folder of the files (default suggest-TISSUE)")
     add_replace_option(parser)

@@ -152,7 +152,7 @@ def render_details(result: dict[str, Any]) -> str:
                  for row in result["added"]]  # fmt: skip
         return "\n".join(lines + warning_lines(result))
     if "tissues" in result:
-        lines = [f"{'tissue':<14} {'origin':<9} {'kind':<20} {'law':<11} subjects  gamma1 in N/mm3 (k in N/mm)"]
+        lines = [f"{'tissue':<14} {'origin':<9} {'kind':<20} {'law':<11} subjects  gamma1 N/mm3, or k N/mm"]
         for row in result["tissues"]:
             name, (low, high) = list(row.items())[-1]
             at = name.removeprefix("depth_at_").removesuffix("_mm") if name.startswith("depth_at_") else ""
@@ -165,7 +165,7 @@ def render_details(result: dict[str, Any]) -> str:
     law = "measured curves, no law" if measured else f"law {result['law']}"
     lines = [f"{result['name']} ({result['title']}), {result['origin']}, {law}"]
     lines += [note for note in result["notes"] if measured]
-    lines.append(f"{'parameter':<26} {'band mean':>10} {'lowest':>10} {'highest':>10}  kind")
+    lines.append(f"{'parameter':<26} {'mean':>10} {'lowest':>10} {'highest':>10}  kind")
     for name, entry in parameter_rows(result["bands"]):
         lines.append(
             f"{name:<26} {entry['value']:>10.4g} {entry['low']:>10.4g} {entry['high']:>10.4g}  {entry['kind']}"
@@ -181,7 +181,7 @@ def render_details(result: dict[str, Any]) -> str:
         name = "k" if spring else "gamma1"
         lines.append(
             f"subject {subject['name']:<16} {name} {gamma1['value']:.4g} {'N/mm' if spring else 'N/mm3'} "
-            f"({gamma1['low']:.4g} to {gamma1['high']:.4g}, {gamma1['kind']}: {gamma1['source']})"
+            f"(95 %: {gamma1['low']:.4g} to {gamma1['high']:.4g}, {gamma1['kind']}: {gamma1['source']})"
         )
     lines += [f"note: {note}" for note in result["notes"] if not measured]
     lines += [f"source: {source}" for source in result["sources"]]

@@ -139,7 +139,7 @@ def explain(cast: PadCastings, kind: str, beside: tuple[ShapeComparison, ...]) -
     best, targets = cast.candidate, cast.space.targets
     totals = castings_for_tissues(cast, 0.0).total
     score = float(totals.mean()), float(np.quantile(totals, 0.05)), tissue_share(totals)
-    doubt = f"score with all uncertainties: {score[0]:.2f} (5 % below {score[1]:.2f})"
+    doubt = f"score {score[0]:.2f} of 1 with all uncertainties (5 % of castings below {score[1]:.2f})"
     others = [(item.candidate, item.kind) for item in beside if item.kind != kind and item.candidate is not None]
     if not others:
         return Choice(f"no other kind of shape was compared; {doubt}", None, {}, None, *score)
@@ -417,9 +417,10 @@ def measure_first(cast: PadCastings) -> MeasureFirst:
     if group == TISSUE:
         text = f"measure people: for other people that the data allow {100 * (over_tissues or 0.0):.0f} % of castings"
         return MeasureFirst(group, *shares, *_how(group, cast), f"{text} {words}")
-    text = f"measure {NAMES[group]}: {100 * now:.0f} % of castings {words}, {100 * (now + gains[group]):.0f} %"
+    then = f"{100 * (now + gains[group]):.0f} % of castings {words}"
+    text = f"measure {NAMES[group]}: then {then} (now {100 * now:.0f} %)"
     pair = _two_ratios(cast, worst) if group in RESIN else (None, None, None)
-    return MeasureFirst(group, *shares, *_how(group, cast), f"{text} once it is known", *pair)
+    return MeasureFirst(group, *shares, *_how(group, cast), text, *pair)
 
 
 def _how(group: str, cast: PadCastings) -> tuple[str, str]:

@@ -94,7 +94,8 @@ def design_warnings(
     said += [("calibration", note) for note in chosen.law.notes]
     missed = [force for force in space.targets.protocol.forces_N if force not in pour.judged_at_N]
     if missed and not alone:
-        where = " and ".join(f"{force:g}" for force in missed)
+        *first, last = (f"{force:g}" for force in missed)
+        where = f"{', '.join(first)} and {last}" if first else last
         said.append(("outside_steady_range", f"the steady curve is outside the tissue's range at {where} N"))
     said += _of_data(space.resin, tissue)
     off = verification.max_difference_percent

@@ -9,7 +9,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from dummydesign.core.serialise import Serialised
+from dummydesign.core.serialise import Serialised, percent_below_limit
 from dummydesign.design.scoring.score import (
     CLASSES,
     ENERGY,
@@ -39,8 +39,9 @@ LEVEL_WORDS = {
 }
 LEVELS = tuple(LEVEL_WORDS)
 LIGHTS = dict(zip(LEVELS, ("green", "amber", "amber", "red")))
-QUANTITIES = {PEAK: "the peak", STEADY: "the steady force at equal depth", ENERGY: "the energy"}
-OUTCOMES = {OUT_OF_REACH: "out of reach", READS_LOW: "too low", OVER: "too high"}
+QUANTITIES = {PEAK: "the peak", ENERGY: "the energy"}
+OUTCOMES = {OUT_OF_REACH: "too soft to reach a force", READS_LOW: "too low", OVER: "too high"}
+TIMES = 3.0  # a reading further above the subjects is stated in times, not in per cent
 SAFE_SIDE, QUANTILE = "safe-side", 0.95
 NOT_ACCEPTABLE, BORDERLINE, ACCEPTABLE = 0, 1, 2
 
@@ -292,7 +293,7 @@ def _reading_words(found: Deviations, readings: Readings, level: str) -> str:
         return below or above
     if ranges.subjects < 2:
         return "all readings are as near to the one subject as can be set"
-    return f"all {presses} peaks and the steady curve are among the subjects"
+    return f"all {presses} peaks and the steady curve are inside the subjects' range"
 
 
 def _worst_words(found: Deviations, readings: Readings, ratios: dict[str, NDArray], side: str, who: str) -> str:
@@ -303,12 +304,14 @@ def _worst_words(found: Deviations, readings: Readings, ratios: dict[str, NDArra
     ranges = found.ranges
     # a reading below a subject's is given as a share of the subject's
     percent = 100.0 * (1.0 - 1.0 / value if side == "below" else value - 1.0)
-    if name == STEADY:
-        where = f"({ranges.steady_N[at]:.3g} N)"
+    if name == STEADY:  # compared at the pad's depth
+        what = f"at {readings.depth_mm[at]:.2f} mm the pad's steady force ({ranges.steady_N[at]:.3g} N)"
     else:
-        where = f"at {ranges.force_N[at]:.3g} N, {ranges.velocity_mm_s[at]:g} mm/s"
-    reading = f" ({readings.peak_N[at]:.1f} N)" if name == PEAK else ""
-    return f"{QUANTITIES[name]} {where}{reading} is {percent:.0f} % {side} {who}"
+        what = f"{QUANTITIES[name]} at {ranges.force_N[at]:.3g} N, {ranges.velocity_mm_s[at]:g} mm/s"
+        what += f" ({readings.peak_N[at]:.1f} N)" if name == PEAK else ""
+    if side == "above" and value > TIMES:
+        return f"{what} is {value:.2g} times that of {who}"
+    return f"{what} is {percent:.0f} % {side} {who}"
 
 
 def _casting_words(shares: dict[str, float], level: str, limits: VerdictLimits, strict: bool, of: str) -> str:
@@ -318,10 +321,10 @@ def _casting_words(shares: dict[str, float], level: str, limits: VerdictLimits, 
     rest = whole_percents([shares[name] for name in OUTCOMES], good)
     lost = [f"{percent} % {words}" for words, percent in zip(OUTCOMES.values(), rest) if percent > 0]
     word = "keep the safe side" if strict else "are usable"
-    if level == "not_settled" and share < limits.share <= 0.01 * good:
-        text = f"{np.floor(1000.0 * share) / 10.0:.1f} % of {of} {word}"  # not rounded up to the limit
-    else:
-        text = f"{good} % of {of} {word}"
+    shown = percent_below_limit(share, limits.share) if level == "not_settled" else f"{good} %"
+    text = f"{shown} of {of} {word}"
+    if level == "not_settled" and share < limits.share and not strict:
+        text += f", {100.0 * limits.share:g} % needed"
     return f"{text} ({', '.join(lost)})" if lost and level != "stands_for" else text
 
 
@@ -339,7 +342,7 @@ def _ending(level: str, correction: Correction, unsettled: str, over_castings: b
     elif every - force < 0.005:
         words = f"multiply readings by {every:.2f}"
     elif force < 1.0 + tolerance_of(PEAK):
-        words = f"multiply energies by {every:.2f}, forces by nothing"
+        words = f"multiply energies by {every:.2f}, forces need no factor"
     else:
         words = f"multiply forces by {force:.2f}, energies by {every:.2f}"
     return f"{words} for 95 % of them" if over_castings else words

@@ -83,8 +83,8 @@ class Boned(ConicProfile):
         """Tip, height, foot and the gel over it."""
         what = "bar along the length" if self.bar else "dome"
         return (
-            f"bone, a {what}: tip radius {self.radius_mm:g}, height {self.height_mm:g}, foot at {self.foot_mm:.4g} "
-            f"mm; {self.least_gel_mm(block):g} mm of gel over it"
+            f"bone, a {what}: tip radius {self.radius_mm:g} mm, height {self.height_mm:g} mm, foot at "
+            f"{self.foot_mm:.4g} mm; {self.least_gel_mm(block):g} mm of gel over it"
         )
 
     def casting_notes(self, block: PadBlock) -> tuple[tuple[str, str], ...]:

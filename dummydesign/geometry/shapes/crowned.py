@@ -141,7 +141,7 @@ class Crowned(ConicProfile):
             pitches = zip(self.sites, (self.pitch_along_mm, self.pitch_across_mm))
             apart = " x ".join(f"{pitch:g}" for count, pitch in pitches if count > 1)
             where = f"each tip; {self.sites[0]} x {self.sites[1]} of them, {apart} mm apart about the pad's middle"
-        sizes = f"tip radius {self.radius_mm:g}, height {self.height_mm:g}, foot at {self.foot_mm:.4g} mm"
+        sizes = f"tip radius {self.radius_mm:g} mm, height {self.height_mm:g} mm, foot {self.foot_mm:.4g} mm"
         return f"{what}: {sizes} from {where}"
 
     @classmethod

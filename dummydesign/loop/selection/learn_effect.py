@@ -68,7 +68,7 @@ def closed_form(knots: NDArray, values: NDArray, information: NDArray, follows: 
         name, form = "curve", f"a curve of no simple form, {100 * flat[most]:+.1f} % at {knots[most]:.3g}"
     else:
         _, name, form, _ = best
-    text = f"relative change of the force with u = {FOLLOWED[follows]}: {form}. As a rule: {CAUSES[follows]}"
+    text = f"relative change of the force with u = {FOLLOWED[follows]}: {form}. Usual cause: {CAUSES[follows]}"
     return ClosedForm(name, text, lost)
 
 

@@ -75,7 +75,7 @@ def _lines(found: CampaignFit, residual: list[NDArray]) -> Check:
     ratio = power[seen] / np.median(power[seen])
     limit = 1.0 + (LINE_RATIO - 1.0) * np.sqrt(36.0 / len(used))
     top = int(np.argmax(ratio))
-    text = f"strongest at {frequency[seen][top]:.1f} Hz, {ratio[top]:.2f} times the median of the spectrum"
+    text = f"strongest oscillation at {frequency[seen][top]:.1f} Hz, {ratio[top]:.3g} times the median of the spectrum"
     return Check("spectral line", float(ratio[top]), float(limit), bool(ratio[top] > limit), text)
 
 

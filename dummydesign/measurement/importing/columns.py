@@ -235,7 +235,7 @@ def find_factors(chosen: Mapping[str, Column], values: Mapping[str, NDArray], lo
         parts = []
         for role in missing:
             unit = chosen[role].unit
-            stated = f"is in '{unit.text}', which is no {KIND_OF_ROLE[role]}" if unit else "states no unit"
+            stated = f"is in '{unit.text}', which is not a unit of {KIND_OF_ROLE[role]}" if unit else "states no unit"
             low, high = float(values[role].min()), float(values[role].max())
             parts.append(f"{role} ('{chosen[role].label}', {low:.4g} to {high:.4g}) {stated}")
         option = ",".join(f"{role}={BASE[KIND_OF_ROLE[role]]}" for role in missing)
@@ -249,7 +249,7 @@ def _unit(role: str, column: Column, values: NDArray, log: ImportLog) -> Unit | 
         unit = known.scaled_unit(given, kind)
         if unit is None:
             usual = f"known are {known.USUAL_UNITS[kind]}, or a count such as 0.5{BASE[kind]}"
-            raise InputError(f"--units {role}={given} is no {kind}; {usual}", "unknown_unit", "units", given)
+            raise InputError(f"--units {role}={given} is not a unit of {kind}; {usual}", "unknown_unit", "units", given)
         log.decide(f"{role} unit", unit.text, "given by --units")
         if stated is not None and stated.kind == kind and stated.factor != unit.factor:
             log.warn(

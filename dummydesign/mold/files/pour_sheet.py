@@ -51,8 +51,8 @@ def pour_sheet(
     record = f"dummydesign mold record DIR --thickness {typed} --mass G [--modulus KPA --level DEG --bubbles N]"
     safety = "Gloves, goggles, extraction or a hood; read the safety data sheets of all products first."
     if spec.has_isocyanate:
-        safety = ("isocyanates harm the airways and can sensitise for good; never heat open isocyanate, keep out "
-                  f"moisture. {safety}")  # fmt: skip
+        safety = ("isocyanates harm the airways and can cause a lasting allergy; never heat open isocyanate; "
+                  f"keep moisture out. {safety}")  # fmt: skip
     return [
         Block("head", title),
         Block("text", f"Specification {spec.hash}; {label}. Date {BLANK}  Operator {BLANK}  Resin batch {BLANK}"),
@@ -70,7 +70,7 @@ def pour_sheet(
         *_gauge_blocks(spec),
         Block("head", "5. Accept or reject" + (", each pad" if spec.count > 1 else "")),
         Block("table", rows=tuple(acceptance_rows(spec, plan))),
-        Block("text", f"Keep it: {record}. A campaign then names the record and knows this pad."),
+        Block("text", f"Keep these values: {record}. Then name the record in the campaign of this pad."),
         Block("head", "What is needed"),
         Block("table", rows=tuple(bill_of_materials(spec, plan, printed_mm3))),
         Block("head", "Cautions"),
@@ -108,12 +108,12 @@ def _mould_steps(spec: MouldSpec, plan: PourPlan) -> tuple[str, ...]:
         f"Bolt frame to master (8 x M{math.floor(spec.box.bolt_hole_mm):g}) and stand the box level: the silicone's "
         "free face becomes the mould's underside.",
         *(pins if spec.closure is not None else []),
-        f"Mix {plan.silicone_mass_g:.0f} g {silicone.name} in the ratio of its data sheet, which is "
-        f"not known here (ratio {BLANK}; two cups, pour over and mix again), degas at most 5 min, "
-        f"pour within {silicone.pot_life_min:g} min from one corner up to the step in the frame; cure it at "
-        "room temperature: the print may not bear more.",
+        f"Mix {plan.silicone_mass_g:.0f} g {silicone.name} in the ratio of its data sheet (ratio {BLANK}). Pour it "
+        "into a second cup and mix again. Degas at most 5 min. "
+        f"Pour within {silicone.pot_life_min:g} min from one corner up to the step in the frame. Cure it at "
+        "room temperature: heat may warp the print.",
         f"Leave {silicone.cure_time_h:g} h, lift the frame off, peel the silicone off the plug. "
-        f"Post-cure, off the print, in a vented oven (warm silicone gives off vapour), as the data sheet says: {BLANK}",
+        f"Post-cure it without the print in a vented oven (warm silicone gives off vapour). Data sheet says: {BLANK}",
     )
 
 
@@ -142,7 +142,7 @@ def _weighing(spec: MouldSpec, pour: Pour, plan: PourPlan) -> list[Block]:
     digits = max(0, -math.floor(math.log10(resolution)))
     batch = batch_of(spec, pour, plan)
     mixes = [batch.mix] if batch.holds_witness else [batch.mix, batch.with_witness]
-    rows = [("component", *("mix, g", "mix with a witness puck, g")[: len(mixes)], "really weighed, g")]
+    rows = [("component", *("mix, g", "mix with a witness puck, g")[: len(mixes)], "weighed, g")]
     for parts in zip(*(mix.components for mix in mixes)):
         rows.append((parts[0][0], *(f"{mass:.{digits}f}" for _, mass in parts), BLANK))
     rows.append(("total", *(f"{one.total_g:.{digits}f}" for one in mixes), BLANK))
@@ -169,11 +169,11 @@ def _batch_words(spec: MouldSpec, pour: Pour, plan: PourPlan, batch: Batch, digi
     each = f" ({plan.fill_mass_g:.1f} g into each of {spec.count} cavities)" if spec.count > 1 else ""
     error = f"The balance leaves up to {batch.mix.error_percent:.2f} % error in a component's share."
     if batch.raised:
-        error = (f"The mould would do with {plan.batch_mass_g:.{digits}f} g, but the balance leaves up to "
-                 f"{plan.ratio_error_percent:.2f} % error in a component's share of that; here it is "
+        error = (f"The mould needs only {plan.batch_mass_g:.{digits}f} g. Of that the balance leaves up to "
+                 f"{plan.ratio_error_percent:.2f} % error in a component's share; of this mix "
                  f"{batch.mix.error_percent:.2f} %. A finer balance saves resin.")  # fmt: skip
-    rest = (f"With a witness puck mix the second column, {batch.with_witness.total_g:.{digits}f} g; pour as much into "
-            "the mould.")  # fmt: skip
+    rest = (f"With a witness puck mix the second column, {batch.with_witness.total_g:.{digits}f} g; pour the same mass "
+            "into the mould.")  # fmt: skip
     if batch.holds_witness:
         rest = f"The rest is enough for the witness puck ({batch.witness_g:.1f} g)."
     return [

@@ -187,24 +187,24 @@ def acceptance_rows(spec: MouldSpec, plan: PourPlan) -> list[tuple[str, ...]]:
 
     light, heavy = (mass * (1 + sign * limits.mass_percent / 100) for sign in (-1, 1))
     return [
-        ("measured", "wanted", "allowed", "the limit costs", "really", "if it is missed"),
+        ("measured", "wanted", "allowed", "effect at the limit", "measured value", "if outside"),
         ("thickness at each gauge point", "its nominal", f"within {h * limits.thickness_percent / 100:.2f} mm",
          costs(limits.thickness_percent), "table above",
-         "give the campaign the record with the real thickness; beyond twice the limit cast again"),
-        ("off nominal, largest less smallest", "0 mm", f"{h * limits.spread_percent / 100:.2f} mm",
-         costs(limits.spread_percent / 2.0), BLANK, "level again with the load in the mould, cast again"),
+         "enter the measured thickness in the record (below); beyond twice the limit cast again"),
+        ("deviation from nominal, largest minus smallest", "0 mm", f"{h * limits.spread_percent / 100:.2f} mm",
+         costs(limits.spread_percent / 2.0), BLANK, "level again with the weight in the mould, cast again"),
         ("mass", f"{mass:.1f} g", f"{light:.1f} to {heavy:.1f} g", costs(limits.mass_percent), BLANK,
          "too light: air inside or a leak; too heavy: overfilled"),
         ("modulus of the witness", f"{spec.pour.young_kPa:.1f} kPa", f"within {limits.modulus_percent:g} %",
          f"{limits.modulus_percent:.0f} % of force", BLANK, WRONG_MODULUS),
-        ("bubbles over 1 mm under the punch", "none", "none", "local softening, not known", BLANK, BUBBLES),
+        ("bubbles over 1 mm under the punch", "none", "none", "softer there; size not known", BLANK, BUBBLES),
     ]  # fmt: skip
 
 
 def when_it_fails(spec: MouldSpec) -> tuple[str, ...]:
     """What to do when a step of the pour fails, for the kind of mould that is poured."""
     lidded, boned = spec.body.style == "lidded", bool(spec.pad.shape.bone_height_mm)
-    mix = "mix the missing grams anew within the pot life"
+    mix = "mix the missing mass within the pot life"
     if lidded:
         little = f"Too little poured, a vent stays empty: raise its end, tap the mould, {mix} and pour on."
         much = "Too much poured: wipe what comes out of the vents off the backer before it gels."
@@ -214,7 +214,7 @@ def when_it_fails(spec: MouldSpec) -> tuple[str, ...]:
         much = "Too much poured: wipe what comes out of the vents off the plate before it gels."
         air = "Air under the plate of the bone: lift one edge, let it out, lower again until all vents show resin."
     else:
-        little = f"Too little poured: {mix}, or strike off short and enter the mass."
+        little = f"Too little poured: {mix}, or strike off lower and enter the mass."
         much = "Too much poured: take it off with a syringe from a corner before it gels."
         air = "Air under the plate: lift one edge, let it out, lower again."
     torn = "A torn corner of the mould: outside the land it may be glued with silicone; in the cavity cast a new mould."

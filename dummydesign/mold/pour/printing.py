@@ -117,8 +117,8 @@ def tip_words(spec: MouldSpec) -> str:
     tall = max(spec.pad.shape.relief_mm, spec.pad.shape.bone_height_mm)
     layer = spec.machines.layer_mm or formula.print_layer_mm(tall)
     return (
-        f"{allowed / 2:.3f} mm of its height are {ALLOWED_PERCENT:g} % of force, and layers of {layer:.2g} mm may cost "
-        f"{ALLOWED_PERCENT * layer / allowed:.1f} %"
+        f"{allowed / 2:.3f} mm of its height change the force by {ALLOWED_PERCENT:g} %, layers of {layer:.2g} mm by up "
+        f"to {ALLOWED_PERCENT * layer / allowed:.1f} %"
     )
 
 
@@ -130,7 +130,7 @@ def print_words(spec: MouldSpec) -> str:
         size = "print a bar of 150 mm, measure it and let the slicer compensate the shrinkage"
         if fit.shrinkage_percent:
             size = f"switch shrinkage compensation off: STL and 3MF are enlarged by {fit.shrinkage_percent:g} %"
-        gap = f"Parts that go together have {fit.gap_per_side_mm:g} mm a side."
+        gap = f"Clearance of fitting parts: {fit.gap_per_side_mm:g} mm per side."
         sentences.append(f"In the slicer {foot}; {size}. {gap}")
     if words := layer_words(spec):
         sentences.append(f"{words[0].upper()}{words[1:]}.")
@@ -153,8 +153,8 @@ def mould_steps(spec: MouldSpec, plastic: str, face: str) -> tuple[str, ...]:
         f"Print base and ring solid where resin touches ({plastic}; 6 perimeters; base floor up, ring flange down), "
         f"and the plates. {face}{print_words(spec)}",
         f"Fill and sand floor and walls until no valley is deeper than {spec.surface.depth_mm:g} mm (gauge a "
-        f"scrap), 400 grit last; the walls' draft of {spec.pad.draft_deg:g} deg lets go of no "
-        f"more. Really: {BLANK}",
+        f"scrap), 400 grit last; the walls' draft of {spec.pad.draft_deg:g} deg releases no "
+        f"deeper ones. Measured: {BLANK}",
         "Test on a scrap of the same print, finished and released alike: resin must cure without a tacky border and "
         f"lift off by hand. Lifted off: {BLANK}",
         "Wax base and ring, polish, twice; then a thin film of PVA, dried. No silicone spray on the floor: it is the "

@@ -71,16 +71,16 @@ def plug_finish(spec: MouldSpec) -> str:
     if sheet:
         return (
             f"The tested face is the sheet of {sheet:g} mm (drawing face_sheet): gauge it first, another thickness is "
-            f"another face_sheet_mm (really: {BLANK} mm). Bond it into the pocket with a film of "
+            f"another face_sheet_mm (measured: {BLANK} mm). Bond it into the pocket with a film of "
             f"{spec.box.sheet_bond_mm:g} mm, weighed down on a flat plate so that it ends flush with the {where} "
-            f"(step really: {BLANK} mm), and fill the gap around it."
+            f"(step measured: {BLANK} mm), and fill the gap around it."
         )
     if not pad.shape.relief_mm:
         return f"The {where} becomes the tested face: sand it, or have a sheet of glass let in (face_sheet_mm)."
     layer = formula.print_layer_mm(pad.shape.relief_mm)
     return (
-        f"The {where} becomes the tested face and is curved: layers of at most {layer:.2g} mm there, then "
-        "sand with a soft pad or coat it; measure its height over the flat with a dial gauge."
+        f"The {where} shapes the tested face and is curved. Print it in layers of at most {layer:.2g} mm, then "
+        "sand it with a soft pad or coat it. Measure its height over the flat with a dial gauge."
     )
 
 
@@ -96,11 +96,11 @@ def by_difference(plan: PourPlan, why: str, count: int = 1) -> str:
         return (
             f"Fill the {count} cavities one after the other, each by difference: put the cup on the balance and tare "
             f"it, pour in a thin stream into one corner, put the cup back and stop at -{plan.fill_mass_g:.1f} g "
-            f"({why}). The mould stays where it is. Poured: {' '.join([BLANK] * count)} g"
+            f"({why}). Do not move the mould. Poured: {' '.join([BLANK] * count)} g"
         )
     return (
         f"Put the cup on the balance and tare it. Pour in a thin stream into one corner and put the cup back: the "
-        f"balance shows what has left it. Stop at -{plan.fill_mass_g:.1f} g ({why}). The mould stays where it is. "
+        f"balance shows how much you poured. Stop at -{plan.fill_mass_g:.1f} g ({why}). Do not move the mould. "
         f"Poured: {BLANK} g"
     )
 
@@ -112,9 +112,9 @@ def _layer_steps(spec: MouldSpec, plan: PourPlan) -> list[Step]:
     where = f"at {pour.cure_temperature_C:g} C in the vented oven" if pour.cures_warm else "at room temperature"
     return [
         Step("UPPER LAYER FIRST (it forms the tested face). "
-             f"{by_difference(plan, f'{plan.gram_per_mm_g:.1f} g make one millimetre')} at: {BLANK}", (POUR,)),
+             f"{by_difference(plan, f'{plan.gram_per_mm_g:.1f} g fill one millimetre')} at: {BLANK}", (POUR,)),
         Step(f"Prick bubbles, wait {max(30.0, plan.pour_time_s):.0f} s. Lay release film on the spacer, set it down on "
-             "one edge and lower it like a hinge until it rests on the land; what is too much comes up in the gap. "
+             "one edge and lower it like a hinge until it rests on the land; excess comes up in the gap. "
              "Without a spacer the layer is as even as the mould is level.", (WAIT, CLOSE)),
         Step(f"Let it gel where it stands, {where}; not before its pot life of {pour.pot_life_min:g} min is over "
              f"lift the spacer on one edge. Gelled at: {BLANK}", (GEL,)),
@@ -183,7 +183,7 @@ def _drying(spec: MouldSpec) -> list[Step]:
         return []
     at = f"at {spec.pour.cure_temperature_C:g} C" if spec.pour.cures_warm or spec.is_printed else "at 60 C"
     wet = "plastic" if spec.is_printed else "silicone"
-    return [Step(f"Dry the mould {DRYING_H:g} h {at} in a {VENTED_OVEN}: release agent and resin left in it give off "
+    return [Step(f"Dry the mould {DRYING_H:g} h {at} in a {VENTED_OVEN}: traces of release agent and resin give off "
                  f"vapour. Water in the {wet} would foam the polyurethane. Let it cool below 40 C before you pour, "
                  "else the pot life shortens.", (PREPARE, MOVE))]  # fmt: skip
 
@@ -191,31 +191,31 @@ def _drying(spec: MouldSpec) -> list[Step]:
 def _levelling(spec: MouldSpec, plan: PourPlan) -> Step:
     load = spec.count * plan.fill_mass_g + (plan.base.fill_mass_g if plan.base else 0.0)
     cavity = "cavity" if spec.count == 1 else "cavities"
-    under = f"with a weight of about {load:.0f} g on a clean film in the {cavity}, the load to come; take it out again"
+    under = f"with a weight of about {load:.0f} g on a clean film in the {cavity} in place of the resin. Take it out"
     if spec.pour.degas == "mould":
         under = "at once, with the resin in it"
     carried, stay = ("the mould", "it stays") if spec.is_printed else ("tray and mould", "they stay")
     long = max(spec.pad.length_mm, spec.pad.width_mm)
     return Step(f"Set {carried} where {stay} until the resin is cured: {_site(spec)}. Level with the three screws to "
                 f"{plan.level_deg:.2f} deg ({plan.level_mm:.2f} mm over {long:g} mm), along and across, {under}. From "
-                f"here on the mould is not moved. Read: {BLANK}", (MOVE, LEVEL))  # fmt: skip
+                f"here on do not move the mould. Level read: {BLANK}", (MOVE, LEVEL))  # fmt: skip
 
 
 def _mixing(spec: MouldSpec) -> Step:
     return Step(f"Weigh {', then '.join(name for name, _ in spec.pour.components)}; stir slowly for two minutes, "
-                f"scrape wall and floor, pour over into a second cup and stir again. Start of mixing: {BLANK}",
+                f"scrape wall and floor, pour it into a second cup and stir again. Start of mixing: {BLANK}",
                 (MIX,))  # fmt: skip
 
 
 def _degas_in_cup(spec: MouldSpec) -> Step:
-    return Step(f"Degas in the cup below {spec.pour.degas_pressure_kPa:g} kPa until the foam has fallen and a minute "
-                "more. A weaker pump only swells the bubbles.", (DEGAS,))  # fmt: skip
+    return Step(f"Degas in the cup below {spec.pour.degas_pressure_kPa:g} kPa until the foam has fallen, then one "
+                "minute more. With less vacuum the bubbles only swell.", (DEGAS,))  # fmt: skip
 
 
 def _degas_in_mould(spec: MouldSpec, plan: PourPlan) -> list[Step]:
     filled = by_difference(plan, "the step of the brim is the fill line", spec.count)
     return [
-        Step(f"Set the collar on the land. {filled.replace(' The mould stays where it is.', '')}", (POUR,)),
+        Step(f"Set the collar on the land. {filled.replace(' Do not move the mould.', '')}", (POUR,)),
         Step(f"Stand the mould in the chamber and degas below {spec.pour.degas_pressure_kPa:g} kPa until the foam "
              f"falls (it may rise {plan.collar_mm:.0f} mm), then take the collar off.", (MOVE, DEGAS)),
     ]  # fmt: skip
@@ -229,7 +229,7 @@ def _filling(spec: MouldSpec, plan: PourPlan) -> list[Step]:
         return [Step(by_difference(plan, why), (POUR,)), *_closing(spec, plan)]
     if plan.base is not None:
         return [*_layer_steps(spec, plan), *_closing(spec, plan)]
-    why = f"the step of the brim is the fill line; {plan.gram_per_mm_g:.1f} g make one millimetre"
+    why = f"the step of the brim is the fill line; {plan.gram_per_mm_g:.1f} g fill one millimetre"
     return [Step(by_difference(plan, why, spec.count), (POUR,)), *_closing(spec, plan)]
 
 
@@ -248,7 +248,7 @@ def _closing(spec: MouldSpec, plan: PourPlan) -> list[Step]:
 
 def _closing_lid(spec: MouldSpec) -> list[Step]:
     return [
-        Step("Release agent on the parting faces only. Close the lid (it goes on in one way), lay on the backer, "
+        Step("Put release agent on the parting faces only. Close the lid (it goes on in one way), put the backer on, "
              "clamp."),
         Step(f"Set it {_site(spec)}, where it stays until the resin is cured, and prop the vent end 5 to 10 degrees "
              "high.", (MOVE,)),
@@ -258,9 +258,9 @@ def _closing_lid(spec: MouldSpec) -> list[Step]:
 def _filling_lidded(plan: PourPlan) -> list[Step]:
     return [
         Step(f"Pour through the sprue until all five vents show resin (about {plan.fill_mass_g:.0f} g; put the cup "
-             f"back on the balance to see what has left it). Poured: {BLANK} g", (POUR,)),
+             f"back on the balance to see how much you poured). Poured: {BLANK} g", (POUR,)),
         Step(f"Take the prop away and level to {plan.level_deg:.2f} deg; top up. Keep the vents open while it is hot. "
-             f"Read: {BLANK}", (MOVE, LEVEL)),
+             f"Level read: {BLANK}", (MOVE, LEVEL)),
     ]  # fmt: skip
 
 
@@ -271,8 +271,9 @@ def _cure(spec: MouldSpec, plan: PourPlan) -> Step:
         vapour = "warm resin and release agent give off vapour"
         if spec.has_isocyanate:
             vapour = "warm isocyanate gives off vapour that harms the airways"
-        how = (f"Close the {VENTED_OVEN} and cure {pour.cure_time_h:g} h at {pour.cure_temperature_C:g} C ({vapour}; "
+        how = (f"Close the {VENTED_OVEN} and cure {pour.cure_time_h:g} h at {pour.cure_temperature_C:g} C ({vapour}: "
                "lead the oven's air outdoors or into extraction)")  # fmt: skip
     carried = "" if spec.is_printed else ", in the tray"
-    return Step(f"{how}, where it stands{carried}. The hot mould grows by {plan.thermal_growth_mm:.1f} mm; the cavity "
-                f"is cut {100 * (layout(spec).scale - 1):+.2f} % to end at size.", (CURE,))  # fmt: skip
+    return Step(f"{how}, where it stands{carried}. The hot mould grows by {plan.thermal_growth_mm:.1f} mm. The cavity "
+                f"is cut {100 * (layout(spec).scale - 1):+.2f} % so that the cured pad has its size.",
+                (CURE,))  # fmt: skip

@@ -21,18 +21,17 @@ def pour_warnings(spec: MouldSpec, plan: PourPlan) -> list[dict[str, str]]:
     if spec.body.style != "lidded":
         plate = "the carrier of the bone" if pad.shape.bone_height_mm else "the strike-off plate onto a release film"
         found["meniscus"] = (
-            f"the liquid forms a meniscus up to {plan.meniscus_mm:.1f} mm high at the walls of an open cavity: "
-            f"fill to the sharp step of the brim, no higher, and lower {plate}"
+            f"fill to the sharp step of the brim, no higher, and lower {plate}: "
+            f"the liquid rises up to {plan.meniscus_mm:.1f} mm at the walls of an open cavity"
         )
     pours = pours_of(spec, plan)
     pour, small = max(pours, key=lambda one: one[1].ratio_error_percent)
     if small.ratio_error_percent > RATIO_ERROR_LIMIT_PERCENT:
         mix, alone = batch_of(spec, pour, small).mix, small.batch_mass_g
         found["small_batch"] = (
-            f"mix {mix.total_g:g} g though {alone:g} g would fill the mould: a balance of "
-            f"{spec.machines.balance_resolution_g:g} g leaves up to {small.ratio_error_percent:.2f} % error in the "
-            f"smaller component of {alone:g} g, {mix.error_percent:.2f} % of {mix.total_g:g} g; a finer balance "
-            "saves resin"
+            f"mix {mix.total_g:g} g, although {alone:g} g fill the mould: with a balance of "
+            f"{spec.machines.balance_resolution_g:g} g the error of the smaller component is then at most "
+            f"{mix.error_percent:.2f} % instead of {small.ratio_error_percent:.2f} %; a finer balance saves resin"
         )
     if plan.wall_deflection_mm > 0.2:
         bulge = f"the walls may bulge by {plan.wall_deflection_mm:.2f} mm under the liquid"
@@ -69,11 +68,11 @@ def _relief(spec: MouldSpec) -> dict[str, str]:
     tip = ""
     if shape.tip_radius_mm is not None:
         flat = formula.tip_flat_mm(shape.tip_radius_mm, layer)
-        tip = f" (they leave a flat of {flat:.1f} mm at a tip of radius {shape.tip_radius_mm:g} mm)"
-    cost = f"; {words}" if (words := tip_words(spec)) else ""
+        tip = f"its layers flatten the tip of radius {shape.tip_radius_mm:g} mm over {flat:.1f} mm"
+    effect = "".join(f"; {words}" for words in (tip, tip_words(spec)) if words)
     found = {
-        "curved_master": f"the plug's top is curved: print it in layers of at most {layer:.2g} mm{tip}, sand or coat "
-                         f"the steps, or machine it{cost}",
+        "curved_master": f"the plug's top is curved: print it in layers of at most {layer:.2g} mm, sand or coat "
+                         f"the steps, or machine it{effect}",
         "thickness_varies": f"the pad is {pad.thickness_mm:g} mm thick at its highest point and {pad.least_gel_mm:g} "
                             "mm beside it: pour by mass, not by depth",
     }  # fmt: skip

@@ -384,14 +384,15 @@ def _warnings(law: str, result: dict[str, Any], pairs: Sequence[tuple[TissueProb
                       "motion were used"))  # fmt: skip
     rmse, floor = result["rmse_N"], result["noise_floor_N"]
     if rmse > 2.0 * floor:
-        above = f"{rmse / floor:.1f} times the noise floor" if floor > 0.0 else "above traces without noise"
-        found.append(("lack_of_fit", f"rms residual {rmse:.3g} N is {above}: the law does not describe these traces; "
-                      "intervals count the misfit as correlated noise"))  # fmt: skip
+        above = f"{rmse / floor:.3g} times the noise" if floor > 0.0 else "above traces without noise"
+        text = f"rms residual {rmse:.3g} N is {above}: the law does not describe these traces"
+        todo = "fit one pad or person at a time and check each contact; the intervals include the misfit"
+        found.append(("lack_of_fit", f"{text}; {todo}"))
     for name, entry in result["parameters"].items():
         for key, one in {"": entry}.items() if "value" in entry else entry.items():
             at = f" at {key} mm/s" if key else ""
             if one["at_bound"]:
-                found.append(("at_bound", f"{name}{at} at the limit of its range"))
+                found.append(("at_bound", f"{name}{at} is at the limit of its range: these traces do not determine it"))
             elif "not identifiable" in one.get("reason", ""):
                 found.append(("not_identifiable", f"{name}{at}: {one['reason']}"))
     broken = set()

@@ -148,7 +148,7 @@ def test_a_doubt_about_one_file_of_a_folder_writes_nothing(tmp_path, capsys):
         (["."], "holds no file that may be a trace"),
         (["a.csv", "--tare", "much"], "--tare much is not auto, none or a reading"),
         (["a.csv", "--contact", "3N"], "--contact 3N"),
-        (["a.csv", "--units", "force=mm"], "is no force"),
+        (["a.csv", "--units", "force=mm"], "is not a unit of force"),
         (["a.csv", "--units", "forse=N"], "roles time, displacement, force"),
         (["a.csv", "--columns", "force=Karft"], "did you mean"),
         (["a.csv", "--skip", "-1"], "skip"),

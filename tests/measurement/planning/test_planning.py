@@ -95,7 +95,7 @@ def test_a_new_campaign_is_written_with_its_sheet_and_nothing_is_pressed_yet(tmp
     found = asked(capsys, "new", str(folder), *SMALL, "--young", "25", "--no-power")
     assert {path.name for path in folder.iterdir()} == {"campaign.toml", "sheet.html", "manifest.json"}
     page = (folder / "sheet.html").read_text()
-    assert all(trial["file"] in page for trial in found["trials"]) and "way back" in page
+    assert all(trial["file"] in page for trial in found["trials"]) and "unloading" in page
     status = check_campaign(folder)
     assert len(status.missing) == 16 and not status.pressed and not status.wrong and not status.ready
     assert len(asked(capsys, "check", str(folder))["missing"]) == 16

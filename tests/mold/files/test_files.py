@@ -197,7 +197,7 @@ def test_pour_sheet_carries_what_the_pour_needs(open_spec, lidded_spec):
         for needed in (
             "isocyanates harm",
             spec.hash,
-            "really weighed",
+            "weighed, g",
             "Witness",
             "add-compression",
             "cure inhibition",

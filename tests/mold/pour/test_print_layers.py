@@ -56,7 +56,7 @@ def test_a_printer_too_coarse_is_refused_before_anything_is_written_and_a_fine_o
 
 def test_the_warning_says_what_the_layers_cost():
     words = " ".join(item["message"] for item in pour_warnings(CROWN, pour_plan(CROWN)))
-    assert "% of force, and layers of 0.1 mm may cost 4" in words
+    assert "change the force by 1 %, layers of 0.1 mm by up to 4" in words
 
 
 def test_the_printers_layer_is_read_and_machines_without_one_keep_their_hash(tmp_path):

@@ -44,7 +44,7 @@ def test_masses_come_from_volumes_and_layers_sum_to_the_pad():
 
 
 TOLD = {
-    "crowned:3,8,9": ("tip radius 3, height 8", "layers of at most 0.1 mm", "pour by mass"),
+    "crowned:3,8,9": ("tip radius 3 mm, height 8 mm", "layers of at most 0.1 mm", "pour by mass"),
     "bumped:13,6,1.5": ("9 caps", "pockets in the floor keep air", "layers of at most 0.075 mm"),
     "layered:6,0.4": ("UPPER LAYER FIRST", "BASE LAYER SECOND", "spacer", "Gelled at", "still tacky"),
     "boned:20,6": ("prime", "every vent shows resin", "must not float", "stays on its plate", "carrier with the bone"),

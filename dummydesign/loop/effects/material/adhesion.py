@@ -31,7 +31,7 @@ class Adhesion(Effect):
         return "" if presses.unloads.any() else "needs trials that go on after the hold (unloading)"
 
     def unseen(self, presses: Presses) -> str:
-        return "" if presses.pulls >= WAYS_BACK else "fewer than two presses read tension on the way back"
+        return "" if presses.pulls >= WAYS_BACK else "fewer than two presses read tension while unloading"
 
     def floor(self, presses: Presses, floor_N: NDArray, values: Values) -> NDArray:
         return floor_N - values["pull_off_N"] * _leaves(presses)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 import time
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -102,7 +103,7 @@ def learned(
     With ``crowned`` the generator's pads are crowned; their punch may have a fillet, declared or not.
     """
     first, more = (put_in[0], tuple(put_in[1:])) if put_in else (("none", 0.0), ())
-    own = {"more": more, "crowned": crowned, "edge_mm": edge_mm, "declared": declared}
+    own: dict[str, Any] = {"more": more, "crowned": crowned, "edge_mm": edge_mm, "declared": declared}
     truth = generator.write_campaign(folder / "a", *first, seed, **own)
     generator.write_campaign(folder / "b", *first, seed, held_out=True, **own)
     campaign, started = read_campaign(folder / "a"), time.process_time()

@@ -12,6 +12,7 @@ from __future__ import annotations
 import argparse
 import sys
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -40,7 +41,7 @@ def draw(number: int, seed: int) -> Put:
     return [(str(n), generator.SIZES[n] * float(rng.uniform(LEAST, MOST)) / FLOORS[n]) for n in names]
 
 
-KINDS = {
+KINDS: dict[str, dict[str, Any]] = {
     "crowned": {"crowned": True}, "slabs": {}, "fillet": {"crowned": True, "edge_mm": 0.4},
     "undeclared": {"crowned": True, "edge_mm": 0.4, "declared": False},
 }  # fmt: skip

@@ -20,6 +20,7 @@ import sys
 import time
 import tomllib
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -76,7 +77,7 @@ def planned_rows(plan: Path, designed_mm: float, turn: int) -> list[dict]:
 def run_seed(seed: int, folder: Path, pads: generator.CastPads | None = None) -> dict:
     """Three turns of one material."""
     effect, size = PUT_IN[seed % len(PUT_IN)]
-    own = {"cast": CAST, "cast_pads": pads}
+    own: dict[str, Any] = {"cast": CAST, "cast_pads": pads}
     truth = generator.write_campaign(folder / "other", effect, size, seed, held_out=True, **own)
     other = read_campaign(folder / "other")
     rows, prior, turns = first_rows(), None, []

@@ -59,7 +59,7 @@ def beyond_range(tissue: Tissue, found: Response, velocity_mm_s: float) -> list[
     held = found.steady_N[np.isfinite(found.steady_N)]
     if held.size and float(held.min()) < low / FORCE_APART:
         rows.append(Beyond("steady_force_N", float(held.min()), low,
-                           f"{float(held.min()):.2g} N steady, people were pressed from {low:g} N on"))  # fmt: skip
+                           f"{float(held.min()):.3g} N steady, people were pressed from {low:g} N on"))  # fmt: skip
     if held.size and float(held.max()) > high * FORCE_APART:
         rows.append(Beyond("steady_force_N", float(held.max()), high,
                            f"{float(held.max()):.3g} N steady, people were pressed up to {high:g} N"))  # fmt: skip
@@ -70,9 +70,10 @@ def beyond_range(tissue: Tissue, found: Response, velocity_mm_s: float) -> list[
         over = values / ends
         worst = int(np.argmax(over))
         if over[worst] > NEAR:
-            rows.append(Beyond(quantity, float(values[worst]), float(ends[worst]),
-                               f"{values[worst]:.3g} {unit} on {tissue.subjects[worst].name}, who was pressed to "
-                               f"{ends[worst]:.3g} ({100.0 * (over[worst] - 1.0):.0f} % beyond)"))  # fmt: skip
+            share, own = 100.0 * (over[worst] - 1.0), unit.partition(" ")[0]
+            words = (f"{values[worst]:.3g} {unit} on {tissue.subjects[worst].name}, who was pressed to "
+                     f"{ends[worst]:.3g} {own} ({share:.0f} % beyond)")  # fmt: skip
+            rows.append(Beyond(quantity, float(values[worst]), float(ends[worst]), words))
     return rows
 
 

@@ -237,12 +237,8 @@ def extrapolation_text(presses: list[dict[str, Any]]) -> str:
     if not ways:
         return ""
     size, worst = max(zip(times, ways), key=lambda pair: pair[0])
-    name, _, unit = worst["quantity"].replace("velocity_mm_s", "speed_mm/s").rpartition("_")
-    value, end = number_text(worst["value"]), number_text(worst["pressed_to"])
-    reached = f"{name.replace('_', ' ')} {value} {unit}, people were pressed to {end} {unit}"
-    if size > FAR:
-        return f"Do not use these numbers: {reached}. Extrapolated: "
-    return f"Extrapolated ({reached}). "
+    first, then = ("Do not use these numbers: ", ". Extrapolated: ") if size > FAR else ("Extrapolated: ", ". ")
+    return first + str(worst["text"]) + then
 
 
 def press_table(result: dict[str, Any]) -> tuple[list[str], list[list[str]]]:

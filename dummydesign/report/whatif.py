@@ -130,15 +130,8 @@ def in_plane(rows: Rows) -> bool:
 
 
 def plane_texts(rows: Rows) -> tuple[str, str]:
-    """What the two parts of each cell of :func:`plane_table` hold."""
+    """What the two tables of :func:`plane_tables` hold."""
     return f"depth in mm at {_middle(rows)} N steady ('-': not reached)", "peak over steady at the highest speed"
-
-
-def plane_parts(body: list[list[str]]) -> tuple[list[list[str]], list[list[str]]]:
-    """Rows of :func:`plane_table` as two tables: depths, and peaks over steady ('-' where there is none)."""
-    cells = [[cell.partition(", ") for cell in row[2:]] for row in body]
-    return ([[*row[:2], *(one[0] for one in parts)] for row, parts in zip(body, cells)],
-            [[*row[:2], *(one[2] or "-" for one in parts)] for row, parts in zip(body, cells)])  # fmt: skip
 
 
 def _middle(rows: Rows) -> str:
@@ -146,24 +139,25 @@ def _middle(rows: Rows) -> str:
     return forces[len(forces) // 2]
 
 
-def plane_table(rows: Rows) -> tuple[list[str], list[list[str]], int]:
-    """Head and rows of depth at one force and peak over steady, and how many thicknesses are left out."""
+def plane_tables(rows: Rows) -> tuple[list[str], list[list[str]], list[list[str]], int]:
+    """Head, rows of depth at one force, rows of peak over steady, and how many thicknesses are left out."""
     force = _middle(rows)
     across = sorted({row["thickness_mm"] for row in rows})
     shown = across if len(across) <= ACROSS else [across[round(i * (len(across) - 1) / (ACROSS - 1))]
                                                   for i in range(ACROSS)]  # fmt: skip
     at = {(row["ratio"], row["thickness_mm"]): row for row in rows}
-    body = []
+    depths: list[list[str]] = []
+    peaks: list[list[str]] = []
     for ratio in sorted({row["ratio"] for row in rows}):
-        cells = []
-        for thickness in shown:
-            row = at.get((ratio, thickness))
-            depth = None if row is None else row["depth_mm_at_N"][force]
-            peak = None if row is None else list(row["peak_over_steady"].values())[-1]
-            cells.append("-" if depth is None else f"{depth:.2f}" + ("" if peak is None else f", {peak:.2f}"))
-        young = next(row["young_kPa"] for row in rows if row["ratio"] == ratio)
-        body.append([f"{ratio:g}", f"{young:.3g}", *cells])
-    return ["ratio", "kPa", *(f"{thickness:g} mm" for thickness in shown)], body, len(across) - len(shown)
+        found = [at.get((ratio, thickness)) for thickness in shown]
+        depth = [None if row is None else row["depth_mm_at_N"][force] for row in found]
+        peak = [None if row is None or x is None else list(row["peak_over_steady"].values())[-1]
+                for row, x in zip(found, depth)]  # fmt: skip
+        first = [f"{ratio:g}", f"{next(row['young_kPa'] for row in rows if row['ratio'] == ratio):.3g}"]
+        for body, values in ((depths, depth), (peaks, peak)):
+            body.append([*first, *("-" if value is None else f"{value:.2f}" for value in values)])
+    head = ["ratio", "kPa", *(f"{thickness:g} mm" for thickness in shown)]
+    return head, depths, peaks, len(across) - len(shown)
 
 
 def first_text(rows: Rows) -> str:
@@ -219,7 +213,12 @@ def _front(
     """The first page: the best design or the study in words, depth and exponents over thickness, a table."""
     ordered = best_first(rows)
     plane = in_plane(ordered)
-    head, body, _ = plane_table(ordered) if plane else first_table(ordered)
+    if plane:
+        head, depths, peaks, _ = plane_tables(ordered)
+        both = (zip(*pair) for pair in zip(depths, peaks))
+        body = [[x if place < 2 or y == "-" else f"{x}, {y}" for place, (x, y) in enumerate(row)] for row in both]
+    else:
+        head, body, _ = first_table(ordered)
     steps: list[str] = []
     best, facts, words = ordered[0], [Fact("designs", f"{len(rows)}", True)], lead
     if "score" in best:

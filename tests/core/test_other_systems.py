@@ -90,7 +90,7 @@ def test_places_in_a_project_have_forward_slashes_and_another_drive_is_outside(m
     from dummydesign.studio import project_files
 
     monkeypatch.setattr(project_files, "os", SimpleNamespace(sep="\\", path=ntpath))
-    root = PureWindowsPath("C:/work/project")
+    root = PureWindowsPath("C:/lab/project")
     assert str(project_files._place_in(root, "measured\\import-1\\a.csv")) == "measured/import-1/a.csv"
     assert project_files._place_in(root, "D:\\a.csv") is None
 

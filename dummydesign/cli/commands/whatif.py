@@ -68,21 +68,16 @@ def render(result: dict[str, Any]) -> str:
     seconds = f"{len(rows)} in {result['seconds']:.2f} s; "
     head = [*tissue_lines(result), *labelled("DESIGNS", seconds + "; ".join(facts.fixed_texts(rows)))]
     plane = facts.in_plane(rows)
-    columns, body, left = facts.plane_table(rows) if plane else facts.first_table(rows)
-    widths = (7, 8, *[9] * len(columns)) if plane else (*[7] * columns.index("kPa"), 7, *[10] * len(columns))
-    last = len(columns) if plane else len(columns) - 1
-
-    def lines_of(part: list[list[str]]) -> list[str]:
-        cells = ["".join(f"{cell:<{wide}}" for cell, wide in zip(row[:last], widths)) for row in (columns, *part)]
-        return [f"  {line}{''.join(row[last:])}".rstrip() for line, row in zip(cells, (columns, *part))]
-
     if plane:
-        (depths, peaks), (text, peak_text) = facts.plane_parts(body), facts.plane_texts(rows)
-        table = [f"  {text}", *lines_of(depths)]
-        if len(body) <= BOTH:
-            table += ["", f"  {peak_text}", *lines_of(peaks)]
+        columns, depths, peaks, left = facts.plane_tables(rows)
+        widths, (text, peak_text) = (7, 8, *[9] * len(columns)), facts.plane_texts(rows)
+        table = [f"  {text}", *_lines(columns, depths, widths)]
+        if len(depths) <= BOTH:
+            table += ["", f"  {peak_text}", *_lines(columns, peaks, widths)]
     else:
-        table = [f"  {facts.first_text(rows)}", *lines_of(body)]
+        columns, body, left = facts.first_table(rows)
+        widths = (*[7] * columns.index("kPa"), 7, *[10] * (len(columns) - columns.index("kPa") - 2), 0)
+        table = [f"  {facts.first_text(rows)}", *_lines(columns, body, widths)]
     if left > 0:
         table.append(f"  {left} more thicknesses: --details" if plane else f"  ... and {left} more designs: --details")
     more = "  ... and {} more rows: --details" if plane else "  ... and {} more designs: --details"
@@ -90,6 +85,11 @@ def render(result: dict[str, Any]) -> str:
         [*head, ""], table, [""], warning_block(result), files_block(result, ("report", "first_page", "rows")),
         labelled("MORE", "--details: exponents, peaks and every design; rows.csv has every number"), more=more,
     )  # fmt: skip
+
+
+def _lines(head: list[str], body: list[list[str]], widths: tuple[int, ...]) -> list[str]:
+    """A table as lines, each cell as wide as its column."""
+    return [("  " + "".join(f"{cell:<{wide}}" for cell, wide in zip(row, widths))).rstrip() for row in (head, *body)]
 
 
 def render_details(result: dict[str, Any]) -> str:

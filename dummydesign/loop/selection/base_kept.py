@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from dummydesign.loop.effects.learned import Learned, SmoothChange
 from dummydesign.loop.fitting.fit import CampaignFit
 from dummydesign.loop.selection.cross_validation import AssessedModel
-from dummydesign.loop.selection.learn_effect import predicted_without, refitted_squares
+from dummydesign.loop.selection.learn_effect import refitted_squares, squares_without
 
 WORSE = 1.02
 """Squared error over the base's beyond which the base predicts better; up to it the two are the same."""
@@ -64,26 +64,24 @@ def deepest(found: CampaignFit) -> NDArray:
     """The presses of each pad beyond the others in depth (T,); none where a pad would keep less than two."""
     presses = found.problem.presses
     most = np.array([presses.depth_mm[presses.pad == pad].max() for pad in presses.pad])
-    out = presses.depth_mm > NEAR_END * most
-    left = [int((~out)[presses.pad == pad].sum()) for pad in np.unique(presses.pad)]
-    return out if min(left) > 1 else np.zeros_like(out)
+    return _sparing(presses.pad, presses.depth_mm > NEAR_END * most)
 
 
 def fastest(found: CampaignFit) -> NDArray:
     """The presses beyond the others in speed (T,); none where a pad or the arms would not be known without them."""
     presses = found.problem.presses
-    out = presses.velocity_mm_s > NEAR_END * presses.velocity_mm_s.max()
-    left = [int((~out)[presses.pad == pad].sum()) for pad in np.unique(presses.pad)]
+    return _sparing(presses.pad, presses.velocity_mm_s > NEAR_END * presses.velocity_mm_s.max())
+
+
+def _sparing(pads: NDArray, out: NDArray) -> NDArray:
+    """Presses to leave out (T,); none where a pad would keep less than two."""
+    left = [int((~out)[pads == pad].sum()) for pad in np.unique(pads)]
     return out if min(left) > 1 else np.zeros_like(out)
 
 
 def _error_N(found: CampaignFit, parts: list[NDArray]) -> float:
     """Error on parts of the presses, each predicted by a fit without it. [N]"""
-    presses, squares, total = found.problem.presses, 0.0, 0.0
-    for out in parts:
-        weight = (presses.samples * presses.used)[out]
-        residual = (presses.force_N - predicted_without(found, out, _shape(found)))[out]
-        squares, total = squares + float((weight * residual**2).sum()), total + float(weight.sum())
+    squares, total = squares_without(found, parts, _shape(found))
     return float(np.sqrt(squares / total))
 
 

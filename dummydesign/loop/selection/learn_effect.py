@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -278,13 +279,21 @@ def refitted_squares(found: CampaignFit, shape: SmoothChange | None = None) -> f
     """
     presses = found.problem.presses
     part = np.unique(presses.cell, return_inverse=True)[1] % FOLDS
-    weight, total = presses.samples * presses.used, 0.0
-    for fold in range(FOLDS):
-        out = part == fold
-        if not out.any() or out.all():
-            continue
-        total += float((weight[out] * (presses.force_N - predicted_without(found, out, shape))[out] ** 2).sum())
-    return total / float(weight.sum())
+    folds = [out for fold in range(FOLDS) if (out := part == fold).any() and not out.all()]
+    squares, _ = squares_without(found, folds, shape)
+    return squares / float((presses.samples * presses.used).sum())
+
+
+def squares_without(
+    found: CampaignFit, parts: Sequence[NDArray], shape: SmoothChange | None = None
+) -> tuple[float, float]:
+    """Weighted squares of presses, each part (T,) predicted by a fit without it, and the sum of the weights. [N2, 1]"""
+    presses, squares, total = found.problem.presses, 0.0, 0.0
+    weight = presses.samples * presses.used
+    for out in parts:
+        residual = (presses.force_N - predicted_without(found, out, shape))[out]
+        squares, total = squares + float((weight[out] * residual**2).sum()), total + float(weight[out].sum())
+    return squares, total
 
 
 def predicted_without(found: CampaignFit, out: NDArray, shape: SmoothChange | None = None) -> NDArray:

@@ -25,6 +25,8 @@ FALLING = 0.01
 SHORT_HOLD_S = 10.0
 """Hold of the published protocol; no shorter one is called too short unless the force still falls."""
 GRAMS_N_PER_MM, GRAMS_N = 100.0, 200.0
+HELD, RELAXED = 0.02, 0.05
+"""Shares of its range within which a value is held, and by which the other one must fall meanwhile to be doubted."""
 INCHES_N_PER_MM, INCHES_MM = 60.0, 0.5
 """Stiffness and size beyond any hand or pad (a 5 mm pad: 7 N/mm at 15 N): both must agree before a unit is doubted."""
 
@@ -52,8 +54,33 @@ def check_press(
             f"the force changes by {contact.drift_N:+.3g} N before contact; let the sensor settle, or look for "
             "something that touches earlier",
         )
+    if _swapped(press):
+        return
     for check in (_hold, _several_holds, _clipped, _gaps, _lost, _frozen, _spikes, _units):
         check(press)
+
+
+def _swapped(press: _Press) -> bool:
+    """Force held while the position relaxes, which no pad does: the columns are the wrong way round.
+
+    In a press at held depth the force falls, at held force the depth grows, at a clipped force it stands or grows.
+    """
+    force, x = press.force, press.x
+    top, reach = float(force.max()), float(np.ptp(x))
+    first, last = _longest(force > top - HELD * float(np.ptp(force)))
+    tenth = (last - first) // 10
+    if tenth < 3:
+        return False
+    begin, middle = x[first : first + tenth], x[(first + last) // 2 :][:tenth]
+    fall = float(begin.mean() - middle.mean())
+    swapped = fall > RELAXED * reach and fall > 4.0 * float(np.hypot(begin.std(), middle.std())) / np.sqrt(tenth)
+    if swapped:
+        press.warn(
+            "columns_swapped",
+            f"the position falls back by {100 * fall / reach:.0f} % while the force stands: give "
+            "--columns displacement and force the other way round",
+        )
+    return swapped
 
 
 def _hold(press: _Press) -> None:
@@ -194,7 +221,7 @@ def _units(press: _Press) -> None:
 
 CODES = (
     *("force_before_contact", "contact_off", "hold_too_short", "several_holds", "clipped", "drop_out", "spike"),
-    *("far_from_known", "same_press", "several_subjects"),
+    *("far_from_known", "columns_swapped", "same_press", "several_subjects"),
 )
 """Codes of the warnings of this module."""
 MENDED = ("force_before_contact", "contact_off", "far_from_known")

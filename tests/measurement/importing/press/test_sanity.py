@@ -40,6 +40,15 @@ def test_a_load_cell_at_its_end_is_told(press):
     assert "clipped" in checked(time, x, np.minimum(force, 11.0))
 
 
+def test_a_position_that_relaxes_while_the_force_stands_is_the_force(press):
+    time, x, force = press
+    assert checked(time, force, x) == ["columns_swapped"]
+    # held force: the pad creeps, its depth grows to where the steady force is that of the ramp's end
+    ramp = np.clip(time / 1.4, 0.0, 1.0)
+    creep = ramp * np.where(time > 1.4, 1.25 - 0.25 * np.exp(-(time - 1.4) / 0.4), 1.0)
+    assert "columns_swapped" not in checked(time, 4.0 * creep - 0.01, 16.0 * ramp**1.5)
+
+
 def test_a_coarse_resolution_is_not_taken_for_a_load_cell_at_its_end(press):
     time, x, force = press
     assert checked(time, x, np.round(force, 1)) == []

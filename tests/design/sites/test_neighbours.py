@@ -21,6 +21,16 @@ def test_a_ring_has_the_crown_inside_and_the_full_thickness_outside():
     np.testing.assert_array_equal(ringed.drop_mm(r, 0 * r)[4:], 0.0)
 
 
+def test_the_ring_begins_at_the_foot_of_the_neighbour(alone, monkeypatch):
+    lines = []
+    monkeypatch.setattr(IsolatedCrown, "_change", lambda _, one, reach, other, end: lines.append((other, end)) or 0.0)
+    alone.stiffer(21.5)
+    alone.softer(13.0)
+    (among, _), (ending, end_mm) = lines
+    assert among.ring and among.line_mm == pytest.approx(21.5 - 9.4)
+    assert not ending.ring and 9.4 < ending.line_mm < end_mm == 13.0
+
+
 @pytest.mark.slow
 def test_a_neighbour_stiffens_and_a_rim_softens_and_both_die_out_with_distance(alone):
     near, far = alone.stiffer(21.5), alone.stiffer(26.0)

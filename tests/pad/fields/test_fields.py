@@ -1,6 +1,7 @@
 """Stress, displacement and contact pressure inside pressed pads: closed forms, balance of forces, files."""
 
 from functools import lru_cache
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -53,6 +54,16 @@ def test_a_cylinder_squeezed_evenly_has_the_stress_of_the_closed_form():
     at_nodes = to_nodes(solid, meshes.POINTS, stress)
     assert np.allclose(at_nodes, [0.0, wanted, 0.0, 0.0], atol=1e-9)
     assert np.allclose(principal[..., [0, 2]], [across, stretch])
+
+
+def test_the_drawn_punch_is_flat_then_a_quarter_circle_tangent_to_both():
+    depth, radius, rim = 0.3, 1.2, 0.1
+    problem = SimpleNamespace(punch=SimpleNamespace(rim=rim))
+    r, z = fields_solve._outline(problem, depth, radius).T
+    assert (r[0], z[0]) == (0.0, -depth) and z.min() == -depth and (np.diff(r) >= -1e-12).all()
+    bend = slice(1, -1)
+    assert np.hypot(r[bend] - (radius - rim), z[bend] + depth - rim) == pytest.approx(rim)
+    assert (r[-2], z[-2]) == pytest.approx((radius, rim - depth))
 
 
 def test_half_the_modulus_in_a_cell_halves_its_stress():

@@ -125,10 +125,10 @@ def page(table: list[dict[str, str]]) -> str:
         f"{DEEP_MM:g} mm.", "Other public measurements: [real presses](real-data.md).", "",
         f"- The loop finds plate friction in {len(rubbing)} of {len(table)} mixtures, {min(sizes):.2f} to "
         f"{max(sizes):.2f}.",
-        f"- There the error on the specimen left out falls to {min(share):.2f} to {max(share):.2f} of the base's "
+        f"- With it the error on the specimen that was left out is {min(share):.2f} to {max(share):.2f} of the base's "
         f"(median {float(np.median(share)):.2f}).",
         f"- The others are {', '.join(other)}: verdict `unexplained`, no effect.",
-        f"- A thickness error explains the curves almost as well: over 0.9 of the friction's evidence in {alike}.", "",
+        f"- A thickness error explains {alike} of these mixtures almost as well (over 0.9 of the friction's evidence).", "",
         "**Press to half the height.** Curves cut at less depth do not separate friction from modulus:", "",
         "| calibrated to | friction found | another effect found | error to 15 mm larger with it |",
         "|---|---|---|---|",

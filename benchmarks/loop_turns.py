@@ -181,13 +181,13 @@ def _plain_lines(rows: list[dict], plain: list[dict]) -> list[str]:
         "seeds, run once:", "",
         f"- Modulus: half width of the interval {_medians(width)} %, narrower after each turn in {narrower} of "
         f"{len(plain)}.", f"- It contains the true value in {sum(map(sum, inside))} of {np.size(inside)} turns.",
-        f"- Error {_medians(error)}: smaller after the third turn than after the first in {smaller} of {len(plain)}.",
-        f"- A prior contradicted its own material in {_refused(plain)} of {2 * len(plain)} turns.",
+        f"- Error on the other pads {_medians(error)}. It fell from the first to the third turn in {smaller} of {len(plain)}.",
+        f"- A prior of the same material was refused in {_refused(plain)} of {2 * len(plain)} turns.",
     ]  # fmt: skip
     wrong = [row for row in rows if "contradicted" in row]
     if wrong:
         named = sum(not row["used"] and any("young_kPa" in text for text in row["conflicts"]) for row in wrong)
-        lines.append(f"- A prior with a modulus 25 % off was named with it in {named} of {len(wrong)}.")
+        lines.append(f"- A prior with a modulus 25 % off was refused, naming the modulus, in {named} of {len(wrong)}.")
     return lines
 
 
@@ -206,7 +206,7 @@ def pads_table(rows: list[dict]) -> list[str]:
     lines = [
         "", "## Pads with a factor of their own", "",
         f"Each pad has its own thickness ({pads.thickness_mm:g} mm) and modulus ({100 * pads.ln_young:g} %), as "
-        "standard deviations. Level and slope", "of its force are off by another half per cent that nobody can read. "
+        "standard deviations. Level and slope", "of its force are off by a further half per cent that no record shows. "
         "Each series is run without records, and with", f"the gauged thickness ({pads.gauge_mm:g} mm) and a witness of "
         f"each batch ({100 * pads.witness:g} %). The other pads are newly cast too.",
         f"`python benchmarks/loop_turns.py --pads --seed {seeds[0]}`, {len(seeds)} series of new seeds, run once:", "",
@@ -230,9 +230,9 @@ def pads_table(rows: list[dict]) -> list[str]:
         f"| exactly the right names | {sum(right[False])} of {len(right[False])} turns | {sum(right[True])} of "
         f"{len(right[True])} |",
         "", f"- With records the error is smaller in {smaller} of {3 * len(seeds)} turns.",
-        f"- The third answer states an own factor of {np.median([one['size_percent'] for one in last]):.1f} %. The "
-        f"records explain {100 * np.median(explained):.0f} % of its square;",
-        f"  {np.median([one['left_percent'] for one in last]):.1f} % remains (medians).",
+        f"- The third answer states that pads differ by {np.median([one['size_percent'] for one in last]):.1f} % (standard "
+        f"deviation). With the records {np.median([one['left_percent'] for one in last]):.1f} %",
+        f"  remains: they explain {100 * np.median(explained):.0f} % of the variance (medians).",
     ]  # fmt: skip
     return lines
 

@@ -13,6 +13,7 @@ import csv
 import io
 from dataclasses import asdict, dataclass
 from pathlib import Path
+from textwrap import fill
 from typing import Any
 
 import numpy as np
@@ -201,7 +202,8 @@ def write_page(folder: Path, slabs: list[SolvedSlab]) -> None:
         When the page or its marks are missing.
     """
     found = study(slabs)
-    MARKED.write(folder, f"{STATEMENT}\n\n{page_text(found)}")
+    statement = "\n\n".join(fill(one, 120, break_on_hyphens=False) for one in STATEMENT.split("\n\n"))
+    MARKED.write(folder, f"{statement}\n\n{page_text(found)}")
     (folder / TABLE).parent.mkdir(parents=True, exist_ok=True)
     write_text(folder / TABLE, table_text(found))
 

@@ -394,8 +394,8 @@ METHOD = """
 1. `suggest` designs crowned pads and slabs for the built-in tissues, with four degrees of knowledge of the resin. They
    range from unmeasured to measured and made well (0.01 g, 0.05 mm, ratios in steps of 0.02).
 2. For each shape, one ratio is chosen at every level that occurs.
-3. Each simulated pad has a resin, weighing and thickness drawn from their intervals. Its force law has a smooth error of
-   the stated size. Force curves are finite-element solutions (`benchmarks/castings_blind_curves.json`).
+3. Resin, weighing and thickness of each simulated pad are drawn from their intervals. Its force law has a smooth error
+   of the stated size. Force curves are finite-element solutions (`benchmarks/castings_blind_curves.json`).
 4. A pad needs the factor lowest subject over pad, the largest over peaks, energies and steady curve.
 """
 
@@ -440,8 +440,8 @@ def table(rows: list[dict]) -> str:
         f"over-reading holds for {_share(*covered(rows, 'over', 'over_q95'))}. {100 * counted:.1f} % of all pads",
         f"cannot make every press; {100 * stated:.1f} % were stated.",
         METHOD,
-        f"{len(rows)} designs, seed {seeds}. {pads} pads have all uncertainties. {pads} further ones have a known modulus",
-        "and relaxation (column \"factor after measuring\").",
+        f"{len(rows)} designs, seed {seeds}. {pads} pads have all uncertainties. {pads} further ones have a known",
+        'modulus and relaxation (column "factor after measuring").',
         "`python benchmarks/castings_blind.py` runs the study; `--table-only` writes this page from kept rows.", "",
         "## 95 % figures", "",
         "For how many of the pads in reach does the stated figure suffice? 95 % is expected. In brackets: one standard",

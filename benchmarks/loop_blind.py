@@ -17,10 +17,12 @@ sys.path.insert(0, str(ROOT))
 
 from benchmarks.loop_blind_table import HEADS, data, table  # noqa: E402
 from benchmarks.loop_campaigns import KINDS, kind_of, run_one  # noqa: E402
-from benchmarks.loop_other_mind_page import section  # noqa: E402
+from benchmarks.loop_other_mind_page import section, write_functions  # noqa: E402
 from benchmarks.rows import keep_row, read_rows, scratch  # noqa: E402
 
 PAGE = ROOT / "docs" / "loop-blind.md"
+PRESENT = ROOT / "benchmarks" / "loop_blind_746000.jsonl"
+"""Campaigns of the loop as it is now, shown next to those of ``--rows``."""
 
 
 def main() -> None:
@@ -45,8 +47,11 @@ def main() -> None:
         keep_row(options.rows, row)
         print(seed, row["effects"], row["verdict"], row["found"], row["cpu_seconds"], file=sys.stderr, flush=True)
     rows = sorted(read_rows(options.rows), key=lambda row: row["seed"])
-    options.out.write_text(table(rows) + (section() if options.out == PAGE else ""))
-    for name, lines in data(rows).items() if options.out == PAGE else ():
+    whole = options.out == PAGE
+    options.out.write_text(f"{section()}\n{table(rows, read_rows(PRESENT))}" if whole else table(rows))
+    if whole:
+        write_functions(PAGE.parent / "data" / "loop-functions.csv")
+    for name, lines in data(rows).items() if whole else ():
         with (PAGE.parent / "data" / f"{name}.csv").open("w", newline="") as stream:
             csv.writer(stream, lineterminator="\n").writerows([HEADS[name], *lines])
     print(f"{len(rows)} campaigns, table in {options.out}", file=sys.stderr)

@@ -1,8 +1,7 @@
-"""The page and the data files of the loop's blind study."""
+"""The first generator's part of docs/loop-blind.md, and its data files."""
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Callable, Iterator
 
 import numpy as np
@@ -17,21 +16,17 @@ Row = dict
 Test = Callable[[Row], bool]
 
 
-HEAD = """# Blind study of the loop
+HEAD = """## A first generator
 
-How often does the loop name the right effect? Simulated campaigns only. `tests/support/campaign_generator.py` makes
-them and shares no code with the effects. The study was run once, before the loop learned functions first;
-[50 campaigns of the changed loop](loop.md) were run later.
-
-## Method
+`tests/support/campaign_generator.py` has laws that are nearer to those of the loop, and other effects without a name.
 
 - One effect: each of the vocabulary in turn, at its usual size, doubled and halved.
 - Two and three effects: drawn from the {count} that can be made large. Each alone would leave 3 to 8 noise floors on
   left-out conditions.
-- Unnamed: effects outside the vocabulary. Effects of the state depend on depth, force or time since the
-  stop: {state}. The others do not.
+- Unnamed: effects outside the vocabulary. Effects of the state depend on depth, force or time since the stop:
+  {state}. The others do not.
 - Silent: the verdict is `effect` or `none`, but more than two noise floors are left on other pads, besides the pads'
-  own part. It must never occur.
+  own differences.
 """
 HEADS = {
     "loop-blind": ("quantity", "count", "total", "percent", "low_95_percent", "high_95_percent", "wanted"),
@@ -130,52 +125,36 @@ def data(rows: list[Row]) -> dict[str, list[tuple]]:
     }  # fmt: skip
 
 
-def table(rows: list[Row]) -> str:
-    """The published page."""
-    found, every = data(rows), [row for row in rows if row["kind"] != REFUSED]
-    refused = [f"Seed {row['seed']} ({', '.join(row['effects'])}) was refused before the loop: {row['message']}."
-               for row in rows if row["kind"] == REFUSED]  # fmt: skip
-    lines = [
-        HEAD.format(count=len(FLOORS), state=", ".join(OF_THE_STATE)),
-        f"{len(every)} campaigns, seeds {_ranges(every)}: `python benchmarks/loop_blind.py --seed "
-        f"{min(row['seed'] for row in every)}`.", *refused, "`benchmarks/loop_blind.jsonl` keeps a row per campaign.",
-        "", "## Rates", "", "The 95 % interval is in brackets. `docs/data/loop-blind.csv` has all rates.", "",
-        "| campaigns | counted | rate | wanted |", "|---|---|---|---|",
-    ]  # fmt: skip
-    for name, count, total, *percent, wanted in found["loop-blind"]:
+def table(rows: list[Row], present: list[Row] | None = None) -> str:
+    """The part of the page on the first generator; ``present`` are campaigns of the loop as it is now."""
+    studies = [rows, *([present] if present else [])]
+    every = [[row for row in own if row["kind"] != REFUSED] for own in studies]
+    heads = ["an earlier loop", "the present loop"] if present else ["counted"]
+    lines = [HEAD.format(count=len(FLOORS), state=", ".join(OF_THE_STATE))]
+    lines += [f"- {head[:1].upper()}{head[1:]}: {len(own)} campaigns, seeds {_ranges(own)}."
+              for head, own in zip(heads, every) if present]  # fmt: skip
+    lines += [f"- Seed {row['seed']} ({', '.join(row['effects'])}) was refused before the loop: {row['message']}."
+              for own in studies for row in own if row["kind"] == REFUSED]  # fmt: skip
+    lines += ["", "`python benchmarks/loop_blind.py --seed N` runs the study. The 95 % interval of the rate is in",
+              "brackets.",
+              "", f"| campaigns | {' | '.join(heads)} | wanted |", "|---|" + "---|" * len(heads) + "---|"]  # fmt: skip
+    counted = [{row[0]: row for row in data(own)["loop-blind"]} for own in studies]
+    for name, *_, wanted in counted[0].values():
         if wanted and not name.endswith("silent"):
-            lines.append("| {} | {} / {} | {} % ({} to {}) | {} |".format(name, count, total, *percent, wanted))
-    quiet = [row for row in found["loop-blind"] if row[0].endswith("silent")]
-    known = [row for row in found["loop-blind"] if row[0].startswith("size of ")]
-    sizes = [f"{row[0].split(':')[0][8:]} {row[1]} / {row[2]}" for row in known]
-    lines += [f"| any: silent | {sum(row[1] for row in quiet)} / {sum(row[2] for row in quiet)} | | 0 |", "",
-              f"Sizes in their interval: {', '.join(sizes[1:])}.", ""]  # fmt: skip
-    state = [row for row in every if row["kind"] == "unnamed" and row["effects"][0] in OF_THE_STATE]
-    if state:
-        left = float(np.median([row["heldout"][1] / row["heldout"][0] for row in state]))
-        lines += [f"Unnamed effects of the state: the median left-out error is {left:.2f} of the base model's; at most "
-                  "0.5 is wanted.", ""]  # fmt: skip
-    lines += ["## Errors", "", "Median residual over the noise floor. `docs/data/loop-blind-errors.csv` also has 90 %",
-              "quantiles and times.", "", f"| | {' | '.join(QUANTITIES[:-1])} |",
-              "|---" * len(QUANTITIES) + "|"]  # fmt: skip
-    for kind in by_kind(rows):
-        own = [row[2] for row in found["loop-blind-errors"] if row[0] == kind and row[1] != QUANTITIES[-1]]
-        lines += [f"| {kind} | {' | '.join(own)} |"] if own else []
-    lines += ["", "## Mistakes", "", "One effect, not named first (`docs/data/loop-blind-effects.csv`):", ""]
-    lines += [f"- {name}: right in {first} of {total}; otherwise {other}." for name, total, first, other
-              in found["loop-blind-effects"] if first < total]  # fmt: skip
-    missed = found["loop-blind-missed"]
-    common = Counter(name for row in missed for name in row[0].split(", ")).most_common(2)
-    lines += [
-        "", "The other effects were right in all their campaigns.", "",
-        f"In {len(missed)} campaigns of two or three, an effect was missed or wrongly named",
-        f"(`docs/data/loop-blind-missed.csv`). {' and '.join(f'{n} held `{name}`' for name, n in common)}.", "",
-        "Outside the vocabulary (`docs/data/loop-blind-unnamed.csv` also has the reasons given):", "",
-        "| effect | unexplained | learned | named besides |", "|---|---|---|---|",
-    ]  # fmt: skip
-    for name, total, seen, taught, named, _ in found["loop-blind-unnamed"]:
-        lines.append(f"| {name} | {seen} / {total} | {taught} / {total} | {named} |")
+            lines.append(f"| {name} | {' | '.join(_cell(one.get(name)) for one in counted)} | {wanted} |")
+    quiet = [[row for name, row in one.items() if name.endswith("silent")] for one in counted]
+    cells = (f"{sum(row[1] for row in own)} of {sum(row[2] for row in own)}" for own in quiet)
+    lines += [f"| any: silent | {' | '.join(cells)} | 0 |", ""]
+    left = [[row["heldout"][1] / row["heldout"][0] for row in own
+             if row["kind"] == "unnamed" and row["effects"][0] in OF_THE_STATE] for own in every]  # fmt: skip
+    medians = " and ".join(f"{np.median(own):.2f}" for own in left if own)
+    lines += [f"Unnamed effects of the state: the median left-out error is {medians} of the base model's; at most",
+              "0.5 is wanted."] if medians else []  # fmt: skip
     return "\n".join(lines) + "\n"
+
+
+def _cell(row: tuple | None) -> str:
+    return "" if row is None else "{} of {} ({} to {} %)".format(row[1], row[2], *row[4:6])
 
 
 def _by_nature(rows: list[Row]) -> Iterator[Measure]:

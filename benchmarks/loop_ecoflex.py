@@ -128,7 +128,7 @@ def page(table: list[dict[str, str]]) -> str:
         f"- With it the error on the specimen that was left out is {min(share):.2f} to {max(share):.2f} of the base's "
         f"(median {float(np.median(share)):.2f}).",
         f"- The others are {', '.join(other)}: verdict `unexplained`, no effect.",
-        f"- A thickness error explains {alike} of these mixtures almost as well (over 0.9 of the friction's evidence).", "",
+        f"- A thickness error explains {alike} of these almost as well (over 0.9 of the friction's evidence).", "",
         "**Press to half the height.** Curves cut at less depth do not separate friction from modulus:", "",
         "| calibrated to | friction found | another effect found | error to 15 mm larger with it |",
         "|---|---|---|---|",

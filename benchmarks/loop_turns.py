@@ -181,7 +181,7 @@ def _plain_lines(rows: list[dict], plain: list[dict]) -> list[str]:
         "seeds, run once:", "",
         f"- Modulus: half width of the interval {_medians(width)} %, narrower after each turn in {narrower} of "
         f"{len(plain)}.", f"- It contains the true value in {sum(map(sum, inside))} of {np.size(inside)} turns.",
-        f"- Error on the other pads {_medians(error)}. It fell from the first to the third turn in {smaller} of {len(plain)}.",
+        f"- Error on the other pads {_medians(error)}. It fell from turn one to three in {smaller} of {len(plain)}.",
         f"- A prior of the same material was refused in {_refused(plain)} of {2 * len(plain)} turns.",
     ]  # fmt: skip
     wrong = [row for row in rows if "contradicted" in row]
@@ -230,8 +230,8 @@ def pads_table(rows: list[dict]) -> list[str]:
         f"| exactly the right names | {sum(right[False])} of {len(right[False])} turns | {sum(right[True])} of "
         f"{len(right[True])} |",
         "", f"- With records the error is smaller in {smaller} of {3 * len(seeds)} turns.",
-        f"- The third answer states that pads differ by {np.median([one['size_percent'] for one in last]):.1f} % (standard "
-        f"deviation). With the records {np.median([one['left_percent'] for one in last]):.1f} %",
+        f"- The third answer states that pads differ by {np.median([one['size_percent'] for one in last]):.1f} % "
+        f"(standard deviation). With the records {np.median([one['left_percent'] for one in last]):.1f} %",
         f"  remains: they explain {100 * np.median(explained):.0f} % of the variance (medians).",
     ]  # fmt: skip
     return lines

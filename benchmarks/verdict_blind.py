@@ -255,8 +255,8 @@ def table(rows: list[dict]) -> str:
         "`python benchmarks/verdict_blind.py` runs the study and writes this page.", "", "## Results", "",
         f"- `compare` gives the true level in {same} of {len(rows)}.",
         f"- {len(low)} castings read more than 1 % too low: {wrong} are green, {passed} amber, the others red.",
-        f"- {len(red)} castings are truly not representative: {len(red) - missed} are red. Of the others {clear} are not near a "
-        "border." if missed else f"- {len(red)} castings are truly not representative: all are red.",
+        f"- {len(red)} castings are truly not representative: {len(red) - missed} are red, of the others {clear} are "
+        "not near a border." if missed else f"- {len(red)} castings are truly not representative: all are red.",
         f"- The stated factor suffices in {held} of {len(known)}, a factor 1 % larger in {nearly}.",
         f"- The true over-reading is below the stated 95 % figure in {over} of {len(rows)}.",
         "", "| true level | " + " | ".join(LEVELS) + " |", "|---|" + "---|" * len(LEVELS),
@@ -269,7 +269,7 @@ def table(rows: list[dict]) -> str:
             border = "near a border" if row["near_border"] else "not near a border"
             ratios = (row["true_shortfall"], row["shortfall"] or 0.0, row["true_over"], row["over"] or 0.0)
             words = "True shortfall {:.3f}, read as {:.3f}; true over-reading {:.3f}, read as {:.3f}.".format(*ratios)
-            lines += ["", f"Wrong: {row['tissue']} {row['shape']}, {border}. {words}"]
+            lines += ["", f"Wrong: {row['tissue']} {row['shape']}, {border}.", words]
     return "\n".join(lines) + "\n"
 
 

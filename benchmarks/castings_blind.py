@@ -53,6 +53,7 @@ from dummydesign.geometry.shape_registry import read_shape  # noqa: E402
 from dummydesign.pad.axisymmetric.shaped_pad import solve_shaped_pad  # noqa: E402
 from dummydesign.pad.axisymmetric.sharp_edge import solve_curve  # noqa: E402
 from dummydesign.pad.specimen import Pad  # noqa: E402
+from studies.marked_page import wrapped  # noqa: E402
 
 RADIUS_MM = 14.0 / np.sqrt(np.pi)
 BRAKING_MM_S2, HOLD_S = 30_000.0, 10.0
@@ -396,7 +397,7 @@ METHOD = """
 2. For each shape, one ratio is chosen at every level that occurs.
 3. Resin, weighing and thickness of each simulated pad are drawn from their intervals. Its force law has a smooth error
    of the stated size. Force curves are finite-element solutions (`benchmarks/castings_blind_curves.json`).
-4. A pad needs the factor lowest subject over pad, the largest over peaks, energies and steady curve.
+4. The factor that a pad needs is lowest subject over pad; the largest over peaks, energies and steady curve counts.
 """
 
 
@@ -514,7 +515,7 @@ def main() -> None:
             levels = ", ".join(f"{row['ratio']:g} {row['level']}" for row in found)
             seconds = f"{time.process_time() - started:.1f} s"
             print(number, *place, knowledge, levels, seconds, file=sys.stderr, flush=True)
-    options.out.write_text(table(rows))
+    options.out.write_text(wrapped(table(rows)))
     for name, lines in data(rows).items():
         with (ROOT / "docs" / "data" / f"{name}.csv").open("w", newline="") as stream:
             csv.writer(stream, lineterminator="\n").writerows(lines)

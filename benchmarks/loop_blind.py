@@ -19,6 +19,7 @@ from benchmarks.loop_blind_table import HEADS, data, table  # noqa: E402
 from benchmarks.loop_campaigns import KINDS, kind_of, run_one  # noqa: E402
 from benchmarks.loop_other_mind_page import section, write_functions  # noqa: E402
 from benchmarks.rows import keep_row, read_rows, scratch  # noqa: E402
+from studies.marked_page import wrapped  # noqa: E402
 
 PAGE = ROOT / "docs" / "loop-blind.md"
 PRESENT = ROOT / "benchmarks" / "loop_blind_746000.jsonl"
@@ -48,7 +49,7 @@ def main() -> None:
         print(seed, row["effects"], row["verdict"], row["found"], row["cpu_seconds"], file=sys.stderr, flush=True)
     rows = sorted(read_rows(options.rows), key=lambda row: row["seed"])
     whole = options.out == PAGE
-    options.out.write_text(f"{section()}\n{table(rows, read_rows(PRESENT))}" if whole else table(rows))
+    options.out.write_text(wrapped(f"{section()}\n{table(rows, read_rows(PRESENT))}" if whole else table(rows)))
     if whole:
         write_functions(PAGE.parent / "data" / "loop-functions.csv")
     for name, lines in data(rows).items() if whole else ():

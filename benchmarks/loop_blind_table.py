@@ -114,12 +114,17 @@ def measures(rows: list[Row]) -> Iterator[Measure]:
         yield f"{label}: in its 95 % interval", sum(inside_interval), len(inside_interval), wanted
 
 
+def rates(rows: list[Row]) -> list[tuple]:
+    """What is counted, the count, the total, the rate with its interval, and the rate that is wanted."""
+    return [(name, count, total, *(f"{part:.0f}" for part in rate(count, total)), wanted)
+            for name, count, total, wanted in measures(rows) if total]  # fmt: skip
+
+
 def data(rows: list[Row]) -> dict[str, list[tuple]]:
     """Rows of the data files, without heads."""
     kinds = by_kind(rows)
     return {
-        "loop-blind": [(name, count, total, *(f"{part:.0f}" for part in rate(count, total)), wanted)
-                       for name, count, total, wanted in measures(rows) if total],
+        "loop-blind": rates(rows),
         "loop-blind-errors": _errors(kinds), "loop-blind-effects": _by_effect(kinds["one"]),
         "loop-blind-missed": _missed(kinds), "loop-blind-unnamed": _unnamed(kinds["unnamed"]),
     }  # fmt: skip
@@ -138,7 +143,7 @@ def table(rows: list[Row], present: list[Row] | None = None) -> str:
     lines += ["", "`python benchmarks/loop_blind.py --seed N` runs the study. The 95 % interval of the rate is in",
               "brackets.",
               "", f"| campaigns | {' | '.join(heads)} | wanted |", "|---|" + "---|" * len(heads) + "---|"]  # fmt: skip
-    counted = [{row[0]: row for row in data(own)["loop-blind"]} for own in studies]
+    counted = [{row[0]: row for row in rates(own)} for own in studies]
     for name, *_, wanted in counted[0].values():
         if wanted and not name.endswith("silent"):
             lines.append(f"| {name} | {' | '.join(_cell(one.get(name)) for one in counted)} | {wanted} |")

@@ -24,6 +24,7 @@ from dummydesign.loop.result import result_dict  # noqa: E402
 from dummydesign.loop.run import close_loop, replay  # noqa: E402
 from dummydesign.measurement.campaign import Campaign  # noqa: E402
 from dummydesign.measurement.campaign_file import read_campaign  # noqa: E402
+from studies.marked_page import wrapped  # noqa: E402
 
 HEAD = """schema = 1
 name = "{name}"
@@ -166,7 +167,7 @@ def main() -> None:
         with TABLE.open("w", newline="", encoding="utf-8") as stream:
             csv.writer(stream, lineterminator="\n").writerows([HEADS, *rows])
     with TABLE.open(encoding="utf-8", newline="") as stream:
-        PAGE.write_text(page(list(csv.DictReader(stream))), encoding="utf-8")
+        PAGE.write_text(wrapped(page(list(csv.DictReader(stream)))), encoding="utf-8")
 
 
 if __name__ == "__main__":

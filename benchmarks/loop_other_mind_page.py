@@ -49,12 +49,12 @@ One effect a campaign, of the same generator: `python -m benchmarks.loop_detecti
 benchmarks/loop_other_mind_1040000.jsonl` ({runs} campaigns, and the single effects from above). An effect is found when
 it is named first.
 
-{sizes}
+`docs/data/loop-detection.csv` has the size from which 9 of 10 are found, with its interval, also in noise floors. For
+instance: {sizes}.
 
 - The chance is a logistic curve of the logarithm of the size. All effects share its steepness.
-- "Above": 9 of 10 are not found at any size that was tried.
+- 9 of 10 are not found at any size that was tried: {never}.
 - `punch_edge` is missing: its force curves exist for one size only. See [loop.md](loop.md#where-it-fails).
-- `docs/data/loop-detection.csv` also has the size in noise floors.
 
 ![Chance to be named first over the size of the effect, one panel for each effect](images/loop-detection.svg)
 """
@@ -63,6 +63,7 @@ MORE = (("sensor_clipping", 1042000), ("adhesion", 1044000))
 DROPPED = ("clipping found", "adhesion found", "refused", "none: called")
 """Rows of the table that the further campaigns show with more of them, or that are zero."""
 FIELDS = ("seed", "put_in", "verdict", "named", "learned_over", "modulus_in_interval", "error_on_other_pads_over_base")
+INSTANCES = ("contact_offset", "force_bias", "sensor_lag", "inertia", "machine_compliance", "punch_tilt")
 STATE = ("skin", "bottom_felt", "flow_through", "creeping_hold", "cold_stiffening")
 
 
@@ -115,13 +116,13 @@ def section() -> str:
         flagged=sum(row["learned"] is not None or row["verdict"] == "unexplained" for row in state),
         curves=len(curves), read=sum("sensor_curve" in row["named"] for row in curves),
         creeping=len(creeping), misread=sum("sensor_curve" in row["named"] for row in creeping),
-        sizes=_sizes(loop_detection.detection(known)), runs=len(read_rows(SIZES)),
+        runs=len(read_rows(SIZES)), **_sizes(loop_detection.lines_of(loop_detection.detection(known))),
     )  # fmt: skip
 
 
-def _sizes(found: list[loop_detection.Found]) -> str:
-    """The table of sizes without what is in noise floors, which the data file has."""
-    lines = loop_detection.lines_of(found)
-    rows = [(name, f"{hits} of {count}", size, span) for name, count, hits, size, span, *_ in lines]
-    head = ("effect", "found", "found in 9 of 10 from", "90 % interval")
-    return "\n".join(f"| {' | '.join(row)} |" for row in (head, ("---",) * len(head), *rows))
+def _sizes(lines: list[list[str]]) -> dict[str, str]:
+    """Sizes of some effects, and the names of those that are not found at any size."""
+    sizes = {line[0]: line[3] for line in lines}
+    named = (f"`{name}` {sizes[name]}" for name in INSTANCES)
+    return {"sizes": ", ".join(named),
+            "never": ", ".join(f"`{name}`" for name, size in sizes.items() if size.startswith("above"))}  # fmt: skip

@@ -33,6 +33,7 @@ from dummydesign.core.errors import NoAnswerError  # noqa: E402
 from dummydesign.loop.calibration_file import read_calibration  # noqa: E402
 from dummydesign.loop.run import replay  # noqa: E402
 from dummydesign.measurement.campaign_file import read_campaign  # noqa: E402
+from studies.marked_page import wrapped  # noqa: E402
 from tests.support import campaign_generator as generator  # noqa: E402
 
 RESIN, RATIO = "polyurethane-nagoya", 15.0
@@ -239,7 +240,7 @@ def pads_table(rows: list[dict]) -> list[str]:
 
 def write_page(rows: list[dict], page: Path) -> None:
     """Write the page, and beside it the data file of all turns."""
-    page.write_text(table(rows), encoding="utf-8")
+    page.write_text(wrapped(table(rows)), encoding="utf-8")
     data = page.parent / "data" / "loop-turns.csv"
     data.parent.mkdir(exist_ok=True)
     with data.open("w", newline="", encoding="utf-8") as file:

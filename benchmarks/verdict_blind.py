@@ -43,6 +43,7 @@ from dummydesign.design.scoring.verdict import (  # noqa: E402
 from dummydesign.design.suggest import suggest  # noqa: E402
 from dummydesign.measurement.trace import Trace  # noqa: E402
 from dummydesign.tissue.comparison import compare_traces  # noqa: E402
+from studies.marked_page import wrapped  # noqa: E402
 from tests.support.campaign_press import Pad, Physics, pad_force  # noqa: E402
 
 TISSUES = ("forefinger", "palm", "thenar")
@@ -294,7 +295,7 @@ def main() -> None:
         keep_row(options.rows, row)
         print(row["number"], row["tissue"], row["true"], row.get("level"), row["near_border"], row["cpu_seconds"],
               file=sys.stderr, flush=True)  # fmt: skip
-    options.out.write_text(table(sorted(rows, key=lambda row: row["number"])))
+    options.out.write_text(wrapped(table(sorted(rows, key=lambda row: row["number"]))))
 
 
 if __name__ == "__main__":

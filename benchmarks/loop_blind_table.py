@@ -129,41 +129,40 @@ def data(rows: list[Row]) -> dict[str, list[tuple]]:
     }  # fmt: skip
 
 
-def table(rows: list[Row], present: list[Row] | None = None) -> str:
-    """The part of the page on the first generator; ``present`` are campaigns of the loop as it is now."""
-    studies = [rows, *([present] if present else [])]
-    every = [[row for row in own if row["kind"] != REFUSED] for own in studies]
-    heads = ["an earlier loop", "the present loop"] if present else ["counted"]
-    lines = [HEAD.format(count=len(FLOORS))]
-    lines += [f"- {head[:1].upper()}{head[1:]}: {len(own)} campaigns, seeds {_ranges(own)}."
-              for head, own in zip(heads, every) if present]  # fmt: skip
-    lines += [f"- Seed {row['seed']} ({', '.join(row['effects'])}) was refused before the loop: {row['message']}."
-              for own in studies for row in own if row["kind"] == REFUSED]  # fmt: skip
-    lines += ["", "`python benchmarks/loop_blind.py --seed N` runs the study. In brackets: 95 % interval of the rate.",
-              "`docs/data/loop-blind*.csv` has all rates, errors and mistakes of the larger study.",
-              "", f"| campaigns | {' | '.join(heads)} | wanted |", "|---|" + "---|" * len(heads) + "---|"]  # fmt: skip
-    counted = [{row[0]: row for row in rates(own)} for own in studies]
-    for name, *_, wanted in counted[0].values():
+def table(rows: list[Row]) -> str:
+    """The part of the page on the first generator."""
+    every = [row for row in rows if row["kind"] != REFUSED]
+    lines = [
+        HEAD.format(count=len(FLOORS)),
+        f"{len(every)} campaigns, seeds {_ranges(every)}: `python benchmarks/loop_blind.py --seed "
+        f"{min(row['seed'] for row in every)} --campaigns {len(rows)}`. In brackets: 95 % interval of the rate.",
+        *(f"Seed {row['seed']} ({', '.join(row['effects'])}) was refused before the loop: {row['message']}."
+          for row in rows if row["kind"] == REFUSED),
+        "`docs/data/loop-blind.csv` has all rates; `loop-blind-effects.csv`, `loop-blind-errors.csv`,",
+        "`loop-blind-missed.csv` and `loop-blind-unnamed.csv` have errors and mistakes.",
+        "", "| campaigns | counted | wanted |", "|---|---|---|",
+    ]  # fmt: skip
+    counted = rates(rows)
+    for name, count, total, _, low, high, wanted in counted:
         if wanted and not name.endswith(LESS):
-            lines.append(f"| {name} | {' | '.join(_cell(one.get(name)) for one in counted)} | {wanted} |")
-    quiet = [[row for name, row in one.items() if name.endswith("silent")] for one in counted]
-    cells = (f"{sum(row[1] for row in own)} of {sum(row[2] for row in own)}" for own in quiet)
-    lines += [f"| any: silent | {' | '.join(cells)} | 0 |", ""]
-    left = [[row["heldout"][1] / row["heldout"][0] for row in own
-             if row["kind"] == "unnamed" and row["effects"][0] in OF_THE_STATE] for own in every]  # fmt: skip
-    medians = " and ".join(f"{np.median(own):.2f}" for own in left if own)
-    lines += [f"Unnamed effects of the state: the median left-out error is {medians} of the base model's; at most",
-              "0.5 is wanted."] if medians else []  # fmt: skip
+            lines.append(f"| {name} | {count} of {total} ({low} to {high} %) | {wanted} |")
+    quiet = [row for row in counted if row[0].endswith("silent")]
+    lines += [f"| any: silent | {sum(row[1] for row in quiet)} of {sum(row[2] for row in quiet)} | 0 |", ""]
+    state = [row for row in every if row["kind"] == "unnamed" and row["effects"][0] in OF_THE_STATE]
+    if state:
+        left = float(np.median([row["heldout"][1] / row["heldout"][0] for row in state]))
+        lines += [f"Unnamed effects of the state: the median left-out error is {left:.2f} of the base model's; at most "
+                  "0.5 is wanted.", ""]  # fmt: skip
+    single = [row for row in _by_effect(by_kind(rows)["one"]) if row[2] < row[1]]
+    if single:
+        missed = (f"`{name}` in {total - first} of {total}" for name, total, first, _ in single)
+        lines += [f"One effect, not named first: {', '.join(missed)}."]
     return "\n".join(lines) + "\n"
 
 
 LESS = ("silent", "at least two named", "of the state: called unexplained", "nothing learned",
         "unexplained: in its 95 % interval")  # fmt: skip
 """Ends of names that only the data file has, or that are counted together."""
-
-
-def _cell(row: tuple | None) -> str:
-    return "" if row is None else "{} of {} ({} to {} %)".format(row[1], row[2], *row[4:6])
 
 
 def _by_nature(rows: list[Row]) -> Iterator[Measure]:

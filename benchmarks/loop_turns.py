@@ -178,7 +178,7 @@ def _plain_lines(rows: list[dict], plain: list[dict]) -> list[str]:
     smaller = int((error[:, -1] < error[:, 0]).sum())
     lines = [
         "", "## Pads of one material", "",
-        f"`python benchmarks/loop_turns.py --seed {min(row['seed'] for row in rows)}`, {len(plain)} series of new "
+        f"`python benchmarks/loop_turns.py --seed {min(row['seed'] for row in plain)}`, {len(plain)} series of new "
         "seeds, run once:", "",
         f"- Modulus: half width of the interval {_medians(width)} %, narrower after each turn in {narrower} of "
         f"{len(plain)}.", f"- It contains the true value in {sum(map(sum, inside))} of {np.size(inside)} turns.",

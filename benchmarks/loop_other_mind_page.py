@@ -94,7 +94,7 @@ def section() -> str:
     rows, others = read_rows(ROWS), read_rows(FURTHER)
     table = loop_other_mind.table(rows).partition("\n| effect |")[0].strip().splitlines()
     kept = [line for line in table if not line.startswith(tuple(f"| {start}" for start in DROPPED))]
-    rates = "\n".join(f"- {line}" if line and not line.startswith("|") else line for line in kept)
+    rates = "\n".join(_without_rate(line) if line.startswith("|") else f"- {line}" if line else "" for line in kept)
     more: list[str] = []
     further: list[dict] = []
     for name, seed in MORE:
@@ -118,6 +118,12 @@ def section() -> str:
         creeping=len(creeping), misread=sum("sensor_curve" in row["named"] for row in creeping),
         runs=len(read_rows(SIZES)), **_sizes(loop_detection.lines_of(loop_detection.detection(known))),
     )  # fmt: skip
+
+
+def _without_rate(line: str) -> str:
+    """A row of the table without its rate in per cent, which counts and interval say."""
+    cells = line.split("|")
+    return "|".join([*cells[:3], *cells[4:]])
 
 
 def _sizes(lines: list[list[str]]) -> dict[str, str]:

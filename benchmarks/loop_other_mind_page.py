@@ -23,7 +23,7 @@ effects. Seeds are new and were run once.
 orders, another plan. Single effects have sizes over two decades, pairs and threes one to three times the usual size.
 
 {count} campaigns: `python -m benchmarks.loop_other_mind --seed 1050000 --campaigns {count}
---rows benchmarks/loop_other_mind_1050000.jsonl`. The interval is that of a binomial rate.
+--rows benchmarks/loop_other_mind_1050000.jsonl`.
 
 {rates}
 - Three floors or more: alone the effect leaves to the base model at least three noise floors on left-out conditions.

@@ -53,6 +53,7 @@ from dummydesign.geometry.shape_registry import read_shape  # noqa: E402
 from dummydesign.pad.axisymmetric.shaped_pad import solve_shaped_pad  # noqa: E402
 from dummydesign.pad.axisymmetric.sharp_edge import solve_curve  # noqa: E402
 from dummydesign.pad.specimen import Pad  # noqa: E402
+from studies.marked_page import wrapped  # noqa: E402
 
 RADIUS_MM = 14.0 / np.sqrt(np.pi)
 BRAKING_MM_S2, HOLD_S = 30_000.0, 10.0
@@ -391,12 +392,12 @@ code of its own. No real pad was cast.
 METHOD = """
 ## Method
 
-1. `suggest` designs crowned pads and slabs for the built-in tissues. The resin is known in four degrees, from as stated
-   to measured and made well (0.01 g, 0.05 mm, ratios in steps of 0.02).
-2. Each shape gives one ratio for every level that occurs.
-3. Each pad draws resin, weighing and thickness from their intervals. Its force law has a smooth error of the stated
-   size. Force curves are finite-element solutions (`benchmarks/castings_blind_curves.json`).
-4. The factor a pad needs is the largest ratio of the lowest subject to the pad, over peaks, energies and steady curve.
+1. `suggest` designs crowned pads and slabs for the built-in tissues, with four degrees of knowledge of the resin. They
+   range from unmeasured to measured and made well (0.01 g, 0.05 mm, ratios in steps of 0.02).
+2. For each shape, one ratio is chosen at every level that occurs.
+3. Resin, weighing and thickness of each simulated pad are drawn from their intervals. Its force law has a smooth error
+   of the stated size. Force curves are finite-element solutions (`benchmarks/castings_blind_curves.json`).
+4. The factor that a pad needs is lowest subject over pad; the largest over peaks, energies and steady curve counts.
 """
 
 
@@ -438,14 +439,14 @@ def table(rows: list[dict]) -> str:
         HEAD,
         f"The stated factor suffices for {_share(*covered(rows, 'needed', 'factor'))} of the pads in reach. The stated",
         f"over-reading holds for {_share(*covered(rows, 'over', 'over_q95'))}. {100 * counted:.1f} % of all pads",
-        f"are out of reach; {100 * stated:.1f} % were stated.",
+        f"cannot make every press; {100 * stated:.1f} % were stated.",
         METHOD,
-        f"{len(rows)} designs, {pads} pads with all uncertainties and {pads} with modulus and relaxation at their",
-        f"centre; seed {seeds}.",
+        f"{len(rows)} designs, seed {seeds}. {pads} pads have all uncertainties. {pads} further ones have a known",
+        'modulus and relaxation (column "factor after measuring").',
         "`python benchmarks/castings_blind.py` runs the study; `--table-only` writes this page from kept rows.", "",
         "## 95 % figures", "",
-        "Share of the pads in reach for which the stated figure suffices. 95 % is expected. In brackets: one standard",
-        "error of the pads. The 1200 castings behind a figure add 0.6 points.", "",
+        "For how many of the pads in reach does the stated figure suffice? 95 % is expected. In brackets: one standard",
+        "error. The figure itself comes from 1200 castings, which adds 0.6 percentage points.", "",
         "| designs | number | " + " | ".join(name for name, *_ in shown) + " |", "|---|---|" + "---|" * len(shown),
     ]  # fmt: skip
     for words, own in groups.items():
@@ -474,7 +475,7 @@ def _weakest(groups: dict[str, list[dict]], name: str, *names: str) -> str:
     share = {words: covered(own, *names) for words, own in groups.items()}
     low = min(share, key=lambda words: share[words][0] / max(share[words][1], 1))
     most = max(float(beyond(own, *names) or 0.0) for own in groups.values())
-    return f"- {name}: {_share(*share[low])} for {low}; a figure {most} % larger holds for 95 % everywhere."
+    return f"- {name}: {_share(*share[low])} for {low}. Figures {most} % larger would suffice for 95 % in every group."
 
 
 def _percent(good: int, every: int) -> tuple[str, str]:
@@ -514,7 +515,7 @@ def main() -> None:
             levels = ", ".join(f"{row['ratio']:g} {row['level']}" for row in found)
             seconds = f"{time.process_time() - started:.1f} s"
             print(number, *place, knowledge, levels, seconds, file=sys.stderr, flush=True)
-    options.out.write_text(table(rows))
+    options.out.write_text(wrapped(table(rows)))
     for name, lines in data(rows).items():
         with (ROOT / "docs" / "data" / f"{name}.csv").open("w", newline="") as stream:
             csv.writer(stream, lineterminator="\n").writerows(lines)

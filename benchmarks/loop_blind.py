@@ -17,19 +17,21 @@ sys.path.insert(0, str(ROOT))
 
 from benchmarks.loop_blind_table import HEADS, data, table  # noqa: E402
 from benchmarks.loop_campaigns import KINDS, kind_of, run_one  # noqa: E402
-from benchmarks.loop_other_mind_page import section  # noqa: E402
+from benchmarks.loop_other_mind_page import section, write_functions  # noqa: E402
 from benchmarks.rows import keep_row, read_rows, scratch  # noqa: E402
+from studies.marked_page import wrapped  # noqa: E402
 
 PAGE = ROOT / "docs" / "loop-blind.md"
+ROWS = ROOT / "benchmarks" / "loop_blind_746000.jsonl"
 
 
 def main() -> None:
     """Run what is missing of the study and write the table."""
     parser = argparse.ArgumentParser(description="Blind study of the loop.")
-    parser.add_argument("--seed", type=int, default=730000, help="first seed; below 700000 are for development")
+    parser.add_argument("--seed", type=int, default=746000, help="first seed; below 700000 are for development")
     parser.add_argument("--campaigns", type=int, default=250)
     parser.add_argument("--part", type=int, nargs=2, default=(0, 1), metavar=("K", "N"), help="each N-th from K")
-    parser.add_argument("--rows", type=Path, default=ROOT / "benchmarks" / "loop_blind.jsonl")
+    parser.add_argument("--rows", type=Path, default=ROWS)
     parser.add_argument("--out", type=Path, default=PAGE)
     parser.add_argument("--only", nargs="*", choices=KINDS, help="kinds to run")
     parser.add_argument("--table-only", action="store_true")
@@ -45,8 +47,11 @@ def main() -> None:
         keep_row(options.rows, row)
         print(seed, row["effects"], row["verdict"], row["found"], row["cpu_seconds"], file=sys.stderr, flush=True)
     rows = sorted(read_rows(options.rows), key=lambda row: row["seed"])
-    options.out.write_text(table(rows) + (section() if options.out == PAGE else ""))
-    for name, lines in data(rows).items() if options.out == PAGE else ():
+    whole = options.out == PAGE
+    options.out.write_text(wrapped(f"{section()}\n{table(rows)}" if whole else table(rows)))
+    if whole:
+        write_functions(PAGE.parent / "data" / "loop-functions.csv")
+    for name, lines in data(rows).items() if whole else ():
         with (PAGE.parent / "data" / f"{name}.csv").open("w", newline="") as stream:
             csv.writer(stream, lineterminator="\n").writerows([HEADS[name], *lines])
     print(f"{len(rows)} campaigns, table in {options.out}", file=sys.stderr)

@@ -24,6 +24,7 @@ from dummydesign.loop.result import result_dict  # noqa: E402
 from dummydesign.loop.run import close_loop, replay  # noqa: E402
 from dummydesign.measurement.campaign import Campaign  # noqa: E402
 from dummydesign.measurement.campaign_file import read_campaign  # noqa: E402
+from studies.marked_page import wrapped  # noqa: E402
 
 HEAD = """schema = 1
 name = "{name}"
@@ -125,10 +126,10 @@ def page(table: list[dict[str, str]]) -> str:
         f"{DEEP_MM:g} mm.", "Other public measurements: [real presses](real-data.md).", "",
         f"- The loop finds plate friction in {len(rubbing)} of {len(table)} mixtures, {min(sizes):.2f} to "
         f"{max(sizes):.2f}.",
-        f"- There the error on the specimen left out falls to {min(share):.2f} to {max(share):.2f} of the base's "
+        f"- With it the error on the specimen that was left out is {min(share):.2f} to {max(share):.2f} of the base's "
         f"(median {float(np.median(share)):.2f}).",
         f"- The others are {', '.join(other)}: verdict `unexplained`, no effect.",
-        f"- A thickness error explains the curves almost as well: over 0.9 of the friction's evidence in {alike}.", "",
+        f"- A thickness error explains {alike} of these almost as well (over 0.9 of the friction's evidence).", "",
         "**Press to half the height.** Curves cut at less depth do not separate friction from modulus:", "",
         "| calibrated to | friction found | another effect found | error to 15 mm larger with it |",
         "|---|---|---|---|",
@@ -166,7 +167,7 @@ def main() -> None:
         with TABLE.open("w", newline="", encoding="utf-8") as stream:
             csv.writer(stream, lineterminator="\n").writerows([HEADS, *rows])
     with TABLE.open(encoding="utf-8", newline="") as stream:
-        PAGE.write_text(page(list(csv.DictReader(stream))), encoding="utf-8")
+        PAGE.write_text(wrapped(page(list(csv.DictReader(stream)))), encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -33,6 +33,7 @@ from dummydesign.core.errors import NoAnswerError  # noqa: E402
 from dummydesign.loop.calibration_file import read_calibration  # noqa: E402
 from dummydesign.loop.run import replay  # noqa: E402
 from dummydesign.measurement.campaign_file import read_campaign  # noqa: E402
+from studies.marked_page import wrapped  # noqa: E402
 from tests.support import campaign_generator as generator  # noqa: E402
 
 RESIN, RATIO = "polyurethane-nagoya", 15.0
@@ -177,17 +178,17 @@ def _plain_lines(rows: list[dict], plain: list[dict]) -> list[str]:
     smaller = int((error[:, -1] < error[:, 0]).sum())
     lines = [
         "", "## Pads of one material", "",
-        f"`python benchmarks/loop_turns.py --seed {min(row['seed'] for row in rows)}`, {len(plain)} series of new "
+        f"`python benchmarks/loop_turns.py --seed {min(row['seed'] for row in plain)}`, {len(plain)} series of new "
         "seeds, run once:", "",
         f"- Modulus: half width of the interval {_medians(width)} %, narrower after each turn in {narrower} of "
         f"{len(plain)}.", f"- It contains the true value in {sum(map(sum, inside))} of {np.size(inside)} turns.",
-        f"- Error {_medians(error)}: smaller after the third turn than after the first in {smaller} of {len(plain)}.",
-        f"- A prior contradicted its own material in {_refused(plain)} of {2 * len(plain)} turns.",
+        f"- Error on the other pads {_medians(error)}. It fell from turn one to three in {smaller} of {len(plain)}.",
+        f"- A prior of the same material was refused in {_refused(plain)} of {2 * len(plain)} turns.",
     ]  # fmt: skip
     wrong = [row for row in rows if "contradicted" in row]
     if wrong:
         named = sum(not row["used"] and any("young_kPa" in text for text in row["conflicts"]) for row in wrong)
-        lines.append(f"- A prior with a modulus 25 % off was named with it in {named} of {len(wrong)}.")
+        lines.append(f"- A prior with a modulus 25 % off was refused, naming the modulus, in {named} of {len(wrong)}.")
     return lines
 
 
@@ -206,7 +207,7 @@ def pads_table(rows: list[dict]) -> list[str]:
     lines = [
         "", "## Pads with a factor of their own", "",
         f"Each pad has its own thickness ({pads.thickness_mm:g} mm) and modulus ({100 * pads.ln_young:g} %), as "
-        "standard deviations. Level and slope", "of its force are off by another half per cent that nobody can read. "
+        "standard deviations. Level and slope", "of its force are off by a further half per cent that no record shows. "
         "Each series is run without records, and with", f"the gauged thickness ({pads.gauge_mm:g} mm) and a witness of "
         f"each batch ({100 * pads.witness:g} %). The other pads are newly cast too.",
         f"`python benchmarks/loop_turns.py --pads --seed {seeds[0]}`, {len(seeds)} series of new seeds, run once:", "",
@@ -230,16 +231,16 @@ def pads_table(rows: list[dict]) -> list[str]:
         f"| exactly the right names | {sum(right[False])} of {len(right[False])} turns | {sum(right[True])} of "
         f"{len(right[True])} |",
         "", f"- With records the error is smaller in {smaller} of {3 * len(seeds)} turns.",
-        f"- The third answer states an own factor of {np.median([one['size_percent'] for one in last]):.1f} %. The "
-        f"records explain {100 * np.median(explained):.0f} % of its square;",
-        f"  {np.median([one['left_percent'] for one in last]):.1f} % remains (medians).",
+        f"- The third answer states that pads differ by {np.median([one['size_percent'] for one in last]):.1f} % "
+        f"(standard deviation). With the records {np.median([one['left_percent'] for one in last]):.1f} %",
+        f"  remains: they explain {100 * np.median(explained):.0f} % of the variance (medians).",
     ]  # fmt: skip
     return lines
 
 
 def write_page(rows: list[dict], page: Path) -> None:
     """Write the page, and beside it the data file of all turns."""
-    page.write_text(table(rows), encoding="utf-8")
+    page.write_text(wrapped(table(rows)), encoding="utf-8")
     data = page.parent / "data" / "loop-turns.csv"
     data.parent.mkdir(exist_ok=True)
     with data.open("w", newline="", encoding="utf-8") as file:

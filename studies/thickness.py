@@ -21,7 +21,7 @@ from dummydesign.core.files import write_text
 from dummydesign.geometry.dimensions import PUNCH_RADIUS_MM
 from dummydesign.pad.solved_law import SlabCase, SolvedLaw, SolvedSlab, law_of, solve_slab
 from dummydesign.report.whatif import STATEMENT
-from studies.marked_page import MarkedPage
+from studies.marked_page import MarkedPage, wrapped
 
 THICKNESS_MM = (5.0, 10.0, 15.0, 20.0)
 STIFFENING = (0.1, 0.3)
@@ -201,7 +201,8 @@ def write_page(folder: Path, slabs: list[SolvedSlab]) -> None:
         When the page or its marks are missing.
     """
     found = study(slabs)
-    MARKED.write(folder, f"{STATEMENT}\n\n{page_text(found)}")
+    statement = wrapped(STATEMENT).strip()
+    MARKED.write(folder, f"{statement}\n\n{page_text(found)}")
     (folder / TABLE).parent.mkdir(parents=True, exist_ok=True)
     write_text(folder / TABLE, table_text(found))
 

@@ -96,8 +96,7 @@ def _folded(found: list[Term]) -> str:
 def glossary_page() -> str:
     """The page of the documentation, ``docs/glossary.md``."""
     lines = ["# Glossary", "", "One line a term. Reports and the studio show the same lines.", ""]
-    lines += ["| term | meaning |", "|---|---|"]
-    lines += [f"| {term.name} | {term.text} |" for term in dict.fromkeys(terms().values())]
+    lines += [f"- **{term.name}**: {term.text}" for term in dict.fromkeys(terms().values())]
     return "\n".join(lines) + "\n"
 
 

@@ -4,7 +4,7 @@
 
 presses dummies I, II, III (polyurethane at 100:15; slabs of 15, 20, 5 mm) on a glued and on a sliding base, with
 four moduli, neo-Hookean and stiffening, fits the five-element law, and compares them with palm, thenar and
-forefinger. Writes two short tables into ``docs/dummies.md`` and all tables into ``docs/data/dummies-*.csv``. Nothing
+forefinger. Writes a short table into ``docs/dummies.md`` and all tables into ``docs/data/dummies-*.csv``. Nothing
 is drawn at random. ``--solve`` solves the stiffening slabs again (twelve slabs, less than a minute) into
 ``docs/data/dummies.csv``.
 """

@@ -36,9 +36,8 @@ def judge_every(results: Results) -> AllJudged:
 
 
 def page_tables(results: Results) -> str:
-    """Return the tables of the page as Markdown: verdicts counted, and peaks."""
-    short = _table(("mm/s", "dummy", "wanted", "all variants"), [(*row[:3], row[4]) for row in peaks(results)[1]])
-    return f"{_table(*counts(judge_every(results)))}\nPeak over steady force at 10 N:\n\n{short}"
+    """Return the table of the page as Markdown: verdicts counted."""
+    return _table(*counts(judge_every(results)))
 
 
 def data_files(results: Results, scan: Results) -> dict[str, str]:

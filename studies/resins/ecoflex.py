@@ -269,7 +269,7 @@ def main() -> None:
     if document.is_file():
         text = document.read_text(encoding="utf-8")
         start, rest = text.split("<!-- tables -->\n")[0], text.split("<!-- end of tables -->")[1]
-        write_text(document, f"{start}<!-- tables -->\n{tables}<!-- end of tables -->{rest}")
+        write_text(document, f"{start}<!-- tables -->\n\n{tables}\n<!-- end of tables -->{rest}")
 
 
 if __name__ == "__main__":

@@ -131,7 +131,7 @@ def test_bad_input_is_one_line_and_status_2(here, capsys):
 
 
 def test_a_press_beyond_people_is_named_before_any_factor(here, capsys):
-    from dummydesign.report.on_person import extrapolation_text
+    from dummydesign.report.on_person_facts import extrapolation_text
 
     words = ["v10.csv", "--tissue", "forefinger", "--drive"]
     inside, deep = (answer(capsys, *words, drive)["presses"] for drive in ("steady", "spring:1000,3"))

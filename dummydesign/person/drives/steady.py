@@ -13,7 +13,7 @@ from dummydesign.measurement.motion import Motion, ramp_and_hold, work_mJ
 from dummydesign.person.drives.drive import Drive, Response, not_kept
 from dummydesign.person.integrate import held_after
 from dummydesign.person.people import People
-from dummydesign.person.press import Press
+from dummydesign.person.press import SHORTEST_HOLD_S, Press
 from dummydesign.person.signs import TraceSigns
 
 
@@ -24,14 +24,16 @@ class Steady(Drive):
     name = form = "steady"
     curves = True
     words = (
-        "the published protocol: each person is pressed at the trace's speed to the depth at which the steady force "
-        "is the pad's"
+        "the published protocol: each person is pressed at the trace's speed to the depth with the pad's steady force"
     )
 
     def check(self, press: Press) -> None:
         """Refuse a press without a hold, which has no steady force."""
         if press.steady_N is None:
-            message = f"{press.trace.name}: a hold of {press.hold_s:.3g} s has no steady force; drive = steady needs it"
+            message = (
+                f"{press.trace.name}: a hold of {press.hold_s:.3g} s has no steady force; --drive steady needs a hold "
+                f"of {SHORTEST_HOLD_S:g} s at least, another drive needs none"
+            )
             raise InputError(message, "not_enough_data", "hold_s", press.hold_s)
         steady = float(np.min(press.steady_N))
         if steady <= 0.0:

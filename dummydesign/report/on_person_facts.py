@@ -60,7 +60,7 @@ def remedy(drive: str, signs: dict[str, Any]) -> str:
     elif fits == name:
         fits = None
     change = f"Use --drive {fits}" if fits else "Give the drive that made the trace"
-    return f"{change}. Keep {name} only if the robot moves so against people."
+    return f"{change}. Keep {name} only if the robot moves people so."
 
 
 def headline(result: dict[str, Any]) -> tuple[str, str]:
@@ -157,7 +157,7 @@ def next_steps(result: dict[str, Any]) -> list[str]:
     word, steps = headline(result)[0], list[str]()
     wrong = next((one for one in result["presses"] if one["drive_contradicted"]), None)
     if wrong is not None:
-        change = remedy(result["drive"], wrong["signs"]).partition(".")[0]
+        change = remedy(result["drive"], wrong["signs"]).partition(". Keep")[0]
         steps.append(f"{change[0].lower()}{change[1:]}")
     worst = worst_beyond(result["presses"])
     if worst is not None:
@@ -176,7 +176,8 @@ def next_steps(result: dict[str, Any]) -> list[str]:
 def _into_range(way: dict[str, Any]) -> str:
     """How to press so that people's presses cover it."""
     low = way["value"] < way["pressed_to"]
-    change = {"velocity_mm_s": "faster" if low else "more slowly"}.get(way["quantity"], "deeper" if low else "less deep")
+    speed, depth = ("faster", "deeper") if low else ("more slowly", "less deep")
+    change = speed if way["quantity"] == "velocity_mm_s" else depth
     return f"press the pad {change}, or add people who were pressed so: dummydesign tissues add"
 
 

@@ -24,8 +24,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--drive", default="position", metavar="NAME", help=drives)
     limits = "your limits of force and pressure, with their source; fill in examples/limits.toml"
     parser.add_argument("--limits", metavar="FILE.toml", help=limits)
-    parser.add_argument("--lowpass", metavar="HZ[:ORDER[:PASSES]]", help="low-pass filter of the force sensor; its delay is undone")
-    parser.add_argument("--rate", default=1000.0, metavar="HZ", help="samples per second of on_person.csv (default 1000)")
+    passed = "low-pass filter of the force sensor; its delay is undone"
+    parser.add_argument("--lowpass", metavar="HZ[:ORDER[:PASSES]]", help=passed)
+    rate = "samples per second of on_person.csv (default 1000)"
+    parser.add_argument("--rate", default=1000.0, metavar="HZ", help=rate)
     faces = "face of the punch, for the mean pressure (default square:14)"
     parser.add_argument("--punch", default="square:14", metavar="KIND:SIZE", help=faces)
     parser.add_argument("--out", metavar="DIR", help="folder of report and curves (default on-person-TISSUE)")
@@ -52,7 +54,8 @@ def render(result: dict[str, Any]) -> str:
 
     limits = ["", *_limits(result, MOST_CHECKS)] if facts.limit_rows(result) else []
     warnings = warning_block(result, facts.IN_HEADLINE, MOST_WARNINGS)
-    more = labelled("MORE", f"--details: each subject, all limits, {len(result['warnings'])} notes")
+    notes, checks = len(result["warnings"]), "all limits, " if limits else ""
+    more = labelled("MORE", f"--details: each subject, {checks}{notes} note{'s' * (notes != 1)}")
     tail = [limits, ["", *_drive(result)], warnings, _next(result), files_block(result, FILES), more]
     return "\n".join(fitted([*_headline(result), ""], _table(result), tail, (), "  ... and {} more presses: --details"))
 
@@ -83,7 +86,7 @@ def _headline(result: dict[str, Any]) -> list[str]:
 
 def _first(word: str, text: str) -> list[str]:
     """A word and its text; UNDECIDED is longer than the column of labels."""
-    return labelled(word if len(word) < INDENT else "OPEN", text)
+    return labelled(word, text) if len(word) < INDENT else labelled("", f"{word}: {text}")
 
 
 def _table(result: dict[str, Any]) -> list[str]:
@@ -109,7 +112,8 @@ def _limits(result: dict[str, Any], most: int | None) -> list[str]:
     for row, file in rows:
         limit, people = f"{row['limit']:.4g} {row['unit']}", span_text([row["person_low_95"], row["person_high_95"]])
         name = file[-16:] if several else ""
-        lines.append(f"  {row['name']:<27}{limit:>13}{number_text(row['pad']):>9}{people:>18}  {row['result']:<10}{name}")
+        cells = f"{row['name']:<27}{limit:>13}{number_text(row['pad']):>9}{people:>18}"
+        lines.append(f"  {cells}  {row['result']:<10}{name}")
     left = [f"  ... and {len(found) - len(rows)} more checks: --details"] if len(found) > len(rows) else []
     return [*(line.rstrip() for line in lines), *left]
 

@@ -62,11 +62,12 @@ def beyond_range(tissue: Tissue, found: Response, velocity_mm_s: float) -> list[
             rows.append(_beyond("velocity_mm_s", velocity_mm_s, fast, "the fastest press on people"))
     held = found.steady_N[np.isfinite(found.steady_N)]
     names = [one.name for one in tissue.subjects]
+    differ = held.size > 0 and float(held.max()) > NEAR * float(held.min())
     if held.size and float(held.min()) < low / FORCE_APART:
-        whom = names[int(np.nanargmin(found.steady_N))]
+        whom = names[int(np.nanargmin(found.steady_N))] if differ else ""
         rows.append(_beyond("steady_force_N", float(held.min()), low, "the smallest press on people", whom))
     if held.size and float(held.max()) > high * FORCE_APART:
-        whom = names[int(np.nanargmax(found.steady_N))]
+        whom = names[int(np.nanargmax(found.steady_N))] if differ else ""
         rows.append(_beyond("steady_force_N", float(held.max()), high, "the largest press on people", whom))
     deepest, strongest = _limits(tissue)
     for quantity, values, ends in (

@@ -245,8 +245,8 @@ def _of_presses(found: Sequence[PersonPress], drive: Drive, tissue: Tissue) -> l
             words = (f"peaks are missing: the arm rings at {own:.3g} Hz; record at least {least:.0f} samples/s")
             rows.append(("arm_unseen", f"{file}: {words}"))
         elif one.press.rings and arm.damping_ratio == 0.0:
-            words = f"the arm still rings in the hold; give its damping ratio: --drive {drive.text},RATIO"
-            rows.append(("arm_rings", f"{file}: {words} (assumed: undamped)"))
+            words = "the arm still rings in the hold and is assumed undamped; give its damping ratio: "
+            rows.append(("arm_rings", f"{file}: {words}--drive {drive.text},RATIO"))
     for one in found:
         if one.beyond:
             words = "; ".join(entry.text for entry in one.beyond)

@@ -38,27 +38,32 @@ def write_on_person(found: OnPerson, result: dict[str, Any], rate_hz: float, fol
     lead = f"Drive {found.drive.text}: {found.drive.words}. People: {facts.people_text(result)}."
     title = f"On people: {found.tissue.name}"
     front = _front(title, lead, result, [plot for section in pressed for plot in section.plots])
-    files = write_report(folder, title, lead, sections, facts=shown, warnings=result["warnings"],
+    whole = f"{verdict_text(result)} {lead}"
+    files = write_report(folder, title, whole, sections, facts=shown, warnings=result["warnings"],
                          sources=result["sources"], front=front)  # fmt: skip
     files["curves"] = str(write_text(folder / "on_person.csv", curves_csv(found, rate_hz)))
     files["json"] = str(write_text(folder / "on_person.json", json.dumps(result["presses"], indent=1) + "\n"))
     return files
 
 
+def verdict_text(result: dict[str, Any]) -> str:
+    """The answer in a paragraph: a drive that does not fit, then the result."""
+    word, text = facts.headline(result)
+    return f"{facts.mismatch(result)} {text if word == 'result' else f'{word.upper()}. {text}'}".strip()
+
+
 def _front(title: str, lead: str, result: dict[str, Any], plots: list[Plot]) -> FrontPage:
     """The first page: a drive that does not fit, the closest limit, the hardest press, every press, the limits."""
     presses = result["presses"]
-    word, text = facts.headline(result)
     at = max(range(len(presses)), key=lambda row: presses[row]["factor_peak"][1] or 0.0)
     hardest, (head, rows) = presses[at], facts.press_table(result)
     times = f"{span_text(hardest['factor_peak'])} times"
     factors = [f"up to {one['factor_peak'][1] or 0.0:.3g} times the pad" for one in presses]
     checks = [sentence(f"{row['result']}: {facts.limit_text(row)}")
               for row, _ in facts.limit_rows(result)[:MOST_CHECKS]]  # fmt: skip
-    verdict = text if word == "result" else f"{word.upper()}. {text}"
     shown = [one for one in result["warnings"] if one["code"] not in facts.IN_HEADLINE]
     return FrontPage(
-        title, lead, (None, f"{facts.mismatch(result)} {verdict}".strip()),
+        title, lead, (None, verdict_text(result)),
         (f"Force [N] over time, {hardest['file']}", plot_drawing(plots[at])), "Largest peak against the pad's",
         [Fact("peak force on the subjects over the pad's", times, True),
          Fact("peak force, 95 % of people", f"{span_text(hardest['interval_95']['peak_N'])} N"),
@@ -145,7 +150,7 @@ def _press_section(one: PersonPress, row: dict[str, Any], prefix: str, names: se
 
 def _limit_section(presses: list[dict[str, Any]]) -> Section:
     body = [
-        [press["file"], row["name"], row["limit"], row["unit"], row["pad"],
+        [press["file"], row["name"], row["limit"], row["unit"], number_text(row["pad"]),
          span_text([row["person_low_95"], row["person_high_95"]]), row["result"].upper(), row["reason"]]
         for press in presses for row in press["limits"]
     ]  # fmt: skip
@@ -160,9 +165,10 @@ def _limit_section(presses: list[dict[str, Any]]) -> Section:
 def _drive_section(found: OnPerson, result: dict[str, Any]) -> Section:
     body = [
         [row["file"], row["signs"]["looks_like"] or "not clear", row["signs"]["creep_mm"], row["signs"]["relaxed_N"],
-         row["drive_contradicted"] or "fits"]
+         row["drive_contradicted"] or "none"]
         for row in result["presses"]
     ]  # fmt: skip
-    text = f"The drive is {found.drive.text}. The holds of the traces show the drive that made them."
-    head = ["press", "looks like", "creep in the hold [mm]", "fall of the force [N]", f"does {found.drive.text} fit?"]
+    text = f"The drive is {found.drive.text}. What the traces show of the drive that made them:"
+    against = f"contradiction of {found.drive.text}"
+    head = ["press", "looks like", "creep in the hold [mm]", "fall of the force [N]", against]
     return Section("Which drive", text, table=Table(head, body))

@@ -60,7 +60,7 @@ def remedy(drive: str, signs: dict[str, Any]) -> str:
     elif fits == name:
         fits = None
     change = f"Use --drive {fits}" if fits else "Give the drive that made the trace"
-    return f"{change}. Keep {name} only if the robot moves people so."
+    return f"{change}. Keep --drive {name} if this is how the robot acts on people."
 
 
 def headline(result: dict[str, Any]) -> tuple[str, str]:
@@ -71,7 +71,7 @@ def headline(result: dict[str, Any]) -> tuple[str, str]:
         return "result", f"{beyond}{comparison_text(result)}"
     row, file = rows[0]
     count = sum(one["result"] == row["result"] for one, _ in rows)
-    words = {"pass": "limits are met", "fail": "limits are exceeded", "undecided": "checks are undecided"}
+    words = {"pass": "limits are met", "fail": "limits are exceeded", "undecided": "checks"}
     reason = "" if row["result"] == "pass" else f" {_capital(row['reason'])}."
     if row["result"] == "undecided" and beyond and row["reason"].startswith("the press goes beyond"):
         reason = f" {beyond.strip()}"
@@ -177,7 +177,7 @@ def _into_range(way: dict[str, Any]) -> str:
     """How to press so that people's presses cover it."""
     low = way["value"] < way["pressed_to"]
     speed, depth = ("faster", "deeper") if low else ("more slowly", "less deep")
-    change = speed if way["quantity"] == "velocity_mm_s" else depth
+    change = {"velocity_mm_s": speed, "peak_force_N": f"{speed} or {depth}"}.get(way["quantity"], depth)
     return f"press the pad {change}, or add people who were pressed so: dummydesign tissues add"
 
 

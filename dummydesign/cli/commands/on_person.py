@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import re
 from typing import Any
 
 from dummydesign.cli.common_options import add_replace_option, call_in_steps
@@ -10,6 +11,7 @@ from dummydesign.cli.text import INDENT, WIDTH, files_block, fitted, labelled, w
 
 HELP = "Compute what a press measured on a pad would have been on people; compare it with your limits."
 ABOUT_STEPS = 6
+NUMBER_UNIT = re.compile(r"(?<=\d) (?=(?:%|N|mm|mJ|kg|s|mm/s|N/mm|N/cm2|times)(?:[\s.,;:)]|$))")
 MOST_WARNINGS, MOST_CHECKS = 3, 4
 FILES = ("report", "first_page", "curves")
 
@@ -69,8 +71,8 @@ def render_details(result: dict[str, Any]) -> str:
         head, rows = facts.subject_table(press)
         lines += [f"  {press['file']}", *(f"  {row[0]:<20}" + "".join(f"{cell:>{max(len(name) + 2, 10)}}"
                   for cell, name in zip(row[1:], head[1:])) for row in (head, *rows)), ""]  # fmt: skip
-        lines += [line for one in press["beyond_range"] for line in labelled("BEYOND", one["text"])]
-    lines += [*_limits(result, None), *_drive(result)]
+    checks = _limits(result, None)
+    lines += [*checks, *([""] if checks else []), *_drive(result)]
     lines += [line for one in result["warnings"] for line in labelled("NOTE", one["message"])]
     lines += _next(result)
     return "\n".join([*lines, *(f"{role}: {path}" for role, path in result["files"].items())])
@@ -81,12 +83,14 @@ def _headline(result: dict[str, Any]) -> list[str]:
     from dummydesign.report.on_person_facts import headline, mismatch
 
     word, text = headline(result)
-    return [*labelled("CAUTION", mismatch(result)), *_first(word.upper(), text)]
+    return [*_whole("CAUTION", mismatch(result)), *_whole(word.upper(), text)]
 
 
-def _first(word: str, text: str) -> list[str]:
-    """A word and its text; UNDECIDED is longer than the column of labels."""
-    return labelled(word, text) if len(word) < INDENT else labelled("", f"{word}: {text}")
+def _whole(word: str, text: str) -> list[str]:
+    """A word and its text, numbers together with their units; UNDECIDED is longer than the column of labels."""
+    text = NUMBER_UNIT.sub("\u00a0", text)
+    lines = labelled(word, text) if len(word) < INDENT else labelled("", f"{word}: {text}")
+    return [line.replace("\u00a0", " ") for line in (lines[0].lstrip(), *lines[1:])] if lines else []
 
 
 def _table(result: dict[str, Any]) -> list[str]:

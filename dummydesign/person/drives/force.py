@@ -13,7 +13,7 @@ class Force(Drive):
     """F(t) on people is F(t) on the pad; depth follows."""
 
     name = form = "force"
-    words = "a clamp that controls its force: people get the pad's force at each time, their depths follow"
+    words = "a clamp that controls its force and gives people the pad's force at each time"
 
     def contradicted(self, signs: TraceSigns) -> str:
         """Where the path was kept instead, or the pad took the speed."""

@@ -25,7 +25,7 @@ class Mass(Drive):
 
     name, form = "mass", "mass:KG"
     numbers = ((MASS, MASSES),)
-    words = "a free mass that hits at the speed of the trace; the person alone stops it"
+    words = "a free mass that hits at the speed of the trace and is stopped by the person alone"
 
     def contradicted(self, signs: TraceSigns) -> str:
         """Where the punch was held, or another mass explains the path."""

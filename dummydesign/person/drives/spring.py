@@ -38,7 +38,7 @@ class Spring(Drive):
     name, form = "spring", "spring:N_PER_MM,KG[,DAMPING_RATIO]"
     numbers = ((STIFFNESS, STIFFNESSES), (MASS, MASSES), (DAMPING, DAMPINGS))
     defaults = (0.0,)
-    words = "an arm with a spring and a mass: it gets the same command on people as on the pad"
+    words = "an arm with a spring and a mass that gets the same command on people as on the pad"
 
     def contradicted(self, signs: TraceSigns) -> str:
         """Where such an arm would have followed the force as it relaxed, and the path was kept."""

@@ -23,9 +23,7 @@ class Steady(Drive):
 
     name = form = "steady"
     curves = True
-    words = (
-        "the published protocol: each person is pressed at the trace's speed to the depth with the pad's steady force"
-    )
+    words = "the published protocol, which presses each person to the depth with the pad's steady force"
 
     def check(self, press: Press) -> None:
         """Refuse a press without a hold, which has no steady force."""

@@ -252,7 +252,7 @@ def _of_presses(found: Sequence[PersonPress], drive: Drive, tissue: Tissue) -> l
             words = "; ".join(entry.text for entry in one.beyond)
             rows.append(("beyond_range", f"{one.press.trace.name}: extrapolated: {words}"))
     if "inferred" in tissue.kinds:
-        rows.append(("inferred_tissue", f"the subjects of {tissue.name} are inferred from literature, not measured"))
+        rows.append(("inferred_tissue", f"the subjects of {tissue.name} are inferred, not measured"))
     if len(tissue.subjects) < 2:
         rows.append(("one_subject", "the interval is that of one subject; measure more people to see how they differ"))
     rows += [] if tissue.notice is None else [tissue.notice]

@@ -120,7 +120,7 @@ def people_text(result: dict[str, Any]) -> str:
     count = len(result["presses"][0]["subjects"])
     inferred = any(one["code"] == "inferred_tissue" for one in result["warnings"])
     subjects = f"{count} subjects" if count != 1 else "1 subject"
-    return f"{result['tissue']}, {subjects}" + (", inferred from literature, not measured" if inferred else "")
+    return f"{result['tissue']}, {subjects}" + (", inferred, not measured" if inferred else "")
 
 
 def press_table(result: dict[str, Any]) -> tuple[list[str], list[list[str]]]:

@@ -22,7 +22,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("traces", nargs="+", metavar="TRACE.csv", help=columns)
     people = "the people: a name of 'dummydesign tissues list', or a tissue file"
     parser.add_argument("--tissue", required=True, metavar="NAME|FILE", help=people)
-    drives = "what moves the robot; see below (default position)"
+    drives = "what moves the robot: position (default), steady, force, mass:KG, spring:K,M or spring:K,M,ZETA"
     parser.add_argument("--drive", default="position", metavar="NAME", help=drives)
     limits = "your limits of force and pressure, with their source; fill in examples/limits.toml"
     parser.add_argument("--limits", metavar="FILE.toml", help=limits)

@@ -37,7 +37,7 @@ def main() -> None:
     for text in DRIVES:
         one = on_person([trace], tissue, read_drive(text)).presses[0]
         end = min(float(np.max(one.found.time_s)), 0.6)
-        time = end * np.linspace(0.0, 1.0, 320) ** 2
+        time = end * np.linspace(0.0, 1.0, 600) ** 2
         curves = on_grid(one, time)
         figure, axes = plt.subplots(1, 2, figsize=(7.0, 2.6), layout="constrained")
         pads = (one.press.x_mm, one.press.force_N)

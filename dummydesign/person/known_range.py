@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -20,6 +21,9 @@ if TYPE_CHECKING:
 STEADY, DEPTH, PEAK = PRESSED
 NEAR = 1.05
 """Factor up to which a press still counts as inside."""
+QUANTITIES = {"velocity_mm_s": ("speed", "mm/s"), "steady_force_N": ("steady force", "N"),
+              "depth_mm": ("depth", "mm"), "peak_force_N": ("peak force", "N")}  # fmt: skip
+RANKED = re.compile(r"rank-(\d+)-of-(\d+)")
 
 
 @dataclass(frozen=True)
@@ -52,29 +56,52 @@ def beyond_range(tissue: Tissue, found: Response, velocity_mm_s: float) -> list[
     speeds, rows = tissue.velocities_mm_s, list[Beyond]()
     if speeds:
         slow, fast = min(speeds), max(speeds)
-        if not slow / SPEED_APART <= velocity_mm_s <= fast * SPEED_APART:
-            end = fast if velocity_mm_s > fast else slow
-            words = f"{velocity_mm_s:g} mm/s, people were pressed at {slow:g} to {fast:g} mm/s"
-            rows.append(Beyond("velocity_mm_s", velocity_mm_s, end, words))
+        if velocity_mm_s < slow / SPEED_APART:
+            rows.append(_beyond("velocity_mm_s", velocity_mm_s, slow, "the slowest press on people"))
+        elif velocity_mm_s > fast * SPEED_APART:
+            rows.append(_beyond("velocity_mm_s", velocity_mm_s, fast, "the fastest press on people"))
     held = found.steady_N[np.isfinite(found.steady_N)]
+    names = [one.name for one in tissue.subjects]
+    differ = held.size > 0 and float(held.max()) > NEAR * float(held.min())
     if held.size and float(held.min()) < low / FORCE_APART:
-        rows.append(Beyond("steady_force_N", float(held.min()), low,
-                           f"{float(held.min()):.3g} N steady, people were pressed from {low:g} N on"))  # fmt: skip
+        whom = names[int(np.nanargmin(found.steady_N))] if differ else ""
+        rows.append(_beyond("steady_force_N", float(held.min()), low, "the smallest press on people", whom))
     if held.size and float(held.max()) > high * FORCE_APART:
-        rows.append(Beyond("steady_force_N", float(held.max()), high,
-                           f"{float(held.max()):.3g} N steady, people were pressed up to {high:g} N"))  # fmt: skip
+        whom = names[int(np.nanargmax(found.steady_N))] if differ else ""
+        rows.append(_beyond("steady_force_N", float(held.max()), high, "the largest press on people", whom))
     deepest, strongest = _limits(tissue)
-    for quantity, values, ends, unit in (
-        ("depth_mm", found.depth_mm, deepest, "mm deep"), ("peak_force_N", found.peak_N, strongest, "N at the peak")
+    for quantity, values, ends in (
+        ("depth_mm", found.depth_mm, deepest), ("peak_force_N", found.peak_N, strongest)
     ):  # fmt: skip
         over = values / ends
         worst = int(np.argmax(over))
         if over[worst] > NEAR:
-            share, own = 100.0 * (over[worst] - 1.0), unit.partition(" ")[0]
-            words = (f"{values[worst]:.3g} {unit} on {tissue.subjects[worst].name}, who was pressed to "
-                     f"{ends[worst]:.3g} {own} ({share:.0f} % beyond)")  # fmt: skip
-            rows.append(Beyond(quantity, float(values[worst]), float(ends[worst]), words))
+            rows.append(_beyond(quantity, float(values[worst]), float(ends[worst]),
+                                f"the most for {subject_words(names[worst])}"))  # fmt: skip
     return rows
+
+
+def _beyond(quantity: str, value: float, end: float, what: str, whom: str = "") -> Beyond:
+    """One way, with its size: as a multiple from twice on, else in percent."""
+    name, unit = QUANTITIES[quantity]
+    times, on = value / end, f" on {subject_words(whom)}" if whom else ""
+    if times >= 2.0:
+        size = f"{short_number(times, 2)} times"
+    else:
+        size = f"{100.0 * (times - 1.0):.0f} % above" if times > 1.0 else f"{100.0 * times:.2g} % of"
+    text = f"a {name} of {short_number(value)} {unit}{on} is {size} {what} ({short_number(end)} {unit})"
+    return Beyond(quantity, value, end, text)
+
+
+def short_number(value: float, digits: int = 3) -> str:
+    """A number of three digits; none as a power of ten below a million."""
+    return f"{float(f'{value:.{digits}g}'):.10g}" if abs(value) < 1e6 else f"{value:.{digits}g}"
+
+
+def subject_words(name: str) -> str:
+    """Name of a subject as it is read; inferred subjects are numbered from the softest on."""
+    found = RANKED.fullmatch(name)
+    return name if found is None else f"subject {found[1]} of {found[2]}"
 
 
 def _forces(tissue: Tissue) -> tuple[float, float]:

@@ -49,11 +49,11 @@ def decide(high: float | None, subjects_low: tuple[float, ...], limit: float, ex
     JCGM 106:2012, 8.3 (guarded acceptance and guarded rejection).
     """
     if subjects_low and max(subjects_low) > limit:
-        return "fail", "the lower 95 % end of the highest subject is above the limit"
+        return "fail", "even the lower 95 % end of the highest subject is above the limit"
     if high is None:
-        return "undecided", "the interval of people is not known"
+        return "undecided", "the 95 % interval of people is not known"
     if high > limit:
-        return "undecided", "the limit lies inside the guard band"
+        return "undecided", "the upper 95 % end of people is above the limit"
     if extrapolated:
         return "undecided", "the press goes beyond the range in which people were pressed"
     return "pass", "the upper 95 % end of people is at most the limit"

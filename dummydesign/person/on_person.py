@@ -234,7 +234,7 @@ def _of_presses(found: Sequence[PersonPress], drive: Drive, tissue: Tissue) -> l
     for one in found:
         file = one.press.trace.name
         if one.contradicted:
-            rows.append(("drive_mismatch", f"{file}: --drive {drive.text} does not fit the trace: {one.contradicted}"))
+            rows.append(("drive_mismatch", f"{file}: the trace does not fit --drive {drive.text}: {one.contradicted}"))
     arm = drive.arm
     for one in found:
         if arm is None:
@@ -242,10 +242,10 @@ def _of_presses(found: Sequence[PersonPress], drive: Drive, tissue: Tissue) -> l
         file, step = one.press.trace.name, float(np.median(np.diff(one.press.trace.time_s)))
         if arm.period_s < SEEN_SAMPLES * step:
             own, least = 1.0 / arm.period_s, SEEN_SAMPLES / arm.period_s
-            words = f"the arm's own {own:.3g} Hz need at least {least:.0f} samples/s; peaks of its ringing are missing"
+            words = (f"peaks are missing: the arm rings at {own:.3g} Hz; record at least {least:.0f} samples/s")
             rows.append(("arm_unseen", f"{file}: {words}"))
         elif one.press.rings and arm.damping_ratio == 0.0:
-            words = "the arm still rings in the hold and is taken as undamped; if it has a damping ratio, give it: "
+            words = "the arm still rings in the hold and is assumed undamped; give its damping ratio: "
             rows.append(("arm_rings", f"{file}: {words}--drive {drive.text},RATIO"))
     for one in found:
         if one.beyond:
@@ -254,6 +254,6 @@ def _of_presses(found: Sequence[PersonPress], drive: Drive, tissue: Tissue) -> l
     if "inferred" in tissue.kinds:
         rows.append(("inferred_tissue", f"the subjects of {tissue.name} are inferred, not measured"))
     if len(tissue.subjects) < 2:
-        rows.append(("one_subject", "one subject says nothing of how people differ: the interval is this person's own"))
+        rows.append(("one_subject", "the interval is that of one subject; measure more people to see how they differ"))
     rows += [] if tissue.notice is None else [tissue.notice]
     return [{"code": code, "message": text} for code, text in rows]

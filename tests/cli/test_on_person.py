@@ -16,6 +16,7 @@ force_N = {{ value = {0}, low = {0}, high = {0}, kind = "assumed", source = "our
 pressure_N_per_cm2 = {{ value = 200.0, low = 200.0, high = 200.0, kind = "assumed", source = "our risk assessment" }}
 transient_factor = {{ value = 2.0, low = 2.0, high = 2.0, kind = "assumed", source = "our risk assessment" }}
 """
+RESULTS = ("PASS", "UNDECIDED", "FAIL")
 FOUR = {"peak_N", "steady_N", "depth_mm", "energy_mJ"}
 
 
@@ -63,7 +64,10 @@ def test_the_contract(here, capsys, drive):
     assert run(["on-person", "v10.csv", "--tissue", "forefinger", "--drive", drive, "--limits", "wide.toml"]) == 0
     lines = capsys.readouterr().out.splitlines()
     assert len(lines) <= 30 and max(map(len, lines)) <= 100
-    assert lines[0].split()[0].strip(":") in ("PASS", "UNDECIDED", "FAIL")
+    words = [line.split()[0].strip(":") for line in lines if line.strip()]
+    wrong = found["presses"][0]["drive_contradicted"] is not None
+    assert words[0] == ("CAUTION" if wrong else next(one for one in words if one in RESULTS))
+    assert any(one in RESULTS for one in words) and "NEXT" in words
 
 
 def test_limits_pass_fail_or_stay_undecided_and_never_pass_an_extrapolation(here, capsys):
@@ -131,7 +135,7 @@ def test_bad_input_is_one_line_and_status_2(here, capsys):
 
 
 def test_a_press_beyond_people_is_named_before_any_factor(here, capsys):
-    from dummydesign.report.on_person import extrapolation_text
+    from dummydesign.report.on_person_facts import extrapolation_text
 
     words = ["v10.csv", "--tissue", "forefinger", "--drive"]
     inside, deep = (answer(capsys, *words, drive)["presses"] for drive in ("steady", "spring:1000,3"))
@@ -142,3 +146,28 @@ def test_a_press_beyond_people_is_named_before_any_factor(here, capsys):
     head = " ".join(capsys.readouterr().out.partition("\n\n")[0].split())
     places = [head.index(text) for text in (f"{worst['value']:.3g}", f"{worst['pressed_to']:.3g}", "times the pad")]
     assert places == sorted(places)
+
+
+def test_a_drive_that_does_not_fit_comes_first_with_its_size_and_the_drive_that_does(here, capsys):
+    words = ["v10.csv", "--tissue", "palm", "--drive", "force"]
+    signs = answer(capsys, *words)["presses"][0]["signs"]
+    for more in ([], ["--limits", "wide.toml"], ["--details"]):
+        assert run(["on-person", *words, *more]) == 0
+        head = " ".join(capsys.readouterr().out.partition("\n\n")[0].split())
+        assert head.startswith("CAUTION") and f"{signs['relaxed_N']:.2g} N" in head and "--drive position" in head
+
+
+def test_where_people_get_the_pad_s_force_the_answer_is_their_depth(here, capsys):
+    found = answer(capsys, "v10.csv", "--tissue", "palm", "--drive", "force")["presses"][0]
+    assert run(["on-person", "v10.csv", "--tissue", "palm", "--drive", "force"]) == 0
+    head = " ".join(capsys.readouterr().out.partition("\n\n")[0].split())
+    assert all(f"{end:.3g}" in head for end in found["band"]["depth_mm"]) and "1 to 1" not in head
+
+
+def test_one_value_is_printed_once_and_a_multiple_as_a_multiple():
+    from dummydesign.person.known_range import short_number, subject_words
+    from dummydesign.report.on_person_facts import span_text
+
+    assert span_text([8.4141, 8.4149]) == "8.41" and span_text([8.41, 8.43]) == "8.41 to 8.43"
+    assert short_number(152.79, 2) == "150" and short_number(1493.0) == "1490" and short_number(0.001234) == "0.00123"
+    assert subject_words("rank-5-of-5") == "subject 5 of 5" and subject_words("anna") == "anna"

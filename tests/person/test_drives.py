@@ -69,6 +69,23 @@ def test_steady_presses_everyone_to_the_pad_s_steady_force(velocity):
         near(found, by_path(skin_of(one, velocity), *through(t, x), t[-1], 0.0), row)
 
 
+@pytest.mark.parametrize(("velocity", "rounding_s"), [(20.0, 2e-3), (120.0, 4e-3), (250.0, 2e-3)])
+@pytest.mark.parametrize("approach_mm", (0.0, 6.0))
+def test_with_steady_the_robot_stops_on_people_as_softly_as_on_the_pad(velocity, rounding_s, approach_mm):
+    path, speed, end = command(velocity, 1.1, 2.0, rounding_s)
+    begin = 0.0 if approach_mm == 0.0 else -approach_mm / velocity
+    press = read_press(sampled(by_path(gel_pad(), path, speed, end, begin), 5000.0))
+    people = [load_tissue(name).parameter_sets[2] for name in ("forefinger", "palm")]
+    for one in people:
+        found = read_drive("steady").respond(press, People.of([one], velocity))
+        depth = 1.1 + float(found.depth_mm[0]) - press.x_mm[-1]
+        deeper = command(velocity, depth, 2.0, rounding_s)
+        run = by_path(skin_of(one, velocity), *deeper[:2], deeper[2], -6.0 / velocity)
+        late = run.t >= run.t[-1] - 0.1
+        assert float(found.steady_N[0]) == pytest.approx(run.f[late].mean(), rel=2e-3)
+        assert float(found.peak_N[0]) == pytest.approx(run.peak, rel=5e-3)
+
+
 @pytest.mark.parametrize("velocity", SPEEDS)
 def test_force_gives_the_depth_that_another_integrator_gives(velocity):
     run, _ = pressed(velocity)

@@ -3,29 +3,36 @@
 from __future__ import annotations
 
 import argparse
+import re
 from typing import Any
 
 from dummydesign.cli.common_options import add_replace_option, call_in_steps
-from dummydesign.cli.text import INDENT, WIDTH, fitted, labelled
+from dummydesign.cli.text import INDENT, WIDTH, files_block, fitted, labelled, warning_block
 
-HELP = "Work out what a press measured on a pad would have been on people, against your limits."
+HELP = "Compute what a press measured on a pad would have been on people; compare it with your limits."
 ABOUT_STEPS = 6
-MOST_WARNINGS = 4
+NUMBER_UNIT = re.compile(r"(?<=\d) (?=(?:%|N|mm|mJ|kg|s|mm/s|N/mm|N/cm2|times)(?:[\s.,;:)]|$))")
+MOST_WARNINGS, MOST_CHECKS = 3, 4
+FILES = ("report", "first_page", "curves")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
-    parser.add_argument("traces", nargs="+", metavar="TRACE.csv", help="time_s,displacement_mm,force_N, one press each")
-    parser.add_argument("--tissue", required=True, metavar="NAME|FILE", help="see 'dummydesign tissues list'")
-    drives = "what moves the robot: position (default), steady, force, mass:KG, spring:N_PER_MM,KG[,DAMPING_RATIO]"
+    columns = "one press a file: columns time_s, displacement_mm, force_N, zero at contact ('dummydesign import')"
+    parser.add_argument("traces", nargs="+", metavar="TRACE.csv", help=columns)
+    people = "the people: a name of 'dummydesign tissues list', or a tissue file"
+    parser.add_argument("--tissue", required=True, metavar="NAME|FILE", help=people)
+    drives = "what moves the robot: position (default), steady, force, mass:KG, spring:K,M or spring:K,M,ZETA"
     parser.add_argument("--drive", default="position", metavar="NAME", help=drives)
-    limits = "your limits of force and pressure with their source, as 'suggest --limits' takes them"
+    limits = "your limits of force and pressure, with their source; fill in examples/limits.toml"
     parser.add_argument("--limits", metavar="FILE.toml", help=limits)
-    parser.add_argument("--lowpass", metavar="HZ[:ORDER[:PASSES]]", help="filter the force went through; it is undone")
-    parser.add_argument("--rate", default=1000.0, metavar="HZ", help="of the curves in the CSV (default 1000)")
-    faces = "face of the punch, for mean pressures (default square:14)"
+    passed = "low-pass filter of the force sensor; its delay is undone"
+    parser.add_argument("--lowpass", metavar="HZ[:ORDER[:PASSES]]", help=passed)
+    rate = "samples per second of on_person.csv (default 1000)"
+    parser.add_argument("--rate", default=1000.0, metavar="HZ", help=rate)
+    faces = "face of the punch, for the mean pressure (default square:14)"
     parser.add_argument("--punch", default="square:14", metavar="KIND:SIZE", help=faces)
-    parser.add_argument("--out", metavar="DIR", help="folder of the files (default on-person-TISSUE)")
+    parser.add_argument("--out", metavar="DIR", help="folder of report and curves (default on-person-TISSUE)")
     add_replace_option(parser)
 
 
@@ -45,42 +52,50 @@ def default_out(options: argparse.Namespace) -> str:
 
 def render(result: dict[str, Any]) -> str:
     """Lay the answer out on one screen."""
-    head = [*_headline(result), ""]
-    tail = [["", *_limits(result, 4)], _drive(result), _warnings(result, MOST_WARNINGS), _files(result),
-            labelled("MORE", "--details: each subject, all limits, all notes")]  # fmt: skip
-    return "\n".join(fitted(head, _table(result), tail, (), "... and {} more lines: --details"))
+    from dummydesign.report import on_person_facts as facts
+
+    limits = ["", *_limits(result, MOST_CHECKS)] if facts.limit_rows(result) else []
+    warnings = warning_block(result, facts.IN_HEADLINE, MOST_WARNINGS)
+    notes, checks = len(result["warnings"]), "all limits, " if limits else ""
+    more = labelled("MORE", f"--details: each subject, {checks}{notes} note{'s' * (notes != 1)}")
+    tail = [limits, ["", *_drive(result)], warnings, _next(result), files_block(result, FILES), more]
+    return "\n".join(fitted([*_headline(result), ""], _table(result), tail, (), "  ... and {} more presses: --details"))
 
 
 def render_details(result: dict[str, Any]) -> str:
     """Lay everything out."""
-    from dummydesign.report import on_person as facts
+    from dummydesign.report import on_person_facts as facts
 
     lines = [*_headline(result), "", *_table(result), ""]
     for press in result["presses"]:
-        lines += [f"{press['file']}: subjects"]
-        for one in press["subjects"]:
-            cells = ", ".join(f"{words} {facts.number_text(one[key])}" for key, words in facts.FOUR)
-            lines.append(f"  {one['name']:<16} {cells}")
-    lines += ["", *_limits(result, None), *_drive(result), *_warnings(result, None)]
+        head, rows = facts.subject_table(press)
+        lines += [f"  {press['file']}", *(f"  {row[0]:<20}" + "".join(f"{cell:>{max(len(name) + 2, 10)}}"
+                  for cell, name in zip(row[1:], head[1:])) for row in (head, *rows)), ""]  # fmt: skip
+    checks = _limits(result, None)
+    lines += [*checks, *([""] if checks else []), *_drive(result)]
+    lines += [line for one in result["warnings"] for line in labelled("NOTE", one["message"])]
+    lines += _next(result)
     return "\n".join([*lines, *(f"{role}: {path}" for role, path in result["files"].items())])
 
 
 def _headline(result: dict[str, Any]) -> list[str]:
-    """What it comes to: limits where there are any, else the peak of people over the pad's."""
-    from dummydesign.report.on_person import headline
+    """A drive that does not fit; then limits where there are any, else the peak of people over the pad's."""
+    from dummydesign.report.on_person_facts import headline, mismatch
 
     word, text = headline(result)
-    return _first(word.upper(), text)
+    return [*_whole("CAUTION", mismatch(result)), *_whole(word.upper(), text)]
 
 
-def _first(word: str, text: str) -> list[str]:
-    """A word and its text; UNDECIDED is longer than the column of labels."""
-    return labelled(word if len(word) < INDENT else "", text if len(word) < INDENT else f"{word}: {text}")
+def _whole(word: str, text: str) -> list[str]:
+    """A word and its text, numbers together with their units; UNDECIDED is longer than the column of labels."""
+    text = NUMBER_UNIT.sub("\u00a0", text)
+    lines = labelled(word, text) if len(word) < INDENT else labelled("", f"{word}: {text}")
+    return [line.replace("\u00a0", " ") for line in (lines[0].lstrip(), *lines[1:])] if lines else []
 
 
 def _table(result: dict[str, Any]) -> list[str]:
     """All five numbers of a single press; of several presses a line each."""
-    from dummydesign.report.on_person import press_table
+    from dummydesign.report.on_person_facts import press_table
 
     head, rows = press_table(result)
     first, widths = (22, (8, 18, 18)) if len(result["presses"]) == 1 else (20, (5, 10, 14, 14, 14, 14))
@@ -90,31 +105,35 @@ def _table(result: dict[str, Any]) -> list[str]:
 
 def _limits(result: dict[str, Any], most: int | None) -> list[str]:
     """Checks of the limits; on one screen the worst of them."""
-    from dummydesign.report.on_person import limit_rows, number_text, span_text
+    from dummydesign.report.on_person_facts import limit_rows, number_text, span_text
 
-    rows = [(row, press["file"]) for press in result["presses"] for row in press["limits"]]
-    return [
-        f"{row['result']:<10}{row['name']:<27} limit {row['limit']:<7.4g} pad {number_text(row['pad']):<7} "
-        f"people {span_text([row['person_low_95'], row['person_high_95']])} {row['unit']} ({file})"[:WIDTH]
-        for row, file in (rows if most is None else limit_rows(result)[:most])
-    ]
+    found = limit_rows(result)
+    rows = found if most is None else found[:most]
+    if not rows:
+        return []
+    several = len(result["presses"]) > 1
+    lines = [f"  {'limit of':<27}{'limit':>13}{'pad':>9}{'95 % of people':>18}  {'result':<10}{'press' * several}"]
+    for row, file in rows:
+        limit, people = f"{row['limit']:.4g} {row['unit']}", span_text([row["person_low_95"], row["person_high_95"]])
+        name = file[-16:] if several else ""
+        cells = f"{row['name']:<27}{limit:>13}{number_text(row['pad']):>9}{people:>18}"
+        lines.append(f"  {cells}  {row['result']:<10}{name}")
+    left = [f"  ... and {len(found) - len(rows)} more checks: --details"] if len(found) > len(rows) else []
+    return [*(line.rstrip() for line in lines), *left]
 
 
 def _drive(result: dict[str, Any]) -> list[str]:
     from dummydesign.person.drives import read_drive
+    from dummydesign.report.on_person_facts import people_text
 
-    return labelled("DRIVE", f"{result['drive']}: {read_drive(result['drive']).words}")
-
-
-def _warnings(result: dict[str, Any], most: int | None) -> list[str]:
-    """Warnings; on one screen the first ones, two lines each."""
-    lines: list[str] = []
-    shown = result["warnings"] if most is None else result["warnings"][:most]
-    for one in shown:
-        lines += labelled("NOTE", one["message"], None if most is None else 2)
-    return lines
+    drive = labelled("DRIVE", f"{result['drive']}: {read_drive(result['drive']).words}")
+    return [*drive, *labelled("PEOPLE", people_text(result))]
 
 
-def _files(result: dict[str, Any]) -> list[str]:
-    names = [result["files"][role] for role in ("report", "first_page", "curves") if role in result["files"]]
-    return labelled("FILES", ", ".join(names), 2) if names else []
+def _next(result: dict[str, Any]) -> list[str]:
+    """What to do now: the steps in their order, or the only one."""
+    from dummydesign.report.on_person_facts import next_steps
+
+    steps = next_steps(result)
+    return labelled("NEXT", steps[0] if len(steps) == 1 else "\n".join(
+        f"{number}. {step}" for number, step in enumerate(steps, 1)))  # fmt: skip

@@ -75,7 +75,7 @@ class Drive(ABC):
     curves : bool
         Whether it works with measured curves, without a law.
     words : str
-        What it is, in a report.
+        What it is, in a report: one sentence without a capital and a full stop.
     """
 
     name: ClassVar[str]
@@ -153,9 +153,9 @@ class Drive(ABC):
 def not_kept(signs: TraceSigns) -> str:
     """Say that the path was not kept, for drives that keep it; empty where it was."""
     if signs.looks_like == "force":
-        return f"the depth crept by {signs.creep_mm:.2g} mm while the force was kept: it looks like --drive force"
+        return f"the depth crept by {signs.creep_mm:.2g} mm while the force was kept"
     if signs.looks_like == "mass":
-        return f"the pad alone took its speed: it looks like --drive mass:{signs.mass_kg:.3g}"
+        return f"the pad alone stopped a mass of {signs.mass_kg:.3g} kg"
     return ""
 
 

@@ -13,12 +13,12 @@ class Force(Drive):
     """F(t) on people is F(t) on the pad; depth follows."""
 
     name = form = "force"
-    words = "a force-controlled clamp: people bear the same force over time, and are pressed as deep as it takes"
+    words = "a clamp that controls its force and gives people the pad's force at each time"
 
     def contradicted(self, signs: TraceSigns) -> str:
         """Where the path was kept instead, or the pad took the speed."""
         if signs.looks_like == "position":
-            return f"the force relaxed by {signs.relaxed_N:.2g} N while the path was kept: it looks like position"
+            return f"the force fell by {signs.relaxed_N:.2g} N in the hold while the depth was kept"
         return not_kept(signs) if signs.looks_like == "mass" else ""
 
     def respond(self, press: Press, people: People, keep: bool = True) -> Response:

@@ -25,14 +25,14 @@ class Mass(Drive):
 
     name, form = "mass", "mass:KG"
     numbers = ((MASS, MASSES),)
-    words = "a free mass that touches at the trace's speed and is stopped by the person alone"
+    words = "a free mass that hits at the speed of the trace and is stopped by the person alone"
 
     def contradicted(self, signs: TraceSigns) -> str:
         """Where the punch was held, or another mass explains the path."""
         if signs.creep_mm is not None:
-            return f"the punch was held {signs.held_s:.2g} s under load; a free mass leaves at once"
+            return f"the punch was held {signs.held_s:.2g} s under load; a free mass bounces back at once"
         if signs.mass_kg is None:
-            return "the force on the pad does not explain how the speed was lost: no free mass did this"
+            return "the force on the pad does not explain the loss of speed of any free mass"
         if not 1.0 / SAME_MASS < self.values[0] / signs.mass_kg < SAME_MASS:
             return f"the path on the pad is that of a free mass of {signs.mass_kg:.3g} kg"
         return ""

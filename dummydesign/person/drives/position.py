@@ -12,7 +12,7 @@ class Position(Drive):
     """x(t) on people is x(t) on the pad, from contact on."""
 
     name = form = "position"
-    words = "the arm follows its path whatever it meets: people are pressed by the same displacement from contact on"
+    words = "a stiff arm that presses people to the pad's depth at each time"
 
     def contradicted(self, signs: TraceSigns) -> str:
         """Where the path was not kept."""

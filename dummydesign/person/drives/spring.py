@@ -38,7 +38,7 @@ class Spring(Drive):
     name, form = "spring", "spring:N_PER_MM,KG[,DAMPING_RATIO]"
     numbers = ((STIFFNESS, STIFFNESSES), (MASS, MASSES), (DAMPING, DAMPINGS))
     defaults = (0.0,)
-    words = "an arm with a spring and a mass: the command that the trace implies acts on the person through both"
+    words = "an arm with a spring and a mass that gets the same command on people as on the pad"
 
     def contradicted(self, signs: TraceSigns) -> str:
         """Where such an arm would have followed the force as it relaxed, and the path was kept."""
@@ -48,8 +48,8 @@ class Spring(Drive):
         if follows > 2.0 * signs.kept_mm and abs(signs.creep_mm) < follows / 3.0:
             moved = f"{signs.creep_mm:.2g} mm" if abs(signs.creep_mm) >= 0.005 else "less than 0.01 mm"
             return (
-                f"the force relaxed by {signs.relaxed_N:.2g} N and the punch moved {moved}; an arm of "
-                f"{self.values[0]:g} N/mm with a fixed command moves {follows:.2g} mm: the arm is stiffer, or corrected"
+                f"the force fell by {signs.relaxed_N:.2g} N in the hold and the punch moved {moved}; an arm of "
+                f"{self.values[0]:g} N/mm moves {follows:.2g} mm"
             )
         return ""
 

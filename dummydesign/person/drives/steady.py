@@ -9,29 +9,29 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.core.errors import InputError
-from dummydesign.measurement.motion import Motion, ramp_and_hold, work_mJ
-from dummydesign.person.drives.drive import Drive, Response, not_kept
+from dummydesign.measurement.motion import Motion, work_mJ
+from dummydesign.person.approach import RobotPath
+from dummydesign.person.drives.drive import LATE_POINTS, Drive, Response, not_kept
 from dummydesign.person.integrate import held_after
 from dummydesign.person.people import People
-from dummydesign.person.press import Press
+from dummydesign.person.press import LATE, SHORTEST_HOLD_S, Press
 from dummydesign.person.signs import TraceSigns
 
 
 class Steady(Drive):
-    """Ramp and hold at the speed and braking of the trace, to the depth at which the force after the hold is the
-    pad's."""
+    """Approach, stop and hold as in the trace, to the depth at which the force at the end of the hold is the pad's."""
 
     name = form = "steady"
     curves = True
-    words = (
-        "the published protocol: each person is pressed at the trace's speed to the depth at which the steady force "
-        "is the pad's"
-    )
+    words = "the published protocol, which presses each person to the depth with the pad's steady force"
 
     def check(self, press: Press) -> None:
         """Refuse a press without a hold, which has no steady force."""
         if press.steady_N is None:
-            message = f"{press.trace.name}: a hold of {press.hold_s:.3g} s has no steady force; drive = steady needs it"
+            message = (
+                f"{press.trace.name}: a hold of {press.hold_s:.3g} s has no steady force; --drive steady needs a hold "
+                f"of {SHORTEST_HOLD_S:g} s at least, another drive needs none"
+            )
             raise InputError(message, "not_enough_data", "hold_s", press.hold_s)
         steady = float(np.min(press.steady_N))
         if steady <= 0.0:
@@ -43,18 +43,14 @@ class Steady(Drive):
         return not_kept(signs)
 
     def respond(self, press: Press, people: People, keep: bool = True) -> Response:
-        """Find each depth, and press."""
-        hold, braking = press_of(press)
+        """Find each depth, and press with the path of the trace, shifted along its way."""
+        path = RobotPath.of(press, press_of(press)[1])
         forces = np.broadcast_to(np.maximum(np.asarray(press.steady_N), 1e-6), len(people))
-
-        def coarse(depth: NDArray) -> Motion:
-            return ramp_and_hold(press.velocity_mm_s, depth, hold, braking, 24, 12, 3)
-
         parts = people.gamma1, people.gamma, people.c
-        depth = people.law.steady_depth(coarse, forces, *parts)
-        motion = ramp_and_hold(press.velocity_mm_s, depth, hold, braking)
+        depth = people.law.steady_depth(lambda wanted: path.to(wanted, coarse=True), forces, *parts)
+        motion = path.to(depth)
         force = np.maximum(people.law.force(motion, *parts), 0.0)
-        return _response(motion, force, depth)
+        return _response(motion, force, late_mean(motion, force, LATE * press.hold_s))
 
     def on_curves(self, press: Press, people: Sequence[Any]) -> Response:
         """The presses that were made, between their forces."""
@@ -62,8 +58,8 @@ class Steady(Drive):
 
         hold, braking = press_of(press)
         steady = float(np.mean(np.asarray(press.steady_N)))
-        motion, force, depth = CURVES.press(people, steady, press.velocity_mm_s, hold, braking)
-        return _response(motion, force, depth)
+        motion, force, _ = CURVES.press(people, steady, press.velocity_mm_s, hold, braking)
+        return _response(motion, force, force[..., -1])
 
 
 def press_of(press: Press) -> tuple[float, float]:
@@ -75,7 +71,14 @@ def press_of(press: Press) -> tuple[float, float]:
     return reduced.hold_s, braking_of(reduced, press.velocity_mm_s)
 
 
-def _response(motion: Motion, force: NDArray, depth: NDArray) -> Response:
+def late_mean(motion: Motion, force: NDArray, last_s: float) -> NDArray:
+    """Mean force over the last seconds of motions with their own times, shape (p,). [N]"""
+    end = motion.time_s[:, -1:]
+    at = end - last_s * np.linspace(1.0, 0.0, LATE_POINTS)
+    return np.array([np.interp(*row).mean() for row in zip(at, motion.time_s, force)])
+
+
+def _response(motion: Motion, force: NDArray, steady: NDArray) -> Response:
     x = motion.displacement_mm
-    return Response(motion.time_s, x, force, force.max(axis=-1), force[..., -1], depth, work_mJ(x, force),
+    return Response(motion.time_s, x, force, force.max(axis=-1), steady, x.max(axis=-1), work_mJ(x, force),
                     held_after(motion.time_s, force))  # fmt: skip

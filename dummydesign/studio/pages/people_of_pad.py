@@ -13,7 +13,14 @@ from nicegui import ui
 from dummydesign.core.errors import InputError
 from dummydesign.core.parsing import Purpose
 from dummydesign.person.drives import DRIVES, read_drive
-from dummydesign.report.on_person import headline, limit_rows, number_text, press_table, span_text
+from dummydesign.report.on_person_facts import (
+    headline,
+    limit_rows,
+    mismatch,
+    number_text,
+    press_table,
+    span_text,
+)
 from dummydesign.studio import file_transfer as transfer
 from dummydesign.studio import parts
 from dummydesign.studio.jobs import options
@@ -120,6 +127,9 @@ def show_people(root: Path, answer: Mapping[str, Any]) -> None:
     files, found = answer.get("files") or {}, dict(answer)
     parts.tell_changes(root, str(files.get("manifest") or ""), "Compute them again.")
     word, text = headline(found)
+    wrong = mismatch(found)
+    if wrong:
+        parts.tell_verdict("amber", f"CAUTION. {wrong}", test="drive-mismatch")
     if word in LIGHTS:
         parts.tell_verdict(LIGHTS[word], f"{word.upper()}. {text}", test="people")
     else:

@@ -33,6 +33,16 @@ class Punch(Protocol):
         """
 
 
+DOWN, OUTWARDS, UNIT = np.array([0.0, -1.0]), np.array([1.0, 0.0]), np.eye(2)
+
+
+def _length(vectors: Array) -> Array:
+    """Length of vectors in the plane, shape (..., 2)."""
+    r, z = vectors[..., 0], vectors[..., 1]
+    length: Array = np.sqrt(r * r + z * z)
+    return length
+
+
 @dataclass(frozen=True)
 class FlatPunch:
     """A flat punch of a given radius whose edge is a fillet of radius ``rim``; the sides above recede.
@@ -51,17 +61,17 @@ class FlatPunch:
     def gap(self, points: Array, depth: float) -> tuple[Array, Array, Array]:
         """Distance to face, fillet or side, whichever is nearest, with its derivatives."""
         v = points - np.array([self.flat_radius, self.rim - depth])
-        distance = np.maximum(np.linalg.norm(v, axis=-1), 1e-300)
+        distance = np.maximum(_length(v), 1e-300)
         face, wall = self._regions(v)
         gap = np.where(face, -v[..., 1] - self.rim, distance - self.rim)
-        normal = np.where(face[..., None], np.array([0.0, -1.0]), v / distance[..., None])
+        normal = v / distance[..., None]
+        normal[face] = DOWN
         if wall is not None:
             gap = np.where(wall, v[..., 0] - self.rim, gap)
-            normal = np.where(wall[..., None], np.array([1.0, 0.0]), normal)
+            normal[wall] = OUTWARDS
             face = face | wall
-        bend = np.where(face, 0.0, 1.0 / distance)[..., None, None] * (
-            np.eye(2) - normal[..., :, None] * normal[..., None, :]
-        )
+        bend = UNIT - normal[..., :, None] * normal[..., None, :]
+        bend *= np.where(face, 0.0, 1.0 / distance)[..., None, None]
         return gap, normal, bend
 
     def _regions(self, v: Array) -> tuple[Array, Array | None]:
@@ -199,7 +209,7 @@ class Surface(SideContact):
             self._last = (start, punch.gap(start, 0.0)[0])
         spot = self._where_closed(points, touching, depth, *self._last)
         normal = punch.gap(spot, 0.0)[1]
-        length = np.linalg.norm(normal, axis=-1)
+        length = _length(normal)
         along = np.stack([-normal[..., 1], normal[..., 0]], axis=-1) / length[..., None]
         self._spot[new], self._along[new] = spot[new], along[new]
         self._held = self._held | new
@@ -219,7 +229,7 @@ class Surface(SideContact):
         gap, normal, _ = punch.gap(points, depth)
         new = (gap <= 0.0) & ~self._held
         self._spot[new] = (points + np.array([0.0, depth]))[new]
-        length = np.linalg.norm(normal, axis=-1)
+        length = _length(normal)
         self._along[new] = (np.stack([-normal[..., 1], normal[..., 0]], axis=-1) / length[..., None])[new]
         self._held = gap <= 0.0
         self._before = self._held.copy()

@@ -237,31 +237,48 @@ class Surface(SideContact):
 
     def forces(self, u: Array, punch: Punch, depth: float) -> tuple[Array, Array]:
         """Gradient (full length) and second derivative (per side) of the contact and film energy."""
+        force, matrix = self.pressed(u, punch, depth)
+        return force, matrix()
+
+    def pressed(self, u: Array, punch: Punch, depth: float) -> tuple[Array, Callable[[], Array]]:
+        """Gradient of the energy, and what gives its second derivative."""
         points = self.points(u)
         gap, normal, bend = punch.gap(points, depth)
         push = self._stiffness * np.maximum(-gap, 0.0)
         pull = -push[..., None] * normal
-        pressing = np.where(gap <= TOUCHING, self._stiffness, 0.0)
-        second = pressing[..., None, None] * normal[..., :, None] * normal[..., None, :]
-        second = second - push[..., None, None] * bend
-        slip = ((points + np.array([0.0, depth]) - self._spot) * self._along).sum(axis=-1)
+        along = self._along
+        slip = ((points + np.array([0.0, depth]) - self._spot) * along).sum(axis=-1)
         hold = self._grip * self._held
         drag = hold * slip
+        share = None
         if self._friction:
             root = np.sqrt(slip**2 + self._slip_scale**2)
             share = self._friction * slip / root * self._held
             drag = drag + share * push
             hold = hold + self._friction * push * self._held * self._slip_scale**2 / root**3
-            second = second - (share * pressing)[..., None, None] * self._along[..., :, None] * normal[..., None, :]
-        second = second + hold[..., None, None] * self._along[..., :, None] * self._along[..., None, :]
-        pull += drag[..., None] * self._along
-        return self._assembled(u, pull, second)
+        pull += drag[..., None] * along
+
+        def matrix() -> Array:
+            pressing = np.where(gap <= TOUCHING, self._stiffness, 0.0)
+            second = pressing[..., None, None] * normal[..., :, None] * normal[..., None, :]
+            second -= push[..., None, None] * bend
+            if share is not None:
+                second -= (share * pressing)[..., None, None] * along[..., :, None] * normal[..., None, :]
+            second += hold[..., None, None] * along[..., :, None] * along[..., None, :]
+            return self._matrix(second)
+
+        return self._force(u, pull), matrix
 
     def _assembled(self, u: Array, traction: Array, second: Array) -> tuple[Array, Array]:
         """Force on all unknowns and its derivative per side, of what acts on the points and of the film."""
+        return self._force(u, traction), self._matrix(second)
+
+    def _force(self, u: Array, traction: Array) -> Array:
         local = u[self.dofs]
         on_side = (self._shape.T @ traction).reshape(local.shape) + (self._film @ local[:, :, None])[:, :, 0]
+        return np.bincount(self.dofs.ravel(), on_side.ravel(), minlength=len(u))
+
+    def _matrix(self, second: Array) -> Array:
         points = second.reshape(*second.shape[:2], 4)
         matrix = (self._pairs @ points).reshape(-1, 3, 3, 2, 2).transpose(0, 1, 3, 2, 4)
-        total = np.bincount(self.dofs.ravel(), on_side.ravel(), minlength=len(u))
-        return total, matrix.reshape(len(local), 6, 6) + self._film
+        return matrix.reshape(len(self.dofs), 6, 6) + self._film

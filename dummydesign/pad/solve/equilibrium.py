@@ -63,6 +63,13 @@ class Problem:
         force, matrix = self.surface.forces(u, self.punch, depth)
         return force, [matrix]
 
+    def pressed(self, u: Array, depth: float) -> tuple[Array, Callable[[], list[Array]]]:
+        """Force of the surface, and what gives its matrices."""
+        if self.surface is None:
+            return np.zeros(len(u)), list
+        force, matrix = self.surface.pressed(u, self.punch, depth)
+        return force, lambda: [matrix()]
+
     def force(self, state: State) -> float:
         """Force that the pad carries, from the reaction of its base."""
         return float(state.internal_force[self.base].sum())
@@ -133,7 +140,7 @@ def find_equilibrium(
         return Failure("the predicted state inverts an element", 0)
     if surface is not None:
         surface.begin()
-    at = _met(problem, _Trial(1.0, u, p, state, u, [], np.inf, np.inf), depth)
+    at = _met(problem, _Trial(1.0, u, p, state, u, list, np.inf, np.inf), depth)
     residuals: list[float] = []
     ties = factorised = 0
     contraction, least = problem.pattern.contraction
@@ -144,7 +151,7 @@ def find_equilibrium(
             tangent = solid.linearise(at.state)
             factorised += 1
         load = solid.force_of_pressure(tangent, at.state) - at.state.internal_force - at.contact
-        du = problem.pattern.again(load) if again else problem.pattern.solve([tangent.stiffness, *at.matrices], load)
+        du = problem.pattern.again(load) if again else problem.pattern.solve([tangent.stiffness, *at.matrices()], load)
         dp = solid.pressure_step(tangent, at.state, du)
         trial = _sound(problem, at, du, dp, depth)
         if trial is None:
@@ -186,14 +193,14 @@ class _Trial(NamedTuple):
     p: Array
     state: State
     contact: Array
-    matrices: list[Array]
+    matrices: Callable[[], list[Array]]
     residual: float
     unbalanced: float
 
 
 def _met(problem: Problem, at: _Trial, depth: float) -> _Trial:
     """The same displacements and pressures with the contact as it is now."""
-    contact, matrices = problem.contact(at.u, depth)
+    contact, matrices = problem.pressed(at.u, depth)
     unbalanced = _size((at.state.internal_force + contact)[problem.pattern.free])
     residual = unbalanced / (_size(at.state.internal_force) + 1e-300)
     return _Trial(at.fraction, at.u, at.p, at.state, contact, matrices, residual, unbalanced)

@@ -54,6 +54,7 @@ class Problem:
         used[solid.mesh.dofs] = True
         groups = [solid.mesh.dofs] + ([surface.dofs] if surface else [])
         free, size = np.nonzero(used & ~fixed)[0], solid.mesh.size
+        self._touch: tuple[Array, Array, float] | None = None
         self.pattern: Any = solver(groups, free, size) if solver else Pattern(groups, free, size, solid.mesh.nodes)
 
     def contact(self, u: Array, depth: float) -> tuple[Array, list[Array]]:
@@ -81,30 +82,34 @@ class Problem:
 
     def direction(self) -> tuple[Array, Array]:
         """Small-strain solution for a unit depth of the punch, from the undeformed state."""
-        u, _ = self.start()
-        state, tangent = self._undeformed()
-        _, matrices = self.contact(u, 0.0)
-        lift = np.zeros(len(u))
-        lift[self.carried] = -1.0
-        pull = (tangent.stiffness @ lift[self.solid.mesh.dofs][:, :, None])[:, :, 0]
-        load = -np.bincount(self.solid.mesh.dofs.ravel(), pull.ravel(), minlength=len(u))
-        du = lift + self.pattern.solve([tangent.stiffness, *matrices], load)
-        return du, self.solid.pressure_step(tangent, state, du)
-
-    def _undeformed(self) -> tuple[State, Tangent]:
-        """State and tangent before the punch comes down."""
-        state = self.solid.state(*self.start())
-        assert state is not None
-        return state, self.solid.linearise(state)
+        return self._first_touch()[:2]
 
     @one_blas_thread()
     def stiffness(self) -> float:
         """Force per depth at first touch (the small-strain limit)."""
-        du, _ = self.direction()
-        _, tangent = self._undeformed()
-        pull = (tangent.stiffness @ du[self.solid.mesh.dofs][:, :, None])[:, :, 0]
-        total = np.bincount(self.solid.mesh.dofs.ravel(), pull.ravel(), minlength=len(du))
-        return float(total[self.base].sum())
+        return self._first_touch()[2]
+
+    def _first_touch(self) -> tuple[Array, Array, float]:
+        """Displacement and pressure for a unit depth of the punch, and their force; without contact solved once."""
+        if self._touch is not None:
+            return self._touch
+        mesh, (u, p) = self.solid.mesh, self.start()
+        state = self.solid.state(u, p)
+        assert state is not None
+        tangent = self.solid.linearise(state)
+        _, matrices = self.contact(u, 0.0)
+
+        def pull(of: Array) -> Array:
+            local = (tangent.stiffness @ of[mesh.dofs][:, :, None])[:, :, 0]
+            return np.bincount(mesh.dofs.ravel(), local.ravel(), minlength=len(u))
+
+        lift = np.zeros(len(u))
+        lift[self.carried] = -1.0
+        du = lift + self.pattern.solve([tangent.stiffness, *matrices], -pull(lift))
+        found = du, self.solid.pressure_step(tangent, state, du), float(pull(du)[self.base].sum())
+        if self.surface is None:
+            self._touch = found
+        return found
 
 
 @dataclass

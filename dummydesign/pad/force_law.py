@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from dummydesign.core.errors import NoAnswerError
+from dummydesign.core.interpolation import monotone_cubic
 from dummydesign.geometry.dimensions import MAX_DEPTH_OVER_THICKNESS
 
 NOTHING_KNOWN: Mapping[str, Any] = MappingProxyType({})
@@ -295,14 +296,12 @@ def interpolate_curve(power: float, solved: PadCurve) -> ForceCurve:
     NoAnswerError
         When fewer than two were reached.
     """
-    from scipy.interpolate import PchipInterpolator
-
     depth, force = solved.depth_mm, solved.force_N
     if len(depth) < 2:
         message = f"the pad could be solved at {len(depth)} depth only: {solved.notes[0]}"
         raise NoAnswerError("no_convergence", message, quantity="force_N")
     # F / d (under a rounded tip F / d^1.5) varies little; between solved depths lies a monotone cubic through it.
-    stiffness = PchipInterpolator(depth, np.log(force / depth**power), extrapolate=True)
+    stiffness = monotone_cubic(depth, np.log(force / depth**power))
     error = solved.error_N / force
 
     def value(at: NDArray) -> NDArray:

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.core.errors import InputError
+from dummydesign.core.process import leave
 from dummydesign.geometry.conic import Conic
 from dummydesign.geometry.dimensions import STEEPEST_BONE_DEG
 from dummydesign.mold.cad.kernel import cad_problem, cq, occ
@@ -212,3 +213,4 @@ def main() -> None:
 
 if __name__ == "__main__":
     main()
+    leave()

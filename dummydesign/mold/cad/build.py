@@ -14,7 +14,7 @@ from typing import Any
 
 from dummydesign.mold.cad.casting_box import add_lid, bolt_holes, casting_box, let_in_sheet, mould_tools
 from dummydesign.mold.cad.kernel import cq
-from dummydesign.mold.cad.label import label_bars
+from dummydesign.mold.cad.label import Bar, label_corners, letter_bars
 from dummydesign.mold.cad.shapes import solids_of
 from dummydesign.mold.cad.solids import cylinders, drafted_prism, single_solid
 from dummydesign.mold.model import formulas as formula
@@ -169,18 +169,31 @@ def brim_tool(spec: MouldSpec, plan: Layout) -> Any:
 
 
 def label_tools(spec: MouldSpec, plan: Layout) -> list[Any]:
-    """Solids of the letters, from the label's depth to 1 mm above the land (strokes fused, seams removed)."""
-    deep = spec.body.label_depth_mm
+    """Solids of the letters, from the label's depth to 1 mm above the land; a letter that comes again is moved."""
+    made: dict[str, tuple[float, list[Any]]] = {}
     tools = []
-    for bar in label_bars(spec):
-        box = cq.Solid.makeBox(bar.length_mm, bar.width_mm, deep + 1.0).translate(
-            cq.Vector(-bar.length_mm / 2, -bar.width_mm / 2, plan.land_mm - deep)
+    for letter, (x, y) in label_corners(spec):
+        if letter not in made:
+            made[letter] = x, _letter(letter_bars(letter, spec.body.label_height_mm, spec.body.label_stroke_mm, (x, y)),
+                                      spec.body.label_depth_mm, plan.land_mm)  # fmt: skip
+        first, solids = made[letter]
+        tools += solids if x == first else [one.translate(cq.Vector(x - first, 0.0, 0.0)) for one in solids]
+    return tools
+
+
+def _letter(bars: list[Bar], deep_mm: float, land_mm: float) -> list[Any]:
+    """Strokes of a letter, fused and without seams."""
+    boxes = []
+    for bar in bars:
+        box = cq.Solid.makeBox(bar.length_mm, bar.width_mm, deep_mm + 1.0).translate(
+            cq.Vector(-bar.length_mm / 2, -bar.width_mm / 2, land_mm - deep_mm)
         )
         box = box.rotate(cq.Vector(), cq.Vector(0, 0, 1), bar.angle_deg)
-        tools.append(box.translate(cq.Vector(*bar.middle, 0)))
-    if len(tools) < 2:
-        return tools
-    return tools[0].fuse(*tools[1:]).clean().Solids()
+        boxes.append(box.translate(cq.Vector(*bar.middle, 0)))
+    if len(boxes) < 2:
+        return boxes
+    solids: list[Any] = boxes[0].fuse(*boxes[1:]).clean().Solids()
+    return solids
 
 
 def _add_printed(made: Parts) -> None:

@@ -71,18 +71,26 @@ def text_length_mm(text: str, height_mm: float) -> float:
     return (len(text) * ADVANCE - (ADVANCE - GRID_WIDTH)) * height_mm / GRID_HEIGHT if text else 0.0
 
 
-def text_bars(text: str, height_mm: float, stroke_mm: float, middle: tuple[float, float]) -> list[Bar]:
-    """Strokes of a text centred on ``middle``, reading along +x when seen from +z."""
+def letter_bars(letter: str, height_mm: float, stroke_mm: float, corner: tuple[float, float]) -> list[Bar]:
+    """Strokes of a letter whose lower left corner is at a place, reading along +x when seen from +z."""
+    unit, (left, below) = height_mm / GRID_HEIGHT, corner
+    return [
+        Bar(left + x0 * unit, below + y0 * unit, left + x1 * unit, below + y1 * unit, stroke_mm)
+        for run in _STROKES[letter] for (x0, y0), (x1, y1) in pairwise(run)
+    ]  # fmt: skip
+
+
+def text_corners(text: str, height_mm: float, middle: tuple[float, float]) -> list[tuple[float, float]]:
+    """Lower left corner of each letter of a text centred on ``middle``. [mm]"""
     unit = height_mm / GRID_HEIGHT
     left = middle[0] - text_length_mm(text, height_mm) / 2
-    below = middle[1] - height_mm / 2
-    bars = []
-    for place, letter in enumerate(text):
-        start = left + place * ADVANCE * unit
-        for run in _STROKES[letter]:
-            for (x0, y0), (x1, y1) in pairwise(run):
-                bars.append(Bar(start + x0 * unit, below + y0 * unit, start + x1 * unit, below + y1 * unit, stroke_mm))
-    return bars
+    return [(left + place * ADVANCE * unit, middle[1] - height_mm / 2) for place in range(len(text))]
+
+
+def text_bars(text: str, height_mm: float, stroke_mm: float, middle: tuple[float, float]) -> list[Bar]:
+    """Strokes of a text centred on ``middle``, reading along +x when seen from +z."""
+    corners = text_corners(text, height_mm, middle)
+    return [bar for letter, at in zip(text, corners) for bar in letter_bars(letter, height_mm, stroke_mm, at)]
 
 
 def label_text(spec: MouldSpec) -> str:
@@ -105,5 +113,14 @@ def label_text(spec: MouldSpec) -> str:
 def label_bars(spec: MouldSpec) -> list[Bar]:
     """Strokes of the label where they stand on the land, in the mould's frame."""
     body = spec.body
-    middle = (0.0, layout(spec).label_y_mm)
-    return text_bars(label_text(spec), body.label_height_mm, body.label_stroke_mm, middle)
+    return text_bars(label_text(spec), body.label_height_mm, body.label_stroke_mm, _middle(spec))
+
+
+def label_corners(spec: MouldSpec) -> list[tuple[str, tuple[float, float]]]:
+    """Letters of the label and where the lower left corner of each is, in the mould's frame. [mm]"""
+    text = label_text(spec)
+    return list(zip(text, text_corners(text, spec.body.label_height_mm, _middle(spec))))
+
+
+def _middle(spec: MouldSpec) -> tuple[float, float]:
+    return 0.0, layout(spec).label_y_mm

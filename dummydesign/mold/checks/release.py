@@ -26,6 +26,10 @@ def faces_within(solid: Any, outline: Outline, low_mm: float, high_mm: float, sl
         # Corners sort out most faces at a tenth of the price of a bounding box.
         if any(abs(x) > across or abs(y) > along for x, y, _ in corners_of(face)):
             continue
+        x0, y0, z0, x1, y1, z1 = rough_bounds(face)
+        if max(-x0, x1) <= across and max(-y0, y1) <= along and z0 >= low_mm - slack_mm and z1 <= high_mm + slack_mm:
+            found.append(face)
+            continue
         box = face.BoundingBox()
         flat = max(abs(box.xmin), abs(box.xmax)) <= across and max(abs(box.ymin), abs(box.ymax)) <= along
         if flat and box.zmin >= low_mm - slack_mm and box.zmax <= high_mm + slack_mm:
@@ -91,21 +95,29 @@ def thicknesses_mm(triangles: Any, points: Any, normals: Any) -> tuple[Any, Any]
     e1, e2 = triangles[:, 1] - a, triangles[:, 2] - a
     outward = np.cross(e1, e2)
     found = np.full(len(points), np.inf)
-    for i, (point, way) in enumerate(zip(points, -normals)):
-        ahead = outward @ way > 1e-12
-        p = np.cross(way, e2[ahead])
-        det = np.einsum("ij,ij->i", e1[ahead], p)
-        s = point + 1e-4 * way - a[ahead]
-        q = np.cross(s, e1[ahead])
+    # What of a triangle depends on the direction alone is worked out once for all rays that share one.
+    ways, which = np.unique(-normals, axis=0, return_inverse=True)
+    order = np.argsort(which.ravel(), kind="stable")
+    for way, rays in zip(ways, np.split(order, np.cumsum(np.bincount(which.ravel(), minlength=len(ways)))[:-1])):
         # An exit is a face that the ray meets from behind; its determinant is away from zero.
-        with np.errstate(divide="ignore", invalid="ignore"):
-            u = np.einsum("ij,ij->i", s, p) / det
-            v = (q @ way) / det
-            t = np.einsum("ij,ij->i", e2[ahead], q) / det
-            hit = (u >= 0) & (v >= 0) & (u + v <= 1) & (t > 1e-3)
-        if hit.any():
-            found[i] = t[hit].min()
+        ahead = outward @ way > 1e-12
+        across, along = np.cross(way, e2[ahead]), np.cross(e1[ahead], way)
+        det = np.einsum("ij,ij->i", e1[ahead], across)
+        for some in np.array_split(rays, -(-len(rays) * len(det) // MOST_PAIRS) or 1):
+            start = points[some] + 1e-4 * way
+            u, v, t = (_over(start, side / det[:, None], a[ahead]) for side in (across, along, outward[ahead]))
+            hit = (u >= -ON_EDGE) & (v >= -ON_EDGE) & (u + v <= 1 + ON_EDGE) & (t > 1e-3)
+            found[some] = np.where(hit, t, np.inf).min(axis=1, initial=np.inf)
     return found, points - np.where(np.isfinite(found), found, 0.0)[:, None] * normals
+
+
+MOST_PAIRS, ON_EDGE = 500_000, 1e-12
+"""Rays times triangles at a time, and what a ray may miss a triangle by, so that none slips between two of them."""
+
+
+def _over(points: Any, sides: Any, origins: Any) -> Any:
+    """Products of (point - origin) with the side of each triangle; shape (points, triangles)."""
+    return points @ sides.T - np.einsum("ij,ij->i", origins, sides)
 
 
 def sweep_interference_mm3(moving: Any, still: Any, offsets_mm: Sequence[float]) -> float:

@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 import html
-import importlib.util
 import io
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
-from pathlib import Path
 from typing import Any
 
 from dummydesign.mold.files.drawing_sheet import PAPERS, Drawing, binary_streams, draw
+from dummydesign.mold.files.fonts import font_file
 from dummydesign.mold.files.pour_sheet import Block
 
 PAGES_MM = {"A4": (210.0, 297.0), "A3": (297.0, 420.0)}
@@ -35,14 +34,12 @@ def fonts() -> tuple[str, str]:
     from reportlab.pdfbase import pdfmetrics
     from reportlab.pdfbase.ttfonts import TTFont
 
-    found = importlib.util.find_spec("matplotlib")
-    places = found.submodule_search_locations if found is not None else None
-    folder = Path(next(iter(places), "")) / "mpl-data/fonts/ttf" if places else Path()
     names = ("DejaVuSans", "DejaVuSans-Bold")
-    if not all((folder / f"{name}.ttf").is_file() for name in names):
+    files = [font_file(name) for name in names]
+    if None in files:
         return "Helvetica", "Helvetica-Bold"
-    for name in names:
-        pdfmetrics.registerFont(TTFont(name, str(folder / f"{name}.ttf")))
+    for name, file in zip(names, files):
+        pdfmetrics.registerFont(TTFont(name, str(file)))
     pdfmetrics.registerFontFamily(names[0], normal=names[0], bold=names[1], italic=names[0], boldItalic=names[1])
     return names
 

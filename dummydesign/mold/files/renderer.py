@@ -1,4 +1,4 @@
-"""Draw solids in a parallel view: triangles by NumPy into a depth buffer, letters by Matplotlib.
+"""Draw solids in a parallel view: triangles by NumPy into a depth buffer, letters by Pillow.
 
 No graphics library or display is needed, and the picture is the same on every machine.
 """
@@ -7,18 +7,20 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from dummydesign.mold.files.fonts import font_file
+
 FINE = 2
 """Pixels are drawn so many times finer along each side and averaged."""
-CHUNK = 2_000_000
+CHUNK = 100_000
+"""Pixels drawn at a time: few enough to stay in the processor's cache."""
 AMBIENT, DIFFUSE = 0.25, 0.75
 BOTTOM, TOP = (255, 255, 255), (232, 237, 242)
 INK = (51, 66, 77)
-PIXELS_PER_INCH = 100
+LETTERS, LABEL_PX, TITLE_PX = (32, 48, 60), 22, 25
 
 
 class Canvas:
@@ -26,12 +28,15 @@ class Canvas:
 
     def __init__(self, width: int, height: int) -> None:
         self.width, self.height = width, height
-        share = np.linspace(0.0, 1.0, height)[:, None, None]
-        self.colour = np.repeat(np.array(TOP) * (1 - share) + np.array(BOTTOM) * share, width, axis=1).reshape(-1, 3)
         self.depth = np.full(width * height, -np.inf)
+        # Which of the colours a pixel has; without one the background shows, with the first one a line.
+        self.owner = np.full(width * height, -1, np.int32)
+        self.palette = np.array([INK], float)
 
     def fill(self, corners: NDArray, colours: NDArray) -> None:
         """Draw triangles, shape (n, 3, 3), each of one colour; the nearest is seen whatever their order."""
+        offset = len(self.palette)
+        self.palette = np.concatenate([self.palette, colours])
         rows, first = self._rows(corners)
         which = np.repeat(np.arange(len(corners)), rows)
         row = np.repeat(first, rows) + _counting(rows)
@@ -51,7 +56,7 @@ class Canvas:
             place = line * self.width + column
             np.maximum.at(self.depth, place, level)
             seen = level >= self.depth[place]
-            self.colour[place[seen]] = colours[owner[seen]]
+            self.owner[place[seen]] = offset + owner[seen]
             begin = end
 
     def lines(self, ends: NDArray, near: float) -> None:
@@ -65,12 +70,19 @@ class Canvas:
             inside = (column >= 0) & (column < self.width) & (row >= 0) & (row < self.height)
             place = row[inside] * self.width + column[inside]
             seen = points[inside, 2] + near >= self.depth[place]
-            self.colour[place[seen]] = INK
+            self.owner[place[seen]] = 0
 
     def pixels(self) -> NDArray:
         """The averaged picture; shape (height, width, 3), 0 to 1."""
-        fine = self.colour.reshape(self.height // FINE, FINE, self.width // FINE, FINE, 3)
-        return np.clip(fine.mean(axis=(1, 3)) / 255.0, 0.0, 1.0)
+        owner = self.owner.reshape(self.height, self.width)
+        share = np.linspace(0.0, 1.0, self.height)[:, None]
+        behind = np.array(TOP) * (1 - share) + np.array(BOTTOM) * share
+        summed = np.zeros((self.height // FINE, self.width // FINE, 3))
+        for row in range(FINE):
+            for column in range(FINE):
+                some = owner[row::FINE, column::FINE]
+                summed += np.where(some[..., None] < 0, behind[row::FINE, None], self.palette[some])
+        return np.clip(summed / FINE**2 / 255.0, 0.0, 1.0)
 
     def _rows(self, corners: NDArray) -> tuple[NDArray, NDArray]:
         """Number of rows whose middle a triangle meets, and the first."""
@@ -162,15 +174,13 @@ def render(
 
 
 def _write(pixels: NDArray, labels: Sequence[tuple[NDArray, str]], title: str, path: Path) -> None:
-    from matplotlib.figure import Figure
+    from PIL import Image, ImageDraw, ImageFont
 
-    height, width = pixels.shape[:2]
-    figure = Figure(figsize=(width / PIXELS_PER_INCH, height / PIXELS_PER_INCH), dpi=PIXELS_PER_INCH)
-    axes: Any = figure.add_axes((0, 0, 1, 1))
-    axes.imshow(pixels, extent=(0, width, height, 0), interpolation="nearest")
-    axes.set_axis_off()
-    ink = "#20303c"
+    picture = Image.fromarray(np.round(255.0 * pixels).astype(np.uint8))
+    drawing, font = ImageDraw.Draw(picture), font_file("DejaVuSans")
+    sizes = (LABEL_PX, TITLE_PX)
+    small, large = (ImageFont.truetype(str(font), size) if font else ImageFont.load_default(size) for size in sizes)
     for place, text in labels:
-        axes.text(place[0] - 10, place[1], text, ha="right", va="center", fontsize=16, color=ink)
-    axes.text(24, 40, title, ha="left", va="center", fontsize=18, color=ink)
-    figure.savefig(path, dpi=PIXELS_PER_INCH, format="png")
+        drawing.text((place[0] - 10, place[1]), text, LETTERS, small, anchor="rm")
+    drawing.text((24, 40), title, LETTERS, large, anchor="lm")
+    picture.save(path, "PNG")

@@ -10,6 +10,7 @@ import numpy as np
 
 from dummydesign.core.cache import cached
 from dummydesign.core.errors import InputError, NoAnswerError, out_of_range
+from dummydesign.core.interpolation import monotone_cubic
 from dummydesign.core.parsing import one_of
 from dummydesign.geometry.dimensions import MAX_DEPTH_OVER_THICKNESS, PAD_EXTENT_MM
 from dummydesign.geometry.interface import BASES, CONDITIONS, Interface
@@ -285,10 +286,8 @@ def solve_on_lattice(
     if not len(kept):
         raise unsolved(made["stop"])
     notes = end_note(reached, depths[-1], made["stop"]) if len(kept) < len(depths) else ()
-    from scipy.interpolate import PchipInterpolator
-
     at, where = np.sqrt(nodes), np.sqrt(np.maximum(kept, nodes[0]))
-    stiffness = np.exp(PchipInterpolator(at, log)(where) if len(nodes) > 1 else log[0])
+    stiffness = np.exp(monotone_cubic(at, log)(where) if len(nodes) > 1 else log[0])
     force = stiffness * kept * pad.shear_MPa * pad.thickness_mm**2
     return PadCurve(
         kept * pad.thickness_mm, force, np.interp(where, at, made["error"]) * force, made["solver"], notes

@@ -33,6 +33,16 @@ class Punch(Protocol):
         """
 
 
+DOWN, OUTWARDS, UNIT = np.array([0.0, -1.0]), np.array([1.0, 0.0]), np.eye(2)
+
+
+def _length(vectors: Array) -> Array:
+    """Length of vectors in the plane, shape (..., 2)."""
+    r, z = vectors[..., 0], vectors[..., 1]
+    length: Array = np.sqrt(r * r + z * z)
+    return length
+
+
 @dataclass(frozen=True)
 class FlatPunch:
     """A flat punch of a given radius whose edge is a fillet of radius ``rim``; the sides above recede.
@@ -51,17 +61,17 @@ class FlatPunch:
     def gap(self, points: Array, depth: float) -> tuple[Array, Array, Array]:
         """Distance to face, fillet or side, whichever is nearest, with its derivatives."""
         v = points - np.array([self.flat_radius, self.rim - depth])
-        distance = np.maximum(np.linalg.norm(v, axis=-1), 1e-300)
+        distance = np.maximum(_length(v), 1e-300)
         face, wall = self._regions(v)
         gap = np.where(face, -v[..., 1] - self.rim, distance - self.rim)
-        normal = np.where(face[..., None], np.array([0.0, -1.0]), v / distance[..., None])
+        normal = v / distance[..., None]
+        normal[face] = DOWN
         if wall is not None:
             gap = np.where(wall, v[..., 0] - self.rim, gap)
-            normal = np.where(wall[..., None], np.array([1.0, 0.0]), normal)
+            normal[wall] = OUTWARDS
             face = face | wall
-        bend = np.where(face, 0.0, 1.0 / distance)[..., None, None] * (
-            np.eye(2) - normal[..., :, None] * normal[..., None, :]
-        )
+        bend = UNIT - normal[..., :, None] * normal[..., None, :]
+        bend *= np.where(face, 0.0, 1.0 / distance)[..., None, None]
         return gap, normal, bend
 
     def _regions(self, v: Array) -> tuple[Array, Array | None]:
@@ -199,7 +209,7 @@ class Surface(SideContact):
             self._last = (start, punch.gap(start, 0.0)[0])
         spot = self._where_closed(points, touching, depth, *self._last)
         normal = punch.gap(spot, 0.0)[1]
-        length = np.linalg.norm(normal, axis=-1)
+        length = _length(normal)
         along = np.stack([-normal[..., 1], normal[..., 0]], axis=-1) / length[..., None]
         self._spot[new], self._along[new] = spot[new], along[new]
         self._held = self._held | new
@@ -219,7 +229,7 @@ class Surface(SideContact):
         gap, normal, _ = punch.gap(points, depth)
         new = (gap <= 0.0) & ~self._held
         self._spot[new] = (points + np.array([0.0, depth]))[new]
-        length = np.linalg.norm(normal, axis=-1)
+        length = _length(normal)
         self._along[new] = (np.stack([-normal[..., 1], normal[..., 0]], axis=-1) / length[..., None])[new]
         self._held = gap <= 0.0
         self._before = self._held.copy()
@@ -227,31 +237,48 @@ class Surface(SideContact):
 
     def forces(self, u: Array, punch: Punch, depth: float) -> tuple[Array, Array]:
         """Gradient (full length) and second derivative (per side) of the contact and film energy."""
+        force, matrix = self.pressed(u, punch, depth)
+        return force, matrix()
+
+    def pressed(self, u: Array, punch: Punch, depth: float) -> tuple[Array, Callable[[], Array]]:
+        """Gradient of the energy, and what gives its second derivative."""
         points = self.points(u)
         gap, normal, bend = punch.gap(points, depth)
         push = self._stiffness * np.maximum(-gap, 0.0)
         pull = -push[..., None] * normal
-        pressing = np.where(gap <= TOUCHING, self._stiffness, 0.0)
-        second = pressing[..., None, None] * normal[..., :, None] * normal[..., None, :]
-        second = second - push[..., None, None] * bend
-        slip = ((points + np.array([0.0, depth]) - self._spot) * self._along).sum(axis=-1)
+        along = self._along
+        slip = ((points + np.array([0.0, depth]) - self._spot) * along).sum(axis=-1)
         hold = self._grip * self._held
         drag = hold * slip
+        share = None
         if self._friction:
             root = np.sqrt(slip**2 + self._slip_scale**2)
             share = self._friction * slip / root * self._held
             drag = drag + share * push
             hold = hold + self._friction * push * self._held * self._slip_scale**2 / root**3
-            second = second - (share * pressing)[..., None, None] * self._along[..., :, None] * normal[..., None, :]
-        second = second + hold[..., None, None] * self._along[..., :, None] * self._along[..., None, :]
-        pull += drag[..., None] * self._along
-        return self._assembled(u, pull, second)
+        pull += drag[..., None] * along
+
+        def matrix() -> Array:
+            pressing = np.where(gap <= TOUCHING, self._stiffness, 0.0)
+            second = pressing[..., None, None] * normal[..., :, None] * normal[..., None, :]
+            second -= push[..., None, None] * bend
+            if share is not None:
+                second -= (share * pressing)[..., None, None] * along[..., :, None] * normal[..., None, :]
+            second += hold[..., None, None] * along[..., :, None] * along[..., None, :]
+            return self._matrix(second)
+
+        return self._force(u, pull), matrix
 
     def _assembled(self, u: Array, traction: Array, second: Array) -> tuple[Array, Array]:
         """Force on all unknowns and its derivative per side, of what acts on the points and of the film."""
+        return self._force(u, traction), self._matrix(second)
+
+    def _force(self, u: Array, traction: Array) -> Array:
         local = u[self.dofs]
         on_side = (self._shape.T @ traction).reshape(local.shape) + (self._film @ local[:, :, None])[:, :, 0]
+        return np.bincount(self.dofs.ravel(), on_side.ravel(), minlength=len(u))
+
+    def _matrix(self, second: Array) -> Array:
         points = second.reshape(*second.shape[:2], 4)
         matrix = (self._pairs @ points).reshape(-1, 3, 3, 2, 2).transpose(0, 1, 3, 2, 4)
-        total = np.bincount(self.dofs.ravel(), on_side.ravel(), minlength=len(u))
-        return total, matrix.reshape(len(local), 6, 6) + self._film
+        return matrix.reshape(len(self.dofs), 6, 6) + self._film

@@ -157,6 +157,8 @@ class RubbingSurface(Surface):
         self._before = touching.copy()
         self._last = (points + np.array([0.0, depth]), gap)
 
+    pressed = ContactSurface.pressed
+
     def forces(self, u: Array, punch: Any, depth: float) -> tuple[Array, Array]:
         """Force (full length) of contact and friction, and its derivative (per side), which is not symmetric."""
         points = self.points(u)

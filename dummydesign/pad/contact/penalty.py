@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -44,6 +45,11 @@ class ContactSurface:
     def forces(self, u: Array, punch: Any, depth: float) -> tuple[Array, Array]:
         """Internal force (full length) and its derivative (per side)."""
         raise NotImplementedError
+
+    def pressed(self, u: Array, punch: Any, depth: float) -> tuple[Array, Callable[[], Array]]:
+        """Internal force, and what gives its derivative: most states are left before anybody asks for it."""
+        force, matrix = self.forces(u, punch, depth)
+        return force, lambda: matrix
 
     def settle(self, u: Array, punch: Any, depth: float) -> None:
         """Take the state at the end of a step as that from which the next one starts."""

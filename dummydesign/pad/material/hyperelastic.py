@@ -75,6 +75,8 @@ class Yeoh:
 
     def stress(self, F: Array) -> Array:
         """First Piola stress (mu + 4 c2 (I1 - 3)) F."""
+        if not self.c2_MPa:
+            return self.shear_MPa * F
         return (self.shear_MPa + 4.0 * self.c2_MPa * (_first_invariant(F) - 3.0))[..., None] * F
 
     def tangent(self, F: Array) -> Array:

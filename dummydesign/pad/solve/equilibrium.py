@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, NamedTuple
@@ -53,6 +54,7 @@ class Problem:
         used[solid.mesh.dofs] = True
         groups = [solid.mesh.dofs] + ([surface.dofs] if surface else [])
         free, size = np.nonzero(used & ~fixed)[0], solid.mesh.size
+        self._touch: tuple[Array, Array, float] | None = None
         self.pattern: Any = solver(groups, free, size) if solver else Pattern(groups, free, size, solid.mesh.nodes)
 
     def contact(self, u: Array, depth: float) -> tuple[Array, list[Array]]:
@@ -61,6 +63,13 @@ class Problem:
             return np.zeros(len(u)), []
         force, matrix = self.surface.forces(u, self.punch, depth)
         return force, [matrix]
+
+    def pressed(self, u: Array, depth: float) -> tuple[Array, Callable[[], list[Array]]]:
+        """Force of the surface, and what gives its matrices."""
+        if self.surface is None:
+            return np.zeros(len(u)), list
+        force, matrix = self.surface.pressed(u, self.punch, depth)
+        return force, lambda: [matrix()]
 
     def force(self, state: State) -> float:
         """Force that the pad carries, from the reaction of its base."""
@@ -73,30 +82,34 @@ class Problem:
 
     def direction(self) -> tuple[Array, Array]:
         """Small-strain solution for a unit depth of the punch, from the undeformed state."""
-        u, _ = self.start()
-        state, tangent = self._undeformed()
-        _, matrices = self.contact(u, 0.0)
-        lift = np.zeros(len(u))
-        lift[self.carried] = -1.0
-        pull = (tangent.stiffness @ lift[self.solid.mesh.dofs][:, :, None])[:, :, 0]
-        load = -np.bincount(self.solid.mesh.dofs.ravel(), pull.ravel(), minlength=len(u))
-        du = lift + self.pattern.solve([tangent.stiffness, *matrices], load)
-        return du, self.solid.pressure_step(tangent, state, du)
-
-    def _undeformed(self) -> tuple[State, Tangent]:
-        """State and tangent before the punch comes down."""
-        state = self.solid.state(*self.start())
-        assert state is not None
-        return state, self.solid.linearise(state)
+        return self._first_touch()[:2]
 
     @one_blas_thread()
     def stiffness(self) -> float:
         """Force per depth at first touch (the small-strain limit)."""
-        du, _ = self.direction()
-        _, tangent = self._undeformed()
-        pull = (tangent.stiffness @ du[self.solid.mesh.dofs][:, :, None])[:, :, 0]
-        total = np.bincount(self.solid.mesh.dofs.ravel(), pull.ravel(), minlength=len(du))
-        return float(total[self.base].sum())
+        return self._first_touch()[2]
+
+    def _first_touch(self) -> tuple[Array, Array, float]:
+        """Displacement and pressure for a unit depth of the punch, and their force; without contact solved once."""
+        if self._touch is not None:
+            return self._touch
+        mesh, (u, p) = self.solid.mesh, self.start()
+        state = self.solid.state(u, p)
+        assert state is not None
+        tangent = self.solid.linearise(state)
+        _, matrices = self.contact(u, 0.0)
+
+        def pull(of: Array) -> Array:
+            local = (tangent.stiffness @ of[mesh.dofs][:, :, None])[:, :, 0]
+            return np.bincount(mesh.dofs.ravel(), local.ravel(), minlength=len(u))
+
+        lift = np.zeros(len(u))
+        lift[self.carried] = -1.0
+        du = lift + self.pattern.solve([tangent.stiffness, *matrices], -pull(lift))
+        found = du, self.solid.pressure_step(tangent, state, du), float(pull(du)[self.base].sum())
+        if self.surface is None:
+            self._touch = found
+        return found
 
 
 @dataclass
@@ -132,7 +145,7 @@ def find_equilibrium(
         return Failure("the predicted state inverts an element", 0)
     if surface is not None:
         surface.begin()
-    at = _met(problem, _Trial(1.0, u, p, state, u, [], np.inf, np.inf), depth)
+    at = _met(problem, _Trial(1.0, u, p, state, u, list, np.inf, np.inf), depth)
     residuals: list[float] = []
     ties = factorised = 0
     contraction, least = problem.pattern.contraction
@@ -143,7 +156,7 @@ def find_equilibrium(
             tangent = solid.linearise(at.state)
             factorised += 1
         load = solid.force_of_pressure(tangent, at.state) - at.state.internal_force - at.contact
-        du = problem.pattern.again(load) if again else problem.pattern.solve([tangent.stiffness, *at.matrices], load)
+        du = problem.pattern.again(load) if again else problem.pattern.solve([tangent.stiffness, *at.matrices()], load)
         dp = solid.pressure_step(tangent, at.state, du)
         trial = _sound(problem, at, du, dp, depth)
         if trial is None:
@@ -185,17 +198,22 @@ class _Trial(NamedTuple):
     p: Array
     state: State
     contact: Array
-    matrices: list[Array]
+    matrices: Callable[[], list[Array]]
     residual: float
     unbalanced: float
 
 
 def _met(problem: Problem, at: _Trial, depth: float) -> _Trial:
     """The same displacements and pressures with the contact as it is now."""
-    contact, matrices = problem.contact(at.u, depth)
-    unbalanced = float(np.linalg.norm((at.state.internal_force + contact)[problem.pattern.free]))
-    residual = unbalanced / float(np.linalg.norm(at.state.internal_force) + 1e-300)
-    return at._replace(contact=contact, matrices=matrices, residual=residual, unbalanced=unbalanced)
+    contact, matrices = problem.pressed(at.u, depth)
+    unbalanced = _size((at.state.internal_force + contact)[problem.pattern.free])
+    residual = unbalanced / (_size(at.state.internal_force) + 1e-300)
+    return _Trial(at.fraction, at.u, at.p, at.state, contact, matrices, residual, unbalanced)
+
+
+def _size(forces: Array) -> float:
+    """Euclidean norm, at a third of the overhead of the library's."""
+    return math.sqrt(float(forces @ forces))
 
 
 def _tried(problem: Problem, at: _Trial, du: Array, dp: Array, depth: float, fraction: float) -> _Trial | None:
@@ -204,7 +222,7 @@ def _tried(problem: Problem, at: _Trial, du: Array, dp: Array, depth: float, fra
     state = problem.solid.state(u, p)
     if state is None or not state.J.min() > SMALLEST_J:
         return None
-    return _met(problem, at._replace(fraction=fraction, u=u, p=p, state=state), depth)
+    return _met(problem, _Trial(fraction, u, p, state, at.contact, at.matrices, at.residual, at.unbalanced), depth)
 
 
 def _sound(problem: Problem, at: _Trial, du: Array, dp: Array, depth: float) -> _Trial | None:

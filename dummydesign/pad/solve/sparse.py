@@ -31,6 +31,7 @@ class Band:
         self.width, self._n = int(below.max(initial=0)), n
         lower = np.nonzero(below >= 0)[0]
         self._lower = inside[lower]
+        self._takes: list[Array] = []
         # LAPACK's lower band storage, column by column.
         self._place = self._to[column[lower]] * (self.width + 1) + below[lower]
 
@@ -39,11 +40,20 @@ class Band:
         """Whether the band is worth its work."""
         return self.width <= WIDEST
 
-    def factorise(self, values: Array) -> Callable[[Array], Array] | None:
-        """Give what solves for a load, shape (n,); None when the matrix is not positive definite."""
+    def factorise(self, groups: list[Array]) -> Callable[[Array], Array] | None:
+        """Give what solves for a load, shape (n,); None when the matrix is not positive definite.
+
+        ``groups`` are the element matrices whose entries, one group after the other, have the rows and columns.
+        """
         from scipy.linalg.lapack import dpbtrf, dpbtrs
 
-        data = np.bincount(self._place, values[self._lower], minlength=self._n * (self.width + 1))
+        if len(self._takes) != len(groups):
+            ends = np.cumsum([matrix.size for matrix in groups])
+            cuts = np.searchsorted(self._lower, ends)
+            self._takes = [part - end + matrix.size for part, end, matrix in
+                           zip(np.split(self._lower, cuts[:-1]), ends, groups)]  # fmt: skip
+        values = np.concatenate([matrix.ravel().take(take) for matrix, take in zip(groups, self._takes)])
+        data = np.bincount(self._place, values, minlength=self._n * (self.width + 1))
         factor, info = dpbtrf(data.reshape(self._n, self.width + 1).T, lower=1, overwrite_ab=1)
         if info:
             return None
@@ -115,9 +125,9 @@ class Pattern:
         self._inner_inverse, coupling = _inverse(whole[:, shared:, shared:]), whole[:, shared:, :shared]
         self._onto = self._inner_inverse @ coupling
         condensed = whole[:, :shared, :shared] - coupling.transpose(0, 2, 1) @ self._onto
-        values = np.concatenate([matrix.ravel() for matrix in [condensed, *matrices[1:]]])
-        factor = self._band.factorise(values) if self._band.narrow and symmetric(matrices[1:]) else None
-        self._factor = factor or self._sparse(values[self._keep])
+        groups = [condensed, *matrices[1:]]
+        factor = self._band.factorise(groups) if self._band.narrow and symmetric(matrices[1:]) else None
+        self._factor = factor or self._sparse(np.concatenate([matrix.ravel() for matrix in groups])[self._keep])
         return self.again(load)
 
     def again(self, load: Array) -> Array:

@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike
 
 from dummydesign.core import library as json_table
 from dummydesign.core.errors import InputError, out_of_range
+from dummydesign.core.interpolation import monotone_cubic
 from dummydesign.geometry.dimensions import LARGEST_EDGE_RADIUS
 from dummydesign.geometry.interface import BASES
 from dummydesign.pad.tables.slab import ResponseTable, load_table
@@ -88,14 +89,12 @@ def between_fillets(data: dict[str, Any], fillet: float) -> FilletedTable:
 
 def _joined(at: Array, rows: Array, place: float) -> Array:
     """Values (fillets, depths) at one place between the fillets; NaN where a neighbour is not known."""
-    from scipy.interpolate import PchipInterpolator
-
     right = int(np.clip(np.searchsorted(at, place), 1, len(at) - 1))
     out = np.full(rows.shape[1], np.nan)
     for i, column in enumerate(rows.T):
         known = np.isfinite(column)
         if known[right - 1] and known[right]:
-            out[i] = PchipInterpolator(at[known], column[known])(place)
+            out[i] = monotone_cubic(at[known], column[known])(place)
     return out
 
 

@@ -12,7 +12,15 @@ import pytest
 
 from dummydesign.core.errors import InputError
 from dummydesign.core.library import find
-from dummydesign.mold.cad.label import KNOWN, label_bars, label_text, text_bars, text_length_mm
+from dummydesign.mold.cad.label import (
+    KNOWN,
+    label_bars,
+    label_corners,
+    label_text,
+    letter_bars,
+    text_bars,
+    text_length_mm,
+)
 from dummydesign.mold.model.layout import cavity_volume_mm3, layout, pad_scale
 from dummydesign.mold.model.preset import mould_spec
 from dummydesign.mold.model.spec import MouldSpec
@@ -113,6 +121,13 @@ def test_every_letter_is_drawn_inside_its_box_and_no_two_look_alike():
             assert -1e-9 <= min(bar.y0_mm, bar.y1_mm) and max(bar.y0_mm, bar.y1_mm) <= 6 + 1e-9
         seen[letter] = strokes
     assert text_length_mm("88", 6.0) == pytest.approx(9.6)
+
+
+def test_corners_of_the_letters_give_the_strokes_of_the_label():
+    spec = mould_spec(5)
+    height, stroke = spec.body.label_height_mm, spec.body.label_stroke_mm
+    bars = [bar for letter, at in label_corners(spec) for bar in letter_bars(letter, height, stroke, at)]
+    assert bars == label_bars(spec) and "".join(letter for letter, _ in label_corners(spec)) == label_text(spec)
 
 
 BAD = [

@@ -20,7 +20,7 @@ def test_a_band_solves_what_a_dense_matrix_solves_whatever_its_numbering():
     row, column = np.nonzero(matrix)
     band = Band(row, column, n)
     assert band.width < 14
-    assert band.factorise(matrix[row, column])(load) == pytest.approx(np.linalg.solve(matrix, load), rel=1e-9)
+    assert band.factorise([matrix[row, column]])(load) == pytest.approx(np.linalg.solve(matrix, load), rel=1e-9)
 
 
 def test_a_grid_is_numbered_along_its_columns_where_that_is_narrower():
@@ -39,7 +39,7 @@ def test_a_grid_is_numbered_along_its_columns_where_that_is_narrower():
 
 def test_a_band_says_when_a_matrix_is_not_positive_definite():
     row = np.arange(3)
-    assert Band(row, row, 3).factorise(np.array([1.0, -1.0, 2.0])) is None
+    assert Band(row, row, 3).factorise([np.array([1.0, -1.0, 2.0])]) is None
 
 
 def test_matrices_of_friction_are_seen_not_to_be_symmetric():

@@ -13,7 +13,7 @@ from dummydesign.pad.tables.bumped import HEIGHT_OVER_PITCH, PLACES, SMALLEST
 from dummydesign.pad.tables.filleted import FILLETS, load_filleted
 from dummydesign.pad.tables.shape import load_shape_table
 from dummydesign.pad.tables.slab import load_table
-from dummydesign.pad.tables.square import load_square
+from dummydesign.pad.tables.square import combined_depth, load_square, square_law
 from tests.support.steps import largest_steps
 
 WIDTH, ALLOWED, PATHS = 1e-6, 1e-4, 400
@@ -73,6 +73,40 @@ def test_slabs_and_squares_meet_no_step(base, coordinate):
     points = np.column_stack([rng.uniform(0.0, 0.45, PATHS), np.exp(rng.uniform(low, high - 0.05, PATHS))])
     assert steps_along(lambda at: table.log_stiffness(at[:, 0], at[:, 1])[0], points, coordinate).max() < ALLOWED
     assert steps_along(lambda at: square.factor(at[:, 0], at[:, 1])[0], points, coordinate).max() < ALLOWED
+
+
+@pytest.mark.parametrize("base", ["bonded", "sliding"])
+def test_a_square_meets_no_step_where_its_solves_end(base):
+    """The factor is held and its error grows from there; both over every a / h, its nodes among them."""
+    square = load_square(base)
+    ratio = np.concatenate([np.geomspace(*square.ratio_range, 61), square.reach_ratio])
+    end = np.interp(np.log(ratio), np.log(square.reach_ratio), square.reach_depth) / combined_depth(1.0, ratio)
+    below, above = (square.factor(end * (1.0 + share), ratio) for share in (-WIDTH, WIDTH))
+    for before, after in zip(below, above):
+        assert np.max(np.abs(after - before)) < 1e-5
+    deeper = square.factor(1.2 * end, ratio)
+    assert deeper[0] == pytest.approx(above[0], rel=1e-5) and np.all(deeper[1] > above[1] + 1e-3)
+
+
+@pytest.mark.parametrize("base", ["bonded", "sliding"])
+@pytest.mark.parametrize("coordinate", range(2))
+def test_force_and_stated_error_of_a_square_punch_meet_no_step(base, coordinate):
+    """The slab's table times the square's factor, with the errors of both and the doubt in either."""
+    law, table = square_law(load_table(base), base), load_table(base)
+    rng = np.random.default_rng(36)
+    low, high = (np.log(end) for end in table.ratio_range)
+    ratio = np.exp(rng.uniform(low, high - 0.05, PATHS))
+    ends = np.minimum(table.depth_limit(ratio), table.depth_limit(1.04 * ratio))
+    points = np.column_stack([rng.uniform(0.01, 0.96, PATHS) * ends, ratio])
+
+    def log_force(at):
+        return np.log(law.force(at[:, 0], 1.0, 1.0, at[:, 1]))
+
+    def error(at):
+        return law.relative_error(at[:, 0], 1.0, at[:, 1])
+
+    assert steps_along(log_force, points, coordinate).max() < ALLOWED
+    assert steps_along(error, points, coordinate).max() < ALLOWED
 
 
 @pytest.mark.parametrize("base", ["bonded", "sliding"])

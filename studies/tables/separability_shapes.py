@@ -107,3 +107,18 @@ def build_shapes(sets: dict[str, tuple[PronyTerm, ...]]) -> dict[str, list[dict[
             rows.append({"kind": kind, "arms": arms, **row})
             print(rows[-1], flush=True)
     return {"shapes": rows, "shapes_left_out": left_out}
+
+
+def with_earlier(before: dict[str, Any], found: dict[str, list[dict[str, Any]]]) -> dict[str, list[dict[str, Any]]]:
+    """What :func:`build_shapes` found, and after it the presses of a file that were not drawn again.
+
+    The designs draw other pads once their ranges change; what was measured before stays true.
+    """
+    return {
+        name: rows + [row for row in before.get(name, []) if _press_of(row) not in {_press_of(one) for one in rows}]
+        for name, rows in found.items()
+    }
+
+
+def _press_of(row: dict[str, Any]) -> tuple[Any, ...]:
+    return tuple(row[name] for name in ("kind", "arms", "shape", "thickness_mm", "relative_depth", "velocity_mm_s"))

@@ -29,7 +29,7 @@ from dummydesign.core.cache import cached
 from dummydesign.core.errors import InputError, out_of_range
 from dummydesign.geometry.dimensions import MAX_DEPTH_OVER_THICKNESS
 from dummydesign.geometry.interface import FACES, FRICTION, Interface
-from dummydesign.pad.axisymmetric.case import Progress, extend_path, unsolved
+from dummydesign.pad.axisymmetric.case import Progress, unsolved
 from dummydesign.pad.contact.axisymmetric import Punch, SideContact
 from dummydesign.pad.contact.penalty import PUCK_PLATES
 from dummydesign.pad.fem import mesh_axisymmetric as meshes
@@ -46,7 +46,7 @@ Array = np.ndarray
 PLATES = (*FACES, FRICTION)
 SLIP_SCALE = 2e-4
 CONTACT_STIFFNESS = PUCK_PLATES.contact
-# Smallest cells that are tried in turn where a curve stops early; a rough edge can fold a cell of one mesh.
+# Smallest cells that are tried in turn when a curve stops early; a rough edge can fold a cell of one mesh.
 CORNER_CELLS = (0.01, 0.02, 0.014, 0.03)
 GROWTH = 1.4
 MESH_ERROR = 5e-3
@@ -165,33 +165,23 @@ def solve_puck(puck: Puck, compression_mm: Sequence[float] | Array, progress: Pr
     made = cached("puck", inputs, lambda: _farthest(unit, law, puck.poisson, relative, progress))
     force = np.concatenate([start, made["force"] * puck.young_MPa / (2.0 * (1.0 + puck.poisson)) * h**2])
     depth = np.concatenate([start, 2.0 * made["depth"] * h])
-    error = (MESH_ERROR + np.concatenate([start, made["doubt"]])) * force
-    return PadCurve(depth, force, error, made["solver"], made["notes"])
+    return PadCurve(depth, force, MESH_ERROR * force, made["solver"], made["notes"])
 
 
 def _farthest(
     puck: UnitPuck, law: HyperelasticLaw, poisson: float, compression: Array, progress: Progress | None
 ) -> dict[str, Any]:
-    """The path of the finest mesh, extended by those of others that get farther, each made equal where it takes over.
-
-    Cells of one size bend round the plate's edge at once: with the coarsest the force is up to 0.9 % off where the
-    side comes to lie on the plates.
-    """
+    """The path of the mesh that gets farthest, tried in turn."""
     path = compress(puck, law, compression, poisson, progress=progress)
-    doubt = np.zeros(len(path.depth))
     for corner in CORNER_CELLS[1:]:
         if path.stop is None:
             break
         other = compress(puck, law, compression, poisson, corner, progress=progress)
-        count, longer = len(path.depth), len(other.depth) - len(path.depth)
-        log = float(np.log(path.force[-1] / other.force[count - 1])) if count and longer > 0 else 0.0
-        path = extend_path(path, other, other.force[count:] * np.exp(log))
-        last = doubt[-1] if count else 0.0
-        doubt = np.concatenate([doubt, np.full(max(longer, 0), last + abs(log))])
+        path = max(path, other, key=lambda one: len(one.depth))
     if not len(path.depth):
         raise unsolved(path.stop, "the puck")
     notes = (path.stop,) if path.stop else ()
-    return {"depth": path.depth, "force": path.force, "doubt": doubt, "solver": cost([path]), "notes": notes}
+    return {"depth": path.depth, "force": path.force, "solver": cost([path]), "notes": notes}
 
 
 def compress(

@@ -60,12 +60,12 @@ STUDIES = (
         "slabs under punches with a filleted edge",
     ),
     Study(
-        "tables.puck", "", (f"{TABLES}puck-50x30.json",), "plate friction of a puck of 50 x 30 mm",
+        "tables.puck", "--keep", (f"{TABLES}puck-50x30.json",), "plate friction of a puck of 50 x 30 mm",
         "1 min of one core",
     ),
     Study(
-        "tables.puck", "--shapes", (f"{TABLES}puck-shapes.json",), "plate friction of pucks of other proportions",
-        "some 5 min of one core",
+        "tables.puck", "--shapes --keep", (f"{TABLES}puck-shapes.json",),
+        "plate friction of pucks of other proportions", "some 6 min of one core",
     ),
     Study(
         "tables.separability", "", (f"{TABLES}quick-error.json",), "error of the quick prediction of motions",

@@ -117,7 +117,9 @@ def agreed(before: PuckTable, solved: Array) -> Array:
     return np.where(np.cumsum(apart, axis=-1) > 0, np.nan, earlier)
 
 
-def assembled(radius_over_height: float, alphas: Sequence[float], frictions: Sequence[float], solved: Array) -> tuple[PuckTable, Array]:
+def assembled(
+    radius_over_height: float, alphas: Sequence[float], frictions: Sequence[float], solved: Array
+) -> tuple[PuckTable, Array]:
     """Table and numbers of solved compressions (alphas, grips) of solved curves, see :func:`solve_grid`.
 
     Frictionless plates are added in closed form. The table ends where the bonded puck of some alpha ends: flat pucks

@@ -160,7 +160,7 @@ def main() -> None:
     }  # fmt: skip
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--part", action="append", choices=list(parts), help="measure this part only; may be repeated")
-    parser.add_argument("--keep", action="store_true", help="keep the shapes' presses of the file beside those drawn now")
+    parser.add_argument("--keep", action="store_true", help="keep the file's shapes beside those drawn now")
     options = parser.parse_args()
     asked = options.part or list(parts)
     run = Build.begin("studies.tables.separability")

@@ -2,9 +2,12 @@
 
 ``python benchmarks/puck_shapes.py`` goes half-way (in the logarithm) between the solved proportions, where the
 interpolation is worst, and to one shape of a standard (29 x 12.5 mm); alpha lies between its grid too.
+``--drawn 12`` draws proportion, alpha and friction at random over the whole table instead.
 """
 
 from __future__ import annotations
+
+import argparse
 
 import numpy as np
 
@@ -19,7 +22,7 @@ COMPRESSION = np.array([0.02, 0.1, 0.2, 0.3, 0.4, 0.5])
 def error(diameter_over_height, alpha, plates):
     """Relative error of the force at those of COMPRESSION that both reach."""
     table = table_for(diameter_over_height, 1.0)
-    friction = np.inf if plates == "bonded" else float(plates.split(":")[1])
+    friction = np.inf if plates == "bonded" else float(plates.partition(":")[2])
     wanted = COMPRESSION[COMPRESSION <= table.compression[-1]]
     law = Ogden([2.0 / alpha], [alpha])
     curve = solve_puck(Puck(1.0, 3.0, diameter_over_height, plates=plates, law=law), wanted)
@@ -28,8 +31,28 @@ def error(diameter_over_height, alpha, plates):
     return free * table.factor(alpha, float(grip(friction)), curve.depth_mm) / curve.force_N - 1.0
 
 
+def drawn(count, seed):
+    """Print the errors at random places of the table."""
+    rng = np.random.default_rng(seed)
+    low, high = (2.0 * table.radius_over_height for table in (load_shapes()[0], load_shapes()[-1]))
+    print("diameter_over_height,alpha,friction,compressed_to,error_to_0.2_percent,error_percent")
+    for _ in range(count):
+        shape, alpha = np.exp(rng.uniform(*np.log([low, high]))), rng.uniform(1.0, 6.0)
+        friction = np.exp(rng.uniform(*np.log([0.05, 0.7])))
+        found = 100.0 * np.abs(error(shape, alpha, f"friction:{friction:.3g}"))
+        end = COMPRESSION[len(found) - 1]
+        print(f"{shape:.2f},{alpha:.2f},{friction:.3g},{end:g},{found[:3].max():.2f},{found.max():.2f}", flush=True)
+
+
 def main():
     """Print the table."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--drawn", type=int, default=0, help="this many random places instead")
+    parser.add_argument("--seed", type=int, default=1, help="of the random places")
+    options = parser.parse_args()
+    if options.drawn:
+        drawn(options.drawn, options.seed)
+        return
     shapes = [2.0 * table.radius_over_height * SHAPE_STEP**0.5 for table in load_shapes()[:-1]]
     print("| diameter / height | " + " | ".join(("friction 0.08", "friction 0.25", "bonded")) + " | solved to |")
     print("|---|---|---|---|---|")

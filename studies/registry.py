@@ -52,16 +52,25 @@ STUDIES = (
     ),
     Study(
         "tables.square", "", (f"{TABLES}square-bonded.json", f"{TABLES}square-sliding.json"),
-        "square over circle of equal area, in space",
+        "square over circle of equal area, in space", "7 min of one core",
     ),
     *SHAPES,
     Study(
         "tables.filleted", "", (f"{TABLES}filleted-bonded.json", f"{TABLES}filleted-sliding.json"),
         "slabs under punches with a filleted edge",
     ),
-    Study("tables.puck", "", (f"{TABLES}puck-50x30.json",), "plate friction of a puck of 50 x 30 mm"),
-    Study("tables.puck", "--shapes", (f"{TABLES}puck-shapes.json",), "plate friction of pucks of other proportions"),
-    Study("tables.separability", "", (f"{TABLES}quick-error.json",), "error of the quick prediction of motions"),
+    Study(
+        "tables.puck", "--keep", (f"{TABLES}puck-50x30.json",), "plate friction of a puck of 50 x 30 mm",
+        "1 min of one core",
+    ),
+    Study(
+        "tables.puck", "--shapes --keep", (f"{TABLES}puck-shapes.json",),
+        "plate friction of pucks of other proportions", "some 6 min of one core",
+    ),
+    Study(
+        "tables.separability", "", (f"{TABLES}quick-error.json",), "error of the quick prediction of motions",
+        "--part shapes: 4 min of one core",
+    ),
     Study(
         "tables.compressibility", "", (f"{TABLES}slab-compressibility.json",),
         "how a Poisson's ratio below 1/2 softens a slab",

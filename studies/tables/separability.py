@@ -23,7 +23,7 @@ from dummydesign.pad.axisymmetric.finite_strain import SLAB_RIMS, nodes_of_motio
 from dummydesign.pad.material.relaxation import PronyTerm
 from dummydesign.pad.predict import COMMAND
 from studies.tables.common import Build
-from studies.tables.separability_shapes import SPEEDS_MM_S, build_shapes
+from studies.tables.separability_shapes import SPEEDS_MM_S, build_shapes, with_earlier
 
 RADIUS_MM = float(np.sqrt(14.0 * 14.0 / np.pi))
 THICKNESSES_MM = (5.0, 10.0, 15.0, 20.0)
@@ -160,11 +160,16 @@ def main() -> None:
     }  # fmt: skip
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--part", action="append", choices=list(parts), help="measure this part only; may be repeated")
-    asked = parser.parse_args().part or list(parts)
+    parser.add_argument("--keep", action="store_true", help="keep the file's shapes beside those drawn now")
+    options = parser.parse_args()
+    asked = options.part or list(parts)
     run = Build.begin("studies.tables.separability")
     path = data_folder() / "materials" / "tables" / "quick-error.json"
-    before = json.loads(path.read_text()) if len(asked) < len(parts) else {}
-    made = {name: build() if name in asked else before[name] for name, build in parts.items()}
+    before = json.loads(path.read_text()) if options.keep or len(asked) < len(parts) else {}
+    made: dict[str, Any] = dict(before)
+    for name in asked:
+        found = parts[name]()
+        made |= with_earlier(before if options.keep else {}, found) if name == "shapes" else {name: found}
     head = {
         "schema": "dummydesign.quick-error/1",
         "command": COMMAND,
@@ -173,7 +178,7 @@ def main() -> None:
         "convergence": made["convergence"],
         "provenance": run.provenance(),
     }
-    names = ("single", "values", "shapes")
+    names = ("single", "values", "shapes", "shapes_left_out")
     lists = [f'"{name}": [\n  ' + ",\n  ".join(map(json.dumps, made[name])) + "\n ]" for name in names]
     write_text(path, json.dumps(head, indent=1)[:-2] + ",\n " + ",\n ".join(lists) + "\n}\n")
 

@@ -79,25 +79,46 @@ def measure_shape(
     }
 
 
-def build_shapes(sets: dict[str, tuple[PronyTerm, ...]]) -> list[dict[str, Any]]:
-    """One row a press; presses that fold before their depth are left out and said.
+def build_shapes(sets: dict[str, tuple[PronyTerm, ...]]) -> dict[str, list[dict[str, Any]]]:
+    """One row a press in ``shapes``; presses without an answer, such as those that fold, in ``shapes_left_out``.
 
     Parameters
     ----------
     sets : dict
         Sets of arms by name.
     """
-    rows = []
+    rows: list[dict[str, Any]] = []
+    left_out: list[dict[str, Any]] = []
     for kind in KINDS:
         rng = np.random.default_rng([SEED, KINDS.index(kind)])
         design = designs()[kind]
         for number, point in enumerate(design.fresh(PRESSES)):
             share, speed, arms = rng.uniform(*DEPTHS), float(rng.choice(SPEEDS_MM_S)), str(rng.choice(list(sets)))
+            press = design._press(point)
             try:
-                row = measure_shape(design._press(point), float(share), speed, sets[arms])
+                row = measure_shape(press, float(share), speed, sets[arms])
             except NoAnswerError as problem:
+                h = press.thickness_mm
+                row = {"shape": str(press.shape), "thickness_mm": round(h, 3), "velocity_mm_s": speed}
+                row |= {"relative_depth": round(share / over_gel(press.shape, h), 4), "why": str(problem)}
+                left_out.append({"kind": kind, "arms": arms, **row})
                 print(f"{kind} {number}: {problem}", flush=True)
                 continue
             rows.append({"kind": kind, "arms": arms, **row})
             print(rows[-1], flush=True)
-    return rows
+    return {"shapes": rows, "shapes_left_out": left_out}
+
+
+def with_earlier(before: dict[str, Any], found: dict[str, list[dict[str, Any]]]) -> dict[str, list[dict[str, Any]]]:
+    """What :func:`build_shapes` found, and after it the presses of a file that were not drawn again.
+
+    The designs draw other pads once their ranges change; what was measured before stays true.
+    """
+    return {
+        name: rows + [row for row in before.get(name, []) if _press_of(row) not in {_press_of(one) for one in rows}]
+        for name, rows in found.items()
+    }
+
+
+def _press_of(row: dict[str, Any]) -> tuple[Any, ...]:
+    return tuple(row[name] for name in ("kind", "arms", "shape", "thickness_mm", "relative_depth", "velocity_mm_s"))

@@ -148,7 +148,7 @@ def read_press(trace: Trace, lowpass: Lowpass | None = None, arm: Arm | None = N
     noise = float(noise_of(force))
     largest = float(force.max())
     if largest <= SEEN * noise or float(x.max()) <= 0.0:
-        message = f"{trace.name}: has no contact: its force never rises above its noise while it presses"
+        message = f"{trace.name}: no contact: the force never rises above its noise"
         raise InputError(message, "nothing_found", "contact", largest)
     try:
         ramp = find_ramp(time, x, "slowed")
@@ -284,6 +284,6 @@ def _check_stop(trace: Trace, contact_s: float, stop_s: float, velocity_mm_s: fl
     speed = float((x[-1] - x[back]) / (time[-1] - time[back]))
     if speed > MOVING * velocity_mm_s:
         message = (
-            f"{trace.name}: ends before the stop, at {speed:.3g} mm/s; record the press until it is held or leaves"
+            f"{trace.name}: ends before the stop, at {speed:.3g} mm/s; record until the punch holds or leaves"
         )
         raise InputError(message, "not_enough_data", "hold_s", speed)

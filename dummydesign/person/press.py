@@ -13,7 +13,7 @@ from dummydesign.measurement.landmarks import approach_velocity, find_ramp
 from dummydesign.measurement.motion import work_mJ
 from dummydesign.measurement.sensor import Lowpass
 from dummydesign.measurement.trace import Trace
-from dummydesign.person.ringing import Arm, smoothed_ringing, still_rings
+from dummydesign.person.ringing import Arm, real_bends, smoothed_ringing, still_rings
 from dummydesign.person.smoothing import SmoothCurve, smooth_curve
 from dummydesign.tissue.fitting.reduction import rounded_velocity
 
@@ -224,14 +224,24 @@ def _leaving(time: NDArray, x: NDArray) -> float:
 def _smoothed(
     since: NDArray, x: NDArray, force: NDArray, nodes: NDArray, lowpass: Lowpass | None
 ) -> tuple[SmoothCurve, SmoothCurve, NDArray]:
-    """Smooth path and force at nodes; an arm that rings gets more nodes than a press that relaxes."""
+    """Smooth path and force at nodes; an arm that rings gets more nodes than a press that relaxes.
+
+    With more nodes the roughness is that over time: the weight that lets wide nodes follow the ringing of a hold would
+    leave close nodes without samples, those of the rise, free to scatter, and peaks drawn from them too high.
+    """
+    path, load = smooth_curve(since, x, nodes), smooth_curve(since, force, nodes, lowpass)
+    usual = len(nodes)
     for _ in range(MOST_ROUNDS):
-        path, load = smooth_curve(since, x, nodes), smooth_curve(since, force, nodes, lowpass)
         coarse = path.coarse | load.coarse
         if not coarse.any() or len(nodes) + coarse.sum() > MOST_NODES:
-            return path, load, nodes
+            break
         nodes = np.sort(np.r_[nodes, 0.5 * (nodes[1:] + nodes[:-1])[coarse]])
-    return smooth_curve(since, x, nodes), smooth_curve(since, force, nodes, lowpass), nodes
+        path, load = smooth_curve(since, x, nodes), smooth_curve(since, force, nodes, lowpass)
+    if len(nodes) > usual:
+        bends = real_bends(nodes)
+        path = smooth_curve(since, x, nodes, bends=bends)
+        load = smooth_curve(since, force, nodes, lowpass, bends=bends)
+    return path, load, nodes
 
 
 def _not_pulling(curve: SmoothCurve) -> SmoothCurve:

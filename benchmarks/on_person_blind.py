@@ -177,17 +177,21 @@ def main() -> None:
     module.OWN = 1  # the subjects' own intervals are not asked here, and take most of the time
     inside: dict[tuple[str, str], list[bool]] = defaultdict(list)
     table, begun = [], time.time()
-    for number in range(options.cases):
-        if DRIVES[number % len(DRIVES)] not in options.drives.split(","):
-            continue
-        drive, rows, words = case(number, options.seed)
-        for name, (truth, low, high) in rows.items():
-            inside[drive, name].append(low <= truth <= high)
-            numbers = (f"{value:.6g}" for value in (truth, low, high))
-            table.append([number, drive, name, *numbers, int(low <= truth <= high), words])
-        if number % 10 == 9:
-            told = [one for (d, n), values in inside.items() if (d, n) not in TRIVIAL for one in values]
-            print(f"{number + 1} cases, {time.time() - begun:.0f} s: {100 * np.mean(told):.1f} % inside", flush=True)
+    try:
+        for number in range(options.cases):
+            if DRIVES[number % len(DRIVES)] not in options.drives.split(","):
+                continue
+            drive, rows, words = case(number, options.seed)
+            for name, (truth, low, high) in rows.items():
+                inside[drive, name].append(low <= truth <= high)
+                numbers = (f"{value:.6g}" for value in (truth, low, high))
+                table.append([number, drive, name, *numbers, int(low <= truth <= high), words])
+            if number % 10 == 9:
+                told = [one for (d, n), values in inside.items() if (d, n) not in TRIVIAL for one in values]
+                rate = f"{100 * np.mean(told):.1f} % inside"
+                print(f"{number + 1} cases, {time.time() - begun:.0f} s: {rate}", flush=True)
+    except KeyboardInterrupt:
+        print("stopped: the rates are of the cases so far")
     if options.out:
         with open(options.out, "w", encoding="utf-8", newline="") as stream:
             writer = csv.writer(stream, lineterminator="\n")

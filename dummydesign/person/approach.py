@@ -73,7 +73,7 @@ class RobotPath:
     def to(self, depth_mm: NDArray, coarse: bool = False) -> Motion:
         """Motion to depths at the end of the hold, shape (p,): time from contact, shapes (p, n).
 
-        A coarse one ends in the middle of the last twentieth of the hold, where the force is the steady force.
+        A coarse one ends halfway through the last twentieth of the hold, where the force is the steady force.
         """
         deeper = np.asarray(depth_mm, float) - self.depth_mm
         contact = np.minimum(self.contact_s(deeper), 0.999 * self.stop_s)[..., None]

@@ -13,7 +13,7 @@ from dummydesign.measurement.landmarks import approach_velocity, find_ramp
 from dummydesign.measurement.motion import work_mJ
 from dummydesign.measurement.sensor import Lowpass
 from dummydesign.measurement.trace import Trace
-from dummydesign.person.ringing import Arm, smoothed_ringing, still_rings
+from dummydesign.person.ringing import Arm, real_bends, smoothed_ringing, still_rings
 from dummydesign.person.smoothing import SmoothCurve, smooth_curve
 from dummydesign.tissue.fitting.reduction import rounded_velocity
 
@@ -148,7 +148,7 @@ def read_press(trace: Trace, lowpass: Lowpass | None = None, arm: Arm | None = N
     noise = float(noise_of(force))
     largest = float(force.max())
     if largest <= SEEN * noise or float(x.max()) <= 0.0:
-        message = f"{trace.name}: has no contact: its force never rises above its noise while it presses"
+        message = f"{trace.name}: no contact: the force never rises above its noise"
         raise InputError(message, "nothing_found", "contact", largest)
     try:
         ramp = find_ramp(time, x, "slowed")
@@ -224,14 +224,24 @@ def _leaving(time: NDArray, x: NDArray) -> float:
 def _smoothed(
     since: NDArray, x: NDArray, force: NDArray, nodes: NDArray, lowpass: Lowpass | None
 ) -> tuple[SmoothCurve, SmoothCurve, NDArray]:
-    """Smooth path and force at nodes; an arm that rings gets more nodes than a press that relaxes."""
+    """Smooth path and force at nodes; an arm that rings gets more nodes than a press that relaxes.
+
+    With more nodes the roughness is that over time: the weight that lets wide nodes follow the ringing of a hold would
+    leave close nodes without samples, those of the rise, free to scatter, and peaks drawn from them too high.
+    """
+    path, load = smooth_curve(since, x, nodes), smooth_curve(since, force, nodes, lowpass)
+    usual = len(nodes)
     for _ in range(MOST_ROUNDS):
-        path, load = smooth_curve(since, x, nodes), smooth_curve(since, force, nodes, lowpass)
         coarse = path.coarse | load.coarse
         if not coarse.any() or len(nodes) + coarse.sum() > MOST_NODES:
-            return path, load, nodes
+            break
         nodes = np.sort(np.r_[nodes, 0.5 * (nodes[1:] + nodes[:-1])[coarse]])
-    return smooth_curve(since, x, nodes), smooth_curve(since, force, nodes, lowpass), nodes
+        path, load = smooth_curve(since, x, nodes), smooth_curve(since, force, nodes, lowpass)
+    if len(nodes) > usual:
+        bends = real_bends(nodes)
+        path = smooth_curve(since, x, nodes, bends=bends)
+        load = smooth_curve(since, force, nodes, lowpass, bends=bends)
+    return path, load, nodes
 
 
 def _not_pulling(curve: SmoothCurve) -> SmoothCurve:
@@ -284,6 +294,6 @@ def _check_stop(trace: Trace, contact_s: float, stop_s: float, velocity_mm_s: fl
     speed = float((x[-1] - x[back]) / (time[-1] - time[back]))
     if speed > MOVING * velocity_mm_s:
         message = (
-            f"{trace.name}: ends before the stop, at {speed:.3g} mm/s; record the press until it is held or leaves"
+            f"{trace.name}: ends before the stop, at {speed:.3g} mm/s; record until the punch holds or leaves"
         )
         raise InputError(message, "not_enough_data", "hold_s", speed)

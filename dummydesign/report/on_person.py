@@ -150,7 +150,7 @@ def _press_section(one: PersonPress, row: dict[str, Any], prefix: str, names: se
 
 def _limit_section(presses: list[dict[str, Any]]) -> Section:
     body = [
-        [press["file"], row["name"], row["limit"], row["unit"], number_text(row["pad"]),
+        [press["file"], facts.limit_name(row), row["limit"], row["unit"], number_text(row["pad"]),
          span_text([row["person_low_95"], row["person_high_95"]]), row["result"].upper(), row["reason"]]
         for press in presses for row in press["limits"]
     ]  # fmt: skip
@@ -158,7 +158,7 @@ def _limit_section(presses: list[dict[str, Any]]) -> Section:
         "Pass: the upper 95 % end of people is at most the limit, and nothing is extrapolated. Fail: the lower 95 % "
         "end of one subject is above the limit. Undecided: anything else."
     )
-    head = ["press", "limit of", "limit", "unit", "pad", "people, 95 %", "result", "why"]
+    head = ["press", "limit of", "limit", "unit", "pad", "95 % of people", "result", "why"]
     return Section("Limits", text, table=Table(head, body))
 
 

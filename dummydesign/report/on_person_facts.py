@@ -145,10 +145,16 @@ def subject_table(press: dict[str, Any]) -> tuple[list[str], list[list[str]]]:
     return ["subject", *(f"{words} {unit}" for _, words, unit in FIVE)], rows
 
 
+def limit_name(row: dict[str, Any]) -> str:
+    """What a limit is of, as it is read: quasi-static force."""
+    quantity, _, kind = row["name"].rpartition(" ")
+    return f"{kind} {quantity}"
+
+
 def limit_text(row: dict[str, Any]) -> str:
     """A check of a limit with its numbers."""
     unit, people = row["unit"], number_text(row["person_high_95"])
-    return (f"{row['name']}, people up to {people} {unit} (95 %), limit {number_text(row['limit'])} {unit}, "
+    return (f"{limit_name(row)}, people up to {people} {unit} (95 %), limit {number_text(row['limit'])} {unit}, "
             f"pad {number_text(row['pad'])} {unit}")  # fmt: skip
 
 
@@ -178,7 +184,8 @@ def _into_range(way: dict[str, Any]) -> str:
     low = way["value"] < way["pressed_to"]
     speed, depth = ("faster", "deeper") if low else ("more slowly", "less deep")
     change = {"velocity_mm_s": speed, "peak_force_N": f"{speed} or {depth}"}.get(way["quantity"], depth)
-    return f"press the pad {change}, or add people who were pressed so: dummydesign tissues add"
+    how = ("slowly" if low else "fast") if way["quantity"] == "velocity_mm_s" else ("lightly" if low else "hard")
+    return f"press the pad {change}, or add people who were pressed this {how}: dummydesign tissues add"
 
 
 def _capital(text: str) -> str:

@@ -133,3 +133,13 @@ def test_an_arm_that_is_still_does_not_move_and_means_change_nothing():
     after = (found.time_s > press.mean_from_s + 0.01) & (found.time_s < 1.1)
     swing = found.depth_curve_mm[0][after] - np.interp(found.time_s[after], t, x)
     assert np.max(np.abs(swing)) < 0.03
+
+
+def test_presses_drawn_of_a_ringing_trace_that_no_arm_explains_keep_its_peak():
+    path, speed, end = command(100.0, 3.0, 0.5, 1e-3)
+    pad = by_robot(gel_pad(), path, speed, end, -0.006, 30.0, 0.4, 20001, method="LSODA")
+    press = read_press(sampled(pad, 1000.0, 0.01, 0.001))
+    drawn = press.drawn(400, np.random.default_rng(5)).peak_N
+    low, high = np.quantile(drawn, (0.025, 0.975))
+    assert low < pad.peak < high and high - low < 0.02 * pad.peak
+    assert float(np.median(drawn)) == pytest.approx(pad.peak, rel=3e-3)

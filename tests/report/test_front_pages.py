@@ -113,16 +113,18 @@ def test_the_page_of_a_study_has_the_best_designs_or_the_plane(made):
 
 
 def test_the_page_on_people_has_the_closest_limit_and_every_press(made):
+    from dummydesign.report.on_person_facts import limit_name, number_text
+
     page, answer = texts_of(made, "on-person"), made["on-person"][1]
     rows = [row for press in answer["presses"] for row in press["limits"]]
-    assert len(rows) == 8 and f"of {len(rows)} checks" in page
+    assert len(rows) == 8 and f" of {len(rows)} " in page
     for press in answer["presses"]:
         low, high = press["band"]["peak_N"]
         assert f"{press['pad']['peak_N']:.3g} {low:.3g} to {high:.3g}" in page
     shown = 0
     for row in rows:
-        people = f"people {row['person_low_95']:.3g} to {row['person_high_95']:.3g} {row['unit']}"
-        shown += f"{row['name']}: limit {row['limit']:.4g}, pad {row['pad']:.3g}, {people}" in page
+        numbers = [f"{number_text(row[key])} {row['unit']}" for key in ("person_high_95", "limit", "pad")]
+        shown += f"{limit_name(row)}, people up to {numbers[0]} (95 %), limit {numbers[1]}, pad {numbers[2]}" in page
     assert shown == 5
     page, (press,) = texts_of(made, "one-press"), made["one-press"][1]["presses"]
     assert f"energy mJ {press['pad']['energy_mJ']:.3g} " in page

@@ -105,7 +105,7 @@ def _table(result: dict[str, Any]) -> list[str]:
 
 def _limits(result: dict[str, Any], most: int | None) -> list[str]:
     """Checks of the limits; on one screen the worst of them."""
-    from dummydesign.report.on_person_facts import limit_rows, number_text, span_text
+    from dummydesign.report.on_person_facts import limit_name, limit_rows, number_text, span_text
 
     found = limit_rows(result)
     rows = found if most is None else found[:most]
@@ -116,7 +116,7 @@ def _limits(result: dict[str, Any], most: int | None) -> list[str]:
     for row, file in rows:
         limit, people = f"{row['limit']:.4g} {row['unit']}", span_text([row["person_low_95"], row["person_high_95"]])
         name = file[-16:] if several else ""
-        cells = f"{row['name']:<27}{limit:>13}{number_text(row['pad']):>9}{people:>18}"
+        cells = f"{limit_name(row):<27}{limit:>13}{number_text(row['pad']):>9}{people:>18}"
         lines.append(f"  {cells}  {row['result']:<10}{name}")
     left = [f"  ... and {len(found) - len(rows)} more checks: --details"] if len(found) > len(rows) else []
     return [*(line.rstrip() for line in lines), *left]

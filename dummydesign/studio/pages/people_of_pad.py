@@ -15,6 +15,7 @@ from dummydesign.core.parsing import Purpose
 from dummydesign.person.drives import DRIVES, read_drive
 from dummydesign.report.on_person_facts import (
     headline,
+    limit_name,
     limit_rows,
     mismatch,
     number_text,
@@ -135,7 +136,7 @@ def show_people(root: Path, answer: Mapping[str, Any]) -> None:
     else:
         html(f'<p data-test="people">{escape(text)}</p>')
     parts.table(*press_table(found))
-    rows = [[row["result"].upper(), row["name"], row["limit"], row["unit"], number_text(row["pad"]),
+    rows = [[row["result"].upper(), limit_name(row), row["limit"], row["unit"], number_text(row["pad"]),
              span_text([row["person_low_95"], row["person_high_95"]]), row["reason"], file]
             for row, file in limit_rows(found)]  # fmt: skip
     if rows:

@@ -90,7 +90,7 @@ def model(log_young, variance=0.0, effects=()):
 
 
 def test_rivals_widen_the_modulus_by_their_weight_and_the_law_by_its_error():
-    chosen, other = model(0.0), model(0.1, 0.02**2, (effect_named("thickness_error"),))
+    chosen, other = model(1.3), model(1.4, 0.02**2, (effect_named("thickness_error"),))
     alone = doubt_of(chosen, [])
     assert alone[0, 0] == pytest.approx(LAW_ERROR**2) and np.count_nonzero(alone) == 1
     # as likely as the chosen one once its parameter is paid for

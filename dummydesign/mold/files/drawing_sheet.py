@@ -283,6 +283,7 @@ def to_dxf(sheet: Drawing) -> str:
     """Write the sheet as DXF R2010 in millimetres, dimensions as dimension entities; equal sheets, equal files."""
     import ezdxf
     from ezdxf.enums import TextEntityAlignment
+    from ezdxf.sections.classes import REQ_R2000
 
     fixed, ezdxf.options.write_fixed_meta_data_for_testing = ezdxf.options.write_fixed_meta_data_for_testing, True
     try:
@@ -305,6 +306,9 @@ def to_dxf(sheet: Drawing) -> str:
                 dimstyle="EZDXF", override={"dimtxt": TEXT_MM, "dimasz": 2.5, "dimclrt": 7},
                 dxfattribs={"layer": "dimension"},
             ).render()  # fmt: skip
+        # Left to itself the library adds the last of these in the order of a set, which differs between processes.
+        for name in REQ_R2000:
+            document.classes.add_class(name)
         stream = io.StringIO()
         document.write(stream)
         return stream.getvalue()

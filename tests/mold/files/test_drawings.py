@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import math
+import os
+import subprocess
+import sys
 from itertools import combinations, pairwise
 from xml.etree import ElementTree
 
@@ -212,3 +215,17 @@ def test_the_order_of_the_lines_does_not_change_the_dxf():
 
     lines = [Line(((0.0, float(i)), (10.0, 5.0)), layer) for i in range(3) for layer in list(LAYERS)[:2]]
     assert to_dxf(Drawing("t", 1.0, lines=lines)) == to_dxf(Drawing("t", 1.0, lines=lines[::-1]))
+
+
+def test_the_dxf_is_the_same_in_processes_that_hash_differently():
+    code = (
+        "import sys, hashlib; from dummydesign.mold.files.drawing_sheet import Drawing, Line, to_dxf; "
+        "sheet = Drawing('t', 1.0, lines=[Line(((0.0, 0.0), (1.0, 1.0)), 'cut')]); "
+        "print(hashlib.sha256(to_dxf(sheet).encode()).hexdigest())"
+    )
+    found = {
+        subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True,
+                       env={**os.environ, "PYTHONHASHSEED": seed}).stdout
+        for seed in ("1", "2", "4", "5")
+    }  # fmt: skip
+    assert len(found) == 1

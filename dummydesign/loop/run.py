@@ -125,8 +125,8 @@ def close_loop(
         first = learned_first(base, after, available, progress)
         if first is not None:
             learnt, after, effects = first.learnt, first.after, first.effects
-        elif can_be_learned(checks, where_after):
-            learnt = learn(after.fit)
+        elif among := can_be_learned(checks, where_after):
+            learnt = learn(after.fit, among)
             after = after if learnt is None else assess(learnt.fit)
     if learnt is not None:
         where_after, checks = dependences(after.fit), run_checks(after.fit)

@@ -12,7 +12,7 @@ from dummydesign.loop import check_effect
 from dummydesign.loop.calibration import Calibration, model_of, posterior_of
 from dummydesign.loop.calibration_file import read_calibration, write_calibration
 from dummydesign.loop.data.trials import make_presses
-from dummydesign.loop.effects.learned import FADE, Learned, SmoothChange
+from dummydesign.loop.effects.learned import FADE, FOLLOWED, Learned, SmoothChange
 from dummydesign.loop.fitting.fit import fit_base
 from dummydesign.loop.model.campaign_law import law_of
 from dummydesign.loop.run import replay
@@ -96,10 +96,10 @@ def test_a_curve_is_used_in_the_range_seen_and_fades_out_beyond():
         ("bump", lambda u: 0.2 * np.exp(-(((u - 4.0) / 1.0) ** 2)), "exp(-((u - 4"),
     ],
 )
-def test_a_curve_is_said_in_the_form_it_was_made_of_whatever_its_constant(name, curve, said):
+def test_a_curve_is_said_in_the_form_it_was_made_of_whatever_the_modulus(name, curve, said):
     knots = np.linspace(0.0, 10.0, 30)
     for level in (0.0, 0.07):
-        form = closed_form(knots, curve(knots) + level, 1e6 * np.eye(30), "depth_mm")
+        form = closed_form(knots, (1.0 + level) * (1.0 + curve(knots)) - 1.0, 1e6 * np.eye(30), "depth_mm")
         assert form.name == name and said in form.text and form.lost < 0.01
 
 
@@ -118,13 +118,14 @@ def test_the_size_of_a_curve_is_said_where_the_data_know_nothing_of_a_constant()
     assert abs(size) == pytest.approx(10.0, rel=0.15)
 
 
-def test_lines_steps_noise_and_single_trials_are_not_learned():
+def test_lines_steps_and_noise_are_not_learned_and_single_trials_only_by_what_is_declared_of_them():
     quiet, loud = (Check("spectral line", 1.0, 2.0, exceeded, "") for exceeded in (False, True))
-    follows = {name: Dependence(name, 500.0, 3, 0.5, "") for name in ("depth", "single trials")}
-    assert can_be_learned([quiet], [follows["depth"], follows["single trials"]])
-    assert not can_be_learned([quiet], [follows["single trials"], follows["depth"]])
-    assert not can_be_learned([quiet, loud], [follows["depth"]])
-    assert not can_be_learned([quiet], [])
+    names = ("depth", "single trials", "oscillation after the stop")
+    depth, trials, ringing = (Dependence(name, 500.0, 3, 0.5, "") for name in names)
+    assert can_be_learned([quiet], [depth, trials]) == tuple(FOLLOWED)
+    assert can_be_learned([quiet], [trials, depth]) == ("temperature_C", "age_days")
+    for checks, where in (([quiet, loud], [depth]), ([quiet], []), ([quiet], [ringing, depth])):
+        assert can_be_learned(checks, where) == ()
 
 
 @pytest.mark.slow

@@ -18,7 +18,7 @@ from dummydesign.loop.model.campaign_law import law_of
 from dummydesign.loop.run import replay
 from dummydesign.loop.selection.cross_validation import errors
 from dummydesign.loop.selection.learn_effect import can_be_learned, closed_form, learn
-from dummydesign.loop.selection.residuals import Check, Dependence
+from dummydesign.loop.selection.residuals import Check, Dependence, Seen
 from dummydesign.measurement.campaign_file import read_campaign
 
 
@@ -122,10 +122,10 @@ def test_lines_steps_and_noise_are_not_learned_and_single_trials_only_by_what_is
     quiet, loud = (Check("spectral line", 1.0, 2.0, exceeded, "") for exceeded in (False, True))
     names = ("depth", "single trials", "oscillation after the stop")
     depth, trials, ringing = (Dependence(name, 500.0, 3, 0.5, "") for name in names)
-    assert can_be_learned([quiet], [depth, trials]) == tuple(FOLLOWED)
-    assert can_be_learned([quiet], [trials, depth]) == ("temperature_C", "age_days")
+    assert can_be_learned(Seen([depth, trials], [quiet])) == tuple(FOLLOWED)
+    assert can_be_learned(Seen([trials, depth], [quiet])) == ("temperature_C", "age_days")
     for checks, where in (([quiet, loud], [depth]), ([quiet], []), ([quiet], [ringing, depth])):
-        assert can_be_learned(checks, where) == ()
+        assert can_be_learned(Seen(where, checks)) == ()
 
 
 @pytest.mark.slow

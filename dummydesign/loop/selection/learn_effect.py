@@ -17,7 +17,7 @@ from dummydesign.loop.fitting.problem import CampaignProblem
 from dummydesign.loop.fitting.screening import project
 from dummydesign.loop.model.effect import Effect
 from dummydesign.loop.selection.cross_validation import AssessedModel, assess
-from dummydesign.loop.selection.residuals import Check, Dependence, dependences, run_checks
+from dummydesign.loop.selection.residuals import Seen, look
 from dummydesign.loop.selection.search import search
 from dummydesign.loop.selection.verdict import EACH_PARAMETER, AcceptedEffect, remainder
 
@@ -155,7 +155,7 @@ class _Step:
 
 
 def learn(found: CampaignFit, among: tuple[str, ...] = tuple(FOLLOWED)) -> Learnt | None:
-    """Learn what a model leaves, if it follows some of these quantities and predicts left-out conditions much better."""
+    """Learn what a model leaves, if it follows such quantities and predicts left-out conditions much better."""
     usual = modest(found)
     quantities = {name: values for name, values in followed(found.problem.presses, found.forces).items()
                   if name in among}  # fmt: skip
@@ -205,15 +205,15 @@ def _learnt(found: CampaignFit, usual: CampaignFit, shape: SmoothChange, step: _
     return Learnt(Learned(shape), fit, evidence, ratio, form, cost)
 
 
-def can_be_learned(checks: list[Check], where: list[Dependence]) -> tuple[str, ...]:
+def can_be_learned(seen: Seen) -> tuple[str, ...]:
     """Quantities of which a remainder may be a function: none of a line, a step, noise of its own or an oscillation.
 
     Where single trials differ most, only what is declared for each trial; left-out conditions tell it from scatter.
     """
     odd = ("oscillation after the stop", "before contact")
-    if any(check.exceeded for check in checks) or not where or where[0].factor in odd:
+    if any(check.exceeded for check in seen.checks) or not seen.where or seen.where[0].factor in odd:
         return ()
-    return BY_TRIAL if where[0].factor == "single trials" else tuple(FOLLOWED)
+    return BY_TRIAL if seen.where[0].factor == "single trials" else tuple(FOLLOWED)
 
 
 def _first(fit: CampaignFit, quantities: dict[str, NDArray], *names: str) -> tuple[SmoothChange, _Step]:
@@ -350,11 +350,16 @@ class LearnedFirst:
     effects: tuple[AcceptedEffect, ...]
 
 
-def learned_alone(base: AssessedModel, ranking: list[EffectCandidate], progress: Progress) -> LearnedFirst | None:
-    """A function that leaves nothing but noise, where the best single effect leaves more and explains less."""
+def learned_alone(
+    base: AssessedModel, seen: Seen, ranking: list[EffectCandidate], progress: Progress
+) -> LearnedFirst | None:
+    """A function that leaves nothing but noise, where the best single effect leaves more and explains less.
+
+    ``seen`` is what the base model leaves.
+    """
     best = ranking[0].fit if ranking else base.fit
-    among = can_be_learned(run_checks(base.fit), dependences(base.fit))
-    if not among or not _leaves(base, base.fit):
+    among = can_be_learned(seen)
+    if not among or not remainder(base, base, seen).reasons:
         return None
     if best is not base.fit and not _leaves(base, best):
         return None
@@ -370,18 +375,18 @@ def learned_alone(base: AssessedModel, ranking: list[EffectCandidate], progress:
 
 def _leaves(base: AssessedModel, fit: CampaignFit) -> bool:
     """Whether a model leaves more than noise."""
-    return bool(remainder(base, assess(fit), dependences(fit), run_checks(fit)).reasons)
+    return bool(remainder(base, assess(fit), look(fit)).reasons)
 
 
 def learned_first(
-    base: AssessedModel, named: AssessedModel, available: tuple[Effect, ...], progress: Progress
+    base: AssessedModel, seen: Seen, named: AssessedModel, available: tuple[Effect, ...], progress: Progress
 ) -> LearnedFirst | None:
     """Learn from the base, add named effects, and return that when it explains and predicts better than ``named``.
 
-    Explained is compared by the marginal likelihood of the
-    curve and a cost of each named parameter; predicted by real refits without each part of the conditions.
+    ``seen`` is what the base model leaves. Explained is compared by the marginal likelihood of the curve and a cost of
+    each named parameter; predicted by real refits without each part of the conditions.
     """
-    among = can_be_learned(run_checks(base.fit), dependences(base.fit)) if named.fit.problem.effects else ()
+    among = can_be_learned(seen) if named.fit.problem.effects else ()
     if not among:
         return None
     progress("learning before the named effects")

@@ -18,8 +18,9 @@ from dummydesign.loop.model.campaign_law import law_of
 from dummydesign.loop.run import replay
 from dummydesign.loop.selection.cross_validation import errors
 from dummydesign.loop.selection.learn_effect import can_be_learned, closed_form, learn
-from dummydesign.loop.selection.residuals import Check, Dependence, Seen
+from dummydesign.loop.selection.residuals import Check, Dependence, Seen, look
 from dummydesign.measurement.campaign_file import read_campaign
+from tests.support import other_mind
 
 
 @pytest.fixture(scope="module")
@@ -133,3 +134,46 @@ def test_a_load_cell_that_saturates_is_learned_though_the_modulus_has_imitated_i
     campaign = read_campaign(campaigns("saturation", 419))
     found = learn(fit_base(make_presses(campaign), law_of(campaign), 0.03))
     assert found.effect.shape.name == "force_N" and found.left_out < 0.25
+
+
+@pytest.fixture(scope="module")
+def of_another_mind(tmp_path_factory):
+    """A function: base fit of a campaign of the other generator with one effect."""
+
+    def make(effect, size, seed):
+        folder = tmp_path_factory.mktemp("mind")
+        other_mind.write_campaign(folder / effect, ((effect, size),), seed)
+        campaign = read_campaign(folder / effect)
+        return fit_base(make_presses(campaign), law_of(campaign), 0.03)
+
+    return make
+
+
+@pytest.mark.slow
+def test_a_creep_in_the_hold_is_learned_as_large_as_it_is_and_without_a_jump_at_the_stop(of_another_mind):
+    """The force falls by 6 % a decade of 1 + t / s: what is learned begins at zero though nothing pins it there."""
+    found = learn(of_another_mind("creeping_hold", 0.06, 1240000))
+    assert found.effect.name == "learned_since_stop_s" and found.left_out < 0.7
+    at = np.array([0.003, 1.0, 3.0, 7.0])
+    np.testing.assert_allclose(found.effect.shape(at), -0.06 * np.log10(1.0 + at), atol=0.012)
+
+
+@pytest.mark.slow
+def test_a_step_with_temperature_is_learned_where_single_trials_differ_most(of_another_mind):
+    """9 % stiffer below a temperature, within 0.4 K: a line over temperature is neither enough nor what is learned."""
+    base = of_another_mind("cold_stiffening", 0.09, 1240001)
+    seen = look(base)
+    assert seen.where[0].factor == "single trials" and can_be_learned(seen) == ("temperature_C", "age_days")
+    found = learn(base, can_be_learned(seen))
+    assert found.effect.name == "learned_temperature_c" and found.left_out < 0.2
+    cold, warm = (1.0 + found.effect.shape(np.array(ends)) for ends in ([20.0, 21.0], [23.5, 25.5]))
+    assert cold / warm == pytest.approx(1.09, abs=0.015)
+
+
+@pytest.mark.slow
+def test_gains_that_scatter_from_press_to_press_are_no_function_of_temperature_or_age(campaigns):
+    for seed in (431, 432):
+        campaign = read_campaign(campaigns("gain_scatter", seed))
+        base = fit_base(make_presses(campaign), law_of(campaign), 0.03)
+        assert look(base).where[0].factor == "single trials"
+        assert learn(base, ("temperature_C", "age_days")) is None

@@ -294,10 +294,12 @@ FOLDS, REFITS = 4, 2
 def refitted_squares(found: CampaignFit, shape: SmoothChange | None = None) -> float:
     """Squared error of left-out conditions, each part of them predicted by real fits to the rest. [N2]
 
-    A linear step would run away along what nothing determines. A learned ``shape`` is learned anew each time.
+    A linear step would run away along what nothing determines. A learned ``shape`` is learned anew each time. Presses
+    of one condition only are left out one by one.
     """
     presses = found.problem.presses
-    part = np.unique(presses.cell, return_inverse=True)[1] % FOLDS
+    cells = np.unique(presses.cell, return_inverse=True)[1]
+    part = (cells if cells.any() else np.arange(len(cells))) % FOLDS
     folds = [out for fold in range(FOLDS) if (out := part == fold).any() and not out.all()]
     squares, _ = squares_without(found, folds, shape)
     return squares / float((presses.samples * presses.used).sum())

@@ -97,6 +97,12 @@ def floors(row: dict) -> float:
     return float(np.sqrt(max((row["heldout_N"][0] / row["floor_N"]) ** 2 - 1.4, 0.0)))
 
 
+def silent_on_usual_pads(row: dict) -> bool:
+    """Whether two noise floors are left on pads without a factor of their own, and the verdict does not say so."""
+    left = row.get("usual_pads_N", (0.0, 0.0))[1] / row["floor_N"]
+    return row.get("verdict", "unexplained") != "unexplained" and left**2 > 4.0 + 1.0
+
+
 def share(name: str, hits: list[bool], wanted: str = "") -> str:
     """A row of the table: count, rate, 95 % interval by Wilson, and the rate that is wanted."""
     n, k, z = len(hits), sum(hits), 1.96
@@ -138,9 +144,6 @@ def table(rows: list[dict]) -> str:
 
     def silent(row: dict) -> bool:
         return row["verdict"] != "unexplained" and (row["replay_N"][1] / row["floor_N"]) ** 2 > 4.0 + usual
-
-    def silent_on_usual_pads(row: dict) -> bool:
-        return row["verdict"] != "unexplained" and (row["usual_pads_N"][1] / row["floor_N"]) ** 2 > 4.0 + 1.0
 
     def beyond_rivals(row: dict) -> bool:
         """Whether a wrong effect is named of which no right one is stated as a rival."""

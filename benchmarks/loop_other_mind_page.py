@@ -39,8 +39,8 @@ Earlier campaigns showed faults, mended since:
 ## From which size an effect is found
 
 One effect a campaign, of the other generator: `python -m benchmarks.loop_detection --seed 1030000 --rounds 6 --beside
-benchmarks/loop_other_mind_1040000.jsonl` ({runs} campaigns). The single effects of seed 1050000 and the further campaigns
-above are counted too. An effect is found when it is named first.
+benchmarks/loop_other_mind_1040000.jsonl` ({runs} campaigns). The single effects of seed 1050000 and the further
+campaigns above are counted too. An effect is found when it is named first.
 
 {sizes}
 

@@ -27,7 +27,6 @@ from dummydesign.loop.selection.verdict import Needed, remainder
 from dummydesign.measurement.campaign_file import read_campaign
 from tests.support import campaign_generator as generator
 
-
 NOTHING = Seen([], [])
 
 

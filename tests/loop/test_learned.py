@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -16,6 +17,7 @@ from dummydesign.loop.effects.learned import FADE, FOLLOWED, Learned, SmoothChan
 from dummydesign.loop.fitting.fit import fit_base
 from dummydesign.loop.model.campaign_law import law_of
 from dummydesign.loop.run import replay
+from dummydesign.loop.selection import learn_effect
 from dummydesign.loop.selection.cross_validation import errors
 from dummydesign.loop.selection.learn_effect import can_be_learned, closed_form, learn
 from dummydesign.loop.selection.residuals import Check, Dependence, Seen, look
@@ -102,6 +104,26 @@ def test_a_curve_is_said_in_the_form_it_was_made_of_whatever_the_modulus(name, c
     for level in (0.0, 0.07):
         form = closed_form(knots, (1.0 + level) * (1.0 + curve(knots)) - 1.0, 1e6 * np.eye(30), "depth_mm")
         assert form.name == name and said in form.text and form.lost < 0.01
+
+
+@pytest.mark.parametrize("follows", [("since_stop_s",), ("thickness_mm", "since_stop_s")])
+def test_what_acts_after_the_stop_keeps_its_level_and_what_acts_always_leaves_it_to_the_modulus(follows):
+    step = SimpleNamespace(values=np.array([0.0, 0.1, 0.2]), information=np.diag([1.0, 2.0, 1.0]))
+    after, always = (SmoothChange(names, ((0.0, 1.0, 2.0),), (0.0,) * 3) for names in (follows, ("depth_mm",)))
+    assert learn_effect._without_modulus(after, step) == pytest.approx([0.0, 0.1, 0.2])
+    assert learn_effect._without_modulus(always, step) == pytest.approx([-0.1, 0.0, 0.1])
+
+
+def test_a_hold_is_said_in_a_form_that_begins_at_zero():
+    """After the stop a constant is seen: it is neither free nor taken out of the form, as it is of a depth."""
+    knots = np.geomspace(0.002, 8.0, 30)
+    scale = np.ptp(knots) * np.geomspace(0.05, 3.0, 25)[10]
+    values = 0.05 * np.expm1(-knots / scale)
+    form = closed_form(knots, values, 1e6 * np.eye(30), "since_stop_s")
+    assert form.name == "saturation" and "-0.05 (1 - exp(-u / " in form.text and form.lost < 1e-6
+    for follows, free in (("since_stop_s", False), ("depth_mm", True)):
+        form = closed_form(knots, 1.08 * (1.0 + values) - 1.0, 1e6 * np.eye(30), follows)
+        assert (form.lost < 1e-6) is free
 
 
 def test_a_curve_of_no_simple_form_is_called_one():

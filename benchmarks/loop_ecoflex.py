@@ -133,8 +133,9 @@ def page(table: list[dict[str, str]]) -> str:
         f"{max(sizes):.2f}.",
         f"- There the error on the specimen left out falls to {min(share):.2f} to {max(share):.2f} of the base's "
         f"(median {float(np.median(share)):.2f}).",
-        f"- In {len(stiffer)} others it finds `strain_stiffening` instead. In {len(learned)} it learns a function only:",
-        f"  {', '.join(learned)}. In {len(other)} it finds nothing: {', '.join(other)}.",
+        f"- In {len(stiffer)} others it finds `strain_stiffening` instead.",
+        f"- In {len(learned)} it learns a function only: {', '.join(learned)}.",
+        f"- In {len(other)} it finds nothing: {', '.join(other)}.",
         f"- The verdict is `unexplained` in {unexplained} of {len(table)}.",
         "- Stiffening, a curve of the load cell or a thickness error explain the curves almost as well:",
         f"  over 0.9 of the friction's evidence in {alike} of these {len(rubbing)}.", "",

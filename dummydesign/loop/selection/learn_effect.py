@@ -397,12 +397,11 @@ def learned_first(
         return None
     found = search(assess(function.fit), available, progress)
     after = found.after
+    if not any(isinstance(one, Learned) for one in after.fit.problem.effects):
+        return None  # named effects have taken its place
     if _cost(after, function) >= _cost(named):
         return None
     if _squares(after, function) >= _squares(named):
-        return None
-    kept = [one for one in after.fit.problem.effects if isinstance(one, Learned)]
-    if not kept:
         return None
     effects = tuple(one for one in found.effects if not isinstance(one.candidate.effect, Learned))
     return LearnedFirst(replace(function, fit=after.fit), after, effects)

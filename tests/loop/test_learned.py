@@ -9,11 +9,13 @@ import numpy as np
 import pytest
 
 from dummydesign.core.errors import InputError
+from dummydesign.core.process import quiet
 from dummydesign.loop import check_effect
 from dummydesign.loop.calibration import Calibration, model_of, posterior_of
 from dummydesign.loop.calibration_file import read_calibration, write_calibration
 from dummydesign.loop.data.trials import make_presses
 from dummydesign.loop.effects.learned import FADE, FOLLOWED, Learned, SmoothChange
+from dummydesign.loop.effects.registry import effect_named
 from dummydesign.loop.fitting.fit import fit_base
 from dummydesign.loop.model.campaign_law import law_of
 from dummydesign.loop.run import replay
@@ -149,6 +151,18 @@ def test_lines_steps_and_noise_are_not_learned_and_single_trials_only_by_what_is
     assert can_be_learned(Seen([trials, depth], [quiet])) == ("temperature_C", "age_days")
     for checks, where in (([quiet, loud], [depth]), ([quiet], []), ([quiet], [ringing, depth])):
         assert can_be_learned(Seen(where, checks)) == ()
+
+
+def test_a_function_whose_place_named_effects_take_is_no_answer(monkeypatch):
+    def model(score):
+        fit = SimpleNamespace(problem=SimpleNamespace(effects=(effect_named("temperature"),)), score=score)
+        return SimpleNamespace(fit=fit)
+
+    monkeypatch.setattr(learn_effect, "learn", lambda *args: SimpleNamespace(fit=None, cost=0.0))
+    monkeypatch.setattr(learn_effect, "assess", lambda fit: fit)
+    monkeypatch.setattr(learn_effect, "search", lambda *args: SimpleNamespace(after=model(0.0), effects=()))
+    seen = Seen([Dependence("depth", 500.0, 3, 0.5, "")], [])
+    assert learn_effect.learned_first(None, seen, model(1000.0), (), quiet) is None
 
 
 @pytest.mark.slow

@@ -101,6 +101,8 @@ def run_mixture(name: str, curves: dict[str, np.ndarray], folder: Path) -> list[
     for effect in data["effects"]:
         p = next(iter(effect["parameters"].values()))
         parts.append(f"{effect['name']} {p['value']:.3g} ({p['low']:.3g} to {p['high']:.3g})")
+    if result.learnt is not None:
+        parts.append(result.learnt.effect.name)
     rivals = ", ".join(name for effect in data["effects"] for name in effect["confounded_with"])
     modulus = [1e3 * stage.fit.base.young_MPa for stage in (result.base, result.after)]
     held = [stage.errors.heldout_N or float("nan") for stage in (result.base, result.after)]
@@ -115,9 +117,13 @@ def page(table: list[dict[str, str]]) -> str:
     rubbing = [row for row in table if "plate_friction" in row["found"]]
     sizes = [float(row["found"].split()[1]) for row in rubbing]
     share = [float(row["left_out_after_N"]) / float(row["left_out_base_N"]) for row in rubbing]
-    other = [row["mixture"] for row in table if row not in rubbing]
-    alone = [dict(one.rsplit(" ", 1) for one in row["evidence_alone"].split(", ")) for row in rubbing]
-    alike = sum(float(one["thickness_error"]) > 0.9 * float(one["plate_friction"]) for one in alone)
+    rest = [row for row in table if row not in rubbing and "strain_stiffening" not in row["found"]]
+    learned, other = ([row["mixture"] for row in rest if bool(row["found"]) is some] for some in (True, False))
+    stiffer = [row for row in table if row not in rubbing and "strain_stiffening" in row["found"]]
+    unexplained = sum(row["verdict"] == "unexplained" for row in table)
+    evidence = [dict(one.rsplit(" ", 1) for one in row["evidence_alone"].split(", ")) for row in rubbing]
+    alike = sum(any(float(value) > 0.9 * float(one.get("plate_friction", "0")) for name, value in one.items()
+                    if name != "plate_friction") for one in evidence)  # fmt: skip
     lines = [
         "# The loop on real curves: silicone pucks between plates", "",
         "Data: Dawood, Zhang, Osman, Suulker, Abdulali, Angelmahr, Althoefer (2026), Hyperelastic Characterisation",
@@ -128,8 +134,12 @@ def page(table: list[dict[str, str]]) -> str:
         f"{max(sizes):.2f}.",
         f"- With it the error on the specimen that was left out is {min(share):.2f} to {max(share):.2f} of the base's "
         f"(median {float(np.median(share)):.2f}).",
-        f"- The others are {', '.join(other)}: verdict `unexplained`, no effect.",
-        f"- A thickness error explains {alike} of these almost as well (over 0.9 of the friction's evidence).", "",
+        f"- In {len(stiffer)} others it finds `strain_stiffening` instead.",
+        f"- In {len(learned)} it learns a function only: {', '.join(learned)}.",
+        f"- In {len(other)} it finds nothing: {', '.join(other)}.",
+        f"- The verdict is `unexplained` in {unexplained} of {len(table)}.",
+        "- Stiffening, a curve of the load cell or a thickness error explain the curves almost as well:",
+        f"  over 0.9 of the friction's evidence in {alike} of these {len(rubbing)}.", "",
         "**Press to half the height.** Curves cut at less depth do not separate friction from modulus:", "",
         "| calibrated to | friction found | another effect found | error to 15 mm larger with it |",
         "|---|---|---|---|",

@@ -28,9 +28,9 @@ from dummydesign.loop.result import LoopResult
 from dummydesign.loop.selection.base_kept import LeftOut, left_out_errors, predicts_worse
 from dummydesign.loop.selection.cross_validation import AssessedModel, assess
 from dummydesign.loop.selection.learn_effect import Learnt, can_be_learned, learn, learned_alone, learned_first
-from dummydesign.loop.selection.residuals import dependences, run_checks
+from dummydesign.loop.selection.residuals import Seen, look
 from dummydesign.loop.selection.search import Selection, doubt_of, doubt_of_curve, rank, search
-from dummydesign.loop.selection.verdict import AcceptedEffect, at_bound, needed, remainder
+from dummydesign.loop.selection.verdict import AcceptedEffect, Remainder, at_bound, needed, remainder
 from dummydesign.measurement.campaign import Campaign
 
 
@@ -111,39 +111,9 @@ def close_loop(
     campaign, presses, beyond = within_reach(campaign, make_presses(campaign), law)
     base = assess(fit_base(presses, law, young_MPa or 1e-3 * start_young_kPa(campaign), progress))
     available, untested = _available(presses, law)
-    ranked = rank(base, available, progress)
-    alone = learned_alone(base, ranked[1], progress)
-    found = search(base, available, progress, ranked) if alone is None else Selection(alone.after, (), *ranked)
-    after, effects = found.after, found.effects
-    progress("remainder")
-    where_after, checks = dependences(after.fit), run_checks(after.fit)
-    left = remainder(base, after, where_after, checks)
-    verdict = "unexplained" if left.reasons or alone else "effect" if effects else "none"
-    learnt = None if alone is None else alone.learnt
-    if left.reasons:
-        progress("learning the remainder")
-        first = learned_first(base, after, available, progress)
-        if first is not None:
-            learnt, after, effects = first.learnt, first.after, first.effects
-        elif can_be_learned(checks, where_after):
-            learnt = learn(after.fit)
-            after = after if learnt is None else assess(learnt.fit)
-    if learnt is not None:
-        where_after, checks = dependences(after.fit), run_checks(after.fit)
-        still = remainder(base, after, where_after, checks)
-        left = replace(still, reasons=(learnt.text, *still.reasons))
-    said: tuple[dict[str, str], ...] = ()
-    if after is not base:
-        progress("against the base model")
-        compared = left_out_errors(base, after)
-        if predicts_worse(compared):
-            said = _base_kept(effects, learnt, compared)
-            dropped = (base.fit.score - after.fit.score, after.fit)
-            found = replace(found, rivals=(dropped, *((one.gain, one.fit) for one in found.ranking)))
-            after, effects, learnt = base, (), None
-            where_after, checks = dependences(base.fit), run_checks(base.fit)
-            left = remainder(base, base, where_after, checks)
-            verdict = "unexplained" if left.reasons else "none"
+    seen = look(base.fit)
+    answer = _against_base(base, seen, _explain(base, seen, available, progress), progress)
+    found, after, effects, learnt = answer.found, answer.after, answer.effects, answer.learnt
     doubt = doubt_of(after.fit, found.rivals) if learnt is None else doubt_of_curve(learnt.effect.shape.flat)
     after = replace(after, fit=replace(after.fit, doubt=doubt))
     joined = None
@@ -154,12 +124,67 @@ def close_loop(
     progress("next measurement")
     following = _next(campaign, base, effects, found.ranking)
     return LoopResult(
-        campaign, presses, base, after, verdict, effects, tuple(found.screened), tuple(found.ranking), left,
-        tuple(dependences(base.fit)), tuple(where_after), tuple(checks), following, untested,
-        (*said, *_beside_curve(learnt), *_warnings(campaign, presses, beyond, joined),
+        campaign, presses, base, after, answer.verdict, effects, tuple(found.screened), tuple(found.ranking),
+        answer.left, tuple(seen.where), tuple(answer.seen.where), tuple(answer.seen.checks), following, untested,
+        (*answer.said, *_beside_curve(learnt), *_warnings(campaign, presses, beyond, joined),
          *_better_alone(found, after)),
         learnt, joined,
     )  # fmt: skip
+
+
+@dataclass(frozen=True)
+class _Answer:
+    """A model that explains a campaign, with what it leaves."""
+
+    found: Selection
+    after: AssessedModel
+    effects: tuple[AcceptedEffect, ...]
+    learnt: Learnt | None
+    verdict: str
+    left: Remainder
+    seen: Seen
+    said: tuple[dict[str, str], ...] = ()
+
+
+def _explain(base: AssessedModel, seen: Seen, available: tuple[Effect, ...], progress: Progress) -> _Answer:
+    """Named effects and a learned function, whichever explain the campaign best; ``seen`` is what the base leaves."""
+    ranked = rank(base, available, progress)
+    alone = learned_alone(base, seen, ranked[1], progress)
+    found = search(base, available, progress, ranked) if alone is None else Selection(alone.after, (), *ranked)
+    after, effects, learnt = found.after, found.effects, None if alone is None else alone.learnt
+    progress("remainder")
+    seen_after = seen if after is base else look(after.fit)
+    left = remainder(base, after, seen_after)
+    verdict = "unexplained" if left.reasons or alone else "effect" if effects else "none"
+    if left.reasons:
+        progress("learning the remainder")
+        first = learned_first(base, seen, after, available, progress)
+        if first is not None:
+            learnt, after, effects = first.learnt, first.after, first.effects
+        elif among := can_be_learned(seen_after):
+            learnt = learn(after.fit, among)
+            after = after if learnt is None else assess(learnt.fit)
+    if learnt is not None:
+        seen_after = look(after.fit)
+        still = remainder(base, after, seen_after)
+        left = replace(still, reasons=(learnt.text, *still.reasons))
+    return _Answer(found, after, effects, learnt, verdict, left, seen_after)
+
+
+def _against_base(base: AssessedModel, seen: Seen, answer: _Answer, progress: Progress) -> _Answer:
+    """The answer, or the base model where it predicts left-out presses better."""
+    if answer.after is base:
+        return answer
+    progress("against the base model")
+    compared = left_out_errors(base, answer.after)
+    if not predicts_worse(compared):
+        return answer
+    dropped = (base.fit.score - answer.after.fit.score, answer.after.fit)
+    rivals = (dropped, *((one.gain, one.fit) for one in answer.found.ranking))
+    left = remainder(base, base, seen)
+    said = _base_kept(answer.effects, answer.learnt, compared)
+    verdict = "unexplained" if left.reasons else "none"
+    return _Answer(replace(answer.found, rivals=rivals), base, (), None, verdict, left, seen, said)
 
 
 def _available(presses: Presses, law: SetupLaw) -> tuple[tuple[Effect, ...], dict[str, str]]:

@@ -10,8 +10,9 @@ import pytest
 from dummydesign.loop import run
 from dummydesign.loop.calibration import calibration_of
 from dummydesign.loop.run import close_loop
+from dummydesign.loop.selection import learn_effect
 from dummydesign.loop.selection.base_kept import LeftOut, deepest, fastest, left_out_errors, predicts_worse
-from dummydesign.loop.selection.learn_effect import predicted_without
+from dummydesign.loop.selection.learn_effect import predicted_without, refitted_squares
 from dummydesign.measurement.campaign_file import read_campaign
 from tests.support import campaign_generator as generator
 
@@ -48,6 +49,20 @@ def test_an_effect_that_predicts_other_pads_better_stays():
 
 def test_without_a_kind_nothing_is_compared():
     assert not predicts_worse(())
+
+
+def test_presses_of_one_condition_are_left_out_one_by_one(monkeypatch):
+    presses = SimpleNamespace(cell=np.full(3, 7), samples=np.ones((3, 2)), used=np.ones((3, 2), bool),
+                              force_N=np.arange(6.0).reshape(3, 2))  # fmt: skip
+    left: list[list[bool]] = []
+
+    def nothing(found, out, shape=None):
+        left.append(out.tolist())
+        return np.zeros((3, 2))
+
+    monkeypatch.setattr(learn_effect, "predicted_without", nothing)
+    squares = refitted_squares(fit_of(**vars(presses)))
+    assert left == np.eye(3, dtype=bool).tolist() and squares == pytest.approx(np.mean(np.arange(6.0) ** 2))
 
 
 @pytest.fixture(scope="module")

@@ -21,10 +21,13 @@ from dummydesign.loop.run import close_loop, replay
 from dummydesign.loop.selection import search, verdict
 from dummydesign.loop.selection import verdict as acceptance
 from dummydesign.loop.selection.cross_validation import LARGEST_POSITION_MM, expected_heldout_N, repeat_scatter_mm
+from dummydesign.loop.selection.residuals import Seen
 from dummydesign.loop.selection.search import without
 from dummydesign.loop.selection.verdict import Needed, remainder
 from dummydesign.measurement.campaign_file import read_campaign
 from tests.support import campaign_generator as generator
+
+NOTHING = Seen([], [])
 
 
 def stage(over=1.1, ratio=1.0, p=0.5, score=0.0):
@@ -41,20 +44,20 @@ def noise_alone(monkeypatch):
 
 
 def test_a_fit_at_the_noise_leaves_nothing_to_explain(noise_alone):
-    assert remainder(stage(9.0), stage(1.4), [], []).reasons == ()
-    assert remainder(stage(None), stage(None), [], []).over_floor is None
+    assert remainder(stage(9.0), stage(1.4), NOTHING).reasons == ()
+    assert remainder(stage(None), stage(None), NOTHING).over_floor is None
 
 
 @pytest.mark.parametrize("over", [1.5, 4.0, 9.0])
 def test_more_than_noise_on_left_out_conditions_is_unexplained_however_much_was_won(over, noise_alone):
-    left = remainder(stage(90.0, score=1e6), stage(over), [], [])
+    left = remainder(stage(90.0, score=1e6), stage(over), NOTHING)
     assert len(left.reasons) == 1 and f"{over:.2f} noise floors" in left.reasons[0]
 
 
 def test_lack_of_fit_is_unexplained_however_much_of_it_was_explained(noise_alone):
     base, after = stage(30.0, ratio=100.0, p=0.001), stage(1.2, ratio=1.8, p=0.001)
-    assert any("lack of fit 1.80" in reason for reason in remainder(base, after, [], []).reasons)
-    assert remainder(base, stage(1.2, ratio=1.8, p=0.2), [], []).reasons == ()
+    assert any("lack of fit 1.80" in reason for reason in remainder(base, after, NOTHING).reasons)
+    assert remainder(base, stage(1.2, ratio=1.8, p=0.2), NOTHING).reasons == ()
 
 
 def test_a_calibration_keeps_why_it_is_unexplained_and_says_so_where_it_is_used(tmp_path):

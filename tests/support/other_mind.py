@@ -168,8 +168,13 @@ def _arm(elastic: np.ndarray, tau: np.ndarray, weight: np.ndarray | float, parts
     return out
 
 
-def write_campaign(folder: Path, effects: tuple[tuple[str, float], ...], seed: int, held_out: bool = False) -> Truth:
-    """Write a campaign; the same seed has the same material, machine and signs with and without ``held_out``."""
+def write_campaign(
+    folder: Path, effects: tuple[tuple[str, float], ...], seed: int, held_out: bool = False, usual_pads: bool = False
+) -> Truth:
+    """Write a campaign; the same seed has the same material, machine and signs with and without ``held_out``.
+
+    With ``usual_pads`` no pad has a factor of its own and no press a contact of its own.
+    """
     own, rng = np.random.default_rng([seed, 101]), np.random.default_rng([seed, 102 + held_out])
     young = float(np.exp(own.uniform(np.log(20.0), np.log(70.0)))) * 1e-3
     nominal = young * own.uniform(0.93, 1.07)
@@ -178,7 +183,8 @@ def write_campaign(folder: Path, effects: tuple[tuple[str, float], ...], seed: i
     top_N, noise_N, slow_N = own.uniform(8.0, 13.0), own.uniform(0.02, 0.04), own.uniform(0.01, 0.025)
     put = {name: size * (own.choice([-1.0, 1.0]) if name in TWO_SIGNED else 1.0) for name, size in effects}
     plan = _plan(rng, top_N, held_out)
-    pads = {h: rng.normal(0.0, 0.004, 3) for h in np.unique(plan.thickness_mm)}
+    scatter = 0.0 if usual_pads else 0.004
+    pads = {h: scatter * rng.standard_normal(3) for h in np.unique(plan.thickness_mm)}
     depths, presses, squares = [], [], []
     for k, h in enumerate(plan.thickness_mm):
         grid = np.linspace(0.01, 1.0, 200) * _solved_mm(h)
@@ -186,7 +192,7 @@ def write_campaign(folder: Path, effects: tuple[tuple[str, float], ...], seed: i
         depths.append(float(np.interp(min(plan.target_N[k], 0.97 * force[-1]), force, grid)))
         plan.target_N[k] = round(float(np.interp(depths[-1], grid, force)), 2)
     for k in range(len(depths)):
-        presses.append(_press(k, plan, depths, put, young, tau, beta, pads, rng))
+        presses.append(_press(k, plan, depths, put, young, tau, beta, pads, scatter, rng))
     largest = max(float(force.max()) for _, _, force in presses)
     folder.mkdir(parents=True, exist_ok=True)
     lines = [
@@ -222,12 +228,12 @@ def write_campaign(folder: Path, effects: tuple[tuple[str, float], ...], seed: i
     return Truth(put, 1e3 * young, float(np.sqrt(np.mean(np.concatenate(squares)))))
 
 
-def _press(k, plan, depths, put, young, tau, beta, pads, rng) -> tuple:
+def _press(k, plan, depths, put, young, tau, beta, pads, scatter_mm, rng) -> tuple:
     """Time, position and force on the sensor's pad side of one trial."""
     h, v = plan.thickness_mm[k], plan.speed_mm_s[k]
     time, x, stop, end = _motion(v, depths[k], bool(plan.unloads[k]), 8.0, rng)
     same_pad = [j for j in range(k) if plan.thickness_mm[j] == h]
-    dent = put.get("contact_offset", 0.0) + rng.normal(0.0, 0.004)
+    dent = put.get("contact_offset", 0.0) + scatter_mm * rng.standard_normal()
     for j in same_pad:
         since = plan.rest_s[j + 1 : k + 1].sum() + 10.0 * (k - j)
         dent += 0.7 * put.get("incomplete_recovery", 0.0) * depths[j] * (1.0 + since / 150.0) ** -1.5

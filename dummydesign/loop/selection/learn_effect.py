@@ -10,18 +10,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.core.process import Progress
-from dummydesign.loop.effects.learned import FOLLOWED, Learned, SmoothChange, followed, largest_change
+from dummydesign.loop.effects.learned import BY_TRIAL, FOLLOWED, Learned, SmoothChange, followed, largest_change
 from dummydesign.loop.fitting.candidates import EffectCandidate, modest
 from dummydesign.loop.fitting.fit import CampaignFit, fit, fit_with_noise
 from dummydesign.loop.fitting.problem import CampaignProblem
 from dummydesign.loop.fitting.screening import project
 from dummydesign.loop.model.effect import Effect
 from dummydesign.loop.selection.cross_validation import AssessedModel, assess
-from dummydesign.loop.selection.residuals import Check, Dependence, dependences, run_checks
+from dummydesign.loop.selection.residuals import Seen, look
 from dummydesign.loop.selection.search import search
 from dummydesign.loop.selection.verdict import EACH_PARAMETER, AcceptedEffect, remainder
 
 AS_GOOD = 0.1  # share of what a curve explains that a closed form may lose
+LEVEL = 1e-2  # share of its largest value by which a shape must vary, to be more than a change of all forces alike
 CAUSES = {
     "depth_mm": "the force law at this depth: a layer, a skin or a particle in the pad, or a bottom that is felt; "
     "press a pad of another thickness: a layer stays at its depth, a law goes with depth over thickness",
@@ -47,30 +48,41 @@ class ClosedForm:
 
 def closed_form(knots: NDArray, values: NDArray, information: NDArray, follows: str) -> ClosedForm:
     """Find the simplest form that fits a curve as well as the data know it."""
-    # what the data know of a constant is next to nothing: the modulus has it
-    flat = values - np.average(values, weights=np.diag(information))
-    total, count = float(flat @ information @ flat), len(knots)
+    # any multiple of 1 + g is as good, but of what acts after the stop alone: a change of all forces is the modulus
+    weights, alone = np.diag(information), follows == "since_stop_s"
+    free = np.zeros((len(knots), 0)) if alone else 1.0 + values[:, None]
+    total = _left_by(free, values, information)[1]
     best: tuple[float, str, str, float] | None = None
     for name, parameters, shapes in _forms(knots):
         for shape, text in shapes:
-            # a constant change is the modulus
-            columns = np.stack([shape, np.ones(count)], axis=1)
-            known = columns.T @ information
-            weights = np.linalg.lstsq(known @ columns, known @ values, rcond=1e-12)[0]
-            amount, left = float(weights[0]), values - columns @ weights
-            chi2 = float(left @ information @ left)
-            spare = max(count - parameters - 1, 1)
+            middle = 0.0 if alone else float(np.average(shape, weights=weights))
+            if np.ptp(shape) < LEVEL * np.abs(shape).max():
+                continue
+            (amount, *_), chi2 = _left_by(np.column_stack([shape - middle, free]), values, information)
+            # said relative to the force at u = 0, or in the usual state where that is far off
+            at_null = 1.0 - amount * middle * (follows not in BY_TRIAL)
+            spare = max(len(knots) - parameters - 1, 1)
             score = chi2 + 2.0 * parameters + 2.0 * parameters * (parameters + 1) / spare
-            if best is None or score < best[0]:
-                best = (score, name, text.format(amount), chi2)
+            if at_null > LEVEL and (best is None or score < best[0]):
+                best = (score, name, text.format(amount / at_null), chi2)
     lost = best[3] / total if best is not None and total > 0.0 else 1.0
     if best is None or lost > AS_GOOD:
+        # what the data know of a constant is next to nothing: the modulus has it
+        flat = values if alone else values - np.average(values, weights=weights)
         most = int(np.argmax(np.abs(flat)))
         name, form = "curve", f"a curve of no simple form, {100 * flat[most]:+.1f} % at {knots[most]:.3g}"
     else:
         _, name, form, _ = best
     text = f"relative change of the force with u = {FOLLOWED[follows]}: {form}. Usual cause: {CAUSES[follows]}"
     return ClosedForm(name, text, lost)
+
+
+def _left_by(columns: NDArray, values: NDArray, information: NDArray) -> tuple[NDArray, float]:
+    """Weights of columns (k, c) that fit values (k,) best, and the square that they leave, both as the data know it."""
+    known = columns.T @ information
+    weights = np.linalg.lstsq(known @ columns, known @ values, rcond=1e-12)[0]
+    left = values - columns @ weights
+    return weights, float(left @ information @ left)
 
 
 def _forms(knots: NDArray) -> list[tuple[str, int, list[tuple[NDArray, str]]]]:
@@ -88,8 +100,10 @@ def _forms(knots: NDArray) -> list[tuple[str, int, list[tuple[NDArray, str]]]]:
     ]  # fmt: skip
 
 
-KNOTS, MOST_BY_TRIAL, PAIR_KNOTS = 30, 4, 8
-"""Knots of a quantity that varies in a press, of one that belongs to a trial, and of one of a pair in a press."""
+KNOTS, MOST_BY_TRIAL = 30, 12
+"""Knots of a quantity that varies in a press, and at most of one that belongs to a trial."""
+PAIR_KNOTS, PAIR_BY_TRIAL = 8, 4
+"""The same of one of a pair."""
 SPARE = 0.35  # share of the largest force by which the knots of a curve of the force go on, straight, beyond it
 PROMISING = 2  # quantities that pairs are made of, with all others: those that alone have most evidence
 BY_TIME = "thickness_mm"
@@ -140,10 +154,11 @@ class _Step:
     precision: NDArray
 
 
-def learn(found: CampaignFit) -> Learnt | None:
-    """Learn what a model leaves, if it follows one quantity and predicts left-out conditions much better."""
+def learn(found: CampaignFit, among: tuple[str, ...] = tuple(FOLLOWED)) -> Learnt | None:
+    """Learn what a model leaves, if it follows such quantities and predicts left-out conditions much better."""
     usual = modest(found)
-    quantities = followed(found.problem.presses, found.forces)
+    quantities = {name: values for name, values in followed(found.problem.presses, found.forces).items()
+                  if name in among}  # fmt: skip
     alone = [_first(usual, quantities, name) for name in quantities if name != BY_TIME]
     if not alone:
         return None
@@ -163,8 +178,7 @@ def _learnt(found: CampaignFit, usual: CampaignFit, shape: SmoothChange, step: _
     for turn in range(MOST_ROUNDS):
         if turn:
             step = _step(fit, shape)
-        # a constant change is the modulus, which does not fade out beyond the range seen
-        new = step.values - np.average(step.values, weights=np.diag(step.information))
+        new = _without_modulus(shape, step)
         for share in SHARES:
             tried = shape.with_flat(shape.flat + share * (new - shape.flat))
             problem, vector = _with(fit, tried)
@@ -191,10 +205,15 @@ def _learnt(found: CampaignFit, usual: CampaignFit, shape: SmoothChange, step: _
     return Learnt(Learned(shape), fit, evidence, ratio, form, cost)
 
 
-def can_be_learned(checks: list[Check], where: list[Dependence]) -> bool:
-    """Whether a remainder may be a function of the state: no line, step or noise of its own, no single trials."""
-    odd = ("oscillation after the stop", "single trials", "before contact")
-    return not any(check.exceeded for check in checks) and bool(where) and where[0].factor not in odd
+def can_be_learned(seen: Seen) -> tuple[str, ...]:
+    """Quantities of which a remainder may be a function: none of a line, a step, noise of its own or an oscillation.
+
+    Where single trials differ most, only what is declared for each trial; left-out conditions tell it from scatter.
+    """
+    odd = ("oscillation after the stop", "before contact")
+    if any(check.exceeded for check in seen.checks) or not seen.where or seen.where[0].factor in odd:
+        return ()
+    return BY_TRIAL if seen.where[0].factor == "single trials" else tuple(FOLLOWED)
 
 
 def _first(fit: CampaignFit, quantities: dict[str, NDArray], *names: str) -> tuple[SmoothChange, _Step]:
@@ -221,7 +240,7 @@ def _pairs(
 def _knots(fit: CampaignFit, name: str, values: NDArray, most: int) -> tuple[float, ...]:
     """Knots over the range of a quantity; of the time since the stop they are even in the logarithm."""
     by_trial = len(values) == len(fit.problem.presses.trials)
-    count = min(MOST_BY_TRIAL, len(np.unique(values))) if by_trial else most
+    count = min(MOST_BY_TRIAL if most == KNOTS else PAIR_BY_TRIAL, len(np.unique(values))) if by_trial else most
     # the modulus imitates a curve of the force: without it the force on the sensor may be larger
     ends = values.min(), values.max() * (1.0 + SPARE * (name in ("force_N", "reading_N")))
     return tuple((np.geomspace(*ends, count) if name == "since_stop_s" else np.linspace(*ends, count)).tolist())
@@ -275,10 +294,12 @@ FOLDS, REFITS = 4, 2
 def refitted_squares(found: CampaignFit, shape: SmoothChange | None = None) -> float:
     """Squared error of left-out conditions, each part of them predicted by real fits to the rest. [N2]
 
-    A linear step would run away along what nothing determines. A learned ``shape`` is learned anew each time.
+    A linear step would run away along what nothing determines. A learned ``shape`` is learned anew each time. Presses
+    of one condition only are left out one by one.
     """
     presses = found.problem.presses
-    part = np.unique(presses.cell, return_inverse=True)[1] % FOLDS
+    cells = np.unique(presses.cell, return_inverse=True)[1]
+    part = (cells if cells.any() else np.arange(len(cells))) % FOLDS
     folds = [out for fold in range(FOLDS) if (out := part == fold).any() and not out.all()]
     squares, _ = squares_without(found, folds, shape)
     return squares / float((presses.samples * presses.used).sum())
@@ -306,12 +327,20 @@ def predicted_without(found: CampaignFit, out: NDArray, shape: SmoothChange | No
     return replace(known.problem, presses=presses).predict(known.vector)
 
 
+def _without_modulus(shape: SmoothChange, step: _Step) -> NDArray:
+    """New values (k,) of a shape without their mean: a constant change is the modulus, which does not fade out.
+
+    From the stop on it is not: without its mean the force would jump at the stop.
+    """
+    if "since_stop_s" in shape.follows:
+        return step.values
+    return step.values - np.average(step.values, weights=np.maximum(np.diag(step.information), 1e-12))
+
+
 def _learned_again(found: CampaignFit) -> SmoothChange:
     """The shape that a fit holds, one step further."""
     shape = next(one.shape for one in found.problem.effects if isinstance(one, Learned))
-    step = _step(found, shape)
-    new = step.values - np.average(step.values, weights=np.maximum(np.diag(step.information), 1e-12))
-    return shape.with_flat(new)
+    return shape.with_flat(_without_modulus(shape, _step(found, shape)))
 
 
 @dataclass(frozen=True)
@@ -323,15 +352,21 @@ class LearnedFirst:
     effects: tuple[AcceptedEffect, ...]
 
 
-def learned_alone(base: AssessedModel, ranking: list[EffectCandidate], progress: Progress) -> LearnedFirst | None:
-    """A function that leaves nothing but noise, where the best single effect leaves more and explains less."""
+def learned_alone(
+    base: AssessedModel, seen: Seen, ranking: list[EffectCandidate], progress: Progress
+) -> LearnedFirst | None:
+    """A function that leaves nothing but noise, where the best single effect leaves more and explains less.
+
+    ``seen`` is what the base model leaves.
+    """
     best = ranking[0].fit if ranking else base.fit
-    if not _leaves(base, base.fit) or not can_be_learned(run_checks(base.fit), dependences(base.fit)):
+    among = can_be_learned(seen)
+    if not among or not remainder(base, base, seen).reasons:
         return None
     if best is not base.fit and not _leaves(base, best):
         return None
     progress("learning from the base model")
-    function = learn(base.fit)
+    function = learn(base.fit, among)
     if function is None or _leaves(base, function.fit):
         return None
     after = assess(function.fit)
@@ -342,31 +377,31 @@ def learned_alone(base: AssessedModel, ranking: list[EffectCandidate], progress:
 
 def _leaves(base: AssessedModel, fit: CampaignFit) -> bool:
     """Whether a model leaves more than noise."""
-    return bool(remainder(base, assess(fit), dependences(fit), run_checks(fit)).reasons)
+    return bool(remainder(base, assess(fit), look(fit)).reasons)
 
 
 def learned_first(
-    base: AssessedModel, named: AssessedModel, available: tuple[Effect, ...], progress: Progress
+    base: AssessedModel, seen: Seen, named: AssessedModel, available: tuple[Effect, ...], progress: Progress
 ) -> LearnedFirst | None:
     """Learn from the base, add named effects, and return that when it explains and predicts better than ``named``.
 
-    Explained is compared by the marginal likelihood of the
-    curve and a cost of each named parameter; predicted by real refits without each part of the conditions.
+    ``seen`` is what the base model leaves. Explained is compared by the marginal likelihood of the curve and a cost of
+    each named parameter; predicted by real refits without each part of the conditions.
     """
-    if not named.fit.problem.effects or not can_be_learned(run_checks(base.fit), dependences(base.fit)):
+    among = can_be_learned(seen) if named.fit.problem.effects else ()
+    if not among:
         return None
     progress("learning before the named effects")
-    function = learn(base.fit)
+    function = learn(base.fit, among)
     if function is None:
         return None
     found = search(assess(function.fit), available, progress)
     after = found.after
+    if not any(isinstance(one, Learned) for one in after.fit.problem.effects):
+        return None  # named effects have taken its place
     if _cost(after, function) >= _cost(named):
         return None
     if _squares(after, function) >= _squares(named):
-        return None
-    kept = [one for one in after.fit.problem.effects if isinstance(one, Learned)]
-    if not kept:
         return None
     effects = tuple(one for one in found.effects if not isinstance(one.candidate.effect, Learned))
     return LearnedFirst(replace(function, fit=after.fit), after, effects)

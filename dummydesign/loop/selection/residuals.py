@@ -199,6 +199,19 @@ def families(found: CampaignFit) -> dict[str, list[NDArray]]:
     return {name: [np.where(used, column, 0.0) for column in columns] for name, columns in out.items()}
 
 
+@dataclass(frozen=True)
+class Seen:
+    """What a residual depends on, strongest first, and the checks of it."""
+
+    where: list[Dependence]
+    checks: list[Check]
+
+
+def look(found: CampaignFit) -> Seen:
+    """Measure what the residual of a fit depends on, and check it."""
+    return Seen(dependences(found), run_checks(found))
+
+
 def _standard(values: NDArray) -> NDArray:
     """Centred and scaled to one, as a column."""
     centred = values - values.mean()

@@ -19,7 +19,7 @@ from dummydesign.loop.selection.cross_validation import (
     lack_of_fit,
     pad_errors,
 )
-from dummydesign.loop.selection.residuals import Check, Dependence
+from dummydesign.loop.selection.residuals import Seen
 
 GAIN_FLOOR = 30.0
 EACH_PARAMETER = 12.0
@@ -114,9 +114,9 @@ class Remainder:
     expected: float | None = None
 
 
-def remainder(base: AssessedModel, after: AssessedModel, where: list[Dependence], checks: list[Check]) -> Remainder:
+def remainder(base: AssessedModel, after: AssessedModel, seen: Seen) -> Remainder:
     """Judge the remainder of the best model: noise, or something more."""
-    reasons = [f"{check.name}: {check.text}" for check in checks if check.exceeded]
+    reasons = [f"{check.name}: {check.text}" for check in seen.checks if check.exceeded]
     floor, left = after.fit.sizes.floor_N, after.errors.heldout_N
     expected = expected_heldout_N(after.fit) / floor
     over = None if left is None else left / floor
@@ -130,7 +130,7 @@ def remainder(base: AssessedModel, after: AssessedModel, where: list[Dependence]
         reasons.append(f"lack of fit {lack.ratio:.2f} times the pure error of repeats (p = {lack.p:.4f})")
     # a law of growth that is a little off is allowed for
     scale, won = max(1.0, lack.ratio or 1.0), base.fit.score - after.fit.score
-    for one in where:
+    for one in seen.where:
         if one.excess > PROBE_LIMIT * scale and one.excess > FORGIVEN * won:
             reasons.append(f"residual follows {one.factor} ({one.excess:.0f} in chi2 beyond noise)")
             break

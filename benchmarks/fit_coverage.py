@@ -82,17 +82,17 @@ def coverage(draws, seed, slow_N, white_N=0.03, life_s=1.0, forces=(5.0, 10.0, 1
             noise = rng.normal(size=len(raw.time_s)) * white_N
             if slow_N:
                 noise = noise + slow_noise(raw.time_s, slow_N, life_s, rng)
-            place = np.repeat(np.arange(len(trace.samples)), trace.samples)
+            bin_index = np.repeat(np.arange(len(trace.samples)), trace.samples)
             force = raw.force_N + noise
             noisy.append(replace(trace, trace=replace(raw, force_N=force)))
             values = force[trace.inside]
-            parts.append(np.bincount(place, values) / trace.samples)
+            parts.append(np.bincount(bin_index, values) / trace.samples)
         problem.force = np.concatenate(parts)
         problem.largest_slow_N = largest_slow(noisy)
-        found = problem.optimum(2)
-        model, (low, high) = problem.model(2, found.factor), problem.box(2)
+        optimum = problem.optimum(2)
+        model, (low, high) = problem.model(2, optimum.factor), problem.box(2)
         for index in range(5):
-            interval = profile_interval(model, found.solution, index, low, high)
+            interval = profile_interval(model, optimum.solution, index, low, high)
             above = interval.low is None or interval.low <= np.log(TRUTH[index])
             below = interval.high is None or interval.high >= np.log(TRUTH[index])
             held[index] += above and below

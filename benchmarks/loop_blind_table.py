@@ -132,7 +132,7 @@ def data(rows: list[Row]) -> dict[str, list[tuple]]:
 
 def table(rows: list[Row]) -> str:
     """The published page."""
-    found, every = data(rows), [row for row in rows if row["kind"] != REFUSED]
+    tables, every = data(rows), [row for row in rows if row["kind"] != REFUSED]
     refused = [f"Seed {row['seed']} ({', '.join(row['effects'])}) was refused before the loop: {row['message']}."
                for row in rows if row["kind"] == REFUSED]  # fmt: skip
     lines = [
@@ -142,11 +142,11 @@ def table(rows: list[Row]) -> str:
         "", "## Rates", "", "The 95 % interval is in brackets. `docs/data/loop-blind.csv` has all rates.", "",
         "| campaigns | counted | rate | wanted |", "|---|---|---|---|",
     ]  # fmt: skip
-    for name, count, total, *percent, wanted in found["loop-blind"]:
+    for name, count, total, *percent, wanted in tables["loop-blind"]:
         if wanted and not name.endswith("silent"):
             lines.append("| {} | {} / {} | {} % ({} to {}) | {} |".format(name, count, total, *percent, wanted))
-    quiet = [row for row in found["loop-blind"] if row[0].endswith("silent")]
-    known = [row for row in found["loop-blind"] if row[0].startswith("size of ")]
+    quiet = [row for row in tables["loop-blind"] if row[0].endswith("silent")]
+    known = [row for row in tables["loop-blind"] if row[0].startswith("size of ")]
     sizes = [f"{row[0].split(':')[0][8:]} {row[1]} / {row[2]}" for row in known]
     lines += [f"| any: silent | {sum(row[1] for row in quiet)} / {sum(row[2] for row in quiet)} | | 0 |", "",
               f"Sizes in their interval: {', '.join(sizes[1:])}.", ""]  # fmt: skip
@@ -159,12 +159,12 @@ def table(rows: list[Row]) -> str:
               "quantiles and times.", "", f"| | {' | '.join(QUANTITIES[:-1])} |",
               "|---" * len(QUANTITIES) + "|"]  # fmt: skip
     for kind in by_kind(rows):
-        own = [row[2] for row in found["loop-blind-errors"] if row[0] == kind and row[1] != QUANTITIES[-1]]
+        own = [row[2] for row in tables["loop-blind-errors"] if row[0] == kind and row[1] != QUANTITIES[-1]]
         lines += [f"| {kind} | {' | '.join(own)} |"] if own else []
     lines += ["", "## Mistakes", "", "One effect, not named first (`docs/data/loop-blind-effects.csv`):", ""]
     lines += [f"- {name}: right in {first} of {total}; otherwise {other}." for name, total, first, other
-              in found["loop-blind-effects"] if first < total]  # fmt: skip
-    missed = found["loop-blind-missed"]
+              in tables["loop-blind-effects"] if first < total]  # fmt: skip
+    missed = tables["loop-blind-missed"]
     common = Counter(name for row in missed for name in row[0].split(", ")).most_common(2)
     lines += [
         "", "The other effects were right in all their campaigns.", "",
@@ -173,7 +173,7 @@ def table(rows: list[Row]) -> str:
         "Outside the vocabulary (`docs/data/loop-blind-unnamed.csv` also has the reasons given):", "",
         "| effect | unexplained | learned | named besides |", "|---|---|---|---|",
     ]  # fmt: skip
-    for name, total, seen, taught, named, _ in found["loop-blind-unnamed"]:
+    for name, total, seen, taught, named, _ in tables["loop-blind-unnamed"]:
         lines.append(f"| {name} | {seen} / {total} | {taught} / {total} | {named} |")
     return "\n".join(lines) + "\n"
 
@@ -249,7 +249,7 @@ def _unnamed(rows: list[Row]) -> list[tuple]:
     for name in sorted({row["effects"][0] for row in rows}):
         own = [row for row in rows if row["effects"] == [name]]
         seen = sum(row["verdict"] == "unexplained" for row in own)
-        named = ", ".join(sorted({found for row in own for found in row["found"]}))
+        named = ", ".join(sorted({effect for row in own for effect in row["found"]}))
         why = "; ".join(sorted({_short(reason) for row in own for reason in row["reasons"]}))
         out.append((name, len(own), seen, sum(map(learned, own)), named, why))
     return out

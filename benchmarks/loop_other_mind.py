@@ -197,11 +197,11 @@ def main() -> None:
         counts[kind] += 1
         if number % options.part[1] != options.part[0] or seed in known or (options.only and kind not in options.only):
             continue
-        place = counts[kind] - 1
+        index = counts[kind] - 1
         if options.effect:
-            kind, place = "one", list(generator.SIZES).index(options.effect)
+            kind, index = "one", list(generator.SIZES).index(options.effect)
         with scratch("mind-") as folder:
-            keep_row(options.rows, run_one(kind, place, seed, folder))
+            keep_row(options.rows, run_one(kind, index, seed, folder))
         row = read_rows(options.rows)[-1]
         shown = {key: row.get(key) for key in ("seed", "put", "verdict", "named", "learned", "refused", "cpu_s")}
         print(json.dumps(shown), file=sys.stderr, flush=True)

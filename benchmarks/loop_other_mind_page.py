@@ -74,10 +74,10 @@ def section() -> str:
         more.append(f"- `{name}` alone (`--seed {seed} --campaigns {len(own)} --effect {name}`): right first in"
                     f"\n  {len(own) - len(missed)} of {len(own)} further campaigns.{sizes}")  # fmt: skip
     known = [*read_rows(SIZES), *loop_detection.singles([*rows, *further])]
-    found = loop_detection.detection(known)
+    limits = loop_detection.detection(known)
     return SECTION.format(
         count=len(rows), rates=tables[0], same=", ".join(loop_other_mind.SAME_LAW), earlier=len(earlier),
         more="\n".join(more),
-        before="\n".join([*head, *short]), sizes=loop_detection.table(found).strip(),
+        before="\n".join([*head, *short]), sizes=loop_detection.table(limits).strip(),
         runs=len(read_rows(SIZES)),
     )  # fmt: skip

@@ -91,9 +91,9 @@ def fitted(time, x, force, diameter_mm=50.0, height_mm=30.0):
     return fit_relaxation(press, diameter_mm, height_mm, table_for(diameter_mm, height_mm))
 
 
-def holds(found, truth):
+def holds(interval, truth):
     """Whether an interval holds the truth."""
-    return found.low <= truth <= found.high
+    return interval.low <= truth <= interval.high
 
 
 CASES = {
@@ -114,18 +114,18 @@ def study(draws, seed, options):
     friction = np.inf if plates == "bonded" else float(plates.split(":")[1])
     count = {name: [] for name in ("young", "friction", "tau", "beta", "arms", "flagged", "error", "half")}
     for _ in range(draws):
-        found = fitted(*made(rng, **options), **size)
-        count["young"].append(holds(found.young_kPa, YOUNG_KPA))
-        count["error"].append(found.young_kPa.value / YOUNG_KPA - 1.0)
-        count["half"].append(0.5 * np.log(found.young_kPa.high / found.young_kPa.low))
-        count["friction"].append(found.friction.low <= friction <= found.friction.high)
-        count["arms"].append(len(found.arms) == len(options["arms"]))
-        if len(found.arms) == len(options["arms"]):
-            for arm, (tau, beta) in zip(found.arms, options["arms"]):
+        relaxation = fitted(*made(rng, **options), **size)
+        count["young"].append(holds(relaxation.young_kPa, YOUNG_KPA))
+        count["error"].append(relaxation.young_kPa.value / YOUNG_KPA - 1.0)
+        count["half"].append(0.5 * np.log(relaxation.young_kPa.high / relaxation.young_kPa.low))
+        count["friction"].append(relaxation.friction.low <= friction <= relaxation.friction.high)
+        count["arms"].append(len(relaxation.arms) == len(options["arms"]))
+        if len(relaxation.arms) == len(options["arms"]):
+            for arm, (tau, beta) in zip(relaxation.arms, options["arms"]):
                 if tau <= 30.0:
                     count["tau"].append(holds(arm.tau_s, tau))
                     count["beta"].append(holds(arm.beta, beta))
-        count["flagged"].append(any("slower" in arm.reason for arm in found.arms))
+        count["flagged"].append(any("slower" in arm.reason for arm in relaxation.arms))
     return {name: np.array(values, float) for name, values in count.items()}
 
 

@@ -36,9 +36,9 @@ def main():
     for shape in [*shapes, 29.0 / 12.5]:
         words, end = [], 0.0
         for plates in ("friction:0.08", "friction:0.25", "bonded"):
-            found = [error(shape, alpha, plates) for alpha in (1.5, 3.5)]
-            words.append(f"{100 * max(np.max(np.abs(one)) for one in found):.2f} %")
-            end = COMPRESSION[min(len(one) for one in found) - 1]
+            errors = [error(shape, alpha, plates) for alpha in (1.5, 3.5)]
+            words.append(f"{100 * max(np.max(np.abs(one)) for one in errors):.2f} %")
+            end = COMPRESSION[min(len(one) for one in errors) - 1]
         print(f"| {shape:.3f} | " + " | ".join(words) + f" | {end:g} |", flush=True)
 
 

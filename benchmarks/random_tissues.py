@@ -52,26 +52,26 @@ def study_one(number: int, seed: int) -> dict[str, object]:
     tissue, draw = drawn_tissue(inputs.tissue, site, np.random.default_rng([seed, number]))
     space = replace(inputs.space, targets=make_targets(tissue, "average", inputs.space.sampling))
     inputs = replace(inputs, tissue=tissue, space=space)
-    found: dict[str, list[float]] = {}
+    kinds: dict[str, list[float]] = {}
     taken: dict[str, object] = {}
     try:
         result = best_of_kinds("auto", inputs.slab_law, space)
-        designs = [(shaped.shape.name, shaped.found.best) for shaped in result.designs]
+        designs = [(shaped.shape.name, shaped.result.best) for shaped in result.designs]
         designs += [] if result.slab is None else [("slab", result.slab.best)]
         taken = taken_pad(inputs, solve(inputs, result))
     except NoAnswerError:
         designs = []
     for kind, best in designs:
-        entry = found.setdefault(kind, [0, 0.0])
+        entry = kinds.setdefault(kind, [0, 0.0])
         entry[:] = max(entry, [best.rank, round(best.total, 4)])
-    row = {"number": number, "seed": seed, "site": site, "draw": draw, "kinds": found, "taken": taken}
+    row = {"number": number, "seed": seed, "site": site, "draw": draw, "kinds": kinds, "taken": taken}
     return {**row, "cpu_seconds": round(time.process_time() - started, 1)}
 
 
 def taken_pad(inputs: Inputs, solved: SolvedDesign) -> dict[str, object]:
     """The pad that is taken: its verdict, and what it would be once modulus and relaxation are known."""
     space, chosen, request = inputs.space, solved.chosen, inputs.request
-    best = chosen.found.best
+    best = chosen.result.best
     tolerances = tolerances_of(space.resin, best, request, chosen.shape)
     cast = PadCastings(inputs.castings, chosen.cast, best, space, tolerances)
     now = verdict_of_design(cast)
@@ -91,9 +91,9 @@ def _short(value: float | None) -> float | None:
     return None if value is None else round(value, 4)
 
 
-def _ends(found) -> list:
+def _ends(deviation) -> list:
     """Central, 95 % and quantity of a shortfall or an over-reading."""
-    return [_short(found.central), _short(found.q95), found.quantity]
+    return [_short(deviation.central), _short(deviation.q95), deviation.quantity]
 
 
 def _shares(castings: dict[str, float] | None) -> dict[str, float]:

@@ -113,8 +113,8 @@ def close_loop(
     available, untested = _available(presses, law)
     ranked = rank(base, available, progress)
     alone = learned_alone(base, ranked[1], progress)
-    found = search(base, available, progress, ranked) if alone is None else Selection(alone.after, (), *ranked)
-    after, effects = found.after, found.effects
+    selection = search(base, available, progress, ranked) if alone is None else Selection(alone.after, (), *ranked)
+    after, effects = selection.after, selection.effects
     progress("remainder")
     where_after, checks = dependences(after.fit), run_checks(after.fit)
     left = remainder(base, after, where_after, checks)
@@ -132,19 +132,19 @@ def close_loop(
         where_after, checks = dependences(after.fit), run_checks(after.fit)
         still = remainder(base, after, where_after, checks)
         left = replace(still, reasons=(learnt.text, *still.reasons))
-    said: tuple[dict[str, str], ...] = ()
+    kept_warnings: tuple[dict[str, str], ...] = ()
     if after is not base:
         progress("against the base model")
         compared = left_out_errors(base, after)
         if predicts_worse(compared):
-            said = _base_kept(effects, learnt, compared)
+            kept_warnings = _base_kept(effects, learnt, compared)
             dropped = (base.fit.score - after.fit.score, after.fit)
-            found = replace(found, rivals=(dropped, *((one.gain, one.fit) for one in found.ranking)))
+            selection = replace(selection, rivals=(dropped, *((one.gain, one.fit) for one in selection.ranking)))
             after, effects, learnt = base, (), None
             where_after, checks = dependences(base.fit), run_checks(base.fit)
             left = remainder(base, base, where_after, checks)
             verdict = "unexplained" if left.reasons else "none"
-    doubt = doubt_of(after.fit, found.rivals) if learnt is None else doubt_of_curve(learnt.effect.shape.flat)
+    doubt = doubt_of(after.fit, selection.rivals) if learnt is None else doubt_of_curve(learnt.effect.shape.flat)
     after = replace(after, fit=replace(after.fit, doubt=doubt))
     joined = None
     if prior is not None:
@@ -152,12 +152,12 @@ def close_loop(
         fit, joined = join(with_prior_effects(after.fit, prior, presses, law), prior, after.lack.ratio)
         after = assess(fit) if joined.used else after
     progress("next measurement")
-    following = _next(campaign, base, effects, found.ranking)
+    following = _next(campaign, base, effects, selection.ranking)
     return LoopResult(
-        campaign, presses, base, after, verdict, effects, tuple(found.screened), tuple(found.ranking), left,
+        campaign, presses, base, after, verdict, effects, tuple(selection.screened), tuple(selection.ranking), left,
         tuple(dependences(base.fit)), tuple(where_after), tuple(checks), following, untested,
-        (*said, *_beside_curve(learnt), *_warnings(campaign, presses, beyond, joined),
-         *_better_alone(found, after)),
+        (*kept_warnings, *_curve_warnings(learnt), *_warnings(campaign, presses, beyond, joined),
+         *_better_alone(selection, after)),
         learnt, joined,
     )  # fmt: skip
 
@@ -188,15 +188,15 @@ BETTER = 10.0
 """Minus twice the log likelihood by which an effect that was not taken must explain more than the model to be named."""
 
 
-def _better_alone(found: Selection, after: AssessedModel) -> tuple[dict[str, str], ...]:
+def _better_alone(selection: Selection, after: AssessedModel) -> tuple[dict[str, str], ...]:
     """Single effects beyond noise that explain more than the model that is returned, and why they were not taken."""
     out = []
     used = {effect.name for effect in after.fit.problem.effects}
-    for one in found.ranking:
+    for one in selection.ranking:
         name = one.effect.name
         if name in used or one.fit.score >= after.fit.score - BETTER:
             continue
-        if one.gain < needed(found.screened, one.fit, name, {}, len(found.ranking)).least:
+        if one.gain < needed(selection.screened, one.fit, name, {}, len(selection.ranking)).least:
             continue  # noise alone may explain as much
         why = "its size is at its bound" if at_bound(one.fit) else "it does not predict left-out presses better"
         plain = name.replace("_", " ")
@@ -216,7 +216,7 @@ def _base_kept(
     return ({"code": "base_kept", "message": message},)
 
 
-def _beside_curve(learnt: Learnt | None) -> tuple[dict[str, str], ...]:
+def _curve_warnings(learnt: Learnt | None) -> tuple[dict[str, str], ...]:
     """What a learned curve makes of the modulus."""
     if learnt is None:
         return ()

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from dummydesign.measurement.motion import DECELERATION_MM_S2, HOLD_S
 from dummydesign.tissue.comparison import PAPER_N
-from dummydesign.tissue.model.measured_curves import FORCE_APART, SPEED_APART, common_span
+from dummydesign.tissue.model.measured_curves import FORCE_FACTOR, SPEED_FACTOR, common_span
 from dummydesign.tissue.model.tissue import PRESSED
 
 if TYPE_CHECKING:
@@ -32,7 +32,7 @@ class Beyond:
     text: str
 
 
-def beyond_range(tissue: Tissue, found: Response, velocity_mm_s: float) -> list[Beyond]:
+def beyond_range(tissue: Tissue, response: Response, velocity_mm_s: float) -> list[Beyond]:
     """Return how a press leaves the range of steady forces, depths, peaks and speeds in which people were pressed.
 
     Subjects that were fitted, and measured curves, have the range of their own presses; a steady force is inside if
@@ -43,7 +43,7 @@ def beyond_range(tissue: Tissue, found: Response, velocity_mm_s: float) -> list[
     Parameters
     ----------
     tissue : Tissue
-    found : Response
+    response : Response
         Of the subjects.
     velocity_mm_s : float
         Of the press.
@@ -52,20 +52,20 @@ def beyond_range(tissue: Tissue, found: Response, velocity_mm_s: float) -> list[
     speeds, rows = tissue.velocities_mm_s, list[Beyond]()
     if speeds:
         slow, fast = min(speeds), max(speeds)
-        if not slow / SPEED_APART <= velocity_mm_s <= fast * SPEED_APART:
+        if not slow / SPEED_FACTOR <= velocity_mm_s <= fast * SPEED_FACTOR:
             end = fast if velocity_mm_s > fast else slow
             words = f"{velocity_mm_s:g} mm/s, people were pressed at {slow:g} to {fast:g} mm/s"
             rows.append(Beyond("velocity_mm_s", velocity_mm_s, end, words))
-    held = found.steady_N[np.isfinite(found.steady_N)]
-    if held.size and float(held.min()) < low / FORCE_APART:
+    held = response.steady_N[np.isfinite(response.steady_N)]
+    if held.size and float(held.min()) < low / FORCE_FACTOR:
         rows.append(Beyond("steady_force_N", float(held.min()), low,
                            f"{float(held.min()):.3g} N steady, people were pressed from {low:g} N on"))  # fmt: skip
-    if held.size and float(held.max()) > high * FORCE_APART:
+    if held.size and float(held.max()) > high * FORCE_FACTOR:
         rows.append(Beyond("steady_force_N", float(held.max()), high,
                            f"{float(held.max()):.3g} N steady, people were pressed up to {high:g} N"))  # fmt: skip
     deepest, strongest = _limits(tissue)
     for quantity, values, ends, unit in (
-        ("depth_mm", found.depth_mm, deepest, "mm deep"), ("peak_force_N", found.peak_N, strongest, "N at the peak")
+        ("depth_mm", response.depth_mm, deepest, "mm deep"), ("peak_force_N", response.peak_N, strongest, "N at the peak")
     ):  # fmt: skip
         over = values / ends
         worst = int(np.argmax(over))

@@ -28,22 +28,22 @@ WORST = ("fail", "undecided", "pass")
 DRAWN, MOST_CHECKS = 400, 5
 
 
-def write_on_person(found: OnPerson, result: dict[str, Any], rate_hz: float, folder: Path) -> dict[str, str]:
+def write_on_person(answer: OnPerson, result: dict[str, Any], rate_hz: float, folder: Path) -> dict[str, str]:
     """Write ``report.html``, ``on_person.csv`` (curves at a uniform rate) and ``on_person.json``."""
-    pressed = people_sections(found, result["presses"])
-    sections = [*pressed, _drive_section(found, result)]
+    pressed = people_sections(answer, result["presses"])
+    sections = [*pressed, _drive_section(answer, result)]
     worst = max(result["presses"], key=lambda row: row["factor_peak"][1] or 0.0)
     facts = [
         (_span(worst["factor_peak"]), "times the pad's peak on the subjects, largest press"),
         (_span(worst["interval_95"]["peak_N"]) + " N", "peak force on one more person, 95 %"),
     ]
-    words = f"{found.drive.words[0].upper()}{found.drive.words[1:]}"
-    lead = f"{words}. {found.tissue.title}, {len(found.tissue.subjects)} subjects."
-    title = f"On people: {found.tissue.name}"
+    words = f"{answer.drive.words[0].upper()}{answer.drive.words[1:]}"
+    lead = f"{words}. {answer.tissue.title}, {len(answer.tissue.subjects)} subjects."
+    title = f"On people: {answer.tissue.name}"
     front = _front(title, lead, result, [plot for section in pressed for plot in section.plots])
     files = write_report(folder, title, lead, sections, facts=facts, warnings=result["warnings"],
                          sources=result["sources"], front=front)  # fmt: skip
-    files["curves"] = str(write_text(folder / "on_person.csv", curves_csv(found, rate_hz)))
+    files["curves"] = str(write_text(folder / "on_person.csv", curves_csv(answer, rate_hz)))
     files["json"] = str(write_text(folder / "on_person.json", json.dumps(result["presses"], indent=1) + "\n"))
     return files
 
@@ -75,42 +75,42 @@ def _front(title: str, lead: str, result: dict[str, Any], plots: list[Plot]) -> 
 
 def next_steps(result: dict[str, Any]) -> list[str]:
     """What to do with the result, by the worst check of the limits."""
-    found = headline(result)[0]
-    if found == "result":
+    word = headline(result)[0]
+    if word == "result":
         return ["compare the peak force on people with your limits: on-person --limits FILE.toml"]
-    if found == "pass":
+    if word == "pass":
         return ["keep speed, force and moving mass at or below those of these presses"]
-    if found == "fail":
+    if word == "fail":
         return ["reduce speed, force or moving mass", "press the pad again with the new setting"]
     return ["reduce speed, force or moving mass, or measure more subjects of this tissue: dummydesign tissues add"]
 
 
-def people_sections(found: OnPerson, rows: list[dict[str, Any]], prefix: str = "press") -> list[Section]:
+def people_sections(answer: OnPerson, rows: list[dict[str, Any]], prefix: str = "press") -> list[Section]:
     """Sections of the limits, where there are any, and of each press."""
     names: set[str] = set()
     limits = [_limit_section(rows)] if any(row["limits"] for row in rows) else []
-    return [*limits, *(_press_section(one, row, prefix, names) for one, row in zip(found.presses, rows))]
+    return [*limits, *(_press_section(one, row, prefix, names) for one, row in zip(answer.presses, rows))]
 
 
 def on_grid(one: PersonPress, time_s: NDArray) -> tuple[NDArray, NDArray]:
     """Depths and forces of the subjects at times since contact, shape (subjects, n); NaN where they are not known."""
     rows = []
-    for curve in (one.found.depth_curve_mm, one.found.force_curve_N):
-        times = np.broadcast_to(one.found.time_s, curve.shape)
+    for curve in (one.response.depth_curve_mm, one.response.force_curve_N):
+        times = np.broadcast_to(one.response.time_s, curve.shape)
         rows.append(np.array([np.interp(time_s, t, y, right=np.nan) for t, y in zip(times, curve)]))
     return rows[0], rows[1]
 
 
-def curves_csv(found: OnPerson, rate_hz: float) -> str:
+def curves_csv(answer: OnPerson, rate_hz: float) -> str:
     """Curves of pad and subjects at a uniform rate, one block a press."""
     head = ["file", "time_s", "pad_displacement_mm", "pad_force_N", "people_low_N", "people_high_N"]
-    for subject in found.tissue.subjects:
+    for subject in answer.tissue.subjects:
         head += [f"{subject.name}_displacement_mm", f"{subject.name}_force_N"]
     stream = io.StringIO()
     writer = csv.writer(stream, lineterminator="\n")
     writer.writerow(head)
-    spans = [(0.0, max(float(one.press.time_s[-1]), float(np.max(one.found.time_s)))) for one in found.presses]
-    for one, time in zip(found.presses, uniform_times(spans, rate_hz)):
+    spans = [(0.0, max(float(one.press.time_s[-1]), float(np.max(one.response.time_s)))) for one in answer.presses]
+    for one, time in zip(answer.presses, uniform_times(spans, rate_hz)):
         depth, force = on_grid(one, time)
         pad = [np.interp(time, one.press.time_s, row, right=np.nan) for row in (one.press.x_mm, one.press.force_N)]
         with np.errstate(all="ignore"):
@@ -127,7 +127,7 @@ def _span(ends: list[float | None]) -> str:
 
 def press_figure(one: PersonPress, name: str) -> Plot:
     """Force over time: the pad, the subjects, and their band."""
-    end = max(float(one.press.time_s[-1]), float(np.max(one.found.time_s)))
+    end = max(float(one.press.time_s[-1]), float(np.max(one.response.time_s)))
     start = log_start(one.press.stop_s)
     time = np.geomspace(start, end, DRAWN)
     force = on_grid(one, time)[1]
@@ -172,13 +172,13 @@ def _limit_section(presses: list[dict[str, Any]]) -> Section:
     return Section("Limits", text, table=Table(head, body))
 
 
-def _drive_section(found: OnPerson, result: dict[str, Any]) -> Section:
+def _drive_section(answer: OnPerson, result: dict[str, Any]) -> Section:
     body = [
         [row["file"], row["signs"]["looks_like"] or "not clear", row["signs"]["creep_mm"], row["signs"]["relaxed_N"],
          row["drive_contradicted"] or "nothing speaks against it"]
         for row in result["presses"]
     ]  # fmt: skip
-    text = f"Given: {found.drive.text}. What the traces show of the robot that made them:"
+    text = f"Given: {answer.drive.text}. What the traces show of the robot that made them:"
     head = ["press", "looks like", "creep in the hold [mm]", "force relaxed [N]", "against the given drive"]
     return Section("Which drive", text, table=Table(head, body))
 
@@ -199,11 +199,11 @@ def limit_rows(result: dict[str, Any]) -> list[tuple[dict[str, Any], str]]:
     """Checks of limits with the file of their press, the worst first."""
     rows = [(row, press["file"]) for press in result["presses"] for row in press["limits"]]
 
-    def place(pair: tuple[dict[str, Any], str]) -> tuple[int, float]:
+    def rank(pair: tuple[dict[str, Any], str]) -> tuple[int, float]:
         """Worse results first, of those the nearest to its limit."""
         return WORST.index(pair[0]["result"]), -(pair[0]["person_high_95"] or 0.0) / pair[0]["limit"]
 
-    return sorted(rows, key=place)
+    return sorted(rows, key=rank)
 
 
 def headline(result: dict[str, Any]) -> tuple[str, str]:

@@ -73,15 +73,15 @@ def build(
             print(f"alpha {alpha:g}, {plates}: {count} of {len(COMPRESSIONS)}, {seconds:.1f} s", flush=True)
     grips = np.concatenate([[0.0], grip(np.array(frictions))])
     reached = ~np.isnan(log_factor[:, -1]).any(axis=0)
-    log_factor, place = log_factor[..., reached], COMPRESSIONS[reached]
-    if not place.size or place[-1] < 0.3:
+    log_factor, compressions = log_factor[..., reached], COMPRESSIONS[reached]
+    if not compressions.size or compressions[-1] < 0.3:
         message = "the bonded puck could not be compressed to 30 %"
         raise NoAnswerError("no_convergence", message, quantity="force_N")
     for row in log_factor:
         for column in row.T:
             known = ~np.isnan(column)
             column[~known] = np.interp(grips[~known], grips[known], column[known])
-    return PuckTable(radius_over_height, np.array(alphas), grips, place, log_factor)
+    return PuckTable(radius_over_height, np.array(alphas), grips, compressions, log_factor)
 
 
 def _content(table: PuckTable) -> dict[str, Any]:

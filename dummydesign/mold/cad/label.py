@@ -77,8 +77,8 @@ def text_bars(text: str, height_mm: float, stroke_mm: float, middle: tuple[float
     left = middle[0] - text_length_mm(text, height_mm) / 2
     below = middle[1] - height_mm / 2
     bars = []
-    for place, letter in enumerate(text):
-        start = left + place * ADVANCE * unit
+    for number, letter in enumerate(text):
+        start = left + number * ADVANCE * unit
         for run in _STROKES[letter]:
             for (x0, y0), (x1, y1) in pairwise(run):
                 bars.append(Bar(start + x0 * unit, below + y0 * unit, start + x1 * unit, below + y1 * unit, stroke_mm))

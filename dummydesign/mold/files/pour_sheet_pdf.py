@@ -35,8 +35,8 @@ def fonts() -> tuple[str, str]:
     from reportlab.pdfbase import pdfmetrics
     from reportlab.pdfbase.ttfonts import TTFont
 
-    found = importlib.util.find_spec("matplotlib")
-    places = found.submodule_search_locations if found is not None else None
+    spec = importlib.util.find_spec("matplotlib")
+    places = spec.submodule_search_locations if spec is not None else None
     folder = Path(next(iter(places), "")) / "mpl-data/fonts/ttf" if places else Path()
     names = ("DejaVuSans", "DejaVuSans-Bold")
     if not all((folder / f"{name}.ttf").is_file() for name in names):
@@ -58,7 +58,7 @@ def marked(words: str) -> str:
     name = "HeiseiKakuGo-W5"
     if JAPANESE.search(words) and name not in pdfmetrics.getRegisteredFontNames():
         pdfmetrics.registerFont(UnicodeCIDFont(name))
-    return JAPANESE.sub(lambda found: f'<font name="{name}">{found[0]}</font>', html.escape(words))
+    return JAPANESE.sub(lambda match: f'<font name="{name}">{match[0]}</font>', html.escape(words))
 
 
 def sheet_pdf(blocks: Sequence[Block], foot: Foot, drawings: Sequence[Drawing] = (), paper: str = "A4") -> bytes:

@@ -240,8 +240,9 @@ def check_campaign(folder: str | PathLike[str]) -> Result:
 
     status = status_of_campaign(fspath(folder))
     result = {
-        "inputs": {"folder": fspath(folder)}, "name": status.name, "ready": status.ready, "pressed": list(status.pressed),
-        "missing": list(status.missing), "wrong": list(status.wrong), "warnings": list(status.warnings),
+        "inputs": {"folder": fspath(folder)}, "name": status.name, "ready": status.ready,
+        "pressed": list(status.pressed), "missing": list(status.missing),
+        "wrong": list(status.wrong), "warnings": list(status.warnings),
     }  # fmt: skip
     return Result(status, result)
 

@@ -314,7 +314,8 @@ def predict(
             depth_mm = depths or [0.25 * made.thickness_mm]
             asked = ["depth_mm"]
     if depth_mm is not None:
-        prediction = predict_static(made, [read_number(depth, DEPTH) for depth in parts_of(depth_mm)], fidelity, progress)
+        depths = [read_number(depth, DEPTH) for depth in parts_of(depth_mm)]
+        prediction = predict_static(made, depths, fidelity, progress)
     elif motion is not None:
         prediction = predict_motion(made, read_motion(Path(motion)), fidelity, progress)
     else:

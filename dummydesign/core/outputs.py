@@ -179,7 +179,8 @@ def growing_folder(
         write_text(target.folder / target.manifest, manifest_text(question, target.folder, None))
         yield output
         # rows of earlier runs are part of the answer
-        ours = {*target.old, *MARKS, *(name for name in _names(target.folder) if name not in before)} - {target.manifest}
+        new = (name for name in _names(target.folder) if name not in before)
+        ours = {*target.old, *MARKS, *new} - {target.manifest}
         names = [name for name in _names(target.folder) if name in ours]
         write_text(target.folder / target.manifest, manifest_text(question, target.folder, names, output.extra))
     except BaseException:

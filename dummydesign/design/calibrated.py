@@ -126,7 +126,7 @@ def _differences(calibration: Calibration, resin: Resin, ratio: float, punch: st
         notes.append(("calibration_resin", f"the calibration's campaign pressed pads of {pad['resin']}; this design is "
                       f"of {resin.name}, and still uses its modulus and relaxation"))
     if pad.get("ratio") is None:
-        notes.append(("calibration_ratio", f"the calibration's campaign says no ratio: its modulus is taken for that at "
+        notes.append(("calibration_ratio", "the calibration's campaign says no ratio: its modulus is taken for that at "
                       f"{ratio:g}, the ratio of {resin.name}'s relaxation; name resin and ratio in campaign.toml"))
     if not calibration.on_pucks():
         for name, own, designed in (("base", pad.get("base"), BASE), ("contact", pad.get("contact"), CONTACT)):

@@ -126,12 +126,13 @@ def verdict_of_traces(comparison: Comparison, tissue: Tissue) -> Verdict:
     ]
     lowest = comparison.test.span_N[0]
     force, speeds, low, high, least, most, peak, error, energy = (np.array(column) for column in zip(*rows))
-    grid = (comparison.grid_N >= max(lowest * (1 - 1e-9), 0.97 * comparison.points[0, 1])) & np.isfinite(comparison.steady)
+    from_N = max(lowest * (1 - 1e-9), 0.97 * comparison.points[0, 1])
+    grid = (comparison.grid_N >= from_N) & np.isfinite(comparison.steady)
     steady, depth = comparison.grid_N[grid], comparison.steady[grid]
     stiff, soft = (edge[grid] for edge in comparison.range_mm)
     hold = hold_of([trace for trace, _ in comparison.presses], comparison.test)
-    ranges = Ranges(force, speeds, low, high, least, most, steady, stiff, soft, len(tissue.subjects),
-                    law_named(tissue.law).exponent_of(tissue.parameter_sets, *comparison.test.span_N, hold))  # fmt: skip
+    exponent = law_named(tissue.law).exponent_of(tissue.parameter_sets, *comparison.test.span_N, hold)
+    ranges = Ranges(force, speeds, low, high, least, most, steady, stiff, soft, len(tissue.subjects), exponent)
     rng = np.random.default_rng(SEED)
     spread = Readings(
         peak + error * rng.standard_normal((DRAWS, len(peak))),

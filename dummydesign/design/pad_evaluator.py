@@ -91,7 +91,8 @@ class EvaluatedPad:
     def steady_depth_mm(self, force_N: NDArray) -> NDArray:
         """Depth at steady forces; NaN out of reach. [mm]"""
         evaluation = self.candidate.evaluation
-        return np.asarray(steady_depth(evaluation.slabs, force_N, evaluation.protocol.slow_mm_s, evaluation.sampling.coarse)[0])
+        speed, sampling = evaluation.protocol.slow_mm_s, evaluation.sampling.coarse
+        return np.asarray(steady_depth(evaluation.slabs, force_N, speed, sampling)[0])
 
 
 def law_of_shape(

@@ -161,7 +161,8 @@ def suggestion_curves(answer: Suggestion) -> SuggestionCurves:
         subjects_measured_mm=targets.depth_range_mm(grids.measured),
         aim_depth_mm=targets.aim_depth_mm(grids.aim),
         relative_forces=tuple(
-            None if item.candidate is None else relative_force(item.candidate, targets, grids) for item in answer.comparisons
+            None if item.candidate is None else relative_force(item.candidate, targets, grids)
+            for item in answer.comparisons
         ),
         exponent=exponent,
         exponent_here=tuple(float(np.interp(here, THICKNESS_GRID_MM, column)) for column in exponent.T),

@@ -48,8 +48,8 @@ def insert_bone(
         code = "file_not_found" if isinstance(problem, FileNotFoundError) else "file_unreadable"
         raise InputError(f"bone '{file}': cannot be read: {problem.strerror}", code, "bone", str(file)) from None
     room = min(length_mm, width_mm) / 2 - RIM_FREE_MM
-    measured = _measured({"file": str(file), "solid": str(solid), "placing": asdict(placing), "thickness_mm": thickness_mm,
-                          "room_mm": room})  # fmt: skip
+    measured = _measured({"file": str(file), "solid": str(solid), "placing": asdict(placing),
+                          "thickness_mm": thickness_mm, "room_mm": room})  # fmt: skip
     dome = (("radius", round(measured.pop("tip_mm"), 2)), ("height", placing.height_mm),
             ("foot", round(measured.pop("foot_mm"), 2)))  # fmt: skip
     insert = Insert(file.name, hashlib.sha256(content).hexdigest(), placing, **measured)

@@ -65,8 +65,9 @@ def beyond_range(tissue: Tissue, response: Response, velocity_mm_s: float) -> li
                            f"{float(held.max()):.3g} N steady, people were pressed up to {high:g} N"))  # fmt: skip
     deepest, strongest = _limits(tissue)
     for quantity, values, ends, unit in (
-        ("depth_mm", response.depth_mm, deepest, "mm deep"), ("peak_force_N", response.peak_N, strongest, "N at the peak")
-    ):  # fmt: skip
+        ("depth_mm", response.depth_mm, deepest, "mm deep"),
+        ("peak_force_N", response.peak_N, strongest, "N at the peak"),
+    ):
         over = values / ends
         worst = int(np.argmax(over))
         if over[worst] > NEAR:

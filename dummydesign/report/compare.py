@@ -244,7 +244,9 @@ def write_comparison(
         "steady_state": write_text(folder / "steady_state.csv", _steady_file(comparison)),
         "force_variation": write_text(folder / "force_variation.csv", _force_variation(comparison)),
         "picture": write_bytes(folder / "ranges.png", _picture(comparison, tissue)),
-        "json": write_text(folder / "compare.json", json.dumps({"verdict": verdict, **comparison.result}, indent=1) + "\n"),
+        "json": write_text(
+            folder / "compare.json", json.dumps({"verdict": verdict, **comparison.result}, indent=1) + "\n"
+        ),
     }
     report = write_compare_report(folder, comparison, tissue, verdict)
     return {role: str(path) for role, path in files.items()} | report

@@ -369,7 +369,8 @@ def _steps(page: FrontPage, y: float, size: float) -> tuple[list[Item], float]:
         items, low = [*items, *drawn], low + 0.7
     if page.side_note:
         left = 9.0 if numbered else 4.0
-        drawn, low = paragraph(left, low, wrapped(page.side_note, WIDTH_MM - left - 4.0, size, most=2), size, colour=SOFT)
+        noted = wrapped(page.side_note, WIDTH_MM - left - 4.0, size, most=2)
+        drawn, low = paragraph(left, low, noted, size, colour=SOFT)
         items += drawn
     low += 1.0
     return [rectangle((0.0, y, WIDTH_MM, low), PANEL, None), *head, *items], low

@@ -159,7 +159,7 @@ def page(
     warned = f'<ul class="warnings">{items}</ul>' if items else ""
     listed = "".join(f"<li>{escape(text)}</li>" for text in sources)
     cited = f'<section id="sources"><h2>Sources</h2><ul class="sources">{listed}</ul></section>' if listed else ""
-    tables_note = f" The values of every figure are in the {escape(tables)}-*.csv files beside this page." if tables else ""
+    where = f" The values of every figure are in the {escape(tables)}-*.csv files beside this page." if tables else ""
     return (
         '<!doctype html><html lang="en"><head><meta charset="utf-8">'
         f'<meta http-equiv="Content-Security-Policy" content="{POLICY}">'
@@ -175,7 +175,7 @@ def page(
         + cited
         + folded_glossary(f"{lead} {boxes} {warned} {body}")
         + f"<footer>dummydesign {__version__}. Lengths in mm, forces in N, times in s; moduli are long-term "
-        f"(relaxed) Young's moduli.{tables_note}</footer>"
+        f"(relaxed) Young's moduli.{where}</footer>"
         "</main>" + "".join(f"<script>{script}</script>" for script in scripts) + "</body></html>\n"
     )
 

@@ -347,7 +347,8 @@ def _cells(layer: Cells, x: Axis, y: Axis) -> str:
     even = all(np.ptp(np.diff(side)) < 1e-6 * np.ptp(side) for side in (across, along))
     if even:
         drawn = "auto" if layer.smooth else "pixelated"
-        left, right, top, bottom = x.position(across[0]), x.position(across[-1]), y.position(along[-1]), y.position(along[0])
+        left, right = x.position(across[0]), x.position(across[-1])
+        top, bottom = y.position(along[-1]), y.position(along[0])
         return (
             f'<image data-n="{escape(layer.name)}" data-v="{layer.low:g} {layer.high:g}" data-c="{_STOPS}" '
             f'href="{png_uri(value)}" x="{left:.1f}" y="{top:.1f}" width="{right - left:.1f}" '
@@ -384,7 +385,8 @@ def _scale(layer: Cells, x: Axis, y: Axis) -> str:
 def _ellipse(layer: Ellipse, x: Axis, y: Axis) -> str:
     wide = abs(x.position(layer.x + layer.half_x) - x.position(layer.x))
     high = abs(y.position(layer.y + layer.half_y) - y.position(layer.y))
-    geometry = f'cx="{x.position(layer.x):.1f}" cy="{y.position(layer.y):.1f}" rx="{max(wide, 1):.1f}" ry="{max(high, 1):.1f}"'
+    centre = f'cx="{x.position(layer.x):.1f}" cy="{y.position(layer.y):.1f}"'
+    geometry = f'{centre} rx="{max(wide, 1):.1f}" ry="{max(high, 1):.1f}"'
     return f'<ellipse class="ellipse halo" {geometry}/><ellipse class="ellipse" {geometry}/>'
 
 

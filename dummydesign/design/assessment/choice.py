@@ -84,7 +84,8 @@ def castings_for_tissues(cast: PadCastings, low_share: float, pours: int = POURS
         rows = []
         for targets in (space.targets, *space.targets.drawn):
             evaluation = pressed if targets is space.targets else scored_for(pressed, targets)
-            rows.append((evaluation.total(gamma1_score(gamma1, targets)), evaluation.low_aim, classes_of(evaluation, targets)))
+            total = evaluation.total(gamma1_score(gamma1, targets))
+            rows.append((total, evaluation.low_aim, classes_of(evaluation, targets)))
         cast.over_tissues[pours] = tuple(np.array(values) for values in zip(*rows))
     total, low_aim, kinds = cast.over_tissues[pours]
     merit = (1.0 - low_share) * total + low_share * low_aim
@@ -319,7 +320,8 @@ def _near(chosen: Chosen, space: SearchSpace, low_share: float) -> list[DesignCa
     slabs = make_slabs(curves, np.zeros(len(steps), int), space.resin, space.ratio[steps])
     evaluation = evaluate(slabs, space.targets, space.sampling, exact=True)
     parametric = rough_parametric(slabs, space.targets, space.sampling)
-    columns = space.ratio[steps], parametric, evaluation.total(parametric), acceptability_rank(evaluation, space.targets)
+    ranks = acceptability_rank(evaluation, space.targets)
+    columns = space.ratio[steps], parametric, evaluation.total(parametric), ranks
     others = [
         DesignCandidate(best.thickness_mm, ratio, at, evaluation, None, score, total, rank)
         for at, (ratio, score, total, rank) in enumerate(zip(*(column.tolist() for column in columns)))

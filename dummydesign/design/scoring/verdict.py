@@ -161,7 +161,8 @@ def verdict(
         after, force_after = (
             _factor(_quantile(values[known.reached])) for values in (known.shortfall, known.force_shortfall)
         )
-    shortfall, over = _deviation(differences, differences.short, short_95), _deviation(differences, differences.above, over_95)
+    shortfall = _deviation(differences, differences.short, short_95)
+    over = _deviation(differences, differences.above, over_95)
     central, own_force = _factor(shortfall.central), float(differences.force_shortfall[0])
     force = _factor(own_force) if np.isfinite(own_force) else None
     factors = (central, force) if spread is None else (_factor(short_95), _factor(force_95))
@@ -183,7 +184,9 @@ def verdict(
     )  # fmt: skip
 
 
-def _level(differences: Deviations, shares: dict[str, float], limits: VerdictLimits, settled: bool, inside: float) -> str:
+def _level(
+    differences: Deviations, shares: dict[str, float], limits: VerdictLimits, settled: bool, inside: float
+) -> str:
     strict, several = differences.ranges.strict, differences.ranges.subjects > 1
     if not representative(differences, limits)[0]:
         return "not_representative"
@@ -207,7 +210,8 @@ def representative(differences: Deviations, limits: VerdictLimits, slack: float 
 def outside(differences: Deviations, pad: int = 0) -> tuple[dict[str, NDArray], dict[str, NDArray]]:
     """What of one pad is below and above every subject, by quantity."""
     below, above = (
-        {name: ratios[name][pad] > 1.0 + tolerance_of(name) for name in ratios} for ratios in (differences.short, differences.above)
+        {name: ratios[name][pad] > 1.0 + tolerance_of(name) for name in ratios}
+        for ratios in (differences.short, differences.above)
     )
     return below, above
 
@@ -287,7 +291,8 @@ def _reading_words(differences: Deviations, readings: Readings, level: str) -> s
         return f"{kept}; price of the safe side: {above}" if above else kept
     below = _worst_words(differences, readings, differences.short, "below", who)
     if below and above:
-        below_first = differences.worst(differences.short)[0] >= differences.worst(differences.above)[0] or level != "not_representative"
+        short, over = (differences.worst(ratios)[0] for ratios in (differences.short, differences.above))
+        below_first = short >= over or level != "not_representative"
         return f"{below}, and {above}" if below_first else f"{above}, and {below}"
     if below or above:
         return below or above

@@ -445,7 +445,9 @@ def _fitted(designs: Sequence[Shaped], space: SearchSpace, kind: str | None = No
     fits = iter(with_parameters([candidate for group in groups for candidate in group], space))
     fitted = [[next(fits) for _ in group] for group in groups]
     return [
-        replace(shaped, result=replace(shaped.result, best=best, alternatives=tuple(others) or shaped.result.alternatives))
+        replace(shaped, result=replace(
+            shaped.result, best=best, alternatives=tuple(others) or shaped.result.alternatives
+        ))
         for shaped, (best, *others) in zip(designs, fitted)
     ]
 

@@ -220,7 +220,8 @@ def solve_leading(designs: Sequence[Shaped], space: SearchSpace, progress: Progr
         except NoAnswerError:
             failed.append(shaped)
             continue
-        better = _better_neighbour(finalists[-1], _neighbours(shaped, contenders), space, max(map(_rank, finalists)) + GAIN)
+        at_least = max(map(_rank, finalists)) + GAIN
+        better = _better_neighbour(finalists[-1], _neighbours(shaped, contenders), space, at_least)
         if better is not None:
             progress(f"finite elements, {shaped.shape.name} pad")
             finalists += _solvable([better], space)

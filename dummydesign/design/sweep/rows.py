@@ -145,7 +145,8 @@ def _scores(slabs: Slabs, targets: Targets) -> NDArray:
     evaluation = evaluate(slabs, targets)
     parametric = gamma1_score(evaluated_gamma1(evaluation, targets.power), targets)
     shown = parametric if targets.parametric else np.full(len(parametric), np.nan)
-    parts = (evaluation.steady_state_range, evaluation.force_variation_range, evaluation.aim, shown, evaluation.low_force_range)
+    ranges = evaluation.steady_state_range, evaluation.force_variation_range
+    parts = (*ranges, evaluation.aim, shown, evaluation.low_force_range)
     return np.stack([evaluation.total(parametric), *parts], axis=-1)
 
 

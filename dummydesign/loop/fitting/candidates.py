@@ -59,14 +59,15 @@ def modest(campaign_fit: CampaignFit) -> CampaignFit:
     usual = [prior[0] for prior in campaign_fit.problem.law.error_priors]
     position = min(campaign_fit.sizes.noise.position_mm, USUAL_POSITION_MM)
     noise = replace(campaign_fit.sizes.noise, position_mm=position)
-    return fit(campaign_fit.problem, campaign_fit.vector, Sizes(noise, *(min(a, b) for a, b in zip(campaign_fit.sizes.law, usual))), 6)
+    sizes = Sizes(noise, *(min(a, b) for a, b in zip(campaign_fit.sizes.law, usual)))
+    return fit(campaign_fit.problem, campaign_fit.vector, sizes, 6)
 
 
 def first_fits(
     campaign_fit: CampaignFit, effects: tuple[Effect, ...], keep: int, least_z: float, progress: Progress = quiet,
     least_gain: float = 0.0,
 ) -> tuple[list[Screened], list[EffectCandidate]]:  # fmt: skip
-    """Screen all effects and fit the best once beside what ``campaign_fit`` holds; scores best first, fits in that order."""
+    """Screen all effects and fit the best once beside those of the model; scores best first, fits in that order."""
     usual = modest(campaign_fit)
     screened = screen(usual, effects)
     chosen = [one for rank, one in enumerate(screened) if rank < keep or one.effect.always_fitted]

@@ -282,8 +282,9 @@ def fit_base(
 def same_noise(campaign_fit: CampaignFit) -> CampaignFit:
     """Estimate the slow noise again at a fit and refit: a better model shows the noise better."""
     noise = estimate_slow_noise(
-        campaign_fit.problem.presses, campaign_fit.residual, campaign_fit.slope, campaign_fit.forces, campaign_fit.sizes.noise
-    )
+        campaign_fit.problem.presses, campaign_fit.residual, campaign_fit.slope, campaign_fit.forces,
+        campaign_fit.sizes.noise,
+    )  # fmt: skip
     return fit_with_noise(campaign_fit.problem, campaign_fit.vector, replace(campaign_fit.sizes, noise=noise), 2, 8)
 
 

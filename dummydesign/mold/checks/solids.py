@@ -70,7 +70,8 @@ def check_solids(made: Parts, meshes: Mapping[str, Any] | None = None) -> list[C
     ``meshes`` are those that :func:`~dummydesign.mold.checks.solids.check_label` reads the label from.
     """
     checks = [*check_validity(made), *check_volumes(made), *check_interference(made), *check_boxes(made)]
-    checks += [*check_drafts(made), _sweep(made), *check_distances(made), *check_label(made, meshes), *check_sheet(made)]
+    checks += [*check_drafts(made), _sweep(made), *check_distances(made)]
+    checks += [*check_label(made, meshes), *check_sheet(made)]
     if made.spec.body.style == "lidded":
         checks.append(lid_one_way(made.solid("lid"), made.solid("mould")))
     return checks

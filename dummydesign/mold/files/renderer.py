@@ -152,7 +152,8 @@ def render(
         front = normals @ away > 1e-9
         light = np.full(np.count_nonzero(front), AMBIENT)
         for direction, power in lights:
-            light += DIFFUSE * power * np.maximum(normals[front] @ (np.array(direction) / np.linalg.norm(direction)), 0.0)
+            unit = np.array(direction) / np.linalg.norm(direction)
+            light += DIFFUSE * power * np.maximum(normals[front] @ unit, 0.0)
         triangles.append(placed(vertices)[faces[front]])
         colours.append(np.clip(light[:, None] * np.array(colour), 0.0, 1.0) * 255.0)
         lines.append(placed(vertices)[sharp_edges(faces, normals, edge_deg)])

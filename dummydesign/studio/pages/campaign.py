@@ -167,7 +167,8 @@ class Presses:
         parts.zip_link(self.campaign)
         DropList(self.take, self.renew, "Drop the presses (CSV). A file with a planned name takes its place; the "
                  "earlier one goes to the bin. Any other file is assigned to a press below.")  # fmt: skip
-        self.undone, self.held, self.status_area, self.holder = parts.area(), parts.area(), parts.area("state"), parts.area()
+        self.undone, self.held, self.status_area = parts.area(), parts.area(), parts.area("state")
+        self.holder = parts.area()
         with ui.expansion("Values of the presses: order, age, temperature, rest") as expansion:
             self.values = parts.area()
         expansion.props('data-test="values"').style("width:100%").on_value_change(self.show_values)

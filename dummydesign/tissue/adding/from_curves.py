@@ -268,7 +268,8 @@ def _check_presses(read: dict[str, list[Trace]]) -> tuple[dict[str, list[Trace]]
                 short.append(f"{who}: {name}")
                 continue
             held[who].append(trace)
-            declared, seen = trace.commanded_speed_mm_s or np.nan, approach_velocity(trace.time_s, trace.displacement_mm, ramp)
+            declared = trace.commanded_speed_mm_s or np.nan
+            seen = approach_velocity(trace.time_s, trace.displacement_mm, ramp)
             if not declared / SLOWER < seen < FASTER * declared:
                 unlike.append(f"{who}, {name}: {seen:.2g} for {declared:g} mm/s")
     return held, short, unlike

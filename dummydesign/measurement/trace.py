@@ -37,7 +37,7 @@ LOADED, FEW = 0.3, 0.05
 class Trace:
     """One measured (or simulated) press; arrays of shape (n,), compression positive.
 
-    ``told_mm_s`` is the commanded speed, where known: a shallow press brakes from the surface on, and
+    ``commanded_speed_mm_s`` is the commanded speed, where known: a shallow press brakes from the surface on, and
     its motion does not show it.
     """
 

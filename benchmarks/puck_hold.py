@@ -1,16 +1,18 @@
 """Recovery of modulus, friction and relaxation of pucks pressed with holds, over many draws.
 
-``python benchmarks/puck_hold.py [--draws 100] [--seed 1]`` makes the elastic force by finite elements, relaxes it
-by summing the hereditary integral over its whole history (none of the package's recursion), adds a smooth misfit of
-the law (2 % of the force), white noise and drift, and fits. It counts how often intervals hold the truth, how
+``python benchmarks/puck_hold.py [--draws 100] [--seed 1] [--csv FILE]`` makes the elastic force by finite elements,
+relaxes it by summing the hereditary integral over its whole history (none of the package's recursion), adds a smooth
+misfit of the law (2 % of the force), white noise and drift, and fits. It counts how often intervals hold the truth, how
 often the number of arms is right, and how often an arm slower than half of the hold is flagged.
 """
 
 from __future__ import annotations
 
 import argparse
+import csv
 import itertools
 from functools import lru_cache
+from pathlib import Path
 
 import numpy as np
 
@@ -134,7 +136,9 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--draws", type=int, default=100)
     parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--csv", type=Path)
     options = parser.parse_args()
+    rows = []
     print(f"{options.draws} draws a case; a share of 0.95 is right, +-{1.96 * np.sqrt(0.0475 / options.draws):.3f}")
     head = "E | friction | times | strengths | arms right | slow arm flagged | E: rms error, half interval"
     print(f"| case | {head} |")
@@ -144,6 +148,12 @@ def main():
         words = [f"{np.mean(got[k]):.2f}" for k in ("young", "friction", "tau", "beta", "arms", "flagged")]
         size = f"{100 * np.sqrt(np.mean(got['error'] ** 2)):.1f} %, {100 * np.median(got['half']):.1f} %"
         print(f"| {name} | " + " | ".join(words) + f" | {size} |", flush=True)
+        rows.append((name, *words, *size.replace(" %", "").split(", ")))
+    if options.csv:
+        head = ["case", "E", "friction", "times", "strengths", "number_of_arms_right", "slow_arm_flagged"]
+        head += ["E_rms_error_percent", "E_half_interval_percent"]
+        with options.csv.open("w", encoding="utf-8", newline="") as stream:
+            csv.writer(stream, lineterminator="\n").writerows([head, *rows])
 
 
 if __name__ == "__main__":

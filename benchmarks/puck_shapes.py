@@ -1,10 +1,14 @@
 """Error of the puck tables of proportions that were not solved, against solves made now.
 
-``python benchmarks/puck_shapes.py`` goes half-way (in the logarithm) between the solved proportions, where the
-interpolation is worst, and to one shape of a standard (29 x 12.5 mm); alpha lies between its grid too.
+``python benchmarks/puck_shapes.py [--csv FILE]`` goes half-way (in the logarithm) between the solved proportions,
+where the interpolation is worst, and to one shape of a standard (29 x 12.5 mm); alpha lies between its grid too.
 """
 
 from __future__ import annotations
+
+import argparse
+import csv
+from pathlib import Path
 
 import numpy as np
 
@@ -30,6 +34,11 @@ def error(diameter_over_height, alpha, plates):
 
 def main():
     """Print the table."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--csv", type=Path)
+    options = parser.parse_args()
+    rows = [("diameter_over_height", "error_friction_0.08_percent", "error_friction_0.25_percent",
+             "error_bonded_percent", "compressed_to")]  # fmt: skip
     shapes = [2.0 * table.radius_over_height * SHAPE_STEP**0.5 for table in load_shapes()[:-1]]
     print("| diameter / height | " + " | ".join(("friction 0.08", "friction 0.25", "bonded")) + " | solved to |")
     print("|---|---|---|---|---|")
@@ -40,6 +49,10 @@ def main():
             words.append(f"{100 * max(np.max(np.abs(one)) for one in errors):.2f} %")
             end = COMPRESSION[min(len(one) for one in errors) - 1]
         print(f"| {shape:.3f} | " + " | ".join(words) + f" | {end:g} |", flush=True)
+        rows.append((f"{shape:.3f}", *(word.removesuffix(" %") for word in words), f"{end:g}"))
+    if options.csv:
+        with options.csv.open("w", encoding="utf-8", newline="") as stream:
+            csv.writer(stream, lineterminator="\n").writerows(rows)
 
 
 if __name__ == "__main__":

@@ -1,8 +1,8 @@
 """Figures of the pad model that docs/pad.md quotes: ``python -m studies.pad_figures [--only NAME ...]``.
 
-Writes six files into ``docs/data``. The pad is a slab of 25 kPa under a round punch of the area of 14 x 14 mm. Errors of
-the sharp edge, of the square and of the quick prediction are read from the response tables. Fillets, friction and a
-resting base are solved.
+Writes six files into ``docs/data``; about one minute of processor time. The pad is a slab of 25 kPa under a round punch
+of the area of 14 x 14 mm. Errors of the sharp edge, of the square and of the quick prediction are read from the
+response tables. Fillets, friction and a resting base are solved.
 """
 
 from __future__ import annotations

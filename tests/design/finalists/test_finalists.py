@@ -57,7 +57,7 @@ class Pad:
     merit = property(lambda self: self.by_table)
 
     @property
-    def found(self):
+    def result(self):
         return SimpleNamespace(best=SimpleNamespace(rank=int(self.acceptable), thickness_mm=10.0))
 
 

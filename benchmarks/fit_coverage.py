@@ -1,14 +1,16 @@
 """Coverage of the fit's 95 % intervals over many draws of white and of correlated noise.
 
-``python benchmarks/fit_coverage.py [--draws 400] [--seed 1]`` presses a five-element tissue at three steady
-forces and two speeds (an independent integrator makes the force), adds noise, fits jointly, and counts how
+``python benchmarks/fit_coverage.py [--draws 400] [--seed 1 2] [--csv FILE]`` presses a five-element tissue at three
+steady forces and two speeds (an independent integrator makes the force), adds noise, fits jointly, and counts how
 often the interval of each parameter holds the truth.
 """
 
 from __future__ import annotations
 
 import argparse
+import csv
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 from scipy.integrate import solve_ivp
@@ -82,17 +84,17 @@ def coverage(draws, seed, slow_N, white_N=0.03, life_s=1.0, forces=(5.0, 10.0, 1
             noise = rng.normal(size=len(raw.time_s)) * white_N
             if slow_N:
                 noise = noise + slow_noise(raw.time_s, slow_N, life_s, rng)
-            place = np.repeat(np.arange(len(trace.samples)), trace.samples)
+            bin_index = np.repeat(np.arange(len(trace.samples)), trace.samples)
             force = raw.force_N + noise
             noisy.append(replace(trace, trace=replace(raw, force_N=force)))
             values = force[trace.inside]
-            parts.append(np.bincount(place, values) / trace.samples)
+            parts.append(np.bincount(bin_index, values) / trace.samples)
         problem.force = np.concatenate(parts)
         problem.largest_slow_N = largest_slow(noisy)
-        found = problem.optimum(2)
-        model, (low, high) = problem.model(2, found.factor), problem.box(2)
+        optimum = problem.optimum(2)
+        model, (low, high) = problem.model(2, optimum.factor), problem.box(2)
         for index in range(5):
-            interval = profile_interval(model, found.solution, index, low, high)
+            interval = profile_interval(model, optimum.solution, index, low, high)
             above = interval.low is None or interval.low <= np.log(TRUTH[index])
             below = interval.high is None or interval.high >= np.log(TRUTH[index])
             held[index] += above and below
@@ -103,17 +105,24 @@ def main():
     """Print the coverage table."""
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("--draws", type=int, default=400)
-    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--seed", type=int, nargs="+", default=[1], help="draws are made with each; shares are of all")
+    parser.add_argument("--csv", type=Path)
     options = parser.parse_args()
-    print(f"{options.draws} draws; a share of 0.95 is right, +-{1.96 * np.sqrt(0.0475 / options.draws):.3f} by chance")
+    count, rows = options.draws * len(options.seed), []
+    print(f"{count} draws; a share of 0.95 is right, +-{1.96 * np.sqrt(0.0475 / count):.3f} by chance")
     print(f"{'noise':<44} {'gamma1':>7} {'gamma2':>7} {'gamma3':>7} {'c2':>7} {'c3':>7}")
     for name, slow, life in (
         ("white 0.03 N", 0.0, 1.0),
         ("white 0.03 N + slow 0.02 N over 1 s", 0.02, 1.0),
         ("white 0.03 N + slow 0.05 N over 0.1 s", 0.05, 0.1),
     ):
-        shares = coverage(options.draws, options.seed, slow, life_s=life)
+        shares = np.mean([coverage(options.draws, seed, slow, life_s=life) for seed in options.seed], axis=0)
         print(f"{name:<44} " + " ".join(f"{share:7.3f}" for share in shares))
+        rows.append((name, *(f"{share:.3f}" for share in shares)))
+    if options.csv:
+        with options.csv.open("w", encoding="utf-8", newline="") as stream:
+            head = "noise", "gamma1", "gamma2", "gamma3", "c2", "c3"
+            csv.writer(stream, lineterminator="\n").writerows([head, *rows])
 
 
 if __name__ == "__main__":

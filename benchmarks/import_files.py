@@ -30,15 +30,15 @@ from tests.support.machine_presses import recording
 
 def rates(seeds: range, fast: bool, folder: Path, contact: tuple[float, float]) -> Counter:
     """Verdicts over a set; each file that is not right in a line of its own."""
-    found: Counter = Counter()
+    counts: Counter = Counter()
     for seed in seeds:
         made = machine_file(seed, fast)
         outcome = judge(made, folder, *contact)
         silent = outcome.verdict == "wrong" and not outcome.warned
-        found["wrong without a word" if silent else outcome.verdict] += 1
+        counts["wrong without a word" if silent else outcome.verdict] += 1
         if outcome.verdict != "right" and not fast:
             print(f"  {seed} {made.facts['dialect']}: {outcome.verdict}, {outcome.text[:90]}")
-    return found
+    return counts
 
 
 def contact_errors(law: str, seeds: range) -> tuple[float, float]:

@@ -90,9 +90,9 @@ def run_one(kind: str, before: int, seed: int, folder: Path) -> dict:
     try:
         return {"seed": seed, "kind": kind, **learned(put_in, seed, folder)}
     except InputError as problem:
-        said = str(problem).partition("; ")[0]
+        message = str(problem).partition("; ")[0]
         return {"seed": seed, "kind": REFUSED, "effects": [n for n, _ in put_in], "sizes": [s for _, s in put_in],
-                "verdict": REFUSED, "found": [], "cpu_seconds": 0.0, "message": said}  # fmt: skip
+                "verdict": REFUSED, "found": [], "cpu_seconds": 0.0, "message": message}  # fmt: skip
 
 
 def learned(
@@ -122,16 +122,16 @@ def learned(
 
 def row_of(put_in: Put, truth: generator.Truth, result: LoopResult, seconds: float) -> dict:
     """What is kept of one campaign."""
-    names = [found.candidate.effect.name for found in result.effects]
+    names = [accepted.candidate.effect.name for accepted in result.effects]
     intervals = {}
-    for found in result.effects:
-        size = next(iter(effect_intervals(result.after, found.candidate.effect).values()))
-        intervals[found.candidate.effect.name] = [size["low"], size["value"], size["high"]]
+    for accepted in result.effects:
+        size = next(iter(effect_intervals(result.after, accepted.candidate.effect).values()))
+        intervals[accepted.candidate.effect.name] = [size["low"], size["value"], size["high"]]
     return {
         "effects": [name for name, _ in put_in], "sizes": [size for _, size in put_in], "floor": truth.floor_N,
         "verdict": result.verdict, "found": names, "intervals": intervals,
-        "confounded": [list(found.confounded_with) for found in result.effects],
-        "evidence": [round(found.candidate.gain, 1) for found in result.effects],
+        "confounded": [list(accepted.confounded_with) for accepted in result.effects],
+        "evidence": [round(accepted.candidate.gain, 1) for accepted in result.effects],
         "ranking": [c.effect.name for c in result.ranking[:5]],
         "heldout": [result.base.errors.heldout_N, result.after.errors.heldout_N],
         "expected": result.remainder.expected, "lack": [result.after.lack.ratio, result.after.lack.p],

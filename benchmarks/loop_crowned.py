@@ -58,15 +58,15 @@ def counts(rows: list[dict]) -> str:
     kinds = [pads for pads in KINDS if any(row["pads"] == pads for row in rows)]
     lines = [f"{'':<34}" + "".join(f" {pads:>10}" for pads in kinds)]
     for size, label in ((0, "none"), (1, "one"), (2, "two")):
-        told = {}
+        texts = {}
         for pads in kinds:
             own = [row for row in rows if row["pads"] == pads and len(row["effects"]) == size]
             named = sum(set(row["effects"]) <= set(row["found"]) for row in own)
             wrong = sum(bool(set(row["found"]) - set(row["effects"])) for row in own)
             quiet = sum(row["verdict"] != "unexplained" for row in own)
-            told[pads] = [f"{count} of {len(own)}" for count in (named, wrong, quiet)]
-        for place, what in enumerate(("all named", "a name that is not in it", "verdict not unexplained")):
-            lines.append(f"{label + ': ' + what:<34}" + "".join(f" {told[pads][place]:>10}" for pads in kinds))
+            texts[pads] = [f"{count} of {len(own)}" for count in (named, wrong, quiet)]
+        for column, what in enumerate(("all named", "a name that is not in it", "verdict not unexplained")):
+            lines.append(f"{label + ': ' + what:<34}" + "".join(f" {texts[pads][column]:>10}" for pads in kinds))
     return "\n".join(lines)
 
 

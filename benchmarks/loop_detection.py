@@ -39,17 +39,17 @@ MOST = {"base_slip": 4.0, "compressibility": 3.0, "punch_tilt": 3.0, "strain_dep
 """Largest size over the usual one where ten times the usual one is not physical."""
 DATA, FIGURE = Path("docs/data/loop-detection.csv"), Path("docs/images/loop-detection.svg")
 GOLDEN, SPREAD = 0.618034, 2
-FOUND = 0.9
+NAMED_SHARE = 0.9
 
 
-def size_of(place: int, turn: int, rows: list[dict]) -> float:
+def size_of(number: int, turn: int, rows: list[dict]) -> float:
     """Size of an effect in a round.
 
     Spread evenly in the logarithm over the two decades below its largest; from the third round on near the middle of
     its curve, within a factor of 1.5 and those decades.
     """
-    name = list(USUAL)[place]
-    share = (place * 0.37 + turn * GOLDEN) % 1.0
+    name = list(USUAL)[number]
+    share = (number * 0.37 + turn * GOLDEN) % 1.0
     largest = USUAL[name] * MOST.get(name, 10.0)
     if turn < SPREAD:
         return largest * 10.0 ** (2.0 * share - 2.0)
@@ -57,10 +57,10 @@ def size_of(place: int, turn: int, rows: list[dict]) -> float:
     return float(np.clip(middle * 1.5 ** (2.0 * share - 1.0), 0.01 * largest, largest))
 
 
-def run_one(place: int, turn: int, seed: int, folder: Path, rows: list[dict]) -> dict:
+def run_one(number: int, turn: int, seed: int, folder: Path, rows: list[dict]) -> dict:
     """One campaign with one effect: what was put in, and what was named."""
-    name = list(USUAL)[place]
-    truth = generator.write_campaign(folder, ((name, size_of(place, turn, rows)),), seed)
+    name = list(USUAL)[number]
+    truth = generator.write_campaign(folder, ((name, size_of(number, turn, rows)),), seed)
     row = {"seed": seed, "effect": NAMES.get(name, name), "size": abs(truth.effects[name]), "floor_N": truth.floor_N}
     try:
         campaign, began = read_campaign(folder), time.process_time()
@@ -89,7 +89,7 @@ def singles(rows: list[dict]) -> list[dict]:
 
 
 @dataclass(frozen=True)
-class Found:
+class DetectionLimit:
     """Detection of one effect: the size found in 9 of 10 with its 90 % interval, sizes found and missed."""
 
     name: str
@@ -109,7 +109,7 @@ BEYOND = 3.0
 """Natural logarithm by which the middle of a curve may lie outside the sizes that were tried."""
 
 
-def detection(rows: list[dict]) -> list[Found]:
+def detection(rows: list[dict]) -> list[DetectionLimit]:
     """Size from which on each effect is found in 9 of 10, from all effects together."""
     rows = [row for row in rows if "refused" not in row]
     names = list(dict.fromkeys(NAMES.get(name, name) for name in USUAL))
@@ -124,10 +124,10 @@ def detection(rows: list[dict]) -> list[Found]:
     # one steepness for all: its likelihood is the product over effects, each with its middle integrated out
     each = {name: np.logaddexp.reduce(table, axis=1) for name, table in tables.items()}
     total = sum(each.values())
-    found = []
+    limits = []
     for name, some in own.items():
         weights = np.exp(tables[name] - each[name][:, None] + (total - total.max())[:, None])
-        places = grids[name] + np.log(FOUND / (1.0 - FOUND)) / STEEP[:, None]
+        places = grids[name] + np.log(NAMED_SHARE / (1.0 - NAMED_SHARE)) / STEEP[:, None]
         low, middle, high = np.exp(_quantiles(places, weights, (0.05, 0.5, 0.95)))
         half = float(np.exp(_quantiles(np.broadcast_to(grids[name], weights.shape), weights, (0.5,))[0]))
         sizes = [row["size"] for row in some]
@@ -137,11 +137,11 @@ def detection(rows: list[dict]) -> list[Found]:
         shown = np.geomspace(min(sizes), max(sizes), 40)
         chance = [np.average(1.0 / (1.0 + np.exp(-STEEP[:, None] * (np.log(one) - grids[name]))), weights=weights)
                   for one in shown]  # fmt: skip
-        found.append(
-            Found(name, half, (float(low), float(middle), float(high)), (min(sizes), max(sizes)),
-                  float(np.median(seen)) if len(seen) > 1 else 0.0, hits, misses, (shown, np.array(chance)))
+        limits.append(
+            DetectionLimit(name, half, (float(low), float(middle), float(high)), (min(sizes), max(sizes)),
+                           float(np.median(seen)) if len(seen) > 1 else 0.0, hits, misses, (shown, np.array(chance)))
         )  # fmt: skip
-    return found
+    return limits
 
 
 def _quantiles(values: NDArray, weights: NDArray, wanted: tuple[float, ...]) -> NDArray:
@@ -155,10 +155,10 @@ UNITS = {"contact_offset": "mm", "machine_compliance": "mm/N", "punch_tilt": "de
          "time_skew": "s", "temperature": "1/C", "ageing": "", "sensor_curve": "1/N"}  # fmt: skip
 
 
-def lines_of(found: list[Found]) -> list[list[str]]:
+def lines_of(limits: list[DetectionLimit]) -> list[list[str]]:
     """Lines of the table: effect, campaigns, size with interval, the same in noise floors."""
     out = []
-    for one in found:
+    for one in limits:
         unit = UNITS.get(one.name, "")
         low, middle, high = one.size
         most = one.range[1]
@@ -176,16 +176,16 @@ def lines_of(found: list[Found]) -> list[list[str]]:
 HEAD = ["effect", "campaigns", "found", "found in 9 of 10 from", "90 % interval", "in noise floors", "90 % interval"]
 
 
-def table(found: list[Found]) -> str:
+def table(limits: list[DetectionLimit]) -> str:
     """The table in Markdown."""
-    rows = [HEAD, ["---"] * len(HEAD), *lines_of(found)]
+    rows = [HEAD, ["---"] * len(HEAD), *lines_of(limits)]
     return "\n".join(f"| {' | '.join(row)} |" for row in rows) + "\n"
 
 
 PANEL_MM, ACROSS, LETTERS_PT = (45.0, 36.0), 4, 6.0
 
 
-def figure(found: list[Found]) -> str:
+def figure(limits: list[DetectionLimit]) -> str:
     """The chance to be found over the size, a panel for each effect, as SVG."""
     from dummydesign.report.plot import Plot
     from dummydesign.report.plot_drawing import plot_drawing
@@ -194,9 +194,9 @@ def figure(found: list[Found]) -> str:
 
     wide, high = PANEL_MM
     sheet = VectorSheet("Chance that the loop names a single effect first, over its size", ACROSS * wide,
-                        -(-len(found) // ACROSS) * high)  # fmt: skip
-    for place, one in enumerate(found):
-        left, top = place % ACROSS * wide + 2.0, place // ACROSS * high + 2.0
+                        -(-len(limits) // ACROSS) * high)  # fmt: skip
+    for number, one in enumerate(limits):
+        left, top = number % ACROSS * wide + 2.0, number // ACROSS * high + 2.0
         named = np.repeat([1.0, 0.0], [len(one.hits), len(one.misses)])
         layers = [Line("", *one.curve), Dots("", [*one.hits, *one.misses], named)]
         unit = UNITS.get(one.name, "")
@@ -231,11 +231,11 @@ def main() -> None:
         shown = {key: row.get(key) for key in ("seed", "effect", "size", "verdict", "named", "refused", "cpu_s")}
         print(json.dumps(shown), file=sys.stderr, flush=True)
     if options.table:
-        found = detection(rows())
+        limits = detection(rows())
         with DATA.open("w", newline="") as stream:
-            csv.writer(stream, lineterminator="\n").writerows([HEAD, *lines_of(found)])
-        write_text(FIGURE, figure(found))
-        print(table(found))
+            csv.writer(stream, lineterminator="\n").writerows([HEAD, *lines_of(limits)])
+        write_text(FIGURE, figure(limits))
+        print(table(limits))
 
 
 if __name__ == "__main__":

@@ -48,7 +48,7 @@ PAGE, TABLE = ROOT / "docs" / "loop-ecoflex.md", ROOT / "docs" / "data" / "loop-
 
 def heads(depth_mm: float) -> tuple[str, str, str]:
     """Columns of the calibration to a depth: what it found, error to 15 mm of its base and with what it found."""
-    base, after = (f"to_{DEEP_MM:g}mm{stage}_from_{depth_mm:g}mm_N" for stage in ("_base", ""))
+    base, after = (f"to_{DEEP_MM:g}mm{model}_from_{depth_mm:g}mm_N" for model in ("_base", ""))
     return f"found_to_{depth_mm:g}mm", base, after
 
 
@@ -95,8 +95,8 @@ def run_mixture(name: str, curves: dict[str, np.ndarray], folder: Path) -> list[
     for depth in SHALLOW_MM:
         calibration = calibration_of(close_loop(campaign_to(folder / f"to-{depth:g}", name, curves, depth)))
         predicted = replay(deep, calibration)
-        found = ", ".join(one.effect.name for one in calibration.after.active)
-        shallow += [found, f"{predicted.total_base_rmse_N:.2f}", f"{predicted.total_rmse_N:.2f}"]
+        effects = ", ".join(one.effect.name for one in calibration.after.active)
+        shallow += [effects, f"{predicted.total_base_rmse_N:.2f}", f"{predicted.total_rmse_N:.2f}"]
     parts = []
     for effect in data["effects"]:
         p = next(iter(effect["parameters"].values()))
@@ -104,8 +104,8 @@ def run_mixture(name: str, curves: dict[str, np.ndarray], folder: Path) -> list[
     if result.learnt is not None:
         parts.append(result.learnt.effect.name)
     rivals = ", ".join(name for effect in data["effects"] for name in effect["confounded_with"])
-    modulus = [1e3 * stage.fit.base.young_MPa for stage in (result.base, result.after)]
-    held = [stage.errors.heldout_N or float("nan") for stage in (result.base, result.after)]
+    modulus = [1e3 * model.fit.base.young_MPa for model in (result.base, result.after)]
+    held = [model.errors.heldout_N or float("nan") for model in (result.base, result.after)]
     top = max(trial.trace.force_N.max() for trial in deep.trials)
     alone = ", ".join(f"{row['name']} {row['evidence']:.0f}" for row in data["ranking"][:3])
     return [name, f"{top:.0f}", *(f"{one:.1f}" for one in modulus), result.verdict, "; ".join(parts), rivals, alone,
@@ -146,10 +146,10 @@ def page(table: list[dict[str, str]]) -> str:
     ]  # fmt: skip
     for depth in SHALLOW_MM:
         name, base, after = heads(depth)
-        found = [row for row in table if row[name]]
-        friction = sum("plate_friction" in row[name] for row in found)
-        worse = sum(float(row[after]) > float(row[base]) for row in found)
-        lines.append(f"| {depth:g} mm | {friction} | {len(found) - friction} | {worse} |")
+        own = [row for row in table if row[name]]
+        friction = sum("plate_friction" in row[name] for row in own)
+        worse = sum(float(row[after]) > float(row[base]) for row in own)
+        lines.append(f"| {depth:g} mm | {friction} | {len(own) - friction} | {worse} |")
     lines += ["", "| mixture | largest N | E base, after kPa | found (95 %) | left out: base, after |"]
     lines.append("|---|---|---|---|---|")
     for row in table:

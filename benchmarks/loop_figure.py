@@ -25,11 +25,11 @@ MEASURED, BASE, AFTER = "0.35", "#c94a1f", "#1f4e79"
 
 def series(path: Path) -> dict[str, np.ndarray]:
     """x and y of each series of a report's CSV."""
-    found: dict[str, list[list[float]]] = {}
+    columns: dict[str, list[list[float]]] = {}
     with open(path, encoding="utf-8", newline="") as file:
         for name, *values in list(csv.reader(file))[1:]:
-            found.setdefault(name, []).append([float(value) if value else np.nan for value in values[:2]])
-    return {name: np.array(rows) for name, rows in found.items()}
+            columns.setdefault(name, []).append([float(value) if value else np.nan for value in values[:2]])
+    return {name: np.array(rows) for name, rows in columns.items()}
 
 
 def deepest(folder: Path) -> dict[str, np.ndarray]:
@@ -51,7 +51,7 @@ def draw(loop: Path, answer: dict, designs: dict[str, Path]) -> None:
     import matplotlib.pyplot as plt
 
     plt.rcParams.update({"svg.hashsalt": "loop", "font.size": 10, "axes.spines.top": False, "axes.spines.right": False})
-    figure, ((press, left), (found, design)) = plt.subplots(2, 2, figsize=(8.4, 5.2), layout="constrained")
+    figure, ((press, left), (cause, design)) = plt.subplots(2, 2, figsize=(8.4, 5.2), layout="constrained")
     styles = {"measured": (".", MEASURED), "base": ("--", BASE), "corrected": ("-", AFTER)}
     curves = deepest(loop)
     for begin, words in (("measured", "measured"), ("base", "base model"), ("corrected", "with the effect")):
@@ -71,9 +71,9 @@ def draw(loop: Path, answer: dict, designs: dict[str, Path]) -> None:
     left.legend(frameon=False, fontsize=8)
     ranking = answer["ranking"][:5][::-1]
     colours = [AFTER if row["name"] == answer["effects"][0]["name"] else "0.75" for row in ranking]
-    found.barh([named(row["name"]) for row in ranking], [row["evidence"] for row in ranking], color=colours)
-    found.axvline(answer["threshold"], color="black", lw=0.8, ls="--")
-    found.set(xlabel="evidence (needed: dashed)", title="3 Effect: find the cause, calibrate")
+    cause.barh([named(row["name"]) for row in ranking], [row["evidence"] for row in ranking], color=colours)
+    cause.axvline(answer["threshold"], color="black", lw=0.8, ls="--")
+    cause.set(xlabel="evidence (needed: dashed)", title="3 Effect: find the cause, calibrate")
     for name, colour, style in (("without calibration", BASE, "--"), ("with calibration", AFTER, "-")):
         curve = series(designs[name] / "report-steady.csv")["recommended pad"]
         design.plot(np.append(0.0, curve[:, 0]), np.append(0.0, curve[:, 1]), style, color=colour, label=name)

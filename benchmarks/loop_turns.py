@@ -86,8 +86,8 @@ def run_seed(seed: int, folder: Path, pads: generator.CastPads | None = None) ->
         started = time.process_time()
         here = folder / f"turn-{turn}"
         generator.write_campaign(here, effect, size, seed, rows=rows, **own)
-        found = dummydesign.calibrate(here, prior=prior, plan=folder / f"plan-{turn}", out=folder / f"out-{turn}")
-        result = found.to_dict()
+        calibrated = dummydesign.calibrate(here, prior=prior, plan=folder / f"plan-{turn}", out=folder / f"out-{turn}")
+        result = calibrated.to_dict()
         prior = folder / f"out-{turn}" / "calibration.json"
         try:
             answer = dummydesign.suggest("forefinger", shape="slab", calibration=prior, ratio=(RATIO, RATIO),
@@ -111,8 +111,8 @@ def run_seed(seed: int, folder: Path, pads: generator.CastPads | None = None) ->
         )  # fmt: skip
         designed = round(float(np.clip(best["thickness_mm"], *REACH_MM)), 1)
         rows = planned_rows(folder / f"plan-{turn}", designed, turn + 1)
-    told = {} if pads is None else {"recorded": pads.recorded}
-    return {"seed": seed, "effect": effect, "young": truth.young_kPa, "floor": truth.floor_N, **told, "turns": turns}
+    records = {} if pads is None else {"recorded": pads.recorded}
+    return {"seed": seed, "effect": effect, "young": truth.young_kPa, "floor": truth.floor_N, **records, "turns": turns}
 
 
 def contradicted(seed: int, folder: Path) -> dict:
@@ -121,8 +121,8 @@ def contradicted(seed: int, folder: Path) -> dict:
     dummydesign.calibrate(folder / "a", out=folder / "out-a")
     path = folder / "out-a" / "calibration.json"
     data = json.loads(path.read_text())
-    place = data["posterior"]["names"].index("log young_kPa")
-    data["posterior"]["mean"][place] += float(np.log(1.25))
+    index = data["posterior"]["names"].index("log young_kPa")
+    data["posterior"]["mean"][index] += float(np.log(1.25))
     path.write_text(json.dumps(data))
     generator.write_campaign(folder / "b", "none", 0.0, seed, rows=planned_like(first_rows()), cast=CAST)
     prior = dummydesign.calibrate(folder / "b", prior=path).to_dict()["prior"]
@@ -145,13 +145,13 @@ def turn_rows(rows: list[dict]) -> list[dict]:
     return [
         {
             "seed": row["seed"], "put_in": row["effect"],
-            "records": {None: "", False: "no", True: "yes"}[row.get("recorded")], "turn": place,
+            "records": {None: "", False: "no", True: "yes"}[row.get("recorded")], "turn": number,
             "modulus_half_width_percent": f"{100 * np.log(turn['young'][1] / turn['young'][0]) / 2:.2f}",
             "error_on_other_pads_floors": f"{turn['replay'] / row['floor']:.2f}",
             "modulus_in_interval": "yes" if turn["young"][0] <= row["young"] <= turn["young"][1] else "no",
             "named": " ".join(turn["found"]),
         }
-        for row in rows if "turns" in row for place, turn in enumerate(row["turns"], 1)
+        for row in rows if "turns" in row for number, turn in enumerate(row["turns"], 1)
     ]  # fmt: skip
 
 
@@ -280,12 +280,12 @@ def main() -> None:
         return
 
     known = {row["seed"] for row in read_rows(options.rows)}
-    for place in range(options.seeds + options.seeds // 4):
-        seed = options.seed + place
+    for number in range(options.seeds + options.seeds // 4):
+        seed = options.seed + number
         if seed in known:
             continue
         with scratch("turns-") as folder:
-            row = run_seed(seed, folder) if place < options.seeds else contradicted(seed, folder)
+            row = run_seed(seed, folder) if number < options.seeds else contradicted(seed, folder)
         keep_row(options.rows, row)
         print(json.dumps(row), file=sys.stderr, flush=True)
     write_page(read_rows(options.rows), options.out)

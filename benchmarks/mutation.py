@@ -87,14 +87,14 @@ def _replaced(text: str, node: ast.expr, new: str) -> str:
 
 def draw(repository: Path, count: int, seed: int) -> list[tuple[str, int, str, str]]:
     """Draw lines, then one change in each: file, line, kind and new text."""
-    found: dict[tuple[str, int], list[tuple[str, int, str, str]]] = {}
+    candidates: dict[tuple[str, int], list[tuple[str, int, str, str]]] = {}
     for room in ROOMS:
         for path in sorted((repository / "dummydesign" / room).rglob("*.py")):
             name = path.relative_to(repository).as_posix()
             for line, kind, text in mutants(path):
-                found.setdefault((name, line), []).append((name, line, kind, text))
+                candidates.setdefault((name, line), []).append((name, line, kind, text))
     chance = random.Random(seed)
-    return [chance.choice(found[place]) for place in chance.sample(sorted(found), count)]
+    return [chance.choice(candidates[where]) for where in chance.sample(sorted(candidates), count)]
 
 
 @dataclass(frozen=True)
@@ -123,8 +123,8 @@ class Lines:
         """Tests in the order in which they are tried: quick files of the module first."""
         chosen = self.of(copy, name, line)
         files: dict[str, list[int]] = {}
-        for place, test in enumerate(self.tests):
-            files.setdefault(test.split("::")[0], []).append(place)
+        for number, test in enumerate(self.tests):
+            files.setdefault(test.split("::")[0], []).append(number)
         near = set(importers(copy, name, list(files)))
         cost = {file: sum(self.seconds[one] for one in places if one in chosen) for file, places in files.items()}
         batch: list[int] = []
@@ -191,12 +191,12 @@ def caught_by(copy: Copy, lines: Lines, mutant: tuple[str, int, str, str]) -> di
             rows = [one for one in seen.splitlines() if one.startswith(("FAILED", "ERROR"))]
             if not rows:
                 break
-            place = next((one for one in left if f" {lines.tests[one]} " in f"{rows[0]} "), None)
-            if place is None or " passed" in copy.pytest([lines.tests[place]], 600.0):
+            index = next((one for one in left if f" {lines.tests[one]} " in f"{rows[0]} "), None)
+            if index is None or " passed" in copy.pytest([lines.tests[index]], 600.0):
                 failed = rows[0]
             else:
-                doubtful.append(lines.tests[place])
-                left.remove(place)
+                doubtful.append(lines.tests[index])
+                left.remove(index)
         count += len(batch)
         if failed:
             break
@@ -209,20 +209,20 @@ def record(repository: Path, out: Path) -> None:
     """Run the default tests under coverage.py and write which test runs which line, and how long each takes."""
     import coverage
 
-    with tempfile.TemporaryDirectory(prefix="lines-") as place:
-        copy = Copy(repository, Path(place) / "tree")
+    with tempfile.TemporaryDirectory(prefix="lines-") as folder:
+        copy = Copy(repository, Path(folder) / "tree")
         rooms = "".join(f"    {copy.folder}/dummydesign/{room}/*\n" for room in ROOMS)
-        config = Path(place) / "coveragerc"
-        config.write_text(f"[run]\nparallel = true\ndata_file = {place}/data\ncontext = ${{MUTATION_TEST-}}\n"
+        config = Path(folder) / "coveragerc"
+        config.write_text(f"[run]\nparallel = true\ndata_file = {folder}/data\ncontext = ${{MUTATION_TEST-}}\n"
                           f"disable_warnings = no-data-collected\ninclude =\n{rooms}")  # fmt: skip
         words = ["tests", *(f"--ignore={one}" for one in LEFT_OUT)]
-        seen = copy.pytest(words, COVERAGE_PROCESS_START=str(config), MUTATION_SECONDS=f"{place}/seconds.json")
+        seen = copy.pytest(words, COVERAGE_PROCESS_START=str(config), MUTATION_SECONDS=f"{folder}/seconds.json")
         print("\n".join(seen.splitlines()[-20:]))
-        seconds = json.loads(Path(place, "seconds.json").read_text())
+        seconds = json.loads(Path(folder, "seconds.json").read_text())
         tests = list(seconds)
         places = {test: number for number, test in enumerate(tests)}
-        whole = coverage.CoverageData(f"{place}/whole")
-        for part in sorted(Path(place).glob("data.*")):
+        whole = coverage.CoverageData(f"{folder}/whole")
+        for part in sorted(Path(folder).glob("data.*")):
             data = coverage.CoverageData(str(part))
             data.read()
             whole.update(data)
@@ -290,8 +290,8 @@ def main() -> None:
     lines = Lines(**json.loads(options.lines.read_text(encoding="utf-8")))
     rows = [json.loads(line) for line in options.out.read_text().splitlines()] if options.out.exists() else []
     known = {(row["file"], row["line"]) for row in rows}
-    with tempfile.TemporaryDirectory(prefix="mutant-") as place:
-        copy = Copy(options.repository, Path(place) / "tree")
+    with tempfile.TemporaryDirectory(prefix="mutant-") as folder:
+        copy = Copy(options.repository, Path(folder) / "tree")
         for mutant in draw(options.repository, options.count, options.seed):
             if mutant[:2] not in known:
                 rows.append(caught_by(copy, lines, mutant))

@@ -213,11 +213,11 @@ def limits(python: str) -> float:
     print("sharp-edge limit: FElupe's last two corner cells and their extrapolation, and the reported force")
     for thickness in SLABS:
         curve = solve_curve(Pad(thickness, 0.003, RADIUS_MM, extent_mm=EXTENT_MM), depth * thickness)
-        found = [theirs(python, slab_task(thickness, depth, corner, 1)[1]) for corner in FINE_CORNERS]
-        if any(len(run.get("force", ())) < len(depth) for run in found):
-            print(f"  {thickness:g} mm: FElupe did not arrive: {found[-1].get('failed', '')}")
+        runs = [theirs(python, slab_task(thickness, depth, corner, 1)[1]) for corner in FINE_CORNERS]
+        if any(len(run.get("force", ())) < len(depth) for run in runs):
+            print(f"  {thickness:g} mm: FElupe did not arrive: {runs[-1].get('failed', '')}")
             return float("inf")
-        coarse, fine = (np.array(run["force"]) for run in found)
+        coarse, fine = (np.array(run["force"]) for run in runs)
         limit, own = 2.0 * fine - coarse, curve.force_N / (1e-3 * thickness**2)
         for row in zip(depth, coarse, fine, limit, own, curve.error_N / curve.force_N):
             print("  {:4g} mm, d/h {:5.3f}: {:9.5f} {:9.5f} {:9.5f} | {:9.5f} {:+7.3f} %, stated error {:.2f} %".format(

@@ -45,11 +45,11 @@ def force(shape: PadShape, thickness_mm: float, offset_mm: float, cells: int) ->
     )  # fmt: skip
     problem = shaped_problem(load, Grid(cells))
     path = follow(problem, SHARES, 0.25 * SHARES[0], 0.05 * load.scale, SHARES[0] / 256.0)
-    found = np.full(len(SHARES), np.nan)
-    found[: len(path.force)] = load.multiplicity * path.force * h**2 / 3.0
+    values = np.full(len(SHARES), np.nan)
+    values[: len(path.force)] = load.multiplicity * path.force * h**2 / 3.0
     stop = f"; {path.stop}" if path.stop else ""
     print(f"  {path.unknowns} unknowns, {path.newton_iterations} iterations, {path.seconds:.0f} s{stop}", flush=True)
-    return found
+    return values
 
 
 def show(name: str, values: np.ndarray) -> None:

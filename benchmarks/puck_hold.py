@@ -1,16 +1,18 @@
 """Recovery of modulus, friction and relaxation of pucks pressed with holds, over many draws.
 
-``python benchmarks/puck_hold.py [--draws 100] [--seed 1]`` makes the elastic force by finite elements, relaxes it
-by summing the hereditary integral over its whole history (none of the package's recursion), adds a smooth misfit of
-the law (2 % of the force), white noise and drift, and fits. It counts how often intervals hold the truth, how
+``python benchmarks/puck_hold.py [--draws 100] [--seed 1] [--csv FILE]`` makes the elastic force by finite elements,
+relaxes it by summing the hereditary integral over its whole history (none of the package's recursion), adds a smooth
+misfit of the law (2 % of the force), white noise and drift, and fits. It counts how often intervals hold the truth, how
 often the number of arms is right, and how often an arm slower than half of the hold is flagged.
 """
 
 from __future__ import annotations
 
 import argparse
+import csv
 import itertools
 from functools import lru_cache
+from pathlib import Path
 
 import numpy as np
 
@@ -91,9 +93,9 @@ def fitted(time, x, force, diameter_mm=50.0, height_mm=30.0):
     return fit_relaxation(press, diameter_mm, height_mm, table_for(diameter_mm, height_mm))
 
 
-def holds(found, truth):
+def holds(interval, truth):
     """Whether an interval holds the truth."""
-    return found.low <= truth <= found.high
+    return interval.low <= truth <= interval.high
 
 
 CASES = {
@@ -114,18 +116,18 @@ def study(draws, seed, options):
     friction = np.inf if plates == "bonded" else float(plates.split(":")[1])
     count = {name: [] for name in ("young", "friction", "tau", "beta", "arms", "flagged", "error", "half")}
     for _ in range(draws):
-        found = fitted(*made(rng, **options), **size)
-        count["young"].append(holds(found.young_kPa, YOUNG_KPA))
-        count["error"].append(found.young_kPa.value / YOUNG_KPA - 1.0)
-        count["half"].append(0.5 * np.log(found.young_kPa.high / found.young_kPa.low))
-        count["friction"].append(found.friction.low <= friction <= found.friction.high)
-        count["arms"].append(len(found.arms) == len(options["arms"]))
-        if len(found.arms) == len(options["arms"]):
-            for arm, (tau, beta) in zip(found.arms, options["arms"]):
+        relaxation = fitted(*made(rng, **options), **size)
+        count["young"].append(holds(relaxation.young_kPa, YOUNG_KPA))
+        count["error"].append(relaxation.young_kPa.value / YOUNG_KPA - 1.0)
+        count["half"].append(0.5 * np.log(relaxation.young_kPa.high / relaxation.young_kPa.low))
+        count["friction"].append(relaxation.friction.low <= friction <= relaxation.friction.high)
+        count["arms"].append(len(relaxation.arms) == len(options["arms"]))
+        if len(relaxation.arms) == len(options["arms"]):
+            for arm, (tau, beta) in zip(relaxation.arms, options["arms"]):
                 if tau <= 30.0:
                     count["tau"].append(holds(arm.tau_s, tau))
                     count["beta"].append(holds(arm.beta, beta))
-        count["flagged"].append(any("slower" in arm.reason for arm in found.arms))
+        count["flagged"].append(any("slower" in arm.reason for arm in relaxation.arms))
     return {name: np.array(values, float) for name, values in count.items()}
 
 
@@ -134,7 +136,9 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--draws", type=int, default=100)
     parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--csv", type=Path)
     options = parser.parse_args()
+    rows = []
     print(f"{options.draws} draws a case; a share of 0.95 is right, +-{1.96 * np.sqrt(0.0475 / options.draws):.3f}")
     head = "E | friction | times | strengths | arms right | slow arm flagged | E: rms error, half interval"
     print(f"| case | {head} |")
@@ -144,6 +148,12 @@ def main():
         words = [f"{np.mean(got[k]):.2f}" for k in ("young", "friction", "tau", "beta", "arms", "flagged")]
         size = f"{100 * np.sqrt(np.mean(got['error'] ** 2)):.1f} %, {100 * np.median(got['half']):.1f} %"
         print(f"| {name} | " + " | ".join(words) + f" | {size} |", flush=True)
+        rows.append((name, *words, *size.replace(" %", "").split(", ")))
+    if options.csv:
+        head = ["case", "E", "friction", "times", "strengths", "number_of_arms_right", "slow_arm_flagged"]
+        head += ["E_rms_error_percent", "E_half_interval_percent"]
+        with options.csv.open("w", encoding="utf-8", newline="") as stream:
+            csv.writer(stream, lineterminator="\n").writerows([head, *rows])
 
 
 if __name__ == "__main__":

@@ -4,7 +4,7 @@ Tissues are drawn from the posterior of the built-in ones, one after the other: 
 searched by their tables, without finite elements, with the default resin. The pad that is taken is chosen by what is
 expected of its castings, the five persons as five that were measured; its verdict is that of an answer, over 1200
 castings, and once more with modulus and relaxation of the resin known. Every tissue is kept in ``--rows`` (one JSON
-object a line), so that a study can be stopped and resumed; the tables are printed.
+object a line), so that a study can be stopped and resumed; the tables are printed, and written to ``--csv``.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ import numpy as np
 ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT))
 
-from benchmarks.rows import keep_row, read_rows  # noqa: E402
+from benchmarks.rows import keep_row, read_rows, write_csv  # noqa: E402
 from dummydesign.core.errors import NoAnswerError  # noqa: E402
 from dummydesign.design.assessment.castings import RESIN, PadCastings, verdict_of_design  # noqa: E402
 from dummydesign.design.inputs import Inputs, resolve  # noqa: E402
@@ -52,26 +52,26 @@ def study_one(number: int, seed: int) -> dict[str, object]:
     tissue, draw = drawn_tissue(inputs.tissue, site, np.random.default_rng([seed, number]))
     space = replace(inputs.space, targets=make_targets(tissue, "average", inputs.space.sampling))
     inputs = replace(inputs, tissue=tissue, space=space)
-    found: dict[str, list[float]] = {}
+    kinds: dict[str, list[float]] = {}
     taken: dict[str, object] = {}
     try:
         result = best_of_kinds("auto", inputs.slab_law, space)
-        designs = [(shaped.shape.name, shaped.found.best) for shaped in result.designs]
+        designs = [(shaped.shape.name, shaped.result.best) for shaped in result.designs]
         designs += [] if result.slab is None else [("slab", result.slab.best)]
         taken = taken_pad(inputs, solve(inputs, result))
     except NoAnswerError:
         designs = []
     for kind, best in designs:
-        entry = found.setdefault(kind, [0, 0.0])
+        entry = kinds.setdefault(kind, [0, 0.0])
         entry[:] = max(entry, [best.rank, round(best.total, 4)])
-    row = {"number": number, "seed": seed, "site": site, "draw": draw, "kinds": found, "taken": taken}
+    row = {"number": number, "seed": seed, "site": site, "draw": draw, "kinds": kinds, "taken": taken}
     return {**row, "cpu_seconds": round(time.process_time() - started, 1)}
 
 
 def taken_pad(inputs: Inputs, solved: SolvedDesign) -> dict[str, object]:
     """The pad that is taken: its verdict, and what it would be once modulus and relaxation are known."""
     space, chosen, request = inputs.space, solved.chosen, inputs.request
-    best = chosen.found.best
+    best = chosen.result.best
     tolerances = tolerances_of(space.resin, best, request, chosen.shape)
     cast = PadCastings(inputs.castings, chosen.cast, best, space, tolerances)
     now = verdict_of_design(cast)
@@ -91,9 +91,9 @@ def _short(value: float | None) -> float | None:
     return None if value is None else round(value, 4)
 
 
-def _ends(found) -> list:
+def _ends(deviation) -> list:
     """Central, 95 % and quantity of a shortfall or an over-reading."""
-    return [_short(found.central), _short(found.q95), found.quantity]
+    return [_short(deviation.central), _short(deviation.q95), deviation.quantity]
 
 
 def _shares(castings: dict[str, float] | None) -> dict[str, float]:
@@ -124,6 +124,25 @@ def levels_table(rows: list[dict]) -> str:
             shares = [levels.count(level) / len(own) for level in (*LEVELS, None)]
             lines.append(f"| {site} | {len(own)} | {words} | " + " | ".join(f"{share:.3f}" for share in shares) + " |")
     return "\n".join(lines)
+
+
+def figures(rows: list[dict]) -> list[list[object]]:
+    """Both tables of shares in one, as ``docs/data/random-tissues.csv`` has them; the first row is the head."""
+    kinds = ["slab", "bumped", "crowned", "layered", "boned"]
+    out: list[list[object]] = [[
+        "site", "tissues", *kinds, "any", "usable_with_correction_resin_as_known", "not_settled_resin_as_known",
+        "stands_for_resin_measured", "usable_with_correction_resin_measured", "not_settled_resin_measured",
+        "not_representative",
+    ]]  # fmt: skip
+    for site in (*SITES, "all"):
+        own = [row for row in rows if site in (row["site"], "all")]
+        able = [{kind for kind, entry in row["kinds"].items() if entry[0] > NOT_ACCEPTABLE} for row in own]
+        now, known = [row["taken"]["level"] for row in own], [row["taken"]["measured"]["level"] for row in own]
+        counts = [sum(kind in one for one in able) for kind in kinds] + [sum(map(bool, able))]
+        counts += [now.count("usable_with_correction"), now.count("not_settled"), known.count("stands_for")]
+        counts += [known.count("usable_with_correction"), known.count("not_settled"), known.count("not_representative")]
+        out.append([site, len(own), *(f"{count / len(own):.3f}" for count in counts)])
+    return out
 
 
 def taken_table(rows: list[dict]) -> str:
@@ -180,6 +199,7 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=20271)
     parser.add_argument("--rows", type=Path, default=ROOT / "benchmarks" / "random_tissues.jsonl")
     parser.add_argument("--table-only", action="store_true")
+    parser.add_argument("--csv", type=Path, default=ROOT / "docs" / "data" / "random-tissues.csv")
     options = parser.parse_args()
 
     known = {row["number"] for row in read_rows(options.rows) if row["seed"] == options.seed}
@@ -187,6 +207,8 @@ def main() -> None:
         if number not in known:
             keep_row(options.rows, study_one(number, options.seed))
     rows = [row for row in read_rows(options.rows) if row["seed"] == options.seed]
+    head, *shares = figures(rows)
+    write_csv(options.csv, [str(name) for name in head], shares)
     print(table(rows), levels_table(rows), taken_table(rows), red_words(rows), sep="\n\n")
 
 

@@ -1,11 +1,13 @@
-"""Rows of a study that can be stopped and resumed: one JSON object a line; and a folder that is gone afterwards."""
+"""Rows of a study that can be stopped and resumed, one JSON object a line; CSV files; a folder that is gone after."""
 
 from __future__ import annotations
 
+import csv
+import io
 import json
 import shutil
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -19,6 +21,13 @@ def keep_row(path: Path, row: dict) -> None:
     """Add a row to the file."""
     with path.open("a") as stream:
         stream.write(json.dumps(row) + "\n")
+
+
+def write_csv(path: Path, head: Sequence[str], rows: Iterable[Sequence[object]]) -> None:
+    """Write a table of ``docs/data``."""
+    out = io.StringIO()
+    csv.writer(out, lineterminator="\n").writerows([head, *rows])
+    path.write_text(out.getvalue(), encoding="utf-8")
 
 
 @contextmanager

@@ -148,8 +148,8 @@ def children(rng: random.Random, count: int, folder: Path) -> tuple[Counter, lis
                 child.kill()
                 killed, error = True, child.communicate()[1]
             seen["killed" if killed else f"full disk {child.returncode}" if full else f"child {child.returncode}"] += 1
-            found = judged(words, 0 if killed else child.returncode, error)
-            bad += [f"{' '.join(words)}: {one}" for one in found]
+            faults = judged(words, 0 if killed else child.returncode, error)
+            bad += [f"{' '.join(words)}: {one}" for one in faults]
     return seen, bad
 
 
@@ -178,8 +178,8 @@ def full_disk(rng: random.Random, count: int, home: Path) -> tuple[Counter, list
                     error = child.communicate()[1]
                     full = "no space" in error.lower()
                     seen[f"no space {child.returncode}" if full else f"small disk {child.returncode}"] += 1
-                    found = judged(one, child.returncode, error)
-                    bad += [f"full disk: {' '.join(one)[:200]}: {fault}" for fault in found]
+                    faults = judged(one, child.returncode, error)
+                    bad += [f"full disk: {' '.join(one)[:200]}: {fault}" for fault in faults]
                 bad += [f"full disk, after {pair}: {fault}" for fault in broken(folder)]
                 bad += [f"full disk, after {pair}: left {one}" for one in sorted(hidden(folder))]
         finally:
@@ -214,8 +214,8 @@ def main() -> int:
             status, error = in_process(words)
             seen[f"status {status}"] += 1
             slow = max(slow, (" ".join(words)[:80], time.monotonic() - begun), key=lambda one: one[1])
-            found = judged(words, status, error) + [f"left {one}" for one in sorted(hidden(folder) - before)]
-            bad += [f"{' '.join(words)[:200]}: {one}" for one in found]
+            faults = judged(words, status, error) + [f"left {one}" for one in sorted(hidden(folder) - before)]
+            bad += [f"{' '.join(words)[:200]}: {one}" for one in faults]
             if number == options.commands // 4:
                 memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
             if time.monotonic() - start > options.seconds:

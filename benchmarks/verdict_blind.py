@@ -102,28 +102,28 @@ def press(casting: dict, velocity: np.ndarray, depth: np.ndarray, zero: float = 
     moves = [motion(v, d, 0.0) for v, d in zip(velocity, depth)]
     longest, count = max(len(move[0]) for move in moves), len(moves)
     times, x = np.empty((count, longest)), np.empty((count, longest))
-    for row, (when, place) in enumerate(moves):
+    for row, (when, travel) in enumerate(moves):
         extra = longest - len(when)
         times[row] = np.r_[when, when[-1] + 1e-3 * np.arange(1, extra + 1)]
-        x[row] = np.r_[place, np.full(extra, place[-1])]
+        x[row] = np.r_[travel, np.full(extra, travel[-1])]
     one = np.ones(count)
     pad: Any = OnePad(casting, count)
     tau, beta = (np.repeat(np.array(casting[name])[:, None], count, 1) for name in ("tau_s", "beta"))
     physics = Physics(casting["young_MPa"] * one, tau, beta, pad, zero * one)
     force = pad_force(times, x, np.zeros(x.shape, bool), physics)
-    return [(when, place, force[row, : len(when)]) for row, (when, place) in enumerate(moves)]
+    return [(when, travel, force[row, : len(when)]) for row, (when, travel) in enumerate(moves)]
 
 
 def depth_for(casting: dict, wanted: np.ndarray, velocity: np.ndarray) -> np.ndarray:
     """Depths at which presses end at the wanted forces; NaN beyond the end of the curves. [mm]"""
     limit = (0.45 if casting["curve_mm"] is None else 0.59) * casting["thickness_mm"]
     tried = np.linspace(0.04, 1.0, 20) * limit
-    found = np.full(len(wanted), np.nan)
+    depth_mm = np.full(len(wanted), np.nan)
     for speed in np.unique(velocity):
         ends = np.array([force[-1] for *_, force in press(casting, np.full(len(tried), speed), tried)])
         here = velocity == speed
-        found[here] = np.exp(np.interp(np.log(wanted[here]), np.log(ends), np.log(tried), left=np.nan, right=np.nan))
-    return found
+        depth_mm[here] = np.exp(np.interp(np.log(wanted[here]), np.log(ends), np.log(tried), left=np.nan, right=np.nan))
+    return depth_mm
 
 
 def truth_of(casting: dict, targets) -> tuple[Readings, np.ndarray]:
@@ -156,10 +156,10 @@ def designs() -> list[tuple]:
 
     Each is tissue, shape, thickness, ratio, resin and the thickness of the curves, None for the generator's own.
     """
-    found: list[tuple] = []
+    cases: list[tuple] = []
     for tissue, crowned, middle in CROWNS:
         answer = suggest(Request(tissue, shape=crowned, thickness_mm=(middle, middle), verify=False))
-        found += [(tissue, crowned, middle, answer.best.ratio + step, answer.resin, middle) for step in (0.0, 0.0, 0.1)]
+        cases += [(tissue, crowned, middle, answer.best.ratio + step, answer.resin, middle) for step in (0.0, 0.0, 0.1)]
         for shape in ("slab", CROWN):
             if shape == CROWN and tissue == "forefinger":
                 continue  # as high as this crown is, no pad of it is thin enough for a forefinger
@@ -169,8 +169,8 @@ def designs() -> list[tuple]:
                 thickness = design.candidate.thickness_mm
                 if 5.0 <= thickness <= 20.0 and (shape == "slab" or 6.8 <= thickness <= 14.2):
                     able.append((tissue, shape, thickness, design.candidate.ratio, answer.resin, None))
-            found += able[:1]
-    return found
+            cases += able[:1]
+    return cases
 
 
 def cast(number: int, attempt: int, design: tuple, seed: int) -> dict:
@@ -210,13 +210,13 @@ def run_one(casting: dict, readings: Readings, depth: np.ndarray, targets, seed:
         for s in (-BORDER, 0.0, BORDER)
     }  # fmt: skip
     rng = np.random.default_rng((seed, 7, casting["number"]))
-    found = verdict_of_traces(compare_traces(traces_of(casting, depth, rng), targets.tissue), targets.tissue)
-    agrees = found.level == true.level or (len(near) > 1 and found.level in near | {"not_settled"})
+    measured = verdict_of_traces(compare_traces(traces_of(casting, depth, rng), targets.tissue), targets.tissue)
+    agrees = measured.level == true.level or (len(near) > 1 and measured.level in near | {"not_settled"})
     row = {
         **casting, "class": kind, "true": true.level, "true_shortfall": round(true.shortfall.central or 0.0, 4),
-        "true_over": round(true.over.central or 0.0, 4), "near_border": len(near) > 1, "level": found.level,
-        "light": found.light, "factor": found.correction.factor, "shortfall": found.shortfall.central,
-        "over": found.over.central, "over_q95": found.over.q95, "agrees": agrees, "text": found.text,
+        "true_over": round(true.over.central or 0.0, 4), "near_border": len(near) > 1, "level": measured.level,
+        "light": measured.light, "factor": measured.correction.factor, "shortfall": measured.shortfall.central,
+        "over": measured.over.central, "over_q95": measured.over.q95, "agrees": agrees, "text": measured.text,
     }  # fmt: skip
     return {**row, "cpu_seconds": round(time.process_time() - started, 2)}
 

@@ -55,13 +55,13 @@ def main() -> None:
     print(f"1000 designs, table: {fastest(repeats, lambda: whatif(THOUSAND)):.3f} s")
     rows = whatif(THOUSAND)["rows"]
     with tempfile.TemporaryDirectory() as folder:
-        place = Path(folder)
+        home = Path(folder)
 
         def filed() -> None:
-            whatif(THOUSAND, file=RowsFile(place, THOUSAND, settings_of(THOUSAND, resin, None), False))
+            whatif(THOUSAND, file=RowsFile(home, THOUSAND, settings_of(THOUSAND, resin, None), False))
 
         print(f"the same with its file: {fastest(repeats, filed):.3f} s")
-        report = fastest(repeats, lambda: write_whatif(place, THOUSAND, rows, resin, None, live_data(resin, None), []))
+        report = fastest(repeats, lambda: write_whatif(home, THOUSAND, rows, resin, None, live_data(resin, None), []))
         print(f"its report: {report:.3f} s")
     print(f"{SHAPED.size} shaped designs, table, scored: {fastest(repeats, lambda: whatif(SHAPED)):.3f} s")
     tasks = len(list(tasks_of(MANY, resin, targets_of(MANY))))

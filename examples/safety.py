@@ -8,7 +8,7 @@ from dummydesign.design.safety_view import safety_view
 
 limits = read_limits(Path(__file__).with_name("limits.toml"))
 answer = dummydesign.suggest("palm", shape="slab")
-view = safety_view(answer.found, robot_mass_kg=4.0, robot_velocity_mm_s=250.0, limits=limits)
+view = safety_view(answer.outcome, robot_mass_kg=4.0, robot_velocity_mm_s=250.0, limits=limits)
 for row in view.presses:
     low, high = row.tissue_energy_mJ
     pad = "out of reach" if row.pad_energy_mJ is None else f"{row.pad_energy_mJ:.1f} mJ"

@@ -82,14 +82,14 @@ def read_house(package: Path) -> House:
 
 def imported(tree: ast.Module) -> list[str]:
     """Modules of this package that a module imports, lazy imports included, type-only ones not."""
-    found = []
+    names = []
     for node in _imports(tree):
         if isinstance(node, ast.Import):
-            found += [alias.name for alias in node.names]
+            names += [alias.name for alias in node.names]
         else:
             module = node.module or ""
-            found += [f"{module}.{alias.name}" if module == PACKAGE else module for alias in node.names[:1]]
-    return [name for name in found if name.split(".")[0] == PACKAGE]
+            names += [f"{module}.{alias.name}" if module == PACKAGE else module for alias in node.names[:1]]
+    return [name for name in names if name.split(".")[0] == PACKAGE]
 
 
 def _imports(tree: ast.Module) -> list[ast.Import | ast.ImportFrom]:
@@ -107,14 +107,14 @@ def module_imports(package: Path) -> dict[str, set[str]]:
         path: ".".join([PACKAGE, *path.relative_to(package).with_suffix("").parts]) for path in package.rglob("*.py")
     }
     known = {name.removesuffix(".__init__") for name in names.values()}
-    found: dict[str, set[str]] = {}
+    imports: dict[str, set[str]] = {}
     for path, dotted in names.items():
         name = dotted.removesuffix(".__init__")
         taken = {
             one if one in known else one.rpartition(".")[0] for one in every_import(ast.parse(path.read_text("utf-8")))
         }
-        found[name] = {one for one in taken & known if one != name and not name.startswith(f"{one}.")}
-    return found
+        imports[name] = {one for one in taken & known if one != name and not name.startswith(f"{one}.")}
+    return imports
 
 
 def circles(graph: dict[str, set[str]]) -> list[list[str]]:
@@ -140,11 +140,11 @@ def circles(graph: dict[str, set[str]]) -> list[list[str]]:
 
 def every_import(tree: ast.Module) -> list[str]:
     """As :func:`imported`, one dotted name for each name that is taken."""
-    found = []
+    names = []
     for node in _imports(tree):
         base = "" if isinstance(node, ast.Import) else f"{node.module}."
-        found += [f"{base}{alias.name}" for alias in node.names]
-    return [name for name in found if name.split(".")[0] == PACKAGE]
+        names += [f"{base}{alias.name}" for alias in node.names]
+    return [name for name in names if name.split(".")[0] == PACKAGE]
 
 
 def upward(house: House) -> list[tuple[str, str]]:
@@ -165,15 +165,15 @@ def draw(house: House) -> str:
         '<text x="10" y="44" fill="#555555">modules and lines of each room; row takes from column, number of '
         "imports</text>",
     ]
-    for place, (name, words) in enumerate(ROOMS):
-        y = TOP + ROW * place
-        fill = "#f2f5f9" if place % 2 else "#ffffff"
+    for number, (name, words) in enumerate(ROOMS):
+        y = TOP + ROW * number
+        fill = "#f2f5f9" if number % 2 else "#ffffff"
         out.append(f'<rect x="6" y="{y}" width="{width - 12}" height="{ROW}" fill="{fill}"/>')
         out.append(f'<text x="12" y="{y + 19}" font-weight="bold" fill="#1a1a1a">{name}</text>')
         out.append(f'<text x="116" y="{y + 19}" fill="#333333">{words}</text>')
         count = f"{house.modules[name]} / {house.lines[name]}"
         out.append(f'<text x="{LEFT - 8}" y="{y + 19}" text-anchor="end" fill="#555555">{count}</text>')
-        x = LEFT + COLUMN * place
+        x = LEFT + COLUMN * number
         out.append(
             f'<text x="{x + 24}" y="{TOP - 8}" transform="rotate(-50 {x + 24} {TOP - 8})" fill="#1a1a1a">{name}</text>'
         )

@@ -27,7 +27,7 @@ Many quantities are known only at run time and are not listed.
 
 def raised(package: Path = PACKAGE) -> tuple[dict[str, set[str]], list[str]]:
     """Quantities by code, as far as they stand in the sources; and places where an error has no code or no quantity."""
-    found: dict[str, set[str]] = {code: set() for code in CODES}
+    quantities: dict[str, set[str]] = {code: set() for code in CODES}
     bare = []
     for path in sorted(package.rglob("*.py")):
         for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
@@ -51,8 +51,8 @@ def raised(package: Path = PACKAGE) -> tuple[dict[str, set[str]], list[str]]:
             for one in ast.walk(code):
                 if isinstance(one, ast.Constant) and isinstance(one.value, str):
                     whole = isinstance(quantity, ast.Constant | ast.IfExp)
-                    found.setdefault(one.value, set()).update(str(name) for name in names if whole)
-    return found, bare
+                    quantities.setdefault(one.value, set()).update(str(name) for name in names if whole)
+    return quantities, bare
 
 
 def document() -> str:

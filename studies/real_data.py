@@ -149,8 +149,8 @@ def predicted_rows(source: str, group: str, traces: Sequence[Trace], folds: int)
         for trace in traces[fold::folds]:
             reduced = reduce_trace(trace)
             values = reduced.ramp.depth_mm, reduced.velocity_mm_s, float(trace.force_N.max())
-            found = law.elements, *errors(trace, spring, law, linear)
-            rows.append(dict(zip(FIELDS, (source, group, trace.name, *values, *found), strict=True)))
+            results = law.elements, *errors(trace, spring, law, linear)
+            rows.append(dict(zip(FIELDS, (source, group, trace.name, *values, *results), strict=True)))
     return rows
 
 
@@ -198,14 +198,14 @@ def adhesive_presses(folder: Path) -> list[Trace]:
 
 def usable(traces: Iterable[Trace]) -> list[Trace]:
     """The presses that a fit accepts."""
-    found = []
+    kept = []
     for trace in traces:
         try:
             reduce_trace(trace)
         except InputError:
             continue
-        found.append(trace)
-    return found
+        kept.append(trace)
+    return kept
 
 
 def table(rows: Sequence[dict[str, object]]) -> str:

@@ -108,9 +108,83 @@ STUDIES = (
         "real_data", "MEAT_DIR ADHESIVE_DIR", ("docs/real-data.md", "docs/data/real-data.csv"),
         "real presses of other laboratories, predicted from left-out presses", "3 min",
     ),
+    Study(
+        "pad_figures", "",
+        tuple(f"docs/data/pad-{name}.csv" for name in (
+            "sharp-error", "square", "quick-error", "base-friction", "fillet", "friction")),
+        "figures of the pad model", "2 min",
+    ),
+    Study("data_files", "", ("docs/data/README.md",), "list of the data files and where each is from", "1 s"),
     Study("verification", "", ("VERIFICATION.md",), "checks of the pad model against closed forms"),
     Study("ways", "", ("docs/architecture.md",), "ways of design, campaign and slider", "1 min"),
     Study("errors", "", ("docs/errors.md",), "list of error codes", "1 s"),
     Study("architecture", "", ("docs/images/architecture.svg",), "picture of the rooms", "1 s"),
 )  # fmt: skip
 """All studies, tables first."""
+
+
+@dataclass(frozen=True)
+class DataFile:
+    """A file of ``docs/data`` that no study above writes.
+
+    Attributes
+    ----------
+    name : str
+        File in ``docs/data``.
+    command : str
+        Command that measures it, as typed; empty for a list by hand.
+    origin : str
+        How it comes about: written, copied from what the command prints, or by hand, and from what.
+    """
+
+    name: str
+    command: str
+    origin: str
+
+
+WRITTEN, COPIED, BY_HAND = "written by the command", "copied from what the command prints", "a list by hand"
+DATA_FILES = (
+    *(DataFile(f"castings-blind{part}.csv", "python benchmarks/castings_blind.py", WRITTEN)
+      for part in ("", "-classes")),
+    DataFile(
+        "fit-coverage.csv", "python benchmarks/fit_coverage.py --draws 400 --seed SEED SEED --csv FILE",
+        f"{COPIED} (two seeds, not recorded)",
+    ),
+    *(DataFile(f"loop-blind{part}.csv", "python benchmarks/loop_blind.py --table-only", WRITTEN)
+      for part in ("", "-effects", "-errors", "-missed", "-unnamed")),
+    DataFile("loop-detection.csv", "python -m benchmarks.loop_detection --table", WRITTEN),
+    DataFile("loop-ecoflex.csv", "python benchmarks/loop_ecoflex.py DATA_DIR", WRITTEN),
+    DataFile(
+        "loop-functions.csv",
+        "python -m benchmarks.loop_other_mind --rows benchmarks/loop_other_mind_985000.jsonl --campaigns 0 "
+        "--functions FILE", WRITTEN,
+    ),
+    DataFile("loop-rules.csv", "", f"{BY_HAND} of the constants in dummydesign/loop/selection"),
+    DataFile("loop-turns.csv", "python benchmarks/loop_turns.py", WRITTEN),
+    DataFile(
+        "mould-cost.csv", "python benchmarks/mold_build.py",
+        f"{COPIED}; rows 'before ...' are of an earlier version and cannot be measured again; rows of shaped pads were "
+        "measured by the same functions with the pads named there",
+    ),
+    DataFile("mould-gauge-points.csv", "", f"{BY_HAND} of gauge_places in dummydesign/geometry/shapes"),
+    DataFile("mould-parts.csv", "", f"{BY_HAND} of the parts that dummydesign/mold/cad/build.py makes"),
+    DataFile("mould-shape-limits.csv", "", f"{BY_HAND} of dummydesign/geometry/dimensions.py and the shapes' checks"),
+    DataFile(
+        "on-person-blind.csv", "python -m benchmarks.on_person_blind --cases 240 --seed 417023 --out FILE", WRITTEN,
+    ),
+    DataFile("pad-checks.csv", "", f"{BY_HAND}; its last column names the test or command of each comparison"),
+    DataFile("pad-getfem.csv", "python benchmarks/pad_getfem.py --python PATH", f"{COPIED}; GetFEM is needed"),
+    DataFile("pad-limits.csv", "", f"{BY_HAND} of where solved curves ended and the errors that they stated"),
+    DataFile("pad-rejected.csv", "", f"{BY_HAND} of methods that left the sources; cannot be measured again"),
+    DataFile("pad-three-fillets.csv", "", "counts of one comparison, kept by hand; no command repeats it"),
+    DataFile("pad-time.csv", "python benchmarks/pad.py", f"{COPIED} on one machine"),
+    DataFile("puck-hold.csv", "python benchmarks/puck_hold.py --draws 25 --csv FILE", COPIED),
+    DataFile("puck-shapes.csv", "python benchmarks/puck_shapes.py --csv FILE", WRITTEN),
+    DataFile("random-tissues.csv", "python benchmarks/random_tissues.py --table-only", WRITTEN),
+    DataFile("shapes-model-checks.csv", "", f"{BY_HAND} of checks in VERIFICATION.md and in tests/pad/shaped"),
+    DataFile("shapes-model-cubic.csv", "", "fits of crowns to a cubic law, kept by hand; no command repeats them"),
+    DataFile("shapes-offset.csv", "python benchmarks/pad_shaped_3d.py offset", COPIED),
+    DataFile("suggest-keys.csv", "", f"{BY_HAND} of the keys of 'suggest --json'"),
+    DataFile("upgrade.csv", "", f"{BY_HAND} of names that changed since 0.1.0"),
+)  # fmt: skip
+"""Every other file of ``docs/data``."""

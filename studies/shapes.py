@@ -67,17 +67,17 @@ def check(item: ShapeComparison, targets: Targets) -> Solved:
     within = depth[depth <= DEPTH_SHARE * thickness]
     forces: dict[str, NDArray] = {}
     for condition in CONDITIONS:
-        found = np.full(len(depth), np.nan)
+        force = np.full(len(depth), np.nan)
         try:
             curve = solve_shaped_pad(
                 Pad(thickness, float(slabs.young_MPa[0]), RADIUS_MM, geometry=item.shape, condition=condition), within
             )
         except NoAnswerError:
-            forces[condition] = found
+            forces[condition] = force
             continue
-        found[: len(curve.force_N)] = curve.force_N
+        force[: len(curve.force_N)] = curve.force_N
         # The share left of relaxation at the end of the hold is the table's.
-        forces[condition] = found * table / elastic
+        forces[condition] = force * table / elastic
     misfit = {name: _misfit(force) for name, force in forces.items()}
     return Solved(depth, table, forces, misfit)
 
@@ -105,7 +105,7 @@ def study(tissue: str) -> tuple[Suggestion, list[Row]]:
     """Design every kind of shape for one tissue and solve what was found."""
     answer = suggest(Request(tissue, shape="auto"))
     rows = []
-    for item in answer.beside:
+    for item in answer.comparisons:
         if item.candidate is None:
             rows.append(Row(tissue, item, None, None))
             continue
@@ -129,12 +129,12 @@ def lowest_slab(answer: Suggestion, law: Any) -> tuple[float, float, float]:
     return best
 
 
-def tables(found: list[tuple[Suggestion, list[Row], tuple[float, float, float]]]) -> str:
+def tables(studied: list[tuple[Suggestion, list[Row], tuple[float, float, float]]]) -> str:
     """Misfit and score of the best pad of each kind as a Markdown table, a column a tissue."""
-    lines = [("pad", *(answer.tissue.name for answer, _, _ in found)), ("---",) * (1 + len(found))]
-    for kind in [row.item.kind for row in found[0][1]]:
-        lines.append((kind, *(_cell(row) for _, rows, _ in found for row in rows if row.item.kind == kind)))
-    slabs = (f"{misfit:.2f} ({thickness:g} mm, {young:.3g} kPa)" for _, _, (thickness, young, misfit) in found)
+    lines = [("pad", *(answer.tissue.name for answer, _, _ in studied)), ("---",) * (1 + len(studied))]
+    for kind in [row.item.kind for row in studied[0][1]]:
+        lines.append((kind, *(_cell(row) for _, rows, _ in studied for row in rows if row.item.kind == kind)))
+    slabs = (f"{misfit:.2f} ({thickness:g} mm, {young:.3g} kPa)" for _, _, (thickness, young, misfit) in studied)
     lines.append(("slab of any modulus, least misfit", *slabs))
     return "\n".join(f"| {' | '.join(line)} |" for line in lines) + "\n"
 
@@ -206,13 +206,13 @@ def main(arguments: list[str] | None = None) -> None:
     options = parser.parse_args(arguments)
     MARKED.read(options.repository)
     law = punch_law(load_table(base="bonded"), PUNCH)
-    found = []
+    studied = []
     for tissue in TISSUES:
         answer, rows = study(tissue)
-        found.append((answer, rows, lowest_slab(answer, law)))
-    made = tables(found)
+        studied.append((answer, rows, lowest_slab(answer, law)))
+    made = tables(studied)
     print(made)
-    every = [row for _, rows, _ in found for row in rows]
+    every = [row for _, rows, _ in studied for row in rows]
     write_text(options.repository / CURVES, curves_text(every))
     write_text(options.repository / DESIGNS, designs_text(every))
     MARKED.write(options.repository, made)

@@ -120,14 +120,14 @@ def main(arguments: list[str] | None = None) -> None:
     options = parser.parse_args(arguments)
     PAGE.read(options.repository)
     parts = []
-    with tempfile.TemporaryDirectory() as place:
+    with tempfile.TemporaryDirectory() as folder:
         for name, run in WAYS:
             with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(io.StringIO()):
-                run(Path(place))  # so that imports are no part of the way
-                steps, count = watch(partial(run, Path(place)), options.rows)
+                run(Path(folder))  # so that imports are no part of the way
+                steps, count = watch(partial(run, Path(folder)), options.rows)
             parts.append(f"### The way of {name}: {count} modules\n\n{table(steps, options.words)}")
     PAGE.write(options.repository, "\n".join(parts))
-    print(f"{PAGE.place}: {len(WAYS)} ways")
+    print(f"{PAGE.path}: {len(WAYS)} ways")
 
 
 if __name__ == "__main__":

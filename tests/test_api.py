@@ -56,7 +56,7 @@ def test_suggest_is_the_answer_of_the_command(capsys, tmp_path, monkeypatch):
     answer = dummydesign.suggest("palm", **PALM, verify=False, cad=False, out="a", robot_mass_kg=2.0)
     page = Path("a/report.html").read_text()
     mine = plain(answer)
-    red = not answer.found.verdict.acceptable
+    red = not answer.outcome.verdict.acceptable
     theirs = printed(capsys, *PALM_OPTIONS, "--no-cad", "--robot-mass", "2", "--out", "a", status=int(red))
     assert not red or theirs.pop("error")["code"] == "no_acceptable_pad"
     assert mine == theirs
@@ -71,7 +71,7 @@ def test_suggest_is_the_answer_of_the_command(capsys, tmp_path, monkeypatch):
 def test_suggest_weighs_what_the_solids_hold_as_the_command_does(capsys, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     answer = dummydesign.suggest("palm", **PALM, verify=False, cad=True, out="a")
-    mine, red = plain(answer), not answer.found.verdict.acceptable
+    mine, red = plain(answer), not answer.outcome.verdict.acceptable
     theirs = printed(capsys, *PALM_OPTIONS, "--cad", "--out", "a", status=int(red))
     assert not red or theirs.pop("error")["code"] == "no_acceptable_pad"
     for found in (mine, theirs):

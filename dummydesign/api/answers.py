@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 from html import escape
 from os import PathLike, fspath
 from typing import TYPE_CHECKING, Any
+from warnings import warn
 
 import numpy as np
 
@@ -220,34 +221,34 @@ def dataset_of(rows: Sequence[Mapping[str, Any]]) -> Any:
     for name in ("thickness_mm", "ratio"):
         axes[name].sort()
     shape = tuple(len(values) for values in axes.values())
-    place = {name: {value: k for k, value in enumerate(values)} for name, values in axes.items()}
-    found: dict[str, tuple[tuple[str, ...], np.ndarray]] = {}
+    index = {name: {value: k for k, value in enumerate(values)} for name, values in axes.items()}
+    variables: dict[str, tuple[tuple[str, ...], np.ndarray]] = {}
     inner: dict[str, list[float]] = {}
     for row in rows:
-        at = tuple(place[name][row[name]] for name in VARIED)
+        at = tuple(index[name][row[name]] for name in VARIED)
         for name, value in _flat(row):
             if isinstance(value, Mapping):
                 along = next(axis for ending, axis in INNER.items() if name.endswith(ending))
                 inner.setdefault(along, [float(key) for key in value])
-                if name not in found:
-                    found[name] = ((*VARIED, along), np.full((*shape, len(value)), np.nan))
-                found[name][1][at] = [np.nan if one is None else one for one in value.values()]
+                if name not in variables:
+                    variables[name] = ((*VARIED, along), np.full((*shape, len(value)), np.nan))
+                variables[name][1][at] = [np.nan if one is None else one for one in value.values()]
             elif name == "limit":
-                found.setdefault(name, (VARIED, np.full(shape, "", dtype=object)))[1][at] = value or ""
+                variables.setdefault(name, (VARIED, np.full(shape, "", dtype=object)))[1][at] = value or ""
             else:
-                found.setdefault(name, (VARIED, np.full(shape, np.nan)))[1][at] = np.nan if value is None else value
-    return xarray.Dataset(found, coords={**axes, **inner})
+                variables.setdefault(name, (VARIED, np.full(shape, np.nan)))[1][at] = np.nan if value is None else value
+    return xarray.Dataset(variables, coords={**axes, **inner})
 
 
 def _flat(row: Mapping[str, Any]) -> list[tuple[str, Any]]:
     """Values of a row without what was varied; parts of the score by names of their own."""
-    found = []
+    pairs = []
     for name, value in row.items():
         if name == "score" and isinstance(value, Mapping):
-            found += [(f"score_{part}", one) for part, one in value.items() if not isinstance(one, str)]
+            pairs += [(f"score_{part}", one) for part, one in value.items() if not isinstance(one, str)]
         elif name not in VARIED:
-            found.append((name, value))
-    return [(name, value) for name, value in found if name == "limit" or not isinstance(value, str | list | tuple)]
+            pairs.append((name, value))
+    return [(name, value) for name, value in pairs if name == "limit" or not isinstance(value, str | list | tuple)]
 
 
 IGNORED_INPUTS = ("out", "workers", "scheduler", "resume", "replace", "save_profile")
@@ -307,9 +308,9 @@ def answer_folder(
 
 @dataclass(frozen=True, repr=False)
 class Result(Values):
-    """What a call found: ``found`` with all its objects, ``result`` the whole answer in values."""
+    """What a call found: ``outcome`` with all its objects, ``result`` the whole answer in values."""
 
-    found: Any
+    outcome: Any
     result: dict[str, Any]
     name: str = "answer"
 
@@ -317,6 +318,12 @@ class Result(Values):
     def call(self) -> str:
         """Name of the call."""
         return self.name
+
+    @property
+    def found(self) -> Any:
+        """The earlier name of ``outcome``, kept for one release."""
+        warn("'found' of an answer is now 'outcome'", DeprecationWarning, stacklevel=2)
+        return self.outcome
 
     def values(self) -> Mapping[str, Any]:
         """The whole answer, not copied."""
@@ -340,9 +347,9 @@ class Result(Values):
 
 @dataclass(frozen=True, repr=False)
 class Answer(Result):
-    """What ``suggest`` found. ``found`` is the search with all its objects, ``result`` the whole answer in values."""
+    """What ``suggest`` found. ``outcome`` is the search with all its objects, ``result`` the whole answer in values."""
 
-    found: Suggestion
+    outcome: Suggestion
     name: str = "suggest"
 
     def to_frame(self) -> Any:
@@ -354,14 +361,14 @@ class Answer(Result):
 
 @dataclass(frozen=True, repr=False)
 class Fitted(Result):
-    """What ``fit`` found. ``found`` is the fit with all its objects, ``result`` the whole answer in values."""
+    """What ``fit`` found. ``outcome`` is the fit with all its objects, ``result`` the whole answer in values."""
 
-    found: TissueFit
+    outcome: TissueFit
     name: str = "fit"
 
     def to_frame(self) -> Any:
         """Return the parameters with their intervals as a DataFrame, one row a parameter (needs pandas)."""
-        rows = parameter_rows(self.found.to_dict()["parameters"])
+        rows = parameter_rows(self.outcome.to_dict()["parameters"])
         return frame_of([{"parameter": label, **one} for label, one in rows])
 
 

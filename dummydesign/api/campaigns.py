@@ -106,7 +106,7 @@ def _expected(
             of_press.update(
                 zip((row.sequence for row in rows), expected_presses(rows, campaign, material, write_progress))
             )
-        found = tuple(of_press[row.sequence] for row in plan)
+        expected = tuple(of_press[row.sequence] for row in plan)
     except (InputError, NoAnswerError) as problem:
         message = f"no {what} beside the {'depth' if plan[0].by_depth else 'force'} of each press: {problem}"
         return (), message, [{"code": "no_expected", "message": message}], None
@@ -115,15 +115,15 @@ def _expected(
     arms = "with the resin's relaxation" if material.prony else "without relaxation"
     words = f"{what} for a modulus of {material.young_kPa:.3g} kPa{interval}, {arms}; in brackets the 95 % interval "
     words += "by modulus and force law" if known else "by the force law alone"
-    deep = [row.file for row, one in zip(plan, found) if one.beyond]
-    may = [row.file for row, one in zip(plan, found) if one.may_go_beyond and not one.beyond]
+    deep = [row.file for row, one in zip(plan, expected) if one.beyond]
+    may = [row.file for row, one in zip(plan, expected) if one.may_go_beyond and not one.beyond]
     notes = []
     for code, files, verb in (("beyond_depth_limit", deep, "goes"), ("may_go_beyond_depth_limit", may, "may go")):
         if files:
             listed = f"{len(files)} presses ({files[0]}{', ...' if len(files) > 1 else ''})"
             message = f"{listed}: the punch {verb} deeper than 0.6 of the pad's thickness, or than the model reaches; "
             notes.append({"code": code, "message": message + "take a smaller force or a thicker pad"})
-    return found, words, notes, material.to_dict()
+    return expected, words, notes, material.to_dict()
 
 
 def _check_set_up(campaign: Campaign, pads_mm: Iterable[float]) -> None:
@@ -191,11 +191,11 @@ def _power(
     from dummydesign.loop.planning import plan_power
 
     try:
-        found = plan_power(plan, campaign, 1e-3 * start_young_kPa(campaign), seed)
+        power = plan_power(plan, campaign, 1e-3 * start_young_kPa(campaign), seed)
     except InputError as problem:
         message = f"which effects this plan can detect is not known for this pad and punch: {problem}"
         return None, [{"code": "no_power", "message": message}]
-    return found.to_dict(), []
+    return power.to_dict(), []
 
 
 def _empty_campaign(set_up: SetUp, tables: Mapping[str, Mapping[str, Any]]) -> Campaign:
@@ -236,14 +236,15 @@ def check_campaign(folder: str | PathLike[str]) -> Result:
     InputError
         When there is no campaign.
     """
-    from dummydesign.measurement.campaign_status import check_campaign as look
+    from dummydesign.measurement.campaign_status import check_campaign as status_of_campaign
 
-    found = look(fspath(folder))
+    status = status_of_campaign(fspath(folder))
     result = {
-        "inputs": {"folder": fspath(folder)}, "name": found.name, "ready": found.ready, "pressed": list(found.pressed),
-        "missing": list(found.missing), "wrong": list(found.wrong), "warnings": list(found.warnings),
+        "inputs": {"folder": fspath(folder)}, "name": status.name, "ready": status.ready,
+        "pressed": list(status.pressed), "missing": list(status.missing),
+        "wrong": list(status.wrong), "warnings": list(status.warnings),
     }  # fmt: skip
-    return Result(found, result)
+    return Result(status, result)
 
 
 def campaign_from_files(
@@ -373,22 +374,22 @@ def calibrate(
         known = None if prior is None else read_calibration(fspath(prior))
         planned = None if plan is None else places.enter_context(new_folder(plan, asked, replace=replace))
         output = None if out is None else places.enter_context(new_folder(out, asked, replace=replace))
-        found = close_loop(read, progress or quiet, prior=known)
-        result = {"inputs": inputs, **result_dict(found), "calibration_file": None}
+        calibrated = close_loop(read, progress or quiet, prior=known)
+        result = {"inputs": inputs, **result_dict(calibrated), "calibration_file": None}
         written: dict[str, str] = {}
         if planned is not None:
-            written |= planned.settled(write_plan(planned.work, read, plan_of(found)))
+            written |= planned.settled(write_plan(planned.work, read, plan_of(calibrated)))
         if output is None:
-            return Result(found, {**result, "files": written}, "close_loop")
-        calibration = str(write_calibration(calibration_of(found, known), output.path("calibration.json")))
-        written |= {"calibration": calibration, **write_loop_report(output.work, found)}
+            return Result(calibrated, {**result, "files": written}, "close_loop")
+        calibration = str(write_calibration(calibration_of(calibrated, known), output.path("calibration.json")))
+        written |= {"calibration": calibration, **write_loop_report(output.work, calibrated)}
         result["inputs"] = {**inputs, "out": str(output.folder)}
         output.extra["summary"] = {
             "campaign": read.folder.resolve().name, "verdict": result["verdict"],
             "effects": [one["name"] for one in result["effects"]], "text": result["answer"][0],
         }  # fmt: skip
         result = output.answer({**result, "calibration_file": calibration, "files": written})
-    return Result(found, result, "close_loop")
+    return Result(calibrated, result, "close_loop")
 
 
 def replay(
@@ -430,9 +431,9 @@ def replay(
     site = None if tissue is None else load_tissue(tissue)
     with own_effects([fspath(path) for path in effects]):
         known, read = read_calibration(fspath(calibration)), read_campaign(fspath(campaign))
-        found = predict_again(read, known, progress or quiet)
+        replayed = predict_again(read, known, progress or quiet)
     caution = [{"code": "calibration", "message": known.caution}] if known.caution else []
-    beyond = [{"code": "beyond_table", "message": found.left_out}] if found.left_out else []
+    beyond = [{"code": "beyond_table", "message": replayed.left_out}] if replayed.left_out else []
     pads = () if site is None else verdicts_of_campaign(read, site)
     judged = [pad.verdict for pad in pads if pad.verdict is not None]
     unjudged = [{"code": "pad_not_judged", "message": f"{pad.shape or 'slab'} of {pad.thickness_mm:g} mm: {pad.reason}"}
@@ -444,7 +445,7 @@ def replay(
         "pads": [pad.to_dict() for pad in pads],
         "calibration_verdict": known.verdict,
         "effects": [one.effect.name for one in known.after.active],
-        **found.to_dict(),
+        **replayed.to_dict(),
         "warning_band_N": known.remainder_N,
     }
-    return Result(found, result, "replay")
+    return Result(replayed, result, "replay")

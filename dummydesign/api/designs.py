@@ -89,7 +89,7 @@ def suggest(
         Solve the recommended pad by finite elements.
     cad : bool, optional
         Make the mould into ``out``; the recipe is then that of the solids' volumes. By default wherever there is
-        an ``out`` and the verdict is not red (``answer.found.verdict.acceptable``).
+        an ``out`` and the verdict is not red (``answer.outcome.verdict.acceptable``).
     punch : str
         ``square:14``, ``rectangle:20x10``, ``round:16``, ``ball:20`` or ``profile:FILE.csv``, sizes in mm.
     force_N, velocity_mm_s : numbers or text
@@ -208,17 +208,17 @@ def _answer(
     read = (inputs["calibration"], inputs["limits"], *effects, *_named_files(request))
     asked = question("suggest", inputs, tissue=request.tissue, resin=request.resin, preset=request.preset, files=read)
     with answer_folder(folder, asked, replace) as output:
-        found = design(wanted, progress)
-        safety = safety_view(found, mass_kg, velocity_mm_s, limits)
-        people = _on_people(found, inputs.get("drive"), limits)
+        suggestion = design(wanted, progress)
+        safety = safety_view(suggestion, mass_kg, velocity_mm_s, limits)
+        people = _on_people(suggestion, inputs.get("drive"), limits)
         if output is None:
-            return Answer(found, found.to_dict(inputs, safety) | people.values)
-        cad = found.verdict.acceptable if inputs["cad"] is None else inputs["cad"]
+            return Answer(suggestion, suggestion.to_dict(inputs, safety) | people.values)
+        cad = suggestion.verdict.acceptable if inputs["cad"] is None else inputs["cad"]
         inputs = {**inputs, "cad": cad, "out": str(output.folder)}
         progress("mould and report" if cad else "report")
-        mould, missing = _mould(found, output) if cad else (None, None)
-        whole = found.to_dict(inputs, safety, mould) | people.values
-        result = _written(found, safety, whole, output, progress, people.sections)
+        mould, missing = _mould(suggestion, output) if cad else (None, None)
+        whole = suggestion.to_dict(inputs, safety, mould) | people.values
+        result = _written(suggestion, safety, whole, output, progress, people.sections)
         best = result["recommendation"]
         output.extra["summary"] = {name: best[name] for name in ("shape", "thickness_mm", "ratio", "resin")} | {
             "young_kPa": best["young_kPa"]["value"], "verdict": result["verdict"]["level"],
@@ -226,7 +226,7 @@ def _answer(
         }  # fmt: skip
     if missing is not None:
         raise NoAnswerError(missing.code, output.settled(str(missing)), result, missing.quantity)
-    return Answer(found, result)
+    return Answer(suggestion, result)
 
 
 @dataclass(frozen=True)
@@ -243,14 +243,14 @@ def _drive(text: str) -> Drive:
     return read_drive(text)
 
 
-def _on_people(found: Suggestion, drive: str | None, limits: Limits | None) -> _People:
+def _on_people(suggestion: Suggestion, drive: str | None, limits: Limits | None) -> _People:
     """Carry the predicted presses over to people, where a drive was given."""
     if drive is None:
         return _People({})
     from dummydesign.person.of_design import design_on_people, to_dict
     from dummydesign.report.on_person import people_sections
 
-    pressed = design_on_people(found, _drive(drive), limits)
+    pressed = design_on_people(suggestion, _drive(drive), limits)
     values = to_dict(pressed)
     sections = people_sections(pressed, values["presses"], "people")
     titled = (replace_fields(one, title=f"On people, {drive}: {one.title}") for one in sections)
@@ -264,12 +264,12 @@ def _named_files(request: Request) -> list[str]:
     return [*([profile] if profile else []), *named]
 
 
-def _mould(found: Suggestion, output: Output) -> tuple[dict[str, Any] | None, NoAnswerError | None]:
+def _mould(suggestion: Suggestion, output: Output) -> tuple[dict[str, Any] | None, NoAnswerError | None]:
     """Make the mould; one that cannot be made leaves the report, and the reason is returned."""
     from dummydesign.design.suggestion import make_mould
 
     try:
-        mould = make_mould(found, output.work)
+        mould = make_mould(suggestion, output.work)
     except NoAnswerError as reason:
         return None, reason
     output.extra["hash"] = mould["spec_hash"]
@@ -277,16 +277,16 @@ def _mould(found: Suggestion, output: Output) -> tuple[dict[str, Any] | None, No
 
 
 def _written(
-    found: Suggestion, safety: SafetyView, result: dict[str, Any], output: Output, progress: Callable[[str], None],
+    suggestion: Suggestion, safety: SafetyView, result: dict[str, Any], output: Output, progress: Callable[[str], None],
     people: tuple[Any, ...] = (),
 ) -> dict[str, Any]:  # fmt: skip
     """Write the report and the answer, and return the answer with all files."""
     from dummydesign.design.plot_data import press_pictures, suggestion_curves
     from dummydesign.report.suggest import write_suggestion
 
-    curves = suggestion_curves(found)
+    curves = suggestion_curves(suggestion)
     progress("stress in the pad")
-    report = write_suggestion(output.work, found, result, curves, safety, press_pictures(found), people)
+    report = write_suggestion(output.work, suggestion, result, curves, safety, press_pictures(suggestion), people)
     result = {**result, "files": {**result["files"], **report}}
     return output.answer({**result, "files": {**result["files"], "json": str(_write_answer(output, result, curves))}})
 
@@ -336,17 +336,17 @@ def compare_designs(
     from dummydesign.design.comparison import compare_designs as compare
 
     names = [fspath(folder) for folder in folders]
-    found = compare(names)
+    comparison = compare(names)
     inputs = {"folders": names, "out": None if out is None else fspath(out)}
-    result = {"inputs": inputs, **found.to_dict(), "files": {}}
+    result = {"inputs": inputs, **comparison.to_dict(), "files": {}}
     asked = question("compare-designs", inputs, files=[f"{name}/{ANSWER}" for name in names])
     with answer_folder(out, asked, replace) as output:
         if output is not None:
             from dummydesign.report.compare_designs import write_designs_report
 
             result |= {"inputs": {**inputs, "out": str(output.folder)}}
-            result = output.answer({**result, "files": write_designs_report(output.work, found)})
-    return Result(found, result, "compare-designs")
+            result = output.answer({**result, "files": write_designs_report(output.work, comparison)})
+    return Result(comparison, result, "compare-designs")
 
 
 Values = float | str | Iterable[float]
@@ -473,8 +473,8 @@ def _work_out(
     sources = (*resin.references, *(() if sites is None else sites.sources))
     if folder is None:
         with opened as executor:
-            found = work_out(study, executor=executor, progress=progress, targets=targets)
-        return Rows(study, tuple(found["rows"]), found["seconds"], inputs, tuple(found["warnings"]), sources)
+            swept = work_out(study, executor=executor, progress=progress, targets=targets)
+        return Rows(study, tuple(swept["rows"]), swept["seconds"], inputs, tuple(swept["warnings"]), sources)
     from dummydesign.core.outputs import growing_folder
     from dummydesign.design.sweep.live_data import live_data
     from dummydesign.design.sweep.rows import RowsFile, settings_of
@@ -485,11 +485,11 @@ def _work_out(
     with opened as executor, growing_folder(folder, asked, replace=replace, go_on=inputs["resume"]) as output:
         file = RowsFile(output.work, study, settings, inputs["resume"])
         kept = len(file.rows)
-        found = work_out(study, executor=executor, file=file, progress=progress, targets=targets)
-        rows = found["rows"]
+        swept = work_out(study, executor=executor, file=file, progress=progress, targets=targets)
+        rows = swept["rows"]
         live = live_data(resin, sites, study.sampling)
-        page = write_whatif(output.work, study, rows, resin, sites, live, found["warnings"])
-    answered = output.answer({"warnings": found["warnings"], "files": {"rows": str(file.path), **page}})
+        page = write_whatif(output.work, study, rows, resin, sites, live, swept["warnings"])
+    answered = output.answer({"warnings": swept["warnings"], "files": {"rows": str(file.path), **page}})
     inputs = {**inputs, "out": str(output.folder)}
     warnings = tuple(answered["warnings"])
-    return Rows(study, tuple(rows), found["seconds"], inputs, warnings, sources, kept, answered["files"])
+    return Rows(study, tuple(rows), swept["seconds"], inputs, warnings, sources, kept, answered["files"])

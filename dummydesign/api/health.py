@@ -77,48 +77,48 @@ def _versions() -> Iterator[Check]:
 
     yield Check("dummydesign", "ok", __version__)
     yield Check("python", "ok", f"{platform.python_version()}, {platform.system()} {platform.machine()}")
-    found = {name: _version(name) for name in NEEDED}
-    lacking = [name for name, version in found.items() if version is None]
-    text = ", ".join(f"{name} {version}" for name, version in found.items() if version)
+    versions = {name: _version(name) for name in NEEDED}
+    lacking = [name for name, version in versions.items() if version is None]
+    text = ", ".join(f"{name} {version}" for name, version in versions.items() if version)
     yield Check("packages", "failed" if lacking else "ok", text, f"pip install {' '.join(lacking)}" if lacking else "")
 
 
 def _parts() -> Iterator[Check]:
     for name, packages, extra, purpose in PARTS:
-        found = {package: _version(package) for package in packages}
-        lacking = [package for package, version in found.items() if version is None]
+        versions = {package: _version(package) for package in packages}
+        lacking = [package for package, version in versions.items() if version is None]
         if lacking:
             wanted = f"'{extra}'" if extra else " ".join(lacking)
             yield Check(name, "missing", f"no {', '.join(lacking)}", f"for {purpose}: pip install {wanted}")
         else:
-            yield Check(name, "ok", ", ".join(f"{package} {version}" for package, version in found.items()))
+            yield Check(name, "ok", ", ".join(f"{package} {version}" for package, version in versions.items()))
 
 
 def _folders() -> Iterator[Check]:
     yield _writable("this folder", Path.cwd(), "change to a folder of your own")
     yield _writable("own data", user_folder(), "set DUMMYDESIGN_HOME to a folder that you can write to")
-    place = cache.folder()
-    if place is None:
+    folder = cache.folder()
+    if folder is None:
         yield Check("cache", "missing", "off: every solve is made again", "unset DUMMYDESIGN_CACHE")
         return
-    size = sum(path.stat().st_size for path in place.rglob("*.json")) if place.is_dir() else 0
-    found = _writable("cache", place, "set DUMMYDESIGN_CACHE to a folder that you can write to")
+    size = sum(path.stat().st_size for path in folder.rglob("*.json")) if folder.is_dir() else 0
+    check = _writable("cache", folder, "set DUMMYDESIGN_CACHE to a folder that you can write to")
     # without a cache answers are the same, only later
-    status = "missing" if found.status == "failed" else found.status
-    yield Check("cache", status, f"{found.value}, {size / 1e6:.1f} MB", found.advice)
+    status = "missing" if check.status == "failed" else check.status
+    yield Check("cache", status, f"{check.value}, {size / 1e6:.1f} MB", check.advice)
 
 
-def _writable(name: str, place: Path, advice: str) -> Check:
+def _writable(name: str, folder: Path, advice: str) -> Check:
     """Whether a file can be made there, or in the nearest folder above that exists."""
-    there = next((path for path in (place, *place.parents) if path.is_dir()), None)
+    there = next((path for path in (folder, *folder.parents) if path.is_dir()), None)
     try:
         if there is None:
             raise OSError("no such folder")
         with tempfile.TemporaryFile(dir=there):
             pass
     except OSError as problem:
-        return Check(name, "failed", f"{place}: {problem.strerror or problem}", advice)
-    return Check(name, "ok", f"{place}, can be written to")
+        return Check(name, "failed", f"{folder}: {problem.strerror or problem}", advice)
+    return Check(name, "ok", f"{folder}, can be written to")
 
 
 def _solve() -> Check:

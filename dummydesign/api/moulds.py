@@ -148,10 +148,10 @@ def _boned(
 ) -> MouldSpec:  # fmt: skip
     """The specification of a pad with a placed bone; what the pad itself cannot be is refused before CAD is loaded."""
     from dummydesign.mold.model.preset import mould_spec
-    from dummydesign.mold.runner import place_bone
+    from dummydesign.mold.runner import insert_bone
 
     mould_spec(thickness_mm, length_mm, width_mm, **settings)
-    insert, dome = place_bone(bone, placing, thickness_mm, length_mm, width_mm, solid)
+    insert, dome = insert_bone(bone, placing, thickness_mm, length_mm, width_mm, solid)
     return mould_spec(thickness_mm, length_mm, width_mm, kind="boned", parameters=dome, insert=insert, **settings)
 
 
@@ -180,16 +180,16 @@ def _make_one(
     with new_folder(folder, asked, replace=replace) as output:
         head = {"inputs": {**inputs, "out": str(output.folder)}, "sources": list(spec.sources)}
         try:
-            found = make_mold(spec, output.work, bone_file=bone_file)
+            mould = make_mold(spec, output.work, bone_file=bone_file)
         except NoAnswerError as reason:
             result = output.settled({**head, **reason.result})
             raise NoAnswerError(reason.code, output.settled(str(reason)), result, reason.quantity) from None
         output.extra["hash"] = spec.hash
         output.extra["summary"] = {name: inputs[name] for name in ("shape", "thickness_mm", "ratio", "resin", "preset")}
-        result = output.answer({**head, **found.to_dict(), "spec": spec.to_dict()})
+        result = output.answer({**head, **mould.to_dict(), "spec": spec.to_dict()})
     # Memory differs from run to run; the same question shall get the same answer but for seconds.
     del result["memory_MB"]
-    return Result(found, result, "make_mould")
+    return Result(mould, result, "make_mould")
 
 
 def _make_job(
@@ -278,16 +278,16 @@ def record_pad(
         places, mass_g, modulus_kPa, level_deg, bubbles, gauge, note, tuple(named), modulus_error_kPa,
         dict(weighed_g or {}), SCALE_G if scale_g is None else scale_g,
     )  # fmt: skip
-    found = judged(measured, spec, read_points(fspath(folder)))
-    content = {**found.to_dict(), "gauge_mm": gauge, "version": __version__, "date": date.today().isoformat()}
-    path = add_record(Path(folder), STEM, content, apart=("date", "version"), replace=replace)
+    judgement = judged(measured, spec, read_points(fspath(folder)))
+    content = {**judgement.to_dict(), "gauge_mm": gauge, "version": __version__, "date": date.today().isoformat()}
+    path = add_record(Path(folder), STEM, content, ignored=("date", "version"), replace=replace)
     inputs: dict[str, Any] = {
         "folder": str(folder), "thicknesses_mm": dict(named) or list(places), "mass_g": mass_g,
         "modulus_kPa": modulus_kPa, "level_deg": level_deg, "bubbles": bubbles, "gauge_mm": gauge, "note": note,
         "modulus_error_kPa": modulus_error_kPa, "weighed_g": None if weighed_g is None else dict(weighed_g),
         "scale_g": scale_g,
     }  # fmt: skip
-    warnings = [{"code": "limit_missed", "message": text} for text in found.missed]
-    plain = {key: value for key, value in found.to_dict().items() if key not in ("schema", *inputs)}
+    warnings = [{"code": "limit_missed", "message": text} for text in judgement.missed]
+    plain = {key: value for key, value in judgement.to_dict().items() if key not in ("schema", *inputs)}
     result = {"inputs": inputs, **plain, "files": {"record": str(path)}, "warnings": warnings, "sources": []}
-    return Result(found, result, "record_pad")
+    return Result(judgement, result, "record_pad")

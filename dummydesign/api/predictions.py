@@ -304,7 +304,7 @@ def predict(
     warnings = relaxation_warnings(made, moves) + pad_warnings(made, fidelity)
     common: dict[str, Any] = {"inputs": inputs, "sources": sources, "warnings": warnings, "young_kPa": young}
     common["prony"] = [term.to_dict() for term in made.prony]
-    found: StaticPrediction | MotionPrediction
+    prediction: StaticPrediction | MotionPrediction
     if tissue is not None:
         compared, site = _against(made, inputs, young)
         common |= {**compared, "sources": [*sources, *site.sources]}
@@ -314,13 +314,14 @@ def predict(
             depth_mm = depths or [0.25 * made.thickness_mm]
             asked = ["depth_mm"]
     if depth_mm is not None:
-        found = predict_static(made, [read_number(depth, DEPTH) for depth in parts_of(depth_mm)], fidelity, progress)
+        depths = [read_number(depth, DEPTH) for depth in parts_of(depth_mm)]
+        prediction = predict_static(made, depths, fidelity, progress)
     elif motion is not None:
-        found = predict_motion(made, read_motion(Path(motion)), fidelity, progress)
+        prediction = predict_motion(made, read_motion(Path(motion)), fidelity, progress)
     else:
-        found, reached = _presses(made, inputs, progress)
+        prediction, reached = _presses(made, inputs, progress)
         common |= reached
-    result = {**common, **found.to_dict()}
+    result = {**common, **prediction.to_dict()}
     result["warnings"] = warnings + [{"code": "stopped_early", "message": note} for note in result.pop("notes")]
     files: dict[str, Any] = {}
     if depth_mm is not None and fidelity == "axisymmetric":
@@ -328,7 +329,7 @@ def predict(
     if out:
         columns = STATIC if asked == ["depth_mm"] else MOVED
         files = _write(fspath(out), columns, result, inputs["rate_Hz"], units) | files
-    return Result(found, result | ({"files": files} if files else {}), "predict")
+    return Result(prediction, result | ({"files": files} if files else {}), "predict")
 
 
 ALLOWED = {
@@ -348,10 +349,10 @@ def _in_units(name: str, value: Any) -> Any:
     purpose, low, high = ALLOWED[name]
     if name not in SEVERAL or isinstance(value, int | float):
         return read_allowed(value, purpose, low, high)
-    found = [read_allowed(part, purpose, low, high) for part in parts_of(value)]
-    if not found:
+    values = [read_allowed(part, purpose, low, high) for part in parts_of(value)]
+    if not values:
         raise InputError(f"{purpose.quantity} has no value; give at least one", "missing", name)
-    return found[0] if len(found) == 1 else found
+    return values[0] if len(values) == 1 else values
 
 
 def _against(
@@ -436,9 +437,9 @@ def _write(
         names = [f"_{press['steady_force_N']:g}N_{press['velocity_mm_s']:g}mm_s" for press in curves]
     if rate_Hz is not None:
         curves = _at_rate(curves, columns, rate_Hz)
-    place, files = Path(path), {}
+    target, files = Path(path), {}
     for curve, name in zip(curves, names):
-        file = place.with_name(f"{place.stem}{name}{place.suffix}") if name else place
+        file = target.with_name(f"{target.stem}{name}{target.suffix}") if name else target
         files[f"curve{name}"] = str(write_text(file, _csv(columns, curve, units)))
     return files
 

@@ -104,16 +104,16 @@ def fit(
     }  # fmt: skip
     asked = question_of_traces("fit", inputs, names, read)
     with nullcontext() if out is None else new_files(out, asked, replace=replace) as output:
-        found = fit_traces(read, count, law, mode, passed, contact=contact, progress=progress)
-        result = {"inputs": inputs, **found.to_dict(), "sources": [LAW_SOURCE], "files": {}}
+        fitted = fit_traces(read, count, law, mode, passed, contact=contact, progress=progress)
+        result = {"inputs": inputs, **fitted.to_dict(), "sources": [LAW_SOURCE], "files": {}}
         if output is not None:
             from dummydesign.report.fit import write_fit
 
-            name = f"{output.place.stem}.toml"
-            files = write_fit(found, fspath(output.work / name), [LAW_SOURCE])
+            name = f"{output.target.stem}.toml"
+            files = write_fit(fitted, fspath(output.work / name), [LAW_SOURCE])
             result |= {"inputs": {**inputs, "out": str(output.folder / name)}, "files": files}
             result = output.answer(result)
-    return Fitted(found, result)
+    return Fitted(fitted, result)
 
 
 def compare(
@@ -193,24 +193,24 @@ def compare(
     }  # fmt: skip
     more = [fspath(name) for name in (record, punch.partition("profile:")[2] or None) if name is not None]
     with answer_folder(out, question_of_traces("compare", inputs, [*names, *more], read, tissue), replace) as output:
-        found = compare_traces(read, site, passed, test.presses, progress)
-        values = dict(found.result)
+        comparison = compare_traces(read, site, passed, test.presses, progress)
+        values = dict(comparison.result)
         if pad is not None:
             values["pad"] = {key: one for key, one in pad.to_dict().items() if key not in ("schema", "limits")}
         if test.given:
             values["test"] = test.given
         missed = [] if pad is None else pad.warnings()
-        values["warnings"] = [*test.warnings(site), *found.result["warnings"], *missed]
-        found = replace_fields(found, result=values)
-        judged = verdict_of_traces(found, site).to_dict()
+        values["warnings"] = [*test.warnings(site), *comparison.result["warnings"], *missed]
+        comparison = replace_fields(comparison, result=values)
+        judged = verdict_of_traces(comparison, site).to_dict()
         result = {"inputs": inputs, "verdict": judged, **values, "sources": list(site.sources), "files": {}}
         if output is not None:
             from dummydesign.report.compare import write_comparison
 
-            files = write_comparison(found, site, output.work, judged)
+            files = write_comparison(comparison, site, output.work, judged)
             output.extra["summary"] = {"verdict": judged["level"], "text": judged["text"]}
             result = output.answer({**result, "inputs": {**inputs, "out": str(output.folder)}, "files": files})
-    return Result(found, result, "compare")
+    return Result(comparison, result, "compare")
 
 
 def question_of_traces(
@@ -315,7 +315,7 @@ def import_traces(
     Returns
     -------
     Result
-        The same as ``dummydesign import --json`` prints; ``found`` is the list of
+        The same as ``dummydesign import --json`` prints; ``outcome`` is the list of
         :class:`~dummydesign.measurement.importing.read.Imported`, with the presses as arrays.
 
     Raises
@@ -335,9 +335,9 @@ def import_traces(
     inputs = {"files": names, "profile": profile, **settings.to_dict(), "save_profile": save_profile,
               "out": None if out is None else fspath(out)}  # fmt: skip
     planned = plan_traces(imported, None if out is None else Path(out))
-    found = describe(imported, planned)
-    of_files = [warning for one in found for warning in one["warnings"]]
-    result: dict[str, Any] = {"inputs": inputs, "files": found, "preview": None, "warnings": [*of_files, *warnings]}
+    described = describe(imported, planned)
+    of_files = [warning for one in described for warning in one["warnings"]]
+    result: dict[str, Any] = {"inputs": inputs, "files": described, "preview": None, "warnings": [*of_files, *warnings]}
     profiles: dict[str, str] = {}
     with answer_folder(out, question("import", inputs, files=[one.source for one in imported]), replace) as output:
         if save_profile:
@@ -347,11 +347,11 @@ def import_traces(
             from dummydesign.report.import_preview import write_preview
 
             write_traces(planned, output.work)
-            output.extra["summary"] = {"traces": sum(len(one["traces"]) for one in found)}
-            result["preview"] = output.settled(write_preview(output.work, imported, found, warnings))
+            output.extra["summary"] = {"traces": sum(len(one["traces"]) for one in described)}
+            result["preview"] = output.settled(write_preview(output.work, imported, described, warnings))
             result["inputs"] = {**inputs, "out": str(output.folder)}
-            result["manifest"] = str(output.folder / output.place.manifest)
-            result["warnings"] += output.place.warnings
+            result["manifest"] = str(output.folder / output.target.manifest)
+            result["warnings"] += output.target.warnings
     return Result(imported, result | profiles, "import_traces")
 
 
@@ -443,17 +443,17 @@ def on_person(
     }  # fmt: skip
     more = [] if limits is None else [fspath(limits)]
     with answer_folder(out, question_of_traces("on-person", inputs, [*names, *more], read, tissue), replace) as output:
-        found = work_out(read, site, moved, limits=allowed, lowpass=passed, area_mm2=area, progress=progress)
+        answer = work_out(read, site, moved, limits=allowed, lowpass=passed, area_mm2=area, progress=progress)
         sources = [*site.sources, *([GUARD_BAND] if allowed is not None else [])]
         result: dict[str, Any] = {
             "inputs": inputs, "drive": moved.text, "tissue": site.name,
-            "presses": [one.to_dict(area) for one in found.presses],
+            "presses": [one.to_dict(area) for one in answer.presses],
             "limits_file": to_plain(allowed.to_dict()) if allowed is not None else None,
-            "warnings": [dict(one) for one in found.warnings], "sources": sources, "files": {},
+            "warnings": [dict(one) for one in answer.warnings], "sources": sources, "files": {},
         }  # fmt: skip
         if output is not None:
             from dummydesign.report.on_person import write_on_person
 
-            files = write_on_person(found, result, rate_hz, output.work)
+            files = write_on_person(answer, result, rate_hz, output.work)
             result = output.answer({**result, "inputs": {**inputs, "out": str(output.folder)}, "files": files})
-    return Result(found, result, "on_person")
+    return Result(answer, result, "on_person")

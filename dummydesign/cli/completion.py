@@ -82,8 +82,8 @@ def next_words(typed: Sequence[str]) -> list[str]:
 
 
 def _actions_of(parser: argparse.ArgumentParser) -> dict[str, argparse.ArgumentParser]:
-    found = [action.choices for action in parser._actions if isinstance(action, argparse._SubParsersAction)]
-    return dict(found[0]) if found else {}
+    choices = [action.choices for action in parser._actions if isinstance(action, argparse._SubParsersAction)]
+    return dict(choices[0]) if choices else {}
 
 
 def _values(command: str, action: argparse.Action) -> list[str]:
@@ -121,8 +121,8 @@ def run(options: argparse.Namespace) -> dict[str, Any]:
     import os
 
     asked = os.environ.get(WORDS)
-    found = {"script": script_of(options.shell)} if asked is None else {"words": next_words(asked.split(BETWEEN))}
-    return {"inputs": {"shell": options.shell}, "warnings": [], "sources": [], **found}
+    content = {"script": script_of(options.shell)} if asked is None else {"words": next_words(asked.split(BETWEEN))}
+    return {"inputs": {"shell": options.shell}, "warnings": [], "sources": [], **content}
 
 
 def render(result: dict[str, Any]) -> str:

@@ -42,8 +42,8 @@ def meanings_of(command: str, action: argparse.Action) -> dict[str, str]:
         from dummydesign.geometry.shape_registry import shape_meanings
 
         known = shape_meanings() | known
-    said = action.help or ""
-    return {word: text for word, text in known.items() if re.search(rf"(?<![\w-]){re.escape(word)}(?![\w-])", said)}
+    about = action.help or ""
+    return {word: text for word, text in known.items() if re.search(rf"(?<![\w-]){re.escape(word)}(?![\w-])", about)}
 
 
 FLAGS = (
@@ -58,10 +58,10 @@ def epilog_of(command: str, parser: argparse.ArgumentParser) -> str:
     """The end of a command's help: what its choices mean, and its examples."""
     rows = []
     for action in parser._actions:
-        found = meanings_of(command, action)
-        if found:
+        meanings = meanings_of(command, action)
+        if meanings:
             rows.append(f"  {action.option_strings[-1]}")
-            rows += [f"    {word:<17} {text}" for word, text in found.items()]
+            rows += [f"    {word:<17} {text}" for word, text in meanings.items()]
     examples = [f"  {what}:\n    dummydesign {words}" for what, words in help_texts()["examples"].get(command, ())]
     parts = (("what the choices mean:", rows), ("examples:", examples))
     return "\n\n".join("\n".join([title, *lines]) for title, lines in parts if lines)
@@ -113,18 +113,18 @@ def with_defaults(project: Project | None, arguments: Sequence[str]) -> list[str
         return list(arguments)
     from dummydesign.project.folder import command_of, words_for
 
-    place = len(command_of(arguments))
-    return [*arguments[:place], *words_for(project, arguments), *arguments[place:]]
+    position = len(command_of(arguments))
+    return [*arguments[:position], *words_for(project, arguments), *arguments[position:]]
 
 
 def settle_out(project: Project | None, command: str, module: ModuleType, options: argparse.Namespace) -> None:
     """Name the folder of an answer without ``--out``; in a project it lies in the folder for the command."""
-    from dummydesign.project.folder import OUT, place_for
+    from dummydesign.project.folder import OUT, output_path_for
 
     if command not in OUT or options.out is not None or (project is None and not hasattr(module, "default_out")):
         return
     name = (module.default_out if hasattr(module, "default_out") else module.default_in_project)(options)
-    options.out = name if project is None or name is None else place_for(project, command, name)
+    options.out = name if project is None or name is None else output_path_for(project, command, name)
 
 
 class _Parser(argparse.ArgumentParser):
@@ -138,13 +138,13 @@ class _Parser(argparse.ArgumentParser):
         return super().format_help()
 
     def error(self, message: str) -> NoReturn:
-        found = re.match(r"argument ([^\s:/]+)", message)
+        match = re.match(r"argument ([^\s:/]+)", message)
         if missing := re.match(r"the following arguments are required: (.*)", message):
             verb = "are" if ", " in missing[1] else "is"
             message = f"{missing[1]} {verb} required; '{self.prog} --help' explains more"
         if whole := re.match(r"argument (\S+): invalid int value: (.*)", message):
             message = f"{whole[1]} {whole[2]} is not a whole number"
-        raise InputError(message, "bad_arguments", quantity_name(found[1]) if found else "arguments")
+        raise InputError(message, "bad_arguments", quantity_name(match[1]) if match else "arguments")
 
 
 def _check_options(parser: argparse.ArgumentParser, name: str, words: list[str]) -> None:
@@ -165,11 +165,11 @@ def _check_options(parser: argparse.ArgumentParser, name: str, words: list[str])
 
 def _options(parser: argparse.ArgumentParser) -> set[str]:
     """Long options of a command and of its actions."""
-    found = set(parser._option_string_actions)
+    options = set(parser._option_string_actions)
     for action in parser._actions:
         if isinstance(action, argparse._SubParsersAction):
-            found.update(*(_options(one) for one in action.choices.values()))
-    return {one for one in found if one.startswith("--")}
+            options.update(*(_options(one) for one in action.choices.values()))
+    return {one for one in options if one.startswith("--")}
 
 
 def parser_of(name: str) -> argparse.ArgumentParser:

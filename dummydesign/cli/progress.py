@@ -86,8 +86,8 @@ class Watch(_Shown):
             from tempfile import TemporaryDirectory
 
             self._folder = TemporaryDirectory(prefix="dummydesign-")
-            self._place = os.path.join(self._folder.name, "progress")
-            os.environ[VARIABLE] = self._place
+            self._path = os.path.join(self._folder.name, "progress")
+            os.environ[VARIABLE] = self._path
             self._thread = threading.Thread(target=self._watch, daemon=True)
             self._thread.start()
         return self
@@ -97,17 +97,17 @@ class Watch(_Shown):
             del os.environ[VARIABLE]
             self._ended.set()
             self._thread.join()
-            self._look()
+            self._refresh()
             self._folder.cleanup()
             self.clear()
 
     def _watch(self) -> None:
         while not self._ended.wait(0.1):
-            self._look()
+            self._refresh()
 
-    def _look(self) -> None:
+    def _refresh(self) -> None:
         try:
-            with open(self._place, encoding="utf-8") as stream:
+            with open(self._path, encoding="utf-8") as stream:
                 text = stream.read()
         except OSError:
             return

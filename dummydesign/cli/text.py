@@ -19,9 +19,9 @@ def labelled(label: str, text: str, most: int | None = None) -> list[str]:
         if _step(part) and part[3:].startswith("dummydesign "):
             lines += _command(part)
             continue
-        found = textwrap.wrap(part, WIDTH - INDENT, break_long_words=False, break_on_hyphens=False)
-        lines += [found[0], *(f"   {line}" for line in textwrap.wrap(" ".join(found[1:]), WIDTH - INDENT - 3,
-                                                                  break_on_hyphens=False))] if _step(part) else found
+        wrapped = textwrap.wrap(part, WIDTH - INDENT, break_long_words=False, break_on_hyphens=False)
+        lines += [wrapped[0], *(f"   {line}" for line in textwrap.wrap(" ".join(wrapped[1:]), WIDTH - INDENT - 3,
+                                                                  break_on_hyphens=False))] if _step(part) else wrapped
     if most is not None and len(lines) > most:
         lines = [*lines[: most - 1], f"{lines[most - 1][: WIDTH - INDENT - 4].rstrip()} ..."]
     return [f"{label if not row else '':<{INDENT}}{line}" for row, line in enumerate(lines)]
@@ -29,9 +29,9 @@ def labelled(label: str, text: str, most: int | None = None) -> list[str]:
 
 def _command(part: str) -> list[str]:
     """A command over several lines that a shell takes as one."""
-    found = textwrap.wrap(part, WIDTH - INDENT - 5, break_long_words=False, break_on_hyphens=False)
-    ends = [" \\"] * (len(found) - 1) + [""]
-    return [("   " if row else "") + line + end for row, (line, end) in enumerate(zip(found, ends))]
+    wrapped = textwrap.wrap(part, WIDTH - INDENT - 5, break_long_words=False, break_on_hyphens=False)
+    ends = [" \\"] * (len(wrapped) - 1) + [""]
+    return [("   " if row else "") + line + end for row, (line, end) in enumerate(zip(wrapped, ends))]
 
 
 def _step(part: str) -> bool:
@@ -82,8 +82,8 @@ def verdict_lines(verdict: dict[str, Any] | None, coloured: bool | None = None) 
 
 def tissue_lines(result: dict[str, Any]) -> list[str]:
     """What a tissue does not have, or is not known for in this test, before any comparison with it."""
-    said = [item["message"] for item in result["warnings"] if item["code"] in FIRST]
-    return [*said, ""] if said else []
+    messages = [item["message"] for item in result["warnings"] if item["code"] in FIRST]
+    return [*messages, ""] if messages else []
 
 
 def warning_lines(result: dict[str, Any]) -> list[str]:

@@ -63,17 +63,17 @@ def folder() -> Path | None:
 def cached(kind: str, inputs: Mapping[str, Any], compute: Callable[[], dict[str, Any]]) -> dict[str, Any]:
     """Return what ``compute()`` returns, from the cache if it was computed before."""
     compute = one_blas_thread()(compute)
-    place = folder()
-    if place is None:
+    home = folder()
+    if home is None:
         return compute()
     try:
         asked = _text({"kind": kind, "code": code_version(), "inputs": _canonical(dict(inputs))})
     except (TypeError, OSError):  # OSError: the sources cannot be read
         return compute()
-    path = place / f"{kind}-{hashlib.sha256(asked.encode()).hexdigest()[:40]}.json"
-    found = _read(path, asked)
-    if found is not None:
-        return found
+    path = home / f"{kind}-{hashlib.sha256(asked.encode()).hexdigest()[:40]}.json"
+    kept = _read(path, asked)
+    if kept is not None:
+        return kept
     made = compute()
     try:
         body = _text(_encoded(made))
@@ -81,7 +81,7 @@ def cached(kind: str, inputs: Mapping[str, Any], compute: Callable[[], dict[str,
         return made
     with suppress(OSError):
         _write(path, asked, body)
-        _prune(place)
+        _prune(home)
     return _decoded(json.loads(body))
 
 
@@ -96,14 +96,14 @@ def code_version() -> str:
 
     from dummydesign._version import __version__
 
-    found = hashlib.sha256(__version__.encode())
+    digest = hashlib.sha256(__version__.encode())
     for path in sources():
         # the hash of each file by itself: where one ends and the next begins is part of the answer
-        found.update(f"{path.parent.name}/{path.name}\0".encode() + hashlib.sha256(path.read_bytes()).digest())
+        digest.update(f"{path.parent.name}/{path.name}\0".encode() + hashlib.sha256(path.read_bytes()).digest())
     for library in ("numpy", "scipy", "scikit-fem"):
         with suppress(PackageNotFoundError):
-            found.update(f"{library} {version(library)}".encode())
-    return found.hexdigest()
+            digest.update(f"{library} {version(library)}".encode())
+    return digest.hexdigest()
 
 
 def package_folder() -> Path:
@@ -113,13 +113,13 @@ def package_folder() -> Path:
 
 def sources() -> list[Path]:
     """All files that results depend on: the package's sources and the shipped tables, at any depth."""
-    found = []
+    paths = []
     for root, ending in ((package_folder(), ".py"), (data_folder() / "materials" / "tables", ".json")):
         files = sorted(root.rglob(f"*{ending}"))
         if not files:
             raise FileNotFoundError(f"{root} holds no {ending} files")
-        found += files
-    return found
+        paths += files
+    return paths
 
 
 def _text(value: Any) -> str:
@@ -208,10 +208,10 @@ def _write(path: Path, asked: str, body: str) -> None:
         raise
 
 
-def _prune(place: Path) -> None:
+def _prune(home: Path) -> None:
     """Remove the entries that were unused for longest when there are too many, and what dead writers left."""
     entries, total = [], 0
-    for path in place.iterdir():
+    for path in home.iterdir():
         with suppress(OSError):
             state = path.stat()
             if path.name.startswith(_PREFIX) and time.time() - state.st_mtime > _STALE_S:

@@ -81,9 +81,9 @@ class DummydesignError(Exception):
         super().__init__(message)
         self.code, self.quantity, self.value, self.allowed = code, quantity, value, allowed
 
-    def within(self, place: str) -> InputError:
+    def within(self, where: str) -> InputError:
         """Return the same fault with the place it was found at in front: a file, a line, a subject."""
-        return InputError(f"{place}: {self}", self.code, self.quantity, self.value, self.allowed)
+        return InputError(f"{where}: {self}", self.code, self.quantity, self.value, self.allowed)
 
     def to_dict(self) -> dict[str, Any]:
         """Return the error as ``--json`` prints it."""

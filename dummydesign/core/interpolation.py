@@ -27,9 +27,9 @@ def monotone_cubic(x: NDArray, y: NDArray) -> Callable[[ArrayLike], NDArray]:
     twist = (tilt[:-1] + tilt[1:] - 2.0 * slope) / step**2
 
     def value(at: ArrayLike) -> NDArray:
-        place = np.asarray(at, float)
-        left = np.clip(np.searchsorted(x, place, side="right") - 1, 0, len(step) - 1)
-        t = place - x[left]
+        position = np.asarray(at, float)
+        left = np.clip(np.searchsorted(x, position, side="right") - 1, 0, len(step) - 1)
+        t = position - x[left]
         return y[left] + t * (tilt[left] + t * (bend[left] + t * twist[left]))
 
     return value
@@ -42,8 +42,8 @@ def _tilts(step: NDArray, slope: NDArray) -> NDArray:
     tilt = np.zeros(len(slope) + 1)
     before, after = 2.0 * step[1:] + step[:-1], step[1:] + 2.0 * step[:-1]
     same = slope[1:] * slope[:-1] > 0.0
-    beside = [np.where(same, one, 1.0) for one in (slope[:-1], slope[1:])]
-    tilt[1:-1] = np.where(same, (before + after) / (before / beside[0] + after / beside[1]), 0.0)
+    neighbours = [np.where(same, one, 1.0) for one in (slope[:-1], slope[1:])]
+    tilt[1:-1] = np.where(same, (before + after) / (before / neighbours[0] + after / neighbours[1]), 0.0)
     tilt[0] = _end(*step[:2], *slope[:2])
     tilt[-1] = _end(*step[:-3:-1], *slope[:-3:-1])
     return tilt
@@ -59,18 +59,18 @@ def _end(near: float, next_: float, slope: float, beyond: float) -> float:
     return tilt
 
 
-def place_on(grid: NDArray, value: NDArray) -> tuple[NDArray, NDArray]:
+def locate_on_grid(grid: NDArray, value: NDArray) -> tuple[NDArray, NDArray]:
     """Where values lie on an increasing grid, held at its ends."""
     count = len(grid)
-    place = np.interp(value, grid, np.arange(count))
-    low = np.minimum(place.astype(int), count - 2)
-    return low, place - low
+    position = np.interp(value, grid, np.arange(count))
+    low = np.minimum(position.astype(int), count - 2)
+    return low, position - low
 
 
 def between(x: NDArray, y: NDArray, columns: NDArray, rows: NDArray, values: NDArray) -> NDArray:
     """Bilinear interpolation of a table; its ends are held."""
     by_row = np.array([np.interp(x, columns, row) for row in values])
-    low, part = place_on(rows, y)
+    low, part = locate_on_grid(rows, y)
     first = np.take_along_axis(by_row, low[None], axis=0)[0]
     second = np.take_along_axis(by_row, low[None] + 1, axis=0)[0]
     return (1.0 - part) * first + part * second

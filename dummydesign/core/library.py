@@ -46,11 +46,11 @@ def user_folder() -> Path:
 
 def entries(kind: str) -> dict[str, Entry]:
     """List the files of one kind (``materials/resins``, ``materials/tissues``, ``molds``) by lower-case name."""
-    found: dict[str, Entry] = {}
+    known: dict[str, Entry] = {}
     for origin, root in (("built-in", data_folder()), ("user", user_folder())):
         for path in sorted((root / kind).glob("*.toml")):
-            found[path.stem.lower()] = Entry(path.stem, path, origin)
-    return found
+            known[path.stem.lower()] = Entry(path.stem, path, origin)
+    return known
 
 
 def find(kind: str, what: str, name: str) -> Entry:

@@ -116,14 +116,14 @@ def records_of(manifest: Path, question: Question) -> dict[str, str]:
     """SHA-256 by name of the records beside the answer to a question; none when the manifest is another question's."""
     try:
         content = json.loads(manifest.read_text(encoding="utf-8"))
-        found = content.get(KEY, {}) if content["question"] == question.key else {}
+        records = content.get(KEY, {}) if content["question"] == question.key else {}
     except (OSError, ValueError, AttributeError, KeyError, TypeError):
         return {}
-    return {name: sha for name, sha in found.items() if inside(name)} if isinstance(found, dict) else {}
+    return {name: sha for name, sha in records.items() if inside(name)} if isinstance(records, dict) else {}
 
 
 def add_record(
-    folder: Path, stem: str, content: Mapping[str, Any], *, apart: tuple[str, ...] = ("date",), replace: bool = False
+    folder: Path, stem: str, content: Mapping[str, Any], *, ignored: tuple[str, ...] = ("date",), replace: bool = False
 ) -> Path:
     """Keep a record in the folder of an answer."""
     manifest = _manifest_of(folder)
@@ -133,8 +133,8 @@ def add_record(
     except (OSError, ValueError, TypeError, AttributeError):
         message = f"'{folder}' has no {NAME} that can be read; it is not the folder of an answer"
         raise InputError(message, "file_unreadable", "manifest", str(folder)) from None
-    path = _free(folder, stem, content, apart, replace)
-    if not path.exists() or _recorded(path, apart) != _compared(content, apart):
+    path = _free(folder, stem, content, ignored, replace)
+    if not path.exists() or _recorded(path, ignored) != _compared(content, ignored):
         write_text(path, json.dumps(content, indent=1, allow_nan=False) + "\n")
     known[path.relative_to(manifest.parent).as_posix()] = sha256_of(path)
     write_text(manifest, json.dumps({**whole, KEY: dict(sorted(known.items()))}, indent=1) + "\n")
@@ -149,23 +149,23 @@ def _manifest_of(folder: Path) -> Path:
     return folder.parent / NAME if listed and folder.name not in ("", "..") else folder / NAME
 
 
-def _free(folder: Path, stem: str, content: Mapping[str, Any], apart: tuple[str, ...], replace: bool) -> Path:
+def _free(folder: Path, stem: str, content: Mapping[str, Any], ignored: tuple[str, ...], replace: bool) -> Path:
     for number in range(1, MOST):
         path = folder / (f"{stem}.json" if number == 1 else f"{stem}-{number}.json")
-        if not path.exists() or replace or _recorded(path, apart) == _compared(content, apart):
+        if not path.exists() or replace or _recorded(path, ignored) == _compared(content, ignored):
             return path
     raise InputError(f"'{folder}' holds {MOST - 1} records; use --replace or remove some", "too_large", "records")
 
 
-def _recorded(path: Path, apart: tuple[str, ...]) -> Any:
+def _recorded(path: Path, ignored: tuple[str, ...]) -> Any:
     try:
-        return _compared(json.loads(path.read_text(encoding="utf-8")), apart)
+        return _compared(json.loads(path.read_text(encoding="utf-8")), ignored)
     except (OSError, ValueError):
         return None
 
 
-def _compared(content: Any, apart: tuple[str, ...]) -> Any:
+def _compared(content: Any, ignored: tuple[str, ...]) -> Any:
     """The content as JSON gives it back, without the keys left apart."""
     if not isinstance(content, Mapping):
         return content
-    return json.loads(json.dumps({key: value for key, value in content.items() if key not in apart}))
+    return json.loads(json.dumps({key: value for key, value in content.items() if key not in ignored}))

@@ -46,21 +46,21 @@ def choose_target(
     why = "holds the answer to other inputs"
     for number in range(1, MOST):
         path = out if number == 1 else _numbered(out, number, shared)
-        place = OutputTarget(path, path.name, NAME)
+        target = OutputTarget(path, path.name, NAME)
         if shared:
-            place = OutputTarget(path.parent, path.stem, f"{path.stem}-{NAME}")
-        found = read_manifest(place.folder / place.manifest)
-        if found is None and (path.exists() if shared else path.is_dir() and _marked(path)):
-            found = Earlier(None, None, {})
-        if found is None:
+            target = OutputTarget(path.parent, path.stem, f"{path.stem}-{NAME}")
+        earlier = read_manifest(target.folder / target.manifest)
+        if earlier is None and (path.exists() if shared else path.is_dir() and _marked(path)):
+            earlier = Earlier(None, None, {})
+        if earlier is None:
             break
-        with_old = dataclasses.replace(place, old=tuple(found.sha256))
+        with_old = dataclasses.replace(target, old=tuple(earlier.sha256))
         if replace and number == 1:
             return _replaced(with_old, path)
-        if go_on and number == 1 and found.command in (None, question.command):
+        if go_on and number == 1 and earlier.command in (None, question.command):
             return with_old
-        if found.key == question.key:
-            changed = found.changed(place.folder)
+        if earlier.key == question.key:
+            changed = earlier.changed(target.folder)
             if not changed:
                 return with_old
             if number == 1:
@@ -69,14 +69,14 @@ def choose_target(
         message = f"'{out}' and {MOST - 2} numbers after it are taken; remove some, or use --replace"
         raise InputError(message, "file_exists", "out", str(out))
     if number == 1:
-        return place
+        return target
     message = f"'{out}' {why} and was kept; this answer is in '{path}' (--replace overwrites)"
-    return dataclasses.replace(place, warnings=({"code": "output_numbered", "message": message},))
+    return dataclasses.replace(target, warnings=({"code": "output_numbered", "message": message},))
 
 
-def _replaced(place: OutputTarget, path: Path) -> OutputTarget:
+def _replaced(target: OutputTarget, path: Path) -> OutputTarget:
     """Take the place of an earlier answer; what no manifest lists is not removed, and is named."""
-    known = {*place.old, place.manifest}
+    known = {*target.old, target.manifest}
     there = path.iterdir() if path.is_dir() else ()
     left = sorted(one.name for one in there if one.name not in known and not one.name.startswith("."))
     warnings = []
@@ -84,7 +84,7 @@ def _replaced(place: OutputTarget, path: Path) -> OutputTarget:
         some = ", ".join(left[:5]) + (f" and {len(left) - 5} more" if len(left) > 5 else "")
         message = f"'{path}' also holds files that its earlier manifest does not list, and they stay: {some}"
         warnings = [{"code": "output_left", "message": message}]
-    return dataclasses.replace(place, warnings=tuple(warnings), takes_over=True)
+    return dataclasses.replace(target, warnings=tuple(warnings), takes_over=True)
 
 
 def _numbered(out: Path, number: int, shared: bool) -> Path:
@@ -103,14 +103,14 @@ def _marked(folder: Path) -> bool:
 class Output:
     """An answer that is being written."""
 
-    place: OutputTarget
+    target: OutputTarget
     work: Path
     extra: dict[str, Any] = field(default_factory=dict)
 
     @property
     def folder(self) -> Path:
         """Where the files will lie."""
-        return self.place.folder
+        return self.target.folder
 
     def path(self, name: str) -> Path:
         """Where a file of this name is written now."""
@@ -132,10 +132,10 @@ class Output:
     def answer(self, result: Mapping[str, Any]) -> dict[str, Any]:
         """Finish an answer: paths as they will be, the manifest among its ``files``, warnings among its
         ``warnings``."""
-        found = self.settled(result)
-        found["files"] = {**found.get("files", {}), "manifest": str(self.folder / self.place.manifest)}
-        found["warnings"] = [*found.get("warnings", []), *self.place.warnings]
-        return found
+        answer = self.settled(result)
+        answer["files"] = {**answer.get("files", {}), "manifest": str(self.folder / self.target.manifest)}
+        answer["warnings"] = [*answer.get("warnings", []), *self.target.warnings]
+        return answer
 
 
 @contextmanager
@@ -168,92 +168,93 @@ def growing_folder(
     The manifest says ``finished: false`` until the body has ended. A folder that was made for nothing but it goes
     when the body raises without having written a file.
     """
-    place = choose_target(Path(out), question, replace, go_on)
-    made = _make(place.folder)
-    output = Output(place, place.folder)
-    before = set(_names(place.folder))
+    target = choose_target(Path(out), question, replace, go_on)
+    made = _make(target.folder)
+    output = Output(target, target.folder)
+    before = set(_names(target.folder))
     try:
-        output_folder(place.folder)
-        for name in () if go_on else place.old:
-            (place.folder / name).unlink(missing_ok=True)
-        write_text(place.folder / place.manifest, manifest_text(question, place.folder, None))
+        output_folder(target.folder)
+        for name in () if go_on else target.old:
+            (target.folder / name).unlink(missing_ok=True)
+        write_text(target.folder / target.manifest, manifest_text(question, target.folder, None))
         yield output
         # rows of earlier runs are part of the answer
-        ours = {*place.old, *MARKS, *(name for name in _names(place.folder) if name not in before)} - {place.manifest}
-        names = [name for name in _names(place.folder) if name in ours]
-        write_text(place.folder / place.manifest, manifest_text(question, place.folder, names, output.extra))
+        new = (name for name in _names(target.folder) if name not in before)
+        ours = {*target.old, *MARKS, *new} - {target.manifest}
+        names = [name for name in _names(target.folder) if name in ours]
+        write_text(target.folder / target.manifest, manifest_text(question, target.folder, names, output.extra))
     except BaseException:
-        if made and not [name for name in _names(place.folder) if name != place.manifest]:
-            (place.folder / place.manifest).unlink(missing_ok=True)
+        if made and not [name for name in _names(target.folder) if name != target.manifest]:
+            (target.folder / target.manifest).unlink(missing_ok=True)
             _unmake(made)
         raise
 
 
 @contextmanager
-def _written(place: OutputTarget, question: Question) -> Iterator[Output]:
+def _written(target: OutputTarget, question: Question) -> Iterator[Output]:
     question.key  # noqa: B018  the files that are read are counted as they are now
-    beside = place.folder if place.folder.exists() else place.folder.parent
-    made = _make(beside)
-    head = f".{place.folder.resolve().name}.part-{platform.node()}-"
-    _sweep(beside, head)
-    work = beside / f"{head}{os.getpid()}-{token_hex(3)}"
+    parent = target.folder if target.folder.exists() else target.folder.parent
+    made = _make(parent)
+    head = f".{target.folder.resolve().name}.part-{platform.node()}-"
+    _sweep(parent, head)
+    work = parent / f"{head}{os.getpid()}-{token_hex(3)}"
     try:
         try:
             work.mkdir()
         except OSError as problem:
-            raise unwritable("output folder", place.folder, problem, "out") from None
-        output = Output(place, work)
+            raise unwritable("output folder", target.folder, problem, "out") from None
+        output = Output(target, work)
         try:
             yield output
         except InputError as problem:
             given = output.settled([str(problem), problem.code, problem.quantity, problem.value, problem.allowed])
             raise InputError(*given) from None
-        kept = records_of(place.folder / place.manifest, question)
+        kept = records_of(target.folder / target.manifest, question)
         extra = {**output.extra, KEY: kept} if kept else output.extra
-        write_text(work / place.manifest, manifest_text(question, work, _names(work), extra))
+        write_text(work / target.manifest, manifest_text(question, work, _names(work), extra))
         check_stop()
-        _settle(work, place)
+        _settle(work, target)
         made = []
     finally:
         shutil.rmtree(work, ignore_errors=True)
         _unmake(made)
 
 
-def _settle(work: Path, place: OutputTarget) -> None:
+def _settle(work: Path, target: OutputTarget) -> None:
     """Rename the finished folder, or its files into one that is there; undone when something fails on the way."""
     try:
-        if not place.folder.exists():
-            os.rename(work, place.folder)
+        if not target.folder.exists():
+            os.rename(work, target.folder)
             return
-        _merge(work, place)
+        _merge(work, target)
     except OSError as problem:
-        raise unwritable("output folder", place.folder, problem, "out") from None
+        raise unwritable("output folder", target.folder, problem, "out") from None
 
 
-def _merge(work: Path, place: OutputTarget) -> None:
+def _merge(work: Path, goal: OutputTarget) -> None:
     new = _names(work)
     for name in new:
-        there = place.folder / name
+        there = goal.folder / name
         if there.is_dir():
             message = f"'{there}' is a folder; a file of that name has to be written"
             raise InputError(message, "file_exists", "out", str(there))
-        if there.exists() and name not in place.old and name != place.manifest and not place.takes_over:
+        if there.exists() and name not in goal.old and name != goal.manifest and not goal.takes_over:
             message = f"'{there}' exists, and no command is known to have written it; name another --out"
             raise InputError(message, "file_exists", "out", str(there))
     trash = work.with_name(work.name.replace(".part-", ".old-"))
     moves: list[tuple[Path, Path]] = []
     try:
-        for name in sorted({*place.old, place.manifest, *new}):
-            if (place.folder / name).is_file():
-                _move(place.folder / name, trash / name, moves)
+        for name in sorted({*goal.old, goal.manifest, *new}):
+            if (goal.folder / name).is_file():
+                _move(goal.folder / name, trash / name, moves)
         for name in new:
-            _move(work / name, place.folder / name, moves)
+            _move(work / name, goal.folder / name, moves)
     except BaseException:
         for source, target in reversed(moves):
             os.replace(target, source)
         raise
     finally:
-        if all((place.folder / name).exists() for name in new):
+        if all((goal.folder / name).exists() for name in new):
             shutil.rmtree(trash, ignore_errors=True)
 
 
@@ -265,8 +266,8 @@ def _move(source: Path, target: Path, moves: list[tuple[Path, Path]]) -> None:
 
 def _names(folder: Path) -> list[str]:
     """Files of a folder, those with dotted names and in dotted folders left out."""
-    found = (path.relative_to(folder) for path in folder.rglob("*") if path.is_file())
-    return sorted(path.as_posix() for path in found if not any(part.startswith(".") for part in path.parts))
+    files = (path.relative_to(folder) for path in folder.rglob("*") if path.is_file())
+    return sorted(path.as_posix() for path in files if not any(part.startswith(".") for part in path.parts))
 
 
 def _make(folder: Path) -> list[Path]:
@@ -291,11 +292,11 @@ def _unmake(made: list[Path]) -> None:
             return
 
 
-def _sweep(beside: Path, head: str) -> None:
+def _sweep(parent: Path, head: str) -> None:
     """Take away what a command of this machine left that was killed without a chance to clear up."""
     if sys.platform == "win32":
         return
-    for path in beside.iterdir():
+    for path in parent.iterdir():
         number = path.name[len(head) :].partition("-")[0]
         if path.name.startswith(head) and number.isdigit() and not _alive(int(number)):
             shutil.rmtree(path, ignore_errors=True)

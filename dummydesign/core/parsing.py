@@ -81,13 +81,13 @@ def read_number(value: float | str, purpose: Purpose) -> float:
     """
     unit = ""
     if isinstance(value, str):
-        found = NUMBER.match(value)
-        if found is None:
+        match = NUMBER.match(value)
+        if match is None:
             shown, units = value.strip() or repr(value), (purpose.unit, list(UNITS[purpose.unit])[-1])
             examples = " or ".join(f"1{unit}" for unit in units)
             message = f"{purpose.quantity} = {shown} is not a number, or one with a unit such as {examples}"
             raise InputError(message, "not_a_number", quantity_name(purpose.quantity), value)
-        number, unit = float(found[1]), found[2]
+        number, unit = float(match[1]), match[2]
     else:
         number = float(value)
     known = UNITS[purpose.unit]
@@ -212,13 +212,13 @@ def read_values(values: float | str | Iterable[float], quantity: str) -> tuple[f
     if isinstance(values, str):
         return tuple(parse_values(values, quantity))
     try:
-        found = tuple(float(value) for value in (values if isinstance(values, Iterable) else (values,)))
+        numbers = tuple(float(value) for value in (values if isinstance(values, Iterable) else (values,)))
     except (TypeError, ValueError):
         message = f"{quantity} = {values!r} is not a number, a list of numbers or text like 3:30:0.5"
         raise InputError(message, "not_a_number", quantity_name(quantity)) from None
-    if not found:
+    if not numbers:
         raise InputError(f"{quantity} has no value; give at least one", "missing", quantity_name(quantity))
-    return found
+    return numbers
 
 
 def read_names(names: str | Iterable[str]) -> tuple[str, ...]:

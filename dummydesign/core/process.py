@@ -80,9 +80,9 @@ def _libraries() -> tuple[list[LibController], list[LibController]]:
     import scipy.linalg  # noqa: F401
     from threadpoolctl import ThreadpoolController
 
-    found = ThreadpoolController().select(user_api="blas").lib_controllers
-    own = [library for library in found if getattr(library, "threading_layer", None) == "openmp"]
-    return [library for library in found if library not in own], own
+    libraries = ThreadpoolController().select(user_api="blas").lib_controllers
+    own = [library for library in libraries if getattr(library, "threading_layer", None) == "openmp"]
+    return [library for library in libraries if library not in own], own
 
 
 COMMAND_LINE: ContextVar[Sequence[str] | None] = ContextVar("command_line", default=None)
@@ -112,13 +112,13 @@ def quiet(step: str) -> None:
 def write_progress(text: str) -> None:
     """Replace the line; a file that cannot be written stops no work. Ends a command that was asked to end."""
     check_stop()
-    place = os.environ.get(VARIABLE)
-    if not place:
+    path = os.environ.get(VARIABLE)
+    if not path:
         return
-    part = Path(f"{place}.part-{os.getpid()}")
+    part = Path(f"{path}.part-{os.getpid()}")
     try:
         part.write_text(text, encoding="utf-8")
-        os.replace(part, place)
+        os.replace(part, path)
     except OSError:
         part.unlink(missing_ok=True)
 

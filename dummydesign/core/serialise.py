@@ -63,7 +63,7 @@ def _frozen(value: Any) -> Any:
 def rebuild(kind: Any, data: Any) -> Any:
     """Fill dataclass ``kind`` from plain data, following its type hints into nested ones; lists become tuples."""
     hints = get_type_hints(kind)
-    found = {}
+    values = {}
     for item in fields(kind):
         if item.name not in data:
             continue
@@ -71,8 +71,8 @@ def rebuild(kind: Any, data: Any) -> Any:
         if isinstance(hint, types.UnionType):
             hint = next(part for part in get_args(hint) if part is not type(None))
         nested = is_dataclass(hint) and isinstance(value, dict)
-        found[item.name] = rebuild(hint, value) if nested else _frozen(value)
-    return kind(**found)
+        values[item.name] = rebuild(hint, value) if nested else _frozen(value)
+    return kind(**values)
 
 
 class Serialised:

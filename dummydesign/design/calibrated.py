@@ -120,23 +120,23 @@ def _joint(calibration: Calibration) -> RelaxationGivenModulus | None:
 def _differences(calibration: Calibration, resin: Resin, ratio: float, punch: str) -> tuple[dict[str, str], ...]:
     """Where the campaign differs from what is designed: resin, ratio, base, contact and punch."""
     pad = calibration.pad
-    said = []
+    notes = []
     carried = "modulus, relaxation and effects are carried over, what was found of the force law is not"
     if pad.get("resin") not in (None, resin.name):
-        said.append(("calibration_resin", f"the calibration's campaign pressed pads of {pad['resin']}; this design is "
-                     f"of {resin.name}, and still uses its modulus and relaxation"))
+        notes.append(("calibration_resin", f"the calibration's campaign pressed pads of {pad['resin']}; this design is "
+                      f"of {resin.name}, and still uses its modulus and relaxation"))
     if pad.get("ratio") is None:
-        said.append(("calibration_ratio", f"the calibration's campaign says no ratio: its modulus is taken for that at "
-                     f"{ratio:g}, the ratio of {resin.name}'s relaxation; name resin and ratio in campaign.toml"))
+        notes.append(("calibration_ratio", "the calibration's campaign says no ratio: its modulus is taken for that at "
+                      f"{ratio:g}, the ratio of {resin.name}'s relaxation; name resin and ratio in campaign.toml"))
     if not calibration.on_pucks():
         for name, own, designed in (("base", pad.get("base"), BASE), ("contact", pad.get("contact"), CONTACT)):
             if own not in (None, designed):
-                said.append((f"calibration_{name}", f"the calibration's campaign had {name} = {own}, the pad that is "
-                             f"designed has {designed}: {carried}"))
+                notes.append((f"calibration_{name}", f"the calibration's campaign had {name} = {own}, the pad that is "
+                              f"designed has {designed}: {carried}"))
         if (own := pad.get("punch") or PUNCH) != punch:
-            said.append(("calibration_punch", f"the calibration's campaign pressed with punch {own}, this design is "
-                         f"for {punch}: {carried}"))
-    return tuple({"code": code, "message": message} for code, message in said)
+            notes.append(("calibration_punch", f"the calibration's campaign pressed with punch {own}, this design is "
+                          f"for {punch}: {carried}"))
+    return tuple({"code": code, "message": message} for code, message in notes)
 
 
 def _around(value: float, share: float, source: str) -> Quantity:
@@ -168,7 +168,7 @@ class CalibratedFamily:
     def _pressed(self, designs: Designs) -> list[str]:
         """For each pad the shape of the campaign that it has, or a word that no pad has."""
         count = len(designs.thickness_mm)
-        found = np.full(count, OTHER, dtype=object)
+        texts = np.full(count, OTHER, dtype=object)
         # parameters that a search leaves out, such as a ridge, have their usual values
         usual = dict(designs.shape(0).parameters) if count else {}
         for text in set(self.correction.calibration.after.shapes) - {""}:
@@ -176,8 +176,8 @@ class CalibratedFamily:
             if shape.name == self.plain.kind and count:
                 own = {name: designs.parameters.get(name, np.full(count, usual[name])) for name, _ in shape.parameters}
                 same = [np.isclose(own[name], value, rtol=1e-6) for name, value in shape.parameters]
-                found[np.logical_and.reduce(same)] = text
-        return list(found)
+                texts[np.logical_and.reduce(same)] = text
+        return list(texts)
 
 
 @dataclass(frozen=True)

@@ -131,7 +131,7 @@ def _differences(answers: Sequence[Mapping[str, Any]]) -> tuple[dict[str, Any], 
     columns = {key: [answer["inputs"].get(key) for answer in answers] for key in QUESTIONS}
     columns["limits"] = [answer["verdict"].get("limits") for answer in answers]
     names = {**QUESTIONS, "limits": "limits of the verdict"}
-    found = [
+    rows = [
         {"input": key, "name": names[key], "values": values}
         for key, values in columns.items()
         if any(value != values[0] for value in values)
@@ -140,20 +140,20 @@ def _differences(answers: Sequence[Mapping[str, Any]]) -> tuple[dict[str, Any], 
     for name in dict.fromkeys(name for one in files for name in one):
         sums = [one.get(name) for one in files]
         if all(sums) and len(set(sums)) > 1:
-            found.append({"input": "file", "name": f"content of {name}", "values": sums})
-    return tuple(found)
+            rows.append({"input": "file", "name": f"content of {name}", "values": sums})
+    return tuple(rows)
 
 
 def _warnings(
     designs: Sequence[Mapping[str, Any]], differences: Sequence[Mapping[str, Any]], answers: Sequence[Mapping[str, Any]]
 ) -> tuple[dict[str, str], ...]:
-    found = []
+    warnings = []
     if differences:
         names = ", ".join(one["name"] for one in differences)
         message = f"The designs answer different questions ({names}): compare their verdicts and scores with care."
-        found.append({"code": "different_questions", "message": message})
+        warnings.append({"code": "different_questions", "message": message})
     versions = dict.fromkeys(str(answer.get("version")) for answer in answers)
     if len(versions) > 1:
         message = f"The designs were made by different versions ({', '.join(versions)}): run 'suggest' again."
-        found.append({"code": "different_versions", "message": message})
-    return tuple(found)
+        warnings.append({"code": "different_versions", "message": message})
+    return tuple(warnings)

@@ -67,8 +67,8 @@ class TracesTest:
 
     def warnings(self, tissue: Tissue) -> list[dict[str, str]]:
         """What must be said of the tissue in this test."""
-        said = tissue_warnings(tissue, self.punch, self.edge_radius_mm, self.presses.forces_N or ())
-        return [{"code": code, "message": text} for code, text in said]
+        pairs = tissue_warnings(tissue, self.punch, self.edge_radius_mm, self.presses.forces_N or ())
+        return [{"code": code, "message": text} for code, text in pairs]
 
 
 def _listed(values: tuple[float, ...] | None) -> list[float] | None:
@@ -110,7 +110,7 @@ RAW_BIAS = 1.5
 """Standard deviations by which the largest of the few samples about a peak is too large."""
 
 
-def verdict_of_traces(found: Comparison, tissue: Tissue) -> Verdict:
+def verdict_of_traces(comparison: Comparison, tissue: Tissue) -> Verdict:
     """Judge a cast pad by its traces.
 
     Each press is compared with the subjects at its own steady force, speed, hold and braking; repeats are averaged.
@@ -118,27 +118,28 @@ def verdict_of_traces(found: Comparison, tissue: Tissue) -> Verdict:
     depth. A press of the test that was not made, or without a test a speed of the tissue at which the pad was not
     pressed, leaves open whether it is inside.
     """
-    bands = {id(trace): band for trace, band in found.presses}
-    noise = float(found.fit.result["noise_floor_N"] or 0.0)
+    bands = {id(trace): band for trace, band in comparison.presses}
+    noise = float(comparison.fit.result["noise_floor_N"] or 0.0)
     rows = [
-        _press([(trace, bands[id(trace)]) for trace in group], tissue, found.test, speed, noise)
-        for speed, _, group in condition_groups([trace for trace, _ in found.presses])
+        _press([(trace, bands[id(trace)]) for trace in group], tissue, comparison.test, speed, noise)
+        for speed, _, group in condition_groups([trace for trace, _ in comparison.presses])
     ]
-    lowest = found.test.span_N[0]
+    lowest = comparison.test.span_N[0]
     force, speeds, low, high, least, most, peak, error, energy = (np.array(column) for column in zip(*rows))
-    grid = (found.grid_N >= max(lowest * (1 - 1e-9), 0.97 * found.points[0, 1])) & np.isfinite(found.steady)
-    steady, depth = found.grid_N[grid], found.steady[grid]
-    stiff, soft = (edge[grid] for edge in found.range_mm)
-    hold = hold_of([trace for trace, _ in found.presses], found.test)
-    ranges = Ranges(force, speeds, low, high, least, most, steady, stiff, soft, len(tissue.subjects),
-                    law_named(tissue.law).exponent_of(tissue.parameter_sets, *found.test.span_N, hold))  # fmt: skip
+    from_N = max(lowest * (1 - 1e-9), 0.97 * comparison.points[0, 1])
+    grid = (comparison.grid_N >= from_N) & np.isfinite(comparison.steady)
+    steady, depth = comparison.grid_N[grid], comparison.steady[grid]
+    stiff, soft = (edge[grid] for edge in comparison.range_mm)
+    hold = hold_of([trace for trace, _ in comparison.presses], comparison.test)
+    exponent = law_named(tissue.law).exponent_of(tissue.parameter_sets, *comparison.test.span_N, hold)
+    ranges = Ranges(force, speeds, low, high, least, most, steady, stiff, soft, len(tissue.subjects), exponent)
     rng = np.random.default_rng(SEED)
     spread = Readings(
         peak + error * rng.standard_normal((DRAWS, len(peak))),
         energy * (1.0 + error / peak * rng.standard_normal((DRAWS, len(peak)))),
         depth + DEPTH_ERROR_MM * rng.standard_normal((DRAWS, 1)),
     )
-    unsettled = missing_of([trace for trace, _ in found.presses], found.test, tissue.velocities_mm_s)
+    unsettled = missing_of([trace for trace, _ in comparison.presses], comparison.test, tissue.velocities_mm_s)
     if not len(steady):
         unsettled = " and ".join(filter(None, [unsettled, f"it was not pressed above {lowest:g} N"]))
     readings = Readings(peak, energy, depth)
@@ -218,7 +219,7 @@ class PadVerdict:
 
 def verdicts_of_campaign(campaign: Campaign, tissue: Tissue) -> tuple[PadVerdict, ...]:
     """Judge every pad of a campaign by its own presses, the worst level first."""
-    found = []
+    verdicts = []
     for shape, thickness in dict.fromkeys(trial.pad for trial in campaign.trials):
         traces = [trial.trace for trial in campaign.trials if trial.pad == (shape, thickness)]
         judged, reason = None, ""
@@ -226,6 +227,6 @@ def verdicts_of_campaign(campaign: Campaign, tissue: Tissue) -> tuple[PadVerdict
             judged = verdict_of_traces(compare_traces(traces, tissue, campaign.lowpass), tissue)
         except DummydesignError as problem:
             reason = str(problem)
-        found.append(PadVerdict(shape, thickness, len(traces), judged, reason))
-    return tuple(sorted(found, key=lambda pad: -1 if pad.verdict is None else LEVELS.index(pad.verdict.level),
+        verdicts.append(PadVerdict(shape, thickness, len(traces), judged, reason))
+    return tuple(sorted(verdicts, key=lambda pad: -1 if pad.verdict is None else LEVELS.index(pad.verdict.level),
                         reverse=True))  # fmt: skip

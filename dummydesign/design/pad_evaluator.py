@@ -58,18 +58,18 @@ def verdict_of_pad(
     tau, beta = tuple(term.tau_s for term in pad.prony), np.array([[term.beta for term in pad.prony]])
     targets = make_targets(tissue, aim, sampling, protocol)
     slabs = Slabs(curves, np.array([0]), np.array([pad.young_MPa]), tau, beta.reshape(1, len(tau)))
-    found = evaluate(slabs, targets, sampling, exact=True)
-    candidate = DesignCandidate(thickness, 0.0, 0, found, None, 0.0, 0.0)
-    reached = found.depth_mm[0][np.isfinite(found.depth_mm[0])]
+    evaluation = evaluate(slabs, targets, sampling, exact=True)
+    candidate = DesignCandidate(thickness, 0.0, 0, evaluation, None, 0.0, 0.0)
+    reached = evaluation.depth_mm[0][np.isfinite(evaluation.depth_mm[0])]
     error = float(np.nan_to_num(np.max(curve.relative_error(reached), initial=0.0))) if len(reached) else 0.0
     width = float(np.hypot(0.5 * np.log(young["high"] / young["low"]), error)) / HALF_WIDTH
     drawn = pad.young_MPa * np.exp(width * np.random.default_rng(SEED).standard_normal(DRAWS))
     every = Slabs(curves, np.zeros(DRAWS, int), drawn, tau, np.repeat(slabs.beta, DRAWS, axis=0))
     spread = readings_of(evaluate(every, targets, sampling.coarse))
-    missing = len(reached) < found.depth_mm.shape[1]
+    missing = len(reached) < evaluation.depth_mm.shape[1]
     bound = [f"depth over thickness (at most {limit / thickness:.2f})"] if missing else []
     judged = verdict(
-        ranges_of(targets), readings_of(found, 0), spread, bound, of="pads with a modulus in its interval",
+        ranges_of(targets), readings_of(evaluation, 0), spread, bound, of="pads with a modulus in its interval",
         measured=readings_of(evaluate(slabs, targets, sampling.coarse)), limits=targets.limits,
     )  # fmt: skip
     return judged, candidate, targets
@@ -90,8 +90,9 @@ class EvaluatedPad:
 
     def steady_depth_mm(self, force_N: NDArray) -> NDArray:
         """Depth at steady forces; NaN out of reach. [mm]"""
-        found = self.candidate.evaluation
-        return np.asarray(steady_depth(found.slabs, force_N, found.protocol.slow_mm_s, found.sampling.coarse)[0])
+        evaluation = self.candidate.evaluation
+        speed, sampling = evaluation.protocol.slow_mm_s, evaluation.sampling.coarse
+        return np.asarray(steady_depth(evaluation.slabs, force_N, speed, sampling)[0])
 
 
 def law_of_shape(
@@ -115,10 +116,10 @@ def one_pad(law: ForceLaw, space: SearchSpace, thickness_mm: float, ratio: float
     """Press one pad as the search presses its best ones, and judge it."""
     curves = make_curves(law, np.array([thickness_mm]), space.radius_mm)
     slabs = make_slabs(curves, np.array([0]), space.resin, np.array([ratio]))
-    found = evaluate(slabs, space.targets, space.sampling, exact=True)
-    candidate = DesignCandidate(thickness_mm, ratio, 0, found, None, 0.0, 0.0)
+    evaluation = evaluate(slabs, space.targets, space.sampling, exact=True)
+    candidate = DesignCandidate(thickness_mm, ratio, 0, evaluation, None, 0.0, 0.0)
     bound = limits_that_bind(candidate, space.thickness_mm, space.ratio)
-    return EvaluatedPad(candidate, law, verdict(ranges_of(space.targets), readings_of(found, 0), None, bound))
+    return EvaluatedPad(candidate, law, verdict(ranges_of(space.targets), readings_of(evaluation, 0), None, bound))
 
 
 class NotTabulated(InputError):

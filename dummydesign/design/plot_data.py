@@ -71,14 +71,14 @@ def reactions(answer: Suggestion, law: ForceLaw) -> list[Reaction]:
         "modulus, 95 %": [(0, 1e-3 * modulus.low, beta), (0, 1e-3 * modulus.high, beta)],
         "relaxation, 95 %": [(0, young, beta * end) for end in ends],
     }
-    found = []
+    bars = []
     for name, pair in cases.items():
         change = np.array([100.0 * (_measure(curves, *case, answer) / nominal - 1.0) for case in pair])
         # an end at which the force cannot be reached has no number: the bar then ends at no change, with a note
         name += "" if np.isfinite(change).all() else " *"
         low, high = np.fmin.reduce([*change, 0 * nominal]), np.fmax.reduce([*change, 0 * nominal])
-        found.append(Reaction(name, (float(low[0]), float(high[0])), (float(low[1]), float(high[1]))))
-    return found
+        bars.append(Reaction(name, (float(low[0]), float(high[0])), (float(low[1]), float(high[1]))))
+    return bars
 
 
 def _measure(curves: Curves, slab: int, young_MPa: float, beta: NDArray, answer: Suggestion) -> NDArray:
@@ -161,7 +161,8 @@ def suggestion_curves(answer: Suggestion) -> SuggestionCurves:
         subjects_measured_mm=targets.depth_range_mm(grids.measured),
         aim_depth_mm=targets.aim_depth_mm(grids.aim),
         relative_forces=tuple(
-            None if item.candidate is None else relative_force(item.candidate, targets, grids) for item in answer.beside
+            None if item.candidate is None else relative_force(item.candidate, targets, grids)
+            for item in answer.comparisons
         ),
         exponent=exponent,
         exponent_here=tuple(float(np.interp(here, THICKNESS_GRID_MM, column)) for column in exponent.T),
@@ -247,7 +248,7 @@ def press_pictures(answer: Suggestion) -> PressPictures:
     except NoAnswerError as problem:
         return PressPictures(left_out=f"left out: {problem}")
     slab: tuple[PressedPad, ...] = ()
-    flat = next((item.candidate for item in answer.beside if item.kind == Slab.name and item.candidate), None)
+    flat = next((item.candidate for item in answer.comparisons if item.kind == Slab.name and item.candidate), None)
     left_out = ""
     if flat is not None and not answer.shape.plain:
         try:
@@ -293,31 +294,31 @@ def _solved(pad: Pad, depth_mm: NDArray) -> dict[str, Any]:
     ]}  # fmt: skip
 
 
-def _linear(place: NDArray, value: NDArray, at: NDArray) -> NDArray:
+def _linear(points: NDArray, value: NDArray, at: NDArray) -> NDArray:
     """Values between scattered places, linear on their triangles; NaN outside."""
     # All of scipy.interpolate takes 0.3 s more to load.
     from scipy.spatial import Delaunay
 
-    triangles = Delaunay(place)
+    triangles = Delaunay(points)
     where = triangles.find_simplex(at)
     turn = triangles.transform[where]
     share = np.einsum("...ij,...j->...i", turn[..., :2, :], at - turn[..., 2, :])
     corner = value[triangles.simplices[where]]
-    found = (share * corner[..., :2]).sum(axis=-1) + (1.0 - share.sum(axis=-1)) * corner[..., 2]
-    return np.where(where >= 0, found, np.nan)
+    values = (share * corner[..., :2]).sum(axis=-1) + (1.0 - share.sum(axis=-1)) * corner[..., 2]
+    return np.where(where >= 0, values, np.nan)
 
 
 def _drawn(pad: Pad, force_N: float, state: dict[str, Any]) -> PressedPad:
     """One state on the picture's cells."""
-    place, face = np.asarray(state["place_mm"], float), np.asarray(state["face_mm"], float)
+    points, face = np.asarray(state["place_mm"], float), np.asarray(state["face_mm"], float)
     reach = REACH * pad.radius_mm
     size = 2.0 * reach / COLUMNS
     radius = (np.arange(COLUMNS) - 0.5 * (COLUMNS - 1)) * size
     height = (np.arange(int(np.ceil(float(face[:, 1].max()) / size))) + 0.5) * size
-    near = place[:, 0] < 1.3 * reach
+    near = points[:, 0] < 1.3 * reach
     out, up = np.meshgrid(np.abs(radius), height)
     at = np.stack([np.maximum(out, 1e-6), up], axis=-1)
-    stress = _linear(place[near], np.asarray(state["stress_kPa"], float)[near], at)
+    stress = _linear(points[near], np.asarray(state["stress_kPa"], float)[near], at)
     inside = up <= np.interp(out, face[:, 0], face[:, 1])
     inside &= up >= np.asarray(pad.geometry.bone_mm(out, 0.0 * out), float)
     return PressedPad(

@@ -93,8 +93,8 @@ class IsolatedCrown:
         depth = self.depth_mm * DEPTH_SHARES
         inputs = {"shape": str(shape), "thickness": self.thickness_mm, "radius": self.radius_mm, "depth": depth,
                   "extent": extent_mm, "base": self.base}  # fmt: skip
-        found = cached("site", inputs, lambda: self._solve(shape, depth, extent_mm))
-        return np.asarray(found["force"], float)
+        solved = cached("site", inputs, lambda: self._solve(shape, depth, extent_mm))
+        return np.asarray(solved["force"], float)
 
     def _solve(self, shape: CrownWithRing, depth_mm: Array, extent_mm: float) -> dict[str, Array]:
         """With the larger fillet: contact at a sharper edge jumps from cell to cell by more than what is looked for."""
@@ -128,10 +128,10 @@ class Sites:
     @property
     def text(self) -> str:
         """The grid and what its neighbours do, in words."""
-        apart = " x ".join(f"{pitch:g}" for pitch in self.pitch_mm if pitch)
+        pitches = " x ".join(f"{pitch:g}" for pitch in self.pitch_mm if pitch)
         low, high = 100.0 * self.softer, 100.0 * self.stiffer
         return (
-            f"{self.along} x {self.across} crowns, {apart} mm apart, the outermost {self.rim_mm:g} mm from the rim: "
+            f"{self.along} x {self.across} crowns, {pitches} mm apart, the outermost {self.rim_mm:g} mm from the rim: "
             f"solved, neighbours and rim change the force by {low:.2f} to {high:+.2f} %"
         )
 
@@ -144,7 +144,7 @@ class Sites:
         """Return the grid with the places of the tips."""
         return {
             "along": self.along, "across": self.across, "pitch_mm": list(self.pitch_mm), "rim_mm": self.rim_mm,
-            "places_mm": [list(place) for place in shape.places_mm],
+            "places_mm": [list(position) for position in shape.places_mm],
             "force_change": {"low": self.softer, "high": self.stiffer}, "text": self.text,
         }  # fmt: skip
 

@@ -53,26 +53,26 @@ class SolvedDesign:
     sites: Sites | None = None
 
 
-def solve(inputs: Inputs, found: SearchOutcome, progress: Progress = quiet) -> SolvedDesign:
+def solve(inputs: Inputs, outcome: SearchOutcome, progress: Progress = quiet) -> SolvedDesign:
     """Solve the leading shaped designs, choose the best, and compare a recommended slab with its table.
 
     Designs that the search does not tell apart are chosen from by what is expected of their castings. Nothing is
     solved when the request has ``verify = False``; a slab with a calibration is not compared.
     """
     request, space = inputs.request, inputs.space
-    if request.verify and found.designs:
+    if request.verify and outcome.designs:
         from dummydesign.design.search.finalists import solve_leading
 
-        found = replace(found, designs=solve_leading(found.designs, space, progress))
-    chosen = choose(found, space)
-    low_share = 0.0 if found.asked.lower() == Slab.name else space.targets.weights.low_aim
-    tolerances = tolerances_of(space.resin, chosen.found.best, request, chosen.shape)
-    chosen, expected = by_expectation(close_to(chosen, found, space), space, inputs.castings, tolerances, low_share)
+        outcome = replace(outcome, designs=solve_leading(outcome.designs, space, progress))
+    chosen = choose(outcome, space)
+    low_share = 0.0 if outcome.asked.lower() == Slab.name else space.targets.weights.low_aim
+    tolerances = tolerances_of(space.resin, chosen.result.best, request, chosen.shape)
+    chosen, expected = by_expectation(close_to(chosen, outcome, space), space, inputs.castings, tolerances, low_share)
     if request.calibration is not None and chosen.shape.plain:
         return SolvedDesign(chosen, expected, not_verified(CALIBRATED))
     if not request.verify:
         return SolvedDesign(chosen, expected, not_verified("not requested"))
-    best, forces = chosen.found.best, (space.targets.protocol.low_grid_N[1], *space.targets.protocol.forces_N)
+    best, forces = chosen.result.best, (space.targets.protocol.low_grid_N[1], *space.targets.protocol.forces_N)
     centring = centring_tolerance(
         best, chosen.shape, space.radius_mm, inputs.punch.half_width_mm, forces, space.extent_mm,
         getattr(chosen.cast, "touch", None),
@@ -95,7 +95,7 @@ def _verify(chosen: Chosen, inputs: Inputs) -> Verification:
     """
     from dummydesign.design.search.finalists import ElementsLaw
 
-    best, space = chosen.found.best, inputs.space
+    best, space = chosen.result.best, inputs.space
     young, thickness, radius = space.resin.young_MPa(best.ratio), best.thickness_mm, space.radius_mm
     if isinstance(chosen.cast, ElementsLaw):
         return of_shape(chosen.cast, young, radius)
@@ -115,7 +115,7 @@ def _verify(chosen: Chosen, inputs: Inputs) -> Verification:
 def assess(inputs: Inputs, solved: SolvedDesign) -> Suggestion:
     """Judge the chosen design and lay the whole answer together."""
     request, space, chosen, calibrated = inputs.request, inputs.space, solved.chosen, inputs.calibrated
-    best, kind = chosen.found.best, chosen.shape.name
+    best, kind = chosen.result.best, chosen.shape.name
     recommended = _recommended(inputs, best, chosen.shape)
     tolerances = tolerances_of(space.resin, best, request, chosen.shape)
     cast = PadCastings(inputs.castings, chosen.cast, best, space, tolerances)
@@ -130,14 +130,14 @@ def assess(inputs: Inputs, solved: SolvedDesign) -> Suggestion:
         tissue=inputs.tissue,
         resin=space.resin,
         targets=space.targets,
-        found=chosen.found,
+        result=chosen.result,
         verdict=verdict_of_design(cast, beyond_people(request, inputs.tissue)),
         castings=cast,
         recommended=recommended,
-        alternatives=tuple(_recommended(inputs, one, _shape_at(chosen, one)) for one in chosen.found.alternatives),
+        alternatives=tuple(_recommended(inputs, one, _shape_at(chosen, one)) for one in chosen.result.alternatives),
         law=chosen.law,
         cast=chosen.cast,
-        beside=chosen.beside,
+        comparisons=chosen.comparisons,
         pour=pour,
         verification=solved.verification,
         centring=solved.centring,
@@ -145,7 +145,7 @@ def assess(inputs: Inputs, solved: SolvedDesign) -> Suggestion:
         rests_on=count_unmeasured(space.resin, inputs.tissue, best),
         warnings=(*listed, *(() if calibrated is None else calibrated.warnings)),
         punch=inputs.punch,
-        choice=explain(cast, kind, chosen.beside),
+        choice=explain(cast, kind, chosen.comparisons),
         expectation=solved.expectation,
         measure_first=measure_first(cast),
         calibration=None if calibrated is None else calibrated.summary,
@@ -154,7 +154,7 @@ def assess(inputs: Inputs, solved: SolvedDesign) -> Suggestion:
 
 def _shape_at(chosen: Chosen, other: DesignCandidate) -> PadShape:
     """Shape of an alternative: the best design's, in proportion to the thickness."""
-    if other is chosen.found.best or not isinstance(chosen.law, FamilyLaw):
+    if other is chosen.result.best or not isinstance(chosen.law, FamilyLaw):
         return chosen.shape
     return chosen.law.shape_at(other.thickness_mm)
 
@@ -174,7 +174,7 @@ def design(inputs: Inputs, progress: Progress = quiet) -> Suggestion:
     """Run the search on resolved inputs and report progress."""
     progress("search")
     refused = refused_kinds(inputs.request, inputs.punch)
-    found = best_of_kinds(inputs.request.kind, inputs.slab_law, inputs.space, refused)
-    solved = solve(inputs, found, progress)
+    outcome = best_of_kinds(inputs.request.kind, inputs.slab_law, inputs.space, refused)
+    solved = solve(inputs, outcome, progress)
     progress("tolerance and verdict")
     return assess(inputs, solved)

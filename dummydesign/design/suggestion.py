@@ -61,7 +61,7 @@ class Suggestion:
     """The answer: verdict, recommended design and the others, the search, tolerance, verification, and its basis.
 
     ``law`` is the force law in proportion with thickness, ``cast`` that of the shape as it is cast, from elements
-    when it was verified; ``beside`` the best design of each kind of shape; ``centring`` how far off the centre of
+    when it was verified; ``comparisons`` the best design of each kind of shape; ``centring`` how far off the centre of
     a crown the punch may press (with verification); ``warnings`` are {code, message}; ``calibration`` says what was
     used of one and what it left; ``sites`` the grid of crowns, where several were requested.
     """
@@ -70,14 +70,14 @@ class Suggestion:
     tissue: Tissue
     resin: Resin
     targets: Targets
-    found: SearchResult
+    result: SearchResult
     verdict: Verdict
     castings: PadCastings
     recommended: RecommendedDesign
     alternatives: tuple[RecommendedDesign, ...]
     law: ForceLaw
     cast: ForceLaw
-    beside: tuple[ShapeComparison, ...]
+    comparisons: tuple[ShapeComparison, ...]
     pour: PourYield
     verification: Verification
     centring: CentringTolerance | None
@@ -119,7 +119,7 @@ class Suggestion:
         groups = [group for group in GROUPS if group != TISSUE]
         castings, verdict = self.castings.castings, self.verdict.to_dict()
         recommendation = design_dict(self.recommended, self.resin, self.targets)
-        found: dict[str, Any] = {
+        answer: dict[str, Any] = {
             "verdict": verdict,
             "castings": {"n": castings.n, "seed": castings.seed, "groups": groups, **(verdict["castings"] or {})},
             "measure_first": self.measure_first.to_dict(),
@@ -135,7 +135,7 @@ class Suggestion:
                 "d_ln_young_per_percent_ratio": 0.01 * self.resin.log_slope(self.best.ratio), **self.pour.to_dict()
             },
             "verification": self.verification.to_dict(),
-            "shapes": [item.to_dict() for item in self.beside],
+            "shapes": [item.to_dict() for item in self.comparisons],
             "tissue_exponent": self.targets.power,
             "landing": self.centring.to_dict() if self.centring else None,
             "sites": self.sites.to_dict(self.shape) if self.sites else None,
@@ -144,18 +144,18 @@ class Suggestion:
             "sources": sources,
         }  # fmt: skip
         if inputs is None or safety is None:
-            return found
-        whole = {"inputs": inputs, **found, "safety": safety.to_dict(), "files": {}}
+            return answer
+        whole = {"inputs": inputs, **answer, "safety": safety.to_dict(), "files": {}}
         if mould is None:
             return whole
-        apart = ("files", "warnings", "sources")
+        excluded = ("files", "warnings", "sources")
         return {
             **whole,
             "recommendation": {**recommendation, "recipe": _recipe_of_pour(mould["pour"]), "batch": mould["batch"]},
             "warnings": [*whole["warnings"], *mould["warnings"]],
             "sources": [*sources, *(text for text in mould["sources"] if text not in sources)],
             "files": mould["files"],
-            "mold": {key: value for key, value in mould.items() if key not in apart},
+            "mold": {key: value for key, value in mould.items() if key not in excluded},
         }
 
 
@@ -197,8 +197,8 @@ def condition_rows(candidate: DesignCandidate, targets: Targets, shape: PadShape
     slabs = candidate.evaluation.slabs
     limit = float(slabs.curves.limit_mm[slabs.slab[at]])
     for column, condition in enumerate(targets.conditions):
-        found = float(candidate.evaluation.depth_mm[at, column])
-        depth = found if np.isfinite(found) else None
+        steady_mm = float(candidate.evaluation.depth_mm[at, column])
+        depth = steady_mm if np.isfinite(steady_mm) else None
         peak = None if depth is None else float(candidate.evaluation.presses[column].peak_N[at])
         low, high = condition.range.peak_low_N, condition.range.peak_high_N
         reads, outside = _reads(peak, low, high)

@@ -214,45 +214,45 @@ def standard_pad(request: Request) -> bool:
 
 def refused_kinds(request: Request, punch: Punch) -> dict[str, str]:
     """Kinds of shapes that cannot be designed for a test, with the reason in one line."""
-    found: dict[str, str] = {}
+    reasons: dict[str, str] = {}
     for kind in designable_kinds():
         if kind == Slab.name:
             continue
         if punch.profile_mm:
-            found[kind] = f"{kind} pads are designed under flat punches, not under {punch.text}"
+            reasons[kind] = f"{kind} pads are designed under flat punches, not under {punch.text}"
         elif request.face != "bonded":
             press = "'predict' and 'whatif --fidelity axisymmetric' press round ones"
-            found[kind] = f"{kind} pads are designed under a glued punch; with condition = {request.face} {press}"
+            reasons[kind] = f"{kind} pads are designed under a glued punch; with condition = {request.face} {press}"
         elif kind == "bumped" and not (request.punch == PUNCH and request.base == "bonded" and standard_pad(request)):
-            found[kind] = f"bumped pads are tabulated under the {PUNCH} mm punch on a glued 150x120 mm pad only"
+            reasons[kind] = f"bumped pads are tabulated under the {PUNCH} mm punch on a glued 150x120 mm pad only"
         elif request.base != "bonded" and kind != "crowned":
-            found[kind] = f"{kind} pads are designed on a glued base only"
+            reasons[kind] = f"{kind} pads are designed on a glued base only"
         elif request.base != "bonded" and not request.verify:
-            found[kind] = f"base = {request.base} is not in the tables of shapes; without --no-verify it is solved"
-    return found
+            reasons[kind] = f"base = {request.base} is not in the tables of shapes; without --no-verify it is solved"
+    return reasons
 
 
 def own_warnings(request: Request, punch: Punch, tissue: Tissue, edge_known: bool) -> list[tuple[str, str]]:
     """What must be said of a test that is not the paper's; ``edge_known`` is whether the force knows the fillet."""
-    said = tissue_warnings(tissue, request.punch, request.edge_radius_mm, request.protocol.forces_N)
+    notes = tissue_warnings(tissue, request.punch, request.edge_radius_mm, request.protocol.forces_N)
     if punch.sides_mm and not (punch.square and request.face == "bonded"):
-        said.append(("equal_area_punch", f"the punch {request.punch} is taken as the circle of its area; 'predict "
-                     "--fidelity 3d' gives what its sides add"))  # fmt: skip
+        notes.append(("equal_area_punch", f"the punch {request.punch} is taken as the circle of its area; 'predict "
+                      "--fidelity 3d' gives what its sides add"))  # fmt: skip
     if request.edge_radius_mm and not edge_known:
-        said.append(("fillet", _fillet_words(request, punch)))
-    return said
+        notes.append(("fillet", _fillet_words(request, punch)))
+    return notes
 
 
 def tissue_warnings(
     tissue: Tissue, punch: str, edge_radius_mm: float, forces_N: tuple[float, ...]
 ) -> list[tuple[str, str]]:
     """What must be said of a tissue in a test: a built-in one is known under one punch, from 5 to 15 N."""
-    said = []
+    notes = []
     built_in = tissue.origin == "built-in"
     if built_in and (punch != PUNCH or edge_radius_mm):
         edge = f" with an edge radius of {edge_radius_mm:g} mm" if edge_radius_mm else ""
-        said.append(("tissue_punch", f"{tissue.name} is known under the 14 x 14 mm punch: under {punch}{edge} "
-                     "its ranges are those of another test; add your own tissue measured with it"))  # fmt: skip
+        notes.append(("tissue_punch", f"{tissue.name} is known under the 14 x 14 mm punch: under {punch}{edge} "
+                      "its ranges are those of another test; add your own tissue measured with it"))  # fmt: skip
     low, high = KNOWN_FORCE_N
     far = [force for force in forces_N if not low <= force <= high]
     if built_in and far:  # curves refuse forces that were not pressed
@@ -261,8 +261,8 @@ def tissue_warnings(
         factor = _beyond(forces_N, tissue)
         if factor > 1.0:
             text += f"; {max(forces_N):g} N is {factor:.3g} times the largest force people were pressed to"
-        said.append(("force_not_in_band", text))
-    return said
+        notes.append(("force_not_in_band", text))
+    return notes
 
 
 def beyond_people(request: Request, tissue: Tissue) -> float:

@@ -54,8 +54,8 @@ class Conic:
 
     def ridge_volume_mm3(self, half_length_mm: float, slope: float) -> float:
         """Volume of the profile drawn out along a line whose ends lean outwards. [mm3]"""
-        place, weight = np.polynomial.legendre.leggauss(GAUSS_POINTS)
-        root = (place + 1) / 2
+        node, weight = np.polynomial.legendre.leggauss(GAUSS_POINTS)
+        root = (node + 1) / 2
         z = self.height_mm * root**2
         r = np.sqrt(2 * self.radius_mm * z - self.factor * z**2)
         grown = 2 * r * 2 * (half_length_mm + slope * z)

@@ -49,13 +49,13 @@ class Interface:
         >>> Interface.parse("sliding", "base", BASES).bonded
         False
         """
-        found = Interface.find(text, known)
-        if found is None:
+        interface = Interface.find(text, known)
+        if interface is None:
             raise InputError(
                 f"{quantity} '{text}' is not {', '.join(known)} or {FRICTION} with MU from 0 to {LARGEST_FRICTION:g}",
                 "unknown_name", quantity, text, (*known, FRICTION),
             )  # fmt: skip
-        return found
+        return interface
 
     @staticmethod
     def names_friction(text: str) -> bool:

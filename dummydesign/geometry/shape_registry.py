@@ -21,8 +21,8 @@ _FOLDER = Path(__file__).with_name("shapes")
 
 def shape_names() -> tuple[str, ...]:
     """Names of the package's shapes, the slab first; a module of ``geometry/shapes`` is a shape of its name."""
-    found = {path.stem for path in _FOLDER.glob("[!_]*.py")}
-    return DEFAULT, *sorted(found - {DEFAULT})
+    names = {path.stem for path in _FOLDER.glob("[!_]*.py")}
+    return DEFAULT, *sorted(names - {DEFAULT})
 
 
 def shape_help(*more: str, default: str = DEFAULT) -> str:
@@ -32,12 +32,12 @@ def shape_help(*more: str, default: str = DEFAULT) -> str:
 
 def shape_meanings() -> dict[str, str]:
     """What each shape is: the first line of its module, without loading it."""
-    found = {}
+    meanings = {}
     for name in shape_names():
         text = (_FOLDER / f"{name}.py").read_text(encoding="utf-8")
         line = text.partition('"""')[2].splitlines()[0].removesuffix('"""').rstrip(".")
-        found[name] = line[0].lower() + line[1:]
-    return found
+        meanings[name] = line[0].lower() + line[1:]
+    return meanings
 
 
 _REGISTERED: dict[str, type[PadShape]] = {}
@@ -142,9 +142,9 @@ def _members() -> tuple[type[PadShape], ...]:
     """The shapes of the package: in the module of its name, the one whose ``name`` it is."""
     from dummydesign.geometry.pad_shape import PadShape
 
-    found = []
+    members = []
     for name in shape_names():
         module = importlib.import_module(f"{__package__}.shapes.{name}")
         kinds = (value for value in vars(module).values() if isinstance(value, type) and issubclass(value, PadShape))
-        found.append(next(kind for kind in kinds if kind.name == name))
-    return tuple(found)
+        members.append(next(kind for kind in kinds if kind.name == name))
+    return tuple(members)

@@ -22,15 +22,15 @@ class Binning:
     samples: NDArray
     interval: NDArray
     inside: NDArray
-    place: NDArray
+    bin_index: NDArray
 
     def mean(self, values: NDArray) -> NDArray:
         """Mean of the samples (n,) of each bin, shape (bins,)."""
-        return np.bincount(self.place, values[self.inside]) / self.samples
+        return np.bincount(self.bin_index, values[self.inside]) / self.samples
 
     def scatter(self, values: NDArray) -> NDArray:
         """Sum of squared deviations of the samples (n,) from the mean of their bin, shape (bins,)."""
-        return np.bincount(self.place, (values[self.inside] - self.mean(values)[self.place]) ** 2)
+        return np.bincount(self.bin_index, (values[self.inside] - self.mean(values)[self.bin_index]) ** 2)
 
     def average(self, time_s: NDArray, nodes_s: NDArray, smooth_from_s: float = np.inf) -> NDArray:
         """Operator (bins, nodes) from a curve's values at nodes to its means over the samples of each bin."""
@@ -40,14 +40,14 @@ class Binning:
         average = np.zeros((len(self.samples), len(nodes_s)))
         first = int(np.searchsorted(nodes_s, smooth_from_s))
         smooth = (time > nodes_s[min(first, len(nodes_s) - 1)]) & (len(nodes_s) - first >= 4)
-        np.add.at(average, (self.place[~smooth], after[~smooth] - 1), 1.0 - part[~smooth])
-        np.add.at(average, (self.place[~smooth], after[~smooth]), part[~smooth])
+        np.add.at(average, (self.bin_index[~smooth], after[~smooth] - 1), 1.0 - part[~smooth])
+        np.add.at(average, (self.bin_index[~smooth], after[~smooth]), part[~smooth])
         start = np.clip(after[smooth] - 2, first, len(nodes_s) - 4)
         at = nodes_s[start[:, None] + np.arange(4)]
         for corner in range(4):
             others = np.delete(at, corner, axis=1)
             weight = np.prod((time[smooth, None] - others) / (at[:, [corner]] - others), axis=1)
-            np.add.at(average, (self.place[smooth], start + corner), weight)
+            np.add.at(average, (self.bin_index[smooth], start + corner), weight)
         return average / self.samples[:, None]
 
 
@@ -67,8 +67,8 @@ def cut(time_s: NDArray, edges_s: NDArray, left_out: NDArray | None = None) -> B
     if left_out is not None:
         use &= ~left_out[which]
     inside = np.nonzero(use)[0]
-    interval, place, samples = np.unique(which[inside], return_inverse=True, return_counts=True)
-    return Binning(edges_s[interval], edges_s[interval + 1], samples, interval, inside, place)
+    interval, bin_index, samples = np.unique(which[inside], return_inverse=True, return_counts=True)
+    return Binning(edges_s[interval], edges_s[interval + 1], samples, interval, inside, bin_index)
 
 
 def hold_edges(first_s: float, duration_s: float, fewest: int = 2) -> NDArray:
@@ -95,7 +95,7 @@ def mean_around(nodes_s: NDArray, time_s: NDArray, values: NDArray) -> NDArray:
     return np.diff(np.interp(half, time_s, integral)) / np.maximum(np.diff(half), 1e-12)
 
 
-def distinct(times_s: NDArray, apart_s: float) -> NDArray:
-    """Increasing times that are more than ``apart_s`` from the one before. [s]"""
+def distinct(times_s: NDArray, least_gap_s: float) -> NDArray:
+    """Increasing times that are more than ``least_gap_s`` from the one before. [s]"""
     ordered = np.unique(times_s)
-    return ordered[np.r_[True, np.diff(ordered) > apart_s]]
+    return ordered[np.r_[True, np.diff(ordered) > least_gap_s]]

@@ -69,10 +69,10 @@ def _descend(
 
 
 def _best(results: list[Any]) -> Solution:
-    found = min(results, key=lambda one: one.cost)
-    least = 2.0 * float(found.cost)
+    best = min(results, key=lambda one: one.cost)
+    least = 2.0 * float(best.cost)
     near = sum(bool(2.0 * one.cost <= least + max(1e-3, 1e-6 * least)) for one in results)
-    return Solution(found.x, least, len(results), near, found.fun, found.jac)
+    return Solution(best.x, least, len(results), near, best.fun, best.jac)
 
 
 class _Memory:
@@ -205,9 +205,9 @@ def profile_interval(model: Model, best: Solution, index: int, low: NDArray, hig
     ends, reasons = [], []
     for side in (-1.0, 1.0):
         limit = min(centre[index] - low[index] if side < 0 else high[index] - centre[index], FARTHEST)
-        found = _profile_end(model, best, index, low, high, side, first, limit)
-        ends.append(None if found is None else centre[index] + side * found)
-        if found is None:
+        end = _profile_end(model, best, index, low, high, side, first, limit)
+        ends.append(None if end is None else centre[index] + side * end)
+        if end is None:
             reasons.append("below" if side < 0 else "above")
     reason = f"not identifiable: the data set no bound {' or '.join(reasons)}" if reasons else ""
     return Interval(ends[0], ends[1], at_bound, reason)
@@ -258,7 +258,7 @@ def _profile_end(
 def within(costs: Sequence[float], unit: float = 1.0, lowest: float | None = None) -> list[int]:
     """Places on a profile whose cost is at most 3.84 units above its lowest: the 95 % interval on a grid."""
     least = min(costs) if lowest is None else lowest
-    return [place for place, cost in enumerate(costs) if cost - least <= CHI_SQUARE_95 * unit]
+    return [index for index, cost in enumerate(costs) if cost - least <= CHI_SQUARE_95 * unit]
 
 
 def _held(
@@ -276,8 +276,8 @@ def _held(
 
     if not len(free):
         return starts[0], float((reduced(starts[0])[0] ** 2).sum())
-    found = solve(reduced, starts, low[free], high[free], 1e-6)
-    return found.parameters, found.chi_square
+    solution = solve(reduced, starts, low[free], high[free], 1e-6)
+    return solution.parameters, solution.chi_square
 
 
 PARSIMONY = 6.0

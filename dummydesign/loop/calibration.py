@@ -38,8 +38,8 @@ class Posterior:
 
     def spread(self, name: str) -> float:
         """Standard deviation of one parameter."""
-        place = self.names.index(name)
-        return float(np.sqrt(self.covariance[place, place]))
+        index = self.names.index(name)
+        return float(np.sqrt(self.covariance[index, index]))
 
     def interval(self, name: str) -> tuple[float, float]:
         """95 % interval of one parameter, in its unit where the logarithm was kept."""
@@ -68,10 +68,10 @@ class Posterior:
 
 def posterior_of(fit: CampaignFit, lack_ratio: float | None = None) -> Posterior:
     """Posterior of the base and effect parameters of a fit, law errors and contact shifts integrated out."""
-    found = [(p, one.values[p.name]) for one in fit.active for p in one.effect.parameters]
-    mean = np.r_[fit.vector[:BASE], [np.log(value) if p.log else value for p, value in found]]
+    pairs = [(p, one.values[p.name]) for one in fit.active for p in one.effect.parameters]
+    mean = np.r_[fit.vector[:BASE], [np.log(value) if p.log else value for p, value in pairs]]
     mean[0] += np.log(1e3)  # MPa to kPa
-    scale = np.r_[np.ones(BASE), [1.0 if p.log else p.typical for p, _ in found]]
+    scale = np.r_[np.ones(BASE), [1.0 if p.log else p.typical for p, _ in pairs]]
     own = widened(fit, lack_ratio)[: len(mean), : len(mean)] * np.outer(scale, scale)
     names = parameter_names([one.effect for one in fit.active])
     level, *rest = pad_spreads(fit)
@@ -177,9 +177,9 @@ class Calibration:
 
     def strength_parameter(self, term: PronyTerm) -> tuple[str, float]:
         """The posterior's name for the strength of a term of :meth:`prony`, and d ln strength over d of it."""
-        for place, (tau, beta) in enumerate(zip(self.after.base.tau_s, self.after.base.beta), 1):
+        for number, (tau, beta) in enumerate(zip(self.after.base.tau_s, self.after.base.beta), 1):
             if (tau, beta) == (term.tau_s, term.beta):
-                return f"log beta_{place}", 1.0
+                return f"log beta_{number}", 1.0
         one = next(one for one in self.after.active if term in one.effect.adds_terms(one.values))
         return f"{one.effect.name}.{one.effect.parameters[0].name}", 1.0 / term.beta
 

@@ -113,7 +113,7 @@ class _Entry:
 
     def items(self) -> list[_Entry]:
         """Return the entries of a list."""
-        return [_Entry(value, f"{self.at}[{place}]") for place, value in enumerate(self.of(list))]
+        return [_Entry(value, f"{self.at}[{number}]") for number, value in enumerate(self.of(list))]
 
     def text(self, choices: tuple[str, ...] = ()) -> str:
         """Return a text, one of the choices where there are any."""

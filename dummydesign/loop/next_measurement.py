@@ -101,8 +101,8 @@ def options(presses: Presses, law: object) -> list[Option]:
         for share in (0.1, 0.3, 0.45)
     ]
     pressed = len(presses.pads)
-    for place in dict.fromkeys((0, pressed // 2)):
-        shape, h, _ = pads[place]
+    for number in dict.fromkeys((0, pressed // 2)):
+        shape, h, _ = pads[number]
         press = (float(h), float(speeds[-1]), 0.3, True)
         out.append(Option(*press, "10 s after a press to the same depth", 10.0, warm, age, shape, True))
         if warm is not None:
@@ -149,22 +149,22 @@ def planned_presses(presses: Presses, lowpass: Lowpass | None, chosen: list[Opti
     return replace(made, history=history)
 
 
-def _prediction(found: CampaignFit, planned: Presses) -> tuple[NDArray, NDArray]:
+def _prediction(fit: CampaignFit, planned: Presses) -> tuple[NDArray, NDArray]:
     """Bins (T, B) of the planned presses and a square root (T, B, n) of their parameter covariance."""
-    problem = replace(found.problem, presses=planned)
-    fixed, old, new = problem.fixed, found.problem.presses.pads, planned.pads
-    vector = np.r_[found.vector[:fixed], np.zeros(LAW_TERMS * len(new))]
+    problem = replace(fit.problem, presses=planned)
+    fixed, old, new = problem.fixed, fit.problem.presses.pads, planned.pads
+    vector = np.r_[fit.vector[:fixed], np.zeros(LAW_TERMS * len(new))]
     spread = np.zeros((len(vector),) * 2)
     source = np.r_[np.arange(fixed), np.full(LAW_TERMS * len(new), -1)]
     for term in range(LAW_TERMS):
         for at, pad in enumerate(new, problem.law_entries(term).start):
             if pad in old:
-                source[at] = found.problem.law_entries(term).start + old.index(pad)
-                vector[at] = found.vector[source[at]]
+                source[at] = fit.problem.law_entries(term).start + old.index(pad)
+                vector[at] = fit.vector[source[at]]
             else:
-                spread[at, at] = found.sizes.law[term] ** 2
+                spread[at, at] = fit.sizes.law[term] ** 2
     known = source >= 0
-    spread[np.ix_(known, known)] = found.covariance[np.ix_(source[known], source[known])]
+    spread[np.ix_(known, known)] = fit.covariance[np.ix_(source[known], source[known])]
     forces = problem.predict(vector)
     values, turn = np.linalg.eigh(0.5 * (spread + spread.T))
     root = turn * np.sqrt(np.maximum(values, 0.0))

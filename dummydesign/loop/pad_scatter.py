@@ -74,12 +74,12 @@ def carried_share(fit: CampaignFit) -> float:
 def recorded_ln(presses: Presses) -> tuple[NDArray, NDArray]:
     """Logarithm of each pad's force as its record has it over the designed pad's, and which have a record (pads,)."""
     stated, known = np.zeros(len(presses.pads)), np.zeros(len(presses.pads), bool)
-    for place, pad in enumerate(presses.pads):
+    for number, pad in enumerate(presses.pads):
         trial = next(one for one in presses.trials if one.pad == pad)
-        known[place] = _read(trial) or trial.design_thickness_mm is not None
-        stated[place] = np.log(trial.young_factor)
+        known[number] = _read(trial) or trial.design_thickness_mm is not None
+        stated[number] = np.log(trial.young_factor)
         if trial.design_thickness_mm:
-            stated[place] -= THICKNESS_SLOPE * np.log(trial.thickness_mm / trial.design_thickness_mm)
+            stated[number] -= THICKNESS_SLOPE * np.log(trial.thickness_mm / trial.design_thickness_mm)
     return stated, known
 
 

@@ -108,12 +108,12 @@ def expected_presses(
 ) -> tuple[Expected, ...]:
     """Work out depth or steady force of every planned press."""
     curves = {h: _curve(_pad(campaign, h, material), progress) for h in sorted({row.thickness_mm for row in plan})}
-    found: dict[tuple[float, float, float, float], Expected] = {}
+    expected: dict[tuple[float, float, float, float], Expected] = {}
     for row in plan:
         key = (row.thickness_mm, row.velocity_mm_s, row.target, row.hold_s)
-        if key not in found:
-            found[key] = _expected(row, *curves[row.thickness_mm], material)
-    return tuple(found[row.thickness_mm, row.velocity_mm_s, row.target, row.hold_s] for row in plan)
+        if key not in expected:
+            expected[key] = _expected(row, *curves[row.thickness_mm], material)
+    return tuple(expected[row.thickness_mm, row.velocity_mm_s, row.target, row.hold_s] for row in plan)
 
 
 def _pad(campaign: Campaign, thickness_mm: float, material: Material) -> Pad | Puck:
@@ -204,14 +204,14 @@ def plan_of(result: LoopResult, repeats: int = REPEATS) -> tuple[PlannedPress, .
     forces = simulate(planned, fit.problem.law, fit.base, fit.active)
     held = [float(np.interp(end, time, force))
             for end, time, force in zip(planned.hold_end_s - 0.1, planned.time_s, forces)]  # fmt: skip
-    runs = [(place, repeat) for repeat in range(1, repeats + 1) for place in range(len(chosen))]
+    runs = [(number, repeat) for repeat in range(1, repeats + 1) for number in range(len(chosen))]
     order = np.random.default_rng(ORDER_SEED).permutation(len(runs))
     out = []
     for sequence, index in enumerate(order, 1):
-        place, repeat = runs[index]
-        option = chosen[place]
+        number, repeat = runs[index]
+        option = chosen[number]
         name = f"press_{sequence:02d}_t{option.thickness_mm:g}_v{option.velocity_mm_s:g}_r{repeat}.csv"
-        out.append(PlannedPress(name, option, repeat, sequence, held[place]))
+        out.append(PlannedPress(name, option, repeat, sequence, held[number]))
     return tuple(out)
 
 
@@ -322,20 +322,20 @@ def plan_power(plan: tuple[Planned, ...], campaign: Campaign, young_MPa: float, 
     vector = start_vector(problem, young_MPa)
     forces = problem.predict(vector)
     usual = Sizes(NOISE, *(prior[0] for prior in law.error_priors))
-    found = CampaignFit(
+    fit = CampaignFit(
         problem, vector, usual, np.zeros_like(forces), np.where(presses.used, problem.slope(vector, forces), 0.0),
         forces, problem.jacobian(vector, forces), np.zeros((len(vector),) * 2), 0.0, 0.0,
     )  # fmt: skip
     sizes: dict[str, float] = {}
     units: dict[str, NDArray] = {}
     untested: dict[str, str] = {}
-    projection, whiten = project(found)
+    projection, whiten = project(fit)
     for effect in (one for one in known_effects() if not one.seen_raw):
         reason = effect.unavailable(presses, law)
         if reason:
             untested[effect.name] = reason
             continue
-        change = _change(effect, found, projection, whiten)
+        change = _change(effect, fit, projection, whiten)
         length = float(np.linalg.norm(change))
         sizes[effect.name] = length
         if length > 0:
@@ -344,19 +344,19 @@ def plan_power(plan: tuple[Planned, ...], campaign: Campaign, young_MPa: float, 
     names = [name for name in seen if name in units]
     alike = tuple(
         (a, b, cosine)
-        for place, a in enumerate(names)
-        for b in names[place + 1 :]
+        for number, a in enumerate(names)
+        for b in names[number + 1 :]
         if (cosine := abs(float(units[a] @ units[b]))) >= ALIKE
     )
     hidden = {name: size for name, size in sizes.items() if size < SEEN}
     return PlanPower(seen, hidden, untested, alike)
 
 
-def _change(effect: Effect, found: CampaignFit, projection: Projection, whiten: Whitener) -> NDArray:
+def _change(effect: Effect, fit: CampaignFit, projection: Projection, whiten: Whitener) -> NDArray:
     """What an effect of usual size adds beyond base and law error, whitened."""
-    problem = found.problem.plus(effect)
-    vector = np.insert(found.vector, found.problem.fixed, starts_of(effect)[0])
-    change = np.where(problem.presses.used, problem.predict(vector) - found.forces, 0.0)
+    problem = fit.problem.plus(effect)
+    vector = np.insert(fit.vector, fit.problem.fixed, starts_of(effect)[0])
+    change = np.where(problem.presses.used, problem.predict(vector) - fit.forces, 0.0)
     return projection.remove(np.r_[whiten(change).ravel(), np.zeros(projection.rows)])
 
 

@@ -47,7 +47,7 @@ class LoopResult:
 
 def result_dict(result: LoopResult) -> dict[str, Any]:
     """Return the result in the form of the ``loop`` contract."""
-    effects = [found.candidate.effect for found in result.effects]
+    effects = [accepted.candidate.effect for accepted in result.effects]
     errors = (result.base.errors.by_trial_N, result.after.errors.by_trial_N, result.after.errors.heldout_by_trial_N)
     lack = lack_of_fit(result.ranking[0].fit).ratio if result.ranking else None
     return {
@@ -55,7 +55,7 @@ def result_dict(result: LoopResult) -> dict[str, Any]:
         "worth": [asdict(worth_of(result, effect)) for effect in effects],
         "base": result.base.to_dict(),
         "verdict": result.verdict,
-        "effects": [_effect(found, result) for found in result.effects],
+        "effects": [_effect(accepted, result) for accepted in result.effects],
         "after": result.after.to_dict(),
         "residual": {
             "where": to_plain(result.where),
@@ -87,19 +87,19 @@ def result_dict(result: LoopResult) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def _effect(found: AcceptedEffect, result: LoopResult) -> dict[str, Any]:
-    effect = found.candidate.effect
+def _effect(accepted: AcceptedEffect, result: LoopResult) -> dict[str, Any]:
+    effect = accepted.candidate.effect
     return {
         "name": effect.name,
         "class": type(effect).__name__,
         "stage": effect.hook,
         "parameters": effect_intervals(result.after, effect),
-        "heldout_rmse_N": found.heldout_N,
-        "evidence": found.candidate.gain,
+        "heldout_rmse_N": accepted.heldout_N,
+        "evidence": accepted.candidate.gain,
         "evidence_meaning": "drop of minus twice the log likelihood against the model without it",
-        "threshold": found.threshold,
-        "confounded_with": list(found.confounded_with),
-        "family": list(found.family),
+        "threshold": accepted.threshold,
+        "confounded_with": list(accepted.confounded_with),
+        "family": list(accepted.family),
     }
 
 
@@ -133,7 +133,7 @@ def worth_of(result: LoopResult, effect: Effect) -> Worth:
 def answer_of(result: LoopResult) -> list[str]:
     """The answer in sentences, the most important first."""
     after, joined = result.after, result.joined
-    names = [named(found.candidate.effect.name) for found in result.effects]
+    names = [named(accepted.candidate.effect.name) for accepted in result.effects]
     if result.verdict == "none":
         first = "Nothing is missing: the model describes the campaign down to its noise."
     elif result.verdict == "effect":
@@ -141,13 +141,13 @@ def answer_of(result: LoopResult) -> list[str]:
         first = f"The model lacked {listed(names)}; with {them} the residual is noise."
     else:
         used = "is" if len(names) == 1 else "are"
-        found = f" {listed(names).capitalize()} {used} used, but not enough." if names else ""
-        first = (f"Something is missing that no known effect explains.{found} What remains: "
+        insufficient = f" {listed(names).capitalize()} {used} used, but not enough." if names else ""
+        first = (f"Something is missing that no known effect explains.{insufficient} What remains: "
                  f"{result.remainder.reasons[0]}.")  # fmt: skip
     # what the fit did not see comes first
     unseen = "".join(f"{one['message']}. " for one in result.warnings if one["code"] == "beyond_table")
     lines = [unseen + first]
-    lines += [_effect_text(result, found.candidate.effect, found.confounded_with) for found in result.effects]
+    lines += [_effect_text(result, accepted.candidate.effect, accepted.confounded_with) for accepted in result.effects]
     before, left = result.base.errors.heldout_N, after.errors.heldout_N
     if left is not None and before is not None:
         change = f"falls from {before:.3g} to {left:.3g} N" if result.effects else f"is {left:.3g} N"
@@ -183,7 +183,7 @@ def answer_rows(data: dict[str, Any]) -> tuple[list[str], list[list[str]]]:
     """Head and rows of errors and parameters before and after; of an effect's parameters its name comes last."""
     rows = []
     for name, label in (("train", "fitted"), ("heldout", "left out")):
-        errors = [data[stage]["error"][f"{name}_rmse_N"] for stage in ("base", "after")]
+        errors = [data[model]["error"][f"{name}_rmse_N"] for model in ("base", "after")]
         rows.append([f"error N, {label}", *("-" if error is None else f"{error:.4f}" for error in errors)])
     for name, after in data["after"]["parameters"].items():
         values = (data["base"]["parameters"][name]["value"], *(after[end] for end in ("value", "low", "high")))

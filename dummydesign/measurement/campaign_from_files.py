@@ -93,8 +93,8 @@ def _write_line(lines: list[str], head: int, key: str, value: float | None, end:
     )  # fmt: skip
     at = empty if given is None else given
     if at is not None:
-        found = re.match(rf"[ \t]*(?:#[ \t]*)?{key}[ \t]*=[^#\r\n]*?([ \t]*(?:#[^\r\n]*)?)(\r?\n|$)", lines[at])
-        comment, newline = (found[1].rstrip(), found[2]) if found else ("", end)
+        match = re.match(rf"[ \t]*(?:#[ \t]*)?{key}[ \t]*=[^#\r\n]*?([ \t]*(?:#[^\r\n]*)?)(\r?\n|$)", lines[at])
+        comment, newline = (match[1].rstrip(), match[2]) if match else ("", end)
         lines[at] = (f"# {key} =" if value is None else f"{key} = {value!r}") + comment + newline
     elif value is not None:
         at = max(at for at in range(head, last) if lines[at].strip() and not lines[at].lstrip().startswith("#"))
@@ -176,8 +176,8 @@ def _trial(path: Path, row: Mapping[str, Any], thickness_mm: float | None) -> tu
 
 def named_values(path: Path) -> dict[str, Any]:
     """Return what the name of a file tells of its press."""
-    found = {key: pattern.search(path.stem) for key, pattern in _IN_NAME.items()}
-    return {key: int(one[1]) if key in _WHOLE else float(one[1]) for key, one in found.items() if one}
+    matches = {key: pattern.search(path.stem) for key, pattern in _IN_NAME.items()}
+    return {key: int(one[1]) if key in _WHOLE else float(one[1]) for key, one in matches.items() if one}
 
 
 def _read_table(path: Path, names: Sequence[str]) -> dict[str, dict[str, Any]]:

@@ -105,12 +105,12 @@ def _positive(table: dict[str, Any], key: str) -> float:
 def differences_from_plan(trace: Trace, trial: dict[str, Any]) -> Iterator[str]:
     """Return the differences between a press and what was planned."""
     ramp = find_ramp(trace.time_s, trace.displacement_mm, "slowed")
-    found = {
+    differences = {
         "velocity_mm_s": (approach_velocity(trace.time_s, trace.displacement_mm, ramp), SPEED_SHARE, "mm/s"),
         "target_force_N": (held_force(trace, ramp), FORCE_SHARE, "N in the hold"),
         "target_depth_mm": (ramp.depth_mm, DEPTH_SHARE, "mm"),
     }
-    for key, (value, share, unit) in found.items():
+    for key, (value, share, unit) in differences.items():
         wanted = trial.get(key)
         if isinstance(wanted, int | float) and wanted > 0 and abs(value / wanted - 1.0) > share:
             yield f"{value:.3g} {unit}, planned {wanted:g}; press again, or write what was meant into {FILE}"

@@ -145,29 +145,29 @@ def find_holds(time_s: NDArray, displacement_mm: NDArray) -> tuple[Hold, ...]:
     edges = np.diff(np.r_[False, (moved <= SLOWED * speed * 2.0 * half) & (x > 0.03 * deepest), False].astype(int))
     least = max(HOLD_FRACTION * 100.0 * one, 4.0 * half)
     reach = max(0.002 * deepest, 0.01)
-    found: list[Hold] = []
+    holds: list[Hold] = []
     for first, last in zip(np.nonzero(edges == 1)[0], np.nonzero(edges == -1)[0] - 1):
-        place = float(np.median(x[first : last + 1]))
-        begin, end = _stretch(x, int(first), int(last), place, reach)
+        level = float(np.median(x[first : last + 1]))
+        begin, end = _stretch(x, int(first), int(last), level, reach)
         if time[end] - time[begin] < least or end - begin < 10:
             continue
-        if found and place < found[-1].displacement_mm - reach:
+        if holds and level < holds[-1].displacement_mm - reach:
             break
-        if found and time[begin] <= found[-1].end_s + 2 * half and abs(place - found[-1].displacement_mm) <= reach:
-            found[-1] = Hold(found[-1].start_s, float(time[end]), found[-1].displacement_mm)
+        if holds and time[begin] <= holds[-1].end_s + 2 * half and abs(level - holds[-1].displacement_mm) <= reach:
+            holds[-1] = Hold(holds[-1].start_s, float(time[end]), holds[-1].displacement_mm)
         else:
-            found.append(Hold(float(time[begin]), float(time[end]), place))
-    return tuple(found)
+            holds.append(Hold(float(time[begin]), float(time[end]), level))
+    return tuple(holds)
 
 
-def _stretch(x: NDArray, first: int, last: int, place: float, reach: float) -> tuple[int, int]:
+def _stretch(x: NDArray, first: int, last: int, level: float, reach: float) -> tuple[int, int]:
     """First and last sample within ``reach`` of a place, around the samples that stand still."""
     begin, end = first, last
-    while begin < last and x[begin] < place - reach:
+    while begin < last and x[begin] < level - reach:
         begin += 1
-    while begin > 0 and x[begin - 1] >= place - reach:
+    while begin > 0 and x[begin - 1] >= level - reach:
         begin -= 1
-    while end < len(x) - 1 and abs(x[end + 1] - place) <= reach:
+    while end < len(x) - 1 and abs(x[end + 1] - level) <= reach:
         end += 1
     return begin, end
 

@@ -37,7 +37,7 @@ LOADED, FEW = 0.3, 0.05
 class Trace:
     """One measured (or simulated) press; arrays of shape (n,), compression positive.
 
-    ``told_mm_s`` is the commanded speed, where known: a shallow press brakes from the surface on, and
+    ``commanded_speed_mm_s`` is the commanded speed, where known: a shallow press brakes from the surface on, and
     its motion does not show it.
     """
 
@@ -45,7 +45,7 @@ class Trace:
     time_s: NDArray
     displacement_mm: NDArray
     force_N: NDArray
-    told_mm_s: float | None = None
+    commanded_speed_mm_s: float | None = None
 
 
 def read_trace(path: str | Path, velocity_mm_s: float | None = None) -> Trace:
@@ -127,8 +127,8 @@ def open_csv(
         raise InputError(f"{what} cannot be read: {problem.strerror}{hint}", "file_unreadable", quantity) from None
     rows = csv.reader(io.StringIO(text))
     header = [cell.strip() for cell in next(rows, [])]
-    found, sizes = columns_in(tuple(names), header)
-    missing = next((name for name, place in zip(names, found) if place is None), "")
+    columns, sizes = columns_in(tuple(names), header)
+    missing = next((name for name, column in zip(names, columns) if column is None), "")
     if missing:
         roles = [name.partition("_")[0] for name in names]
         absent = absent_roles(header, roles) if len(header) > 1 else ()
@@ -138,7 +138,7 @@ def open_csv(
         advice = _header_advice(missing, header, names) + (import_first(path) if any(header) else "")
         raise InputError(f"{path.name}:1: column '{missing}' is missing{advice}", "missing", missing)
     filled = ((rows.line_num, row) for row in rows if any(cell.strip() for cell in row))
-    return header, [place for place in found if place is not None], sizes, filled
+    return header, [column for column in columns if column is not None], sizes, filled
 
 
 def _header_advice(missing: str, header: list[str], names: Sequence[str]) -> str:

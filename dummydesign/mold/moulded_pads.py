@@ -53,51 +53,51 @@ def moulded_pads(folders: Sequence[str | PathLike[str]]) -> MouldedPads:
     """Read the pads of some moulds."""
     from dummydesign.mold.pour.record import read_spec
 
-    places = [place for folder in folders for place in mould_folders(Path(folder))]
+    places = [mould for folder in folders for mould in mould_folders(Path(folder))]
     if not places:
         raise InputError("give the folder of at least one mould", "missing", "from_mould")
     known: dict[float, Path] = {}
     pads: list[tuple[float, str, str, Path]] = []
     pours: dict[tuple[str, float], None] = {}
-    for place in places:
-        spec = read_spec(place)
+    for mould in places:
+        spec = read_spec(mould)
         thickness = float(spec.pad.thickness_mm)
-        if (other := known.setdefault(thickness, place)) is not place:
+        if (other := known.setdefault(thickness, mould)) is not mould:
             raise InputError(
-                f"moulds '{other}' and '{place}' both have {thickness:g} mm: a campaign tells pads by their thickness; "
+                f"moulds '{other}' and '{mould}' both have {thickness:g} mm: a campaign tells pads by their thickness; "
                 "plan one for each",
                 "duplicate", "thickness_mm", thickness,
             )  # fmt: skip
-        pads.append((thickness, spec.pad.name, _outline(spec, place), place))
+        pads.append((thickness, spec.pad.name, _outline(spec, mould), mould))
         pours.setdefault((spec.pour.resin, float(spec.pour.ratio)))
     pads.sort(key=lambda one: one[0])
-    for _, _, outline, place in pads[1:]:
+    for _, _, outline, mould in pads[1:]:
         if outline != pads[0][2]:
             raise InputError(
-                f"moulds '{pads[0][3]}' ({pads[0][2]}) and '{place}' ({outline}) differ in outline: a campaign has "
+                f"moulds '{pads[0][3]}' ({pads[0][2]}) and '{mould}' ({outline}) differ in outline: a campaign has "
                 "one; plan one for each",
                 "inconsistent", "outline", outline, pads[0][2],
             )  # fmt: skip
     shapes = tuple((h, "slab" if outline.startswith("cylinder") else shape) for h, shape, outline, _ in pads)
-    return MouldedPads(shapes, pads[0][2], tuple(pours), tuple(str(place) for *_, place in pads))
+    return MouldedPads(shapes, pads[0][2], tuple(pours), tuple(str(mould) for *_, mould in pads))
 
 
 def mould_folders(folder: Path) -> list[Path]:
     """The folder itself where it holds a mould, else the moulds directly in it."""
     if (folder / SPEC).is_file():
         return [folder]
-    found = sorted(path.parent for path in folder.glob(f"*/{SPEC}") if not path.parent.name.startswith("."))
-    if not found:
+    moulds = sorted(path.parent for path in folder.glob(f"*/{SPEC}") if not path.parent.name.startswith("."))
+    if not moulds:
         message = f"folder '{folder}' holds no mould: give folders that 'dummydesign mold' wrote"
         raise InputError(message, "nothing_found", "from_mould", str(folder))
-    return found
+    return moulds
 
 
-def _outline(spec: MouldSpec, place: Path) -> str:
+def _outline(spec: MouldSpec, folder: Path) -> str:
     pad = spec.pad
     if not pad.is_puck:
         return f"{pad.length_mm:g}x{pad.width_mm:g}"
     if pad.length_mm != pad.width_mm:
-        message = f"mould '{place}': a puck of {pad.length_mm:g} x {pad.width_mm:g} mm is not round"
+        message = f"mould '{folder}': a puck of {pad.length_mm:g} x {pad.width_mm:g} mm is not round"
         raise InputError(message, "inconsistent", "outline")
     return f"cylinder:{pad.length_mm:g}"

@@ -78,12 +78,12 @@ def _write_and_check(
     total = sum(part.volume_mm3 for part in made.parts.values())
     checks.append(check_files.check_second_reader(assembly, total, len(made.parts)))
     scales = {name: print_scale(made, name) for name in mesh_files}
-    paths = {name: list(found.values()) for name, found in mesh_files.items()}
+    paths = {name: list(paths_of.values()) for name, paths_of in mesh_files.items()}
     checks += check_files.check_meshes(steps, genera(spec), paths, scales)
     write_progress("step 5 of 5: drawings, picture and pour sheet")
     warnings = pour_warnings(spec, plan)
     checks += check_process(spec, plan, warnings)
-    files |= {f"{name}_{kind}": path.name for name, found in mesh_files.items() for kind, path in found.items()}
+    files |= {f"{name}_{kind}": path.name for name, paths_of in mesh_files.items() for kind, path in paths_of.items()}
     files |= _write_views(made, meshes, folder)
     files |= _write_papers(made, plan, warnings, folder, papers)
     files |= finish_picture(picture, folder, spec, warnings)
@@ -137,17 +137,17 @@ def print_scale(made: Parts, name: str) -> float:
 
 def _write_meshes(made: Parts, meshes: dict[str, Any], folder: Path) -> dict[str, dict[str, Path]]:
     """STL and 3MF of what is printed or looked at in a slicer."""
-    found: dict[str, dict[str, Path]] = {}
+    files: dict[str, dict[str, Path]] = {}
     for name, part in meshes.items():
         if (scale := print_scale(made, name)) != 1.0:
             part = part.copy()
             part.apply_scale(scale)
-        found[name] = {"stl": folder / f"{name}_{made.spec.tag}.stl"}
-        write_stl(part, found[name]["stl"])
+        files[name] = {"stl": folder / f"{name}_{made.spec.tag}.stl"}
+        write_stl(part, files[name]["stl"])
         if made.parts[name].material == "rigid":
-            found[name]["3mf"] = folder / f"{name}_{made.spec.tag}.3mf"
-            write_3mf(part, found[name]["3mf"])
-    return found
+            files[name]["3mf"] = folder / f"{name}_{made.spec.tag}.3mf"
+            write_3mf(part, files[name]["3mf"])
+    return files
 
 
 def _start_picture(made: Parts, meshes: dict[str, Any], folder: Path) -> subprocess.Popen[bytes]:

@@ -34,7 +34,7 @@ TIMEOUT_S = 300.0
 BONE_WORKER = ("-m", "dummydesign.mold.cad.bone")
 
 
-def place_bone(
+def insert_bone(
     file: Path, placing: Placing, thickness_mm: float, length_mm: float, width_mm: float, solid: Path
 ) -> tuple[Insert, tuple[tuple[str, float], ...]]:
     """Read a bone, set it into a pad and find the dome that stands for it."""
@@ -48,11 +48,11 @@ def place_bone(
         code = "file_not_found" if isinstance(problem, FileNotFoundError) else "file_unreadable"
         raise InputError(f"bone '{file}': cannot be read: {problem.strerror}", code, "bone", str(file)) from None
     room = min(length_mm, width_mm) / 2 - RIM_FREE_MM
-    found = _measured({"file": str(file), "solid": str(solid), "placing": asdict(placing), "thickness_mm": thickness_mm,
-                       "room_mm": room})  # fmt: skip
-    dome = (("radius", round(found.pop("tip_mm"), 2)), ("height", placing.height_mm),
-            ("foot", round(found.pop("foot_mm"), 2)))  # fmt: skip
-    insert = Insert(file.name, hashlib.sha256(content).hexdigest(), placing, **found)
+    measured = _measured({"file": str(file), "solid": str(solid), "placing": asdict(placing),
+                          "thickness_mm": thickness_mm, "room_mm": room})  # fmt: skip
+    dome = (("radius", round(measured.pop("tip_mm"), 2)), ("height", placing.height_mm),
+            ("foot", round(measured.pop("foot_mm"), 2)))  # fmt: skip
+    insert = Insert(file.name, hashlib.sha256(content).hexdigest(), placing, **measured)
     insert.check(length_mm, width_mm)
     return insert, dome
 
@@ -68,12 +68,12 @@ def _measured(asked: dict[str, Any]) -> dict[str, Any]:
         if not answer.is_file():
             last = (done.stderr.strip().splitlines() or [f"exit status {done.returncode}"])[-1]
             raise NoAnswerError("cad_failed", f"the bone could not be read: {last}", {}, "bone")
-        found: dict[str, Any] = json.loads(answer.read_text(encoding="utf-8"))
-    if "error" not in found:
-        return found
-    code, message = found["error"]["code"], found["error"]["message"]
+        measured: dict[str, Any] = json.loads(answer.read_text(encoding="utf-8"))
+    if "error" not in measured:
+        return measured
+    code, message = measured["error"]["code"], measured["error"]["message"]
     if code == "input":
-        raise InputError(message, *found["error"]["fault"])
+        raise InputError(message, *measured["error"]["fault"])
     raise NoAnswerError(code, message, {}, "bone")
 
 
@@ -125,11 +125,11 @@ def make_mold(
     target = output_folder(folder)
     work = Path(tempfile.mkdtemp(prefix=".mould-", dir=target))
     try:
-        found = _run_child(spec, work, processor_s, bone_file)
-        files = found["files"]
+        answer = _run_child(spec, work, processor_s, bone_file)
+        files = answer["files"]
         result = MouldResult(
-            **{**found, "files": {role: str(target / name) for role, name in files.items()}},
-            masses_g=masses_g(found["pour"]), spec_hash=spec.hash, gauge_points=gauge_points(spec),
+            **{**answer, "files": {role: str(target / name) for role, name in files.items()}},
+            masses_g=masses_g(answer["pour"]), spec_hash=spec.hash, gauge_points=gauge_points(spec),
         )  # fmt: skip
         failed = [item for item in result.checks if item["status"] == "fail"]
         if failed:
@@ -181,14 +181,14 @@ def _run_child(spec: MouldSpec, work: Path, processor_s: float, bone_file: Path 
         status = f"signal {-done.returncode}" if done.returncode < 0 else f"exit status {done.returncode}: {last}"
         how = f"ended without an answer ({status})"
     else:
-        found: dict[str, Any] = json.loads(answer.read_text(encoding="utf-8"))
-        if "error" not in found:
-            return found
-        code, how = found["error"]["code"], f"failed: {found['error']['message']}"
+        content: dict[str, Any] = json.loads(answer.read_text(encoding="utf-8"))
+        if "error" not in content:
+            return content
+        code, how = content["error"]["code"], f"failed: {content['error']['message']}"
     what = f"preset {spec.preset}, {spec.pad.title}, specification {spec.hash}"
     message = f"the CAD kernel {how} ({what}); nothing was written"
     if code == "cad_unavailable":
-        message = found["error"]["message"]
+        message = content["error"]["message"]
     raise NoAnswerError(code, message, without_cad(spec), "mould")
 
 

@@ -230,10 +230,10 @@ def _follow_under_fillet(
     case: Case, depths: Array, thickness_mm: float, coarse: bool, progress: Progress | None, keep: Keep
 ) -> tuple[str | None, tuple[str, ...]]:
     """Follow a slab that is not glued to a filleted punch and keep its states at wanted depths."""
-    found, stop = 0, None
+    done, stop = 0, None
     notes: tuple[str, ...] = ()
     for cells in (COARSE,) if coarse else (FINE, COARSE):
-        wanted, path = depths[found:], _with_lattice(depths)
+        wanted, path = depths[done:], _with_lattice(depths)
         problem, follow = _slipping(case, cells)
 
         def visit(depth: float, solution: Solution, problem: Problem = problem, wanted: Array = wanted) -> None:
@@ -241,12 +241,12 @@ def _follow_under_fillet(
                 keep(problem, solution, depth)
 
         made = follow(path, progress, visit)
-        before, found = found, int((depths <= (made.depth[-1] if len(made.depth) else 0.0) * (1.0 + 1e-9)).sum())
-        if cells == COARSE and not coarse and found > before:
+        before, done = done, int((depths <= (made.depth[-1] if len(made.depth) else 0.0) * (1.0 + 1e-9)).sum())
+        if cells == COARSE and not coarse and done > before:
             start = f"{depths[before] * thickness_mm:.3g} mm"
             notes = (f"fields from {start} on are those of cells of 1.5 times the size: finer ones end before",)
-        found, stop = max(found, before), made.stop
-        if found == len(depths):
+        done, stop = max(done, before), made.stop
+        if done == len(depths):
             return None, notes
     return stop, notes
 
@@ -264,8 +264,8 @@ def _with_lattice(depths: Array) -> Array:
     """Wanted depths and those of the force's own path between them."""
     path = lattice_depths(float(depths[-1]))
     room = NEAR * np.minimum(path, LATTICE)
-    apart = np.abs(path[:, None] - depths).min(axis=1) > room
-    return np.union1d(path[apart & (path < depths[-1])], depths)
+    far = np.abs(path[:, None] - depths).min(axis=1) > room
+    return np.union1d(path[far & (path < depths[-1])], depths)
 
 
 RIM = 0.05
@@ -296,19 +296,19 @@ def solve_fields(
         message = f"fields are for round pads under a punch; {what} has none yet"
         raise InputError(message, "unsupported", "fields", what)
     depths, shear = relative_depths(depth_mm, pad.thickness_mm), pad.shear_MPa
-    found: list[Pressed] = []
+    fields: list[Pressed] = []
 
     def keep(problem: Problem, solution: Solution, depth: float) -> None:
-        found.append(_pressed(problem, solution, depth, pad, shear))
+        fields.append(_pressed(problem, solution, depth, pad, shear))
 
     stop, notes = _follow(pad, depths, coarse, progress, keep)
-    if not found:
+    if not fields:
         raise NoAnswerError("no_convergence", f"the fields could not be solved: {stop}", quantity="fields")
     if pad.sides_mm is not None:
         notes += (f"fields are those of a round punch of equal area, radius {pad.radius_mm:.4g} mm",)
     if stop:
-        notes += (f"fields were solved to {found[-1].depth_mm:.3g} mm: {stop}",)
-    return tuple(found), notes
+        notes += (f"fields were solved to {fields[-1].depth_mm:.3g} mm: {stop}",)
+    return tuple(fields), notes
 
 
 def has_fields(pad: Pad | Puck) -> TypeGuard[Pad]:
@@ -409,8 +409,8 @@ def _face(problem: Problem, solution: Solution, depth: float, pad: Pad) -> Face:
     """The tested face in the problem's own units."""
     solid = problem.solid
     sides = face_sides(problem)
-    found = face_tractions(solid.mesh.nodes, solution.u, solution.state.internal_force, sides)
-    node, pressure, drag = found["node"], found["pressure"], found["shear"]
+    traction = face_tractions(solid.mesh.nodes, solution.u, solution.state.internal_force, sides)
+    node, pressure, drag = traction["node"], traction["pressure"], traction["shear"]
     touches = pressure > TOUCHES * pressure.max()
     driven = problem.driven[problem.driven % 2 == 1] // 2
     touches |= np.isin(node, driven)
@@ -420,11 +420,11 @@ def _face(problem: Problem, solution: Solution, depth: float, pad: Pad) -> Face:
         limit = SLIP_SHARE * (face.coulomb or 0.0) * pressure
         state = np.where(touches & (np.abs(drag) >= limit), SLIPS, state)
     pressure, drag = np.where(touches, pressure, 0.0), np.where(touches, drag, 0.0)
-    place = solid.mesh.nodes[:, node] + solution.u.reshape(-1, 2).T[:, node]
+    position = solid.mesh.nodes[:, node] + solution.u.reshape(-1, 2).T[:, node]
     (reach, at_edge), punch = radius_touched(problem, depth, solution), problem.punch
     if not pad.edge_radius_mm and at_edge and isinstance(punch, FlatPunch):
         reach = punch.radius  # the fillet stands for a sharp edge, which is reached
-    return Face(node, place[0], place[1], solid.mesh.nodes[0, node], pressure, drag, state, reach)
+    return Face(node, position[0], position[1], solid.mesh.nodes[0, node], pressure, drag, state, reach)
 
 
 def face_sides(problem: Problem) -> Array:

@@ -86,8 +86,8 @@ def _from_dict(data: dict[str, Any], base: str) -> QuickError:
     axes = [np.array(sorted({row[name] for row in rows})) for name in names]
     rho = np.full([len(axis) for axis in axes], np.nan)
     for row in rows:
-        place = tuple(int(np.searchsorted(axis, row[name])) for axis, name in zip(axes, names))
-        rho[place] = row["error_at_peak"] / row["viscous_share_at_peak"]
+        index = tuple(int(np.searchsorted(axis, row[name])) for axis, name in zip(axes, names))
+        rho[index] = row["error_at_peak"] / row["viscous_share_at_peak"]
     if not rho.size or not np.isfinite(rho).all():
         raise ValueError("values do not fill the grid")
     rho = np.concatenate([np.zeros_like(rho[:, :1]), rho], axis=1)
@@ -234,8 +234,8 @@ def motion_on_curve(
 ) -> MotionPrediction:  # fmt: skip
     """Force along a motion as :func:`predict_motion` gives it, by a long-term force that is there already."""
     _check_depth(motion.displacement_mm, curve, pad)
-    time, place, keep = _divide(motion, 0.005 * pad.thickness_mm)
-    elastic = curve.force(place)
+    time, depth, keep = _divide(motion, 0.005 * pad.thickness_mm)
+    elastic = curve.force(depth)
     force = np.maximum(relaxed_force(time, elastic, pad.prony), 0.0)[keep]
     deepest_yet = np.maximum.accumulate(np.maximum(motion.displacement_mm, 0.0))
     error = force * curve.relative_error(deepest_yet)
@@ -253,7 +253,7 @@ def motion_on_curve(
         base = "bonded" if isinstance(pad, Puck) else pad.base
         bases = (base,) if base in BASES else BASES
         shape = SLAB if isinstance(pad, Puck) else pad.geometry
-        args = (ratio, place / pad.thickness_mm, time, elastic, pad.prony, shape, pad.thickness_mm)
+        args = (ratio, depth / pad.thickness_mm, time, elastic, pad.prony, shape, pad.thickness_mm)
         below, above = np.max([allowance(base, *args) for base in bases], axis=0)[:, keep]
     peak = int(np.argmax(force))
     return MotionPrediction(
@@ -285,8 +285,8 @@ def depth_for_steady_force(
 
     def steady(depth: float) -> float:
         motion = motion_to(depth)
-        time, place, keep = _divide(motion, 0.01 * pad.thickness_mm)
-        return float(relaxed_force(time, curve.force(place), pad.prony)[keep][-1])
+        time, travel, keep = _divide(motion, 0.01 * pad.thickness_mm)
+        return float(relaxed_force(time, curve.force(travel), pad.prony)[keep][-1])
 
     low, high = 1e-3 * pad.thickness_mm, curve.limit_mm
     most = steady(high)
@@ -325,11 +325,11 @@ def _check_depth(depth: Array, curve: ForceCurve, pad: Pad | Puck) -> None:
 
 def _divide(motion: Motion, largest_mm: float) -> tuple[Array, Array, Array]:
     """Cut the steps of a motion to at most ``largest_mm``; return times, places and where the given ones are."""
-    time, place = motion.time_s, motion.displacement_mm
-    parts = np.maximum(1, np.ceil(np.abs(np.diff(place)) / largest_mm)).astype(int)
+    time, depth = motion.time_s, motion.displacement_mm
+    parts = np.maximum(1, np.ceil(np.abs(np.diff(depth)) / largest_mm)).astype(int)
     at = np.concatenate([[0], np.cumsum(parts)])
     fine = np.arange(at[-1] + 1)
-    return np.interp(fine, at, time), np.interp(fine, at, place), at
+    return np.interp(fine, at, time), np.interp(fine, at, depth), at
 
 
 @dataclass(frozen=True)
@@ -347,9 +347,9 @@ class RampPress:
         asked = {"steady_force_N": self.steady_force_N, "velocity_mm_s": self.velocity_mm_s, "depth_mm": self.depth_mm}
         if self.prediction is None:
             return {**asked, "peak_force_N": None, "out_of_reach": self.out_of_reach}
-        found = self.prediction.to_dict()
+        values = self.prediction.to_dict()
         curves = ("peak_force_N", "peak_time_s", "time_s", "displacement_mm", "force_N", "force_low_N", "force_high_N")
-        return {**asked, **{name: found[name] for name in curves}}
+        return {**asked, **{name: values[name] for name in curves}}
 
 
 def press_to_forces(

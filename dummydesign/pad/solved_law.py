@@ -110,11 +110,11 @@ class SolvedLaw(BaseForceLaw):
         :class:`dummydesign.pad.force_law.ForceLaw`.
         """
         depth, thickness = np.broadcast_arrays(np.asarray(depth_mm, float), np.asarray(thickness_mm, float))
-        found = np.empty(depth.shape)
+        error = np.empty(depth.shape)
         for value in np.unique(thickness):
             at = thickness == value
-            found[at] = np.interp(depth[at], *self.errors[float(value)])
-        return found
+            error[at] = np.interp(depth[at], *self.errors[float(value)])
+        return error
 
 
 def solve_slab(case: SlabCase) -> SolvedSlab:
@@ -233,19 +233,19 @@ class OwnSlabLaw(BaseForceLaw):
         if len(rows) == 1:
             return rows[0]
         nodes = np.log([one.thickness_mm for one in self.solved])
-        place = np.interp(np.log(thickness), nodes, np.arange(len(nodes)))
-        left = np.minimum(place.astype(int), len(nodes) - 2)
-        stack, part = np.stack(rows), place - left
+        position = np.interp(np.log(thickness), nodes, np.arange(len(nodes)))
+        left = np.minimum(position.astype(int), len(nodes) - 2)
+        stack, part = np.stack(rows), position - left
         low, high = (np.take_along_axis(stack, at[None], 0)[0] for at in (left, left + 1))
         return low + part * (high - low)
 
 
 def _along(one: Solved, log_share: NDArray, name: str, steep: bool) -> NDArray:
     known, values = np.log(one.share), getattr(one, name)
-    found = np.interp(log_share, known, values)
+    values_at = np.interp(log_share, known, values)
     if steep and name == "log_factor" and len(known) > 1:
-        found += (values[1] - values[0]) / (known[1] - known[0]) * np.minimum(log_share - known[0], 0.0)
-    return found
+        values_at += (values[1] - values[0]) / (known[1] - known[0]) * np.minimum(log_share - known[0], 0.0)
+    return values_at
 
 
 def own_slab_law(table: ForceLaw, pad: Pad, thickness_mm: NDArray) -> ForceLaw:
@@ -280,19 +280,19 @@ def solve_over_table(table: ForceLaw, pad: Pad, thickness_mm: float) -> Solved:
         from dummydesign.core.cache import cached
 
         made = cached("rim", inputs, lambda: _by_rim(own, share))
-        found, factor, error = (np.asarray(made[name], float) for name in ("share", "log_factor", "error"))
-        error = error + table.relative_error(found * thickness_mm, thickness_mm, pad.radius_mm)
+        depth_share, factor, error = (np.asarray(made[name], float) for name in ("share", "log_factor", "error"))
+        error = error + table.relative_error(depth_share * thickness_mm, thickness_mm, pad.radius_mm)
     else:
         from dummydesign.pad.elastic_force import solve_points
 
         curve = solve_points(own, share * thickness_mm)
-        found = curve.depth_mm / thickness_mm
+        depth_share = curve.depth_mm / thickness_mm
         factor = np.log(curve.force_N / table.force(curve.depth_mm, thickness_mm, 1.0, pad.radius_mm))
         error = curve.error_N / curve.force_N
-    if len(found) < 2:
+    if len(depth_share) < 2:
         message = f"a slab of {thickness_mm:.3g} mm under this punch could not be solved"
         raise NoAnswerError("no_convergence", message, quantity="pad")
-    return Solved(thickness_mm, found, factor, error)
+    return Solved(thickness_mm, depth_share, factor, error)
 
 
 def _by_rim(pad: Pad, share: NDArray) -> dict[str, Any]:

@@ -78,7 +78,7 @@ def follow_force(
     """
     wanted = np.maximum(np.broadcast_to(force_N, (len(people), len(time_s))), 0.0)
     x, q = np.zeros(len(people)), people.at_rest()
-    energy, found = np.zeros(len(people)), [x]
+    energy, steps = np.zeros(len(people)), [x]
     for at in range(1, len(time_s)):
         step = float(time_s[at] - time_s[at - 1]) / substeps
         for part in range(1, substeps + 1):
@@ -89,8 +89,8 @@ def follow_force(
             q = people.carried(x, q, new, step)[0]
             energy = energy + 0.5 * (before + goal) * (new - x)
             x = new
-        found.append(x)
-    depth = np.stack(found, axis=-1)
+        steps.append(x)
+    depth = np.stack(steps, axis=-1)
     stop, held = np.full(len(people), time_s[-1]), np.full(len(people), np.nan)
     if late_s < time_s[-1]:
         held = wanted @ interpolation(np.linspace(late_s, float(time_s[-1]), 25), time_s).mean(axis=0)

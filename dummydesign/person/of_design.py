@@ -23,9 +23,9 @@ KEPT = "beyond_range"
 
 def design_on_people(answer: Suggestion, drive: Drive, limits: Limits | None = None) -> OnPerson:
     """Carry the predicted presses of the recommended pad over to the subjects; one press a condition in reach."""
-    found = on_person(predicted_traces(answer), answer.tissue, drive, limits=limits, area_mm2=answer.punch.area_mm2)
-    kept = tuple(one for one in found.warnings if one["code"] == KEPT)
-    return replace(found, presses=tuple(replace(one, contradicted="") for one in found.presses), warnings=kept)
+    pressed = on_person(predicted_traces(answer), answer.tissue, drive, limits=limits, area_mm2=answer.punch.area_mm2)
+    kept = tuple(one for one in pressed.warnings if one["code"] == KEPT)
+    return replace(pressed, presses=tuple(replace(one, contradicted="") for one in pressed.presses), warnings=kept)
 
 
 def predicted_traces(answer: Suggestion) -> list[Trace]:
@@ -39,8 +39,8 @@ def predicted_traces(answer: Suggestion) -> list[Trace]:
         speed = condition.velocity_mm_s
         press = press_to_depth(slabs, depths[[column]], speed, answer.targets.sampling)
         time, order = np.unique(press.time_s[0], return_index=True)
-        apart = np.r_[True, np.diff(time) > 1e-7]
-        time, x, force = time[apart], press.displacement_mm[0][order][apart], press.force_N[0][order][apart]
+        distinct = np.r_[True, np.diff(time) > 1e-7]
+        time, x, force = time[distinct], press.displacement_mm[0][order][distinct], press.force_N[0][order][distinct]
         touch = float((x[1] - x[0]) / (time[1] - time[0]))
         lead = np.linspace(-APPROACH_S, 0.0, APPROACH_SAMPLES + 1)[:-1]
         traces.append(Trace(f"{condition.steady_force_N:g} N, {speed:g} mm/s", np.r_[lead, time],
@@ -48,6 +48,6 @@ def predicted_traces(answer: Suggestion) -> list[Trace]:
     return traces
 
 
-def to_dict(found: OnPerson) -> dict[str, Any]:
+def to_dict(answer: OnPerson) -> dict[str, Any]:
     """Return what ``suggest --drive`` adds to its answer."""
-    return {"drive": found.drive.text, "presses": [one.to_dict(found.area_mm2) for one in found.presses]}
+    return {"drive": answer.drive.text, "presses": [one.to_dict(answer.area_mm2) for one in answer.presses]}

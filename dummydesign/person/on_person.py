@@ -44,7 +44,7 @@ class PersonPress:
     """
 
     press: Press
-    found: Response
+    response: Response
     pad: dict[str, float | None]
     subjects: tuple[dict[str, Any], ...]
     band: dict[str, Interval]
@@ -118,15 +118,15 @@ def on_person(
     """
     if not traces:
         raise InputError("no trace was given; give one or more TRACE.csv", "missing", "trace")
-    found = []
+    pressed = []
     for number, trace in enumerate(traces):
         if progress is not None:
             progress(f"press {number + 1} of {len(traces)}")
         press = read_press(trace, lowpass, drive.arm)
         drive.check(press)
-        found.append(_press_people(press, tissue, drive, limits, area_mm2))
-    warnings = [*_of_traces(traces), *_of_presses(found, drive, tissue)]
-    return OnPerson(tuple(found), drive, tissue, area_mm2, tuple(warnings))
+        pressed.append(_press_people(press, tissue, drive, limits, area_mm2))
+    warnings = [*_of_traces(traces), *_of_presses(pressed, drive, tissue)]
+    return OnPerson(tuple(pressed), drive, tissue, area_mm2, tuple(warnings))
 
 
 def _press_people(
@@ -136,11 +136,11 @@ def _press_people(
     names, rng = [one.name for one in tissue.subjects], np.random.default_rng(SEED)
     pad = {name: None if value is None else float(np.mean(value)) for name, value in drive.on_pad(press).items()}
     if tissue.measured:
-        found = drive.on_curves(press, tissue.parameter_sets)
-        another, own, pads = _of_few(found), {}, np.full(1, pad["peak_N"])
+        response = drive.on_curves(press, tissue.parameter_sets)
+        another, own, pads = _of_few(response), {}, np.full(1, pad["peak_N"])
     else:
         people = People.of(tissue.parameter_sets, press.velocity_mm_s)
-        found = drive.respond(press, people)
+        response = drive.respond(press, people)
         count = len(names)
         drawn = [draw_another(tissue, press.velocity_mm_s, OTHERS, rng)]
         drawn += [draw_subject(tissue, row, press.velocity_mm_s, OWN, rng) for row in range(count)]
@@ -152,31 +152,31 @@ def _press_people(
         another = {name: value[:OTHERS] for name, value in values.items()}
         own = {name: value[OTHERS:].reshape(count, OWN) for name, value in values.items()}
         pads = pressed.peak_N[:OTHERS]
-    beyond = tuple(beyond_range(tissue, found, press.velocity_mm_s))
+    beyond = tuple(beyond_range(tissue, response, press.velocity_mm_s))
     interval = {name: _ends(another[name]) for name in FOUR}
-    band = {name: _outer(found.four()[name]) for name in FOUR}
+    band = {name: _outer(response.four()[name]) for name in FOUR}
     subjects = tuple(
-        {"name": name, **{key: _number(value[row]) for key, value in found.four().items()},
+        {"name": name, **{key: _number(value[row]) for key, value in response.four().items()},
          "interval_95": {key: _ends(own[key][row]) for key in FOUR} if own else None}
         for row, name in enumerate(names)
     )  # fmt: skip
     signs = signs_of(press)
     rows: tuple[LimitRow, ...] = ()
     if limits is not None:
-        rows = against_guarded_limits(_loads(press, found, another, own), limits, area_mm2, bool(beyond))
+        rows = against_guarded_limits(_loads(press, response, another, own), limits, area_mm2, bool(beyond))
     peak, (low, high) = pad["peak_N"] or np.nan, band["peak_N"]
     factor = (None if low is None else low / peak, None if high is None else high / peak)
     return PersonPress(
-        press, found, pad, subjects, band, interval, factor, _ends(another["peak_N"] / pads), signs,
+        press, response, pad, subjects, band, interval, factor, _ends(another["peak_N"] / pads), signs,
         drive.contradicted(signs), beyond, rows,
     )  # fmt: skip
 
 
-def _loads(press: Press, found: Response, another: dict[str, NDArray], own: dict[str, NDArray]) -> list[Load]:
+def _loads(press: Press, response: Response, another: dict[str, NDArray], own: dict[str, NDArray]) -> list[Load]:
     """Transient and quasi-static forces."""
     loads = []
     pads = {"transient": float(press.peak_N), "quasi-static": float(held_after(press.time_s, press.force_N[None])[0])}
-    for kind, name, values in (("transient", "peak_N", found.peak_N), ("quasi-static", "held_N", found.held_N)):
+    for kind, name, values in (("transient", "peak_N", response.peak_N), ("quasi-static", "held_N", response.held_N)):
         low, high = _ends(another[name])
         if own:
             ends = [_ends(row)[0] for row in own[name]]
@@ -187,12 +187,12 @@ def _loads(press: Press, found: Response, another: dict[str, NDArray], own: dict
     return loads
 
 
-def _of_few(found: Response) -> dict[str, NDArray]:
+def _of_few(response: Response) -> dict[str, NDArray]:
     """Quantiles of one more person where people are curves: Student's prediction in logarithms, as two values."""
     from scipy.stats import t
 
     rows = {}
-    for name, values in {**found.four(), "held_N": found.held_N}.items():
+    for name, values in {**response.four(), "held_N": response.held_N}.items():
         count = len(values)
         if count < 2 or not np.all(np.isfinite(values)):
             rows[name] = np.full(2, np.nan)
@@ -228,15 +228,15 @@ def _of_traces(traces: Sequence[Trace]) -> list[dict[str, str]]:
     return [*(warning for trace in traces for warning in doubts_of(trace)), *copies_among(traces)]
 
 
-def _of_presses(found: Sequence[PersonPress], drive: Drive, tissue: Tissue) -> list[dict[str, str]]:
+def _of_presses(pressed: Sequence[PersonPress], drive: Drive, tissue: Tissue) -> list[dict[str, str]]:
     """What the reader must know: a drive that does not fit, a range that is left, people who were not measured."""
     rows: list[tuple[str, str]] = []
-    for one in found:
+    for one in pressed:
         file = one.press.trace.name
         if one.contradicted:
             rows.append(("drive_mismatch", f"{file}: the trace does not fit --drive {drive.text}: {one.contradicted}"))
     arm = drive.arm
-    for one in found:
+    for one in pressed:
         if arm is None:
             break
         file, step = one.press.trace.name, float(np.median(np.diff(one.press.trace.time_s)))
@@ -247,7 +247,7 @@ def _of_presses(found: Sequence[PersonPress], drive: Drive, tissue: Tissue) -> l
         elif one.press.rings and arm.damping_ratio == 0.0:
             words = "the arm still rings in the hold and is assumed undamped; give its damping ratio: "
             rows.append(("arm_rings", f"{file}: {words}--drive {drive.text},RATIO"))
-    for one in found:
+    for one in pressed:
         if one.beyond:
             words = "; ".join(entry.text for entry in one.beyond)
             rows.append(("beyond_range", f"{one.press.trace.name}: extrapolated: {words}"))

@@ -177,8 +177,8 @@ def _even_draws(count: int, size: int, rng: np.random.Generator) -> NDArray:
     from scipy.stats.qmc import Sobol
 
     power = int(np.ceil(np.log2(max(count, 2))))
-    found = Sobol(size, seed=rng).random_base2(power)[rng.permutation(1 << power)[:count]]
-    return np.clip(found, 1e-9, 1.0 - 1e-9)
+    draws = Sobol(size, seed=rng).random_base2(power)[rng.permutation(1 << power)[:count]]
+    return np.clip(draws, 1e-9, 1.0 - 1e-9)
 
 
 def _inferred(tissue: Tissue) -> bool:

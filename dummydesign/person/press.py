@@ -156,7 +156,7 @@ def read_press(trace: Trace, lowpass: Lowpass | None = None, arm: Arm | None = N
         raise problem.within(trace.name) from None
     _check_contact(trace, ramp.contact_time_s, noise, lowpass is not None)
     fastest = approach_velocity(time, x, ramp)
-    velocity = rounded_velocity(trace.told_mm_s or fastest)
+    velocity = rounded_velocity(trace.commanded_speed_mm_s or fastest)
     _check_stop(trace, ramp.contact_time_s, ramp.stop_time_s, velocity)
     end = max(_leaving(time, x), ramp.stop_time_s)
     used = (time >= ramp.contact_time_s) & (time <= end)

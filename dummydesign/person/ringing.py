@@ -139,11 +139,11 @@ def _close_nodes(nodes_s: NDArray, stop_s: float, until_s: float, ring_step: flo
         allowed = rise if now < near else min(rise, ring_step) if now < still else ring_step
         step = min(GROWTH * step, allowed)
         times.append(now + step)
-    found = np.array(times)
-    if len(found) > 2 and found[-1] - until_s > 0.5 * (found[-1] - found[-2]):
-        found = found[:-1]
-    found[-1] = until_s
-    return found
+    nodes = np.array(times)
+    if len(nodes) > 2 and nodes[-1] - until_s > 0.5 * (nodes[-1] - nodes[-2]):
+        nodes = nodes[:-1]
+    nodes[-1] = until_s
+    return nodes
 
 
 def _wide_nodes(begin_s: float, end_s: float, step_s: float) -> NDArray:

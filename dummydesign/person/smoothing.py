@@ -128,8 +128,8 @@ def root_of_inverse(precision: NDArray) -> NDArray:
 
 def _averaged(time_s: NDArray, values: NDArray, nodes_s: NDArray) -> tuple[NDArray, NDArray, NDArray]:
     """Mean time and value, and number, of the samples in each bin between two nodes."""
-    place = np.interp(time_s, nodes_s, np.arange(len(nodes_s)) * float(CELLS))
-    cell = np.minimum(place.astype(int), CELLS * (len(nodes_s) - 1) - 1)
+    position = np.interp(time_s, nodes_s, np.arange(len(nodes_s)) * float(CELLS))
+    cell = np.minimum(position.astype(int), CELLS * (len(nodes_s) - 1) - 1)
     number = np.bincount(cell)
     used = number > 0
     at = np.bincount(cell, time_s)[used] / number[used]

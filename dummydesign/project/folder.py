@@ -99,14 +99,14 @@ def read_project(folder: str | Path) -> Project:
     asked = data.get("asked", {})
     if not isinstance(asked, dict):
         raise InputError(f"{path}: asked must be a table, [asked]", "malformed", "asked")
-    for place, entries, known in (("", data, ("schema", "name", "asked", *NAMES)), ("asked.", asked, ASKED)):
+    for table, entries, known in (("", data, ("schema", "name", "asked", *NAMES)), ("asked.", asked, ASKED)):
         for key, value in entries.items():
             if key not in known:
                 message = f"{path}: {unknown_name('entry', key, known)}"
-                raise InputError(message, "unknown_key", f"{place}{key}", key, known)
+                raise InputError(message, "unknown_key", f"{table}{key}", key, known)
             if key not in ("schema", "asked") and not (isinstance(value, str) and value.strip()):
-                message = f"{path}: {place}{key} = {value!r} must be text that is not empty"
-                raise InputError(message, "malformed", f"{place}{key}", value)
+                message = f"{path}: {table}{key} = {value!r} must be text that is not empty"
+                raise InputError(message, "malformed", f"{table}{key}", value)
     named = {name: data.get(name) for name in NAMES}
     return Project(root, data.get("name", root.name), **named, asked=tuple(sorted(asked.items())))
 
@@ -174,9 +174,9 @@ def words_for(project: Project, arguments: Sequence[str], start: str | Path = ".
     """Options that a project adds to a command line."""
     typed = {word.partition("=")[0] for word in arguments}
     given, words = project.given(), []
-    apart = (WITH_TISSUE if "--tissue" in typed else ()) + (WITH_RESIN if "--resin" in typed else ())
+    excluded = (WITH_TISSUE if "--tissue" in typed else ()) + (WITH_RESIN if "--resin" in typed else ())
     for name in GIVEN.get(command_of(arguments), ()):
-        if name in given and f"--{name}" not in typed and name not in apart:
+        if name in given and f"--{name}" not in typed and name not in excluded:
             words += [f"--{name}", _from_here(project, name, given[name], start)]
     return words
 
@@ -194,6 +194,6 @@ def _from_here(project: Project, name: str, value: str, start: str | Path) -> st
     return os.path.relpath(project.root / value, Path(start).resolve())
 
 
-def place_for(project: Project, command: str, name: str, start: str | Path = ".") -> str:
+def output_path_for(project: Project, command: str, name: str, start: str | Path = ".") -> str:
     """Where a command writes in a project: ``designs/NAME``, seen from the folder it is run in."""
     return os.path.relpath(project.root / OUT[command] / name, Path(start).resolve())

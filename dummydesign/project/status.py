@@ -36,7 +36,7 @@ class ProjectStatus:
     """How far a project is."""
 
     project: Project
-    found: dict[str, tuple[ProjectFile, ...]]
+    files: dict[str, tuple[ProjectFile, ...]]
     next_text: str
     next_command: str
     problems: tuple[str, ...] = ()
@@ -45,14 +45,14 @@ class ProjectStatus:
         """Return plain values."""
         return {
             "name": self.project.name, "folder": str(self.project.root), "given": self.project.given(),
-            "found": {room: [asdict(one) for one in items] for room, items in self.found.items()},
+            "found": {room: [asdict(one) for one in items] for room, items in self.files.items()},
             "next": {"text": self.next_text, "command": self.next_command}, "problems": list(self.problems),
         }  # fmt: skip
 
 
 def things_in(root: Path, room: str) -> list[ProjectFile]:
     """List what lies in one folder of a project, the oldest first; only a list of campaigns reads their presses."""
-    return _look(root, room, [])
+    return _things(root, room, [])
 
 
 def finished_manifest(path: Path) -> dict[str, Any] | None:
@@ -67,12 +67,12 @@ def finished_manifest(path: Path) -> dict[str, Any] | None:
 def status_of(project: Project) -> ProjectStatus:
     """Look at every folder of a project, and say what comes next."""
     problems: list[str] = []
-    found = {room: tuple(_look(project.root, room, problems)) for room in FOLDERS}
-    text, command = _next(project, found)
-    return ProjectStatus(project, found, text, command, tuple(problems))
+    files = {room: tuple(_things(project.root, room, problems)) for room in FOLDERS}
+    text, command = _next(project, files)
+    return ProjectStatus(project, files, text, command, tuple(problems))
 
 
-def _look(root: Path, room: str, problems: list[str]) -> list[ProjectFile]:
+def _things(root: Path, room: str, problems: list[str]) -> list[ProjectFile]:
     folder = root / room
     if not folder.is_dir():
         return []
@@ -98,8 +98,8 @@ def _look(root: Path, room: str, problems: list[str]) -> list[ProjectFile]:
 
 
 def _summary(manifest: dict[str, Any]) -> dict[str, Any] | None:
-    found = manifest.get("summary")
-    return found if isinstance(found, dict) else None
+    summary = manifest.get("summary")
+    return summary if isinstance(summary, dict) else None
 
 
 def _campaign(path: Path, name: str, problems: list[str]) -> ProjectFile:
@@ -113,12 +113,12 @@ def _campaign(path: Path, name: str, problems: list[str]) -> ProjectFile:
     return ProjectFile(name, str(manifest.get("command", "")), str(manifest.get("date", "")), counts)
 
 
-def _next(project: Project, found: dict[str, tuple[ProjectFile, ...]]) -> tuple[str, str]:
+def _next(project: Project, files: dict[str, tuple[ProjectFile, ...]]) -> tuple[str, str]:
     """The first thing that is not done, in the order of the work."""
-    raw = [one for one in found["measured"] if not one.command]
-    imported = [one for one in found["measured"] if one.command == "import"]
-    designs = [one for one in found["designs"] if one.command == "suggest"]
-    if project.tissue is None and not found["tissue"]:
+    raw = [one for one in files["measured"] if not one.command]
+    imported = [one for one in files["measured"] if one.command == "import"]
+    designs = [one for one in files["designs"] if one.command == "suggest"]
+    if project.tissue is None and not files["tissue"]:
         if imported:
             traces = f"{_word(imported[-1].folder)}/*.csv"
             return "fit the tissue law to the imported presses", f"dummydesign fit {traces} --out tissue/mine.toml"
@@ -128,18 +128,18 @@ def _next(project: Project, found: dict[str, tuple[ProjectFile, ...]]) -> tuple[
             "choose a tissue (tissue = \"...\" in project.toml), or put files of your test machine into measured/",
             "dummydesign tissues list",
         )
-    tissue = "" if project.tissue else f" --tissue {_word(found['tissue'][-1].folder)}"
+    tissue = "" if project.tissue else f" --tissue {_word(files['tissue'][-1].folder)}"
     if not designs:
         return "design a pad", f"dummydesign suggest{tissue} --no-cad"
     best = designs[-1].summary or {}
-    if not found["moulds"] and "mould" not in best:
+    if not files["moulds"] and "mould" not in best:
         return "make the mould", _mould(project, best)
-    open_plans = [one for one in found["campaigns"] if one.summary and (one.summary["missing"] or one.summary["wrong"])]
-    if not found["campaigns"]:
-        moulds = [one for one in found["moulds"] if one.command == "mold"]
+    open_plans = [one for one in files["campaigns"] if one.summary and (one.summary["missing"] or one.summary["wrong"])]
+    if not files["campaigns"]:
+        moulds = [one for one in files["moulds"] if one.command == "mold"]
         return "cast the pads, then plan what to press", _plan(best, moulds[-1].folder if moulds else "")
-    ready = [one for one in found["campaigns"] if one not in open_plans]
-    done = {str((one.summary or {}).get("campaign", "")) for one in found["calibrations"]}
+    ready = [one for one in files["campaigns"] if one not in open_plans]
+    done = {str((one.summary or {}).get("campaign", "")) for one in files["calibrations"]}
     for one in ready:
         if Path(one.folder).name not in done:
             return "learn from the campaign", f"dummydesign loop {_word(one.folder)}"
@@ -148,7 +148,7 @@ def _next(project: Project, found: dict[str, tuple[ProjectFile, ...]]) -> tuple[
         text = f"press the rest ({left['missing']} of {left['missing'] + left['pressed']} presses)"
         text = text if not left["wrong"] else "fix the problems of the campaign"
         return text, f"dummydesign campaign check {_word(open_plans[-1].folder)}"
-    latest = found["calibrations"][-1]
+    latest = files["calibrations"][-1]
     if all(one.date < latest.date for one in designs):
         calibration = _word(f"{latest.folder}/calibration.json")
         again = f"dummydesign suggest{tissue} --shape slab --calibration {calibration}"
@@ -202,21 +202,21 @@ def history_of(folder: Path) -> tuple[PastAnswer, ...]:
     if not folder.is_dir():
         message = f"folder '{folder}' does not exist; name one that holds answers"
         raise InputError(message, "file_not_found", "folder", str(folder))
-    found = []
+    answers = []
     for path in _manifests(folder):
         content = finished_manifest(path)
         if content is not None:
-            place = path.parent if path.name == MANIFEST else path.with_name(path.name.removesuffix(f"-{MANIFEST}"))
+            thing = path.parent if path.name == MANIFEST else path.with_name(path.name.removesuffix(f"-{MANIFEST}"))
             summary = content.get("summary")
-            found.append(PastAnswer(
-                place.relative_to(folder).as_posix(), str(content["command"]), str(content.get("date", "")),
+            answers.append(PastAnswer(
+                thing.relative_to(folder).as_posix(), str(content["command"]), str(content.get("date", "")),
                 str(content.get("version", "")), summary if isinstance(summary, dict) else None,
             ))  # fmt: skip
-    return tuple(sorted(found, key=lambda one: one.date, reverse=True))
+    return tuple(sorted(answers, key=lambda one: one.date, reverse=True))
 
 
 def _manifests(folder: Path) -> Iterator[Path]:
-    for place, below, names in os.walk(folder):
-        deep = len(Path(place).relative_to(folder).parts)
+    for path, below, names in os.walk(folder):
+        deep = len(Path(path).relative_to(folder).parts)
         below[:] = [] if deep >= DEEPEST else sorted(name for name in below if not name.startswith("."))
-        yield from (Path(place) / name for name in sorted(names) if name == MANIFEST or name.endswith(f"-{MANIFEST}"))
+        yield from (Path(path) / name for name in sorted(names) if name == MANIFEST or name.endswith(f"-{MANIFEST}"))

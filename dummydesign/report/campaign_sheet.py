@@ -30,7 +30,7 @@ def sheet_html(
     With ``units`` "in" presses are in inches, inches a second and pounds-force; the set-up is as in the campaign file.
     """
     head = "".join(f"<p><b>{escape(key)}</b> {escape(value)}</p>" for key, value in set_up.items())
-    rows, beside = [], dict(zip((row.sequence for row in plan), expected))
+    rows, expected_of = [], dict(zip((row.sequence for row in plan), expected))
     length = twin_of("_mm", units)[0].removeprefix("_")
     columns = ["", f"pad {length}", f"{length}/s", *_targets(plan[0].by_depth, bool(expected), units), "hold s",
                "rest before", "unloading", "save as", "°C, remarks"]  # fmt: skip
@@ -39,9 +39,9 @@ def sheet_html(
             f'<tr class="day"><td colspan="{len(columns)}">age {age:g} days &nbsp; date ____________ &nbsp; '
             "by ____________</td></tr>"
         )
-        rows += [_row(row, beside.get(row.sequence), units) for row in day]
+        rows += [_row(row, expected_of.get(row.sequence), units) for row in day]
     heads = "".join(f"<th>{text}</th>" for text in columns)
-    drive = _hold(plan[0].by_depth, beside.values())
+    drive = _hold(plan[0].by_depth, expected_of.values())
     tight = " class=tight" if len(plan) > 40 else ""
     return (
         f'<!doctype html><html lang="en"><meta charset="utf-8"><title>{escape(name)}</title><style>{_STYLE}</style>'
@@ -61,11 +61,11 @@ def _targets(by_depth: bool, both: bool, units: str) -> list[str]:
 
 def _hold(by_depth: bool, expected: Iterable[Expected]) -> str:
     """How a press is driven, by force or by position."""
-    found = list(expected)
+    presses = list(expected)
     words = "Hold the position; do not control the force."
-    if found and not by_depth:
+    if presses and not by_depth:
         words = f"Press to the force. If your machine controls position, press to the depth in the next column. {words}"
-    if any(one.beyond or one.may_go_beyond for one in found):
+    if any(one.beyond or one.may_go_beyond for one in presses):
         words += " <b>!</b> is deeper than 0.6 of the pad's thickness, or than the model reaches: stop at that depth."
     return words
 
@@ -77,14 +77,14 @@ def _row(row: Planned, expected: Expected | None, units: str) -> str:
     rest = "fresh, 1 h" if row.rest_s >= FRESH_REST_S else f"{row.rest_s:g} s"
     cells = (
         f"{row.sequence}", f"{row.thickness_mm / length:{form}}", f"{row.velocity_mm_s / length:{form}}",
-        f"{row.target / planned:{form}}", *([] if expected is None else [_beside(expected, other)]),
+        f"{row.target / planned:{form}}", *([] if expected is None else [_expected_text(expected, other)]),
         f"{row.hold_s:g}", rest, "record" if row.unload else "",
     )  # fmt: skip
     numbers = "".join(f'<td class="n">{cell}</td>' for cell in cells)
     return f'<tr>{numbers}<td>{row.file}</td><td class="free"></td></tr>'
 
 
-def _beside(one: Expected, size: float) -> str:
+def _expected_text(one: Expected, size: float) -> str:
     """The other quantity with its interval in a unit of a size; an end that is out of reach is the limit, marked."""
     value, low, high = (None if end is None else f"{end / size:.3g}" for end in (one.value, one.low, one.high))
     limit = f"over {one.limit_mm / size:.3g} !"

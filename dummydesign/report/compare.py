@@ -31,10 +31,10 @@ FARTHEST = 3.0
 
 
 def write_compare_report(
-    folder: Path, found: Comparison, tissue: Tissue, verdict: dict[str, Any] | None = None
+    folder: Path, comparison: Comparison, tissue: Tissue, verdict: dict[str, Any] | None = None
 ) -> dict[str, str]:
     """Write the report of a comparison; see :func:`dummydesign.report.page.write_report`."""
-    data, fit = found.result, found.result["fit"]
+    data, fit = comparison.result, comparison.result["fit"]
     steady, rows = data["steady_state_range"], data["force_variation_range"]
     low, high = steady["span_N"]
     known = [row["inside"] for row in data["parametric"].values() if row["inside"] is not None]
@@ -52,7 +52,7 @@ def write_compare_report(
         f"{'no law' if tissue.measured else 'law ' + data['law']}. "
         "Each press is compared with the subjects at its own steady force, speed, hold and braking."
     ) + _test_words(data)
-    steady_figure, presses = _steady(found, tissue), _presses(found, data)
+    steady_figure, presses = _steady(comparison, tissue), _presses(comparison, data)
     sections = [
         Section("Steady force", _steady_words(data), [steady_figure]),
         Section("Force over time", "Repeats of a condition share a figure; the range is that of the first.",
@@ -116,32 +116,32 @@ def _steady_words(data: dict[str, Any]) -> str:
     return text if reached is None else f"The dummy was pressed from {reached[0]:.3g} to {reached[1]:.3g} N. {text}"
 
 
-def _steady(found: Comparison, tissue: Tissue) -> Plot:
-    low, high = found.test.span_N
-    parts = [np.r_[0.0, found.grid_N[found.grid_N <= low * (1 + 1e-9)]],
-             found.grid_N[found.grid_N >= low * (1 - 1e-9)]]  # fmt: skip
-    below, among = ([np.interp(part, np.r_[0.0, found.grid_N], np.r_[0.0, edge]) for edge in found.range_mm]
+def _steady(comparison: Comparison, tissue: Tissue) -> Plot:
+    low, high = comparison.test.span_N
+    parts = [np.r_[0.0, comparison.grid_N[comparison.grid_N <= low * (1 + 1e-9)]],
+             comparison.grid_N[comparison.grid_N >= low * (1 - 1e-9)]]  # fmt: skip
+    below, among = ([np.interp(part, np.r_[0.0, comparison.grid_N], np.r_[0.0, edge]) for edge in comparison.range_mm]
                     for part in parts)  # fmt: skip
     layers = (
         Band("subjects, extrapolated", parts[0], below[0], below[1], sideways=True, style="extra"),
         Band(f"subjects of {tissue.name}", parts[1], among[0], among[1], sideways=True),
-        Line("dummy", found.steady, found.grid_N),
-        Dots("measured at the end of the hold", found.points[:, 0], found.points[:, 1], "aim"),
+        Line("dummy", comparison.steady, comparison.grid_N),
+        Dots("measured at the end of the hold", comparison.points[:, 0], comparison.points[:, 1], "aim"),
     )
-    share = found.result["steady_state_range"]["above_5N_fraction"]
+    share = comparison.result["steady_state_range"]["above_5N_fraction"]
     alt = (
         f"Steady force over depth: the dummy against the subjects' range; {_percent(share)} inside from {low:g} to "
-        f"{high:g} N. Measured points at {', '.join(f'{x:.2f} mm {f:.1f} N' for x, f in found.points)}."
+        f"{high:g} N. Measured points at {', '.join(f'{x:.2f} mm {f:.1f} N' for x, f in comparison.points)}."
     )
     return steady_plot(alt, layers)
 
 
-def _presses(found: Comparison, data: dict[str, Any]) -> list[Plot]:
+def _presses(comparison: Comparison, data: dict[str, Any]) -> list[Plot]:
     """One figure a condition, in the order of the rows of the force variation range."""
     from dummydesign.tissue.fitting.reduction import condition_groups
 
-    bands = {id(trace): band for trace, band in found.presses}
-    groups = condition_groups([trace for trace, _ in found.presses])
+    bands = {id(trace): band for trace, band in comparison.presses}
+    groups = condition_groups([trace for trace, _ in comparison.presses])
     plots: list[Plot] = []
     names: set[str] = set()
     for (_, _, traces), row in zip(groups, data["force_variation_range"]):
@@ -236,41 +236,43 @@ def _traces(data: dict[str, Any]) -> Table:
 
 
 def write_comparison(
-    found: Comparison, tissue: Tissue, folder: Path, verdict: dict[str, Any] | None = None
+    comparison: Comparison, tissue: Tissue, folder: Path, verdict: dict[str, Any] | None = None
 ) -> dict[str, str]:
     """Write parametric.csv, steady_state.csv, force_variation.csv, ranges.png, compare.json and the report."""
     files = {
-        "parametric": write_text(folder / "parametric.csv", _parametric_file(found)),
-        "steady_state": write_text(folder / "steady_state.csv", _steady_file(found)),
-        "force_variation": write_text(folder / "force_variation.csv", _force_variation(found)),
-        "picture": write_bytes(folder / "ranges.png", _picture(found, tissue)),
-        "json": write_text(folder / "compare.json", json.dumps({"verdict": verdict, **found.result}, indent=1) + "\n"),
+        "parametric": write_text(folder / "parametric.csv", _parametric_file(comparison)),
+        "steady_state": write_text(folder / "steady_state.csv", _steady_file(comparison)),
+        "force_variation": write_text(folder / "force_variation.csv", _force_variation(comparison)),
+        "picture": write_bytes(folder / "ranges.png", _picture(comparison, tissue)),
+        "json": write_text(
+            folder / "compare.json", json.dumps({"verdict": verdict, **comparison.result}, indent=1) + "\n"
+        ),
     }
-    report = write_compare_report(folder, found, tissue, verdict)
+    report = write_compare_report(folder, comparison, tissue, verdict)
     return {role: str(path) for role, path in files.items()} | report
 
 
-def _parametric_file(found: Comparison) -> str:
+def _parametric_file(comparison: Comparison) -> str:
     keys = ("value", "low", "high", "band_low", "band_high", "inside")
     return _csv(("parameter", *keys), [(name, *("" if row[key] is None else str(row[key]) for key in keys))
-                                       for name, row in found.result["parametric"].items()])  # fmt: skip
+                                       for name, row in comparison.result["parametric"].items()])  # fmt: skip
 
 
 def _csv(head: Iterable[str], rows: Iterable[Iterable[str]]) -> str:
     return "".join(",".join(row) + "\n" for row in (head, *rows))
 
 
-def _steady_file(found: Comparison) -> str:
-    rows = zip(found.grid_N, found.steady, *found.range_mm)
+def _steady_file(comparison: Comparison) -> str:
+    rows = zip(comparison.grid_N, comparison.steady, *comparison.range_mm)
     return _csv(("force_N", "depth_mm", "range_low_mm", "range_high_mm"), [
         (f"{force:.4g}", "" if np.isnan(depth) else f"{depth:.5g}", f"{least:.5g}", f"{most:.5g}")
         for force, depth, least, most in rows
     ])  # fmt: skip
 
 
-def _force_variation(found: Comparison) -> str:
+def _force_variation(comparison: Comparison) -> str:
     lines: list[tuple[str, ...]] = []
-    for trace, band in found.presses:
+    for trace, band in comparison.presses:
         time = trace.trace.time_s[trace.inside] - trace.ramp.contact_time_s
         force = trace.trace.force_N[trace.inside]
         at = band.time_s[:: max(len(band.time_s) // 300, 1)]
@@ -281,7 +283,7 @@ def _force_variation(found: Comparison) -> str:
     return _csv(("file", "time_s", "force_N", "range_low_N", "range_high_N"), lines)
 
 
-def _picture(found: Comparison, tissue: Tissue) -> bytes:
+def _picture(comparison: Comparison, tissue: Tissue) -> bytes:
     """PNG: the steady-state range with the dummy's points, and F(t) in its range per condition."""
     import matplotlib
 
@@ -289,28 +291,28 @@ def _picture(found: Comparison, tissue: Tissue) -> bytes:
     from matplotlib.figure import Figure
 
     shown: dict[tuple[float, int], tuple] = {}
-    for trace, band in found.presses:
+    for trace, band in comparison.presses:
         shown.setdefault((band.velocity_mm_s, round(band.steady_force_N)), (trace, band))
     count = len(shown) + 1
     columns = min(count, 4)
     figure = Figure(figsize=(3.6 * columns, 3.2 * -(-count // columns)), layout="constrained")
     axes = np.ravel(figure.subplots(-(-count // columns), columns, squeeze=False))
-    low, high = found.range_mm
-    axes[0].fill_betweenx(found.grid_N, low, high, color="0.85", label=tissue.name)
-    axes[0].plot(found.steady, found.grid_N, lw=1.2, label="dummy")
-    axes[0].plot(found.points[:, 0], found.points[:, 1], "o", ms=4, label="measured")
+    low, high = comparison.range_mm
+    axes[0].fill_betweenx(comparison.grid_N, low, high, color="0.85", label=tissue.name)
+    axes[0].plot(comparison.steady, comparison.grid_N, lw=1.2, label="dummy")
+    axes[0].plot(comparison.points[:, 0], comparison.points[:, 1], "o", ms=4, label="measured")
     axes[0].set(xlabel="depth [mm]", ylabel="steady force [N]", title="steady state")
     axes[0].legend(fontsize=7)
-    for place, (trace, band) in zip(axes[1:], shown.values()):
+    for panel, (trace, band) in zip(axes[1:], shown.values()):
         time = trace.trace.time_s[trace.inside] - trace.ramp.contact_time_s
-        place.fill_between(np.maximum(band.time_s, 1e-4), band.low_N, band.high_N, color="0.85")
-        place.semilogx(np.maximum(time, 1e-4), trace.trace.force_N[trace.inside], lw=1.0)
-        place.set(
+        panel.fill_between(np.maximum(band.time_s, 1e-4), band.low_N, band.high_N, color="0.85")
+        panel.semilogx(np.maximum(time, 1e-4), trace.trace.force_N[trace.inside], lw=1.0)
+        panel.set(
             xlabel="time since contact [s]", ylabel="force [N]", xlim=(0.1 * trace.ramp.rise_time_s, time[-1]),
             title=f"{band.velocity_mm_s:g} mm/s, {band.steady_force_N:.1f} N",
         )  # fmt: skip
-    for place in axes[count:]:
-        place.set_visible(False)
+    for panel in axes[count:]:
+        panel.set_visible(False)
     stream = io.BytesIO()
     figure.savefig(stream, format="png", dpi=110)
     return stream.getvalue()

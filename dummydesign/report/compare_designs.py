@@ -22,14 +22,14 @@ TERMS = {
 """Score terms in the order of the answer's weights."""
 
 
-def write_designs_report(folder: Path, found: Comparison) -> dict[str, str]:
+def write_designs_report(folder: Path, comparison: Comparison) -> dict[str, str]:
     """Write the report of a comparison of designs; see :func:`dummydesign.report.page.write_report`."""
-    designs = found.designs
+    designs = comparison.designs
     head = ["", *(one["name"] for one in designs)]
-    asked = [Section("Different questions", "", table=Table(head, difference_rows(found.differences)))]
+    asked = [Section("Different questions", "", table=Table(head, difference_rows(comparison.differences)))]
     facts = [(one["verdict"]["light"].upper(), f"{one['name']}: {_level(one)}") for one in designs]
     sections = [
-        *(asked if found.differences else []),
+        *(asked if comparison.differences else []),
         Section("Verdicts", "\n\n".join(f"{one['name']}: {one['verdict']['text']}" for one in designs)),
         Section("Designs", table=Table(head, [[label.replace("  ", "score: "), *cells]
                                               for label, cells in [*design_rows(designs), *_lengths(designs)]])),
@@ -41,11 +41,11 @@ def write_designs_report(folder: Path, found: Comparison) -> dict[str, str]:
                                               _weights(designs))),
     ]  # fmt: skip
     lead = f"{len(designs)} designs of 'dummydesign suggest': {', '.join(one['folder'] for one in designs)}."
-    if found.differences:
-        names = ", ".join(one["name"] for one in found.differences)
+    if comparison.differences:
+        names = ", ".join(one["name"] for one in comparison.differences)
         lead = f"These designs answer different questions: they differ in {names}. {lead}"
-    return write_report(folder, "Designs side by side", lead, sections, facts=facts, warnings=found.warnings,
-                        sources=found.sources)  # fmt: skip
+    return write_report(folder, "Designs side by side", lead, sections, facts=facts, warnings=comparison.warnings,
+                        sources=comparison.sources)  # fmt: skip
 
 
 def difference_rows(differences: Sequence[Mapping[str, Any]]) -> list[list[str]]:

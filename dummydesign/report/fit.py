@@ -85,11 +85,11 @@ def _groups(fit: TissueFit) -> list[tuple[float, float, list[tuple[Any, ...]]]]:
 
     series = {id(row[0]): row for row in _series(fit)}
     traces: list[ReducedTrace] = [row[0] for row in series.values()]
-    found = []
+    groups = []
     for speed, _, group in condition_groups(traces):
         force = float(np.mean([trace.steady_force_N for trace in group]))
-        found.append((speed, force, [series[id(trace)] for trace in group]))
-    return found
+        groups.append((speed, force, [series[id(trace)] for trace in group]))
+    return groups
 
 
 def _presses(fit: TissueFit) -> list[Plot]:
@@ -212,4 +212,4 @@ def write_fit(fit: TissueFit, out: str, sources: Sequence[str] = ()) -> dict[str
     write_text(files["residuals"], residual_table(fit.problems))
     write_bytes(files["residual_plot"], residual_plot(fit.problems, f"{path.stem}, law {fit.law}, {fit.mode}"))
     report = write_fit_report(path.parent, path.stem, fit, sources)
-    return {role: str(place) for role, place in files.items()} | report
+    return {role: str(file) for role, file in files.items()} | report

@@ -115,7 +115,7 @@ class FrontPage:
         Warnings, each with what to do.
     steps : sequence of str
         What to do next, in its order; commands begin with ``dummydesign``.
-    beside : str
+    side_note : str
         What may be done instead.
     foot : str
         Where the rest is.
@@ -134,7 +134,7 @@ class FrontPage:
     blocks: Sequence[tuple[str, Sequence[str]]] = ()
     notes: Sequence[str] = ()
     steps: Sequence[str] = ()
-    beside: str = ""
+    side_note: str = ""
     foot: str = ""
 
 
@@ -179,7 +179,7 @@ def warning_texts(warnings: Sequence[Mapping[str, str]]) -> list[str]:
     kinds: dict[str, list[str]] = {}
     for item in warnings:
         kinds.setdefault(item["code"], []).append(item["message"])
-    return [sentence(found[0]) + (f" ({len(found) - 1} more)" if len(found) > 1 else "") for found in kinds.values()]
+    return [sentence(texts[0]) + (f" ({len(texts) - 1} more)" if len(texts) > 1 else "") for texts in kinds.values()]
 
 
 def _shorter(page: FrontPage) -> Iterator[FrontPage]:
@@ -211,17 +211,17 @@ def _head(page: FrontPage, size: float, spare_mm: float = 0.0) -> tuple[list[Ite
     room = WIDTH_MM - text_width_mm(version, 7.0) - 6.0
     items: list[Item] = [Text(0.0, 5.6, shortened(page.title, room, 16.0, "bold"), 16.0, "bold"),
                          Text(WIDTH_MM, 5.6, version, 7.0, anchor="end", colour=SOFT)]  # fmt: skip
-    found, y = paragraph(0.0, 7.6, wrapped(page.basis, WIDTH_MM, size, most=4), size, colour=SOFT)
-    items += found
-    found, y = _verdict(*page.verdict, y + 2.0, size + 1.5)
-    items += found
+    drawn, y = paragraph(0.0, 7.6, wrapped(page.basis, WIDTH_MM, size, most=4), size, colour=SOFT)
+    items += drawn
+    drawn, y = _verdict(*page.verdict, y + 2.0, size + 1.5)
+    items += drawn
     y += GAP_MM
     wide = 0.6 * WIDTH_MM
-    found, under = _heading(page.drawing[0], 0.0, y, wide, size)
-    items += found
-    found, low = _facts(page, wide + 6.0, y, WIDTH_MM - wide - 6.0, size)
+    drawn, under = _heading(page.drawing[0], 0.0, y, wide, size)
+    items += drawn
+    drawn, low = _facts(page, wide + 6.0, y, WIDTH_MM - wide - 6.0, size)
     low = max(low, under + DRAWING_MM + spare_mm)
-    return [*items, *page.drawing[1]((0.0, under, wide, low)), *found], low + GAP_MM
+    return [*items, *page.drawing[1]((0.0, under, wide, low)), *drawn], low + GAP_MM
 
 
 def _verdict(light: str | None, words: str, y: float, size: float) -> tuple[list[Item], float]:
@@ -230,7 +230,7 @@ def _verdict(light: str | None, words: str, y: float, size: float) -> tuple[list
     first, _, rest = words.partition(". ")
     strong = f"{light.upper()}: {first.rstrip('.').upper()}" if light else f"{first.rstrip('.')}."
     left, room = (14.0, WIDTH_MM - 18.0) if light else (5.0, WIDTH_MM - 9.0)
-    found, low = paragraph(left, y + 1.6, wrapped(strong, room, size + 2.0, "bold", 3), size + 2.0, "bold")
+    drawn, low = paragraph(left, y + 1.6, wrapped(strong, room, size + 2.0, "bold", 3), size + 2.0, "bold")
     more, low = paragraph(left, low + 0.4, wrapped(rest, room, size, most=6), size)
     low += 1.6
     items: list[Item] = [rectangle((0.0, y, WIDTH_MM, low), pale, colour, 0.5)]
@@ -239,18 +239,18 @@ def _verdict(light: str | None, words: str, y: float, size: float) -> tuple[list
         middle = 0.5 * (y + low)
         ring = tuple((7.0 + 3.4 * math.cos(t), middle + 3.4 * math.sin(t)) for t in turn)
         items.append(Path(ring, None, colour, closed=True))
-    return [*items, *found, *more], low
+    return [*items, *drawn, *more], low
 
 
 def _facts(page: FrontPage, x: float, y: float, wide: float, size: float) -> tuple[list[Item], float]:
     """Labels and their values, one under the other."""
     items, y = _heading(page.facts_title, x, y, wide, size)
     for fact in page.facts:
-        found, y = paragraph(x, y + 0.5, [shortened(fact.label, wide, size - 1)], size - 1, colour=SOFT)
-        items += found
+        drawn, y = paragraph(x, y + 0.5, [shortened(fact.label, wide, size - 1)], size - 1, colour=SOFT)
+        items += drawn
         big = size + (7.0 if fact.large else 0.5)
-        found, y = paragraph(x, y, wrapped(fact.text, wide, big, "bold", 4), big, "bold")
-        items += found
+        drawn, y = paragraph(x, y, wrapped(fact.text, wide, big, "bold", 4), big, "bold")
+        items += drawn
     return items, y
 
 
@@ -268,8 +268,8 @@ def _panels(items: list[Item], page: FrontPage, y: float, high: float, size: flo
     if not page.panels:
         return y
     left_out = f": {MOST_PANELS} of {len(page.panels)}" if len(page.panels) > MOST_PANELS else ""
-    found, under = _heading(f"{page.panels_title}{left_out}", 0.0, y, WIDTH_MM, size)
-    items += found
+    drawn, under = _heading(f"{page.panels_title}{left_out}", 0.0, y, WIDTH_MM, size)
+    items += drawn
     x, base = WIDTH_MM, y + 0.8 * _line_mm(size + 1)
     for style, name in reversed(page.keys):
         x -= text_width_mm(name, size - 1)
@@ -323,7 +323,7 @@ def _panel(
         *([] if keyed else name_curves(panel.plot, x, y, size - 0.5, names)),
     ]
     if keyed and not any(isinstance(layer, Line) and layer.style == "main" for layer in panel.plot.layers):
-        items.append(Text(0.5 * (x.start + x.stop), y.place(0.15 * y.high), "not reached", size, anchor="middle"))
+        items.append(Text(0.5 * (x.start + x.stop), y.position(0.15 * y.high), "not reached", size, anchor="middle"))
     return items
 
 
@@ -333,22 +333,22 @@ def _lower(page: FrontPage, size: float, y: float) -> tuple[list[Item], float]:
     items, low = _grid(page.table, 0.0, y, wide if page.blocks else WIDTH_MM, size)
     under, x = y, wide + 6.0
     for title, texts in page.blocks:
-        found, under = _heading(title, x, under, WIDTH_MM - x, size)
-        items += found
+        drawn, under = _heading(title, x, under, WIDTH_MM - x, size)
+        items += drawn
         for text in texts:
-            found, under = paragraph(x, under, wrapped(text, WIDTH_MM - x, size, most=3), size)
-            items, under = [*items, *found], under + 0.6
+            drawn, under = paragraph(x, under, wrapped(text, WIDTH_MM - x, size, most=3), size)
+            items, under = [*items, *drawn], under + 0.6
         under += 1.5
     y = max(low, under) + 1.5
     for note in page.notes[:MOST_NOTES]:
-        found, low = paragraph(5.0, y + 0.8, wrapped(note, WIDTH_MM - 6.0, size, most=2), size)
-        items += [Path(((1.5, y + 0.8), (1.5, low)), LIGHTS["amber"][0], width_mm=1.0), *found]
+        drawn, low = paragraph(5.0, y + 0.8, wrapped(note, WIDTH_MM - 6.0, size, most=2), size)
+        items += [Path(((1.5, y + 0.8), (1.5, low)), LIGHTS["amber"][0], width_mm=1.0), *drawn]
         y = low + 0.6
     if page.steps:
-        found, y = _steps(page, y + 1.0, size)
-        items += found
-    found, y = paragraph(0.0, y + 1.5, wrapped(page.foot, WIDTH_MM, size - 1, most=2), size - 1, colour=SOFT)
-    return [*items, *found], y
+        drawn, y = _steps(page, y + 1.0, size)
+        items += drawn
+    drawn, y = paragraph(0.0, y + 1.5, wrapped(page.foot, WIDTH_MM, size - 1, most=2), size - 1, colour=SOFT)
+    return [*items, *drawn], y
 
 
 def _steps(page: FrontPage, y: float, size: float) -> tuple[list[Item], float]:
@@ -365,12 +365,13 @@ def _steps(page: FrontPage, y: float, size: float) -> tuple[list[Item], float]:
             lines = [*(f"{line} \\" for line in lines[:-1]), lines[-1]]
         if numbered:
             items.append(Text(5.0, low + 0.8 * _line_mm(size), str(number), size, "bold"))
-        found, low = paragraph(left, low, lines, own, face, pitch=PITCH * size / own)
-        items, low = [*items, *found], low + 0.7
-    if page.beside:
+        drawn, low = paragraph(left, low, lines, own, face, pitch=PITCH * size / own)
+        items, low = [*items, *drawn], low + 0.7
+    if page.side_note:
         left = 9.0 if numbered else 4.0
-        found, low = paragraph(left, low, wrapped(page.beside, WIDTH_MM - left - 4.0, size, most=2), size, colour=SOFT)
-        items += found
+        noted = wrapped(page.side_note, WIDTH_MM - left - 4.0, size, most=2)
+        drawn, low = paragraph(left, low, noted, size, colour=SOFT)
+        items += drawn
     low += 1.0
     return [rectangle((0.0, y, WIDTH_MM, low), PANEL, None), *head, *items], low
 
@@ -401,8 +402,8 @@ def _grid(table: Grid, x: float, y: float, wide: float, size: float) -> tuple[li
         face = "plain" if number else "bold"
         for k, words in ((k, words) for k, words in enumerate(row) if words):
             first, last = k == 0, k == count - 1 and not table.head[k]
-            place = x if first else x + float(rights[k]) - (own[k] if last else 0.0)
-            items.append(Text(place, base, words, size, face, "start" if first or last else "end", colour))
+            left = x if first else x + float(rights[k]) - (own[k] if last else 0.0)
+            items.append(Text(left, base, words, size, face, "start" if first or last else "end", colour))
         if number + 1 < len(rows):
             edge = y + (number + 1) * step
             items.append(Path(((x, edge), (x + float(rights[-1]), edge)), RULE, width_mm=0.3 if number == 0 else 0.15))

@@ -65,17 +65,17 @@ def _evidence(data: dict[str, Any]) -> list[Plot]:
 def trial_plot(result: LoopResult, data: dict[str, Any]) -> Plot:
     """Rms residual of each trial before and after, with the noise floor."""
     rows = data["residual"]["by_trial"]
-    place = np.arange(1, len(rows) + 1, dtype=float)
+    number = np.arange(1, len(rows) + 1, dtype=float)
 
     def column(key: str) -> NDArray:
         return np.array([np.nan if row[key] is None else row[key] for row in rows])
 
     floor = data["after"]["error"]["noise_floor_N"]
     layers = (
-        Dots("base", place, column("base_rmse_N"), "aim"),
-        Dots("corrected", place, column("rmse_N")),
-        Dots("corrected, its condition left out", place, column("heldout_rmse_N"), "other"),
-        Line("noise floor", place[[0, -1]], [floor, floor], "other"),
+        Dots("base", number, column("base_rmse_N"), "aim"),
+        Dots("corrected", number, column("rmse_N")),
+        Dots("corrected, its condition left out", number, column("heldout_rmse_N"), "other"),
+        Line("noise floor", number[[0, -1]], [floor, floor], "other"),
     )
     worst = max(rows, key=lambda row: row["rmse_N"])
     alt = (
@@ -113,7 +113,7 @@ def residual_plots(result: LoopResult) -> list[Plot]:
     stages = [("base", result.base, "aim"), ("corrected", result.after, "main")]
     if result.base is result.after:
         del stages[0]
-    left = {name: np.where(presses.used, presses.force_N - stage.fit.forces, 0.0) for name, stage, _ in stages}
+    left = {name: np.where(presses.used, presses.force_N - model.fit.forces, 0.0) for name, model, _ in stages}
     times = [_times(result, row) for row in range(len(presses.trials))]
     reach = max(1.5 * floor, *(float(np.abs(values).max()) for values in left.values()))
     ends = (max(min(float(time[0]) for _, time in times), 1e-3), max(float(time[-1]) for _, time in times))
@@ -142,7 +142,7 @@ def press_plots(result: LoopResult) -> Iterator[Plot]:
     """Force over time of each condition: measured, base and corrected."""
     presses = result.presses
     names: set[str] = set()
-    base, after = (stage.fit.forces for stage in (result.base, result.after))
+    base, after = (model.fit.forces for model in (result.base, result.after))
     for label, rows in _groups(result):
         layers: list[Layer] = []
         ends, rises, rms = [], [], []
@@ -207,7 +207,7 @@ def write_loop_report(folder: Path, result: LoopResult) -> dict[str, str]:
 
 def _front(title: str, data: dict[str, Any], presses: list[Plot], trials: Plot) -> FrontPage:
     """The first page: answer, residual of each trial, presses, parameters, next measurement."""
-    base, after = (data[stage]["error"] for stage in ("base", "after"))
+    base, after = (data[model]["error"] for model in ("base", "after"))
     young, coming = data["after"]["parameters"]["young_kPa"], data["next_measurement"]
     texts = [plot.title.partition(": ") for plot in presses]
     head, rows = answer_rows(data)
@@ -258,7 +258,7 @@ def _effects(data: dict[str, Any]) -> Table | None:
 
 def _errors(data: dict[str, Any]) -> Table:
     keys = ("train_rmse_N", "heldout_rmse_N", "heldout_pad_rmse_N", "noise_floor_N", "lack_of_fit_p")
-    rows = [[label, *(data[stage]["error"][key] for key in keys)] for label, stage in (("base", "base"),
+    rows = [[label, *(data[model]["error"][key] for key in keys)] for label, model in (("base", "base"),
             ("corrected", "after"))]  # fmt: skip
     head = ["model", "fitted rms N", "left out rms N", "left-out pads rms N", "noise floor N", "lack of fit p"]
     return Table(head, rows)

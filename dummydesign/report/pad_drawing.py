@@ -95,8 +95,8 @@ def _foot(shape: PadShape, edge: float) -> float:
     x = np.linspace(0.0, edge, 4001)
     curved = np.abs(_height(shape.drop_mm, shape, x) - _height(shape.drop_mm, shape, x)[-1]) > 1e-6
     curved |= _height(shape.bone_mm, shape, x) > 1e-6
-    found = float(x[np.flatnonzero(curved)[-1]]) if curved.any() else 0.0
-    return min((line for line in shape.lines_mm() if abs(line - found) < 0.05), default=found)
+    foot = float(x[np.flatnonzero(curved)[-1]]) if curved.any() else 0.0
+    return min((line for line in shape.lines_mm() if abs(line - foot) < 0.05), default=foot)
 
 
 def _base(left: Point, right: Point) -> list[Item]:

@@ -43,9 +43,9 @@ class Term:
 def terms() -> dict[str, Term]:
     """Terms by lower-case name and form, in the order of the alphabet."""
     content, _ = read_toml(data_folder() / "materials" / "glossary.toml")
-    found = [Term(name, entry["text"], tuple(entry.get("forms", ()))) for name, entry in content["terms"].items()]
-    found.sort(key=lambda term: term.name.lower())
-    return {form.lower(): term for term in found for form in (term.name, *term.forms)}
+    every = [Term(name, entry["text"], tuple(entry.get("forms", ()))) for name, entry in content["terms"].items()]
+    every.sort(key=lambda term: term.name.lower())
+    return {form.lower(): term for term in every for form in (term.name, *term.forms)}
 
 
 @cache
@@ -72,24 +72,24 @@ def whole_glossary() -> str:
 
 def marked_terms(text: str) -> list[tuple[int, int, Term]]:
     """Where a text uses a term for the first time: start, end and term, in the order of the text."""
-    found: list[tuple[int, int, Term]] = []
+    hits: list[tuple[int, int, Term]] = []
     for term, pattern in _patterns():
         hit = pattern.search(text)
         if hit:
-            found.append((hit.start(), hit.end(), term))
+            hits.append((hit.start(), hit.end(), term))
     # of terms that overlap the longest is meant
-    found.sort(key=lambda one: (one[0] - one[1], one[0]))
+    hits.sort(key=lambda one: (one[0] - one[1], one[0]))
     kept: list[tuple[int, int, Term]] = []
-    for one in found:
+    for one in hits:
         if all(one[1] <= other[0] or one[0] >= other[1] for other in kept):
             kept.append(one)
     return sorted(kept, key=lambda one: one[0])
 
 
-def _folded(found: list[Term]) -> str:
-    if not found:
+def _folded(used: list[Term]) -> str:
+    if not used:
         return ""
-    rows = "".join(f"<dt>{escape(term.name)}</dt><dd>{escape(term.text)}</dd>" for term in found)
+    rows = "".join(f"<dt>{escape(term.name)}</dt><dd>{escape(term.text)}</dd>" for term in used)
     return f'<details class="terms"><summary>Terms on this page</summary><dl>{rows}</dl></details>'
 
 
@@ -154,11 +154,11 @@ def page(
     if '<svg class="plot"' in body:
         scripts = [*scripts, plots_js()]
     boxes = "".join(f'<div class="fact"><b>{escape(v)}</b><span>{escape(what)}</span></div>' for v, what in facts)
-    said = "".join(f"<li>{escape(item['message'])}</li>" for item in warnings)
-    warned = f'<ul class="warnings">{said}</ul>' if said else ""
+    items = "".join(f"<li>{escape(item['message'])}</li>" for item in warnings)
+    warned = f'<ul class="warnings">{items}</ul>' if items else ""
     listed = "".join(f"<li>{escape(text)}</li>" for text in sources)
     cited = f'<section id="sources"><h2>Sources</h2><ul class="sources">{listed}</ul></section>' if listed else ""
-    beside = f" The values of every figure are in the {escape(tables)}-*.csv files beside this page." if tables else ""
+    where = f" The values of every figure are in the {escape(tables)}-*.csv files beside this page." if tables else ""
     return (
         '<!doctype html><html lang="en"><head><meta charset="utf-8">'
         f'<meta http-equiv="Content-Security-Policy" content="{POLICY}">'
@@ -174,7 +174,7 @@ def page(
         + cited
         + folded_glossary(f"{lead} {boxes} {warned} {body}")
         + f"<footer>dummydesign {__version__}. Lengths in mm, forces in N, times in s; moduli are long-term "
-        f"(relaxed) Young's moduli.{beside}</footer>"
+        f"(relaxed) Young's moduli.{where}</footer>"
         "</main>" + "".join(f"<script>{script}</script>" for script in scripts) + "</body></html>\n"
     )
 

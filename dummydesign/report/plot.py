@@ -33,16 +33,16 @@ class Axis:
     stop: float
     log: bool = False
 
-    def place(self, value: float) -> float:
-        """Place of a value along the axis; values outside are put a little outside."""
+    def position(self, value: float) -> float:
+        """Position of a value along the axis; values outside are put a little outside."""
         if self.log:
             share = (math.log(max(value, 1e-300)) - math.log(self.low)) / (math.log(self.high) - math.log(self.low))
         else:
             share = (value - self.low) / (self.high - self.low)
         return self.start + min(max(share, -1.0), 2.0) * (self.stop - self.start)
 
-    def places(self, values: NDArray) -> NDArray:
-        """:meth:`place` of several values; NaN stays."""
+    def positions(self, values: NDArray) -> NDArray:
+        """:meth:`position` of several values; NaN stays."""
         if self.log:
             share = np.log(np.maximum(values, 1e-300) / self.low) / math.log(self.high / self.low)
         else:
@@ -53,9 +53,9 @@ class Axis:
         """Round values inside the range and how to write them."""
         if self.log:
             first, last = math.ceil(math.log10(self.low) - 1e-9), math.floor(math.log10(self.high) + 1e-9)
-            found = [(10.0**power, f"{10.0**power:g}") for power in range(first, last + 1)]
-            room = abs(self.stop - self.start) / max(len(found), 1)
-            return found if room > LETTER_WIDTH * max((len(text) for _, text in found), default=0) else found[::2]
+            ticks = [(10.0**power, f"{10.0**power:g}") for power in range(first, last + 1)]
+            room = abs(self.stop - self.start) / max(len(ticks), 1)
+            return ticks if room > LETTER_WIDTH * max((len(text) for _, text in ticks), default=0) else ticks[::2]
         step = round_step((self.high - self.low) / max(about, 1))
         first, last = math.ceil(self.low / step - 1e-9), math.floor(self.high / step + 1e-9)
         return [(index * step, f"{round(index * step, 12):g}") for index in range(first, last + 1)]
@@ -88,8 +88,8 @@ STOPS = np.array(
 
 def colours(share: NDArray) -> NDArray:
     """Colours (..., 3) from 0 to 255 of shares between 0 and 1."""
-    place = np.clip(np.nan_to_num(share), 0.0, 1.0) * (len(STOPS) - 1)
-    return np.stack([np.interp(place, np.arange(len(STOPS)), STOPS[:, band]) for band in range(3)], axis=-1)
+    position = np.clip(np.nan_to_num(share), 0.0, 1.0) * (len(STOPS) - 1)
+    return np.stack([np.interp(position, np.arange(len(STOPS)), STOPS[:, band]) for band in range(3)], axis=-1)
 
 
 def css(share: float) -> str:
@@ -231,11 +231,11 @@ class Plot:
     def _ticks(self, x: Axis, y: Axis) -> str:
         parts = []
         for value, text in x.ticks(round(6 * self._width / WIDTH)):
-            at = x.place(value)
+            at = x.position(value)
             parts.append(f'<line class="grid" x1="{at:.1f}" x2="{at:.1f}" y1="{y.start:g}" y2="{y.stop:g}"/>')
             parts.append(f'<text x="{at:.1f}" y="{y.start + 16:g}" text-anchor="middle">{text}</text>')
         for value, text in [] if self._has(Bars) else y.ticks(round(5 * min(self._height / HEIGHT, 1.0))):
-            at = y.place(value)
+            at = y.position(value)
             parts.append(f'<line class="grid" x1="{x.start:g}" x2="{x.stop:g}" y1="{at:.1f}" y2="{at:.1f}"/>')
             parts.append(f'<text x="{x.start - 6:g}" y="{at + 4:.1f}" text-anchor="end">{text}</text>')
         return "".join(parts)
@@ -277,7 +277,7 @@ def _ends(axis: Axis) -> str:
 
 def _path(x: Axis, y: Axis, xs: np.ndarray, ys: np.ndarray) -> str:
     """Path through points, broken where one is missing, without those that no one would see."""
-    across, along = x.places(xs), y.places(ys)
+    across, along = x.positions(xs), y.positions(ys)
     words = []
     for start, stop in runs(np.isfinite(across) & np.isfinite(along)):
         kept = corners(across[start:stop], along[start:stop])
@@ -292,9 +292,9 @@ def runs(known: np.ndarray) -> list[tuple[int, int]]:
     return list(zip(steps[::2], steps[1::2]))
 
 
-def _short(place: float) -> str:
+def _short(value: float) -> str:
     """Hundredths of a pixel, so that an enlarged curve is smooth."""
-    return f"{place:.2f}".rstrip("0").rstrip(".")
+    return f"{value:.2f}".rstrip("0").rstrip(".")
 
 
 def _line(layer: Line, x: Axis, y: Axis) -> str:
@@ -304,7 +304,7 @@ def _line(layer: Line, x: Axis, y: Axis) -> str:
 
 def _dots(layer: Dots, x: Axis, y: Axis) -> str:
     circles = "".join(
-        f'<circle class="dot {layer.style}" cx="{x.place(a):.1f}" cy="{y.place(b):.1f}" r="4"/>'
+        f'<circle class="dot {layer.style}" cx="{x.position(a):.1f}" cy="{y.position(b):.1f}" r="4"/>'
         for a, b in zip(np.asarray(layer.x, float).tolist(), np.asarray(layer.y, float).tolist())
         if a == a and b == b
     )
@@ -324,16 +324,16 @@ def _bars(layer: Bars, x: Axis, y: Axis) -> str:
     parts = []
     low, high = np.asarray(layer.low, float), np.asarray(layer.high, float)
     for row in range(len(layer.labels)):
-        top, bottom = y.place(len(layer.labels) - row - 0.2), y.place(len(layer.labels) - row - 0.8)
-        left, right = x.place(low[row]), x.place(high[row])
+        top, bottom = y.position(len(layer.labels) - row - 0.2), y.position(len(layer.labels) - row - 0.8)
+        left, right = x.position(low[row]), x.position(high[row])
         parts.append(
             f'<rect class="bar" data-n="{escape(layer.labels[row])}" x="{left:.1f}" y="{top:.1f}" '
             f'width="{max(right - left, 1):.1f}" height="{bottom - top:.1f}"/>'
         )
-    zero = x.place(0.0)
+    zero = x.position(0.0)
     parts.append(f'<line class="line other" x1="{zero:.1f}" x2="{zero:.1f}" y1="{y.start:g}" y2="{y.stop:g}"/>')
     labels = "".join(
-        f'<text x="{x.start - 6:g}" y="{y.place(len(layer.labels) - row - 0.5) + 4:.1f}" text-anchor="end">'
+        f'<text x="{x.start - 6:g}" y="{y.position(len(layer.labels) - row - 0.5) + 4:.1f}" text-anchor="end">'
         f"{escape(label)}</text>"
         for row, label in enumerate(layer.labels)
     )
@@ -347,7 +347,8 @@ def _cells(layer: Cells, x: Axis, y: Axis) -> str:
     even = all(np.ptp(np.diff(side)) < 1e-6 * np.ptp(side) for side in (across, along))
     if even:
         drawn = "auto" if layer.smooth else "pixelated"
-        left, right, top, bottom = x.place(across[0]), x.place(across[-1]), y.place(along[-1]), y.place(along[0])
+        left, right = x.position(across[0]), x.position(across[-1])
+        top, bottom = y.position(along[-1]), y.position(along[0])
         return (
             f'<image data-n="{escape(layer.name)}" data-v="{layer.low:g} {layer.high:g}" data-c="{_STOPS}" '
             f'href="{png_uri(value)}" x="{left:.1f}" y="{top:.1f}" width="{right - left:.1f}" '
@@ -357,8 +358,8 @@ def _cells(layer: Cells, x: Axis, y: Axis) -> str:
     for row in range(value.shape[0]):
         for column in range(value.shape[1]):
             if np.isfinite(value[row, column]):
-                left, right = x.place(across[column]), x.place(across[column + 1])
-                top, bottom = y.place(along[row + 1]), y.place(along[row])
+                left, right = x.position(across[column]), x.position(across[column + 1])
+                top, bottom = y.position(along[row + 1]), y.position(along[row])
                 parts.append(
                     f'<rect fill="{css(value[row, column])}" x="{left:.1f}" y="{top:.1f}" '
                     f'width="{right - left:.2f}" height="{bottom - top:.2f}"/>'
@@ -376,23 +377,24 @@ def _scale(layer: Cells, x: Axis, y: Axis) -> str:
         for row in range(count)
     ]
     for value, text in Axis("", layer.low, layer.high, y.start, y.stop).ticks(4):
-        place = y.place(y.low + (value - layer.low) / (layer.high - layer.low) * (y.high - y.low))
-        parts.append(f'<text x="{left + 16:g}" y="{place + 4:.1f}">{text}</text>')
+        height = y.position(y.low + (value - layer.low) / (layer.high - layer.low) * (y.high - y.low))
+        parts.append(f'<text x="{left + 16:g}" y="{height + 4:.1f}">{text}</text>')
     return "".join(parts)
 
 
 def _ellipse(layer: Ellipse, x: Axis, y: Axis) -> str:
-    wide = abs(x.place(layer.x + layer.half_x) - x.place(layer.x))
-    high = abs(y.place(layer.y + layer.half_y) - y.place(layer.y))
-    place = f'cx="{x.place(layer.x):.1f}" cy="{y.place(layer.y):.1f}" rx="{max(wide, 1):.1f}" ry="{max(high, 1):.1f}"'
-    return f'<ellipse class="ellipse halo" {place}/><ellipse class="ellipse" {place}/>'
+    wide = abs(x.position(layer.x + layer.half_x) - x.position(layer.x))
+    high = abs(y.position(layer.y + layer.half_y) - y.position(layer.y))
+    centre = f'cx="{x.position(layer.x):.1f}" cy="{y.position(layer.y):.1f}"'
+    geometry = f'{centre} rx="{max(wide, 1):.1f}" ry="{max(high, 1):.1f}"'
+    return f'<ellipse class="ellipse halo" {geometry}/><ellipse class="ellipse" {geometry}/>'
 
 
 def _label(layer: Label, x: Axis, y: Axis) -> str:
-    right = x.place(layer.x) > 0.6 * x.stop + 0.4 * x.start
+    right = x.position(layer.x) > 0.6 * x.stop + 0.4 * x.start
     side = ("end", -5) if right else ("start", 5)
-    place = f'x="{x.place(layer.x) + side[1]:.1f}" y="{y.place(layer.y) - 5:.1f}" text-anchor="{side[0]}"'
-    return f'<text class="direct {layer.style}" {place}>{escape(layer.name)}</text>'
+    anchor = f'x="{x.position(layer.x) + side[1]:.1f}" y="{y.position(layer.y) - 5:.1f}" text-anchor="{side[0]}"'
+    return f'<text class="direct {layer.style}" {anchor}>{escape(layer.name)}</text>'
 
 
 def _shape(layer: Layer) -> str:

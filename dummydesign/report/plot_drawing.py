@@ -64,13 +64,13 @@ def name_curves(plot: Plot, x: Axis, y: Axis, size_pt: float, room_mm: float) ->
     """Write the names of curves and points right of the axes, at the height of their ends and clear of each other."""
     step, ends = PITCH * size_pt * PT_MM, list[tuple[float, str, str]]()
     for name, layer in _curves(plot).items():
-        across, along = np.asarray(layer.x, float), y.places(np.asarray(layer.y, float))
+        across, along = np.asarray(layer.x, float), y.positions(np.asarray(layer.y, float))
         known = np.flatnonzero(np.isfinite(across) & np.isfinite(along))
         if len(known):
             ends.append((float(along[known[-1]]), name, STYLES.get(layer.style, STYLES["other"])[0]))
     items, low = list[Item](), y.start + step
-    for place, name, colour in sorted(ends, reverse=True):
-        low = min(max(place, y.stop) + 0.25 * size_pt * PT_MM, low - step)
+    for height, name, colour in sorted(ends, reverse=True):
+        low = min(max(height, y.stop) + 0.25 * size_pt * PT_MM, low - step)
         items.append(Text(x.stop + 1.0, low, shortened(name, room_mm, size_pt), size_pt, colour=colour))
     return items
 
@@ -113,17 +113,17 @@ def draw_axes(
     y = replace(along, start=low - line - 0.4, stop=high + 0.3)
     items: list[Item] = [rectangle((x.start, y.stop, x.stop, y.start), PAPER, None)]
     for value, words in marks:
-        place = y.place(value)
-        items.append(Path(((x.start, place), (x.stop, place)), RULE, width_mm=0.15))
-        items.append(Text(x.start - 1.0, place + 0.25 * size_pt * PT_MM, words, size_pt, anchor="end", colour=SOFT))
+        position = y.position(value)
+        items.append(Path(((x.start, position), (x.stop, position)), RULE, width_mm=0.15))
+        items.append(Text(x.start - 1.0, position + 0.25 * size_pt * PT_MM, words, size_pt, anchor="end", colour=SOFT))
     # in pixels, where an axis thinks that the letters of its numbers are that wide
     ticks = replace(x, start=0.0, stop=PX_PER_MM * (x.stop - x.start)).ticks(max(round((x.stop - x.start) / 16.0), 2))
     for number, (value, words) in enumerate(ticks):
-        place = x.place(value)
-        items.append(Path(((place, y.start), (place, y.start + 0.7)), SOFT, width_mm=0.2))
-        anchor = "end" if place > x.stop - 2.0 else "middle"
+        position = x.position(value)
+        items.append(Path(((position, y.start), (position, y.start + 0.7)), SOFT, width_mm=0.2))
+        anchor = "end" if position > x.stop - 2.0 else "middle"
         words += unit if number == len(ticks) - 1 else ""
-        items.append(Text(place, y.start + line, words, size_pt, anchor=anchor, colour=SOFT))
+        items.append(Text(position, y.start + line, words, size_pt, anchor=anchor, colour=SOFT))
     items.append(Path(((x.start, y.stop), (x.start, y.start), (x.stop, y.start)), SOFT, width_mm=0.25))
     return items, (x, y)
 
@@ -157,7 +157,7 @@ def _run(
     known = (xs > 0.0) if x.log else np.ones(len(xs), bool)
     if known.sum() < 2:
         return []
-    across, along = np.clip(x.places(xs[known]), x.start, x.stop), np.clip(y.places(ys[known]), y.stop, y.start)
+    across, along = np.clip(x.positions(xs[known]), x.start, x.stop), np.clip(y.positions(ys[known]), y.stop, y.start)
     kept = corners(across, along, UNSEEN_MM)
     points = tuple((float(a), float(b)) for a, b in zip(across[kept], along[kept]))
     return [Path(points, stroke, fill, 0.5, dash, fill is not None)]
@@ -166,7 +166,7 @@ def _run(
 def _dots(layer: Dots, x: Axis, y: Axis) -> list[Item]:
     """Small squares; of very many a part, evenly along the axis."""
     colour = STYLES.get(layer.style, STYLES["other"])[0]
-    across, along = x.places(np.asarray(layer.x, float)), y.places(np.asarray(layer.y, float))
+    across, along = x.positions(np.asarray(layer.x, float)), y.positions(np.asarray(layer.y, float))
     shown = np.flatnonzero(np.isfinite(across) & np.isfinite(along))
     if len(shown) > MOST_DOTS:
         wanted = np.linspace(across[shown].min(), across[shown].max(), MOST_DOTS)
@@ -181,8 +181,8 @@ def _bars(layer: Bars, x: Axis, y: Axis, size_pt: float) -> list[Item]:
     count = len(layer.labels)
     ends = zip(layer.labels, np.asarray(layer.low, float).tolist(), np.asarray(layer.high, float).tolist())
     for row, (label, low, high) in enumerate(ends):
-        top, bottom = y.place(count - row - 0.2), y.place(count - row - 0.8)
-        left, right = (min(max(x.place(value), x.start), x.stop) for value in (low, high))
+        top, bottom = y.position(count - row - 0.2), y.position(count - row - 0.8)
+        left, right = (min(max(x.position(value), x.start), x.stop) for value in (low, high))
         items.append(rectangle((left, top, max(right, left + 0.3), bottom), STYLES["main"][0], None))
         words = shortened(label, 40.0, size_pt)
         items.append(Text(x.start - 1.0, 0.5 * (top + bottom) + 0.25 * size_pt * PT_MM, words, size_pt, anchor="end",

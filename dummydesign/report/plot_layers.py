@@ -193,8 +193,8 @@ def thin(x: NDArray, log: bool, *others: NDArray) -> list[NDArray]:
     """Keep at most :data:`MOST_POINTS` of many points, evenly along the axis, ends and extremes included."""
     if len(x) <= MOST_POINTS:
         return [x, *others]
-    place = np.log(np.maximum(x, 1e-12)) if log else x
-    cells = np.floor((place - place[0]) / max(place[-1] - place[0], 1e-300) * (MOST_POINTS - 1)).astype(int)
+    position = np.log(np.maximum(x, 1e-12)) if log else x
+    cells = np.floor((position - position[0]) / max(position[-1] - position[0], 1e-300) * (MOST_POINTS - 1)).astype(int)
     kept = np.r_[True, np.diff(cells) > 0]
     kept[-1] = True
     for values in others:

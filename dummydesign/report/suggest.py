@@ -31,7 +31,7 @@ def relative_force_plot(answer: Suggestion, curves: SuggestionCurves) -> Plot:
     force = curves.forces_N.relative
     layers: list[Layer] = [Line(f"aim: {answer.request.aim}", force, np.ones_like(force), "aim")]
     words = []
-    for item, relative, style in zip(answer.beside, curves.relative_forces, STYLES[:5]):
+    for item, relative, style in zip(answer.comparisons, curves.relative_forces, STYLES[:5]):
         if relative is None:
             continue
         layers.append(Line(str(item.shape), force, relative, style))
@@ -65,7 +65,7 @@ def steady_figure(answer: Suggestion, curves: SuggestionCurves) -> Plot:
     if known.any():
         layers.append(Band("95 % of the pad's castings", grids.pad[known], stiff[known], soft[known], sideways=True,
                            style="cast"))  # fmt: skip
-    for other, depth, style in zip(answer.found.alternatives, curves.other_depths_mm, STYLES[1:5]):
+    for other, depth, style in zip(answer.result.alternatives, curves.other_depths_mm, STYLES[1:5]):
         layers.append(Line(f"{other.thickness_mm:g} mm, ratio {other.ratio:g}", depth, grids.pad, style))
     layers.append(Line("recommended pad", curves.pad_depth_mm, grids.pad))
     inside = float(answer.best.evaluation.steady_state_range[answer.best.index])
@@ -102,17 +102,17 @@ def press_plots(answer: Suggestion) -> list[Plot]:
 
 def score_maps(answer: Suggestion, curves: SuggestionCurves) -> list[Plot]:
     """The whole map, and its surroundings of the recommended design, where the ellipse can be seen."""
-    found, best, needed = answer.found.score_map, answer.best, answer.targets.protocol.needed_N
-    value = np.where(found.feasible, found.total, np.nan)
+    scores, best, needed = answer.result.score_map, answer.best, answer.targets.protocol.needed_N
+    value = np.where(scores.feasible, scores.total, np.nan)
     rests = answer.rests_on
     layers: list[Layer] = [
-        Cells("total score", found.ratio, found.thickness_mm, value),
+        Cells("total score", scores.ratio, scores.thickness_mm, value),
         Line("ratio that gives the modulus, 95 %", [rests["ratio_low"], rests["ratio_high"]],
              [best.thickness_mm] * 2, "other"),
     ]  # fmt: skip
     off, thick = curves.ratio_error, answer.request.thickness_tolerance_mm
     layers.append(Ellipse("tolerance of weighing and thickness", best.ratio, best.thickness_mm, off, thick))
-    others = answer.found.alternatives
+    others = answer.result.alternatives
     if others:
         layers.append(Dots("alternatives", [o.ratio for o in others], [o.thickness_mm for o in others], "other"))
     layers.append(Dots("recommended", [best.ratio], [best.thickness_mm], "aim"))
@@ -120,16 +120,16 @@ def score_maps(answer: Suggestion, curves: SuggestionCurves) -> list[Plot]:
         f"Map of the score over ratio and thickness; the recommended {best.thickness_mm:g} mm and ratio "
         f"{best.ratio:g} score {best.total:.2f}. Designs that do not reach {needed:g} N are left out."
     )
-    ends = [float(found.ratio[0]), float(found.ratio[-1])]
-    wide = None if len(found.ratio) < 2 else (ends[0], ends[1])
+    ends = [float(scores.ratio[0]), float(scores.ratio[-1])]
+    wide = None if len(scores.ratio) < 2 else (ends[0], ends[1])
     label = f"ratio ({answer.resin.ratio_meaning})"
     whole = Plot("score-map", "Score over ratio and thickness", alt, label, "thickness [mm]", "ratio", "thickness_mm",
                  tuple(layers), x_range=wide, note=f"1 is best; empty: {needed:g} N out of reach")  # fmt: skip
     if wide is None or off == 0.0:
         return [whole]
-    columns = np.abs(found.ratio - best.ratio) <= 8 * off + 0.1
-    rows = np.abs(found.thickness_mm - best.thickness_mm) <= 8 * thick + 0.5
-    layers[0] = Cells("total score", found.ratio[columns], found.thickness_mm[rows], value[rows][:, columns])
+    columns = np.abs(scores.ratio - best.ratio) <= 8 * off + 0.1
+    rows = np.abs(scores.thickness_mm - best.thickness_mm) <= 8 * thick + 0.5
+    layers[0] = Cells("total score", scores.ratio[columns], scores.thickness_mm[rows], value[rows][:, columns])
     close = Plot("score-map-near", "The same around the recommended design", f"{alt} The ellipse is {off:.3g} parts "
                  f"and {thick:g} mm in half.", label, "thickness [mm]", "ratio", "thickness_mm", tuple(layers),
                  x_range=(best.ratio - 6 * off, best.ratio + 6 * off),
@@ -153,12 +153,12 @@ def exponent_plot(answer: Suggestion, curves: SuggestionCurves) -> Plot:
 
 def sensitivity_bars(answer: Suggestion, curves: SuggestionCurves) -> list[Plot]:
     """Change of depth and of peak between both ends of each uncertainty."""
-    found = curves.reactions
-    names = [item.name for item in found]
+    bars = curves.reactions
+    names = [item.name for item in bars]
     plots = []
     force, protocol = answer.targets.protocol.needed_N, answer.targets.protocol
     note = f"* at one end {force:g} N is out of reach" if any(name.endswith("*") for name in names) else ""
-    depths, peaks = [item.depth_percent for item in found], [item.peak_percent for item in found]
+    depths, peaks = [item.depth_percent for item in bars], [item.peak_percent for item in bars]
     for name, title, pairs in (
         ("sensitivity-depth", f"Change of depth at {force:g} N, {protocol.slow_mm_s:g} mm/s", depths),
         ("sensitivity-peak", f"Change of peak at {force:g} N, {protocol.fast_mm_s:g} mm/s", peaks),
@@ -198,7 +198,7 @@ def suggestion_front(answer: Suggestion, result: dict[str, Any], presses: Sequen
         blocks=[(title, texts) for title, texts in blocks if texts],
         notes=suggest_facts.warning_texts(result),
         steps=[step if step.startswith("dummydesign ") else _sentence(step) for step in steps],
-        beside=_sentence(suggest_facts.meanwhile_text(result)),
+        side_note=_sentence(suggest_facts.meanwhile_text(result)),
         foot=FOOT,
     )
 
@@ -343,7 +343,7 @@ def _press_words(answer: Suggestion) -> str:
 
 def _shapes(answer: Suggestion, result: dict[str, Any], curves: SuggestionCurves) -> list[Section]:
     """The best pad of each kind side by side, when shapes were searched."""
-    if not answer.beside:
+    if not answer.comparisons:
         return []
     low, high = answer.targets.protocol.forces_N[0], answer.targets.protocol.forces_N[-1]
     text = (
@@ -441,8 +441,8 @@ def _alternatives(result: dict[str, Any]) -> Table | None:
 
 def _solids(best: dict[str, Any], files: dict[str, str], pad_mm: tuple[float, float]) -> Section:
     """The made parts when their STL files are there, else a plain block."""
-    found = {name: Path(files[f"{name}_stl"]) for name in ("mould", "pad") if f"{name}_stl" in files}
-    parts = {name: read_stl(path) for name, path in found.items() if path.is_file()}
+    paths = {name: Path(files[f"{name}_stl"]) for name in ("mould", "pad") if f"{name}_stl" in files}
+    parts = {name: read_stl(path) for name, path in paths.items() if path.is_file()}
     text = "Drag or use the arrow keys to turn, scroll to zoom."
     if "pad" not in parts:
         parts = {"pad": box(*pad_mm, best["thickness_mm"])}

@@ -57,8 +57,8 @@ def pad_text(result: dict[str, Any]) -> str:
     thickness = f"{best['thickness_mm']:g} mm"
     if lengths:
         shape = read_shape(best["shape"])
-        beside = float(shape.drop_mm(np.array(length / 2), np.array(width / 2)))
-        least = best["thickness_mm"] - max(shape.bone_height_mm, beside)
+        drop = float(shape.drop_mm(np.array(length / 2), np.array(width / 2)))
+        least = best["thickness_mm"] - max(shape.bone_height_mm, drop)
         if not shape.flat_top:
             thickness += f" at the tip, {least:.3g} mm beside it"
         elif shape.bone_height_mm:

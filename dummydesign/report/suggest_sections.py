@@ -82,7 +82,7 @@ def _pressure(pictures: PressPictures) -> Plot:
         profile = pad.contact["profile"]
         layers.append(Line(pad.title, profile["radius_mm"], profile["pressure_kPa"], style))
         words.append(f"{pad.title} {pad.contact['mean_kPa']:.3g} kPa on average, {pad.contact['peak_kPa']:.3g} at most "
-                     f"{_place(pad)}")  # fmt: skip
+                     f"{_peak_words(pad)}")  # fmt: skip
     high = 1.3 * max(max(one.contact["peak_kPa"], one.contact["mean_kPa"]) for one in (deepest, *pictures.slab[-1:]))
     note = "the last tenth of the contact, at the punch's edge, may leave the picture"
     return Plot("contact-pressure", f"Contact pressure at {deepest.force_N:g} N", f"{'; '.join(words)}.",
@@ -90,7 +90,7 @@ def _pressure(pictures: PressPictures) -> Plot:
                 y_range=(0.0, high), note=note)  # fmt: skip
 
 
-def _place(pad: PressedPad) -> str:
+def _peak_words(pad: PressedPad) -> str:
     """Where inside the contact the pressure is largest, in words."""
     at, reach = pad.contact["peak_radius_mm"], pad.contact["contact_radius_mm"]
     return "at the centre" if at < 0.1 * reach else f"{at:.1f} mm from the middle"
@@ -108,7 +108,7 @@ def _compared(pictures: PressPictures) -> str:
     pad = pictures.pads[-1]
     own = (
         f"At {pad.force_N:g} N the pressure on the {pad.title} pad averages {pad.contact['mean_kPa']:.3g} kPa; away "
-        f"from the punch's edge it is largest {_place(pad)}, {pad.contact['peak_kPa']:.3g} kPa, {_edge(pad)}"
+        f"from the punch's edge it is largest {_peak_words(pad)}, {pad.contact['peak_kPa']:.3g} kPa, {_edge(pad)}"
     )
     if not pictures.slab:
         return f"{own}."
@@ -116,7 +116,7 @@ def _compared(pictures: PressPictures) -> str:
     ratio = pad.contact["peak_kPa"] / flat.contact["peak_kPa"]
     return (
         f"{own}. On the best slab it averages {flat.contact['mean_kPa']:.3g} kPa at {flat.force_N:g} N, is largest "
-        f"{_place(flat)}, {flat.contact['peak_kPa']:.3g} kPa, {_edge(flat)}. The peak away from the edge is "
+        f"{_peak_words(flat)}, {flat.contact['peak_kPa']:.3g} kPa, {_edge(flat)}. The peak away from the edge is "
         f"{ratio:.2g} times the slab's."
     )
 
@@ -126,11 +126,11 @@ def _table(pictures: PressPictures) -> Table:
             "at radius mm", "at the edge"]  # fmt: skip
     rows = []
     for pad in (*pictures.pads, *pictures.slab):
-        found = pad.contact
-        edge = "rises" if found["edge_kPa"] > found["peak_kPa"] else "falls"
-        lengths = (f"{pad.depth_mm:.2f}", f"{found['contact_radius_mm']:.1f}")
-        pressures = (f"{found['mean_kPa']:.3g}", f"{found['peak_kPa']:.3g}")
-        rows.append([pad.title, f"{pad.force_N:g}", *lengths, *pressures, f"{found['peak_radius_mm']:.1f}", edge])
+        contact = pad.contact
+        edge = "rises" if contact["edge_kPa"] > contact["peak_kPa"] else "falls"
+        lengths = (f"{pad.depth_mm:.2f}", f"{contact['contact_radius_mm']:.1f}")
+        pressures = (f"{contact['mean_kPa']:.3g}", f"{contact['peak_kPa']:.3g}")
+        rows.append([pad.title, f"{pad.force_N:g}", *lengths, *pressures, f"{contact['peak_radius_mm']:.1f}", edge])
     return Table(head, rows)
 
 

@@ -149,10 +149,10 @@ def plane_tables(rows: Rows) -> tuple[list[str], list[list[str]], list[list[str]
     depths: list[list[str]] = []
     peaks: list[list[str]] = []
     for ratio in sorted({row["ratio"] for row in rows}):
-        found = [at.get((ratio, thickness)) for thickness in shown]
-        depth = [None if row is None else row["depth_mm_at_N"][force] for row in found]
+        cells = [at.get((ratio, thickness)) for thickness in shown]
+        depth = [None if row is None else row["depth_mm_at_N"][force] for row in cells]
         peak = [None if row is None or x is None else list(row["peak_over_steady"].values())[-1]
-                for row, x in zip(found, depth)]  # fmt: skip
+                for row, x in zip(cells, depth)]  # fmt: skip
         first = [f"{ratio:g}", f"{next(row['young_kPa'] for row in rows if row['ratio'] == ratio):.3g}"]
         for body, values in ((depths, depth), (peaks, peak)):
             body.append([*first, *("-" if value is None else f"{value:.2f}" for value in values)])
@@ -216,7 +216,7 @@ def _front(
     if plane:
         head, depths, peaks, _ = plane_tables(ordered)
         both = (zip(*pair) for pair in zip(depths, peaks))
-        body = [[x if place < 2 or y == "-" else f"{x}, {y}" for place, (x, y) in enumerate(row)] for row in both]
+        body = [[x if column < 2 or y == "-" else f"{x}, {y}" for column, (x, y) in enumerate(row)] for row in both]
     else:
         head, body, _ = first_table(ordered)
     steps: list[str] = []
@@ -325,7 +325,7 @@ def _map(study: Study, rows: Rows) -> list[Section]:
     thickness, ratio = sorted(study.thickness_mm), sorted(study.ratio)
     value = np.full((len(thickness), len(ratio)), np.nan)
     shown = [row for row in rows if _setup(row) == (punch, condition, base, shape, edge)]
-    at = [{design: place for place, design in enumerate(steps)} for steps in (thickness, ratio)]
+    at = [{design: number for number, design in enumerate(steps)} for steps in (thickness, ratio)]
     for row in shown:
         value[at[0][row["thickness_mm"]], at[1][row["ratio"]]] = row["score"]["total"]
     best = max(shown, key=lambda row: row["score"]["total"])

@@ -107,7 +107,7 @@ class Guard:
     async def _welcome(self, send: Send, path: str, query: str, away: bool) -> None:
         """Keep a secret in a cookie, and take the key out of the address, where others read it over a shoulder."""
         rest = path.removeprefix(self._path).lstrip("/")
-        place = f"{self._path}/{quote(rest)}" + (f"?{query}" if query else "")
+        address = f"{self._path}/{quote(rest)}" + (f"?{query}" if query else "")
         cookie = f"{COOKIE}={self._session}; HttpOnly; SameSite=Strict; Path={self._path}/"
         heads = [(b"set-cookie", cookie.encode()), (b"cache-control", b"no-store")]
         heads += [(b"referrer-policy", b"no-referrer")]
@@ -115,9 +115,9 @@ class Guard:
         if away:
             # a browser keeps the cookie back on a way that began on another site: the page goes on by itself
             heads.append((b"content-type", HTML.encode()))
-            body = f'<!doctype html><meta http-equiv="refresh" content="0;url={escape(place)}">'.encode()
+            body = f'<!doctype html><meta http-equiv="refresh" content="0;url={escape(address)}">'.encode()
         else:
-            heads.append((b"location", place.encode()))
+            heads.append((b"location", address.encode()))
         await send({"type": "http.response.start", "status": 200 if away else 303, "headers": heads})
         await send({"type": "http.response.body", "body": body})
 

@@ -81,11 +81,11 @@ def make_app(root: Path) -> FastAPI:
 
     @app.get("/zip/{path:path}")
     def archive(path: str) -> Response:
-        found = files.inside(root, path)
-        if found == root or not found.is_dir():
+        folder = files.inside(root, path)
+        if folder == root or not folder.is_dir():
             return PlainTextResponse(f"'{path}' is no folder of this project", 404)
         try:
-            return Archive(files.zipped(root, found), found.name)
+            return Archive(files.zipped(root, folder), folder.name)
         except InputError as problem:
             return PlainTextResponse(str(problem), 507)
 
@@ -128,12 +128,12 @@ def _add_page(studio: Studio, path: str) -> None:
 
 def _readable(root: Path, path: str) -> Path:
     """A file of the project that can be read now."""
-    found = files.inside(root, path)
-    if not found.is_file():
+    file = files.inside(root, path)
+    if not file.is_file():
         raise InputError(f"'{path}' is not there (any more)", "file_not_found", "path", path)
     try:
-        with open(found, "rb"):
-            return found
+        with open(file, "rb"):
+            return file
     except OSError as problem:
         message = f"'{path}' cannot be read: {problem.strerror or problem}"
         raise InputError(message, "file_unreadable", "path", path) from None
@@ -250,15 +250,15 @@ def _refuse_links(home: Path) -> None:
     if home.is_symlink() or not home.is_dir():
         message = f"'{home}' is a link or no folder: remove it; the studio makes its own"
         raise InputError(message, "not_allowed", "folder")
-    for place, folders, names in os.walk(home):
+    for folder, folders, names in os.walk(home):
         for name in (*folders, *names):
             try:
-                kind = os.lstat(os.path.join(place, name)).st_mode
+                kind = os.lstat(os.path.join(folder, name)).st_mode
             except FileNotFoundError:
                 # another studio of this folder is at work
                 continue
             if not (stat.S_ISDIR(kind) or stat.S_ISREG(kind)):
-                message = f"'{os.path.join(place, name)}' is a link or no plain file: remove it"
+                message = f"'{os.path.join(folder, name)}' is a link or no plain file: remove it"
                 raise InputError(message, "not_allowed", "file")
         # what was deleted may have links of its own; it is only moved
         folders[:] = [name for name in folders if name != "content"]
@@ -288,18 +288,18 @@ def _listen(port: int | None) -> socket.socket:
         raise InputError(message, "out_of_range", "port", port, (1, 65535))
     tried = [port] if port is not None else list(range(FIRST_PORT, FIRST_PORT + TRIED_PORTS))
     for one in tried:
-        found = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
+        listener = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
         if os.name != "nt":
-            found.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+            listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         try:
-            found.bind((HOST, one))
-            found.listen(128)
-            return found
+            listener.bind((HOST, one))
+            listener.listen(128)
+            return listener
         except PermissionError:
-            found.close()
+            listener.close()
             message = f"port {one} may not be used by you: choose one above 1023"
             raise InputError(message, "not_allowed", "port", one) from None
         except OSError:
-            found.close()
+            listener.close()
     words = f"port {port} is" if port is not None else f"ports {tried[0]} to {tried[-1]} are"
     raise InputError(f"{words} in use: choose another with --port", "busy", "port", port)

@@ -45,15 +45,15 @@ def aims(tissue: str) -> dict[str, str]:
 
 def traces(root: Path) -> dict[str, str]:
     """Imported presses, path to words."""
-    found = sorted((root / "measured").glob("import-*/*.csv"))
-    return {path.relative_to(root).as_posix(): f"{path.parent.name}/{path.name}" for path in found}
+    paths = sorted((root / "measured").glob("import-*/*.csv"))
+    return {path.relative_to(root).as_posix(): f"{path.parent.name}/{path.name}" for path in paths}
 
 
 def folders(root: Path, room: str, holding: str) -> list[str]:
     """Folders of a room that hold a file of this name, from the project folder on, the newest last."""
-    found = [path for path in (root / room).glob(f"*/{holding}") if not path.parent.name.startswith(".")]
-    found.sort(key=lambda path: path.stat().st_mtime)
-    return [path.parent.relative_to(root).as_posix() for path in found]
+    paths = [path for path in (root / room).glob(f"*/{holding}") if not path.parent.name.startswith(".")]
+    paths.sort(key=lambda path: path.stat().st_mtime)
+    return [path.parent.relative_to(root).as_posix() for path in paths]
 
 
 def free_name(root: Path, room: str, name: str) -> str:
@@ -86,8 +86,8 @@ def offered(known: Mapping[str, str], value: str, words: str = "") -> dict[str, 
 
 def calibrations(root: Path) -> dict[str, str]:
     """Calibrations of the project, the newest first; value for ``--calibration`` to words."""
-    found = reversed(folders(root, "calibrations", "calibration.json"))
-    return {"": "none"} | {f"{one}/calibration.json": one for one in found}
+    own_folders = reversed(folders(root, "calibrations", "calibration.json"))
+    return {"": "none"} | {f"{one}/calibration.json": one for one in own_folders}
 
 
 def campaigns(root: Path) -> dict[str, str]:
@@ -101,14 +101,14 @@ def file_line(one: ProjectFile) -> str:
     return f"{name}: {summary}" if summary else name
 
 
-def _summary_line(found: dict[str, Any]) -> str:
-    if "pressed" in found:
-        left = f", {found['wrong']} problem{'s' * (found['wrong'] > 1)}" if found["wrong"] else ""
-        return f"{found['pressed']} of {found['pressed'] + found['missing']} presses are there{left}"
-    if {"thickness_mm", "ratio", "shape"} <= set(found):
-        verdict = str(found.get("verdict", "")).replace("_", " ")
-        pad = f"{found['thickness_mm']:g} mm {found['shape']}, ratio {found['ratio']:g}"
+def _summary_line(summary: dict[str, Any]) -> str:
+    if "pressed" in summary:
+        left = f", {summary['wrong']} problem{'s' * (summary['wrong'] > 1)}" if summary["wrong"] else ""
+        return f"{summary['pressed']} of {summary['pressed'] + summary['missing']} presses are there{left}"
+    if {"thickness_mm", "ratio", "shape"} <= set(summary):
+        verdict = str(summary.get("verdict", "")).replace("_", " ")
+        pad = f"{summary['thickness_mm']:g} mm {summary['shape']}, ratio {summary['ratio']:g}"
         return f"{pad}, {verdict}" if verdict else pad
-    if "traces" in found:
-        return f"{found['traces']} presses"
-    return str(found.get("text", ""))
+    if "traces" in summary:
+        return f"{summary['traces']} presses"
+    return str(summary.get("text", ""))

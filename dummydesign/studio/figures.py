@@ -55,13 +55,13 @@ def steady(tissue: Tissue, targets: Targets, pad: EvaluatedPad | None = None) ->
 def _press(targets: Targets, pad: EvaluatedPad, column: int, size: tuple[float, float]) -> Plot:
     """Force over time of one press of the protocol: subjects, aim, pad."""
     condition = targets.conditions[column]
-    band, found = condition.range, pad.candidate.evaluation.presses[column]
+    band, press = condition.range, pad.candidate.evaluation.presses[column]
     layers: list[Band | Line] = [Band("subjects", band.time_s, band.low_N, band.high_N),
                                  Line("aim", condition.aim.time_s, condition.aim.curves_N[0], "aim")]  # fmt: skip
     reached = "out of the pad's reach"
-    if np.isfinite(found.depth_mm[0]):
-        layers.append(Line("this pad", found.time_s[0], found.force_N[0]))
-        reached = f"peak {found.force_N[0].max():.1f} N"
+    if np.isfinite(press.depth_mm[0]):
+        layers.append(Line("this pad", press.time_s[0], press.force_N[0]))
+        reached = f"peak {press.force_N[0].max():.1f} N"
     start = 1e-2 if condition.velocity_mm_s < 50 else 1e-3
     title = f"{condition.steady_force_N:g} N at {condition.velocity_mm_s:g} mm/s: {reached}"
     return Plot(f"press-{column}", title, f"Force over time, {title}.", "time [s]", "force [N]", "time_s", "force_N",
@@ -113,12 +113,12 @@ def _series(path: Path) -> dict[str, tuple[np.ndarray, np.ndarray]]:
     """Time and force of each series of a plot's CSV file, in its order; bands are left out."""
     import csv
 
-    found: dict[str, list[tuple[float, float]]] = {}
+    curves: dict[str, list[tuple[float, float]]] = {}
     with open(path, newline="", encoding="utf-8") as stream:
         for name, time, force, *_ in list(csv.reader(stream))[1:]:
             if time and force:
-                found.setdefault(name, []).append((float(time), float(force)))
-    return {name: (np.array(rows)[:, 0], np.array(rows)[:, 1]) for name, rows in found.items()}
+                curves.setdefault(name, []).append((float(time), float(force)))
+    return {name: (np.array(rows)[:, 0], np.array(rows)[:, 1]) for name, rows in curves.items()}
 
 
 def _condition_of(stem: str) -> str:
@@ -273,12 +273,12 @@ def _why(answer: Mapping[str, Any], best: Mapping[str, Any], choice: Mapping[str
 
 def verdicts_of_kinds(evaluator: PadEvaluator, answer: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
     """Judge the best pad of each other kind, with its castings; a kind that the tables cannot press is left out."""
-    own, found = answer["recommendation"]["shape"].partition(":")[0], {}
+    own, verdicts = answer["recommendation"]["shape"].partition(":")[0], {}
     for row in answer["shapes"]:
         if row["shape"] is None or row["kind"] == own:
             continue
         with suppress(InputError):
             shape = read_shape(row["shape"])
             pad = evaluator.evaluate(shape, row["thickness_mm"], row["ratio"])
-            found[row["kind"]] = evaluator.with_castings(pad, shape).to_dict()
-    return found
+            verdicts[row["kind"]] = evaluator.with_castings(pad, shape).to_dict()
+    return verdicts

@@ -37,24 +37,24 @@ def inside(root: Path, path: str) -> Path:
     """A path of the project, from its folder on."""
     try:
         home = root.resolve()
-        found = (home / path).resolve()
-        found.exists()
-        parts = [*path.split("/"), *found.relative_to(home).parts]
+        target = (home / path).resolve()
+        target.exists()
+        parts = [*path.split("/"), *target.relative_to(home).parts]
     except (OSError, ValueError, RuntimeError):
         # too long, a zero byte, a link to itself, or outside
         parts = ["."]
     if any(part.startswith(".") for part in parts):
         raise InputError(f"'{path[:200]}' is not a file of this project", "not_allowed", "path", path[:200])
-    return found
+    return target
 
 
 def read_json(path: Path) -> dict[str, Any]:
     """What a JSON file holds; empty where it cannot be read or holds something else than keys."""
     try:
-        found = json.loads(path.read_text(encoding="utf-8"))
+        content = json.loads(path.read_text(encoding="utf-8"))
     except (OSError, ValueError):
         return {}
-    return found if isinstance(found, dict) else {}
+    return content if isinstance(content, dict) else {}
 
 
 def numbered(name: str, ending: str = "") -> Iterator[str]:
@@ -106,17 +106,17 @@ def check_press(name: str, content: bytes, speed_mm_s: object = None) -> None:
 
 def listed(root: Path, folder: Path) -> list[str]:
     """Files under a folder, from the project folder on; hidden ones and links that lead out are left out."""
-    found = []
-    for place, folders, names in os.walk(folder):
+    paths = []
+    for parent, folders, names in os.walk(folder):
         folders[:] = [name for name in folders if not name.startswith(".")]
         for name in names:
-            path = (Path(place) / name).relative_to(root).as_posix()
+            path = (Path(parent) / name).relative_to(root).as_posix()
             try:
                 if inside(root, path).is_file():
-                    found.append(path)
+                    paths.append(path)
             except InputError:
                 continue
-    return sorted(found)
+    return sorted(paths)
 
 
 def zipped(root: Path, folder: Path) -> IO[bytes]:

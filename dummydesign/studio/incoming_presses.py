@@ -141,7 +141,7 @@ def has_campaign_file(root: Path) -> bool:
     return (root / FOLDER / FILE).is_file()
 
 
-def place_of(root: Path, name: str) -> str:
+def new_campaign_folder(root: Path, name: str) -> str:
     """Folder of a new campaign."""
     folder = f"campaigns/{plain_name(name.strip())}"
     if (root / folder).exists():
@@ -151,7 +151,7 @@ def place_of(root: Path, name: str) -> str:
 
 def bring_in(root: Path, name: str) -> str:
     """Make a campaign of the files as they are; return its folder from the project folder on."""
-    folder = place_of(root, name)
+    folder = new_campaign_folder(root, name)
     read_campaign_toml(root / FOLDER)
     try:
         (root / folder).parent.mkdir(exist_ok=True)
@@ -202,7 +202,7 @@ def words(root: Path, name: str, more: Sequence[str]) -> list[str]:
     presses = traces(root)
     if not presses:
         raise InputError("drop the files of the presses first", "missing", "trace")
-    folder = place_of(root, name)
+    folder = new_campaign_folder(root, name)
     return ["campaign", "from-files", folder, *(f"{FOLDER}/{one}" for one in presses),
             "--table", f"{FOLDER}/{TABLE}", *more]  # fmt: skip
 
@@ -218,12 +218,12 @@ def usual_moulds(root: Path, state: State) -> list[str]:
 
     Those of the pad that is chosen come first, else those of the newest mould.
     """
-    found = list(reversed(moulds(root)))
-    first = next((one for one in found if one.is_of(state)), found[0] if found else None)
+    newest_first = list(reversed(moulds(root)))
+    first = next((one for one in newest_first if one.is_of(state)), newest_first[0] if newest_first else None)
     if first is None:
         return []
     kept: dict[float, Mould] = {}
-    for one in [first, *found]:
+    for one in [first, *newest_first]:
         if _kind(one) == _kind(first):
             kept.setdefault(one.pad["thickness_mm"], one)
     return [kept[thickness].folder for thickness in sorted(kept)]
@@ -241,7 +241,7 @@ def plan_of(root: Path, campaign: str) -> dict[str, Any]:
         pads, set_up = manifest["inputs"]["design"], manifest["inputs"]["set_up"]
         if manifest["command"] != "campaign new" or pads["by_depth"]:
             return {}
-        found: dict[str, Any] = {
+        plan: dict[str, Any] = {
             "pads": _list(pads["pads_mm"]), "speeds": _list(pads["velocities_mm_s"]),
             "forces": _list(pads["targets"]), "ages": _list(pads["ages_days"]), "repeats": int(pads["repeats"]),
             "hold": float(pads["hold_s"]), "shape": str(set_up.get("shape", "slab")), "pad": str(set_up["pad"]),
@@ -249,7 +249,7 @@ def plan_of(root: Path, campaign: str) -> dict[str, Any]:
         }  # fmt: skip
     except (ValueError, KeyError, TypeError):
         return {}
-    return found if found["resin"] and found["ratio"] else {}
+    return plan if plan["resin"] and plan["ratio"] else {}
 
 
 def _list(values: Sequence[float]) -> str:

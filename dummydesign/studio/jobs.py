@@ -58,12 +58,12 @@ def changed_inputs(root: Path, manifest: Path) -> list[str]:
     """Files that are gone or have another content than when a command read them."""
     try:
         read = read_json(manifest)["files_read"]
-        return [str(one["name"]) for one in read if sha256_of(_place(root, str(one["name"]))) != one["sha256"]]
+        return [str(one["name"]) for one in read if sha256_of(_path_of(root, str(one["name"]))) != one["sha256"]]
     except (OSError, ValueError, KeyError, TypeError):
         return []
 
 
-def _place(root: Path, name: str) -> Path:
+def _path_of(root: Path, name: str) -> Path:
     """Where a file of a manifest lies now."""
     for what, kind in KINDS.items():
         called = name.removeprefix(f"{what} ")
@@ -116,8 +116,8 @@ class Job:
     def answer(self) -> dict[str, Any]:
         """What the command printed; empty where it printed no answer, or only an error."""
         path = self.folder / runner.ANSWER
-        found = _answer(path, path.stat().st_mtime_ns) if path.is_file() else {}
-        return {} if set(found) == {"error"} else found
+        content = _answer(path, path.stat().st_mtime_ns) if path.is_file() else {}
+        return {} if set(content) == {"error"} else content
 
     @property
     def error(self) -> str:
@@ -195,7 +195,7 @@ def _spawn(root: Path, folder: Path) -> None:
 
 
 def _new_folder(home: Path, name: str) -> Path:
-    numbers = [int(found[1]) for path in home.iterdir() if (found := re.match(r"(\d+)-", path.name))]
+    numbers = [int(match[1]) for path in home.iterdir() if (match := re.match(r"(\d+)-", path.name))]
     return new_folder(home, (f"{number:04d}-{name}" for number in count(max(numbers, default=0) + 1)))
 
 
@@ -230,14 +230,14 @@ def _state(folder: Path, started: float) -> tuple[str, float]:
 
 def all_jobs(root: Path, name: str = "*") -> list[Job]:
     """Return all commands of a project, or of a step, the oldest first; pages ask for them twice a second."""
-    found = []
+    jobs = []
     for folder in sorted((root / HOME / "jobs").glob(f"[0-9]*-{name}")):
         try:
             status = folder / runner.STATUS
-            found.append(_ended_job(folder, status.stat().st_mtime_ns) if status.exists() else read_job(folder))
+            jobs.append(_ended_job(folder, status.stat().st_mtime_ns) if status.exists() else read_job(folder))
         except (OSError, ValueError, KeyError, TypeError):
             continue
-    return found
+    return jobs
 
 
 @lru_cache(maxsize=4096)

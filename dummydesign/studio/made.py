@@ -58,10 +58,10 @@ def design_of_pad(root: Path, state: State) -> str:
     """Folder of the newest design of the pad that is chosen, one for what is asked before all others; else empty."""
     if state.design:
         return state.design
-    found = [folder for folder, _ in _manifests(root, "designs", "suggest")
-             if (pad := design_state(root, folder)) and same_pad(pad, vars(state))]  # fmt: skip
-    asked = [folder for folder in found if answers(root, folder, state)]
-    return (asked or found or [""])[-1]
+    designs = [folder for folder, _ in _manifests(root, "designs", "suggest")
+               if (pad := design_state(root, folder)) and same_pad(pad, vars(state))]  # fmt: skip
+    asked = [folder for folder in designs if answers(root, folder, state)]
+    return (asked or designs or [""])[-1]
 
 
 def answers(root: Path, folder: str, state: State) -> bool:
@@ -96,8 +96,8 @@ _UNITS = "kPa|MPa|N|mm|s|deg|kg|g|K|C|um"
 
 def name_and_unit(parameter: str) -> tuple[str, str]:
     """A parameter's name in words, and its unit: ``compliance`` and ``mm/N`` of ``compliance_mm_per_N``."""
-    found = re.fullmatch(rf"(.+?)(?:_({_UNITS}))?(?:_per_({_UNITS}))?", parameter)
-    name, over, under = found.groups() if found else (parameter, None, None)
+    match = re.fullmatch(rf"(.+?)(?:_({_UNITS}))?(?:_per_({_UNITS}))?", parameter)
+    name, over, under = match.groups() if match else (parameter, None, None)
     return name.replace("_", " "), f"{over or 1}/{under}" if under else over or ""
 
 
@@ -122,21 +122,21 @@ def same_pad(
 
 def moulds(root: Path) -> list[Mould]:
     """Moulds of a project, the newest last; those whose manifest cannot be read are left out."""
-    found = []
+    own = []
     for folder, manifest in _manifests(root, "moulds", "mold"):
         try:
             given = manifest["inputs"]
             pad = {"shape": str(given["shape"]), "thickness_mm": float(given["thickness_mm"]),
                    "ratio": float(given["ratio"]), "resin": str(given["resin"])}  # fmt: skip
-            found.append(Mould(folder, pad, float(given["length_mm"]), float(given["width_mm"]), str(given["preset"])))
+            own.append(Mould(folder, pad, float(given["length_mm"]), float(given["width_mm"]), str(given["preset"])))
         except (KeyError, TypeError, ValueError):
             continue
-    return found
+    return own
 
 
 def calibrations(root: Path, campaign: str) -> list[Calibration]:
     """Calibrations learned from a campaign, the newest last, also those made on the terminal."""
-    found = []
+    own = []
     for folder, manifest in _manifests(root, "calibrations", "loop"):
         path = str(manifest.get("inputs", {}).get("campaign", ""))
         read = manifest.get("files_read") or []
@@ -148,8 +148,8 @@ def calibrations(root: Path, campaign: str) -> list[Calibration]:
             continue
         text = str((manifest.get("summary") or {}).get("text", ""))
         prior = str(manifest["inputs"].get("prior") or "")
-        found.append(Calibration(folder, str(manifest.get("date", "")), text, campaign, prior, sums))
-    return found
+        own.append(Calibration(folder, str(manifest.get("date", "")), text, campaign, prior, sums))
+    return own
 
 
 def _was_renamed(root: Path, path: str, campaign: str, sums: dict[str, str | None]) -> bool:
@@ -171,7 +171,7 @@ def _names(root: Path, path: str, folder: str) -> bool:
 def _manifests(root: Path, room: str, command: str) -> list[tuple[str, dict[str, Any]]]:
     """Folders of a room that a command made, with their manifests, the newest last."""
     own = (one.folder for one in things_in(root, room) if one.command == command)
-    return [(folder, found) for folder in own if (found := finished_manifest(root / folder / MANIFEST))]
+    return [(folder, manifest) for folder in own if (manifest := finished_manifest(root / folder / MANIFEST))]
 
 
 def grouped_files(names: Iterable[str]) -> list[tuple[str, list[tuple[str, str]]]]:
@@ -181,7 +181,7 @@ def grouped_files(names: Iterable[str]) -> list[tuple[str, list[tuple[str, str]]
         group, words = _group(name)
         rows[group].append((words, name))
     rows["Pour"].sort(key=lambda row: ("start here" not in row[0], row[0]))
-    return [(group, found) for group, found in rows.items() if found]
+    return [(group, entries) for group, entries in rows.items() if entries]
 
 
 def _group(name: str) -> tuple[str, str]:
@@ -242,7 +242,7 @@ def pads(root: Path, state: State) -> list[PressedPad]:
     """Every pad of the project with presses: those of the chosen campaign first, then others, then loose files."""
     known = choices.campaigns(root)
     own_first = sorted(known, key=lambda name: name != state.campaign)
-    found = [pad for name in own_first for pad in _of_campaign(root, name)]
+    pressed = [pad for name in own_first for pad in _of_campaign(root, name)]
     loose = [(DROPPED, "files dropped here"), *(
         (path.relative_to(root).as_posix(), f"{path.name} of the measured files")
         for path in sorted((root / "measured").glob("import-*")) if path.is_dir()
@@ -250,15 +250,15 @@ def pads(root: Path, state: State) -> list[PressedPad]:
     for folder, words in loose:
         presses = tuple(sorted(path.relative_to(root).as_posix() for path in (root / folder).glob("*.csv")))
         if presses:
-            found.append(PressedPad(f"{words}: {_count(presses)}", presses, state.punch))
-    return found
+            pressed.append(PressedPad(f"{words}: {_count(presses)}", presses, state.punch))
+    return pressed
 
 
-def nearest(found: Sequence[PressedPad], state: State) -> PressedPad | None:
+def nearest(pressed: Sequence[PressedPad], state: State) -> PressedPad | None:
     """The pad that is chosen, where one of this shape and thickness was pressed; else the first."""
-    same = [one for one in found
+    same = [one for one in pressed
             if one.thickness_mm is not None and made.same_pad(vars(one), vars(state), SIZE)]  # fmt: skip
-    return next(iter([*same, *found]), None)
+    return next(iter([*same, *pressed]), None)
 
 
 def keep_press(root: Path, name: str, content: bytes) -> str:
@@ -270,12 +270,12 @@ def keep_press(root: Path, name: str, content: bytes) -> str:
 
 def records(root: Path, pad: PressedPad) -> list[str]:
     """Records of castings whose mould is of this pad, the newest last."""
-    found = []
+    own = []
     for mould in made.moulds(root):
         if pad.thickness_mm is None or made.same_pad(mould.pad, vars(pad), SIZE):
             paths = sorted((root / mould.folder).glob("record*.json"), key=lambda path: path.stat().st_mtime)
-            found += [path.relative_to(root).as_posix() for path in paths]
-    return found
+            own += [path.relative_to(root).as_posix() for path in paths]
+    return own
 
 
 def gauge_points(folder: Path) -> list[GaugePoint]:

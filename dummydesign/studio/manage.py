@@ -105,8 +105,8 @@ def manage(studio: Studio, path: str, kind: str, then: Then) -> None:
 
 def _short(root: Path, path: str) -> str:
     """What can be changed of a name."""
-    place = root / path
-    name = place.stem if place.is_file() else place.name
+    target = root / path
+    name = target.stem if target.is_file() else target.name
     return name.removeprefix("import-") if bin.is_import(path) else name
 
 
@@ -138,13 +138,13 @@ def drop_zone(
     header = HEADER
     for mark, word in words.items():
         header = header.replace(mark, word)
-    place = ui.upload(on_upload=took, multiple=multiple, auto_upload=True, max_file_size=LARGEST_BYTES)
-    place.props('flat data-test="drop"').add_slot("header", header)
-    place.on("rejected", rejected, js_handler=REJECTED)
-    place.on("added", lambda event: begun(float(event.args)), js_handler=ADDED)
-    place.on("failed", failed, js_handler="(info) => emit(info.files.map((file) => file.name))")
+    upload = ui.upload(on_upload=took, multiple=multiple, auto_upload=True, max_file_size=LARGEST_BYTES)
+    upload.props('flat data-test="drop"').add_slot("header", header)
+    upload.on("rejected", rejected, js_handler=REJECTED)
+    upload.on("added", lambda event: begun(float(event.args)), js_handler=ADDED)
+    upload.on("failed", failed, js_handler="(info) => emit(info.files.map((file) => file.name))")
     # a list that is kept would refuse the same file the next time
-    place.on("finish", lambda: place.reset())
+    upload.on("finish", lambda: upload.reset())
 
 
 class DropList:
@@ -200,9 +200,9 @@ class UndoBar:
         """Show a sentence in the place of the last."""
         with parts.fresh(self._area):
             html(f"<p>{escape(text)}</p>")
-            place = ui.element("div")
+            line = ui.element("div")
             parts.button("Close", self._area.clear, label="Close this message").props("dense")
-        return place
+        return line
 
     def offer(self, gone: bin.Deleted, then: Then, focus: bool = True) -> None:
         """Show what was deleted, with its button; the button that deleted it is gone, so this one gets the focus."""
@@ -217,8 +217,8 @@ class UndoBar:
             self.say(f"{gone.path} is back." if back == gone.path else f"It is back as {back}.")
             self.run(lambda: then(gone.path, back))
 
-        place = self.say(f"The earlier {name} was replaced." if gone.why == "replaced" else f"{name} was deleted.")
-        with place:
+        line = self.say(f"The earlier {name} was replaced." if gone.why == "replaced" else f"{name} was deleted.")
+        with line:
             back = parts.button("Undo", undo, "undo-last", f"Undo: bring back {name}", main=True).props("dense")
             if focus:
                 ui.run_javascript(f"setTimeout(() => document.getElementById('{back.html_id}')?.focus(), 100)")
@@ -235,7 +235,7 @@ def undo_bar(studio: Studio) -> UndoBar:
 
 def deleted_files(studio: Studio) -> None:
     """The list of what was deleted, each with a button that restores it."""
-    place = ui.element("section").props('data-test="deleted"').style("width:100%")
+    section = ui.element("section").props('data-test="deleted"').style("width:100%")
     message = parts.area(live=True)
 
     def restore(one: bin.Deleted) -> None:
@@ -246,11 +246,11 @@ def deleted_files(studio: Studio) -> None:
         renew()
 
     def renew() -> None:
-        place.clear()
-        found = bin.deleted(studio.root)
-        with place:
-            html(f"<h2>Deleted</h2>{'' if found else '<p>Nothing was deleted.</p>'}")
-            for one in found:
+        section.clear()
+        entries = bin.deleted(studio.root)
+        with section:
+            html(f"<h2>Deleted</h2>{'' if entries else '<p>Nothing was deleted.</p>'}")
+            for one in entries:
                 when = time.strftime("%d %b %H:%M", time.localtime(one.time))
                 with ui.element("div").classes("thing"):
                     html(f"<span>{escape(one.path)}, {escape(one.why)} {when}</span>")

@@ -120,7 +120,7 @@ TIMER_S = 5.0
 
 def _tell_failures() -> None:
     """Show on the page what a click or a timer could not do, wherever the code is that did not expect it."""
-    place = area()
+    notice = area()
     seen_s: dict[str, float] = {}
 
     def tell(problem: Exception) -> None:
@@ -129,8 +129,8 @@ def _tell_failures() -> None:
         seen_s[text] = now
         if again:
             return  # a timer that fails again and again
-        with fresh(place):
+        with fresh(notice):
             tell_problem(text)
-        ui.run_javascript(f"document.getElementById('{place.html_id}')?.scrollIntoView({{block: 'center'}})")
+        ui.run_javascript(f"document.getElementById('{notice.html_id}')?.scrollIntoView({{block: 'center'}})")
 
     ui.on_exception(tell)

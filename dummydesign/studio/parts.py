@@ -26,16 +26,16 @@ def html(text: str) -> ui.html:
 
 def area(test: str = "", live: bool = False) -> ui.element:
     """Add an empty place as wide as the page; screen readers speak what appears in a ``live`` one."""
-    place = ui.element("div").style("width:100%")
+    element = ui.element("div").style("width:100%")
     if test:
-        place.props(f'data-test="{test}"')
-    return place.props('role="status" aria-live="polite"') if live else place
+        element.props(f'data-test="{test}"')
+    return element.props('role="status" aria-live="polite"') if live else element
 
 
-def fresh(place: ui.element) -> ui.element:
+def fresh(element: ui.element) -> ui.element:
     """Empty a place, to fill it anew in a ``with`` block."""
-    place.clear()
-    return place
+    element.clear()
+    return element
 
 
 def on_change(then: Callable[..., object], *fields: ui.element) -> None:
@@ -83,13 +83,13 @@ def tell_problem(text: str) -> None:
 
 
 @contextmanager
-def problems_in(place: ui.element) -> Iterator[None]:
+def problems_in(element: ui.element) -> Iterator[None]:
     """Empty a place, and say there why the work of this block was refused (InputError)."""
-    place.clear()
+    element.clear()
     try:
         yield
     except InputError as problem:
-        with place:
+        with element:
             tell_problem(str(problem))
 
 
@@ -118,12 +118,12 @@ def tell_changes(root: Path, manifest: str, advice: str) -> None:
         tell_problem(f"{name} has changed since. {advice}")
 
 
-def tell_verdict(light: str, text: str, stage: str = "", note: str = "", label: str = "", test: str = "") -> None:
+def tell_verdict(light: str, text: str, state: str = "", note: str = "", label: str = "", test: str = "") -> None:
     """Show a verdict: its light, also for those who cannot see it, and its sentence."""
     light, marks = escape(light), f' data-test="{escape(test)}"' if test else ""
     more = f" <small>{escape(note)}</small>" if note else ""
     more += f'<small class="label">{escape(label)}</small>' if label else ""
-    html(f'<div class="verdict {light}" data-state="{escape(stage)}"{marks}><span class="light" aria-hidden="true">'
+    html(f'<div class="verdict {light}" data-state="{escape(state)}"{marks}><span class="light" aria-hidden="true">'
          f'</span><p><span class="hide">{light} light: </span>{marked(text)}{more}</p></div>')  # fmt: skip
 
 
@@ -153,7 +153,7 @@ def warnings(answer: Mapping[str, Any]) -> None:
 def table(head: Sequence[str], rows: Sequence[Sequence[object]], words: bool = False, under: str = "") -> None:
     """Show a table that scrolls by itself; ``under`` is the line that it is folded under."""
     text = Table(head, rows).html()
-    text = re.sub(r"(<th[^>]*>)([^<&]+)(</th>)", lambda found: found[1] + marked(found[2]) + found[3], text)
+    text = re.sub(r"(<th[^>]*>)([^<&]+)(</th>)", lambda match: match[1] + marked(match[2]) + match[3], text)
     text = f'<div class="words">{text}</div>' if words else text
     html(f"<details><summary>{escape(under)}</summary>{text}</details>" if under else text)
 

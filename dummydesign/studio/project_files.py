@@ -37,16 +37,16 @@ class Deleted:
 
 def deleted(root: Path) -> list[Deleted]:
     """What is in the bin of a project, the newest first."""
-    found = []
+    entries = []
     for path in (root / HOME).glob(f"*/{ENTRY}"):
         try:
             kept = read_json(path)
             when = float(kept["time"])
             time.localtime(when)
-            found.append(Deleted(path.parent, str(kept["path"]), when, str(kept["why"])))
+            entries.append(Deleted(path.parent, str(kept["path"]), when, str(kept["why"])))
         except (OSError, ValueError, KeyError, TypeError, OverflowError):
             continue
-    return sorted(found, key=lambda one: (one.time, one.folder.name), reverse=True)
+    return sorted(entries, key=lambda one: (one.time, one.folder.name), reverse=True)
 
 
 def delete(root: Path, path: str, why: str = "deleted") -> Deleted:
@@ -69,25 +69,25 @@ def restore(root: Path, entry: Deleted) -> str:
 
     Where another thing has its name by now, it gets a number. Nothing is overwritten.
     """
-    place = root / entry.path
+    target = root / entry.path
     content = entry.folder / CONTENT
     names = sorted(path.name for path in content.iterdir()) if content.is_dir() else []
-    if place.name not in names:
+    if target.name not in names:
         raise InputError(f"'{entry.path}' is not in the bin any more", "file_not_found", "bin", entry.path)
     inside(root, entry.path)
     check_idle(root, entry.path)
-    if not place.parent.is_dir() and place.parent.parent != root:
-        message = f"'{place.parent.relative_to(root).as_posix()}' is not there. Restore it first"
+    if not target.parent.is_dir() and target.parent.parent != root:
+        message = f"'{target.parent.relative_to(root).as_posix()}' is not there. Restore it first"
         raise InputError(message, "file_not_found", "folder")
-    old = _stem(content / place.name)
+    old = _stem(content / target.name)
     stem = next(one for one in numbered(old)
-                if not any((place.parent / name).exists() for name in _renamed(names, old, one)))  # fmt: skip
+                if not any((target.parent / name).exists() for name in _renamed(names, old, one)))  # fmt: skip
     after = _renamed(names, old, stem)
-    _move([(content / name, place.parent / new) for name, new in zip(names, after)])
+    _move([(content / name, target.parent / new) for name, new in zip(names, after)])
     shutil.rmtree(entry.folder, ignore_errors=True)
     if stem != old:
-        _follow_inside(place.parent, after, old, stem)
-    return f"{place.parent.relative_to(root).as_posix()}/{after[names.index(place.name)]}"
+        _follow_inside(target.parent, after, old, stem)
+    return f"{target.parent.relative_to(root).as_posix()}/{after[names.index(target.name)]}"
 
 
 @contextmanager
@@ -107,11 +107,11 @@ def rename(root: Path, path: str, name: str) -> str:
     """
     parts = parts_of(root, path)
     check_idle(root, path)
-    place = parts[0]
-    old, wanted = _stem(place), name.strip()
-    if place.is_file() and wanted.lower().endswith(place.suffix.lower()):
-        wanted = wanted[: len(wanted) - len(place.suffix)]
-    if place.is_dir() and is_import(path) and not wanted.startswith("import-"):
+    source = parts[0]
+    old, wanted = _stem(source), name.strip()
+    if source.is_file() and wanted.lower().endswith(source.suffix.lower()):
+        wanted = wanted[: len(wanted) - len(source.suffix)]
+    if source.is_dir() and is_import(path) and not wanted.startswith("import-"):
         wanted = f"import-{wanted}" if wanted else ""
     if _is_tissue(path) and wanted.endswith(MANIFEST.removesuffix(".json")):
         raise InputError(f"a tissue cannot be called '{wanted}': choose another name", "bad_name", "name", wanted)
@@ -120,16 +120,16 @@ def rename(root: Path, path: str, name: str) -> str:
         return path
     names = [part.name for part in parts]
     after = [plain_name(one) for one in _renamed(names, old, wanted)]
-    taken = next((one for one in after if (place.parent / one).exists()), None)
+    taken = next((one for one in after if (source.parent / one).exists()), None)
     if taken is not None:
         raise InputError(f"'{taken}' is there already: choose another name", "file_exists", "name", taken)
     project = read_project(root) if (root / FILE).is_file() else None
-    moves = [(part, place.parent / one) for part, one in zip(parts, after)]
+    moves = [(part, source.parent / one) for part, one in zip(parts, after)]
     before = {part: part.read_bytes() for part in parts if _is_tissue(path)}
     new = f"{path.rpartition('/')[0]}/{after[0]}"
     _move(moves)
     try:
-        _follow_inside(place.parent, after, old, wanted)
+        _follow_inside(source.parent, after, old, wanted)
         if project is not None:
             _follow_in_project(project, path, new)
     except InputError:
@@ -167,15 +167,15 @@ def check_idle(root: Path, path: str) -> None:
         if job.state != "running":
             continue
         for word in (piece for text in job.words for piece in {text, *text.split(",")}):
-            place = _place_in(root, word)
-            if place is None:
+            used = _path_in(root, word)
+            if used is None:
                 continue
-            if place == target or place in target.parents[:-1] or target in place.parents:
+            if used == target or used in target.parents[:-1] or target in used.parents:
                 message = f"'{path}' is in use by a running command ({job.name}). Wait for it, or stop it"
                 raise InputError(message, "busy", "path", path)
 
 
-def _place_in(root: Path, word: str) -> PurePosixPath | None:
+def _path_in(root: Path, word: str) -> PurePosixPath | None:
     """Path from the project's folder to what a word names; None on another drive."""
     try:
         return PurePosixPath(os.path.relpath(root / word, root).replace(os.sep, "/"))
@@ -189,23 +189,23 @@ def parts_of(root: Path, path: str) -> list[Path]:
     inside(root, path)
     if len(words) < 2 or words[0] not in FOLDERS or not all(words):
         raise InputError(f"'{path}' belongs to no step of the project", "not_allowed", "path", path)
-    place = root / path
-    if not (place.exists() or place.is_symlink()):
+    target = root / path
+    if not (target.exists() or target.is_symlink()):
         raise InputError(f"'{path}' is not there (any more)", "file_not_found", "path", path)
     if not _is_tissue(path):
-        return [place]
-    manifest = place.with_name(f"{place.stem}-{MANIFEST}")
-    names = [name for name in _sums(manifest) if name.startswith(place.stem) and "/" not in name]
-    others = [place.with_name(name) for name in dict.fromkeys([manifest.name, *names]) if name != place.name]
-    return [place, *(one for one in others if one.is_file())]
+        return [target]
+    manifest = target.with_name(f"{target.stem}-{MANIFEST}")
+    names = [name for name in _sums(manifest) if name.startswith(target.stem) and "/" not in name]
+    others = [target.with_name(name) for name in dict.fromkeys([manifest.name, *names]) if name != target.name]
+    return [target, *(one for one in others if one.is_file())]
 
 
 def _is_tissue(path: str) -> bool:
     return path.startswith("tissue/") and path.endswith(".toml")
 
 
-def _stem(place: Path) -> str:
-    return place.name if place.is_dir() else place.stem
+def _stem(path: Path) -> str:
+    return path.name if path.is_dir() else path.stem
 
 
 def _renamed(names: Sequence[str], old: str, new: str) -> list[str]:
@@ -213,8 +213,8 @@ def _renamed(names: Sequence[str], old: str, new: str) -> list[str]:
 
 
 def _sums(manifest: Path) -> dict[str, Any]:
-    found = read_json(manifest).get("sha256")
-    return found if isinstance(found, dict) else {}
+    sums = read_json(manifest).get("sha256")
+    return sums if isinstance(sums, dict) else {}
 
 
 def _follow_inside(folder: Path, names: Sequence[str], old: str, new: str) -> None:
@@ -316,11 +316,11 @@ def twin(folder: Path, name: str, content: bytes) -> str | None:
     return None
 
 
-def take_place(root: Path, folder: Path, kept: str, name: str) -> Stored:
+def rename_over(root: Path, folder: Path, kept: str, name: str) -> Stored:
     """Let a file that got a number take the place of the one whose name it was sent with."""
-    place = folder.relative_to(root).as_posix()
-    check_idle(root, f"{place}/{kept}")
-    gone = delete(root, f"{place}/{name}", "replaced")
+    home = folder.relative_to(root).as_posix()
+    check_idle(root, f"{home}/{kept}")
+    gone = delete(root, f"{home}/{name}", "replaced")
     with undone_if_refused(root, gone):
-        rename(root, f"{place}/{kept}", name)
+        rename(root, f"{home}/{kept}", name)
     return Stored(name, "replaced", name, gone)

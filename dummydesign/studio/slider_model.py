@@ -107,13 +107,13 @@ def lengths_of(kind: str, thickness_mm: float, radius_mm: float) -> tuple[Length
     _, columns = made.candidates(np.array([thickness_mm]), radius_mm)
     shapes = (made.of(dict(zip(columns, map(float, row)))) for row in zip(*columns.values()))
     usable = np.array([_allowed(shape.check, thickness_mm) for shape in shapes], bool)
-    found = []
+    lengths = []
     for name, column in columns.items():
         kept = column[usable]
         if (made.sliders and name not in made.sliders) or not len(kept) or not kept.max() > kept.min():
             continue
-        found.append(Length(name, float(kept.min()), float(kept.max()), 10.0 ** -made.digits(name)))
-    return tuple(found)
+        lengths.append(Length(name, float(kept.min()), float(kept.max()), 10.0 ** -made.digits(name)))
+    return tuple(lengths)
 
 
 def first_shape(

@@ -132,20 +132,20 @@ def design_state(root: Path, folder: str) -> dict[str, Any]:
     try:
         manifest = finished_manifest(root / folder / MANIFEST) or {}
         pad, inputs = manifest["summary"], manifest.get("inputs", {})
-        found = {
+        values = {
             "shape": str(pad["shape"]), "thickness_mm": float(pad["thickness_mm"]), "ratio": float(pad["ratio"]),
             "resin": str(pad["resin"]), "tissue": str(inputs["tissue"]), "aim": str(inputs.get("aim", "average")),
             "punch": str(inputs.get("punch") or PUNCH), "calibration": _inside(root, inputs.get("calibration")),
         }  # fmt: skip
     except (ValueError, KeyError, TypeError, AttributeError):
         return {}
-    return found | {"tissue": _inside(root, found["tissue"]), "design": folder}
+    return values | {"tissue": _inside(root, values["tissue"]), "design": folder}
 
 
 def design_summary(root: Path, folder: str) -> dict[str, Any]:
     """The summary of a design's manifest: pad, verdict and its sentence; empty where it cannot be read."""
-    found = (finished_manifest(root / folder / MANIFEST) or {}).get("summary")
-    return found if isinstance(found, dict) else {}
+    summary = (finished_manifest(root / folder / MANIFEST) or {}).get("summary")
+    return summary if isinstance(summary, dict) else {}
 
 
 def _inside(root: Path, path: object) -> str:
@@ -189,17 +189,17 @@ def _missing(
         ("campaign", state.campaign, ["", *campaigns], "Choose another."),
         ("design", design, ["", *(one.folder for one in designs)], "The pad comes from the address."),
     )
-    found = [f"The {what} '{name}' is not there. {advice}" for what, name, names, advice in there
-             if name not in names and not (root / name).is_file()]  # fmt: skip
-    if not found:
+    problems = [f"The {what} '{name}' is not there. {advice}" for what, name, names, advice in there
+                if name not in names and not (root / name).is_file()]  # fmt: skip
+    if not problems:
         try:
             aims = choices.aims(absolute(root, state.tissue))
         except InputError as problem:
-            found.append(str(problem))
+            problems.append(str(problem))
         else:
             if state.aim not in aims:
-                found.append(f"The tissue '{state.tissue}' has no aim '{state.aim}'. Choose another aim.")
-    return tuple(found)
+                problems.append(f"The tissue '{state.tissue}' has no aim '{state.aim}'. Choose another aim.")
+    return tuple(problems)
 
 
 def absolute(root: Path, name: str) -> str:
@@ -248,7 +248,7 @@ def next_state(status: ProjectStatus, state: State) -> State:
     words = shlex.split(status.next_command)[1:]
     command = words[0] if words else ""
     new: dict[str, object] = {}
-    designs = [one for one in status.found["designs"] if is_design(one) and one.command == "suggest"]
+    designs = [one for one in status.files["designs"] if is_design(one) and one.command == "suggest"]
     if designs and (command in ("mold", "status") or words[:2] == ["campaign", "new"]):
         new |= design_state(status.project.root, designs[-1].folder)
     for name, value in pairwise(words):
@@ -257,7 +257,7 @@ def next_state(status: ProjectStatus, state: State) -> State:
             if command == "suggest" and option in ("shape", "ratio", "thickness"):
                 continue  # what is searched, not a pad
             new[_NUMBERS.get(option, option)] = float(value) if option in _NUMBERS else value
-    campaigns = {one.folder for one in status.found["campaigns"]}
+    campaigns = {one.folder for one in status.files["campaigns"]}
     named = next((word.rstrip("/") for word in words if word.rstrip("/") in campaigns), None)
     if named:
         new["campaign"] = named

@@ -32,7 +32,7 @@ class Panel:
                 self._spinner = ui.spinner(size="1.4em")
                 self._status = ui.label("").props('role="status" aria-live="polite"')
             self._problem = ui.element("div")
-            self._found = parts.area(f"found-{name}")
+            self._result_area = parts.area(f"found-{name}")
 
     def watch(self) -> None:
         """Show what there is, and follow it."""
@@ -136,9 +136,9 @@ class Work(Panel):
             return
         self._seen = seen
         self._tell_end(newest, mine)
-        self._found.clear()
+        self._result_area.clear()
         if answer is not None:
-            with self._found:
+            with self._result_area:
                 if answer is not newest or not as_chosen:
                     when = time.strftime("%d %b %H:%M", time.localtime(answer.started))
                     html(f'<p class="source">Result of {when}: <code>{escape(shown(answer.words))}</code></p>')
@@ -213,20 +213,20 @@ class Chain(Panel):
     def _jobs(self, steps: Steps, since: float) -> list[Job | None]:
         """Return the newest job of each step, none that is older than the one of the step before."""
         every = jobs.all_jobs(self.root, self.name)
-        found: list[Job | None] = []
+        own_jobs: list[Job | None] = []
         for words in steps:
             job = next((one for one in reversed(every) if list(one.words) == words and one.started >= since), None)
-            found.append(job)
+            own_jobs.append(job)
             since = job.started if job is not None else float("inf")
-        return found
+        return own_jobs
 
     def update(self) -> None:
         """Start what comes next, and show how far the chain is."""
         going = self._going
         if going:
-            found = self._jobs(going, self._since)
-            at = next((k for k, job in enumerate(found) if job is None or job.state != "done"), len(going))
-            job = found[at] if at < len(going) else None
+            own_jobs = self._jobs(going, self._since)
+            at = next((k for k, job in enumerate(own_jobs) if job is None or job.state != "done"), len(going))
+            job = own_jobs[at] if at < len(going) else None
             if at == len(going) or (job is not None and job.state != "running"):
                 self._going = []
             elif job is None:
@@ -239,31 +239,31 @@ class Chain(Panel):
         latest = jobs.latest(self.root, self.name)
         running = latest is not None and latest.state == "running"
         steps = going or self.chosen()
-        found = self._jobs(steps, self._since if going else 0.0)
+        own_jobs = self._jobs(steps, self._since if going else 0.0)
         self._show_running(running, running or bool(self._going))
-        done = [job for job in found if job is not None and job.state == "done"]
+        done = [job for job in own_jobs if job is not None and job.state == "done"]
         if running and latest is not None:
             at_work = f"step {min(len(done) + 1, len(steps))} of {len(steps)}: {latest.progress or 'at work'}"
             self._status.set_text(f"{at_work} – {latest.seconds:.0f} s")
-        seen = [(job.folder.name, job.state) if job is not None else None for job in found], running
+        seen = [(job.folder.name, job.state) if job is not None else None for job in own_jobs], running
         if seen == self._seen:
             return
         self._seen = seen
         self._problem.clear()
-        self._found.clear()
-        whole = bool(done) and len(done) == len(found)
+        self._result_area.clear()
+        whole = bool(done) and len(done) == len(own_jobs)
         if not running:
-            self._tell_end(found, whole)
+            self._tell_end(own_jobs, whole)
             if whole:
-                with self._found:
+                with self._result_area:
                     self._show(done)
         if going and not self._going and whole:
             self._ended(done)
 
-    def _tell_end(self, found: Iterable[Job | None], whole: bool) -> None:
+    def _tell_end(self, own_jobs: Iterable[Job | None], whole: bool) -> None:
         """Say how the chain ended: at its last step, or at one without a result."""
-        wrong = next((job for job in found if job is not None and job.state in ENDED), None)
-        self._status.set_text(f"done, {len(list(found))} steps" if whole else ENDED[wrong.state] if wrong else "")
+        wrong = next((job for job in own_jobs if job is not None and job.state in ENDED), None)
+        self._status.set_text(f"done, {len(list(own_jobs))} steps" if whole else ENDED[wrong.state] if wrong else "")
         if wrong is not None:
             with self._problem:
                 parts.tell_problem(wrong.error)

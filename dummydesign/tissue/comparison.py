@@ -18,9 +18,9 @@ from dummydesign.tissue.fitting.fit import Progress, TissueFit, fit_traces
 from dummydesign.tissue.fitting.reduction import ReducedTrace, condition_groups, reduce_trace, rounded_velocity
 from dummydesign.tissue.model.laws import DEFAULT, law_named
 from dummydesign.tissue.model.measured_curves import (
-    FORCE_APART,
+    FORCE_FACTOR,
     SAME_DEPTH,
-    SPEED_APART,
+    SPEED_FACTOR,
     group_near,
     log_steady_curve,
 )
@@ -58,7 +58,7 @@ class PressTest:
 
     def speed_of(self, measured_mm_s: float) -> float:
         """The test's speed that a measured one stands for; the measured one where the test says none. [mm/s]"""
-        return next((v for v in self.velocities_mm_s or () if _near(measured_mm_s, v, SPEED_APART)), measured_mm_s)
+        return next((v for v in self.velocities_mm_s or () if _near(measured_mm_s, v, SPEED_FACTOR)), measured_mm_s)
 
 
 def presses_of(
@@ -96,9 +96,9 @@ def missing_of(reduced: Sequence[ReducedTrace], test: PressTest, known_mm_s: Seq
             why.append(f"it was not pressed at {' and '.join(f'{v:g}' for v in absent)} mm/s")
     if test.forces_N is None and made:
         (low, high), forces_made = test.span_N, [force for force, _ in made]
-        if max(forces_made) <= high / FORCE_APART:
+        if max(forces_made) <= high / FORCE_FACTOR:
             why.append(f"it was not pressed above {max(forces_made):.3g} N")
-        if min(forces_made) >= low * FORCE_APART:
+        if min(forces_made) >= low * FORCE_FACTOR:
             why.append(f"it was not pressed below {min(forces_made):.3g} N")
     if test.forces_N is not None or test.velocities_mm_s is not None:
         speeds = test.velocities_mm_s or tuple(sorted({speed for speed, _, _ in condition_groups(reduced)}))
@@ -107,7 +107,7 @@ def missing_of(reduced: Sequence[ReducedTrace], test: PressTest, known_mm_s: Seq
             for speed in speeds
             for force in test.forces_N or (None,)
             if not any(
-                (force is None or _near(f, force, FORCE_APART)) and _near(v, speed, SPEED_APART) for f, v in made
+                (force is None or _near(f, force, FORCE_FACTOR)) and _near(v, speed, SPEED_FACTOR) for f, v in made
             )
         ]
         if not_made:
@@ -139,8 +139,8 @@ def _held(trace: Trace, hold_s: float | None) -> tuple[Trace, ReducedTrace]:
 
 def _belongs(reduced: ReducedTrace, test: PressTest) -> bool:
     force, speed = reduced.steady_force_N, reduced.velocity_mm_s
-    return (test.forces_N is None or any(_near(force, one, FORCE_APART) for one in test.forces_N)) and (
-        test.velocities_mm_s is None or any(_near(speed, one, SPEED_APART) for one in test.velocities_mm_s)
+    return (test.forces_N is None or any(_near(force, one, FORCE_FACTOR) for one in test.forces_N)) and (
+        test.velocities_mm_s is None or any(_near(speed, one, SPEED_FACTOR) for one in test.velocities_mm_s)
     )
 
 
@@ -311,10 +311,10 @@ def _steady_shares(
         "inside_fraction": reached, "below_5N_fraction": reached & (grid_N <= span_N[0] * (1 + 1e-9)),
         "above_5N_fraction": reached & (grid_N >= span_N[0] * (1 - 1e-9)),
     }  # fmt: skip
-    found: dict[str, Any] = {name: float(inside[part].mean()) if part.any() else None for name, part in parts.items()}
+    shares: dict[str, Any] = {name: float(inside[part].mean()) if part.any() else None for name, part in parts.items()}
     span = grid_N[reached]
     reach = [float(span[0]), float(span[-1])] if len(span) else None
-    return {**found, "reached_N": reach, "span_N": list(span_N)}
+    return {**shares, "reached_N": reach, "span_N": list(span_N)}
 
 
 def _warnings(
@@ -330,7 +330,7 @@ def _warnings(
     own += [] if tissue.notice is None else [tissue.notice]
     unknown = sorted({row["velocity_mm_s"] for row in rows} - set(tissue.velocities_mm_s))
     if tissue.measured:
-        unknown = [v for v in unknown if all(max(v / one, one / v) > SPEED_APART for one in tissue.velocities_mm_s)]
+        unknown = [v for v in unknown if all(max(v / one, one / v) > SPEED_FACTOR for one in tissue.velocities_mm_s)]
     speeds = ", ".join(f"{v:g}" for v in unknown)
     why = f"the tissue has no dampers at {speeds} mm/s: its range there uses dampers interpolated in ln c over ln v"
     if tissue.measured:
@@ -338,5 +338,5 @@ def _warnings(
     if unknown and (tissue.measured or fitted):
         own.append(("speed_not_in_band", why))
     of_fit = [w for w in fit.result["warnings"] if w["code"] in (SHOWN if fitted else CODES)]
-    before, after = ([{"code": code, "message": text} for code, text in found] for found in (notices, own))
+    before, after = ([{"code": code, "message": text} for code, text in pairs] for pairs in (notices, own))
     return before + of_fit + after

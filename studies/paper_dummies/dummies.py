@@ -80,7 +80,7 @@ class PressFigures:
         return float(self.force_N.max())
 
     @property
-    def peak_place(self) -> float:
+    def peak_position(self) -> float:
         """Place of the peak between the smallest (0) and the largest (1) of the subjects."""
         low, high = self.band.peak_low_N, self.band.peak_high_N
         return (self.peak_N - low) / (high - low)
@@ -124,7 +124,7 @@ class Dummy:
         """Depth at a steady force, NaN out of reach. [mm]"""
         return float(np.interp(force_N, STEADY_GRID_N, self.depth_mm))
 
-    def place_at(self, force_N: float) -> float:
+    def position_at(self, force_N: float) -> float:
         """Place in the steady-state range by depth: 0 at the softest subject, 1 at the stiffest."""
         stiff, soft = (float(np.interp(force_N, STEADY_GRID_N, edge)) for edge in self.edges_mm)
         return (soft - self.depth_at(force_N)) / (soft - stiff)

@@ -25,8 +25,8 @@ def within(value: float, span: tuple[float, float]) -> bool | None:
 
 
 def presses_at_10N(d: Dummy) -> list[PressFigures] | None:
-    found = [d.presses.get((10.0, speed)) for speed in SPEEDS]
-    return None if None in found else found
+    presses = [d.presses.get((10.0, speed)) for speed in SPEEDS]
+    return None if None in presses else presses
 
 
 def out_of_reach(d: Dummy) -> Judged:
@@ -49,7 +49,7 @@ def peaks_placed(d: Dummy, span: tuple[float, float]) -> Judged:
         return out_of_reach(d)
     shown = ", ".join(f"{p.peak_N:.1f} N in {p.band.peak_low_N:.1f} to {p.band.peak_high_N:.1f}" for p in presses)
     near = [STEADY_TOLERANCE * 10.0 / (p.band.peak_high_N - p.band.peak_low_N) for p in presses]
-    return all(within(p.peak_place, (span[0] - n, span[1] + n)) for p, n in zip(presses, near)), shown
+    return all(within(p.peak_position, (span[0] - n, span[1] + n)) for p, n in zip(presses, near)), shown
 
 
 def rise_is_high(d: Dummy) -> Judged:
@@ -84,10 +84,10 @@ def falls(d: Dummy, faster: bool) -> Judged:
 
 
 def more_viscous(dummies: Dummies) -> Judged:
-    found = {name: presses_at_10N(dummy) for name, dummy in dummies.items()}
-    if None in found.values():
+    presses_of = {name: presses_at_10N(dummy) for name, dummy in dummies.items()}
+    if None in presses_of.values():
         return None, "10 N out of reach of one"
-    ratio = {name: [press.peak_N / 10.0 for press in presses] for name, presses in found.items()}
+    ratio = {name: [press.peak_N / 10.0 for press in presses] for name, presses in presses_of.items()}
     shown = "; ".join(f"{name} {values[0]:.2f}, {values[1]:.2f}" for name, values in ratio.items())
     others = np.maximum(ratio["I"], ratio["III"])
     return bool(np.all(np.array(ratio["II"]) > others + VISIBLE)), f"peak over steady at 10, 250 mm/s: {shown}"

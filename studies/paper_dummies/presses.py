@@ -131,12 +131,12 @@ def arm_weights(curves: Curves, young_MPa: float, force_N: float = 10.0) -> dict
     depth = curves.depth_at(none, np.full(count, force_N / young_MPa))
     if not np.isfinite(depth).all():
         return {}
-    found = {}
+    weights = {}
     for velocity in VELOCITIES_MM_S:
         press = press_to_depth(slabs, depth, velocity, SAMPLING)
         elastic = young_MPa * curves.area_at(none, SAMPLING.motion(velocity, depth).displacement_mm)
-        found[velocity] = (press.force_N - elastic).max(axis=-1) / force_N
-    return found
+        weights[velocity] = (press.force_N - elastic).max(axis=-1) / force_N
+    return weights
 
 
 def fit_presses(presses: dict[tuple[float, float], PressFigures], law: str) -> tuple[Parameters, float]:
@@ -156,8 +156,8 @@ def fit_presses(presses: dict[tuple[float, float], PressFigures], law: str) -> t
     optimum = problem.optimum(2)
     gamma1, gamma, dampers = problem.split(optimum.solution.parameters, 2)
     by_speed = tuple((speed, tuple(np.exp(row))) for (speed, _), row in zip(groups, dampers))
-    found = Parameters(law, float(np.exp(gamma1)), tuple(np.exp(gamma)), by_speed)
-    return found, float(trace_residuals([(problem, optimum)])["rmse_N"])
+    parameters = Parameters(law, float(np.exp(gamma1)), tuple(np.exp(gamma)), by_speed)
+    return parameters, float(trace_residuals([(problem, optimum)])["rmse_N"])
 
 
 def _press(slabs: Slabs, depth_mm: float, force_N: float, velocity_mm_s: float, tissue: Tissue) -> PressFigures:

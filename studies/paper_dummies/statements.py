@@ -52,10 +52,10 @@ class Statement:
 
 def statements() -> tuple[Statement, ...]:
     """All statements, dummy by dummy."""
-    found = []
+    every = []
     for name in ("I", "II", "III"):
-        found += [*_steady(name), *_in_time(name)]
-    return tuple(found)
+        every += [*_steady(name), *_in_time(name)]
+    return tuple(every)
 
 
 def _steady(name: str) -> list[Statement]:
@@ -147,13 +147,13 @@ def _inside_above(d: Dummy) -> Judged:
 
 def _softens(d: Dummy) -> Judged:
     top = 15.0 if d.reach_N >= 15.0 else 10.0
-    early, late = d.place_at(5.0), d.place_at(top)
+    early, late = d.position_at(5.0), d.position_at(top)
     return (None if math.isnan(late) else late < early), f"place {early:.2f} at 5 N, {late:.2f} at {top:g} N"
 
 
 def _placed(d: Dummy, span: tuple[float, float]) -> Judged:
-    place = d.place_at(10.0)
-    return within(place, span), f"place {place:.2f} (0 softest, 1 stiffest)"
+    position = d.position_at(10.0)
+    return within(position, span), f"place {position:.2f} (0 softest, 1 stiffest)"
 
 
 def _value(d: Dummy, name: str) -> tuple[list[float], list[tuple[float, float]]]:
@@ -192,14 +192,14 @@ def _average(d: Dummy) -> Judged:
     if d.parameters is None:
         return None, "no press at one of the speeds"
     (value,), ((low, high),) = _value(d, "gamma1")
-    place = math.log(value / low) / math.log(high / low)
-    return within(place, CENTRE), f"place {place:.2f} in ln gamma1"
+    position = math.log(value / low) / math.log(high / low)
+    return within(position, CENTRE), f"place {position:.2f} in ln gamma1"
 
 
 def _misleading(d: Dummy) -> Judged:
     at = {force: force / d.depth_at(force) ** 3 for force in (5.0, 10.0)}
-    place, highest = d.place_at(10.0), d.tissue.bands["gamma1_N_per_mm3"].high
-    holds = None if math.isnan(place) else bool(at[5.0] > highest and 0.0 <= place <= 1.0)
+    position, highest = d.position_at(10.0), d.tissue.bands["gamma1_N_per_mm3"].high
+    holds = None if math.isnan(position) else bool(at[5.0] > highest and 0.0 <= position <= 1.0)
     return holds, f"F/x3 {at[5.0]:.3g} at 5 N, {at[10.0]:.3g} at 10 N, stiffest {highest:.3g}"
 
 

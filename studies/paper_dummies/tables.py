@@ -13,7 +13,7 @@ from studies.paper_dummies.dummies import FORCES_N, REFERENCE, SITES, Dummy, Var
 from studies.paper_dummies.in_time import CENTRE, SOFT_EDGE, SPEEDS, STIFF_EDGE, Dummies, Judged
 from studies.paper_dummies.statements import ABOUT_5N, Statement, statements
 
-WANTED_PLACE = {"I": CENTRE, "II": SOFT_EDGE, "III": STIFF_EDGE}
+WANTED_POSITION = {"I": CENTRE, "II": SOFT_EDGE, "III": STIFF_EDGE}
 WANTED_PEAK = {"I": CENTRE, "II": STIFF_EDGE, "III": (0.0, 1.0)}
 NOT_AT_ALL = "cannot be reproduced"
 NOT_NEO_HOOKEAN = f"{NOT_AT_ALL} by a neo-Hookean resin"
@@ -79,8 +79,8 @@ def _table(head: Sequence[object], rows: Iterable[Sequence[object]]) -> str:
 def by_dummy(judged: AllJudged) -> Cells:
     """Verdict of each statement, dummies across."""
     cells: dict[tuple[str, str], dict[str, str]] = {}
-    for statement, found in judged:
-        cells.setdefault((statement.words, statement.basis), {})[statement.dummy] = SHORT[verdict(found)]
+    for statement, outcome in judged:
+        cells.setdefault((statement.words, statement.basis), {})[statement.dummy] = SHORT[verdict(outcome)]
     rows = [(*key, *(own.get(name, "") for name in SITES)) for key, own in cells.items()]
     return ("statement", "basis", *SITES), rows
 
@@ -89,9 +89,9 @@ def counts(judged: AllJudged) -> Cells:
     """Statements by basis and verdict."""
     rows: list[Sequence[object]] = []
     for basis in ("input", "band", "free"):
-        verdicts = [SHORT[verdict(found)] for statement, found in judged if statement.basis == basis]
+        verdicts = [SHORT[verdict(outcome)] for statement, outcome in judged if statement.basis == basis]
         rows.append((basis, *(verdicts.count(kind) for kind in SHORT.values()), len(verdicts)))
-    every = [SHORT[verdict(found)] for _, found in judged]
+    every = [SHORT[verdict(outcome)] for _, outcome in judged]
     rows.append(("all", *(every.count(kind) for kind in SHORT.values()), len(every)))
     return ("basis", *SHORT.values(), "all"), rows
 
@@ -103,7 +103,7 @@ def statements_text(judged: AllJudged) -> str:
         head,
         (
             (s.dummy, s.words, s.section, s.basis, *_named(v), ANSWERS[holds], number)
-            for s, found in judged for v, (holds, number) in found.items()
+            for s, outcome in judged for v, (holds, number) in outcome.items()
         ),
     )  # fmt: skip
 
@@ -122,7 +122,7 @@ def at_once(judged: AllJudged) -> Cells:
     """How many statements each variant holds, of those that could be judged."""
     rows: list[Sequence[object]] = []
     for variant in judged[0][1]:
-        holds = [found[variant][0] for _, found in judged]
+        holds = [outcome[variant][0] for _, outcome in judged]
         rows.append((*_named(variant), holds.count(True), len(holds) - holds.count(None)))
     return ("base", "young_kPa", "yeoh_c2_over_mu", "true", "judged"), rows
 
@@ -136,12 +136,12 @@ def needed_exponents(dummy: Dummy, name: str) -> tuple[float, float, float]:
     """
     stiff, soft = (float(edge[0]) for edge in dummy.tissue.steady_depth_range([10.0]))
 
-    def needed(crossing: float, place: float) -> float:
+    def needed(crossing: float, position: float) -> float:
         start = float(dummy.tissue.steady_depth_range([crossing])[0][0])
-        return math.log(10.0 / crossing) / math.log((soft - place * (soft - stiff)) / start)
+        return math.log(10.0 / crossing) / math.log((soft - position * (soft - stiff)) / start)
 
-    low, high = (min(max(place, 0.0), 1.0) for place in WANTED_PLACE[name])
-    ends = [needed(crossing, place) for crossing in ABOUT_5N for place in (low, high)]
+    low, high = (min(max(position, 0.0), 1.0) for position in WANTED_POSITION[name])
+    ends = [needed(crossing, position) for crossing in ABOUT_5N for position in (low, high)]
     return needed(5.0, 0.5 * (low + high)), min(ends), max(ends)
 
 
@@ -167,7 +167,7 @@ def exponents(results: Results, scan: Results) -> Cells:
             for name in SITES
         )
         spans = (_span(dummies[name].exponent() for dummies in own.values()) for name in SITES)
-        rows.append((base, f"{c2:g}", *spans, *(_span(found, 0) if found else "none" for found in held)))
+        rows.append((base, f"{c2:g}", *spans, *(_span(span, 0) if span else "none" for span in held)))
     columns = [f"{quantity}_{name}" for quantity in ("exponent", "young_kPa") for name in SITES]
     return ("base", "yeoh_c2_over_mu", *columns), rows
 
@@ -179,7 +179,7 @@ def peaks(results: Results) -> Cells:
         for name in SITES:
             press = results[REFERENCE][name].presses[10.0, speed]
             low, high = press.band.peak_low_N, press.band.peak_high_N
-            wanted = [(low + place * (high - low)) / 10.0 for place in WANTED_PEAK[name]]
+            wanted = [(low + position * (high - low)) / 10.0 for position in WANTED_PEAK[name]]
             every = [
                 dummies[name].presses[10.0, speed].peak_N / 10.0
                 for dummies in results.values() if (10.0, speed) in dummies[name].presses

@@ -97,13 +97,13 @@ def read_curves(path: Path) -> dict[tuple[str, float], list[LoadingCurve]]:
     with open(path, newline="", encoding="utf-8") as stream:
         rows = list(csv.reader(stream))
     values = np.array(rows[1:], dtype=float)
-    found: dict[tuple[str, float], list[LoadingCurve]] = {}
+    curves: dict[tuple[str, float], list[LoadingCurve]] = {}
     for name, load in zip(rows[0][1:], values.T[1:]):
         family, rest = name.split("_", 1)
         thinner, test = rest.split("T_")
         key = family, float(thinner.replace("_", "."))
-        found.setdefault(key, []).append(LoadingCurve(name.removesuffix("_N"), test[0], values[:, 0], load))
-    return dict(sorted(found.items()))
+        curves.setdefault(key, []).append(LoadingCurve(name.removesuffix("_N"), test[0], values[:, 0], load))
+    return dict(sorted(curves.items()))
 
 
 def fit_mixtures(curves: dict[tuple[str, float], list[LoadingCurve]]) -> list[Mixture]:

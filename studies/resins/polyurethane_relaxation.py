@@ -127,14 +127,14 @@ def _weight(peak: NDArray, low: float, high: float) -> NDArray:
     return np.where(np.isfinite(peak), np.exp(-0.5 * (np.nan_to_num(outside) / TOLERANCE) ** 2), 0.0)
 
 
-def report(found: Inference) -> str:
+def report(inference: Inference) -> str:
     """Lay the inference out as text."""
-    lines = [f"mean weight {found.acceptance:.3f}, effective draws {found.effective_draws:.0f}"]
-    for tau, (low, middle, high) in zip(found.tau_s, found.beta):
+    lines = [f"mean weight {inference.acceptance:.3f}, effective draws {inference.effective_draws:.0f}"]
+    for tau, (low, middle, high) in zip(inference.tau_s, inference.beta):
         lines.append(f"tau {tau:g} s: beta {middle:.3f} (95 %: {low:.3f} to {high:.3f})")
-    for key, met in found.statements.items():
+    for key, met in inference.statements.items():
         note = "" if met > 0.6 else "  <- in conflict with the others"
-        lines.append(f"{key}: peak over steady {found.peaks[key]:.2f}, statement met {met:.2f}{note}")
+        lines.append(f"{key}: peak over steady {inference.peaks[key]:.2f}, statement met {met:.2f}{note}")
     return "\n".join(lines)
 
 

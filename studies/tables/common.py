@@ -56,7 +56,7 @@ class Build:
             "command": self.command,
             "version": __version__,
             "sources": sources_hash(),
-            "libraries": {name: found for name in LIBRARIES if (found := _version(name))},
+            "libraries": {name: release for name in LIBRARIES if (release := _version(name))},
             "seed": seed,
             "seconds": round(time.time() - self.began_s),
             "date": datetime.now(UTC).date().isoformat(),
@@ -66,12 +66,12 @@ class Build:
 def sources_hash() -> str:
     """SHA-256 over names and bytes of the package's Python sources, the studies included."""
     root = package_folder()
-    found = hashlib.sha256()
+    digest = hashlib.sha256()
     for path in sources():
         if path.suffix == ".py":
             name = path.relative_to(root).as_posix()
-            found.update(f"{name}\0".encode() + hashlib.sha256(path.read_bytes()).digest())
-    return found.hexdigest()
+            digest.update(f"{name}\0".encode() + hashlib.sha256(path.read_bytes()).digest())
+    return digest.hexdigest()
 
 
 def write_table(path: Path, content: dict[str, Any], build: Build, seed: int | None = None) -> None:

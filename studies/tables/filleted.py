@@ -69,12 +69,12 @@ def content(base: str, count: int, fresh: int, pool: ProcessPoolExecutor) -> dic
     """
     ratios = nodes(count)
     tasks = [(float(ratio), float(fillet), base) for ratio in ratios for fillet in FILLETS]
-    found = []
+    answers = []
     for task, answer in zip(tasks, pool.map(solve, tasks)):
-        found.append(answer)
+        answers.append(answer)
         print(f"{base} a/h {task[0]:.3f} fillet {task[1]:g} a: {np.isfinite(answer[0]).sum()} depths", file=sys.stderr)
     shape = (len(ratios), len(FILLETS), len(DEPTHS))
-    value, error = (np.array([answer[k] for answer in found]).reshape(shape) for k in (0, 1))
+    value, error = (np.array([answer[k] for answer in answers]).reshape(shape) for k in (0, 1))
     table = {
         "base": base,
         "meaning": "ln(F / (E a d)) over a/h, fillet over a, and d/h; E long-term, a punch radius, glued, with sides",

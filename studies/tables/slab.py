@@ -91,8 +91,8 @@ def _reach(depth: np.ndarray, ratio: float) -> float:
 
     Above a / h of 2.2 a single fillet leaves a series at its end free: at d/h 0.57 its exponent was 9.6 once.
     """
-    found, count = np.unique(np.round(depth, 9), return_counts=True)
-    return float(found[count >= (2 if ratio > THIN else 1)].max())
+    depths, count = np.unique(np.round(depth, 9), return_counts=True)
+    return float(depths[count >= (2 if ratio > THIN else 1)].max())
 
 
 def _smooth_to(limit: Limit, ratio: float) -> float:

@@ -38,8 +38,8 @@ def fit(
         return total + 0.5 * np.sum((log[:-2] - 0.5) ** 2)
 
     start = np.concatenate([np.full(inputs.shape[1], np.log(2.0)), np.log([0.1, noise])])
-    found = minimize(cost, start, method="Nelder-Mead", options={"maxiter": 300, "xatol": 0.03, "fatol": 0.5}).x
-    lengths, (scale, scatter) = np.exp(found[:-2]), np.exp(found[-2:])
+    optimum = minimize(cost, start, method="Nelder-Mead", options={"maxiter": 300, "xatol": 0.03, "fatol": 0.5}).x
+    lengths, (scale, scatter) = np.exp(optimum[:-2]), np.exp(optimum[-2:])
     trends, weights = [], np.zeros((len(levels), len(q)))
     for level in range(len(levels)):
         factor, trend, rest = parts(lengths, level, scale, scatter)

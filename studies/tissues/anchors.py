@@ -82,7 +82,7 @@ def judge(site: str, gamma1: NDArray, arms: dict[str, NDArray], rng: np.random.G
     drift = arms["strength"][:, 0] * np.exp(-10.0 / late) / late
     near = np.exp(rng.uniform(np.log(1.5), np.log(2.5), count))
     pulp = "Pawluk and Howe 1999, J Biomech Eng 121:178: fingerpad 4 ms, 70 ms, 1.4 s"
-    found = [
+    rows = [
         ("peak ratio at 250 mm/s", "peak 2 to 2.75 times the slow force", _RATIO_SOURCE[site],
          (peaks[1] > low / factor) & (peaks[1] < high * factor)),
         ("smaller peak at 10 than at 250 mm/s", "forces rise with speed", "Sensors 2017, 17:1190",
@@ -99,4 +99,4 @@ def judge(site: str, gamma1: NDArray, arms: dict[str, NDArray], rng: np.random.G
         ("rise curved upward", "concavity of the rising phase", "paper, section V-A",
          (np.array(middle) < 0.5).all(axis=0)),
     ]  # fmt: skip
-    return [Statement(f"{site}: {name}", text, source, holds) for name, text, source, holds in found]
+    return [Statement(f"{site}: {name}", text, source, holds) for name, text, source, holds in rows]

@@ -74,8 +74,8 @@ def subjects_of(gamma1: NDArray, spread: NDArray, arms: dict[str, NDArray], rng:
     """
     count = len(gamma1)
     normal = np.sort(rng.normal(size=(count, SUBJECTS)), axis=1)
-    place = (normal - normal[:, :1]) / (normal[:, -1:] - normal[:, :1])
-    own = gamma1[:, None] * spread[:, None] ** (-3.0 * (1.0 - place))
+    rank = (normal - normal[:, :1]) / (normal[:, -1:] - normal[:, :1])
+    own = gamma1[:, None] * spread[:, None] ** (-3.0 * (1.0 - rank))
     # people differ in relaxation too; the scatter is a guess, the order of the gammas is the paper's
     scatter = rng.uniform(*SCATTER, (count, 1, 1))
     strength = arms["strength"][:, None, :] * np.exp(scatter * rng.normal(size=(count, SUBJECTS, 2)))
@@ -173,8 +173,8 @@ def run(seed: int, samples: int, folder: Path, proposals: int = PROPOSALS) -> li
     for site in SITES:
         stiffest = np.concatenate([part.stiffest[site] for part in parts])[chosen]
         spread = np.concatenate([part.spread[site] for part in parts])[chosen]
-        draws, told = infer_site(site, stiffest, spread, rng, proposals)
-        lines += ["", f"arms of the {site}: {STEADY * proposals} proposals", *told]
+        draws, notes = infer_site(site, stiffest, spread, rng, proposals)
+        lines += ["", f"arms of the {site}: {STEADY * proposals} proposals", *notes]
         tissue = _tissue_from_draws(site, draws, seed, samples)
         summary = "\n".join(f'  "{line}",' for line in _summary(effective, merged, samples, seed))
         command = f"python -m studies.tissues.infer --seed {seed} --samples {samples}"

@@ -89,8 +89,8 @@ def _of_site(
     """Statements of one site; ``x`` are the dummy's depths at 5, 10 and 15 N, shape (n, 3)."""
     count, dummy = len(stiffest), {"palm": "I", "thenar": "II", "forefinger": "III"}[site]
     softest = stiffest / spread**3
-    place = _place_in_range(x, depth, curves, stiffest, softest, rng.integers(0, 3, count))
-    inside = lambda at: (place[:, at] >= 0) & (place[:, at] <= 1)  # noqa: E731
+    position = _position_in_range(x, depth, curves, stiffest, softest, rng.integers(0, 3, count))
+    inside = lambda at: (position[:, at] >= 0) & (position[:, at] <= 1)  # noqa: E731
     each = np.array([5.0, 10.0, 15.0]) / x**3
     # which part of a dummy's curve its gamma1 stands for is not said: all conditions, or the low forces
     fitted = np.where(rng.random(count) < 0.5, each.mean(axis=1), each[:, 0])
@@ -111,20 +111,20 @@ def _of_site(
     ]
     if site == "palm":
         width = rng.uniform(0.15, 0.3, count)
-        near = np.abs(place[:, 1] - 0.5) <= width
+        near = np.abs(position[:, 1] - 0.5) <= width
         here.append(("at the centre of the range at 10 N", "at the center of the range", "section V-B", near))
     if site == "thenar":
-        near = place[:, 1] <= rng.uniform(0.2, 0.4, count)
+        near = position[:, 1] <= rng.uniform(0.2, 0.4, count)
         here.append(("near the lower edge at 10 N", "close to the lower edge", "section V-B", near))
     if site == "forefinger":
-        near = place[:, 1] >= 1 - rng.uniform(0.2, 0.4, count)
+        near = position[:, 1] >= 1 - rng.uniform(0.2, 0.4, count)
         here.append(("near the stiffest edge at 10 N", "near the left edge", "section IV-B", near))
         here.append(("gamma1 above the band", "larger than that of the pads", "section IV-A", fitted > stiffest))
     else:
         within = (fitted >= softest) & (fitted <= stiffest)
         here.append(("gamma1 inside the band", "between the largest and smallest", "section IV-A", within))
     factor = np.exp(rng.uniform(np.log(2.5), np.log(4.0), count))
-    named = [Statement(f"dummy {dummy}: {name}", text, f"paper, {place_}", ok) for name, text, place_, ok in here]
+    named = [Statement(f"dummy {dummy}: {name}", text, f"paper, {where}", ok) for name, text, where, ok in here]
     named.append(
         Statement(
             f"{site}: tangent at 140 N within a factor of 75 N/mm",
@@ -145,7 +145,7 @@ def _of_site(
     return named
 
 
-def _place_in_range(
+def _position_in_range(
     x: NDArray, depth: NDArray, curves: NDArray, stiffest: NDArray, softest: NDArray, meaning: NDArray
 ) -> NDArray:
     """Place of the dummy in the range at 5, 10, 15 N: 0 at the softest edge, 1 at the stiffest, shape (n, 3).
@@ -187,10 +187,10 @@ def report(statements: tuple[Statement, ...], weight: NDArray) -> list[str]:
 
 def conflicts(statements: tuple[Statement, ...], below: float = 0.5) -> list[tuple[float, str, str]]:
     """Pairs of statements that hold together less than ``below`` times as often as independent ones would."""
-    held, found = np.array([statement.holds for statement in statements]), []
+    held, pairs = np.array([statement.holds for statement in statements]), []
     for i in range(len(statements)):
         for j in range(i):
-            both, apart = np.mean(held[i] & held[j]), held[i].mean() * held[j].mean()
-            if apart > 0 and both < below * apart:
-                found.append((both / apart, statements[j].name, statements[i].name))
-    return sorted(found)
+            both, expected = np.mean(held[i] & held[j]), held[i].mean() * held[j].mean()
+            if expected > 0 and both < below * expected:
+                pairs.append((both / expected, statements[j].name, statements[i].name))
+    return sorted(pairs)

@@ -32,7 +32,7 @@ def main() -> None:
         write_text(target, text)
     failed = [check for check in checks if not check.passed]
     for check in failed:
-        print(f"failed: {check.group}: {check.name}: expected {check.expected:.6g}, found {check.found:.6g}")
+        print(f"failed: {check.group}: {check.name}: expected {check.expected:.6g}, found {check.computed:.6g}")
     sys.exit(1 if failed else 0)
 
 

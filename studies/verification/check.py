@@ -12,7 +12,7 @@ class Check:
     group: str
     name: str
     expected: float
-    found: float
+    computed: float
     tolerance: float
     source: str
     absolute: bool = False
@@ -21,7 +21,7 @@ class Check:
     @property
     def deviation(self) -> float:
         """Difference to what is expected, relative unless absolute."""
-        difference = self.found - self.expected
+        difference = self.computed - self.expected
         return difference if self.absolute else difference / self.expected
 
     @property

@@ -53,19 +53,19 @@ def friction_under_a_fillet() -> Iterator[Check]:
         for friction in (0.05, 0.1)
     ]
     none = solve_under_fillet(Pad(10.0, 0.025, 7.9, edge_radius_mm=0.5, condition="frictionless"), [1.0, 2.0]).force_N
-    for depth, expected, found in zip((0.1, 0.2), none, 2.0 * little[0] - little[1]):
+    for depth, expected, value in zip((0.1, 0.2), none, 2.0 * little[0] - little[1]):
         name = f"10 mm, fillet 0.5 mm, d/h {depth:g}, N: friction 0.05 and 0.1 carried to 0"
-        yield Check(FRICTION, name, float(expected), float(found), 0.01, "the frictionless face, on its own mesh")
+        yield Check(FRICTION, name, float(expected), float(value), 0.01, "the frictionless face, on its own mesh")
     from scipy.integrate import trapezoid
 
     pad = Pad(10.0, 0.025, 7.9, condition="friction:0.3", edge_radius_mm=0.5)
     face = solve_fields(pad, [2.0])[0][0].face
     # Drag is counted along the face outwards; on the fillet it presses as well.
     pressing = 2.0 * np.pi * face.radius_mm * np.stack([face.pressure_MPa, -face.shear_MPa])
-    found = float(trapezoid(pressing[0], face.radius_mm) + trapezoid(pressing[1], face.height_mm))
+    value = float(trapezoid(pressing[0], face.radius_mm) + trapezoid(pressing[1], face.height_mm))
     expected = float(solve_points(pad, np.array([2.0])).force_N[0])
     name = "friction 0.3, 10 mm, d/h 0.2, N: pressure and drag over the face"
-    yield Check(FRICTION, name, expected, found, 0.01, "the curve's force")
+    yield Check(FRICTION, name, expected, value, 0.01, "the curve's force")
 
 
 CHECKS = (crowns_by_getfem, friction_under_a_fillet)

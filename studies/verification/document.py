@@ -16,16 +16,16 @@ ROWS = Path(__file__).parents[2] / "benchmarks" / "mutation.jsonl"
 
 def run(fast: bool, say: Callable[[str], None] | None = None) -> list[Check]:
     """Run the checks; ``fast`` leaves out those that take more than about a second."""
-    found: list[Check] = []
+    checks: list[Check] = []
     for is_fast, make in ALL:
         if fast and not is_fast:
             continue
         began = time.perf_counter()
         rows: Iterable[Check] = make()
-        found += list(rows)
+        checks += list(rows)
         if say:
             say(f"{make.__name__}: {time.perf_counter() - began:.1f} s")
-    return found
+    return checks
 
 
 def document(checks: list[Check]) -> str:
@@ -79,6 +79,6 @@ def _row(check: Check) -> str:
     sign = ">= " if check.one_sided else ""
     verdict = "pass" if check.passed else "FAIL"
     return (
-        f"| {check.name} | {sign}{check.expected:.5g} | {check.found:.5g} | {percent} | {tolerance} | "
+        f"| {check.name} | {sign}{check.expected:.5g} | {check.computed:.5g} | {percent} | {tolerance} | "
         f"{check.source} | {verdict} |"
     )

@@ -55,8 +55,8 @@ def rounded_punch() -> Iterator[Check]:
     sink = 1.0 / (3.0 * flat * first_stiffness(Case(flat, 12.0))) - 1.0 / (2.0 * unit * flat)
     contact = np.array([0.0725, 0.074])
     depth, force = rounded_flat(flat, fillet, contact, unit)
-    found = solve_under_fillet(Pad(1.0, 3.0, radius, extent_mm=12.0, edge_radius_mm=fillet), depth + sink * force)
-    for c, expected, value in zip(contact, force, found.force_N):
+    curve = solve_under_fillet(Pad(1.0, 3.0, radius, extent_mm=12.0, edge_radius_mm=fillet), depth + sink * force)
+    for c, expected, value in zip(contact, force, curve.force_N):
         name = f"rounded flat on a thick pad, contact to {c:g}"
         yield Check(FILLETS, name, float(expected), float(value), 8e-3, "closed form of a half-space")
 
@@ -89,9 +89,9 @@ def fillet_cells() -> Iterator[Check]:
     curve = solve_under_fillet(Pad(10.0, 3.0, 7.9, edge_radius_mm=0.5), 10.0 * depths)
     problem = filleted_problem(Case(0.79, 7.57, edge=0.05), coarser=0.5)
     finer = follow(problem, depths, 0.01, 0.02, 1e-4, lattice=True).force * 100.0
-    for d, expected, found, error in zip(depths, finer, curve.force_N, curve.error_N):
+    for d, expected, force, error in zip(depths, finer, curve.force_N, curve.error_N):
         name, source = f"fillet of 0.5 mm, 10 mm, d/h {d:g}", "cells of half the size; tolerance: the stated error"
-        yield Check(FILLETS, name, float(expected), float(found), float(error / found), source)
+        yield Check(FILLETS, name, float(expected), float(force), float(error / force), source)
     many, one = (
         solve_under_fillet(Pad(10.0, 0.025, 7.9, edge_radius_mm=0.5), asked).force_N[-1]
         for asked in ([0.4, 1.1, 2.0], [2.0])
@@ -103,8 +103,8 @@ def crown_by_another_code() -> Iterator[Check]:
     """The forefinger's crowned pad, glued where it touches, from before to after the contact's flattening."""
     share = np.array(list(CROWN_N))
     curve = solve_shaped_pad(Pad(4.5, 0.0426, 7.899, geometry=Crowned(21.2, 2.0, 9.4)), 4.5 * share)
-    for d, expected, found in zip(share, CROWN_N.values(), curve.force_N):
-        yield Check(PRESSURE, f"crowned pad of 4.5 mm, d/h {d:g}, N", expected, float(found), 0.02, OTHER)
+    for d, expected, force in zip(share, CROWN_N.values(), curve.force_N):
+        yield Check(PRESSURE, f"crowned pad of 4.5 mm, d/h {d:g}, N", expected, float(force), 0.02, OTHER)
     dense = solve_shaped_pad(
         Pad(4.5, 0.0426, 7.899, geometry=Crowned(21.2, 2.0, 9.4)), 4.5 * np.arange(0.02, 0.251, 0.01)
     )
@@ -117,12 +117,12 @@ def hertz_pressure() -> Iterator[Check]:
     depth = 0.16
     shape = read_shape("crowned:40,1.5,11")
     pad = Pad(20.0, 0.03, 9.0, condition="frictionless", geometry=shape, extent_mm=60.0)
-    found = solve_fields(pad, [0.5 * depth, depth])[0][-1]
-    r, p = found.face.radius_mm, found.face.pressure_MPa
+    field = solve_fields(pad, [0.5 * depth, depth])[0][-1]
+    r, p = field.face.radius_mm, field.face.pressure_MPa
     inside = p > 0.3 * p.max()
     slope, peak = np.polyfit(r[inside] ** 2, p[inside] ** 2, 1)
     radius = float(np.sqrt(-peak / slope))
-    expected = 1.5 * found.force_N / (np.pi * radius**2)
+    expected = 1.5 * field.force_N / (np.pi * radius**2)
     yield Check(PRESSURE, "peak pressure over a crown, kPa", 1e3 * expected, 1e3 * float(np.sqrt(peak)), 0.02, "Hertz")
 
 

@@ -39,8 +39,8 @@ def cap_on_layer() -> Iterator[Check]:
             [0.25 * SMALL, SMALL],
             cells=48,
         )
-        found = float(curve.force_N[-1]) / (16.0 / 9.0 * np.sqrt(radius) * SMALL**1.5)
-        yield Check(GROUP, f"cap on a layer, f at c = {c:g}", factor, found, 2e-3, "integral equation of the layer")
+        value = float(curve.force_N[-1]) / (16.0 / 9.0 * np.sqrt(radius) * SMALL**1.5)
+        yield Check(GROUP, f"cap on a layer, f at c = {c:g}", factor, value, 2e-3, "integral equation of the layer")
 
 
 def slab_limits() -> Iterator[Check]:
@@ -54,8 +54,8 @@ def slab_limits() -> Iterator[Check]:
     )
     for name, shape in flat:
         curve = solve_shaped_pad(Pad(8.0, 0.05, radius, geometry=shape), [0.5 * depth, depth])
-        found = float(curve.force_N[-1]) / expected
-        yield Check(GROUP, f"{name}, over the slab, d/h 0.19", 1.0, found, 3e-3, "the slab, solved as one")
+        value = float(curve.force_N[-1]) / expected
+        yield Check(GROUP, f"{name}, over the slab, d/h 0.19", 1.0, value, 3e-3, "the slab, solved as one")
     flat_crown = _paraboloid(2e4, 11.0)
     curve = solve_shaped_pad(Pad(8.0, 0.05, radius, geometry=flat_crown), [0.5 * depth, depth])
     name, source = "crown of 0.003 mm, over the slab, d/h 0.19, sharp edge", "the slab; tolerance: the stated error"

@@ -66,9 +66,9 @@ def bonded_pucks() -> Iterator[Check]:
     for shape, apparent in published.items():
         radius = 2.0 * shape
         problem = puck_problem(UnitPuck(radius, "bonded"), NEO, corner=0.004 * min(radius, 1.0))
-        found = problem.stiffness() / 2.0 / (3.0 * np.pi * radius**2)
+        value = problem.stiffness() / 2.0 / (3.0 * np.pi * radius**2)
         name = f"E_app / E at shape factor {shape:g}"
-        yield Check("Bonded pucks", name, apparent, found, 2e-3, "an independent finite-element code")
+        yield Check("Bonded pucks", name, apparent, value, 2e-3, "an independent finite-element code")
 
 
 def layer_solution() -> Iterator[Check]:
@@ -76,25 +76,25 @@ def layer_solution() -> Iterator[Check]:
     for poisson, row in LAYER.items():
         for ratio, kappa in row.items():
             slab = Case(ratio, ratio + 12.0, "bonded", "frictionless", poisson=poisson)
-            found = first_stiffness(slab) * 3.0 * (1 - poisson**2) / (4.0 * (1 + poisson))
+            value = first_stiffness(slab) * 3.0 * (1 - poisson**2) / (4.0 * (1 + poisson))
             yield Check(
-                "Small depth", f"kappa, bonded base, a/h {ratio:g}, nu {poisson:g}", kappa, found, 1e-3, HAYES
+                "Small depth", f"kappa, bonded base, a/h {ratio:g}, nu {poisson:g}", kappa, value, 1e-3, HAYES
             )
     for ratio, kappa in {0.2: 1.171, 0.4: 1.385, 1.0: 2.199}.items():
         slab = Case(ratio, ratio + 40.0, "sliding", "frictionless")
-        found = first_stiffness(slab) * 3.0 * 0.75 / 6.0
-        yield Check("Small depth", f"kappa, sliding base, a/h {ratio:g}", kappa, found, 2e-3, HAYES)
+        value = first_stiffness(slab) * 3.0 * 0.75 / 6.0
+        yield Check("Small depth", f"kappa, sliding base, a/h {ratio:g}", kappa, value, 2e-3, HAYES)
 
 
 def limits() -> Iterator[Check]:
     """Half space and lubrication, each extrapolated from two ratios."""
     thin, thinner = (first_stiffness(Case(a, 40.0, "bonded", "frictionless")) for a in (0.1, 0.05))
     yield Check("Limits", "thick pad, F / (E a d)", 2 / 0.75, 2 * thinner - thin, 2e-2, "2 a E d / (1 - nu^2)")
-    found = []
+    values = []
     for ratio in (6.0, 12.0):
-        found.append(first_stiffness(Case(ratio, ratio + 8.0)) * 3.0 * ratio / (1.5 * np.pi * ratio**4))
+        values.append(first_stiffness(Case(ratio, ratio + 8.0)) * 3.0 * ratio / (1.5 * np.pi * ratio**4))
     source = "confined layer, F = (3 pi / 2) mu a^4 d / h^3; the edge adds a share of order h / a"
-    yield Check("Limits", "thin pad, glued punch, over the limit", 1.0, 2 * found[1] - found[0], 6e-2, source)
+    yield Check("Limits", "thin pad, glued punch, over the limit", 1.0, 2 * values[1] - values[0], 6e-2, source)
 
 
 def orders() -> Iterator[Check]:
@@ -102,9 +102,9 @@ def orders() -> Iterator[Check]:
     errors = np.array([smooth_errors(cells) for cells in (4, 8, 16)])
     rates = np.log2(errors[1] / errors[2])
     expected = {"displacement (L2)": 3.0, "pressure (L2)": 2.0, "energy, and so force": 4.0}
-    for (name, rate), found in zip(expected.items(), rates):
+    for (name, rate), value in zip(expected.items(), rates):
         yield Check(
-            "Convergence orders", name, rate, float(found), 0.2, "biquadratic displacement, linear pressure",
+            "Convergence orders", name, rate, float(value), 0.2, "biquadratic displacement, linear pressure",
             absolute=True, one_sided=True,
         )  # fmt: skip
 
@@ -246,11 +246,11 @@ def tables() -> Iterator[Check]:
     for thickness, share in ((5.0, 0.420), (15.0, 0.716), (20.0, 0.779)):
         args = (0.3 * thickness, thickness, 0.025, radius)
         tables = [load_table(base) for base in ("sliding", "bonded")]
-        found = float(tables[0].force(*args) / tables[1].force(*args))
+        value = float(tables[0].force(*args) / tables[1].force(*args))
         stated = share * sum(float(np.squeeze(table.relative_error(args[0], thickness, radius))) for table in tables)
         source = "an independent finite-element code; the tolerance is 0.012 or the errors that both state"
         name = f"sliding over bonded base, {thickness:g} mm, d/h 0.3"
-        yield Check("Table", name, share, found, max(0.012, round(stated, 4)), source, absolute=True)
+        yield Check("Table", name, share, value, max(0.012, round(stated, 4)), source, absolute=True)
 
 
 def laws_on_a_pad() -> Iterator[Check]:

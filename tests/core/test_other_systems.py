@@ -91,8 +91,8 @@ def test_places_in_a_project_have_forward_slashes_and_another_drive_is_outside(m
 
     monkeypatch.setattr(project_files, "os", SimpleNamespace(sep="\\", path=ntpath))
     root = PureWindowsPath("C:/lab/project")
-    assert str(project_files._place_in(root, "measured\\import-1\\a.csv")) == "measured/import-1/a.csv"
-    assert project_files._place_in(root, "D:\\a.csv") is None
+    assert str(project_files._path_in(root, "measured\\import-1\\a.csv")) == "measured/import-1/a.csv"
+    assert project_files._path_in(root, "D:\\a.csv") is None
 
 
 def test_a_script_whose_workers_would_run_it_again_gets_the_line_that_it_lacks(tmp_path):

@@ -147,7 +147,7 @@ def test_kinds_that_are_refused_for_the_same_reason_are_warned_of_in_one_line():
     def beside(kind, reason):
         return ShapeComparison(kind, None, None, None, None, reason)
 
-    chosen = SimpleNamespace(beside=(
+    chosen = SimpleNamespace(comparisons=(
         beside("crowned", "crowned pads need glue"), beside("boned", "boned pads need glue"),
         beside("layered", "nothing reaches 10 N"), beside("bumped", "bumped pads are tabulated on 14 mm"),
     ))  # fmt: skip

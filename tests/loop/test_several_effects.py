@@ -133,7 +133,7 @@ def errors_of(square):
 )  # fmt: skip
 def test_an_effect_in_doubt_has_its_evidence_apart_or_lowers_the_left_out_error(gain, left, apart, stands, monkeypatch):
     monkeypatch.setattr(acceptance, "errors", lambda fit: errors_of(fit))
-    monkeypatch.setattr(acceptance, "evidence_apart", lambda fit, name: apart)
+    monkeypatch.setattr(acceptance, "separate_evidence", lambda fit, name: apart)
     assert acceptance.worth(gain, Needed(50.0, 100.0, "ageing"), before=1.0, after=left) is stands
 
 
@@ -156,13 +156,13 @@ def test_evidence_apart_counts_only_bins_that_the_form_error_of_another_effect_d
     monkeypatch.setattr(verdict, "make_whitener", lambda *args: lambda values: values)
     monkeypatch.setattr(verdict, "prior_precision", lambda problem, sizes: np.zeros(7))
     # fifty bins of size 3 and noise 1 are left; 100 on the others is off by up to sqrt(0.015) x 100 = 12
-    assert verdict.evidence_apart(fit, "contact_offset") == pytest.approx(50 * size**2)
+    assert verdict.separate_evidence(fit, "contact_offset") == pytest.approx(50 * size**2)
     # a bias whose form error is within the noise hides nothing: the bias is then known from all bins
     near = SimpleNamespace(**{**vars(fit), "vector": np.r_[np.zeros(5), 2.0, size]})
     near.forces = jacobian @ near.vector
-    assert verdict.evidence_apart(near, "contact_offset") == pytest.approx(50 * size**2)
+    assert verdict.separate_evidence(near, "contact_offset") == pytest.approx(50 * size**2)
     # the offset's form error of 0.37 reaches every bin of the bias
-    assert verdict.evidence_apart(fit, "force_bias") < 1e-3
+    assert verdict.separate_evidence(fit, "force_bias") < 1e-3
 
 
 

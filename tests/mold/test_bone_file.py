@@ -18,7 +18,7 @@ from dummydesign.mold.model.preset import mould_spec
 from dummydesign.mold.model.spec import Insert, MouldSpec, Placing
 from dummydesign.mold.pour.plan import pour_plan
 from dummydesign.mold.pour.warnings import pour_warnings
-from dummydesign.mold.runner import place_bone
+from dummydesign.mold.runner import insert_bone
 from tests.support.mould_checks import no_check_fails
 
 BALL = Insert("ball.stl", "0" * 64, Placing(6.0), 2000.0, 600.0, -14.0, 14.0, -14.0, 14.0, 0.02)
@@ -55,7 +55,7 @@ def test_the_underside_of_a_tilted_triangle_is_its_plane():
 @pytest.mark.slow
 def test_a_ball_is_scaled_placed_cut_and_measured_as_a_spherical_cap(ball, tmp_path):
     placing = Placing(6.0, 10.0, (90.0, 180.0, 90.0), 2.0, -1.0)
-    insert, dome = place_bone(ball, placing, 15.0, 70.0, 60.0, tmp_path / "bone.brep")
+    insert, dome = insert_bone(ball, placing, 15.0, 70.0, 60.0, tmp_path / "bone.brep")
     cap = math.pi * 36.0 * (60.0 - 6.0) / 3
     assert insert.volume_mm3 == pytest.approx(cap, rel=0.03)
     assert insert.seat_mm2 == pytest.approx(math.pi * 204, rel=0.03)
@@ -68,9 +68,9 @@ def test_a_ball_is_scaled_placed_cut_and_measured_as_a_spherical_cap(ball, tmp_p
 @pytest.mark.slow
 def test_past_its_middle_a_ball_overhangs_and_one_that_does_not_reach_the_plate_is_refused(ball, tmp_path):
     solid = tmp_path / "bone.brep"
-    assert place_bone(ball, Placing(8.0, 2.5), 15.0, 60.0, 50.0, solid)[0].overhang
+    assert insert_bone(ball, Placing(8.0, 2.5), 15.0, 60.0, 50.0, solid)[0].overhang
     with pytest.raises(InputError, match=r"10\.00 mm high as scaled.*bone height must be below"):
-        place_bone(ball, Placing(11.0, 2.5), 15.0, 60.0, 50.0, solid)
+        insert_bone(ball, Placing(11.0, 2.5), 15.0, 60.0, 50.0, solid)
 
 
 def test_a_bone_that_sticks_out_or_hardly_meets_its_plate_is_refused_with_the_room_there_is():
@@ -127,7 +127,7 @@ def test_a_file_without_a_closed_solid_is_refused(content, said, ball, tmp_path)
         content = open_ball.export(file_type="stl")
     (tmp_path / "bad.stl").write_bytes(content)
     with pytest.raises(InputError, match=said):
-        place_bone(tmp_path / "bad.stl", Placing(5.0), 15.0, 60.0, 50.0, tmp_path / "bone.brep")
+        insert_bone(tmp_path / "bad.stl", Placing(5.0), 15.0, 60.0, 50.0, tmp_path / "bone.brep")
 
 
 @pytest.mark.slow

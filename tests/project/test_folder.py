@@ -7,7 +7,7 @@ from dummydesign.project.folder import (
     change_project,
     find_project,
     make_project,
-    place_for,
+    output_path_for,
     read_project,
     words_for,
 )
@@ -97,5 +97,5 @@ def test_files_of_the_project_are_named_from_where_one_stands(tmp_path):
     project = make_project(tmp_path, tissue="tissue/mine.toml")
     inside = tmp_path / "designs"
     assert words_for(project, ["suggest"], inside) == ["--tissue", "../tissue/mine.toml"]
-    assert place_for(project, "suggest", "suggest-mine", inside) == "suggest-mine"
-    assert place_for(project, "loop", "loop-a", tmp_path) == "calibrations/loop-a"
+    assert output_path_for(project, "suggest", "suggest-mine", inside) == "suggest-mine"
+    assert output_path_for(project, "loop", "loop-a", tmp_path) == "calibrations/loop-a"

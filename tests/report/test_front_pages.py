@@ -141,7 +141,7 @@ def test_a_drawn_curve_lies_where_its_values_are():
     drawn = plot_drawing(plot)((0.0, 0.0, 100.0, 60.0))
     ticks = {item.words: item for item in items if isinstance(item, Text)}
     assert {"0", "20", "40", "60", "1", "2", "3", "4"} <= set(ticks)
-    assert ticks["40"].y_mm == pytest.approx(along.place(40.0) + 0.25 * 7.0 * PT_MM)
+    assert ticks["40"].y_mm == pytest.approx(along.position(40.0) + 0.25 * 7.0 * PT_MM)
     (curve,) = [item for item in drawn if isinstance(item, Path) and item.stroke == "#0b5cad"]
     (left, low), (right, high) = curve.points[0], curve.points[-1]
     (dot,) = [item for item in drawn if isinstance(item, Path) and item.fill == "#b3500f"]

@@ -25,15 +25,15 @@ def plot(*layers, **more):
 @pytest.mark.parametrize("log", [False, True])
 def test_an_axis_puts_its_ends_at_its_ends_and_keeps_order(log):
     axis = Axis("x", 0.01, 10.0, 50.0, 400.0, log)
-    assert axis.place(0.01) == pytest.approx(50.0) and axis.place(10.0) == pytest.approx(400.0)
-    places = [axis.place(value) for value in (0.02, 0.3, 1.0, 7.0)]
+    assert axis.position(0.01) == pytest.approx(50.0) and axis.position(10.0) == pytest.approx(400.0)
+    places = [axis.position(value) for value in (0.02, 0.3, 1.0, 7.0)]
     assert places == sorted(places)
     assert all(0.01 <= value <= 10.0 for value, _ in axis.ticks())
 
 
 def test_a_logarithmic_axis_gives_each_decade_the_same_room():
     axis = Axis("x", 0.001, 10.0, 0.0, 400.0, True)
-    assert [axis.place(value) for value, _ in axis.ticks()] == pytest.approx([0, 100, 200, 300, 400])
+    assert [axis.position(value) for value, _ in axis.ticks()] == pytest.approx([0, 100, 200, 300, 400])
 
 
 @pytest.mark.parametrize("step", [1e-7, 0.013, 0.2, 1.0, 3.3, 7.1, 999.0])

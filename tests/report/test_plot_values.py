@@ -69,8 +69,8 @@ def test_ends_of_a_band_lead_back_to_the_data(sideways):
 def test_many_places_are_those_of_each_value(log):
     axis = Axis("x", 0.01, 10.0, 50.0, 400.0, log)
     values = np.array([1e-9, 0.02, 1.0, 9.0, 500.0])
-    assert axis.places(values) == pytest.approx([axis.place(v) for v in values.tolist()])
-    assert np.isnan(axis.places(np.array([np.nan]))[0])
+    assert axis.positions(values) == pytest.approx([axis.position(v) for v in values.tolist()])
+    assert np.isnan(axis.positions(np.array([np.nan]))[0])
 
 
 def test_points_that_are_left_out_lie_on_the_line_that_stays():

@@ -53,7 +53,7 @@ def test_a_slab_with_the_exponent_of_tissue_keeps_its_place_and_never_enters():
     young = gamma1 * 15.0**2 / (100.0 * dummies.RADIUS_MM)
     dummy = study.press_dummy("I", CubicLaw(), young, (), only_steady=True)
     assert dummy.exponent() == pytest.approx(3.0, abs=0.01)
-    assert dummy.place_at(5.0) == pytest.approx(dummy.place_at(15.0), abs=0.01)
+    assert dummy.position_at(5.0) == pytest.approx(dummy.position_at(15.0), abs=0.01)
     assert math.isnan(dummy.crossing_N)
     judged = {
         said.words: said.judge({"I": dummy})[0] for said in statements() if said.dummy == "I" and said.steady_curve

@@ -13,7 +13,8 @@ import numpy as np
 import pytest
 
 from dummydesign.pad.specimen import Pad
-from studies.registry import PACKAGE, STUDIES
+from studies.data_files import FOLDER, PAGE, origins, page
+from studies.registry import DATA_FILES, PACKAGE, STUDIES
 from studies.tables.common import Build, sources_hash, write_table
 
 ROOT = Path(__file__).parents[2]
@@ -29,6 +30,21 @@ def test_every_shipped_table_is_made_by_exactly_one_study():
 def test_every_file_that_a_study_makes_is_there():
     missing = [file for study in STUDIES for file in study.files if not (ROOT / file).is_file()]
     assert missing == []
+
+
+def test_every_data_file_is_there_and_listed_once_with_its_origin():
+    listed = [file.removeprefix(FOLDER) for study in STUDIES for file in study.files if file.startswith(FOLDER)]
+    listed = [name for name in listed if name.endswith(".csv")] + [one.name for one in DATA_FILES]
+    assert sorted(listed) == sorted(path.name for path in (ROOT / FOLDER).glob("*.csv"))
+    assert all(one.command or "by hand" in one.origin for one in DATA_FILES)
+    assert (ROOT / PAGE).read_text(encoding="utf-8") == page()
+
+
+@pytest.mark.parametrize("name", [name for name, (command, _) in origins().items() if command])
+def test_the_command_of_a_data_file_is_a_program_of_the_repository(name):
+    words = origins()[name][0].split()
+    path = words[1] if words[1] != "-m" else words[2].replace(".", "/") + ".py"
+    assert words[0] == "python" and (ROOT / path).is_file()
 
 
 @pytest.mark.parametrize("module", sorted({study.module for study in STUDIES}))
@@ -100,3 +116,10 @@ def test_one_row_of_the_table_of_compressible_slabs_is_found_again():
     found = (np.asarray(hard.force_N) / np.asarray(soft.force_N) - 1.0) / 0.04
     stored = table.coefficient(depths[:, None], np.full((2, 1), ratio))[:, 0]
     assert found == pytest.approx(stored, rel=0.03)
+
+
+@pytest.mark.parametrize("name", ["pad-sharp-error", "pad-square", "pad-quick-error"])
+def test_figures_that_are_read_from_tables_are_those_of_the_tables(name):
+    from studies.pad_figures import text_of
+
+    assert (ROOT / FOLDER / f"{name}.csv").read_text(encoding="utf-8") == text_of(name)

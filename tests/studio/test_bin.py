@@ -183,7 +183,7 @@ def test_an_upload_with_the_content_of_another_file_is_not_copied(root):
 def test_an_upload_of_a_name_that_is_there_gets_a_number_and_can_take_its_place(root):
     stored = uploads.store(root, root / "measured", "a.csv", b"2")
     assert (stored.name, stored.outcome) == ("a-2.csv", "numbered")
-    done = uploads.take_place(root, root / "measured", "a-2.csv", "a.csv")
+    done = uploads.rename_over(root, root / "measured", "a-2.csv", "a.csv")
     assert (root / "measured" / "a.csv").read_bytes() == b"2" and not (root / "measured" / "a-2.csv").exists()
     assert (done.gone.folder / bin.CONTENT / "a.csv").read_bytes() == b"1"
 

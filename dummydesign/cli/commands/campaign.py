@@ -67,12 +67,12 @@ def run(options: argparse.Namespace) -> dict[str, Any]:
     if options.action == "check":
         from dummydesign.api.campaigns import check_campaign
 
-        found = check_campaign(options.folder).to_dict()
-        if found["wrong"]:
-            count = len(found["wrong"])
+        status = check_campaign(options.folder).to_dict()
+        if status["wrong"]:
+            count = len(status["wrong"])
             problems = f"{count} problem{'s' if count > 1 else ''} in {options.folder}"
-            raise NoAnswerError("campaign_wrong", problems, found, "campaign")
-        return found
+            raise NoAnswerError("campaign_wrong", problems, status, "campaign")
+        return status
     moulded = _moulded(options) if options.action == "new" and options.from_mould is not None else None
     set_up = _set_up(options, moulded)
     if options.action == "from-files":
@@ -104,13 +104,13 @@ def _moulded(options: argparse.Namespace) -> Any:
         if getattr(options, name):
             message = f"--from-mould with --{name}: the moulds settle it; leave one of the two out"
             raise InputError(message, "conflict", name)
-    found = moulded_pads([part for part in options.from_mould.split(",") if part])
+    pads = moulded_pads([part for part in options.from_mould.split(",") if part])
     if options.young is None:
         # a batch of one's own, or another ratio in the same mould, is typed
-        resin, ratio = found.pour() if options.resin is None or options.ratio is None else (None, None)
+        resin, ratio = pads.pour() if options.resin is None or options.ratio is None else (None, None)
         options.resin = resin if options.resin is None else options.resin
         options.ratio = ratio if options.ratio is None else options.ratio
-    return found
+    return pads
 
 
 def _unused_moulds() -> list[dict[str, str]]:

@@ -95,9 +95,9 @@ def render_details(result: dict[str, Any]) -> str:
             f"{'parameter':<22} {'dummy':>10} {'95 % low':>10} {'95 % high':>10} {'band low':>10} {'band high':>10}"
         )
     for name, row in result["parametric"].items():
-        place = {True: "inside", False: "outside", None: "no band"}[row["inside"]]
+        position = {True: "inside", False: "outside", None: "no band"}[row["inside"]]
         cells = " ".join(f"{text(row[key]):>10}" for key in ("value", "low", "high", "band_low", "band_high"))
-        lines.append(f"{name:<22} {cells}  {place}")
+        lines.append(f"{name:<22} {cells}  {position}")
     steady = result["steady_state_range"]
     lines.append("steady-state curve, fraction in range of the force reached:")
     low, high = steady["span_N"]

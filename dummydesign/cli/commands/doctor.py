@@ -20,9 +20,9 @@ def run(options: argparse.Namespace) -> dict[str, Any]:
     from dummydesign.api.health import check_machine
     from dummydesign.core.errors import NoAnswerError
 
-    found = check_machine(not options.no_cad)
-    result = {"inputs": {"no_cad": options.no_cad}, "sources": [], **found.to_dict()}
-    failed = [check.name for check in found.checks if check.status == "failed"]
+    health = check_machine(not options.no_cad)
+    result = {"inputs": {"no_cad": options.no_cad}, "sources": [], **health.to_dict()}
+    failed = [check.name for check in health.checks if check.status == "failed"]
     if failed:
         raise NoAnswerError("machine_unfit", f"this machine cannot be used yet: {', '.join(failed)}", result, "machine")
     return result

@@ -70,13 +70,13 @@ def pairs(option: str, text: str) -> dict[str, str]:
     if parts[0].strip() or len(parts) < 3:
         message = f"--{option} {text} must give ROLE=VALUE,... with roles {', '.join(ROLES)}"
         raise InputError(message, "malformed", option, text)
-    found: dict[str, str] = {}
+    values: dict[str, str] = {}
     for role, value in zip(parts[1::2], parts[2::2]):
-        if role in found or not value.strip():
+        if role in values or not value.strip():
             message = f"--{option} {text}: {role} is given twice or is empty"
-            raise InputError(message, "duplicate" if role in found else "missing", option, text)
-        found[role] = value.strip()
-    return found
+            raise InputError(message, "duplicate" if role in values else "missing", option, text)
+        values[role] = value.strip()
+    return values
 
 
 def default_out(options: argparse.Namespace) -> str | None:

@@ -69,15 +69,15 @@ def _readings(text: str) -> list[float] | dict[str, float]:
 
 def _weighed(text: str) -> dict[str, float]:
     """Masses as typed, ``polyol=174.1,isocyanate=26.1``. [g]"""
-    found: dict[str, float] = {}
+    weights: dict[str, float] = {}
     for part in text.split(","):
         name, _, value = (one.strip() for one in part.partition("="))
         try:
-            found[name] = float(value)
+            weights[name] = float(value)
         except ValueError:
             message = f"--weighed {part.strip()!r} must be NAME=G"
             raise InputError(message, "not_a_number", "weighed", part.strip()) from None
-    return found
+    return weights
 
 
 def render_record(result: dict[str, Any]) -> str:
@@ -144,21 +144,21 @@ def run(options: argparse.Namespace) -> dict[str, Any]:
     if options.thickness is None:
         raise InputError("--thickness is missing: the thickness of the pad in mm, 3 to 30", "missing", "thickness")
 
-    turn, place = (_numbers(f"--bone-{name}", text, count) for name, text, count in
-                   (("turn", options.bone_turn, 3), ("at", options.bone_at, 2)))  # fmt: skip
+    turn, position = (_numbers(f"--bone-{name}", text, count) for name, text, count in
+                      (("turn", options.bone_turn, 3), ("at", options.bone_at, 2)))  # fmt: skip
     with Watch():
-        return call(make_mould, options, bone_turn_deg=turn, bone_at_mm=place).to_dict()
+        return call(make_mould, options, bone_turn_deg=turn, bone_at_mm=position).to_dict()
 
 
 def _numbers(option: str, text: str, count: int) -> Any:
     try:
-        found = tuple(float(part) for part in text.split(","))
+        numbers = tuple(float(part) for part in text.split(","))
     except ValueError:
-        found = ()
-    if len(found) != count:
+        numbers = ()
+    if len(numbers) != count:
         message = f"{option} {text} must be {count} comma-separated numbers"
         raise InputError(message, "malformed", quantity_name(option), text)
-    return found
+    return numbers
 
 
 def default_in_project(options: argparse.Namespace) -> str | None:
@@ -257,8 +257,8 @@ def _job(result: dict[str, Any]) -> str:
     lines = []
     for one in result["moulds"]:
         counts = {status: sum(c["status"] == status for c in one["checks"]) for status in ("pass", "fail", "skipped")}
-        said = f"{counts['pass']} checks passed, {counts['fail']} failed, {counts['skipped']} skipped"
-        lines.append(f"{one['thickness_mm']:>6g} mm  {one['spec_hash']}  {said}  {one['folder']}")
+        counted = f"{counts['pass']} checks passed, {counts['fail']} failed, {counts['skipped']} skipped"
+        lines.append(f"{one['thickness_mm']:>6g} mm  {one['spec_hash']}  {counted}  {one['folder']}")
     if "bill_of_materials" not in result:
         # One of them failed, and what was made is not kept.
         failed = [item for item in result.get("checks", []) if item["status"] == "fail"]

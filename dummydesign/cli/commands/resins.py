@@ -157,11 +157,11 @@ def _render_puck(result: dict[str, Any]) -> list[str]:
     ]
 
 
-def _render_relaxation(found: dict[str, Any] | None) -> list[str]:
-    if found is None:
+def _render_relaxation(relaxation: dict[str, Any] | None) -> list[str]:
+    if relaxation is None:
         return []
     lines = []
-    for arm in found["prony"]:
+    for arm in relaxation["prony"]:
         beta, tau = arm["beta"], arm["tau_s"]
         lines.append(
             f"term      {beta['value']:.3g} of the long-term modulus (95 %: {beta['low']:.3g} to {beta['high']:.3g}) "

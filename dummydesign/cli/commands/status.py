@@ -30,17 +30,17 @@ def run(options: argparse.Namespace) -> dict[str, Any]:
 
 def render(result: dict[str, Any]) -> str:
     """One line a thing found, then what comes next."""
-    lines = _found(result)
+    lines = _listing(result)
     steps = labelled("NEXT", f"{result['next']['text']}\n{result['next']['command']}")
     return screen(lines[:2], lines[2:], [""], steps, more="  ... and {} more: --details")
 
 
 def render_details(result: dict[str, Any]) -> str:
     """The same with every thing found."""
-    return "\n".join([*_found(result), "", f"next: {result['next']['text']}", f"  {result['next']['command']}"])
+    return "\n".join([*_listing(result), "", f"next: {result['next']['text']}", f"  {result['next']['command']}"])
 
 
-def _found(result: dict[str, Any]) -> list[str]:
+def _listing(result: dict[str, Any]) -> list[str]:
     given = ", ".join(f"{name} {value}" for name, value in result["given"].items()) or "nothing given"
     lines = [f"project '{result['name']}' ({given})", ""]
     for room, items in result["found"].items():
@@ -51,17 +51,17 @@ def _found(result: dict[str, Any]) -> list[str]:
 
 def status_line(one: dict[str, Any]) -> str:
     """What is known of one thing found, in a few words."""
-    found = one["summary"] or {}
-    if "pressed" in found:
-        left = f", {found['wrong']} problem{'s' * (found['wrong'] > 1)}" if found["wrong"] else ""
-        return f"{found['pressed']} of {found['pressed'] + found['missing']} presses are there{left}"
-    if "thickness_mm" in found and "ratio" in found:
-        verdict = str(found.get("verdict", "")).replace("_", " ")
-        return f"{found['thickness_mm']:g} mm {found['shape']}, ratio {found['ratio']:g}" + (
+    summary = one["summary"] or {}
+    if "pressed" in summary:
+        left = f", {summary['wrong']} problem{'s' * (summary['wrong'] > 1)}" if summary["wrong"] else ""
+        return f"{summary['pressed']} of {summary['pressed'] + summary['missing']} presses are there{left}"
+    if "thickness_mm" in summary and "ratio" in summary:
+        verdict = str(summary.get("verdict", "")).replace("_", " ")
+        return f"{summary['thickness_mm']:g} mm {summary['shape']}, ratio {summary['ratio']:g}" + (
             f": {verdict}" if verdict else ""
         )
-    if "traces" in found:
-        return f"{found['traces']} presses"
-    if "effects" in found:
-        return f"{found['verdict']}: {', '.join(found['effects']) or 'no effect'}"
+    if "traces" in summary:
+        return f"{summary['traces']} presses"
+    if "effects" in summary:
+        return f"{summary['verdict']}: {', '.join(summary['effects']) or 'no effect'}"
     return str(one["command"] or "as measured" if one["folder"].startswith("measured/") else one["command"])

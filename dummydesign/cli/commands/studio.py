@@ -13,8 +13,8 @@ HELP = "Open a project folder as a page in the browser: bring in files, design, 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
     add = parser.add_argument
-    place = "made when needed (default: the project of the current folder, else this folder)"
-    add("folder", nargs="?", metavar="DIR", help=place)
+    meaning = "made when needed (default: the project of the current folder, else this folder)"
+    add("folder", nargs="?", metavar="DIR", help=meaning)
     add("--port", type=int, metavar="P", help="open to this computer only (default: the first free one from 8420)")
     add("--no-browser", action="store_true", help="print the address only")
 
@@ -29,11 +29,11 @@ def run(options: argparse.Namespace) -> dict[str, Any]:
     folder = options.folder
     if folder is None:
         try:
-            found = find_project()
+            project = find_project()
         except InputError:
             # the page says what is damaged
-            found = None
-        folder = "." if found is None else str(found.root)
+            project = None
+        folder = "." if project is None else str(project.root)
 
     def say(text: str) -> None:
         print(f"{text}\n(Ctrl-C ends it; commands that it started go on)", file=sys.stderr, flush=True)

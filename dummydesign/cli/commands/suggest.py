@@ -46,7 +46,7 @@ def run(options: argparse.Namespace) -> dict[str, Any]:
         options.calibration = None
     answer = call_in_steps(ABOUT_STEPS, suggest, options)
     result = answer.to_dict()
-    if not answer.found.verdict.acceptable:
+    if not answer.outcome.verdict.acceptable:
         text = f"no acceptable pad: the best one found is {result['verdict']['level'].replace('_', ' ')}"
         text += "" if options.cad is not None else "; no mould was made of it (--cad makes it anyway)"
         raise NoAnswerError("no_acceptable_pad", text, result, "verdict")

@@ -174,9 +174,9 @@ def poured_slabs(law: ForceLaw, pours: Pours, space: SearchSpace) -> Slabs:
     thickness = np.clip(pours.thickness_mm, space.radius_mm / largest, space.radius_mm / smallest)
     low, high = float(thickness.min()), float(thickness.max())
     nodes = np.linspace(low, high, NODES) if high > low else np.array([low])
-    place = np.rint((thickness - low) / max(high - low, 1e-12) * (len(nodes) - 1)).astype(int)
+    index = np.rint((thickness - low) / max(high - low, 1e-12) * (len(nodes) - 1)).astype(int)
     tau = tuple(arm.tau_s.value for arm in space.resin.arms)
-    return Slabs(make_curves(law, nodes, space.radius_mm), place, pours.young_MPa, tau, pours.beta)
+    return Slabs(make_curves(law, nodes, space.radius_mm), index, pours.young_MPa, tau, pours.beta)
 
 
 def limits_that_bind(candidate: DesignCandidate, thickness_mm: NDArray, ratio: NDArray) -> tuple[str, ...]:
@@ -225,7 +225,7 @@ def pour_yield(cast: PadCastings) -> PourYield:
     """Share of the castings of a pad whose steady depths at the slowest speed lie among the subjects'."""
     targets, best = cast.space.targets, cast.candidate
     known = (MODULUS, RELAXATION, FORCE_LAW)
-    inside, making = (_inside(found, targets) for found in (cast.every, cast.pressed(known)))
+    inside, making = (_inside(evaluation, targets) for evaluation in (cast.every, cast.pressed(known)))
     nominal = _inside(best.evaluation, targets)[best.index]
     forces = targets.protocol.forces_N
     # shares inside wherever the nominal pad is
@@ -236,10 +236,10 @@ def pour_yield(cast: PadCastings) -> PourYield:
     return PourYield(stays[0], judged, stays[1], every, made, spread, cast.castings.n, cast.tolerances)
 
 
-def _inside(found: Evaluation, targets: Targets) -> NDArray:
+def _inside(evaluation: Evaluation, targets: Targets) -> NDArray:
     """Whether each pad is inside the steady-state range at each force of the slowest speed, shape (pads, forces)."""
     forces = np.array(targets.protocol.forces_N)
-    depth = found.depth_mm[:, : len(forces)]
+    depth = evaluation.depth_mm[:, : len(forces)]
     stiff, soft = targets.depth_range_mm(forces)
     with np.errstate(invalid="ignore"):
         return np.asarray((depth >= stiff) & (depth <= soft))

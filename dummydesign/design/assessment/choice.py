@@ -83,8 +83,9 @@ def castings_for_tissues(cast: PadCastings, low_share: float, pours: int = POURS
         gamma1 = evaluated_gamma1(pressed, space.targets.power)
         rows = []
         for targets in (space.targets, *space.targets.drawn):
-            found = pressed if targets is space.targets else scored_for(pressed, targets)
-            rows.append((found.total(gamma1_score(gamma1, targets)), found.low_aim, classes_of(found, targets)))
+            evaluation = pressed if targets is space.targets else scored_for(pressed, targets)
+            total = evaluation.total(gamma1_score(gamma1, targets))
+            rows.append((total, evaluation.low_aim, classes_of(evaluation, targets)))
         cast.over_tissues[pours] = tuple(np.array(values) for values in zip(*rows))
     total, low_aim, kinds = cast.over_tissues[pours]
     merit = (1.0 - low_share) * total + low_share * low_aim
@@ -92,9 +93,9 @@ def castings_for_tissues(cast: PadCastings, low_share: float, pours: int = POURS
     return TissueScores(total[kept], merit[kept], (kinds <= worst)[kept], merit[0])
 
 
-def usable(found: Evaluation, targets: Targets) -> NDArray:
+def usable(evaluation: Evaluation, targets: Targets) -> NDArray:
     """Whether pads may be used for a tissue, as they are or with a correction, shape (n,)."""
-    return np.asarray(classes_of(found, targets) <= CLASSES.index(USABLE))
+    return np.asarray(classes_of(evaluation, targets) <= CLASSES.index(USABLE))
 
 
 def tissue_share(values: NDArray) -> float | None:
@@ -134,13 +135,13 @@ class Choice(Serialised):
     tissue_share: float | None
 
 
-def explain(cast: PadCastings, kind: str, beside: tuple[ShapeComparison, ...]) -> Choice:
+def explain(cast: PadCastings, kind: str, comparisons: tuple[ShapeComparison, ...]) -> Choice:
     """Compare the recommended pad with the best of another kind."""
     best, targets = cast.candidate, cast.space.targets
     totals = castings_for_tissues(cast, 0.0).total
     score = float(totals.mean()), float(np.quantile(totals, 0.05)), tissue_share(totals)
     doubt = f"score {score[0]:.2f} of 1 with all uncertainties (5 % of castings below {score[1]:.2f})"
-    others = [(item.candidate, item.kind) for item in beside if item.kind != kind and item.candidate is not None]
+    others = [(item.candidate, item.kind) for item in comparisons if item.kind != kind and item.candidate is not None]
     if not others:
         return Choice(f"no other kind of shape was compared; {doubt}", None, {}, None, *score)
     other, other_kind = max(others, key=lambda item: item[0].worth())
@@ -275,13 +276,13 @@ def by_expectation(
         f"{winner.words} beats {middle.words} over {'resin and casting' if as_known else uncertain}: score "
         f"{winner.expected_worth:.3f} against {middle.expected_worth:.3f}, {shares} of castings usable"
     )
-    if candidate is not chosen.found.best:
+    if candidate is not chosen.result.best:
         candidate = with_parameters([candidate], space)[0]
-        beside = tuple(
+        comparisons = tuple(
             compare_shape(item.kind, chosen.shape, candidate, space, item.by or "table")
-            if item.kind == chosen.shape.name else item for item in chosen.beside
+            if item.kind == chosen.shape.name else item for item in chosen.comparisons
         )  # fmt: skip
-        chosen = replace(chosen, found=replace(chosen.found, best=candidate), beside=beside)
+        chosen = replace(chosen, result=replace(chosen.result, best=candidate), comparisons=comparisons)
     return chosen, Expectation(text, True, winner, middle, undecided)
 
 
@@ -306,7 +307,7 @@ def _undecided(taken: int, pads: Sequence[_Contender], scores: dict[int, TissueS
 
 def _near(chosen: Chosen, space: SearchSpace, low_share: float) -> list[DesignCandidate]:
     """The best pad, and those of one step of the ratio either way that rank no lower."""
-    best = chosen.found.best
+    best = chosen.result.best
     here = int(np.argmin(np.abs(space.ratio - best.ratio)))
     steps = [
         at
@@ -317,13 +318,14 @@ def _near(chosen: Chosen, space: SearchSpace, low_share: float) -> list[DesignCa
         return [best]
     curves = make_curves(chosen.cast, np.array([best.thickness_mm]), space.radius_mm)
     slabs = make_slabs(curves, np.zeros(len(steps), int), space.resin, space.ratio[steps])
-    found = evaluate(slabs, space.targets, space.sampling, exact=True)
+    evaluation = evaluate(slabs, space.targets, space.sampling, exact=True)
     parametric = rough_parametric(slabs, space.targets, space.sampling)
-    columns = space.ratio[steps], parametric, found.total(parametric), acceptability_rank(found, space.targets)
+    ranks = acceptability_rank(evaluation, space.targets)
+    columns = space.ratio[steps], parametric, evaluation.total(parametric), ranks
     others = [
-        DesignCandidate(best.thickness_mm, ratio, at, found, None, score, total, rank)
+        DesignCandidate(best.thickness_mm, ratio, at, evaluation, None, score, total, rank)
         for at, (ratio, score, total, rank) in enumerate(zip(*(column.tolist() for column in columns)))
-        if found.feasible[at] and rank >= min(best.rank, BORDERLINE)
+        if evaluation.feasible[at] and rank >= min(best.rank, BORDERLINE)
     ]
     return [best, *others]
 
@@ -461,16 +463,16 @@ def _two_ratios(cast: PadCastings, worst: int) -> tuple[Pair, Pair, float] | tup
     np.fill_diagonal(either, -1.0)
     first, second = sorted(int(at) for at in np.unravel_index(int(np.argmax(either)), either.shape))
     pair = float(ratios[first]), float(ratios[second])
-    found = _usable(cast, [cast.pours(ratio=ratio) for ratio in pair], worst)
-    share = float((found[0] | found[1]).mean())
+    acceptable = _usable(cast, [cast.pours(ratio=ratio) for ratio in pair], worst)
+    share = float((acceptable[0] | acceptable[1]).mean())
     if share < LEAST:
         return None, None, None
-    return pair, (float(found[0].mean()), float(found[1].mean())), share
+    return pair, (float(acceptable[0].mean()), float(acceptable[1].mean())), share
 
 
 def _usable(cast: PadCastings, pours: list[Pours], worst: int) -> NDArray:
     """Which castings of several ratios are acceptable, shape (ratios, castings)."""
     every = Pours(*(np.concatenate(columns) for columns in zip(*(vars(one).values() for one in pours))))
     targets = cast.space.targets
-    found = evaluate(cast.slabs(every), targets, cast.space.sampling.coarse)
-    return (classes_of(found, targets) <= worst).reshape(len(pours), -1)
+    evaluation = evaluate(cast.slabs(every), targets, cast.space.sampling.coarse)
+    return (classes_of(evaluation, targets) <= worst).reshape(len(pours), -1)

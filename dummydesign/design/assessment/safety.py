@@ -66,8 +66,8 @@ def pad_press(slabs: Slabs, depth_mm: NDArray, velocity_mm_s: float, sampling: S
 
 def tissue_press(band: ForceRange, law: str = "ode", sampling: Sampling | None = None) -> SafetyContact:
     """Ramp and hold on the subjects of a force range, each to its own depth; see :class:`Contact`."""
-    found = _of_press(*press_subjects([band], law, sampling or Sampling()), band.stop_s)
-    return found.where(band.stop_s <= band.time_s[-1])
+    contact = _of_press(*press_subjects([band], law, sampling or Sampling()), band.stop_s)
+    return contact.where(band.stop_s <= band.time_s[-1])
 
 
 @dataclass(frozen=True)
@@ -131,13 +131,13 @@ def impact(body: Body, mass_kg: float, velocity_mm_s: float, longest_mm: float =
     _check_impact(mass_kg, velocity_mm_s)
     guess = stop = _elastic_stop_s(body, 1e-3 * mass_kg, velocity_mm_s, longest_mm)
     for _ in range(8):
-        found = _run(body, 1e-3 * mass_kg, velocity_mm_s, stop / STEPS, longest_mm)
+        contact = _run(body, 1e-3 * mass_kg, velocity_mm_s, stop / STEPS, longest_mm)
         # a mass that does not stop is followed at the pace of the elastic guess once more
-        new = np.where(np.isfinite(found.stop_s), found.stop_s, guess)
+        new = np.where(np.isfinite(contact.stop_s), contact.stop_s, guess)
         if np.all(np.abs(new / stop - 1.0) < 0.5):
             break
         stop = new
-    return found
+    return contact
 
 
 def _check_impact(mass_kg: float, velocity_mm_s: float) -> None:

@@ -78,62 +78,62 @@ def design_warnings(
     centring: CentringTolerance | None, verify: bool,
 ) -> Warnings:  # fmt: skip
     """List what is out of reach, at an edge, doubtful or contradictory, as (code, message)."""
-    said = _of_forces(chosen, space)
-    said += [("off_centre", centring.text)] if centring else []
-    said += [("no_shape", reason) for reason in _reasons(chosen)]
-    said += _edges(chosen, space)
+    notes = _of_forces(chosen, space)
+    notes += [("off_centre", centring.text)] if centring else []
+    notes += [("no_shape", reason) for reason in _reasons(chosen)]
+    notes += _edges(chosen, space)
     alone = len(tissue.subjects) < 2
     if alone:
         text = f"{tissue.name} has one subject, who makes no range: shares in range and of castings mean nothing"
-        said.append(("one_subject", f"{text}; scores and verdict compare the pad with this one person"))
-    said += _of_speeds(space, tissue)
+        notes.append(("one_subject", f"{text}; scores and verdict compare the pad with this one person"))
+    notes += _of_speeds(space, tissue)
     if pour.yield_fraction < 0.5 and not alone:
         share, exact = 100 * pour.yield_fraction, 100 * pour.making_only_fraction
         text = f"{share:.0f} % of castings are in the steady-state range"
-        said.append(("low_yield", f"{text} ({exact:.0f} % once the resin is known)"))
-    said += [("calibration", note) for note in chosen.law.notes]
+        notes.append(("low_yield", f"{text} ({exact:.0f} % once the resin is known)"))
+    notes += [("calibration", note) for note in chosen.law.notes]
     missed = [force for force in space.targets.protocol.forces_N if force not in pour.judged_at_N]
     if missed and not alone:
         *first, last = (f"{force:g}" for force in missed)
         where = f"{', '.join(first)} and {last}" if first else last
-        said.append(("outside_steady_range", f"the steady curve is outside the tissue's range at {where} N"))
-    said += _of_data(space.resin, tissue)
+        notes.append(("outside_steady_range", f"the steady curve is outside the tissue's range at {where} N"))
+    notes += _of_data(space.resin, tissue)
     off = verification.max_difference_percent
     if off is not None and off > 1.0 and chosen.shape.plain:
-        said.append(("table_error", f"the table differs by {off:.1f} % from the finite-element solution"))
-    said += [("verification", note) for note in verification.notes if verify]
-    return said
+        notes.append(("table_error", f"the table differs by {off:.1f} % from the finite-element solution"))
+    notes += [("verification", note) for note in verification.notes if verify]
+    return notes
 
 
 def _of_forces(chosen: Chosen, space: SearchSpace) -> Warnings:
     """Conditions out of reach, and a start that is too stiff."""
-    best = chosen.found.best
-    said = []
+    best = chosen.result.best
+    notes = []
     for column, condition in enumerate(space.targets.conditions):
         if not np.isfinite(best.evaluation.depth_mm[best.index, column]):
             force, speed = condition.steady_force_N, condition.velocity_mm_s
-            said.append(("out_of_reach", f"{force:g} N at {speed:g} mm/s is out of reach and counts as out of range"))
+            notes.append(("out_of_reach", f"{force:g} N at {speed:g} mm/s is out of reach and counts as out of range"))
     low = float(best.evaluation.low_force_range[best.index])
     if low < 0.5:
         lowest = space.targets.protocol.forces_N[0]
         share = f"below {lowest:g} N only {100 * low:.0f} % of the steady curve lies in the (extrapolated) range: "
-        said.append(("stiff_at_first_touch", share + _why_stiff(chosen)))
-    return said
+        notes.append(("stiff_at_first_touch", share + _why_stiff(chosen)))
+    return notes
 
 
 def _of_speeds(space: SearchSpace, tissue: Tissue) -> Warnings:
     """Speeds that are designed for and at which no subject was measured."""
-    said = [] if tissue.notice is None else [tissue.notice]
+    notes = [] if tissue.notice is None else [tissue.notice]
     asked = sorted({condition.velocity_mm_s for condition in space.targets.conditions})
     if tissue.measured:
         between = [v for v in asked if all(max(v / known, known / v) > 1.15 for known in tissue.velocities_mm_s)]
         if between:
             there = " and ".join(f"{v:g}" for v in between)
             text = f"nobody was pressed at {there} mm/s: what {tissue.name} does there lies between its curves"
-            said.append(("speed_not_in_band", f"{text}, not a measurement"))
-        return said
+            notes.append(("speed_not_in_band", f"{text}, not a measurement"))
+        return notes
     if not law_named(tissue.law).fitted:
-        return said
+        return notes
     far = [v for v in asked if all(max(v / known, known / v) > 1.5 for known in tissue.velocities_mm_s)]
     if not far:
         return []
@@ -144,16 +144,16 @@ def _of_speeds(space: SearchSpace, tissue: Tissue) -> Warnings:
 
 def _of_data(resin: Resin, tissue: Tissue) -> Warnings:
     """Numbers that contradict each other, and those that nobody measured."""
-    said = [("contradictory_points", text) for text in resin.contradictions]
+    notes = [("contradictory_points", text) for text in resin.contradictions]
     weak_tissue = [kind for kind in tissue.kinds if kind in WEAK]
     if weak_tissue:
         text = f"the parameters of {tissue.name} are {' and '.join(weak_tissue)}, not measured"
-        said.append(("inferred_tissue", text))
+        notes.append(("inferred_tissue", text))
     weak = resin.uncertain()
     if weak:
         text = f"{len(weak)} numbers of resin {resin.name} are inferred or assumed, not measured"
-        said.append(("not_measured", f"{text}; 'dummydesign resins show {resin.name}' lists them"))
-    return said
+        notes.append(("not_measured", f"{text}; 'dummydesign resins show {resin.name}' lists them"))
+    return notes
 
 
 def _why_stiff(chosen: Chosen) -> str:
@@ -161,13 +161,13 @@ def _why_stiff(chosen: Chosen) -> str:
         return "the shape starts stiffer or softer than tissue there"
     text = "a flat pad starts far more linear than tissue, whatever its ratio"
     # other kinds were compared already where rows of them are beside it
-    return text if len(chosen.beside) > 1 else f"{text}; '--shape auto' looks for others"
+    return text if len(chosen.comparisons) > 1 else f"{text}; '--shape auto' looks for others"
 
 
 def _reasons(chosen: Chosen) -> list[str]:
     """Why kinds have no design, in one line those that share a reason."""
     kinds: dict[str, list[str]] = {}
-    for item in chosen.beside:
+    for item in chosen.comparisons:
         if item.reason:
             own = item.reason.startswith(f"{item.kind} pads ")
             reason = item.reason.removeprefix(f"{item.kind} ") if own else item.reason
@@ -177,12 +177,12 @@ def _reasons(chosen: Chosen) -> list[str]:
 
 def _edges(chosen: Chosen, space: SearchSpace) -> Warnings:
     """A best design at the end of a range: more might be had outside."""
-    best = chosen.found.best
-    said = []
+    best = chosen.result.best
+    notes = []
     for name, value, steps in (
         ("thickness", best.thickness_mm, space.thickness_mm),
         ("ratio", best.ratio, space.ratio),
     ):
         if len(steps) > 1 and value in (steps[0], steps[-1]):
-            said.append(("at_edge", f"the best {name} {value:g} is at the limit of the range searched"))
-    return said
+            notes.append(("at_edge", f"the best {name} {value:g} is at the limit of the range searched"))
+    return notes

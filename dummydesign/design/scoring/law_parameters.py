@@ -51,13 +51,13 @@ def fit_presses(slabs: Slabs, targets: Targets, depth_mm: NDArray, sampling: Sam
     problem = _Problem(presses, fine, targets, speed_of)
     rates = problem.solve()
     springs = problem.springs(rates)
-    found: list[Parameters | None] = [None] * len(usable)
+    parameters: list[Parameters | None] = [None] * len(usable)
     for row, design in enumerate(np.nonzero(usable)[0]):
         gamma, per_speed = springs[row, 1:], springs[row, 1:] / rates[row]
         order = np.argsort(-(per_speed / gamma).mean(axis=0))
         dampers = tuple((v, tuple(per_speed[s][order])) for s, v in enumerate(speeds))
-        found[design] = Parameters(targets.tissue.law, springs[row, 0], tuple(gamma[order]), dampers)
-    return found
+        parameters[design] = Parameters(targets.tissue.law, springs[row, 0], tuple(gamma[order]), dampers)
+    return parameters
 
 
 class _Problem:
@@ -84,12 +84,12 @@ class _Problem:
 
     def responses(self, rates: NDArray) -> list[NDArray]:
         """Weighted responses of spring and arms, (D, n, 1 + arms) one a speed, for rates (D, speeds, arms)."""
-        found = []
+        blocks = []
         for index, drive in enumerate(self.drives):
             columns = [drive.elastic, *(drive.arm(rates[:, index, arm, None]) for arm in range(self.arms))]
             weighted = np.stack(columns, axis=-1) * self.weight[index][..., None]
-            found.append(weighted.reshape(len(rates), -1, 1 + self.arms))
-        return found
+            blocks.append(weighted.reshape(len(rates), -1, 1 + self.arms))
+        return blocks
 
     def fit(self, responses: list[NDArray]) -> tuple[NDArray, NDArray]:
         """Best non-negative springs (D, 1 + arms) for given responses, and weighted residuals (D, n)."""
@@ -178,7 +178,7 @@ def _nonnegative(matrix: NDArray, right: NDArray) -> NDArray:
     return np.maximum(best, 1e-9 * best.max(-1, keepdims=True))
 
 
-def parametric_score(found: list[Parameters | None], targets: Targets) -> NDArray:
+def parametric_score(fitted: list[Parameters | None], targets: Targets) -> NDArray:
     """Closeness of fitted parameters to the aim: mean over all of 1/2 to the distance in half-widths.
 
     Distances are in the logarithm; the half-width of each parameter is half its band over the subjects.
@@ -186,8 +186,8 @@ def parametric_score(found: list[Parameters | None], targets: Targets) -> NDArra
     """
     bands = [_flat(subject.parameters.to_dict()) for subject in targets.tissue.subjects]
     aim = _flat(targets.parameters.to_dict())
-    scores = np.zeros(len(found))
-    for index, parameters in enumerate(found):
+    scores = np.zeros(len(fitted))
+    for index, parameters in enumerate(fitted):
         if parameters is None:
             continue
         values = _flat(parameters.to_dict())

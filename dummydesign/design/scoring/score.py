@@ -98,10 +98,10 @@ def _columns(presses: NDArray) -> tuple[NDArray, NDArray]:
     return presses[:, 0], presses[:, 1]
 
 
-def scored_for(found: Evaluation, targets: Targets) -> Evaluation:
+def scored_for(evaluation: Evaluation, targets: Targets) -> Evaluation:
     """The same presses scored against other targets of the same test; see :func:`evaluate`."""
-    reached = np.concatenate([found.low_depth_mm, found.steady_depth_mm], axis=-1)
-    return _scored(found.slabs, targets, found.sampling, reached, found.presses, _inside_in_order)
+    reached = np.concatenate([evaluation.low_depth_mm, evaluation.steady_depth_mm], axis=-1)
+    return _scored(evaluation.slabs, targets, evaluation.sampling, reached, evaluation.presses, _inside_in_order)
 
 
 def _scored(
@@ -132,8 +132,8 @@ def _inside_exact(press: SimulatedPress, band: ForceRange) -> NDArray:
     share = np.zeros(len(press.stop_s))
     known = np.isfinite(press.depth_mm)
     if known.any():
-        found = band.inside(press.time_s[known], press.force_N[known], press.stop_s[known])
-        share[known] = found["inside_fraction"]
+        shares = band.inside(press.time_s[known], press.force_N[known], press.stop_s[known])
+        share[known] = shares["inside_fraction"]
     return share
 
 
@@ -171,10 +171,10 @@ def steady_gamma1(slabs: Slabs, protocol: Protocol = PAPER, sampling: Sampling =
     return _gamma1(steady_depth(slabs, np.array(protocol.forces_N), protocol.slow_mm_s, sampling), protocol, power)
 
 
-def evaluated_gamma1(found: Evaluation, power: float = 3.0) -> NDArray:
+def evaluated_gamma1(evaluation: Evaluation, power: float = 3.0) -> NDArray:
     """The :func:`steady_gamma1` of designs whose evaluation is not exact, from its depths at the slowest ramp, (D,).
     """
-    return _gamma1(found.depth_mm[:, : len(found.protocol.forces_N)], found.protocol, power)
+    return _gamma1(evaluation.depth_mm[:, : len(evaluation.protocol.forces_N)], evaluation.protocol, power)
 
 
 def _gamma1(depth_mm: NDArray, protocol: Protocol, power: float) -> NDArray:
@@ -275,18 +275,18 @@ def deviations(ranges: Ranges, readings: Readings) -> Deviations:
     return Deviations(ranges, short, above, reached)
 
 
-def classes(found: Deviations, limits: VerdictLimits) -> NDArray:
+def classes(differences: Deviations, limits: VerdictLimits) -> NDArray:
     """Class of each pad as it is, shape (n,), as places in :data:`CLASSES`.
 
     A casting that both falls short and over-reads counts by the larger excess over its limit.
     """
-    short, over = np.nan_to_num(found.shortfall), np.nan_to_num(found.over)
-    if found.ranges.strict:
-        return np.asarray(np.select([~found.reached, short <= limits.stands_shortfall], [4, 0], 2))
+    short, over = np.nan_to_num(differences.shortfall), np.nan_to_num(differences.over)
+    if differences.ranges.strict:
+        return np.asarray(np.select([~differences.reached, short <= limits.stands_shortfall], [4, 0], 2))
     stands = (short <= limits.stands_shortfall) & (over <= limits.stands_over)
     usable = (short <= limits.shortfall_castings) & (over <= limits.over)
     low = short / limits.shortfall_castings >= over / limits.over
-    return np.asarray(np.select([~found.reached, stands, usable, low], [4, 0, 1, 2], 3))
+    return np.asarray(np.select([~differences.reached, stands, usable, low], [4, 0, 1, 2], 3))
 
 
 def tolerance_of(quantity: str) -> float:

@@ -67,8 +67,8 @@ class Targets:
     @cached_property
     def weights(self) -> Weights:
         """Of the score, as the aim names them."""
-        found = weights_of(self.aim)
-        return found if self.parametric else found.without("parametric")
+        whole = weights_of(self.aim)
+        return whole if self.parametric else whole.without("parametric")
 
     @cached_property
     def limits(self) -> VerdictLimits:

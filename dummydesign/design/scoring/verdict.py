@@ -140,11 +140,11 @@ def verdict(
     limits = verdict_limits() if limits is None else limits
     if cast:
         limits = replace(limits, shortfall=limits.shortfall_castings)
-    found = deviations(ranges, readings)
+    differences = deviations(ranges, readings)
     below, above = outside(deviations(replace(ranges, strict=False), readings))
-    every = found if spread is None else deviations(ranges, spread)
+    every = differences if spread is None else deviations(ranges, spread)
     kinds = classes(every, limits)
-    shares = {name: float((kinds == place).mean()) for place, name in enumerate(CLASSES)}
+    shares = {name: float((kinds == number).mean()) for number, name in enumerate(CLASSES)}
     short_95, over_95, force_95 = (
         None if spread is None else _quantile(values[every.reached])
         for values in (every.shortfall, every.over, every.force_shortfall)
@@ -152,7 +152,7 @@ def verdict(
     if beyond > 1.0 and not unsettled:
         unsettled = f"the test goes to {beyond:.2g} times the hardest press of people"
     inside = [float(1.0 - (below[name] | above[name]).mean()) for name in (PEAK, STEADY) if below[name].size]
-    level = _level(found, shares, limits, not unsettled, min(inside, default=0.0))
+    level = _level(differences, shares, limits, not unsettled, min(inside, default=0.0))
     if beyond > limits.beyond_people:
         level = "not_representative"
     after, force_after = None, None
@@ -161,15 +161,16 @@ def verdict(
         after, force_after = (
             _factor(_quantile(values[known.reached])) for values in (known.shortfall, known.force_shortfall)
         )
-    shortfall, over = _deviation(found, found.short, short_95), _deviation(found, found.above, over_95)
-    central, own_force = _factor(shortfall.central), float(found.force_shortfall[0])
+    shortfall = _deviation(differences, differences.short, short_95)
+    over = _deviation(differences, differences.above, over_95)
+    central, own_force = _factor(shortfall.central), float(differences.force_shortfall[0])
     force = _factor(own_force) if np.isfinite(own_force) else None
     factors = (central, force) if spread is None else (_factor(short_95), _factor(force_95))
     correction = Correction(factors[0], central, after, factors[1], force, force_after)
     castings = None if spread is None else shares
     bound = tuple(limits_that_bind)
     parts = [
-        _reading_words(found, readings, level),
+        _reading_words(differences, readings, level),
         "" if castings is None else _casting_words(castings, level, limits, ranges.strict, of),
         _ending(level, correction, unsettled, castings is not None),
     ]
@@ -183,9 +184,11 @@ def verdict(
     )  # fmt: skip
 
 
-def _level(found: Deviations, shares: dict[str, float], limits: VerdictLimits, settled: bool, inside: float) -> str:
-    strict, several = found.ranges.strict, found.ranges.subjects > 1
-    if not representative(found, limits)[0]:
+def _level(
+    differences: Deviations, shares: dict[str, float], limits: VerdictLimits, settled: bool, inside: float
+) -> str:
+    strict, several = differences.ranges.strict, differences.ranges.subjects > 1
+    if not representative(differences, limits)[0]:
         return "not_representative"
     enough = settled and several and shares[STANDS_FOR] >= limits.share
     if enough and (strict or inside >= limits.stands_inside):
@@ -195,19 +198,20 @@ def _level(found: Deviations, shares: dict[str, float], limits: VerdictLimits, s
     return "not_settled"
 
 
-def representative(found: Deviations, limits: VerdictLimits, slack: float | None = None) -> NDArray:
+def representative(differences: Deviations, limits: VerdictLimits, slack: float | None = None) -> NDArray:
     """Whether pads may be cast by their central estimates, shape (n,)."""
-    short, over = np.nan_to_num(found.shortfall), np.nan_to_num(found.over)
-    if found.ranges.strict:
-        return np.asarray(found.reached & (short <= limits.stands_shortfall))
+    short, over = np.nan_to_num(differences.shortfall), np.nan_to_num(differences.over)
+    if differences.ranges.strict:
+        return np.asarray(differences.reached & (short <= limits.stands_shortfall))
     near = 1.0 + (limits.tie if slack is None else slack)
-    return np.asarray(found.reached & (short <= limits.shortfall * near) & (over <= limits.over * near))
+    return np.asarray(differences.reached & (short <= limits.shortfall * near) & (over <= limits.over * near))
 
 
-def outside(found: Deviations, pad: int = 0) -> tuple[dict[str, NDArray], dict[str, NDArray]]:
+def outside(differences: Deviations, pad: int = 0) -> tuple[dict[str, NDArray], dict[str, NDArray]]:
     """What of one pad is below and above every subject, by quantity."""
     below, above = (
-        {name: ratios[name][pad] > 1.0 + tolerance_of(name) for name in ratios} for ratios in (found.short, found.above)
+        {name: ratios[name][pad] > 1.0 + tolerance_of(name) for name in ratios}
+        for ratios in (differences.short, differences.above)
     )
     return below, above
 
@@ -238,11 +242,11 @@ def _factor(ratio: float | None) -> float | None:
     return None if ratio is None else max(ratio, 1.0)
 
 
-def _deviation(found: Deviations, ratios: dict[str, NDArray], q95: float | None) -> Deviation:
-    value, name, at = found.worst(ratios)
+def _deviation(differences: Deviations, ratios: dict[str, NDArray], q95: float | None) -> Deviation:
+    value, name, at = differences.worst(ratios)
     if not np.isfinite(value):
         return Deviation(None, q95, None, None)
-    ranges, speed = found.ranges, found.ranges.velocity_mm_s
+    ranges, speed = differences.ranges, differences.ranges.velocity_mm_s
     force, velocity = (ranges.steady_N[at], speed.min()) if name == STEADY else (ranges.force_N[at], speed[at])
     return Deviation(value, q95, {"steady_force_N": float(force), "velocity_mm_s": float(velocity)}, name)
 
@@ -274,20 +278,21 @@ def whole_percents(shares: list[float], taken: int | None = None) -> list[int]:
     return [int(value) for value in whole]
 
 
-def _reading_words(found: Deviations, readings: Readings, level: str) -> str:
+def _reading_words(differences: Deviations, readings: Readings, level: str) -> str:
     """What leaves the subjects most, below before above; else that nothing does."""
-    presses, ranges = len(readings.peak_N), found.ranges
+    presses, ranges = len(readings.peak_N), differences.ranges
     if missing := int((~np.isfinite(readings.peak_N)).sum()):
         return f"{missing} of {presses} presses are out of reach"
     who = "the one subject" if ranges.subjects < 2 else "all subjects"
-    above = _worst_words(found, readings, found.above, "above", who)
+    above = _worst_words(differences, readings, differences.above, "above", who)
     if ranges.strict:
-        below = _worst_words(found, readings, found.short, "below", "the highest subject")
+        below = _worst_words(differences, readings, differences.short, "below", "the highest subject")
         kept = below or "no peak and no steady force is below the highest subject"
         return f"{kept}; price of the safe side: {above}" if above else kept
-    below = _worst_words(found, readings, found.short, "below", who)
+    below = _worst_words(differences, readings, differences.short, "below", who)
     if below and above:
-        below_first = found.worst(found.short)[0] >= found.worst(found.above)[0] or level != "not_representative"
+        short, over = (differences.worst(ratios)[0] for ratios in (differences.short, differences.above))
+        below_first = short >= over or level != "not_representative"
         return f"{below}, and {above}" if below_first else f"{above}, and {below}"
     if below or above:
         return below or above
@@ -296,12 +301,12 @@ def _reading_words(found: Deviations, readings: Readings, level: str) -> str:
     return f"all {presses} peaks and the steady curve are inside the subjects' range"
 
 
-def _worst_words(found: Deviations, readings: Readings, ratios: dict[str, NDArray], side: str, who: str) -> str:
+def _worst_words(differences: Deviations, readings: Readings, ratios: dict[str, NDArray], side: str, who: str) -> str:
     """The largest ratio in words; empty where it is within tolerance."""
-    value, name, at = found.worst(ratios)
+    value, name, at = differences.worst(ratios)
     if not value > 1.0 + tolerance_of(name):
         return ""
-    ranges = found.ranges
+    ranges = differences.ranges
     # a reading below a subject's is given as a share of the subject's
     percent = 100.0 * (1.0 - 1.0 / value if side == "below" else value - 1.0)
     if name == STEADY:  # compared at the pad's depth
@@ -353,9 +358,9 @@ def acceptability_rank(evaluation: Evaluation, targets: Targets, tighter: bool =
 
     2 may be cast; 1 as well, but is beyond a limit by less than the limits' tie; 0 is not representative.
     """
-    found = deviations_of(evaluation, targets)
+    differences = deviations_of(evaluation, targets)
     slack = -targets.limits.tie if tighter else 0.0
-    kept, near = (representative(found, targets.limits, one) for one in (slack, None))
+    kept, near = (representative(differences, targets.limits, one) for one in (slack, None))
     return np.where(kept, ACCEPTABLE, np.where(near, BORDERLINE, NOT_ACCEPTABLE))
 
 

@@ -61,18 +61,18 @@ class Shaped:
 
     shape: PadShape
     law: FamilyLaw
-    found: SearchResult
+    result: SearchResult
     elements: ForceLaw | None = None
 
     @property
     def merit(self) -> float:
         """What is expected of a design with a shape, whether it is representative or not."""
-        return self.found.best.merit() - self.found.best.loss
+        return self.result.best.merit() - self.result.best.loss
 
     @property
     def worth(self) -> float:
         """By what designs with a shape are chosen; see :meth:`DesignCandidate.worth`."""
-        return self.found.best.worth()
+        return self.result.best.worth()
 
 
 def prescreen(family: Family, targets: Targets, thickness_mm: NDArray, young_MPa: tuple[float, float], radius_mm: float,
@@ -112,10 +112,10 @@ def prescreen(family: Family, targets: Targets, thickness_mm: NDArray, young_MPa
 
 def search_shape(family: Family, space: SearchSpace) -> list[Shaped]:
     """Find shape, thickness and ratio of one family; designs of several thicknesses, the best first."""
-    found = search_shapes([family], space)[0]
-    if isinstance(found, NoAnswerError):
-        raise found
-    return found
+    designs = search_shapes([family], space)[0]
+    if isinstance(designs, NoAnswerError):
+        raise designs
+    return designs
 
 
 def search_shapes(families: Sequence[Family], space: SearchSpace) -> list[list[Shaped] | NoAnswerError]:
@@ -133,16 +133,16 @@ def search_shapes(families: Sequence[Family], space: SearchSpace) -> list[list[S
         thickness = sieved.designs.thickness_mm.tolist()
         starts.append([(family, sieved.designs.shape(i), at) for i, at in enumerate(thickness)])
     around = iter(_around([one for each in starts if not isinstance(each, NoAnswerError) for one in each], space))
-    found: list[list[Shaped] | NoAnswerError] = []
+    answers: list[list[Shaped] | NoAnswerError] = []
     for family, each in zip(families, starts):
         if isinstance(each, NoAnswerError):
-            found.append(each)
+            answers.append(each)
             continue
         able = [shaped for shaped in (next(around) for _ in each) if shaped is not None]
         why = f"no {family.kind} pad reaches {space.targets.protocol.needed_N:g} N within its depth limit"
         best_first = sorted(able, key=lambda shaped: shaped.worth, reverse=True)
-        found.append(best_first if able else NoAnswerError("no_feasible_design", why, quantity="pad"))
-    return found
+        answers.append(best_first if able else NoAnswerError("no_feasible_design", why, quantity="pad"))
+    return answers
 
 
 def search_fixed(family: Family, shape: PadShape, space: SearchSpace) -> Shaped:
@@ -160,8 +160,8 @@ def search_fixed(family: Family, shape: PadShape, space: SearchSpace) -> Shaped:
             f"to {fitting[-1]:g} mm; press it with 'dummydesign predict --shape {shape} --fidelity {shape.fidelity}'",
             quantity="shape",
         )
-    found = search(law, replace(space, thickness_mm=steps), space.targets.weights.low_aim, fitted=0)
-    return Shaped(shape, law, found)
+    result = search(law, replace(space, thickness_mm=steps), space.targets.weights.low_aim, fitted=0)
+    return Shaped(shape, law, result)
 
 
 def mixable(shape: PadShape, ratio: float, resin: Resin) -> bool:
@@ -188,22 +188,22 @@ def _around(starts: Sequence[tuple[Family, PadShape, float]], space: SearchSpace
     results = iter(search_each(laws, space, space.targets.weights.low_aim, REFINED, 0))
     rough = [next(results) if len(steps) else None for steps in near]
     own: list[FamilyLaw | None] = []
-    for (family, shape, thickness), found in zip(starts, rough):
+    for (family, shape, thickness), result in zip(starts, rough):
         own.append(None)
-        if isinstance(found, SearchResult):
-            chosen = found.best.thickness_mm
+        if isinstance(result, SearchResult):
+            chosen = result.best.thickness_mm
             rounded = family.at_thickness(shape, thickness, np.array([chosen])).shape(0).rounded()
             if _accepts(rounded, chosen, space.pad_mm):
                 own[-1] = FamilyLaw(family, rounded, chosen)
     laws = [(law, np.array([law.made_for_mm])) for law in own if law is not None]
     results = iter(search_each(laws, space, space.targets.weights.low_aim, REFINED, 0, others=False))
     made: list[Shaped | None] = []
-    for law, found in zip(own, rough):
+    for law, result in zip(own, rough):
         made.append(None)
-        if law is not None and isinstance(found, SearchResult):
+        if law is not None and isinstance(result, SearchResult):
             exact = next(results)
             if isinstance(exact, SearchResult):
-                made[-1] = Shaped(law.shape, law, replace(found, best=exact.best))
+                made[-1] = Shaped(law.shape, law, replace(result, best=exact.best))
     return made
 
 
@@ -216,13 +216,13 @@ def _near(family: Family, shape: PadShape, thickness: float, space: SearchSpace)
 
 def _one_a_thickness(designs: Designs, pad_mm: tuple[float, float], count: int) -> list[int]:
     """Places of the first castable design of each thickness, in order; no more than a count."""
-    found: list[int] = []
+    indices: list[int] = []
     seen: set[float] = set()
     for index, thickness in enumerate(designs.thickness_mm.tolist()):
-        if len(found) < count and thickness not in seen and designs.take(np.array([index])).castable(pad_mm)[0]:
+        if len(indices) < count and thickness not in seen and designs.take(np.array([index])).castable(pad_mm)[0]:
             seen.add(thickness)
-            found.append(index)
-    return found
+            indices.append(index)
+    return indices
 
 
 AUTO = "auto"
@@ -338,10 +338,10 @@ class Chosen:
     """The winning design with its force laws: in proportion with thickness, and as cast."""
 
     shape: PadShape
-    found: SearchResult
+    result: SearchResult
     law: ForceLaw
     cast: ForceLaw
-    beside: tuple[ShapeComparison, ...]
+    comparisons: tuple[ShapeComparison, ...]
 
 
 def kinds_of(text: str) -> tuple[str, ...]:
@@ -375,44 +375,44 @@ def best_of_kinds(
     return SearchOutcome(text, slab_law, slab, reason, *_designs(text, space, refused))
 
 
-def choose(found: SearchOutcome, space: SearchSpace) -> Chosen:
+def choose(outcome: SearchOutcome, space: SearchSpace) -> Chosen:
     """Take the best of what was found: solved designs first; a slab only where it was requested or by ``auto``."""
-    flat, law, designs = found.slab, found.slab_law, found.designs
-    if found.asked.lower() == Slab.name and flat is not None:
+    flat, law, designs = outcome.slab, outcome.slab_law, outcome.designs
+    if outcome.asked.lower() == Slab.name and flat is not None:
         return Chosen(Slab(), flat, law, law, ())
-    beside = [ShapeComparison(Slab.name, reason=found.slab_reason)]
+    comparisons = [ShapeComparison(Slab.name, reason=outcome.slab_reason)]
     if flat is not None:
-        beside = [compare_shape(Slab.name, Slab(), flat.best, space, "table")]
+        comparisons = [compare_shape(Slab.name, Slab(), flat.best, space, "table")]
     winner = max(designs, key=_rank) if designs else None
     leaders = _fitted(_leaders(designs), space, None if winner is None else winner.shape.name)
     for best in leaders:
         by = best.law.family.source if best.elements is None else "elements"
-        beside.append(compare_shape(best.shape.name, best.shape, best.found.best, space, by))
-    listed = (*beside, *found.missing)
-    if found.asked.lower() == AUTO and flat is not None and (winner is None or flat.best.worth() >= winner.worth):
+        comparisons.append(compare_shape(best.shape.name, best.shape, best.result.best, space, by))
+    listed = (*comparisons, *outcome.missing)
+    if outcome.asked.lower() == AUTO and flat is not None and (winner is None or flat.best.worth() >= winner.worth):
         return Chosen(Slab(), flat, law, law, listed)
     if winner is None:
-        message = "; ".join(item.reason for item in found.missing if item.reason)
+        message = "; ".join(item.reason for item in outcome.missing if item.reason)
         raise NoAnswerError("no_feasible_design", message, quantity="pad")
     best = next(shaped for shaped in leaders if shaped.shape.name == winner.shape.name)
     return _chosen(best, listed)
 
 
-def close_to(chosen: Chosen, found: SearchOutcome, space: SearchSpace) -> tuple[Chosen, ...]:
+def close_to(chosen: Chosen, outcome: SearchOutcome, space: SearchSpace) -> tuple[Chosen, ...]:
     """The chosen design, then the best of every other kind that is near in worth: their castings decide.
 
     A design that only a table knows is not compared with one that was solved.
     """
-    if found.asked.lower() != AUTO:
+    if outcome.asked.lower() != AUTO:
         return (chosen,)
-    least = chosen.found.best.worth() - space.targets.weights["resolution"]
-    solved = any(shaped.elements is not None for shaped in found.designs)
-    designs = [shaped for shaped in found.designs if not solved or shaped.elements is not None]
+    least = chosen.result.best.worth() - space.targets.weights["resolution"]
+    solved = any(shaped.elements is not None for shaped in outcome.designs)
+    designs = [shaped for shaped in outcome.designs if not solved or shaped.elements is not None]
     leaders = _leaders([shaped for shaped in designs if shaped.shape.name != chosen.shape.name])
     near = _fitted([shaped for shaped in leaders if shaped.worth >= least], space)
-    others = [_chosen(shaped, chosen.beside) for shaped in near]
-    if not chosen.shape.plain and found.slab is not None and found.slab.best.worth() >= least:
-        others.append(Chosen(Slab(), found.slab, found.slab_law, found.slab_law, chosen.beside))
+    others = [_chosen(shaped, chosen.comparisons) for shaped in near]
+    if not chosen.shape.plain and outcome.slab is not None and outcome.slab.best.worth() >= least:
+        others.append(Chosen(Slab(), outcome.slab, outcome.slab_law, outcome.slab_law, chosen.comparisons))
     return (chosen, *others)
 
 
@@ -424,8 +424,8 @@ def _leaders(designs: Sequence[Shaped]) -> list[Shaped]:
     return [max(own, key=_rank) for own in kinds.values()]
 
 
-def _chosen(best: Shaped, beside: tuple[ShapeComparison, ...]) -> Chosen:
-    return Chosen(best.shape, best.found, best.law, best.elements or replace(best.law, cast=True), beside)
+def _chosen(best: Shaped, comparisons: tuple[ShapeComparison, ...]) -> Chosen:
+    return Chosen(best.shape, best.result, best.law, best.elements or replace(best.law, cast=True), comparisons)
 
 
 def _rank(shaped: Shaped) -> tuple[bool, float]:
@@ -439,13 +439,15 @@ def _fitted(designs: Sequence[Shaped], space: SearchSpace, kind: str | None = No
     Where a kind is named, only its alternatives are fitted: nobody sees the others.
     """
     groups = [
-        (shaped.found.best, *(shaped.found.alternatives if kind in (None, shaped.shape.name) else ()))
+        (shaped.result.best, *(shaped.result.alternatives if kind in (None, shaped.shape.name) else ()))
         for shaped in designs
     ]
     fits = iter(with_parameters([candidate for group in groups for candidate in group], space))
     fitted = [[next(fits) for _ in group] for group in groups]
     return [
-        replace(shaped, found=replace(shaped.found, best=best, alternatives=tuple(others) or shaped.found.alternatives))
+        replace(shaped, result=replace(
+            shaped.result, best=best, alternatives=tuple(others) or shaped.result.alternatives
+        ))
         for shaped, (best, *others) in zip(designs, fitted)
     ]
 
@@ -454,7 +456,7 @@ def _designs(
     text: str, space: SearchSpace, refused: Mapping[str, str]
 ) -> tuple[tuple[Shaped, ...], tuple[ShapeComparison, ...]]:
     """Designs of the requested kinds by their tables, and the kinds that have none with the reason."""
-    found: list[Shaped] = []
+    designs: list[Shaped] = []
     kinds = [kind for kind in kinds_of(text) if kind not in refused]
     failed = [ShapeComparison(kind, reason=refused[kind]) for kind in kinds_of(text) if kind in refused]
     families = [load_family(kind) for kind in kinds]
@@ -472,9 +474,9 @@ def _designs(
         if isinstance(result, NoAnswerError):
             failed.append(ShapeComparison(kind, reason=str(result)))
         else:
-            found += result
-    able = [pourable for shaped in found if (pourable := _pourable(shaped, space.resin)) is not None]
-    for kind in {shaped.shape.name for shaped in found} - {shaped.shape.name for shaped in able}:
+            designs += result
+    able = [pourable for shaped in designs if (pourable := _pourable(shaped, space.resin)) is not None]
+    for kind in {shaped.shape.name for shaped in designs} - {shaped.shape.name for shaped in able}:
         reason = f"no {kind} pad has a base that {space.resin.name} can be mixed for"
         failed.append(ShapeComparison(kind, reason=reason))
     return tuple(able), tuple(failed)
@@ -484,10 +486,10 @@ def _pourable(shaped: Shaped, resin: Resin) -> Shaped | None:
     """The design with those alternatives whose second resin can be mixed; None when its own cannot."""
     if shaped.shape.layers() is None:
         return shaped
-    if not mixable(shaped.shape, shaped.found.best.ratio, resin):
+    if not mixable(shaped.shape, shaped.result.best.ratio, resin):
         return None
-    others = tuple(other for other in shaped.found.alternatives if mixable(shaped.shape, other.ratio, resin))
-    return replace(shaped, found=replace(shaped.found, alternatives=others))
+    others = tuple(other for other in shaped.result.alternatives if mixable(shaped.shape, other.ratio, resin))
+    return replace(shaped, result=replace(shaped.result, alternatives=others))
 
 
 def compare_shape(kind: str, shape: PadShape, best: DesignCandidate, space: SearchSpace, by: str) -> ShapeComparison:

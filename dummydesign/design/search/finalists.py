@@ -95,7 +95,7 @@ def rough_law(shaped: Shaped, space: SearchSpace, solved: PathCache) -> Elements
 def _inputs(shaped: Shaped, space: SearchSpace) -> tuple[dict[str, Any], dict[str, Any]]:
     """What a solve depends on; apart from it base and size of the pad, and the punch's fillet, where they are not those
     of the tables."""
-    thickness = shaped.found.best.thickness_mm
+    thickness = shaped.result.best.thickness_mm
     own: dict[str, Any] = {} if space.base == "bonded" else {"base": space.base}
     if space.extent_mm != PAD_EXTENT_MM:
         own["extent_mm"] = space.extent_mm
@@ -108,7 +108,7 @@ def _inputs(shaped: Shaped, space: SearchSpace) -> tuple[dict[str, Any], dict[st
 def solved_shares(shaped: Shaped, radius_mm: float) -> NDArray:
     """Depths over the thickness at which a design is solved: somewhat beyond its deepest press, or to the table's end.
     """
-    best = shaped.found.best
+    best = shaped.result.best
     limit = float(replace(shaped.law, cast=True).depth_limit_mm(best.thickness_mm, radius_mm)) / best.thickness_mm
     pressed = best.evaluation.depth_mm[best.index] / best.thickness_mm
     last = min(limit, BEYOND * float(np.max(pressed))) if np.isfinite(pressed).all() else limit
@@ -119,7 +119,7 @@ def solved_shares(shaped: Shaped, radius_mm: float) -> NDArray:
 
 
 def _law(shaped: Shaped, made: Mapping[str, Any], asked: int, radius_mm: float) -> ElementsLaw:
-    thickness, law = shaped.found.best.thickness_mm, replace(shaped.law, cast=True)
+    thickness, law = shaped.result.best.thickness_mm, replace(shaped.law, cast=True)
     reached, force = (np.asarray(made[name], float) for name in ("depth_mm", "force_N"))
     if len(reached) < 2:
         message = f"{shaped.shape} on {thickness:g} mm could not be solved by finite elements"
@@ -173,9 +173,9 @@ NEAR, GAIN = 0.1, 0.01
 
 def with_law(shaped: Shaped, law: ElementsLaw, space: SearchSpace) -> Shaped:
     """The same pad with ratio, scores and curves from its own finite elements."""
-    thickness = np.array([shaped.found.best.thickness_mm])
+    thickness = np.array([shaped.result.best.thickness_mm])
     best = search(law, replace(space, thickness_mm=thickness), space.targets.weights.low_aim, fitted=0).best
-    return replace(shaped, found=replace(shaped.found, best=best), elements=law)
+    return replace(shaped, result=replace(shaped.result, best=best), elements=law)
 
 
 def on_elements(shaped: Shaped, space: SearchSpace, solved: PathCache | None = None) -> Shaped:
@@ -204,37 +204,38 @@ def solve_leading(designs: Sequence[Shaped], space: SearchSpace, progress: Progr
     leading = [shaped for shaped in order if shaped.shape.name == order[0].shape.name][:SOLVED]
     firsts = [next(s for s in order if s.shape.name == kind) for kind in dict.fromkeys(s.shape.name for s in order)]
     contenders = [*leading, *firsts[1:]]
-    apart: list[Shaped] = []
+    distinct: list[Shaped] = []
     for shaped in contenders:
-        if not any(near(before, shaped) for before in apart):
-            apart.append(shaped)
-    judged, failed = _judged(apart, space, progress)
+        if not any(near(before, shaped) for before in distinct):
+            distinct.append(shaped)
+    judged, failed = _judged(distinct, space, progress)
     fields = [shaped for shaped in designs if not shaped.shape.axisymmetric]
-    found: list[Shaped] = []
+    finalists: list[Shaped] = []
     for at_most, shaped, solved in judged:
-        if found and at_most <= max(map(_rank, found)):
+        if finalists and at_most <= max(map(_rank, finalists)):
             continue
         progress(f"finite elements, {shaped.shape.name} pad")
         try:
-            found.append(on_elements(shaped, space, solved))
+            finalists.append(on_elements(shaped, space, solved))
         except NoAnswerError:
             failed.append(shaped)
             continue
-        better = _better_neighbour(found[-1], _beside(shaped, contenders), space, max(map(_rank, found)) + GAIN)
+        at_least = max(map(_rank, finalists)) + GAIN
+        better = _better_neighbour(finalists[-1], _neighbours(shaped, contenders), space, at_least)
         if better is not None:
             progress(f"finite elements, {shaped.shape.name} pad")
-            found += _solvable([better], space)
+            finalists += _solvable([better], space)
     for shaped in failed:
         # what keeps one pad from being solved need not keep its neighbours
-        best = max(map(_rank, found), default=-np.inf)
-        found += _solvable([other for other in _beside(shaped, contenders) if other.worth > best], space)
-    if not found:
+        best = max(map(_rank, finalists), default=-np.inf)
+        finalists += _solvable([other for other in _neighbours(shaped, contenders) if other.worth > best], space)
+    if not finalists:
         tried = [shaped.shape for shaped in failed]
-        found = _solvable([shaped for shaped in contenders if shaped.shape not in tried], space)
-    if not found:
+        finalists = _solvable([shaped for shaped in contenders if shaped.shape not in tried], space)
+    if not finalists:
         return tuple(designs)
-    done = [shaped.shape for shaped in (*found, *failed)]
-    return (*fields, *found, *(shaped for shaped in order if shaped.shape not in done))
+    done = [shaped.shape for shaped in (*finalists, *failed)]
+    return (*fields, *finalists, *(shaped for shaped in order if shaped.shape not in done))
 
 
 def near(one: Shaped, other: Shaped) -> bool:
@@ -242,13 +243,13 @@ def near(one: Shaped, other: Shaped) -> bool:
     if one.shape.name != other.shape.name:
         return False
     lengths = [
-        np.array([shaped.found.best.thickness_mm, *(value for _, value in shaped.shape.parameters)])
+        np.array([shaped.result.best.thickness_mm, *(value for _, value in shaped.shape.parameters)])
         for shaped in (one, other)
     ]
     return bool((np.abs(lengths[0] - lengths[1]) <= NEAR * np.maximum(*np.abs(lengths))).all())
 
 
-def _beside(shaped: Shaped, contenders: Sequence[Shaped]) -> list[Shaped]:
+def _neighbours(shaped: Shaped, contenders: Sequence[Shaped]) -> list[Shaped]:
     """Other contenders that are nearly the same pad."""
     return [other for other in contenders if other is not shaped and near(shaped, other)]
 
@@ -261,7 +262,7 @@ def _better_neighbour(
     assert isinstance(law, ElementsLaw)
     judged = []
     for shaped in neighbours:
-        thickness = shaped.found.best.thickness_mm
+        thickness = shaped.result.best.thickness_mm
         depth = law.depth_mm * thickness / law.thickness_mm
         own = replace(law, table=replace(shaped.law, cast=True), thickness_mm=thickness, depth_mm=depth, touch=None)
         try:
@@ -295,7 +296,7 @@ def _judged(
             failed.append(shaped)
             continue
         best = max(best, rough.worth)
-        at_most = rough.merit if rough.found.best.rank > NOT_ACCEPTABLE else rough.worth
+        at_most = rough.merit if rough.result.best.rank > NOT_ACCEPTABLE else rough.worth
         if not law.complete:
             at_most = max(at_most, shaped.worth)
         judged.append((at_most, shaped, solved))
@@ -304,20 +305,20 @@ def _judged(
 
 def _nearly(shaped: Shaped, space: SearchSpace) -> bool:
     """Whether a pad keeps the verdict's limits within what solving moves its forces."""
-    best, targets = shaped.found.best, space.targets
+    best, targets = shaped.result.best, space.targets
     if best.rank > NOT_ACCEPTABLE:
         return True
-    found = deviations(ranges_of(targets), readings_of(best.evaluation, best.index))
+    differences = deviations(ranges_of(targets), readings_of(best.evaluation, best.index))
     # the safe side knows no tie, so its own limit is moved
     limits = replace(targets.limits, tie=MOVED).moved("stands_shortfall", 1.0 + MOVED)
-    return bool(representative(found, limits)[0])
+    return bool(representative(differences, limits)[0])
 
 
 def _solvable(designs: Sequence[Shaped], space: SearchSpace) -> list[Shaped]:
-    found = []
+    solved = []
     for shaped in designs:
         try:
-            found.append(on_elements(shaped, space))
+            solved.append(on_elements(shaped, space))
         except NoAnswerError:
             continue
-    return found
+    return solved

@@ -192,11 +192,11 @@ class FamilyLaw(BaseForceLaw):
     ) -> NDArray:  # fmt: skip
         """A quantity of the family, one pad after the other."""
         depth, thickness = np.broadcast_arrays(np.asarray(depth_mm, float), np.asarray(thickness_mm, float))
-        found = np.empty(depth.shape)
+        values = np.empty(depth.shape)
         for value in np.unique(thickness):
             here, pad = thickness == value, self._designs(np.array([float(value)]))
-            found[here] = quantity(pad, depth[here][None], cast(float, radius_mm))[0]
-        return found
+            values[here] = quantity(pad, depth[here][None], cast(float, radius_mm))[0]
+        return values
 
 
 ROLE = "FAMILY"
@@ -246,8 +246,8 @@ class TableFamily:
         depth = np.maximum(np.asarray(depth_mm, float), 0.0)
         limit = (self.limit_mm(designs, radius_mm) if designs.limit_mm is None else designs.limit_mm)[:, None]
         held = np.minimum(depth, limit)
-        place = np.broadcast_to(np.arange(len(inputs))[:, None], depth.shape)
-        value, _ = self.table.log_factor(inputs, place, held / h)
+        row = np.broadcast_to(np.arange(len(inputs))[:, None], depth.shape)
+        value, _ = self.table.log_factor(inputs, row, held / h)
         if self.table.similarity.over_tip:
             base = 16.0 / 9.0 * np.sqrt(designs.parameters["radius"])[:, None] * held**1.5
         else:

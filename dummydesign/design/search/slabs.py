@@ -73,9 +73,9 @@ def averaging(resin: Resin, ratio: NDArray) -> NDArray:
     # the draws' median may lie off the central law: what counts here is their spread about it
     spread += (central - np.median(moduli, axis=1))[:, None]
     order = np.argsort(central)
-    place = np.interp(spread, central[order], np.arange(count)[order].astype(float))
-    left = np.minimum(place.astype(int), count - 2)
-    share = place - left
+    position = np.interp(spread, central[order], np.arange(count)[order].astype(float))
+    left = np.minimum(position.astype(int), count - 2)
+    share = position - left
     weights = np.zeros((count, count))
     rows = np.arange(count)[:, None]
     np.add.at(weights, (rows, left), (1.0 - share) / len(QUANTILES))
@@ -203,10 +203,10 @@ def search(
     one, with the tissue's law fitted to their simulated presses, and ranked again. The map has no fitted
     parameters: there the parametric part is that of gamma1 alone.
     """
-    found = search_each([(law, space.thickness_mm)], space, low_share, refined, fitted)[0]
-    if isinstance(found, NoAnswerError):
-        raise found
-    return found
+    result = search_each([(law, space.thickness_mm)], space, low_share, refined, fitted)[0]
+    if isinstance(result, NoAnswerError):
+        raise result
+    return result
 
 
 def search_each(
@@ -228,7 +228,7 @@ def search_each(
     loss = merit - expected
     order = expected * np.array(targets.weights.worth)[acceptability_rank(rough, targets)]
     order = np.where(rough.feasible, order, -1.0)
-    found: list[SearchResult | NoAnswerError] = []
+    results: list[SearchResult | NoAnswerError] = []
     maps, groups, end = [], [], 0
     for _, thickness in laws:
         start, end = end, end + len(thickness) * len(ratio)
@@ -244,7 +244,7 @@ def search_each(
     if len(chosen):
         counts = [(len(ranked), len(unbeaten)) for ranked, unbeaten in groups]
         worked = _work_out(slabs.take(chosen), ratio[column[chosen]], space, counts, fitted, low_share, loss[chosen])
-    for place, score_map in enumerate(maps):
+    for number, score_map in enumerate(maps):
         if not score_map.feasible.any():
             thickness = score_map.thickness_mm
             why = (
@@ -252,11 +252,11 @@ def search_each(
                 f"{resin.name} reaches {targets.protocol.needed_N:g} N within its depth limit; allow stiffer ratios or "
                 "thinner pads"
             )
-            found.append(NoAnswerError("no_feasible_design", why, quantity="pad"))
+            results.append(NoAnswerError("no_feasible_design", why, quantity="pad"))
             continue
-        best = max(worked[place], key=lambda candidate: candidate.worth(low_share))
-        found.append(SearchResult(best, alternatives_to(worked[place], best), score_map))
-    return found
+        best = max(worked[number], key=lambda candidate: candidate.worth(low_share))
+        results.append(SearchResult(best, alternatives_to(worked[number], best), score_map))
+    return results
 
 
 def _work_out(
@@ -269,7 +269,7 @@ def _work_out(
     ranks = acceptability_rank(exact, targets)
     parametric = rough_parametric(slabs, targets, space.sampling)
     total = exact.total(parametric)
-    found: list[Any] = [None] * len(ratio)
+    parameters_of: list[Any] = [None] * len(ratio)
     groups, end = [], 0
     order = (1.0 - low_share) * total + low_share * exact.low_aim - loss
     order = np.maximum(order, 0.0) * np.array(targets.weights.worth)[ranks]
@@ -287,10 +287,10 @@ def _work_out(
         parametric[every] = parametric_score(fits, targets)
         total = exact.total(parametric)
         for index, fit in zip(every, fits):
-            found[index] = fit
+            parameters_of[index] = fit
     columns = (slabs.thickness_mm, ratio, parametric, total, ranks, loss)
     candidates = [
-        DesignCandidate(thickness, at, index, exact, found[index], score, sum_, int(rank), lost)
+        DesignCandidate(thickness, at, index, exact, parameters_of[index], score, sum_, int(rank), lost)
         for index, (thickness, at, score, sum_, rank, lost) in enumerate(zip(*(one.tolist() for one in columns)))
     ]
     return [[candidates[index] for index in kept] for kept in groups]

@@ -76,12 +76,12 @@ def _tissue(tissue: Tissue, hold_s: float) -> dict[str, Any] | None:
 def _curves(tissue: Tissue, hold_s: float) -> dict[str, Any]:
     """People as measured curves: steady curve at the end of the hold, and every press over its steady force."""
     from dummydesign.tissue.model.laws.curves import known_words
-    from dummydesign.tissue.model.measured_curves import FORCE_APART, SHARES, SPEED_APART, MeasuredPerson, hold_times
+    from dummydesign.tissue.model.measured_curves import FORCE_FACTOR, SHARES, SPEED_FACTOR, MeasuredPerson, hold_times
 
     people = [cast(MeasuredPerson, one) for one in tissue.parameter_sets]
     law = {
         "measured": True, "ideal_ramp": False, "shares": SHARES.tolist(), "hold_times_s": hold_times(hold_s).tolist(),
-        "force_apart": FORCE_APART, "speed_apart": SPEED_APART, "known": known_words(people, hold_s),
+        "force_apart": FORCE_FACTOR, "speed_apart": SPEED_FACTOR, "known": known_words(people, hold_s),
     }  # fmt: skip
     subjects = []
     for person in people:

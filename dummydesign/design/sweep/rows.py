@@ -142,11 +142,12 @@ def _scores(slabs: Slabs, targets: Targets) -> NDArray:
     from dummydesign.design.scoring.law_parameters import gamma1_score
     from dummydesign.design.scoring.score import evaluate, evaluated_gamma1
 
-    found = evaluate(slabs, targets)
-    parametric = gamma1_score(evaluated_gamma1(found, targets.power), targets)
+    evaluation = evaluate(slabs, targets)
+    parametric = gamma1_score(evaluated_gamma1(evaluation, targets.power), targets)
     shown = parametric if targets.parametric else np.full(len(parametric), np.nan)
-    parts = (found.steady_state_range, found.force_variation_range, found.aim, shown, found.low_force_range)
-    return np.stack([found.total(parametric), *parts], axis=-1)
+    ranges = evaluation.steady_state_range, evaluation.force_variation_range
+    parts = (*ranges, evaluation.aim, shown, evaluation.low_force_range)
+    return np.stack([evaluation.total(parametric), *parts], axis=-1)
 
 
 def _limits(slabs: Slabs, depth: NDArray, forces: Sequence[float]) -> list[str | None]:
@@ -184,8 +185,8 @@ def _by_tables(task: Task) -> list[dict[str, Any]]:
     from dummydesign.design.search.shape_family import load_family
 
     chosen = np.zeros(len(task.ratio), int) if task.shape is None else task.shape
-    pads, place = np.unique(np.stack([chosen, task.thickness_mm]), axis=1, return_inverse=True)
-    place = place.reshape(-1)
+    pads, pad_of = np.unique(np.stack([chosen, task.thickness_mm]), axis=1, return_inverse=True)
+    pad_of = pad_of.reshape(-1)
     shapes = [read_shape(task.shapes[int(index)]) for index in pads[0]]
     why: list[str | None] = [why_not_cast(str(shape), float(mm)) for shape, mm in zip(shapes, pads[1])]
     groups, curves, order = [], [], []
@@ -212,24 +213,24 @@ def _by_tables(task: Task) -> list[dict[str, Any]]:
         curves.append(Curves(designs.thickness_mm, limit, area))
         groups.append((family, designs))
         order.append(own)
-    rows = [empty_row(task, index, why[pad] or "") if why[pad] else {} for index, pad in enumerate(place)]
+    rows = [empty_row(task, index, why[pad] or "") if why[pad] else {} for index, pad in enumerate(pad_of)]
     if not groups:
         return rows
     joined, known = join_curves(curves), np.concatenate(order)
     curve_of = np.full(pads.shape[1], -1)
     curve_of[known] = np.arange(len(known))
-    able = np.nonzero(curve_of[place] >= 0)[0]
+    able = np.nonzero(curve_of[pad_of] >= 0)[0]
     part = task.take(able)
-    slabs = Slabs(joined, curve_of[place[able]], part.young_MPa, part.tau_s, part.beta)
+    slabs = Slabs(joined, curve_of[pad_of[able]], part.young_MPa, part.tau_s, part.beta)
     starts = np.cumsum([0, *(len(own) for own in order)])
 
     def error(depth_mm: NDArray) -> NDArray:
-        found = np.empty_like(depth_mm)
+        relative = np.empty_like(depth_mm)
         for (family, designs), start, stop in zip(groups, starts, starts[1:]):
             here = (slabs.slab >= start) & (slabs.slab < stop)
             own = designs.take(slabs.slab[here] - start)
-            found[here] = family.relative_error(own, depth_mm[here], task.radius_mm)
-        return found
+            relative[here] = family.relative_error(own, depth_mm[here], task.radius_mm)
+        return relative
 
     for index, row in zip(able, rows_of(part, slabs, error)):
         rows[index] = row
@@ -257,13 +258,13 @@ def _solved(task: Task) -> list[dict[str, Any]]:
         edge_radius_mm=task.edge_radius_mm, geometry=read_shape(shape),
     )  # fmt: skip
     try:
-        found = elastic_curve(pad, task.fidelity, float(wanted[-1]), wanted, None)
+        force_curve = elastic_curve(pad, task.fidelity, float(wanted[-1]), wanted, None)
     except NoAnswerError as problem:
         return empty_rows(task, str(problem))
-    depth = wanted[wanted <= found.limit_mm * (1.0 + 1e-9)]
+    depth = wanted[wanted <= force_curve.limit_mm * (1.0 + 1e-9)]
     if len(depth) < 3:
         return empty_rows(task, "could not be solved to a useful depth")
-    area, error = found.force(depth), found.relative_error(depth)
+    area, error = force_curve.force(depth), force_curve.relative_error(depth)
     # ln F over ln d without overshoot; before the first depth the power that the first two have
     spline = PchipInterpolator(np.log(depth), np.log(area))
     first = np.log(area[1] / area[0]) / np.log(depth[1] / depth[0])
@@ -280,13 +281,13 @@ def work(task: Task, law: ForceLaw | None = None) -> list[dict[str, Any]]:
     """Work out the rows of a task (runs in this process, in another, or on a cluster)."""
     if task.shapes != (Slab.name,) or (task.edge_radius_mm and task.fidelity != "table"):
         return _by_tables(task) if task.fidelity == "table" else _solved(task)
-    thickness, place = np.unique(task.thickness_mm, return_inverse=True)
+    thickness, row = np.unique(task.thickness_mm, return_inverse=True)
     try:
         law = law or force_law(task, thickness)
         curves = make_curves(law, thickness, task.radius_mm)
     except NoAnswerError as problem:
         return empty_rows(task, str(problem))
-    slabs = Slabs(curves, place, task.young_MPa, task.tau_s, task.beta)
+    slabs = Slabs(curves, row, task.young_MPa, task.tau_s, task.beta)
 
     def error(depth_mm: NDArray) -> NDArray:
         return law.relative_error(depth_mm, slabs.thickness_mm[:, None], task.radius_mm)

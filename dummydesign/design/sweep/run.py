@@ -118,7 +118,7 @@ def whatif(
     done = {} if file is None else file.rows
     targets = targets or targets_of(study)
     tasks = tasks_of(study, resin, targets, done)
-    found: dict[Key, dict[str, Any]] = {}
+    known: dict[Key, dict[str, Any]] = {}
     results = completed(work, tasks, executor) if law is None else (work(task, law) for task in tasks)
     if progress is not None:
         results = _counted(results, study.size, len(set(done) & set(study.keys())), progress)
@@ -126,8 +126,8 @@ def whatif(
         from dummydesign.design.sweep.rows import key_of
 
         for rows in results:
-            found.update((key_of(row), row) for row in rows)
-        ordered = [found[key] for key in study.keys()]
+            known.update((key_of(row), row) for row in rows)
+        ordered = [known[key] for key in study.keys()]
     else:
         try:
             for rows in results:
@@ -136,8 +136,8 @@ def whatif(
             file.close()
             raise
         ordered = file.finish()
-    said = None if targets is None else targets.tissue.notice
-    warnings = [] if said is None else [{"code": said[0], "message": said[1]}]
+    notice = None if targets is None else targets.tissue.notice
+    warnings = [] if notice is None else [{"code": notice[0], "message": notice[1]}]
     warnings += study_warnings(study, ordered)
     return {"rows": ordered, "seconds": time.perf_counter() - start, "warnings": warnings}
 
@@ -155,21 +155,21 @@ def _counted(
 
 def study_warnings(study: Study, rows: list[dict[str, Any]]) -> list[dict[str, str]]:
     """What a reader of the rows has to know: out of reach, rough solves, one crown of several, punches as circles."""
-    said = []
+    notes = []
     stopped = sum(row["limit"] is not None for row in rows)
     if stopped:
         message = f"{stopped} of {study.size} designs do not reach every force: see the column limit of rows.csv"
-        said.append({"code": "out_of_reach", "message": message})
+        notes.append({"code": "out_of_reach", "message": message})
     rough = [row["force_error_percent"] for row in rows if (row["force_error_percent"] or 0.0) > ROUGH_PERCENT]
     if rough:
         most = f"{max(rough):.1f} % (column force_error_percent of rows.csv)"
         message = f"the force of {len(rough)} designs has an error of up to {most}"
-        said.append({"code": "rough_solve", "message": f"{message}; their exponents are less accurate"})
-    said += pressed_alone([len(read_shape(shape).places_mm) for shape in study.shapes])
+        notes.append({"code": "rough_solve", "message": f"{message}; their exponents are less accurate"})
+    notes += pressed_alone([len(read_shape(shape).places_mm) for shape in study.shapes])
     if study.reduced:
         message = f"{', '.join(study.reduced)}: taken as the circle of equal area; --fidelity 3d solves the corners"
-        said.append({"code": "punch_as_circle", "message": message})
-    return said
+        notes.append({"code": "punch_as_circle", "message": message})
+    return notes
 
 
 def tasks_of(study: Study, resin: Resin, targets: Targets | None, done: Iterable[Key] = ()) -> Iterator[Task]:

@@ -46,20 +46,20 @@ def parse_shapes(text: str) -> tuple[str, ...]:
     >>> parse_shapes("slab,crowned:radius=10:14:2,height=2")
     ('slab', 'crowned:radius=10,height=2', 'crowned:radius=12,height=2', 'crowned:radius=14,height=2')
     """
-    found: list[str] = []
+    shapes: list[str] = []
     for name, items in _split(text):
         keys, values = [], []
-        for place, item in enumerate(items):
+        for number, item in enumerate(items):
             key, equals, given = item.rpartition("=")
-            keys.append(key.strip() if equals else str(place))
+            keys.append(key.strip() if equals else str(number))
             given = given.replace("/", ",")
-            values.append(read_values(given, f"shape {name}: {keys[-1] if equals else f'value {place + 1}'}"))
+            values.append(read_values(given, f"shape {name}: {keys[-1] if equals else f'value {number + 1}'}"))
         count = math.prod(len(one) for one in values)
         if count > MOST_SHAPES:
             message = f"shape {name}: {count} shapes are more than {MOST_SHAPES}; use wider steps"
             raise InputError(message, "too_large", "shape", count, MOST_SHAPES)
-        found += [str(make_shape(name, tuple(zip(keys, chosen)))) for chosen in itertools.product(*values)]
-    return tuple(found)
+        shapes += [str(make_shape(name, tuple(zip(keys, chosen)))) for chosen in itertools.product(*values)]
+    return tuple(shapes)
 
 
 def _split(text: str) -> list[tuple[str, list[str]]]:

@@ -144,10 +144,10 @@ class Bumped(PadShape):
     def gauge_places(self, block: PadBlock) -> dict[str, tuple[float, float]]:
         """Beside the field of caps, and between four of them where a pin of the gauge reaches the flat. [mm]"""
         foot, half = self.cap(self.height_mm).foot_mm, self.pitch_mm / 2
-        beside = min(self.rings * self.pitch_mm + foot + GAUGE_FOOT_MM, block.length_mm / 2 - RIM_FREE_MM)
+        shoulder = min(self.rings * self.pitch_mm + foot + GAUGE_FOOT_MM, block.length_mm / 2 - RIM_FREE_MM)
         free = half * 2.0**0.5 - foot
         between = {"between": (half, half)} if self.rings and free >= GAUGE_PIN_MM else {}
-        return {**between, "shoulder": (beside, 0.0)}
+        return {**between, "shoulder": (shoulder, 0.0)}
 
     def check(self, thickness_mm: float, length_mm: float = PAD_LENGTH_MM, width_mm: float = PAD_WIDTH_MM) -> None:
         """Refuse caps that overlap, keep air or leave the pad."""

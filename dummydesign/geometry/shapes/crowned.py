@@ -139,8 +139,8 @@ class Crowned(ConicProfile):
         where = "the middle; edges of the tested face stay sharp" if self.ridge else "the middle"
         if self.sites != (1, 1):
             pitches = zip(self.sites, (self.pitch_along_mm, self.pitch_across_mm))
-            apart = " x ".join(f"{pitch:g}" for count, pitch in pitches if count > 1)
-            where = f"each tip; {self.sites[0]} x {self.sites[1]} of them, {apart} mm apart about the pad's middle"
+            distances = " x ".join(f"{pitch:g}" for count, pitch in pitches if count > 1)
+            where = f"each tip; {self.sites[0]} x {self.sites[1]} of them, {distances} mm apart about the pad's middle"
         sizes = f"tip radius {self.radius_mm:g} mm, height {self.height_mm:g} mm, foot {self.foot_mm:.4g} mm"
         return f"{what}: {sizes} from {where}"
 

@@ -31,12 +31,12 @@ USUAL = ("usual_witness_kPa", "usual_weighed_ratio")
 
 def usual_of(trials: Sequence[Trial]) -> dict[str, float]:
     """Geometric means of witnesses and weighed ratios of the pads of some trials; empty where none is known."""
-    found = {}
+    usual = {}
     for key, name in zip(USUAL, ("witness_kPa", "weighed_ratio")):
         known = {trial.pad: getattr(trial, name) for trial in trials if getattr(trial, name)}
         if known:
-            found[key] = float(np.exp(np.mean(np.log(list(known.values())))))
-    return found
+            usual[key] = float(np.exp(np.mean(np.log(list(known.values())))))
+    return usual
 
 
 def with_pad_factors(campaign: Campaign, usual: Mapping[str, Any] | None = None) -> Campaign:

@@ -29,12 +29,12 @@ GROUP = "dummydesign.effects"
 
 
 def _find() -> tuple[Effect, ...]:
-    found: list[Effect] = []
+    effects: list[Effect] = []
     for room in ROOMS:
         package = importlib.import_module(f"{__package__}.{room}")
         for entry in sorted(pkgutil.iter_modules(package.__path__), key=lambda one: one.name):
-            found += members(importlib.import_module(f"{package.__name__}.{entry.name}"))
-    return tuple(found)
+            effects += members(importlib.import_module(f"{package.__name__}.{entry.name}"))
+    return tuple(effects)
 
 
 EFFECTS: tuple[Effect, ...] = _find()  # the effects of this package
@@ -46,7 +46,7 @@ _given: ContextVar[tuple[Effect, ...]] = ContextVar("effects_given_as_files", de
 @lru_cache(maxsize=1)
 def installed_effects() -> tuple[Effect, ...]:
     """Effects that other packages offer under the entry point group ``dummydesign.effects``, by name."""
-    found: list[Effect] = []
+    effects: list[Effect] = []
     for entry in sorted(entry_points(group=GROUP), key=lambda one: one.name):
         source = f"installed effect '{entry.name}' ({entry.value})"
         try:
@@ -55,11 +55,11 @@ def installed_effects() -> tuple[Effect, ...]:
             message = f"{source} cannot be loaded: {problem_text(problem)}; uninstall or fix it"
             raise InputError(message, "program_failed", "effect", entry.name) from None
         effect = _sound(loaded, source)
-        if effect.name in [other.name for other in (*EFFECTS, *found)]:
+        if effect.name in [other.name for other in (*EFFECTS, *effects)]:
             message = f"{source}: an effect named '{effect.name}' is known already; uninstall one of them"
             raise InputError(message, "duplicate", "effect", effect.name)
-        found.append(effect)
-    return tuple(found)
+        effects.append(effect)
+    return tuple(effects)
 
 
 def known_effects() -> tuple[Effect, ...]:

@@ -34,42 +34,43 @@ class EffectCandidate:
     screened: Screened
 
 
-def first_fit(found: CampaignFit, one: Screened) -> CampaignFit:
-    """Fit an effect beside what ``found`` holds, from where it scored best, sizes as they are.
+def first_fit(campaign_fit: CampaignFit, one: Screened) -> CampaignFit:
+    """Fit an effect beside what ``campaign_fit`` holds, from where it scored best, sizes as they are.
 
     The score is that with contact scatter and law error of its own, the fit moved there to first order.
     """
-    problem, at = found.problem.plus(one.effect), found.problem.fixed
+    problem, at = campaign_fit.problem.plus(one.effect), campaign_fit.problem.fixed
     # to first order a large effect is overestimated
     first = float(np.clip(one.coordinate, -8.0, 8.0))
     tried = []
-    for logs in one.effect.base_starts(found.vector[:BASE].copy()):
-        vector = np.r_[logs, found.vector[BASE:at], one.start, found.vector[at:]]
+    for logs in one.effect.base_starts(campaign_fit.vector[:BASE].copy()):
+        vector = np.r_[logs, campaign_fit.vector[BASE:at], one.start, campaign_fit.vector[at:]]
         vector[at] = first if abs(first) > 0.05 else 0.3 * float(one.start[0])
-        tried.append(fit(problem, vector, found.sizes, 16, ROUGH))
+        tried.append(fit(problem, vector, campaign_fit.sizes, 16, ROUGH))
     return with_sizes(min(tried, key=lambda trial: trial.chi2))
 
 
-def modest(found: CampaignFit) -> CampaignFit:
+def modest(campaign_fit: CampaignFit) -> CampaignFit:
     """The same model refitted with law error and contact scatter of usual size.
 
     Where an effect is missing, both have grown to imitate it; screened at that size, and fitted from there,
     the effect would not be seen.
     """
-    usual = [prior[0] for prior in found.problem.law.error_priors]
-    position = min(found.sizes.noise.position_mm, USUAL_POSITION_MM)
-    noise = replace(found.sizes.noise, position_mm=position)
-    return fit(found.problem, found.vector, Sizes(noise, *(min(a, b) for a, b in zip(found.sizes.law, usual))), 6)
+    usual = [prior[0] for prior in campaign_fit.problem.law.error_priors]
+    position = min(campaign_fit.sizes.noise.position_mm, USUAL_POSITION_MM)
+    noise = replace(campaign_fit.sizes.noise, position_mm=position)
+    sizes = Sizes(noise, *(min(a, b) for a, b in zip(campaign_fit.sizes.law, usual)))
+    return fit(campaign_fit.problem, campaign_fit.vector, sizes, 6)
 
 
 def first_fits(
-    found: CampaignFit, effects: tuple[Effect, ...], keep: int, least_z: float, progress: Progress = quiet,
+    campaign_fit: CampaignFit, effects: tuple[Effect, ...], keep: int, least_z: float, progress: Progress = quiet,
     least_gain: float = 0.0,
 ) -> tuple[list[Screened], list[EffectCandidate]]:  # fmt: skip
-    """Screen all effects and fit the best once beside what ``found`` holds; scores best first, fits in that order."""
-    usual = modest(found)
+    """Screen all effects and fit the best once beside those of the model; scores best first, fits in that order."""
+    usual = modest(campaign_fit)
     screened = screen(usual, effects)
-    chosen = [one for place, one in enumerate(screened) if place < keep or one.effect.always_fitted]
+    chosen = [one for rank, one in enumerate(screened) if rank < keep or one.effect.always_fitted]
     tried: list[EffectCandidate] = []
     for one in chosen:
         most = HOPE[len(one.effect.parameters) > 1] * one.z**2
@@ -79,11 +80,11 @@ def first_fits(
             continue
         progress(one.effect.name)
         first = first_fit(usual, one)
-        tried.append(EffectCandidate(one.effect, first, found.score - first.score, one))
+        tried.append(EffectCandidate(one.effect, first, campaign_fit.score - first.score, one))
     return screened, tried
 
 
-def to_the_end(found: CampaignFit, tried: list[EffectCandidate]) -> list[EffectCandidate]:
+def to_the_end(campaign_fit: CampaignFit, tried: list[EffectCandidate]) -> list[EffectCandidate]:
     """Fit the best of some first fits with sizes of their own; best first. The others keep their first fit.
 
     Contact scatter and law error are estimated anew for every effect, because what an effect explains the law error
@@ -91,13 +92,13 @@ def to_the_end(found: CampaignFit, tried: list[EffectCandidate]) -> list[EffectC
     """
     tried = sorted(tried, key=lambda c: -c.gain)
     out = []
-    for place, one in enumerate(tried):
-        near = one.gain > tried[0].gain - NEAR or (place < SETTLED and one.gain > SHARE * tried[0].gain)
-        out.append(finished(found, one) if near else one)
+    for rank, one in enumerate(tried):
+        near = one.gain > tried[0].gain - NEAR or (rank < SETTLED and one.gain > SHARE * tried[0].gain)
+        out.append(finished(campaign_fit, one) if near else one)
     return sorted(out, key=lambda c: -c.gain)
 
 
-def finished(found: CampaignFit, one: EffectCandidate) -> EffectCandidate:
+def finished(campaign_fit: CampaignFit, one: EffectCandidate) -> EffectCandidate:
     """A candidate refitted with contact scatter and law error of its own."""
     trial = fit_with_noise(one.fit.problem, one.fit.vector, one.fit.sizes, 2, 8)
-    return replace(one, fit=trial, gain=found.score - trial.score)
+    return replace(one, fit=trial, gain=campaign_fit.score - trial.score)

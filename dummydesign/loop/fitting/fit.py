@@ -44,10 +44,10 @@ class SizeLikelihood:
         terms = self._terms()
         begin = np.array([max(sizes.noise.position_mm, 1e-3), *sizes.law])
         low, high = SIZE_BOUNDS
-        found = likeliest(lambda z: self._score(terms, z, True), begin, low, high, gradient=True)[0]
-        position, *law = found.tolist()
+        likely = likeliest(lambda z: self._score(terms, z, True), begin, low, high, gradient=True)[0]
+        position, *law = likely.tolist()
         noise = Noise(sizes.noise.white_N, sizes.noise.slow_N, sizes.noise.slow_time_s, position)
-        return Sizes(noise, *law), self._score(terms, found, False)[0]
+        return Sizes(noise, *law), self._score(terms, likely, False)[0]
 
     def variances(self, sizes: NDArray) -> NDArray:
         """Variances (p,) of the fitted parameters for given sizes (4,), random columns integrated out."""
@@ -216,22 +216,22 @@ def _finish(problem: CampaignProblem, vector: NDArray, forces: NDArray, sizes: S
     return CampaignFit(problem, vector, sizes, residual, slope, forces, jacobian, covariance, chi2, float("nan"))
 
 
-def with_sizes(found: CampaignFit) -> CampaignFit:
+def with_sizes(campaign_fit: CampaignFit) -> CampaignFit:
     """Re-estimate contact scatter and law error at an optimum and set its score."""
-    sizes, score = size_likelihood(found).estimate(found.sizes)
-    return replace(found, sizes=sizes, score=score)
+    sizes, score = size_likelihood(campaign_fit).estimate(campaign_fit.sizes)
+    return replace(campaign_fit, sizes=sizes, score=score)
 
 
-def size_likelihood(found: CampaignFit) -> SizeLikelihood:
+def size_likelihood(campaign_fit: CampaignFit) -> SizeLikelihood:
     """Likelihood of contact scatter and law error at an optimum."""
-    problem = found.problem
+    problem = campaign_fit.problem
     presses = problem.presses
     count, half = len(presses.trials), len(problem.thicknesses)
-    whiten = make_whitener(presses, found.sizes.noise, found.slope, False)
-    law = found.jacobian[..., problem.fixed :]
-    residual = found.residual + law @ found.vector[problem.fixed :]
-    turned = whiten(found.jacobian).reshape(-1, len(found.vector))
-    shift = whiten(found.slope)
+    whiten = make_whitener(presses, campaign_fit.sizes.noise, campaign_fit.slope, False)
+    law = campaign_fit.jacobian[..., problem.fixed :]
+    residual = campaign_fit.residual + law @ campaign_fit.vector[problem.fixed :]
+    turned = whiten(campaign_fit.jacobian).reshape(-1, len(campaign_fit.vector))
+    shift = whiten(campaign_fit.slope)
     white = whiten(residual)
     p = problem.fixed
     gram = np.zeros((1 + p + count + LAW_TERMS * half,) * 2)
@@ -241,8 +241,8 @@ def size_likelihood(found: CampaignFit) -> SizeLikelihood:
     order = np.r_[0, 1 + np.arange(p), 1 + p + count + np.arange(LAW_TERMS * half)]
     gram[np.ix_(order, order)] = inner
     # parameters of form have a prior, a row each
-    prior = prior_precision(problem, found.sizes)[:p]
-    known, at = found.vector[:p], 1 + np.arange(p)
+    prior = prior_precision(problem, campaign_fit.sizes)[:p]
+    known, at = campaign_fit.vector[:p], 1 + np.arange(p)
     gram[0, 0] += float(prior @ known**2)
     gram[0, at] -= prior * known
     gram[at, 0] -= prior * known
@@ -258,11 +258,11 @@ def fit_with_noise(
     problem: CampaignProblem, start: NDArray, sizes: Sizes, rounds: int = 2, iterations: int = 12
 ) -> CampaignFit:
     """Alternate the fit and the estimate of contact scatter and law error."""
-    found = fit(problem, start, sizes, iterations)
+    fitted = fit(problem, start, sizes, iterations)
     for _ in range(rounds - 1):
-        sized = with_sizes(found)
-        found = fit(problem, sized.vector, sized.sizes, iterations)
-    return with_sizes(found)
+        sized = with_sizes(fitted)
+        fitted = fit(problem, sized.vector, sized.sizes, iterations)
+    return with_sizes(fitted)
 
 
 def fit_base(
@@ -273,26 +273,27 @@ def fit_base(
     vector, sizes = start_vector(problem, young_MPa), first_sizes(presses, law.error_priors)
     for _ in range(2):
         progress("base")
-        found = fit_with_noise(problem, vector, sizes)
-        noise = estimate_slow_noise(presses, found.residual, found.slope, found.forces, found.sizes.noise)
-        vector, sizes = found.vector, replace(found.sizes, noise=noise)
+        fitted = fit_with_noise(problem, vector, sizes)
+        noise = estimate_slow_noise(presses, fitted.residual, fitted.slope, fitted.forces, fitted.sizes.noise)
+        vector, sizes = fitted.vector, replace(fitted.sizes, noise=noise)
     return fit_with_noise(problem, vector, sizes)
 
 
-def same_noise(found: CampaignFit) -> CampaignFit:
+def same_noise(campaign_fit: CampaignFit) -> CampaignFit:
     """Estimate the slow noise again at a fit and refit: a better model shows the noise better."""
     noise = estimate_slow_noise(
-        found.problem.presses, found.residual, found.slope, found.forces, found.sizes.noise
-    )
-    return fit_with_noise(found.problem, found.vector, replace(found.sizes, noise=noise), 2, 8)
+        campaign_fit.problem.presses, campaign_fit.residual, campaign_fit.slope, campaign_fit.forces,
+        campaign_fit.sizes.noise,
+    )  # fmt: skip
+    return fit_with_noise(campaign_fit.problem, campaign_fit.vector, replace(campaign_fit.sizes, noise=noise), 2, 8)
 
 
 KNOTS = 9
 
 
-def rough_columns(found: CampaignFit) -> NDArray:
+def rough_columns(campaign_fit: CampaignFit) -> NDArray:
     """What a rough law could add, in newton at one standard deviation, shape (T, B, q)."""
-    presses, law = found.problem.presses, found.problem.law
+    presses, law = campaign_fit.problem.presses, campaign_fit.problem.law
     depth = presses.measure(np.maximum(presses.displacement_mm, 0.0))
     columns = []
     for pad in presses.pads:
@@ -302,7 +303,7 @@ def rough_columns(found: CampaignFit) -> NDArray:
             continue  # every press of the pad is left out
         knots = np.linspace(0.0, float(depth[own].max()), KNOTS)
         at = np.clip(depth, knots[0], knots[-1])
-        for place in range(1, KNOTS):
-            hat = np.interp(at, knots, np.eye(KNOTS)[place])
-            columns.append(np.where(own, size * found.forces * hat, 0.0))
+        for knot in range(1, KNOTS):
+            hat = np.interp(at, knots, np.eye(KNOTS)[knot])
+            columns.append(np.where(own, size * campaign_fit.forces * hat, 0.0))
     return np.stack(columns, axis=-1) if columns else np.zeros((*presses.used.shape, 0))

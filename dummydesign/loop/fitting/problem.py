@@ -57,9 +57,9 @@ def base_and_law_columns(problem: CampaignProblem, vector: NDArray, step: float)
     force = (weights * np.stack(shapes)).sum(axis=0)
     moved = [force, force * np.exp(step), *(force + step * one for one in shapes)]
     total = (weights * held).sum(axis=1)
-    for place in ARMS:
+    for index in ARMS:
         other = logs.copy()
-        other[place] += step
+        other[index] += step
         changed = arms_of(presses, BaseParameters.from_logs(other), acting, depth)
         moved.append(_with_arms(presses, elastic, arms, total, changed))
     shown = [sensor_signal(presses, at_the_surface(presses, one, acting, depth), acting) for one in moved]
@@ -73,10 +73,10 @@ def _with_arms(
 ) -> NDArray:
     """Force (T, N) with other arms; what those with an old time and weight hold (arms, T, N) is known. [N]"""
     known = []
-    for place, arm in enumerate(changed):
-        old = arms[place] if place < len(arms) else None
+    for number, arm in enumerate(changed):
+        old = arms[number] if number < len(arms) else None
         if old is not None and np.array_equal(old.tau_s, arm.tau_s) and _same(old.weight, arm.weight):
-            known.append(held_N[place])
+            known.append(held_N[number])
         else:
             known.append(arm_forces(presses.time_s, elastic_N[None], [arm])[0, 0])
     return loaded(elastic_N, changed, np.stack(known))

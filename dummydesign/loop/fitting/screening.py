@@ -40,46 +40,46 @@ class Projection:
         return vector - self.basis @ (self.basis.T @ vector)
 
 
-def project(found: CampaignFit, law_free: bool = False) -> tuple[Projection, Whitener]:
+def project(fit: CampaignFit, law_free: bool = False) -> tuple[Projection, Whitener]:
     """Whiten a fit's residual with its prior rows and orthonormalise its sensitivities.
 
     ``law_free`` drops the prior rows of level, slope and curvature: then whatever such a law error of any size could
     do is taken out. The roughness of a solved law keeps its prior.
     """
-    problem = found.problem
-    whiten = make_whitener(problem.presses, found.sizes.noise, found.slope)
-    scale = np.sqrt(prior_precision(problem, found.sizes)[problem.fixed :]) * (0.0 if law_free else 1.0)
-    turned = whiten(found.jacobian).reshape(-1, len(found.vector))
-    rough = rough_columns(found)
+    problem = fit.problem
+    whiten = make_whitener(problem.presses, fit.sizes.noise, fit.slope)
+    scale = np.sqrt(prior_precision(problem, fit.sizes)[problem.fixed :]) * (0.0 if law_free else 1.0)
+    turned = whiten(fit.jacobian).reshape(-1, len(fit.vector))
+    rough = rough_columns(fit)
     count = rough.shape[-1]
-    prior = np.zeros((len(scale) + count, len(found.vector) + count))
-    prior[: len(scale), problem.fixed : len(found.vector)] = np.diag(scale)
-    prior[len(scale) :, len(found.vector) :] = np.eye(count)
+    prior = np.zeros((len(scale) + count, len(fit.vector) + count))
+    prior[: len(scale), problem.fixed : len(fit.vector)] = np.diag(scale)
+    prior[len(scale) :, len(fit.vector) :] = np.eye(count)
     if count:
         turned = np.concatenate([turned, whiten(rough).reshape(len(turned), count)], axis=1)
     stacked = np.concatenate([turned, prior])
     norm = np.linalg.norm(stacked, axis=0)
     basis, singular, _ = np.linalg.svd(stacked / np.where(norm > 0, norm, 1.0), full_matrices=False)
     basis = basis[:, singular > 1e-9 * singular[0]]
-    residual = np.r_[whiten(found.residual).ravel(), -scale * found.vector[problem.fixed :], np.zeros(count)]
+    residual = np.r_[whiten(fit.residual).ravel(), -scale * fit.vector[problem.fixed :], np.zeros(count)]
     return Projection(basis, residual, len(prior)), whiten
 
 
-def screen(found: CampaignFit, candidates: tuple[Effect, ...]) -> list[Screened]:
+def screen(fit: CampaignFit, candidates: tuple[Effect, ...]) -> list[Screened]:
     """Score all candidates at a fit, best first.
 
     One simulation per starting value of each effect; z = a . r / |a| with a the whitened change, base and
     law error projected out.
     """
-    projection, whiten = project(found)
+    projection, whiten = project(fit)
     clean = projection.remove(projection.residual)
     out = []
     for effect in candidates:
-        problem, at = found.problem.plus(effect), found.problem.fixed
+        problem, at = fit.problem.plus(effect), fit.problem.fixed
         best: Screened | None = None
         for start in starts_of(effect):
-            vector = np.insert(found.vector, at, start)
-            change = np.where(problem.presses.used, problem.predict(vector) - found.forces, 0.0)
+            vector = np.insert(fit.vector, at, start)
+            change = np.where(problem.presses.used, problem.predict(vector) - fit.forces, 0.0)
             if not np.all(np.isfinite(change)):
                 values = ", ".join(f"{k} = {v:g}" for k, v in problem.active_of(vector)[-1].values.items())
                 message = f"effect '{effect.name}' gives a force that is not finite at {values} on these trials"

@@ -213,9 +213,9 @@ class SlabLaw(_OneFace):
         ndarray, shape (T, N)
         """
         share = np.clip(depth_mm / thickness_mm, 0.0, _SHARES[-1])
-        place = min(edge_radius_mm / self.radius_mm, EDGES[-1]) ** POWER
+        argument = min(edge_radius_mm / self.radius_mm, EDGES[-1]) ** POWER
         rows = np.broadcast_to(np.asarray(thickness_mm, float), (len(share), 1))[:, 0]
-        curves = {h: _edge_curves(float(h), self.radius_mm, self.table.base)(place) for h in set(rows)}
+        curves = {h: _edge_curves(float(h), self.radius_mm, self.table.base)(argument) for h in set(rows)}
         return np.exp(np.stack([np.interp(s, _SHARES, curves[h]) for s, h in zip(share, rows)]))
 
     def compressibility_coefficient(self, depth_mm: NDArray, thickness_mm: NDArray) -> NDArray:

@@ -188,9 +188,9 @@ class SolvedCurve:
 
     def _at(self, values: NDArray, depth: NDArray) -> NDArray:
         """Values at depths (T, N), linear between the dense ones, constant outside."""
-        place = np.minimum(depth / self.limit_mm, 1.0) * (DENSE - 1)
-        low = np.minimum(place.astype(int), DENSE - 2)
-        part = place - low
+        position = np.minimum(depth / self.limit_mm, 1.0) * (DENSE - 1)
+        low = np.minimum(position.astype(int), DENSE - 2)
+        part = position - low
         return values[low] * (1.0 - part) + values[low + 1] * part
 
 

@@ -36,40 +36,40 @@ def left_out_errors(base: AssessedModel, corrected: AssessedModel) -> tuple[Left
     missing.
     """
     models = base.fit, corrected.fit
-    found = []
+    rows = []
     before, after = base.errors.heldout_N, corrected.errors.heldout_N
     if before is not None and after is not None:
         if after**2 >= CLEAR * before**2:
             before, after = (float(np.sqrt(refitted_squares(one, _shape(one)))) for one in models)
-        found.append(LeftOut("other conditions", before, after))
+        rows.append(LeftOut("other conditions", before, after))
     for kind, out in (("deeper presses", deepest(base.fit)), ("faster presses", fastest(base.fit))):
         if out.any():
-            found.append(LeftOut(kind, *(_error_N(one, [out]) for one in models)))
+            rows.append(LeftOut(kind, *(_error_N(one, [out]) for one in models)))
     pad = base.fit.problem.presses.pad
-    if predicts_worse(tuple(found)) and len(np.unique(pad)) > 1:
+    if predicts_worse(tuple(rows)) and len(np.unique(pad)) > 1:
         # what acts as one factor per pad shows on pads that were left out with their law error
-        found.append(LeftOut(PADS, *(_error_N(one, [pad == place for place in np.unique(pad)]) for one in models)))
-    return tuple(found)
+        rows.append(LeftOut(PADS, *(_error_N(one, [pad == number for number in np.unique(pad)]) for one in models)))
+    return tuple(rows)
 
 
-def predicts_worse(found: tuple[LeftOut, ...]) -> bool:
+def predicts_worse(rows: tuple[LeftOut, ...]) -> bool:
     """Whether the corrected model predicts presses worse than the base, and pads that were left out not better."""
-    pads = [one for one in found if one.kind == PADS]
-    kinds = [one for one in found if one.kind != PADS]
+    pads = [one for one in rows if one.kind == PADS]
+    kinds = [one for one in rows if one.kind != PADS]
     base, corrected = (sum(getattr(one, name) ** 2 for one in kinds) for name in ("base_N", "corrected_N"))
     return bool(corrected > WORSE * base) and not any(one.corrected_N < one.base_N for one in pads)
 
 
-def deepest(found: CampaignFit) -> NDArray:
+def deepest(fit: CampaignFit) -> NDArray:
     """The presses of each pad beyond the others in depth (T,); none where a pad would keep less than two."""
-    presses = found.problem.presses
+    presses = fit.problem.presses
     most = np.array([presses.depth_mm[presses.pad == pad].max() for pad in presses.pad])
     return _sparing(presses.pad, presses.depth_mm > NEAR_END * most)
 
 
-def fastest(found: CampaignFit) -> NDArray:
+def fastest(fit: CampaignFit) -> NDArray:
     """The presses beyond the others in speed (T,); none where a pad or the arms would not be known without them."""
-    presses = found.problem.presses
+    presses = fit.problem.presses
     return _sparing(presses.pad, presses.velocity_mm_s > NEAR_END * presses.velocity_mm_s.max())
 
 
@@ -79,11 +79,11 @@ def _sparing(pads: NDArray, out: NDArray) -> NDArray:
     return out if min(left) > 1 else np.zeros_like(out)
 
 
-def _error_N(found: CampaignFit, parts: list[NDArray]) -> float:
+def _error_N(fit: CampaignFit, parts: list[NDArray]) -> float:
     """Error on parts of the presses, each predicted by a fit without it. [N]"""
-    squares, total = squares_without(found, parts, _shape(found))
+    squares, total = squares_without(fit, parts, _shape(fit))
     return float(np.sqrt(squares / total))
 
 
-def _shape(found: CampaignFit) -> SmoothChange | None:
-    return next((one.shape for one in found.problem.effects if isinstance(one, Learned)), None)
+def _shape(fit: CampaignFit) -> SmoothChange | None:
+    return next((one.shape for one in fit.problem.effects if isinstance(one, Learned)), None)

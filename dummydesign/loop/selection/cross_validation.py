@@ -33,10 +33,10 @@ class Errors:
     heldout_by_trial_N: NDArray
 
 
-def _squares(found: CampaignFit) -> tuple[NDArray, NDArray, NDArray]:
+def _squares(fit: CampaignFit) -> tuple[NDArray, NDArray, NDArray]:
     """Per bin: count of raw samples, mean and sum of squares of the raw residual, all (T, B)."""
-    presses = found.problem.presses
-    modelled = found.problem.at_samples(found.vector)
+    presses = fit.problem.presses
+    modelled = fit.problem.at_samples(fit.vector)
     count, mean, total = (np.zeros(presses.used.shape) for _ in range(3))
     for row, (press, trial, model) in enumerate(zip(presses.presses, presses.trials, modelled)):
         time = trial.trace.time_s
@@ -51,24 +51,24 @@ def _squares(found: CampaignFit) -> tuple[NDArray, NDArray, NDArray]:
     return count, mean, total
 
 
-def errors(found: CampaignFit, cells: NDArray | None = None) -> Errors:
+def errors(fit: CampaignFit, cells: NDArray | None = None) -> Errors:
     """Errors of a fit; every cell is left out once and predicted by the fit to the rest, linearised.
 
     delta = -(N - N_S + P)^-1 g_S with N the normal matrix, S the cell, P the prior of the law error.
     """
-    presses = found.problem.presses
+    presses = fit.problem.presses
     if cells is None:
         one = np.all(presses.cell == presses.cell[0])
         cells = np.arange(len(presses.cell)) if one else presses.cell
-    count, mean, total = _squares(found)
+    count, mean, total = _squares(fit)
     counted = count.sum(axis=1)
     by_trial = np.sqrt(total.sum(axis=1) / counted)
     train = float(np.sqrt(total.sum() / counted.sum()))
-    changes = leave_out(found, cells)
+    changes = leave_out(fit, cells)
     heldout = np.full(len(cells), np.nan)
     for cell, change in changes.items():
         for row in np.nonzero(cells == cell)[0]:
-            moved = found.jacobian[row] @ change
+            moved = fit.jacobian[row] @ change
             square = total[row].sum() + (count[row] * moved * (moved - 2.0 * mean[row])).sum()
             heldout[row] = np.sqrt(max(square, 0.0) / counted[row])
     use = np.isfinite(heldout)
@@ -76,32 +76,32 @@ def errors(found: CampaignFit, cells: NDArray | None = None) -> Errors:
     return Errors(train, value, by_trial, heldout)
 
 
-def expected_heldout_N(found: CampaignFit) -> float:
+def expected_heldout_N(fit: CampaignFit) -> float:
     """Error on left-out conditions when nothing is missing: noise, contact scatter, uncertainty of all parameters. [N]
 
     Contact scatter counts as far as repeats show it and a test machine has it: more is a sign of a missing effect.
     """
-    presses, noise = found.problem.presses, found.sizes.noise
+    presses, noise = fit.problem.presses, fit.sizes.noise
     weight = presses.samples * presses.used
-    position = min(noise.position_mm, repeat_scatter_mm(found), LARGEST_POSITION_MM)
-    spread = np.einsum("tbi,ij,tbj->tb", found.jacobian, found.covariance, found.jacobian)
-    return float(np.sqrt(found.sizes.floor_N**2 + np.average((position * found.slope) ** 2 + spread, weights=weight)))
+    position = min(noise.position_mm, repeat_scatter_mm(fit), LARGEST_POSITION_MM)
+    spread = np.einsum("tbi,ij,tbj->tb", fit.jacobian, fit.covariance, fit.jacobian)
+    return float(np.sqrt(fit.sizes.floor_N**2 + np.average((position * fit.slope) ** 2 + spread, weights=weight)))
 
 
-def repeat_scatter_mm(found: CampaignFit) -> float:
+def repeat_scatter_mm(fit: CampaignFit) -> float:
     """Scatter of the contact position as differences of repeats show it, by their median so that few cannot make it.
 
     Each difference is fitted with a shift d, of variance v by noise alone, and a change of scale; the scatter p is such
     that the median of d^2 / (p^2 + v) is that of the chi-square of one degree. Not below half of, and without three
     pairs equal to, :data:`UNSEEN_POSITION_MM`. [mm]
     """
-    presses, noise = found.problem.presses, found.sizes.noise
-    parts, places = contrasts(presses, found.residual)
+    presses, noise = fit.problem.presses, fit.sizes.noise
+    parts, places = contrasts(presses, fit.residual)
     if len(parts) < 3:
         return UNSEEN_POSITION_MM
     bins = Bins(parts)
     difference = bins.stacked(np.concatenate([part.force_N for part in parts]))
-    sides = [np.stack([found.slope[i, a], found.forces[i, a]], axis=1) for i, _, a, _ in places]
+    sides = [np.stack([fit.slope[i, a], fit.forces[i, a]], axis=1) for i, _, a, _ in places]
     factor = whitener(bins.covariance(replace(noise, position_mm=0.0), np.zeros(difference.shape)))
     columns, values = factor @ bins.stacked(np.concatenate(sides)), factor @ difference[..., None]
     turned = np.swapaxes(columns, 1, 2)
@@ -112,16 +112,16 @@ def repeat_scatter_mm(found: CampaignFit) -> float:
     return float(sizes[np.argmin(ratio > CHI2_MEDIAN)])
 
 
-def leave_out(found: CampaignFit, cells: NDArray) -> dict[int, NDArray]:
+def leave_out(fit: CampaignFit, cells: NDArray) -> dict[int, NDArray]:
     """Change of the vector when each cell is left out; cells without which an effect is not known are missing."""
-    problem = found.problem
-    whiten = make_whitener(problem.presses, found.sizes.noise, found.slope)
-    turned, white = whiten(found.jacobian), whiten(found.residual)
+    problem = fit.problem
+    whiten = make_whitener(problem.presses, fit.sizes.noise, fit.slope)
+    turned, white = whiten(fit.jacobian), whiten(fit.residual)
     normal = np.einsum("tbi,tbj->tij", turned, turned)
     gradient = np.einsum("tbi,tb->ti", turned, white)
-    prior = np.diag(prior_precision(problem, found.sizes) + 1e-9)
+    prior = np.diag(prior_precision(problem, fit.sizes) + 1e-9)
     low, high = problem.bounds()
-    pinned = (found.vector <= low + 1e-9) | (found.vector >= high - 1e-9)
+    pinned = (fit.vector <= low + 1e-9) | (fit.vector >= high - 1e-9)
     pinned[problem.frozen()] = True
     free = ~pinned
     full = (normal.sum(axis=0) + prior)[np.ix_(free, free)]
@@ -140,7 +140,7 @@ def leave_out(found: CampaignFit, cells: NDArray) -> dict[int, NDArray]:
         kept = variance / np.maximum(np.diag(inverse), 1e-300)
         if np.any(np.diag(inverse) <= 0) or any(kept[i] < ESTIMABLE for i in sizes):
             continue
-        change = np.zeros(len(found.vector))
+        change = np.zeros(len(fit.vector))
         change[free] = -inverse @ gradient[out].sum(axis=0)[free]
         changes[int(cell)] = change
     return changes
@@ -151,43 +151,43 @@ SIZE_ERROR = 0.01
 MISFIT = 1.5  # lack of fit over the pure error of repeats, a ratio of variances, above which a model is taken to misfit
 
 
-def widened(found: CampaignFit, lack_ratio: float | None = None) -> NDArray:
+def widened(fit: CampaignFit, lack_ratio: float | None = None) -> NDArray:
     """Covariance (n, n) of a fit's vector, scaled so that 1.96 standard deviations are its 95 % interval."""
-    if found.joined:
-        return found.covariance
-    fixed = found.problem.fixed
-    likelihood = size_likelihood(found)
-    degrees, _ = likelihood.degrees(found.sizes)
-    variances = likelihood.variances(np.array([found.sizes.noise.position_mm, *found.sizes.law]))
-    plain = np.diag(found.covariance)[:fixed]
-    factor = np.ones(len(found.vector))
+    if fit.joined:
+        return fit.covariance
+    fixed = fit.problem.fixed
+    likelihood = size_likelihood(fit)
+    degrees, _ = likelihood.degrees(fit.sizes)
+    variances = likelihood.variances(np.array([fit.sizes.noise.position_mm, *fit.sizes.law]))
+    plain = np.diag(fit.covariance)[:fixed]
+    factor = np.ones(len(fit.vector))
     known = plain > 0.0
     factor[:fixed][known] = np.sqrt(variances[known] / plain[known]) * student_over_normal(degrees[known])
-    covariance = found.covariance * np.outer(factor, factor) * max(1.0, lack_ratio or 1.0)
+    covariance = fit.covariance * np.outer(factor, factor) * max(1.0, lack_ratio or 1.0)
     if lack_ratio is not None and lack_ratio > MISFIT:
-        covariance = covariance + jackknife(found)
-    if found.doubt is not None:
-        covariance[:BASE, :BASE] += found.doubt
-    for effect in found.problem.effects:
+        covariance = covariance + jackknife(fit)
+    if fit.doubt is not None:
+        covariance[:BASE, :BASE] += fit.doubt
+    for effect in fit.problem.effects:
         if not effect.held:
-            size = found.problem.entries[effect.name][0]
-            covariance[size, size] += (SIZE_ERROR * found.vector[size]) ** 2
+            size = fit.problem.entries[effect.name][0]
+            covariance[size, size] += (SIZE_ERROR * fit.vector[size]) ** 2
     return 0.5 * (covariance + covariance.T)
 
 
-def jackknife(found: CampaignFit) -> NDArray:
+def jackknife(fit: CampaignFit) -> NDArray:
     """Covariance (n, n) of a fit's vector from leaving out one condition at a time; zero for fewer than three."""
-    changes = np.array([*leave_out(found, found.problem.presses.cell).values()])
+    changes = np.array([*leave_out(fit, fit.problem.presses.cell).values()])
     if len(changes) < 3:
-        return np.zeros_like(found.covariance)
-    apart = changes - changes.mean(axis=0)
-    return (len(changes) - 1) / len(changes) * apart.T @ apart
+        return np.zeros_like(fit.covariance)
+    differences = changes - changes.mean(axis=0)
+    return (len(changes) - 1) / len(changes) * differences.T @ differences
 
 
-def pad_spreads(found: CampaignFit) -> tuple[float, ...]:
+def pad_spreads(fit: CampaignFit) -> tuple[float, ...]:
     """Standard deviations from pad to pad of the law's level, slope and curvature, scaled like :func:`widened`."""
-    _, degrees = size_likelihood(found).degrees(found.sizes)
-    return tuple((np.array(found.sizes.law) * student_over_normal(degrees[1:])).tolist())
+    _, degrees = size_likelihood(fit).degrees(fit.sizes)
+    return tuple((np.array(fit.sizes.law) * student_over_normal(degrees[1:])).tolist())
 
 
 DRAWS = 4000
@@ -206,23 +206,23 @@ class LackOfFit:
     pairs: int
 
 
-def lack_of_fit(found: CampaignFit, seed: int = 0) -> LackOfFit:
+def lack_of_fit(fit: CampaignFit, seed: int = 0) -> LackOfFit:
     """Test a fit against the pure error of repeats."""
-    presses = found.problem.presses
-    parts, places = contrasts(presses, found.residual)
+    presses = fit.problem.presses
+    parts, places = contrasts(presses, fit.residual)
     if len(parts) < 3:
         return LackOfFit(None, None, len(parts))
     bins = Bins(parts)
     sums, slopes = np.zeros(bins.used.shape), np.zeros(bins.used.shape)
     for row, (i, j, a, b) in enumerate(places):
-        sums[row, : len(a)] = (found.residual[i, a] + found.residual[j, b]) / np.sqrt(2.0)
-        slopes[row, : len(a)] = 0.5 * (found.slope[i, a] + found.slope[j, b])
+        sums[row, : len(a)] = (fit.residual[i, a] + fit.residual[j, b]) / np.sqrt(2.0)
+        slopes[row, : len(a)] = 0.5 * (fit.slope[i, a] + fit.slope[j, b])
     differences = bins.stacked(np.concatenate([part.force_N for part in parts]))
-    factor = np.linalg.inv(np.linalg.cholesky(bins.covariance(found.sizes.noise, slopes)))
+    factor = np.linalg.inv(np.linalg.cholesky(bins.covariance(fit.sizes.noise, slopes)))
     count = bins.used.sum(axis=1)
     shared = ((factor @ sums[..., None])[..., 0] ** 2).sum(axis=1)
     pure = ((factor @ differences[..., None])[..., 0] ** 2).sum(axis=1)
-    freedom = max(count.sum() - len(found.vector), 1)
+    freedom = max(count.sum() - len(fit.vector), 1)
     ratio = float(shared.sum() / freedom / (pure.sum() / count.sum()))
     excess = (shared - pure) / count
     signs = np.random.default_rng(seed).choice([-1.0, 1.0], size=(DRAWS, len(excess)))
@@ -269,12 +269,12 @@ DECADES = 100.0
 """Ratio of the ends of an interval above which the campaign does not determine the parameter."""
 
 
-def interval(fit: CampaignFit, covariance: NDArray, place: int, to_value: Callable[[float], float]) -> dict[str, Any]:
+def interval(fit: CampaignFit, covariance: NDArray, index: int, to_value: Callable[[float], float]) -> dict[str, Any]:
     """Value with its 95 % interval."""
     low, high = fit.problem.bounds()
-    at, spread = fit.vector[place], NORMAL_95 * float(np.sqrt(max(covariance[place, place], 0.0)))
-    ends = sorted((to_value(max(at - spread, low[place])), to_value(min(at + spread, high[place]))))
-    bound = bool(at <= low[place] + 1e-6 or at >= high[place] - 1e-6)
+    at, spread = fit.vector[index], NORMAL_95 * float(np.sqrt(max(covariance[index, index], 0.0)))
+    ends = sorted((to_value(max(at - spread, low[index])), to_value(min(at + spread, high[index]))))
+    bound = bool(at <= low[index] + 1e-6 or at >= high[index] - 1e-6)
     known = not (ends[0] > 0.0 and ends[1] > DECADES * ends[0])
     return {"value": to_value(at), "low": ends[0], "high": ends[1], "at_bound": bound, "determined": known}
 
@@ -291,16 +291,16 @@ def effect_intervals(model: AssessedModel, effect: Effect) -> dict[str, Any]:
     """Parameters of one fitted effect of a model with 95 % intervals, widened by its lack of fit."""
     fit, covariance = model.fit, widened(model.fit, model.lack.ratio)
     entries = fit.problem.entries[effect.name]
-    found = {p.name: interval(fit, covariance, at, p.to_value) for p, at in zip(effect.parameters, entries)}
+    intervals = {p.name: interval(fit, covariance, at, p.to_value) for p, at in zip(effect.parameters, entries)}
     size = effect.parameters[0]
-    one = found[size.name]
+    one = intervals[size.name]
     # with its null value inside, the interval reaches over all decades
     one["determined"] = one["determined"] and (effect.held or not one["low"] <= size.null <= one["high"])
-    return found
+    return intervals
 
 
 def holds_null(model: AssessedModel, effect: Effect) -> bool:
     """Whether the interval of an effect's size holds the value at which the effect is absent."""
     size = effect.parameters[0]
-    found = effect_intervals(model, effect)[size.name]
-    return bool(found["low"] <= size.null <= found["high"]) and not effect.held
+    interval_of_size = effect_intervals(model, effect)[size.name]
+    return bool(interval_of_size["low"] <= size.null <= interval_of_size["high"]) and not effect.held

@@ -29,28 +29,28 @@ class Check(Serialised):
     text: str
 
 
-def raw_residuals(found: CampaignFit) -> list[NDArray]:
+def raw_residuals(fit: CampaignFit) -> list[NDArray]:
     """Measured minus modelled force at the raw samples, with each trial's contact shift taken out. [N]"""
-    presses = found.problem.presses
-    white = np.maximum(presses.samples, 1.0) / found.sizes.noise.white_N**2 * presses.used
-    slow = np.maximum(found.sizes.noise.slow_N, 1e-6) ** 2
+    presses = fit.problem.presses
+    white = np.maximum(presses.samples, 1.0) / fit.sizes.noise.white_N**2 * presses.used
+    slow = np.maximum(fit.sizes.noise.slow_N, 1e-6) ** 2
     weight = white / (1.0 + white * slow)
-    ridge = found.sizes.noise.position_mm**-2
-    shift = (weight * found.slope * found.residual).sum(axis=1) / ((weight * found.slope**2).sum(axis=1) + ridge)
+    ridge = fit.sizes.noise.position_mm**-2
+    shift = (weight * fit.slope * fit.residual).sum(axis=1) / ((weight * fit.slope**2).sum(axis=1) + ridge)
     # slope is dF/dx: a trial that touched earlier by s reads s dF/dx more
-    modelled = found.problem.at_samples(found.vector, -shift)
+    modelled = fit.problem.at_samples(fit.vector, -shift)
     return [trial.trace.force_N - model for trial, model in zip(presses.trials, modelled)]
 
 
-def run_checks(found: CampaignFit) -> list[Check]:
+def run_checks(fit: CampaignFit) -> list[Check]:
     """Run all checks on a fit."""
-    residual = raw_residuals(found)
-    return [_lines(found, residual), _steps(found, residual), _before_contact(found, residual)]
+    residual = raw_residuals(fit)
+    return [_lines(fit, residual), _steps(fit, residual), _before_contact(fit, residual)]
 
 
-def _lines(found: CampaignFit, residual: list[NDArray]) -> Check:
+def _lines(fit: CampaignFit, residual: list[NDArray]) -> Check:
     """Average spectrum of the fast-sampled residual, 60 ms after the stop on, against its own median."""
-    presses = found.problem.presses
+    presses = fit.problem.presses
     pieces, rate = [], 0.0
     for row, (trial, values) in enumerate(zip(presses.trials, residual)):
         time = trial.trace.time_s
@@ -79,10 +79,10 @@ def _lines(found: CampaignFit, residual: list[NDArray]) -> Check:
     return Check("spectral line", float(ratio[top]), float(limit), bool(ratio[top] > limit), text)
 
 
-def _steps(found: CampaignFit, residual: list[NDArray]) -> Check:
+def _steps(fit: CampaignFit, residual: list[NDArray]) -> Check:
     """Largest step in any hold, in standard deviations of white and slow noise or of the rest if that is
     more (Student's t); a smooth drift is allowed."""
-    presses, noise = found.problem.presses, found.sizes.noise
+    presses, noise = fit.problem.presses, fit.sizes.noise
     worst, where, size = 0.0, "", 0.0
     for row, (trial, values) in enumerate(zip(presses.trials, residual)):
         time = trial.trace.time_s
@@ -121,9 +121,9 @@ def _steps(found: CampaignFit, residual: list[NDArray]) -> Check:
     return Check("step in the hold", abs(worst) if where else None, STEP_Z, abs(worst) > STEP_Z, text)
 
 
-def _before_contact(found: CampaignFit, residual: list[NDArray]) -> Check:
+def _before_contact(fit: CampaignFit, residual: list[NDArray]) -> Check:
     """Scatter of the residual before contact against the white and slow noise of the rest."""
-    presses = found.problem.presses
+    presses = fit.problem.presses
     squares, count = 0.0, 0
     for row, (trial, values) in enumerate(zip(presses.trials, residual)):
         before = values[trial.trace.time_s < presses.contact_s[row] - 0.005]
@@ -132,7 +132,7 @@ def _before_contact(found: CampaignFit, residual: list[NDArray]) -> Check:
             count += len(before) - 1
     if count < 50:
         return Check("noise before contact", None, QUIET_RATIO, False, "needs 20 samples before contact")
-    ratio = float(np.sqrt(squares / count) / found.sizes.floor_N)
+    ratio = float(np.sqrt(squares / count) / fit.sizes.floor_N)
     text = f"scatter before contact is {ratio:.2f} times the noise floor"
     return Check("noise before contact", ratio, QUIET_RATIO, ratio > QUIET_RATIO, text)
 
@@ -160,10 +160,10 @@ def hats(values: NDArray, knots: NDArray) -> list[NDArray]:
     return [np.interp(clipped, knots, np.eye(len(knots))[i]) for i in range(len(knots))]
 
 
-def families(found: CampaignFit) -> dict[str, list[NDArray]]:
+def families(fit: CampaignFit) -> dict[str, list[NDArray]]:
     """Columns (T, B) in newton for each factor, at the modelled forces."""
-    presses = found.problem.presses
-    force, bins, used = found.forces, presses.bins, presses.used
+    presses = fit.problem.presses
+    force, bins, used = fit.forces, presses.bins, presses.used
     middle = 0.5 * (bins.start + bins.end)
     since = middle - presses.stop_s[:, None]
     phase = np.where(used, presses.label // 100, PRE)
@@ -219,13 +219,13 @@ def _standard(values: NDArray) -> NDArray:
     return (centred / spread if spread > 0 else centred)[:, None]
 
 
-def dependences(found: CampaignFit) -> list[Dependence]:
+def dependences(fit: CampaignFit) -> list[Dependence]:
     """Measure all factors on the residual of a fit, strongest first."""
-    projection, whiten = project(found, law_free=True)
+    projection, whiten = project(fit, law_free=True)
     clean = projection.remove(projection.residual)
     total = float(clean @ clean)
     out = []
-    for name, columns in families(found).items():
+    for name, columns in families(fit).items():
         stacked = np.stack([np.r_[whiten(c).ravel(), np.zeros(projection.rows)] for c in columns], axis=1)
         length = np.linalg.norm(stacked, axis=0)
         cleaned = stacked - projection.basis @ (projection.basis.T @ stacked)

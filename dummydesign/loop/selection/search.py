@@ -89,7 +89,7 @@ def prune_effects(
         tried += sum(len(check.options) for check in checks)
         changed = _change(current, checks, tried) if changes else None
         if changed is None:
-            return current, _found(current, checks, tried)
+            return current, _accepted(current, checks, tried)
         changes -= 1
         current = assess(same_noise(changed))
     return current, []
@@ -139,8 +139,8 @@ def _negligible(fit: CampaignFit, effect: Effect) -> bool:
     return abs(values[size.name] - size.null) < effect.negligible
 
 
-def _found(current: AssessedModel, checks: list[EffectCheck], tried: int) -> list[AcceptedEffect]:
-    found = []
+def _accepted(current: AssessedModel, checks: list[EffectCheck], tried: int) -> list[AcceptedEffect]:
+    accepted = []
     for check in checks:
         own = replace(check.options[0], fit=current.fit)
         names = tuple(one.effect.name for one in _near(check, current.lack.ratio)[:2])
@@ -149,8 +149,8 @@ def _found(current: AssessedModel, checks: list[EffectCheck], tried: int) -> lis
         alike = [one for one in others if abs(float(own.screened.signature @ one.signature)) > FAMILY_COSINE]
         family = tuple(one.effect.name for one in alike)
         limit, left = _limit(check, checks, tried).least, current.errors.heldout_N
-        found.append(AcceptedEffect(own, names, family, limit, left, tuple(check.options)))
-    return sorted(found, key=lambda one: -one.candidate.gain)
+        accepted.append(AcceptedEffect(own, names, family, limit, left, tuple(check.options)))
+    return sorted(accepted, key=lambda one: -one.candidate.gain)
 
 
 WIDTH = 3  # models of each size that are kept
@@ -307,8 +307,8 @@ def doubt_of(chosen: CampaignFit, rivals: Iterable[Rival]) -> NDArray:
     weights = np.exp(0.5 * np.array([0.0, *(gain for gain, _ in rows)]).clip(-60.0, 60.0))
     out = np.zeros((BASE, BASE))
     for weight, (_, one) in zip((weights / weights.sum())[1:], rows):
-        apart = one.vector[:BASE] - chosen.vector[:BASE]
-        out += weight * (np.outer(apart, apart) + one.covariance[:BASE, :BASE])
+        difference = one.vector[:BASE] - chosen.vector[:BASE]
+        out += weight * (np.outer(difference, difference) + one.covariance[:BASE, :BASE])
     out[0, 0] += LAW_ERROR**2
     return out
 

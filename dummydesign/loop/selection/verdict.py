@@ -28,7 +28,7 @@ NEXT_FLOOR = 50.0
 IMITATED = 0.015
 """Share of an effect's evidence up to which another that acts on the same bins is in doubt: laws of growth are never
 quite the true ones, and what they leave must not be called an effect."""
-APART = 0.1
+FORM_ERROR_LIMIT = 0.1
 """Squared form error of the other effects, over the noise of a bin, up to which the bin shows an effect in doubt."""
 LACK_LIMIT = 1.5
 LACK_P = 0.01
@@ -82,7 +82,7 @@ def _where(fit: CampaignFit, names: set[str]) -> dict[str, NDArray]:
     return {name: values / max(float(values.sum()), 1e-300) for name, values in squares.items()}
 
 
-def evidence_apart(fit: CampaignFit, name: str) -> float:
+def separate_evidence(fit: CampaignFit, name: str) -> float:
     """Evidence of an effect's size on those bins alone that the form error of the other effects does not reach.
 
     Of each other effect the share :data:`IMITATED` of its squares may be form. Its evidence is the square of the size
@@ -96,13 +96,13 @@ def evidence_apart(fit: CampaignFit, name: str) -> float:
             vector[problem.entries[one.name][0]] = one.parameters[0].to_coordinate(one.parameters[0].null)
             change = np.where(problem.presses.used, fit.forces - problem.predict(vector), 0.0)
             quiet += IMITATED * whiten(change) ** 2
-    shown = problem.presses.used & (quiet < APART)
+    shown = problem.presses.used & (quiet < FORM_ERROR_LIMIT)
     rows, left = whiten(fit.jacobian)[shown], whiten(fit.residual)[shown]
     prior = prior_precision(problem, fit.sizes)
     inverse = np.linalg.pinv(rows.T @ rows + np.diag(prior + 1e-9), rcond=1e-14, hermitian=True)
-    place = problem.entries[name][0]
-    size = fit.vector[place] + inverse[place] @ (rows.T @ left - prior * fit.vector)
-    return float(size**2 / max(inverse[place, place], 1e-300))
+    index = problem.entries[name][0]
+    size = fit.vector[index] + inverse[index] @ (rows.T @ left - prior * fit.vector)
+    return float(size**2 / max(inverse[index, index], 1e-300))
 
 
 @dataclass(frozen=True)
@@ -178,7 +178,7 @@ def worth(gain: float, limit: Needed, before: CampaignFit, after: CampaignFit) -
     lowers the left-out error by much."""
     if gain < limit.least or gain >= limit.doubted:
         return gain >= limit.least
-    return evidence_apart(after, limit.name) >= limit.least or much_better(errors(before), errors(after))
+    return separate_evidence(after, limit.name) >= limit.least or much_better(errors(before), errors(after))
 
 
 def at_bound(fit: CampaignFit) -> bool:

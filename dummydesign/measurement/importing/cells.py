@@ -40,15 +40,15 @@ def whole_cells(lines: list[str]) -> list[str]:
     head = min(len(lines), QUOTED_HEAD)
     if not any(line.count('"') % 2 for line in lines[:head]):
         return lines
-    found, at = list(lines), 0
+    joined, at = list(lines), 0
     while at < head:
         end = at
         while _open(lines[at : end + 1]) and end < min(at + 8, head - 1):
             end += 1
         if end > at and not _open(lines[at : end + 1]):
-            found[at : end + 1] = [" ".join(line.strip() for line in lines[at : end + 1]), *[""] * (end - at)]
+            joined[at : end + 1] = [" ".join(line.strip() for line in lines[at : end + 1]), *[""] * (end - at)]
         at = end + 1
-    return found
+    return joined
 
 
 def _open(lines: Sequence[str]) -> bool:

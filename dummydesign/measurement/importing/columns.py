@@ -51,11 +51,11 @@ Candidates = Mapping[str, Sequence[Column]]
 
 def describe_columns(layout: Layout) -> list[Column]:
     """Read names and units of all columns."""
-    found = []
+    columns = []
     for index, (kind, title, below) in enumerate(zip(layout.kinds, layout.names, layout.units)):
         name, unit = known.split_name(title)
-        found.append(Column(index, title, kind, known.roles_of_name(name), known.find_unit(below) or unit))
-    return found
+        columns.append(Column(index, title, kind, known.roles_of_name(name), known.find_unit(below) or unit))
+    return columns
 
 
 def find_candidates(columns: Sequence[Column], log: ImportLog) -> Candidates:
@@ -65,18 +65,18 @@ def find_candidates(columns: Sequence[Column], log: ImportLog) -> Candidates:
     if len(taken) < len(named):
         raise log.fault("--columns names the same column for two roles", "duplicate", "columns")
     free = [column for column in columns if column.numeric and column.index not in taken]
-    found: dict[str, list[Column]] = {}
+    candidates: dict[str, list[Column]] = {}
     for role in ROLES:
         ranks = [_rank(column, role) for column in free]
         best = max(ranks, default=1) or 1
-        found[role] = [column for column, rank in zip(free, ranks) if rank == best]
-    found |= {role: [column] for role, column in named.items()}
-    absent = [role for role in ROLES if not found[role]]
-    taken = {column.index for role in ROLES for column in found[role]}
+        candidates[role] = [column for column, rank in zip(free, ranks) if rank == best]
+    candidates |= {role: [column] for role, column in named.items()}
+    absent = [role for role in ROLES if not candidates[role]]
+    taken = {column.index for role in ROLES for column in candidates[role]}
     if sum(column.numeric and column.index not in taken for column in columns) < len(absent):
         message = known.absent_words(absent, [column.title for column in columns])
         raise log.fault(message, "missing", absent[0])
-    return found
+    return candidates
 
 
 def _rank(column: Column, role: str) -> int:
@@ -113,13 +113,13 @@ def _named(columns: Sequence[Column], role: str, word: str, log: ImportLog) -> C
 
 
 def choose(
-    columns: Sequence[Column], found: Candidates, values: Mapping[int, NDArray], log: ImportLog
+    columns: Sequence[Column], candidates: Candidates, values: Mapping[int, NDArray], log: ImportLog
 ) -> dict[str, Column]:
     """Choose one column for each role."""
     chosen: dict[str, Column] = {}
     for role in ROLES:
-        if found[role]:
-            chosen[role], why = _choose_one(role, found[role], values, log)
+        if candidates[role]:
+            chosen[role], why = _choose_one(role, candidates[role], values, log)
             log.decide(f"{role} column", chosen[role].label, why)
     if len(chosen) < len(ROLES):
         chosen |= _by_behaviour(columns, chosen, values, log)
@@ -130,16 +130,16 @@ def choose(
 
 
 def _choose_one(
-    role: str, found: Sequence[Column], values: Mapping[int, NDArray], log: ImportLog
+    role: str, candidates: Sequence[Column], values: Mapping[int, NDArray], log: ImportLog
 ) -> tuple[Column, str]:
     """The one among the candidates, when they differ in nothing that matters."""
     if role in log.settings.columns:
-        return found[0], "given by --columns"
-    column = found[0]
+        return candidates[0], "given by --columns"
+    column = candidates[0]
     why = f"unit {column.unit.text}" if column.unit else "no unit"
     why = f"name '{column.title}', {why}" if role in column.roles else why
     why = "clock times" if column.kind == "stamp" else why
-    moving = [one for one in found if len(found) > 1 and float(np.ptp(values[one.index])) > 0]
+    moving = [one for one in candidates if len(candidates) > 1 and float(np.ptp(values[one.index])) > 0]
     if role == "time":
         moving = [one for one in moving if _rises(values[one.index])] or moving
         moving = [one for one in moving if one.kind == "number"] or moving
@@ -150,10 +150,10 @@ def _choose_one(
     if rivals:
         names = " or ".join(f"'{one.label}'" for one in (first, *rivals))
         # by its number where another one has its name
-        alone = [one.title for one in found].count(first.title) == 1 and not set(first.title) & set(",=")
+        alone = [one.title for one in candidates].count(first.title) == 1 and not set(first.title) & set(",=")
         label = first.title if first.title and alone else str(first.index + 1)
         raise log.question(f"{role} may be {names}", f"--columns {shlex.quote(f'{role}={label}')}")
-    others = ", ".join(f"'{one.label}'" for one in found if one is not first)
+    others = ", ".join(f"'{one.label}'" for one in candidates if one is not first)
     return first, f"{why}; {others} hold the same or nothing"
 
 
@@ -229,8 +229,8 @@ _EXCEL_DAYS = (36500.0, 52000.0)
 
 def find_factors(chosen: Mapping[str, Column], values: Mapping[str, NDArray], log: ImportLog) -> dict[str, float]:
     """Find how many s, mm and N one count of each column is."""
-    found = {role: _unit(role, chosen[role], values[role], log) for role in ROLES}
-    missing = [role for role in ROLES if found[role] is None]
+    units = {role: _unit(role, chosen[role], values[role], log) for role in ROLES}
+    missing = [role for role in ROLES if units[role] is None]
     if missing:
         parts = []
         for role in missing:
@@ -240,7 +240,7 @@ def find_factors(chosen: Mapping[str, Column], values: Mapping[str, NDArray], lo
             parts.append(f"{role} ('{chosen[role].label}', {low:.4g} to {high:.4g}) {stated}")
         option = ",".join(f"{role}={BASE[KIND_OF_ROLE[role]]}" for role in missing)
         raise log.question("; ".join(parts), f"--units {option}, or the units that these are in")
-    return {role: unit.factor for role, unit in found.items() if unit}
+    return {role: unit.factor for role, unit in units.items() if unit}
 
 
 def _unit(role: str, column: Column, values: NDArray, log: ImportLog) -> Unit | None:

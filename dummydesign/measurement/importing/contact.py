@@ -252,20 +252,20 @@ def _between(contact: ContactEstimate, sign: float) -> str:
 def _zero_by_force(contact: ContactEstimate, depth: float, sign: float, log: ImportLog) -> float:
     """The contact that the force tells, where it tells it closely enough."""
     low, high = interval(contact)
-    found, wide, text = contact.position_mm, 0.5 * (high - low), _text(contact, sign)
+    zero_mm, wide, text = contact.position_mm, 0.5 * (high - low), _text(contact, sign)
     if wide > max(SURE_MM, SURE_SHARE * depth):
         raise log.question(
             f"contact lies between {_between(contact, sign)}, too wide to take its middle",
-            f"--contact N with the reading at contact, as a slow press shows it, or --contact {sign * found:.3f}",
+            f"--contact N with the reading at contact, as a slow press shows it, or --contact {sign * zero_mm:.3f}",
         )
-    log.decide("contact", f"{sign * found:.3f} mm", f"the force begins there ({text}), not at the file's own zero")
+    log.decide("contact", f"{sign * zero_mm:.3f} mm", f"the force begins there ({text}), not at the file's own zero")
     if wide > max(UNSURE_MM, UNSURE_SHARE * depth):
         log.warn(
             "contact_uncertain",
             f"the zero rests on the force alone, which begins at {text}: it may be {wide:.2g} mm off; a slower press "
             "or a sensor of less noise tells it more closely, or say --contact N",
         )
-    return found
+    return zero_mm
 
 
 def _text(contact: ContactEstimate, sign: float) -> str:

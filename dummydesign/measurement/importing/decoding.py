@@ -201,10 +201,10 @@ def _sheets_of_tests(sheets: dict[str, list[list[str]]], log: ImportLog) -> dict
     others = [title for title in sheets if title not in widths]
     if others:
         log.decide("sheets left out", ", ".join(others), "other sheets name time, displacement and force; these do not")
-    beside = [title for title in widths if any(any(row[widths[title] :]) for row in sheets[title])]
-    if beside:
+    wider = [title for title in widths if any(any(row[widths[title] :]) for row in sheets[title])]
+    if wider:
         why = "cells to the right of the last named column are no part of the table"
-        log.decide("cells left out", ", ".join(beside), why)
+        log.decide("cells left out", ", ".join(wider), why)
     return {title: [row[:width] for row in sheets[title]] for title, width in widths.items()}
 
 

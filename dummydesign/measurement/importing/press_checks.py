@@ -151,12 +151,12 @@ def _gaps(press: _Press) -> None:
     hole = (step > 8.0 * usual) & (step > 5.0 * float(np.median(step))) & (x[1:] > 0.02 * summary.depth_mm)
     moved = np.abs(np.diff(x)) > 0.1 * summary.depth_mm
     rising = time[1:] <= summary.stop_time_s
-    found = np.flatnonzero(hole & (moved | rising | (step > 0.2 * max(summary.hold_s, 1e-9))))
-    if found.size:
-        at = int(found[0])
+    gaps = np.flatnonzero(hole & (moved | rising | (step > 0.2 * max(summary.hold_s, 1e-9))))
+    if gaps.size:
+        at = int(gaps[0])
         press.warn(
             "drop_out",
-            f"no samples from {time[at]:.4g} to {time[at + 1]:.4g} s ({found.size} such gaps) within the press; the "
+            f"no samples from {time[at]:.4g} to {time[at + 1]:.4g} s ({gaps.size} such gaps) within the press; the "
             "force between is not known: record again",
         )
 
@@ -199,12 +199,12 @@ def _spikes(press: _Press) -> None:
     off = np.abs(force - middle_of_three(force))[1:-1]
     across = np.abs(force[2:] - force[:-2])
     limit = max(15.0 * press.noise_N, 0.03 * float(force.max()))
-    found = np.flatnonzero((off > limit) & (across < 0.3 * off)) + 1
-    if 0 < found.size <= max(0.01 * len(force), 3):
-        worst = int(found[np.argmax(off[found - 1])])
+    spikes = np.flatnonzero((off > limit) & (across < 0.3 * off)) + 1
+    if 0 < spikes.size <= max(0.01 * len(force), 3):
+        worst = int(spikes[np.argmax(off[spikes - 1])])
         press.warn(
             "spike",
-            f"{found.size} single samples stand out, by {off[worst - 1]:.3g} N at {press.time[worst]:.4g} s; they are "
+            f"{spikes.size} single samples stand out, by {off[worst - 1]:.3g} N at {press.time[worst]:.4g} s; they are "
             "kept: mend the shielding, or take them out before fitting",
         )
 
@@ -284,14 +284,14 @@ def fingerprint(displacement_mm: NDArray, force_N: NDArray) -> str:
 def copies_among(traces: Sequence[Trace]) -> list[dict[str, str]]:
     """Return warnings about traces that hold the same recording: one subject under two names, or a copy."""
     names: dict[str, str] = {}
-    found = []
+    copies = []
     for trace in traces:
         key = fingerprint(trace.displacement_mm, trace.force_N)
         if key in names:
             message = f"{trace.name} is the same recording as {names[key]}: one subject twice, or a copy? use it once"
-            found.append({"code": "same_press", "message": message})
+            copies.append({"code": "same_press", "message": message})
         names.setdefault(key, trace.name)
-    return found
+    return copies
 
 
 def subjects_among(rows: Sequence[Mapping[str, Any]]) -> list[dict[str, str]]:

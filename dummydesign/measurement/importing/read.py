@@ -168,13 +168,13 @@ def _find_spans(
             message = f"{where} begins pressed, with {shift:.3g} N; record from before contact, or leave it out"
             raise log.fault(message, "not_enough_data", "force_N", shift)
         try:
-            found = find_presses(log.file, x[part], load[part] - shift, several, time[part])
+            presses = find_presses(log.file, x[part], load[part] - shift, several, time[part])
         except InputError:
             if len(recordings) == 1:
                 raise
             log.warn("nothing_pressed", f"nothing is pressed in {where}; it is left out")
             continue
-        spans += [Span(span.start + first, span.stop + first, span.onset + first) for span in found]
+        spans += [Span(span.start + first, span.stop + first, span.onset + first) for span in presses]
     if not spans:
         raise log.fault(f"nothing is pressed in any of its {len(recordings)} recordings", "nothing_found", "force_N")
     why = "force and depth do not return to zero and rise again" if several else "--split none"
@@ -219,10 +219,10 @@ def _find_contact(
             "(--columns displacement=NAME)"
         )
         raise log.fault(message, "inconsistent", "displacement_mm", float(x[span.onset]))
-    found = contact_zero.find_contact(time, x, load, span, None if tare is None else 0.0)
-    if tare is None and found.lead_in < contact_zero.LEAST_LEAD_IN:
+    contact = contact_zero.find_contact(time, x, load, span, None if tare is None else 0.0)
+    if tare is None and contact.lead_in < contact_zero.LEAST_LEAD_IN:
         return contact_zero.find_contact(time, x, load, span, -rest if log.settings.tare == "none" else 0.0)
-    return found
+    return contact
 
 
 ENDINGS = (".csv", ".txt", ".dat", ".tsv", ".asc", ".tra", ".log", ".lst", ".prn", ".lvm", ".xlsx", ".xls")
@@ -233,7 +233,7 @@ Planned = tuple[Imported, ImportedPress, str]
 
 def files_of(paths: Iterable[str | Path]) -> list[tuple[Path, bool]]:
     """List the files that are meant, each with whether it is from a folder: of one, those with the usual endings."""
-    found: dict[Path, tuple[Path, bool]] = {}
+    files: dict[Path, tuple[Path, bool]] = {}
     for path in map(Path, paths):
         if not path.exists():
             raise InputError(f"file '{path}' does not exist", "file_not_found", "file")
@@ -249,8 +249,8 @@ def files_of(paths: Iterable[str | Path]) -> list[tuple[Path, bool]]:
                 message = f"folder '{path}' holds no file that may be a trace ({', '.join(ENDINGS)})"
                 raise InputError(message, "nothing_found", "folder")
         for one in inside:
-            found.setdefault(one.resolve(), (one, path.is_dir()))
-    return list(found.values())
+            files.setdefault(one.resolve(), (one, path.is_dir()))
+    return list(files.values())
 
 
 def import_files(
@@ -395,12 +395,12 @@ def _digits(rows: NDArray) -> bytes:
     text = np.zeros((*rows.shape, places + 3), np.uint8)
     text[..., 0] = np.where(counts < 0, ord("-"), 0)
     at = places + 1
-    for place in range(places):
-        if place == 6:
+    for position in range(places):
+        if position == 6:
             text[..., at] = ord(".")
             at -= 1
         # A zero before the first digit stays a zero byte, which is taken out below.
-        text[..., at] = np.where((size > 0) | (place <= 6), size % 10 + ord("0"), 0)
+        text[..., at] = np.where((size > 0) | (position <= 6), size % 10 + ord("0"), 0)
         size = size // 10
         at -= 1
     text[..., -1] = ord(",")
@@ -452,9 +452,9 @@ def _read_profile(path: Path) -> Settings:
     return Settings(**values)
 
 
-def learned(given: Settings, found: Iterable[Imported]) -> Settings:
+def learned(given: Settings, imported: Iterable[Imported]) -> Settings:
     """What to keep for the next time: what the user gave, and the columns and signs of text that all files share."""
-    layouts = [one.columns for one in found]
+    layouts = [one.columns for one in imported]
 
     def common(values: list[str]) -> str | None:
         return values[0] if values and len(set(values)) == 1 and values[0] else None

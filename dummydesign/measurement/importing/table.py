@@ -53,16 +53,16 @@ def columns_of(text: str, log: ImportLog) -> Columns:
     """Read time, displacement and force of a text."""
     layout = find_layout(text, log)
     columns = describe_columns(layout)
-    found = find_candidates(columns, log)
-    named = {column.index for role in ROLES for column in found[role]}
+    candidates = find_candidates(columns, log)
+    named = {column.index for role in ROLES for column in candidates[role]}
     # where a role has no candidate, it is chosen by what all columns of numbers do
-    indices = [one.index for one in columns if one.index in named or (one.numeric and not all(found.values()))]
+    indices = [one.index for one in columns if one.index in named or (one.numeric and not all(candidates.values()))]
     body = read_body(layout, indices, log)
     if len(body.values) < MIN_SAMPLES:
         message = f"{len(body.values)} rows of numbers; a press needs at least {MIN_SAMPLES}"
         raise log.fault(message, "not_enough_data", "table", len(body.values))
     values = dict(zip(indices, body.values.T))
-    chosen = choose(columns, found, values, log)
+    chosen = choose(columns, candidates, values, log)
     raw = {role: values[chosen[role].index] for role in ROLES}
     scale = find_factors(chosen, raw, log)
     first = float(raw["time"][0])

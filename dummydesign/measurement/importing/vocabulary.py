@@ -75,14 +75,14 @@ def roles_of_name(name: str) -> frozenset[str]:
         if any(sign in kanji for sign in signs):
             return frozenset([role])
     words = words_of(name)
-    found = {role for role, known in _SETS.items() if known & set(words)}
-    found |= {role for role, parts in _COMPOUND.items() if any(w.startswith(parts) or w.endswith(parts) for w in words)}
+    roles = {role for role, known in _SETS.items() if known & set(words)}
+    roles |= {role for role, parts in _COMPOUND.items() if any(w.startswith(parts) or w.endswith(parts) for w in words)}
     if len(words) == 1 and words[0] in _LETTERS:
-        found.add(_LETTERS[words[0]])
+        roles.add(_LETTERS[words[0]])
     # "Load cell temperature", "Position setpoint": the word for something else decides. "Sample time" is a time.
-    if "other" in found:
-        found = {"time"} if found == {"other", "time"} else {"other"}
-    return frozenset(found)
+    if "other" in roles:
+        roles = {"time"} if roles == {"other", "time"} else {"other"}
+    return frozenset(roles)
 
 
 def is_known_word(word: str) -> bool:

@@ -52,8 +52,8 @@ def nearest_dome(
 
 def undersides(triangles: NDArray, points: NDArray) -> NDArray:
     """Lowest height of a triangle mesh under points of the plane; NaN where there is none. [mm]"""
-    found = heights_over(points, triangles, -1e-9)
-    return np.concatenate([np.fmin.reduce(heights, axis=1, initial=np.nan) for _, heights in found])
+    rays = heights_over(points, triangles, -1e-9)
+    return np.concatenate([np.fmin.reduce(heights, axis=1, initial=np.nan) for _, heights in rays])
 
 
 MOST_TRIANGLES, MOST_READ = 1500, 500_000
@@ -69,15 +69,15 @@ def read_solid(path: Path) -> tuple[Any, float]:
             solids: list[Any] = cq.importers.importStep(str(path)).vals()
         except Exception:
             raise _wrong(path.name, "is not a STEP file that can be read", "file_unreadable") from None
-        found = [solid for shape in solids for solid in shape.Solids()]
-        if len(found) != 1:
-            raise _wrong(path.name, f"holds {len(found)} solids, one is needed")
-        return found[0], 0.0
+        bodies = [solid for shape in solids for solid in shape.Solids()]
+        if len(bodies) != 1:
+            raise _wrong(path.name, f"holds {len(bodies)} solids, one is needed")
+        return bodies[0], 0.0
     return _of_triangles(path)
 
 
-def _wrong(name: str, said: str, code: str = "malformed") -> InputError:
-    return InputError(f"bone '{name}': {said}", code, "bone", name)
+def _wrong(name: str, problem: str, code: str = "malformed") -> InputError:
+    return InputError(f"bone '{name}': {problem}", code, "bone", name)
 
 
 def _of_triangles(path: Path) -> tuple[Any, float]:
@@ -91,8 +91,8 @@ def _of_triangles(path: Path) -> tuple[Any, float]:
     if not len(getattr(mesh, "faces", ())):
         raise _wrong(path.name, "holds no triangles")
     if len(mesh.faces) > MOST_READ:
-        said = f"{len(mesh.faces)} triangles; allowed are {MOST_READ}: simplify it first"
-        raise _wrong(path.name, said, "too_large")
+        problem = f"{len(mesh.faces)} triangles; allowed are {MOST_READ}: simplify it first"
+        raise _wrong(path.name, problem, "too_large")
     mesh.merge_vertices(digits_vertex=6)
     if not mesh.is_watertight or not mesh.is_winding_consistent:
         raise _wrong(path.name, "its surface is not closed; repair it in a mesh program first")
@@ -136,7 +136,7 @@ def _sewn(points: Any, faces: Any, name: str) -> Any:
     return solid
 
 
-def place(solid: Any, asked: dict[str, Any], thickness_mm: float, name: str) -> Any:
+def set_into_pad(solid: Any, asked: dict[str, Any], thickness_mm: float, name: str) -> Any:
     """Scale, turn, set the tip down and cut at the free face; see :class:`dummydesign.mold.model.spec.Placing`."""
     solid = solid.scale(asked["scale"])
     for axis, angle in zip(((1, 0, 0), (0, 1, 0), (0, 0, 1)), asked["turn_deg"]):
@@ -197,12 +197,12 @@ def main() -> None:
         else:
             path = Path(asked["file"])
             solid, off = read_solid(path)
-            bone = place(solid, asked["placing"], asked["thickness_mm"], path.name)
+            bone = set_into_pad(solid, asked["placing"], asked["thickness_mm"], path.name)
             answer = {**measure(bone, asked["placing"], asked["thickness_mm"], asked["room_mm"]), "off_file_mm": off}
             bone.exportBrep(asked["solid"])
             if off > OFF_FILE_MM:
-                said = f"{MOST_TRIANGLES} triangles are up to {off:.2f} mm off its surface; give STEP"
-                raise _wrong(path.name, said, "too_large")
+                message = f"{MOST_TRIANGLES} triangles are up to {off:.2f} mm off its surface; give STEP"
+                raise _wrong(path.name, message, "too_large")
     except InputError as problem:
         fault = problem.code, problem.quantity, problem.value, problem.allowed
         answer = {"error": {"code": "input", "message": str(problem), "fault": fault}}

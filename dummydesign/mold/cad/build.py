@@ -83,7 +83,7 @@ class Parts:
     def cavities(self) -> list[Any]:
         """What fills each cavity of the mould; :attr:`cavity` is the first of them."""
         first = self.plan.places[0]
-        moves = [(place.x_mm - first.x_mm, place.y_mm - first.y_mm, 0.0) for place in self.plan.places]
+        moves = [(point.x_mm - first.x_mm, point.y_mm - first.y_mm, 0.0) for point in self.plan.places]
         return [self.cavity.translate(move) if any(move) else self.cavity for move in moves]
 
     def add(self, name: str, solid: Any, material: str, offset_mm: tuple[float, float, float] = (0, 0, 0)) -> None:
@@ -109,13 +109,13 @@ def build(spec: MouldSpec, bone_file: Path | None = None) -> Parts:
     pad = plan.at_places(single_solid(nominal.scale(plan.scale)))[0]
     made.with_bone = None if bone is None else single_solid(whole.scale(plan.scale))
     made.add("pad", pad, "resin")
-    beside = plan.flange.length_mm / 2 + plan.top.length_mm / 2 + 40.0
+    shift = plan.flange.length_mm / 2 + plan.top.length_mm / 2 + 40.0
     if spec.is_printed:
         _add_printed(made)
     else:
-        _add_silicone(made, beside)
+        _add_silicone(made, shift)
     if spec.body.style == "lidded":
-        add_lid(made, beside)
+        add_lid(made, shift)
     elif bone is not None:
         made.add("carrier", carrier(spec, plan, bone), "rigid")
     else:
@@ -131,7 +131,7 @@ def build(spec: MouldSpec, bone_file: Path | None = None) -> Parts:
     return made
 
 
-def _add_silicone(made: Parts, beside_mm: float) -> None:
+def _add_silicone(made: Parts, shift_mm: float) -> None:
     """The silicone mould with its label, and the master and frame it is cast in."""
     spec, plan = made.spec, made.plan
     made.hull = drafted_prism(plan.bottom, plan.height_mm, spec.body.outer_draft_deg, -spec.body.floor_mm)
@@ -148,18 +148,18 @@ def _add_silicone(made: Parts, beside_mm: float) -> None:
     master, frame = casting_box(spec, made.solid("mould"), made.hull, plan.land_mm, True)
     if spec.box.face_sheet_mm:
         # The casting frame is the mould's turned over about x, and larger by the silicone's shrinkage.
-        places = [(place.x_mm * plan.silicone_scale, -place.y_mm * plan.silicone_scale, 0.0) for place in plan.places]
-        master = let_in_sheet(made, master, places, plug_top_mm(plan), (beside_mm, 0, 0))
-    made.add("master", master, "rigid", (beside_mm, 0, 0))
-    made.add("frame", frame, "rigid", (beside_mm, 0, 0))
+        places = [(point.x_mm * plan.silicone_scale, -point.y_mm * plan.silicone_scale, 0.0) for point in plan.places]
+        master = let_in_sheet(made, master, places, plug_top_mm(plan), (shift_mm, 0, 0))
+    made.add("master", master, "rigid", (shift_mm, 0, 0))
+    made.add("frame", frame, "rigid", (shift_mm, 0, 0))
 
 
-def _add_layers(made: Parts, beside_mm: float) -> None:
+def _add_layers(made: Parts, shift_mm: float) -> None:
     """Both layers of the pad, one on the other beside the mould, and the spacer between their pours."""
     plan, pad = made.plan, made.solid("pad")
     low = drafted_prism(plan.fill_outline.grown(1.0), plan.interface_mm + 1.0, 0.0, -1.0)
-    made.add("layer_top", single_solid(pad.intersect(low)), "resin", (0, beside_mm, 0))
-    made.add("layer_base", single_solid(pad.cut(low)), "resin_base", (0, beside_mm, 0))
+    made.add("layer_top", single_solid(pad.intersect(low)), "resin", (0, shift_mm, 0))
+    made.add("layer_base", single_solid(pad.cut(low)), "resin_base", (0, shift_mm, 0))
     made.add("spacer", spacer(made.spec, plan), "rigid")
 
 
@@ -209,7 +209,7 @@ def _add_printed(made: Parts) -> None:
     holes = _holes(made, low - 1.0, plan.land_mm - low + 2.0)
     base = base.cut(*made.cavities, *holes)
     if spec.box.face_sheet_mm:
-        base = let_in_sheet(made, base, [(place.x_mm, place.y_mm, 0.0) for place in plan.places], 0.0)
+        base = let_in_sheet(made, base, [(point.x_mm, point.y_mm, 0.0) for point in plan.places], 0.0)
     made.add("mould", single_solid(base), "rigid")
     made.add("frame", single_solid(ring.cut(*made.cavities, *brims, *bars, *holes)), "rigid")
     made.whole = single_solid(made.hull.cut(*made.cavities, *brims, *bars, *holes))

@@ -84,7 +84,7 @@ def let_in_sheet(
     deep = box.face_sheet_mm + box.sheet_bond_mm
     pocket = drafted_prism(recess_outline(made.spec, made.plan), deep, 0.0, top_mm - deep)
     sheet = drafted_prism(sheet_outline(made.spec, made.plan), box.face_sheet_mm, 0.0, top_mm - box.face_sheet_mm)
-    made.tools["face_recess"] = [pocket.translate(place) for place in places]
+    made.tools["face_recess"] = [pocket.translate(at) for at in places]
     made.add("face_sheet", sheet.translate(places[0]), "glass", offset_mm)
     return single_solid(part.cut(*made.tools["face_recess"]))
 
@@ -92,7 +92,7 @@ def let_in_sheet(
 def mould_tools(spec: MouldSpec, plan: Layout, tools: dict[str, list[Any]]) -> list[Any]:
     """Sockets for the keys and the gutter, as cut into the mould's land."""
     c = spec.lid
-    tools["keys"] = [ball(place, plan.land_mm, c.key_radius_mm + c.key_clearance_mm) for place in plan.keys]
+    tools["keys"] = [ball(point, plan.land_mm, c.key_radius_mm + c.key_clearance_mm) for point in plan.keys]
     tools["gutter"] = [gutter(spec, plan)]
     return [*tools["keys"], *tools["gutter"]]
 
@@ -105,13 +105,13 @@ def gutter(spec: MouldSpec, plan: Layout) -> Any:
     return cq.Workplane(start).circle(spec.lid.gutter_radius_mm).sweep(cq.Workplane(obj=path)).val()
 
 
-def add_lid(made: Parts, beside_mm: float) -> None:
+def add_lid(made: Parts, shift_mm: float) -> None:
     """Build lid, backer, loose pins and the lid's casting box into ``made``."""
     spec, plan, c = made.spec, made.plan, made.spec.lid
     land, row = plan.land_mm, plan.flange.width_mm + 40.0
     # Cast parting face down, so it narrows away from the parting plane and the frame lifts off.
     hull = drafted_prism(plan.top, c.lid_mm, -spec.body.outer_draft_deg, land)
-    full = single_solid(hull.fuse(*[ball(place, land, c.key_radius_mm) for place in plan.keys]))
+    full = single_solid(hull.fuse(*[ball(point, land, c.key_radius_mm) for point in plan.keys]))
     funnels = [_funnel(one, c.lid_mm, land) for one in plan.funnels]
     made.tools["sprue"], made.tools["vents"] = funnels[:1], funnels[1:]
     made.tools["lid_hull"] = [hull]
@@ -124,15 +124,15 @@ def add_lid(made: Parts, beside_mm: float) -> None:
                               _spigot_radius_mm(spec, one) + spec.machines.gap_mm, c.pin_spigot_mm, -c.pin_spigot_mm)
     ]  # fmt: skip
     master, frame = casting_box(spec, full, hull, land, False, tuple(sockets))
-    made.add("lid_master", master, "rigid", (beside_mm, row, 0))
-    made.add("lid_frame", frame, "rigid", (beside_mm, row, 0))
+    made.add("lid_master", master, "rigid", (shift_mm, row, 0))
+    made.add("lid_frame", frame, "rigid", (shift_mm, row, 0))
     made.add("sprue_pin", _pin(spec, plan.funnels[0]), "rigid", (0.0, row, 0))
     made.add("vent_pin", _pin(spec, plan.funnels[1]), "rigid", (30.0, row, 0))
 
 
-def ball(place: Point, z_mm: float, radius_mm: float) -> Any:
+def ball(point: Point, z_mm: float, radius_mm: float) -> Any:
     """Make a ball about a place at a height. [mm]"""
-    return cq.Workplane(origin=(place.x_mm, place.y_mm, z_mm)).sphere(radius_mm).val()
+    return cq.Workplane(origin=(point.x_mm, point.y_mm, z_mm)).sphere(radius_mm).val()
 
 
 def _wire(outline: Outline, z_mm: float) -> Any:

@@ -76,9 +76,9 @@ class _OpenCascade:
     """Names of Open CASCADE, each loaded when it is first used; their first part is their module: ``occ.gp_Pnt``."""
 
     def __getattr__(self, name: str) -> Any:
-        found = getattr(importlib.import_module(f"OCP.{name.split('_')[0]}"), name)
-        setattr(self, name, found)
-        return found
+        member = getattr(importlib.import_module(f"OCP.{name.split('_')[0]}"), name)
+        setattr(self, name, member)
+        return member
 
 
 cq: Any = _CadQuery()

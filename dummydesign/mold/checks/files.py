@@ -117,8 +117,8 @@ def check_step_text(assembly: Path, small: Path, spec_hash: str) -> list[Check]:
 
 def _is_canonical(path: Path) -> bool:
     text = path.read_text(encoding="utf-8")
-    found = re.search(r"FILE_DESCRIPTION\(\('(.*?)'\)", text)
-    return canonical_step(text, path.name, found.group(1) if found else "") == text
+    match = re.search(r"FILE_DESCRIPTION\(\('(.*?)'\)", text)
+    return canonical_step(text, path.name, match.group(1) if match else "") == text
 
 
 def check_meshes(

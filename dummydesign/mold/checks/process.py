@@ -19,36 +19,36 @@ BULGE_SHARE = 0.005
 
 def check_process(spec: MouldSpec, plan: PourPlan, warnings: Sequence[Mapping[str, str]]) -> list[Check]:
     """Check machines, tray, walls, weights, cup, pot life, and that level and meniscus are warned of."""
-    found = [*_machines(spec), *_walls(spec, plan)]
+    checks = [*_machines(spec), *_walls(spec, plan)]
     for end, one in zip(("", "_base"), pours_of(spec, plan)):
-        found += [replace(item, id=item.id + end) for item in _weights(spec, *one)]
+        checks += [replace(item, id=item.id + end) for item in _weights(spec, *one)]
     faults = order_faults(pour_steps(spec, plan))
-    return [*found, equal("sheet_order", len(faults), 0, "; ".join(faults)), _check_warnings(spec, warnings)]
+    return [*checks, equal("sheet_order", len(faults), 0, "; ".join(faults)), _check_warnings(spec, warnings)]
 
 
 def _machines(spec: MouldSpec) -> list[Check]:
     m, bolt = spec.machines, math.floor(spec.box.bolt_hole_mm)
     play = spec.box.bolt_hole_mm - 2 * m.elephant_foot_mm - bolt
-    found = [
+    checks = [
         above("fits_printer", spare_mm(layout(spec).flange, bed_mm(m)), 0.0,
               "mm to spare beside the master on the bed, margin kept"),
         above("bolts_pass", play, 0.0, f"mm of play for M{bolt} where the print's first layer spreads"),
     ]  # fmt: skip
     if spec.pour.cures_warm:
         shelf = spare_mm(footprint(spec), (m.shelf_x_mm, m.shelf_y_mm))
-        found.append(above("fits_oven", shelf, 0.0, "mm to spare on the shelf"))
+        checks.append(above("fits_oven", shelf, 0.0, "mm to spare on the shelf"))
     else:
-        found.append(skipped("fits_oven", "cures at room temperature"))
+        checks.append(skipped("fits_oven", "cures at room temperature"))
     if spec.plastic is None:
-        found.append(skipped("plastic_bears_oven", "the preset names no plastic"))
+        checks.append(skipped("plastic_bears_oven", "the preset names no plastic"))
     else:
         spare = spec.plastic.service_temperature_C - spec.pour.cure_temperature_C
-        found.append(above("plastic_bears_oven", spare, 0.0, f"K to spare for {spec.plastic.name} in the oven"))
+        checks.append(above("plastic_bears_oven", spare, 0.0, f"K to spare for {spec.plastic.name} in the oven"))
     if spec.pour.degas == "mould":
-        found.append(above("fits_vacuum_chamber", chamber_spare_mm(spec), 0.0, "mm to spare, mould with collar"))
+        checks.append(above("fits_vacuum_chamber", chamber_spare_mm(spec), 0.0, "mm to spare, mould with collar"))
     else:
-        found.append(skipped("fits_vacuum_chamber", "the resin is degassed in its cup"))
-    return found
+        checks.append(skipped("fits_vacuum_chamber", "the resin is degassed in its cup"))
+    return checks
 
 
 def _walls(spec: MouldSpec, plan: PourPlan) -> list[Check]:

@@ -42,12 +42,12 @@ def check_label(made: Parts, meshes: Mapping[str, Any] | None = None) -> list[Ch
         turned = (places - (0.0, 0.0, plan.land_mm)) * (grow, -grow, -grow)
         right = right & inside_mesh(meshes["master"], turned)
     note = "share of strokes cut in the mould and proud on the master"
-    found = [equal("label_reads_right", float(right.mean()), 1.0, note)]
+    checks = [equal("label_reads_right", float(right.mean()), 1.0, note)]
     # A mirrored label would share all strokes only if the text were its own mirror image.
     if (shared := float(wrong.mean())) == 1.0:
-        return [*found, skipped("label_not_mirrored", "the label is its own mirror image")]
+        return [*checks, skipped("label_not_mirrored", "the label is its own mirror image")]
     note = "share of strokes that a mirrored label would share"
-    return [*found, below("label_not_mirrored", shared, 0.99, note)]
+    return [*checks, below("label_not_mirrored", shared, 0.99, note)]
 
 
 def inside_mesh(mesh: Any, points: Any) -> Any:
@@ -61,7 +61,7 @@ def inside_mesh(mesh: Any, points: Any) -> Any:
 
 
 VOLUME_REL, INTERFERENCE_MM3, SILICONE_REL, DRAFT_SLACK_DEG = 1e-9, 0.01, 2e-4, 0.01
-APART_MM = 0.8
+LEAST_GAP_MM = 0.8
 
 
 def check_solids(made: Parts, meshes: Mapping[str, Any] | None = None) -> list[Check]:
@@ -69,11 +69,12 @@ def check_solids(made: Parts, meshes: Mapping[str, Any] | None = None) -> list[C
 
     ``meshes`` are those that :func:`~dummydesign.mold.checks.solids.check_label` reads the label from.
     """
-    found = [*check_validity(made), *check_volumes(made), *check_interference(made), *check_boxes(made)]
-    found += [*check_drafts(made), _sweep(made), *check_distances(made), *check_label(made, meshes), *check_sheet(made)]
+    checks = [*check_validity(made), *check_volumes(made), *check_interference(made), *check_boxes(made)]
+    checks += [*check_drafts(made), _sweep(made), *check_distances(made)]
+    checks += [*check_label(made, meshes), *check_sheet(made)]
     if made.spec.body.style == "lidded":
-        found.append(lid_one_way(made.solid("lid"), made.solid("mould")))
-    return found
+        checks.append(lid_one_way(made.solid("lid"), made.solid("mould")))
+    return checks
 
 
 def check_validity(made: Parts) -> list[Check]:
@@ -123,12 +124,12 @@ def check_interference(made: Parts) -> list[Check]:
     if made.spec.is_printed:
         # Here the ring stands where it is used; a silicone mould's frame stands in its casting box.
         pairs += TOUCHING_PRINTED
-    found = []
+    checks = []
     for one, other in pairs:
         if one in made.parts and other in made.parts:
             common = release.common_volume_mm3(_met(made, one, other), _met(made, other, one))
-            found.append(below(f"interference_{one}_{other}", common, INTERFERENCE_MM3, "mm3"))
-    return found
+            checks.append(below(f"interference_{one}_{other}", common, INTERFERENCE_MM3, "mm3"))
+    return checks
 
 
 def _met(made: Parts, name: str, other: str) -> Any:
@@ -139,7 +140,7 @@ def _met(made: Parts, name: str, other: str) -> Any:
 def check_boxes(made: Parts) -> list[Check]:
     """The silicone a casting box holds is the part scaled by the silicone's shrinkage, and the box is empty of it."""
     spec, plan = made.spec, made.plan
-    found = []
+    checks = []
     boxes = [] if spec.is_printed else [("mould", "master", "frame", made.solid("mould"), plan.land_mm, True)]
     if "lid" in made.parts:
         funnels = [*made.tools["sprue"], *made.tools["vents"]]
@@ -158,10 +159,10 @@ def check_boxes(made: Parts) -> list[Check]:
         volume = max(solid.Volume() for solid in held.Solids())
         if name == "lid":
             volume -= sum(tool.Volume() for tool in made.tools.get("sockets", []))
-        found.append(below(f"silicone_in_box_{name}", abs(volume / cast.Volume() - 1), SILICONE_REL))
+        checks.append(below(f"silicone_in_box_{name}", abs(volume / cast.Volume() - 1), SILICONE_REL))
         overlap = release.common_volume_mm3(made.solid(master), cast)
-        found.append(below(f"interference_{master}_{name}", overlap, INTERFERENCE_MM3, "mm3"))
-    return found
+        checks.append(below(f"interference_{master}_{name}", overlap, INTERFERENCE_MM3, "mm3"))
+    return checks
 
 
 def _without_pocket(made: Parts) -> Any:
@@ -180,19 +181,19 @@ def check_drafts(made: Parts) -> list[Check]:
     """Draft of cavity, of the plug it is cast on and of the frame, each in its direction of pull."""
     spec, plan, grow = made.spec, made.plan, made.plan.silicone_scale
     outer = spec.body.outer_draft_deg
-    found = [above("draft_cavity", cavity_draft_deg(made.core, made), spec.pad.draft_deg - DRAFT_SLACK_DEG)]
+    checks = [above("draft_cavity", cavity_draft_deg(made.core, made), spec.pad.draft_deg - DRAFT_SLACK_DEG)]
     if spec.is_printed:
-        return found
+        return checks
     high = plan.height_mm * grow
     plug = release.faces_within(_without_pocket(made), plan.openings.scaled(grow), 0.0, high)
-    found.append(above("draft_plug", release.minimum_draft_deg(plug), spec.pad.draft_deg - DRAFT_SLACK_DEG))
+    checks.append(above("draft_plug", release.minimum_draft_deg(plug), spec.pad.draft_deg - DRAFT_SLACK_DEG))
     frames = [("frame", high)]
     if "lid_frame" in made.parts:
         frames.append(("lid_frame", spec.lid.lid_mm * grow))
     for name, top in frames:
         inner = release.faces_within(made.solid(name), plan.top.scaled(grow), 0.0, top)
-        found.append(above(f"draft_{name}", release.minimum_draft_deg(inner, -1.0), outer - DRAFT_SLACK_DEG))
-    return found
+        checks.append(above(f"draft_{name}", release.minimum_draft_deg(inner, -1.0), outer - DRAFT_SLACK_DEG))
+    return checks
 
 
 def check_sheet(made: Parts) -> list[Check]:
@@ -201,9 +202,9 @@ def check_sheet(made: Parts) -> list[Check]:
         return []
     sheet, box, printed = made.solid("face_sheet"), made.spec.box, made.spec.is_printed
     top = 0.0 if printed else rough_bounds(_without_pocket(made))[5]
-    apart = abs(rough_bounds(sheet)[5] - top)
+    offset = abs(rough_bounds(sheet)[5] - top)
     bed = made.solid("mould" if printed else "master").distance(sheet.translate((0, 0, -box.sheet_bond_mm)))
-    return [below("face_sheet_flush", apart, 1e-5, "mm off the face around it"),
+    return [below("face_sheet_flush", offset, 1e-5, "mm off the face around it"),
             below("face_sheet_seated", bed, 1e-5, "mm from the pocket's floor, its bond taken away")]  # fmt: skip
 
 
@@ -234,15 +235,15 @@ def check_distances(made: Parts) -> list[Check]:
     pairs = [(f"{name} and {other_name}", tool, other) for (name, tool), (other_name, other) in combinations(flat, 2)
              if not name == other_name == "label"]  # fmt: skip
     least, where = _nearest(pairs)
-    found = [above("features_apart", least, APART_MM, f"mm, nearest: {where}")] if where else []
+    checks = [above("features_apart", least, LEAST_GAP_MM, f"mm, nearest: {where}")] if where else []
     if tools["gutter"]:
         c = made.spec.lid
         gap = made.solid("pad").distance(tools["gutter"][0])
-        found.append(above("gutter_to_cavity", gap, c.gutter_distance_mm - c.gutter_radius_mm - 1e-3, "mm"))
+        checks.append(above("gutter_to_cavity", gap, c.gutter_distance_mm - c.gutter_radius_mm - 1e-3, "mm"))
     if tools["label"]:
         near = made.solid("pad").distance(cq.Compound.makeCompound(tools["label"]))
-        found.append(above("label_to_pad", near, APART_MM, "mm"))
-    return found
+        checks.append(above("label_to_pad", near, LEAST_GAP_MM, "mm"))
+    return checks
 
 
 def _nearest(pairs: list[tuple[str, Any, Any]]) -> tuple[float, str]:
@@ -272,14 +273,14 @@ PLACED_MM = 0.005
 def check_shape(made: Parts) -> list[Check]:
     """Check what the slab does not have; nothing for a slab."""
     pad = made.spec.pad
-    found = []
+    checks = []
     if (pad.shape.relief_mm or pad.shape.bone_height_mm) and made.spec.insert is None:
-        found.append(face_profile(made))
+        checks.append(face_profile(made))
     if pad.shape.bone_height_mm:
-        found += _bone(made)
+        checks += _bone(made)
     if pad.shape.layers():
-        found += _layers(made)
-    return found
+        checks += _layers(made)
+    return checks
 
 
 def face_profile(made: Parts) -> Check:
@@ -310,9 +311,9 @@ def _inner_faces(solid: Any, pad: PadGeometry) -> list[Any]:
     """Faces that keep off the pad's rim: those of its curves and no other."""
     reach = pad.length_mm / 2 - (-pad.thickness_mm if pad.shape.runs_out else RIM_FREE_MM) + 1e-3
     room = Outline(2 * reach, pad.width_mm - 2 * RIM_FREE_MM + 2e-3, 0.0)
-    found = release.faces_within(solid, room, 0.0, pad.thickness_mm)
+    faces = release.faces_within(solid, room, 0.0, pad.thickness_mm)
     # A bar's end faces lean as the walls do.
-    return [face for face in found if abs(face.normalAt().z) > 0.2]
+    return [face for face in faces if abs(face.normalAt().z) > 0.2]
 
 
 def _bone(made: Parts) -> list[Check]:

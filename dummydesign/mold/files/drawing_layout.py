@@ -145,8 +145,8 @@ def _scales(enlarged: bool) -> list[tuple[float, float]]:
 def _at_scale(view: View, scale: float, larger: float) -> Placed:
     """A view at the scale of the sheet, or a detail at its own with its scale in its name."""
     if not view.enlarged:
-        return place(view, scale)
-    one = place(replace(view, name=f"{view.name} ({ratio(larger)})"), larger)
+        return lay_out_view(view, scale)
+    one = lay_out_view(replace(view, name=f"{view.name} ({ratio(larger)})"), larger)
     one.dimensions = [replace(d, enlarged=larger / scale) for d in one.dimensions]
     return one
 
@@ -156,11 +156,11 @@ def _rows(placed: list[Placed], room_mm: float) -> list[list[Placed]]:
     rows = [[one] for one in placed[:2]]
     for one in placed[2:]:
         wide = [sum(other.width + GAP_MM for other in row) for row in rows[:2]]
-        beside = next((row for row, taken in zip(rows, wide) if taken + one.width <= room_mm), None)
-        if beside is None:
+        free = next((row for row, taken in zip(rows, wide) if taken + one.width <= room_mm), None)
+        if free is None:
             rows.append([one])
         else:
-            beside.append(one)
+            free.append(one)
     return rows
 
 
@@ -175,7 +175,7 @@ def _put(sheet: Drawing, one: Placed, shift: Point) -> None:
         sheet.dimensions.append(replace(d, start=moved(d.start), end=moved(d.end), at=at))
 
 
-def place(view: View, scale: float) -> Placed:
+def lay_out_view(view: View, scale: float) -> Placed:
     """A view at a scale with its dimensions in lanes, its leaders on the left and its name above."""
 
     def on_paper(point: Point) -> Point:
@@ -213,7 +213,7 @@ def place(view: View, scale: float) -> Placed:
 def _crossed(one: Dimension, places: Sequence[float]) -> bool:
     """Whether a line across its lane at one of the places goes through its number."""
     axis = int(one.vertical)
-    return any(one.text.box[axis] < place < one.text.box[axis + 2] for place in places)
+    return any(one.text.box[axis] < position < one.text.box[axis + 2] for position in places)
 
 
 def _meet(one: Dimension, other: Dimension) -> bool:
@@ -251,7 +251,7 @@ def _lanes(measures: list[tuple[Point, Point, float]], side: str, edge: float) -
 
 
 LETTER = "A"
-BESIDE, UNDER = 1.3, 0.5
+BEYOND, UNDER = 1.3, 0.5
 """How far a detail reaches beyond the foot, over the foot, and below the flat, over the height."""
 POINTS, SEARCH_MM, SCAN_MM = 161, 200.0, 0.01
 
@@ -276,8 +276,8 @@ def _drop(shape: PadShape, at_mm: np.ndarray) -> np.ndarray:
 def crown_detail(shape: PadShape, factor: float = 1.0) -> View:
     """Show the crown, or the highest cap, enlarged, with its dimensions."""
     foot, high = foot_mm(shape), shape.relief_mm
-    wide, low = factor * BESIDE * foot, -factor * (1.0 + UNDER) * high
-    across = np.union1d(np.linspace(-BESIDE * foot, BESIDE * foot, POINTS), [-foot, 0.0, foot])
+    wide, low = factor * BEYOND * foot, -factor * (1.0 + UNDER) * high
+    across = np.union1d(np.linspace(-BEYOND * foot, BEYOND * foot, POINTS), [-foot, 0.0, foot])
     # Other caps than this one are not shown.
     drop = np.where(np.abs(across) < foot, _drop(shape, across), high)
     profile = tuple((factor * float(x), -factor * float(z)) for x, z in zip(across, drop))

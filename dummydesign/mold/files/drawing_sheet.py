@@ -91,8 +91,8 @@ class Dimension:
         wide, axis = text_width(words, TEXT_MM), int(self.vertical)
         middle = (a[axis] + b[axis]) / 2
         if abs(b[axis] - a[axis]) < wide + 2 * ARROW_MM:
-            beside = ARROW_MM + 1.5 + wide / 2
-            middle = min(a[axis], b[axis]) - beside if self.before else max(a[axis], b[axis]) + beside
+            offset = ARROW_MM + 1.5 + wide / 2
+            middle = min(a[axis], b[axis]) - offset if self.before else max(a[axis], b[axis]) + offset
         at = (self.at - 1.0, middle) if self.vertical else (middle, self.at + 1.0)
         return Text(at, words, TEXT_MM, True, self.vertical)
 
@@ -296,10 +296,10 @@ def to_dxf(sheet: Drawing) -> str:
         for line in sorted(sheet.lines, key=lambda one: (one.layer, one.points)):
             space.add_lwpolyline(line.points, dxfattribs={"layer": line.layer})
         for text in sheet.texts:
-            place = TextEntityAlignment.BOTTOM_CENTER if text.middle else TextEntityAlignment.BOTTOM_LEFT
+            alignment = TextEntityAlignment.BOTTOM_CENTER if text.middle else TextEntityAlignment.BOTTOM_LEFT
             turn = 90.0 if text.upright else 0.0
             entity = space.add_text(text.words, height=text.height, rotation=turn, dxfattribs={"layer": "text"})
-            entity.set_placement(text.at, align=place)
+            entity.set_placement(text.at, align=alignment)
         for d in sheet.dimensions:
             space.add_linear_dim(
                 base=d.line[0], p1=d.start, p2=d.end, angle=90 if d.vertical else 0, text=number_text(d.value),

@@ -51,14 +51,14 @@ def _kernel_triangles(
     triangles: list[tuple[int, int, int]] = []
     faces = occ.TopExp_Explorer(solid.wrapped, occ.TopAbs_FACE)
     while faces.More():
-        face, place = occ.TopoDS.Face_s(faces.Current()), occ.TopLoc_Location()
+        face, location = occ.TopoDS.Face_s(faces.Current()), occ.TopLoc_Location()
         faces.Next()
-        one = occ.BRep_Tool.Triangulation_s(face, place)
+        one = occ.BRep_Tool.Triangulation_s(face, location)
         if one is None:
             continue
-        first, move = len(points) - 1, place.Transformation()
+        first, move = len(points) - 1, location.Transformation()
         nodes = (one.Node(i) for i in range(1, one.NbNodes() + 1))
-        moved = nodes if place.IsIdentity() else (node.Transformed(move) for node in nodes)
+        moved = nodes if location.IsIdentity() else (node.Transformed(move) for node in nodes)
         points += [(node.X(), node.Y(), node.Z()) for node in moved]
         corners = (one.Triangle(i).Get() for i in range(1, one.NbTriangles() + 1))
         if face.Orientation() == occ.TopAbs_REVERSED:

@@ -51,7 +51,7 @@ def edges_from_above(solid: Any) -> list[tuple[Run, str]]:
     """
     listed = _faces(solid)
     faces, kind_of = [face for face, _, _ in listed], [(kind, normal) for _, kind, normal in listed]
-    beside: dict[int, list[int]] = {}
+    faces_of: dict[int, list[int]] = {}
     edges: dict[int, Any] = {}
     seams: set[int] = set()
     for index, face in enumerate(faces):
@@ -62,17 +62,17 @@ def edges_from_above(solid: Any) -> list[tuple[Run, str]]:
                 continue
             around.add(key)
             edges[key] = edge
-            beside.setdefault(key, []).append(index)
+            faces_of.setdefault(key, []).append(index)
             if occ.BRep_Tool.IsClosed_s(edge, face.wrapped):
                 seams.add(key)
     runs = []
     for key, edge in edges.items():
-        kinds = [kind_of[face] for face in beside[key]]
+        kinds = [kind_of[face] for face in faces_of[key]]
         if key in seams or all(flat is not None and flat.z < 1e-6 for _, flat in kinds):
             continue
         edge = cq.Edge(edge)
         middle = edge.positionAt(0.5)
-        normals = [flat or faces[face].normalAt(middle) for face, (_, flat) in zip(beside[key], kinds)]
+        normals = [flat or faces[face].normalAt(middle) for face, (_, flat) in zip(faces_of[key], kinds)]
         if all(normal.z < 1e-6 for normal in normals):
             continue
         smooth = len(normals) == 2 and normals[0].dot(normals[1]) > SMOOTH
@@ -89,8 +89,8 @@ def edges_from_above(solid: Any) -> list[tuple[Run, str]]:
 @lru_cache(maxsize=1)
 def _faces(solid: Any) -> list[tuple[Any, str, Any]]:
     """Faces of a solid with the kind of their surface and, of a plane, its normal; those of the last solid are kept."""
-    found = ((face, face.geomType()) for face in solid.Faces())
-    return [(face, kind, face.normalAt() if kind == "PLANE" else None) for face, kind in found]
+    kinds = ((face, face.geomType()) for face in solid.Faces())
+    return [(face, kind, face.normalAt() if kind == "PLANE" else None) for face, kind in kinds]
 
 
 def turned_over(solid: Any) -> Any:
@@ -112,19 +112,19 @@ def _cut(solid: Any, origin: tuple[float, float, float], normal: tuple[int, int,
     plane = cq.Face.makePlane(1000.0, 1000.0, cq.Vector(*origin), cq.Vector(*normal))
     wires = [w for face in plane.intersect(solid).Faces() for w in (face.outerWire(), *face.innerWires())]
     loops = tuple(tuple((point[across], point[2]) for point in wire_points(wire)) for wire in wires)
-    found = [point for wire in wires for point in _corners(list(wire))]
-    return Section(loops, tuple((point[across], point[2]) for point in found))
+    corners = [point for wire in wires for point in _corners(list(wire))]
+    return Section(loops, tuple((point[across], point[2]) for point in corners))
 
 
 def _corners(edges: list[Any]) -> list[tuple[float, float, float]]:
     """Ends that two edges of a wire share and at which its direction changes."""
-    found = []
+    corners = []
     for one, other in zip(edges, [*edges[1:], edges[0]]):
         ends = ((a, b) for a in (0.0, 1.0) for b in (0.0, 1.0))
         a, b = min(ends, key=lambda pair: _far(one.positionAt(pair[0]).toTuple(), other.positionAt(pair[1]).toTuple()))
         if abs(one.tangentAt(a).dot(other.tangentAt(b))) < SMOOTH:
-            found.append(one.positionAt(a).toTuple())
-    return found
+            corners.append(one.positionAt(a).toTuple())
+    return corners
 
 
 def edge_points(edge: Any) -> list[tuple[float, float, float]]:
@@ -170,11 +170,11 @@ def holes(solid: Any) -> list[Hole]:
             middle = edges[0].arcCenter()
             inside.Perform(occ.gp_Pnt(middle.x, middle.y, middle.z + inwards), 1e-6)
             if inside.State() != occ.TopAbs_IN:
-                place = (round(middle.x, 3), round(middle.y, 3))
-                rims.setdefault(place, set()).add(round(2 * edges[0].radius(), 3))
+                centre = (round(middle.x, 3), round(middle.y, 3))
+                rims.setdefault(centre, set()).add(round(2 * edges[0].radius(), 3))
     kinds: dict[tuple[float, ...], list[tuple[float, float]]] = {}
-    for place, across in rims.items():
-        kinds.setdefault(tuple(sorted(across, reverse=True)), []).append(place)
+    for centre, across in rims.items():
+        kinds.setdefault(tuple(sorted(across, reverse=True)), []).append(centre)
     return [Hole(across, tuple(sorted(places))) for across, places in sorted(kinds.items())]
 
 
@@ -185,11 +185,11 @@ def levels(solid: Any) -> list[float]:
         if normal is not None and abs(normal.z) > 0.999:
             high = round(face.Center().z, 4)
             areas[high] = areas.get(high, 0.0) + face.Area()
-    found = list(height_range(solid, [face for face, _, normal in _faces(solid) if normal is None]))
+    heights = list(height_range(solid, [face for face, _, normal in _faces(solid) if normal is None]))
     for high, area in sorted(areas.items()):
-        if area > LEVEL_AREA_MM2 and all(abs(high - other) > LEVEL_GAP_MM for other in found):
-            found.append(high)
-    return sorted(found)
+        if area > LEVEL_AREA_MM2 and all(abs(high - other) > LEVEL_GAP_MM for other in heights):
+            heights.append(high)
+    return sorted(heights)
 
 
 TURNED = ("strike_off", "spacer", "carrier", "lid", "pad")
@@ -224,7 +224,7 @@ def sheets(
     made: Parts, views: dict[str, list[View]], papers: DocumentInfo = NO_PAPERS, paper: str = "A3"
 ) -> dict[str, Drawing]:
     """Arrange what is shown of the parts, a sheet each."""
-    pad, limits, found = made.spec.pad, made.spec.acceptance, {}
+    pad, limits, drawings = made.spec.pad, made.spec.acceptance, {}
     thickness = f"; thickness +-{pad.thickness_mm * limits.thickness_percent / 100:.2f}"
     for count, name in enumerate(views, 1):
         title = Title(
@@ -236,8 +236,8 @@ def sheets(
             date=papers.date or "-",
             number=f"{count} of {len(views)}",
         )
-        found[name] = arrange(views[name], title, _notes(made, name), paper)
-    return found
+        drawings[name] = arrange(views[name], title, _notes(made, name), paper)
+    return drawings
 
 
 def _called(made: Parts, name: str) -> str:
@@ -304,7 +304,7 @@ def _views(made: Parts, name: str) -> list[View]:
         factor = 1.0 if name == "pad" else made.plan.scale * made.plan.silicone_scale
         views.append(crown_detail(shape, factor))
         shown = 2 if name == "pad" and shape.runs_out else 0
-        x, _ = min(shape.places_mm, key=lambda place: (abs(place[1]), abs(place[0])))
+        x, _ = min(shape.places_mm, key=lambda centre: (abs(centre[1]), abs(centre[0])))
         views[shown] = replace(views[shown], marks=(((factor * x, 0.0), LETTER),))
     return views
 
@@ -313,11 +313,11 @@ def _section(made: Parts, name: str, solid: Any, rims: Sequence[Hole], across: b
     cut = cut_at_x if across else cut_at_y
     x0, y0 = section_origin(made, name)
     solid = solid.translate((-x0, -y0, 0.0)) if x0 or y0 else solid
-    found = cut(solid)
-    measures = [*_heights(solid, found.loops), *_widths(found, rims)]
-    runs: list[tuple[Run, str]] = [(loop, "cut") for loop in found.loops]
+    section = cut(solid)
+    measures = [*_heights(solid, section.loops), *_widths(section, rims)]
+    runs: list[tuple[Run, str]] = [(loop, "cut") for loop in section.loops]
     if name == "mould":
-        measures += _of_cavity(made, found.loops)
+        measures += _of_cavity(made, section.loops)
         for other in ("spacer", "carrier"):
             if other in made.parts and not (other == "carrier" and made.with_bone is None):
                 runs += [(loop, "thin") for loop in cut(made.solid(other)).loops]
@@ -343,12 +343,12 @@ def section_origin(made: Parts, name: str) -> tuple[float, float]:
 
 def _heights(solid: Any, loops: Sequence[Run]) -> list[Measure]:
     """Overall height on the left, the other levels from the lowest on the right."""
-    found = levels(solid)
+    heights = levels(solid)
     xs = [x for loop in loops for x, _ in loop]
-    low, high = found[0], found[-1]
+    low, high = heights[0], heights[-1]
     left, right = min(xs), max(xs)
     return [Measure((left, low), (left, high), "left"),
-            *(Measure((right, low), (right, z), "right") for z in found[1:-1])]  # fmt: skip
+            *(Measure((right, low), (right, z), "right") for z in heights[1:-1])]  # fmt: skip
 
 
 def _of_cavity(made: Parts, loops: Sequence[Run]) -> list[Measure]:
@@ -363,15 +363,15 @@ def _of_cavity(made: Parts, loops: Sequence[Run]) -> list[Measure]:
 def _widths(cut: Section, rims: Sequence[Hole]) -> list[Measure]:
     """Widths of a symmetrical section at its corners, those of nearly the same width and of holes left out."""
     holes = [abs(x) + side * d / 2 for one in rims for x, _ in one.places for d in one.diameters_mm for side in (1, -1)]
-    found: list[tuple[float, float]] = []
+    spans: list[tuple[float, float]] = []
     for x, z in sorted(cut.corners, reverse=True):
         partner = any(abs(a + x) < 1e-3 and abs(b - z) < 1e-3 for a, b in cut.corners)
-        fresh = all(abs(x - other) > NEAR_MM for other, _ in found)
+        fresh = all(abs(x - other) > NEAR_MM for other, _ in spans)
         if x > NEAR_MM and partner and fresh and all(abs(x - rim) > 1e-2 for rim in holes):
-            found.append((x, z))
+            spans.append((x, z))
     heights = [z for loop in cut.loops for _, z in loop]
     middle = (max(heights) + min(heights)) / 2
-    kept = found if len(found) <= MOST_WIDTHS else [*found[: MOST_WIDTHS - 1], found[-1]]
+    kept = spans if len(spans) <= MOST_WIDTHS else [*spans[: MOST_WIDTHS - 1], spans[-1]]
     return [Measure((-x, z), (x, z), "above" if z > middle else "below") for x, z in kept]
 
 
@@ -398,13 +398,13 @@ def _from_above(solid: Any, rims: Sequence[Hole], sites: Sequence[tuple[float, f
 
 def _pattern(places: Sequence[tuple[float, float]]) -> list[Measure]:
     """Distances across a pattern of holes, or from the middle line where a hole has no partner."""
-    found = []
+    measures = []
     for axis, side in ((0, "above"), (1, "right")):
-        for at in sorted({abs(place[axis]) for place in places}):
-            row = [place for place in places if abs(abs(place[axis]) - at) < 1e-6]
-            both = any(place[axis] > 0 for place in row) and any(place[axis] < 0 for place in row)
-            level = max(place[1 - axis] for place in row)
+        for at in sorted({abs(point[axis]) for point in places}):
+            row = [point for point in places if abs(abs(point[axis]) - at) < 1e-6]
+            both = any(point[axis] > 0 for point in row) and any(point[axis] < 0 for point in row)
+            level = max(point[1 - axis] for point in row)
             start, end = ((one, level) if axis == 0 else (level, one)
                           for one in ((-at, at) if both else (0.0, row[0][axis])))  # fmt: skip
-            found.append(Measure(start, end, side))
-    return found
+            measures.append(Measure(start, end, side))
+    return measures

@@ -52,7 +52,7 @@ class Shown:
     triangles: NDArray
     colour: tuple[float, float, float]
     lift_mm: float = 0.0
-    beside_mm: float = 0.0
+    shift_mm: float = 0.0
 
 
 def pack(triangles: NDArray, colour: tuple[float, float, float], lift_mm: float) -> dict[str, Any]:
@@ -63,7 +63,7 @@ def pack(triangles: NDArray, colour: tuple[float, float, float], lift_mm: float)
     return {"triangles": coded, "low": low.tolist(), "high": high.tolist(), "colour": colour, "lift": lift_mm}
 
 
-def stack(parts: Mapping[str, NDArray], gap_mm: float = 25.0, beside_mm: float = 0.0) -> list[Shown]:
+def stack(parts: Mapping[str, NDArray], gap_mm: float = 25.0, shift_mm: float = 0.0) -> list[Shown]:
     """Parts one over the other, each lifted clear of the one below it when they are drawn apart."""
     lifts = dict.fromkeys(parts, 0.0)
     if len(parts) > 1:
@@ -71,14 +71,14 @@ def stack(parts: Mapping[str, NDArray], gap_mm: float = 25.0, beside_mm: float =
 
         heights = {name: (float(one[..., 2].min()), float(one[..., 2].max())) for name, one in parts.items()}
         lifts = exploded(heights, list(parts), gap_mm)
-    return [Shown(name, one, COLOURS.get(name.split(",")[0], (0.7, 0.7, 0.72)), lifts[name], beside_mm)
+    return [Shown(name, one, COLOURS.get(name.split(",")[0], (0.7, 0.7, 0.72)), lifts[name], shift_mm)
             for name, one in parts.items()]  # fmt: skip
 
 
 def view_html(parts: Sequence[Shown]) -> str:
     """Canvas, controls and packed parts; :func:`view_script` draws them."""
     packed = [
-        {**pack(one.triangles, one.colour, one.lift_mm), "name": one.name.replace("_", " "), "beside": one.beside_mm,
+        {**pack(one.triangles, one.colour, one.lift_mm), "name": one.name.replace("_", " "), "beside": one.shift_mm,
          "turned": ", " in one.name}
         for one in parts
     ]
@@ -132,13 +132,13 @@ def mould_view(meshes: Mapping[str, Any], colours: Mapping[str, tuple[float, flo
     used = stacked(list(meshes))
     stacks = [used, *([name for name in box if name in meshes and name not in used] for box in BOXES)]
     rest = [[name] for name in meshes if not any(name in names for names in stacks)]
-    found: list[Shown] = []
+    shown: list[Shown] = []
     edge, size = None, max(float(np.ptp(mesh.bounds, axis=0).max()) for mesh in meshes.values())
     for names in filter(None, [*stacks, *rest]):
         parts = {name: np.asarray(meshes[name].triangles, float) for name in names}
         low = min(float(one[..., 0].min()) for one in parts.values())
         high = max(float(one[..., 0].max()) for one in parts.values())
-        beside = 0.0 if edge is None else edge + 0.15 * size - low
-        edge = high + beside
-        found += stack(parts, GAP_SHARE * size, beside)
-    return view_page([replace(one, colour=colours[one.name]) for one in found], title, TEXT)
+        shift = 0.0 if edge is None else edge + 0.15 * size - low
+        edge = high + shift
+        shown += stack(parts, GAP_SHARE * size, shift)
+    return view_page([replace(one, colour=colours[one.name]) for one in shown], title, TEXT)

@@ -95,23 +95,23 @@ def _joined(parts: tuple[list[str], list[int]], names: dict[int, str]) -> str:
 
 def _digests(parts: dict[int, tuple[list[str], list[int]]]) -> dict[int, str]:
     """Content hash of every entity, children first."""
-    found: dict[int, str] = {}
+    digests: dict[int, str] = {}
     for first in parts:
         stack = [first]
         while stack:
             number = stack[-1]
-            if number in found:
+            if number in digests:
                 stack.pop()
                 continue
             if number not in parts:
                 raise ValueError(f"entity #{number} is referred to but not in the file")
-            missing = [child for child in parts[number][1] if child not in found]
+            missing = [child for child in parts[number][1] if child not in digests]
             if missing:
                 stack.extend(missing)
                 continue
-            found[number] = hashlib.blake2b(_joined(parts[number], found).encode(), digest_size=12).hexdigest()
+            digests[number] = hashlib.blake2b(_joined(parts[number], digests).encode(), digest_size=12).hexdigest()
             stack.pop()
-    return found
+    return digests
 
 
 def _sorted_items(body: str, digests: dict[int, str]) -> str:
@@ -318,8 +318,8 @@ def read_step(path: Path, validity: bool = True) -> list[ReadPart]:
     shapes = occ.XCAFDoc_DocumentTool.ShapeTool_s(document.Main())
     labels = occ.TDF_LabelSequence()
     shapes.GetShapes(labels)
-    found = [labels.Value(index) for index in range(1, labels.Length() + 1)]
-    simple = [label for label in found if occ.XCAFDoc_ShapeTool.IsSimpleShape_s(label)]
+    every = [labels.Value(index) for index in range(1, labels.Length() + 1)]
+    simple = [label for label in every if occ.XCAFDoc_ShapeTool.IsSimpleShape_s(label)]
     return sorted((_read_part(document, label, validity) for label in simple), key=lambda part: part.name)
 
 

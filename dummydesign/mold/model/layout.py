@@ -195,7 +195,7 @@ class Layout:
         """A solid of one cavity at the middle of each, one after the other."""
         if len(self.places) == 1:
             return [tool]
-        return [tool.translate((place.x_mm, place.y_mm, 0.0)) for place in self.places]
+        return [tool.translate((point.x_mm, point.y_mm, 0.0)) for point in self.places]
 
 
 @lru_cache(maxsize=64)
@@ -259,7 +259,7 @@ def _side_by_side(spec: MouldSpec, opening: Outline, border_mm: float) -> tuple[
     grid = best_grid(spec.count, opening.length_mm, opening.width_mm, spec.body.wall_mm, border_mm, bed)
     x, y = grid.reach_mm
     held = Outline(opening.length_mm + x, opening.width_mm + y, opening.radius_mm)
-    return held, tuple(Point(*place) for place in grid.places_mm)
+    return held, tuple(Point(*centre) for centre in grid.places_mm)
 
 
 def _key_places(spec: MouldSpec, c: Closure, fill: Outline, gutter_mm: float) -> tuple[Point, ...]:
@@ -274,7 +274,7 @@ def _funnels(c: Closure, fill: Outline) -> tuple[Funnel, ...]:
     x, y = fill.length_mm / 2 - c.vent_inset_mm, fill.width_mm / 2 - c.vent_inset_mm
     sprue = Funnel(-(fill.length_mm / 2 - c.sprue_inset_mm), 0.0, c.sprue_small_mm, c.sprue_large_mm)
     vents = ((x, 0.0), (x, y), (x, -y), (-x, y), (-x, -y))
-    return sprue, *(Funnel(*place, c.vent_small_mm, c.vent_large_mm) for place in vents)
+    return sprue, *(Funnel(*centre, c.vent_small_mm, c.vent_large_mm) for centre in vents)
 
 
 def _label_room_mm(c: Closure | None, opening: Outline, keys: tuple[Point, ...]) -> float:

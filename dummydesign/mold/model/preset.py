@@ -167,11 +167,11 @@ def _read_pour(top: Table, resin: Resin, ratio: float) -> tuple[Pour, list[str]]
     pour.only(_POUR)
     values, sources = read_quantities(pour, _POUR)
     room = process.number("room_temperature_C")
-    found = Pour(
+    result = Pour(
         **_resin_numbers(resin, ratio, room), **values, room_temperature_C=room, degas=process.string("degas"),
         foam_factor=process.number("foam_factor"), pour_and_degas_min=process.number("pour_and_degas_min"),
     )  # fmt: skip
-    return found, sources + [f"resin {resin.name}: {reference}" for reference in resin.references[:1]]
+    return result, sources + [f"resin {resin.name}: {reference}" for reference in resin.references[:1]]
 
 
 def _resin_numbers(resin: Resin, ratio: float, room_temperature_C: float) -> dict[str, Any]:

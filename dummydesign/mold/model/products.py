@@ -97,10 +97,10 @@ def read_numbers(kind: type[T], table: Table, /, **given: Any) -> T:
 
 def read_quantities(table: Table, keys: Iterable[str], product: str = "") -> tuple[dict[str, Any], list[str]]:
     """Read quantities; return their values and a line for each: what, how much, how sure, from where."""
-    found = {key: table.quantity(key) for key in keys}
+    quantities = {key: table.quantity(key) for key in keys}
     sources = [f"{product}{key} = {one.value:g} ({one.low:g} to {one.high:g}, {one.kind}): {one.source}"
-               for key, one in found.items()]  # fmt: skip
-    return {key: one.value for key, one in found.items()}, sources
+               for key, one in quantities.items()]  # fmt: skip
+    return {key: one.value for key, one in quantities.items()}, sources
 
 
 _CAST_IN = ("expansion_per_K", "young_MPa")
@@ -145,7 +145,7 @@ def read_machines(name: str, preset: Path) -> tuple[Machines, list[str]]:
     oven.only(("shelf_x_mm", "shelf_y_mm", "height_mm"))
     _check_between_0_and(1.0, "layer_mm", layer := printer.number("layer_mm", 0.0), printer)
     fit, sources = _read_fit(top.table("print_fit")) if "print_fit" in top else (None, [])
-    found = Machines(
+    machines = Machines(
         name,
         balance_resolution_g=top.number("balance_resolution_g"),
         bed_x_mm=printer.number("bed_x_mm"),
@@ -160,7 +160,7 @@ def read_machines(name: str, preset: Path) -> tuple[Machines, list[str]]:
         layer_mm=layer,
         fit=fit,
     )
-    return found, sources
+    return machines, sources
 
 
 def _check_between_0_and(most: float, key: str, value: float, table: Table) -> None:

@@ -48,12 +48,12 @@ def gauge_points(spec: MouldSpec) -> tuple[GaugePoint, ...]:
     first = "middle" if shape.flat_top else "tip"
     shift = (0.0, 0.0) if spec.insert is None else (spec.insert.placing.x_mm, spec.insert.placing.y_mm)
     stands = [(x + shift[0], y + shift[1]) for x, y in shape.places_mm]
-    places = {first if len(stands) == 1 else f"{first}{i}": place for i, place in enumerate(stands, 1)}
+    places = {first if len(stands) == 1 else f"{first}{i}": point for i, point in enumerate(stands, 1)}
     places |= {} if pad.is_puck else shape.gauge_places(pad)
     corner = _corner(spec)
     places |= {f"{'edge' if pad.is_puck else 'corner'}{i}": (a * corner[0], b * corner[1])
                for i, (a, b) in enumerate(CORNERS, 1)}  # fmt: skip
-    return tuple(_point(spec, name, place, stands) for name, place in places.items())
+    return tuple(_point(spec, name, point, stands) for name, point in places.items())
 
 
 def _corner(spec: MouldSpec) -> tuple[float, float]:
@@ -67,16 +67,16 @@ def _corner(spec: MouldSpec) -> tuple[float, float]:
 
 
 def _point(
-    spec: MouldSpec, name: str, place: tuple[float, float], stands: Sequence[tuple[float, float]]
+    spec: MouldSpec, name: str, at: tuple[float, float], stands: Sequence[tuple[float, float]]
 ) -> GaugePoint:
     pad, shape = spec.pad, spec.pad.shape
-    x, y = np.array([place[0] - x for x, _ in stands]), np.array([place[1] - y for _, y in stands])
+    x, y = np.array([at[0] - x for x, _ in stands]), np.array([at[1] - y for _, y in stands])
     nominal = pad.thickness_mm - float(np.min(shape.drop_mm(x, y)))
     gel = nominal - float(np.max(shape.bone_mm(x, y)))
     middle = pad.thickness_mm - shape.bone_height_mm
     allowed = pad.thickness_mm * spec.acceptance.thickness_percent / 100
     return GaugePoint(
-        name, round(place[0], 2), round(place[1], 2), nominal, nominal - allowed, nominal + allowed, gel,
+        name, round(at[0], 2), round(at[1], 2), nominal, nominal - allowed, nominal + allowed, gel,
         abs(nominal - pad.thickness_mm) < 1e-9 and abs(gel - middle) < 1e-9,
     )  # fmt: skip
 

@@ -66,8 +66,8 @@ def materials(
     spec: MouldSpec, plan: PourPlan, printed_mm3: Mapping[str, float] | None = None
 ) -> list[MaterialItem]:
     """Everything to buy or to have for a mould and one casting."""
-    box, aids, place = spec.box, spec.aids, layout(spec)
-    under = spec.body.floor_mm + parting_mm(spec, place) if spec.is_printed else box.base_mm
+    box, aids, arrangement = spec.box, spec.aids, layout(spec)
+    under = spec.body.floor_mm + parting_mm(spec, arrangement) if spec.is_printed else box.base_mm
     grip = under + box.flange_thickness_mm
     long = screw_length_mm((grip if spec.is_printed else aids.tray_floor_mm) + LEVEL_TRAVEL_MM)
     bolted, levelled = ("ring on base", "mould") if spec.is_printed else ("frame on master", "tray")
@@ -87,7 +87,7 @@ def materials(
             MaterialItem("hard wax and water-soluble film (PVA)", 1, "a little", "faces against the pad", SHARED),
         ]
     if box.face_sheet_mm:
-        cut = sheet_outline(spec, place)
+        cut = sheet_outline(spec, arrangement)
         size = f"{cut.length_mm:g} mm across" if cut.is_circle else f"{cut.length_mm:g} x {cut.width_mm:g} mm"
         glass = f"sheet of glass, {box.face_sheet_mm:g} mm, {size}"
         needs.append(MaterialItem(glass, spec.count, "{:.0f}", "tested face"))
@@ -99,7 +99,7 @@ def materials(
     cup = f"cups of {cup_litre(foam):g} l"
     needs.append(MaterialItem(cup, 2 * len(mixes), "{:.0f}", "mixing and pouring over", POUR))
     if spec.body.style != "lidded" and not spec.pad.shape.bone_height_mm:
-        film = f"release film, {place.openings.length_mm + 40:.0f} x {place.openings.width_mm + 40:.0f} mm"
+        film = f"release film, {arrangement.openings.length_mm + 40:.0f} x {arrangement.openings.width_mm + 40:.0f} mm"
         needs.append(MaterialItem(film, len(mixes), "{:.0f}", "plate", POUR))
     else:
         needs.append(MaterialItem("release agent", 1, "a little", "parting faces; never the tested face", SHARED))

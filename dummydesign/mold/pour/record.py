@@ -196,9 +196,9 @@ def weighed_ratio(measured: Measured, spec: MouldSpec) -> tuple[float, float]:
     rest = sum(mass for name, mass in masses.items() if name != by_ratio)
     ratio = sum(part for name, part in parts.items() if name != by_ratio) * masses[by_ratio] / rest
     if not 0.5 * spec.pour.ratio <= ratio <= 2.0 * spec.pour.ratio:
-        said = f"the mould is for ratio {spec.pour.ratio:g}"
+        meant = f"the mould is for ratio {spec.pour.ratio:g}"
         raise out_of_range("--weighed", f"ratio {ratio:.4g}", f"{0.5 * spec.pour.ratio:g}", f"{2 * spec.pour.ratio:g}",
-                           said)  # fmt: skip
+                           meant)  # fmt: skip
     each = measured.scale_g / math.sqrt(3.0)
     return ratio, ratio * each * math.hypot(1.0 / masses[by_ratio], math.sqrt(len(masses) - 1) / rest)
 
@@ -219,27 +219,27 @@ def judge(
     mean, spread = sum(values) / len(values), max(values) - min(values)
     again = "level again with the load in the mould, cast again"
     if measured.points:
-        found = [_at(point, measured.readings[point.name], spec) for point in points]
+        checks = [_at(point, measured.readings[point.name], spec) for point in points]
     else:
         cost = force_change_percent(spec, mean / h)
-        found = [_around("thickness, mean", mean, "mm", h, limits.thickness_percent, cost, _advice(mean, spec))]
+        checks = [_around("thickness, mean", mean, "mm", h, limits.thickness_percent, cost, _advice(mean, spec))]
     what = "thickness, largest less smallest" if pad.shape.flat_top else "off nominal, largest less smallest"
-    found += [
+    checks += [
         _at_most(what, spread, "mm", h * limits.spread_percent / 100, force_change_percent(spec, 1 + spread / 2 / h),
                  f"{again}; until then press in one place and gauge it there"),
         _mass(measured, spec, mean),
     ]  # fmt: skip
     if measured.young_kPa is not None:
         change = 100 * (measured.young_kPa / spec.pour.young_kPa - 1) if spec.base is None else None
-        found.append(_around("modulus of the witness", measured.young_kPa, "kPa", spec.pour.young_kPa,
-                             limits.modulus_percent, change, WRONG_MODULUS))  # fmt: skip
+        checks.append(_around("modulus of the witness", measured.young_kPa, "kPa", spec.pour.young_kPa,
+                              limits.modulus_percent, change, WRONG_MODULUS))  # fmt: skip
     if measured.level_deg is not None:
         half_mm = formula.tilt_error_mm(max(pad.length_mm, pad.width_mm), measured.level_deg) / 2
-        found.append(_at_most("level", measured.level_deg, "deg", pour_plan(spec).level_deg,
-                              force_change_percent(spec, 1 + half_mm / h), again))  # fmt: skip
+        checks.append(_at_most("level", measured.level_deg, "deg", pour_plan(spec).level_deg,
+                               force_change_percent(spec, 1 + half_mm / h), again))  # fmt: skip
     if measured.bubbles is not None:
-        found.append(_at_most("bubbles over 1 mm under the punch", measured.bubbles, "", 0.0, None, BUBBLES))
-    return tuple(found)
+        checks.append(_at_most("bubbles over 1 mm under the punch", measured.bubbles, "", 0.0, None, BUBBLES))
+    return tuple(checks)
 
 
 def _at(point: GaugePoint, value: float, spec: MouldSpec) -> LimitCheck:

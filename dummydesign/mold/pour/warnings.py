@@ -14,13 +14,13 @@ RATIO_OFF = 0.02
 def pour_warnings(spec: MouldSpec, plan: PourPlan) -> list[dict[str, str]]:
     """Say what may go wrong with this pour, as {code, message}."""
     pad = spec.pad
-    found = {
+    notes = {
         "level": f"level the mould to {plan.level_deg:.2f} deg: {plan.level_mm:.2f} mm over the longer side, "
                  f"{100 * plan.level_mm / pad.thickness_mm:.1f} % of {pad.thickness_mm:g} mm",
     }  # fmt: skip
     if spec.body.style != "lidded":
         plate = "the carrier of the bone" if pad.shape.bone_height_mm else "the strike-off plate onto a release film"
-        found["meniscus"] = (
+        notes["meniscus"] = (
             f"fill to the sharp step of the brim, no higher, and lower {plate}: "
             f"the liquid rises up to {plan.meniscus_mm:.1f} mm at the walls of an open cavity"
         )
@@ -28,34 +28,34 @@ def pour_warnings(spec: MouldSpec, plan: PourPlan) -> list[dict[str, str]]:
     pour, small = max(pours, key=lambda one: one[1].ratio_error_percent)
     if small.ratio_error_percent > RATIO_ERROR_LIMIT_PERCENT:
         mix, alone = batch_of(spec, pour, small).mix, small.batch_mass_g
-        found["small_batch"] = (
+        notes["small_batch"] = (
             f"mix {mix.total_g:g} g, although {alone:g} g fill the mould: with a balance of "
             f"{spec.machines.balance_resolution_g:g} g the error of the smaller component is then at most "
             f"{mix.error_percent:.2f} % instead of {small.ratio_error_percent:.2f} %; a finer balance saves resin"
         )
     if plan.wall_deflection_mm > 0.2:
         bulge = f"the walls may bulge by {plan.wall_deflection_mm:.2f} mm under the liquid"
-        found["wall_deflection"] = f"{bulge}: support them in the tray"
+        notes["wall_deflection"] = f"{bulge}: support them in the tray"
     slowest_s = max(one.pour_time_s for _, one in pours)
     if slowest_s > 60 * spec.pour.pot_life_min / 4:
-        found["slow_levelling"] = (
+        notes["slow_levelling"] = (
             f"the liquid needs about {slowest_s / 60:.0f} min to level itself in {pad.least_gel_mm:g} mm, a good part "
             f"of its pot life of {spec.pour.pot_life_min:g} min: spread it with a spatula"
         )
     if spec.is_printed:
-        found["printed_mould"] = release_words(spec)
+        notes["printed_mould"] = release_words(spec)
     elif not spec.has_isocyanate:
-        found["bonding"] = (
+        notes["bonding"] = (
             f"if {spec.pour.resin} is a silicone it bonds to a silicone mould: use a release agent and try it on a "
             "scrap first"
         )
     if words := layer_words(spec):
-        found["print_layers"] = words
+        notes["print_layers"] = words
     if 0.0 < pad.edge_radius_mm == pad.edge_room_mm:
         rounded = f"the edge of the tested face is rounded by {pad.edge_radius_mm:g} mm"
-        found["edge_radius"] = f"{rounded}, all that the pad's rim has room for"
-    found |= {**_relief(spec), **_bone(spec), **_layers(spec)}
-    listed = [*found.items(), *pad.shape.casting_notes(pad)]
+        notes["edge_radius"] = f"{rounded}, all that the pad's rim has room for"
+    notes |= {**_relief(spec), **_bone(spec), **_layers(spec)}
+    listed = [*notes.items(), *pad.shape.casting_notes(pad)]
     return [{"code": code, "message": message} for code, message in listed]
 
 
@@ -70,37 +70,37 @@ def _relief(spec: MouldSpec) -> dict[str, str]:
         flat = formula.tip_flat_mm(shape.tip_radius_mm, layer)
         tip = f"its layers flatten the tip of radius {shape.tip_radius_mm:g} mm over {flat:.1f} mm"
     effect = "".join(f"; {words}" for words in (tip, tip_words(spec)) if words)
-    found = {
+    notes = {
         "curved_master": f"the plug's top is curved: print it in layers of at most {layer:.2g} mm, sand or coat "
                          f"the steps, or machine it{effect}",
         "thickness_varies": f"the pad is {pad.thickness_mm:g} mm thick at its highest point and {pad.least_gel_mm:g} "
                             "mm beside it: pour by mass, not by depth",
     }  # fmt: skip
     if shape.pockets:
-        found["air_pockets"] = (
+        notes["air_pockets"] = (
             f"the {shape.pockets} pockets in the floor keep air: brush a thin coat of resin into them first, or "
             "draw a vacuum on the filled mould"
         )
-    return found
+    return notes
 
 
 def _bone(spec: MouldSpec) -> dict[str, str]:
     """How the carrier of a bone is lowered, and how true its height must be."""
     if not spec.pad.shape.bone_height_mm:
         return {}
-    found = {"bone_air": "the plate shuts the mould: lower it tilted, one edge first, until all "
+    notes = {"bone_air": "the plate shuts the mould: lower it tilted, one edge first, until all "
                          f"{CARRIER_VENTS} vents show resin"}  # fmt: skip
     if spec.insert is None:
         if words := tip_words(spec):
-            found["bone_height"] = f"measure the bone over its plate: {words}"
-        return found
-    found["bone_from_file"] = spec.insert.words
+            notes["bone_height"] = f"measure the bone over its plate: {words}"
+        return notes
+    notes["bone_from_file"] = spec.insert.words
     if spec.insert.overhang:
-        found["bone_overhang"] = (
+        notes["bone_overhang"] = (
             "parts of the bone look up towards its plate and keep air under them: wet them with resin, lower the bone "
             "tilted and turn it while it sinks"
         )
-    return found
+    return notes
 
 
 def _layers(spec: MouldSpec) -> dict[str, str]:
@@ -108,10 +108,10 @@ def _layers(spec: MouldSpec) -> dict[str, str]:
     layers = spec.pad.shape.layers()
     if layers is None or spec.base is None:
         return {}
-    found = {"layer_bond": "the layers bond only while the first is gelled and still tacky: a finger in a glove sticks "
+    notes = {"layer_bond": "the layers bond only while the first is gelled and still tacky: a finger in a glove sticks "
                            "but draws no resin; try it on the witness of this batch, not on the pad"}  # fmt: skip
     made, wanted = spec.base.modulus_ratio, layers[1]
     if abs(made / wanted - 1) > RATIO_OFF:
         of = f"base ratio {spec.base.pour.ratio:g} gives a base of {made:.3g} times the upper modulus"
-        found["modulus_ratio"] = f"{of}, the shape says {wanted:g}"
-    return found
+        notes["modulus_ratio"] = f"{of}, the shape says {wanted:g}"
+    return notes

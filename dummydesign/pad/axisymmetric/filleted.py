@@ -36,11 +36,11 @@ LEAST_ERROR = 1.5e-3
 
 def lines(length: float, first: float, growth: float, largest: float, within: float = np.inf) -> Array:
     """Places of cells that grow away from the first one."""
-    found, cell = [0.0], first
-    while found[-1] < length:
-        found.append(found[-1] + cell)
-        cell = cell * growth if found[-1] >= within else min(cell * growth, largest)
-    return np.array(found) * (length / found[-1])
+    nodes, cell = [0.0], first
+    while nodes[-1] < length:
+        nodes.append(nodes[-1] + cell)
+        cell = cell * growth if nodes[-1] >= within else min(cell * growth, largest)
+    return np.array(nodes) * (length / nodes[-1])
 
 
 def filleted_problem(case: Case, sides: bool = True, coarser: float = 1.0) -> Problem:

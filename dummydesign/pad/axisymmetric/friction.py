@@ -145,11 +145,11 @@ def follow_sliding(
     places = problem.solid.mesh.nodes.T + u.reshape(-1, 2)
     earlier: tuple[float, float, Array, Array] | None = None
     depth, here, step, stop, stretch = 0.0, mesh.edge, float(depths[0]), None, 1.0
-    found: list[tuple[float, float, float]] = []
+    points: list[tuple[float, float, float]] = []
     steps = iterations = 0
-    while len(found) < len(depths) and stop is None:
-        remaining = depths[len(found)] - depth
-        goal = float(depths[len(found)] if remaining <= 1.25 * step else depth + min(step, 0.5 * remaining))
+    while len(points) < len(depths) and stop is None:
+        remaining = depths[len(points)] - depth
+        goal = float(depths[len(points)] if remaining <= 1.25 * step else depth + min(step, 0.5 * remaining))
         if earlier is None:
             ahead = goal - depth
             edge, guess, pressure = here, places + ahead * rate[0].reshape(-1, 2), p + ahead * rate[1]
@@ -174,15 +174,15 @@ def follow_sliding(
         depth, here, p, places = goal, edge, answer.p, nodes + answer.u.reshape(-1, 2)
         stretch = mesh.stretch(answer.u, depth)
         steps += 1
-        if goal >= depths[len(found)] * (1.0 - 1e-12):
-            found.append((goal, problem.force(answer.state), float(answer.state.J.min())))
+        if goal >= depths[len(points)] * (1.0 - 1e-12):
+            points.append((goal, problem.force(answer.state), float(answer.state.J.min())))
             if visit:
                 visit(goal, answer)
             if progress:
                 progress(goal)
         if answer.iterations <= EASY:
             step = min(1.4 * step, LATTICE)
-    table = np.array(found).reshape(-1, 3)
+    table = np.array(points).reshape(-1, 3)
     return Path(
         table[:, 0], table[:, 1], table[:, 2], problem.pattern.n, steps, iterations, time.perf_counter() - began, stop
     )

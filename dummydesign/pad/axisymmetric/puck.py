@@ -67,11 +67,11 @@ class UnitPuck:
     @property
     def friction(self) -> float:
         """Coefficient of friction; infinite when bonded."""
-        found = Interface.find(self.plates, FACES)
-        if found is None:
+        interface = Interface.find(self.plates, FACES)
+        if interface is None:
             message = f"plates = '{self.plates}' is not one of {', '.join(PLATES)} with MU from 0 to 5"
             raise InputError(message, "unknown_name", "plates", self.plates, PLATES)
-        return found.friction
+        return interface.friction
 
 
 class RoughPlate(SideContact):

@@ -50,11 +50,11 @@ class FoldWatch:
     def check(self, depth: float, u: Array) -> str | None:
         """Why a path ends before a state: its face has met itself; None where it has not."""
         if self.folded is None:
-            place = self.face.meeting(depth, u)
-            if place is None:
+            radius = self.face.meeting(depth, u)
+            if radius is None:
                 self.last, self.opening = depth, self.face.opening_deg(u)
             else:
-                self.folded = self.face.meets.format(last=self.last, depth=depth, place=place)
+                self.folded = self.face.meets.format(last=self.last, depth=depth, place=radius)
         return self.folded
 
     def stop_reason(self, stop: str | None) -> str | None:
@@ -112,8 +112,8 @@ class RoundFace:
 
     def meeting(self, depth: float, u: Array) -> str | None:
         """Distance from the axis of the first segment that another crosses, in words. [mm]"""
-        place = crossing(self._line(u))
-        return None if place is None else f"{float(self.rest[place, 0]) * self._thickness_mm:.3g}"
+        node = crossing(self._line(u))
+        return None if node is None else f"{float(self.rest[node, 0]) * self._thickness_mm:.3g}"
 
     def opening_deg(self, u: Array) -> float:
         """Angle of the narrowest notch in the line."""

@@ -248,9 +248,9 @@ def _slab_curve(pad: Pad, case: Case, depths: Array, progress: Progress | None) 
     return (solve_curve if pad.condition == "bonded" else solve_flat)(own, depths * h, progress)
 
 
-def _three(found: list[Any]) -> list[Any]:
+def _three(forces: list[Any]) -> list[Any]:
     """What was found with the large fillet, the small one, and large cells; a real fillet stands for the first two."""
-    return found if len(found) == 3 else [found[0], *found]
+    return forces if len(forces) == 3 else [forces[0], *forces]
 
 
 def _curve(

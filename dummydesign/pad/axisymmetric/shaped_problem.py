@@ -56,16 +56,16 @@ def shaped_problem(case: Case, cells: int = CELLS, rim: float = RIMS[-1], twin: 
         raise InputError(message, "unsupported", "base", "sliding", "bonded")
     node = meshes.cell_nodes(mesh)
     top, below = node[row == 0][:, [2, 6, 3]], np.unique(node[row == row.max()][:, [0, 4, 1]])
-    place = mesh.nodes[0, top]
-    near = place.min(axis=1) <= case.radius + 0.8 * case.scale
+    radius = mesh.nodes[0, top]
+    near = radius.min(axis=1) <= case.radius + 0.8 * case.scale
     strength = CONTACT_STIFFNESS * shear / coarse
     film, glued, carried = None, np.array([], dtype=int), None
     if shape.flat_top:
-        carried = np.unique(top[place.max(axis=1) <= punch.flat_radius + 1e-9])
+        carried = np.unique(top[radius.max(axis=1) <= punch.flat_radius + 1e-9])
     if shape.flat_top and face.bonded:
         # The glued face moves with the punch node by node; near the fillet it is held by contact and a film.
         inner = max(punch.flat_radius - FILM_REACH * punch.rim, 0.3 * punch.flat_radius)
-        inside = place.max(axis=1) <= inner
+        inside = radius.max(axis=1) <= inner
         glued, near = np.unique(top[inside]), near & ~inside
         film = partial(glue_film, punch=punch, shear_MPa=shear)
     surface = Surface(

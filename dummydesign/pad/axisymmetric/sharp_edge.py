@@ -318,8 +318,8 @@ def _relative_curve(
     """s = F / (E a d) and its relative error at the first of the relative ``depths``, those that were reached."""
     deepest = max(depths[-1], LEAST_DEPTH * case.scale)
     even = deepest * np.linspace(0.0, 1.0, GRID_POINTS + 1)[1:]
-    apart = np.abs(even[:, None] - depths).min(axis=1) > 0.02 * deepest
-    grid = np.union1d(depths, even[apart])
+    far = np.abs(even[:, None] - depths).min(axis=1) > 0.02 * deepest
+    grid = np.union1d(depths, even[far])
     samples, paths = solve_rims(case, grid, RIMS if table is None else RIMS_BY_TABLE, Resolution(), progress)
     stops = [path.stop for path in paths if path.stop]
     reached = float(samples.depth.max()) if len(samples.depth) else 0.0

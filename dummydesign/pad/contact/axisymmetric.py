@@ -132,15 +132,15 @@ class SideContact(ContactSurface):
         x, self._weight = np.polynomial.legendre.leggauss(points)
         self._shape = np.stack([x * (x - 1.0) / 2.0, 1.0 - x**2, x * (x + 1.0) / 2.0], axis=1)
         self._slope = np.stack([x - 0.5, -2.0 * x, x + 0.5], axis=1)
-        self._place = np.moveaxis(nodes[:, sides], 0, -1)
-        length = np.linalg.norm(np.einsum("qi,eic->eqc", self._slope, self._place), axis=-1)
-        self._r = self._place[..., 0] @ self._shape.T
+        self._corners = np.moveaxis(nodes[:, sides], 0, -1)
+        length = np.linalg.norm(np.einsum("qi,eic->eqc", self._slope, self._corners), axis=-1)
+        self._r = self._corners[..., 0] @ self._shape.T
         self._area = 2.0 * np.pi * self._r * length * self._weight
         self.dofs = np.stack([2 * sides, 2 * sides + 1], axis=-1).reshape(len(sides), 6)
 
     def points(self, u: Array) -> Array:
         """Where the quadrature points are at displacements ``u``."""
-        moved = self._place + u[self.dofs].reshape(self._place.shape)
+        moved = self._corners + u[self.dofs].reshape(self._corners.shape)
         return np.einsum("qi,eic->eqc", self._shape, moved)
 
     def _assembled(self, u: Array, traction: Array, second: Array) -> tuple[Array, Array]:
@@ -179,7 +179,7 @@ class Surface(SideContact):
 
     def points(self, u: Array) -> Array:
         """Where the quadrature points are at displacements ``u``."""
-        moved = self._place + u[self.dofs].reshape(self._place.shape)
+        moved = self._corners + u[self.dofs].reshape(self._corners.shape)
         return self._shape @ moved
 
     def begin(self) -> None:
@@ -215,13 +215,13 @@ class Surface(SideContact):
         self._held = self._held | new
         return True
 
-    def _where_closed(self, points: Array, touching: Array, depth: float, place: Array, room: Array) -> Array:
+    def _where_closed(self, points: Array, touching: Array, depth: float, rest: Array, room: Array) -> Array:
         """Places at which gaps closed since the last step, in the frame of the punch."""
         share = closure(*(x.ravel()[self._order] for x in (self._r, self._before, touching, room)))
         part = np.empty(share.shape)
         part[self._order] = share
         part = part.reshape(room.shape)[..., None]
-        return place + part * (points + np.array([0.0, depth]) - place)
+        return rest + part * (points + np.array([0.0, depth]) - rest)
 
     def settle(self, u: Array, punch: Punch, depth: float) -> None:
         """Accept a step: free points that do not touch; without ties within the step, tie those that do."""

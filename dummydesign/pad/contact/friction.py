@@ -98,8 +98,8 @@ class CombinedSurface(ContactSurface):
 
     def forces(self, u: Array, punch: Punch, depth: float) -> tuple[Array, Array]:
         """Sum of the forces, and all matrices in the order of ``dofs``."""
-        found = [part.forces(u, punch, depth) for part in self._parts]
-        return found[0][0] + found[1][0], np.concatenate([matrix for _, matrix in found])
+        parts = [part.forces(u, punch, depth) for part in self._parts]
+        return parts[0][0] + parts[1][0], np.concatenate([matrix for _, matrix in parts])
 
 
 # Turns the outward normal of a punch into the direction in which its outline grows.

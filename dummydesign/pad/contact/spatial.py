@@ -91,12 +91,12 @@ class FaceContact(ContactSurface):
             np.einsum("pi,qj->pqij", one, other).reshape(len(x) ** 2, 9)
             for one, other in ((line, line), (slope, line), (line, slope))
         )
-        place = np.moveaxis(nodes[:, faces], 0, -1)
-        normal = np.cross(np.einsum("qi,eic->eqc", along, place), np.einsum("qi,eic->eqc", across, place))
+        corners = np.moveaxis(nodes[:, faces], 0, -1)
+        normal = np.cross(np.einsum("qi,eic->eqc", along, corners), np.einsum("qi,eic->eqc", across, corners))
         area = np.linalg.norm(normal, axis=-1) * np.outer(weight, weight).ravel()
         dofs = (3 * faces[:, :, None] + np.arange(3)).reshape(len(faces), 27)
         self.dofs = dofs if unknowns is None else unknowns[dofs]
-        self._shape, self._place = shape, place
+        self._shape, self._corners = shape, corners
         self._pairs = (shape[:, :, None] * shape[:, None, :]).reshape(len(shape), 81)
         self._stiffness = area * np.asarray(stiffness)[:, None]
         self._grip = area * np.asarray(grip)[:, None]
@@ -105,7 +105,7 @@ class FaceContact(ContactSurface):
         self._plane = np.zeros((*area.shape, 3, 3))
 
     def _points(self, u: Array) -> Array:
-        return np.einsum("qi,eic->eqc", self._shape, self._place + u[self.dofs].reshape(self._place.shape))
+        return np.einsum("qi,eic->eqc", self._shape, self._corners + u[self.dofs].reshape(self._corners.shape))
 
     def settle(self, u: Array, punch: SpatialPunch, depth: float) -> None:
         """Let points that touch at the end of a load step stick where they are; free those that do not."""

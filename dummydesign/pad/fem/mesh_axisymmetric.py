@@ -28,7 +28,7 @@ class Quadrature(NamedTuple):
 
     value: Array
     slope: Array
-    place: Array
+    position: Array
     area: Array
 
 
@@ -142,15 +142,15 @@ def discretise(
     if move is not None:
         places = move(places)
     at = integrate(places, node)
-    r = at.place[0]
+    r = at.position[0]
     elements, n_points = r.shape
     gradient = np.zeros((elements, n_points, 5, 18))
     gradient[:, :, 0:2, 0::2] = gradient[:, :, 2:4, 1::2] = at.slope
     gradient[:, :, 4, 0::2] = at.value / r[..., None]
     x, y = POINTS
     if centre is not None:
-        place = points[:, centre[0]]
-        together = np.nonzero(np.all(np.abs(places - place[:, None]) < 1e-12, axis=0))[0]
+        centre_point = points[:, centre[0]]
+        together = np.nonzero(np.all(np.abs(places - centre_point[:, None]) < 1e-12, axis=0))[0]
         alias = np.arange(places.shape[1])
         alias[together] = together[0]
         node = alias[node]
@@ -195,12 +195,12 @@ def cell_nodes(mesh: Discretisation) -> Array:
 def edges_on(mesh: Discretisation, on: Array) -> Array:
     """Sides whose three nodes all satisfy ``on`` (bool per node); node numbers, shape (sides, 3), by r or z."""
     nodes = cell_nodes(mesh)
-    found = []
+    edges = []
     for side, i, j in PATCH_SIDES:
         three = nodes[:, [i, side, j]]
         length = np.linalg.norm(mesh.nodes[:, three[:, 0]] - mesh.nodes[:, three[:, 2]], axis=0)
-        found.append(three[on[three].all(axis=1) & (length > 1e-12)])
-    return np.concatenate(found)
+        edges.append(three[on[three].all(axis=1) & (length > 1e-12)])
+    return np.concatenate(edges)
 
 
 def on_top(mesh: Discretisation) -> Array:
@@ -234,7 +234,7 @@ class Sizes:
 
     def at(self, r: Array) -> Array:
         """Wanted cell size at radii."""
-        near = [size + SIZE_SLOPE * np.abs(r - place) for place, size in zip(self.places, self.sizes)]
+        near = [size + SIZE_SLOPE * np.abs(r - centre) for centre, size in zip(self.places, self.sizes)]
         inside = self.largest + SIZE_SLOPE * np.maximum(r - self.reach, 0.0)
         return np.minimum(np.min(near, axis=0), inside)
 
@@ -242,14 +242,14 @@ class Sizes:
 def radial_lines(sizes: Sizes, lines: Sequence[float], extent: float) -> Array:
     """Radii from 0 to the outer radius that follow the wanted sizes and meet every marked radius."""
     marks = np.unique(np.concatenate([[0.0, extent], [x for x in lines if 0.0 < x < extent]]))
-    found = [0.0]
+    radii = [0.0]
     for start, stop in pairwise(marks):
         fine = start + (stop - start) * np.linspace(0.0, 1.0, 400)
         density = 1.0 / sizes.at(fine)
         count = np.concatenate([[0.0], np.cumsum(0.5 * (density[1:] + density[:-1]) * np.diff(fine))])
         cells = max(1, int(np.ceil(count[-1] - 0.2)))
-        found.extend(np.interp(count[-1] * np.arange(1, cells + 1) / cells, count, fine))
-    return np.array(found)
+        radii.extend(np.interp(count[-1] * np.arange(1, cells + 1) / cells, count, fine))
+    return np.array(radii)
 
 
 def height_lines(first: float, interface: float | None = None) -> Array:

@@ -182,7 +182,7 @@ class Solid:
         stiffness = np.zeros((elements, self._rows.shape[-1], self._along, self._rows.shape[-1], self._along))
         rows = self._rows.reshape(elements, points, -1, self._rows.shape[-1])
         for direction in range(self._along):
-            here = [place // self._along for place in self.mesh.kinematics.place if place % self._along == direction]
+            here = [entry // self._along for entry in self.mesh.kinematics.order if entry % self._along == direction]
             part = np.ascontiguousarray(rows[:, :, here]).reshape(elements, -1, rows.shape[-1])
             weighted = part * np.repeat(moduli, len(here), axis=1)[..., None]
             stiffness[:, :, direction, :, direction] = part.transpose(0, 2, 1) @ weighted
@@ -192,7 +192,7 @@ class Solid:
         """Components of F at the quadrature points, shape (elements, points, components)."""
         elements, points = self.mesh.weight.shape
         local = u[self.mesh.dofs].reshape(elements, -1, self._along)
-        F = (self._rows @ local).reshape(elements, points, -1)[:, :, self.mesh.kinematics.place]
+        F = (self._rows @ local).reshape(elements, points, -1)[:, :, self.mesh.kinematics.order]
         F += self.mesh.kinematics.identity
         return F
 
@@ -200,7 +200,7 @@ class Solid:
         """Forces of each element's unknowns from stresses times weight, shape (elements, points, components)."""
         elements, points, _ = stress.shape
         both = np.zeros((elements, points, self._rows.shape[1] // points * self._along))
-        both[:, :, self.mesh.kinematics.place] = stress
+        both[:, :, self.mesh.kinematics.order] = stress
         return (self._back @ both.reshape(elements, -1, self._along)).reshape(elements, -1)
 
     def state(self, u: Array, p: Array) -> State | None:

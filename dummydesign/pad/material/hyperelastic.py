@@ -259,7 +259,7 @@ class Axisymmetric:
     # Those of the first displacement alone, and where all stand among d/dr, d/dz and 1/r of (u_r, u_z), the two
     # displacements side by side.
     first = (0, 1, 4)
-    place = np.array([0, 2, 1, 3, 4])
+    order = np.array([0, 2, 1, 3, 4])
 
     @staticmethod
     def determinant(F: Array) -> Array:
@@ -299,7 +299,7 @@ class Spatial:
     identity = np.eye(3).ravel()
     # Those of the first displacement alone, and where all stand among the slopes of (u_x, u_y, u_z) side by side.
     first = (0, 1, 2)
-    place = np.array([0, 3, 6, 1, 4, 7, 2, 5, 8])
+    order = np.array([0, 3, 6, 1, 4, 7, 2, 5, 8])
     _terms = tuple(_signed_permutations())
 
     @classmethod

@@ -111,15 +111,15 @@ def follow(
     earlier: tuple[Array, Array, float] | None = None
     depth, step, iterations, steps, stop = 0.0, min(first_step, largest_step), 0, 0, None
     wasted, since = 0, 0.0
-    found: list[tuple[float, float, float]] = []
+    points: list[tuple[float, float, float]] = []
     history: list[tuple[float, ...]] = []
-    while len(found) < len(targets) and stop is None:
+    while len(points) < len(targets) and stop is None:
         if lattice:
             trial_depth = _on_lattice(depth, step, largest_step, targets[-1])
         else:
-            remaining = targets[len(found)] - depth
+            remaining = targets[len(points)] - depth
             # Do not leave a sliver before the next wanted depth.
-            trial_depth = targets[len(found)] if remaining <= step * 1.25 else depth + min(step, remaining / 2.0)
+            trial_depth = targets[len(points)] if remaining <= step * 1.25 else depth + min(step, remaining / 2.0)
         if earlier is None:
             guess = u + (trial_depth - depth) * direction[0], p + (trial_depth - depth) * direction[1]
         else:
@@ -142,32 +142,32 @@ def follow(
             if step < smallest_step or wasted > most_wasted:
                 stop = explain(problem, u, p, depth, answer.reason)
             continue
-        passed = [goal for goal in targets[len(found) :] if goal <= trial_depth * (1.0 + 1e-12)]
+        passed = [goal for goal in targets[len(points) :] if goal <= trial_depth * (1.0 + 1e-12)]
         tied = problem.surface.memory() if problem.surface is not None and passed else None
-        beside: Solution | Failure = answer
+        between: Solution | Failure = answer
         for goal in passed:
             if goal < trial_depth * (1.0 - 1e-9):
                 part = (goal - depth) / (trial_depth - depth)
-                beside = find_equilibrium(problem, u + part * (answer.u - u), p + part * (answer.p - p), goal)
-                iterations += beside.iterations
-                if isinstance(beside, Failure):
+                between = find_equilibrium(problem, u + part * (answer.u - u), p + part * (answer.p - p), goal)
+                iterations += between.iterations
+                if isinstance(between, Failure):
                     break
             else:
-                beside = answer
-            if visit and (stop := visit(goal, beside)):
+                between = answer
+            if visit and (stop := visit(goal, between)):
                 break
-            found.append((goal, problem.force(beside.state), float(beside.state.J.min())))
+            points.append((goal, problem.force(between.state), float(between.state.J.min())))
             if progress:
                 progress(goal)
-            if found[-1][2] < sound_J:
+            if points[-1][2] < sound_J:
                 stop = explain(problem, answer.u, answer.p, goal, f"a volume ratio fell below {sound_J:g}")
                 break
-        if isinstance(beside, Failure):
+        if isinstance(between, Failure):
             # A wanted depth that cannot be met from here is met from nearer by.
             iterations += answer.iterations
             step = 0.5 * (trial_depth - depth)
             if step < smallest_step:
-                stop = explain(problem, u, p, depth, beside.reason)
+                stop = explain(problem, u, p, depth, between.reason)
             continue
         if tied is not None and problem.surface is not None:
             problem.surface.restore(tied)
@@ -181,7 +181,7 @@ def follow(
         history.append(answer.residuals)
         if answer.iterations <= EASY + EASY_PER_TIE * answer.ties:
             step = min(1.4 * step, largest_step if answer.ties or not lattice else WITHOUT_TIES * largest_step)
-    table = np.array(found).reshape(-1, 3)
+    table = np.array(points).reshape(-1, 3)
     return Path(
         table[:, 0], table[:, 1], table[:, 2], problem.pattern.n, steps, iterations,
         time.perf_counter() - began, stop, tuple(history),

@@ -256,8 +256,8 @@ def explain(problem: Problem, u: Array, p: Array, depth: float, reason: str) -> 
     assert state is not None
     element, _ = np.unravel_index(np.argmin(state.J), state.J.shape)
     nodes = problem.solid.mesh.dofs[element] // problem.solid.mesh.nodes.shape[0]
-    place = ", ".join(f"{x:.3g}" for x in problem.solid.mesh.nodes[:, nodes].mean(axis=1))
+    point = ", ".join(f"{x:.3g}" for x in problem.solid.mesh.nodes[:, nodes].mean(axis=1))
     return (
-        f"solution stopped at relative depth {depth:.3f}: {reason}; worst element {element} at ({place}) thicknesses, "
+        f"solution stopped at relative depth {depth:.3f}: {reason}; worst element {element} at ({point}) thicknesses, "
         f"smallest volume ratio {state.J.min():.2g}"
     )

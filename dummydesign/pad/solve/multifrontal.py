@@ -80,7 +80,7 @@ class Dissection:
         number[free] = np.arange(len(free))
         self._number = number[groups[0]]
         self._uses = np.bincount(self._number[self._number >= 0], minlength=self.n)
-        self._place = np.full(self.n + 1, -1, dtype=np.int64)
+        self._index = np.full(self.n + 1, -1, dtype=np.int64)
         self.fronts: list[_Front] = []
         self._build(np.arange(len(groups[0])), position)
         # Loads and answers are kept in the order of elimination: what a front eliminates is one piece of them.
@@ -107,7 +107,7 @@ class Dissection:
         inside = np.bincount(at, uses, minlength=len(unknowns)).astype(np.int64)
         done = inside == self._uses[unknowns]
         unknowns = np.concatenate([unknowns[done], unknowns[~done]])
-        self._place[unknowns] = np.arange(len(unknowns))
+        self._index[unknowns] = np.arange(len(unknowns))
         return _Front(unknowns, int(done.sum()), inside[~done])
 
     def _leaf(self, cells: Array) -> _Front:
@@ -115,8 +115,8 @@ class Dissection:
         used = numbers[numbers >= 0]
         front = self._front(used, np.ones(len(used)))
         front.cells = cells
-        place = np.where(numbers >= 0, self._place[numbers], -1)
-        row, column = place[:, :, None], place[:, None, :]
+        index = np.where(numbers >= 0, self._index[numbers], -1)
+        row, column = index[:, :, None], index[:, None, :]
         # A cell that a plane of symmetry halves may have an unknown twice.
         front.takes = [np.nonzero(((row >= column) & (column >= 0)).ravel())[0]]
         front.places = (row * len(front.unknowns) + column).ravel()[front.takes[0]]
@@ -128,7 +128,7 @@ class Dissection:
         front.children = children
         ends = [np.tril_indices(len(rim)) for rim in rims]
         front.takes = [row * len(rim) + column for rim, (row, column) in zip(rims, ends)]
-        pairs = [(self._place[rim[row]], self._place[rim[column]]) for rim, (row, column) in zip(rims, ends)]
+        pairs = [(self._index[rim[row]], self._index[rim[column]]) for rim, (row, column) in zip(rims, ends)]
         size = len(front.unknowns)
         front.places = np.concatenate([np.maximum(a, b) * size + np.minimum(a, b) for a, b in pairs])
         return front
@@ -139,8 +139,8 @@ class Dissection:
         matrix = matrices[0]
         if self._faces:
             matrix = matrix.copy()
-            for (cell, place), face in zip(self._faces, matrices[1:]):
-                np.add.at(matrix, (cell[:, None, None], place[:, :, None], place[:, None, :]), face)
+            for (cell, index), face in zip(self._faces, matrices[1:]):
+                np.add.at(matrix, (cell[:, None, None], index[:, :, None], index[:, None, :]), face)
         self._factors = self._eliminate(matrix)
         return self.again(load)
 

@@ -79,8 +79,8 @@ def pierced(points: Array, triangles: Array) -> tuple[Array, Array]:
     edges = np.unique(np.sort(faces[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1), axis=0)
     ends = points[edges]
     edge, face = np.nonzero(_overlap(ends.min(axis=1), ends.max(axis=1), low[near], high[near]))
-    apart = ~(edges[edge][:, :, None] == faces[face][:, None, :]).any(axis=(1, 2))
-    edge, face = edge[apart], face[apart]
+    separate = ~(edges[edge][:, :, None] == faces[face][:, None, :]).any(axis=(1, 2))
+    edge, face = edge[separate], face[separate]
     start, way = ends[edge, 0], ends[edge, 1] - ends[edge, 0]
     corner = points[faces[face]]
     normal = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
@@ -88,17 +88,17 @@ def pierced(points: Array, triangles: Array) -> tuple[Array, Array]:
     behind = np.einsum("ni,ni->n", start + way - corner[:, 0], normal)
     arm = corner - start[:, None]
     side = np.einsum("nki,ni->nk", np.cross(arm, np.roll(arm, -1, axis=1)), way)
-    through = (before * behind < 0.0) & (np.all(side >= 0.0, axis=1) | np.all(side <= 0.0, axis=1))
-    return edges[edge[through]], faces[face[through]]
+    crossing = (before * behind < 0.0) & (np.all(side >= 0.0, axis=1) | np.all(side <= 0.0, axis=1))
+    return edges[edge[crossing]], faces[face[crossing]]
 
 
 def _overlap(low: Array, high: Array, other_low: Array, other_high: Array) -> Array:
     """Which boxes (n, axes) overlap which others (m, axes)."""
-    found = np.ones((len(low), len(other_low)), dtype=bool)
+    meeting = np.ones((len(low), len(other_low)), dtype=bool)
     for axis in range(low.shape[1]):
-        found &= low[:, None, axis] <= other_high[None, :, axis]
-        found &= other_low[None, :, axis] <= high[:, None, axis]
-    return found
+        meeting &= low[:, None, axis] <= other_high[None, :, axis]
+        meeting &= other_low[None, :, axis] <= high[:, None, axis]
+    return meeting
 
 
 class SpatialFace:
@@ -115,8 +115,8 @@ class SpatialFace:
         unknowns: Array | None = None,
     ) -> None:  # fmt: skip
         used = np.unique(faces)
-        place = problem.solid.mesh.nodes[:, used].T
-        (x, i), (y, j) = (np.unique(place[:, axis].round(9), return_inverse=True) for axis in (0, 1))
+        face_nodes = problem.solid.mesh.nodes[:, used].T
+        (x, i), (y, j) = (np.unique(face_nodes[:, axis].round(9), return_inverse=True) for axis in (0, 1))
         nodes = np.full((len(x), len(y)), -1)
         nodes[i, j] = used
         # The half beyond the diagonal of a folded mesh is the mirror image of the one before it.
@@ -145,10 +145,10 @@ class SpatialFace:
         free = self._punch.gap(points, depth)[0] > NEAR * self._punch.rim
         edges, faces = pierced(points, self._triangles)
         edges = edges[free[edges].all(axis=1) | free[faces].all(axis=1)]
-        found = [self.rest[edges, :2].mean(axis=1)]
+        parts = [self.rest[edges, :2].mean(axis=1)]
         for axis in np.flatnonzero(np.array(self._mirrored)):
-            found.append(self.rest[free & (points[:, axis] < -BEYOND), :2])
-        places = np.concatenate(found)
+            parts.append(self.rest[free & (points[:, axis] < -BEYOND), :2])
+        places = np.concatenate(parts)
         if not len(places):
             return None
         x, y = places[np.argmin(np.hypot(places[:, 0], places[:, 1]))] * self._thickness_mm
@@ -276,14 +276,14 @@ class Load:
 def graded_lines(start: float, stop: float, marks: Sequence[float], size: Callable[[Array], Array]) -> Array:
     """Points whose cells follow a wanted size and which meet every mark."""
     ends = np.unique(np.concatenate([[start, stop], [mark for mark in marks if start < mark < stop]]))
-    found = [start]
+    lines = [start]
     for low, high in pairwise(ends):
         fine = np.linspace(low, high, 400)
         density = 1.0 / size(fine)
         count = np.concatenate([[0.0], np.cumsum(0.5 * (density[1:] + density[:-1]) * np.diff(fine))])
         cells = max(1, int(np.ceil(count[-1] - 0.3)))
-        found.extend(np.interp(count[-1] * np.arange(1, cells + 1) / cells, count, fine))
-    return np.array(found)
+        lines.extend(np.interp(count[-1] * np.arange(1, cells + 1) / cells, count, fine))
+    return np.array(lines)
 
 
 def _tip(load: Load, axis: int) -> float:
@@ -307,7 +307,7 @@ def axis_lines(load: Load, grid: Grid, axis: int) -> Array:
         sizes.append(min(coarse, APEX_CELLS / grid.cells * np.sqrt(tip * load.first)))
 
     def size(x: Array) -> Array:
-        near = [least + grid.slope * np.abs(x - place) for place, least in zip(places, sizes)]
+        near = [least + grid.slope * np.abs(x - centre) for centre, least in zip(places, sizes)]
         away = np.maximum(np.abs(x - shift) - half, 0.0)
         return np.minimum(np.min(near, axis=0), coarse + grid.slope * away)
 
@@ -457,8 +457,8 @@ def field_lines(pitch_mm: float, rim_mm: float, cells: int) -> Array:
     fine, tip = min(cell, rim_mm), AT_TIP * cell
     edge = HALF_SIDE_MM + rim_mm * np.array([-1.0, 1.0])
     halves = 0.5 * pitch_mm * np.arange(1, int(2.0 * (HALF_SIDE_MM + pitch_mm) / pitch_mm) + 1)
-    apart = np.abs(halves[:, None] - edge).min(axis=1) > 0.4 * fine
-    halves = halves[apart & ((halves < edge[0]) | (halves > edge[1]))]
+    distinct = np.abs(halves[:, None] - edge).min(axis=1) > 0.4 * fine
+    halves = halves[distinct & ((halves < edge[0]) | (halves > edge[1]))]
     far = max(edge[1], halves.max(initial=0.0))
 
     def size(x: Array) -> Array:

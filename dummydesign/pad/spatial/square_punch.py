@@ -314,8 +314,8 @@ def solve_factor(block: Block, deepest: float, progress: Callable[[float], None]
         depths = deepest * np.arange(1, 13) / 12.0
         for rim in RIMS:
             beaded[rim] = solve_ratios(block, useful_depths(block, depths, rim), Cells(rim), rim, progress)
-    found = _fitted(sharp, beaded, step)
-    return replace(found, coefficients=found.coefficients + np.log(outline) * np.eye(1, len(found.coefficients))[0])
+    curve = _fitted(sharp, beaded, step)
+    return replace(curve, coefficients=curve.coefficients + np.log(outline) * np.eye(1, len(curve.coefficients))[0])
 
 
 def outline_factor(block: Block, square: Block) -> float:

@@ -105,12 +105,12 @@ class FieldResponse:
         """d / h to which inputs (n, 3) may be trusted; see :meth:`Response.limit`."""
         return self.pad.limit(field_inputs(inputs))
 
-    def along(self, inputs: Array, place: Array, x: Array) -> tuple[Array, Array]:
+    def along(self, inputs: Array, row: Array, x: Array) -> tuple[Array, Array]:
         """ln(F / (16/9 E sqrt(R) d^1.5)) and its derivative by d / h."""
-        shape, place, x = x.shape, place.ravel(), np.maximum(x, 0.0).ravel()
-        coordinates, thick = field_inputs(inputs), np.exp(inputs[:, 0])[place]
-        cap = HEIGHT_OVER_PITCH * np.exp(inputs[:, 1])[place] / thick
-        first, later = overlap(inputs[place], np.maximum(x * thick, NOTHING), FIRST, LATER)
+        shape, row, x = x.shape, row.ravel(), np.maximum(x, 0.0).ravel()
+        coordinates, thick = field_inputs(inputs), np.exp(inputs[:, 0])[row]
+        cap = HEIGHT_OVER_PITCH * np.exp(inputs[:, 1])[row] / thick
+        first, later = overlap(inputs[row], np.maximum(x * thick, NOTHING), FIRST, LATER)
         caps, pad = (end * cap for end in CAPS_BEGIN), (np.maximum(c * cap, h) for c, h in PAD_BEGINS)
         nowhere, everywhere, one = np.full(len(x), -1.0), np.full(len(x), np.inf), np.ones(len(x))
         begins, ends = ((nowhere, *pair, everywhere) for pair in zip(caps, pad))
@@ -121,7 +121,7 @@ class FieldResponse:
             # Between where its own share begins and the next one's is whole.
             on = np.nonzero((x > begins[k]) & (x < ends[k + 1]))[0]
             at = x[on] / unit[on]
-            y, climb = surface.along(surface.at_levels(coordinates), place[on], at)
+            y, climb = surface.along(surface.at_levels(coordinates), row[on], at)
             y = y + np.log(ratio[on])
             climb = climb / (2.0 * np.sqrt(np.maximum(at, 1e-12)) * unit[on]) + steep[on] / ratio[on] * thick[on]
             part, grows = fade(x[on], begins[k][on], ends[k][on]) if k else (1.0, 0.0)

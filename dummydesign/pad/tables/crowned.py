@@ -62,9 +62,9 @@ class CrownResponse:
             mean[which] += part[which] * surface.at_levels(inputs[which])[:, 0]
         return np.exp(mean) * inputs[:, 1]
 
-    def along(self, inputs: Array, place: Array, x: Array) -> tuple[Array, Array]:
+    def along(self, inputs: Array, row: Array, x: Array) -> tuple[Array, Array]:
         """y and dy / d(d / h)."""
-        at, depth = place.ravel(), np.maximum(x, 0.0).ravel()
+        at, depth = row.ravel(), np.maximum(x, 0.0).ravel()
         height, deepest = inputs[:, 1], np.zeros(len(inputs))
         np.maximum.at(deepest, at, depth)
         alone = self.before.at_levels(crown_inputs(inputs))
@@ -147,10 +147,10 @@ def _levels(surface: Response, inputs: Array, wanted: Array) -> Array:
     return rows
 
 
-def _on(surface: Response, rows: Array, place: Array, x: Array, unit: Array | float) -> tuple[Array, Array]:
+def _on(surface: Response, rows: Array, row: Array, x: Array, unit: Array | float) -> tuple[Array, Array]:
     """Value and slope over x of a surface whose levels count in ``unit``."""
     depth = x / unit
-    value, slope = surface.along(rows, place, depth)
+    value, slope = surface.along(rows, row, depth)
     return value, slope / (2.0 * np.sqrt(np.maximum(depth, 1e-12)) * unit)
 
 

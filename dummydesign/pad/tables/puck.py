@@ -48,14 +48,14 @@ class PuckTable:
 
     def factor(self, alpha: float, grip_value: float, compression: Array) -> Array:
         """B of one law and friction: force over that between frictionless plates."""
-        i, t = _place(self.alpha, alpha)
-        j, s = _place(self.grip, grip_value)
+        i, t = _locate(self.alpha, alpha)
+        j, s = _locate(self.grip, grip_value)
         corner = self.log_factor[i : i + 2, j : j + 2]
         rows = (1 - t) * ((1 - s) * corner[0, 0] + s * corner[0, 1]) + t * ((1 - s) * corner[1, 0] + s * corner[1, 1])
         return np.exp(np.interp(compression, self.compression, rows))
 
 
-def _place(grid: Array, value: float) -> tuple[int, float]:
+def _locate(grid: Array, value: float) -> tuple[int, float]:
     value = float(np.clip(value, grid[0], grid[-1]))
     i = int(np.clip(np.searchsorted(grid, value, side="right") - 1, 0, len(grid) - 2))
     return i, float((value - grid[i]) / (grid[i + 1] - grid[i]))
@@ -116,12 +116,12 @@ def table_for(diameter_mm: float, height_mm: float) -> PuckTable:
 def interpolate(tables: tuple[PuckTable, ...], radius_over_height: float) -> PuckTable:
     """Table of one proportion from those of others, which rise in radius over height and enclose it."""
     known = np.log([table.radius_over_height for table in tables])
-    place = float(np.log(radius_over_height))
-    same = np.nonzero(np.abs(known - place) < 1e-4)[0]
+    position = float(np.log(radius_over_height))
+    same = np.nonzero(np.abs(known - position) < 1e-4)[0]
     if same.size:
         return tables[same[0]]
-    left = int(np.clip(np.searchsorted(known, place) - 1, 0, len(known) - 2))
-    order = sorted(range(len(tables)), key=lambda k: abs(known[k] - place))
+    left = int(np.clip(np.searchsorted(known, position) - 1, 0, len(known) - 2))
+    order = sorted(range(len(tables)), key=lambda k: abs(known[k] - position))
     reach = min(len(tables[k].compression) for k in (left, left + 1))
     first = tables[left]
     log_factor = np.zeros((*first.log_factor.shape[:2], reach))
@@ -130,6 +130,6 @@ def interpolate(tables: tuple[PuckTable, ...], radius_over_height: float) -> Puc
         at = known[used]
         for k in used:
             others = at[at != known[k]]
-            weight = np.prod((place - others) / (known[k] - others))
+            weight = np.prod((position - others) / (known[k] - others))
             log_factor[..., column] += weight * tables[k].log_factor[..., column]
     return PuckTable(radius_over_height, first.alpha, first.grip, first.compression[:reach], log_factor)

@@ -90,15 +90,15 @@ class Response:
     def limit(self, inputs: Array) -> Array:
         """d / h to which inputs (n, k) may be trusted: mean of the reach near by, weights inverse distance^4."""
         q, centres = self.scaled(inputs) / self.lengths, self.scaled(self.centres) / self.lengths
-        found = np.empty(len(q))
+        limits = np.empty(len(q))
         for part in _parts(len(q)):
             weight = _squares(q[part], centres)
             np.maximum(weight, 0.0, out=weight)
             weight += 1e-6
             weight *= weight
             np.reciprocal(weight, out=weight)
-            found[part] = weight @ self.reach / weight.sum(1)
-        return found
+            limits[part] = weight @ self.reach / weight.sum(1)
+        return limits
 
     @cached_property
     def _knots(self) -> Array:
@@ -115,7 +115,7 @@ class Response:
             right[i, i - 1 : i + 2] = 6.0 / step[i - 1], -6.0 / step[i - 1] - 6.0 / step[i], 6.0 / step[i]
         return np.linalg.solve(left, right)
 
-    def along(self, rows: Array, place: Array, depth: Array) -> tuple[Array, Array]:
+    def along(self, rows: Array, row: Array, depth: Array) -> tuple[Array, Array]:
         """Spline in sqrt(depth) through rows of values at the levels."""
         values = np.concatenate([np.zeros((len(rows), 1)), rows], axis=1) if self.anchored else rows
         bend = values @ self._bend.T
@@ -125,7 +125,7 @@ class Response:
         h = t[i + 1] - t[i]
         b = (at - t[i]) / h
         a = 1.0 - b
-        y0, y1, m0, m1 = values[place, i], values[place, i + 1], bend[place, i], bend[place, i + 1]
+        y0, y1, m0, m1 = values[row, i], values[row, i + 1], bend[row, i], bend[row, i + 1]
         value = a * y0 + b * y1 + ((a**3 - a) * m0 + (b**3 - b) * m1) * h**2 / 6.0
         slope = (y1 - y0) / h + ((1.0 - 3.0 * a**2) * m0 + (3.0 * b**2 - 1.0) * m1) * h / 6.0
         # Held before the first knot and beyond the last.

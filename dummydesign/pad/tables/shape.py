@@ -85,12 +85,12 @@ class ShapeTable:
         """Inputs as the response surface takes them."""
         return np.where(self.similarity.logarithms, np.log(np.maximum(inputs, 1e-300)), inputs)
 
-    def log_factor(self, inputs: Array, place: Array, x: Array) -> tuple[Array, Array]:
+    def log_factor(self, inputs: Array, row: Array, x: Array) -> tuple[Array, Array]:
         """ln of the force over that of the tip (crowned) or of the slab, and its derivative with respect to d / h."""
         depth, coordinates = np.maximum(x, 0.0), self.coordinates(inputs)
         if not isinstance(self.response, Response):
-            return self.response.along(coordinates, place, depth)
-        value, slope = self.response.along(self.response.at_levels(coordinates), place, depth)
+            return self.response.along(coordinates, row, depth)
+        value, slope = self.response.along(self.response.at_levels(coordinates), row, depth)
         return value, slope / (2.0 * np.sqrt(np.maximum(depth, 1e-12)))
 
     def depth_limit(self, inputs: Array) -> Array:
@@ -131,15 +131,15 @@ class TabulatedShapeLaw(ForceAndStiffness, BaseForceLaw):
         d, h, young, a = np.broadcast_arrays(
             *(np.asarray(v, dtype=float) for v in (depth_mm, thickness_mm, young_MPa, radius_mm))
         )
-        pads, place = self._pads(h, a)
+        pads, row = self._pads(h, a)
         inputs = ratios(self.shape, *pads)
         self.table.check(inputs, self.shape.fidelity)
         x = np.maximum(d, 0.0) / h
-        limit = self.table.depth_limit(inputs)[place]
+        limit = self.table.depth_limit(inputs)[row]
         if self._slab is not None:
             limit = np.minimum(limit, self._slab.depth_limit(a / h))
         held = np.minimum(x, limit)
-        value, slope = self.table.log_factor(inputs, place, held)
+        value, slope = self.table.log_factor(inputs, row, held)
         depth, bend = held * h, slope / h
         if self._slab is None:
             base = 16.0 / 9.0 * young * np.sqrt(self._tip_radius_mm) * depth**1.5
@@ -174,8 +174,8 @@ class TabulatedShapeLaw(ForceAndStiffness, BaseForceLaw):
     @staticmethod
     def _pads(h: Array, a: Array) -> tuple[tuple[Array, Array], Array]:
         """Pads that differ, as (thickness, punch radius), and which of them each entry is."""
-        pairs, place = np.unique(np.stack([h.ravel(), a.ravel()], axis=1), axis=0, return_inverse=True)
-        return (pairs[:, 0], pairs[:, 1]), np.asarray(place).reshape(h.shape)
+        pairs, row = np.unique(np.stack([h.ravel(), a.ravel()], axis=1), axis=0, return_inverse=True)
+        return (pairs[:, 0], pairs[:, 1]), np.asarray(row).reshape(h.shape)
 
 
 @lru_cache(maxsize=8)

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from dummydesign.core import library as json_table
 from dummydesign.core.errors import InputError, out_of_range
-from dummydesign.core.interpolation import between, place_on
+from dummydesign.core.interpolation import between, locate_on_grid
 from dummydesign.core.library import fill_table
 from dummydesign.geometry.interface import BASES
 from dummydesign.pad.force_law import ForceAndStiffness
@@ -31,10 +31,10 @@ class CompressibilityTable:
 
     def coefficient(self, share: NDArray, ratio: NDArray) -> NDArray:
         """c at relative depths (T, N) and a/h (T, 1): linear in d/h and in ln a/h of ln c, constant outside."""
-        low, part = place_on(np.log(self.ratio), np.log(ratio))
+        low, part = locate_on_grid(np.log(self.ratio), np.log(ratio))
         logs = np.log(self.values)
         rows = (1.0 - part) * logs[low[:, 0]] + part * logs[low[:, 0] + 1]
-        left, step = place_on(self.depth, share)
+        left, step = locate_on_grid(self.depth, share)
         first = np.take_along_axis(rows, left, axis=1)
         second = np.take_along_axis(rows, left + 1, axis=1)
         return np.exp(first + step * (second - first))
@@ -64,9 +64,9 @@ def sharp_edge_doubt(depth: Array, ratio: Array) -> Array:
     for row in _DIFFERENCE:
         slope = (row[-1] - row[-2]) / (_DEPTH[-1] - _DEPTH[-2])
         rows.append(np.interp(x, _DEPTH, row) + slope * np.maximum(x - _DEPTH[-1], 0.0))
-    place = np.interp(at, np.log(_RATIO), np.arange(len(_RATIO)))
-    low = np.minimum(place.astype(int), len(_RATIO) - 2)
-    share = place - low
+    position = np.interp(at, np.log(_RATIO), np.arange(len(_RATIO)))
+    low = np.minimum(position.astype(int), len(_RATIO) - 2)
+    share = position - low
     table = np.array(rows)
     below, above = (np.take_along_axis(table, (low + k)[None], axis=0)[0] for k in (0, 1))
     return (1.0 - share) * below + share * above

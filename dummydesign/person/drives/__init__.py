@@ -12,12 +12,12 @@ ORDER = ("position", "steady", "force", "mass", "spring")
 
 
 def _find() -> dict[str, type[Drive]]:
-    found: dict[str, type[Drive]] = {}
+    drives: dict[str, type[Drive]] = {}
     for entry in pkgutil.iter_modules(__path__):
         module = importlib.import_module(f"{__name__}.{entry.name}")
         own = (value for value in vars(module).values() if isinstance(value, type) and issubclass(value, Drive))
-        found |= {value.name: value for value in own if value.__module__ == module.__name__ and value is not Drive}
-    return dict(sorted(found.items(), key=lambda item: (ORDER.index(item[0]) if item[0] in ORDER else 9, item[0])))
+        drives |= {value.name: value for value in own if value.__module__ == module.__name__ and value is not Drive}
+    return dict(sorted(drives.items(), key=lambda item: (ORDER.index(item[0]) if item[0] in ORDER else 9, item[0])))
 
 
 DRIVES: dict[str, type[Drive]] = _find()

@@ -70,8 +70,8 @@ def loading(displacement_mm: Array, force_N: Array) -> tuple[Array, Array]:
     """The first loading of a trace: up to its largest displacement, on rising displacements only."""
     end = int(np.argmax(displacement_mm)) + 1
     rising = np.maximum.accumulate(displacement_mm[:end])
-    place, index = np.unique(rising, return_inverse=True)
-    return place, np.bincount(index, force_N[:end]) / np.bincount(index)
+    depth, index = np.unique(rising, return_inverse=True)
+    return depth, np.bincount(index, force_N[:end]) / np.bincount(index)
 
 
 def add_compression(
@@ -162,9 +162,9 @@ def _fit_loading(trace: Trace, table: PuckTable, window: tuple[float, float], pu
     from dummydesign.resin.puck_test.loading_fit import LoadingCurve, fit_pucks
 
     first, last = window
-    place, load = loading(trace.displacement_mm, trace.force_N)
+    depth, load = loading(trace.displacement_mm, trace.force_N)
     grid = np.concatenate([[0.0], np.linspace(first, last, STEPS)])
-    curve = LoadingCurve(trace.name, "puck", grid, np.interp(grid, place, load))
+    curve = LoadingCurve(trace.name, "puck", grid, np.interp(grid, depth, load))
     fit = fit_pucks([curve], puck.diameter_mm, puck.height_mm, table, (first * (1 - 1e-9), last))
     young = Interval(fit.young_kPa, fit.young_low_kPa, fit.young_high_kPa)
     friction = Interval(fit.friction, fit.friction_low, fit.friction_high)

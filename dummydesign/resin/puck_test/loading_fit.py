@@ -128,11 +128,11 @@ def _best(parts: list[tuple[Array, Array]], table: PuckTable, grip_value: float,
     upper = np.r_[20.0, ALPHA_RANGE[1], np.full(count, LARGEST_OFFSET)]
 
     def residuals(q: Array) -> list[Array]:
-        found = []
+        differences = []
         for (c, stress), offset in zip(parts, q[2:]):
             value = np.exp(q[0]) * _model(table, q[1], grip_value, c, offset)
-            found.append(np.log(np.maximum(value, 1e-12) / stress))
-        return found
+            differences.append(np.log(np.maximum(value, 1e-12) / stress))
+        return differences
 
     best = solve_by_differences(
         lambda q: np.concatenate(residuals(q)), [start], lower, upper, scale=np.r_[0.1, 0.5, np.full(count, 0.003)]
@@ -149,7 +149,7 @@ def _summarise(curves: Sequence[LoadingCurve], points: list[_Point], height_mm: 
     pucks = len({curve.puck for curve in curves})
     variance = (scatter**2 + best.mean_square) / pucks
     excess = [(point.mean_square - best.mean_square) / variance for point in points]
-    kept = [points[place] for place in within(excess)]
+    kept = [points[index] for index in within(excess)]
     young = np.exp([point.log_young for point in kept])
     # One puck's modulus differs from another's: the mean of all is known to this.
     around = 1.96 * np.sqrt(variance)
@@ -264,9 +264,9 @@ class PuckNoise:
 def covariance(press: PuckPress, height_mm: float, noise: PuckNoise) -> Array:
     """Covariance of the bins' residuals of ln force, shape (bins, bins)."""
     c = press.compression_mm / height_mm
-    apart = c[:, None] - c
-    total = noise.misfit**2 * np.exp(-0.5 * (apart / ALIKE) ** 2)
-    total += RIPPLE**2 * np.exp(-0.5 * (apart / RIPPLE_LENGTH) ** 2)
+    difference = c[:, None] - c
+    total = noise.misfit**2 * np.exp(-0.5 * (difference / ALIKE) ** 2)
+    total += RIPPLE**2 * np.exp(-0.5 * (difference / RIPPLE_LENGTH) ** 2)
     slow = inference.Bins([press]).slow(noise.slow_time_s)[0]
     total += noise.slow_N**2 * slow / np.outer(press.force_N, press.force_N)
     total[np.diag_indices_from(total)] += noise.white_N**2 / press.samples / press.force_N**2 + JITTER**2

@@ -76,8 +76,8 @@ class PuckProblem:
 
     def elastic(self, alpha: float, grip: float, offset: float) -> Array:
         """Long-term force over E at the nodes, zeroed where the displacement is zero. [N/kPa]"""
-        place = np.r_[0.0, self.press.displacement_mm] / self.height_mm
-        c = np.maximum(place - offset, 0.0)
+        compression = np.r_[0.0, self.press.displacement_mm] / self.height_mm
+        c = np.maximum(compression - offset, 0.0)
         load = self.area * uniaxial(alpha, c) * np.exp(self.log_factor(grip)(alpha, c))
         return load[1:] - load[0]
 
@@ -112,7 +112,7 @@ class PuckProblem:
         """The best of all combinations of times on a grid, E and strengths by non-negative least squares."""
         from scipy.optimize import nnls
 
-        found = []
+        starts = []
         grid = np.geomspace(3.0 * self.times[0], 0.6 * self.longest, 9)
         for alpha in (1.5, 3.0):
             elastic = self.elastic(alpha, grip, 0.0)
@@ -123,9 +123,9 @@ class PuckProblem:
                 strength, rest = nnls(columns[:, [0, *(1 + k for k in combo)]], goal)
                 if strength[0] > 0.0:
                     beta = np.clip(strength[1:] / strength[0], 1e-3, 10.0)
-                    found.append((rest, [np.log(strength[0]), alpha, 0.0, *np.log(beta), *np.log(grid[list(combo)])]))
-        found.sort(key=lambda pair: pair[0])
-        return [np.array(q) for _, q in found[:count]]
+                    starts.append((rest, [np.log(strength[0]), alpha, 0.0, *np.log(beta), *np.log(grid[list(combo)])]))
+        starts.sort(key=lambda pair: pair[0])
+        return [np.array(q) for _, q in starts[:count]]
 
     def fit(self, starts: list[Array], grip: float) -> Trial:
         """Trust-region least squares of the whitened residuals; arms in the order of their times."""
@@ -138,10 +138,10 @@ class PuckProblem:
         columns = np.r_[0, 1, 2, 3 + order, 3 + arms + order]
         return Trial(grip, best.parameters[columns], best.chi_square, best.residual, best.jacobian[:, columns])
 
-    def aicc(self, found: Trial) -> float:
+    def aicc(self, trial: Trial) -> float:
         """Corrected Akaike criterion under the whitening of now; friction and two sizes of noise are counted."""
-        fit = found.chi_square - 2.0 * float(np.log(np.diag(self.factor)).sum())
-        return aicc(fit, len(found.parameters) + 3, len(found.residual))
+        fit = trial.chi_square - 2.0 * float(np.log(np.diag(self.factor)).sum())
+        return aicc(fit, len(trial.parameters) + 3, len(trial.residual))
 
 
 def _smooth_log_factor(table: PuckTable, grip: float) -> Callable[[float, Array], Array]:
@@ -205,7 +205,7 @@ def fit_relaxation(press: PuckPress, diameter_mm: float, height_mm: float, table
         if arms == MOST_ARMS:
             problem.factor = whitener(press, height_mm, _noise(problem, rivals[arms]))
             rivals[arms] = problem.fit([rivals[arms].parameters], rivals[arms].grip)
-    scores = {arms: problem.aicc(found) for arms, found in rivals.items()}
+    scores = {arms: problem.aicc(trial) for arms, trial in rivals.items()}
     chosen = simplest(scores)
     noise = _noise(problem, rivals[chosen])
     problem.factor = whitener(press, height_mm, noise)
@@ -216,24 +216,24 @@ def fit_relaxation(press: PuckPress, diameter_mm: float, height_mm: float, table
         profile.append(problem.fit([nearest, warm] if profile else [warm], float(grip)))
     profile.sort(key=lambda one: one.grip)
     comparison = {
-        str(arms): {"rmse_N": _rmse(problem, found), "aicc": scores[arms]} for arms, found in sorted(rivals.items())
+        str(arms): {"rmse_N": _rmse(problem, trial), "aicc": scores[arms]} for arms, trial in sorted(rivals.items())
     }
     return _summarise(problem, profile, comparison, noise)
 
 
-def _noise(problem: PuckProblem, found: Trial) -> PuckNoise:
+def _noise(problem: PuckProblem, trial: Trial) -> PuckNoise:
     lower = np.linalg.inv(problem.factor)
-    return estimate(problem.press, problem.height_mm, lower @ found.residual, lower @ found.jacobian)
+    return estimate(problem.press, problem.height_mm, lower @ trial.residual, lower @ trial.jacobian)
 
 
-def _rmse(problem: PuckProblem, found: Trial) -> float:
-    error = problem.predict(found.parameters, found.grip) - problem.press.force_N
+def _rmse(problem: PuckProblem, trial: Trial) -> float:
+    error = problem.predict(trial.parameters, trial.grip) - problem.press.force_N
     return float(np.sqrt(np.mean(error**2)))
 
 
-def _spreads(found: Trial) -> Array:
+def _spreads(trial: Trial) -> Array:
     """Standard deviations of the parameters from the Jacobian; an undetermined one has a very large one."""
-    _, singular, turn = np.linalg.svd(found.jacobian, full_matrices=False)
+    _, singular, turn = np.linalg.svd(trial.jacobian, full_matrices=False)
     floor = 1e-10 * singular[0]
     return np.sqrt(np.sum((turn / np.maximum(singular, floor)[:, None]) ** 2, axis=0))
 
@@ -242,7 +242,7 @@ def _summarise(
     problem: PuckProblem, profile: list[Trial], comparison: dict[str, dict[str, float]], noise: PuckNoise
 ) -> PuckRelaxation:
     best = min(profile, key=lambda one: one.chi_square)
-    kept = [profile[place] for place in within([one.chi_square for one in profile])]
+    kept = [profile[index] for index in within([one.chi_square for one in profile])]
     reach = [np.sqrt(CHI_SQUARE_95 - (one.chi_square - best.chi_square)) * _spreads(one) for one in kept]
     low = np.min([one.parameters - width for one, width in zip(kept, reach)], axis=0)
     high = np.max([one.parameters + width for one, width in zip(kept, reach)], axis=0)
@@ -279,7 +279,7 @@ def _elastic(problem: PuckProblem, profile: list[Trial], best: Trial) -> tuple[I
     squares = [float(np.mean(problem.residual(one.parameters, one.grip) ** 2)) for one in profile]
     own = squares[profile.index(best)]
     variance = PUCK_SCATTER**2 + own
-    kept = [profile[place] for place in within(squares, variance, own)]
+    kept = [profile[index] for index in within(squares, variance, own)]
     around = np.sqrt(CHI_SQUARE_95 * variance)
     logs = [one.parameters[0] for one in kept]
     young = Interval(*np.exp([best.parameters[0], min(logs) - around, max(logs) + around]).tolist())
@@ -299,7 +299,7 @@ def _reason(problem: PuckProblem, tau_s: Interval, beta: Interval, above_shortes
         return f"slower than half of the longest hold ({problem.longest:.4g} s): hold longer to see its time"
     if above_shortest < 1e-3:
         return f"faster than the samples show ({problem.times[0]:.2g} s)"
-    for name, found in (("time", tau_s), ("strength", beta)):
-        if found.high > WIDEST * found.low:
-            return f"the {name} is known to a factor of {found.high / found.low:.2g} only"
+    for name, interval in (("time", tau_s), ("strength", beta)):
+        if interval.high > WIDEST * interval.low:
+            return f"the {name} is known to a factor of {interval.high / interval.low:.2g} only"
     return ""

@@ -167,15 +167,16 @@ class Presses:
         parts.zip_link(self.campaign)
         DropList(self.take, self.renew, "Drop the presses (CSV). A file with a planned name takes its place; the "
                  "earlier one goes to the bin. Any other file is assigned to a press below.")  # fmt: skip
-        self.undone, self.held, self.found, self.holder = parts.area(), parts.area(), parts.area("state"), parts.area()
+        self.undone, self.held, self.status_area = parts.area(), parts.area(), parts.area("state")
+        self.holder = parts.area()
         with ui.expansion("Values of the presses: order, age, temperature, rest") as expansion:
             self.values = parts.area()
         expansion.props('data-test="values"').style("width:100%").on_value_change(self.show_values)
         self.change = parts.area()
         self.show_held()
-        found = check_campaign(self.folder)
-        self.show(found)
-        if not found.pressed and incoming.plan_of(self.root, self.campaign):
+        status = check_campaign(self.folder)
+        self.show(status)
+        if not status.pressed and incoming.plan_of(self.root, self.campaign):
             with self.change, ui.expansion("Change this plan: nothing was pressed yet") as change:
                 PlanForm(studio, state, self.campaign)
             change.props('data-test="replan"').style("width:100%")
@@ -253,36 +254,36 @@ class Presses:
         try:
             while seen != self.wanted:
                 seen = self.wanted
-                found = await run.io_bound(check_campaign, self.folder)
-                if found is not None:
-                    self.show(found)
+                status = await run.io_bound(check_campaign, self.folder)
+                if status is not None:
+                    self.show(status)
         except InputError as problem:
-            with parts.fresh(self.found):
+            with parts.fresh(self.status_area):
                 parts.tell_problem(str(problem))
         finally:
             self.at_work = False
 
-    def show(self, found: CampaignStatus) -> None:
+    def show(self, status: CampaignStatus) -> None:
         """How far the campaign is."""
-        if found.pressed:
+        if status.pressed:
             self.change.clear()
-        with parts.fresh(self.found):
+        with parts.fresh(self.status_area):
             parts.command_line(["campaign", "check", self.campaign])
-            _show_status(found, self.state)
+            _show_status(status, self.state)
 
 
-def _show_status(found: CampaignStatus, chosen: State) -> None:
+def _show_status(status: CampaignStatus, chosen: State) -> None:
     """How far a campaign is, in words."""
-    done, left = len(found.pressed), len(found.missing)
+    done, left = len(status.pressed), len(status.missing)
     html(f'<p role="status"><b>{done} of {done + left} presses are there</b></p>')
-    if found.missing:
-        html(f"<p>To press: {escape(', '.join(found.missing[:6]))}{' …' if left > 6 else ''}</p>")
-    if found.wrong:
-        parts.table(["file", "looks wrong"], [[one["file"], one["message"]] for one in found.wrong], words=True)
-    for one in found.warnings:
+    if status.missing:
+        html(f"<p>To press: {escape(', '.join(status.missing[:6]))}{' …' if left > 6 else ''}</p>")
+    if status.wrong:
+        parts.table(["file", "looks wrong"], [[one["file"], one["message"]] for one in status.wrong], words=True)
+    for one in status.warnings:
         html(f'<p class="note">{escape(one["message"])}</p>')
     if done:
         html(f'<p class="note">{state_link("/cast", "Check a cast pad", chosen, "cast")}: its presses against the '
              "tissue.</p>")  # fmt: skip
-    if found.ready:
+    if status.ready:
         html(f'<p class="note">All is there: {state_link("/learn", "learn from it", chosen, "learn")}.</p>')

@@ -154,25 +154,25 @@ class Comparison:
 
     def _list_earlier(self) -> None:
         """Comparisons and presses on people in the folder, also those made on the terminal."""
-        found = [one for one in things_in(self.root, "designs") if one.command in ("compare", "on-person")]
-        if found:
+        earlier = [one for one in things_in(self.root, "designs") if one.command in ("compare", "on-person")]
+        if earlier:
             html("<h2>Earlier in this project</h2>")
-        for one in reversed(found):
+        for one in reversed(earlier):
             html(f"<p>{escape(choices.file_line(one))}</p>")
             if (self.root / one.folder / "report.html").is_file():
                 parts.file_links([(f"report of {one.folder}", f"{one.folder}/report.html")])
 
 
-def show_verdict(found: Mapping[str, Any]) -> None:
+def show_verdict(verdict: Mapping[str, Any]) -> None:
     """The verdict of an answer."""
-    parts.tell_verdict(str(found["light"]), str(found["text"]), test="verdict")
+    parts.tell_verdict(str(verdict["light"]), str(verdict["text"]), test="verdict")
 
 
-def correction(found: Mapping[str, Any]) -> str:
+def correction(verdict: Mapping[str, Any]) -> str:
     """What to multiply readings by, in a sentence."""
-    given = found.get("correction") or {}
+    given = verdict.get("correction") or {}
     central, sure = given.get("factor_central"), given.get("factor")
-    if found["light"] == "red" or central is None:
+    if verdict["light"] == "red" or central is None:
         return "No correction: this pad is not usable."
     if sure is None or sure < 1.005:
         return "Correction: none needed."

@@ -275,8 +275,8 @@ class DesignPage:
 
     def draw(self, state: State, view: View | Refusal) -> None:
         """Draw a pad, or why there is none: what belongs to another pad goes."""
-        for place in (self.numbers, self.solid, self.same):
-            place.clear()
+        for area in (self.numbers, self.solid, self.same):
+            area.clear()
         self.solved.hide()
         if isinstance(view, Refusal):
             self.plots.set_content("")
@@ -313,9 +313,9 @@ class DesignPage:
             pad = {"shape": state.shape, "thickness": f"{state.thickness_mm:g}"}
             parts.shown_file("/solid/pad", f"solid of {pad['shape']}, {pad['thickness']} mm", "shown solid", **pad)
 
-    def _say(self, state: State, light: str, text: str, stage: str) -> None:
+    def _say(self, state: State, light: str, text: str, shown: str) -> None:
         with parts.fresh(self.verdict):
-            parts.tell_verdict(light, text, stage, "" if stage else "(castings are being counted …)", state.label)
+            parts.tell_verdict(light, text, shown, "" if shown else "(castings are being counted …)", state.label)
 
     def pad_words(self) -> list[str]:
         """The pad under the sliders as a command: a search whose limits are this pad."""

@@ -127,12 +127,12 @@ class Learning:
     def list_calibrations(self) -> None:
         """Calibrations of this campaign in the folder, also those made on the terminal."""
         self.others.clear()
-        found = list(reversed(made.calibrations(self.root, self.campaign.value or "")))
+        newest_first = list(reversed(made.calibrations(self.root, self.campaign.value or "")))
         newest = True
         with self.others:
-            if found:
+            if newest_first:
                 html("<h2>Calibrations of this campaign</h2>")
-            for one in found:
+            for one in newest_first:
                 html(f'<h3 data-test="calibration">{escape(one.folder)}</h3>')
                 manage(self.studio, one.folder, "calibration", self._moved)
                 if one.folder == self.shown:

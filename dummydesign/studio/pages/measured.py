@@ -78,7 +78,7 @@ class MeasuredPage:
     def _offer_swap(self, stored: bin.Stored) -> None:
         def swap() -> None:
             with parts.problems_in(problem):
-                done = bin.take_place(self._root, self._folder, stored.name, stored.sent)
+                done = bin.rename_over(self._root, self._folder, stored.name, stored.sent)
                 row.delete()
                 self._drop.tell(done.text)
                 if done.gone is not None:
@@ -96,13 +96,13 @@ class MeasuredPage:
         self._add(Path(new).name)
 
     def _names(self) -> list[str]:
-        found = (path for path in self._folder.glob("*.*") if path.suffix.lower() in TEXTS and path.is_file())
-        return sorted(path.name for path in found if not path.name.startswith("."))
+        paths = (path for path in self._folder.glob("*.*") if path.suffix.lower() in TEXTS and path.is_file())
+        return sorted(path.name for path in paths if not path.name.startswith("."))
 
     def _choose(self, names: list[str]) -> None:
-        found = self._names()
-        self._chosen.set_options(found, value=[name for name in names if name in found])
-        self._chosen.set_enabled(bool(found))
+        names_there = self._names()
+        self._chosen.set_options(names_there, value=[name for name in names if name in names_there])
+        self._chosen.set_enabled(bool(names_there))
         self._work.renew()
 
     def _add(self, name: str) -> None:
@@ -133,10 +133,10 @@ class MeasuredPage:
         if not self._change.value:
             return
         with self._change:
-            found = self._names()
-            if not found:
+            names = self._names()
+            if not names:
                 html("<p>No files yet.</p>")
-            for name in found:
+            for name in names:
                 with ui.element("div").classes("thing"):
                     html(f"<span>{escape(name)}</span>")
                     with ui.element("div"):
@@ -156,23 +156,23 @@ class MeasuredPage:
 
     def _list_imports(self) -> None:
         self._imports.clear()
-        found = sorted(path for path in self._folder.glob("import-*") if path.is_dir())
+        folders = sorted(path for path in self._folder.glob("import-*") if path.is_dir())
         with self._imports:
-            if not found:
+            if not folders:
                 return
             html("<h2>Presses that were read</h2>")
-            for path in found:
+            for path in folders:
                 count = len(list(path.glob("*.csv")))
                 title = f"{path.name}: {count} press{'es' * (count != 1)}"
                 one = ui.expansion(title).style("width:100%").props('data-test="import"')
                 one.on_value_change(lambda event, one=one, path=path: self._open_import(one, path))
 
-    def _open_import(self, place: ui.expansion, path: Path) -> None:
-        place.clear()
-        if not place.value:
+    def _open_import(self, panel: ui.expansion, path: Path) -> None:
+        panel.clear()
+        if not panel.value:
             return
         inner = f"measured/{path.name}"
-        with place:
+        with panel:
             manage(self._studio, inner, "import", lambda old, new: self._list_imports())
             if (path / "preview.html").is_file():
                 with ui.element("div").style("width:100%"):

@@ -123,16 +123,16 @@ class MouldPage:
         """Further moulds of this pad with their files, and moulds of other pads as links."""
         self.others.clear()
         now = self.chosen()
-        found = [one for one in reversed(made.moulds(self.root)) if one.folder != self.shown]
+        others = [one for one in reversed(made.moulds(self.root)) if one.folder != self.shown]
         with self.others:
-            for one in found:
+            for one in others:
                 if one.is_of(now):
                     html(f'<h2 data-test="mould-of-this-pad">{escape(one.folder)}</h2><p>{escape(one.label)}</p>')
                     manage(self.studio, one.folder, "mould", self._moved)
                     _files(self.root, one.folder, now)
             links = [
                 f"<li>{state_link('/mould', one.label, self.state.changed(**one.pad, design=''), 'other-mould')}</li>"
-                for one in found if not one.is_of(now)
+                for one in others if not one.is_of(now)
             ]  # fmt: skip
             if links:
                 html(f"<h2>Moulds of other pads</h2><ul>{''.join(links)}</ul>")

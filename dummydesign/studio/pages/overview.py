@@ -69,15 +69,15 @@ def show_status(studio: Studio, project: Project, state: State, query: Mapping[s
     links = links_of(studio.root, status, state)
     cards = []
     for room, (path, words) in ROOMS.items():
-        found = status.found[room]
-        lines = [links.get(one.folder) or escape(choices.file_line(one)) for one in reversed(found)]
+        files = status.files[room]
+        lines = [links.get(one.folder) or escape(choices.file_line(one)) for one in reversed(files)]
         more = f"<details><summary>{len(lines) - 8} more</summary><ul>{_list(lines[8:])}</ul></details>"
         listed = f"<ul>{_list(lines[:8])}</ul>{more if lines[8:] else ''}" if lines else "<p>none yet</p>"
         cards.append(f"<div><h2>{page_link(path, words)}</h2>{listed}</div>")
     html(f'<div class="cards">{"".join(cards)}</div>')
     reports = [
         (f"{one.folder.partition('/')[2]}: report", f"{one.folder}/report.html")
-        for room in ("designs", "calibrations") for one in status.found[room]
+        for room in ("designs", "calibrations") for one in status.files[room]
         if (studio.root / one.folder / "report.html").is_file()
     ]  # fmt: skip
     if reports:
@@ -94,20 +94,20 @@ def _list(lines: Sequence[str]) -> str:
 def links_of(root: Path, status: ProjectStatus, state: State) -> dict[str, str]:
     """Links by folder: each opens its page with that design, mould, campaign, calibration, tissue or pad chosen."""
     states: dict[str, tuple[str, State]] = {}
-    for one in status.found["designs"]:
+    for one in status.files["designs"]:
         if one.command == "compare":
             states[one.folder] = ("/cast", state)
-        elif found := design_state(root, one.folder):
-            states[one.folder] = ("/design", state.changed(**found))
+        elif inputs := design_state(root, one.folder):
+            states[one.folder] = ("/design", state.changed(**inputs))
     for mould in made.moulds(root):
         states[mould.folder] = ("/mould", state.changed(**mould.pad, design=""))
-    for one in status.found["campaigns"]:
+    for one in status.files["campaigns"]:
         states[one.folder] = ("/campaign", state.changed(campaign=one.folder))
         for learned in made.calibrations(root, one.folder):
             states[learned.folder] = ("/learn", state.changed(campaign=one.folder, calibration=learned.file))
-    for one in status.found["tissue"]:
+    for one in status.files["tissue"]:
         states[one.folder] = ("/tissue", state.changed(tissue=one.folder, aim="average"))
-    known = {one.folder: one for room in status.found.values() for one in room}
+    known = {one.folder: one for room in status.files.values() for one in room}
     return {folder: state_link(path, choices.file_line(known[folder]), of, f"open-{folder}")
             for folder, (path, of) in states.items() if folder in known}  # fmt: skip
 

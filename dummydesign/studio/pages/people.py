@@ -139,8 +139,8 @@ ELEMENTS = {"3": "3", "5": "5 (usual)", "7": "7"}
 
 def people_panel(page: TissuePage) -> None:
     """Build it into the page, where the tissue is chosen once it is made."""
-    with ui.expansion("Assign presses to people", value="people" in page.query).style("width:100%") as place:
-        place.props('data-test="people"')
+    with ui.expansion("Assign presses to people", value="people" in page.query).style("width:100%") as panel:
+        panel.props('data-test="people"')
         _People(page)
 
 
@@ -219,11 +219,11 @@ class _People:
         last = next((job for job in every if job.words[:3] == ("tissues", "add", self._page.tissue)), None)
         if last is None:
             return {}, choices.free_library_name("tissue", "people")
-        found: dict[str, str] = {}
+        persons: dict[str, str] = {}
         for file in (word for word in last.words if word.endswith(".toml")):
             fit = next((job for job in every if file in job.words and job.words[0] == "fit"), None)
-            found |= dict.fromkeys(_presses(fit.words) if fit is not None else (), Path(file).stem)
-        return found, last.words[2]
+            persons |= dict.fromkeys(_presses(fit.words) if fit is not None else (), Path(file).stem)
+        return persons, last.words[2]
 
     def _show(self, done: list[Job]) -> None:
         answer = done[-1].answer
@@ -246,13 +246,13 @@ class _People:
     def _show_fit(self, job: Job) -> None:
         parts.tell_changes(self._root, job.answer["files"].get("manifest", ""), "Fit all again.")
         person = Path(_tissue_of(job)).stem
-        with ui.expansion(f"{person}: measured and fitted force").style("width:100%") as place:
-            place.on_value_change(lambda event: self._open(place, job))
+        with ui.expansion(f"{person}: measured and fitted force").style("width:100%") as panel:
+            panel.on_value_change(lambda event: self._open(panel, job))
 
-    def _open(self, place: ui.expansion, job: Job) -> None:
-        place.clear()
-        if place.value:
-            with place, parts.area():
+    def _open(self, panel: ui.expansion, job: Job) -> None:
+        panel.clear()
+        if panel.value:
+            with panel, parts.area():
                 show_curves(self._root, job.answer)
 
     def _ended(self, done: list[Job]) -> None:

@@ -150,8 +150,8 @@ def _moduli(puck: Path, answer: Mapping[str, Any]) -> tuple[list[list[object]], 
     return [rows[0], *([words, one.value, one.low, one.high] for words, one in named)], ""
 
 
-def _friction(found: Mapping[str, float | None]) -> str:
-    low, high = ("bonded" if found[end] is None else f"{found[end]:.2g}" for end in ("low", "high"))
+def _friction(interval: Mapping[str, float | None]) -> str:
+    low, high = ("bonded" if interval[end] is None else f"{interval[end]:.2g}" for end in ("low", "high"))
     return f"{low} to {high}"
 
 

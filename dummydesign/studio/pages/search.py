@@ -114,12 +114,12 @@ class Search:
         mixed = (best.get("batch") or best["recipe"])["components"]
         parts.facts([(f"{best['thickness_mm']:g} mm", best["shape"]), (f"{best['ratio']:g}", best["ratio_meaning"]),
                      *((f"{part['mass_g']:.1f} g", f"{part['name']}, to mix") for part in mixed)])  # fmt: skip
-        found = state_of_answer(self.state(), answer, _folder(job))
-        link = state_link("/mould", "Make its mould", found, "mould")
+        designed = state_of_answer(self.state(), answer, _folder(job))
+        link = state_link("/mould", "Make its mould", designed, "mould")
         red = "This pad is not representative: do not cast it. " if light == "red" else ""
         html(f'<p class="note next">{red}{link}</p>')
         with ui.row():
-            parts.button("Put the sliders at this pad", lambda: self.take(found))
+            parts.button("Put the sliders at this pad", lambda: self.take(designed))
         parts.table(PRESS_HEAD, press_rows(best["conditions"]))
         self._compare_kinds(answer)
         parts.warnings(answer)
@@ -176,16 +176,16 @@ class Designs:
     def renew(self) -> None:
         """List the designs anew when one came or went."""
         root = self.studio.root
-        found = [one for one in things_in(root, "designs") if is_design(one) and design_state(root, one.folder)]
-        names = [f"{one.folder} {one.date}" for one in found]
+        designs = [one for one in things_in(root, "designs") if is_design(one) and design_state(root, one.folder)]
+        names = [f"{one.folder} {one.date}" for one in designs]
         if names == self.seen and self.chosen is not None:
             return
         self.seen = names
         kept = list(self.chosen.value) if self.chosen is not None else []
         with parts.fresh(self.box):
-            if not found:
+            if not designs:
                 html("<p>none yet</p>")
-            for one in reversed(found):
+            for one in reversed(designs):
                 opened = self.state().changed(**design_state(root, one.folder), missing=())
                 verdict = str((one.summary or {}).get("verdict", "")).replace("_", " ")
                 link = state_link("/design", opened.design.partition("/")[2], opened)
@@ -193,7 +193,7 @@ class Designs:
                     html(f"<span>{link}: {escape(opened.label)}: <b>{escape(verdict)}</b></span>")
                     with ui.element("div"):
                         manage(self.studio, one.folder, "design", self.moved)
-            folders = [one.folder for one in found]
+            folders = [one.folder for one in designs]
             kept = [name for name in kept if name in folders]
             value = kept if len(kept) > 1 else folders[-2:]
             self.chosen = parts.select_several("Designs to compare", {one: one for one in folders}, value, "to-compare")

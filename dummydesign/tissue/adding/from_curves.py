@@ -88,8 +88,8 @@ def _at_stop(time: NDArray, force: NDArray, stop_s: float) -> float:
 def _bins(since_s: NDArray, force_N: NDArray, hold_s: float) -> tuple[NDArray, NDArray]:
     """Mean time and force of the bins that hold a sample, before the last twentieth. [s, N]"""
     edges = np.r_[0.0, np.geomspace(FIRST_HOLD_S, (1.0 - LATE) * hold_s, HOLD_BINS)]
-    place = np.digitize(since_s, edges)
-    rows = [np.flatnonzero(place == number) for number in range(1, len(edges))]
+    bin_number = np.digitize(since_s, edges)
+    rows = [np.flatnonzero(bin_number == number) for number in range(1, len(edges))]
     kept = [row for row in rows if len(row)]
     return np.array([since_s[row].mean() for row in kept]), np.array([force_N[row].mean() for row in kept])
 
@@ -245,15 +245,15 @@ def add_curves(name: str, table: str, law: str, elements: str, replace_own: bool
 
 def _few(tissue: Tissue) -> list[dict[str, str]]:
     """Warn that one person makes no range, and one speed none at another."""
-    found = []
+    warnings = []
     if len(tissue.subjects) < 2:
         text = f"{tissue.name} has one subject, who makes no range: nothing can be inside it"
-        found.append({"code": "one_subject", "message": text})
+        warnings.append({"code": "one_subject", "message": text})
     if len(tissue.velocities_mm_s) == 1:
         speed = tissue.velocities_mm_s[0]
         text = f"{tissue.name} is known at {speed:g} mm/s only: give --velocity {speed:g} where a pad is made for it"
-        found.append({"code": "one_speed", "message": text})
-    return found
+        warnings.append({"code": "one_speed", "message": text})
+    return warnings
 
 
 def _check_presses(read: dict[str, list[Trace]]) -> tuple[dict[str, list[Trace]], list[str], list[str]]:
@@ -268,7 +268,8 @@ def _check_presses(read: dict[str, list[Trace]]) -> tuple[dict[str, list[Trace]]
                 short.append(f"{who}: {name}")
                 continue
             held[who].append(trace)
-            declared, seen = trace.told_mm_s or np.nan, approach_velocity(trace.time_s, trace.displacement_mm, ramp)
+            declared = trace.commanded_speed_mm_s or np.nan
+            seen = approach_velocity(trace.time_s, trace.displacement_mm, ramp)
             if not declared / SLOWER < seen < FASTER * declared:
                 unlike.append(f"{who}, {name}: {seen:.2g} for {declared:g} mm/s")
     return held, short, unlike

@@ -71,8 +71,8 @@ def _observed(draws: NDArray) -> dict[str, NDArray]:
         seen[f"{label}_peak"] = np.log(curve.max(axis=-1) / curve[..., -1])
         # the hold is sampled alike for all persons
         since = motion.time_s[..., -24:] - (motion.time_s[..., -1:] - 10.0)
-        place = int(np.argmin(np.abs(since.reshape(-1, 24)[0] - after)))
-        seen[f"{label}_decay"] = np.log(curve[..., place - 24] / curve[..., -1])
+        index = int(np.argmin(np.abs(since.reshape(-1, 24)[0] - after)))
+        seen[f"{label}_decay"] = np.log(curve[..., index - 24] / curve[..., -1])
     return seen
 
 
@@ -114,14 +114,14 @@ def add_points(name: str, points: str) -> dict[str, Any]:
     if draws_file.is_file() and "inferred" in tissue.kinds:
         draws, weight = posterior.read_draws(draws_file)
         known = [one for one in _already(tissue) if one.name not in {new.name for new in steady}]
-        updated, after_points, found = _update_inferred(tissue, draws, weight, known + steady)
+        updated, after_points, notes = _update_inferred(tissue, draws, weight, known + steady)
         files["draws"] = folder / f"{tissue.name}_draws.csv"
         # the draws keep their weight without points: every update starts from there with all points at once
         write_text(files["draws"], posterior.draws_csv(draws, weight))
         extra["next_measurement"] = next_measurement(draws, after_points, len(known + steady))
     else:
-        updated, found = _update_fitted(tissue, steady)
-    warnings += found
+        updated, notes = _update_fitted(tissue, steady)
+    warnings += notes
     write_text(files["tissue"], tissue_toml(updated))
     if entry.origin == "built-in":
         warnings += hidden_by(KIND, "tissue", tissue.name)
@@ -139,13 +139,13 @@ def add_points(name: str, points: str) -> dict[str, Any]:
 
 def _already(tissue: Tissue) -> list[Steady]:
     """Persons of the tissue whose gamma1 came from points before."""
-    found = []
+    known = []
     for subject in tissue.subjects:
         gamma1 = subject.numbers["gamma1_N_per_mm3"]
         if gamma1.kind == "digitised":
             deviation = math.log(gamma1.high / gamma1.low) / 3.92
-            found.append(Steady(subject.name, math.log(gamma1.value), deviation, gamma1.source, 0.0))
-    return found
+            known.append(Steady(subject.name, math.log(gamma1.value), deviation, gamma1.source, 0.0))
+    return known
 
 
 def _update_inferred(
@@ -249,11 +249,11 @@ def _update_fitted(tissue: Tissue, steady: list[Steady]) -> tuple[Tissue, list[d
         subject = subjects[one.name.lower()]
         old = subject.numbers["gamma1_N_per_mm3"]
         old_deviation = max(math.log(old.high / old.low) / 3.92, 1e-4)
-        apart = abs(math.log(old.value) - one.log_gamma1) / math.hypot(old_deviation, one.deviation)
-        if apart > 3:
+        distance = abs(math.log(old.value) - one.log_gamma1) / math.hypot(old_deviation, one.deviation)
+        if distance > 3:
             warnings.append(
                 {"code": "points_contradict", "message": f"{one.name}: points say gamma1 = "
-                 f"{math.exp(one.log_gamma1):.4g}, the tissue {old.value:.4g} N/mm3, {apart:.1f} standard "
+                 f"{math.exp(one.log_gamma1):.4g}, the tissue {old.value:.4g} N/mm3, {distance:.1f} standard "
                  "deviations apart; both were combined anyway"}
             )  # fmt: skip
         a, b = old_deviation**-2, one.deviation**-2

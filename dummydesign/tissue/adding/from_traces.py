@@ -105,8 +105,8 @@ def fit_row(person: str, source: str, fit: TissueFit) -> dict[str, Any]:
 
 def fit_warnings(person: str, fit: TissueFit) -> list[dict[str, str]]:
     """Return the warnings of a fit with the person's name; copies are found by :func:`copies_of`."""
-    found = [warning for warning in fit.result["warnings"] if warning["code"] != "same_press"]
-    return [{"code": w["code"], "message": f"{person}: {w['message']}"} for w in found]
+    own = [warning for warning in fit.result["warnings"] if warning["code"] != "same_press"]
+    return [{"code": w["code"], "message": f"{person}: {w['message']}"} for w in own]
 
 
 def copies_of(read: dict[str, list[Trace]]) -> list[dict[str, str]]:

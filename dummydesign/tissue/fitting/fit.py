@@ -88,12 +88,12 @@ def find_offsets(traces: Sequence[Trace], law: str, mode: str, arms: int, lowpas
     before = np.inf
     for _ in range(MOST_STEPS):
         reduced = [reduce_trace(one) for one in shifted(traces, at)]
-        place = {id(one): index for index, one in enumerate(reduced)}
+        index_of = {id(one): index for index, one in enumerate(reduced)}
         step = np.zeros(len(traces))
         for problem in problems_of(law, mode, reduced, lowpass):
             moves, errors = _step(problem, problem.optimum(arms))
             for one, move, wide in zip(problem.traces, moves, errors):
-                step[place[id(one)]], error[place[id(one)]] = move, wide
+                step[index_of[id(one)]], error[index_of[id(one)]] = move, wide
         largest = float(np.abs(step).max())
         # a step that does not shrink is shortened: the rise bends
         step *= min(1.0, 0.15 * float(reach.min()) / LARGEST_SHARE / largest) if largest > 0 else 1.0
@@ -113,8 +113,8 @@ def with_unknown_offsets(problem: TissueProblem, optimum: Optimum) -> Optimum:
     unknown = UNKNOWN_MM**2 * slope[:, :, None] * slope[:, None]
     factor = whitener(_covariance(problem, optimum) + unknown)
     low, high = problem.box(optimum.arms)
-    found = solve(problem.model(optimum.arms, factor), [optimum.solution.parameters], low, high)
-    solution = replace(optimum.solution, parameters=found.parameters, chi_square=found.chi_square)
+    refit = solve(problem.model(optimum.arms, factor), [optimum.solution.parameters], low, high)
+    solution = replace(optimum.solution, parameters=refit.parameters, chi_square=refit.chi_square)
     return replace(optimum, solution=solution, factor=factor)
 
 
@@ -268,8 +268,8 @@ def fit_traces(
         pairs = tuple((problem, with_unknown_offsets(problem, optimum)) for problem, optimum in pairs)
     result: dict[str, Any] = {"elements": chosen, "law": law, "mode": mode, "contact": contact}
     result |= _parameters(mode, pairs, chosen, intervals, tell) | trace_residuals(pairs)
-    place = {trace.name: index for index, trace in enumerate(whole)}
-    result["by_trace"].sort(key=lambda row: place[row["file"]])
+    order = {trace.name: index for index, trace in enumerate(whole)}
+    result["by_trace"].sort(key=lambda row: order[row["file"]])
     result["noise_floor_N"] = noise_floor(trace.hold for trace in reduced)
     result["noise"] = [optimum.noise.to_dict() for _, optimum in pairs]
     result["starts"] = {"tried": pairs[0][1].solution.starts, "same_optimum": pairs[0][1].solution.agreeing}
@@ -304,15 +304,15 @@ def _comparison(
 ) -> dict[str, dict[str, Any]]:
     """Error, AICc and left-out error of 3, 5 and 7 elements."""
     table = {}
-    for elements, found in optima.items():
-        pairs = list(zip(problems, found))
+    for elements, pairs_of in optima.items():
+        pairs = list(zip(problems, pairs_of))
         heldout = heldout_rmse(*pairs[0]) if mode != "per-condition" else None
         table[str(elements)] = {
             "rmse_N": trace_residuals(pairs)["rmse_N"],
             # the noise of the most flexible rival, which has the least misfit in it
             "aicc": sum(p.aicc(o, best.factor) for (p, o), best in zip(pairs, optima[max(optima)])),
             "heldout_rmse_N": heldout,
-            "parameters": sum(len(optimum.solution.parameters) for optimum in found),
+            "parameters": sum(len(optimum.solution.parameters) for optimum in pairs_of),
         }
     return table
 
@@ -368,42 +368,42 @@ def _objects(problem: TissueProblem, optimum: Optimum, intervals: bool, tell: Pr
         reason = "intervals were not requested"
         if intervals:
             tell(f"interval {index + 1} of {len(low)}")
-            found = profile_interval(model, optimum.solution, index, low, high)
-            ends = {"low": found.low, "high": found.high}
+            interval = profile_interval(model, optimum.solution, index, low, high)
+            ends = {"low": interval.low, "high": interval.high}
             entry |= {key: None if end is None else float(np.exp(end)) for key, end in ends.items()}
-            entry["at_bound"], reason = found.at_bound, found.reason
+            entry["at_bound"], reason = interval.at_bound, interval.reason
         result.append(entry | ({"reason": reason} if reason else {}))
     return result
 
 
 def _warnings(law: str, result: dict[str, Any], pairs: Sequence[tuple[TissueProblem, Optimum]]) -> list[dict[str, str]]:
     """Warn of what a reader of the parameters must know."""
-    found: list[tuple[str, str]] = []
+    notes: list[tuple[str, str]] = []
     if law_named(law).ideal_ramp:
-        found.append(("ideal_ramp", f"law {law} knows only an ideal ramp: mean speed and stop time of each measured "
+        notes.append(("ideal_ramp", f"law {law} knows only an ideal ramp: mean speed and stop time of each measured "
                       "motion were used"))  # fmt: skip
     rmse, floor = result["rmse_N"], result["noise_floor_N"]
     if rmse > 2.0 * floor:
         above = f"{rmse / floor:.3g} times the noise" if floor > 0.0 else "above traces without noise"
         text = f"rms residual {rmse:.3g} N is {above}: the law does not describe these traces"
         todo = "fit one pad or person at a time and check each contact; the intervals include the misfit"
-        found.append(("lack_of_fit", f"{text}; {todo}"))
+        notes.append(("lack_of_fit", f"{text}; {todo}"))
     for name, entry in result["parameters"].items():
         for key, one in {"": entry}.items() if "value" in entry else entry.items():
             at = f" at {key} mm/s" if key else ""
             if one["at_bound"]:
-                found.append(("at_bound", f"{name}{at} is at the limit of its range: these traces do not determine it"))
+                notes.append(("at_bound", f"{name}{at} is at the limit of its range: these traces do not determine it"))
             elif "not identifiable" in one.get("reason", ""):
-                found.append(("not_identifiable", f"{name}{at}: {one['reason']}"))
+                notes.append(("not_identifiable", f"{name}{at}: {one['reason']}"))
     broken = set()
     for problem, optimum in pairs if pairs[0][1].arms == 2 else ():
         _, gamma, damper = problem.split(optimum.solution.parameters, 2)
         broken |= {"gamma2 < gamma3"} if gamma[0] >= gamma[1] else set()
         broken |= {"c2 > c3"} if np.any(damper[:, 0] <= damper[:, 1]) else set()
     if broken:
-        found.append(("paper_order", f"{' and '.join(sorted(broken))}, which the paper found in all its subjects, does "
+        notes.append(("paper_order", f"{' and '.join(sorted(broken))}, which the paper found in all its subjects, does "
                       "not hold here (arm 2 is the slow one)"))  # fmt: skip
-    return [{"code": code, "message": text} for code, text in found]
+    return [{"code": code, "message": text} for code, text in notes]
 
 
 UNKNOWN = 1000.0

@@ -224,7 +224,7 @@ class TissueProblem:
         triangle = np.asarray(np.linalg.qr(weighted, mode="r"))
         ranked = []
         for combo in itertools.combinations(range(len(grid)), arms):
-            places = [0, *(1 + place for place in combo)]
+            places = [0, *(1 + index for index in combo)]
             ranked.append((nnls(triangle[:, places], triangle[:, -1])[1], combo))
         ranked.sort()
         kept: list[tuple[int, ...]] = []
@@ -252,22 +252,22 @@ class TissueProblem:
         factor = np.zeros((*rough.shape, rough.shape[1]))
         diagonal = np.arange(rough.shape[1])
         factor[:, diagonal, diagonal] = np.where(self.bins.used, rough, 1.0)
-        found = first = solve(self.model(arms, factor), self.starts(arms), low, high, 1e-7)
+        last = first = solve(self.model(arms, factor), self.starts(arms), low, high, 1e-7)
         noise: Noise | None = None
         measured, level = self.measured_and_level()
         slope = 3.0 * np.maximum(measured, 0.0) / np.maximum(depth, shallow)
         for _ in range(2):
-            force, jacobian = self.predict(found.parameters, arms)
+            force, jacobian = self.predict(last.parameters, arms)
             residual, sensitivity = self.bins.stacked(self.force - force), self.bins.stacked(jacobian)
             noise = estimate_noise(self.bins, level, slope, residual, sensitivity, self.largest_slow_N, noise)
             factor = whitener(self.bins.covariance(noise, slope, level))
-            found = solve(self.model(arms, factor), [found.parameters], low, high)
+            last = solve(self.model(arms, factor), [last.parameters], low, high)
         assert noise is not None
         # arms in the order of falling c / gamma (geometric mean over groups)
-        gamma1, gamma, damper = self.split(found.parameters, arms)
+        gamma1, gamma, damper = self.split(last.parameters, arms)
         order = np.argsort(gamma - damper.mean(axis=0), kind="stable")
         theta = np.r_[gamma1, gamma[order], damper[:, order].ravel()]
-        return Optimum(arms, Solution(theta, found.chi_square, first.starts, first.agreeing), noise, factor)
+        return Optimum(arms, Solution(theta, last.chi_square, first.starts, first.agreeing), noise, factor)
 
     def measured_and_level(self) -> tuple[NDArray, NDArray]:
         """Return measured forces, and the peak of their press where there is a bin, both (traces, longest). [N]"""
@@ -349,8 +349,8 @@ def heldout_rmse(problem: TissueProblem, optimum: Optimum) -> float | None:
             continue
         factor = optimum.factor.copy()
         factor[out] = 0.0
-        found = solve(problem.model(optimum.arms, factor), [optimum.solution.parameters], low, high, 1e-6)
-        error = problem.predict(found.parameters, optimum.arms)[0] - problem.force
+        solution = solve(problem.model(optimum.arms, factor), [optimum.solution.parameters], low, high, 1e-6)
+        error = problem.predict(solution.parameters, optimum.arms)[0] - problem.force
         squares, count = squares + float((error[out[owner]] ** 2).sum()), count + int(out[owner].sum())
     return float(np.sqrt(squares / count)) if count else None
 

@@ -85,7 +85,7 @@ def reduce_trace(trace: Trace) -> ReducedTrace:
     average = binning.average(time, nodes, ramp.stop_time_s + SETTLED_S)
     inside = binning.inside
     late = time[inside] >= ramp.hold_end_s - 0.05 * hold
-    velocity = trace.told_mm_s or approach_velocity(time, trace.displacement_mm, ramp)
+    velocity = trace.commanded_speed_mm_s or approach_velocity(time, trace.displacement_mm, ramp)
     return ReducedTrace(
         trace, ramp, velocity, float(force[inside][late].mean()),
         binning.start_s, binning.end_s, binning.samples, binning.mean(force), Motion(nodes, displacement), average,
@@ -139,12 +139,12 @@ def between(at: NDArray, time: NDArray, x: NDArray) -> NDArray:
     ends, most = 2.0 * chord[[0, -1]] - inner[[0, -1]], 3.0 * np.abs(chord[[0, -1]])
     ends = np.where(ends * chord[[0, -1]] > 0, np.clip(ends, -most, most), 0.0)
     slope = np.r_[ends[0], inner, ends[1]]
-    place = np.clip(np.searchsorted(time, at, side="right") - 1, 0, len(step) - 1)
-    h = step[place]
-    t = np.clip((at - time[place]) / h, 0.0, 1.0)
+    index = np.clip(np.searchsorted(time, at, side="right") - 1, 0, len(step) - 1)
+    h = step[index]
+    t = np.clip((at - time[index]) / h, 0.0, 1.0)
     return (
-        x[place] * (1 + 2 * t) * (1 - t) ** 2 + x[place + 1] * t**2 * (3 - 2 * t)
-        + h * t * (1 - t) * (slope[place] * (1 - t) - slope[place + 1] * t)
+        x[index] * (1 + 2 * t) * (1 - t) ** 2 + x[index + 1] * t**2 * (3 - 2 * t)
+        + h * t * (1 - t) * (slope[index] * (1 - t) - slope[index + 1] * t)
     )  # fmt: skip
 
 
@@ -162,7 +162,7 @@ def speed_groups(traces: Sequence[ReducedTrace]) -> list[tuple[float, list[Reduc
 
 
 def _nominal(group: Sequence[ReducedTrace]) -> float:
-    commanded = {trace.trace.told_mm_s for trace in group}
+    commanded = {trace.trace.commanded_speed_mm_s for trace in group}
     if len(commanded) == 1 and None not in commanded:
         return group[0].velocity_mm_s
     return rounded_velocity(float(np.median([trace.velocity_mm_s for trace in group])))

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 SHARES: NDArray = 1.0 - (1.0 - np.linspace(0.0, 1.0, 61)) ** 3
 """Shares of its depth at which the rise of a press is kept, finer where a robot brakes."""
 FIRST_HOLD_S, HOLD_POINTS = 1e-3, 60
-FORCE_APART, SPEED_APART, HOLD_APART, SAME_DEPTH = 1.2, 1.15, 1.1, 1.05
+FORCE_FACTOR, SPEED_FACTOR, HOLD_FACTOR, SAME_DEPTH = 1.2, 1.15, 1.1, 1.05
 """Factors within which a press belongs to a force, a speed and a hold, and presses to one depth."""
 FINE = 400
 START_SHARE = 0.02
@@ -91,9 +91,9 @@ def log_steady_curve(x: NDArray, rise_N: NDArray, depth: NDArray, force: NDArray
 
 def extrapolate_linearly(at: NDArray, x: NDArray, y: NDArray) -> NDArray:
     """Straight lines through points, extrapolated at both ends by the line through the outer two."""
-    found = np.interp(at, x, y)
-    found = found + np.minimum(at - x[0], 0.0) * (y[1] - y[0]) / (x[1] - x[0])
-    return found + np.maximum(at - x[-1], 0.0) * (y[-1] - y[-2]) / (x[-1] - x[-2])
+    value = np.interp(at, x, y)
+    value = value + np.minimum(at - x[0], 0.0) * (y[1] - y[0]) / (x[1] - x[0])
+    return value + np.maximum(at - x[-1], 0.0) * (y[-1] - y[-2]) / (x[-1] - x[-2])
 
 
 Item = TypeVar("Item")
@@ -225,7 +225,7 @@ class MeasuredPerson(MeasuredParameters):
         """Speeds that stand for a speed, with their shares: itself, or its two neighbours; none outside them."""
         known = np.array(self.velocities_mm_s)
         nearest = float(known[np.argmin(np.abs(np.log(known / velocity_mm_s)))])
-        if 1.0 / SPEED_APART < nearest / velocity_mm_s < SPEED_APART:
+        if 1.0 / SPEED_FACTOR < nearest / velocity_mm_s < SPEED_FACTOR:
             return [(nearest, 1.0)]
         if not known[0] < velocity_mm_s < known[-1]:
             return []
@@ -242,11 +242,11 @@ class MeasuredPerson(MeasuredParameters):
     def _ratios(self, speed_mm_s: float, depth_mm: float, hold_s: float) -> NDArray:
         """Rise and hold over the steady force at a depth, between the presses of a speed."""
         depths, rows = self.over_steady_at(speed_mm_s, hold_s)
-        place = np.clip(np.log(depth_mm), depths[0], depths[-1])
-        at = int(np.clip(np.searchsorted(depths, place), 1, max(len(depths) - 1, 1)))
+        position = np.clip(np.log(depth_mm), depths[0], depths[-1])
+        at = int(np.clip(np.searchsorted(depths, position), 1, max(len(depths) - 1, 1)))
         if len(depths) == 1:
             return rows[0]
-        share = (place - depths[at - 1]) / (depths[at] - depths[at - 1])
+        share = (position - depths[at - 1]) / (depths[at] - depths[at - 1])
         return (1.0 - share) * rows[at - 1] + share * rows[at]
 
     def _steady_curve(self, hold_s: float) -> tuple[NDArray, NDArray]:

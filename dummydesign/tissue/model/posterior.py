@@ -77,8 +77,8 @@ def weighted_quantile(values: NDArray, share: float, weight: NDArray) -> NDArray
     ordered = np.take_along_axis(values, order, 0)
     cumulated = np.cumsum(weight[order], axis=0)
     cumulated = (cumulated - 0.5 * weight[order]) / weight.sum()
-    place = np.sum(cumulated < share, axis=0)
-    upper, lower = np.minimum(place, len(values) - 1), np.maximum(place - 1, 0)
+    position = np.sum(cumulated < share, axis=0)
+    upper, lower = np.minimum(position, len(values) - 1), np.maximum(position - 1, 0)
 
     def take(source: NDArray, at: NDArray) -> NDArray:
         return np.take_along_axis(source, at[None], 0)[0]
@@ -148,16 +148,16 @@ def _posterior(tissue: Tissue, count: int) -> tuple[Tissue, ...]:
     draws, weight = read_draws(path)
     order = _in_strata(np.log(draws[..., 0]), weight, max(round(np.sqrt(count)), 1))
     # evenly over the weights, so that few draws stand for all
-    place = np.searchsorted(np.cumsum(weight[order] / weight.sum()), (np.arange(count) + 0.5) / count)
+    index = np.searchsorted(np.cumsum(weight[order] / weight.sum()), (np.arange(count) + 0.5) / count)
     kinds = [("inferred", "drawn from the posterior")] * len(COLUMNS)
-    found = []
-    for one in draws[order[np.minimum(place, len(draws) - 1)]]:
+    tissues = []
+    for one in draws[order[np.minimum(index, len(draws) - 1)]]:
         people = one[np.argsort(one[:, 0])]
         subjects = tuple(
             subject_of(subject.name, row, row, row, kinds) for subject, row in zip(tissue.subjects, people)
         )
-        found.append(replace(tissue, subjects=subjects))
-    return tuple(found)
+        tissues.append(replace(tissue, subjects=subjects))
+    return tuple(tissues)
 
 
 def _in_strata(logs: NDArray, weight: NDArray, strata: int) -> NDArray:

@@ -120,7 +120,7 @@ def force_ranges(
     if lowpass is not None:
         curves = lowpass.apply(motion.time_s, curves)
     stop = motion.time_s[..., -1] - hold_s
-    found, end = [], 0
+    ranges, end = [], 0
     for group in groups:
         rows = slice(end, end := end + len(group))
         # the samples of every subject, so that each piecewise-linear curve is kept as it is
@@ -130,8 +130,8 @@ def force_ranges(
         on_grid = interpolate_rows(np.broadcast_to(grid, (len(time), len(grid))), time, curves[rows])
         low, high = on_grid.min(axis=0), on_grid.max(axis=0)
         condition = float(steady_force_N), float(velocity_mm_s)
-        found.append(ForceRange(*condition, grid, low, high, on_grid, depth[rows], stop[rows]))
-    return found
+        ranges.append(ForceRange(*condition, grid, low, high, on_grid, depth[rows], stop[rows]))
+    return ranges
 
 
 def held_depth(
@@ -149,5 +149,5 @@ def end_of_hold_range(
 ) -> tuple[NDArray, NDArray]:  # fmt: skip
     """Depth of the stiffest and of the softest subject at forces at the end of a hold, shapes (n,). [mm]"""
     law = law_named(one_law(subjects))
-    found = law.end_of_hold_depths(subjects, force_N, velocity_mm_s, hold_s, deceleration_mm_s2)
-    return found.min(axis=0), found.max(axis=0)
+    depths = law.end_of_hold_depths(subjects, force_N, velocity_mm_s, hold_s, deceleration_mm_s2)
+    return depths.min(axis=0), depths.max(axis=0)

@@ -17,7 +17,7 @@ from dummydesign.tissue.model.laws.curves import CURVES, known_words
 from dummydesign.tissue.model.maxwell_law import arms_of
 from dummydesign.tissue.model.measured_curves import (
     DEPTH_MM,
-    FORCE_APART,
+    FORCE_FACTOR,
     SHARES,
     HeldPress,
     MeasuredPerson,
@@ -47,7 +47,7 @@ def subjects_of(people: Sequence[tuple[str, MeasuredPerson, str, str]]) -> tuple
         made = "; ".join(f"{name} {known_words([one])}" for name, one, _, _ in people)
         message = f"the people share no steady force within 20 %: {made}; press all to the same steady forces"
         raise InputError(message, "inconsistent", "force_N")
-    found = []
+    subjects = []
     for name, person, kind, source in people:
         numbers: dict[str, Quantity] = {}
         words = f"{source}; the interval is what {DEPTH_MM:g} mm of depth make of it"
@@ -60,8 +60,8 @@ def subjects_of(people: Sequence[tuple[str, MeasuredPerson, str, str]]) -> tuple
                 peak = float(max(rise.max(), after.max()))
                 width = peak * exponent * DEPTH_MM / depth
                 numbers[f"peak_at_{force:g}N_{speed:g}mm_s_N"] = _number(peak, width, kind, words)
-        found.append(Subject(name, person, numbers))
-    return tuple(sorted(found, key=lambda one: -float(np.mean(one.parameters.depth_mm(np.array(forces), hold)))))  # type: ignore[attr-defined]
+        subjects.append(Subject(name, person, numbers))
+    return tuple(sorted(subjects, key=lambda one: -float(np.mean(one.parameters.depth_mm(np.array(forces), hold)))))  # type: ignore[attr-defined]
 
 
 def common_forces(people: Sequence[MeasuredPerson], speeds: Sequence[float], hold_s: float) -> tuple[float, ...]:
@@ -78,7 +78,7 @@ def common_forces(people: Sequence[MeasuredPerson], speeds: Sequence[float], hol
     """
     spans = [span for speed in speeds if (span := common_span(people, speed, hold_s)) is not None]
     low, high = max(span[0] for span in spans), min(span[1] for span in spans)
-    if low > high * FORCE_APART**2:
+    if low > high * FORCE_FACTOR**2:
         return ()
     if high < ONE_FORCE * low:
         return (float(f"{np.sqrt(low * high):.2g}"),)

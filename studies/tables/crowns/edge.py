@@ -42,7 +42,7 @@ class EdgeWatch:
         self.touched.append(radius_touched(problem, depth, solution)[0] / self.press.radius)
         self.gaps.append(np.interp(PLACES * self.press.radius, points[:, 0], -points[:, 1] - depth))
 
-    def found(self, foot: float, fillet: float) -> tuple[float, float] | None:
+    def reached(self, foot: float, fillet: float) -> tuple[float, float] | None:
         """d / h at which the edge is reached, and what is not known of it; None where it was not.
 
         Parameters
@@ -58,7 +58,7 @@ class EdgeWatch:
 def edge_depth(
     depth: Array, touched: Array, gaps: Array, foot: float, fillet: float
 ) -> tuple[float, float] | None:
-    """See :meth:`EdgeWatch.found`.
+    """See :meth:`EdgeWatch.reached`.
 
     Parameters
     ----------

@@ -24,7 +24,7 @@ BENT = np.array(
 RISEN = np.array([0.01, 0.015, 0.021, 0.028, 0.036, 0.046, 0.058, 0.075, 0.1, 0.13])
 SHARED = np.array([0.15, 0.18, 0.22, 0.26, 0.3, 0.35, 0.4, 0.45, 0.5, 0.55, 0.6])
 # Known scatter of ln F, of a force beside another of the same pad, and of eta.
-NOISE, BESIDE, ETA_NOISE = 0.002, 0.003, 7e-4
+NOISE, PAIR_NOISE, ETA_NOISE = 0.002, 0.003, 7e-4
 # Scatter of ln of the edge's depth: met at once, and grown to.
 EDGE_NOISE = 0.003, 0.03
 # Where the larger fillet's force is this much softer, the edge carries.
@@ -126,22 +126,22 @@ def _levels(
     for row, curve, known, one, end in zip(out, y, use, unit, ends):
         if known.sum() < 3:
             continue
-        place, value = np.sqrt(x[known]), curve[known]
+        node, value = np.sqrt(x[known]), curve[known]
         first = 0.0 if anchored else x[known][0] - 1e-9
         wanted = (levels * one >= first) & (levels * one <= end + 1e-9)
-        row[wanted] = _carried(place, value, np.sqrt(levels[wanted] * one), anchored)
+        row[wanted] = _carried(node, value, np.sqrt(levels[wanted] * one), anchored)
     return out
 
 
-def _carried(place: Array, value: Array, at: Array, anchored: bool = False) -> Array:
+def _carried(node: Array, value: Array, at: Array, anchored: bool = False) -> Array:
     """Natural cubic spline, from 0 at 0 when anchored, straight beyond its last point."""
     from scipy.interpolate import CubicSpline
 
     if anchored:
-        place, value = np.append(0.0, place), np.append(0.0, value)
-    spline = CubicSpline(place, value, bc_type="natural")
-    inside = np.clip(at, place[0], place[-1])
-    return spline(inside) + np.maximum(at - place[-1], 0.0) * spline(place[-1], 1)
+        node, value = np.append(0.0, node), np.append(0.0, value)
+    spline = CubicSpline(node, value, bc_type="natural")
+    inside = np.clip(at, node[0], node[-1])
+    return spline(inside) + np.maximum(at - node[-1], 0.0) * spline(node[-1], 1)
 
 
 def _risen(curves: Curves, which: Array) -> tuple[Array, Array]:
@@ -159,9 +159,9 @@ def _risen(curves: Curves, which: Array) -> tuple[Array, Array]:
         if up.sum() < 4:
             continue
         eta, grown = (x[after] - edge)[up], grown[up]
-        place, at = np.sqrt(eta), np.sqrt(RISEN)
-        wanted = (at >= 0.8 * place[0]) & (at <= place[-1] + 1e-9)
-        values[k, wanted] = _carried(place, np.log(grown / eta), at[wanted])
-        level = np.exp(np.interp(at, place, np.log(grown)))
-        noise[k] = BESIDE * (1.0 + level) / level + ETA_NOISE / RISEN
+        node, at = np.sqrt(eta), np.sqrt(RISEN)
+        wanted = (at >= 0.8 * node[0]) & (at <= node[-1] + 1e-9)
+        values[k, wanted] = _carried(node, np.log(grown / eta), at[wanted])
+        level = np.exp(np.interp(at, node, np.log(grown)))
+        noise[k] = PAIR_NOISE * (1.0 + level) / level + ETA_NOISE / RISEN
     return values, noise

@@ -97,8 +97,8 @@ def _lengths(q: Array, values: Array, noise: Array, known: list[Array]) -> tuple
 
     start = np.concatenate([np.full(k, np.log(2.0)), np.log([0.3, 0.004])])
     ends = [(np.log(0.15), np.log(20.0))] * k + [(np.log(3e-3), np.log(30.0)), (np.log(3e-4), np.log(0.2))]
-    found = minimize(cost, start, jac=True, method="L-BFGS-B", bounds=ends, options={"maxiter": 40}).x
-    return np.exp(found[:k]), float(np.exp(found[k])), float(np.exp(found[k + 1]))
+    optimum = minimize(cost, start, jac=True, method="L-BFGS-B", bounds=ends, options={"maxiter": 40}).x
+    return np.exp(optimum[:k]), float(np.exp(optimum[k])), float(np.exp(optimum[k + 1]))
 
 
 def _cost(q: Array, y: Array, noise: Array, log: Array) -> tuple[float, Array]:

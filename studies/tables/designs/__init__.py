@@ -10,5 +10,5 @@ ROLE = "DESIGN"
 
 def designs() -> dict[str, Design]:
     """The designs by the name of their shape."""
-    found = {name: part_of(name, ROLE, __name__) for name in shape_kinds()}
-    return {name: design for name, design in found.items() if design is not None}
+    every = {name: part_of(name, ROLE, __name__) for name in shape_kinds()}
+    return {name: design for name, design in every.items() if design is not None}

@@ -71,10 +71,10 @@ class Design:
     @property
     def similarity(self) -> Similarity:
         """The numbers of the table."""
-        found = shape_kind(self.kind).similarity
-        if found is None:
+        similarity = shape_kind(self.kind).similarity
+        if similarity is None:
             raise InputError(f"shape {self.kind} has no numbers for a table", "unsupported", "shape", self.kind)
-        return found
+        return similarity
 
     def shape(self, point: Array) -> tuple[PadShape, float]:
         """Shape and thickness [mm] of a point."""
@@ -162,8 +162,8 @@ class Design:
             at = np.array(answer.get("depth", self.depths))
             padded = [np.array(row + [np.nan] * (len(at) - len(row)), dtype=float) for row in answer["force"]]
             of, i = np.nonzero(np.isclose(depths[:, None], at[None, :], rtol=0.0, atol=1e-6))
-            found = self.joined(padded)
-            value[of], edge[of] = found[0][i], found[1][i]
+            joined = self.joined(padded)
+            value[of], edge[of] = joined[0][i], joined[1][i]
         return values, added
 
     def reduced(self, points: Array, values: Array, depths: Array) -> Array:

@@ -97,8 +97,8 @@ class BumpedDesign(Design):
         early = np.arange(among, AMONG_CAPS * height + 0.5 * among, among)
         late = np.arange(early[-1] + STEP_OF_PAD[1], self.depths[-1], STEP_OF_PAD[1])
         steps = np.concatenate([early, late])
-        apart = np.abs(steps[:, None] - self.depths).min(axis=1) > 0.3 * among
-        return np.unique(np.concatenate([steps[apart & (steps < self.depths[-1])], self.depths]))
+        far = np.abs(steps[:, None] - self.depths).min(axis=1) > 0.3 * among
+        return np.unique(np.concatenate([steps[far & (steps < self.depths[-1])], self.depths]))
 
     def surface(self, answers: list[dict[str, Any]]) -> FieldResponse:
         """In pieces, counted against what punch and field overlap by."""

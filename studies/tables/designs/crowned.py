@@ -53,8 +53,8 @@ class CrownedDesign(Design):
         later[:, 3] = self.low[3] * (self.high[3] / self.low[3]) ** raw[8000:, 3]
         pointed = [point for point in later[: 10 * count] if self.castable(point)]
         rest = MIXED - len(even)
-        found = even + pointed[:rest] + [point for point in pointed[rest:] if np.exp(point[2]) < JUMPING]
-        return np.array(found[:count])
+        rows = even + pointed[:rest] + [point for point in pointed[rest:] if np.exp(point[2]) < JUMPING]
+        return np.array(rows[:count])
 
     def solve(self, point: Array, finer: bool = False) -> dict[str, Any]:
         """Solve one pad with both fillets, F / (E a^2) at ``depth``; ``finer`` halves the cells.
@@ -69,7 +69,7 @@ class CrownedDesign(Design):
         paths = [solve_path(press, LATTICE, cells, rim, visit=watch if rim == RIMS[1] else None) for rim in RIMS]
         values = [path.force / 3.0 * (press.thickness_mm / RADIUS_MM) ** 2 for path in paths]
         answer = self._answer(point, values, [path.stop for path in paths])
-        edge = watch.found(float(np.exp(point[2])), fillet)
+        edge = watch.reached(float(np.exp(point[2])), fillet)
         return {**answer, "depth": LATTICE.tolist(), "edge": edge}
 
     def joined(self, curves: list[Array]) -> tuple[Array, Array]:

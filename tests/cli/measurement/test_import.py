@@ -79,7 +79,7 @@ def test_the_call_from_python_is_the_answer_of_the_command(tmp_path, capsys):
     assert mine.to_dict() == {key: theirs[key] for key in mine.to_dict()}
     unwritten = dummydesign.import_traces(["a.csv"], units=units, tare="none")
     assert unwritten.to_dict()["preview"] is None
-    assert len(unwritten.found[0].presses[0].time_s) == mine.to_dict()["files"][0]["traces"][0]["samples"]
+    assert len(unwritten.outcome[0].presses[0].time_s) == mine.to_dict()["files"][0]["traces"][0]["samples"]
 
 
 def test_an_imported_trace_imports_to_itself(tmp_path, capsys):

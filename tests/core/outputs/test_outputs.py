@@ -89,7 +89,7 @@ def test_replace_takes_the_place_and_only_of_what_a_command_wrote(tmp_path):
     taken = write(out, ask(2), replace=True, a_csv="2")
     assert taken.folder == out and tree(out) == ["a.csv", "manifest.json", "notes.txt"]
     assert (out / "a.csv").read_text() == "2" and (out / "notes.txt").read_text() == "mine"
-    assert "notes.txt" in taken.place.warnings[0]["message"]
+    assert "notes.txt" in taken.target.warnings[0]["message"]
 
 
 def test_a_file_changed_by_hand_is_not_overwritten(tmp_path):
@@ -97,7 +97,7 @@ def test_a_file_changed_by_hand_is_not_overwritten(tmp_path):
     write(out, ask(1), a_csv="1")
     (out / "a.csv").write_text("edited")
     again = write(out, ask(1), a_csv="1")
-    assert again.folder == tmp_path / "o-2" and "changed since" in again.place.warnings[0]["message"]
+    assert again.folder == tmp_path / "o-2" and "changed since" in again.target.warnings[0]["message"]
     assert (out / "a.csv").read_text() == "edited"
 
 
@@ -179,9 +179,9 @@ def test_a_place_that_cannot_be_written_is_told_before_any_work(tmp_path):
 def test_files_that_share_a_folder_are_told_by_their_stem(tmp_path):
     def fit(question, replace=False):
         with new_files(tmp_path / "carla.toml", question, replace=replace) as output:
-            output.path(f"{output.place.stem}.toml").write_text("x")
-            output.path(f"{output.place.stem}_residuals.csv").write_text("x")
-        return output.place.stem
+            output.path(f"{output.target.stem}.toml").write_text("x")
+            output.path(f"{output.target.stem}_residuals.csv").write_text("x")
+        return output.target.stem
 
     (tmp_path / "bruno.toml").write_text("bruno")
     assert fit(ask(1)) == "carla" and fit(ask(1)) == "carla"

@@ -50,7 +50,7 @@ def test_the_doubt_is_all_the_tissues_where_the_pad_is_known_and_none_of_it_wher
     share = inputs.space.targets.weights.low_aim
 
     def cast(castings, tolerances, space=inputs.space):
-        return PadCastings(castings, chosen.cast, chosen.found.best, space, tolerances)
+        return PadCastings(castings, chosen.cast, chosen.result.best, space, tolerances)
 
     shares = []
     sure = cast(exact(inputs), SHARP)
@@ -67,7 +67,7 @@ def test_the_doubt_is_all_the_tissues_where_the_pad_is_known_and_none_of_it_wher
 def test_presses_scored_for_another_tissue_are_what_pressing_anew_for_it_gives(crowned):
     inputs, _, chosen = crowned
     other, coarse = inputs.space.targets.drawn[5], inputs.space.sampling.coarse
-    slabs = chosen.found.best.evaluation.slabs
+    slabs = chosen.result.best.evaluation.slabs
     anew = evaluate(slabs, other, coarse)
     again = scored_for(evaluate(slabs, inputs.space.targets, coarse), other)
     for name in ("aim", "low_aim", "steady_state_range", "force_variation_range", "inside", "depth_mm"):
@@ -79,17 +79,17 @@ def test_a_pad_at_the_end_of_a_range_gives_way_to_its_neighbour_one_step_of_the_
     inputs, _, chosen = crowned
     space = with_tissues(inputs.space, ())
     step = float(np.diff(space.ratio).min())
-    edge = one_pad(chosen.cast, space, chosen.found.best.thickness_mm, chosen.found.best.ratio - 3 * step).candidate
+    edge = one_pad(chosen.cast, space, chosen.result.best.thickness_mm, chosen.result.best.ratio - 3 * step).candidate
     assert edge.evaluation.feasible[edge.index]
-    offered = dataclasses.replace(chosen, found=dataclasses.replace(chosen.found, best=edge))
+    offered = dataclasses.replace(chosen, result=dataclasses.replace(chosen.result, best=edge))
     low_share = space.targets.weights.low_aim
     taken, told = by_expectation((offered,), space, inputs.castings, Tolerances(110.0), low_share)
-    best = taken.found.best
+    best = taken.result.best
     assert told.differs and told.taken.expected_worth > told.middle.expected_worth
     assert told.taken.acceptable_fraction >= told.middle.acceptable_fraction and best.rank >= edge.rank
     assert best.ratio - edge.ratio == pytest.approx(step) and best.thickness_mm == edge.thickness_mm
     # the row beside the other kinds is the pad that is recommended, with the tissue's law fitted to it
-    row = next(item for item in taken.beside if item.kind == "crowned")
+    row = next(item for item in taken.comparisons if item.kind == "crowned")
     assert row.candidate is best and best.parameters is not None
     assert f"ratio {best.ratio:g}" in told.text and f"ratio {edge.ratio:g}" in told.text
 
@@ -98,7 +98,7 @@ def test_the_usable_share_of_an_expectation_is_that_of_the_verdict(crowned):
     inputs, _, chosen = crowned
     space, tolerances = with_tissues(inputs.space, ()), Tolerances(110.0)
     taken, told = by_expectation((chosen,), space, inputs.castings, tolerances, space.targets.weights.low_aim)
-    cast = PadCastings(inputs.castings, taken.cast, taken.found.best, space, tolerances)
+    cast = PadCastings(inputs.castings, taken.cast, taken.result.best, space, tolerances)
     found = verdict_of_design(cast)
     assert found.usable_share == pytest.approx(told.taken.acceptable_fraction, abs=1e-12)
     assert told.taken.acceptable_fraction == usable(cast.every, space.targets).mean()
@@ -134,7 +134,7 @@ def test_of_kinds_whose_worth_is_alike_all_are_compared_and_no_other(crowned):
     numbers = numbers | {"resolution": dataclasses.replace(numbers["resolution"], value=1.0)}
     wide.__dict__["weights"] = dataclasses.replace(wide.weights, numbers=numbers)
     every = close_to(chosen, found, dataclasses.replace(space, targets=wide))
-    assert {one.shape.name for one in every} == {item.kind for item in chosen.beside if item.candidate is not None}
+    assert {one.shape.name for one in every} == {item.kind for item in chosen.comparisons if item.candidate is not None}
 
 
 @pytest.mark.slow

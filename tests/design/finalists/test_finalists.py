@@ -57,7 +57,7 @@ class Pad:
     merit = property(lambda self: self.by_table)
 
     @property
-    def found(self):
+    def result(self):
         return SimpleNamespace(best=SimpleNamespace(rank=int(self.acceptable), thickness_mm=10.0))
 
 
@@ -152,7 +152,7 @@ def test_just_beyond_is_within_what_solving_moves_forces(monkeypatch, aim, short
     monkeypatch.setattr(resolved_by_fem, "readings_of", lambda *_: readings)
     found = SimpleNamespace(best=SimpleNamespace(rank=0, index=0, evaluation=None))
     space = SimpleNamespace(targets=SimpleNamespace(aim=aim, limits=verdict_limits()))
-    assert resolved_by_fem._nearly(SimpleNamespace(found=found), space) == nearly
+    assert resolved_by_fem._nearly(SimpleNamespace(result=found), space) == nearly
 
 
 def test_pads_that_are_nearly_the_same_are_judged_by_the_elements_of_the_first(solved):

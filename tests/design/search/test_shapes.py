@@ -120,7 +120,7 @@ def test_the_best_of_each_thickness_is_the_same_as_among_all_that_can_be_cast(se
 def test_a_cap_comes_nearer_to_the_tissue_than_the_slab_by_the_same_rule(setting, shaped):
     targets = setting.targets
     flat = search(LayerLaw(), setting, setting.targets.weights.low_aim).best
-    best = shaped.found.best
+    best = shaped.result.best
     assert best.merit() > flat.merit()
     assert low_force(best, targets).misfit_rms_ln_force < 0.5 * low_force(flat, targets).misfit_rms_ln_force
     assert low_force(best, targets).exponent_at_N["0.5"] > low_force(flat, targets).exponent_at_N["0.5"] + 0.5
@@ -128,7 +128,7 @@ def test_a_cap_comes_nearer_to_the_tissue_than_the_slab_by_the_same_rule(setting
 
 def test_the_shape_found_can_be_cast_and_is_given_in_tenths_of_a_millimetre(shaped):
     shape = shaped.shape
-    shape.check(shaped.found.best.thickness_mm)
+    shape.check(shaped.result.best.thickness_mm)
     assert shape.radius_mm == round(shape.radius_mm, 1) and shape.height_mm == round(shape.height_mm, 1)
 
 
@@ -146,7 +146,7 @@ def test_cast_law_keeps_the_top_and_proportional_law_stretches_it():
 def test_a_given_shape_is_kept_and_only_thicknesses_that_hold_it_are_searched(setting):
     found = search_fixed(CapFamily(), Crowned(8.0, 4.0), setting)
     assert found.shape == Crowned(8.0, 4.0)
-    assert found.found.score_map.thickness_mm.min() >= 5.5
+    assert found.result.score_map.thickness_mm.min() >= 5.5
     with raises_code("out_of_range", "crown_height_mm"):
         search_fixed(CapFamily(), Crowned(30.0, 12.0), setting)
 
@@ -161,10 +161,10 @@ def test_auto_takes_the_best_merit_of_all_kinds_and_lists_the_slab_beside(settin
     monkeypatch.setattr(best_of_kinds_module, "designable_kinds", lambda: ("crowned",))
     monkeypatch.setattr(best_of_kinds_module, "load_family", lambda kind: CapFamily())
     chosen = choose(best_of_kinds("auto", LayerLaw(), setting), setting)
-    merit = {item.kind: item.candidate.merit() for item in chosen.beside}
+    merit = {item.kind: item.candidate.merit() for item in chosen.comparisons}
     assert set(merit) == {"slab", "crowned"}
     assert chosen.shape.name == max(merit, key=merit.get)
-    assert chosen.found.best.merit() == max(merit.values())
+    assert chosen.result.best.merit() == max(merit.values())
 
 
 @pytest.mark.parametrize(("text", "code"), [("crownd", "unknown_name"), ("crowned:3", "missing")])

@@ -15,7 +15,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from dummydesign.mold.files import part_drawings as projection
-from dummydesign.mold.files.drawing_layout import SCALES, Measure, View, arrange, place
+from dummydesign.mold.files.drawing_layout import SCALES, Measure, View, arrange, lay_out_view
 from dummydesign.mold.files.drawing_sheet import PAPERS, TEXT_MM, Drawing, Line, Title, hatch, to_dxf, to_pdf, to_svg
 from dummydesign.mold.files.part_drawings import DocumentInfo, part_views, sheets
 from tests.support.mould_checks import shape_spec
@@ -170,7 +170,7 @@ def test_no_number_stands_on_a_number_or_a_dimension_line_however_narrow_the_vie
     across += [Measure((-half * w, 0.0), (half * w, 0.0), "below") for w in widths]
     up = [Measure((half, 0.0), (half, high * z), "right") for z in levels]
     up.append(Measure((-half, 0.0), (-half, high), "left"))
-    placed = place(View("section", ((outline, "cut"),), (*across, *up)), scale)
+    placed = lay_out_view(View("section", ((outline, "cut"),), (*across, *up)), scale)
     found = placed.dimensions
     for one, other in ((a, b) for a in found for b in found if a is not b):
         x0, y0, x1, y1 = one.text.box
@@ -182,9 +182,9 @@ def test_no_number_stands_on_a_number_or_a_dimension_line_however_narrow_the_vie
 def test_a_number_beside_its_arrows_stands_clear_of_the_lines_up_to_dimensions_further_out():
     outline = ((-50.0, 0.0), (50.0, 0.0), (50.0, 20.0), (-50.0, 20.0), (-50.0, 0.0))
     measures = [Measure((0.0, 20.0), (5.0, 20.0), "above"), Measure((-40.0, 20.0), (10.2, 20.0), "above")]
-    short, _ = place(View("section", ((outline, "cut"),), tuple(measures)), 1.0).dimensions
+    short, _ = lay_out_view(View("section", ((outline, "cut"),), tuple(measures)), 1.0).dimensions
     assert short.text.box[2] < 0.0
-    alone = place(View("section", ((outline, "cut"),), tuple(measures[:1])), 1.0).dimensions[0]
+    alone = lay_out_view(View("section", ((outline, "cut"),), tuple(measures[:1])), 1.0).dimensions[0]
     assert alone.text.box[0] > 5.0
 
 

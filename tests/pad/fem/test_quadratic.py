@@ -28,7 +28,7 @@ def test_nodes_slopes_and_areas_are_those_of_scikit_fem():
     assert bent(places) == pytest.approx(basis.doflocs, abs=1e-14)
     assert pytest.approx(basis.X, abs=1e-15) == quadratic.POINTS
     assert found.area == pytest.approx(basis.dx, rel=1e-13)
-    assert found.place == pytest.approx(np.asarray(basis.global_coordinates()), abs=1e-13)
+    assert found.position == pytest.approx(np.asarray(basis.global_coordinates()), abs=1e-13)
     for i in range(9):
         assert found.slope[..., i] == pytest.approx(basis.basis[i][0].grad.transpose(1, 2, 0), abs=1e-12)
         assert found.value[:, i] == pytest.approx(np.asarray(basis.basis[i][0])[0], abs=1e-14)

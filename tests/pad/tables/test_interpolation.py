@@ -5,13 +5,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from dummydesign.core.interpolation import between, place_on
+from dummydesign.core.interpolation import between, locate_on_grid
 
 GRID = np.array([1.0, 2.0, 4.0, 8.0])
 
 
 def test_grid_points_are_met_and_ends_are_held():
-    low, part = place_on(GRID, np.array([-3.0, 1.0, 2.0, 3.0, 8.0, 9.0]))
+    low, part = locate_on_grid(GRID, np.array([-3.0, 1.0, 2.0, 3.0, 8.0, 9.0]))
     assert low + part == pytest.approx([0.0, 0.0, 1.0, 1.5, 3.0, 3.0], abs=1e-15)
     assert low.max() == 2 and part.max() == 1.0
 

@@ -45,7 +45,7 @@ def test_the_edge_of_a_solved_crown_is_where_its_force_begins_to_rise():
     press = design._press(np.array([-0.1, 0.25, -0.7, 0.4]))
     watch, depth = EdgeWatch(press), np.round(np.arange(0.02, 0.301, 0.01), 4)
     force = solve_path(press, depth, 8, 0.05, visit=watch).force
-    found = watch.found(float(np.exp(-0.7)), 0.05 * press.scale / press.radius)
+    found = watch.reached(float(np.exp(-0.7)), 0.05 * press.scale / press.radius)
     assert found is not None and found[1] == MET
     steep = np.diff(np.log(force)) / np.diff(np.log(depth))
     first = depth[1:][steep > 1.5 * steep[10]][0]

@@ -37,7 +37,7 @@ class RelaxationMode(Effect):
         return (PronyTerm(values["tau_s"], values["beta"]),)
 
 
-def _beside_slow(logs: NDArray) -> list[NDArray]:
+def _starts_slow(logs: NDArray) -> list[NDArray]:
     # without the mode the slow arm sits between its own time and the mode's, or is used up by the mode
     near, used_up = logs.copy(), logs.copy()
     near[3] -= 0.3
@@ -45,7 +45,7 @@ def _beside_slow(logs: NDArray) -> list[NDArray]:
     return [near, used_up]
 
 
-def _beside_fast(logs: NDArray) -> list[NDArray]:
+def _starts_fast(logs: NDArray) -> list[NDArray]:
     near, used_up = logs.copy(), logs.copy()
     near[1] += 0.4
     used_up[1:] = [min(logs[3], np.log(LONGEST_FAST_S)), logs[4], np.log(USUAL_SLOW_S), np.log(USUAL_BETA)]
@@ -57,13 +57,13 @@ MEMBERS = (
         "slow_relaxation_mode",
         "slow drift of force through the whole hold, proportional to force",
         Parameter("tau_s", "s", 10.0, 4.0, 200.0, 10.0, log=True, starts=(30.0,)),
-        _beside_slow,
+        _starts_slow,
     ),
     RelaxationMode(
         "fast_relaxation_mode",
         "extra force in the fast ramp that is gone some hundredths of a second after the stop",
         Parameter("tau_s", "s", 0.01, 0.002, 0.03, 0.01, log=True, starts=(0.02,)),
-        _beside_fast,
+        _starts_fast,
     ),
 )
 """Both are this class; the registry takes them in place of an instance of it."""

@@ -46,6 +46,6 @@ REFERENCE_DEPTH_SHARE, LEAST = 0.15, 0.1
 
 def strength(depth_share: NDArray, slope: float, growth: float) -> NDArray:
     """Strength of an arm over that at d/h = 0.15; above zero at every depth."""
-    apart = depth_share - REFERENCE_DEPTH_SHARE
-    plain = 1.0 + slope * (apart if abs(growth) < 1e-9 else np.expm1(growth * apart) / growth)
+    excess = depth_share - REFERENCE_DEPTH_SHARE
+    plain = 1.0 + slope * (excess if abs(growth) < 1e-9 else np.expm1(growth * excess) / growth)
     return np.where(plain > LEAST, plain, LEAST**2 / (2.0 * LEAST - np.minimum(plain, LEAST)))

@@ -41,9 +41,9 @@ class FlatSolids:
 
 def solids_of(shape: PadShape) -> ShapeSolids:
     """The solids of a shape."""
-    found = part_of(shape.name, ROLE, __name__)
-    if found is not None:
-        return found
+    solids = part_of(shape.name, ROLE, __name__)
+    if solids is not None:
+        return solids
     if shape.relief_mm or shape.bone_height_mm:
         message = f"shape {shape.name} has no solids: the mould cannot be built; predict can press it"
         raise InputError(message, "unsupported", "shape", shape.name)

@@ -13,11 +13,11 @@ from dummydesign.tissue.model.maxwell_law import MaxwellLaw
 
 
 def _find() -> dict[str, MaxwellLaw]:
-    found: dict[str, MaxwellLaw] = {}
+    laws: dict[str, MaxwellLaw] = {}
     for entry in pkgutil.iter_modules(__path__):
         module = importlib.import_module(f"{__name__}.{entry.name}")
-        found |= {value.name: value for value in vars(module).values() if isinstance(value, MaxwellLaw)}
-    return found
+        laws |= {value.name: value for value in vars(module).values() if isinstance(value, MaxwellLaw)}
+    return laws
 
 
 LAWS: dict[str, MaxwellLaw] = _find()

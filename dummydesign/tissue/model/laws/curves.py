@@ -12,8 +12,8 @@ from dummydesign.core.errors import InputError
 from dummydesign.measurement.motion import Motion, ramp_and_hold
 from dummydesign.tissue.model.maxwell_law import Drive, MaxwellLaw
 from dummydesign.tissue.model.measured_curves import (
-    FORCE_APART,
-    HOLD_APART,
+    FORCE_FACTOR,
+    HOLD_FACTOR,
     LAW,
     SHARES,
     Measured,
@@ -90,8 +90,8 @@ class Curves(MaxwellLaw):
         """Refuse a press that curves do not hold, in one line with the test that they do."""
         longest = min(one.hold_known_s() for one in people)
         hold = min(hold_s, longest)
-        span, too_long = common_span(people, velocity_mm_s, hold), hold_s > HOLD_APART * longest
-        if span and span[0] / FORCE_APART <= force_N <= span[1] * FORCE_APART and not too_long:
+        span, too_long = common_span(people, velocity_mm_s, hold), hold_s > HOLD_FACTOR * longest
+        if span and span[0] / FORCE_FACTOR <= force_N <= span[1] * FORCE_FACTOR and not too_long:
             return
         raise InputError(
             f"{force_N:g} N at {velocity_mm_s:g} mm/s, held {hold_s:g} s, was not pressed: the tissue is measured "
@@ -106,8 +106,8 @@ def known_words(people: Sequence[Measured], hold_s: float = np.inf) -> str:
     hold, spans = min(hold_s, longest), {}
     for speed in sorted(set.intersection(*(set(one.velocities_mm_s) for one in people))):
         span = common_span(people, speed, hold)
-        if span and span[0] / FORCE_APART <= span[1] * FORCE_APART:
-            spans[speed] = span[0] / FORCE_APART, span[1] * FORCE_APART
+        if span and span[0] / FORCE_FACTOR <= span[1] * FORCE_FACTOR:
+            spans[speed] = span[0] / FORCE_FACTOR, span[1] * FORCE_FACTOR
     if not spans:
         return "to no steady force in common at one speed"
     low, high = max(low for low, _ in spans.values()), min(high for _, high in spans.values())

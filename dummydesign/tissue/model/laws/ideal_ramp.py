@@ -76,9 +76,9 @@ def ramps_of(motion: Motion) -> tuple[NDArray, NDArray, NDArray]:
 
     time, x = np.broadcast_arrays(motion.time_s, motion.displacement_mm)
     flat_time, flat_x = time.reshape(-1, time.shape[-1]), x.reshape(-1, x.shape[-1])
-    found = [find_ramp(t, d) for t, d in zip(flat_time, flat_x)]
+    ramps = [find_ramp(t, d) for t, d in zip(flat_time, flat_x)]
     leading = time.shape[:-1]
-    columns = np.array([[ramp.contact_time_s, ramp.stop_time_s, ramp.depth_mm] for ramp in found])
+    columns = np.array([[ramp.contact_time_s, ramp.stop_time_s, ramp.depth_mm] for ramp in ramps])
     contact, stop, depth = (columns[:, index].reshape(leading) for index in range(3))
     return contact, stop, depth
 

@@ -217,33 +217,33 @@ def motion(velocity: float, depth: NDArray) -> tuple[NDArray, NDArray]:
     when = np.concatenate([rise, hold], axis=1)
     left = np.maximum(stop[:, None] - when, 0.0)
     ramp = velocity * when
-    place = np.where(left > brake[:, None], ramp, depth[:, None] - 0.5 * velocity / brake[:, None] * left**2)
-    return when, np.maximum(place, 0.0)
+    depth_at = np.where(left > brake[:, None], ramp, depth[:, None] - 0.5 * velocity / brake[:, None] * left**2)
+    return when, np.maximum(depth_at, 0.0)
 
 
 def press(pads: Cast, shape: str, middle: float, tau: NDArray, error, velocity: float, share: NDArray) -> tuple:
     """End force, peak and energy (n, m) of pads pressed to depths (m,) over their thickness."""
     count, many = len(pads.young_MPa), len(share)
     depth = (pads.thickness_mm[:, None] * share).ravel()
-    when, place = motion(velocity, depth)
+    when, depth_at = motion(velocity, depth)
     grid = np.r_[0.0, np.geomspace(1e-4, share[-1], 2500)]
     area = np.concatenate([np.zeros((count, 1)), force_over_young(shape, middle, pads.thickness_mm, grid[1:])], axis=1)
     # a smooth error over depth, of the stated size at every depth
     turn = 0.5 * np.pi * grid / share[-1]
     size = np.log1p(np.nan_to_num(error(grid * middle))) / 1.96
     area = area * np.exp(size * (pads.law[:, :1] * np.cos(turn) + pads.law[:, 1:] * np.sin(turn)))
-    elastic = np.empty_like(place)
+    elastic = np.empty_like(depth_at)
     for pad in range(count):
         own = slice(pad * many, (pad + 1) * many)
-        elastic[own] = np.interp(place[own] / pads.thickness_mm[pad], grid, area[pad] * pads.young_MPa[pad])
+        elastic[own] = np.interp(depth_at[own] / pads.thickness_mm[pad], grid, area[pad] * pads.young_MPa[pad])
     beta = np.repeat(pads.beta, many, axis=0)
-    arms, force = np.zeros((len(depth), len(tau))), np.zeros_like(place)
-    for at in range(1, place.shape[1]):
+    arms, force = np.zeros((len(depth), len(tau))), np.zeros_like(depth_at)
+    for at in range(1, depth_at.shape[1]):
         step = ((when[:, at] - when[:, at - 1])[:, None]) / tau
         rise = (elastic[:, at] - elastic[:, at - 1])[:, None]
         arms = arms * np.exp(-step) + beta * rise * np.exp(-0.5 * step)
         force[:, at] = elastic[:, at] + arms.sum(axis=1)
-    energy = (0.5 * (force[:, 1:] + force[:, :-1]) * np.diff(place, axis=1)).sum(axis=1)
+    energy = (0.5 * (force[:, 1:] + force[:, :-1]) * np.diff(depth_at, axis=1)).sum(axis=1)
     return tuple(one.reshape(count, many) for one in (force[:, -1], force.max(axis=1), energy))
 
 
@@ -281,16 +281,16 @@ def needs(pads: Cast, answer, shape: str, middle: float) -> tuple[NDArray, NDArr
 
 def classes_of(lowest: NDArray, highest: NDArray, reached: NDArray, limits) -> NDArray:
     """Class of each pad by the limits, as places in ``CLASSES``."""
-    found = np.full(len(lowest), 4)
+    classes = np.full(len(lowest), 4)
     for pad in np.nonzero(reached)[0]:
         low, high = lowest[pad], highest[pad]
         if low <= limits.stands_shortfall and high <= limits.stands_over:
-            found[pad] = 0
+            classes[pad] = 0
         elif low <= limits.shortfall_castings and high <= limits.over:
-            found[pad] = 1
+            classes[pad] = 1
         else:
-            found[pad] = 2 if low / limits.shortfall_castings >= high / limits.over else 3
-    return found
+            classes[pad] = 2 if low / limits.shortfall_castings >= high / limits.over else 3
+    return classes
 
 
 # --- designs ----------------------------------------------------------------------------------------------------------
@@ -309,11 +309,11 @@ def designs_of(tissue: str, shape: str, thickness: float, knowledge: str) -> lis
     ratios = space.ratio[max(here - AROUND, 0) : here + AROUND + 1]
     slabs = make_slabs(make_curves(answer.cast, np.array([best.thickness_mm]), space.radius_mm),
                        np.zeros(len(ratios), int), resin, ratios)  # fmt: skip
-    found = evaluate(slabs, space.targets, space.sampling, exact=True)
-    ranks = acceptability_rank(found, space.targets)
+    evaluation = evaluate(slabs, space.targets, space.sampling, exact=True)
+    ranks = acceptability_rank(evaluation, space.targets)
     levels: dict[str, list[tuple]] = {}
     for at, ratio in enumerate(ratios):
-        one = DesignCandidate(best.thickness_mm, float(ratio), at, found, None, 0.0, 0.0, int(ranks[at]))
+        one = DesignCandidate(best.thickness_mm, float(ratio), at, evaluation, None, 0.0, 0.0, int(ranks[at]))
         judged = verdict_of_design(replace(answer.castings, candidate=one))
         levels.setdefault(judged.level, []).append((answer, float(ratio), judged, False))
     kept = {best.ratio: (answer, best.ratio, answer.verdict, True)}
@@ -323,9 +323,9 @@ def designs_of(tissue: str, shape: str, thickness: float, knowledge: str) -> lis
     return list(kept.values())
 
 
-def run_one(design_: tuple, place: tuple, pads: int, seed: int) -> dict:
+def run_one(design_: tuple, case: tuple, pads: int, seed: int) -> dict:
     """Cast and press the pads of one design."""
-    number, (tissue, shape, thickness), knowledge = place
+    number, (tissue, shape, thickness), knowledge = case
     answer, ratio, judged, recommended = design_
     rng = np.random.default_rng([seed, number, round(100 * ratio)])
     making = answer.castings.tolerances.pour_g, answer.request.weighing_g, answer.request.thickness_tolerance_mm
@@ -366,10 +366,10 @@ def beyond(rows: list[dict], needed: str, stated: str) -> str:
 
 def shares_of(rows: list[dict], name: str) -> tuple[float, float, float, int]:
     """Stated and counted share of a class over designs, standard error of the difference, and the pads."""
-    place = CLASSES.index(name)
+    number = CLASSES.index(name)
     pads = sum(row["pads"] for row in rows)
     stated = sum(row["stated"][name] * row["pads"] for row in rows) / pads
-    counted = sum(row["classes"].count(place) for row in rows) / pads
+    counted = sum(row["classes"].count(number) for row in rows) / pads
     # pads are independent; the stated shares of one shape and resin come from the same 1200 castings
     own = sum(row["stated"][name] * (1 - row["stated"][name]) * row["pads"] for row in rows) / pads**2
     groups: dict[int, float] = {}
@@ -501,20 +501,20 @@ def main() -> None:
     known = {row["number"] for row in rows}
     if not options.table_only:
         solve_curves()
-        places = [(place, knowledge) for place in GEOMETRIES for knowledge in KNOWLEDGE]
-        for number, (place, knowledge) in enumerate(places):
+        places = [(geometry, knowledge) for geometry in GEOMETRIES for knowledge in KNOWLEDGE]
+        for number, (geometry, knowledge) in enumerate(places):
             if number in known:
                 continue
             started = time.process_time()
             # the designs of one shape are kept together, so that a study that was stopped goes on at a whole shape
-            found = [run_one(one, (number, place, knowledge), options.pads, options.seed)
-                     for one in designs_of(*place, knowledge)]  # fmt: skip
-            for row in found:
+            judged = [run_one(one, (number, geometry, knowledge), options.pads, options.seed)
+                      for one in designs_of(*geometry, knowledge)]  # fmt: skip
+            for row in judged:
                 keep_row(options.rows, row)
-            rows += found
-            levels = ", ".join(f"{row['ratio']:g} {row['level']}" for row in found)
+            rows += judged
+            levels = ", ".join(f"{row['ratio']:g} {row['level']}" for row in judged)
             seconds = f"{time.process_time() - started:.1f} s"
-            print(number, *place, knowledge, levels, seconds, file=sys.stderr, flush=True)
+            print(number, *geometry, knowledge, levels, seconds, file=sys.stderr, flush=True)
     options.out.write_text(wrapped(table(rows)))
     for name, lines in data(rows).items():
         with (ROOT / "docs" / "data" / f"{name}.csv").open("w", newline="") as stream:

@@ -236,7 +236,7 @@ def _unnamed(rows: list[Row]) -> list[tuple]:
     for name in sorted({row["effects"][0] for row in rows}):
         own = [row for row in rows if row["effects"] == [name]]
         seen = sum(row["verdict"] == "unexplained" for row in own)
-        named = ", ".join(sorted({found for row in own for found in row["found"]}))
+        named = ", ".join(sorted({effect for row in own for effect in row["found"]}))
         why = "; ".join(sorted({_short(reason) for row in own for reason in row["reasons"]}))
         out.append((name, len(own), seen, sum(map(learned, own)), named, why))
     return out

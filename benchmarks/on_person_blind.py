@@ -115,8 +115,8 @@ def case(number: int, seed: int) -> tuple[str, dict[str, tuple[float, float, flo
     trace = Trace(trace.name, trace.time_s, trace.displacement_mm + CONTACT_MM * rng.standard_normal(), trace.force_N)
     truth = truth_of(drive, person, values, run, (path, speed, end, begin, hold, rounding), velocity, mass, stiffness,
                      ratio)  # fmt: skip
-    found = on_person([trace], tissue, read_drive(text), lowpass=passed)
-    interval = found.presses[0].interval
+    answer = on_person([trace], tissue, read_drive(text), lowpass=passed)
+    interval = answer.presses[0].interval
     rows = {}
     for name in FOUR:
         low, high = interval[name]
@@ -187,8 +187,8 @@ def main() -> None:
                 numbers = (f"{value:.6g}" for value in (truth, low, high))
                 table.append([number, drive, name, *numbers, int(low <= truth <= high), words])
             if number % 10 == 9:
-                told = [one for (d, n), values in inside.items() if (d, n) not in TRIVIAL for one in values]
-                rate = f"{100 * np.mean(told):.1f} % inside"
+                shares = [one for (d, n), values in inside.items() if (d, n) not in TRIVIAL for one in values]
+                rate = f"{100 * np.mean(shares):.1f} % inside"
                 print(f"{number + 1} cases, {time.time() - begun:.0f} s: {rate}", flush=True)
     except KeyboardInterrupt:
         print("stopped: the rates are of the cases so far")
@@ -202,8 +202,8 @@ def main() -> None:
         note = "   (prescribed by the drive)" if (drive, name) in TRIVIAL else ""
         print(f"{drive:<10} {name:<10} {100 * np.mean(values):>6.1f}% {len(values):>4}{note}")
     for title, wanted in (("not prescribed", False), ("prescribed by the drive", True)):
-        told = [one for key, values in inside.items() if (key in TRIVIAL) is wanted for one in values]
-        print(f"{title}: {100 * np.mean(told):.1f} % of {len(told)}")
+        shares = [one for key, values in inside.items() if (key in TRIVIAL) is wanted for one in values]
+        print(f"{title}: {100 * np.mean(shares):.1f} % of {len(shares)}")
     peaks = [one for (d, n), values in inside.items() if n == "peak_N" and d != "force" for one in values]
     print(f"peak force, one a case: {100 * np.mean(peaks):.1f} % of {len(peaks)}")
 

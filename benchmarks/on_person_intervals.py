@@ -93,14 +93,14 @@ def main() -> None:
     options = parser.parse_args()
     sides: dict[tuple[str, str], list[int]] = defaultdict(list)
     for number in range(options.groups):
-        for key, found in group(number, options.seed, options.drives.split(",")).items():
-            sides[key] += found
+        for key, own in group(number, options.seed, options.drives.split(",")).items():
+            sides[key] += own
     print(f"{'drive':<10} {'quantity':<10} {'cases':>6} {'inside':>8} {'below':>7} {'above':>7} {'error':>7}")
-    for (drive, quantity), found in sides.items():
-        rates = [100.0 * float(np.mean(np.array(found) == side)) for side in (0, -1, 1)]
-        error = 100.0 * np.sqrt(0.95 * 0.05 / len(found))
+    for (drive, quantity), own in sides.items():
+        rates = [100.0 * float(np.mean(np.array(own) == side)) for side in (0, -1, 1)]
+        error = 100.0 * np.sqrt(0.95 * 0.05 / len(own))
         shown = "".join(f" {rate:>6.1f}%" for rate in (*rates, error))
-        print(f"{drive:<10} {quantity:<10} {len(found):>6} {shown}")
+        print(f"{drive:<10} {quantity:<10} {len(own):>6} {shown}")
 
 
 if __name__ == "__main__":

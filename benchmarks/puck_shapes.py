@@ -39,9 +39,9 @@ def drawn(count, seed):
     for _ in range(count):
         shape, alpha = np.exp(rng.uniform(*np.log([low, high]))), rng.uniform(1.0, 6.0)
         friction = np.exp(rng.uniform(*np.log([0.05, 0.7])))
-        found = 100.0 * np.abs(error(shape, alpha, f"friction:{friction:.3g}"))
-        end = COMPRESSION[len(found) - 1]
-        print(f"{shape:.2f},{alpha:.2f},{friction:.3g},{end:g},{found[:3].max():.2f},{found.max():.2f}", flush=True)
+        percent = 100.0 * np.abs(error(shape, alpha, f"friction:{friction:.3g}"))
+        end = COMPRESSION[len(percent) - 1]
+        print(f"{shape:.2f},{alpha:.2f},{friction:.3g},{end:g},{percent[:3].max():.2f},{percent.max():.2f}", flush=True)
 
 
 def main():
@@ -59,9 +59,9 @@ def main():
     for shape in [*shapes, 29.0 / 12.5]:
         words, end = [], 0.0
         for plates in ("friction:0.08", "friction:0.25", "bonded"):
-            found = [error(shape, alpha, plates) for alpha in (1.5, 3.5)]
-            words.append(f"{100 * max(np.max(np.abs(one)) for one in found):.2f} %")
-            end = COMPRESSION[min(len(one) for one in found) - 1]
+            errors = [error(shape, alpha, plates) for alpha in (1.5, 3.5)]
+            words.append(f"{100 * max(np.max(np.abs(one)) for one in errors):.2f} %")
+            end = COMPRESSION[min(len(one) for one in errors) - 1]
         print(f"| {shape:.3f} | " + " | ".join(words) + f" | {end:g} |", flush=True)
 
 

@@ -14,7 +14,7 @@ from dummydesign.core.files import write_text
 class MarkedPage:
     """A page below a repository's folder and the marks that hold what is made."""
 
-    place: Path
+    path: Path
     begin: str
     end: str
 
@@ -26,7 +26,7 @@ class MarkedPage:
         InputError
             When the page or its marks are missing; asked before the work starts.
         """
-        path = repository / self.place
+        path = repository / self.path
         text = path.read_text(encoding="utf-8") if path.is_file() else ""
         if self.begin not in text or self.end not in text:
             message = f"{path} with the marks '{self.begin}' and '{self.end}' is missing; run in the repository"
@@ -43,7 +43,7 @@ class MarkedPage:
         """
         text = self.read(repository)
         head, tail = text.split(self.begin)[0], text.split(self.end)[1]
-        write_text(repository / self.place, f"{head}{self.begin}\n\n{made}\n{self.end}{tail}")
+        write_text(repository / self.path, f"{head}{self.begin}\n\n{made}\n{self.end}{tail}")
 
 
 WIDTH = 120

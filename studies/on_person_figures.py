@@ -36,16 +36,16 @@ def main() -> None:
     tissue = load_tissue("palm")
     for text in DRIVES:
         one = on_person([trace], tissue, read_drive(text)).presses[0]
-        end = min(float(np.max(one.found.time_s)), 0.6)
+        end = min(float(np.max(one.response.time_s)), 0.6)
         time = end * np.linspace(0.0, 1.0, 600) ** 2
         curves = on_grid(one, time)
         figure, axes = plt.subplots(1, 2, figsize=(7.0, 2.6), layout="constrained")
         pads = (one.press.x_mm, one.press.force_N)
-        for place, rows, pad, label in zip(axes, curves, pads, ("depth [mm]", "force [N]")):
-            place.fill_between(time, rows.min(axis=0), rows.max(axis=0), color="0.85", label="subjects")
-            place.plot(time, rows.T, color="0.55", lw=0.6)
-            place.plot(time, np.interp(time, one.press.time_s, pad), color="#1f4e79", lw=1.6, label="pad")
-            place.set(xlabel="time since contact [s]", ylabel=label)
+        for panel, rows, pad, label in zip(axes, curves, pads, ("depth [mm]", "force [N]")):
+            panel.fill_between(time, rows.min(axis=0), rows.max(axis=0), color="0.85", label="subjects")
+            panel.plot(time, rows.T, color="0.55", lw=0.6)
+            panel.plot(time, np.interp(time, one.press.time_s, pad), color="#1f4e79", lw=1.6, label="pad")
+            panel.set(xlabel="time since contact [s]", ylabel=label)
         axes[1].legend(frameon=False)
         figure.suptitle(f"--drive {text}", fontsize=10)
         name = FOLDER / f"on-person-{text.partition(':')[0]}.svg"

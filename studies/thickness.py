@@ -141,18 +141,18 @@ def depth_at_force(law: SolvedLaw, thickness_mm: float, force_N: float) -> float
 
 def study(slabs: list[SolvedSlab]) -> dict[str, dict[float, list[Curvature]]]:
     """Curvature at equal force, equal depth and equal strain: {terms: {value: one a support and thickness}}."""
-    found: dict[str, dict[float, list[Curvature]]] = {"force_N": {}, "depth_mm": {}, "strain": {}}
+    curvatures: dict[str, dict[float, list[Curvature]]] = {"force_N": {}, "depth_mm": {}, "strain": {}}
     for name, law in laws(slabs).items():
         for thickness in sorted(law.limits_mm):
             for force in FORCES_N:
                 depth = depth_at_force(law, thickness, force)
-                found["force_N"].setdefault(force, []).append(curvature_at(law, name, thickness, depth))
+                curvatures["force_N"].setdefault(force, []).append(curvature_at(law, name, thickness, depth))
             for depth in DEPTHS_MM:
-                found["depth_mm"].setdefault(depth, []).append(curvature_at(law, name, thickness, depth))
+                curvatures["depth_mm"].setdefault(depth, []).append(curvature_at(law, name, thickness, depth))
             for strain in STRAINS:
                 at = curvature_at(law, name, thickness, strain * thickness)
-                found["strain"].setdefault(strain, []).append(at)
-    return found
+                curvatures["strain"].setdefault(strain, []).append(at)
+    return curvatures
 
 
 def laws(slabs: list[SolvedSlab]) -> dict[str, SolvedLaw]:
@@ -164,12 +164,12 @@ def laws(slabs: list[SolvedSlab]) -> dict[str, SolvedLaw]:
     return {name: law_of(group) for name, group in groups.items()}
 
 
-def table_text(found: dict[str, dict[float, list[Curvature]]]) -> str:
+def table_text(curvatures: dict[str, dict[float, list[Curvature]]]) -> str:
     """Write exponent and growth of every slab at equal force, depth and strain as CSV; empty beyond what was solved."""
     stream = io.StringIO()
     table = csv.writer(stream, lineterminator="\n")
     table.writerow(["equal", "value", "base", "thickness_mm", "depth_over_thickness", "exponent", "growth"])
-    for terms, values in found.items():
+    for terms, values in curvatures.items():
         for value, rows in values.items():
             for row in rows:
                 known = (row.strain, row.exponent, row.growth) if row.exponent is not None else (None, None, None)
@@ -178,7 +178,7 @@ def table_text(found: dict[str, dict[float, list[Curvature]]]) -> str:
     return stream.getvalue()
 
 
-def page_text(found: dict[str, dict[float, list[Curvature]]]) -> str:
+def page_text(curvatures: dict[str, dict[float, list[Curvature]]]) -> str:
     """Markdown table of exponents on both bases of the neo-Hookean solid, thickness across."""
     units = {"force_N": "N", "depth_mm": "mm", "strain": "of the thickness"}
     lines = ["| base | at | " + " | ".join(f"{thickness:g} mm" for thickness in THICKNESS_MM) + " |"]
@@ -186,7 +186,7 @@ def page_text(found: dict[str, dict[float, list[Curvature]]]) -> str:
     for base in ("bonded", "sliding"):
         for terms, values in ON_PAGE.items():
             for value in values:
-                rows = [row for row in found[terms][value] if row.base == base]
+                rows = [row for row in curvatures[terms][value] if row.base == base]
                 cells = ["-" if row.exponent is None else f"{row.exponent:.2f}" for row in rows]
                 lines.append(f"| {base} | {value:g} {units[terms]} | " + " | ".join(cells) + " |")
     return "\n".join(lines) + "\n"
@@ -200,11 +200,11 @@ def write_page(folder: Path, slabs: list[SolvedSlab]) -> None:
     InputError
         When the page or its marks are missing.
     """
-    found = study(slabs)
+    curvatures = study(slabs)
     statement = wrapped(STATEMENT).strip()
-    MARKED.write(folder, f"{statement}\n\n{page_text(found)}")
+    MARKED.write(folder, f"{statement}\n\n{page_text(curvatures)}")
     (folder / TABLE).parent.mkdir(parents=True, exist_ok=True)
-    write_text(folder / TABLE, table_text(found))
+    write_text(folder / TABLE, table_text(curvatures))
 
 
 def main(arguments: list[str] | None = None) -> None:

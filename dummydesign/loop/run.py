@@ -28,7 +28,7 @@ from dummydesign.loop.result import LoopResult
 from dummydesign.loop.selection.base_kept import LeftOut, left_out_errors, predicts_worse
 from dummydesign.loop.selection.cross_validation import AssessedModel, assess
 from dummydesign.loop.selection.learn_effect import Learnt, can_be_learned, learn, learned_alone, learned_first
-from dummydesign.loop.selection.residuals import Seen, look
+from dummydesign.loop.selection.residuals import Seen, examine
 from dummydesign.loop.selection.search import Selection, doubt_of, doubt_of_curve, rank, search
 from dummydesign.loop.selection.verdict import AcceptedEffect, Remainder, at_bound, needed, remainder
 from dummydesign.measurement.campaign import Campaign
@@ -111,10 +111,10 @@ def close_loop(
     campaign, presses, beyond = within_reach(campaign, make_presses(campaign), law)
     base = assess(fit_base(presses, law, young_MPa or 1e-3 * start_young_kPa(campaign), progress))
     available, untested = _available(presses, law)
-    seen = look(base.fit)
+    seen = examine(base.fit)
     answer = _against_base(base, seen, _explain(base, seen, available, progress), progress)
-    found, after, effects, learnt = answer.found, answer.after, answer.effects, answer.learnt
-    doubt = doubt_of(after.fit, found.rivals) if learnt is None else doubt_of_curve(learnt.effect.shape.flat)
+    selection, after, effects, learnt = answer.selection, answer.after, answer.effects, answer.learnt
+    doubt = doubt_of(after.fit, selection.rivals) if learnt is None else doubt_of_curve(learnt.effect.shape.flat)
     after = replace(after, fit=replace(after.fit, doubt=doubt))
     joined = None
     if prior is not None:
@@ -122,12 +122,12 @@ def close_loop(
         fit, joined = join(with_prior_effects(after.fit, prior, presses, law), prior, after.lack.ratio)
         after = assess(fit) if joined.used else after
     progress("next measurement")
-    following = _next(campaign, base, effects, found.ranking)
+    following = _next(campaign, base, effects, selection.ranking)
     return LoopResult(
-        campaign, presses, base, after, answer.verdict, effects, tuple(found.screened), tuple(found.ranking),
+        campaign, presses, base, after, answer.verdict, effects, tuple(selection.screened), tuple(selection.ranking),
         answer.left, tuple(seen.where), tuple(answer.seen.where), tuple(answer.seen.checks), following, untested,
-        (*answer.said, *_beside_curve(learnt), *_warnings(campaign, presses, beyond, joined),
-         *_better_alone(found, after)),
+        (*answer.kept_warnings, *_curve_warnings(learnt), *_warnings(campaign, presses, beyond, joined),
+         *_better_alone(selection, after)),
         learnt, joined,
     )  # fmt: skip
 
@@ -136,24 +136,24 @@ def close_loop(
 class _Answer:
     """A model that explains a campaign, with what it leaves."""
 
-    found: Selection
+    selection: Selection
     after: AssessedModel
     effects: tuple[AcceptedEffect, ...]
     learnt: Learnt | None
     verdict: str
     left: Remainder
     seen: Seen
-    said: tuple[dict[str, str], ...] = ()
+    kept_warnings: tuple[dict[str, str], ...] = ()
 
 
 def _explain(base: AssessedModel, seen: Seen, available: tuple[Effect, ...], progress: Progress) -> _Answer:
     """Named effects and a learned function, whichever explain the campaign best; ``seen`` is what the base leaves."""
     ranked = rank(base, available, progress)
     alone = learned_alone(base, seen, ranked[1], progress)
-    found = search(base, available, progress, ranked) if alone is None else Selection(alone.after, (), *ranked)
-    after, effects, learnt = found.after, found.effects, None if alone is None else alone.learnt
+    selection = search(base, available, progress, ranked) if alone is None else Selection(alone.after, (), *ranked)
+    after, effects, learnt = selection.after, selection.effects, None if alone is None else alone.learnt
     progress("remainder")
-    seen_after = seen if after is base else look(after.fit)
+    seen_after = seen if after is base else examine(after.fit)
     left = remainder(base, after, seen_after)
     verdict = "unexplained" if left.reasons or alone else "effect" if effects else "none"
     if left.reasons:
@@ -165,10 +165,10 @@ def _explain(base: AssessedModel, seen: Seen, available: tuple[Effect, ...], pro
             learnt = learn(after.fit, among)
             after = after if learnt is None else assess(learnt.fit)
     if learnt is not None:
-        seen_after = look(after.fit)
+        seen_after = examine(after.fit)
         still = remainder(base, after, seen_after)
         left = replace(still, reasons=(learnt.text, *still.reasons))
-    return _Answer(found, after, effects, learnt, verdict, left, seen_after)
+    return _Answer(selection, after, effects, learnt, verdict, left, seen_after)
 
 
 def _against_base(base: AssessedModel, seen: Seen, answer: _Answer, progress: Progress) -> _Answer:
@@ -180,11 +180,11 @@ def _against_base(base: AssessedModel, seen: Seen, answer: _Answer, progress: Pr
     if not predicts_worse(compared):
         return answer
     dropped = (base.fit.score - answer.after.fit.score, answer.after.fit)
-    rivals = (dropped, *((one.gain, one.fit) for one in answer.found.ranking))
+    rivals = (dropped, *((one.gain, one.fit) for one in answer.selection.ranking))
     left = remainder(base, base, seen)
-    said = _base_kept(answer.effects, answer.learnt, compared)
+    kept_warnings = _base_kept(answer.effects, answer.learnt, compared)
     verdict = "unexplained" if left.reasons else "none"
-    return _Answer(replace(answer.found, rivals=rivals), base, (), None, verdict, left, seen, said)
+    return _Answer(replace(answer.selection, rivals=rivals), base, (), None, verdict, left, seen, kept_warnings)
 
 
 def _available(presses: Presses, law: SetupLaw) -> tuple[tuple[Effect, ...], dict[str, str]]:
@@ -213,15 +213,15 @@ BETTER = 10.0
 """Minus twice the log likelihood by which an effect that was not taken must explain more than the model to be named."""
 
 
-def _better_alone(found: Selection, after: AssessedModel) -> tuple[dict[str, str], ...]:
+def _better_alone(selection: Selection, after: AssessedModel) -> tuple[dict[str, str], ...]:
     """Single effects beyond noise that explain more than the model that is returned, and why they were not taken."""
     out = []
     used = {effect.name for effect in after.fit.problem.effects}
-    for one in found.ranking:
+    for one in selection.ranking:
         name = one.effect.name
         if name in used or one.fit.score >= after.fit.score - BETTER:
             continue
-        if one.gain < needed(found.screened, one.fit, name, {}, len(found.ranking)).least:
+        if one.gain < needed(selection.screened, one.fit, name, {}, len(selection.ranking)).least:
             continue  # noise alone may explain as much
         why = "its size is at its bound" if at_bound(one.fit) else "it does not predict left-out presses better"
         plain = name.replace("_", " ")
@@ -241,7 +241,7 @@ def _base_kept(
     return ({"code": "base_kept", "message": message},)
 
 
-def _beside_curve(learnt: Learnt | None) -> tuple[dict[str, str], ...]:
+def _curve_warnings(learnt: Learnt | None) -> tuple[dict[str, str], ...]:
     """What a learned curve makes of the modulus."""
     if learnt is None:
         return ()

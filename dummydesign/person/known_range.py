@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from dummydesign.measurement.motion import DECELERATION_MM_S2, HOLD_S
 from dummydesign.tissue.comparison import PAPER_N
-from dummydesign.tissue.model.measured_curves import FORCE_APART, SPEED_APART, common_span
+from dummydesign.tissue.model.measured_curves import FORCE_FACTOR, SPEED_FACTOR, common_span
 from dummydesign.tissue.model.tissue import PRESSED
 
 if TYPE_CHECKING:
@@ -36,7 +36,7 @@ class Beyond:
     text: str
 
 
-def beyond_range(tissue: Tissue, found: Response, velocity_mm_s: float) -> list[Beyond]:
+def beyond_range(tissue: Tissue, response: Response, velocity_mm_s: float) -> list[Beyond]:
     """Return how a press leaves the range of steady forces, depths, peaks and speeds in which people were pressed.
 
     Subjects that were fitted, and measured curves, have the range of their own presses; a steady force is inside if
@@ -47,7 +47,7 @@ def beyond_range(tissue: Tissue, found: Response, velocity_mm_s: float) -> list[
     Parameters
     ----------
     tissue : Tissue
-    found : Response
+    response : Response
         Of the subjects.
     velocity_mm_s : float
         Of the press.
@@ -56,22 +56,22 @@ def beyond_range(tissue: Tissue, found: Response, velocity_mm_s: float) -> list[
     speeds, rows = tissue.velocities_mm_s, list[Beyond]()
     if speeds:
         slow, fast = min(speeds), max(speeds)
-        if velocity_mm_s < slow / SPEED_APART:
+        if velocity_mm_s < slow / SPEED_FACTOR:
             rows.append(_beyond("velocity_mm_s", velocity_mm_s, slow, "the slowest press on people"))
-        elif velocity_mm_s > fast * SPEED_APART:
+        elif velocity_mm_s > fast * SPEED_FACTOR:
             rows.append(_beyond("velocity_mm_s", velocity_mm_s, fast, "the fastest press on people"))
-    held = found.steady_N[np.isfinite(found.steady_N)]
+    held = response.steady_N[np.isfinite(response.steady_N)]
     names = [one.name for one in tissue.subjects]
     differ = held.size > 0 and float(held.max()) > NEAR * float(held.min())
-    if held.size and float(held.min()) < low / FORCE_APART:
-        whom = names[int(np.nanargmin(found.steady_N))] if differ else ""
+    if held.size and float(held.min()) < low / FORCE_FACTOR:
+        whom = names[int(np.nanargmin(response.steady_N))] if differ else ""
         rows.append(_beyond("steady_force_N", float(held.min()), low, "the smallest press on people", whom))
-    if held.size and float(held.max()) > high * FORCE_APART:
-        whom = names[int(np.nanargmax(found.steady_N))] if differ else ""
+    if held.size and float(held.max()) > high * FORCE_FACTOR:
+        whom = names[int(np.nanargmax(response.steady_N))] if differ else ""
         rows.append(_beyond("steady_force_N", float(held.max()), high, "the largest press on people", whom))
     deepest, strongest = _limits(tissue)
     for quantity, values, ends in (
-        ("depth_mm", found.depth_mm, deepest), ("peak_force_N", found.peak_N, strongest)
+        ("depth_mm", response.depth_mm, deepest), ("peak_force_N", response.peak_N, strongest)
     ):  # fmt: skip
         over = values / ends
         worst = int(np.argmax(over))
@@ -100,8 +100,8 @@ def short_number(value: float, digits: int = 3) -> str:
 
 def subject_words(name: str) -> str:
     """Name of a subject as it is read; inferred subjects are numbered from the softest on."""
-    found = RANKED.fullmatch(name)
-    return name if found is None else f"subject {found[1]} of {found[2]}"
+    match = RANKED.fullmatch(name)
+    return name if match is None else f"subject {match[1]} of {match[2]}"
 
 
 def _forces(tissue: Tissue) -> tuple[float, float]:

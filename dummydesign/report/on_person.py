@@ -26,22 +26,22 @@ from dummydesign.report.plot_layers import Band, Line
 DRAWN, MOST_CHECKS = 400, 5
 
 
-def write_on_person(found: OnPerson, result: dict[str, Any], rate_hz: float, folder: Path) -> dict[str, str]:
+def write_on_person(answer: OnPerson, result: dict[str, Any], rate_hz: float, folder: Path) -> dict[str, str]:
     """Write ``report.html``, ``on_person.csv`` (curves at a uniform rate) and ``on_person.json``."""
-    pressed = people_sections(found, result["presses"])
-    sections = [*pressed, _drive_section(found, result)]
+    pressed = people_sections(answer, result["presses"])
+    sections = [*pressed, _drive_section(answer, result)]
     worst = max(result["presses"], key=lambda row: row["factor_peak"][1] or 0.0)
     shown = [
         (span_text(worst["factor_peak"]), "times the pad's peak force: the subjects, largest press"),
         (span_text(worst["interval_95"]["peak_N"]) + " N", "peak force, 95 % of people"),
     ]
-    lead = f"Drive {found.drive.text}: {found.drive.words}. People: {facts.people_text(result)}."
-    title = f"On people: {found.tissue.name}"
+    lead = f"Drive {answer.drive.text}: {answer.drive.words}. People: {facts.people_text(result)}."
+    title = f"On people: {answer.tissue.name}"
     front = _front(title, lead, result, [plot for section in pressed for plot in section.plots])
     whole = f"{verdict_text(result)} {lead}"
     files = write_report(folder, title, whole, sections, facts=shown, warnings=result["warnings"],
                          sources=result["sources"], front=front)  # fmt: skip
-    files["curves"] = str(write_text(folder / "on_person.csv", curves_csv(found, rate_hz)))
+    files["curves"] = str(write_text(folder / "on_person.csv", curves_csv(answer, rate_hz)))
     files["json"] = str(write_text(folder / "on_person.json", json.dumps(result["presses"], indent=1) + "\n"))
     return files
 
@@ -77,32 +77,32 @@ def _front(title: str, lead: str, result: dict[str, Any], plots: list[Plot]) -> 
     )  # fmt: skip
 
 
-def people_sections(found: OnPerson, rows: list[dict[str, Any]], prefix: str = "press") -> list[Section]:
+def people_sections(answer: OnPerson, rows: list[dict[str, Any]], prefix: str = "press") -> list[Section]:
     """Sections of the limits, where there are any, and of each press."""
     names: set[str] = set()
     limits = [_limit_section(rows)] if any(row["limits"] for row in rows) else []
-    return [*limits, *(_press_section(one, row, prefix, names) for one, row in zip(found.presses, rows))]
+    return [*limits, *(_press_section(one, row, prefix, names) for one, row in zip(answer.presses, rows))]
 
 
 def on_grid(one: PersonPress, time_s: NDArray) -> tuple[NDArray, NDArray]:
     """Depths and forces of the subjects at times since contact, shape (subjects, n); NaN where they are not known."""
     rows = []
-    for curve in (one.found.depth_curve_mm, one.found.force_curve_N):
-        times = np.broadcast_to(one.found.time_s, curve.shape)
+    for curve in (one.response.depth_curve_mm, one.response.force_curve_N):
+        times = np.broadcast_to(one.response.time_s, curve.shape)
         rows.append(np.array([np.interp(time_s, t, y, right=np.nan) for t, y in zip(times, curve)]))
     return rows[0], rows[1]
 
 
-def curves_csv(found: OnPerson, rate_hz: float) -> str:
+def curves_csv(answer: OnPerson, rate_hz: float) -> str:
     """Curves of pad and subjects at a uniform rate, one block a press."""
     head = ["file", "time_s", "pad_displacement_mm", "pad_force_N", "people_low_N", "people_high_N"]
-    for subject in found.tissue.subjects:
+    for subject in answer.tissue.subjects:
         head += [f"{subject.name}_displacement_mm", f"{subject.name}_force_N"]
     stream = io.StringIO()
     writer = csv.writer(stream, lineterminator="\n")
     writer.writerow(head)
-    spans = [(0.0, max(float(one.press.time_s[-1]), float(np.max(one.found.time_s)))) for one in found.presses]
-    for one, time in zip(found.presses, uniform_times(spans, rate_hz)):
+    spans = [(0.0, max(float(one.press.time_s[-1]), float(np.max(one.response.time_s)))) for one in answer.presses]
+    for one, time in zip(answer.presses, uniform_times(spans, rate_hz)):
         depth, force = on_grid(one, time)
         pad = [np.interp(time, one.press.time_s, row, right=np.nan) for row in (one.press.x_mm, one.press.force_N)]
         with np.errstate(all="ignore"):
@@ -115,7 +115,7 @@ def curves_csv(found: OnPerson, rate_hz: float) -> str:
 
 def press_figure(one: PersonPress, name: str) -> Plot:
     """Force over time: the pad, the subjects, and their band."""
-    end = max(float(one.press.time_s[-1]), float(np.max(one.found.time_s)))
+    end = max(float(one.press.time_s[-1]), float(np.max(one.response.time_s)))
     start = log_start(one.press.stop_s)
     time = np.geomspace(start, end, DRAWN)
     force = on_grid(one, time)[1]
@@ -162,13 +162,13 @@ def _limit_section(presses: list[dict[str, Any]]) -> Section:
     return Section("Limits", text, table=Table(head, body))
 
 
-def _drive_section(found: OnPerson, result: dict[str, Any]) -> Section:
+def _drive_section(answer: OnPerson, result: dict[str, Any]) -> Section:
     body = [
         [row["file"], row["signs"]["looks_like"] or "not clear", row["signs"]["creep_mm"], row["signs"]["relaxed_N"],
          row["drive_contradicted"] or "none"]
         for row in result["presses"]
     ]  # fmt: skip
-    text = f"The drive is {found.drive.text}. What the traces show of the drive that made them:"
-    against = f"contradiction of {found.drive.text}"
+    text = f"The drive is {answer.drive.text}. What the traces show of the drive that made them:"
+    against = f"contradiction of {answer.drive.text}"
     head = ["press", "looks like", "creep in the hold [mm]", "fall of the force [N]", against]
     return Section("Which drive", text, table=Table(head, body))

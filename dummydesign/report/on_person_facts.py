@@ -32,11 +32,11 @@ def limit_rows(result: dict[str, Any]) -> list[tuple[dict[str, Any], str]]:
     """Checks of limits with the file of their press, the worst first."""
     rows = [(row, press["file"]) for press in result["presses"] for row in press["limits"]]
 
-    def place(pair: tuple[dict[str, Any], str]) -> tuple[int, float]:
+    def rank(pair: tuple[dict[str, Any], str]) -> tuple[int, float]:
         """Worse results first, of those the nearest to its limit."""
         return WORST.index(pair[0]["result"]), -(pair[0]["person_high_95"] or 0.0) / pair[0]["limit"]
 
-    return sorted(rows, key=place)
+    return sorted(rows, key=rank)
 
 
 def mismatch(result: dict[str, Any]) -> str:

@@ -132,13 +132,13 @@ def assembled(
     """
     log_factor = np.concatenate([np.zeros_like(solved[:, :1]), solved], axis=1)
     reached = ~np.isnan(log_factor[:, -1]).any(axis=0)
-    log_factor, place = log_factor[..., reached], COMPRESSIONS[reached]
-    if not place.size or place[-1] < 0.3:
+    log_factor, strains = log_factor[..., reached], COMPRESSIONS[reached]
+    if not strains.size or strains[-1] < 0.3:
         message = "the bonded puck could not be compressed to 30 %"
         raise NoAnswerError("no_convergence", message, quantity="force_N")
     grips = np.concatenate([[0.0], grip(np.array(frictions))])
     rows = np.array([filled(row, grips) for row in log_factor])
-    return PuckTable(radius_over_height, np.array(alphas), grips, place, rows), np.isfinite(log_factor).sum(axis=2)
+    return PuckTable(radius_over_height, np.array(alphas), grips, strains, rows), np.isfinite(log_factor).sum(axis=2)
 
 
 def build(

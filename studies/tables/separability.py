@@ -168,8 +168,8 @@ def main() -> None:
     before = json.loads(path.read_text()) if options.keep or len(asked) < len(parts) else {}
     made: dict[str, Any] = dict(before)
     for name in asked:
-        found = parts[name]()
-        made |= with_earlier(before if options.keep else {}, found) if name == "shapes" else {name: found}
+        part = parts[name]()
+        made |= with_earlier(before if options.keep else {}, part) if name == "shapes" else {name: part}
     head = {
         "schema": "dummydesign.quick-error/1",
         "command": COMMAND,

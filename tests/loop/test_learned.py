@@ -22,7 +22,7 @@ from dummydesign.loop.run import replay
 from dummydesign.loop.selection import learn_effect
 from dummydesign.loop.selection.cross_validation import errors
 from dummydesign.loop.selection.learn_effect import can_be_learned, closed_form, learn
-from dummydesign.loop.selection.residuals import Check, Dependence, Seen, look
+from dummydesign.loop.selection.residuals import Check, Dependence, Seen, examine
 from dummydesign.measurement.campaign_file import read_campaign
 from tests.support import other_mind
 
@@ -198,7 +198,7 @@ def test_a_creep_in_the_hold_is_learned_as_large_as_it_is_and_without_a_jump_at_
 def test_a_step_with_temperature_is_learned_where_single_trials_differ_most(of_another_mind):
     """9 % stiffer below a temperature, within 0.4 K: a line over temperature is neither enough nor what is learned."""
     base = of_another_mind("cold_stiffening", 0.09, 1240001)
-    seen = look(base)
+    seen = examine(base)
     assert seen.where[0].factor == "single trials" and can_be_learned(seen) == ("temperature_C", "age_days")
     found = learn(base, can_be_learned(seen))
     assert found.effect.name == "learned_temperature_c" and found.left_out < 0.2
@@ -211,5 +211,5 @@ def test_gains_that_scatter_from_press_to_press_are_no_function_of_temperature_o
     for seed in (431, 432):
         campaign = read_campaign(campaigns("gain_scatter", seed))
         base = fit_base(make_presses(campaign), law_of(campaign), 0.03)
-        assert look(base).where[0].factor == "single trials"
+        assert examine(base).where[0].factor == "single trials"
         assert learn(base, ("temperature_C", "age_days")) is None

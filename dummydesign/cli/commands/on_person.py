@@ -107,8 +107,8 @@ def _limits(result: dict[str, Any], most: int | None) -> list[str]:
     """Checks of the limits; on one screen the worst of them."""
     from dummydesign.report.on_person_facts import limit_name, limit_rows, number_text, span_text
 
-    found = limit_rows(result)
-    rows = found if most is None else found[:most]
+    every = limit_rows(result)
+    rows = every if most is None else every[:most]
     if not rows:
         return []
     several = len(result["presses"]) > 1
@@ -118,7 +118,7 @@ def _limits(result: dict[str, Any], most: int | None) -> list[str]:
         name = file[-16:] if several else ""
         cells = f"{limit_name(row):<27}{limit:>13}{number_text(row['pad']):>9}{people:>18}"
         lines.append(f"  {cells}  {row['result']:<10}{name}")
-    left = [f"  ... and {len(found) - len(rows)} more checks: --details"] if len(found) > len(rows) else []
+    left = [f"  ... and {len(every) - len(rows)} more checks: --details"] if len(every) > len(rows) else []
     return [*(line.rstrip() for line in lines), *left]
 
 

@@ -17,7 +17,7 @@ from dummydesign.loop.fitting.problem import CampaignProblem
 from dummydesign.loop.fitting.screening import project
 from dummydesign.loop.model.effect import Effect
 from dummydesign.loop.selection.cross_validation import AssessedModel, assess
-from dummydesign.loop.selection.residuals import Seen, look
+from dummydesign.loop.selection.residuals import Seen, examine
 from dummydesign.loop.selection.search import search
 from dummydesign.loop.selection.verdict import EACH_PARAMETER, AcceptedEffect, remainder
 
@@ -154,10 +154,10 @@ class _Step:
     precision: NDArray
 
 
-def learn(found: CampaignFit, among: tuple[str, ...] = tuple(FOLLOWED)) -> Learnt | None:
+def learn(campaign_fit: CampaignFit, among: tuple[str, ...] = tuple(FOLLOWED)) -> Learnt | None:
     """Learn what a model leaves, if it follows such quantities and predicts left-out conditions much better."""
-    usual = modest(found)
-    quantities = {name: values for name, values in followed(found.problem.presses, found.forces).items()
+    usual = modest(campaign_fit)
+    quantities = {name: values for name, values in followed(campaign_fit.problem.presses, campaign_fit.forces).items()
                   if name in among}  # fmt: skip
     alone = [_first(usual, quantities, name) for name in quantities if name != BY_TIME]
     if not alone:
@@ -166,15 +166,15 @@ def learn(found: CampaignFit, among: tuple[str, ...] = tuple(FOLLOWED)) -> Learn
     together = _pairs(usual, quantities, [shape.name for shape, _ in alone])
     for tried, least in ((together, max(alone[0][1].evidence, 0.0) + EVIDENCE), (alone, EVIDENCE)):
         best = max(tried, key=lambda one: one[1].evidence, default=None)
-        learnt = _learnt(found, usual, *best) if best is not None and best[1].evidence >= least else None
+        learnt = _learnt(campaign_fit, usual, *best) if best is not None and best[1].evidence >= least else None
         if learnt is not None:
             return learnt
     return None
 
 
-def _learnt(found: CampaignFit, usual: CampaignFit, shape: SmoothChange, step: _Step) -> Learnt | None:
+def _learnt(campaign_fit: CampaignFit, usual: CampaignFit, shape: SmoothChange, step: _Step) -> Learnt | None:
     """The fit with an effect of this shape, when it predicts left-out conditions much better."""
-    fit, evidence, score = usual, step.evidence, found.score
+    fit, evidence, score = usual, step.evidence, campaign_fit.score
     for turn in range(MOST_ROUNDS):
         if turn:
             step = _step(fit, shape)
@@ -182,7 +182,7 @@ def _learnt(found: CampaignFit, usual: CampaignFit, shape: SmoothChange, step: _
         for share in SHARES:
             tried = shape.with_flat(shape.flat + share * (new - shape.flat))
             problem, vector = _with(fit, tried)
-            trial = fit_with_noise(problem, vector, replace(found.sizes, noise=fit.sizes.noise), 2, 8)
+            trial = fit_with_noise(problem, vector, replace(campaign_fit.sizes, noise=fit.sizes.noise), 2, 8)
             if trial.score < score:
                 break
         else:
@@ -192,7 +192,7 @@ def _learnt(found: CampaignFit, usual: CampaignFit, shape: SmoothChange, step: _
             break
     if fit is usual:
         return None
-    ratio = refitted_squares(fit, shape) / refitted_squares(found)
+    ratio = refitted_squares(fit, shape) / refitted_squares(campaign_fit)
     if ratio > HALVED:
         return None
     if len(shape.follows) > 1:
@@ -229,7 +229,7 @@ def _pairs(
 ) -> list[tuple[SmoothChange, _Step]]:
     """Changes over two quantities, one of them promising alone, with their first step."""
     places = range(min(PROMISING, len(best_first)))
-    pairs = [(best_first[place], second) for place in places for second in best_first[place + 1 :]]
+    pairs = [(best_first[rank], second) for rank in places for second in best_first[rank + 1 :]]
     if {BY_TIME, "since_stop_s"} <= set(quantities):
         pairs.append((BY_TIME, "since_stop_s"))
     # in a press these go together: their plane is hardly seen
@@ -291,39 +291,39 @@ FOLDS, REFITS = 4, 2
 """Parts of the conditions that are left out one after another, and rounds in which a curve is learned without one."""
 
 
-def refitted_squares(found: CampaignFit, shape: SmoothChange | None = None) -> float:
+def refitted_squares(campaign_fit: CampaignFit, shape: SmoothChange | None = None) -> float:
     """Squared error of left-out conditions, each part of them predicted by real fits to the rest. [N2]
 
     A linear step would run away along what nothing determines. A learned ``shape`` is learned anew each time. Presses
     of one condition only are left out one by one.
     """
-    presses = found.problem.presses
+    presses = campaign_fit.problem.presses
     cells = np.unique(presses.cell, return_inverse=True)[1]
     part = (cells if cells.any() else np.arange(len(cells))) % FOLDS
     folds = [out for fold in range(FOLDS) if (out := part == fold).any() and not out.all()]
-    squares, _ = squares_without(found, folds, shape)
+    squares, _ = squares_without(campaign_fit, folds, shape)
     return squares / float((presses.samples * presses.used).sum())
 
 
 def squares_without(
-    found: CampaignFit, parts: Sequence[NDArray], shape: SmoothChange | None = None
+    campaign_fit: CampaignFit, parts: Sequence[NDArray], shape: SmoothChange | None = None
 ) -> tuple[float, float]:
     """Weighted squares of presses, each part (T,) predicted by a fit without it, and the sum of the weights. [N2, 1]"""
-    presses, squares, total = found.problem.presses, 0.0, 0.0
+    presses, squares, total = campaign_fit.problem.presses, 0.0, 0.0
     weight = presses.samples * presses.used
     for out in parts:
-        residual = (presses.force_N - predicted_without(found, out, shape))[out]
+        residual = (presses.force_N - predicted_without(campaign_fit, out, shape))[out]
         squares, total = squares + float((weight[out] * residual**2).sum()), total + float(weight[out].sum())
     return squares, total
 
 
-def predicted_without(found: CampaignFit, out: NDArray, shape: SmoothChange | None = None) -> NDArray:
+def predicted_without(campaign_fit: CampaignFit, out: NDArray, shape: SmoothChange | None = None) -> NDArray:
     """Bins (T, B) of all presses by a fit to those that are not ``out`` (T,), a learned shape learned anew. [N]"""
-    presses = found.problem.presses
-    rest = replace(found.problem, presses=replace(presses, bins=presses.bins.without(out)))
-    known = fit(rest, found.vector, found.sizes, 6)
+    presses = campaign_fit.problem.presses
+    rest = replace(campaign_fit.problem, presses=replace(presses, bins=presses.bins.without(out)))
+    known = fit(rest, campaign_fit.vector, campaign_fit.sizes, 6)
     for _ in range(REFITS if shape is not None else 0):
-        known = fit(*_with(known, _learned_again(known)), found.sizes, 4)
+        known = fit(*_with(known, _learned_again(known)), campaign_fit.sizes, 4)
     return replace(known.problem, presses=presses).predict(known.vector)
 
 
@@ -337,10 +337,10 @@ def _without_modulus(shape: SmoothChange, step: _Step) -> NDArray:
     return step.values - np.average(step.values, weights=np.maximum(np.diag(step.information), 1e-12))
 
 
-def _learned_again(found: CampaignFit) -> SmoothChange:
+def _learned_again(campaign_fit: CampaignFit) -> SmoothChange:
     """The shape that a fit holds, one step further."""
-    shape = next(one.shape for one in found.problem.effects if isinstance(one, Learned))
-    return shape.with_flat(_without_modulus(shape, _step(found, shape)))
+    shape = next(one.shape for one in campaign_fit.problem.effects if isinstance(one, Learned))
+    return shape.with_flat(_without_modulus(shape, _step(campaign_fit, shape)))
 
 
 @dataclass(frozen=True)
@@ -377,7 +377,7 @@ def learned_alone(
 
 def _leaves(base: AssessedModel, fit: CampaignFit) -> bool:
     """Whether a model leaves more than noise."""
-    return bool(remainder(base, assess(fit), look(fit)).reasons)
+    return bool(remainder(base, assess(fit), examine(fit)).reasons)
 
 
 def learned_first(
@@ -395,15 +395,15 @@ def learned_first(
     function = learn(base.fit, among)
     if function is None:
         return None
-    found = search(assess(function.fit), available, progress)
-    after = found.after
+    selection = search(assess(function.fit), available, progress)
+    after = selection.after
     if not any(isinstance(one, Learned) for one in after.fit.problem.effects):
         return None  # named effects have taken its place
     if _cost(after, function) >= _cost(named):
         return None
     if _squares(after, function) >= _squares(named):
         return None
-    effects = tuple(one for one in found.effects if not isinstance(one.candidate.effect, Learned))
+    effects = tuple(one for one in selection.effects if not isinstance(one.candidate.effect, Learned))
     return LearnedFirst(replace(function, fit=after.fit), after, effects)
 
 

@@ -207,9 +207,9 @@ class Seen:
     checks: list[Check]
 
 
-def look(found: CampaignFit) -> Seen:
+def examine(fit: CampaignFit) -> Seen:
     """Measure what the residual of a fit depends on, and check it."""
-    return Seen(dependences(found), run_checks(found))
+    return Seen(dependences(fit), run_checks(fit))
 
 
 def _standard(values: NDArray) -> NDArray:

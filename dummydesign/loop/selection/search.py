@@ -15,7 +15,7 @@ from dummydesign.loop.fitting.problem import BASE
 from dummydesign.loop.fitting.screening import Screened, screen
 from dummydesign.loop.model.effect import Effect
 from dummydesign.loop.selection.cross_validation import AssessedModel, assess, errors, holds_null
-from dummydesign.loop.selection.residuals import look
+from dummydesign.loop.selection.residuals import examine
 from dummydesign.loop.selection.verdict import (
     EACH_PARAMETER,
     AcceptedEffect,
@@ -212,7 +212,7 @@ def search(
         limit = needed(screened, best, last, dict.fromkeys(others, won), tried)
         if worth(gained, limit, before, best) and (size <= USUAL or much_better(errors(before), errors(best))):
             chosen, waiting = best, False
-            done = not remainder(base, assess(best), look(best)).reasons
+            done = not remainder(base, assess(best), examine(best)).reasons
         elif waiting or done:
             break
         else:

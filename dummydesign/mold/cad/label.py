@@ -84,7 +84,7 @@ def text_corners(text: str, height_mm: float, middle: tuple[float, float]) -> li
     """Lower left corner of each letter of a text centred on ``middle``. [mm]"""
     unit = height_mm / GRID_HEIGHT
     left = middle[0] - text_length_mm(text, height_mm) / 2
-    return [(left + place * ADVANCE * unit, middle[1] - height_mm / 2) for place in range(len(text))]
+    return [(left + number * ADVANCE * unit, middle[1] - height_mm / 2) for number in range(len(text))]
 
 
 def text_bars(text: str, height_mm: float, stroke_mm: float, middle: tuple[float, float]) -> list[Bar]:

@@ -20,7 +20,7 @@ SAMPLES = 7
 
 def faces_within(solid: Any, outline: Outline, low_mm: float, high_mm: float, slack_mm: float = 0.02) -> list[Any]:
     """Faces of a solid whose bounding box lies inside an outline's rectangle and between two heights."""
-    found = []
+    faces = []
     across, along = outline.length_mm / 2 + slack_mm, outline.width_mm / 2 + slack_mm
     for face in solid.Faces():
         # Corners sort out most faces at a tenth of the price of a bounding box.
@@ -28,13 +28,13 @@ def faces_within(solid: Any, outline: Outline, low_mm: float, high_mm: float, sl
             continue
         x0, y0, z0, x1, y1, z1 = rough_bounds(face)
         if max(-x0, x1) <= across and max(-y0, y1) <= along and z0 >= low_mm - slack_mm and z1 <= high_mm + slack_mm:
-            found.append(face)
+            faces.append(face)
             continue
         box = face.BoundingBox()
         flat = max(abs(box.xmin), abs(box.xmax)) <= across and max(abs(box.ymin), abs(box.ymax)) <= along
         if flat and box.zmin >= low_mm - slack_mm and box.zmax <= high_mm + slack_mm:
-            found.append(face)
-    return found
+            faces.append(face)
+    return faces
 
 
 def minimum_draft_deg(faces: Sequence[Any], up: float = 1.0) -> float:
@@ -94,7 +94,7 @@ def thicknesses_mm(triangles: Any, points: Any, normals: Any) -> tuple[Any, Any]
     a = triangles[:, 0]
     e1, e2 = triangles[:, 1] - a, triangles[:, 2] - a
     outward = np.cross(e1, e2)
-    found = np.full(len(points), np.inf)
+    thickness = np.full(len(points), np.inf)
     # What of a triangle depends on the direction alone is worked out once for all rays that share one.
     ways, which = np.unique(-normals, axis=0, return_inverse=True)
     order = np.argsort(which.ravel(), kind="stable")
@@ -107,8 +107,8 @@ def thicknesses_mm(triangles: Any, points: Any, normals: Any) -> tuple[Any, Any]
             start = points[some] + 1e-4 * way
             u, v, t = (_over(start, side / det[:, None], a[ahead]) for side in (across, along, outward[ahead]))
             hit = (u >= -ON_EDGE) & (v >= -ON_EDGE) & (u + v <= 1 + ON_EDGE) & (t > 1e-3)
-            found[some] = np.where(hit, t, np.inf).min(axis=1, initial=np.inf)
-    return found, points - np.where(np.isfinite(found), found, 0.0)[:, None] * normals
+            thickness[some] = np.where(hit, t, np.inf).min(axis=1, initial=np.inf)
+    return thickness, points - np.where(np.isfinite(thickness), thickness, 0.0)[:, None] * normals
 
 
 MOST_PAIRS, ON_EDGE = 500_000, 1e-12
@@ -145,7 +145,7 @@ def check_mould_mesh(made: Parts, mould: Any, fine: Any) -> list[Check]:
     """No ray leaves the cavity blocked; wall and floor are as thick as specified."""
     spec, plan = made.spec, made.plan
     hits = ray_hits(fine, plan.openings, -0.01, plan.land_mm)
-    found = [equal("rays_blocked", hits, 0, "upward rays from the cavity that meet the mould")]
+    checks = [equal("rays_blocked", hits, 0, "upward rays from the cavity that meet the mould")]
     centres, normals = mould.triangles_center, mould.face_normals
     inside = _within(centres, plan.openings)
     # A pocket that is too deep must not escape, so the floor is looked for down to the underside.
@@ -160,13 +160,13 @@ def check_mould_mesh(made: Parts, mould: Any, fine: Any) -> list[Check]:
     walls, exits = thicknesses_mm(met, *surface_samples(mould, side, RAYS))
     outside = np.isfinite(walls) & ((exits[:, 2] < cut) | _near_side(exits, plan))
     least = float(walls[outside].min()) if outside.any() else 0.0
-    found.append(above("wall_thickness", least, spec.body.wall_mm - WALL_SLACK_MM, f"mm, {outside.sum()} rays"))
+    checks.append(above("wall_thickness", least, spec.body.wall_mm - WALL_SLACK_MM, f"mm, {outside.sum()} rays"))
     # Straight down: under a curved floor the normal would lead past the thinnest place.
     places, ways = surface_samples(mould, floor, RAYS)
     floors, _ = thicknesses_mm(mould.triangles, places, np.tile((0.0, 0.0, 1.0), (len(ways), 1)))
     least = float(floors.min()) if len(floors) else 0.0
-    found.append(above("floor_thickness", least, spec.body.floor_mm - WALL_SLACK_MM, f"mm, {len(floors)} rays"))
-    return found
+    checks.append(above("floor_thickness", least, spec.body.floor_mm - WALL_SLACK_MM, f"mm, {len(floors)} rays"))
+    return checks
 
 
 def _near_side(points: Any, plan: Layout) -> Any:

@@ -8,7 +8,7 @@ from pathlib import Path
 
 def font_file(name: str) -> Path | None:
     """File of a font, found without loading matplotlib, or None where it is not installed."""
-    found = importlib.util.find_spec("matplotlib")
-    places = found.submodule_search_locations if found is not None else None
+    spec = importlib.util.find_spec("matplotlib")
+    places = spec.submodule_search_locations if spec is not None else None
     file = Path(next(iter(places), "")) / f"mpl-data/fonts/ttf/{name}.ttf" if places else Path()
     return file if file.is_file() else None

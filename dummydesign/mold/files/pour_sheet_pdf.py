@@ -55,7 +55,7 @@ def marked(words: str) -> str:
     name = "HeiseiKakuGo-W5"
     if JAPANESE.search(words) and name not in pdfmetrics.getRegisteredFontNames():
         pdfmetrics.registerFont(UnicodeCIDFont(name))
-    return JAPANESE.sub(lambda found: f'<font name="{name}">{found[0]}</font>', html.escape(words))
+    return JAPANESE.sub(lambda match: f'<font name="{name}">{match[0]}</font>', html.escape(words))
 
 
 def sheet_pdf(blocks: Sequence[Block], foot: Foot, drawings: Sequence[Drawing] = (), paper: str = "A4") -> bytes:

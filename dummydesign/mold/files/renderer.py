@@ -53,10 +53,10 @@ class Canvas:
             column = np.repeat(start[begin:end], n) + _counting(n)
             owner, line = np.repeat(which[begin:end], n), np.repeat(row[begin:end], n)
             level = slope[owner, 0] * (column + 0.5) + slope[owner, 1] * (line + 0.5) + slope[owner, 2]
-            place = line * self.width + column
-            np.maximum.at(self.depth, place, level)
-            seen = level >= self.depth[place]
-            self.owner[place[seen]] = offset + owner[seen]
+            pixel = line * self.width + column
+            np.maximum.at(self.depth, pixel, level)
+            seen = level >= self.depth[pixel]
+            self.owner[pixel[seen]] = offset + owner[seen]
             begin = end
 
     def lines(self, ends: NDArray, near: float) -> None:
@@ -68,9 +68,9 @@ class Canvas:
         for across, down in ((0, 0), (1, 0), (0, 1)):
             column, row = (np.floor(points[:, 0]).astype(int) + across, np.floor(points[:, 1]).astype(int) + down)
             inside = (column >= 0) & (column < self.width) & (row >= 0) & (row < self.height)
-            place = row[inside] * self.width + column[inside]
-            seen = points[inside, 2] + near >= self.depth[place]
-            self.owner[place[seen]] = 0
+            pixel = row[inside] * self.width + column[inside]
+            seen = points[inside, 2] + near >= self.depth[pixel]
+            self.owner[pixel[seen]] = 0
 
     def pixels(self) -> NDArray:
         """The averaged picture; shape (height, width, 3), 0 to 1."""
@@ -163,8 +163,9 @@ def render(
         normals = normals_of(vertices, faces)
         front = normals @ away > 1e-9
         light = np.full(np.count_nonzero(front), AMBIENT)
-        for place, power in lights:
-            light += DIFFUSE * power * np.maximum(normals[front] @ (np.array(place) / np.linalg.norm(place)), 0.0)
+        for direction, power in lights:
+            unit = np.array(direction) / np.linalg.norm(direction)
+            light += DIFFUSE * power * np.maximum(normals[front] @ unit, 0.0)
         triangles.append(placed(vertices)[faces[front]])
         colours.append(np.clip(light[:, None] * np.array(colour), 0.0, 1.0) * 255.0)
         lines.append(placed(vertices)[sharp_edges(faces, normals, edge_deg)])
@@ -180,7 +181,7 @@ def _write(pixels: NDArray, labels: Sequence[tuple[NDArray, str]], title: str, p
     drawing, font = ImageDraw.Draw(picture), font_file("DejaVuSans")
     sizes = (LABEL_PX, TITLE_PX)
     small, large = (ImageFont.truetype(str(font), size) if font else ImageFont.load_default(size) for size in sizes)
-    for place, text in labels:
-        drawing.text((place[0] - 10, place[1]), text, LETTERS, small, anchor="rm")
+    for corner, text in labels:
+        drawing.text((corner[0] - 10, corner[1]), text, LETTERS, small, anchor="rm")
     drawing.text((24, 40), title, LETTERS, large, anchor="lm")
     picture.save(path, "PNG")

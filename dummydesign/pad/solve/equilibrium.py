@@ -106,10 +106,10 @@ class Problem:
         lift = np.zeros(len(u))
         lift[self.carried] = -1.0
         du = lift + self.pattern.solve([tangent.stiffness, *matrices], -pull(lift))
-        found = du, self.solid.pressure_step(tangent, state, du), float(pull(du)[self.base].sum())
+        touch = du, self.solid.pressure_step(tangent, state, du), float(pull(du)[self.base].sum())
         if self.surface is None:
-            self._touch = found
-        return found
+            self._touch = touch
+        return touch
 
 
 @dataclass

@@ -33,7 +33,7 @@ class Band:
         self._lower = inside[lower]
         self._takes: list[Array] = []
         # LAPACK's lower band storage, column by column.
-        self._place = self._to[column[lower]] * (self.width + 1) + below[lower]
+        self._slot = self._to[column[lower]] * (self.width + 1) + below[lower]
 
     @property
     def narrow(self) -> bool:
@@ -53,7 +53,7 @@ class Band:
             self._takes = [part - end + matrix.size for part, end, matrix in
                            zip(np.split(self._lower, cuts[:-1]), ends, groups)]  # fmt: skip
         values = np.concatenate([matrix.ravel().take(take) for matrix, take in zip(groups, self._takes)])
-        data = np.bincount(self._place, values, minlength=self._n * (self.width + 1))
+        data = np.bincount(self._slot, values, minlength=self._n * (self.width + 1))
         factor, info = dpbtrf(data.reshape(self._n, self.width + 1).T, lower=1, overwrite_ab=1)
         if info:
             return None
@@ -107,14 +107,14 @@ class Pattern:
         self._order: Array | None = None
         self._to: Array | None = None
 
-    def _arrange(self, place: Array) -> None:
-        """Number the unknowns anew; ``place`` is where each one goes."""
+    def _arrange(self, order: Array) -> None:
+        """Number the unknowns anew; ``order`` is where each one goes."""
         n = len(self._kept)
-        key = place[self._column] * n + place[self._row]
-        unique, self._place = np.unique(key, return_inverse=True)
+        key = order[self._column] * n + order[self._row]
+        unique, self._slot = np.unique(key, return_inverse=True)
         self._indices = (unique % n).astype(np.int32)
         self._pointer = np.searchsorted(unique, np.arange(n + 1) * n).astype(np.int32)
-        self._to = place
+        self._to = order
 
     def solve(self, matrices: list[Array], load: Array) -> Array:
         """Solve for the free unknowns; the others are zero in the answer, which has full length.
@@ -137,8 +137,8 @@ class Pattern:
         rest = load - np.bincount(self._outer.ravel(), moved.ravel(), minlength=self.size)
         answer = np.zeros(self.size)
         answer[self._kept] = self._factor(rest[self._kept])
-        found = self._inner_inverse @ inside - self._onto @ answer[self._outer][:, :, None]
-        answer[self._inner] = found[:, :, 0]
+        inner = self._inner_inverse @ inside - self._onto @ answer[self._outer][:, :, None]
+        answer[self._inner] = inner[:, :, 0]
         return answer
 
     def _sparse(self, values: Array) -> Callable[[Array], Array]:
@@ -149,7 +149,7 @@ class Pattern:
         n = len(self._kept)
         if self._to is None:
             self._arrange(np.arange(n))
-        data = np.bincount(self._place, values, minlength=len(self._indices))
+        data = np.bincount(self._slot, values, minlength=len(self._indices))
         matrix = csc_matrix((data, self._indices, self._pointer), shape=(n, n))
         matrix.has_canonical_format = True
         # The condensed tangent is symmetric with a strong diagonal: pivoting on it halves the fill.

@@ -87,14 +87,14 @@ def between_fillets(data: dict[str, Any], fillet: float) -> FilletedTable:
     return replace(table, coefficients=coefficients, error=stated)
 
 
-def _joined(at: Array, rows: Array, place: float) -> Array:
+def _joined(at: Array, rows: Array, position: float) -> Array:
     """Values (fillets, depths) at one place between the fillets; NaN where a neighbour is not known."""
-    right = int(np.clip(np.searchsorted(at, place), 1, len(at) - 1))
+    right = int(np.clip(np.searchsorted(at, position), 1, len(at) - 1))
     out = np.full(rows.shape[1], np.nan)
     for i, column in enumerate(rows.T):
         known = np.isfinite(column)
         if known[right - 1] and known[right]:
-            out[i] = monotone_cubic(at[known], column[known])(place)
+            out[i] = monotone_cubic(at[known], column[known])(position)
     return out
 
 

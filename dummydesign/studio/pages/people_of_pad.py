@@ -89,8 +89,8 @@ class PeopleOfPad:
         self.work.renew()
 
     def _known_limits(self) -> dict[str, str]:
-        found = sorted((self.root / LIMITS).glob("*.toml"))
-        return {"": "none"} | {path.relative_to(self.root).as_posix(): path.stem for path in found}
+        paths = sorted((self.root / LIMITS).glob("*.toml"))
+        return {"": "none"} | {path.relative_to(self.root).as_posix(): path.stem for path in paths}
 
     def _find_limits(self) -> None:
         known = self._known_limits()
@@ -114,31 +114,31 @@ class PeopleOfPad:
 
 def _numbers() -> dict[Purpose, float | None]:
     """Numbers of all drives, with the default of those that may be left out."""
-    found: dict[Purpose, float | None] = {}
+    numbers: dict[Purpose, float | None] = {}
     for drive in DRIVES.values():
         usual = [None] * (len(drive.numbers) - len(drive.defaults)) + list(drive.defaults)
-        found |= {purpose: value for (purpose, _), value in zip(drive.numbers, usual)}
-    return found
+        numbers |= {purpose: value for (purpose, _), value in zip(drive.numbers, usual)}
+    return numbers
 
 
 def show_people(root: Path, answer: Mapping[str, Any]) -> None:
     """Result, presses, limits, warnings and the report of an answer of ``on-person``."""
     if "presses" not in answer or "drive" not in answer:
         return
-    files, found = answer.get("files") or {}, dict(answer)
+    files, result = answer.get("files") or {}, dict(answer)
     parts.tell_changes(root, str(files.get("manifest") or ""), "Compute them again.")
-    word, text = headline(found)
-    wrong = mismatch(found)
+    word, text = headline(result)
+    wrong = mismatch(result)
     if wrong:
         parts.tell_verdict("amber", f"CAUTION. {wrong}", test="drive-mismatch")
     if word in LIGHTS:
         parts.tell_verdict(LIGHTS[word], f"{word.upper()}. {text}", test="people")
     else:
         html(f'<p data-test="people">{escape(text)}</p>')
-    parts.table(*press_table(found))
+    parts.table(*press_table(result))
     rows = [[row["result"].upper(), limit_name(row), row["limit"], row["unit"], number_text(row["pad"]),
              span_text([row["person_low_95"], row["person_high_95"]]), row["reason"], file]
-            for row, file in limit_rows(found)]  # fmt: skip
+            for row, file in limit_rows(result)]  # fmt: skip
     if rows:
         head = ["result", "limit of", "limit", "unit", "pad", "people, 95 %", "why", "press"]
         parts.table(head, rows, words=True)

@@ -59,7 +59,8 @@ def render(result: dict[str, Any]) -> str:
     notes, checks = len(result["warnings"]), "all limits, " if limits else ""
     more = labelled("MORE", f"--details: each subject, {checks}{notes} note{'s' * (notes != 1)}")
     tail = [limits, ["", *_drive(result)], warnings, _next(result), files_block(result, FILES), more]
-    return "\n".join(fitted([*_headline(result), ""], _table(result), tail, (1,), "  ... and {} more presses: --details"))
+    head, left_out = [*_headline(result), ""], "  ... and {} more presses: --details"
+    return "\n".join(fitted(head, _table(result), tail, (1,), left_out))
 
 
 def render_details(result: dict[str, Any]) -> str:

@@ -12,7 +12,7 @@ from dummydesign.cli.text import INDENT, WIDTH, files_block, fitted, labelled, w
 HELP = "Compute what a press measured on a pad would have been on people; compare it with your limits."
 ABOUT_STEPS = 6
 NUMBER_UNIT = re.compile(r"(?<=\d) (?=(?:%|N|mm|mJ|kg|s|mm/s|N/mm|N/cm2|times)(?:[\s.,;:)]|$))")
-MOST_WARNINGS, MOST_CHECKS = 3, 4
+MOST_WARNINGS, MOST_CHECKS = 2, 4
 FILES = ("report", "first_page", "curves")
 
 
@@ -59,7 +59,8 @@ def render(result: dict[str, Any]) -> str:
     notes, checks = len(result["warnings"]), "all limits, " if limits else ""
     more = labelled("MORE", f"--details: each subject, {checks}{notes} note{'s' * (notes != 1)}")
     tail = [limits, ["", *_drive(result)], warnings, _next(result), files_block(result, FILES), more]
-    return "\n".join(fitted([*_headline(result), ""], _table(result), tail, (), "  ... and {} more presses: --details"))
+    head, left_out = [*_headline(result), ""], "  ... and {} more presses: --details"
+    return "\n".join(fitted(head, _table(result), tail, (1,), left_out))
 
 
 def render_details(result: dict[str, Any]) -> str:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dummydesign.person.drives.drive import Drive, Response, late_from, not_kept, of_trajectory
 from dummydesign.person.integrate import follow_force
+from dummydesign.person.known_range import short_number
 from dummydesign.person.people import People
 from dummydesign.person.press import Press
 from dummydesign.person.signs import TraceSigns
@@ -18,7 +19,7 @@ class Force(Drive):
     def contradicted(self, signs: TraceSigns) -> str:
         """Where the path was kept instead, or the pad took the speed."""
         if signs.looks_like == "position":
-            return f"the force fell by {signs.relaxed_N:.2g} N in the hold while the depth was kept"
+            return f"the force fell by {short_number(signs.relaxed_N or 0.0, 2)} N in the hold while the depth was kept"
         return not_kept(signs) if signs.looks_like == "mass" else ""
 
     def respond(self, press: Press, people: People, keep: bool = True) -> Response:

@@ -19,6 +19,7 @@ from dummydesign.person.drives.drive import (
     of_trajectory,
 )
 from dummydesign.person.integrate import RINGS, TOLERANCE, Input, run_robot
+from dummydesign.person.known_range import short_number
 from dummydesign.person.people import People
 from dummydesign.person.press import Press
 from dummydesign.person.ringing import Arm
@@ -47,10 +48,8 @@ class Spring(Drive):
         follows = signs.relaxed_N / self.values[0]
         if follows > 2.0 * signs.kept_mm and abs(signs.creep_mm) < follows / 3.0:
             moved = f"{signs.creep_mm:.2g} mm" if abs(signs.creep_mm) >= 0.005 else "less than 0.01 mm"
-            return (
-                f"the force fell by {signs.relaxed_N:.2g} N in the hold and the punch moved {moved}; an arm of "
-                f"{self.values[0]:g} N/mm moves {follows:.2g} mm"
-            )
+            fell = f"the force fell by {short_number(signs.relaxed_N, 2)} N in the hold and the punch moved {moved}"
+            return f"{fell}; an arm of {self.values[0]:g} N/mm moves {short_number(follows, 2)} mm"
         return ""
 
     def respond(self, press: Press, people: People, keep: bool = True) -> Response:

@@ -150,10 +150,10 @@ def main():
         print(f"| {name} | " + " | ".join(words) + f" | {size} |", flush=True)
         rows.append((name, *words, *size.replace(" %", "").split(", ")))
     if options.csv:
-        head = ["case", "E", "friction", "times", "strengths", "number_of_arms_right", "slow_arm_flagged"]
-        head += ["E_rms_error_percent", "E_half_interval_percent"]
+        heads = ["case", "E", "friction", "times", "strengths", "number_of_arms_right", "slow_arm_flagged"]
+        heads += ["E_rms_error_percent", "E_half_interval_percent"]
         with options.csv.open("w", encoding="utf-8", newline="") as stream:
-            csv.writer(stream, lineterminator="\n").writerows([head, *rows])
+            csv.writer(stream, lineterminator="\n").writerows([heads, *rows])
 
 
 if __name__ == "__main__":

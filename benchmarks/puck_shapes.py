@@ -3,11 +3,14 @@
 ``python benchmarks/puck_shapes.py`` goes half-way (in the logarithm) between the solved proportions, where the
 interpolation is worst, and to one shape of a standard (29 x 12.5 mm); alpha lies between its grid too.
 ``--drawn 12`` draws proportion, alpha and friction at random over the whole table instead.
+``--csv FILE`` keeps the first table (docs/data/puck-shapes.csv).
 """
 
 from __future__ import annotations
 
 import argparse
+import csv
+from pathlib import Path
 
 import numpy as np
 
@@ -49,7 +52,10 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--drawn", type=int, default=0, help="this many random places instead")
     parser.add_argument("--seed", type=int, default=1, help="of the random places")
+    parser.add_argument("--csv", type=Path, help="file of the table")
     options = parser.parse_args()
+    rows = [("diameter_over_height", "error_friction_0.08_percent", "error_friction_0.25_percent",
+             "error_bonded_percent", "compressed_to")]  # fmt: skip
     if options.drawn:
         drawn(options.drawn, options.seed)
         return
@@ -63,6 +69,10 @@ def main():
             words.append(f"{100 * max(np.max(np.abs(one)) for one in errors):.2f} %")
             end = COMPRESSION[min(len(one) for one in errors) - 1]
         print(f"| {shape:.3f} | " + " | ".join(words) + f" | {end:g} |", flush=True)
+        rows.append((f"{shape:.3f}", *(word.removesuffix(" %") for word in words), f"{end:g}"))
+    if options.csv:
+        with options.csv.open("w", encoding="utf-8", newline="") as stream:
+            csv.writer(stream, lineterminator="\n").writerows(rows)
 
 
 if __name__ == "__main__":

@@ -48,8 +48,8 @@ def exact_press(rng: np.random.Generator, velocity: float, gamma1: float) -> Pre
     trace = Trace("exact", np.r_[lead, fine], np.r_[velocity * lead, x], np.r_[0.0 * lead, force])
     chosen, none = np.searchsorted(fine, nodes), np.zeros((len(nodes), 1))
     steady = np.asarray(force[fine >= end - 0.05 * hold].mean())
-    return Press(trace, nodes, x[chosen], force[chosen], none, none, 0.0, stop, hold, velocity, np.asarray(speed(0.0)), 0.0,
-                 steady, 0.01)  # fmt: skip
+    return Press(trace, nodes, x[chosen], force[chosen], none, none, 0.0, stop, hold, velocity,
+                 np.asarray(speed(0.0)), 0.0, steady, 0.01)  # fmt: skip
 
 
 def together(rows: Sequence[People]) -> People:

@@ -54,8 +54,8 @@ def main():
     parser.add_argument("--seed", type=int, default=1, help="of the random places")
     parser.add_argument("--csv", type=Path, help="file of the table")
     options = parser.parse_args()
-    rows = [("diameter_over_height", "error_friction_0.08_percent", "error_friction_0.25_percent",
-             "error_bonded_percent", "compressed_to")]  # fmt: skip
+    heads = ("error_friction_0.08_percent", "error_friction_0.25_percent", "error_bonded_percent")
+    rows: list[tuple[str, ...]] = [("diameter_over_height", *heads, "compressed_to")]
     if options.drawn:
         drawn(options.drawn, options.seed)
         return

@@ -12,12 +12,11 @@ import argparse
 import json
 import sys
 import time
-from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
 
-from benchmarks.rows import keep_row, read_rows, scratch, write_csv
+from benchmarks.rows import keep_row, read_rows, scratch
 from dummydesign.core.errors import InputError
 from dummydesign.loop.calibration import calibration_of
 from dummydesign.loop.run import close_loop, replay
@@ -205,17 +204,6 @@ def table(rows: list[dict]) -> str:
     return "\n".join(lines) + "\n"
 
 
-def functions(rows: list[dict]) -> Iterator[tuple[object, ...]]:
-    """Campaigns without an effect and with a function without a name; the rows of ``docs/data/loop-functions.csv``."""
-    yield "seed", "put_in", "verdict", "named", "learned_over", "modulus_in_interval", "error_on_other_pads_over_base"
-    own = [row for row in rows if row["kind"] in ("none", "unnamed") and "refused" not in row]
-    for row in sorted(own, key=lambda one: (one["kind"] != "none", [name for name, _ in one["put"]], one["seed"])):
-        low, high = row["interval_kPa"]
-        yield (row["seed"], " ".join(name for name, _ in row["put"]) or "none", row["verdict"], " ".join(row["named"]),
-               row["learned"] or "", "yes" if low <= row["young_kPa"] <= high else "no",
-               f"{row['replay_N'][1] / row['replay_N'][0]:.2f}")  # fmt: skip
-
-
 def main() -> None:
     """Run what is missing of the study, or print its table."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
@@ -226,7 +214,6 @@ def main() -> None:
     parser.add_argument("--effect", choices=list(generator.SIZES), help="this one alone in every campaign")
     parser.add_argument("--rows", type=Path, required=True)
     parser.add_argument("--table", action="store_true")
-    parser.add_argument("--functions", type=Path, metavar="CSV", help="write the campaigns of functions without a name")
     options = parser.parse_args()
     known = {row["seed"] for row in read_rows(options.rows)}
     counts = dict.fromkeys(SHOWN, 0)
@@ -243,9 +230,6 @@ def main() -> None:
         row = read_rows(options.rows)[-1]
         shown = {key: row.get(key) for key in ("seed", "put", "verdict", "named", "learned", "refused", "cpu_s")}
         print(json.dumps(shown), file=sys.stderr, flush=True)
-    if options.functions:
-        head, *lines = functions(read_rows(options.rows))
-        write_csv(options.functions, [str(name) for name in head], lines)
     if options.table:
         print(table(read_rows(options.rows)))
 

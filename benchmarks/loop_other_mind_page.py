@@ -137,7 +137,8 @@ def section() -> str:
         functions=len(state), learned=sum(row["learned"] is not None for row in state),
         flagged=sum(row["learned"] is not None or row["verdict"] == "unexplained" for row in state),
         curves=len(curves), read=sum("sensor_curve" in row["named"] for row in curves),
-        both=_learned_of([*rows, *others]), creeping=len(creeping), misread=sum("sensor_curve" in row["named"] for row in creeping),
+        both=_learned_of([*rows, *others]), creeping=len(creeping),
+        misread=sum("sensor_curve" in row["named"] for row in creeping),
         runs=len(read_rows(SIZES)), **_sizes(loop_detection.lines_of(loop_detection.detection(known))),
     )  # fmt: skip
 

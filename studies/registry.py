@@ -154,11 +154,7 @@ DATA_FILES = (
       for part in ("", "-effects", "-errors", "-missed", "-unnamed")),
     DataFile("loop-detection.csv", "python -m benchmarks.loop_detection --table", WRITTEN),
     DataFile("loop-ecoflex.csv", "python benchmarks/loop_ecoflex.py DATA_DIR", WRITTEN),
-    DataFile(
-        "loop-functions.csv",
-        "python -m benchmarks.loop_other_mind --rows benchmarks/loop_other_mind_985000.jsonl --campaigns 0 "
-        "--functions FILE", WRITTEN,
-    ),
+    DataFile("loop-functions.csv", "python benchmarks/loop_blind.py --table-only", WRITTEN),
     DataFile("loop-rules.csv", "", f"{BY_HAND} of the constants in dummydesign/loop/selection"),
     DataFile("loop-turns.csv", "python benchmarks/loop_turns.py", WRITTEN),
     DataFile(
@@ -178,6 +174,7 @@ DATA_FILES = (
     DataFile("pad-rejected.csv", "", f"{BY_HAND} of methods that left the sources; cannot be measured again"),
     DataFile("pad-three-fillets.csv", "", "counts of one comparison, kept by hand; no command repeats it"),
     DataFile("pad-time.csv", "python benchmarks/pad.py", f"{COPIED} on one machine"),
+    DataFile("puck-drawn.csv", "python benchmarks/puck_shapes.py --drawn 10", COPIED),
     DataFile("puck-hold.csv", "python benchmarks/puck_hold.py --draws 25 --csv FILE", COPIED),
     DataFile("puck-shapes.csv", "python benchmarks/puck_shapes.py --csv FILE", WRITTEN),
     DataFile("random-tissues.csv", "python benchmarks/random_tissues.py --table-only", WRITTEN),

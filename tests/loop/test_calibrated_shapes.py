@@ -101,7 +101,7 @@ def test_a_solved_shape_carries_the_correction_once(monkeypatch):
         best = Best()
 
     class Shaped:
-        found, shape = Found(), read_shape(CROWN)
+        result, shape = Found(), read_shape(CROWN)
 
     Shaped.law = law
     solved = elements_law.solve_law(Shaped(), SPACE)

@@ -58,3 +58,10 @@ def test_a_check_can_fail_and_then_says_so(found, kind, passed):
     check = Check("group", "name", 1.0, found, 0.01, "source", **kind)
     assert check.passed is passed
     assert ("FAIL" in document([check])) is not passed
+
+
+@pytest.mark.slow
+def test_all_checks_run_and_pass():
+    checks = run(fast=False)
+    assert [check.name for check in checks if not check.passed] == []
+    assert {check.group for check in checks} >= {"Shaped pads"}

@@ -32,7 +32,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("--robot-mass", metavar="KG", help="safety view: mass of the free body that hits tissue and pad")
     add("--robot-velocity", metavar="MM_S", help="its speed, with --robot-mass (default 250 mm/s)")
     add("--limits", metavar="FILE", help="safety view: your limits of force and pressure, with their source (TOML)")
-    drives = "also predict the presses on people: position, steady, force, mass:KG, spring:N_PER_MM,KG"
+    drives = "also predict the presses on people: position, steady, force, mass:KG, spring:K,M or spring:K,M,ZETA"
     add("--drive", metavar="NAME", help=drives)
     add("--out", metavar="DIR", help="folder of the files (default suggest-TISSUE)")
     add_replace_option(parser)

@@ -14,7 +14,7 @@ from dummydesign.pad.axisymmetric.case import Case
 from dummydesign.pad.axisymmetric.friction import solve_under_fillet
 from dummydesign.pad.fem import mesh_axisymmetric as meshes
 from dummydesign.pad.fem.mixed_solid import Solid
-from dummydesign.pad.field_files import grid, write_fields
+from dummydesign.pad.field_files import grid, write_fields, write_picture
 from dummydesign.pad.fields import cauchy, face_tractions, has_fields, solve_fields, to_nodes
 from dummydesign.pad.material.hyperelastic import Yeoh
 from dummydesign.pad.specimen import Pad, Puck
@@ -64,6 +64,11 @@ def test_the_drawn_punch_is_flat_then_a_quarter_circle_tangent_to_both():
     bend = slice(1, -1)
     assert np.hypot(r[bend] - (radius - rim), z[bend] + depth - rim) == pytest.approx(rim)
     assert (r[-2], z[-2]) == pytest.approx((radius, rim - depth))
+
+
+def test_a_picture_of_a_press_is_written_in_the_format_of_its_name(tmp_path):
+    assert write_picture([pressed()], tmp_path / "a.svg").read_text(encoding="utf-8").lstrip().startswith("<?xml")
+    assert write_picture([pressed()], tmp_path / "a.png").read_bytes()[:8] == b"\x89PNG\r\n\x1a\n"
 
 
 def test_half_the_modulus_in_a_cell_halves_its_stress():

@@ -12,7 +12,7 @@ from dummydesign.geometry.shapes.layered import Layered
 from dummydesign.geometry.shapes.slab import Slab
 from dummydesign.pad.axisymmetric.case import Case
 from dummydesign.pad.axisymmetric.shaped_pad import LEFT_TO_SHARP, sharp, solve_shaped_pad
-from dummydesign.pad.axisymmetric.shaped_problem import shaped_problem, solve_path
+from dummydesign.pad.axisymmetric.shaped_problem import contact_radius, shaped_problem, solve_path
 from dummydesign.pad.contact.axisymmetric import FilletedPunch
 from dummydesign.pad.fem.mesh_axisymmetric import Sizes, height_lines, radial_lines
 from dummydesign.pad.material.hyperelastic import Yeoh
@@ -48,6 +48,13 @@ def test_on_a_thick_pad_the_first_touch_is_that_of_hertz():
     c = np.sqrt(0.1 * depth)
     law = 16.0 / 9.0 * np.sqrt(0.1) * depth**1.5 * (1.0 + 1.133 * c)
     assert cap_force(press, depth, 24) == pytest.approx(law, rel=7e-3)
+
+
+def test_the_contact_on_a_thick_crown_grows_as_that_of_hertz():
+    depths = np.array([0.05, 0.1, 0.2])
+    touch = contact_radius(Pad(20.0, 0.03, 7.9, geometry=Crowned(20.0, 2.0, 9.0)), depths, 24)
+    assert touch.contact_radius_mm == pytest.approx(np.sqrt(20.0 * depths), rel=0.03)
+    assert touch.depth_mm == pytest.approx(depths) and not touch.reaches_edge.any()
 
 
 def test_sticking_changes_little_while_the_contact_is_small_and_stiffens_a_wide_one():

@@ -247,7 +247,7 @@ def _on_people(suggestion: Suggestion, drive: str | None, limits: Limits | None)
     """Carry the predicted presses over to people, where a drive was given."""
     if drive is None:
         return _People({})
-    from dummydesign.person.of_design import design_on_people, to_dict
+    from dummydesign.person.on_person import design_on_people, to_dict
     from dummydesign.report.on_person import people_sections
 
     pressed = design_on_people(suggestion, _drive(drive), limits)

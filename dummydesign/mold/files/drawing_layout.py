@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import importlib.util
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from pathlib import Path
 
 import numpy as np
 
@@ -292,3 +294,11 @@ def crown_detail(shape: PadShape, factor: float = 1.0) -> View:
         leaders.append(((at, -factor * depth), f"R{number_text(factor * shape.tip_radius_mm)} at the tip"))
     runs = ((border, "bound"), (profile, "cut"), (axis, "thin"))
     return View(f"detail {LETTER}", runs, measures, tuple(leaders), True, True)
+
+
+def font_file(name: str) -> Path | None:
+    """File of a font, found without loading matplotlib, or None where it is not installed."""
+    spec = importlib.util.find_spec("matplotlib")
+    places = spec.submodule_search_locations if spec is not None else None
+    file = Path(next(iter(places), "")) / f"mpl-data/fonts/ttf/{name}.ttf" if places else Path()
+    return file if file.is_file() else None

@@ -10,8 +10,8 @@ from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
 
+from dummydesign.mold.files.drawing_layout import font_file
 from dummydesign.mold.files.drawing_sheet import PAPERS, Drawing, binary_streams, draw
-from dummydesign.mold.files.fonts import font_file
 from dummydesign.mold.files.pour_sheet import Block
 
 PAGES_MM = {"A4": (210.0, 297.0), "A3": (297.0, 420.0)}

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from dummydesign.mold.files.fonts import font_file
+from dummydesign.mold.files.drawing_layout import font_file
 
 FINE = 2
 """Pixels are drawn so many times finer along each side and averaged."""

@@ -160,7 +160,7 @@ def test_a_function_whose_place_named_effects_take_is_no_answer(monkeypatch):
 
     monkeypatch.setattr(learn_effect, "learn", lambda *args: SimpleNamespace(fit=None, cost=0.0))
     monkeypatch.setattr(learn_effect, "assess", lambda fit: fit)
-    monkeypatch.setattr(learn_effect, "search", lambda *args: SimpleNamespace(after=model(0.0), effects=()))
+    monkeypatch.setattr(learn_effect, "search", lambda *_, **options: SimpleNamespace(after=model(0.0), effects=()))
     seen = Seen([Dependence("depth", 500.0, 3, 0.5, "")], [])
     assert learn_effect.learned_first(model(2000.0), seen, model(1000.0), (), quiet) is None
 

@@ -395,7 +395,8 @@ def learned_first(
     function = learn(base.fit, among)
     if function is None:
         return None
-    selection = search(assess(function.fit), available, progress)
+    # it takes the place of named effects: no more of them join it than stood without it
+    selection = search(assess(function.fit), available, progress, most=len(named.fit.problem.effects))
     after = selection.after
     if not any(isinstance(one, Learned) for one in after.fit.problem.effects):
         return None  # named effects have taken its place

@@ -190,13 +190,15 @@ def rank(base: AssessedModel, available: tuple[Effect, ...], progress: Progress 
 
 
 def search(
-    base: AssessedModel, available: tuple[Effect, ...], progress: Progress = quiet, ranked: Ranked | None = None
-) -> Selection:
+    base: AssessedModel, available: tuple[Effect, ...], progress: Progress = quiet, ranked: Ranked | None = None,
+    most: int = MOST,
+) -> Selection:  # fmt: skip
     """Grow models by one effect at a time, take the largest that is worth its effects, then look at each of them.
 
     The best models of each size are kept, so that a rival that fits less well alone may win with a partner,
     and one size beyond the last that was worth it, because two effects may only be worth it together: unless the last
-    that was worth it left nothing but noise. What must be gained grows with the number of models tried.
+    that was worth it left nothing but noise. What must be gained grows with the number of models tried. At most
+    ``most`` effects are added.
     """
     screened, ranking = ranked or rank(base, available, progress)
     tried = len(ranking)
@@ -204,7 +206,7 @@ def search(
     waiting = done = False
     children = ranking
     gained = ranking[0].gain if ranking else 0.0
-    for size in range(1, MOST + 1):
+    for size in range(1, most + 1):
         if not beam or gained < PROMISING[min(size, 2) - 1]:
             break
         best = same_noise(beam[0].fit)

@@ -144,21 +144,7 @@ def assembled(
 def build(
     radius_over_height: float, alphas: Sequence[float] = ALPHAS, frictions: Sequence[float] = FRICTIONS
 ) -> PuckTable:
-    """Solve the table for one shape of puck; 1 to 3 s for each pair of alpha and friction.
-
-    Parameters
-    ----------
-    radius_over_height : float
-        Radius of the undeformed puck over its height.
-    alphas : sequence of float
-        Exponents of the one-term Ogden law.
-    frictions : sequence of float
-        Coefficients of friction of the plates, ``inf`` for bonded.
-
-    Returns
-    -------
-    PuckTable
-    """
+    """Solve the table for one shape of puck, arguments as in :func:`solve_grid`; 1 to 3 s for each curve."""
     solved = solve_grid(radius_over_height, alphas, frictions)
     return assembled(radius_over_height, alphas, frictions, solved)[0]
 

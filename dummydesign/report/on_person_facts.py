@@ -49,18 +49,19 @@ def mismatch(result: dict[str, Any]) -> str:
     what = "The trace does" if count == 1 else f"{len(wrong)} of {count} traces do"
     where = "" if count == 1 else f"{one['file']}: "
     reason = one["drive_contradicted"]
-    return f"{what} not fit --drive {drive}. {where}{_capital(reason)}. {remedy(drive, one['signs'])}"
+    change, name = _capital(other_drive(drive, one["signs"])), drive.partition(":")[0]
+    return (f"{what} not fit --drive {drive}. {where}{_capital(reason)}. {change}. Keep --drive {name} if this is how "
+            "the robot acts on people.")  # fmt: skip
 
 
-def remedy(drive: str, signs: dict[str, Any]) -> str:
-    """What to do where a drive does not fit."""
+def other_drive(drive: str, signs: dict[str, Any]) -> str:
+    """What to type where a drive does not fit."""
     name, fits = drive.partition(":")[0], signs["looks_like"]
     if fits == "mass":
         fits = f"mass:{signs['mass_kg']:.3g}"
     elif fits == name:
         fits = None
-    change = f"Use --drive {fits}" if fits else "Give the drive that made the trace"
-    return f"{change}. Keep --drive {name} if this is how the robot acts on people."
+    return f"use --drive {fits}" if fits else "give the drive that made the trace"
 
 
 def headline(result: dict[str, Any]) -> tuple[str, str]:
@@ -163,8 +164,7 @@ def next_steps(result: dict[str, Any]) -> list[str]:
     word, steps = headline(result)[0], list[str]()
     wrong = next((one for one in result["presses"] if one["drive_contradicted"]), None)
     if wrong is not None:
-        change = remedy(result["drive"], wrong["signs"]).partition(". Keep")[0]
-        steps.append(f"{change[0].lower()}{change[1:]}")
+        steps.append(other_drive(result["drive"], wrong["signs"]))
     worst = worst_beyond(result["presses"])
     if worst is not None:
         steps.append(_into_range(worst[0]))

@@ -122,6 +122,22 @@ def test_rivals_of_one_effect_are_carried_on_and_those_far_behind_or_at_their_bo
     assert len(search._beam(ranking, 20000.0, 4)) == search.WIDTH
 
 
+@pytest.mark.parametrize(
+    ("cosine", "share", "stands_in"),
+    [(0.99, 0.002, True), (0.99, 0.01, False), (0.5, 0.002, False), (-0.99, 0.002, True)],
+)
+def test_what_looks_the_same_may_fall_short_by_a_share_of_the_evidence_and_still_be_the_cause(cosine, share, stands_in):
+    def candidate(gain, turned):
+        signature = np.array([turned, np.sqrt(1.0 - turned**2)])
+        return SimpleNamespace(gain=gain, screened=SimpleNamespace(signature=signature))
+
+    lag, delay = candidate(2e4, 1.0), candidate(2e4 * (1.0 - share), cosine)
+    near = search._near(SimpleNamespace(options=[lag, delay]), None)
+    assert near == ([delay] if stands_in else [])
+    # within ten in evidence nothing needs to look the same
+    assert search._near(SimpleNamespace(options=[lag, candidate(2e4 - 9.0, 0.1)]), None)
+
+
 def errors_of(square):
     return SimpleNamespace(heldout_by_trial_N=np.sqrt(square) * np.ones(4))
 
@@ -163,7 +179,6 @@ def test_evidence_apart_counts_only_bins_that_the_form_error_of_another_effect_d
     assert verdict.separate_evidence(near, "contact_offset") == pytest.approx(50 * size**2)
     # the offset's form error of 0.37 reaches every bin of the bias
     assert verdict.separate_evidence(fit, "force_bias") < 1e-3
-
 
 
 def doubtful(share, monkeypatch):

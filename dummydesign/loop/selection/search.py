@@ -28,7 +28,10 @@ from dummydesign.loop.selection.verdict import (
     worth,
 )
 
-RIVAL_GAP, FAMILY_COSINE = 10.0, 0.9
+RIVAL_GAP, FAMILY_COSINE, ALIKE_SHARE = 10.0, 0.9, 0.005
+"""Evidence by which another effect may explain less and still be the cause; the cosine from which on two signatures
+look the same; and then also that share of the evidence: the law of either is a convention, and what it misses decides
+between them. Below 1 ms, the right one of lag and delay was up to 0.3 % behind."""
 ALTERNATIVES, PRUNE_LEAST_Z, LIKE = 3, 4.0, 0.3
 """Effects tried in the place of each one found: how many, from which score on, and from which share of the squared
 score of the one found."""
@@ -104,7 +107,13 @@ def _near(check: EffectCheck, ratio: float | None) -> list[EffectCandidate]:
     """What explains the data as well as an effect, or nearly, likeliest first."""
     first, *others = check.options
     gap = RIVAL_GAP * max(1.0, ratio or 1.0)
-    return [one for one in others if first.gain - one.gain < gap]
+    wide = max(gap, ALIKE_SHARE * first.gain)
+    return [one for one in others if first.gain - one.gain < (wide if _alike(first.screened, one.screened) else gap)]
+
+
+def _alike(one: Screened, other: Screened) -> bool:
+    """Whether two effects look the same to first order."""
+    return abs(float(one.signature @ other.signature)) > FAMILY_COSINE
 
 
 def _change(current: AssessedModel, checks: list[EffectCheck], tried: int) -> CampaignFit | None:
@@ -146,7 +155,7 @@ def _accepted(current: AssessedModel, checks: list[EffectCheck], tried: int) -> 
         names = tuple(one.effect.name for one in _near(check, current.lack.ratio)[:2])
         others = [one for one in check.screened if one.effect.name != check.effect.name]
         # effects whose signature is nearly parallel look the same in this campaign
-        alike = [one for one in others if abs(float(own.screened.signature @ one.signature)) > FAMILY_COSINE]
+        alike = [one for one in others if _alike(own.screened, one)]
         family = tuple(one.effect.name for one in alike)
         limit, left = _limit(check, checks, tried).least, current.errors.heldout_N
         accepted.append(AcceptedEffect(own, names, family, limit, left, tuple(check.options)))

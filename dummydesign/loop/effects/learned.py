@@ -85,8 +85,11 @@ class SmoothChange:
         if len(at) == 1:
             change = np.interp(at[0], self.knots[0], self.values)
         else:
-            first, second = (hats(values, np.array(knots)) for values, knots in zip(at, self.knots))
-            change = np.einsum("...i,ij,...j->...", first, np.array(self.values), second)
+            (i, right), (j, up) = (place(values, np.array(knots)) for values, knots in zip(at, self.knots))
+            table = np.array(self.values)
+            low = table[i, j] + right * (table[i + 1, j] - table[i, j])
+            high = table[i, j + 1] + right * (table[i + 1, j + 1] - table[i, j + 1])
+            change = low + up * (high - low)
         for values, knots in zip(at, self.knots):
             change = change * fading(values, knots)
         return change
@@ -99,11 +102,16 @@ def fading(at: NDArray, knots: tuple[float, ...]) -> NDArray:
     return np.clip(1.0 - beyond, 0.0, 1.0)
 
 
-def hats(at: NDArray, knots: NDArray) -> NDArray:
-    """Weights (..., k) of linear interpolation on knots (k,), constant outside."""
+def place(at: NDArray, knots: NDArray) -> tuple[NDArray, NDArray]:
+    """The knot below each value and the share of the way to the next, held at the ends."""
     clipped = np.clip(at, knots[0], knots[-1])
     low = np.clip(np.searchsorted(knots, clipped, side="right") - 1, 0, len(knots) - 2)
-    share = (clipped - knots[low]) / (knots[low + 1] - knots[low])
+    return low, (clipped - knots[low]) / (knots[low + 1] - knots[low])
+
+
+def hats(at: NDArray, knots: NDArray) -> NDArray:
+    """Weights (..., k) of linear interpolation on knots (k,), constant outside."""
+    low, share = place(at, knots)
     out = np.zeros((*np.shape(at), len(knots)))
     np.put_along_axis(out, low[..., None], (1.0 - share)[..., None], axis=-1)
     np.put_along_axis(out, low[..., None] + 1, share[..., None], axis=-1)

@@ -29,16 +29,16 @@ campaigns were run after that.
 {rates}
 - Three floors or more: alone the effect leaves to the base model at least three noise floors on left-out conditions.
 - Sizes are compared for effects whose law is the same in both: {same}.
-- More than two floors: beyond the differences of the pads themselves, which vary from campaign to campaign. "Without a
-  factor of their own": the same conditions on pads that all follow the law. There it is {silent}.
+- More than two floors: beyond the differences of the pads themselves. "Without a factor of their own": on pads that all
+  follow the law. There it is {silent}.
 - The functions that are not learned are of depth over thickness (`bottom_felt`). They are named `strain_stiffening`,
   with 1.3 and 1.6 floors left on pads without a factor of their own.
 {wrong}
 Further campaigns:
 
 {more}
-- Functions without a name and none alone ({others} campaigns, `--seed 1060000 --campaigns 104 --only unnamed none`): in
-  {false} of {none} without an effect something is named. Of {functions} functions of the state {learned} are learned;
+- Functions without a name and none alone ({others} campaigns, `--seed 1060000 --campaigns 104 --only unnamed
+  none`): something is named in {false} of {none} without an effect. Of {functions} functions of the state {learned} are learned;
   {flagged} are learned or called unexplained. A curve of the reading is named in {read} of {curves}.
 - Of both studies, {both} functions of the state are learned, and {misread} of {creeping} hold functions
   (`creeping_hold`) are called `sensor_curve` (`docs/data/loop-functions.csv`).
@@ -46,8 +46,7 @@ Further campaigns:
 ## From which size an effect is found
 
 One effect a campaign, of the same generator: `python -m benchmarks.loop_detection --seed 1030000 --rounds 6 --beside
-benchmarks/loop_other_mind_1040000.jsonl` ({runs} campaigns, and the single effects from above). An effect is found when
-it is named first.
+benchmarks/loop_other_mind_1040000.jsonl` ({runs} campaigns, and the single effects from above). Found: named first.
 
 `docs/data/loop-detection.csv` has the size from which 9 of 10 are found, with its interval, also in noise floors. For
 instance: {sizes}.

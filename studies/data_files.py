@@ -9,9 +9,10 @@ from studies.registry import BY_HAND, COPIED, DATA_FILES, STUDIES, WRITTEN
 
 FOLDER = "docs/data/"
 PAGE = Path(FOLDER) / "README.md"
-HEAD = (
-    "# Data files\n\nTables behind the figures of the documentation. `python -m studies.data_files` writes this list.\n"
-)
+HEAD = """# Data files
+
+Tables behind the figures of the documentation. All end in `.csv`. `python -m studies.data_files` writes this list.
+"""
 
 
 def origins() -> dict[str, tuple[str, str]]:
@@ -27,7 +28,8 @@ def page() -> str:
     """The README: files that a command writes, files copied from what one prints, and lists by hand."""
     written: dict[str, list[str]] = {}
     copied, by_hand = [], []
-    for name, (command, origin) in origins().items():
+    for file, (command, origin) in origins().items():
+        name = file.removesuffix(".csv")
         if origin == WRITTEN:
             written.setdefault(command, []).append(name)
         elif command:

@@ -159,8 +159,8 @@ DATA_FILES = (
     DataFile("loop-turns.csv", "python benchmarks/loop_turns.py", WRITTEN),
     DataFile(
         "mould-cost.csv", "python benchmarks/mold_build.py",
-        f"{COPIED}; rows 'before ...' are of an earlier version and cannot be measured again; rows of shaped pads: the "
-        "same functions, with the pads named there",
+        f"{COPIED}; rows 'before ...' are of an earlier version and cannot be measured again; shaped pads: "
+        "by the same functions",
     ),
     DataFile("mould-gauge-points.csv", "", f"{BY_HAND} of gauge_places in dummydesign/geometry/shapes"),
     DataFile("mould-parts.csv", "", f"{BY_HAND} of the parts that dummydesign/mold/cad/build.py makes"),

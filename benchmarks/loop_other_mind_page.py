@@ -38,8 +38,8 @@ Further campaigns:
 
 {more}
 - Functions without a name and none alone ({others} campaigns, `--seed 1060000 --campaigns 104 --only unnamed
-  none`): something is named in {false} of {none} without an effect. Of {functions} functions of the state {learned} are learned;
-  {flagged} are learned or called unexplained. A curve of the reading is named in {read} of {curves}.
+  none`): something is named in {false} of {none} without an effect. Of {functions} functions of the state {learned}
+  are learned; {flagged} are learned or called unexplained. A curve of the reading is named in {read} of {curves}.
 - Of both studies, {both} functions of the state are learned, and {misread} of {creeping} hold functions
   (`creeping_hold`) are called `sensor_curve` (`docs/data/loop-functions.csv`).
 

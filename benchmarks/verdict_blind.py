@@ -231,7 +231,8 @@ Is the verdict of `compare` right? Simulated castings with known truth are press
   generator of `tests/support`, with its own finite-element curves and integrator.
 - Truth is the verdict on exact presses at 5, 10 and 15 N.
 - A casting is *near a border* if forces 1 % larger or smaller change its true level.
-- The curves end at 0.45 of the thickness, for a recommended crown at 0.59. Castings that do not reach 15 N were replaced.
+- The curves end at 0.45 of the thickness, for a recommended crown at 0.59. Castings that do not reach 15 N were
+  replaced.
 """
 
 

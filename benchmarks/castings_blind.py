@@ -392,12 +392,12 @@ code of its own. No real pad was cast.
 METHOD = """
 ## Method
 
-1. `suggest` designs crowned pads and slabs for the built-in tissues, with four degrees of knowledge of the resin. They
-   range from unmeasured to measured and made well (0.01 g, 0.05 mm, ratios in steps of 0.02).
+1. `suggest` designs crowned pads and slabs for the built-in tissues. The resin is known in four degrees, from
+   unmeasured to measured and made well (0.01 g, 0.05 mm, ratios in steps of 0.02).
 2. For each shape, one ratio is chosen at every level that occurs.
-3. Resin, weighing and thickness of each simulated pad are drawn from their intervals. Its force law has a smooth error
-   of the stated size. Force curves are finite-element solutions (`benchmarks/castings_blind_curves.json`).
-4. The factor that a pad needs is lowest subject over pad; the largest over peaks, energies and steady curve counts.
+3. Resin, weighing and thickness of each simulated pad are drawn from their intervals. Force curves are finite-element
+   solutions, with a smooth error of the stated size.
+4. The factor that a pad needs is lowest subject over pad, the largest over peaks, energies and steady curve.
 """
 
 
@@ -443,7 +443,7 @@ def table(rows: list[dict]) -> str:
         METHOD,
         f"{len(rows)} designs, seed {seeds}. {pads} pads have all uncertainties. {pads} further ones have a known",
         'modulus and relaxation (column "factor after measuring").',
-        "`python benchmarks/castings_blind.py` runs the study; `--table-only` writes this page from kept rows.", "",
+        "`python benchmarks/castings_blind.py` runs the study.", "",
         "## 95 % figures", "",
         "For how many of the pads in reach does the stated figure suffice? 95 % is expected. In brackets: one standard",
         "error. The figure itself comes from 1200 castings, which adds 0.6 percentage points.", "",
@@ -455,7 +455,7 @@ def table(rows: list[dict]) -> str:
             lines.append(f"| {words} | {len(own)} | {' | '.join(cells)} |")
     lines += [
         "", "Weakest groups:", "", *(_weakest(groups, *one) for one in shown), "",
-        "`docs/data/castings-blind.csv` has all groups, also by shape and by what is known of the resin.", "",
+        "All groups: `docs/data/castings-blind.csv`.", "",
         "## Levels", "", "| level | promised | stated | counted |", "|---|---|---|---|",
     ]  # fmt: skip
     for level, worst in (("stands_for", 0), ("usable_with_correction", 1), ("not_settled", 1)):
@@ -475,7 +475,7 @@ def _weakest(groups: dict[str, list[dict]], name: str, *names: str) -> str:
     share = {words: covered(own, *names) for words, own in groups.items()}
     low = min(share, key=lambda words: share[words][0] / max(share[words][1], 1))
     most = max(float(beyond(own, *names) or 0.0) for own in groups.values())
-    return f"- {name}: {_share(*share[low])} for {low}. Figures {most} % larger would suffice for 95 % in every group."
+    return f"- {name}: {_share(*share[low])} for {low}. Figures {most} % larger suffice for 95 % in every group."
 
 
 def _percent(good: int, every: int) -> tuple[str, str]:

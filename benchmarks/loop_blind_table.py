@@ -21,11 +21,10 @@ HEAD = """## A first generator
 `tests/support/campaign_generator.py` has laws that are nearer to those of the loop, and other effects without a name.
 
 - One effect: each of the vocabulary in turn, at its usual size, doubled and halved.
-- Two and three effects: drawn from the {count} that can be made large. Each alone would leave 3 to 8 noise floors on
-  left-out conditions.
+- Two and three: of the {count} that can be made large. Each alone would leave 3 to 8 noise floors on left-out
+  conditions.
 - Unnamed: effects outside the vocabulary. Those of the state depend on depth, force or time since the stop.
-- Silent: the verdict is `effect` or `none`, but more than two noise floors are left on other pads, besides the pads'
-  own differences.
+- Silent: `effect` or `none`, but more than two noise floors are left on other pads, besides the pads' own differences.
 """
 HEADS = {
     "loop-blind": ("quantity", "count", "total", "percent", "low_95_percent", "high_95_percent", "wanted"),
@@ -155,7 +154,8 @@ def table(rows: list[Row]) -> str:
                   "0.5 is wanted.", ""]  # fmt: skip
     single = [row for row in _by_effect(by_kind(rows)["one"]) if row[2] < row[1]]
     if single:
-        missed = (f"`{name}` in {total - first} of {total}" for name, total, first, _ in single)
+        missed = (f"`{name}`" + ("" if total == 1 else f" in {total - first} of {total}")
+                  for name, total, first, _ in single)  # fmt: skip
         lines += [f"One effect, not named first: {', '.join(missed)}."]
     return "\n".join(lines) + "\n"
 

@@ -132,14 +132,14 @@ def page(table: list[dict[str, str]]) -> str:
         f"{DEEP_MM:g} mm.", "Other public measurements: [real presses](real-data.md).", "",
         f"- The loop finds plate friction in {len(rubbing)} of {len(table)} mixtures, {min(sizes):.2f} to "
         f"{max(sizes):.2f}.",
-        f"- With it the error on the specimen that was left out is {min(share):.2f} to {max(share):.2f} of the base's "
+        f"- With it the error on the left-out specimen is {min(share):.2f} to {max(share):.2f} of the base's "
         f"(median {float(np.median(share)):.2f}).",
         f"- In {len(stiffer)} others it finds `strain_stiffening` instead.",
         f"- In {len(learned)} it learns a function only: {', '.join(learned)}.",
         f"- In {len(other)} it finds nothing: {', '.join(other)}.",
         f"- The verdict is `unexplained` in {unexplained} of {len(table)}.",
-        "- Stiffening, a curve of the load cell or a thickness error explain the curves almost as well:",
-        f"  over 0.9 of the friction's evidence in {alike} of these {len(rubbing)}.", "",
+        "- Stiffening, a curve of the load cell or a thickness error have over 0.9 of the friction's evidence in",
+        f"  {alike} of these {len(rubbing)}.", "",
         "**Press to half the height.** Curves cut at less depth do not separate friction from modulus:", "",
         "| calibrated to | friction found | another effect found | error to 15 mm larger with it |",
         "|---|---|---|---|",

@@ -24,31 +24,29 @@ orders, another plan. Single effects have sizes over two decades, pairs and thre
 
 {count} campaigns: `python -m benchmarks.loop_other_mind --seed 1300000 --campaigns {count}
 --rows benchmarks/loop_other_mind_1300000.jsonl`. At seed 1300073 the loop stopped with an error; it was mended, and six
-campaigns were run after that. The last column is of {earlier} campaigns of an earlier loop (seed 1050000).
+campaigns were run after that.
 
 {rates}
 - Three floors or more: alone the effect leaves to the base model at least three noise floors on left-out conditions.
 - Sizes are compared for effects whose law is the same in both: {same}.
-- More than two floors: beyond the differences of the pads themselves, which vary from campaign to campaign. "Without a
-  factor of their own": the same conditions on pads that all follow the law. There it is {silent}.
+- More than two floors: beyond the differences of the pads themselves. "Without a factor of their own": on pads that all
+  follow the law. There it is {silent}.
 - The functions that are not learned are of depth over thickness (`bottom_felt`). They are named `strain_stiffening`,
   with 1.3 and 1.6 floors left on pads without a factor of their own.
 {wrong}
 Further campaigns:
 
 {more}
-- Functions without a name and none alone ({others} campaigns, `--seed 1060000 --campaigns 104 --only unnamed none`): in
-  {false} of {none} without an effect something is named. Of {functions} functions of the state {learned} are learned;
-  {flagged} are learned or called unexplained. A curve of the reading is named in {read} of {curves}. (An earlier loop
-  learned 6 of 10 of these.)
+- Functions without a name and none alone ({others} campaigns, `--seed 1060000 --campaigns 104 --only unnamed
+  none`): something is named in {false} of {none} without an effect. Of {functions} functions of the state {learned}
+  are learned; {flagged} are learned or called unexplained. A curve of the reading is named in {read} of {curves}.
 - Of both studies, {both} functions of the state are learned, and {misread} of {creeping} hold functions
   (`creeping_hold`) are called `sensor_curve` (`docs/data/loop-functions.csv`).
 
 ## From which size an effect is found
 
 One effect a campaign, of the same generator: `python -m benchmarks.loop_detection --seed 1030000 --rounds 6 --beside
-benchmarks/loop_other_mind_1040000.jsonl` ({runs} campaigns, and the single effects from above). An effect is found when
-it is named first.
+benchmarks/loop_other_mind_1040000.jsonl` ({runs} campaigns, and the single effects from above). Found: named first.
 
 `docs/data/loop-detection.csv` has the size from which 9 of 10 are found, with its interval, also in noise floors. For
 instance: {sizes}.
@@ -90,17 +88,14 @@ def write_functions(path: Path) -> None:
             ])  # fmt: skip
 
 
-def rates_of(rows: list[dict], earlier: list[dict]) -> str:
-    """The table of a study with the rate of an earlier one as last column, and the lines below it."""
-    table, before = (loop_other_mind.table(one).partition("\n| effect |")[0].strip() for one in (rows, earlier))
-    known = {cells[0]: cells[1] for line in before.splitlines() if len(cells := line.split(" | ")) > 1}
+def rates_of(rows: list[dict]) -> str:
+    """The table of a study and the lines below it."""
     out = []
-    for number, line in enumerate(table.splitlines()):
+    for line in loop_other_mind.table(rows).partition("\n| effect |")[0].strip().splitlines():
         if not line.startswith("|"):
             out.append(f"- {line}" if line else "")
         elif not line.startswith(tuple(f"| {start}" for start in DROPPED)):
-            last = ("earlier", "---")[number] if number < 2 else known.get(line.split(" | ")[0], "")
-            out.append(f"{_without_rate(line)} {last} |")
+            out.append(_without_rate(line))
     return "\n".join(out)
 
 
@@ -130,7 +125,7 @@ def section() -> str:
     curves = [row for row in others if _put(row) in loop_other_mind.READINGS]
     creeping = [row for row in functions() if _put(row) == "creeping_hold"]
     return SECTION.format(
-        count=len(rows), earlier=len(earlier), rates=rates_of(rows, earlier), silent=listed(silent) or "none",
+        count=len(rows), rates=rates_of(rows), silent=listed(silent) or "none",
         wrong=f"- Single effects with a wrong name: {listed(wrong)}.\n" if wrong else "",
         same=", ".join(loop_other_mind.SAME_LAW), more="\n".join(more),
         others=len(others), none=len(none), false=sum(bool(row["named"] or row["learned"]) for row in none),

@@ -161,8 +161,8 @@ def table(rows: list[dict]) -> str:
     lines = [
         "# Three turns", "",
         "Simulated material. Each turn is a campaign, `loop --prior --plan` and `suggest --calibration`. The next turn",
-        "presses the plan and the designed pad. `docs/data/loop-turns.csv` has every turn of every series. Errors are",
-        "those on pads that no turn presses, in noise floors.",
+        "presses the plan and the designed pad. Errors are those on pads that no turn presses, in noise floors. All",
+        "turns: `docs/data/loop-turns.csv`.",
     ]  # fmt: skip
     if plain:
         lines += _plain_lines(rows, plain)

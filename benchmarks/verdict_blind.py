@@ -227,12 +227,12 @@ Is the verdict of `compare` right? Simulated castings with known truth are press
 
 ## Method
 
-- Designs for the built-in tissues are cast with errors of weighing, thickness and resin.
-- The generator of `tests/support` presses them, with its own finite-element curves and integrator.
+- Designs for the built-in tissues are cast with errors of weighing, thickness and resin, and pressed by the
+  generator of `tests/support`, with its own finite-element curves and integrator.
 - Truth is the verdict on exact presses at 5, 10 and 15 N.
 - A casting is *near a border* if forces 1 % larger or smaller change its true level.
-- The curves end at 0.45 of the thickness, for a recommended crown at 0.59. Castings that do not reach 15 N by then were
-  replaced by others.
+- The curves end at 0.45 of the thickness, for a recommended crown at 0.59. Castings that do not reach 15 N were
+  replaced.
 """
 
 
@@ -253,7 +253,7 @@ def table(rows: list[dict]) -> str:
     lines = [
         HEAD,
         f"{len(rows)} castings, seed {seeds}, {seconds:.1f} s of processor time each.", "",
-        "`python benchmarks/verdict_blind.py` runs the study and writes this page.", "", "## Results", "",
+        "`python benchmarks/verdict_blind.py` runs the study.", "", "## Results", "",
         f"- `compare` gives the true level in {same} of {len(rows)}.",
         f"- {len(low)} castings read more than 1 % too low: {wrong} are green, {passed} amber, the others red.",
         f"- {len(red)} castings are truly not representative: {len(red) - missed} are red, of the others {clear} are "

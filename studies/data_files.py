@@ -5,35 +5,43 @@ from __future__ import annotations
 from pathlib import Path
 
 from dummydesign.core.files import write_text
-from studies.registry import DATA_FILES, STUDIES
+from studies.registry import BY_HAND, COPIED, DATA_FILES, STUDIES, WRITTEN
 
 FOLDER = "docs/data/"
 PAGE = Path(FOLDER) / "README.md"
 HEAD = """# Data files
 
-Tables behind the figures of the documentation. `python -m studies.data_files` writes this list.
-
-| file | command | origin |
-|---|---|---|
+Tables behind the figures of the documentation. All end in `.csv`. `python -m studies.data_files` writes this list.
 """
 
 
 def origins() -> dict[str, tuple[str, str]]:
     """Command and origin of each file, by its name."""
     made = {
-        file.removeprefix(FOLDER): (study.command, "written by the command")
+        file.removeprefix(FOLDER): (study.command, WRITTEN)
         for study in STUDIES for file in study.files if file.startswith(FOLDER) and file.endswith(".csv")
     }  # fmt: skip
     return dict(sorted((made | {one.name: (one.command, one.origin) for one in DATA_FILES}).items()))
 
 
 def page() -> str:
-    """The README."""
-    rows = []
-    for name, (command, origin) in origins().items():
-        typed = f"`{command}`" if command else ""
-        rows.append(f"| {name} | {typed} | {origin} |\n")
-    return HEAD + "".join(rows)
+    """The README: files that a command writes, files copied from what one prints, and lists by hand."""
+    written: dict[str, list[str]] = {}
+    copied, by_hand = [], []
+    for file, (command, origin) in origins().items():
+        name = file.removesuffix(".csv")
+        if origin == WRITTEN:
+            written.setdefault(command, []).append(name)
+        elif command:
+            copied.append(f"| {name} | `{command}` | {origin.removeprefix(COPIED).lstrip('; ')} |\n")
+        else:
+            by_hand.append(f"| {name} | {origin.removeprefix(BY_HAND).removeprefix(' of').lstrip('; ')} |\n")
+    rows = [f"| `{command}` | {', '.join(names)} |\n" for command, names in written.items()]
+    return "".join([
+        HEAD, "\n## Written by a command\n\n| command | files |\n|---|---|\n", *rows,
+        "\n## Copied from what a command prints\n\n| file | command | |\n|---|---|---|\n", *copied,
+        "\n## Lists by hand\n\n| file | of |\n|---|---|\n", *by_hand,
+    ])  # fmt: skip
 
 
 def main() -> None:

@@ -17,11 +17,9 @@ HEAD = """# Errors
 
 An error is one line on standard error. With `--json` it is also printed as
 `{"error": {"code", "quantity", "value", "allowed", "message"}}`. In Python it is a `dummydesign.core.errors.InputError`
-or `NoAnswerError` with the same attributes. Codes never change; messages may. `python -m studies.errors` writes this
-page.
+or `NoAnswerError` with the same attributes. Codes never change; messages may.
 
-A quantity is what the error is about: an option without its dashes, a key of a file, or a number with its unit.
-Many quantities are known only at run time and are not listed.
+A quantity is an option without its dashes, a key of a file, or a number with its unit. Not all can be listed.
 """
 
 

@@ -148,7 +148,7 @@ DATA_FILES = (
       for part in ("", "-classes")),
     DataFile(
         "fit-coverage.csv", "python benchmarks/fit_coverage.py --draws 400 --seed SEED SEED --csv FILE",
-        f"{COPIED} (two seeds, not recorded)",
+        f"{COPIED}; two seeds, not recorded",
     ),
     *(DataFile(f"loop-blind{part}.csv", "python benchmarks/loop_blind.py --table-only", WRITTEN)
       for part in ("", "-effects", "-errors", "-missed", "-unnamed")),
@@ -159,8 +159,8 @@ DATA_FILES = (
     DataFile("loop-turns.csv", "python benchmarks/loop_turns.py", WRITTEN),
     DataFile(
         "mould-cost.csv", "python benchmarks/mold_build.py",
-        f"{COPIED}; rows 'before ...' are of an earlier version and cannot be measured again; rows of shaped pads were "
-        "measured by the same functions with the pads named there",
+        f"{COPIED}; rows 'before ...' are of an earlier version and cannot be measured again; shaped pads: "
+        "by the same functions",
     ),
     DataFile("mould-gauge-points.csv", "", f"{BY_HAND} of gauge_places in dummydesign/geometry/shapes"),
     DataFile("mould-parts.csv", "", f"{BY_HAND} of the parts that dummydesign/mold/cad/build.py makes"),
@@ -168,18 +168,18 @@ DATA_FILES = (
     DataFile(
         "on-person-blind.csv", "python -m benchmarks.on_person_blind --cases 240 --seed 417023 --out FILE", WRITTEN,
     ),
-    DataFile("pad-checks.csv", "", f"{BY_HAND}; its last column names the test or command of each comparison"),
+    DataFile("pad-checks.csv", "", f"{BY_HAND} of comparisons; its last column names the test or command of each"),
     DataFile("pad-getfem.csv", "python benchmarks/pad_getfem.py --python PATH", f"{COPIED}; GetFEM is needed"),
     DataFile("pad-limits.csv", "", f"{BY_HAND} of where solved curves ended and the errors that they stated"),
     DataFile("pad-rejected.csv", "", f"{BY_HAND} of methods that left the sources; cannot be measured again"),
-    DataFile("pad-three-fillets.csv", "", "counts of one comparison, kept by hand; no command repeats it"),
-    DataFile("pad-time.csv", "python benchmarks/pad.py", f"{COPIED} on one machine"),
+    DataFile("pad-three-fillets.csv", "", f"{BY_HAND} of counts of one comparison; no command repeats it"),
+    DataFile("pad-time.csv", "python benchmarks/pad.py", f"{COPIED}; on one machine"),
     DataFile("puck-drawn.csv", "python benchmarks/puck_shapes.py --drawn 10", COPIED),
     DataFile("puck-hold.csv", "python benchmarks/puck_hold.py --draws 25 --csv FILE", COPIED),
     DataFile("puck-shapes.csv", "python benchmarks/puck_shapes.py --csv FILE", WRITTEN),
     DataFile("random-tissues.csv", "python benchmarks/random_tissues.py --table-only", WRITTEN),
     DataFile("shapes-model-checks.csv", "", f"{BY_HAND} of checks in VERIFICATION.md and in tests/pad/shaped"),
-    DataFile("shapes-model-cubic.csv", "", "fits of crowns to a cubic law, kept by hand; no command repeats them"),
+    DataFile("shapes-model-cubic.csv", "", f"{BY_HAND} of fits of crowns to a cubic law; no command repeats them"),
     DataFile("shapes-offset.csv", "python benchmarks/pad_shaped_3d.py offset", COPIED),
     DataFile("suggest-keys.csv", "", f"{BY_HAND} of the keys of 'suggest --json'"),
     DataFile("upgrade.csv", "", f"{BY_HAND} of names that changed since 0.1.0"),

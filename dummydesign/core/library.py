@@ -41,7 +41,7 @@ def user_folder() -> Path:
         return Path(os.environ.get("LOCALAPPDATA", str(Path.home()))) / "dummydesign"
     if sys.platform == "darwin":
         return Path.home() / "Library" / "Application Support" / "dummydesign"
-    return Path(os.environ.get("XDG_DATA_HOME", str(Path.home() / ".local" / "share"))) / "dummydesign"
+    return Path(os.environ.get("XDG_DATA_HOME") or Path.home() / ".local" / "share") / "dummydesign"
 
 
 def entries(kind: str) -> dict[str, Entry]:

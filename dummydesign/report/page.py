@@ -215,6 +215,25 @@ def write_report(
     """Write ``report.html`` and a CSV of every plot (``report-NAME.csv``); see :func:`page` for the other parts.
 
     A front is the page's first sheet, and ``report.pdf`` where the library that writes PDF is installed.
+
+    Examples
+    --------
+    Layers of a plot are Line, Dots, Band, Bars, Cells (a map) and Ellipse.
+
+    >>> import tempfile
+    >>> import numpy as np
+    >>> from dummydesign.report.plot import Plot
+    >>> from dummydesign.report.plot_layers import Band, Line
+    >>> time, noise = np.linspace(0.0, 1.0, 5), np.full(5, 0.2)
+    >>> layers = (Band("noise", time, -noise, noise), Line("trace 1", time, 0.1 * time))
+    >>> plot = Plot(
+    ...     name="residual", title="Residual over time", alt="Residual of the fit over time; largest 0.1 N.",
+    ...     x_label="time [s]", y_label="residual [N]", x_name="time_s", y_name="force_N", layers=layers)
+    >>> table = Table(["trace", "rms N"], [["1", "0.05"]])
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     files = write_report(Path(folder), "Fit", "Five elements.", [Section("Residual", "", [plot], table)])
+    >>> sorted(files)
+    ['report', 'report_residual']
     """
     files = {}
     if front is not None:

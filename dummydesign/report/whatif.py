@@ -94,7 +94,7 @@ STATEMENT = (
     "its dummy II (20 mm, the thickest) is the most curved because it is thick. At equal depth and equal strain the "
     "5 mm slab is by far the most curved and the 20 mm slab the least. This holds on a glued and on a sliding base. "
     "At equal force the difference is smaller. At 25 kPa, 5 N and on a glued base the exponent falls from 1.21 (5 "
-    "mm) to 1.05 (20 mm), at 10 N from 1.36 to 1.15. In stiffening resins, too, the 20 mm slab is the least curved. "
+    "mm) to 1.05 (20 mm), at 10 N from 1.35 to 1.15. In stiffening resins, too, the 20 mm slab is the least curved. "
     "If dummy II was the most curved, its thickness was not the cause."
     "\n\n"
     "Not covered: depths above 0.6 of the thickness; resins other than neo-Hookean and Yeoh; a pad that lifts off "

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import json
+import sys
+from pathlib import Path
 
 import pytest
 
 from dummydesign.cli.entry import run
-from dummydesign.core.library import data_folder
+from dummydesign.core.library import data_folder, user_folder
 from dummydesign.resin import load_resin
 from dummydesign.tissue.model.tissue_file import load_tissue
 
@@ -30,6 +32,17 @@ def said(capsys, *words, status=0):
     assert run(list(words)) == status
     shown = capsys.readouterr()
     return shown.err if status else shown.out
+
+
+@pytest.mark.parametrize("named", ["", None])
+def test_an_empty_xdg_folder_is_as_none(named, tmp_path, monkeypatch):
+    monkeypatch.setattr(sys, "platform", "linux")
+    monkeypatch.delenv("DUMMYDESIGN_HOME", raising=False)
+    monkeypatch.delenv("XDG_DATA_HOME", raising=False)
+    monkeypatch.setattr(Path, "home", lambda: tmp_path)
+    if named is not None:
+        monkeypatch.setenv("XDG_DATA_HOME", named)
+    assert user_folder() == tmp_path / ".local" / "share" / "dummydesign"
 
 
 def test_add_refuses_a_name_that_is_taken_and_replace_takes_it(home, tmp_path, capsys):

@@ -48,9 +48,9 @@ def run_one(seed: int, other: bool, folder: Path) -> dict:
 def main() -> None:
     """Run campaigns and append rows."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--seed", type=int, default=961000)
+    parser.add_argument("--seed", type=int, default=964000)
     parser.add_argument("--campaigns", type=int, default=12)
-    parser.add_argument("--rows", type=Path, default=Path("benchmarks/loop_punch_edge_961000.jsonl"))
+    parser.add_argument("--rows", type=Path, default=Path("benchmarks/loop_punch_edge_964000.jsonl"))
     options = parser.parse_args()
     for number in range(options.campaigns):
         with tempfile.TemporaryDirectory() as folder:

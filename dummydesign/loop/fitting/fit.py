@@ -141,7 +141,7 @@ class CampaignFit:
     score: float
     joined: bool = False
     doubt: NDArray | None = None
-    """Covariance of the base logarithms beside the fit's own, from rival models and the law; see ``doubt_of``."""
+    """Covariance (n, n) beside the fit's own, from rivals and the law; see ``doubt_of`` and ``with_rough_law``."""
 
     @property
     def base(self) -> BaseParameters:
@@ -307,3 +307,33 @@ def rough_columns(campaign_fit: CampaignFit) -> NDArray:
             hat = np.interp(at, knots, np.eye(KNOTS)[knot])
             columns.append(np.where(own, size * campaign_fit.forces * hat, 0.0))
     return np.stack(columns, axis=-1) if columns else np.zeros((*presses.used.shape, 0))
+
+
+def with_rough_law(campaign_fit: CampaignFit) -> CampaignFit:
+    """The fit where its force law may be rough over depth: one linear step from the optimum, and what is left in doubt.
+
+    With C the fit's covariance, J and R the whitened sensitivities and :func:`rough_columns`, each with a standard
+    deviation of one, S = R'R + 1 - R'J C J'R and r the whitened residual: step - C J'R S^-1 R'r, doubt
+    C J'R S^-1 R'J C. Without it, what changes the force over depth takes up the law's waves.
+    """
+    fit, problem = campaign_fit, campaign_fit.problem
+    whiten = make_whitener(problem.presses, fit.sizes.noise, fit.slope)
+    count = len(fit.vector)
+    turned, left = whiten(fit.jacobian).reshape(-1, count), whiten(fit.residual).ravel()
+    rough = whiten(rough_columns(fit)).reshape(len(turned), -1)
+    apart = fit.covariance @ (turned.T @ rough)
+    inverse = np.linalg.inv(rough.T @ rough + np.eye(rough.shape[1]) - (rough.T @ turned) @ apart)
+    low, high = problem.bounds()
+    vector = np.clip(fit.vector - apart @ (inverse @ (rough.T @ left)), low, high)
+    doubt = apart @ inverse @ apart.T
+    moved = _finish(problem, vector, problem.predict(vector), fit.sizes)
+
+    def squares(at: CampaignFit) -> float:
+        """Squares with the waves at their likeliest."""
+        error = whiten(at.residual).ravel()
+        seen = rough.T @ error
+        waves = seen @ np.linalg.solve(rough.T @ rough + np.eye(len(seen)), seen)
+        return float(error @ error - waves + prior_precision(problem, fit.sizes) @ at.vector**2)
+
+    best = moved if squares(moved) < squares(fit) else fit
+    return replace(best, score=fit.score, doubt=doubt)

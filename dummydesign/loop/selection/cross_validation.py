@@ -167,7 +167,7 @@ def widened(fit: CampaignFit, lack_ratio: float | None = None) -> NDArray:
     if lack_ratio is not None and lack_ratio > MISFIT:
         covariance = covariance + jackknife(fit)
     if fit.doubt is not None:
-        covariance[:BASE, :BASE] += fit.doubt
+        covariance = covariance + fit.doubt
     for effect in fit.problem.effects:
         if not effect.held:
             size = fit.problem.entries[effect.name][0]

@@ -151,6 +151,8 @@ def _near(value: float, wanted: float, factor: float) -> bool:
 SHOWN = ("lack_of_fit", "at_bound", "not_identifiable", *CODES)
 """Codes of the fit's warnings that a comparison repeats."""
 BRAKING_MM_S2 = (3_000.0, 200_000.0)
+SLOW_MM_S, LEAST_SAMPLES, SEEN_STOP = 50.0, 8, 20.0
+"""Speed below which the stop is read off the path alone, and from how many samples and which gain in chi-square on."""
 AS_PRESSED = PressTest()
 """Every press in its own test, the steady curve from 5 to 15 N."""
 
@@ -241,9 +243,12 @@ def braking_of(trace: ReducedTrace, velocity_mm_s: float) -> float:
     """Deceleration of the robot: of the way left before the stop, sqrt(d - x) = sqrt(a / 2) (t_stop - t). [mm/s2]
 
     With fewer than four samples there, from the rise time, t_p = d / v + v / (2 a); the default when it is not seen.
+    Below 50 mm/s see :func:`soft_stop`.
     """
+    if velocity_mm_s < SLOW_MM_S:
+        return soft_stop(trace, velocity_mm_s)
     spare = trace.ramp.rise_time_s - trace.ramp.depth_mm / velocity_mm_s
-    if velocity_mm_s < 50 or spare <= 0:
+    if spare <= 0:
         return DECELERATION_MM_S2
     rough = float(np.clip(velocity_mm_s / (2.0 * spare), *BRAKING_MM_S2))
     time, x = trace.trace.time_s, trace.trace.displacement_mm
@@ -253,6 +258,34 @@ def braking_of(trace: ReducedTrace, velocity_mm_s: float) -> float:
         return rough
     slope = np.polyfit(time[seen], np.sqrt(trace.ramp.depth_mm - x[seen]), 1)[0]
     return float(np.clip(2.0 * slope**2, *BRAKING_MM_S2))
+
+
+def soft_stop(trace: ReducedTrace, velocity_mm_s: float) -> float:
+    """Deceleration of a slow press, the default where its path shows none. [mm/s2]
+
+    The way left, v t - v^2 / (2 a) before the brake and a t^2 / 2 after it, t to the stop, is fitted over the deeper
+    half; it must be likelier than a sudden stop by :data:`SEEN_STOP`.
+    """
+    from scipy.optimize import least_squares
+
+    ramp = trace.ramp
+    left = ramp.depth_mm - trace.trace.displacement_mm
+    since = trace.trace.time_s - ramp.stop_time_s
+    seen = (since > -ramp.rise_time_s) & (since < 0.1 * ramp.rise_time_s) & (left < 0.5 * ramp.depth_mm)
+    time, left = since[seen], left[seen]
+    if len(time) < LEAST_SAMPLES:
+        return DECELERATION_MM_S2
+
+    def misfit(values: NDArray) -> NDArray:
+        stop_s, speed, braking = float(values[0]), float(np.exp(values[1])), float(np.exp(values[2]))
+        ahead, brakes = np.maximum(stop_s - time, 0.0), speed / braking
+        return np.where(ahead < brakes, 0.5 * braking * ahead**2, speed * (ahead - 0.5 * brakes)) - left
+
+    sharp = least_squares(lambda two: misfit(np.r_[two, np.log(DECELERATION_MM_S2)]), [0.0, np.log(velocity_mm_s)])
+    starts = [np.r_[sharp.x, np.log(braking)] for braking in velocity_mm_s / np.array([0.01, 0.04, 0.16])]
+    soft = min((least_squares(misfit, start) for start in starts), key=lambda fit: fit.cost)
+    gain = len(time) * np.log(max(sharp.cost, 1e-300) / max(soft.cost, 1e-300))
+    return min(float(np.exp(soft.x[2])), DECELERATION_MM_S2) if gain > SEEN_STOP else DECELERATION_MM_S2
 
 
 def _shares(trace: ReducedTrace, band: ForceRange, noise_N: float) -> dict[str, Any]:

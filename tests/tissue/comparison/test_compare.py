@@ -100,6 +100,45 @@ def test_the_braking_is_read_from_the_motion(palm, deceleration):
     assert braking_of(reduce_trace(trace), 250.0) == pytest.approx(deceleration, rel=0.03)
 
 
+def slow_press(parameters, deceleration, noise_mm=0.0, speed=10.0):
+    """A press of a subject at a slow speed with its own stop, at 500 Hz, with noise of the position."""
+    motion = ramp_and_hold(speed, 5.0, deceleration_mm_s2=deceleration)
+    time = np.arange(0.0, motion.time_s[-1], 2e-3)
+    x = np.interp(time, motion.time_s, motion.displacement_mm)
+    force = parameters.force(Motion(time, x), 10.0)
+    return Trace("slow.csv", time, x + noise_mm * np.random.default_rng(2).standard_normal(len(x)), force)
+
+
+@pytest.mark.parametrize(
+    ("speed", "deceleration", "rel"), [(10.0, 60.0, 0.02), (10.0, 300.0, 0.1), (30.0, 300.0, 0.02)]
+)
+def test_a_soft_stop_of_a_slow_press_is_read_from_its_path(palm, speed, deceleration, rel):
+    from dummydesign.tissue.comparison import braking_of
+
+    trace = slow_press(palm.parameter_sets[2], deceleration, 1e-3, speed)
+    assert braking_of(reduce_trace(trace), speed) == pytest.approx(deceleration, rel=rel)
+
+
+def test_a_sudden_stop_of_a_slow_press_is_the_default(palm):
+    from dummydesign.tissue.comparison import braking_of
+
+    for noise_mm in (0.0, 2e-3):
+        trace = slow_press(palm.parameter_sets[2], 30_000.0, noise_mm)
+        assert braking_of(reduce_trace(trace), 10.0) == pytest.approx(30_000.0)
+
+
+def test_people_are_pressed_with_the_stop_of_the_press(palm):
+    subject = palm.parameter_sets[2]
+    shares = {}
+    for deceleration in (100.0, 30_000.0):
+        row = compare_traces([slow_press(subject, deceleration)], palm).result["by_trace"][0]
+        low, high = row["range_peak_low_N"], row["range_peak_high_N"]
+        shares[deceleration] = (row["peak_force_N"] - low) / (high - low), low
+    # the same subject lies at the same place among the others; all peaks are lower
+    assert shares[100.0][0] == pytest.approx(shares[30_000.0][0], abs=0.05)
+    assert shares[100.0][1] < 0.97 * shares[30_000.0][1]
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("subject", [1, 2, 3])
 def test_a_dummy_between_the_outermost_subjects_is_called_inside(palm, subject):

@@ -169,7 +169,9 @@ def quick_error() -> QuickError:
 
 def test_the_quick_error_lies_on_straight_lines_inside_and_is_carried_on_as_stated():
     error, depth = quick_error(), np.array([0.05, 0.3])
-    assert error.at(0.7, depth, 3.0) == pytest.approx(depth * (1.0 + 0.5 * np.log(0.7) + 0.25 * np.log(3.0)))
+    for ratio, rise in ((0.7, 3.0), (1.6, 9.0), (0.5, 1.0), (2.0, 16.0)):
+        exact = depth * (1.0 + 0.5 * np.log(ratio) + 0.25 * np.log(rise))
+        assert error.at(ratio, depth, rise) == pytest.approx(exact)
     assert error.at(9.0, depth, 99.0) == pytest.approx(error.at(2.0, depth, 16.0))
     assert error.at(0.1, depth, 0.25) == pytest.approx(0.25 * error.at(0.5, depth, 1.0))
     beyond = np.array([0.4, 0.5, 0.6])

@@ -141,6 +141,9 @@ def test_one_solved_thickness_answers_all_and_several_end_where_their_neighbours
     assert np.log(between) == pytest.approx(0.2)
     for error, at in ((0.01, 6.0), (0.01, 8.0), (0.03, 16.0), (0.03, 20.0)):
         assert two.relative_error(0.1 * at, at, RADIUS) == pytest.approx(error)
+    three = OwnSlabLaw(TABLE, (*two.solved, Solved(24.0, share, np.full(3, 0.9), np.full(3, 0.05))), 0.0)
+    for error, at in ((0.015, 8.0 * 2.0**0.25), (0.035, 16.0 * 1.5**0.25), (0.05, 24.0)):
+        assert three.relative_error(0.1 * at, at, RADIUS) == pytest.approx(error)
 
 
 def test_below_the_first_share_a_steep_law_goes_on_as_a_power_and_a_plain_one_is_held():
@@ -159,6 +162,12 @@ def test_what_lies_between_nodes_is_doubted_by_a_quarter_of_what_leaving_one_out
         Solved(float(h), share, 0.1 * np.log(h) ** 2 + np.zeros(2), np.zeros(2)) for h in np.exp([1.0, 1.5, 2.0, 2.5])
     )
     assert solved_law._doubt(nodes) == pytest.approx(0.25 * 0.1 * 0.25) and solved_law._doubt(nodes[:2]) == 0.0
+    # Only as deep as both neighbours reach, and there to the end.
+    deep, bent = np.array([0.1, 0.3, 0.5]), np.array([0.0, 0.2, 0.8])
+    first, last = (Solved(float(h), deep[:2], np.zeros(2), np.zeros(2)) for h in np.exp([1.0, 2.0]))
+    assert solved_law._doubt((first, Solved(float(np.exp(1.5)), deep, bent, bent), last)) == pytest.approx(0.25 * 0.2)
+    wide = [replace(one, share=deep, log_factor=np.zeros(3)) for one in (first, last)]
+    assert solved_law._doubt((wide[0], Solved(float(np.exp(1.5)), deep, bent, bent), wide[1])) == pytest.approx(0.2)
     line = tuple(replace(one, log_factor=np.log(one.thickness_mm) + np.zeros(2)) for one in nodes)
     assert solved_law._doubt(line) == pytest.approx(0.0, abs=1e-12)
 
@@ -215,6 +224,14 @@ def test_what_is_solved_over_the_table_ends_with_either_and_has_the_solve_s_erro
     monkeypatch.setattr(elastic_force, "solve_points", lambda own, depth: PadCurve(depth[:1], depth[:1], depth[:1], {}))
     with pytest.raises(NoAnswerError):
         solve_over_table(TABLE, own, 4.0)
+
+
+def test_what_a_near_rim_takes_is_doubted_besides_what_the_table_is_off_by(monkeypatch):
+    share = np.array([0.1, 0.3, 0.5])
+    made = {"share": share, "log_factor": np.zeros(3), "error": np.array([0.01, 0.02, 0.03])}
+    monkeypatch.setattr(solved_law, "_by_rim", lambda own, wanted: made)
+    found = solve_over_table(TABLE, pad(extent_mm=20.0), 12.0)
+    assert found.error == pytest.approx(made["error"] + TABLE.relative_error(12.0 * share, 12.0, RADIUS))
 
 
 def test_a_near_rim_is_compared_with_the_table_s_own_extent_on_the_same_cells(monkeypatch):

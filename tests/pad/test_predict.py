@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import json
+
 import numpy as np
 import pytest
 
 from dummydesign.core.errors import InputError, NoAnswerError
+from dummydesign.core.library import data_folder
 from dummydesign.geometry.shapes.boned import Boned
 from dummydesign.geometry.shapes.crowned import Crowned
 from dummydesign.geometry.shapes.layered import Layered
@@ -236,11 +239,14 @@ def test_a_shaped_pad_allows_for_its_kind_and_for_the_slab_that_is_pressed_as_de
 
 
 def test_the_share_of_a_kind_covers_every_pad_of_it_that_was_solved_and_an_unknown_kind_takes_the_largest():
-    shares = {kind: shape_share(kind) for kind in ("crowned", "layered", "boned", "unknown")}
-    assert all(0.0 <= end <= shares["unknown"][side] < 1.0 for ends in shares.values() for side, end in enumerate(ends))
-    assert max(ends[1] for ends in shares.values()) == shares["unknown"][1] > 0.0
-    assert len({shares[kind] for kind in ("crowned", "layered", "boned")}) > 1
-    assert load_quick_error("bonded").rho.max() > 0.0
+    rows = json.loads((data_folder() / "materials" / "tables" / predict.NAME).read_text(encoding="utf-8"))["shapes"]
+    kinds = {row["kind"] for row in rows}
+    assert len(kinds) > 2
+    for kind in (*kinds, "unknown"):
+        own = [row for row in rows if kind in (row["kind"], "unknown")]
+        largest = [max(0.0, *(row[side] for row in own)) for side in ("below", "above")]
+        assert shape_share(kind) == pytest.approx(largest)
+    assert len({shape_share(kind) for kind in kinds}) > 1 and load_quick_error("bonded").rho.max() > 0.0
 
 
 def test_arms_of_many_presses_at_once_are_those_of_each_alone():

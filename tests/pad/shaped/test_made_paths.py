@@ -186,10 +186,17 @@ def test_the_slab_under_a_flat_top_is_taken_from_the_table_of_its_edge(monkeypat
     monkeypatch.setattr(shaped_pad, "slab_table", lambda *words: tables.append(words) or load_table(words[0]))
     pad, curve, asked = slab_curve(monkeypatch, **kind)
     assert tables == [(pad.base, pytest.approx(pad.edge_radius_mm), pytest.approx(7.9))]
-    assert not asked and curve.depth_mm == pytest.approx(10.0 * DEPTHS)
+    assert not asked and curve.depth_mm == pytest.approx(10.0 * DEPTHS) and curve.notes == ()
     law = load_table(pad.base)
     assert curve.force_N == pytest.approx(law.force(10.0 * DEPTHS, 10.0, 0.03, 7.9), rel=1e-9)
     assert curve.error_N / curve.force_N == pytest.approx(law.relative_error(10.0 * DEPTHS, 10.0, 7.9), rel=1e-9)
+
+
+def test_the_slab_of_a_table_ends_where_it_does_and_says_so():
+    pad = Pad(4.0, 0.03, 7.9, geometry=Layered(2.0, 2.0))
+    limit, deep = float(load_table("bonded").depth_limit(7.9 / 4.0)), np.array([0.1, 0.3, 0.599])
+    curve = shaped_pad._slab_curve(pad, Case.of(pad), np.append(deep[deep < limit], 1.01 * limit), None)
+    assert curve.depth_mm == pytest.approx(4.0 * deep[deep < limit]) and len(curve.notes) == 1
 
 
 @pytest.mark.parametrize(

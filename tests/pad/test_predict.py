@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -14,6 +15,8 @@ from dummydesign.geometry.shapes.crowned import Crowned
 from dummydesign.geometry.shapes.layered import Layered
 from dummydesign.measurement.motion import Motion, ramp_and_hold
 from dummydesign.pad import elastic_force, predict
+from dummydesign.pad.axisymmetric import finite_strain
+from dummydesign.pad.axisymmetric.finite_strain import RatioPath
 from dummydesign.pad.elastic_force import elastic_curve, has_square_factor
 from dummydesign.pad.force_law import PadCurve, curve_at, depth_grid, interpolate_curve, slope_of
 from dummydesign.pad.material.hyperelastic import Yeoh
@@ -114,6 +117,29 @@ def test_a_base_with_friction_allows_for_both_bases_and_a_puck_for_a_glued_slab(
     asked.clear()
     predict.motion_on_curve(Puck(12.0, 0.03, 20.0, ARMS), motion, curve)
     assert asked == [("bonded", pytest.approx(10.0 / 12.0))]
+
+
+def test_a_motion_solved_at_finite_strain_has_its_ratio_and_doubts_a_share_of_the_viscous_part(monkeypatch):
+    asked, motion = [], short_steps()
+
+    def solve(case, prony, time_s, depth, progress=None):
+        asked.append((case.radius, prony, depth.max()))
+        separable = 1.0 + 0.0 * time_s
+        return RatioPath(time_s, depth, separable, separable, 1.0 + 0.1 * time_s, COST | {"rim_over_scale": 0.05})
+
+    monkeypatch.setattr(finite_strain, "solve_ratio", solve)
+    quick, solved = (predict_motion(pad(), motion, fidelity) for fidelity in ("table", "viscoelastic"))
+    assert asked == [(pytest.approx(7.9 / 12.0), ARMS, pytest.approx(2.4 / 12.0))]
+    later = motion.time_s > 0.01
+    assert solved.force_N[later] == pytest.approx((quick.force_N * (1.0 + 0.1 * motion.time_s))[later], rel=1e-4)
+    curve = elastic_curve(pad(), "table", None, None, None)
+    viscous = np.abs(quick.force_N - np.maximum(curve.force(motion.displacement_mm), 0.0))
+    deepest = np.maximum.accumulate(np.maximum(motion.displacement_mm, 0.0))
+    width = quick.force_N * curve.relative_error(deepest) + finite_strain.ratio_error(0.05) * viscous
+    assert solved.force_high_N - solved.force_N == pytest.approx(width, abs=1e-9)
+    assert solved.force_N - solved.force_low_N == pytest.approx(np.minimum(width, solved.force_N), abs=1e-9)
+    twice = predict.motion_on_curve(pad(), motion, replace(curve, solver=COST), "viscoelastic").solver
+    assert twice == {"unknowns": 9, "load_steps": 4, "newton_iterations": 10, "seconds": 1.0, "rim_over_scale": 0.05}
 
 
 @pytest.mark.parametrize("force", [0.5, 5.0, 12.0])

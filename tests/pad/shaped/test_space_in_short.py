@@ -171,7 +171,8 @@ def test_a_curve_is_the_finer_path_of_the_whole_in_newtons_with_what_the_coarser
     beside = solve_shaped_block(pad, depth, Grid(5), (1.0, -1.0))
     assert beside.force_N == pytest.approx(0.25 * found.force_N)
     paths[5] = made([0.1], [1.0], "it ends")
-    assert "0.100 of 0.300: it ends" in solve_shaped_block(pad, depth, Grid(5)).notes[0]
+    (note,) = solve_shaped_block(pad, depth, Grid(5)).notes
+    assert "0.100" in note and "0.300" in note and "it ends" in note
     paths[3] = made([], [], "at once")
     with pytest.raises(NoAnswerError, match="at once"):
         solve_shaped_block(pad, depth, Grid(5))

@@ -147,7 +147,7 @@ def test_a_sliding_path_that_cannot_go_on_halves_its_steps_and_says_how_far_it_g
     monkeypatch.setattr(friction, "find_equilibrium", walled)
     path = follow_sliding(SlidingMesh(case(), COARSE), DEPTHS)
     assert path.depth == pytest.approx(DEPTHS[:2])
-    assert "a wall; at relative depth 0.021" in path.stop and "1.0 times" in path.stop
+    assert all(one in path.stop for one in ("a wall", "0.021", "1.0"))
     assert path.newton_iterations >= path.load_steps + 3 * len(failed)
     # The last step that failed was less than two of the smallest; no step before it was tried twice.
     assert min(failed) - 0.0213 < 2.0 * SMALLEST_SLIDE and len(failed) == len(set(failed)) > 3

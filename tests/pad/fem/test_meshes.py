@@ -11,7 +11,15 @@ from dummydesign.pad.axisymmetric import filleted
 from dummydesign.pad.axisymmetric.case import Case, rimmed_problem, sharp_problem
 from dummydesign.pad.axisymmetric.filleted import AT_FILLET, CELLS, GROWTH, LARGEST, filleted_problem
 from dummydesign.pad.axisymmetric.profile_punch import CELLS as PROFILE_CELLS
-from dummydesign.pad.axisymmetric.profile_punch import EDGE_CELLS, SHARE, TIP_CELLS, Region, edge_problem, tip_region
+from dummydesign.pad.axisymmetric.profile_punch import (
+    EDGE_CELLS,
+    SHARE,
+    TIP_CELLS,
+    Region,
+    edge_problem,
+    indentation_problem,
+    tip_region,
+)
 from dummydesign.pad.axisymmetric.shaped_problem import Touch, first_depth, shaped_problem
 from dummydesign.pad.fem import mesh_axisymmetric as plane
 from dummydesign.pad.fem import mesh_hexahedra as space
@@ -174,6 +182,21 @@ def test_under_a_ball_some_cells_lie_in_the_first_contact(depth, radius):
     assert region.cell == pytest.approx(TIP_CELLS * tip / 24.0, rel=0.03)
     coarse = tip_region(sphere(radius), 0.7, depth, 12)
     assert coarse.cell == pytest.approx(2.0 * region.cell) and coarse.share == pytest.approx(2.0 * region.share)
+
+
+@pytest.mark.parametrize("region", [Region(0.0, 0.8, 0.02, 0.2), Region(0.5, 1.0, 0.05)])
+def test_cells_beside_a_fine_region_go_on_from_its_own(region):
+    problem = indentation_problem(sphere(3.0), region, Case(0.8, 2.4, condition="frictionless"))
+    mesh = problem.solid.mesh
+    r, z = (np.unique(mesh.nodes[k, plane.cell_nodes(mesh)[:, :4]].round(9)) for k in (0, 1))
+    start, stop = (int(np.argmin(np.abs(r - one))) for one in (region.start, region.stop))
+    sizes, growth = np.diff(r), 1.3
+    assert r[start : stop + 1] == pytest.approx(region.lines()) and mesh.weight.sum() == pytest.approx(np.pi * 2.4**2)
+    # What is graded begins with its first cell or a little less, so that the last one ends where it should.
+    assert sizes[stop - 1] / growth**2 < sizes[stop] <= sizes[stop - 1] * (1.0 + 1e-6)
+    assert region.cell / growth**2 < -z[-2] <= region.cell * (1.0 + 1e-6)
+    if start:
+        assert region.cell / growth**2 < sizes[start - 1] <= region.cell * (1.0 + 1e-6)
 
 
 def test_a_sliding_edge_is_meshed_finely_inwards_and_beyond():

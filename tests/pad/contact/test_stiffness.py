@@ -79,3 +79,27 @@ def test_a_punch_in_space_pushes_back_by_its_penalty_times_depth_and_area():
     bead = 0.3 * block.scale * np.sqrt(np.pi) / 2.0
     wanted = stiffness.BEADED_SQUARE.contact / bead * depth * ((0.8 - bead) ** 2 - glued**2)
     assert force[2::3].sum() == pytest.approx(wanted, rel=0.05)
+
+
+def test_where_cells_grow_with_the_radius_the_contact_of_a_profile_is_as_much_softer():
+    """Contact mu over the larger of the cell and its share of the radius, over the face: by Simpson's rule."""
+    region, depth = indentation.Region(0.0, 0.8, 0.02, 0.2), 1e-7
+    problem = indentation.indentation_problem(FlatPunch(1.0, 0.2), region, CASE, stiffness=indentation.SHAPED_STIFFNESS)
+    force = problem.surface.forces(np.zeros(problem.solid.mesh.size), problem.punch, depth)[0]
+    r = np.linspace(0.0, 0.8, 40001)
+    wanted = np.trapezoid(2.0 * np.pi * r / np.maximum(0.02, 0.2 * r), r) * indentation.SHAPED_STIFFNESS * depth
+    assert force[1::2].sum() == pytest.approx(wanted, rel=0.02)
+
+
+@pytest.mark.parametrize("cell", [0.02, 0.1])
+def test_a_face_slips_as_a_whole_before_it_has_gone_a_fifth_of_a_cell(cell):
+    region, depth = indentation.Region(0.3, 1.0, cell), 1e-3
+    case = replace(CASE, condition="friction:0.3")
+    problem = indentation.indentation_problem(FlatPunch(0.8, 0.1), region, case)
+    surface, size = problem.surface, problem.solid.mesh.size
+    drags = []
+    for way in (1e-4, 0.2):
+        aside = np.tile([way * cell, 0.0], size // 2)
+        force = surface.forces(aside, problem.punch, depth)[0]
+        drags.append(force[0::2].sum() / force[1::2].sum())
+    assert drags[0] < 0.02 * 0.3 and drags[1] == pytest.approx(0.3, rel=0.03)

@@ -1,12 +1,14 @@
 """Files are written whole or not at all, also by several at once."""
 
 import os
+import threading
+import time
 from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 
 from dummydesign.core.errors import InputError
-from dummydesign.core.files import write_bytes
+from dummydesign.core.files import held, take, write_bytes
 from tests.support.refusal import raises_code
 
 
@@ -61,3 +63,18 @@ def test_a_written_file_has_the_rights_of_any_new_file(tmp_path):
 
 def test_a_name_as_long_as_the_disk_allows_is_written(tmp_path):
     assert write_bytes(tmp_path / ("指" * 85), b"1").read_bytes() == b"1"
+
+
+def test_a_lock_is_held_until_it_is_let_go_and_patience_waits_for_it(tmp_path):
+    place = tmp_path / "new" / "lock"
+    assert not held(place)
+    mine = take(place)
+    assert mine is not None and held(place)
+    begun = time.monotonic()
+    assert take(place) is None
+    assert take(place, 0.05) is None and time.monotonic() - begun > 0.04
+    threading.Timer(0.05, mine.close).start()
+    later = take(place, 60.0)
+    assert later is not None
+    later.close()
+    assert not held(place)

@@ -102,3 +102,17 @@ def test_a_script_whose_workers_would_run_it_again_gets_the_line_that_it_lacks(t
     done = run(tmp_path, "script.py", DUMMYDESIGN_CACHE="off")
     assert done.returncode == 1
     assert b"if __name__ == '__main__':" in done.stderr.splitlines()[-1]
+
+
+def test_the_user_s_folder_is_the_platform_s_where_none_is_named(monkeypatch, tmp_path):
+    monkeypatch.delenv("DUMMYDESIGN_HOME", raising=False)
+    monkeypatch.setattr(Path, "home", classmethod(lambda cls: tmp_path))
+    for name in ("XDG_DATA_HOME", "LOCALAPPDATA"):
+        monkeypatch.delenv(name, raising=False)
+    places = {"linux": tmp_path / ".local" / "share", "win32": tmp_path,
+              "darwin": tmp_path / "Library" / "Application Support"}  # fmt: skip
+    for platform, place in places.items():
+        monkeypatch.setattr("sys.platform", platform)
+        assert library.user_folder() == place / "dummydesign"
+    monkeypatch.setenv("DUMMYDESIGN_HOME", str(tmp_path / "own"))
+    assert library.user_folder() == tmp_path / "own"

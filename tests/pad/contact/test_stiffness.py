@@ -1,12 +1,20 @@
 """Every solve takes its contact stiffness from the one table."""
 
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from dummydesign.geometry.shapes.slab import Slab
 from dummydesign.pad.axisymmetric import case as problem
 from dummydesign.pad.axisymmetric import filleted, puck
 from dummydesign.pad.axisymmetric import friction as rubbing
 from dummydesign.pad.axisymmetric import profile_punch as indentation
 from dummydesign.pad.axisymmetric import shaped_problem as round_pad
+from dummydesign.pad.axisymmetric.case import Case
 from dummydesign.pad.contact import friction as resting_base
 from dummydesign.pad.contact import penalty as stiffness
+from dummydesign.pad.contact.axisymmetric import FlatPunch
 from dummydesign.pad.spatial import shaped_pad as spatial
 from dummydesign.pad.spatial import square_punch as square_beaded
 
@@ -28,3 +36,70 @@ def test_each_solve_has_the_penalty_of_its_line_and_each_line_its_reason():
     }
     assert taken == {name: line.contact for name, line in lines.items()}
     assert (problem.FILM_STIFFNESS, square_beaded.GRIP_STIFFNESS) == (300.0, 300.0)
+
+
+CASE = Case(0.8, 2.4, condition="frictionless", edge=0.1)
+ROUND = {
+    "ROUND_SHAPED_PAD": (lambda: round_pad.shaped_problem(Case(0.8, 2.4, condition="frictionless"), 8), 0.8 / 8),
+    "PROFILE_PUNCH": (
+        lambda: indentation.indentation_problem(
+            FlatPunch(0.8, 0.1), indentation.Region(0.5, 1.0, 0.05), CASE, stiffness=indentation.SHAPED_STIFFNESS
+        ),
+        0.05,
+    ),
+    "SLIDING_EDGE": (lambda: indentation.edge_problem(CASE), 0.1 / 3.0),
+    "RUBBING_PUNCH": (lambda: rubbing.rubbing_problem(replace(CASE, condition="friction:0.3"), 2), 0.1),
+    "FILLETED_PUNCH": (lambda: rubbing.SlidingMesh(CASE, 2).problem, 0.1),
+}
+
+
+@pytest.mark.parametrize("name", ROUND)
+def test_a_round_punch_pushes_back_by_its_penalty_times_depth_and_area(name):
+    """So little deep that fillet and film count for nothing: contact mu / length times pi times the flat's radius^2."""
+    make, over = ROUND[name]
+    problem, depth = make(), 1e-7
+    force = problem.surface.forces(np.zeros(problem.solid.mesh.size), problem.punch, depth)[0]
+    area = np.pi * problem.punch.flat_radius**2
+    assert force[1::2].sum() == pytest.approx(getattr(stiffness, name).contact / over * depth * area, rel=0.03)
+
+
+def test_a_punch_in_space_pushes_back_by_its_penalty_times_depth_and_area():
+    grid = spatial.Grid(3, 0.2, 1.0, 2.5)
+    load = spatial.Load(Slab(), 10.0, (0.8, 0.6), (2.4, 2.0), condition="frictionless")
+    problem, depth = spatial.shaped_problem(load, grid), 1e-7
+    force = problem.surface.forces(np.zeros(problem.solid.mesh.size), problem.punch, depth)[0]
+    area = (0.8 - 0.12) * (0.6 - 0.12)
+    wanted = stiffness.SHAPED_PAD_IN_SPACE.contact / (0.6 / 3) * depth * area
+    assert force[2::3].sum() == pytest.approx(wanted, rel=0.05)
+    block = square_beaded.Block((0.8, 0.8), (2.4, 2.4), condition="frictionless")
+    problem = square_beaded.block_problem(block, square_beaded.Cells(0.3), 0.3)
+    force = problem.surface.forces(np.zeros(problem.solid.mesh.size), problem.punch, depth)[0]
+    # The face inside the last cell moves with the punch: contact is what lies between it and the fillet.
+    glued = problem.solid.mesh.nodes[0, problem.driven // 3].max()
+    bead = 0.3 * block.scale * np.sqrt(np.pi) / 2.0
+    wanted = stiffness.BEADED_SQUARE.contact / bead * depth * ((0.8 - bead) ** 2 - glued**2)
+    assert force[2::3].sum() == pytest.approx(wanted, rel=0.05)
+
+
+def test_where_cells_grow_with_the_radius_the_contact_of_a_profile_is_as_much_softer():
+    """Contact mu over the larger of the cell and its share of the radius, over the face: by Simpson's rule."""
+    region, depth = indentation.Region(0.0, 0.8, 0.02, 0.2), 1e-7
+    problem = indentation.indentation_problem(FlatPunch(1.0, 0.2), region, CASE, stiffness=indentation.SHAPED_STIFFNESS)
+    force = problem.surface.forces(np.zeros(problem.solid.mesh.size), problem.punch, depth)[0]
+    r = np.linspace(0.0, 0.8, 40001)
+    wanted = np.trapezoid(2.0 * np.pi * r / np.maximum(0.02, 0.2 * r), r) * indentation.SHAPED_STIFFNESS * depth
+    assert force[1::2].sum() == pytest.approx(wanted, rel=0.02)
+
+
+@pytest.mark.parametrize("cell", [0.02, 0.1])
+def test_a_face_slips_as_a_whole_before_it_has_gone_a_fifth_of_a_cell(cell):
+    region, depth = indentation.Region(0.3, 1.0, cell), 1e-3
+    case = replace(CASE, condition="friction:0.3")
+    problem = indentation.indentation_problem(FlatPunch(0.8, 0.1), region, case)
+    surface, size = problem.surface, problem.solid.mesh.size
+    drags = []
+    for way in (1e-4, 0.2):
+        aside = np.tile([way * cell, 0.0], size // 2)
+        force = surface.forces(aside, problem.punch, depth)[0]
+        drags.append(force[0::2].sum() / force[1::2].sum())
+    assert drags[0] < 0.02 * 0.3 and drags[1] == pytest.approx(0.3, rel=0.03)

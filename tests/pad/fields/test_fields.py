@@ -1,5 +1,6 @@
 """Stress, displacement and contact pressure inside pressed pads: closed forms, balance of forces, files."""
 
+from dataclasses import replace
 from functools import lru_cache
 from types import SimpleNamespace
 
@@ -14,8 +15,8 @@ from dummydesign.pad.axisymmetric.case import Case
 from dummydesign.pad.axisymmetric.friction import solve_under_fillet
 from dummydesign.pad.fem import mesh_axisymmetric as meshes
 from dummydesign.pad.fem.mixed_solid import Solid
-from dummydesign.pad.field_files import grid, write_fields, write_picture
-from dummydesign.pad.fields import cauchy, face_tractions, has_fields, solve_fields, to_nodes
+from dummydesign.pad.field_files import TOP, draw, grid, write_fields, write_picture
+from dummydesign.pad.fields import FREE, cauchy, face_tractions, has_fields, solve_fields, to_nodes
 from dummydesign.pad.material.hyperelastic import Yeoh
 from dummydesign.pad.specimen import Pad, Puck
 from tests.support.refusal import raises_code
@@ -69,6 +70,68 @@ def test_the_drawn_punch_is_flat_then_a_quarter_circle_tangent_to_both():
 def test_a_picture_of_a_press_is_written_in_the_format_of_its_name(tmp_path):
     assert write_picture([pressed()], tmp_path / "a.svg").read_text(encoding="utf-8").lstrip().startswith("<?xml")
     assert write_picture([pressed()], tmp_path / "a.png").read_bytes()[:8] == b"\x89PNG\r\n\x1a\n"
+
+
+def test_a_picture_shows_both_halves_of_pad_and_punch_to_scale_with_stress_in_kilopascals():
+    found = pressed()
+    figure = draw([found], "title")
+    section, curve = figure.axes[:2]
+    assert section.get_aspect() == 1.0 and figure._suptitle.get_text() == "title"
+    (left, right), (low, high) = section.get_xlim(), section.get_ylim()
+    radius = found.punch_mm[:, 0].max()
+    # Less than twice as wide as the punch; the pad's base and its whole face are in it.
+    assert left == -right and 1.2 * radius < right < 2.0 * radius and -2.0 < low < 0.0 and 10.5 < high < 12.5
+    points = (found.rest_mm + found.displacement_mm)[found.face.node]
+    drawn = [line.get_xydata() for line in section.lines if len(line.get_xydata()) == len(points)]
+    assert drawn[0] == pytest.approx(points) and drawn[1] == pytest.approx(points * [-1.0, 1.0])
+    outline = section.patches[0].get_xy()
+    assert outline[:, 0].min() == -radius and outline[:, 0].max() == radius and outline[:, 1].max() > high
+    assert outline[:, 1].min() == pytest.approx(9.0) and outline[:-1, 0].sum() == pytest.approx(0.0, abs=1e-9)
+    shown = [np.asarray(one.get_array()) for one in section.collections]
+    near = found.rest_mm[:, 0] < 1.2 * right
+    mises = 1e3 * found.von_mises_MPa
+    assert len(shown) == 2 and shown[0] == pytest.approx(shown[1])
+    assert shown[0].max() == pytest.approx(mises[near].max())
+    under = mises[found.rest_mm[:, 0] < 0.9 * radius]
+    assert section.collections[0].get_clim() == (0.0, pytest.approx(np.percentile(under, TOP)))
+    assert float(section.get_title(loc="left").split()[1]) == 1.0
+    contact = found.contact()
+    pressures = curve.lines[0].get_xydata().T
+    assert pressures[0] == pytest.approx(contact["profile"]["radius_mm"])
+    assert pressures[1] == pytest.approx(contact["profile"]["pressure_kPa"])
+    assert curve.lines[1].get_ydata() == pytest.approx(np.full(2, contact["mean_kPa"]))
+    bottom, most = curve.get_ylim()
+    assert bottom == 0.0 and max(contact["peak_kPa"], contact["mean_kPa"]) < most < contact["edge_kPa"]
+    assert curve.get_xlim()[0] == 0.0 and radius < curve.get_xlim()[1] < 2.0 * radius
+    assert f"{contact['edge_kPa']:.3g} kPa" in curve.get_title(loc="right")
+
+
+def test_at_most_four_depths_are_drawn_the_first_and_the_last_among_them():
+    fields = [replace(pressed(), depth_mm=float(depth)) for depth in range(1, 10)]
+    many, two = draw(fields), draw(fields[:2])
+    titles = [axes.get_title(loc="left") for axes in many.axes[:8:2]]
+    assert [int(title.split()[1]) for title in titles] == [1, 4, 6, 9]
+    assert len(two.axes) == 5 and two.get_figheight() < many.get_figheight()
+    free = replace(pressed().face, state=np.full(len(pressed().face.state), FREE), contact_radius_mm=0.0)
+    idle = draw([replace(pressed(), face=free, force_N=0.0)]).axes[1]
+    assert idle.get_title(loc="right") == "" and idle.get_ylim() == (0.0, 1.0)
+
+
+def test_the_grid_of_a_pad_has_its_fields_in_the_plane_and_those_of_the_face_at_its_nodes():
+    found = pressed()
+    made = grid(found)
+    assert made.points[:, :2] == pytest.approx(found.rest_mm) and not made.points[:, 2].any()
+    data = made.point_data
+    assert data["displacement_mm"][:, :2] == pytest.approx(found.displacement_mm)
+    assert not data["displacement_mm"][:, 2].any() and not data["cauchy_MPa"][:, 4:].any()
+    assert data["cauchy_MPa"][:, :4] == pytest.approx(found.cauchy_MPa)
+    assert data["pressure_MPa"] == pytest.approx(found.pressure_MPa)
+    assert data["von_mises_MPa"] == pytest.approx(found.von_mises_MPa)
+    node, face = found.face.node, found.face
+    for name, values in (("pressure_MPa", face.pressure_MPa), ("shear_MPa", face.shear_MPa), ("state", face.state)):
+        assert data[f"contact_{name}"][node] == pytest.approx(values)
+        assert not np.delete(data[f"contact_{name}"], node).any()
+    assert (made.field_data["depth_mm"][0], made.field_data["force_N"][0]) == (1.0, found.force_N)
 
 
 def test_half_the_modulus_in_a_cell_halves_its_stress():

@@ -36,6 +36,15 @@ def test_a_departure_from_the_table_is_found(base):
     assert np.abs(off).max() < 3e-4
 
 
+def test_values_that_go_up_and_down_by_half_a_per_cent_are_not_followed_as_a_departure():
+    """Three depths, three terms: without the weak preference for small, smooth departures all would be met."""
+    depth, table, wave = np.array([0.2, 0.35, 0.5]), load_table(), 0.005 * np.array([1.0, -1.0, 1.0])
+    first = float(np.exp(table.log_stiffness(0.0, 0.6)[0]))
+    found = fit_departure(rimmed(0.6, wave, depth), first, table)
+    followed = (found.log_stiffness(depth, np.array(0.6)) - table.log_stiffness(depth, 0.6)[0]) / wave
+    assert np.all(np.abs(followed[:2]) < 0.5) and 0.5 < followed[2] < 1.0
+
+
 def test_rims_that_disagree_are_stated_as_error():
     depth, table = np.linspace(0.1, 0.5, 12), load_table()
     samples = rimmed(0.6, np.zeros(12), depth)

@@ -15,6 +15,7 @@ from dummydesign.pad.axisymmetric.profile_punch import (
     press,
     profile,
     solve_profile,
+    tip_region,
 )
 from dummydesign.pad.axisymmetric.shaped_pad import solve_flat
 from dummydesign.pad.axisymmetric.sharp_edge import solve_path
@@ -88,6 +89,23 @@ def test_forces_end_before_the_top_of_a_step_that_cells_do_not_resolve():
         before_the_step(LEDGE, 6.0, np.array([4.0, 5.0]), 1.0, CELLS)
     with raises_code("unsupported", "punch_profile"):
         solve_profile(Pad(10.0, 0.04, 6.0, condition="bonded"), [4.0], LEDGE)
+
+
+@pytest.mark.parametrize(("cells_wide", "narrow"), [(1.6, True), (2.4, False)])
+def test_a_step_is_one_whose_slope_falls_by_one_within_two_cells(cells_wide, narrow):
+    """A slope that rises to 1.5 and falls again: by 1 within two thirds of its way down."""
+    at = 3.0
+    region = tip_region(sphere(20.0), 6.0, 0.1, CELLS)
+    down = 1.5 * cells_wide * max(region.cell, region.share * at)
+    r = np.linspace(0.0, 6.0, 60001)
+    slope = np.interp(r, [0.0, 2.0, at, at + down, 6.0], [0.0, 0.1, 1.5, 0.0, 0.0])
+    height = np.concatenate([[0.0], np.cumsum(0.5 * (slope[1:] + slope[:-1]) * np.diff(r))])
+    punch = ProfilePunch(lambda of: (np.interp(of, r, height), np.interp(of, r, slope), 0.0 * of, 0.0 * of))
+    wanted = np.linspace(0.1, 2.0, 40)
+    kept, note = before_the_step(punch, 6.0, wanted, 1.0, CELLS)
+    top = float(np.interp(at + down, r, height))
+    assert bool(note) == narrow and (kept[-1] <= 0.8 * top if narrow else kept[-1] == 2.0)
+    assert not narrow or kept[-1] > 0.7 * float(np.interp(at, r, height))
 
 
 @pytest.mark.slow

@@ -77,3 +77,14 @@ def test_a_field_alone_and_among_others_has_the_same_force():
         alone = table.log_factor(points[i : i + 1], np.zeros(7, dtype=int), x[i])
         assert alone[0] == pytest.approx(together[0][i], abs=1e-9)
         assert alone[1] == pytest.approx(together[1][i], abs=1e-6)
+
+
+def test_the_slope_of_a_field_is_the_derivative_of_its_force_also_where_pieces_fade_into_each_other():
+    table, points = load_shape_table("bumped"), np.array([DESIGN.plain(point) for point in DESIGN.fresh(40, 11)])
+    x = np.random.default_rng(4).uniform(0.02, 0.55, (40, 30))
+    row, step = np.repeat(np.arange(40)[:, None], 30, axis=1), 1e-6
+    slope = table.log_factor(points, row, x)[1]
+    up, down = (table.log_factor(points, row, x + sign * step)[0] for sign in (1.0, -1.0))
+    off = np.abs(slope - (up - down) / (2.0 * step)) / (1.0 + np.abs(slope))
+    # Within a step of a cap's first touch there is no one slope.
+    assert np.quantile(off, 0.99) < 1e-4

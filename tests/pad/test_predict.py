@@ -1,0 +1,381 @@
+"""Predictions of one pad: intervals from their parts, the inverse, few and many samples, the allowance, curves."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from dummydesign.core.errors import InputError, NoAnswerError
+from dummydesign.core.library import data_folder
+from dummydesign.geometry.shapes.boned import Boned
+from dummydesign.geometry.shapes.crowned import Crowned
+from dummydesign.geometry.shapes.layered import Layered
+from dummydesign.measurement.motion import Motion, ramp_and_hold
+from dummydesign.pad import elastic_force, predict
+from dummydesign.pad.axisymmetric import finite_strain
+from dummydesign.pad.axisymmetric.finite_strain import RatioPath
+from dummydesign.pad.elastic_force import elastic_curve, has_square_factor
+from dummydesign.pad.force_law import PadCurve, curve_at, depth_grid, interpolate_curve, slope_of
+from dummydesign.pad.material.hyperelastic import Yeoh
+from dummydesign.pad.material.relaxation import PronyTerm, arms_in_ramp_and_hold, relaxed_force
+from dummydesign.pad.predict import (
+    MARGIN,
+    QuickError,
+    allowance,
+    depth_for_steady_force,
+    load_quick_error,
+    most_viscous,
+    over_gel,
+    predict_motion,
+    predict_static,
+    press_to_forces,
+    shape_share,
+    slab_allowance,
+)
+from dummydesign.pad.spatial import square_punch
+from dummydesign.pad.spatial.square_punch import FactorCurve
+from dummydesign.pad.specimen import Pad, Puck
+from dummydesign.pad.tables.slab import load_table
+from tests.support.refusal import raises_code
+
+ARMS = (PronyTerm(0.02, 0.8), PronyTerm(0.4, 0.4))
+COST = {"unknowns": 9, "load_steps": 2, "newton_iterations": 5, "seconds": 0.5}
+
+
+def pad(**more) -> Pad:
+    return Pad(**({"thickness_mm": 12.0, "young_MPa": 0.03, "radius_mm": 7.9, "prony": ARMS} | more))
+
+
+def short_steps(depth: float = 2.4) -> Motion:
+    """A press and hold, sampled so finely that nothing is divided."""
+    time = np.concatenate([np.linspace(-0.01, 0.05, 91), 0.05 + np.geomspace(1e-3, 2.0, 30)])
+    return Motion(time, np.clip(time / 0.05, -0.2, 1.0) * depth)
+
+
+def test_the_interval_of_a_static_force_is_the_stated_error_and_its_exponent_the_slope():
+    depth = np.array([0.0, 0.3, 2.0, 5.0])
+    found, table = predict_static(pad(), depth), load_table()
+    error = table.relative_error(depth, 12.0, 7.9)
+    assert found.force_low_N == pytest.approx(found.force_N * (1.0 - error))
+    assert found.force_high_N == pytest.approx(found.force_N * (1.0 + error)) and found.fidelity == "table"
+    assert found.local_exponent == pytest.approx(table.local_exponent(depth, 12.0, 7.9), abs=2e-3)
+    with raises_code("out_of_range"):
+        predict_static(pad(), [-0.1, 1.0])
+    for wrong in ([], [np.nan], [[1.0, 2.0]]):
+        with raises_code("malformed", "depth_mm"):
+            predict_static(pad(), wrong)
+    end = float(table.depth_limit_mm(12.0, 7.9))
+    assert np.isfinite(predict_static(pad(), [end]).local_exponent).all()
+    with raises_code("out_of_range", "depth_mm"):
+        predict_static(pad(), [1.001 * end])
+
+
+@pytest.mark.parametrize("kind", [{}, {"base": "sliding"}, {"geometry": Layered(6.0, 2.0)}])
+def test_the_interval_of_a_motion_adds_the_error_of_the_curve_and_what_is_allowed_for(kind):
+    own, motion = pad(**kind), short_steps()
+    found = predict_motion(own, motion)
+    curve = elastic_curve(own, "table", None, None, None)
+    elastic = curve.force(motion.displacement_mm)
+    force = np.maximum(relaxed_force(motion.time_s, elastic, ARMS), 0.0)
+    error = force * curve.relative_error(np.maximum.accumulate(np.maximum(motion.displacement_mm, 0.0)))
+    below, above = allowance(own.base, 7.9 / 12.0, motion.displacement_mm / 12.0, motion.time_s, elastic, ARMS,
+                             own.geometry, 12.0)  # fmt: skip
+    assert found.force_N == pytest.approx(force, abs=1e-12)
+    assert found.force_high_N == pytest.approx(force + error + above, abs=1e-12)
+    assert found.force_low_N == pytest.approx(np.maximum(force - error - below, 0.0), abs=1e-12)
+    assert above.max() > 0.0 and found.peak_force_N == force.max() and found.steady_force_N == pytest.approx(force[-1])
+    assert found.peak_time_s == motion.time_s[np.argmax(force)]
+
+
+def test_a_motion_of_few_samples_gives_what_the_same_motion_finely_sampled_gives():
+    few = Motion(np.array([0.0, 0.1, 0.2, 2.0]), np.array([0.0, 3.0, 3.0, 0.5]))
+    time = np.union1d(np.linspace(0.0, 2.0, 8001), few.time_s)
+    fine = Motion(time, np.interp(time, few.time_s, few.displacement_mm))
+    coarse, whole = predict_motion(pad(), few), predict_motion(pad(), fine)
+    at = np.searchsorted(time, few.time_s)
+    assert coarse.force_N == pytest.approx(whole.force_N[at], rel=3e-4, abs=1e-9)
+    assert len(coarse.force_N) == 4
+
+
+def test_a_base_with_friction_allows_for_both_bases_and_a_puck_for_a_glued_slab(monkeypatch):
+    asked = []
+
+    def allowed(base, ratio, depth, time, elastic, prony, shape, thickness):
+        asked.append((base, ratio))
+        both = np.full(len(time), {"bonded": 0.2, "sliding": 0.1}[base])
+        return both, 3.0 * both
+
+    monkeypatch.setattr(predict, "allowance", allowed)
+    curve, motion = curve_at(load_table(), 12.0, 0.03, 7.9), short_steps()
+    rests = predict.motion_on_curve(pad(base="friction:0.3"), motion, curve)
+    assert {base for base, _ in asked} == {"bonded", "sliding"} and asked[0][1] == pytest.approx(7.9 / 12.0)
+    wide = rests.force_high_N - rests.force_N * (1.0 + curve.relative_error(np.maximum(motion.displacement_mm, 0.0)))
+    assert wide == pytest.approx(np.full(len(wide), 0.6))
+    asked.clear()
+    predict.motion_on_curve(Puck(12.0, 0.03, 20.0, ARMS), motion, curve)
+    assert asked == [("bonded", pytest.approx(10.0 / 12.0))]
+
+
+def test_a_motion_solved_at_finite_strain_has_its_ratio_and_doubts_a_share_of_the_viscous_part(monkeypatch):
+    asked, motion = [], short_steps()
+
+    def solve(case, prony, time_s, depth, progress=None):
+        asked.append((case.radius, prony, depth.max()))
+        separable = 1.0 + 0.0 * time_s
+        return RatioPath(time_s, depth, separable, separable, 1.0 + 0.1 * time_s, COST | {"rim_over_scale": 0.05})
+
+    monkeypatch.setattr(finite_strain, "solve_ratio", solve)
+    quick, solved = (predict_motion(pad(), motion, fidelity) for fidelity in ("table", "viscoelastic"))
+    assert asked == [(pytest.approx(7.9 / 12.0), ARMS, pytest.approx(2.4 / 12.0))]
+    later = motion.time_s > 0.01
+    assert solved.force_N[later] == pytest.approx((quick.force_N * (1.0 + 0.1 * motion.time_s))[later], rel=1e-4)
+    curve = elastic_curve(pad(), "table", None, None, None)
+    viscous = np.abs(quick.force_N - np.maximum(curve.force(motion.displacement_mm), 0.0))
+    deepest = np.maximum.accumulate(np.maximum(motion.displacement_mm, 0.0))
+    width = quick.force_N * curve.relative_error(deepest) + finite_strain.ratio_error(0.05) * viscous
+    assert solved.force_high_N - solved.force_N == pytest.approx(width, abs=1e-9)
+    assert solved.force_N - solved.force_low_N == pytest.approx(np.minimum(width, solved.force_N), abs=1e-9)
+    twice = predict.motion_on_curve(pad(), motion, replace(curve, solver=COST), "viscoelastic").solver
+    assert twice == {"unknowns": 9, "load_steps": 4, "newton_iterations": 10, "seconds": 1.0, "rim_over_scale": 0.05}
+
+
+@pytest.mark.parametrize("force", [0.5, 5.0, 12.0])
+def test_the_depth_for_a_steady_force_is_where_a_press_of_it_ends(force):
+    def motion_to(depth):
+        return ramp_and_hold(80.0, depth, 1.0)
+
+    depth = depth_for_steady_force(pad(), force, 1.0, motion_to)
+    assert predict_motion(pad(), motion_to(depth)).steady_force_N == pytest.approx(force, rel=1e-4)
+
+
+def test_forces_that_no_depth_has_are_refused_and_other_faults_are_passed_on(monkeypatch):
+    limit = float(load_table().depth_limit_mm(12.0, 7.9))
+    most = predict_motion(pad(), ramp_and_hold(80.0, limit, 2.0)).steady_force_N
+    presses = press_to_forces(pad(), [2.0, 1.1 * most], [20.0, 80.0], 2.0, 30_000.0)
+    assert [one.velocity_mm_s for one in presses] == [20.0, 20.0, 80.0, 80.0]
+    reached, beyond = presses[2].to_dict(), presses[3].to_dict()
+    assert reached["peak_force_N"] > 1.05 * presses[0].prediction.peak_force_N > 2.0
+    assert reached["force_N"][-1] == pytest.approx(2.0, rel=1e-4) and reached["depth_mm"] == presses[2].depth_mm
+    assert beyond["peak_force_N"] is None and beyond["depth_mm"] is None and beyond["out_of_reach"]
+    with pytest.raises(NoAnswerError) as none:
+        press_to_forces(pad(), [1.1 * most], [80.0], 2.0, 30_000.0)
+    assert none.value.code == "out_of_reach"
+    tiny = predict_motion(pad(), ramp_and_hold(80.0, 0.001 * 12.0, 2.0)).steady_force_N
+    with raises_code("out_of_range", "force_N"):
+        press_to_forces(pad(), [0.95 * tiny], [80.0], 2.0, 30_000.0)
+    assert press_to_forces(pad(), [1.05 * tiny], [80.0], 2.0, 30_000.0)[0].depth_mm == pytest.approx(0.0126, rel=0.01)
+    fault = NoAnswerError("no_convergence", "a solve that ends", quantity="force_N")
+
+    def failing(*words):
+        raise fault
+
+    monkeypatch.setattr(predict, "depth_for_steady_force", failing)
+    with pytest.raises(NoAnswerError) as passed:
+        press_to_forces(pad(), [2.0], [80.0], 2.0, 30_000.0)
+    assert passed.value is fault
+
+
+def test_the_end_of_a_solve_is_no_answer_and_the_end_of_a_law_a_limit():
+    curve = curve_at(load_table(), 12.0, 0.03, 7.9)
+    predict._check_depth(np.array([curve.limit_mm]), curve, pad())
+    solved = interpolate_curve(1.0, PadCurve(np.array([1.0, 2.0]), np.array([1.0, 2.0]), np.zeros(2), COST, ("ends",)))
+    faults = (2.5, solved, "no_convergence"), (7.3, solved, "out_of_range"), (7.3, curve, "out_of_range")
+    for depth, of, code in faults:
+        with pytest.raises((InputError, NoAnswerError)) as fault:
+            predict._check_depth(np.array([0.1, depth]), of, pad())
+        assert fault.value.code == code
+
+
+def quick_error() -> QuickError:
+    """rho = d (1 + 0.5 ln ratio + 0.25 ln rise), which is linear along every axis."""
+    ratio, depth, rise = np.array([0.5, 1.0, 2.0]), np.array([0.0, 0.1, 0.4]), np.array([1.0, 4.0, 16.0])
+    rho = depth[:, None] * (1.0 + 0.5 * np.log(ratio)[:, None, None] + 0.25 * np.log(rise))
+    return QuickError(ratio, depth, rise, rho)
+
+
+def test_the_quick_error_lies_on_straight_lines_inside_and_is_carried_on_as_stated():
+    error, depth = quick_error(), np.array([0.05, 0.3])
+    for ratio, rise in ((0.7, 3.0), (1.6, 9.0), (0.5, 1.0), (2.0, 16.0)):
+        exact = depth * (1.0 + 0.5 * np.log(ratio) + 0.25 * np.log(rise))
+        assert error.at(ratio, depth, rise) == pytest.approx(exact)
+    assert error.at(9.0, depth, 99.0) == pytest.approx(error.at(2.0, depth, 16.0))
+    assert error.at(0.1, depth, 0.25) == pytest.approx(0.25 * error.at(0.5, depth, 1.0))
+    beyond = np.array([0.4, 0.5, 0.6])
+    assert error.at(0.7, beyond, 3.0) == pytest.approx(beyond * (1.0 + 0.5 * np.log(0.7) + 0.25 * np.log(3.0)))
+
+
+def test_the_quick_error_is_read_as_a_share_of_the_viscous_force_and_must_fill_its_grid():
+    error = quick_error()
+    rows = [
+        {"base": base, "radius_over_thickness": ratio, "relative_depth": depth, "rise_over_tau": rise,
+         "viscous_share_at_peak": 0.5, "error_at_peak": sign * 0.5 * error.rho[i, j + 1, k]}
+        for base, sign in (("bonded", 1.0), ("sliding", -1.0)) for i, ratio in enumerate(error.ratio)
+        for j, depth in enumerate(error.depth[1:]) for k, rise in enumerate(error.rise)
+    ]  # fmt: skip
+    for base, sign in (("bonded", 1.0), ("sliding", -1.0)):
+        read = predict._from_dict({"single": rows[::-1]}, base)
+        assert read.rho == pytest.approx(sign * error.rho) and read.depth == pytest.approx(error.depth)
+        assert read.ratio == pytest.approx(error.ratio) and read.rise == pytest.approx(error.rise)
+    with pytest.raises(ValueError, match="grid"):
+        predict._from_dict({"single": rows[1:]}, "bonded")
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_the_allowance_of_a_slab_is_the_margin_times_rho_of_every_arm_by_its_rise(monkeypatch, sign):
+    """Every arm with the time from first touch to the stop over its own, to one side of the force only."""
+    error = quick_error()
+    error = QuickError(error.ratio, error.depth, error.rise, sign * error.rho)
+    monkeypatch.setattr(predict, "load_quick_error", lambda base: error)
+    time = np.array([0.0, 0.1, 0.2, 0.3, 0.4, 2.0])
+    depth = np.array([-0.1, 0.0, 0.15, 0.298, 0.3, 0.2])
+    elastic = np.maximum(depth, 0.0)
+    below, above = slab_allowance("bonded", 0.7, depth, time, elastic, ARMS)
+    deepest, expected = np.array([0.0, 0.0, 0.15, 0.298, 0.3, 0.3]), np.zeros(6)
+    for arm in ARMS:
+        viscous = np.abs(relaxed_force(time, elastic, (arm,)) - elastic)
+        # 99 % of the depth count as the stop, at 0.3 s; the sample before the first inside is the touch.
+        expected += MARGIN * sign * error.at(0.7, deepest, 0.2 / arm.tau_s) * viscous
+    found, other = (above, below) if sign > 0.0 else (below, above)
+    assert found == pytest.approx(np.abs(expected)) and not other.any() and found[2:].min() > 0.0
+    assert not np.any(slab_allowance("bonded", 0.7, -np.ones(6), time, elastic, ARMS))
+
+
+def test_a_shaped_pad_allows_for_its_kind_and_for_the_slab_that_is_pressed_as_deep_over_its_gel(monkeypatch):
+    bone, asked = Boned(9.0, 4.0, 6.0), []
+    assert over_gel(bone, 12.0) == pytest.approx(12.0 / 8.0) and over_gel(Crowned(20.0, 2.0), 12.0) == 1.0
+    time = np.linspace(0.0, 1.0, 6)
+    elastic = np.array([0.0, 1.0, 2.0, 3.0, 2.0, 1.0])
+    slab = np.array([0.0, 0.1, 0.2, 0.3, 0.3, 0.3])
+
+    def of_slab(base, ratio, depth, *rest):
+        asked.append((base, ratio, depth))
+        return 7.0 * slab, slab
+
+    monkeypatch.setattr(predict, "slab_allowance", of_slab)
+    monkeypatch.setattr(predict, "shape_share", lambda kind: (0.1, 0.2) if kind == "boned" else (0.0, 0.0))
+    below, above = allowance("bonded", 0.7, 0.1 * elastic, time, elastic, ARMS, bone, 12.0)
+    viscous = most_viscous(relaxed_force(time, elastic, ARMS), elastic)
+    now = np.abs(relaxed_force(time, elastic, ARMS) - elastic)
+    assert viscous == pytest.approx([now[: k + 1].max() for k in range(6)])
+    assert below == pytest.approx(0.1 * viscous) and above == pytest.approx(slab + 0.2 * viscous)
+    assert asked[0][:2] == ("bonded", 0.7) and asked[0][2] == pytest.approx(0.15 * elastic)
+
+
+def test_the_share_of_a_kind_covers_every_pad_of_it_that_was_solved_and_an_unknown_kind_takes_the_largest():
+    rows = json.loads((data_folder() / "materials" / "tables" / predict.NAME).read_text(encoding="utf-8"))["shapes"]
+    kinds = {row["kind"] for row in rows}
+    assert len(kinds) > 2
+    for kind in (*kinds, "unknown"):
+        own = [row for row in rows if kind in (row["kind"], "unknown")]
+        largest = [max(0.0, *(row[side] for row in own)) for side in ("below", "above")]
+        assert shape_share(kind) == pytest.approx(largest)
+    assert len({shape_share(kind) for kind in kinds}) > 1 and load_quick_error("bonded").rho.max() > 0.0
+
+
+def test_arms_of_many_presses_at_once_are_those_of_each_alone():
+    rng, hold = np.random.default_rng(5), np.array([0.05, 0.4, 3.0])
+    steps = [np.full(4, 0.01), np.full(4, 0.03), np.array([0.02, 0.05, 0.01, 0.04])]
+    elastic, beta = np.cumsum(rng.uniform(0.1, 1.0, (4, 4)), axis=1), rng.uniform(0.1, 1.0, (4, 2))
+    found = arms_in_ramp_and_hold(steps, elastic, hold, (0.02, 0.4), beta)
+    assert found.shape == (7, 4)
+    for k in range(4):
+        times = np.concatenate([[0.0], np.cumsum([one[k] for one in steps])])
+        whole = np.concatenate([times, times[-1] + hold])
+        force = np.concatenate([elastic[k], np.full(3, elastic[k, -1])])
+        arms = [PronyTerm(tau, share) for tau, share in zip((0.02, 0.4), beta[k])]
+        assert found[:, k] == pytest.approx(relaxed_force(whole, force, arms) - force, rel=1e-12)
+
+
+def test_a_slope_is_central_inside_and_one_sided_at_the_surface_and_at_the_limit():
+    def force(at):
+        assert np.all((at >= 0.0) & (at <= 2.0))
+        return at**2
+
+    depth = np.array([-0.5, 0.0, 1e-3, 1.0, 2.0])
+    assert slope_of(force, depth, 0.01, 2.0) == pytest.approx([0.0, 0.0, 0.011, 2.0, 3.99], abs=1e-9)
+
+
+def test_the_depths_of_a_curve_are_even_and_those_asked_for_are_among_them():
+    grid, deepest = depth_grid(10.0, None, None)
+    assert deepest == pytest.approx(6.0) and grid == pytest.approx(6.0 * np.arange(1, 17) / 16.0)
+    asked, deepest = depth_grid(10.0, 3.0, np.array([-1.0, 0.0, 0.7, 2.9, 9.0]))
+    assert deepest == 3.0 and {0.7, 2.9} <= set(asked) and asked.min() > 0.0 and asked.max() <= 3.0
+    assert len(asked) == 10 and depth_grid(10.0, 0.01, None)[1] == pytest.approx(0.2)
+    assert depth_grid(10.0, 99.0, None)[1] == pytest.approx(6.0)
+
+
+@pytest.mark.parametrize("power", [1.0, 1.5])
+def test_a_curve_through_solved_depths_is_exact_for_its_own_power_times_an_exponential(power):
+    depth = np.array([0.5, 1.0, 2.0, 4.0])
+    force = 3.0 * depth**power * np.exp(0.2 * depth)
+    curve = interpolate_curve(power, PadCurve(depth, force, 0.01 * force * depth, COST, ("note",)))
+    at = np.array([-1.0, 0.0, 0.7, 3.0, 4.0, 5.0])
+    exact = 3.0 * np.clip(at, 0.0, 4.0) ** power * np.exp(0.2 * np.clip(at, 0.0, 4.0))
+    assert curve.force(at) == pytest.approx(exact, rel=1e-9) and curve.limit_mm == 4.0
+    assert curve.relative_error(np.array([0.1, 1.5, 9.0])) == pytest.approx([0.005, 0.015, 0.04])
+    with pytest.raises(NoAnswerError):
+        interpolate_curve(power, PadCurve(depth[:1], force[:1], force[:1], COST, ("note",)))
+
+
+def test_a_square_in_space_is_the_round_twin_times_its_factor_at_relative_depths(monkeypatch):
+    asked = []
+
+    def solve(block, deepest, progress):
+        asked.append((block, deepest))
+        return FactorCurve(np.array([0.1, 0.5]), np.zeros(2), np.zeros(2), 0.6, {0.2: 0.6}, {}, 0.0, 0.0, COST)
+
+    twin = curve_at(load_table(), 10.0, 0.03, 7.9)
+    monkeypatch.setattr(square_punch, "solve_factor", solve)
+    monkeypatch.setattr(elastic_force, "_by_elements", lambda pad, deepest, depths, progress: twin)
+    own = Pad(10.0, 0.03, 7.9, sides_mm=(14.0, 10.0), slab_mm=(150.0, 120.0))
+    curve, depth = elastic_curve(own, "3d", 2.0, None, None), np.array([0.5, 2.0])
+    assert curve.force(depth) == pytest.approx(twin.force(depth) * np.exp(0.1 + 0.05 * depth))
+    assert np.all(curve.relative_error(depth) > twin.relative_error(depth)) and curve.solver["unknowns"] == 9
+    block, deepest = asked[0]
+    assert block.half_sides == pytest.approx((0.7, 0.5)) and block.half_extents == pytest.approx((7.5, 6.0))
+    assert deepest == pytest.approx(0.2)
+    elastic_curve(own, "3d", None, None, None)
+    elastic_curve(own, "3d", 99.0, None, None)
+    assert [one for _, one in asked[1:]] == pytest.approx([twin.limit_mm / 10.0] * 2)
+
+
+def test_a_face_that_slides_is_solved_from_some_depth_on(monkeypatch):
+    asked = []
+
+    def solve(pad, depth_mm, progress=None):
+        asked.append(depth_mm)
+        return PadCurve(depth_mm, 2.0 * depth_mm, 0.01 * depth_mm, COST)
+
+    monkeypatch.setattr(elastic_force, "solve_points", solve)
+    wanted = np.array([0.05, 0.1, 0.2, 1.0, 4.0])
+    for condition, least in (("bonded", 0.05), ("frictionless", 0.25), ("friction:0.3", 0.25)):
+        curve = elastic_curve(Pad(10.0, 0.03, 7.9, condition=condition), "axisymmetric", 4.0, wanted, None)
+        assert asked[-1].min() >= least - 1e-12 and asked[-1].max() == 4.0 and 1.0 in asked[-1]
+        assert curve.force(np.array([2.0])) == pytest.approx([4.0])
+    elastic_curve(Pad(10.0, 0.03, 7.9, condition="frictionless"), "axisymmetric", 0.2, wanted[:3], None)
+    # Of a press that is itself so shallow the first quarter is left out.
+    assert asked[-1].min() == pytest.approx(0.05)
+
+
+@pytest.mark.parametrize(
+    ("change", "has"),
+    [({}, True), ({"sides_mm": (14.0, 12.0)}, False), ({"sides_mm": None}, False), ({"base": "sliding"}, True),
+     ({"edge_radius_mm": 0.5}, True), ({"law": Yeoh(1.0, 0.1)}, False), ({"poisson": 0.49}, False),
+     ({"condition": "frictionless"}, False), ({"thickness_mm": 60.0}, False), ({"thickness_mm": 2.0}, False)],
+)  # fmt: skip
+def test_a_square_has_its_tabulated_factor_where_base_law_and_proportion_are_in_the_table(change, has):
+    assert has_square_factor(pad(**({"thickness_mm": 10.0, "sides_mm": (14.0, 14.0)} | change))) == has
+
+
+@pytest.mark.parametrize(
+    ("change", "code"),
+    [({"base": "sliding", "geometry": Crowned(20.0, 2.0)}, "not_tabulated"),
+     ({"edge_radius_mm": 0.5, "geometry": Crowned(20.0, 2.0)}, "not_tabulated"),
+     ({"poisson": 0.49}, "not_tabulated"), ({"condition": "frictionless"}, "not_tabulated")],
+)  # fmt: skip
+def test_what_no_table_has_is_refused_by_the_table(change, code):
+    with raises_code(code):
+        elastic_curve(pad(**change), "table", None, None, None)

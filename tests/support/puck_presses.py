@@ -1,0 +1,66 @@
+"""A small campaign of pucks between plates, whose force law has a closed form, made by the loop's own model."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from functools import lru_cache
+from itertools import product
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dummydesign.loop.data.trials import Presses, stack
+from dummydesign.loop.fitting.fit import CampaignFit, fit_base, start_vector
+from dummydesign.loop.fitting.problem import CampaignProblem
+from dummydesign.loop.model.base_law import PuckLaw
+from dummydesign.loop.next_measurement import planned_trace
+from dummydesign.measurement.campaign import Trial
+
+DIAMETER_MM, YOUNG_MPA, NOISE_N = 30.0, 0.05, 0.1
+LAW = PuckLaw(DIAMETER_MM)
+
+
+def trial(
+    name: str, thickness_mm: float, velocity_mm_s: float, share: float, repeat: int, sequence: int, **more: float
+) -> Trial:
+    """One press to a share of the thickness, held for two seconds and taken back, without its force."""
+    trace = planned_trace(name, velocity_mm_s, share * thickness_mm, 2.0, True)
+    given = {"rest_s": 300.0, "temperature_C": 21.0 + 0.5 * sequence, "age_days": 7.0 + thickness_mm, **more}
+    return Trial(name, thickness_mm, velocity_mm_s, 2.0, None, repeat, sequence, given["rest_s"],
+                 given["temperature_C"], given["age_days"], trace)  # fmt: skip
+
+
+@lru_cache(maxsize=1)
+def planned() -> Presses:
+    """Two pucks, two speeds, two depths, two repeats."""
+    every = product((1, 2), (0.15, 0.3), (5.0, 200.0), (8.0, 12.0))
+    rows = [(h, v, share, repeat) for repeat, share, v, h in every]
+    return stack(tuple(trial(f"p{n}.csv", *row, n) for n, row in enumerate(rows, 1)), None)
+
+
+def truth() -> NDArray:
+    """The vector of which the campaign is made: no law error."""
+    return start_vector(CampaignProblem(planned(), LAW), YOUNG_MPA)
+
+
+def pressed(change: Callable[[Presses, NDArray], NDArray] | None = None, seed: int = 1) -> Presses:
+    """The presses with the model's force and white noise; ``change`` (T, B) multiplies the bins."""
+    presses, chance = planned(), np.random.default_rng(seed)
+    problem = CampaignProblem(presses, LAW)
+    forces = problem.predict(truth())
+    factor = np.ones_like(forces) if change is None else change(presses, forces)
+    noise = NOISE_N / np.sqrt(np.maximum(presses.samples, 1.0)) * chance.normal(size=forces.shape)
+    bins = np.where(presses.used, forces * factor + noise, 0.0)
+    trials = tuple(
+        replace(one, trace=replace(one.trace, force_N=force + NOISE_N * chance.normal(size=len(force))))
+        for one, force in zip(presses.trials, problem.at_samples(truth()))
+    )
+    reduced = tuple(replace(one, white_N=NOISE_N) for one in presses.presses)
+    return replace(presses, trials=trials, presses=reduced, force_N=bins)
+
+
+@lru_cache(maxsize=1)
+def clean_fit() -> CampaignFit:
+    """The base fit of the campaign with nothing but noise."""
+    return fit_base(pressed(), LAW, YOUNG_MPA)

@@ -45,19 +45,23 @@ def truth() -> NDArray:
 
 
 def pressed(change: Callable[[Presses, NDArray], NDArray] | None = None, seed: int = 1) -> Presses:
-    """The presses with the model's force and white noise; ``change`` (T, B) multiplies the bins."""
+    """The presses with the model's force and white noise; ``change`` gives a factor of it at the bins (T, B)."""
     presses, chance = planned(), np.random.default_rng(seed)
     problem = CampaignProblem(presses, LAW)
     forces = problem.predict(truth())
     factor = np.ones_like(forces) if change is None else change(presses, forces)
-    noise = NOISE_N / np.sqrt(np.maximum(presses.samples, 1.0)) * chance.normal(size=forces.shape)
-    bins = np.where(presses.used, forces * factor + noise, 0.0)
-    trials = tuple(
-        replace(one, trace=replace(one.trace, force_N=force + NOISE_N * chance.normal(size=len(force))))
-        for one, force in zip(presses.trials, problem.at_samples(truth()))
-    )
+    trials, bins = [], np.zeros_like(forces)
+    for row, (one, press, model) in enumerate(zip(presses.trials, presses.presses, problem.at_samples(truth()))):
+        time, count = one.trace.time_s, len(press.start_s)
+        more = np.interp(time, 0.5 * (press.start_s + press.end_s), factor[row, :count])
+        force = model * more + NOISE_N * chance.normal(size=len(time))
+        trials.append(replace(one, trace=replace(one.trace, force_N=force)))
+        inside = [(time >= start) & (time < end) for start, end in zip(press.start_s, press.end_s)]
+        bins[row, :count] = [force[at].mean() for at in inside]
+        # of the model's own means: a bin of a steep rise is not the mean of its samples' model
+        bins[row, :count] += forces[row, :count] - [model[at].mean() for at in inside]
     reduced = tuple(replace(one, white_N=NOISE_N) for one in presses.presses)
-    return replace(presses, trials=trials, presses=reduced, force_N=bins)
+    return replace(presses, trials=tuple(trials), presses=reduced, force_N=bins)
 
 
 @lru_cache(maxsize=1)

@@ -133,7 +133,8 @@ def test_knots_span_what_was_seen_evenly_and_are_no_more_than_the_values_of_a_tr
     for name, values in seen.items():
         knots = np.array(learn_effect._knots(found, name, values, learn_effect.KNOTS))
         assert knots[0] == pytest.approx(values.min())
-        assert knots[-1] == pytest.approx(values.max()) or (name in ("force_N", "reading_N") and knots[-1] > values.max())
+        beyond = name in ("force_N", "reading_N")
+        assert knots[-1] > 1.1 * values.max() if beyond else knots[-1] == pytest.approx(values.max())
         steps = np.diff(np.log(knots)) if name == "since_stop_s" else np.diff(knots)
         np.testing.assert_allclose(steps, steps[0], rtol=1e-9)
         most = learn_effect.MOST_BY_TRIAL if len(values) == len(found.problem.presses.trials) else learn_effect.KNOTS
@@ -208,8 +209,6 @@ def test_left_out_squares_are_those_of_fits_to_the_rest():
     assert learn_effect.refitted_squares(found) == pytest.approx(squares / weight.sum(), rel=1e-12)
     total, counted = learn_effect.squares_without(found, left)
     assert total == pytest.approx(squares) and counted == pytest.approx(weight.sum())
-    # noise and little else
-    assert 1.0 < learn_effect.refitted_squares(found) / pucks.NOISE_N**2 * np.average(presses.samples, weights=weight) < 80
 
 
 def test_a_fit_without_presses_does_not_look_at_them():
@@ -284,8 +283,8 @@ def test_a_form_that_loses_a_tenth_of_the_curve_is_no_form():
 
 
 def model(score, effects=(), **more):
-    fit = SimpleNamespace(score=score, problem=SimpleNamespace(effects=tuple(effects)), squares=more.get("squares", 1.0))
-    return SimpleNamespace(fit=fit)
+    problem = SimpleNamespace(effects=tuple(effects))
+    return SimpleNamespace(fit=SimpleNamespace(score=score, problem=problem, squares=more.get("squares", 1.0)))
 
 
 def test_a_model_costs_its_likelihood_its_named_parameters_and_its_curve():

@@ -90,7 +90,7 @@ def test_leaving_presses_out_is_least_squares_without_them(offset_fit, by):
         rows = np.concatenate([jacobian[kept].reshape(-1, len(root)), np.diag(root)])
         left = np.r_[residual[kept].ravel(), -root * offset_fit.vector]
         wanted = np.linalg.lstsq(rows, left, rcond=None)[0]
-        np.testing.assert_allclose(change / spread, wanted / spread, atol=0.05)
+        np.testing.assert_allclose(change / spread, wanted / spread, atol=0.1)
     assert pad_errors(offset_fit).heldout_N == pytest.approx(errors(offset_fit, presses.pad).heldout_N)
 
 

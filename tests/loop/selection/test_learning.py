@@ -37,11 +37,6 @@ def creeping(presses, forces):
     return 1.0 - 0.06 * np.log10(1.0 + 10.0 * np.maximum(since, 0.0))
 
 
-def saturating(presses, forces):
-    """Twelve per cent are missing at the largest force, quadratically."""
-    return 1.0 - 0.12 * (forces / forces.max()) ** 2
-
-
 def together(presses, forces):
     """Stiffer with depth on warm presses, softer on cold ones."""
     share = presses.measure(np.maximum(presses.displacement_mm, 0.0)) / presses.thickness_mm[:, None]
@@ -71,14 +66,6 @@ def test_a_creep_after_the_stop_is_learned_from_zero():
     assert seen[0] == pytest.approx(0.0, abs=0.004)
     # two arms have taken their part of it, the slower one of what changes last
     assert np.corrcoef(seen, wanted)[0, 1] > 0.97 and found.left_out < 0.1
-
-
-def test_a_cell_that_saturates_is_learned_over_the_force_on_it():
-    found = learn(changed_fit(saturating), ("force_N",))
-    shape, top = found.effect.shape, float(pucks.planned().force_N.max() or found.fit.forces.max())
-    at = np.array([0.2, 0.6, 0.95]) * top
-    level = (1.0 + shape(at)) / (1.0 - 0.12 * (at / top) ** 2)
-    assert np.ptp(level) / level.mean() < 0.02
 
 
 def test_what_depends_on_two_quantities_is_learned_over_both_though_each_alone_is_tried():

@@ -152,13 +152,13 @@ def test_the_weakest_effect_is_dropped_first_and_nothing_of_a_model_that_stands(
 
 
 def test_a_size_below_what_instruments_tell_is_dropped(judged):
-    effect = effect_named("time_skew")
+    effect = effect_named("sensor_curve")
     size = effect.parameters[0]
     assert effect.negligible > 0.0
     for times, dropped in ((0.98, True), (1.02, False)):
         for sign in (-1.0, 1.0):
-            current = model("time_skew", value=size.null + sign * times * effect.negligible)
-            assert (search._change(current, [check_of("time_skew", 900.0)], 3) is not None) is dropped
+            current = model("sensor_curve", value=size.null + sign * times * effect.negligible)
+            assert (search._change(current, [check_of("sensor_curve", 900.0)], 3) is not None) is dropped
 
 
 def test_a_rival_takes_a_place_with_ten_more_in_evidence_if_it_predicts_better(judged):

@@ -243,7 +243,8 @@ def test_an_end_of_the_relaxation_counts_from_two_standard_errors_of_its_third()
     noise = 0.05 * chance.normal(size=60)
     noise -= np.repeat([noise[:20].mean(), noise[20:40].mean(), noise[40:].mean()], 20)
     pads = [SimpleNamespace(chosen=SimpleNamespace(shape=SimpleNamespace(name=kind)),
-                            cast=SimpleNamespace(pours=lambda: Pours(beta, beta, beta))) for kind in ("a", "b")]  # fmt: skip
+                            cast=SimpleNamespace(pours=lambda: Pours(beta, beta, beta)))
+            for kind in ("a", "b")]  # fmt: skip
     errors = [noise[part].std(ddof=1) / np.sqrt(20.0) for part in (slice(20), slice(40, 60))]
     for times, told in ((1.9, False), (2.1, True)):
         shift = np.r_[np.full(20, -times * errors[0]), np.zeros(20), np.full(20, times * errors[1])]
@@ -320,7 +321,8 @@ def test_the_group_that_gains_most_castings_is_measured_first_from_three_hundred
     found = measured(0.5, {MODULUS: 0.6, RELAXATION: 0.55}, both=0.65)
     assert found.acceptable_now == 0.5 and found.acceptable_means == "usable"
     assert found.acceptable_if_known == {
-        MODULUS: 0.6, RELAXATION: 0.55, MAKING: 0.5, FORCE_LAW: 0.5, "modulus+relaxation": 0.65, TISSUE: 0.5}  # fmt: skip
+        MODULUS: 0.6, RELAXATION: 0.55, MAKING: 0.5, FORCE_LAW: 0.5, "modulus+relaxation": 0.65, TISSUE: 0.5,
+    }  # fmt: skip
     assert "then 60 % of castings are usable (now 50 %)" in found.text
     assert "puck" in found.protocol and "--ratio 15 " in found.command
     assert measured(0.5, {MAKING: 0.7}).command.startswith("dummydesign suggest")

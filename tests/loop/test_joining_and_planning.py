@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import tomllib
 from dataclasses import replace
 from types import SimpleNamespace
 
@@ -26,6 +27,7 @@ from dummydesign.loop.next_measurement import (
 )
 from dummydesign.loop.prior import ARM_TOLERANCE, _shared, carried_law, check_prior, join
 from dummydesign.loop.selection.cross_validation import widened
+from dummydesign.measurement.sensor import Lowpass
 from dummydesign.pad.tables.slab import load_table
 from tests.support import puck_presses as pucks
 from tests.support.puck_presses import clean_fit
@@ -370,3 +372,33 @@ def test_a_press_beyond_what_is_modelled_has_no_value_and_one_at_its_edge_may_go
     # a thin pad is modelled to a share of its thickness
     thin = simple(2.0, by_depth=True, thickness=3.0)
     assert thin.limit_mm == pytest.approx(planning.MAX_DEPTH_OVER_THICKNESS * 3.0) and thin.beyond
+
+
+def test_a_plan_that_is_written_has_the_pads_and_presses_of_the_plan_and_names_a_shape_where_it_is_another(tmp_path):
+    from dummydesign.geometry.shape_registry import read_shape
+
+    found = clean_fit()
+    result = SimpleNamespace(after=SimpleNamespace(fit=found), next=None, presses=found.problem.presses)
+    plan = planning.plan_of(result, 1)
+    crown = read_shape("crowned:radius=21.2,height=2,foot=9.4")
+    other = replace(plan[0], option=replace(plan[0].option, geometry=crown, temperature_C=None, unloading=False))
+    own = plan[0].option.geometry
+    pad = SimpleNamespace(shape="slab", geometry=own, young_kPa_nominal=30.0, resin=None, ratio=15.0, length_mm=60.0,
+                          width_mm=50.0, diameter_mm=None, base="bonded")  # fmt: skip
+    punch = SimpleNamespace(shape="square", side_mm=14.0, diameter_mm=None, contact="bonded", edge_radius_mm=0.0)
+    campaign = SimpleNamespace(name="first", pad=pad, punch=punch, lowpass=Lowpass(35.0, 2, 1), force_resolution_N=0.0)
+    files = planning.write_plan(tmp_path, campaign, (*plan[1:], other))
+    read = tomllib.loads((tmp_path / planning.CAMPAIGN).read_text())
+    assert len(read["trial"]) == len(plan) and read["pad"]["young_kPa_nominal"] == 30.0
+    assert "resin" not in read["pad"] and "edge_radius_mm" not in read["punch"]
+    assert read["sensor"]["lowpass_hz"] == 35.0 and "force_resolution_N" not in read["sensor"]
+    for trial, press in zip(read["trial"], (*plan[1:], other)):
+        assert trial["thickness_mm"] == press.option.thickness_mm and trial["file"] == press.file
+        assert trial["target_force_N"] == pytest.approx(press.target_force_N, abs=0.005) and trial["hold_s"] == HOLD_S
+        assert (trial.get("shape") == str(crown)) is (press is other) and ("shape" in trial) is (press is other)
+        assert ("temperature_C" in trial) is (press is not other)
+    head, *rows = (line.split(",") for line in (tmp_path / planning.SHEET).read_text().splitlines())
+    assert len(rows) == len(plan) and set(files) == {"plan_campaign", "plan_sheet"}
+    place = head.index("depth_mm")
+    depths = [float(row[place]) for row in rows[:-1]]
+    assert depths == pytest.approx([p.option.depth_share * p.option.thickness_mm for p in plan[1:]], rel=5e-3)

@@ -40,6 +40,9 @@ def test_bins_are_as_many_as_the_docstring_says(speed, fast):
     press = reduce_press(motion(speed), None)
     phase, place = np.divmod(press.label, 100)
     assert (phase == PRE).sum() == 3 and (phase == UNLOADING).sum() == 20
+    # those before contact are thirds from the first sample to two milliseconds before it
+    first, last = press.time_s[0], press.ramp.contact_time_s - 2e-3
+    np.testing.assert_allclose(press.start_s[:3], first + (last - first) * np.arange(3) / 3.0, atol=1e-9)
     rise = phase == RISE
     length = press.end_s[rise] - press.start_s[rise]
     if fast:
@@ -134,8 +137,8 @@ def test_white_noise_is_that_of_the_quiet_parts():
 
 
 def test_a_press_without_a_hold_has_forty_bins_to_its_end():
-    ramp = Ramp(0.2, 0.6, 0.64, 2.0, 5.0)
-    assert not has_hold(ramp) and has_hold(replace(ramp, hold_end_s=0.66))
+    ramp = Ramp(0.2, 0.6, 0.6495, 2.0, 5.0)
+    assert not has_hold(ramp) and has_hold(replace(ramp, hold_end_s=0.6505))
     time = np.arange(0.0, 0.9, 1e-3)
     edges, labels = reduction._bin_edges(time, ramp)
     assert len(edges) == 41 and labels.tolist() == [100 + n for n in range(40)]

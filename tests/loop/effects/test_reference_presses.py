@@ -12,6 +12,7 @@ from dummydesign.loop.calibration import Calibration, Model
 from dummydesign.loop.calibration_file import read_calibration, write_calibration
 from dummydesign.loop.effects.contract_check import BASE, ReferenceCap, faults_on, reference_presses
 from dummydesign.loop.effects.learned import Learned, SmoothChange
+from dummydesign.loop.effects.material.strain_dependent_relaxation import strength
 from dummydesign.loop.effects.registry import effect_named
 from dummydesign.loop.model.forward_model import Active, BaseParameters, simulate
 
@@ -181,3 +182,16 @@ def test_a_law_that_is_wrapped_keeps_its_root():
     law = reference_presses("cylinder")[1]
     twice = wrap(law, lambda depth, h: 2.0 * law(depth, h))
     assert twice.__wrapped__ is law
+
+
+@pytest.mark.parametrize("slope", [3.0, -3.0])
+def test_no_strength_of_an_arm_turns_negative(slope):
+    """Below a tenth of its base it falls on as a hyperbola with the same tangent, as the class says."""
+    plain = np.array([2.0, 1.0, 0.2, 0.101, 0.1, 0.099, 0.05, 0.0, -1.0])
+    found = strength(0.15 + (plain - 1.0) / slope, slope, 0.0)
+    np.testing.assert_allclose(found[:5], plain[:5], rtol=1e-9)
+    np.testing.assert_allclose(found[5:], 0.01 / (0.2 - plain[5:]), rtol=1e-9)
+    # exponential growth has the same value and slope at the reference
+    bent = strength(np.array([0.15, 0.15 + 1e-6]), slope, 4.0)
+    assert bent[0] == 1.0 and (bent[1] - bent[0]) / 1e-6 == pytest.approx(slope, rel=1e-4)
+    assert strength(np.array([0.25]), 2.0, 4.0)[0] == pytest.approx(1.0 + 0.5 * np.expm1(0.4))

@@ -265,6 +265,8 @@ def test_learned_changes_interpolate_between_knots_and_fade_evenly():
     weights = hats(at, knots)
     np.testing.assert_allclose(weights.sum(axis=-1), 1.0)
     np.testing.assert_allclose(weights @ knots, np.clip(at, 1.0, 8.0))
+    np.testing.assert_allclose(weights @ knots**2, np.interp(at, knots, knots**2))
+    assert weights.min() >= 0.0
     assert np.count_nonzero(weights, axis=-1).max() == 2
     reach = FADE * 7.0
     np.testing.assert_allclose(

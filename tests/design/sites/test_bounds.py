@@ -162,6 +162,17 @@ def test_a_grid_needs_its_pitches_and_two_rims():
     assert "fit it" not in str(caught.value)
 
 
+@pytest.mark.parametrize(("known", "reach", "size", "least"), [(Stepped(40.0), REACH, 76.0, 40.0),
+                                                               (Stepped(), 30.0, 80.0, FOOT + 32.0)])  # fmt: skip
+def test_crowns_that_need_more_than_an_even_share_move_out_to_the_rim(known, reach, size, least):
+    """Neighbours that are felt farther than twice the rim, and a punch that would touch them."""
+    sites = lay_out(known, (2, 1), (size, 60.0), reach)
+    assert 0.5 * size < least <= sites.pitch_mm[0] and sites.rim_mm >= LEAST_RIM - 0.1
+    assert max(-sites.softer, sites.stiffer) <= INDEPENDENT
+    with pytest.raises(InputError):
+        lay_out(known, (2, 1), (least + 2.0 * LEAST_RIM - 0.6, 60.0), reach)
+
+
 def test_one_crown_alone_has_no_neighbour():
     one = lay_out(Stepped(99.0), (1, 1), (60.0, 50.0), REACH)
     assert one.pitch_mm == (0.0, 0.0) and one.rim_mm == pytest.approx(25.0) and one.stiffer == 0.0

@@ -244,3 +244,25 @@ def test_a_pad_is_solved_at_the_forces_it_reaches_with_its_own_modulus(monkeypat
     assert asked == [(8.123, pytest.approx(float(Resin().young_MPa(14.0))))]
     quick = SimpleNamespace(request=SimpleNamespace(verify=False))
     assert press_pictures(quick).pads == () and "not requested" in press_pictures(quick).left_out
+
+
+def test_solved_states_are_drawn_where_the_pad_is_with_stress_in_kilopascal(monkeypatch):
+    from dummydesign.pad import fields
+
+    asked = []
+
+    def solve(pad, depths, coarse):
+        asked.append((depths, coarse))
+        face = SimpleNamespace(radius_mm=np.array([0.0, 1.0]), height_mm=np.array([8.0, 9.0]))
+        ones = np.ones((3, 2))
+        return [SimpleNamespace(depth_mm=d, force_N=2.0 * d, rest_mm=ones, displacement_mm=-0.25 * ones,
+                                von_mises_MPa=np.array([0.01, 0.02, 0.03]), punch_mm=face, contact=lambda: {"a": 1},
+                                face=face) for d in depths], None  # fmt: skip
+
+    monkeypatch.setattr(fields, "solve_fields", solve)
+    first, second = module._solved(None, np.array([2.0, 1.5]))["states"]
+    # depths never fall from one force to the next
+    assert asked == [([2.0, 2.0], True)] and (first["force_N"], second["depth_mm"]) == (4.0, 2.0)
+    np.testing.assert_allclose(first["stress_kPa"], [10.0, 20.0, 30.0])
+    np.testing.assert_allclose(first["place_mm"], 0.75)
+    np.testing.assert_allclose(first["face_mm"], [[0.0, 8.0], [1.0, 9.0]])

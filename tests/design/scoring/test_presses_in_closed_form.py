@@ -393,3 +393,22 @@ def test_gamma1_of_an_evaluation_is_that_of_its_slow_presses():
     cube = np.array([1.0, 8.0])
     assert evaluated_gamma1(made)[0] == pytest.approx((cube @ forces[:2]) / (cube @ cube))
     assert made.feasible.tolist() == [True]
+
+
+def test_depths_of_subjects_that_still_relax_go_on_below_the_known_forces_with_their_power():
+    """In a hold of a third of a second nobody has settled: depths are tabulated, and go on straight in logarithms."""
+    quick = make_targets(make_tissue(), "average", Sampling(hold_s=0.3))
+    assert not quick.settled
+    known, _ = quick._held_curves
+    first = float(np.exp(known[0]))
+    forces = first * np.array([1e-3, 0.1, 0.5, 1.0, 1.0 + 1e-9, np.exp(known[1] - known[0])])
+    for depth in (quick.aim_depth_mm(forces), *quick.depth_range_mm(forces)):
+        slope = np.log(depth[-1] / depth[3]) / np.log(forces[-1] / forces[3])
+        assert 0.2 < slope < 0.5
+        np.testing.assert_allclose(depth[:3], depth[3] * (forces[:3] / first) ** slope, rtol=1e-6)
+    stiff, soft = quick.depth_range_mm(np.array([5.0, 10.0]))
+    aim = quick.aim_depth_mm(np.array([5.0, 10.0]))
+    assert np.all(stiff < aim) and np.all(aim < soft)
+    # held for longer they are deeper under the same force
+    long = make_targets(make_tissue(), "average", Sampling())
+    assert np.all(long.aim_depth_mm(np.array([5.0, 10.0])) > aim)

@@ -354,3 +354,46 @@ def test_a_function_first_must_cost_less_and_predict_better_than_the_named_effec
 
 def test_every_quantity_that_a_curve_may_follow_has_words_and_a_usual_cause():
     assert set(learn_effect.CAUSES) == set(FOLLOWED) - {learn_effect.BY_TIME}
+
+
+@pytest.fixture
+def rounds(monkeypatch):
+    """``_learnt`` on fits whose scores are given one after another; values of the tried shapes are kept."""
+    shape = SmoothChange(("depth_mm",), ((0.0, 1.0),), (0.0, 0.0))
+    step = learn_effect._Step(np.array([-0.1, 0.1]), 1e4, np.eye(2), np.eye(2))
+    sizes = SimpleNamespace(noise=None)
+    tried = []
+
+    def run(*scores):
+        queue = iter(scores)
+        tried.clear()
+
+        def fitted(problem, vector, sizes, *_):
+            tried.append(problem.flat[1])
+            return SimpleNamespace(score=next(queue), sizes=SimpleNamespace(noise=None), squares=0.1)
+
+        monkeypatch.setattr(learn_effect, "fit_with_noise", fitted)
+        before = SimpleNamespace(score=10_000.0, sizes=sizes, squares=1.0)
+        return learn_effect._learnt(before, before, shape, step)
+
+    monkeypatch.setattr(learn_effect, "replace", lambda one, **more: one)
+    monkeypatch.setattr(learn_effect, "_with", lambda fit, shape: (shape, None))
+    monkeypatch.setattr(learn_effect, "_step", lambda fit, shape: step)
+    monkeypatch.setattr(learn_effect, "refitted_squares", lambda fit, shape=None: fit.squares)
+    return SimpleNamespace(run=run, tried=tried)
+
+
+def test_rounds_end_where_one_gains_less_than_evidence_and_a_share_of_the_score(rounds):
+    least = learn_effect.EVIDENCE + learn_effect.ENDED * 7_800.0
+    for gain, count in ((least - 5.0, 2), (least + 5.0, 3)):
+        score = 8_000.0 - gain
+        found = rounds.run(8_000.0, score, score - 1.0)
+        assert len(rounds.tried) == count and found.fit.score == (score if count == 2 else score - 1.0)
+
+
+def test_of_a_change_that_raises_the_score_a_smaller_share_is_taken_or_nothing(rounds):
+    found = rounds.run(10_500.0, 9_990.0)
+    assert rounds.tried == pytest.approx([0.1, 0.05]) and found.effect.shape.flat[1] == pytest.approx(0.05)
+    third = rounds.run(10_500.0, 10_400.0, 9_990.0)
+    assert rounds.tried == pytest.approx([0.1, 0.05, 0.02]) and third.effect.shape.flat[1] == pytest.approx(0.02)
+    assert rounds.run(10_500.0, 10_400.0, 10_001.0) is None

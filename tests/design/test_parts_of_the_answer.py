@@ -12,7 +12,7 @@ from dummydesign.design import measured_pad, suggest, suggestion
 from dummydesign.design.assessment import castings as casting_module
 from dummydesign.design.assessment import warnings
 from dummydesign.design.assessment.castings import limits_that_bind, poured_slabs
-from dummydesign.design.comparison import _differences, _warnings
+from dummydesign.design.comparison import _differences, _names, _warnings
 from dummydesign.design.measured_pad import PARABOLA, energy_of, peak_of
 from dummydesign.design.options import LARGEST_ERROR, SuggestOptions, command_words, read_options
 from dummydesign.design.request import PAPER
@@ -411,6 +411,12 @@ def test_designs_that_answer_other_questions_or_read_other_files_say_so():
     assert _differences(missing) == ()
     codes = [one["code"] for one in _warnings([], two, [answer(version="1"), answer(version="2")])]
     assert codes == ["different_questions", "different_versions"]
+
+
+def test_folders_of_one_name_are_told_apart_by_their_paths(tmp_path):
+    paths = [tmp_path / "a" / "palm", tmp_path / "b" / "palm", tmp_path / "b" / "finger"]
+    assert _names(paths) == [str(paths[0]), str(paths[1]), "finger"]
+    assert _names([paths[0], paths[2]]) == ["palm", "finger"]
 
 
 def test_the_limits_that_come_with_the_package_rise_from_green_to_castings():

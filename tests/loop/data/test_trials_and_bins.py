@@ -264,3 +264,11 @@ def test_tension_is_so_many_standard_deviations_of_a_mean_of_five_or_none():
         force = noise + depth * ((time > 3.5) & (time < 4.0)) + 2.0 * ((time > 1.0) & (time < 3.0))
         assert shows_tension(time, force, 1.0, 3.0) is seen
     assert not shows_tension(time[time < 3.03], force[time < 3.03], 1.0, 3.0)
+
+
+@pytest.mark.parametrize(("lead", "bins"), [(0.3, 3), (0.02, 3), (0.004, 0), (0.0008, 0)])
+def test_a_trace_that_begins_just_before_contact_has_no_bins_there(lead, bins):
+    press = reduce_press(motion(20.0, lead=lead), None)
+    assert (press.label // 100 == PRE).sum() == bins
+    assert np.all(np.diff(press.start_s) > 0.0) and press.start_s[0] <= press.ramp.contact_time_s
+    assert np.all(press.end_s[:-1] <= press.start_s[1:] + 1e-9)

@@ -388,3 +388,33 @@ def test_the_worth_of_an_effect_is_what_it_changes_at_the_largest_force_and_at_m
     most, at = np.unravel_index(np.argmax(np.abs(change) * presses.used), change.shape)
     assert worth.most_N == pytest.approx(change[most, at]) and worth.most_file == presses.trials[most].file
     assert abs(worth.most_N) >= abs(worth.change_N) > 0.01
+
+
+SLIPS, GIVES, FLAT = "base_that_can_slip", "bulk_that_gives", "flat_faces"
+
+
+@pytest.mark.parametrize(("shape", "base", "contact", "offers", "grows"), [
+    ("layered:top=3,modulus_ratio=0.3", "bonded", "bonded", {SLIPS, GIVES, FLAT}, False),
+    ("boned:height=3,radius=20,foot=9", "bonded", "bonded", {GIVES, FLAT}, False),
+    ("crowned:radius=20,height=3,foot=11", "bonded", "bonded", {SLIPS, GIVES}, True),
+    ("layered:top=3,modulus_ratio=0.3", "bonded", "frictionless", {FLAT}, True),
+    ("layered:top=3,modulus_ratio=0.3", "sliding", "bonded", {FLAT}, False),
+    ("layered:top=3,modulus_ratio=0.3", "friction:0.3", "bonded", {FLAT}, True),
+])  # fmt: skip
+def test_a_solved_pad_offers_what_its_faces_and_its_base_allow(monkeypatch, shape, base, contact, offers, grows):
+    """Slip where it is glued on a whole base, a bulk where it is glued, flat faces where it is flat; a contact that
+    grows cell by cell is rough."""
+    made = []
+
+    def solved(pad, deepest, own, roughness):
+        made.append((own, roughness))
+        return SimpleNamespace(pad=pad, relative_error=0.01)
+
+    monkeypatch.setattr(campaign_law, "SolvedCurve", solved)
+    punch = SimpleNamespace(profile_mm=None, contact=contact, shape="round", radius_mm=7.9, edge_radius_mm=0.0,
+                            side_mm=None)  # fmt: skip
+    pad = SimpleNamespace(base=base, shape="slab", length_mm=60.0, width_mm=50.0, diameter_mm=None, ratio=15.0,
+                          young_kPa_nominal=30.0)  # fmt: skip
+    pressed = trial(9.0, geometry=read_shape(shape))
+    campaign_law._solved(SimpleNamespace(pad=pad, punch=punch), [pressed], "shaped", 0.0, lambda text: None)
+    assert made[0][0] == offers and (made[0][1] > 0.0) is grows

@@ -93,6 +93,10 @@ def test_faults_are_told_and_what_is_sound_is_not():
     assert any("leaves a step" in fault for fault in check_effect(steep))
     root = with_factor(lambda size: 1.0 + 0.05 * np.sign(size) * abs(size) ** 0.2)
     assert any("leaves a step" in fault for fault in check_effect(root))
+    # a ten thousandth of the usual change may be left at a millionth of the usual size
+    for left, told in ((0.95e-4, False), (1.05e-4, True)):
+        small = with_factor(lambda size, left=left: 1.0 + 0.2 * (1.0 if abs(size) > 0.05 else left) * np.sign(size))
+        assert any("leaves a step" in fault for fault in check_effect(small)) is told
     ends = with_factor(lambda size: 1.0 + size if size < 0.4 else np.nan)
     assert any("not finite at share = 0.5" in fault for fault in check_effect(ends))
     log = type("Log", (Good,), {"__doc__": "x", "parameters": (Parameter("share", "1", 0.1, 0.1, 0.5, 0.2, log=True),)})

@@ -407,7 +407,7 @@ def test_a_solved_pad_offers_what_its_faces_and_its_base_allow(monkeypatch, shap
     made = []
 
     def solved(pad, deepest, own, roughness):
-        made.append((own, roughness))
+        made.append((own, roughness, pad.young_MPa))
         return SimpleNamespace(pad=pad, relative_error=0.01)
 
     monkeypatch.setattr(campaign_law, "SolvedCurve", solved)
@@ -418,3 +418,5 @@ def test_a_solved_pad_offers_what_its_faces_and_its_base_allow(monkeypatch, shap
     pressed = trial(9.0, geometry=read_shape(shape))
     campaign_law._solved(SimpleNamespace(pad=pad, punch=punch), [pressed], "shaped", 0.0, lambda text: None)
     assert made[0][0] == offers and (made[0][1] > 0.0) is grows
+    # on a base that rubs the modulus decides how the pad slides: 30 kPa
+    assert made[0][2] == pytest.approx(0.03 if base.startswith("friction") else 1.0)

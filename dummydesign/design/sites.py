@@ -177,16 +177,22 @@ def lay_out(alone: IsolatedCrown, wanted: tuple[int, int], pad_mm: tuple[float, 
             return sites
     pitch, rim = _needed(alone.stiffer, least[0]), _needed(alone.softer, least[1])
     if all((count - 1) * pitch + 2.0 * rim <= size + 1e-9 for count, size in zip(wanted, pad_mm)):
-        return _sites(alone, wanted, pad_mm, rim)
+        return _sites(alone, wanted, pad_mm, rim, pitch)
     raise InputError(_does_not_fit(wanted, pad_mm, pitch, rim), "cannot_be_made", "sites", wanted)
 
 
-def _sites(alone: IsolatedCrown, wanted: tuple[int, int], pad_mm: tuple[float, float], rim_mm: float) -> Sites:
-    """The grid with a rim of at least ``rim_mm``, pitches in tenths of a millimetre, and its bounds."""
+def _sites(
+    alone: IsolatedCrown, wanted: tuple[int, int], pad_mm: tuple[float, float], rim_mm: float, pitch_mm: float = 0.0
+) -> Sites:
+    """The grid with a rim of at least ``rim_mm``, pitches in tenths of a millimetre, and its bounds.
+
+    Even shares that are narrower than ``pitch_mm`` give way to crowns that are moved out to the rim.
+    """
     pitches = []
     for count, size in zip(wanted, pad_mm):
         even = size / count
-        widest = even if 0.5 * even >= rim_mm or count == 1 else (size - 2.0 * rim_mm) / (count - 1)
+        shared = count == 1 or (0.5 * even >= rim_mm and even >= pitch_mm)
+        widest = even if shared else (size - 2.0 * rim_mm) / (count - 1)
         pitches.append(floor(10.0 * widest + 1e-6) / 10.0 if count > 1 else 0.0)
     sides = [0.5 * (size - (count - 1) * pitch) for count, size, pitch in zip(wanted, pad_mm, pitches)]
     rim = floor(10.0 * min(sides) + 1e-6) / 10.0

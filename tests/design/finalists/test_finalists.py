@@ -175,3 +175,31 @@ def test_a_pad_that_is_near_to_a_neighbour_but_not_to_the_first_is_pressed_itsel
 def test_a_neighbour_of_a_pad_that_cannot_be_solved_is_solved_before_a_worse_kind_wins(solved):
     boned = [Pad("boned", 0.8, 0.8, -1.0, radius=20.0), Pad("boned", 0.79, 0.8, 0.75, radius=21.0)]
     assert best(solve_leading([*boned, Pad("layered", 0.78, 0.78, 0.4)], SPACE)).full == 0.75
+
+
+@pytest.mark.parametrize(("more", "count"), [(0.0095, 1), (0.0105, 2)])
+def test_a_neighbour_is_solved_where_it_is_worth_a_hundredth_more(solved, more, count):
+    same = [Pad("boned", 0.8, 0.8, 0.7, radius=20.0), Pad("boned", 0.79, 0.8, 0.75, radius=21.0,
+                                                         by_neighbour=0.7 + more)]  # fmt: skip
+    solve_leading(same, SPACE)
+    assert len(solved) == count
+
+
+@pytest.mark.parametrize(("behind", "pressed"), [(0.029, True), (0.031, False)])
+def test_a_pad_is_pressed_coarsely_within_the_tables_doubt_of_the_best(solved, monkeypatch, behind, pressed):
+    """Three hundredths: twice the most by which solving moved a design of the built-in tissues, 0.014, rounded up."""
+    seen = []
+    monkeypatch.setattr(resolved_by_fem, "rough_law", lambda pad, *_: seen.append(pad.by_table) or SimpleNamespace(
+        complete=True))  # fmt: skip
+    solve_leading([Pad("boned", 0.8, 0.8, 0.7), Pad("boned", 0.8 - behind, 0.7, 0.6)], SPACE)
+    assert (len(seen) == 2) is pressed
+
+
+def test_of_the_best_kind_three_are_in_question_and_of_each_other_one(solved, monkeypatch):
+    seen = []
+    monkeypatch.setattr(resolved_by_fem, "rough_law", lambda pad, *_: seen.append((pad.kind, pad.by_table)) or
+                        SimpleNamespace(complete=True))  # fmt: skip
+    pads = [Pad("boned", 0.8 - 0.001 * n, 0.1, 0.1 + 0.1 * n) for n in range(4)]
+    others = [Pad("crowned", 0.79 - 0.001 * n, 0.1, 0.5 + 0.1 * n) for n in range(2)]
+    solve_leading([*others, *pads], SPACE)
+    assert sorted(seen) == [("boned", 0.798), ("boned", 0.799), ("boned", 0.8), ("crowned", 0.79)]

@@ -136,3 +136,19 @@ def test_a_suggestion_reads_the_limits_before_any_work(own_file):
 def test_too_few_castings_for_a_percentage_are_refused(count):
     with raises_code("out_of_range", "castings"):
         resolve(Request("forefinger", shape="slab", verify=False, castings=count))
+
+
+@pytest.mark.parametrize(
+    ("table", "value", "allowed"), [("stands_for.over", 1.0, True), ("stands_for.over", 0.99, False),
+                                    ("usable.over", 3.0, True), ("usable.over", 3.05, False)],
+)  # fmt: skip
+def test_over_readings_are_allowed_from_one_to_three(own_file, table, value, allowed):
+    start = BUILT_IN.index(f"[{table}]")
+    numbers = f"value = {value}\nlow = 0.5\nhigh = 9.0\n"
+    own_file(BUILT_IN[:start] + re.sub(r"value = .*\nlow = .*\nhigh = .*\n", numbers, BUILT_IN[start:], count=1))
+    if allowed:
+        field = {"stands_for.over": "stands_over", "usable.over": "over"}[table]
+        assert getattr(verdict_limits(), field) == value
+        return
+    with raises_code("out_of_range"):
+        verdict_limits()

@@ -1,0 +1,206 @@
+"""Laws that elements make of a table, at which depths they are solved, and which pads count as neighbours."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from dummydesign.core.errors import NoAnswerError
+from dummydesign.design.search import finalists
+from dummydesign.design.search.finalists import (
+    BEYOND,
+    FIELD_SHARES,
+    SPACING,
+    ElementsLaw,
+    _better_neighbour,
+    _inputs,
+    _law,
+    near,
+    solved_shares,
+)
+from dummydesign.geometry.dimensions import PAD_EXTENT_MM
+
+
+@dataclass(frozen=True)
+class Table:
+    """F = 2 E d^1.5 h^-1, known to half of the thickness, off by 2 %."""
+
+    cast: bool = False
+    share: float = 0.5
+
+    @property
+    def plain(self):
+        return self
+
+    def force(self, depth_mm, thickness_mm, young_MPa, radius_mm):
+        return 2.0 * np.asarray(young_MPa) * np.maximum(depth_mm, 0.0) ** 1.5 / np.asarray(thickness_mm, float)
+
+    def depth_limit_mm(self, thickness_mm, radius_mm):
+        return self.share * np.asarray(thickness_mm, float)
+
+    def relative_error(self, depth_mm, thickness_mm, radius_mm):
+        return 0.02 + 0.0 * np.asarray(depth_mm)
+
+
+DEPTHS = np.array([0.5, 1.0, 2.0, 3.0])
+LAW = ElementsLaw(Table(), 10.0, DEPTHS, np.log([1.0, 1.1, 1.2, 1.1]), np.array([0.01, 0.03, 0.05, 0.01]))
+
+
+def test_the_force_is_the_tables_times_what_the_elements_found_and_holds_at_both_ends():
+    depth = np.array([0.1, 0.5, 1.0, 2.0, 3.0, 4.0])
+    ratio = LAW.force(depth, 10.0, 0.05, 7.0) / Table().force(depth, 10.0, 0.05, 7.0)
+    np.testing.assert_allclose(ratio, [1.0, 1.0, 1.1, 1.2, 1.1, 1.1])
+    at = np.linspace(0.5, 2.0, 99)
+    between = LAW.force(at, 10.0, 1.0, 7.0) / Table().force(at, 10.0, 1.0, 7.0)
+    assert np.all(np.diff(between) > 0.0) and between.max() <= 1.2 + 1e-12
+    np.testing.assert_allclose(LAW.force(at, 10.0, 0.1, 7.0), 2.0 * LAW.force(at, 10.0, 0.05, 7.0))
+
+
+def test_a_solve_that_stopped_limits_the_depth_in_proportion_to_the_thickness():
+    np.testing.assert_allclose(LAW.depth_limit_mm(np.array([8.0, 10.0, 20.0]), 7.0), [2.4, 3.0, 6.0])
+    complete = replace(LAW, complete=True)
+    np.testing.assert_allclose(complete.depth_limit_mm(np.array([8.0, 10.0]), 7.0), [4.0, 5.0])
+    short = replace(LAW, table=Table(share=0.2))
+    np.testing.assert_allclose(short.depth_limit_mm(np.array([10.0]), 7.0), [2.0])
+
+
+def test_the_error_is_that_of_the_elements_and_beyond_them_at_least_the_tables():
+    depth = np.array([0.2, 1.0, 1.5, 3.0])
+    np.testing.assert_allclose(LAW.relative_error(depth, 10.0, 7.0), [0.01, 0.03, 0.04, 0.01])
+    np.testing.assert_allclose(LAW.relative_error(np.array([1.0, 3.0, 3.1]), 10.0, 7.0), [0.03, 0.01, 0.02])
+    worse = replace(LAW, error=np.full(4, 0.06))
+    np.testing.assert_allclose(worse.relative_error(np.array([1.0, 3.1]), 10.0, 7.0), 0.06)
+
+
+def shaped(depths=(1.0, 2.0, 3.0), thickness=10.0, flat=True, axisymmetric=True, share=0.5, name="crowned", **lengths):
+    shape = SimpleNamespace(name=name, axisymmetric=axisymmetric, flat_top=flat, parameters=tuple(lengths.items()))
+    evaluation = SimpleNamespace(depth_mm=np.array([[9.0] * len(depths), depths]))
+    best = SimpleNamespace(thickness_mm=thickness, evaluation=evaluation, index=1)
+    return SimpleNamespace(shape=shape, law=Table(share=share), result=SimpleNamespace(best=best))
+
+
+@pytest.mark.parametrize("flat", [True, False])
+def test_a_design_is_solved_in_even_steps_to_a_third_beyond_its_deepest_press(flat):
+    shares = solved_shares(shaped(flat=flat), 7.0)
+    step = SPACING[flat]
+    np.testing.assert_allclose(np.diff(shares), step)
+    assert shares[0] == pytest.approx(step)
+    # the first step at or beyond 1.3 x 0.3
+    assert BEYOND * 0.3 <= shares[-1] + 1e-9 < BEYOND * 0.3 + step
+    deep = solved_shares(shaped((1.0, 4.5), flat=flat), 7.0)
+    assert deep[-1] == pytest.approx(0.5) and np.diff(deep).max() <= step + 1e-12
+    out_of_reach = solved_shares(shaped((1.0, np.nan), flat=flat), 7.0)
+    assert out_of_reach[-1] == pytest.approx(0.5)
+    exact = solved_shares(shaped((20.0 * step / BEYOND,), thickness=1.0, flat=flat), 7.0)
+    assert len(exact) == 20
+
+
+def test_caps_are_solved_at_sixteen_shares_of_the_last_depth():
+    shares = solved_shares(shaped(axisymmetric=False), 7.0)
+    np.testing.assert_allclose(shares, FIELD_SHARES * BEYOND * 0.3)
+    assert len(shares) == 16 and shares[0] == pytest.approx(0.04 * shares[-1])
+
+
+def space(**given):
+    usual = {"base": "bonded", "extent_mm": PAD_EXTENT_MM, "edge_radius_mm": 0.0, "radius_mm": 7.9}
+    return SimpleNamespace(**{**usual, **given})
+
+
+def test_only_what_differs_from_the_tables_is_asked_of_a_solve():
+    inputs, own = _inputs(shaped(), space())
+    assert own == {} and inputs["thickness"] == 10.0 and inputs["radius"] == 7.9
+    np.testing.assert_allclose(inputs["depth"], 10.0 * solved_shares(shaped(), 7.9))
+    full = _inputs(shaped(), space(base="sliding", extent_mm=40.0, edge_radius_mm=0.5))[1]
+    assert full == {"base": "sliding", "extent_mm": 40.0, "edge_radius_mm": 0.5}
+    assert _inputs(shaped(axisymmetric=False), space(edge_radius_mm=0.5))[1] == {}
+
+
+def test_a_law_is_the_logarithm_of_elements_over_table_at_unit_modulus():
+    depth = np.array([1.0, 2.0, 4.0])
+    force = 1.3 * Table().force(depth, 10.0, 1.0, 7.0)
+    made = {"depth_mm": depth, "force_N": force, "error_N": 0.02 * force, "notes": ("first", "second")}
+    law = _law(shaped(), made, 3, 7.0)
+    np.testing.assert_allclose(law.log_factor, np.log(1.3))
+    np.testing.assert_allclose(law.error, 0.02)
+    assert law.complete and law.end == "" and law.touch is None and law.table.cast and law.thickness_mm == 10.0
+    part = _law(shaped(), {**made, "touch": [[0.1, 0.2], [1.0, 2.0], [0.0, 0.0]]}, 4, 7.0)
+    assert not part.complete and part.end == "first; second" and part.touch is not None
+    with pytest.raises(NoAnswerError):
+        _law(shaped(), {name: values[:1] for name, values in made.items()}, 3, 7.0)
+    two = _law(shaped(), {name: values[:2] for name, values in made.items()}, 3, 7.0)
+    assert len(two.depth_mm) == 2
+
+
+def test_a_round_solve_keeps_where_the_face_has_touched_in_millimetres(monkeypatch):
+    from dummydesign.pad.axisymmetric import shaped_pad
+
+    def solve(pad, depth, solved):
+        return SimpleNamespace(depth_mm=depth, force_N=depth, error_N=0.0 * depth)
+
+    monkeypatch.setattr(shaped_pad, "solve_shaped_pad", solve)
+    monkeypatch.setattr(finalists, "Pad", lambda *given, **more: None)
+    solved = SimpleNamespace(touched=[(0.1, 0.3, 0.01), (0.2, 0.9, 0.02)])
+    made = finalists._solve_round(shaped(), space(), solved)
+    np.testing.assert_allclose(made["touch"], [[1.0, 2.0], [3.0, 7.9], [0.01, 0.02]])
+
+
+def test_a_field_with_a_table_is_solved_on_its_grid_in_units_of_the_thickness(monkeypatch):
+    from dummydesign.pad.spatial import shaped_pad
+    from dummydesign.pad.tables import shape as tables
+
+    asked = []
+
+    def press(shape, thickness, shares, grid):
+        asked.append((thickness, shares))
+        return shares[:2], 3.0 * shares[:2], "stopped"
+
+    monkeypatch.setattr(shaped_pad, "press_field", press)
+    table = SimpleNamespace(error_depth=np.array([0.0, 0.4]), solve_error=np.array([0.0, 0.04]))
+    monkeypatch.setattr(tables, "load_shape_table", lambda name: table)
+    made = finalists._solve_field(SimpleNamespace(tabulated=True, name="bumped"), 8.0, np.array([0.8, 1.6, 2.4]))
+    np.testing.assert_allclose(asked[0][1], [0.1, 0.2, 0.3])
+    assert asked[0][0] == 8.0 and made["notes"] == ("stopped",)
+    np.testing.assert_allclose(made["depth_mm"], [0.8, 1.6])
+    np.testing.assert_allclose(made["force_N"], [0.3, 0.6])
+    np.testing.assert_allclose(made["error_N"], [0.3 * 0.01, 0.6 * 0.02])
+
+
+def test_a_field_without_a_table_is_solved_under_the_square_of_fourteen_millimetres(monkeypatch):
+    from dummydesign.pad.spatial import shaped_pad
+
+    asked = []
+    monkeypatch.setattr(shaped_pad, "solve_shaped_block", lambda pad, depth: asked.append(pad) or SimpleNamespace(a=1))
+    monkeypatch.setattr(finalists, "Pad", lambda *given, **more: SimpleNamespace(given=given, **more))
+    assert finalists._solve_field(SimpleNamespace(tabulated=False), 8.0, np.array([0.8])) == {"a": 1}
+    assert asked[0].sides_mm == (14.0, 14.0) and asked[0].given[:2] == (8.0, 1.0)
+
+
+def test_pads_are_near_within_a_tenth_of_the_larger_in_every_length():
+    one = shaped(radius=20.0, height=2.0)
+    for radius, height, thickness, close in ((22.2, 2.0, 10.0, True), (22.3, 2.0, 10.0, False), (18.0, 2.0, 10.0, True),
+                                             (17.9, 2.0, 10.0, False), (20.0, 2.0, 11.1, True),
+                                             (20.0, 2.0, 11.2, False), (20.0, 1.7, 10.0, False)):  # fmt: skip
+        assert near(one, shaped(radius=radius, height=height, thickness=thickness)) is close
+    assert not near(one, shaped(name="boned", radius=20.0, height=2.0))
+
+
+def test_a_neighbour_is_judged_at_depths_in_proportion_to_its_thickness(monkeypatch):
+    laws = {}
+
+    def with_law(pad, law, space):
+        laws[pad.result.best.thickness_mm] = law
+        if pad.result.best.thickness_mm == 12.0:
+            raise NoAnswerError("no_convergence", "x")
+        return SimpleNamespace(worth={9.0: 0.6, 11.0: 0.7}[pad.result.best.thickness_mm])
+
+    monkeypatch.setattr(finalists, "with_law", with_law)
+    solved = SimpleNamespace(elements=LAW)
+    pads = [shaped(thickness=h) for h in (9.0, 11.0, 12.0)]
+    best = _better_neighbour(solved, pads, None, 0.69)
+    assert best is pads[1] and _better_neighbour(solved, pads, None, 0.7) is None
+    np.testing.assert_allclose(laws[11.0].depth_mm, 1.1 * DEPTHS)
+    assert laws[11.0].thickness_mm == 11.0 and laws[11.0].touch is None and laws[11.0].table.cast
+    assert _better_neighbour(solved, [], None, 0.0) is None

@@ -1,0 +1,220 @@
+"""Each effect against the formula that its docstring states, on a small campaign of pucks."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from dummydesign.loop.effects.registry import effect_named
+from dummydesign.loop.model.effect import Arm
+from tests.support import puck_presses as pucks
+
+PRESSES = pucks.planned()
+DEPTH = np.maximum(PRESSES.displacement_mm, 0.0)
+FORCE = np.linspace(-2.0, 18.0, DEPTH.size).reshape(DEPTH.shape)
+H = PRESSES.thickness_mm[:, None]
+
+
+def acting(name, **values):
+    effect = effect_named(name)
+    return effect, {**effect.null_values(), **values}
+
+
+def test_stiffening_is_stated_at_three_tenths_of_the_thickness_and_squared_is_yeohs():
+    depth, h = np.array([[0.6, 2.4, 4.8, -1.0]]), np.array([[8.0]])
+    for exponent in (2.0, 3.5):
+        effect, values = acting("strain_stiffening", coefficient=1.5, exponent=exponent)
+        share = np.maximum(depth, 0.0) / h
+        wanted = pucks.LAW(depth, h) * (1.0 + 1.5 * 0.09 * (share / 0.3) ** exponent)
+        np.testing.assert_allclose(effect.law(pucks.LAW, values)(depth, h), wanted)
+    effect, values = acting("strain_stiffening", coefficient=1.5)
+    depth = np.array([[2.4]])
+    np.testing.assert_allclose(effect.law(pucks.LAW, values)(depth, h), (1.0 + 1.5 * 0.09) * pucks.LAW(depth, h))
+
+
+def test_a_machine_gives_way_by_its_compliance_at_ten_newtons_and_hardens_from_half_a_newton_on():
+    force = np.array([[0.0, 5.0, 10.0, -10.0, 40.0]])
+    effect, values = acting("machine_compliance", compliance_mm_per_N=0.01)
+    np.testing.assert_allclose(effect.yielding(PRESSES, force, values), 0.01 * force)
+    effect, values = acting("machine_compliance", compliance_mm_per_N=0.01, exponent=2.0 / 3.0)
+    found = effect.yielding(PRESSES, force, values)
+    np.testing.assert_allclose(found[0, 2:4], [0.1, -0.1])
+    np.testing.assert_allclose(found, 0.01 * force * ((np.abs(force) + 0.5) / 10.5) ** (-1.0 / 3.0))
+
+
+def test_friction_adds_on_the_way_in_and_takes_off_on_the_way_out():
+    effect, values = acting("friction_hysteresis", friction_fraction=0.1, turn_mm=0.2)
+    found = effect.surface(PRESSES, DEPTH, FORCE, values) / FORCE
+    away = PRESSES.time_s > PRESSES.hold_end_s[:, None]
+    back = PRESSES.depth_mm[:, None] - PRESSES.displacement_mm
+    np.testing.assert_allclose(found[~away], 1.1)
+    np.testing.assert_allclose(found[away & (back >= 0.2)], 0.9)
+    turning = away & (back < 0.2)
+    np.testing.assert_allclose(found[turning], (1.0 + 0.1 * (1.0 - 2.0 * np.clip(back / 0.2, 0.0, 1.0)))[turning])
+
+
+def test_a_tilted_punch_is_the_mean_over_strips_of_its_face():
+    def cubic(depth, h):
+        return np.maximum(depth, 0.0) ** 3
+
+    cubic.radius_mm = 7.9
+    effect, values = acting("punch_tilt", tilt_deg=2.0)
+    depth = np.array([[2.0, 5.0]])
+    reach = 0.5 * np.sqrt(np.pi) * 7.9 * np.tan(np.deg2rad(2.0))
+    # mean of (d + u)^3 over u even in the reach: d^3 + d reach^2
+    np.testing.assert_allclose(effect.law(cubic, values)(depth, H[:1]), depth**3 + depth * reach**2, rtol=1e-6)
+    np.testing.assert_allclose(effect.law(cubic, acting("punch_tilt", tilt_deg=0.0)[1])(depth, H[:1]), depth**3)
+
+
+def test_thickness_and_offset_are_added_to_what_is_stated():
+    depth, h = np.array([[1.0]]), np.array([[8.0]])
+    effect, values = acting("thickness_error", thickness_error_mm=-0.5)
+    assert effect.law(pucks.LAW, values)(depth, h) == pucks.LAW(depth, np.array([[7.5]]))
+    effect, values = acting("contact_offset", offset_mm=0.2)
+    np.testing.assert_allclose(effect.depth(PRESSES, DEPTH, values), DEPTH - 0.2)
+
+
+def test_a_base_that_slips_and_a_bulk_that_gives_are_shares_of_their_laws():
+    def law(depth, h):
+        return 6.0 * depth
+
+    law.sliding = lambda: lambda depth, h: 2.0 * depth
+    law.compressibility_coefficient = lambda depth, h: 3.0 + depth
+    depth = np.array([[0.5, 2.0]])
+    effect, values = acting("base_slip", slip_fraction=0.25)
+    np.testing.assert_allclose(effect.law(law, values)(depth, H[:1]), 5.0 * depth)
+    effect, values = acting("compressibility", poisson_ratio=0.45)
+    np.testing.assert_allclose(effect.law(law, values)(depth, H[:1]), 6.0 * depth / (1.0 + 0.1 * (3.0 + depth)))
+
+
+def test_temperature_is_relative_to_23_degrees_and_shifts_times_by_its_power():
+    effect, values = acting("temperature", modulus_loss_per_K=0.01, times_over_modulus=2.0)
+    warm = PRESSES.history.temperature_C[:, None] - 23.0
+    np.testing.assert_allclose(effect.scale(PRESSES, DEPTH, values), 1.0 - 0.01 * warm)
+    (arm,) = effect.arms(PRESSES, (Arm(0.5, 0.3),), DEPTH, values)
+    np.testing.assert_allclose(arm.tau_s, 0.5 * np.exp(-0.02 * warm))
+    even = {**values, "times_over_modulus": 0.0}
+    assert effect.arms(PRESSES, (Arm(0.5, 0.3),), DEPTH, even)[0].tau_s == 0.5
+    for spread, shown in ((0.51, True), (0.49, False)):
+        history = SimpleNamespace(temperature_C=np.array([21.0, 21.0 + spread]))
+        assert (effect.untestable(SimpleNamespace(history=history)) == "") is shown
+
+
+def test_ageing_is_a_share_per_doubling_of_seven_days():
+    effect, values = acting("ageing", growth_per_doubling=0.04)
+    history = replace(PRESSES.history, age_days=np.r_[7.0, 14.0, 28.0, 3.5, np.full(12, 7.0)])
+    found = effect.scale(replace(PRESSES, history=history), DEPTH, values)[:, 0]
+    np.testing.assert_allclose(found[:5], [1.0, 1.04, 1.08, 0.96, 1.0])
+    for ratio, shown in ((1.11, True), (1.09, False)):
+        made = SimpleNamespace(history=SimpleNamespace(age_days=np.array([7.0, 7.0 * ratio])))
+        assert (effect.untestable(made) == "") is shown
+
+
+def history_of(earlier, elapsed):
+    count = len(PRESSES.trials)
+    depth, since = np.zeros((count, count)), np.full((count, count), np.inf)
+    depth[0, 1 : 1 + len(earlier)], since[0, 1 : 1 + len(earlier)] = earlier, elapsed
+    return replace(PRESSES, history=replace(PRESSES.history, earlier_depth_mm=depth, elapsed_s=since))
+
+
+def test_dents_of_earlier_presses_decay_and_add():
+    effect, values = acting("incomplete_recovery", fraction=0.1, tau_s=100.0, adding=0.5)
+    presses = history_of([2.0, 3.0], [100.0, 200.0])
+    left = np.array([2.0 * np.exp(-1.0), 3.0 * np.exp(-2.0)])
+    found = DEPTH - effect.depth(presses, DEPTH, values)
+    np.testing.assert_allclose(found[0], 0.1 * (left.max() + 0.5 * left.min()))
+    np.testing.assert_allclose(found[1:], 0.0, atol=1e-12)
+
+
+def test_softening_is_lost_at_the_first_reloading_and_more_at_later_ones():
+    effect, values = acting("softening_with_cycles", softening=0.2, width_share=0.02, cycles=1.5)
+    shallow = np.full_like(DEPTH, 1.0)
+    for count in (1, 2, 3):
+        presses = history_of([4.0] * count, [60.0] * count)
+        loss = 0.2 * (1.0 - np.exp(-count / 1.5)) / (1.0 - np.exp(-1.0 / 1.5))
+        np.testing.assert_allclose(effect.scale(presses, shallow, values)[0], 1.0 - loss, rtol=1e-9)
+    presses = history_of([4.0], [60.0])
+    # at the rejoined depth half of a cycle counts, beyond it none
+    for rejoin in (1.0, 1.2):
+        own = {**values, "rejoin_share": rejoin}
+        half = effect.scale(presses, np.full_like(DEPTH, 4.0 * rejoin), own)[0, 0]
+        assert half == pytest.approx(1.0 - 0.2 * np.expm1(-0.5 / 1.5) / np.expm1(-1.0 / 1.5))
+        assert effect.scale(presses, np.full_like(DEPTH, 5.5), own)[0, 0] == pytest.approx(1.0, abs=1e-5)
+        width = effect.scale(presses, np.full_like(DEPTH, 4.0 * (rejoin + 0.02)), own)[0, 0]
+        count = 0.5 * (1.0 - np.tanh(1.0))
+        assert width == pytest.approx(1.0 - 0.2 * np.expm1(-count / 1.5) / np.expm1(-1.0 / 1.5))
+
+
+def test_viscosity_thins_with_speed_about_fifty_millimetres_a_second_above_its_plateau():
+    effect, values = acting("rate_dependent_viscosity", exponent=0.4, plateau_mm_per_s=6.0)
+    (arm,) = effect.arms(PRESSES, (Arm(0.5, 0.3),), DEPTH, values)
+    speed = PRESSES.velocity_mm_s[:, None]
+    np.testing.assert_allclose(arm.tau_s, 0.5 * ((speed**2 + 36.0) / (2500.0 + 36.0)) ** -0.2)
+    (own,) = effect.arms(PRESSES, (Arm(0.5, 0.3),), DEPTH, {**values, "way_back": 1.0})
+    away = PRESSES.time_s > PRESSES.hold_end_s[:, None]
+    slow = 0.5 * ((PRESSES.back_mm_s[:, None] ** 2 + 36.0) / (2500.0 + 36.0)) ** -0.2
+    np.testing.assert_allclose(np.broadcast_to(own.tau_s, away.shape)[away], np.broadcast_to(slow, away.shape)[away])
+    np.testing.assert_allclose(own.tau_s[~away], np.broadcast_to(arm.tau_s, away.shape)[~away])
+    for ratio, shown in ((1.51, True), (1.49, False)):
+        assert (effect.untestable(SimpleNamespace(velocity_mm_s=np.array([10.0, 10.0 * ratio]))) == "") is shown
+
+
+def test_a_tacky_pad_pulls_on_the_way_back_alone():
+    effect, values = acting("adhesion", pull_off_N=2.0, release_mm=0.5, neck_mm=0.1)
+    away = PRESSES.time_s > PRESSES.hold_end_s[:, None]
+    floor = effect.floor(PRESSES, np.zeros((1, 1)), values)
+    np.testing.assert_array_equal(floor, np.where(away, -2.0, 0.0))
+    force = np.full_like(DEPTH, 5.0)
+    for depth, pull in ((0.0, 2.0), (0.1, 2.0 * np.exp(-1.0)), (3.0, 0.0)):
+        found = effect.surface(PRESSES, np.full_like(DEPTH, depth), force, values)
+        np.testing.assert_allclose(found[away], 5.0 - pull, atol=1e-9)
+        np.testing.assert_allclose(found[~away], 5.0)
+    # above the surface it lets go over the release
+    for depth, held in ((-0.125, 1.5), (-0.25, 1.0), (-0.6, 0.0)):
+        found = effect.surface(PRESSES, np.full_like(DEPTH, depth), np.full_like(DEPTH, -9.0), values)
+        np.testing.assert_allclose(found[away], -held, atol=1e-9)
+    assert effect.unseen(SimpleNamespace(pulls=2)) == "" != effect.unseen(SimpleNamespace(pulls=1))
+
+
+def test_sensors_add_bend_and_clip_as_stated():
+    effect, values = acting("force_bias", bias_N=-0.4)
+    np.testing.assert_allclose(effect.sensor(PRESSES, FORCE, values), FORCE - 0.4)
+    effect, values = acting("force_drift", drift_N_per_s=0.02)
+    late = replace(PRESSES, time_s=PRESSES.time_s + 50.0)
+    for presses in (PRESSES, late):
+        since = presses.time_s - presses.time_s[:, :1]
+        np.testing.assert_allclose(effect.sensor(presses, FORCE, values), FORCE + 0.02 * since)
+    effect, values = acting("inertia", mass_kg=0.3)
+    pulse = 1e-3 * 0.3 * PRESSES.acceleration_mm_s2
+    assert np.abs(pulse).max() > 0.1
+    np.testing.assert_allclose(effect.sensor(PRESSES, FORCE, values), FORCE + pulse)
+    effect, values = acting("sensor_curve", relative_change=-0.1, exponent=2.0)
+    bent = FORCE * (1.0 - 0.1 * (np.abs(FORCE) / 10.0) ** 2)
+    np.testing.assert_allclose(effect.reading(PRESSES, FORCE, values), bent)
+    effect, values = acting("sensor_clipping", share=0.75)
+    clipped = SimpleNamespace(flat_top_N=12.0)
+    np.testing.assert_allclose(effect.reading(clipped, FORCE, values), FORCE - 0.75 * np.maximum(FORCE - 12.0, 0.0))
+    np.testing.assert_array_equal(effect.reading(SimpleNamespace(flat_top_N=None), FORCE, values), FORCE)
+
+
+@pytest.mark.parametrize("name", ["slow_relaxation_mode", "fast_relaxation_mode"])
+def test_a_third_arm_begins_from_two_arms_that_it_has_moved_or_used_up(name):
+    """Starts stay within the base's bounds, keep the modulus, and their arms stay in order of time."""
+    from dummydesign.loop.model.forward_model import HIGH, LOW
+
+    effect = effect_named(name)
+    logs = np.log([0.03, 0.06, 0.3, 1.4, 0.2])
+    near, used_up = effect.base_starts(logs.copy())
+    for start in (near, used_up):
+        assert start[0] == logs[0] and np.all(start >= LOW) and np.all(start <= HIGH) and start[1] < start[3]
+    moved = np.flatnonzero(near != logs)
+    assert moved.tolist() == ([3] if name.startswith("slow") else [1])
+    # the arm that the mode has used up is the base's other one; one of usual size takes its place
+    own = used_up[3:] if name.startswith("slow") else used_up[1:3]
+    other = logs[1:3] if name.startswith("slow") else np.array([min(logs[3], np.log(0.3)), logs[4]])
+    np.testing.assert_allclose(own, other)
+    (term,) = effect.adds_terms({"tau_s": 9.0, "beta": 0.2})
+    assert (term.tau_s, term.beta) == (9.0, 0.2)

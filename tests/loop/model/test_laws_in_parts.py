@@ -1,0 +1,422 @@
+"""Parts of force laws against closed forms: curves of solved pads, their changes, thickness, pads' own factors."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cached_property
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from dummydesign.core.errors import NoAnswerError
+from dummydesign.geometry.shape_registry import read_shape
+from dummydesign.loop.effects.learned import FADE, Learned, SmoothChange, at_nodes, fading, followed, hats
+from dummydesign.loop.effects.registry import effect_named
+from dummydesign.loop.model import campaign_law, solved_law
+from dummydesign.loop.model.base_law import SLAB_ERROR, PuckLaw, SlabLaw
+from dummydesign.loop.model.solved_law import DENSE, POINTS, THICKER, BoundLaw, SolvedCurve, SolvedLaw, error_priors
+from dummydesign.loop.pad_scatter import carried_share, pad_scatter, recorded_ln, recorded_spread
+from dummydesign.loop.result import worth_of
+from dummydesign.pad.specimen import Pad, Puck
+from dummydesign.pad.tables.slab import load_table
+from tests.support import puck_presses as pucks
+from tests.support.puck_presses import clean_fit
+
+CROWN = read_shape("crowned:radius=20,height=3,foot=11")
+
+
+class Known(SolvedCurve):
+    """A crowned pad whose force is 3 d^1.5 (1 + d / 10) h^-0.8, as if it had been solved."""
+
+    @staticmethod
+    def area(depth, thickness):
+        return 3.0 * depth**1.5 * (1.0 + 0.1 * depth) * (10.0 / thickness) ** 0.8
+
+    @cached_property
+    def _points(self):
+        return self.depths_mm, self.area(self.depths_mm, self.pad.thickness_mm), np.linspace(0.01, 0.03, POINTS)
+
+
+@pytest.fixture
+def curve(monkeypatch):
+    """Its changes are known too: without a tip, so that nothing is added at first touch."""
+    def ratio(self, **change):
+        depth = np.maximum(self.dense_mm, 1e-9)
+        if "thickness_mm" in change:
+            return np.log(self.area(depth, change["thickness_mm"]) / self.area(depth, self.pad.thickness_mm))
+        return np.log(0.9) + 0.0 * depth if "base" in change else -np.log1p(0.04 * (2.0 + depth))
+
+    monkeypatch.setattr(Known, "_log_ratio", ratio)
+    pad = SimpleNamespace(profile_mm=np.zeros((2, 2)), thickness_mm=10.0, radius_mm=7.0, poisson=0.5, condition="x")
+    return Known(pad, 3.0)
+
+
+def test_a_solved_curve_gives_its_force_at_every_depth_and_goes_on_with_its_last_secant(curve):
+    depth, h = np.linspace(0.05, 3.0, 40)[None], np.array([[10.0]])
+    assert curve.power == 1.5 and curve.limit_mm == pytest.approx(3.0) and curve.radius_mm == 7.0
+    np.testing.assert_allclose(curve(depth, h), Known.area(depth, 10.0), rtol=1e-4)
+    beyond = np.array([[4.0, 5.0]])
+    np.testing.assert_allclose(curve(beyond, h), Known.area(3.0, 10.0) * (beyond / 3.0) ** 1.5, rtol=1e-6)
+    assert not curve(np.array([[-1.0, 0.0]]), h).any()
+    assert curve.relative_error == pytest.approx(0.02)
+    np.testing.assert_array_equal(curve.limit(np.array([8.0, 10.0])), [curve.limit_mm] * 2)
+    assert len(curve.dense_mm) == DENSE and curve.dense_mm[0] == 0.0 and curve.dense_mm[-1] == pytest.approx(3.0)
+    assert np.all(np.diff(curve.depths_mm, 2) > 0.0) and curve.depths_mm[0] < 0.05
+
+
+def test_the_change_with_thickness_is_its_first_and_second_derivative(curve):
+    first, second = curve.with_thickness
+    np.testing.assert_allclose(first, -0.8, rtol=1e-9)
+    np.testing.assert_allclose(second, 0.0, atol=1e-9)
+    depth = np.array([[0.5, 2.0]])
+    for h in (9.0, 10.7, 12.0):
+        np.testing.assert_allclose(curve(depth, np.array([[h]])), Known.area(depth, h), rtol=2e-4)
+
+
+def test_a_bend_with_thickness_is_followed_to_what_was_solved_and_goes_on_straight(curve, monkeypatch):
+    monkeypatch.setattr(Known, "_log_ratio", lambda self, thickness_mm: 0.0 * self.dense_mm + _bent(thickness_mm))
+    depth = np.array([[1.0]])
+    own = curve(depth, np.array([[10.0]]))[0, 0]
+
+    def change(h):
+        return float(np.log(curve(depth, np.array([[h]]))[0, 0] / own))
+
+    for h in (10.0 / THICKER, 9.5, 10.5, 10.0 * THICKER):
+        assert change(h) == pytest.approx(_bent(h), rel=1e-6)
+    end = np.log(THICKER)
+    slope = -0.8 + 2.0 * 0.5 * end
+    assert change(10.0 * THICKER**2) == pytest.approx(_bent(10.0 * THICKER) + slope * end, rel=1e-6)
+
+
+def _bent(h):
+    x = np.log(h / 10.0)
+    return -0.8 * x + 0.5 * x**2
+
+
+@pytest.mark.parametrize("fails", [1, -1])
+def test_where_one_side_cannot_be_solved_the_other_gives_the_slope(curve, monkeypatch, fails):
+    def ratio(self, thickness_mm):
+        if (thickness_mm > 10.0) == (fails > 0):
+            raise NoAnswerError("no_convergence", "stopped")
+        return 0.0 * self.dense_mm + _bent(thickness_mm)
+
+    monkeypatch.setattr(Known, "_log_ratio", ratio)
+    first, second = curve.with_thickness
+    side = 10.0 * THICKER**-fails
+    assert first[0] == pytest.approx(_bent(side) / np.log(side / 10.0)) and not second.any()
+
+
+def test_sliding_and_bulk_change_the_force_by_what_was_solved(curve):
+    depth, h = np.array([[0.5, 2.0]]), np.array([[10.0]])
+    np.testing.assert_allclose(curve.sliding()(depth, h), 0.9 * curve(depth, h), rtol=1e-9)
+    np.testing.assert_allclose(curve.compressibility_coefficient(depth, h), 2.0 + depth, rtol=1e-4)
+
+
+def test_a_rounded_tip_begins_as_hertz_and_powers_are_those_of_the_touch():
+    pad = Pad(10.0, 1.0, 7.0, geometry=CROWN)
+    known = Known(pad, 3.0)
+    secant = known.log_secant
+    if CROWN.tip_radius_mm:
+        assert secant[0] == pytest.approx(np.log(16.0 / 9.0 * np.sqrt(CROWN.tip_radius_mm)))
+    assert known.power == CROWN.first_exponent
+    assert Known(Puck(10.0, 1.0, 20.0), 3.0).power == 1.0
+    np.testing.assert_allclose(np.diff(Known(Puck(10.0, 1.0, 20.0), 3.0).dense_mm), 3.0 / (DENSE - 1))
+    slides = replace(pad, condition="frictionless")
+    assert Known(slides, 3.0).depths_mm[0] == pytest.approx(0.18) and len(Known(slides, 3.0).depths_mm) == POINTS
+
+
+@pytest.mark.parametrize("change", [{"thickness_mm": 11.5}, {"base": "sliding"}, {"poisson": 0.48}])
+def test_changes_of_glued_slabs_are_those_of_their_tables(change):
+    pad = Pad(10.0, 1.0, 7.9)
+    curve = SolvedCurve(pad, 3.0)
+    curve.__dict__["_points"] = (curve.depths_mm, np.ones(POINTS), np.zeros(POINTS))
+    found = curve._log_ratio(**change)
+    at = 300
+    depth, h = curve.dense_mm[at], np.array([[10.0]])
+    law = SlabLaw(load_table("bonded"), 7.9, False)
+    own = law(np.array([[depth]]), h)[0, 0]
+    if "thickness_mm" in change:
+        wanted = np.log(law(np.array([[depth]]), np.array([[11.5]]))[0, 0] / own)
+        assert found[at] < 0.0
+    elif "base" in change:
+        wanted = np.log(law.sliding()(np.array([[depth]]), h)[0, 0] / own)
+    else:
+        wanted = -np.log1p((1.0 - 2.0 * 0.48) * law.compressibility_coefficient(np.array([[depth]]), h)[0, 0])
+    assert found[at] == pytest.approx(wanted, rel=1e-9) and found.shape == (DENSE,)
+    assert found[at] < 0.0 and np.isfinite(found).all()
+
+
+def test_changes_of_shaped_pads_are_smoothed_ratios_of_coarse_solves(monkeypatch):
+    """The scatter of a contact that grows cell by cell goes; finer cells follow where too little was reached."""
+    used = []
+
+    def coarse(pad, depth, cells):
+        used.append(cells)
+        count = len(depth) if cells > 10 else 12
+        scatter = 0.01 * (-1.0) ** np.arange(count)
+        factor = 1.0 if pad.base == "bonded" else np.exp(-0.2 + 0.1 * depth[:count] + scatter)
+        return factor * depth[:count] ** 1.5
+
+    monkeypatch.setattr(solved_law, "_coarse", coarse)
+    known = Known(Pad(10.0, 1.0, 7.0, geometry=CROWN), 3.0)
+    found = known._log_ratio(base="sliding")
+    assert set(used) == {10, 13}
+    inside = known.dense_mm > 0.1
+    np.testing.assert_allclose(found[inside], (-0.2 + 0.1 * known.dense_mm)[inside], atol=0.009)
+    monkeypatch.setattr(solved_law, "_coarse", lambda pad, depth, cells: depth[:12])
+    with pytest.raises(NoAnswerError, match="another base"):
+        known._log_ratio(base="sliding")
+
+
+def test_a_coarse_solve_is_in_millimetres_and_per_unit_of_youngs_modulus(monkeypatch):
+    from dummydesign.pad.axisymmetric import shaped_problem
+
+    asked = {}
+
+    def path(case, shares, cells, rim):
+        asked.update(shares=shares, cells=cells, first=case.first)
+        return SimpleNamespace(force=2.0 * shares)
+
+    monkeypatch.setattr(shaped_problem, "solve_path", path)
+    depth = np.array([0.2, 1.0, 2.0, 7.0])
+    for poisson in (0.5, 0.48):
+        pad = Pad(10.0, 1.0, 7.0, geometry=CROWN, poisson=poisson)
+        area = solved_law._solve_coarse(pad, depth, 13)["area_mm2"]
+        np.testing.assert_allclose(area, 2.0 * depth[:3] / 10.0 * 100.0 / (2.0 * (1.0 + poisson)))
+        np.testing.assert_allclose(asked["shares"], depth[:3] / 10.0)
+        assert asked["first"] == pytest.approx(0.02) and asked["cells"] == 13
+
+
+def test_a_law_of_several_pads_takes_each_on_its_own_and_a_new_one_as_the_nearest_in_ratio(curve):
+    thin, thick = replace(curve), Known(SimpleNamespace(**{**vars(curve.pad), "thickness_mm": 20.0}), 6.0)
+    law = SolvedLaw({("", 10.0): thin, ("", 20.0): thick, ("c", 11.0): thick}, "shaped", SLAB_ERROR)
+    for h, own in ((10.0, thin), (13.9, thin), (14.4, thick), (90.0, thick), (1.0, thin)):
+        assert law.law_of(("", h)) is own
+    assert law.law_of(("c", 1.0)) is thick and law.offers == frozenset()
+    trials = [SimpleNamespace(pad=("", h), thickness_mm=h) for h in (20.0, 10.0, 20.0)]
+    np.testing.assert_allclose(law.limit_of(trials), [6.0, 3.0, 6.0])
+    bound = law.on(trials)
+    depth, h = np.array([[1.0, 2.0], [0.5, 1.0], [2.0, 3.0]]), np.array([[20.0], [10.0], [20.0]])
+    assert isinstance(bound, BoundLaw)
+    np.testing.assert_allclose(bound(depth, h), Known.area(depth, h), rtol=2e-4)
+    np.testing.assert_allclose(bound.sliding()(depth, h), 0.9 * bound(depth, h), rtol=1e-9)
+    np.testing.assert_allclose(bound.compressibility_coefficient(depth, h), 2.0 + depth, rtol=1e-3)
+    rough = SolvedLaw({("", 10.0): replace(curve, roughness=0.005), ("", 30.0): curve}, "shaped", SLAB_ERROR)
+    assert rough.roughness(("", 11.0)) == 0.005 and rough.roughness(("", 29.0)) == 0.001
+
+
+def test_errors_of_a_law_add_in_squares():
+    (level, a), (slope, b), (curved, c) = error_priors(SLAB_ERROR, 0.02, True, 0.03)
+    own = [size for size, _ in SLAB_ERROR]
+    assert level == pytest.approx(np.sqrt(own[0] ** 2 + 0.01**2 + 0.01**2 + 0.03**2))
+    assert slope == pytest.approx(np.sqrt(own[1] ** 2 + 0.01**2 + 0.01**2))
+    assert curved == pytest.approx(np.hypot(own[2], 0.005)) and (a, b, c) == tuple(spread for _, spread in SLAB_ERROR)
+    for (size, spread), (plain, same) in zip(error_priors(SLAB_ERROR, 0.0, False, 0.0), SLAB_ERROR):
+        assert (size, spread) == (pytest.approx(plain), same)
+
+
+def trial(thickness=10.0, sd=None, factor_sd=0.0, depth=2.0, geometry=CROWN, factor=1.0, **more):
+    trace = SimpleNamespace(displacement_mm=np.array([0.0, depth]))
+    given = {"witness_kPa": None, "weighed_ratio": None, "design_thickness_mm": None, **more}
+    return SimpleNamespace(thickness_mm=thickness, thickness_sd_mm=sd, young_factor_sd=factor_sd, young_factor=factor,
+                           pad=(str(geometry), thickness), geometry=geometry, trace=trace, **given)  # fmt: skip
+
+
+def test_what_is_not_known_of_a_pads_level_is_its_gauge_and_its_modulus():
+    assert campaign_law.level_error(trial()) == 0.0
+    assert campaign_law.level_error(trial(8.0, 0.2)) == pytest.approx(0.025)
+    assert campaign_law.level_error(trial(8.0, 0.2, 0.06)) == pytest.approx(0.065)
+
+
+def test_thicknesses_within_six_per_cent_share_a_curve():
+    assert campaign_law._groups([10.0, 10.59, 10.61, 20.0, 21.1]) == [[10.0, 10.59], [10.61], [20.0, 21.1]]
+
+
+@pytest.mark.parametrize(("depth", "share"), [(2.70, 0.3), (2.75, 0.45), (4.05, 0.45), (4.2, None)])
+def test_a_pad_is_solved_to_the_first_depth_beyond_what_was_pressed_by_a_tenth(monkeypatch, depth, share):
+    made = []
+
+    class Stub(SimpleNamespace):
+        relative_error = 0.02
+
+    def solved(pad, deepest, offers, roughness):
+        made.append((deepest, offers, roughness))
+        return Stub(pad=pad)
+
+    monkeypatch.setattr(campaign_law, "SolvedCurve", solved)
+    punch = SimpleNamespace(profile_mm=None, contact="bonded", shape="square", radius_mm=7.9, edge_radius_mm=0.0,
+                            side_mm=14.0)  # fmt: skip
+    pad = SimpleNamespace(base="bonded", shape="slab", length_mm=60.0, width_mm=50.0, diameter_mm=None)
+    campaign = SimpleNamespace(pad=pad, punch=punch)
+    law = campaign_law._solved(campaign, [trial(9.0, depth=0.1), trial(9.0, depth=0.9 * depth)], "shaped", 0.0, print)
+    wanted = share or campaign_law.MAX_DEPTH_OVER_THICKNESS
+    assert made[0][0] == pytest.approx(9.0 * wanted) and made[0][2] > 0.0
+    # a square on a pad whose own factor is not solved is taken for the circle of its area
+    assert law.error_priors == error_priors(SLAB_ERROR, 0.02, True, 0.0)
+    other = SimpleNamespace(pad=pad, punch=SimpleNamespace(**{**vars(punch), "shape": "round"}))
+    round_law = campaign_law._solved(other, [trial(9.0)], "shaped", 0.0, print)
+    assert round_law.error_priors == error_priors(SLAB_ERROR, 0.02, False, 0.0)
+
+
+def test_learned_changes_interpolate_between_knots_and_fade_evenly():
+    knots = np.array([1.0, 2.0, 4.0, 8.0])
+    at = np.array([0.0, 1.0, 1.25, 3.0, 7.0, 8.0, 99.0])
+    weights = hats(at, knots)
+    np.testing.assert_allclose(weights.sum(axis=-1), 1.0)
+    np.testing.assert_allclose(weights @ knots, np.clip(at, 1.0, 8.0))
+    np.testing.assert_allclose(weights @ knots**2, np.interp(at, knots, knots**2))
+    assert weights.min() >= 0.0
+    assert np.count_nonzero(weights, axis=-1).max() == 2
+    reach = FADE * 7.0
+    np.testing.assert_allclose(
+        fading(np.array([1.0, 8.0, 8.0 + 0.25 * reach, 1.0 - 0.75 * reach, 8.0 + 2.0 * reach]), (1.0, 8.0)),
+        [1.0, 1.0, 0.75, 0.25, 0.0])  # fmt: skip
+    pair = SmoothChange(("depth_mm", "age_days"), ((0.0, 1.0, 3.0), (0.0, 4.0)), ((0.0, 1.0), (1.0, 2.0), (3.0, 4.0)))
+    x, y = np.meshgrid([0.0, 0.5, 2.0, 3.0], [0.0, 1.0, 4.0])
+    np.testing.assert_allclose(pair(x, y), x + y / 4.0)
+
+
+def test_a_learned_pair_acts_on_the_force_where_both_are_defined():
+    presses = pucks.planned()
+    pair = Learned(SmoothChange(("depth_mm", "since_stop_s"), ((0.0, 5.0), (0.0, 5.0)), ((0.1, 0.1), (0.1, 0.1))))
+    force = np.ones_like(presses.time_s)
+    out = pair.surface(presses, np.maximum(presses.displacement_mm, 0.0), force, {"size": 0.5})
+    after = presses.time_s > presses.stop_s[:, None]
+    seen = after & (presses.time_s < presses.stop_s[:, None] + 4.9)
+    np.testing.assert_allclose(out[seen], 1.05)
+    np.testing.assert_array_equal(out[~after], 1.0)
+    np.testing.assert_allclose(at_nodes("since_stop_s", presses, force, force)[after],
+                               (presses.time_s - presses.stop_s[:, None])[after])  # fmt: skip
+    share = at_nodes("depth_share", presses, presses.displacement_mm, force)
+    np.testing.assert_allclose(share, np.maximum(presses.displacement_mm, 0.0) / presses.thickness_mm[:, None])
+    for name in ("temperature_C", "age_days"):
+        np.testing.assert_array_equal(at_nodes(name, presses, force, force)[:, 3], getattr(presses.history, name))
+
+
+def test_learned_effects_act_by_one_plus_size_times_the_change():
+    presses, values = pucks.planned(), {"size": 0.5}
+    force = np.full_like(presses.time_s, 4.0)
+    for name, act in (("force_N", "sensor"), ("reading_N", "reading")):
+        effect = Learned(SmoothChange((name,), ((0.0, 8.0),), (0.0, 0.4)))
+        np.testing.assert_allclose(getattr(effect, act)(presses, force, values), 4.0 * 1.1)
+    depth, h = np.array([[1.0, 2.0]]), np.array([[8.0]])
+    for name, at in (("depth_mm", depth), ("depth_share", depth / h)):
+        effect = Learned(SmoothChange((name,), ((0.0, 4.0),), (0.0, 0.4)))
+        law = effect.law(pucks.LAW, values)
+        np.testing.assert_allclose(law(depth, h), pucks.LAW(depth, h) * (1.0 + 0.05 * at))
+    warm = Learned(SmoothChange(("temperature_C",), ((20.0, 30.0),), (0.0, 0.4)))
+    scale = warm.scale(presses, force, values)
+    np.testing.assert_allclose(scale[:, 0], 1.0 + 0.02 * (presses.history.temperature_C - 20.0))
+
+
+def test_what_can_be_followed_is_read_off_bins_that_carry_force():
+    found = clean_fit()
+    presses = found.problem.presses
+    seen = followed(presses, found.forces)
+    depth = presses.measure(presses.displacement_mm)
+    loaded = presses.used & (depth > 0.0) & (found.forces > 0.02 * found.forces.max())
+    np.testing.assert_allclose(np.sort(seen["depth_mm"]), np.sort(depth[loaded]))
+    np.testing.assert_allclose(np.sort(seen["depth_share"]), np.sort((depth / presses.thickness_mm[:, None])[loaded]))
+    assert seen["force_N"].min() > 0.02 * found.forces.max() and seen["force_N"].max() == found.forces[loaded].max()
+    assert 0.0 < seen["since_stop_s"].min() < 0.01 and seen["since_stop_s"].max() == pytest.approx(2.2, abs=0.2)
+    even = replace(presses.history, temperature_C=np.full(16, 21.0), age_days=np.full(16, np.nan))
+    silent = followed(replace(presses, history=even), found.forces)
+    assert not {"temperature_C", "age_days"} & set(silent) and "thickness_mm" in silent
+
+
+def scattered(level, *trials):
+    pads = tuple(dict.fromkeys(one.pad for one in trials))
+    presses = SimpleNamespace(trials=trials, pads=pads)
+    problem = SimpleNamespace(presses=presses, law=PuckLaw(30.0))
+    return SimpleNamespace(problem=problem, sizes=SimpleNamespace(level=level))
+
+
+def test_a_pads_factor_is_what_its_record_says_of_modulus_and_thickness():
+    trials = (trial(10.0, factor=1.1, factor_sd=0.02, witness_kPa=30.0, design_thickness_mm=9.5), trial(12.0),
+              trial(14.0, factor=0.9, factor_sd=0.02, weighed_ratio=15.0))  # fmt: skip
+    stated, known = recorded_ln(scattered(0.02, *trials).problem.presses)
+    np.testing.assert_allclose(stated, [np.log(1.1) - np.log(10.0 / 9.5), 0.0, np.log(0.9)])
+    assert known.tolist() == [True, False, True]
+    spread = recorded_spread(scattered(0.02, *trials).problem.presses)
+    assert spread == pytest.approx(np.std(np.log([1.1, 0.9]), ddof=1))
+    found = pad_scatter(scattered(0.02, *trials))
+    size = np.hypot(2.0, 100.0 * np.std(stated[known], ddof=1))
+    assert (found.pads, found.recorded, found.left_percent) == (3, 2, 2.0)
+    assert found.size_percent == pytest.approx(size) and found.explained == pytest.approx(1.0 - (2.0 / size) ** 2)
+    alone = pad_scatter(scattered(0.02, trials[0], trials[1]))
+    assert alone.explained is None and alone.size_percent == 2.0
+    assert recorded_spread(scattered(0.02, trials[0], trials[1]).problem.presses) == 0.0
+
+
+def test_errors_of_readings_are_root_mean_squares_and_named_where_they_make_half_of_the_rest():
+    trials = (trial(10.0, sd=0.3, factor=1.1, factor_sd=0.01, witness_kPa=30.0),
+              trial(20.0, sd=0.8, factor=0.9, factor_sd=0.03, witness_kPa=30.0))  # fmt: skip
+    found = pad_scatter(scattered(0.05, *trials))
+    thick = 100.0 * np.sqrt(0.5 * (0.03**2 + 0.04**2))
+    assert found.errors == pytest.approx({"thickness": thick, "modulus": 100.0 * np.sqrt(0.5 * (0.01**2 + 0.03**2))})
+    for level, named in ((0.01 * thick * np.sqrt(2.0) * 0.99, True), (0.01 * thick * np.sqrt(2.0) * 1.01, False)):
+        assert ("thickness" in pad_scatter(scattered(level, *trials)).lower_it) is named
+
+
+def test_beyond_what_the_law_can_have_a_level_is_the_pads_own():
+    median, spread = PuckLaw(30.0).error_priors[0]
+    limit = median * np.exp(1.959964 * spread)
+    assert limit == pytest.approx(2.0 * median, rel=0.02)
+    plain = trial()
+    assert carried_share(scattered(0.9 * limit, plain)) == 1.0
+    assert carried_share(scattered(2.0 * limit, plain)) == pytest.approx(0.25)
+    read = trial(factor_sd=0.6 * median)
+    assert carried_share(scattered(2.0 * limit, read)) == pytest.approx(0.25 * 0.64)
+    assert carried_share(scattered(limit, trial(factor_sd=2.0 * median))) == 0.0
+
+
+def test_the_worth_of_an_effect_is_what_it_changes_at_the_largest_force_and_at_most():
+    found = clean_fit()
+    effect = effect_named("temperature")
+    problem = found.problem.plus(effect)
+    size = [p.to_coordinate(0.01) if n == 0 else p.to_coordinate(p.null) for n, p in enumerate(effect.parameters)]
+    vector = np.insert(found.vector, 5, size)
+    forces = problem.predict(vector)
+    fit = replace(found, problem=problem, vector=vector, forces=forces)
+    presses = problem.presses
+    worth = worth_of(SimpleNamespace(after=SimpleNamespace(fit=fit), presses=presses), effect)
+    row, column = np.unravel_index(np.argmax(presses.force_N), presses.force_N.shape)
+    assert worth.file == presses.trials[row].file and worth.force_N == forces[row, column]
+    change = forces - problem.predict(np.insert(found.vector, 5, [p.to_coordinate(p.null) for p in effect.parameters]))
+    assert worth.change_N == pytest.approx(change[row, column])
+    most, at = np.unravel_index(np.argmax(np.abs(change) * presses.used), change.shape)
+    assert worth.most_N == pytest.approx(change[most, at]) and worth.most_file == presses.trials[most].file
+    assert abs(worth.most_N) >= abs(worth.change_N) > 0.01
+
+
+SLIPS, GIVES, FLAT = "base_that_can_slip", "bulk_that_gives", "flat_faces"
+
+
+@pytest.mark.parametrize(("shape", "base", "contact", "offers", "grows"), [
+    ("layered:top=3,modulus_ratio=0.3", "bonded", "bonded", {SLIPS, GIVES, FLAT}, False),
+    ("boned:height=3,radius=20,foot=9", "bonded", "bonded", {GIVES, FLAT}, False),
+    ("crowned:radius=20,height=3,foot=11", "bonded", "bonded", {SLIPS, GIVES}, True),
+    ("layered:top=3,modulus_ratio=0.3", "bonded", "frictionless", {FLAT}, True),
+    ("layered:top=3,modulus_ratio=0.3", "sliding", "bonded", {FLAT}, False),
+    ("layered:top=3,modulus_ratio=0.3", "friction:0.3", "bonded", {FLAT}, True),
+])  # fmt: skip
+def test_a_solved_pad_offers_what_its_faces_and_its_base_allow(monkeypatch, shape, base, contact, offers, grows):
+    """Slip where it is glued on a whole base, a bulk where it is glued, flat faces where it is flat; a contact that
+    grows cell by cell is rough."""
+    made = []
+
+    def solved(pad, deepest, own, roughness):
+        made.append((own, roughness, pad.young_MPa))
+        return SimpleNamespace(pad=pad, relative_error=0.01)
+
+    monkeypatch.setattr(campaign_law, "SolvedCurve", solved)
+    punch = SimpleNamespace(profile_mm=None, contact=contact, shape="round", radius_mm=7.9, edge_radius_mm=0.0,
+                            side_mm=None)  # fmt: skip
+    pad = SimpleNamespace(base=base, shape="slab", length_mm=60.0, width_mm=50.0, diameter_mm=None, ratio=15.0,
+                          young_kPa_nominal=30.0)  # fmt: skip
+    pressed = trial(9.0, geometry=read_shape(shape))
+    campaign_law._solved(SimpleNamespace(pad=pad, punch=punch), [pressed], "shaped", 0.0, lambda text: None)
+    assert made[0][0] == offers and (made[0][1] > 0.0) is grows
+    # on a base that rubs the modulus decides how the pad slides: 30 kPa
+    assert made[0][2] == pytest.approx(0.03 if base.startswith("friction") else 1.0)

@@ -277,6 +277,7 @@ def import_traces(
     tare: str | None = None,
     contact: str | None = None,
     split: str | None = None,
+    sheets: str | None = None,
     out: str | PathLike[str] | None = None,
     replace: bool = False,
 ) -> Result:
@@ -306,6 +307,8 @@ def import_traces(
         be ``first``: the first sample of each file.
     split : str, optional
         ``auto`` or ``none``.
+    sheets : str, optional
+        Sheets of a workbook to read, comma-separated; ``not:`` before them reads all others.
     out : path, optional
         Folder of the traces and of the preview, which are not written without it; the next free number when it
         holds another answer.
@@ -328,6 +331,7 @@ def import_traces(
 
     given: dict[str, Any] = {"columns": columns, "units": units, "separator": separator, "decimal": decimal,
                              "encoding": encoding, "skip": skip, "tare": tare, "contact": contact, "split": split,
+                             "sheets": sheets,
                              "flip": None if flip is None else frozenset(flip)}  # fmt: skip
     settings = _settings(profile, {key: value for key, value in given.items() if value is not None})
     names = [fspath(name) for name in files]
@@ -339,7 +343,8 @@ def import_traces(
     of_files = [warning for one in described for warning in one["warnings"]]
     result: dict[str, Any] = {"inputs": inputs, "files": described, "preview": None, "warnings": [*of_files, *warnings]}
     profiles: dict[str, str] = {}
-    with answer_folder(out, question("import", inputs, files=[one.source for one in imported]), replace) as output:
+    asked = {key: value for key, value in inputs.items() if key != "sheets" or value is not None}
+    with answer_folder(out, question("import", asked, files=[one.source for one in imported]), replace) as output:
         if save_profile:
             # first: a name that is taken must not leave traces behind
             profiles = {"profile": str(keep(save_profile, learned(settings, imported), replace))}

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import textwrap
 from collections.abc import Sequence
 from pathlib import Path
@@ -23,13 +24,18 @@ def labelled(label: str, text: str, most: int | None = None) -> list[str]:
         lines += [wrapped[0], *(f"   {line}" for line in textwrap.wrap(" ".join(wrapped[1:]), WIDTH - INDENT - 3,
                                                                   break_on_hyphens=False))] if _step(part) else wrapped
     if most is not None and len(lines) > most:
-        lines = [*lines[: most - 1], f"{lines[most - 1][: WIDTH - INDENT - 4].rstrip()} ..."]
+        last = lines[most - 1]
+        if len(last) > WIDTH - INDENT - 4:
+            last = last[: WIDTH - INDENT - 3].rpartition(" ")[0] or last[: WIDTH - INDENT - 4]
+        lines = [*lines[: most - 1], f"{last.rstrip()} ..."]
     return [f"{label if not row else '':<{INDENT}}{line}" for row, line in enumerate(lines)]
 
 
 def _command(part: str) -> list[str]:
-    """A command over several lines that a shell takes as one."""
-    wrapped = textwrap.wrap(part, WIDTH - INDENT - 5, break_long_words=False, break_on_hyphens=False)
+    """A command over several lines that a shell takes as one; a quoted word is never broken."""
+    whole = re.sub(r"'[^']*'", lambda word: word[0].replace(" ", "\0"), part)
+    wrapped = textwrap.wrap(whole, WIDTH - INDENT - 5, break_long_words=False, break_on_hyphens=False)
+    wrapped = [line.replace("\0", " ") for line in wrapped]
     ends = [" \\"] * (len(wrapped) - 1) + [""]
     return [("   " if row else "") + line + end for row, (line, end) in enumerate(zip(wrapped, ends))]
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import MISSING, dataclass, field, fields
 from functools import partial
@@ -71,7 +72,7 @@ def command_words(table: type, values: Mapping[str, Any], names: Iterable[str]) 
             continue
         if isinstance(value, tuple):
             value = spec.between.join(f"{number:g}" for number in value)
-        words += f" --{spec.flag} {value:g}" if isinstance(value, float) else f" --{spec.flag} {value}"
+        words += f" --{spec.flag} " + (f"{value:g}" if isinstance(value, float) else shlex.quote(str(value)))
     return words
 
 

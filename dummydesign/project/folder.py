@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import shlex
 import tomllib
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -83,7 +84,8 @@ def read_project(folder: str | Path) -> Project:
     root = Path(folder).resolve()
     path = root / FILE
     if not path.is_file():
-        message = f"'{folder}' is no project folder: it holds no {FILE} ('dummydesign init {folder}' makes one)"
+        make = f"dummydesign init {shlex.quote(str(folder))}"
+        message = f"'{folder}' is no project folder: it holds no {FILE} (make one: {make})"
         raise InputError(message, "file_not_found", "project", str(folder))
     try:
         data = tomllib.loads(path.read_text(encoding="utf-8"))

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from dummydesign.core.files import write_text
 from dummydesign.core.interpolation import uniform_times
+from dummydesign.core.library import data_folder
 from dummydesign.person.known_range import subject_words
 from dummydesign.person.on_person import OnPerson, PersonPress
 from dummydesign.report import on_person_facts as facts
@@ -27,7 +28,7 @@ DRAWN, MOST_CHECKS = 400, 5
 
 
 def write_on_person(answer: OnPerson, result: dict[str, Any], rate_hz: float, folder: Path) -> dict[str, str]:
-    """Write ``report.html``, ``on_person.csv`` (curves at a uniform rate) and ``on_person.json``."""
+    """Write the report, ``on_person.csv`` (curves at a uniform rate), ``on_person.json`` and a template of limits."""
     pressed = people_sections(answer, result["presses"])
     sections = [*pressed, _drive_section(answer, result)]
     worst = max(result["presses"], key=lambda row: row["factor_peak"][1] or 0.0)
@@ -43,6 +44,9 @@ def write_on_person(answer: OnPerson, result: dict[str, Any], rate_hz: float, fo
                          sources=result["sources"], front=front)  # fmt: skip
     files["curves"] = str(write_text(folder / "on_person.csv", curves_csv(answer, rate_hz)))
     files["json"] = str(write_text(folder / "on_person.json", json.dumps(result["presses"], indent=1) + "\n"))
+    if result["limits_file"] is None:
+        form = (data_folder() / "materials" / "limits.toml").read_text(encoding="utf-8")
+        files["limits_template"] = str(write_text(folder / facts.LIMITS_TEMPLATE, form))
     return files
 
 

@@ -9,6 +9,7 @@ from dummydesign.person.known_range import short_number, subject_words
 FIVE = (("peak_N", "peak force", "N"), ("steady_N", "steady force", "N"), ("depth_mm", "depth", "mm"),
         ("energy_mJ", "energy", "mJ"), ("mean_pressure_N_per_cm2", "mean pressure", "N/cm2"))  # fmt: skip
 WORST = ("fail", "undecided", "pass")
+LIMITS_TEMPLATE = "limits-template.toml"
 FAR = 2.0
 """Times beyond the presses on people from which on numbers must not be used, as in the verdict on a pad."""
 IN_HEADLINE = ("drive_mismatch", "beyond_range", "inferred_tissue")
@@ -175,7 +176,9 @@ def next_steps(result: dict[str, Any]) -> list[str]:
     elif word == "undecided" and worst is None:
         steps.append("reduce speed, force or moving mass, or measure more subjects: dummydesign tissues add")
     elif word == "result":
-        steps.append("compare with your limits: fill in examples/limits.toml, repeat with --limits limits.toml")
+        template = result["files"].get("limits_template", LIMITS_TEMPLATE)
+        steps.append(f"compare with your limits: copy {template} to limits.toml, fill it in, repeat with "
+                     "--limits limits.toml")  # fmt: skip
     return steps
 
 

@@ -5,6 +5,7 @@ Every text is made of the answer's values; terminal and report only lay it out.
 
 from __future__ import annotations
 
+import shlex
 from dataclasses import fields
 from typing import Any
 
@@ -29,7 +30,8 @@ NOTES = {
 }
 """Warnings that change what one does, the most pressing first, and their words on the screen."""
 TYPED_AGAIN = ("aim", "shape", "punch", "edge_radius_mm", "force_N", "velocity_mm_s", "hold_s", "base", "condition",
-               "preset", "pad_mm", "thickness_mm", "ratio", "sites")  # fmt: skip
+               "deceleration_mm_s2", "preset", "machine", "silicone", "pad_mm", "thickness_mm", "ratio", "sites",
+               "weighing_g", "thickness_tolerance_mm")  # fmt: skip
 """Options of the next search beside tissue and resin, in the order in which they are typed."""
 
 
@@ -217,8 +219,30 @@ def next_steps(result: dict[str, Any]) -> list[str]:
         if given["condition"] == "bonded":
             given["condition"] = None
         asked = command_words(SuggestOptions, given, TYPED_AGAIN)
-        steps.append(f"dummydesign suggest --tissue {given['tissue']}{asked} --resin {name}")
+        steps[1] += _for_both(result["recommendation"]["batch"])
+        asked += _safety_words(given)
+        steps.append(f"dummydesign suggest --tissue {shlex.quote(given['tissue'])}{asked} --resin {shlex.quote(name)}")
     return steps
+
+
+def _for_both(batch: dict[str, Any]) -> str:
+    """What to weigh where the batch of the pad does not hold a puck as well."""
+    both = batch["witness"]
+    if both["total_g"] <= batch["total_g"]:
+        return ""
+    weigh = " + ".join(f"{item['name']} {item['mass_g']:.1f} g" for item in both["components"])
+    return f"; to cast pad and puck together, weigh {weigh} = {both['total_g']:.1f} g"
+
+
+def _safety_words(given: dict[str, Any]) -> str:
+    """Options of the safety view as they are typed."""
+    words = ""
+    if given["robot_mass_kg"] is not None:
+        words += f" --robot-mass {given['robot_mass_kg']:g}"
+        words += "" if given["robot_velocity_mm_s"] == 250.0 else f" --robot-velocity {given['robot_velocity_mm_s']:g}"
+    for name in ("limits", "drive"):
+        words += f" --{name} {shlex.quote(given[name])}" if given.get(name) else ""
+    return words
 
 
 def meanwhile_text(result: dict[str, Any]) -> str:

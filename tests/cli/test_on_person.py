@@ -171,3 +171,17 @@ def test_one_value_is_printed_once_and_a_multiple_as_a_multiple():
     assert span_text([8.4141, 8.4149]) == "8.41" and span_text([8.41, 8.43]) == "8.41 to 8.43"
     assert short_number(152.79, 2) == "150" and short_number(1493.0) == "1490" and short_number(0.001234) == "0.00123"
     assert subject_words("rank-5-of-5") == "subject 5 of 5" and subject_words("anna") == "anna"
+
+
+def test_next_names_a_template_of_limits_that_can_be_filled_in_and_used(here, capsys):
+    found = answer(capsys, "v10.csv", "--tissue", "forefinger", "--out", "people")
+    template = Path(found["files"]["limits_template"])
+    assert template == Path("people/limits-template.toml")
+    assert template.read_bytes() == (Path(__file__).parents[2] / "examples/limits.toml").read_bytes()
+    assert run(["on-person", "v10.csv", "--tissue", "forefinger", "--out", "people"]) == 0
+    assert str(template) in " ".join(capsys.readouterr().out.split())
+    Path("limits.toml").write_bytes(template.read_bytes())
+    found = answer(capsys, "v10.csv", "--tissue", "forefinger", "--limits", "limits.toml", "--out", "checked")
+    rows = found["presses"][0]["limits"]
+    assert {(row["name"], row["limit"]) for row in rows} >= {("force quasi-static", 100.0), ("force transient", 200.0)}
+    assert "limits_template" not in found["files"]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import shlex
 from typing import Any
 
 from dummydesign.cli.common_options import add_replace_option
@@ -116,7 +117,6 @@ def _moulded(options: argparse.Namespace) -> Any:
 def _unused_moulds() -> list[dict[str, str]]:
     """A hint in a project that has moulds."""
     import os
-    import shlex
 
     from dummydesign.mold.moulded_pads import SPEC
     from dummydesign.project.folder import find_project
@@ -237,7 +237,7 @@ def render(result: dict[str, Any]) -> str:
     return screen(
         head, [], warning_block(result),
         labelled("NEXT", "print the sheet, press in its order and save each trace under its name in the folder; then "
-                         f"dummydesign campaign check {result['inputs']['folder']}"),
+                         f"dummydesign campaign check {shlex.quote(result['inputs']['folder'])}"),
         files_block(result, ("sheet", "campaign")),
         labelled("MORE", "--details: sizes of the effects that this plan misses"),
     )  # fmt: skip
@@ -279,5 +279,5 @@ def _status(result: dict[str, Any]) -> str:
         lines.append(f"  ... and {left - 5} more")
     lines += [f"wrong: {one['file']}{': ' if one['file'] else ''}{one['message']}" for one in result["wrong"]]
     if result["ready"]:
-        lines.append(f"ready: dummydesign loop {result['inputs']['folder']}")
+        lines.append(f"ready: dummydesign loop {shlex.quote(result['inputs']['folder'])}")
     return "\n".join(lines + warning_lines(result))

@@ -49,9 +49,10 @@ def render(result: dict[str, Any]) -> str:
 
     rows = sorted(result["by_trace"], key=lambda row: -row["rmse_N"])
     worst = rows[0]
+    count = f"{len(rows)} press{'es' * (len(rows) != 1)}"
     head = labelled("FIT", f"{result['elements']} elements (law {result['law']}, mode {result['mode']}): residual "
-                           f"{result['rmse_N']:.3g} N rms, noise alone {result['noise_floor_N']:.3g} N. {len(rows)} "
-                           f"presses; the worst is {worst['file']} with {worst['rmse_N']:.3g} N rms.")  # fmt: skip
+                           f"{result['rmse_N']:.3g} N rms, noise alone {result['noise_floor_N']:.3g} N. {count}; "
+                           f"the worst is {worst['file']} with {worst['rmse_N']:.3g} N rms.")  # fmt: skip
     table = [f"  {'parameter':<28} {'value':>10} {'95 % low':>10} {'95 % high':>10}"]
     for label, one in parameter_rows(result["parameters"]):
         low, high = (f"{one[end]:.4g}" if one[end] is not None else "-" for end in ("low", "high"))

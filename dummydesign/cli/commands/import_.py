@@ -35,6 +35,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("--contact", metavar="auto|none|MM",
         help="displacement reading at contact, in the file's unit (default auto: by force)")
     add("--split", metavar="auto|none", help="auto: split where force and depth return to zero; none: one press")
+    add("--sheets", metavar="NAME,...", help="sheets of a workbook to read; not:NAME,... reads all others")
     add("--out", metavar="DIR", help="folder of the traces (default import-NAME)")
     add("--replace", action="store_true", help="take the place of another answer in --out, or of the profile's name")
 

@@ -91,8 +91,8 @@ def render_details(result: dict[str, Any]) -> str:
         base = result["base"]["parameters"][name]["value"]
         row = (base, after["value"], after["low"], after["high"])
         lines.append(f"{name:<12} " + " ".join(f"{v:>10.4g}" for v in row))
-    lines.append("evidence of each effect alone:")
-    lines += [f"  {row['name']:<28} {row['evidence']:>10.1f}" for row in result["ranking"]]
+    rows = [f"  {row['name']:<28} {row['evidence']:>10.1f}" for row in result["ranking"]]
+    lines += ["evidence of each effect alone:", *rows] if rows else ["evidence of each effect alone: none has any"]
     if result["next_measurement"]:
         lines.append(f"next: {result['next_measurement']['text']}")
     return "\n".join(lines + warning_lines(result) + file_lines(result))

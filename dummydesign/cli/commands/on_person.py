@@ -24,7 +24,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--tissue", required=True, metavar="NAME|FILE", help=people)
     drives = "what moves the robot: position (default), steady, force, mass:KG, spring:K,M or spring:K,M,ZETA"
     parser.add_argument("--drive", default="position", metavar="NAME", help=drives)
-    limits = "your limits of force and pressure, with their source; fill in examples/limits.toml"
+    limits = "your limits of force and pressure, with their source; without it, a template is written"
     parser.add_argument("--limits", metavar="FILE.toml", help=limits)
     passed = "low-pass filter of the force sensor; its delay is undone"
     parser.add_argument("--lowpass", metavar="HZ[:ORDER[:PASSES]]", help=passed)

@@ -90,9 +90,20 @@ def render(result: dict[str, Any]) -> str:
                                     f"{contact['peak_kPa']:.3g} kPa at radius {contact['peak_radius_mm']:.2g} mm{edge}")
     table = _tissue_presses(result) if "conditions" in result else (
         _press_lines(result["presses"]) if "presses" in result else _curve_lines(result, 12)[-13:])  # fmt: skip
-    more = labelled("MORE", "--details: all points and the solver's work; --out FILE writes the curve")
+    written = _files_written(result)
+    curve = "" if any(role.startswith("curve") for role in result.get("files", {})) else "; --out FILE writes the curve"
+    more = labelled("MORE", f"--details: all points and the solver's work{curve}")
     warnings = warning_block(result, (NO_RELAXATION,))
-    return screen([*head, ""], table, [""], tail[:4], warnings, more)
+    if len(written) > 3:
+        written = [*written[:2], f"and {len(written) - 2} more"]
+    files = labelled("FILES", "\n".join(written)) if written else []
+    return screen([*head, ""], table, [""], tail[:4], warnings, files, more)
+
+
+def _files_written(result: dict[str, Any]) -> list[str]:
+    """Paths of curves, fields and picture."""
+    paths = (path for path in result.get("files", {}).values())
+    return [one for path in paths for one in (path if isinstance(path, list) else [path])]
 
 
 def _tissue_presses(result: dict[str, Any]) -> list[str]:
@@ -142,6 +153,7 @@ def render_details(result: dict[str, Any]) -> str:
         )
     others = [item for item in result["warnings"] if item["code"] != NO_RELAXATION]
     lines += warning_lines({"warnings": others})
+    lines += [f"written: {path}" for path in _files_written(result)]
     return "\n".join(lines)
 
 

@@ -79,7 +79,8 @@ def render(result: dict[str, Any]) -> str:
         widths = (*[7] * columns.index("kPa"), 7, *[10] * (len(columns) - columns.index("kPa") - 2), 0)
         table = [f"  {facts.first_text(rows)}", *_lines(columns, body, widths)]
     if left > 0:
-        table.append(f"  {left} more thicknesses: --details" if plane else f"  ... and {left} more designs: --details")
+        columns_left = f"  {left} more thickness{'es' * (left != 1)}: --details"
+        table.append(columns_left if plane else f"  ... and {left} more designs: --details")
     more = "  ... and {} more rows: --details" if plane else "  ... and {} more designs: --details"
     return screen(
         [*head, ""], table, [""], warning_block(result), files_block(result, ("report", "first_page", "rows")),

@@ -32,6 +32,8 @@ class Settings:
     tare: str = "auto"
     contact: str = "auto"
     split: str = "auto"
+    sheets: str | None = None
+    """Sheets of a workbook to read, comma-separated; ``not:`` before them reads all others."""
 
     def __post_init__(self) -> None:
         wrong = min((self.flip or frozenset()) - {"displacement", "force"}, default=None)

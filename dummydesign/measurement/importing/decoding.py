@@ -9,7 +9,7 @@ import itertools
 import re
 import zipfile
 
-from dummydesign.core.errors import InputError
+from dummydesign.core.errors import InputError, unknown_name
 from dummydesign.measurement.importing.decisions import ImportLog
 from dummydesign.measurement.importing.vocabulary import ROLES, is_known_word, roles_of_name, split_name
 
@@ -160,10 +160,35 @@ def workbook_texts(data: bytes, log: ImportLog) -> dict[str, str]:
     if not sheets:
         message = "no sheet holds a table of numbers; export time, displacement and force as columns"
         raise log.fault(message, "nothing_found", "table")
+    if log.settings.sheets is not None:
+        kept = chosen_sheets(log.settings.sheets, list(sheets), log.file)
+        sheets = {title: rows for title, rows in sheets.items() if title in kept}
     tests = _sheets_of_tests(sheets, log)
     log.decide("sheets", ", ".join(tests), "the sheets that hold rows of numbers")
     texts = {title: "".join("\t".join(row).rstrip("\t") + "\n" for row in rows) for title, rows in tests.items()}
     return texts if len(texts) > 1 and _time_begins_again(list(tests.values())) else {"": "".join(texts.values())}
+
+
+LEFT_OUT = "not:"
+"""Prefix of ``--sheets`` that reads all sheets but those named."""
+
+
+def chosen_sheets(option: str, titles: list[str], file: str) -> list[str]:
+    """Return the titles that ``--sheets`` reads, in the order of the workbook; a title may contain commas."""
+    by_name, named = {title.strip().casefold(): title for title in titles}, set[str]()
+    parts = option.removeprefix(LEFT_OUT).split(",")
+    while parts:
+        names = [",".join(parts[:count]).strip() for count in range(len(parts), 0, -1)]
+        longest = next((at for at, name in enumerate(names) if name.casefold() in by_name), None)
+        if longest is None:
+            raise unknown_name("sheet", names[-1], titles, quantity="sheets").within(file)
+        named.add(by_name[names[longest].casefold()])
+        parts = parts[len(parts) - longest :]
+    kept = [title for title in titles if (title in named) != option.startswith(LEFT_OUT)]
+    if not kept:
+        message = f"{file}: --sheets {option} leaves out every sheet with a table ({', '.join(titles)})"
+        raise InputError(message, "nothing_found", "sheets", option, tuple(titles))
+    return kept
 
 
 def _time_begins_again(tests: list[list[list[str]]]) -> bool:

@@ -101,7 +101,10 @@ def _hold(press: _Press) -> None:
 
 
 def _several_holds(press: _Press) -> None:
-    """Staircases: other plateaus than the deepest, where the punch presses and stands."""
+    """Staircases: other plateaus than the deepest, where the punch presses and stands.
+
+    A position that creeps during one hold is no staircase: more than half of a step is made at speed.
+    """
     summary, grid = press.summary, np.linspace(press.time[0], press.time[-1], 2000)
     x, step = np.interp(grid, press.time, press.x), grid[1] - grid[0]
     slow = np.abs(np.gradient(x, step)) < 0.05 * max(summary.velocity_mm_s, 1e-9)
@@ -110,7 +113,16 @@ def _several_holds(press: _Press) -> None:
     # a hold found on a staircase reaches over its last steps: only standing at the deepest is compared with
     first, last = _longest(slow & deepest)
     least_s = max(0.3, 5.0 * step, 0.3 * min(summary.hold_s, (last - first) * step))
-    plateaus = [float(np.median(x[a:b])) for a, b in true_runs(pressed) if (b - a) * step > least_s]
+    standing = np.flatnonzero(slow & deepest)
+
+    def stepped(a: int, b: int) -> bool:
+        """Whether the way between a plateau and the nearest moment at the deepest is mostly made between them."""
+        ends = [(a, standing[standing < a][-1:]), (b - 1, standing[standing >= b][:1])]
+        jumps = [abs(float(x[at] - x[other[0]])) for at, other in ends if len(other)]
+        return not jumps or min(jumps) > 0.5 * abs(float(np.median(x[a:b])) - summary.depth_mm)
+
+    runs = ((a, b) for a, b in true_runs(pressed) if (b - a) * step > least_s)
+    plateaus = [float(np.median(x[a:b])) for a, b in runs if stepped(a, b)]
     if plateaus:
         depths = ", ".join(f"{depth:.2f}" for depth in sorted({*plateaus, summary.depth_mm}))
         press.warn(

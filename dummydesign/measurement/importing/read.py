@@ -17,6 +17,7 @@ from dummydesign.core.files import unwritable, write_bytes, write_text
 from dummydesign.core.library import DEVICE, Entry, entries, find, read_toml, toml_text, user_folder
 from dummydesign.measurement.importing import contact as contact_zero
 from dummydesign.measurement.importing.decisions import Decision, ImportLog, NoTableError, Settings
+from dummydesign.measurement.importing.decoding import LEFT_OUT
 from dummydesign.measurement.importing.press_checks import check_press, fingerprint
 from dummydesign.measurement.importing.signs import HIGH, Span, find_presses, find_signs
 from dummydesign.measurement.importing.table import Columns, columns_of, read_texts
@@ -273,6 +274,7 @@ def import_files(
     imported: list[Imported] = []
     warnings: list[dict[str, Any]] = []
     problems: list[InputError] = []
+    doubtful: list[str] = []
     listed = files_of(paths)
     count = 0
     for path, in_folder in listed:
@@ -286,6 +288,7 @@ def import_files(
                     if len(tests) == 1:
                         raise
                     problems.append(problem)
+                    doubtful.append(sheet)
         except InputError as problem:
             if in_folder and isinstance(problem, NoTableError):
                 message = f"{path.name} is left out: it holds no table of numbers"
@@ -296,8 +299,8 @@ def import_files(
         kind = "files" if count <= len(listed) else "sheets"
         total = max(count, len(listed))
         more = f" (and {len(problems) - 1} of {total} {kind} more have such a doubt)" if len(problems) > 1 else ""
-        first = problems[0]
-        raise type(first)(f"{first}{more}", first.code, first.quantity, first.value, first.allowed)
+        first, others = problems[0], _others(doubtful, imported, settings) if len(listed) == 1 else ""
+        raise type(first)(f"{first}{more}{others}", first.code, first.quantity, first.value, first.allowed)
     if not imported:
         message = f"none of the {len(listed)} files holds a table of numbers"
         raise InputError(message, "nothing_found", "table")
@@ -313,6 +316,17 @@ def import_files(
                 )
                 warnings.append({"code": "same_press", "message": message})
     return imported, warnings
+
+
+def _others(doubtful: list[str], imported: Sequence[Imported], settings: Settings | None) -> str:
+    """How to read the sheets of a workbook that are not in doubt."""
+    certain = [one.sheet for one in imported if one.sheet]
+    if not doubtful or not certain:
+        return ""
+    every = settings is None or settings.sheets is None
+    text = f"{LEFT_OUT}{','.join(doubtful)}" if every else ",".join(certain)
+    count = len(certain)
+    return f'; --sheets "{text}" reads the other {f"{count} sheets" if count > 1 else "sheet"}'
 
 
 def plan_traces(imported: Sequence[Imported], folder: Path | None) -> list[Planned]:
@@ -467,6 +481,7 @@ def learned(given: Settings, imported: Iterable[Imported]) -> Settings:
             columns[role] = title
     return replace(
         given,
+        sheets=None,
         columns=columns,
         separator=given.separator or common([one.layout.separator for one in layouts]),
         decimal=given.decimal or common([one.layout.decimal for one in layouts]),

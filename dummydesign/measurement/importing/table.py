@@ -41,7 +41,11 @@ class Columns:
 def read_texts(path: Path, log: ImportLog) -> dict[str, str]:
     """Read a file to text; a workbook whose sheets are tests of their own to one text a sheet, by its title."""
     data = _read_bytes(path)
-    return workbook_texts(data, log) if is_workbook(data) else {"": decode(data, log)}
+    if is_workbook(data):
+        return workbook_texts(data, log)
+    if (sheets := log.settings.sheets) is not None:
+        raise log.fault("--sheets is for .xlsx workbooks; leave it out", "not_applicable", "sheets", sheets)
+    return {"": decode(data, log)}
 
 
 def read_columns(path: Path, log: ImportLog) -> Columns:

@@ -138,7 +138,7 @@ def read_plastic(name: str, preset: Path) -> tuple[Plastic, list[str]]:
 def read_machines(name: str, preset: Path) -> tuple[Machines, list[str]]:
     """Read what the parts must fit and how a print comes out, by name or file; and where its numbers come from."""
     keys = ("balance_resolution_g", "print_fit", "printer", "vacuum_chamber", "oven")
-    name, top = _product(name, preset, "molds/machines", "machines", keys)
+    name, top = _product(name, preset, "molds/machines", "machine", keys)
     printer, chamber, oven = (top.table(key) for key in keys[2:])
     printer.only(("bed_x_mm", "bed_y_mm", "height_mm", "margin_mm", "layer_mm"))
     chamber.only(("diameter_mm", "height_mm"))

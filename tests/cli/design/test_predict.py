@@ -144,3 +144,14 @@ def test_a_pad_smaller_than_its_punch_and_a_campaign_of_no_modulus_are_refused(t
         assert run(["campaign", "new", str(tmp_path / "c"), "--young", typed]) == 2
         assert f"Young's modulus in kPa = {typed}" in (shown := capsys.readouterr().err) and said in shown
     assert not list(tmp_path.iterdir())
+
+
+def test_the_screen_names_the_files_that_were_written(tmp_path, capsys):
+    curve = tmp_path / "p.csv"
+    words = [*ELASTIC, "--depth", "1,2"]
+    assert run(words) == 0
+    assert "FILES" not in capsys.readouterr().out
+    for more, label in (([], "FILES"), (["--details"], "written:")):
+        assert run([*words, "--out", str(curve), *more]) == 0
+        said = capsys.readouterr().out
+        assert curve.is_file() and f"{label} " in said and str(curve) in said and "--out FILE" not in said

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 import pytest
 
 from dummydesign.measurement.importing.decisions import QuestionError, Settings
 from dummydesign.measurement.importing.read import describe, import_file, import_files, plan_traces
+from tests.support.refusal import raises_code
 
 openpyxl = pytest.importorskip("openpyxl")
 NAMES = ("Temps d'essai", "Force standard", "Allongement", "Ecartement entre outils")
@@ -98,3 +101,33 @@ def test_every_test_may_begin_with_an_offset_of_its_own(tmp_path):
         _, force, _ = tests[one.sheet]
         assert one.presses[0].force_N.max() == pytest.approx(float(force.max()) - offset, abs=2e-3)
         assert abs(one.presses[0].force_N[0]) < 1e-3
+
+
+def test_a_sheet_in_doubt_is_named_and_the_others_can_be_chosen(tmp_path):
+    tests = {"A": press(), "B, wet": press(1.5, 800.0), "C": press(0.5, 0.8)}
+    book_of_tests(tmp_path / "day.xlsx", tests)
+    assert float(tests["B, wet"][1].max()) > 2000.0  # more than machines do: the unit is asked for
+    with raises_code("needs_decision", "units") as caught:
+        import_files([tmp_path / "day.xlsx"])
+    assert "[B, wet]" in str(caught.value)
+    option = re.search(r'--sheets "([^"]+)"', str(caught.value))[1]
+    for sheets in (option, "C,A", "a, c"):
+        read, _ = import_files([tmp_path / "day.xlsx"], Settings(sheets=sheets))
+        assert [one.sheet for one in read] == ["A", "C"]
+    read, _ = import_files([tmp_path / "day.xlsx"], Settings(sheets="C"))
+    assert len(read) == 1 and read[0].presses[0].summary.peak_force_N == pytest.approx(tests["C"][1].max(), rel=0.02)
+    with raises_code("needs_decision", "units") as caught:
+        import_files([tmp_path / "day.xlsx"], Settings(sheets="B, wet,C"))
+    assert '--sheets "C"' in str(caught.value)
+
+
+def test_sheets_that_are_not_there_are_refused(tmp_path):
+    book_of_tests(tmp_path / "day.xlsx", {"A": press(), "B": press(0.5)})
+    np.savetxt(tmp_path / "a.csv", np.c_[press()], header="time [s],force [N],way [mm]", delimiter=",", comments="")
+    for name, sheets, code in (
+        ("day.xlsx", "A,D", "unknown_name"),
+        ("day.xlsx", "not:A,B", "nothing_found"),
+        ("a.csv", "A", "not_applicable"),
+    ):
+        with raises_code(code, "sheets"):
+            import_files([tmp_path / name], Settings(sheets=sheets))

@@ -102,3 +102,14 @@ def test_a_press_far_from_any_hand_or_pad_is_doubted(press, change):
     time, x, force = press
     x, force = (x, force / 9.80665e-3) if change == "grams" else (x / 25.4, force)
     assert "far_from_known" in checked(time, x, force)
+
+
+def test_a_position_that_creeps_during_its_hold_is_no_staircase(press):
+    """A drift of 6 % of the depth, quantised to 5 um, as position encoders record it; a step at speed is told."""
+    time, _, _ = press
+    creep = np.interp(time, [0, 0.4, 0.56, 4.0, 6.0, 12.0], [-1, -1, 0.54, 0.54, 0.505, 0.505])
+    step = np.interp(time, [0, 0.4, 0.56, 4.0, 4.01, 12.0], [-1, -1, 0.54, 0.54, 0.44, 0.44])
+    for way, told in ((creep, False), (step, True)):
+        x = np.round(way / 0.005) * 0.005
+        found = checked(time, x, 8.0 * np.maximum(x, 0))
+        assert ("several_holds" in found) is told, found

@@ -1,0 +1,83 @@
+"""Steps that an answer prints can be typed as they are printed, and ask the same again."""
+
+import dataclasses
+import re
+import shlex
+import subprocess
+import sys
+
+import pytest
+
+from dummydesign.cli import run
+from dummydesign.cli.commands import loop
+from dummydesign.cli.entry import parser_of
+from dummydesign.cli.suggest_text import _next
+from dummydesign.cli.text import WIDTH, labelled
+from dummydesign.design.options import SuggestOptions
+from dummydesign.report.suggest_facts import next_steps
+
+DEFAULTS = {one.name: one.default for one in dataclasses.fields(SuggestOptions)}
+ASKED = {
+    "tissue": "my people/Käse hand.toml", "machine": "my printers/large one.toml", "silicone": "tin_a25",
+    "weighing_g": 0.05, "thickness_tolerance_mm": 0.1, "robot_mass_kg": 2.0, "robot_velocity_mm_s": 400.0,
+    "limits": "our limits.toml", "drive": "spring:10,2", "deceleration_mm_s2": 20000.0,
+}  # fmt: skip
+
+
+def mix(*masses):
+    components = [{"name": name, "mass_g": mass} for name, mass in zip(("polyol", "isocyanate"), masses)]
+    return {"components": components, "total_g": sum(masses)}
+
+
+def suggested(asked, pad=(131.0, 20.0), both=(173.2, 26.5)):
+    """As much of an answer of suggest as its steps are made of."""
+    given = {**DEFAULTS, "robot_mass_kg": None, "robot_velocity_mm_s": 250.0, "limits": None, "condition": "bonded"}
+    first = {"group": "modulus", "text": "measure the modulus", "protocol": "cast a puck at ratio 15.3",
+             "command": "dummydesign resins add-compression puck.csv --name my-batch --resin x"}  # fmt: skip
+    return {"inputs": {**given, **asked}, "measure_first": first, "verdict": {"light": "amber"},
+            "recommendation": {"batch": {**mix(*pad), "witness": mix(*both)}}}  # fmt: skip
+
+
+def test_the_next_search_keeps_what_was_asked_and_can_be_typed():
+    printed = "\n".join(line[8:] for line in _next(suggested(ASKED)))
+    command = printed[printed.index("dummydesign suggest") :]
+    assert max(len(line) for line in command.splitlines()) <= WIDTH - 8 and "\\\n" in command
+    shown = [sys.executable, "-c", "import sys; print(*sys.argv[1:], sep='\\n')"]
+    script = command.replace("dummydesign", shlex.join(shown), 1)
+    words = subprocess.run(["sh", "-c", script], capture_output=True, text=True, check=True).stdout.splitlines()
+    typed = vars(parser_of("suggest").parse_args(words[1:]))
+    for name, value in {**ASKED, "resin": "my-batch"}.items():
+        word = typed["balance" if name == "weighing_g" else re.sub("_(mm|kg|mm_s|mm_s2)$", "", name)]
+        assert word == value if isinstance(value, str) else float(word) == value, name
+
+
+def test_the_puck_step_names_what_to_weigh_where_the_batch_does_not_hold_both():
+    small = next_steps(suggested({"tissue": "palm"}))
+    assert all(f"{mass} g" in small[1] for mass in (173.2, 26.5, 199.7))
+    assert not any(" g" in step for step in next_steps(suggested({"tissue": "palm"}, both=(131.0, 20.0))))
+    assert small[-1] == "dummydesign suggest --tissue palm --resin my-batch"
+
+
+def test_a_campaign_in_a_folder_with_blanks_is_named_so_that_it_can_be_typed(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    assert run(["campaign", "new", "neue Fläche", "--young", "35", "--pads", "10"]) == 0
+    words = shlex.split(" ".join(capsys.readouterr().out.split("NEXT")[1].split("FILES")[0].split()))
+    assert words[words.index("dummydesign") :] == ["dummydesign", "campaign", "check", "neue Fläche"]
+
+
+@pytest.mark.parametrize("ranking", [[], [{"name": "sensor_lag", "evidence": 12.0}]])
+def test_details_of_a_loop_without_evidence_have_no_empty_list(ranking):
+    number = {"train_rmse_N": 0.1, "heldout_rmse_N": 0.1, "noise_floor_N": 0.1, "lack_of_fit_p": 0.5}
+    side = {"error": number, "parameters": {}}
+    residual = {"heldout_over_noise_floor": None, "expected_over_noise_floor": None, "unexplained_because": []}
+    result = {"answer": [], "verdict": "none", "residual": residual, "effects": [], "base": side, "after": side,
+              "ranking": ranking, "next_measurement": None, "warnings": [], "files": {}}  # fmt: skip
+    lines = loop.render_details(result).splitlines()
+    assert not lines[-1].endswith(":")
+    assert ("sensor_lag" in lines[-1]) == bool(ranking)
+
+
+def test_a_text_is_cut_between_words():
+    text = " ".join(["eleven"] * 60)
+    *_, last = labelled("WARNING", text, 2)
+    assert last.endswith("eleven ...") and len(last) <= WIDTH

@@ -151,8 +151,9 @@ def _near(value: float, wanted: float, factor: float) -> bool:
 SHOWN = ("lack_of_fit", "at_bound", "not_identifiable", *CODES)
 """Codes of the fit's warnings that a comparison repeats."""
 BRAKING_MM_S2 = (3_000.0, 200_000.0)
-SLOW_MM_S, LEAST_SAMPLES, SEEN_STOP = 50.0, 8, 20.0
-"""Speed below which the stop is read off the path alone, and from how many samples and which gain in chi-square on."""
+SLOW_MM_S, LEAST_SAMPLES, SEEN_STOP, READ_MM = 50.0, 8, 20.0, 5e-4
+"""Speed below which the stop is read off the path alone; from how many samples, which gain in chi-square and which
+error of a reading on."""
 AS_PRESSED = PressTest()
 """Every press in its own test, the steady curve from 5 to 15 N."""
 
@@ -284,8 +285,11 @@ def soft_stop(trace: ReducedTrace, velocity_mm_s: float) -> float:
     sharp = least_squares(lambda two: misfit(np.r_[two, np.log(DECELERATION_MM_S2)]), [0.0, np.log(velocity_mm_s)])
     starts = [np.r_[sharp.x, np.log(braking)] for braking in velocity_mm_s / np.array([0.01, 0.04, 0.16])]
     soft = min((least_squares(misfit, start) for start in starts), key=lambda fit: fit.cost)
-    gain = len(time) * np.log(max(sharp.cost, 1e-300) / max(soft.cost, 1e-300))
-    return min(float(np.exp(soft.x[2])), DECELERATION_MM_S2) if gain > SEEN_STOP else DECELERATION_MM_S2
+    stop_s, (speed, braking) = soft.x[0], np.exp(soft.x[1:])
+    inside = (time < stop_s) & (time > stop_s - speed / braking)
+    noise = 0.5 * len(time) * READ_MM**2
+    gain = len(time) * np.log((sharp.cost + noise) / (soft.cost + noise))
+    return min(float(braking), DECELERATION_MM_S2) if gain > SEEN_STOP and inside.sum() > 2 else DECELERATION_MM_S2
 
 
 def _shares(trace: ReducedTrace, band: ForceRange, noise_N: float) -> dict[str, Any]:

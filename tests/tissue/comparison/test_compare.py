@@ -125,6 +125,10 @@ def test_a_sudden_stop_of_a_slow_press_is_the_default(palm):
     for noise_mm in (0.0, 2e-3):
         trace = slow_press(palm.parameter_sets[2], 30_000.0, noise_mm)
         assert braking_of(reduce_trace(trace), 10.0) == pytest.approx(30_000.0)
+    # a stop between two samples, far apart
+    seen = np.r_[0:240, 251 : len(trace.time_s)]
+    sparse = Trace("slow.csv", trace.time_s[seen], trace.displacement_mm[seen], trace.force_N[seen])
+    assert braking_of(reduce_trace(sparse), 10.0) == pytest.approx(30_000.0)
 
 
 def test_people_are_pressed_with_the_stop_of_the_press(palm):

@@ -116,6 +116,36 @@ def test_the_ratio_at_a_small_depth_is_that_of_first_touch(monkeypatch, kind):
     assert found["ratio"][0] == pytest.approx(first, rel=0.03)
 
 
+class MadePaths:
+    """Paths by cells and fillet: what a fillet takes by its power, and 2 % more on the larger cells."""
+
+    touched = ()
+
+    def path(self, case, depths, grid, twin, progress=None):
+        cells, rim = grid
+        force = 3.0 * depths**1.5 * np.exp(-0.8 * rim**POWER + 0.02 * (cells < 16))
+        count = 2 if (cells, rim) == (16, 0.05) else len(depths)
+        stop = None if count == len(depths) else "ends"
+        return Path(depths[:count], force[:count], np.ones(count), 9, 1, 2, 0.1, stop)
+
+
+def test_a_crown_is_carried_to_the_sharp_edge_and_states_what_that_and_its_cells_leave_open():
+    pad, depth = Pad(8.0, 0.03, 7.0, geometry=read_shape("crowned:20,2,9")), 8.0 * DEPTHS
+    found = solve_shaped_pad(pad, depth, solved=MadePaths())
+    assert found.depth_mm == pytest.approx(depth) and found.notes == () and found.solver["load_steps"] == 3
+    assert found.force_N == pytest.approx(3.0 * DEPTHS**1.5 * 0.01 * 64.0, rel=1e-3)
+    added = np.expm1(0.8 * 0.05**POWER)
+    share = shaped_pad.LEAST_ERROR + shaped_pad.EDGE_ERROR * added + shaped_pad.MESH_ERROR * 0.02
+    # What larger cells change is held where the small fillet has ended.
+    assert found.error_N / found.force_N == pytest.approx(np.full(3, share), rel=0.01)
+    plain = Pad(8.0, 0.03, 7.0, geometry=read_shape("crowned:20,2,9"), edge_radius_mm=0.35)
+    real = solve_shaped_pad(plain, depth[:2], solved=MadePaths())
+    own = 3.0 * DEPTHS[:2] ** 1.5 * np.exp(-0.8 * 0.05**POWER)
+    assert real.force_N == pytest.approx(own * 0.01 * 64.0, rel=1e-9)
+    least = shaped_pad.LEAST_ERROR + shaped_pad.MESH_ERROR * 0.02
+    assert real.error_N / real.force_N == pytest.approx(np.full(2, least))
+
+
 def test_a_fillet_smaller_than_the_smallest_followed_lies_on_the_power_law_between_both(monkeypatch):
     """Forces that a fillet lowers by its power 1.25: any fillet between is then met exactly."""
     pad = Pad(8.0, 0.03, 7.0, geometry=read_shape("crowned:20,2,9"))

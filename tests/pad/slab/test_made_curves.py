@@ -69,7 +69,8 @@ def test_a_curve_on_the_lattice_is_exact_where_its_logarithm_is_straight_over_th
     assert found.error_N / found.force_N == pytest.approx(0.01 + 0.1 * np.sqrt(x), rel=1e-6)
     assert asked[0][-1] >= 0.257 > asked[0][-2]
     short = solve_on_lattice("kind", pad, depth, lambda case, nodes: solve(case, nodes, 9))
-    assert short.depth_mm == pytest.approx(depth[depth <= asked[0][8] * thickness]) and "ends" in short.notes[0]
+    assert short.depth_mm == pytest.approx(depth[depth <= asked[0][8] * thickness])
+    assert "ends" in short.notes[0] and "0.257" in short.notes[0]
     with pytest.raises(NoAnswerError, match="ends"):
         solve_on_lattice("kind", pad, depth, lambda case, nodes: solve(case, nodes, 2))
     alone = solve_on_lattice("kind", pad, depth[:1], lambda case, nodes: solve(case, nodes[-1:]))
@@ -175,6 +176,13 @@ def test_half_a_puck_is_meshed_finest_at_its_edge_and_held_by_its_plates(plates)
     assert driven == (0 if plates == "friction:0.3" else top)
     assert (problem.surface is None) == (plates == "frictionless")
     assert UnitPuck(0.8, plates).friction == {"frictionless": 0.0, "friction:0.3": 0.3, "bonded": np.inf}[plates]
+
+
+@pytest.mark.parametrize("shear", [0.5, 3.0])
+def test_the_plate_of_a_puck_is_as_much_harder_as_the_gel(shear):
+    problem = puck_problem(UnitPuck(0.8, "friction:0.3"), neo_hookean(shear), corner=0.05)
+    force = problem.surface.forces(np.zeros(problem.solid.mesh.size), None, 1e-6)[0]
+    assert force[1::2].sum() == pytest.approx(puck.CONTACT_STIFFNESS * shear * 1e-6 * np.pi * 0.64, rel=1e-3)
 
 
 def test_a_puck_takes_the_mesh_that_gets_farthest_and_has_its_units(monkeypatch):

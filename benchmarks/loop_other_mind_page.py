@@ -41,8 +41,7 @@ Further campaigns:
 - No effect (`--seed 1420000 --campaigns 390 --only none`): something is named in {false} of {none}.
 - Functions without a name and none alone ({others} campaigns, `--seed 1060000 --campaigns 104 --only unnamed
   none`): something is named in {false_beside} of {none_beside} without an effect. Of {functions} functions of the state
-  {learned} are learned; {flagged} are learned or called unexplained. A curve of the reading is named in {read} of
-  {curves}.
+  {learned} are learned. A curve of the reading is named in {read} of {curves}.
 - Of both studies, {both} functions of the state are learned, and {misread} of {creeping} hold functions
   (`creeping_hold`) are called `sensor_curve` (`docs/data/loop-functions.csv`).
 
@@ -133,7 +132,6 @@ def section() -> str:
         same=", ".join(loop_other_mind.SAME_LAW), more="\n".join(more),
         others=len(others), none=len(none), false=_false(none), none_beside=len(beside), false_beside=_false(beside),
         functions=len(state), learned=sum(row["learned"] is not None for row in state),
-        flagged=sum(row["learned"] is not None or row["verdict"] == "unexplained" for row in state),
         curves=len(curves), read=sum("sensor_curve" in row["named"] for row in curves),
         both=_learned_of([*rows, *others]), creeping=len(creeping),
         misread=sum("sensor_curve" in row["named"] for row in creeping),

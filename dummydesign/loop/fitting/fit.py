@@ -310,7 +310,7 @@ def rough_columns(campaign_fit: CampaignFit) -> NDArray:
 
 
 def with_rough_law(campaign_fit: CampaignFit) -> CampaignFit:
-    """The fit where its force law may be rough over depth: one linear step from the optimum, and what is left in doubt.
+    """The fit where its force law may be rough over depth: one linear step from the optimum, and the doubt it leaves.
 
     With C the fit's covariance, J and R the whitened sensitivities and :func:`rough_columns`, each with a standard
     deviation of one, S = R'R + 1 - R'J C J'R and r the whitened residual: step - C J'R S^-1 R'r, doubt

@@ -237,7 +237,7 @@ def _for_both(batch: dict[str, Any]) -> str:
 def _safety_words(given: dict[str, Any]) -> str:
     """Options of the safety view as they are typed."""
     words = ""
-    if given["robot_mass_kg"] is not None:
+    if given.get("robot_mass_kg") is not None:
         words += f" --robot-mass {given['robot_mass_kg']:g}"
         words += "" if given["robot_velocity_mm_s"] == 250.0 else f" --robot-velocity {given['robot_velocity_mm_s']:g}"
     for name in ("limits", "drive"):

@@ -199,10 +199,9 @@ def test_the_covariance_grows_by_what_is_stated(offset_fit):
     np.testing.assert_allclose(widened(larger, 1.4) - own, 1.4 * (plain - own), rtol=1e-9, atol=1e-18)
     beyond = 1.6 * (plain - own) + own + jackknife(offset_fit)
     np.testing.assert_allclose(widened(larger, 1.6), beyond, rtol=1e-9, atol=1e-18)
-    doubt = np.diag([1e-4, 2e-4, 0.0, 0.0, 3e-4])
+    doubt = np.diag(np.linspace(0.0, 3e-4, len(plain)))
     with_doubt = widened(replace(offset_fit, doubt=doubt))
-    np.testing.assert_allclose((with_doubt - plain)[:BASE, :BASE], doubt, atol=1e-15)
-    assert not (with_doubt - plain)[BASE:, BASE:].any()
+    np.testing.assert_allclose(with_doubt - plain, doubt, atol=1e-15)
     # never narrower than the normal interval of the fit at its own sizes
     assert np.all(np.diag(plain)[:BASE] >= 0.95 * np.diag(offset_fit.covariance)[:BASE])
     assert widened(replace(offset_fit, joined=True)) is offset_fit.covariance

@@ -28,7 +28,9 @@ def fit_of(*names, score=0.0, bound=False, value=None):
 
 
 def child(gain, *names, bound=False):
-    return EffectCandidate(effect_named(names[-1]), fit_of(*names, score=-gain, bound=bound), gain, None)
+    name = names[-1]
+    unlike = screened(name, 9.0, (1.0, 0.0) if name == "ageing" else (0.0, 1.0))
+    return EffectCandidate(effect_named(name), fit_of(*names, score=-gain, bound=bound), gain, unlike)
 
 
 def kept(candidates, won, size):

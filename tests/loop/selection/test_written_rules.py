@@ -141,7 +141,8 @@ def candidate(name, gain, score=0.0, bound=False):
     values = {size.name: size.high if bound else 0.5 * (size.low + size.high)}
     fit = SimpleNamespace(problem=SimpleNamespace(effects=(effect,)), score=score,
                           active=(SimpleNamespace(effect=effect, values=values),))  # fmt: skip
-    return SimpleNamespace(effect=effect, fit=fit, gain=gain)
+    unlike = SimpleNamespace(signature=np.eye(2)[int(name == "ageing")])
+    return SimpleNamespace(effect=effect, fit=fit, gain=gain, screened=unlike)
 
 
 def test_rivals_are_within_the_written_evidence_of_an_effect_however_the_model_misfits():

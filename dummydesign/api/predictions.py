@@ -31,6 +31,7 @@ from dummydesign.core.parsing import (
 )
 
 if TYPE_CHECKING:
+    from dummydesign.measurement.motion import Motion
     from dummydesign.pad.material.relaxation import PronyTerm
     from dummydesign.pad.predict import MotionPrediction, StaticPrediction
     from dummydesign.pad.specimen import Pad, Puck
@@ -317,7 +318,9 @@ def predict(
         depths = [read_number(depth, DEPTH) for depth in parts_of(depth_mm)]
         prediction = predict_static(made, depths, fidelity, progress)
     elif motion is not None:
-        prediction = predict_motion(made, read_motion(Path(motion)), fidelity, progress)
+        moved = read_motion(Path(motion))
+        prediction = predict_motion(made, moved, fidelity, progress)
+        common |= _measured(Path(motion), moved, prediction, warnings)
     else:
         prediction, reached = _presses(made, inputs, progress)
         common |= reached
@@ -330,6 +333,32 @@ def predict(
         columns = STATIC if asked == ["depth_mm"] else MOVED
         files = _write(fspath(out), columns, result, inputs["rate_Hz"], units) | files
     return Result(prediction, result | ({"files": files} if files else {}), "predict")
+
+
+def _measured(
+    path: Path, motion: Motion, prediction: MotionPrediction, warnings: list[dict[str, Any]]
+) -> dict[str, Any]:
+    """Error against the force of the motion's own file, where it has one; largest forces over five samples."""
+    import numpy as np
+
+    from dummydesign.measurement.motion import read_motion_force
+
+    try:
+        force = read_motion_force(path)
+    except InputError as problem:
+        message = f"the prediction is not compared with the file's force: {problem}"
+        warnings.append({"code": "force_not_compared", "message": message})
+        return {}
+    if force is None:
+        return {}
+    solved = motion.time_s <= prediction.time_s[-1] + 1e-9  # a solution may stop early
+    if solved.sum() < 2:
+        return {}
+    force, own = force[solved], np.interp(motion.time_s[solved], prediction.time_s, prediction.force_N)
+    kernel = np.ones(min(5, len(force))) / min(5, len(force))
+    peak, measured = (float(np.convolve(one, kernel, "valid").max()) for one in (own, force))
+    rmse = float(np.sqrt(np.mean((own - force) ** 2)))
+    return {"measured": {"rmse_N": rmse, "peak_error_N": peak - measured, "peak_force_N": measured}}
 
 
 ALLOWED = {

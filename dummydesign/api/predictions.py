@@ -40,11 +40,18 @@ if TYPE_CHECKING:
 
 def pad_of_inputs(inputs: dict[str, Any]) -> tuple[Pad | Puck, dict[str, float], list[str]]:
     """Make the pad or puck of the question; also its modulus with interval, and sources."""
+    from dummydesign.geometry.interface import BASES, FACES, Interface
     from dummydesign.geometry.punch import equal_area_radius_mm, punch_sides_mm, read_profile
     from dummydesign.geometry.shape_registry import read_shape
     from dummydesign.pad.material.hyperelastic import read_law
     from dummydesign.pad.specimen import SLAB, Pad, Puck
 
+    # a value that nothing can solve is refused before a table or solver says that another one is needed
+    Interface.parse(inputs["base"], "base", BASES)
+    Interface.parse(inputs["condition"], "condition", FACES)
+    if not 0.0 < inputs["poisson"] <= 0.5:
+        message = f"Poisson's ratio = {inputs['poisson']:g} is outside the allowed range 0 (excluded) to 0.5"
+        raise InputError(message, "out_of_range", "poisson", inputs["poisson"], (0.0, 0.5))
     young, sources, prony = _material(inputs)
     size_text, punch = inputs["pad"], inputs["punch"]
     kind, _, size = size_text.partition(":")

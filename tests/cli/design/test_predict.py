@@ -186,3 +186,15 @@ def test_a_motion_with_a_measured_force_is_compared_with_it(tmp_path, capsys):
     saved(own - error)
     assert run(words) == 0
     assert f"{found['measured']['rmse_N']:.3g} N rms" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("option", "value", "quantity"),
+    [("--poisson", "0.6", "poisson"), ("--poisson", "0", "poisson"), ("--base", "slidng", "base"),
+     ("--condition", "friction:-1", "condition"), ("--condition", "frictionles", "condition")],
+)  # fmt: skip
+def test_a_value_that_nothing_solves_is_not_sent_to_another_solver(option, value, quantity, capsys):
+    assert run([*ELASTIC, "--depth", "1", option, value, "--json"]) == 2
+    error = json.loads(capsys.readouterr().out)["error"]
+    assert error["code"] in ("out_of_range", "unknown_name") and "--fidelity" not in error["message"]
+    assert error["quantity"] == quantity

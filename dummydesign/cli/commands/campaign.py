@@ -8,6 +8,7 @@ from typing import Any
 
 from dummydesign.cli.common_options import add_replace_option
 from dummydesign.cli.text import file_lines, files_block, labelled, screen, warning_block, warning_lines
+from dummydesign.core import parsing
 from dummydesign.core.errors import InputError, NoAnswerError
 
 HELP = "Plan presses (randomised, with a sheet to press from), check them, or make a campaign from files."
@@ -199,11 +200,16 @@ def _design(options: argparse.Namespace, moulded: Any = None) -> Any:
 
     if options.force is not None and options.depth is not None:
         raise InputError("--force and --depth: press to the one or to the other", "conflict", "depth")
+
+    def numbers(text: str | None, purpose: parsing.Purpose) -> tuple[float, ...] | None:
+        return None if text is None else parsing.read_numbers(text, purpose)
+
     given: dict[str, Any] = {
-        "pads_mm": moulded.pads_mm if moulded else _numbers("pads", options.pads),
-        "velocities_mm_s": _numbers("velocity", options.velocity),
-        "targets": _numbers("depth", options.depth) or _numbers("force", options.force), "repeats": options.repeats,
-        "ages_days": _numbers("ages", options.ages), "rest_s": options.rest, "hold_s": options.hold,
+        "pads_mm": moulded.pads_mm if moulded else numbers(options.pads, parsing.THICKNESS),
+        "velocities_mm_s": numbers(options.velocity, parsing.VELOCITY),
+        "targets": numbers(options.depth, parsing.DEPTH) or numbers(options.force, parsing.FORCE),
+        "repeats": options.repeats, "ages_days": _numbers("ages", options.ages),
+        "rest_s": options.rest, "hold_s": options.hold,
     }  # fmt: skip
     given = {key: value for key, value in given.items() if value is not None}
     return PlanSettings(**given, by_depth=options.depth is not None, seed=options.seed)

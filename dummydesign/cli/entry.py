@@ -121,6 +121,8 @@ def settle_out(project: Project | None, command: str, module: ModuleType, option
     """Name the folder of an answer without ``--out``; in a project it lies in the folder for the command."""
     from dummydesign.project.folder import OUT, output_path_for
 
+    if getattr(options, "out", None) == "":
+        raise InputError("--out is empty; give a name, or leave it out", "missing", "out", "")
     if command not in OUT or options.out is not None or (project is None and not hasattr(module, "default_out")):
         return
     name = (module.default_out if hasattr(module, "default_out") else module.default_in_project)(options)

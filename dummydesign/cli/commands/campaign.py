@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import argparse
-import shlex
 from typing import Any
 
 from dummydesign.cli.common_options import add_replace_option
 from dummydesign.cli.text import file_lines, files_block, labelled, screen, warning_block, warning_lines
-from dummydesign.core import parsing
 from dummydesign.core.errors import InputError, NoAnswerError
 
 HELP = "Plan presses (randomised, with a sheet to press from), check them, or make a campaign from files."
@@ -118,6 +116,7 @@ def _moulded(options: argparse.Namespace) -> Any:
 def _unused_moulds() -> list[dict[str, str]]:
     """A hint in a project that has moulds."""
     import os
+    import shlex
 
     from dummydesign.mold.moulded_pads import SPEC
     from dummydesign.project.folder import find_project
@@ -196,6 +195,7 @@ def _set_up(options: argparse.Namespace, moulded: Any = None) -> Any:
 
 
 def _design(options: argparse.Namespace, moulded: Any = None) -> Any:
+    from dummydesign.core import parsing
     from dummydesign.measurement.campaign_plan import PlanSettings
 
     if options.force is not None and options.depth is not None:
@@ -227,6 +227,8 @@ def _numbers(option: str, text: str | None) -> tuple[float, ...] | None:
 
 def render(result: dict[str, Any]) -> str:
     """What was planned, what the plan can see, and what to do next."""
+    import shlex
+
     if "ready" in result:
         return _status(result)
     if "decisions" in result:
@@ -278,6 +280,8 @@ def _plan(result: dict[str, Any]) -> list[str]:
 
 
 def _status(result: dict[str, Any]) -> str:
+    import shlex
+
     done, left = len(result["pressed"]), len(result["missing"])
     lines = [f"{result['name']}: {done} of {done + left} presses are there"]
     lines += [f"to press: {name}" for name in result["missing"][:5]]

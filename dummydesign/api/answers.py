@@ -15,7 +15,7 @@ import numpy as np
 
 from dummydesign.core.errors import InputError
 from dummydesign.core.manifest import Question
-from dummydesign.core.serialise import parameter_rows
+from dummydesign.core.serialise import parameter_rows, with_texts
 
 if TYPE_CHECKING:
     from dummydesign.core.outputs import Output
@@ -70,7 +70,7 @@ class Values:
 
     def to_dict(self) -> dict[str, Any]:
         """Return the answer of the command with ``--json``, without its ``schema`` and ``version``."""
-        return deepcopy(dict(self.values()))
+        return deepcopy(with_texts(self.values()))
 
     def to_frame(self) -> Any:
         """Return the answer's table as a DataFrame (needs pandas): its columns of equal length, or its records.

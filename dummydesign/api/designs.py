@@ -221,7 +221,7 @@ def _answer(
         result = _written(suggestion, safety, whole, output, progress, people.sections)
         best = result["recommendation"]
         output.extra["summary"] = {name: best[name] for name in ("shape", "thickness_mm", "ratio", "resin")} | {
-            "young_kPa": best["young_kPa"]["value"], "verdict": result["verdict"]["level"],
+            "tissue": inputs["tissue"], "young_kPa": best["young_kPa"]["value"], "verdict": result["verdict"]["level"],
             "text": result["verdict"]["text"], **({"mould": True} if mould else {}),
         }  # fmt: skip
     if missing is not None:

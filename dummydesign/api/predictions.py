@@ -31,6 +31,7 @@ from dummydesign.core.parsing import (
 )
 
 if TYPE_CHECKING:
+    from dummydesign.measurement.motion import Motion
     from dummydesign.pad.material.relaxation import PronyTerm
     from dummydesign.pad.predict import MotionPrediction, StaticPrediction
     from dummydesign.pad.specimen import Pad, Puck
@@ -39,11 +40,18 @@ if TYPE_CHECKING:
 
 def pad_of_inputs(inputs: dict[str, Any]) -> tuple[Pad | Puck, dict[str, float], list[str]]:
     """Make the pad or puck of the question; also its modulus with interval, and sources."""
+    from dummydesign.geometry.interface import BASES, FACES, Interface
     from dummydesign.geometry.punch import equal_area_radius_mm, punch_sides_mm, read_profile
     from dummydesign.geometry.shape_registry import read_shape
     from dummydesign.pad.material.hyperelastic import read_law
     from dummydesign.pad.specimen import SLAB, Pad, Puck
 
+    # a value that nothing can solve is refused before a table or solver says that another one is needed
+    Interface.parse(inputs["base"], "base", BASES)
+    Interface.parse(inputs["condition"], "condition", FACES)
+    if not 0.0 < inputs["poisson"] <= 0.5:
+        message = f"Poisson's ratio = {inputs['poisson']:g} is outside the allowed range 0 (excluded) to 0.5"
+        raise InputError(message, "out_of_range", "poisson", inputs["poisson"], (0.0, 0.5))
     young, sources, prony = _material(inputs)
     size_text, punch = inputs["pad"], inputs["punch"]
     kind, _, size = size_text.partition(":")
@@ -317,7 +325,9 @@ def predict(
         depths = [read_number(depth, DEPTH) for depth in parts_of(depth_mm)]
         prediction = predict_static(made, depths, fidelity, progress)
     elif motion is not None:
-        prediction = predict_motion(made, read_motion(Path(motion)), fidelity, progress)
+        moved = read_motion(Path(motion))
+        prediction = predict_motion(made, moved, fidelity, progress)
+        common |= _measured(Path(motion), moved, prediction, warnings)
     else:
         prediction, reached = _presses(made, inputs, progress)
         common |= reached
@@ -330,6 +340,32 @@ def predict(
         columns = STATIC if asked == ["depth_mm"] else MOVED
         files = _write(fspath(out), columns, result, inputs["rate_Hz"], units) | files
     return Result(prediction, result | ({"files": files} if files else {}), "predict")
+
+
+def _measured(
+    path: Path, motion: Motion, prediction: MotionPrediction, warnings: list[dict[str, Any]]
+) -> dict[str, Any]:
+    """Error against the force of the motion's own file, where it has one; largest forces over five samples."""
+    import numpy as np
+
+    from dummydesign.measurement.motion import read_motion_force
+
+    try:
+        force = read_motion_force(path)
+    except InputError as problem:
+        message = f"the prediction is not compared with the file's force: {problem}"
+        warnings.append({"code": "force_not_compared", "message": message})
+        return {}
+    if force is None:
+        return {}
+    solved = motion.time_s <= prediction.time_s[-1] + 1e-9  # a solution may stop early
+    if solved.sum() < 2:
+        return {}
+    force, own = force[solved], np.interp(motion.time_s[solved], prediction.time_s, prediction.force_N)
+    kernel = np.ones(min(5, len(force))) / min(5, len(force))
+    peak, measured = (float(np.convolve(one, kernel, "valid").max()) for one in (own, force))
+    rmse = float(np.sqrt(np.mean((own - force) ** 2)))
+    return {"measured": {"rmse_N": rmse, "peak_error_N": peak - measured, "peak_force_N": measured}}
 
 
 ALLOWED = {

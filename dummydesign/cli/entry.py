@@ -121,6 +121,8 @@ def settle_out(project: Project | None, command: str, module: ModuleType, option
     """Name the folder of an answer without ``--out``; in a project it lies in the folder for the command."""
     from dummydesign.project.folder import OUT, output_path_for
 
+    if getattr(options, "out", None) == "":
+        raise InputError("--out is empty; give a name, or leave it out", "missing", "out", "")
     if command not in OUT or options.out is not None or (project is None and not hasattr(module, "default_out")):
         return
     name = (module.default_out if hasattr(module, "default_out") else module.default_in_project)(options)
@@ -319,6 +321,9 @@ def main() -> NoReturn:
     """Entry point without arguments; reads ``sys.argv`` and exits with the command's status."""
     # before numpy is loaded, for this process and those it starts
     os.environ.update(ONE_THREAD)
+    for name in ("stdout", "stderr"):
+        if getattr(sys, name) is None:  # closed by the caller
+            setattr(sys, name, open(os.devnull, "w", encoding="utf-8"))
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             # names may have letters that the terminal's code page lacks
@@ -329,10 +334,13 @@ def main() -> NoReturn:
     try:
         status = run(sys.argv[1:])
         sys.stdout.flush()
-    except BrokenPipeError:
-        # The reader (such as head) has seen enough; what is still buffered must not raise at exit.
+    except OSError as problem:
+        # what is still buffered must not raise at exit
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        status = 0
+        status = 0  # the reader (such as head) has seen enough
+        if not isinstance(problem, BrokenPipeError):
+            print(f"error: the answer cannot be printed: {problem.strerror}", file=sys.stderr)
+            status = 2
     if status == STOPPED:
         # Where the interrupt came inside exec() of a text, as dataclasses do, Python would end by the signal instead.
         atexit._run_exitfuncs()

@@ -20,6 +20,8 @@ def labelled(label: str, text: str, most: int | None = None) -> list[str]:
         if _step(part) and part[3:].startswith("dummydesign "):
             lines += _command(part)
             continue
+        # the words of a command stay on one line
+        part = re.sub(r"\bdummydesign [a-z-]+(?: (?:add|new|check|show|list|record)\b)?", _joined, part)
         wrapped = textwrap.wrap(part, WIDTH - INDENT, break_long_words=False, break_on_hyphens=False)
         lines += [wrapped[0], *(f"   {line}" for line in textwrap.wrap(" ".join(wrapped[1:]), WIDTH - INDENT - 3,
                                                                   break_on_hyphens=False))] if _step(part) else wrapped
@@ -28,12 +30,17 @@ def labelled(label: str, text: str, most: int | None = None) -> list[str]:
         if len(last) > WIDTH - INDENT - 4:
             last = last[: WIDTH - INDENT - 3].rpartition(" ")[0] or last[: WIDTH - INDENT - 4]
         lines = [*lines[: most - 1], f"{last.rstrip()} ..."]
-    return [f"{label if not row else '':<{INDENT}}{line}" for row, line in enumerate(lines)]
+    return [f"{label if not row else '':<{INDENT}}{line}".replace("\0", " ") for row, line in enumerate(lines)]
+
+
+def _joined(words: re.Match[str]) -> str:
+    """Words that are not to be parted: their blanks as zero characters until lines are made."""
+    return words[0].replace(" ", "\0")
 
 
 def _command(part: str) -> list[str]:
     """A command over several lines that a shell takes as one; a quoted word is never broken."""
-    whole = re.sub(r"'[^']*'", lambda word: word[0].replace(" ", "\0"), part)
+    whole = re.sub(r"'[^']*'", _joined, part)
     wrapped = textwrap.wrap(whole, WIDTH - INDENT - 5, break_long_words=False, break_on_hyphens=False)
     wrapped = [line.replace("\0", " ") for line in wrapped]
     ends = [" \\"] * (len(wrapped) - 1) + [""]

@@ -39,6 +39,9 @@ def write_text(path: str | Path, text: str) -> Path:
 def write_bytes(path: str | Path, content: bytes) -> Path:
     """Write ``content`` under a dotted temporary name beside ``path`` and rename it when complete."""
     final = Path(path)
+    if not final.name or final.is_dir():
+        message = f"file '{path}' cannot be written: it is a folder; give the name of a file"
+        raise InputError(message, "file_unwritable", "file", str(path))
     # a name of its own for each writer: two that shared one renamed each other's half-written file
     part = final.with_name(f".{final.name[:40]}.{token_hex(8)}.part")
     try:

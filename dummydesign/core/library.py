@@ -62,6 +62,9 @@ def find(kind: str, what: str, name: str) -> Entry:
         return Entry(path.stem, path, "file")
     known = entries(kind)
     if name.lower() not in known:
+        if Path(name).is_file():
+            message = f"{what} '{name}' is a file that does not end in .toml; give a name of the list, or a TOML file"
+            raise InputError(message, "unknown_name", quantity_name(what), name, sorted(e.name for e in known.values()))
         raise unknown_name(what, name, [entry.name for entry in known.values()])
     return known[name.lower()]
 
@@ -69,15 +72,17 @@ def find(kind: str, what: str, name: str) -> Entry:
 def read_toml(path: Path) -> tuple[dict[str, Any], str]:
     """Read a TOML file; return its content and its text (for line numbers in messages)."""
     try:
-        text = path.read_text(encoding="utf-8")
+        text = path.read_text(encoding="utf-8-sig")  # some editors begin a file with a byte order mark
         return tomllib.loads(text), text
+    except FileNotFoundError:
+        raise InputError(f"file '{path}' does not exist", "file_not_found", "file", str(path)) from None
     except OSError as problem:
         reason = f"cannot be read: {problem.strerror}"
     except UnicodeDecodeError:
         reason = "is not UTF-8 text"
     except tomllib.TOMLDecodeError as problem:
         reason = f"not valid TOML: {problem}"
-    raise InputError(f"{path.name}: {reason}", "file_unreadable", "file", str(path))
+    raise InputError(f"{path.name or path}: {reason}", "file_unreadable", "file", str(path))
 
 
 def toml_text(text: str) -> str:

@@ -213,11 +213,22 @@ def _written(target: OutputTarget, question: Question) -> Iterator[Output]:
         extra = {**output.extra, KEY: kept} if kept else output.extra
         write_text(work / target.manifest, manifest_text(question, work, _names(work), extra))
         check_stop()
-        _settle(work, target)
+        _settle(work, _met_meanwhile(target, question))
         made = []
     finally:
         shutil.rmtree(work, ignore_errors=True)
         _unmake(made)
+
+
+def _met_meanwhile(target: OutputTarget, question: Question) -> OutputTarget:
+    """Take the place of the same answer where another command has written it since the target was chosen."""
+    now = None if target.old or target.takes_over else read_manifest(target.folder / target.manifest)
+    if now is None:
+        return target
+    if now.key == question.key:
+        return dataclasses.replace(target, old=tuple(now.sha256))
+    message = f"'{target.folder}' was written by another command meanwhile; run this again, or name another --out"
+    raise InputError(message, "changed_meanwhile", "out", str(target.folder))
 
 
 def _settle(work: Path, target: OutputTarget) -> None:

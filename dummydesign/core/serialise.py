@@ -35,7 +35,17 @@ def json_text(command: str, result: Mapping[str, Any]) -> str:
     head = {"schema": f"dummydesign.{command}/1", "version": __version__}
     for key, empty in (("inputs", {}), ("warnings", []), ("sources", [])):
         head[key] = result.get(key, empty)
-    return json.dumps(to_plain({**head, **result}), indent=1, allow_nan=False)
+    return json.dumps(to_plain(with_texts({**head, **result})), indent=1, allow_nan=False)
+
+
+def with_texts(answer: Mapping[str, Any]) -> dict[str, Any]:
+    """Add ``text`` to warnings that have ``message``: the two names of one sentence, for old and new scripts."""
+
+    def named(one: Any) -> Any:
+        return {**one, "text": one["message"]} if isinstance(one, Mapping) and "message" in one else one
+
+    listed = answer.get("warnings")
+    return {**answer, "warnings": [named(one) for one in listed]} if isinstance(listed, list | tuple) else dict(answer)
 
 
 def parameter_rows(parameters: Mapping[str, Any]) -> list[tuple[str, Mapping[str, Any]]]:

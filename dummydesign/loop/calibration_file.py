@@ -55,7 +55,7 @@ def read_calibration(path: str | Path) -> Calibration:
     effect is written for the reader of the file, what counts is the effect's class.
     """
     path = Path(path)
-    name = f"calibration file '{path.name}'"
+    name = f"calibration file '{path.name or path}'"
     try:
         data = json.loads(path.read_text(encoding="utf-8"))
     except FileNotFoundError:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 import tomllib
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
@@ -97,6 +98,9 @@ def read_campaign(folder: str | Path) -> Campaign:
     """
     folder = Path(folder)
     if not folder.is_dir():
+        if folder.is_file():
+            message = f"campaign '{folder}' is a file; give its folder: {shlex.quote(str(folder.parent))}"
+            raise InputError(message, "file_not_found", "campaign", str(folder))
         raise InputError(f"campaign folder '{folder}' does not exist", "file_not_found", "campaign")
     top = read_campaign_toml(folder)
     if top.data.get("schema") != 1:

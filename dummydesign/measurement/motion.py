@@ -120,3 +120,19 @@ def read_motion(path: str | Path) -> Motion:
         message = f"{path.name}: {len(values)} rows; a motion needs at least 2"
         raise InputError(message, "not_enough_data", "motion_file", len(values))
     return Motion(*np.array(values).T)
+
+
+def read_motion_force(path: str | Path) -> NDArray | None:
+    """Read the force at the samples of a motion file, shape (n,); None where it has no such column. [N]"""
+    from dummydesign.measurement.trace import open_csv, read_cell
+
+    path, names = Path(path), (*_COLUMNS, "force_N")
+    try:
+        _, places, sizes, rows = open_csv(path, names, "motion_file")
+    except InputError as problem:
+        if problem.code == "missing":
+            return None
+        raise
+    at, size = places[-1], sizes[-1]
+    return np.array([size * read_cell(row[at] if at < len(row) else None, names[-1], f"{path.name}:{line}")
+                     for line, row in rows])  # fmt: skip

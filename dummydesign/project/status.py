@@ -118,7 +118,8 @@ def _next(project: Project, files: dict[str, tuple[ProjectFile, ...]]) -> tuple[
     raw = [one for one in files["measured"] if not one.command]
     imported = [one for one in files["measured"] if one.command == "import"]
     designs = [one for one in files["designs"] if one.command == "suggest"]
-    if project.tissue is None and not files["tissue"]:
+    designed_for = str((designs[-1].summary or {}).get("tissue", "")) if designs else ""
+    if project.tissue is None and not files["tissue"] and (imported or raw or not designed_for):
         if imported:
             traces = f"{_word(imported[-1].folder)}/*.csv"
             return "fit the tissue law to the imported presses", f"dummydesign fit {traces} --out tissue/mine.toml"
@@ -128,7 +129,8 @@ def _next(project: Project, files: dict[str, tuple[ProjectFile, ...]]) -> tuple[
             "choose a tissue (tissue = \"...\" in project.toml), or put files of your test machine into measured/",
             "dummydesign tissues list",
         )
-    tissue = "" if project.tissue else f" --tissue {_word(files['tissue'][-1].folder)}"
+    given = files["tissue"][-1].folder if files["tissue"] else designed_for
+    tissue = "" if project.tissue else f" --tissue {_word(given)}"
     if not designs:
         return "design a pad", f"dummydesign suggest{tissue} --no-cad"
     best = designs[-1].summary or {}

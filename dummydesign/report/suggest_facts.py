@@ -23,7 +23,7 @@ NOTES = {
     "one_subject": "Only one subject: a range needs at least two ('dummydesign tissues add').",
     "contradictory_points": "{message}",
     "calibration": "{message}",
-    "at_edge": "{message}. Widen the range.",
+    "at_edge": "{message}.",
     "outside_steady_range": "{message}.",
     "cad_unavailable": "{message}",
     "curved_master": "Print the curved plug in layers of at most 0.1 mm, or machine it: its height sets the force.",

@@ -228,7 +228,7 @@ def _front(
         facts = [Fact(f"best score for {study.tissue}, 0 to 1", score, True), Fact("pad", text)]
         words = f"Highest score for {study.tissue}, aim {study.aim}: {text}. A score is no verdict. {lead}"
         again = command_words(SuggestOptions, {"aim": study.aim, "resin": study.resin}, ("aim", "resin"))
-        again = f"dummydesign suggest --tissue {shlex.quote(study.tissue)}{again}"
+        again = f"dummydesign suggest --tissue {shlex.quote(str(study.tissue))}{again}"
         steps = ["Search all pads for a verdict, with castings, recipe and mould.", again]
     fixed = "\n".join(fixed_texts(ordered))
     return FrontPage(

@@ -5,6 +5,7 @@ from __future__ import annotations
 import errno
 import json
 import os
+import shlex
 import subprocess
 import sys
 from pathlib import Path
@@ -226,9 +227,29 @@ def test_a_full_disk_is_one_line_and_status_2_wherever_it_is_met(monkeypatch, tm
 
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="this system has no disk that is always full")
-def test_an_answer_that_cannot_be_printed_is_status_2():
+@pytest.mark.parametrize("buffered", [True, False])
+def test_an_answer_that_cannot_be_printed_is_status_2(buffered):
     with open("/dev/full", "w", encoding="utf-8") as full:
         words = [sys.executable, "-m", "dummydesign", "tissues", "list"]
-        done = subprocess.run(words, stdout=full, stderr=subprocess.PIPE, text=True, check=False)
+        environment = {**os.environ, "PYTHONUNBUFFERED": "" if buffered else "1"}
+        done = subprocess.run(words, stdout=full, stderr=subprocess.PIPE, text=True, check=False, env=environment)
     assert done.returncode == 2
     assert done.stderr.startswith("error: ") and done.stderr.count("\n") == 1
+
+
+@pytest.mark.skipif(os.name != "posix", reason="closes a stream by its number")
+@pytest.mark.parametrize("stream", [1, 2])
+def test_a_closed_stream_is_no_error(stream):
+    words = f"exec {shlex.quote(sys.executable)} -m dummydesign tissues list {stream}>&-"
+    done = subprocess.run(["sh", "-c", words], capture_output=True, text=True, check=False)
+    assert done.returncode == 0 and done.stderr == ""
+    assert ("palm" in done.stdout) == (stream == 2)
+
+
+@pytest.mark.parametrize("name", [".", "..", "folder"])
+def test_a_folder_given_as_a_file_is_refused(name, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    Path("folder").mkdir()
+    words = ["predict", "--young", "30", "--thickness", "8", "--depth", "1", "--out", name, "--json"]
+    assert cli.run(words) == 2
+    assert json.loads(capsys.readouterr().out)["error"]["code"] == "file_unwritable"

@@ -81,3 +81,10 @@ def test_a_text_is_cut_between_words():
     text = " ".join(["eleven"] * 60)
     *_, last = labelled("WARNING", text, 2)
     assert last.endswith("eleven ...") and len(last) <= WIDTH
+
+
+@pytest.mark.parametrize("before", range(50, 100))
+def test_a_command_in_a_text_is_never_parted(before):
+    text = " ".join(["ab"] * (before // 3)) + "x" * (before % 3) + " dummydesign tissues add NAME and more"
+    assert any("dummydesign tissues add" in line for line in labelled("NEXT", text))
+    assert " ".join(" ".join(labelled("NEXT", text)).split()) == f"NEXT {text}"

@@ -12,6 +12,7 @@ from dummydesign.cli.entry import run
 from dummydesign.core.library import data_folder, user_folder
 from dummydesign.resin import load_resin
 from dummydesign.tissue.model.tissue_file import load_tissue
+from tests.support.refusal import raises_code
 
 
 @pytest.fixture
@@ -88,3 +89,34 @@ def test_path_says_where_a_file_lies_and_whose_it_is(home, tmp_path, capsys):
     assert found["origin"] == "built-in" and found["path"].endswith("polyurethane-nagoya.toml")
     said(capsys, "resins", "add", whole(tmp_path, "mine"))
     assert said(capsys, "resins", "path", "mine").strip() == str(home / "materials/resins/mine.toml")
+
+
+def test_a_file_with_a_byte_order_mark_is_read_and_what_is_no_library_file_is_named(home, tmp_path, capsys):
+    path = Path(whole(tmp_path, "marked"))
+    plain = load_resin(str(path))
+    path.write_bytes(b"\xef\xbb\xbf" + path.read_bytes())
+    assert load_resin(str(path)).young_MPa(15.0) == plain.young_MPa(15.0)
+    (tmp_path / "mine.txt").write_text("x", encoding="utf-8")
+    with raises_code("unknown_name", "tissue") as caught:
+        load_tissue("mine.txt")
+    assert ".toml" in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("words", "code", "quantity"),
+    [
+        (["on-person", "a.csv", "--tissue", "palm", "--limits", "no/limits.toml"], "file_not_found", "file"),
+        (["on-person", "a.csv", "--tissue", "palm", "--limits", "."], "file_unreadable", "file"),
+        (["replay", "campaign", "--calibration", "."], "file_unreadable", "calibration"),
+        (["loop", "campaign/campaign.toml"], "file_not_found", "campaign"),
+        (["suggest", "--tissue", "palm", "--no-cad", "--out", ""], "missing", "out"),
+    ],
+)
+def test_what_cannot_be_read_is_named_and_nothing_is_written(words, code, quantity, home, tmp_path, capsys):
+    (tmp_path / "campaign").mkdir()
+    (tmp_path / "campaign" / "campaign.toml").write_text("", encoding="utf-8")
+    before = sorted(tmp_path.rglob("*"))
+    assert run([*words, "--json"]) == 2
+    error = json.loads(capsys.readouterr().out)["error"]
+    assert (error["code"], error["quantity"]) == (code, quantity) and "''" not in error["message"]
+    assert sorted(tmp_path.rglob("*")) == before

@@ -68,3 +68,12 @@ def test_an_unfinished_answer_and_a_damaged_campaign_are_not_taken_for_done(tmp_
     told = status_of(project)
     assert told.files["designs"] == () and told.next_command == "dummydesign suggest --no-cad"
     assert len(told.problems) == 1 and "campaigns/bad" in told.problems[0]
+
+
+def test_a_design_for_a_tissue_that_was_only_typed_is_not_forgotten(tmp_path):
+    project = make_project(tmp_path)
+    best = {"shape": "slab", "thickness_mm": 8.0, "ratio": 15.4, "resin": "polyurethane-nagoya"}
+    wrote(tmp_path / "designs" / "suggest-palm", "suggest", "2026-01-02", tissue="palm", mould=True, **best)
+    assert status_of(project).next_command.startswith("dummydesign campaign new campaigns/first")
+    (tmp_path / "measured" / "hand.csv").write_text("1,2\n", encoding="utf-8")
+    assert status_of(project).next_command == "dummydesign import measured/hand.csv"

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import shlex
 from typing import Any
 
 from dummydesign.cli.common_options import add_replace_option
@@ -117,6 +116,7 @@ def _moulded(options: argparse.Namespace) -> Any:
 def _unused_moulds() -> list[dict[str, str]]:
     """A hint in a project that has moulds."""
     import os
+    import shlex
 
     from dummydesign.mold.moulded_pads import SPEC
     from dummydesign.project.folder import find_project
@@ -195,15 +195,21 @@ def _set_up(options: argparse.Namespace, moulded: Any = None) -> Any:
 
 
 def _design(options: argparse.Namespace, moulded: Any = None) -> Any:
+    from dummydesign.core import parsing
     from dummydesign.measurement.campaign_plan import PlanSettings
 
     if options.force is not None and options.depth is not None:
         raise InputError("--force and --depth: press to the one or to the other", "conflict", "depth")
+
+    def numbers(text: str | None, purpose: parsing.Purpose) -> tuple[float, ...] | None:
+        return None if text is None else parsing.read_numbers(text, purpose)
+
     given: dict[str, Any] = {
-        "pads_mm": moulded.pads_mm if moulded else _numbers("pads", options.pads),
-        "velocities_mm_s": _numbers("velocity", options.velocity),
-        "targets": _numbers("depth", options.depth) or _numbers("force", options.force), "repeats": options.repeats,
-        "ages_days": _numbers("ages", options.ages), "rest_s": options.rest, "hold_s": options.hold,
+        "pads_mm": moulded.pads_mm if moulded else numbers(options.pads, parsing.THICKNESS),
+        "velocities_mm_s": numbers(options.velocity, parsing.VELOCITY),
+        "targets": numbers(options.depth, parsing.DEPTH) or numbers(options.force, parsing.FORCE),
+        "repeats": options.repeats, "ages_days": _numbers("ages", options.ages),
+        "rest_s": options.rest, "hold_s": options.hold,
     }  # fmt: skip
     given = {key: value for key, value in given.items() if value is not None}
     return PlanSettings(**given, by_depth=options.depth is not None, seed=options.seed)
@@ -221,6 +227,8 @@ def _numbers(option: str, text: str | None) -> tuple[float, ...] | None:
 
 def render(result: dict[str, Any]) -> str:
     """What was planned, what the plan can see, and what to do next."""
+    import shlex
+
     if "ready" in result:
         return _status(result)
     if "decisions" in result:
@@ -272,6 +280,8 @@ def _plan(result: dict[str, Any]) -> list[str]:
 
 
 def _status(result: dict[str, Any]) -> str:
+    import shlex
+
     done, left = len(result["pressed"]), len(result["missing"])
     lines = [f"{result['name']}: {done} of {done + left} presses are there"]
     lines += [f"to press: {name}" for name in result["missing"][:5]]

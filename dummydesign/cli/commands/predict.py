@@ -81,6 +81,7 @@ def render(result: dict[str, Any]) -> str:
     if "peak_force_N" in result:
         head += labelled("PRESS", f"peak {result['peak_force_N']:.3f} N at {result['peak_time_s']:.4f} s, "
                                   f"{result['steady_force_N']:.3f} N at the end")  # fmt: skip
+        head += labelled("ERROR", _error_text(result))
     elif "presses" not in result and "conditions" not in result:
         head += labelled("FORCE", "static, fully relaxed at each depth; low and high: the model's own uncertainty")
     tail = []
@@ -98,6 +99,15 @@ def render(result: dict[str, Any]) -> str:
         written = [*written[:2], f"and {len(written) - 2} more"]
     files = labelled("FILES", "\n".join(written)) if written else []
     return screen([*head, ""], table, [""], tail[:4], warnings, files, more)
+
+
+def _error_text(result: dict[str, Any]) -> str:
+    """Error against the force of the motion's file; empty where it has none."""
+    if "measured" not in result:
+        return ""
+    one = result["measured"]
+    return (f"{one['rmse_N']:.3g} N rms against the file's force; largest force {one['peak_error_N']:+.3g} N, "
+            f"measured {one['peak_force_N']:.4g} N")  # fmt: skip
 
 
 def _files_written(result: dict[str, Any]) -> list[str]:
@@ -131,6 +141,7 @@ def render_details(result: dict[str, Any]) -> str:
         f"pad {result['inputs']['thickness_mm']:g} mm, E = {young['value']:.4g} kPa "
         f"({young['low']:.4g} to {young['high']:.4g}), punch {result['inputs']['punch']}, fidelity {result['fidelity']}"
     ]
+    lines += [f"error of the prediction: {text}"] if (text := _error_text(result)) else []
     for row in result.get("conditions", []):
         head = f"  {row['steady_force_N']:g} N at {row['velocity_mm_s']:g} mm/s: "
         if row["depth_mm"] is None:

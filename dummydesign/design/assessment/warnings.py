@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from dummydesign.geometry.dimensions import THICKNESS_MM
 from dummydesign.tissue.model.laws import law_named
 
 if TYPE_CHECKING:
@@ -176,13 +177,22 @@ def _reasons(chosen: Chosen) -> list[str]:
 
 
 def _edges(chosen: Chosen, space: SearchSpace) -> Warnings:
-    """A best design at the end of a range: more might be had outside."""
-    best = chosen.result.best
+    """A best design at the end of a range: what may be had outside, where there is an outside."""
+    best, resin = chosen.result.best, space.resin
+    ends = float(resin.young_MPa(resin.ratio_min)), float(resin.young_MPa(resin.ratio_max))
     notes = []
-    for name, value, steps in (
-        ("thickness", best.thickness_mm, space.thickness_mm),
-        ("ratio", best.ratio, space.ratio),
-    ):
-        if len(steps) > 1 and value in (steps[0], steps[-1]):
-            notes.append(("at_edge", f"the best {name} {value:g} is at the limit of the range searched"))
+    for name, value, steps, limits, beyond in (
+        ("thickness", best.thickness_mm, space.thickness_mm, THICKNESS_MM, ("", "")),
+        ("ratio", best.ratio, space.ratio, (resin.ratio_min, resin.ratio_max),
+         ("softer", "stiffer") if ends[0] < ends[1] else ("stiffer", "softer")),
+    ):  # fmt: skip
+        if len(steps) < 2 or value not in (steps[0], steps[-1]):
+            continue
+        at = int(value != steps[0])
+        text = f"the best {name} {value:g} is at the limit of the range searched"
+        if abs(value - limits[at]) > 1e-6:
+            text += f"; widen --{name}"
+        elif beyond[at]:
+            text += f", the limit of {resin.name}; try a {beyond[at]} resin"
+        notes.append(("at_edge", text))
     return notes

@@ -155,3 +155,52 @@ def test_the_screen_names_the_files_that_were_written(tmp_path, capsys):
         assert run([*words, "--out", str(curve), *more]) == 0
         said = capsys.readouterr().out
         assert curve.is_file() and f"{label} " in said and str(curve) in said and "--out FILE" not in said
+
+
+def test_a_motion_with_a_measured_force_is_compared_with_it(tmp_path, capsys):
+    words = [*POURED, "--motion", str(tmp_path / "press.csv")]
+    rows = np.c_[np.linspace(0.0, 2.0, 401), 1.5 * np.clip(np.linspace(-0.1, 1.9, 401) / 0.2, 0.0, 1.0)]
+
+    def saved(force, name="force_N", cells="%.9g"):
+        head = "time_s,displacement_mm" + ("" if force is None else f",{name}")
+        table = rows if force is None else np.c_[rows, force]
+        np.savetxt(tmp_path / "press.csv", table, delimiter=",", header=head, comments="", fmt=cells)
+
+    saved(None)
+    plain = answered(capsys, *words)
+    assert "measured" not in plain
+    own = np.interp(rows[:, 0], plain["time_s"], plain["force_N"])
+    error = 0.3 + 0.2 * np.sin(7.0 * rows[:, 0])
+    saved(own - error)
+    found = answered(capsys, *words)
+    assert found["force_N"] == plain["force_N"]  # the measured force does not change the prediction
+    assert found["measured"]["rmse_N"] == pytest.approx(np.sqrt(np.mean(error**2)), rel=1e-6)
+    peaks = [np.convolve(one, np.ones(5) / 5.0, "valid").max() for one in (own, own - error)]
+    assert found["measured"]["peak_force_N"] == pytest.approx(peaks[1], rel=1e-6)
+    assert found["measured"]["peak_error_N"] == pytest.approx(peaks[0] - peaks[1], rel=1e-6)
+    saved((own - error) / 4.4482216152605, "force_lbf")
+    assert answered(capsys, *words)["measured"]["rmse_N"] == pytest.approx(found["measured"]["rmse_N"], rel=1e-6)
+    saved(np.where(rows[:, 0] > 1.0, np.nan, own))
+    bad = answered(capsys, *words)
+    assert "measured" not in bad and "force_not_compared" in codes(bad) and bad["force_N"] == plain["force_N"]
+    saved(own - error)
+    assert run(words) == 0
+    assert f"{found['measured']['rmse_N']:.3g} N rms" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("option", "value", "quantity"),
+    [("--poisson", "0.6", "poisson"), ("--poisson", "0", "poisson"), ("--base", "slidng", "base"),
+     ("--condition", "friction:-1", "condition"), ("--condition", "frictionles", "condition")],
+)  # fmt: skip
+def test_a_value_that_nothing_solves_is_not_sent_to_another_solver(option, value, quantity, capsys):
+    assert run([*ELASTIC, "--depth", "1", option, value, "--json"]) == 2
+    error = json.loads(capsys.readouterr().out)["error"]
+    assert error["code"] in ("out_of_range", "unknown_name") and "--fidelity" not in error["message"]
+    assert error["quantity"] == quantity
+
+
+def test_a_warning_has_its_sentence_under_both_names_of_the_contract(capsys):
+    found = answered(capsys, *ELASTIC, "--force", "5", "--velocity", "10")
+    assert found["warnings"] and all(one["text"] == one["message"] for one in found["warnings"])
+    assert dummydesign.predict(10, young_kPa=30, force_N=5, velocity_mm_s=10).to_dict()["warnings"] == found["warnings"]

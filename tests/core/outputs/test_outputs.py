@@ -305,3 +305,15 @@ def test_a_manifest_that_two_commands_write_at_once_is_whole(tmp_path, monkeypat
             output.path("row").write_text("1")
     manifests = [part for part in parts if "manifest" in part]
     assert len(manifests) == 4 == len(set(manifests))
+
+
+def test_of_two_commands_at_once_the_same_answer_is_taken_over_and_another_kept(tmp_path):
+    with new_folder(tmp_path / "o", ask()) as first:
+        first.path("a.csv").write_text("a")
+        write(tmp_path / "o", ask(), a_csv="a", b_csv="b")
+    assert sorted(tree(tmp_path)) == ["o", "o/a.csv", "o/manifest.json"]
+    assert read_manifest(tmp_path / "o/manifest.json").key == ask().key
+    with raises_code("changed_meanwhile", "out"), new_folder(tmp_path / "p", ask()) as first:
+        first.path("a.csv").write_text("a")
+        write(tmp_path / "p", ask(2), a_csv="other")
+    assert (tmp_path / "p/a.csv").read_text() == "other" and tree(tmp_path / "p") == ["a.csv", "manifest.json"]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import shutil
+import tomllib
 from collections import Counter
 from itertools import pairwise
 from pathlib import Path
@@ -189,7 +190,7 @@ def test_a_table_wins_over_names_and_gives_what_they_do_not_say(mine, tmp_path, 
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        (["new", "c"], "--young KPA, or --resin"), (["new", "c", "--young", "25", "--pads", "five"], "--pads five"),
+        (["new", "c"], "--young KPA, or --resin"), (["new", "c", "--young", "25", "--pads", "five"], "= five "),
         (["new", "c", "--young", "25", "--punch", "star:3"], "punch 'star:3'"),
         (["new", "c", "--young", "25", "--pad", "cylinder:50", "--punch", "round:9"], "a puck by plate"),
         (["new", "c", "--young", "25", "--force", "3", "--depth", "1"], "the one or to the other"),
@@ -209,3 +210,23 @@ def test_a_crowned_pad_without_a_tabulated_force_keeps_its_name(tmp_path, capsys
                   "--repeats", "1", "--force", "3")  # fmt: skip
     (message,) = [one["message"] for one in found["warnings"] if one["code"] == "no_power"]
     assert "crowned" in message and "slab" not in message and found["power"] is None
+
+
+@pytest.mark.parametrize(
+    ("option", "text", "quantity"),
+    [("--velocity", "10,0.25", "velocity_mm_s"), ("--force", "5000", "force_N"), ("--pads", "0.01", "thickness_mm")],
+)
+def test_a_plan_refuses_numbers_that_only_make_sense_in_another_unit(option, text, quantity, tmp_path, capsys):
+    words = ["campaign", "new", str(tmp_path / "c"), "--young", "35", "--no-power", option, text, "--json"]
+    assert run(words) == 2
+    error = json.loads(capsys.readouterr().out)["error"]
+    assert (error["code"], error["quantity"]) == ("implausible_unit", quantity) and not (tmp_path / "c").exists()
+
+
+def test_a_plan_takes_numbers_with_their_unit(tmp_path, capsys):
+    words = ["campaign", "new", str(tmp_path / "c"), "--young", "35", "--no-power", "--repeats", "1"]
+    assert run([*words, "--pads", "1cm", "--velocity", "0.25m/s,0.5mm/s", "--force", "4500mN", "--json"]) == 0
+    capsys.readouterr()
+    trials = tomllib.loads((tmp_path / "c/campaign.toml").read_text())["trial"]
+    assert {one["velocity_mm_s"] for one in trials} == {250.0, 0.5}
+    assert {(one["thickness_mm"], one["target_force_N"]) for one in trials} == {(10.0, 4.5)}

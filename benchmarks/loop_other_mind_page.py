@@ -53,7 +53,6 @@ benchmarks/loop_other_mind_1040000.jsonl` ({runs} campaigns, and the single effe
 `docs/data/loop-detection.csv` has the size from which 9 of 10 are found, with its interval, also in noise floors. For
 instance: {sizes}.
 
-- The chance is a logistic curve of the logarithm of the size. All effects share its steepness.
 - 9 of 10 are not found at any size that was tried: {never}.
 - `punch_edge` is missing: its force curves exist for one size only. See [loop.md](loop.md#where-it-fails).
 

@@ -150,10 +150,14 @@ def test_where_nothing_is_left_to_tell_apart_new_pads_are_planned(campaigns, tmp
 
 
 @pytest.mark.slow
-def test_three_turns_narrow_the_modulus_and_the_prediction_each_time(tmp_path):
-    """Turns press one pad each (15, 20, 5 mm) of one material; the error is that on a campaign with all of them."""
-    for name, held_out in (("a", False), ("b", True)):
-        generator.write_campaign(tmp_path / name, "temperature", 0.008, 94001, held_out)
+@pytest.mark.parametrize("seed", [94001, 94003])
+def test_three_turns_narrow_the_modulus_and_predict_other_pads_better_than_the_base(tmp_path, seed):
+    """Turns press one pad each (15, 20, 5 mm) of one material; the error is that on a campaign of other pads.
+
+    From turn to turn that error may rise: pads differ by 0.7 %, and each turn has one.
+    """
+    truth = generator.write_campaign(tmp_path / "a", "temperature", 0.008, seed)
+    generator.write_campaign(tmp_path / "b", "temperature", 0.008, seed, True)
     campaign, other = read_campaign(tmp_path / "a"), read_campaign(tmp_path / "b")
     prior, spreads, errors = None, [], []
     for turn, thickness in enumerate((15.0, 20.0, 5.0)):
@@ -162,7 +166,10 @@ def test_three_turns_narrow_the_modulus_and_the_prediction_each_time(tmp_path):
         made = calibration_of(result, prior)
         prior = read_calibration(write_calibration(made, tmp_path / f"turn-{turn}.json"))
         spreads.append(prior.posterior.young_spread)
-        errors.append(replay(other, prior).total_rmse_N)
+        predicted = replay(other, prior)
+        errors.append(predicted.total_rmse_N / predicted.total_base_rmse_N)
     assert spreads[0] > spreads[1] > spreads[2]
-    assert errors[0] > errors[1] > errors[2]
+    assert max(errors) < 0.9
+    low, high = prior.posterior.interval("log young_kPa")
+    assert low < truth.young_kPa < high
     assert [float(h) for h in prior.after.thickness_mm] == [5.0, 15.0, 20.0]

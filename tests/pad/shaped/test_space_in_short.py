@@ -17,10 +17,12 @@ from dummydesign.geometry.shapes.slab import Slab
 from dummydesign.pad.solve.continuation import Path
 from dummydesign.pad.spatial import shaped_pad
 from dummydesign.pad.spatial.shaped_pad import (
+    HALF_SIDE_MM,
     Grid,
     Load,
     axis_lines,
     field_lines,
+    field_problem,
     levels,
     press_field,
     shaped_problem,
@@ -238,3 +240,13 @@ def test_lines_of_a_field_lie_over_middles_and_half_way_between_and_at_the_edge_
             assert np.abs(lines - mark).min() < 1e-9
     under = lines[lines <= half]
     assert np.diff(under).max() <= 1.31 * cell and np.diff(lines)[0] <= 0.8 * cell
+
+
+@pytest.mark.parametrize("thickness", [3.0, 6.0, 12.0])
+def test_lines_of_a_field_s_cells_lie_at_both_ends_of_the_punch_s_rim_at_every_thickness(thickness):
+    problem, _ = field_problem(FIELD, thickness, 1)
+    nodes = problem.solid.mesh.nodes
+    ends = problem.punch.core[0], HALF_SIDE_MM / thickness + problem.punch.rim
+    assert problem.punch.rim * thickness == pytest.approx(shaped_pad.RIM * min(HALF_SIDE_MM, thickness))
+    for end in ends:
+        assert np.abs(nodes[0][nodes[2] < -0.99] - end).min() < 1e-6

@@ -230,7 +230,9 @@ def chosen_of(low=0.9, depths=(1.0, 2.0), thickness=10.0, ratio=15.0, flat=True,
                            comparisons=comparisons, law=SimpleNamespace(notes=()))  # fmt: skip
 
 
+RESIN = SimpleNamespace(name="toy", ratio_min=14.0, ratio_max=16.0, young_MPa=lambda ratio: 0.01 * ratio)
 SPACE = SimpleNamespace(
+    resin=RESIN,
     targets=SimpleNamespace(protocol=PAPER, conditions=[SimpleNamespace(steady_force_N=f, velocity_mm_s=v)
                                                         for f, v in ((5.0, 10.0), (15.0, 250.0))]),
     thickness_mm=np.array([8.0, 10.0, 12.0]), ratio=np.array([14.0, 15.0, 16.0]),
@@ -255,7 +257,7 @@ def test_designs_at_an_end_of_the_range_are_named():
                                     (10.0, 16.0, "ratio")):  # fmt: skip
         ((code, text),) = warnings._edges(chosen_of(thickness=thickness, ratio=ratio), SPACE)
         assert code == "at_edge" and named in text
-    single = SimpleNamespace(thickness_mm=np.array([10.0]), ratio=np.array([15.0]))
+    single = SimpleNamespace(thickness_mm=np.array([10.0]), ratio=np.array([15.0]), resin=RESIN)
     assert warnings._edges(chosen_of(), single) == []
 
 
@@ -273,7 +275,7 @@ def warned(monkeypatch, off=None, share=0.9, people=3, judged=(5.0, 10.0, 15.0),
     monkeypatch.setattr(warnings, "_of_data", lambda resin, tissue: [])
     chosen = chosen_of()
     chosen.shape.plain = plain
-    space = SimpleNamespace(**vars(SPACE), resin=None)
+    space = SPACE
     pour = SimpleNamespace(yield_fraction=share, making_only_fraction=1.0, judged_at_N=judged)
     verification = SimpleNamespace(max_difference_percent=off, notes=("n",))
     tissue = SimpleNamespace(subjects=range(people), name="t")

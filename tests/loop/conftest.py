@@ -35,12 +35,3 @@ def plain(campaigns):
 
     campaign = read_campaign(campaigns("none", 401))
     return make_presses(campaign), law_of(campaign)
-
-
-@pytest.fixture(autouse=True, scope="module")
-def _one_blas_thread():
-    """As the loop's commands run: several threads of BLAS make small fits many times slower."""
-    from dummydesign.core.process import one_blas_thread
-
-    with one_blas_thread():
-        yield

@@ -278,18 +278,21 @@ def soft_stop(trace: ReducedTrace, velocity_mm_s: float) -> float:
         return DECELERATION_MM_S2
 
     def misfit(values: NDArray) -> NDArray:
-        stop_s, speed, braking = float(values[0]), float(np.exp(values[1])), float(np.exp(values[2]))
-        ahead, brakes = np.maximum(stop_s - time, 0.0), speed / braking
+        speed, braking = np.exp(np.clip(values[1:], -15.0, 15.0)).tolist()
+        ahead, brakes = np.maximum(values[0] - time, 0.0), speed / braking
         return np.where(ahead < brakes, 0.5 * braking * ahead**2, speed * (ahead - 0.5 * brakes)) - left
 
     sharp = least_squares(lambda two: misfit(np.r_[two, np.log(DECELERATION_MM_S2)]), [0.0, np.log(velocity_mm_s)])
     starts = [np.r_[sharp.x, np.log(braking)] for braking in velocity_mm_s / np.array([0.01, 0.04, 0.16])]
     soft = min((least_squares(misfit, start) for start in starts), key=lambda fit: fit.cost)
-    stop_s, (speed, braking) = soft.x[0], np.exp(soft.x[1:])
+    stop_s, (speed, braking) = soft.x[0], np.exp(np.clip(soft.x[1:], -15.0, 15.0))
     inside = (time < stop_s) & (time > stop_s - speed / braking)
     noise = 0.5 * len(time) * READ_MM**2
     gain = len(time) * np.log((sharp.cost + noise) / (soft.cost + noise))
-    return min(float(braking), DECELERATION_MM_S2) if gain > SEEN_STOP and inside.sum() > 2 else DECELERATION_MM_S2
+    if gain < SEEN_STOP or inside.sum() < 3:
+        return DECELERATION_MM_S2
+    # a press that brakes all the way begins to at contact
+    return float(np.clip(braking, 0.5 * velocity_mm_s**2 / ramp.depth_mm, DECELERATION_MM_S2))
 
 
 def _shares(trace: ReducedTrace, band: ForceRange, noise_N: float) -> dict[str, Any]:

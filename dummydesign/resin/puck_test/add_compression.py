@@ -28,6 +28,9 @@ FIRST_SHARE, LAST_SHARE = 0.03, 0.5
 """Compressions that are used, in heights: past the toe, and short of where the side lies on the plates."""
 
 STEPS = 60
+LARGEST_MISFIT = 0.1
+"""Misfit over the rms force from which on a trace is doubted: three times the largest of 19 silicones between plates,
+0.8 to 3.2 % (``materials/measured/ecoflex-moduli.csv``)."""
 
 
 @dataclass(frozen=True)
@@ -131,7 +134,7 @@ def add_compression(
     was = (before.ratio, before.puck.diameter_mm, before.puck.height_mm) if before and before.puck else None
     action = "added" if was is None else "unchanged" if was == (ratio, diameter_mm, height_mm) else "replaced"
     former = "ratio {:g}, {:g} x {:g} mm".format(*was) if was and action == "replaced" else None
-    warnings, relaxation = fit.warnings, fit.relaxation
+    warnings, relaxation = (*fit.warnings, *_misfit(trace, window, fit.rmse_N)), fit.relaxation
     if action != "unchanged":
         kept, updates, notices = with_point(without_puck(resin, puck.sha256) if was else resin, point, path.stem)
         warnings += tuple({"code": "relaxation_update", "message": text} for text in notices)
@@ -156,6 +159,19 @@ def _window(trace: Trace, height_mm: float, table: PuckTable) -> tuple[float, fl
             f"{4.0 * first:.3g} mm, better {share * height_mm:.3g} mm", "out_of_range", "displacement_mm", largest,
         )  # fmt: skip
     return first, last
+
+
+def _misfit(trace: Trace, window: tuple[float, float], rmse_N: float) -> tuple[dict[str, str], ...]:
+    """A warning where the puck's law misses the forces as no real puck did."""
+    used = (trace.displacement_mm >= window[0]) & (trace.displacement_mm <= window[1])
+    share = rmse_N / max(float(np.sqrt(np.mean(trace.force_N[used] ** 2))), 1e-300) if used.any() else 0.0
+    if share <= LARGEST_MISFIT:
+        return ()
+    message = (
+        f"the law of a puck misses the forces by {100 * share:.0f} % (19 silicones: 1 to 3 %); check that "
+        f"{trace.name} is of a puck between plates, its diameter, its height and the zero of its displacement"
+    )
+    return ({"code": "lack_of_fit", "message": message},)
 
 
 def _fit_loading(trace: Trace, table: PuckTable, window: tuple[float, float], puck: PuckPoint) -> _Fit:

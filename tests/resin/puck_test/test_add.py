@@ -212,3 +212,15 @@ def test_what_cannot_be_fitted_is_refused(curve, tmp_path, monkeypatch, capsys, 
     assert run(command(curve, **change)) == 2
     assert says in capsys.readouterr().err
     assert not list(tmp_path.rglob("*.toml"))
+
+
+def test_a_trace_that_no_puck_would_give_is_doubted_and_a_puck_is_not(curve, tmp_path, monkeypatch, capsys):
+    monkeypatch.setenv("DUMMYDESIGN_HOME", str(tmp_path))
+    depth = np.linspace(0.0, 12.0, 400)
+    rows = [f"{0.1 * k:.2f},{x:.5f},{0.01 * x**4:.5f}" for k, x in enumerate(depth)]
+    (tmp_path / "pad.csv").write_text("time_s,displacement_mm,force_N\n" + "\n".join(rows) + "\n")
+    codes = {}
+    for file in (curve, tmp_path / "pad.csv"):
+        assert run(command(file, "--json")) == 0
+        codes[file.name] = [one["code"] for one in json.loads(capsys.readouterr().out)["warnings"]]
+    assert "lack_of_fit" not in codes["puck.csv"] and "lack_of_fit" in codes["pad.csv"]

@@ -309,12 +309,17 @@ def rough_columns(campaign_fit: CampaignFit) -> NDArray:
     return np.stack(columns, axis=-1) if columns else np.zeros((*presses.used.shape, 0))
 
 
+LARGEST_WAVES = 2.0
+"""Waves of a law, rms in standard deviations, that are believed; laws by GetFEM ask for 0.5 to 0.9."""
+
+
 def with_rough_law(campaign_fit: CampaignFit) -> CampaignFit:
     """The fit where its force law may be rough over depth: one linear step from the optimum, and the doubt it leaves.
 
     With C the fit's covariance, J and R the whitened sensitivities and :func:`rough_columns`, each with a standard
     deviation of one, S = R'R + 1 - R'J C J'R and r the whitened residual: step - C J'R S^-1 R'r, doubt
-    C J'R S^-1 R'J C. Without it, what changes the force over depth takes up the law's waves.
+    C J'R S^-1 R'J C. Without it, what changes the force over depth takes up the law's waves. Where the residual asks
+    for waves above :data:`LARGEST_WAVES` it is something else, and the fit stays.
     """
     fit, problem = campaign_fit, campaign_fit.problem
     whiten = make_whitener(problem.presses, fit.sizes.noise, fit.slope)
@@ -323,17 +328,19 @@ def with_rough_law(campaign_fit: CampaignFit) -> CampaignFit:
     rough = whiten(rough_columns(fit)).reshape(len(turned), -1)
     apart = fit.covariance @ (turned.T @ rough)
     inverse = np.linalg.inv(rough.T @ rough + np.eye(rough.shape[1]) - (rough.T @ turned) @ apart)
+    waves, doubt = inverse @ (rough.T @ left), apart @ inverse @ apart.T
+    if np.mean(waves**2) > LARGEST_WAVES**2:
+        return replace(fit, doubt=doubt)
     low, high = problem.bounds()
-    vector = np.clip(fit.vector - apart @ (inverse @ (rough.T @ left)), low, high)
-    doubt = apart @ inverse @ apart.T
+    vector = np.clip(fit.vector - apart @ waves, low, high)
     moved = _finish(problem, vector, problem.predict(vector), fit.sizes)
 
     def squares(at: CampaignFit) -> float:
         """Squares with the waves at their likeliest."""
         error = whiten(at.residual).ravel()
         seen = rough.T @ error
-        waves = seen @ np.linalg.solve(rough.T @ rough + np.eye(len(seen)), seen)
-        return float(error @ error - waves + prior_precision(problem, fit.sizes) @ at.vector**2)
+        taken = seen @ np.linalg.solve(rough.T @ rough + np.eye(len(seen)), seen)
+        return float(error @ error - taken + prior_precision(problem, fit.sizes) @ at.vector**2)
 
     best = moved if squares(moved) < squares(fit) else fit
     return replace(best, score=fit.score, doubt=doubt)

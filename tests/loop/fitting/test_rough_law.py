@@ -93,3 +93,11 @@ def test_waves_of_the_law_move_the_edge_as_the_linear_fit_says_and_less_than_wit
         assert rough.doubt[at, at] > 0.2 * waved.covariance[at, at]
     assert plain == pytest.approx(linear, rel=0.2, abs=0.02)
     assert np.mean(np.square(better)) < 0.8 * np.mean(np.square(plain))
+
+
+def test_a_residual_that_no_waves_of_the_usual_size_make_leaves_the_fit_where_it_is(edged):
+    for times, stays in ((1.0, False), (8.0, True)):
+        waved, _, _ = pressed(edged, times * USUAL_ROUGHNESS, 1)
+        rough = with_rough_law(waved)
+        assert (rough.vector is waved.vector) is stays
+        assert rough.doubt[0, 0] > 0.0

@@ -412,3 +412,10 @@ def test_depths_of_subjects_that_still_relax_go_on_below_the_known_forces_with_t
     # held for longer they are deeper under the same force
     long = make_targets(make_tissue(), "average", Sampling())
     assert np.all(long.aim_depth_mm(np.array([5.0, 10.0])) > aim)
+
+
+def test_work_where_the_punch_waits_is_that_of_straight_lines():
+    """A linear force, with samples at the same place in either half of a pair and in both."""
+    displacement = np.array([[0.0, 0.0, 0.4, 0.4, 0.4, 1.0, 1.0], [0.0, 0.5, 0.5, 0.7, 0.9, 0.9, 1.0]])
+    work = parabolic_work_mJ(displacement, 3.0 * displacement)
+    assert work == pytest.approx([1.5, 1.5])

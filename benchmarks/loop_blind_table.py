@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from pathlib import Path
 
 import numpy as np
 
 from benchmarks.loop_campaigns import COUNTS, FLOORS, REFUSED
+from benchmarks.rows import read_rows
+
+BEFORE = Path(__file__).with_name("loop_blind_746000.jsonl")
 
 SHARED_LAW = ("contact_offset", "inertia", "force_bias", "time_skew", "thickness_error")
 """Effects whose law is the same in generator and vocabulary: their intervals can be tested."""
@@ -153,14 +157,24 @@ def table(rows: list[Row]) -> str:
     state = [row for row in every if row["kind"] == "unnamed" and row["effects"][0] in OF_THE_STATE]
     if state:
         left = float(np.median([row["heldout"][1] / row["heldout"][0] for row in state]))
-        lines += [f"Unnamed effects of the state: the median left-out error is {left:.2f} of the base model's; at most "
-                  "0.5 is wanted.", ""]  # fmt: skip
+        text = f"Unnamed effects of the state: median left-out error {left:.2f} of the base model's (0.5 wanted)."
+        lines += [text, ""]
     single = [row for row in _by_effect(by_kind(rows)["one"]) if row[2] < row[1]]
     if single:
         missed = (f"`{name}`" + ("" if total == 1 else f" in {total - first} of {total}")
                   for name, total, first, _ in single)  # fmt: skip
         lines += [f"One effect, not named first: {', '.join(missed)}."]
+    lines += ["", _before(read_rows(BEFORE))]
     return "\n".join(lines) + "\n"
+
+
+def _before(rows: list[Row]) -> str:
+    """The study before, whose names were chosen by the same rules."""
+    of = by_kind(rows)
+    every = ((1, "one"), (2, "two"), (3, "three"))
+    counts = [f"{sum(right(row) == size for row in of[kind])} of {len(of[kind])}" for size, kind in every]
+    return (f"The study before (seed 746000, names chosen alike): {', '.join(counts)}; of two a wrong name in "
+            f"{sum(map(wrong, of['two']))} of {len(of['two'])}.")  # fmt: skip
 
 
 LESS = ("silent", "at least two named", "of the state: called unexplained", "nothing learned",

@@ -291,7 +291,7 @@ def soft_stop(trace: ReducedTrace, velocity_mm_s: float) -> float:
     gain = len(time) * np.log((sharp.cost + noise) / (soft.cost + noise))
     if gain < SEEN_STOP or inside.sum() < 3:
         return DECELERATION_MM_S2
-    # a press that brakes all the way begins to at contact
+    # it brakes from contact on at the earliest
     return float(np.clip(braking, 0.5 * velocity_mm_s**2 / ramp.depth_mm, DECELERATION_MM_S2))
 
 

@@ -50,9 +50,17 @@ def test_on_a_thick_pad_the_first_touch_is_that_of_hertz():
     assert cap_force(press, depth, 24) == pytest.approx(law, rel=7e-3)
 
 
+def test_cells_of_half_the_size_do_not_move_the_force_once_the_contact_is_at_the_edge():
+    # With cells at the edge as large as elsewhere they moved it by 0.8 and 1.1 %.
+    press = Case(0.79, 7.57, shape=Crowned(20.0, 3.0, 11.0), thickness_mm=10.0)
+    usual, fine = (solve_path(press, np.array([0.2, 0.3]), cells).force for cells in (16, 32))
+    assert usual == pytest.approx(fine, rel=2e-3)
+
+
 def test_the_contact_on_a_thick_crown_grows_as_that_of_hertz():
     depths = np.array([0.05, 0.1, 0.2])
-    touch = contact_radius(Pad(20.0, 0.03, 7.9, geometry=Crowned(20.0, 2.0, 9.0)), depths, 24)
+    # Known to the spacing of the points, a third of a cell: 0.055 mm with 48 cells.
+    touch = contact_radius(Pad(20.0, 0.03, 7.9, geometry=Crowned(20.0, 2.0, 9.0)), depths, 48)
     assert touch.contact_radius_mm == pytest.approx(np.sqrt(20.0 * depths), rel=0.03)
     assert touch.depth_mm == pytest.approx(depths) and not touch.reaches_edge.any()
 
@@ -77,7 +85,7 @@ def test_a_crown_without_height_to_speak_of_is_a_glued_slab(monkeypatch):
     crowned = solve_shaped_pad(Pad(10.0, 0.03, 7.9, geometry=Crowned(1e5, 3e-3)), depths)
     slab = load_table("bonded").force(depths, 10.0, 0.03, 7.9)
     assert np.all(np.abs(crowned.force_N - slab) < crowned.error_N)
-    assert crowned.force_N == pytest.approx(slab, rel=0.03)
+    assert crowned.force_N == pytest.approx(slab, rel=5e-3)
 
 
 @pytest.mark.parametrize("shape", [Layered(4.0, 1.0), Boned(2.0, 1e-6, 2e-3)], ids=["layered", "boned"])

@@ -104,9 +104,9 @@ def _grid(case: Case, cells: int, rim: float) -> tuple[Array, Array, float | Non
     return r, height_lines(min(first, top), interface), interface
 
 
-# Load steps in thicknesses, at 16 cells, while a contact grows that sticks: half of them moves a force by at most 0.35 %,
-# twice as much by 1.2 %. Wanted depths are solved beside the path, which is the same whatever they are. Other contact
-# takes larger ones.
+# Load steps in thicknesses, at 16 cells, while a contact grows that sticks: half of them moves a force by at most
+# 0.35 %, twice as much by 1.2 %. Wanted depths are solved beside the path, which is the same whatever they are. Other
+# contact takes larger ones.
 LARGEST_STEP = 0.005
 # The same under a flat top, where only what is drawn to the fillet comes to touch: half of it moves the ratio to the
 # slab by at most 0.25 %, twice as much by 1 %.

@@ -38,7 +38,7 @@ Row = tuple[object, ...]
 
 def _curve(pad: Pad, depths: tuple[float, ...] = (DEEPEST,), fidelity: str = "axisymmetric") -> ForceCurve:
     h = pad.thickness_mm
-    return elastic_curve(pad, fidelity, h * max(depths), h * np.array(depths), None)
+    return elastic_curve(pad, fidelity, h * max(depths), h * np.array(depths))
 
 
 def _slab(thickness_mm: float, **options: Any) -> Pad:

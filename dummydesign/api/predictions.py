@@ -407,7 +407,7 @@ def _against(
         raise InputError(message, "not_applicable", "tissue", inputs["tissue"])
     site = load_tissue(inputs["tissue"])
     sampling = Sampling(hold_s=inputs["hold_s"], deceleration_mm_s2=inputs["deceleration_mm_s2"])
-    curve = elastic_curve(made, inputs["fidelity"], None, None, None)
+    curve = elastic_curve(made, inputs["fidelity"])
     judged, candidate, targets = verdict_of_pad(made, curve, young, site, inputs["aim"], sampling)
     return {"verdict": judged.to_dict(), "conditions": condition_rows(candidate, targets, made.geometry)}, site
 

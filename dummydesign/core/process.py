@@ -109,6 +109,26 @@ def quiet(step: str) -> None:
     """Ignore progress messages."""
 
 
+_TOLD: ContextVar[Callable[[float], None] | None] = ContextVar("told", default=None)
+
+
+@contextmanager
+def depths_told(tell: Callable[[float], None] | None) -> Iterator[None]:
+    """Have every depth that is solved inside told, d / h; nobody is told of it without ``tell``."""
+    before = _TOLD.set(tell)
+    try:
+        yield
+    finally:
+        _TOLD.reset(before)
+
+
+def tell_depth(depth: float) -> None:
+    """Say that a depth is solved."""
+    tell = _TOLD.get()
+    if tell is not None:
+        tell(depth)
+
+
 def write_progress(text: str) -> None:
     """Replace the line; a file that cannot be written stops no work. Ends a command that was asked to end."""
     check_stop()

@@ -133,10 +133,10 @@ def _pad(campaign: Campaign, thickness_mm: float, material: Material) -> Pad | P
 def _curve(pad: Pad | Puck, progress: Progress) -> tuple[Pad | Puck, ForceCurve]:
     """Long-term force of a pad by its table, else solved."""
     try:
-        return pad, elastic_curve(pad, "table", None, None, None)
+        return pad, elastic_curve(pad, "table")
     except InputError:
         progress(f"depths of the presses: solving the pad of {pad.thickness_mm:g} mm")
-        return pad, elastic_curve(pad, "axisymmetric", None, None, None)
+        return pad, elastic_curve(pad, "axisymmetric")
 
 
 def _expected(row: Planned, pad: Pad | Puck, curve: ForceCurve, material: Material) -> Expected:

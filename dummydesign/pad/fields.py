@@ -19,7 +19,6 @@ from dummydesign.pad.axisymmetric.case import (
     FIRST_STEP,
     LATTICE,
     Case,
-    Progress,
     lattice_depths,
     relative_depths,
     rimmed_problem,
@@ -227,7 +226,7 @@ Keep = Callable[[Problem, Solution, float], None]
 
 
 def _follow_under_fillet(
-    case: Case, depths: Array, thickness_mm: float, coarse: bool, progress: Progress | None, keep: Keep
+    case: Case, depths: Array, thickness_mm: float, coarse: bool, keep: Keep
 ) -> tuple[str | None, tuple[str, ...]]:
     """Follow a slab that is not glued to a filleted punch and keep its states at wanted depths."""
     done, stop = 0, None
@@ -240,7 +239,7 @@ def _follow_under_fillet(
             if np.isclose(wanted, depth, rtol=1e-9, atol=0.0).any():
                 keep(problem, solution, depth)
 
-        made = follow(path, progress, visit)
+        made = follow(path, visit)
         before, done = done, int((depths <= (made.depth[-1] if len(made.depth) else 0.0) * (1.0 + 1e-9)).sum())
         if cells == COARSE and not coarse and done > before:
             start = f"{depths[before] * thickness_mm:.3g} mm"
@@ -288,7 +287,7 @@ class Setup:
 
 
 def solve_fields(
-    pad: Pad | Puck, depth_mm: Sequence[float], progress: Progress | None = None, coarse: bool = False
+    pad: Pad | Puck, depth_mm: Sequence[float], coarse: bool = False
 ) -> tuple[tuple[Pressed, ...], tuple[str, ...]]:
     """Fields of a round pad at static depths."""
     if not has_fields(pad):
@@ -301,7 +300,7 @@ def solve_fields(
     def keep(problem: Problem, solution: Solution, depth: float) -> None:
         fields.append(_pressed(problem, solution, depth, pad, shear))
 
-    stop, notes = _follow(pad, depths, coarse, progress, keep)
+    stop, notes = _follow(pad, depths, coarse, keep)
     if not fields:
         raise NoAnswerError("no_convergence", f"the fields could not be solved: {stop}", quantity="fields")
     if pad.sides_mm is not None:
@@ -326,13 +325,11 @@ def contact_pressures(pad: Pad, depth_mm: Sequence[float]) -> tuple[list[dict[st
     return made["contact"], tuple(made["notes"])
 
 
-def _follow(
-    pad: Pad, depths: Array, coarse: bool, progress: Progress | None, keep: Keep
-) -> tuple[str | None, tuple[str, ...]]:
+def _follow(pad: Pad, depths: Array, coarse: bool, keep: Keep) -> tuple[str | None, tuple[str, ...]]:
     """Keep the equilibria at depths; return why some are missing, and notes on the others."""
     case = Case.of(pad, check=pad.profile_mm is None)
     if pad.edge_radius_mm and pad.condition != "bonded":
-        return _follow_under_fillet(case, depths, pad.thickness_mm, coarse, progress, keep)
+        return _follow_under_fillet(case, depths, pad.thickness_mm, coarse, keep)
     setup = _setup(pad, case, depths, coarse)
     if setup.visited:
         solutions = [state_between(setup.problem, setup.visited, depth) for depth in depths]
@@ -351,7 +348,7 @@ def _follow(
         return None
 
     path = follow(
-        setup.problem, depths, setup.first_step, setup.largest_step, setup.smallest_step, progress,
+        setup.problem, depths, setup.first_step, setup.largest_step, setup.smallest_step,
         lattice=setup.lattice, visit=visit,
     )  # fmt: skip
     return path.stop if watch is None else watch.stop_reason(path.stop), ()

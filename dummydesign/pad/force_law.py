@@ -309,9 +309,7 @@ def interpolate_curve(power: float, solved: PadCurve) -> ForceCurve:
         inside = np.clip(at, 0.0, depth[-1])
         return np.where(at > 0.0, inside**power * np.exp(stiffness(inside)), 0.0)
 
-    return ForceCurve(
-        value, lambda at: np.interp(at, depth, error), float(depth[-1]), solved.solver, solved.notes
-    )
+    return ForceCurve(value, lambda at: np.interp(at, depth, error), float(depth[-1]), solved.solver, solved.notes)
 
 
 def scale_curve(curve: ForceCurve, factor: Callable[[NDArray], tuple[NDArray, NDArray]]) -> ForceCurve:

@@ -132,7 +132,7 @@ def solve_slab(case: SlabCase) -> SolvedSlab:
     if case.condition != "bonded" and case.fidelity != "3d":
         solved = solve_points(pad, depth)
         return SolvedSlab(case, solved.depth_mm, solved.force_N, solved.error_N / solved.force_N, tuple(solved.notes))
-    curve = elastic_curve(pad, case.fidelity, float(depth[-1]), depth, None)
+    curve = elastic_curve(pad, case.fidelity, float(depth[-1]), depth)
     depth = depth[depth <= curve.limit_mm * (1.0 + 1e-9)]
     return SolvedSlab(case, depth, curve.force(depth), curve.relative_error(depth), tuple(curve.notes))
 

@@ -199,7 +199,7 @@ def test_the_slabs_of_the_loop_have_the_table_s_error_and_provenance_and_pucks_a
 
 def test_a_curve_of_the_pad_keeps_the_contract_of_curves():
     table, depth = load_table(), np.array([0.5, 3.0])
-    curves = [curve_at(table, 10.0, 0.03, RADIUS), elastic_curve(Pad(10.0, 0.03, RADIUS), "table", None, None, None)]
+    curves = [curve_at(table, 10.0, 0.03, RADIUS), elastic_curve(Pad(10.0, 0.03, RADIUS), "table")]
     for curve in curves:
         assert isinstance(curve, ForceCurve)
         assert curve.force(depth) == pytest.approx(table.force(depth, 10.0, 0.03, RADIUS), rel=1e-12)

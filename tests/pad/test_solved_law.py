@@ -66,7 +66,7 @@ def test_corners_are_known_of_round_punches_in_space_and_of_glued_squares_in_the
 def test_a_slab_is_solved_at_shares_of_its_thickness_as_far_as_its_curve_goes(monkeypatch, condition, fidelity, by):
     asked = []
 
-    def curve(own, fidelity, deepest, depth, progress):
+    def curve(own, fidelity, deepest, depth):
         asked.append(("curve", depth, deepest))
         whole = curve_at(TABLE, own.thickness_mm, own.young_MPa, own.radius_mm)
         return replace(whole, limit_mm=0.35 * 8.0, notes=("n",))

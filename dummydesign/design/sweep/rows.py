@@ -258,7 +258,7 @@ def _solved(task: Task) -> list[dict[str, Any]]:
         edge_radius_mm=task.edge_radius_mm, geometry=read_shape(shape),
     )  # fmt: skip
     try:
-        force_curve = elastic_curve(pad, task.fidelity, float(wanted[-1]), wanted, None)
+        force_curve = elastic_curve(pad, task.fidelity, float(wanted[-1]), wanted)
     except NoAnswerError as problem:
         return empty_rows(task, str(problem))
     depth = wanted[wanted <= force_curve.limit_mm * (1.0 + 1e-9)]

@@ -28,7 +28,6 @@ from dummydesign.pad.solve.equilibrium import Problem
 from dummydesign.pad.specimen import SLAB, Pad
 
 Array = np.ndarray
-Progress = Callable[[float], None]
 
 # Contact and film stiffness in shear moduli per rim.
 CONTACT_STIFFNESS = GLUED_SLAB.contact
@@ -289,9 +288,7 @@ def solve_on_lattice(
     at, where = np.sqrt(nodes), np.sqrt(np.maximum(kept, nodes[0]))
     stiffness = np.exp(monotone_cubic(at, log)(where) if len(nodes) > 1 else log[0])
     force = stiffness * kept * pad.shear_MPa * pad.thickness_mm**2
-    return PadCurve(
-        kept * pad.thickness_mm, force, np.interp(where, at, made["error"]) * force, made["solver"], notes
-    )
+    return PadCurve(kept * pad.thickness_mm, force, np.interp(where, at, made["error"]) * force, made["solver"], notes)
 
 
 def of_two_meshes(coarse: Path, fine: Path, nodes: Array, least_error: float) -> dict[str, Any]:

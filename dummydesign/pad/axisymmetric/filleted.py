@@ -14,7 +14,7 @@ import numpy as np
 
 from dummydesign.core.errors import out_of_range
 from dummydesign.geometry.dimensions import LARGEST_EDGE_RADIUS
-from dummydesign.pad.axisymmetric.case import FIRST_STEP, LATTICE, Case, Progress, first_stiffness, round_problem
+from dummydesign.pad.axisymmetric.case import FIRST_STEP, LATTICE, Case, first_stiffness, round_problem
 from dummydesign.pad.contact.axisymmetric import FilletedPunch, Surface
 from dummydesign.pad.contact.penalty import FILLETED_PUNCH
 from dummydesign.pad.fem import mesh_axisymmetric as meshes
@@ -77,19 +77,17 @@ def check_fillet(fillet_mm: float, half_width_mm: float) -> None:
         raise out_of_range("edge_radius_mm", fillet_mm, 0.0, float(f"{largest:.4g}"))
 
 
-def follow_filleted(problem: Problem, nodes: Array, progress: Progress | None = None) -> Path:
+def follow_filleted(problem: Problem, nodes: Array) -> Path:
     """Follow a glued fillet through depths on the lattice."""
-    return follow(problem, nodes, FIRST_STEP, LATTICE, LATTICE / 256.0, progress, lattice=True)
+    return follow(problem, nodes, FIRST_STEP, LATTICE, LATTICE / 256.0, lattice=True)
 
 
-def solve_filleted(case: Case, nodes: Array, progress: Progress | None = None, sides: bool = True) -> dict[str, Any]:
+def solve_filleted(case: Case, nodes: Array, sides: bool = True) -> dict[str, Any]:
     """F / d over mu h at depth 0 and at the first of the nodes, those that were reached, and its relative error.
 
     F / d rises from that of the flat face as the contact rolls on to the fillet, by about the root of the depth.
     """
-    coarse, fine = (
-        follow_filleted(filleted_problem(case, sides, coarser), nodes, progress) for coarser in (2.0, 1.0)
-    )
+    coarse, fine = (follow_filleted(filleted_problem(case, sides, coarser), nodes) for coarser in (2.0, 1.0))
     face = replace(case, radius=case.radius - case.edge)
     first = 3.0 * face.radius * first_stiffness(face)
     count = len(fine.force)

@@ -12,13 +12,12 @@ from typing import Any
 
 import numpy as np
 
-from dummydesign.core.process import one_blas_thread
+from dummydesign.core.process import one_blas_thread, tell_depth
 from dummydesign.geometry.interface import FACES, Interface
 from dummydesign.pad.axisymmetric.case import (
     FIRST_STEP,
     LATTICE,
     Case,
-    Progress,
     extend_path,
     of_two_meshes,
     round_problem,
@@ -123,17 +122,14 @@ SMALLEST_SLIDE = LATTICE / 128.0
 SLIDING_ERROR = 3e-3
 
 
-def solve_sliding(case: Case, nodes: Array, progress: Progress | None = None) -> dict[str, Any]:
+def solve_sliding(case: Case, nodes: Array) -> dict[str, Any]:
     """F / d over mu h at the first of the nodes, those that were reached, and its relative error."""
-    coarse, fine = (follow_sliding(SlidingMesh(case, cells), nodes, progress) for cells in (COARSE, FINE))
+    coarse, fine = (follow_sliding(SlidingMesh(case, cells), nodes) for cells in (COARSE, FINE))
     return of_two_meshes(coarse, fine, nodes, SLIDING_ERROR)
 
 
 @one_blas_thread()
-def follow_sliding(
-    mesh: SlidingMesh, depths: Array, progress: Progress | None = None,
-    visit: Callable[[float, Solution], None] | None = None,
-) -> Path:  # fmt: skip
+def follow_sliding(mesh: SlidingMesh, depths: Array, visit: Callable[[float, Solution], None] | None = None) -> Path:
     """Follow the slab through depths while the mesh's columns follow the fillet.
 
     The next state is extrapolated from the last two in the frame of the punch, in which it hardly changes.
@@ -178,8 +174,7 @@ def follow_sliding(
             points.append((goal, problem.force(answer.state), float(answer.state.J.min())))
             if visit:
                 visit(goal, answer)
-            if progress:
-                progress(goal)
+            tell_depth(goal)
         if answer.iterations <= EASY:
             step = min(1.4 * step, LATTICE)
     table = np.array(points).reshape(-1, 3)
@@ -201,9 +196,7 @@ SMALLEST_STEP = LATTICE / 512.0
 LEAST_ERROR = 5e-3
 
 
-def solve_under_fillet(
-    pad: Pad, depth_mm: Sequence[float] | Array, progress: Progress | None = None, sides: bool = True
-) -> PadCurve:
+def solve_under_fillet(pad: Pad, depth_mm: Sequence[float] | Array, sides: bool = True) -> PadCurve:
     """Static force of a slab under a round punch with a filleted edge, by what its face does there.
 
     Without ``sides`` a punch that is glued ends with its fillet.
@@ -211,14 +204,14 @@ def solve_under_fillet(
     face = Interface.parse(pad.condition, "condition", FACES)
     if face.bonded:
         kind = "filleted" if sides else "filleted-without-sides"
-        return solve_on_lattice(kind, pad, depth_mm, partial(solve_filleted, progress=progress, sides=sides))
+        return solve_on_lattice(kind, pad, depth_mm, partial(solve_filleted, sides=sides))
     kind, solve = ("rubbing", solve_rubbing) if face.friction else ("sliding", solve_sliding)
-    return solve_on_lattice(kind, pad, depth_mm, partial(solve, progress=progress))
+    return solve_on_lattice(kind, pad, depth_mm, partial(solve))
 
 
-def solve_rubbing(case: Case, nodes: Array, progress: Progress | None = None) -> dict[str, Any]:
+def solve_rubbing(case: Case, nodes: Array) -> dict[str, Any]:
     """F / d over mu h at the first of the nodes, those that were reached, and its relative error."""
-    (coarse, rough), (fine, softer) = (_extended(case, cells, nodes, progress) for cells in (COARSE, FINE))
+    (coarse, rough), (fine, softer) = (_extended(case, cells, nodes) for cells in (COARSE, FINE))
     made = of_two_meshes(coarse, fine, nodes, LEAST_ERROR)
     count = len(made["error"])
     own = np.concatenate([softer, rough[len(softer) :]]) if len(rough) > len(softer) else softer
@@ -242,21 +235,18 @@ def rubbing_problem(case: Case, cells: int, grip: float = 1.0) -> Problem:
     return round_problem(mesh, case, np.array([], dtype=int), surface, punch, under)
 
 
-def follow_rubbing(
-    problem: Problem, depths: Array, progress: Progress | None = None,
-    visit: Callable[[float, Solution], None] | None = None,
-) -> Path:  # fmt: skip
+def follow_rubbing(problem: Problem, depths: Array, visit: Callable[[float, Solution], None] | None = None) -> Path:
     """Follow the problem through depths that are no further apart than the steps of the force's path."""
-    return follow(problem, depths, FIRST_STEP, LATTICE, SMALLEST_STEP, progress, visit=visit)
+    return follow(problem, depths, FIRST_STEP, LATTICE, SMALLEST_STEP, visit=visit)
 
 
-def _extended(case: Case, cells: int, nodes: Array, progress: Progress | None) -> tuple[Path, Array]:
+def _extended(case: Case, cells: int, nodes: Array) -> tuple[Path, Array]:
     """A path, extended by that with a softer grip where it ends early, and the relative doubt in that."""
-    path = follow_rubbing(rubbing_problem(case, cells, GRIPS[0]), nodes, progress)
+    path = follow_rubbing(rubbing_problem(case, cells, GRIPS[0]), nodes)
     count = len(path.force)
     if path.stop is None:
         return path, np.zeros(count)
-    other = follow_rubbing(rubbing_problem(case, cells, GRIPS[1]), nodes, progress)
+    other = follow_rubbing(rubbing_problem(case, cells, GRIPS[1]), nodes)
     # Up to a depth that both reached they differ by less than what is stated; deeper by what they did last.
     log = float(np.log(path.force[-1] / other.force[count - 1])) if 0 < count <= len(other.force) else 0.0
     path = extend_path(path, other, other.force[count:] * np.exp(log))

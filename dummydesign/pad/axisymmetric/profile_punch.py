@@ -146,9 +146,7 @@ def solve_profile(
     own = relative_punch(pad, punch)
     depths, note = before_the_step(own, case.radius, depths, h, cells)
     first, largest, lattice = load_steps(pad.condition, float(depths[0]))
-    fine, coarse = (
-        profile_problem(case, own, float(depths[0]), number) for number in (cells, max(4, cells // 2))
-    )
+    fine, coarse = (profile_problem(case, own, float(depths[0]), number) for number in (cells, max(4, cells // 2)))
     path = press(fine, depths, first, largest, lattice)
     half = follow(coarse, path.depth, first, largest, first / 64.0, lattice=lattice)
     # With cells of twice the size a smooth contact is wrong by four times as much.

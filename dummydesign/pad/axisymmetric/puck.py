@@ -29,7 +29,7 @@ from dummydesign.core.cache import cached
 from dummydesign.core.errors import InputError, out_of_range
 from dummydesign.geometry.dimensions import MAX_DEPTH_OVER_THICKNESS
 from dummydesign.geometry.interface import FACES, FRICTION, Interface
-from dummydesign.pad.axisymmetric.case import Progress, unsolved
+from dummydesign.pad.axisymmetric.case import unsolved
 from dummydesign.pad.contact.axisymmetric import Punch, SideContact
 from dummydesign.pad.contact.penalty import PUCK_PLATES
 from dummydesign.pad.fem import mesh_axisymmetric as meshes
@@ -145,7 +145,7 @@ def puck_problem(
     return Problem(solid, held, driven, 2 * middle + 1, plate, None, 2 * top + 1)
 
 
-def solve_puck(puck: Puck, compression_mm: Sequence[float] | Array, progress: Progress | None = None) -> PadCurve:
+def solve_puck(puck: Puck, compression_mm: Sequence[float] | Array) -> PadCurve:
     """Static force of a cylinder compressed between two rigid plates."""
     h = puck.thickness_mm
     wanted = np.unique(np.asarray(compression_mm, dtype=float))
@@ -162,21 +162,19 @@ def solve_puck(puck: Puck, compression_mm: Sequence[float] | Array, progress: Pr
     if not len(relative):
         return PadCurve(start, start, start, dict(NO_COST))
     inputs = {"puck": unit, "law": law, "poisson": puck.poisson, "compression": relative}
-    made = cached("puck", inputs, lambda: _farthest(unit, law, puck.poisson, relative, progress))
+    made = cached("puck", inputs, lambda: _farthest(unit, law, puck.poisson, relative))
     force = np.concatenate([start, made["force"] * puck.young_MPa / (2.0 * (1.0 + puck.poisson)) * h**2])
     depth = np.concatenate([start, 2.0 * made["depth"] * h])
     return PadCurve(depth, force, MESH_ERROR * force, made["solver"], made["notes"])
 
 
-def _farthest(
-    puck: UnitPuck, law: HyperelasticLaw, poisson: float, compression: Array, progress: Progress | None
-) -> dict[str, Any]:
+def _farthest(puck: UnitPuck, law: HyperelasticLaw, poisson: float, compression: Array) -> dict[str, Any]:
     """The path of the mesh that gets farthest, tried in turn."""
-    path = compress(puck, law, compression, poisson, progress=progress)
+    path = compress(puck, law, compression, poisson)
     for corner in CORNER_CELLS[1:]:
         if path.stop is None:
             break
-        other = compress(puck, law, compression, poisson, corner, progress=progress)
+        other = compress(puck, law, compression, poisson, corner)
         path = max(path, other, key=lambda one: len(one.depth))
     if not len(path.depth):
         raise unsolved(path.stop, "the puck")
@@ -186,9 +184,9 @@ def _farthest(
 
 def compress(
     puck: UnitPuck, law: HyperelasticLaw, compression: Array, poisson: float = 0.5, corner: float = CORNER_CELLS[0],
-    slip_scale: float = SLIP_SCALE, progress: Progress | None = None,
+    slip_scale: float = SLIP_SCALE,
 ) -> Path:  # fmt: skip
     """Follow a puck of unit height through relative compressions; a Path whose depth is HALF of them."""
     problem = puck_problem(puck, law, poisson, corner, slip_scale)
     first = 0.02 if problem.surface is None else slip_scale
-    return follow(problem, np.asarray(compression) / 2.0, first, 0.0125, 1e-4, progress)
+    return follow(problem, np.asarray(compression) / 2.0, first, 0.0125, 1e-4)

@@ -13,7 +13,7 @@ from dummydesign.core.cache import cached
 from dummydesign.core.errors import InputError
 from dummydesign.core.parsing import one_of
 from dummydesign.geometry.interface import BASES, FACES, Interface
-from dummydesign.pad.axisymmetric.case import FILM_REACH, Case, Progress, glue_film, round_problem
+from dummydesign.pad.axisymmetric.case import FILM_REACH, Case, glue_film, round_problem
 from dummydesign.pad.axisymmetric.self_contact import FoldWatch, RoundFace
 from dummydesign.pad.contact.axisymmetric import FilletedPunch, FlatPunch, Surface
 from dummydesign.pad.contact.friction import CombinedSurface
@@ -123,7 +123,7 @@ def visited_states(case: Case, cells: int, rim: float, deepest: float) -> list[V
 
 def solve_path(
     case: Case, depths: Array, cells: int = CELLS, rim: float = RIMS[-1], twin: bool = False,
-    progress: Progress | None = None, visit: Callable[[Problem, float, Solution], None] | None = None,
+    visit: Callable[[Problem, float, Solution], None] | None = None,
 ) -> Path:  # fmt: skip
     """Follow the pad under a punch with one edge fillet."""
     problem = shaped_problem(case, cells, rim, twin)
@@ -144,7 +144,7 @@ def solve_path(
         first, largest = 0.3 * rim, FLAT_STEP
     ends: list[VisitedState] = []
     keep = ends.append if watch is not None and lattice else None
-    path = follow(problem, depths, first, largest, SMALLEST_STEP, progress, lattice=lattice, visit=check, keep=keep)
+    path = follow(problem, depths, first, largest, SMALLEST_STEP, lattice=lattice, visit=check, keep=keep)
     if watch is None:
         return path
     if watch.folded is None:
@@ -167,14 +167,12 @@ class PathCache:
         self._paths: dict[tuple[int, float, bool], Path] = {}
         self.touched: list[tuple[float, float, bool]] = []
 
-    def path(
-        self, case: Case, depths: Array, grid: tuple[int, float], twin: bool, progress: Progress | None = None
-    ) -> Path:
+    def path(self, case: Case, depths: Array, grid: tuple[int, float], twin: bool) -> Path:
         """The path on one grid, followed now if it was not yet."""
         key = (*grid, twin)
         if key not in self._paths:
             visit = self._touch if grid == grids(CELLS, case)[-2] and not case.shape.flat_top else None
-            self._paths[key] = solve_path(case, depths, *grid, twin=twin, progress=progress, visit=visit)
+            self._paths[key] = solve_path(case, depths, *grid, twin=twin, visit=visit)
         return self._paths[key]
 
     def _touch(self, problem: Problem, depth: float, solution: Solution) -> None:

@@ -180,9 +180,7 @@ class Ogden:
         """Energy per reference volume."""
         values, _, hoop = _eigen(F)
         squares = values if hoop is None else np.concatenate([values, (hoop**2)[..., None]], axis=-1)
-        return sum(
-            m / a * (np.sum(squares ** (0.5 * a), axis=-1) - 3.0) for m, a in zip(self.mu_MPa, self.alpha)
-        )
+        return sum(m / a * (np.sum(squares ** (0.5 * a), axis=-1) - 3.0) for m, a in zip(self.mu_MPa, self.alpha))
 
     def stress(self, F: Array) -> Array:
         """First Piola stress F 2 w'(C)."""

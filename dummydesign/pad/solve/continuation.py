@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from dummydesign.core.process import one_blas_thread
+from dummydesign.core.process import one_blas_thread, tell_depth
 from dummydesign.pad.force_law import NO_COST
 from dummydesign.pad.solve.equilibrium import (
     RESIDUAL_TOLERANCE,
@@ -87,9 +87,8 @@ def add_costs(*costs: Mapping[str, float]) -> dict[str, float]:
 @one_blas_thread()
 def follow(
     problem: Problem, depths: Sequence[float] | Array, first_step: float, largest_step: float, smallest_step: float,
-    progress: Callable[[float], None] | None = None, sound_J: float = 0.0, lattice: bool = False,
-    visit: Callable[[float, Solution], str | None] | None = None, keep: Callable[[VisitedState], None] | None = None,
-    most_wasted: float = math.inf,
+    sound_J: float = 0.0, lattice: bool = False, visit: Callable[[float, Solution], str | None] | None = None,
+    keep: Callable[[VisitedState], None] | None = None, most_wasted: float = math.inf,
 ) -> Path:  # fmt: skip
     """Follow the equilibrium from first touch through ``depths`` (increasing, in the mesh's unit of length).
 
@@ -157,8 +156,7 @@ def follow(
             if visit and (stop := visit(goal, between)):
                 break
             points.append((goal, problem.force(between.state), float(between.state.J.min())))
-            if progress:
-                progress(goal)
+            tell_depth(goal)
             if points[-1][2] < sound_J:
                 stop = explain(problem, answer.u, answer.p, goal, f"a volume ratio fell below {sound_J:g}")
                 break

@@ -32,7 +32,7 @@ from dummydesign.geometry.dimensions import PAD_WIDTH_MM, PUNCH_SIDE_MM
 from dummydesign.geometry.interface import BASES, CONDITIONS
 from dummydesign.geometry.pad_shape import PadShape
 from dummydesign.geometry.shapes.bumped import Bumped
-from dummydesign.pad.axisymmetric.case import Case, Progress, end_note, relative_depths, unsolved
+from dummydesign.pad.axisymmetric.case import Case, end_note, relative_depths, unsolved
 from dummydesign.pad.axisymmetric.self_contact import FOLDED, FoldWatch, opening_deg
 from dummydesign.pad.axisymmetric.shaped_problem import CELLS, RIMS, first_depth
 from dummydesign.pad.axisymmetric.shaped_problem import solve_path as solve_round_path
@@ -160,17 +160,14 @@ class SpatialFace:
         return min(opening_deg(points[..., [0, 2]].swapaxes(0, 1)), opening_deg(points[..., [1, 2]]))
 
 
-def watched(
-    problem: Problem, face: SpatialFace, depths: Array, largest_step: float,
-    progress: Callable[[float], None] | None = None,
-) -> Path:  # fmt: skip
+def watched(problem: Problem, face: SpatialFace, depths: Array, largest_step: float) -> Path:
     """Follow a problem through depths, to where its face folds on to itself at the most."""
     watch, first = FoldWatch(face), 0.25 * float(depths[0])
 
     def check(depth: float, solution: Solution) -> str | None:
         return watch.check(depth, solution.u)
 
-    return watch.with_stop_reason(follow(problem, depths, first, largest_step, first / 64.0, progress, visit=check))
+    return watch.with_stop_reason(follow(problem, depths, first, largest_step, first / 64.0, visit=check))
 
 
 # Cell at the first touch: this over ``Grid.cells``, of the contact radius sqrt(R d) at the first depth.
@@ -377,19 +374,19 @@ def contact_problem(load: Load, part: space.Quarter, base: Array, strength: Arra
     return Problem(solid, held.ravel(), nothing, 3 * base + 2, surface, punch, carried, solver=solver)
 
 
-def solve_path(load: Load, depths: Array, grid: Grid, progress: Progress | None = None) -> Path:
+def solve_path(load: Load, depths: Array, grid: Grid) -> Path:
     """Follow a pad through depths, to where its face folds on to itself at the most."""
     problem = shaped_problem(load, grid)
     mesh = problem.solid.mesh
     top = np.arange(len(mesh.dofs))[-(len(axis_lines(load, grid, 0)) - 1) * (len(axis_lines(load, grid, 1)) - 1) :]
     mirrored = load.offset[0] == 0.0, load.offset[1] == 0.0
     face = SpatialFace(problem, space.horizontal_faces(mesh, top), mirrored, load.thickness_mm)
-    return watched(problem, face, depths, 0.05 * load.scale, progress)
+    return watched(problem, face, depths, 0.05 * load.scale)
 
 
 def solve_shaped_block(
     pad: Pad, depth_mm: Sequence[float] | Array, grid: Grid | None = None,
-    offset_mm: tuple[float, float] = (0.0, 0.0), progress: Progress | None = None,
+    offset_mm: tuple[float, float] = (0.0, 0.0),
 ) -> PadCurve:  # fmt: skip
     """Static force of a shaped pad under a flat punch with a filleted edge."""
     h, depths, grid = pad.thickness_mm, relative_depths(depth_mm, pad.thickness_mm), grid or Grid()
@@ -397,7 +394,7 @@ def solve_shaped_block(
     wanted, folds = _open_depths(load, depths)
     paths: list[Path] = []
     for fineness in (grid.coarser(), grid):
-        paths.append(solve_path(load, wanted, fineness, progress))
+        paths.append(solve_path(load, wanted, fineness))
         if not len(paths[-1].depth):
             raise unsolved(paths[-1].stop)
     coarse, fine = paths

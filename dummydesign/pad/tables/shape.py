@@ -165,9 +165,7 @@ class TabulatedShapeLaw(ForceAndStiffness, BaseForceLaw):
         """Error of the force over the force: finite elements and regression; see
         :class:`dummydesign.pad.force_law.ForceLaw`.
         """
-        depth, h, a = np.broadcast_arrays(
-            *(np.asarray(v, dtype=float) for v in (depth_mm, thickness_mm, radius_mm))
-        )
+        depth, h, a = np.broadcast_arrays(*(np.asarray(v, dtype=float) for v in (depth_mm, thickness_mm, radius_mm)))
         error = self.table.relative_error(depth / h)
         return error if self._slab is None else error + self._slab.relative_error(depth, h, a)
 

@@ -71,7 +71,7 @@ def test_what_the_table_does_not_cover_is_solved_without_it(change):
 def test_a_design_is_verified_without_the_table(monkeypatch):
     asked = []
 
-    def watched(case, depths, table, progress):
+    def watched(case, depths, table):
         asked.append(table)
         return {"stiffness": np.ones(len(depths)), "error": depths, "own": depths, "solver": {}, "notes": ()}
 

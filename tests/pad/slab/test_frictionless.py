@@ -125,7 +125,7 @@ def test_face_and_base_of_the_fields_carry_the_force_and_nothing_drags(number):
 def test_where_fine_cells_end_the_fields_of_coarser_ones_follow_and_it_says_so(monkeypatch):
     ends, kept = {COARSE: 0.45, FINE: 0.3}, []
 
-    def walk(mesh, depths, progress, visit):
+    def walk(mesh, depths, visit):
         reached = depths[depths <= ends[mesh.cells]]
         for depth in reached:
             visit(depth, mesh.cells)
@@ -136,7 +136,7 @@ def test_where_fine_cells_end_the_fields_of_coarser_ones_follow_and_it_says_so(m
     pad = Pad(10.0, 0.025, 7.9, condition="frictionless", edge_radius_mm=0.5)
     wanted = np.array([0.1, 0.29, 0.37, 0.44, 0.5])
     stop, notes = sliding._follow_under_fillet(
-        Case.of(pad), wanted, 10.0, False, None, lambda _, cells, depth: kept.append((depth, cells))
+        Case.of(pad), wanted, 10.0, False, lambda _, cells, depth: kept.append((depth, cells))
     )
     assert kept == [(0.1, FINE), (0.29, FINE), (0.37, COARSE), (0.44, COARSE)]
     assert stop == "a cell folds"

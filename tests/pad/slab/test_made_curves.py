@@ -37,7 +37,7 @@ def test_a_fillet_is_extrapolated_by_half_of_what_larger_cells_changed_and_start
     small, large = 2.0 * NODES * np.exp([0.0, 0.01, 0.02, 0.03]), 2.0 * NODES[:3] * np.exp(-0.02)
     paths = {1.0: made(NODES, small), 2.0: made(NODES[:3], large)}
     monkeypatch.setattr(filleted, "filleted_problem", lambda case, sides, coarser: coarser)
-    monkeypatch.setattr(filleted, "follow_filleted", lambda coarser, nodes, progress: paths[coarser])
+    monkeypatch.setattr(filleted, "follow_filleted", lambda coarser, nodes: paths[coarser])
     found = solve_filleted(case, NODES)
     face = replace(case, radius=0.6)
     assert found["depth"] == pytest.approx([0.0, *NODES])
@@ -188,7 +188,7 @@ def test_the_plate_of_a_puck_is_as_much_harder_as_the_gel(shear):
 def test_a_puck_takes_the_mesh_that_gets_farthest_and_has_its_units(monkeypatch):
     asked, reach = [], {0.01: 1, 0.02: 3, 0.014: 2, 0.03: 2}
 
-    def compress(unit, law, compression, poisson, corner=CORNER_CELLS[0], progress=None):
+    def compress(unit, law, compression, poisson, corner=CORNER_CELLS[0]):
         asked.append((unit.radius, corner))
         count = reach[corner]
         return made(0.5 * compression[:count], 3.0 * compression[:count], None if count == 4 else f"cells of {corner}")
@@ -223,7 +223,7 @@ def motions(monkeypatch, ends, over=lambda rim: 1.0 + rim):
     """``follow_motion`` with made-up forces by problem; what was asked."""
     asked = []
 
-    def follow(problem, time, depth, largest, progress, check):
+    def follow(problem, time, depth, largest, check):
         kind, case, rim = problem
         relaxing = bool(case.law.prony)
         asked.append((kind, rim, largest, relaxing))

@@ -7,6 +7,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from dummydesign.core.process import depths_told
 from dummydesign.pad.axisymmetric import friction
 from dummydesign.pad.axisymmetric.case import Case, extend_path, of_two_meshes
 from dummydesign.pad.axisymmetric.friction import (
@@ -49,7 +50,8 @@ def slid():
         seen.append((depth, mesh.problem.force(solution.state), push.reshape(-1, 2), nodes + solution.u.reshape(-1, 2)))
 
     told = []
-    path = follow_sliding(mesh, DEPTHS, told.append, visit)
+    with depths_told(told.append):
+        path = follow_sliding(mesh, DEPTHS, visit)
     assert told == pytest.approx(DEPTHS)
     return mesh, path, seen
 
@@ -178,7 +180,7 @@ def test_points_of_a_face_that_rubs_stay_in_coulombs_cone_and_are_dragged_inward
         assert push[1::2].sum() == pytest.approx(problem.force(solution.state), rel=1e-3)
         seen.append((drag > 0.0).mean())
 
-    path = follow_rubbing(problem, DEPTHS[:2], None, visit)
+    path = follow_rubbing(problem, DEPTHS[:2], visit)
     assert path.stop is None and len(seen) == 2 and seen[-1] > 0.8
 
 
@@ -254,7 +256,7 @@ def test_a_path_that_is_extended_has_the_forces_of_both_and_their_cost():
 def rubbing_with(monkeypatch, paths):
     """``solve_rubbing`` with made-up paths by cells and grip."""
     monkeypatch.setattr(friction, "rubbing_problem", lambda case, cells, grip=1.0: (cells, grip))
-    monkeypatch.setattr(friction, "follow_rubbing", lambda problem, nodes, progress=None: paths[problem])
+    monkeypatch.setattr(friction, "follow_rubbing", lambda problem, nodes: paths[problem])
     return solve_rubbing(case("friction:0.3"), NODES)
 
 
@@ -287,7 +289,7 @@ def test_a_rubbing_path_of_the_softer_grip_alone_is_doubted_from_the_start(monke
 def test_a_sliding_solve_takes_both_meshes(monkeypatch):
     monkeypatch.setattr(friction, "SlidingMesh", lambda case, cells: cells)
     forces = {friction.COARSE: [1.02, 2.04], friction.FINE: [1.0, 2.0, 3.0]}
-    monkeypatch.setattr(friction, "follow_sliding", lambda cells, nodes, progress: made(forces[cells]))
+    monkeypatch.setattr(friction, "follow_sliding", lambda cells, nodes: made(forces[cells]))
     found = solve_sliding(case(), NODES)
     assert found["stiffness"] == pytest.approx(np.full(3, 10.0))
     assert found["error"] == pytest.approx(SLIDING_ERROR + np.log(1.02) * np.array([1.0, 1.0, 2.0]))

@@ -57,13 +57,6 @@ class Problem:
         self._touch: tuple[Array, Array, float] | None = None
         self.pattern: Any = solver(groups, free, size) if solver else Pattern(groups, free, size, solid.mesh.nodes)
 
-    def contact(self, u: Array, depth: float) -> tuple[Array, list[Array]]:
-        """Force and matrices of the surface; zero without one."""
-        if self.surface is None:
-            return np.zeros(len(u)), []
-        force, matrix = self.surface.forces(u, self.punch, depth)
-        return force, [matrix]
-
     def pressed(self, u: Array, depth: float) -> tuple[Array, Callable[[], list[Array]]]:
         """Force of the surface, and what gives its matrices."""
         if self.surface is None:
@@ -97,7 +90,7 @@ class Problem:
         state = self.solid.state(u, p)
         assert state is not None
         tangent = self.solid.linearise(state)
-        _, matrices = self.contact(u, 0.0)
+        matrices = self.pressed(u, 0.0)[1]()
 
         def pull(of: Array) -> Array:
             local = (tangent.stiffness @ of[mesh.dofs][:, :, None])[:, :, 0]

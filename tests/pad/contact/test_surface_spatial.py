@@ -12,7 +12,7 @@ from dummydesign.pad.contact.axisymmetric import FlatPunch
 from dummydesign.pad.contact.spatial import BeadedPunch, FaceContact, rectangle_punch, round_punch
 from dummydesign.pad.fem import mesh_hexahedra as space
 from dummydesign.pad.fem.mixed_solid import Solid
-from dummydesign.pad.material.hyperelastic import neo_hookean
+from dummydesign.pad.material.hyperelastic import Yeoh
 from dummydesign.pad.solve import equilibrium
 from dummydesign.pad.solve.continuation import follow
 from dummydesign.pad.solve.equilibrium import Problem
@@ -20,7 +20,7 @@ from dummydesign.pad.solve.multifrontal import Dissection
 from dummydesign.pad.solve.sparse import Pattern
 from dummydesign.pad.spatial.square_punch import Block, Cells, block_problem, solve_ratios
 
-LAW = neo_hookean(1.0)
+LAW = Yeoh(1.0)
 PUNCHES = [rectangle_punch((1.0, 0.7), 0.2, (0.3, -0.1)), round_punch(0.8, 0.2), BeadedPunch((0.3, 0.2), 0.3, 0.2)]
 
 

@@ -15,13 +15,13 @@ from dummydesign.geometry.shapes.slab import Slab
 from dummydesign.pad.axisymmetric.case import Case
 from dummydesign.pad.axisymmetric.shaped_problem import shaped_problem as round_problem
 from dummydesign.pad.axisymmetric.shaped_problem import solve_path
-from dummydesign.pad.material.hyperelastic import neo_hookean
+from dummydesign.pad.material.hyperelastic import Yeoh
 from dummydesign.pad.solve.continuation import follow
 from dummydesign.pad.spatial.shaped_pad import Grid, Load, graded_lines, shaped_problem, solve_shaped_block
 from dummydesign.pad.specimen import Pad
 from tests.support.refusal import raises_code
 
-LAW = neo_hookean(1.0)
+LAW = Yeoh(1.0)
 RADIUS = 14.0 / np.sqrt(np.pi)
 COARSE = Grid(3, slope=1.0, height_growth=2.0)
 

@@ -16,13 +16,13 @@ from dummydesign.pad.axisymmetric.filleted import FilletedPunch
 from dummydesign.pad.axisymmetric.friction import COARSE, FINE, SlidingMesh, follow_sliding, solve_under_fillet
 from dummydesign.pad.elastic_force import solve_points
 from dummydesign.pad.fields import FREE, SLIPS, Pressed, solve_fields
-from dummydesign.pad.material.hyperelastic import neo_hookean
+from dummydesign.pad.material.hyperelastic import Yeoh
 from dummydesign.pad.solve.continuation import Path
 from dummydesign.pad.specimen import Pad
 from studies.verification.edges import rounded_flat
 from tests.support.refusal import raises_code
 
-LAW = neo_hookean(1.0)
+LAW = Yeoh(1.0)
 
 
 def follow(thickness_mm: float, depths: list[float], cells: int = 2):

@@ -22,12 +22,12 @@ from dummydesign.pad.axisymmetric.sharp_edge import solve_path
 from dummydesign.pad.contact.axisymmetric import FlatPunch, ProfilePunch, Surface
 from dummydesign.pad.elastic_force import solve_points
 from dummydesign.pad.fem.mesh_axisymmetric import Resolution
-from dummydesign.pad.material.hyperelastic import neo_hookean
+from dummydesign.pad.material.hyperelastic import Yeoh
 from dummydesign.pad.specimen import Pad
 from tests.support.ball_punch import sphere
 from tests.support.refusal import raises_code
 
-LAW = neo_hookean(1.0)
+LAW = Yeoh(1.0)
 EDGE = Region(0.65, 1.2, 0.1 / 1.5)
 """Where the edge of a flat punch of radius 1 with a bead of 0.1 slides, for depths up to 0.1."""
 # F = 16/9 E sqrt(R) d^1.5 f(c), c = sqrt(R d) / h, frictionless ball on a bonded incompressible layer.

@@ -11,12 +11,12 @@ from dummydesign.pad.axisymmetric.case import LATTICE, Case
 from dummydesign.pad.axisymmetric.friction import COARSE, FINE, follow_rubbing, rubbing_problem, solve_under_fillet
 from dummydesign.pad.elastic_force import solve_points
 from dummydesign.pad.fields import SLIPS, STICKS, solve_fields
-from dummydesign.pad.material.hyperelastic import neo_hookean
+from dummydesign.pad.material.hyperelastic import Yeoh
 from dummydesign.pad.solve.equilibrium import Solution
 from dummydesign.pad.specimen import Pad
 from tests.support.refusal import raises_code
 
-LAW = neo_hookean(1.0)
+LAW = Yeoh(1.0)
 EVEN = LATTICE * np.concatenate([0.5 ** np.arange(5, 0, -1), np.arange(1, 16)])
 
 

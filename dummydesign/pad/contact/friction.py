@@ -180,13 +180,3 @@ class RubbingSurface(Surface):
         second -= share[..., None, None] * along[..., :, None] * normal[..., None, :]
         second += drag[..., None, None] * (TURN @ bend)
         return self._assembled(u, traction, second)
-
-    def tractions(self, u: Array, punch: Any, depth: float) -> tuple[Array, Array, Array]:
-        """Way along the outline, rising, with pressure and drag at the quadrature points that touch, per rest area."""
-        points = self.points(u)
-        gap = punch.gap(points, depth)[0]
-        on = self._held & (gap < 0.0)
-        way, push = punch.outline(points, depth), self._stiffness * np.maximum(-gap, 0.0)
-        drag = coulomb_drag(self._spring * (way - self._anchor), self._friction * push)[0]
-        order = np.argsort(way[on])
-        return tuple((part[on])[order] for part in (way, push / self._area, drag / self._area))  # type: ignore[return-value]

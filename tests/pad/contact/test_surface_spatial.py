@@ -126,7 +126,7 @@ def test_the_dissection_solves_with_faces_what_a_sparse_factorisation_solves():
     problem = block_problem(block(10.0), Cells(0.45), 0.45)
     solid, rng = problem.solid, np.random.default_rng(3)
     tangent = solid.linearise(solid.state(*problem.start()))
-    _, faces = problem.contact(np.zeros(solid.mesh.size), 0.01)
+    faces = problem.pressed(np.zeros(solid.mesh.size), 0.01)[1]()
     assert np.abs(faces[0]).max() > 0.0
     load, groups = rng.standard_normal(solid.mesh.size), [solid.mesh.dofs, problem.surface.dofs]
     reference = Pattern(groups, problem.pattern.free, solid.mesh.size).solve([tangent.stiffness, *faces], load)

@@ -30,6 +30,7 @@ from dummydesign.pad.fem import mesh_axisymmetric as meshes
 from dummydesign.pad.solve.continuation import Path
 from dummydesign.pad.solve.equilibrium import Failure, find_equilibrium
 from dummydesign.pad.specimen import Pad
+from tests.support.rubbing import tractions
 
 FIRST = 0.02 / 32.0
 DEPTHS = np.array([FIRST, 0.02, 0.04, 0.06])
@@ -174,7 +175,7 @@ def test_points_of_a_face_that_rubs_stay_in_coulombs_cone_and_are_dragged_inward
     problem, seen = rubbing_problem(case("friction:0.2"), COARSE), []
 
     def visit(depth, solution):
-        way, pressure, drag = problem.surface.tractions(solution.u, problem.punch, depth)
+        way, pressure, drag = tractions(problem.surface, solution.u, problem.punch, depth)
         assert np.all(np.diff(way) >= 0.0) and np.all(np.abs(drag) <= 0.2 * pressure * (1.0 + 1e-12))
         push = problem.surface.forces(solution.u, problem.punch, depth)[0]
         assert push[1::2].sum() == pytest.approx(problem.force(solution.state), rel=1e-3)

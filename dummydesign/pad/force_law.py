@@ -116,7 +116,7 @@ def slope_of(
     return np.where(depth > 0.0, (force(high) - force(low)) / (high - low), 0.0)
 
 
-class BaseForceLaw:
+class BaseForceLaw(ForceLaw):
     """What a law is that says nothing else: any ratio, no provenance, no stated error, stiffness by differences.
 
     Examples
@@ -136,16 +136,6 @@ class BaseForceLaw:
     ratio_range: tuple[float, float] = ANY_RATIO
     provenance: Mapping[str, Any] = NOTHING_KNOWN
     notes: tuple[str, ...] = ()
-
-    def force(
-        self, depth_mm: ArrayLike, thickness_mm: ArrayLike, young_MPa: ArrayLike, radius_mm: ArrayLike
-    ) -> NDArray:
-        """Elastic force; see :class:`ForceLaw`. [N]"""
-        raise NotImplementedError
-
-    def depth_limit_mm(self, thickness_mm: ArrayLike, radius_mm: ArrayLike) -> NDArray:
-        """Depth to which the law holds. [mm]"""
-        raise NotImplementedError
 
     def stiffness(
         self, depth_mm: ArrayLike, thickness_mm: ArrayLike, young_MPa: ArrayLike, radius_mm: ArrayLike

@@ -35,6 +35,8 @@ CELLS, SHARE = 24, 0.08
 # Cells per fillet of a flat face that slides, which is meshed finely this many fillets inwards of its edge and beyond.
 EDGE_CELLS, EDGE_INWARDS, EDGE_BEYOND = 3.0, 3.0, 2.0
 TIP_CELLS = 6.0
+# Growth of the cells away from where they are fine.
+GROWTH = 1.3
 # A step: the slope falls by this within two cells. Forces are right to this share of the depth at which its top is as
 # deep as the surface was (beyond it two ledges were 3 to 14 % off with 0.7 to 5 % stated).
 FALL, BEFORE_TOP = 1.0, 0.8
@@ -91,16 +93,13 @@ class Region:
         return self.start + (np.array(r) - self.start) * (self.stop - self.start) / (r[-1] - self.start)
 
 
-def indentation_problem(
-    punch: Punch, region: Region, case: Case, growth: float = 1.3, stiffness: float = EDGE_STIFFNESS,
-    stabilisation: float = STABILISATION,
-) -> Problem:  # fmt: skip
+def indentation_problem(punch: Punch, region: Region, case: Case, stiffness: float = EDGE_STIFFNESS) -> Problem:
     """A slab of unit thickness under a rigid punch, contact over the whole top."""
     face, cell = Interface.parse(case.condition, "condition", FACES), region.cell
-    inner = graded(region.start, 0.0, cell, growth)[::-1] if region.start > 0.0 else np.array([0.0])
+    inner = graded(region.start, 0.0, cell, GROWTH)[::-1] if region.start > 0.0 else np.array([0.0])
     fine = region.lines()
-    outer = graded(region.stop, case.extent, max(cell, fine[-1] - fine[-2]), growth)
-    points, quads, _ = columns(np.concatenate([inner[:-1], fine, outer[1:]]), -graded(0.0, -1.0, cell, growth))
+    outer = graded(region.stop, case.extent, max(cell, fine[-1] - fine[-2]), GROWTH)
+    points, quads, _ = columns(np.concatenate([inner[:-1], fine, outer[1:]]), -graded(0.0, -1.0, cell, GROWTH))
     mesh = meshes.discretise(points, quads)
     sides = meshes.edges_on(mesh, meshes.on_top(mesh) & (mesh.nodes[0] <= region.stop + 0.5))
     contact = case.law.shear_MPa * stiffness
@@ -114,7 +113,7 @@ def indentation_problem(
     )  # fmt: skip
     # What touches at the start sticks or slips from where it is.
     surface.settle(np.zeros(mesh.size), punch, 0.0)
-    return round_problem(mesh, case, np.array([], dtype=int), surface, punch, None, stabilisation)
+    return round_problem(mesh, case, np.array([], dtype=int), surface, punch, None, STABILISATION)
 
 
 def edge_problem(case: Case) -> Problem:

@@ -137,7 +137,7 @@ def discretise(
 ) -> Discretisation:  # fmt: skip
     """Build the biquadratic discretisation of a quadrilateral mesh in the (r, z) plane."""
     places, node = nine_nodes(points, quads)
-    if quarter_points:
+    if quarter_points and centre is not None:
         places = _to_quarter(places, quads, node, centre)
     if move is not None:
         places = move(places)
@@ -167,9 +167,7 @@ def discretise(
 PATCH_SIDES = ((4, 0, 1), (5, 1, 2), (6, 2, 3), (7, 3, 0))
 
 
-def _to_quarter(places: Array, quads: Array, node: Array, centre: Array | None) -> Array:
-    if centre is None:
-        raise ValueError("quarter points need a centre")
+def _to_quarter(places: Array, quads: Array, node: Array, centre: Array) -> Array:
     places = places.copy()
     corner = places[:, centre[0]][:, None]
     at_centre = np.zeros(places.shape[1], dtype=bool)
@@ -241,15 +239,22 @@ class Sizes:
 
 def radial_lines(sizes: Sizes, lines: Sequence[float], extent: float) -> Array:
     """Radii from 0 to the outer radius that follow the wanted sizes and meet every marked radius."""
-    marks = np.unique(np.concatenate([[0.0, extent], [x for x in lines if 0.0 < x < extent]]))
-    radii = [0.0]
-    for start, stop in pairwise(marks):
-        fine = start + (stop - start) * np.linspace(0.0, 1.0, 400)
-        density = 1.0 / sizes.at(fine)
+    return lines_by_size(0.0, extent, lines, sizes.at, 0.2)
+
+
+def lines_by_size(
+    start: float, stop: float, marks: Sequence[float], size: Callable[[Array], Array], spare: float
+) -> Array:
+    """Points whose cells follow a wanted size and which meet every mark; ``spare`` of a cell less is no cell more."""
+    ends = np.unique(np.concatenate([[start, stop], [mark for mark in marks if start < mark < stop]]))
+    lines = [start]
+    for low, high in pairwise(ends):
+        fine = low + (high - low) * np.linspace(0.0, 1.0, 400)
+        density = 1.0 / size(fine)
         count = np.concatenate([[0.0], np.cumsum(0.5 * (density[1:] + density[:-1]) * np.diff(fine))])
-        cells = max(1, int(np.ceil(count[-1] - 0.2)))
-        radii.extend(np.interp(count[-1] * np.arange(1, cells + 1) / cells, count, fine))
-    return np.array(radii)
+        cells = max(1, int(np.ceil(count[-1] - spare)))
+        lines.extend(np.interp(count[-1] * np.arange(1, cells + 1) / cells, count, fine))
+    return np.array(lines)
 
 
 def height_lines(first: float, interface: float | None = None) -> Array:

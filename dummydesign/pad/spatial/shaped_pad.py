@@ -18,10 +18,9 @@ covered by a triangle that is turned over too, so only those that stand over or 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from itertools import pairwise
 from typing import ClassVar
 
 import numpy as np
@@ -39,6 +38,7 @@ from dummydesign.pad.axisymmetric.shaped_problem import solve_path as solve_roun
 from dummydesign.pad.contact.penalty import SHAPED_PAD_IN_SPACE
 from dummydesign.pad.contact.spatial import BeadedPunch, FaceContact, rectangle_punch, round_punch
 from dummydesign.pad.fem import mesh_hexahedra as space
+from dummydesign.pad.fem.mesh_axisymmetric import lines_by_size
 from dummydesign.pad.fem.mixed_solid import Solid
 from dummydesign.pad.force_law import PadCurve
 from dummydesign.pad.material.hyperelastic import NEO_HOOKEAN, HyperelasticLaw
@@ -174,6 +174,8 @@ def watched(problem: Problem, face: SpatialFace, depths: Array, largest_step: fl
 APEX_CELLS = 4.0
 # Height of the uppermost cells over the thickness: this over ``Grid.cells``.
 HEIGHT_CELLS = 1.0
+# A part of a cell that is no cell of its own along a side.
+SPARE = 0.3
 
 
 @dataclass(frozen=True)
@@ -270,19 +272,6 @@ class Load:
         return rectangle_punch(self.half_sides, rim, self.offset)
 
 
-def graded_lines(start: float, stop: float, marks: Sequence[float], size: Callable[[Array], Array]) -> Array:
-    """Points whose cells follow a wanted size and which meet every mark."""
-    ends = np.unique(np.concatenate([[start, stop], [mark for mark in marks if start < mark < stop]]))
-    lines = [start]
-    for low, high in pairwise(ends):
-        fine = np.linspace(low, high, 400)
-        density = 1.0 / size(fine)
-        count = np.concatenate([[0.0], np.cumsum(0.5 * (density[1:] + density[:-1]) * np.diff(fine))])
-        cells = max(1, int(np.ceil(count[-1] - 0.3)))
-        lines.extend(np.interp(count[-1] * np.arange(1, cells + 1) / cells, count, fine))
-    return np.array(lines)
-
-
 def _tip(load: Load, axis: int) -> float:
     """Radius of curvature of the tested face at its highest point along one axis, in thicknesses; inf if flat."""
     at = np.zeros((2, 1))
@@ -309,7 +298,7 @@ def axis_lines(load: Load, grid: Grid, axis: int) -> Array:
         return np.minimum(np.min(near, axis=0), coarse + grid.slope * away)
 
     start = 0.0 if shift == 0.0 else -extent
-    return graded_lines(start, extent, (places[0], places[1], 0.0), size)
+    return lines_by_size(start, extent, (places[0], places[1], 0.0), size, SPARE)
 
 
 def levels(load: Load, grid: Grid) -> Array:
@@ -462,7 +451,7 @@ def field_lines(pitch_mm: float, rim_mm: float, cells: int) -> Array:
         near = fine + SLOPE * np.abs(x[:, None] - edge).min(axis=1)
         return np.minimum(np.minimum(near, tip + SLOPE * x), cell + SLOPE * np.maximum(x - far, 0.0))
 
-    return graded_lines(0.0, 0.5 * PAD_WIDTH_MM, [*halves, *edge], size)
+    return lines_by_size(0.0, 0.5 * PAD_WIDTH_MM, [*halves, *edge], size, SPARE)
 
 
 def field_problem(shape: Bumped, thickness_mm: float, cells: int) -> tuple[Problem, SpatialFace]:

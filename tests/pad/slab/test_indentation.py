@@ -197,7 +197,8 @@ def test_a_sticking_flat_punch_agrees_with_the_glued_one_solved_the_other_way():
     """Another mesh, no film, no nodes driven by hand: nearer to each other than a rim is to one of half its size."""
     punch, depths = FlatPunch(1.0, 0.05), np.array([0.1, 0.2, 0.3])
     region = Region(0.85, 1.1, 0.05 / 1.5)
-    problem = indentation_problem(punch, region, Case(1.0, 8.0), stabilisation=EDGE_STABILISATION)
+    problem = indentation_problem(punch, region, Case(1.0, 8.0))
+    problem.solid.stabilisation = EDGE_STABILISATION
     stick = press(problem, depths, 0.015, 0.03).force
     glued, half = (solve_path(Case(1.0, 8.0), depths, rim, Resolution()).force for rim in (0.05, 0.025))
     assert np.all(np.abs(stick - glued) < 0.6 * (half - glued))

@@ -17,7 +17,7 @@ import numpy as np
 
 from dummydesign.geometry.dimensions import PUNCH_RADIUS_MM
 from dummydesign.geometry.shapes.crowned import Crowned
-from dummydesign.pad.axisymmetric.friction import solve_under_fillet
+from dummydesign.pad.axisymmetric.filleted import solve_under_fillet
 from dummydesign.pad.axisymmetric.shaped_pad import solve_shaped_pad
 from dummydesign.pad.axisymmetric.sharp_edge import solve_curve
 from dummydesign.pad.force_law import PadCurve

@@ -20,7 +20,7 @@ import numpy as np
 from dummydesign.core.files import write_text
 from dummydesign.core.library import data_folder
 from dummydesign.geometry.dimensions import PUNCH_RADIUS_MM
-from dummydesign.pad.axisymmetric.friction import solve_under_fillet
+from dummydesign.pad.axisymmetric.filleted import solve_under_fillet
 from dummydesign.pad.elastic_force import elastic_curve
 from dummydesign.pad.force_law import ForceCurve
 from dummydesign.pad.specimen import Pad

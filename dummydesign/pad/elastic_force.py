@@ -185,7 +185,7 @@ def solve_points(pad: Pad | Puck, depth_mm: Array, cells: int | None = None, ind
         from dummydesign.pad.axisymmetric.puck import solve_puck
 
         return solve_puck(pad, depth_mm)
-    from dummydesign.pad.axisymmetric.friction import solve_under_fillet
+    from dummydesign.pad.axisymmetric.filleted import solve_under_fillet
     from dummydesign.pad.axisymmetric.profile_punch import solve_profile
     from dummydesign.pad.axisymmetric.shaped_pad import solve_flat, solve_shaped_pad
     from dummydesign.pad.axisymmetric.sharp_edge import solve_curve

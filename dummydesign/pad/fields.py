@@ -23,11 +23,11 @@ from dummydesign.pad.axisymmetric.case import (
     relative_depths,
     rimmed_problem,
 )
-from dummydesign.pad.axisymmetric.filleted import filleted_problem
-from dummydesign.pad.axisymmetric.friction import (
+from dummydesign.pad.axisymmetric.filleted import (
     COARSE,
     FINE,
     SlidingMesh,
+    filleted_problem,
     follow_rubbing,
     follow_sliding,
     rubbing_problem,

@@ -8,7 +8,6 @@ import pytest
 from dummydesign.geometry.shapes.slab import Slab
 from dummydesign.pad.axisymmetric import case as problem
 from dummydesign.pad.axisymmetric import filleted, puck
-from dummydesign.pad.axisymmetric import friction as rubbing
 from dummydesign.pad.axisymmetric import profile_punch as indentation
 from dummydesign.pad.axisymmetric import shaped_problem as round_pad
 from dummydesign.pad.axisymmetric.case import Case
@@ -48,8 +47,8 @@ ROUND = {
         0.05,
     ),
     "SLIDING_EDGE": (lambda: indentation.edge_problem(CASE), 0.1 / 3.0),
-    "RUBBING_PUNCH": (lambda: rubbing.rubbing_problem(replace(CASE, condition="friction:0.3"), 2), 0.1),
-    "FILLETED_PUNCH": (lambda: rubbing.SlidingMesh(CASE, 2).problem, 0.1),
+    "RUBBING_PUNCH": (lambda: filleted.rubbing_problem(replace(CASE, condition="friction:0.3"), 2), 0.1),
+    "FILLETED_PUNCH": (lambda: filleted.SlidingMesh(CASE, 2).problem, 0.1),
 }
 
 

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 from dummydesign.pad.axisymmetric.case import Case, first_stiffness
-from dummydesign.pad.axisymmetric.filleted import filleted_problem
-from dummydesign.pad.axisymmetric.friction import solve_under_fillet
+from dummydesign.pad.axisymmetric.filleted import filleted_problem, solve_under_fillet
 from dummydesign.pad.contact.axisymmetric import FilletedPunch, FlatPunch
 from dummydesign.pad.material.hyperelastic import Yeoh
 from dummydesign.pad.solve.continuation import follow

@@ -12,8 +12,14 @@ from dummydesign.design.sweep.spec import Study
 from dummydesign.geometry.shapes.crowned import Crowned
 from dummydesign.pad import fields as sliding
 from dummydesign.pad.axisymmetric.case import Case, first_stiffness
-from dummydesign.pad.axisymmetric.filleted import FilletedPunch
-from dummydesign.pad.axisymmetric.friction import COARSE, FINE, SlidingMesh, follow_sliding, solve_under_fillet
+from dummydesign.pad.axisymmetric.filleted import (
+    COARSE,
+    FINE,
+    FilletedPunch,
+    SlidingMesh,
+    follow_sliding,
+    solve_under_fillet,
+)
 from dummydesign.pad.elastic_force import solve_points
 from dummydesign.pad.fields import FREE, SLIPS, Pressed, solve_fields
 from dummydesign.pad.material.hyperelastic import Yeoh

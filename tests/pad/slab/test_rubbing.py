@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from dummydesign.pad.axisymmetric.case import LATTICE, Case
-from dummydesign.pad.axisymmetric.friction import COARSE, FINE, follow_rubbing, rubbing_problem, solve_under_fillet
+from dummydesign.pad.axisymmetric.filleted import COARSE, FINE, follow_rubbing, rubbing_problem, solve_under_fillet
 from dummydesign.pad.elastic_force import solve_points
 from dummydesign.pad.fields import SLIPS, STICKS, solve_fields
 from dummydesign.pad.material.hyperelastic import Yeoh

@@ -30,7 +30,7 @@ def test_each_solve_has_the_penalty_of_its_line_and_each_line_its_reason():
         "SHAPED_PAD_IN_SPACE": spatial.CONTACT_STIFFNESS,
         "RESTING_BASE": resting_base.CONTACT_STIFFNESS,
         "FILLETED_PUNCH": filleted.FILLETED_PUNCH.contact,
-        "RUBBING_PUNCH": rubbing.RUBBING_PUNCH.contact,
+        "RUBBING_PUNCH": filleted.RUBBING_PUNCH.contact,
         "PUCK_PLATES": puck.CONTACT_STIFFNESS,
     }
     assert taken == {name: line.contact for name, line in lines.items()}

@@ -69,19 +69,10 @@ def cauchy(solid: Solid, u: Array, p: Array, factor: Array) -> tuple[Array, Arra
     slope = -law.reference_stress_MPa / J + solid.stabilisation * (J - 1.0) + p @ solid.mesh.pressure_basis.T
     P = law.stress(F) + slope[..., None] * kinematics.cofactor(F)
     P = P * (factor[:, None] / J)[..., None]
-    stress = np.stack(
-        [
-            P[..., 0] * F[..., 0] + P[..., 1] * F[..., 1],
-            P[..., 2] * F[..., 2] + P[..., 3] * F[..., 3],
-            P[..., 4] * F[..., 4],
-            P[..., 0] * F[..., 2] + P[..., 1] * F[..., 3],
-        ],
-        axis=-1,
-    )
-    plane = F[..., :4].reshape(*F.shape[:-1], 2, 2)
-    pair = np.linalg.svd(plane, compute_uv=False)
-    stretch = -np.sort(-np.concatenate([pair, F[..., 4:5]], axis=-1), axis=-1)
-    return stress, stretch
+    pairs = ((0, 0), (1, 1)), ((2, 2), (3, 3)), ((4, 4),), ((0, 2), (1, 3))
+    stress = np.stack([sum(P[..., i] * F[..., j] for i, j in pair) for pair in pairs], axis=-1)
+    plane = np.linalg.svd(F[..., :4].reshape(*F.shape[:-1], 2, 2), compute_uv=False)
+    return stress, -np.sort(-np.concatenate([plane, F[..., 4:]], axis=-1), axis=-1)
 
 
 def to_nodes(solid: Solid, places: Array, values: Array) -> Array:
@@ -389,22 +380,18 @@ def _pressed(problem: Problem, solution: Solution, depth: float, pad: Pad, shear
     used = np.unique(meshes.cell_nodes(mesh))
     number = np.full(mesh.nodes.shape[1], -1)
     number[used] = np.arange(len(used))
-    face = _face(problem, solution, depth, pad)
+    face = _face(problem, solution, depth, pad, shear)
+    face = replace(face, node=number[face.node])
     outline = _outline(problem, depth, pad.radius_mm / h)
-    face = Face(
-        number[face.node], face.radius_mm * h, (face.height_mm - bottom) * h, face.rest_mm * h,
-        face.pressure_MPa * shear, face.shear_MPa * shear, face.state,
-        face.contact_radius_mm * h,
-    )  # fmt: skip
     return Pressed(
         depth * h, problem.force(solution.state) * shear * h * h, (mesh.nodes.T - lift)[used] * h, moved[used] * h,
         number[meshes.cell_nodes(mesh)], stress[used] * shear, stretch[used], face, (outline - lift) * h,
     )  # fmt: skip
 
 
-def _face(problem: Problem, solution: Solution, depth: float, pad: Pad) -> Face:
-    """The tested face in the problem's own units."""
-    solid = problem.solid
+def _face(problem: Problem, solution: Solution, depth: float, pad: Pad, shear: float) -> Face:
+    """The tested face, by the mesh's nodes."""
+    solid, h = problem.solid, pad.thickness_mm
     sides = face_sides(problem)
     traction = face_tractions(solid.mesh.nodes, solution.u, solution.state.internal_force, sides)
     node, pressure, drag = traction["node"], traction["pressure"], traction["shear"]
@@ -421,7 +408,8 @@ def _face(problem: Problem, solution: Solution, depth: float, pad: Pad) -> Face:
     (reach, at_edge), punch = radius_touched(problem, depth, solution), problem.punch
     if not pad.edge_radius_mm and at_edge and isinstance(punch, FlatPunch):
         reach = punch.radius  # the fillet stands for a sharp edge, which is reached
-    return Face(node, position[0], position[1], solid.mesh.nodes[0, node], pressure, drag, state, reach)
+    height, rest = position[1] - float(solid.mesh.nodes[1].min()), solid.mesh.nodes[0, node]
+    return Face(node, position[0] * h, height * h, rest * h, pressure * shear, drag * shear, state, reach * h)
 
 
 def face_sides(problem: Problem) -> Array:

@@ -117,8 +117,7 @@ def slab_allowance(
 
 def over_gel(shape: PadShape, thickness_mm: float) -> float:
     """Thickness over the gel between bone and apex, which is what a depth is to be compared with."""
-    nothing = np.zeros(1)
-    return float(thickness_mm / (thickness_mm - shape.bone_mm(nothing, nothing)[0]))
+    return float(thickness_mm / (thickness_mm - shape.bone_height_mm))
 
 
 @lru_cache(maxsize=8)
@@ -145,11 +144,6 @@ def allowance(
     low, high = shape_share(shape.name)
     viscous = most_viscous(relaxed_force(time_s, elastic, tuple(prony)), elastic)
     return low * viscous, above + high * viscous
-
-
-__all__ = [
-    "MotionPrediction", "Pad", "Puck", "StaticPrediction", "depth_for_steady_force", "predict_motion", "predict_static",
-]  # fmt: skip
 
 
 @dataclass(frozen=True)

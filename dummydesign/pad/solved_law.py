@@ -210,9 +210,8 @@ class OwnSlabLaw(BaseForceLaw):
     ) -> NDArray:
         """Elastic force; see :class:`dummydesign.pad.force_law.ForceLaw`. [N]"""
         depth, thickness = np.broadcast_arrays(np.asarray(depth_mm, float), np.asarray(thickness_mm, float))
-        return np.exp(self._over(depth, thickness, "log_factor")) * self.table.force(
-            depth, thickness, young_MPa, radius_mm
-        )
+        factor = np.exp(self._over(depth, thickness, "log_factor"))
+        return factor * self.table.force(depth, thickness, young_MPa, radius_mm)
 
     def depth_limit_mm(self, thickness_mm: ArrayLike, radius_mm: ArrayLike) -> NDArray:
         """Depth that the table holds and the solves reached. [mm]"""

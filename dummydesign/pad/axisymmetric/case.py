@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -163,7 +164,7 @@ def sharp_problem(case: Case, resolution: Resolution, rings: int = 6, quarter_po
     """The sharp-edged punch, for the small-strain limit: quarter-point elements at the edge."""
     _check_smooth(case)
     half_box = resolution.box * case.scale
-    points, quads, centre = meshes.web_mesh(case.radius, 1.0, case.extent, half_box, rings, resolution)
+    points, quads, centre = meshes.web_mesh(case.radius, case.extent, half_box, rings, resolution)
     mesh = meshes.discretise(points, quads, centre, quarter_points)
     return round_problem(mesh, case, np.nonzero(meshes.on_top(mesh) & (mesh.nodes[0] <= case.radius + 1e-9))[0])
 
@@ -179,7 +180,7 @@ def rimmed_problem(case: Case, rim: float, resolution: Resolution) -> Problem:
     punch, shear = FlatPunch(case.radius, rim), case.law.shear_MPa
     half_box = resolution.box * case.scale
     rings = max(1, int(np.ceil(np.log2(half_box / rim)))) + 2
-    points, quads, centre = meshes.web_mesh(punch.flat_radius, 1.0, case.extent, half_box, rings, resolution)
+    points, quads, centre = meshes.web_mesh(punch.flat_radius, case.extent, half_box, rings, resolution)
     mesh = meshes.discretise(points, quads, centre)
     top, r = meshes.on_top(mesh), mesh.nodes[0]
     glued = case.condition == "bonded"
@@ -188,10 +189,7 @@ def rimmed_problem(case: Case, rim: float, resolution: Resolution) -> Problem:
     inner = vertices.max()
     reach = case.radius + 0.8 * case.scale
     sides = meshes.edges_on(mesh, top & (r >= inner - 1e-9) & (r <= reach))
-
-    def film(radius: Array) -> Array:
-        return glue_film(radius, punch, shear) * glued
-
+    film = partial(glue_film, punch=punch, shear_MPa=shear) if glued else None
     surface = Surface(
         mesh.nodes, sides, shear * CONTACT_STIFFNESS / rim, film, shear * FILM_STIFFNESS / rim * glued,
         punch.flat_radius,

@@ -151,11 +151,7 @@ def sharp(rough: Array, fine: Array) -> tuple[Array, Array]:
     """
     step = np.log(fine / rough)
     known = np.isfinite(step)
-    if known.any():
-        at = np.arange(len(step))
-        step = np.where(known, step, step[known][-1]) if at[known][-1] < at[-1] else np.where(known, step, 0.0)
-    else:
-        step = np.zeros(len(step))
+    step = np.where(known, step, step[known][-1] if known.any() and not known[-1] else 0.0)
     best = np.where(np.isfinite(fine), fine, rough * np.exp(step))
     return extrapolate_to_sharp(best, step, LEFT_TO_SHARP), np.expm1(LEFT_TO_SHARP * step)
 

@@ -19,7 +19,7 @@ from dummydesign.pad.contact.axisymmetric import FilletedPunch, FlatPunch, Surfa
 from dummydesign.pad.contact.friction import CombinedSurface
 from dummydesign.pad.contact.penalty import ROUND_SHAPED_PAD
 from dummydesign.pad.fem import mesh_axisymmetric as meshes
-from dummydesign.pad.fem.mesh_axisymmetric import Sizes, columns, height_lines, radial_lines, stretch
+from dummydesign.pad.fem.mesh_axisymmetric import Sizes, columns, height_lines, lines_by_size, stretch
 from dummydesign.pad.fem.mixed_solid import STABILISATION
 from dummydesign.pad.solve.continuation import Path, VisitedState, follow
 from dummydesign.pad.solve.equilibrium import Problem, Solution
@@ -32,6 +32,8 @@ CONTACT_STIFFNESS, GRIP_SHARE = ROUND_SHAPED_PAD.contact, ROUND_SHAPED_PAD.grip_
 # Fillets at the punch's edge over the smaller of radius and thickness.
 RIMS = (0.1, 0.05)
 CELLS = 16
+# Cells grow by this share of their distance from where they are wanted fine; a part of one that is no cell of its own.
+SIZE_SLOPE, SPARE = 0.25, 0.2
 
 
 def shaped_problem(case: Case, cells: int = CELLS, rim: float = RIMS[-1], twin: bool = False) -> Problem:
@@ -79,10 +81,8 @@ def _grid(case: Case, cells: int, rim: float) -> tuple[Array, Array, float | Non
     """Radii, shares of the column, and the share at which layers meet."""
     coarse = case.radius / cells
     first = min(coarse, 1.6 / cells)
-    places, sizes = [case.radius - 0.5 * rim], [min(coarse, 16.0 / cells * rim)]
-    for line in case.lines:
-        places.append(line)
-        sizes.append(0.6 * coarse)
+    places = [case.radius - 0.5 * rim, *case.lines]
+    sizes = [min(coarse, 16.0 / cells * rim), *[0.6 * coarse] * len(case.lines)]
     near = np.array([1e-3])
     fallen = float(case.drop(near)[0])
     if fallen > 0.0:
@@ -91,8 +91,8 @@ def _grid(case: Case, cells: int, rim: float) -> tuple[Array, Array, float | Non
         first = min(first, 1.3 * np.sqrt(tip * case.first) * 8.0 / cells)
         places.append(0.0)
         sizes.append(first)
-    marks = (*case.lines, case.radius)
-    r = radial_lines(Sizes(tuple(places), tuple(sizes), coarse, case.radius), marks, case.extent)
+    wanted = Sizes(places, sizes, SIZE_SLOPE, coarse, case.radius)
+    r = lines_by_size(0.0, case.extent, (*case.lines, case.radius), wanted.at, SPARE)
     layers = case.shape.layers()
     interface = layers[0] / case.thickness_mm if layers else None
     return r, height_lines(min(first, 1.0 / cells), interface), interface

@@ -247,7 +247,7 @@ def solve_path(case: Case, depths: Array, rim: float, resolution: Resolution) ->
 
 def solve_rims(case: Case, depths: Array, rims: Sequence[float], resolution: Resolution) -> tuple[Samples, list[Path]]:
     """Solve every fillet at the depths that are large against it."""
-    depth, rim_of, value, paths = [], [], [], []
+    values, paths = [np.zeros((3, 0))], []
     for rim in rims:
         wanted = depths[depths >= 0.8 * np.sqrt(rim) * case.scale]
         if not len(wanted):
@@ -265,11 +265,10 @@ def solve_rims(case: Case, depths: Array, rims: Sequence[float], resolution: Res
             tail = other.force[count:] * path.force[-1] / other.force[count - 1] if known else np.array([])
             path = extend_path(path, other, tail)
         paths.append(path)
-        depth.append(path.depth)
-        rim_of.append(np.full(len(path.depth), rim))
-        value.append(path.force / (3.0 * case.law.shear_MPa * case.radius * path.depth))
-    joined = [np.concatenate(parts) if parts else np.array([]) for parts in (depth, rim_of, value)]
-    return Samples(joined[0], np.full(len(joined[0]), case.radius), joined[1], joined[2]), paths
+        stiffness = path.force / (3.0 * case.law.shear_MPa * case.radius * path.depth)
+        values.append(np.stack([path.depth, np.full(len(path.depth), rim), stiffness]))
+    depth, rim_of, value = np.concatenate(values, axis=1)
+    return Samples(depth, np.full(len(depth), case.radius), rim_of, value), paths
 
 
 def solve_curve(pad: Pad, depth_mm: Sequence[float] | Array, independent: bool = False) -> PadCurve:
@@ -293,13 +292,8 @@ def solve_curve(pad: Pad, depth_mm: Sequence[float] | Array, independent: bool =
 def _table_of(case: Case, depths: Array) -> ResponseTable | None:
     """The response table that covers a slab to any depth, if one does."""
     low, high = EXTENTS_BY_TABLE
-    plain = (
-        case.condition == "bonded"
-        and case.base in BASES
-        and case.poisson == 0.5
-        and case.law == Yeoh(case.law.shear_MPa)
-    )
-    if not plain or not low <= case.extent / case.radius <= high:
+    plain = case.condition == "bonded" and case.poisson == 0.5 and case.law == Yeoh(case.law.shear_MPa)
+    if not plain or case.base not in BASES or not low <= case.extent / case.radius <= high:
         return None
     table = load_table(case.base)
     inside = table.ratio_range[0] <= case.radius <= table.ratio_range[1]

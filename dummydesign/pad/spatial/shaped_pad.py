@@ -38,7 +38,7 @@ from dummydesign.pad.axisymmetric.shaped_problem import solve_path as solve_roun
 from dummydesign.pad.contact.penalty import SHAPED_PAD_IN_SPACE
 from dummydesign.pad.contact.spatial import BeadedPunch, FaceContact, rectangle_punch, round_punch
 from dummydesign.pad.fem import mesh_hexahedra as space
-from dummydesign.pad.fem.mesh_axisymmetric import lines_by_size
+from dummydesign.pad.fem.mesh_axisymmetric import Sizes, lines_by_size
 from dummydesign.pad.fem.mixed_solid import Solid
 from dummydesign.pad.force_law import PadCurve
 from dummydesign.pad.material.hyperelastic import NEO_HOOKEAN, HyperelasticLaw
@@ -291,14 +291,8 @@ def axis_lines(load: Load, grid: Grid, axis: int) -> Array:
         places.append(0.0)
         # A first contact of radius sqrt(R d) is to span some cells.
         sizes.append(min(coarse, APEX_CELLS / grid.cells * np.sqrt(tip * load.first)))
-
-    def size(x: Array) -> Array:
-        near = [least + grid.slope * np.abs(x - centre) for centre, least in zip(places, sizes)]
-        away = np.maximum(np.abs(x - shift) - half, 0.0)
-        return np.minimum(np.min(near, axis=0), coarse + grid.slope * away)
-
-    start = 0.0 if shift == 0.0 else -extent
-    return lines_by_size(start, extent, (places[0], places[1], 0.0), size, SPARE)
+    wanted = Sizes(places, sizes, grid.slope, coarse, half, shift)
+    return lines_by_size(0.0 if shift == 0.0 else -extent, extent, (places[0], places[1], 0.0), wanted.at, SPARE)
 
 
 def levels(load: Load, grid: Grid) -> Array:

@@ -44,7 +44,12 @@ def elastic_curve(
             raise InputError(message, "conflict", "fidelity", fidelity, "table")
         return curve_at(force_law, pad.thickness_mm, pad.young_MPa, pad.radius_mm)
     if isinstance(pad, Puck):
-        return _of_puck(pad, fidelity, deepest_mm, depths_mm)
+        if fidelity == "table":
+            raise _not_tabulated("punch", "plate", "flat")
+        if fidelity != "axisymmetric":
+            message = f"fidelity = {fidelity} is not for pucks between plates; use --fidelity axisymmetric"
+            raise InputError(message, "unsupported", "fidelity", fidelity, "axisymmetric")
+        return _by_elements(pad, deepest_mm, depths_mm)
     if fidelity in ("3d", "viscoelastic"):
         if Interface.names_friction(pad.base):
             raise _unsupported("base", pad.base, fidelity)
@@ -75,17 +80,6 @@ def _unsupported(name: str, value: str | float, fidelity: str) -> InputError:
 def _not_tabulated(name: str, value: Any, held: Any) -> InputError:
     message = f"{name} = {value} is not in the table (only {held}); add --fidelity axisymmetric"
     return InputError(message, "not_tabulated", name.removeprefix("punch "), value, held)
-
-
-def _of_puck(puck: Puck, fidelity: str, deepest_mm: float | None, depths_mm: Array | None) -> ForceCurve:
-    """A puck between plates, solved by its own elements."""
-    if fidelity == "table":
-        raise _not_tabulated("punch", "plate", "flat")
-    if fidelity != "axisymmetric":
-        message = f"fidelity = {fidelity} is not for pucks between plates; use --fidelity axisymmetric"
-        raise InputError(message, "unsupported", "fidelity", fidelity, "axisymmetric")
-    grid, _ = depth_grid(puck.thickness_mm, deepest_mm, depths_mm)
-    return interpolate_curve(1.0, solve_points(puck, grid))
 
 
 def has_square_factor(pad: Pad) -> bool:
@@ -168,12 +162,12 @@ def _shape_law(pad: Pad) -> TabulatedShapeLaw:
     return TabulatedShapeLaw(pad.geometry)
 
 
-def _by_elements(pad: Pad, deepest_mm: float | None, depths_mm: Array | None) -> ForceCurve:
+def _by_elements(pad: Pad | Puck, deepest_mm: float | None, depths_mm: Array | None) -> ForceCurve:
     grid, deepest = depth_grid(pad.thickness_mm, deepest_mm, depths_mm)
-    if pad.condition != "bonded":
+    if isinstance(pad, Pad) and pad.condition != "bonded":
         # A face that slides needs some depth to start from.
         grid = grid[grid >= min(0.025 * pad.thickness_mm, 0.25 * deepest)]
-    return interpolate_curve(pad.geometry.first_exponent, solve_points(pad, grid))
+    return interpolate_curve(pad.geometry.first_exponent if isinstance(pad, Pad) else 1.0, solve_points(pad, grid))
 
 
 def solve_points(pad: Pad | Puck, depth_mm: Array, cells: int | None = None, independent: bool = False) -> PadCurve:

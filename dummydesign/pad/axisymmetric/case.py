@@ -67,12 +67,11 @@ class Case:
         """Make the case of a pad; with ``check`` refuse what cannot be meshed under a flat punch."""
         h = pad.thickness_mm
         extent_mm = PAD_EXTENT_MM if pad.extent_mm is None else pad.extent_mm
-        law = pad.shape.scaled(1.0 / pad.shape.shear_MPa)
         # Slabs of one proportion are one case, whatever their thickness.
         own_mm = 1.0 if pad.geometry == SLAB else float(h)
         weight = weight_over_shear(h, pad.shear_MPa) if Interface.names_friction(pad.base) else 0.0
         case = cls(
-            pad.radius_mm / h, extent_mm / h, pad.base, pad.condition, law, pad.poisson, pad.edge_radius_mm / h,
+            pad.radius_mm / h, extent_mm / h, pad.base, pad.condition, pad.shape, pad.poisson, pad.edge_radius_mm / h,
             pad.geometry, own_mm, weight=weight,
         )  # fmt: skip
         if check:

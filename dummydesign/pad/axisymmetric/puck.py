@@ -131,10 +131,7 @@ def puck_problem(
     solid = Solid(mesh, law, poisson)
     if puck.friction == 0.0:
         return Problem(solid, held, 2 * top + 1, 2 * middle + 1)
-    side = np.abs(mesh.nodes[0] - puck.radius) < 1e-9
-    sides = meshes.edges_on(mesh, side)
-    none = np.array([], dtype=int)
-    driven = none
+    sides, driven = meshes.edges_on(mesh, np.abs(mesh.nodes[0] - puck.radius) < 1e-9), np.array([], dtype=int)
     if puck.plates == "bonded":
         held[2 * top] = True
         driven = 2 * top + 1
@@ -157,7 +154,7 @@ def solve_puck(puck: Puck, compression_mm: Sequence[float] | Array) -> PadCurve:
             "out_of_range", "compression_mm", list(wanted), (0.0, limit),
         )  # fmt: skip
     unit = UnitPuck(0.5 * puck.diameter_mm / h, puck.plates)
-    law = puck.shape.scaled(1.0 / puck.shape.shear_MPa)
+    law = puck.shape
     relative, start = wanted[wanted > 0.0] / h, np.zeros(int(wanted[0] == 0.0))
     if not len(relative):
         return PadCurve(start, start, start, dict(NO_COST))

@@ -74,10 +74,7 @@ class Yeoh:
     def tangent(self, F: Array) -> Array:
         """Second derivative (mu + 4 c2 (I1 - 3)) 1 + 8 c2 F x F."""
         slope = self.shear_MPa + 4.0 * self.c2_MPa * (_first_invariant(F) - 3.0)
-        tangent = slope[..., None, None] * np.eye(F.shape[-1])
-        if self.c2_MPa:
-            tangent = tangent + 8.0 * self.c2_MPa * F[..., :, None] * F[..., None, :]
-        return tangent
+        return slope[..., None, None] * np.eye(F.shape[-1]) + 8.0 * self.c2_MPa * F[..., :, None] * F[..., None, :]
 
     def scaled(self, factor: float) -> Yeoh:
         """The same law with all moduli multiplied by ``factor``."""

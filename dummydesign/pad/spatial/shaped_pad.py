@@ -222,9 +222,8 @@ class Load:
             (float(one) / h, float(other) / h)
             for one, other in (half_mm, (0.5 * pad.slab_mm[0], 0.5 * pad.slab_mm[1]), offset_mm)
         )
-        law = pad.shape.scaled(1.0 / pad.shape.shear_MPa)
         load = cls(pad.geometry, float(h), half_sides, extents, pad.sides_mm is None, offset, pad.base, pad.condition,
-                   pad.poisson, first, law=law)  # fmt: skip
+                   pad.poisson, first, law=pad.shape)  # fmt: skip
         load.check()
         return load
 

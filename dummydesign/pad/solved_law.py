@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from dummydesign.core.errors import InputError, NoAnswerError
 from dummydesign.geometry.dimensions import EXTENT_OVER_RADIUS, MAX_DEPTH_OVER_THICKNESS
@@ -16,6 +16,8 @@ from dummydesign.geometry.interface import BASES
 from dummydesign.pad.force_law import BaseForceLaw, ForceLaw
 from dummydesign.pad.material.hyperelastic import Yeoh
 from dummydesign.pad.specimen import Pad
+
+Array = np.ndarray
 
 SLAB_SHARES = (0.01, 0.03, 0.06, 0.1, 0.15, 0.2, 0.25, 0.3, 0.35, 0.4, 0.45, 0.5, 0.55, 0.6)
 """Depths over thickness that are solved."""
@@ -65,9 +67,9 @@ class SolvedSlab:
     """
 
     case: SlabCase
-    depth_mm: NDArray
-    area_mm2: NDArray
-    error: NDArray
+    depth_mm: Array
+    area_mm2: Array
+    error: Array
     notes: tuple[str, ...] = ()
 
 
@@ -78,12 +80,10 @@ class SolvedLaw(BaseForceLaw):
     radius_mm: float
     polynomials: dict[float, tuple[float, ...]]
     limits_mm: dict[float, float]
-    errors: dict[float, tuple[NDArray, NDArray]]
+    errors: dict[float, tuple[Array, Array]]
     notes: tuple[str, ...]
 
-    def force(
-        self, depth_mm: ArrayLike, thickness_mm: ArrayLike, young_MPa: ArrayLike, radius_mm: ArrayLike
-    ) -> NDArray:
+    def force(self, depth_mm: ArrayLike, thickness_mm: ArrayLike, young_MPa: ArrayLike, radius_mm: ArrayLike) -> Array:
         """Elastic force at solved thicknesses and the one solved radius; see
         :class:`dummydesign.pad.force_law.ForceLaw`. [N]
         """
@@ -100,12 +100,12 @@ class SolvedLaw(BaseForceLaw):
             force[at] = young[at] * radius * depth[at] * np.exp(series)
         return force
 
-    def depth_limit_mm(self, thickness_mm: ArrayLike, radius_mm: ArrayLike) -> NDArray:
+    def depth_limit_mm(self, thickness_mm: ArrayLike, radius_mm: ArrayLike) -> Array:
         """Largest depth that was solved. [mm]"""
         return np.array([self.limits_mm[float(value)] for value in np.atleast_1d(thickness_mm)])
 
 
-    def relative_error(self, depth_mm: ArrayLike, thickness_mm: ArrayLike, radius_mm: ArrayLike) -> NDArray:
+    def relative_error(self, depth_mm: ArrayLike, thickness_mm: ArrayLike, radius_mm: ArrayLike) -> Array:
         """Error of the force over the force, between solved depths on straight lines; see
         :class:`dummydesign.pad.force_law.ForceLaw`.
         """
@@ -186,9 +186,9 @@ class Solved:
     """ln of solved over tabulated force at shares of one thickness, and the solve's relative error there, (n,)."""
 
     thickness_mm: float
-    share: NDArray
-    log_factor: NDArray
-    error: NDArray
+    share: Array
+    log_factor: Array
+    error: Array
 
 
 @dataclass(frozen=True)
@@ -205,27 +205,25 @@ class OwnSlabLaw(BaseForceLaw):
         """The table's."""
         return self.table.ratio_range
 
-    def force(
-        self, depth_mm: ArrayLike, thickness_mm: ArrayLike, young_MPa: ArrayLike, radius_mm: ArrayLike
-    ) -> NDArray:
+    def force(self, depth_mm: ArrayLike, thickness_mm: ArrayLike, young_MPa: ArrayLike, radius_mm: ArrayLike) -> Array:
         """Elastic force; see :class:`dummydesign.pad.force_law.ForceLaw`. [N]"""
         depth, thickness = np.broadcast_arrays(np.asarray(depth_mm, float), np.asarray(thickness_mm, float))
         factor = np.exp(self._over(depth, thickness, "log_factor"))
         return factor * self.table.force(depth, thickness, young_MPa, radius_mm)
 
-    def depth_limit_mm(self, thickness_mm: ArrayLike, radius_mm: ArrayLike) -> NDArray:
+    def depth_limit_mm(self, thickness_mm: ArrayLike, radius_mm: ArrayLike) -> Array:
         """Depth that the table holds and the solves reached. [mm]"""
         thickness = np.asarray(thickness_mm, float)
         nodes = np.log([one.thickness_mm for one in self.solved])
         reached = np.interp(np.log(thickness), nodes, [one.share[-1] for one in self.solved]) * thickness
         return np.minimum(self.table.depth_limit_mm(thickness, radius_mm), reached)
 
-    def relative_error(self, depth_mm: ArrayLike, thickness_mm: ArrayLike, radius_mm: ArrayLike) -> NDArray:
+    def relative_error(self, depth_mm: ArrayLike, thickness_mm: ArrayLike, radius_mm: ArrayLike) -> Array:
         """Error of the solves and of what lies between; see :class:`dummydesign.pad.force_law.ForceLaw`."""
         depth, thickness = np.broadcast_arrays(np.asarray(depth_mm, float), np.asarray(thickness_mm, float))
         return self._over(depth, thickness, "error") + self.doubt
 
-    def _over(self, depth: NDArray, thickness: NDArray, name: str) -> NDArray:
+    def _over(self, depth: Array, thickness: Array, name: str) -> Array:
         """A solved quantity between shares and thicknesses."""
         share = np.log(np.maximum(depth / thickness, 1e-9))
         rows = [_along(one, share, name, self.steep) for one in self.solved]
@@ -239,7 +237,7 @@ class OwnSlabLaw(BaseForceLaw):
         return low + part * (high - low)
 
 
-def _along(one: Solved, log_share: NDArray, name: str, steep: bool) -> NDArray:
+def _along(one: Solved, log_share: Array, name: str, steep: bool) -> Array:
     known, values = np.log(one.share), getattr(one, name)
     values_at = np.interp(log_share, known, values)
     if steep and name == "log_factor" and len(known) > 1:
@@ -247,7 +245,7 @@ def _along(one: Solved, log_share: NDArray, name: str, steep: bool) -> NDArray:
     return values_at
 
 
-def own_slab_law(table: ForceLaw, pad: Pad, thickness_mm: NDArray) -> ForceLaw:
+def own_slab_law(table: ForceLaw, pad: Pad, thickness_mm: Array) -> ForceLaw:
     """The law of slabs that are pressed as a pad is: the table itself where nothing differs."""
     ends = float(np.min(thickness_mm)), float(np.max(thickness_mm))
     if in_table(pad) and not near_rim(pad, ends[1]):
@@ -294,7 +292,7 @@ def solve_over_table(table: ForceLaw, pad: Pad, thickness_mm: float) -> Solved:
     return Solved(thickness_mm, depth_share, factor, error)
 
 
-def _by_rim(pad: Pad, share: NDArray) -> dict[str, Any]:
+def _by_rim(pad: Pad, share: Array) -> dict[str, Any]:
     """Force of the pad over that of one of the table's size, both under a sharp edge of the same coarse cells."""
     from dummydesign.pad.axisymmetric.case import Case, sharp_problem
     from dummydesign.pad.fem.mesh_axisymmetric import Resolution

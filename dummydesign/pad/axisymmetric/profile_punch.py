@@ -6,10 +6,10 @@ punches, and for flat ones that are not glued; the sharp, glued punch has its ow
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from dummydesign.core.errors import InputError
 from dummydesign.geometry.interface import FACES, Interface
@@ -46,7 +46,7 @@ LEAST_ERROR = {"frictionless": 2e-3, "bonded": 3e-3, "friction": 5e-3}
 STEP = 0.005
 
 
-def profile(radius: Sequence[float] | Array, height: Sequence[float] | Array) -> ProfilePunch:
+def profile(radius: ArrayLike, height: ArrayLike) -> ProfilePunch:
     """A punch through points (r, z(r)) measured from its lowest point, joined by a smooth curve."""
     from scipy.interpolate import PchipInterpolator
 
@@ -123,9 +123,7 @@ def edge_problem(case: Case) -> Problem:
     return indentation_problem(FlatPunch(case.radius, case.edge), region, case)
 
 
-def press(
-    problem: Problem, depths: Sequence[float] | Array, first_step: float, largest_step: float, lattice: bool = False
-) -> Path:
+def press(problem: Problem, depths: ArrayLike, first_step: float, largest_step: float, lattice: bool = False) -> Path:
     """Follow the contact through depths; raise when not even the first is reached."""
     path = follow(problem, depths, first_step, largest_step, first_step / 64.0, lattice=lattice)
     if not len(path.depth):
@@ -133,9 +131,7 @@ def press(
     return path
 
 
-def solve_profile(
-    pad: Pad, depth_mm: Sequence[float] | Array, punch: ProfilePunch | None = None, cells: int = CELLS
-) -> PadCurve:
+def solve_profile(pad: Pad, depth_mm: ArrayLike, punch: ProfilePunch | None = None, cells: int = CELLS) -> PadCurve:
     """Static force of a slab under a ball or profile, its own or another one in mm, from first touch.
 
     The stated error is a third of what cells of twice the size change, and 0.2 % without friction, 0.3 % where it

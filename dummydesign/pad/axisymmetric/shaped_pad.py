@@ -22,6 +22,7 @@ from functools import partial
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from dummydesign.core.cache import cached
 from dummydesign.geometry.dimensions import PAD_EXTENT_MM
@@ -56,7 +57,7 @@ LEFT = 1.0 / (2.0**RIM_POWER - 1.0)
 GLUED_ERROR, SLIDING_ERROR = 3e-3, 1e-2
 
 
-def solve_flat(pad: Pad, depth_mm: Sequence[float] | Array) -> PadCurve:
+def solve_flat(pad: Pad, depth_mm: ArrayLike) -> PadCurve:
     """Static force of a slab under a flat, sharp-edged punch where the face, the base or both slide or rub."""
     depths = relative_depths(depth_mm, pad.thickness_mm)
     Interface.parse(pad.condition, "condition", FACES)
@@ -119,7 +120,7 @@ LEAST_ERROR = 2e-3
 LEAST_FILLET = 0.015
 
 
-def rough_shaped_pad(pad: Pad, depth_mm: Sequence[float] | Array, solved: PathCache) -> PadCurve:
+def rough_shaped_pad(pad: Pad, depth_mm: ArrayLike, solved: PathCache) -> PadCurve:
     """Force of a round shaped pad on the coarsest of the grids of :func:`solve_shaped_pad`.
 
     A third to a sixth of the work, to see which of several pads is worth the whole of it; the error is not stated.
@@ -138,7 +139,7 @@ def rough_shaped_pad(pad: Pad, depth_mm: Sequence[float] | Array, solved: PathCa
     return _curve(case, depths, force, np.full(len(depths), np.nan), paths, [path.stop or "" for path in paths])
 
 
-def _case(pad: Pad, depth_mm: Sequence[float] | Array) -> tuple[Case, Array]:
+def _case(pad: Pad, depth_mm: ArrayLike) -> tuple[Case, Array]:
     """A shaped pad, meshed for the first of its depths, and the depths over its thickness."""
     depths = relative_depths(depth_mm, pad.thickness_mm)
     return replace(Case.of(pad), first=first_depth(depths), thickness_mm=float(pad.thickness_mm)), depths
@@ -156,10 +157,7 @@ def sharp(rough: Array, fine: Array) -> tuple[Array, Array]:
     return extrapolate_to_sharp(best, step, LEFT_TO_SHARP), np.expm1(LEFT_TO_SHARP * step)
 
 
-def solve_shaped_pad(
-    pad: Pad, depth_mm: Sequence[float] | Array, cells: int = CELLS,
-    solved: PathCache | None = None,
-) -> PadCurve:  # fmt: skip
+def solve_shaped_pad(pad: Pad, depth_mm: ArrayLike, cells: int = CELLS, solved: PathCache | None = None) -> PadCurve:
     """Static force of a round shaped pad under a round, flat punch with a sharp or filleted edge, from first touch."""
     least = least_fillet_mm(pad)
     if 0.0 < pad.edge_radius_mm < least:
@@ -181,10 +179,7 @@ def least_fillet_mm(pad: Pad) -> float:
     return LEAST_FILLET * min(pad.radius_mm, pad.thickness_mm)
 
 
-def _nearly_sharp(
-    pad: Pad, least_mm: float, depth_mm: Sequence[float] | Array, cells: int,
-    solved: PathCache | None,
-) -> PadCurve:  # fmt: skip
+def _nearly_sharp(pad: Pad, least_mm: float, depth_mm: ArrayLike, cells: int, solved: PathCache | None) -> PadCurve:
     """Force between that under a sharp edge and that under the smallest fillet that is followed."""
     sharp_edge = solve_shaped_pad(replace(pad, edge_radius_mm=0.0), depth_mm, cells, solved)
     fillet = solve_shaped_pad(replace(pad, edge_radius_mm=least_mm), depth_mm, cells)

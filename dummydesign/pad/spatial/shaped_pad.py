@@ -367,9 +367,8 @@ def solve_path(load: Load, depths: Array, grid: Grid) -> Path:
 
 
 def solve_shaped_block(
-    pad: Pad, depth_mm: Sequence[float] | Array, grid: Grid | None = None,
-    offset_mm: tuple[float, float] = (0.0, 0.0),
-) -> PadCurve:  # fmt: skip
+    pad: Pad, depth_mm: Sequence[float] | Array, grid: Grid | None = None, offset_mm: tuple[float, float] = (0.0, 0.0)
+) -> PadCurve:
     """Static force of a shaped pad under a flat punch with a filleted edge."""
     h, depths, grid = pad.thickness_mm, relative_depths(depth_mm, pad.thickness_mm), grid or Grid()
     load = Load.of(pad, float(depths[0]), offset_mm)

@@ -30,8 +30,7 @@ from dummydesign.pad.specimen import SLAB, Pad
 
 Array = np.ndarray
 
-# Contact and film stiffness in shear moduli per rim.
-CONTACT_STIFFNESS = GLUED_SLAB.contact
+# Stiffness of the film in shear moduli per rim, and how many rims it reaches inwards.
 FILM_STIFFNESS = GLUED_SLAB.contact * GLUED_SLAB.grip_share
 FILM_REACH = 6.0
 # The energy term that keeps elements from inverting, in shear moduli, where a glued face ends in an edge: ten times as
@@ -190,7 +189,7 @@ def rimmed_problem(case: Case, rim: float, resolution: Resolution) -> Problem:
     sides = meshes.edges_on(mesh, top & (r >= inner - 1e-9) & (r <= reach))
     film = partial(glue_film, punch=punch, shear_MPa=shear) if glued else None
     surface = Surface(
-        mesh.nodes, sides, shear * CONTACT_STIFFNESS / rim, film, shear * FILM_STIFFNESS / rim * glued,
+        mesh.nodes, sides, shear * GLUED_SLAB.contact / rim, film, shear * FILM_STIFFNESS / rim * glued,
         punch.flat_radius,
     )  # fmt: skip
     face = np.nonzero(top & (r <= punch.flat_radius + 1e-9))[0]

@@ -15,7 +15,7 @@ from dummydesign.core.errors import InputError
 from dummydesign.geometry.interface import FACES, Interface
 from dummydesign.pad.axisymmetric.case import Case, held_on, padded, relative_depths, round_problem, unsolved
 from dummydesign.pad.contact.axisymmetric import FlatPunch, ProfilePunch, Punch, Surface
-from dummydesign.pad.contact.penalty import PROFILE_PUNCH, SLIDING_EDGE
+from dummydesign.pad.contact.penalty import PROFILE_PUNCH, SLIDING_EDGE, Penalty
 from dummydesign.pad.fem import mesh_axisymmetric as meshes
 from dummydesign.pad.fem.mesh_axisymmetric import columns, graded
 from dummydesign.pad.fem.mixed_solid import STABILISATION
@@ -26,8 +26,6 @@ from dummydesign.pad.specimen import Pad
 
 Array = np.ndarray
 
-# Contact stiffness in shear moduli per cell, of a profile and of a flat punch that slides.
-SHAPED_STIFFNESS, EDGE_STIFFNESS = PROFILE_PUNCH.contact, SLIDING_EDGE.contact
 SLIP_SCALE = 0.02
 # Cells from the axis to a profile's reach, and how large they may be over their radius: uniform ones move the force by
 # 0.1 %. Four of them lie in the contact at the first depth, where that is less than a sixth of the reach.
@@ -93,7 +91,7 @@ class Region:
         return self.start + (np.array(r) - self.start) * (self.stop - self.start) / (r[-1] - self.start)
 
 
-def indentation_problem(punch: Punch, region: Region, case: Case, stiffness: float = EDGE_STIFFNESS) -> Problem:
+def indentation_problem(punch: Punch, region: Region, case: Case, penalty: Penalty = SLIDING_EDGE) -> Problem:
     """A slab of unit thickness under a rigid punch, contact over the whole top."""
     face, cell = Interface.parse(case.condition, "condition", FACES), region.cell
     inner = graded(region.start, 0.0, cell, GROWTH)[::-1] if region.start > 0.0 else np.array([0.0])
@@ -102,7 +100,7 @@ def indentation_problem(punch: Punch, region: Region, case: Case, stiffness: flo
     points, quads, _ = columns(np.concatenate([inner[:-1], fine, outer[1:]]), -graded(0.0, -1.0, cell, GROWTH))
     mesh = meshes.discretise(points, quads)
     sides = meshes.edges_on(mesh, meshes.on_top(mesh) & (mesh.nodes[0] <= region.stop + 0.5))
-    contact = case.law.shear_MPa * stiffness
+    contact = case.law.shear_MPa * penalty.contact
 
     def pushing(radius: Array) -> Array:
         return contact / np.maximum(cell, region.share * radius)
@@ -187,7 +185,7 @@ def before_the_step(punch: ProfilePunch, reach: float, depth: Array, unit_mm: fl
 
 def profile_problem(case: Case, punch: ProfilePunch, first: float, cells: int = CELLS) -> Problem:
     """A slab under a profile in thicknesses, meshed for the contact at a first depth."""
-    return indentation_problem(punch, tip_region(punch, case.radius, first, cells), case, stiffness=SHAPED_STIFFNESS)
+    return indentation_problem(punch, tip_region(punch, case.radius, first, cells), case, PROFILE_PUNCH)
 
 
 def relative_punch(pad: Pad, punch: ProfilePunch | None = None) -> ProfilePunch:

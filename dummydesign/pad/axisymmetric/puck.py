@@ -45,7 +45,6 @@ Array = np.ndarray
 
 PLATES = (*FACES, FRICTION)
 SLIP_SCALE = 2e-4
-CONTACT_STIFFNESS = PUCK_PLATES.contact
 # Smallest cells that are tried in turn when a curve stops early; a rough edge can fold a cell of one mesh.
 CORNER_CELLS = (0.01, 0.02, 0.014, 0.03)
 GROWTH = 1.4
@@ -137,7 +136,7 @@ def puck_problem(
         driven = 2 * top + 1
     else:
         sides = np.concatenate([meshes.edges_on(mesh, meshes.on_top(mesh)), sides])
-    stiffness = CONTACT_STIFFNESS * law.shear_MPa
+    stiffness = PUCK_PLATES.contact * law.shear_MPa
     plate = RoughPlate(mesh.nodes, sides, stiffness, puck.friction, slip_scale)
     return Problem(solid, held, driven, 2 * middle + 1, plate, None, 2 * top + 1)
 

@@ -27,8 +27,6 @@ from dummydesign.pad.specimen import Pad
 
 Array = np.ndarray
 
-# Contact stiffness in shear moduli over the cell, and what holds a sticking point, as a share of it.
-CONTACT_STIFFNESS, GRIP_SHARE = ROUND_SHAPED_PAD.contact, ROUND_SHAPED_PAD.grip_share
 # Fillets at the punch's edge over the smaller of radius and thickness.
 RIMS = (0.1, 0.05)
 CELLS = 16
@@ -60,7 +58,7 @@ def shaped_problem(case: Case, cells: int = CELLS, rim: float = RIMS[-1], twin: 
     top, below = node[row == 0][:, [2, 6, 3]], np.unique(node[row == row.max()][:, [0, 4, 1]])
     radius = mesh.nodes[0, top]
     near = radius.min(axis=1) <= case.radius + 0.8 * case.scale
-    strength = CONTACT_STIFFNESS * shear / coarse
+    strength = ROUND_SHAPED_PAD.contact * shear / coarse
     film, glued, carried = None, np.array([], dtype=int), None
     if shape.flat_top:
         carried = np.unique(top[radius.max(axis=1) <= punch.flat_radius + 1e-9])
@@ -71,7 +69,7 @@ def shaped_problem(case: Case, cells: int = CELLS, rim: float = RIMS[-1], twin: 
         glued, near = np.unique(top[inside]), near & ~inside
         film = partial(glue_film, punch=punch, shear_MPa=shear)
     surface = Surface(
-        mesh.nodes, top[near], strength, film, GRIP_SHARE * strength * float(face.bonded),
+        mesh.nodes, top[near], strength, film, ROUND_SHAPED_PAD.grip_share * strength * float(face.bonded),
         punch.flat_radius if len(glued) else 0.0, face.coulomb or 0.0, 0.02 * coarse, ties_within_step=True,
     )  # fmt: skip
     return round_problem(mesh, case, glued, surface, punch, carried, STABILISATION, below)

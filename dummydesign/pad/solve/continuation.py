@@ -129,12 +129,11 @@ def follow(
         long = lattice and trial_depth - depth > largest_step * (1.0 + 1e-9)
         aim = PATH_TOLERANCE if passing else RESIDUAL_TOLERANCE
         answer = find_equilibrium(problem, *guess, trial_depth, aim, without_ties=long)
+        iterations += answer.iterations
         if isinstance(answer, Failure) and answer.reason == TIED:
-            iterations += answer.iterations
             step = largest_step
             continue
         if isinstance(answer, Failure):
-            iterations += answer.iterations
             wasted, since = (wasted, since) if depth - since < largest_step else (0, depth)
             wasted += answer.iterations
             step = 0.5 * (trial_depth - depth)
@@ -145,14 +144,13 @@ def follow(
         tied = problem.surface.memory() if problem.surface is not None and passed else None
         between: Solution | Failure = answer
         for goal in passed:
+            between = answer
             if goal < trial_depth * (1.0 - 1e-9):
                 part = (goal - depth) / (trial_depth - depth)
                 between = find_equilibrium(problem, u + part * (answer.u - u), p + part * (answer.p - p), goal)
                 iterations += between.iterations
                 if isinstance(between, Failure):
                     break
-            else:
-                between = answer
             if visit and (stop := visit(goal, between)):
                 break
             points.append((goal, problem.force(between.state), float(between.state.J.min())))
@@ -162,7 +160,6 @@ def follow(
                 break
         if isinstance(between, Failure):
             # A wanted depth that cannot be met from here is met from nearer by.
-            iterations += answer.iterations
             step = 0.5 * (trial_depth - depth)
             if step < smallest_step:
                 stop = explain(problem, u, p, depth, between.reason)
@@ -172,7 +169,6 @@ def follow(
         earlier, u, p, depth = (u, p, depth), answer.u, answer.p, trial_depth
         if keep:
             keep(VisitedState(depth, u, p, None if problem.surface is None else problem.surface.memory()))
-        iterations += answer.iterations
         if problem.surface is not None:
             problem.surface.settle(u, problem.punch, depth)
         steps += 1

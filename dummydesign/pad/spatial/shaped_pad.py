@@ -306,8 +306,6 @@ def levels(load: Load, grid: Grid) -> Array:
     return -np.concatenate([upper, lower[1:]])[::-1]
 
 
-# Contact stiffness in shear moduli over the cell, and grip as a share of it.
-CONTACT_STIFFNESS, GRIP_SHARE = SHAPED_PAD_IN_SPACE.contact, SHAPED_PAD_IN_SPACE.grip_share
 # How far beyond the punch the surface may come to touch it, in units of the smaller of punch and thickness.
 REACH = 0.8
 # Depths at which a round twin is checked for folds, in thicknesses.
@@ -329,7 +327,7 @@ def shaped_problem(load: Load, grid: Grid) -> Problem:
     if load.base != "bonded" and np.ptp(load.heights(*part.mesh.nodes[:2, base])[0]) > 0.0:
         message = "base = 'sliding' is not built for a pad with a bone; take bonded"
         raise InputError(message, "unsupported", "base", load.base, "bonded")
-    strength = CONTACT_STIFFNESS * load.law.shear_MPa / float(min(load.half_sides) / grid.cells)
+    strength = SHAPED_PAD_IN_SPACE.contact * load.law.shear_MPa / float(min(load.half_sides) / grid.cells)
     return contact_problem(load, part, base, part.share * strength, grid.rim * load.scale)
 
 
@@ -343,7 +341,7 @@ def contact_problem(load: Load, part: space.Quarter, base: Array, strength: Arra
     held[base] |= np.array([load.base == "bonded"] * 2 + [True])
     middle = np.abs(nodes[:2, part.faces[:, 4]] - np.array(load.offset)[:, None])
     near = np.all(middle <= np.array(load.half_sides)[:, None] + REACH * load.scale, axis=0)
-    grip = GRIP_SHARE * strength[near] * (load.condition == "bonded")
+    grip = SHAPED_PAD_IN_SPACE.grip_share * strength[near] * (load.condition == "bonded")
     surface = FaceContact(nodes, part.faces[near], strength[near], grip, part.unknowns)
     punch = load.punch(rim)
     surface.settle(np.zeros(mesh.size), punch, 0.0)
@@ -456,7 +454,7 @@ def field_problem(shape: Bumped, thickness_mm: float, cells: int) -> tuple[Probl
     z = -space.lines(1.0, load.scale / (CELLS_DOWN * cells), GROWTH)[::-1]
     part = space.quarter(x, x, z, folded=True, bend=load.bend)
     base = np.nonzero(part.mesh.nodes[2] < -1.0 + 1e-9)[0]
-    strength = part.share * CONTACT_STIFFNESS * load.law.shear_MPa * STIFF_OVER / half
+    strength = part.share * SHAPED_PAD_IN_SPACE.contact * load.law.shear_MPa * STIFF_OVER / half
     made = contact_problem(load, part, base, strength, rim)
     return made, SpatialFace(made, part.faces, (True, True), h, part.unknowns)
 

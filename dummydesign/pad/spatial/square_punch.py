@@ -35,8 +35,7 @@ Array = np.ndarray
 _TOLERANCE = 1e-9
 # Below this volume ratio at a quadrature point the corner cell is about to fold.
 SOUND_J = 0.2
-# Contact and grip in shear moduli per rim.
-CONTACT_STIFFNESS = BEADED_SQUARE.contact
+# Grip in shear moduli per rim.
 GRIP_STIFFNESS = BEADED_SQUARE.contact * BEADED_SQUARE.grip_share
 # Cells inside the flat face's edge that are held by contact instead of moving with the punch.
 FILM_CELLS = 1
@@ -144,7 +143,7 @@ def block_problem(block: Block, cells: Cells, rim: float = 0.0, folded: bool = F
         near = ~under[faces].all(axis=1) & np.all(mesh.nodes[:2, faces[:, 4]] <= reach, axis=0)
         strength = part.share[near] * block.law.shear_MPa / bead
         grip = (block.condition == "bonded") * GRIP_STIFFNESS * strength
-        surface = FaceContact(mesh.nodes, faces[near], CONTACT_STIFFNESS * strength, grip, part.unknowns)
+        surface = FaceContact(mesh.nodes, faces[near], BEADED_SQUARE.contact * strength, grip, part.unknowns)
         punch = BeadedPunch((float(core[0]), float(core[1])), 0.0, bead)
     return _problem(mesh, block, core, last, surface, punch, partial(Dissection, position=part.lattice))
 
@@ -161,7 +160,7 @@ def twin_problem(block: Block, cells: Cells, rim: float = 0.0) -> Problem:
     inside = (mesh.nodes[0] >= last - _TOLERANCE) & (mesh.nodes[0] <= block.radius + REACH * block.scale)
     strength = block.law.shear_MPa / bead
     surface = Surface(
-        mesh.nodes, plane.edges_on(mesh, plane.on_top(mesh) & inside), CONTACT_STIFFNESS * strength,
+        mesh.nodes, plane.edges_on(mesh, plane.on_top(mesh) & inside), BEADED_SQUARE.contact * strength,
         grip=(block.condition == "bonded") * GRIP_STIFFNESS * strength, grip_from=0.0,
     )  # fmt: skip
     return _problem(mesh, block, np.array([core]), np.array([last]), surface, FlatPunch(block.radius, bead))

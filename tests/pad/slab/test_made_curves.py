@@ -182,7 +182,7 @@ def test_half_a_puck_is_meshed_finest_at_its_edge_and_held_by_its_plates(plates)
 def test_the_plate_of_a_puck_is_as_much_harder_as_the_gel(shear):
     problem = puck_problem(UnitPuck(0.8, "friction:0.3"), Yeoh(shear), corner=0.05)
     force = problem.surface.forces(np.zeros(problem.solid.mesh.size), None, 1e-6)[0]
-    assert force[1::2].sum() == pytest.approx(puck.CONTACT_STIFFNESS * shear * 1e-6 * np.pi * 0.64, rel=1e-3)
+    assert force[1::2].sum() == pytest.approx(puck.PUCK_PLATES.contact * shear * 1e-6 * np.pi * 0.64, rel=1e-3)
 
 
 def test_a_puck_takes_the_mesh_that_gets_farthest_and_has_its_units(monkeypatch):

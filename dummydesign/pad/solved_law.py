@@ -90,9 +90,8 @@ class SolvedLaw(BaseForceLaw):
         radius = np.asarray(radius_mm, float)
         if not np.allclose(radius, self.radius_mm):
             raise ValueError(f"solved for a punch radius of {self.radius_mm} mm, requested {radius}")
-        depth, thickness, young = np.broadcast_arrays(
-            *(np.asarray(value, float) for value in (depth_mm, thickness_mm, young_MPa))
-        )
+        values = (np.asarray(value, float) for value in (depth_mm, thickness_mm, young_MPa))
+        depth, thickness, young = np.broadcast_arrays(*values)
         force = np.empty(depth.shape)
         for value in np.unique(thickness):
             at = thickness == value

@@ -5,7 +5,6 @@ from __future__ import annotations
 import time as clock
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -162,23 +161,17 @@ def solve_ratio(
     ``rims`` are the fillets that are tried on a slab, ``cells`` those under the punch of a shaped pad.
     """
     arms = tuple(prony)
-    inputs = {"case": case, "prony": arms, "time": time_s, "depth": depth}
-    if case.shape == SLAB:
-        inputs |= {"rims": rims}
-        solve = partial(_of_slab, case, arms, time_s, depth, rims)
-    else:
-        inputs |= {"cells": cells}
-        solve = partial(_of_shape, case, arms, time_s, depth, cells)
+    inputs = {"case": case, "prony": arms, "time": time_s, "depth": depth, "rims": rims, "cells": cells}
+
+    def solve() -> RatioPath:
+        if case.shape != SLAB:
+            return _of_shape(case, arms, time_s, depth, cells)
+        return _ratio_path(
+            lambda own, rim: rimmed_problem(own, rim * case.scale, Resolution()), case, arms, time_s, depth, rims,
+            0.05 * case.scale, False,
+        )  # fmt: skip
+
     return RatioPath(**cached("viscoelastic-ratio", inputs, lambda: vars(solve())))
-
-
-def _of_slab(
-    case: Case, prony: tuple[PronyTerm, ...], time_s: Array, depth: Array, rims: Sequence[float],
-) -> RatioPath:  # fmt: skip
-    def problem(own: Case, rim: float) -> Problem:
-        return rimmed_problem(own, rim * case.scale, Resolution())
-
-    return _ratio_path(problem, case, prony, time_s, depth, rims, 0.05 * case.scale, False)
 
 
 def _of_shape(case: Case, prony: tuple[PronyTerm, ...], time_s: Array, depth: Array, cells: int) -> RatioPath:

@@ -55,18 +55,6 @@ class BeadedPunch:
         return distance - self.rim, normal, np.where(flat[..., None, None], 0.0, bend)
 
 
-def rectangle_punch(
-    half_sides: tuple[float, float], rim: float, centre: tuple[float, float] = (0.0, 0.0)
-) -> BeadedPunch:
-    """A rectangular punch, its edge fillet included in its sides."""
-    return BeadedPunch((half_sides[0] - rim, half_sides[1] - rim), 0.0, rim, centre)
-
-
-def round_punch(radius: float, rim: float, centre: tuple[float, float] = (0.0, 0.0)) -> BeadedPunch:
-    """A round punch, its edge fillet included in its radius."""
-    return BeadedPunch((0.0, 0.0), radius - rim, rim, centre)
-
-
 class FaceContact(ContactSurface):
     """Faces of the pad that may touch the punch; takes the place of ``contact.Surface`` in space."""
 

@@ -36,7 +36,7 @@ from dummydesign.pad.axisymmetric.self_contact import FOLDED, FoldWatch, opening
 from dummydesign.pad.axisymmetric.shaped_problem import CELLS, RIMS, first_depth
 from dummydesign.pad.axisymmetric.shaped_problem import solve_path as solve_round_path
 from dummydesign.pad.contact.penalty import SHAPED_PAD_IN_SPACE
-from dummydesign.pad.contact.spatial import BeadedPunch, FaceContact, rectangle_punch, round_punch
+from dummydesign.pad.contact.spatial import BeadedPunch, FaceContact
 from dummydesign.pad.fem import mesh_hexahedra as space
 from dummydesign.pad.fem.mesh_axisymmetric import Sizes, lines_by_size
 from dummydesign.pad.fem.mixed_solid import Solid
@@ -265,10 +265,10 @@ class Load:
         return np.stack([places[0], places[1], face + (bone - face) * -places[2]])
 
     def punch(self, rim: float) -> BeadedPunch:
-        """The punch with a fillet at its edge."""
-        if self.is_round:
-            return round_punch(self.half_sides[0], rim, self.offset)
-        return rectangle_punch(self.half_sides, rim, self.offset)
+        """The punch with a fillet at its edge, which is part of its sides or radius."""
+        one, other = (half - rim for half in self.half_sides)
+        core, corner = ((0.0, 0.0), one) if self.is_round else ((one, other), 0.0)
+        return BeadedPunch(core, corner, rim, self.offset)
 
 
 def _tip(load: Load, axis: int) -> float:

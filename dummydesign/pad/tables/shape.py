@@ -128,9 +128,8 @@ class TabulatedShapeLaw(ForceAndStiffness, BaseForceLaw):
 
         Thickness is that at the highest point, the modulus that of the upper resin.
         """
-        d, h, young, a = np.broadcast_arrays(
-            *(np.asarray(v, dtype=float) for v in (depth_mm, thickness_mm, young_MPa, radius_mm))
-        )
+        values = (np.asarray(v, dtype=float) for v in (depth_mm, thickness_mm, young_MPa, radius_mm))
+        d, h, young, a = np.broadcast_arrays(*values)
         # Each of the pads that differ is looked up once.
         pads, at = np.unique(np.stack([h.ravel(), a.ravel()], axis=1), axis=0, return_inverse=True)
         inputs, row = ratios(self.shape, *pads.T), np.asarray(at).reshape(h.shape)

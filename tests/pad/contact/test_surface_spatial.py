@@ -9,7 +9,7 @@ import pytest
 from scipy.optimize import brentq
 
 from dummydesign.pad.contact.axisymmetric import FlatPunch
-from dummydesign.pad.contact.spatial import BeadedPunch, FaceContact, rectangle_punch, round_punch
+from dummydesign.pad.contact.spatial import BeadedPunch, FaceContact
 from dummydesign.pad.fem import mesh_hexahedra as space
 from dummydesign.pad.fem.mixed_solid import Solid
 from dummydesign.pad.material.hyperelastic import Yeoh
@@ -21,6 +21,15 @@ from dummydesign.pad.solve.sparse import Pattern
 from dummydesign.pad.spatial.square_punch import Block, Cells, block_problem, solve_ratios
 
 LAW = Yeoh(1.0)
+
+def rectangle_punch(half_sides, rim, centre=(0.0, 0.0)):
+    return BeadedPunch((half_sides[0] - rim, half_sides[1] - rim), 0.0, rim, centre)
+
+
+def round_punch(radius, rim):
+    return BeadedPunch((0.0, 0.0), radius - rim, rim)
+
+
 PUNCHES = [rectangle_punch((1.0, 0.7), 0.2, (0.3, -0.1)), round_punch(0.8, 0.2), BeadedPunch((0.3, 0.2), 0.3, 0.2)]
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from concurrent.futures import Executor
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -14,7 +13,6 @@ from dummydesign.core.errors import InputError, NoAnswerError
 from dummydesign.geometry.dimensions import EXTENT_OVER_RADIUS, MAX_DEPTH_OVER_THICKNESS
 from dummydesign.geometry.interface import BASES
 from dummydesign.pad.force_law import BaseForceLaw, ForceLaw
-from dummydesign.pad.material.hyperelastic import Yeoh
 from dummydesign.pad.specimen import Pad
 
 Array = np.ndarray
@@ -26,39 +24,6 @@ DEGREE, SLIDING_DEGREE = 6, 4
 
 
 @dataclass(frozen=True)
-class SlabCase:
-    """One slab to solve: thickness and punch radius [mm], what holds its base and its face, stiffening.
-
-    ``yeoh_c2_over_mu`` is the stiffening of a Yeoh law, 0 for neo-Hookean. ``sides_mm`` are those of a square
-    or rectangular punch whose area the radius stands for, None for a round one. ``fidelity`` is
-    ``axisymmetric`` (a glued square on a neo-Hookean slab carries its tabulated factor) or ``3d``.
-    """
-
-    thickness_mm: float
-    radius_mm: float
-    base: str = "bonded"
-    condition: str = "bonded"
-    yeoh_c2_over_mu: float = 0.0
-    sides_mm: tuple[float, float] | None = None
-    fidelity: str = "axisymmetric"
-
-    @property
-    def pad(self) -> Pad:
-        """The slab with unit modulus as the pad model takes it."""
-        return Pad(
-            self.thickness_mm, 1.0, self.radius_mm, base=self.base, condition=self.condition,
-            law=Yeoh(1.0, self.yeoh_c2_over_mu), sides_mm=self.sides_mm,
-        )  # fmt: skip
-
-    @property
-    def corners_known(self) -> bool:
-        """Whether this fidelity knows what the corners of the punch do; true for a round one."""
-        from dummydesign.pad.elastic_force import has_square_factor
-
-        return self.sides_mm is None or self.fidelity == "3d" or has_square_factor(self.pad)
-
-
-@dataclass(frozen=True)
 class SolvedSlab:
     """Elastic curve of one slab of unit modulus.
 
@@ -66,7 +31,7 @@ class SolvedSlab:
     why the curve stops early.
     """
 
-    case: SlabCase
+    pad: Pad
     depth_mm: Array
     area_mm2: Array
     error: Array
@@ -116,32 +81,42 @@ class SolvedLaw(BaseForceLaw):
         return error
 
 
-def solve_slab(case: SlabCase) -> SolvedSlab:
-    """Solve one slab of unit modulus to 0.6 of its thickness; a picklable task for any executor."""
+def corners_known(pad: Pad, fidelity: str) -> bool:
+    """Whether this fidelity knows what the corners of the punch do; true for a round one."""
+    from dummydesign.pad.elastic_force import has_square_factor
+
+    return pad.sides_mm is None or fidelity == "3d" or has_square_factor(pad)
+
+
+def solve_slab(pad: Pad, fidelity: str = "axisymmetric") -> SolvedSlab:
+    """Solve one slab of unit modulus to 0.6 of its thickness.
+
+    With ``axisymmetric`` a glued square on a neo-Hookean slab carries its tabulated factor; ``3d`` solves it.
+    """
     from dummydesign.pad.elastic_force import elastic_curve, solve_points
 
-    if not case.corners_known and case.sides_mm is not None:
-        sides = "x".join(f"{side:g}" for side in case.sides_mm)
+    if pad.sides_mm is not None and not corners_known(pad, fidelity):
+        sides = "x".join(f"{side:g}" for side in pad.sides_mm)
         raise InputError(
             f"punch of {sides} mm has no corners at fidelity = axisymmetric, which knows them of a glued square on a "
             "neo-Hookean slab inside the response table only; take fidelity 3d, or a round punch of the same area",
             "unsupported", "punch",
         )  # fmt: skip
-    pad, depth = case.pad, np.array(SLAB_SHARES) * case.thickness_mm
-    if case.condition != "bonded" and case.fidelity != "3d":
+    depth = np.array(SLAB_SHARES) * pad.thickness_mm
+    if pad.condition != "bonded" and fidelity != "3d":
         solved = solve_points(pad, depth)
-        return SolvedSlab(case, solved.depth_mm, solved.force_N, solved.error_N / solved.force_N, tuple(solved.notes))
-    curve = elastic_curve(pad, case.fidelity, float(depth[-1]), depth)
+        return SolvedSlab(pad, solved.depth_mm, solved.force_N, solved.error_N / solved.force_N, tuple(solved.notes))
+    curve = elastic_curve(pad, fidelity, float(depth[-1]), depth)
     depth = depth[depth <= curve.limit_mm * (1.0 + 1e-9)]
-    return SolvedSlab(case, depth, curve.force(depth), curve.relative_error(depth), tuple(curve.notes))
+    return SolvedSlab(pad, depth, curve.force(depth), curve.relative_error(depth), tuple(curve.notes))
 
 
 def law_of(slabs: Iterable[SolvedSlab]) -> SolvedLaw:
     """Make one force law of slabs solved for the same punch."""
     polynomials, limits, errors, notes, radius = {}, {}, {}, [], 0.0
     for slab in slabs:
-        thickness, radius = slab.case.thickness_mm, slab.case.radius_mm
-        degree = DEGREE if slab.case.condition == "bonded" else SLIDING_DEGREE
+        thickness, radius = slab.pad.thickness_mm, slab.pad.radius_mm
+        degree = DEGREE if slab.pad.condition == "bonded" else SLIDING_DEGREE
         if len(slab.depth_mm) <= degree:
             message = f"slab of {thickness:g} mm: only {len(slab.depth_mm)} depths solved"
             raise NoAnswerError("no_convergence", message, quantity="pad")
@@ -156,16 +131,16 @@ def law_of(slabs: Iterable[SolvedSlab]) -> SolvedLaw:
 
 
 def solve_law(
-    thickness_mm: Sequence[float], radius_mm: float, executor: Executor | None = None, base: str = "bonded",
-    condition: str = "bonded", sides_mm: tuple[float, float] | None = None, fidelity: str = "axisymmetric",
+    thickness_mm: Sequence[float], radius_mm: float, base: str = "bonded", condition: str = "bonded",
+    sides_mm: tuple[float, float] | None = None, fidelity: str = "axisymmetric",
 ) -> SolvedLaw:  # fmt: skip
-    """Solve one curve a thickness, in parallel when an executor is given."""
-    cases = [
-        SlabCase(value, radius_mm, base, condition, 0.0, sides_mm, fidelity)
-        for value in sorted({float(v) for v in thickness_mm})
-    ]
-    cases = [case if case.corners_known else replace(case, sides_mm=None) for case in cases]
-    return law_of((map if executor is None else executor.map)(solve_slab, cases))
+    """Solve one curve a thickness."""
+    slabs = (
+        Pad(h, 1.0, radius_mm, base=base, condition=condition, sides_mm=sides_mm)
+        for h in sorted({float(value) for value in thickness_mm})
+    )
+    pads = [pad if corners_known(pad, fidelity) else replace(pad, sides_mm=None) for pad in slabs]
+    return law_of(solve_slab(pad, fidelity) for pad in pads)
 
 
 NODES = 5

@@ -305,7 +305,7 @@ def force_law(task: Task, thickness_mm: NDArray) -> ForceLaw:
     from dummydesign.pad.solved_law import solve_law
 
     sides = punch_sides_mm(task.punch)
-    solved = solve_law(thickness_mm.tolist(), task.radius_mm, None, task.base, task.condition, sides, task.fidelity)
+    solved = solve_law(thickness_mm.tolist(), task.radius_mm, task.base, task.condition, sides, task.fidelity)
     return cast(ForceLaw, solved)
 
 

@@ -217,8 +217,8 @@ def test_a_sliding_base_is_softer_and_every_support_has_its_rows():
 
 
 def test_a_slab_that_cannot_be_solved_has_a_row_that_says_so(monkeypatch):
-    def fail(case):
-        raise NoAnswerError("no_convergence", f"slab of {case.thickness_mm:g} mm: no depth")
+    def fail(pad, fidelity):
+        raise NoAnswerError("no_convergence", f"slab of {pad.thickness_mm:g} mm: no depth")
 
     monkeypatch.setattr("dummydesign.pad.solved_law.solve_slab", fail)
     rows = whatif(Study((5.0,), (15.0, 16.0), SQUARE, fidelity="axisymmetric", tissue="palm"))["rows"]

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from dummydesign.core.cache import cached
 from dummydesign.core.errors import InputError, NoAnswerError, out_of_range
@@ -212,7 +213,7 @@ def first_stiffness(case: Case, resolution: Resolution | None = None) -> float:
     return problem.stiffness() / (3.0 * case.law.shear_MPa * case.radius)
 
 
-def relative_depths(depth_mm: Sequence[float] | Array, thickness_mm: float) -> Array:
+def relative_depths(depth_mm: ArrayLike, thickness_mm: float) -> Array:
     """Return the wanted depths above 0, increasing, over the thickness."""
     depths = np.unique(np.asarray(depth_mm, dtype=float))
     limit = MAX_DEPTH_OVER_THICKNESS * thickness_mm
@@ -265,7 +266,7 @@ def lattice_depths(deepest: float) -> Array:
 
 
 def solve_on_lattice(
-    kind: str, pad: Pad, depth_mm: Sequence[float] | Array, solve: Callable[[Case, Array], dict[str, Any]]
+    kind: str, pad: Pad, depth_mm: ArrayLike, solve: Callable[[Case, Array], dict[str, Any]]
 ) -> PadCurve:
     """Solve a slab at the lattice's depths, kept in the cache, and interpolate its force at the wanted ones.
 

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from dummydesign.core.process import one_blas_thread, tell_depth
 from dummydesign.pad.force_law import NO_COST
@@ -86,7 +87,7 @@ def add_costs(*costs: Mapping[str, float]) -> dict[str, float]:
 
 @one_blas_thread()
 def follow(
-    problem: Problem, depths: Sequence[float] | Array, first_step: float, largest_step: float, smallest_step: float,
+    problem: Problem, depths: ArrayLike, first_step: float, largest_step: float, smallest_step: float,
     sound_J: float = 0.0, lattice: bool = False, visit: Callable[[float, Solution], str | None] | None = None,
     keep: Callable[[VisitedState], None] | None = None, most_wasted: float = math.inf,
 ) -> Path:  # fmt: skip

@@ -15,6 +15,8 @@ import numpy as np
 from dummydesign.core.cache import cached
 from dummydesign.core.errors import InputError, NoAnswerError
 from dummydesign.geometry.interface import BASES, FACES, Interface
+from dummydesign.pad.axisymmetric import filleted
+from dummydesign.pad.axisymmetric import shaped_problem as shaped
 from dummydesign.pad.axisymmetric.case import (
     FIRST_STEP,
     LATTICE,
@@ -23,27 +25,9 @@ from dummydesign.pad.axisymmetric.case import (
     relative_depths,
     rimmed_problem,
 )
-from dummydesign.pad.axisymmetric.filleted import (
-    COARSE,
-    FINE,
-    SlidingMesh,
-    filleted_problem,
-    follow_rubbing,
-    follow_sliding,
-    rubbing_problem,
-)
 from dummydesign.pad.axisymmetric.profile_punch import CELLS as PROFILE_CELLS
 from dummydesign.pad.axisymmetric.profile_punch import edge_problem, load_steps, profile, profile_problem
 from dummydesign.pad.axisymmetric.self_contact import FoldWatch, RoundFace
-from dummydesign.pad.axisymmetric.shaped_problem import (
-    CELLS,
-    LARGEST_STEP,
-    SMALLEST_STEP,
-    first_depth,
-    radius_touched,
-    shaped_problem,
-    visited_states,
-)
 from dummydesign.pad.contact.axisymmetric import FlatPunch, ProfilePunch
 from dummydesign.pad.fem import mesh_axisymmetric as meshes
 from dummydesign.pad.fem.mesh_axisymmetric import POINTS, cell_nodes
@@ -222,7 +206,7 @@ def _follow_under_fillet(
     """Follow a slab that is not glued to a filleted punch and keep its states at wanted depths."""
     done, stop = 0, None
     notes: tuple[str, ...] = ()
-    for cells in (COARSE,) if coarse else (FINE, COARSE):
+    for cells in (filleted.COARSE,) if coarse else (filleted.FINE, filleted.COARSE):
         wanted, path = depths[done:], _with_lattice(depths)
         problem, follow = _slipping(case, cells)
 
@@ -232,7 +216,7 @@ def _follow_under_fillet(
 
         made = follow(path, visit)
         before, done = done, int((depths <= (made.depth[-1] if len(made.depth) else 0.0) * (1.0 + 1e-9)).sum())
-        if cells == COARSE and not coarse and done > before:
+        if cells == filleted.COARSE and not coarse and done > before:
             start = f"{depths[before] * thickness_mm:.3g} mm"
             notes = (f"fields from {start} on are those of cells of 1.5 times the size: finer ones end before",)
         done, stop = max(done, before), made.stop
@@ -244,10 +228,10 @@ def _follow_under_fillet(
 def _slipping(case: Case, cells: int) -> tuple[Problem, Callable[..., Path]]:
     """The problem of a face with or without friction, and what follows it."""
     if not Interface.parse(case.condition, "condition", FACES).friction:
-        mesh = SlidingMesh(case, cells)
-        return mesh.problem, lambda *args: follow_sliding(mesh, *args)
-    problem = rubbing_problem(case, cells)
-    return problem, lambda *args: follow_rubbing(problem, *args)
+        mesh = filleted.SlidingMesh(case, cells)
+        return mesh.problem, lambda *args: filleted.follow_sliding(mesh, *args)
+    problem = filleted.rubbing_problem(case, cells)
+    return problem, lambda *args: filleted.follow_rubbing(problem, *args)
 
 
 def _with_lattice(depths: Array) -> Array:
@@ -349,11 +333,11 @@ def _setup(pad: Pad, case: Case, depths: Array, coarse: bool) -> Setup:
     """The problem that the pad's own curve is solved by, with one fillet."""
     scale = case.scale
     if pad.geometry != SLAB:
-        case = replace(case, first=first_depth(depths))
-        flat, cells = pad.geometry.flat_top, CELLS // 2 if coarse else CELLS
-        visited = () if flat else tuple(visited_states(case, cells, RIM, float(depths[-1])))
-        first, largest = 0.3 * RIM if flat else 0.25 * case.first, LARGEST_STEP * CELLS / cells
-        return Setup(shaped_problem(case, cells, RIM), first, largest, SMALLEST_STEP, True, visited)
+        case = replace(case, first=shaped.first_depth(depths))
+        flat, cells = pad.geometry.flat_top, shaped.CELLS // 2 if coarse else shaped.CELLS
+        visited = () if flat else tuple(shaped.visited_states(case, cells, RIM, float(depths[-1])))
+        first, largest = 0.3 * RIM if flat else 0.25 * case.first, shaped.LARGEST_STEP * shaped.CELLS / cells
+        return Setup(shaped.shaped_problem(case, cells, RIM), first, largest, shaped.SMALLEST_STEP, True, visited)
     if pad.profile_mm is not None:
         punch = ProfilePunch(profile(*(np.asarray(part) / pad.thickness_mm for part in pad.profile_mm)).height)
         cells = PROFILE_CELLS // 2 if coarse else PROFILE_CELLS
@@ -363,7 +347,7 @@ def _setup(pad: Pad, case: Case, depths: Array, coarse: bool) -> Setup:
         rim = RIM * scale
         return Setup(edge_problem(replace(case, edge=rim)), 0.1 * rim, 0.05 * scale, 0.002 * scale)
     if pad.edge_radius_mm:
-        return Setup(filleted_problem(case), FIRST_STEP, LATTICE, LATTICE / 256.0, True)
+        return Setup(filleted.filleted_problem(case), FIRST_STEP, LATTICE, LATTICE / 256.0, True)
     made = rimmed_problem(case, RIM * scale, meshes.Resolution(cells=3 if coarse else 6))
     return Setup(made, RIM * scale, 0.05 * scale, 0.005 * scale)
 
@@ -405,7 +389,7 @@ def _face(problem: Problem, solution: Solution, depth: float, pad: Pad, shear: f
         state = np.where(touches & (np.abs(drag) >= limit), SLIPS, state)
     pressure, drag = np.where(touches, pressure, 0.0), np.where(touches, drag, 0.0)
     position = solid.mesh.nodes[:, node] + solution.u.reshape(-1, 2).T[:, node]
-    (reach, at_edge), punch = radius_touched(problem, depth, solution), problem.punch
+    (reach, at_edge), punch = shaped.radius_touched(problem, depth, solution), problem.punch
     if not pad.edge_radius_mm and at_edge and isinstance(punch, FlatPunch):
         reach = punch.radius  # the fillet stands for a sharp edge, which is reached
     height, rest = position[1] - float(solid.mesh.nodes[1].min()), solid.mesh.nodes[0, node]

@@ -11,6 +11,7 @@ from dummydesign.design.sweep.run import whatif
 from dummydesign.design.sweep.spec import Study
 from dummydesign.geometry.shapes.crowned import Crowned
 from dummydesign.pad import fields as sliding
+from dummydesign.pad.axisymmetric import filleted
 from dummydesign.pad.axisymmetric.case import Case, first_stiffness
 from dummydesign.pad.axisymmetric.filleted import (
     COARSE,
@@ -138,7 +139,7 @@ def test_where_fine_cells_end_the_fields_of_coarser_ones_follow_and_it_says_so(m
         stop = None if len(reached) == len(depths) else "a cell folds"
         return Path(reached, reached, reached, 1, 1, 1, 0.0, stop)
 
-    monkeypatch.setattr(sliding, "follow_sliding", walk)
+    monkeypatch.setattr(filleted, "follow_sliding", walk)
     pad = Pad(10.0, 0.025, 7.9, condition="frictionless", edge_radius_mm=0.5)
     wanted = np.array([0.1, 0.29, 0.37, 0.44, 0.5])
     stop, notes = sliding._follow_under_fillet(

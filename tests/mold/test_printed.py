@@ -40,7 +40,7 @@ def test_all_checks_pass_and_nothing_of_silicone_is_made(printed):
     checks = check.check_solids(printed)
     assert failed(checks) == [] and {"cavity_volume", "interference_frame_mould", "draft_cavity"} <= set(named(checks))
     assert set(printed.parts) == {"pad", "mould", "frame", "strike_off"}
-    assert all(part.material == "rigid" for name, part in printed.parts.items() if name != "pad")
+    assert all(part.is_printed for name, part in printed.parts.items() if name != "pad")
     whole = mesh.tessellate(printed.mould)
     assert failed(check_mesh.check_mould_mesh(printed, whole, mesh.tessellate(printed.mould, *check_mesh.FINE))) == []
 

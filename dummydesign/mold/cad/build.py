@@ -27,19 +27,68 @@ CORE_MM = 1.0
 """How far the core of a mould reaches beyond its openings and its height."""
 
 
+COLOURS = {
+    "resin": (0.93, 0.62, 0.50), "resin_base": (0.62, 0.36, 0.45), "silicone": (0.36, 0.62, 0.74),
+    "rigid": (0.72, 0.73, 0.75), "glass": (0.62, 0.80, 0.72),
+}  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Material:
+    """What a part is made of: its kind, and the name, words and density that STEP files carry."""
+
+    kind: str
+    name: str
+    description: str
+    density_g_per_cm3: float
+
+    @property
+    def colour(self) -> tuple[float, float, float]:
+        """Colour in STEP files and pictures."""
+        return COLOURS[self.kind]
+
+
+def _material(spec: MouldSpec, kind: str) -> Material:
+    if kind == "rigid":
+        return Material(kind, "printed rigid polymer", "PETG or ASA, density as printed solid", 1.27)
+    if kind == "glass":
+        return Material(kind, "glass or acrylic sheet", "cut to size, density of float glass", 2.5)
+    if kind == "silicone" and spec.silicone is not None:
+        return Material(kind, spec.silicone.name, "mould silicone", spec.silicone.density_g_per_cm3)
+    if kind == "resin_base" and spec.base is not None:
+        pour = spec.base.pour
+        return Material(kind, f"{pour.resin} base", f"ratio {pour.ratio:.4g}", pour.density_g_per_cm3)
+    return Material(kind, spec.pour.resin, f"ratio {spec.pour.ratio:g}", spec.pour.density_g_per_cm3)
+
+
 @dataclass(frozen=True)
 class Part:
     """One part: its solid in its own frame, what it is made of and where it goes in the assembly."""
 
     name: str
     solid: Any
-    material: str
+    material: Material
     offset_mm: tuple[float, float, float] = (0.0, 0.0, 0.0)
+
+    @property
+    def is_printed(self) -> bool:
+        """Whether it comes from the printer."""
+        return self.material.kind == "rigid"
 
     @cached_property
     def volume_mm3(self) -> float:
         """Volume of the solid."""
         return float(self.solid.Volume())
+
+    @cached_property
+    def area_mm2(self) -> float:
+        """Surface of the solid."""
+        return float(self.solid.Area())
+
+    @cached_property
+    def centroid_mm(self) -> tuple[float, float, float]:
+        """Its middle of volume."""
+        return self.solid.Center().toTuple()
 
 
 @dataclass
@@ -88,11 +137,15 @@ class Parts:
 
     def add(self, name: str, solid: Any, material: str, offset_mm: tuple[float, float, float] = (0, 0, 0)) -> None:
         """Add one part."""
-        self.parts[name] = Part(name, solid, material, offset_mm)
+        self.parts[name] = Part(name, solid, _material(self.spec, material), offset_mm)
 
     def solid(self, name: str) -> Any:
         """Solid of a part in its own frame."""
         return self.parts[name].solid
+
+    def print_scale(self, name: str) -> float:
+        """Size of a part's print files over the part: what is printed is enlarged by the shrinkage of the print."""
+        return self.spec.machines.print_scale if self.parts[name].is_printed else 1.0
 
 
 def build(spec: MouldSpec, bone_file: Path | None = None) -> Parts:

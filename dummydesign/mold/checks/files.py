@@ -10,9 +10,10 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from dummydesign.mold.cad.build import Part, Parts
 from dummydesign.mold.cad.solids import rough_bounds
-from dummydesign.mold.checks.check import Check, below, equal, skipped
-from dummydesign.mold.files.step import StepPart, canonical_step, read_step, time_stamp
+from dummydesign.mold.checks.check import Check, below, equal, genera, skipped
+from dummydesign.mold.files.step import canonical_step, read_step, time_stamp
 
 READER_LIMIT_S = 120
 VOLUME_REL = 1e-6
@@ -72,7 +73,7 @@ STEP_VOLUME_REL, STEP_BOUNDS_MM, COLOUR_ABS, DENSITY_REL = 1e-8, 1e-5, 1e-6, 1e-
 MESH_VOLUME_REL = 1e-3
 
 
-def check_step(parts: Mapping[str, StepPart], files: Mapping[str, Path], assembly: Path) -> list[Check]:
+def check_step(parts: Mapping[str, Part], files: Mapping[str, Path], assembly: Path) -> list[Check]:
     """Read all STEP files again: names, solids, volumes, bounds, colours, materials, declared volumes."""
     volume = bounds = colour = density = 0.0
     wrong: list[str] = []
@@ -86,7 +87,7 @@ def check_step(parts: Mapping[str, StepPart], files: Mapping[str, Path], assembl
             true = part.volume_mm3
             volume = max(volume, abs(copy.volume_mm3 / true - 1), abs((copy.declared_volume_mm3 or 0.0) / true - 1))
             bounds = max(bounds, *(abs(a - b) for a, b in zip(copy.bounds_mm, rough_bounds(part.solid))))
-            colour = max(colour, *(abs(a - b) for a, b in zip(copy.colour or (9, 9, 9), part.colour)))
+            colour = max(colour, *(abs(a - b) for a, b in zip(copy.colour or (9, 9, 9), part.material.colour)))
             density = max(density, abs((copy.density_g_per_cm3 or 0.0) / part.material.density_g_per_cm3 - 1))
             if copy.solids != 1 or not copy.valid or copy.material != part.material.name:
                 wrong.append(name)
@@ -121,25 +122,22 @@ def _is_canonical(path: Path) -> bool:
     return canonical_step(text, path.name, match.group(1) if match else "") == text
 
 
-def check_meshes(
-    parts: Mapping[str, StepPart], genus: Mapping[str, int], files: Mapping[str, list[Path]],
-    scales: Mapping[str, float] | None = None,
-) -> list[Check]:
+def check_meshes(made: Parts, files: Mapping[str, Mapping[str, Path]]) -> list[Check]:
     """Load every mesh file again: watertight, wound outwards, the solid's volume, the expected Euler number."""
     import trimesh
 
     loose: list[str] = []
     torn: list[str] = []
-    worst = 0.0
+    worst, genus = 0.0, genera(made.spec)
     for name, paths in files.items():
-        for path in paths:
+        solid_mm3 = made.print_scale(name) ** 3 * made.parts[name].volume_mm3
+        for path in paths.values():
             mesh: Any = trimesh.load(path, force="mesh")
             if not (mesh.is_watertight and mesh.is_winding_consistent and mesh.is_volume):
                 loose.append(path.name)
             if mesh.euler_number != 2 - 2 * genus[name]:
                 torn.append(f"{path.name}: {mesh.euler_number} instead of {2 - 2 * genus[name]}")
-            scale = (scales or {}).get(name, 1.0)
-            worst = max(worst, abs(mesh.volume / (scale**3 * parts[name].volume_mm3) - 1))
+            worst = max(worst, abs(mesh.volume / solid_mm3 - 1))
     return [
         equal("mesh_watertight", len(loose), 0, ", ".join(loose)),
         equal("mesh_euler", len(torn), 0, "; ".join(torn)),

@@ -248,7 +248,7 @@ def _called(made: Parts, name: str) -> str:
 
 def _material(made: Parts, name: str) -> str:
     spec = made.spec
-    kind = made.parts[name].material
+    kind = made.parts[name].material.kind
     if kind == "rigid":
         return spec.plastic.name.upper() if spec.plastic else "rigid plastic"
     if kind == "glass":
@@ -282,7 +282,7 @@ def _notes(made: Parts, name: str) -> list[str]:
     if name == "carrier" and made.with_bone is None:
         return [*notes, "Glue the pad on by its free face, its middle on the plate's; each groove points at a row of "
                 "tips, and the punch is set down where the lines cross."]
-    if made.parts[name].material == "rigid":
+    if made.parts[name].is_printed:
         against = "resin" if spec.is_printed else "silicone"
         notes.append(f"Print solid skins; faces against {against} sanded or sealed.")
     return notes

@@ -144,7 +144,7 @@ def test_wrong_compensation_is_seen(open_parts):
 
 
 def test_missing_label_on_the_master_is_seen(open_parts):
-    from dummydesign.mold.cad.build import Part, Parts
+    from dummydesign.mold.cad.build import Parts
 
     plan, grow = open_parts.plan, open_parts.plan.silicone_scale
     deep = open_parts.spec.body.label_depth_mm
@@ -152,7 +152,7 @@ def test_missing_label_on_the_master_is_seen(open_parts):
     bald = open_parts.solid("master").cut(ring)
     other = Parts(open_parts.spec, plan, open_parts.pad_nominal, dict(open_parts.parts), open_parts.tools)
     other.hull = open_parts.hull
-    other.parts["master"] = Part("master", bald, "rigid")
+    other.parts["master"] = replace(other.parts["master"], solid=bald)
     assert any("label_reads_right" in text for text in failed(check.check_label(other)))
     assert any("silicone_in_box" in text for text in failed(check.check_boxes(other)))
 

@@ -12,9 +12,9 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from dummydesign.mold.cad.build import COLOURS
 from dummydesign.mold.files import picture as view
 from dummydesign.mold.files import renderer
-from dummydesign.mold.files.step import COLOURS
 
 
 def test_stacked_parts_never_overlap_in_height():

@@ -134,9 +134,9 @@ def make_job(
             ordered.append(Ordered(spec, plan, {name: one for name, one in volumes.items() if name not in other}))
             moulds.append({"thickness_mm": spec.pad.thickness_mm, "folder": str(output.path(spec.tag)), **made})
         files = {"job": output.path("job.md"), "job_pdf": output.path("job.pdf")}
-        blocks, document = job_sheet(ordered, castings), papers()
+        blocks = job_sheet(ordered, castings)
         files["job"].write_text(to_markdown(blocks), encoding="utf-8")
-        files["job_pdf"].write_bytes(sheet_pdf(blocks, Foot(" ".join(hashes), document["command"], document["date"])))
+        files["job_pdf"].write_bytes(sheet_pdf(blocks, Foot(" ".join(hashes), **papers())))
         output.extra["hashes"] = hashes
         listed = {f"{spec.tag}_{role}": path for spec, one in zip(specs, moulds) for role, path in one["files"].items()}
         warnings = [{**item, "message": f"{spec.pad.thickness_mm:g} mm: {item['message']}"}

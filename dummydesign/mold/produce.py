@@ -20,7 +20,7 @@ from dummydesign.mold.checks.solids import check_shape, check_solids
 from dummydesign.mold.files import picture as view
 from dummydesign.mold.files.drawing_sheet import to_dxf, to_pdf, to_svg
 from dummydesign.mold.files.meshes import coloured_scene, tessellate, write_3mf, write_glb, write_stl
-from dummydesign.mold.files.part_drawings import NO_PAPERS, DocumentInfo, part_views, sheets
+from dummydesign.mold.files.part_drawings import part_views, sheets
 from dummydesign.mold.files.picture import turned_over
 from dummydesign.mold.files.pour_sheet import pour_sheet, to_html, to_markdown
 from dummydesign.mold.files.pour_sheet_pdf import Foot, sheet_pdf
@@ -35,9 +35,7 @@ PICTURE_S = 600
 """A renderer that hangs (a driver without a screen) is given up after this time; drawing takes a few seconds. [s]"""
 
 
-def produce(
-    spec: MouldSpec, folder: Path, papers: DocumentInfo = NO_PAPERS, bone_file: Path | None = None
-) -> dict[str, Any]:
+def produce(spec: MouldSpec, folder: Path, foot: Foot, bone_file: Path | None = None) -> dict[str, Any]:
     """Build, write, read again and check; return what the parent turns into a result."""
     write_progress("step 1 of 5: building the solids")
     made = build(spec, bone_file)
@@ -45,7 +43,7 @@ def produce(
     meshes = {name: tessellate(part.solid) for name, part in made.parts.items()}
     picture = _start_picture(made, meshes, folder)
     try:
-        return _write_and_check(made, meshes, folder, papers, picture)
+        return _write_and_check(made, meshes, folder, foot, picture)
     finally:
         if picture.poll() is None:
             # A check failed or the user stopped: nobody waits for it any more.
@@ -54,7 +52,7 @@ def produce(
 
 
 def _write_and_check(
-    made: Parts, meshes: dict[str, Any], folder: Path, papers: DocumentInfo, picture: subprocess.Popen[bytes]
+    made: Parts, meshes: dict[str, Any], folder: Path, foot: Foot, picture: subprocess.Popen[bytes]
 ) -> dict[str, Any]:
     spec = made.spec
     files = _write_steps(made, folder)
@@ -79,7 +77,7 @@ def _write_and_check(
     checks += check_process(spec, plan, warnings)
     files |= {f"{name}_{kind}": path.name for name, paths_of in mesh_files.items() for kind, path in paths_of.items()}
     files |= _write_views(made, meshes, folder)
-    files |= _write_papers(made, plan, warnings, folder, papers)
+    files |= _write_papers(made, plan, warnings, folder, foot)
     files |= finish_picture(picture, folder, spec, warnings)
     files |= {"spec": "spec.json", "checks": "checks.json"}
     listed = [item.to_dict() for item in checks]
@@ -183,15 +181,14 @@ def _write_views(made: Parts, meshes: dict[str, Any], folder: Path) -> dict[str,
 
 
 def _write_papers(
-    made: Parts, plan: PourPlan, warnings: list[dict[str, str]], folder: Path, papers: DocumentInfo
+    made: Parts, plan: PourPlan, warnings: list[dict[str, str]], folder: Path, foot: Foot
 ) -> dict[str, str]:
     """Drawings as DXF, SVG and, all in one, as PDF; the pour sheet as Markdown, HTML and PDF."""
     spec, tag = made.spec, made.spec.tag
     views = part_views(made)
-    drawn = {paper: sheets(made, views, papers, paper) for paper in ("A3", "A4")}
+    drawn = {paper: sheets(made, views, foot.date, paper) for paper in ("A3", "A4")}
     printed = {name: part.volume_mm3 for name, part in made.parts.items() if part.is_printed}
     blocks = pour_sheet(spec, plan, warnings, printed)
-    foot = Foot(spec.hash, papers.command, papers.date)
     files: dict[str, str] = {}
 
     def write(role: str, name: str, content: str | bytes) -> None:

@@ -23,16 +23,16 @@ def run(spec_file: Path, folder: Path) -> dict[str, Any]:
     problem = cad_problem()
     if problem:
         return {"error": {"code": "cad_unavailable", "message": problem}}
-    from dummydesign.mold.files.part_drawings import DocumentInfo
+    from dummydesign.mold.files.pour_sheet_pdf import Foot
     from dummydesign.mold.model.spec import MouldSpec
     from dummydesign.mold.produce import produce
 
     load_trimesh()
     asked = json.loads(spec_file.read_text(encoding="utf-8"))
-    spec, papers = MouldSpec.from_dict(asked["spec"]), DocumentInfo(**asked["papers"])
+    spec = MouldSpec.from_dict(asked["spec"])
     start = time.perf_counter()
     try:
-        result = produce(spec, folder, papers, Path(asked["bone"]) if asked.get("bone") else None)
+        result = produce(spec, folder, Foot(spec.hash, **asked["papers"]), asked["bone"] and Path(asked["bone"]))
     except Exception as problem:
         text = " ".join(str(problem).split()) or "no message"
         return {"error": {"code": "cad_failed", "message": f"{type(problem).__name__}: {text}"}}

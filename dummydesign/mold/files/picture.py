@@ -7,20 +7,18 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+if TYPE_CHECKING:
+    from dummydesign.mold.files.renderer import Scene
+
 WIDTH = 1600
 GAP_SHARE, LABEL_SHARE = 0.22, 0.55
-# Neighbouring triangles of one curved face turn by 11.5 deg at the most.
-EDGE_DEG = 14.0
 VIEW = (-0.42, -1.0, 0.95)
-LIGHTS = (((-1, -2, 3), 0.75), ((2, -1, 1.5), 0.35), ((0, 1, 2), 0.25))
-"""Where each light comes from, and its strength."""
 # From the lowest to the highest.
 STACK = ("tray", "mould", "pad", "layer_top", "spacer", "layer_base", "lid", "backer", "strike_off", "carrier")
 
@@ -61,29 +59,23 @@ def exploded(bounds: Mapping[str, tuple[float, float]], order: Sequence[str], ga
     return lifts
 
 
-@dataclass(frozen=True)
-class Scene:
-    """Parts as they stand in the picture (vertices, faces, colour), their labels, and the view."""
-
-    parts: tuple[tuple[NDArray, NDArray, tuple[float, ...]], ...]
-    labels: tuple[tuple[NDArray, str], ...]
-    title: str
-    window: tuple[int, int]
-    scale: float
-    middle: NDArray
-
-
 def scene_of(source: Path) -> Scene:
     """Place the packed meshes: the parts in use stacked with gaps, the casting box beside them."""
+    from dummydesign.mold.files.renderer import Scene
+
     data = np.load(source)
     names = list(dict.fromkeys(key.split("/")[0] for key in data.files if "/" in key))
     points = {name: np.asarray(data[f"{name}/vertices"], float) for name in names}
     stacks = [stacked(names), *([name for name in box if name in names] for box in BOXES[:2])]
-    # Stacks stand side by side along the picture's own horizontal, so that their feet are level.
-    _, right, up = _view_axes()
+    # Unit vectors towards the viewer, to the right and up in the picture.
+    away = np.array(VIEW) / np.linalg.norm(VIEW)
+    right = np.cross((0.0, 0.0, 1.0), away)
+    right /= np.linalg.norm(right)
+    up = np.cross(away, right)
     shown: list[tuple[NDArray, NDArray, tuple[float, ...]]] = []
     labels: list[tuple[NDArray, str]] = []
     corners: list[Any] = []
+    # Stacks stand side by side along the picture's own horizontal, so that their feet are level.
     side = 0.0
     size = max(np.ptp(part[:, 0]) for part in points.values())
     gap, label_room = GAP_SHARE * size, LABEL_SHARE * size
@@ -100,29 +92,7 @@ def scene_of(source: Path) -> Scene:
             corners += [*places, left - label_room * right]
         side += half + label_room
     window, scale, middle = _frame(np.array(corners), right, up)
-    return Scene(tuple(shown), tuple(labels), str(data["title"]), window, scale, middle)
-
-
-def draw(source: Path, picture: Path) -> None:
-    """Draw the packed meshes: the parts in use stacked with gaps, the casting box beside them.
-
-    Edges are drawn, which makes flat faces readable and shows where a shallow crown begins.
-    """
-    from dummydesign.mold.files.renderer import render
-
-    scene = scene_of(source)
-    axes = _view_axes()
-    render(
-        scene.parts, scene.labels, scene.title, scene.window, axes, scene.middle, scene.scale, LIGHTS, EDGE_DEG, picture
-    )
-
-
-def _view_axes() -> tuple[Any, Any, Any]:
-    """Unit vectors towards the viewer, to the right and up in the picture."""
-    away = np.array(VIEW) / np.linalg.norm(VIEW)
-    right = np.cross((0.0, 0.0, 1.0), away)
-    right /= np.linalg.norm(right)
-    return away, right, np.cross(away, right)
+    return Scene(shown, labels, str(data["title"]), window, (away, right, up), middle, scale)
 
 
 def _corners(points: NDArray) -> NDArray:
@@ -142,8 +112,10 @@ def _frame(corners: Any, right: Any, up: Any) -> tuple[tuple[int, int], float, A
 
 def main() -> None:
     """Draw the picture named on the command line."""
+    from dummydesign.mold.files.renderer import render
+
     part = Path(sys.argv[2]).with_suffix(".part.png")
-    draw(Path(sys.argv[1]), part)
+    render(scene_of(Path(sys.argv[1])), part)
     part.replace(sys.argv[2])
 
 

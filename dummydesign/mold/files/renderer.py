@@ -6,6 +6,7 @@ No graphics library or display is needed, and the picture is the same on every m
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -18,6 +19,10 @@ FINE = 2
 CHUNK = 100_000
 """Pixels drawn at a time: few enough to stay in the processor's cache."""
 AMBIENT, DIFFUSE = 0.25, 0.75
+LIGHTS = (((-1, -2, 3), 0.75), ((2, -1, 1.5), 0.35), ((0, 1, 2), 0.25))
+"""Where each light comes from, and its strength."""
+# Neighbouring triangles of one curved face turn by 11.5 deg at the most.
+EDGE_DEG = 14.0
 BOTTOM, TOP = (255, 255, 255), (232, 237, 242)
 INK = (51, 66, 77)
 LETTERS, LABEL_PX, TITLE_PX = (32, 48, 60), 22, 25
@@ -37,12 +42,14 @@ class Canvas:
         """Draw triangles, shape (n, 3, 3), each of one colour; the nearest is seen whatever their order."""
         offset = len(self.palette)
         self.palette = np.concatenate([self.palette, colours])
-        rows, first = self._rows(corners)
+        # Number of rows whose middle a triangle meets, and the first.
+        low, high = corners[:, :, 1].min(axis=1), corners[:, :, 1].max(axis=1)
+        first, last = (np.clip(np.ceil(end - 0.5), 0, self.height).astype(int) for end in (low, high))
+        rows = last - first
         which = np.repeat(np.arange(len(corners)), rows)
         row = np.repeat(first, rows) + _counting(rows)
         left, right = _span(corners[which], row + 0.5)
-        start = np.clip(np.ceil(left - 0.5), 0, self.width).astype(int)
-        stop = np.clip(np.ceil(right - 0.5), 0, self.width).astype(int)
+        start, stop = (np.clip(np.ceil(end - 0.5), 0, self.width).astype(int) for end in (left, right))
         slope = _plane(corners)
         some = stop > start
         which, row, start, length = which[some], row[some], start[some], (stop - start)[some]
@@ -66,7 +73,7 @@ class Canvas:
         share = (_counting(steps) / np.repeat(np.maximum(steps - 1, 1), steps))[:, None]
         points = ends[which, 0] * (1 - share) + ends[which, 1] * share
         for across, down in ((0, 0), (1, 0), (0, 1)):
-            column, row = (np.floor(points[:, 0]).astype(int) + across, np.floor(points[:, 1]).astype(int) + down)
+            column, row = np.floor(points[:, 0]).astype(int) + across, np.floor(points[:, 1]).astype(int) + down
             inside = (column >= 0) & (column < self.width) & (row >= 0) & (row < self.height)
             pixel = row[inside] * self.width + column[inside]
             seen = points[inside, 2] + near >= self.depth[pixel]
@@ -83,13 +90,6 @@ class Canvas:
                 some = owner[row::FINE, column::FINE]
                 summed += np.where(some[..., None] < 0, behind[row::FINE, None], self.palette[some])
         return np.clip(summed / FINE**2 / 255.0, 0.0, 1.0)
-
-    def _rows(self, corners: NDArray) -> tuple[NDArray, NDArray]:
-        """Number of rows whose middle a triangle meets, and the first."""
-        low, high = corners[:, :, 1].min(axis=1), corners[:, :, 1].max(axis=1)
-        first = np.clip(np.ceil(low - 0.5), 0, self.height).astype(int)
-        last = np.clip(np.ceil(high - 0.5), 0, self.height).astype(int)
-        return last - first, first
 
 
 def _counting(lengths: NDArray) -> NDArray:
@@ -139,27 +139,39 @@ def sharp_edges(faces: NDArray, normals: NDArray, least_deg: float) -> NDArray:
     return edges[twice[turn < np.cos(np.radians(least_deg))]]
 
 
-def render(
-    parts: Sequence[tuple[NDArray, NDArray, Sequence[float]]], labels: Sequence[tuple[NDArray, str]], title: str,
-    window: tuple[int, int], axes: tuple[NDArray, NDArray, NDArray], middle: NDArray, scale: float,
-    lights: Sequence[tuple[Sequence[float], float]], edge_deg: float, path: Path,
-) -> None:  # fmt: skip
-    """Draw parts (vertices, faces, colour) in a parallel view and write a PNG.
+@dataclass(frozen=True)
+class Scene:
+    """Parts as they stand in the picture (vertices, faces, colour), their labels, and a parallel view of them.
 
     ``axes`` point to the viewer, to the right and up; ``scale`` is half the height of the view. [mm]
     """
-    width, height = window[0] * FINE, window[1] // FINE * FINE * FINE
-    away, right, up = axes
-    per_mm = height / (2.0 * scale)
+
+    parts: Sequence[tuple[NDArray, NDArray, Sequence[float]]]
+    labels: Sequence[tuple[NDArray, str]]
+    title: str
+    window: tuple[int, int]
+    axes: tuple[NDArray, NDArray, NDArray]
+    middle: NDArray
+    scale: float
+
+
+def render(scene: Scene, path: Path, lights: Sequence[tuple[Sequence[float], float]] = LIGHTS) -> None:
+    """Draw a scene and write a PNG.
+
+    Edges are drawn, which makes flat faces readable and shows where a shallow crown begins.
+    """
+    width, height = scene.window[0] * FINE, scene.window[1] // FINE * FINE * FINE
+    away, right, up = scene.axes
+    per_mm = height / (2.0 * scene.scale)
 
     def placed(points: NDArray) -> NDArray:
-        moved = points - middle
+        moved = points - scene.middle
         across, high = moved @ right * per_mm + width / 2, height / 2 - moved @ up * per_mm
         return np.stack([across, high, moved @ away * per_mm], axis=-1)
 
     canvas = Canvas(width, height)
     triangles, colours, lines = [], [], []
-    for vertices, faces, colour in parts:
+    for vertices, faces, colour in scene.parts:
         normals = normals_of(vertices, faces)
         front = normals @ away > 1e-9
         light = np.full(np.count_nonzero(front), AMBIENT)
@@ -168,10 +180,10 @@ def render(
             light += DIFFUSE * power * np.maximum(normals[front] @ unit, 0.0)
         triangles.append(placed(vertices)[faces[front]])
         colours.append(np.clip(light[:, None] * np.array(colour), 0.0, 1.0) * 255.0)
-        lines.append(placed(vertices)[sharp_edges(faces, normals, edge_deg)])
+        lines.append(placed(vertices)[sharp_edges(faces, normals, EDGE_DEG)])
     canvas.fill(np.concatenate(triangles), np.concatenate(colours))
     canvas.lines(np.concatenate(lines), near=2.0 * FINE)
-    _write(canvas.pixels(), [(placed(point[None])[0] / FINE, text) for point, text in labels], title, path)
+    _write(canvas.pixels(), [(placed(point[None])[0] / FINE, text) for point, text in scene.labels], scene.title, path)
 
 
 def _write(pixels: NDArray, labels: Sequence[tuple[NDArray, str]], title: str, path: Path) -> None:

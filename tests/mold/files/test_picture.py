@@ -15,6 +15,7 @@ import pytest
 from dummydesign.mold.cad.build import COLOURS
 from dummydesign.mold.files import picture as view
 from dummydesign.mold.files import renderer
+from dummydesign.mold.files.pour_sheet_pdf import Foot
 
 
 def test_stacked_parts_never_overlap_in_height():
@@ -40,7 +41,8 @@ DOWN = (np.array((0.0, 0.0, 1.0)), np.array((1.0, 0.0, 0.0)), np.array((0.0, 1.0
 def rendered(parts, tmp_path, scale=10.0, light=((0, 0, 1), 1.0)):
     from PIL import Image
 
-    renderer.render(parts, [], "", (200, 200), DOWN, np.zeros(3), scale, [light], 14.0, tmp_path / "p.png")
+    scene = renderer.Scene(parts, [], "", (200, 200), DOWN, np.zeros(3), scale)
+    renderer.render(scene, tmp_path / "p.png", [light])
     return np.asarray(Image.open(tmp_path / "p.png").convert("RGB")).astype(int)
 
 
@@ -140,5 +142,5 @@ def test_a_check_that_breaks_off_leaves_no_renderer_running(open_spec, tmp_path,
     monkeypatch.setattr(produce, "_start_picture", lambda *_: renderer)
     monkeypatch.setattr(produce, "_write_steps", broken)
     with pytest.raises(RuntimeError, match="broke off"):
-        produce.produce(open_spec, tmp_path)
+        produce.produce(open_spec, tmp_path, Foot("ABCD"))
     assert renderer.returncode is not None

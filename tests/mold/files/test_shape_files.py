@@ -50,7 +50,7 @@ def test_section_across_a_ridge_shows_its_profile():
     from dummydesign.mold.files import part_drawings as projection
 
     spec = shape_spec("crowned:10,2,0,1", 8.0)
-    loops = projection.cut_at_x(cavity_solid(spec.pad)).loops
+    loops = projection.cut(cavity_solid(spec.pad), across=True).loops
     low = [(y, z) for y, z in loops[0] if z < spec.pad.face_height_mm - 1e-6]
     assert len(low) > 20
     for y, z in low:

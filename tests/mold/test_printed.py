@@ -15,7 +15,7 @@ from dummydesign.mold.checks import solids as check_shape
 from dummydesign.mold.checks.process import check_process
 from dummydesign.mold.files import meshes as mesh
 from dummydesign.mold.files.pour_sheet import pour_sheet, to_markdown
-from dummydesign.mold.model.layout import dowel_places, layout, level_places, pad_scale, parting_mm, silicone_scale
+from dummydesign.mold.model.layout import dowel_places, layout, level_places, pad_scale, parting_mm
 from dummydesign.mold.model.preset import mould_spec
 from dummydesign.mold.model.spec import MouldSpec
 from dummydesign.mold.pour.bill_of_materials import bill_of_materials
@@ -79,7 +79,7 @@ def test_the_pad_ends_at_size_in_a_mould_that_grows_as_plastic_does():
     hot = pad_scale(SPEC) * (1 + SPEC.plastic.expansion_per_K * warmer)
     cured = hot * (1 - SPEC.pour.shrinkage_percent / 100)
     assert cured / (1 + SPEC.pour.resin_expansion_per_K * warmer) == pytest.approx(1.0, rel=1e-14)
-    assert silicone_scale(SPEC) == 1.0 and pour_plan(SPEC).silicone_mass_g == 0.0
+    assert layout(SPEC).silicone_scale == 1.0 and pour_plan(SPEC).silicone_mass_g == 0.0
 
 
 def test_too_little_draft_for_the_surface_is_refused_with_what_is_needed():

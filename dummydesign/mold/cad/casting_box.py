@@ -16,7 +16,6 @@ from dummydesign.mold.model.layout import (
     layout,
     recess_outline,
     sheet_outline,
-    silicone_scale,
 )
 from dummydesign.mold.model.spec import MouldSpec
 
@@ -166,7 +165,7 @@ def _spigot_radius_mm(spec: MouldSpec, funnel: Funnel) -> float:
 
 def _pin(spec: MouldSpec, funnel: Funnel) -> Any:
     """Loose pin that keeps a funnel open while the lid is cast: spigot, cone, handle above the silicone."""
-    c, grow, middle = spec.lid, silicone_scale(spec), [Point(0.0, 0.0)]
+    c, grow, middle = spec.lid, layout(spec).silicone_scale, [Point(0.0, 0.0)]
     high = c.lid_mm * grow
     cone = cq.Solid.makeCone(funnel.small_mm * grow / 2, funnel.large_mm * grow / 2, high)
     spigot = cylinders(middle, _spigot_radius_mm(spec, funnel), c.pin_spigot_mm - 0.5 + 0.01, -c.pin_spigot_mm + 0.5)

@@ -10,7 +10,7 @@ from dummydesign.core.errors import InputError, out_of_range, quantity_name, unk
 from dummydesign.geometry.dimensions import RIM_FREE_MM
 from dummydesign.mold.model import formulas as formula
 from dummydesign.mold.model.layout import Layout, Outline, check_face_sheet, layout
-from dummydesign.mold.model.products import Machines, check_surface
+from dummydesign.mold.model.products import check_surface
 from dummydesign.mold.model.spec import MouldSpec, PadGeometry
 
 STYLES = ("open", "lidded", "printed")
@@ -218,11 +218,6 @@ def _check_process(spec: MouldSpec) -> None:
     _between("balance_resolution_g", spec.machines.balance_resolution_g, 0.001, 10.0)
 
 
-def bed_mm(m: Machines) -> tuple[float, float]:
-    """Length and width of the printer's bed within its margin. [mm]"""
-    return m.bed_x_mm - 2 * m.bed_margin_mm, m.bed_y_mm - 2 * m.bed_margin_mm
-
-
 def footprint(spec: MouldSpec) -> Outline:
     """What stands in the oven: the tray, or the base of a printed mould."""
     if spec.is_printed:
@@ -246,7 +241,7 @@ def chamber_spare_mm(spec: MouldSpec) -> float:
 def _check_machines(spec: MouldSpec) -> None:
     m, plan = spec.machines, layout(spec)
     largest = "the base of the mould" if spec.is_printed else "the master"
-    _check_fit("printer bed", largest, plan.flange, bed_mm(m), spec)
+    _check_fit("printer bed", largest, plan.flange, m.bed_mm, spec)
     tall = (0.0 if spec.is_printed else spec.box.rim_mm) + plan.height_mm * plan.silicone_scale
     if tall > m.printer_height_mm:
         message = f"the frame is {tall:.0f} mm high, the printer of machines '{m.name}' {m.printer_height_mm:g}"

@@ -15,7 +15,7 @@ from dummydesign.core.parsing import THICKNESSES, read_number
 from dummydesign.mold.files.pour_sheet import Block, to_markdown
 from dummydesign.mold.files.pour_sheet_pdf import Foot, sheet_pdf
 from dummydesign.mold.model.spec import MouldSpec
-from dummydesign.mold.pour.bill_of_materials import HEAD, MaterialItem, materials
+from dummydesign.mold.pour.bill_of_materials import bill_of_materials, materials
 from dummydesign.mold.pour.plan import PourPlan, batches_of, pour_plan
 from dummydesign.mold.pour.steps import BLANK
 from dummydesign.mold.runner import make_mold, papers
@@ -46,11 +46,8 @@ def check_job(thicknesses_mm: Sequence[float], castings: int) -> None:
 
 def job_bill(ordered: Sequence[Ordered], castings: int) -> list[tuple[str, str, str]]:
     """Everything to buy or to have for a job, the first row the head."""
-    merged: dict[tuple[str, str], MaterialItem] = {}
-    for need in (need for one in ordered for need in materials(one.spec, one.plan, one.printed_mm3)):
-        more, key = need.times(castings), (need.what, need.form)
-        merged[key] = merged[key].with_(more) if key in merged else more
-    return [HEAD, *(need.row for need in merged.values())]
+    needs = (need for one in ordered for need in materials(one.spec, one.plan, one.printed_mm3))
+    return bill_of_materials(need.times(castings) for need in needs)
 
 
 def job_sheet(ordered: Sequence[Ordered], castings: int) -> list[Block]:
@@ -111,9 +108,7 @@ def job_inputs(specs: Sequence[MouldSpec], castings: int) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def make_job(
-    specs: Sequence[MouldSpec], castings: int, folder: Path, asked: Question, replace: bool
-) -> dict[str, Any]:
+def make_job(specs: Sequence[MouldSpec], castings: int, folder: Path, asked: Question, replace: bool) -> dict[str, Any]:
     """Make several moulds, all or none."""
     inputs, hashes = job_inputs(specs, castings), [spec.hash for spec in specs]
     moulds: list[dict[str, Any]] = []

@@ -19,7 +19,7 @@ from dummydesign.mold.checks.process import check_process
 from dummydesign.mold.checks.solids import check_shape, check_solids
 from dummydesign.mold.files import picture as view
 from dummydesign.mold.files.drawing_sheet import to_dxf, to_pdf, to_svg
-from dummydesign.mold.files.meshes import coloured_scene, tessellate, write_3mf, write_glb, write_stl
+from dummydesign.mold.files.meshes import tessellate, write_3mf, write_glb, write_stl
 from dummydesign.mold.files.part_drawings import part_views, sheets
 from dummydesign.mold.files.picture import turned_over
 from dummydesign.mold.files.pour_sheet import pour_sheet, to_html, to_markdown
@@ -173,7 +173,7 @@ def _write_views(made: Parts, meshes: dict[str, Any], folder: Path) -> dict[str,
     for name, part in joined.items():
         part.apply_translation(made.parts[name].offset_mm)
     files = {"glb": f"assembly_{made.spec.tag}.glb", "view": f"assembly_{made.spec.tag}.html"}
-    write_glb(coloured_scene(joined, colours, 1e-3), folder / files["glb"])
+    write_glb(joined, colours, folder / files["glb"])
     shown, shown_colours = _shown(made, meshes)
     page = mould_view(shown, shown_colours, f"Mould {made.spec.tag}, specification {made.spec.hash}")
     (folder / files["view"]).write_text(page, encoding="utf-8")

@@ -18,7 +18,7 @@ from dummydesign.mold.files.pour_sheet import pour_sheet, to_markdown
 from dummydesign.mold.model.layout import dowel_places, layout, level_places, pad_scale, parting_mm
 from dummydesign.mold.model.preset import mould_spec
 from dummydesign.mold.model.spec import MouldSpec
-from dummydesign.mold.pour.bill_of_materials import bill_of_materials
+from dummydesign.mold.pour.bill_of_materials import bill_of_materials, materials
 from dummydesign.mold.pour.plan import pour_plan
 from dummydesign.mold.pour.warnings import pour_warnings
 from dummydesign.mold.runner import make_mold
@@ -103,7 +103,7 @@ def test_sheet_list_and_answer_do_not_speak_of_silicone_that_is_cast():
     text = to_markdown(pour_sheet(SPEC, plan, pour_warnings(SPEC, plan)))
     assert "Lift the ring straight up" in text and "wax" in text.lower() and "in the tray" not in text
     assert "mould silicone" not in text and "silicone foams" not in text and "draft of 3 deg" in text
-    bill = " ".join(row[0] for row in bill_of_materials(SPEC, plan, {"mould": 1e5}))
+    bill = " ".join(row[0] for row in bill_of_materials(materials(SPEC, plan, {"mould": 1e5})))
     assert "steel pins" in bill and "PVA" in bill and "ASA: mould" in bill and "silicone" not in bill
     assert MouldSpec.from_dict(SPEC.to_dict()) == SPEC and "silicone" not in SPEC.to_dict()
 

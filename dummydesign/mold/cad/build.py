@@ -189,12 +189,9 @@ def _add_silicone(made: Parts, shift_mm: float) -> None:
     spec, plan = made.spec, made.plan
     made.hull = drafted_prism(plan.bottom, plan.height_mm, spec.body.outer_draft_deg, -spec.body.floor_mm)
     mould = made.hull.cut(*made.cavities)
-    if spec.body.style == "open":
-        mould = mould.cut(*plan.at_places(brim_tool(spec, plan)))
-    else:
-        mould = mould.cut(*mould_tools(spec, plan, made.tools))
-    bars = label_tools(spec, plan)
-    made.tools["label"] = bars
+    lidded = spec.body.style == "lidded"
+    mould = mould.cut(*(mould_tools(made) if lidded else plan.at_places(brim_tool(spec, plan))))
+    bars = made.tools["label"] = label_tools(spec, plan)
     if bars:
         mould = mould.cut(*bars)
     made.add("mould", single_solid(mould), "silicone")
@@ -238,9 +235,8 @@ def _letter(bars: list[Bar], deep_mm: float, land_mm: float) -> list[Any]:
     """Strokes of a letter, fused and without seams."""
     boxes = []
     for bar in bars:
-        box = cq.Solid.makeBox(bar.length_mm, bar.width_mm, deep_mm + 1.0).translate(
-            cq.Vector(-bar.length_mm / 2, -bar.width_mm / 2, land_mm - deep_mm)
-        )
+        box = cq.Solid.makeBox(bar.length_mm, bar.width_mm, deep_mm + 1.0)
+        box = box.translate(cq.Vector(-bar.length_mm / 2, -bar.width_mm / 2, land_mm - deep_mm))
         box = box.rotate(cq.Vector(), cq.Vector(0, 0, 1), bar.angle_deg)
         boxes.append(box.translate(cq.Vector(*bar.middle, 0)))
     if len(boxes) < 2:
@@ -252,8 +248,8 @@ def _letter(bars: list[Bar], deep_mm: float, land_mm: float) -> list[Any]:
 def _add_printed(made: Parts) -> None:
     """Base plate with the floor (``mould``) and ring with the walls (``frame``) of a printed mould."""
     spec, plan = made.spec, made.plan
-    brims, bars = plan.at_places(brim_tool(spec, plan)), label_tools(spec, plan)
-    made.tools["label"] = bars
+    brims = plan.at_places(brim_tool(spec, plan))
+    bars = made.tools["label"] = label_tools(spec, plan)
     part, low = dimensions.parting_mm(spec, plan), -spec.body.floor_mm
     base = drafted_prism(plan.flange, part - low, 0.0, low)
     flange = drafted_prism(plan.flange, min(spec.box.flange_thickness_mm, plan.land_mm - part), 0.0, part)
@@ -318,9 +314,8 @@ def strike_off(spec: MouldSpec, plan: Layout) -> Any:
     face flat at the pad's thickness.
     """
     aids = spec.aids
-    dip = drafted_prism(
-        plan.brim_outline.grown(-aids.plate_clearance_mm), spec.body.freeboard_mm, spec.pad.draft_deg, plan.depth_mm
-    )
+    inner = plan.brim_outline.grown(-aids.plate_clearance_mm)
+    dip = drafted_prism(inner, spec.body.freeboard_mm, spec.pad.draft_deg, plan.depth_mm)
     plate = drafted_prism(plan.top.grown(-1.0), aids.plate_mm, 0.0, plan.land_mm)
     return single_solid(plate.fuse(*plan.at_places(dip)))
 
@@ -347,11 +342,9 @@ def collar(spec: MouldSpec, plan: Layout) -> Any:
     aids = spec.aids
     high = formula.collar_height_mm(plan.depth_mm, spec.pour.foam_factor)
     gap, lip = COLLAR_GAP_MM + spec.machines.elephant_foot_mm, 4.0
-    inner = plan.openings.grown(1.0)
-    outside = plan.top.grown(gap + aids.collar_wall_mm)
-    ring = drafted_prism(outside, high + lip, 0.0, plan.land_mm - lip)
+    ring = drafted_prism(plan.top.grown(gap + aids.collar_wall_mm), high + lip, 0.0, plan.land_mm - lip)
     seat = drafted_prism(plan.top.grown(gap), lip, 0.0, plan.land_mm - lip)
-    return single_solid(ring.cut(drafted_prism(inner, high + 1.0, 0.0, plan.land_mm), seat))
+    return single_solid(ring.cut(drafted_prism(plan.openings.grown(1.0), high + 1.0, 0.0, plan.land_mm), seat))
 
 
 # Clear width between a vent and the wall of the cavity. [mm]
@@ -381,8 +374,12 @@ def carrier(spec: MouldSpec, plan: Layout, finished: Any) -> Any:
     Four vents open at the corners of the cavity, four holes beyond it take the screws that hold pad and plate later.
     """
     low, high = plan.depth_mm - 1.0, plan.land_mm + spec.aids.plate_mm + 1.0
-    tools = cylinders(vent_places(plan), CARRIER_VENT_MM / 2, high - low, low)
-    tools += cylinders(screw_places(plan), spec.box.bolt_hole_mm / 2, high - low, low)
+    # The corners of the fill plane are the last to be reached when the carrier is lowered.
+    vents = _corners(plan.fill_outline, VENT_INSET_MM + CARRIER_VENT_MM / 2)[:CARRIER_VENTS]
+    # Half-way between the cavity and the rim.
+    screws = _corners(plan.top, (plan.top.length_mm - plan.opening.length_mm) / 4)
+    tools = cylinders(vents, CARRIER_VENT_MM / 2, high - low, low)
+    tools += cylinders(screws, spec.box.bolt_hole_mm / 2, high - low, low)
     return single_solid(single_solid(strike_off(spec, plan).cut(*tools)).fuse(finished.scale(plan.scale)))
 
 
@@ -406,17 +403,6 @@ def marked_carrier(spec: MouldSpec, plan: Layout) -> Any:
         for x, y, dx, dy in grooves
     ]
     return single_solid(solid.cut(*tools))
-
-
-def vent_places(plan: Layout) -> tuple[Point, ...]:
-    """Vents in the corners of the fill plane, the last to be reached when the carrier is lowered."""
-    return _corners(plan.fill_outline, VENT_INSET_MM + CARRIER_VENT_MM / 2)[:CARRIER_VENTS]
-
-
-def screw_places(plan: Layout) -> tuple[Point, ...]:
-    """Screw holes in the corners of the land, half-way between the cavity and the rim."""
-    border = (plan.top.length_mm - plan.opening.length_mm) / 4
-    return _corners(plan.top, border)
 
 
 def _corners(outline: Outline, inset_mm: float) -> tuple[Point, ...]:

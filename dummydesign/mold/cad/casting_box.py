@@ -88,15 +88,15 @@ def let_in_sheet(
     return single_solid(part.cut(*made.tools["face_recess"]))
 
 
-def mould_tools(spec: MouldSpec, plan: Layout, tools: dict[str, list[Any]]) -> list[Any]:
+def mould_tools(made: Parts) -> list[Any]:
     """Sockets for the keys and the gutter, as cut into the mould's land."""
-    c = spec.lid
-    tools["keys"] = [ball(point, plan.land_mm, c.key_radius_mm + c.key_clearance_mm) for point in plan.keys]
-    tools["gutter"] = [gutter(spec, plan)]
-    return [*tools["keys"], *tools["gutter"]]
+    plan, c = made.plan, made.spec.lid
+    keys = [ball(point, plan.land_mm, c.key_radius_mm + c.key_clearance_mm) for point in plan.keys]
+    made.tools |= {"keys": keys, "gutter": [_gutter(made.spec, plan)]}
+    return [*keys, *made.tools["gutter"]]
 
 
-def gutter(spec: MouldSpec, plan: Layout) -> Any:
+def _gutter(spec: MouldSpec, plan: Layout) -> Any:
     """Groove of half-round section around the cavity that takes what is squeezed out of the parting gap."""
     line = plan.fill_outline.grown(spec.lid.gutter_distance_mm)
     path = _wire(line, plan.land_mm)

@@ -11,7 +11,7 @@ from dummydesign.mold.cad.label import label_text
 from dummydesign.mold.model import formulas as formula
 from dummydesign.mold.model.spec import MouldSpec, Pour
 from dummydesign.mold.pour.acceptance import acceptance_rows, gauge_points, measured_blanks, points_rows, when_it_fails
-from dummydesign.mold.pour.bill_of_materials import bill_of_materials
+from dummydesign.mold.pour.bill_of_materials import bill_of_materials, materials
 from dummydesign.mold.pour.plan import (
     CUP_FACTOR,
     WITNESS_DIAMETER_MM,
@@ -72,7 +72,7 @@ def pour_sheet(
         Block("table", rows=tuple(acceptance_rows(spec, plan))),
         Block("text", f"Keep these values: {record}. Then name the record in the campaign of this pad."),
         Block("head", "What is needed"),
-        Block("table", rows=tuple(bill_of_materials(spec, plan, printed_mm3))),
+        Block("table", rows=tuple(bill_of_materials(materials(spec, plan, printed_mm3)))),
         Block("head", "Cautions"),
         Block("list", items=tuple(item["message"] for item in warnings)),
     ]

@@ -181,9 +181,7 @@ def read_kind(text: str) -> tuple[str, tuple[tuple[str, float], ...]]:
     return shape.name, shape.parameters
 
 
-def canonical_kind(
-    kind: str, parameters: tuple[tuple[str, float], ...]
-) -> tuple[str, tuple[tuple[str, float], ...]]:
+def canonical_kind(kind: str, parameters: tuple[tuple[str, float], ...]) -> tuple[str, tuple[tuple[str, float], ...]]:
     """Name in small letters and every parameter by its name, so that equal shapes are stored alike."""
     if kind.lower() == PUCK:
         if parameters:

@@ -66,9 +66,7 @@ def _corner(spec: MouldSpec) -> tuple[float, float]:
     return pad.length_mm / 2 - back, pad.width_mm / 2 - back
 
 
-def _point(
-    spec: MouldSpec, name: str, at: tuple[float, float], stands: Sequence[tuple[float, float]]
-) -> GaugePoint:
+def _point(spec: MouldSpec, name: str, at: tuple[float, float], stands: Sequence[tuple[float, float]]) -> GaugePoint:
     pad, shape = spec.pad, spec.pad.shape
     x, y = np.array([at[0] - x for x, _ in stands]), np.array([at[1] - y for _, y in stands])
     nominal = pad.thickness_mm - float(np.min(shape.drop_mm(x, y)))

@@ -67,10 +67,8 @@ def split_batch(
     steps = [max(1, round(total_g * share / resolution_g)) for _, share in components]
     digits = max(0, -math.floor(math.log10(resolution_g)))
     masses = tuple((name, round(n * resolution_g, digits)) for (name, _), n in zip(components, steps))
-    worst = 0.0
-    for (_, share), n in zip(components, steps):
-        worst = max(worst, (abs(n - share * sum(steps)) + 0.5) / (share * sum(steps)))
-    return masses, 100 * worst
+    wanted = [share * sum(steps) for _, share in components]
+    return masses, 100 * max((abs(n - want) + 0.5) / want for n, want in zip(steps, wanted))
 
 
 def pour_plan(spec: MouldSpec, resin_mm3: float | None = None, silicone_mm3: float | None = None) -> PourPlan:
@@ -104,41 +102,31 @@ def _one_pour(
     components, error = split_batch(wanted, pour.components, resolution)
     batch = sum(mass for _, mass in components)
     smallest = min(share for _, share in pour.components)
-    level = formula.level_tolerance_deg(spec.pad.thickness_mm, max(spec.pad.length_mm, spec.pad.width_mm))
+    long = max(spec.pad.length_mm, spec.pad.width_mm)
+    level = formula.level_tolerance_deg(spec.pad.thickness_mm, long)
     mass_mould = silicone_mm3 * spec.tool.density_g_per_cm3 * 1e-3
     warmer = max(0.0, pour.cure_temperature_C - pour.room_temperature_C)
     return PourPlan(
-        cavity_mm3=resin_mm3,
-        pad_mass_g=density * resin_mm3,
-        batch_mass_g=round(batch, 6),
-        components=components,
-        ratio_error_percent=error,
-        batch_for_ratio_g=resolution / (RATIO_ERROR_LIMIT_PERCENT / 100 * smallest),
-        cup_mm3=CUP_FACTOR * batch / density,
-        fill_mass_g=in_mould,
-        gram_per_mm_g=density * face.area_mm2,
+        cavity_mm3=resin_mm3, pad_mass_g=density * resin_mm3, batch_mass_g=round(batch, 6), components=components,
+        ratio_error_percent=error, batch_for_ratio_g=resolution / (RATIO_ERROR_LIMIT_PERCENT / 100 * smallest),
+        cup_mm3=CUP_FACTOR * batch / density, fill_mass_g=in_mould, gram_per_mm_g=density * face.area_mm2,
         silicone_mass_g=0.0 if spec.is_printed else mass_mould * (1 + pour.silicone_extra_percent / 100),
-        mould_mass_g=mass_mould,
-        level_deg=level,
-        level_mm=formula.tilt_error_mm(max(spec.pad.length_mm, spec.pad.width_mm), level),
-        meniscus_mm=formula.meniscus_height_mm(
-            pour.surface_tension_N_per_m, pour.density_g_per_cm3, pour.contact_angle_deg
-        ),
-        meniscus_mm3=_meniscus_mm3(spec, pour),
+        mould_mass_g=mass_mould, level_deg=level, level_mm=formula.tilt_error_mm(long, level),
+        meniscus_mm=formula.meniscus_height_mm(*_liquid(pour)), meniscus_mm3=_meniscus_mm3(spec, pour),
         wall_deflection_mm=formula.wall_deflection_mm(
-            plan.depth_mm, spec.body.wall_mm, spec.tool.young_MPa or 0.0, pour.density_g_per_cm3
-        ),
+            plan.depth_mm, spec.body.wall_mm, spec.tool.young_MPa or 0.0, pour.density_g_per_cm3),
         thermal_growth_mm=plan.bottom.length_mm * (spec.tool.expansion_per_K or 0.0) * warmer,
         collar_mm=formula.collar_height_mm(plan.depth_mm, pour.foam_factor) if pour.degas == "mould" else 0.0,
         pour_time_s=spreading_time_s(spec, pour, film_mm),
-    )
+    )  # fmt: skip
+
+
+def _liquid(pour: Pour) -> tuple[float, float, float]:
+    return pour.surface_tension_N_per_m, pour.density_g_per_cm3, pour.contact_angle_deg
 
 
 def _meniscus_mm3(spec: MouldSpec, pour: Pour) -> float:
-    return formula.meniscus_volume_mm3(
-        pour.surface_tension_N_per_m, pour.density_g_per_cm3, pour.contact_angle_deg,
-        layout(spec).fill_outline.perimeter_mm,
-    )  # fmt: skip
+    return formula.meniscus_volume_mm3(*_liquid(pour), layout(spec).fill_outline.perimeter_mm)
 
 
 def _above_fill_mm3(spec: MouldSpec, pour: Pour) -> float:

@@ -145,9 +145,7 @@ def check_measured(measured: Measured, spec: MouldSpec, points: tuple[GaugePoint
             raise out_of_range(name, f"{value:g}", f"{low:g}", f"{high:g}")
 
 
-def record_pad(
-    measured: Measured, spec: MouldSpec, points: tuple[GaugePoint, ...] | None = None
-) -> PadRecord:
+def record_pad(measured: Measured, spec: MouldSpec, points: tuple[GaugePoint, ...] | None = None) -> PadRecord:
     """Judge a cast pad.
 
     The force is that at a quarter of the designed thickness by the response table, over that of the designed pad:
@@ -210,9 +208,7 @@ def _evened_mm(measured: Measured, spec: MouldSpec, points: tuple[GaugePoint, ..
     return tuple(spec.pad.thickness_mm + off for off in offsets_mm(measured.readings, points).values())
 
 
-def judge(
-    measured: Measured, spec: MouldSpec, points: tuple[GaugePoint, ...] | None = None
-) -> tuple[LimitCheck, ...]:
+def judge(measured: Measured, spec: MouldSpec, points: tuple[GaugePoint, ...] | None = None) -> tuple[LimitCheck, ...]:
     """Each limit of acceptance with what was measured; those that were not measured are left out."""
     limits, pad, points = spec.acceptance, spec.pad, points or gauge_points(spec)
     h, values = pad.thickness_mm, _evened_mm(measured, spec, points)

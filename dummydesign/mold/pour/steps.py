@@ -132,12 +132,6 @@ def _preparing_bone(spec: MouldSpec) -> list[Step]:
                  "Lower the carrier into the empty mould once: it must sit on the land all round.")]  # fmt: skip
 
 
-def _lower_bone() -> Step:
-    return Step("Wet bone and plate with resin. Set the plate down on one edge and lower it like a hinge, slowly, "
-                "until it rests on the land and every vent shows resin; top up through a vent. Clamp it or weigh it "
-                f"down: it must not float. Seated all round: {BLANK}", (CLOSE,))  # fmt: skip
-
-
 def demould_first(spec: MouldSpec) -> str:
     """Where the pad goes when the mould is off."""
     if spec.pad.shape.bone_height_mm:
@@ -236,7 +230,9 @@ def _filling(spec: MouldSpec, plan: PourPlan) -> list[Step]:
 def _closing(spec: MouldSpec, plan: PourPlan) -> list[Step]:
     """What closes an open mould that is filled: a bone's carrier or the strike-off plate."""
     if spec.pad.shape.bone_height_mm:
-        return [_lower_bone()]
+        return [Step("Wet bone and plate with resin. Set the plate down on one edge and lower it like a hinge, slowly, "
+                     "until it rests on the land and every vent shows resin; top up through a vent. Clamp it or weigh "
+                     f"it down: it must not float. Seated all round: {BLANK}", (CLOSE,))]  # fmt: skip
     last, pour = plan.base or plan, spec.base.pour if spec.base else spec.pour
     return [
         Step(f"Prick bubbles, wait {max(30.0, last.pour_time_s):.0f} s for the liquid to level (viscosity "

@@ -31,7 +31,6 @@ from dummydesign.mold.pour.warnings import pour_warnings
 
 SUFFIXES = (".stl", ".step", ".stp")
 TIMEOUT_S = 300.0
-BONE_WORKER = ("-m", "dummydesign.mold.cad.bone")
 
 
 def insert_bone(
@@ -62,7 +61,7 @@ def _measured(asked: dict[str, Any]) -> dict[str, Any]:
     with tempfile.TemporaryDirectory(prefix="dummydesign-bone-") as work:
         question, answer = Path(work) / "asked.json", Path(work) / "answer.json"
         question.write_text(json.dumps(asked), encoding="utf-8")
-        done = _run_module([*BONE_WORKER, str(question), str(answer)], TIMEOUT_S)
+        done = _run_module(["-m", "dummydesign.mold.cad.bone", str(question), str(answer)], TIMEOUT_S)
         if done is None:
             raise NoAnswerError("cad_failed", f"the bone was not read within {TIMEOUT_S:g} s", {}, "bone")
         if not answer.is_file():
@@ -147,14 +146,10 @@ def without_cad(spec: MouldSpec) -> dict[str, Any]:
     """What is known of a mould without CAD: weights from closed forms, warnings, the hash."""
     plan = pour_plan(spec)
     return {
-        "files": {},
-        "masses_g": masses_g(plan.to_dict()),
-        "pour": plan.to_dict(),
-        "batch": batches_of(spec, plan),
-        "spec_hash": spec.hash,
-        "gauge_points": [point.to_dict() for point in gauge_points(spec)],
+        "files": {}, "masses_g": masses_g(plan.to_dict()), "pour": plan.to_dict(), "batch": batches_of(spec, plan),
+        "spec_hash": spec.hash, "gauge_points": [point.to_dict() for point in gauge_points(spec)],
         "warnings": pour_warnings(spec, plan),
-    }
+    }  # fmt: skip
 
 
 def masses_g(pour: dict[str, Any]) -> dict[str, float]:

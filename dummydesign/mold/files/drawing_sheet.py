@@ -196,10 +196,9 @@ def to_svg(sheet: Drawing) -> str:
     w, h = sheet.size
     out = [
         f'<svg xmlns="http://www.w3.org/2000/svg" width="{w:g}mm" height="{h:g}mm" viewBox="0 0 {w:g} {h:g}">',
-        f"<title>{html.escape(sheet.title)}</title>",
-        f'<rect width="{w:g}" height="{h:g}" fill="#fff"/>',
+        f"<title>{html.escape(sheet.title)}</title>", f'<rect width="{w:g}" height="{h:g}" fill="#fff"/>',
         '<g fill="none" stroke="#111" stroke-linejoin="round" stroke-linecap="round">',
-    ]
+    ]  # fmt: skip
     for line in sheet.lines:
         points = " ".join(f"{x:.3f},{h - y:.3f}" for x, y in line.points)
         out.append(f'<polyline stroke-width="{LAYERS[line.layer]}" points="{points}"/>')
@@ -210,9 +209,7 @@ def to_svg(sheet: Drawing) -> str:
         for corners in heads:
             drawn += '<path fill="#111" d="M' + "L".join(f"{x:.3f} {h - y:.3f}" for x, y in corners) + 'Z"/>'
         out.append(f'<g stroke="#111" stroke-width="{LAYERS["dimension"]}" fill="none">{drawn}</g>')
-    out += [_svg_text(text, h) for text in sheet.all_texts]
-    out.append("</svg>")
-    return "\n".join(out) + "\n"
+    return "\n".join([*out, *(_svg_text(text, h) for text in sheet.all_texts), "</svg>", ""])
 
 
 def _svg_text(text: Text, h: float) -> str:
@@ -270,19 +267,15 @@ def draw(canvas: Any, sheet: Drawing) -> None:
         drawn += [f"{_path(corners)} h f" for corners in heads]
     canvas.addLiteral("\n".join(drawn))
     for text in sheet.all_texts:
-        _text(canvas, text)
+        canvas.saveState()
+        canvas.translate(*text.at)
+        if text.upright:
+            canvas.rotate(90)
+        canvas.setFont("Helvetica", text.height / CAP_SHARE)
+        (canvas.drawCentredString if text.middle else canvas.drawString)(0, 0, text.words)
+        canvas.restoreState()
 
 
 def _path(points: Sequence[Point]) -> str:
     (x, y), *rest = points
     return f"{x:.4f} {y:.4f} m " + " ".join([f"{x:.4f} {y:.4f} l" for x, y in rest])
-
-
-def _text(canvas: Any, text: Text) -> None:
-    canvas.saveState()
-    canvas.translate(*text.at)
-    if text.upright:
-        canvas.rotate(90)
-    canvas.setFont("Helvetica", text.height / CAP_SHARE)
-    (canvas.drawCentredString if text.middle else canvas.drawString)(0, 0, text.words)
-    canvas.restoreState()

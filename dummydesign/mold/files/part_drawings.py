@@ -87,11 +87,6 @@ def _faces(solid: Any) -> list[tuple[Any, str, Any]]:
     return [(face, kind, face.normalAt() if kind == "PLANE" else None) for face, kind in kinds]
 
 
-def turned_over(solid: Any) -> Any:
-    """The solid turned by half a turn about the x axis, for a view from below."""
-    return solid.rotate(cq.Vector(), cq.Vector(1, 0, 0), 180)
-
-
 def cut(solid: Any, across: bool = False) -> Section:
     """Outlines (x, z) of a solid cut by the plane y = 0, or (y, z) by the plane x = 0."""
     plane = cq.Face.makePlane(1000.0, 1000.0, cq.Vector(0, 0, 0), cq.Vector(across, not across, 0))
@@ -260,7 +255,7 @@ def _views(made: Parts, name: str) -> list[View]:
     """A section and a view from above under it; a part whose interesting side is below is shown turned over."""
     solid = made.pad_nominal if name == "pad" else made.solid(name)
     if name in TURNED:
-        solid = turned_over(solid)
+        solid = solid.rotate(cq.Vector(), cq.Vector(1, 0, 0), 180)
     rims = holes(solid)
     shape = made.spec.pad.shape
     sites = shape.places_mm if name in ("pad", "carrier") and len(shape.places_mm) > 1 else ()

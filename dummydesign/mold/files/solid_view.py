@@ -77,12 +77,9 @@ def stack(parts: Mapping[str, NDArray], gap_mm: float = 25.0, shift_mm: float = 
 
 def view_html(parts: Sequence[Shown]) -> str:
     """Canvas, controls and packed parts; :func:`view_script` draws them."""
-    packed = [
-        {**pack(one.triangles, one.colour, one.lift_mm), "name": one.name.replace("_", " "), "beside": one.shift_mm,
-         "turned": ", " in one.name}
-        for one in parts
-    ]
-    names = " and ".join(one.name.replace("_", " ") for one in parts)
+    packed = [{**pack(one.triangles, one.colour, one.lift_mm), "name": one.name.replace("_", " "),
+               "beside": one.shift_mm, "turned": ", " in one.name} for one in parts]  # fmt: skip
+    names = " and ".join(one["name"] for one in packed)
     plain = json.dumps(packed, separators=(",", ":")).replace("<", "\\u003c")
     return (
         f"<style>{(_HERE / 'viewer.css').read_text(encoding='utf-8')}</style>"

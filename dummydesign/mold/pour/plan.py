@@ -79,10 +79,10 @@ def pour_plan(spec: MouldSpec, resin_mm3: float | None = None, silicone_mm3: flo
     layers = spec.pad.shape.layers()
     if spec.base is None or layers is None:
         film = spec.pad.least_gel_mm
-        return _one_pour(spec, spec.pour, resin, silicone, _above_fill_mm3(spec, spec.pour), plan.fill_outline, film)
+        return _one_pour(spec, spec.pour, resin, silicone, above_fill_mm3(spec, spec.pour), plan.fill_outline, film)
     upper, _ = dimensions.layer_volumes_mm3(spec)
     base, left_mm = spec.base.pour, spec.pad.thickness_mm - layers[0]
-    under = _one_pour(spec, base, resin - upper, silicone, _above_fill_mm3(spec, base), plan.fill_outline, left_mm)
+    under = _one_pour(spec, base, resin - upper, silicone, above_fill_mm3(spec, base), plan.fill_outline, left_mm)
     # The spacer closes the first pour, so no meniscus stands over it.
     return replace(_one_pour(spec, spec.pour, upper, silicone, 0.0, plan.interface_outline, layers[0]), base=under)
 
@@ -129,20 +129,13 @@ def _meniscus_mm3(spec: MouldSpec, pour: Pour) -> float:
     return formula.meniscus_volume_mm3(*_liquid(pour), layout(spec).fill_outline.perimeter_mm)
 
 
-def _above_fill_mm3(spec: MouldSpec, pour: Pour) -> float:
-    """Resin that stands over the fill plane: stems of a lid or of a bone's carrier, else the meniscus. [mm3]"""
-    if spec.closure is None and not spec.pad.shape.bone_height_mm:
-        return _meniscus_mm3(spec, pour)
-    return stems_mm3(spec)
-
-
-def stems_mm3(spec: MouldSpec) -> float:
-    """Resin that stands in the sprue and the vents of a lid, or in the vents of a bone's carrier. [mm3]"""
+def above_fill_mm3(spec: MouldSpec, pour: Pour) -> float:
+    """Resin over the fill plane: stems in a lid's funnels or the vents of a bone's carrier, else the meniscus. [mm3]"""
     if spec.pad.shape.bone_height_mm:
         high = spec.body.freeboard_mm + spec.aids.plate_mm
         return CARRIER_VENTS * math.pi / 4 * CARRIER_VENT_MM**2 * high
     if spec.closure is None:
-        return 0.0
+        return _meniscus_mm3(spec, pour)
     sprue, *vents = layout(spec).funnels
     return _cone_mm3(sprue, spec.closure.lid_mm) + len(vents) * _cone_mm3(vents[0], spec.closure.lid_mm)
 

@@ -22,7 +22,7 @@ ORDERED = [Ordered(spec, pour_plan(spec), PRINTED) for spec in SPECS]
 # A child that makes one file and the volumes of the closed forms, without CAD.
 CHILD = """
 import json, pathlib, sys
-asked = json.load(open(sys.argv[1])); folder = pathlib.Path(sys.argv[2])
+asked = json.load(open(sys.argv[1])); folder = pathlib.Path(asked["folder"])
 from dummydesign.mold.model.spec import MouldSpec
 from dummydesign.mold.pour.acceptance import gauge_points
 from dummydesign.mold.pour.plan import batches_of
@@ -36,7 +36,7 @@ status = "fail" if spec.pad.thickness_mm == 7.0 else "pass"
 checks = [{"id": "a", "value": 1.0, "limit": 1.0, "status": status}]
 found = {"files": {"spec": "spec.json"}, "volumes_mm3": volumes, "checks": checks, "warnings": [],
          "pour": plan.to_dict(), "batch": batches_of(spec, plan), "step_sha256": "0", "seconds": 1.0, "memory_MB": 1.0}
-(folder / ".result.json").write_text(json.dumps(found))
+pathlib.Path(sys.argv[2]).write_text(json.dumps(found))
 """
 
 

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import json
-import sys
 from pathlib import Path
 from typing import Any
 
@@ -11,10 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.core.errors import InputError
-from dummydesign.core.process import leave
 from dummydesign.geometry.conic import Conic
 from dummydesign.geometry.dimensions import STEEPEST_BONE_DEG
-from dummydesign.mold.cad.kernel import cad_problem, cq, occ
+from dummydesign.mold.cad.kernel import cq, occ
 from dummydesign.mold.cad.solids import heights_over
 
 GRID, ROUNDS = 41, 4
@@ -187,30 +184,16 @@ def measure(bone: Any, asked: dict[str, Any], thickness_mm: float, room_mm: floa
     }  # fmt: skip
 
 
-def main() -> None:
-    """Entry point: read what is asked, write the solid and what was measured, or why not."""
-    asked = json.loads(Path(sys.argv[1]).read_text(encoding="utf-8"))
-    answer: dict[str, Any] = {}
-    try:
-        if problem := cad_problem():
-            answer = {"error": {"code": "cad_unavailable", "message": problem}}
-        else:
-            path = Path(asked["file"])
-            solid, off = read_solid(path)
-            bone = set_into_pad(solid, asked["placing"], asked["thickness_mm"], path.name)
-            answer = {**measure(bone, asked["placing"], asked["thickness_mm"], asked["room_mm"]), "off_file_mm": off}
-            bone.exportBrep(asked["solid"])
-            if off > OFF_FILE_MM:
-                message = f"{MOST_TRIANGLES} triangles are up to {off:.2f} mm off its surface; give STEP"
-                raise _wrong(path.name, message, "too_large")
-    except InputError as problem:
-        fault = problem.code, problem.quantity, problem.value, problem.allowed
-        answer = {"error": {"code": "input", "message": str(problem), "fault": fault}}
-    except Exception as problem:
-        answer = {"error": {"code": "cad_failed", "message": f"{type(problem).__name__}: {problem}"}}
-    Path(sys.argv[2]).write_text(json.dumps(answer), encoding="utf-8")
-
-
-if __name__ == "__main__":
-    main()
-    leave()
+def placed_bone(
+    file: str, solid: str, placing: dict[str, Any], thickness_mm: float, room_mm: float
+) -> dict[str, Any]:
+    """Read a bone from a file, place it, write it as ``solid`` and say what was measured."""
+    path = Path(file)
+    read, off = read_solid(path)
+    bone = set_into_pad(read, placing, thickness_mm, path.name)
+    measured = measure(bone, placing, thickness_mm, room_mm)
+    bone.exportBrep(solid)
+    if off > OFF_FILE_MM:
+        message = f"{MOST_TRIANGLES} triangles are up to {off:.2f} mm off its surface; give STEP"
+        raise _wrong(path.name, message, "too_large")
+    return {**measured, "off_file_mm": off}

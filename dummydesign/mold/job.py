@@ -68,8 +68,7 @@ def job_sheet(ordered: Sequence[Ordered], castings: int) -> list[Block]:
         Block("table", rows=tuple(rows)),
         Block("text", f"A mould is in use for about {hours:g} h a casting: {castings} castings of each take {castings} "
               "cures. Pads of one campaign are best cast of one resin batch; the witness puck goes with every cup."),
-        Block("head", "What is needed for all"),
-        Block("table", rows=tuple(job_bill(ordered, castings))),
+        Block("head", "What is needed for all"), Block("table", rows=tuple(job_bill(ordered, castings))),
     ]  # fmt: skip
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import product
 from pathlib import Path
 from typing import Any
 
@@ -28,14 +29,14 @@ def nearest_dome(
     low, high = np.array([0.0, 0.2 * height_mm]), np.array([np.log(MOST_TIP_MM), room_mm])
     best: tuple[float, float, float] | None = None
     for _ in range(ROUNDS):
-        for tip in np.exp(np.linspace(low[0], high[0], GRID)):
-            for foot in np.linspace(low[1], high[1], GRID):
-                conic = Conic(float(tip), height_mm, float(foot))
-                if conic.factor * height_mm > tip * (1 - 1e-6) or conic.foot_slope_deg > STEEPEST_BONE_DEG - 0.5:
-                    continue
-                off = float(np.sqrt(np.mean((height_mm - conic.sag_mm(radii_mm) - heights_mm) ** 2)))
-                if best is None or off < best[2]:
-                    best = float(tip), float(foot), off
+        tips, feet = np.exp(np.linspace(low[0], high[0], GRID)), np.linspace(low[1], high[1], GRID)
+        for tip, foot in product(tips.tolist(), feet.tolist()):
+            conic = Conic(tip, height_mm, foot)
+            if conic.factor * height_mm > tip * (1 - 1e-6) or conic.foot_slope_deg > STEEPEST_BONE_DEG - 0.5:
+                continue
+            off = float(np.sqrt(np.mean((height_mm - conic.sag_mm(radii_mm) - heights_mm) ** 2)))
+            if best is None or off < best[2]:
+                best = tip, foot, off
         if best is None:
             message = f"bone height = {height_mm:g} mm: no dome so high fits within {room_mm:g} mm of its tip"
             raise InputError(message, "cannot_be_made", "bone_height_mm", height_mm)

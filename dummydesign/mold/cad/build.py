@@ -159,9 +159,8 @@ def build(spec: MouldSpec, bone_file: Path | None = None) -> Parts:
     whole, bone = cavity_solid(spec.pad), bone_solid(spec.pad, placed)
     nominal = whole if bone is None else single_solid(whole.cut(bone))
     made = Parts(spec, plan, nominal)
-    pad = plan.at_places(single_solid(nominal.scale(plan.scale)))[0]
     made.with_bone = None if bone is None else single_solid(whole.scale(plan.scale))
-    made.add("pad", pad, "resin")
+    made.add("pad", plan.at_places(single_solid(nominal.scale(plan.scale)))[0], "resin")
     shift = plan.flange.length_mm / 2 + plan.top.length_mm / 2 + 40.0
     if spec.is_printed:
         _add_printed(made)
@@ -273,19 +272,14 @@ def _holes(made: Parts, low_mm: float, high_mm: float) -> list[Any]:
     return [*bolt_holes(spec, plan.flange, low_mm, high_mm), *pins, *screws]
 
 
-def block_solid(pad: PadGeometry, low_mm: float) -> Any:
-    """Make the drafted slab from a height up to the free face, rounded at its corners and around its lower face."""
-    outline = Outline(pad.length_mm, pad.width_mm, pad.corner_radius_mm)
-    solid = drafted_prism(outline, pad.thickness_mm - low_mm, pad.draft_deg, low_mm)
-    if pad.edge_radius_mm > 0:
-        solid = cq.Workplane(obj=solid).faces("<Z").edges().fillet(pad.edge_radius_mm).val()
-    return single_solid(solid)
-
-
 def cavity_solid(pad: PadGeometry) -> Any:
-    """Make what fills the mould: the pad with its bone."""
-    tops = solids_of(pad.shape).tops(pad)
-    block = block_solid(pad, pad.face_height_mm)
+    """Make what fills the mould, the pad with its bone: a drafted slab, rounded around its lower face, and its tops."""
+    tops, low = solids_of(pad.shape).tops(pad), pad.face_height_mm
+    outline = Outline(pad.length_mm, pad.width_mm, pad.corner_radius_mm)
+    block = drafted_prism(outline, pad.thickness_mm - low, pad.draft_deg, low)
+    if pad.edge_radius_mm > 0:
+        block = cq.Workplane(obj=block).faces("<Z").edges().fillet(pad.edge_radius_mm).val()
+    block = single_solid(block)
     return single_solid(block.fuse(*tops)) if tops else block
 
 
@@ -398,10 +392,8 @@ def marked_carrier(spec: MouldSpec, plan: Layout) -> Any:
                for x in sorted({x for x, _ in places}) for side in (1.0, -1.0)]  # fmt: skip
     grooves += [(side * (pad.length_mm / 2 + off), y, long, MARK_WIDTH_MM)
                 for y in sorted({y for _, y in places}) for side in (1.0, -1.0)]  # fmt: skip
-    tools = [
-        cq.Solid.makeBox(dx, dy, MARK_DEPTH_MM + 1.0).translate(cq.Vector(x - dx / 2, y - dy / 2, low - 1.0))
-        for x, y, dx, dy in grooves
-    ]
+    tools = [cq.Solid.makeBox(dx, dy, MARK_DEPTH_MM + 1.0).translate(cq.Vector(x - dx / 2, y - dy / 2, low - 1.0))
+             for x, y, dx, dy in grooves]  # fmt: skip
     return single_solid(solid.cut(*tools))
 
 

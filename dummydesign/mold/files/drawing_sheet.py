@@ -99,10 +99,8 @@ class Dimension:
     @property
     def reach(self) -> tuple[float, float]:
         """What the dimension takes of its lane, arrows and number included. [mm]"""
-        a, b = self.line
-        axis = int(self.vertical)
-        low, high = sorted((a[axis], b[axis]))
-        box = self.text.box
+        axis, box = int(self.vertical), self.text.box
+        low, high = sorted(end[axis] for end in self.line)
         outside = 0.0 if high - low > 3 * ARROW_MM else ARROW_MM
         return min(low - outside, box[axis]), max(high + outside, box[axis + 2])
 

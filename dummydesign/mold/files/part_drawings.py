@@ -181,6 +181,7 @@ DETAILED = ("pad", "master")
 MOST_WIDTHS, NEAR_MM = 6, 0.3
 NAMES = {"strike_off": "strike-off plate", "lid_master": "master of the lid", "lid_frame": "frame of the lid",
          "face_sheet": "face sheet", "sprue_pin": "sprue pin", "vent_pin": "vent pin"}  # fmt: skip
+PRINTED_NAMES = {**NAMES, "mould": "base of the mould", "frame": "ring of the mould"}
 
 
 
@@ -192,10 +193,11 @@ def part_views(made: Parts) -> dict[str, list[View]]:
 def sheets(made: Parts, views: dict[str, list[View]], date: str = "", paper: str = "A3") -> dict[str, Drawing]:
     """Arrange what is shown of the parts, a sheet each."""
     pad, limits, drawings = made.spec.pad, made.spec.acceptance, {}
+    names = PRINTED_NAMES if made.spec.is_printed else NAMES
     thickness = f"; thickness +-{pad.thickness_mm * limits.thickness_percent / 100:.2f}"
     for count, name in enumerate(views, 1):
         title = Title(
-            f"{pad.title}, {made.spec.preset} mould", f"{_called(made, name)}, t = {pad.thickness_mm:g}",
+            f"{pad.title}, {made.spec.preset} mould", f"{names.get(name, name)}, t = {pad.thickness_mm:g}",
             _material(made, name), f"ISO 2768-m{thickness if name == 'pad' else ''}", made.spec.hash, date or "-",
             f"{count} of {len(views)}",
         )  # fmt: skip
@@ -203,15 +205,8 @@ def sheets(made: Parts, views: dict[str, list[View]], date: str = "", paper: str
     return drawings
 
 
-def _called(made: Parts, name: str) -> str:
-    if made.spec.is_printed and name in ("mould", "frame"):
-        return {"mould": "base of the mould", "frame": "ring of the mould"}[name]
-    return NAMES.get(name, name)
-
-
 def _material(made: Parts, name: str) -> str:
-    spec = made.spec
-    kind = made.parts[name].material.kind
+    spec, kind = made.spec, made.parts[name].material.kind
     if kind == "rigid":
         return spec.plastic.name.upper() if spec.plastic else "rigid plastic"
     if kind == "glass":
@@ -307,9 +302,8 @@ def _heights(solid: Any, loops: Sequence[Run]) -> list[Measure]:
     """Overall height on the left, the other levels from the lowest on the right."""
     heights = levels(solid)
     xs = [x for loop in loops for x, _ in loop]
-    low, high = heights[0], heights[-1]
-    left, right = min(xs), max(xs)
-    return [Measure((left, low), (left, high), "left"),
+    low, left, right = heights[0], min(xs), max(xs)
+    return [Measure((left, low), (left, heights[-1]), "left"),
             *(Measure((right, low), (right, z), "right") for z in heights[1:-1])]  # fmt: skip
 
 
@@ -339,9 +333,7 @@ def _widths(section: Section, rims: Sequence[Hole]) -> list[Measure]:
 
 def _from_above(solid: Any, rims: Sequence[Hole], sites: Sequence[tuple[float, float]] = ()) -> View:
     runs = edges_from_above(solid)
-    xs = [x for run, _ in runs for x, _ in run]
-    ys = [y for run, _ in runs for _, y in run]
-    x0, x1, y0, y1 = min(xs), max(xs), min(ys), max(ys)
+    x0, y0, x1, y1 = View("", tuple(runs)).bounds
     measures = [Measure((x0, y0), (x1, y0), "below"), Measure((x1, y0), (x1, y1), "right")]
     leaders = []
     for hole in rims:

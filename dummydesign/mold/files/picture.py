@@ -42,6 +42,11 @@ def stacked(names: list[str]) -> list[str]:
     return sorted(known, key=lambda name: ("," in name, STACK.index(name.split(",")[0])))
 
 
+def stacks_of(names: list[str]) -> list[list[str]]:
+    """Names of the parts in use, and of those next to them, one over the other."""
+    return [stacked(names), *([name for name in box if name in names] for box in BOXES)]
+
+
 def turned_over(points: NDArray) -> NDArray:
     """Points turned by half a turn about the x axis, at the same heights; shape (..., 3). [mm]"""
     low, high = points[..., 2].min(), points[..., 2].max()
@@ -66,7 +71,6 @@ def scene_of(source: Path) -> Scene:
     data = np.load(source)
     names = list(dict.fromkeys(key.split("/")[0] for key in data.files if "/" in key))
     points = {name: np.asarray(data[f"{name}/vertices"], float) for name in names}
-    stacks = [stacked(names), *([name for name in box if name in names] for box in BOXES[:2])]
     # Unit vectors towards the viewer, to the right and up in the picture.
     away = np.array(VIEW) / np.linalg.norm(VIEW)
     right = np.cross((0.0, 0.0, 1.0), away)
@@ -79,7 +83,7 @@ def scene_of(source: Path) -> Scene:
     side = 0.0
     size = max(np.ptp(part[:, 0]) for part in points.values())
     gap, label_room = GAP_SHARE * size, LABEL_SHARE * size
-    for stack in filter(None, stacks):
+    for stack in filter(None, stacks_of(names)[:3]):
         lifts = exploded({name: (points[name][:, 2].min(), points[name][:, 2].max()) for name in stack}, stack, gap)
         half = max(np.ptp(_corners(points[name]) @ right) for name in stack) / 2
         side += half if labels else 0.0

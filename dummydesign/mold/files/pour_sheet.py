@@ -12,15 +12,7 @@ from dummydesign.mold.model import formulas as formula
 from dummydesign.mold.model.spec import MouldSpec, Pour
 from dummydesign.mold.pour.acceptance import acceptance_rows, gauge_points, measured_blanks, points_rows, when_it_fails
 from dummydesign.mold.pour.bill_of_materials import bill_of_materials, materials
-from dummydesign.mold.pour.plan import (
-    CUP_FACTOR,
-    WITNESS_DIAMETER_MM,
-    WITNESS_HEIGHT_MM,
-    Batch,
-    PourPlan,
-    batch_of,
-    pours_of,
-)
+from dummydesign.mold.pour.plan import CUP_FACTOR, WITNESS_MM, Batch, PourPlan, batch_of, pours_of
 from dummydesign.mold.pour.printing import demould_steps, mould_steps, print_words, tip_words
 from dummydesign.mold.pour.steps import BLANK, demould_first, plug_finish, pour_steps, shape_mark
 
@@ -58,24 +50,19 @@ def pour_sheet(
         Block("text", f"Specification {spec.hash}; {label}. Date {BLANK}  Operator {BLANK}  Resin batch {BLANK}"),
         *([Block("text", f"{pad.title}. {mark[0].upper()}{mark[1:]}.")] if mark else []),
         Block("text", f"Safety: {safety}"),
-        Block("head", "1. The mould"),
-        Block("list", items=_mould_steps(spec, plan)),
+        Block("head", "1. The mould"), Block("list", items=_mould_steps(spec, plan)),
         *_weight_blocks(spec, plan),
-        Block("head", "3. Pour"),
-        Block("list", items=tuple(step.text for step in pour_steps(spec, plan))),
-        Block("head", "When a step fails"),
-        Block("list", items=when_it_fails(spec)),
-        Block("head", "4. Demould and measure"),
-        Block("list", items=_demould_steps(spec)),
+        Block("head", "3. Pour"), Block("list", items=tuple(step.text for step in pour_steps(spec, plan))),
+        Block("head", "When a step fails"), Block("list", items=when_it_fails(spec)),
+        Block("head", "4. Demould and measure"), Block("list", items=_demould_steps(spec)),
         *_gauge_blocks(spec),
         Block("head", "5. Accept or reject" + (", each pad" if spec.count > 1 else "")),
         Block("table", rows=tuple(acceptance_rows(spec, plan))),
         Block("text", f"Keep these values: {record}. Then name the record in the campaign of this pad."),
         Block("head", "What is needed"),
         Block("table", rows=tuple(bill_of_materials(materials(spec, plan, printed_mm3)))),
-        Block("head", "Cautions"),
-        Block("list", items=tuple(item["message"] for item in warnings)),
-    ]
+        Block("head", "Cautions"), Block("list", items=tuple(item["message"] for item in warnings)),
+    ]  # fmt: skip
 
 
 def _gauge_blocks(spec: MouldSpec) -> list[Block]:
@@ -128,10 +115,10 @@ def _aids(spec: MouldSpec) -> str:
 
 
 def _weight_blocks(spec: MouldSpec, plan: PourPlan) -> list[Block]:
-    heads = ("2. Weigh the resin",) if spec.base is None else (
-        "2a. Weigh the resin of the upper layer (poured first)",
-        "2b. Weigh the resin of the base layer (poured second, when the first has gelled)",
-    )  # fmt: skip
+    heads = ["2. Weigh the resin"]
+    if spec.base is not None:
+        heads = ["2a. Weigh the resin of the upper layer (poured first)",
+                 "2b. Weigh the resin of the base layer (poured second, when the first has gelled)"]  # fmt: skip
     return [block for head, one in zip(heads, pours_of(spec, plan))
             for block in (Block("head", head), *_weighing(spec, *one))]  # fmt: skip
 
@@ -148,14 +135,12 @@ def _weighing(spec: MouldSpec, pour: Pour, plan: PourPlan) -> list[Block]:
     rows.append(("total", *(f"{one.total_g:.{digits}f}" for one in mixes), BLANK))
     litres = CUP_FACTOR * mixes[-1].total_g / pour.density_g_per_cm3 * 1e-3
     cup = f"Cup of at least {litres:.2f} litres: the mix foams to four times its volume under vacuum."
-    diameter, height = WITNESS_DIAMETER_MM, WITNESS_HEIGHT_MM
-    witness = (
-        f"Witness: a puck of {diameter:g} mm diameter and {height:g} mm height from the same cup "
-        f"({batch.witness_g:.1f} g). Its mould: dummydesign mold --shape puck --thickness {height:g} --length "
-        f"{diameter:g} --width {diameter:g}. Compress it on the day of the test and read its modulus with: dummydesign "
-        f"resins add-compression TRACE.csv --diameter {diameter:g} --height {height:g} --name NAME --ratio "
-        f"{pour.ratio:.6g}."
-    )
+    diameter, height = WITNESS_MM
+    witness = (f"Witness: a puck of {diameter:g} mm diameter and {height:g} mm height from the same cup "
+               f"({batch.witness_g:.1f} g). Its mould: dummydesign mold --shape puck --thickness {height:g} --length "
+               f"{diameter:g} --width {diameter:g}. Compress it on the day of the test and read its modulus with: "
+               f"dummydesign resins add-compression TRACE.csv --diameter {diameter:g} --height {height:g} --name NAME "
+               f"--ratio {pour.ratio:.6g}.")  # fmt: skip
     return [
         Block("text", f"{pour.resin}, ratio {pour.ratio:.6g} ({pour.ratio_meaning}); balance step {resolution:g} g."),
         Block("table", rows=tuple(rows)),

@@ -53,11 +53,13 @@ class PourPlan:
 
     def to_dict(self) -> dict[str, Any]:
         """Return the fields as plain values; components as {name, mass_g}; ``base`` only when there is one."""
-        parts = [{"name": name, "mass_g": mass} for name, mass in self.components]
-        plain = {**asdict(self), "components": parts, "base": self.base.to_dict() if self.base else None}
-        if self.base is None:
-            del plain["base"]
-        return plain
+        plain = {**asdict(self), "components": _named(self.components)}
+        del plain["base"]
+        return {**plain, "base": self.base.to_dict()} if self.base else plain
+
+
+def _named(components: tuple[tuple[str, float], ...]) -> list[dict[str, Any]]:
+    return [{"name": name, "mass_g": mass} for name, mass in components]
 
 
 def split_batch(
@@ -160,7 +162,8 @@ def spreading_time_s(spec: MouldSpec, pour: Pour, film_mm: float) -> float:
     return 3 * 3 * pour.viscosity_Pa_s / (weight * (film_mm * 1e-3) ** 3 * wave**2)
 
 
-WITNESS_DIAMETER_MM, WITNESS_HEIGHT_MM = 50.0, 30.0
+WITNESS_MM = 50.0, 30.0
+"""Diameter and height of the witness puck."""
 
 
 @dataclass(frozen=True)
@@ -173,8 +176,8 @@ class Mix:
 
     def to_dict(self) -> dict[str, Any]:
         """Return plain values."""
-        parts = [{"name": name, "mass_g": mass} for name, mass in self.components]
-        return {"components": parts, "total_g": self.total_g, "weighing_error_percent": self.error_percent}
+        return {"components": _named(self.components), "total_g": self.total_g,
+                "weighing_error_percent": self.error_percent}  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -200,8 +203,8 @@ class Batch:
 
 def witness_mass_g(pour: Pour) -> float:
     """Liquid for the witness puck. [g]"""
-    volume = math.pi / 4 * WITNESS_DIAMETER_MM**2 * WITNESS_HEIGHT_MM
-    return volume * pour.density_g_per_cm3 * 1e-3
+    diameter, height = WITNESS_MM
+    return math.pi / 4 * diameter**2 * height * pour.density_g_per_cm3 * 1e-3
 
 
 def batch_of(spec: MouldSpec, pour: Pour, plan: PourPlan) -> Batch:

@@ -137,10 +137,9 @@ def check_measured(measured: Measured, spec: MouldSpec, points: tuple[GaugePoint
         ("--modulus", measured.young_kPa, 0.5, 5000.0),
         ("--modulus-error", measured.young_sd_kPa, 0.0, 0.5 * (measured.young_kPa or 5000.0)),
         ("--scale", measured.scale_g, 0.0, 10.0),
-        ("--level", measured.level_deg, 0.0, 10.0),
-        ("--bubbles", measured.bubbles, 0, 10000),
+        ("--level", measured.level_deg, 0.0, 10.0), ("--bubbles", measured.bubbles, 0, 10000),
         ("--gauge", measured.gauge_mm, 0.0, 0.2 * h),
-    ):
+    ):  # fmt: skip
         if value is not None and not low <= value <= high:
             raise out_of_range(name, f"{value:g}", f"{low:g}", f"{high:g}")
 

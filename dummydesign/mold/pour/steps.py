@@ -69,19 +69,15 @@ def plug_finish(spec: MouldSpec) -> str:
     pad, sheet = spec.pad, spec.box.face_sheet_mm
     where = "floor of the base" if spec.is_printed else "plug's top"
     if sheet:
-        return (
-            f"The tested face is the sheet of {sheet:g} mm (drawing face_sheet): gauge it first, another thickness is "
-            f"another face_sheet_mm (measured: {BLANK} mm). Bond it into the pocket with a film of "
-            f"{spec.box.sheet_bond_mm:g} mm, weighed down on a flat plate so that it ends flush with the {where} "
-            f"(step measured: {BLANK} mm), and fill the gap around it."
-        )
+        return (f"The tested face is the sheet of {sheet:g} mm (drawing face_sheet): gauge it first, another "
+                f"thickness is another face_sheet_mm (measured: {BLANK} mm). Bond it into the pocket with a film of "
+                f"{spec.box.sheet_bond_mm:g} mm, weighed down on a flat plate so that it ends flush with the {where} "
+                f"(step measured: {BLANK} mm), and fill the gap around it.")  # fmt: skip
     if not pad.shape.relief_mm:
         return f"The {where} becomes the tested face: sand it, or have a sheet of glass let in (face_sheet_mm)."
     layer = formula.print_layer_mm(pad.shape.relief_mm)
-    return (
-        f"The {where} shapes the tested face and is curved. Print it in layers of at most {layer:.2g} mm, then "
-        "sand it with a soft pad or coat it. Measure its height over the flat with a dial gauge."
-    )
+    return (f"The {where} shapes the tested face and is curved. Print it in layers of at most {layer:.2g} mm, then "
+            "sand it with a soft pad or coat it. Measure its height over the flat with a dial gauge.")  # fmt: skip
 
 
 def shape_mark(spec: MouldSpec) -> str:
@@ -98,11 +94,9 @@ def by_difference(plan: PourPlan, why: str, count: int = 1) -> str:
             f"it, pour in a thin stream into one corner, put the cup back and stop at -{plan.fill_mass_g:.1f} g "
             f"({why}). Do not move the mould. Poured: {' '.join([BLANK] * count)} g"
         )
-    return (
-        f"Put the cup on the balance and tare it. Pour in a thin stream into one corner and put the cup back: the "
-        f"balance shows how much you poured. Stop at -{plan.fill_mass_g:.1f} g ({why}). Do not move the mould. "
-        f"Poured: {BLANK} g"
-    )
+    return ("Put the cup on the balance and tare it. Pour in a thin stream into one corner and put the cup back: the "
+            f"balance shows how much you poured. Stop at -{plan.fill_mass_g:.1f} g ({why}). Do not move the mould. "
+            f"Poured: {BLANK} g")  # fmt: skip
 
 
 def _layer_steps(spec: MouldSpec, plan: PourPlan) -> list[Step]:
@@ -135,16 +129,12 @@ def _preparing_bone(spec: MouldSpec) -> list[Step]:
 def demould_first(spec: MouldSpec) -> str:
     """Where the pad goes when the mould is off."""
     if spec.pad.shape.bone_height_mm:
-        return (
-            "The pad stays on its plate for good: lift both, cut the stems in the vents and the rim flush, and screw "
-            "the plate to the base of the test rig through its four corner holes."
-        )
+        return ("The pad stays on its plate for good: lift both, cut the stems in the vents and the rim flush, and "
+                "screw the plate to the base of the test rig through its four corner holes.")  # fmt: skip
     if len(spec.pad.shape.places_mm) > 1:
-        return (
-            "Slide the pad on release film onto a flat board, then glue it by its free face to the middle of the "
-            "carrier (drawing carrier): its grooves point at the tips, the punch is set down where the lines cross. "
-            "No silicone spray on the face that is tested."
-        )
+        return ("Slide the pad on release film onto a flat board, then glue it by its free face to the middle of the "
+                "carrier (drawing carrier): its grooves point at the tips, the punch is set down where the lines "
+                "cross. No silicone spray on the face that is tested.")  # fmt: skip
     return "Slide the pad on release film onto a flat board. No silicone spray on the face that is tested."
 
 

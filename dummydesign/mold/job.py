@@ -12,8 +12,7 @@ from dummydesign.core.errors import InputError, NoAnswerError, out_of_range
 from dummydesign.core.manifest import Question
 from dummydesign.core.outputs import new_folder
 from dummydesign.core.parsing import THICKNESSES, read_number
-from dummydesign.mold.files.pour_sheet import Block, to_markdown
-from dummydesign.mold.files.pour_sheet_pdf import Foot, sheet_pdf
+from dummydesign.mold.files.pour_sheet import Block, Foot, sheet_pdf, to_markdown
 from dummydesign.mold.model.spec import MouldSpec
 from dummydesign.mold.pour.bill_of_materials import bill_of_materials, materials
 from dummydesign.mold.pour.plan import PourPlan, batches_of, pour_plan

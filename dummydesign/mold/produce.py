@@ -22,8 +22,7 @@ from dummydesign.mold.files.drawing_sheet import to_dxf, to_pdf, to_svg
 from dummydesign.mold.files.meshes import tessellate, write_3mf, write_glb, write_stl
 from dummydesign.mold.files.part_drawings import part_views, sheets
 from dummydesign.mold.files.picture import turned_over
-from dummydesign.mold.files.pour_sheet import pour_sheet, to_html, to_markdown
-from dummydesign.mold.files.pour_sheet_pdf import Foot, sheet_pdf
+from dummydesign.mold.files.pour_sheet import Foot, pour_sheet, sheet_pdf, to_html, to_markdown
 from dummydesign.mold.files.solid_view import mould_view
 from dummydesign.mold.files.step import step_text
 from dummydesign.mold.model.spec import MouldSpec

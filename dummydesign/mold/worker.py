@@ -40,7 +40,7 @@ def _placed(asked: dict[str, Any]) -> dict[str, Any]:
 
 def _made(asked: dict[str, Any]) -> dict[str, Any]:
     load_trimesh()
-    from dummydesign.mold.files.pour_sheet_pdf import Foot
+    from dummydesign.mold.files.pour_sheet import Foot
     from dummydesign.mold.model.spec import MouldSpec
     from dummydesign.mold.produce import produce
 

@@ -14,7 +14,7 @@ import pytest
 
 from dummydesign.mold.cad.build import COLOURS
 from dummydesign.mold.files import picture as view
-from dummydesign.mold.files.pour_sheet_pdf import Foot
+from dummydesign.mold.files.pour_sheet import Foot
 
 
 def test_stacked_parts_never_overlap_in_height():

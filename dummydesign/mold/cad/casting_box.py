@@ -8,15 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from dummydesign.mold.cad.kernel import cq
 from dummydesign.mold.cad.solids import cylinders, drafted_prism, rough_bounds, single_solid
-from dummydesign.mold.model.layout import (
-    Funnel,
-    Layout,
-    Outline,
-    Point,
-    layout,
-    recess_outline,
-    sheet_outline,
-)
+from dummydesign.mold.model.layout import Funnel, Layout, Outline, Point, layout, recess_outline, sheet_outline
 from dummydesign.mold.model.spec import MouldSpec
 
 if TYPE_CHECKING:

@@ -64,10 +64,10 @@ def read_solid(path: Path) -> tuple[Any, float]:
     """One solid of a STEP or STL file, and how far simplified triangles are off the file's. [mm]"""
     if path.suffix.lower() in (".step", ".stp"):
         try:
-            solids: list[Any] = cq.importers.importStep(str(path)).vals()
+            shapes = cq.importers.importStep(str(path)).vals()
         except Exception:
             raise _wrong(path.name, "is not a STEP file that can be read", "file_unreadable") from None
-        bodies = [solid for shape in solids for solid in shape.Solids()]
+        bodies = [solid for shape in shapes for solid in shape.Solids()]
         if len(bodies) != 1:
             raise _wrong(path.name, f"holds {len(bodies)} solids, one is needed")
         return bodies[0], 0.0
@@ -167,7 +167,7 @@ def measure(bone: Any, asked: dict[str, Any], thickness_mm: float, room_mm: floa
     points, faces = bone.copy().tessellate(0.02, 0.1)
     corners = np.array([point.toTuple() for point in points])
     triangles = corners[np.array(faces)]
-    flat = [face for face in bone.Faces() if face.Center().z > thickness_mm - TOUCH_MM]
+    seat_mm2 = sum(face.Area() for face in bone.Faces() if face.Center().z > thickness_mm - TOUCH_MM)
     normal = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
     up = (normal[:, 2] > 1e-3 * np.linalg.norm(normal, axis=1)) & (triangles[..., 2].min(axis=1) < thickness_mm - 1e-3)
     low, high = corners.min(axis=0), corners.max(axis=0)
@@ -179,7 +179,7 @@ def measure(bone: Any, asked: dict[str, Any], thickness_mm: float, room_mm: floa
     heights = np.where(np.isfinite(under), thickness_mm - under, 0.0)
     radius, foot, off = nearest_dome(heights, np.hypot(*grid.T), asked["height_mm"], room_mm)
     return {
-        "volume_mm3": bone.Volume(), "seat_mm2": sum(face.Area() for face in flat), "overhang": bool(up.any()),
+        "volume_mm3": bone.Volume(), "seat_mm2": seat_mm2, "overhang": bool(up.any()),
         "x_low_mm": float(low[0]), "x_high_mm": float(high[0]), "y_low_mm": float(low[1]), "y_high_mm": float(high[1]),
         "off_dome_mm": off, "tip_mm": radius, "foot_mm": foot,
     }  # fmt: skip

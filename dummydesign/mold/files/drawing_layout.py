@@ -151,11 +151,10 @@ def arrange(views: Sequence[View], title: Title, notes: Sequence[str], paper: st
     for row in rows:
         x = w / 2 + (left - right) / 2
         tall = max(one.height for one in row)
-        for one in row:
+        for number, one in enumerate(row):
+            x -= one.box[0] if number else 0.0
             _put(sheet, one, (x, level - tall - one.box[1] + (tall - one.height) / 2))
             x += one.box[2] + GAP_MM
-            following = row[row.index(one) + 1 :]
-            x -= following[0].box[0] if following else 0.0
         level -= tall + GAP_MM
     frame_and_title(sheet, title, notes)
     return sheet
@@ -252,16 +251,14 @@ def _lanes(measures: list[tuple[Point, Point, float]], side: str, edge: float) -
         before = _crossed(Dimension(start, end, 0.0, vertical, value), crossing) and not _crossed(
             Dimension(start, end, 0.0, vertical, value, before=True), crossing
         )
-        for number in range(len(lanes) + 1):
-            at = edge + outwards * (FIRST_MM + LANE_MM * number)
-            made = Dimension(start, end, at, vertical, value, before)
-            if number == len(lanes):
-                lanes.append([made])
-                break
+        for number, lane in enumerate([*lanes, []]):
+            made = Dimension(start, end, edge + outwards * (FIRST_MM + LANE_MM * number), vertical, value, before)
             low, high = made.reach
-            if all(low > other.reach[1] + 2.0 or high < other.reach[0] - 2.0 for other in lanes[number]):
-                lanes[number].append(made)
+            if all(low > other.reach[1] + 2.0 or high < other.reach[0] - 2.0 for other in lane):
                 break
+        lane.append(made)
+        if number == len(lanes):
+            lanes.append(lane)
     return [one for lane in lanes for one in lane]
 
 
@@ -289,19 +286,17 @@ def frame_and_title(sheet: Drawing, title: Title, notes: Sequence[str]) -> None:
     """Add frame, title block at the lower right and notes beside or above it."""
     w, h = sheet.size
     m = MARGIN_MM
-    sheet.lines.append(Line(((m, m), (w - m, m), (w - m, h - m), (m, h - m), (m, m)), "frame"))
     left, top = w - m - WIDE_MM, m + HIGH_MM
-    sheet.lines.append(Line(((left, m), (left, top), (w - m, top)), "frame"))
-    for row in range(1, ROWS):
-        sheet.lines.append(Line(((left, m + row * ROW_MM), (w - m, m + row * ROW_MM)), "thin"))
     middle = left + 92.0
-    sheet.lines.append(Line(((middle, m), (middle, top)), "thin"))
+    sheet.lines += [Line(((m, m), (w - m, m), (w - m, h - m), (m, h - m), (m, m)), "frame"),
+                    Line(((left, m), (left, top), (w - m, top)), "frame"),
+                    *(Line(((left, y), (w - m, y)), "thin") for y in (m + row * ROW_MM for row in range(1, ROWS))),
+                    Line(((middle, m), (middle, top)), "thin")]  # fmt: skip
     cells = (
         (("project", title.project), ("part", title.part)),
         (("material", title.material), ("scale", f"{ratio(sheet.scale)}  {sheet.paper}  lengths in mm")),
-        (("tolerance", title.tolerance), ("revision", title.revision)),
-        (("date", title.date), ("sheet", title.number)),
-    )
+        (("tolerance", title.tolerance), ("revision", title.revision)), (("date", title.date), ("sheet", title.number)),
+    )  # fmt: skip
     for row, pair in enumerate(cells):
         y = top - (row + 1) * ROW_MM + 2.7
         for x, (name, words) in zip((left + 2.0, middle + 2.0), pair):
@@ -345,9 +340,8 @@ def _projection(sheet: Drawing, at: Point) -> None:
         turn = [2 * math.pi * k / 36 for k in range(37)]
         circle = tuple((x + 12.5 + radius * math.cos(t), y + radius * math.sin(t)) for t in turn)
         sheet.lines.append(Line(circle, "outline"))
-    sheet.lines.append(Line(((x - 1.5, y), (x + 7.5, y)), "thin"))
-    sheet.lines.append(Line(((x + 9.0, y), (x + 16.0, y)), "thin"))
-    sheet.lines.append(Line(((x + 12.5, y - 3.5), (x + 12.5, y + 3.5)), "thin"))
+    axes = ((x - 1.5, y), (x + 7.5, y)), ((x + 9.0, y), (x + 16.0, y)), ((x + 12.5, y - 3.5), (x + 12.5, y + 3.5))
+    sheet.lines += [Line(ends, "thin") for ends in axes]
 
 
 LETTER = "A"
@@ -385,13 +379,13 @@ def crown_detail(shape: PadShape, factor: float = 1.0) -> View:
     foot, high = factor * foot, factor * high
     axis = ((0.0, 0.15 * high), (0.0, low))
     measures = (Measure((0.0, 0.0), (foot, -high), "above"), Measure((wide, -high), (0.0, 0.0), "right"))
-    leaders = []
+    leaders: tuple[tuple[Point, str], ...] = ()
     if shape.tip_radius_mm is not None:
         at = -0.35 * foot
         depth = float(_drop(shape, np.array([abs(at) / factor]))[0])
-        leaders.append(((at, -factor * depth), f"R{number_text(factor * shape.tip_radius_mm)} at the tip"))
+        leaders = (((at, -factor * depth), f"R{number_text(factor * shape.tip_radius_mm)} at the tip"),)
     runs = ((border, "bound"), (profile, "cut"), (axis, "thin"))
-    return View(f"detail {LETTER}", runs, measures, tuple(leaders), True, True)
+    return View(f"detail {LETTER}", runs, measures, leaders, True, True)
 
 
 def font_file(name: str) -> Path | None:

@@ -17,7 +17,6 @@ from typing import Any
 from dummydesign.mold.cad.label import label_text
 from dummydesign.mold.files.drawing_layout import font_file
 from dummydesign.mold.files.drawing_sheet import PAPERS, Drawing, binary_streams, draw
-from dummydesign.mold.model import formulas as formula
 from dummydesign.mold.model.spec import MouldSpec, Pour
 from dummydesign.mold.pour.acceptance import acceptance_rows, gauge_points, measured_blanks, points_rows, when_it_fails
 from dummydesign.mold.pour.bill_of_materials import bill_of_materials, materials
@@ -63,7 +62,10 @@ def pour_sheet(
         *_weight_blocks(spec, plan),
         Block("head", "3. Pour"), Block("list", items=tuple(step.text for step in pour_steps(spec, plan))),
         Block("head", "When a step fails"), Block("list", items=when_it_fails(spec)),
-        Block("head", "4. Demould and measure"), Block("list", items=_demould_steps(spec)),
+        Block("head", "4. Demould and measure"), Block("list", items=(
+            *demould_steps(spec), demould_first(spec), measured_blanks(spec.count),
+            f"Age {spec.pour.age_before_test_days:g} days at room temperature before testing; test pad and witness on "
+            "one day.")),
         *_gauge_blocks(spec),
         Block("head", "5. Accept or reject" + (", each pad" if spec.count > 1 else "")),
         Block("table", rows=tuple(acceptance_rows(spec, plan))),
@@ -174,20 +176,6 @@ def _batch_words(spec: MouldSpec, pour: Pour, plan: PourPlan, batch: Batch, digi
         f"Mix {batch.mix.total_g:.{digits}f} g and pour {batch.pour_g:.1f} g of it into the mould{each}.", error,
         f"{pour.film_loss_g:g} g stay on cup and stirrer; {pour.extra_percent:g} % of the pour are spare.", rest,
     ]  # fmt: skip
-
-
-def _demould_steps(spec: MouldSpec) -> tuple[str, ...]:
-    pad = spec.pad
-    suction = formula.suction_force_N(pad.length_mm * pad.width_mm)
-    peel = formula.peel_force_N(min(pad.length_mm, pad.width_mm), 5.0)
-    release = (f"Never pull it straight: air pressure alone can hold {suction:.0f} N on the sealed face. Peel a corner "
-               "of the mould's wall outwards, let air in, and roll the mould off the pad "
-               f"(about {peel:.1f} N at 5 J/m2).",)  # fmt: skip
-    return (
-        *(demould_steps(spec) if spec.is_printed else release), demould_first(spec), measured_blanks(spec.count),
-        f"Age {spec.pour.age_before_test_days:g} days at room temperature before testing; test pad and witness on one "
-        "day.",
-    )  # fmt: skip
 
 
 def to_markdown(blocks: Sequence[Block]) -> str:

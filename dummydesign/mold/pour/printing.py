@@ -159,10 +159,14 @@ def mould_steps(spec: MouldSpec, plastic: str, face: str) -> tuple[str, ...]:
 
 
 def demould_steps(spec: MouldSpec) -> tuple[str, ...]:
-    """How the pad is taken out of a rigid mould."""
+    """How the pad is taken out of a soft mould, or of a rigid one."""
     pad = spec.pad
     hold = formula.suction_force_N(pad.length_mm * pad.width_mm)
     peel = formula.peel_force_N(min(pad.length_mm, pad.width_mm), 5.0)
+    if not spec.is_printed:
+        return (f"Never pull it straight: air pressure alone can hold {hold:.0f} N on the sealed face. Peel a corner "
+                "of the mould's wall outwards, let air in, and roll the mould off the pad "
+                f"(about {peel:.1f} N at 5 J/m2).",)  # fmt: skip
     return (
         f"Never pull the pad out of the ring: air pressure alone can hold {hold:.0f} N on the sealed face. Turn the "
         "mould over onto release film on a flat board and take the bolts out.",

@@ -207,14 +207,12 @@ def _degas_in_mould(spec: MouldSpec, plan: PourPlan) -> list[Step]:
 
 def _filling(spec: MouldSpec, plan: PourPlan) -> list[Step]:
     """Filling an open mould that is level: at once, in two layers, or under a bone."""
+    why = f"the step of the brim is the fill line; {plan.gram_per_mm_g:.1f} g fill one millimetre"
     if spec.pad.shape.bone_height_mm:
         bone = bone_volume_mm3(spec) * 1e-3
         why = f"the bone displaces {bone:.1f} cm3, so the resin stands below the step of the brim"
-        return [Step(by_difference(plan, why), (POUR,)), *_closing(spec, plan)]
-    if plan.base is not None:
-        return [*_layer_steps(spec, plan), *_closing(spec, plan)]
-    why = f"the step of the brim is the fill line; {plan.gram_per_mm_g:.1f} g fill one millimetre"
-    return [Step(by_difference(plan, why, spec.count), (POUR,)), *_closing(spec, plan)]
+    steps = [Step(by_difference(plan, why, spec.count), (POUR,))]
+    return [*(steps if plan.base is None else _layer_steps(spec, plan)), *_closing(spec, plan)]
 
 
 def _closing(spec: MouldSpec, plan: PourPlan) -> list[Step]:

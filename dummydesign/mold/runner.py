@@ -66,7 +66,8 @@ def _measured(asked: dict[str, Any]) -> dict[str, Any]:
         return measured
     if "fault" in measured["error"]:
         raise InputError(*measured["error"]["fault"])
-    raise NoAnswerError(measured["error"]["code"], measured["error"]["message"], {}, "bone")
+    code, message = measured["error"]["code"], measured["error"]["message"]
+    raise NoAnswerError(code, message, {}, "bone")
 
 
 WORKER = ("-m", "dummydesign.mold.worker")

@@ -88,7 +88,9 @@ def _answered(
                                   encoding="utf-8", errors="replace", timeout=timeout_s, env=environment)  # fmt: skip
         except subprocess.TimeoutExpired:
             return None, {}
-        return done, json.loads(answer.read_text(encoding="utf-8")) if answer.is_file() else {}
+        # One that was stopped by its limit may have been writing.
+        whole = answer.is_file() and not ran_out(done.returncode)
+        return done, json.loads(answer.read_text(encoding="utf-8")) if whole else {}
 
 
 def _last_line(done: subprocess.CompletedProcess[str], without: str) -> str:

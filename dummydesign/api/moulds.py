@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Iterable, Mapping
 from os import PathLike, fspath
 from pathlib import Path
@@ -180,7 +181,8 @@ def _make_one(
     with new_folder(folder, asked, replace=replace) as output:
         head = {"inputs": {**inputs, "out": str(output.folder)}, "sources": list(spec.sources)}
         try:
-            mould = make_mold(spec, output.work, bone_file=bone_file)
+            made = make_mold(spec, output.work, bone_file=bone_file)
+            mould = dataclasses.replace(made, files=output.settled(made.files))
         except NoAnswerError as reason:
             result = output.settled({**head, **reason.result})
             raise NoAnswerError(reason.code, output.settled(str(reason)), result, reason.quantity) from None

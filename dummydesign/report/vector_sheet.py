@@ -283,7 +283,7 @@ def _font(text: Text) -> str:
     try:
         text.words.encode("cp1252")
     except UnicodeEncodeError:
-        from dummydesign.mold.files.pour_sheet_pdf import fonts
+        from dummydesign.mold.files.pour_sheet import fonts
 
         return fonts()[int(text.face == "bold")]
     return PDF_FONTS[text.face]

@@ -90,12 +90,9 @@ class Insert:
     @property
     def words(self) -> str:
         """The warning that goes out with it."""
-        text = (
-            f"the bone comes from {self.file} (scale {self.placing.scale:g}); finite elements take the nearest dome in "
-            f"its place, which is {self.off_dome_mm:.2f} mm off its underside (root mean square)"
-        )
         simpler = f"; its triangles were simplified by up to {self.off_file_mm:.3f} mm" if self.off_file_mm else ""
-        return text + simpler
+        return (f"the bone comes from {self.file} (scale {self.placing.scale:g}); finite elements take the nearest "
+                f"dome in its place, which is {self.off_dome_mm:.2f} mm off its underside (root mean square){simpler}")
 
 
 @dataclass(frozen=True)
@@ -181,9 +178,7 @@ def read_kind(text: str) -> tuple[str, tuple[tuple[str, float], ...]]:
     return shape.name, shape.parameters
 
 
-def canonical_kind(
-    kind: str, parameters: tuple[tuple[str, float], ...]
-) -> tuple[str, tuple[tuple[str, float], ...]]:
+def canonical_kind(kind: str, parameters: tuple[tuple[str, float], ...]) -> tuple[str, tuple[tuple[str, float], ...]]:
     """Name in small letters and every parameter by its name, so that equal shapes are stored alike."""
     if kind.lower() == PUCK:
         if parameters:
@@ -370,8 +365,7 @@ class MouldSpec:
         if not self.machines.layer_mm:
             del plain["machines"]["layer_mm"]
         if not self.box.face_sheet_mm:
-            for name in ("face_sheet_mm", "sheet_bond_mm", "sheet_rim_mm"):
-                del plain["box"][name]
+            plain["box"] = {key: value for key, value in plain["box"].items() if "sheet" not in key}
         return plain
 
     def canonical(self) -> str:

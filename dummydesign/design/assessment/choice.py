@@ -299,8 +299,9 @@ def _undecided(taken: int, pads: Sequence[_Contender], scores: dict[int, TissueS
             continue
         rank = np.argsort(np.argsort(strength))
         thirds = [gain[rank < len(gain) // 3], gain[rank >= len(gain) - len(gain) // 3]]
-        sizes = [one.mean() / (one.std(ddof=1) / np.sqrt(len(one))) for one in thirds]
-        if min(sizes) < -SURE and max(sizes) > SURE:
+        means = np.array([one.mean() for one in thirds])
+        sure = SURE * np.array([one.std(ddof=1) for one in thirds]) / np.sqrt(len(gain) // 3)
+        if (means < -sure).any() and (means > sure).any():
             return f"cannot choose between the {kind} and the {other} pad until the resin's relaxation is measured"
     return None
 

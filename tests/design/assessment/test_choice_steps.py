@@ -253,6 +253,12 @@ def test_an_end_of_the_relaxation_counts_from_two_standard_errors_of_its_third()
     flat = [SimpleNamespace(**{**vars(pad), "cast": SimpleNamespace(pours=lambda: Pours(0 * beta, 0 * beta, 0 * beta))})
             for pad in pads]  # fmt: skip
     assert _undecided(0, flat, {0: scores(np.ones((1, 60))), 1: scores(np.zeros((1, 60)))}) is None
+    # scores without scatter, alike or not, are no division by zero
+    level = scores(np.zeros((1, 60)))
+    assert _undecided(0, pads, {0: level, 1: level}) is None
+    assert _undecided(0, pads, {0: scores(np.ones((1, 60))), 1: level}) is None
+    ends = scores(np.repeat([-0.1, 0.0, 0.1], 20)[None])
+    assert _undecided(0, pads, {0: ends, 1: level}) is not None
 
 
 def test_neighbours_in_ratio_that_rank_no_lower_are_looked_at_too(monkeypatch):

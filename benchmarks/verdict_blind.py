@@ -33,10 +33,13 @@ from dummydesign.design.assessment.castings import Castings, Tolerances  # noqa:
 from dummydesign.design.inputs import resolve  # noqa: E402
 from dummydesign.design.measured_pad import verdict_of_traces  # noqa: E402
 from dummydesign.design.request import Request  # noqa: E402
-from dummydesign.design.scoring.score import CLASSES, Readings, classes, deviations  # noqa: E402
 from dummydesign.design.scoring.verdict import (  # noqa: E402
+    CLASSES,
     LEVELS,
     LIGHTS,
+    Readings,
+    classes,
+    deviations,
     ranges_of,
     verdict,
 )

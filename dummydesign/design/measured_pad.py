@@ -15,8 +15,7 @@ from dummydesign.design.assessment.castings import COUNT
 from dummydesign.design.assessment.safety import tissue_press
 from dummydesign.design.request import face_of
 from dummydesign.design.scoring.presses import Sampling
-from dummydesign.design.scoring.score import Ranges, Readings
-from dummydesign.design.scoring.verdict import LEVELS, Verdict, verdict
+from dummydesign.design.scoring.verdict import LEVELS, Ranges, Readings, Verdict, verdict
 from dummydesign.design.test_setup import check_edge, check_numbers, tissue_warnings
 from dummydesign.geometry.dimensions import PUNCH
 from dummydesign.geometry.interface import CONDITIONS, Interface

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from dummydesign.core.errors import InputError, NoAnswerError
-from dummydesign.design.scoring.score import TOLERANCE
+from dummydesign.design.scoring.verdict import TOLERANCE
 from dummydesign.geometry.dimensions import PAD_EXTENT_MM, RIM_FREE_MM
 from dummydesign.geometry.pad_shape import Array, PadShape
 

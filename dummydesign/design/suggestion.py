@@ -13,8 +13,8 @@ from dummydesign.core.errors import NoAnswerError
 from dummydesign.core.serialise import Serialised, to_plain
 from dummydesign.design.assessment.castings import GROUPS, TISSUE, Tolerances
 from dummydesign.design.request import PAPER
-from dummydesign.design.scoring.score import TOLERANCE
 from dummydesign.design.scoring.targets import Targets
+from dummydesign.design.scoring.verdict import TOLERANCE
 from dummydesign.design.search.best_of_kinds import low_force
 from dummydesign.geometry.dimensions import PAD_EXTENT_MM, PAD_LENGTH_MM, PAD_WIDTH_MM
 from dummydesign.geometry.pad_shape import PadShape

@@ -17,9 +17,8 @@ from dummydesign.design.measured_pad import PARABOLA, energy_of, peak_of
 from dummydesign.design.options import LARGEST_ERROR, SuggestOptions, command_words, read_options
 from dummydesign.design.request import PAPER
 from dummydesign.design.scoring.presses import SAMPLES, Curves, Slabs
-from dummydesign.design.scoring.score import deviations
 from dummydesign.design.scoring.settings import verdict_limits
-from dummydesign.design.scoring.verdict import Correction, _ending, _reading_words, whole_percents
+from dummydesign.design.scoring.verdict import Correction, _ending, _reading_words, deviations, whole_percents
 from dummydesign.design.suggestion import (
     LOSS_PERCENT,
     CentringTolerance,

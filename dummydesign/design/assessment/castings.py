@@ -14,9 +14,9 @@ from dummydesign.core.errors import InputError
 from dummydesign.core.quantity import HALF_WIDTH
 from dummydesign.core.serialise import Serialised
 from dummydesign.design.scoring.presses import Slabs, make_curves, steady_depth
-from dummydesign.design.scoring.score import Evaluation, Readings, evaluate
+from dummydesign.design.scoring.score import Evaluation, evaluate
 from dummydesign.design.scoring.targets import Targets
-from dummydesign.design.scoring.verdict import Verdict, ranges_of, readings_of, verdict
+from dummydesign.design.scoring.verdict import Readings, Verdict, ranges_of, readings_of, verdict
 from dummydesign.pad.force_law import ForceLaw
 
 if TYPE_CHECKING:

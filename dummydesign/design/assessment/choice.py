@@ -24,20 +24,15 @@ from dummydesign.design.assessment.castings import (
 )
 from dummydesign.design.scoring.law_parameters import gamma1_score, rough_parametric
 from dummydesign.design.scoring.presses import make_curves
-from dummydesign.design.scoring.score import (
-    CLASSES,
-    STANDS_FOR,
-    USABLE,
-    Evaluation,
-    classes,
-    evaluate,
-    evaluated_gamma1,
-    scored_for,
-)
+from dummydesign.design.scoring.score import Evaluation, evaluate, evaluated_gamma1, scored_for
 from dummydesign.design.scoring.verdict import (
     ACCEPTABLE,
     BORDERLINE,
+    CLASSES,
+    STANDS_FOR,
+    USABLE,
     acceptability_rank,
+    classes,
     classes_of,
     deviations_of,
     ranges_of,

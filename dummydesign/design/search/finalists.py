@@ -13,8 +13,7 @@ from dummydesign.core.cache import cached
 from dummydesign.core.errors import NoAnswerError
 from dummydesign.core.interpolation import monotone_cubic
 from dummydesign.design.request import Progress, quiet
-from dummydesign.design.scoring.score import deviations
-from dummydesign.design.scoring.verdict import NOT_ACCEPTABLE, ranges_of, readings_of, representative
+from dummydesign.design.scoring.verdict import NOT_ACCEPTABLE, deviations, ranges_of, readings_of, representative
 from dummydesign.design.search.best_of_kinds import Shaped
 from dummydesign.design.search.shape_family import FamilyLaw
 from dummydesign.design.search.slabs import SearchSpace, search

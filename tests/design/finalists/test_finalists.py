@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from dummydesign.core.errors import NoAnswerError
-from dummydesign.design.scoring.score import Readings
 from dummydesign.design.scoring.settings import verdict_limits
+from dummydesign.design.scoring.verdict import Readings
 from dummydesign.design.search import finalists as resolved_by_fem
 from dummydesign.design.search.finalists import ElementsLaw, near, solve_leading
 from tests.support.judged_pads import away, ranges

@@ -33,12 +33,8 @@ from dummydesign.design.scoring.presses import (
     steady_depth,
 )
 from dummydesign.design.scoring.score import (
-    Deviations,
     Evaluation,
-    Ranges,
-    Readings,
     closeness,
-    deviations,
     evaluate,
     evaluated_gamma1,
     halving,
@@ -46,6 +42,7 @@ from dummydesign.design.scoring.score import (
     steady_gamma1,
 )
 from dummydesign.design.scoring.targets import make_targets
+from dummydesign.design.scoring.verdict import Deviations, Ranges, Readings, deviations
 from dummydesign.measurement.motion import ramp_and_hold
 from tests.support.slab_by_formula import LayerLaw, make_tissue
 

@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from dummydesign.core.errors import DummydesignError
 from dummydesign.core.parsing import DECELERATION, EDGE, FORCE, HOLD, VELOCITY, positive, read_number, read_numbers
 from dummydesign.design.assessment.castings import COUNT
-from dummydesign.design.assessment.safety import tissue_press
 from dummydesign.design.request import face_of
+from dummydesign.design.safety import tissue_press
 from dummydesign.design.scoring.presses import Sampling
 from dummydesign.design.scoring.verdict import LEVELS, Ranges, Readings, Verdict, verdict
 from dummydesign.design.test_setup import check_edge, check_numbers, tissue_warnings

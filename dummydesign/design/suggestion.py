@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from dummydesign.design.assessment.castings import PadCastings, PourYield
     from dummydesign.design.assessment.choice import Choice, Expectation, MeasureFirst
     from dummydesign.design.request import Request
-    from dummydesign.design.safety_view import SafetyView
+    from dummydesign.design.safety import SafetyView
     from dummydesign.design.scoring.verdict import Verdict
     from dummydesign.design.search.best_of_kinds import ShapeComparison
     from dummydesign.design.search.finalists import ElementsLaw

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from dummydesign.core.errors import InputError
-from dummydesign.design.assessment.safety import impact, tissue_body
 from dummydesign.design.measured_pad import verdict_of_traces
+from dummydesign.design.safety import impact, tissue_body
 from dummydesign.design.scoring.presses import Sampling, Slabs, make_curves
 from dummydesign.design.scoring.score import evaluate, steady_gamma1
 from dummydesign.design.scoring.targets import make_targets

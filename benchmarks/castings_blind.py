@@ -313,7 +313,7 @@ def designs_of(tissue: str, shape: str, thickness: float, knowledge: str) -> lis
     ranks = acceptability_rank(evaluation, space.targets)
     levels: dict[str, list[tuple]] = {}
     for at, ratio in enumerate(ratios):
-        one = DesignCandidate(best.thickness_mm, float(ratio), at, evaluation, None, 0.0, 0.0, int(ranks[at]))
+        one = DesignCandidate(best.thickness_mm, float(ratio), at, evaluation, rank=int(ranks[at]))
         judged = verdict_of_design(replace(answer.castings, candidate=one))
         levels.setdefault(judged.level, []).append((answer, float(ratio), judged, False))
     kept = {best.ratio: (answer, best.ratio, answer.verdict, True)}

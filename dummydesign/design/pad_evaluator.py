@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from dummydesign.core.errors import InputError
 from dummydesign.core.quantity import HALF_WIDTH
@@ -18,7 +17,7 @@ from dummydesign.design.assessment.castings import (
     verdict_of_design,
 )
 from dummydesign.design.request import PAPER, Protocol
-from dummydesign.design.scoring.presses import SAMPLES, Curves, Sampling, Slabs, make_curves, steady_depth
+from dummydesign.design.scoring.presses import SAMPLES, Curves, Sampling, Slabs, make_curves
 from dummydesign.design.scoring.score import evaluate
 from dummydesign.design.scoring.settings import verdict_limits
 from dummydesign.design.scoring.targets import Targets, make_targets
@@ -59,8 +58,8 @@ def verdict_of_pad(
     targets = make_targets(tissue, aim, sampling, protocol)
     slabs = Slabs(curves, np.array([0]), np.array([pad.young_MPa]), tau, beta.reshape(1, len(tau)))
     evaluation = evaluate(slabs, targets, sampling, exact=True)
-    candidate = DesignCandidate(thickness, 0.0, 0, evaluation, None, 0.0, 0.0)
-    reached = evaluation.depth_mm[0][np.isfinite(evaluation.depth_mm[0])]
+    candidate = DesignCandidate(thickness, 0.0, 0, evaluation)
+    reached = candidate.depth_mm[np.isfinite(candidate.depth_mm)]
     error = float(np.nan_to_num(np.max(curve.relative_error(reached), initial=0.0))) if len(reached) else 0.0
     width = float(np.hypot(0.5 * np.log(young["high"] / young["low"]), error)) / HALF_WIDTH
     drawn = pad.young_MPa * np.exp(width * np.random.default_rng(SEED).standard_normal(DRAWS))
@@ -69,7 +68,7 @@ def verdict_of_pad(
     missing = len(reached) < evaluation.depth_mm.shape[1]
     bound = [f"depth over thickness (at most {limit / thickness:.2f})"] if missing else []
     judged = verdict(
-        ranges_of(targets), readings_of(evaluation, 0), spread, bound, of="pads with a modulus in its interval",
+        ranges_of(targets), candidate.readings, spread, bound, of="pads with a modulus in its interval",
         measured=readings_of(evaluate(slabs, targets, sampling.coarse)), limits=targets.limits,
     )  # fmt: skip
     return judged, candidate, targets
@@ -87,12 +86,6 @@ class EvaluatedPad:
     candidate: DesignCandidate
     law: ForceLaw
     verdict: Verdict
-
-    def steady_depth_mm(self, force_N: NDArray) -> NDArray:
-        """Depth at steady forces; NaN out of reach. [mm]"""
-        evaluation = self.candidate.evaluation
-        speed, sampling = evaluation.protocol.slow_mm_s, evaluation.sampling.coarse
-        return np.asarray(steady_depth(evaluation.slabs, force_N, speed, sampling)[0])
 
 
 def law_of_shape(
@@ -117,9 +110,9 @@ def one_pad(law: ForceLaw, space: SearchSpace, thickness_mm: float, ratio: float
     curves = make_curves(law, np.array([thickness_mm]), space.radius_mm)
     slabs = make_slabs(curves, np.array([0]), space.resin, np.array([ratio]))
     evaluation = evaluate(slabs, space.targets, space.sampling, exact=True)
-    candidate = DesignCandidate(thickness_mm, ratio, 0, evaluation, None, 0.0, 0.0)
+    candidate = DesignCandidate(thickness_mm, ratio, 0, evaluation)
     bound = limits_that_bind(candidate, space.thickness_mm, space.ratio)
-    return EvaluatedPad(candidate, law, verdict(ranges_of(space.targets), readings_of(evaluation, 0), None, bound))
+    return EvaluatedPad(candidate, law, verdict(ranges_of(space.targets), candidate.readings, None, bound))
 
 
 class NotTabulated(InputError):

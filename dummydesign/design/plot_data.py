@@ -148,15 +148,15 @@ def suggestion_curves(answer: Suggestion) -> SuggestionCurves:
     """Work out what a report draws of a suggestion."""
     targets, here = answer.targets, answer.best.thickness_mm
     grids = force_grids(targets.protocol)
-    depth, slabs = steady_curve(answer.best, grids), answer.best.evaluation.slabs
+    depth = answer.best.steady_depth_mm(grids.pad)
     exponent = exponent_over_thickness(answer, answer.law, grids)
     return SuggestionCurves(
         forces_N=grids,
         pad_depth_mm=depth,
         castings_mm=answer.castings.depth_band_mm(grids.pad),
-        limit_mm=float(slabs.curves.limit_mm[slabs.slab[answer.best.index]]),
+        limit_mm=answer.best.limit_mm,
         pad_depth_at_needed_mm=float(np.interp(targets.protocol.needed_N, grids.pad, depth)),
-        other_depths_mm=tuple(steady_curve(other.candidate, grids) for other in answer.alternatives),
+        other_depths_mm=tuple(other.candidate.steady_depth_mm(grids.pad) for other in answer.alternatives),
         subjects_extrapolated_mm=targets.depth_range_mm(grids.extrapolated),
         subjects_measured_mm=targets.depth_range_mm(grids.measured),
         aim_depth_mm=targets.aim_depth_mm(grids.aim),
@@ -171,16 +171,9 @@ def suggestion_curves(answer: Suggestion) -> SuggestionCurves:
     )
 
 
-def steady_curve(candidate: DesignCandidate, grids: ForceGrids) -> NDArray:
-    """Depth of a design at ``grids.pad`` of steady force; NaN out of reach. [mm]"""
-    evaluation = candidate.evaluation
-    slabs = evaluation.slabs.take(np.array([candidate.index]))
-    return steady_depth(slabs, grids.pad, evaluation.protocol.slow_mm_s, evaluation.sampling.coarse)[0]
-
-
 def relative_force(candidate: DesignCandidate, targets: Targets, grids: ForceGrids) -> NDArray:
     """Steady force of a design over the aim's, at the depths where the aim carries ``grids.relative``."""
-    aim, depth = targets.aim_depth_mm(grids.relative), steady_curve(candidate, grids)
+    aim, depth = targets.aim_depth_mm(grids.relative), candidate.steady_depth_mm(grids.pad)
     known = np.isfinite(depth)
     ln_force = np.interp(
         np.log(aim), np.log(depth[known]), np.log(grids.pad[known]), left=np.nan, right=np.nan
@@ -270,7 +263,7 @@ def _pressed(answer: Suggestion, candidate: DesignCandidate, shape: PadShape) ->
     from dummydesign.core.cache import cached
 
     forces = np.array(answer.targets.protocol.forces_N)
-    depths = candidate.evaluation.depth_mm[candidate.index, : len(forces)]
+    depths = candidate.depth_mm[: len(forces)]
     reached = np.isfinite(depths)
     if not reached.any():
         raise NoAnswerError("no_feasible_design", "the pad reaches no force of the test", quantity="pad")

@@ -327,10 +327,9 @@ def safety_view(
 ) -> SafetyView:  # fmt: skip
     """Work out the safety view of a suggestion."""
     sampling = answer.targets.sampling
-    slabs = answer.best.evaluation.slabs.take(np.array([answer.best.index]))
+    slabs, depths = answer.best.alone, answer.best.depth_mm
     presses, checked = [], []
     area = answer.punch.area_mm2
-    depths = answer.best.evaluation.depth_mm[answer.best.index]
     for column, condition in enumerate(answer.targets.conditions):
         force, speed = condition.steady_force_N, condition.velocity_mm_s
         tissue = tissue_press(condition.range, answer.tissue.law, sampling)

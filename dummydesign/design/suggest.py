@@ -103,7 +103,7 @@ def _verify(chosen: Chosen, inputs: Inputs) -> Verification:
         text = f"{chosen.shape} was designed with its response table; predict --fidelity 3d solves it in minutes"
         return not_verified(text)
     law = circle_of(chosen.cast)
-    depth = best.evaluation.depth_mm[best.index, : len(space.targets.protocol.forces_N)]
+    depth = best.depth_mm[: len(space.targets.protocol.forces_N)]
     depth = depth[np.isfinite(depth)]
     depth = depth[depth <= make_curves(law, [thickness], radius).limit_mm[0]]
     forces = young * np.asarray(law.force(depth, thickness, 1.0, radius))

@@ -193,11 +193,9 @@ def design_dict(design: RecommendedDesign, resin: Resin, targets: Targets) -> di
 def condition_rows(candidate: DesignCandidate, targets: Targets, shape: PadShape) -> list[dict[str, Any]]:
     """One row a condition; a condition out of reach has no depth and gives the reason."""
     rows, at, thickness = [], candidate.index, candidate.thickness_mm
-    gel = thickness - shape.bone_height_mm
-    slabs = candidate.evaluation.slabs
-    limit = float(slabs.curves.limit_mm[slabs.slab[at]])
+    gel, limit = thickness - shape.bone_height_mm, candidate.limit_mm
     for column, condition in enumerate(targets.conditions):
-        steady_mm = float(candidate.evaluation.depth_mm[at, column])
+        steady_mm = float(candidate.depth_mm[column])
         depth = steady_mm if np.isfinite(steady_mm) else None
         peak = None if depth is None else float(candidate.evaluation.presses[column].peak_N[at])
         low, high = condition.range.peak_low_N, condition.range.peak_high_N
@@ -391,7 +389,7 @@ def centring_tolerance(
 
     if shape.flat_top or not shape.axisymmetric:
         return None
-    slabs = best.evaluation.slabs.take(np.array([best.index]))
+    slabs = best.alone
     depth = slabs.curves.depth_at(slabs.slab, np.array([forces_N]) / slabs.young_MPa[0])[0]
     if not np.isfinite(depth).any():
         return None

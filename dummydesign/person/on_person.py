@@ -276,8 +276,7 @@ def design_on_people(answer: Suggestion, drive: Drive, limits: Limits | None = N
 
 def predicted_traces(answer: Suggestion) -> list[Trace]:
     """Return the predicted press of each condition as a trace, with a short approach before contact."""
-    slabs = answer.best.evaluation.slabs.take(np.array([answer.best.index]))
-    depths = answer.best.evaluation.depth_mm[answer.best.index]
+    slabs, depths = answer.best.alone, answer.best.depth_mm
     traces = []
     for column, condition in enumerate(answer.targets.conditions):
         if not np.isfinite(depths[column]):

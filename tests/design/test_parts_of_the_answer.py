@@ -19,6 +19,7 @@ from dummydesign.design.request import PAPER
 from dummydesign.design.scoring.presses import SAMPLES, Curves, Slabs
 from dummydesign.design.scoring.settings import verdict_limits
 from dummydesign.design.scoring.verdict import Correction, _ending, _reading_words, deviations, whole_percents
+from dummydesign.design.search.slabs import DesignCandidate
 from dummydesign.design.suggestion import (
     LOSS_PERCENT,
     CentringTolerance,
@@ -49,7 +50,7 @@ def pressed_candidate(depths=(1.0, np.nan)):
     presses = tuple(SimpleNamespace(peak_N=np.array([99.0, peak])) for peak in (7.0, np.nan))
     evaluation = SimpleNamespace(slabs=slabs, depth_mm=np.array([[9.0, 9.0], depths]), presses=presses,
                                  inside=np.array([[0.0, 0.0], [0.75, 0.0]]))  # fmt: skip
-    return SimpleNamespace(index=1, thickness_mm=12.0, evaluation=evaluation)
+    return DesignCandidate(12.0, 15.0, 1, evaluation)
 
 
 def test_conditions_of_a_design_are_its_own_and_one_out_of_reach_says_why():
@@ -115,7 +116,7 @@ def test_only_slow_depths_that_the_circle_reaches_are_verified(monkeypatch):
     monkeypatch.setattr(suggest, "standard_press", lambda request: True)
     monkeypatch.setattr(suggest, "verify_design", lambda *given: asked.append(given))
     depth = np.array([[9.0] * 6, [1.0, np.nan, 2.6, 1.0, 2.0, 2.4]])
-    best = SimpleNamespace(evaluation=SimpleNamespace(depth_mm=depth), index=1, ratio=15.0, thickness_mm=10.0)
+    best = DesignCandidate(10.0, 15.0, 1, SimpleNamespace(depth_mm=depth))
     from dummydesign.geometry.shapes.slab import Slab
 
     chosen = SimpleNamespace(result=SimpleNamespace(best=best), cast=None, shape=Slab())
@@ -132,7 +133,7 @@ def test_the_way_a_punch_may_be_moved_is_to_the_side_of_the_contact():
     depth = np.linspace(0.0, 4.0, SAMPLES)
     curves = Curves(np.array([10.0]), np.array([4.0]), 10.0 * depth[None])
     slabs = Slabs(curves, np.array([0]), np.array([0.5]), (1.0,), np.ones((1, 1)))
-    best = SimpleNamespace(evaluation=SimpleNamespace(slabs=slabs), index=0, thickness_mm=10.0)
+    best = DesignCandidate(10.0, 15.0, 0, SimpleNamespace(slabs=slabs))
     crown = SimpleNamespace(flat_top=False, axisymmetric=True)
     touch = Touch(np.linspace(0.0, 4.0, 9), 2.0 * np.linspace(0.0, 4.0, 9), np.zeros(9))
     found = centring_tolerance(best, crown, 7.9, 7.0, (5.0, 15.0, 18.0, 30.0), touch=touch)
@@ -224,7 +225,7 @@ def test_speeds_far_from_those_of_the_subjects_are_named(monkeypatch, kind, fact
 
 def chosen_of(low=0.9, depths=(1.0, 2.0), thickness=10.0, ratio=15.0, flat=True, comparisons=()):
     evaluation = SimpleNamespace(depth_mm=np.array([[9.0, 9.0], depths]), low_force_range=np.array([0.0, low]))
-    best = SimpleNamespace(evaluation=evaluation, index=1, thickness_mm=thickness, ratio=ratio)
+    best = DesignCandidate(thickness, ratio, 1, evaluation)
     return SimpleNamespace(result=SimpleNamespace(best=best), shape=SimpleNamespace(flat_top=flat, plain=True),
                            comparisons=comparisons, law=SimpleNamespace(notes=()))  # fmt: skip
 
@@ -389,7 +390,7 @@ def test_limits_bind_where_a_design_lies_at_them():
 
     def bound(depth, thickness=10.0, ratio=15.0):
         evaluation = SimpleNamespace(depth_mm=np.array([[1.0, 1.0], [1.0, depth]]), slabs=slabs)
-        one = SimpleNamespace(evaluation=evaluation, index=1, thickness_mm=thickness, ratio=ratio)
+        one = DesignCandidate(thickness, ratio, 1, evaluation)
         return limits_that_bind(one, SPACE.thickness_mm, SPACE.ratio)
 
     assert bound(4.94) == () and bound(4.96) == ("depth over thickness (at most 0.50)",) and len(bound(np.nan)) == 1

@@ -122,7 +122,7 @@ class PadCastings:
     @cached_property
     def error(self) -> float:
         """Largest stated error of the force law over the pressed depths; 0 where none is stated."""
-        depth = self.candidate.evaluation.depth_mm[self.candidate.index]
+        depth = self.candidate.depth_mm
         known = depth[np.isfinite(depth)]
         stated = np.asarray(self.law.relative_error(known, self.candidate.thickness_mm, self.space.radius_mm))
         return float(np.max(stated[np.isfinite(stated)], initial=0.0))
@@ -181,10 +181,7 @@ def poured_slabs(law: ForceLaw, pours: Pours, space: SearchSpace) -> Slabs:
 
 def limits_that_bind(candidate: DesignCandidate, thickness_mm: NDArray, ratio: NDArray) -> tuple[str, ...]:
     """Which limits a design lies at: depth over thickness, and the ends of what was searched."""
-    depth = candidate.evaluation.depth_mm[candidate.index]
-    slabs = candidate.evaluation.slabs
-    limit = float(slabs.curves.limit_mm[slabs.slab[candidate.index]])
-    bound = []
+    depth, limit, bound = candidate.depth_mm, candidate.limit_mm, []
     if not np.isfinite(depth).all() or np.nanmax(depth) >= AT_LIMIT * limit:
         bound.append(f"depth over thickness (at most {limit / candidate.thickness_mm:.2f})")
     for name, value, steps, unit in (
@@ -200,9 +197,8 @@ def verdict_of_design(cast: PadCastings, beyond: float = 1.0) -> Verdict:
     """Verdict on a design: at central estimates, over its castings, and with the limits that bind it."""
     space, candidate = cast.space, cast.candidate
     bound = limits_that_bind(candidate, space.thickness_mm, space.ratio)
-    own = readings_of(candidate.evaluation, candidate.index)
     return verdict(
-        ranges_of(space.targets), own, cast.readings(), bound, measured=cast.readings(RESIN),
+        ranges_of(space.targets), candidate.readings, cast.readings(), bound, measured=cast.readings(RESIN),
         limits=space.targets.limits, beyond=beyond,
     )  # fmt: skip
 

@@ -111,7 +111,7 @@ def _of_forces(chosen: Chosen, space: SearchSpace) -> Warnings:
     best = chosen.result.best
     notes = []
     for column, condition in enumerate(space.targets.conditions):
-        if not np.isfinite(best.evaluation.depth_mm[best.index, column]):
+        if not np.isfinite(best.depth_mm[column]):
             force, speed = condition.steady_force_N, condition.velocity_mm_s
             notes.append(("out_of_reach", f"{force:g} N at {speed:g} mm/s is out of reach and counts as out of range"))
     low = float(best.evaluation.low_force_range[best.index])

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from dummydesign.core.errors import InputError, NoAnswerError, unknown_name
 from dummydesign.core.serialise import Serialised, to_plain
 from dummydesign.design.request import PAPER
-from dummydesign.design.scoring.presses import DEPTH_SHARE, steady_depth
+from dummydesign.design.scoring.presses import DEPTH_SHARE
 from dummydesign.design.scoring.targets import Targets
 from dummydesign.design.scoring.verdict import NOT_ACCEPTABLE
 from dummydesign.design.search.shape_family import Designs, Family, FamilyLaw, designable_kinds, load_family
@@ -243,14 +243,12 @@ class LowForce(Serialised):
 
 def low_force(candidate: DesignCandidate, targets: Targets) -> LowForce:
     """Compare a design with the aim and the subjects' range over 0.5 to 15 N."""
-    index, evaluation = candidate.index, candidate.evaluation
-    slabs = evaluation.slabs.take(np.array([index]))
-    protocol, sampling = targets.protocol, targets.sampling.coarse
+    index, evaluation, slabs, protocol = candidate.index, candidate.evaluation, candidate.alone, targets.protocol
     area = np.array(protocol.exponent_at_N) / slabs.young_MPa[0]
     depth = slabs.curves.depth_at(slabs.slab, area[None])
     exponent = (slabs.curves.slope_at(slabs.slab, depth) * depth / area)[0]
-    deepest = float(steady_depth(slabs, protocol.forces_N[-1], protocol.slow_mm_s, sampling)[0])
-    wide = steady_depth(slabs, protocol.wide_N, protocol.slow_mm_s, sampling)[0]
+    deepest = float(candidate.steady_depth_mm(np.array([protocol.forces_N[-1]]))[0])
+    wide = candidate.steady_depth_mm(protocol.wide_N)
     return LowForce(
         misfit(wide, protocol.wide_N, targets.aim_depth_mm(protocol.misfit_N), protocol.misfit_N),
         float(evaluation.low_force_range[index]),
@@ -267,14 +265,6 @@ def misfit(depth_mm: NDArray, force_N: NDArray, aim_depth_mm: NDArray, aim_N: ND
         return None
     away = np.log(force_at(aim_depth_mm, depth_mm, force_N) / aim_N)
     return float(np.sqrt(np.mean(away**2)))
-
-
-def steady_force(candidate: DesignCandidate, depth_mm: NDArray) -> NDArray:
-    """Steady force of a design at depths, through its steady curve; NaN beyond it. [N]"""
-    slabs = candidate.evaluation.slabs.take(np.array([candidate.index]))
-    protocol, sampling = candidate.evaluation.protocol, candidate.evaluation.sampling.coarse
-    wide = steady_depth(slabs, protocol.wide_N, protocol.slow_mm_s, sampling)[0]
-    return force_at(depth_mm, wide, protocol.wide_N)
 
 
 def force_at(at_mm: NDArray, depth_mm: NDArray, force_N: NDArray) -> NDArray:

@@ -13,7 +13,7 @@ from dummydesign.core.cache import cached
 from dummydesign.core.errors import NoAnswerError
 from dummydesign.core.interpolation import monotone_cubic
 from dummydesign.design.request import Progress, quiet
-from dummydesign.design.scoring.verdict import NOT_ACCEPTABLE, deviations, ranges_of, readings_of, representative
+from dummydesign.design.scoring.verdict import NOT_ACCEPTABLE, deviations, ranges_of, representative
 from dummydesign.design.search.best_of_kinds import Shaped
 from dummydesign.design.search.shape_family import FamilyLaw
 from dummydesign.design.search.slabs import SearchSpace, search
@@ -109,7 +109,7 @@ def solved_shares(shaped: Shaped, radius_mm: float) -> NDArray:
     """
     best = shaped.result.best
     limit = float(replace(shaped.law, cast=True).depth_limit_mm(best.thickness_mm, radius_mm)) / best.thickness_mm
-    pressed = best.evaluation.depth_mm[best.index] / best.thickness_mm
+    pressed = best.depth_mm / best.thickness_mm
     last = min(limit, BEYOND * float(np.max(pressed))) if np.isfinite(pressed).all() else limit
     if not shaped.shape.axisymmetric:
         return FIELD_SHARES * last
@@ -307,7 +307,7 @@ def _nearly(shaped: Shaped, space: SearchSpace) -> bool:
     best, targets = shaped.result.best, space.targets
     if best.rank > NOT_ACCEPTABLE:
         return True
-    differences = deviations(ranges_of(targets), readings_of(best.evaluation, best.index))
+    differences = deviations(ranges_of(targets), best.readings)
     # the safe side knows no tie, so its own limit is moved
     limits = replace(targets.limits, tie=MOVED).moved("stands_shortfall", 1.0 + MOVED)
     return bool(representative(differences, limits)[0])

@@ -14,10 +14,18 @@ from numpy.typing import NDArray
 from dummydesign.core.errors import NoAnswerError, out_of_range
 from dummydesign.core.serialise import Serialised
 from dummydesign.design.scoring.law_parameters import fit_presses, gamma1_score, parametric_score, rough_parametric
-from dummydesign.design.scoring.presses import Curves, Sampling, Slabs, join_curves, join_slabs, make_curves
+from dummydesign.design.scoring.presses import (
+    Curves,
+    Sampling,
+    Slabs,
+    join_curves,
+    join_slabs,
+    make_curves,
+    steady_depth,
+)
 from dummydesign.design.scoring.score import Evaluation, evaluate, evaluated_gamma1
 from dummydesign.design.scoring.targets import Targets
-from dummydesign.design.scoring.verdict import acceptability_rank
+from dummydesign.design.scoring.verdict import Readings, acceptability_rank, readings_of
 from dummydesign.geometry.dimensions import PAD_LENGTH_MM, PAD_WIDTH_MM, THICKNESS_MM
 from dummydesign.pad.force_law import ForceLaw
 from dummydesign.resin.model.resin import Resin
@@ -146,12 +154,38 @@ class DesignCandidate:
     ratio: float
     index: int
     evaluation: Evaluation
-    parameters: Any
-    parametric: float
-    total: float
+    parameters: Any = None
+    parametric: float = 0.0
+    total: float = 0.0
     # Whether it may be cast, by its verdict; what its castings are expected to lose of the merit.
     rank: int = 0
     loss: float = 0.0
+
+    @property
+    def alone(self) -> Slabs:
+        """The one design to press."""
+        return self.evaluation.slabs.take(np.array([self.index]))
+
+    @property
+    def depth_mm(self) -> NDArray:
+        """Steady depth in each condition; NaN out of reach. [mm]"""
+        return self.evaluation.depth_mm[self.index]
+
+    @property
+    def limit_mm(self) -> float:
+        """Depth to which the pad is designed. [mm]"""
+        slabs = self.evaluation.slabs
+        return float(slabs.curves.limit_mm[slabs.slab[self.index]])
+
+    @property
+    def readings(self) -> Readings:
+        """Peaks, energies and steady depths of the one design."""
+        return readings_of(self.evaluation, self.index)
+
+    def steady_depth_mm(self, force_N: NDArray) -> NDArray:
+        """Depth at steady forces after the slowest ramp; NaN out of reach. [mm]"""
+        speed, sampling = self.evaluation.protocol.slow_mm_s, self.evaluation.sampling.coarse
+        return np.asarray(steady_depth(self.alone, force_N, speed, sampling)[0])
 
     def merit(self, low_share: float | None = None) -> float:
         """By what designs are ranked: the total, with a share (by default the weights') of the closeness below 5 N."""
@@ -302,9 +336,8 @@ def with_parameters(candidates: Sequence[DesignCandidate], space: SearchSpace) -
     lacking = [candidate for candidate in candidates if candidate.parameters is None] if arms else []
     if not lacking:
         return tuple(candidates)
-    own = [(c.evaluation.slabs.take(np.array([c.index])), c.evaluation.depth_mm[[c.index]]) for c in lacking]
-    fits = fit_presses(join_slabs([one for one, _ in own]), space.targets, np.concatenate([d for _, d in own]),
-                       space.sampling)  # fmt: skip
+    slabs, depth = join_slabs([one.alone for one in lacking]), np.stack([one.depth_mm for one in lacking])
+    fits = fit_presses(slabs, space.targets, depth, space.sampling)
     scores = iter(zip(fits, parametric_score(fits, space.targets)))
     done = []
     for candidate in candidates:

@@ -149,8 +149,7 @@ def test_just_beyond_is_within_what_solving_moves_forces(monkeypatch, aim, short
         readings.peak_N[1] = band.peak_high_N[1] / (shortfall or 1.0)
         readings.peak_N[4] = band.peak_high_N[4] * (over or 1.0)
     monkeypatch.setattr(resolved_by_fem, "ranges_of", lambda _: band)
-    monkeypatch.setattr(resolved_by_fem, "readings_of", lambda *_: readings)
-    found = SimpleNamespace(best=SimpleNamespace(rank=0, index=0, evaluation=None))
+    found = SimpleNamespace(best=SimpleNamespace(rank=0, readings=readings))
     space = SimpleNamespace(targets=SimpleNamespace(aim=aim, limits=verdict_limits()))
     assert resolved_by_fem._nearly(SimpleNamespace(result=found), space) == nearly
 

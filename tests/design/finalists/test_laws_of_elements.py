@@ -21,6 +21,7 @@ from dummydesign.design.search.finalists import (
     near,
     solved_shares,
 )
+from dummydesign.design.search.slabs import DesignCandidate
 from dummydesign.geometry.dimensions import PAD_EXTENT_MM
 
 
@@ -78,7 +79,7 @@ def test_the_error_is_that_of_the_elements_and_beyond_them_at_least_the_tables()
 def shaped(depths=(1.0, 2.0, 3.0), thickness=10.0, flat=True, axisymmetric=True, share=0.5, name="crowned", **lengths):
     shape = SimpleNamespace(name=name, axisymmetric=axisymmetric, flat_top=flat, parameters=tuple(lengths.items()))
     evaluation = SimpleNamespace(depth_mm=np.array([[9.0] * len(depths), depths]))
-    best = SimpleNamespace(thickness_mm=thickness, evaluation=evaluation, index=1)
+    best = DesignCandidate(thickness, 15.0, 1, evaluation)
     return SimpleNamespace(shape=shape, law=Table(share=share), result=SimpleNamespace(best=best))
 
 

@@ -27,10 +27,9 @@ from dummydesign.design.search.best_of_kinds import (
     misfit,
     mixable,
     prescreen,
-    steady_force,
 )
 from dummydesign.design.search.shape_family import Designs, FamilyLaw, TableFamily
-from dummydesign.design.search.slabs import SearchResult
+from dummydesign.design.search.slabs import DesignCandidate, SearchResult
 from dummydesign.geometry.shape_registry import read_shape
 from dummydesign.geometry.shapes.slab import Slab
 
@@ -124,13 +123,13 @@ def test_the_misfit_is_the_root_mean_square_of_the_logarithm():
     assert misfit(short, wide, aim) is None and misfit(np.full(200, np.nan), wide, aim) is None
 
 
-def candidate(power=2.0, young=0.06, **more):
+def candidate(power=2.0, young=0.06):
     depth = 6.0 * np.linspace(0.0, 1.0, SAMPLES)
     curves = Curves(np.array([9.0, 10.0]), np.array([6.0, 6.0]), np.stack([depth, 20.0 * depth**power]))
     slabs = Slabs(curves, np.array([0, 1]), np.array([1.0, young]), (1e-9,), np.zeros((2, 1)))
     evaluation = SimpleNamespace(slabs=slabs, protocol=PAPER, sampling=Sampling(), low_force_range=np.array([0.0, 0.4]),
                                  steady_state_range=np.array([0.0, 0.7]))  # fmt: skip
-    return SimpleNamespace(index=1, evaluation=evaluation, thickness_mm=10.0, **more)
+    return DesignCandidate(10.0, 15.0, 1, evaluation)
 
 
 def test_a_design_against_the_aim_at_low_force():
@@ -142,9 +141,9 @@ def test_a_design_against_the_aim_at_low_force():
     assert found.depth_over_thickness == pytest.approx(np.sqrt(15.0 / 1.2) / 10.0, rel=1e-3)
     stiff = low_force(candidate(young=0.12), targets)
     assert stiff.misfit_rms_ln_force == pytest.approx(np.log(2.0), abs=0.03)
-    at = np.array([1.0, 3.0, 6.5])
-    np.testing.assert_allclose(steady_force(candidate(), at)[:2], 1.2 * at[:2] ** 2, rtol=5e-3)
-    assert np.isnan(steady_force(candidate(), at)[2])
+    at, curve = np.array([1.0, 3.0, 6.5]), (candidate().steady_depth_mm(PAPER.wide_N), PAPER.wide_N)
+    np.testing.assert_allclose(force_at(at, *curve)[:2], 1.2 * at[:2] ** 2, rtol=5e-3)
+    assert np.isnan(force_at(at, *curve)[2])
 
 
 class Soft:

@@ -26,6 +26,7 @@ from dummydesign.design.plot_data import (
 )
 from dummydesign.design.request import PAPER
 from dummydesign.design.scoring.presses import SAMPLES, Curves, Sampling, Slabs
+from dummydesign.design.search.slabs import DesignCandidate
 from dummydesign.pad.force_law import BaseForceLaw
 
 POWER = 2.0
@@ -150,7 +151,7 @@ def power_slabs(limit=5.0, power=POWER):
 
 def candidate_of(slabs):
     evaluation = SimpleNamespace(slabs=slabs, protocol=PAPER, sampling=Sampling())
-    return SimpleNamespace(evaluation=evaluation, index=0)
+    return DesignCandidate(10.0, 15.0, 0, evaluation)
 
 
 def test_a_relative_force_is_the_pads_at_the_aims_depth():
@@ -236,7 +237,7 @@ def test_a_pad_is_solved_at_the_forces_it_reaches_with_its_own_modulus(monkeypat
     monkeypatch.setattr(module, "_solved", lambda pad, depth: {"states": [{"depth": d} for d in depth]})
     monkeypatch.setattr(module, "_drawn", lambda pad, force, state: (force, state["depth"]))
     evaluation = SimpleNamespace(depth_mm=np.array([[9.0] * 6, [1.5, 2.5, np.nan, 1.4, 2.4, np.nan]]))
-    candidate = SimpleNamespace(evaluation=evaluation, index=1, thickness_mm=8.123, ratio=14.0)
+    candidate = DesignCandidate(8.123, 14.0, 1, evaluation)
     from dummydesign.geometry.shapes.slab import Slab
 
     found = _pressed(answer(punch=None, resin=Resin()), candidate, Slab())

@@ -32,7 +32,6 @@ from dummydesign.design.search.slabs import (
     search_each,
     with_parameters,
 )
-from dummydesign.geometry.dimensions import PAD_LENGTH_MM, PAD_WIDTH_MM
 from dummydesign.geometry.pad_shape import PadShape
 from dummydesign.geometry.shape_registry import read_shape
 from dummydesign.geometry.shapes.slab import Slab
@@ -42,17 +41,8 @@ if TYPE_CHECKING:
     from dummydesign.resin.model.resin import Resin
 
 
-TRIED, AROUND_STEPS, REFINED = 6, 2, 4
+SIEVED, TRIED, AROUND_STEPS, REFINED = 400, 6, 2, 4
 SIEVE_STEP = 3
-
-
-@dataclass(frozen=True)
-class Prescreened:
-    """Castable designs that reach the aim's depth at 15 N, by rising misfit, with their best modulus (M,)."""
-
-    designs: Designs
-    misfit: NDArray
-    young_MPa: NDArray
 
 
 @dataclass(frozen=True)
@@ -75,64 +65,51 @@ class Shaped:
         return self.result.best.worth()
 
 
-def prescreen(family: Family, targets: Targets, thickness_mm: NDArray, young_MPa: tuple[float, float], radius_mm: float,
-          count: int = 400, pad_mm: tuple[float, float] = (PAD_LENGTH_MM, PAD_WIDTH_MM),
-          thicknesses: int | None = None) -> Prescreened:  # fmt: skip
-    """Misfit of every candidate of a family with its best modulus inside a range."""
+def misfits(family: Family, designs: Designs, targets: Targets, young_MPa: NDArray, radius_mm: float) -> NDArray:
+    """Misfit (M,) of pads to the aim with their best modulus inside a range; NaN where the force is not known."""
     forces = targets.protocol.misfit_N[::SIEVE_STEP]
-    depth = targets.aim_depth_mm(forces)
-    designs = family.candidates(thickness_mm, radius_mm)
-    limit = family.limit_mm(designs, radius_mm)
-    deep = np.minimum(limit, DEPTH_SHARE * designs.thickness_mm) >= depth[-1]
-    designs = replace(designs, limit_mm=limit).take(deep)
-    wanted = np.log(forces)
-    misfit, best = np.full(len(designs.thickness_mm), np.nan), np.empty(len(designs.thickness_mm))
+    depth, misfit = targets.aim_depth_mm(forces), np.full(len(designs.thickness_mm), np.nan)
     for start in range(0, len(misfit), 4000):
         rows = np.arange(start, min(start + 4000, len(misfit)))
         area = family.area_mm2(designs.take(rows), np.broadcast_to(depth, (len(rows), len(depth))), radius_mm)
-        away = wanted - np.log(area)
-        level = np.clip(away.mean(axis=1), *np.log(young_MPa))
+        away = np.log(forces) - np.log(area)
+        level = np.clip(away.mean(axis=1), np.log(young_MPa.min()), np.log(young_MPa.max()))
         misfit[rows] = np.sqrt(np.mean((away - level[:, None]) ** 2, axis=1))
-        best[rows] = np.exp(level)
-    order = np.argsort(np.where(np.isfinite(misfit), misfit, np.inf), kind="stable")
-    order = order[np.isfinite(misfit[order])][:count]
-    if thicknesses is None:
-        kept = order[designs.take(order).castable(pad_mm)] if len(order) else order
-    else:
-        kept = order[_one_a_thickness(designs.take(order), pad_mm, thicknesses)]
+    return misfit
+
+
+def prescreen(family: Family, space: SearchSpace) -> Designs:
+    """The best castable pad of each thickness that reaches the aim's depth at 15 N; some of them, by rising misfit."""
+    thickness, targets = space.thickness_mm, space.targets
+    designs = family.candidates(thickness, space.radius_mm)
+    limit = family.limit_mm(designs, space.radius_mm)
+    forces = targets.protocol.misfit_N[::SIEVE_STEP]
+    deepest = targets.aim_depth_mm(forces)[-1]
+    deep = np.minimum(limit, DEPTH_SHARE * designs.thickness_mm) >= deepest
+    designs = replace(designs, limit_mm=limit).take(deep)
+    misfit = misfits(family, designs, targets, space.resin.young_MPa(space.ratio), space.radius_mm)
+    order = np.argsort(misfit, kind="stable")[: min(int(np.isfinite(misfit).sum()), SIEVED)]
+    kept = order[_one_a_thickness(designs.take(order), space.pad_mm, TRIED)]
     if not len(kept):
         raise NoAnswerError(
             "no_feasible_design",
-            f"no {family.kind} pad of {thickness_mm[0]:g} to {thickness_mm[-1]:g} mm reaches {depth[-1]:.2f} mm, the "
-            f"tissue's depth at {forces[-1]:g} N, within {DEPTH_SHARE:g} of its thickness; allow thicker pads",
-            quantity="pad",
-        )
-    return Prescreened(designs.take(kept), misfit[kept], best[kept])
-
-
-def search_shape(family: Family, space: SearchSpace) -> list[Shaped]:
-    """Find shape, thickness and ratio of one family; designs of several thicknesses, the best first."""
-    designs = search_shapes([family], space)[0]
-    if isinstance(designs, NoAnswerError):
-        raise designs
-    return designs
+            f"no {family.kind} pad of {thickness[0]:g} to {thickness[-1]:g} mm reaches {deepest:.2f} mm, the tissue's "
+            f"depth at {forces[-1]:g} N, within {DEPTH_SHARE:g} of its thickness; allow thicker pads", quantity="pad",
+        )  # fmt: skip
+    return designs.take(kept)
 
 
 def search_shapes(families: Sequence[Family], space: SearchSpace) -> list[list[Shaped] | NoAnswerError]:
-    """Make the search of :func:`search_shape` for several families at once; what each gives, or why it has none."""
-    young = space.resin.young_MPa(space.ratio)
-    moduli = (float(np.min(young)), float(np.max(young)))
+    """Shape, thickness and ratio of each family: designs of several thicknesses, the best first, or why it has none."""
     starts: list[list[tuple[Family, PadShape, float]] | NoAnswerError] = []
     for family in families:
         try:
-            sieved = prescreen(family, space.targets, space.thickness_mm, moduli, space.radius_mm, pad_mm=space.pad_mm,
-                           thicknesses=TRIED)  # fmt: skip
+            designs = prescreen(family, space)
         except NoAnswerError as problem:
             starts.append(problem)
             continue
-        thickness = sieved.designs.thickness_mm.tolist()
-        starts.append([(family, sieved.designs.shape(i), at) for i, at in enumerate(thickness)])
-    around = iter(_around([one for each in starts if not isinstance(each, NoAnswerError) for one in each], space))
+        starts.append([(family, designs.shape(i), at) for i, at in enumerate(designs.thickness_mm.tolist())])
+    around = iter(_around([one for each in starts if isinstance(each, list) for one in each], space))
     answers: list[list[Shaped] | NoAnswerError] = []
     for family, each in zip(families, starts):
         if isinstance(each, NoAnswerError):
@@ -184,26 +161,20 @@ def _accepts(shape: PadShape, thickness_mm: float, pad_mm: tuple[float, float]) 
 def _around(starts: Sequence[tuple[Family, PadShape, float]], space: SearchSpace) -> list[Shaped | None]:
     """Search ratio and the thicknesses near each start, in proportion; then its own, rounded shape exactly."""
     near = [_near(*start, space) for start in starts]
-    laws: list[tuple[ForceLaw, NDArray]] = [(FamilyLaw(*one), steps) for one, steps in zip(starts, near) if len(steps)]
-    results = iter(search_each(laws, space, space.targets.weights.low_aim, REFINED, 0))
-    rough = [next(results) if len(steps) else None for steps in near]
-    own: list[FamilyLaw | None] = []
-    for (family, shape, thickness), result in zip(starts, rough):
-        own.append(None)
+    able = [n for n, steps in enumerate(near) if len(steps)]
+    low_share, rough = space.targets.weights.low_aim, {}
+    laws: list[tuple[ForceLaw, NDArray]] = [(FamilyLaw(*starts[n]), near[n]) for n in able]
+    for n, result in zip(able, search_each(laws, space, low_share, REFINED, 0)):
         if isinstance(result, SearchResult):
-            chosen = result.best.thickness_mm
+            (family, shape, thickness), chosen = starts[n], result.best.thickness_mm
             rounded = family.at_thickness(shape, thickness, np.array([chosen])).shape(0).rounded()
             if _accepts(rounded, chosen, space.pad_mm):
-                own[-1] = FamilyLaw(family, rounded, chosen)
-    laws = [(law, np.array([law.made_for_mm])) for law in own if law is not None]
-    results = iter(search_each(laws, space, space.targets.weights.low_aim, REFINED, 0, others=False))
-    made: list[Shaped | None] = []
-    for law, result in zip(own, rough):
-        made.append(None)
-        if law is not None and isinstance(result, SearchResult):
-            exact = next(results)
-            if isinstance(exact, SearchResult):
-                made[-1] = Shaped(law.shape, law, replace(result, best=exact.best))
+                rough[n] = FamilyLaw(family, rounded, chosen), result
+    laws = [(law, np.array([law.made_for_mm])) for law, _ in rough.values()]
+    made: list[Shaped | None] = [None] * len(starts)
+    for (n, (law, result)), exact in zip(rough.items(), search_each(laws, space, low_share, REFINED, 0, others=False)):
+        if isinstance(exact, SearchResult):
+            made[n] = Shaped(law.shape, law, replace(result, best=exact.best))
     return made
 
 

@@ -25,6 +25,7 @@ from dummydesign.design.search.best_of_kinds import (
     force_at,
     low_force,
     misfit,
+    misfits,
     mixable,
     prescreen,
 )
@@ -69,24 +70,27 @@ TARGETS = SimpleNamespace(protocol=PAPER, aim_depth_mm=lambda force: np.sqrt(np.
 
 def test_the_sieve_finds_the_power_of_the_aim_and_its_modulus():
     """The aim is 1.2 d^2: of 20 E d^2 that is a modulus of 0.06 MPa, without any misfit."""
-    found = prescreen(Powers(), TARGETS, np.array([6.0, 8.0, 10.0]), (0.01, 0.1), 7.9)
-    assert found.designs.power[0] == 2.0 and found.misfit[0] == pytest.approx(0.0, abs=1e-12)
-    assert found.young_MPa[0] == pytest.approx(0.06) and np.all(np.diff(found.misfit) >= -1e-12)
+    def sieved(*thickness, young=(0.01, 0.1), pad_mm=(150.0, 120.0)):
+        resin = SimpleNamespace(young_MPa=np.asarray)
+        return prescreen(Powers(), SimpleNamespace(thickness_mm=np.array(thickness), targets=TARGETS, resin=resin,
+                                                   ratio=young, radius_mm=7.9, pad_mm=pad_mm))  # fmt: skip
+
+    found = sieved(6.0, 8.0, 10.0)
     # the aim is 3.54 mm deep at 15 N: 6 mm are too thin for half of the thickness
-    assert set(found.designs.thickness_mm) == {8.0, 10.0} and len(found.misfit) == 6
+    assert found.power.tolist() == [2.0, 2.0] and set(found.thickness_mm) == {8.0, 10.0}
+    every = Powers().candidates(np.array([8.0]), 7.9)
+    misfit = misfits(Powers(), every, TARGETS, np.array([0.01, 0.1]), 7.9)
+    assert misfit[every.power == 2.0] == pytest.approx(0.0, abs=1e-12) and np.argmin(misfit) == 1
     forces = PAPER.misfit_N[:: module.SIEVE_STEP]
     away = np.log(forces) - np.log(20.0 * TARGETS.aim_depth_mm(forces))
-    linear = found.misfit[found.designs.power == 1.0]
-    np.testing.assert_allclose(linear, np.std(away), rtol=1e-6)
+    np.testing.assert_allclose(misfit[every.power == 1.0], np.std(away), rtol=1e-6)
     # a modulus outside the resin's is taken at its end
-    held = prescreen(Powers(), TARGETS, np.array([8.0]), (0.01, 0.05), 7.9)
-    assert held.young_MPa[0] == pytest.approx(0.05) and held.misfit[0] == pytest.approx(np.log(0.06 / 0.05))
-    few = prescreen(Powers(), TARGETS, np.array([8.0, 10.0]), (0.01, 0.1), 7.9, thicknesses=1)
-    assert len(few.misfit) == 1
+    held = misfits(Powers(), every, TARGETS, np.array([0.05, 0.01]), 7.9)
+    assert held[every.power == 2.0] == pytest.approx(np.log(0.06 / 0.05))
     with pytest.raises(NoAnswerError):
-        prescreen(Powers(), TARGETS, np.array([6.0]), (0.01, 0.1), 7.9)
+        sieved(6.0)
     with pytest.raises(NoAnswerError):
-        prescreen(Powers(), TARGETS, np.array([8.0]), (0.01, 0.1), 7.9, pad_mm=(7.0, 7.0))
+        sieved(8.0, pad_mm=(7.0, 7.0))
     assert DEPTH_SHARE >= 0.5
 
 

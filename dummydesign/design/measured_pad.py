@@ -22,12 +22,11 @@ from dummydesign.geometry.interface import CONDITIONS, Interface
 from dummydesign.geometry.punch import read_punch
 from dummydesign.measurement.motion import work_mJ
 from dummydesign.tissue.comparison import Comparison, PressTest, braking_of, compare_traces, hold_of, missing_of
-from dummydesign.tissue.fitting.reduction import condition_groups
+from dummydesign.tissue.fitting.reduction import ReducedTrace, condition_groups
 from dummydesign.tissue.model.laws import law_named
 
 if TYPE_CHECKING:
     from dummydesign.measurement.campaign import Campaign
-    from dummydesign.tissue.fitting.reduction import ReducedTrace
     from dummydesign.tissue.model.ranges import ForceRange
     from dummydesign.tissue.model.tissue import Tissue
 

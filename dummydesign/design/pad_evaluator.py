@@ -22,15 +22,14 @@ from dummydesign.design.scoring.score import evaluate
 from dummydesign.design.scoring.settings import verdict_limits
 from dummydesign.design.scoring.targets import Targets, make_targets
 from dummydesign.design.scoring.verdict import Verdict, ranges_of, readings_of, verdict
-from dummydesign.design.search.shape_family import Family, FamilyLaw
+from dummydesign.design.search.shape_family import Family, FamilyLaw, load_family
 from dummydesign.design.search.slabs import DesignCandidate, SearchSpace, make_slabs
 from dummydesign.geometry.dimensions import PAD_LENGTH_MM, PAD_WIDTH_MM
 from dummydesign.geometry.pad_shape import PadShape
-from dummydesign.pad.force_law import ForceLaw
+from dummydesign.pad.force_law import ForceCurve, ForceLaw
 
 if TYPE_CHECKING:
     from dummydesign.design.inputs import Inputs
-    from dummydesign.pad.force_law import ForceCurve
     from dummydesign.pad.specimen import Pad
     from dummydesign.tissue.model.tissue import Tissue
 
@@ -95,8 +94,6 @@ def law_of_shape(
     """Elastic force of a pad of a shape: the slabs' law, or the response surface of the kind."""
     if shape.plain:
         return slab_law
-    from dummydesign.design.search.shape_family import load_family
-
     shape.check(thickness_mm, *pad_mm)
     family = load_family(shape.name)
     family.check(shape)

@@ -11,25 +11,20 @@ from numpy.typing import ArrayLike
 
 from dummydesign.core.errors import NoAnswerError
 from dummydesign.core.serialise import Serialised, to_plain
-from dummydesign.design.assessment.castings import GROUPS, TISSUE, Tolerances
-from dummydesign.design.request import PAPER
+from dummydesign.design.assessment.castings import GROUPS, TISSUE, PadCastings, PourYield, Tolerances
+from dummydesign.design.request import PAPER, Request
 from dummydesign.design.scoring.targets import Targets
-from dummydesign.design.scoring.verdict import TOLERANCE
-from dummydesign.design.search.best_of_kinds import low_force
+from dummydesign.design.scoring.verdict import TOLERANCE, Verdict
+from dummydesign.design.search.best_of_kinds import ShapeComparison, low_force
 from dummydesign.geometry.dimensions import PAD_EXTENT_MM, PAD_LENGTH_MM, PAD_WIDTH_MM
 from dummydesign.geometry.pad_shape import PadShape
 
 if TYPE_CHECKING:
-    from dummydesign.design.assessment.castings import PadCastings, PourYield
     from dummydesign.design.assessment.choice import Choice, Expectation, MeasureFirst
-    from dummydesign.design.request import Request
     from dummydesign.design.safety import SafetyView
-    from dummydesign.design.scoring.verdict import Verdict
-    from dummydesign.design.search.best_of_kinds import ShapeComparison
     from dummydesign.design.search.finalists import ElementsLaw
     from dummydesign.design.search.slabs import DesignCandidate, SearchResult
     from dummydesign.design.sites import Sites
-    from dummydesign.geometry.pad_shape import PadShape
     from dummydesign.geometry.punch import Punch
     from dummydesign.mold.model.spec import MouldSpec
     from dummydesign.pad.axisymmetric.shaped_problem import Touch

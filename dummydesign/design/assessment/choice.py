@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,6 +24,7 @@ from dummydesign.design.assessment.castings import (
 from dummydesign.design.scoring.law_parameters import gamma1_score, rough_parametric
 from dummydesign.design.scoring.presses import make_curves
 from dummydesign.design.scoring.score import Evaluation, evaluate, evaluated_gamma1, scored_for
+from dummydesign.design.scoring.targets import Targets
 from dummydesign.design.scoring.verdict import (
     ACCEPTABLE,
     BORDERLINE,
@@ -38,12 +38,7 @@ from dummydesign.design.scoring.verdict import (
     ranges_of,
 )
 from dummydesign.design.search.best_of_kinds import Chosen, ShapeComparison, compare_shape, mixable
-from dummydesign.design.search.slabs import DesignCandidate, make_slabs, with_parameters
-
-if TYPE_CHECKING:
-    from dummydesign.design.scoring.targets import Targets
-    from dummydesign.design.search.slabs import SearchSpace
-
+from dummydesign.design.search.slabs import DesignCandidate, SearchSpace, make_slabs, with_parameters
 
 # Castings, the first of an answer's, that are scored for every tissue.
 POURS = 120

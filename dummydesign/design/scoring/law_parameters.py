@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,9 +11,7 @@ from dummydesign.design.scoring.presses import Sampling, SimulatedPress, Slabs, 
 from dummydesign.design.scoring.score import halving, steady_gamma1
 from dummydesign.design.scoring.targets import NARROWEST, Targets
 from dummydesign.tissue.model.laws import law_named
-
-if TYPE_CHECKING:
-    from dummydesign.tissue.model.parameters import Parameters
+from dummydesign.tissue.model.parameters import Parameters
 
 STEPS, TOLERANCE, DIFFERENCE = 40, 1e-4, 1e-5
 _FIT_SAMPLING = (16, 8, 24)
@@ -34,8 +32,6 @@ def fit_presses(slabs: Slabs, targets: Targets, depth_mm: NDArray, sampling: Sam
     ----------
     Golub and Pereyra, SIAM J. Numer. Anal. 10 (1973) 413 (variable projection).
     """
-    from dummydesign.tissue.model.parameters import Parameters
-
     fine = Sampling(*_FIT_SAMPLING, sampling.hold_s, sampling.deceleration_mm_s2)
     speeds = tuple(dict.fromkeys(condition.velocity_mm_s for condition in targets.conditions))
     speed_of = np.array([speeds.index(condition.velocity_mm_s) for condition in targets.conditions])

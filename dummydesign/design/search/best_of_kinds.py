@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -36,10 +36,7 @@ from dummydesign.geometry.pad_shape import PadShape
 from dummydesign.geometry.shape_registry import read_shape
 from dummydesign.geometry.shapes.slab import Slab
 from dummydesign.pad.force_law import ForceLaw
-
-if TYPE_CHECKING:
-    from dummydesign.resin.model.resin import Resin
-
+from dummydesign.resin.model.resin import Resin
 
 SIEVED, TRIED, AROUND_STEPS, REFINED = 400, 6, 2, 4
 SIEVE_STEP = 3

@@ -28,7 +28,7 @@ from dummydesign.design.scoring.presses import (
     press_to_depth,
     steady_depth,
 )
-from dummydesign.design.search.shape_family import Designs
+from dummydesign.design.search.shape_family import Designs, load_family
 from dummydesign.design.sweep.spec import Key, Study, why_not_cast
 from dummydesign.geometry.punch import punch_sides_mm
 from dummydesign.geometry.shape_registry import read_shape
@@ -182,8 +182,6 @@ def _plain(values: NDArray) -> list[list[float | None]]:
 
 def _by_tables(task: Task) -> list[dict[str, Any]]:
     """Pads of each kind on its table, all at once."""
-    from dummydesign.design.search.shape_family import load_family
-
     chosen = np.zeros(len(task.ratio), int) if task.shape is None else task.shape
     pads, pad_of = np.unique(np.stack([chosen, task.thickness_mm]), axis=1, return_inverse=True)
     pad_of = pad_of.reshape(-1)

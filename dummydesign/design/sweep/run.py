@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 import time
 from collections.abc import Callable, Iterable, Iterator
-from concurrent.futures import Executor
+from concurrent.futures import Executor, as_completed
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
@@ -14,7 +14,7 @@ import numpy as np
 from dummydesign.core.errors import DummydesignError, InputError, NoAnswerError, out_of_range
 from dummydesign.core.process import COMMAND_LINE
 from dummydesign.design.sites import pressed_alone
-from dummydesign.design.sweep.rows import Task, work
+from dummydesign.design.sweep.rows import RowsFile, Task, key_of, work
 from dummydesign.design.sweep.spec import Key, Study
 from dummydesign.geometry.shape_registry import read_shape
 from dummydesign.geometry.shapes.slab import Slab
@@ -22,7 +22,6 @@ from dummydesign.pad.force_law import ForceLaw
 
 if TYPE_CHECKING:
     from dummydesign.design.scoring.targets import Targets
-    from dummydesign.design.sweep.rows import RowsFile
     from dummydesign.resin.model.resin import Resin
 
 
@@ -81,8 +80,6 @@ def completed(function: Callable[[Any], Any], tasks: Iterable[Any], executor: Ex
     if executor is None:
         yield from map(function, tasks)
         return
-    from concurrent.futures import as_completed
-
     waiting = [executor.submit(function, task) for task in tasks]
     try:
         for future in as_completed(waiting):
@@ -123,8 +120,6 @@ def whatif(
     if progress is not None:
         results = _counted(results, study.size, len(set(done) & set(study.keys())), progress)
     if file is None:
-        from dummydesign.design.sweep.rows import key_of
-
         for rows in results:
             known.update((key_of(row), row) for row in rows)
         ordered = [known[key] for key in study.keys()]

@@ -74,14 +74,10 @@ def _listed(values: tuple[float, ...] | None) -> list[float] | None:
 
 
 def read_test(
-    punch: str = PUNCH,
-    edge_radius_mm: float | str = 0.0,
-    force_N: Numbers | None = None,
-    velocity_mm_s: Numbers | None = None,
-    hold_s: float | str | None = None,
-    deceleration_mm_s2: float | str | None = None,
-    condition: str | None = None,
-) -> TracesTest:
+    punch: str = PUNCH, edge_radius_mm: float | str = 0.0, force_N: Numbers | None = None,
+    velocity_mm_s: Numbers | None = None, hold_s: float | str | None = None,
+    deceleration_mm_s2: float | str | None = None, condition: str | None = None,
+) -> TracesTest:  # fmt: skip
     """Read a test; numbers may carry their unit."""
     asked, face = read_punch(punch), face_of(punch, condition)
     Interface.parse(face, "condition", CONDITIONS)

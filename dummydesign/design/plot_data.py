@@ -115,13 +115,10 @@ def force_grids(protocol: Protocol) -> ForceGrids:
     low, high = protocol.forces_N[0], protocol.forces_N[-1]
     above = np.linspace(low + 0.025 * (high - low), high, 40) if high > low else np.zeros(0)
     return ForceGrids(
-        np.r_[np.linspace(0.02 * low, low, 25), above],
-        np.linspace(0.0, low, 21),
-        np.linspace(low, high, 41 if high > low else 1),
-        np.linspace(0.0, high, 61),
-        np.geomspace(0.06 * low, high, 60),
-        protocol.forces_N,
-    )
+        pad=np.r_[np.linspace(0.02 * low, low, 25), above], extrapolated=np.linspace(0.0, low, 21),
+        measured=np.linspace(low, high, 41 if high > low else 1), aim=np.linspace(0.0, high, 61),
+        relative=np.geomspace(0.06 * low, high, 60), exponent_at=protocol.forces_N,
+    )  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -151,10 +148,8 @@ def suggestion_curves(answer: Suggestion) -> SuggestionCurves:
     depth = answer.best.steady_depth_mm(grids.pad)
     exponent = exponent_over_thickness(answer, answer.law, grids)
     return SuggestionCurves(
-        forces_N=grids,
-        pad_depth_mm=depth,
+        forces_N=grids, pad_depth_mm=depth, limit_mm=answer.best.limit_mm,
         castings_mm=answer.castings.depth_band_mm(grids.pad),
-        limit_mm=answer.best.limit_mm,
         pad_depth_at_needed_mm=float(np.interp(targets.protocol.needed_N, grids.pad, depth)),
         other_depths_mm=tuple(other.candidate.steady_depth_mm(grids.pad) for other in answer.alternatives),
         subjects_extrapolated_mm=targets.depth_range_mm(grids.extrapolated),
@@ -166,19 +161,16 @@ def suggestion_curves(answer: Suggestion) -> SuggestionCurves:
         ),
         exponent=exponent,
         exponent_here=tuple(float(np.interp(here, THICKNESS_GRID_MM, column)) for column in exponent.T),
-        ratio_error=ratio_error(answer),
-        reactions=tuple(reactions(answer, answer.cast)),
-    )
+        ratio_error=ratio_error(answer), reactions=tuple(reactions(answer, answer.cast)),
+    )  # fmt: skip
 
 
 def relative_force(candidate: DesignCandidate, targets: Targets, grids: ForceGrids) -> NDArray:
     """Steady force of a design over the aim's, at the depths where the aim carries ``grids.relative``."""
     aim, depth = targets.aim_depth_mm(grids.relative), candidate.steady_depth_mm(grids.pad)
     known = np.isfinite(depth)
-    ln_force = np.interp(
-        np.log(aim), np.log(depth[known]), np.log(grids.pad[known]), left=np.nan, right=np.nan
-    )
-    return np.exp(ln_force) / grids.relative
+    curve = np.log(depth[known]), np.log(grids.pad[known])
+    return np.exp(np.interp(np.log(aim), *curve, left=np.nan, right=np.nan)) / grids.relative
 
 
 def exponent_over_thickness(answer: Suggestion, law: ForceLaw, grids: ForceGrids) -> NDArray:

@@ -396,14 +396,12 @@ def _impact_rows(name: str, contact: SafetyContact, area: float, notes: Sequence
     return [
         {
             "body": name if len(contact.depth_mm) == 1 else f"{name}, subject {index + 1}",
-            "depth_mm": depth,
-            "peak_force_N": peak,
-            "energy_mJ": energy,
+            "depth_mm": depth, "peak_force_N": peak, "energy_mJ": energy,
             "mean_pressure_N_per_cm2": None if peak is None else peak * N_PER_CM2 / area,
             "note": notes[index] if notes else ("" if peak is not None else BEYOND),
         }
         for index, (depth, peak, energy) in enumerate(zip(*columns))
-    ]
+    ]  # fmt: skip
 
 
 def _ends(values: NDArray) -> tuple[float, float]:

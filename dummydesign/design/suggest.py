@@ -116,7 +116,6 @@ def assess(inputs: Inputs, solved: SolvedDesign) -> Suggestion:
     """Judge the chosen design and lay the whole answer together."""
     request, space, chosen, calibrated = inputs.request, inputs.space, solved.chosen, inputs.calibrated
     best, kind = chosen.result.best, chosen.shape.name
-    recommended = _recommended(inputs, best, chosen.shape)
     tolerances = tolerances_of(space.resin, best, request, chosen.shape)
     cast = PadCastings(inputs.castings, chosen.cast, best, space, tolerances)
     pour = pour_yield(cast)
@@ -126,30 +125,17 @@ def assess(inputs: Inputs, solved: SolvedDesign) -> Suggestion:
     warnings += design_warnings(chosen, space, inputs.tissue, pour, *solves)
     listed = [{"code": code, "message": text} for code, text in warnings]
     return Suggestion(
-        request=request,
-        tissue=inputs.tissue,
-        resin=space.resin,
-        targets=space.targets,
-        result=chosen.result,
-        verdict=verdict_of_design(cast, beyond_people(request, inputs.tissue)),
-        castings=cast,
-        recommended=recommended,
+        request=request, tissue=inputs.tissue, resin=space.resin, targets=space.targets, punch=inputs.punch,
+        result=chosen.result, law=chosen.law, cast=chosen.cast, comparisons=chosen.comparisons,
+        verification=solved.verification, centring=solved.centring, sites=solved.sites, expectation=solved.expectation,
+        verdict=verdict_of_design(cast, beyond_people(request, inputs.tissue)), castings=cast, pour=pour,
+        recommended=_recommended(inputs, best, chosen.shape),
         alternatives=tuple(_recommended(inputs, one, _shape_at(chosen, one)) for one in chosen.result.alternatives),
-        law=chosen.law,
-        cast=chosen.cast,
-        comparisons=chosen.comparisons,
-        pour=pour,
-        verification=solved.verification,
-        centring=solved.centring,
-        sites=solved.sites,
         rests_on=count_unmeasured(space.resin, inputs.tissue, best),
         warnings=(*listed, *(() if calibrated is None else calibrated.warnings)),
-        punch=inputs.punch,
-        choice=explain(cast, kind, chosen.comparisons),
-        expectation=solved.expectation,
-        measure_first=measure_first(cast),
+        choice=explain(cast, kind, chosen.comparisons), measure_first=measure_first(cast),
         calibration=None if calibrated is None else calibrated.summary,
-    )
+    )  # fmt: skip
 
 
 def _shape_at(chosen: Chosen, other: DesignCandidate) -> PadShape:

@@ -118,25 +118,16 @@ class Suggestion:
             "verdict": verdict,
             "castings": {"n": castings.n, "seed": castings.seed, "groups": groups, **(verdict["castings"] or {})},
             "measure_first": self.measure_first.to_dict(),
-            "choice": {
-                **self.choice.to_dict(),
-                "expectation": self.expectation.to_dict(),
-                "weights": self.targets.weights.to_dict(),
-            },
-            "calibration": self.calibration,
-            "recommendation": recommendation,
+            "choice": {**self.choice.to_dict(), "expectation": self.expectation.to_dict(),
+                       "weights": self.targets.weights.to_dict()},
+            "calibration": self.calibration, "recommendation": recommendation,
             "alternatives": [design_dict(other, self.resin, self.targets) for other in self.alternatives],
-            "sensitivity": {
-                "d_ln_young_per_percent_ratio": 0.01 * self.resin.log_slope(self.best.ratio), **self.pour.to_dict()
-            },
-            "verification": self.verification.to_dict(),
-            "shapes": [item.to_dict() for item in self.comparisons],
-            "tissue_exponent": self.targets.power,
-            "landing": self.centring.to_dict() if self.centring else None,
-            "sites": self.sites.to_dict(self.shape) if self.sites else None,
-            "rests_on": self.rests_on,
-            "warnings": [*(safety.warnings if safety else ()), *self.warnings],
-            "sources": sources,
+            "sensitivity": {"d_ln_young_per_percent_ratio": 0.01 * self.resin.log_slope(self.best.ratio),
+                            **self.pour.to_dict()},
+            "verification": self.verification.to_dict(), "shapes": to_plain(self.comparisons),
+            "tissue_exponent": self.targets.power, "landing": to_plain(self.centring),
+            "sites": self.sites.to_dict(self.shape) if self.sites else None, "rests_on": self.rests_on,
+            "warnings": [*(safety.warnings if safety else ()), *self.warnings], "sources": sources,
         }  # fmt: skip
         if inputs is None or safety is None:
             return answer
@@ -160,29 +151,21 @@ def design_dict(design: RecommendedDesign, resin: Resin, targets: Targets) -> di
     at, one = candidate.index, candidate.evaluation
     fitted = {} if candidate.parameters is None else to_plain(candidate.parameters.to_dict())
     return {
-        "resin": resin.name,
-        "ratio": candidate.ratio,
-        "ratio_meaning": resin.ratio_meaning,
-        "shape": str(design.shape),
-        "thickness_mm": candidate.thickness_mm,
-        "young_kPa": resin.modulus_kPa(candidate.ratio).to_dict(),
-        "prony": [term.to_dict() for term in resin.prony(candidate.ratio)],
-        "recipe": design.recipe,
-        "batch": design.batch,
+        "resin": resin.name, "ratio": candidate.ratio, "ratio_meaning": resin.ratio_meaning,
+        "shape": str(design.shape), "thickness_mm": candidate.thickness_mm,
+        "young_kPa": resin.modulus_kPa(candidate.ratio).to_dict(), "prony": to_plain(resin.prony(candidate.ratio)),
+        "recipe": design.recipe, "batch": design.batch,
         "parameters": {name: value for name, value in fitted.items() if name != "law"} or None,
         "parameters_law": targets.tissue.law,
         "scores": {
-            "total": candidate.total,
-            "steady_state_range": float(one.steady_state_range[at]),
-            "force_variation_range": float(one.force_variation_range[at]),
-            "aim": float(one.aim[at]),
+            "total": candidate.total, "steady_state_range": float(one.steady_state_range[at]),
+            "force_variation_range": float(one.force_variation_range[at]), "aim": float(one.aim[at]),
             "parametric": candidate.parametric if targets.parametric else None,
             "low_force_range": float(one.low_force_range[at]),
         },
         "conditions": condition_rows(candidate, targets, design.shape),
-        "low_force": _low_force(candidate, targets),
-        "from_first_touch": low_force(candidate, targets).to_dict(),
-    }
+        "low_force": _low_force(candidate, targets), "from_first_touch": low_force(candidate, targets).to_dict(),
+    }  # fmt: skip
 
 
 def condition_rows(candidate: DesignCandidate, targets: Targets, shape: PadShape) -> list[dict[str, Any]]:
@@ -200,18 +183,12 @@ def condition_rows(candidate: DesignCandidate, targets: Targets, shape: PadShape
             "thickness; the gel bottoms out"
         )  # fmt: skip
         rows.append({
-            "steady_force_N": condition.steady_force_N,
-            "velocity_mm_s": condition.velocity_mm_s,
-            "depth_mm": depth,
+            "steady_force_N": condition.steady_force_N, "velocity_mm_s": condition.velocity_mm_s, "depth_mm": depth,
             "depth_over_thickness": None if depth is None else depth / thickness,
             "gel_compression": None if depth is None else depth / gel,
-            "peak_force_N": peak,
-            "target_peak_low_N": low,
-            "target_peak_high_N": high,
-            "reads": reads,
-            "percent_outside": outside,
-            "inside_fraction": float(candidate.evaluation.inside[at, column]),
-            "out_of_reach": why,
+            "peak_force_N": peak, "target_peak_low_N": low, "target_peak_high_N": high,
+            "reads": reads, "percent_outside": outside,
+            "inside_fraction": float(candidate.evaluation.inside[at, column]), "out_of_reach": why,
         })  # fmt: skip
     return rows
 

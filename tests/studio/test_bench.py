@@ -40,7 +40,8 @@ def test_the_verdict_and_the_curve_are_those_of_suggest_under_the_same_punch(tmp
     _, pad, verdict = looked(tmp_path, shape, thickness_mm, 15.0, punch=punch)
     found = suggested(shape, thickness_mm, 15.0, punch=punch)
     grids = force_grids(found.targets.protocol)
-    assert np.allclose(pad.candidate.steady_depth_mm(grids.pad), found.best.steady_depth_mm(grids.pad), rtol=1e-9, equal_nan=True)
+    depth, wanted = (one.steady_depth_mm(grids.pad) for one in (pad.candidate, found.best))
+    assert np.allclose(depth, wanted, rtol=1e-9, equal_nan=True)
     assert verdict.text == found.verdict.text
 
 

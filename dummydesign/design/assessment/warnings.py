@@ -46,15 +46,11 @@ def count_unmeasured(resin: Resin, tissue: Tissue, best: DesignCandidate) -> dic
         f"lies between {low:.2f} and {high:.2f} (95 %)."
     )
     return {
-        "numbers": sum(count.values()),
-        "inferred_or_assumed": sum(weak.values()),
+        "numbers": sum(count.values()), "inferred_or_assumed": sum(weak.values()),
         **{name: {"numbers": count[name], "inferred_or_assumed": weak[name]} for name in numbers},
-        "wanted_young_kPa": wanted,
-        "ratio_low": low,
-        "ratio_high": high,
-        "text": text,
-        "next_step": _next_step(resin, best, weak),
-    }
+        "wanted_young_kPa": wanted, "ratio_low": low, "ratio_high": high,
+        "text": text, "next_step": _next_step(resin, best, weak),
+    }  # fmt: skip
 
 
 def _next_step(resin: Resin, best: DesignCandidate, weak: dict[str, int]) -> str:

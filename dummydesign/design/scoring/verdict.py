@@ -220,17 +220,10 @@ class Verdict(Serialised):
 
 
 def verdict(
-    ranges: Ranges,
-    readings: Readings,
-    spread: Readings | None = None,
-    limits_that_bind: Sequence[str] = (),
-    of: str = "castings",
-    unsettled: str = "",
-    measured: Readings | None = None,
-    limits: VerdictLimits | None = None,
-    beyond: float = 1.0,
-    cast: bool = False,
-) -> Verdict:
+    ranges: Ranges, readings: Readings, spread: Readings | None = None, limits_that_bind: Sequence[str] = (),
+    of: str = "castings", unsettled: str = "", measured: Readings | None = None, limits: VerdictLimits | None = None,
+    beyond: float = 1.0, cast: bool = False,
+) -> Verdict:  # fmt: skip
     """Judge one pad against the subjects of a tissue.
 
     ``spread`` are the readings of its castings, ``measured`` those once the resin is measured, ``beyond`` the largest

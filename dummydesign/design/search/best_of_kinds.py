@@ -219,11 +219,10 @@ def low_force(candidate: DesignCandidate, targets: Targets) -> LowForce:
     wide = candidate.steady_depth_mm(protocol.wide_N)
     return LowForce(
         misfit(wide, protocol.wide_N, targets.aim_depth_mm(protocol.misfit_N), protocol.misfit_N),
-        float(evaluation.low_force_range[index]),
-        float(evaluation.steady_state_range[index]),
+        float(evaluation.low_force_range[index]), float(evaluation.steady_state_range[index]),
         to_plain({f"{force:g}": value for force, value in zip(protocol.exponent_at_N, exponent)}),
         to_plain(deepest / candidate.thickness_mm),
-    )
+    )  # fmt: skip
 
 
 def misfit(depth_mm: NDArray, force_N: NDArray, aim_depth_mm: NDArray, aim_N: NDArray = MISFIT_N) -> float | None:
@@ -265,18 +264,11 @@ class ShapeComparison:
         if self.candidate is None or self.low_force is None:
             return {"kind": self.kind, "shape": None, "reason": self.reason}
         return {
-            "kind": self.kind,
-            "shape": str(self.shape),
-            "thickness_mm": self.candidate.thickness_mm,
-            "ratio": self.candidate.ratio,
-            "young_kPa": self.young_kPa,
-            "merit": self.candidate.merit(),
-            "total": self.candidate.total,
-            "by": self.by,
-            "acceptable": self.candidate.rank > NOT_ACCEPTABLE,
-            **self.low_force.to_dict(),
-            "reason": None,
-        }
+            "kind": self.kind, "shape": str(self.shape), "thickness_mm": self.candidate.thickness_mm,
+            "ratio": self.candidate.ratio, "young_kPa": self.young_kPa, "merit": self.candidate.merit(),
+            "total": self.candidate.total, "by": self.by, "acceptable": self.candidate.rank > NOT_ACCEPTABLE,
+            **self.low_force.to_dict(), "reason": None,
+        }  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -402,12 +394,11 @@ def _fitted(designs: Sequence[Shaped], space: SearchSpace, kind: str | None = No
     ]
     fits = iter(with_parameters([candidate for group in groups for candidate in group], space))
     fitted = [[next(fits) for _ in group] for group in groups]
-    return [
-        replace(shaped, result=replace(
-            shaped.result, best=best, alternatives=tuple(others) or shaped.result.alternatives
-        ))
+    results = [
+        replace(shaped.result, best=best, alternatives=tuple(others) or shaped.result.alternatives)
         for shaped, (best, *others) in zip(designs, fitted)
     ]
+    return [replace(shaped, result=result) for shaped, result in zip(designs, results)]
 
 
 def _designs(

@@ -431,15 +431,11 @@ def settings_of(study: Study, resin: Any, tissue: Any) -> dict[str, Any]:
     from dummydesign._version import __version__
 
     settings = {
-        "version": __version__,
-        "fidelity": study.fidelity,
-        "resin": f"{resin.name} {_hash(resin.to_dict())}",
+        "version": __version__, "fidelity": study.fidelity, "resin": f"{resin.name} {_hash(resin.to_dict())}",
         "tissue": None if tissue is None else f"{tissue.name} {study.aim} {_hash(tissue.to_dict())}",
-        "forces_N": list(study.forces_N),
-        "velocities_mm_s": list(study.velocities_mm_s),
-        "hold_s": study.hold_s,
-        "deceleration_mm_s2": study.deceleration_mm_s2,
-    }
+        "forces_N": list(study.forces_N), "velocities_mm_s": list(study.velocities_mm_s),
+        "hold_s": study.hold_s, "deceleration_mm_s2": study.deceleration_mm_s2,
+    }  # fmt: skip
     if study.fidelity == "table":
         from dummydesign.geometry.interface import BASES
         from dummydesign.pad.tables.slab import load_table

@@ -213,13 +213,8 @@ class Study(Serialised):
 
     def keys(self) -> list[Key]:
         """Name every design, in the order of the rows."""
-        return [
-            (punch[0], condition, base, shape, edge, thickness, ratio)
-            for punch, condition, base in self.setups
-            for shape, edge in self.pads
-            for thickness in self.thickness_mm
-            for ratio in self.ratio
-        ]
+        each = itertools.product(self.setups, self.pads, self.thickness_mm, self.ratio)
+        return [(punch, *held, *pad, thickness, ratio) for ((punch, _), *held), pad, thickness, ratio in each]
 
     def check(self, resin: Resin) -> None:
         """Refuse what is not allowed before any work (InputError)."""

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from dummydesign.core.errors import NoAnswerError
 from dummydesign.design.request import Protocol
-from dummydesign.design.scoring.presses import Curves, Slabs, make_curves, press_to_depth, steady_depth
+from dummydesign.design.scoring.presses import Slabs, make_curves, press_to_depth, steady_depth
 from dummydesign.design.test_setup import pad_of_request
 from dummydesign.geometry.dimensions import THICKNESS_MM
 from dummydesign.geometry.pad_shape import PadShape
@@ -52,43 +52,31 @@ class Reaction:
 
 def reactions(answer: Suggestion, law: ForceLaw) -> list[Reaction]:
     """How depth and peak of the recommended pad react to each thing that is not exact, one at a time."""
-    resin, best, tolerance = answer.resin, answer.best, answer.request.thickness_tolerance_mm
-    ratio, thickness, young = best.ratio, best.thickness_mm, resin.young_MPa(best.ratio)
-    beta, radius = np.array([term.beta for term in resin.prony(ratio)]), answer.radius_mm
-    ends = [np.array([getattr(arm.beta, end) / arm.beta.value for arm in resin.arms]) for end in ("low", "high")]
+    resin, ratio, thickness, radius = answer.resin, answer.best.ratio, answer.best.thickness_mm, answer.radius_mm
+    tolerance, off, modulus = answer.request.thickness_tolerance_mm, ratio_error(answer), resin.modulus_kPa(ratio)
     smallest, largest = law.ratio_range
     thin = np.clip([thickness - tolerance, thickness + tolerance], radius / largest, radius / smallest)
-    curves = make_curves(law, [thickness, *thin], radius)
-    off = ratio_error(answer)
-    lean, rich = (min(max(ratio + sign * off, resin.ratio_min), resin.ratio_max) for sign in (-1, 1))
-    modulus = resin.modulus_kPa(ratio)
-    nominal = _measure(curves, 0, young, beta, answer)
-    cases = {
-        f"thickness ± {tolerance:g} mm": [(1, young, beta), (2, young, beta)],
-        f"weighing ± {answer.request.weighing_g:g} g": [
-            (0, resin.young_MPa(value), np.array([term.beta for term in resin.prony(value)])) for value in (lean, rich)
-        ],
-        "modulus, 95 %": [(0, 1e-3 * modulus.low, beta), (0, 1e-3 * modulus.high, beta)],
-        "relaxation, 95 %": [(0, young, beta * end) for end in ends],
-    }
+    mixed = [min(max(ratio + sign * off, resin.ratio_min), resin.ratio_max) for sign in (-1, 1)]
+    young, beta = resin.young_MPa(ratio), resin.strengths([ratio, *mixed])
+    ends = [[getattr(arm.beta, end) / arm.beta.value for arm in resin.arms] for end in ("low", "high")]
+    # the pad itself, then both ends of each
+    names = (f"thickness ± {tolerance:g} mm", f"weighing ± {answer.request.weighing_g:g} g", "modulus, 95 %",
+             "relaxation, 95 %")  # fmt: skip
+    moduli = [young, young, young, *resin.young_MPa(mixed), 1e-3 * modulus.low, 1e-3 * modulus.high, young, young]
+    strengths = np.concatenate([beta[[0, 0, 0, 1, 2, 0, 0]], beta[0] * np.array(ends)])
+    slab = np.array([0, 1, 2, 0, 0, 0, 0, 0, 0])
+    slabs = Slabs(make_curves(law, [thickness, *thin], radius), slab, np.array(moduli), resin.tau_s, strengths)
+    protocol, sampling = answer.targets.protocol, answer.targets.sampling.coarse
+    speeds = protocol.slow_mm_s, protocol.fast_mm_s
+    slow, fast = (steady_depth(slabs, protocol.needed_N, speed, sampling) for speed in speeds)
+    measured = np.stack([slow, press_to_depth(slabs, fast, speeds[1], sampling).peak_N], axis=-1)
     bars = []
-    for name, pair in cases.items():
-        change = np.array([100.0 * (_measure(curves, *case, answer) / nominal - 1.0) for case in pair])
+    for name, change in zip(names, (100.0 * (measured[1:] / measured[0] - 1.0)).reshape(len(names), 2, 2)):
         # an end at which the force cannot be reached has no number: the bar then ends at no change, with a note
         name += "" if np.isfinite(change).all() else " *"
-        low, high = np.fmin.reduce([*change, 0 * nominal]), np.fmax.reduce([*change, 0 * nominal])
-        bars.append(Reaction(name, (float(low[0]), float(high[0])), (float(low[1]), float(high[1]))))
+        low, high = (end.reduce([*change, 0.0 * measured[0]]).tolist() for end in (np.fmin, np.fmax))
+        bars.append(Reaction(name, (low[0], high[0]), (low[1], high[1])))
     return bars
-
-
-def _measure(curves: Curves, slab: int, young_MPa: float, beta: NDArray, answer: Suggestion) -> NDArray:
-    """Depth at the middle steady force when slow, and peak at it when fast."""
-    tau = tuple(arm.tau_s.value for arm in answer.resin.arms)
-    protocol, sampling = answer.targets.protocol, answer.targets.sampling
-    slabs = Slabs(curves, np.array([slab]), np.array([young_MPa]), tau, beta[None, :])
-    speeds = protocol.slow_mm_s, protocol.fast_mm_s
-    slow, fast = (steady_depth(slabs, protocol.needed_N, velocity, sampling.coarse) for velocity in speeds)
-    return np.array([slow[0], press_to_depth(slabs, fast, speeds[1], sampling.coarse).peak_N[0]])
 
 
 THICKNESS_GRID_MM = np.linspace(*THICKNESS_MM, 55)

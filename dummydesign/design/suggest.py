@@ -30,7 +30,7 @@ from dummydesign.design.suggestion import (
     tolerances_of,
     verify_design,
 )
-from dummydesign.design.test_setup import beyond_people, own_warnings, pad_of_request, refused_kinds, standard_press
+from dummydesign.design.test_setup import beyond_people, own_warnings, pad_of_request, refused_kinds
 from dummydesign.geometry.pad_shape import PadShape
 from dummydesign.geometry.shapes.slab import Slab
 from dummydesign.pad.force_law import ForceLaw
@@ -107,9 +107,7 @@ def _verify(chosen: Chosen, inputs: Inputs) -> Verification:
     depth = depth[np.isfinite(depth)]
     depth = depth[depth <= make_curves(law, [thickness], radius).limit_mm[0]]
     forces = young * np.asarray(law.force(depth, thickness, 1.0, radius))
-    standard = standard_press(inputs.request)
-    own = None if standard else pad_of_request(inputs.request, inputs.punch, thickness, young)
-    return verify_design(thickness, young, radius, depth, forces, own)
+    return verify_design(pad_of_request(inputs.request, inputs.punch, thickness, young), depth, forces)
 
 
 def assess(inputs: Inputs, solved: SolvedDesign) -> Suggestion:

@@ -300,23 +300,14 @@ def of_shape(law: ElementsLaw, young_MPa: float, radius_mm: float) -> Verificati
     return Verification(law.table.shape.fidelity, 100.0 * largest, depth, force, solved, notes)
 
 
-def verify_design(
-    thickness_mm: float, young_MPa: float, radius_mm: float, depth_mm: ArrayLike, table_force_N: ArrayLike,
-    own: Pad | None = None,
-) -> Verification:  # fmt: skip
+def verify_design(pad: Pad, depth_mm: ArrayLike, table_force_N: ArrayLike) -> Verification:
     """Solve the elastic curve of one slab, without the table, and compare the two."""
-    from dummydesign.pad.axisymmetric.sharp_edge import solve_curve
-    from dummydesign.pad.specimen import Pad
+    from dummydesign.pad.elastic_force import solve_points
 
     order = np.argsort(np.asarray(depth_mm, float))
     depth, table = (np.asarray(values, float)[order] for values in (depth_mm, table_force_N))
     try:
-        if own is None:
-            solved = solve_curve(Pad(thickness_mm, young_MPa, radius_mm), depth.tolist(), independent=True)
-        else:
-            from dummydesign.pad.elastic_force import solve_points
-
-            solved = solve_points(own, depth, independent=True)
+        solved = solve_points(pad, depth, independent=True)
     except NoAnswerError as problem:
         return not_verified(str(problem))
     same = np.interp(solved.depth_mm, depth, table)

@@ -79,23 +79,23 @@ def test_small_forces_are_shares_of_the_lowest_at_their_own_depths():
 
 
 def test_a_verification_is_the_largest_difference_at_the_same_depths(monkeypatch):
-    from dummydesign.pad.axisymmetric import sharp_edge
+    from dummydesign.pad import elastic_force
 
     def solved(pad, depth, independent):
-        assert independent and depth == sorted(depth)
+        assert independent and depth.tolist() == sorted(depth)
         force = np.array([2.0, 4.2, 5.7])
         return SimpleNamespace(depth_mm=np.array(depth), force_N=force, notes=["n"])
 
-    monkeypatch.setattr(sharp_edge, "solve_curve", solved)
-    found = verify_design(10.0, 0.03, 7.9, [3.0, 1.0, 2.0], [6.0, 2.0, 4.0])
+    monkeypatch.setattr(elastic_force, "solve_points", solved)
+    found = verify_design(None, [3.0, 1.0, 2.0], [6.0, 2.0, 4.0])
     assert found.max_difference_percent == pytest.approx(5.0) and found.table_force_N == (2.0, 4.0, 6.0)
     assert found.depth_mm == (1.0, 2.0, 3.0) and found.solved_force_N == (2.0, 4.2, 5.7) and found.notes == ("n",)
 
     def fails(*given, **more):
         raise NoAnswerError("no_convergence", "stopped")
 
-    monkeypatch.setattr(sharp_edge, "solve_curve", fails)
-    assert verify_design(10.0, 0.03, 7.9, [1.0], [1.0]).max_difference_percent is None
+    monkeypatch.setattr(elastic_force, "solve_points", fails)
+    assert verify_design(None, [1.0], [1.0]).max_difference_percent is None
     table = SimpleNamespace(force=lambda d, h, young, radius: 2.0 * d, shape=SimpleNamespace(fidelity="axisymmetric"))
     law = SimpleNamespace(table=table, depth_mm=np.array([1.0, 2.0]), thickness_mm=10.0,
                           log_factor=np.log([0.9, 1.05]), end="")  # fmt: skip
@@ -113,7 +113,7 @@ def test_only_slow_depths_that_the_circle_reaches_are_verified(monkeypatch):
 
     asked = []
     monkeypatch.setattr(suggest, "circle_of", lambda law: Law())
-    monkeypatch.setattr(suggest, "standard_press", lambda request: True)
+    monkeypatch.setattr(suggest, "pad_of_request", lambda request, punch, *given: given)
     monkeypatch.setattr(suggest, "verify_design", lambda *given: asked.append(given))
     depth = np.array([[9.0] * 6, [1.0, np.nan, 2.6, 1.0, 2.0, 2.4]])
     best = DesignCandidate(10.0, 15.0, 1, SimpleNamespace(depth_mm=depth))
@@ -123,8 +123,8 @@ def test_only_slow_depths_that_the_circle_reaches_are_verified(monkeypatch):
     space = SimpleNamespace(resin=SimpleNamespace(young_MPa=lambda ratio: 0.5), radius_mm=7.9,
                             targets=SimpleNamespace(protocol=PAPER))  # fmt: skip
     suggest._verify(chosen, SimpleNamespace(space=space, request=None, punch=None))
-    thickness, young, radius, depths, forces, own = asked[0]
-    assert (thickness, young, radius, own) == (10.0, 0.5, 7.9, None)
+    pad, depths, forces = asked[0]
+    assert pad == (10.0, 0.5)
     np.testing.assert_allclose(depths, [1.0])
     np.testing.assert_allclose(forces, [1.0])
 
@@ -372,8 +372,7 @@ def test_castings_are_at_the_nearest_of_even_steps_and_held_to_the_law():
         def depth_limit_mm(self, thickness, radius):
             return 0.5 * np.asarray(thickness)
 
-    arm = SimpleNamespace(tau_s=SimpleNamespace(value=0.3))
-    space = SimpleNamespace(radius_mm=8.0, resin=SimpleNamespace(arms=(arm,)))
+    space = SimpleNamespace(radius_mm=8.0, resin=SimpleNamespace(tau_s=(0.3,)))
     thickness = np.array([9.8, 10.2, 10.0, 9.913])
     made = poured_slabs(Law(), casting_module.Pours(thickness, np.ones(4), np.ones((4, 1))), space)
     assert np.abs(made.thickness_mm - thickness).max() <= 0.5 * 0.01 + 1e-9 and made.tau_s == (0.3,)

@@ -175,8 +175,7 @@ def poured_slabs(law: ForceLaw, pours: Pours, space: SearchSpace) -> Slabs:
     low, high = float(thickness.min()), float(thickness.max())
     nodes = np.linspace(low, high, NODES) if high > low else np.array([low])
     index = np.rint((thickness - low) / max(high - low, 1e-12) * (len(nodes) - 1)).astype(int)
-    tau = tuple(arm.tau_s.value for arm in space.resin.arms)
-    return Slabs(make_curves(law, nodes, space.radius_mm), index, pours.young_MPa, tau, pours.beta)
+    return Slabs(make_curves(law, nodes, space.radius_mm), index, pours.young_MPa, space.resin.tau_s, pours.beta)
 
 
 def limits_that_bind(candidate: DesignCandidate, thickness_mm: NDArray, ratio: NDArray) -> tuple[str, ...]:

@@ -18,7 +18,6 @@ from dummydesign.design.search.best_of_kinds import Shaped
 from dummydesign.design.search.shape_family import FamilyLaw
 from dummydesign.design.search.slabs import SearchSpace, search
 from dummydesign.geometry.dimensions import PAD_EXTENT_MM, PUNCH_RADIUS_MM
-from dummydesign.geometry.pad_shape import PadShape
 from dummydesign.pad.axisymmetric.shaped_problem import PathCache, Touch
 from dummydesign.pad.force_law import BaseForceLaw
 from dummydesign.pad.specimen import Pad
@@ -73,35 +72,38 @@ class ElementsLaw(BaseForceLaw):
 
 def solve_law(shaped: Shaped, space: SearchSpace, solved: PathCache | None = None) -> ElementsLaw:
     """Solve the best pad of a search, once for all moduli, on the base and of the size requested."""
-    inputs, own = _inputs(shaped, space)
-    if shaped.shape.axisymmetric:
-        made = cached("design", {**inputs, **own}, lambda: _solve_round(shaped, space, solved))
-    else:
-        made = cached("design", inputs, lambda: _solve_field(shaped.shape, inputs["thickness"], inputs["depth"]))
-    return _law(shaped, made, len(inputs["depth"]), space.radius_mm)
+    inputs, pad = _inputs(shaped, space)
+    depth = inputs["depth"]
+
+    def solve() -> dict[str, Any]:
+        round_pad = shaped.shape.axisymmetric
+        return _solve_round(pad, depth, solved or PathCache()) if round_pad else _solve_field(pad, depth)
+
+    return _law(shaped, cached("design", inputs, solve), len(depth), space.radius_mm)
 
 
 def rough_law(shaped: Shaped, space: SearchSpace, solved: PathCache) -> ElementsLaw:
     """The same on the coarsest grid alone, to compare pads."""
     from dummydesign.pad.axisymmetric.shaped_pad import rough_shaped_pad
 
-    inputs, own = _inputs(shaped, space)
-    pad = Pad(inputs["thickness"], 1.0, space.radius_mm, geometry=shaped.shape, **own)
-    made = cached("rough-design", {**inputs, **own}, lambda: vars(rough_shaped_pad(pad, inputs["depth"], solved)))
-    return _law(shaped, made, len(inputs["depth"]), space.radius_mm)
+    inputs, pad = _inputs(shaped, space)
+    depth = inputs["depth"]
+    made = cached("rough-design", inputs, lambda: vars(rough_shaped_pad(pad, depth, solved)))
+    return _law(shaped, made, len(depth), space.radius_mm)
 
 
-def _inputs(shaped: Shaped, space: SearchSpace) -> tuple[dict[str, Any], dict[str, Any]]:
-    """What a solve depends on; apart from it base and size of the pad, and the punch's fillet, where they are not those
-    of the tables."""
-    thickness = shaped.result.best.thickness_mm
-    own: dict[str, Any] = {} if space.base == "bonded" else {"base": space.base}
-    if space.extent_mm != PAD_EXTENT_MM:
-        own["extent_mm"] = space.extent_mm
-    if space.edge_radius_mm and shaped.shape.axisymmetric:
-        own["edge_radius_mm"] = space.edge_radius_mm
+def _inputs(shaped: Shaped, space: SearchSpace) -> tuple[dict[str, Any], Pad]:
+    """What a solve depends on, and the pad of unit modulus.
+
+    Of a round pad that is also its base and size and the punch's fillet, where they are not those of the tables.
+    """
+    thickness, own = shaped.result.best.thickness_mm, {}
+    if shaped.shape.axisymmetric:
+        usual = {"base": "bonded", "extent_mm": PAD_EXTENT_MM, "edge_radius_mm": 0.0}
+        own = {name: getattr(space, name) for name, value in usual.items() if getattr(space, name) != value}
     depth = thickness * solved_shares(shaped, space.radius_mm)
-    return {"shape": str(shaped.shape), "thickness": thickness, "radius": space.radius_mm, "depth": depth}, own
+    inputs = {"shape": str(shaped.shape), "thickness": thickness, "radius": space.radius_mm, "depth": depth, **own}
+    return inputs, Pad(thickness, 1.0, space.radius_mm, geometry=shaped.shape, **own)
 
 
 def solved_shares(shaped: Shaped, radius_mm: float) -> NDArray:
@@ -131,32 +133,28 @@ def _law(shaped: Shaped, made: Mapping[str, Any], asked: int, radius_mm: float) 
     return ElementsLaw(law, thickness, reached, factor, error, touch, complete, end)
 
 
-def _solve_round(shaped: Shaped, space: SearchSpace, solved: PathCache | None) -> dict[str, Any]:
+def _solve_round(pad: Pad, depth_mm: NDArray, solved: PathCache) -> dict[str, Any]:
     from dummydesign.pad.axisymmetric.shaped_pad import solve_shaped_pad
 
-    inputs, own = _inputs(shaped, space)
-    thickness, radius = inputs["thickness"], space.radius_mm
-    solved = PathCache() if solved is None else solved
-    curve = solve_shaped_pad(Pad(thickness, 1.0, radius, geometry=shaped.shape, **own), inputs["depth"], solved=solved)
-    rows = [(depth * thickness, min(touched * thickness, radius), edge) for depth, touched, edge in solved.touched]
+    curve, h = solve_shaped_pad(pad, depth_mm, solved=solved), pad.thickness_mm
+    rows = [(depth * h, min(touched * h, pad.radius_mm), edge) for depth, touched, edge in solved.touched]
     return {**vars(curve), "touch": [list(column) for column in zip(*rows)]}
 
 
-def _solve_field(shape: PadShape, thickness_mm: float, depth_mm: NDArray) -> dict[str, Any]:
+def _solve_field(pad: Pad, depth_mm: NDArray) -> dict[str, Any]:
     """In space under the 14 x 14 mm punch; with a table, on its grid, whose stated error of the solves it has."""
     from dummydesign.geometry.shapes.bumped import Bumped
     from dummydesign.pad.spatial.shaped_pad import COARSE, HALF_SIDE_MM, press_field, solve_shaped_block
     from dummydesign.pad.tables.shape import load_shape_table
 
+    shape, h = pad.geometry, pad.thickness_mm
     if not shape.tabulated:
         sides_mm = (2.0 * HALF_SIDE_MM, 2.0 * HALF_SIDE_MM)
-        pad = Pad(thickness_mm, 1.0, PUNCH_RADIUS_MM, geometry=shape, sides_mm=sides_mm)
-        return vars(solve_shaped_block(pad, depth_mm))
-    depth, area, stop = press_field(cast(Bumped, shape), thickness_mm, depth_mm / thickness_mm, COARSE)
+        return vars(solve_shaped_block(Pad(h, 1.0, PUNCH_RADIUS_MM, geometry=shape, sides_mm=sides_mm), depth_mm))
+    depth, area, stop = press_field(cast(Bumped, shape), h, depth_mm / h, COARSE)
     table = load_shape_table(shape.name)
     error = np.interp(depth, table.error_depth, table.solve_error)
-    notes = (stop,) if stop else ()
-    return {"depth_mm": depth * thickness_mm, "force_N": area, "error_N": area * error, "notes": notes}
+    return {"depth_mm": depth * h, "force_N": area, "error_N": area * error, "notes": (stop,) if stop else ()}
 
 
 SOLVED = 3

@@ -222,10 +222,7 @@ def thickness_steps(low_mm: float, high_mm: float) -> NDArray:
 def make_slabs(curves: Curves, slab: NDArray, resin: Resin, ratio: NDArray) -> Slabs:
     """Designs with the central numbers of a resin."""
     known, back = np.unique(ratio, return_inverse=True)
-    beta = np.array([[term.beta for term in resin.prony(float(value))] for value in known])
-    tau = tuple(arm.tau_s.value for arm in resin.arms)
-    young = np.atleast_1d(resin.young_MPa(known))
-    return Slabs(curves, slab, young[back], tau, beta.reshape(len(known), len(tau))[back])
+    return Slabs(curves, slab, resin.young_MPa(known)[back], resin.tau_s, resin.strengths(known)[back])
 
 
 def search(

@@ -26,15 +26,13 @@ def live_data(resin: Resin, tissue: Tissue | None, sampling: Sampling | None = N
 
     sampling = sampling or Sampling()
     ratio = np.linspace(resin.ratio_min, resin.ratio_max, RATIOS)
-    strengths = [[term.beta for term in resin.prony(float(value))] for value in ratio]
     names = ("coefficients", "ratio_range", "depth_range")
     return {
         "tables": {base: _listed(load_table(base), *names, "limit_ratio", "limit_depth") for base in BASES},
         "squares": {base: _listed(load_square(base), *names, "reach_ratio", "reach_depth") for base in BASES},
         "resin": {
             "name": resin.name, "ratio": ratio.tolist(), "ln_young_MPa": np.log(resin.young_MPa(ratio)).tolist(),
-            "tau_s": [arm.tau_s.value for arm in resin.arms],
-            "beta": np.array(strengths).reshape(RATIOS, -1).T.tolist(),
+            "tau_s": list(resin.tau_s), "beta": resin.strengths(ratio).T.tolist(),
         },
         "tissue": None if tissue is None else _tissue(tissue, sampling.hold_s),
         "protocol": {

@@ -175,9 +175,7 @@ def tasks_of(study: Study, resin: Resin, targets: Targets | None, done: Iterable
     """
     done = set(done)
     ratios = np.array(study.ratio)
-    young = np.atleast_1d(resin.young_MPa(ratios))
-    tau = tuple(arm.tau_s.value for arm in resin.arms)
-    beta = np.array([[term.beta for term in resin.prony(float(value))] for value in ratios]).reshape(len(ratios), -1)
+    young, beta = resin.young_MPa(ratios), resin.strengths(ratios)
     for (punch, radius), condition, base in study.setups:
         for shapes, edge in _groups(study):
             designs = [
@@ -195,8 +193,8 @@ def tasks_of(study: Study, resin: Resin, targets: Targets | None, done: Iterable
             for part in parts:
                 which, thickness, columns = (np.array(values) for values in zip(*part))
                 yield Task(
-                    study.fidelity, punch, condition, base, radius, thickness, ratios[columns], young[columns], tau,
-                    beta[columns], study.forces_N, study.velocities_mm_s, targets, shapes, which, edge,
+                    study.fidelity, punch, condition, base, radius, thickness, ratios[columns], young[columns],
+                    resin.tau_s, beta[columns], study.forces_N, study.velocities_mm_s, targets, shapes, which, edge,
                     study.sampling,
                 )  # fmt: skip
 

@@ -373,6 +373,15 @@ class Resin:
         growth = (self.young_MPa(self.relaxation_ratio_ref) / self.young_MPa(ratio)) ** self.softness_exponent.value
         return tuple(PronyTerm(arm.tau_s.value, arm.beta.value * growth) for arm in self.arms)
 
+    @property
+    def tau_s(self) -> tuple[float, ...]:
+        """Times of the arms. [s]"""
+        return tuple(arm.tau_s.value for arm in self.arms)
+
+    def strengths(self, ratio: Sequence[float] | NDArray) -> NDArray:
+        """Strengths of the arms at several ratios, shape (n, arms); see :meth:`prony`."""
+        return np.array([[term.beta for term in self.prony(float(value))] for value in ratio])
+
     def draw(self, count: int, seed: int | np.random.Generator = SEED) -> Draws:
         """Draw what is not known: law parameters (prior, or posterior after an update) and relaxation.
 

@@ -52,6 +52,7 @@ class Resin:
     """E = 0.1 MPa (ratio / 15)^-6 within 10 % either way, one fast arm that is known within a half."""
 
     arms = (SimpleNamespace(tau_s=quantity(0.05), beta=quantity(0.4, 0.2, 0.6)),)
+    tau_s = (0.05,)
     ratio_min, ratio_max = 12.0, 15.01
     liquids = (SimpleNamespace(name="base", parts=None), SimpleNamespace(name="hardener", parts=1.0),
                SimpleNamespace(name="dye", parts=0.1))  # fmt: skip
@@ -63,8 +64,8 @@ class Resin:
         value = float(1e3 * self.young_MPa(ratio))
         return quantity(value, 0.9 * value, 1.1 * value)
 
-    def prony(self, ratio):
-        return (SimpleNamespace(beta=0.4),)
+    def strengths(self, ratio):
+        return np.full((len(ratio), 1), 0.4)
 
 
 def answer(tolerance=0.2, weighing=0.1, **more):

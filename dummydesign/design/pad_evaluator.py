@@ -16,7 +16,6 @@ from dummydesign.design.assessment.castings import (
     limits_that_bind,
     verdict_of_design,
 )
-from dummydesign.design.request import PAPER, Protocol
 from dummydesign.design.scoring.presses import SAMPLES, Curves, Sampling, Slabs, make_curves
 from dummydesign.design.scoring.score import evaluate
 from dummydesign.design.scoring.settings import verdict_limits
@@ -38,31 +37,24 @@ DRAWS, SEED = COUNT, 41
 
 
 def verdict_of_pad(
-    pad: Pad,
-    curve: ForceCurve,
-    young: dict[str, float],
-    tissue: Tissue,
-    aim: str = "average",
-    sampling: Sampling | None = None,
-    protocol: Protocol = PAPER,
+    pad: Pad, curve: ForceCurve, young: dict[str, float], tissue: Tissue, aim: str, sampling: Sampling
 ) -> tuple[Verdict, DesignCandidate, Targets]:
-    """Press a pad by a test and judge it, with what is not known of its modulus and of the force."""
-    sampling = sampling or Sampling()
+    """Press a pad by the paper's test and judge it, with what is not known of its modulus and of the force."""
     thickness, limit = pad.thickness_mm, min(gel_limit_mm(pad), float(curve.limit_mm))
     depth = np.linspace(0.0, limit, SAMPLES)
     area = np.asarray(curve.force(depth), float) / pad.young_MPa
     area[0] = 0.0
     curves = Curves(np.array([thickness]), np.array([limit]), area[None])
     tau, beta = tuple(term.tau_s for term in pad.prony), np.array([[term.beta for term in pad.prony]])
-    targets = make_targets(tissue, aim, sampling, protocol)
-    slabs = Slabs(curves, np.array([0]), np.array([pad.young_MPa]), tau, beta.reshape(1, len(tau)))
+    targets = make_targets(tissue, aim, sampling)
+    slabs = Slabs(curves, np.array([0]), np.array([pad.young_MPa]), tau, beta)
     evaluation = evaluate(slabs, targets, sampling, exact=True)
     candidate = DesignCandidate(thickness, 0.0, 0, evaluation)
     reached = candidate.depth_mm[np.isfinite(candidate.depth_mm)]
     error = float(np.nan_to_num(np.max(curve.relative_error(reached), initial=0.0))) if len(reached) else 0.0
     width = float(np.hypot(0.5 * np.log(young["high"] / young["low"]), error)) / HALF_WIDTH
     drawn = pad.young_MPa * np.exp(width * np.random.default_rng(SEED).standard_normal(DRAWS))
-    every = Slabs(curves, np.zeros(DRAWS, int), drawn, tau, np.repeat(slabs.beta, DRAWS, axis=0))
+    every = Slabs(curves, np.zeros(DRAWS, int), drawn, tau, np.repeat(beta, DRAWS, axis=0))
     spread = readings_of(evaluate(every, targets, sampling.coarse))
     missing = len(reached) < evaluation.depth_mm.shape[1]
     bound = [f"depth over thickness (at most {limit / thickness:.2f})"] if missing else []

@@ -145,9 +145,9 @@ class PadCastings:
         return readings_of(self.every if not known else self.pressed(known))
 
     @cached_property
-    def over_tissues(self) -> dict[int, tuple[NDArray, ...]]:
-        """Scores of the first castings for every tissue, by how many; filled where they are first wanted."""
-        return {}
+    def over_tissues(self) -> list[NDArray]:
+        """Scores of the first castings for every tissue; filled where they are first wanted."""
+        return []
 
     @cached_property
     def every(self) -> Evaluation:

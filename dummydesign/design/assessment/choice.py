@@ -61,23 +61,23 @@ class TissueScores:
         return len(self.total) > 1
 
 
-def castings_for_tissues(cast: PadCastings, low_share: float, pours: int = POURS, worst: int = 1) -> TissueScores:
+def castings_for_tissues(cast: PadCastings, low_share: float, worst: int = 1) -> TissueScores:
     """Score castings of a pad for every tissue that is drawn; parameters are those of gamma1.
 
     What is scored is kept with the castings, as several parts of an answer rest on it; its shapes are (1 + tissues,
     castings), the tissue as stated first.
     """
-    if pours not in cast.over_tissues:
+    if not cast.over_tissues:
         space = cast.space
-        pressed = evaluate(cast.slabs(cast.pours().first(pours)), space.targets, space.sampling.coarse)
+        pressed = evaluate(cast.slabs(cast.pours().first(POURS)), space.targets, space.sampling.coarse)
         gamma1 = evaluated_gamma1(pressed, space.targets.power)
         rows = []
         for targets in (space.targets, *space.targets.drawn):
             evaluation = pressed if targets is space.targets else scored_for(pressed, targets)
             total = evaluation.total(gamma1_score(gamma1, targets))
             rows.append((total, evaluation.low_aim, classes_of(evaluation, targets)))
-        cast.over_tissues[pours] = tuple(np.array(values) for values in zip(*rows))
-    total, low_aim, kinds = cast.over_tissues[pours]
+        cast.over_tissues.extend(np.array(values) for values in zip(*rows))
+    total, low_aim, kinds = cast.over_tissues
     merit = (1.0 - low_share) * total + low_share * low_aim
     kept = slice(1, None) if len(total) > 1 else slice(None)
     return TissueScores(total[kept], merit[kept], (kinds <= worst)[kept], merit[0])

@@ -81,6 +81,15 @@ class Deviations:
         """The same of over-reading."""
         return _largest(self.above)
 
+    @property
+    def quantiles(self) -> tuple[float | None, float | None, float | None]:
+        """95 % quantiles of shortfall, over-reading and shortfall of forces over the pads that reach every press."""
+        if not self.reached.any():
+            return None, None, None
+        every = np.stack([self.shortfall, self.over, self.force_shortfall])[:, self.reached]
+        short, over, force = np.quantile(every, QUANTILE, axis=-1).tolist()
+        return short, over, force
+
     def worst(self, ratios: dict[str, NDArray], pad: int = 0) -> tuple[float, str, int]:
         """Largest ratio of one pad, its quantity and the place of its press or steady force."""
         best = (np.nan, PEAK, 0)
@@ -237,28 +246,20 @@ def verdict(
     every = differences if spread is None else deviations(ranges, spread)
     kinds = classes(every, limits)
     shares = {name: float((kinds == number).mean()) for number, name in enumerate(CLASSES)}
-    short_95, over_95, force_95 = (
-        None if spread is None else _quantile(values[every.reached])
-        for values in (every.shortfall, every.over, every.force_shortfall)
-    )
+    short_95, over_95, force_95 = (None, None, None) if spread is None else every.quantiles
     if beyond > 1.0 and not unsettled:
         unsettled = f"the test goes to {beyond:.2g} times the hardest press of people"
     inside = [float(1.0 - (below[name] | above[name]).mean()) for name in (PEAK, STEADY) if below[name].size]
     level = _level(differences, shares, limits, not unsettled, min(inside, default=0.0))
     if beyond > limits.beyond_people:
         level = "not_representative"
-    after, force_after = None, None
-    if measured is not None:
-        known = deviations(ranges, measured)
-        after, force_after = (
-            _factor(_quantile(values[known.reached])) for values in (known.shortfall, known.force_shortfall)
-        )
+    after, _, force_after = (None, None, None) if measured is None else deviations(ranges, measured).quantiles
     shortfall = _deviation(differences, differences.short, short_95)
     over = _deviation(differences, differences.above, over_95)
     central, own_force = _factor(shortfall.central), float(differences.force_shortfall[0])
     force = _factor(own_force) if np.isfinite(own_force) else None
     factors = (central, force) if spread is None else (_factor(short_95), _factor(force_95))
-    correction = Correction(factors[0], central, after, factors[1], force, force_after)
+    correction = Correction(factors[0], central, _factor(after), factors[1], force, _factor(force_after))
     castings = None if spread is None else shares
     bound = tuple(limits_that_bind)
     parts = [
@@ -324,10 +325,6 @@ def _steady_shares(
     with np.errstate(invalid="ignore"):
         within = (depth >= ranges.stiff_mm * (1 - 1e-9)) & (depth <= ranges.soft_mm * (1 + 1e-9))
     return float(within.mean()), float(below[STEADY].mean()), float(above[STEADY].mean())
-
-
-def _quantile(values: NDArray) -> float | None:
-    return float(np.quantile(values, QUANTILE)) if len(values) else None
 
 
 def _factor(ratio: float | None) -> float | None:

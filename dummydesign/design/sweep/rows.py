@@ -8,7 +8,7 @@ import io
 import json
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
@@ -23,7 +23,6 @@ from dummydesign.design.scoring.presses import (
     Curves,
     Sampling,
     Slabs,
-    join_curves,
     make_curves,
     press_to_depth,
     steady_depth,
@@ -187,52 +186,36 @@ def _by_tables(task: Task) -> list[dict[str, Any]]:
     pad_of = pad_of.reshape(-1)
     shapes = [read_shape(task.shapes[int(index)]) for index in pads[0]]
     why: list[str | None] = [why_not_cast(str(shape), float(mm)) for shape, mm in zip(shapes, pads[1])]
-    groups, curves, order = [], [], []
+    rows: list[dict[str, Any]] = [{} for _ in pad_of]
     for kind in dict.fromkeys(shape.name for shape in shapes):
-        family = load_family(kind)
-        candidates = [n for n, shape in enumerate(shapes) if shape.name == kind and why[n] is None]
-        for n in candidates:
+        family, own = load_family(kind), []
+        for n in (n for n, shape in enumerate(shapes) if shape.name == kind and why[n] is None):
             try:
                 family.check(shapes[n])
             except InputError as problem:
                 why[n] = str(problem)
-        own = np.array([n for n in candidates if why[n] is None], dtype=int)
-        if not len(own):
+                continue
+            own.append(n)
+        if not own:
             continue
         lengths = [dict(shapes[n].parameters) for n in own]
         designs = Designs(kind, pads[1][own], {name: np.array([one[name] for one in lengths]) for name in lengths[0]})
         limit = np.minimum(family.limit_mm(designs, task.radius_mm), DEPTH_SHARE * designs.thickness_mm)
-        for n in own[limit <= 0.0]:
+        curve_of, held = np.full(len(shapes), -1), np.array(own)[limit > 0.0]
+        for n in set(own) - set(held.tolist()):
             why[n] = f"outside the response table of {kind} pads; --fidelity {shapes[n].fidelity} solves it"
-        designs, limit, own = designs.take(limit > 0.0), limit[limit > 0.0], own[limit > 0.0]
-        if not len(own):
+        if not len(held):
             continue
+        designs, limit, curve_of[held] = designs.take(limit > 0.0), limit[limit > 0.0], np.arange(len(held))
         area = family.area_mm2(designs, limit[:, None] * np.linspace(0.0, 1.0, SAMPLES), task.radius_mm)
-        curves.append(Curves(designs.thickness_mm, limit, area))
-        groups.append((family, designs))
-        order.append(own)
-    rows = [empty_row(task, index, why[pad] or "") if why[pad] else {} for index, pad in enumerate(pad_of)]
-    if not groups:
-        return rows
-    joined, known = join_curves(curves), np.concatenate(order)
-    curve_of = np.full(pads.shape[1], -1)
-    curve_of[known] = np.arange(len(known))
-    able = np.nonzero(curve_of[pad_of] >= 0)[0]
-    part = task.take(able)
-    slabs = Slabs(joined, curve_of[pad_of[able]], part.young_MPa, part.tau_s, part.beta)
-    starts = np.cumsum([0, *(len(own) for own in order)])
-
-    def error(depth_mm: NDArray) -> NDArray:
-        relative = np.empty_like(depth_mm)
-        for (family, designs), start, stop in zip(groups, starts, starts[1:]):
-            here = (slabs.slab >= start) & (slabs.slab < stop)
-            own = designs.take(slabs.slab[here] - start)
-            relative[here] = family.relative_error(own, depth_mm[here], task.radius_mm)
-        return relative
-
-    for index, row in zip(able, rows_of(part, slabs, error)):
-        rows[index] = row
-    return rows
+        able = np.nonzero(curve_of[pad_of] >= 0)[0]
+        part, slab = task.take(able), curve_of[pad_of[able]]
+        curves = Curves(designs.thickness_mm, limit, area)
+        slabs = Slabs(curves, slab, part.young_MPa, part.tau_s, part.beta)
+        error = partial(family.relative_error, designs.take(slab), radius_mm=task.radius_mm)
+        for index, row in zip(able, rows_of(part, slabs, error)):
+            rows[index] = row
+    return [row or empty_row(task, index, why[pad] or "") for index, (row, pad) in enumerate(zip(rows, pad_of))]
 
 
 def _solved(task: Task) -> list[dict[str, Any]]:
@@ -285,12 +268,8 @@ def work(task: Task, law: ForceLaw | None = None) -> list[dict[str, Any]]:
         curves = make_curves(law, thickness, task.radius_mm)
     except NoAnswerError as problem:
         return empty_rows(task, str(problem))
-    slabs = Slabs(curves, row, task.young_MPa, task.tau_s, task.beta)
-
-    def error(depth_mm: NDArray) -> NDArray:
-        return law.relative_error(depth_mm, slabs.thickness_mm[:, None], task.radius_mm)
-
-    return rows_of(task, slabs, error)
+    slabs, known = Slabs(curves, row, task.young_MPa, task.tau_s, task.beta), law
+    return rows_of(task, slabs, lambda at: known.relative_error(at, slabs.thickness_mm[:, None], task.radius_mm))
 
 
 def force_law(task: Task, thickness_mm: NDArray) -> ForceLaw:

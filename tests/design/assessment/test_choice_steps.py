@@ -10,6 +10,7 @@ import pytest
 from dummydesign.design.assessment import choice
 from dummydesign.design.assessment.castings import FORCE_LAW, MAKING, MODULUS, RELAXATION, RESIN, TISSUE, Pours
 from dummydesign.design.assessment.choice import (
+    POURS,
     SURE,
     Expected,
     TissueScores,
@@ -103,16 +104,16 @@ def test_castings_are_scored_for_every_tissue_once(monkeypatch):
     monkeypatch.setattr(choice, "classes_of", lambda one, targets: np.array([0, 1, 2]))
     space = SimpleNamespace(targets=stated, sampling=SimpleNamespace(coarse=None))
     pours = SimpleNamespace(first=lambda count: count)
-    cast = SimpleNamespace(over_tissues={}, space=space, pours=lambda: pours, slabs=lambda some: some)
-    found = castings_for_tissues(cast, 0.25, 3)
+    cast = SimpleNamespace(over_tissues=[], space=space, pours=lambda: pours, slabs=lambda some: some)
+    found = castings_for_tissues(cast, 0.25)
     np.testing.assert_allclose(found.total[:, 0], [0.23, 0.43])
     np.testing.assert_allclose(found.merit[:, 0], [0.75 * 0.23 + 0.25 * 0.1, 0.75 * 0.43 + 0.25 * 0.2])
     np.testing.assert_allclose(found.merit_as_known, 0.75 * 0.63 + 0.25 * 0.3)
     assert found.usable[0].tolist() == [True, True, False] and found.tissue_drawn
-    assert castings_for_tissues(cast, 0.0, 3, worst=0).usable[0].tolist() == [True, False, False] and asked == [3]
-    alone = SimpleNamespace(**{**vars(cast), "over_tissues": {}, "space": SimpleNamespace(
+    assert castings_for_tissues(cast, 0.0, worst=0).usable[0].tolist() == [True, False, False] and asked == [POURS]
+    alone = SimpleNamespace(**{**vars(cast), "over_tissues": [], "space": SimpleNamespace(
         targets=SimpleNamespace(value=0.6, power=3.0, drawn=()), sampling=space.sampling)})  # fmt: skip
-    one = castings_for_tissues(alone, 0.0, 3)
+    one = castings_for_tissues(alone, 0.0)
     assert one.total.shape == (1, 3) and not one.tissue_drawn and one.total[0, 0] == pytest.approx(0.63)
 
 

@@ -8,6 +8,7 @@ from dummydesign.design import measured_pad as verdict_of_traces
 from dummydesign.design import pad_evaluator as verdict_of_pad
 from dummydesign.design.inputs import resolve
 from dummydesign.design.request import Request
+from dummydesign.design.scoring.presses import Sampling
 from dummydesign.geometry.shape_registry import read_shape
 from dummydesign.pad.elastic_force import elastic_curve
 from dummydesign.pad.specimen import Pad
@@ -35,7 +36,7 @@ def test_with_one_force_law_a_predicted_shaped_pad_has_the_presses_of_the_design
     designed = verdict_of_pad.PadEvaluator(inputs).evaluate(shape, 10.0, 15.3)
     pad = Pad(10.0, resin.young_MPa(15.3), inputs.punch.radius_mm, prony=resin.prony(15.3), geometry=shape)
     curve, young = elastic_curve(pad, "table", None, None, None), {"low": 20.0, "high": 60.0}
-    judged, predicted, _ = verdict_of_pad.verdict_of_pad(pad, curve, young, inputs.tissue)
+    judged, predicted, _ = verdict_of_pad.verdict_of_pad(pad, curve, young, inputs.tissue, "average", Sampling())
     own, wanted = predicted.evaluation, designed.candidate.evaluation
     np.testing.assert_allclose(own.depth_mm, wanted.depth_mm, rtol=1e-9)
     for press, other in zip(own.presses, wanted.presses):

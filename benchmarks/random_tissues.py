@@ -57,7 +57,7 @@ def study_one(number: int, seed: int) -> dict[str, object]:
     try:
         result = best_of_kinds("auto", inputs.slab_law, space)
         designs = [(shaped.shape.name, shaped.result.best) for shaped in result.designs]
-        designs += [] if result.slab is None else [("slab", result.slab.best)]
+        designs += [] if result.slab is None else [("slab", result.slab.result.best)]
         taken = taken_pad(inputs, solve(inputs, result))
     except NoAnswerError:
         designs = []

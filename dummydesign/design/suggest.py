@@ -14,7 +14,7 @@ from dummydesign.design.assessment.warnings import count_unmeasured, design_warn
 from dummydesign.design.inputs import Inputs, resolve
 from dummydesign.design.request import Progress, Request, quiet
 from dummydesign.design.scoring.presses import make_curves
-from dummydesign.design.search.best_of_kinds import Chosen, SearchOutcome, best_of_kinds, choose, close_to
+from dummydesign.design.search.best_of_kinds import SearchOutcome, Shaped, best_of_kinds, choose, close_to
 from dummydesign.design.search.shape_family import FamilyLaw
 from dummydesign.design.search.slabs import DesignCandidate
 from dummydesign.design.suggestion import (
@@ -46,7 +46,7 @@ CALIBRATED = "designed with a calibration: the correction is based on the campai
 class SolvedDesign:
     """The chosen design, how it was chosen by expectation, its verification, a crown's centring tolerance and sites."""
 
-    chosen: Chosen
+    chosen: Shaped
     expectation: Expectation
     verification: Verification
     centring: CentringTolerance | None = None
@@ -87,7 +87,7 @@ def solve(inputs: Inputs, outcome: SearchOutcome, progress: Progress = quiet) ->
     return SolvedDesign(chosen, expected, verification, centring, sites)
 
 
-def _verify(chosen: Chosen, inputs: Inputs) -> Verification:
+def _verify(chosen: Shaped, inputs: Inputs) -> Verification:
     """Solve the depths of the slow conditions by finite elements; the fast ones differ by micrometres.
 
     Compared are the forces of the circle of the punch's area, which is what is solved. A design with a shape has
@@ -136,7 +136,7 @@ def assess(inputs: Inputs, solved: SolvedDesign) -> Suggestion:
     )  # fmt: skip
 
 
-def _shape_at(chosen: Chosen, other: DesignCandidate) -> PadShape:
+def _shape_at(chosen: Shaped, other: DesignCandidate) -> PadShape:
     """Shape of an alternative: the best design's, in proportion to the thickness."""
     if other is chosen.result.best or not isinstance(chosen.law, FamilyLaw):
         return chosen.shape

@@ -37,7 +37,7 @@ from dummydesign.design.scoring.verdict import (
     deviations_of,
     ranges_of,
 )
-from dummydesign.design.search.best_of_kinds import Chosen, ShapeComparison, compare_shape, mixable
+from dummydesign.design.search.best_of_kinds import ShapeComparison, Shaped, compare_shape, mixable
 from dummydesign.design.search.slabs import DesignCandidate, SearchSpace, make_slabs, with_parameters
 
 # Castings, the first of an answer's, that are scored for every tissue.
@@ -209,7 +209,7 @@ class Expectation(Serialised):
 class _Contender:
     """A pad that the search does not tell apart from the best, with its castings."""
 
-    chosen: Chosen
+    chosen: Shaped
     candidate: DesignCandidate
     cast: PadCastings
 
@@ -232,8 +232,8 @@ class _Contender:
 
 
 def by_expectation(
-    close: Sequence[Chosen], space: SearchSpace, castings: Castings, tolerances: Tolerances, low_share: float
-) -> tuple[Chosen, Expectation]:
+    close: Sequence[Shaped], space: SearchSpace, castings: Castings, tolerances: Tolerances, low_share: float
+) -> tuple[Shaped, Expectation]:
     """Take the pad of the best light, and of these the one with the largest expected score."""
     pads = [
         _Contender(chosen, candidate, PadCastings(castings, chosen.cast, candidate, space, tolerances))
@@ -267,12 +267,12 @@ def by_expectation(
         f"{winner.expected_worth:.3f} against {middle.expected_worth:.3f}, {shares} of castings usable"
     )
     if candidate is not chosen.result.best:
-        candidate = with_parameters([candidate], space)[0]
-        comparisons = tuple(
-            compare_shape(item.kind, chosen.shape, candidate, space, item.by or "table")
-            if item.kind == chosen.shape.name else item for item in chosen.comparisons
-        )  # fmt: skip
-        chosen = replace(chosen, result=replace(chosen.result, best=candidate), comparisons=comparisons)
+        chosen = replace(chosen, result=replace(chosen.result, best=with_parameters([candidate], space)[0]))
+        rows = tuple(
+            compare_shape(chosen, space, item.by or "table") if item.kind == chosen.shape.name else item
+            for item in chosen.comparisons
+        )
+        chosen = replace(chosen, comparisons=rows)
     return chosen, Expectation(text, True, winner, middle, undecided)
 
 
@@ -296,7 +296,7 @@ def _undecided(taken: int, pads: Sequence[_Contender], scores: dict[int, TissueS
     return None
 
 
-def _near(chosen: Chosen, space: SearchSpace, low_share: float) -> list[DesignCandidate]:
+def _near(chosen: Shaped, space: SearchSpace, low_share: float) -> list[DesignCandidate]:
     """The best pad, and those of one step of the ratio either way that rank no lower."""
     best = chosen.result.best
     here = int(np.argmin(np.abs(space.ratio - best.ratio)))

@@ -11,7 +11,7 @@ from dummydesign.tissue.model.laws import law_named
 
 if TYPE_CHECKING:
     from dummydesign.design.assessment.castings import PourYield
-    from dummydesign.design.search.best_of_kinds import Chosen
+    from dummydesign.design.search.best_of_kinds import Shaped
     from dummydesign.design.search.slabs import DesignCandidate, SearchSpace
     from dummydesign.design.suggestion import CentringTolerance, Verification
     from dummydesign.resin.model.resin import Resin
@@ -71,7 +71,7 @@ def _leaves(numbers: dict[str, Any]) -> list[Any]:
 
 
 def design_warnings(
-    chosen: Chosen, space: SearchSpace, tissue: Tissue, pour: PourYield, verification: Verification,
+    chosen: Shaped, space: SearchSpace, tissue: Tissue, pour: PourYield, verification: Verification,
     centring: CentringTolerance | None, verify: bool,
 ) -> Warnings:  # fmt: skip
     """List what is out of reach, at an edge, doubtful or contradictory, as (code, message)."""
@@ -102,7 +102,7 @@ def design_warnings(
     return notes
 
 
-def _of_forces(chosen: Chosen, space: SearchSpace) -> Warnings:
+def _of_forces(chosen: Shaped, space: SearchSpace) -> Warnings:
     """Conditions out of reach, and a start that is too stiff."""
     best = chosen.result.best
     notes = []
@@ -153,7 +153,7 @@ def _of_data(resin: Resin, tissue: Tissue) -> Warnings:
     return notes
 
 
-def _why_stiff(chosen: Chosen) -> str:
+def _why_stiff(chosen: Shaped) -> str:
     if not chosen.shape.flat_top:
         return "the shape starts stiffer or softer than tissue there"
     text = "a flat pad starts far more linear than tissue, whatever its ratio"
@@ -161,7 +161,7 @@ def _why_stiff(chosen: Chosen) -> str:
     return text if len(chosen.comparisons) > 1 else f"{text}; '--shape auto' looks for others"
 
 
-def _reasons(chosen: Chosen) -> list[str]:
+def _reasons(chosen: Shaped) -> list[str]:
     """Why kinds have no design, in one line those that share a reason."""
     kinds: dict[str, list[str]] = {}
     for item in chosen.comparisons:
@@ -172,7 +172,7 @@ def _reasons(chosen: Chosen) -> list[str]:
     return [f"{', '.join(names)} {reason}".strip() for reason, names in kinds.items()]
 
 
-def _edges(chosen: Chosen, space: SearchSpace) -> Warnings:
+def _edges(chosen: Shaped, space: SearchSpace) -> Warnings:
     """A best design at the end of a range: what may be had outside, where there is an outside."""
     best, resin = chosen.result.best, space.resin
     ends = float(resin.young_MPa(resin.ratio_min)), float(resin.young_MPa(resin.ratio_max))

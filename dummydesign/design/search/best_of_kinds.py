@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from types import MappingProxyType
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -44,12 +44,26 @@ SIEVE_STEP = 3
 
 @dataclass(frozen=True)
 class Shaped:
-    """A design with a shape; ``elements`` is its force law once it has been solved by finite elements."""
+    """The design of one kind: its force law in proportion with thickness, and that of its finite elements once solved.
+
+    ``comparisons`` are the best designs of all kinds, where it was chosen among them.
+    """
 
     shape: PadShape
-    law: FamilyLaw
+    law: ForceLaw
     result: SearchResult
     elements: ForceLaw | None = None
+    comparisons: tuple[ShapeComparison, ...] = ()
+
+    @property
+    def table(self) -> FamilyLaw:
+        """Force law of a tabulated shape as it is cast."""
+        return replace(cast(FamilyLaw, self.law), cast=True)
+
+    @property
+    def cast(self) -> ForceLaw:
+        """Force law of the pad as it is cast, by its elements where they are solved."""
+        return self.elements or (self.table if isinstance(self.law, FamilyLaw) else self.law)
 
     @property
     def merit(self) -> float:
@@ -276,22 +290,10 @@ class SearchOutcome:
     """What tables give for a request: the best flat slab, designs of the requested kinds, kinds without one."""
 
     asked: str
-    slab_law: ForceLaw
-    slab: SearchResult | None
+    slab: Shaped | None
     slab_reason: str | None = None
     designs: tuple[Shaped, ...] = ()
     missing: tuple[ShapeComparison, ...] = ()
-
-
-@dataclass(frozen=True)
-class Chosen:
-    """The winning design with its force laws: in proportion with thickness, and as cast."""
-
-    shape: PadShape
-    result: SearchResult
-    law: ForceLaw
-    cast: ForceLaw
-    comparisons: tuple[ShapeComparison, ...]
 
 
 def kinds_of(text: str) -> tuple[str, ...]:
@@ -316,54 +318,52 @@ def best_of_kinds(
     if text.lower() != AUTO and (reason := refused.get(text.partition(":")[0].lower())):
         raise InputError(f"shape = {text}: {reason}", "unsupported", "shape", text)
     if text.lower() == Slab.name:
-        return SearchOutcome(text, slab_law, search(slab_law, space))
+        return SearchOutcome(text, Shaped(Slab(), slab_law, search(slab_law, space)))
     slab, reason = None, None
     try:
-        slab = search(slab_law, space, space.targets.weights.low_aim)
+        slab = Shaped(Slab(), slab_law, search(slab_law, space, space.targets.weights.low_aim))
     except NoAnswerError as problem:
         reason = str(problem)
-    return SearchOutcome(text, slab_law, slab, reason, *_designs(text, space, refused))
+    return SearchOutcome(text, slab, reason, *_designs(text, space, refused))
 
 
-def choose(outcome: SearchOutcome, space: SearchSpace) -> Chosen:
+def choose(outcome: SearchOutcome, space: SearchSpace) -> Shaped:
     """Take the best of what was found: solved designs first; a slab only where it was requested or by ``auto``."""
-    flat, law, designs = outcome.slab, outcome.slab_law, outcome.designs
+    flat, designs = outcome.slab, outcome.designs
     if outcome.asked.lower() == Slab.name and flat is not None:
-        return Chosen(Slab(), flat, law, law, ())
-    comparisons = [ShapeComparison(Slab.name, reason=outcome.slab_reason)]
-    if flat is not None:
-        comparisons = [compare_shape(Slab.name, Slab(), flat.best, space, "table")]
+        return flat
+    none = ShapeComparison(Slab.name, reason=outcome.slab_reason)
+    comparisons = [none if flat is None else compare_shape(flat, space, "table")]
     winner = max(designs, key=_rank) if designs else None
     leaders = _fitted(_leaders(designs), space, None if winner is None else winner.shape.name)
     for best in leaders:
-        by = best.law.family.source if best.elements is None else "elements"
-        comparisons.append(compare_shape(best.shape.name, best.shape, best.result.best, space, by))
+        by = best.table.family.source if best.elements is None else "elements"
+        comparisons.append(compare_shape(best, space, by))
     listed = (*comparisons, *outcome.missing)
-    if outcome.asked.lower() == AUTO and flat is not None and (winner is None or flat.best.worth() >= winner.worth):
-        return Chosen(Slab(), flat, law, law, listed)
+    if outcome.asked.lower() == AUTO and flat is not None and (winner is None or flat.worth >= winner.worth):
+        return replace(flat, comparisons=listed)
     if winner is None:
         message = "; ".join(item.reason for item in outcome.missing if item.reason)
         raise NoAnswerError("no_feasible_design", message, quantity="pad")
     best = next(shaped for shaped in leaders if shaped.shape.name == winner.shape.name)
-    return _chosen(best, listed)
+    return replace(best, comparisons=listed)
 
 
-def close_to(chosen: Chosen, outcome: SearchOutcome, space: SearchSpace) -> tuple[Chosen, ...]:
+def close_to(chosen: Shaped, outcome: SearchOutcome, space: SearchSpace) -> tuple[Shaped, ...]:
     """The chosen design, then the best of every other kind that is near in worth: their castings decide.
 
     A design that only a table knows is not compared with one that was solved.
     """
     if outcome.asked.lower() != AUTO:
         return (chosen,)
-    least = chosen.result.best.worth() - space.targets.weights["resolution"]
+    least = chosen.worth - space.targets.weights["resolution"]
     solved = any(shaped.elements is not None for shaped in outcome.designs)
     designs = [shaped for shaped in outcome.designs if not solved or shaped.elements is not None]
     leaders = _leaders([shaped for shaped in designs if shaped.shape.name != chosen.shape.name])
     near = _fitted([shaped for shaped in leaders if shaped.worth >= least], space)
-    others = [_chosen(shaped, chosen.comparisons) for shaped in near]
-    if not chosen.shape.plain and outcome.slab is not None and outcome.slab.best.worth() >= least:
-        others.append(Chosen(Slab(), outcome.slab, outcome.slab_law, outcome.slab_law, chosen.comparisons))
-    return (chosen, *others)
+    if not chosen.shape.plain and outcome.slab is not None and outcome.slab.worth >= least:
+        near.append(outcome.slab)
+    return (chosen, *(replace(shaped, comparisons=chosen.comparisons) for shaped in near))
 
 
 def _leaders(designs: Sequence[Shaped]) -> list[Shaped]:
@@ -372,10 +372,6 @@ def _leaders(designs: Sequence[Shaped]) -> list[Shaped]:
     for shaped in designs:
         kinds.setdefault(shaped.shape.name, []).append(shaped)
     return [max(own, key=_rank) for own in kinds.values()]
-
-
-def _chosen(best: Shaped, comparisons: tuple[ShapeComparison, ...]) -> Chosen:
-    return Chosen(best.shape, best.result, best.law, best.elements or replace(best.law, cast=True), comparisons)
 
 
 def _rank(shaped: Shaped) -> tuple[bool, float]:
@@ -441,7 +437,8 @@ def _pourable(shaped: Shaped, resin: Resin) -> Shaped | None:
     return replace(shaped, result=replace(shaped.result, alternatives=others))
 
 
-def compare_shape(kind: str, shape: PadShape, best: DesignCandidate, space: SearchSpace, by: str) -> ShapeComparison:
+def compare_shape(design: Shaped, space: SearchSpace, by: str) -> ShapeComparison:
     """The row of a kind's best design."""
+    shape, best = design.shape, design.result.best
     young = 1e3 * float(np.asarray(space.resin.young_MPa(best.ratio)))
-    return ShapeComparison(kind, shape, best, young, low_force(best, space.targets), None, by)
+    return ShapeComparison(shape.name, shape, best, young, low_force(best, space.targets), None, by)

@@ -110,7 +110,7 @@ def solved_shares(shaped: Shaped, radius_mm: float) -> NDArray:
     """Depths over the thickness at which a design is solved: somewhat beyond its deepest press, or to the table's end.
     """
     best = shaped.result.best
-    limit = float(replace(shaped.law, cast=True).depth_limit_mm(best.thickness_mm, radius_mm)) / best.thickness_mm
+    limit = float(shaped.table.depth_limit_mm(best.thickness_mm, radius_mm)) / best.thickness_mm
     pressed = best.depth_mm / best.thickness_mm
     last = min(limit, BEYOND * float(np.max(pressed))) if np.isfinite(pressed).all() else limit
     if not shaped.shape.axisymmetric:
@@ -120,7 +120,7 @@ def solved_shares(shaped: Shaped, radius_mm: float) -> NDArray:
 
 
 def _law(shaped: Shaped, made: Mapping[str, Any], asked: int, radius_mm: float) -> ElementsLaw:
-    thickness, law = shaped.result.best.thickness_mm, replace(shaped.law, cast=True)
+    thickness, law = shaped.result.best.thickness_mm, shaped.table
     reached, force = (np.asarray(made[name], float) for name in ("depth_mm", "force_N"))
     if len(reached) < 2:
         message = f"{shaped.shape} on {thickness:g} mm could not be solved by finite elements"
@@ -261,7 +261,7 @@ def _better_neighbour(
     for shaped in neighbours:
         thickness = shaped.result.best.thickness_mm
         depth = law.depth_mm * thickness / law.thickness_mm
-        own = replace(law, table=replace(shaped.law, cast=True), thickness_mm=thickness, depth_mm=depth, touch=None)
+        own = replace(law, table=shaped.table, thickness_mm=thickness, depth_mm=depth, touch=None)
         try:
             judged.append((with_law(shaped, own, space).worth, shaped))
         except NoAnswerError:

@@ -24,7 +24,7 @@ def law(kind):
 def shares(kind, *pressed_mm):
     evaluation = SimpleNamespace(depth_mm=np.array([pressed_mm]))
     found = SimpleNamespace(best=DesignCandidate(H, 15.0, 0, evaluation))
-    return solved_shares(SimpleNamespace(shape=read_shape(SHAPES[kind]), law=law(kind), result=found), RADIUS)
+    return solved_shares(SimpleNamespace(shape=read_shape(SHAPES[kind]), table=law(kind), result=found), RADIUS)
 
 
 @pytest.mark.parametrize("kind", SHAPES)
@@ -59,7 +59,7 @@ def test_a_field_of_caps_is_solved_at_sixteen_depths_as_each_is_a_solve_in_space
     shape = read_shape("bumped:pitch=5,radius=2.91,height=1.24,grade=0.34")
     evaluation = SimpleNamespace(depth_mm=np.array([[1.0, 1.5]]))
     found = SimpleNamespace(best=DesignCandidate(5.0, 15.0, 0, evaluation))
-    field = SimpleNamespace(shape=shape, law=FamilyLaw(load_family("bumped"), shape, 5.0, cast=True), result=found)
+    field = SimpleNamespace(shape=shape, table=FamilyLaw(load_family("bumped"), shape, 5.0, cast=True), result=found)
     share = solved_shares(field, RADIUS)
     assert len(share) == 16 and share[-1] * 5.0 == pytest.approx(BEYOND * 1.5)
 

@@ -43,7 +43,7 @@ class Pad:
     complete: bool = True
     radius: float = 0.0
     by_neighbour: float = 0.0
-    law: Table = Table()
+    table: Table = Table()
 
     @property
     def shape(self):

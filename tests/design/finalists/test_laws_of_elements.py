@@ -81,7 +81,7 @@ def shaped(depths=(1.0, 2.0, 3.0), thickness=10.0, flat=True, axisymmetric=True,
                             check=lambda *given: None)  # fmt: skip
     evaluation = SimpleNamespace(depth_mm=np.array([[9.0] * len(depths), depths]))
     best = DesignCandidate(thickness, 15.0, 1, evaluation)
-    return SimpleNamespace(shape=shape, law=Table(share=share), result=SimpleNamespace(best=best))
+    return SimpleNamespace(shape=shape, table=Table(cast=True, share=share), result=SimpleNamespace(best=best))
 
 
 @pytest.mark.parametrize("flat", [True, False])

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from types import SimpleNamespace
 
 import numpy as np
@@ -178,16 +178,15 @@ def shaped(kind, worth, solved=False, shape=None, others=()):
 @pytest.fixture
 def plain(monkeypatch):
     monkeypatch.setattr(module, "with_parameters", lambda candidates, space: tuple(candidates))
-    monkeypatch.setattr(module, "compare_shape", lambda kind, shape, best, space, by: (kind, best.worth(), by))
-    monkeypatch.setattr(module, "replace", lambda one, **more: replace(one, **more) if hasattr(
-        one, "__dataclass_fields__") else one)  # fmt: skip
+    monkeypatch.setattr(module, "compare_shape", lambda one, space, by: (one.shape.name, one.worth, by))
+    monkeypatch.setattr(Shaped, "table", property(lambda one: one.law))
     weights = {"resolution": 0.02}
     return SimpleNamespace(targets=SimpleNamespace(weights=weights))
 
 
 def outcome(slab, *designs, asked="auto"):
     flat = None if slab is None else SearchResult(SimpleNamespace(worth=lambda: slab), (), None)
-    return SearchOutcome(asked, None, flat, "none", tuple(designs))
+    return SearchOutcome(asked, flat and Shaped(Slab(), None, flat), "none", tuple(designs))
 
 
 def test_the_best_of_all_kinds_is_chosen_and_a_slab_where_it_is_as_good(plain):

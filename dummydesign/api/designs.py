@@ -186,9 +186,8 @@ def _answer(
     progress: Callable[[str], None],
 ) -> Answer:  # fmt: skip
     """Resolve, design, and write what there is a folder for."""
-    from dummydesign.design.inputs import resolve
     from dummydesign.design.safety import read_limits, safety_view
-    from dummydesign.design.suggest import design
+    from dummydesign.design.suggest import design, resolve
 
     wanted = resolve(request)
     mass_kg, velocity_mm_s = inputs["robot_mass_kg"], inputs["robot_velocity_mm_s"]

@@ -28,7 +28,7 @@ from dummydesign.geometry.pad_shape import PadShape
 from dummydesign.pad.force_law import ForceCurve, ForceLaw
 
 if TYPE_CHECKING:
-    from dummydesign.design.inputs import Inputs
+    from dummydesign.design.suggest import Inputs
     from dummydesign.pad.specimen import Pad
     from dummydesign.tissue.model.tissue import Tissue
 

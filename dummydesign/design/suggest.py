@@ -1,22 +1,25 @@
-"""From a tissue and an aim to ratio, thickness, recipe and reasons, step by step."""
+"""From a tissue and an aim to ratio, thickness, recipe and reasons: read what is named, search, solve, judge."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from functools import partial
+from typing import TYPE_CHECKING, cast
 
 import numpy as np
 
+from dummydesign.core.errors import InputError
 from dummydesign.core.process import one_blas_thread
-from dummydesign.design.assessment.castings import PadCastings, pour_yield, verdict_of_design
+from dummydesign.design.assessment.castings import Castings, PadCastings, pour_yield, verdict_of_design
 from dummydesign.design.assessment.choice import Expectation, by_expectation, explain, measure_first
 from dummydesign.design.assessment.warnings import count_unmeasured, design_warnings
-from dummydesign.design.inputs import Inputs, resolve
 from dummydesign.design.request import Progress, Request, quiet
-from dummydesign.design.scoring.presses import make_curves
-from dummydesign.design.search.best_of_kinds import SearchOutcome, Shaped, best_of_kinds, choose, close_to
+from dummydesign.design.scoring.presses import Sampling, make_curves
+from dummydesign.design.scoring.settings import verdict_limits
+from dummydesign.design.scoring.targets import make_targets
+from dummydesign.design.search.best_of_kinds import SearchOutcome, Shaped, best_of_kinds, choose, close_to, kinds_of
 from dummydesign.design.search.shape_family import FamilyLaw
-from dummydesign.design.search.slabs import DesignCandidate
+from dummydesign.design.search.slabs import Correct, DesignCandidate, SearchSpace, thickness_steps
 from dummydesign.design.suggestion import (
     CentringTolerance,
     RecommendedDesign,
@@ -30,16 +33,98 @@ from dummydesign.design.suggestion import (
     tolerances_of,
     verify_design,
 )
-from dummydesign.design.test_setup import beyond_people, own_warnings, pad_of_request, refused_kinds
+from dummydesign.design.test_setup import (
+    beyond_people,
+    check_calibrated,
+    check_mould,
+    check_test,
+    own_slab_law,
+    own_warnings,
+    pad_of_request,
+    refused_kinds,
+    standard_press,
+    tabulated,
+)
+from dummydesign.geometry.dimensions import THICKNESS_MM
 from dummydesign.geometry.pad_shape import PadShape
+from dummydesign.geometry.punch import Punch, read_punch
 from dummydesign.geometry.shapes.slab import Slab
 from dummydesign.pad.force_law import ForceLaw
 from dummydesign.pad.tables.square import circle_of
 
 if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from dummydesign.design.calibrated import Calibrated
     from dummydesign.design.sites import Sites
+    from dummydesign.resin.model.resin import Resin
+    from dummydesign.tissue.model.tissue import Tissue
 
 CALIBRATED = "designed with a calibration: the correction is based on the campaign, the table on finite elements"
+
+
+@dataclass(frozen=True)
+class Inputs:
+    """A request with what it names."""
+
+    request: Request
+    tissue: Tissue
+    space: SearchSpace
+    slab_law: ForceLaw
+    punch: Punch
+    castings: Castings
+    calibrated: Calibrated | None = None
+
+
+def resolve(request: Request, law: ForceLaw | None = None) -> Inputs:
+    """Read tissue, resin, calibration and force law, and lay out what is searched."""
+    from dummydesign.resin import load_resin
+    from dummydesign.tissue.model.tissue_file import load_tissue
+
+    if request.shape.lower() != Slab.name:
+        kinds_of(request.shape)
+    punch = read_punch(request.punch)
+    check_test(request, punch)
+    tissue, resin = load_tissue(request.tissue), load_resin(request.resin)
+    sampling = Sampling(hold_s=request.hold_s, deceleration_mm_s2=request.deceleration_mm_s2)
+    tissue.target(request.aim)
+    thickness = tabulated(thickness_steps(*(request.thickness_mm or THICKNESS_MM)), request, punch)
+    ratios = _ratios(resin, request.ratio)
+    targets = make_targets(tissue, request.aim, sampling, request.protocol)
+    calibrated, correct = None, None
+    if request.calibration is not None:
+        from dummydesign.design.calibrated import CalibratedFamily, with_calibration
+
+        if not standard_press(request):
+            check_calibrated(request, punch, thickness)
+        calibrated = with_calibration(resin, request.calibration, request.punch, punch.square, request.edge_radius_mm)
+        resin, law = calibrated.resin, cast(ForceLaw, calibrated.law)
+        correct = cast(Correct, partial(CalibratedFamily, correction=calibrated.law.correction))
+    if law is None:
+        law = own_slab_law(request, punch, thickness)
+    castings = Castings(resin, request.castings)
+    verdict_limits()
+    check_mould(request, resin, float(thickness[0]), float(ratios[0]))
+    space = SearchSpace(
+        resin, targets, thickness, ratios, punch.radius_mm, sampling, request.pad_mm, request.base, correct,
+        request.edge_radius_mm,
+    )  # fmt: skip
+    return Inputs(request, tissue, space, law, punch, castings, calibrated)
+
+
+def _ratios(resin: Resin, wanted: tuple[float, float] | None) -> NDArray:
+    """Practical ratios inside the wanted range, which must lie inside the resin's."""
+    if wanted is None:
+        return resin.ratios()
+    resin.check_ratio(wanted)
+    ratios = resin.ratios(*wanted)
+    if not len(ratios):
+        raise InputError(
+            f"ratio range {wanted[0]:g}:{wanted[1]:g} holds no step of {resin.ratio_step:g}; "
+            f"{resin.name} allows {resin.ratio_min:g} to {resin.ratio_max:g}",
+            "out_of_range", "ratio", wanted, (resin.ratio_min, resin.ratio_max),
+        )  # fmt: skip
+    return ratios
 
 
 @dataclass(frozen=True)
@@ -115,8 +200,8 @@ def assess(inputs: Inputs, solved: SolvedDesign) -> Suggestion:
     request, space, chosen, calibrated = inputs.request, inputs.space, solved.chosen, inputs.calibrated
     best, kind = chosen.result.best, chosen.shape.name
     tolerances = tolerances_of(space.resin, best, request, chosen.shape)
-    cast = PadCastings(inputs.castings, chosen.cast, best, space, tolerances)
-    pour = pour_yield(cast)
+    castings = PadCastings(inputs.castings, chosen.cast, best, space, tolerances)
+    pour = pour_yield(castings)
     solved_round = solved.verification.fidelity == "axisymmetric" and chosen.shape.axisymmetric
     warnings = own_warnings(request, inputs.punch, inputs.tissue, chosen.shape.plain or solved_round)
     solves = solved.verification, solved.centring, request.verify
@@ -126,12 +211,12 @@ def assess(inputs: Inputs, solved: SolvedDesign) -> Suggestion:
         request=request, tissue=inputs.tissue, resin=space.resin, targets=space.targets, punch=inputs.punch,
         result=chosen.result, law=chosen.law, cast=chosen.cast, comparisons=chosen.comparisons,
         verification=solved.verification, centring=solved.centring, sites=solved.sites, expectation=solved.expectation,
-        verdict=verdict_of_design(cast, beyond_people(request, inputs.tissue)), castings=cast, pour=pour,
+        verdict=verdict_of_design(castings, beyond_people(request, inputs.tissue)), castings=castings, pour=pour,
         recommended=_recommended(inputs, best, chosen.shape),
         alternatives=tuple(_recommended(inputs, one, _shape_at(chosen, one)) for one in chosen.result.alternatives),
         rests_on=count_unmeasured(space.resin, inputs.tissue, best),
         warnings=(*listed, *(() if calibrated is None else calibrated.warnings)),
-        choice=explain(cast, kind, chosen.comparisons), measure_first=measure_first(cast),
+        choice=explain(castings, kind, chosen.comparisons), measure_first=measure_first(castings),
         calibration=None if calibrated is None else calibrated.summary,
     )  # fmt: skip
 

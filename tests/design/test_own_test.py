@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from dummydesign.design.assessment.warnings import _reasons
-from dummydesign.design.inputs import resolve
 from dummydesign.design.request import PAPER, Protocol, Request
 from dummydesign.design.scoring.law_parameters import gamma1_score
 from dummydesign.design.scoring.presses import Sampling, Slabs, make_curves
@@ -14,7 +13,7 @@ from dummydesign.design.scoring.score import evaluate, steady_gamma1
 from dummydesign.design.scoring.targets import make_targets
 from dummydesign.design.scoring.verdict import ranges_of
 from dummydesign.design.search.best_of_kinds import ShapeComparison, low_force
-from dummydesign.design.suggest import suggest
+from dummydesign.design.suggest import resolve, suggest
 from dummydesign.design.test_setup import refused_kinds
 from dummydesign.geometry.punch import read_punch
 from dummydesign.tissue.model.ranges import force_range

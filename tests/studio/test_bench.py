@@ -6,10 +6,9 @@ import numpy as np
 import pytest
 
 from dummydesign.core.library import find
-from dummydesign.design.inputs import resolve
 from dummydesign.design.plot_data import force_grids
 from dummydesign.design.request import Request
-from dummydesign.design.suggest import design
+from dummydesign.design.suggest import design, resolve
 from dummydesign.geometry.punch import read_punch
 from dummydesign.geometry.shape_registry import read_shape
 from dummydesign.loop.calibration_file import write_calibration

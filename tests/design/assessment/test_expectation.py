@@ -15,12 +15,11 @@ from dummydesign.design.assessment.choice import (
     tissue_share,
     usable,
 )
-from dummydesign.design.inputs import resolve
 from dummydesign.design.pad_evaluator import one_pad
 from dummydesign.design.request import Request
 from dummydesign.design.scoring.score import evaluate, scored_for
 from dummydesign.design.search.best_of_kinds import best_of_kinds, choose, close_to
-from dummydesign.design.suggest import design
+from dummydesign.design.suggest import design, resolve
 from tests.support.cast_pads import SHARP, known, with_tissues
 
 

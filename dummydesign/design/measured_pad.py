@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from dummydesign.core.errors import DummydesignError
 from dummydesign.core.parsing import DECELERATION, EDGE, FORCE, HOLD, VELOCITY, positive, read_number, read_numbers
+from dummydesign.core.serialise import to_plain
 from dummydesign.design.assessment.castings import COUNT
 from dummydesign.design.request import face_of
 from dummydesign.design.safety import tissue_press
@@ -48,9 +49,8 @@ class TracesTest:
         test = self.presses
         return {
             "punch": self.punch, "edge_radius_mm": self.edge_radius_mm, "condition": self.condition,
-            "force_N": _listed(test.forces_N),
-            "velocity_mm_s": _listed(test.velocities_mm_s), "hold_s": test.hold_s,
-            "deceleration_mm_s2": test.deceleration_mm_s2,
+            "force_N": to_plain(test.forces_N), "velocity_mm_s": to_plain(test.velocities_mm_s),
+            "hold_s": test.hold_s, "deceleration_mm_s2": test.deceleration_mm_s2,
         }  # fmt: skip
 
     @property
@@ -67,10 +67,6 @@ class TracesTest:
         """What must be said of the tissue in this test."""
         pairs = tissue_warnings(tissue, self.punch, self.edge_radius_mm, self.presses.forces_N or ())
         return [{"code": code, "message": text} for code, text in pairs]
-
-
-def _listed(values: tuple[float, ...] | None) -> list[float] | None:
-    return None if values is None else list(values)
 
 
 def read_test(

@@ -146,4 +146,4 @@ class PadEvaluator:
         inputs, space = self.inputs, self.inputs.space
         tolerances = tolerances_of(space.resin, pad.candidate, inputs.request, shape)
         cast = PadCastings(inputs.castings, pad.law, pad.candidate, space, tolerances)
-        return verdict_of_design(cast, beyond_people(inputs.request, inputs.tissue))
+        return verdict_of_design(cast, beyond_people(inputs.request.protocol.forces_N, inputs.tissue))

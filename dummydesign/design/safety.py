@@ -60,9 +60,7 @@ def pad_press(slabs: Slabs, depth_mm: NDArray, velocity_mm_s: float, sampling: S
     """Ramp and hold on pads, each to its own depth (NaN for out of reach); see :class:`Contact`."""
     sampling = sampling or Sampling()
     press = press_to_depth(slabs, depth_mm, velocity_mm_s, sampling)
-    reached = np.isfinite(depth_mm)
-    motion = sampling.motion(velocity_mm_s, np.where(reached, depth_mm, 1.0))
-    return _of_press(press.time_s, motion.displacement_mm, press.force_N, press.stop_s).where(reached)
+    return _of_press(press.time_s, press.displacement_mm, press.force_N, press.stop_s).where(np.isfinite(depth_mm))
 
 
 def tissue_press(band: ForceRange, law: str = "ode", sampling: Sampling | None = None) -> SafetyContact:

@@ -198,25 +198,26 @@ def _verify(chosen: Shaped, inputs: Inputs) -> Verification:
 def assess(inputs: Inputs, solved: SolvedDesign) -> Suggestion:
     """Judge the chosen design and lay the whole answer together."""
     request, space, chosen, calibrated = inputs.request, inputs.space, solved.chosen, inputs.calibrated
-    best, kind = chosen.result.best, chosen.shape.name
+    best = chosen.result.best
     tolerances = tolerances_of(space.resin, best, request, chosen.shape)
     castings = PadCastings(inputs.castings, chosen.cast, best, space, tolerances)
     pour = pour_yield(castings)
     solved_round = solved.verification.fidelity == "axisymmetric" and chosen.shape.axisymmetric
     warnings = own_warnings(request, inputs.punch, inputs.tissue, chosen.shape.plain or solved_round)
-    solves = solved.verification, solved.centring, request.verify
-    warnings += design_warnings(chosen, space, inputs.tissue, pour, *solves)
+    checks = solved.verification, solved.centring, request.verify
+    warnings += design_warnings(chosen, space, inputs.tissue, pour, *checks)
+    beyond = beyond_people(request.protocol.forces_N, inputs.tissue)
     listed = [{"code": code, "message": text} for code, text in warnings]
     return Suggestion(
         request=request, tissue=inputs.tissue, resin=space.resin, targets=space.targets, punch=inputs.punch,
         result=chosen.result, law=chosen.law, cast=chosen.cast, comparisons=chosen.comparisons,
         verification=solved.verification, centring=solved.centring, sites=solved.sites, expectation=solved.expectation,
-        verdict=verdict_of_design(castings, beyond_people(request, inputs.tissue)), castings=castings, pour=pour,
+        verdict=verdict_of_design(castings, beyond), castings=castings, pour=pour,
         recommended=_recommended(inputs, best, chosen.shape),
         alternatives=tuple(_recommended(inputs, one, _shape_at(chosen, one)) for one in chosen.result.alternatives),
         rests_on=count_unmeasured(space.resin, inputs.tissue, best),
         warnings=(*listed, *(() if calibrated is None else calibrated.warnings)),
-        choice=explain(castings, kind, chosen.comparisons), measure_first=measure_first(castings),
+        choice=explain(castings, chosen.shape.name, chosen.comparisons), measure_first=measure_first(castings),
         calibration=None if calibrated is None else calibrated.summary,
     )  # fmt: skip
 

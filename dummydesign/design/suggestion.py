@@ -215,12 +215,10 @@ def _low_force(candidate: DesignCandidate, targets: Targets) -> list[dict[str, A
 
 
 def _recipe_of_pour(pour: dict[str, Any]) -> dict[str, Any]:
-    """Masses to weigh of one or, for a layered pad, both pours of a mould that was made. [g]"""
+    """Masses to weigh of a pour or, for a layered pad, of both. [g]"""
     pours = [("", pour)] + ([(" (base)", pour["base"])] if "base" in pour else [])
-    return {
-        "components": [{**item, "name": item["name"] + layer} for layer, one in pours for item in one["components"]],
-        "total_g": sum(one["batch_mass_g"] for _, one in pours),
-    }
+    items = [{**item, "name": item["name"] + layer} for layer, one in pours for item in one["components"]]
+    return {"components": items, "total_g": round(sum(item["mass_g"] for item in items), 6)}
 
 
 def mould_of(resin: Resin, candidate: DesignCandidate, request: Request, shape: PadShape) -> MouldSpec:
@@ -238,12 +236,7 @@ def recipe_and_batch(spec: MouldSpec) -> tuple[dict[str, Any], dict[str, Any]]:
     from dummydesign.mold.pour.plan import batches_of, pour_plan
 
     plan = pour_plan(spec)
-    masses = list(plan.components)
-    if plan.base is not None:
-        masses += [(f"{name} (base)", mass) for name, mass in plan.base.components]
-    components = [{"name": name, "mass_g": mass} for name, mass in masses]
-    recipe = {"components": components, "total_g": round(sum(mass for _, mass in masses), 6)}
-    return recipe, batches_of(spec, plan)
+    return _recipe_of_pour(plan.to_dict()), batches_of(spec, plan)
 
 
 def tolerances_of(resin: Resin, candidate: DesignCandidate, request: Request, shape: PadShape) -> Tolerances:

@@ -356,6 +356,14 @@ NAMES = {
     MODULUS: "the modulus", RELAXATION: "the relaxation", MAKING: "weighing and thickness",
     FORCE_LAW: "the pad's force law", TISSUE: "the tissue",
 }  # fmt: skip
+# How what is no resin is measured, and what to type then.
+HOW = {
+    MAKING: ("weigh a larger batch or use a finer balance, and gauge the thickness of the cast pad",
+             "dummydesign suggest ... --balance 0.01 --thickness-tolerance 0.1"),
+    FORCE_LAW: ("cast the pad, press it by a campaign and calibrate", "dummydesign loop CAMPAIGN_DIR"),
+    TISSUE: ("press the people themselves, or use published traces of them",
+             "dummydesign tissues add NAME TRACE.csv..."),
+}  # fmt: skip
 # Diameter and height.
 PUCK_MM = (50.0, 30.0)
 
@@ -431,12 +439,7 @@ def _how(group: str, cast: PadCastings) -> tuple[str, str]:
             f"--ratio {ratio:g} --name {batch} --resin {resin}"
         )
         return protocol, command
-    if group == MAKING:
-        return ("weigh a larger batch or use a finer balance, and gauge the thickness of the cast pad",
-                "dummydesign suggest ... --balance 0.01 --thickness-tolerance 0.1")  # fmt: skip
-    if group == FORCE_LAW:
-        return "cast the pad, press it by a campaign and calibrate", "dummydesign loop CAMPAIGN_DIR"
-    return "press the people themselves, or use published traces of them", "dummydesign tissues add NAME TRACE.csv..."
+    return HOW[group]
 
 
 Pair = tuple[float, float]

@@ -33,7 +33,7 @@ def fit_presses(slabs: Slabs, targets: Targets, depth_mm: NDArray, sampling: Sam
     Golub and Pereyra, SIAM J. Numer. Anal. 10 (1973) 413 (variable projection).
     """
     fine = Sampling(*_FIT_SAMPLING, sampling.hold_s, sampling.deceleration_mm_s2)
-    speeds = tuple(dict.fromkeys(condition.velocity_mm_s for condition in targets.conditions))
+    speeds = _speeds(targets)
     speed_of = np.array([speeds.index(condition.velocity_mm_s) for condition in targets.conditions])
     reached = np.isfinite(depth_mm)
     usable = np.array([all(row[speed_of == s].any() for s in range(len(speeds))) for row in reached])
@@ -46,7 +46,7 @@ def fit_presses(slabs: Slabs, targets: Targets, depth_mm: NDArray, sampling: Sam
     ]
     problem = _Problem(presses, fine, targets, speed_of)
     rates = problem.solve()
-    springs = problem.springs(rates)
+    springs, _ = problem.fit(problem.responses(rates))
     parameters: list[Parameters | None] = [None] * len(usable)
     for row, design in enumerate(np.nonzero(usable)[0]):
         gamma, per_speed = springs[row, 1:], springs[row, 1:] / rates[row]
@@ -92,10 +92,6 @@ class _Problem:
         matrix = np.concatenate(responses, axis=1)
         springs = _nonnegative(matrix, self.wanted)
         return springs, np.einsum("dnk,dk->dn", matrix, springs) - self.wanted
-
-    def springs(self, rates: NDArray) -> NDArray:
-        """Best springs (D, 1 + arms) for given rates."""
-        return self.fit(self.responses(rates))[0]
 
     def solve(self) -> NDArray:
         """Levenberg-Marquardt on ln rate, all designs side by side; returns the rates."""

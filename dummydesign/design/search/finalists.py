@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from operator import attrgetter
 from typing import Any, cast
 
 import numpy as np
@@ -157,6 +158,7 @@ def _solve_field(pad: Pad, depth_mm: NDArray) -> dict[str, Any]:
     return {"depth_mm": depth * h, "force_N": area, "error_N": area * error, "notes": (stop,) if stop else ()}
 
 
+WORTH = attrgetter("worth")
 SOLVED = 3
 # Twice the most by which solving moved what a design of the three built-in tissues is worth (0.014), where elements
 # reach every press.
@@ -180,10 +182,6 @@ def on_elements(shaped: Shaped, space: SearchSpace, solved: PathCache | None = N
     return with_law(shaped, solve_law(shaped, space, solved), space)
 
 
-def _rank(shaped: Shaped) -> float:
-    return shaped.worth
-
-
 def solve_leading(designs: Sequence[Shaped], space: SearchSpace, progress: Progress = quiet) -> tuple[Shaped, ...]:
     """Designs with those that can be the best worked out on elements; those that cannot be solved fall away.
 
@@ -194,9 +192,9 @@ def solve_leading(designs: Sequence[Shaped], space: SearchSpace, progress: Progr
     what its elements give over its table. Fields of caps take minutes in space and are solved, the first of them, when
     nothing else was requested.
     """
-    order = sorted((shaped for shaped in designs if shaped.shape.axisymmetric), key=_rank, reverse=True)
+    order = sorted((shaped for shaped in designs if shaped.shape.axisymmetric), key=WORTH, reverse=True)
     if not order:
-        first = sorted(designs, key=_rank, reverse=True)[:1]
+        first = sorted(designs, key=WORTH, reverse=True)[:1]
         return tuple(_solvable(first, space) or designs)
     leading = [shaped for shaped in order if shaped.shape.name == order[0].shape.name][:SOLVED]
     firsts = [next(s for s in order if s.shape.name == kind) for kind in dict.fromkeys(s.shape.name for s in order)]
@@ -209,7 +207,7 @@ def solve_leading(designs: Sequence[Shaped], space: SearchSpace, progress: Progr
     fields = [shaped for shaped in designs if not shaped.shape.axisymmetric]
     finalists: list[Shaped] = []
     for at_most, shaped, solved in judged:
-        if finalists and at_most <= max(map(_rank, finalists)):
+        if finalists and at_most <= max(one.worth for one in finalists):
             continue
         progress(f"finite elements, {shaped.shape.name} pad")
         try:
@@ -217,14 +215,14 @@ def solve_leading(designs: Sequence[Shaped], space: SearchSpace, progress: Progr
         except NoAnswerError:
             failed.append(shaped)
             continue
-        at_least = max(map(_rank, finalists)) + GAIN
+        at_least = max(one.worth for one in finalists) + GAIN
         better = _better_neighbour(finalists[-1], _neighbours(shaped, contenders), space, at_least)
         if better is not None:
             progress(f"finite elements, {shaped.shape.name} pad")
             finalists += _solvable([better], space)
     for shaped in failed:
         # what keeps one pad from being solved need not keep its neighbours
-        best = max(map(_rank, finalists), default=-np.inf)
+        best = max((one.worth for one in finalists), default=-np.inf)
         finalists += _solvable([other for other in _neighbours(shaped, contenders) if other.worth > best], space)
     if not finalists:
         tried = [shaped.shape for shaped in failed]
@@ -280,7 +278,7 @@ def _judged(
     """
     judged: list[tuple[float, Shaped, PathCache]] = []
     failed, best = [], -np.inf
-    for shaped in sorted(contenders, key=_rank, reverse=True):
+    for shaped in sorted(contenders, key=WORTH, reverse=True):
         # a pad just beyond a limit by its table may keep it by its elements, and then counts by its merit
         if (shaped.merit if _nearly(shaped, space) else shaped.worth) + DOUBT < best:
             continue

@@ -272,11 +272,11 @@ def search_each(
         unbeaten = np.setdiff1d(pareto(score_map, ranked[0]), ranked) if able and others else ranked[:0]
         groups.append((start + ranked, start + unbeaten))
     chosen = np.concatenate([index for group in groups for index in group])
+    counts, worked = [(len(ranked), len(unbeaten)) for ranked, unbeaten in groups], [[]] * len(maps)
     if len(chosen):
-        counts = [(len(ranked), len(unbeaten)) for ranked, unbeaten in groups]
         worked = _work_out(slabs.take(chosen), ratio[column[chosen]], space, counts, fitted, low_share, loss[chosen])
-    for number, score_map in enumerate(maps):
-        if not score_map.feasible.any():
+    for score_map, candidates in zip(maps, worked):
+        if not candidates:
             thickness = score_map.thickness_mm
             why = (
                 f"no slab of {thickness[0]:g} to {thickness[-1]:g} mm and ratio {ratio[0]:g} to {ratio[-1]:g} of "
@@ -285,8 +285,8 @@ def search_each(
             )
             results.append(NoAnswerError("no_feasible_design", why, quantity="pad"))
             continue
-        best = max(worked[number], key=lambda candidate: candidate.worth(low_share))
-        results.append(SearchResult(best, alternatives_to(worked[number], best), score_map))
+        best = max(candidates, key=lambda candidate: candidate.worth(low_share))
+        results.append(SearchResult(best, alternatives_to(candidates, best), score_map))
     return results
 
 

@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING, cast
 
 import numpy as np
 
-from dummydesign.core.errors import InputError
+from dummydesign.core.errors import InputError, NoAnswerError
 from dummydesign.core.process import one_blas_thread
 from dummydesign.design.assessment.castings import Castings, PadCastings, pour_yield, verdict_of_design
 from dummydesign.design.assessment.choice import Expectation, by_expectation, explain, measure_first
 from dummydesign.design.assessment.warnings import count_unmeasured, design_warnings
-from dummydesign.design.request import Progress, Request, quiet
+from dummydesign.design.request import PAPER, Progress, Request, quiet
 from dummydesign.design.scoring.presses import Sampling, make_curves
 from dummydesign.design.scoring.settings import verdict_limits
 from dummydesign.design.scoring.targets import make_targets
@@ -25,13 +25,9 @@ from dummydesign.design.suggestion import (
     RecommendedDesign,
     Suggestion,
     Verification,
-    centring_tolerance,
     mould_of,
-    not_verified,
-    of_shape,
     recipe_and_batch,
     tolerances_of,
-    verify_design,
 )
 from dummydesign.design.test_setup import (
     beyond_people,
@@ -45,7 +41,7 @@ from dummydesign.design.test_setup import (
     standard_press,
     tabulated,
 )
-from dummydesign.geometry.dimensions import THICKNESS_MM
+from dummydesign.geometry.dimensions import PAD_EXTENT_MM, THICKNESS_MM
 from dummydesign.geometry.pad_shape import PadShape
 from dummydesign.geometry.punch import Punch, read_punch
 from dummydesign.geometry.shapes.slab import Slab
@@ -53,10 +49,13 @@ from dummydesign.pad.force_law import ForceLaw
 from dummydesign.pad.tables.square import circle_of
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
+    from numpy.typing import ArrayLike, NDArray
 
     from dummydesign.design.calibrated import Calibrated
+    from dummydesign.design.search.finalists import ElementsLaw
     from dummydesign.design.sites import Sites
+    from dummydesign.pad.axisymmetric.shaped_problem import Touch
+    from dummydesign.pad.specimen import Pad
     from dummydesign.resin.model.resin import Resin
     from dummydesign.tissue.model.tissue import Tissue
 
@@ -193,6 +192,67 @@ def _verify(chosen: Shaped, inputs: Inputs) -> Verification:
     depth = depth[depth <= make_curves(law, [thickness], radius).limit_mm[0]]
     forces = young * np.asarray(law.force(depth, thickness, 1.0, radius))
     return verify_design(pad_of_request(inputs.request, inputs.punch, thickness, young), depth, forces)
+
+
+def not_verified(reason: str) -> Verification:
+    """Make the record of a verification that was not made."""
+    return Verification("table", None, notes=(reason,))
+
+
+def of_shape(law: ElementsLaw, young_MPa: float, radius_mm: float) -> Verification:
+    """The record of a shape that was designed on its own elements: what the table gave, what was solved."""
+    table = np.asarray(law.table.force(law.depth_mm, law.thickness_mm, young_MPa, radius_mm), float)
+    depth, force, solved = (tuple(values.tolist()) for values in (law.depth_mm, table, table * np.exp(law.log_factor)))
+    notes = ("forces come from finite elements of this pad, not from stored solutions", *([law.end] if law.end else []))
+    largest = float(np.max(np.abs(np.expm1(law.log_factor))))
+    return Verification(law.table.shape.fidelity, 100.0 * largest, depth, force, solved, notes)
+
+
+def verify_design(pad: Pad, depth_mm: ArrayLike, table_force_N: ArrayLike) -> Verification:
+    """Solve the elastic curve of one slab, without the table, and compare the two."""
+    from dummydesign.pad.elastic_force import solve_points
+
+    order = np.argsort(np.asarray(depth_mm, float))
+    depth, table = (np.asarray(values, float)[order] for values in (depth_mm, table_force_N))
+    try:
+        solved = solve_points(pad, depth, independent=True)
+    except NoAnswerError as problem:
+        return not_verified(str(problem))
+    same = np.interp(solved.depth_mm, depth, table)
+    difference = 100.0 * float(np.max(np.abs(solved.force_N / same - 1.0)))
+    depths, expected, forces = (tuple(values.tolist()) for values in (solved.depth_mm, same, solved.force_N))
+    return Verification("axisymmetric", difference, depths, expected, forces, tuple(solved.notes))
+
+
+DEPTH_SHARES = np.linspace(0.05, 1.0, 12)
+
+
+def centring_tolerance(
+    best: DesignCandidate, shape: PadShape, radius_mm: float, half_side_mm: float,
+    forces_N: tuple[float, ...] = (1.0, *PAPER.forces_N), extent_mm: float = PAD_EXTENT_MM, touch: Touch | None = None,
+) -> CentringTolerance | None:  # fmt: skip
+    """Solve the contact of a round crowned pad; None for flat tops, shapes that are not round, or a failed solve."""
+    from dummydesign.pad.specimen import Pad
+
+    if shape.flat_top or not shape.axisymmetric:
+        return None
+    slabs = best.alone
+    depth = slabs.curves.depth_at(slabs.slab, np.array([forces_N]) / slabs.young_MPa[0])[0]
+    if not np.isfinite(depth).any():
+        return None
+    try:
+        if touch is None:
+            from dummydesign.pad.axisymmetric.shaped_problem import contact_radius
+
+            wanted = np.nanmax(depth) * DEPTH_SHARES
+            pad = Pad(best.thickness_mm, 1.0, radius_mm, geometry=shape, extent_mm=extent_mm)
+            touch = contact_radius(pad, wanted)
+    except NoAnswerError:
+        return None
+    radius = touch.radius_at(depth)
+    margin = np.maximum(half_side_mm - radius, 0.0)
+    values = (tuple(float(v) if np.isfinite(v) else None for v in row) for row in (radius, margin))
+    return CentringTolerance(forces_N, *values)
 
 
 def assess(inputs: Inputs, solved: SolvedDesign) -> Suggestion:

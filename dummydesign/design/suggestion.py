@@ -7,29 +7,25 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from dummydesign.core.errors import NoAnswerError
 from dummydesign.core.serialise import Serialised, to_plain
 from dummydesign.design.assessment.castings import GROUPS, TISSUE, PadCastings, PourYield, Tolerances
-from dummydesign.design.request import PAPER, Request
+from dummydesign.design.request import Request
 from dummydesign.design.scoring.targets import Targets
 from dummydesign.design.scoring.verdict import TOLERANCE, Verdict
 from dummydesign.design.search.best_of_kinds import ShapeComparison, low_force
-from dummydesign.geometry.dimensions import PAD_EXTENT_MM, PAD_LENGTH_MM, PAD_WIDTH_MM
+from dummydesign.geometry.dimensions import PAD_LENGTH_MM, PAD_WIDTH_MM
 from dummydesign.geometry.pad_shape import PadShape
 
 if TYPE_CHECKING:
     from dummydesign.design.assessment.choice import Choice, Expectation, MeasureFirst
     from dummydesign.design.safety import SafetyView
-    from dummydesign.design.search.finalists import ElementsLaw
     from dummydesign.design.search.slabs import DesignCandidate, SearchResult
     from dummydesign.design.sites import Sites
     from dummydesign.geometry.punch import Punch
     from dummydesign.mold.model.spec import MouldSpec
-    from dummydesign.pad.axisymmetric.shaped_problem import Touch
     from dummydesign.pad.force_law import ForceLaw
-    from dummydesign.pad.specimen import Pad
     from dummydesign.resin.model.resin import Resin
     from dummydesign.tissue.model.tissue import Tissue
 
@@ -279,41 +275,8 @@ class Verification(Serialised):
     notes: tuple[str, ...] = ()
 
 
-def not_verified(reason: str) -> Verification:
-    """Make the record of a verification that was not made."""
-    return Verification("table", None, notes=(reason,))
-
-
-def of_shape(law: ElementsLaw, young_MPa: float, radius_mm: float) -> Verification:
-    """The record of a shape that was designed on its own elements: what the table gave, what was solved."""
-    table = np.asarray(law.table.force(law.depth_mm, law.thickness_mm, young_MPa, radius_mm), float)
-    depth, force, solved = (tuple(values.tolist()) for values in (law.depth_mm, table, table * np.exp(law.log_factor)))
-    notes = ("forces come from finite elements of this pad, not from stored solutions", *([law.end] if law.end else []))
-    largest = float(np.max(np.abs(np.expm1(law.log_factor))))
-    return Verification(law.table.shape.fidelity, 100.0 * largest, depth, force, solved, notes)
-
-
-def verify_design(pad: Pad, depth_mm: ArrayLike, table_force_N: ArrayLike) -> Verification:
-    """Solve the elastic curve of one slab, without the table, and compare the two."""
-    from dummydesign.pad.elastic_force import solve_points
-
-    order = np.argsort(np.asarray(depth_mm, float))
-    depth, table = (np.asarray(values, float)[order] for values in (depth_mm, table_force_N))
-    try:
-        solved = solve_points(pad, depth, independent=True)
-    except NoAnswerError as problem:
-        return not_verified(str(problem))
-    same = np.interp(solved.depth_mm, depth, table)
-    difference = 100.0 * float(np.max(np.abs(solved.force_N / same - 1.0)))
-    depths, expected, forces = (tuple(values.tolist()) for values in (solved.depth_mm, same, solved.force_N))
-    return Verification("axisymmetric", difference, depths, expected, forces, tuple(solved.notes))
-
-
 # The largest loss of force of the crowns solved in space is 2 % at 1 mm off centre (docs/shapes.md).
 LOSS_PERCENT = 1.0
-DEPTH_SHARES = np.linspace(0.05, 1.0, 12)
-
-
 @dataclass(frozen=True)
 class CentringTolerance(Serialised):
     """Contact radius at each steady force, and the way the punch may be moved until its side meets the contact."""
@@ -334,31 +297,3 @@ class CentringTolerance(Serialised):
                 "(docs/shapes.md)"
             )
         return f"punch off the crown's centre: {'; '.join(parts)}"
-
-
-def centring_tolerance(
-    best: DesignCandidate, shape: PadShape, radius_mm: float, half_side_mm: float,
-    forces_N: tuple[float, ...] = (1.0, *PAPER.forces_N), extent_mm: float = PAD_EXTENT_MM, touch: Touch | None = None,
-) -> CentringTolerance | None:  # fmt: skip
-    """Solve the contact of a round crowned pad; None for flat tops, shapes that are not round, or a failed solve."""
-    from dummydesign.pad.specimen import Pad
-
-    if shape.flat_top or not shape.axisymmetric:
-        return None
-    slabs = best.alone
-    depth = slabs.curves.depth_at(slabs.slab, np.array([forces_N]) / slabs.young_MPa[0])[0]
-    if not np.isfinite(depth).any():
-        return None
-    try:
-        if touch is None:
-            from dummydesign.pad.axisymmetric.shaped_problem import contact_radius
-
-            wanted = np.nanmax(depth) * DEPTH_SHARES
-            pad = Pad(best.thickness_mm, 1.0, radius_mm, geometry=shape, extent_mm=extent_mm)
-            touch = contact_radius(pad, wanted)
-    except NoAnswerError:
-        return None
-    radius = touch.radius_at(depth)
-    margin = np.maximum(half_side_mm - radius, 0.0)
-    values = (tuple(float(v) if np.isfinite(v) else None for v in row) for row in (radius, margin))
-    return CentringTolerance(forces_N, *values)

@@ -20,16 +20,8 @@ from dummydesign.design.scoring.presses import SAMPLES, Curves, Slabs
 from dummydesign.design.scoring.settings import verdict_limits
 from dummydesign.design.scoring.verdict import Correction, _ending, _reading_words, deviations, whole_percents
 from dummydesign.design.search.slabs import DesignCandidate
-from dummydesign.design.suggestion import (
-    LOSS_PERCENT,
-    CentringTolerance,
-    _low_force,
-    _reads,
-    centring_tolerance,
-    condition_rows,
-    of_shape,
-    verify_design,
-)
+from dummydesign.design.suggest import centring_tolerance, of_shape, verify_design
+from dummydesign.design.suggestion import LOSS_PERCENT, CentringTolerance, _low_force, _reads, condition_rows
 from dummydesign.design.test_setup import LEAST_SIDE, check_numbers
 from dummydesign.pad.axisymmetric.shaped_problem import Touch
 from tests.support.judged_pads import away, ranges

@@ -86,16 +86,12 @@ def evaluate(slabs: Slabs, targets: Targets, sampling: Sampling | None = None, e
     pressed = np.array([(one.steady_force_N, one.velocity_mm_s) for one in targets.conditions])
     # one inversion of the curves for all, but where the presses are to be exact
     wanted = np.r_[[(force, protocol.slow_mm_s) for force in forces], pressed]
-    depth = steady_depth(slabs, *_columns(wanted[: len(forces)] if exact else wanted), sampling)
+    depth = steady_depth(slabs, *(wanted[: len(forces)] if exact else wanted).T, sampling)
     reached = depth[:, : len(forces)]
-    depth = steady_depth(slabs, *_columns(pressed), sampling, exact) if exact else depth[:, len(forces) :]
+    depth = steady_depth(slabs, *pressed.T, sampling, exact) if exact else depth[:, len(forces) :]
     presses = [press_to_depth(slabs, *at, sampling) for at in zip(depth.T, pressed[:, 1].tolist())]
     share = _inside_exact if exact else _inside_at_samples
     return _scored(slabs, targets, sampling, reached, tuple(presses), share)
-
-
-def _columns(presses: NDArray) -> tuple[NDArray, NDArray]:
-    return presses[:, 0], presses[:, 1]
 
 
 def scored_for(evaluation: Evaluation, targets: Targets) -> Evaluation:
@@ -113,15 +109,13 @@ def _scored(
     low_N, lows = protocol.low_grid_N, len(protocol.low_grid_N)
     forces = np.concatenate([low_N, protocol.steady_grid_N])
     away = np.log(reached / targets.aim_depth_mm(forces)) / targets.depth_half_width
-    close = [closeness(away[:, lows:])]
-    inside, peaks = [], []
-    for condition, press in zip(targets.conditions, presses):
-        inside.append(share(press, condition.range))
-        peaks.append(np.log(press.peak_N / condition.aim_peak_N) / condition.peak_half_width)
-    close.append(closeness(np.stack(peaks, axis=-1)))
+    pairs = list(zip(targets.conditions, presses))
+    inside = [share(press, condition.range) for condition, press in pairs]
+    peaks = [np.log(press.peak_N / one.aim_peak_N) / one.peak_half_width for one, press in pairs]
+    aim = 0.5 * (closeness(away[:, lows:]) + closeness(np.stack(peaks, axis=-1)))
     return Evaluation(
         slabs, targets.steady_inside(protocol.steady_grid_N, reached[:, lows:]),
-        targets.steady_inside(low_N, reached[:, :lows]), np.mean(inside, axis=0), 0.5 * (close[0] + close[1]),
+        targets.steady_inside(low_N, reached[:, :lows]), np.mean(inside, axis=0), aim,
         closeness(away[:, :lows]), np.stack(inside, axis=-1), np.stack([press.depth_mm for press in presses], axis=-1),
         reached[:, :lows], reached[:, lows:], presses, protocol, sampling, targets.weights,
     )  # fmt: skip

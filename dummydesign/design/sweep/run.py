@@ -112,13 +112,12 @@ def whatif(
     start = time.perf_counter()
     resin = load_resin(study.resin)
     study.check(resin)
-    done = {} if file is None else file.rows
+    known: dict[Key, dict[str, Any]] = {} if file is None else file.rows
     targets = targets or targets_of(study)
-    tasks = tasks_of(study, resin, targets, done)
-    known: dict[Key, dict[str, Any]] = {}
+    tasks = tasks_of(study, resin, targets, known)
     results = completed(work, tasks, executor) if law is None else (work(task, law) for task in tasks)
     if progress is not None:
-        results = _counted(results, study.size, len(set(done) & set(study.keys())), progress)
+        results = _counted(results, study.size, len(set(known) & set(study.keys())), progress)
     if file is None:
         for rows in results:
             known.update((key_of(row), row) for row in rows)

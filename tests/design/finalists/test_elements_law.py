@@ -65,7 +65,7 @@ def test_a_field_of_caps_is_solved_at_sixteen_depths_as_each_is_a_solve_in_space
 
 
 def test_a_design_that_could_not_be_solved_deep_enough_says_why():
-    from dummydesign.design.suggestion import of_shape
+    from dummydesign.design.suggest import of_shape
 
     table, depth = law("crowned"), np.array([0.5, 1.0, 2.0])
     solved = ElementsLaw(table, H, depth, np.array([0.0, 0.01, 0.02]), np.full(3, 0.001), end="the face folds")

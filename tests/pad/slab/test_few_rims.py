@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from dummydesign.design.suggestion import verify_design
+from dummydesign.design.suggest import verify_design
 from dummydesign.pad.axisymmetric import sharp_edge
 from dummydesign.pad.axisymmetric.case import Case
 from dummydesign.pad.axisymmetric.sharp_edge import Samples, fit_departure, solve_curve

@@ -272,7 +272,8 @@ def search_each(
         unbeaten = np.setdiff1d(pareto(score_map, ranked[0]), ranked) if able and others else ranked[:0]
         groups.append((start + ranked, start + unbeaten))
     chosen = np.concatenate([index for group in groups for index in group])
-    counts, worked = [(len(ranked), len(unbeaten)) for ranked, unbeaten in groups], [[]] * len(maps)
+    counts = [(len(ranked), len(unbeaten)) for ranked, unbeaten in groups]
+    worked: list[list[DesignCandidate]] = [[]] * len(maps)
     if len(chosen):
         worked = _work_out(slabs.take(chosen), ratio[column[chosen]], space, counts, fitted, low_share, loss[chosen])
     for score_map, candidates in zip(maps, worked):

@@ -9,6 +9,7 @@ import json
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
+from itertools import repeat
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
@@ -42,7 +43,8 @@ if TYPE_CHECKING:
 # Steady force at which peak over steady is given, that of the paper's force-time figures. [N]
 PEAK_FORCE_N = 10.0
 SCORES = ("total", "steady_state_range", "force_variation_range", "aim", "parametric", "low_force_range")
-BY_FORCE = ("exponent_at_N", "depth_mm_at_N", "depth_over_thickness_at_N", "stiffness_N_per_mm_at_N")
+_BY_FORCE = ("exponent", "depth_mm", "depth_over_thickness", "stiffness_N_per_mm")
+BY_FORCE = tuple(f"{name}_at_N" for name in _BY_FORCE)
 SOLVED_SHARES = DEPTH_SHARE * np.linspace(0.04, 1.0, 16)
 
 
@@ -91,14 +93,11 @@ def rows_of(task: Task, slabs: Slabs, error: Callable[[NDArray], NDArray]) -> li
     with np.errstate(invalid="ignore"):
         columns = (slope * depth / forces, depth, depth / slabs.thickness_mm[:, None], slope)
     by_force = [_plain(values) for values in columns]
-    scores = None if task.targets is None else _plain(_scores(slabs, task.targets))
+    scores = repeat(None) if task.targets is None else _plain(_scores(slabs, task.targets))
     peaks, limits = _plain(_peaks(slabs, task.velocities_mm_s, task.sampling)), _limits(slabs, depth, task.forces_N)
-    errors = _plain(_errors(depth, error)[:, None])
-    return [
-        _row(task, index, [values[index] for values in by_force], peaks[index], errors[index][0], limits[index],
-             None if scores is None else scores[index])
-        for index in range(len(task.ratio))
-    ]  # fmt: skip
+    errors = (one for (one,) in _plain(_errors(depth, error)[:, None]))
+    each = zip(range(len(task.ratio)), zip(*by_force), peaks, errors, limits, scores)
+    return [_row(task, *values) for values in each]
 
 
 def _row(
@@ -289,7 +288,6 @@ def force_law(task: Task, thickness_mm: NDArray) -> ForceLaw:
 ROWS, SETTINGS = "rows.csv", "study.json"
 _NAMED = ("thickness_mm", "ratio", "punch", "condition", "base", "shape", "edge_radius_mm")
 _TEXT = ("punch", "condition", "base", "shape", "limit")
-_BY_FORCE = ("exponent", "depth_mm", "depth_over_thickness", "stiffness_N_per_mm")
 
 
 class RowFormat:

@@ -214,7 +214,10 @@ class Study(Serialised):
     def keys(self) -> list[Key]:
         """Name every design, in the order of the rows."""
         each = itertools.product(self.setups, self.pads, self.thickness_mm, self.ratio)
-        return [(punch, *held, *pad, thickness, ratio) for ((punch, _), *held), pad, thickness, ratio in each]
+        return [
+            (punch, condition, base, shape, edge, thickness, ratio)
+            for ((punch, _), condition, base), (shape, edge), thickness, ratio in each
+        ]
 
     def check(self, resin: Resin) -> None:
         """Refuse what is not allowed before any work (InputError)."""

@@ -21,7 +21,7 @@ from dummydesign.design.assessment.castings import (
     Pours,
     Tolerances,
 )
-from dummydesign.design.scoring.law_parameters import gamma1_score, rough_parametric
+from dummydesign.design.scoring.law_parameters import gamma1_score
 from dummydesign.design.scoring.presses import make_curves
 from dummydesign.design.scoring.score import Evaluation, evaluate, evaluated_gamma1, scored_for
 from dummydesign.design.scoring.targets import Targets
@@ -38,7 +38,7 @@ from dummydesign.design.scoring.verdict import (
     ranges_of,
 )
 from dummydesign.design.search.best_of_kinds import ShapeComparison, Shaped, compare_shape, mixable
-from dummydesign.design.search.slabs import DesignCandidate, SearchSpace, make_slabs, with_parameters
+from dummydesign.design.search.slabs import DesignCandidate, SearchSpace, exact_candidates, make_slabs, with_parameters
 
 # Castings, the first of an answer's, that are scored for every tissue.
 POURS = 120
@@ -238,7 +238,7 @@ def by_expectation(
     pads = [
         _Contender(chosen, candidate, PadCastings(castings, chosen.cast, candidate, space, tolerances))
         for chosen in close
-        for candidate in _near(chosen, space, low_share)
+        for candidate in _near(chosen, space)
     ]
     green = [pad.green for pad in pads]
     first, least = pads[0].candidate, pads[0].candidate.rank
@@ -296,29 +296,19 @@ def _undecided(taken: int, pads: Sequence[_Contender], scores: dict[int, TissueS
     return None
 
 
-def _near(chosen: Shaped, space: SearchSpace, low_share: float) -> list[DesignCandidate]:
+def _near(chosen: Shaped, space: SearchSpace) -> list[DesignCandidate]:
     """The best pad, and those of one step of the ratio either way that rank no lower."""
     best = chosen.result.best
     here = int(np.argmin(np.abs(space.ratio - best.ratio)))
-    steps = [
-        at
-        for at in (here - 1, here + 1)
-        if 0 <= at < len(space.ratio) and mixable(chosen.shape, float(space.ratio[at]), space.resin)
-    ]
+    beside = (at for at in (here - 1, here + 1) if 0 <= at < len(space.ratio))
+    steps = [at for at in beside if mixable(chosen.shape, float(space.ratio[at]), space.resin)]
     if not steps:
         return [best]
     curves = make_curves(chosen.cast, np.array([best.thickness_mm]), space.radius_mm)
     slabs = make_slabs(curves, np.zeros(len(steps), int), space.resin, space.ratio[steps])
-    evaluation = evaluate(slabs, space.targets, space.sampling, exact=True)
-    parametric = rough_parametric(slabs, space.targets, space.sampling)
-    ranks = acceptability_rank(evaluation, space.targets)
-    columns = space.ratio[steps], parametric, evaluation.total(parametric), ranks
-    others = [
-        DesignCandidate(best.thickness_mm, ratio, at, evaluation, None, score, total, rank)
-        for at, (ratio, score, total, rank) in enumerate(zip(*(column.tolist() for column in columns)))
-        if evaluation.feasible[at] and rank >= min(best.rank, BORDERLINE)
-    ]
-    return [best, *others]
+    others = exact_candidates(slabs, space.ratio[steps], space)
+    least = min(best.rank, BORDERLINE)
+    return [best, *(one for one in others if one.evaluation.feasible[one.index] and one.rank >= least)]
 
 
 def _best_of(drawn: Sequence[TissueScores]) -> tuple[int, bool]:

@@ -296,36 +296,32 @@ def _work_out(
     loss: NDArray,
 ) -> list[list[DesignCandidate]]:  # fmt: skip
     """Evaluate groups of designs on the fine grid; fit the best of each group's ranked ones and all its others."""
-    targets = space.targets
-    exact = evaluate(slabs, targets, space.sampling, exact=True)
-    ranks = acceptability_rank(exact, targets)
-    parametric = rough_parametric(slabs, targets, space.sampling)
-    total = exact.total(parametric)
-    parameters_of: list[Any] = [None] * len(ratio)
-    groups, end = [], 0
-    order = (1.0 - low_share) * total + low_share * exact.low_aim - loss
-    order = np.maximum(order, 0.0) * np.array(targets.weights.worth)[ranks]
+    candidates, groups, end = exact_candidates(slabs, ratio, space, loss), [], 0
     for ranked, others in counts:
         start, end = end, end + ranked + others
-        kept = np.arange(start, end)
+        group = candidates[start:end]
         if fitted:
-            best = np.argsort(-order[start : start + ranked], kind="stable")[:fitted]
-            kept = np.sort(np.r_[start + best, np.arange(start + ranked, end)])
-        groups.append(kept)
-    if fitted and targets.parameters.gamma_N_per_mm3:
-        every = np.concatenate(groups)
-        fits = fit_presses(slabs.take(every), targets, exact.depth_mm[every], space.sampling)
-        parametric = parametric.copy()
-        parametric[every] = parametric_score(fits, targets)
-        total = exact.total(parametric)
-        for index, fit in zip(every, fits):
-            parameters_of[index] = fit
-    columns = (slabs.thickness_mm, ratio, parametric, total, ranks, loss)
-    candidates = [
-        DesignCandidate(thickness, at, index, exact, parameters_of[index], score, sum_, int(rank), lost)
-        for index, (thickness, at, score, sum_, rank, lost) in enumerate(zip(*(one.tolist() for one in columns)))
+            best = sorted(range(ranked), key=lambda at, group=group: -group[at].worth(low_share))[:fitted]
+            group = [group[at] for at in (*sorted(best), *range(ranked, ranked + others))]
+        groups.append(group)
+    if not fitted:
+        return groups
+    done = iter(with_parameters([candidate for group in groups for candidate in group], space))
+    return [[next(done) for _ in group] for group in groups]
+
+
+def exact_candidates(
+    slabs: Slabs, ratio: NDArray, space: SearchSpace, loss: NDArray | None = None
+) -> list[DesignCandidate]:
+    """Designs evaluated on the fine grid, in their order, with the parametric part of gamma1 alone."""
+    exact = evaluate(slabs, space.targets, space.sampling, exact=True)
+    parametric = rough_parametric(slabs, space.targets, space.sampling)
+    ranks, lost = acceptability_rank(exact, space.targets), np.zeros(len(ratio)) if loss is None else loss
+    columns = (slabs.thickness_mm, ratio, parametric, exact.total(parametric), ranks, lost)
+    return [
+        DesignCandidate(thickness, at, index, exact, None, score, total, rank, lost)
+        for index, (thickness, at, score, total, rank, lost) in enumerate(zip(*(one.tolist() for one in columns)))
     ]
-    return [[candidates[index] for index in kept] for kept in groups]
 
 
 def with_parameters(candidates: Sequence[DesignCandidate], space: SearchSpace) -> tuple[DesignCandidate, ...]:

@@ -379,7 +379,18 @@ class Resin:
         return tuple(arm.tau_s.value for arm in self.arms)
 
     def strengths(self, ratio: Sequence[float] | NDArray) -> NDArray:
-        """Strengths of the arms at several ratios, shape (n, arms); see :meth:`prony`."""
+        """Strengths of the arms of ``prony`` at several ratios.
+
+        Parameters
+        ----------
+        ratio : sequence of float, or ndarray, shape (n,)
+            Mixing ratios, see ``ratio_meaning``.
+
+        Returns
+        -------
+        ndarray, shape (n, arms)
+            Relative to the LONG-TERM modulus.
+        """
         return np.array([[term.beta for term in self.prony(float(value))] for value in ratio])
 
     def draw(self, count: int, seed: int | np.random.Generator = SEED) -> Draws:

@@ -28,6 +28,7 @@ from dummydesign.design.assessment.choice import (
 )
 from dummydesign.design.scoring.settings import verdict_limits
 from dummydesign.design.scoring.verdict import ACCEPTABLE, BORDERLINE, NOT_ACCEPTABLE
+from dummydesign.design.search.slabs import DesignCandidate
 
 
 def test_the_share_of_the_tissue_is_that_of_a_layout_of_two_ways():
@@ -191,7 +192,7 @@ def contenders(monkeypatch):
         queue = iter(pads)
         monkeypatch.setattr(choice, "_Contender", lambda chosen, candidate, cast: next(queue))
         monkeypatch.setattr(choice, "PadCastings", lambda *args: None)
-        monkeypatch.setattr(choice, "_near", lambda chosen, space, share: [chosen.result.best])
+        monkeypatch.setattr(choice, "_near", lambda chosen, space: [chosen.result.best])
         monkeypatch.setattr(choice, "castings_for_tissues", lambda cast, share: cast.scores)
         monkeypatch.setattr(choice, "acceptability_rank", lambda evaluation, targets, tighter: [state.tighter])
         space = SimpleNamespace(targets=SimpleNamespace(drawn=drawn))
@@ -265,20 +266,19 @@ def test_an_end_of_the_relaxation_counts_from_two_standard_errors_of_its_third()
 def test_neighbours_in_ratio_that_rank_no_lower_are_looked_at_too(monkeypatch):
     ratios = np.array([13.0, 14.0, 15.0, 16.0])
     made = []
-    evaluation = SimpleNamespace(feasible=np.array([True, True]), total=lambda parametric: parametric + 0.1)
+    evaluation = SimpleNamespace(feasible=np.array([True, True]))
     ranks = np.array([2, 1])
     monkeypatch.setattr(choice, "mixable", lambda shape, ratio, resin: ratio != 16.0)
     monkeypatch.setattr(choice, "make_curves", lambda *args: None)
     monkeypatch.setattr(choice, "make_slabs", lambda curves, slab, resin, ratio: made.append(ratio))
-    monkeypatch.setattr(choice, "evaluate", lambda *args, exact: evaluation)
-    monkeypatch.setattr(choice, "rough_parametric", lambda *args: np.array([0.3, 0.4]))
-    monkeypatch.setattr(choice, "acceptability_rank", lambda evaluation, targets: ranks)
+    monkeypatch.setattr(choice, "exact_candidates", lambda slabs, ratio, space: [
+        DesignCandidate(10.0, one, at, evaluation, rank=int(ranks[at])) for at, one in enumerate(ratio.tolist())])
     space = SimpleNamespace(ratio=ratios, resin=None, targets=None, sampling=None, radius_mm=7.9)
 
     def near(ratio, rank=1):
         best = SimpleNamespace(ratio=ratio, thickness_mm=10.0, rank=rank)
         chosen = SimpleNamespace(result=SimpleNamespace(best=best), shape=None, cast=None)
-        first, *others = _near(chosen, space, 0.2)
+        first, *others = _near(chosen, space)
         assert first is best
         return [one.ratio for one in others]
 

@@ -86,9 +86,10 @@ def evaluate(slabs: Slabs, targets: Targets, sampling: Sampling | None = None, e
     pressed = np.array([(one.steady_force_N, one.velocity_mm_s) for one in targets.conditions])
     # one inversion of the curves for all, but where the presses are to be exact
     wanted = np.r_[[(force, protocol.slow_mm_s) for force in forces], pressed]
-    depth = steady_depth(slabs, *(wanted[: len(forces)] if exact else wanted).T, sampling)
+    force_N, speed_mm_s = (wanted[: len(forces)] if exact else wanted).T
+    depth = steady_depth(slabs, force_N, speed_mm_s, sampling)
     reached = depth[:, : len(forces)]
-    depth = steady_depth(slabs, *pressed.T, sampling, exact) if exact else depth[:, len(forces) :]
+    depth = steady_depth(slabs, pressed[:, 0], pressed[:, 1], sampling, exact) if exact else depth[:, len(forces) :]
     presses = [press_to_depth(slabs, *at, sampling) for at in zip(depth.T, pressed[:, 1].tolist())]
     share = _inside_exact if exact else _inside_at_samples
     return _scored(slabs, targets, sampling, reached, tuple(presses), share)

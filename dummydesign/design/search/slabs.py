@@ -301,8 +301,9 @@ def _work_out(
         start, end = end, end + ranked + others
         group = candidates[start:end]
         if fitted:
-            best = sorted(range(ranked), key=lambda at, group=group: -group[at].worth(low_share))[:fitted]
-            group = [group[at] for at in (*sorted(best), *range(ranked, ranked + others))]
+            worth = [candidate.worth(low_share) for candidate in group[:ranked]]
+            best = np.sort(np.argsort(-np.array(worth), kind="stable")[:fitted]).tolist()
+            group = [group[at] for at in (*best, *range(ranked, ranked + others))]
         groups.append(group)
     if not fitted:
         return groups

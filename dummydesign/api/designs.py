@@ -20,9 +20,8 @@ if TYPE_CHECKING:
     from concurrent.futures import Executor
 
     from dummydesign.core.outputs import Output
-    from dummydesign.design.assessment.safety import Limits
     from dummydesign.design.request import Request
-    from dummydesign.design.safety_view import SafetyView
+    from dummydesign.design.safety import Limits, SafetyView
     from dummydesign.design.suggestion import Suggestion
     from dummydesign.design.sweep.spec import Study
     from dummydesign.person.drives.drive import Drive
@@ -187,10 +186,8 @@ def _answer(
     progress: Callable[[str], None],
 ) -> Answer:  # fmt: skip
     """Resolve, design, and write what there is a folder for."""
-    from dummydesign.design.assessment.safety import read_limits
-    from dummydesign.design.inputs import resolve
-    from dummydesign.design.safety_view import safety_view
-    from dummydesign.design.suggest import design
+    from dummydesign.design.safety import read_limits, safety_view
+    from dummydesign.design.suggest import design, resolve
 
     wanted = resolve(request)
     mass_kg, velocity_mm_s = inputs["robot_mass_kg"], inputs["robot_velocity_mm_s"]

@@ -429,7 +429,7 @@ def on_person(
     import math
 
     from dummydesign.core.serialise import to_plain
-    from dummydesign.design.assessment.safety import read_limits
+    from dummydesign.design.safety import read_limits
     from dummydesign.geometry.punch import equal_area_radius_mm
     from dummydesign.measurement.sensor import parse_lowpass
     from dummydesign.person.drives import read_drive

@@ -15,12 +15,11 @@ from dummydesign.geometry.dimensions import PUNCH
 from dummydesign.geometry.shape_registry import read_shape
 from dummydesign.measurement.campaign import with_edge
 from dummydesign.pad.tables.slab import load_compressibility
-from dummydesign.resin.model.resin import RelaxationGivenModulus
+from dummydesign.resin.model.resin import Arm, Point, RelaxationGivenModulus, Resin
 
 if TYPE_CHECKING:
     from dummydesign.loop.calibration import Calibration
     from dummydesign.loop.corrected_law import CorrectedLaw, Correction
-    from dummydesign.resin.model.resin import Resin
 
 
 # Half widths of the 95 % intervals of modulus and strengths of calibrations that carry none: assumed.
@@ -72,7 +71,6 @@ def with_calibration(
     from dummydesign.loop.calibration_file import read_calibration
     from dummydesign.loop.corrected_law import CorrectedLaw
     from dummydesign.loop.fitting.fit import NORMAL_95
-    from dummydesign.resin.model.resin import Arm, Point
     from dummydesign.resin.update.modulus import update_resin
 
     calibration = read_calibration(path)

@@ -11,24 +11,23 @@ from numpy.typing import NDArray
 
 from dummydesign.core.errors import DummydesignError
 from dummydesign.core.parsing import DECELERATION, EDGE, FORCE, HOLD, VELOCITY, positive, read_number, read_numbers
+from dummydesign.core.serialise import to_plain
 from dummydesign.design.assessment.castings import COUNT
-from dummydesign.design.assessment.safety import tissue_press
 from dummydesign.design.request import face_of
+from dummydesign.design.safety import tissue_press
 from dummydesign.design.scoring.presses import Sampling
-from dummydesign.design.scoring.score import Ranges, Readings
-from dummydesign.design.scoring.verdict import LEVELS, Verdict, verdict
+from dummydesign.design.scoring.verdict import LEVELS, Ranges, Readings, Verdict, verdict
 from dummydesign.design.test_setup import check_edge, check_numbers, tissue_warnings
 from dummydesign.geometry.dimensions import PUNCH
 from dummydesign.geometry.interface import CONDITIONS, Interface
 from dummydesign.geometry.punch import read_punch
 from dummydesign.measurement.motion import work_mJ
 from dummydesign.tissue.comparison import Comparison, PressTest, braking_of, compare_traces, hold_of, missing_of
-from dummydesign.tissue.fitting.reduction import condition_groups
+from dummydesign.tissue.fitting.reduction import ReducedTrace, condition_groups
 from dummydesign.tissue.model.laws import law_named
 
 if TYPE_CHECKING:
     from dummydesign.measurement.campaign import Campaign
-    from dummydesign.tissue.fitting.reduction import ReducedTrace
     from dummydesign.tissue.model.ranges import ForceRange
     from dummydesign.tissue.model.tissue import Tissue
 
@@ -50,9 +49,8 @@ class TracesTest:
         test = self.presses
         return {
             "punch": self.punch, "edge_radius_mm": self.edge_radius_mm, "condition": self.condition,
-            "force_N": _listed(test.forces_N),
-            "velocity_mm_s": _listed(test.velocities_mm_s), "hold_s": test.hold_s,
-            "deceleration_mm_s2": test.deceleration_mm_s2,
+            "force_N": to_plain(test.forces_N), "velocity_mm_s": to_plain(test.velocities_mm_s),
+            "hold_s": test.hold_s, "deceleration_mm_s2": test.deceleration_mm_s2,
         }  # fmt: skip
 
     @property
@@ -71,19 +69,11 @@ class TracesTest:
         return [{"code": code, "message": text} for code, text in pairs]
 
 
-def _listed(values: tuple[float, ...] | None) -> list[float] | None:
-    return None if values is None else list(values)
-
-
 def read_test(
-    punch: str = PUNCH,
-    edge_radius_mm: float | str = 0.0,
-    force_N: Numbers | None = None,
-    velocity_mm_s: Numbers | None = None,
-    hold_s: float | str | None = None,
-    deceleration_mm_s2: float | str | None = None,
-    condition: str | None = None,
-) -> TracesTest:
+    punch: str = PUNCH, edge_radius_mm: float | str = 0.0, force_N: Numbers | None = None,
+    velocity_mm_s: Numbers | None = None, hold_s: float | str | None = None,
+    deceleration_mm_s2: float | str | None = None, condition: str | None = None,
+) -> TracesTest:  # fmt: skip
     """Read a test; numbers may carry their unit."""
     asked, face = read_punch(punch), face_of(punch, condition)
     Interface.parse(face, "condition", CONDITIONS)

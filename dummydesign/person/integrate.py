@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from dummydesign.design.assessment.safety import QUASI_STATIC_AFTER_S
+from dummydesign.design.safety import QUASI_STATIC_AFTER_S
 from dummydesign.person.people import People
 from dummydesign.person.ringing import GAP_S
 from dummydesign.person.smoothing import interpolation

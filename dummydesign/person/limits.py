@@ -6,10 +6,10 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from dummydesign.core.serialise import Serialised
-from dummydesign.design.assessment.safety import N_PER_CM2
+from dummydesign.design.safety import N_PER_CM2
 
 if TYPE_CHECKING:
-    from dummydesign.design.assessment.safety import Limits
+    from dummydesign.design.safety import Limits
 
 
 @dataclass(frozen=True)

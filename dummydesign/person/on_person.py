@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from dummydesign.core.errors import InputError
 from dummydesign.core.serialise import to_plain
-from dummydesign.design.assessment.safety import N_PER_CM2
+from dummydesign.design.safety import N_PER_CM2
 from dummydesign.design.scoring.presses import press_to_depth
 from dummydesign.measurement.importing.press_checks import copies_among, doubts_of
 from dummydesign.measurement.trace import Trace
@@ -24,7 +24,7 @@ from dummydesign.person.press import Press, read_press
 from dummydesign.person.signs import TraceSigns, signs_of
 
 if TYPE_CHECKING:
-    from dummydesign.design.assessment.safety import Limits
+    from dummydesign.design.safety import Limits
     from dummydesign.design.suggestion import Suggestion
     from dummydesign.measurement.sensor import Lowpass
     from dummydesign.measurement.trace import Trace
@@ -276,8 +276,7 @@ def design_on_people(answer: Suggestion, drive: Drive, limits: Limits | None = N
 
 def predicted_traces(answer: Suggestion) -> list[Trace]:
     """Return the predicted press of each condition as a trace, with a short approach before contact."""
-    slabs = answer.best.evaluation.slabs.take(np.array([answer.best.index]))
-    depths = answer.best.evaluation.depth_mm[answer.best.index]
+    slabs, depths = answer.best.alone, answer.best.depth_mm
     traces = []
     for column, condition in enumerate(answer.targets.conditions):
         if not np.isfinite(depths[column]):

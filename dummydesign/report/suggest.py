@@ -11,7 +11,7 @@ import numpy as np
 from dummydesign.core.serialise import percent_below_limit
 from dummydesign.design.options import base_words
 from dummydesign.design.plot_data import THICKNESS_GRID_MM, PressPictures, SuggestionCurves
-from dummydesign.design.safety_view import SafetyView
+from dummydesign.design.safety import SafetyView
 from dummydesign.geometry.punch import read_punch
 from dummydesign.mold.files.solid_view import box, read_stl, view_script
 from dummydesign.report import suggest_facts

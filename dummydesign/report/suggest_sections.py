@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from dummydesign.design.plot_data import ABOVE_MM, PressedPad, PressPictures
-from dummydesign.design.safety_view import SafetyView
+from dummydesign.design.safety import SafetyView
 from dummydesign.report.page import Section, Table
 from dummydesign.report.plot import Plot
 from dummydesign.report.plot_layers import Band, Cells, Layer, Line

@@ -43,7 +43,7 @@ def steady(tissue: Tissue, targets: Targets, pad: EvaluatedPad | None = None) ->
     ]  # fmt: skip
     alt = f"Steady force over depth of the subjects of {tissue.name}"
     if pad is not None:
-        depth = pad.steady_depth_mm(grids.pad)
+        depth = pad.candidate.steady_depth_mm(grids.pad)
         layers.append(Line("this pad", depth, grids.pad))
         at = float(np.interp(10.0, grids.pad, depth)) if np.isfinite(depth).all() else float("nan")
         alt += f"; the pad is {at:.2f} mm deep at 10 N" if np.isfinite(at) else "; the pad does not reach 10 N"

@@ -151,7 +151,7 @@ def evaluator_of(root: Path, state: State) -> PadEvaluator:
 
 @lru_cache(maxsize=8)
 def _evaluator(root: Path, question: State, stamp: object) -> PadEvaluator:
-    from dummydesign.design.inputs import resolve
+    from dummydesign.design.suggest import resolve
 
     calibration = str(root / question.calibration) if question.calibration else None
     profile = question.punch.removeprefix(PROFILE) if question.punch.startswith(PROFILE) else None

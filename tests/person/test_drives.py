@@ -115,7 +115,7 @@ def test_a_free_mass_stops_as_by_another_integrator_and_gives_its_energy(mass):
 
 
 def test_a_free_mass_on_springs_is_that_of_the_closed_form_and_of_the_safety_view():
-    from dummydesign.design.assessment.safety import impact, tissue_body
+    from dummydesign.design.safety import impact, tissue_body
 
     run, _ = pressed(250.0)
     press, k = read_press(sampled(run, 2000.0)), np.array([5.0, 20.0, 75.0])

@@ -213,12 +213,10 @@ class Study(Serialised):
 
     def keys(self) -> list[Key]:
         """Name every design, in the order of the rows."""
+        each = itertools.product(self.setups, self.pads, self.thickness_mm, self.ratio)
         return [
-            (punch[0], condition, base, shape, edge, thickness, ratio)
-            for punch, condition, base in self.setups
-            for shape, edge in self.pads
-            for thickness in self.thickness_mm
-            for ratio in self.ratio
+            (punch, condition, base, shape, edge, thickness, ratio)
+            for ((punch, _), condition, base), (shape, edge), thickness, ratio in each
         ]
 
     def check(self, resin: Resin) -> None:

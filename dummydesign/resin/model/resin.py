@@ -373,6 +373,26 @@ class Resin:
         growth = (self.young_MPa(self.relaxation_ratio_ref) / self.young_MPa(ratio)) ** self.softness_exponent.value
         return tuple(PronyTerm(arm.tau_s.value, arm.beta.value * growth) for arm in self.arms)
 
+    @property
+    def tau_s(self) -> tuple[float, ...]:
+        """Times of the arms. [s]"""
+        return tuple(arm.tau_s.value for arm in self.arms)
+
+    def strengths(self, ratio: Sequence[float] | NDArray) -> NDArray:
+        """Strengths of the arms of ``prony`` at several ratios.
+
+        Parameters
+        ----------
+        ratio : sequence of float, or ndarray, shape (n,)
+            Mixing ratios, see ``ratio_meaning``.
+
+        Returns
+        -------
+        ndarray, shape (n, arms)
+            Relative to the LONG-TERM modulus.
+        """
+        return np.array([[term.beta for term in self.prony(float(value))] for value in ratio])
+
     def draw(self, count: int, seed: int | np.random.Generator = SEED) -> Draws:
         """Draw what is not known: law parameters (prior, or posterior after an update) and relaxation.
 

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from dummydesign.design.scoring.presses import Sampling
-from dummydesign.design.scoring.score import TOLERANCE, Readings, evaluate
+from dummydesign.design.scoring.score import evaluate
 from dummydesign.design.scoring.targets import make_targets
-from dummydesign.design.scoring.verdict import ranges_of, readings_of
+from dummydesign.design.scoring.verdict import TOLERANCE, Readings, ranges_of, readings_of
 from dummydesign.measurement.motion import ramp_and_hold
 from dummydesign.tissue import load_tissue
 from dummydesign.tissue.adding.from_curves import Misfit, add_curves

@@ -15,9 +15,8 @@ from dummydesign.loop.data.pad_factors import with_pad_factors
 from dummydesign.loop.data.trials import Presses, make_presses
 from dummydesign.loop.effects.registry import known_effects, refuse_unsound
 from dummydesign.loop.fitting.candidates import EffectCandidate
-from dummydesign.loop.fitting.fit import CampaignFit, fit_base, with_rough_law
+from dummydesign.loop.fitting.fit import fit_base, with_rough_law
 from dummydesign.loop.fitting.noise import repeat_pairs
-from dummydesign.loop.fitting.problem import BASE
 from dummydesign.loop.model.base_law import SetupLaw
 from dummydesign.loop.model.campaign_law import law_of, start_young_kPa, within_reach
 from dummydesign.loop.model.effect import Effect
@@ -116,13 +115,15 @@ def close_loop(
     answer = _against_base(base, seen, _explain(base, seen, available, progress), progress)
     selection, after, effects, learnt = answer.selection, answer.after, answer.effects, answer.learnt
     doubt = doubt_of(after.fit, selection.rivals) if learnt is None else doubt_of_curve(learnt.effect.shape.flat)
-    plain, nothing = after.fit, after.fit is base.fit
-    after = replace(after, fit=_in_doubt(plain, doubt))
-    base = after if nothing else base
+    plain = after.fit
+    after = replace(after, fit=with_rough_law(plain, doubt))
+    base = after if plain is base.fit else base
     joined = None
     if prior is not None:
         progress("prior")
-        fit, joined = join(_in_doubt(with_prior_effects(plain, prior, presses, law), doubt), prior, after.lack.ratio)
+        both = with_prior_effects(plain, prior, presses, law)
+        both = after.fit if both is plain else with_rough_law(both, doubt)
+        fit, joined = join(both, prior, after.lack.ratio)
         after = assess(fit) if joined.used else after
     progress("next measurement")
     following = _next(campaign, base, effects, selection.ranking)
@@ -133,13 +134,6 @@ def close_loop(
          *_better_alone(selection, after)),
         learnt, joined,
     )  # fmt: skip
-
-
-def _in_doubt(fit: CampaignFit, of_base: NDArray) -> CampaignFit:
-    """The fit beside a law that may be rough, with a doubt (5, 5) of the base logarithms."""
-    rough = with_rough_law(fit)
-    more = np.pad(of_base, (0, len(fit.vector) - BASE))
-    return replace(rough, doubt=more if rough.doubt is None else rough.doubt + more)
 
 
 @dataclass(frozen=True)

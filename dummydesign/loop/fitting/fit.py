@@ -313,8 +313,9 @@ LARGEST_WAVES = 2.0
 """Waves of a law, rms in standard deviations, that are believed; laws by GetFEM ask for 0.5 to 0.9."""
 
 
-def with_rough_law(campaign_fit: CampaignFit) -> CampaignFit:
-    """The fit where its force law may be rough over depth: one linear step from the optimum, and the doubt it leaves.
+def with_rough_law(campaign_fit: CampaignFit, of_base: NDArray | float = 0.0) -> CampaignFit:
+    """The fit where its force law may be rough over depth: one linear step from the optimum, and the doubt it leaves
+    beside one ``of_base`` (5, 5) of the base logarithms.
 
     With C the fit's covariance, J and R the whitened sensitivities and :func:`rough_columns`, each with a standard
     deviation of one, S = R'R + 1 - R'J C J'R and r the whitened residual: step - C J'R S^-1 R'r, doubt
@@ -329,6 +330,7 @@ def with_rough_law(campaign_fit: CampaignFit) -> CampaignFit:
     apart = fit.covariance @ (turned.T @ rough)
     inverse = np.linalg.inv(rough.T @ rough + np.eye(rough.shape[1]) - (rough.T @ turned) @ apart)
     waves, doubt = inverse @ (rough.T @ left), apart @ inverse @ apart.T
+    doubt[:BASE, :BASE] += of_base
     if np.mean(waves**2) > LARGEST_WAVES**2:
         return replace(fit, doubt=doubt)
     low, high = problem.bounds()

@@ -162,18 +162,13 @@ def before_the_pad(
     unit: UnitForce = presses.remembered(law)
     for one in acting:
         unit = one.effect.law(unit, one.values)
-    own = presses.young_factor
+    plain, own = unit, presses.young_factor
     if own is not None:
-        unit = wrap(unit, _times(own[:, None], unit))
+        unit = wrap(plain, lambda *at: own[:, None] * plain(*at))
     start = presses.displacement_mm - np.broadcast_to(offset_mm, presses.thickness_mm.shape)[:, None]
     for one in acting:
         start = one.effect.depth(presses, start, one.values)
     return unit, start
-
-
-def _times(factor: NDArray, law: UnitForce) -> UnitForce:
-    """A law times a factor of each pad's modulus (T, 1)."""
-    return lambda depth_mm, thickness_mm: factor * law(depth_mm, thickness_mm)
 
 
 def sensor_signal(presses: Presses, force_N: NDArray, acting: Sequence[Active]) -> NDArray:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from numpy.typing import NDArray
-
 from dummydesign.loop.model.base_law import UnitForce, wrap
 from dummydesign.loop.model.effect import Effect, Parameter, Values
 
@@ -25,8 +23,4 @@ class ThicknessError(Effect):
 
     def law(self, law: UnitForce, values: Values) -> UnitForce:
         error = values["thickness_error_mm"]
-
-        def other(depth_mm: NDArray, thickness_mm: NDArray) -> NDArray:
-            return law(depth_mm, thickness_mm + error)
-
-        return wrap(law, other)
+        return wrap(law, lambda depth_mm, thickness_mm: law(depth_mm, thickness_mm + error))

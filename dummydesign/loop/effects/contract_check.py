@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import traceback
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass, fields
 from functools import lru_cache
 from pathlib import Path
@@ -219,10 +219,6 @@ class ReferenceCap:
     radius_mm: float = 7.9
     shape: str = "shaped"
     offers: frozenset[str] = frozenset({"flat_faces", "base_that_can_slip", "bulk_that_gives"})
-
-    def on(self, trials: Sequence[Trial]) -> ReferenceCap:
-        """Itself."""
-        return self
 
     def __call__(self, depth_mm: NDArray, thickness_mm: NDArray) -> NDArray:
         """F / E [mm2]."""

@@ -109,15 +109,6 @@ def place(at: NDArray, knots: NDArray) -> tuple[NDArray, NDArray]:
     return low, (clipped - knots[low]) / (knots[low + 1] - knots[low])
 
 
-def hats(at: NDArray, knots: NDArray) -> NDArray:
-    """Weights (..., k) of linear interpolation on knots (k,), constant outside."""
-    low, share = place(at, knots)
-    out = np.zeros((*np.shape(at), len(knots)))
-    np.put_along_axis(out, low[..., None], (1.0 - share)[..., None], axis=-1)
-    np.put_along_axis(out, low[..., None] + 1, share[..., None], axis=-1)
-    return out
-
-
 class Learned(Effect):
     """Force x (1 + size g(u)) or (1 + size g(u, v)): g was read off a campaign, u and v are quantities it follows.
 

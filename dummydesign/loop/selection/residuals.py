@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from dummydesign.core.serialise import Serialised
 from dummydesign.loop.data.reduction import HOLD, PRE, UNLOADING
-from dummydesign.loop.fitting.fit import CampaignFit
+from dummydesign.loop.fitting.fit import CampaignFit, hats
 from dummydesign.loop.fitting.screening import project
 
 LINE_RATIO = 2.3
@@ -152,12 +152,6 @@ class Dependence(Serialised):
     def excess(self) -> float:
         """Drop beyond what noise gives on average."""
         return self.drop - self.columns
-
-
-def hats(values: NDArray, knots: NDArray) -> list[NDArray]:
-    """Piecewise-linear hat functions on knots, constant outside."""
-    clipped = np.clip(values, knots[0], knots[-1])
-    return [np.interp(clipped, knots, np.eye(len(knots))[i]) for i in range(len(knots))]
 
 
 def families(fit: CampaignFit) -> dict[str, list[NDArray]]:

@@ -13,7 +13,7 @@ from dummydesign.loop.data.trials import stack
 from dummydesign.loop.effects.learned import followed
 from dummydesign.loop.effects.registry import known_effects
 from dummydesign.loop.fitting.candidates import first_fit
-from dummydesign.loop.fitting.fit import fit_base
+from dummydesign.loop.fitting.fit import fit_base, hats
 from dummydesign.loop.fitting.noise import estimate_slow_noise, repeat_pairs
 from dummydesign.loop.fitting.screening import project, screen, starts_of
 from dummydesign.loop.selection.cross_validation import assess
@@ -22,7 +22,6 @@ from dummydesign.loop.selection.residuals import (
     dependences,
     examine,
     families,
-    hats,
     raw_residuals,
     run_checks,
 )
@@ -104,6 +103,7 @@ def test_hats_add_to_one_and_interpolate():
     at = np.array([[-1.0, 0.5], [2.0, 9.0]])
     rows = np.stack(hats(at, knots), axis=-1)
     np.testing.assert_allclose(rows.sum(axis=-1), 1.0)
+    assert rows.min() >= 0.0 and np.count_nonzero(rows, axis=-1).max() == 2
     np.testing.assert_allclose(rows @ knots, [[0.0, 0.5], [2.0, 7.0]])
 
 

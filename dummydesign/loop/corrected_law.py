@@ -131,11 +131,3 @@ class CorrectedLaw(BaseForceLaw):
         radius = np.asarray(radius_mm, float)
         table = slab_table(self.base, self.edge_radius_mm, float(radius.max()))
         return table.depth_limit_mm(np.asarray(thickness_mm, float), radius)
-
-
-def young_factor(calibration: Calibration) -> float:
-    """Long-term modulus found over the one that was expected (nominal, or the resin's at its ratio).
-
-    A batch that came out softer than its recipe says is designed for by multiplying the resin's modulus by this.
-    """
-    return 1e3 * calibration.after.base.young_MPa / float(calibration.pad["young_kPa_expected"])

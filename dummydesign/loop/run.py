@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -24,8 +25,8 @@ from dummydesign.loop.model.forward_model import readings
 from dummydesign.loop.next_measurement import NextMeasurement, next_measurement
 from dummydesign.loop.pad_scatter import known_pads
 from dummydesign.loop.prior import Joined, check_prior, join, with_prior_effects
-from dummydesign.loop.result import LoopResult
-from dummydesign.loop.selection.base_kept import LeftOut, left_out_errors, predicts_worse
+from dummydesign.loop.result import LoopResult, named
+from dummydesign.loop.selection.base_kept import left_out_errors, predicts_worse
 from dummydesign.loop.selection.cross_validation import AssessedModel, assess
 from dummydesign.loop.selection.learn_effect import Learnt, can_be_learned, learn, learned_alone, learned_first
 from dummydesign.loop.selection.residuals import Seen, examine
@@ -130,8 +131,7 @@ def close_loop(
     return LoopResult(
         campaign, presses, base, after, answer.verdict, effects, tuple(selection.screened), tuple(selection.ranking),
         answer.left, tuple(seen.where), tuple(answer.seen.where), tuple(answer.seen.checks), following, untested,
-        (*answer.kept_warnings, *_curve_warnings(learnt), *_warnings(campaign, presses, beyond, joined),
-         *_better_alone(selection, after)),
+        (*_warnings(campaign, presses, beyond, answer, joined), *_better_alone(selection, after)),
         learnt, joined,
     )  # fmt: skip
 
@@ -147,7 +147,7 @@ class _Answer:
     verdict: str
     left: Remainder
     seen: Seen
-    kept_warnings: tuple[dict[str, str], ...] = ()
+    base_kept: str = ""
 
 
 def _explain(base: AssessedModel, seen: Seen, available: tuple[Effect, ...], progress: Progress) -> _Answer:
@@ -186,9 +186,13 @@ def _against_base(base: AssessedModel, seen: Seen, answer: _Answer, progress: Pr
     dropped = (base.fit.score - answer.after.fit.score, answer.after.fit)
     rivals = (dropped, *((one.gain, one.fit) for one in answer.selection.ranking))
     left = remainder(base, base, seen)
-    kept_warnings = _base_kept(answer.effects, answer.learnt, compared)
+    names = [named(one.candidate.effect.name) for one in answer.effects]
+    names += [] if answer.learnt is None else [f"a function of {answer.learnt.effect.shape.text}"]
+    errors = ", ".join(f"{one.kind} {one.corrected_N:.3g} N with it, {one.base_N:.3g} N without" for one in compared)
+    kept = (f"{' and '.join(names)} explains this campaign but predicts left-out presses worse ({errors}): the base "
+            "model is kept")  # fmt: skip
     verdict = "unexplained" if left.reasons else "none"
-    return _Answer(replace(answer.selection, rivals=rivals), base, (), None, verdict, left, seen, kept_warnings)
+    return _Answer(replace(answer.selection, rivals=rivals), base, (), None, verdict, left, seen, kept)
 
 
 def _available(presses: Presses, law: SetupLaw) -> tuple[tuple[Effect, ...], dict[str, str]]:
@@ -228,50 +232,29 @@ def _better_alone(selection: Selection, after: AssessedModel) -> tuple[dict[str,
         if one.gain < needed(selection.screened, one.fit, name, {}, len(selection.ranking)).least:
             continue  # noise alone may explain as much
         why = "its size is at its bound" if at_bound(one.fit) else "it does not predict left-out presses better"
-        plain = name.replace("_", " ")
-        message = f"{plain} alone fits better, but was not added: {why}; test for it by itself"
+        message = f"{named(name)} alone fits better, but was not added: {why}; test for it by itself"
         out.append({"code": "explains_more", "message": message})
     return tuple(out)
 
 
-def _base_kept(
-    effects: tuple[AcceptedEffect, ...], learnt: Learnt | None, compared: tuple[LeftOut, ...]
-) -> tuple[dict[str, str], ...]:
-    """Why the base model is returned though something explains the campaign."""
-    named = [one.candidate.effect.name.replace("_", " ") for one in effects]
-    dropped = " and ".join([*named, *([] if learnt is None else [f"a function of {learnt.effect.shape.text}"])])
-    errors = ", ".join(f"{one.kind} {one.corrected_N:.3g} N with it, {one.base_N:.3g} N without" for one in compared)
-    message = f"{dropped} explains this campaign but predicts left-out presses worse ({errors}): the base model is kept"
-    return ({"code": "base_kept", "message": message},)
-
-
-def _curve_warnings(learnt: Learnt | None) -> tuple[dict[str, str], ...]:
-    """What a learned curve makes of the modulus."""
-    if learnt is None:
-        return ()
-    message = (
-        f"do not use the modulus: it shares its level with the learned curve of {learnt.effect.shape.text}; "
-        "compress a puck of this batch"
-    )
-    return ({"code": "modulus_beside_curve", "message": message},)
-
-
 def _warnings(
-    campaign: Campaign, presses: Presses, beyond: str, joined: Joined | None
-) -> tuple[dict[str, str], ...]:
-    # what a fit does not see comes first
-    out = [{"code": "beyond_table", "message": beyond}] if beyond else []
-    out += campaign.warnings
-    if not repeat_pairs(presses):
-        message = (
-            "no condition is repeated: lack of fit cannot be tested against pure error, and the slow noise is taken "
-            "from the residuals, where model error counts as noise"
-        )
-        out.append({"code": "no_repeats", "message": message})
-    if presses.elastic_only:
-        message = "no trial holds and all have one speed: relaxation is not fitted, the modulus is that of this speed"
-        out.append({"code": "elastic_only", "message": message})
-    if joined is not None and not joined.used:
-        message = f"the prior contradicts this campaign and was not used: {'; '.join(joined.conflicts)}"
-        out.append({"code": "prior_conflict", "message": message})
-    return tuple(out)
+    campaign: Campaign, presses: Presses, beyond: str, answer: _Answer, joined: Joined | None
+) -> Iterator[dict[str, str]]:
+    """What a reader must know: what a fit does not see comes first."""
+    learnt = answer.learnt
+    first = {
+        "base_kept": answer.base_kept,
+        "modulus_beside_curve": "" if learnt is None else "do not use the modulus: it shares its level with the "
+        f"learned curve of {learnt.effect.shape.text}; compress a puck of this batch",
+        "beyond_table": beyond,
+    }
+    then = {
+        "no_repeats": "" if repeat_pairs(presses) else "no condition is repeated: lack of fit cannot be tested against "
+        "pure error, and the slow noise is taken from the residuals, where model error counts as noise",
+        "elastic_only": "no trial holds and all have one speed: relaxation is not fitted, the modulus is that of this "
+        "speed" if presses.elastic_only else "",
+        "prior_conflict": "" if joined is None or joined.used else "the prior contradicts this campaign and was not "
+        f"used: {'; '.join(joined.conflicts)}",
+    }  # fmt: skip
+    own, later = ([{"code": code, "message": text} for code, text in one.items() if text] for one in (first, then))
+    yield from (*own, *campaign.warnings, *later)

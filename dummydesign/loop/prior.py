@@ -11,13 +11,11 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from dummydesign.core.errors import InputError
 from dummydesign.core.serialise import Serialised
 from dummydesign.loop.data.trials import Presses
 from dummydesign.loop.fitting.fit import CampaignFit, fit_with_noise
-from dummydesign.loop.fitting.noise import LAW_TERMS
 from dummydesign.loop.fitting.problem import BASE
 from dummydesign.loop.model.base_law import SetupLaw
 from dummydesign.loop.model.forward_model import parameter_names
@@ -130,14 +128,3 @@ def _shared(fit: CampaignFit, known: tuple[str, ...]) -> list[tuple[int, str, fl
 def _conflict(name: str, prior: float, data: float, z: float) -> str:
     values = np.exp([prior, data]) if name.startswith("log ") else np.array([prior, data])
     return f"{name.removeprefix('log ')}: {values[0]:.4g} before, {values[1]:.4g} now ({z:.1f} standard deviations)"
-
-
-def carried_law(
-    prior: Calibration, pads: tuple[tuple[str, float], ...], law: NDArray
-) -> tuple[tuple[tuple[str, float], ...], NDArray]:
-    """Law errors of all pads that were pressed in either campaign; the new campaign's where both pressed a pad."""
-    rows = {pad: prior.after.law[:, k] for k, pad in enumerate(prior.after.pads)}
-    rows |= {pad: law[:, k] for k, pad in enumerate(pads)}
-    every = tuple(sorted(rows))
-    return every, np.stack([rows[pad] for pad in every], axis=1).reshape(LAW_TERMS, -1)
-

@@ -25,7 +25,7 @@ from dummydesign.loop.next_measurement import (
     planned_presses,
     planned_trace,
 )
-from dummydesign.loop.prior import ARM_TOLERANCE, _shared, carried_law, check_prior, join
+from dummydesign.loop.prior import ARM_TOLERANCE, _shared, check_prior, join
 from dummydesign.loop.selection.cross_validation import widened
 from dummydesign.measurement.sensor import Lowpass
 from dummydesign.pad.tables.slab import load_table
@@ -126,10 +126,9 @@ def test_a_prior_of_another_ratio_is_refused_beyond_a_thousandth():
 
 def test_pads_of_both_campaigns_are_kept_with_the_newer_law_error():
     old = Model(BaseParameters(0.03, (0.1, 1.0), (0.3, 0.3)), (), np.array([5.0, 10.0]), np.arange(6.0).reshape(3, 2))
-    prior = SimpleNamespace(after=old)
-    pads, law = carried_law(prior, (("", 10.0), ("", 20.0)), -np.arange(6.0).reshape(3, 2))
-    assert pads == (("", 5.0), ("", 10.0), ("", 20.0))
-    np.testing.assert_array_equal(law, [[0.0, 0.0, -1.0], [2.0, -2.0, -3.0], [4.0, -4.0, -5.0]])
+    new = replace(old, thickness_mm=np.array([10.0, 20.0]), law=-np.arange(6.0).reshape(3, 2)).with_pads_of(old)
+    assert new.pads == (("", 5.0), ("", 10.0), ("", 20.0))
+    np.testing.assert_array_equal(new.law, [[0.0, 0.0, -1.0], [2.0, -2.0, -3.0], [4.0, -4.0, -5.0]])
 
 
 def test_a_law_error_is_linear_in_the_logarithm_of_thickness_of_its_own_shape():

@@ -6,6 +6,7 @@ import json
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from itertools import combinations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -19,13 +20,12 @@ from dummydesign.geometry.dimensions import MAX_DEPTH_OVER_THICKNESS, PAD_LENGTH
 from dummydesign.inference.noise import Noise
 from dummydesign.loop.data.trials import Presses, make_presses
 from dummydesign.loop.effects.registry import known_effects
-from dummydesign.loop.fitting.fit import CampaignFit, start_vector
-from dummydesign.loop.fitting.noise import Sizes, Whitener
+from dummydesign.loop.fitting.fit import fit_at, start_vector
+from dummydesign.loop.fitting.noise import Sizes
 from dummydesign.loop.fitting.problem import CampaignProblem
-from dummydesign.loop.fitting.screening import Projection, project, starts_of
+from dummydesign.loop.fitting.screening import change_by, project, starts_of
 from dummydesign.loop.model.base_law import PuckLaw, SetupLaw, SlabLaw
 from dummydesign.loop.model.campaign_law import start_young_kPa, tabulated_law
-from dummydesign.loop.model.effect import Effect
 from dummydesign.loop.model.forward_model import simulate
 from dummydesign.loop.next_measurement import HOLD_S, Option, options, planned_presses, planned_trace
 from dummydesign.loop.result import LoopResult
@@ -319,45 +319,26 @@ def plan_power(plan: tuple[Planned, ...], campaign: Campaign, young_MPa: float, 
     trials = planned_trials(plan, law, young_MPa, np.random.default_rng(seed))
     presses = make_presses(replace(campaign, trials=trials))
     problem = CampaignProblem(presses, law)
-    vector = start_vector(problem, young_MPa)
-    forces = problem.predict(vector)
     usual = Sizes(NOISE, *(prior[0] for prior in law.error_priors))
-    fit = CampaignFit(
-        problem, vector, usual, np.zeros_like(forces), np.where(presses.used, problem.slope(vector, forces), 0.0),
-        forces, problem.jacobian(vector, forces), np.zeros((len(vector),) * 2), 0.0, 0.0,
-    )  # fmt: skip
-    sizes: dict[str, float] = {}
-    units: dict[str, NDArray] = {}
+    vector = start_vector(problem, young_MPa)
+    fit = fit_at(problem, vector, problem.predict(vector), usual)
+    projection = project(fit)
     untested: dict[str, str] = {}
-    projection, whiten = project(fit)
+    changes: dict[str, NDArray] = {}
     for effect in (one for one in known_effects() if not one.seen_raw):
         reason = effect.unavailable(presses, law)
         if reason:
             untested[effect.name] = reason
-            continue
-        change = _change(effect, fit, projection, whiten)
-        length = float(np.linalg.norm(change))
-        sizes[effect.name] = length
-        if length > 0:
-            units[effect.name] = change / length
+        else:
+            # what the effect adds in its usual size, beyond base and law error
+            column = projection.column(change_by(fit, effect, starts_of(effect)[0]))
+            changes[effect.name] = projection.remove(column)
+    sizes = {name: float(np.linalg.norm(change)) for name, change in changes.items()}
     seen = {name: size for name, size in sizes.items() if size >= SEEN}
-    names = [name for name in seen if name in units]
-    alike = tuple(
-        (a, b, cosine)
-        for number, a in enumerate(names)
-        for b in names[number + 1 :]
-        if (cosine := abs(float(units[a] @ units[b]))) >= ALIKE
-    )
     hidden = {name: size for name, size in sizes.items() if size < SEEN}
-    return PlanPower(seen, hidden, untested, alike)
-
-
-def _change(effect: Effect, fit: CampaignFit, projection: Projection, whiten: Whitener) -> NDArray:
-    """What an effect of usual size adds beyond base and law error, whitened."""
-    problem = fit.problem.plus(effect)
-    vector = np.insert(fit.vector, fit.problem.fixed, starts_of(effect)[0])
-    change = np.where(problem.presses.used, problem.predict(vector) - fit.forces, 0.0)
-    return projection.remove(np.r_[whiten(change).ravel(), np.zeros(projection.rows)])
+    units = {name: changes[name] / size for name, size in seen.items()}
+    cosines = ((a, b, abs(float(units[a] @ units[b]))) for a, b in combinations(units, 2))
+    return PlanPower(seen, hidden, untested, tuple(row for row in cosines if row[2] >= ALIKE))
 
 
 def planned_trials(

@@ -109,12 +109,12 @@ def fit(
     forces = forces_at(vector)
     if vector[1] > vector[3] and low[3] <= vector[1] and vector[3] <= high[1]:
         vector = vector[[0, 3, 4, 1, 2, *range(BASE, len(vector))]]  # the fast arm first
-    return _finish(problem, vector, forces, sizes)
+    return fit_at(problem, vector, forces, sizes)
 
 
-def _finish(problem: CampaignProblem, vector: NDArray, forces: NDArray, sizes: Sizes) -> CampaignFit:
-    used = problem.presses.used
-    prior = prior_precision(problem, sizes)
+def fit_at(problem: CampaignProblem, vector: NDArray, forces: NDArray, sizes: Sizes) -> CampaignFit:
+    """What a fit knows at a vector and its forces, without a search."""
+    used, prior = problem.presses.used, prior_precision(problem, sizes)
     jacobian = problem.jacobian(vector, forces)
     jacobian[~used] = 0.0
     slope = np.where(used, problem.slope(vector, forces), 0.0)
@@ -230,7 +230,7 @@ def with_rough_law(campaign_fit: CampaignFit, of_base: NDArray | float = 0.0) ->
         return replace(fit, doubt=doubt)
     low, high = problem.bounds()
     vector = np.clip(fit.vector - apart @ waves, low, high)
-    moved = _finish(problem, vector, problem.predict(vector), fit.sizes)
+    moved = fit_at(problem, vector, problem.predict(vector), fit.sizes)
 
     def squares(at: CampaignFit) -> float:
         """Squares with the waves at their likeliest."""

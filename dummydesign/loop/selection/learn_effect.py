@@ -267,11 +267,9 @@ def _columns(fit: CampaignFit, shape: SmoothChange) -> NDArray:
 
 def _step(fit: CampaignFit, shape: SmoothChange) -> _Step:
     """New values of a shape by one step of Gauss and Newton at a fit, with the likeliest penalty."""
-    projection, whiten = project(fit)
-    old = shape.flat
-    columns = whiten(_columns(fit, shape)).reshape(-1, len(old))
-    columns = np.concatenate([columns, np.zeros((projection.rows, len(old)))])
-    columns = columns - projection.basis @ (projection.basis.T @ columns)
+    projection, old = project(fit), shape.flat
+    columns = projection.whiten(_columns(fit, shape)).reshape(-1, len(old))
+    columns = projection.remove(np.concatenate([columns, np.zeros((projection.rows, len(old)))]))
     target = projection.remove(projection.residual) + columns @ old
     information, pull = columns.T @ columns, columns.T @ target
     rough, eye = shape.roughness(), np.eye(len(old))

@@ -215,15 +215,14 @@ def _standard(values: NDArray) -> NDArray:
 
 def dependences(fit: CampaignFit) -> list[Dependence]:
     """Measure all factors on the residual of a fit, strongest first."""
-    projection, whiten = project(fit, law_free=True)
+    projection = project(fit, law_free=True)
     clean = projection.remove(projection.residual)
     total = float(clean @ clean)
     out = []
     for name, columns in families(fit).items():
-        stacked = np.stack([np.r_[whiten(c).ravel(), np.zeros(projection.rows)] for c in columns], axis=1)
+        stacked = np.stack([projection.column(one) for one in columns], axis=1)
         length = np.linalg.norm(stacked, axis=0)
-        cleaned = stacked - projection.basis @ (projection.basis.T @ stacked)
-        cleaned = cleaned[:, length > 0] / length[length > 0]
+        cleaned = projection.remove(stacked)[:, length > 0] / length[length > 0]
         if not cleaned.size:
             continue
         basis, singular, turn = np.linalg.svd(cleaned, full_matrices=False)

@@ -135,7 +135,7 @@ def test_a_step_is_the_normal_posterior_of_the_curve_with_all_other_parameters_f
     found = changed_fit(warmer)
     shape = SmoothChange(("temperature_C",), (tuple(np.linspace(21.5, 29.0, 6)),), (0.0,) * 6)
     step = learn_effect._step(found, shape)
-    whiten = project(found)[1]
+    whiten = project(found).whiten
     presses = found.problem.presses
     columns = whiten(learn_effect._columns(found, shape)).reshape(-1, 6)
     jacobian = whiten(found.jacobian).reshape(len(columns), -1)

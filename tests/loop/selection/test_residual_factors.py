@@ -84,7 +84,8 @@ def test_what_a_factor_explains_is_what_least_squares_explain():
     chance = np.random.default_rng(4)
     left = np.where(found.problem.presses.used, 0.1 * chance.normal(size=found.forces.shape), 0.0)
     made = replace(found, residual=left)
-    projection, whiten = project(made, law_free=True)
+    projection = project(made, law_free=True)
+    whiten = projection.whiten
     clean = projection.remove(projection.residual)
     told = {one.factor: one for one in dependences(made)}
     for name in ("temperature", "repeat", "loading or unloading"):
@@ -275,7 +276,8 @@ def test_effects_are_screened_by_what_they_would_explain():
         vector = np.insert(found.vector, found.problem.fixed, start)
         change = np.where(presses.used, problem.predict(vector) - forces, 0.0)
         made = replace(found, forces=forces, residual=change)
-        projection, whiten = project(made)
+        projection = project(made)
+        whiten = projection.whiten
         wanted = projection.remove(np.r_[whiten(change).ravel(), np.zeros(projection.rows)])
         if np.linalg.norm(wanted) < 1e-3:
             continue

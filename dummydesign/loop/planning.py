@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from dummydesign.core.errors import InputError, NoAnswerError
 from dummydesign.core.files import write_text
 from dummydesign.core.process import Progress, one_blas_thread, quiet
-from dummydesign.geometry.dimensions import MAX_DEPTH_OVER_THICKNESS, PAD_LENGTH_MM, PAD_WIDTH_MM
+from dummydesign.geometry.dimensions import MAX_DEPTH_OVER_THICKNESS
 from dummydesign.inference.noise import Noise
 from dummydesign.loop.data.trials import Presses, make_presses
 from dummydesign.loop.effects.registry import known_effects
@@ -25,7 +25,7 @@ from dummydesign.loop.fitting.noise import Sizes
 from dummydesign.loop.fitting.problem import CampaignProblem
 from dummydesign.loop.fitting.screening import change_by, project, starts_of
 from dummydesign.loop.model.base_law import PuckLaw, SetupLaw, SlabLaw
-from dummydesign.loop.model.campaign_law import start_young_kPa, tabulated_law
+from dummydesign.loop.model.campaign_law import pad_of, start_young_kPa, tabulated_law
 from dummydesign.loop.model.forward_model import simulate
 from dummydesign.loop.next_measurement import HOLD_S, Option, options, planned_presses, planned_trace
 from dummydesign.loop.result import LoopResult
@@ -107,27 +107,16 @@ def expected_presses(
     plan: tuple[Planned, ...], campaign: Campaign, material: Material, progress: Progress = quiet
 ) -> tuple[Expected, ...]:
     """Work out depth or steady force of every planned press."""
-    curves = {h: _curve(_pad(campaign, h, material), progress) for h in sorted({row.thickness_mm for row in plan})}
+    made = (1e-3 * material.young_kPa, campaign.pad.geometry, material.prony)
+    curves = {
+        h: _curve(pad_of(campaign, h, *made), progress) for h in sorted({row.thickness_mm for row in plan})
+    }
     expected: dict[tuple[float, float, float, float], Expected] = {}
     for row in plan:
         key = (row.thickness_mm, row.velocity_mm_s, row.target, row.hold_s)
         if key not in expected:
             expected[key] = _expected(row, *curves[row.thickness_mm], material)
     return tuple(expected[row.thickness_mm, row.velocity_mm_s, row.target, row.hold_s] for row in plan)
-
-
-def _pad(campaign: Campaign, thickness_mm: float, material: Material) -> Pad | Puck:
-    """The pad as ``predict`` makes it of the same words."""
-    pad, punch, young = campaign.pad, campaign.punch, 1e-3 * material.young_kPa
-    if pad.shape == "cylinder":
-        return Puck(thickness_mm, young, float(pad.diameter_mm or 0.0), material.prony, punch.contact)
-    size = (pad.length_mm, pad.width_mm) if pad.length_mm and pad.width_mm else None
-    return Pad(
-        thickness_mm, young, punch.radius_mm, prony=material.prony, base=pad.base, condition=punch.contact,
-        extent_mm=math.sqrt(size[0] * size[1] / math.pi) if size else None,
-        sides_mm=(punch.side_mm, punch.side_mm) if punch.side_mm else None, profile_mm=punch.profile_mm,
-        geometry=pad.geometry, edge_radius_mm=punch.edge_radius_mm, slab_mm=size or (PAD_LENGTH_MM, PAD_WIDTH_MM),
-    )  # fmt: skip
 
 
 def _curve(pad: Pad | Puck, progress: Progress) -> tuple[Pad | Puck, ForceCurve]:

@@ -11,7 +11,7 @@ import numpy as np
 
 from dummydesign.core.errors import InputError
 from dummydesign.core.process import Progress, quiet
-from dummydesign.geometry.dimensions import MAX_DEPTH_OVER_THICKNESS
+from dummydesign.geometry.dimensions import MAX_DEPTH_OVER_THICKNESS, PAD_LENGTH_MM, PAD_WIDTH_MM
 from dummydesign.geometry.interface import BASES
 from dummydesign.geometry.pad_shape import PadShape
 from dummydesign.loop.data.trials import Presses, stack
@@ -19,6 +19,7 @@ from dummydesign.loop.model.base_law import PuckLaw, SetupLaw, SlabLaw
 from dummydesign.loop.model.solved_law import ROUGHNESS, THICKNESS_SLOPE, SolvedCurve, SolvedLaw, error_priors
 from dummydesign.measurement.campaign import Campaign, PunchSpec, Trial
 from dummydesign.pad.elastic_force import has_square_factor
+from dummydesign.pad.material.relaxation import PronyTerm
 from dummydesign.pad.specimen import Pad, Puck
 from dummydesign.pad.tables.shape import load_shape_table
 from dummydesign.pad.tables.slab import load_table
@@ -172,7 +173,10 @@ def _solved(
     groups = _groups(sorted({trial.thickness_mm for trial in trials}))
     for number, group in enumerate(groups):
         own = [trial for trial in trials if trial.thickness_mm in group]
-        made = _pad(campaign, own, float(np.mean(group)) if len(group) > 1 else group[0])
+        young = 1.0 if pad.base in BASES or shape == "cylinder" else 1e-3 * start_young_kPa(campaign)
+        made = pad_of(campaign, float(np.mean(group)) if len(group) > 1 else group[0], young, geometry)
+        if isinstance(made, Pad) and not punch.edge_radius_mm:
+            made = replace(made, sides_mm=None)
         what = "puck" if isinstance(made, Puck) else f"{geometry} pad"
         progress(f"force law of the {what} of {made.thickness_mm:g} mm ({number + 1} of {len(groups)})")
         share = MARGIN * max(float(t.trace.displacement_mm.max()) / t.thickness_mm for t in own)
@@ -196,15 +200,17 @@ def _groups(thickness_mm: list[float]) -> list[list[float]]:
     return groups
 
 
-def _pad(campaign: Campaign, trials: Sequence[Trial], thickness_mm: float) -> Pad | Puck:
-    """The pad of some trials as the pad model takes it, with unit modulus; with its own where the base rubs."""
+def pad_of(
+    campaign: Campaign, thickness_mm: float, young_MPa: float, geometry: PadShape, prony: tuple[PronyTerm, ...] = ()
+) -> Pad | Puck:
+    """A pad of a campaign under its punch, as the pad model takes it."""
     pad, punch = campaign.pad, campaign.punch
     if pad.shape == "cylinder":
-        return Puck(thickness_mm, 1.0, pad.diameter_mm or 0.0, plates=punch.contact)
-    young = 1.0 if pad.base in BASES else 1e-3 * start_young_kPa(campaign)
-    extent = math.sqrt(pad.length_mm * pad.width_mm / math.pi) if pad.length_mm and pad.width_mm else None
+        return Puck(thickness_mm, young_MPa, pad.diameter_mm or 0.0, prony, punch.contact)
+    size = (pad.length_mm, pad.width_mm) if pad.length_mm and pad.width_mm else None
     return Pad(
-        thickness_mm, young, punch.radius_mm, base=pad.base, condition=punch.contact, extent_mm=extent,
-        profile_mm=punch.profile_mm, geometry=trials[0].geometry, edge_radius_mm=punch.edge_radius_mm,
-        sides_mm=(punch.side_mm, punch.side_mm) if punch.edge_radius_mm and punch.side_mm else None,
+        thickness_mm, young_MPa, punch.radius_mm, prony=prony, base=pad.base, condition=punch.contact,
+        extent_mm=math.sqrt(size[0] * size[1] / math.pi) if size else None,
+        sides_mm=(punch.side_mm, punch.side_mm) if punch.side_mm else None, profile_mm=punch.profile_mm,
+        geometry=geometry, edge_radius_mm=punch.edge_radius_mm, slab_mm=size or (PAD_LENGTH_MM, PAD_WIDTH_MM),
     )  # fmt: skip

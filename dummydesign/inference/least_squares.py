@@ -37,10 +37,10 @@ class Solution:
 
 
 def solve(
-    model: Model, starts: Sequence[NDArray], low: NDArray, high: NDArray, tolerance: float = 1e-9, most: int = 400
+    model: Model, starts: Sequence[NDArray], low: NDArray, high: NDArray, tolerance: float = 1e-9
 ) -> Solution:
     """Minimise the sum of squares inside a box by the trust-region method of scipy, from every start."""
-    return _best([_descend(*_apart(model), start, low, high, tolerance, most, "jac") for start in starts])
+    return _best([_descend(*_apart(model), start, low, high, tolerance) for start in starts])
 
 
 def solve_by_differences(
@@ -52,8 +52,8 @@ def solve_by_differences(
 
 
 def _descend(
-    residual: Residual, jacobian: Residual | str, start: NDArray, low: NDArray, high: NDArray,
-    tolerance: float, most: int, scale: NDArray | str,
+    residual: Residual, jacobian: Residual | str, start: NDArray, low: NDArray, high: NDArray, tolerance: float,
+    most: int = 400, scale: NDArray | str = "jac",
 ) -> Any:  # fmt: skip
     from scipy.optimize import least_squares
 
@@ -278,7 +278,7 @@ def aicc(minus_two_log_likelihood: float, unknown: int, observed: int) -> float:
     return minus_two_log_likelihood + 2 * unknown + 2 * unknown * (unknown + 1) / spare
 
 
-def simplest(criterion: Mapping[Size, float], gain: float = PARSIMONY) -> Size:
-    """Smallest size whose criterion is within ``gain`` of the lowest."""
+def simplest(criterion: Mapping[Size, float]) -> Size:
+    """Smallest size whose criterion is within :data:`PARSIMONY` of the lowest."""
     lowest = min(criterion.values())
-    return min(size for size, value in criterion.items() if value <= lowest + gain)
+    return min(size for size, value in criterion.items() if value <= lowest + PARSIMONY)

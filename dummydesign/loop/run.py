@@ -101,16 +101,14 @@ def replay(campaign: Campaign, calibration: Calibration, progress: Progress = qu
 
 
 @one_blas_thread()
-def close_loop(
-    campaign: Campaign, progress: Progress = quiet, young_MPa: float | None = None, prior: Calibration | None = None
-) -> LoopResult:
+def close_loop(campaign: Campaign, progress: Progress = quiet, prior: Calibration | None = None) -> LoopResult:
     """Run the loop on a campaign."""
     if prior is not None:
         check_prior(prior, campaign)
     campaign = with_pad_factors(campaign, None if prior is None else prior.pad)
     law = law_of(campaign, progress)
     campaign, presses, beyond = within_reach(campaign, make_presses(campaign), law)
-    base = assess(fit_base(presses, law, young_MPa or 1e-3 * start_young_kPa(campaign), progress))
+    base = assess(fit_base(presses, law, 1e-3 * start_young_kPa(campaign), progress))
     available, untested = _available(presses, law)
     seen = examine(base.fit)
     answer = _against_base(base, seen, _explain(base, seen, available, progress), progress)

@@ -115,22 +115,23 @@ class LawError:
 
 
 def simulate(
-    presses: Presses, law: SetupLaw, base: BaseParameters, active: Sequence[Active] = (), error: LawError | None = None,
-    offset_mm: NDArray | float = 0.0, near_mm: NDArray | None = None,
-) -> NDArray:  # fmt: skip
+    presses: Presses, law: SetupLaw, base: BaseParameters, active: Sequence[Active] = (), error: LawError | None = None
+) -> NDArray:
     """Force before the declared sensor filter at the nodes.
 
-    depth = displacement - offset (- effects); F_inf = E law(depth) (x effects);
+    depth = displacement (- effects); F_inf = E law(depth) (x effects);
     F = F_inf + sum beta_i integral exp(-(t - s) / tau_i) dF_inf(s), not below zero; then the sensor.
     """
-    return simulate_yielding(presses, law, base, active, error, offset_mm, near_mm)[0]
+    return simulate_yielding(presses, law, base, active, error)[0]
 
 
 def simulate_yielding(
-    presses: Presses, law: SetupLaw, base: BaseParameters, active: Sequence[Active] = (), error: LawError | None = None,
+    presses: Presses, law: SetupLaw, base: BaseParameters, active: Sequence[Active], error: LawError | None,
     offset_mm: NDArray | float = 0.0, near_mm: NDArray | None = None,
 ) -> tuple[NDArray, NDArray]:  # fmt: skip
-    """Return the force of :func:`simulate`, and how much the set-up gives way under it, both (T, N). [N, mm]"""
+    """Return the force of :func:`simulate` for a surface deeper by an offset, and how much the set-up gives way under
+    it, both (T, N); ``near_mm`` is a guess of that. [N, mm]
+    """
     acting = [one for one in active if not one.absent]
     thickness = presses.thickness_mm[:, None]
     unit, start = before_the_pad(presses, law, acting, offset_mm)

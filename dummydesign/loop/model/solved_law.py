@@ -273,7 +273,7 @@ class SolvedLaw:
 
     def on(self, trials: Sequence[Trial]) -> BoundLaw:
         """The law of these trials, row by row."""
-        return BoundLaw(self, [self.law_of(trial.pad) for trial in trials])
+        return BoundLaw([self.law_of(trial.pad) for trial in trials])
 
     def limit_of(self, trials: Sequence[Trial]) -> NDArray:
         """Depth to which the law of each trial's pad holds, shape (T,). [mm]"""
@@ -283,8 +283,7 @@ class SolvedLaw:
 class BoundLaw:
     """A law for given trials: (T,) rows, each on the law of its pad."""
 
-    def __init__(self, law: SolvedLaw, laws: Sequence[SolvedCurve | SlabLaw]) -> None:
-        self.shape, self.offers, self.error_priors = law.shape, law.offers, law.error_priors
+    def __init__(self, laws: Sequence[SolvedCurve | SlabLaw]) -> None:
         self.radius_mm = laws[0].radius_mm
         self._count = len(laws)
         different = {id(one): one for one in laws}

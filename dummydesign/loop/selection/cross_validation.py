@@ -206,7 +206,7 @@ class LackOfFit:
     pairs: int
 
 
-def lack_of_fit(fit: CampaignFit, seed: int = 0) -> LackOfFit:
+def lack_of_fit(fit: CampaignFit) -> LackOfFit:
     """Test a fit against the pure error of repeats."""
     presses = fit.problem.presses
     parts, places = contrasts(presses, fit.residual)
@@ -218,21 +218,22 @@ def lack_of_fit(fit: CampaignFit, seed: int = 0) -> LackOfFit:
         sums[row, : len(a)] = (fit.residual[i, a] + fit.residual[j, b]) / np.sqrt(2.0)
         slopes[row, : len(a)] = 0.5 * (fit.slope[i, a] + fit.slope[j, b])
     differences = bins.stacked(np.concatenate([part.force_N for part in parts]))
-    factor = np.linalg.inv(np.linalg.cholesky(bins.covariance(fit.sizes.noise, slopes)))
+    factor = whitener(bins.covariance(fit.sizes.noise, slopes))
     count = bins.used.sum(axis=1)
     shared = ((factor @ sums[..., None])[..., 0] ** 2).sum(axis=1)
     pure = ((factor @ differences[..., None])[..., 0] ** 2).sum(axis=1)
     freedom = max(count.sum() - len(fit.vector), 1)
     ratio = float(shared.sum() / freedom / (pure.sum() / count.sum()))
     excess = (shared - pure) / count
-    signs = np.random.default_rng(seed).choice([-1.0, 1.0], size=(DRAWS, len(excess)))
+    signs = np.random.default_rng(0).choice([-1.0, 1.0], size=(DRAWS, len(excess)))
     beyond = int((signs @ excess >= excess.sum() - 1e-12).sum())
     return LackOfFit(ratio, (1 + beyond) / (DRAWS + 1), len(parts))
 
 
 @dataclass(frozen=True)
 class AssessedModel:
-    """A model with its errors and its lack of fit."""
+    """A model with its errors (``by_pad`` with all trials on one pad left out at a time, and with them its law error)
+    and its lack of fit."""
 
     fit: CampaignFit
     errors: Errors
@@ -257,12 +258,7 @@ class AssessedModel:
 
 def assess(fit: CampaignFit) -> AssessedModel:
     """Work out errors and lack of fit of a model."""
-    return AssessedModel(fit, errors(fit), pad_errors(fit), lack_of_fit(fit))
-
-
-def pad_errors(fit: CampaignFit) -> Errors:
-    """Errors with all trials on one pad left out at a time, and with them its law error."""
-    return errors(fit, fit.problem.presses.pad)
+    return AssessedModel(fit, errors(fit), errors(fit, fit.problem.presses.pad), lack_of_fit(fit))
 
 
 DECADES = 100.0

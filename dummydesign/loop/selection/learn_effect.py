@@ -18,7 +18,7 @@ from dummydesign.loop.fitting.screening import project
 from dummydesign.loop.model.effect import Effect
 from dummydesign.loop.selection.cross_validation import AssessedModel, assess
 from dummydesign.loop.selection.residuals import Seen, examine
-from dummydesign.loop.selection.search import search
+from dummydesign.loop.selection.search import named_parameters, search
 from dummydesign.loop.selection.verdict import EACH_PARAMETER, AcceptedEffect, remainder
 
 AS_GOOD = 0.1  # share of what a curve explains that a closed form may lose
@@ -408,8 +408,7 @@ def learned_first(
 
 def _cost(model: AssessedModel, learnt: Learnt | None = None) -> float:
     """Minus twice the log likelihood, with what the curve and the named parameters cost."""
-    named = sum(not p.of_form for one in model.fit.problem.effects if not one.held for p in one.parameters)
-    return model.fit.score + (0.0 if learnt is None else learnt.cost) + EACH_PARAMETER * named
+    return model.fit.score + (0.0 if learnt is None else learnt.cost) + EACH_PARAMETER * named_parameters(model.fit)
 
 
 def _squares(model: AssessedModel, learnt: Learnt | None = None) -> float:

@@ -314,7 +314,8 @@ def doubt_of(chosen: CampaignFit, rivals: Iterable[Rival]) -> NDArray:
     A rival weighs exp(evidence / 2) of the chosen model, less :data:`EACH_PARAMETER` for each named parameter more; its
     own covariance counts as well.
     """
-    rows = [(gain - EACH_PARAMETER * (_named(one) - _named(chosen)), one) for gain, one in rivals if not at_bound(one)]
+    own = named_parameters(chosen)
+    rows = [(gain - EACH_PARAMETER * (named_parameters(one) - own), one) for gain, one in rivals if not at_bound(one)]
     weights = np.exp(0.5 * np.array([0.0, *(gain for gain, _ in rows)]).clip(-60.0, 60.0))
     out = np.zeros((BASE, BASE))
     for weight, (_, one) in zip((weights / weights.sum())[1:], rows):
@@ -331,5 +332,6 @@ def doubt_of_curve(flat: NDArray) -> NDArray:
     return out
 
 
-def _named(fit: CampaignFit) -> int:
+def named_parameters(fit: CampaignFit) -> int:
+    """Number of parameters of a model's named effects, those of form left out."""
     return sum(not p.of_form for one in fit.problem.effects if not one.held for p in one.parameters)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -15,6 +14,7 @@ from numpy.typing import NDArray
 
 from dummydesign.core.errors import InputError, NoAnswerError
 from dummydesign.core.files import write_text
+from dummydesign.core.library import toml_text
 from dummydesign.core.process import Progress, one_blas_thread, quiet
 from dummydesign.geometry.dimensions import MAX_DEPTH_OVER_THICKNESS
 from dummydesign.inference.noise import Noise
@@ -108,15 +108,12 @@ def expected_presses(
 ) -> tuple[Expected, ...]:
     """Work out depth or steady force of every planned press."""
     made = (1e-3 * material.young_kPa, campaign.pad.geometry, material.prony)
-    curves = {
-        h: _curve(pad_of(campaign, h, *made), progress) for h in sorted({row.thickness_mm for row in plan})
-    }
-    expected: dict[tuple[float, float, float, float], Expected] = {}
-    for row in plan:
-        key = (row.thickness_mm, row.velocity_mm_s, row.target, row.hold_s)
-        if key not in expected:
-            expected[key] = _expected(row, *curves[row.thickness_mm], material)
-    return tuple(expected[row.thickness_mm, row.velocity_mm_s, row.target, row.hold_s] for row in plan)
+    curves = {h: _curve(pad_of(campaign, h, *made), progress) for h in sorted({row.thickness_mm for row in plan})}
+    keys = [(row.thickness_mm, row.velocity_mm_s, row.target, row.hold_s) for row in plan]
+    # repeats are expected to reach the same
+    one_of_each = dict(zip(keys, plan))
+    expected = {key: _expected(row, *curves[row.thickness_mm], material) for key, row in one_of_each.items()}
+    return tuple(expected[key] for key in keys)
 
 
 def _curve(pad: Pad | Puck, progress: Progress) -> tuple[Pad | Puck, ForceCurve]:
@@ -193,12 +190,10 @@ def plan_of(result: LoopResult, repeats: int = REPEATS) -> tuple[PlannedPress, .
     forces = simulate(planned, fit.problem.law, fit.base, fit.active)
     held = [float(np.interp(end, time, force))
             for end, time, force in zip(planned.hold_end_s - 0.1, planned.time_s, forces)]  # fmt: skip
-    runs = [(number, repeat) for repeat in range(1, repeats + 1) for number in range(len(chosen))]
-    order = np.random.default_rng(ORDER_SEED).permutation(len(runs))
     out = []
-    for sequence, index in enumerate(order, 1):
-        number, repeat = runs[index]
-        option = chosen[number]
+    for sequence, index in enumerate(np.random.default_rng(ORDER_SEED).permutation(repeats * len(chosen)).tolist(), 1):
+        before, number = divmod(index, len(chosen))
+        option, repeat = chosen[number], before + 1
         name = f"press_{sequence:02d}_t{option.thickness_mm:g}_v{option.velocity_mm_s:g}_r{repeat}.csv"
         out.append(PlannedPress(name, option, repeat, sequence, held[number]))
     return tuple(out)
@@ -221,32 +216,28 @@ def write_plan(folder: str | Path, campaign: Campaign, presses: tuple[PlannedPre
 
 
 def _toml(campaign: Campaign, presses: tuple[PlannedPress, ...]) -> str:
-    pad, punch, lowpass = campaign.pad, campaign.punch, campaign.lowpass
+    pad, punch, low = campaign.pad, campaign.punch, campaign.lowpass
     shape = pad.shape if pad.shape == "cylinder" else str(pad.geometry)
-    lines = ["schema = 1", *_given(name=f"{campaign.name}, next"), "", "[pad]"]
-    lines += _given(
-        young_kPa_nominal=pad.young_kPa_nominal, resin=pad.resin, ratio=pad.ratio, shape=shape,
+    lines = ["schema = 1", f"name = {toml_text(f'{campaign.name}, next')}"]
+    lines += _table(
+        "[pad]", young_kPa_nominal=pad.young_kPa_nominal, resin=pad.resin, ratio=pad.ratio, shape=shape,
         length_mm=pad.length_mm, width_mm=pad.width_mm, diameter_mm=pad.diameter_mm, base=pad.base,
     )  # fmt: skip
-    lines += ["", "[punch]"]
-    lines += _given(shape=punch.shape, side_mm=punch.side_mm, diameter_mm=punch.diameter_mm, contact=punch.contact,
-                    edge_radius_mm=punch.edge_radius_mm or None)  # fmt: skip
+    lines += _table("[punch]", shape=punch.shape, side_mm=punch.side_mm, diameter_mm=punch.diameter_mm,
+                    contact=punch.contact, edge_radius_mm=punch.edge_radius_mm or None)  # fmt: skip
     if punch.shape == "profile":
         lines.append("# file = the profile of the punch: copy it into this folder and name it here")
-    lines += ["", "[sensor]"]
-    if lowpass is not None:
-        lines += _given(
-            lowpass_hz=lowpass.cutoff_hz, lowpass_order=lowpass.order, lowpass_passes=lowpass.passes
-        )
-    lines += _given(force_resolution_N=campaign.force_resolution_N or None)
+    lines += _table(
+        "[sensor]", lowpass_hz=low and low.cutoff_hz, lowpass_order=low and low.order,
+        lowpass_passes=low and low.passes, force_resolution_N=campaign.force_resolution_N or None,
+    )  # fmt: skip
     for press in presses:
         option = press.option
         own = None if option.geometry == pad.geometry else str(option.geometry)
-        lines += ["", "[[trial]]"]
-        lines += _given(
-            file=press.file, thickness_mm=option.thickness_mm, shape=own, velocity_mm_s=option.velocity_mm_s,
-            hold_s=HOLD_S, target_force_N=round(press.target_force_N, 2), repeat=press.repeat,
-            sequence=press.sequence, rest_s=option.rest_s,
+        lines += _table(
+            "[[trial]]", file=press.file, thickness_mm=option.thickness_mm, shape=own,
+            velocity_mm_s=option.velocity_mm_s, hold_s=HOLD_S, target_force_N=round(press.target_force_N, 2),
+            repeat=press.repeat, sequence=press.sequence, rest_s=option.rest_s,
             temperature_C=None if option.temperature_C is None else round(option.temperature_C, 1),
             age_days=None if option.age_days is None else round(option.age_days, 1),
         )  # fmt: skip
@@ -254,10 +245,10 @@ def _toml(campaign: Campaign, presses: tuple[PlannedPress, ...]) -> str:
     return "\n".join(lines) + "\n"
 
 
-def _given(**values: object) -> list[str]:
-    texts = {key: json.dumps(value, ensure_ascii=False) if isinstance(value, str) else value
-             for key, value in values.items()}  # fmt: skip
-    return [f"{key} = {value}" for key, value in texts.items() if value is not None]
+def _table(head: str, **values: object) -> list[str]:
+    """Lines of a table with the values that are known."""
+    known = {key: value for key, value in values.items() if value is not None}
+    return ["", head, *(f"{key} = {toml_text(one) if isinstance(one, str) else one}" for key, one in known.items())]
 
 
 def _sheet(presses: tuple[PlannedPress, ...]) -> str:

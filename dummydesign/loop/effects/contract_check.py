@@ -6,6 +6,7 @@ import traceback
 from collections.abc import Iterator
 from dataclasses import dataclass, fields
 from functools import lru_cache
+from itertools import product
 from pathlib import Path
 from typing import Any
 
@@ -237,23 +238,19 @@ class ReferenceCap:
 @lru_cache(maxsize=3)
 def reference_presses(shape: str) -> tuple[Presses, SetupLaw]:
     """Eight presses of two pads at two speeds with unloading, temperatures, ages and rests, and their base law."""
-    law: Any
-    if shape == "shaped":
-        law, thicknesses, share = ReferenceCap(), (8.0, 15.0), 0.3
-    elif shape == "slab":
-        law, thicknesses, share = SlabLaw(load_table("bonded"), 7.9, True), (5.0, 15.0), 0.3
-    else:
-        law, thicknesses, share = PuckLaw(50.0), (30.0, 40.0), 0.2
+    laws: dict[str, tuple[Any, tuple[float, float], float]] = {
+        "shaped": (ReferenceCap(), (8.0, 15.0), 0.3),
+        "slab": (SlabLaw(load_table("bonded"), 7.9, True), (5.0, 15.0), 0.3),
+        "cylinder": (PuckLaw(50.0), (30.0, 40.0), 0.2),
+    }
+    law, thicknesses, share = laws[shape]
     trials: list[Trial] = []
-    for repeat in (1, 2):
-        for thickness in thicknesses:
-            for speed in (10.0, 250.0):
-                depth, order = share * thickness * (1.0 - 0.3 * (repeat - 1)), len(trials)
-                trace = _trace(f"reference_{order}", depth, speed, law, thickness)
-                trials.append(
-                    Trial(trace.name, thickness, speed, 3.0, None, repeat, order + 1, 60.0 if order % 2 else 3600.0,
-                          21.0 + order, 9.0 * repeat, trace)
-                )  # fmt: skip
+    for order, (repeat, thickness, speed) in enumerate(product((1, 2), thicknesses, (10.0, 250.0))):
+        trace = _trace(f"reference_{order}", share * thickness * (1.0 - 0.3 * (repeat - 1)), speed, law, thickness)
+        trials.append(
+            Trial(trace.name, thickness, speed, 3.0, None, repeat, order + 1, 60.0 if order % 2 else 3600.0,
+                  21.0 + order, 9.0 * repeat, trace)
+        )  # fmt: skip
     presses = stack(tuple(trials), None)
     vars(presses)["flat_top_N"] = 0.5 * float(simulate(presses, law, BASE).max())  # as if their readings were clipped
     return presses, law

@@ -10,14 +10,7 @@ from numpy.typing import NDArray
 from dummydesign.core.process import Progress, quiet
 from dummydesign.inference.least_squares import solve_marquardt
 from dummydesign.loop.data.trials import Presses
-from dummydesign.loop.fitting.noise import (
-    LAW_TERMS,
-    SizeLikelihood,
-    Sizes,
-    estimate_slow_noise,
-    first_sizes,
-    make_whitener,
-)
+from dummydesign.loop.fitting.noise import LAW_TERMS, SizeLikelihood, Sizes, estimate_slow_noise, make_whitener
 from dummydesign.loop.fitting.problem import BASE, CampaignProblem
 from dummydesign.loop.model.base_law import USUAL_ROUGHNESS, SetupLaw
 from dummydesign.loop.model.forward_model import Active, BaseParameters
@@ -169,7 +162,7 @@ def fit_base(presses: Presses, law: SetupLaw, young_MPa: float, progress: Progre
     """Fit modulus, two Prony arms and law error; the noise is estimated in between, twice."""
     problem = CampaignProblem(presses, law)
     progress("base")
-    first = fit_with_noise(problem, start_vector(problem, young_MPa), first_sizes(presses, law.error_priors))
+    first = fit_with_noise(problem, start_vector(problem, young_MPa), Sizes.first(presses, law.error_priors))
     progress("base")
     return same_noise(same_noise(first, 12), 12)
 

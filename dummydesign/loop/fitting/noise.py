@@ -37,6 +37,12 @@ class Sizes:
     slope: float
     curve: float
 
+    @classmethod
+    def first(cls, presses: Presses, law_priors: Priors) -> Sizes:
+        """Sizes to start from: white noise as measured, the rest at the middle of the priors."""
+        white = float(np.sqrt(np.mean([press.white_N**2 for press in presses.presses])))
+        return cls(Noise(white, 0.6 * white, 1.0, POSITION_PRIOR_MM[0]), *(prior[0] for prior in law_priors))
+
     @property
     def law(self) -> tuple[float, ...]:
         """Prior sizes of the law error's terms."""
@@ -50,12 +56,6 @@ class Sizes:
     def floor_N(self) -> float:
         """Standard deviation of the noise of one raw sample: white and slow. [N]"""
         return float(np.hypot(self.noise.white_N, self.noise.slow_N))
-
-
-def first_sizes(presses: Presses, law_priors: Priors) -> Sizes:
-    """Starting sizes: white noise as measured, the rest at the middle of the priors."""
-    white = float(np.sqrt(np.mean([press.white_N**2 for press in presses.presses])))
-    return Sizes(Noise(white, 0.6 * white, 1.0, POSITION_PRIOR_MM[0]), *(prior[0] for prior in law_priors))
 
 
 def repeat_pairs(presses: Presses) -> list[tuple[int, int]]:

@@ -17,7 +17,7 @@ from dummydesign.core.process import quiet
 from dummydesign.loop import run
 from dummydesign.loop.effects.learned import SmoothChange
 from dummydesign.loop.effects.registry import effect_named
-from dummydesign.loop.fitting.noise import first_sizes
+from dummydesign.loop.fitting.noise import Sizes
 from dummydesign.loop.model.base_law import PuckLaw, SlabLaw
 from dummydesign.loop.selection import learn_effect, search, verdict
 from dummydesign.loop.selection.base_kept import LeftOut, deepest, fastest, predicts_worse
@@ -52,7 +52,7 @@ def test_the_error_of_the_force_law_starts_at_what_is_written():
     wanted = [0.01 * written("fit the base", text) for text in ("level # %", "slope # %", "curvature # % at")]
     presses = SimpleNamespace(presses=[SimpleNamespace(white_N=one) for one in (0.03, 0.04)])
     for law in (SlabLaw, PuckLaw):
-        sizes = first_sizes(presses, law.error_priors)
+        sizes = Sizes.first(presses, law.error_priors)
         assert sizes.law == pytest.approx(wanted)
         # a factor of two is the end of the 95 % interval of the logarithm: 1.2 to 2.5 to be called so
         assert all(1.8 < np.exp(1.96 * spread) < 2.3 for _, spread in law.error_priors)

@@ -95,16 +95,9 @@ class Correction:
 class CorrectedLaw(BaseForceLaw):
     """Static force of slabs as a calibration corrects it (:class:`Correction`); offers what a table offers."""
 
-    calibration: Calibration
+    correction: Correction
     square: bool = True
-    base: str = "bonded"
-    punch: str = PUNCH
     edge_radius_mm: float = 0.0
-
-    @property
-    def correction(self) -> Correction:
-        """What the calibration changes."""
-        return Correction(self.calibration, self.base, self.punch)
 
     @property
     def notes(self) -> tuple[str, ...]:  # type: ignore[override]
@@ -119,7 +112,7 @@ class CorrectedLaw(BaseForceLaw):
             *(np.asarray(value, dtype=float) for value in (depth_mm, thickness_mm, young_MPa))
         )
         radius = np.asarray(radius_mm, float).item()
-        law = SlabLaw(slab_table(self.base, self.edge_radius_mm, radius), radius, self.square)
+        law = SlabLaw(slab_table(self.correction.base, self.edge_radius_mm, radius), radius, self.square)
         x, h = depth.reshape(-1, 1), thickness.reshape(-1, 1)
         limit = law.limit(h)
         unit = self.correction.apply(law, x, h, limit)
@@ -129,5 +122,5 @@ class CorrectedLaw(BaseForceLaw):
     def depth_limit_mm(self, thickness_mm: ArrayLike, radius_mm: ArrayLike) -> NDArray:
         """Depth to which the table holds. [mm]"""
         radius = np.asarray(radius_mm, float)
-        table = slab_table(self.base, self.edge_radius_mm, float(radius.max()))
+        table = slab_table(self.correction.base, self.edge_radius_mm, float(radius.max()))
         return table.depth_limit_mm(np.asarray(thickness_mm, float), radius)

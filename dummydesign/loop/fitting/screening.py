@@ -58,12 +58,9 @@ def project(fit: CampaignFit, law_free: bool = False) -> Projection:
     turned = whiten(fit.jacobian).reshape(-1, len(fit.vector))
     rough = rough_columns(fit)
     count = rough.shape[-1]
-    prior = np.zeros((len(scale) + count, len(fit.vector) + count))
-    prior[: len(scale), problem.fixed : len(fit.vector)] = np.diag(scale)
-    prior[len(scale) :, len(fit.vector) :] = np.eye(count)
-    if count:
-        turned = np.concatenate([turned, whiten(rough).reshape(len(turned), count)], axis=1)
-    stacked = np.concatenate([turned, prior])
+    # the base parameters have no prior
+    prior = np.diag(np.r_[np.zeros(problem.fixed), scale, np.ones(count)])[problem.fixed :]
+    stacked = np.concatenate([np.hstack([turned, whiten(rough).reshape(len(turned), count)]), prior])
     norm = np.linalg.norm(stacked, axis=0)
     basis, singular, _ = np.linalg.svd(stacked / np.where(norm > 0, norm, 1.0), full_matrices=False)
     basis = basis[:, singular > 1e-9 * singular[0]]

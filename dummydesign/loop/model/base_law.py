@@ -6,7 +6,7 @@ Other set-ups are in :mod:`dummydesign.loop.model.solved_law`; :mod:`dummydesign
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any, Protocol
@@ -14,7 +14,6 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from dummydesign.measurement.campaign import Trial
 from dummydesign.pad.tables.filleted import FILLETS, POWER, load_filleted
 from dummydesign.pad.tables.slab import ResponseTable, load_compressibility, load_table
 from dummydesign.pad.tables.square import load_square
@@ -31,8 +30,8 @@ UnitForce = Callable[[NDArray, NDArray], NDArray]
 
 
 class SetupLaw(Protocol):
-    """What the law of a set-up offers: the base law of all trials of a campaign, by its call or what its ``on(trials)``
-    gives."""
+    """What the law of a set-up offers: the base law of all trials of a campaign, by its call and ``limit``, or by
+    ``on`` and ``limit_of`` of the trials where each pad has a law of its own."""
 
     @property
     def shape(self) -> str:
@@ -45,9 +44,6 @@ class SetupLaw(Protocol):
     @property
     def error_priors(self) -> tuple:
         """Median size and spread of level, slope and curvature of its error."""
-
-    def limit_of(self, trials: Sequence[Trial]) -> NDArray:
-        """Depth to which the law of each trial's pad holds, shape (T,). [mm]"""
 
 
 REFERENCE_DEPTH = 0.4
@@ -183,10 +179,6 @@ class SlabLaw:
         ratio = np.clip(self.radius_mm / np.asarray(thickness_mm, float), *self.table.ratio_range)
         return self.table.depth_limit(ratio) * thickness_mm
 
-    def limit_of(self, trials: Sequence[Trial]) -> NDArray:
-        """Depth to which the law of each trial's pad holds, shape (T,). [mm]"""
-        return self.limit(np.array([trial.thickness_mm for trial in trials]))
-
 
 @dataclass(frozen=True)
 class PuckLaw:
@@ -208,10 +200,6 @@ class PuckLaw:
     def limit(self, thickness_mm: NDArray) -> NDArray:
         """Largest depth. [mm]"""
         return 0.8 * np.asarray(thickness_mm, float)
-
-    def limit_of(self, trials: Sequence[Trial]) -> NDArray:
-        """Depth to which the law of each trial's pad holds, shape (T,). [mm]"""
-        return self.limit(np.array([trial.thickness_mm for trial in trials]))
 
 
 def wrap(law: UnitForce, changed: UnitForce) -> UnitForce:

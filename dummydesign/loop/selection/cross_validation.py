@@ -213,10 +213,8 @@ def lack_of_fit(fit: CampaignFit) -> LackOfFit:
     if len(parts) < 3:
         return LackOfFit(None, None, len(parts))
     bins = Bins(parts)
-    sums, slopes = np.zeros(bins.used.shape), np.zeros(bins.used.shape)
-    for row, (i, j, a, b) in enumerate(places):
-        sums[row, : len(a)] = (fit.residual[i, a] + fit.residual[j, b]) / np.sqrt(2.0)
-        slopes[row, : len(a)] = 0.5 * (fit.slope[i, a] + fit.slope[j, b])
+    both = [[values[i, a] + values[j, b] for i, j, a, b in places] for values in (fit.residual, fit.slope)]
+    sums, slopes = bins.stacked(np.concatenate(both[0])) / np.sqrt(2.0), 0.5 * bins.stacked(np.concatenate(both[1]))
     differences = bins.stacked(np.concatenate([part.force_N for part in parts]))
     factor = whitener(bins.covariance(fit.sizes.noise, slopes))
     count = bins.used.sum(axis=1)

@@ -400,7 +400,7 @@ def learned_first(
         return None  # named effects have taken its place
     if _cost(after, function) >= _cost(named):
         return None
-    if _squares(after, function) >= _squares(named):
+    if refitted_squares(after.fit, function.effect.shape) >= refitted_squares(named.fit):
         return None
     effects = tuple(one for one in selection.effects if not isinstance(one.candidate.effect, Learned))
     return LearnedFirst(replace(function, fit=after.fit), after, effects)
@@ -409,7 +409,3 @@ def learned_first(
 def _cost(model: AssessedModel, learnt: Learnt | None = None) -> float:
     """Minus twice the log likelihood, with what the curve and the named parameters cost."""
     return model.fit.score + (0.0 if learnt is None else learnt.cost) + EACH_PARAMETER * named_parameters(model.fit)
-
-
-def _squares(model: AssessedModel, learnt: Learnt | None = None) -> float:
-    return refitted_squares(model.fit, None if learnt is None else learnt.effect.shape)

@@ -230,8 +230,7 @@ def _effects(entries: _Entry) -> tuple[Active, ...]:
             raise entry["name"].fault(f"is not one of {', '.join(known)}{own}")
         if name in active:
             raise _Fault(f"{entry.at}: {name} is listed twice")
-        values = entry["parameters"]
-        numbers = {p.name: values[p.name].number(p.low, p.high) for p in known[name].parameters}
+        numbers = {p.name: entry["parameters"][p.name].number(p.low, p.high) for p in known[name].parameters}
         active[name] = Active(known[name], numbers)
     return tuple(active.values())
 

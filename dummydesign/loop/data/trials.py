@@ -109,8 +109,7 @@ class Presses:
     @cached_property
     def pad(self) -> NDArray:
         """Which of :attr:`pads` each trial presses, shape (T,)."""
-        pads = self.pads
-        return np.array([pads.index(trial.pad) for trial in self.trials])
+        return np.array([self.pads.index(trial.pad) for trial in self.trials])
 
     @cached_property
     def young_factor(self) -> NDArray | None:
@@ -139,8 +138,7 @@ class Presses:
         A fit asks for the same depths again and again: only effects of the motion change them.
         """
         if id(law) not in self._laws:
-            own = law.on(self.trials) if hasattr(law, "on") else law
-            self._laws[id(law)] = law, memoised_law(own)
+            self._laws[id(law)] = law, memoised_law(law.on(self.trials) if hasattr(law, "on") else law)
         return self._laws[id(law)][1]
 
     @property

@@ -114,8 +114,7 @@ def fit_at(problem: CampaignProblem, vector: NDArray, forces: NDArray, sizes: Si
     residual = np.where(used, problem.presses.force_N - forces, 0.0)
     whiten = make_whitener(problem.presses, sizes.noise, slope)
     turned = whiten(jacobian).reshape(-1, len(vector))
-    normal = turned.T @ turned + np.diag(prior)
-    covariance = np.linalg.pinv(normal, rcond=1e-12, hermitian=True)
+    covariance = np.linalg.pinv(turned.T @ turned + np.diag(prior), rcond=1e-12, hermitian=True)
     chi2 = float((whiten(residual) ** 2).sum() + (prior * vector**2).sum())
     return CampaignFit(problem, vector, sizes, residual, slope, forces, jacobian, covariance, chi2, float("nan"))
 
@@ -232,5 +231,4 @@ def with_rough_law(campaign_fit: CampaignFit, of_base: NDArray | float = 0.0) ->
         taken = seen @ np.linalg.solve(rough.T @ rough + np.eye(len(seen)), seen)
         return float(error @ error - taken + prior_precision(problem, fit.sizes) @ at.vector**2)
 
-    best = moved if squares(moved) < squares(fit) else fit
-    return replace(best, score=fit.score, doubt=doubt)
+    return replace(moved if squares(moved) < squares(fit) else fit, score=fit.score, doubt=doubt)

@@ -58,8 +58,7 @@ def errors(fit: CampaignFit, cells: NDArray | None = None) -> Errors:
     """
     presses = fit.problem.presses
     if cells is None:
-        one = np.all(presses.cell == presses.cell[0])
-        cells = np.arange(len(presses.cell)) if one else presses.cell
+        cells = presses.cell if np.any(presses.cell != presses.cell[0]) else np.arange(len(presses.cell))
     count, mean, total = _squares(fit)
     counted = count.sum(axis=1)
     by_trial = np.sqrt(total.sum(axis=1) / counted)

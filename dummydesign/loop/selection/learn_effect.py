@@ -398,9 +398,8 @@ def learned_first(
     after = selection.after
     if not any(isinstance(one, Learned) for one in after.fit.problem.effects):
         return None  # named effects have taken its place
-    if _cost(after, function) >= _cost(named):
-        return None
-    if refitted_squares(after.fit, function.effect.shape) >= refitted_squares(named.fit):
+    worse = _cost(after, function) >= _cost(named)
+    if worse or refitted_squares(after.fit, function.effect.shape) >= refitted_squares(named.fit):
         return None
     effects = tuple(one for one in selection.effects if not isinstance(one.candidate.effect, Learned))
     return LearnedFirst(replace(function, fit=after.fit), after, effects)

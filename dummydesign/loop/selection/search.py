@@ -155,8 +155,7 @@ def _accepted(current: AssessedModel, checks: list[EffectCheck], tried: int) -> 
         names = tuple(one.effect.name for one in _near(check, current.lack.ratio)[:2])
         others = [one for one in check.screened if one.effect.name != check.effect.name]
         # effects whose signature is nearly parallel look the same in this campaign
-        alike = [one for one in others if _alike(own.screened, one)]
-        family = tuple(one.effect.name for one in alike)
+        family = tuple(one.effect.name for one in others if _alike(own.screened, one))
         limit, left = _limit(check, checks, tried).least, current.errors.heldout_N
         accepted.append(AcceptedEffect(own, names, family, limit, left, tuple(check.options)))
     return sorted(accepted, key=lambda one: -one.candidate.gain)
@@ -241,8 +240,7 @@ def search(
     after, effects = prune_effects(assess(chosen), available, tried, progress)
     if not effects:
         return Selection(base, (), screened, ranking, _tried(ranking))
-    own = names_of(after.fit)
-    more = _tried([one for one in children if own < names_of(one.fit)])
+    more = _tried([one for one in children if names_of(after.fit) < names_of(one.fit)])
     swaps = [(option.gain - one.ranking[0].gain, option.fit) for one in effects for option in one.ranking[1:]]
     return Selection(after, tuple(effects), screened, ranking, (*more, *swaps))
 

@@ -13,11 +13,9 @@ from dummydesign.loop.data.reduction import HOLD, PRE, RISE, UNLOADING
 from dummydesign.loop.data.trials import Presses
 from dummydesign.loop.effects.learned import Learned
 from dummydesign.loop.fitting.fit import NORMAL_95, CampaignFit
-from dummydesign.loop.fitting.noise import LAW_TERMS
-from dummydesign.loop.fitting.problem import BASE
-from dummydesign.loop.model.base_law import SetupLaw
 from dummydesign.loop.model.campaign_law import start_young_kPa
-from dummydesign.loop.model.forward_model import NAMES, Active, BaseParameters, LawError, parameter_names, simulate
+from dummydesign.loop.model.effect import SetupLaw
+from dummydesign.loop.model.forward_model import BASE, Active, BaseParameters, LawError, parameter_names, simulate
 from dummydesign.loop.pad_scatter import carried_share, recorded_spread
 from dummydesign.loop.result import LoopResult
 from dummydesign.loop.selection.cross_validation import pad_spreads, widened
@@ -49,7 +47,7 @@ class Posterior:
     @property
     def young_spread(self) -> float:
         """Standard deviation of the logarithm of the long-term modulus of the material."""
-        return self.spread(f"log {NAMES[0]}")
+        return self.spread("log young_kPa")
 
     @property
     def new_pad_spread(self) -> float:
@@ -203,8 +201,8 @@ class Calibration:
 
 def model_of(fit: CampaignFit) -> Model:
     """Take the model out of a fit."""
-    law, shapes = np.array(np.split(fit.vector[fit.problem.fixed :], LAW_TERMS)), fit.problem.presses.pads
-    return Model(fit.base, fit.active, fit.problem.thicknesses, law, tuple(s for s, _ in shapes), carried_share(fit))
+    law, pads = fit.vector[fit.problem.fixed :].reshape(len(PADS), -1), fit.problem.presses.pads
+    return Model(fit.base, fit.active, fit.problem.thicknesses, law, tuple(s for s, _ in pads), carried_share(fit))
 
 
 def calibration_of(result: LoopResult, prior: Calibration | None = None) -> Calibration:

@@ -19,8 +19,7 @@ from dummydesign.loop.calibration import PADS, Calibration, Model, Posterior
 from dummydesign.loop.data.pad_factors import USUAL
 from dummydesign.loop.effects.learned import Learned, SmoothChange, followed_by
 from dummydesign.loop.effects.registry import known_effects
-from dummydesign.loop.fitting.noise import LAW_TERMS
-from dummydesign.loop.model.forward_model import HIGH, LOW, NAMES, Active, BaseParameters, parameter_names
+from dummydesign.loop.model.forward_model import HIGH, LAW_TERMS, LOW, NAMES, Active, BaseParameters, parameter_names
 
 SCHEMA = "dummydesign.calibration/1"
 VERDICTS = ("effect", "none", "unexplained")

@@ -11,8 +11,8 @@ from numpy.typing import ArrayLike, NDArray
 from dummydesign.geometry.dimensions import PUNCH
 from dummydesign.loop.calibration import Calibration
 from dummydesign.loop.effects.learned import Learned
-from dummydesign.loop.model.base_law import SlabLaw, UnitForce
-from dummydesign.loop.model.effect import SETUP
+from dummydesign.loop.model.base_law import SlabLaw
+from dummydesign.loop.model.effect import SETUP, UnitForce
 from dummydesign.loop.model.forward_model import Active
 from dummydesign.pad.force_law import BaseForceLaw
 from dummydesign.pad.tables.filleted import slab_table

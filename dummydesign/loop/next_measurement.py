@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 from dummydesign.geometry.pad_shape import PadShape
 from dummydesign.loop.data.trials import Presses, stack
 from dummydesign.loop.fitting.fit import CampaignFit
-from dummydesign.loop.fitting.noise import LAW_TERMS
-from dummydesign.loop.fitting.problem import BASE, CampaignProblem
+from dummydesign.loop.fitting.problem import CampaignProblem
 from dummydesign.loop.model.base_law import SlabLaw
+from dummydesign.loop.model.forward_model import BASE, LAW_TERMS
 from dummydesign.measurement.campaign import Trial
 from dummydesign.measurement.motion import ramp_and_hold
 from dummydesign.measurement.sensor import Lowpass

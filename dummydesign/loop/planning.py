@@ -24,8 +24,9 @@ from dummydesign.loop.fitting.fit import fit_at, start_vector
 from dummydesign.loop.fitting.noise import Sizes
 from dummydesign.loop.fitting.problem import CampaignProblem
 from dummydesign.loop.fitting.screening import change_by, project, starts_of
-from dummydesign.loop.model.base_law import PuckLaw, SetupLaw, SlabLaw
+from dummydesign.loop.model.base_law import PuckLaw, SlabLaw
 from dummydesign.loop.model.campaign_law import pad_of, start_young_kPa, tabulated_law
+from dummydesign.loop.model.effect import SetupLaw
 from dummydesign.loop.model.forward_model import simulate
 from dummydesign.loop.next_measurement import HOLD_S, Option, options, planned_presses, planned_trace
 from dummydesign.loop.result import LoopResult

@@ -16,9 +16,8 @@ from dummydesign.core.errors import InputError
 from dummydesign.core.serialise import Serialised
 from dummydesign.loop.data.trials import Presses
 from dummydesign.loop.fitting.fit import CampaignFit, fit_with_noise
-from dummydesign.loop.fitting.problem import BASE
-from dummydesign.loop.model.base_law import SetupLaw
-from dummydesign.loop.model.forward_model import parameter_names
+from dummydesign.loop.model.effect import SetupLaw
+from dummydesign.loop.model.forward_model import BASE, parameter_names
 from dummydesign.loop.selection.cross_validation import widened
 from dummydesign.measurement.campaign import Campaign
 from dummydesign.resin.update.relaxation import POUR

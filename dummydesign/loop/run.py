@@ -18,9 +18,8 @@ from dummydesign.loop.effects.registry import known_effects, refuse_unsound
 from dummydesign.loop.fitting.candidates import EffectCandidate
 from dummydesign.loop.fitting.fit import fit_base, with_rough_law
 from dummydesign.loop.fitting.noise import repeat_pairs
-from dummydesign.loop.model.base_law import SetupLaw
 from dummydesign.loop.model.campaign_law import law_of, start_young_kPa, within_reach
-from dummydesign.loop.model.effect import Effect
+from dummydesign.loop.model.effect import Effect, SetupLaw
 from dummydesign.loop.model.forward_model import readings
 from dummydesign.loop.next_measurement import NextMeasurement, next_measurement
 from dummydesign.loop.pad_scatter import known_pads

@@ -14,9 +14,9 @@ from dummydesign.loop import next_measurement as next_module
 from dummydesign.loop import planning
 from dummydesign.loop.calibration import Calibration, Model, Posterior, model_of, posterior_of
 from dummydesign.loop.effects.registry import effect_named
-from dummydesign.loop.fitting.problem import BASE, CampaignProblem
+from dummydesign.loop.fitting.problem import CampaignProblem
 from dummydesign.loop.model.base_law import PuckLaw, SlabLaw
-from dummydesign.loop.model.forward_model import BaseParameters, LawError
+from dummydesign.loop.model.forward_model import BASE, BaseParameters, LawError
 from dummydesign.loop.next_measurement import (
     BACK_MM_S,
     HOLD_S,

@@ -14,8 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.loop.data.trials import History, Presses, stack
-from dummydesign.loop.model.base_law import PuckLaw, SetupLaw, SlabLaw, UnitForce
-from dummydesign.loop.model.effect import HOOKS, OWNERS, PADS, SETUP, Effect, Parameter, Values
+from dummydesign.loop.model.base_law import PuckLaw, SlabLaw
+from dummydesign.loop.model.effect import HOOKS, OWNERS, PADS, SETUP, Effect, Parameter, SetupLaw, UnitForce, Values
 from dummydesign.loop.model.forward_model import Active, BaseParameters, readings, simulate
 from dummydesign.measurement.campaign import Trial
 from dummydesign.measurement.trace import Trace

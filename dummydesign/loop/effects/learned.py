@@ -10,8 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.loop.data.trials import Presses
-from dummydesign.loop.model.base_law import UnitForce, wrap
-from dummydesign.loop.model.effect import Effect, Parameter, Values
+from dummydesign.loop.model.effect import Effect, Parameter, UnitForce, Values, wrap
 
 FOLLOWED = {
     "depth_mm": "depth in mm",

@@ -10,10 +10,11 @@ from numpy.typing import NDArray
 from dummydesign.core.process import Progress, quiet
 from dummydesign.inference.least_squares import solve_marquardt
 from dummydesign.loop.data.trials import Presses
-from dummydesign.loop.fitting.noise import LAW_TERMS, SizeLikelihood, Sizes, estimate_slow_noise, make_whitener
-from dummydesign.loop.fitting.problem import BASE, CampaignProblem
-from dummydesign.loop.model.base_law import USUAL_ROUGHNESS, SetupLaw
-from dummydesign.loop.model.forward_model import Active, BaseParameters
+from dummydesign.loop.fitting.noise import SizeLikelihood, Sizes, estimate_slow_noise, make_whitener
+from dummydesign.loop.fitting.problem import CampaignProblem
+from dummydesign.loop.model.base_law import USUAL_ROUGHNESS
+from dummydesign.loop.model.effect import SetupLaw
+from dummydesign.loop.model.forward_model import BASE, LAW_TERMS, Active, BaseParameters
 
 NORMAL_95 = 1.959964
 

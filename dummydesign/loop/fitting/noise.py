@@ -21,7 +21,6 @@ from dummydesign.loop.data.trials import Presses
 
 POSITION_PRIOR_MM = (0.008, 1.0)
 """Median and spread (of the logarithm) of the contact scatter; that of the law's error belongs to the law."""
-LAW_TERMS = 3  # level, slope and curvature in depth over thickness
 SLOW_BOUNDS = np.array([[1e-4, 0.05], [5.0, 20.0]])  # lowest and highest slow noise [N] and time of it [s]
 SIZE_BOUNDS = np.array([[3e-4, 3e-4, 3e-4, 3e-4], [0.5, 0.2, 0.3, 0.3]])
 """Lowest and highest contact scatter [mm] and law error in level, slope and curvature."""

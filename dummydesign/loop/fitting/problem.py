@@ -11,12 +11,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.loop.data.trials import Presses
-from dummydesign.loop.fitting.noise import LAW_TERMS
-from dummydesign.loop.model.base_law import REFERENCE_DEPTH, SetupLaw
-from dummydesign.loop.model.effect import Arm, Effect
+from dummydesign.loop.model.effect import Arm, Effect, SetupLaw
 from dummydesign.loop.model.forward_model import (
+    BASE,
     HIGH,
+    LAW_TERMS,
     LOW,
+    REFERENCE_DEPTH,
     Active,
     BaseParameters,
     LawError,
@@ -30,7 +31,6 @@ from dummydesign.loop.model.forward_model import (
     simulate_yielding,
 )
 
-BASE = 5  # number of logarithms of the base, with which the vector begins
 ARMS = (1, 2, 3, 4)  # entries of the arms' logarithms in the vector
 STEP = 4e-3
 

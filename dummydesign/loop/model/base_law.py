@@ -9,7 +9,6 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,30 +23,6 @@ PUCK_ERROR = SLAB_ERROR
 Slabs: half a per cent from pad to pad, and at depth what the table and the square-punch factor state, each known
 within a factor of two (0.35 = ln 2 / 1.96). Pucks: the closed form is exact for
 the neo-Hookean law; the allowance is for the law."""
-
-UnitForce = Callable[[NDArray, NDArray], NDArray]
-"""F / E [mm2] of depths (T, N) and thicknesses (T, 1) [mm]; zero at and above the surface."""
-
-
-class SetupLaw(Protocol):
-    """What the law of a set-up offers: the base law of all trials of a campaign, by its call and ``limit``, or by
-    ``on`` and ``limit_of`` of the trials where each pad has a law of its own."""
-
-    @property
-    def shape(self) -> str:
-        """``slab`` under a flat glued punch, ``cylinder`` (a puck) or ``shaped`` (any other pad, punch or contact)."""
-
-    @property
-    def offers(self) -> frozenset[str]:
-        """What effects may ask of it, see :data:`dummydesign.loop.model.effect.SETUP`."""
-
-    @property
-    def error_priors(self) -> tuple:
-        """Median size and spread of level, slope and curvature of its error."""
-
-
-REFERENCE_DEPTH = 0.4
-"""Depth over thickness at which the slope of a law error is counted."""
 
 USUAL_ROUGHNESS = 0.001
 """Relative roughness of a solved force over depth: slabs of 6, 10 and 16 mm under a filleted punch differ from GetFEM's
@@ -68,23 +43,7 @@ def _square_curve(thickness_mm: float, radius_mm: float, base: str) -> NDArray:
 
 
 def square_over_circle(depth_mm: NDArray, thickness_mm: NDArray, radius_mm: float, base: str = "bonded") -> NDArray:
-    """Force of a square punch over that of the round one of equal area.
-
-    Parameters
-    ----------
-    depth_mm : ndarray, shape (T, N)
-        Depths on T pads. [mm]
-    thickness_mm : ndarray, shape (T, 1)
-        Of the pads. [mm]
-    radius_mm : float
-        Radius of the circle of the punch's area. [mm]
-    base : str
-        ``bonded`` or ``sliding``.
-
-    Returns
-    -------
-    ndarray, shape (T, N)
-    """
+    """Force (T, N) of a square punch over that of the round one of equal area, at depths (T, N) on pads (T, 1)."""
     return _by_pad(depth_mm, thickness_mm, lambda h: _square_curve(h, radius_mm, base))
 
 
@@ -115,15 +74,8 @@ def _edge_curves(thickness_mm: float, radius_mm: float, base: str) -> Callable[[
 
 @dataclass(frozen=True)
 class SlabLaw:
-    """Glued flat punch on a slab, incompressible neo-Hookean, from the response table.
-
-    Attributes
-    ----------
-    table : ResponseTable
-    radius_mm : float
-        Circle of the punch's area.
-    square : bool
-    """
+    """Glued flat punch on a slab, incompressible neo-Hookean, from the response table; ``radius_mm`` is that of the
+    circle of its area."""
 
     table: ResponseTable
     radius_mm: float
@@ -142,21 +94,8 @@ class SlabLaw:
         return SlabLaw(load_table("sliding"), self.radius_mm, self.square)
 
     def edge_factor(self, edge_radius_mm: float, depth_mm: NDArray, thickness_mm: NDArray) -> NDArray:
-        """Force under a punch with a fillet over that of the sharp one, by the tables of both.
-
-        Parameters
-        ----------
-        edge_radius_mm : float
-            Fillet; beyond 0.3 of the punch's radius that of 0.3. [mm]
-        depth_mm : ndarray, shape (T, N)
-            Depths on T pads. [mm]
-        thickness_mm : ndarray, shape (T, 1)
-            Of the pads. [mm]
-
-        Returns
-        -------
-        ndarray, shape (T, N)
-        """
+        """Force (T, N) under a punch with a fillet over that of the sharp one, by the tables of both; beyond 0.3 of the
+        punch's radius the fillet of 0.3."""
         argument = min(edge_radius_mm / self.radius_mm, EDGES[-1]) ** POWER
         own = self.radius_mm, self.table.base
         return np.exp(_by_pad(depth_mm, thickness_mm, lambda h: _edge_curves(h, *own)(argument)))
@@ -200,24 +139,3 @@ class PuckLaw:
     def limit(self, thickness_mm: NDArray) -> NDArray:
         """Largest depth. [mm]"""
         return 0.8 * np.asarray(thickness_mm, float)
-
-
-def wrap(law: UnitForce, changed: UnitForce) -> UnitForce:
-    """A law that an effect made of another one, marked so that :func:`root_law` finds what lies under it.
-
-    Parameters
-    ----------
-    law : callable
-        The law so far, F / E [mm2] of depths (T, N) and thicknesses (T, 1) [mm].
-    changed : callable
-        The new one, of the same arguments.
-    """
-    changed.__wrapped__ = law  # type: ignore[attr-defined]
-    return changed
-
-
-def root_law(law: Any) -> Any:
-    """The base law under all that effects have wrapped around it."""
-    while hasattr(law, "__wrapped__"):
-        law = law.__wrapped__
-    return law

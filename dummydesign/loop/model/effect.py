@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from types import ModuleType
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 if TYPE_CHECKING:
     from dummydesign.loop.data.trials import Presses
-    from dummydesign.loop.model.base_law import SetupLaw, UnitForce
     from dummydesign.pad.material.relaxation import PronyTerm
 
 HOOKS = ("motion", "pad", "batch", "sensor")
@@ -89,6 +89,48 @@ class Arm:
     def changed(self, **values: Any) -> Arm:
         """Return a copy with other values."""
         return replace(self, **values)
+
+
+UnitForce = Callable[[NDArray, NDArray], NDArray]
+"""F / E [mm2] of depths (T, N) and thicknesses (T, 1) [mm]; zero at and above the surface."""
+
+
+class SetupLaw(Protocol):
+    """What the law of a set-up offers: the base law of all trials of a campaign, by its call and ``limit``, or by
+    ``on`` and ``limit_of`` of the trials where each pad has a law of its own."""
+
+    @property
+    def shape(self) -> str:
+        """``slab`` under a flat glued punch, ``cylinder`` (a puck) or ``shaped`` (any other pad, punch or contact)."""
+
+    @property
+    def offers(self) -> frozenset[str]:
+        """What effects may ask of it, see :data:`SETUP`."""
+
+    @property
+    def error_priors(self) -> tuple:
+        """Median size and spread of level, slope and curvature of its error."""
+
+
+def wrap(law: UnitForce, changed: UnitForce) -> UnitForce:
+    """A law that an effect made of another one, marked so that :func:`root_law` finds what lies under it.
+
+    Parameters
+    ----------
+    law : callable
+        The law so far, F / E [mm2] of depths (T, N) and thicknesses (T, 1) [mm].
+    changed : callable
+        The new one, of the same arguments.
+    """
+    changed.__wrapped__ = law  # type: ignore[attr-defined]
+    return changed
+
+
+def root_law(law: Any) -> Any:
+    """The base law under all that effects have wrapped around it."""
+    while hasattr(law, "__wrapped__"):
+        law = law.__wrapped__
+    return law
 
 
 class Effect:

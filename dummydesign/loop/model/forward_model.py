@@ -11,13 +11,16 @@ from numpy.typing import NDArray
 
 from dummydesign.core.recurrence import linear_recurrence
 from dummydesign.loop.data.trials import Presses
-from dummydesign.loop.model.base_law import REFERENCE_DEPTH, SetupLaw, UnitForce, wrap
-from dummydesign.loop.model.effect import Arm, Effect, Values
+from dummydesign.loop.model.effect import Arm, Effect, SetupLaw, UnitForce, Values, wrap
 
 NAMES = ("young_kPa", "tau_1_s", "beta_1", "tau_2_s", "beta_2")
 LOW = np.log([0.2e-3, 2e-3, 1e-3, 0.05, 1e-3])
 HIGH = np.log([20.0, 3.0, 20.0, 100.0, 20.0])
 """Bounds of the logarithms of modulus [MPa], tau_1 [s], beta_1, tau_2 [s], beta_2."""
+BASE = len(NAMES)  # number of logarithms of the base, with which the vector of a fit begins
+LAW_TERMS = 3  # level, slope and curvature in depth over thickness
+REFERENCE_DEPTH = 0.4
+"""Depth over thickness at which the slope of a law error is counted."""
 
 
 def parameter_names(effects: Sequence[Effect]) -> list[str]:

@@ -15,7 +15,8 @@ from dummydesign.core.cache import cached
 from dummydesign.core.errors import InputError, NoAnswerError
 from dummydesign.geometry.dimensions import MAX_DEPTH_OVER_THICKNESS
 from dummydesign.geometry.interface import BASES
-from dummydesign.loop.model.base_law import USUAL_ROUGHNESS, SlabLaw, UnitForce
+from dummydesign.loop.model.base_law import USUAL_ROUGHNESS, SlabLaw
+from dummydesign.loop.model.effect import UnitForce
 from dummydesign.measurement.campaign import Trial
 from dummydesign.pad.axisymmetric.case import Case
 from dummydesign.pad.specimen import Pad, Puck

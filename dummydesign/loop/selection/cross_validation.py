@@ -12,9 +12,8 @@ from numpy.typing import NDArray
 from dummydesign.inference.noise import Bins, whitener
 from dummydesign.loop.fitting.fit import NORMAL_95, CampaignFit, prior_precision, size_likelihood, student_over_normal
 from dummydesign.loop.fitting.noise import contrasts, make_whitener
-from dummydesign.loop.fitting.problem import BASE
 from dummydesign.loop.model.effect import Effect
-from dummydesign.loop.model.forward_model import NAMES
+from dummydesign.loop.model.forward_model import BASE, NAMES
 
 ESTIMABLE = 0.2  # a cell counts when the rest still holds this share of the information on an effect's size
 

@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 from dummydesign.core.process import Progress, quiet
 from dummydesign.loop.fitting.candidates import EffectCandidate, finished, first_fit, first_fits, modest, to_the_end
 from dummydesign.loop.fitting.fit import CampaignFit, fit_with_noise, same_noise
-from dummydesign.loop.fitting.problem import BASE
 from dummydesign.loop.fitting.screening import Screened, screen
 from dummydesign.loop.model.effect import Effect
+from dummydesign.loop.model.forward_model import BASE
 from dummydesign.loop.selection.cross_validation import AssessedModel, assess, errors, holds_null
 from dummydesign.loop.selection.residuals import examine
 from dummydesign.loop.selection.verdict import (

@@ -7,15 +7,8 @@ import pytest
 
 from dummydesign.loop.data.trials import memoised_law
 from dummydesign.loop.effects.registry import effect_named
-from dummydesign.loop.model.base_law import (
-    EDGES,
-    PuckLaw,
-    SlabLaw,
-    root_law,
-    square_over_circle,
-    wrap,
-)
-from dummydesign.loop.model.effect import Arm, Parameter
+from dummydesign.loop.model.base_law import EDGES, PuckLaw, SlabLaw, square_over_circle
+from dummydesign.loop.model.effect import Arm, Parameter, root_law, wrap
 from dummydesign.loop.model.forward_model import BaseParameters, arm_forces, loaded, parameter_names, relax
 from dummydesign.pad.tables.filleted import load_filleted
 from dummydesign.pad.tables.slab import load_compressibility, load_table

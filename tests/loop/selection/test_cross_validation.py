@@ -12,7 +12,8 @@ from scipy.stats import chi2
 from dummydesign.loop.effects.registry import effect_named
 from dummydesign.loop.fitting.fit import fit, fit_with_noise, prior_precision
 from dummydesign.loop.fitting.noise import contrasts, make_whitener
-from dummydesign.loop.fitting.problem import BASE, CampaignProblem
+from dummydesign.loop.fitting.problem import CampaignProblem
+from dummydesign.loop.model.forward_model import BASE
 from dummydesign.loop.selection import cross_validation, verdict
 from dummydesign.loop.selection.cross_validation import (
     assess,

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from dummydesign.loop.model.base_law import UnitForce, root_law, wrap
-from dummydesign.loop.model.effect import Effect, Parameter, Values
+from dummydesign.loop.model.effect import Effect, Parameter, UnitForce, Values, root_law, wrap
 
 
 class Compressibility(Effect):

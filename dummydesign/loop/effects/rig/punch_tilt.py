@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from dummydesign.loop.model.base_law import UnitForce, root_law, wrap
-from dummydesign.loop.model.effect import Effect, Parameter, Values
+from dummydesign.loop.model.effect import Effect, Parameter, UnitForce, Values, root_law, wrap
 from dummydesign.pad.tables.square import SIDE_OVER_RADIUS
 
 

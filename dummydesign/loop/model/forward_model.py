@@ -18,6 +18,7 @@ LOW = np.log([0.2e-3, 2e-3, 1e-3, 0.05, 1e-3])
 HIGH = np.log([20.0, 3.0, 20.0, 100.0, 20.0])
 """Bounds of the logarithms of modulus [MPa], tau_1 [s], beta_1, tau_2 [s], beta_2."""
 BASE = len(NAMES)  # number of logarithms of the base, with which the vector of a fit begins
+ARMS = (1, 2, 3, 4)  # those of the arms
 LAW_TERMS = 3  # level, slope and curvature in depth over thickness
 REFERENCE_DEPTH = 0.4
 """Depth over thickness at which the slope of a law error is counted."""
@@ -222,3 +223,55 @@ def at_the_surface(presses: Presses, force_N: NDArray, acting: Sequence[Active],
     for one in acting:
         force_N = one.effect.surface(presses, depth_mm, force_N, one.values)
     return force_N
+
+
+def base_and_law_columns(
+    presses: Presses, law: SetupLaw, logs: NDArray, active: Sequence[Active], error: LawError, step: float
+) -> tuple[NDArray, NDArray]:
+    """Forward differences with respect to the base logarithms, and to the law error of each trial's pad."""
+    acting = [one for one in active if not one.absent]
+    own, depth = before_the_pad(presses, law, acting)
+    thickness = presses.thickness_mm[:, None]
+    unit = own(depth, thickness)
+    for one in acting:
+        unit = unit * one.effect.scale(presses, depth, one.values)
+    share = np.maximum(depth, 0.0) / thickness / REFERENCE_DEPTH
+    base = BaseParameters.from_logs(logs)
+    level, slope, curve = (term[:, None] for term in (error.level, error.slope, error.curve))
+    arms = arms_of(presses, base, acting, depth)
+    plain = base.young_MPa * unit
+    powers = np.stack([plain, plain * share, plain * share**2])
+    weights = np.stack([1.0 + level, slope, curve])
+    elastic = (weights * powers).sum(axis=0)
+    held = arm_forces(presses.time_s, powers, arms)
+    shapes = [loaded(power, arms, held[:, k]) for k, power in enumerate(powers)]
+    force = (weights * np.stack(shapes)).sum(axis=0)
+    moved = [force, force * np.exp(step), *(force + step * one for one in shapes)]
+    total = (weights * held).sum(axis=1)
+    for index in ARMS:
+        other = logs.copy()
+        other[index] += step
+        changed = arms_of(presses, BaseParameters.from_logs(other), acting, depth)
+        moved.append(_with_arms(presses, elastic, arms, total, changed))
+    shown = [sensor_signal(presses, at_the_surface(presses, one, acting, depth), acting) for one in moved]
+    bins = readings(presses, presses.measured(np.stack(shown, axis=-1)), acting)
+    change = (bins[..., 1:] - bins[..., :1]) / step
+    return change[..., [0, 4, 5, 6, 7]], change[..., 1:4]
+
+
+def _with_arms(
+    presses: Presses, elastic_N: NDArray, arms: Sequence[Arm], held_N: NDArray, changed: Sequence[Arm]
+) -> NDArray:
+    """Force (T, N) with other arms; what those with an old time and weight hold (arms, T, N) is known. [N]"""
+    known = []
+    for number, arm in enumerate(changed):
+        old = arms[number] if number < len(arms) else None
+        if old is not None and np.array_equal(old.tau_s, arm.tau_s) and _same(old.weight, arm.weight):
+            known.append(held_N[number])
+        else:
+            known.append(arm_forces(presses.time_s, elastic_N[None], [arm])[0, 0])
+    return loaded(elastic_N, changed, np.stack(known))
+
+
+def _same(one: NDArray | None, other: NDArray | None) -> bool:
+    return one is other if one is None or other is None else np.array_equal(one, other)

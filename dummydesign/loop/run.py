@@ -24,13 +24,13 @@ from dummydesign.loop.model.forward_model import readings
 from dummydesign.loop.next_measurement import NextMeasurement, next_measurement
 from dummydesign.loop.pad_scatter import known_pads
 from dummydesign.loop.prior import Joined, check_prior, join, with_prior_effects
-from dummydesign.loop.result import LoopResult, named
+from dummydesign.loop.result import Explained, LoopResult, named
 from dummydesign.loop.selection.base_kept import left_out_errors, predicts_worse
 from dummydesign.loop.selection.cross_validation import AssessedModel, assess
-from dummydesign.loop.selection.learn_effect import Learnt, can_be_learned, learn, learned_alone, learned_first
+from dummydesign.loop.selection.learn_effect import can_be_learned, learn, learned_alone, learned_first
 from dummydesign.loop.selection.residuals import Seen, examine
 from dummydesign.loop.selection.search import Selection, doubt_of, doubt_of_curve, rank, search
-from dummydesign.loop.selection.verdict import AcceptedEffect, Remainder, at_bound, needed, remainder
+from dummydesign.loop.selection.verdict import AcceptedEffect, at_bound, needed, remainder
 from dummydesign.measurement.campaign import Campaign
 
 
@@ -111,10 +111,9 @@ def close_loop(campaign: Campaign, progress: Progress = quiet, prior: Calibratio
     available, untested = _available(presses, law)
     seen = examine(base.fit)
     answer = _against_base(base, seen, _explain(base, seen, available, progress), progress)
-    selection, after, effects, learnt = answer.selection, answer.after, answer.effects, answer.learnt
-    doubt = doubt_of(after.fit, selection.rivals) if learnt is None else doubt_of_curve(learnt.effect.shape.flat)
-    plain = after.fit
-    after = replace(after, fit=with_rough_law(plain, doubt))
+    plain, learnt = answer.after.fit, answer.learnt
+    doubt = doubt_of(plain, answer.selection.rivals) if learnt is None else doubt_of_curve(learnt.effect.shape.flat)
+    after = replace(answer.after, fit=with_rough_law(plain, doubt))
     base = after if plain is base.fit else base
     joined = None
     if prior is not None:
@@ -124,30 +123,15 @@ def close_loop(campaign: Campaign, progress: Progress = quiet, prior: Calibratio
         fit, joined = join(both, prior, after.lack.ratio)
         after = assess(fit) if joined.used else after
     progress("next measurement")
-    following = _next(campaign, base, effects, selection.ranking)
+    following = _next(campaign, base, answer.effects, answer.selection.ranking)
+    warnings = (*_warnings(campaign, presses, beyond, answer, joined), *_better_alone(answer.selection, after))
     return LoopResult(
-        campaign, presses, base, after, answer.verdict, effects, tuple(selection.screened), tuple(selection.ranking),
-        answer.left, tuple(seen.where), tuple(answer.seen.where), tuple(answer.seen.checks), following, untested,
-        (*_warnings(campaign, presses, beyond, answer, joined), *_better_alone(selection, after)),
-        learnt, joined,
+        **{**vars(answer), "after": after}, campaign=campaign, presses=presses, base=base, seen_before=seen,
+        next=following, untested=untested, warnings=warnings, joined=joined,
     )  # fmt: skip
 
 
-@dataclass(frozen=True)
-class _Answer:
-    """A model that explains a campaign, with what it leaves."""
-
-    selection: Selection
-    after: AssessedModel
-    effects: tuple[AcceptedEffect, ...]
-    learnt: Learnt | None
-    verdict: str
-    left: Remainder
-    seen: Seen
-    base_kept: str = ""
-
-
-def _explain(base: AssessedModel, seen: Seen, available: tuple[Effect, ...], progress: Progress) -> _Answer:
+def _explain(base: AssessedModel, seen: Seen, available: tuple[Effect, ...], progress: Progress) -> Explained:
     """Named effects and a learned function, whichever explain the campaign best; ``seen`` is what the base leaves."""
     ranked = rank(base, available, progress)
     alone = learned_alone(base, seen, ranked[1], progress)
@@ -169,10 +153,10 @@ def _explain(base: AssessedModel, seen: Seen, available: tuple[Effect, ...], pro
         seen_after = examine(after.fit)
         still = remainder(base, after, seen_after)
         left = replace(still, reasons=(learnt.text, *still.reasons))
-    return _Answer(selection, after, effects, learnt, verdict, left, seen_after)
+    return Explained(selection, after, effects, learnt, verdict, left, seen_after, "")
 
 
-def _against_base(base: AssessedModel, seen: Seen, answer: _Answer, progress: Progress) -> _Answer:
+def _against_base(base: AssessedModel, seen: Seen, answer: Explained, progress: Progress) -> Explained:
     """The answer, or the base model where it predicts left-out presses better."""
     if answer.after is base:
         return answer
@@ -189,7 +173,7 @@ def _against_base(base: AssessedModel, seen: Seen, answer: _Answer, progress: Pr
     kept = (f"{' and '.join(names)} explains this campaign but predicts left-out presses worse ({errors}): the base "
             "model is kept")  # fmt: skip
     verdict = "unexplained" if left.reasons else "none"
-    return _Answer(replace(answer.selection, rivals=rivals), base, (), None, verdict, left, seen, kept)
+    return Explained(replace(answer.selection, rivals=rivals), base, (), None, verdict, left, seen, kept)
 
 
 def _available(presses: Presses, law: SetupLaw) -> tuple[tuple[Effect, ...], dict[str, str]]:
@@ -235,7 +219,7 @@ def _better_alone(selection: Selection, after: AssessedModel) -> tuple[dict[str,
 
 
 def _warnings(
-    campaign: Campaign, presses: Presses, beyond: str, answer: _Answer, joined: Joined | None
+    campaign: Campaign, presses: Presses, beyond: str, answer: Explained, joined: Joined | None
 ) -> Iterator[dict[str, str]]:
     """What a reader must know: what a fit does not see comes first."""
     learnt = answer.learnt

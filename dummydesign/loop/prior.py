@@ -47,8 +47,7 @@ class Joined(Serialised):
 def check_prior(prior: Calibration, campaign: Campaign) -> None:
     """Refuse a prior that cannot speak of a campaign."""
     if prior.posterior is None:
-        message = "the prior's calibration has no posterior: run loop again"
-        raise InputError(message, "missing", "prior.posterior")
+        raise InputError("the prior's calibration has no posterior: run loop again", "missing", "prior.posterior")
     pad, known = campaign.pad, prior.pad
     for name, own, other in (("resin", pad.resin, known["resin"]), ("ratio", pad.ratio, known["ratio"])):
         if own is None or other is None:

@@ -247,7 +247,7 @@ def test_a_curve_must_lower_the_squared_left_out_error_to_what_is_written(monkey
     monkeypatch.setattr(learn_effect, "replace", lambda one, **more: one)
     monkeypatch.setattr(learn_effect, "_with", lambda fit, shape: (shape, None))
     monkeypatch.setattr(learn_effect, "_step", lambda fit, shape: step)
-    monkeypatch.setattr(learn_effect, "refitted_squares", lambda fit, shape=None: fit.squares)
+    monkeypatch.setattr(learn_effect, "refitted_squares", lambda fit: fit.squares)
     for ratio, enough in ((BELOW * limit, True), (ABOVE * limit, False)):
         after = SimpleNamespace(score=700.0, sizes=noise, squares=2.0 * ratio)
         monkeypatch.setattr(learn_effect, "fit_with_noise", lambda *args, after=after: after)

@@ -225,9 +225,7 @@ def calibration_of(result: LoopResult, prior: Calibration | None = None) -> Cali
         "punch": result.campaign.punch.text,
         **result.campaign.usual_pad,
     }
-    # what a joined prior left was widened by the lack of fit before
-    lack = None if joined else result.after.lack.ratio
     return Calibration(
         model_of(result.base.fit), after, result.verdict, left, fit.sizes.floor_N, pad, result.remainder.reasons,
-        posterior_of(fit, lack),
+        posterior_of(fit, result.after.lack.ratio),
     )  # fmt: skip

@@ -14,9 +14,7 @@ import numpy as np
 
 from dummydesign.core.errors import InputError
 from dummydesign.core.serialise import Serialised
-from dummydesign.loop.data.trials import Presses
 from dummydesign.loop.fitting.fit import CampaignFit, fit_with_noise
-from dummydesign.loop.model.effect import SetupLaw
 from dummydesign.loop.model.forward_model import BASE, parameter_names
 from dummydesign.loop.selection.cross_validation import widened
 from dummydesign.measurement.campaign import Campaign
@@ -58,16 +56,16 @@ def check_prior(prior: Calibration, campaign: Campaign) -> None:
             raise InputError(message, "inconsistent", f"prior.{name}", other, own)
 
 
-def with_prior_effects(fit: CampaignFit, prior: Calibration, presses: Presses, law: SetupLaw) -> CampaignFit:
+def with_prior_effects(fit: CampaignFit, prior: Calibration) -> CampaignFit:
     """The model refitted with the prior's effects of the pad beside its own, as far as the campaign can take them."""
-    known = {effect.name for effect in fit.problem.effects}
-    more = [one for one in prior.design_effects() if one.effect.name not in known]
-    more = [one for one in more if not one.effect.undefined(presses, law)]
+    problem = fit.problem
+    more = [one for one in prior.design_effects() if one.effect.name not in problem.entries]
+    more = [one for one in more if not one.effect.undefined(problem.presses, problem.law)]
     if not more:
         return fit
     start = [p.to_coordinate(one.values[p.name]) for one in more for p in one.effect.parameters]
-    vector = np.insert(fit.vector, fit.problem.fixed, start)
-    return fit_with_noise(fit.problem.plus(*(one.effect for one in more)), vector, fit.sizes, 2, 8)
+    vector = np.insert(fit.vector, problem.fixed, start)
+    return fit_with_noise(problem.plus(*(one.effect for one in more)), vector, fit.sizes, 2, 8)
 
 
 def join(fit: CampaignFit, prior: Calibration, lack_ratio: float | None = None) -> tuple[CampaignFit, Joined]:

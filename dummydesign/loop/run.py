@@ -118,7 +118,7 @@ def close_loop(campaign: Campaign, progress: Progress = quiet, prior: Calibratio
     joined = None
     if prior is not None:
         progress("prior")
-        both = with_prior_effects(plain, prior, presses, law)
+        both = with_prior_effects(plain, prior)
         both = after.fit if both is plain else with_rough_law(both, doubt)
         fit, joined = join(both, prior, after.lack.ratio)
         after = assess(fit) if joined.used else after

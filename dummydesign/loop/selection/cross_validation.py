@@ -151,7 +151,7 @@ MISFIT = 1.5  # lack of fit over the pure error of repeats, a ratio of variances
 
 def widened(fit: CampaignFit, lack_ratio: float | None = None) -> NDArray:
     """Covariance (n, n) of a fit's vector, scaled so that 1.96 standard deviations are its 95 % interval."""
-    if fit.joined:
+    if fit.joined:  # widened before it was joined
         return fit.covariance
     fixed = fit.problem.fixed
     likelihood = size_likelihood(fit)

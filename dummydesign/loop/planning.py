@@ -16,6 +16,7 @@ from dummydesign.core.errors import InputError, NoAnswerError
 from dummydesign.core.files import write_text
 from dummydesign.core.library import toml_text
 from dummydesign.core.process import Progress, one_blas_thread, quiet
+from dummydesign.core.serialise import Serialised
 from dummydesign.geometry.dimensions import MAX_DEPTH_OVER_THICKNESS
 from dummydesign.inference.noise import Noise
 from dummydesign.loop.data.trials import Presses, make_presses
@@ -274,23 +275,16 @@ ALIKE = 0.95  # cosine between two effects from which they are called alike
 
 
 @dataclass(frozen=True)
-class PlanPower:
+class PlanPower(Serialised):
     """Effects that are visible, hidden or not testable, and pairs that look alike.
 
-    ``seen`` and ``hidden`` give the standard deviations at usual size, ``alike`` the cosines.
+    ``seen`` and ``hidden`` give the standard deviations at usual size, ``alike`` two ``effects`` and their ``cosine``.
     """
 
     seen: dict[str, float]
     hidden: dict[str, float]
     untested: dict[str, str]
-    alike: tuple[tuple[str, str, float], ...]
-
-    def to_dict(self) -> dict[str, Any]:
-        """Return plain values."""
-        return {
-            "seen": self.seen, "hidden": self.hidden, "untested": self.untested,
-            "alike": [{"effects": [a, b], "cosine": cosine} for a, b, cosine in self.alike],
-        }  # fmt: skip
+    alike: tuple[dict[str, Any], ...]
 
 
 @one_blas_thread()
@@ -318,8 +312,9 @@ def plan_power(plan: tuple[Planned, ...], campaign: Campaign, young_MPa: float, 
     seen = {name: size for name, size in sizes.items() if size >= SEEN}
     hidden = {name: size for name, size in sizes.items() if size < SEEN}
     units = {name: changes[name] / size for name, size in seen.items()}
-    cosines = ((a, b, abs(float(units[a] @ units[b]))) for a, b in combinations(units, 2))
-    return PlanPower(seen, hidden, untested, tuple(row for row in cosines if row[2] >= ALIKE))
+    cosines = {(a, b): abs(float(units[a] @ units[b])) for a, b in combinations(units, 2)}
+    alike = tuple({"effects": pair, "cosine": cosine} for pair, cosine in cosines.items() if cosine >= ALIKE)
+    return PlanPower(seen, hidden, untested, alike)
 
 
 def planned_trials(

@@ -29,7 +29,7 @@ from dummydesign.loop.selection.base_kept import left_out_errors, predicts_worse
 from dummydesign.loop.selection.cross_validation import AssessedModel, assess
 from dummydesign.loop.selection.learn_effect import can_be_learned, learn, learned_alone, learned_first
 from dummydesign.loop.selection.residuals import Seen, examine
-from dummydesign.loop.selection.search import Selection, doubt_of, doubt_of_curve, rank, search
+from dummydesign.loop.selection.search import Selection, doubt_of, doubt_of_curve, names_of, rank, search
 from dummydesign.loop.selection.verdict import AcceptedEffect, at_bound, needed, remainder
 from dummydesign.measurement.campaign import Campaign
 
@@ -202,40 +202,38 @@ BETTER = 10.0
 """Minus twice the log likelihood by which an effect that was not taken must explain more than the model to be named."""
 
 
-def _better_alone(selection: Selection, after: AssessedModel) -> tuple[dict[str, str], ...]:
+def _better_alone(selection: Selection, after: AssessedModel) -> Iterator[dict[str, str]]:
     """Single effects beyond noise that explain more than the model that is returned, and why they were not taken."""
-    out = []
-    used = {effect.name for effect in after.fit.problem.effects}
     for one in selection.ranking:
         name = one.effect.name
-        if name in used or one.fit.score >= after.fit.score - BETTER:
+        if name in names_of(after.fit) or one.fit.score >= after.fit.score - BETTER:
             continue
         if one.gain < needed(selection.screened, one.fit, name, {}, len(selection.ranking)).least:
             continue  # noise alone may explain as much
         why = "its size is at its bound" if at_bound(one.fit) else "it does not predict left-out presses better"
         message = f"{named(name)} alone fits better, but was not added: {why}; test for it by itself"
-        out.append({"code": "explains_more", "message": message})
-    return tuple(out)
+        yield {"code": "explains_more", "message": message}
 
 
 def _warnings(
     campaign: Campaign, presses: Presses, beyond: str, answer: Explained, joined: Joined | None
 ) -> Iterator[dict[str, str]]:
     """What a reader must know: what a fit does not see comes first."""
-    learnt = answer.learnt
-    first = {
-        "base_kept": answer.base_kept,
-        "modulus_beside_curve": "" if learnt is None else "do not use the modulus: it shares its level with the "
-        f"learned curve of {learnt.effect.shape.text}; compress a puck of this batch",
-        "beyond_table": beyond,
-    }
-    then = {
-        "no_repeats": "" if repeat_pairs(presses) else "no condition is repeated: lack of fit cannot be tested against "
-        "pure error, and the slow noise is taken from the residuals, where model error counts as noise",
-        "elastic_only": "no trial holds and all have one speed: relaxation is not fitted, the modulus is that of this "
-        "speed" if presses.elastic_only else "",
-        "prior_conflict": "" if joined is None or joined.used else "the prior contradicts this campaign and was not "
-        f"used: {'; '.join(joined.conflicts)}",
-    }  # fmt: skip
-    own, later = ([{"code": code, "message": text} for code, text in one.items() if text] for one in (first, then))
-    yield from (*own, *campaign.warnings, *later)
+    if answer.base_kept:
+        yield {"code": "base_kept", "message": answer.base_kept}
+    if answer.learnt is not None:
+        level = f"it shares its level with the learned curve of {answer.learnt.effect.shape.text}"
+        yield {"code": "modulus_beside_curve",
+               "message": f"do not use the modulus: {level}; compress a puck of this batch"}  # fmt: skip
+    if beyond:
+        yield {"code": "beyond_table", "message": beyond}
+    yield from campaign.warnings
+    if not repeat_pairs(presses):
+        yield {"code": "no_repeats", "message": "no condition is repeated: lack of fit cannot be tested against pure "
+               "error, and the slow noise is taken from the residuals, where model error counts as noise"}  # fmt: skip
+    if presses.elastic_only:
+        yield {"code": "elastic_only", "message": "no trial holds and all have one speed: relaxation is not fitted, "
+               "the modulus is that of this speed"}  # fmt: skip
+    if joined is not None and not joined.used:
+        message = f"the prior contradicts this campaign and was not used: {'; '.join(joined.conflicts)}"
+        yield {"code": "prior_conflict", "message": message}

@@ -160,10 +160,10 @@ def test_a_single_effect_that_explains_more_by_what_is_written_is_named(monkeypa
     for gain, enough in ((29.9, False), (30.1, True)):
         for better, named in cases(more):
             ranking = [candidate("ageing", gain, 1000.0 - better)]
-            found = run._better_alone(SimpleNamespace(ranking=ranking, screened=[]), after)
+            found = [*run._better_alone(SimpleNamespace(ranking=ranking, screened=[]), after)]
             assert bool(found) is (enough and named)
     used = SimpleNamespace(fit=SimpleNamespace(problem=SimpleNamespace(effects=(effect_named("ageing"),)), score=1e3))
-    assert not run._better_alone(SimpleNamespace(ranking=[candidate("ageing", 90.0)], screened=[]), used)
+    assert not [*run._better_alone(SimpleNamespace(ranking=[candidate("ageing", 90.0)], screened=[]), used)]
 
 
 def test_presses_left_out_are_beyond_the_written_shares():

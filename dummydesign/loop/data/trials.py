@@ -96,7 +96,7 @@ class Presses:
     force_N: NDArray
     samples: NDArray
     label: NDArray
-    operator: NDArray
+    operator: NDArray  # bin means (T, B, N) of the sensor's output for forces at the nodes
     bins: Bins
     cell: NDArray
     history: History
@@ -170,11 +170,7 @@ class Presses:
 
     def measure(self, node_force_N: NDArray) -> NDArray:
         """Bin means (T, B) of the sensor's output for a force at the nodes (T, N). [N]"""
-        return self.measured(node_force_N[..., None])[..., 0]
-
-    def measured(self, node_force_N: NDArray) -> NDArray:
-        """Bin means (T, B, K) of the sensor's output for K forces at the nodes (T, N, K). [N]"""
-        return self.operator @ node_force_N
+        return (self.operator @ node_force_N[..., None])[..., 0]
 
     def at_samples(self, node_force_N: NDArray) -> list[NDArray]:
         """The sensor's output at the raw samples of each trial. [N]"""

@@ -132,7 +132,7 @@ class CampaignProblem:
                 moved.append(vector.copy())
                 moved[-1][self.law_entries(term)] += STEP
         if moved:
-            bins = self.presses.measured(np.stack([self.nodes(one, near_mm=near) for one in moved], axis=-1))
+            bins = self.presses.operator @ np.stack([self.nodes(one, near_mm=near) for one in moved], axis=-1)
             read = [readings(self.presses, bins[..., at], self.active_of(one)) for at, one in enumerate(moved)]
             change = np.stack(read, axis=-1) - forces[..., None]
         for number, (entry, step) in enumerate(steps):

@@ -254,7 +254,7 @@ def base_and_law_columns(
         changed = arms_of(presses, BaseParameters.from_logs(other), acting, depth)
         moved.append(_with_arms(presses, elastic, arms, total, changed))
     shown = [sensor_signal(presses, at_the_surface(presses, one, acting, depth), acting) for one in moved]
-    bins = readings(presses, presses.measured(np.stack(shown, axis=-1)), acting)
+    bins = readings(presses, presses.operator @ np.stack(shown, axis=-1), acting)
     change = (bins[..., 1:] - bins[..., :1]) / step
     return change[..., [0, 4, 5, 6, 7]], change[..., 1:4]
 

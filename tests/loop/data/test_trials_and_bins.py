@@ -216,7 +216,7 @@ def test_the_values_of_a_law_are_remembered_and_are_those_of_the_law():
 def test_signals_are_binned_and_sampled_alike_by_one_operator():
     presses = pucks.planned()
     force = np.sin(presses.time_s)
-    both = presses.measured(np.stack([force, 2.0 * force], axis=-1))
+    both = presses.operator @ np.stack([force, 2.0 * force], axis=-1)
     np.testing.assert_allclose(both[..., 1], 2.0 * presses.measure(force))
     for row, (values, trial_) in enumerate(zip(presses.at_samples(force), presses.trials)):
         count = len(presses.presses[row].time_s)

@@ -69,7 +69,7 @@ def with_calibration(
     the pad; what belongs to the rig or the sensor does not change a design.
     """
     from dummydesign.loop.calibration_file import read_calibration
-    from dummydesign.loop.corrected_law import CorrectedLaw
+    from dummydesign.loop.corrected_law import CorrectedLaw, Correction
     from dummydesign.loop.fitting.fit import NORMAL_95
     from dummydesign.resin.update.modulus import update_resin
 
@@ -98,7 +98,7 @@ def with_calibration(
         updated, arms=tuple(arms), relaxation_ratio_ref=float(ratio), references=(*resin.references, source),
         joint_relaxation=_joint(calibration),
     )  # fmt: skip
-    law = CorrectedLaw(calibration, square, BASE, punch, edge_radius_mm)
+    law = CorrectedLaw(Correction(calibration, BASE, punch), square, edge_radius_mm)
     return Calibrated(resin, law, calibration, warnings, path)
 
 

@@ -46,7 +46,6 @@ class ReducedPress:
     samples: NDArray
     force_N: NDArray
     label: NDArray
-    scatter: NDArray
     time_s: NDArray
     displacement_mm: NDArray
     acceleration_mm_s2: NDArray
@@ -69,7 +68,7 @@ def reduce_press(trace: Trace, lowpass: Lowpass | None) -> ReducedPress:
     acceleration = np.interp(nodes, trace.time_s, _acceleration(trace.time_s, trace.displacement_mm))
     return ReducedPress(
         ramp, binning.start_s, binning.end_s, binning.samples.astype(float), binning.mean(trace.force_N),
-        labels[binning.interval], binning.scatter(trace.force_N), nodes, x, acceleration, filtered, operator,
+        labels[binning.interval], nodes, x, acceleration, filtered, operator,
         _white(trace, ramp),
     )  # fmt: skip
 

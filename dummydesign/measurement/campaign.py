@@ -16,7 +16,7 @@ from dummydesign.geometry.dimensions import LARGEST_EDGE_RADIUS
 from dummydesign.geometry.interface import BASES, CONDITIONS, Interface
 from dummydesign.geometry.pad_shape import PadShape
 from dummydesign.geometry.shapes.slab import Slab
-from dummydesign.measurement.landmarks import find_ramp
+from dummydesign.measurement.landmarks import ramp_of
 from dummydesign.measurement.motion import Ramp
 from dummydesign.measurement.sensor import Lowpass
 from dummydesign.measurement.trace import Trace
@@ -140,11 +140,7 @@ class Campaign:
 
 def check_against_declared(trial: Trial, table: Table) -> None:
     """Refuse magnitudes that can only be another unit, seen against the thickness, speed and force in its table."""
-    trace = trial.trace
-    try:
-        ramp = find_ramp(trace.time_s, trace.displacement_mm, "slowed")
-    except InputError as problem:
-        raise problem.within(trial.file) from None
+    trace, ramp = trial.trace, ramp_of(trial.trace)
     deepest = float(trace.displacement_mm.max())
     if deepest >= 0.95 * trial.thickness_mm:
         message = (

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from dummydesign.core.errors import InputError, unknown_name
+from dummydesign.core.errors import InputError, errors_within, unknown_name
 from dummydesign.core.library import toml_text
 from dummydesign.core.toml_schema import Table
 from dummydesign.geometry.dimensions import PAD_LENGTH_MM, PAD_WIDTH_MM
@@ -148,10 +148,8 @@ def geometry_of(text: str, where: str) -> PadShape:
         wanted = ",".join(f"{one}=.." for one in kinds[name].needed())
         message = f"{where}: shape = '{text}' has no lengths; give shape = \"{name}:{wanted}\""
         raise InputError(message, "missing", "shape", text)
-    try:
+    with errors_within(where):
         return read_shape(text)
-    except InputError as problem:
-        raise problem.within(where) from None
 
 
 def _read_pad(table: Table) -> PadSpec:
@@ -252,10 +250,8 @@ def _trial_geometry(table: Table, pad: PadSpec, punch: PunchSpec) -> PadShape:
     if punch.profile_mm is not None:
         message = f"{where}: shape {geometry} is pressed by a flat punch, not by a {punch.shape}"
         raise InputError(message, "conflict", "trial.shape", str(geometry))
-    try:
+    with errors_within(where):
         geometry.check(table.data["thickness_mm"], pad.length_mm or PAD_LENGTH_MM, pad.width_mm or PAD_WIDTH_MM)
-    except InputError as problem:
-        raise problem.within(where) from None
     return geometry
 
 

@@ -14,7 +14,7 @@ from typing import Any
 from dummydesign.core.errors import InputError, unknown_name
 from dummydesign.core.files import write_bytes
 from dummydesign.measurement.campaign_file import FILE, TRIAL_NUMBERS, TRIAL_REQUIRED, read_campaign_toml, trial_tables
-from dummydesign.measurement.landmarks import approach_velocity, find_ramp
+from dummydesign.measurement.landmarks import approach_velocity, ramp_of
 from dummydesign.measurement.trace import read_trace
 
 KEYS = (
@@ -163,11 +163,7 @@ def _trial(path: Path, row: Mapping[str, Any], thickness_mm: float | None) -> tu
     sources = ["table"] if row else []
     sources += ["name"] if set(named) - set(row) else []
     if "velocity_mm_s" not in known:
-        try:
-            ramp = find_ramp(trace.time_s, trace.displacement_mm, "slowed")
-        except InputError as problem:
-            raise problem.within(path.name) from None
-        speed = approach_velocity(trace.time_s, trace.displacement_mm, ramp)
+        speed = approach_velocity(trace.time_s, trace.displacement_mm, ramp_of(trace))
         known["velocity_mm_s"] = float(f"{speed:.2g}")
         sources.append("speed as the trace moves")
     trial = {"file": path.name, **{key: known[key] for key in COLUMNS[1:] if key in known}}

@@ -8,7 +8,7 @@ from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
-from dummydesign.core.errors import InputError
+from dummydesign.core.errors import InputError, errors_within
 from dummydesign.core.toml_schema import Table
 
 SCHEMA = "dummydesign.pad/1"
@@ -191,10 +191,8 @@ class Records:
             raise InputError(message, "malformed", "record", name)
         path = self.folder / name
         if path not in self.read:
-            try:
+            with errors_within(table.where("record")):
                 self.read[path] = read_record(path)
-            except InputError as problem:
-                raise problem.within(table.where("record")) from None
         return self.read[path]
 
     def warnings(self) -> list[dict[str, str]]:

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from dummydesign.core.errors import InputError, errors_within, unknown_name
-from dummydesign.core.library import toml_text
+from dummydesign.core.library import toml_value
 from dummydesign.core.toml_schema import Table
 from dummydesign.geometry.dimensions import PAD_LENGTH_MM, PAD_WIDTH_MM
 from dummydesign.geometry.interface import BASES, CONDITIONS, FRICTION, Interface
@@ -18,15 +18,8 @@ from dummydesign.geometry.pad_shape import PadShape
 from dummydesign.geometry.punch import ball_profile, read_profile
 from dummydesign.geometry.shape_registry import read_shape, shape_kinds
 from dummydesign.geometry.shapes.slab import Slab
-from dummydesign.measurement.campaign import (
-    Campaign,
-    PadSpec,
-    PunchSpec,
-    Trial,
-    check_against_declared,
-    check_edge,
-    check_set,
-)
+from dummydesign.measurement.campaign import Campaign, PadSpec, PunchSpec, Trial
+from dummydesign.measurement.campaign import check_against_declared, check_edge, check_set
 from dummydesign.measurement.pad_record import Records, pad_with_record, trial_with_record
 from dummydesign.measurement.sensor import Lowpass
 from dummydesign.measurement.trace import read_trace
@@ -97,10 +90,10 @@ def read_campaign(folder: str | Path) -> Campaign:
         speed, force and thickness), fewer than two trials.
     """
     folder = Path(folder)
+    if folder.is_file():
+        message = f"campaign '{folder}' is a file; give its folder: {shlex.quote(str(folder.parent))}"
+        raise InputError(message, "file_not_found", "campaign", str(folder))
     if not folder.is_dir():
-        if folder.is_file():
-            message = f"campaign '{folder}' is a file; give its folder: {shlex.quote(str(folder.parent))}"
-            raise InputError(message, "file_not_found", "campaign", str(folder))
         raise InputError(f"campaign folder '{folder}' does not exist", "file_not_found", "campaign")
     top = read_campaign_toml(folder)
     if top.data.get("schema") != 1:
@@ -128,8 +121,7 @@ def read_campaign(folder: str | Path) -> Campaign:
     measured = [records.of(table) or own for table in tables]
     tables = [trial_with_record(table, one) if one else table for table, one in zip(tables, measured)]
     trials = tuple(_read_trial(table, index, folder, pad, punch) for index, table in enumerate(tables, 1))
-    shapes = [trial.geometry for trial in trials]
-    check_edge(pad, punch, shapes, f"{punch_table.where('edge_radius_mm')}: ")
+    check_edge(pad, punch, [trial.geometry for trial in trials], f"{punch_table.where('edge_radius_mm')}: ")
     warnings = (*check_set(trials, tables), *records.warnings())
     name = str(top.data.get("name", folder.name))
     return Campaign(name, folder, pad, punch, lowpass, resolution, trials, warnings, tuple(records.read))
@@ -200,25 +192,22 @@ def _read_sensor(table: Table) -> tuple[Lowpass | None, float]:
     where = table.where("lowpass_hz")
     try:
         order, passes = (int(table.data.get(f"lowpass_{key}", usual)) for key, usual in (("order", 2), ("passes", 1)))
-        return Lowpass(cutoff, order, passes), resolution
-    except InputError as problem:
-        raise problem.within(where) from None
     except (ValueError, TypeError) as problem:
         raise InputError(f"{where}: {problem}", "not_a_number", "sensor.lowpass") from None
+    with errors_within(where):
+        return Lowpass(cutoff, order, passes), resolution
 
 
 def _read_trial(table: Table, number: int, folder: Path, pad: PadSpec, punch: PunchSpec) -> Trial:
     unknown = sorted(set(table.data) - _TRIAL_KEYS)
-    for key in unknown:
-        if key in PUNCH_KEYS:
-            words = "in a trial: a campaign has one [punch]; join campaigns by 'dummydesign loop --prior'"
-            raise table.fault(key, words, "not_applicable")
+    if of_punch := [key for key in unknown if key in PUNCH_KEYS]:
+        words = "in a trial: a campaign has one [punch]; join campaigns by 'dummydesign loop --prior'"
+        raise table.fault(of_punch[0], words, "not_applicable")
     if unknown:
         raise unknown_name("key", unknown[0], _TRIAL_KEYS, "unknown_key", "trial").within(table.where(unknown[0]))
     numbers = {key: table.number(key, None, low=low, high=high) for key, (low, high) in TRIAL_NUMBERS.items()}
     for key in TRIAL_REQUIRED:
-        if key not in table:
-            raise table.fault(key, "is missing", "missing")
+        table.number(key)
     geometry = _trial_geometry(table, pad, punch)
     name = _read_file_name(table, folder)
     if not (folder / name).is_file():
@@ -334,11 +323,11 @@ class SetUp:
         if cylinder and self.shape != "slab":
             message = f"shape {self.shape} with a cylinder: a puck has a diameter only"
             raise InputError(message, "conflict", "shape", self.shape)
+        if shape == "profile" and not size:
+            message = f"punch '{self.punch}': give the file, profile:FILE with columns r_mm,z_mm"
+            raise InputError(message, "missing", "punch", self.punch)
         punch: dict[str, Any] = {"shape": shape}
         if shape == "profile":
-            if not size:
-                message = f"punch '{self.punch}': give the file, profile:FILE with columns r_mm,z_mm"
-                raise InputError(message, "missing", "punch", self.punch)
             punch["file"] = Path(size).name
         elif shape != "plate":
             key = "side_mm" if shape == "square" else "diameter_mm"
@@ -348,30 +337,12 @@ class SetUp:
 
 
 def campaign_toml(set_up: SetUp, trials: Iterable[Mapping[str, Any]], comments: Iterable[str] = ()) -> str:
-    """Write a campaign file; a trial's value of None becomes a commented line to fill in.
-
-    Parameters
-    ----------
-    set_up : SetUp
-        Name, pad, punch and sensor.
-    trials : iterable of mapping
-        Keys and values of each trial.
-    comments : iterable of str
-        Lines at the top of the file.
-
-    Returns
-    -------
-    str
-        TOML.
-    """
-    lines = [f"# {text}" for text in comments]
-    lines += ["schema = 1", f"name = {toml_text(set_up.name)}"]
-    for table, entries in set_up.tables().items():
-        lines += ["", f"[{table}]", *(f"{key} = {_value(value)}" for key, value in entries.items())]
-    for trial in trials:
-        lines += ["", "[[trial]]"]
-        for key, value in trial.items():
-            lines.append(f"# {key} =" if value is None else f"{key} = {_value(value)}")
+    """Write a campaign file, comments at its top; a trial's value of None becomes a commented line to fill in."""
+    lines = [*(f"# {text}" for text in comments), "schema = 1", f"name = {toml_value(set_up.name)}"]
+    tables = [(f"[{name}]", entries) for name, entries in set_up.tables().items()]
+    for heading, entries in [*tables, *(("[[trial]]", trial) for trial in trials)]:
+        lines += ["", heading]
+        lines += [f"# {key} =" if one is None else f"{key} = {toml_value(one)}" for key, one in entries.items()]
     return "\n".join(lines) + "\n"
 
 
@@ -383,9 +354,3 @@ def _sizes(text: str, count: int, what: str, given: str, form: str) -> list[floa
     if len(sizes) != count or not all(1.0 <= size <= 2000.0 for size in sizes):
         raise InputError(f"{what} '{given}' must have the form {form}, in mm", "malformed", what, given)
     return sizes
-
-
-def _value(value: Any) -> str:
-    if isinstance(value, bool):
-        return "true" if value else "false"
-    return toml_text(value) if isinstance(value, str) else repr(value)

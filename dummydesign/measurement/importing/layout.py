@@ -19,6 +19,8 @@ HEADER_LINES = 8
 """Lines above the table that may be its header."""
 _LONGEST_NAME = 80
 _SAMPLE = 60
+_TESTS = {"number": is_number, "stamp": is_stamp}
+"""What the cells of a column are known by."""
 
 
 @dataclass(frozen=True)
@@ -160,8 +162,7 @@ def _column_kinds(sample: Sequence[str], separator: str) -> tuple[str, ...]:
     kinds = []
     for column in zip(*(row for row in rows if len(row) == width)):
         filled = [cell for cell in column if not is_missing(cell)]
-        tests = {"number": is_number, "stamp": is_stamp}
-        kind = next((kind for kind, test in tests.items() if sum(map(test, filled)) >= 0.7 * len(filled)), "text")
+        kind = next((kind for kind, test in _TESTS.items() if sum(map(test, filled)) >= 0.7 * len(filled)), "text")
         kinds.append(kind if filled else "empty")
     return tuple(kinds)
 
@@ -170,14 +171,8 @@ def _is_row(cells: Sequence[str], kinds: Sequence[str]) -> bool:
     """Whether cells are a row of the table: every column holds what it should, and not all of it is missing."""
     if len(cells) != len(kinds):
         return False
-    filled = 0
-    for cell, kind in zip(cells, kinds):
-        if kind in ("number", "stamp"):
-            if (is_number if kind == "number" else is_stamp)(cell):
-                filled += 1
-            elif not is_missing(cell):
-                return False
-    return filled > 0
+    fits = [(cell, _TESTS[kind](cell)) for cell, kind in zip(cells, kinds) if kind in _TESTS]
+    return any(fit for _, fit in fits) and all(fit or is_missing(cell) for cell, fit in fits)
 
 
 def _bounds(lines: Sequence[str], separator: str, kinds: Sequence[str]) -> tuple[int, int]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, fields, replace
 from functools import partial
 from pathlib import Path
@@ -14,7 +15,7 @@ from numpy.typing import NDArray
 
 from dummydesign.core.errors import InputError, unknown_name
 from dummydesign.core.files import unwritable, write_bytes, write_text
-from dummydesign.core.library import DEVICE, Entry, entries, find, read_toml, toml_text, user_folder
+from dummydesign.core.library import DEVICE, Entry, entries, find, read_toml, toml_value, user_folder
 from dummydesign.measurement.importing import contact as contact_zero
 from dummydesign.measurement.importing.decisions import Decision, ImportLog, NoTableError, Settings
 from dummydesign.measurement.importing.decoding import LEFT_OUT
@@ -28,19 +29,10 @@ from dummydesign.measurement.trace import COLUMNS, SECONDS, magnitude_fault
 
 @dataclass(frozen=True)
 class ImportedPress:
-    """One press as it is written, and where it is in the file.
+    """One press as it is written: time from 0 at its first sample, zero at contact, tared, compression positive.
 
-    Attributes
-    ----------
-    number : int
-        From 1.
-    time_s, displacement_mm, force_N : ndarray, shape (n,)
-        Time from 0 at the first sample; zero at contact; tared; compression positive.
-    summary : Summary
-    contact_low_mm, contact_high_mm : float
-        95 % interval of the contact by the force alone, about the zero that was taken.
-    begins_s : float
-        Time of the file at the first sample.
+    ``contact_low_mm`` and ``contact_high_mm`` are the 95 % interval of the contact by the force alone, about the zero
+    that was taken; ``begins_s`` is the time of the file at the first sample.
     """
 
     number: int
@@ -71,44 +63,21 @@ class Imported:
         return f"{self.source.name} [{self.sheet}]" if self.sheet else self.source.name
 
 
-def import_file(path: str | Path, settings: Settings | None = None) -> Imported:
-    """Read a file as a test machine wrote it.
-
-    Parameters
-    ----------
-    path : path
-        Text in any usual encoding, or .xlsx where its reader is installed.
-    settings : Settings, optional
-        What the user settled; everything else is found.
-
-    Raises
-    ------
-    InputError
-        With file and line where there is one, and what to do.
-    QuestionError
-        Where the file leaves a decision open, with the option that settles it.
-    """
-    path = Path(path)
-    log = ImportLog(path.name, settings or Settings())
-    return _import_text(path, "".join(read_texts(path, log).values()), log)
-
-
 def _tests_of(path: Path, settings: Settings | None) -> list[tuple[str, str, ImportLog]]:
     """The title, the text and the log of each test of a file: one, or one a sheet of a workbook of tests."""
     log = ImportLog(path.name, settings or Settings())
     texts = read_texts(path, log)
     if len(texts) == 1:
         return [("", next(iter(texts.values())), log)]
-    why = "one of the sheets that are tests of their own: each has its own zero and presses"
     tests = []
     for title, text in texts.items():
         own = ImportLog(f"{path.name} [{title}]", log.settings, list(log.decisions))
-        own.decide("sheet", title, why)
+        own.decide("sheet", title, "one of the sheets that are tests of their own: each has its own zero and presses")
         tests.append((title, text, own))
     return tests
 
 
-def _import_text(path: Path, text: str, log: ImportLog, sheet: str = "") -> Imported:
+def _import_text(path: Path, sheet: str, text: str, log: ImportLog) -> Imported:
     """Read one test."""
     columns = columns_of(text, log)
     first = float(columns.force_N[0])
@@ -146,11 +115,9 @@ def _read_option(option: str, word: str, kind: str) -> float | None:
         return None
     parts = re.fullmatch(r"\s*([+-]?[0-9.]+(?:[eE][+-]?\d+)?)\s*(\S*)\s*", word)
     unit = scaled_unit(parts[2] or BASE[kind], kind) if parts else None
-    try:
+    with suppress(ValueError):
         if parts and unit:
             return float(parts[1]) * unit.factor
-    except ValueError:
-        pass
     form = f"a reading in {BASE[kind]} (or with a unit: {USUAL_UNITS[kind]})"
     form += ", or first (each file's first sample)" if option == "tare" else ""
     raise InputError(f"--{option} {word} is not auto, none or {form}", "not_a_number", option, word)
@@ -178,9 +145,8 @@ def _find_spans(
         spans += [Span(span.start + first, span.stop + first, span.onset + first) for span in presses]
     if not spans:
         raise log.fault(f"nothing is pressed in any of its {len(recordings)} recordings", "nothing_found", "force_N")
-    why = "force and depth do not return to zero and rise again" if several else "--split none"
-    why = "force and depth return to zero between them" if len(spans) > 1 else why
-    log.decide("presses", str(len(spans)), why)
+    one = "force and depth do not return to zero and rise again" if several else "--split none"
+    log.decide("presses", str(len(spans)), one if len(spans) == 1 else "force and depth return to zero between them")
     return spans
 
 
@@ -212,8 +178,7 @@ def _find_contact(
     time: NDArray, x: NDArray, load: NDArray, span: Span, rest: float, tare: float | None, log: ImportLog
 ) -> contact_zero.ContactEstimate:
     """Contact of one press; where nothing was recorded before it, with the force counted from zero."""
-    way = x[span.onset : span.stop]
-    if float(way.max() - x[span.start : span.onset + 1].min()) < SHALLOWEST_MM:
+    if float(x[span.onset : span.stop].max() - x[span.start : span.onset + 1].min()) < SHALLOWEST_MM:
         message = (
             f"the force rises to {load[span.start : span.stop].max():.3g} N while the position stands at "
             f"{x[span.onset]:.4g} mm; does the recording begin pressed, or is this another column? "
@@ -257,19 +222,10 @@ def files_of(paths: Iterable[str | Path]) -> list[tuple[Path, bool]]:
 def import_files(
     paths: Sequence[str | Path], settings: Settings | None = None
 ) -> tuple[list[Imported], list[dict[str, Any]]]:
-    """Read several files and folders.
+    """Read files and folders as test machines wrote them; warnings of all together.
 
-    Returns
-    -------
-    imported : list of Imported
-    warnings : list of {code, message}
-        Of all of them together: files of a folder that hold no table, presses that two files share.
-
-    Raises
-    ------
-    InputError, QuestionError
-        The first one that a file gives, with the number of other files that have one too. Nothing is left out
-        silently.
+    The first error or question of a file is raised, with the number of other files that have one too. Nothing is left
+    out silently.
     """
     imported: list[Imported] = []
     warnings: list[dict[str, Any]] = []
@@ -283,7 +239,7 @@ def import_files(
             count += len(tests)
             for sheet, text, log in tests:
                 try:
-                    imported.append(_import_text(path, text, log, sheet))
+                    imported.append(_import_text(path, sheet, text, log))
                 except InputError as problem:
                     if len(tests) == 1:
                         raise
@@ -302,8 +258,7 @@ def import_files(
         first, others = problems[0], _others(doubtful, imported, settings) if len(listed) == 1 else ""
         raise type(first)(f"{first}{more}{others}", first.code, first.quantity, first.value, first.allowed)
     if not imported:
-        message = f"none of the {len(listed)} files holds a table of numbers"
-        raise InputError(message, "nothing_found", "table")
+        raise InputError(f"none of the {len(listed)} files holds a table of numbers", "nothing_found", "table")
     seen: dict[str, tuple[Imported, int]] = {}
     for one in imported:
         for press in one.presses:
@@ -325,8 +280,7 @@ def _others(doubtful: list[str], imported: Sequence[Imported], settings: Setting
         return ""
     every = settings is None or settings.sheets is None
     text = f"{LEFT_OUT}{','.join(doubtful)}" if every else ",".join(certain)
-    count = len(certain)
-    return f'; --sheets "{text}" reads the other {f"{count} sheets" if count > 1 else "sheet"}'
+    return f'; --sheets "{text}" reads the other {f"{len(certain)} sheets" if len(certain) > 1 else "sheet"}'
 
 
 def plan_traces(imported: Sequence[Imported], folder: Path | None) -> list[Planned]:
@@ -382,23 +336,10 @@ def _name(source: Path, sheet: str, number: int, taken: set[str]) -> str:
 
 
 def trace_bytes(time_s: NDArray, displacement_mm: NDArray, force_N: NDArray, settled: bool = False) -> bytes:
-    """The canonical CSV, to a microsecond, a nanometre and a micronewton.
-
-    Parameters
-    ----------
-    time_s, displacement_mm, force_N : ndarray, shape (n,)
-        A press in the project's units. [s, mm, N]
-    settled : bool
-        Whether a column is added that says that time is in seconds, however slow the press.
-
-    Returns
-    -------
-    bytes
-    """
+    """The canonical CSV, to a microsecond, a nanometre and a micronewton; ``settled`` adds that time is in seconds."""
     rows = np.stack([time_s, displacement_mm, force_N, *([np.ones_like(time_s)] if settled else [])], axis=1)
-    parts = [_digits(rows[start : start + _ROWS]) for start in range(0, len(rows), _ROWS)]
-    header = ",".join((*COLUMNS, SECONDS) if settled else COLUMNS)
-    return f"{header}\n".encode("ascii") + b"".join(parts)
+    header = ",".join((*COLUMNS, SECONDS) if settled else COLUMNS) + "\n"
+    return header.encode() + b"".join(_digits(rows[start : start + _ROWS]) for start in range(0, len(rows), _ROWS))
 
 
 def _digits(rows: NDArray) -> bytes:
@@ -489,17 +430,7 @@ def learned(given: Settings, imported: Iterable[Imported]) -> Settings:
 
 
 def save_profile(name: str, settings: Settings, overwrite: bool = False) -> Path:
-    """Keep a profile in the user's folder.
-
-    Parameters
-    ----------
-    name : str
-        Name of the profile: letters, digits, '-', '_' and '.'.
-    settings : Settings
-        What was settled for the machine.
-    overwrite : bool
-        Replace a profile of this name that has other settings.
-    """
+    """Keep a profile in the user's folder; ``overwrite`` replaces one of this name that has other settings."""
     if not re.fullmatch(r"[\w][\w .-]{0,60}", name) or name.lower().endswith(".toml") or DEVICE.fullmatch(name):
         message = f"--save-profile '{name}': a profile's name is made of letters, digits, '-', '_' and '.'"
         raise InputError(message, "bad_name", "save_profile", name)
@@ -522,9 +453,7 @@ def _profile_text(settings: Settings) -> str:
         if value is None or value == getattr(_NO_SETTINGS, field.name):
             continue
         if isinstance(value, dict):
-            tables += ["", f"[{field.name}]", *(f"{role} = {toml_text(text)}" for role, text in value.items())]
-        elif isinstance(value, frozenset):
-            lines.append(f"{field.name} = [{', '.join(toml_text(item) for item in sorted(value))}]")
+            tables += ["", f"[{field.name}]", *(f"{role} = {toml_value(text)}" for role, text in value.items())]
         else:
-            lines.append(f"{field.name} = {value if isinstance(value, int) else toml_text(value)}")
+            lines.append(f"{field.name} = {toml_value(sorted(value) if isinstance(value, frozenset) else value)}")
     return "\n".join([*lines, *tables]) + "\n"

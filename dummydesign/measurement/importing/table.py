@@ -48,11 +48,6 @@ def read_texts(path: Path, log: ImportLog) -> dict[str, str]:
     return {"": decode(data, log)}
 
 
-def read_columns(path: Path, log: ImportLog) -> Columns:
-    """Read time, displacement and force of a file as a test machine wrote it, all sheets of a workbook as one text."""
-    return columns_of("".join(read_texts(path, log).values()), log)
-
-
 def columns_of(text: str, log: ImportLog) -> Columns:
     """Read time, displacement and force of a text."""
     layout = find_layout(text, log)
@@ -215,7 +210,7 @@ def _recordings(time: NDArray, body: Body, log: ImportLog) -> tuple[NDArray, tup
     """Find rows to keep and the recordings in them."""
     keep = np.ones(len(time), bool)
     same = np.flatnonzero((np.diff(time) == 0) & np.all(body.values[1:] == body.values[:-1], axis=1)) + 1
-    if same.size and same.size <= 0.02 * len(time):
+    if 0 < same.size <= 0.02 * len(time):
         keep[same] = False
         why = f"word for word the row before; the first is line {body.lines[same[0]]}"
         log.decide("repeated rows", f"{same.size} rows", why)
@@ -226,10 +221,9 @@ def _recordings(time: NDArray, body: Body, log: ImportLog) -> tuple[NDArray, tup
     for row in (np.flatnonzero(np.diff(kept) <= 0) + 1).tolist():
         begin, reached = float(kept[starts[-1]]), float(kept[row - 1])
         back = reached - float(kept[row])
-        if back > 0 and (row in interrupted or back > 0.9 * (reached - begin)) and row - starts[-1] >= 10:
-            starts.append(row)
-        else:
+        if not (back > 0 and (row in interrupted or back > 0.9 * (reached - begin)) and row - starts[-1] >= 10):
             raise _time_fault(kept, row, int(lines[row]), log)
+        starts.append(row)
     if len(starts) > 1:
         log.decide("recordings", str(len(starts)), f"the time begins again at line {int(lines[starts[1]])}")
     return keep, tuple(zip(starts, [*starts[1:], len(kept)]))
@@ -238,14 +232,11 @@ def _recordings(time: NDArray, body: Body, log: ImportLog) -> tuple[NDArray, tup
 def _time_fault(time: NDArray, row: int, line: int, log: ImportLog) -> InputError:
     steps = np.diff(time)
     share = float(np.mean(steps == 0))
-    message = (
-        f"time = {time[row]:.6g} s does not rise (the row before has {time[row - 1]:.6g} s); sort the rows, or leave "
-        "this one out"
-    )
+    words = f"does not rise (the row before has {time[row - 1]:.6g} s); sort the rows, or leave this one out"
     if share > 0.05:
         size = min(steps[steps > 0].tolist(), default=0.0)
-        message = (
-            f"time = {time[row]:.6g} s is written {1 / max(1 - share, 1e-9):.1f} times on average: its last digit "
-            f"({size:.3g} s) is coarser than the sampling; export the time with more digits"
+        words = (
+            f"is written {1 / max(1 - share, 1e-9):.1f} times on average: its last digit ({size:.3g} s) is coarser "
+            "than the sampling; export the time with more digits"
         )
-    return log.fault(message, "malformed", "time_s", float(time[row]), line=line)
+    return log.fault(f"time = {time[row]:.6g} s {words}", "malformed", "time_s", float(time[row]), line=line)

@@ -58,10 +58,15 @@ _SETS = {role: frozenset(words.split()) for role, words in _WORDS.items()}
 
 def words_of(name: str) -> list[str]:
     """Return the lower-case words of a name without accents; capitals in a word and underscores separate words."""
-    spaced = re.sub(r"(?<=[a-zà-ÿ])(?=[A-Z])", " ", name)
-    plain = unicodedata.normalize("NFKD", spaced.lower().replace("ß", "ss"))
-    plain = "".join(letter for letter in plain if not unicodedata.combining(letter))
+    spaced = re.sub(r"(?<=[a-zà-ÿ])(?=[A-Z])", " ", name).lower().replace("ß", "ss")
+    plain = "".join(letter for letter in unicodedata.normalize("NFKD", spaced) if not unicodedata.combining(letter))
     return re.findall(r"[a-z]+|[^\x00-\x7f]+", plain)
+
+
+def _sign_in(name: str) -> str | None:
+    """Return the role of a name by the Chinese characters in it."""
+    wide = unicodedata.normalize("NFKC", name)
+    return next((role for role, signs in _KANJI.items() if any(sign in wide for sign in signs)), None)
 
 
 def roles_of_name(name: str) -> frozenset[str]:
@@ -70,10 +75,8 @@ def roles_of_name(name: str) -> frozenset[str]:
     ``other`` is a word for something else (stress, temperature, a commanded value) and outweighs the rest:
     "Kraft Sollwert" is no measured force. Empty where the name says nothing.
     """
-    kanji = unicodedata.normalize("NFKC", name)
-    for role, signs in _KANJI.items():
-        if any(sign in kanji for sign in signs):
-            return frozenset([role])
+    if sign := _sign_in(name):
+        return frozenset([sign])
     words = words_of(name)
     roles = {role for role, known in _SETS.items() if known & set(words)}
     roles |= {role for role, parts in _COMPOUND.items() if any(w.startswith(parts) or w.endswith(parts) for w in words)}
@@ -81,17 +84,14 @@ def roles_of_name(name: str) -> frozenset[str]:
         roles.add(_LETTERS[words[0]])
     # "Load cell temperature", "Position setpoint": the word for something else decides. "Sample time" is a time.
     if "other" in roles:
-        roles = {"time"} if roles == {"other", "time"} else {"other"}
+        return frozenset(roles - {"other"} if roles == {"other", "time"} else ["other"])
     return frozenset(roles)
 
 
 def is_known_word(word: str) -> bool:
     """Whether a single word, as a whole, is one that columns are named by."""
-    kanji = unicodedata.normalize("NFKC", word)
-    if any(sign in kanji for signs in _KANJI.values() for sign in signs):
-        return True
     words = words_of(word)
-    return len(words) == 1 and any(words[0] in known for known in _SETS.values())
+    return _sign_in(word) is not None or (len(words) == 1 and any(words[0] in known for known in _SETS.values()))
 
 
 KIND_OF_ROLE = {"time": "time", "displacement": "length", "force": "force"}
@@ -139,6 +139,9 @@ class Unit:
     text: str
 
 
+_UNITS = {name: Unit(kind, factor, name) for kind, table in _FACTORS.items() for name, factor in table.items()}
+
+
 def find_unit(text: str) -> Unit | None:
     """Look a unit up as written, brackets or not; None where it is none that is known.
 
@@ -146,21 +149,16 @@ def find_unit(text: str) -> Unit | None:
     counts only when no other one of its kind is written alike.
     """
     word = text.translate(_ALIKE).strip().strip(".").strip()
-    inner = _BRACKETS.fullmatch(word)
-    if inner:
-        word = next(group for group in inner.groups() if group is not None).strip()
-    if not word:
-        return None
-    for kind, table in _FACTORS.items():
-        if word in table:
-            return Unit(kind, table[word], word)
+    if _BRACKETS.fullmatch(word):
+        word = word[1:-1].strip()
+    if word in _UNITS:
+        return _UNITS[word]
     if word.lower() in _ELSEWHERE:
         return Unit(OTHER, 1.0, word)
     # MN and MS are mega-units or sloppy capitals: a factor of a thousand million is nothing to guess at.
     if word in ("MN", "Mn", "mn", "M", "MS", "Ms", "G", "MIN"):
         return None
-    units = [Unit(kind, factor, name) for kind, table in _FACTORS.items() for name, factor in table.items()]
-    alike = [unit for unit in units if unit.text.lower() == word.lower()]
+    alike = [unit for name, unit in _UNITS.items() if name.lower() == word.lower()]
     return alike[0] if len(alike) == 1 else None
 
 

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from dummydesign.core.errors import InputError, out_of_range, unknown_name
 from dummydesign.core.files import write_text
-from dummydesign.core.library import toml_text
+from dummydesign.core.library import toml_value
 from dummydesign.core.quantity import HALF_WIDTH, Quantity, value_at
 from dummydesign.core.serialise import Serialised, to_plain
 from dummydesign.resin.model.modulus_laws import ModulusLaw, check_young
@@ -126,17 +126,6 @@ def save_resin(resin: Resin, path: Path) -> Path:
     return write_text(path, "\n".join(_lines(resin.to_dict(), "")) + "\n")
 
 
-def _value(value: Any) -> str:
-    """Write a plain value, a list of plain values or a quantity on one line of TOML."""
-    if isinstance(value, dict):
-        return "{ " + ", ".join(f"{key} = {_value(item)}" for key, item in value.items()) + " }"
-    if isinstance(value, list):
-        return "[" + ", ".join(_value(item) for item in value) + "]"
-    if isinstance(value, str):
-        return toml_text(value)
-    return repr(float(value)) if isinstance(value, float) else str(value)
-
-
 def _is_inline(value: Any) -> bool:
     """Quantities and plain values stay on one line; other tables get a heading of their own."""
     if isinstance(value, dict):
@@ -146,7 +135,7 @@ def _is_inline(value: Any) -> bool:
 
 def _lines(table: Mapping[str, Any], prefix: str) -> list[str]:
     """Write a table: its own values first, then the tables inside it."""
-    lines = [f"{key} = {_value(value)}" for key, value in table.items() if _is_inline(value)]
+    lines = [f"{key} = {toml_value(value)}" for key, value in table.items() if _is_inline(value)]
     for key, value in table.items():
         if _is_inline(value):
             continue

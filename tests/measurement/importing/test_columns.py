@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from dummydesign.measurement.importing.decisions import ImportLog, Settings
-from dummydesign.measurement.importing.table import read_columns
+from dummydesign.measurement.importing.table import columns_of
 from dummydesign.measurement.importing.vocabulary import find_unit, roles_of_name, scaled_unit, split_name
 from tests.support.refusal import raises_code
 
@@ -20,7 +20,7 @@ def read(tmp_path, head, columns=(TIME, WAY, FORCE), settings=None, separator=";
     path = tmp_path / "press.csv"
     path.write_text("\n".join([*([head] if head else []), *rows]) + "\n", encoding="utf-8")
     log = ImportLog(path.name, settings or Settings())
-    return read_columns(path, log), log
+    return columns_of(path.read_text(encoding="utf-8"), log), log
 
 
 def close(found):
@@ -77,11 +77,10 @@ def test_units_that_differ_by_a_capital_are_kept_apart():
         ("time (h);depth (in);load (lbf)", (1 / 3600, 1 / 25.4, 1 / 4.4482216152605)),
     ],
 )  # fmt: skip
-def test_stated_units_are_brought_to_s_mm_and_newton(tmp_path, head, scale):
+def test_stated_units_are_brought_to_s_mm_and_newton(head, scale):
     rows = [values * factor for values, factor in zip((TIME, WAY, FORCE), scale)]
     lines = [";".join(f"{cell:.12f}" for cell in row) for row in zip(*rows)]
-    (tmp_path / "a.csv").write_text("\n".join([head, *lines]) + "\n", encoding="utf-8")
-    close(read_columns(tmp_path / "a.csv", ImportLog("a.csv")))
+    close(columns_of("\n".join([head, *lines]) + "\n", ImportLog("a.csv")))
 
 
 def test_a_unit_row_may_be_in_another_order_than_ours(tmp_path):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import shlex
 import tomllib
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -18,8 +18,8 @@ from dummydesign.geometry.pad_shape import PadShape
 from dummydesign.geometry.punch import ball_profile, read_profile
 from dummydesign.geometry.shape_registry import read_shape, shape_kinds
 from dummydesign.geometry.shapes.slab import Slab
-from dummydesign.measurement.campaign import Campaign, PadSpec, PunchSpec, Trial
-from dummydesign.measurement.campaign import check_against_declared, check_edge, check_set
+from dummydesign.measurement.campaign import Campaign, PadSpec, PunchSpec, Trial, check_edge, held_force
+from dummydesign.measurement.landmarks import ramp_of
 from dummydesign.measurement.pad_record import Records, pad_with_record, trial_with_record
 from dummydesign.measurement.sensor import Lowpass
 from dummydesign.measurement.trace import read_trace
@@ -122,7 +122,7 @@ def read_campaign(folder: str | Path) -> Campaign:
     tables = [trial_with_record(table, one) if one else table for table, one in zip(tables, measured)]
     trials = tuple(_read_trial(table, index, folder, pad, punch) for index, table in enumerate(tables, 1))
     check_edge(pad, punch, [trial.geometry for trial in trials], f"{punch_table.where('edge_radius_mm')}: ")
-    warnings = (*check_set(trials, tables), *records.warnings())
+    warnings = (*_check_set(trials, tables), *records.warnings())
     name = str(top.data.get("name", folder.name))
     return Campaign(name, folder, pad, punch, lowpass, resolution, trials, warnings, tuple(records.read))
 
@@ -216,8 +216,37 @@ def _read_trial(table: Table, number: int, folder: Path, pad: PadSpec, punch: Pu
     declared = {key: value for key, value in numbers.items() if key != "target_depth_mm"}
     repeat, sequence = _read_count(table, "repeat", 1), _read_count(table, "sequence", number)
     trial = Trial(file=name, repeat=repeat, sequence=sequence, trace=trace, geometry=geometry, **declared)
-    check_against_declared(trial, table)
+    _check_against_declared(trial, table)
     return trial
+
+
+def _check_against_declared(trial: Trial, table: Table) -> None:
+    """Refuse magnitudes that can only be another unit, seen against the thickness, speed and force in its table."""
+    trace, ramp = trial.trace, ramp_of(trial.trace)
+    deepest = float(trace.displacement_mm.max())
+    if deepest >= 0.95 * trial.thickness_mm:
+        message = (
+            f"{table.where('thickness_mm')}: {trial.file} presses {deepest:g} mm into a pad of "
+            f"{trial.thickness_mm:g} mm; is displacement_mm or thickness_mm in another unit?"
+        )
+        raise InputError(message, "inconsistent", "trial.thickness_mm", trial.thickness_mm)
+    if trial.target_force_N:
+        held = held_force(trace, ramp)
+        share = held / trial.target_force_N
+        if share > 100 or share < 0.01:
+            unit = "millinewtons: --units force=mN" if share > 100 else "kilonewtons: --units force=kN"
+            message = (
+                f"{trial.file}: force_N is {held:g} in the hold, the target at {table.where('target_force_N')} is "
+                f"{trial.target_force_N:g} N; it looks like {unit} of 'dummydesign import' reads them"
+            )
+            raise InputError(message, "implausible_unit", "force_N", held)
+    if not 0.02 < ramp.velocity_mm_s / trial.velocity_mm_s < 20.0:
+        message = (
+            f"{table.where('velocity_mm_s')}: velocity_mm_s = {trial.velocity_mm_s:g}, but {trial.file} moves at "
+            f"{ramp.velocity_mm_s:.4g} mm/s; is the speed in m/s, or the time of the trace in another unit "
+            "(--units time=ms of 'dummydesign import' reads milliseconds)?"
+        )
+        raise InputError(message, "inconsistent", "trial.velocity_mm_s", trial.velocity_mm_s)
 
 
 def _read_count(table: Table, key: str, usual: int) -> int:
@@ -253,6 +282,26 @@ def _read_file_name(table: Table, folder: Path) -> str:
     if outside or not (folder / name).resolve().is_relative_to(folder.resolve()):
         raise table.fault("file", "leaves the campaign folder; give a plain file name inside it", "not_allowed")
     return name
+
+
+def _check_set(trials: Sequence[Trial], tables: Sequence[Table]) -> list[dict[str, str]]:
+    """Refuse files and sequence numbers that are used twice; return what is missing for some tests."""
+    for key in ("file", "sequence"):
+        seen: dict[Any, int] = {}
+        for index, (trial, table) in enumerate(zip(trials, tables)):
+            value = getattr(trial, key)
+            if value in seen and key in table:
+                raise table.fault(key, f"is already used by trial {seen[value] + 1}", "duplicate")
+            seen[value] = index
+    warnings = []
+    if not any("sequence" in table for table in tables):
+        message = "no sequence is given: the order of the file is taken as the order of the trials"
+        warnings.append({"code": "no_sequence", "message": message})
+    for key in ("temperature_C", "age_days", "rest_s"):
+        if any(getattr(trial, key) is None for trial in trials):
+            message = f"{key} is not given for every trial: effects that need it cannot be tested"
+            warnings.append({"code": f"no_{key}", "message": message})
+    return warnings
 
 
 @dataclass(frozen=True)

@@ -79,8 +79,7 @@ def _check_value(key: str, value: float | None, file: str) -> float | int | None
     low, high = TRIAL_NUMBERS.get(key, (1, math.inf))
     if not (math.isfinite(value) and low <= value <= high and (key != "sequence" or value == int(value))):
         allowed = "a whole number from 1" if key == "sequence" else f"a number from {low:g} to {high:g}"
-        message = f"{file}: {key} = {value:g} must be {allowed}"
-        raise InputError(message, "out_of_range", name, value, (low, high))
+        raise InputError(f"{file}: {key} = {value:g} must be {allowed}", "out_of_range", name, value, (low, high))
     return int(value) if key == "sequence" else float(value)
 
 
@@ -160,14 +159,12 @@ def _trial(path: Path, row: Mapping[str, Any], thickness_mm: float | None) -> tu
             "trials.csv with file,thickness_mm,..., or --thickness MM for all files"
         )
         raise InputError(message, "missing", "thickness_mm")
-    sources = ["table"] if row else []
-    sources += ["name"] if set(named) - set(row) else []
+    sources = [word for word, used in (("table", row), ("name", set(named) - set(row))) if used]
     if "velocity_mm_s" not in known:
         speed = approach_velocity(trace.time_s, trace.displacement_mm, ramp_of(trace))
         known["velocity_mm_s"] = float(f"{speed:.2g}")
         sources.append("speed as the trace moves")
-    trial = {"file": path.name, **{key: known[key] for key in COLUMNS[1:] if key in known}}
-    return trial, ", ".join(sources)
+    return {"file": path.name, **{key: known[key] for key in COLUMNS[1:] if key in known}}, ", ".join(sources)
 
 
 def named_values(path: Path) -> dict[str, Any]:

@@ -154,13 +154,13 @@ def find_holds(time_s: NDArray, displacement_mm: NDArray) -> tuple[Hold, ...]:
     half = max(one, 2.0 * float(np.median(np.diff(time))))
     speed = 0.01 * deepest / max(one, 1e-12)
     moved = np.abs(np.interp(time + half, time, x) - np.interp(time - half, time, x))
-    edges = np.diff(np.r_[False, (moved <= SLOWED * speed * 2.0 * half) & (x > 0.03 * deepest), False].astype(int))
+    still = true_runs((moved <= SLOWED * speed * 2.0 * half) & (x > 0.03 * deepest))
     least = max(HOLD_FRACTION * 100.0 * one, 4.0 * half)
     reach = max(0.002 * deepest, 0.01)
     holds: list[Hold] = []
-    for first, last in zip(np.nonzero(edges == 1)[0], np.nonzero(edges == -1)[0] - 1):
-        level = float(np.median(x[first : last + 1]))
-        begin, end = _stretch(x, int(first), int(last), level, reach)
+    for first, after in still:
+        level = float(np.median(x[first:after]))
+        begin, end = _stretch(x, first, after - 1, level, reach)
         if time[end] - time[begin] < least or end - begin < 10:
             continue
         if holds and level < holds[-1].displacement_mm - reach:
@@ -170,6 +170,12 @@ def find_holds(time_s: NDArray, displacement_mm: NDArray) -> tuple[Hold, ...]:
         else:
             holds.append(Hold(float(time[begin]), float(time[end]), level))
     return tuple(holds)
+
+
+def true_runs(mask: NDArray) -> list[tuple[int, int]]:
+    """Half-open ranges in which a mask is true."""
+    edges = np.flatnonzero(np.diff(np.r_[0, mask.astype(np.int8), 0]))
+    return list(zip(edges[::2].tolist(), edges[1::2].tolist()))
 
 
 def _stretch(x: NDArray, first: int, last: int, level: float, reach: float) -> tuple[int, int]:

@@ -60,14 +60,10 @@ def contact_velocity(velocity_mm_s: ArrayLike, depth_mm: ArrayLike, deceleration
 
 
 def ramp_and_hold(
-    velocity_mm_s: ArrayLike,
-    depth_mm: ArrayLike,
-    hold_s: float = 10.0,
-    deceleration_mm_s2: float = DECELERATION_MM_S2,
-    ramp_points: int = 60,
-    brake_points: int = 24,
+    velocity_mm_s: ArrayLike, depth_mm: ArrayLike, hold_s: float = HOLD_S,
+    deceleration_mm_s2: float = DECELERATION_MM_S2, ramp_points: int = 60, brake_points: int = 24,
     hold_points: int = 60,
-) -> Motion:
+) -> Motion:  # fmt: skip
     """Move at constant speed, brake at constant deceleration to stop exactly at the depth, and hold.
 
     Time starts at contact. When the stopping distance v^2 / (2 a) is larger than the depth, the robot
@@ -90,14 +86,12 @@ def ramp_and_hold(
     straight, braking = np.maximum(straight, floor)[..., None], np.maximum(braking, floor)[..., None]
     share = np.linspace(0.0, 1.0, ramp_points + 1)
     left = 1.0 - np.linspace(0.0, 1.0, brake_points + 1)[1:]
-    first = min(1e-4, hold_s / (10 * hold_points))
-    after = np.geomspace(first, hold_s, hold_points)
+    after = np.geomspace(min(1e-4, hold_s / (10 * hold_points)), hold_s, hold_points)
     stopped = straight + braking
     time = np.concatenate([straight * share, straight + braking * (1.0 - left), stopped + after], axis=-1)
     distance, stop = 0.5 * touch[..., None] * braking, depth[..., None]
     held = np.broadcast_to(stop, (*depth.shape, hold_points))
-    displacement = np.concatenate([(stop - distance) * share, stop - distance * left**2, held], axis=-1)
-    return Motion(time, displacement)
+    return Motion(time, np.concatenate([(stop - distance) * share, stop - distance * left**2, held], axis=-1))
 
 
 _COLUMNS = ("time_s", "displacement_mm")

@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 from dummydesign.core.errors import InputError
 from dummydesign.measurement.importing.contact import LEAST_LEAD_IN, ContactEstimate, contact_off, find_contact
 from dummydesign.measurement.importing.decisions import ImportLog, Settings
-from dummydesign.measurement.importing.signs import find_presses, find_signs, middle_of_three, noise_of, true_runs
-from dummydesign.measurement.landmarks import Summary, summarise
+from dummydesign.measurement.importing.signs import find_presses, find_signs, middle_of_three, noise_of
+from dummydesign.measurement.landmarks import Summary, summarise, true_runs
 from dummydesign.measurement.trace import Trace, import_first
 
 Warn = Callable[[str, str], None]

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Sequence
-from contextlib import suppress
 from dataclasses import dataclass, fields, replace
 from functools import partial
 from pathlib import Path
@@ -16,13 +15,14 @@ from numpy.typing import NDArray
 from dummydesign.core.errors import InputError, unknown_name
 from dummydesign.core.files import unwritable, write_bytes, write_text
 from dummydesign.core.library import DEVICE, Entry, entries, find, read_toml, toml_value, user_folder
+from dummydesign.core.parsing import NUMBER
 from dummydesign.measurement.importing import contact as contact_zero
 from dummydesign.measurement.importing.decisions import Decision, ImportLog, NoTableError, Settings
 from dummydesign.measurement.importing.decoding import LEFT_OUT
 from dummydesign.measurement.importing.press_checks import check_press, fingerprint
 from dummydesign.measurement.importing.signs import HIGH, Span, find_presses, find_signs
 from dummydesign.measurement.importing.table import Columns, columns_of, read_texts
-from dummydesign.measurement.importing.vocabulary import BASE, ROLES, USUAL_UNITS, scaled_unit
+from dummydesign.measurement.importing.vocabulary import BASE, ROLES, USUAL_UNITS, find_unit
 from dummydesign.measurement.landmarks import SHALLOWEST_MM, Summary, summarise
 from dummydesign.measurement.trace import COLUMNS, SECONDS, magnitude_fault
 
@@ -113,11 +113,10 @@ def _read_option(option: str, word: str, kind: str) -> float | None:
     """A reading given by the user, as the file counts it, in N or mm; None for auto and none."""
     if word in ("auto", "none"):
         return None
-    parts = re.fullmatch(r"\s*([+-]?[0-9.]+(?:[eE][+-]?\d+)?)\s*(\S*)\s*", word)
-    unit = scaled_unit(parts[2] or BASE[kind], kind) if parts else None
-    with suppress(ValueError):
-        if parts and unit:
-            return float(parts[1]) * unit.factor
+    parts = NUMBER.match(word)
+    unit = find_unit(parts[2] or BASE[kind]) if parts else None
+    if parts and unit and unit.kind == kind:
+        return float(parts[1]) * unit.factor
     form = f"a reading in {BASE[kind]} (or with a unit: {USUAL_UNITS[kind]})"
     form += ", or first (each file's first sample)" if option == "tare" else ""
     raise InputError(f"--{option} {word} is not auto, none or {form}", "not_a_number", option, word)

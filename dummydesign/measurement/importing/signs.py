@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from dummydesign.core.errors import InputError
 from dummydesign.measurement.importing.decisions import ImportLog
+from dummydesign.measurement.landmarks import true_runs
 
 _BOTH_WAYS = 0.4
 """Share of the larger swing of the force above which the smaller one leaves open which of them is pressing."""
@@ -81,9 +82,9 @@ def find_signs(x: NDArray, force: NDArray, tare_N: float | None, log: ImportLog)
         )
         raise log.question(doubt, f"--tare {rest:.4g} where it is an offset")
     way = _way(x, sign * (smooth - rest), log)
-    as_written = {1.0: "as written", -1.0: "flipped"}
-    log.decide("force sign", as_written[sign], f"pressing moves it by {sign * swing:+.3g} N from its reading at rest")
-    log.decide("displacement sign", as_written[way], f"it {'rises' if way > 0 else 'falls'} while the force rises")
+    written = {1.0: "as written", -1.0: "flipped"}
+    log.decide("force sign", written[sign], f"pressing moves it by {sign * swing:+.3g} N from its reading at rest")
+    log.decide("displacement sign", written[way], f"it {'rises' if way > 0 else 'falls'} while the force rises")
     return Signs(way, sign, rest)
 
 
@@ -163,12 +164,6 @@ def _touching(x: NDArray, smooth: NDArray, low: float) -> NDArray:
     start = int(before[-1]) if before.size else 0
     way = float(x[peak] - x[start])
     return touching & ~((way > 0) & (x < x[start] - 0.05 * way) & (smooth < 0.2 * smooth[peak]))
-
-
-def true_runs(mask: NDArray) -> list[tuple[int, int]]:
-    """Half-open ranges in which a mask is true."""
-    edges = np.flatnonzero(np.diff(np.r_[0, mask.astype(np.int8), 0]))
-    return list(zip(edges[::2].tolist(), edges[1::2].tolist()))
 
 
 def _came_back(x: NDArray, before: tuple[int, int], after: tuple[int, int]) -> bool:

@@ -141,8 +141,7 @@ def _lines(table: Mapping[str, Any], prefix: str) -> list[str]:
             continue
         name = f"{prefix}{key}"
         for item in value if isinstance(value, list) else [value]:
-            heading = f"[[{name}]]" if isinstance(value, list) else f"[{name}]"
-            lines += ["", heading, *_lines(item, f"{name}.")]
+            lines += ["", f"[[{name}]]" if isinstance(value, list) else f"[{name}]", *_lines(item, f"{name}.")]
     return lines
 
 
@@ -192,11 +191,8 @@ class PuckPoint:
     arms: tuple[Arm, ...] = ()
 
     def to_dict(self) -> dict[str, Any]:
-        """Return plain values as they stand in a resin file."""
-        plain = {key: getattr(self, key) for key in ("sha256", "file", "diameter_mm", "height_mm")}
-        if self.seen_s is not None:
-            plain["seen_s"] = list(self.seen_s)
-        return plain | ({"arm": to_plain(self.arms)} if self.arms else {})
+        """Return plain values as they stand in a resin file, what is unknown left out."""
+        return {"arm" if key == "arms" else key: one for key, one in to_plain(vars(self)).items() if one}
 
 
 @dataclass(frozen=True)
@@ -209,8 +205,7 @@ class Point:
 
     def to_dict(self) -> dict[str, Any]:
         """Return plain values as they stand in a resin file."""
-        plain = {"ratio": self.ratio, "young_kPa": self.young_kPa.to_dict()}
-        return plain if self.puck is None else plain | {"puck": self.puck.to_dict()}
+        return {key: one for key, one in to_plain(vars(self)).items() if one is not None}
 
     @property
     def log_young(self) -> float:
@@ -220,8 +215,7 @@ class Point:
     @property
     def spread(self) -> float:
         """Standard deviation of the logarithm, from the 95 % interval."""
-        width = math.log(self.young_kPa.high / self.young_kPa.low) / (2 * HALF_WIDTH)
-        return max(width, SMALLEST_SPREAD)
+        return max(math.log(self.young_kPa.high / self.young_kPa.low) / (2 * HALF_WIDTH), SMALLEST_SPREAD)
 
 
 @dataclass(frozen=True)

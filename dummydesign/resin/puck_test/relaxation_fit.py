@@ -36,14 +36,8 @@ from dummydesign.core.recurrence import linear_recurrence
 from dummydesign.inference.least_squares import CHI_SQUARE_95, aicc, simplest, solve_by_differences, within
 from dummydesign.pad.tables.puck import PuckTable, friction_of, uniaxial
 from dummydesign.resin.model.resin import Interval
-from dummydesign.resin.puck_test.loading_fit import (
-    ALPHA_RANGE,
-    LARGEST_OFFSET,
-    PuckNoise,
-    PuckPress,
-    estimate,
-    whitener,
-)
+from dummydesign.resin.puck_test import loading_fit as loading
+from dummydesign.resin.puck_test.loading_fit import PuckNoise, PuckPress, whitener
 
 Array = np.ndarray
 
@@ -104,8 +98,8 @@ class PuckProblem:
         """Lowest and highest parameters."""
         weak, strong = np.log(STRENGTHS)
         short, long = np.log(self.times)
-        low = [-20.0, ALPHA_RANGE[0], -LARGEST_OFFSET, *[weak] * arms, *[short] * arms]
-        high = [20.0, ALPHA_RANGE[1], LARGEST_OFFSET, *[strong] * arms, *[long] * arms]
+        low = [-20.0, loading.ALPHA_RANGE[0], -loading.LARGEST_OFFSET, *[weak] * arms, *[short] * arms]
+        high = [20.0, loading.ALPHA_RANGE[1], loading.LARGEST_OFFSET, *[strong] * arms, *[long] * arms]
         return np.array(low), np.array(high)
 
     def starts(self, arms: int, grip: float, count: int = 2) -> list[Array]:
@@ -223,7 +217,7 @@ def fit_relaxation(press: PuckPress, diameter_mm: float, height_mm: float, table
 
 def _noise(problem: PuckProblem, trial: Trial) -> PuckNoise:
     lower = np.linalg.inv(problem.factor)
-    return estimate(problem.press, problem.height_mm, lower @ trial.residual, lower @ trial.jacobian)
+    return loading.estimate(problem.press, problem.height_mm, lower @ trial.residual, lower @ trial.jacobian)
 
 
 def _rmse(problem: PuckProblem, trial: Trial) -> float:
@@ -252,8 +246,7 @@ def _summarise(
     for k in range(arms):
         strength, time = 3 + k, 3 + arms + k
         tau_s, beta = (
-            Interval(*np.exp([q[i], max(low[i], -40.0), min(high[i], 40.0)]).tolist())
-            for i in (time, strength)
+            Interval(*np.exp([q[i], max(low[i], -40.0), min(high[i], 40.0)]).tolist()) for i in (time, strength)
         )
         parts.append(PuckArm(tau_s, beta, _reason(problem, tau_s, beta, q[time] - ends[0][time])))
     # what a slow arm still carries at the end of the file counts as stiffness
@@ -269,9 +262,7 @@ def _summarise(
     young, friction = _elastic(problem, profile, best)
     slow_low = float(np.exp(low[0])) if stiff > 1.0 else young.low
     young = Interval(young.value * stiff, min(young.low, slow_low), young.high * stiff)
-    return PuckRelaxation(
-        young, float(q[1]), friction, given, _seen(problem), comparison, noise, _rmse(problem, best)
-    )
+    return PuckRelaxation(young, float(q[1]), friction, given, _seen(problem), comparison, noise, _rmse(problem, best))
 
 
 def _elastic(problem: PuckProblem, profile: list[Trial], best: Trial) -> tuple[Interval, Interval]:

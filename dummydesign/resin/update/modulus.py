@@ -6,6 +6,7 @@ import math
 import re
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from itertools import combinations
 from pathlib import Path
 
 import numpy as np
@@ -156,17 +157,15 @@ def contradictions(
 ) -> list[str]:
     """Say which points contradict each other, the law, or what was believed before."""
     notices = []
-    ordered = sorted(points, key=lambda point: point.ratio)
-    for index, first in enumerate(ordered):
-        for second in ordered[index + 1 :]:
-            step = second.log_young - first.log_young
-            spread = math.hypot(first.spread, second.spread)
-            same = math.isclose(first.ratio, second.ratio, abs_tol=0.5 * resin.ratio_step)
-            if same and abs(step) > 2.6 * spread:
-                notices.append(f"{_text(first)} and {_text(second)} differ by more than their intervals allow")
-            elif not same and step * resin.law.direction < -2.6 * spread:
-                way = "grow" if resin.law.direction > 0 else "fall"
-                notices.append(f"{_text(first)} and {_text(second)}: the modulus must {way} with the ratio")
+    for first, second in combinations(sorted(points, key=lambda point: point.ratio), 2):
+        step = second.log_young - first.log_young
+        spread = math.hypot(first.spread, second.spread)
+        same = math.isclose(first.ratio, second.ratio, abs_tol=0.5 * resin.ratio_step)
+        if same and abs(step) > 2.6 * spread:
+            notices.append(f"{_text(first)} and {_text(second)} differ by more than their intervals allow")
+        elif not same and step * resin.law.direction < -2.6 * spread:
+            way = "grow" if resin.law.direction > 0 else "fall"
+            notices.append(f"{_text(first)} and {_text(second)}: the modulus must {way} with the ratio")
     for point, size in zip(points, misfit):
         if abs(size) > 2.6:
             notices.append(f"{_text(point)} is {abs(size):.1f} standard deviations off the law {resin.law.name}")
@@ -232,5 +231,4 @@ def add_resin(file: str | Path, replace_own: bool = False) -> tuple[Resin, Path]
         base, name, points = read_points(path)
         resin = update_resin(load_resin(base), points, name)
     make_room(KIND, "resin", resin.name, replace_own)
-    folder = output_folder(user_folder() / KIND)
-    return resin, save_resin(resin, folder / f"{resin.name}.toml")
+    return resin, save_resin(resin, output_folder(user_folder() / KIND) / f"{resin.name}.toml")

@@ -23,6 +23,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from math import inf
 from typing import Any
 
 import numpy as np
@@ -60,22 +61,17 @@ def update_relaxation(
     resin: Resin, measured: Sequence[Arm], ratio: float, seen_s: tuple[float, float]
 ) -> tuple[Resin, tuple[ArmUpdate, ...], tuple[str, ...]]:
     """Put measured arms into a resin."""
-    drawn = resin.draw(DRAWS).beta(ratio)
-    base = [_carried(column) for column in drawn.T]
+    base = [_carried(column) for column in resin.draw(DRAWS).beta(ratio).T]
     taken: set[int] = set()
     arms: list[Arm] = []
     updates: list[ArmUpdate] = []
     notices: list[str] = []
     for tau, beta in sorted(((arm.tau_s, arm.beta) for arm in measured), key=lambda pair: pair[0].value):
-        near = [
-            (abs(math.log(arm.tau_s.value / tau.value)), index)
-            for index, arm in enumerate(resin.arms)
-            if index not in taken and abs(math.log(arm.tau_s.value / tau.value)) <= math.log(SAME_TIME)
-        ]
+        free = [at for at in range(len(base)) if at not in taken]
+        off, index = min(((abs(math.log(resin.arms[at].tau_s.value / tau.value)), at) for at in free), default=(inf, 0))
         own = Interval(beta.value, beta.low, beta.high)
-        carried = base[min(near)[1]] if near else None
+        carried = base[index] if off <= math.log(SAME_TIME) else None
         if carried is not None:
-            index = min(near)[1]
             taken.add(index)
             value, widening = _combined(carried, own)
             if widening > 1.0:
@@ -86,8 +82,7 @@ def update_relaxation(
             source = f"{beta.source}; prior ({resin.arms[index].beta.source}) by inverse variance of ln beta"
             updates.append(ArmUpdate(tau.value, "both", base[index], own, value))
         else:
-            spread = math.hypot(_spread(own), POUR)
-            value = _interval(math.log(beta.value), spread)
+            value = _interval(math.log(beta.value), math.hypot(_spread(own), POUR))
             source = f"{beta.source}; spread from pour to pour {POUR:g} of ln beta assumed"
             updates.append(ArmUpdate(tau.value, "measured", None, own, value))
         arms.append(Arm(tau, Quantity(*value, "fitted", source)))

@@ -16,7 +16,6 @@ from numpy.typing import NDArray
 
 from dummydesign.core.errors import InputError
 from dummydesign.core.parsing import columns_in
-from dummydesign.measurement.importing.vocabulary import absent_roles, absent_words
 
 COLUMNS = ("time_s", "displacement_mm", "force_N")
 SECONDS = "time_is_in_seconds"
@@ -130,6 +129,8 @@ def open_csv(
     columns, sizes = columns_in(tuple(names), header)
     missing = next((name for name, column in zip(names, columns) if column is None), "")
     if missing:
+        from dummydesign.measurement.importing.vocabulary import absent_roles, absent_words
+
         roles = [name.partition("_")[0] for name in names]
         absent = absent_roles(header, roles) if len(header) > 1 else ()
         if absent:

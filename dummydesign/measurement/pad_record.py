@@ -62,8 +62,7 @@ class PadRecord:
             return []
         change = self.force_percent
         force = "" if change is None else f"; its force at a given depth is {change:+.1f} % off the designed pad's"
-        message = f"{self.title} missed {', '.join(self.missed)}{force}"
-        return [{"code": "pad_not_accepted", "message": message}]
+        return [{"code": "pad_not_accepted", "message": f"{self.title} missed {', '.join(self.missed)}{force}"}]
 
     @property
     def title(self) -> str:

@@ -55,12 +55,10 @@ def parse_lowpass(text: str | None) -> Lowpass | None:
     """Read ``HZ[:ORDER[:PASSES]]`` as given on the command line; None stays None."""
     if text is None:
         return None
-    parts = text.split(":")
+    cutoff, *counts = text.split(":")
     try:
-        if not 1 <= len(parts) <= 3:
-            raise ValueError
-        return Lowpass(float(parts[0]), *(int(part) for part in parts[1:]))
-    except ValueError:
+        return Lowpass(float(cutoff), *map(int, counts))
+    except (TypeError, ValueError):  # more than three parts, or one that is no number
         message = f"low-pass '{text}' is not HZ[:ORDER[:PASSES]], such as 35 or 35:2:1"
         raise InputError(message, "malformed", "lowpass", text) from None
 

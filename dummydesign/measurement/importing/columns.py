@@ -74,8 +74,7 @@ def find_candidates(columns: Sequence[Column], log: ImportLog) -> Candidates:
     absent = [role for role in ROLES if not candidates[role]]
     taken = {column.index for role in ROLES for column in candidates[role]}
     if sum(column.numeric and column.index not in taken for column in columns) < len(absent):
-        message = known.absent_words(absent, [column.title for column in columns])
-        raise log.fault(message, "missing", absent[0])
+        raise log.fault(known.absent_words(absent, [column.title for column in columns]), "missing", absent[0])
     return candidates
 
 

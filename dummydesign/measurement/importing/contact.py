@@ -93,8 +93,7 @@ def find_contact(time: NDArray, x: NDArray, load: NDArray, span: Span, tare_N: f
 
 def _speed(time: NDArray, x: NDArray, start: int, onset: int, top: int) -> float:
     """Speed through contact: over the part looked at, or just before it where the punch brakes already."""
-    way = float(x[top] - x[onset])
-    before = start + int(np.argmax(x[start : onset + 1] >= x[onset] - 0.3 * way))
+    before = start + int(np.argmax(x[start : onset + 1] >= x[onset] - 0.3 * float(x[top] - x[onset])))
     ends = [(onset, top), (min(before, onset - 1), onset)] if onset > start else [(onset, top)]
     return max(float((x[b] - x[a]) / max(time[b] - time[a], 1e-9)) for a, b in ends)
 

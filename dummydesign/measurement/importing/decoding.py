@@ -44,8 +44,7 @@ def decode(data: bytes, log: ImportLog) -> str:
         (marked, "byte order mark at the start"), (_wide(data), "every second byte is zero"),
         ("utf-8", "all of it is valid UTF-8"),
     ):  # fmt: skip
-        text = _try(data, name) if name else None
-        if text is not None and name:
+        if name and (text := _try(data, name)) is not None:
             if name != "utf-8" or not data.isascii():
                 log.decide("encoding", name, why)
             return text

@@ -30,8 +30,7 @@ def middle_of_three(values: NDArray) -> NDArray:
     if len(values) < 3:
         return values.copy()
     a, b, c = values[:-2], values[1:-1], values[2:]
-    inner = np.maximum(np.minimum(a, b), np.minimum(np.maximum(a, b), c))
-    return np.concatenate([values[:1], inner, values[-1:]])
+    return np.r_[values[:1], np.maximum(np.minimum(a, b), np.minimum(np.maximum(a, b), c)), values[-1:]]
 
 
 def noise_of(force: NDArray) -> float:

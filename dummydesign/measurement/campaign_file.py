@@ -113,11 +113,9 @@ def read_campaign(folder: str | Path) -> Campaign:
     lowpass, resolution = _read_sensor(sensor)
     tables = trial_tables(top)
     if len(tables) < 2:
-        message = (
-            f"{tables[0].where()}: a single trial; a modulus and two relaxation arms need at least two trials (two "
-            "depths or speeds), and repeats to know the noise"
-        )
-        raise InputError(message, "not_enough_data", "campaign.trials", 1)
+        raise InputError(f"{tables[0].where()}: a single trial; a modulus and two relaxation arms need at least two "
+                         "trials (two depths or speeds), and repeats to know the noise",
+                         "not_enough_data", "campaign.trials", 1)  # fmt: skip
     measured = [records.of(table) or own for table in tables]
     tables = [trial_with_record(table, one) if one else table for table, one in zip(tables, measured)]
     trials = tuple(_read_trial(table, index, folder, pad, punch) for index, table in enumerate(tables, 1))
@@ -225,28 +223,22 @@ def _check_against_declared(trial: Trial, table: Table) -> None:
     trace, ramp = trial.trace, ramp_of(trial.trace)
     deepest = float(trace.displacement_mm.max())
     if deepest >= 0.95 * trial.thickness_mm:
-        message = (
-            f"{table.where('thickness_mm')}: {trial.file} presses {deepest:g} mm into a pad of "
-            f"{trial.thickness_mm:g} mm; is displacement_mm or thickness_mm in another unit?"
-        )
-        raise InputError(message, "inconsistent", "trial.thickness_mm", trial.thickness_mm)
+        raise InputError(f"{table.where('thickness_mm')}: {trial.file} presses {deepest:g} mm into a pad of "
+                         f"{trial.thickness_mm:g} mm; is displacement_mm or thickness_mm in another unit?",
+                         "inconsistent", "trial.thickness_mm", trial.thickness_mm)  # fmt: skip
     if trial.target_force_N:
         held = held_force(trace, ramp)
         share = held / trial.target_force_N
         if share > 100 or share < 0.01:
             unit = "millinewtons: --units force=mN" if share > 100 else "kilonewtons: --units force=kN"
-            message = (
-                f"{trial.file}: force_N is {held:g} in the hold, the target at {table.where('target_force_N')} is "
-                f"{trial.target_force_N:g} N; it looks like {unit} of 'dummydesign import' reads them"
-            )
-            raise InputError(message, "implausible_unit", "force_N", held)
+            raise InputError(f"{trial.file}: force_N is {held:g} in the hold, the target at "
+                             f"{table.where('target_force_N')} is {trial.target_force_N:g} N; it looks like {unit} of "
+                             "'dummydesign import' reads them", "implausible_unit", "force_N", held)  # fmt: skip
     if not 0.02 < ramp.velocity_mm_s / trial.velocity_mm_s < 20.0:
-        message = (
-            f"{table.where('velocity_mm_s')}: velocity_mm_s = {trial.velocity_mm_s:g}, but {trial.file} moves at "
-            f"{ramp.velocity_mm_s:.4g} mm/s; is the speed in m/s, or the time of the trace in another unit "
-            "(--units time=ms of 'dummydesign import' reads milliseconds)?"
-        )
-        raise InputError(message, "inconsistent", "trial.velocity_mm_s", trial.velocity_mm_s)
+        raise InputError(f"{table.where('velocity_mm_s')}: velocity_mm_s = {trial.velocity_mm_s:g}, but {trial.file} "
+                         f"moves at {ramp.velocity_mm_s:.4g} mm/s; is the speed in m/s, or the time of the trace in "
+                         "another unit (--units time=ms of 'dummydesign import' reads milliseconds)?",
+                         "inconsistent", "trial.velocity_mm_s", trial.velocity_mm_s)  # fmt: skip
 
 
 def _read_count(table: Table, key: str, usual: int) -> int:

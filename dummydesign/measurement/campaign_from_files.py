@@ -154,11 +154,9 @@ def _trial(path: Path, row: Mapping[str, Any], thickness_mm: float | None) -> tu
         named.setdefault("thickness_mm", thickness_mm)
     known = {**named, **row}
     if "thickness_mm" not in known:
-        message = (
-            f"{path.name}: how thick was the pad? the name does not say (such as t05_v010_f05_1.csv); give --table "
-            "trials.csv with file,thickness_mm,..., or --thickness MM for all files"
-        )
-        raise InputError(message, "missing", "thickness_mm")
+        raise InputError(f"{path.name}: how thick was the pad? the name does not say (such as t05_v010_f05_1.csv); "
+                         "give --table trials.csv with file,thickness_mm,..., or --thickness MM for all files",
+                         "missing", "thickness_mm")  # fmt: skip
     sources = [word for word, used in (("table", row), ("name", set(named) - set(row))) if used]
     if "velocity_mm_s" not in known:
         speed = approach_velocity(trace.time_s, trace.displacement_mm, ramp_of(trace))

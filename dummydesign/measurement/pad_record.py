@@ -151,11 +151,9 @@ def trial_with_record(table: Table, record: PadRecord) -> Table:
     if given is not None and not (
         isinstance(given, int | float) and any(abs(given / thickness - 1) <= NEAR for thickness in near)
     ):
-        message = (
-            f"{where}: thickness_mm = {given!r}, but the record is of a pad of {near[0]:.4g} mm (designed "
-            f"{near[1]:g}); name the record of this pad"
-        )
-        raise InputError(message, "inconsistent", "trial.thickness_mm", given)
+        raise InputError(f"{where}: thickness_mm = {given!r}, but the record is of a pad of {near[0]:.4g} mm (designed "
+                         f"{near[1]:g}); name the record of this pad",
+                         "inconsistent", "trial.thickness_mm", given)  # fmt: skip
     shape = table.data.get("shape", record.shape)
     if shape != record.shape:
         message = f"{where}: shape = {shape!r}, but the record is of shape {record.shape!r}"

@@ -251,11 +251,8 @@ def _unit(role: str, column: Column, values: NDArray, log: ImportLog) -> Unit | 
             raise InputError(f"--units {role}={given} is not a unit of {kind}; {usual}", "unknown_unit", "units", given)
         log.decide(f"{role} unit", unit.text, "given by --units")
         if stated is not None and stated.kind == kind and stated.factor != unit.factor:
-            log.warn(
-                "unit_overridden",
-                f"the header says that {role} is in {stated.text}; it is taken in {unit.text}, as --units or the "
-                "profile says: leave that out if the header is right",
-            )
+            log.warn("unit_overridden", f"the header says that {role} is in {stated.text}; it is taken in {unit.text}, "
+                     "as --units or the profile says: leave that out if the header is right")  # fmt: skip
         return unit
     if column.kind == "stamp":
         log.decide("time unit", "s", "clock times, counted from the first")

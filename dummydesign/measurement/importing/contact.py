@@ -220,17 +220,12 @@ def _doubt_own_zero(contact: ContactEstimate, depth: float, sign: float, log: Im
     if not contact.low_mm <= 0.0 <= contact.high_mm:
         late = f"at {contact.velocity_mm_s:.3g} mm/s would agree with it behind a force filter"
         why = late if low <= 0.0 < contact.low_mm else "only just agrees with it"
-        log.warn(
-            "contact_may_be_late",
-            f"the file's own zero is kept, but the force begins at {_text(contact, sign)}, which {why}; else the "
-            f"surface lies {abs(off):.2g} mm {'deeper' if off > 0 else 'higher'}: press slowly once, or say --contact",
-        )
+        log.warn("contact_may_be_late", f"the file's own zero is kept, but the force begins at {_text(contact, sign)}, "
+                 f"which {why}; else the surface lies {abs(off):.2g} mm {'deeper' if off > 0 else 'higher'}: press "
+                 "slowly once, or say --contact")  # fmt: skip
     elif 0.5 * (high - low) > max(SURE_MM, SURE_SHARE * depth):
-        log.warn(
-            "contact_not_checked",
-            f"by the force contact lies between {_between(contact, sign)}, which is too wide to check the file's own "
-            "zero by: press slowly once, or say --contact",
-        )
+        log.warn("contact_not_checked", f"by the force contact lies between {_between(contact, sign)}, which is too "
+                 "wide to check the file's own zero by: press slowly once, or say --contact")  # fmt: skip
 
 
 def _between(contact: ContactEstimate, sign: float) -> str:
@@ -249,11 +244,9 @@ def _zero_by_force(contact: ContactEstimate, depth: float, sign: float, log: Imp
         )
     log.decide("contact", f"{sign * zero_mm:.3f} mm", f"the force begins there ({text}), not at the file's own zero")
     if wide > max(UNSURE_MM, UNSURE_SHARE * depth):
-        log.warn(
-            "contact_uncertain",
-            f"the zero rests on the force alone, which begins at {text}: it may be {wide:.2g} mm off; a slower press "
-            "or a sensor of less noise tells it more closely, or say --contact N",
-        )
+        log.warn("contact_uncertain", f"the zero rests on the force alone, which begins at {text}: it may be "
+                 f"{wide:.2g} mm off; a slower press or a sensor of less noise tells it more closely, or say --contact "
+                 "N")  # fmt: skip
     return zero_mm
 
 
@@ -296,18 +289,12 @@ def _zero_of_press(
     if low - SMALL_MM <= zero <= high + SMALL_MM:
         return zero
     if off < 0 or off > OTHER_SITE * depth:
-        log.warn(
-            "another_place",
-            f"press {number + 1} begins at {sign * contact.position_mm:.3f} mm, {abs(off):.2g} mm "
-            f"{'above' if off < 0 else 'below'} the first contact: taken as another place with a zero of its own; if "
-            "it is the same place, say --contact",
-        )
+        log.warn("another_place", f"press {number + 1} begins at {sign * contact.position_mm:.3f} mm, {abs(off):.2g} "
+                 f"mm {'above' if off < 0 else 'below'} the first contact: taken as another place with a zero of its "
+                 "own; if it is the same place, say --contact")  # fmt: skip
         return contact.position_mm
-    log.warn(
-        "surface_not_back",
-        f"press {number + 1} begins {off:.2g} mm deeper than the first contact, which stays zero: the surface had not "
-        "come back; rest longer between presses, or tell the loop the rest",
-    )
+    log.warn("surface_not_back", f"press {number + 1} begins {off:.2g} mm deeper than the first contact, which stays "
+             "zero: the surface had not come back; rest longer between presses, or tell the loop the rest")  # fmt: skip
     return zero
 
 
@@ -344,9 +331,6 @@ def find_tares(
         tares.append(tare)
     if max(tares) > min(tares):
         text = ", ".join(f"{tare:.4g}" for tare in tares)
-        log.warn(
-            "zero_wanders",
-            f"the force at no load changes from press to press ({text} N); each press is tared by its own lead-in: let "
-            "the sensor warm up, or zero it before each press",
-        )
+        log.warn("zero_wanders", f"the force at no load changes from press to press ({text} N); each press is tared by "
+                 "its own lead-in: let the sensor warm up, or zero it before each press")  # fmt: skip
     return tares

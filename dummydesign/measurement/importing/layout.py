@@ -63,11 +63,9 @@ def find_layout(text: str, log: ImportLog) -> Layout:
     if kinds.count("number") + kinds.count("stamp") < 2:
         if log.settings.separator is None:
             raise log.no_table(_why_no_table(lines))
-        message = (
-            f"separated by {SEPARATORS[separator]}, as --separator or the profile says, there is no table of numbers; "
-            "leave that out to have it found"
-        )
-        raise log.fault(message, "inconsistent", "separator", log.settings.separator)
+        raise log.fault(f"separated by {SEPARATORS[separator]}, as --separator or the profile says, there is no table "
+                        "of numbers; leave that out to have it found",
+                        "inconsistent", "separator", log.settings.separator)  # fmt: skip
     first, last = _bounds(lines, separator, kinds)
     if last - first < LEAST_ROWS:
         raise log.no_table(_why_no_table(lines))
@@ -279,11 +277,9 @@ def _refuse_two_commas(separator: str, cells: Sequence[str], width: int, header:
         return
     for names in (cell_text.split(line, ",") for line in header):
         if len(names) == width // 2 and _count_names(names) >= 2:
-            message = (
-                f"{len(names)} names but {width} cells a row: the comma separates both columns and decimals, which "
-                "look the same; export with ';' between columns, or with numbers in quotes"
-            )
-            raise log.fault(message, "malformed", "table")
+            raise log.fault(f"{len(names)} names but {width} cells a row: the comma separates both columns and "
+                            "decimals, which look the same; export with ';' between columns, or with numbers in quotes",
+                            "malformed", "table")  # fmt: skip
 
 
 def _refuse_unfinished(
@@ -302,11 +298,9 @@ def _refuse_unfinished(
         fewer = len(digits) > 5 and len(set(digits)) == 1 and _decimals(cells[final]) < digits[0]
         broken = is_missing(cells[final]) or fewer
     if broken:
-        message = (
-            f"the last line breaks off ('{lines[-1].strip()[-40:]}'): the file is still being written, or was cut; "
-            "wait for the test to end and export it again"
-        )
-        raise log.fault(message, "malformed", "table", line=index + skipped + 1)
+        raise log.fault(f"the last line breaks off ('{lines[-1].strip()[-40:]}'): the file is still being written, or "
+                        "was cut; wait for the test to end and export it again",
+                        "malformed", "table", line=index + skipped + 1)  # fmt: skip
 
 
 def _decimals(cell: str) -> int:

@@ -178,12 +178,10 @@ def _find_contact(
 ) -> contact_zero.ContactEstimate:
     """Contact of one press; where nothing was recorded before it, with the force counted from zero."""
     if float(x[span.onset : span.stop].max() - x[span.start : span.onset + 1].min()) < SHALLOWEST_MM:
-        message = (
-            f"the force rises to {load[span.start : span.stop].max():.3g} N while the position stands at "
-            f"{x[span.onset]:.4g} mm; does the recording begin pressed, or is this another column? "
-            "(--columns displacement=NAME)"
-        )
-        raise log.fault(message, "inconsistent", "displacement_mm", float(x[span.onset]))
+        raise log.fault(f"the force rises to {load[span.start : span.stop].max():.3g} N while the position stands at "
+                        f"{x[span.onset]:.4g} mm; does the recording begin pressed, or is this another column? "
+                        "(--columns displacement=NAME)",
+                        "inconsistent", "displacement_mm", float(x[span.onset]))  # fmt: skip
     contact = contact_zero.find_contact(time, x, load, span, None if tare is None else 0.0)
     if tare is None and contact.lead_in < contact_zero.LEAST_LEAD_IN:
         return contact_zero.find_contact(time, x, load, span, -rest if log.settings.tare == "none" else 0.0)
@@ -264,10 +262,8 @@ def import_files(
             key = fingerprint(press.displacement_mm, press.force_N)
             other, number = seen.setdefault(key, (one, press.number))
             if other is not one:
-                message = (
-                    f"{one.name} press {press.number} is the same recording as {other.name} press {number}: "
-                    "one subject under two names, or a copy? take one of them out"
-                )
+                message = (f"{one.name} press {press.number} is the same recording as {other.name} press {number}: one "
+                           "subject under two names, or a copy? take one of them out")  # fmt: skip
                 warnings.append({"code": "same_press", "message": message})
     return imported, warnings
 

@@ -54,11 +54,9 @@ def find_signs(x: NDArray, force: NDArray, tare_N: float | None, log: ImportLog)
     up, down = float(smooth.max() - rest), float(rest - smooth.min())
     swing = max(up, down)
     if swing <= 0 or swing < 8.0 * noise_of(force):
-        message = (
-            f"nothing is pressed: the force stays within {swing:.3g} N of {rest:.4g} N; is this the force column, and "
-            "the right file? (--columns force=NAME)"
-        )
-        raise log.fault(message, "nothing_found", "force_N", swing)
+        raise log.fault(f"nothing is pressed: the force stays within {swing:.3g} N of {rest:.4g} N; is this the force "
+                        "column, and the right file? (--columns force=NAME)",
+                        "nothing_found", "force_N", swing)  # fmt: skip
     if flip is not None:
         way, push = (-1.0 if name in flip else 1.0 for name in ("displacement", "force"))
         load = push * (smooth - rest)
@@ -75,11 +73,9 @@ def find_signs(x: NDArray, force: NDArray, tare_N: float | None, log: ImportLog)
     sign = 1.0 if up >= down else -1.0
     # A recording that begins pressed and ends free looks like a press of the other sign on a large offset.
     if tare_N is None and abs(rest) > 0.5 * swing and abs(rest + sign * swing) < 0.25 * abs(rest):
-        doubt = (
-            f"the force is {rest:.3g} N at the start and near zero later: either the file begins pressed (then record "
-            "from before contact), or this is an offset"
-        )
-        raise log.question(doubt, f"--tare {rest:.4g} where it is an offset")
+        raise log.question(f"the force is {rest:.3g} N at the start and near zero later: either the file begins "
+                           "pressed (then record from before contact), or this is an offset",
+                           f"--tare {rest:.4g} where it is an offset")  # fmt: skip
     way = _way(x, sign * (smooth - rest), log)
     written = {1.0: "as written", -1.0: "flipped"}
     log.decide("force sign", written[sign], f"pressing moves it by {sign * swing:+.3g} N from its reading at rest")

@@ -235,8 +235,6 @@ def _time_fault(time: NDArray, row: int, line: int, log: ImportLog) -> InputErro
     words = f"does not rise (the row before has {time[row - 1]:.6g} s); sort the rows, or leave this one out"
     if share > 0.05:
         size = min(steps[steps > 0].tolist(), default=0.0)
-        words = (
-            f"is written {1 / max(1 - share, 1e-9):.1f} times on average: its last digit ({size:.3g} s) is coarser "
-            "than the sampling; export the time with more digits"
-        )
+        words = (f"is written {1 / max(1 - share, 1e-9):.1f} times on average: its last digit ({size:.3g} s) is "
+                 "coarser than the sampling; export the time with more digits")  # fmt: skip
     return log.fault(f"time = {time[row]:.6g} s {words}", "malformed", "time_s", float(time[row]), line=line)

@@ -149,7 +149,5 @@ def absent_roles(titles: Sequence[str], roles: Sequence[str] = ROLES) -> tuple[s
 def absent_words(absent: Sequence[str], titles: Sequence[str], roles: Sequence[str] = ROLES) -> str:
     """Return the words of an error: which columns are missing and what to do."""
     shown = ", ".join(f"'{title[:40]}'" if title else f"column {at}" for at, title in enumerate(titles[:12], 1))
-    return (
-        f"no column is {' or '.join(absent)} (there are {shown}); {', '.join(roles[:-1])} and {roles[-1]} are needed: "
-        "export the test again with them"
-    )
+    return (f"no column is {' or '.join(absent)} (there are {shown}); {', '.join(roles[:-1])} and {roles[-1]} are "
+            "needed: export the test again with them")  # fmt: skip

@@ -105,10 +105,8 @@ def add_compression(
     known = entries(KIND).get(name.lower())
     own = known if known is not None and known.origin == "user" else None
     if own and base is not None and base.lower() != name.lower() and not replace_own:
-        raise InputError(
-            f"resin '{own.name}' exists; leave --resin out to add this puck to it, or --replace to begin it again",
-            "file_exists", "resin", own.name,
-        )  # fmt: skip
+        raise InputError(f"resin '{own.name}' exists; leave --resin out to add this puck to it, or --replace to begin "
+                         "it again", "file_exists", "resin", own.name)  # fmt: skip
     if own and replace_own and base is None:
         message = f"--replace begins resin '{own.name}' again; say from which one with --resin"
         raise InputError(message, "missing", "resin")

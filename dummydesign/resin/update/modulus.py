@@ -219,11 +219,9 @@ def add_resin(file: str | Path, replace_own: bool = False) -> tuple[Resin, Path]
     if not path.is_file():
         raise InputError(f"resin file '{file}' does not exist", "file_not_found", "resin_file", str(file))
     if path.suffix.lower() == ".csv":
-        raise InputError(
-            f"resin file '{file}' is a CSV, not TOML: give each point as [[point]] with ratio and young_kPa "
-            "(value, low, high, kind, source); of a puck's trace 'dummydesign resins add-compression' makes the point",
-            "file_unreadable", "resin_file", str(file),
-        )  # fmt: skip
+        raise InputError(f"resin file '{file}' is a CSV, not TOML: give each point as [[point]] with ratio and "
+                         "young_kPa (value, low, high, kind, source); of a puck's trace 'dummydesign resins "
+                         "add-compression' makes the point", "file_unreadable", "resin_file", str(file))  # fmt: skip
     content, _ = read_toml(path)
     if "modulus" in content or "point" not in content:
         resin = replace(read_resin(Entry(path.stem, path, "user")), origin="user")

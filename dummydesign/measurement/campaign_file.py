@@ -26,21 +26,12 @@ from dummydesign.measurement.trace import read_trace
 
 FILE = "campaign.toml"
 TRIAL_NUMBERS = {
-    "thickness_mm": (0.5, 200.0),
-    "thickness_sd_mm": (0.0, 10.0),
-    "design_thickness_mm": (0.5, 200.0),
-    "witness_kPa": (0.5, 5000.0),
-    "witness_sd_kPa": (0.0, 2500.0),
-    "weighed_ratio": (0.0, 1000.0),
-    "weighed_ratio_sd": (0.0, 100.0),
-    "velocity_mm_s": (0.001, 5000.0),
-    "hold_s": (0.0, 1e5),
-    "target_force_N": (0.0, 2000.0),
-    "rest_s": (0.0, 1e9),
-    "temperature_C": (-20.0, 80.0),
-    "age_days": (0.0, 36500.0),
+    "thickness_mm": (0.5, 200.0), "thickness_sd_mm": (0.0, 10.0), "design_thickness_mm": (0.5, 200.0),
+    "witness_kPa": (0.5, 5000.0), "witness_sd_kPa": (0.0, 2500.0), "weighed_ratio": (0.0, 1000.0),
+    "weighed_ratio_sd": (0.0, 100.0), "velocity_mm_s": (0.001, 5000.0), "hold_s": (0.0, 1e5),
+    "target_force_N": (0.0, 2000.0), "rest_s": (0.0, 1e9), "temperature_C": (-20.0, 80.0), "age_days": (0.0, 36500.0),
     "target_depth_mm": (0.0, 200.0),
-}
+}  # fmt: skip
 TRIAL_REQUIRED = ("thickness_mm", "velocity_mm_s")
 PUNCHES = ("square", "round", "ball", "profile", "plate")
 PUNCH_KEYS = {"punch", "side_mm", "diameter_mm", "contact", "edge_radius_mm"}
@@ -175,8 +166,7 @@ def _read_punch(table: Table, folder: Path) -> PunchSpec:
     if needed and needed not in table:
         raise table.fault(needed, f"is missing: the punch is {shape}", "missing")
     profile = ball_profile(diameter) if shape == "ball" else None
-    if shape == "profile":
-        profile = read_profile(folder / _read_file_name(table, folder))
+    profile = read_profile(folder / _read_file_name(table, folder)) if shape == "profile" else profile
     contact = _read_interface(table, "contact", (*CONDITIONS, FRICTION))
     edge = table.number("edge_radius_mm", 0.0, low=0.0, high=100.0)
     return PunchSpec(shape, side, diameter, contact, profile, edge)
@@ -337,8 +327,7 @@ class SetUp:
         material = {"young_kPa_nominal": self.young_kPa, "resin": self.resin, "ratio": self.ratio}
         pad: dict[str, Any] = {key: value for key, value in material.items() if value is not None}
         kind, _, size = self.pad.partition(":")
-        cylinder = kind == "cylinder"
-        if cylinder:
+        if cylinder := kind == "cylinder":
             pad |= {"shape": "cylinder", "diameter_mm": _sizes(size, 1, "pad", self.pad, "cylinder:50")[0]}
         else:
             length, width = _sizes(self.pad.removeprefix("slab:"), 2, "pad", self.pad, "150x120")

@@ -55,18 +55,17 @@ def check_campaign(folder: str | Path) -> CampaignStatus:
         name = trial.get("file")
         if not isinstance(name, str) or not name.strip() or Path(name).name != name:
             problem("file_name", FILE, f"trial {number} has no plain file name")
-            continue
-        if not (folder / name).is_file():
+        elif not (folder / name).is_file():
             missing.append(name)
-            continue
-        pressed.append(name)
-        try:
-            trace = read_trace(folder / name, _positive(trial, "velocity_mm_s") or None)
-            for message in differences_from_plan(trace, trial):
-                problem("not_as_planned", name, message)
-            traces.append(trace)
-        except InputError as fault:
-            problem("not_readable", name, fault)
+        else:
+            pressed.append(name)
+            try:
+                trace = read_trace(folder / name, _positive(trial, "velocity_mm_s") or None)
+                for message in differences_from_plan(trace, trial):
+                    problem("not_as_planned", name, message)
+                traces.append(trace)
+            except InputError as fault:
+                problem("not_readable", name, fault)
     sensor = top.data.get("sensor")
     resolution = _positive(sensor, "force_resolution_N") if isinstance(sensor, dict) else 0.0
     for trace in traces:

@@ -140,19 +140,17 @@ def workbook_texts(data: bytes, log: ImportLog) -> dict[str, str]:
     except ImportError:
         message = "is an Excel workbook; save it as CSV, or install the reader: pip install 'dummydesign[xlsx]'"
         raise log.fault(message, "program_missing", "openpyxl") from None
+    with zipfile.ZipFile(io.BytesIO(data)) as packed:
+        if sum(part.file_size for part in packed.infolist()) > MOST_BYTES:
+            message = f"unpacks to more than {MOST_BYTES // 10**6} MB; save the sheet as CSV"
+            raise log.fault(message, "too_large", "workbook")
     sheets: dict[str, list[list[str]]] = {}
     try:
-        with zipfile.ZipFile(io.BytesIO(data)) as packed:
-            if sum(part.file_size for part in packed.infolist()) > MOST_BYTES:
-                message = f"unpacks to more than {MOST_BYTES // 10**6} MB; save the sheet as CSV"
-                raise log.fault(message, "too_large", "workbook")
         book = openpyxl.load_workbook(io.BytesIO(data), read_only=True, data_only=True)
         for sheet in book.worksheets:
             rows = [[_cell(value) for value in row] for row in sheet.iter_rows(values_only=True)]
             if sum(map(_numeric, rows)) >= 3:
                 sheets[sheet.title] = rows
-    except InputError:
-        raise
     except Exception as problem:  # openpyxl raises whatever the XML made of it
         message = f"cannot be read as an Excel workbook ({type(problem).__name__}); save it again, or as CSV"
         raise log.fault(message, "file_unreadable", "workbook") from None

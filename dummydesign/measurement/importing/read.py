@@ -16,6 +16,7 @@ from dummydesign.core.errors import InputError, unknown_name
 from dummydesign.core.files import unwritable, write_bytes, write_text
 from dummydesign.core.library import DEVICE, Entry, entries, find, read_toml, toml_value, user_folder
 from dummydesign.core.parsing import NUMBER
+from dummydesign.core.serialise import to_plain
 from dummydesign.measurement.importing import contact as contact_zero
 from dummydesign.measurement.importing.decisions import Decision, ImportLog, NoTableError, Settings
 from dummydesign.measurement.importing.decoding import LEFT_OUT
@@ -304,16 +305,10 @@ def write_traces(planned: Sequence[Planned], folder: Path) -> None:
 def describe(imported: Sequence[Imported], planned: Sequence[Planned]) -> list[dict[str, Any]]:
     """Return what became of each file: ``source``, ``traces`` (without their folder), ``decisions``, ``warnings``."""
     return [
-        {
-            "source": str(one.source),
-            **({"sheet": one.sheet} if one.sheet else {}),
-            "traces": [
-                {"file": name, "press": press.number, "samples": len(press.time_s), **press.summary.to_dict()}
-                for owner, press, name in planned if owner is one
-            ],
-            "decisions": [decision.to_dict() for decision in one.decisions],
-            "warnings": list(one.warnings),
-        }
+        {"source": str(one.source), **({"sheet": one.sheet} if one.sheet else {}),
+         "traces": [{"file": name, "press": press.number, "samples": len(press.time_s), **press.summary.to_dict()}
+                    for owner, press, name in planned if owner is one],
+         "decisions": to_plain(one.decisions), "warnings": list(one.warnings)}
         for one in imported
     ]  # fmt: skip
 
@@ -415,13 +410,9 @@ def learned(given: Settings, imported: Iterable[Imported]) -> Settings:
         # Units are not kept: a file states its own, and one that does not was read with those that were given.
         if role not in columns and title and all(list(one.layout.names).count(title) == 1 for one in layouts):
             columns[role] = title
-    return replace(
-        given,
-        sheets=None,
-        columns=columns,
-        separator=given.separator or common([one.layout.separator for one in layouts]),
-        decimal=given.decimal or common([one.layout.decimal for one in layouts]),
-    )
+    separator, decimal = (common([getattr(one.layout, name) for one in layouts]) for name in ("separator", "decimal"))
+    return replace(given, sheets=None, columns=columns, separator=given.separator or separator,
+                   decimal=given.decimal or decimal)  # fmt: skip
 
 
 def save_profile(name: str, settings: Settings, overwrite: bool = False) -> Path:

@@ -77,8 +77,6 @@ def _read_bytes(path: Path) -> bytes:
         before = path.stat()
         data = path.read_bytes()
         after = path.stat()
-    except FileNotFoundError:
-        raise InputError(f"file '{path}' does not exist", "file_not_found", "file") from None
     except OSError as problem:
         message = f"{path.name}: cannot be read: {problem.strerror or problem}"
         raise InputError(message, "file_unreadable", "file") from None

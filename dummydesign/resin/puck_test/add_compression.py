@@ -192,25 +192,20 @@ def _fit_holds(
     from dummydesign.resin.puck_test.relaxation_fit import fit_relaxation
 
     # half a hundredth of the height more, so that a hold at the very end is not cut by its own noise
-    press = reduce_press(
-        trace.time_s, trace.displacement_mm, trace.force_N, holds, (window[0], window[1] + 0.005 * puck.height_mm)
-    )
+    wider = window[0], window[1] + 0.005 * puck.height_mm
+    press = reduce_press(trace.time_s, trace.displacement_mm, trace.force_N, holds, wider)
     fit = fit_relaxation(press, puck.diameter_mm, puck.height_mm, table)
     source = f"holds of puck {puck.diameter_mm:g} x {puck.height_mm:g} mm, {trace.name}"
     known = [arm for arm in fit.arms if not arm.reason]
     reasons = [arm.reason for arm in fit.arms if arm.reason]
     arms = tuple(Arm(*(Quantity(*one, "fitted", source) for one in (arm.tau_s, arm.beta))) for arm in known)
     relaxation = {
-        "holds": holds,
-        "seen_s": fit.seen_s,
+        "holds": holds, "seen_s": fit.seen_s,
         "prony": [{"tau_s": arm.tau_s._asdict(), "beta": arm.beta._asdict()} for arm in known],
         "not_identifiable": [{"tau_s": None, "beta": None, "reason": reason} for reason in reasons],
-        "comparison": fit.comparison,
-        "noise": fit.noise,
-    }
-    warnings = tuple(
-        {"code": "not_identifiable", "message": f"an arm of the relaxation has no value: {reason}"}
-        for reason in reasons
-    )
+        "comparison": fit.comparison, "noise": fit.noise,
+    }  # fmt: skip
+    said = [f"an arm of the relaxation has no value: {reason}" for reason in reasons]
+    warnings = tuple({"code": "not_identifiable", "message": message} for message in said)
     puck = replace(puck, seen_s=fit.seen_s, arms=arms)
     return _Fit(fit.young_kPa, fit.alpha, fit.friction, fit.rmse_N, puck, to_plain(relaxation), warnings)

@@ -66,26 +66,22 @@ def read_trace(path: str | Path, velocity_mm_s: float | None = None) -> Trace:
         too few samples, or magnitudes that show another unit (m, um, mN, kN, ms) or sign.
     """
     path = Path(path)
-    file = path.name
     header, places, sizes, rows = open_csv(path, COLUMNS, "trace")
     values, lines = [], []
     for line, row in rows:
+        where = f"{path.name}:{line}"
         if len(row) <= max(places):
-            message = f"{path.name}:{line}: has {len(row)} cells, the header has {len(header)}"
+            message = f"{where}: has {len(row)} cells, the header has {len(header)}"
             raise InputError(message, "malformed", "trace", len(row), len(header))
-        where = f"{file}:{line}"
         values.append([size * read_cell(row[at], name, where) for name, at, size in zip(COLUMNS, places, sizes)])
         lines.append(line)
     if len(values) < MIN_SAMPLES:
         message = f"{path.name}: {len(values)} samples; at least {MIN_SAMPLES} are needed"
         raise InputError(message, "not_enough_data", "trace", len(values))
     time, displacement, force = np.array(values).T
-    back = np.flatnonzero(np.diff(time) <= 0)
-    if back.size:
-        at = int(back[0])
-        before, after = float(time[at]), float(time[at + 1])
-        message = f"{path.name}:{lines[at + 1]}: time_s = {after:g} does not increase (line before: {before:g})"
-        raise InputError(message, "malformed", "time_s", after)
+    for at in np.flatnonzero(np.diff(time) <= 0)[:1] + 1:
+        words = f"time_s = {time[at]:g} does not increase (line before: {time[at - 1]:g})"
+        raise InputError(f"{path.name}:{lines[at]}: {words}", "malformed", "time_s", float(time[at]))
     fault = magnitude_fault(time, displacement, force, velocity_mm_s, SECONDS in header)
     if fault:
         raise InputError(f"{path.name}: {fault.message}{import_first(path)}", fault.code, fault.column)

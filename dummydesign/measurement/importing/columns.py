@@ -51,11 +51,11 @@ Candidates = Mapping[str, Sequence[Column]]
 
 def describe_columns(layout: Layout) -> list[Column]:
     """Read names and units of all columns."""
-    columns = []
-    for index, (kind, title, below) in enumerate(zip(layout.kinds, layout.names, layout.units)):
-        name, unit = known.split_name(title)
-        columns.append(Column(index, title, kind, known.roles_of_name(name), known.find_unit(below) or unit))
-    return columns
+    read = zip(layout.kinds, layout.names, map(known.split_name, layout.names), layout.units)
+    return [
+        Column(index, title, kind, known.roles_of_name(name), known.find_unit(below) or unit)
+        for index, (kind, title, (name, unit), below) in enumerate(read)
+    ]
 
 
 def find_candidates(columns: Sequence[Column], log: ImportLog) -> Candidates:
@@ -120,8 +120,7 @@ def choose(
         if candidates[role]:
             chosen[role], why = _choose_one(role, candidates[role], values, log)
             log.decide(f"{role} column", chosen[role].label, why)
-    if len(chosen) < len(ROLES):
-        chosen |= _by_behaviour(columns, chosen, values, log)
+    chosen |= _by_behaviour(columns, chosen, values, log)
     if len({column.index for column in chosen.values()}) < len(ROLES):
         names = ", ".join(f"{role} {column.label}" for role, column in chosen.items())
         raise log.question(f"one column would have two meanings ({names})", "--columns ROLE=NAME,...")

@@ -135,10 +135,9 @@ def _is_inline(value: Any) -> bool:
 
 def _lines(table: Mapping[str, Any], prefix: str) -> list[str]:
     """Write a table: its own values first, then the tables inside it."""
-    lines = [f"{key} = {toml_value(value)}" for key, value in table.items() if _is_inline(value)]
-    for key, value in table.items():
-        if _is_inline(value):
-            continue
+    inside = {key: value for key, value in table.items() if not _is_inline(value)}
+    lines = [f"{key} = {toml_value(value)}" for key, value in table.items() if key not in inside]
+    for key, value in inside.items():
         name = f"{prefix}{key}"
         for item in value if isinstance(value, list) else [value]:
             lines += ["", f"[[{name}]]" if isinstance(value, list) else f"[{name}]", *_lines(item, f"{name}.")]
@@ -278,9 +277,9 @@ class Resin:
     def check_ratio(self, ratio: ArrayLike) -> None:
         """Refuse ratios outside the range the law is meant for (InputError)."""
         values = np.atleast_1d(np.asarray(ratio, float))
-        inside = (values >= self.ratio_min - 1e-9) & (values <= self.ratio_max + 1e-9)
-        for wrong in map(float, values[~inside][:1]):
-            raise out_of_range(f"ratio of {self.name}", wrong, self.ratio_min, self.ratio_max, self.ratio_meaning,
+        wrong = values[~((values >= self.ratio_min - 1e-9) & (values <= self.ratio_max + 1e-9))].tolist()
+        if wrong:
+            raise out_of_range(f"ratio of {self.name}", wrong[0], self.ratio_min, self.ratio_max, self.ratio_meaning,
                                "ratio")  # fmt: skip
 
     @property
@@ -368,8 +367,7 @@ class Resin:
         """
         rng = np.random.default_rng(seed)
         if self.posterior is not None:
-            size = len(next(iter(self.posterior.values())))
-            rows = rng.integers(0, size, count)
+            rows = rng.integers(0, len(next(iter(self.posterior.values()))), count)
             numbers = {name: np.asarray(column)[rows] for name, column in self.posterior.items()}
         else:
             numbers = self._draw_prior(count, rng)

@@ -115,18 +115,15 @@ def _sample(log_likelihood: Callable[[NDArray], NDArray], size: int, seed: int) 
             at = np.nonzero(open_)[0]
             tried = z[at] * np.cos(angle[at])[:, None] + other[at] * np.sin(angle[at])[:, None]
             value = log_likelihood(tried)
-            taken = value >= level[at]
             # the bracket shrinks towards the present state, which is always acceptable
-            taken |= np.abs(angle[at]) < 1e-12
-            done = at[taken]
-            z_new = tried[taken]
+            taken = (value >= level[at]) | (np.abs(angle[at]) < 1e-12)
+            done, shrink = at[taken], at[~taken]
             current[done] = np.where(np.isfinite(value[taken]), value[taken], current[done])
-            shrink = at[~taken]
             low[shrink] = np.where(angle[shrink] < 0, angle[shrink], low[shrink])
             high[shrink] = np.where(angle[shrink] >= 0, angle[shrink], high[shrink])
             angle[shrink] = rng.uniform(low[shrink], high[shrink])
             open_[done] = False
-            z[done] = z_new
+            z[done] = tried[taken]
     return z
 
 
@@ -134,14 +131,12 @@ def _summary(
     prior: dict[str, Quantity], draws: dict[str, NDArray], central: dict[str, float], count: int
 ) -> dict[str, Quantity]:
     """Summarise the draws as quantities of kind ``fitted``; what was fixed stays as it was."""
-    summary = {}
+    summary = dict(prior)
     for key, quantity in prior.items():
-        if quantity.low == quantity.high:
-            summary[key] = quantity
-            continue
-        (low, high), value = np.percentile(draws[key], [2.5, 97.5]).tolist(), central[key]
-        source = f"prior ({quantity.source}) updated by {count} measured point{'s' if count > 1 else ''}"
-        summary[key] = Quantity(value, min(low, value), max(high, value), "fitted", source)
+        if quantity.low < quantity.high:
+            (low, high), value = np.percentile(draws[key], [2.5, 97.5]).tolist(), central[key]
+            source = f"prior ({quantity.source}) updated by {count} measured point{'s' if count > 1 else ''}"
+            summary[key] = Quantity(value, min(low, value), max(high, value), "fitted", source)
     return summary
 
 
@@ -205,7 +200,7 @@ def without_puck(resin: Resin, sha256: str) -> Resin:
     )  # fmt: skip
     for point in resin.points:
         if point.puck is None or point.puck.sha256 != sha256:
-            base, _, _ = with_point(base, point, resin.name)
+            base = with_point(base, point, resin.name)[0]
     return base
 
 

@@ -52,7 +52,7 @@ class ArmUpdate:
 
     def to_dict(self) -> dict[str, Any]:
         """Return plain values; strengths as {value, low, high} or null."""
-        strengths = {key: getattr(self, key) for key in ("base_beta", "measured_beta", "beta")}
+        strengths = {"base_beta": self.base_beta, "measured_beta": self.measured_beta, "beta": self.beta}
         plain = {key: None if one is None else one._asdict() for key, one in strengths.items()}
         return {"tau_s": self.tau_s, "from": self.came_from, **plain}
 
@@ -99,9 +99,8 @@ def update_relaxation(
         arms.append(Arm(arm.tau_s, Quantity(*value, arm.beta.kind, source)))
         updates.append(ArmUpdate(time, "base", base[index], None, value))
         notices.append(f"the base's arm at {time:g} s is kept: holds show {seen_s[0]:.2g} to {seen_s[1]:.3g} s")
-    order = np.argsort([arm.tau_s.value for arm in arms])
     changed = replace(
-        resin, arms=tuple(arms[k] for k in order), relaxation_ratio_ref=ratio,
+        resin, arms=tuple(sorted(arms, key=lambda arm: arm.tau_s.value)), relaxation_ratio_ref=ratio,
         prior_relaxation=resin.prior_relaxation or (resin.arms, resin.relaxation_ratio_ref),
         notes=tuple(dict.fromkeys([*resin.notes, *(NOTE + text for text in notices)])),
     )  # fmt: skip

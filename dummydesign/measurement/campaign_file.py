@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from dummydesign.core.errors import InputError, errors_within, unknown_name
-from dummydesign.core.library import toml_value
+from dummydesign.core.library import toml_table
 from dummydesign.core.toml_schema import Table
 from dummydesign.geometry.dimensions import PAD_LENGTH_MM, PAD_WIDTH_MM
 from dummydesign.geometry.interface import BASES, CONDITIONS, FRICTION, Interface
@@ -368,12 +368,8 @@ class SetUp:
 
 def campaign_toml(set_up: SetUp, trials: Iterable[Mapping[str, Any]], comments: Iterable[str] = ()) -> str:
     """Write a campaign file, comments at its top; a trial's value of None becomes a commented line to fill in."""
-    lines = [*(f"# {text}" for text in comments), "schema = 1", f"name = {toml_value(set_up.name)}"]
-    tables = [(f"[{name}]", entries) for name, entries in set_up.tables().items()]
-    for heading, entries in [*tables, *(("[[trial]]", trial) for trial in trials)]:
-        lines += ["", heading]
-        lines += [f"# {key} =" if one is None else f"{key} = {toml_value(one)}" for key, one in entries.items()]
-    return "\n".join(lines) + "\n"
+    content = {"schema": 1, "name": set_up.name, **set_up.tables(), "trial": [dict(trial) for trial in trials]}
+    return "".join(f"# {text}\n" for text in comments) + toml_table(content)
 
 
 def _sizes(text: str, count: int, what: str, given: str, form: str) -> list[float]:

@@ -254,5 +254,4 @@ def _cell(value: object) -> str:
 
 
 def _numeric(row: list[str]) -> bool:
-    cells = [cell for cell in row if cell]
-    return len(cells) >= 2 and sum(cell[0] in "+-0123456789.,−" for cell in cells) >= 2
+    return sum(cell[0] in "+-0123456789.,−" for cell in row if cell) >= 2

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from dummydesign.core.errors import InputError, unknown_name
 from dummydesign.core.files import unwritable, write_bytes, write_text
-from dummydesign.core.library import DEVICE, Entry, entries, find, read_toml, toml_value, user_folder
+from dummydesign.core.library import DEVICE, Entry, entries, find, read_toml, toml_table, user_folder
 from dummydesign.core.parsing import NUMBER
 from dummydesign.core.serialise import to_plain
 from dummydesign.measurement.importing import contact as contact_zero
@@ -432,14 +432,6 @@ def save_profile(name: str, settings: Settings, overwrite: bool = False) -> Path
 
 
 def _profile_text(settings: Settings) -> str:
-    lines = ["schema = 1"]
-    tables: list[str] = []
-    for field in fields(Settings):
-        value = getattr(settings, field.name)
-        if value is None or value == getattr(_NO_SETTINGS, field.name):
-            continue
-        if isinstance(value, dict):
-            tables += ["", f"[{field.name}]", *(f"{role} = {toml_value(text)}" for role, text in value.items())]
-        else:
-            lines.append(f"{field.name} = {toml_value(sorted(value) if isinstance(value, frozenset) else value)}")
-    return "\n".join([*lines, *tables]) + "\n"
+    given = {key: value for key, value in vars(settings).items() if value != getattr(_NO_SETTINGS, key)}
+    plain = {key: sorted(value) if isinstance(value, frozenset) else value for key, value in given.items()}
+    return toml_table({"schema": 1, **plain})

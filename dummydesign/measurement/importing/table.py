@@ -98,9 +98,8 @@ class Body:
 def read_body(layout: Layout, columns: Sequence[int], log: ImportLog) -> Body:
     """Read the numbers of some columns."""
     values = _read_at_once(layout, columns)
-    if values is None:
-        return _read_by_line(layout, columns, log)
-    return Body(values, np.arange(len(values)) + layout.line(layout.first), ())
+    lines = np.arange(layout.last - layout.first) + layout.line(layout.first)
+    return _read_by_line(layout, columns, log) if values is None else Body(values, lines, ())
 
 
 def _read_at_once(layout: Layout, columns: Sequence[int]) -> NDArray | None:

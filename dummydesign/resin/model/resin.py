@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from dummydesign.core.errors import InputError, out_of_range, unknown_name
 from dummydesign.core.files import write_text
-from dummydesign.core.library import toml_value
+from dummydesign.core.library import toml_table
 from dummydesign.core.quantity import HALF_WIDTH, Quantity, value_at
 from dummydesign.core.serialise import Serialised, to_plain
 from dummydesign.resin.model.modulus_laws import ModulusLaw, check_young
@@ -123,25 +123,7 @@ def save_resin(resin: Resin, path: Path) -> Path:
     InputError
         When the place cannot be written.
     """
-    return write_text(path, "\n".join(_lines(resin.to_dict(), "")) + "\n")
-
-
-def _is_inline(value: Any) -> bool:
-    """Quantities and plain values stay on one line; other tables get a heading of their own."""
-    if isinstance(value, dict):
-        return "kind" in value and "source" in value
-    return not (isinstance(value, list) and value and isinstance(value[0], dict))
-
-
-def _lines(table: Mapping[str, Any], prefix: str) -> list[str]:
-    """Write a table: its own values first, then the tables inside it."""
-    inside = {key: value for key, value in table.items() if not _is_inline(value)}
-    lines = [f"{key} = {toml_value(value)}" for key, value in table.items() if key not in inside]
-    for key, value in inside.items():
-        name = f"{prefix}{key}"
-        for item in value if isinstance(value, list) else [value]:
-            lines += ["", f"[[{name}]]" if isinstance(value, list) else f"[{name}]", *_lines(item, f"{name}.")]
-    return lines
+    return write_text(path, toml_table(resin.to_dict()))
 
 
 DRAWS, SEED = 2000, 20240

@@ -144,7 +144,14 @@ def held_force(trace: Trace, ramp: Ramp) -> float:
 def check_edge(pad: PadSpec, punch: PunchSpec, shapes: Sequence[PadShape], where: str = "") -> None:
     """Refuse a fillet of the punch's edge that is too large, or where the force law with it is not solved.
 
-    ``shapes`` are those of the pads that are pressed; ``where`` begins the message.
+    Parameters
+    ----------
+    pad : PadSpec
+    punch : PunchSpec
+    shapes : sequence of PadShape
+        Of the pads that are pressed.
+    where : str
+        Begins the message.
     """
     edge = punch.edge_radius_mm
     if not edge:

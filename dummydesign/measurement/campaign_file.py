@@ -367,7 +367,17 @@ class SetUp:
 
 
 def campaign_toml(set_up: SetUp, trials: Iterable[Mapping[str, Any]], comments: Iterable[str] = ()) -> str:
-    """Write a campaign file, comments at its top; a trial's value of None becomes a commented line to fill in."""
+    """Write a campaign file; a trial's value of None becomes a commented line to fill in.
+
+    Parameters
+    ----------
+    set_up : SetUp
+        Name, pad, punch and sensor.
+    trials : iterable of mapping
+        Keys and values of each trial.
+    comments : iterable of str
+        Lines at the top of the file.
+    """
     content = {"schema": 1, "name": set_up.name, **set_up.tables(), "trial": [dict(trial) for trial in trials]}
     return "".join(f"# {text}\n" for text in comments) + toml_table(content)
 

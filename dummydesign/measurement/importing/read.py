@@ -326,7 +326,15 @@ def _name(source: Path, sheet: str, number: int, taken: set[str]) -> str:
 
 
 def trace_bytes(time_s: NDArray, displacement_mm: NDArray, force_N: NDArray, settled: bool = False) -> bytes:
-    """The canonical CSV, to a microsecond, a nanometre and a micronewton; ``settled`` adds that time is in seconds."""
+    """The canonical CSV, to a microsecond, a nanometre and a micronewton.
+
+    Parameters
+    ----------
+    time_s, displacement_mm, force_N : ndarray, shape (n,)
+        A press in the project's units. [s, mm, N]
+    settled : bool
+        Whether a column is added that says that time is in seconds, however slow the press.
+    """
     rows = np.stack([time_s, displacement_mm, force_N, *([np.ones_like(time_s)] if settled else [])], axis=1)
     header = ",".join((*COLUMNS, SECONDS) if settled else COLUMNS) + "\n"
     return header.encode() + b"".join(_digits(rows[start : start + _ROWS]) for start in range(0, len(rows), _ROWS))
@@ -416,7 +424,17 @@ def learned(given: Settings, imported: Iterable[Imported]) -> Settings:
 
 
 def save_profile(name: str, settings: Settings, overwrite: bool = False) -> Path:
-    """Keep a profile in the user's folder; ``overwrite`` replaces one of this name that has other settings."""
+    """Keep a profile in the user's folder.
+
+    Parameters
+    ----------
+    name : str
+        Name of the profile: letters, digits, '-', '_' and '.'.
+    settings : Settings
+        What was settled for the machine.
+    overwrite : bool
+        Replace a profile of this name that has other settings.
+    """
     if not re.fullmatch(r"[\w][\w .-]{0,60}", name) or name.lower().endswith(".toml") or DEVICE.fullmatch(name):
         message = f"--save-profile '{name}': a profile's name is made of letters, digits, '-', '_' and '.'"
         raise InputError(message, "bad_name", "save_profile", name)

@@ -77,13 +77,8 @@ def mixed(name: str, liquids: Sequence[Liquid], parts: Sequence[float]) -> Quant
 class RelaxationGivenModulus:
     """ln beta = ln of the stated strength + slope (ln E - mean) + spread z, with independent normal z.
 
-    Attributes
-    ----------
-    log_young_kPa : float
-        Mean of ln E at the reference ratio.
-    slope : ndarray, shape (arms,)
-    spread : ndarray, shape (arms, arms)
-        A root of the covariance of ln beta at a known modulus.
+    ``log_young_kPa`` is the mean of ln E at the reference ratio, ``slope`` has shape (arms,), ``spread`` (arms, arms) is
+    a root of the covariance of ln beta at a known modulus.
     """
 
     log_young_kPa: float
@@ -116,13 +111,7 @@ class RelaxationGivenModulus:
 
 
 def save_resin(resin: Resin, path: Path) -> Path:
-    """Write a resin file under its final name only when complete.
-
-    Raises
-    ------
-    InputError
-        When the place cannot be written.
-    """
+    """Write a resin file under its final name only when complete."""
     return write_text(path, toml_table(resin.to_dict()))
 
 
@@ -150,18 +139,10 @@ class Arm(Serialised):
 
 @dataclass(frozen=True)
 class PuckPoint:
-    """The recording of a puck.
+    """The recording of a puck; by ``sha256`` of its numbers it is known again under another file name.
 
-    Attributes
-    ----------
-    sha256 : str
-        Of the numbers of the recording: the same puck under another file name is known again.
-    file : str
-    diameter_mm, height_mm : float
-    seen_s : (float, float) or None
-        Shortest and longest time its holds show; None without holds. [s]
-    arms : tuple of Arm
-        What the holds showed, strengths relative to the long-term modulus at the point's ratio.
+    ``seen_s`` are the shortest and longest time that its holds show, None without holds; ``arms`` what they showed,
+    strengths relative to the long-term modulus at the point's ratio.
     """
 
     sha256: str

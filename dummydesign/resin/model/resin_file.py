@@ -95,18 +95,9 @@ def read_resin(entry: Entry) -> Resin:
 
 
 def read_points(path: Path) -> tuple[str, str, list[Point]]:
-    """Read a file of measured points: ``base``, ``name`` and ``[[point]]`` tables (ratio, young_kPa).
+    """Read a file of measured points: the resin to update, the name of what results, and the points.
 
-    Returns
-    -------
-    base, name : str
-        Resin to update and the name of what results (default: the file's own name).
-    points : list of Point
-
-    Raises
-    ------
-    InputError
-        With file and line when something is missing, unknown or not a number.
+    The name is the file's own where it has none. An InputError names file and line.
     """
     top = read_table(path, ("schema", "base", "name", "point"), schema=None)
     points = list(map(_point, top.tables("point")))

@@ -77,7 +77,7 @@ def mixed(name: str, liquids: Sequence[Liquid], parts: Sequence[float]) -> Quant
 class RelaxationGivenModulus:
     """ln beta = ln of the stated strength + slope (ln E - mean) + spread z, with independent normal z.
 
-    ``log_young_kPa`` is the mean of ln E at the reference ratio, ``slope`` has shape (arms,), ``spread`` (arms, arms) is
+    ``log_young_kPa`` is the mean of ln E at the reference ratio, ``slope`` (arms,), ``spread`` (arms, arms)
     a root of the covariance of ln beta at a known modulus.
     """
 

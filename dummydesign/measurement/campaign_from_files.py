@@ -134,13 +134,12 @@ def trials_of(
         trial, why = _trial(path, rows.get(path.name, {}), thickness_mm)
         keys = ("thickness_mm", "velocity_mm_s", "target_force_N", "target_depth_mm")
         condition = tuple(trial.get(key) for key in keys)
+        repeats[condition] += 1
+        trial.setdefault("repeat", repeats[condition])
         words = f"{trial['thickness_mm']:g} mm pad, {trial['velocity_mm_s']:g} mm/s"
         words += f", {trial['target_force_N']:g} N" if "target_force_N" in trial else ""
         words += f", {trial['target_depth_mm']:g} mm deep" if "target_depth_mm" in trial else ""
-        words += f", repeat {trial.get('repeat', 1)}"
-        decisions.append({"what": path.name, "value": words, "why": why})
-        repeats[condition] += 1
-        trial.setdefault("repeat", repeats[condition])
+        decisions.append({"what": path.name, "value": f"{words}, repeat {trial['repeat']}", "why": why})
         trials.append(trial)
     if all("sequence" in trial for trial in trials):
         trials.sort(key=lambda trial: trial["sequence"])
@@ -148,11 +147,9 @@ def trials_of(
 
 
 def _trial(path: Path, row: Mapping[str, Any], thickness_mm: float | None) -> tuple[dict[str, Any], str]:
-    named = named_values(path)
-    trace = read_trace(path, {**named, **row}.get("velocity_mm_s"))
-    if thickness_mm is not None:
-        named.setdefault("thickness_mm", thickness_mm)
+    named = ({} if thickness_mm is None else {"thickness_mm": thickness_mm}) | named_values(path)
     known = {**named, **row}
+    trace = read_trace(path, known.get("velocity_mm_s"))
     if "thickness_mm" not in known:
         raise InputError(f"{path.name}: how thick was the pad? the name does not say (such as t05_v010_f05_1.csv); "
                          "give --table trials.csv with file,thickness_mm,..., or --thickness MM for all files",

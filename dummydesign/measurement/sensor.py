@@ -72,8 +72,7 @@ def _one_pass(step: NDArray, force: NDArray, cutoff_hz: float, order: int) -> ND
     for index, pole in enumerate(poles):
         if pole.imag < -1e-9 * cutoff:
             continue  # its conjugate is counted twice
-        others = np.delete(poles, index)
-        residue = cutoff**order / np.prod(pole - others)
+        residue = cutoff**order / np.prod(pole - np.delete(poles, index))
         weight = 1.0 if abs(pole.imag) <= 1e-9 * cutoff else 2.0
         change = pole * step
         growth = np.expm1(change)

@@ -95,9 +95,10 @@ def import_first(path: str | Path) -> str:
     return f"; import it first: dummydesign import {shlex.quote(str(path))}"
 
 
-def open_csv(
-    path: Path, names: Sequence[str], quantity: str
-) -> tuple[list[str], list[int], list[float], Iterator[tuple[int, list[str]]]]:
+Rows = Iterator[tuple[int, list[str]]]
+
+
+def open_csv(path: Path, names: Sequence[str], quantity: str) -> tuple[list[str], list[int], list[float], Rows]:
     """Read a CSV file: header, columns of the names with the size of their unit, and rows with their lines.
 
     Rows that are blank are left out. A column in inches or pounds-force has their size, any other 1.

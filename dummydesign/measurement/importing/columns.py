@@ -47,6 +47,9 @@ class Column:
 
 
 Candidates = Mapping[str, Sequence[Column]]
+Chosen = Mapping[str, Column]
+Values = Mapping[int, NDArray]
+"""Numbers of a column by its place in the table."""
 
 
 def describe_columns(layout: Layout) -> list[Column]:
@@ -111,9 +114,7 @@ def _named(columns: Sequence[Column], role: str, word: str, log: ImportLog) -> C
     return alike[0]
 
 
-def choose(
-    columns: Sequence[Column], candidates: Candidates, values: Mapping[int, NDArray], log: ImportLog
-) -> dict[str, Column]:
+def choose(columns: Sequence[Column], candidates: Candidates, values: Values, log: ImportLog) -> dict[str, Column]:
     """Choose one column for each role."""
     chosen: dict[str, Column] = {}
     for role in ROLES:
@@ -127,9 +128,7 @@ def choose(
     return chosen
 
 
-def _choose_one(
-    role: str, candidates: Sequence[Column], values: Mapping[int, NDArray], log: ImportLog
-) -> tuple[Column, str]:
+def _choose_one(role: str, candidates: Sequence[Column], values: Values, log: ImportLog) -> tuple[Column, str]:
     """The one among the candidates, when they differ in nothing that matters."""
     if role in log.settings.columns:
         return candidates[0], "given by --columns"
@@ -166,9 +165,7 @@ def _same(one: NDArray, other: NDArray, role: str) -> bool:
     return bool(np.max(np.abs(a - b)) <= reach or (role != "time" and np.max(np.abs(a + b)) <= reach))
 
 
-def _by_behaviour(
-    columns: Sequence[Column], chosen: Mapping[str, Column], values: Mapping[int, NDArray], log: ImportLog
-) -> dict[str, Column]:
+def _by_behaviour(columns: Sequence[Column], chosen: Chosen, values: Values, log: ImportLog) -> dict[str, Column]:
     """Roles of columns that neither name nor unit speaks for: what rises is time, what stands in a hold is position."""
     missing = [role for role in ROLES if role not in chosen]
     free = [
@@ -225,7 +222,7 @@ _EXCEL_DAYS = (36500.0, 52000.0)
 """Days since 1900 of the same years."""
 
 
-def find_factors(chosen: Mapping[str, Column], values: Mapping[str, NDArray], log: ImportLog) -> dict[str, float]:
+def find_factors(chosen: Chosen, values: Mapping[str, NDArray], log: ImportLog) -> dict[str, float]:
     """Find how many s, mm and N one count of each column is."""
     units = {role: _unit(role, chosen[role], values[role], log) for role in ROLES}
     missing = [role for role in ROLES if units[role] is None]

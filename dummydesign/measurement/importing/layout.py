@@ -23,6 +23,9 @@ _TESTS = {"number": is_number, "stamp": is_stamp}
 """What the cells of a column are known by."""
 
 
+Texts = tuple[str, ...]
+
+
 @dataclass(frozen=True)
 class Layout:
     """The table inside a text: its lines from ``first`` to before ``last``, and names, units and kinds of columns."""
@@ -34,9 +37,9 @@ class Layout:
     separator: str
     decimal: str
     thousands: bool
-    kinds: tuple[str, ...]
-    names: tuple[str, ...]
-    units: tuple[str, ...]
+    kinds: Texts
+    names: Texts
+    units: Texts
 
     def line(self, index: int) -> int:
         """Line number in the file, from 1, of ``lines[index]``."""
@@ -74,7 +77,7 @@ def find_layout(text: str, log: ImportLog) -> Layout:
     decimal = _decimal(cells, separator, log)
     names, units, header = find_header(lines, first, separator, len(kinds))
     _refuse_two_commas(separator, cells, len(kinds), lines[max(first - HEADER_LINES, 0) : first], log)
-    _refuse_unfinished(lines, last, separator, kinds, skipped, log)
+    _refuse_unfinished(lines, last, separator, kinds, log)
     before = [lines[at] for at in range(first) if lines[at].strip() and at not in header]
     after = [line for line in lines[last:] if line.strip()]
     if before:
@@ -225,9 +228,7 @@ def _decimal(cells: Sequence[str], separator: str, log: ImportLog) -> str:
     return "."
 
 
-def find_header(
-    lines: Sequence[str], first: int, separator: str, width: int
-) -> tuple[tuple[str, ...], tuple[str, ...], list[int]]:
+def find_header(lines: Sequence[str], first: int, separator: str, width: int) -> tuple[Texts, Texts, list[int]]:
     """Find names and units above the table, and the indices of their lines."""
     rows: list[tuple[int, list[str]]] = []
     for index in range(first - 1, max(first - 1 - 3 * HEADER_LINES, -1), -1):
@@ -282,9 +283,7 @@ def _refuse_two_commas(separator: str, cells: Sequence[str], width: int, header:
                             "malformed", "table")  # fmt: skip
 
 
-def _refuse_unfinished(
-    lines: Sequence[str], last: int, separator: str, kinds: Sequence[str], skipped: int, log: ImportLog
-) -> None:
+def _refuse_unfinished(lines: Sequence[str], last: int, separator: str, kinds: Sequence[str], log: ImportLog) -> None:
     """Refuse a file that is still being written: its last line has no end and breaks off within a row."""
     if len(lines) < 2 or not lines[-1].strip():
         return
@@ -300,7 +299,7 @@ def _refuse_unfinished(
     if broken:
         raise log.fault(f"the last line breaks off ('{lines[-1].strip()[-40:]}'): the file is still being written, or "
                         "was cut; wait for the test to end and export it again",
-                        "malformed", "table", line=index + skipped + 1)  # fmt: skip
+                        "malformed", "table", line=index + (log.settings.skip or 0) + 1)  # fmt: skip
 
 
 def _decimals(cell: str) -> int:

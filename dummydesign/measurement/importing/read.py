@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -22,10 +22,12 @@ from dummydesign.measurement.importing.decisions import Decision, ImportLog, NoT
 from dummydesign.measurement.importing.decoding import LEFT_OUT
 from dummydesign.measurement.importing.press_checks import check_press, fingerprint
 from dummydesign.measurement.importing.signs import HIGH, Span, find_presses, find_signs
-from dummydesign.measurement.importing.table import Columns, columns_of, read_texts
+from dummydesign.measurement.importing.table import Columns, Ranges, columns_of, read_texts
 from dummydesign.measurement.importing.vocabulary import BASE, ROLES, USUAL_UNITS, find_unit
 from dummydesign.measurement.landmarks import SHALLOWEST_MM, Summary, summarise
 from dummydesign.measurement.trace import COLUMNS, SECONDS, magnitude_fault
+
+Warnings = list[dict[str, Any]]
 
 
 @dataclass(frozen=True)
@@ -123,9 +125,7 @@ def _read_option(option: str, word: str, kind: str) -> float | None:
     raise InputError(f"--{option} {word} is not auto, none or {form}", "not_a_number", option, word)
 
 
-def _find_spans(
-    time: NDArray, x: NDArray, load: NDArray, recordings: Sequence[tuple[int, int]], log: ImportLog
-) -> list[Span]:
+def _find_spans(time: NDArray, x: NDArray, load: NDArray, recordings: Ranges, log: ImportLog) -> list[Span]:
     """Presses of all recordings of the file."""
     several, spans = log.settings.split == "auto", []
     for first, stop in recordings:
@@ -217,16 +217,14 @@ def files_of(paths: Iterable[str | Path]) -> list[tuple[Path, bool]]:
     return list(files.values())
 
 
-def import_files(
-    paths: Sequence[str | Path], settings: Settings | None = None
-) -> tuple[list[Imported], list[dict[str, Any]]]:
+def import_files(paths: Sequence[str | Path], settings: Settings | None = None) -> tuple[list[Imported], Warnings]:
     """Read files and folders as test machines wrote them; warnings of all together.
 
     The first error or question of a file is raised, with the number of other files that have one too. Nothing is left
     out silently.
     """
     imported: list[Imported] = []
-    warnings: list[dict[str, Any]] = []
+    warnings: Warnings = []
     problems: list[InputError] = []
     doubtful: list[str] = []
     listed = files_of(paths)
@@ -370,7 +368,6 @@ def list_profiles() -> list[Entry]:
     return [entry for _, entry in sorted(entries(PROFILES).items())]
 
 
-_SETTINGS = {field.name for field in fields(Settings)}
 _NO_SETTINGS = Settings()
 
 
@@ -385,8 +382,8 @@ def _read_profile(path: Path) -> Settings:
         raise InputError(f"{path.name}: schema is not 1, the one that this version reads", "unsupported", "schema")
     values: dict[str, Any] = {}
     for key, value in data.items():
-        if key not in _SETTINGS:
-            raise unknown_name("key", key, _SETTINGS, "unknown_key", "profile").within(path.name)
+        if key not in vars(_NO_SETTINGS):
+            raise unknown_name("key", key, vars(_NO_SETTINGS), "unknown_key", "profile").within(path.name)
         if key in ("columns", "units"):
             valid, form = isinstance(value, dict) and not set(value) - set(ROLES), f"texts for {', '.join(ROLES)}"
         elif key == "skip":

@@ -22,6 +22,9 @@ MOST_INTERRUPTIONS = 500
 MIN_SAMPLES = 10
 
 
+Ranges = tuple[tuple[int, int], ...]
+
+
 @dataclass(frozen=True)
 class Columns:
     """The three columns as the file counts them, in s, mm and N.
@@ -33,7 +36,7 @@ class Columns:
     time_s: NDArray
     displacement_mm: NDArray
     force_N: NDArray
-    recordings: tuple[tuple[int, int], ...]
+    recordings: Ranges
     layout: Layout
     chosen: dict[str, Column]
 
@@ -203,7 +206,7 @@ def _cell_fault(layout: Layout, index: int, column: int, cell: str, log: ImportL
     return log.fault(message, "not_a_number", "cell", cell[:40], line=line)
 
 
-def _recordings(time: NDArray, body: Body, log: ImportLog) -> tuple[NDArray, tuple[tuple[int, int], ...]]:
+def _recordings(time: NDArray, body: Body, log: ImportLog) -> tuple[NDArray, Ranges]:
     """Find rows to keep and the recordings in them."""
     keep = np.ones(len(time), bool)
     same = np.flatnonzero((np.diff(time) == 0) & np.all(body.values[1:] == body.values[:-1], axis=1)) + 1

@@ -57,8 +57,7 @@ def mixed(name: str, liquids: Sequence[Liquid], parts: Sequence[float]) -> Quant
     parts : sequence of float
         Parts by weight of each.
     """
-    whole = sum(parts)
-    shares = [part / whole for part in parts]
+    shares = [part / sum(parts) for part in parts]
     quantities = [getattr(liquid, name) for liquid in liquids]
 
     def at(end: str) -> float:
@@ -275,8 +274,7 @@ class Resin:
     def modulus_kPa(self, ratio: float) -> Quantity:
         """Modulus at one ratio with its 95 % interval from the draws [kPa]."""
         value = self.young_MPa(ratio) * 1e3
-        drawn = self._draws.young_MPa(ratio) * 1e3
-        low, high = np.percentile(drawn, [2.5, 97.5]).tolist()
+        low, high = np.percentile(self._draws.young_MPa(ratio) * 1e3, [2.5, 97.5]).tolist()
         kind, at = ("fitted", ", updated by points") if self.points else ("inferred", "")
         source = f"law {self.law.name} of resin {self.name}{at}; 95 % interval of {DRAWS} draws"
         return Quantity(value, min(low, value), max(high, value), kind, source)

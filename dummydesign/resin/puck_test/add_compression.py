@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from dummydesign.pad.tables.puck import PuckTable
 
 Array = np.ndarray
+Window = tuple[float, float]
 
 FIRST_SHARE, LAST_SHARE = 0.03, 0.5
 """Compressions that are used, in heights: past the toe, and short of where the side lies on the plates."""
@@ -48,7 +49,7 @@ class Compressed(Serialised):
     law: dict[str, Any]
     friction: dict[str, float]
     rmse_N: float
-    compression_mm: tuple[float, float]
+    compression_mm: Window
     relaxation: dict[str, Any] | None
     warnings: tuple[dict[str, str], ...]
     action: str
@@ -72,8 +73,7 @@ class _Fit:
 def loading(displacement_mm: Array, force_N: Array) -> tuple[Array, Array]:
     """The first loading of a trace: up to its largest displacement, on rising displacements only."""
     end = int(np.argmax(displacement_mm)) + 1
-    rising = np.maximum.accumulate(displacement_mm[:end])
-    depth, index = np.unique(rising, return_inverse=True)
+    depth, index = np.unique(np.maximum.accumulate(displacement_mm[:end]), return_inverse=True)
     return depth, np.bincount(index, force_N[:end]) / np.bincount(index)
 
 
@@ -146,7 +146,7 @@ def add_compression(
     )  # fmt: skip
 
 
-def _window(trace: Trace, height_mm: float, table: PuckTable) -> tuple[float, float]:
+def _window(trace: Trace, height_mm: float, table: PuckTable) -> Window:
     """Compressions that are used. [mm]"""
     largest = float(np.max(trace.displacement_mm))
     share = min(LAST_SHARE, float(table.compression[-1]) - 0.02)
@@ -159,7 +159,7 @@ def _window(trace: Trace, height_mm: float, table: PuckTable) -> tuple[float, fl
     return first, last
 
 
-def _misfit(trace: Trace, window: tuple[float, float], rmse_N: float) -> tuple[dict[str, str], ...]:
+def _misfit(trace: Trace, window: Window, rmse_N: float) -> tuple[dict[str, str], ...]:
     """A warning where the puck's law misses the forces as no real puck did."""
     used = (trace.displacement_mm >= window[0]) & (trace.displacement_mm <= window[1])
     share = rmse_N / max(float(np.sqrt(np.mean(trace.force_N[used] ** 2))), 1e-300) if used.any() else 0.0
@@ -172,7 +172,7 @@ def _misfit(trace: Trace, window: tuple[float, float], rmse_N: float) -> tuple[d
     return ({"code": "lack_of_fit", "message": message},)
 
 
-def _fit_loading(trace: Trace, table: PuckTable, window: tuple[float, float], puck: PuckPoint) -> _Fit:
+def _fit_loading(trace: Trace, table: PuckTable, window: Window, puck: PuckPoint) -> _Fit:
     from dummydesign.resin.puck_test.loading_fit import LoadingCurve, fit_pucks
 
     first, last = window
@@ -185,9 +185,7 @@ def _fit_loading(trace: Trace, table: PuckTable, window: tuple[float, float], pu
     return _Fit(young, fit.alpha, friction, fit.rmse * float(np.sqrt(np.mean(curve.load_N[1:] ** 2))), puck)
 
 
-def _fit_holds(
-    trace: Trace, holds: tuple[Hold, ...], table: PuckTable, window: tuple[float, float], puck: PuckPoint
-) -> _Fit:
+def _fit_holds(trace: Trace, holds: tuple[Hold, ...], table: PuckTable, window: Window, puck: PuckPoint) -> _Fit:
     from dummydesign.resin.puck_test.loading_fit import reduce_press
     from dummydesign.resin.puck_test.relaxation_fit import fit_relaxation
 

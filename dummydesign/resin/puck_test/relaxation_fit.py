@@ -78,8 +78,7 @@ class PuckProblem:
     def arm(self, elastic: Array, tau_s: float) -> Array:
         """Force of an arm of strength one at the nodes, exact for forces that are linear between them."""
         ratio = self.step / tau_s
-        rise = np.diff(elastic) * (-np.expm1(-ratio) / ratio)
-        return np.r_[0.0, linear_recurrence(np.exp(-ratio), rise)]
+        return np.r_[0.0, linear_recurrence(np.exp(-ratio), np.diff(elastic) * (-np.expm1(-ratio) / ratio))]
 
     def predict(self, q: Array, grip: float) -> Array:
         """Force of the bins. [N]"""
@@ -171,6 +170,9 @@ class PuckArm:
     reason: str
 
 
+Comparison = dict[str, dict[str, float]]
+
+
 @dataclass(frozen=True)
 class PuckRelaxation:
     """What one press with holds says; intervals are 95 %.
@@ -184,7 +186,7 @@ class PuckRelaxation:
     friction: Interval
     arms: tuple[PuckArm, ...]
     seen_s: tuple[float, float]
-    comparison: dict[str, dict[str, float]]
+    comparison: Comparison
     noise: PuckNoise
     rmse_N: float
 
@@ -228,13 +230,10 @@ def _rmse(problem: PuckProblem, trial: Trial) -> float:
 def _spreads(trial: Trial) -> Array:
     """Standard deviations of the parameters from the Jacobian; an undetermined one has a very large one."""
     _, singular, turn = np.linalg.svd(trial.jacobian, full_matrices=False)
-    floor = 1e-10 * singular[0]
-    return np.sqrt(np.sum((turn / np.maximum(singular, floor)[:, None]) ** 2, axis=0))
+    return np.sqrt(np.sum((turn / np.maximum(singular, 1e-10 * singular[0])[:, None]) ** 2, axis=0))
 
 
-def _summarise(
-    problem: PuckProblem, profile: list[Trial], comparison: dict[str, dict[str, float]], noise: PuckNoise
-) -> PuckRelaxation:
+def _summarise(problem: PuckProblem, profile: list[Trial], comparison: Comparison, noise: PuckNoise) -> PuckRelaxation:
     best = min(profile, key=lambda one: one.chi_square)
     kept = [profile[index] for index in within([one.chi_square for one in profile])]
     reach = [np.sqrt(CHI_SQUARE_95 - (one.chi_square - best.chi_square)) * _spreads(one) for one in kept]

@@ -17,8 +17,8 @@ from dummydesign.core.files import output_folder
 from dummydesign.core.library import Entry, make_room, read_toml, user_folder
 from dummydesign.core.quantity import Quantity, value_at
 from dummydesign.resin.model.resin import Point, Resin, save_resin
-from dummydesign.resin.model.resin_file import KIND, load_resin, read_points, read_resin
-from dummydesign.resin.update.relaxation import NOTE, ArmUpdate, update_relaxation
+from dummydesign.resin.model.resin_file import KIND, Numbers, load_resin, read_points, read_resin
+from dummydesign.resin.update.relaxation import NOTE, Updated, update_relaxation
 
 CHAINS, STEPS, SEED = 400, 150, 7
 
@@ -78,7 +78,7 @@ def base_title(resin: Resin) -> str:
     return re.sub(r"(, updated by \d+ measured points?)+$", "", resin.title)
 
 
-def base_numbers(resin: Resin) -> dict[str, Quantity]:
+def base_numbers(resin: Resin) -> Numbers:
     """Return the law's numbers as they were before any point: of the base, when points updated it."""
     if resin.posterior is None:
         return dict(resin.numbers)
@@ -127,9 +127,7 @@ def _sample(log_likelihood: Callable[[NDArray], NDArray], size: int, seed: int) 
     return z
 
 
-def _summary(
-    prior: dict[str, Quantity], draws: dict[str, NDArray], central: dict[str, float], count: int
-) -> dict[str, Quantity]:
+def _summary(prior: Numbers, draws: dict[str, NDArray], central: dict[str, float], count: int) -> Numbers:
     """Summarise the draws as quantities of kind ``fitted``; what was fixed stays as it was."""
     summary = dict(prior)
     for key, quantity in prior.items():
@@ -177,7 +175,7 @@ def _text(point: Point) -> str:
     return f"{point.young_kPa.value:g} kPa at ratio {point.ratio:g}"
 
 
-def with_point(resin: Resin, point: Point, name: str) -> tuple[Resin, tuple[ArmUpdate, ...], tuple[str, ...]]:
+def with_point(resin: Resin, point: Point, name: str) -> Updated:
     """Update the law by a point, and the relaxation by what its puck's holds showed."""
     changed = update_resin(resin, [point], name)
     if point.puck is None or point.puck.seen_s is None:

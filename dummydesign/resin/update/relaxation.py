@@ -57,9 +57,11 @@ class ArmUpdate:
         return {"tau_s": self.tau_s, "from": self.came_from, **plain}
 
 
-def update_relaxation(
-    resin: Resin, measured: Sequence[Arm], ratio: float, seen_s: tuple[float, float]
-) -> tuple[Resin, tuple[ArmUpdate, ...], tuple[str, ...]]:
+Updated = tuple[Resin, tuple[ArmUpdate, ...], tuple[str, ...]]
+"""A resin, what became of its arms, and notices."""
+
+
+def update_relaxation(resin: Resin, measured: Sequence[Arm], ratio: float, seen_s: tuple[float, float]) -> Updated:
     """Put measured arms into a resin."""
     base = [_carried(column) for column in resin.draw(DRAWS).beta(ratio).T]
     taken: set[int] = set()

@@ -179,9 +179,8 @@ def _read_table(path: Path, names: Sequence[str]) -> dict[str, dict[str, Any]]:
     if "file" not in head:
         message = f"{path.name}: needs a column 'file', comma-separated; known are {', '.join(COLUMNS)}"
         raise InputError(message, "missing", "file")
-    for name in head:
-        if name not in COLUMNS:
-            raise unknown_name("column", name, COLUMNS, "unknown_key", "table").within(f"{path.name}:1")
+    if unknown := [name for name in head if name not in COLUMNS]:
+        raise unknown_name("column", unknown[0], COLUMNS, "unknown_key", "table").within(f"{path.name}:1")
     rows: dict[str, dict[str, Any]] = {}
     for number, cells in enumerate(lines[1:], start=2):
         if not any(cell.strip() for cell in cells):

@@ -142,8 +142,8 @@ def _separator(sample: Sequence[str], log: ImportLog) -> str:
             continue
         width, count = Counter(width for width, _ in good).most_common(1)[0]
         score = count / len(sample) * sum(share for one, share in good if one == width) / count
-        if separator == " ":
-            score *= 0.95  # a tab is white space too: where it separates nearly as well, it is meant
+        # a tab is white space too: where it separates nearly as well, it is meant
+        score *= 0.95 if separator == " " else 1.0
         if score > best + 1e-9:
             best, chosen = score, separator
     if not chosen:

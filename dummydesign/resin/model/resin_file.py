@@ -74,13 +74,11 @@ def read_resin(entry: Entry) -> Resin:
         words = f"needs 0 <= ratio_min < ratio_max and ratio_step > 0, given {low}, {high}, {step}"
         raise top.fault("ratio_min", words, "inconsistent")
     law, numbers, posterior, prior = _modulus(top.table("modulus"))
-    relaxation, name = top.table("relaxation"), top.string("name")
-    relaxation.only(("ratio_ref", "softness_exponent", "term", "prior"))
+    relaxation = top.table("relaxation").only(("ratio_ref", "softness_exponent", "term", "prior"))
+    name = top.string("name")
     arms, ratio_ref = _arms(relaxation, low, high)
-    before = relaxation.table("prior", required=False)
-    before.only(("ratio_ref", "term"))
-    properties = top.table("property", required=False)
-    properties.only(PROPERTIES)
+    before = relaxation.table("prior", required=False).only(("ratio_ref", "term"))
+    properties = top.table("property", required=False).only(PROPERTIES)
     resin = Resin(
         name=name, title=top.string("title", name), origin=entry.origin, ratio_meaning=top.string("ratio_meaning"),
         ratio_min=low, ratio_max=high, ratio_step=step, liquids=_liquids(top), law=law, numbers=numbers, arms=arms,
@@ -138,9 +136,7 @@ def _modulus(table: Table) -> tuple[ModulusLaw, Numbers, dict[str, NDArray] | No
     numbers = {key: _positive(table, key) for key in law.parameters}
     if "posterior" not in table:
         return law, numbers, None, None
-    draws, prior = table.table("posterior"), table.table("prior")
-    draws.only(law.parameters)
-    prior.only(law.parameters)
+    draws, prior = (table.table(key).only(law.parameters) for key in ("posterior", "prior"))
     columns = {key: np.array(draws.numbers(key)) for key in law.parameters}
     if len({len(column) for column in columns.values()}) != 1:
         words = f"needs equally long lists of numbers for {', '.join(law.parameters)}"
@@ -151,11 +147,8 @@ def _modulus(table: Table) -> tuple[ModulusLaw, Numbers, dict[str, NDArray] | No
 def _arms(table: Table, low: float, high: float, default: Any = REQUIRED) -> tuple[tuple[Arm, ...], float]:
     """Read arms and the ratio they belong to."""
     ratio_ref = table.number("ratio_ref", default, low=low, high=high)
-    arms = []
-    for item in table.tables("term", required=False):
-        item.only(("tau_s", "beta"))
-        arms.append(Arm(_positive(item, "tau_s"), _positive(item, "beta", zero=True)))
-    return tuple(arms), ratio_ref
+    terms = [item.only(("tau_s", "beta")) for item in table.tables("term", required=False)]
+    return tuple(Arm(_positive(item, "tau_s"), _positive(item, "beta", zero=True)) for item in terms), ratio_ref
 
 
 def _point(table: Table) -> Point:
@@ -164,8 +157,7 @@ def _point(table: Table) -> Point:
     ratio, young = table.number("ratio"), _positive(table, "young_kPa")
     if "puck" not in table:
         return Point(ratio, young)
-    puck = table.table("puck")
-    puck.only(("sha256", "file", "diameter_mm", "height_mm", "seen_s", "arm"))
+    puck = table.table("puck").only(("sha256", "file", "diameter_mm", "height_mm", "seen_s", "arm"))
     seen = puck.numbers("seen_s", None)
     if seen is not None and len(seen) != 2:
         raise puck.fault("seen_s", "must be the shortest and the longest time", "malformed")

@@ -159,13 +159,11 @@ def contradictions(
         elif not same and step * resin.law.direction < -2.6 * spread:
             way = "grow" if resin.law.direction > 0 else "fall"
             notices.append(f"{_text(first)} and {_text(second)}: the modulus must {way} with the ratio")
-    for point, size in zip(points, misfit):
-        if abs(size) > 2.6:
-            notices.append(f"{_text(point)} is {abs(size):.1f} standard deviations off the law {resin.law.name}")
-    for key, size in zip(names, deviates):
-        if abs(size) > 2.6:
-            away = f"{abs(size):.1f} standard deviations from what resin {resin.name} states"
-            notices.append(f"the points ask for a {key} {away}")
+    far = [(point, abs(size)) for point, size in zip(points, misfit) if abs(size) > 2.6]
+    notices += [f"{_text(one)} is {off:.1f} standard deviations off the law {resin.law.name}" for one, off in far]
+    asked = [(key, abs(size)) for key, size in zip(names, deviates) if abs(size) > 2.6]
+    away = f"standard deviations from what resin {resin.name} states"
+    notices += [f"the points ask for a {key} {off:.1f} {away}" for key, off in asked]
     if widening > 1.0:
         notices.append(f"all intervals of the points were widened {widening:.1f} times so that they agree")
     return notices

@@ -20,8 +20,6 @@ from dummydesign.measurement.importing.vocabulary import ROLES
 
 MOST_INTERRUPTIONS = 500
 MIN_SAMPLES = 10
-
-
 Ranges = tuple[tuple[int, int], ...]
 
 
@@ -110,9 +108,8 @@ def _read_at_once(layout: Layout, columns: Sequence[int]) -> NDArray | None:
     lines, separator = layout.lines[layout.first : layout.last], layout.separator
     if layout.thousands or layout.decimal == separator or any(layout.kinds[column] != "number" for column in columns):
         return None
-    if len({len(line.split()) if separator == " " else line.count(separator) for line in lines}) != 1:
-        return None
-    if separator == " " and len(lines[0].split()) != len(layout.kinds):
+    widths = {len(line.split()) if separator == " " else line.count(separator) for line in lines}
+    if len(widths) != 1 or (separator == " " and widths != {len(layout.kinds)}):
         return None
     if layout.decimal == ",":
         whole = "\n".join(lines)

@@ -245,8 +245,8 @@ def _zero_by_force(contact: ContactEstimate, depth: float, sign: float, log: Imp
     log.decide("contact", f"{sign * zero_mm:.3f} mm", f"the force begins there ({text}), not at the file's own zero")
     if wide > max(UNSURE_MM, UNSURE_SHARE * depth):
         log.warn("contact_uncertain", f"the zero rests on the force alone, which begins at {text}: it may be "
-                 f"{wide:.2g} mm off; a slower press or a sensor of less noise tells it more closely, or say --contact "
-                 "N")  # fmt: skip
+                 f"{wide:.2g} mm off; a slower press or a sensor of less noise tells it more closely, or "
+                 "say --contact N")  # fmt: skip
     return zero_mm
 
 

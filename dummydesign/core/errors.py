@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from typing import Any
 
 CODES: dict[str, str] = {
@@ -81,9 +82,9 @@ class DummydesignError(Exception):
         super().__init__(message)
         self.code, self.quantity, self.value, self.allowed = code, quantity, value, allowed
 
-    def within(self, where: str) -> InputError:
-        """Return the same fault with the place it was found at in front: a file, a line, a subject."""
-        return InputError(f"{where}: {self}", self.code, self.quantity, self.value, self.allowed)
+    def within(self, where: str, advice: str = "") -> InputError:
+        """Return the same fault with the place it was found at in front: a file, a line, a subject; advice behind."""
+        return InputError(f"{where}: {self}{advice}", self.code, self.quantity, self.value, self.allowed)
 
     def to_dict(self) -> dict[str, Any]:
         """Return the error as ``--json`` prints it."""
@@ -126,6 +127,15 @@ class NoAnswerError(DummydesignError):
 
     def __reduce__(self) -> tuple[Any, ...]:
         return type(self), (self.code, str(self), self.result, self.quantity)
+
+
+@contextmanager
+def errors_within(where: str, advice: str = "") -> Iterator[None]:
+    """Put the place they were found at in front of the errors of a ``with`` block, and advice behind."""
+    try:
+        yield
+    except InputError as problem:
+        raise problem.within(where, advice) from None
 
 
 def out_of_range(

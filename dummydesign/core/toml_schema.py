@@ -41,12 +41,13 @@ class Table:
         message = f"{self.where(key)}: {value}{words}"
         return InputError(message, code, self._dotted(key), self.data.get(key), allowed)
 
-    def only(self, keys: Iterable[str]) -> None:
-        """Refuse keys that nothing reads."""
+    def only(self, keys: Iterable[str]) -> Table:
+        """Refuse keys that nothing reads; return the table."""
         known = list(keys)
         for key in self.data:
             if key not in known:
                 raise unknown_name("key", key, known, "unknown_key", self._dotted(key)).within(self.where(key))
+        return self
 
     def get(self, key: str, kind: type | tuple[type, ...], words: str, default: Any = REQUIRED) -> Any:
         """Return a value of a type; ``words`` name what is needed. A bool is no number."""

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from dummydesign.core.errors import InputError
 from dummydesign.measurement.importing.signs import noise_of
-from dummydesign.measurement.landmarks import approach_velocity, find_ramp
+from dummydesign.measurement.landmarks import approach_velocity, ramp_of
 from dummydesign.measurement.motion import work_mJ
 from dummydesign.measurement.sensor import Lowpass
 from dummydesign.measurement.trace import Trace
@@ -150,10 +150,7 @@ def read_press(trace: Trace, lowpass: Lowpass | None = None, arm: Arm | None = N
     if largest <= SEEN * noise or float(x.max()) <= 0.0:
         message = f"{trace.name}: no contact: the force never rises above its noise"
         raise InputError(message, "nothing_found", "contact", largest)
-    try:
-        ramp = find_ramp(time, x, "slowed")
-    except InputError as problem:
-        raise problem.within(trace.name) from None
+    ramp = ramp_of(trace)
     _check_contact(trace, ramp.contact_time_s, noise, lowpass is not None)
     fastest = approach_velocity(time, x, ramp)
     velocity = rounded_velocity(trace.commanded_speed_mm_s or fastest)

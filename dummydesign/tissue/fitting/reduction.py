@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from dummydesign.core.errors import InputError
 from dummydesign.inference.binning import cut, distinct, hold_edges, mean_around
-from dummydesign.measurement.landmarks import approach_velocity, find_ramp
+from dummydesign.measurement.landmarks import approach_velocity, ramp_of
 from dummydesign.measurement.motion import Motion, Ramp
 from dummydesign.measurement.trace import Trace
 from dummydesign.tissue.model.measured_curves import SAME_DEPTH, group_near
@@ -63,10 +63,7 @@ class ReducedTrace:
 
 def reduce_trace(trace: Trace) -> ReducedTrace:
     """Cut a press into bins: evenly over the rise, from 1 ms growing by a third each over the hold."""
-    try:
-        ramp = find_ramp(trace.time_s, trace.displacement_mm)
-    except InputError as problem:
-        raise problem.within(trace.name) from None
+    ramp = ramp_of(trace, "reached")
     time, force = trace.time_s, trace.force_N
     hold = ramp.hold_end_s - ramp.stop_time_s
     if hold < 5 * ramp.rise_time_s * 0.02 or hold < 0.05:

@@ -89,7 +89,7 @@ class Guard:
         if any(origin != f"http://{host}" for origin in heads.getlist("origin")):
             return _refusal(403, "only for pages of the studio itself")
         key = next((value for name, value in asked.query_params.multi_items() if name == "key"), "")
-        welcome = method in ("GET", "HEAD") and (_same(key, self._key) or (method == "GET" and self._once(key)))
+        welcome = method in ("GET", "HEAD") and (same_secret(key, self._key) or (method == "GET" and self._once(key)))
         away = heads.get("sec-fetch-site", "none") not in ("none", "same-origin")
         if away and not (welcome and _opens_a_tab(heads)):
             return HTMLResponse(NO_KEY, 403, UNKEPT)
@@ -118,7 +118,7 @@ class Guard:
     def _knows(self, heads: Headers) -> bool:
         """Whether a request brings the cookie; other servers of this machine may have set one of its name."""
         pairs = (pair.strip().partition("=") for text in heads.getlist("cookie") for pair in text.split(";"))
-        return any(name == COOKIE and _same(value, self._session) for name, _, value in pairs)
+        return any(name == COOKIE and same_secret(value, self._session) for name, _, value in pairs)
 
     async def _count(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Cut off a body that claims no length and grows too large; it is refused, whatever the server makes of it."""
@@ -149,7 +149,8 @@ def _refusal(status: int, text: str) -> Response:
     return PlainTextResponse(text, status, UNKEPT)
 
 
-def _same(given: str, right: str) -> bool:
+def same_secret(given: str, right: str) -> bool:
+    """Whether a secret is the right one; how long it takes tells nothing of it."""
     return hmac.compare_digest(given.encode("utf-8", "replace"), right.encode())
 
 

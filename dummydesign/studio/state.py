@@ -144,8 +144,7 @@ def design_state(root: Path, folder: str) -> dict[str, Any]:
 
 def design_summary(root: Path, folder: str) -> dict[str, Any]:
     """The summary of a design's manifest: pad, verdict and its sentence; empty where it cannot be read."""
-    summary = (finished_manifest(root / folder / MANIFEST) or {}).get("summary")
-    return summary if isinstance(summary, dict) else {}
+    return (finished_manifest(root / folder / MANIFEST) or {}).get("summary") or {}
 
 
 def _inside(root: Path, path: object) -> str:

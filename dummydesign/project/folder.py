@@ -109,6 +109,11 @@ def read_project(folder: str | Path) -> Project:
     return Project(root, data.get("name", root.name), **named, asked=tuple(sorted(asked.items())))
 
 
+def project_of(root: Path) -> Project | None:
+    """The project of a folder as it is now; None in a folder that is none yet."""
+    return read_project(root) if (root / FILE).is_file() else None
+
+
 def make_project(folder: str | Path, name: str | None = None, **given: str | None) -> Project:
     """Make a project folder, or complete the folders of one that has none of them."""
     root = Path(folder)

@@ -30,8 +30,8 @@ from dummydesign.geometry.shape_registry import read_shape
 from dummydesign.studio import figures
 from dummydesign.studio import file_transfer as files
 from dummydesign.studio.access import VIEW, Guard, same_secret
-from dummydesign.studio.page_frame import Body, Studio, lay_out
 from dummydesign.studio.pages import campaign, cast, design, learn, measured, mould, overview, pucks, tissue
+from dummydesign.studio.parts import Body, lay_out
 
 PAGES: dict[str, tuple[str, Body]] = {
     "/": ("Overview", overview.show_status), "/measured": ("Measured files", measured.MeasuredPage),
@@ -100,7 +100,7 @@ def make_app(root: Path) -> FastAPI:
         return HTMLResponse(text) if text else PlainTextResponse("no solids in this folder", 404)
 
     for path in PAGES:
-        _add_page(Studio(root), path)
+        _add_page(root, path)
     ui.run_with(app, title="dummydesign studio", dark=None, tailwind=False, unocss=None, storage_secret=None,
                 reconnect_timeout=30.0, show_welcome_message=False)  # fmt: skip
     return app
@@ -111,13 +111,13 @@ def _unexpected(record: logging.LogRecord) -> bool:
     return not (record.exc_info and isinstance(record.exc_info[1], InputError | OSError))
 
 
-def _add_page(studio: Studio, path: str) -> None:
+def _add_page(root: Path, path: str) -> None:
     title, body = PAGES[path]
     step = "/measured" if path == "/resin" else path
 
     @ui.page(path)
     def page(request: Request) -> None:
-        lay_out(studio, step, title, request.query_params, body, overview.make_new if path == "/" else None)
+        lay_out(root, step, title, request.query_params, body, overview.make_new if path == "/" else None)
 
 
 def _readable(root: Path, path: str) -> Path:

@@ -81,12 +81,11 @@ def plots_html(plots: Iterable[Plot], small: bool = False) -> str:
 
 def measured_over_fitted(root: Path, answer: Mapping[str, Any]) -> list[Plot]:
     """Measured force over time with the model's curve, one plot a condition, from the files that the report wrote."""
-    files = answer.get("files", {})
-    paths = [root / path for role, path in files.items() if role.startswith("report_press_")]
-    return [_measured(path) for path in paths if path.is_file()]
+    paths = [root / path for role, path in answer.get("files", {}).items() if role.startswith("report_press_")]
+    return [measured_press(path) for path in paths if path.is_file()]
 
 
-def _measured(path: Path) -> Plot:
+def measured_press(path: Path) -> Plot:
     """One plot from the CSV file of a report's plot: series, time, force."""
     series = _series(path)
     layers: list[Dots | Line] = []
@@ -216,9 +215,8 @@ HEAD = ("pad", "verdict", "score", "combined score", "shortfall", "over", "thick
 
 @dataclass(frozen=True)
 class KindsCompared:
-    """A table with one row a kind, the recommended first, and sentences on the choice."""
+    """Rows of a table with the head :data:`HEAD`, the recommended kind first, and sentences on the choice."""
 
-    head: tuple[str, ...]
     rows: tuple[tuple[Any, ...], ...]
     sentences: tuple[str, ...]
 
@@ -239,7 +237,7 @@ def kinds_compared(answer: Mapping[str, Any], verdicts: Mapping[str, Mapping[str
         size = pad["thickness_mm"], pad["ratio"]
         rows.append((row["kind"], verdict.get("light"), total, row["merit"], *central, *size))
     rows.sort(key=lambda row: (row[0] != kind, -row[3]))
-    return KindsCompared(HEAD, tuple(rows), tuple([*_why(answer, best, choice, kind), *missing]))
+    return KindsCompared(tuple(rows), (*_why(answer, best, choice, kind), *missing))
 
 
 def _why(answer: Mapping[str, Any], best: Mapping[str, Any], choice: Mapping[str, Any], kind: str) -> list[str]:

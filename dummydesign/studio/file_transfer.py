@@ -6,7 +6,7 @@ import json
 import os
 import tempfile
 import zipfile
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import suppress
 from itertools import count
 from pathlib import Path
@@ -86,16 +86,21 @@ def save_upload(folder: Path, name: str, content: bytes) -> Path:
     return write_bytes(target, content)
 
 
+def read_sent(name: str, content: bytes, read: Callable[[Path], object]) -> None:
+    """Read a file that was sent, apart from the project."""
+    with tempfile.TemporaryDirectory() as away:
+        path = Path(away) / name
+        path.write_bytes(content)
+        read(path)
+
+
 def check_press(name: str, content: bytes, speed_mm_s: object = None) -> None:
     """Refuse a file that was sent when it cannot be read as a press."""
     from dummydesign.measurement.trace import read_trace
 
     speed = speed_mm_s if isinstance(speed_mm_s, int | float) and speed_mm_s > 0 else None
     try:
-        with tempfile.TemporaryDirectory() as away:
-            path = Path(away) / name
-            path.write_bytes(content)
-            read_trace(path, speed)
+        read_sent(name, content, lambda path: read_trace(path, speed))
     except OSError as problem:
         message = f"{name} cannot be read: {problem.strerror or problem}"
         raise InputError(message, "file_unreadable", "trace", name) from None

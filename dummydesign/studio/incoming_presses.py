@@ -136,11 +136,6 @@ def traces(root: Path) -> list[str]:
     return [name for name in waiting(root) if name.lower().endswith(".csv") and name != TABLE]
 
 
-def has_campaign_file(root: Path) -> bool:
-    """Whether ``campaign.toml`` is among them."""
-    return (root / FOLDER / FILE).is_file()
-
-
 def new_campaign_folder(root: Path, name: str) -> str:
     """Folder of a new campaign."""
     folder = f"campaigns/{plain_name(name.strip())}"
@@ -174,9 +169,8 @@ def _rows_of_table(path: Path) -> dict[str, dict[str, Any]]:
         lines = list(csv.DictReader(io.StringIO(path.read_text(encoding="utf-8-sig"))))
     except (OSError, UnicodeDecodeError, csv.Error):
         return {}
-    return {(line.get("file") or "").strip(): {
-        key: _cell(cell) for key in COLUMNS[1:] if (cell := (line.get(key) or "").strip())
-    } for line in lines}  # fmt: skip
+    cells = [{key: (line.get(key) or "").strip() for key in COLUMNS} for line in lines]
+    return {row["file"]: {key: _cell(row[key]) for key in COLUMNS[1:] if row[key]} for row in cells}
 
 
 def _cell(text: str) -> float | str:
@@ -188,12 +182,11 @@ def _cell(text: str) -> float | str:
 
 def write_table(root: Path, rows: Sequence[Mapping[str, Any]]) -> None:
     """Write the table that ``campaign from-files`` reads."""
-    used = [key for key in COLUMNS if key == "file" or any(row.get(key) is not None for row in rows)]
+    used = [key for key in COLUMNS if any(row.get(key) is not None for row in rows)]
     text = io.StringIO(newline="")
-    out = csv.writer(text, lineterminator="\n")
-    out.writerow(used)
-    for row in rows:
-        out.writerow([f"{value:g}" if isinstance(value := row.get(key), float) else value for key in used])
+    out = csv.DictWriter(text, used, extrasaction="ignore", lineterminator="\n")
+    out.writeheader()
+    out.writerows({key: f"{cell:g}" if isinstance(cell, float) else cell for key, cell in row.items()} for row in rows)
     write_text(root / FOLDER / TABLE, text.getvalue())
 
 
@@ -262,7 +255,6 @@ def plan_options(given: Mapping[str, Any]) -> dict[str, object]:
                "ages": given["ages"], "hold": given["hold"]}  # fmt: skip
     if given["moulds"]:
         return {"from-mould": ",".join(given["moulds"]), **presses, "punch": given["punch"]}
-    shape = "" if given["shape"] == "slab" else given["shape"]
-    pad = "" if given["pad"] == FIELDS["pad"] else given["pad"]
-    return {"pads": given["pads"], "shape": shape, "pad": pad, **presses,
-            **{key: given[key] for key in ("resin", "ratio", "punch")}}  # fmt: skip
+    pads = {key: "" if key in ("shape", "pad") and given[key] == FIELDS[key] else given[key]
+            for key in ("pads", "shape", "pad")}  # fmt: skip
+    return {**pads, **presses, **{key: given[key] for key in ("resin", "ratio", "punch")}}

@@ -15,7 +15,6 @@ from dummydesign.core.errors import InputError
 from dummydesign.studio import parts
 from dummydesign.studio import project_files as bin
 from dummydesign.studio.access import LARGEST_BYTES
-from dummydesign.studio.page_frame import Studio
 from dummydesign.studio.parts import html
 
 HEADER = """
@@ -37,18 +36,18 @@ ADDED = "(files) => emit(performance.now())"
 Then = Callable[[str, str], None]
 
 
-def manage(studio: Studio, path: str, kind: str, then: Then) -> None:
+def manage(root: Path, path: str, kind: str, then: Then) -> None:
     """A row of buttons to rename and delete a thing of the project, and to replace a file."""
     name = path.rpartition("/")[2]
-    bar = undo_bar(studio)
+    bar = undo_bar(root)
     def remove() -> None:
         with parts.problems_in(form):
-            bar.offer(bin.delete(studio.root, path), then)
+            bar.offer(bin.delete(root, path), then)
             bar.run(lambda: then(path, ""))
 
     def ask_name() -> None:
         with parts.fresh(form), ui.element("div").classes("fields"):
-            field = ui.input(f"New name of {name}", value=_short(studio.root, path)).props('data-test="new-name"')
+            field = ui.input(f"New name of {name}", value=_short(root, path)).props('data-test="new-name"')
             with ui.element("div"):
                 parts.button("Save", lambda: take_name(field.value or ""), "save-name", main=True)
                 parts.button("Cancel", form.clear)
@@ -58,7 +57,7 @@ def manage(studio: Studio, path: str, kind: str, then: Then) -> None:
 
     def take_name(new: str) -> None:
         try:
-            now = bin.rename(studio.root, path, new)
+            now = bin.rename(root, path, new)
         except InputError as problem:
             ask_name()
             with form:
@@ -75,7 +74,7 @@ def manage(studio: Studio, path: str, kind: str, then: Then) -> None:
             if Path(sent).suffix.lower() != ending:
                 message = f"{sent} was refused: choose a file that ends in {ending}"
                 raise InputError(message, "unknown_name", "file_ending", sent, ending)
-            stored = bin.store(studio.root, (studio.root / path).parent, name, content, replace=True)
+            stored = bin.store(root, (root / path).parent, name, content, replace=True)
         except InputError as problem:
             with form:
                 parts.tell_problem(str(problem))
@@ -182,12 +181,12 @@ class DropList:
 class UndoBar:
     """The last change at the foot of a page, with a button that takes it back."""
 
-    def __init__(self, studio: Studio) -> None:
-        self._studio = studio
+    def __init__(self, root: Path) -> None:
+        self._root = root
         self._content = ui.context.client.content
         with self._content:
             self._area = parts.area("undo", live=True).classes("undo")
-        newest = next(iter(bin.deleted(studio.root)), None)
+        newest = next(iter(bin.deleted(root)), None)
         if newest is not None and newest.why != "undone" and time.time() - newest.time < STILL_OFFERED_S:
             self.offer(newest, lambda old, new: ui.navigate.reload(), focus=False)
 
@@ -210,7 +209,7 @@ class UndoBar:
 
         def undo() -> None:
             try:
-                back = bin.take_back(self._studio.root, gone)
+                back = bin.take_back(self._root, gone)
             except InputError as problem:
                 self.say(f"{problem}.")
                 return
@@ -224,30 +223,30 @@ class UndoBar:
                 ui.run_javascript(f"setTimeout(() => document.getElementById('{back.html_id}')?.focus(), 100)")
 
 
-def undo_bar(studio: Studio) -> UndoBar:
+def undo_bar(root: Path) -> UndoBar:
     """The bar of this page, made when it is first wanted."""
     client: Any = ui.context.client
     if not hasattr(client, "undo_bar"):
-        client.undo_bar = UndoBar(studio)
+        client.undo_bar = UndoBar(root)
     bar: UndoBar = client.undo_bar
     return bar
 
 
-def deleted_files(studio: Studio) -> None:
+def deleted_files(root: Path) -> None:
     """The list of what was deleted, each with a button that restores it."""
     section = ui.element("section").props('data-test="deleted"').style("width:100%")
     message = parts.area(live=True)
 
     def restore(one: bin.Deleted) -> None:
         with parts.problems_in(message):
-            back = bin.restore(studio.root, one)
+            back = bin.restore(root, one)
             with message:
                 html(f'<p class="note">{escape(back)} is back. <a href="">Load the page again</a> to see it.</p>')
         renew()
 
     def renew() -> None:
         section.clear()
-        entries = bin.deleted(studio.root)
+        entries = bin.deleted(root)
         with section:
             html(f"<h2>Deleted</h2>{'' if entries else '<p>Nothing was deleted.</p>'}")
             for one in entries:

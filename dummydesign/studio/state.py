@@ -143,7 +143,7 @@ def design_state(root: Path, folder: str) -> dict[str, Any]:
 
 
 def design_summary(root: Path, folder: str) -> dict[str, Any]:
-    """The summary of a design's manifest: pad, verdict and its sentence; empty where it cannot be read."""
+    """The summary of a design's manifest: pad, verdict and its sentence; empty without a design that can be read."""
     return (finished_manifest(root / folder / MANIFEST) or {}).get("summary") or {}
 
 
@@ -216,17 +216,13 @@ def address(path: str, **query: object) -> str:
     return "./" + quote(path.lstrip("/"), safe="/", errors="surrogateescape") + (f"?{given}" if given else "")
 
 
-def page_link(path: str, words: str, test: str = "", current: bool = False) -> str:
-    """Return HTML of a link to a page, which shows what is chosen on this one when the link is used."""
-    mark = f' data-test="{escape(test)}"' if test else ""
-    here = " aria-current=page" if current else ""
-    return f'<a data-state{mark}{here} href="{address(path)}">{escape(words)}</a>'
-
-
-def state_link(path: str, words: str, state: State, test: str = "") -> str:
-    """Return HTML of a link to a page that shows a state of its own, whatever is chosen on this page later."""
-    mark = f' data-test="{escape(test)}"' if test else ""
-    return f'<a{mark} href="{address(path)}?{escape(state.query())}">{escape(words)}</a>'
+def page_link(path: str, words: str, state: State | None = None, test: str = "", current: bool = False) -> str:
+    """Return HTML of a link to a page in a state, else in what is chosen on this page when the link is used."""
+    marks = f' data-test="{escape(test)}"' if test else ""
+    marks += "" if state else " data-state"
+    marks += " aria-current=page" if current else ""
+    query = f"?{escape(state.query())}" if state else ""
+    return f'<a{marks} href="{address(path)}{query}">{escape(words)}</a>'
 
 
 PAGES = {

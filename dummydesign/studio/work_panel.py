@@ -5,13 +5,13 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Iterable
 from html import escape
+from pathlib import Path
 
 from nicegui import ui
 
 from dummydesign.core.errors import InputError
 from dummydesign.studio import jobs, parts
 from dummydesign.studio.jobs import Job, shown
-from dummydesign.studio.page_frame import Studio
 from dummydesign.studio.parts import html
 
 ENDED = {"failed": "no result", "stopped": "stopped", "lost": "ended"}
@@ -21,8 +21,8 @@ Steps = list[list[str]]
 class Panel:
     """Command lines with a button, a sentence on how far they are, and a place for what they found."""
 
-    def __init__(self, studio: Studio, name: str, label: str, commands: Callable[[], Steps]) -> None:
-        self.root, self.name, self.commands = studio.root, name, commands
+    def __init__(self, root: Path, name: str, label: str, commands: Callable[[], Steps]) -> None:
+        self.root, self.name, self.commands = root, name, commands
         self._seen: object = None
         with ui.element("section").classes("work"):
             self._lines = parts.area()
@@ -85,17 +85,18 @@ class Work(Panel):
     """
 
     def __init__(
-        self, studio: Studio, name: str, label: str, words: Callable[[], list[str]], show: Callable[[Job], None],
+        self, root: Path, name: str, label: str, words: Callable[[], list[str]], show: Callable[[Job], None],
         belongs: Callable[[Job, list[str]], bool] = _same, ended: Callable[[Job, bool], None] | None = None,
-        stamp: Callable[[], object] = lambda: None,
+        stamp: Callable[[], object] = lambda: None, needs: str = "",
     ) -> None:  # fmt: skip
         """Build it.
 
         ``belongs`` is given a job and the command that is chosen (empty when that is refused), ``ended`` a job that
-        ended and whether it belongs to what is chosen; what is shown is renewed when ``stamp`` changes.
+        ended and whether it belongs to what is chosen; what is shown is renewed when ``stamp`` changes. Answers without
+        the key ``needs`` are not shown.
         """
-        super().__init__(studio, name, label, lambda: [words()])
-        self._show, self._belongs, self._ended, self._stamp = show, belongs, ended, stamp
+        super().__init__(root, name, label, lambda: [words()])
+        self._show, self._belongs, self._ended, self._stamp, self._needs = show, belongs, ended, stamp, needs
         self._watched = ""
         self._pressed = self.running = self.answered = False
         self.watch()
@@ -142,7 +143,8 @@ class Work(Panel):
                 if answer is not newest or not as_chosen:
                     when = time.strftime("%d %b %H:%M", time.localtime(answer.started))
                     html(f'<p class="source">Result of {when}: <code>{escape(shown(answer.words))}</code></p>')
-                self._show(answer)
+                if not self._needs or self._needs in answer.answer:
+                    self._show(answer)
         if newest is not None and not self.running and newest.folder.name == self._watched:
             self._watched = ""
             if self._ended is not None and newest.answer:
@@ -174,11 +176,11 @@ class Chain(Panel):
     """The panel of several commands; the jobs in the folder say how far they are, so that a reload goes on."""
 
     def __init__(
-        self, studio: Studio, name: str, label: str, steps: Callable[[], Steps], show: Callable[[list[Job]], None],
+        self, root: Path, name: str, label: str, steps: Callable[[], Steps], show: Callable[[list[Job]], None],
         ended: Callable[[list[Job]], None], check: Callable[[], None],
     ) -> None:  # fmt: skip
         """Build it; ``check`` refuses what is chosen before anything is started."""
-        super().__init__(studio, name, label, steps)
+        super().__init__(root, name, label, steps)
         self._show, self._ended, self._check = show, ended, check
         self._going: Steps = []
         self._since = 0.0

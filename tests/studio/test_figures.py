@@ -14,7 +14,7 @@ from dummydesign.report.page import plots_js
 from dummydesign.report.plot import Plot
 from dummydesign.report.plot_layers import Dots, Line
 from dummydesign.studio import figures
-from dummydesign.studio.page_frame import page_head
+from dummydesign.studio.parts import page_head
 from dummydesign.studio.slider_model import evaluator_of
 from dummydesign.studio.state import State
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from html import escape
+from pathlib import Path
 from typing import Any
 
 from nicegui import run, ui
@@ -16,10 +17,9 @@ from dummydesign.studio import incoming_presses as incoming
 from dummydesign.studio import project_files as bin
 from dummydesign.studio.jobs import Job, options
 from dummydesign.studio.manage import DropList, manage, undo_bar
-from dummydesign.studio.page_frame import Studio, open_page
 from dummydesign.studio.pages.plan import HEADS, PlanForm, TrialTable, folder_of, number_of, value_table
-from dummydesign.studio.parts import html
-from dummydesign.studio.state import State, state_link
+from dummydesign.studio.parts import html, open_page
+from dummydesign.studio.state import State, page_link
 from dummydesign.studio.work_panel import Work
 
 FIELDS = {
@@ -31,55 +31,50 @@ FIELDS = {
 class BringIn:
     """Files that wait, and the two ways to a campaign."""
 
-    def __init__(self, studio: Studio, state: State) -> None:
-        self.studio, self.root, self.state = studio, studio.root, state
+    def __init__(self, root: Path, state: State) -> None:
+        self.root, self.state = root, state
         self.drop = DropList(lambda name, content: f"{incoming.save_waiting_file(self.root, name, content)} was added.",
                              self.show, "Drop all files of the campaign at once: the presses (CSV) and, where there is "
                              "one, campaign.toml or a table trials.csv.", "campaign")  # fmt: skip
-        self.name = ui.input("Name of the campaign", value=choices.free_name(self.root, "campaigns", "earlier"))
+        self.name = ui.input("Name of the campaign", value=choices.free_name(root, "campaigns", "earlier"))
         self.name.props('data-test="bring-name"').on_value_change(self.renew)
         self.problem, self.as_it_is, self.by_table, self.files = parts.area(), parts.area(), parts.area(), parts.area()
         with self.as_it_is:
             html("<p>campaign.toml is among the files. They are taken as they are.</p>")
             parts.button("Bring it in", self.bring, "bring", main=True)
         with self.by_table:
-            self._by_table()
+            html("<p>No campaign.toml: say of each press what it was. Pad and speed are needed; empty means unknown."
+                 "</p>")  # fmt: skip
+            self.table_problem, self.table = parts.area(live=True), parts.area()
+            start = {"ratio": f"{state.ratio:g}", "punch": state.punch, "pad": "150x120", "shape": "slab",
+                     "base": "bonded", "contact": "bonded"}  # fmt: skip
+            with ui.element("div").classes("fields"):
+                resins = {"": "unknown", **choices.resins()}
+                self.fields: dict[str, Any] = {"resin": parts.select("Resin of the pads", resins, state.resin)}
+                for key, label in FIELDS.items():
+                    self.fields[key] = ui.input(label, value=start.get(key, "")).props(f'data-test="bring-{key}"')
+            self.work = Work(root, "fromfiles", "Make the campaign", self.words, self.done, self.belongs)
+            parts.on_change(self.work.renew, *self.fields.values())
         self.empty = parts.button("Remove these files", self.remove, "bring-remove")
         self.show()
-
-    def _by_table(self) -> None:
-        html("<p>No campaign.toml: say of each press what it was. Pad and speed are needed; empty means unknown.</p>")
-        self.table_problem = parts.area(live=True)
-        self.table = parts.area()
-        start = {"ratio": f"{self.state.ratio:g}", "punch": self.state.punch, "pad": "150x120", "shape": "slab",
-                 "base": "bonded", "contact": "bonded"}  # fmt: skip
-        self.fields: dict[str, Any] = {}
-        with ui.element("div").classes("fields"):
-            resins = {"": "unknown", **choices.resins()}
-            self.fields["resin"] = parts.select("Resin of the pads", resins, self.state.resin)
-            for key, label in FIELDS.items():
-                self.fields[key] = ui.input(label, value=start.get(key, "")).props(f'data-test="bring-{key}"')
-        self.work = Work(self.studio, "fromfiles", "Make the campaign", self.words, self.done, self.belongs)
-        parts.on_change(self.work.renew, *self.fields.values())
 
     def show(self) -> None:
         """Show what waits, and the way it goes in."""
         names = [name for name in incoming.waiting(self.root) if name != incoming.TABLE]
-        as_it_is = incoming.has_campaign_file(self.root)
+        as_it_is = incoming.FILE in names
         self.as_it_is.set_visibility(as_it_is)
         # what was made stays in sight once its files are gone
         self.by_table.set_visibility(not as_it_is)
         self.empty.set_visibility(bool(names))
         with parts.fresh(self.files):
             if names:
-                html(f'<p data-test="waiting">{len(names)} files wait: {escape(", ".join(names[:8]))}'
-                     f"{' …' if len(names) > 8 else ''}</p>")  # fmt: skip
+                first = escape(", ".join(names[:8])) + " …" * (len(names) > 8)
+                html(f'<p data-test="waiting">{len(names)} files wait: {first}</p>')
         self.rows = [] if as_it_is else incoming.table(self.root)
-        self.table.clear()
-        if self.rows:
-            with self.table:
+        with parts.fresh(self.table):
+            if self.rows:
                 value_table(incoming.KEYS, self.rows, self.changed)
-            incoming.write_table(self.root, self.rows)
+                incoming.write_table(self.root, self.rows)
         self.renew()
 
     def changed(self, row: int, key: str, text: str) -> bool:
@@ -104,9 +99,8 @@ class BringIn:
 
     def belongs(self, job: Job, words: list[str]) -> bool:
         """Whether a job made the campaign that is named, and it is still there."""
-        folder = folder_of(job)
         same = job.words[2:3] == (f"campaigns/{(self.name.value or '').strip()}",)
-        return same and (not folder or (self.root / folder).is_dir())
+        return same and (self.root / folder_of(job)).is_dir()
 
     def done(self, job: Job) -> None:
         """What was made."""
@@ -117,7 +111,7 @@ class BringIn:
         rows = [[str(one.get(key)) for key in ("what", "value", "why")] for one in job.answer.get("decisions", [])]
         if rows:
             parts.table(["file", "taken as", "because"], rows, words=True, under=f"how {len(rows)} files were read")
-        link = state_link("/campaign", f"Go on with {folder}", self.state.changed(campaign=folder), "brought")
+        link = page_link("/campaign", f"Go on with {folder}", self.state.changed(campaign=folder), "brought")
         html(f'<p class="note">{link}. The files that waited can be removed.</p>')
 
     def bring(self) -> None:
@@ -134,31 +128,32 @@ class BringIn:
             self.show()
 
 
-def show_campaigns(studio: Studio, project: Project, state: State, query: Mapping[str, str]) -> None:
+def show_campaigns(project: Project, state: State, query: Mapping[str, str]) -> None:
     """Build the page."""
+    root = project.root
     html("<p>What to press of the pads that were cast, in random order. The model is then compared with it.</p>")
-    undo_bar(studio)
-    known = choices.campaigns(studio.root)
-    with ui.expansion("Plan a new campaign", value=not known).props('data-test="plan-new"').style("width:100%"):
-        PlanForm(studio, state)
-    with ui.expansion("Bring in a campaign that was pressed earlier").props('data-test="bring-in"').style("width:100%"):
-        BringIn(studio, state)
+    undo_bar(root)
+    known = choices.campaigns(root)
+    with ui.expansion("Plan a new campaign", value=not known).props('data-test="plan-new"'):
+        PlanForm(root, state)
+    with ui.expansion("Bring in a campaign that was pressed earlier").props('data-test="bring-in"'):
+        BringIn(root, state)
     html("<h2>The presses</h2>")
     if not known:
         html("<p>No campaign yet.</p>")
         return
     chosen = parts.select("Campaign", known, state.campaign, "campaign")
     chosen.on_value_change(lambda: open_page("/campaign", state.changed(campaign=chosen.value)))
-    if (studio.root / state.campaign / "campaign.toml").is_file():
-        manage(studio, state.campaign, "plan", lambda old, new: open_page("/campaign", state.changed(campaign=new)))
-        Presses(studio, state)
+    if (root / state.campaign / "campaign.toml").is_file():
+        manage(root, state.campaign, "plan", lambda old, new: open_page("/campaign", state.changed(campaign=new)))
+        Presses(root, state)
 
 
 class Presses:
     """The presses of the campaign that is chosen."""
 
-    def __init__(self, studio: Studio, state: State) -> None:
-        self.studio, self.root, self.state, self.campaign = studio, studio.root, state, state.campaign
+    def __init__(self, root: Path, state: State) -> None:
+        self.root, self.state, self.campaign = root, state, state.campaign
         self.folder = self.root / self.campaign
         self.wanted, self.at_work = 0, False
         links = [("the sheet to press from", f"{self.campaign}/{name}") for name in ("sheet.html", "sheet.csv")
@@ -171,15 +166,14 @@ class Presses:
         self.holder = parts.area()
         with ui.expansion("Values of the presses: order, age, temperature, rest") as expansion:
             self.values = parts.area()
-        expansion.props('data-test="values"').style("width:100%").on_value_change(self.show_values)
+        expansion.props('data-test="values"').on_value_change(self.show_values)
         self.change = parts.area()
         self.show_held()
         status = check_campaign(self.folder)
         self.show(status)
-        if not status.pressed and incoming.plan_of(self.root, self.campaign):
-            with self.change, ui.expansion("Change this plan: nothing was pressed yet") as change:
-                PlanForm(studio, state, self.campaign)
-            change.props('data-test="replan"').style("width:100%")
+        if not status.pressed and incoming.plan_of(root, self.campaign):
+            with self.change, ui.expansion("Change this plan: nothing was pressed yet").props('data-test="replan"'):
+                PlanForm(root, state, self.campaign)
 
     def take(self, name: str, content: bytes) -> str:
         """Take a file that was dropped."""
@@ -212,8 +206,6 @@ class Presses:
                 self._held(name)
 
     def _held(self, name: str) -> None:
-        planned = incoming.presses_for(self.root, self.campaign, name)
-
         def assign() -> None:
             with parts.problems_in(self.undone):
                 taken = incoming.assign(self.root, self.campaign, name, pressed.value or "")
@@ -224,11 +216,12 @@ class Presses:
                 self.renew()
 
         def discard() -> None:
-            bar = undo_bar(self.studio)
+            bar = undo_bar(self.root)
             bar.offer(incoming.discard(self.root, self.campaign, name), lambda old, new: self.show_held())
             bar.run(self.show_held)
 
         with ui.element("div").classes("fields").props('data-test="held"'):
+            planned = incoming.presses_for(self.root, self.campaign, name)
             pressed = ui.select(planned, label=f"{name} is the press").props('data-test="assign-to"')
             parts.button("Assign", assign, "assign", f"assign {name}", main=True)
             parts.button("Move to the bin", discard, "discard", f"move {name} to the bin")
@@ -276,14 +269,14 @@ def _show_status(status: CampaignStatus, chosen: State) -> None:
     """How far a campaign is, in words."""
     done, left = len(status.pressed), len(status.missing)
     html(f'<p role="status"><b>{done} of {done + left} presses are there</b></p>')
-    if status.missing:
-        html(f"<p>To press: {escape(', '.join(status.missing[:6]))}{' …' if left > 6 else ''}</p>")
+    if left:
+        html(f"<p>To press: {escape(', '.join(status.missing[:6]))}{' …' * (left > 6)}</p>")
     if status.wrong:
         parts.table(["file", "looks wrong"], [[one["file"], one["message"]] for one in status.wrong], words=True)
     for one in status.warnings:
         html(f'<p class="note">{escape(one["message"])}</p>')
     if done:
-        html(f'<p class="note">{state_link("/cast", "Check a cast pad", chosen, "cast")}: its presses against the '
-             "tissue.</p>")  # fmt: skip
+        link = page_link("/cast", "Check a cast pad", chosen, "cast")
+        html(f'<p class="note">{link}: its presses against the tissue.</p>')
     if status.ready:
-        html(f'<p class="note">All is there: {state_link("/learn", "learn from it", chosen, "learn")}.</p>')
+        html(f'<p class="note">All is there: {page_link("/learn", "learn from it", chosen, "learn")}.</p>')

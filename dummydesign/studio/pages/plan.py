@@ -16,9 +16,8 @@ from dummydesign.studio import choices, jobs, made, parts
 from dummydesign.studio import file_transfer as files
 from dummydesign.studio.incoming_presses import FIELDS, plan_of, plan_options, usual_moulds
 from dummydesign.studio.jobs import Job, options
-from dummydesign.studio.page_frame import Studio
 from dummydesign.studio.parts import html
-from dummydesign.studio.state import State, state_link
+from dummydesign.studio.state import State, page_link
 from dummydesign.studio.work_panel import Work
 
 HEADS = {
@@ -26,10 +25,7 @@ HEADS = {
     "target_depth_mm": "depth [mm]", "hold_s": "hold [s]", "age_days": "age [days]",
     "temperature_C": "temperature [C]", "rest_s": "rest [s]", "repeat": "repeat",
 }  # fmt: skip
-CHANGED = (
-    "(e) => { const cell = e.target; if (cell.dataset.key) emit([Number(cell.dataset.row), cell.dataset.key, "
-    "cell.value]); }"
-)
+CHANGED = "({target: t}) => { if (t.dataset.key) emit([Number(t.dataset.row), t.dataset.key, t.value]); }"
 
 
 def number_of(text: str, name: str, key: str = "") -> float | None:
@@ -48,24 +44,24 @@ def number_of(text: str, name: str, key: str = "") -> float | None:
 
 def table_html(keys: Sequence[str], rows: Sequence[Mapping[str, Any]]) -> str:
     """The table as HTML; each row has ``file`` and the keys, None where a value is unknown."""
-    head = "".join(f"<th scope=col>{escape(HEADS.get(key, key))}</th>" for key in keys)
-    body = []
+    head = "".join(f"<th scope=col>{escape(HEADS[key])}</th>" for key in keys)
+    body = ""
     for number, row in enumerate(rows):
-        cells = []
+        body += f"<tr><th scope=row>{escape(str(row['file']))}</th>"
         for key in keys:
             value = row.get(key)
             shown = f"{value:g}" if isinstance(value, int | float) and not isinstance(value, bool) else ""
-            label = escape(f"{HEADS.get(key, key)} of {row['file']}", quote=True)
-            cells.append(f'<td><input inputmode="decimal" size="6" data-row="{number}" data-key="{key}" '
-                         f'value="{shown}" aria-label="{label}"></td>')  # fmt: skip
-        body.append(f"<tr><th scope=row>{escape(str(row['file']))}</th>{''.join(cells)}</tr>")
+            label = escape(f"{HEADS[key]} of {row['file']}")
+            body += (f'<td><input inputmode="decimal" size="6" data-row="{number}" data-key="{key}" value="{shown}" '
+                     f'aria-label="{label}"></td>')  # fmt: skip
+        body += "</tr>"
     return (f'<div class="values"><table><thead><tr><th scope=col>press</th>{head}</tr></thead>'
-            f"<tbody>{''.join(body)}</tbody></table></div>")  # fmt: skip
+            f"<tbody>{body}</tbody></table></div>")  # fmt: skip
 
 
 def value_table(
     keys: Sequence[str], rows: Sequence[Mapping[str, Any]], changed: Callable[[int, str, str], bool]
-) -> ui.html:
+) -> None:
     """Show the table."""
     shown = html(table_html(keys, rows)).style("width:100%")
 
@@ -74,11 +70,10 @@ def value_table(
         if key in keys and isinstance(row, int) and 0 <= row < len(rows):
             kept = changed(row, key, str(text))
             mark = "removeAttribute('aria-invalid')" if kept else "setAttribute('aria-invalid', true)"
-            ui.run_javascript(f"""document.querySelector('#{shown.html_id} [data-row="{row}"][data-key="{key}"]')"""
-                              f"?.{mark}")  # fmt: skip
+            cell = f'#{shown.html_id} [data-row="{row}"][data-key="{key}"]'
+            ui.run_javascript(f"document.querySelector('{cell}')?.{mark}")
 
     shown.on("change", typed, js_handler=CHANGED)
-    return shown
 
 
 OFTEN = ("temperature_C", "age_days", "rest_s")
@@ -99,7 +94,6 @@ class TrialTable:
             self.value = ui.input("The same for all of them").props('data-test="fill-value"')
             parts.button("Fill in", self.fill, "fill")
         self.message, self.table = parts.area("values-said", live=True), parts.area()
-        self.rows: list[dict[str, Any]] = []
         self.read()
 
     def read(self) -> None:
@@ -164,16 +158,20 @@ MOULDED, TYPED = "the moulds of this project", "typed here"
 class PlanForm:
     """Fields of a plan and the command that makes it."""
 
-    def __init__(self, studio: Studio, state: State, replaced: str = "") -> None:
+    def __init__(self, root: Path, state: State, replaced: str = "") -> None:
         """Build it."""
-        self.studio, self.state, self.replaced = studio, state, replaced
-        root, name = studio.root, "replan" if replaced else "campaign"
+        self.root, self.state, self.replaced = root, state, replaced
+        name = "replan" if replaced else "campaign"
         usual = [] if replaced else usual_moulds(root, state)
         given: dict[str, Any] = {**FIELDS, "moulds": usual, "resin": state.resin, "ratio": state.ratio,
                                  "punch": state.punch, **(plan_of(root, replaced) if replaced else {})}  # fmt: skip
         self.punch = given["punch"]
         known = {one.folder: f"{one.folder.partition('/')[2]}: {one.label}" for one in reversed(made.moulds(root))}
         self.fields: dict[str, Any] = {}
+
+        def add(key: str, label: str) -> None:
+            self.fields[key] = ui.input(label, value=str(given[key]))
+
         with ui.element("div").classes("fields"):
             if not replaced:
                 self.name = ui.input("Name", value=choices.free_name(root, "campaigns", "first"))
@@ -183,26 +181,23 @@ class PlanForm:
         self.moulds = parts.select_several("Moulds", known, usual, f"{name}-moulds")
         self.typed = ui.element("div").classes("fields")
         with self.typed:
-            self._input("pads", "Pads, thickness [mm]", given)
-            self._input("shape", "Shape with its lengths", given)
-            self._input("pad", "Outline, length x width [mm]", given)
+            add("pads", "Pads, thickness [mm]")
+            add("shape", "Shape with its lengths")
+            add("pad", "Outline, length x width [mm]")
             self.fields["resin"] = parts.select("Resin", choices.resins(), given["resin"])
             self.fields["ratio"] = ui.number("Ratio", value=given["ratio"], step=0.1)
         with ui.element("div").classes("fields"):
-            self._input("speeds", "Speeds [mm/s]", given)
-            self._input("forces", "Steady forces [N]", given)
+            add("speeds", "Speeds [mm/s]")
+            add("forces", "Steady forces [N]")
             self.fields["repeats"] = ui.number("Repeats", value=given["repeats"], min=1, max=9, step=1)
-            self._input("ages", "Age of the pads on each day [days]", given)
+            add("ages", "Age of the pads on each day [days]")
             self.fields["hold"] = ui.number("Hold [s]", value=given["hold"], min=1, max=600)
         for key in ("pads", "shape", "speeds", "forces", "repeats", "ages"):
             self.fields[key].props(f'data-test="{"re" if replaced else ""}plan-{key}"')
         label = "Change the plan" if replaced else "Plan it"
-        self.work = Work(studio, name, label, self.words, self.show, self.belongs)
+        self.work = Work(root, name, label, self.words, self.show, self.belongs, needs="trials")
         parts.on_change(self.renew, self.source, self.moulds, *self.fields.values())
         self.renew()
-
-    def _input(self, key: str, label: str, given: Mapping[str, Any]) -> None:
-        self.fields[key] = ui.input(label, value=str(given[key]))
 
     def renew(self) -> None:
         """Something was chosen."""
@@ -210,10 +205,6 @@ class PlanForm:
         self.moulds.set_visibility(moulded)
         self.typed.set_visibility(not moulded)
         self.work.renew()
-
-    def folder(self) -> str:
-        """Where the plan goes."""
-        return self.replaced or f"campaigns/{files.plain_name((self.name.value or '').strip())}"
 
     def words(self) -> list[str]:
         """The plan as a command."""
@@ -225,26 +216,24 @@ class PlanForm:
         if self.source.value == MOULDED and not moulds:
             raise InputError("choose the moulds whose pads are pressed", "missing", "moulds")
         given |= {"moulds": moulds, "punch": self.punch, "repeats": int(given["repeats"])}
-        more = ["--replace"] if self.replaced else []
-        return ["campaign", "new", self.folder(), *options(plan_options(given)), *more]
+        folder = self.replaced or f"campaigns/{files.plain_name((self.name.value or '').strip())}"
+        return ["campaign", "new", folder, *options(plan_options(given) | {"replace": bool(self.replaced)})]
 
     def belongs(self, job: Job, words: list[str]) -> bool:
         """Whether a job made the plan that is chosen, and it is still there."""
-        root, folder = self.studio.root, folder_of(job)
-        there = not folder or ((root / folder).is_dir() and jobs.is_last(root, job, folder_of))
+        folder = folder_of(job)
+        there = not folder or ((self.root / folder).is_dir() and jobs.is_last(self.root, job, folder_of))
         return list(job.words) == words and there
 
     def show(self, job: Job) -> None:
         """What was planned."""
         answer, folder = job.answer, folder_of(job)
-        if "trials" not in answer:
-            return
         html(f'<p data-test="planned">{len(answer["trials"])} presses planned in {escape(folder)}</p>')
         if power := answer.get("power"):
             html(f"<p>Effects that this plan can detect: {escape(', '.join(power['seen']) or 'none')}.</p>")
         parts.warnings(answer)
-        on = state_link("/campaign", "Go on to the presses", self.state.changed(campaign=folder), "presses")
-        html(f'<p class="note">{on}</p>')
+        link = page_link("/campaign", "Go on to the presses", self.state.changed(campaign=folder), "presses")
+        html(f'<p class="note">{link}</p>')
 
 
 def folder_of(job: Job) -> str:

@@ -101,8 +101,7 @@ def _put(root: Path, campaign: str, name: str, content: bytes) -> Taken:
         return Taken(f"{name} was added.")
     if (folder / name).read_bytes() == content:
         return Taken(f"{name} is there already.")
-    gone = replace_file(root, folder, name, content)
-    return Taken(f"{name} was added. The earlier one is in the bin.", gone)
+    return Taken(f"{name} was added. The earlier one is in the bin.", replace_file(root, folder, name, content))
 
 
 FOLDER = "measured/to-bring-in"

@@ -15,14 +15,12 @@ import sys
 import time
 from collections.abc import Callable
 from pathlib import Path
-from types import FrameType
 
 from dummydesign.core.files import take, write_text
 from dummydesign.core.process import VARIABLE
 
-COMMAND, ANSWER, ERRORS, PROGRESS, STATUS, LOCK, PID, STOP, CHILD, AWAKE = (
-    "command.json", "answer.json", "errors.txt", "progress.txt", "status.json", "lock", "pid", "stop", "child", "awake",
-)  # fmt: skip
+COMMAND, ANSWER, ERRORS, PROGRESS, STATUS = "command.json", "answer.json", "errors.txt", "progress.txt", "status.json"
+LOCK, PID, STOP, CHILD, AWAKE = "lock", "pid", "stop", "child", "awake"
 """Files of the folder; ``awake`` is a lock of the runner alone."""
 PATIENCE_S = 5.0
 """How long to wait for a lock that someone only looks at. [s]"""
@@ -39,7 +37,7 @@ def main(folder: Path, handed_on: int | None = None) -> int:
     awake = take(folder / AWAKE, PATIENCE_S)
     asked = json.loads((folder / COMMAND).read_text(encoding="utf-8"))
     write_text(folder / PID, str(os.getpid()))
-    stopped = False
+    signals: list[int] = []
     start = time.time()
     environment = {**os.environ, VARIABLE: str((folder / PROGRESS).resolve())}
     with open(folder / ANSWER, "wb") as answer, open(folder / ERRORS, "wb") as errors:
@@ -49,21 +47,12 @@ def main(folder: Path, handed_on: int | None = None) -> int:
             pass_fds=() if os.name == "nt" else (lock.fileno(),),
         )  # fmt: skip
         write_text(folder / CHILD, str(child.pid))
-
-        def stop(number: int, frame: FrameType | None) -> None:
-            nonlocal stopped
-            stopped = True
-
-        def asked_to_stop() -> bool:
-            return stopped or (folder / STOP).exists()
-
-        signal.signal(signal.SIGTERM, stop)
-        status, stopped = _wait(child, asked_to_stop)
+        signal.signal(signal.SIGTERM, lambda number, frame: signals.append(number))
+        status, stopped = _wait(child, lambda: bool(signals) or (folder / STOP).exists())
     ended = {"status": status, "stopped": stopped, "start": start, "end": time.time()}
     write_text(folder / STATUS, json.dumps(ended))
-    lock.close()
-    if awake is not None:
-        awake.close()
+    for held in filter(None, (lock, awake)):
+        held.close()
     return status
 
 

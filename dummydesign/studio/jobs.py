@@ -12,7 +12,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable, Mapping, Sequence
-from contextlib import suppress
+from contextlib import nullcontext, suppress
 from dataclasses import dataclass
 from functools import lru_cache
 from itertools import count
@@ -150,18 +150,18 @@ def start(root: Path, name: str, words: Sequence[str]) -> Job:
         message = f"{len(running)} commands are at work: wait for one, or stop one"
         raise InputError(message, "busy", "commands", len(running), MOST_AT_ONCE)
     home = root / HOME / "jobs"
-    folder = None
     try:
         home.mkdir(parents=True, exist_ok=True)
-        folder = _new_folder(home, name)
-        request = {"name": name, "words": list(words), "cwd": str(root), "start": time.time()}
-        write_text(folder / runner.COMMAND, json.dumps(request))
-        _spawn(root, folder)
-    except (OSError, InputError) as problem:
-        if folder is not None:
+        numbers = [int(match[1]) for path in home.iterdir() if (match := re.match(r"(\d+)-", path.name))]
+        folder = new_folder(home, (f"{number:04d}-{name}" for number in count(max(numbers, default=0) + 1)))
+        try:
+            request = {"name": name, "words": list(words), "cwd": str(root), "start": time.time()}
+            write_text(folder / runner.COMMAND, json.dumps(request))
+            _spawn(root, folder)
+        except (OSError, InputError):
             shutil.rmtree(folder, ignore_errors=True)
-        if isinstance(problem, InputError):
             raise
+    except OSError as problem:
         if problem.filename == sys.executable:
             message = f"'{sys.executable}' cannot be run: {problem.strerror or problem}"
             raise InputError(message, "program_failed", "python") from None
@@ -173,8 +173,7 @@ def _spawn(root: Path, folder: Path) -> None:
     detached: dict[str, Any] = {"start_new_session": True}
     if os.name == "nt":
         detached = {"creationflags": getattr(subprocess, "CREATE_NEW_PROCESS_GROUP", 0)}
-    package = str(Path(__file__).resolve().parents[2])
-    path = os.pathsep.join(filter(None, (package, os.environ.get("PYTHONPATH"))))
+    path = os.pathsep.join(filter(None, (str(Path(__file__).resolve().parents[2]), os.environ.get("PYTHONPATH"))))
     _CHILDREN[:] = [child for child in _CHILDREN if child.poll() is None]
     words = [sys.executable, "-m", "dummydesign.studio.job_process", str(folder)]
     lock = None if os.name == "nt" else take(folder / runner.LOCK, runner.PATIENCE_S)
@@ -182,21 +181,9 @@ def _spawn(root: Path, folder: Path) -> None:
         # held from the first moment on, however long a busy machine takes to start the process
         detached["pass_fds"] = (lock.fileno(),)
         words.append(str(lock.fileno()))
-    try:
-        with open(folder / "runner.txt", "wb") as output:
-            child = subprocess.Popen(
-                words, cwd=root, stdin=subprocess.DEVNULL, stdout=output, stderr=output,
-                env={**os.environ, "PYTHONPATH": path}, **detached,
-            )  # fmt: skip
-    finally:
-        if lock is not None:
-            lock.close()
-    _CHILDREN.append(child)
-
-
-def _new_folder(home: Path, name: str) -> Path:
-    numbers = [int(match[1]) for path in home.iterdir() if (match := re.match(r"(\d+)-", path.name))]
-    return new_folder(home, (f"{number:04d}-{name}" for number in count(max(numbers, default=0) + 1)))
+    with lock or nullcontext(), open(folder / "runner.txt", "wb") as output:
+        _CHILDREN.append(subprocess.Popen(words, cwd=root, stdin=subprocess.DEVNULL, stdout=output, stderr=output,
+                                          env={**os.environ, "PYTHONPATH": path}, **detached))  # fmt: skip
 
 
 def read_job(folder: Path) -> Job:
@@ -252,8 +239,8 @@ def latest(root: Path, name: str) -> Job | None:
 
 def is_last(root: Path, job: Job, made: Callable[[Job], str]) -> bool:
     """Whether no later command of the step made the same file or folder, which took the place of this one's."""
-    same = [one for one in all_jobs(root, job.name) if made(one) == made(job)]
-    return not same or same[-1].folder == job.folder
+    same = (one for one in reversed(all_jobs(root, job.name)) if made(one) == made(job))
+    return next(same, job).folder == job.folder
 
 
 def stop(job: Job) -> None:
@@ -262,13 +249,10 @@ def stop(job: Job) -> None:
         return
     # a command without its runner, which was killed, reads no file
     number = runner.PID if held(job.folder / runner.AWAKE) else runner.CHILD
-    try:
+    with suppress(OSError):  # a full disk
         (job.folder / runner.STOP).touch()
         if number == runner.PID:
             return
-    except OSError:
-        # a full disk
-        pass
     with suppress(FileNotFoundError, ProcessLookupError, ValueError):
         process = int((job.folder / number).read_text(encoding="utf-8"))
         if held(job.folder / runner.LOCK) and not (job.folder / runner.STATUS).exists():

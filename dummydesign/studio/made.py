@@ -63,8 +63,7 @@ def design_of_pad(root: Path, state: State) -> str:
         return state.design
     designs = [folder for folder, _ in _manifests(root, "designs", "suggest")
                if (pad := design_state(root, folder)) and same_pad(pad, vars(state))]  # fmt: skip
-    asked = [folder for folder in designs if answers(root, folder, state)]
-    return (asked or designs or [""])[-1]
+    return ([folder for folder in designs if answers(root, folder, state)] or designs or [""])[-1]
 
 
 def answers(root: Path, folder: str, state: State) -> bool:
@@ -154,8 +153,7 @@ def calibrations(root: Path, campaign: str) -> list[Calibration]:
 def _was_renamed(root: Path, path: str, campaign: str, sums: dict[str, str | None]) -> bool:
     """Whether a campaign that is not there any more has the file that the chosen one has."""
     old = sums.get(CAMPAIGN)
-    gone = not (root / path / CAMPAIGN).is_file()
-    return old is not None and gone and sha256_of(root / campaign / CAMPAIGN) == old
+    return bool(old) and not (root / path / CAMPAIGN).is_file() and sha256_of(root / campaign / CAMPAIGN) == old
 
 
 def _names(root: Path, path: str, folder: str) -> bool:
@@ -238,8 +236,7 @@ class GaugePoint:
 
 def pads(root: Path, state: State) -> list[PressedPad]:
     """Every pad of the project with presses: those of the chosen campaign first, then others, then loose files."""
-    known = choices.campaigns(root)
-    own_first = sorted(known, key=lambda name: name != state.campaign)
+    own_first = sorted(choices.campaigns(root), key=lambda name: name != state.campaign)
     pressed = [pad for name in own_first for pad in _of_campaign(root, name)]
     loose = {root / DROPPED: "files dropped here"}
     for folder in sorted((root / "measured").glob("import-*")):

@@ -38,68 +38,67 @@ Then = Callable[[str, str], None]
 
 def manage(root: Path, path: str, kind: str, then: Then) -> None:
     """A row of buttons to rename and delete a thing of the project, and to replace a file."""
-    name = path.rpartition("/")[2]
+    name, ending = path.rpartition("/")[2], Path(path).suffix.lower()
     bar = undo_bar(root)
+
     def remove() -> None:
-        with parts.problems_in(form):
+        with parts.problems_in(refused):
             bar.offer(bin.delete(root, path), then)
             bar.run(lambda: then(path, ""))
 
     def ask_name() -> None:
+        refused.clear()
         with parts.fresh(form), ui.element("div").classes("fields"):
             field = ui.input(f"New name of {name}", value=_short(root, path)).props('data-test="new-name"')
             with ui.element("div"):
                 parts.button("Save", lambda: take_name(field.value or ""), "save-name", main=True)
-                parts.button("Cancel", form.clear)
+                parts.button("Cancel", close)
         field.on("keydown.enter", lambda: take_name(field.value or ""))
-        field.on("keydown.escape", form.clear)
+        field.on("keydown.escape", close)
         field.run_method("focus")
 
-    def take_name(new: str) -> None:
-        try:
-            now = bin.rename(root, path, new)
-        except InputError as problem:
-            ask_name()
-            with form:
-                parts.tell_problem(str(problem))
-            return
+    def close() -> None:
         form.clear()
-        bar.say(f"{name} is now {now.rpartition('/')[2]}.")
-        bar.run(lambda: then(path, now))
+        refused.clear()
+
+    def take_name(new: str) -> None:
+        with parts.problems_in(refused):
+            now = bin.rename(root, path, new)
+            form.clear()
+            bar.say(f"{name} is now {now.rpartition('/')[2]}.")
+            bar.run(lambda: then(path, now))
 
     async def take_file(event: events.UploadEventArguments) -> None:
-        sent, ending = event.file.name, Path(path).suffix.lower()
-        content = await event.file.read()
-        try:
+        sent, content = event.file.name, await event.file.read()
+        with parts.problems_in(refused):
             if Path(sent).suffix.lower() != ending:
                 message = f"{sent} was refused: choose a file that ends in {ending}"
                 raise InputError(message, "unknown_name", "file_ending", sent, ending)
             stored = bin.store(root, (root / path).parent, name, content, replace=True)
-        except InputError as problem:
-            with form:
-                parts.tell_problem(str(problem))
-            return
-        form.clear()
-        if stored.gone is None:
-            bar.say(f"{sent} is the same as {stored.name}, which is there: nothing was changed.")
-            return
-        bar.offer(stored.gone, then)
-        bar.run(lambda: then(path, path))
+            form.clear()
+            if stored.gone is None:
+                bar.say(f"{sent} is the same as {stored.name}, which is there: nothing was changed.")
+            else:
+                bar.offer(stored.gone, then)
+                bar.run(lambda: then(path, path))
+
+    def refuse(name: str, why: str) -> None:
+        with parts.fresh(refused):
+            parts.tell_problem(f"{name} was refused: it {why}")
 
     def ask_file() -> None:
+        refused.clear()
         with parts.fresh(form):
             html(f"<p>Choose the file that replaces {escape(name)}. The earlier one goes to the bin.</p>")
-            drop_zone(take_file, lambda name, why: parts.tell_problem(f"{name} was refused: it {why}"), "replace",
-                      multiple=False)  # fmt: skip
+            drop_zone(take_file, refuse, "replace", multiple=False)
 
+    actions = {"Rename": ask_name, "Replace": ask_file, "Delete": remove}
     with ui.element("div").classes("manage").props("role=group") as row:
         row.props["aria-label"] = f"change {name}"
-        for word, action in (("Rename", ask_name), ("Replace", ask_file), ("Delete", remove)):
-            if word == "Replace" and kind != "file":
-                continue
-            made = parts.button(word, action, word.lower(), f"{word} the {kind} {name}").props("dense")
+        for word in ("Rename", "Replace", "Delete") if kind == "file" else ("Rename", "Delete"):
+            made = parts.button(word, actions[word], word.lower(), f"{word} the {kind} {name}").props("dense")
             made.props["data-name"] = name
-    form = ui.element("div")
+    form, refused = ui.element("div"), ui.element("div")
 
 
 def _short(root: Path, path: str) -> str:
@@ -216,8 +215,7 @@ class UndoBar:
             self.say(f"{gone.path} is back." if back == gone.path else f"It is back as {back}.")
             self.run(lambda: then(gone.path, back))
 
-        line = self.say(f"The earlier {name} was replaced." if gone.why == "replaced" else f"{name} was deleted.")
-        with line:
+        with self.say(f"The earlier {name} was replaced." if gone.why == "replaced" else f"{name} was deleted."):
             back = parts.button("Undo", undo, "undo-last", f"Undo: bring back {name}", main=True).props("dense")
             if focus:
                 ui.run_javascript(f"setTimeout(() => document.getElementById('{back.html_id}')?.focus(), 100)")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import shutil
 import time
 from collections.abc import Iterator, Sequence
@@ -17,7 +18,7 @@ from dummydesign.core.files import unwritable, write_bytes, write_text
 from dummydesign.core.library import toml_text
 from dummydesign.core.manifest import NAME as MANIFEST
 from dummydesign.core.manifest import sha256_of
-from dummydesign.project.folder import FILE, FOLDERS, Project, change_project, read_project
+from dummydesign.project.folder import FOLDERS, Project, change_project, project_of
 from dummydesign.studio import jobs
 from dummydesign.studio.file_transfer import inside, new_folder, numbered, plain_name, read_json, save_upload
 
@@ -118,12 +119,11 @@ def rename(root: Path, path: str, name: str) -> str:
     plain_name(wanted)
     if wanted == old:
         return path
-    names = [part.name for part in parts]
-    after = [plain_name(one) for one in _renamed(names, old, wanted)]
+    after = [plain_name(one) for one in _renamed([part.name for part in parts], old, wanted)]
     taken = next((one for one in after if (source.parent / one).exists()), None)
     if taken is not None:
         raise InputError(f"'{taken}' is there already: choose another name", "file_exists", "name", taken)
-    project = read_project(root) if (root / FILE).is_file() else None
+    project = project_of(root)
     moves = [(part, source.parent / one) for part, one in zip(parts, after)]
     before = {part: part.read_bytes() for part in parts if _is_tissue(path)}
     new = f"{path.rpartition('/')[0]}/{after[0]}"
@@ -156,21 +156,16 @@ def follow(text: str, old: str, new: str) -> str:
 
 def is_import(path: str) -> bool:
     """Whether a path is that of a folder of imported presses."""
-    parts = path.split("/")
-    return len(parts) == 2 and parts[0] == "measured" and parts[1].startswith("import-")
+    return re.fullmatch(r"measured/import-[^/]*", path) is not None
 
 
 def check_idle(root: Path, path: str) -> None:
     """Refuse what a running command reads or writes (InputError)."""
     target = PurePosixPath(path)
-    for job in jobs.all_jobs(root):
-        if job.state != "running":
-            continue
+    for job in (one for one in jobs.all_jobs(root) if one.state == "running"):
         for word in (piece for text in job.words for piece in {text, *text.split(",")}):
             used = _path_in(root, word)
-            if used is None:
-                continue
-            if used == target or used in target.parents[:-1] or target in used.parents:
+            if used is not None and (used == target or used in target.parents[:-1] or target in used.parents):
                 message = f"'{path}' is in use by a running command ({job.name}). Wait for it, or stop it"
                 raise InputError(message, "busy", "path", path)
 
@@ -309,9 +304,8 @@ def take_back(root: Path, gone: Deleted) -> str:
 
 def twin(folder: Path, name: str, content: bytes) -> str | None:
     """Name of the file of a folder with the same content; the one of this name first."""
-    for path in sorted(folder.glob("*"), key=lambda path: (path.name != name, path.name)):
-        same = not path.name.startswith(".") and path.is_file() and path.stat().st_size == len(content)
-        if same and path.read_bytes() == content:
+    for path in sorted(folder.glob("[!.]*"), key=lambda path: (path.name != name, path.name)):
+        if path.is_file() and path.stat().st_size == len(content) and path.read_bytes() == content:
             return path.name
     return None
 

@@ -117,8 +117,7 @@ class BringIn:
     def bring(self) -> None:
         """Make a campaign of the files as they are."""
         with parts.problems_in(self.problem):
-            folder = incoming.bring_in(self.root, self.name.value or "")
-            open_page("/campaign", self.state.changed(campaign=folder))
+            open_page("/campaign", self.state.changed(campaign=incoming.bring_in(self.root, self.name.value or "")))
 
     def remove(self) -> None:
         """Move the files that wait to the bin."""

@@ -106,8 +106,7 @@ class DesignPage:
             return
         after = self.state.changed(**new)
         if after.tissue != self.state.tissue:
-            aims = self._aims(after.tissue)
-            after = after.changed(aim=after.aim if after.aim in aims else "average")
+            after = after.changed(aim=after.aim if after.aim in self._aims(after.tissue) else "average")
         if after != self.state and after.missing:
             # what the page says at its top may be no longer true
             open_page("/design", after)

@@ -65,8 +65,7 @@ def show_status(project: Project, state: State, query: Mapping[str, str]) -> Non
         parts.tell_problem(problem)
     links, cards, reports = links_of(project.root, status, state), "", []
     for room, (path, words) in ROOMS.items():
-        files = status.files[room]
-        lines = [links.get(one.folder) or escape(choices.file_line(one)) for one in reversed(files)]
+        lines = [links.get(one.folder) or escape(choices.file_line(one)) for one in reversed(status.files[room])]
         more = f"<details><summary>{len(lines) - 8} more</summary><ul>{_list(lines[8:])}</ul></details>"
         listed = f"<ul>{_list(lines[:8])}</ul>{more if lines[8:] else ''}" if lines else "<p>none yet</p>"
         cards += f"<div><h2>{page_link(path, words)}</h2>{listed}</div>"

@@ -101,11 +101,10 @@ class TrialTable:
         self.rows = read_trials(self.folder)
         days = [ALL, *days_of(self.rows)]
         self.day.set_options(days, value=self.day.value if self.day.value in days else ALL)
-        by_depth = all(row["target_force_N"] is None for row in self.rows)
-        aim = "target_depth_mm" if by_depth else "target_force_N"
+        aim = "target_depth_mm" if all(row["target_force_N"] is None for row in self.rows) else "target_force_N"
+        keys = ("sequence", "thickness_mm", "velocity_mm_s", aim, "age_days", "temperature_C", "rest_s")
         with parts.fresh(self.table):
-            value_table(("sequence", "thickness_mm", "velocity_mm_s", aim, "age_days", "temperature_C", "rest_s"),
-                        self.rows, self.changed)  # fmt: skip
+            value_table(keys, self.rows, self.changed)
 
     def changed(self, row: int, key: str, text: str) -> bool:
         """Write one value; return whether it was kept."""
@@ -125,8 +124,7 @@ class TrialTable:
 
     def write(self, changes: Mapping[int, Mapping[str, float | None]], words: str) -> None:
         """Write values where the presses are still those of the table."""
-        now = [row["file"] for row in read_trials(self.folder)]
-        if now != [row["file"] for row in self.rows]:
+        if [row["file"] for row in read_trials(self.folder)] != [row["file"] for row in self.rows]:
             message = "campaign.toml was changed meanwhile: load the page again"
             raise InputError(message, "changed_meanwhile", "campaign.trials")
         write_trial_values(self.folder, changes)

@@ -342,8 +342,7 @@ class _People:
 
     def _show_fit(self, job: Job) -> None:
         parts.tell_changes(self._root, job.answer["files"].get("manifest", ""), "Fit all again.")
-        person = Path(_tissue_of(job)).stem
-        panel = ui.expansion(f"{person}: measured and fitted force")
+        panel = ui.expansion(f"{Path(_tissue_of(job)).stem}: measured and fitted force")
         panel.on_value_change(lambda event: self._open(panel, job))
 
     def _open(self, panel: ui.expansion, job: Job) -> None:

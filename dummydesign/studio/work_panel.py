@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Sequence
 from html import escape
 from pathlib import Path
 
@@ -131,15 +131,14 @@ class Work(Panel):
             self._watched = newest.folder.name
             self._status.set_text(f"{newest.progress or 'at work'} – {newest.seconds:.0f} s")
         as_chosen = answer is not None and _same(answer, words)
-        seen = (newest and (newest.folder.name, newest.state, mine), answer and (answer.folder.name, as_chosen),
-                self._stamp())  # fmt: skip
+        ours = newest and (newest.folder.name, newest.state, mine)
+        seen = ours, answer and (answer.folder.name, as_chosen), self._stamp()
         if seen == self._seen:
             return
         self._seen = seen
         self._tell_end(newest, mine)
-        self._result_area.clear()
-        if answer is not None:
-            with self._result_area:
+        with parts.fresh(self._result_area):
+            if answer is not None:
                 if answer is not newest or not as_chosen:
                     when = time.strftime("%d %b %H:%M", time.localtime(answer.started))
                     html(f'<p class="source">Result of {when}: <code>{escape(shown(answer.words))}</code></p>')
@@ -190,10 +189,11 @@ class Chain(Panel):
     def _adopt(self) -> None:
         """Go on with what another page, or this one before a reload, began."""
         every, steps = jobs.all_jobs(self.root, self.name), self.chosen()
-        if not every or every[-1].state != "running" or list(every[-1].words) not in steps:
+        words = list(every[-1].words) if every and every[-1].state == "running" else []
+        if words not in steps:
             return
         self._going = steps
-        for job, wanted in zip(reversed(every), reversed(steps[: steps.index(list(every[-1].words)) + 1])):
+        for job, wanted in zip(reversed(every), reversed(steps[: steps.index(words) + 1])):
             if list(job.words) != wanted:
                 break
             self._since = job.started
@@ -225,19 +225,17 @@ class Chain(Panel):
     def update(self) -> None:
         """Start what comes next, and show how far the chain is."""
         going = self._going
-        if going:
-            own_jobs = self._jobs(going, self._since)
-            at = next((k for k, job in enumerate(own_jobs) if job is None or job.state != "done"), len(going))
-            job = own_jobs[at] if at < len(going) else None
-            if at == len(going) or (job is not None and job.state != "running"):
-                self._going = []
-            elif job is None:
-                try:
-                    jobs.start(self.root, self.name, going[at])
-                except InputError as refused:
-                    # two commands are at work: this one waits its turn
-                    self._status.set_text(f"waiting: {refused}")
-                    return
+        left = [pair for pair in zip(going, self._jobs(going, self._since)) if pair[1] is None or pair[1].state != "done"]
+        words, job = left[0] if left else ([], None)
+        if not left or (job is not None and job.state != "running"):
+            self._going = []
+        elif job is None:
+            try:
+                jobs.start(self.root, self.name, words)
+            except InputError as refused:
+                # two commands are at work: this one waits its turn
+                self._status.set_text(f"waiting: {refused}")
+                return
         latest = jobs.latest(self.root, self.name)
         running = latest is not None and latest.state == "running"
         steps = going or self.chosen()
@@ -252,20 +250,19 @@ class Chain(Panel):
             return
         self._seen = seen
         self._problem.clear()
-        self._result_area.clear()
         whole = bool(done) and len(done) == len(own_jobs)
-        if not running:
-            self._tell_end(own_jobs, whole)
-            if whole:
-                with self._result_area:
-                    self._show(done)
+        with parts.fresh(self._result_area):
+            if not running:
+                self._tell_end(own_jobs, whole)
+            if not running and whole:
+                self._show(done)
         if going and not self._going and whole:
             self._ended(done)
 
-    def _tell_end(self, own_jobs: Iterable[Job | None], whole: bool) -> None:
+    def _tell_end(self, own_jobs: Sequence[Job | None], whole: bool) -> None:
         """Say how the chain ended: at its last step, or at one without a result."""
         wrong = next((job for job in own_jobs if job is not None and job.state in ENDED), None)
-        self._status.set_text(f"done, {len(list(own_jobs))} steps" if whole else ENDED[wrong.state] if wrong else "")
+        self._status.set_text(f"done, {len(own_jobs)} steps" if whole else ENDED[wrong.state] if wrong else "")
         if wrong is not None:
             with self._problem:
                 parts.tell_problem(wrong.error)

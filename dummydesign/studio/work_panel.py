@@ -225,7 +225,8 @@ class Chain(Panel):
     def update(self) -> None:
         """Start what comes next, and show how far the chain is."""
         going = self._going
-        left = [pair for pair in zip(going, self._jobs(going, self._since)) if pair[1] is None or pair[1].state != "done"]
+        begun = zip(going, self._jobs(going, self._since))
+        left = [(words, job) for words, job in begun if job is None or job.state != "done"]
         words, job = left[0] if left else ([], None)
         if not left or (job is not None and job.state != "running"):
             self._going = []

@@ -27,8 +27,7 @@ from dummydesign.core.errors import InputError, out_of_range
 from dummydesign.core.files import take, unwritable
 from dummydesign.geometry.dimensions import THICKNESS_MM
 from dummydesign.geometry.shape_registry import read_shape
-from dummydesign.studio import figures
-from dummydesign.studio import file_transfer as files
+from dummydesign.studio import figures, file_transfer
 from dummydesign.studio.access import VIEW, Guard, same_secret
 from dummydesign.studio.pages import campaign, cast, design, learn, measured, mould, overview, pucks, tissue
 from dummydesign.studio.parts import Body, lay_out
@@ -78,10 +77,10 @@ def make_app(root: Path) -> FastAPI:
 
     @app.get("/zip/{path:path}")
     def archive(path: str) -> Response:
-        folder = files.inside(root, path)
+        folder = file_transfer.inside(root, path)
         if folder == root or not folder.is_dir():
             return PlainTextResponse(f"'{path}' is no folder of this project", 404)
-        return Archive(files.zipped(root, folder), folder.name)
+        return Archive(file_transfer.zipped(root, folder), folder.name)
 
     @app.get("/solid/pad")
     def pad(shape: str, thickness: float) -> Response:
@@ -94,7 +93,7 @@ def make_app(root: Path) -> FastAPI:
     @app.get("/solid/mould/{path:path}")
     def mould_solid(path: str) -> Response:
         try:
-            text = figures.mould_page(files.inside(root, path))
+            text = figures.mould_page(file_transfer.inside(root, path))
         except (OSError, ValueError) as problem:
             return PlainTextResponse(f"the solids of '{path}' cannot be read: {problem}", 404)
         return HTMLResponse(text) if text else PlainTextResponse("no solids in this folder", 404)
@@ -122,7 +121,7 @@ def _add_page(root: Path, path: str) -> None:
 
 def _readable(root: Path, path: str) -> Path:
     """A file of the project that can be read now."""
-    file = files.inside(root, path)
+    file = file_transfer.inside(root, path)
     if not file.is_file():
         raise InputError(f"'{path}' is not there (any more)", "file_not_found", "path", path)
     try:

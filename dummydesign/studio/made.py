@@ -17,8 +17,7 @@ from dummydesign.measurement.campaign_file import FILE as CAMPAIGN
 from dummydesign.measurement.campaign_file import read_campaign_toml
 from dummydesign.measurement.campaign_from_files import read_trials
 from dummydesign.project.status import finished_manifest, things_in
-from dummydesign.studio import choices
-from dummydesign.studio import file_transfer as files
+from dummydesign.studio import choices, file_transfer
 from dummydesign.studio.state import State, design_state
 
 GROUPS = ("Pour", "Print or machine", "Draw", "Check", "More")
@@ -256,9 +255,9 @@ def nearest(pressed: Sequence[PressedPad], state: State) -> PressedPad | None:
 
 def keep_press(root: Path, name: str, content: bytes) -> str:
     """Keep a trace that was dropped; return its path from the project folder on."""
-    files.plain_name(name)
-    files.check_press(name, content)
-    return files.save_upload(files.inside(root, DROPPED), name, content).relative_to(root).as_posix()
+    file_transfer.plain_name(name)
+    file_transfer.check_press(name, content)
+    return file_transfer.save_upload(file_transfer.inside(root, DROPPED), name, content).relative_to(root).as_posix()
 
 
 def records(root: Path, pad: PressedPad) -> list[str]:
@@ -273,7 +272,7 @@ def records(root: Path, pad: PressedPad) -> list[str]:
 
 def gauge_points(folder: Path) -> list[GaugePoint]:
     """Gauge points of a mould; empty where its specification cannot be read."""
-    points = files.read_json(folder / "spec.json").get("gauge_points", [])
+    points = file_transfer.read_json(folder / "spec.json").get("gauge_points", [])
     try:
         return [GaugePoint(str(one["name"]), float(one["low_mm"]), float(one["high_mm"])) for one in points]
     except (ValueError, KeyError, TypeError):

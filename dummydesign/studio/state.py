@@ -16,8 +16,7 @@ from dummydesign.core.manifest import NAME as MANIFEST
 from dummydesign.geometry.dimensions import PUNCH
 from dummydesign.project.folder import Project
 from dummydesign.project.status import STANDARD_RESIN, ProjectFile, ProjectStatus, finished_manifest, things_in
-from dummydesign.studio import choices
-from dummydesign.studio import file_transfer as files
+from dummydesign.studio import choices, file_transfer
 
 PAD_FIELDS = ("shape", "thickness_mm", "ratio")
 QUESTION_FIELDS = ("tissue", "aim", "resin", "calibration", "punch")
@@ -112,7 +111,7 @@ def _in_project(root: Path, name: str, text: str) -> bool:
     path = name in ("design", "calibration", "campaign") or text.endswith(".toml")
     if path or (name in ("tissue", "resin") and "/" in text):
         try:
-            files.inside(root, text)
+            file_transfer.inside(root, text)
         except InputError:
             return False
     return True

@@ -11,7 +11,6 @@ from nicegui import ui
 
 from dummydesign.core.errors import InputError
 from dummydesign.studio import jobs, parts
-from dummydesign.studio.jobs import Job, shown
 from dummydesign.studio.parts import html
 
 ENDED = {"failed": "no result", "stopped": "stopped", "lost": "ended"}
@@ -73,7 +72,7 @@ class Panel:
         self._spinner.set_visibility(running)
 
 
-def _same(job: Job, words: list[str]) -> bool:
+def _same(job: jobs.Job, words: list[str]) -> bool:
     return list(job.words) == words
 
 
@@ -85,8 +84,8 @@ class Work(Panel):
     """
 
     def __init__(
-        self, root: Path, name: str, label: str, words: Callable[[], list[str]], show: Callable[[Job], None],
-        belongs: Callable[[Job, list[str]], bool] = _same, ended: Callable[[Job, bool], None] | None = None,
+        self, root: Path, name: str, label: str, words: Callable[[], list[str]], show: Callable[[jobs.Job], None],
+        belongs: Callable[[jobs.Job, list[str]], bool] = _same, ended: Callable[[jobs.Job, bool], None] | None = None,
         stamp: Callable[[], object] = lambda: None, needs: str = "",
     ) -> None:  # fmt: skip
         """Build it.
@@ -141,7 +140,7 @@ class Work(Panel):
             if answer is not None:
                 if answer is not newest or not as_chosen:
                     when = time.strftime("%d %b %H:%M", time.localtime(answer.started))
-                    html(f'<p class="source">Result of {when}: <code>{escape(shown(answer.words))}</code></p>')
+                    html(f'<p class="source">Result of {when}: <code>{escape(jobs.shown(answer.words))}</code></p>')
                 if not self._needs or self._needs in answer.answer:
                     self._show(answer)
         if newest is not None and not self.running and newest.folder.name == self._watched:
@@ -149,8 +148,8 @@ class Work(Panel):
             if self._ended is not None and newest.answer:
                 self._ended(newest, mine)
 
-    def _tell_end(self, job: Job | None, mine: bool) -> None:
-        """Say how a command ended; one for another choice is shown with its line."""
+    def _tell_end(self, job: jobs.Job | None, mine: bool) -> None:
+        """Say how a command ended; one for another choice is jobs.shown with its line."""
         self._problem.clear()
         if job is None or job.state == "running":
             return
@@ -175,8 +174,8 @@ class Chain(Panel):
     """The panel of several commands; the jobs in the folder say how far they are, so that a reload goes on."""
 
     def __init__(
-        self, root: Path, name: str, label: str, steps: Callable[[], Steps], show: Callable[[list[Job]], None],
-        ended: Callable[[list[Job]], None], check: Callable[[], None],
+        self, root: Path, name: str, label: str, steps: Callable[[], Steps], show: Callable[[list[jobs.Job]], None],
+        ended: Callable[[list[jobs.Job]], None], check: Callable[[], None],
     ) -> None:  # fmt: skip
         """Build it; ``check`` refuses what is chosen before anything is started."""
         super().__init__(root, name, label, steps)
@@ -212,10 +211,10 @@ class Chain(Panel):
         self._going = []
         super().end()
 
-    def _jobs(self, steps: Steps, since: float) -> list[Job | None]:
+    def _jobs(self, steps: Steps, since: float) -> list[jobs.Job | None]:
         """Return the newest job of each step, none that is older than the one of the step before."""
         every = jobs.all_jobs(self.root, self.name)
-        own_jobs: list[Job | None] = []
+        own_jobs: list[jobs.Job | None] = []
         for words in steps:
             job = next((one for one in reversed(every) if list(one.words) == words and one.started >= since), None)
             own_jobs.append(job)
@@ -260,7 +259,7 @@ class Chain(Panel):
         if going and not self._going and whole:
             self._ended(done)
 
-    def _tell_end(self, own_jobs: Sequence[Job | None], whole: bool) -> None:
+    def _tell_end(self, own_jobs: Sequence[jobs.Job | None], whole: bool) -> None:
         """Say how the chain ended: at its last step, or at one without a result."""
         wrong = next((job for job in own_jobs if job is not None and job.state in ENDED), None)
         self._status.set_text(f"done, {len(own_jobs)} steps" if whole else ENDED[wrong.state] if wrong else "")

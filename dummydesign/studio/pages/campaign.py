@@ -14,11 +14,9 @@ from dummydesign.core.errors import InputError
 from dummydesign.measurement.campaign_from_files import read_trials, write_trial_values
 from dummydesign.measurement.campaign_status import CampaignStatus, check_campaign
 from dummydesign.project.folder import Project
-from dummydesign.studio import choices, jobs, made, parts
-from dummydesign.studio import file_transfer as files
+from dummydesign.studio import choices, file_transfer, jobs, made, parts
 from dummydesign.studio import incoming_presses as incoming
 from dummydesign.studio import project_files as bin
-from dummydesign.studio.jobs import Job, options
 from dummydesign.studio.manage import DropList, manage, undo_bar
 from dummydesign.studio.parts import html, open_page
 from dummydesign.studio.state import State, page_link
@@ -97,14 +95,14 @@ class BringIn:
         given = {key: field.value for key, field in self.fields.items()}
         if given["young"]:
             given["resin"] = given["ratio"] = None
-        return incoming.words(self.root, self.name.value or "", options(given))
+        return incoming.words(self.root, self.name.value or "", jobs.options(given))
 
-    def belongs(self, job: Job, words: list[str]) -> bool:
+    def belongs(self, job: jobs.Job, words: list[str]) -> bool:
         """Whether a job made the campaign that is named, and it is still there."""
         same = job.words[2:3] == (f"campaigns/{(self.name.value or '').strip()}",)
         return same and (self.root / folder_of(job)).is_dir()
 
-    def done(self, job: Job) -> None:
+    def done(self, job: jobs.Job) -> None:
         """What was made."""
         folder = folder_of(job)
         if not folder:
@@ -477,16 +475,17 @@ class PlanForm:
         if self.source.value == MOULDED and not moulds:
             raise InputError("choose the moulds whose pads are pressed", "missing", "moulds")
         given |= {"moulds": moulds, "punch": self.punch, "repeats": int(given["repeats"])}
-        folder = self.replaced or f"campaigns/{files.plain_name((self.name.value or '').strip())}"
-        return ["campaign", "new", folder, *options(incoming.plan_options(given) | {"replace": bool(self.replaced)})]
+        folder = self.replaced or f"campaigns/{file_transfer.plain_name((self.name.value or '').strip())}"
+        typed = incoming.plan_options(given) | {"replace": bool(self.replaced)}
+        return ["campaign", "new", folder, *jobs.options(typed)]
 
-    def belongs(self, job: Job, words: list[str]) -> bool:
+    def belongs(self, job: jobs.Job, words: list[str]) -> bool:
         """Whether a job made the plan that is chosen, and it is still there."""
         folder = folder_of(job)
         there = not folder or ((self.root / folder).is_dir() and jobs.is_last(self.root, job, folder_of))
         return list(job.words) == words and there
 
-    def show(self, job: Job) -> None:
+    def show(self, job: jobs.Job) -> None:
         """What was planned."""
         answer, folder = job.answer, folder_of(job)
         html(f'<p data-test="planned">{len(answer["trials"])} presses planned in {escape(folder)}</p>')
@@ -497,6 +496,6 @@ class PlanForm:
         html(f'<p class="note">{link}</p>')
 
 
-def folder_of(job: Job) -> str:
+def folder_of(job: jobs.Job) -> str:
     """Folder of the campaign that a command made; empty where it has no answer."""
     return str(job.answer.get("inputs", {}).get("folder", ""))

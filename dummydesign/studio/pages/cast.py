@@ -15,8 +15,7 @@ from dummydesign.person.drives import DRIVES, read_drive
 from dummydesign.project.folder import Project
 from dummydesign.project.status import things_in
 from dummydesign.report import on_person_facts as people
-from dummydesign.studio import choices, made, parts
-from dummydesign.studio import file_transfer as transfer
+from dummydesign.studio import choices, file_transfer, made, parts
 from dummydesign.studio.jobs import Job, changed_since, options
 from dummydesign.studio.made import PressedPad
 from dummydesign.studio.manage import DropList
@@ -261,7 +260,7 @@ def _records(root: Path, folder: str) -> None:
     rows = []
     for path in sorted((root / folder).glob("record*.json")):
         try:
-            one = transfer.read_json(path)
+            one = file_transfer.read_json(path)
             verdict = "accepted" if one["accepted"] else f"not accepted: {', '.join(one['missed'])}"
             rows.append([path.name, f"{one['thickness_mm']:.2f}", f"{one['mass_g']:g}", verdict])
         except (ValueError, KeyError, TypeError):
@@ -352,10 +351,10 @@ class PeopleOfPad:
         """Keep a file of limits that can be read, and choose it."""
         from dummydesign.design.assessment.safety import read_limits
 
-        if Path(transfer.plain_name(name)).suffix.lower() != ".toml":
+        if Path(file_transfer.plain_name(name)).suffix.lower() != ".toml":
             raise InputError("choose a file that ends in .toml", "unknown_name", "file_ending", name, ".toml")
-        transfer.read_sent(name, content, read_limits)
-        kept = transfer.save_upload(transfer.inside(self.root, LIMITS), name, content)
+        file_transfer.read_sent(name, content, read_limits)
+        kept = file_transfer.save_upload(file_transfer.inside(self.root, LIMITS), name, content)
         chosen = kept.relative_to(self.root).as_posix()
         self.limits.set_options(self._known_limits(), value=chosen)
         return f"{chosen} was added."

@@ -15,7 +15,6 @@ from dummydesign.project.status import TEXTS
 from dummydesign.studio import jobs, parts
 from dummydesign.studio import project_files as bin
 from dummydesign.studio.access import LARGEST_BYTES
-from dummydesign.studio.jobs import Job, options
 from dummydesign.studio.made import presses_text
 from dummydesign.studio.manage import DropList, manage, undo_bar
 from dummydesign.studio.parts import html, keep_state
@@ -117,9 +116,9 @@ class MeasuredPage:
         names = list(self._chosen.value)
         stem = names[0].rpartition(".")[0] if len(names) == 1 else "all"
         given = {name: field.value for name, field in self._fields.items()} | {"out": f"measured/import-{stem}"}
-        return ["import", *(f"measured/{name}" for name in names), *options(given)]
+        return ["import", *(f"measured/{name}" for name in names), *jobs.options(given)]
 
-    def _belongs(self, job: Job, words: list[str]) -> bool:
+    def _belongs(self, job: jobs.Job, words: list[str]) -> bool:
         """Whether a job read the chosen files, and its presses are still there."""
         same = set(_sources(job)) == {f"measured/{name}" for name in self._chosen.value or []}
         return same and (not job.answer.get("files") or (self._root / _out(job)).is_dir())
@@ -168,7 +167,7 @@ class MeasuredPage:
                 with parts.area():
                     parts.shown_file(f"/files/{inner}/preview.html", f"presses of {path.name}")
 
-    def _show(self, job: Job) -> None:
+    def _show(self, job: jobs.Job) -> None:
         answer = job.answer
         html(f"<p><b>{escape(', '.join(Path(one['source']).name for one in answer['files']))}</b></p>")
         parts.tell_changes(self._root, f"{_out(job)}/manifest.json", "Read the files again.")
@@ -186,12 +185,12 @@ class MeasuredPage:
         html(f'<p class="note">Next: {page_link("/tissue", "fit a tissue to these presses")}</p>')
 
 
-def _sources(job: Job) -> list[str]:
+def _sources(job: jobs.Job) -> list[str]:
     """Files that an import read."""
     return list(takewhile(lambda word: not word.startswith("--"), job.words[1:]))
 
 
-def _out(job: Job) -> str:
+def _out(job: jobs.Job) -> str:
     """Folder that an import wrote; it has a number where the requested one was taken."""
     return Path(job.answer.get("preview") or "measured/none/preview.html").parent.as_posix()
 

@@ -11,7 +11,6 @@ from nicegui import ui
 from dummydesign.project.folder import Project, make_project
 from dummydesign.project.status import STANDARD_RESIN, ProjectStatus, status_of
 from dummydesign.studio import choices, jobs, made, parts
-from dummydesign.studio.jobs import options, shown
 from dummydesign.studio.manage import deleted_files
 from dummydesign.studio.parts import html
 from dummydesign.studio.state import State, address, design_state, next_page, next_state, page_link
@@ -38,7 +37,7 @@ def make_new(root: Path) -> None:
 
     def renew() -> None:
         with parts.fresh(line):
-            parts.command_line(["init", ".", *options(given())])
+            parts.command_line(["init", ".", *jobs.options(given())])
 
     parts.on_change(renew, name, tissue, resin)
     renew()
@@ -78,9 +77,10 @@ def show_status(project: Project, state: State, query: Mapping[str, str]) -> Non
         parts.file_links(reports)
     deleted_files(project.root)
     html("<h2>What was run</h2>")
-    latest = reversed(jobs.all_jobs(project.root)[-12:])
-    rows = [f"<li>{_ended(job)}, {job.seconds:.0f} s: <code>{escape(shown(job.words))}</code></li>" for job in latest]
-    html(f"<ul>{''.join(rows)}</ul>" if rows else "<p>nothing yet</p>")
+    rows = ""
+    for job in reversed(jobs.all_jobs(project.root)[-12:]):
+        rows += f"<li>{_ended(job)}, {job.seconds:.0f} s: <code>{escape(jobs.shown(job.words))}</code></li>"
+    html(f"<ul>{rows}</ul>" if rows else "<p>nothing yet</p>")
 
 
 def _list(lines: Sequence[str]) -> str:

@@ -13,7 +13,6 @@ from dummydesign.core.errors import InputError
 from dummydesign.core.library import entries
 from dummydesign.project.folder import Project, change_project, project_of
 from dummydesign.studio import choices, jobs, parts
-from dummydesign.studio.jobs import Job, options
 from dummydesign.studio.parts import html, keep_state, open_page
 from dummydesign.studio.state import State, page_link
 from dummydesign.studio.work_panel import Work
@@ -72,9 +71,9 @@ class PuckPage:
         choices.check_name("resin", name)
         typed = {"diameter": given["diameter"], "height": given["height"], "name": name, "ratio": given["mixed"],
                  "resin": given["base"]}  # fmt: skip
-        return ["resins", "add-compression", given["puck"], *options(typed)]
+        return ["resins", "add-compression", given["puck"], *jobs.options(typed)]
 
-    def _show(self, job: Job) -> None:
+    def _show(self, job: jobs.Job) -> None:
         answer, name = job.answer, job.answer["name"]
         puck, friction = answer["young_kPa"], answer["friction"]
         html(f"<p><b>{escape(name)}</b> from {escape(Path(job.words[2]).name)}, ratio {answer['ratio']:g}.</p>")

@@ -20,7 +20,6 @@ from dummydesign.project.folder import Project
 from dummydesign.project.status import things_in
 from dummydesign.studio import choices, figures, jobs, parts
 from dummydesign.studio import slider_model as sliders
-from dummydesign.studio.jobs import Job, changed_since, holds_answer
 from dummydesign.studio.manage import manage
 from dummydesign.studio.parts import html, open_page
 from dummydesign.studio.state import State, design_state, is_design, page_link
@@ -65,7 +64,7 @@ def state_of_answer(state: State, answer: dict[str, Any], folder: str) -> State:
                          resin=resin, design=folder)  # fmt: skip
 
 
-def _folder(job: Job) -> str:
+def _folder(job: jobs.Job) -> str:
     """The folder of a search's answer, from the project folder on; another number than requested when it was taken."""
     return "designs/" + str(job.answer["inputs"]["out"]).replace("\\", "/").rpartition("/")[2]
 
@@ -90,18 +89,18 @@ class Search:
         given = {**state.question, "shape": self.kinds.value}
         return jobs.suggest(given, f"suggest-{stem}{'-calibrated' if state.calibration else ''}")
 
-    def belongs(self, job: Job, words: list[str]) -> bool:
+    def belongs(self, job: jobs.Job, words: list[str]) -> bool:
         """Whether a search was for what is chosen."""
         if question_of(job.words, job.answer) != self.state().question:
             return False
-        return "recommendation" not in job.answer or holds_answer(self.root, _folder(job), job.answer)
+        return "recommendation" not in job.answer or jobs.holds_answer(self.root, _folder(job), job.answer)
 
-    def ended(self, job: Job, mine: bool) -> None:
+    def ended(self, job: jobs.Job, mine: bool) -> None:
         """Put the sliders at the pad that was found, when it is for what is chosen."""
         if mine and "recommendation" in job.answer:
             self.take(state_of_answer(self.state(), job.answer, _folder(job)))
 
-    def show(self, job: Job) -> None:
+    def show(self, job: jobs.Job) -> None:
         """What a search found: the pad, why this one, the other kinds, the presses."""
         answer = job.answer
         parts.tell_changes(self.root, f"{_folder(job)}/{MANIFEST}", "Search again.")
@@ -196,13 +195,13 @@ class Designs:
             raise InputError("choose two designs or more to compare them", "not_enough_data", "designs")
         return ["compare-designs", *self.chosen.value, "--out", COMPARED, "--replace"]
 
-    def belongs(self, job: Job, words: list[str]) -> bool:
+    def belongs(self, job: jobs.Job, words: list[str]) -> bool:
         """Whether a comparison is of the designs that are chosen."""
         same = {word for word in job.words if word.startswith("designs/")} - {COMPARED} == set(self.chosen.value)
         # each comparison takes the place of the one before
-        return same and (not job.answer or holds_answer(self.root, COMPARED, job.answer))
+        return same and (not job.answer or jobs.holds_answer(self.root, COMPARED, job.answer))
 
-    def show(self, job: Job) -> None:
+    def show(self, job: jobs.Job) -> None:
         """The page of the comparison."""
         report = job.answer.get("files", {}).get("report")
         if report:
@@ -253,7 +252,7 @@ class SolvedPad:
         if work and not (work.answered or work.running) and self.box.visible and self.state() == chosen:
             work.begin()
 
-    def ended(self, job: Job, mine: bool) -> None:
+    def ended(self, job: jobs.Job, mine: bool) -> None:
         """A pad that was chosen meanwhile is solved next."""
         if self.box.visible and not mine:
             self.offer()
@@ -265,12 +264,12 @@ class SolvedPad:
             return predict_words(state, fidelity=read_shape(state.shape).fidelity)
         return suggest_words(state)
 
-    def belongs(self, job: Job, words: list[str]) -> bool:
+    def belongs(self, job: jobs.Job, words: list[str]) -> bool:
         """Whether a job solved the pad that is chosen."""
         files = [Path(path) for path, *_ in sliders.stamp_of(self.root, self.state())]
-        return list(job.words) == words and not changed_since(files, job.started)
+        return list(job.words) == words and not jobs.changed_since(files, job.started)
 
-    def show(self, job: Job) -> None:
+    def show(self, job: jobs.Job) -> None:
         """The verdict and the presses of the solved pad."""
         answer = job.answer
         if not answer.get("verdict"):

@@ -13,9 +13,7 @@ from nicegui import ui
 
 from dummydesign.core.errors import InputError
 from dummydesign.project.folder import Project, change_project, project_of
-from dummydesign.studio import choices, figures, jobs, parts
-from dummydesign.studio import file_transfer as files
-from dummydesign.studio.jobs import Job, options
+from dummydesign.studio import choices, figures, file_transfer, jobs, parts
 from dummydesign.studio.manage import manage, undo_bar
 from dummydesign.studio.parts import html, keep_state, open_page
 from dummydesign.studio.state import State, absolute, page_link
@@ -160,17 +158,17 @@ def fit_panel(page: TissuePage) -> None:
     def words() -> list[str]:
         if not picked.value:
             raise InputError("Choose the presses to fit.", "missing", "trace")
-        kept = files.plain_name(f"{(name.value or '').strip() or 'mine'}.toml")
+        kept = file_transfer.plain_name(f"{(name.value or '').strip() or 'mine'}.toml")
         given = {"contact": contact.value, "lowpass": lowpass.value, "out": f"tissue/{kept}"}
-        return ["fit", *picked.value, *options(given)]
+        return ["fit", *picked.value, *jobs.options(given)]
 
-    def belongs(job: Job, chosen: list[str]) -> bool:
+    def belongs(job: jobs.Job, chosen: list[str]) -> bool:
         """Whether a fit is of the chosen presses and name, and its tissue is still there."""
         same = set(_presses(job.words)) == set(_presses(chosen)) and [job.words[-1]] == chosen[-1:]
         tissue = _tissue_of(job)
         return same and (not tissue or ((root / tissue).is_file() and jobs.is_last(root, job, _tissue_of)))
 
-    def ended(job: Job, mine: bool) -> None:
+    def ended(job: jobs.Job, mine: bool) -> None:
         """Choose what was fitted, when it answers what is chosen."""
         if mine and _tissue_of(job):
             page.choose(_tissue_of(job))
@@ -196,7 +194,7 @@ def _start(page: TissuePage, known: dict[str, str]) -> tuple[list[str], str, str
     return list(known), query.get("name") or choices.free_name(root, "tissue", "mine"), ""
 
 
-def _tissue_of(job: Job) -> str:
+def _tissue_of(job: jobs.Job) -> str:
     return str(job.answer.get("files", {}).get("tissue") or "")
 
 
@@ -204,7 +202,7 @@ def _presses(words: Sequence[str]) -> list[str]:
     return [word for word in words if word.endswith(".csv")]
 
 
-def _show(page: TissuePage, job: Job) -> None:
+def _show(page: TissuePage, job: jobs.Job) -> None:
     answer, root, tissue = job.answer, page.root, _tissue_of(job)
     parts.tell_changes(root, answer["files"].get("manifest", ""), "Fit the tissue again.")
     html(f"<p><b>{escape(tissue)}</b>: {escape(str(answer['elements']))} elements, {escape(answer['mode'])}. Residual "
@@ -297,10 +295,10 @@ class _People:
         if len(people) < 2:
             raise InputError("Assign presses to at least two people.", "not_enough_data", "person")
         name = _checked((self._name.value or "").strip(), "The tissue name", "tissue")
-        given = options({"elements": self._elements.value, "mode": "per-speed", "lowpass": self._lowpass.value})
+        given = jobs.options({"elements": self._elements.value, "mode": "per-speed", "lowpass": self._lowpass.value})
         files = {person: f"tissue/{name}/{person}.toml" for person in people}
         fits = [["fit", *presses, *given, "--out", files[person], "--replace"] for person, presses in people.items()]
-        return [*fits, ["tissues", "add", name, *files.values(), *options({"replace": self._replace.value})]]
+        return [*fits, ["tissues", "add", name, *files.values(), *jobs.options({"replace": self._replace.value})]]
 
     def _check(self) -> None:
         """Refuse a name that is taken before anything is fitted."""
@@ -322,7 +320,7 @@ class _People:
             persons |= dict.fromkeys(_presses(fit.words) if fit is not None else (), Path(file).stem)
         return persons, last.words[2]
 
-    def _show(self, done: list[Job]) -> None:
+    def _show(self, done: list[jobs.Job]) -> None:
         answer = done[-1].answer
         name, fits = answer["name"], done[:-1]
         if not jobs.is_last(self._root, done[-1], lambda job: " ".join(job.words[:3])):
@@ -340,16 +338,16 @@ class _People:
         for job in fits:
             self._show_fit(job)
 
-    def _show_fit(self, job: Job) -> None:
+    def _show_fit(self, job: jobs.Job) -> None:
         parts.tell_changes(self._root, job.answer["files"].get("manifest", ""), "Fit all again.")
         panel = ui.expansion(f"{Path(_tissue_of(job)).stem}: measured and fitted force")
         panel.on_value_change(lambda event: self._open(panel, job))
 
-    def _open(self, panel: ui.expansion, job: Job) -> None:
+    def _open(self, panel: ui.expansion, job: jobs.Job) -> None:
         panel.clear()
         if panel.value:
             with panel, parts.area():
                 show_curves(self._root, job.answer)
 
-    def _ended(self, done: list[Job]) -> None:
+    def _ended(self, done: list[jobs.Job]) -> None:
         self._page.choose(done[-1].answer["name"])

@@ -15,7 +15,7 @@ from collections.abc import Callable, Mapping, Sequence
 from contextlib import nullcontext, suppress
 from dataclasses import dataclass
 from functools import lru_cache
-from itertools import count
+from itertools import chain, count
 from pathlib import Path
 from typing import Any
 
@@ -101,11 +101,16 @@ class Job:
 
     folder: Path
     name: str
-    words: tuple[str, ...]
+    commands: tuple[tuple[str, ...], ...]
     state: str
     started: float
     seconds: float
     progress: str = ""
+
+    @property
+    def words(self) -> tuple[str, ...]:
+        """The command; of several the last, whose answer counts."""
+        return self.commands[-1]
 
     @property
     def has_answer(self) -> bool:
@@ -115,9 +120,13 @@ class Job:
     @property
     def answer(self) -> dict[str, Any]:
         """What the command printed; empty where it printed no answer, or only an error."""
-        path = self.folder / runner.ANSWER
-        content = _answer(path, path.stat().st_mtime_ns) if path.is_file() else {}
+        content = self.answer_of(len(self.commands))
         return {} if set(content) == {"error"} else content
+
+    def answer_of(self, number: int) -> dict[str, Any]:
+        """What one of several commands printed, the first being number 1."""
+        path = self.folder / runner.answer_name(number, len(self.commands))
+        return _answer(path, path.stat().st_mtime_ns) if path.is_file() else {}
 
     @property
     def error(self) -> str:
@@ -141,8 +150,8 @@ def _answer(path: Path, stamp: int) -> dict[str, Any]:
     return read_json(path)
 
 
-def start(root: Path, name: str, words: Sequence[str]) -> Job:
-    """Start a command in a project folder."""
+def start(root: Path, name: str, *commands: Sequence[str]) -> Job:
+    """Start a command in a project folder, or several one after the other."""
     running = [one for one in all_jobs(root) if one.state == "running"]
     if any(one.name == name for one in running):
         raise InputError("this step is still at work: wait for it, or stop it", "busy", "step", name)
@@ -155,7 +164,8 @@ def start(root: Path, name: str, words: Sequence[str]) -> Job:
         numbers = [int(match[1]) for path in home.iterdir() if (match := re.match(r"(\d+)-", path.name))]
         folder = new_folder(home, (f"{number:04d}-{name}" for number in count(max(numbers, default=0) + 1)))
         try:
-            request = {"name": name, "words": list(words), "cwd": str(root), "start": time.time()}
+            request = {"name": name, "first": commands[:-1], "words": commands[-1], "cwd": str(root),
+                       "start": time.time()}  # fmt: skip
             write_text(folder / runner.COMMAND, json.dumps(request))
             _spawn(root, folder)
         except (OSError, InputError):
@@ -189,15 +199,18 @@ def _spawn(root: Path, folder: Path) -> None:
 def read_job(folder: Path) -> Job:
     """How a command stands."""
     asked = json.loads((folder / runner.COMMAND).read_text(encoding="utf-8"))
-    started = float(asked["start"])
-    if not (0.0 <= started < 1e11 and all(isinstance(word, str) for word in [asked["name"], *asked["words"]])):
+    started, commands = float(asked["start"]), [*asked.get("first", []), asked["words"]]
+    if not (0.0 <= started < 1e11 and all(isinstance(word, str) for word in chain([asked["name"]], *commands))):
         raise ValueError("not written by a studio")
     state, seconds = _state(folder, started)
     progress = ""
     if state == "running":
         with suppress(OSError):
             progress = (folder / runner.PROGRESS).read_text(encoding="utf-8")
-    return Job(folder, asked["name"], tuple(asked["words"]), state, started, seconds, progress)
+        if len(commands) > 1:
+            number = sum((folder / runner.answer_name(k + 1, len(commands))).exists() for k in range(len(commands)))
+            progress = f"step {max(number, 1)} of {len(commands)}: {progress or 'at work'}"
+    return Job(folder, asked["name"], tuple(map(tuple, commands)), state, started, seconds, progress)
 
 
 def _state(folder: Path, started: float) -> tuple[str, float]:

@@ -10,6 +10,7 @@ import time
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
+from itertools import chain
 from pathlib import Path, PurePosixPath
 from typing import Any
 
@@ -163,7 +164,7 @@ def check_idle(root: Path, path: str) -> None:
     """Refuse what a running command reads or writes (InputError)."""
     target = PurePosixPath(path)
     for job in (one for one in jobs.all_jobs(root) if one.state == "running"):
-        for word in (piece for text in job.words for piece in {text, *text.split(",")}):
+        for word in (piece for text in chain(*job.commands) for piece in {text, *text.split(",")}):
             used = _path_in(root, word)
             if used is not None and (used == target or used in target.parents[:-1] or target in used.parents):
                 message = f"'{path}' is in use by a running command ({job.name}). Wait for it, or stop it"

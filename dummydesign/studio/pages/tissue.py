@@ -17,7 +17,7 @@ from dummydesign.studio import choices, figures, file_transfer, jobs, parts
 from dummydesign.studio.manage import manage, undo_bar
 from dummydesign.studio.parts import html, keep_state, open_page
 from dummydesign.studio.state import State, absolute, page_link
-from dummydesign.studio.work_panel import Chain, Steps, Work
+from dummydesign.studio.work_panel import Steps, Work
 
 OWN = ("presses", "name", "touched", "people", "group")
 """Choices of this page in the address."""
@@ -268,14 +268,14 @@ class _People:
             self._lowpass = ui.input("Filter of the force, HZ[:ORDER[:PASSES]] (optional)")
             self._lowpass.props('data-test="people-lowpass"')
             self._replace = ui.checkbox("Replace my tissue of this name").props('data-test="people-replace"')
-        self._chain = Chain(page.root, "people", "Fit all and make the tissue", self._steps, self._show,
-                            self._ended, self._check)  # fmt: skip
+        self._work = Work(page.root, "people", "Fit all and make the tissue", self._words, self._show,
+                          ended=self._ended, needs="name", first=self._fits, check=self._check)  # fmt: skip
         parts.on_change(self._renew, *self._fields.values(), self._name, self._elements, self._lowpass, self._replace)
 
     def _renew(self) -> None:
         people = "\n".join(f"{path}\t{name}" for path, name in self._assigned().items())
         self._page.keep(people=people, group=self._name.value or "")
-        self._chain.renew()
+        self._work.renew()
 
     def _guess(self) -> None:
         """Fill in what stands before the first underscore, as ``tissues add`` reads single traces."""
@@ -285,7 +285,8 @@ class _People:
     def _assigned(self) -> dict[str, str]:
         return {path: name for path, field in self._fields.items() if (name := (field.value or "").strip())}
 
-    def _steps(self) -> Steps:
+    def _people(self) -> dict[str, list[str]]:
+        """Presses of each person."""
         people: dict[str, list[str]] = {}
         for path, person in self._assigned().items():
             people.setdefault(_checked(person, "The name", "person"), []).append(path)
@@ -294,11 +295,20 @@ class _People:
             raise InputError(message, "duplicate", "person")
         if len(people) < 2:
             raise InputError("Assign presses to at least two people.", "not_enough_data", "person")
-        name = _checked((self._name.value or "").strip(), "The tissue name", "tissue")
-        given = jobs.options({"elements": self._elements.value, "mode": "per-speed", "lowpass": self._lowpass.value})
-        files = {person: f"tissue/{name}/{person}.toml" for person in people}
-        fits = [["fit", *presses, *given, "--out", files[person], "--replace"] for person, presses in people.items()]
-        return [*fits, ["tissues", "add", name, *files.values(), *jobs.options({"replace": self._replace.value})]]
+        return people
+
+    def _tissue(self) -> str:
+        return _checked((self._name.value or "").strip(), "The tissue name", "tissue")
+
+    def _fits(self) -> Steps:
+        people, name = self._people(), self._tissue()
+        given = {"elements": self._elements.value, "mode": "per-speed", "lowpass": self._lowpass.value}
+        return [["fit", *presses, *jobs.options(given | {"out": f"tissue/{name}/{person}.toml", "replace": True})]
+                for person, presses in people.items()]  # fmt: skip
+
+    def _words(self) -> list[str]:
+        name, replaced = self._tissue(), jobs.options({"replace": self._replace.value})
+        return ["tissues", "add", name, *(f"tissue/{name}/{person}.toml" for person in self._people()), *replaced]
 
     def _check(self) -> None:
         """Refuse a name that is taken before anything is fitted."""
@@ -310,20 +320,19 @@ class _People:
         if query.get("people"):
             rows = (line.partition("\t") for line in query["people"].split("\n"))
             return {path: person for path, _, person in rows}, query.get("group", "")
-        every = list(reversed(jobs.all_jobs(self._root, "people")))
+        every = reversed(jobs.all_jobs(self._root, "people"))
         last = next((job for job in every if job.words[:3] == ("tissues", "add", self._page.tissue)), None)
         if last is None:
             return {}, choices.free_library_name("tissue", "people")
         persons: dict[str, str] = {}
-        for file in (word for word in last.words if word.endswith(".toml")):
-            fit = next((job for job in every if file in job.words and job.words[0] == "fit"), None)
-            persons |= dict.fromkeys(_presses(fit.words) if fit is not None else (), Path(file).stem)
+        for fit in last.commands[:-1]:
+            persons |= dict.fromkeys(_presses(fit), Path(fit[fit.index("--out") + 1]).stem)
         return persons, last.words[2]
 
-    def _show(self, done: list[jobs.Job]) -> None:
-        answer = done[-1].answer
-        name, fits = answer["name"], done[:-1]
-        if not jobs.is_last(self._root, done[-1], lambda job: " ".join(job.words[:3])):
+    def _show(self, job: jobs.Job) -> None:
+        answer, name = job.answer, job.answer["name"]
+        fits = [job.answer_of(number) for number in range(1, len(job.commands))]
+        if not jobs.is_last(self._root, job, lambda job: " ".join(job.words[:3])):
             html(f'<p class="note">The tissue {escape(name)} was made anew since, from other presses.</p>')
             return
         if name not in choices.tissues(self._root):
@@ -331,23 +340,24 @@ class _People:
             return
         html(f"<p><b>{escape(name)}</b>: {len(fits)} people. It is in your own library, for all projects.</p>")
         self._page.use_button(name)
-        rows = [[Path(job.answer["inputs"]["out"]).stem, len(job.answer["by_trace"]), job.answer["rmse_N"],
-                 job.answer["noise_floor_N"]] for job in fits]  # fmt: skip
+        keys = ("rmse_N", "noise_floor_N")
+        rows = [[Path(fit["inputs"]["out"]).stem, len(fit["by_trace"]), *(fit[key] for key in keys)] for fit in fits]
         parts.table(["person", "presses", "residual N rms", "noise N"], rows)
         parts.warnings(answer)
-        for job in fits:
-            self._show_fit(job)
+        for fit in fits:
+            self._show_fit(fit)
 
-    def _show_fit(self, job: jobs.Job) -> None:
-        parts.tell_changes(self._root, job.answer["files"].get("manifest", ""), "Fit all again.")
-        panel = ui.expansion(f"{Path(_tissue_of(job)).stem}: measured and fitted force")
-        panel.on_value_change(lambda event: self._open(panel, job))
+    def _show_fit(self, fit: Mapping[str, Any]) -> None:
+        parts.tell_changes(self._root, fit["files"].get("manifest", ""), "Fit all again.")
+        panel = ui.expansion(f"{Path(fit['files']['tissue']).stem}: measured and fitted force")
+        panel.on_value_change(lambda event: self._open(panel, fit))
 
-    def _open(self, panel: ui.expansion, job: jobs.Job) -> None:
+    def _open(self, panel: ui.expansion, fit: Mapping[str, Any]) -> None:
         panel.clear()
         if panel.value:
             with panel, parts.area():
-                show_curves(self._root, job.answer)
+                show_curves(self._root, fit)
 
-    def _ended(self, done: list[jobs.Job]) -> None:
-        self._page.choose(done[-1].answer["name"])
+    def _ended(self, job: jobs.Job, mine: bool) -> None:
+        if mine and job.state == "done":
+            self._page.choose(job.answer["name"])

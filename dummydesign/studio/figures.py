@@ -5,7 +5,6 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Mapping
 from contextlib import suppress
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -210,37 +209,28 @@ def solids_page(parts: dict[str, np.ndarray]) -> str:
 HEAD = ("pad", "verdict", "score", "combined score", "shortfall", "over", "thickness mm", "ratio")
 
 
-@dataclass(frozen=True)
-class KindsCompared:
-    """Rows of a table with the head :data:`HEAD`, the recommended kind first, and sentences on the choice."""
-
-    rows: tuple[tuple[Any, ...], ...]
-    sentences: tuple[str, ...]
-
-
-def kinds_compared(answer: Mapping[str, Any], verdicts: Mapping[str, Mapping[str, Any]] | None = None) -> KindsCompared:
-    """Compare the best pad of each kind."""
-    best, choice = answer["recommendation"], answer["choice"]
+def kind_rows(answer: Mapping[str, Any], verdicts: Mapping[str, Mapping[str, Any]] | None = None) -> list[list[Any]]:
+    """The best pad of each kind, a row of the table with the head :data:`HEAD` each; the recommended one first."""
+    best = answer["recommendation"]
     kind = best["shape"].partition(":")[0]
     known = {**(verdicts or {}), kind: answer["verdict"]}
-    missing = [f"No {row['kind']} pad: {row['reason']}." for row in answer["shapes"] if row["shape"] is None]
     rows = []
     for row in (one for one in answer["shapes"] if one["shape"] is not None):
         verdict = known.get(row["kind"], {})
         pad, total = (best, best["scores"]["total"]) if row["kind"] == kind else (row, row["total"])
         central = (verdict.get(side, {}).get("central") for side in ("shortfall", "over"))
         size = pad["thickness_mm"], pad["ratio"]
-        rows.append((row["kind"], verdict.get("light"), total, row["merit"], *central, *size))
-    rows.sort(key=lambda row: (row[0] != kind, -row[3]))
-    return KindsCompared(tuple(rows), (*_why(answer, best, choice, kind), *missing))
+        rows.append([row["kind"], verdict.get("light"), total, row["merit"], *central, *size])
+    return sorted(rows, key=lambda row: (row[0] != kind, -row[3]))
 
 
-def _why(answer: Mapping[str, Any], best: Mapping[str, Any], choice: Mapping[str, Any], kind: str) -> list[str]:
-    """Sentences on the choice, from the numbers of the answer."""
+def kind_sentences(answer: Mapping[str, Any]) -> list[str]:
+    """Sentences on the choice among the kinds, from the numbers of the answer."""
+    best, choice = answer["recommendation"], answer["choice"]
     lowest = min(row["steady_force_N"] for row in best["conditions"])
     words = {term: text.format(low=lowest) for term, text in WORDS.items()}
     terms, decided = choice["terms"], choice["decided_by"]
-    pad = f"the {kind} pad, {best['thickness_mm']:g} mm, ratio {best['ratio']:g}"
+    pad = f"the {best['shape'].partition(':')[0]} pad, {best['thickness_mm']:g} mm, ratio {best['ratio']:g}"
     if choice["next_best"] is None:
         sentences = [f"No other kind was compared with {pad}."]
     elif decided == "verdict":
@@ -259,7 +249,9 @@ def _why(answer: Mapping[str, Any], best: Mapping[str, Any], choice: Mapping[str
         size = f"{middle['thickness_mm']:g} mm, ratio {middle['ratio']:g}"
         sentences.append(f"At central estimates the {middle['kind']} pad, {size}, scores more.")
     total, low = choice["expected_total"], choice["total_low"]
-    return [*sentences, f"Score with all uncertainties: {total:.2f} (5 % of castings below {low:.2f})."]
+    sentences.append(f"Score with all uncertainties: {total:.2f} (5 % of castings below {low:.2f}).")
+    missing = [row for row in answer["shapes"] if row["shape"] is None]
+    return [*sentences, *(f"No {row['kind']} pad: {row['reason']}." for row in missing)]
 
 
 def verdicts_of_kinds(evaluator: PadEvaluator, answer: Mapping[str, Any]) -> dict[str, dict[str, Any]]:

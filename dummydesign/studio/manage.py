@@ -243,9 +243,8 @@ def deleted_files(root: Path) -> None:
         renew()
 
     def renew() -> None:
-        section.clear()
         entries = bin.deleted(root)
-        with section:
+        with parts.fresh(section):
             html(f"<h2>Deleted</h2>{'' if entries else '<p>Nothing was deleted.</p>'}")
             for one in entries:
                 when = time.strftime("%d %b %H:%M", time.localtime(one.time))

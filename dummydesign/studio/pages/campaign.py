@@ -73,17 +73,14 @@ class BringIn:
         self.rows = [] if as_it_is else incoming.table(self.root)
         with parts.fresh(self.table):
             if self.rows:
-                value_table(incoming.KEYS, self.rows, self.changed)
+                value_table(incoming.KEYS, self.rows, self.changed, self.table_problem)
                 incoming.write_table(self.root, self.rows)
         self.renew()
 
-    def changed(self, row: int, key: str, text: str) -> bool:
-        """Take over a value of the table; return whether it was kept."""
-        with parts.problems_in(self.table_problem):
-            self.rows[row][key] = number_of(text, f"{self.rows[row]['file']}: {HEADS[key]}", key)
-            incoming.write_table(self.root, self.rows)
-            return True
-        return False
+    def changed(self, row: int, key: str, text: str) -> None:
+        """Take over a value of the table."""
+        self.rows[row][key] = number_of(text, f"{self.rows[row]['file']}: {HEADS[key]}", key)
+        incoming.write_table(self.root, self.rows)
 
     def renew(self) -> None:
         """Write the command anew."""
@@ -182,10 +179,9 @@ class Presses:
         return taken.text
 
     def _offer_undo(self, taken: incoming.Taken) -> None:
-        gone = taken.gone
-        if gone is None:
+        if taken.gone is None:
             return
-        name = gone.path.rpartition("/")[2]
+        gone, name = taken.gone, taken.gone.path.rpartition("/")[2]
 
         def undo() -> None:
             with parts.problems_in(line):
@@ -321,16 +317,18 @@ def table_html(keys: Sequence[str], rows: Sequence[Mapping[str, Any]]) -> str:
 
 
 def value_table(
-    keys: Sequence[str], rows: Sequence[Mapping[str, Any]], changed: Callable[[int, str, str], bool]
+    keys: Sequence[str], rows: Sequence[Mapping[str, Any]], changed: Callable[[int, str, str], None], told: ui.element
 ) -> None:
-    """Show the table."""
+    """Show the table; why a value is refused is told in a place of its own."""
     shown = html(table_html(keys, rows)).style("width:100%")
 
     def typed(event: events.GenericEventArguments) -> None:
         row, key, text = event.args
         if key in keys and isinstance(row, int) and 0 <= row < len(rows):
-            kept = changed(row, key, str(text))
-            mark = "removeAttribute('aria-invalid')" if kept else "setAttribute('aria-invalid', true)"
+            mark = "setAttribute('aria-invalid', true)"
+            with parts.problems_in(told):
+                changed(row, key, str(text))
+                mark = "removeAttribute('aria-invalid')"
             cell = f'#{shown.html_id} [data-row="{row}"][data-key="{key}"]'
             ui.run_javascript(f"document.querySelector('{cell}')?.{mark}")
 
@@ -365,15 +363,12 @@ class TrialTable:
         aim = "target_depth_mm" if all(row["target_force_N"] is None for row in self.rows) else "target_force_N"
         keys = ("sequence", "thickness_mm", "velocity_mm_s", aim, "age_days", "temperature_C", "rest_s")
         with parts.fresh(self.table):
-            value_table(keys, self.rows, self.changed)
+            value_table(keys, self.rows, self.changed, self.message)
 
-    def changed(self, row: int, key: str, text: str) -> bool:
-        """Write one value; return whether it was kept."""
+    def changed(self, row: int, key: str, text: str) -> None:
+        """Write one value."""
         file = self.rows[row]["file"]
-        with parts.problems_in(self.message):
-            self.write({row: {key: number_of(text, f"{file}: {key}", key)}}, f"{HEADS[key]} of {file} is kept.")
-            return True
-        return False
+        self.write({row: {key: number_of(text, f"{file}: {key}", key)}}, f"{HEADS[key]} of {file} is kept.")
 
     def fill(self) -> None:
         """Write one value for all presses of a day."""

@@ -239,9 +239,8 @@ def record_form(root: Path, state: State, then: Callable[[], None]) -> None:
     kept = parts.area()
 
     def new_mould() -> None:
-        points.clear()
         gauged.clear()
-        with points:
+        with parts.fresh(points):
             for one in made.gauge_points(root / chosen.value):
                 field = ui.number(f"Thickness, {one.name} [mm]", min=0, step=0.01)
                 field.props(f'data-test="gauge-{one.name}" hint="{one.low_mm:.2f} to {one.high_mm:.2f} mm"')

@@ -122,24 +122,23 @@ class Search:
 
     def _compare_kinds(self, answer: dict[str, Any]) -> None:
         """The best pad of each kind, and why this one; the verdicts of the others come a moment later."""
-        compared = figures.kinds_compared(answer)
-        html("<h3>Why this pad</h3>" + "".join(f"<p>{parts.marked(one)}</p>" for one in compared.sentences))
-        if len(compared.rows) < 2:
+        sentences = "".join(f"<p>{parts.marked(one)}</p>" for one in figures.kind_sentences(answer))
+        html(f"<h3>Why this pad</h3>{sentences}")
+        rows, state = figures.kind_rows(answer), self.state()
+        if len(rows) < 2:
             return
         with parts.area("kinds") as box:
-            parts.table(figures.HEAD, compared.rows)
-        state = self.state()
+            parts.table(figures.HEAD, rows)
 
-        def judge() -> figures.KindsCompared:
-            verdicts = figures.verdicts_of_kinds(sliders.evaluator_of(self.root, state), answer)
-            return figures.kinds_compared(answer, verdicts)
+        def judge() -> dict[str, dict[str, Any]]:
+            return figures.verdicts_of_kinds(sliders.evaluator_of(self.root, state), answer)
 
         async def fill() -> None:
             with suppress(InputError):
-                full = await run.io_bound(judge)
-                if full is not None and not box.is_deleted:
+                verdicts = await run.io_bound(judge)
+                if verdicts is not None and not box.is_deleted:
                     with parts.fresh(box):
-                        parts.table(figures.HEAD, full.rows)
+                        parts.table(figures.HEAD, figures.kind_rows(answer, verdicts))
 
         ui.timer(0.1, fill, once=True)
 

@@ -91,7 +91,8 @@ class Guard:
         key = next((value for name, value in asked.query_params.multi_items() if name == "key"), "")
         welcome = method in ("GET", "HEAD") and (same_secret(key, self._key) or (method == "GET" and self._once(key)))
         away = heads.get("sec-fetch-site", "none") not in ("none", "same-origin")
-        if away and not (welcome and _opens_a_tab(heads)):
+        a_tab = heads.get("sec-fetch-mode") == "navigate" and heads.get("sec-fetch-dest") == "document"
+        if away and not (welcome and a_tab):
             return HTMLResponse(NO_KEY, 403, UNKEPT)
         if len(path) > LONGEST_PATH or "\\" in path or any(ord(one) < 32 for one in path):
             return _refusal(404, "no such address")
@@ -152,10 +153,6 @@ def _refusal(status: int, text: str) -> Response:
 def same_secret(given: str, right: str) -> bool:
     """Whether a secret is the right one; how long it takes tells nothing of it."""
     return hmac.compare_digest(given.encode("utf-8", "replace"), right.encode())
-
-
-def _opens_a_tab(heads: Headers) -> bool:
-    return heads.get("sec-fetch-mode") == "navigate" and heads.get("sec-fetch-dest") == "document"
 
 
 def _with_policy(send: Send, policy: str) -> Send:

@@ -7,7 +7,7 @@ import os
 import tempfile
 import zipfile
 from collections.abc import Callable, Iterator
-from contextlib import suppress
+from contextlib import ExitStack, suppress
 from itertools import count
 from pathlib import Path
 from typing import IO, Any
@@ -50,11 +50,10 @@ def inside(root: Path, path: str) -> Path:
 
 def read_json(path: Path) -> dict[str, Any]:
     """What a JSON file holds; empty where it cannot be read or holds something else than keys."""
-    try:
+    with suppress(OSError, ValueError):
         content = json.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError):
-        return {}
-    return content if isinstance(content, dict) else {}
+        return content if isinstance(content, dict) else {}
+    return {}
 
 
 def numbered(name: str, ending: str = "") -> Iterator[str]:
@@ -116,11 +115,9 @@ def listed(root: Path, folder: Path) -> list[str]:
         folders[:] = [name for name in folders if not name.startswith(".")]
         for name in names:
             path = (Path(parent) / name).relative_to(root).as_posix()
-            try:
+            with suppress(InputError):
                 if inside(root, path).is_file():
                     paths.append(path)
-            except InputError:
-                continue
     return sorted(paths)
 
 
@@ -129,17 +126,15 @@ def zipped(root: Path, folder: Path) -> IO[bytes]:
     home = root / ".studio"
     try:
         home.mkdir(exist_ok=True)
-        # without a name: nothing is left even when the server is killed
-        packed = tempfile.TemporaryFile(dir=home)
-        try:
+        with ExitStack() as opened:
+            # without a name: nothing is left even when the server is killed
+            packed = opened.enter_context(tempfile.TemporaryFile(dir=home))
             with zipfile.ZipFile(packed, "w", zipfile.ZIP_DEFLATED, strict_timestamps=False) as archive:
                 for name in listed(root, folder):
                     inner = (root / name).relative_to(folder.parent).as_posix()
                     archive.write(root / name, inner.encode("utf-8", "replace").decode("utf-8"))
             packed.seek(0)
-        except BaseException:
-            packed.close()
-            raise
+            opened.pop_all()
+            return packed
     except OSError as problem:
         raise unwritable("archive of", folder.name, problem, "archive") from None
-    return packed

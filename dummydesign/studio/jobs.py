@@ -56,11 +56,10 @@ KINDS = {"tissue": "materials/tissues", "resin": "materials/resins", "mould pres
 
 def changed_inputs(root: Path, manifest: Path) -> list[str]:
     """Files that are gone or have another content than when a command read them."""
-    try:
+    with suppress(OSError, ValueError, KeyError, TypeError):
         read = read_json(manifest)["files_read"]
         return [str(one["name"]) for one in read if sha256_of(_path_of(root, str(one["name"]))) != one["sha256"]]
-    except (OSError, ValueError, KeyError, TypeError):
-        return []
+    return []
 
 
 def _path_of(root: Path, name: str) -> Path:
@@ -232,11 +231,9 @@ def all_jobs(root: Path, name: str = "*") -> list[Job]:
     """Return all commands of a project, or of a step, the oldest first; pages ask for them twice a second."""
     jobs = []
     for folder in sorted((root / HOME / "jobs").glob(f"[0-9]*-{name}")):
-        try:
+        with suppress(OSError, ValueError, KeyError, TypeError):
             status = folder / runner.STATUS
             jobs.append(_ended_job(folder, status.stat().st_mtime_ns) if status.exists() else read_job(folder))
-        except (OSError, ValueError, KeyError, TypeError):
-            continue
     return jobs
 
 

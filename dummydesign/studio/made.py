@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from itertools import chain
 from pathlib import Path
@@ -103,10 +104,9 @@ def name_and_unit(parameter: str) -> tuple[str, str]:
 
 def shape_key(text: str) -> str:
     """A shape with its lengths in one form, however it was typed; the text itself where it is none."""
-    try:
+    with suppress(InputError):
         return str(read_shape(text.strip()))
-    except InputError:
-        return text.strip()
+    return text.strip()
 
 
 def same_pad(one: Mapping[str, Any], other: Mapping[str, Any], keys: Sequence[str] = PAD) -> bool:
@@ -123,13 +123,11 @@ def moulds(root: Path) -> list[Mould]:
     """Moulds of a project, the newest last; those whose manifest cannot be read are left out."""
     own = []
     for folder, manifest in _manifests(root, "moulds", "mold"):
-        try:
+        with suppress(KeyError, TypeError, ValueError):
             given = manifest["inputs"]
             pad = {"shape": str(given["shape"]), "thickness_mm": float(given["thickness_mm"]),
                    "ratio": float(given["ratio"]), "resin": str(given["resin"])}  # fmt: skip
             own.append(Mould(folder, pad, float(given["length_mm"]), float(given["width_mm"]), str(given["preset"])))
-        except (KeyError, TypeError, ValueError):
-            continue
     return own
 
 
@@ -141,9 +139,8 @@ def calibrations(root: Path, campaign: str) -> list[Calibration]:
         read = manifest.get("files_read") or []
         sums = tuple((str(one["file"]), one.get("sha256")) for one in read
                      if str(one.get("name", "")).rpartition("/")[0] == path.rstrip("/"))  # fmt: skip
-        if not (root / folder / "calibration.json").is_file():
-            continue
-        if _names(root, path, campaign) or _was_renamed(root, path, campaign, dict(sums)):
+        of_campaign = _names(root, path, campaign) or _was_renamed(root, path, campaign, dict(sums))
+        if of_campaign and (root / folder / "calibration.json").is_file():
             text = str((manifest["summary"] or {}).get("text", ""))
             own.append(Calibration(folder, text, campaign, str(manifest["inputs"].get("prior") or ""), sums))
     return own
@@ -273,10 +270,9 @@ def records(root: Path, pad: PressedPad) -> list[str]:
 def gauge_points(folder: Path) -> list[GaugePoint]:
     """Gauge points of a mould; empty where its specification cannot be read."""
     points = file_transfer.read_json(folder / "spec.json").get("gauge_points", [])
-    try:
+    with suppress(ValueError, KeyError, TypeError):
         return [GaugePoint(str(one["name"]), float(one["low_mm"]), float(one["high_mm"])) for one in points]
-    except (ValueError, KeyError, TypeError):
-        return []
+    return []
 
 
 def presses_text(presses: Sequence[object]) -> str:

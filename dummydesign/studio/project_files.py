@@ -8,7 +8,7 @@ import re
 import shutil
 import time
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from itertools import chain
 from pathlib import Path, PurePosixPath
@@ -41,13 +41,11 @@ def deleted(root: Path) -> list[Deleted]:
     """What is in the bin of a project, the newest first."""
     entries = []
     for path in (root / HOME).glob(f"*/{ENTRY}"):
-        try:
+        with suppress(OSError, ValueError, KeyError, TypeError, OverflowError):
             kept = read_json(path)
             when = float(kept["time"])
             time.localtime(when)
             entries.append(Deleted(path.parent, str(kept["path"]), when, str(kept["why"])))
-        except (OSError, ValueError, KeyError, TypeError, OverflowError):
-            continue
     return sorted(entries, key=lambda one: (one.time, one.folder.name), reverse=True)
 
 
@@ -143,11 +141,10 @@ def rename(root: Path, path: str, name: str) -> str:
 
 
 def _follow_in_project(project: Project, old: str, new: str) -> None:
-    given = project.given()
-    moved = {key: follow(given[key], old, new) for key in ("tissue", "calibration") if key in given}
-    changed = {key: value for key, value in moved.items() if value != given[key]}
-    if changed:
-        change_project(project, **changed)
+    given = {key: text for key, text in project.given().items() if key in ("tissue", "calibration")}
+    moved = {key: follow(text, old, new) for key, text in given.items()}
+    if moved != given:
+        change_project(project, **moved)
 
 
 def follow(text: str, old: str, new: str) -> str:
@@ -173,10 +170,9 @@ def check_idle(root: Path, path: str) -> None:
 
 def _path_in(root: Path, word: str) -> PurePosixPath | None:
     """Path from the project's folder to what a word names; None on another drive."""
-    try:
+    with suppress(ValueError):
         return PurePosixPath(os.path.relpath(root / word, root).replace(os.sep, "/"))
-    except ValueError:
-        return None
+    return None
 
 
 def parts_of(root: Path, path: str) -> list[Path]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from html import escape
 from pathlib import Path
 from typing import Any
@@ -140,11 +141,10 @@ class Comparison:
         parts.facts([(f"{answer['rmse_N']:.3g} N", "error of the calibrated model (rms)"),
                      (f"{answer['base_rmse_N']:.3g} N", "error of the plain model (rms)")])  # fmt: skip
         for one in answer.get("pads") or []:
-            if pad.thickness_mm is None or abs(one["thickness_mm"] - pad.thickness_mm) > 1e-6:
-                continue
-            if one.get("verdict"):
+            mine = pad.thickness_mm is not None and abs(one["thickness_mm"] - pad.thickness_mm) < 1e-6
+            if mine and one.get("verdict"):
                 show_verdict(one["verdict"])
-            else:
+            elif mine:
                 html(f"<p>{escape(str(one.get('reason') or 'no verdict'))}</p>")
         names = {path.rpartition("/")[2] for path in pad.files}
         keys = ("file", "rmse_N", "base_rmse_N", "peak_error_N")
@@ -258,12 +258,10 @@ def _records(root: Path, folder: str) -> None:
     """Records that lie in the folder of a mould, each in a line."""
     rows = []
     for path in sorted((root / folder).glob("record*.json")):
-        try:
+        with suppress(ValueError, KeyError, TypeError):
             one = file_transfer.read_json(path)
             verdict = "accepted" if one["accepted"] else f"not accepted: {', '.join(one['missed'])}"
             rows.append([path.name, f"{one['thickness_mm']:.2f}", f"{one['mass_g']:g}", verdict])
-        except (ValueError, KeyError, TypeError):
-            continue
     if rows:
         parts.table(["record", "thickness mm", "mass g", ""], rows, words=True)
 

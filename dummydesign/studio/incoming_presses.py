@@ -199,10 +199,8 @@ def words(root: Path, name: str, more: Sequence[str]) -> list[str]:
             "--table", f"{FOLDER}/{TABLE}", *more]  # fmt: skip
 
 
-FIELDS: dict[str, Any] = {
-    "pads": "5,15,20", "speeds": "10,250", "forces": "3,7,12", "ages": "9,14,29", "repeats": 2, "hold": 10.0,
-    "shape": "slab", "pad": "150x120", "moulds": (),
-}  # fmt: skip
+FIELDS: dict[str, Any] = {"pads": "5,15,20", "speeds": "10,250", "forces": "3,7,12", "ages": "9,14,29", "repeats": 2,
+                          "hold": 10.0, "shape": "slab", "pad": "150x120"}  # fmt: skip
 
 
 def usual_moulds(root: Path, state: State) -> list[str]:
@@ -252,7 +250,7 @@ def plan_options(given: Mapping[str, Any]) -> dict[str, object]:
     """Options of ``campaign new`` for the fields of a plan; pads come from moulds where some are named."""
     presses = {"velocity": given["speeds"], "force": given["forces"], "repeats": given["repeats"],
                "ages": given["ages"], "hold": given["hold"]}  # fmt: skip
-    if given["moulds"]:
+    if given.get("moulds"):
         return {"from-mould": ",".join(given["moulds"]), **presses, "punch": given["punch"]}
     pads = {key: "" if key in ("shape", "pad") and given[key] == FIELDS[key] else given[key]
             for key in ("pads", "shape", "pad")}  # fmt: skip

@@ -37,11 +37,11 @@ def options(given: Mapping[str, object]) -> list[str]:
     """Options that are not empty: numbers short, True as a bare flag."""
     words: list[str] = []
     for name, value in given.items():
-        if value is None or value is False or (isinstance(value, str) and not value.strip()):
-            continue
-        words.append(f"--{name}")
-        if value is not True:
-            words.append(f"{value:g}" if isinstance(value, int | float) else str(value).strip())
+        text = f"{value:g}" if isinstance(value, int | float) else str(value or "").strip()
+        if value is True:
+            words.append(f"--{name}")
+        elif value is not False and text:
+            words += [f"--{name}", text]
     return words
 
 

@@ -24,10 +24,9 @@ from dummydesign.studio.choices import offered
 from dummydesign.studio.jobs import changed_inputs, shown
 from dummydesign.studio.state import State, address, page_link, read_state
 
-STEPS = (
-    ("/", "Overview"), ("/measured", "1 Measured"), ("/tissue", "2 Tissue"), ("/design", "3 Design"),
-    ("/mould", "4 Mould"), ("/cast", "5 Cast pad"), ("/campaign", "6 Campaign"), ("/learn", "7 Learn"),
-)  # fmt: skip
+STEPS = (("/", "Overview"), ("/measured", "1 Measured"), ("/tissue", "2 Tissue"), ("/design", "3 Design"),
+         ("/mould", "4 Mould"), ("/cast", "5 Cast pad"), ("/campaign", "6 Campaign"),
+         ("/learn", "7 Learn"))  # fmt: skip
 
 
 @cache

@@ -216,10 +216,8 @@ def page_link(path: str, words: str, state: State | None = None, test: str = "",
     return f'<a{marks} href="{address(path)}{query}">{escape(words)}</a>'
 
 
-PAGES = {
-    "tissues": "/tissue", "import": "/measured", "fit": "/tissue", "suggest": "/design", "mold": "/mould",
-    "campaign": "/campaign", "loop": "/learn", "status": "/design",
-}  # fmt: skip
+PAGES = {"tissues": "/tissue", "import": "/measured", "fit": "/tissue", "suggest": "/design", "mold": "/mould",
+         "campaign": "/campaign", "loop": "/learn", "status": "/design"}  # fmt: skip
 """Page that a command belongs to."""
 _NUMBERS = {"thickness": "thickness_mm", "ratio": "ratio"}
 

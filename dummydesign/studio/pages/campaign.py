@@ -22,10 +22,9 @@ from dummydesign.studio.parts import html, open_page
 from dummydesign.studio.state import State, page_link
 from dummydesign.studio.work_panel import Work
 
-FIELDS = {
-    "young": "Modulus of the pads [kPa]", "ratio": "Ratio", "punch": "Punch", "pad": "Outline [mm]", "shape": "Shape",
-    "base": "Base", "contact": "Contact under the punch", "lowpass": "Filter of the force, HZ[:ORDER[:PASSES]]",
-}  # fmt: skip
+FIELDS = {"young": "Modulus of the pads [kPa]", "ratio": "Ratio", "punch": "Punch", "pad": "Outline [mm]",
+          "shape": "Shape", "base": "Base", "contact": "Contact under the punch",
+          "lowpass": "Filter of the force, HZ[:ORDER[:PASSES]]"}  # fmt: skip
 
 
 class BringIn:
@@ -277,11 +276,10 @@ def _show_status(status: CampaignStatus, chosen: State) -> None:
         html(f'<p class="note">All is there: {page_link("/learn", "learn from it", chosen, "learn")}.</p>')
 
 
-HEADS = {
-    "sequence": "order", "thickness_mm": "pad [mm]", "velocity_mm_s": "speed [mm/s]", "target_force_N": "force [N]",
-    "target_depth_mm": "depth [mm]", "hold_s": "hold [s]", "age_days": "age [days]",
-    "temperature_C": "temperature [C]", "rest_s": "rest [s]", "repeat": "repeat",
-}  # fmt: skip
+HEADS = {"sequence": "order", "thickness_mm": "pad [mm]", "velocity_mm_s": "speed [mm/s]",
+         "target_force_N": "force [N]", "target_depth_mm": "depth [mm]", "hold_s": "hold [s]",
+         "age_days": "age [days]", "temperature_C": "temperature [C]", "rest_s": "rest [s]",
+         "repeat": "repeat"}  # fmt: skip
 CHANGED = "({target: t}) => { if (t.dataset.key) emit([Number(t.dataset.row), t.dataset.key, t.value]); }"
 
 

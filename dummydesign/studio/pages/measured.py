@@ -21,14 +21,12 @@ from dummydesign.studio.parts import html, keep_state
 from dummydesign.studio.state import State, page_link
 from dummydesign.studio.work_panel import Work
 
-OPEN = {
-    "columns": "columns, as time=NAME,displacement=NAME,force=NAME",
-    "units": "units, as time=s,displacement=mm,force=N",
-    "separator": "separator: tab, semicolon, comma, bar, spaces", "decimal": "decimal sign: . or ,",
-    "skip": "lines to leave out at the start", "flip": "turn round: displacement, force, both, or none",
-    "tare": "reading at no force: auto, none or a number", "contact": "reading at contact: auto, none or a number",
-    "split": "parts: auto, or none for one press",
-}  # fmt: skip
+OPEN = {"columns": "columns, as time=NAME,displacement=NAME,force=NAME",
+        "units": "units, as time=s,displacement=mm,force=N",
+        "separator": "separator: tab, semicolon, comma, bar, spaces", "decimal": "decimal sign: . or ,",
+        "skip": "lines to leave out at the start", "flip": "turn round: displacement, force, both, or none",
+        "tare": "reading at no force: auto, none or a number", "contact": "reading at contact: auto, none or a number",
+        "split": "parts: auto, or none for one press"}  # fmt: skip
 SEPARATOR = "\n"
 """Between names in the address; no file name has one."""
 

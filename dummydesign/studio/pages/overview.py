@@ -15,11 +15,9 @@ from dummydesign.studio.manage import deleted_files
 from dummydesign.studio.parts import html
 from dummydesign.studio.state import State, address, design_state, next_page, next_state, page_link
 
-ROOMS = {
-    "measured": ("/measured", "Measured files"), "tissue": ("/tissue", "Tissues of your own"),
-    "designs": ("/design", "Designs"), "moulds": ("/mould", "Moulds"), "campaigns": ("/campaign", "Campaigns"),
-    "calibrations": ("/learn", "Calibrations"),
-}  # fmt: skip
+ROOMS = {"measured": ("/measured", "Measured files"), "tissue": ("/tissue", "Tissues of your own"),
+         "designs": ("/design", "Designs"), "moulds": ("/mould", "Moulds"), "campaigns": ("/campaign", "Campaigns"),
+         "calibrations": ("/learn", "Calibrations")}  # fmt: skip
 
 
 def make_new(root: Path) -> None:

@@ -75,11 +75,11 @@ def lay_out(
             tell_problem(f"{problem}. Fix the file in an editor, then load this page again; nothing was changed.")
             return
         try:
-            if project is not None and state is not None:
+            if project and state:
                 for sentence in state.missing:
                     tell_problem(sentence)
                 body(project, state, query)
-            elif empty is not None:
+            elif empty:
                 empty(root)
             else:
                 html(f'<p class="note">This folder is no project yet: {page_link("/", "make it one")} first.</p>')

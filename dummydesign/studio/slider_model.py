@@ -49,7 +49,6 @@ class Slider:
     def __init__(
         self, name: str, unit: str, low: float, high: float, step: float, value: float, moved: Callable[[], None]
     ) -> None:
-        """Build it."""
         self.value, self._name, self._moved, self._written = value, name, moved, 0
         self._box = ui.html("", sanitize=False).classes("slide")
         self._box.on("input", self._take, js_handler=MOVED, throttle=THROTTLE_S)
@@ -191,8 +190,3 @@ def first_pad(root: Path, state: State, kind: str) -> PadShape:
             return shape
     message = f"no {kind} pad {state.thickness_mm:g} mm thick can be made: choose another thickness or shape"
     raise InputError(message, "cannot_be_made", "thickness_mm", state.thickness_mm)
-
-
-def solved_by_predict(state: State) -> bool:
-    """Whether ``predict`` solves the pad of a state: a shape outside its table, under a flat punch on a glued base."""
-    return state.kind != Slab.name and read_punch(state.punch).profile_mm is None

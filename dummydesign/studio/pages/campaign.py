@@ -342,7 +342,6 @@ class TrialTable:
     """The table of a campaign; each value is written into ``campaign.toml`` when it was typed."""
 
     def __init__(self, folder: Path, then: Callable[[], None]) -> None:
-        """Build it."""
         self.folder, self.then = folder, then
         html("<p>Empty means unknown. Each value is written into campaign.toml when you leave its field.</p>")
         with ui.element("div").classes("fields"):
@@ -411,7 +410,6 @@ class PlanForm:
     """Fields of a plan and the command that makes it."""
 
     def __init__(self, root: Path, state: State, replaced: str = "") -> None:
-        """Build it."""
         self.root, self.state, self.replaced = root, state, replaced
         name = "replan" if replaced else "campaign"
         usual = [] if replaced else incoming.usual_moulds(root, state)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import partial
 from html import escape
 from itertools import takewhile
 from pathlib import Path
@@ -38,8 +39,8 @@ class MeasuredPage:
         self._root, self._state = project.root, state
         self._folder = self._root / "measured"
         self._let_go: set[str] = set()
-        wanted = query.get("files")
-        chosen = wanted.split(SEPARATOR) if wanted else _last_read(self._root)
+        wanted, last = query.get("files"), jobs.latest(self._root, "import")
+        chosen = wanted.split(SEPARATOR) if wanted else [Path(name).name for name in _sources(last)] if last else []
         html("<p>Files of your test machine: text with columns of time, displacement and force, or .xlsx. They are "
              f"copied into <code>measured/</code>, up to {LARGEST_BYTES // 2**20} MB each.</p>")  # fmt: skip
         for name in chosen:
@@ -152,7 +153,7 @@ class MeasuredPage:
             for path in folders:
                 one = ui.expansion(f"{path.name}: {presses_text(list(path.glob('*.csv')))}")
                 one.props('data-test="import"')
-                one.on_value_change(lambda event, one=one, path=path: self._open_import(one, path))
+                one.on_value_change(partial(self._open_import, one, path))
 
     def _open_import(self, panel: ui.expansion, path: Path) -> None:
         panel.clear()
@@ -191,9 +192,3 @@ def _sources(job: jobs.Job) -> list[str]:
 def _out(job: jobs.Job) -> str:
     """Folder that an import wrote; it has a number where the requested one was taken."""
     return Path(job.answer.get("preview") or "measured/none/preview.html").parent.as_posix()
-
-
-def _last_read(root: Path) -> list[str]:
-    """Files of the newest import, when nothing else was chosen."""
-    job = jobs.latest(root, "import")
-    return [Path(name).name for name in _sources(job)] if job is not None else []

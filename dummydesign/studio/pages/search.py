@@ -15,6 +15,7 @@ from nicegui import run, ui
 from dummydesign.core.errors import InputError
 from dummydesign.core.manifest import NAME as MANIFEST
 from dummydesign.geometry.dimensions import PUNCH
+from dummydesign.geometry.punch import read_punch
 from dummydesign.geometry.shape_registry import read_shape
 from dummydesign.project.folder import Project
 from dummydesign.project.status import things_in
@@ -259,7 +260,8 @@ class SolvedPad:
     def words(self) -> list[str]:
         """The pad as a command that solves it."""
         state = self.state()
-        if sliders.solved_by_predict(state):
+        # predict solves one shape under a flat punch on a glued base
+        if state.kind != "slab" and read_punch(state.punch).profile_mm is None:
             return predict_words(state, fidelity=read_shape(state.shape).fidelity)
         return suggest_words(state)
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from html import escape
 from pathlib import Path
 from typing import Any
@@ -345,12 +346,9 @@ class _People:
         parts.table(["person", "presses", "residual N rms", "noise N"], rows)
         parts.warnings(answer)
         for fit in fits:
-            self._show_fit(fit)
-
-    def _show_fit(self, fit: Mapping[str, Any]) -> None:
-        parts.tell_changes(self._root, fit["files"].get("manifest", ""), "Fit all again.")
-        panel = ui.expansion(f"{Path(fit['files']['tissue']).stem}: measured and fitted force")
-        panel.on_value_change(lambda event: self._open(panel, fit))
+            parts.tell_changes(self._root, fit["files"].get("manifest", ""), "Fit all again.")
+            panel = ui.expansion(f"{Path(fit['files']['tissue']).stem}: measured and fitted force")
+            panel.on_value_change(partial(self._open, panel, fit))
 
     def _open(self, panel: ui.expansion, fit: Mapping[str, Any]) -> None:
         panel.clear()

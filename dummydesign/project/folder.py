@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from dummydesign.core.errors import InputError, unknown_name
-from dummydesign.core.files import unwritable, write_text
+from dummydesign.core.files import write_text, writing
 from dummydesign.core.library import read_toml, toml_text
 
 FILE = "project.toml"
@@ -123,11 +123,9 @@ def make_project(folder: str | Path, name: str | None = None, **given: str | Non
     asked = tuple(sorted((key, value) for key in ASKED if (value := given.get(key)) is not None))
     title = name or root.resolve().name or "project"
     project = Project(root.resolve(), title, **{key: given.get(key) for key in NAMES}, asked=asked)
-    try:
+    with writing("project folder", root, "project"):
         for part in FOLDERS:
             (root / part).mkdir(parents=True, exist_ok=True)
-    except OSError as problem:
-        raise unwritable("project folder", root, problem, "project") from None
     write_text(root / FILE, project.toml())
     return project
 

@@ -24,7 +24,7 @@ from starlette.responses import Response
 from starlette.types import Receive, Scope, Send
 
 from dummydesign.core.errors import InputError, out_of_range
-from dummydesign.core.files import take, unwritable
+from dummydesign.core.files import take, writing
 from dummydesign.geometry.dimensions import THICKNESS_MM
 from dummydesign.geometry.shape_registry import read_shape
 from dummydesign.studio import figures, file_transfer
@@ -158,7 +158,7 @@ def run_studio(folder: str | Path, port: int | None, browser: bool, say: Callabl
     home = root / ".studio"
     key = token_urlsafe(24)
     with ExitStack() as opened:
-        try:
+        with writing("folder", root, "folder"):
             root.mkdir(parents=True, exist_ok=True)
             _refuse_links(home)
             lock = take(home / "lock")
@@ -171,8 +171,6 @@ def run_studio(folder: str | Path, port: int | None, browser: bool, say: Callabl
             bound = int(listening.getsockname()[1])
             address = f"http://{HOST}:{bound}/"
             _write_privately(home / "address", f"{address}?key={key}")
-        except OSError as problem:
-            raise unwritable("folder", root, problem, "folder") from None
         os.environ["NICEGUI_STORAGE_PATH"] = str(home / "page")
         say(f"studio of '{root.name}': {address}?key={key}")
         if browser:

@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import IO, Any
 
 from dummydesign.core.errors import InputError
-from dummydesign.core.files import unwritable, write_bytes
+from dummydesign.core.files import write_bytes, writing
 from dummydesign.core.library import DEVICE
 
 MEANINGFUL = frozenset({"project.toml", "campaign.toml", "manifest.json", "calibration.json", "study.json"})
@@ -75,13 +75,11 @@ def new_folder(home: Path, names: Iterator[str]) -> Path:
 def save_upload(folder: Path, name: str, content: bytes) -> Path:
     """Write a file that was sent; one of the same name and content stays, one of another content gets a number."""
     names = numbered(*os.path.splitext(plain_name(name)))
-    try:
+    with writing("folder", folder.name, "folder"):
         folder.mkdir(parents=True, exist_ok=True)
         while (target := folder / next(names)).exists():
             if target.is_file() and target.read_bytes() == content:
                 return target
-    except OSError as problem:
-        raise unwritable("folder", folder.name, problem, "folder") from None
     return write_bytes(target, content)
 
 
@@ -124,17 +122,14 @@ def listed(root: Path, folder: Path) -> list[str]:
 def zipped(root: Path, folder: Path) -> IO[bytes]:
     """All files of a folder as a ZIP archive, whole and at its start; gone from the disk when it is closed."""
     home = root / ".studio"
-    try:
+    with writing("archive of", folder.name, "archive"), ExitStack() as opened:
         home.mkdir(exist_ok=True)
-        with ExitStack() as opened:
-            # without a name: nothing is left even when the server is killed
-            packed = opened.enter_context(tempfile.TemporaryFile(dir=home))
-            with zipfile.ZipFile(packed, "w", zipfile.ZIP_DEFLATED, strict_timestamps=False) as archive:
-                for name in listed(root, folder):
-                    inner = (root / name).relative_to(folder.parent).as_posix()
-                    archive.write(root / name, inner.encode("utf-8", "replace").decode("utf-8"))
-            packed.seek(0)
-            opened.pop_all()
-            return packed
-    except OSError as problem:
-        raise unwritable("archive of", folder.name, problem, "archive") from None
+        # without a name: nothing is left even when the server is killed
+        packed = opened.enter_context(tempfile.TemporaryFile(dir=home))
+        with zipfile.ZipFile(packed, "w", zipfile.ZIP_DEFLATED, strict_timestamps=False) as archive:
+            for name in listed(root, folder):
+                inner = (root / name).relative_to(folder.parent).as_posix()
+                archive.write(root / name, inner.encode("utf-8", "replace").decode("utf-8"))
+        packed.seek(0)
+        opened.pop_all()
+    return packed

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from dummydesign.core.errors import InputError
-from dummydesign.core.files import unwritable, write_bytes, write_text
+from dummydesign.core.files import write_bytes, write_text, writing
 from dummydesign.core.manifest import NAME as MANIFEST
 from dummydesign.measurement.campaign_file import FILE, read_campaign_toml, trial_tables
 from dummydesign.measurement.campaign_from_files import COLUMNS, named_values, read_trials
@@ -76,10 +76,8 @@ def assign(root: Path, campaign: str, name: str, planned: str) -> Taken:
     except OSError:
         raise InputError(f"'{name}' is not there (any more)", "file_not_found", "trace", name) from None
     taken = _put(root, campaign, planned, content)
-    try:
+    with writing(f"{planned} was added;", name, "trace"):
         held_file.unlink()
-    except OSError as problem:
-        raise unwritable(f"{planned} was added;", name, problem, "trace") from None
     return Taken(f"{name} is now {planned}. {taken.text}", taken.gone)
 
 
@@ -118,10 +116,8 @@ def save_waiting_file(root: Path, name: str, content: bytes) -> str:
     if not name.lower().endswith(ENDINGS):
         message = f"a campaign has files of the kinds {', '.join(ENDINGS)}"
         raise InputError(message, "unknown_name", "file_ending", name, ENDINGS)
-    try:
+    with writing("folder", FOLDER, "folder"):
         inside(root, FOLDER).mkdir(parents=True, exist_ok=True)
-    except OSError as problem:
-        raise unwritable("folder", FOLDER, problem, "folder") from None
     return write_bytes(root / FOLDER / name, content).name
 
 
@@ -147,11 +143,9 @@ def bring_in(root: Path, name: str) -> str:
     """Make a campaign of the files as they are; return its folder from the project folder on."""
     folder = new_campaign_folder(root, name)
     read_campaign_toml(root / FOLDER)
-    try:
+    with writing("campaign", folder, "campaign"):
         (root / folder).parent.mkdir(exist_ok=True)
         shutil.move(root / FOLDER, root / folder)
-    except OSError as problem:
-        raise unwritable("campaign", folder, problem, "campaign") from None
     return folder
 
 

@@ -15,7 +15,7 @@ from pathlib import Path, PurePosixPath
 from typing import Any
 
 from dummydesign.core.errors import InputError
-from dummydesign.core.files import unwritable, write_bytes, write_text
+from dummydesign.core.files import unwritable, write_bytes, write_text, writing
 from dummydesign.core.library import toml_text
 from dummydesign.core.manifest import NAME as MANIFEST
 from dummydesign.core.manifest import sha256_of
@@ -241,11 +241,9 @@ def _move(pairs: Sequence[tuple[Path, Path]]) -> None:
 
 def _new_folder(home: Path, name: str, now: float) -> Path:
     names = numbered(f"{time.strftime('%Y%m%d-%H%M%S', time.localtime(now))}-{name}")
-    try:
+    with writing("bin", home, "bin"):
         home.mkdir(parents=True, exist_ok=True)
         return new_folder(home, names)
-    except OSError as problem:
-        raise unwritable("bin", home, problem, "bin") from None
 
 
 @dataclass(frozen=True)

@@ -202,15 +202,10 @@ def usual_moulds(root: Path, state: State) -> list[str]:
 
     Those of the pad that is chosen come first, else those of the newest mould.
     """
-    newest_first = list(reversed(moulds(root)))
-    first = next((one for one in newest_first if one.is_of(state)), newest_first[0] if newest_first else None)
-    if first is None:
-        return []
-    kept: dict[float, Mould] = {}
-    for one in [first, *newest_first]:
-        if _kind(one) == _kind(first):
-            kept.setdefault(one.pad["thickness_mm"], one)
-    return [kept[thickness].folder for thickness in sorted(kept)]
+    # of each thickness the last one counts
+    own = sorted(moulds(root), key=lambda one: one.is_of(state))
+    kept = {one.pad["thickness_mm"]: one.folder for one in own if _kind(one) == _kind(own[-1])}
+    return [kept[thickness] for thickness in sorted(kept)]
 
 
 def _kind(mould: Mould) -> tuple[Any, ...]:

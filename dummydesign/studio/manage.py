@@ -132,10 +132,8 @@ def drop_zone(
         for name in event.args:
             refused(str(name), "did not arrive: drop it again")
 
-    words = {"TEST": test, "WHAT": "files" if multiple else "it", "FILES": "files" if multiple else "the file"}
-    header = HEADER
-    for mark, word in words.items():
-        header = header.replace(mark, word)
+    what, choose = ("files", "files") if multiple else ("it", "the file")
+    header = HEADER.replace("TEST", test).replace("WHAT", what).replace("FILES", choose)
     upload = ui.upload(on_upload=took, multiple=multiple, auto_upload=True, max_file_size=LARGEST_BYTES)
     upload.props('flat data-test="drop"').add_slot("header", header)
     upload.on("rejected", rejected, js_handler=REJECTED)

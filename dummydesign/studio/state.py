@@ -152,12 +152,9 @@ def _inside(root: Path, path: object) -> str:
 
 
 def _of_project(project: Project) -> dict[str, Any]:
-    asked = dict(project.asked)
-    named = {"resin": project.resin, "punch": project.punch, "aim": asked.get("aim"),
-             "calibration": asked.get("calibration")}  # fmt: skip
-    if ":" in (shape := asked.get("shape", "")):
-        named["shape"] = shape
-    return {name: value for name, value in named.items() if value}
+    """What ``project.toml`` says of a state; a shape only with its lengths, for a kind alone is to be searched."""
+    own = {name: value for name, value in project.given().items() if name in ("shape", *QUESTION_FIELDS[1:])}
+    return {name: value for name, value in own.items() if name != "shape" or ":" in value}
 
 
 def _number(text: str, before: Any, is_number: bool) -> Any:

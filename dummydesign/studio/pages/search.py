@@ -23,7 +23,7 @@ from dummydesign.studio import choices, figures, jobs, parts
 from dummydesign.studio import slider_model as sliders
 from dummydesign.studio.manage import manage
 from dummydesign.studio.parts import html, open_page
-from dummydesign.studio.state import State, design_state, is_design, page_link
+from dummydesign.studio.state import QUESTION_FIELDS, State, design_state, is_design, page_link
 from dummydesign.studio.work_panel import Work
 
 PATIENCE_S = 2.0
@@ -36,9 +36,8 @@ def question_of(words: Sequence[str], answer: Mapping[str, Any]) -> dict[str, st
     """What a command line of ``suggest`` asked, as :attr:`State.question` has it; what it lacks is in its answer."""
     used = answer.get("inputs") or {}
     given = {name[2:]: value for name, value in pairwise(words) if name.startswith("--")}
-    return {"tissue": given.get("tissue", str(used.get("tissue") or "")), "aim": given.get("aim", "average"),
-            "resin": given.get("resin", ""), "calibration": given.get("calibration", ""),
-            "punch": given.get("punch", str(used.get("punch") or PUNCH))}  # fmt: skip
+    usual = {"tissue": str(used.get("tissue") or ""), "aim": "average", "punch": str(used.get("punch") or PUNCH)}
+    return {name: given.get(name, usual.get(name, "")) for name in QUESTION_FIELDS}
 
 
 def press_rows(presses: Sequence[Mapping[str, Any]]) -> list[list[object]]:

@@ -237,14 +237,8 @@ def parameter_rows(parameters: Mapping[str, Any], note_of: Callable[[Mapping[str
 
 
 NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]*")
+NOT_ALLOWED = "is not allowed: use letters, digits, '-' and '_'."
 ELEMENTS = {"3": "3", "5": "5 (usual)", "7": "7"}
-
-
-def _checked(name: str, what: str, quantity: str) -> str:
-    if not NAME.fullmatch(name):
-        message = f"{what} '{name}' is not allowed: use letters, digits, '-' and '_'."
-        raise InputError(message, "bad_name", quantity, name)
-    return name
 
 
 class _People:
@@ -290,7 +284,9 @@ class _People:
         """Presses of each person."""
         people: dict[str, list[str]] = {}
         for path, person in self._assigned().items():
-            people.setdefault(_checked(person, "The name", "person"), []).append(path)
+            if not NAME.fullmatch(person):
+                raise InputError(f"The name '{person}' {NOT_ALLOWED}", "bad_name", "person", person)
+            people.setdefault(person, []).append(path)
         if len({person.lower() for person in people}) < len(people):
             message = "Two people differ only in capital letters: give them different names."
             raise InputError(message, "duplicate", "person")
@@ -299,7 +295,10 @@ class _People:
         return people
 
     def _tissue(self) -> str:
-        return _checked((self._name.value or "").strip(), "The tissue name", "tissue")
+        name = (self._name.value or "").strip()
+        if not NAME.fullmatch(name):
+            raise InputError(f"The tissue name '{name}' {NOT_ALLOWED}", "bad_name", "tissue", name)
+        return str(name)
 
     def _fits(self) -> Steps:
         people, name = self._people(), self._tissue()

@@ -90,7 +90,7 @@ def read_project(folder: str | Path) -> Project:
         data, _ = read_toml(path)
     except InputError as problem:
         # which of several projects is meant is seen by its folder
-        raise InputError(f"{root}{os.sep}{problem}", problem.code, "project", str(path)) from None
+        raise InputError(f"{root}{os.sep}{problem}", "file_unreadable", "project", str(path)) from None
     if data.get("schema") != SCHEMA:
         message = f"{path}: schema = {data.get('schema')} is not {SCHEMA}, the one this version reads"
         raise InputError(message, "unsupported", "schema", data.get("schema"), SCHEMA)

@@ -303,7 +303,8 @@ def _loudness(options: argparse.Namespace) -> str:
     return "verbose" if verbose else "quiet" if quiet else ""
 
 
-PACKAGES = {"skfem": "scikit-fem", "OCP": "cadquery", "vtkmodules": "vtk", "PIL": "pillow"}
+PACKAGES = {"skfem": "scikit-fem", "OCP": "cadquery", "vtkmodules": "vtk", "PIL": "pillow", "fastapi": "nicegui",
+            "starlette": "nicegui", "uvicorn": "nicegui"}  # fmt: skip
 """Packages by the name of their module, where the two differ."""
 FULL = {getattr(errno, name) for name in ("ENOSPC", "EDQUOT", "EFBIG", "EROFS") if hasattr(errno, name)}
 """Reasons of the system why no file can be written: a full disk, a quota, a limit of size, a disk for reading only."""

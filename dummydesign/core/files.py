@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import os
 import time
-from contextlib import suppress
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from secrets import token_hex
 from typing import IO
@@ -16,6 +17,15 @@ def unwritable(what: str, path: str | Path, problem: OSError, quantity: str) -> 
     """Make the error for a file or folder that the system refuses to write."""
     reason = problem.strerror or problem
     return InputError(f"{what} '{path}' cannot be written: {reason}", "file_unwritable", quantity, str(path))
+
+
+@contextmanager
+def writing(what: str, path: str | Path, quantity: str) -> Iterator[None]:
+    """Make the same error of what the system refuses while a block writes."""
+    try:
+        yield
+    except OSError as problem:
+        raise unwritable(what, path, problem, quantity) from None
 
 
 def output_folder(path: str | Path) -> Path:

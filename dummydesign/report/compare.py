@@ -17,7 +17,7 @@ from dummydesign.report.page import STYLES, Section, Table, digits, log_start, u
 from dummydesign.report.plot import Plot, press_plot, steady_plot
 from dummydesign.report.plot_drawing import plot_drawing
 from dummydesign.report.plot_layers import Band, Bars, Dots, Layer, Line
-from dummydesign.tissue.comparison import Comparison
+from dummydesign.tissue.comparison import ComparedPress, Comparison
 from dummydesign.tissue.model.ranges import interpolate_rows
 from dummydesign.tissue.model.tissue import Tissue
 
@@ -138,30 +138,22 @@ def _steady(comparison: Comparison, tissue: Tissue) -> Plot:
 
 def _presses(comparison: Comparison, data: dict[str, Any]) -> list[Plot]:
     """One figure a condition, in the order of the rows of the force variation range."""
-    from dummydesign.tissue.fitting.reduction import condition_groups
-
-    bands = {id(trace): band for trace, band in comparison.presses}
-    groups = condition_groups([trace for trace, _ in comparison.presses])
     plots: list[Plot] = []
     names: set[str] = set()
-    for (_, _, traces), row in zip(groups, data["force_variation_range"]):
-        speed = row["velocity_mm_s"]
-        band, force = bands[id(traces[0])], row["steady_force_N"]
+    for (speed, pressed), row in zip(comparison.conditions, data["force_variation_range"]):
+        band, force, share = pressed[0].range, row["steady_force_N"], row["inside_fraction"]
         layers: list[Layer] = [Band(f"subjects of {data['tissue']}", band.time_s, band.low_N, band.high_N)]
-        for number, trace in enumerate(traces):
-            time = trace.trace.time_s[trace.inside] - trace.ramp.contact_time_s
-            keep = time > 0
-            name = "dummy" if len(traces) == 1 else f"dummy, {trace.trace.name}"
-            seen = _thin(time[keep], trace.trace.force_N[trace.inside][keep])
-            layers.append(Line(name, *seen, STYLES[number % len(STYLES)]))
-        share = row["inside_fraction"]
+        for number, (trace, _, _) in enumerate(pressed):
+            time, measured = trace.since_contact
+            name = "dummy" if len(pressed) == 1 else f"dummy, {trace.trace.name}"
+            layers.append(Line(name, *_thin(time[time > 0], measured[time > 0]), STYLES[number % len(STYLES)]))
         title = f"{force:.3g} N at {speed:g} mm/s: {_percent(share)} inside"
         alt = (
             f"Force over time on a logarithmic axis, {force:.3g} N steady at {speed:g} mm/s: the dummy peaks at "
             f"{row['peak_force_N']:.1f} N, the subjects between {row['range_peak_low_N']:.1f} and "
             f"{row['range_peak_high_N']:.1f} N; {_percent(share)} of the press lies inside."
         )
-        ends = (log_start(min(trace.ramp.rise_time_s for trace in traces)), float(band.time_s[-1]))
+        ends = (log_start(min(press.trace.ramp.rise_time_s for press in pressed)), float(band.time_s[-1]))
         plots.append(press_plot(unique(f"press-{force:.2g}N-{speed:g}mm-s", names), title, alt, layers, ends))
     return plots
 
@@ -272,9 +264,8 @@ def _steady_file(comparison: Comparison) -> str:
 
 def _force_variation(comparison: Comparison) -> str:
     lines: list[tuple[str, ...]] = []
-    for trace, band in comparison.presses:
-        time = trace.trace.time_s[trace.inside] - trace.ramp.contact_time_s
-        force = trace.trace.force_N[trace.inside]
+    for trace, band, _ in comparison.presses:
+        time, force = trace.since_contact
         at = band.time_s[:: max(len(band.time_s) // 300, 1)]
         seen = interpolate_rows(at[None], time[None], force[None])[0]
         low, high = np.interp(at, band.time_s, band.low_N), np.interp(at, band.time_s, band.high_N)
@@ -290,9 +281,9 @@ def _picture(comparison: Comparison, tissue: Tissue) -> bytes:
     matplotlib.use("Agg")
     from matplotlib.figure import Figure
 
-    shown: dict[tuple[float, int], tuple] = {}
-    for trace, band in comparison.presses:
-        shown.setdefault((band.velocity_mm_s, round(band.steady_force_N)), (trace, band))
+    shown: dict[tuple[float, int], ComparedPress] = {}
+    for press in comparison.presses:
+        shown.setdefault((press.range.velocity_mm_s, round(press.range.steady_force_N)), press)
     count = len(shown) + 1
     columns = min(count, 4)
     figure = Figure(figsize=(3.6 * columns, 3.2 * -(-count // columns)), layout="constrained")
@@ -303,10 +294,10 @@ def _picture(comparison: Comparison, tissue: Tissue) -> bytes:
     axes[0].plot(comparison.points[:, 0], comparison.points[:, 1], "o", ms=4, label="measured")
     axes[0].set(xlabel="depth [mm]", ylabel="steady force [N]", title="steady state")
     axes[0].legend(fontsize=7)
-    for panel, (trace, band) in zip(axes[1:], shown.values()):
-        time = trace.trace.time_s[trace.inside] - trace.ramp.contact_time_s
+    for panel, (trace, band, _) in zip(axes[1:], shown.values()):
+        time, force = trace.since_contact
         panel.fill_between(np.maximum(band.time_s, 1e-4), band.low_N, band.high_N, color="0.85")
-        panel.semilogx(np.maximum(time, 1e-4), trace.trace.force_N[trace.inside], lw=1.0)
+        panel.semilogx(np.maximum(time, 1e-4), force, lw=1.0)
         panel.set(
             xlabel="time since contact [s]", ylabel="force [N]", xlim=(0.1 * trace.ramp.rise_time_s, time[-1]),
             title=f"{band.velocity_mm_s:g} mm/s, {band.steady_force_N:.1f} N",

@@ -56,6 +56,11 @@ class ReducedTrace:
         return self.average @ self.motion.displacement_mm
 
     @property
+    def since_contact(self) -> tuple[NDArray, NDArray]:
+        """Time since contact [s] and force [N] of the samples that are used."""
+        return self.trace.time_s[self.inside] - self.ramp.contact_time_s, self.trace.force_N[self.inside]
+
+    @property
     def hold(self) -> tuple[NDArray, NDArray]:
         """Time since the stop [s] and force [N] of the samples that are used."""
         return self.trace.time_s[self.inside] - self.ramp.stop_time_s, self.trace.force_N[self.inside]

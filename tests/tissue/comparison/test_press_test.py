@@ -91,7 +91,7 @@ def test_presses_of_the_test_that_were_not_made_leave_the_verdict_open(palm):
 def test_a_longer_hold_is_cut_at_the_tests_and_a_shorter_one_is_said(palm):
     traces = subject_presses(palm, (5.0, 10.0), (10.0,))
     found = compare_traces(traces, palm, test=PressTest(hold_s=1.0))
-    for trace, band in found.presses:
+    for trace, band, _ in found.presses:
         assert trace.ramp.hold_end_s - trace.ramp.stop_time_s == pytest.approx(1.0, abs=0.01)
         assert band.time_s[-1] - band.stop_s.min() == pytest.approx(1.0, abs=0.02)
     # the force at 1 s is above that at 10 s, and the range is made for it
@@ -105,7 +105,7 @@ def test_a_longer_hold_is_cut_at_the_tests_and_a_shorter_one_is_said(palm):
 def test_braking_that_is_said_is_used_in_place_of_what_the_motion_shows(palm):
     traces = subject_presses(palm, (10.0,), (250.0,))
     found, gentle = (compare_traces(traces, palm, test=PressTest(deceleration_mm_s2=a)) for a in (30_000.0, 5_000.0))
-    assert gentle.presses[0][1].stop_s.min() > 1.2 * found.presses[0][1].stop_s.min()
+    assert gentle.presses[0].range.stop_s.min() > 1.2 * found.presses[0].range.stop_s.min()
 
 
 def test_a_speed_with_three_digits_keeps_its_name_and_its_range(palm):

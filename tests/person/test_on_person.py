@@ -65,7 +65,7 @@ def peak_factor(found):
     """Lowest and highest subject over the pad, as the verdict takes them from the same press."""
     from dummydesign.design.measured_pad import peak_of
 
-    reduced, band = found.presses[0]
+    reduced, band, _ = found.presses[0]
     own = peak_of(reduced, float(found.fit.result["noise_floor_N"] or 0.0))
     return band.peak_low_N / own, band.peak_high_N / own
 

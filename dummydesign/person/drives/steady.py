@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from dummydesign.core.errors import InputError
 from dummydesign.measurement.motion import Motion, work_mJ
-from dummydesign.person.drives.drive import LATE_POINTS, Drive, Response, not_kept
-from dummydesign.person.integrate import held_after
+from dummydesign.person.drives.drive import Drive, not_kept
+from dummydesign.person.integrate import LATE_POINTS, Response
 from dummydesign.person.people import People
 from dummydesign.person.press import LATE, SHORTEST_HOLD_S, Press
 from dummydesign.person.signs import TraceSigns
@@ -80,8 +80,7 @@ def late_mean(motion: Motion, force: NDArray, last_s: float) -> NDArray:
 
 def _response(motion: Motion, force: NDArray, steady: NDArray) -> Response:
     x = motion.displacement_mm
-    return Response(motion.time_s, x, force, force.max(axis=-1), steady, x.max(axis=-1), work_mJ(x, force),
-                    held_after(motion.time_s, force))  # fmt: skip
+    return Response.of_curves(motion.time_s, x, force, steady, work_mJ(x, force))
 
 
 SAME_SPEED = 0.95

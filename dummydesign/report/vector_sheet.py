@@ -290,11 +290,11 @@ def _font(text: Text) -> str:
 
 
 def paragraph(
-    x_mm: float, y_mm: float, lines: Sequence[str], size_pt: float, face: str = "plain", colour: str = INK,
-    pitch: float = PITCH,
-) -> tuple[list[Item], float]:  # fmt: skip
-    """Texts of lines from a top edge on, and the edge under the last. [mm]"""
+    items: list[Item], x_mm: float, y_mm: float, lines: Sequence[str], size_pt: float, face: str = "plain",
+    colour: str = INK, pitch: float = PITCH,
+) -> float:  # fmt: skip
+    """Add texts of lines from a top edge on; return the edge under the last. [mm]"""
     step = pitch * size_pt * PT_MM
-    items: list[Item] = [Text(x_mm, y_mm + (row + 0.8) * step, line, size_pt, face, colour=colour)
-                         for row, line in enumerate(lines)]  # fmt: skip
-    return items, y_mm + len(lines) * step
+    items += [Text(x_mm, y_mm + (row + 0.8) * step, line, size_pt, face, colour=colour)
+              for row, line in enumerate(lines)]  # fmt: skip
+    return y_mm + len(lines) * step

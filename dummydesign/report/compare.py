@@ -5,13 +5,12 @@ from __future__ import annotations
 import io
 import json
 import math
-from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from dummydesign.core.files import write_bytes, write_text
+from dummydesign.core.files import csv_text, write_bytes, write_text
 from dummydesign.report.front_page import FOOT, Fact, FrontPage, Grid, Panel, sentence, warning_texts
 from dummydesign.report.page import STYLES, Section, Table, digits, log_start, unique, write_report
 from dummydesign.report.plot import Plot, press_plot, steady_plot
@@ -178,21 +177,18 @@ def _conditions(rows: list[dict[str, Any]]) -> Table:
 
 
 def _parameters(data: dict[str, Any]) -> list[Plot]:
-    labels, low, high, middle = [], [], [], []
+    labels, places = [], []
     for name, row in data["parametric"].items():
         if row["band_low"] is None or not 0.0 < row["band_low"] < row["band_high"]:
             continue
+        ends = [row["value"] if row[end] is None else row[end] for end in ("value", "low", "high")]
         width = math.log(row["band_high"] / row["band_low"])
-        ends = [
-            math.log((row["value"] if row[end] is None else row[end]) / row["band_low"]) / width
-            for end in ("low", "high")
-        ]
-        middle.append(math.log(row["value"] / row["band_low"]) / width)
-        low.append(min(max(ends[0], -FARTHEST), 1.0 + FARTHEST))
-        high.append(min(max(ends[1], -FARTHEST), 1.0 + FARTHEST))
+        places.append([math.log(end / row["band_low"]) / width for end in ends])
         labels.append(name.replace("_N_per_mm3", "").replace("_N_s_per_mm.", " at ") + (" mm/s" if "." in name else ""))
     if not labels:
         return []
+    middle, *outer = np.transpose(places)
+    low, high = np.clip(outer, -FARTHEST, 1.0 + FARTHEST)
     count = float(len(labels))
     layers = (
         Band("band of the subjects", np.array([0.0, count]), np.zeros(2), np.ones(2), sideways=True),
@@ -246,17 +242,13 @@ def write_comparison(
 
 def _parametric_file(comparison: Comparison) -> str:
     keys = ("value", "low", "high", "band_low", "band_high", "inside")
-    return _csv(("parameter", *keys), [(name, *("" if row[key] is None else str(row[key]) for key in keys))
-                                       for name, row in comparison.result["parametric"].items()])  # fmt: skip
-
-
-def _csv(head: Iterable[str], rows: Iterable[Iterable[str]]) -> str:
-    return "".join(",".join(row) + "\n" for row in (head, *rows))
+    rows = comparison.result["parametric"].items()
+    return csv_text(("parameter", *keys), ((name, *(row[key] for key in keys)) for name, row in rows))
 
 
 def _steady_file(comparison: Comparison) -> str:
     rows = zip(comparison.grid_N, comparison.steady, *comparison.range_mm)
-    return _csv(("force_N", "depth_mm", "range_low_mm", "range_high_mm"), [
+    return csv_text(("force_N", "depth_mm", "range_low_mm", "range_high_mm"), [
         (f"{force:.4g}", "" if np.isnan(depth) else f"{depth:.5g}", f"{least:.5g}", f"{most:.5g}")
         for force, depth, least, most in rows
     ])  # fmt: skip
@@ -271,7 +263,7 @@ def _force_variation(comparison: Comparison) -> str:
         low, high = np.interp(at, band.time_s, band.low_N), np.interp(at, band.time_s, band.high_N)
         for row in zip(at, seen, low, high):
             lines.append((trace.trace.name, *(f"{number:.6g}" for number in row)))
-    return _csv(("file", "time_s", "force_N", "range_low_N", "range_high_N"), lines)
+    return csv_text(("file", "time_s", "force_N", "range_low_N", "range_high_N"), lines)
 
 
 def _picture(comparison: Comparison, tissue: Tissue) -> bytes:
@@ -329,7 +321,7 @@ def press_rows(result: dict[str, Any]) -> tuple[list[str], list[list[str]]]:
     rows = [
         [f"{row['steady_force_N']:.3g}", f"{row['velocity_mm_s']:.4g}", f"{row['depth_mm']:.2f}",
          f"{row['peak_force_N']:.2f}", f"{row['range_peak_low_N']:.2f} to {row['range_peak_high_N']:.2f}",
-         f"{100 * row['inside_fraction']:.0f} %"]
+         _percent(row["inside_fraction"])]
         for row in result["force_variation_range"]
     ]  # fmt: skip
     return ["steady N", "mm/s", "depth mm", "pad peak N", "people N", "samples inside"], rows
@@ -339,16 +331,14 @@ def steady_text(result: dict[str, Any]) -> str:
     """How much of the steady curve is inside the people's range, below and within the forces of the test."""
     steady = result["steady_state_range"]
     low, high = steady["span_N"]
-    shares = {f"{0.1 * low:g} to {low:g} N": steady["below_5N_fraction"],
-              f"{low:g} to {high:g} N": steady["above_5N_fraction"]}  # fmt: skip
-    return "; ".join(f"{span}: {'not reached' if share is None else f'{100 * share:.0f} %'}"
-                     for span, share in shares.items())  # fmt: skip
+    below, above = _percent(steady["below_5N_fraction"]), _percent(steady["above_5N_fraction"])
+    return f"{0.1 * low:g} to {low:g} N: {below}; {low:g} to {high:g} N: {above}"
 
 
 def parameters_text(result: dict[str, Any]) -> str:
     """Which parameters of the law are outside the subjects' band; empty without a law."""
-    outside = [name for name, row in result["parametric"].items() if row["inside"] is False]
-    known = [name for name, row in result["parametric"].items() if row["inside"] is not None]
+    known = {name: row["inside"] for name, row in result["parametric"].items() if row["inside"] is not None}
+    outside = [name for name, inside in known.items() if not inside]
     if outside:
         count = f"{len(outside)} of {len(known)} parameters of the force law"
         return f"{count} are outside the subjects' band: {', '.join(outside)}"

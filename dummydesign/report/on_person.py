@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
 import json
 from pathlib import Path
 from typing import Any
@@ -11,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from dummydesign.core.files import write_text
+from dummydesign.core.files import csv_text, write_text
 from dummydesign.core.interpolation import uniform_times
 from dummydesign.core.library import data_folder
 from dummydesign.person.known_range import subject_words
@@ -102,9 +100,7 @@ def curves_csv(answer: OnPerson, rate_hz: float) -> str:
     head = ["file", "time_s", "pad_displacement_mm", "pad_force_N", "people_low_N", "people_high_N"]
     for subject in answer.tissue.subjects:
         head += [f"{subject.name}_displacement_mm", f"{subject.name}_force_N"]
-    stream = io.StringIO()
-    writer = csv.writer(stream, lineterminator="\n")
-    writer.writerow(head)
+    rows: list[list[str]] = []
     spans = [(0.0, max(float(one.press.time_s[-1]), float(np.max(one.response.time_s)))) for one in answer.presses]
     for one, time in zip(answer.presses, uniform_times(spans, rate_hz)):
         depth, force = on_grid(one, time)
@@ -112,9 +108,9 @@ def curves_csv(answer: OnPerson, rate_hz: float) -> str:
         with np.errstate(all="ignore"):
             outer = [np.where(np.isnan(force).any(axis=0), np.nan, edge) for edge in (force.min(0), force.max(0))]
         columns = [time, *pad, *outer, *(row for pair in zip(depth, force) for row in pair)]
-        for values in zip(*(column.tolist() for column in columns)):
-            writer.writerow([one.press.trace.name, *("" if v != v else f"{v:.6g}" for v in values)])
-    return stream.getvalue()
+        rows += [[one.press.trace.name, *("" if v != v else f"{v:.6g}" for v in values)]
+                 for values in zip(*(column.tolist() for column in columns))]  # fmt: skip
+    return csv_text(head, rows)
 
 
 def press_figure(one: PersonPress, name: str) -> Plot:

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import base64
-import csv
-import io
 import math
 import struct
 import zlib
@@ -16,6 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from dummydesign.core.files import csv_text
 from dummydesign.report.plot_layers import Band, Bars, Cells, Dots, Ellipse, Label, Layer, Line, corners, edges, thin
 
 LETTER_WIDTH = 7.0
@@ -34,15 +33,11 @@ class Axis:
     log: bool = False
 
     def position(self, value: float) -> float:
-        """Position of a value along the axis; values outside are put a little outside."""
-        if self.log:
-            share = (math.log(max(value, 1e-300)) - math.log(self.low)) / (math.log(self.high) - math.log(self.low))
-        else:
-            share = (value - self.low) / (self.high - self.low)
-        return self.start + min(max(share, -1.0), 2.0) * (self.stop - self.start)
+        """Position of a value along the axis."""
+        return float(self.positions(np.float64(value)))
 
-    def positions(self, values: NDArray) -> NDArray:
-        """:meth:`position` of several values; NaN stays."""
+    def positions(self, values: NDArray | np.float64) -> NDArray:
+        """Positions of values along the axis; those outside are put a little outside, NaN stays."""
         if self.log:
             share = np.log(np.maximum(values, 1e-300) / self.low) / math.log(self.high / self.low)
         else:
@@ -148,13 +143,9 @@ class Plot:
 
     def csv_text(self) -> str:
         """All plotted values: ``series``, x, y, and low and high of bands, bars and maps."""
-        stream = io.StringIO()
-        table = csv.writer(stream, lineterminator="\n")
-        table.writerow(["series", self.x_name, self.y_name, "low", "high"])
-        for layer in self.layers:
-            for record in layer.records():
-                table.writerow([_text(value) for value in record])
-        return stream.getvalue()
+        records = (record for layer in self.layers for record in layer.records())
+        rows = ([_text(value) for value in record] for record in records)
+        return csv_text(["series", self.x_name, self.y_name, "low", "high"], rows)
 
     def svg(self) -> str:
         """The figure as SVG with its alternative text, and the ends of its axes for the page's script."""
@@ -344,8 +335,7 @@ def _bars(layer: Bars, x: Axis, y: Axis) -> str:
 def _cells(layer: Cells, x: Axis, y: Axis) -> str:
     value = (np.asarray(layer.value, float) - layer.low) / (layer.high - layer.low)
     across, along = edges(np.asarray(layer.x, float)), edges(np.asarray(layer.y, float))
-    even = all(np.ptp(np.diff(side)) < 1e-6 * np.ptp(side) for side in (across, along))
-    if even:
+    if all(np.ptp(np.diff(side)) < 1e-6 * np.ptp(side) for side in (across, along)):
         drawn = "auto" if layer.smooth else "pixelated"
         left, right = x.position(across[0]), x.position(across[-1])
         top, bottom = y.position(along[-1]), y.position(along[0])
@@ -354,17 +344,12 @@ def _cells(layer: Cells, x: Axis, y: Axis) -> str:
             f'href="{png_uri(value)}" x="{left:.1f}" y="{top:.1f}" width="{right - left:.1f}" '
             f'height="{bottom - top:.1f}" preserveAspectRatio="none" style="image-rendering:{drawn}"/>'
         )
-    parts = []
-    for row in range(value.shape[0]):
-        for column in range(value.shape[1]):
-            if np.isfinite(value[row, column]):
-                left, right = x.position(across[column]), x.position(across[column + 1])
-                top, bottom = y.position(along[row + 1]), y.position(along[row])
-                parts.append(
-                    f'<rect fill="{css(value[row, column])}" x="{left:.1f}" y="{top:.1f}" '
-                    f'width="{right - left:.2f}" height="{bottom - top:.2f}"/>'
-                )
-    return "".join(parts)
+    sides, heights = x.positions(across), y.positions(along)
+    return "".join(
+        f'<rect fill="{css(value[row, column])}" x="{sides[column]:.1f}" y="{heights[row + 1]:.1f}" '
+        f'width="{sides[column + 1] - sides[column]:.2f}" height="{heights[row] - heights[row + 1]:.2f}"/>'
+        for row, column in zip(*np.nonzero(np.isfinite(value)))
+    )
 
 
 def _scale(layer: Cells, x: Axis, y: Axis) -> str:

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from dummydesign.core.files import csv_text
 from dummydesign.inference.least_squares import Model, Solution, aicc, solve
 from dummydesign.inference.noise import (
     Bins,
@@ -357,14 +358,15 @@ def heldout_rmse(problem: TissueProblem, optimum: Optimum) -> float | None:
 
 def residual_table(pairs: Sequence[tuple[TissueProblem, Optimum]]) -> str:
     """CSV of all bins: file, time since contact, displacement, force, fitted force, residual."""
-    lines = ["file,time_since_contact_s,displacement_mm,force_N,fitted_N,residual_N"]
+    rows: list[list[str]] = []
     for problem, optimum in pairs:
         fitted = problem.predict(optimum.solution.parameters, optimum.arms)[0]
         for trace, model in problem.by_trace(fitted):
             since = trace.middle_s - trace.ramp.contact_time_s
-            for row in zip(since, trace.depth_mm, trace.force_N, model, trace.force_N - model):
-                lines.append(trace.trace.name + "".join(f",{number:.6g}" for number in row))
-    return "\n".join(lines) + "\n"
+            columns = zip(since, trace.depth_mm, trace.force_N, model, trace.force_N - model)
+            rows += [[trace.trace.name, *(f"{number:.6g}" for number in row)] for row in columns]
+    head = ("file", "time_since_contact_s", "displacement_mm", "force_N", "fitted_N", "residual_N")
+    return csv_text(head, rows)
 
 
 def residual_plot(pairs: Sequence[tuple[TissueProblem, Optimum]], title: str) -> bytes:

@@ -29,11 +29,9 @@ def _screening(data: dict[str, Any]) -> list[Plot]:
     labels, z = [named(row["name"]) for row in rows], np.array([row["z"] for row in rows])
     words = "; ".join(f"{label} {value:.1f}" for label, value in zip(labels, z))
     top = float(len(rows))
-    layers = (
-        Bars("score", labels, np.minimum(z, 0.0), np.maximum(z, 0.0)),
-        Line(f"fitted from {FITTED_FROM:g} on", [-FITTED_FROM, -FITTED_FROM, np.nan, FITTED_FROM, FITTED_FROM],
-             [0.0, top, np.nan, 0.0, top], "aim"),
-    )  # fmt: skip
+    ends = [-FITTED_FROM, -FITTED_FROM, np.nan, FITTED_FROM, FITTED_FROM]
+    layers = (Bars("score", labels, np.minimum(z, 0.0), np.maximum(z, 0.0)),
+              Line(f"fitted from {FITTED_FROM:g} on", ends, [0.0, top, np.nan, 0.0, top], "aim"))  # fmt: skip
     return [
         Plot("screening", "Score of each effect at the base model", f"Score of each effect: {words}.",
              "score [standard deviations]", "", "z", "none", layers, y_range=(0.0, top),
@@ -68,7 +66,7 @@ def trial_plot(result: LoopResult, data: dict[str, Any]) -> Plot:
     number = np.arange(1, len(rows) + 1, dtype=float)
 
     def column(key: str) -> NDArray:
-        return np.array([np.nan if row[key] is None else row[key] for row in rows])
+        return np.array([row[key] for row in rows], float)
 
     floor = data["after"]["error"]["noise_floor_N"]
     layers = (
@@ -144,8 +142,7 @@ def press_plots(result: LoopResult) -> Iterator[Plot]:
     names: set[str] = set()
     base, after = (model.fit.forces for model in (result.base, result.after))
     for label, rows in _groups(result):
-        layers: list[Layer] = []
-        ends, rises, rms = [], [], []
+        layers, ends, rises, rms = list[Layer](), [], [], []
         for number, row in enumerate(rows):
             shown, time = _times(result, row)
             own = "" if len(rows) == 1 else f", {presses.trials[row].file}"

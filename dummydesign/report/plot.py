@@ -151,7 +151,7 @@ class Plot:
         """The figure as SVG with its alternative text, and the ends of its axes for the page's script."""
         x, y = self.axes()
         clip = f"clip-{escape(self.name)}"
-        parts = [
+        return "".join([
             f'<svg class="plot" viewBox="0 0 {self._width:g} {self._height:g}" role="img" '
             f'aria-label="{escape(self.alt)}" data-x="{_ends(x)}" data-y="{_ends(y)}">',
             f"<title>{escape(self.title)}</title><desc>{escape(self.alt)}</desc>",
@@ -164,15 +164,14 @@ class Plot:
             *(_scale(layer, x, y) for layer in self.layers if isinstance(layer, Cells)),
             f'<rect class="frame" x="{x.start:g}" y="{y.stop:g}" width="{x.stop - x.start:g}" '
             f'height="{y.start - y.stop:g}"/></svg>',
-        ]
-        return "".join(parts)
+        ])  # fmt: skip
 
     def legend(self) -> str:
         """Names beside their colours, as HTML."""
         entries: dict[str, tuple[str, str]] = {}
         for layer in self.layers:
             if not isinstance(layer, Bars | Cells | Label):
-                entries.setdefault(layer.name, (_shape(layer), getattr(layer, "style", "main")))
+                entries.setdefault(layer.name, (_KEYS[type(layer)], getattr(layer, "style", "main")))
         return "".join(
             f'<span class="key"><svg viewBox="0 0 22 12" aria-hidden="true">{shape.format(style=style)}</svg>'
             f"{escape(name)}</span>"
@@ -312,24 +311,16 @@ def _band(layer: Band, x: Axis, y: Axis) -> str:
 
 
 def _bars(layer: Bars, x: Axis, y: Axis) -> str:
-    parts = []
-    low, high = np.asarray(layer.low, float), np.asarray(layer.high, float)
-    for row in range(len(layer.labels)):
-        top, bottom = y.position(len(layer.labels) - row - 0.2), y.position(len(layer.labels) - row - 0.8)
-        left, right = x.position(low[row]), x.position(high[row])
-        parts.append(
-            f'<rect class="bar" data-n="{escape(layer.labels[row])}" x="{left:.1f}" y="{top:.1f}" '
-            f'width="{max(right - left, 1):.1f}" height="{bottom - top:.1f}"/>'
-        )
-    zero = x.position(0.0)
-    parts.append(f'<line class="line other" x1="{zero:.1f}" x2="{zero:.1f}" y1="{y.start:g}" y2="{y.stop:g}"/>')
-    labels = "".join(
-        f'<text x="{x.start - 6:g}" y="{y.position(len(layer.labels) - row - 0.5) + 4:.1f}" text-anchor="end">'
-        f"{escape(label)}</text>"
-        for row, label in enumerate(layer.labels)
-    )
+    bars, labels, zero, count = "", "", x.position(0.0), len(layer.labels)
+    ends = (x.positions(np.asarray(end, float)) for end in (layer.low, layer.high))
+    for row, (label, left, right) in enumerate(zip(layer.labels, *ends)):
+        top, middle, bottom = (y.position(count - row - share) for share in (0.2, 0.5, 0.8))
+        bars += (f'<rect class="bar" data-n="{escape(label)}" x="{left:.1f}" y="{top:.1f}" '
+                 f'width="{max(right - left, 1):.1f}" height="{bottom - top:.1f}"/>')  # fmt: skip
+        labels += f'<text x="{x.start - 6:g}" y="{middle + 4:.1f}" text-anchor="end">{escape(label)}</text>'
+    bars += f'<line class="line other" x1="{zero:.1f}" x2="{zero:.1f}" y1="{y.start:g}" y2="{y.stop:g}"/>'
     # the labels stand left of the frame, outside the clipped group
-    return "".join(parts) + "</g><g>" + labels
+    return f"{bars}</g><g>{labels}"
 
 
 def _cells(layer: Cells, x: Axis, y: Axis) -> str:
@@ -382,16 +373,13 @@ def _label(layer: Label, x: Axis, y: Axis) -> str:
     return f'<text class="direct {layer.style}" {anchor}>{escape(layer.name)}</text>'
 
 
-def _shape(layer: Layer) -> str:
-    if isinstance(layer, Band):
-        return '<rect class="area {style}" x="1" y="1" width="20" height="10"/>'
-    if isinstance(layer, Dots):
-        return '<circle class="dot {style}" cx="11" cy="6" r="4"/>'
-    if isinstance(layer, Ellipse):
-        return '<ellipse class="ellipse" cx="11" cy="6" rx="9" ry="4"/>'
-    return '<path class="line {style}" d="M1 6L21 6"/>'
-
-
+_KEYS: dict[type, str] = {
+    Line: '<path class="line {style}" d="M1 6L21 6"/>',
+    Dots: '<circle class="dot {style}" cx="11" cy="6" r="4"/>',
+    Band: '<rect class="area {style}" x="1" y="1" width="20" height="10"/>',
+    Ellipse: '<ellipse class="ellipse" cx="11" cy="6" rx="9" ry="4"/>',
+}
+"""Marks of the legend."""
 _DRAW: dict[type, Any] = {
     Line: _line, Dots: _dots, Band: _band, Bars: _bars, Cells: _cells, Ellipse: _ellipse, Label: _label,
 }  # fmt: skip

@@ -167,12 +167,6 @@ class Text:
         """Where the words begin. [mm]"""
         return self.x_mm - {"start": 0.0, "middle": 0.5, "end": 1.0}[self.anchor] * self.width_mm
 
-    @property
-    def box(self) -> Box:
-        """What the words cover, with descenders. [mm]"""
-        size = self.size_pt * PT_MM
-        return self.left_mm, self.y_mm - 0.73 * size, self.left_mm + self.width_mm, self.y_mm + 0.21 * size
-
 
 Item = Path | Text
 
@@ -191,11 +185,6 @@ class VectorSheet:
     width_mm: float
     height_mm: float
     items: list[Item] = field(default_factory=list)
-
-    @property
-    def texts(self) -> list[Text]:
-        """The texts on it."""
-        return [item for item in self.items if isinstance(item, Text)]
 
     def svg(self) -> str:
         """Write the sheet as SVG, without a size of its own."""

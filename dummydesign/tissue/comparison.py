@@ -24,7 +24,7 @@ from dummydesign.tissue.model.measured_curves import (
     group_near,
     log_steady_curve,
 )
-from dummydesign.tissue.model.ranges import STEADY_TOLERANCE, ForceRange, end_of_hold_range
+from dummydesign.tissue.model.ranges import STEADY_TOLERANCE, ForceRange
 from dummydesign.tissue.model.tissue import Tissue
 
 LONGER, SHORTER = 1.02, 0.9
@@ -211,8 +211,11 @@ def compare_traces(
     grid = test.grid_N
     points, depth = steady_curve(reduced, grid)
     slowest = min(trace.velocity_mm_s for trace in reduced)
-    span = end_of_hold_range(tissue.parameter_sets, grid, test.speed_of(rounded_velocity(slowest)),
-                             hold_of(reduced, test), test.deceleration_mm_s2 or DECELERATION_MM_S2)  # fmt: skip
+    held = law_named(tissue.law).end_of_hold_depths(
+        tissue.parameter_sets, grid, test.speed_of(rounded_velocity(slowest)), hold_of(reduced, test),
+        test.deceleration_mm_s2 or DECELERATION_MM_S2,
+    )  # fmt: skip
+    span = held.min(axis=0), held.max(axis=0)
     conditions, by_condition, rows = [], [], list[dict[str, Any]]()
     for measured, _, group in condition_groups(reduced):
         speed, pressed = test.speed_of(measured), []

@@ -21,25 +21,12 @@ SETTLED_S = 10.0
 HELD_FORCES = 40
 
 
-def stack(subjects: Sequence[Parameters], velocity_mm_s: float) -> tuple[str, NDArray, NDArray, NDArray]:
-    """Law, gamma1 (S,), gamma (S, arms) and dampers (S, arms) of several subjects at one speed."""
-    law = one_law(subjects)
-    if len({len(subject.gamma_N_per_mm3) for subject in subjects}) != 1:
-        message = "subjects fitted with different numbers of elements cannot share a range"
-        raise InputError(message, "inconsistent", "elements")
+def stack(subjects: Sequence[Parameters], velocity_mm_s: float) -> tuple[NDArray, NDArray, NDArray]:
+    """Stack gamma1 (S,), gamma (S, arms) and dampers (S, arms) of a tissue's subjects at one speed."""
     gamma1 = np.array([subject.gamma1_N_per_mm3 for subject in subjects])
     gamma = np.array([subject.gamma_N_per_mm3 for subject in subjects])
     dampers = np.array([subject.dampers_at(velocity_mm_s) for subject in subjects])
-    return law, gamma1, gamma, dampers
-
-
-def one_law(subjects: Sequence[Parameters]) -> str:
-    """Name of the law that subjects share, or InputError where they do not."""
-    laws = {subject.law for subject in subjects}
-    if len(laws) != 1:
-        message = f"subjects fitted with different laws ({', '.join(sorted(laws))}) cannot share a range"
-        raise InputError(message, "inconsistent", "law", sorted(laws))
-    return laws.pop()
+    return gamma1, gamma, dampers
 
 
 class Drive(Protocol):
@@ -168,10 +155,8 @@ class MaxwellLaw(ABC):
         size = float(np.log(gamma1_N_per_mm3))
         springs = [size + end for end in self.log_gamma]
         dampers = [springs[0] - log_rate[1], springs[1] - log_rate[0]]
-        low, high = (
-            np.repeat([size + self.log_gamma1[end], springs[end], dampers[end]], [1, arms, groups * arms])
-            for end in (0, 1)
-        )
+        ends = zip([size + end for end in self.log_gamma1], springs, dampers)
+        low, high = (np.repeat(end, [1, arms, groups * arms]) for end in ends)
         return low, high
 
     def force(
@@ -282,12 +267,12 @@ class MaxwellLaw(ABC):
         velocity_mm_s, hold_s, deceleration_mm_s2 : float
             Ramp, hold and braking. [mm/s, s, mm/s2]
         """
-        gamma1, gamma, dampers = stack(subjects, velocity_mm_s)[1:]
+        arms = stack(subjects, velocity_mm_s)
 
         def coarse(depth: NDArray) -> Motion:
             return ramp_and_hold(velocity_mm_s, depth, hold_s, deceleration_mm_s2, 24, 12, 3)
 
-        return np.stack([self.steady_depth(coarse, float(force), gamma1, gamma, dampers) for force in force_N], axis=-1)
+        return np.stack([self.steady_depth(coarse, float(force), *arms) for force in force_N], axis=-1)
 
     def end_of_hold_depths(
         self, subjects: Sequence[Parameters], force_N: NDArray, velocity_mm_s: float, hold_s: float,
@@ -329,7 +314,7 @@ class MaxwellLaw(ABC):
         """
         depth = self.held_depths(subjects, np.array([force_N]), velocity_mm_s, hold_s, deceleration_mm_s2)[:, 0]
         motion = ramp_and_hold(velocity_mm_s, depth, hold_s, deceleration_mm_s2)
-        return motion, self.force(motion, *stack(subjects, velocity_mm_s)[1:]), depth
+        return motion, self.force(motion, *stack(subjects, velocity_mm_s)), depth
 
 
 def arms_of(names: Any) -> list[int]:

@@ -128,9 +128,9 @@ LAW = "curves"
 class MeasuredParameters(Parameters):
     """In place of the parameters of a law: there are none, and asking for one is refused."""
 
-    def __init__(self) -> None:
-        self.__dict__.update(law=LAW, gamma_N_per_mm3=(), c_N_s_per_mm=())
+    law, gamma_N_per_mm3, c_N_s_per_mm = LAW, (), ()
 
+    __setattr__ = object.__setattr__
     __eq__ = object.__eq__
     __hash__ = object.__hash__
     __repr__ = object.__repr__
@@ -155,14 +155,10 @@ class MeasuredPerson(MeasuredParameters):
     """The presses of one person."""
 
     def __init__(self, presses: Sequence[HeldPress]) -> None:
-        super().__init__()
+        self.presses = tuple(presses)
         speeds = sorted({press.velocity_mm_s for press in presses})
-        groups = {speed: by_depth(press for press in presses if press.velocity_mm_s == speed) for speed in speeds}
-        self.__dict__.update(presses=tuple(presses), _by_speed=groups, _curves={})
-
-    presses: tuple[HeldPress, ...]
-    _by_speed: dict[float, list[list[HeldPress]]]
-    _curves: dict[float, tuple[NDArray, NDArray]]
+        self._by_speed = {v: by_depth(press for press in presses if press.velocity_mm_s == v) for v in speeds}
+        self._curves: dict[float, tuple[NDArray, NDArray]] = {}
 
     @property
     def velocities_mm_s(self) -> tuple[float, ...]:
@@ -175,14 +171,9 @@ class MeasuredPerson(MeasuredParameters):
 
     def known_N(self, velocity_mm_s: float, hold_s: float) -> tuple[float, float] | None:
         """Lowest and highest steady force that was pressed at a speed, None for a speed that was not. [N]"""
-        pairs = self._speeds(velocity_mm_s)
-        if not pairs:
-            return None
-        ends = []
-        for speed, _ in pairs:
-            forces = [np.mean([press.steady_N(hold_s) for press in group]) for group in self._by_speed[speed]]
-            ends.append((min(forces), max(forces)))
-        return float(max(low for low, _ in ends)), float(min(high for _, high in ends))
+        forces = [[np.mean([press.steady_N(hold_s) for press in group]) for group in self._by_speed[speed]]
+                  for speed, _ in self._speeds(velocity_mm_s)]  # fmt: skip
+        return (float(max(map(min, forces))), float(min(map(max, forces)))) if forces else None
 
     def depth_mm(self, force_N: ArrayLike, hold_s: float) -> NDArray:
         """Depth at forces at the end of a hold, on the steady curve of all presses. [mm]"""
@@ -270,11 +261,7 @@ class MeasuredAim(MeasuredParameters):
     """
 
     def __init__(self, people: Sequence[MeasuredPerson], aim: str) -> None:
-        super().__init__()
-        self.__dict__.update(people=tuple(people), aim=aim)
-
-    people: tuple[MeasuredPerson, ...]
-    aim: str
+        self.people, self.aim = tuple(people), aim
 
     @property
     def velocities_mm_s(self) -> tuple[float, ...]:

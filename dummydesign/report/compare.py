@@ -165,15 +165,13 @@ def _thin(time: np.ndarray, force: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _conditions(rows: list[dict[str, Any]]) -> Table:
-    head = ["steady N", "mm/s", "depth mm", "peak N", "subjects' peaks N", "inside", "of the rise", "of the hold",
-            "repeats"]  # fmt: skip
-    body = [
-        [row["steady_force_N"], f"{row['velocity_mm_s']:g}", row["depth_mm"], row["peak_force_N"],
-         f"{row['range_peak_low_N']:.1f} to {row['range_peak_high_N']:.1f}", _percent(row["inside_fraction"]),
-         *(_percent(row[key]) for key in ("inside_rise_fraction", "inside_hold_fraction")), row["repeats"]]
-        for row in rows
-    ]  # fmt: skip
-    return Table(head, body)
+    return Table.of(rows, {
+        "steady N": "steady_force_N", "mm/s": "velocity_mm_s:g", "depth mm": "depth_mm", "peak N": "peak_force_N",
+        "subjects' peaks N": lambda row: f"{row['range_peak_low_N']:.1f} to {row['range_peak_high_N']:.1f}",
+        "inside": lambda row: _percent(row["inside_fraction"]),
+        "of the rise": lambda row: _percent(row["inside_rise_fraction"]),
+        "of the hold": lambda row: _percent(row["inside_hold_fraction"]), "repeats": "repeats",
+    })  # fmt: skip
 
 
 def _parameters(data: dict[str, Any]) -> list[Plot]:
@@ -206,21 +204,17 @@ def _parameters(data: dict[str, Any]) -> list[Plot]:
 
 def _parametric(data: dict[str, Any]) -> Table:
     verdict = {True: "inside", False: "outside", None: "no band"}
-    body = [
-        [name, *(digits(row[key]) for key in ("value", "low", "high", "band_low", "band_high")),
-         verdict[row["inside"]], "at bound" if row["at_bound"] else ""]
-        for name, row in data["parametric"].items()
-    ]  # fmt: skip
+    keys = ("value", "low", "high", "band_low", "band_high")
+    body = [[name, *(digits(row[key]) for key in keys), verdict[row["inside"]], "at bound" if row["at_bound"] else ""]
+            for name, row in data["parametric"].items()]  # fmt: skip
     return Table(["parameter", "dummy", "95 % low", "95 % high", "band low", "band high", "", ""], body)
 
 
 def _traces(data: dict[str, Any]) -> Table:
-    body = [
-        [row["file"], f"{row['velocity_mm_s']:g}", row["steady_force_N"], row["depth_mm"], row["peak_force_N"],
-         _percent(row["inside_fraction"])]
-        for row in data["by_trace"]
-    ]  # fmt: skip
-    return Table(["file", "mm/s", "steady N", "depth mm", "peak N", "inside"], body)
+    return Table.of(data["by_trace"], {
+        "file": "file", "mm/s": "velocity_mm_s:g", "steady N": "steady_force_N", "depth mm": "depth_mm",
+        "peak N": "peak_force_N", "inside": lambda row: _percent(row["inside_fraction"]),
+    })  # fmt: skip
 
 
 def write_comparison(

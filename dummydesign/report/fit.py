@@ -153,15 +153,11 @@ def _notes(data: dict[str, Any]) -> str:
 def _by_condition(data: dict[str, Any]) -> list[Section]:
     if "by_condition" not in data:
         return []
-    rows = data["by_condition"]
-    names = list(rows[0]["parameters"])
-    body = [
-        [f"{row['velocity_mm_s']:g}", row["depth_mm"], row["steady_force_N"],
-         *(row["parameters"][name]["value"] for name in names)]
-        for row in rows
-    ]  # fmt: skip
+    rows = [row | {name: one["value"] for name, one in row["parameters"].items()} for row in data["by_condition"]]
+    columns = {"mm/s": "velocity_mm_s:g", "depth mm": "depth_mm", "steady N": "steady_force_N"}
+    columns |= {name: name for name in rows[0]["parameters"]}
     text = "A parameter that changes with force or speed here need not change in the material; see the documentation."
-    return [Section("Condition by condition", text, table=Table(["mm/s", "depth mm", "steady N", *names], body))]
+    return [Section("Condition by condition", text, table=Table.of(rows, columns))]
 
 
 def _rivals(data: dict[str, Any]) -> Table:
@@ -175,10 +171,11 @@ def _rivals(data: dict[str, Any]) -> Table:
 
 
 def _traces(data: dict[str, Any]) -> Table:
-    head = ["file", "mm/s", "depth mm", "steady N", "peak N", "fitted peak N", "rms N", "worst bin N", "at s"]
-    keys = ("velocity_mm_s", "depth_mm", "steady_force_N", "peak_force_N", "fitted_peak_force_N", "rmse_N",
-            "max_residual_N", "max_residual_time_s")  # fmt: skip
-    return Table(head, [[row["file"], *(row[key] for key in keys)] for row in data["by_trace"]])
+    return Table.of(data["by_trace"], {
+        "file": "file", "mm/s": "velocity_mm_s", "depth mm": "depth_mm", "steady N": "steady_force_N",
+        "peak N": "peak_force_N", "fitted peak N": "fitted_peak_force_N", "rms N": "rmse_N",
+        "worst bin N": "max_residual_N", "at s": "max_residual_time_s",
+    })  # fmt: skip
 
 
 def write_fit(fit: TissueFit, out: str, sources: Sequence[str] = ()) -> dict[str, str]:

@@ -254,11 +254,11 @@ def _effects(data: dict[str, Any]) -> Table | None:
 
 
 def _errors(data: dict[str, Any]) -> Table:
-    keys = ("train_rmse_N", "heldout_rmse_N", "heldout_pad_rmse_N", "noise_floor_N", "lack_of_fit_p")
-    rows = [[label, *(data[model]["error"][key] for key in keys)] for label, model in (("base", "base"),
-            ("corrected", "after"))]  # fmt: skip
-    head = ["model", "fitted rms N", "left out rms N", "left-out pads rms N", "noise floor N", "lack of fit p"]
-    return Table(head, rows)
+    rows = ({"model": label, **data[model]["error"]} for label, model in (("base", "base"), ("corrected", "after")))
+    return Table.of(rows, {
+        "model": "model", "fitted rms N": "train_rmse_N", "left out rms N": "heldout_rmse_N",
+        "left-out pads rms N": "heldout_pad_rmse_N", "noise floor N": "noise_floor_N", "lack of fit p": "lack_of_fit_p",
+    })  # fmt: skip
 
 
 def _parameters(data: dict[str, Any]) -> Table:
@@ -279,12 +279,11 @@ def _where_words(data: dict[str, Any]) -> str:
 
 def _where(data: dict[str, Any]) -> Table:
     after = {row["factor"]: row for row in data["residual"]["where_after"]}
-    rows = [
-        [row["factor"], f"{row['excess']:.0f}", f"{100 * row['share']:.0f} %",
-         f"{after[row['factor']]['excess']:.0f}" if row["factor"] in after else None]
-        for row in data["residual"]["where"]
-    ]  # fmt: skip
-    return Table(["factor", "base: excess", "fraction of chi-square", "corrected: excess"], rows)
+    return Table.of(data["residual"]["where"], {
+        "factor": "factor", "base: excess": "excess:.0f",
+        "fraction of chi-square": lambda row: f"{100 * row['share']:.0f} %",
+        "corrected: excess": lambda row: f"{after[row['factor']]['excess']:.0f}" if row["factor"] in after else None,
+    })  # fmt: skip
 
 
 def _next(data: dict[str, Any]) -> list[Section]:

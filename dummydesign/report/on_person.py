@@ -149,26 +149,24 @@ def _press_section(one: PersonPress, row: dict[str, Any], prefix: str, names: se
 
 
 def _limit_section(presses: list[dict[str, Any]]) -> Section:
-    body = [
-        [press["file"], facts.limit_name(row), row["limit"], row["unit"], number_text(row["pad"]),
-         span_text([row["person_low_95"], row["person_high_95"]]), row["result"].upper(), row["reason"]]
-        for press in presses for row in press["limits"]
-    ]  # fmt: skip
+    rows = ({"file": press["file"], **row} for press in presses for row in press["limits"])
     text = (
         "Pass: the upper 95 % end of people is at most the limit, and nothing is extrapolated. Fail: the lower 95 % "
         "end of one subject is above the limit. Undecided: anything else."
     )
-    head = ["press", "limit of", "limit", "unit", "pad", "95 % of people", "result", "why"]
-    return Section("Limits", text, table=Table(head, body))
+    return Section("Limits", text, table=Table.of(rows, {
+        "press": "file", "limit of": facts.limit_name, "limit": "limit", "unit": "unit",
+        "pad": lambda row: number_text(row["pad"]),
+        "95 % of people": lambda row: span_text([row["person_low_95"], row["person_high_95"]]),
+        "result": lambda row: row["result"].upper(), "why": "reason",
+    }))  # fmt: skip
 
 
 def _drive_section(answer: OnPerson, result: dict[str, Any]) -> Section:
-    body = [
-        [row["file"], row["signs"]["looks_like"] or "not clear", row["signs"]["creep_mm"], row["signs"]["relaxed_N"],
-         row["drive_contradicted"] or "none"]
-        for row in result["presses"]
-    ]  # fmt: skip
     text = f"The drive is {answer.drive.text}. What the traces show of the drive that made them:"
-    against = f"contradiction of {answer.drive.text}"
-    head = ["press", "looks like", "creep in the hold [mm]", "fall of the force [N]", against]
-    return Section("Which drive", text, table=Table(head, body))
+    return Section("Which drive", text, table=Table.of(result["presses"], {
+        "press": "file", "looks like": lambda row: row["signs"]["looks_like"] or "not clear",
+        "creep in the hold [mm]": lambda row: row["signs"]["creep_mm"],
+        "fall of the force [N]": lambda row: row["signs"]["relaxed_N"],
+        f"contradiction of {answer.drive.text}": lambda row: row["drive_contradicted"] or "none",
+    }))  # fmt: skip

@@ -382,22 +382,19 @@ SCORED = ("aim", "steady_state_range", "force_variation_range", "parametric")
 
 
 def _low_table(best: dict[str, Any]) -> Table:
-    rows = [[f"{row['force_N']:g}", row["depth_mm"], row["tissue_depth_low_mm"], row["tissue_depth_high_mm"]]
-            for row in best["low_force"]]  # fmt: skip
-    return Table(["steady force N", "pad mm", "stiffest subject mm", "softest subject mm"], rows)
+    return Table.of(best["low_force"], {
+        "steady force N": "force_N:g", "pad mm": "depth_mm", "stiffest subject mm": "tissue_depth_low_mm",
+        "softest subject mm": "tissue_depth_high_mm",
+    })  # fmt: skip
 
 
 def _conditions(best: dict[str, Any]) -> Table:
-    head = ["steady N", "speed mm/s", "depth mm", "depth / thickness", "gel compression", "peak N", "subjects' peaks N",
-            "reads", "inside", ""]  # fmt: skip
-    rows = [
-        [f"{row['steady_force_N']:g}", f"{row['velocity_mm_s']:g}", row["depth_mm"], row["depth_over_thickness"],
-         row["gel_compression"], row["peak_force_N"],
-         f"{row['target_peak_low_N']:.1f} to {row['target_peak_high_N']:.1f}", _reads(row), row["inside_fraction"],
-         row["out_of_reach"] or ""]
-        for row in best["conditions"]
-    ]  # fmt: skip
-    return Table(head, rows)
+    return Table.of(best["conditions"], {
+        "steady N": "steady_force_N:g", "speed mm/s": "velocity_mm_s:g", "depth mm": "depth_mm",
+        "depth / thickness": "depth_over_thickness", "gel compression": "gel_compression", "peak N": "peak_force_N",
+        "subjects' peaks N": lambda row: f"{row['target_peak_low_N']:.1f} to {row['target_peak_high_N']:.1f}",
+        "reads": _reads, "inside": "inside_fraction", "": lambda row: row["out_of_reach"] or "",
+    })  # fmt: skip
 
 
 def _reads(row: dict[str, Any]) -> str:
@@ -409,12 +406,10 @@ def _reads(row: dict[str, Any]) -> str:
 
 def _alternatives(result: dict[str, Any]) -> Table | None:
     designs = [result["recommendation"], *result["alternatives"]]
-    names = list(designs[0]["scores"])
-    rows = [
-        [f"{d['thickness_mm']:g} mm", f"{d['ratio']:g}", d["young_kPa"]["value"], *(d["scores"][n] for n in names)]
-        for d in designs
-    ]
-    return Table(["design (first: recommended)", "ratio", "E kPa", *(name.replace("_", " ") for name in names)], rows)
+    rows = [[f"{one['thickness_mm']:g} mm", f"{one['ratio']:g}", one["young_kPa"]["value"], *one["scores"].values()]
+            for one in designs]  # fmt: skip
+    names = (name.replace("_", " ") for name in designs[0]["scores"])
+    return Table(["design (first: recommended)", "ratio", "E kPa", *names], rows)
 
 
 def _solids(best: dict[str, Any], files: dict[str, str], pad_mm: tuple[float, float]) -> Section:

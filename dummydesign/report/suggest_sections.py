@@ -123,31 +123,30 @@ def _compared(pictures: PressPictures) -> str:
 
 
 def _table(pictures: PressPictures) -> Table:
-    head = ["pad", "steady N", "depth mm", "contact radius mm", "mean kPa", "largest away from the edge kPa",
-            "at radius mm", "at the edge"]  # fmt: skip
-    rows = []
-    for pad in (*pictures.pads, *pictures.slab):
-        contact = pad.contact
-        edge = "rises" if contact["edge_kPa"] > contact["peak_kPa"] else "falls"
-        rows.append([pad.title, f"{pad.force_N:g}", f"{pad.depth_mm:.2f}", f"{contact['contact_radius_mm']:.1f}",
-                     f"{contact['mean_kPa']:.3g}", f"{contact['peak_kPa']:.3g}", f"{contact['peak_radius_mm']:.1f}",
-                     edge])  # fmt: skip
-    return Table(head, rows)
+    pads = (*pictures.pads, *pictures.slab)
+    return Table.of(({**vars(pad), **pad.contact} for pad in pads), {
+        "pad": "title", "steady N": "force_N:g", "depth mm": "depth_mm:.2f",
+        "contact radius mm": "contact_radius_mm:.1f", "mean kPa": "mean_kPa:.3g",
+        "largest away from the edge kPa": "peak_kPa:.3g", "at radius mm": "peak_radius_mm:.1f",
+        "at the edge": lambda row: "rises" if row["edge_kPa"] > row["peak_kPa"] else "falls",
+    })  # fmt: skip
 
 
 def safety_section(view: SafetyView) -> Section:
     """Energy and pressure at each condition, and on request an impact and a user's limits."""
-    rows = [[f"{row.steady_force_N:g}", f"{row.velocity_mm_s:g}", _pair(row.tissue_energy_mJ), row.pad_energy_mJ,
-             _pair(row.tissue_pressure_N_per_cm2), row.pad_pressure_N_per_cm2] for row in view.presses]  # fmt: skip
-    head = ["steady N", "speed mm/s", "energy of the rise, subjects mJ", "pad mJ",
-            "largest mean pressure, subjects N/cm2", "pad N/cm2"]  # fmt: skip
+    presses = Table.of(map(vars, view.presses), {
+        "steady N": "steady_force_N:g", "speed mm/s": "velocity_mm_s:g",
+        "energy of the rise, subjects mJ": lambda row: _pair(row["tissue_energy_mJ"]), "pad mJ": "pad_energy_mJ",
+        "largest mean pressure, subjects N/cm2": lambda row: _pair(row["tissue_pressure_N_per_cm2"]),
+        "pad N/cm2": "pad_pressure_N_per_cm2",
+    })  # fmt: skip
     html = _impact_html(view) if view.impact else ""
     if view.limits:
         lines = [[row["body"], row["case"], row["criterion"], row["contact"], row["value"], row["limit"],
                   {True: "yes", False: "no", None: "–"}[row["within"]]] for row in view.limits]  # fmt: skip
         table = Table(["body", "case", "criterion", "contact", "value", "limit", "within"], lines)
         html += f"<p>{escape(view.limits_source)}</p>" + table.html()
-    return Section("Safety view", view.text, [_energy(view)], Table(head, rows), html)
+    return Section("Safety view", view.text, [_energy(view)], presses, html)
 
 
 def _pair(values: tuple[float, float]) -> str:
@@ -170,7 +169,8 @@ def _energy(view: SafetyView) -> Plot:
 
 
 def _impact_html(view: SafetyView) -> str:
-    lines = [[row["body"], row["depth_mm"], row["peak_force_N"], row["energy_mJ"], row["mean_pressure_N_per_cm2"],
-              row["note"]] for row in view.impact]  # fmt: skip
-    head = ["body", "depth mm", "peak N", "energy mJ", "mean pressure N/cm2", ""]
-    return f"<p>{escape(view.impact_text)}</p>" + Table(head, lines).html()
+    rows = Table.of(view.impact, {
+        "body": "body", "depth mm": "depth_mm", "peak N": "peak_force_N", "energy mJ": "energy_mJ",
+        "mean pressure N/cm2": "mean_pressure_N_per_cm2", "": "note",
+    })  # fmt: skip
+    return f"<p>{escape(view.impact_text)}</p>{rows.html()}"

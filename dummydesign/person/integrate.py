@@ -49,7 +49,7 @@ class Response:
     depth_mm: NDArray
     energy_mJ: NDArray
     held_N: NDArray
-    stop_s: NDArray | None = None
+    stop_s: NDArray | float = np.inf
 
     @classmethod
     def of_curves(cls, time_s: NDArray, depth: NDArray, force: NDArray, steady: NDArray, energy: NDArray) -> Response:
@@ -252,9 +252,9 @@ def run_robot(
         grown = taken * float(np.clip(0.85 * max(error, 1e-9) ** (-1.0 / 3.0), 0.3, 1.6))
         # a step that was cut to end at a node says nothing against the longer one
         step = max(grown, step) if error < 1.0 and taken < step else grown
-    curves = [np.stack(rows, axis=-1) for rows in (depths, forces)]
+    depth_curve, force_curve = (np.stack(rows, axis=-1) for rows in (depths, forces))
     steady = late / (time - late_s) if time > late_s else np.full(count, np.nan)
-    return Response(np.array(times), *curves, peak, steady, deepest, energy, longer, stop)
+    return Response(np.array(times), depth_curve, force_curve, peak, steady, deepest, energy, longer, stop)
 
 
 def _solve(

@@ -65,13 +65,13 @@ def beyond_range(tissue: Tissue, response: Response, velocity_mm_s: float) -> li
         rows += [_beyond(quantity, float(values[at]), end, f"the {word} press on people", names[at] if differ else "")
                  for (at, outside), end, word in zip(ways, ends, words) if outside]  # fmt: skip
     deepest, strongest = _limits(tissue)
-    for quantity, values, ends in (
+    for quantity, values, limits in (
         ("depth_mm", response.depth_mm, deepest), ("peak_force_N", response.peak_N, strongest)
     ):  # fmt: skip
-        over = values / ends
+        over = values / limits
         worst = int(np.argmax(over))
         if over[worst] > NEAR:
-            rows.append(_beyond(quantity, float(values[worst]), float(ends[worst]),
+            rows.append(_beyond(quantity, float(values[worst]), float(limits[worst]),
                                 f"the most for {subject_words(names[worst])}"))  # fmt: skip
     return rows
 

@@ -226,13 +226,13 @@ def _of_presses(pressed: Sequence[PersonPress], drive: Drive, tissue: Tissue) ->
     rows += [("drive_mismatch", f"{one.press.trace.name}: the trace does not fit --drive {drive.text}: "
               f"{one.contradicted}") for one in pressed if one.contradicted]  # fmt: skip
     arm = drive.arm
-    for one in pressed if arm is not None else ():
+    for one in pressed:
         file, step = one.press.trace.name, float(np.median(np.diff(one.press.trace.time_s)))
-        if arm.period_s < SEEN_SAMPLES * step:
+        if arm is not None and arm.period_s < SEEN_SAMPLES * step:
             own, least = 1.0 / arm.period_s, SEEN_SAMPLES / arm.period_s
             words = f"peaks are missing: the arm rings at {own:.3g} Hz; record at least {least:.0f} samples/s"
             rows.append(("arm_unseen", f"{file}: {words}"))
-        elif one.press.rings and arm.damping_ratio == 0.0:
+        elif arm is not None and one.press.rings and arm.damping_ratio == 0.0:
             words = "the arm still rings in the hold and is assumed undamped; give its damping ratio: "
             rows.append(("arm_rings", f"{file}: {words}--drive {drive.text},RATIO"))
     for one in pressed:

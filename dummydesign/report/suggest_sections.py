@@ -124,7 +124,7 @@ def _compared(pictures: PressPictures) -> str:
 
 def _table(pictures: PressPictures) -> Table:
     pads = (*pictures.pads, *pictures.slab)
-    return Table.of(({**vars(pad), **pad.contact} for pad in pads), {
+    return Table.of(({**pad.contact, **vars(pad)} for pad in pads), {
         "pad": "title", "steady N": "force_N:g", "depth mm": "depth_mm:.2f",
         "contact radius mm": "contact_radius_mm:.1f", "mean kPa": "mean_kPa:.3g",
         "largest away from the edge kPa": "peak_kPa:.3g", "at radius mm": "peak_radius_mm:.1f",

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any, ClassVar, Protocol
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -29,11 +29,10 @@ def stack(subjects: Sequence[Parameters], velocity_mm_s: float) -> tuple[NDArray
     return gamma1, gamma, dampers
 
 
-class Drive(Protocol):
-    """What a motion does to a law: the elastic shape X(t) and the response A(t; r) of an arm, both in mm3."""
+class Drive:
+    """What a motion does to a law: the elastic shape X(t), shape (..., n), and the response A(t; r) of an arm. [mm3]"""
 
     elastic: NDArray
-    """X(t), shape (..., n). [mm3]"""
 
     def arm(self, rate: ArrayLike) -> NDArray:
         """Response A(t; r) of an arm with spring constant 1 and damper 1 / r. [mm3]
@@ -47,6 +46,7 @@ class Drive(Protocol):
         -------
         ndarray, shape (..., n)
         """
+        raise NotImplementedError("a law of one element has no arm")
 
 
 class MaxwellLaw(ABC):

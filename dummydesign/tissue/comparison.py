@@ -66,7 +66,7 @@ def presses_of(
 ) -> tuple[list[Trace], list[ReducedTrace], list[tuple[str, str]]]:
     """Return the presses that belong to a test, held no longer than it holds, and a notice of the others."""
     every = [_held(trace, test.hold_s) for trace in traces]
-    own = [(trace, reduced) for trace, reduced in every if _belongs(reduced, test)]
+    own = [pair for pair in every if _belongs(pair[1], test)]
     forces, speeds = (
         None if values is None else f"{', '.join(f'{v:g}' for v in values)} {unit}"
         for values, unit in ((test.forces_N, "N"), (test.velocities_mm_s, "mm/s"))

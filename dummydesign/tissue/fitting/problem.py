@@ -207,13 +207,9 @@ class TissueProblem:
 
     def _columns(self, rates: NDArray) -> NDArray:
         """X and A at ln rates (groups, arms), shape (bins, 1 + arms)."""
-        arms = rates.shape[1]
-        columns = np.empty((len(self.force), 1 + arms))
-        columns[:, 0] = self.elastic
-        for where, response, own in zip(self.slices, self.responses, rates):
-            for arm in range(arms):
-                columns[where, 1 + arm] = response.arm(own[arm])[0]
-        return columns
+        parts = (np.column_stack([response.elastic, *(response.arm(rate)[0] for rate in own)])
+                 for response, own in zip(self.responses, rates))  # fmt: skip
+        return np.concatenate(list(parts))
 
     def _combinations(self, arms: int, grid: NDArray, weight: NDArray, where: list[slice], count: int) -> list[NDArray]:
         """The best ``count`` combinations of ``arms`` rates out of the grid, for the bins in ``where``."""
@@ -223,11 +219,8 @@ class TissueProblem:
         columns = self._columns(np.tile(grid, (len(self.groups), 1)))[rows] * weight[rows, None]
         weighted = np.column_stack([columns, self.force[rows] * weight[rows]])
         triangle = np.asarray(np.linalg.qr(weighted, mode="r"))
-        ranked = []
-        for combo in itertools.combinations(range(len(grid)), arms):
-            places = [0, *(1 + index for index in combo)]
-            ranked.append((nnls(triangle[:, places], triangle[:, -1])[1], combo))
-        ranked.sort()
+        combos = itertools.combinations(range(len(grid)), arms)
+        ranked = sorted((nnls(triangle[:, [0, *(1 + at for at in own)]], triangle[:, -1])[1], own) for own in combos)
         kept: list[tuple[int, ...]] = []
         for _, combo in ranked:
             if all(sum(abs(a - b) for a, b in zip(combo, other)) > 2 for other in kept):

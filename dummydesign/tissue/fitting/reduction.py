@@ -76,25 +76,18 @@ def reduce_trace(trace: Trace) -> ReducedTrace:
     hold = ramp.hold_end_s - ramp.stop_time_s
     if hold < 5 * ramp.rise_time_s * 0.02 or hold < 0.05:
         needed = max(10.0, 0.1 * ramp.rise_time_s)
-        message = (
-            f"{trace.name}: a hold of {hold:.3g} s after a rise of {ramp.rise_time_s:.3g} s is too short to see "
-            f"relaxation; hold {needed:.3g} s"
-        )
+        message = (f"{trace.name}: a hold of {hold:.3g} s after a rise of {ramp.rise_time_s:.3g} s is too short to see "
+                   f"relaxation; hold {needed:.3g} s")  # fmt: skip
         raise InputError(message, "not_enough_data", "hold_s", float(hold))
-    edges = _edges(ramp, time)
-    binning = cut(time, edges)
-    nodes = _nodes(time, edges, ramp)
-    held = nodes > ramp.stop_time_s + SETTLED_S
-    measured = between(nodes, time, trace.displacement_mm)
-    displacement = np.where(held, mean_around(nodes, time, trace.displacement_mm), measured)
-    average = binning.average(time, nodes, ramp.stop_time_s + SETTLED_S)
-    inside = binning.inside
-    late = time[inside] >= ramp.hold_end_s - 0.05 * hold
+    edges, settled_s = _edges(ramp, time), ramp.stop_time_s + SETTLED_S
+    binning, nodes = cut(time, edges), _nodes(time, edges, ramp)
+    measured, mean = (of(nodes, time, trace.displacement_mm) for of in (between, mean_around))
+    motion = Motion(nodes, np.where(nodes > settled_s, mean, measured))
+    late = force[binning.inside][time[binning.inside] >= ramp.hold_end_s - 0.05 * hold]
     velocity = trace.commanded_speed_mm_s or approach_velocity(time, trace.displacement_mm, ramp)
     return ReducedTrace(
-        trace, ramp, velocity, float(force[inside][late].mean()),
-        binning.start_s, binning.end_s, binning.samples, binning.mean(force), Motion(nodes, displacement), average,
-        inside,
+        trace, ramp, velocity, float(late.mean()), binning.start_s, binning.end_s, binning.samples, binning.mean(force),
+        motion, binning.average(time, nodes, settled_s), binning.inside,
     )  # fmt: skip
 
 

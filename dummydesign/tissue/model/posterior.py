@@ -151,10 +151,8 @@ def _posterior(tissue: Tissue, count: int) -> tuple[Tissue, ...]:
     kinds = [("inferred", "drawn from the posterior")] * len(COLUMNS)
     tissues = []
     for one in draws[order[np.minimum(index, len(draws) - 1)]]:
-        people = one[np.argsort(one[:, 0])]
-        subjects = tuple(
-            subject_of(subject.name, row, row, row, kinds) for subject, row in zip(tissue.subjects, people)
-        )
+        pairs = zip(tissue.subjects, one[np.argsort(one[:, 0])])
+        subjects = tuple(subject_of(subject.name, row, row, row, kinds) for subject, row in pairs)
         tissues.append(replace(tissue, subjects=subjects))
     return tuple(tissues)
 

@@ -48,11 +48,6 @@ class Curves(MaxwellLaw):
         message = "measured curves give the presses that were made, not the force under any motion"
         raise InputError(message, "unsupported", "law", LAW)
 
-    def stretch_rates(self, depth_mm: NDArray, rate: NDArray) -> tuple[NDArray, NDArray]:
-        """Curves say nothing of a free mass."""
-        message = "measured curves say nothing of a robot of finite mass; it needs a tissue with a law"
-        raise InputError(message, "unsupported", "law", LAW)
-
     def steady_depths(self, subjects: Sequence[Any], force_N: ArrayLike) -> NDArray:
         """Depth of each at forces at the end of its own shortest hold, shape (subjects, ...). [mm]"""
         return np.stack([one.depth_mm(force_N, np.inf) for one in subjects])

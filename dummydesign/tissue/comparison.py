@@ -17,13 +17,7 @@ from dummydesign.measurement.trace import Trace
 from dummydesign.tissue.fitting.fit import Progress, TissueFit, fit_traces
 from dummydesign.tissue.fitting.reduction import ReducedTrace, condition_groups, reduce_trace, rounded_velocity
 from dummydesign.tissue.model.laws import DEFAULT, law_named
-from dummydesign.tissue.model.measured_curves import (
-    FORCE_FACTOR,
-    SAME_DEPTH,
-    SPEED_FACTOR,
-    group_near,
-    log_steady_curve,
-)
+from dummydesign.tissue.model.measured_curves import FORCE_FACTOR, SPEED_FACTOR, group_near, log_steady_curve
 from dummydesign.tissue.model.ranges import STEADY_TOLERANCE, ForceRange
 from dummydesign.tissue.model.tissue import Tissue
 
@@ -244,7 +238,7 @@ def compare_traces(
 def steady_curve(reduced: Sequence[ReducedTrace], grid_N: NDArray) -> tuple[NDArray, NDArray]:
     """Steady points (k, 2) of depth and force at the end of the hold, and depths at the forces ``grid_N`` (n,)."""
     points = sorted((trace.ramp.depth_mm, trace.steady_force_N) for trace in reduced)
-    groups = group_near(points, lambda point: point[0], SAME_DEPTH)
+    groups = group_near(points, lambda point: point[0])
     knots = np.array([[np.mean(column) for column in zip(*group)] for group in groups])
     slowest = min(reduced, key=lambda trace: (round(trace.velocity_mm_s, -1), -trace.ramp.depth_mm))
     rise = slowest.end_s <= slowest.ramp.stop_time_s

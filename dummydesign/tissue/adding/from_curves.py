@@ -16,14 +16,7 @@ from dummydesign.core.serialise import Serialised
 from dummydesign.measurement.landmarks import approach_velocity, find_ramp
 from dummydesign.measurement.motion import work_mJ
 from dummydesign.measurement.trace import Trace, check_one_press, magnitude_fault
-from dummydesign.tissue.adding.from_traces import (
-    copies_of,
-    fit_people,
-    fit_row,
-    fit_warnings,
-    reserve,
-    tissue_of_fits,
-)
+from dummydesign.tissue.adding.from_traces import copies_of, fit_people, fit_row, fit_warnings, reserve, tissue_of_fits
 from dummydesign.tissue.adding.observations import HELD_S, ObservedCurve, check_curves, read_curves
 from dummydesign.tissue.fitting.problem import fitted_force
 from dummydesign.tissue.fitting.reduction import ReducedTrace, condition_groups, reduce_trace

@@ -21,14 +21,7 @@ from dummydesign.measurement.importing.press_checks import copies_among, doubts_
 from dummydesign.measurement.motion import Motion
 from dummydesign.measurement.sensor import Lowpass
 from dummydesign.measurement.trace import Trace
-from dummydesign.tissue.fitting.problem import (
-    Optimum,
-    Responses,
-    TissueProblem,
-    heldout_rmse,
-    problems_of,
-    trace_residuals,
-)
+from dummydesign.tissue.fitting.problem import Optimum, TissueProblem, heldout_rmse, problems_of, trace_residuals
 from dummydesign.tissue.fitting.reduction import reduce_trace, rounded_velocity, speed_groups
 from dummydesign.tissue.model.laws import fitted_law, law_named
 from dummydesign.tissue.model.parameters import speed_key
@@ -126,17 +119,11 @@ def _covariance(problem: TissueProblem, optimum: Optimum) -> NDArray:
 
 def _slope(problem: TissueProblem, optimum: Optimum) -> NDArray:
     """Change of the force of every bin with the offset of its press, shape (bins,). [N/mm]"""
-    theta = optimum.solution.parameters
-    base = problem.predict(theta, optimum.arms)[0]
-    gamma1, gamma, damper = problem.split(theta, optimum.arms)
-    moved = np.empty_like(base)
-    for group, (where, traces) in enumerate(zip(problem.slices, problem.groups)):
-        pushed = [replace(t, motion=Motion(t.motion.time_s, t.motion.displacement_mm + _STEP_MM)) for t in traces]
-        response = Responses(problem.law, pushed, problem.lowpass)
-        moved[where] = np.exp(gamma1) * response.elastic + sum(
-            np.exp(gamma[arm]) * response.arm(gamma[arm] - damper[group, arm])[0] for arm in range(optimum.arms)
-        )
-    return (moved - base) / _STEP_MM
+    at = optimum.solution.parameters, optimum.arms
+    pushed = [[replace(t, motion=Motion(t.motion.time_s, t.motion.displacement_mm + _STEP_MM)) for t in group]
+              for group in problem.groups]  # fmt: skip
+    moved = TissueProblem(problem.law, pushed, problem.lowpass)
+    return (moved.predict(*at)[0] - problem.predict(*at)[0]) / _STEP_MM
 
 
 def _step(problem: TissueProblem, optimum: Optimum) -> tuple[NDArray, NDArray]:

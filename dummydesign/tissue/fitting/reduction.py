@@ -13,7 +13,7 @@ from dummydesign.inference.binning import cut, distinct, hold_edges, mean_around
 from dummydesign.measurement.landmarks import approach_velocity, find_ramp
 from dummydesign.measurement.motion import Motion, Ramp
 from dummydesign.measurement.trace import Trace
-from dummydesign.tissue.model.measured_curves import SAME_DEPTH, group_near
+from dummydesign.tissue.model.measured_curves import SPEED_FACTOR, group_near
 
 RISE_BINS = 20
 FIRST_HOLD_S = 1e-3
@@ -156,7 +156,8 @@ def speed_groups(traces: Sequence[ReducedTrace]) -> list[tuple[float, list[Reduc
 
     The nominal speed is the commanded one, where it is the same for all of a group; else two digits of the median.
     """
-    return [(_nominal(group), group) for group in group_near(traces, lambda trace: trace.velocity_mm_s, 1.15)]
+    groups = group_near(traces, lambda trace: trace.velocity_mm_s, SPEED_FACTOR)
+    return [(_nominal(group), group) for group in groups]
 
 
 def _nominal(group: Sequence[ReducedTrace]) -> float:
@@ -171,5 +172,5 @@ def condition_groups(traces: Sequence[ReducedTrace]) -> list[tuple[float, float,
     return [
         (speed, float(np.mean([t.ramp.depth_mm for t in part])), part)
         for speed, group in speed_groups(traces)
-        for part in group_near(group, lambda trace: trace.ramp.depth_mm, SAME_DEPTH)
+        for part in group_near(group, lambda trace: trace.ramp.depth_mm)
     ]

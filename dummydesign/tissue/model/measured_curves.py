@@ -28,6 +28,8 @@ SHARES: NDArray = 1.0 - (1.0 - np.linspace(0.0, 1.0, 61)) ** 3
 FIRST_HOLD_S, HOLD_POINTS = 1e-3, 60
 FORCE_FACTOR, SPEED_FACTOR, HOLD_FACTOR, SAME_DEPTH = 1.2, 1.15, 1.1, 1.05
 """Factors within which a press belongs to a force, a speed and a hold, and presses to one depth."""
+ONE_FORCE = 1.3
+"""Ratio of the highest to the lowest force in common below which one force stands for both."""
 FINE = 400
 START_SHARE = 0.02
 """Share of its depth from which on the rise of a press gives the start of the steady curve."""
@@ -99,7 +101,9 @@ def extrapolate_linearly(at: NDArray, x: NDArray, y: NDArray) -> NDArray:
 Item = TypeVar("Item")
 
 
-def group_near(items: Iterable[Item], size: Callable[[Item], float], factor: float, of: int = -1) -> list[list[Item]]:
+def group_near(
+    items: Iterable[Item], size: Callable[[Item], float], factor: float = SAME_DEPTH, of: int = -1
+) -> list[list[Item]]:
     """Group items by rising size: each lies within a factor of the last (or, ``of`` = 0, the first) of its group."""
     groups: list[list[Item]] = []
     for item in sorted(items, key=size):
@@ -112,7 +116,7 @@ def group_near(items: Iterable[Item], size: Callable[[Item], float], factor: flo
 
 def by_depth(presses: Iterable[HeldPress]) -> list[list[HeldPress]]:
     """Presses by rising depth with repeats together."""
-    return group_near(presses, lambda press: press.depth_mm, SAME_DEPTH, of=0)
+    return group_near(presses, lambda press: press.depth_mm, of=0)
 
 
 def common_span(people: Iterable[Measured], velocity_mm_s: float, hold_s: float) -> tuple[float, float] | None:
@@ -120,6 +124,17 @@ def common_span(people: Iterable[Measured], velocity_mm_s: float, hold_s: float)
     spans = [one.known_N(velocity_mm_s, hold_s) for one in people]
     known = [span for span in spans if span is not None]
     return (max(low for low, _ in known), min(high for _, high in known)) if len(known) == len(spans) else None
+
+
+def common_forces(people: Sequence[Measured], speeds: Sequence[float], hold_s: float) -> tuple[float, ...]:
+    """Steady forces that all were pressed to at all speeds: the lowest, the middle and the highest, or one. [N]"""
+    spans = [span for speed in speeds if (span := common_span(people, speed, hold_s)) is not None]
+    low, high = max(span[0] for span in spans), min(span[1] for span in spans)
+    if low > high * FORCE_FACTOR**2:
+        return ()
+    if high < ONE_FORCE * low:
+        return (float(f"{np.sqrt(low * high):.2g}"),)
+    return tuple(float(f"{force:.2g}") for force in (low, np.sqrt(low * high), high))
 
 
 LAW = "curves"

@@ -249,7 +249,7 @@ def _nodes(stop_s: float, end_s: float) -> NDArray:
     even = np.linspace(0.0, fine, RISE_NODES + 1)
     if fine >= end_s * (1.0 - 1e-9):
         return even
-    return np.r_[even, growing_nodes(fine, end_s, fine / RISE_NODES, 1)]
+    return np.r_[even, growing_nodes(fine, end_s, fine / RISE_NODES, 1, first=1)]
 
 
 def _check_contact(trace: Trace, contact_s: float, noise_N: float, delayed: bool) -> None:

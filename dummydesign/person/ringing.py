@@ -140,10 +140,10 @@ def _close_nodes(nodes_s: NDArray, stop_s: float, until_s: float, ring_step: flo
     return nodes
 
 
-def growing_nodes(begin_s: float, end_s: float, step_s: float, fewest: int) -> NDArray:
+def growing_nodes(begin_s: float, end_s: float, step_s: float, fewest: int, first: int = 0) -> NDArray:
     """Times after a beginning, about a step apart at first and each interval 8 % longer than the one before. [s]"""
     count = max(int(np.ceil(np.log1p((end_s - begin_s) / step_s * (GROWTH - 1.0)) / np.log(GROWTH))), fewest)
-    grown = np.cumsum(GROWTH ** np.arange(count))
+    grown = np.cumsum(GROWTH ** np.arange(first, first + count))
     return begin_s + (end_s - begin_s) * grown / grown[-1]
 
 

@@ -119,11 +119,15 @@ def _covariance(problem: TissueProblem, optimum: Optimum) -> NDArray:
 
 def _slope(problem: TissueProblem, optimum: Optimum) -> NDArray:
     """Change of the force of every bin with the offset of its press, shape (bins,). [N/mm]"""
-    at = optimum.solution.parameters, optimum.arms
+    theta, arms = optimum.solution.parameters, range(optimum.arms)
+    gamma1, gamma, damper = problem.split(theta, optimum.arms)
     pushed = [[replace(t, motion=Motion(t.motion.time_s, t.motion.displacement_mm + _STEP_MM)) for t in group]
               for group in problem.groups]  # fmt: skip
-    moved = TissueProblem(problem.law, pushed, problem.lowpass)
-    return (moved.predict(*at)[0] - problem.predict(*at)[0]) / _STEP_MM
+    moved = np.concatenate([
+        np.exp(gamma1) * own.elastic + sum(np.exp(gamma[arm]) * own.arm(gamma[arm] - c[arm])[0] for arm in arms)
+        for own, c in zip(TissueProblem(problem.law, pushed, problem.lowpass).responses, damper)
+    ])  # fmt: skip
+    return (moved - problem.predict(theta, optimum.arms)[0]) / _STEP_MM
 
 
 def _step(problem: TissueProblem, optimum: Optimum) -> tuple[NDArray, NDArray]:

@@ -32,7 +32,7 @@ class Beyond:
 
     quantity: str
     value: float
-    end: float
+    pressed_to: float
     text: str
 
 

@@ -74,10 +74,8 @@ class PersonPress:
             "band": {**self.band, name: [pressure(end) for end in self.band["peak_N"]]},
             "interval_95": {**self.interval, name: [pressure(end) for end in self.interval["peak_N"]]},
             "factor_peak": list(self.factor), "factor_peak_95": list(self.factor_95),
-            "limits": [row.to_dict() for row in self.limits], "signs": self.signs.to_dict(),
-            "drive_contradicted": self.contradicted or None,
-            "beyond_range": [{"quantity": one.quantity, "value": one.value, "pressed_to": one.end, "text": one.text}
-                             for one in self.beyond],
+            "limits": self.limits, "signs": self.signs, "drive_contradicted": self.contradicted or None,
+            "beyond_range": self.beyond,
         })  # fmt: skip
 
 

@@ -29,9 +29,7 @@ FARTHEST = 3.0
 """Parameters are drawn up to this many widths of the band beside it."""
 
 
-def write_compare_report(
-    folder: Path, comparison: Comparison, tissue: Tissue, verdict: dict[str, Any] | None = None
-) -> dict[str, str]:
+def _write_report(folder: Path, comparison: Comparison, tissue: Tissue, verdict: dict[str, Any]) -> dict[str, str]:
     """Write the report of a comparison; see :func:`dummydesign.report.page.write_report`."""
     data, fit = comparison.result, comparison.result["fit"]
     steady, rows = data["steady_state_range"], data["force_variation_range"]
@@ -65,9 +63,7 @@ def write_compare_report(
                         verdict=verdict, front=_front(title, data, verdict, steady_figure, presses))  # fmt: skip
 
 
-def _front(
-    title: str, data: dict[str, Any], verdict: dict[str, Any] | None, steady: Plot, presses: list[Plot]
-) -> FrontPage:
+def _front(title: str, data: dict[str, Any], verdict: dict[str, Any], steady: Plot, presses: list[Plot]) -> FrontPage:
     """The first page: verdict, steady curve, each press in the people's range."""
     head, rows = press_rows(data)
     facts = [
@@ -78,7 +74,7 @@ def _front(
     ]
     return FrontPage(
         title, f"Each press is compared with people at its own steady force, speed and hold.{_test_words(data)}",
-        (verdict["light"], verdict["text"]) if verdict else (None, f"Compared with {data['tissue']}."),
+        (verdict["light"], verdict["text"]),
         ("Steady force over depth", plot_drawing(steady)), "Comparison", [fact for fact in facts if fact.text],
         "Force [N] over time since contact",
         [Panel(plot, f"{row[0]} N, {row[1]} mm/s", f"{row[3]} N: {row[5]} inside") for plot, row in zip(presses, rows)],
@@ -217,9 +213,7 @@ def _traces(data: dict[str, Any]) -> Table:
     })  # fmt: skip
 
 
-def write_comparison(
-    comparison: Comparison, tissue: Tissue, folder: Path, verdict: dict[str, Any] | None = None
-) -> dict[str, str]:
+def write_comparison(comparison: Comparison, tissue: Tissue, folder: Path, verdict: dict[str, Any]) -> dict[str, str]:
     """Write parametric.csv, steady_state.csv, force_variation.csv, ranges.png, compare.json and the report."""
     files = {
         "parametric": write_text(folder / "parametric.csv", _parametric_file(comparison)),
@@ -230,7 +224,7 @@ def write_comparison(
             folder / "compare.json", json.dumps({"verdict": verdict, **comparison.result}, indent=1) + "\n"
         ),
     }
-    report = write_compare_report(folder, comparison, tissue, verdict)
+    report = _write_report(folder, comparison, tissue, verdict)
     return {role: str(path) for role, path in files.items()} | report
 
 

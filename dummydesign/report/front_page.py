@@ -329,8 +329,9 @@ def _lower(items: list[Item], page: FrontPage, size: float, y: float) -> float:
         under += 1.5
     y = max(low, under) + 1.5
     for note in page.notes[:MOST_NOTES]:
+        at = len(items)
         low = paragraph(items, 5.0, y + 0.8, wrapped(note, WIDTH_MM - 6.0, size, most=2), size)
-        items.append(Path(((1.5, y + 0.8), (1.5, low)), LIGHTS["amber"][0], width_mm=1.0))
+        items.insert(at, Path(((1.5, y + 0.8), (1.5, low)), LIGHTS["amber"][0], width_mm=1.0))
         y = low + 0.6
     if page.steps:
         y = _steps(items, page, y + 1.0, size)

@@ -243,9 +243,7 @@ class TissueProblem:
         shallow = np.maximum([t.ramp.depth_mm for t in self.traces], 1e-3)[:, None] * 0.1
         depth = self.bins.stacked(np.concatenate([t.depth_mm for t in self.traces]))
         rough = self.bins.stacked(1.0 / (0.03 + 0.02 * np.abs(self.force)))
-        factor = np.zeros((*rough.shape, rough.shape[1]))
-        diagonal = np.arange(rough.shape[1])
-        factor[:, diagonal, diagonal] = np.where(self.bins.used, rough, 1.0)
+        factor = np.where(self.bins.used, rough, 1.0)[:, :, None] * np.eye(rough.shape[1])
         last = first = solve(self.model(arms, factor), self.starts(arms), low, high, 1e-7)
         noise: Noise | None = None
         measured, level = self.measured_and_level()
@@ -293,7 +291,7 @@ def problems_of(law: str, mode: str, reduced: list[ReducedTrace], lowpass: Lowpa
 def fitted_force(problem: TissueProblem, optimum: Optimum, index: int) -> NDArray:
     """Fitted force of trace ``index`` of the problem at its nodes, filtered as recorded. [N]"""
     gamma1, gamma, damper = problem.split(optimum.solution.parameters, optimum.arms)
-    group = next(g for g in range(len(problem.groups)) if index < sum(len(part) for part in problem.groups[: g + 1]))
+    group = np.repeat(np.arange(len(problem.groups)), [len(part) for part in problem.groups])[index]
     motion = problem.traces[index].motion
     curve = law_named(problem.law).force(motion, np.exp(gamma1), np.exp(gamma), np.exp(damper[group]))
     return curve if problem.lowpass is None else problem.lowpass.apply(motion.time_s, curve)

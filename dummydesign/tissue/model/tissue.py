@@ -73,7 +73,17 @@ def flatten(numbers: Mapping[str, Any]) -> dict[tuple[str, str], Any]:
 
 
 def subject_parameters(law: str, numbers: Mapping[str, Any], end: str = "value") -> Parameters:
-    """Make parameters of the values, or of the ``low`` or ``high`` ends, of a subject's or a band's numbers."""
+    """Make parameters of a subject's or a band's numbers.
+
+    Parameters
+    ----------
+    law : str
+        Name of the law.
+    numbers : mapping
+        Quantity by outward name; dampers {speed: Quantity}.
+    end : str
+        ``value``, ``low`` or ``high``.
+    """
     return Parameters.from_dict(law, nest({key: getattr(one, end) for key, one in flatten(numbers).items()}))
 
 

@@ -126,8 +126,7 @@ def draw_subject(tissue: Tissue, row: int, velocity_mm_s: float, count: int, rng
     """
     people = People.of(tissue.parameter_sets[row : row + 1], velocity_mm_s)
     spread = own_spread(tissue.subjects[row], velocity_mm_s)
-    logs = log_parameters(people) + spread * rng.standard_normal((count, len(spread)))
-    return people_of_logs(people, logs)
+    return people_of_logs(people, log_parameters(people) + spread * rng.standard_normal((count, len(spread))))
 
 
 def draw_another(tissue: Tissue, velocity_mm_s: float, count: int, rng: np.random.Generator) -> People:
@@ -152,8 +151,7 @@ def draw_another(tissue: Tissue, velocity_mm_s: float, count: int, rng: np.rando
     groups = drawn_tissues(tissue, GROUPS) if _inferred(tissue) else ()
     if groups:
         persons = [one for group in groups for one in group.parameter_sets]
-        chosen = [persons[at] for at in rng.integers(len(persons), size=count)]
-        return People.of(chosen, velocity_mm_s)
+        return People.of([persons[at] for at in rng.integers(len(persons), size=count)], velocity_mm_s)
     logs = log_parameters(people)
     middle = logs.mean(axis=0)
     scatter = (logs - middle).T @ (logs - middle) / (subjects - 1.0) * (1.0 + 1.0 / subjects)

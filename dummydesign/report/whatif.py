@@ -85,8 +85,7 @@ def _select(name: str, text: str, options: tuple[str, ...], chosen: str) -> str:
 
 def live_scripts() -> list[str]:
     """The page's computing and its controls."""
-    folder = Path(__file__).parent
-    return [(folder / name).read_text(encoding="utf-8") for name in ("live.js", "sliders.js")]
+    return [(Path(__file__).parent / name).read_text(encoding="utf-8") for name in ("live.js", "sliders.js")]
 
 
 SHOWN, SERIES = 200, 6

@@ -73,8 +73,7 @@ def press_of(press: Press) -> tuple[float, float]:
 
 def late_mean(motion: Motion, force: NDArray, last_s: float) -> NDArray:
     """Mean force over the last seconds of motions with their own times, shape (p,). [N]"""
-    end = motion.time_s[:, -1:]
-    at = end - last_s * np.linspace(1.0, 0.0, LATE_POINTS)
+    at = motion.time_s[:, -1:] - last_s * np.linspace(1.0, 0.0, LATE_POINTS)
     return np.array([np.interp(*row).mean() for row in zip(at, motion.time_s, force)])
 
 
@@ -127,8 +126,7 @@ class RobotPath:
     def contact_s(self, deeper_mm: NDArray) -> NDArray:
         """Time at which a body is touched that is pressed deeper than the pad by so much. [s]"""
         rise = self.time_s <= self.stop_s
-        top = np.maximum.accumulate(self.x_mm[rise])
-        inside = np.interp(-deeper_mm, top, self.time_s[rise])
+        inside = np.interp(-deeper_mm, np.maximum.accumulate(self.x_mm[rise]), self.time_s[rise])
         braking, gain = self.braking_mm_s2, self.approach_mm_s - self.contact_mm_s
         way = 0.5 * gain * (self.approach_mm_s + self.contact_mm_s) / braking
         slow = np.minimum(np.maximum(deeper_mm, 0.0), way)

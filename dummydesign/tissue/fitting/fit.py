@@ -96,15 +96,13 @@ def find_offsets(traces: Sequence[Trace], law: str, mode: str, arms: int, lowpas
         at = np.clip(at + step, -reach, most)
         if largest < SETTLED_MM:
             break
-    ended = (at >= most) | (at <= -reach)
-    return ContactOffsets(at, at - 1.96 * error, at + 1.96 * error, ended)
+    return ContactOffsets(at, at - 1.96 * error, at + 1.96 * error, (at >= most) | (at <= -reach))
 
 
 def with_unknown_offsets(problem: TissueProblem, optimum: Optimum) -> Optimum:
     """The same fit with the offset of every press counted as unknown."""
     slope = problem.bins.stacked(_slope(problem, optimum))
-    unknown = UNKNOWN_MM**2 * slope[:, :, None] * slope[:, None]
-    factor = whitener(_covariance(problem, optimum) + unknown)
+    factor = whitener(_covariance(problem, optimum) + UNKNOWN_MM**2 * slope[:, :, None] * slope[:, None])
     low, high = problem.box(optimum.arms)
     refit = solve(problem.model(optimum.arms, factor), [optimum.solution.parameters], low, high)
     solution = replace(optimum.solution, parameters=refit.parameters, chi_square=refit.chi_square)
@@ -235,8 +233,7 @@ def fit_traces(
     offsets = None
     if contact == "per-press":
         tell("where each press touched")
-        arms = 2 if elements == "auto" else (int(elements) - 1) // 2
-        offsets = find_offsets(whole, law, mode, arms, lowpass)
+        offsets = find_offsets(whole, law, mode, 2 if elements == "auto" else (int(elements) - 1) // 2, lowpass)
         traces = shifted(whole, offsets.value_mm)
     reduced = [reduce_trace(trace) for trace in traces]
     problems = problems_of(law, mode, reduced, lowpass)

@@ -93,8 +93,7 @@ def reduce_trace(trace: Trace) -> ReducedTrace:
 
 def _edges(ramp: Ramp, time: NDArray) -> NDArray:
     """Bin edges [s]: one bin before contact, the rise, the hold."""
-    step = float(np.median(np.diff(time)))
-    before = max(float(time[0]), ramp.contact_time_s - 3 * max(step, 1e-3))
+    before = max(float(time[0]), ramp.contact_time_s - 3 * max(float(np.median(np.diff(time))), 1e-3))
     rise = np.linspace(ramp.contact_time_s, ramp.stop_time_s, RISE_BINS + 1)
     hold = ramp.stop_time_s + hold_edges(FIRST_HOLD_S, ramp.hold_end_s - ramp.stop_time_s)
     return np.unique(np.r_[before, rise, hold])
@@ -111,8 +110,7 @@ def _nodes(time: NDArray, edges: NDArray, ramp: Ramp) -> NDArray:
     hold = edges[edges >= ramp.stop_time_s]
     middle = 0.5 * (hold[:-1] + hold[1:])
     nodes = np.union1d(np.r_[rise, ramp.contact_time_s, ramp.stop_time_s], np.r_[hold, middle])
-    nodes = nodes[(nodes >= edges[0]) & (nodes <= ramp.hold_end_s)]
-    return distinct(nodes, 1e-7)
+    return distinct(nodes[(nodes >= edges[0]) & (nodes <= ramp.hold_end_s)], 1e-7)
 
 
 def between(at: NDArray, time: NDArray, x: NDArray) -> NDArray:

@@ -25,8 +25,7 @@ def stack(subjects: Sequence[Parameters], velocity_mm_s: float) -> tuple[NDArray
     """Stack gamma1 (S,), gamma (S, arms) and dampers (S, arms) of a tissue's subjects at one speed."""
     gamma1 = np.array([subject.gamma1_N_per_mm3 for subject in subjects])
     gamma = np.array([subject.gamma_N_per_mm3 for subject in subjects])
-    dampers = np.array([subject.dampers_at(velocity_mm_s) for subject in subjects])
-    return gamma1, gamma, dampers
+    return gamma1, gamma, np.array([subject.dampers_at(velocity_mm_s) for subject in subjects])
 
 
 class Drive:

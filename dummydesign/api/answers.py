@@ -368,7 +368,7 @@ class Fitted(Result):
 
     def to_frame(self) -> Any:
         """Return the parameters with their intervals as a DataFrame, one row a parameter (needs pandas)."""
-        rows = parameter_rows(self.outcome.to_dict()["parameters"])
+        rows = parameter_rows(self.result["parameters"])
         return frame_of([{"parameter": label, **one} for label, one in rows])
 
 

@@ -105,7 +105,7 @@ def fit(
     asked = question_of_traces("fit", inputs, names, read)
     with nullcontext() if out is None else new_files(out, asked, replace=replace) as output:
         fitted = fit_traces(read, count, law, mode, passed, contact=contact, progress=progress)
-        result = {"inputs": inputs, **fitted.to_dict(), "sources": [LAW_SOURCE], "files": {}}
+        result = {"inputs": inputs, **fitted.result, "sources": [LAW_SOURCE], "files": {}}
         if output is not None:
             from dummydesign.report.fit import write_fit
 

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import csv
+import io
 import os
 import time
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from secrets import token_hex
@@ -44,6 +46,13 @@ def output_folder(path: str | Path) -> Path:
 def write_text(path: str | Path, text: str) -> Path:
     """Write ``text`` under a dotted temporary name beside ``path`` and rename it when complete."""
     return write_bytes(path, text.encode("utf-8"))
+
+
+def csv_text(head: Iterable[str], rows: Iterable[Iterable[object]]) -> str:
+    """Return a table as the text of a CSV file."""
+    stream = io.StringIO()
+    csv.writer(stream, lineterminator="\n").writerows([head, *rows])
+    return stream.getvalue()
 
 
 def write_bytes(path: str | Path, content: bytes) -> Path:

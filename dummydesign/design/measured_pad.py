@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -22,13 +22,12 @@ from dummydesign.geometry.dimensions import PUNCH
 from dummydesign.geometry.interface import CONDITIONS, Interface
 from dummydesign.geometry.punch import read_punch
 from dummydesign.measurement.motion import work_mJ
-from dummydesign.tissue.comparison import Comparison, PressTest, braking_of, compare_traces, hold_of, missing_of
-from dummydesign.tissue.fitting.reduction import ReducedTrace, condition_groups
+from dummydesign.tissue.comparison import ComparedPress, Comparison, PressTest, compare_traces, hold_of, missing_of
+from dummydesign.tissue.fitting.reduction import ReducedTrace
 from dummydesign.tissue.model.laws import law_named
 
 if TYPE_CHECKING:
     from dummydesign.measurement.campaign import Campaign
-    from dummydesign.tissue.model.ranges import ForceRange
     from dummydesign.tissue.model.tissue import Tissue
 
 
@@ -108,19 +107,16 @@ def verdict_of_traces(comparison: Comparison, tissue: Tissue) -> Verdict:
     depth. A press of the test that was not made, or without a test a speed of the tissue at which the pad was not
     pressed, leaves open whether it is inside.
     """
-    bands = {id(trace): band for trace, band in comparison.presses}
     noise = float(comparison.fit.result["noise_floor_N"] or 0.0)
-    rows = [
-        _press([(trace, bands[id(trace)]) for trace in group], tissue, comparison.test, speed, noise)
-        for speed, _, group in condition_groups([trace for trace, _ in comparison.presses])
-    ]
+    rows = [_press(pressed, tissue, speed, noise) for speed, pressed in comparison.conditions]
+    reduced = [press.trace for press in comparison.presses]
     lowest = comparison.test.span_N[0]
     force, speeds, low, high, least, most, peak, error, energy = (np.array(column) for column in zip(*rows))
     from_N = max(lowest * (1 - 1e-9), 0.97 * comparison.points[0, 1])
     grid = (comparison.grid_N >= from_N) & np.isfinite(comparison.steady)
     steady, depth = comparison.grid_N[grid], comparison.steady[grid]
     stiff, soft = (edge[grid] for edge in comparison.range_mm)
-    hold = hold_of([trace for trace, _ in comparison.presses], comparison.test)
+    hold = hold_of(reduced, comparison.test)
     exponent = law_named(tissue.law).exponent_of(tissue.parameter_sets, *comparison.test.span_N, hold)
     ranges = Ranges(force, speeds, low, high, least, most, steady, stiff, soft, len(tissue.subjects), exponent)
     rng = np.random.default_rng(SEED)
@@ -129,26 +125,20 @@ def verdict_of_traces(comparison: Comparison, tissue: Tissue) -> Verdict:
         energy * (1.0 + error / peak * rng.standard_normal((DRAWS, len(peak)))),
         depth + DEPTH_ERROR_MM * rng.standard_normal((DRAWS, 1)),
     )
-    unsettled = missing_of([trace for trace, _ in comparison.presses], comparison.test, tissue.velocities_mm_s)
+    unsettled = missing_of(reduced, comparison.test, tissue.velocities_mm_s)
     if not len(steady):
         unsettled = " and ".join(filter(None, [unsettled, f"it was not pressed above {lowest:g} N"]))
     readings = Readings(peak, energy, depth)
     return verdict(ranges, readings, spread, of="pads that fit these traces", unsettled=unsettled, cast=True)
 
 
-def _press(
-    pairs: list[tuple[ReducedTrace, ForceRange]], tissue: Tissue, test: PressTest, measured_mm_s: float,
-    noise_N: float,
-) -> tuple[float, ...]:
+def _press(pressed: Sequence[ComparedPress], tissue: Tissue, speed_mm_s: float, noise_N: float) -> tuple[float, ...]:
     """One condition: force, speed, outermost peaks and energies of the subjects, the pad's, and its peak's error."""
-    peaks = np.array([peak_of(trace, noise_N) for trace, _ in pairs])
-    energies = np.array([energy_of(trace) for trace, _ in pairs])
+    peaks = np.array([peak_of(press.trace, noise_N) for press in pressed])
+    energies = np.array([energy_of(press.trace) for press in pressed])
     outer = []
-    speed_mm_s = test.speed_of(measured_mm_s)
-    for trace, band in pairs:
-        hold = trace.ramp.hold_end_s - trace.ramp.stop_time_s
-        braking = test.deceleration_mm_s2 or braking_of(trace, speed_mm_s)
-        sampling = Sampling(hold_s=hold, deceleration_mm_s2=braking)
+    for trace, band, braking in pressed:
+        sampling = Sampling(hold_s=trace.hold_s, deceleration_mm_s2=braking)
         energy = tissue_press(band, tissue.law, sampling).energy_mJ
         outer.append((trace.steady_force_N, band.peak_low_N, band.peak_high_N, energy.min(), energy.max()))
     force, low, high, least, most = np.mean(outer, axis=0)

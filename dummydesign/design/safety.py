@@ -103,8 +103,8 @@ def tissue_body(subjects: Sequence[Parameters], velocity_mm_s: float) -> Body:
     from dummydesign.tissue.model.laws import law_named
     from dummydesign.tissue.model.maxwell_law import stack
 
-    law, gamma1, gamma, dampers = stack(tuple(subjects), velocity_mm_s)
-    form = law_named(law)
+    gamma1, gamma, dampers = stack(subjects, velocity_mm_s)
+    form = law_named(subjects[0].law)
     form.stretch_rates(np.zeros(len(gamma1)), gamma / dampers)  # says at once if the law does not
 
     def force(x: NDArray, q: NDArray) -> NDArray:

@@ -183,21 +183,19 @@ def test_readings_of_repeats_are_averaged_and_their_scatter_is_over_the_lowest_s
         return SimpleNamespace(energy_mJ=np.array([3.0, 9.0]) * band.scale)
 
     monkeypatch.setattr(measured_pad, "tissue_press", press)
-    monkeypatch.setattr(measured_pad, "braking_of", lambda trace, speed: 1234.0)
 
     def pair(name, low, scale):
-        ramp = SimpleNamespace(hold_end_s=7.5, stop_time_s=0.5)
         band = SimpleNamespace(peak_low_N=low, peak_high_N=2.0 * low, scale=scale)
-        return SimpleNamespace(name=name, ramp=ramp, steady_force_N=5.0 + name), band
+        return SimpleNamespace(name=name, hold_s=7.0, steady_force_N=5.0 + name), band, 1234.0
 
-    test = SimpleNamespace(speed_of=lambda speed: 250.0, deceleration_mm_s2=None)
-    row = measured_pad._press([pair(1, 10.0, 1.0), pair(2, 12.0, 2.0)], SimpleNamespace(law="x"), test, 248.0, 0.3)
+    pressed = [measured_pad.ComparedPress(*pair(*one)) for one in ((1, 10.0, 1.0), (2, 12.0, 2.0))]
+    row = measured_pad._press(pressed, SimpleNamespace(law="x"), 250.0, 0.3)
     force, speed, low, high, least, most, peak, error, energy = row
     assert (force, speed, low, high) == (6.5, 250.0, 11.0, 22.0) and (least, most) == (4.5, 13.5)
     assert (peak, energy) == (12.0, 6.0) and asked[0].hold_s == 7.0 and asked[0].deceleration_mm_s2 == 1234.0
     scatter = np.std([1.1, 13.0 / 12.0], ddof=1) * 11.0
     assert error == pytest.approx(np.hypot(0.3, scatter) / np.sqrt(2.0))
-    alone = measured_pad._press([pair(1, 10.0, 1.0)], SimpleNamespace(law="x"), test, 248.0, 0.3)
+    alone = measured_pad._press(pressed[:1], SimpleNamespace(law="x"), 250.0, 0.3)
     assert alone[7] == pytest.approx(0.3)
 
 

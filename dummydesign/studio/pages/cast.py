@@ -346,7 +346,7 @@ class PeopleOfPad:
 
     def _keep_limits(self, name: str, content: bytes) -> str:
         """Keep a file of limits that can be read, and choose it."""
-        from dummydesign.design.assessment.safety import read_limits
+        from dummydesign.design.safety import read_limits
 
         if Path(file_transfer.plain_name(name)).suffix.lower() != ".toml":
             raise InputError("choose a file that ends in .toml", "unknown_name", "file_ending", name, ".toml")

@@ -7,13 +7,14 @@ from contextlib import AbstractContextManager, nullcontext
 from copy import deepcopy
 from dataclasses import dataclass, field
 from html import escape
-from os import PathLike, fspath
+from os import fspath
 from typing import TYPE_CHECKING, Any
 from warnings import warn
 
 import numpy as np
 
 from dummydesign.core.errors import InputError
+from dummydesign.core.files import FilePath
 from dummydesign.core.manifest import Question
 from dummydesign.core.serialise import parameter_rows, with_texts
 
@@ -256,14 +257,9 @@ IGNORED_INPUTS = ("out", "workers", "scheduler", "resume", "replace", "save_prof
 
 
 def question(
-    command: str,
-    inputs: Mapping[str, Any],
-    *,
-    tissue: str | None = None,
-    resin: str | None = None,
-    preset: str | None = None,
-    files: Iterable[str | PathLike[str] | None] = (),
-) -> Question:
+    command: str, inputs: Mapping[str, Any], *, tissue: str | None = None, resin: str | None = None,
+    preset: str | None = None, files: Iterable[FilePath | None] = (),
+) -> Question:  # fmt: skip
     """Make the question of a call.
 
     Parameters
@@ -281,16 +277,14 @@ def question(
 
     named = (("materials/tissues", "tissue", tissue), ("materials/resins", "resin", resin),
              ("molds", "mould preset", preset))  # fmt: skip
-    read: dict[str, str | PathLike[str]] = {
+    read: dict[str, FilePath] = {
         f"{what} {name}": find(kind, what, name).path for kind, what, name in named if name is not None
     }
     read |= {fspath(path): path for path in files if path is not None}
     return Question(command, {key: value for key, value in inputs.items() if key not in IGNORED_INPUTS}, read)
 
 
-def answer_folder(
-    out: str | PathLike[str] | None, asked: Question, replace: bool
-) -> AbstractContextManager[Output | None]:
+def answer_folder(out: FilePath | None, asked: Question, replace: bool) -> AbstractContextManager[Output | None]:
     """Open the folder of an answer; None where nothing is to be written.
 
     Parameters

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import ExitStack
-from os import PathLike, fspath
+from os import fspath
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from dummydesign.api.answers import Result, question
 from dummydesign.core.errors import InputError
+from dummydesign.core.files import FilePath
 from dummydesign.core.parsing import check_units
 from dummydesign.core.process import quiet
 
@@ -21,7 +22,7 @@ if TYPE_CHECKING:
 
 
 def plan_campaign(
-    folder: str | PathLike[str], set_up: SetUp, design: PlanSettings, *, power: bool = True, replace: bool = False,
+    folder: FilePath, set_up: SetUp, design: PlanSettings, *, power: bool = True, replace: bool = False,
     units: str = "mm",
 ) -> Result:  # fmt: skip
     """Make a randomised, balanced plan of presses, with its campaign file and a sheet to press from.
@@ -219,7 +220,7 @@ def _empty_campaign(set_up: SetUp, tables: Mapping[str, Mapping[str, Any]]) -> C
     )  # fmt: skip
 
 
-def check_campaign(folder: str | PathLike[str]) -> Result:
+def check_campaign(folder: FilePath) -> Result:
     """Say what of a campaign is not yet pressed, and what looks wrong.
 
     Parameters
@@ -248,14 +249,9 @@ def check_campaign(folder: str | PathLike[str]) -> Result:
 
 
 def campaign_from_files(
-    folder: str | PathLike[str],
-    files: Iterable[str | PathLike[str]],
-    set_up: SetUp,
-    *,
-    table: str | PathLike[str] | None = None,
-    thickness_mm: float | None = None,
-    replace: bool = False,
-) -> Result:
+    folder: FilePath, files: Iterable[FilePath], set_up: SetUp, *,
+    table: FilePath | None = None, thickness_mm: float | None = None, replace: bool = False,
+) -> Result:  # fmt: skip
     """Make a campaign of traces that one has; they are copied, never changed.
 
     Parameters
@@ -310,19 +306,13 @@ def campaign_from_files(
     return Result(trials, result)
 
 
-Paths = Iterable["str | PathLike[str]"]
+Paths = Iterable[FilePath]
 
 
 def calibrate(
-    campaign: str | PathLike[str],
-    *,
-    effects: Paths = (),
-    prior: str | PathLike[str] | None = None,
-    plan: str | PathLike[str] | None = None,
-    out: str | PathLike[str] | None = None,
-    replace: bool = False,
-    progress: Callable[[str], None] | None = None,
-) -> Result:
+    campaign: FilePath, *, effects: Paths = (), prior: FilePath | None = None, plan: FilePath | None = None,
+    out: FilePath | None = None, replace: bool = False, progress: Callable[[str], None] | None = None,
+) -> Result:  # fmt: skip
     """Find what the model lacks in a measured campaign, and correct it; see :func:`dummydesign.loop.run.close_loop`.
 
     Parameters
@@ -393,7 +383,7 @@ def calibrate(
 
 
 def replay(
-    campaign: str | PathLike[str], calibration: str | PathLike[str], *, tissue: str | None = None, effects: Paths = (),
+    campaign: FilePath, calibration: FilePath, *, tissue: str | None = None, effects: Paths = (),
     progress: Callable[[str], None] | None = None,
 ) -> Result:  # fmt: skip
     """Predict a campaign with a calibration and compare with what was measured.

@@ -7,12 +7,13 @@ from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass
 from dataclasses import replace as replace_fields
 from math import isfinite
-from os import PathLike, fspath
+from os import fspath
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from dummydesign.api.answers import Answer, Result, Rows, answer_folder, question
 from dummydesign.core.errors import InputError, NoAnswerError, out_of_range
+from dummydesign.core.files import FilePath
 from dummydesign.core.parsing import MASS, ROBOT_VELOCITY, read_number
 from dummydesign.design.options import read_options
 
@@ -34,41 +35,19 @@ Numbers = float | str | Iterable[float | str]
 
 
 def suggest(
-    tissue: str,
-    *,
-    aim: str = "average",
-    resin: str = "polyurethane-nagoya",
-    thickness_mm: tuple[float, float] | str | None = None,
-    ratio: tuple[float, float] | str | None = None,
-    shape: str = "auto",
-    calibration: str | PathLike[str] | None = None,
-    effects: Iterable[str | PathLike[str]] = (),
-    verify: bool = True,
-    cad: bool | None = None,
-    punch: str = "square:14",
-    force_N: Numbers = (5.0, 10.0, 15.0),
-    velocity_mm_s: Numbers = (10.0, 250.0),
-    hold_s: float | str = 10.0,
-    deceleration_mm_s2: float | str = 30_000.0,
-    pad: tuple[float, float] | str = "150x120",
-    base: str = "bonded",
-    edge_radius_mm: float | str = 0.0,
-    condition: str | None = None,
-    preset: str = "open",
-    machine: str | None = None,
-    silicone: str | None = None,
-    sites: tuple[int, int] | str | None = None,
-    balance_g: float | str = 0.1,
-    thickness_tolerance_mm: float | str = 0.2,
-    castings: int | str = 1200,
-    robot_mass_kg: float | str | None = None,
-    robot_velocity_mm_s: float | str | None = None,
-    limits: str | PathLike[str] | None = None,
-    drive: str | None = None,
-    out: str | PathLike[str] | None = None,
-    replace: bool = False,
-    progress: Callable[[str], None] | None = None,
-) -> Answer:
+    tissue: str, *, aim: str = "average", resin: str = "polyurethane-nagoya",
+    thickness_mm: tuple[float, float] | str | None = None, ratio: tuple[float, float] | str | None = None,
+    shape: str = "auto", calibration: FilePath | None = None, effects: Iterable[FilePath] = (),
+    verify: bool = True, cad: bool | None = None, punch: str = "square:14",
+    force_N: Numbers = (5.0, 10.0, 15.0), velocity_mm_s: Numbers = (10.0, 250.0), hold_s: float | str = 10.0,
+    deceleration_mm_s2: float | str = 30_000.0, pad: tuple[float, float] | str = "150x120",
+    base: str = "bonded", edge_radius_mm: float | str = 0.0, condition: str | None = None, preset: str = "open",
+    machine: str | None = None, silicone: str | None = None, sites: tuple[int, int] | str | None = None,
+    balance_g: float | str = 0.1, thickness_tolerance_mm: float | str = 0.2, castings: int | str = 1200,
+    robot_mass_kg: float | str | None = None, robot_velocity_mm_s: float | str | None = None,
+    limits: FilePath | None = None, drive: str | None = None, out: FilePath | None = None,
+    replace: bool = False, progress: Callable[[str], None] | None = None,
+) -> Answer:  # fmt: skip
     """Recommend ratio, thickness and, on request, shape of a pad for a tissue; with ``out`` its mould and report.
 
     Parameters
@@ -308,9 +287,7 @@ def _write_answer(output: Output, result: dict[str, Any], curves: Any) -> Path:
     return write_text(output.path(ANSWER), json_text("suggest", kept) + "\n")
 
 
-def compare_designs(
-    folders: Iterable[str | PathLike[str]], *, out: str | PathLike[str] | None = None, replace: bool = False
-) -> Result:
+def compare_designs(folders: Iterable[FilePath], *, out: FilePath | None = None, replace: bool = False) -> Result:
     """Compare the designs of several folders of ``suggest``; see :mod:`dummydesign.design.comparison`.
 
     Parameters
@@ -354,30 +331,15 @@ Values = float | str | Iterable[float]
 
 
 def whatif(
-    thickness_mm: Values,
-    ratio: Values | None = None,
-    *,
-    resin: str = "polyurethane-nagoya",
-    tissue: str | None = None,
-    aim: str = "average",
-    punch: str | Iterable[str] = "square:14",
-    condition: str | Iterable[str] = "bonded",
-    base: str | Iterable[str] = "bonded",
-    shape: str | Iterable[str] = "slab",
-    edge_radius_mm: Values = 0.0,
-    velocity_mm_s: Values = (10.0, 250.0),
-    force_N: Values = (1.0, 5.0, 10.0, 15.0),
-    hold_s: float | str = 10.0,
-    deceleration_mm_s2: float | str = 30_000.0,
-    fidelity: str = "table",
-    workers: int = 1,
-    scheduler: str | None = None,
-    executor: Executor | None = None,
-    out: str | PathLike[str] | None = None,
-    resume: bool = False,
-    replace: bool = False,
-    progress: Callable[[int, int], None] | None = None,
-) -> Rows:
+    thickness_mm: Values, ratio: Values | None = None, *, resin: str = "polyurethane-nagoya",
+    tissue: str | None = None, aim: str = "average", punch: str | Iterable[str] = "square:14",
+    condition: str | Iterable[str] = "bonded", base: str | Iterable[str] = "bonded",
+    shape: str | Iterable[str] = "slab", edge_radius_mm: Values = 0.0, velocity_mm_s: Values = (10.0, 250.0),
+    force_N: Values = (1.0, 5.0, 10.0, 15.0), hold_s: float | str = 10.0,
+    deceleration_mm_s2: float | str = 30_000.0, fidelity: str = "table", workers: int = 1,
+    scheduler: str | None = None, executor: Executor | None = None, out: FilePath | None = None,
+    resume: bool = False, replace: bool = False, progress: Callable[[int, int], None] | None = None,
+) -> Rows:  # fmt: skip
     """Work out every combination of slabs, ratios, punches and supports.
 
     Parameters

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from os import PathLike, fspath
+from os import fspath
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
 
 from dummydesign.api.answers import Result, question
 from dummydesign.core.errors import InputError, NoAnswerError
+from dummydesign.core.files import FilePath
 from dummydesign.core.parsing import LENGTH, WIDTH, read_number
 
 if TYPE_CHECKING:
@@ -17,26 +18,13 @@ if TYPE_CHECKING:
 
 
 def make_mould(
-    thickness_mm: float | str | Iterable[float],
-    *,
-    length_mm: float | str = 150.0,
-    width_mm: float | str = 120.0,
-    shape: str = "slab",
-    preset: str = "open",
-    resin: str | None = None,
-    ratio: float = 15.0,
-    count: int = 1,
-    castings: int = 1,
-    base_ratio: float | None = None,
-    face_sheet_mm: float | None = None,
-    bone: str | PathLike[str] | None = None,
-    bone_height_mm: float | None = None,
-    bone_scale: float = 1.0,
-    bone_turn_deg: tuple[float, float, float] = (0.0, 0.0, 0.0),
-    bone_at_mm: tuple[float, float] = (0.0, 0.0),
-    out: str | PathLike[str] | None = None,
-    replace: bool = False,
-) -> Result:
+    thickness_mm: float | str | Iterable[float], *, length_mm: float | str = 150.0,
+    width_mm: float | str = 120.0, shape: str = "slab", preset: str = "open", resin: str | None = None,
+    ratio: float = 15.0, count: int = 1, castings: int = 1, base_ratio: float | None = None,
+    face_sheet_mm: float | None = None, bone: FilePath | None = None, bone_height_mm: float | None = None,
+    bone_scale: float = 1.0, bone_turn_deg: tuple[float, float, float] = (0.0, 0.0, 0.0),
+    bone_at_mm: tuple[float, float] = (0.0, 0.0), out: FilePath | None = None, replace: bool = False,
+) -> Result:  # fmt: skip
     """Make the silicone mould of a pad: STEP files, printable master and frame, pour sheet, all checked.
 
     Parameters
@@ -156,7 +144,7 @@ def _boned(
 
 
 def _make_one(
-    spec: MouldSpec, resin: str | None, preset: str, out: str | PathLike[str] | None, replace: bool,
+    spec: MouldSpec, resin: str | None, preset: str, out: FilePath | None, replace: bool,
     bone_file: Path | None = None,
 ) -> Result:  # fmt: skip
     from dummydesign.core.outputs import new_folder
@@ -193,8 +181,7 @@ def _make_one(
 
 
 def _make_job(
-    specs: list[MouldSpec], castings: int, resin: str | None, preset: str, out: str | PathLike[str] | None,
-    replace: bool,
+    specs: list[MouldSpec], castings: int, resin: str | None, preset: str, out: FilePath | None, replace: bool,
 ) -> Result:  # fmt: skip
     from dummydesign.mold.job import folder_name, job_inputs, make_job
 
@@ -207,20 +194,12 @@ def _make_job(
 
 
 def record_pad(
-    folder: str | PathLike[str],
-    thicknesses_mm: Iterable[float] | Mapping[str, float],
-    mass_g: float,
-    *,
-    modulus_kPa: float | None = None,
-    level_deg: float | None = None,
-    bubbles: int | None = None,
-    gauge_mm: float | None = None,
-    note: str = "",
-    replace: bool = False,
-    modulus_error_kPa: float | None = None,
-    weighed_g: Mapping[str, float] | None = None,
+    folder: FilePath, thicknesses_mm: Iterable[float] | Mapping[str, float], mass_g: float, *,
+    modulus_kPa: float | None = None, level_deg: float | None = None, bubbles: int | None = None,
+    gauge_mm: float | None = None, note: str = "", replace: bool = False,
+    modulus_error_kPa: float | None = None, weighed_g: Mapping[str, float] | None = None,
     scale_g: float | None = None,
-) -> Result:
+) -> Result:  # fmt: skip
     """Keep what was really poured in the folder of its mould, and say which limits the pad misses.
 
     Parameters

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from math import inf, pi, sqrt
-from os import PathLike, fspath
+from os import fspath
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from dummydesign.api.answers import Result
 from dummydesign.core.errors import InputError
+from dummydesign.core.files import FilePath
 from dummydesign.core.parsing import (
     DECELERATION,
     DEPTH,
@@ -175,36 +176,17 @@ MOVED = ("time_s", "displacement_mm", "force_N", "force_low_N", "force_high_N")
 
 
 def predict(
-    thickness_mm: float | str,
-    *,
-    young_kPa: float | str | None = None,
-    resin: str | None = None,
-    ratio: float | None = None,
-    depth_mm: str | float | Iterable[float] | None = None,
-    motion: str | PathLike[str] | None = None,
-    force_N: float | str | Iterable[float] | None = None,
-    velocity_mm_s: float | str | Iterable[float] | None = None,
-    hold_s: float | str = 10.0,
-    deceleration_mm_s2: float | str = 30000.0,
-    tissue: str | None = None,
-    aim: str = "average",
-    punch: str = "square:14",
-    condition: str = "bonded",
-    base: str = "bonded",
-    pad: str = "slab:150x120",
-    shape: str = "slab",
-    poisson: float = 0.5,
-    law: str = "neo-hookean",
-    edge_radius_mm: float | str = 0.0,
-    prony: str | None = None,
-    fidelity: str = "table",
-    out: str | PathLike[str] | None = None,
-    rate_Hz: float | str | None = None,
-    units: str = "mm",
-    fields: str | PathLike[str] | None = None,
-    picture: str | PathLike[str] | None = None,
-    progress: Callable[[float], None] | None = None,
-) -> Result:
+    thickness_mm: float | str, *, young_kPa: float | str | None = None, resin: str | None = None,
+    ratio: float | None = None, depth_mm: str | float | Iterable[float] | None = None,
+    motion: FilePath | None = None, force_N: float | str | Iterable[float] | None = None,
+    velocity_mm_s: float | str | Iterable[float] | None = None, hold_s: float | str = 10.0,
+    deceleration_mm_s2: float | str = 30000.0, tissue: str | None = None, aim: str = "average",
+    punch: str = "square:14", condition: str = "bonded", base: str = "bonded", pad: str = "slab:150x120",
+    shape: str = "slab", poisson: float = 0.5, law: str = "neo-hookean", edge_radius_mm: float | str = 0.0,
+    prony: str | None = None, fidelity: str = "table", out: FilePath | None = None,
+    rate_Hz: float | str | None = None, units: str = "mm", fields: FilePath | None = None,
+    picture: FilePath | None = None, progress: Callable[[float], None] | None = None,
+) -> Result:  # fmt: skip
     """Force of one pad at static depths, under a measured motion, or in a ramp and hold.
 
     Parameters
@@ -391,9 +373,7 @@ def _in_units(name: str, value: Any) -> Any:
     return values[0] if len(values) == 1 else values
 
 
-def _against(
-    made: Pad | Puck, inputs: dict[str, Any], young: dict[str, float]
-) -> tuple[dict[str, Any], Tissue]:
+def _against(made: Pad | Puck, inputs: dict[str, Any], young: dict[str, float]) -> tuple[dict[str, Any], Tissue]:
     """Verdict and presses of the pad against a tissue, and the tissue."""
     from dummydesign.design.pad_evaluator import verdict_of_pad
     from dummydesign.design.scoring.presses import Sampling
@@ -413,7 +393,7 @@ def _against(
 
 
 def _add_fields(
-    made: Pad | Puck, result: dict[str, Any], path: str | PathLike[str] | None, picture: str | PathLike[str] | None
+    made: Pad | Puck, result: dict[str, Any], path: FilePath | None, picture: FilePath | None
 ) -> dict[str, Any]:
     """Put the contact pressures into the answer, and write fields and picture where requested."""
     from dummydesign.pad.fields import contact_pressures, has_fields, solve_fields

@@ -5,12 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping
 from contextlib import nullcontext
 from dataclasses import replace as replace_fields
-from os import PathLike, fspath
+from os import fspath
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from dummydesign.api.answers import Fitted, Result, answer_folder, question
 from dummydesign.core.errors import InputError
+from dummydesign.core.files import FilePath
 from dummydesign.core.parsing import RATE, RATES_HZ, read_allowed
 from dummydesign.core.quantity import PAPER
 
@@ -20,22 +21,15 @@ if TYPE_CHECKING:
     from dummydesign.measurement.trace import Trace
 
 LAW_SOURCE = f"{PAPER}, equations (4) to (6)"
-Traces = Iterable["str | PathLike[str] | Trace"]
+Traces = Iterable["FilePath | Trace"]
 Numbers = float | str | Iterable[float | str]
 
 
 def fit(
-    traces: Traces,
-    *,
-    elements: int | str = "auto",
-    law: str = "ode",
-    mode: str = "auto",
-    contact: str = "none",
-    lowpass: str | None = None,
-    out: str | PathLike[str] | None = None,
-    replace: bool = False,
-    progress: Callable[[str], None] | None = None,
-) -> Fitted:
+    traces: Traces, *, elements: int | str = "auto", law: str = "ode", mode: str = "auto",
+    contact: str = "none", lowpass: str | None = None, out: FilePath | None = None,
+    replace: bool = False, progress: Callable[[str], None] | None = None,
+) -> Fitted:  # fmt: skip
     """Fit the tissue law to traces of one tissue or dummy; see :func:`dummydesign.tissue.fitting.fit.fit_traces`.
 
     Parameters
@@ -117,22 +111,12 @@ def fit(
 
 
 def compare(
-    traces: Traces,
-    tissue: str,
-    *,
-    lowpass: str | None = None,
-    record: str | PathLike[str] | None = None,
-    punch: str = "square:14",
-    edge_radius_mm: float | str = 0.0,
-    force_N: Numbers | None = None,
-    velocity_mm_s: Numbers | None = None,
-    hold_s: float | str | None = None,
-    deceleration_mm_s2: float | str | None = None,
-    condition: str | None = None,
-    out: str | PathLike[str] | None = None,
-    replace: bool = False,
-    progress: Callable[[str], None] | None = None,
-) -> Result:
+    traces: Traces, tissue: str, *, lowpass: str | None = None, record: FilePath | None = None,
+    punch: str = "square:14", edge_radius_mm: float | str = 0.0, force_N: Numbers | None = None,
+    velocity_mm_s: Numbers | None = None, hold_s: float | str | None = None,
+    deceleration_mm_s2: float | str | None = None, condition: str | None = None, out: FilePath | None = None,
+    replace: bool = False, progress: Callable[[str], None] | None = None,
+) -> Result:  # fmt: skip
     """Compare the traces of a cast dummy with a tissue; see :mod:`dummydesign.tissue.comparison`.
 
     Parameters
@@ -263,24 +247,13 @@ def read_traces(traces: Traces) -> tuple[list[str], list[Trace]]:
 
 
 def import_traces(
-    files: Iterable[str | PathLike[str]],
-    *,
-    profile: str | None = None,
-    save_profile: str | None = None,
-    columns: Mapping[str, str] | None = None,
-    units: Mapping[str, str] | None = None,
-    separator: str | None = None,
-    decimal: str | None = None,
-    encoding: str | None = None,
-    skip: int | None = None,
-    flip: Iterable[str] | None = None,
-    tare: str | None = None,
-    contact: str | None = None,
-    split: str | None = None,
-    sheets: str | None = None,
-    out: str | PathLike[str] | None = None,
-    replace: bool = False,
-) -> Result:
+    files: Iterable[FilePath], *, profile: str | None = None, save_profile: str | None = None,
+    columns: Mapping[str, str] | None = None, units: Mapping[str, str] | None = None,
+    separator: str | None = None, decimal: str | None = None, encoding: str | None = None,
+    skip: int | None = None, flip: Iterable[str] | None = None, tare: str | None = None,
+    contact: str | None = None, split: str | None = None, sheets: str | None = None,
+    out: FilePath | None = None, replace: bool = False,
+) -> Result:  # fmt: skip
     """Read files as test machines wrote them, and write each press as a trace.
 
     What is None is taken from the profile, and where there is none from the file.
@@ -378,18 +351,10 @@ GUARD_BAND = "JCGM 106:2012, The role of measurement uncertainty in conformity a
 
 
 def on_person(
-    traces: Traces,
-    tissue: str,
-    *,
-    drive: str = "position",
-    limits: str | PathLike[str] | None = None,
-    lowpass: str | None = None,
-    rate: float | str = 1000.0,
-    punch: str = "square:14",
-    out: str | PathLike[str] | None = None,
-    replace: bool = False,
-    progress: Callable[[str], None] | None = None,
-) -> Result:
+    traces: Traces, tissue: str, *, drive: str = "position", limits: FilePath | None = None,
+    lowpass: str | None = None, rate: float | str = 1000.0, punch: str = "square:14",
+    out: FilePath | None = None, replace: bool = False, progress: Callable[[str], None] | None = None,
+) -> Result:  # fmt: skip
     """Work out what presses on a pad would have been on people; see :mod:`dummydesign.person`.
 
     Parameters

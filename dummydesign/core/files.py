@@ -11,6 +11,8 @@ from typing import IO
 
 from dummydesign.core.errors import InputError
 
+FilePath = str | os.PathLike[str]
+
 
 def unwritable(what: str, path: str | Path, problem: OSError, quantity: str) -> InputError:
     """Make the error for a file or folder that the system refuses to write."""

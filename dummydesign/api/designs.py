@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from contextlib import AbstractContextManager, nullcontext
-from dataclasses import dataclass
 from dataclasses import replace as replace_fields
 from math import isfinite
 from os import fspath
@@ -26,7 +25,6 @@ if TYPE_CHECKING:
     from dummydesign.design.safety_view import SafetyView
     from dummydesign.design.suggestion import Suggestion
     from dummydesign.design.sweep.spec import Study
-    from dummydesign.person.drives.drive import Drive
     from dummydesign.resin.model.resin import Resin
 
 
@@ -145,8 +143,11 @@ def suggest(
         "robot_mass_kg": robot_mass_kg,
         "robot_velocity_mm_s": robot_velocity_mm_s,
         "limits": None if limits is None else str(limits),
-        **({} if drive is None else {"drive": _drive(drive).text}),
     }
+    if drive is not None:
+        from dummydesign.person.drives import read_drive
+
+        inputs["drive"] = read_drive(drive).text
     own = [fspath(path) for path in effects]
     with _effects(own, request.calibration):
         return _answer(request, inputs, own, folder, replace, progress or (lambda step: None))
@@ -189,15 +190,15 @@ def _answer(
     with answer_folder(folder, asked, replace) as output:
         suggestion = design(wanted, progress)
         safety = safety_view(suggestion, mass_kg, velocity_mm_s, limits)
-        people = _on_people(suggestion, inputs.get("drive"), limits)
+        people, people_sections = _on_people(suggestion, inputs.get("drive"), limits)
         if output is None:
-            return Answer(suggestion, suggestion.to_dict(inputs, safety) | people.values)
+            return Answer(suggestion, suggestion.to_dict(inputs, safety) | people)
         cad = suggestion.verdict.acceptable if inputs["cad"] is None else inputs["cad"]
         inputs = {**inputs, "cad": cad, "out": str(output.folder)}
         progress("mould and report" if cad else "report")
         mould, missing = _mould(suggestion, output) if cad else (None, None)
-        whole = suggestion.to_dict(inputs, safety, mould) | people.values
-        result = _written(suggestion, safety, whole, output, progress, people.sections)
+        whole = suggestion.to_dict(inputs, safety, mould) | people
+        result = _written(suggestion, safety, whole, output, progress, people_sections)
         best = result["recommendation"]
         output.extra["summary"] = {name: best[name] for name in ("shape", "thickness_mm", "ratio", "resin")} | {
             "tissue": inputs["tissue"], "young_kPa": best["young_kPa"]["value"], "verdict": result["verdict"]["level"],
@@ -208,32 +209,21 @@ def _answer(
     return Answer(suggestion, result)
 
 
-@dataclass(frozen=True)
-class _People:
-    """What a drive adds to an answer and to its report."""
-
-    values: dict[str, Any]
-    sections: tuple[Any, ...] = ()
-
-
-def _drive(text: str) -> Drive:
-    from dummydesign.person.drives import read_drive
-
-    return read_drive(text)
-
-
-def _on_people(suggestion: Suggestion, drive: str | None, limits: Limits | None) -> _People:
-    """Carry the predicted presses over to people, where a drive was given."""
+def _on_people(
+    suggestion: Suggestion, drive: str | None, limits: Limits | None
+) -> tuple[dict[str, Any], tuple[Any, ...]]:
+    """Carry the predicted presses over to people, where a drive was given: for the answer and for its report."""
     if drive is None:
-        return _People({})
+        return {}, ()
+    from dummydesign.person.drives import read_drive
     from dummydesign.person.on_person import design_on_people, to_dict
     from dummydesign.report.on_person import people_sections
 
-    pressed = design_on_people(suggestion, _drive(drive), limits)
+    pressed = design_on_people(suggestion, read_drive(drive), limits)
     values = to_dict(pressed)
     sections = people_sections(pressed, values["presses"], "people")
     titled = (replace_fields(one, title=f"On people, {drive}: {one.title}") for one in sections)
-    return _People({"on_person": values}, tuple(titled))
+    return {"on_person": values}, tuple(titled)
 
 
 def _named_files(request: Request) -> list[str]:
@@ -257,7 +247,7 @@ def _mould(suggestion: Suggestion, output: Output) -> tuple[dict[str, Any] | Non
 
 def _written(
     suggestion: Suggestion, safety: SafetyView, result: dict[str, Any], output: Output, progress: Callable[[str], None],
-    people: tuple[Any, ...] = (),
+    people: tuple[Any, ...],
 ) -> dict[str, Any]:  # fmt: skip
     """Write the report and the answer, and return the answer with all files."""
     from dummydesign.design.plot_data import press_pictures, suggestion_curves

@@ -91,29 +91,24 @@ def make_mould(
     wanted = read_thicknesses(thickness_mm)
     length_mm, width_mm = read_number(length_mm, LENGTH), read_number(width_mm, WIDTH)
 
-    def made(one: float) -> MouldSpec:
-        return mould_spec(
-            one, length_mm, width_mm, preset, resin, ratio, kind, parameters, base_ratio, face_sheet_mm=face_sheet_mm,
-            count=count,
-        )  # fmt: skip
-
+    settings: dict[str, Any] = {"preset": preset, "resin": resin, "ratio": ratio, "base_ratio": base_ratio,
+                                "face_sheet_mm": face_sheet_mm}  # fmt: skip
     if bone is not None:
         if len(wanted) != 1 or castings != 1 or count != 1:
             message = "a bone from a file goes into one mould: one thickness, count 1, castings 1"
             raise InputError(message, "conflict", "bone")
         placing = _placing(shape, bone_height_mm, bone_scale, bone_turn_deg, bone_at_mm)
-        settings = {"preset": preset, "resin": resin, "ratio": ratio, "base_ratio": base_ratio,
-                    "face_sheet_mm": face_sheet_mm}  # fmt: skip
         with TemporaryDirectory(prefix="dummydesign-bone-") as work:
             solid = Path(work) / "bone.brep"
             spec = _boned(Path(bone), placing, wanted[0], length_mm, width_mm, settings, solid)
             return _make_one(spec, resin, preset, out, replace, solid)
     if bone_height_mm is not None:
         raise InputError("bone_height_mm belongs to a bone from a file (bone)", "not_applicable", "bone_height_mm")
-    if len(wanted) != 1 or castings != 1:
-        specs = [made(one) for one in wanted]
+    specs = [mould_spec(one, length_mm, width_mm, kind=kind, parameters=parameters, count=count, **settings)
+             for one in wanted]  # fmt: skip
+    if len(specs) != 1 or castings != 1:
         return _make_job(specs, castings, resin, preset, out, replace)
-    return _make_one(made(wanted[0]), resin, preset, out, replace)
+    return _make_one(specs[0], resin, preset, out, replace)
 
 
 def _placing(

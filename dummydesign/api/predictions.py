@@ -9,27 +9,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from dummydesign.api.answers import Result
+from dummydesign.core import parsing
 from dummydesign.core.errors import InputError
 from dummydesign.core.files import FilePath
-from dummydesign.core.parsing import (
-    DECELERATION,
-    DEPTH,
-    EDGE,
-    FORCE,
-    HOLD,
-    RATE,
-    RATES_HZ,
-    SYSTEMS,
-    THICKNESS,
-    VELOCITY,
-    YOUNG,
-    YOUNG_KPA,
-    check_units,
-    parts_of,
-    read_allowed,
-    read_number,
-    twin_of,
-)
+from dummydesign.core.parsing import check_units, parts_of, read_allowed, read_number, twin_of
 
 if TYPE_CHECKING:
     from dummydesign.measurement.motion import Motion
@@ -145,13 +128,11 @@ def pad_warnings(made: Pad | Puck, fidelity: str) -> list[dict[str, str]]:
     return [{"code": "square_with_fillet", "message": message}, *alone] if made.edge_radius_mm else alone
 
 
-def numbers(name: str, text: str | float | Iterable[float]) -> list[float]:
-    """Numbers from text such as ``"1,2"``, one number, or several."""
+def numbers(name: str, text: str) -> list[float]:
+    """Numbers from text such as ``"1,2"``."""
     try:
-        if isinstance(text, str):
-            return [float(part) for part in text.split(",")]
-        return [float(text)] if isinstance(text, int | float) else [float(part) for part in text]
-    except (TypeError, ValueError):
+        return [float(part) for part in text.split(",")]
+    except ValueError:
         message = f"--{name} '{text}' is not a list of numbers separated by commas"
         raise InputError(message, "not_a_number", name, text) from None
 
@@ -284,7 +265,7 @@ def predict(
         message = "fields and pictures are of static depths: --depth with --fidelity axisymmetric"
         raise InputError(message, "not_applicable", "fields" if fields else "picture")
     check_units(units)
-    if units != SYSTEMS[0] and out is None:
+    if units != parsing.SYSTEMS[0] and out is None:
         raise InputError("--units is of the table that --out writes: give --out", "not_applicable", "units", units)
     if rate_Hz is not None and (out is None or asked not in (["motion"], ["force_N"])):
         message = "--rate is of curves over time in a file: give --out, and --motion or --force"
@@ -304,7 +285,7 @@ def predict(
             depth_mm = depths or [0.25 * made.thickness_mm]
             asked = ["depth_mm"]
     if depth_mm is not None:
-        depths = [read_number(depth, DEPTH) for depth in parts_of(depth_mm)]
+        depths = [read_number(depth, parsing.DEPTH) for depth in parts_of(depth_mm)]
         prediction = predict_static(made, depths, fidelity, progress)
     elif motion is not None:
         moved = read_motion(Path(motion))
@@ -351,9 +332,10 @@ def _measured(
 
 
 ALLOWED = {
-    "thickness_mm": (THICKNESS, 0.01, 1000.0), "young_kPa": (YOUNG, *YOUNG_KPA), "force_N": (FORCE, 1e-4, 1e5),
-    "velocity_mm_s": (VELOCITY, 1e-4, 1e5), "hold_s": (HOLD, 1e-6, 1e6),
-    "deceleration_mm_s2": (DECELERATION, 1e-3, inf), "rate_Hz": (RATE, *RATES_HZ),
+    "thickness_mm": (parsing.THICKNESS, 0.01, 1000.0), "young_kPa": (parsing.YOUNG, *parsing.YOUNG_KPA),
+    "force_N": (parsing.FORCE, 1e-4, 1e5), "velocity_mm_s": (parsing.VELOCITY, 1e-4, 1e5),
+    "hold_s": (parsing.HOLD, 1e-6, 1e6), "deceleration_mm_s2": (parsing.DECELERATION, 1e-3, inf),
+    "rate_Hz": (parsing.RATE, *parsing.RATES_HZ),
 }  # fmt: skip
 """Purpose, smallest and largest of each number; those of the edge follow from the punch."""
 SEVERAL = ("force_N", "velocity_mm_s")
@@ -363,7 +345,7 @@ SEVERAL = ("force_N", "velocity_mm_s")
 def _in_units(name: str, value: Any) -> Any:
     """A number with the unit it came with, several where they are taken, or as it is."""
     if value is None or name not in ALLOWED:
-        return read_number(value, EDGE) if name == "edge_radius_mm" else value
+        return read_number(value, parsing.EDGE) if name == "edge_radius_mm" else value
     purpose, low, high = ALLOWED[name]
     if name not in SEVERAL or isinstance(value, int | float):
         return read_allowed(value, purpose, low, high)
@@ -399,14 +381,14 @@ def _add_fields(
     from dummydesign.pad.fields import contact_pressures, has_fields, solve_fields
 
     depths = [depth for depth in result["depth_mm"] if depth > 0.0]
-    if not (path or picture):
-        if depths and has_fields(made):
-            contact, notes = contact_pressures(made, depths)
-            result["contact_pressure"] = contact
-            result["warnings"] += [{"code": "contact_pressure", "message": note} for note in notes]
+    if path or picture:
+        fields, notes = solve_fields(made, depths)
+        contacts = [pressed.contact() for pressed in fields]
+    elif depths and has_fields(made):
+        contacts, notes = contact_pressures(made, depths)
+    else:
         return {}
-    fields, notes = solve_fields(made, depths)
-    result["contact_pressure"] = [pressed.contact() for pressed in fields]
+    result["contact_pressure"] = contacts
     result["warnings"] += [{"code": "contact_pressure", "message": note} for note in notes]
     files: dict[str, Any] = {}
     if path:

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import argparse
+import os
 import re
 from collections.abc import Iterable, Sequence
+from pathlib import Path
 from typing import Any
 
 from dummydesign.cli.entry import COMMANDS, meanings_of, parser_of
@@ -16,48 +18,6 @@ LIBRARY = {
     "tissue": "materials/tissues", "resin": "materials/resins", "preset": "molds", "machine": "molds/machines",
     "silicone": "molds/silicones",
 }  # fmt: skip
-SCRIPTS = {
-    "bash": r"""_dummydesign() {
-  local IFS=$'\x1f'
-  local typed="${COMP_WORDS[*]:1:COMP_CWORD}"
-  IFS=$'\n'
-  COMPREPLY=($(DUMMYDESIGN_COMPLETE="$typed" dummydesign completion bash 2>/dev/null))
-  [[ ${#COMPREPLY[@]} == 1 && ${COMPREPLY[0]} == *: ]] && compopt -o nospace 2>/dev/null
-  return 0
-}
-complete -o default -F _dummydesign dummydesign
-""",
-    "zsh": r"""#compdef dummydesign
-_dummydesign() {
-  local -a found open
-  found=(${(f)"$(DUMMYDESIGN_COMPLETE="${(pj:\x1f:)words[2,CURRENT]}" dummydesign completion zsh 2>/dev/null)"})
-  open=(${(M)found:#*:})
-  found=(${found:#*:})
-  (( ${#open} )) && compadd -S '' -a open
-  (( ${#found} )) && compadd -a found
-  (( ${#open} + ${#found} )) || _files
-}
-compdef _dummydesign dummydesign
-""",
-    "fish": r"""function __dummydesign
-  set -l now (commandline -ct)
-  set -l typed (commandline -opc) "$now"
-  set -lx DUMMYDESIGN_COMPLETE (string join \x1f -- $typed[2..])
-  set -l found (dummydesign completion fish 2>/dev/null)
-  if set -q found[1]
-    printf '%s\n' $found
-  else
-    __fish_complete_path "$now"
-  end
-end
-complete -c dummydesign -f -a '(__dummydesign)'
-""",
-}
-
-
-def script_of(shell: str) -> str:
-    """Return the script that a shell reads once; at each Tab it asks this program for the next words."""
-    return SCRIPTS[shell]
 
 
 def next_words(typed: Sequence[str]) -> list[str]:
@@ -118,11 +78,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> dict[str, Any]:
     """Return the script, or the next words when the script asks for them."""
-    import os
-
-    asked = os.environ.get(WORDS)
-    content = {"script": script_of(options.shell)} if asked is None else {"words": next_words(asked.split(BETWEEN))}
-    return {"inputs": {"shell": options.shell}, "warnings": [], "sources": [], **content}
+    head = {"inputs": {"shell": options.shell}, "warnings": [], "sources": []}
+    # a shell reads the script once; at each Tab that asks this program for the next words
+    if (asked := os.environ.get(WORDS)) is not None:
+        return head | {"words": next_words(asked.split(BETWEEN))}
+    return head | {"script": (Path(__file__).parent / f"completion.{options.shell}").read_text(encoding="utf-8")}
 
 
 def render(result: dict[str, Any]) -> str:

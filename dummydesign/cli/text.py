@@ -87,7 +87,7 @@ Columns = Sequence[tuple[str, str, str]]
 
 def table(rows: Iterable[Mapping[str, Any]], columns: Columns, indent: str = "") -> list[str]:
     """Heads and a line a row; a dash where a value is None."""
-    wide = [form.partition(".")[0].replace("+", "") for _, _, form in columns]
+    wide = [re.sub(r"[+g]|\..*", "", form) for _, _, form in columns]
     lines = [[format(head, width) for (head, _, _), width in zip(columns, wide)]]
     for row in rows:
         lines.append([format("-", width) if row[key] is None else format(row[key], form)
@@ -169,6 +169,11 @@ def shortened(text: str, most: int) -> str:
 
 
 CUT = " (more: --details)"
+
+
+def notes_block(notes: Sequence[str]) -> list[str]:
+    """The first two notes, two lines each."""
+    return [line for note in notes[:2] for line in labelled("NOTE", shortened(note, 170), 2)]
 
 
 def files_block(result: dict[str, Any], first: Sequence[str] = ("report",)) -> list[str]:

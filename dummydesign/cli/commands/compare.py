@@ -5,8 +5,8 @@ from __future__ import annotations
 import argparse
 from typing import Any
 
-from dummydesign.cli.common_options import add_replace_option, call_in_steps
 from dummydesign.cli import text
+from dummydesign.cli.common_options import add_replace_option, call_in_steps
 from dummydesign.cli.text import columns_of, file_lines, labelled, table, tissue_lines, verdict_lines, warning_lines
 
 HELP = "Compare the traces of a cast dummy with a tissue: parameters, steady-state range, force variation range."

@@ -7,7 +7,7 @@ import re
 from typing import Any
 
 from dummydesign.cli.common_options import add_replace_option, call_in_steps
-from dummydesign.cli.text import INDENT, WIDTH, files_block, fitted, labelled, warning_block
+from dummydesign.cli.text import INDENT, WIDTH, files_block, fitted, labelled, step_lines, warning_block
 
 HELP = "Compute what a press measured on a pad would have been on people; compare it with your limits."
 ABOUT_STEPS = 6
@@ -58,7 +58,8 @@ def render(result: dict[str, Any]) -> str:
     warnings = warning_block(result, facts.IN_HEADLINE, MOST_WARNINGS)
     notes, checks = len(result["warnings"]), "all limits, " if limits else ""
     more = labelled("MORE", f"--details: each subject, {checks}{notes} note{'s' * (notes != 1)}")
-    tail = [limits, ["", *_drive(result)], warnings, _next(result), files_block(result, FILES), more]
+    tail = [limits, ["", *_drive(result)], warnings, step_lines(facts.next_steps(result)),
+            files_block(result, FILES), more]  # fmt: skip
     head, left_out = [*_headline(result), ""], "  ... and {} more presses: --details"
     return "\n".join(fitted(head, _table(result), tail, (1,), left_out))
 
@@ -75,7 +76,7 @@ def render_details(result: dict[str, Any]) -> str:
     checks = _limits(result, None)
     lines += [*checks, *([""] if checks else []), *_drive(result)]
     lines += [line for one in result["warnings"] for line in labelled("NOTE", one["message"])]
-    lines += _next(result)
+    lines += step_lines(facts.next_steps(result))
     return "\n".join([*lines, *(f"{role}: {path}" for role, path in result["files"].items())])
 
 
@@ -129,12 +130,3 @@ def _drive(result: dict[str, Any]) -> list[str]:
 
     drive = labelled("DRIVE", f"{result['drive']}: {read_drive(result['drive']).words}")
     return [*drive, *labelled("PEOPLE", people_text(result))]
-
-
-def _next(result: dict[str, Any]) -> list[str]:
-    """What to do now: the steps in their order, or the only one."""
-    from dummydesign.report.on_person_facts import next_steps
-
-    steps = next_steps(result)
-    return labelled("NEXT", steps[0] if len(steps) == 1 else "\n".join(
-        f"{number}. {step}" for number, step in enumerate(steps, 1)))  # fmt: skip

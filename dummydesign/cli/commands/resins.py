@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import argparse
+from collections import Counter
 from typing import Any
 
+from dummydesign.cli import text
 from dummydesign.cli.common_options import ACTIONS, add_own_actions, render_own, run_own
-from dummydesign.cli.text import file_lines, files_block, labelled, screen, shortened, warning_block, warning_lines
+from dummydesign.cli.text import file_lines, labelled, screen, table, warning_lines
 from dummydesign.core.errors import InputError
 
 HELP = "List the known resins, show one with all its numbers and sources, and add, rename or remove your own."
@@ -95,11 +97,11 @@ def _add(options: argparse.Namespace) -> dict[str, Any]:
 def _add_compression(options: argparse.Namespace) -> dict[str, Any]:
     from dummydesign.resin.puck_test.add_compression import add_compression
 
-    done = add_compression(options.file, options.diameter, options.height, options.name, options.ratio, options.resin,
-                           options.replace)  # fmt: skip
     given = {"file": options.file, "diameter_mm": options.diameter, "height_mm": options.height, "name": options.name,
-             "ratio": options.ratio, "resin": options.resin}  # fmt: skip
-    return {"inputs": {"action": "add-compression", **given}, "sources": [done.young_kPa.source], **done.to_dict()}
+             "ratio": options.ratio}  # fmt: skip
+    done = add_compression(**given, base=options.resin, replace_own=options.replace)
+    inputs = {"action": "add-compression", **given, "resin": options.resin}
+    return {"inputs": inputs, "sources": [done.young_kPa.source], **done.to_dict()}
 
 
 def render(result: dict[str, Any]) -> str:
@@ -108,16 +110,17 @@ def render(result: dict[str, Any]) -> str:
         return render_details(result)
     rows = _render_resin(result)
     end = next((row for row, line in enumerate(rows) if line.startswith("numbers (")), len(rows))
-    kinds: dict[str, int] = {}
-    for item in result["numbers"].values():
-        kinds[item["kind"]] = kinds.get(item["kind"], 0) + 1
-    text = ", ".join(f"{count} {kind}" for kind, count in kinds.items())
-    notes = [line for note in result["resin"]["notes"][:2] for line in labelled("NOTE", shortened(note, 170), 2)]
+    kinds = Counter(item["kind"] for item in result["numbers"].values())
+    counted = ", ".join(f"{count} {kind}" for kind, count in kinds.items())
     return screen(
-        [*labelled("RESIN", rows[0], 2), *rows[1:3]], rows[3 : end - 1], [""], labelled("NUMBERS", text), notes,
-        warning_block(result, most=2), files_block(result, ()),
+        [*labelled("RESIN", rows[0], 2), *rows[1:3]], rows[3 : end - 1], [""], labelled("NUMBERS", counted),
+        text.notes_block(result["resin"]["notes"]), text.warning_block(result, most=2), text.files_block(result, ()),
         labelled("MORE", "--details: every number with its interval and source, all notes"),
     )  # fmt: skip
+
+
+LISTED = [("name", "name", "<20"), ("origin", "origin", "<9"), ("ratio", "ratio", "<9"), ("E in kPa", "young", "<13"),
+          ("ratio definition", "ratio_meaning", "<1")]  # fmt: skip
 
 
 def render_details(result: dict[str, Any]) -> str:
@@ -127,11 +130,9 @@ def render_details(result: dict[str, Any]) -> str:
         return own
     lines: list[str] = []
     if "resins" in result:
-        lines.append(f"{'name':<20} {'origin':<9} {'ratio':<9} {'E in kPa':<13} ratio definition")
-        for row in result["resins"]:
-            ratio = "{:g} to {:g}".format(*row["ratio_range"])
-            young = "{:.3g} to {:.3g}".format(*row["young_kPa_range"])
-            lines.append(f"{row['name']:<20} {row['origin']:<9} {ratio:<9} {young:<13} {row['ratio_meaning']}")
+        rows = [{**row, "ratio": "{:g} to {:g}".format(*row["ratio_range"]),
+                 "young": "{:.3g} to {:.3g}".format(*row["young_kPa_range"])} for row in result["resins"]]  # fmt: skip
+        lines += table(rows, LISTED)
     elif "young_kPa" in result:
         lines += _render_puck(result)
     else:
@@ -160,21 +161,17 @@ def _render_puck(result: dict[str, Any]) -> list[str]:
 def _render_relaxation(relaxation: dict[str, Any] | None) -> list[str]:
     if relaxation is None:
         return []
-    lines = []
-    for arm in relaxation["prony"]:
-        beta, tau = arm["beta"], arm["tau_s"]
-        lines.append(
-            f"term      {beta['value']:.3g} of the long-term modulus (95 %: {beta['low']:.3g} to {beta['high']:.3g}) "
-            f"at {tau['value']:.3g} s ({tau['low']:.3g} to {tau['high']:.3g})"
-        )
+    pairs = ((arm["beta"], arm["tau_s"]) for arm in relaxation["prony"])
+    lines = [f"term      {beta['value']:.3g} of the long-term modulus (95 %: {beta['low']:.3g} to {beta['high']:.3g}) "
+             f"at {tau['value']:.3g} s ({tau['low']:.3g} to {tau['high']:.3g})" for beta, tau in pairs]  # fmt: skip
     return lines or ["term      none that the holds resolve"]
 
 
 def _render_resin(result: dict[str, Any]) -> list[str]:
     resin = result["resin"]
     columns = "  ratio   E kPa (95 % interval)     % of E per"
-    lines = [resin["title"], f"ratio: {resin['ratio_meaning']}", "", columns]
-    lines.append("                                  % of ratio   Prony terms, relative to the long-term modulus")
+    below = f"{'':34}% of ratio   Prony terms, relative to the long-term modulus"
+    lines = [resin["title"], f"ratio: {resin['ratio_meaning']}", "", columns, below]
     for row in result["curve"]:
         young = row["young_kPa"]
         arms = ", ".join(f"{arm['beta']:.2g} at {arm['tau_s']:g} s" for arm in row["prony"])
@@ -190,4 +187,4 @@ def _render_resin(result: dict[str, Any]) -> list[str]:
     for name, item in result["numbers"].items():
         lines.append(f"  {name:<26} {item['value']:<8.4g} {item['low']:.4g} to {item['high']:.4g}  {item['kind']}")
         lines.append(f"      {item['source']}")
-    return [*lines, *(f"note: {text}" for text in resin["notes"]), *file_lines({"files": {}, **result})]
+    return [*lines, *(f"note: {note}" for note in resin["notes"]), *file_lines({"files": {}, **result})]

@@ -76,7 +76,7 @@ class Values:
         InputError
             When pandas is not installed, or nothing in the answer is a table.
         """
-        return frame_of(self.records())
+        return _frame_of(self.records())
 
     def records(self) -> list[dict[str, Any]]:
         """Rows of the answer's table as plain values.
@@ -99,14 +99,8 @@ class Values:
         return [dict(one) for one in max(lists, key=len)]
 
 
-def frame_of(records: Sequence[dict[str, Any]]) -> Any:
-    """Make a pandas DataFrame; nested values become columns such as ``depth_mm_at_N.10``.
-
-    Raises
-    ------
-    InputError
-        When pandas is not installed.
-    """
+def _frame_of(records: Sequence[dict[str, Any]]) -> Any:
+    """Make a pandas DataFrame; nested values become columns such as ``depth_mm_at_N.10``."""
     try:
         from pandas import json_normalize
     except ImportError:
@@ -302,7 +296,7 @@ class Answer(Result):
         """Return recommendation and alternatives as a DataFrame, one row a design (needs pandas)."""
         designs = (self.result["recommendation"], *self.result["alternatives"])
         keys = ("thickness_mm", "ratio", "young_kPa", "scores")
-        return frame_of([{key: design[key] for key in keys} for design in designs])
+        return _frame_of([{key: design[key] for key in keys} for design in designs])
 
 
 @dataclass(frozen=True, repr=False)
@@ -315,7 +309,7 @@ class Fitted(Result):
     def to_frame(self) -> Any:
         """Return the parameters with their intervals as a DataFrame, one row a parameter (needs pandas)."""
         rows = parameter_rows(self.outcome.to_dict()["parameters"])
-        return frame_of([{"parameter": label, **one} for label, one in rows])
+        return _frame_of([{"parameter": label, **one} for label, one in rows])
 
 
 @dataclass(frozen=True, repr=False)

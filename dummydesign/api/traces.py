@@ -91,12 +91,12 @@ def fit(
     if out is not None and not str(out).lower().endswith(".toml"):
         message = f"out = '{out}' must end in .toml: a tissue file is written there"
         raise InputError(message, "bad_name", "out", str(out))
-    names, read = read_traces(traces)
+    names, read = _read(traces)
     inputs = {
         "traces": names, "elements": str(elements), "law": law, "mode": mode, "contact": contact,
         "lowpass": passed.to_dict() if passed else None, "out": None if out is None else fspath(out),
     }  # fmt: skip
-    asked = question_of_traces("fit", inputs, names, read)
+    asked = _question("fit", inputs, names, read)
     with nullcontext() if out is None else new_files(out, asked, replace=replace) as output:
         fitted = fit_traces(read, count, law, mode, passed, contact=contact, progress=progress)
         result = {"inputs": inputs, **fitted.to_dict(), "sources": [LAW_SOURCE], "files": {}}
@@ -170,13 +170,13 @@ def compare(
     test = read_test(punch, edge_radius_mm, force_N, velocity_mm_s, hold_s, deceleration_mm_s2, condition)
     site, passed = load_tissue(tissue), parse_lowpass(lowpass)
     pad = None if record is None else read_record(fspath(record))
-    names, read = read_traces(traces)
+    names, read = _read(traces)
     inputs = {
         "traces": names, "tissue": tissue, "lowpass": passed.to_dict() if passed else None, **test.to_dict(),
         "out": None if out is None else fspath(out), **({} if record is None else {"record": fspath(record)}),
     }  # fmt: skip
     more = [fspath(name) for name in (record, punch.partition("profile:")[2] or None) if name is not None]
-    with answer_folder(out, question_of_traces("compare", inputs, [*names, *more], read, tissue), replace) as output:
+    with answer_folder(out, _question("compare", inputs, [*names, *more], read, tissue), replace) as output:
         comparison = compare_traces(read, site, passed, test.presses, progress)
         values = dict(comparison.result)
         if pad is not None:
@@ -197,41 +197,20 @@ def compare(
     return Result(comparison, result, "compare")
 
 
-def question_of_traces(
+def _question(
     command: str, inputs: dict[str, Any], names: list[str], traces: list[Trace], tissue: str | None = None
 ) -> Question:
-    """Make the question of a call with traces; those in memory count by their numbers.
-
-    Parameters
-    ----------
-    command : str
-        Name of the command, as it is typed.
-    inputs : dict
-        All values used.
-    names : list of str
-        Files that are read.
-    traces : list of Trace
-        What was measured.
-    tissue : str, optional
-        Name of the library or path.
-    """
+    """Make the question of a call with traces; those in memory count by their numbers."""
     from hashlib import sha256
 
-    numbers = [
-        sha256(b"".join(part.tobytes() for part in (one.time_s, one.displacement_mm, one.force_N))).hexdigest()
-        for one in traces
-    ]
+    numbers = [sha256(b"".join(part.tobytes() for part in (one.time_s, one.displacement_mm, one.force_N))).hexdigest()
+               for one in traces]  # fmt: skip
     files = [name for name in names if Path(name).is_file()]
     return question(command, {**inputs, "trace_numbers_sha256": numbers}, tissue=tissue, files=files)
 
 
-def read_traces(traces: Traces) -> tuple[list[str], list[Trace]]:
-    """Return names and traces; files are read.
-
-    Parameters
-    ----------
-    traces : iterable of path or Trace
-    """
+def _read(traces: Traces) -> tuple[list[str], list[Trace]]:
+    """Return names and traces; files are read."""
     from dummydesign.measurement.trace import Trace, read_trace
 
     given = list(traces)
@@ -405,14 +384,14 @@ def on_person(
     area = math.pi * equal_area_radius_mm(punch) ** 2
     site, passed = load_tissue(tissue), parse_lowpass(lowpass)
     allowed = None if limits is None else read_limits(fspath(limits))
-    names, read = read_traces(traces)
+    names, read = _read(traces)
     inputs: dict[str, Any] = {
         "traces": names, "tissue": tissue, "drive": moved.text, "limits": None if limits is None else fspath(limits),
         "lowpass": passed.to_dict() if passed else None, "rate": rate_hz, "punch": punch,
         "out": None if out is None else fspath(out),
     }  # fmt: skip
     more = [] if limits is None else [fspath(limits)]
-    with answer_folder(out, question_of_traces("on-person", inputs, [*names, *more], read, tissue), replace) as output:
+    with answer_folder(out, _question("on-person", inputs, [*names, *more], read, tissue), replace) as output:
         answer = work_out(read, site, moved, limits=allowed, lowpass=passed, area_mm2=area, progress=progress)
         sources = [*site.sources, *([GUARD_BAND] if allowed is not None else [])]
         result: dict[str, Any] = {

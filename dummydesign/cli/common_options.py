@@ -31,19 +31,14 @@ def call_in_steps(about: int, function: Callable[..., Any], options: argparse.Na
 
 def add_effect_option(parser: argparse.ArgumentParser) -> None:
     """Declare ``--effect``, which may be given several times."""
-    parser.add_argument(
-        "--effect", dest="effects", metavar="FILE.py", action="append", default=[],
-        help="file with one effect class of your own; its code is run; may be repeated",
-    )  # fmt: skip
+    words = "file with one effect class of your own; its code is run; may be repeated"
+    parser.add_argument("--effect", dest="effects", metavar="FILE.py", action="append", default=[], help=words)
 
 
 def add_replace_option(parser: argparse.ArgumentParser) -> None:
     """Declare ``--replace``."""
-    parser.add_argument(
-        "--replace",
-        action="store_true",
-        help="overwrite an earlier answer in --out (default: keep it and number the new folder)",
-    )
+    words = "overwrite an earlier answer in --out (default: keep it and number the new folder)"
+    parser.add_argument("--replace", action="store_true", help=words)
 
 
 ACTIONS = ("remove", "rename", "path")
@@ -80,8 +75,5 @@ def render_own(result: dict[str, Any]) -> str | None:
     action = result["inputs"].get("action")
     if action not in ACTIONS:
         return None
-    if action == "remove":
-        lines = [f"removed {path}" for path in result["removed"]]
-    else:
-        lines = [result["path"]]
+    lines = [f"removed {path}" for path in result["removed"]] if action == "remove" else [result["path"]]
     return "\n".join(lines + [f"warning: {one['message']}" for one in result.get("warnings", [])])

@@ -14,11 +14,11 @@ HELP = "Find which effect the model lacks in a measured campaign, correct the mo
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
-    parser.add_argument("campaign", metavar="CAMPAIGN_DIR", help="folder with campaign.toml and one CSV per trial")
-    parser.add_argument("--out", metavar="DIR", help="where report and calibration go (default: loop-NAME)")
-    earlier = "calibration.json of an earlier campaign of the same material"
-    parser.add_argument("--prior", metavar="CALIBRATION", help=earlier)
-    parser.add_argument("--plan", metavar="DIR", help="write the next measurement as a campaign to press")
+    add = parser.add_argument
+    add("campaign", metavar="CAMPAIGN_DIR", help="folder with campaign.toml and one CSV per trial")
+    add("--out", metavar="DIR", help="where report and calibration go (default: loop-NAME)")
+    add("--prior", metavar="CALIBRATION", help="calibration.json of an earlier campaign of the same material")
+    add("--plan", metavar="DIR", help="write the next measurement as a campaign to press")
     add_replace_option(parser)
     add_effect_option(parser)
 

@@ -13,10 +13,10 @@ HELP = "Predict a campaign with a calibration written by 'loop', and compare wit
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
-    parser.add_argument("campaign", metavar="CAMPAIGN_DIR", help="folder with campaign.toml and one CSV per trial")
-    parser.add_argument("--calibration", metavar="FILE", required=True, help="calibration.json of 'dummydesign loop'")
-    words = "judge each pad of the campaign by its presses, as 'compare' does"
-    parser.add_argument("--tissue", metavar="NAME|FILE", help=words)
+    add = parser.add_argument
+    add("campaign", metavar="CAMPAIGN_DIR", help="folder with campaign.toml and one CSV per trial")
+    add("--calibration", metavar="FILE", required=True, help="calibration.json of 'dummydesign loop'")
+    add("--tissue", metavar="NAME|FILE", help="judge each pad of the campaign by its presses, as 'compare' does")
     add_effect_option(parser)
 
 

@@ -25,8 +25,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     words = "keep a resin file, or update a resin by a file of measured points"
     add = actions.add_parser("add", help=words, allow_abbrev=False)
     add.add_argument("file", metavar="FILE", help="TOML file of a resin, or of points: base, name and [[point]]s")
-    words = "take the place of a resin of your own that has this name"
-    add.add_argument("--replace", action="store_true", help=words)
+    add.add_argument("--replace", action="store_true", help="take the place of a resin of your own that has this name")
     words = "modulus and relaxation of a batch from its puck's curve"
     puck = actions.add_parser("add-compression", help=words, allow_abbrev=False)
     words = "time_s, displacement_mm, force_N: one slow loading, or ramps and holds"
@@ -36,8 +35,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     puck.add_argument("--name", required=True, help="of the resin that results")
     puck.add_argument("--ratio", type=float, required=True, metavar="R", help="mixing ratio of the puck")
     puck.add_argument("--resin", metavar="BASE", help="resin whose law is updated")
-    words = "begin NAME again, without the points it has"
-    puck.add_argument("--replace", action="store_true", help=words)
+    puck.add_argument("--replace", action="store_true", help="begin NAME again, without the points it has")
     add_own_actions(actions, "resin")
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import os
 import shlex
 from collections.abc import Iterator
@@ -11,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from dummydesign.core.errors import InputError
+from dummydesign.core.files import read_json
 from dummydesign.core.manifest import NAME as MANIFEST
 from dummydesign.measurement.campaign_file import FILE as CAMPAIGN
 from dummydesign.measurement.campaign_status import check_campaign
@@ -57,11 +57,8 @@ def things_in(root: Path, room: str) -> list[ProjectFile]:
 
 def finished_manifest(path: Path) -> dict[str, Any] | None:
     """Return the content of a finished manifest; None where there is none that can be read."""
-    try:
-        content = json.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError):
-        return None
-    return content if isinstance(content, dict) and content.get("command") and content.get("finished") else None
+    content = read_json(path)
+    return content if content.get("command") and content.get("finished") else None
 
 
 def status_of(project: Project) -> ProjectStatus:

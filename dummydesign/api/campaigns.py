@@ -431,11 +431,8 @@ def replay(
     result = {
         "inputs": {"campaign": fspath(campaign), "calibration": fspath(calibration), "tissue": tissue},
         "warnings": [*beyond, *read.warnings, *caution, *unjudged],
-        "verdict": judged[0].to_dict() if judged else None,
-        "pads": [pad.to_dict() for pad in pads],
-        "calibration_verdict": known.verdict,
-        "effects": [one.effect.name for one in known.after.active],
-        **replayed.to_dict(),
-        "warning_band_N": known.remainder_N,
-    }
+        "verdict": judged[0].to_dict() if judged else None, "pads": [pad.to_dict() for pad in pads],
+        "calibration_verdict": known.verdict, "effects": [one.effect.name for one in known.after.active],
+        **replayed.to_dict(), "warning_band_N": known.remainder_N,
+    }  # fmt: skip
     return Result(replayed, result, "replay")

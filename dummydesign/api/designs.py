@@ -137,13 +137,10 @@ def suggest(
         raise InputError("cad = True needs out, the folder for the files of the mould", "missing", "out")
     folder = None if out is None else Path(out)
     inputs = {
-        **request.to_dict(),
-        "cad": False if folder is None else cad,
-        "out": None if folder is None else str(folder),
-        "robot_mass_kg": robot_mass_kg,
-        "robot_velocity_mm_s": robot_velocity_mm_s,
-        "limits": None if limits is None else str(limits),
-    }
+        **request.to_dict(), "cad": False if folder is None else cad,
+        "out": None if folder is None else str(folder), "robot_mass_kg": robot_mass_kg,
+        "robot_velocity_mm_s": robot_velocity_mm_s, "limits": None if limits is None else str(limits),
+    }  # fmt: skip
     if drive is not None:
         from dummydesign.person.drives import read_drive
 

@@ -9,7 +9,7 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
-from dummydesign.cli.entry import COMMANDS, meanings_of, parser_of
+from dummydesign.cli.entry import COMMANDS, actions_of, meanings_of, parser_of
 
 WORDS = "DUMMYDESIGN_COMPLETE"
 """Environment variable with the words typed so far, by which a shell's script asks for the next one."""
@@ -29,7 +29,7 @@ def next_words(typed: Sequence[str]) -> list[str]:
         return []
     parser, command = parser_of(before[0]), before[0]
     for word in before[1:]:
-        below = _actions_of(parser)
+        below = actions_of(parser)
         if word in below:
             parser, command = below[word], f"{command} {word}"
     asked = parser._option_string_actions.get(before[-1])
@@ -39,11 +39,6 @@ def next_words(typed: Sequence[str]) -> list[str]:
         return _beginning(now, parser._option_string_actions)
     due = [action for action in parser._actions if not action.option_strings]
     return _beginning(now, (value for action in due for value in _values(command, action)))
-
-
-def _actions_of(parser: argparse.ArgumentParser) -> dict[str, argparse.ArgumentParser]:
-    choices = [action.choices for action in parser._actions if isinstance(action, argparse._SubParsersAction)]
-    return dict(choices[0]) if choices else {}
 
 
 def _values(command: str, action: argparse.Action) -> list[str]:

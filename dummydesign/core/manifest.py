@@ -60,18 +60,13 @@ def manifest_text(
     """Write a manifest as JSON."""
     words = COMMAND_LINE.get()
     content = {
-        "schema": SCHEMA,
-        "command": question.command,
+        "schema": SCHEMA, "command": question.command,
         "command_line": None if words is None else shlex.join(["dummydesign", *words]),
-        "version": __version__,
-        "date": datetime.now(UTC).isoformat(timespec="seconds"),
-        "finished": names is not None,
-        "question": question.key,
-        "inputs": dict(question.inputs),
+        "version": __version__, "date": datetime.now(UTC).isoformat(timespec="seconds"),
+        "finished": names is not None, "question": question.key, "inputs": dict(question.inputs),
         "files_read": question.sums,
-        "sha256": {name: sha256_of(folder / name) for name in sorted(names or ())},
-        **(extra or {}),
-    }
+        "sha256": {name: sha256_of(folder / name) for name in sorted(names or ())}, **(extra or {}),
+    }  # fmt: skip
     return json.dumps(content, indent=1, default=str) + "\n"
 
 

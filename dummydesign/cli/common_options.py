@@ -46,12 +46,12 @@ ACTIONS = ("remove", "rename", "path")
 
 def add_own_actions(actions: Any, what: str) -> None:
     """Declare the actions on a file of your own."""
-    remove = actions.add_parser("remove", help=f"delete a {what} of your own", allow_abbrev=False)
+    remove = actions.add_parser("remove", help=f"delete a {what} of your own")
     remove.add_argument("name", metavar="NAME", help="as the list has it")
-    rename = actions.add_parser("rename", help=f"give a {what} of your own another name", allow_abbrev=False)
+    rename = actions.add_parser("rename", help=f"give a {what} of your own another name")
     rename.add_argument("name", metavar="OLD", help="its name now")
     rename.add_argument("new", metavar="NEW", help="its name from now on")
-    path = actions.add_parser("path", help=f"file of a {what}", allow_abbrev=False)
+    path = actions.add_parser("path", help=f"file of a {what}")
     path.add_argument("name", metavar="NAME", help="as the list has it")
 
 

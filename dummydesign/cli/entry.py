@@ -135,6 +135,9 @@ class _Parser(argparse.ArgumentParser):
 
     command = ""
 
+    def __init__(self, **given: Any) -> None:
+        super().__init__(**given, allow_abbrev=False)
+
     def format_help(self) -> str:
         """Options, what their choices mean, examples."""
         self.epilog = epilog_of(self.command, self)
@@ -191,7 +194,7 @@ def _repeated(parser: argparse.ArgumentParser, words: Sequence[str]) -> list[dic
 def parser_of(name: str) -> argparse.ArgumentParser:
     """All options of a command."""
     module = module_of(name)
-    parser = _Parser(prog=f"dummydesign {name}", description=module.HELP, allow_abbrev=False)
+    parser = _Parser(prog=f"dummydesign {name}", description=module.HELP)
     module.add_arguments(parser)
     finish(parser, name)
     return parser

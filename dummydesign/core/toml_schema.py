@@ -120,15 +120,13 @@ class Table:
         entry = self.data[key]
         if not isinstance(entry, dict):
             raise wrong("malformed", f"= {entry!r} is a bare number; give value, low, high, kind and source")
-        unknown, missing = sorted(set(entry) - FIELDS), sorted(FIELDS - set(entry))
-        if unknown:
-            message = f"has unknown key '{unknown[0]}'; known are {', '.join(sorted(FIELDS))}"
-            raise wrong("unknown_key", message, f"{key}.{unknown[0]}")
-        if missing:
+        if unknown := sorted(set(entry) - FIELDS):
+            words = f"has unknown key '{unknown[0]}'; known are {', '.join(sorted(FIELDS))}"
+            raise wrong("unknown_key", words, f"{key}.{unknown[0]}")
+        if missing := sorted(FIELDS - set(entry)):
             raise wrong("missing", f"lacks {', '.join(missing)}", f"{key}.{missing[0]}")
-        if entry["kind"] not in kinds:
-            message = f"has kind '{entry['kind']}'; known kinds are {', '.join(kinds)}"
-            raise wrong("unknown_name", message, f"{key}.kind")
+        if (kind := entry["kind"]) not in kinds:
+            raise wrong("unknown_name", f"has kind '{kind}'; known kinds are {', '.join(kinds)}", f"{key}.kind")
         if not str(entry["source"]).strip():
             raise wrong("no_source", "has an empty source; say where the number was read", f"{key}.source")
         try:

@@ -18,7 +18,7 @@ HELP = "Plan presses (randomised, with a sheet to press from), check them, or ma
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the actions."""
     actions = parser.add_subparsers(dest="action", required=True, metavar="new|check|from-files", help="what to do")
-    new = actions.add_parser("new", help="a plan, campaign.toml and a sheet to press from", allow_abbrev=False)
+    new = actions.add_parser("new", help="a plan, campaign.toml and a sheet to press from")
     new.add_argument("folder", metavar="DIR", help="folder to make")
     add = new.add_argument
     add("--pads", metavar="MM,...", help="thicknesses of the pads (default 5,15,20)")
@@ -36,9 +36,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("--moulds", action="store_true", help="make the moulds of all pads too, in DIR-moulds (needs --resin)")
     add("--preset", default="open", metavar="NAME|FILE", help="of the moulds (default open)")
     add("--units", default="mm", metavar="NAME", help="of the sheet: mm (default; mm, N) or in (inches, pounds-force)")
-    check = actions.add_parser("check", help="what is not yet pressed, and problems", allow_abbrev=False)
+    check = actions.add_parser("check", help="what is not yet pressed, and problems")
     check.add_argument("folder", metavar="DIR", help="folder with campaign.toml")
-    files = actions.add_parser("from-files", help="campaign.toml from existing traces", allow_abbrev=False)
+    files = actions.add_parser("from-files", help="campaign.toml from existing traces")
     files.add_argument("folder", metavar="DIR", help="folder to make; the traces are copied into it")
     files.add_argument("files", nargs="+", metavar="FILE", help="traces, named such as t05_v010_f03_1.csv")
     files.add_argument("--table", metavar="trials.csv", help="file,thickness_mm,velocity_mm_s,... of each press")

@@ -112,8 +112,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add = parser.add_argument
     actions = parser.add_subparsers(dest="action", metavar="[record]", help="without 'record' a mould is made")
     words = "store what was poured and list the limits that the pad misses"
-    record = actions.add_parser("record", help=words, allow_abbrev=False)
-    add_record_arguments(record)
+    add_record_arguments(actions.add_parser("record", help=words))
     add("--thickness", metavar="MM[,MM..]", help="thickness of the pad, 3 to 30 mm; required; several make one job")
     add("--count", type=int, default=1, metavar="N", help="cavities in one mould (default 1)")
     add("--castings", type=int, default=1, metavar="N", help="castings of each mould (default 1)")

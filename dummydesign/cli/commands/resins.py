@@ -18,16 +18,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the actions."""
     words = "list|show|add|add-compression|remove|rename|path"
     actions = parser.add_subparsers(dest="action", required=True, metavar=words, help="what to do")
-    actions.add_parser("list", help="names, origin, ratio and modulus range", allow_abbrev=False)
-    show = actions.add_parser("show", help="one resin, every number with its source", allow_abbrev=False)
+    actions.add_parser("list", help="names, origin, ratio and modulus range")
+    show = actions.add_parser("show", help="one resin, every number with its source")
     show.add_argument("name", metavar="NAME", help="a known resin or a TOML file")
     show.add_argument("--out", metavar="DIR", help="also write a plot and its CSV")
-    words = "keep a resin file, or update a resin by a file of measured points"
-    add = actions.add_parser("add", help=words, allow_abbrev=False)
+    add = actions.add_parser("add", help="keep a resin file, or update a resin by a file of measured points")
     add.add_argument("file", metavar="FILE", help="TOML file of a resin, or of points: base, name and [[point]]s")
     add.add_argument("--replace", action="store_true", help="take the place of a resin of your own that has this name")
-    words = "modulus and relaxation of a batch from its puck's curve"
-    puck = actions.add_parser("add-compression", help=words, allow_abbrev=False)
+    puck = actions.add_parser("add-compression", help="modulus and relaxation of a batch from its puck's curve")
     words = "time_s, displacement_mm, force_N: one slow loading, or ramps and holds"
     puck.add_argument("file", metavar="TRACE.csv", help=words)
     puck.add_argument("--diameter", type=float, required=True, metavar="MM", help="of the puck")

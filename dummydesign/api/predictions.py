@@ -58,10 +58,8 @@ def pad_of_inputs(inputs: dict[str, Any]) -> tuple[Pad | Puck, dict[str, float],
         if inputs["edge_radius_mm"]:
             message = f"edge_radius_mm = {inputs['edge_radius_mm']:g} is of a punch; plates have no edge"
             raise InputError(message, "not_applicable", "edge_radius_mm", inputs["edge_radius_mm"])
-        puck = Puck(
-            inputs["thickness_mm"], young["value"] * 1e-3, sides[0], prony, inputs["condition"], inputs["poisson"], law
-        )
-        return puck, young, sources
+        same = inputs["thickness_mm"], young["value"] * 1e-3, sides[0], prony, inputs["condition"], inputs["poisson"]
+        return Puck(*same, law), young, sources
     profile = read_profile(punch[len("profile:") :]) if punch.startswith("profile:") else None
     radius = profile[0][-1] if profile else equal_area_radius_mm(punch)
     widest = max((punch_sides_mm(punch) if profile is None else None) or (2.0 * radius,))
@@ -100,10 +98,8 @@ def relaxation_warnings(made: Pad | Puck, moves: bool) -> list[dict[str, str]]:
     """Warn where a pad without relaxation is pressed in time; ``moves`` says whether it is."""
     if made.prony or not moves:
         return []
-    message = (
-        "this pad has no relaxation: its peak force is its steady force. Give --resin with --ratio, or --young with "
-        "--prony TAU:BETA"
-    )
+    message = "this pad has no relaxation: its peak force is its steady force. "
+    message += "Give --resin with --ratio, or --young with --prony TAU:BETA"
     return [{"code": "no_relaxation", "message": message}]
 
 
@@ -119,10 +115,8 @@ def pad_warnings(made: Pad | Puck, fidelity: str) -> list[dict[str, str]]:
     if made.sides_mm is None or fidelity == "3d":
         return alone
     if not has_square_factor(made):
-        message = (
-            "the punch is taken as the circle of equal area; a square is 0 to 3 % stiffer (5 to 20 mm pads), "
-            "a rectangle more; --fidelity 3d solves it"
-        )
+        message = "the punch is taken as the circle of equal area; a square is 0 to 3 % stiffer (5 to 20 mm pads), "
+        message += "a rectangle more; --fidelity 3d solves it"
         return [{"code": "equal_area_punch", "message": message}, *alone]
     message = "what a square adds to the circle of its area is that of sharp edges; half of it is stated as error"
     return [{"code": "square_with_fillet", "message": message}, *alone] if made.edge_radius_mm else alone

@@ -75,11 +75,11 @@ class Table:
             raise self.fault(key, f"is outside the allowed range {low:g} to {high:g}", "out_of_range", (low, high))
         return float(value)
 
-    def count(self, key: str, default: Any = REQUIRED, *, low: int = 1) -> Any:
-        """Return a whole number, ``low`` at least."""
-        value = self.get(key, int, f"a whole number from {low}", default)
-        if key in self.data and value < low:
-            raise self.fault(key, f"must be a whole number from {low}", "out_of_range", (low, None))
+    def count(self, key: str, default: int) -> int:
+        """Return a whole number from 1."""
+        value = self.data.get(key, default)
+        if type(value) is not int or value < 1:
+            raise self.fault(key, "must be a whole number from 1", "out_of_range")
         return value
 
     def string(self, key: str, default: Any = REQUIRED, choices: Collection[str] = ()) -> Any:

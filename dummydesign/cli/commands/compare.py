@@ -20,9 +20,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--record", metavar="FILE", help="the pad as it was cast, by 'mold record'")
     parser.add_argument("--out", metavar="DIR", help="folder of the files (default compare-TISSUE)")
     add_replace_option(parser)
-    test = parser.add_argument_group(
-        "your own test", "as in 'suggest'; without them every press is used as measured. Numbers may carry a unit"
-    )
+    words = "as in 'suggest'; without them every press is used as measured. Numbers may carry a unit"
+    test = parser.add_argument_group("your own test", words)
     punches = "square:14 (default), rectangle:AxB, round:D, ball:D, profile:FILE.csv"
     test.add_argument("--punch", default="square:14", metavar="KIND:SIZE", help=punches)
     test.add_argument("--edge-radius", default=0.0, metavar="MM", help="fillet of the punch's edge (default 0, sharp)")

@@ -92,9 +92,6 @@ def render_details(result: dict[str, Any]) -> str:
     tried = result["starts"]
     lines.append(f"{tried['same_optimum']} of {tried['tried']} starts ended in the same optimum")
     lines += table(result["by_trace"], TRACES)
-    for row in result.get("contact_offsets") or []:
-        lines.append(
-            f"{row['file'][:28]:<28} touched {row['value_mm']:+.3f} mm before its zero "
-            f"({row['low_mm']:+.3f} to {row['high_mm']:+.3f})"
-        )
+    lines += [f"{row['file'][:28]:<28} touched {row['value_mm']:+.3f} mm before its zero "
+              f"({row['low_mm']:+.3f} to {row['high_mm']:+.3f})" for row in result.get("contact_offsets") or []]
     return "\n".join(lines + warning_lines(result) + file_lines(result))

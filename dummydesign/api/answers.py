@@ -8,7 +8,7 @@ from copy import deepcopy
 from dataclasses import dataclass, field
 from html import escape
 from os import fspath
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any
 from warnings import warn
 
 import numpy as np
@@ -327,7 +327,7 @@ class Rows(Values):
     sources: tuple[str, ...] = ()
     resumed_rows: int = 0
     files: dict[str, str] = field(default_factory=dict)
-    call: ClassVar[str] = "whatif"
+    call: str = field(default="whatif", init=False)
 
     def values(self) -> Mapping[str, Any]:
         """The whole answer as plain values."""

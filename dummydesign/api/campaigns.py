@@ -133,16 +133,22 @@ def _check_set_up(campaign: Campaign, pads_mm: Iterable[float]) -> None:
     from dummydesign.loop.model.campaign_law import check_round
     from dummydesign.measurement.campaign import check_edge
 
-    pad, geometry = campaign.pad, campaign.pad.geometry
-    check_edge(pad, campaign.punch, [geometry])
+    pad, punch, geometry = campaign.pad, campaign.punch, campaign.pad.geometry
+    length_mm, width_mm = pad.length_mm or PAD_LENGTH_MM, pad.width_mm or PAD_WIDTH_MM
+    check_edge(pad, punch, [geometry])
+    widest = 0.0 if punch.shape == "plate" else punch.side_mm or 2.0 * punch.radius_mm
+    if min(length_mm, width_mm) < widest:
+        size = f"{length_mm:g}x{width_mm:g}"
+        message = f"pad = {size} mm is smaller than the punch {punch.text}; its sides must be at least {widest:g} mm"
+        raise InputError(message, "out_of_range", "pad", size)
     if geometry.plain:
         return
-    if campaign.punch.profile_mm is not None:
-        message = f"shape {geometry} is pressed by a flat punch, not by a {campaign.punch.shape}"
+    if punch.profile_mm is not None:
+        message = f"shape {geometry} is pressed by a flat punch, not by a {punch.shape}"
         raise InputError(message, "conflict", "shape", str(geometry))
     check_round(geometry)
     for thickness in pads_mm:
-        geometry.check(thickness, pad.length_mm or PAD_LENGTH_MM, pad.width_mm or PAD_WIDTH_MM)
+        geometry.check(thickness, length_mm, width_mm)
 
 
 def _copy_profile(set_up: SetUp, folder: Path) -> None:

@@ -4,15 +4,18 @@ from __future__ import annotations
 
 import csv
 import io
+import json
 import os
 import time
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from secrets import token_hex
-from typing import IO
+from typing import IO, Any
 
 from dummydesign.core.errors import InputError
+
+FilePath = str | os.PathLike[str]
 
 
 def unwritable(what: str, path: str | Path, problem: OSError, quantity: str) -> InputError:
@@ -41,6 +44,15 @@ def output_folder(path: str | Path) -> Path:
     except OSError as problem:
         raise unwritable("output folder", path, problem, "out") from None
     return folder
+
+
+def read_json(path: Path) -> dict[str, Any]:
+    """What a JSON file holds; empty where it cannot be read or holds something else than keys."""
+    try:
+        content = json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return {}
+    return content if isinstance(content, dict) else {}
 
 
 def write_text(path: str | Path, text: str) -> Path:

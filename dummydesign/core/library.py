@@ -176,10 +176,8 @@ def hidden_by(kind: str, what: str, name: str) -> list[dict[str, str]]:
     """A warning when a user's file of this name hides a built-in one."""
     if not (data_folder() / kind / f"{name.lower()}.toml").is_file():
         return []
-    message = (
-        f"'{name}' now stands for this {what} of your own and hides the built-in one of that name; "
-        f"'dummydesign {what}s remove {name}' brings it back"
-    )
+    message = f"'{name}' now stands for this {what} of your own and hides the built-in one of that name; "
+    message += f"'dummydesign {what}s remove {name}' brings it back"
     return [{"code": "shadows_built_in", "message": message}]
 
 

@@ -202,7 +202,7 @@ def _read_trial(table: Table, number: int, folder: Path, pad: PadSpec, punch: Pu
         raise table.fault("file", "does not exist in the campaign folder", "file_not_found")
     trace = read_trace(folder / name, numbers["velocity_mm_s"])
     declared = {key: value for key, value in numbers.items() if key != "target_depth_mm"}
-    repeat, sequence = _read_count(table, "repeat", 1), _read_count(table, "sequence", number)
+    repeat, sequence = table.count("repeat", 1), table.count("sequence", number)
     trial = Trial(file=name, repeat=repeat, sequence=sequence, trace=trace, geometry=geometry, **declared)
     _check_against_declared(trial, table)
     return trial
@@ -229,13 +229,6 @@ def _check_against_declared(trial: Trial, table: Table) -> None:
                          f"moves at {ramp.velocity_mm_s:.4g} mm/s; is the speed in m/s, or the time of the trace in "
                          "another unit (--units time=ms of 'dummydesign import' reads milliseconds)?",
                          "inconsistent", "trial.velocity_mm_s", trial.velocity_mm_s)  # fmt: skip
-
-
-def _read_count(table: Table, key: str, usual: int) -> int:
-    value = table.data.get(key, usual)
-    if type(value) is not int or value < 1:
-        raise table.fault(key, "must be a whole number from 1", "out_of_range")
-    return value
 
 
 def _trial_geometry(table: Table, pad: PadSpec, punch: PunchSpec) -> PadShape:

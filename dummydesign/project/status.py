@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import os
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass
@@ -11,6 +10,7 @@ from shlex import quote
 from typing import Any
 
 from dummydesign.core.errors import InputError
+from dummydesign.core.files import read_json
 from dummydesign.core.manifest import NAME as MANIFEST
 from dummydesign.measurement.campaign_file import FILE as CAMPAIGN
 from dummydesign.measurement.campaign_status import check_campaign
@@ -52,11 +52,8 @@ class ProjectStatus:
 
 def finished_manifest(path: Path) -> dict[str, Any] | None:
     """Return the content of a finished manifest, its summary a table or None; None where none can be read."""
-    try:
-        content = json.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError):
-        return None
-    if not (isinstance(content, dict) and content.get("command") and content.get("finished")):
+    content = read_json(path)
+    if not (content.get("command") and content.get("finished")):
         return None
     summary = content.get("summary")
     return content | {"summary": summary if isinstance(summary, dict) else None}

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import os
 import tempfile
 import zipfile
@@ -10,9 +9,10 @@ from collections.abc import Callable, Iterator
 from contextlib import ExitStack, suppress
 from itertools import count
 from pathlib import Path
-from typing import IO, Any
+from typing import IO
 
 from dummydesign.core.errors import InputError
+from dummydesign.core.files import read_json as read_json
 from dummydesign.core.files import write_bytes, writing
 from dummydesign.core.library import DEVICE
 
@@ -46,14 +46,6 @@ def inside(root: Path, path: str) -> Path:
     if any(part.startswith(".") for part in parts):
         raise InputError(f"'{path[:200]}' is not a file of this project", "not_allowed", "path", path[:200])
     return target
-
-
-def read_json(path: Path) -> dict[str, Any]:
-    """What a JSON file holds; empty where it cannot be read or holds something else than keys."""
-    with suppress(OSError, ValueError):
-        content = json.loads(path.read_text(encoding="utf-8"))
-        return content if isinstance(content, dict) else {}
-    return {}
 
 
 def numbered(name: str, ending: str = "") -> Iterator[str]:

@@ -10,7 +10,7 @@ from functools import cached_property
 from typing import Any
 
 from dummydesign.core.errors import InputError, out_of_range, unknown_name
-from dummydesign.core.serialise import plain_data, rebuild
+from dummydesign.core.serialise import rebuild, to_plain
 from dummydesign.geometry.dimensions import PAD_LENGTH_MM, PAD_WIDTH_MM, RIM_FREE_MM, THINNEST_COVER_MM
 from dummydesign.geometry.pad_shape import PadShape
 from dummydesign.geometry.shape_registry import make_shape, read_shape, shape_kinds
@@ -358,7 +358,7 @@ class MouldSpec:
 
     def to_dict(self) -> dict[str, Any]:
         """Return nested plain dictionaries, tuples as lists; what the mould does not have is left out."""
-        plain = _without_none(plain_data(asdict(self)))
+        plain = _without_none(to_plain(asdict(self)))
         plain.setdefault("closure", None)
         if self.count == 1:
             del plain["count"]

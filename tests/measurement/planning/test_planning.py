@@ -201,6 +201,8 @@ def test_a_table_wins_over_names_and_gives_what_they_do_not_say(mine, tmp_path, 
         (["new", "c", "--young", "25", "--punch", "star:3"], "punch 'star:3'"),
         (["new", "c", "--young", "25", "--pad", "cylinder:50", "--punch", "round:9"], "a puck by plate"),
         (["new", "c", "--young", "25", "--force", "3", "--depth", "1"], "the one or to the other"),
+        (["new", "c", "--young", "25", "--pad", "150x13"], "at least 14 mm"),
+        (["new", "c", "--young", "25", "--pad", "10x60", "--punch", "ball:20"], "smaller than the punch ball:20"),
         (["new", "c", "--resin", "nylon", "--ratio", "15"], "unknown resin 'nylon'"), (["check", "."], "campaign new"),
     ],
 )

@@ -130,7 +130,7 @@ class Work:
                 self._ended(newest, mine)
 
     def _tell_end(self, job: jobs.Job | None, mine: bool) -> None:
-        """Say how a command ended; one for another choice is jobs.shown with its line."""
+        """Say how a command ended; one for another choice is shown with its line."""
         self._problem.clear()
         if job is None or job.state == "running":
             return

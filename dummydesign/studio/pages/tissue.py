@@ -332,7 +332,7 @@ class _People:
     def _show(self, job: jobs.Job) -> None:
         answer, name = job.answer, job.answer["name"]
         fits = [job.answer_of(number) for number in range(1, len(job.commands))]
-        if not jobs.is_last(self._root, job, lambda job: " ".join(job.words[:3])):
+        if not jobs.is_last(self._root, job, lambda one: str(one.answer.get("name") or "")):
             html(f'<p class="note">The tissue {escape(name)} was made anew since, from other presses.</p>')
             return
         if name not in choices.tissues(self._root):

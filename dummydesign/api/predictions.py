@@ -58,8 +58,8 @@ def pad_of_inputs(inputs: dict[str, Any]) -> tuple[Pad | Puck, dict[str, float],
         if inputs["edge_radius_mm"]:
             message = f"edge_radius_mm = {inputs['edge_radius_mm']:g} is of a punch; plates have no edge"
             raise InputError(message, "not_applicable", "edge_radius_mm", inputs["edge_radius_mm"])
-        same = inputs["thickness_mm"], young["value"] * 1e-3, sides[0], prony, inputs["condition"], inputs["poisson"]
-        return Puck(*same, law), young, sources
+        given = inputs["thickness_mm"], young["value"] * 1e-3, sides[0], prony, inputs["condition"], inputs["poisson"]
+        return Puck(*given, law), young, sources
     profile = read_profile(punch[len("profile:") :]) if punch.startswith("profile:") else None
     radius = profile[0][-1] if profile else equal_area_radius_mm(punch)
     widest = max((punch_sides_mm(punch) if profile is None else None) or (2.0 * radius,))

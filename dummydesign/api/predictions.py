@@ -252,7 +252,7 @@ def predict(
         given = asked[0].removesuffix("_mm")
         message = f"--velocity is of a ramp, and {why}: leave it out, or give --force in place of --{given}"
         raise InputError(message, "not_applicable", "velocity_mm_s")
-    from dummydesign.measurement.motion import read_motion
+    from dummydesign.measurement.trace import read_motion
     from dummydesign.pad.predict import predict_motion, predict_static
 
     if (fields or picture) and (depth_mm is None or fidelity != "axisymmetric"):
@@ -305,7 +305,7 @@ def _measured(
     """Error against the force of the motion's own file, where it has one; largest forces over five samples."""
     import numpy as np
 
-    from dummydesign.measurement.motion import read_motion_force
+    from dummydesign.measurement.trace import read_motion_force
 
     try:
         force = read_motion_force(path)

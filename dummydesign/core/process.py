@@ -109,22 +109,22 @@ def quiet(step: str) -> None:
     """Ignore progress messages."""
 
 
-_TOLD: ContextVar[Callable[[float], None] | None] = ContextVar("told", default=None)
+_REPORT: ContextVar[Callable[[float], None] | None] = ContextVar("report_depth", default=None)
 
 
 @contextmanager
-def depths_told(tell: Callable[[float], None] | None) -> Iterator[None]:
-    """Have every depth that is solved inside told, d / h; nobody is told of it without ``tell``."""
-    before = _TOLD.set(tell)
+def reporting_depths(tell: Callable[[float], None] | None) -> Iterator[None]:
+    """Report every depth that is solved inside, d / h, to ``tell``; None reports to nobody."""
+    before = _REPORT.set(tell)
     try:
         yield
     finally:
-        _TOLD.reset(before)
+        _REPORT.reset(before)
 
 
 def tell_depth(depth: float) -> None:
     """Say that a depth is solved."""
-    tell = _TOLD.get()
+    tell = _REPORT.get()
     if tell is not None:
         tell(depth)
 

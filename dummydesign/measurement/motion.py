@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from dummydesign.core.errors import InputError, out_of_range
+from dummydesign.core.errors import out_of_range
 from dummydesign.core.serialise import Serialised
 
 DECELERATION_MM_S2 = 30_000.0
@@ -92,34 +91,3 @@ def ramp_and_hold(
     distance, stop = 0.5 * touch[..., None] * braking, depth[..., None]
     held = np.broadcast_to(stop, (*depth.shape, hold_points))
     return Motion(time, np.concatenate([(stop - distance) * share, stop - distance * left**2, held], axis=-1))
-
-
-_COLUMNS = ("time_s", "displacement_mm")
-
-
-def read_motion(path: str | Path) -> Motion:
-    """Read the columns time_s and displacement_mm (or displacement_in) of a CSV file; others are ignored."""
-    from dummydesign.measurement.trace import read_numbers
-
-    path = Path(path)
-    _, lines, values = read_numbers(path, _COLUMNS, "motion_file")
-    time, displacement = values.T
-    for at in np.flatnonzero(np.diff(time) <= 0)[:1] + 1:
-        message = f"{path.name}:{lines[at]}: time_s = {float(time[at])} does not increase"
-        raise InputError(message, "malformed", "time_s", float(time[at]))
-    if len(values) < 2:
-        message = f"{path.name}: {len(values)} rows; a motion needs at least 2"
-        raise InputError(message, "not_enough_data", "motion_file", len(values))
-    return Motion(time, displacement)
-
-
-def read_motion_force(path: str | Path) -> NDArray | None:
-    """Read the force at the samples of a motion file, shape (n,); None where it has no such column. [N]"""
-    from dummydesign.measurement.trace import read_numbers
-
-    try:
-        return read_numbers(Path(path), (*_COLUMNS, "force_N"), "motion_file")[2][:, -1]
-    except InputError as problem:
-        if problem.code == "missing":
-            return None
-        raise

@@ -16,8 +16,10 @@ from numpy.typing import NDArray
 
 from dummydesign.core.errors import InputError
 from dummydesign.core.parsing import columns_in
+from dummydesign.measurement.motion import Motion
 
 COLUMNS = ("time_s", "displacement_mm", "force_N")
+MOTION_COLUMNS = ("time_s", "displacement_mm")
 SECONDS = "time_is_in_seconds"
 """A further column whose presence says that time was looked at: a slow press is then no longer doubted."""
 MIN_SAMPLES = 10
@@ -261,3 +263,27 @@ def _milliseconds(time: NDArray, displacement: NDArray, velocity_mm_s: float | N
     if velocity_mm_s is not None:
         return step >= COARSE_S and 1.0 / AGREES < 1000.0 * speed / velocity_mm_s < AGREES
     return step >= COARSE_S and (speed < SLOW_MM_S or float(time[-1] - time[0]) > LONG_S)
+
+
+def read_motion(path: str | Path) -> Motion:
+    """Read the columns time_s and displacement_mm (or displacement_in) of a CSV file; others are ignored."""
+    path = Path(path)
+    _, lines, values = read_numbers(path, MOTION_COLUMNS, "motion_file")
+    time, displacement = values.T
+    for at in np.flatnonzero(np.diff(time) <= 0)[:1] + 1:
+        message = f"{path.name}:{lines[at]}: time_s = {float(time[at])} does not increase"
+        raise InputError(message, "malformed", "time_s", float(time[at]))
+    if len(values) < 2:
+        message = f"{path.name}: {len(values)} rows; a motion needs at least 2"
+        raise InputError(message, "not_enough_data", "motion_file", len(values))
+    return Motion(time, displacement)
+
+
+def read_motion_force(path: str | Path) -> NDArray | None:
+    """Read the force at the samples of a motion file, shape (n,); None where it has no such column. [N]"""
+    try:
+        return read_numbers(Path(path), (*MOTION_COLUMNS, "force_N"), "motion_file")[2][:, -1]
+    except InputError as problem:
+        if problem.code == "missing":
+            return None
+        raise

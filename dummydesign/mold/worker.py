@@ -18,7 +18,7 @@ from dummydesign.mold.cad.kernel import cad_problem, load_trimesh
 
 
 def run(asked: dict[str, Any]) -> dict[str, Any]:
-    """Make the mould or place the bone that is asked for; never raises for faults with a message."""
+    """Make the mould or place the bone of the question; never raises for faults with a message."""
     if problem := cad_problem():
         return {"error": {"code": "cad_unavailable", "message": problem}}
     bone = "placing" in asked

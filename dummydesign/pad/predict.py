@@ -32,7 +32,7 @@ import numpy as np
 from dummydesign.core import library as json_table
 from dummydesign.core.errors import InputError, NoAnswerError, out_of_range
 from dummydesign.core.parsing import positive
-from dummydesign.core.process import depths_told
+from dummydesign.core.process import reporting_depths
 from dummydesign.core.serialise import Serialised
 from dummydesign.geometry.dimensions import MAX_DEPTH_OVER_THICKNESS
 from dummydesign.geometry.interface import BASES
@@ -188,7 +188,7 @@ def predict_static(
     depth = np.asarray(depth_mm, dtype=float)
     if depth.ndim != 1 or not len(depth) or not np.isfinite(depth).all():
         raise InputError(f"depth_mm = {depth_mm} must be a list of finite numbers", "malformed", "depth_mm")
-    with depths_told(progress):
+    with reporting_depths(progress):
         curve = elastic_curve(pad, fidelity, float(depth.max()), depth, force_law)
     if depth.min() < 0.0:
         raise out_of_range("depth in mm", f"{depth.min():g}", 0, f"{curve.limit_mm:.4g}")
@@ -220,7 +220,7 @@ def predict_motion(
     if deepest <= 0.0:
         message = f"largest displacement_mm = {deepest:.4g} never reaches the pad; compression is positive"
         raise InputError(message, "out_of_range", "displacement_mm", deepest)
-    with depths_told(progress):
+    with reporting_depths(progress):
         return motion_on_curve(pad, motion, elastic_curve(pad, fidelity, deepest, None, force_law), fidelity)
 
 

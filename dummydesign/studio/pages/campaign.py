@@ -315,16 +315,16 @@ def table_html(keys: Sequence[str], rows: Sequence[Mapping[str, Any]]) -> str:
 
 
 def value_table(
-    keys: Sequence[str], rows: Sequence[Mapping[str, Any]], changed: Callable[[int, str, str], None], told: ui.element
+    keys: Sequence[str], rows: Sequence[Mapping[str, Any]], changed: Callable[[int, str, str], None], refusal: ui.element
 ) -> None:
-    """Show the table; why a value is refused is told in a place of its own."""
+    """Show the table; why a value is refused stands in a place of its own."""
     shown = html(table_html(keys, rows)).style("width:100%")
 
     def typed(event: events.GenericEventArguments) -> None:
         row, key, text = event.args
         if key in keys and isinstance(row, int) and 0 <= row < len(rows):
             mark = "setAttribute('aria-invalid', true)"
-            with parts.problems_in(told):
+            with parts.problems_in(refusal):
                 changed(row, key, str(text))
                 mark = "removeAttribute('aria-invalid')"
             cell = f'#{shown.html_id} [data-row="{row}"][data-key="{key}"]'

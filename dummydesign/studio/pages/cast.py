@@ -277,8 +277,8 @@ def show_record(answer: Mapping[str, Any]) -> None:
     rows = []
     for one in answer["limits"]:
         allowed = f"at most {one['high']:.4g}" if one["low"] is None else f"{one['low']:.4g} to {one['high']:.4g}"
-        told = ("missed", one["advice"]) if one["missed"] else ("kept", "")
-        rows.append([one["what"], one["value"], one["unit"], allowed, *told])
+        advice = ("missed", one["advice"]) if one["missed"] else ("kept", "")
+        rows.append([one["what"], one["value"], one["unit"], allowed, *advice])
     parts.table(["what", "value", "", "allowed", "", "what to do"], rows, words=True)
 
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from dummydesign.core.process import depths_told
+from dummydesign.core.process import reporting_depths
 from dummydesign.pad.axisymmetric import filleted
 from dummydesign.pad.axisymmetric.case import Case, extend_path, of_two_meshes
 from dummydesign.pad.axisymmetric.filleted import (
@@ -51,7 +51,7 @@ def slid():
         seen.append((depth, mesh.problem.force(solution.state), push.reshape(-1, 2), nodes + solution.u.reshape(-1, 2)))
 
     told = []
-    with depths_told(told.append):
+    with reporting_depths(told.append):
         path = follow_sliding(mesh, DEPTHS, visit)
     assert told == pytest.approx(DEPTHS)
     return mesh, path, seen

@@ -315,7 +315,8 @@ def table_html(keys: Sequence[str], rows: Sequence[Mapping[str, Any]]) -> str:
 
 
 def value_table(
-    keys: Sequence[str], rows: Sequence[Mapping[str, Any]], changed: Callable[[int, str, str], None], refusal: ui.element
+    keys: Sequence[str], rows: Sequence[Mapping[str, Any]], changed: Callable[[int, str, str], None],
+    refusal: ui.element,
 ) -> None:
     """Show the table; why a value is refused stands in a place of its own."""
     shown = html(table_html(keys, rows)).style("width:100%")

@@ -38,7 +38,6 @@ from dummydesign.design.assessment.castings import (  # noqa: E402
     Castings,
     verdict_of_design,
 )
-from dummydesign.design.inputs import resolve  # noqa: E402
 from dummydesign.design.request import Request  # noqa: E402
 from dummydesign.design.scoring.presses import make_curves  # noqa: E402
 from dummydesign.design.scoring.score import evaluate  # noqa: E402
@@ -48,7 +47,7 @@ from dummydesign.design.scoring.verdict import (  # noqa: E402
     ranges_of,
 )
 from dummydesign.design.search.slabs import DesignCandidate, make_slabs  # noqa: E402
-from dummydesign.design.suggest import design  # noqa: E402
+from dummydesign.design.suggest import design, resolve  # noqa: E402
 from dummydesign.geometry.shape_registry import read_shape  # noqa: E402
 from dummydesign.pad.axisymmetric.shaped_pad import solve_shaped_pad  # noqa: E402
 from dummydesign.pad.axisymmetric.sharp_edge import solve_curve  # noqa: E402
@@ -313,7 +312,7 @@ def designs_of(tissue: str, shape: str, thickness: float, knowledge: str) -> lis
     ranks = acceptability_rank(evaluation, space.targets)
     levels: dict[str, list[tuple]] = {}
     for at, ratio in enumerate(ratios):
-        one = DesignCandidate(best.thickness_mm, float(ratio), at, evaluation, None, 0.0, 0.0, int(ranks[at]))
+        one = DesignCandidate(best.thickness_mm, float(ratio), at, evaluation, rank=int(ranks[at]))
         judged = verdict_of_design(replace(answer.castings, candidate=one))
         levels.setdefault(judged.level, []).append((answer, float(ratio), judged, False))
     kept = {best.ratio: (answer, best.ratio, answer.verdict, True)}

@@ -132,10 +132,10 @@ def row_of(put_in: Put, truth: generator.Truth, result: LoopResult, seconds: flo
         "verdict": result.verdict, "found": names, "intervals": intervals,
         "confounded": [list(accepted.confounded_with) for accepted in result.effects],
         "evidence": [round(accepted.candidate.gain, 1) for accepted in result.effects],
-        "ranking": [c.effect.name for c in result.ranking[:5]],
+        "ranking": [c.effect.name for c in result.selection.ranking[:5]],
         "heldout": [result.base.errors.heldout_N, result.after.errors.heldout_N],
         "expected": result.remainder.expected, "lack": [result.after.lack.ratio, result.after.lack.p],
-        "where": [(one.factor, round(one.excess, 1)) for one in result.where_after[:3]],
+        "where": [(one.factor, round(one.excess, 1)) for one in result.seen.where[:3]],
         "reasons": list(result.remainder.reasons), "cpu_seconds": round(seconds, 1),
     }  # fmt: skip
 

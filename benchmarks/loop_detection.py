@@ -71,7 +71,7 @@ def run_one(number: int, turn: int, seed: int, folder: Path, rows: list[dict]) -
     return {
         **row, "verdict": result.verdict, "named": [one.candidate.effect.name for one in result.effects],
         "learned": None if result.learnt is None else result.learnt.effect.shape.name,
-        "ranking": [[one.effect.name, round(one.gain, 1)] for one in result.ranking[:3]],
+        "ranking": [[one.effect.name, round(one.gain, 1)] for one in result.selection.ranking[:3]],
         "heldout_N": [result.base.errors.heldout_N, result.after.errors.heldout_N],
         "young_kPa": truth.young_kPa, "interval_kPa": posterior and list(posterior.interval("log young_kPa")),
         "cpu_s": round(time.process_time() - began, 1),

@@ -83,7 +83,7 @@ def run_one(kind: str, number: int, seed: int, folder: Path) -> dict:
         "rivals": {one.candidate.effect.name: list(one.confounded_with) for one in result.effects},
         "learned": None if result.learnt is None else result.learnt.effect.shape.name,
         "gains": [round(one.candidate.gain, 1) for one in result.effects],
-        "ranking": [[one.effect.name, round(one.gain, 1)] for one in result.ranking[:4]],
+        "ranking": [[one.effect.name, round(one.gain, 1)] for one in result.selection.ranking[:4]],
         "warnings": [one["code"] for one in result.warnings], "reasons": list(result.remainder.reasons),
         "heldout_N": [result.base.errors.heldout_N, result.after.errors.heldout_N],
         "expected": result.remainder.expected, "replay_N": [other.total_base_rmse_N, other.total_rmse_N],

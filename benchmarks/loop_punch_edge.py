@@ -40,7 +40,7 @@ def run_one(seed: int, other: bool, folder: Path) -> dict:
         "edge_mm": edge and [edge["edge_radius_mm"][key] for key in ("low", "value", "high")],
         "young_kPa": truth.young_kPa, "interval_kPa": posterior and list(posterior.interval("log young_kPa")),
         "learned": None if result.learnt is None else result.learnt.effect.shape.name,
-        "ranking": [[one.effect.name, round(one.gain, 1)] for one in result.ranking[:4]],
+        "ranking": [[one.effect.name, round(one.gain, 1)] for one in result.selection.ranking[:4]],
         "cpu_s": round(time.process_time() - begun, 1),
     }  # fmt: skip
 

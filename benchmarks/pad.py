@@ -15,15 +15,16 @@ from itertools import product
 
 import numpy as np
 
+from dummydesign.geometry.dimensions import PUNCH_RADIUS_MM
 from dummydesign.geometry.shapes.crowned import Crowned
-from dummydesign.pad.axisymmetric.friction import solve_under_fillet
+from dummydesign.pad.axisymmetric.filleted import solve_under_fillet
 from dummydesign.pad.axisymmetric.shaped_pad import solve_shaped_pad
 from dummydesign.pad.axisymmetric.sharp_edge import solve_curve
 from dummydesign.pad.force_law import PadCurve
 from dummydesign.pad.specimen import Pad
-from dummydesign.pad.tables.slab import equal_area_radius_mm, load_table
+from dummydesign.pad.tables.slab import load_table
 
-RADIUS_MM = equal_area_radius_mm(14.0 * 14.0)
+RADIUS_MM = PUNCH_RADIUS_MM
 SHARES = np.linspace(0.5 / 12, 0.5, 12)
 FILLET_MM = 0.5
 CROWN, CROWN_MM = Crowned(21.2, 2.0, 9.4), 4.5

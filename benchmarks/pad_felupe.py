@@ -115,7 +115,7 @@ def ours_slab(ratio: float, extent: float, depth: np.ndarray, corner: float = CO
     """Forces, seconds and mesh lines of a slab under a sharp, glued punch, in thicknesses."""
     from dummydesign.pad.fem import mesh_axisymmetric as meshes
     from dummydesign.pad.fem.mixed_solid import Solid
-    from dummydesign.pad.material.hyperelastic import neo_hookean
+    from dummydesign.pad.material.hyperelastic import Yeoh
     from dummydesign.pad.solve.continuation import follow
     from dummydesign.pad.solve.equilibrium import Problem
 
@@ -133,7 +133,7 @@ def ours_slab(ratio: float, extent: float, depth: np.ndarray, corner: float = CO
     held = np.zeros(mesh.size, dtype=bool)
     held[2 * np.nonzero(meshes.on_axis(mesh))[0]] = True
     held[np.concatenate([2 * under, 2 * base, 2 * base + 1])] = True
-    problem = Problem(Solid(mesh, neo_hookean(1.0)), held, 2 * under + 1, 2 * base + 1)
+    problem = Problem(Solid(mesh, Yeoh(1.0)), held, 2 * under + 1, 2 * base + 1)
     path = follow(problem, depth, cell, 0.05 * scale, 1e-3 * scale)
     return {
         "force": path.force.tolist(), "seconds": time.process_time() - began, "unknowns": path.unknowns,
@@ -144,12 +144,12 @@ def ours_slab(ratio: float, extent: float, depth: np.ndarray, corner: float = CO
 def ours_puck() -> dict[str, Any]:
     """Forces, seconds and the mesh lines of the bonded puck."""
     from dummydesign.pad.axisymmetric.puck import UnitPuck, puck_problem
-    from dummydesign.pad.material.hyperelastic import neo_hookean
+    from dummydesign.pad.material.hyperelastic import Yeoh
     from dummydesign.pad.solve.continuation import follow
     from dummydesign.pad.solve.equilibrium import Problem
 
     began = time.process_time()
-    full = puck_problem(UnitPuck(1.0, "bonded"), neo_hookean(1.0), corner=PUCK_CORNER)
+    full = puck_problem(UnitPuck(1.0, "bonded"), Yeoh(1.0), corner=PUCK_CORNER)
     mesh = full.solid.mesh
     held = np.ones(mesh.size, dtype=bool)
     held[full.pattern.free] = held[full.driven] = False

@@ -23,12 +23,11 @@ sys.path.insert(0, str(ROOT))
 from benchmarks.rows import keep_row, read_rows, write_csv  # noqa: E402
 from dummydesign.core.errors import NoAnswerError  # noqa: E402
 from dummydesign.design.assessment.castings import RESIN, PadCastings, verdict_of_design  # noqa: E402
-from dummydesign.design.inputs import Inputs, resolve  # noqa: E402
 from dummydesign.design.request import Request  # noqa: E402
 from dummydesign.design.scoring.targets import make_targets  # noqa: E402
 from dummydesign.design.scoring.verdict import LEVELS, NOT_ACCEPTABLE, ranges_of, readings_of, verdict  # noqa: E402
 from dummydesign.design.search.best_of_kinds import best_of_kinds  # noqa: E402
-from dummydesign.design.suggest import SolvedDesign, solve  # noqa: E402
+from dummydesign.design.suggest import Inputs, SolvedDesign, resolve, solve  # noqa: E402
 from dummydesign.design.suggestion import tolerances_of  # noqa: E402
 from dummydesign.tissue.model.posterior import COLUMNS, read_draws, subject_of  # noqa: E402
 
@@ -57,7 +56,7 @@ def study_one(number: int, seed: int) -> dict[str, object]:
     try:
         result = best_of_kinds("auto", inputs.slab_law, space)
         designs = [(shaped.shape.name, shaped.result.best) for shaped in result.designs]
-        designs += [] if result.slab is None else [("slab", result.slab.best)]
+        designs += [] if result.slab is None else [("slab", result.slab.result.best)]
         taken = taken_pad(inputs, solve(inputs, result))
     except NoAnswerError:
         designs = []

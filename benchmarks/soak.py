@@ -26,8 +26,8 @@ import time
 from collections import Counter
 from pathlib import Path
 
-from dummydesign.cli.completion import _actions_of, _values
-from dummydesign.cli.entry import COMMANDS, parser_of, run
+from dummydesign.cli.completion import _values
+from dummydesign.cli.entry import COMMANDS, actions_of, parser_of, run
 
 WRONG = ("", "0", "-1", "nan", "1e400", "1e-300", "x", "🙂", "1,,2", "5:1", "/no/such/file", "--", "3kg", "a" * 300)
 PLAIN = ("5", "10", "1,2", "5:20:5", "0.5", "30", "15", "a.csv", "b.csv", "campaign", "new-1", "square:14",
@@ -52,7 +52,7 @@ def draw(rng: random.Random, costly: bool) -> list[str]:
         return words
     name = rng.choice([one for one in COMMANDS if one not in NEVER and (costly or one not in COSTLY)])
     parser, words, command = parser_of(name), [name], name
-    below = _actions_of(parser)
+    below = actions_of(parser)
     if below and rng.random() < 0.95:
         part = rng.choice(sorted(below))
         parser, words, command = below[part], [name, part], f"{name} {part}"

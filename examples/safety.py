@@ -3,8 +3,7 @@
 from pathlib import Path
 
 import dummydesign
-from dummydesign.design.assessment.safety import read_limits
-from dummydesign.design.safety_view import safety_view
+from dummydesign.design.safety import read_limits, safety_view
 
 limits = read_limits(Path(__file__).with_name("limits.toml"))
 answer = dummydesign.suggest("palm", shape="slab")

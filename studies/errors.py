@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 import ast
+import tomllib
 from pathlib import Path
 
-from dummydesign.core.errors import CODES
 from dummydesign.core.files import write_text
 
 PACKAGE = Path(__file__).resolve().parents[1] / "dummydesign"
 DOCUMENT = Path("docs") / "errors.md"
 FIRST_ARGUMENT = {"InputError": 1, "QuestionError": 1, "NoTableError": 1, "NoAnswerError": 0}
 """Classes of errors, and which of their arguments, from 0, is the code."""
-ANSWERS = tuple(CODES)[tuple(CODES).index("no_feasible_design") :]
+MEANINGS = tomllib.loads((PACKAGE / "core" / "errors.toml").read_text(encoding="utf-8"))
+CODES: dict[str, str] = MEANINGS["wrong_input"] | MEANINGS["no_answer"]
 HEAD = """# Errors
 
 An error is one line on standard error. With `--json` it is also printed as
@@ -31,6 +32,9 @@ def raised(package: Path = PACKAGE) -> tuple[dict[str, set[str]], list[str]]:
         for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
             if not isinstance(node, ast.Call) or not isinstance(node.func, ast.Name):
                 continue
+            if node.func.id == "unwritable":
+                last = node.args[-1]
+                quantities["file_unwritable"] |= {str(last.value)} if isinstance(last, ast.Constant) else set()
             at = FIRST_ARGUMENT.get(node.func.id)
             if at is None or any(isinstance(one, ast.Starred) for one in node.args):
                 continue
@@ -58,8 +62,8 @@ def document() -> str:
     quantities, _ = raised()
     parts = [HEAD]
     for title, codes in (
-        ("Wrong input: exit status 2", [code for code in CODES if code not in ANSWERS]),
-        ("No acceptable answer: exit status 1", list(ANSWERS)),
+        ("Wrong input: exit status 2", MEANINGS["wrong_input"]),
+        ("No acceptable answer: exit status 1", MEANINGS["no_answer"]),
     ):
         rows = [f"| `{code}` | {CODES[code]} | {', '.join(sorted(quantities[code])) or 'any'} |" for code in codes]
         parts.append("\n".join([f"## {title}\n", "| code | meaning | quantities |", "|---|---|---|", *rows, ""]))

@@ -20,7 +20,7 @@ import numpy as np
 from dummydesign.core.files import write_text
 from dummydesign.core.library import data_folder
 from dummydesign.geometry.dimensions import PUNCH_RADIUS_MM
-from dummydesign.pad.axisymmetric.friction import solve_under_fillet
+from dummydesign.pad.axisymmetric.filleted import solve_under_fillet
 from dummydesign.pad.elastic_force import elastic_curve
 from dummydesign.pad.force_law import ForceCurve
 from dummydesign.pad.specimen import Pad
@@ -38,7 +38,7 @@ Row = tuple[object, ...]
 
 def _curve(pad: Pad, depths: tuple[float, ...] = (DEEPEST,), fidelity: str = "axisymmetric") -> ForceCurve:
     h = pad.thickness_mm
-    return elastic_curve(pad, fidelity, h * max(depths), h * np.array(depths), None)
+    return elastic_curve(pad, fidelity, h * max(depths), h * np.array(depths))
 
 
 def _slab(thickness_mm: float, **options: Any) -> Pad:

@@ -65,7 +65,7 @@ def fitted(traces: Sequence[Trace]) -> Law:
     problem, optimum = fit.problems[0]
     gamma1, gamma, damper = problem.split(optimum.solution.parameters, optimum.arms)
     values = (tuple(np.exp(part).ravel().tolist()) for part in (gamma, damper[0]))
-    return Law(fit.elements, float(np.exp(gamma1)), *values)
+    return Law(fit.result["elements"], float(np.exp(gamma1)), *values)
 
 
 def spring_N_per_mm3(traces: Sequence[Trace]) -> float:

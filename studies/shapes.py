@@ -24,9 +24,9 @@ from dummydesign.core.files import write_text
 from dummydesign.design.request import RADIUS_MM, Request
 from dummydesign.design.scoring.presses import DEPTH_SHARE
 from dummydesign.design.scoring.targets import Targets
-from dummydesign.design.search.best_of_kinds import MISFIT_N, ShapeComparison, steady_force
-from dummydesign.design.suggest import suggest
-from dummydesign.design.suggestion import CentringTolerance, Suggestion, centring_tolerance
+from dummydesign.design.search.best_of_kinds import MISFIT_N, ShapeComparison, force_at
+from dummydesign.design.suggest import centring_tolerance, suggest
+from dummydesign.design.suggestion import CentringTolerance, Suggestion
 from dummydesign.geometry.dimensions import PUNCH_SIDE_MM
 from dummydesign.geometry.interface import CONDITIONS
 from dummydesign.geometry.shapes.slab import Slab
@@ -60,8 +60,8 @@ def check(item: ShapeComparison, targets: Targets) -> Solved:
     from dummydesign.pad.axisymmetric.shaped_pad import solve_shaped_pad
 
     depth = targets.aim_depth_mm(CHECKED_N)
-    table = steady_force(item.candidate, depth)
-    slabs = item.candidate.evaluation.slabs.take(np.array([item.candidate.index]))
+    slabs, wide_N = item.candidate.alone, targets.protocol.wide_N
+    table = force_at(depth, item.candidate.steady_depth_mm(wide_N), wide_N)
     elastic = slabs.young_MPa[0] * slabs.curves.area_at(slabs.slab, depth[None])[0]
     thickness = item.candidate.thickness_mm
     within = depth[depth <= DEPTH_SHARE * thickness]

@@ -19,7 +19,9 @@ import numpy as np
 
 from dummydesign.core.files import write_text
 from dummydesign.geometry.dimensions import PUNCH_RADIUS_MM
-from dummydesign.pad.solved_law import SlabCase, SolvedLaw, SolvedSlab, law_of, solve_slab
+from dummydesign.pad.material.hyperelastic import Yeoh
+from dummydesign.pad.solved_law import SolvedLaw, SolvedSlab, law_of, solve_slab
+from dummydesign.pad.specimen import Pad
 from dummydesign.report.whatif import STATEMENT
 from studies.marked_page import MarkedPage, wrapped
 
@@ -41,10 +43,20 @@ ON_PAGE: dict[str, tuple[float, ...]] = {"force_N": (5.0,), "depth_mm": (1.0,)}
 MARKED = MarkedPage(PAGE, "<!-- thickness tables: begin -->", "<!-- thickness tables: end -->")
 
 
-def cases() -> list[SlabCase]:
+def unit_slab(thickness_mm: float, radius_mm: float, base: str, c2_over_mu: float) -> Pad:
+    """A slab of unit modulus that stiffens by Yeoh's law."""
+    return Pad(thickness_mm, 1.0, radius_mm, base=base, law=Yeoh(1.0, c2_over_mu))
+
+
+def stiffening(slab: Pad) -> float:
+    """Yeoh's c2 over mu of a slab."""
+    return getattr(slab.law, "c2_MPa", 0.0)
+
+
+def cases() -> list[Pad]:
     """Slabs of the study, glued to the punch: both bases neo-Hookean, then stiffening on a bonded base."""
     supports = [("bonded", 0.0), ("sliding", 0.0), *(("bonded", value) for value in STIFFENING)]
-    return [SlabCase(thickness, RADIUS_MM, base, "bonded", c2) for base, c2 in supports for thickness in THICKNESS_MM]
+    return [unit_slab(thickness, RADIUS_MM, base, c2) for base, c2 in supports for thickness in THICKNESS_MM]
 
 
 def curves_text(slabs: list[SolvedSlab]) -> str:
@@ -53,8 +65,8 @@ def curves_text(slabs: list[SolvedSlab]) -> str:
     table = csv.writer(stream, lineterminator="\n")
     table.writerow([*_CASE, "depth_mm", "force_over_young_mm2", "relative_error"])
     for slab in slabs:
-        case = slab.case
-        head = (case.base, f"{case.yeoh_c2_over_mu:g}", f"{case.thickness_mm:g}", repr(case.radius_mm))
+        pad = slab.pad
+        head = (pad.base, f"{stiffening(pad):g}", f"{pad.thickness_mm:g}", repr(pad.radius_mm))
         for row in zip(slab.depth_mm, slab.area_mm2, slab.error):
             table.writerow([*head, *(f"{value:.8g}" for value in row)])
     return stream.getvalue()
@@ -62,13 +74,13 @@ def curves_text(slabs: list[SolvedSlab]) -> str:
 
 def read_curves(text: str) -> list[SolvedSlab]:
     """Read what :func:`curves_text` wrote."""
-    groups: dict[SlabCase, list[tuple[float, ...]]] = {}
+    groups: dict[Pad, list[tuple[float, ...]]] = {}
     for row in csv.DictReader(io.StringIO(text)):
         base, c2, thickness, radius = (row[name] for name in _CASE)
-        case = SlabCase(float(thickness), float(radius), base, "bonded", float(c2))
+        slab = unit_slab(float(thickness), float(radius), base, float(c2))
         values = tuple(float(row[name]) for name in ("depth_mm", "force_over_young_mm2", "relative_error"))
-        groups.setdefault(case, []).append(values)
-    return [SolvedSlab(case, *np.array(rows).T) for case, rows in groups.items()]
+        groups.setdefault(slab, []).append(values)
+    return [SolvedSlab(slab, *np.array(rows).T) for slab, rows in groups.items()]
 
 
 @dataclass(frozen=True)
@@ -159,8 +171,8 @@ def laws(slabs: list[SolvedSlab]) -> dict[str, SolvedLaw]:
     """Force laws of the solved slabs by support: ``bonded``, ``sliding``, ``bonded, c2/mu 0.1`` .."""
     groups: dict[str, list[SolvedSlab]] = {}
     for slab in slabs:
-        stiffening = slab.case.yeoh_c2_over_mu
-        groups.setdefault(slab.case.base + (f", c2/mu {stiffening:g}" if stiffening else ""), []).append(slab)
+        c2 = stiffening(slab.pad)
+        groups.setdefault(slab.pad.base + (f", c2/mu {c2:g}" if c2 else ""), []).append(slab)
     return {name: law_of(group) for name, group in groups.items()}
 
 
@@ -218,7 +230,7 @@ def main(arguments: list[str] | None = None) -> None:
         slabs = []
         for case in cases():
             slabs.append(solve_slab(case))
-            print(f"{case.base} base, c2/mu {case.yeoh_c2_over_mu:g}, {case.thickness_mm:g} mm", flush=True)
+            print(f"{case.base} base, c2/mu {stiffening(case):g}, {case.thickness_mm:g} mm", flush=True)
         curves.parent.mkdir(parents=True, exist_ok=True)
         write_text(curves, curves_text(slabs))
     write_page(options.repository, read_curves(curves.read_text(encoding="utf-8")))

@@ -100,9 +100,9 @@ def campaign(folder: Path) -> None:
 
 def slider(_: Path) -> None:
     """Evaluate one pad as a slider of the studio does."""
-    from dummydesign.design.inputs import resolve
     from dummydesign.design.pad_evaluator import PadEvaluator
     from dummydesign.design.request import Request
+    from dummydesign.design.suggest import resolve
     from dummydesign.geometry.shape_registry import read_shape
 
     PadEvaluator(resolve(Request(tissue="forefinger"))).evaluate(read_shape("slab"), 10.0, 15.5)

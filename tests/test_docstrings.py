@@ -26,8 +26,8 @@ import pytest
 import dummydesign
 
 OUTWARD = (
-    "api", "core.errors", "core.quantity", "geometry.pad_shape", "loop.effects.contract_check", "loop.model.base_law",
-    "loop.model.effect", "measurement.campaign", "measurement.campaign_file", "measurement.importing.read",
+    "api", "core.errors", "core.quantity", "geometry.pad_shape", "loop.effects.contract_check", "loop.model.effect",
+    "measurement.campaign", "measurement.campaign_file", "measurement.importing.read",
     "measurement.trace", "pad.force_law", "resin.model.resin", "resin.model.resin_file", "tissue.model.maxwell_law",
     "tissue.model.tissue", "tissue.model.tissue_file", "design.search.shape_family",
 )  # fmt: skip

@@ -7,13 +7,14 @@ from contextlib import AbstractContextManager, nullcontext
 from copy import deepcopy
 from dataclasses import dataclass, field
 from html import escape
-from os import PathLike, fspath
+from os import fspath
 from typing import TYPE_CHECKING, Any
 from warnings import warn
 
 import numpy as np
 
 from dummydesign.core.errors import InputError
+from dummydesign.core.files import FilePath
 from dummydesign.core.manifest import Question
 from dummydesign.core.serialise import parameter_rows, with_texts
 
@@ -34,10 +35,7 @@ class Values:
     Subclasses have ``call``, the name of the call, and ``values()``, the whole answer as plain values.
     """
 
-    @property
-    def call(self) -> str:
-        """Name of the call."""
-        return "answer"
+    call = "answer"
 
     def values(self) -> Mapping[str, Any]:
         """The whole answer, not copied."""
@@ -48,7 +46,7 @@ class Values:
             raise AttributeError(name)
         known = self.values()
         if name in known:
-            return _as_array(known[name])
+            return np.asarray(known[name], dtype=float) if _is_column(known[name]) else deepcopy(known[name])
         raise AttributeError(f"{self.call} has no '{name}'; it has {', '.join(sorted(known))}")
 
     def __dir__(self) -> list[str]:
@@ -61,11 +59,9 @@ class Values:
         return text if len(text) <= LONGEST else text[: LONGEST - 4] + "...)"
 
     def _repr_html_(self) -> str:
-        rows = "".join(
-            f"<tr><th style='text-align:left'>{escape(str(name))}</th><td style='text-align:left'>"
-            f"{escape(_short(value, 90))}</td></tr>"
-            for name, value in self.values().items()
-        )
+        left = "style='text-align:left'"
+        rows = "".join(f"<tr><th {left}>{escape(str(name))}</th><td {left}>{escape(_short(value, 90))}</td></tr>"
+                       for name, value in self.values().items())  # fmt: skip
         return f"<table><caption>{escape(self.call)}</caption>{rows}</table>"
 
     def to_dict(self) -> dict[str, Any]:
@@ -80,7 +76,7 @@ class Values:
         InputError
             When pandas is not installed, or nothing in the answer is a table.
         """
-        return frame_of(self.records())
+        return _frame_of(self.records())
 
     def records(self) -> list[dict[str, Any]]:
         """Rows of the answer's table as plain values.
@@ -96,20 +92,15 @@ class Values:
             length = max(len(value) for value in columns.values())
             same = {name: value for name, value in columns.items() if len(value) == length}
             return [dict(zip(same, row)) for row in zip(*same.values())]
-        lists = {name: value for name, value in known.items() if _is_records(value) and name != "warnings"}
+        lists = [value for name, value in known.items() if isinstance(value, list | tuple) and name != "warnings"
+                 and len(value) > 0 and all(isinstance(one, Mapping) for one in value)]  # fmt: skip
         if not lists:
             raise InputError(f"{self.call} has no table; use to_dict", "nothing_found", "table")
-        return [dict(one) for one in max(lists.values(), key=len)]
+        return [dict(one) for one in max(lists, key=len)]
 
 
-def frame_of(records: Sequence[dict[str, Any]]) -> Any:
-    """Make a pandas DataFrame; nested values become columns such as ``depth_mm_at_N.10``.
-
-    Raises
-    ------
-    InputError
-        When pandas is not installed.
-    """
+def _frame_of(records: Sequence[dict[str, Any]]) -> Any:
+    """Make a pandas DataFrame; nested values become columns such as ``depth_mm_at_N.10``."""
     try:
         from pandas import json_normalize
     except ImportError:
@@ -126,14 +117,6 @@ def _is_column(value: Any) -> bool:
     return isinstance(value, list | tuple) and len(value) > 0 and all(_is_number(one) for one in value)
 
 
-def _is_records(value: Any) -> bool:
-    return isinstance(value, list | tuple) and len(value) > 0 and all(isinstance(one, Mapping) for one in value)
-
-
-def _as_array(value: Any) -> Any:
-    return np.asarray(value, dtype=float) if _is_column(value) else deepcopy(value)
-
-
 def _short(value: Any, longest: int = 60) -> str:
     if _is_number(value):
         return f"{value:.4g}"
@@ -147,45 +130,6 @@ def _short(value: Any, longest: int = 60) -> str:
     else:
         text = repr(value)
     return text if len(text) <= longest else text[: longest - 3] + "..."
-
-
-LABELS = {"depth_mm": "depth in mm", "time_s": "time in s"}
-
-
-def force_curve(call: str, result: Mapping[str, Any], axes: Any = None) -> Any:
-    """Draw a force with its interval over depth or time.
-
-    Parameters
-    ----------
-    call : str
-        Name of the call, for the message.
-    result : mapping
-        With ``force_N``, its low and high, and ``depth_mm`` or ``time_s``.
-    axes : matplotlib.axes.Axes, optional
-        New ones without it.
-
-    Returns
-    -------
-    matplotlib.axes.Axes
-
-    Raises
-    ------
-    InputError
-        When there is no such curve in the result.
-    """
-    along = next((name for name in ("time_s", "depth_mm") if isinstance(result.get(name), list)), None)
-    if along is None or "force_low_N" not in result:
-        message = f"plot draws force curves, which {call} has none of; use to_frame"
-        raise InputError(message, "nothing_found", "force_N")
-    if axes is None:
-        from matplotlib.figure import Figure
-
-        axes = Figure(figsize=(6.0, 3.8), layout="constrained").subplots()
-    at = result[along]
-    axes.fill_between(at, result["force_low_N"], result["force_high_N"], color="#1f4e79", alpha=0.2, linewidth=0)
-    axes.plot(at, result["force_N"], color="#1f4e79")
-    axes.set(xlabel=LABELS[along], ylabel="force in N")
-    return axes
 
 
 VARIED = ("thickness_mm", "ratio", "shape", "punch", "edge_radius_mm", "condition", "base")
@@ -226,13 +170,12 @@ def dataset_of(rows: Sequence[Mapping[str, Any]]) -> Any:
     inner: dict[str, list[float]] = {}
     for row in rows:
         at = tuple(index[name][row[name]] for name in VARIED)
-        for name, value in _flat(row):
+        for name, value in _flat(row).items():
             if isinstance(value, Mapping):
                 along = next(axis for ending, axis in INNER.items() if name.endswith(ending))
                 inner.setdefault(along, [float(key) for key in value])
-                if name not in variables:
-                    variables[name] = ((*VARIED, along), np.full((*shape, len(value)), np.nan))
-                variables[name][1][at] = [np.nan if one is None else one for one in value.values()]
+                empty = ((*VARIED, along), np.full((*shape, len(value)), np.nan))
+                variables.setdefault(name, empty)[1][at] = np.array(list(value.values()), dtype=float)
             elif name == "limit":
                 variables.setdefault(name, (VARIED, np.full(shape, "", dtype=object)))[1][at] = value or ""
             else:
@@ -240,15 +183,12 @@ def dataset_of(rows: Sequence[Mapping[str, Any]]) -> Any:
     return xarray.Dataset(variables, coords={**axes, **inner})
 
 
-def _flat(row: Mapping[str, Any]) -> list[tuple[str, Any]]:
+def _flat(row: Mapping[str, Any]) -> dict[str, Any]:
     """Values of a row without what was varied; parts of the score by names of their own."""
-    pairs = []
-    for name, value in row.items():
-        if name == "score" and isinstance(value, Mapping):
-            pairs += [(f"score_{part}", one) for part, one in value.items() if not isinstance(one, str)]
-        elif name not in VARIED:
-            pairs.append((name, value))
-    return [(name, value) for name, value in pairs if name == "limit" or not isinstance(value, str | list | tuple)]
+    parts = {f"score_{part}": value for part, value in (row.get("score") or {}).items()}
+    whole = {name: value for name, value in row.items() if name not in (*VARIED, "score")} | parts
+    return {name: value for name, value in whole.items()
+            if name == "limit" or not isinstance(value, str | list | tuple)}  # fmt: skip
 
 
 IGNORED_INPUTS = ("out", "workers", "scheduler", "resume", "replace", "save_profile")
@@ -256,14 +196,9 @@ IGNORED_INPUTS = ("out", "workers", "scheduler", "resume", "replace", "save_prof
 
 
 def question(
-    command: str,
-    inputs: Mapping[str, Any],
-    *,
-    tissue: str | None = None,
-    resin: str | None = None,
-    preset: str | None = None,
-    files: Iterable[str | PathLike[str] | None] = (),
-) -> Question:
+    command: str, inputs: Mapping[str, Any], *, tissue: str | None = None, resin: str | None = None,
+    preset: str | None = None, files: Iterable[FilePath | None] = (),
+) -> Question:  # fmt: skip
     """Make the question of a call.
 
     Parameters
@@ -281,16 +216,13 @@ def question(
 
     named = (("materials/tissues", "tissue", tissue), ("materials/resins", "resin", resin),
              ("molds", "mould preset", preset))  # fmt: skip
-    read: dict[str, str | PathLike[str]] = {
-        f"{what} {name}": find(kind, what, name).path for kind, what, name in named if name is not None
-    }
+    read: dict[str, FilePath] = {f"{what} {name}": find(kind, what, name).path
+                                 for kind, what, name in named if name is not None}  # fmt: skip
     read |= {fspath(path): path for path in files if path is not None}
     return Question(command, {key: value for key, value in inputs.items() if key not in IGNORED_INPUTS}, read)
 
 
-def answer_folder(
-    out: str | PathLike[str] | None, asked: Question, replace: bool
-) -> AbstractContextManager[Output | None]:
+def answer_folder(out: FilePath | None, asked: Question, replace: bool) -> AbstractContextManager[Output | None]:
     """Open the folder of an answer; None where nothing is to be written.
 
     Parameters
@@ -312,12 +244,7 @@ class Result(Values):
 
     outcome: Any
     result: dict[str, Any]
-    name: str = "answer"
-
-    @property
-    def call(self) -> str:
-        """Name of the call."""
-        return self.name
+    call: str = "answer"
 
     @property
     def found(self) -> Any:
@@ -342,7 +269,20 @@ class Result(Values):
         InputError
             For an answer that holds no force curve.
         """
-        return force_curve(self.call, self.result, axes)
+        known = self.result
+        along = next((name for name in ("time_s", "depth_mm") if isinstance(known.get(name), list)), None)
+        if along is None or "force_low_N" not in known:
+            message = f"plot draws force curves, which {self.call} has none of; use to_frame"
+            raise InputError(message, "nothing_found", "force_N")
+        if axes is None:
+            from matplotlib.figure import Figure
+
+            axes = Figure(figsize=(6.0, 3.8), layout="constrained").subplots()
+        at = known[along]
+        axes.fill_between(at, known["force_low_N"], known["force_high_N"], color="#1f4e79", alpha=0.2, linewidth=0)
+        axes.plot(at, known["force_N"], color="#1f4e79")
+        axes.set(xlabel={"depth_mm": "depth in mm", "time_s": "time in s"}[along], ylabel="force in N")
+        return axes
 
 
 @dataclass(frozen=True, repr=False)
@@ -350,13 +290,13 @@ class Answer(Result):
     """What ``suggest`` found. ``outcome`` is the search with all its objects, ``result`` the whole answer in values."""
 
     outcome: Suggestion
-    name: str = "suggest"
+    call: str = "suggest"
 
     def to_frame(self) -> Any:
         """Return recommendation and alternatives as a DataFrame, one row a design (needs pandas)."""
         designs = (self.result["recommendation"], *self.result["alternatives"])
         keys = ("thickness_mm", "ratio", "young_kPa", "scores")
-        return frame_of([{key: design[key] for key in keys} for design in designs])
+        return _frame_of([{key: design[key] for key in keys} for design in designs])
 
 
 @dataclass(frozen=True, repr=False)
@@ -364,12 +304,12 @@ class Fitted(Result):
     """What ``fit`` found. ``outcome`` is the fit with all its objects, ``result`` the whole answer in values."""
 
     outcome: TissueFit
-    name: str = "fit"
+    call: str = "fit"
 
     def to_frame(self) -> Any:
         """Return the parameters with their intervals as a DataFrame, one row a parameter (needs pandas)."""
-        rows = parameter_rows(self.outcome.to_dict()["parameters"])
-        return frame_of([{"parameter": label, **one} for label, one in rows])
+        rows = parameter_rows(self.result["parameters"])
+        return _frame_of([{"parameter": label, **one} for label, one in rows])
 
 
 @dataclass(frozen=True, repr=False)
@@ -387,11 +327,7 @@ class Rows(Values):
     sources: tuple[str, ...] = ()
     resumed_rows: int = 0
     files: dict[str, str] = field(default_factory=dict)
-
-    @property
-    def call(self) -> str:
-        """Name of the call."""
-        return "whatif"
+    call: str = field(default="whatif", init=False)
 
     def values(self) -> Mapping[str, Any]:
         """The whole answer as plain values."""

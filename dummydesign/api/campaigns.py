@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import ExitStack
-from os import PathLike, fspath
+from os import fspath
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from dummydesign.api.answers import Result, question
 from dummydesign.core.errors import InputError
+from dummydesign.core.files import FilePath
 from dummydesign.core.parsing import check_units
 from dummydesign.core.process import quiet
 
@@ -21,7 +22,7 @@ if TYPE_CHECKING:
 
 
 def plan_campaign(
-    folder: str | PathLike[str], set_up: SetUp, design: PlanSettings, *, power: bool = True, replace: bool = False,
+    folder: FilePath, set_up: SetUp, design: PlanSettings, *, power: bool = True, replace: bool = False,
     units: str = "mm",
 ) -> Result:  # fmt: skip
     """Make a randomised, balanced plan of presses, with its campaign file and a sheet to press from.
@@ -132,16 +133,22 @@ def _check_set_up(campaign: Campaign, pads_mm: Iterable[float]) -> None:
     from dummydesign.loop.model.campaign_law import check_round
     from dummydesign.measurement.campaign import check_edge
 
-    pad, geometry = campaign.pad, campaign.pad.geometry
-    check_edge(pad, campaign.punch, [geometry])
+    pad, punch, geometry = campaign.pad, campaign.punch, campaign.pad.geometry
+    length_mm, width_mm = pad.length_mm or PAD_LENGTH_MM, pad.width_mm or PAD_WIDTH_MM
+    check_edge(pad, punch, [geometry])
+    widest = 0.0 if punch.shape == "plate" else punch.side_mm or 2.0 * punch.radius_mm
+    if min(length_mm, width_mm) < widest:
+        size = f"{length_mm:g}x{width_mm:g}"
+        message = f"pad = {size} mm is smaller than the punch {punch.text}; its sides must be at least {widest:g} mm"
+        raise InputError(message, "out_of_range", "pad", size)
     if geometry.plain:
         return
-    if campaign.punch.profile_mm is not None:
-        message = f"shape {geometry} is pressed by a flat punch, not by a {campaign.punch.shape}"
+    if punch.profile_mm is not None:
+        message = f"shape {geometry} is pressed by a flat punch, not by a {punch.shape}"
         raise InputError(message, "conflict", "shape", str(geometry))
     check_round(geometry)
     for thickness in pads_mm:
-        geometry.check(thickness, pad.length_mm or PAD_LENGTH_MM, pad.width_mm or PAD_WIDTH_MM)
+        geometry.check(thickness, length_mm, width_mm)
 
 
 def _copy_profile(set_up: SetUp, folder: Path) -> None:
@@ -219,7 +226,7 @@ def _empty_campaign(set_up: SetUp, tables: Mapping[str, Mapping[str, Any]]) -> C
     )  # fmt: skip
 
 
-def check_campaign(folder: str | PathLike[str]) -> Result:
+def check_campaign(folder: FilePath) -> Result:
     """Say what of a campaign is not yet pressed, and what looks wrong.
 
     Parameters
@@ -248,14 +255,9 @@ def check_campaign(folder: str | PathLike[str]) -> Result:
 
 
 def campaign_from_files(
-    folder: str | PathLike[str],
-    files: Iterable[str | PathLike[str]],
-    set_up: SetUp,
-    *,
-    table: str | PathLike[str] | None = None,
-    thickness_mm: float | None = None,
-    replace: bool = False,
-) -> Result:
+    folder: FilePath, files: Iterable[FilePath], set_up: SetUp, *,
+    table: FilePath | None = None, thickness_mm: float | None = None, replace: bool = False,
+) -> Result:  # fmt: skip
     """Make a campaign of traces that one has; they are copied, never changed.
 
     Parameters
@@ -310,19 +312,13 @@ def campaign_from_files(
     return Result(trials, result)
 
 
-Paths = Iterable["str | PathLike[str]"]
+Paths = Iterable[FilePath]
 
 
 def calibrate(
-    campaign: str | PathLike[str],
-    *,
-    effects: Paths = (),
-    prior: str | PathLike[str] | None = None,
-    plan: str | PathLike[str] | None = None,
-    out: str | PathLike[str] | None = None,
-    replace: bool = False,
-    progress: Callable[[str], None] | None = None,
-) -> Result:
+    campaign: FilePath, *, effects: Paths = (), prior: FilePath | None = None, plan: FilePath | None = None,
+    out: FilePath | None = None, replace: bool = False, progress: Callable[[str], None] | None = None,
+) -> Result:  # fmt: skip
     """Find what the model lacks in a measured campaign, and correct it; see :func:`dummydesign.loop.run.close_loop`.
 
     Parameters
@@ -393,7 +389,7 @@ def calibrate(
 
 
 def replay(
-    campaign: str | PathLike[str], calibration: str | PathLike[str], *, tissue: str | None = None, effects: Paths = (),
+    campaign: FilePath, calibration: FilePath, *, tissue: str | None = None, effects: Paths = (),
     progress: Callable[[str], None] | None = None,
 ) -> Result:  # fmt: skip
     """Predict a campaign with a calibration and compare with what was measured.
@@ -441,11 +437,8 @@ def replay(
     result = {
         "inputs": {"campaign": fspath(campaign), "calibration": fspath(calibration), "tissue": tissue},
         "warnings": [*beyond, *read.warnings, *caution, *unjudged],
-        "verdict": judged[0].to_dict() if judged else None,
-        "pads": [pad.to_dict() for pad in pads],
-        "calibration_verdict": known.verdict,
-        "effects": [one.effect.name for one in known.after.active],
-        **replayed.to_dict(),
-        "warning_band_N": known.remainder_N,
-    }
+        "verdict": judged[0].to_dict() if judged else None, "pads": [pad.to_dict() for pad in pads],
+        "calibration_verdict": known.verdict, "effects": [one.effect.name for one in known.after.active],
+        **replayed.to_dict(), "warning_band_N": known.remainder_N,
+    }  # fmt: skip
     return Result(replayed, result, "replay")

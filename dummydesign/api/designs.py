@@ -4,15 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from contextlib import AbstractContextManager, nullcontext
-from dataclasses import dataclass
 from dataclasses import replace as replace_fields
 from math import isfinite
-from os import PathLike, fspath
+from os import fspath
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from dummydesign.api.answers import Answer, Result, Rows, answer_folder, question
 from dummydesign.core.errors import InputError, NoAnswerError, out_of_range
+from dummydesign.core.files import FilePath
 from dummydesign.core.parsing import MASS, ROBOT_VELOCITY, read_number
 from dummydesign.design.options import read_options
 
@@ -20,12 +20,10 @@ if TYPE_CHECKING:
     from concurrent.futures import Executor
 
     from dummydesign.core.outputs import Output
-    from dummydesign.design.assessment.safety import Limits
     from dummydesign.design.request import Request
-    from dummydesign.design.safety_view import SafetyView
+    from dummydesign.design.safety import Limits, SafetyView
     from dummydesign.design.suggestion import Suggestion
     from dummydesign.design.sweep.spec import Study
-    from dummydesign.person.drives.drive import Drive
     from dummydesign.resin.model.resin import Resin
 
 
@@ -34,41 +32,19 @@ Numbers = float | str | Iterable[float | str]
 
 
 def suggest(
-    tissue: str,
-    *,
-    aim: str = "average",
-    resin: str = "polyurethane-nagoya",
-    thickness_mm: tuple[float, float] | str | None = None,
-    ratio: tuple[float, float] | str | None = None,
-    shape: str = "auto",
-    calibration: str | PathLike[str] | None = None,
-    effects: Iterable[str | PathLike[str]] = (),
-    verify: bool = True,
-    cad: bool | None = None,
-    punch: str = "square:14",
-    force_N: Numbers = (5.0, 10.0, 15.0),
-    velocity_mm_s: Numbers = (10.0, 250.0),
-    hold_s: float | str = 10.0,
-    deceleration_mm_s2: float | str = 30_000.0,
-    pad: tuple[float, float] | str = "150x120",
-    base: str = "bonded",
-    edge_radius_mm: float | str = 0.0,
-    condition: str | None = None,
-    preset: str = "open",
-    machine: str | None = None,
-    silicone: str | None = None,
-    sites: tuple[int, int] | str | None = None,
-    balance_g: float | str = 0.1,
-    thickness_tolerance_mm: float | str = 0.2,
-    castings: int | str = 1200,
-    robot_mass_kg: float | str | None = None,
-    robot_velocity_mm_s: float | str | None = None,
-    limits: str | PathLike[str] | None = None,
-    drive: str | None = None,
-    out: str | PathLike[str] | None = None,
-    replace: bool = False,
-    progress: Callable[[str], None] | None = None,
-) -> Answer:
+    tissue: str, *, aim: str = "average", resin: str = "polyurethane-nagoya",
+    thickness_mm: tuple[float, float] | str | None = None, ratio: tuple[float, float] | str | None = None,
+    shape: str = "auto", calibration: FilePath | None = None, effects: Iterable[FilePath] = (),
+    verify: bool = True, cad: bool | None = None, punch: str = "square:14",
+    force_N: Numbers = (5.0, 10.0, 15.0), velocity_mm_s: Numbers = (10.0, 250.0), hold_s: float | str = 10.0,
+    deceleration_mm_s2: float | str = 30_000.0, pad: tuple[float, float] | str = "150x120",
+    base: str = "bonded", edge_radius_mm: float | str = 0.0, condition: str | None = None, preset: str = "open",
+    machine: str | None = None, silicone: str | None = None, sites: tuple[int, int] | str | None = None,
+    balance_g: float | str = 0.1, thickness_tolerance_mm: float | str = 0.2, castings: int | str = 1200,
+    robot_mass_kg: float | str | None = None, robot_velocity_mm_s: float | str | None = None,
+    limits: FilePath | None = None, drive: str | None = None, out: FilePath | None = None,
+    replace: bool = False, progress: Callable[[str], None] | None = None,
+) -> Answer:  # fmt: skip
     """Recommend ratio, thickness and, on request, shape of a pad for a tissue; with ``out`` its mould and report.
 
     Parameters
@@ -160,14 +136,14 @@ def suggest(
         raise InputError("cad = True needs out, the folder for the files of the mould", "missing", "out")
     folder = None if out is None else Path(out)
     inputs = {
-        **request.to_dict(),
-        "cad": False if folder is None else cad,
-        "out": None if folder is None else str(folder),
-        "robot_mass_kg": robot_mass_kg,
-        "robot_velocity_mm_s": robot_velocity_mm_s,
-        "limits": None if limits is None else str(limits),
-        **({} if drive is None else {"drive": _drive(drive).text}),
-    }
+        **request.to_dict(), "cad": False if folder is None else cad,
+        "out": None if folder is None else str(folder), "robot_mass_kg": robot_mass_kg,
+        "robot_velocity_mm_s": robot_velocity_mm_s, "limits": None if limits is None else str(limits),
+    }  # fmt: skip
+    if drive is not None:
+        from dummydesign.person.drives import read_drive
+
+        inputs["drive"] = read_drive(drive).text
     own = [fspath(path) for path in effects]
     with _effects(own, request.calibration):
         return _answer(request, inputs, own, folder, replace, progress or (lambda step: None))
@@ -187,10 +163,8 @@ def _answer(
     progress: Callable[[str], None],
 ) -> Answer:  # fmt: skip
     """Resolve, design, and write what there is a folder for."""
-    from dummydesign.design.assessment.safety import read_limits
-    from dummydesign.design.inputs import resolve
-    from dummydesign.design.safety_view import safety_view
-    from dummydesign.design.suggest import design
+    from dummydesign.design.safety import read_limits, safety_view
+    from dummydesign.design.suggest import design, resolve
 
     wanted = resolve(request)
     mass_kg, velocity_mm_s = inputs["robot_mass_kg"], inputs["robot_velocity_mm_s"]
@@ -210,15 +184,15 @@ def _answer(
     with answer_folder(folder, asked, replace) as output:
         suggestion = design(wanted, progress)
         safety = safety_view(suggestion, mass_kg, velocity_mm_s, limits)
-        people = _on_people(suggestion, inputs.get("drive"), limits)
+        people, people_sections = _on_people(suggestion, inputs.get("drive"), limits)
         if output is None:
-            return Answer(suggestion, suggestion.to_dict(inputs, safety) | people.values)
+            return Answer(suggestion, suggestion.to_dict(inputs, safety) | people)
         cad = suggestion.verdict.acceptable if inputs["cad"] is None else inputs["cad"]
         inputs = {**inputs, "cad": cad, "out": str(output.folder)}
         progress("mould and report" if cad else "report")
         mould, missing = _mould(suggestion, output) if cad else (None, None)
-        whole = suggestion.to_dict(inputs, safety, mould) | people.values
-        result = _written(suggestion, safety, whole, output, progress, people.sections)
+        whole = suggestion.to_dict(inputs, safety, mould) | people
+        result = _written(suggestion, safety, whole, output, progress, people_sections)
         best = result["recommendation"]
         output.extra["summary"] = {name: best[name] for name in ("shape", "thickness_mm", "ratio", "resin")} | {
             "tissue": inputs["tissue"], "young_kPa": best["young_kPa"]["value"], "verdict": result["verdict"]["level"],
@@ -229,32 +203,21 @@ def _answer(
     return Answer(suggestion, result)
 
 
-@dataclass(frozen=True)
-class _People:
-    """What a drive adds to an answer and to its report."""
-
-    values: dict[str, Any]
-    sections: tuple[Any, ...] = ()
-
-
-def _drive(text: str) -> Drive:
-    from dummydesign.person.drives import read_drive
-
-    return read_drive(text)
-
-
-def _on_people(suggestion: Suggestion, drive: str | None, limits: Limits | None) -> _People:
-    """Carry the predicted presses over to people, where a drive was given."""
+def _on_people(
+    suggestion: Suggestion, drive: str | None, limits: Limits | None
+) -> tuple[dict[str, Any], tuple[Any, ...]]:
+    """Carry the predicted presses over to people, where a drive was given: for the answer and for its report."""
     if drive is None:
-        return _People({})
+        return {}, ()
+    from dummydesign.person.drives import read_drive
     from dummydesign.person.on_person import design_on_people, to_dict
     from dummydesign.report.on_person import people_sections
 
-    pressed = design_on_people(suggestion, _drive(drive), limits)
+    pressed = design_on_people(suggestion, read_drive(drive), limits)
     values = to_dict(pressed)
     sections = people_sections(pressed, values["presses"], "people")
     titled = (replace_fields(one, title=f"On people, {drive}: {one.title}") for one in sections)
-    return _People({"on_person": values}, tuple(titled))
+    return {"on_person": values}, tuple(titled)
 
 
 def _named_files(request: Request) -> list[str]:
@@ -278,7 +241,7 @@ def _mould(suggestion: Suggestion, output: Output) -> tuple[dict[str, Any] | Non
 
 def _written(
     suggestion: Suggestion, safety: SafetyView, result: dict[str, Any], output: Output, progress: Callable[[str], None],
-    people: tuple[Any, ...] = (),
+    people: tuple[Any, ...],
 ) -> dict[str, Any]:  # fmt: skip
     """Write the report and the answer, and return the answer with all files."""
     from dummydesign.design.plot_data import press_pictures, suggestion_curves
@@ -308,9 +271,7 @@ def _write_answer(output: Output, result: dict[str, Any], curves: Any) -> Path:
     return write_text(output.path(ANSWER), json_text("suggest", kept) + "\n")
 
 
-def compare_designs(
-    folders: Iterable[str | PathLike[str]], *, out: str | PathLike[str] | None = None, replace: bool = False
-) -> Result:
+def compare_designs(folders: Iterable[FilePath], *, out: FilePath | None = None, replace: bool = False) -> Result:
     """Compare the designs of several folders of ``suggest``; see :mod:`dummydesign.design.comparison`.
 
     Parameters
@@ -354,30 +315,15 @@ Values = float | str | Iterable[float]
 
 
 def whatif(
-    thickness_mm: Values,
-    ratio: Values | None = None,
-    *,
-    resin: str = "polyurethane-nagoya",
-    tissue: str | None = None,
-    aim: str = "average",
-    punch: str | Iterable[str] = "square:14",
-    condition: str | Iterable[str] = "bonded",
-    base: str | Iterable[str] = "bonded",
-    shape: str | Iterable[str] = "slab",
-    edge_radius_mm: Values = 0.0,
-    velocity_mm_s: Values = (10.0, 250.0),
-    force_N: Values = (1.0, 5.0, 10.0, 15.0),
-    hold_s: float | str = 10.0,
-    deceleration_mm_s2: float | str = 30_000.0,
-    fidelity: str = "table",
-    workers: int = 1,
-    scheduler: str | None = None,
-    executor: Executor | None = None,
-    out: str | PathLike[str] | None = None,
-    resume: bool = False,
-    replace: bool = False,
-    progress: Callable[[int, int], None] | None = None,
-) -> Rows:
+    thickness_mm: Values, ratio: Values | None = None, *, resin: str = "polyurethane-nagoya",
+    tissue: str | None = None, aim: str = "average", punch: str | Iterable[str] = "square:14",
+    condition: str | Iterable[str] = "bonded", base: str | Iterable[str] = "bonded",
+    shape: str | Iterable[str] = "slab", edge_radius_mm: Values = 0.0, velocity_mm_s: Values = (10.0, 250.0),
+    force_N: Values = (1.0, 5.0, 10.0, 15.0), hold_s: float | str = 10.0,
+    deceleration_mm_s2: float | str = 30_000.0, fidelity: str = "table", workers: int = 1,
+    scheduler: str | None = None, executor: Executor | None = None, out: FilePath | None = None,
+    resume: bool = False, replace: bool = False, progress: Callable[[int, int], None] | None = None,
+) -> Rows:  # fmt: skip
     """Work out every combination of slabs, ratios, punches and supports.
 
     Parameters

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Iterable, Mapping
-from os import PathLike, fspath
+from os import fspath
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
 
 from dummydesign.api.answers import Result, question
 from dummydesign.core.errors import InputError, NoAnswerError
+from dummydesign.core.files import FilePath
 from dummydesign.core.parsing import LENGTH, WIDTH, read_number
 
 if TYPE_CHECKING:
@@ -17,26 +19,13 @@ if TYPE_CHECKING:
 
 
 def make_mould(
-    thickness_mm: float | str | Iterable[float],
-    *,
-    length_mm: float | str = 150.0,
-    width_mm: float | str = 120.0,
-    shape: str = "slab",
-    preset: str = "open",
-    resin: str | None = None,
-    ratio: float = 15.0,
-    count: int = 1,
-    castings: int = 1,
-    base_ratio: float | None = None,
-    face_sheet_mm: float | None = None,
-    bone: str | PathLike[str] | None = None,
-    bone_height_mm: float | None = None,
-    bone_scale: float = 1.0,
-    bone_turn_deg: tuple[float, float, float] = (0.0, 0.0, 0.0),
-    bone_at_mm: tuple[float, float] = (0.0, 0.0),
-    out: str | PathLike[str] | None = None,
-    replace: bool = False,
-) -> Result:
+    thickness_mm: float | str | Iterable[float], *, length_mm: float | str = 150.0,
+    width_mm: float | str = 120.0, shape: str = "slab", preset: str = "open", resin: str | None = None,
+    ratio: float = 15.0, count: int = 1, castings: int = 1, base_ratio: float | None = None,
+    face_sheet_mm: float | None = None, bone: FilePath | None = None, bone_height_mm: float | None = None,
+    bone_scale: float = 1.0, bone_turn_deg: tuple[float, float, float] = (0.0, 0.0, 0.0),
+    bone_at_mm: tuple[float, float] = (0.0, 0.0), out: FilePath | None = None, replace: bool = False,
+) -> Result:  # fmt: skip
     """Make the silicone mould of a pad: STEP files, printable master and frame, pour sheet, all checked.
 
     Parameters
@@ -103,29 +92,24 @@ def make_mould(
     wanted = read_thicknesses(thickness_mm)
     length_mm, width_mm = read_number(length_mm, LENGTH), read_number(width_mm, WIDTH)
 
-    def made(one: float) -> MouldSpec:
-        return mould_spec(
-            one, length_mm, width_mm, preset, resin, ratio, kind, parameters, base_ratio, face_sheet_mm=face_sheet_mm,
-            count=count,
-        )  # fmt: skip
-
+    settings: dict[str, Any] = {"preset": preset, "resin": resin, "ratio": ratio, "base_ratio": base_ratio,
+                                "face_sheet_mm": face_sheet_mm}  # fmt: skip
     if bone is not None:
         if len(wanted) != 1 or castings != 1 or count != 1:
             message = "a bone from a file goes into one mould: one thickness, count 1, castings 1"
             raise InputError(message, "conflict", "bone")
         placing = _placing(shape, bone_height_mm, bone_scale, bone_turn_deg, bone_at_mm)
-        settings = {"preset": preset, "resin": resin, "ratio": ratio, "base_ratio": base_ratio,
-                    "face_sheet_mm": face_sheet_mm}  # fmt: skip
         with TemporaryDirectory(prefix="dummydesign-bone-") as work:
             solid = Path(work) / "bone.brep"
             spec = _boned(Path(bone), placing, wanted[0], length_mm, width_mm, settings, solid)
             return _make_one(spec, resin, preset, out, replace, solid)
     if bone_height_mm is not None:
         raise InputError("bone_height_mm belongs to a bone from a file (bone)", "not_applicable", "bone_height_mm")
-    if len(wanted) != 1 or castings != 1:
-        specs = [made(one) for one in wanted]
+    specs = [mould_spec(one, length_mm, width_mm, kind=kind, parameters=parameters, count=count, **settings)
+             for one in wanted]  # fmt: skip
+    if len(specs) != 1 or castings != 1:
         return _make_job(specs, castings, resin, preset, out, replace)
-    return _make_one(made(wanted[0]), resin, preset, out, replace)
+    return _make_one(specs[0], resin, preset, out, replace)
 
 
 def _placing(
@@ -156,7 +140,7 @@ def _boned(
 
 
 def _make_one(
-    spec: MouldSpec, resin: str | None, preset: str, out: str | PathLike[str] | None, replace: bool,
+    spec: MouldSpec, resin: str | None, preset: str, out: FilePath | None, replace: bool,
     bone_file: Path | None = None,
 ) -> Result:  # fmt: skip
     from dummydesign.core.outputs import new_folder
@@ -180,7 +164,8 @@ def _make_one(
     with new_folder(folder, asked, replace=replace) as output:
         head = {"inputs": {**inputs, "out": str(output.folder)}, "sources": list(spec.sources)}
         try:
-            mould = make_mold(spec, output.work, bone_file=bone_file)
+            made = make_mold(spec, output.work, bone_file=bone_file)
+            mould = dataclasses.replace(made, files=output.settled(made.files))
         except NoAnswerError as reason:
             result = output.settled({**head, **reason.result})
             raise NoAnswerError(reason.code, output.settled(str(reason)), result, reason.quantity) from None
@@ -193,8 +178,7 @@ def _make_one(
 
 
 def _make_job(
-    specs: list[MouldSpec], castings: int, resin: str | None, preset: str, out: str | PathLike[str] | None,
-    replace: bool,
+    specs: list[MouldSpec], castings: int, resin: str | None, preset: str, out: FilePath | None, replace: bool,
 ) -> Result:  # fmt: skip
     from dummydesign.mold.job import folder_name, job_inputs, make_job
 
@@ -207,20 +191,12 @@ def _make_job(
 
 
 def record_pad(
-    folder: str | PathLike[str],
-    thicknesses_mm: Iterable[float] | Mapping[str, float],
-    mass_g: float,
-    *,
-    modulus_kPa: float | None = None,
-    level_deg: float | None = None,
-    bubbles: int | None = None,
-    gauge_mm: float | None = None,
-    note: str = "",
-    replace: bool = False,
-    modulus_error_kPa: float | None = None,
-    weighed_g: Mapping[str, float] | None = None,
+    folder: FilePath, thicknesses_mm: Iterable[float] | Mapping[str, float], mass_g: float, *,
+    modulus_kPa: float | None = None, level_deg: float | None = None, bubbles: int | None = None,
+    gauge_mm: float | None = None, note: str = "", replace: bool = False,
+    modulus_error_kPa: float | None = None, weighed_g: Mapping[str, float] | None = None,
     scale_g: float | None = None,
-) -> Result:
+) -> Result:  # fmt: skip
     """Keep what was really poured in the folder of its mould, and say which limits the pad misses.
 
     Parameters

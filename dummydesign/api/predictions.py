@@ -4,31 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from math import inf, pi, sqrt
-from os import PathLike, fspath
+from os import fspath
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from dummydesign.api.answers import Result
+from dummydesign.core import parsing
 from dummydesign.core.errors import InputError
-from dummydesign.core.parsing import (
-    DECELERATION,
-    DEPTH,
-    EDGE,
-    FORCE,
-    HOLD,
-    RATE,
-    RATES_HZ,
-    SYSTEMS,
-    THICKNESS,
-    VELOCITY,
-    YOUNG,
-    YOUNG_KPA,
-    check_units,
-    parts_of,
-    read_allowed,
-    read_number,
-    twin_of,
-)
+from dummydesign.core.files import FilePath
+from dummydesign.core.parsing import check_units, parts_of, read_allowed, read_number, twin_of
 
 if TYPE_CHECKING:
     from dummydesign.measurement.motion import Motion
@@ -74,10 +58,8 @@ def pad_of_inputs(inputs: dict[str, Any]) -> tuple[Pad | Puck, dict[str, float],
         if inputs["edge_radius_mm"]:
             message = f"edge_radius_mm = {inputs['edge_radius_mm']:g} is of a punch; plates have no edge"
             raise InputError(message, "not_applicable", "edge_radius_mm", inputs["edge_radius_mm"])
-        puck = Puck(
-            inputs["thickness_mm"], young["value"] * 1e-3, sides[0], prony, inputs["condition"], inputs["poisson"], law
-        )
-        return puck, young, sources
+        given = inputs["thickness_mm"], young["value"] * 1e-3, sides[0], prony, inputs["condition"], inputs["poisson"]
+        return Puck(*given, law), young, sources
     profile = read_profile(punch[len("profile:") :]) if punch.startswith("profile:") else None
     radius = profile[0][-1] if profile else equal_area_radius_mm(punch)
     widest = max((punch_sides_mm(punch) if profile is None else None) or (2.0 * radius,))
@@ -116,10 +98,8 @@ def relaxation_warnings(made: Pad | Puck, moves: bool) -> list[dict[str, str]]:
     """Warn where a pad without relaxation is pressed in time; ``moves`` says whether it is."""
     if made.prony or not moves:
         return []
-    message = (
-        "this pad has no relaxation: its peak force is its steady force. Give --resin with --ratio, or --young with "
-        "--prony TAU:BETA"
-    )
+    message = "this pad has no relaxation: its peak force is its steady force. "
+    message += "Give --resin with --ratio, or --young with --prony TAU:BETA"
     return [{"code": "no_relaxation", "message": message}]
 
 
@@ -135,22 +115,18 @@ def pad_warnings(made: Pad | Puck, fidelity: str) -> list[dict[str, str]]:
     if made.sides_mm is None or fidelity == "3d":
         return alone
     if not has_square_factor(made):
-        message = (
-            "the punch is taken as the circle of equal area; a square is 0 to 3 % stiffer (5 to 20 mm pads), "
-            "a rectangle more; --fidelity 3d solves it"
-        )
+        message = "the punch is taken as the circle of equal area; a square is 0 to 3 % stiffer (5 to 20 mm pads), "
+        message += "a rectangle more; --fidelity 3d solves it"
         return [{"code": "equal_area_punch", "message": message}, *alone]
     message = "what a square adds to the circle of its area is that of sharp edges; half of it is stated as error"
     return [{"code": "square_with_fillet", "message": message}, *alone] if made.edge_radius_mm else alone
 
 
-def numbers(name: str, text: str | float | Iterable[float]) -> list[float]:
-    """Numbers from text such as ``"1,2"``, one number, or several."""
+def numbers(name: str, text: str) -> list[float]:
+    """Numbers from text such as ``"1,2"``."""
     try:
-        if isinstance(text, str):
-            return [float(part) for part in text.split(",")]
-        return [float(text)] if isinstance(text, int | float) else [float(part) for part in text]
-    except (TypeError, ValueError):
+        return [float(part) for part in text.split(",")]
+    except ValueError:
         message = f"--{name} '{text}' is not a list of numbers separated by commas"
         raise InputError(message, "not_a_number", name, text) from None
 
@@ -175,36 +151,17 @@ MOVED = ("time_s", "displacement_mm", "force_N", "force_low_N", "force_high_N")
 
 
 def predict(
-    thickness_mm: float | str,
-    *,
-    young_kPa: float | str | None = None,
-    resin: str | None = None,
-    ratio: float | None = None,
-    depth_mm: str | float | Iterable[float] | None = None,
-    motion: str | PathLike[str] | None = None,
-    force_N: float | str | Iterable[float] | None = None,
-    velocity_mm_s: float | str | Iterable[float] | None = None,
-    hold_s: float | str = 10.0,
-    deceleration_mm_s2: float | str = 30000.0,
-    tissue: str | None = None,
-    aim: str = "average",
-    punch: str = "square:14",
-    condition: str = "bonded",
-    base: str = "bonded",
-    pad: str = "slab:150x120",
-    shape: str = "slab",
-    poisson: float = 0.5,
-    law: str = "neo-hookean",
-    edge_radius_mm: float | str = 0.0,
-    prony: str | None = None,
-    fidelity: str = "table",
-    out: str | PathLike[str] | None = None,
-    rate_Hz: float | str | None = None,
-    units: str = "mm",
-    fields: str | PathLike[str] | None = None,
-    picture: str | PathLike[str] | None = None,
-    progress: Callable[[float], None] | None = None,
-) -> Result:
+    thickness_mm: float | str, *, young_kPa: float | str | None = None, resin: str | None = None,
+    ratio: float | None = None, depth_mm: str | float | Iterable[float] | None = None,
+    motion: FilePath | None = None, force_N: float | str | Iterable[float] | None = None,
+    velocity_mm_s: float | str | Iterable[float] | None = None, hold_s: float | str = 10.0,
+    deceleration_mm_s2: float | str = 30000.0, tissue: str | None = None, aim: str = "average",
+    punch: str = "square:14", condition: str = "bonded", base: str = "bonded", pad: str = "slab:150x120",
+    shape: str = "slab", poisson: float = 0.5, law: str = "neo-hookean", edge_radius_mm: float | str = 0.0,
+    prony: str | None = None, fidelity: str = "table", out: FilePath | None = None,
+    rate_Hz: float | str | None = None, units: str = "mm", fields: FilePath | None = None,
+    picture: FilePath | None = None, progress: Callable[[float], None] | None = None,
+) -> Result:  # fmt: skip
     """Force of one pad at static depths, under a measured motion, or in a ramp and hold.
 
     Parameters
@@ -295,14 +252,14 @@ def predict(
         given = asked[0].removesuffix("_mm")
         message = f"--velocity is of a ramp, and {why}: leave it out, or give --force in place of --{given}"
         raise InputError(message, "not_applicable", "velocity_mm_s")
-    from dummydesign.measurement.motion import read_motion
+    from dummydesign.measurement.trace import read_motion
     from dummydesign.pad.predict import predict_motion, predict_static
 
     if (fields or picture) and (depth_mm is None or fidelity != "axisymmetric"):
         message = "fields and pictures are of static depths: --depth with --fidelity axisymmetric"
         raise InputError(message, "not_applicable", "fields" if fields else "picture")
     check_units(units)
-    if units != SYSTEMS[0] and out is None:
+    if units != parsing.SYSTEMS[0] and out is None:
         raise InputError("--units is of the table that --out writes: give --out", "not_applicable", "units", units)
     if rate_Hz is not None and (out is None or asked not in (["motion"], ["force_N"])):
         message = "--rate is of curves over time in a file: give --out, and --motion or --force"
@@ -322,7 +279,7 @@ def predict(
             depth_mm = depths or [0.25 * made.thickness_mm]
             asked = ["depth_mm"]
     if depth_mm is not None:
-        depths = [read_number(depth, DEPTH) for depth in parts_of(depth_mm)]
+        depths = [read_number(depth, parsing.DEPTH) for depth in parts_of(depth_mm)]
         prediction = predict_static(made, depths, fidelity, progress)
     elif motion is not None:
         moved = read_motion(Path(motion))
@@ -348,7 +305,7 @@ def _measured(
     """Error against the force of the motion's own file, where it has one; largest forces over five samples."""
     import numpy as np
 
-    from dummydesign.measurement.motion import read_motion_force
+    from dummydesign.measurement.trace import read_motion_force
 
     try:
         force = read_motion_force(path)
@@ -369,9 +326,10 @@ def _measured(
 
 
 ALLOWED = {
-    "thickness_mm": (THICKNESS, 0.01, 1000.0), "young_kPa": (YOUNG, *YOUNG_KPA), "force_N": (FORCE, 1e-4, 1e5),
-    "velocity_mm_s": (VELOCITY, 1e-4, 1e5), "hold_s": (HOLD, 1e-6, 1e6),
-    "deceleration_mm_s2": (DECELERATION, 1e-3, inf), "rate_Hz": (RATE, *RATES_HZ),
+    "thickness_mm": (parsing.THICKNESS, 0.01, 1000.0), "young_kPa": (parsing.YOUNG, *parsing.YOUNG_KPA),
+    "force_N": (parsing.FORCE, 1e-4, 1e5), "velocity_mm_s": (parsing.VELOCITY, 1e-4, 1e5),
+    "hold_s": (parsing.HOLD, 1e-6, 1e6), "deceleration_mm_s2": (parsing.DECELERATION, 1e-3, inf),
+    "rate_Hz": (parsing.RATE, *parsing.RATES_HZ),
 }  # fmt: skip
 """Purpose, smallest and largest of each number; those of the edge follow from the punch."""
 SEVERAL = ("force_N", "velocity_mm_s")
@@ -381,7 +339,7 @@ SEVERAL = ("force_N", "velocity_mm_s")
 def _in_units(name: str, value: Any) -> Any:
     """A number with the unit it came with, several where they are taken, or as it is."""
     if value is None or name not in ALLOWED:
-        return read_number(value, EDGE) if name == "edge_radius_mm" else value
+        return read_number(value, parsing.EDGE) if name == "edge_radius_mm" else value
     purpose, low, high = ALLOWED[name]
     if name not in SEVERAL or isinstance(value, int | float):
         return read_allowed(value, purpose, low, high)
@@ -391,9 +349,7 @@ def _in_units(name: str, value: Any) -> Any:
     return values[0] if len(values) == 1 else values
 
 
-def _against(
-    made: Pad | Puck, inputs: dict[str, Any], young: dict[str, float]
-) -> tuple[dict[str, Any], Tissue]:
+def _against(made: Pad | Puck, inputs: dict[str, Any], young: dict[str, float]) -> tuple[dict[str, Any], Tissue]:
     """Verdict and presses of the pad against a tissue, and the tissue."""
     from dummydesign.design.pad_evaluator import verdict_of_pad
     from dummydesign.design.scoring.presses import Sampling
@@ -407,26 +363,26 @@ def _against(
         raise InputError(message, "not_applicable", "tissue", inputs["tissue"])
     site = load_tissue(inputs["tissue"])
     sampling = Sampling(hold_s=inputs["hold_s"], deceleration_mm_s2=inputs["deceleration_mm_s2"])
-    curve = elastic_curve(made, inputs["fidelity"], None, None, None)
+    curve = elastic_curve(made, inputs["fidelity"])
     judged, candidate, targets = verdict_of_pad(made, curve, young, site, inputs["aim"], sampling)
     return {"verdict": judged.to_dict(), "conditions": condition_rows(candidate, targets, made.geometry)}, site
 
 
 def _add_fields(
-    made: Pad | Puck, result: dict[str, Any], path: str | PathLike[str] | None, picture: str | PathLike[str] | None
+    made: Pad | Puck, result: dict[str, Any], path: FilePath | None, picture: FilePath | None
 ) -> dict[str, Any]:
     """Put the contact pressures into the answer, and write fields and picture where requested."""
     from dummydesign.pad.fields import contact_pressures, has_fields, solve_fields
 
     depths = [depth for depth in result["depth_mm"] if depth > 0.0]
-    if not (path or picture):
-        if depths and has_fields(made):
-            contact, notes = contact_pressures(made, depths)
-            result["contact_pressure"] = contact
-            result["warnings"] += [{"code": "contact_pressure", "message": note} for note in notes]
+    if path or picture:
+        fields, notes = solve_fields(made, depths)
+        contacts = [pressed.contact() for pressed in fields]
+    elif depths and has_fields(made):
+        contacts, notes = contact_pressures(made, depths)
+    else:
         return {}
-    fields, notes = solve_fields(made, depths)
-    result["contact_pressure"] = [pressed.contact() for pressed in fields]
+    result["contact_pressure"] = contacts
     result["warnings"] += [{"code": "contact_pressure", "message": note} for note in notes]
     files: dict[str, Any] = {}
     if path:

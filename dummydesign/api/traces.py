@@ -5,12 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping
 from contextlib import nullcontext
 from dataclasses import replace as replace_fields
-from os import PathLike, fspath
+from os import fspath
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from dummydesign.api.answers import Fitted, Result, answer_folder, question
 from dummydesign.core.errors import InputError
+from dummydesign.core.files import FilePath
 from dummydesign.core.parsing import RATE, RATES_HZ, read_allowed
 from dummydesign.core.quantity import PAPER
 
@@ -20,22 +21,15 @@ if TYPE_CHECKING:
     from dummydesign.measurement.trace import Trace
 
 LAW_SOURCE = f"{PAPER}, equations (4) to (6)"
-Traces = Iterable["str | PathLike[str] | Trace"]
+Traces = Iterable["FilePath | Trace"]
 Numbers = float | str | Iterable[float | str]
 
 
 def fit(
-    traces: Traces,
-    *,
-    elements: int | str = "auto",
-    law: str = "ode",
-    mode: str = "auto",
-    contact: str = "none",
-    lowpass: str | None = None,
-    out: str | PathLike[str] | None = None,
-    replace: bool = False,
-    progress: Callable[[str], None] | None = None,
-) -> Fitted:
+    traces: Traces, *, elements: int | str = "auto", law: str = "ode", mode: str = "auto",
+    contact: str = "none", lowpass: str | None = None, out: FilePath | None = None,
+    replace: bool = False, progress: Callable[[str], None] | None = None,
+) -> Fitted:  # fmt: skip
     """Fit the tissue law to traces of one tissue or dummy; see :func:`dummydesign.tissue.fitting.fit.fit_traces`.
 
     Parameters
@@ -97,15 +91,15 @@ def fit(
     if out is not None and not str(out).lower().endswith(".toml"):
         message = f"out = '{out}' must end in .toml: a tissue file is written there"
         raise InputError(message, "bad_name", "out", str(out))
-    names, read = read_traces(traces)
+    names, read = _read(traces)
     inputs = {
         "traces": names, "elements": str(elements), "law": law, "mode": mode, "contact": contact,
         "lowpass": passed.to_dict() if passed else None, "out": None if out is None else fspath(out),
     }  # fmt: skip
-    asked = question_of_traces("fit", inputs, names, read)
+    asked = _question("fit", inputs, names, read)
     with nullcontext() if out is None else new_files(out, asked, replace=replace) as output:
         fitted = fit_traces(read, count, law, mode, passed, contact=contact, progress=progress)
-        result = {"inputs": inputs, **fitted.to_dict(), "sources": [LAW_SOURCE], "files": {}}
+        result = {"inputs": inputs, **fitted.result, "sources": [LAW_SOURCE], "files": {}}
         if output is not None:
             from dummydesign.report.fit import write_fit
 
@@ -117,22 +111,12 @@ def fit(
 
 
 def compare(
-    traces: Traces,
-    tissue: str,
-    *,
-    lowpass: str | None = None,
-    record: str | PathLike[str] | None = None,
-    punch: str = "square:14",
-    edge_radius_mm: float | str = 0.0,
-    force_N: Numbers | None = None,
-    velocity_mm_s: Numbers | None = None,
-    hold_s: float | str | None = None,
-    deceleration_mm_s2: float | str | None = None,
-    condition: str | None = None,
-    out: str | PathLike[str] | None = None,
-    replace: bool = False,
-    progress: Callable[[str], None] | None = None,
-) -> Result:
+    traces: Traces, tissue: str, *, lowpass: str | None = None, record: FilePath | None = None,
+    punch: str = "square:14", edge_radius_mm: float | str = 0.0, force_N: Numbers | None = None,
+    velocity_mm_s: Numbers | None = None, hold_s: float | str | None = None,
+    deceleration_mm_s2: float | str | None = None, condition: str | None = None, out: FilePath | None = None,
+    replace: bool = False, progress: Callable[[str], None] | None = None,
+) -> Result:  # fmt: skip
     """Compare the traces of a cast dummy with a tissue; see :mod:`dummydesign.tissue.comparison`.
 
     Parameters
@@ -186,13 +170,13 @@ def compare(
     test = read_test(punch, edge_radius_mm, force_N, velocity_mm_s, hold_s, deceleration_mm_s2, condition)
     site, passed = load_tissue(tissue), parse_lowpass(lowpass)
     pad = None if record is None else read_record(fspath(record))
-    names, read = read_traces(traces)
+    names, read = _read(traces)
     inputs = {
         "traces": names, "tissue": tissue, "lowpass": passed.to_dict() if passed else None, **test.to_dict(),
         "out": None if out is None else fspath(out), **({} if record is None else {"record": fspath(record)}),
     }  # fmt: skip
     more = [fspath(name) for name in (record, punch.partition("profile:")[2] or None) if name is not None]
-    with answer_folder(out, question_of_traces("compare", inputs, [*names, *more], read, tissue), replace) as output:
+    with answer_folder(out, _question("compare", inputs, [*names, *more], read, tissue), replace) as output:
         comparison = compare_traces(read, site, passed, test.presses, progress)
         values = dict(comparison.result)
         if pad is not None:
@@ -213,41 +197,20 @@ def compare(
     return Result(comparison, result, "compare")
 
 
-def question_of_traces(
+def _question(
     command: str, inputs: dict[str, Any], names: list[str], traces: list[Trace], tissue: str | None = None
 ) -> Question:
-    """Make the question of a call with traces; those in memory count by their numbers.
-
-    Parameters
-    ----------
-    command : str
-        Name of the command, as it is typed.
-    inputs : dict
-        All values used.
-    names : list of str
-        Files that are read.
-    traces : list of Trace
-        What was measured.
-    tissue : str, optional
-        Name of the library or path.
-    """
+    """Make the question of a call with traces; those in memory count by their numbers."""
     from hashlib import sha256
 
-    numbers = [
-        sha256(b"".join(part.tobytes() for part in (one.time_s, one.displacement_mm, one.force_N))).hexdigest()
-        for one in traces
-    ]
+    numbers = [sha256(b"".join(part.tobytes() for part in (one.time_s, one.displacement_mm, one.force_N))).hexdigest()
+               for one in traces]  # fmt: skip
     files = [name for name in names if Path(name).is_file()]
     return question(command, {**inputs, "trace_numbers_sha256": numbers}, tissue=tissue, files=files)
 
 
-def read_traces(traces: Traces) -> tuple[list[str], list[Trace]]:
-    """Return names and traces; files are read.
-
-    Parameters
-    ----------
-    traces : iterable of path or Trace
-    """
+def _read(traces: Traces) -> tuple[list[str], list[Trace]]:
+    """Return names and traces; files are read."""
     from dummydesign.measurement.trace import Trace, read_trace
 
     given = list(traces)
@@ -263,24 +226,13 @@ def read_traces(traces: Traces) -> tuple[list[str], list[Trace]]:
 
 
 def import_traces(
-    files: Iterable[str | PathLike[str]],
-    *,
-    profile: str | None = None,
-    save_profile: str | None = None,
-    columns: Mapping[str, str] | None = None,
-    units: Mapping[str, str] | None = None,
-    separator: str | None = None,
-    decimal: str | None = None,
-    encoding: str | None = None,
-    skip: int | None = None,
-    flip: Iterable[str] | None = None,
-    tare: str | None = None,
-    contact: str | None = None,
-    split: str | None = None,
-    sheets: str | None = None,
-    out: str | PathLike[str] | None = None,
-    replace: bool = False,
-) -> Result:
+    files: Iterable[FilePath], *, profile: str | None = None, save_profile: str | None = None,
+    columns: Mapping[str, str] | None = None, units: Mapping[str, str] | None = None,
+    separator: str | None = None, decimal: str | None = None, encoding: str | None = None,
+    skip: int | None = None, flip: Iterable[str] | None = None, tare: str | None = None,
+    contact: str | None = None, split: str | None = None, sheets: str | None = None,
+    out: FilePath | None = None, replace: bool = False,
+) -> Result:  # fmt: skip
     """Read files as test machines wrote them, and write each press as a trace.
 
     What is None is taken from the profile, and where there is none from the file.
@@ -378,18 +330,10 @@ GUARD_BAND = "JCGM 106:2012, The role of measurement uncertainty in conformity a
 
 
 def on_person(
-    traces: Traces,
-    tissue: str,
-    *,
-    drive: str = "position",
-    limits: str | PathLike[str] | None = None,
-    lowpass: str | None = None,
-    rate: float | str = 1000.0,
-    punch: str = "square:14",
-    out: str | PathLike[str] | None = None,
-    replace: bool = False,
-    progress: Callable[[str], None] | None = None,
-) -> Result:
+    traces: Traces, tissue: str, *, drive: str = "position", limits: FilePath | None = None,
+    lowpass: str | None = None, rate: float | str = 1000.0, punch: str = "square:14",
+    out: FilePath | None = None, replace: bool = False, progress: Callable[[str], None] | None = None,
+) -> Result:  # fmt: skip
     """Work out what presses on a pad would have been on people; see :mod:`dummydesign.person`.
 
     Parameters
@@ -429,7 +373,7 @@ def on_person(
     import math
 
     from dummydesign.core.serialise import to_plain
-    from dummydesign.design.assessment.safety import read_limits
+    from dummydesign.design.safety import read_limits
     from dummydesign.geometry.punch import equal_area_radius_mm
     from dummydesign.measurement.sensor import parse_lowpass
     from dummydesign.person.drives import read_drive
@@ -440,14 +384,14 @@ def on_person(
     area = math.pi * equal_area_radius_mm(punch) ** 2
     site, passed = load_tissue(tissue), parse_lowpass(lowpass)
     allowed = None if limits is None else read_limits(fspath(limits))
-    names, read = read_traces(traces)
+    names, read = _read(traces)
     inputs: dict[str, Any] = {
         "traces": names, "tissue": tissue, "drive": moved.text, "limits": None if limits is None else fspath(limits),
         "lowpass": passed.to_dict() if passed else None, "rate": rate_hz, "punch": punch,
         "out": None if out is None else fspath(out),
     }  # fmt: skip
     more = [] if limits is None else [fspath(limits)]
-    with answer_folder(out, question_of_traces("on-person", inputs, [*names, *more], read, tissue), replace) as output:
+    with answer_folder(out, _question("on-person", inputs, [*names, *more], read, tissue), replace) as output:
         answer = work_out(read, site, moved, limits=allowed, lowpass=passed, area_mm2=area, progress=progress)
         sources = [*site.sources, *([GUARD_BAND] if allowed is not None else [])]
         result: dict[str, Any] = {

@@ -31,19 +31,14 @@ def call_in_steps(about: int, function: Callable[..., Any], options: argparse.Na
 
 def add_effect_option(parser: argparse.ArgumentParser) -> None:
     """Declare ``--effect``, which may be given several times."""
-    parser.add_argument(
-        "--effect", dest="effects", metavar="FILE.py", action="append", default=[],
-        help="file with one effect class of your own; its code is run; may be repeated",
-    )  # fmt: skip
+    words = "file with one effect class of your own; its code is run; may be repeated"
+    parser.add_argument("--effect", dest="effects", metavar="FILE.py", action="append", default=[], help=words)
 
 
 def add_replace_option(parser: argparse.ArgumentParser) -> None:
     """Declare ``--replace``."""
-    parser.add_argument(
-        "--replace",
-        action="store_true",
-        help="overwrite an earlier answer in --out (default: keep it and number the new folder)",
-    )
+    words = "overwrite an earlier answer in --out (default: keep it and number the new folder)"
+    parser.add_argument("--replace", action="store_true", help=words)
 
 
 ACTIONS = ("remove", "rename", "path")
@@ -51,12 +46,12 @@ ACTIONS = ("remove", "rename", "path")
 
 def add_own_actions(actions: Any, what: str) -> None:
     """Declare the actions on a file of your own."""
-    remove = actions.add_parser("remove", help=f"delete a {what} of your own", allow_abbrev=False)
+    remove = actions.add_parser("remove", help=f"delete a {what} of your own")
     remove.add_argument("name", metavar="NAME", help="as the list has it")
-    rename = actions.add_parser("rename", help=f"give a {what} of your own another name", allow_abbrev=False)
+    rename = actions.add_parser("rename", help=f"give a {what} of your own another name")
     rename.add_argument("name", metavar="OLD", help="its name now")
     rename.add_argument("new", metavar="NEW", help="its name from now on")
-    path = actions.add_parser("path", help=f"file of a {what}", allow_abbrev=False)
+    path = actions.add_parser("path", help=f"file of a {what}")
     path.add_argument("name", metavar="NAME", help="as the list has it")
 
 
@@ -80,8 +75,5 @@ def render_own(result: dict[str, Any]) -> str | None:
     action = result["inputs"].get("action")
     if action not in ACTIONS:
         return None
-    if action == "remove":
-        lines = [f"removed {path}" for path in result["removed"]]
-    else:
-        lines = [result["path"]]
+    lines = [f"removed {path}" for path in result["removed"]] if action == "remove" else [result["path"]]
     return "\n".join(lines + [f"warning: {one['message']}" for one in result.get("warnings", [])])

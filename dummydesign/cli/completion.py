@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import argparse
+import os
 import re
 from collections.abc import Iterable, Sequence
+from pathlib import Path
 from typing import Any
 
-from dummydesign.cli.entry import COMMANDS, meanings_of, parser_of
+from dummydesign.cli.entry import COMMANDS, actions_of, meanings_of, parser_of
 
 WORDS = "DUMMYDESIGN_COMPLETE"
 """Environment variable with the words typed so far, by which a shell's script asks for the next one."""
@@ -16,48 +18,6 @@ LIBRARY = {
     "tissue": "materials/tissues", "resin": "materials/resins", "preset": "molds", "machine": "molds/machines",
     "silicone": "molds/silicones",
 }  # fmt: skip
-SCRIPTS = {
-    "bash": r"""_dummydesign() {
-  local IFS=$'\x1f'
-  local typed="${COMP_WORDS[*]:1:COMP_CWORD}"
-  IFS=$'\n'
-  COMPREPLY=($(DUMMYDESIGN_COMPLETE="$typed" dummydesign completion bash 2>/dev/null))
-  [[ ${#COMPREPLY[@]} == 1 && ${COMPREPLY[0]} == *: ]] && compopt -o nospace 2>/dev/null
-  return 0
-}
-complete -o default -F _dummydesign dummydesign
-""",
-    "zsh": r"""#compdef dummydesign
-_dummydesign() {
-  local -a found open
-  found=(${(f)"$(DUMMYDESIGN_COMPLETE="${(pj:\x1f:)words[2,CURRENT]}" dummydesign completion zsh 2>/dev/null)"})
-  open=(${(M)found:#*:})
-  found=(${found:#*:})
-  (( ${#open} )) && compadd -S '' -a open
-  (( ${#found} )) && compadd -a found
-  (( ${#open} + ${#found} )) || _files
-}
-compdef _dummydesign dummydesign
-""",
-    "fish": r"""function __dummydesign
-  set -l now (commandline -ct)
-  set -l typed (commandline -opc) "$now"
-  set -lx DUMMYDESIGN_COMPLETE (string join \x1f -- $typed[2..])
-  set -l found (dummydesign completion fish 2>/dev/null)
-  if set -q found[1]
-    printf '%s\n' $found
-  else
-    __fish_complete_path "$now"
-  end
-end
-complete -c dummydesign -f -a '(__dummydesign)'
-""",
-}
-
-
-def script_of(shell: str) -> str:
-    """Return the script that a shell reads once; at each Tab it asks this program for the next words."""
-    return SCRIPTS[shell]
 
 
 def next_words(typed: Sequence[str]) -> list[str]:
@@ -69,7 +29,7 @@ def next_words(typed: Sequence[str]) -> list[str]:
         return []
     parser, command = parser_of(before[0]), before[0]
     for word in before[1:]:
-        below = _actions_of(parser)
+        below = actions_of(parser)
         if word in below:
             parser, command = below[word], f"{command} {word}"
     asked = parser._option_string_actions.get(before[-1])
@@ -79,11 +39,6 @@ def next_words(typed: Sequence[str]) -> list[str]:
         return _beginning(now, parser._option_string_actions)
     due = [action for action in parser._actions if not action.option_strings]
     return _beginning(now, (value for action in due for value in _values(command, action)))
-
-
-def _actions_of(parser: argparse.ArgumentParser) -> dict[str, argparse.ArgumentParser]:
-    choices = [action.choices for action in parser._actions if isinstance(action, argparse._SubParsersAction)]
-    return dict(choices[0]) if choices else {}
 
 
 def _values(command: str, action: argparse.Action) -> list[str]:
@@ -118,11 +73,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> dict[str, Any]:
     """Return the script, or the next words when the script asks for them."""
-    import os
-
-    asked = os.environ.get(WORDS)
-    content = {"script": script_of(options.shell)} if asked is None else {"words": next_words(asked.split(BETWEEN))}
-    return {"inputs": {"shell": options.shell}, "warnings": [], "sources": [], **content}
+    head = {"inputs": {"shell": options.shell}, "warnings": [], "sources": []}
+    # a shell reads the script once; at each Tab that asks this program for the next words
+    if (asked := os.environ.get(WORDS)) is not None:
+        return head | {"words": next_words(asked.split(BETWEEN))}
+    return head | {"script": (Path(__file__).parent / f"completion.{options.shell}").read_text(encoding="utf-8")}
 
 
 def render(result: dict[str, Any]) -> str:

@@ -12,6 +12,7 @@ import re
 import signal
 import sys
 import tomllib
+from collections import Counter
 from collections.abc import Sequence
 from functools import cache
 from pathlib import Path
@@ -134,6 +135,9 @@ class _Parser(argparse.ArgumentParser):
 
     command = ""
 
+    def __init__(self, **given: Any) -> None:
+        super().__init__(**given, allow_abbrev=False)
+
     def format_help(self) -> str:
         """Options, what their choices mean, examples."""
         self.epilog = epilog_of(self.command, self)
@@ -154,7 +158,7 @@ def _check_options(parser: argparse.ArgumentParser, name: str, words: list[str])
     known = _options(parser)
     for word in words:
         option = word.partition("=")[0]
-        if option.startswith("--") and " " not in option and option not in known | {"--"}:
+        if option.startswith("--") and " " not in option and option not in ("--", *known):
             import difflib
 
             near = difflib.get_close_matches(option, known, n=1, cutoff=0.7)
@@ -165,19 +169,32 @@ def _check_options(parser: argparse.ArgumentParser, name: str, words: list[str])
             raise InputError(message, "unknown_option", quantity_name(option), option, sorted(known))
 
 
-def _options(parser: argparse.ArgumentParser) -> set[str]:
+def actions_of(parser: argparse.ArgumentParser) -> dict[str, argparse.ArgumentParser]:
+    """Parsers of a command's actions by their names; none of a command without actions."""
+    choices = [action.choices for action in parser._actions if isinstance(action, argparse._SubParsersAction)]
+    return dict(choices[0]) if choices else {}
+
+
+def _options(parser: argparse.ArgumentParser) -> dict[str, argparse.Action]:
     """Long options of a command and of its actions."""
-    options = set(parser._option_string_actions)
-    for action in parser._actions:
-        if isinstance(action, argparse._SubParsersAction):
-            options.update(*(_options(one) for one in action.choices.values()))
-    return {one for one in options if one.startswith("--")}
+    options = {name: action for name, action in parser._option_string_actions.items() if name.startswith("--")}
+    for below in actions_of(parser).values():
+        options |= _options(below)
+    return options
+
+
+def _repeated(parser: argparse.ArgumentParser, words: Sequence[str]) -> list[dict[str, str]]:
+    """A warning for each option that is typed more than once and keeps one value."""
+    known, typed = _options(parser), Counter(word.partition("=")[0] for word in words)
+    return [{"code": "option_repeated", "message": f"{option} is given {times} times; the last value counts"}
+            for option, times in typed.items()
+            if times > 1 and type(known.get(option)) is argparse._StoreAction]  # fmt: skip
 
 
 def parser_of(name: str) -> argparse.ArgumentParser:
     """All options of a command."""
     module = module_of(name)
-    parser = _Parser(prog=f"dummydesign {name}", description=module.HELP, allow_abbrev=False)
+    parser = _Parser(prog=f"dummydesign {name}", description=module.HELP)
     module.add_arguments(parser)
     finish(parser, name)
     return parser
@@ -232,6 +249,8 @@ def _run(arguments: list[str]) -> int:
             settle_out(project, name, module, options)
             with timed():
                 result = module.run(options)
+            if repeated := _repeated(parser, arguments[1:]):
+                result = {**result, "warnings": [*result.get("warnings", []), *repeated]}
             verdict = result.get("verdict")
             if isinstance(verdict, dict) and verdict.get("light") == "red":
                 message = "the pad is not representative of the tissue"
@@ -303,7 +322,8 @@ def _loudness(options: argparse.Namespace) -> str:
     return "verbose" if verbose else "quiet" if quiet else ""
 
 
-PACKAGES = {"skfem": "scikit-fem", "OCP": "cadquery", "vtkmodules": "vtk", "PIL": "pillow"}
+PACKAGES = {"skfem": "scikit-fem", "OCP": "cadquery", "vtkmodules": "vtk", "PIL": "pillow", "fastapi": "nicegui",
+            "starlette": "nicegui", "uvicorn": "nicegui"}  # fmt: skip
 """Packages by the name of their module, where the two differ."""
 FULL = {getattr(errno, name) for name in ("ENOSPC", "EDQUOT", "EFBIG", "EROFS") if hasattr(errno, name)}
 """Reasons of the system why no file can be written: a full disk, a quota, a limit of size, a disk for reading only."""

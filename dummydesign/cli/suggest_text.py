@@ -4,19 +4,17 @@ from __future__ import annotations
 
 from typing import Any
 
-from dummydesign.cli.text import (
-    NO_LAW,
-    file_lines,
-    first_lines,
-    fitted,
-    labelled,
-    tissue_lines,
-    verdict_lines,
-    warning_lines,
-)
+from dummydesign.cli import text
+from dummydesign.cli.text import columns_of, file_lines, fitted, labelled, number, table, tissue_lines, verdict_lines
 from dummydesign.design.options import base_words
 from dummydesign.design.scoring.verdict import OUTCOMES, whole_percents
 from dummydesign.report import suggest_facts as facts
+
+SMALL = [("N", "force_N", "<6g"), ("depth mm", "depth_mm", "<10.2f"), ("tissue mm", "span", "<1")]
+OTHERS = [("mm", "thickness_mm", "<6g"), ("ratio", "ratio", "<7g"), ("kPa", "young", "<7.3g"),
+          ("total", "total", "<6.2f"), ("steady", "steady_state_range", "<7.2f"),
+          ("force-time", "force_variation_range", "<11.2f"), ("aim", "aim", "<5.2f"),
+          ("below 5 N", "low_force_range", "<1.2f")]  # fmt: skip
 
 
 def details(result: dict[str, Any]) -> str:
@@ -27,7 +25,7 @@ def details(result: dict[str, Any]) -> str:
         *verdict_lines(result["verdict"]),
         *tissue_lines(result),
         *_calibration(result),
-        *first_lines(result),
+        *text.first_lines(result),
         f"{result['inputs']['tissue']}, aim {result['inputs']['aim']}",
         "",
         f"  pad        {_pad_details(result)}",
@@ -42,16 +40,14 @@ def details(result: dict[str, Any]) -> str:
                           for name, value in best["scores"].items()),
         "",
         "  steady N  mm/s   depth mm  depth/thickness  % of gel  peak N   tissue peak N   fraction in range  reads",
-    ]
-    lines += [_condition(row) for row in best["conditions"]]
-    no_law = any(item["code"] == NO_LAW for item in result["warnings"])
+        *(_condition(row) for row in best["conditions"]),
+    ]  # fmt: skip
+    no_law = any(item["code"] == text.NO_LAW for item in result["warnings"])
     words = "the people's slowest rise, scaled to their steady force" if no_law else (
         "the tissue's law extrapolated; no data on people")  # fmt: skip
-    lines += ["", f"  small forces ({words}):", "  N      depth mm   tissue mm"]
-    for row in best["low_force"]:
-        depth = "-" if row["depth_mm"] is None else f"{row['depth_mm']:.2f}"
-        span = f"{row['tissue_depth_low_mm']:.2f} to {row['tissue_depth_high_mm']:.2f}"
-        lines.append(f"  {row['force_N']:<6g} {depth:<10} {span}")
+    small = [{**row, "span": f"{row['tissue_depth_low_mm']:.2f} to {row['tissue_depth_high_mm']:.2f}"}
+             for row in best["low_force"]]  # fmt: skip
+    lines += ["", f"  small forces ({words}):", *table(small, SMALL, "  ")]
     lines += _shapes(result) + _parameters(best) + _more_details(result)
     return "\n".join(lines)
 
@@ -79,10 +75,8 @@ def _shapes(result: dict[str, Any]) -> list[str]:
         if row["shape"] is None:
             lines.append(f"  {row['kind']}: {row['reason']}")
             continue
-        misfit, depth = ("-" if row[name] is None else f"{row[name]:.2f}"
-                         for name in ("misfit_rms_ln_force", "depth_over_thickness"))  # fmt: skip
-        exponents = (row["exponent_at_N"][force] for force in shown)
-        powers = " / ".join("-" if value is None else f"{value:.1f}" for value in exponents)
+        misfit, depth = (number(row[name]) for name in ("misfit_rms_ln_force", "depth_over_thickness"))
+        powers = " / ".join(number(row["exponent_at_N"][force], ".1f") for force in shown)
         lines.append(
             f"  {misfit:<7} {row['share_below_5N']:<11.2f} {row['share_above_5N']:<11.2f} {powers:<18} {depth:<6} "
             f"{row['total']:<6.2f} {row['thickness_mm']:g} mm {row['shape']}, ratio {row['ratio']:g}"
@@ -140,15 +134,8 @@ def _parameters(best: dict[str, Any]) -> list[str]:
 
 def _more_details(result: dict[str, Any]) -> list[str]:
     """Alternatives, tolerance, verification, files, and what the answer rests on."""
-    head = ["", "alternatives:", "  mm     ratio   kPa     total  steady  force-time  aim   below 5 N"]
-    lines = head if result["alternatives"] else []
-    for other in result["alternatives"]:
-        s, young = other["scores"], other["young_kPa"]["value"]
-        lines.append(
-            f"  {other['thickness_mm']:<6g} {other['ratio']:<7g} {young:<7.3g} {s['total']:<6.2f} "
-            f"{s['steady_state_range']:<7.2f} {s['force_variation_range']:<11.2f} {s['aim']:<5.2f} "
-            f"{s['low_force_range']:.2f}"
-        )
+    others = [{**other, **other["scores"], "young": other["young_kPa"]["value"]} for other in result["alternatives"]]
+    lines = ["", "alternatives:", *table(others, OTHERS, "  ")] if others else []
     tolerance = result["sensitivity"]
     limits, slope = tolerance["tolerances"], 100 * tolerance["d_ln_young_per_percent_ratio"]
     lines += [
@@ -159,14 +146,12 @@ def _more_details(result: dict[str, Any]) -> list[str]:
     ]
     checked = result["verification"]
     if checked["max_difference_percent"] is not None:
-        lines.append(
-            f"verified: {checked['fidelity']} finite elements differ by at most "
-            f"{checked['max_difference_percent']:.2f} % from the stored solutions"
-        )
+        lines.append(f"verified: {checked['fidelity']} finite elements differ by at most "
+                     f"{checked['max_difference_percent']:.2f} % from the stored solutions")  # fmt: skip
     lines += ["", result["rests_on"]["text"]]
     if not result["measure_first"]["group"]:
         lines.append(f"next: {result['rests_on']['next_step']}")
-    return lines + file_lines(result) + warning_lines(result)
+    return lines + file_lines(result) + text.warning_lines(result)
 
 
 def _castings(result: dict[str, Any]) -> list[str]:
@@ -212,33 +197,26 @@ def render(result: dict[str, Any]) -> str:
         *labelled("VALID", facts.valid_text(result), 2),
         "",
     ]
+    more = f"--details: scores, other shapes, parameters, castings, {len(result['warnings'])} notes"
     tail = [[""], labelled("CORRECT", "\n".join(facts.correction_lines(result))),
             labelled("WHY", facts.why_text(result), 3), labelled("RISK", facts.risk_text(result)), _notes(result),
-            _next(result), labelled("", facts.meanwhile_text(result)), _files(result), _more(result)]  # fmt: skip
+            _next(result), labelled("", facts.meanwhile_text(result)), _files(result),
+            labelled("MORE", more)]  # fmt: skip
     risk, meanwhile, why = 3, 6, 2
-    more = "  ... and {} more presses: --details"
-    return "\n".join(fitted(head, _table(result), tail, (risk, meanwhile, why), more))
-
-
-def _table(result: dict[str, Any]) -> list[str]:
-    """One row a press."""
-    head, rows = facts.press_rows(result)
-    widths = (8, 5, 8, 8, 10, 12, 0)
-    return ["  " + "  ".join(f"{cell:<{wide}}" for cell, wide in zip(row, widths)).rstrip() for row in (head, *rows)]
+    columns, rows = facts.press_rows(result)
+    presses = columns_of((columns, *rows), (8, 5, 8, 8, 10, 12, 0), "  ")
+    return "\n".join(fitted(head, presses, tail, (risk, meanwhile, why), "  ... and {} more presses: --details"))
 
 
 def _notes(result: dict[str, Any]) -> list[str]:
     """At most four warnings, each with what to do; an impact comes first."""
     lines = labelled("IMPACT", facts.impact_text(result))
-    return [*lines, *(line for text in facts.warning_texts(result) for line in labelled("WARNING", text, 2))]
+    return [*lines, *(line for note in facts.warning_texts(result) for line in labelled("WARNING", note, 2))]
 
 
 def _next(result: dict[str, Any]) -> list[str]:
     """What to do now: the steps in their order, or the only one."""
-    steps = facts.next_steps(result)
-    if len(steps) == 1:
-        return labelled("NEXT", steps[0], 2 if result["verdict"]["light"] == "red" else 3)
-    return labelled("NEXT", "\n".join(f"{number}. {step}" for number, step in enumerate(steps, 1)), 8)
+    return text.step_lines(facts.next_steps(result), 2 if result["verdict"]["light"] == "red" else 3, 8)
 
 
 def _files(result: dict[str, Any]) -> list[str]:
@@ -252,8 +230,3 @@ def _files(result: dict[str, Any]) -> list[str]:
     shown = [words.format(Path(files[role]).name) for role, words in named.items() if role in files]
     folder = Path(next(iter(files.values()))).parent
     return labelled("FILES", f"{folder}/: {', '.join(shown)}, {len(files) - len(shown)} more", 2)
-
-
-def _more(result: dict[str, Any]) -> list[str]:
-    count = len(result["warnings"])
-    return labelled("MORE", f"--details: scores, other shapes, parameters, castings, {count} notes")

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import os
 import re
+import sys
 import textwrap
-from collections.abc import Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -74,6 +76,37 @@ def fitted(
     return [*head, *rows, *(line for block in blocks for line in block)]
 
 
+def number(value: float | None, form: str = ".2f") -> str:
+    """A number as it is printed; a dash where there is none."""
+    return "-" if value is None else format(value, form)
+
+
+Columns = Sequence[tuple[str, str, str]]
+"""Head of each column, the key of its values in a row, and their form with its width, such as ``>9.3f``."""
+
+
+def table(rows: Iterable[Mapping[str, Any]], columns: Columns, indent: str = "") -> list[str]:
+    """Heads and a line a row; a dash where a value is None."""
+    wide = [re.sub(r"[+g]|\..*", "", form) for _, _, form in columns]
+    lines = [[format(head, width) for (head, _, _), width in zip(columns, wide)]]
+    for row in rows:
+        lines.append([format("-", width) if row[key] is None else format(row[key], form)
+                      for (_, key, form), width in zip(columns, wide)])  # fmt: skip
+    return [f"{indent}{' '.join(cells)}".rstrip() for cells in lines]
+
+
+def columns_of(rows: Iterable[Sequence[str]], widths: Sequence[int], between: str = "") -> list[str]:
+    """A line a row of texts, each as wide as its column."""
+    return ["  " + between.join(f"{cell:<{wide}}" for cell, wide in zip(row, widths)).rstrip() for row in rows]
+
+
+def step_lines(steps: Sequence[str], one: int | None = None, several: int | None = None) -> list[str]:
+    """What to do now: the steps in their order, or the only one; at most so many lines."""
+    if len(steps) == 1:
+        return labelled("NEXT", steps[0], one)
+    return labelled("NEXT", "\n".join(f"{number}. {step}" for number, step in enumerate(steps, 1)), several)
+
+
 NO_LAW = "measured_curves"
 FIRST = (NO_LAW, "tissue_punch", "force_not_in_band", "speed_not_in_band", "calibration_resin")
 """Codes of warnings printed right after the verdict: missing measurements, or another resin's campaign."""
@@ -85,7 +118,7 @@ def verdict_lines(verdict: dict[str, Any] | None, coloured: bool | None = None) 
     if verdict is None:
         return []
     if coloured is None:
-        coloured = _wants_colour()
+        coloured = sys.stdout.isatty() and not os.environ.get("NO_COLOR")
     lines = labelled(verdict["light"].upper(), verdict["text"])
     if coloured:
         light = verdict["light"].upper()
@@ -138,6 +171,11 @@ def shortened(text: str, most: int) -> str:
 CUT = " (more: --details)"
 
 
+def notes_block(notes: Sequence[str]) -> list[str]:
+    """The first two notes, two lines each."""
+    return [line for note in notes[:2] for line in labelled("NOTE", shortened(note, 170), 2)]
+
+
 def files_block(result: dict[str, Any], first: Sequence[str] = ("report",)) -> list[str]:
     """The folder and the files to begin with."""
     files = {role: path for role, path in result.get("files", {}).items() if path}
@@ -187,10 +225,3 @@ def first_lines(result: dict[str, Any]) -> list[str]:
     lines += [choice["expectation"]["text"]] if choice and choice["expectation"]["differs"] else []
     lines += [choice["expectation"]["undecided"]] if choice and choice["expectation"]["undecided"] else []
     return [*lines, ""] if lines else []
-
-
-def _wants_colour() -> bool:
-    import os
-    import sys
-
-    return sys.stdout.isatty() and not os.environ.get("NO_COLOR")

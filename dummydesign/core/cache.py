@@ -130,12 +130,10 @@ def _canonical(value: Any) -> Any:
     """Plain values that stand for ``value``, alike for equal inputs; TypeError for what has no such form."""
     if value is None or isinstance(value, (bool, str, int)):
         return value
-    if isinstance(value, (float, np.floating)):
-        return float(value) + 0.0  # -0.0 becomes 0.0
-    if isinstance(value, np.integer):
-        return int(value)
-    if isinstance(value, np.ndarray):
-        return _canonical(value.tolist())
+    if isinstance(value, (np.ndarray, np.generic)):
+        value = value.tolist()
+    if isinstance(value, float):
+        return value + 0.0  # -0.0 becomes 0.0
     if isinstance(value, (list, tuple)):
         return [_canonical(one) for one in value]
     if isinstance(value, Mapping):

@@ -4,59 +4,9 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from typing import Any
-
-CODES: dict[str, str] = {
-    "out_of_range": "A number is outside its allowed range, or not finite.",
-    "not_a_number": "A number is needed; the text or value is none.",
-    "malformed": "A text or table does not have the form that is needed.",
-    "unknown_name": "A name is not in the library, or a word is not among the choices.",
-    "unknown_key": "A key, column or parameter that nothing reads.",
-    "unknown_option": "An option that the command does not have.",
-    "unknown_unit": "A unit that is not known, or not for this quantity.",
-    "implausible_unit": "A number that only makes sense in another unit.",
-    "missing": "A value, option, key or column that is needed is not given.",
-    "conflict": "Two things are given that exclude each other.",
-    "not_applicable": "An option or key is given that does not apply here.",
-    "inconsistent": "Values contradict each other, or a file contradicts what is declared of it.",
-    "duplicate": "A name, key or row is listed twice.",
-    "bad_name": "A name has characters that are not allowed, or is reserved.",
-    "not_enough_data": "Too few or too short data for what is asked.",
-    "nothing_found": "No press, contact, table or file of the kind that is needed was found.",
-    "no_source": "A number has no source.",
-    "file_not_found": "A file or folder does not exist.",
-    "file_unreadable": "A file cannot be read, or is not what its name says.",
-    "file_unwritable": "A file or folder cannot be written.",
-    "file_exists": "A file, folder or name exists already and is not replaced.",
-    "changed_meanwhile": "A file or result changed while it was in use.",
-    "cannot_be_made": "A pad or mould cannot be made.",
-    "unsupported": "What is asked is understood, but no method here can do it.",
-    "not_tabulated": "The pad is outside the tables; finite elements can solve it.",
-    "needs_decision": "A file can be read in more than one way; an option settles it.",
-    "program_missing": "A package or program that is needed is not installed.",
-    "program_failed": "A program or module from outside failed.",
-    "too_large": "A file, list or study is larger than the limit.",
-    "busy": "Something else is at work on it.",
-    "not_allowed": "It is not permitted.",
-    "bad_arguments": "The command line has a wrong shape: argparse refused it.",
-    # no acceptable answer: exit status 1
-    "no_feasible_design": "No pad inside the limits reaches the presses.",
-    "no_acceptable_pad": "No pad is acceptable.",
-    "not_representative": "The verdict on the pad is red.",
-    "pad_not_accepted": "The cast pad is not the one that was designed.",
-    "no_convergence": "A solution by finite elements stopped.",
-    "out_of_reach": "A press cannot be reached.",
-    "table_unavailable": "A table that is needed cannot be read.",
-    "cad_unavailable": "The CAD kernel cannot be loaded.",
-    "cad_failed": "The solids of a mould could not be made.",
-    "check_failed": "A mould was made and one of its checks failed.",
-    "campaign_wrong": "The presses of a campaign contradict its plan.",
-    "machine_unfit": "This machine lacks something that every command needs.",
-    "worker_lost": "A process of a study stopped unexpectedly.",
-    "not_specified": "An error raised outside this package, without a code.",
-}
-"""Codes of errors; they never change. docs/errors.md lists them with the quantities each is raised for."""
 
 
 class DummydesignError(Exception):
@@ -67,7 +17,7 @@ class DummydesignError(Exception):
     message : str
         What was wrong, what is allowed, what to type; one line.
     code : str
-        Stable name of the fault, one of :data:`CODES`.
+        Stable name of the fault, one of those in ``core/errors.toml``.
     quantity : str
         What the fault is about, with its unit: ``thickness_mm``, ``tissue``.
     value, allowed : object, optional
@@ -81,9 +31,9 @@ class DummydesignError(Exception):
         super().__init__(message)
         self.code, self.quantity, self.value, self.allowed = code, quantity, value, allowed
 
-    def within(self, where: str) -> InputError:
-        """Return the same fault with the place it was found at in front: a file, a line, a subject."""
-        return InputError(f"{where}: {self}", self.code, self.quantity, self.value, self.allowed)
+    def within(self, where: str, advice: str = "") -> InputError:
+        """Return the same fault with the place it was found at in front: a file, a line, a subject; advice behind."""
+        return InputError(f"{where}: {self}{advice}", self.code, self.quantity, self.value, self.allowed)
 
     def to_dict(self) -> dict[str, Any]:
         """Return the error as ``--json`` prints it."""
@@ -111,7 +61,7 @@ class NoAnswerError(DummydesignError):
     Parameters
     ----------
     code : str
-        One of :data:`CODES`.
+        One of those in ``core/errors.toml``.
     message : str
         The reason and what to try.
     result : dict, optional
@@ -126,6 +76,15 @@ class NoAnswerError(DummydesignError):
 
     def __reduce__(self) -> tuple[Any, ...]:
         return type(self), (self.code, str(self), self.result, self.quantity)
+
+
+@contextmanager
+def errors_within(where: str, advice: str = "") -> Iterator[None]:
+    """Put the place they were found at in front of the errors of a ``with`` block, and advice behind."""
+    try:
+        yield
+    except InputError as problem:
+        raise problem.within(where, advice) from None
 
 
 def out_of_range(

@@ -2,20 +2,35 @@
 
 from __future__ import annotations
 
+import csv
+import io
+import json
 import os
 import time
-from contextlib import suppress
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from secrets import token_hex
-from typing import IO
+from typing import IO, Any
 
 from dummydesign.core.errors import InputError
+
+FilePath = str | os.PathLike[str]
 
 
 def unwritable(what: str, path: str | Path, problem: OSError, quantity: str) -> InputError:
     """Make the error for a file or folder that the system refuses to write."""
     reason = problem.strerror or problem
     return InputError(f"{what} '{path}' cannot be written: {reason}", "file_unwritable", quantity, str(path))
+
+
+@contextmanager
+def writing(what: str, path: str | Path, quantity: str) -> Iterator[None]:
+    """Make the same error of what the system refuses while a block writes."""
+    try:
+        yield
+    except OSError as problem:
+        raise unwritable(what, path, problem, quantity) from None
 
 
 def output_folder(path: str | Path) -> Path:
@@ -31,9 +46,25 @@ def output_folder(path: str | Path) -> Path:
     return folder
 
 
+def read_json(path: Path) -> dict[str, Any]:
+    """What a JSON file holds; empty where it cannot be read or holds something else than keys."""
+    try:
+        content = json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return {}
+    return content if isinstance(content, dict) else {}
+
+
 def write_text(path: str | Path, text: str) -> Path:
     """Write ``text`` under a dotted temporary name beside ``path`` and rename it when complete."""
     return write_bytes(path, text.encode("utf-8"))
+
+
+def csv_text(head: Iterable[str], rows: Iterable[Iterable[object]]) -> str:
+    """Return a table as the text of a CSV file."""
+    stream = io.StringIO()
+    csv.writer(stream, lineterminator="\n").writerows([head, *rows])
+    return stream.getvalue()
 
 
 def write_bytes(path: str | Path, content: bytes) -> Path:

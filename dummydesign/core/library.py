@@ -90,6 +90,40 @@ def toml_text(text: str) -> str:
     return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")
 
 
+def toml_value(value: Any) -> str:
+    """A plain value, or a list or table of such, on one line of TOML."""
+    if isinstance(value, dict):
+        return "{ " + ", ".join(f"{key} = {toml_value(item)}" for key, item in value.items()) + " }"
+    if isinstance(value, list):
+        return "[" + ", ".join(map(toml_value, value)) + "]"
+    if isinstance(value, bool):
+        return str(value).lower()
+    return toml_text(value) if isinstance(value, str) else repr(value)
+
+
+def toml_table(table: Mapping[str, Any]) -> str:
+    """A file of TOML: its own values first, then the tables inside it; None becomes a commented line to fill in."""
+    return "\n".join(_toml_lines(table, "")) + "\n"
+
+
+def _toml_lines(table: Mapping[str, Any], prefix: str) -> list[str]:
+    inside = {key: value for key, value in table.items() if not _is_inline(value)}
+    own = {key: value for key, value in table.items() if key not in inside}
+    lines = [f"# {key} =" if value is None else f"{key} = {toml_value(value)}" for key, value in own.items()]
+    for key, value in inside.items():
+        name = f"{prefix}{key}"
+        for item in value if isinstance(value, list) else [value]:
+            lines += ["", f"[[{name}]]" if isinstance(value, list) else f"[{name}]", *_toml_lines(item, f"{name}.")]
+    return lines
+
+
+def _is_inline(value: Any) -> bool:
+    """Quantities and plain values stay on one line; other tables get a heading of their own."""
+    if isinstance(value, dict):
+        return "kind" in value and "source" in value
+    return not (isinstance(value, list) and value and isinstance(value[0], dict))
+
+
 def toml_line(text: str) -> str:
     """The same with blanks for all white space."""
     return toml_text(" ".join(text.split()))
@@ -142,10 +176,8 @@ def hidden_by(kind: str, what: str, name: str) -> list[dict[str, str]]:
     """A warning when a user's file of this name hides a built-in one."""
     if not (data_folder() / kind / f"{name.lower()}.toml").is_file():
         return []
-    message = (
-        f"'{name}' now stands for this {what} of your own and hides the built-in one of that name; "
-        f"'dummydesign {what}s remove {name}' brings it back"
-    )
+    message = f"'{name}' now stands for this {what} of your own and hides the built-in one of that name; "
+    message += f"'dummydesign {what}s remove {name}' brings it back"
     return [{"code": "shadows_built_in", "message": message}]
 
 

@@ -15,7 +15,7 @@ from typing import Any
 
 from dummydesign._version import __version__
 from dummydesign.core.errors import InputError
-from dummydesign.core.files import write_text
+from dummydesign.core.files import read_json, write_text
 from dummydesign.core.process import COMMAND_LINE
 
 SCHEMA = "dummydesign.manifest/1"
@@ -60,18 +60,13 @@ def manifest_text(
     """Write a manifest as JSON."""
     words = COMMAND_LINE.get()
     content = {
-        "schema": SCHEMA,
-        "command": question.command,
+        "schema": SCHEMA, "command": question.command,
         "command_line": None if words is None else shlex.join(["dummydesign", *words]),
-        "version": __version__,
-        "date": datetime.now(UTC).isoformat(timespec="seconds"),
-        "finished": names is not None,
-        "question": question.key,
-        "inputs": dict(question.inputs),
+        "version": __version__, "date": datetime.now(UTC).isoformat(timespec="seconds"),
+        "finished": names is not None, "question": question.key, "inputs": dict(question.inputs),
         "files_read": question.sums,
-        "sha256": {name: sha256_of(folder / name) for name in sorted(names or ())},
-        **(extra or {}),
-    }
+        "sha256": {name: sha256_of(folder / name) for name in sorted(names or ())}, **(extra or {}),
+    }  # fmt: skip
     return json.dumps(content, indent=1, default=str) + "\n"
 
 
@@ -93,12 +88,12 @@ def read_manifest(path: Path) -> Earlier | None:
 
     Names that lead out of the folder are left out: nothing outside is ever touched.
     """
-    try:
-        content = json.loads(path.read_text(encoding="utf-8"))
-        sums = {name: sha for name, sha in content["sha256"].items() if inside(name) and isinstance(sha, str)}
-    except (OSError, ValueError, KeyError, TypeError, AttributeError):
+    content = read_json(path)
+    sums = content.get("sha256")
+    if not isinstance(sums, dict):
         return Earlier(None, None, {}) if path.is_file() else None
-    return Earlier(content.get("question"), content.get("command"), sums)
+    named = {name: sha for name, sha in sums.items() if inside(name) and isinstance(sha, str)}
+    return Earlier(content.get("question"), content.get("command"), named)
 
 
 def inside(name: str) -> bool:
@@ -114,11 +109,8 @@ MOST = 1000
 
 def records_of(manifest: Path, question: Question) -> dict[str, str]:
     """SHA-256 by name of the records beside the answer to a question; none when the manifest is another question's."""
-    try:
-        content = json.loads(manifest.read_text(encoding="utf-8"))
-        records = content.get(KEY, {}) if content["question"] == question.key else {}
-    except (OSError, ValueError, AttributeError, KeyError, TypeError):
-        return {}
+    content = read_json(manifest)
+    records = content.get(KEY) if content.get("question") == question.key else None
     return {name: sha for name, sha in records.items() if inside(name)} if isinstance(records, dict) else {}
 
 
@@ -127,16 +119,15 @@ def add_record(
 ) -> Path:
     """Keep a record in the folder of an answer."""
     manifest = _manifest_of(folder)
-    try:
-        whole = json.loads(manifest.read_text(encoding="utf-8"))
-        known = dict(whole.get(KEY, {}))
-    except (OSError, ValueError, TypeError, AttributeError):
+    whole = read_json(manifest)
+    known = whole.get(KEY, {})
+    if not whole or not isinstance(known, dict):
         message = f"'{folder}' has no {NAME} that can be read; it is not the folder of an answer"
-        raise InputError(message, "file_unreadable", "manifest", str(folder)) from None
+        raise InputError(message, "file_unreadable", "manifest", str(folder))
     path = _free(folder, stem, content, ignored, replace)
-    if not path.exists() or _recorded(path, ignored) != _compared(content, ignored):
+    if not path.exists() or _compared(read_json(path), ignored) != _compared(content, ignored):
         write_text(path, json.dumps(content, indent=1, allow_nan=False) + "\n")
-    known[path.relative_to(manifest.parent).as_posix()] = sha256_of(path)
+    known = {**known, path.relative_to(manifest.parent).as_posix(): sha256_of(path)}
     write_text(manifest, json.dumps({**whole, KEY: dict(sorted(known.items()))}, indent=1) + "\n")
     return path
 
@@ -152,20 +143,11 @@ def _manifest_of(folder: Path) -> Path:
 def _free(folder: Path, stem: str, content: Mapping[str, Any], ignored: tuple[str, ...], replace: bool) -> Path:
     for number in range(1, MOST):
         path = folder / (f"{stem}.json" if number == 1 else f"{stem}-{number}.json")
-        if not path.exists() or replace or _recorded(path, ignored) == _compared(content, ignored):
+        if not path.exists() or replace or _compared(read_json(path), ignored) == _compared(content, ignored):
             return path
     raise InputError(f"'{folder}' holds {MOST - 1} records; use --replace or remove some", "too_large", "records")
 
 
-def _recorded(path: Path, ignored: tuple[str, ...]) -> Any:
-    try:
-        return _compared(json.loads(path.read_text(encoding="utf-8")), ignored)
-    except (OSError, ValueError):
-        return None
-
-
-def _compared(content: Any, ignored: tuple[str, ...]) -> Any:
+def _compared(content: Mapping[str, Any], ignored: tuple[str, ...]) -> Any:
     """The content as JSON gives it back, without the keys left apart."""
-    if not isinstance(content, Mapping):
-        return content
     return json.loads(json.dumps({key: value for key, value in content.items() if key not in ignored}))

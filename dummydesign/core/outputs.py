@@ -8,14 +8,15 @@ import platform
 import shutil
 import sys
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager, suppress
 from dataclasses import dataclass, field
+from itertools import takewhile
 from pathlib import Path
 from secrets import token_hex
 from typing import Any
 
 from dummydesign.core.errors import InputError
-from dummydesign.core.files import output_folder, unwritable, write_text
+from dummydesign.core.files import FilePath, output_folder, unwritable, write_text
 from dummydesign.core.manifest import KEY, NAME, Earlier, Question, manifest_text, read_manifest, records_of
 from dummydesign.core.process import check_stop
 
@@ -138,30 +139,26 @@ class Output:
         return answer
 
 
-@contextmanager
-def new_folder(out: str | os.PathLike[str], question: Question, *, replace: bool = False) -> Iterator[Output]:
+def new_folder(out: FilePath, question: Question, *, replace: bool = False) -> AbstractContextManager[Output]:
     """Write an answer into a folder of its own; see :func:`~dummydesign.core.outputs.choose_target`.
 
     Nothing is left when the body raises. When it ends, the manifest is written, the files of an earlier answer to
     the same question (or, with ``replace``, of the earlier answer) go, and the new ones are renamed into place.
     """
-    with _written(choose_target(Path(out), question, replace), question) as output:
-        yield output
+    return _written(choose_target(Path(out), question, replace), question)
 
 
-@contextmanager
-def new_files(out: str | os.PathLike[str], question: Question, *, replace: bool = False) -> Iterator[Output]:
+def new_files(out: FilePath, question: Question, *, replace: bool = False) -> AbstractContextManager[Output]:
     """Write a set of files with one stem into a folder that others share; ``place.stem`` is the stem to use.
 
     See :func:`new_folder`.
     """
-    with _written(choose_target(Path(out), question, replace, shared=True), question) as output:
-        yield output
+    return _written(choose_target(Path(out), question, replace, shared=True), question)
 
 
 @contextmanager
 def growing_folder(
-    out: str | os.PathLike[str], question: Question, *, replace: bool = False, go_on: bool = False
+    out: FilePath, question: Question, *, replace: bool = False, go_on: bool = False
 ) -> Iterator[Output]:
     """Write rows that an interrupted command keeps, to go on with later: straight into the folder.
 
@@ -283,11 +280,7 @@ def _names(folder: Path) -> list[str]:
 
 def _make(folder: Path) -> list[Path]:
     """Make a folder and its parents; return those that are new, the innermost last."""
-    missing = []
-    for path in (folder, *folder.parents):
-        if path.exists():
-            break
-        missing.append(path)
+    missing = list(takewhile(lambda path: not path.exists(), (folder, *folder.parents)))
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as problem:
@@ -296,11 +289,9 @@ def _make(folder: Path) -> list[Path]:
 
 
 def _unmake(made: list[Path]) -> None:
-    for path in reversed(made):
-        try:
+    with suppress(OSError):
+        for path in reversed(made):
             path.rmdir()
-        except OSError:
-            return
 
 
 def _sweep(parent: Path, head: str) -> None:
@@ -316,8 +307,6 @@ def _sweep(parent: Path, head: str) -> None:
 def _alive(process: int) -> bool:
     try:
         os.kill(process, 0)
-    except ProcessLookupError:
-        return False
-    except OSError:
-        return True
+    except OSError as problem:
+        return not isinstance(problem, ProcessLookupError)
     return True

@@ -109,6 +109,26 @@ def quiet(step: str) -> None:
     """Ignore progress messages."""
 
 
+_REPORT: ContextVar[Callable[[float], None] | None] = ContextVar("report_depth", default=None)
+
+
+@contextmanager
+def reporting_depths(tell: Callable[[float], None] | None) -> Iterator[None]:
+    """Report every depth that is solved inside, d / h, to ``tell``; None reports to nobody."""
+    before = _REPORT.set(tell)
+    try:
+        yield
+    finally:
+        _REPORT.reset(before)
+
+
+def tell_depth(depth: float) -> None:
+    """Say that a depth is solved."""
+    tell = _REPORT.get()
+    if tell is not None:
+        tell(depth)
+
+
 def write_progress(text: str) -> None:
     """Replace the line; a file that cannot be written stops no work. Ends a command that was asked to end."""
     check_stop()

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import math
-from dataclasses import asdict, dataclass
-from typing import TYPE_CHECKING, Any
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from dummydesign.core.serialise import Serialised
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
@@ -14,7 +16,7 @@ FIELDS = {"value", "low", "high", "kind", "source"}
 
 
 @dataclass(frozen=True)
-class Quantity:
+class Quantity(Serialised):
     """A value with the interval it lies in, what kind of number it is and where it was read.
 
     ``low`` and ``high`` bound a 95 % interval for measured, fitted and inferred numbers and a
@@ -26,10 +28,6 @@ class Quantity:
     high: float
     kind: str
     source: str
-
-    def to_dict(self) -> dict[str, Any]:
-        """Return the five fields as a plain dictionary."""
-        return asdict(self)
 
 
 def line_of(text: str, *keys: str) -> int:

@@ -57,15 +57,6 @@ def parameter_rows(parameters: Mapping[str, Any]) -> list[tuple[str, Mapping[str
     return rows
 
 
-def plain_data(value: Any) -> Any:
-    """Nested dictionaries and lists of what ``asdict`` gives: tuples become lists."""
-    if isinstance(value, dict):
-        return {key: plain_data(item) for key, item in value.items()}
-    if isinstance(value, tuple | list):
-        return [plain_data(item) for item in value]
-    return value
-
-
 def _frozen(value: Any) -> Any:
     return tuple(_frozen(item) for item in value) if isinstance(value, list) else value
 

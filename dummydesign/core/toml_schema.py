@@ -41,12 +41,13 @@ class Table:
         message = f"{self.where(key)}: {value}{words}"
         return InputError(message, code, self._dotted(key), self.data.get(key), allowed)
 
-    def only(self, keys: Iterable[str]) -> None:
-        """Refuse keys that nothing reads."""
+    def only(self, keys: Iterable[str]) -> Table:
+        """Refuse keys that nothing reads; return the table."""
         known = list(keys)
         for key in self.data:
             if key not in known:
                 raise unknown_name("key", key, known, "unknown_key", self._dotted(key)).within(self.where(key))
+        return self
 
     def get(self, key: str, kind: type | tuple[type, ...], words: str, default: Any = REQUIRED) -> Any:
         """Return a value of a type; ``words`` name what is needed. A bool is no number."""
@@ -75,11 +76,11 @@ class Table:
             raise self.fault(key, f"is outside the allowed range {low:g} to {high:g}", "out_of_range", (low, high))
         return float(value)
 
-    def count(self, key: str, default: Any = REQUIRED, *, low: int = 1) -> Any:
-        """Return a whole number, ``low`` at least."""
-        value = self.get(key, int, f"a whole number from {low}", default)
-        if key in self.data and value < low:
-            raise self.fault(key, f"must be a whole number from {low}", "out_of_range", (low, None))
+    def count(self, key: str, default: int) -> int:
+        """Return a whole number from 1."""
+        value = self.data.get(key, default)
+        if type(value) is not int or value < 1:
+            raise self.fault(key, "must be a whole number from 1", "out_of_range")
         return value
 
     def string(self, key: str, default: Any = REQUIRED, choices: Collection[str] = ()) -> Any:
@@ -120,15 +121,13 @@ class Table:
         entry = self.data[key]
         if not isinstance(entry, dict):
             raise wrong("malformed", f"= {entry!r} is a bare number; give value, low, high, kind and source")
-        unknown, missing = sorted(set(entry) - FIELDS), sorted(FIELDS - set(entry))
-        if unknown:
-            message = f"has unknown key '{unknown[0]}'; known are {', '.join(sorted(FIELDS))}"
-            raise wrong("unknown_key", message, f"{key}.{unknown[0]}")
-        if missing:
+        if unknown := sorted(set(entry) - FIELDS):
+            words = f"has unknown key '{unknown[0]}'; known are {', '.join(sorted(FIELDS))}"
+            raise wrong("unknown_key", words, f"{key}.{unknown[0]}")
+        if missing := sorted(FIELDS - set(entry)):
             raise wrong("missing", f"lacks {', '.join(missing)}", f"{key}.{missing[0]}")
-        if entry["kind"] not in kinds:
-            message = f"has kind '{entry['kind']}'; known kinds are {', '.join(kinds)}"
-            raise wrong("unknown_name", message, f"{key}.kind")
+        if (kind := entry["kind"]) not in kinds:
+            raise wrong("unknown_name", f"has kind '{kind}'; known kinds are {', '.join(kinds)}", f"{key}.kind")
         if not str(entry["source"]).strip():
             raise wrong("no_source", "has an empty source; say where the number was read", f"{key}.source")
         try:

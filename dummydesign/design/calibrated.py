@@ -15,12 +15,11 @@ from dummydesign.geometry.dimensions import PUNCH
 from dummydesign.geometry.shape_registry import read_shape
 from dummydesign.measurement.campaign import with_edge
 from dummydesign.pad.tables.slab import load_compressibility
-from dummydesign.resin.model.resin import RelaxationGivenModulus
+from dummydesign.resin.model.resin import Arm, Point, RelaxationGivenModulus, Resin
 
 if TYPE_CHECKING:
     from dummydesign.loop.calibration import Calibration
     from dummydesign.loop.corrected_law import CorrectedLaw, Correction
-    from dummydesign.resin.model.resin import Resin
 
 
 # Half widths of the 95 % intervals of modulus and strengths of calibrations that carry none: assumed.
@@ -70,9 +69,8 @@ def with_calibration(
     the pad; what belongs to the rig or the sensor does not change a design.
     """
     from dummydesign.loop.calibration_file import read_calibration
-    from dummydesign.loop.corrected_law import CorrectedLaw
+    from dummydesign.loop.corrected_law import CorrectedLaw, Correction
     from dummydesign.loop.fitting.fit import NORMAL_95
-    from dummydesign.resin.model.resin import Arm, Point
     from dummydesign.resin.update.modulus import update_resin
 
     calibration = read_calibration(path)
@@ -100,7 +98,7 @@ def with_calibration(
         updated, arms=tuple(arms), relaxation_ratio_ref=float(ratio), references=(*resin.references, source),
         joint_relaxation=_joint(calibration),
     )  # fmt: skip
-    law = CorrectedLaw(calibration, square, BASE, punch, edge_radius_mm)
+    law = CorrectedLaw(Correction(calibration, BASE, punch), square, edge_radius_mm)
     return Calibrated(resin, law, calibration, warnings, path)
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -11,25 +11,23 @@ from numpy.typing import NDArray
 
 from dummydesign.core.errors import DummydesignError
 from dummydesign.core.parsing import DECELERATION, EDGE, FORCE, HOLD, VELOCITY, positive, read_number, read_numbers
+from dummydesign.core.serialise import to_plain
 from dummydesign.design.assessment.castings import COUNT
-from dummydesign.design.assessment.safety import tissue_press
 from dummydesign.design.request import face_of
+from dummydesign.design.safety import tissue_press
 from dummydesign.design.scoring.presses import Sampling
-from dummydesign.design.scoring.score import Ranges, Readings
-from dummydesign.design.scoring.verdict import LEVELS, Verdict, verdict
+from dummydesign.design.scoring.verdict import LEVELS, Ranges, Readings, Verdict, verdict
 from dummydesign.design.test_setup import check_edge, check_numbers, tissue_warnings
 from dummydesign.geometry.dimensions import PUNCH
 from dummydesign.geometry.interface import CONDITIONS, Interface
 from dummydesign.geometry.punch import read_punch
 from dummydesign.measurement.motion import work_mJ
-from dummydesign.tissue.comparison import Comparison, PressTest, braking_of, compare_traces, hold_of, missing_of
-from dummydesign.tissue.fitting.reduction import condition_groups
+from dummydesign.tissue.comparison import ComparedPress, Comparison, PressTest, compare_traces, hold_of, missing_of
+from dummydesign.tissue.fitting.reduction import ReducedTrace
 from dummydesign.tissue.model.laws import law_named
 
 if TYPE_CHECKING:
     from dummydesign.measurement.campaign import Campaign
-    from dummydesign.tissue.fitting.reduction import ReducedTrace
-    from dummydesign.tissue.model.ranges import ForceRange
     from dummydesign.tissue.model.tissue import Tissue
 
 
@@ -50,9 +48,8 @@ class TracesTest:
         test = self.presses
         return {
             "punch": self.punch, "edge_radius_mm": self.edge_radius_mm, "condition": self.condition,
-            "force_N": _listed(test.forces_N),
-            "velocity_mm_s": _listed(test.velocities_mm_s), "hold_s": test.hold_s,
-            "deceleration_mm_s2": test.deceleration_mm_s2,
+            "force_N": to_plain(test.forces_N), "velocity_mm_s": to_plain(test.velocities_mm_s),
+            "hold_s": test.hold_s, "deceleration_mm_s2": test.deceleration_mm_s2,
         }  # fmt: skip
 
     @property
@@ -71,19 +68,11 @@ class TracesTest:
         return [{"code": code, "message": text} for code, text in pairs]
 
 
-def _listed(values: tuple[float, ...] | None) -> list[float] | None:
-    return None if values is None else list(values)
-
-
 def read_test(
-    punch: str = PUNCH,
-    edge_radius_mm: float | str = 0.0,
-    force_N: Numbers | None = None,
-    velocity_mm_s: Numbers | None = None,
-    hold_s: float | str | None = None,
-    deceleration_mm_s2: float | str | None = None,
-    condition: str | None = None,
-) -> TracesTest:
+    punch: str = PUNCH, edge_radius_mm: float | str = 0.0, force_N: Numbers | None = None,
+    velocity_mm_s: Numbers | None = None, hold_s: float | str | None = None,
+    deceleration_mm_s2: float | str | None = None, condition: str | None = None,
+) -> TracesTest:  # fmt: skip
     """Read a test; numbers may carry their unit."""
     asked, face = read_punch(punch), face_of(punch, condition)
     Interface.parse(face, "condition", CONDITIONS)
@@ -118,19 +107,16 @@ def verdict_of_traces(comparison: Comparison, tissue: Tissue) -> Verdict:
     depth. A press of the test that was not made, or without a test a speed of the tissue at which the pad was not
     pressed, leaves open whether it is inside.
     """
-    bands = {id(trace): band for trace, band in comparison.presses}
     noise = float(comparison.fit.result["noise_floor_N"] or 0.0)
-    rows = [
-        _press([(trace, bands[id(trace)]) for trace in group], tissue, comparison.test, speed, noise)
-        for speed, _, group in condition_groups([trace for trace, _ in comparison.presses])
-    ]
+    rows = [_press(pressed, tissue, speed, noise) for speed, pressed in comparison.conditions]
+    reduced = [press.trace for press in comparison.presses]
     lowest = comparison.test.span_N[0]
     force, speeds, low, high, least, most, peak, error, energy = (np.array(column) for column in zip(*rows))
     from_N = max(lowest * (1 - 1e-9), 0.97 * comparison.points[0, 1])
     grid = (comparison.grid_N >= from_N) & np.isfinite(comparison.steady)
     steady, depth = comparison.grid_N[grid], comparison.steady[grid]
     stiff, soft = (edge[grid] for edge in comparison.range_mm)
-    hold = hold_of([trace for trace, _ in comparison.presses], comparison.test)
+    hold = hold_of(reduced, comparison.test)
     exponent = law_named(tissue.law).exponent_of(tissue.parameter_sets, *comparison.test.span_N, hold)
     ranges = Ranges(force, speeds, low, high, least, most, steady, stiff, soft, len(tissue.subjects), exponent)
     rng = np.random.default_rng(SEED)
@@ -139,26 +125,20 @@ def verdict_of_traces(comparison: Comparison, tissue: Tissue) -> Verdict:
         energy * (1.0 + error / peak * rng.standard_normal((DRAWS, len(peak)))),
         depth + DEPTH_ERROR_MM * rng.standard_normal((DRAWS, 1)),
     )
-    unsettled = missing_of([trace for trace, _ in comparison.presses], comparison.test, tissue.velocities_mm_s)
+    unsettled = missing_of(reduced, comparison.test, tissue.velocities_mm_s)
     if not len(steady):
         unsettled = " and ".join(filter(None, [unsettled, f"it was not pressed above {lowest:g} N"]))
     readings = Readings(peak, energy, depth)
     return verdict(ranges, readings, spread, of="pads that fit these traces", unsettled=unsettled, cast=True)
 
 
-def _press(
-    pairs: list[tuple[ReducedTrace, ForceRange]], tissue: Tissue, test: PressTest, measured_mm_s: float,
-    noise_N: float,
-) -> tuple[float, ...]:
+def _press(pressed: Sequence[ComparedPress], tissue: Tissue, speed_mm_s: float, noise_N: float) -> tuple[float, ...]:
     """One condition: force, speed, outermost peaks and energies of the subjects, the pad's, and its peak's error."""
-    peaks = np.array([peak_of(trace, noise_N) for trace, _ in pairs])
-    energies = np.array([energy_of(trace) for trace, _ in pairs])
+    peaks = np.array([peak_of(press.trace, noise_N) for press in pressed])
+    energies = np.array([energy_of(press.trace) for press in pressed])
     outer = []
-    speed_mm_s = test.speed_of(measured_mm_s)
-    for trace, band in pairs:
-        hold = trace.ramp.hold_end_s - trace.ramp.stop_time_s
-        braking = test.deceleration_mm_s2 or braking_of(trace, speed_mm_s)
-        sampling = Sampling(hold_s=hold, deceleration_mm_s2=braking)
+    for trace, band, braking in pressed:
+        sampling = Sampling(hold_s=trace.hold_s, deceleration_mm_s2=braking)
         energy = tissue_press(band, tissue.law, sampling).energy_mJ
         outer.append((trace.steady_force_N, band.peak_low_N, band.peak_high_N, energy.min(), energy.max()))
     force, low, high, least, most = np.mean(outer, axis=0)

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from dummydesign.core.errors import InputError
 from dummydesign.core.quantity import HALF_WIDTH
@@ -17,21 +16,19 @@ from dummydesign.design.assessment.castings import (
     limits_that_bind,
     verdict_of_design,
 )
-from dummydesign.design.request import PAPER, Protocol
-from dummydesign.design.scoring.presses import SAMPLES, Curves, Sampling, Slabs, make_curves, steady_depth
+from dummydesign.design.scoring.presses import SAMPLES, Curves, Sampling, Slabs, make_curves
 from dummydesign.design.scoring.score import evaluate
 from dummydesign.design.scoring.settings import verdict_limits
 from dummydesign.design.scoring.targets import Targets, make_targets
 from dummydesign.design.scoring.verdict import Verdict, ranges_of, readings_of, verdict
-from dummydesign.design.search.shape_family import Family, FamilyLaw
+from dummydesign.design.search.shape_family import Family, FamilyLaw, load_family
 from dummydesign.design.search.slabs import DesignCandidate, SearchSpace, make_slabs
 from dummydesign.geometry.dimensions import PAD_LENGTH_MM, PAD_WIDTH_MM
 from dummydesign.geometry.pad_shape import PadShape
-from dummydesign.pad.force_law import ForceLaw
+from dummydesign.pad.force_law import ForceCurve, ForceLaw
 
 if TYPE_CHECKING:
-    from dummydesign.design.inputs import Inputs
-    from dummydesign.pad.force_law import ForceCurve
+    from dummydesign.design.suggest import Inputs
     from dummydesign.pad.specimen import Pad
     from dummydesign.tissue.model.tissue import Tissue
 
@@ -40,36 +37,29 @@ DRAWS, SEED = COUNT, 41
 
 
 def verdict_of_pad(
-    pad: Pad,
-    curve: ForceCurve,
-    young: dict[str, float],
-    tissue: Tissue,
-    aim: str = "average",
-    sampling: Sampling | None = None,
-    protocol: Protocol = PAPER,
+    pad: Pad, curve: ForceCurve, young: dict[str, float], tissue: Tissue, aim: str, sampling: Sampling
 ) -> tuple[Verdict, DesignCandidate, Targets]:
-    """Press a pad by a test and judge it, with what is not known of its modulus and of the force."""
-    sampling = sampling or Sampling()
+    """Press a pad by the paper's test and judge it, with what is not known of its modulus and of the force."""
     thickness, limit = pad.thickness_mm, min(gel_limit_mm(pad), float(curve.limit_mm))
     depth = np.linspace(0.0, limit, SAMPLES)
     area = np.asarray(curve.force(depth), float) / pad.young_MPa
     area[0] = 0.0
     curves = Curves(np.array([thickness]), np.array([limit]), area[None])
     tau, beta = tuple(term.tau_s for term in pad.prony), np.array([[term.beta for term in pad.prony]])
-    targets = make_targets(tissue, aim, sampling, protocol)
-    slabs = Slabs(curves, np.array([0]), np.array([pad.young_MPa]), tau, beta.reshape(1, len(tau)))
+    targets = make_targets(tissue, aim, sampling)
+    slabs = Slabs(curves, np.array([0]), np.array([pad.young_MPa]), tau, beta)
     evaluation = evaluate(slabs, targets, sampling, exact=True)
-    candidate = DesignCandidate(thickness, 0.0, 0, evaluation, None, 0.0, 0.0)
-    reached = evaluation.depth_mm[0][np.isfinite(evaluation.depth_mm[0])]
+    candidate = DesignCandidate(thickness, 0.0, 0, evaluation)
+    reached = candidate.depth_mm[np.isfinite(candidate.depth_mm)]
     error = float(np.nan_to_num(np.max(curve.relative_error(reached), initial=0.0))) if len(reached) else 0.0
     width = float(np.hypot(0.5 * np.log(young["high"] / young["low"]), error)) / HALF_WIDTH
     drawn = pad.young_MPa * np.exp(width * np.random.default_rng(SEED).standard_normal(DRAWS))
-    every = Slabs(curves, np.zeros(DRAWS, int), drawn, tau, np.repeat(slabs.beta, DRAWS, axis=0))
+    every = Slabs(curves, np.zeros(DRAWS, int), drawn, tau, np.repeat(beta, DRAWS, axis=0))
     spread = readings_of(evaluate(every, targets, sampling.coarse))
     missing = len(reached) < evaluation.depth_mm.shape[1]
     bound = [f"depth over thickness (at most {limit / thickness:.2f})"] if missing else []
     judged = verdict(
-        ranges_of(targets), readings_of(evaluation, 0), spread, bound, of="pads with a modulus in its interval",
+        ranges_of(targets), candidate.readings, spread, bound, of="pads with a modulus in its interval",
         measured=readings_of(evaluate(slabs, targets, sampling.coarse)), limits=targets.limits,
     )  # fmt: skip
     return judged, candidate, targets
@@ -88,12 +78,6 @@ class EvaluatedPad:
     law: ForceLaw
     verdict: Verdict
 
-    def steady_depth_mm(self, force_N: NDArray) -> NDArray:
-        """Depth at steady forces; NaN out of reach. [mm]"""
-        evaluation = self.candidate.evaluation
-        speed, sampling = evaluation.protocol.slow_mm_s, evaluation.sampling.coarse
-        return np.asarray(steady_depth(evaluation.slabs, force_N, speed, sampling)[0])
-
 
 def law_of_shape(
     slab_law: ForceLaw, shape: PadShape, thickness_mm: float,
@@ -102,8 +86,6 @@ def law_of_shape(
     """Elastic force of a pad of a shape: the slabs' law, or the response surface of the kind."""
     if shape.plain:
         return slab_law
-    from dummydesign.design.search.shape_family import load_family
-
     shape.check(thickness_mm, *pad_mm)
     family = load_family(shape.name)
     family.check(shape)
@@ -117,9 +99,9 @@ def one_pad(law: ForceLaw, space: SearchSpace, thickness_mm: float, ratio: float
     curves = make_curves(law, np.array([thickness_mm]), space.radius_mm)
     slabs = make_slabs(curves, np.array([0]), space.resin, np.array([ratio]))
     evaluation = evaluate(slabs, space.targets, space.sampling, exact=True)
-    candidate = DesignCandidate(thickness_mm, ratio, 0, evaluation, None, 0.0, 0.0)
+    candidate = DesignCandidate(thickness_mm, ratio, 0, evaluation)
     bound = limits_that_bind(candidate, space.thickness_mm, space.ratio)
-    return EvaluatedPad(candidate, law, verdict(ranges_of(space.targets), readings_of(evaluation, 0), None, bound))
+    return EvaluatedPad(candidate, law, verdict(ranges_of(space.targets), candidate.readings, None, bound))
 
 
 class NotTabulated(InputError):
@@ -164,4 +146,4 @@ class PadEvaluator:
         inputs, space = self.inputs, self.inputs.space
         tolerances = tolerances_of(space.resin, pad.candidate, inputs.request, shape)
         cast = PadCastings(inputs.castings, pad.law, pad.candidate, space, tolerances)
-        return verdict_of_design(cast, beyond_people(inputs.request, inputs.tissue))
+        return verdict_of_design(cast, beyond_people(inputs.request.protocol.forces_N, inputs.tissue))

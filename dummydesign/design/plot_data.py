@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from dummydesign.core.errors import NoAnswerError
 from dummydesign.design.request import Protocol
-from dummydesign.design.scoring.presses import Curves, Slabs, make_curves, press_to_depth, steady_depth
+from dummydesign.design.scoring.presses import Slabs, make_curves, press_to_depth, steady_depth
 from dummydesign.design.test_setup import pad_of_request
 from dummydesign.geometry.dimensions import THICKNESS_MM
 from dummydesign.geometry.pad_shape import PadShape
@@ -52,43 +52,31 @@ class Reaction:
 
 def reactions(answer: Suggestion, law: ForceLaw) -> list[Reaction]:
     """How depth and peak of the recommended pad react to each thing that is not exact, one at a time."""
-    resin, best, tolerance = answer.resin, answer.best, answer.request.thickness_tolerance_mm
-    ratio, thickness, young = best.ratio, best.thickness_mm, resin.young_MPa(best.ratio)
-    beta, radius = np.array([term.beta for term in resin.prony(ratio)]), answer.radius_mm
-    ends = [np.array([getattr(arm.beta, end) / arm.beta.value for arm in resin.arms]) for end in ("low", "high")]
+    resin, ratio, thickness, radius = answer.resin, answer.best.ratio, answer.best.thickness_mm, answer.radius_mm
+    tolerance, off, modulus = answer.request.thickness_tolerance_mm, ratio_error(answer), resin.modulus_kPa(ratio)
     smallest, largest = law.ratio_range
     thin = np.clip([thickness - tolerance, thickness + tolerance], radius / largest, radius / smallest)
-    curves = make_curves(law, [thickness, *thin], radius)
-    off = ratio_error(answer)
-    lean, rich = (min(max(ratio + sign * off, resin.ratio_min), resin.ratio_max) for sign in (-1, 1))
-    modulus = resin.modulus_kPa(ratio)
-    nominal = _measure(curves, 0, young, beta, answer)
-    cases = {
-        f"thickness ± {tolerance:g} mm": [(1, young, beta), (2, young, beta)],
-        f"weighing ± {answer.request.weighing_g:g} g": [
-            (0, resin.young_MPa(value), np.array([term.beta for term in resin.prony(value)])) for value in (lean, rich)
-        ],
-        "modulus, 95 %": [(0, 1e-3 * modulus.low, beta), (0, 1e-3 * modulus.high, beta)],
-        "relaxation, 95 %": [(0, young, beta * end) for end in ends],
-    }
+    mixed = [min(max(ratio + sign * off, resin.ratio_min), resin.ratio_max) for sign in (-1, 1)]
+    young, beta = resin.young_MPa(ratio), resin.strengths([ratio, *mixed])
+    ends = [[getattr(arm.beta, end) / arm.beta.value for arm in resin.arms] for end in ("low", "high")]
+    # the pad itself, then both ends of each
+    names = (f"thickness ± {tolerance:g} mm", f"weighing ± {answer.request.weighing_g:g} g", "modulus, 95 %",
+             "relaxation, 95 %")  # fmt: skip
+    moduli = [young, young, young, *resin.young_MPa(mixed), 1e-3 * modulus.low, 1e-3 * modulus.high, young, young]
+    strengths = np.concatenate([beta[[0, 0, 0, 1, 2, 0, 0]], beta[0] * np.array(ends)])
+    slab = np.array([0, 1, 2, 0, 0, 0, 0, 0, 0])
+    slabs = Slabs(make_curves(law, [thickness, *thin], radius), slab, np.array(moduli), resin.tau_s, strengths)
+    protocol, sampling = answer.targets.protocol, answer.targets.sampling.coarse
+    speeds = protocol.slow_mm_s, protocol.fast_mm_s
+    slow, fast = (steady_depth(slabs, protocol.needed_N, speed, sampling) for speed in speeds)
+    measured = np.stack([slow, press_to_depth(slabs, fast, speeds[1], sampling).peak_N], axis=-1)
     bars = []
-    for name, pair in cases.items():
-        change = np.array([100.0 * (_measure(curves, *case, answer) / nominal - 1.0) for case in pair])
+    for name, change in zip(names, (100.0 * (measured[1:] / measured[0] - 1.0)).reshape(len(names), 2, 2)):
         # an end at which the force cannot be reached has no number: the bar then ends at no change, with a note
         name += "" if np.isfinite(change).all() else " *"
-        low, high = np.fmin.reduce([*change, 0 * nominal]), np.fmax.reduce([*change, 0 * nominal])
-        bars.append(Reaction(name, (float(low[0]), float(high[0])), (float(low[1]), float(high[1]))))
+        low, high = (end.reduce([*change, 0.0 * measured[0]]).tolist() for end in (np.fmin, np.fmax))
+        bars.append(Reaction(name, (low[0], high[0]), (low[1], high[1])))
     return bars
-
-
-def _measure(curves: Curves, slab: int, young_MPa: float, beta: NDArray, answer: Suggestion) -> NDArray:
-    """Depth at the middle steady force when slow, and peak at it when fast."""
-    tau = tuple(arm.tau_s.value for arm in answer.resin.arms)
-    protocol, sampling = answer.targets.protocol, answer.targets.sampling
-    slabs = Slabs(curves, np.array([slab]), np.array([young_MPa]), tau, beta[None, :])
-    speeds = protocol.slow_mm_s, protocol.fast_mm_s
-    slow, fast = (steady_depth(slabs, protocol.needed_N, velocity, sampling.coarse) for velocity in speeds)
-    return np.array([slow[0], press_to_depth(slabs, fast, speeds[1], sampling.coarse).peak_N[0]])
 
 
 THICKNESS_GRID_MM = np.linspace(*THICKNESS_MM, 55)
@@ -115,13 +103,10 @@ def force_grids(protocol: Protocol) -> ForceGrids:
     low, high = protocol.forces_N[0], protocol.forces_N[-1]
     above = np.linspace(low + 0.025 * (high - low), high, 40) if high > low else np.zeros(0)
     return ForceGrids(
-        np.r_[np.linspace(0.02 * low, low, 25), above],
-        np.linspace(0.0, low, 21),
-        np.linspace(low, high, 41 if high > low else 1),
-        np.linspace(0.0, high, 61),
-        np.geomspace(0.06 * low, high, 60),
-        protocol.forces_N,
-    )
+        pad=np.r_[np.linspace(0.02 * low, low, 25), above], extrapolated=np.linspace(0.0, low, 21),
+        measured=np.linspace(low, high, 41 if high > low else 1), aim=np.linspace(0.0, high, 61),
+        relative=np.geomspace(0.06 * low, high, 60), exponent_at=protocol.forces_N,
+    )  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -148,15 +133,13 @@ def suggestion_curves(answer: Suggestion) -> SuggestionCurves:
     """Work out what a report draws of a suggestion."""
     targets, here = answer.targets, answer.best.thickness_mm
     grids = force_grids(targets.protocol)
-    depth, slabs = steady_curve(answer.best, grids), answer.best.evaluation.slabs
+    depth = answer.best.steady_depth_mm(grids.pad)
     exponent = exponent_over_thickness(answer, answer.law, grids)
     return SuggestionCurves(
-        forces_N=grids,
-        pad_depth_mm=depth,
+        forces_N=grids, pad_depth_mm=depth, limit_mm=answer.best.limit_mm,
         castings_mm=answer.castings.depth_band_mm(grids.pad),
-        limit_mm=float(slabs.curves.limit_mm[slabs.slab[answer.best.index]]),
         pad_depth_at_needed_mm=float(np.interp(targets.protocol.needed_N, grids.pad, depth)),
-        other_depths_mm=tuple(steady_curve(other.candidate, grids) for other in answer.alternatives),
+        other_depths_mm=tuple(other.candidate.steady_depth_mm(grids.pad) for other in answer.alternatives),
         subjects_extrapolated_mm=targets.depth_range_mm(grids.extrapolated),
         subjects_measured_mm=targets.depth_range_mm(grids.measured),
         aim_depth_mm=targets.aim_depth_mm(grids.aim),
@@ -166,26 +149,16 @@ def suggestion_curves(answer: Suggestion) -> SuggestionCurves:
         ),
         exponent=exponent,
         exponent_here=tuple(float(np.interp(here, THICKNESS_GRID_MM, column)) for column in exponent.T),
-        ratio_error=ratio_error(answer),
-        reactions=tuple(reactions(answer, answer.cast)),
-    )
-
-
-def steady_curve(candidate: DesignCandidate, grids: ForceGrids) -> NDArray:
-    """Depth of a design at ``grids.pad`` of steady force; NaN out of reach. [mm]"""
-    evaluation = candidate.evaluation
-    slabs = evaluation.slabs.take(np.array([candidate.index]))
-    return steady_depth(slabs, grids.pad, evaluation.protocol.slow_mm_s, evaluation.sampling.coarse)[0]
+        ratio_error=ratio_error(answer), reactions=tuple(reactions(answer, answer.cast)),
+    )  # fmt: skip
 
 
 def relative_force(candidate: DesignCandidate, targets: Targets, grids: ForceGrids) -> NDArray:
     """Steady force of a design over the aim's, at the depths where the aim carries ``grids.relative``."""
-    aim, depth = targets.aim_depth_mm(grids.relative), steady_curve(candidate, grids)
+    aim, depth = targets.aim_depth_mm(grids.relative), candidate.steady_depth_mm(grids.pad)
     known = np.isfinite(depth)
-    ln_force = np.interp(
-        np.log(aim), np.log(depth[known]), np.log(grids.pad[known]), left=np.nan, right=np.nan
-    )
-    return np.exp(ln_force) / grids.relative
+    curve = np.log(depth[known]), np.log(grids.pad[known])
+    return np.exp(np.interp(np.log(aim), *curve, left=np.nan, right=np.nan)) / grids.relative
 
 
 def exponent_over_thickness(answer: Suggestion, law: ForceLaw, grids: ForceGrids) -> NDArray:
@@ -270,7 +243,7 @@ def _pressed(answer: Suggestion, candidate: DesignCandidate, shape: PadShape) ->
     from dummydesign.core.cache import cached
 
     forces = np.array(answer.targets.protocol.forces_N)
-    depths = candidate.evaluation.depth_mm[candidate.index, : len(forces)]
+    depths = candidate.depth_mm[: len(forces)]
     reached = np.isfinite(depths)
     if not reached.any():
         raise NoAnswerError("no_feasible_design", "the pad reaches no force of the test", quantity="pad")

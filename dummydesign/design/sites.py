@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from dummydesign.core.errors import InputError, NoAnswerError
-from dummydesign.design.scoring.score import TOLERANCE
+from dummydesign.design.scoring.verdict import TOLERANCE
 from dummydesign.geometry.dimensions import PAD_EXTENT_MM, RIM_FREE_MM
 from dummydesign.geometry.pad_shape import Array, PadShape
 
@@ -153,7 +153,7 @@ def lay_out_sites(
     shape: PadShape, best: DesignCandidate, space: SearchSpace, punch: Punch, wanted: tuple[int, int]
 ) -> Sites:
     """Lay out the crowns of a design, checked at its deepest press."""
-    depth = float(np.nanmax(best.evaluation.depth_mm[best.index]))
+    depth = float(np.nanmax(best.depth_mm))
     alone = IsolatedCrown(shape, best.thickness_mm, space.radius_mm, depth, space.extent_mm, space.base)
     reach = float(np.hypot(*punch.sides_mm)) / 2.0 if punch.sides_mm else punch.radius_mm
     return lay_out(alone, wanted, space.pad_mm, reach)

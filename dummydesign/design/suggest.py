@@ -1,52 +1,136 @@
-"""From a tissue and an aim to ratio, thickness, recipe and reasons, step by step."""
+"""From a tissue and an aim to ratio, thickness, recipe and reasons: read what is named, search, solve, judge."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from functools import partial
+from typing import TYPE_CHECKING, cast
 
 import numpy as np
 
+from dummydesign.core.errors import InputError, NoAnswerError
 from dummydesign.core.process import one_blas_thread
-from dummydesign.design.assessment.castings import PadCastings, pour_yield, verdict_of_design
+from dummydesign.design.assessment.castings import Castings, PadCastings, pour_yield, verdict_of_design
 from dummydesign.design.assessment.choice import Expectation, by_expectation, explain, measure_first
 from dummydesign.design.assessment.warnings import count_unmeasured, design_warnings
-from dummydesign.design.inputs import Inputs, resolve
-from dummydesign.design.request import Progress, Request, quiet
-from dummydesign.design.scoring.presses import make_curves
-from dummydesign.design.search.best_of_kinds import Chosen, SearchOutcome, best_of_kinds, choose, close_to
+from dummydesign.design.request import PAPER, Progress, Request, quiet
+from dummydesign.design.scoring.presses import Sampling, make_curves
+from dummydesign.design.scoring.settings import verdict_limits
+from dummydesign.design.scoring.targets import make_targets
+from dummydesign.design.search.best_of_kinds import SearchOutcome, Shaped, best_of_kinds, choose, close_to, kinds_of
 from dummydesign.design.search.shape_family import FamilyLaw
-from dummydesign.design.search.slabs import DesignCandidate
+from dummydesign.design.search.slabs import Correct, DesignCandidate, SearchSpace, thickness_steps
 from dummydesign.design.suggestion import (
     CentringTolerance,
     RecommendedDesign,
     Suggestion,
     Verification,
-    centring_tolerance,
     mould_of,
-    not_verified,
-    of_shape,
     recipe_and_batch,
     tolerances_of,
-    verify_design,
 )
-from dummydesign.design.test_setup import beyond_people, own_warnings, pad_of_request, refused_kinds, standard_press
+from dummydesign.design.test_setup import (
+    beyond_people,
+    check_calibrated,
+    check_mould,
+    check_test,
+    own_slab_law,
+    own_warnings,
+    pad_of_request,
+    refused_kinds,
+    standard_press,
+    tabulated,
+)
+from dummydesign.geometry.dimensions import PAD_EXTENT_MM, THICKNESS_MM
 from dummydesign.geometry.pad_shape import PadShape
+from dummydesign.geometry.punch import Punch, read_punch
 from dummydesign.geometry.shapes.slab import Slab
 from dummydesign.pad.force_law import ForceLaw
 from dummydesign.pad.tables.square import circle_of
 
 if TYPE_CHECKING:
+    from numpy.typing import ArrayLike, NDArray
+
+    from dummydesign.design.calibrated import Calibrated
+    from dummydesign.design.search.finalists import ElementsLaw
     from dummydesign.design.sites import Sites
+    from dummydesign.pad.axisymmetric.shaped_problem import Touch
+    from dummydesign.pad.specimen import Pad
+    from dummydesign.resin.model.resin import Resin
+    from dummydesign.tissue.model.tissue import Tissue
 
 CALIBRATED = "designed with a calibration: the correction is based on the campaign, the table on finite elements"
+
+
+@dataclass(frozen=True)
+class Inputs:
+    """A request with what it names."""
+
+    request: Request
+    tissue: Tissue
+    space: SearchSpace
+    slab_law: ForceLaw
+    punch: Punch
+    castings: Castings
+    calibrated: Calibrated | None = None
+
+
+def resolve(request: Request, law: ForceLaw | None = None) -> Inputs:
+    """Read tissue, resin, calibration and force law, and lay out what is searched."""
+    from dummydesign.resin import load_resin
+    from dummydesign.tissue.model.tissue_file import load_tissue
+
+    if request.shape.lower() != Slab.name:
+        kinds_of(request.shape)
+    punch = read_punch(request.punch)
+    check_test(request, punch)
+    tissue, resin = load_tissue(request.tissue), load_resin(request.resin)
+    sampling = Sampling(hold_s=request.hold_s, deceleration_mm_s2=request.deceleration_mm_s2)
+    tissue.target(request.aim)
+    thickness = tabulated(thickness_steps(*(request.thickness_mm or THICKNESS_MM)), request, punch)
+    ratios = _ratios(resin, request.ratio)
+    targets = make_targets(tissue, request.aim, sampling, request.protocol)
+    calibrated, correct = None, None
+    if request.calibration is not None:
+        from dummydesign.design.calibrated import CalibratedFamily, with_calibration
+
+        if not standard_press(request):
+            check_calibrated(request, punch, thickness)
+        calibrated = with_calibration(resin, request.calibration, request.punch, punch.square, request.edge_radius_mm)
+        resin, law = calibrated.resin, cast(ForceLaw, calibrated.law)
+        correct = cast(Correct, partial(CalibratedFamily, correction=calibrated.law.correction))
+    if law is None:
+        law = own_slab_law(request, punch, thickness)
+    castings = Castings(resin, request.castings)
+    verdict_limits()
+    check_mould(request, resin, float(thickness[0]), float(ratios[0]))
+    space = SearchSpace(
+        resin, targets, thickness, ratios, punch.radius_mm, sampling, request.pad_mm, request.base, correct,
+        request.edge_radius_mm,
+    )  # fmt: skip
+    return Inputs(request, tissue, space, law, punch, castings, calibrated)
+
+
+def _ratios(resin: Resin, wanted: tuple[float, float] | None) -> NDArray:
+    """Practical ratios inside the wanted range, which must lie inside the resin's."""
+    if wanted is None:
+        return resin.ratios()
+    resin.check_ratio(wanted)
+    ratios = resin.ratios(*wanted)
+    if not len(ratios):
+        raise InputError(
+            f"ratio range {wanted[0]:g}:{wanted[1]:g} holds no step of {resin.ratio_step:g}; "
+            f"{resin.name} allows {resin.ratio_min:g} to {resin.ratio_max:g}",
+            "out_of_range", "ratio", wanted, (resin.ratio_min, resin.ratio_max),
+        )  # fmt: skip
+    return ratios
 
 
 @dataclass(frozen=True)
 class SolvedDesign:
     """The chosen design, how it was chosen by expectation, its verification, a crown's centring tolerance and sites."""
 
-    chosen: Chosen
+    chosen: Shaped
     expectation: Expectation
     verification: Verification
     centring: CentringTolerance | None = None
@@ -87,7 +171,7 @@ def solve(inputs: Inputs, outcome: SearchOutcome, progress: Progress = quiet) ->
     return SolvedDesign(chosen, expected, verification, centring, sites)
 
 
-def _verify(chosen: Chosen, inputs: Inputs) -> Verification:
+def _verify(chosen: Shaped, inputs: Inputs) -> Verification:
     """Solve the depths of the slow conditions by finite elements; the fast ones differ by micrometres.
 
     Compared are the forces of the circle of the punch's area, which is what is solved. A design with a shape has
@@ -103,56 +187,102 @@ def _verify(chosen: Chosen, inputs: Inputs) -> Verification:
         text = f"{chosen.shape} was designed with its response table; predict --fidelity 3d solves it in minutes"
         return not_verified(text)
     law = circle_of(chosen.cast)
-    depth = best.evaluation.depth_mm[best.index, : len(space.targets.protocol.forces_N)]
+    depth = best.depth_mm[: len(space.targets.protocol.forces_N)]
     depth = depth[np.isfinite(depth)]
     depth = depth[depth <= make_curves(law, [thickness], radius).limit_mm[0]]
     forces = young * np.asarray(law.force(depth, thickness, 1.0, radius))
-    standard = standard_press(inputs.request)
-    own = None if standard else pad_of_request(inputs.request, inputs.punch, thickness, young)
-    return verify_design(thickness, young, radius, depth, forces, own)
+    return verify_design(pad_of_request(inputs.request, inputs.punch, thickness, young), depth, forces)
+
+
+def not_verified(reason: str) -> Verification:
+    """Make the record of a verification that was not made."""
+    return Verification("table", None, notes=(reason,))
+
+
+def of_shape(law: ElementsLaw, young_MPa: float, radius_mm: float) -> Verification:
+    """The record of a shape that was designed on its own elements: what the table gave, what was solved."""
+    table = np.asarray(law.table.force(law.depth_mm, law.thickness_mm, young_MPa, radius_mm), float)
+    depth, force, solved = (tuple(values.tolist()) for values in (law.depth_mm, table, table * np.exp(law.log_factor)))
+    notes = ("forces come from finite elements of this pad, not from stored solutions", *([law.end] if law.end else []))
+    largest = float(np.max(np.abs(np.expm1(law.log_factor))))
+    return Verification(law.table.shape.fidelity, 100.0 * largest, depth, force, solved, notes)
+
+
+def verify_design(pad: Pad, depth_mm: ArrayLike, table_force_N: ArrayLike) -> Verification:
+    """Solve the elastic curve of one slab, without the table, and compare the two."""
+    from dummydesign.pad.elastic_force import solve_points
+
+    order = np.argsort(np.asarray(depth_mm, float))
+    depth, table = (np.asarray(values, float)[order] for values in (depth_mm, table_force_N))
+    try:
+        solved = solve_points(pad, depth, independent=True)
+    except NoAnswerError as problem:
+        return not_verified(str(problem))
+    same = np.interp(solved.depth_mm, depth, table)
+    difference = 100.0 * float(np.max(np.abs(solved.force_N / same - 1.0)))
+    depths, expected, forces = (tuple(values.tolist()) for values in (solved.depth_mm, same, solved.force_N))
+    return Verification("axisymmetric", difference, depths, expected, forces, tuple(solved.notes))
+
+
+DEPTH_SHARES = np.linspace(0.05, 1.0, 12)
+
+
+def centring_tolerance(
+    best: DesignCandidate, shape: PadShape, radius_mm: float, half_side_mm: float,
+    forces_N: tuple[float, ...] = (1.0, *PAPER.forces_N), extent_mm: float = PAD_EXTENT_MM, touch: Touch | None = None,
+) -> CentringTolerance | None:  # fmt: skip
+    """Solve the contact of a round crowned pad; None for flat tops, shapes that are not round, or a failed solve."""
+    from dummydesign.pad.specimen import Pad
+
+    if shape.flat_top or not shape.axisymmetric:
+        return None
+    slabs = best.alone
+    depth = slabs.curves.depth_at(slabs.slab, np.array([forces_N]) / slabs.young_MPa[0])[0]
+    if not np.isfinite(depth).any():
+        return None
+    try:
+        if touch is None:
+            from dummydesign.pad.axisymmetric.shaped_problem import contact_radius
+
+            wanted = np.nanmax(depth) * DEPTH_SHARES
+            pad = Pad(best.thickness_mm, 1.0, radius_mm, geometry=shape, extent_mm=extent_mm)
+            touch = contact_radius(pad, wanted)
+    except NoAnswerError:
+        return None
+    radius = touch.radius_at(depth)
+    margin = np.maximum(half_side_mm - radius, 0.0)
+    values = (tuple(float(v) if np.isfinite(v) else None for v in row) for row in (radius, margin))
+    return CentringTolerance(forces_N, *values)
 
 
 def assess(inputs: Inputs, solved: SolvedDesign) -> Suggestion:
     """Judge the chosen design and lay the whole answer together."""
     request, space, chosen, calibrated = inputs.request, inputs.space, solved.chosen, inputs.calibrated
-    best, kind = chosen.result.best, chosen.shape.name
-    recommended = _recommended(inputs, best, chosen.shape)
+    best = chosen.result.best
     tolerances = tolerances_of(space.resin, best, request, chosen.shape)
-    cast = PadCastings(inputs.castings, chosen.cast, best, space, tolerances)
-    pour = pour_yield(cast)
+    castings = PadCastings(inputs.castings, chosen.cast, best, space, tolerances)
+    pour = pour_yield(castings)
     solved_round = solved.verification.fidelity == "axisymmetric" and chosen.shape.axisymmetric
     warnings = own_warnings(request, inputs.punch, inputs.tissue, chosen.shape.plain or solved_round)
-    solves = solved.verification, solved.centring, request.verify
-    warnings += design_warnings(chosen, space, inputs.tissue, pour, *solves)
+    checks = solved.verification, solved.centring, request.verify
+    warnings += design_warnings(chosen, space, inputs.tissue, pour, *checks)
+    beyond = beyond_people(request.protocol.forces_N, inputs.tissue)
     listed = [{"code": code, "message": text} for code, text in warnings]
     return Suggestion(
-        request=request,
-        tissue=inputs.tissue,
-        resin=space.resin,
-        targets=space.targets,
-        result=chosen.result,
-        verdict=verdict_of_design(cast, beyond_people(request, inputs.tissue)),
-        castings=cast,
-        recommended=recommended,
+        request=request, tissue=inputs.tissue, resin=space.resin, targets=space.targets, punch=inputs.punch,
+        result=chosen.result, law=chosen.law, cast=chosen.cast, comparisons=chosen.comparisons,
+        verification=solved.verification, centring=solved.centring, sites=solved.sites, expectation=solved.expectation,
+        verdict=verdict_of_design(castings, beyond), castings=castings, pour=pour,
+        recommended=_recommended(inputs, best, chosen.shape),
         alternatives=tuple(_recommended(inputs, one, _shape_at(chosen, one)) for one in chosen.result.alternatives),
-        law=chosen.law,
-        cast=chosen.cast,
-        comparisons=chosen.comparisons,
-        pour=pour,
-        verification=solved.verification,
-        centring=solved.centring,
-        sites=solved.sites,
         rests_on=count_unmeasured(space.resin, inputs.tissue, best),
         warnings=(*listed, *(() if calibrated is None else calibrated.warnings)),
-        punch=inputs.punch,
-        choice=explain(cast, kind, chosen.comparisons),
-        expectation=solved.expectation,
-        measure_first=measure_first(cast),
+        choice=explain(castings, chosen.shape.name, chosen.comparisons), measure_first=measure_first(castings),
         calibration=None if calibrated is None else calibrated.summary,
-    )
+    )  # fmt: skip
 
 
-def _shape_at(chosen: Chosen, other: DesignCandidate) -> PadShape:
+def _shape_at(chosen: Shaped, other: DesignCandidate) -> PadShape:
     """Shape of an alternative: the best design's, in proportion to the thickness."""
     if other is chosen.result.best or not isinstance(chosen.law, FamilyLaw):
         return chosen.shape

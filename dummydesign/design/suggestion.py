@@ -7,34 +7,25 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from dummydesign.core.errors import NoAnswerError
 from dummydesign.core.serialise import Serialised, to_plain
-from dummydesign.design.assessment.castings import GROUPS, TISSUE, Tolerances
-from dummydesign.design.request import PAPER
-from dummydesign.design.scoring.score import TOLERANCE
+from dummydesign.design.assessment.castings import GROUPS, TISSUE, PadCastings, PourYield, Tolerances
+from dummydesign.design.request import Request
 from dummydesign.design.scoring.targets import Targets
-from dummydesign.design.search.best_of_kinds import low_force
-from dummydesign.geometry.dimensions import PAD_EXTENT_MM, PAD_LENGTH_MM, PAD_WIDTH_MM
+from dummydesign.design.scoring.verdict import TOLERANCE, Verdict
+from dummydesign.design.search.best_of_kinds import ShapeComparison, low_force
+from dummydesign.geometry.dimensions import PAD_LENGTH_MM, PAD_WIDTH_MM
 from dummydesign.geometry.pad_shape import PadShape
 
 if TYPE_CHECKING:
-    from dummydesign.design.assessment.castings import PadCastings, PourYield
     from dummydesign.design.assessment.choice import Choice, Expectation, MeasureFirst
-    from dummydesign.design.request import Request
-    from dummydesign.design.safety_view import SafetyView
-    from dummydesign.design.scoring.verdict import Verdict
-    from dummydesign.design.search.best_of_kinds import ShapeComparison
-    from dummydesign.design.search.finalists import ElementsLaw
+    from dummydesign.design.safety import SafetyView
     from dummydesign.design.search.slabs import DesignCandidate, SearchResult
     from dummydesign.design.sites import Sites
-    from dummydesign.geometry.pad_shape import PadShape
     from dummydesign.geometry.punch import Punch
     from dummydesign.mold.model.spec import MouldSpec
-    from dummydesign.pad.axisymmetric.shaped_problem import Touch
     from dummydesign.pad.force_law import ForceLaw
-    from dummydesign.pad.specimen import Pad
     from dummydesign.resin.model.resin import Resin
     from dummydesign.tissue.model.tissue import Tissue
 
@@ -123,25 +114,16 @@ class Suggestion:
             "verdict": verdict,
             "castings": {"n": castings.n, "seed": castings.seed, "groups": groups, **(verdict["castings"] or {})},
             "measure_first": self.measure_first.to_dict(),
-            "choice": {
-                **self.choice.to_dict(),
-                "expectation": self.expectation.to_dict(),
-                "weights": self.targets.weights.to_dict(),
-            },
-            "calibration": self.calibration,
-            "recommendation": recommendation,
+            "choice": {**self.choice.to_dict(), "expectation": self.expectation.to_dict(),
+                       "weights": self.targets.weights.to_dict()},
+            "calibration": self.calibration, "recommendation": recommendation,
             "alternatives": [design_dict(other, self.resin, self.targets) for other in self.alternatives],
-            "sensitivity": {
-                "d_ln_young_per_percent_ratio": 0.01 * self.resin.log_slope(self.best.ratio), **self.pour.to_dict()
-            },
-            "verification": self.verification.to_dict(),
-            "shapes": [item.to_dict() for item in self.comparisons],
-            "tissue_exponent": self.targets.power,
-            "landing": self.centring.to_dict() if self.centring else None,
-            "sites": self.sites.to_dict(self.shape) if self.sites else None,
-            "rests_on": self.rests_on,
-            "warnings": [*(safety.warnings if safety else ()), *self.warnings],
-            "sources": sources,
+            "sensitivity": {"d_ln_young_per_percent_ratio": 0.01 * self.resin.log_slope(self.best.ratio),
+                            **self.pour.to_dict()},
+            "verification": self.verification.to_dict(), "shapes": to_plain(self.comparisons),
+            "tissue_exponent": self.targets.power, "landing": to_plain(self.centring),
+            "sites": self.sites.to_dict(self.shape) if self.sites else None, "rests_on": self.rests_on,
+            "warnings": [*(safety.warnings if safety else ()), *self.warnings], "sources": sources,
         }  # fmt: skip
         if inputs is None or safety is None:
             return answer
@@ -165,39 +147,29 @@ def design_dict(design: RecommendedDesign, resin: Resin, targets: Targets) -> di
     at, one = candidate.index, candidate.evaluation
     fitted = {} if candidate.parameters is None else to_plain(candidate.parameters.to_dict())
     return {
-        "resin": resin.name,
-        "ratio": candidate.ratio,
-        "ratio_meaning": resin.ratio_meaning,
-        "shape": str(design.shape),
-        "thickness_mm": candidate.thickness_mm,
-        "young_kPa": resin.modulus_kPa(candidate.ratio).to_dict(),
-        "prony": [term.to_dict() for term in resin.prony(candidate.ratio)],
-        "recipe": design.recipe,
-        "batch": design.batch,
+        "resin": resin.name, "ratio": candidate.ratio, "ratio_meaning": resin.ratio_meaning,
+        "shape": str(design.shape), "thickness_mm": candidate.thickness_mm,
+        "young_kPa": resin.modulus_kPa(candidate.ratio).to_dict(), "prony": to_plain(resin.prony(candidate.ratio)),
+        "recipe": design.recipe, "batch": design.batch,
         "parameters": {name: value for name, value in fitted.items() if name != "law"} or None,
         "parameters_law": targets.tissue.law,
         "scores": {
-            "total": candidate.total,
-            "steady_state_range": float(one.steady_state_range[at]),
-            "force_variation_range": float(one.force_variation_range[at]),
-            "aim": float(one.aim[at]),
+            "total": candidate.total, "steady_state_range": float(one.steady_state_range[at]),
+            "force_variation_range": float(one.force_variation_range[at]), "aim": float(one.aim[at]),
             "parametric": candidate.parametric if targets.parametric else None,
             "low_force_range": float(one.low_force_range[at]),
         },
         "conditions": condition_rows(candidate, targets, design.shape),
-        "low_force": _low_force(candidate, targets),
-        "from_first_touch": low_force(candidate, targets).to_dict(),
-    }
+        "low_force": _low_force(candidate, targets), "from_first_touch": low_force(candidate, targets).to_dict(),
+    }  # fmt: skip
 
 
 def condition_rows(candidate: DesignCandidate, targets: Targets, shape: PadShape) -> list[dict[str, Any]]:
     """One row a condition; a condition out of reach has no depth and gives the reason."""
     rows, at, thickness = [], candidate.index, candidate.thickness_mm
-    gel = thickness - shape.bone_height_mm
-    slabs = candidate.evaluation.slabs
-    limit = float(slabs.curves.limit_mm[slabs.slab[at]])
+    gel, limit = thickness - shape.bone_height_mm, candidate.limit_mm
     for column, condition in enumerate(targets.conditions):
-        steady_mm = float(candidate.evaluation.depth_mm[at, column])
+        steady_mm = float(candidate.depth_mm[column])
         depth = steady_mm if np.isfinite(steady_mm) else None
         peak = None if depth is None else float(candidate.evaluation.presses[column].peak_N[at])
         low, high = condition.range.peak_low_N, condition.range.peak_high_N
@@ -207,18 +179,12 @@ def condition_rows(candidate: DesignCandidate, targets: Targets, shape: PadShape
             "thickness; the gel bottoms out"
         )  # fmt: skip
         rows.append({
-            "steady_force_N": condition.steady_force_N,
-            "velocity_mm_s": condition.velocity_mm_s,
-            "depth_mm": depth,
+            "steady_force_N": condition.steady_force_N, "velocity_mm_s": condition.velocity_mm_s, "depth_mm": depth,
             "depth_over_thickness": None if depth is None else depth / thickness,
             "gel_compression": None if depth is None else depth / gel,
-            "peak_force_N": peak,
-            "target_peak_low_N": low,
-            "target_peak_high_N": high,
-            "reads": reads,
-            "percent_outside": outside,
-            "inside_fraction": float(candidate.evaluation.inside[at, column]),
-            "out_of_reach": why,
+            "peak_force_N": peak, "target_peak_low_N": low, "target_peak_high_N": high,
+            "reads": reads, "percent_outside": outside,
+            "inside_fraction": float(candidate.evaluation.inside[at, column]), "out_of_reach": why,
         })  # fmt: skip
     return rows
 
@@ -245,12 +211,10 @@ def _low_force(candidate: DesignCandidate, targets: Targets) -> list[dict[str, A
 
 
 def _recipe_of_pour(pour: dict[str, Any]) -> dict[str, Any]:
-    """Masses to weigh of one or, for a layered pad, both pours of a mould that was made. [g]"""
+    """Masses to weigh of a pour or, for a layered pad, of both. [g]"""
     pours = [("", pour)] + ([(" (base)", pour["base"])] if "base" in pour else [])
-    return {
-        "components": [{**item, "name": item["name"] + layer} for layer, one in pours for item in one["components"]],
-        "total_g": sum(one["batch_mass_g"] for _, one in pours),
-    }
+    items = [{**item, "name": item["name"] + layer} for layer, one in pours for item in one["components"]]
+    return {"components": items, "total_g": round(sum(item["mass_g"] for item in items), 6)}
 
 
 def mould_of(resin: Resin, candidate: DesignCandidate, request: Request, shape: PadShape) -> MouldSpec:
@@ -268,12 +232,7 @@ def recipe_and_batch(spec: MouldSpec) -> tuple[dict[str, Any], dict[str, Any]]:
     from dummydesign.mold.pour.plan import batches_of, pour_plan
 
     plan = pour_plan(spec)
-    masses = list(plan.components)
-    if plan.base is not None:
-        masses += [(f"{name} (base)", mass) for name, mass in plan.base.components]
-    components = [{"name": name, "mass_g": mass} for name, mass in masses]
-    recipe = {"components": components, "total_g": round(sum(mass for _, mass in masses), 6)}
-    return recipe, batches_of(spec, plan)
+    return _recipe_of_pour(plan.to_dict()), batches_of(spec, plan)
 
 
 def tolerances_of(resin: Resin, candidate: DesignCandidate, request: Request, shape: PadShape) -> Tolerances:
@@ -316,50 +275,8 @@ class Verification(Serialised):
     notes: tuple[str, ...] = ()
 
 
-def not_verified(reason: str) -> Verification:
-    """Make the record of a verification that was not made."""
-    return Verification("table", None, notes=(reason,))
-
-
-def of_shape(law: ElementsLaw, young_MPa: float, radius_mm: float) -> Verification:
-    """The record of a shape that was designed on its own elements: what the table gave, what was solved."""
-    table = np.asarray(law.table.force(law.depth_mm, law.thickness_mm, young_MPa, radius_mm), float)
-    depth, force, solved = (tuple(values.tolist()) for values in (law.depth_mm, table, table * np.exp(law.log_factor)))
-    notes = ("forces come from finite elements of this pad, not from stored solutions", *([law.end] if law.end else []))
-    largest = float(np.max(np.abs(np.expm1(law.log_factor))))
-    return Verification(law.table.shape.fidelity, 100.0 * largest, depth, force, solved, notes)
-
-
-def verify_design(
-    thickness_mm: float, young_MPa: float, radius_mm: float, depth_mm: ArrayLike, table_force_N: ArrayLike,
-    own: Pad | None = None,
-) -> Verification:  # fmt: skip
-    """Solve the elastic curve of one slab, without the table, and compare the two."""
-    from dummydesign.pad.axisymmetric.sharp_edge import solve_curve
-    from dummydesign.pad.specimen import Pad
-
-    order = np.argsort(np.asarray(depth_mm, float))
-    depth, table = (np.asarray(values, float)[order] for values in (depth_mm, table_force_N))
-    try:
-        if own is None:
-            solved = solve_curve(Pad(thickness_mm, young_MPa, radius_mm), depth.tolist(), independent=True)
-        else:
-            from dummydesign.pad.elastic_force import solve_points
-
-            solved = solve_points(own, depth, independent=True)
-    except NoAnswerError as problem:
-        return not_verified(str(problem))
-    same = np.interp(solved.depth_mm, depth, table)
-    difference = 100.0 * float(np.max(np.abs(solved.force_N / same - 1.0)))
-    depths, expected, forces = (tuple(values.tolist()) for values in (solved.depth_mm, same, solved.force_N))
-    return Verification("axisymmetric", difference, depths, expected, forces, tuple(solved.notes))
-
-
 # The largest loss of force of the crowns solved in space is 2 % at 1 mm off centre (docs/shapes.md).
 LOSS_PERCENT = 1.0
-DEPTH_SHARES = np.linspace(0.05, 1.0, 12)
-
-
 @dataclass(frozen=True)
 class CentringTolerance(Serialised):
     """Contact radius at each steady force, and the way the punch may be moved until its side meets the contact."""
@@ -380,31 +297,3 @@ class CentringTolerance(Serialised):
                 "(docs/shapes.md)"
             )
         return f"punch off the crown's centre: {'; '.join(parts)}"
-
-
-def centring_tolerance(
-    best: DesignCandidate, shape: PadShape, radius_mm: float, half_side_mm: float,
-    forces_N: tuple[float, ...] = (1.0, *PAPER.forces_N), extent_mm: float = PAD_EXTENT_MM, touch: Touch | None = None,
-) -> CentringTolerance | None:  # fmt: skip
-    """Solve the contact of a round crowned pad; None for flat tops, shapes that are not round, or a failed solve."""
-    from dummydesign.pad.specimen import Pad
-
-    if shape.flat_top or not shape.axisymmetric:
-        return None
-    slabs = best.evaluation.slabs.take(np.array([best.index]))
-    depth = slabs.curves.depth_at(slabs.slab, np.array([forces_N]) / slabs.young_MPa[0])[0]
-    if not np.isfinite(depth).any():
-        return None
-    try:
-        if touch is None:
-            from dummydesign.pad.axisymmetric.shaped_problem import contact_radius
-
-            wanted = np.nanmax(depth) * DEPTH_SHARES
-            pad = Pad(best.thickness_mm, 1.0, radius_mm, geometry=shape, extent_mm=extent_mm)
-            touch = contact_radius(pad, wanted)
-    except NoAnswerError:
-        return None
-    radius = touch.radius_at(depth)
-    margin = np.maximum(half_side_mm - radius, 0.0)
-    values = (tuple(float(v) if np.isfinite(v) else None for v in row) for row in (radius, margin))
-    return CentringTolerance(forces_N, *values)

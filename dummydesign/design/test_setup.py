@@ -258,16 +258,17 @@ def tissue_warnings(
     if built_in and far:  # curves refuse forces that were not pressed
         where = " and ".join(f"{force:g}" for force in far)
         text = f"{tissue.name} is known from {low:g} to {high:g} N: at {where} N its law is extrapolated"
-        factor = _beyond(forces_N, tissue)
+        factor = beyond_people(forces_N, tissue)
         if factor > 1.0:
             text += f"; {max(forces_N):g} N is {factor:.3g} times the largest force people were pressed to"
         notes.append(("force_not_in_band", text))
     return notes
 
 
-def beyond_people(request: Request, tissue: Tissue) -> float:
-    """Return the largest steady force of a test over the largest that people were pressed to."""
-    return _beyond(request.protocol.forces_N, tissue)
+def beyond_people(forces_N: tuple[float, ...], tissue: Tissue) -> float:
+    """Return the largest steady force of a test over the largest that people were pressed to, at least 1."""
+    known = pressed_to_N(tissue)
+    return 1.0 if known is None or not forces_N else max(1.0, max(forces_N) / known)
 
 
 def pressed_to_N(tissue: Tissue) -> float | None:
@@ -280,11 +281,6 @@ def pressed_to_N(tissue: Tissue) -> float | None:
         return KNOWN_FORCE_N[1]
     presses = [press for person in tissue.parameter_sets for press in getattr(person, "presses", ())]
     return max((float(press.steady_N(press.hold_s)) for press in presses), default=None)
-
-
-def _beyond(forces_N: tuple[float, ...], tissue: Tissue) -> float:
-    known = pressed_to_N(tissue)
-    return 1.0 if known is None or not forces_N else max(1.0, max(forces_N) / known)
 
 
 def _fillet_words(request: Request, punch: Punch) -> str:

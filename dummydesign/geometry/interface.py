@@ -30,10 +30,8 @@ class Interface:
         """The interface of a text: one of the ``known`` names or ``friction:MU`` with MU from 0 to 5; else None."""
         if text in known:
             return Interface(text)
-        if not Interface.names_friction(text):
-            return None
         try:
-            value = float(text.partition(":")[2])
+            value = float(text.removeprefix("friction:")) if Interface.names_friction(text) else math.nan
         except ValueError:
             return None
         return Interface("friction", value) if 0.0 <= value <= LARGEST_FRICTION else None

@@ -17,9 +17,7 @@ FORMS = "square:SIDE, rectangle:AxB or round:DIAMETER, sizes in mm"
 def equal_area_radius_mm(text: str) -> float:
     """Radius of the circle with the area of a punch such as ``square:14``, ``rectangle:20x10``, ``round:16``."""
     name, sizes = _read(text)
-    if name == "round":
-        return 0.5 * sizes[0]
-    return math.sqrt(sizes[0] * sizes[-1] / math.pi)
+    return 0.5 * sizes[0] if name == "round" else math.sqrt(sizes[0] * sizes[-1] / math.pi)
 
 
 def punch_sides_mm(text: str) -> tuple[float, float] | None:
@@ -87,7 +85,7 @@ class Punch:
     text: str
     radius_mm: float
     sides_mm: tuple[float, float] | None
-    profile_mm: tuple[tuple[float, ...], tuple[float, ...]] | None = None
+    profile_mm: Profile | None = None
 
     @property
     def half_width_mm(self) -> float:

@@ -28,10 +28,6 @@ class Binning:
         """Mean of the samples (n,) of each bin, shape (bins,)."""
         return np.bincount(self.bin_index, values[self.inside]) / self.samples
 
-    def scatter(self, values: NDArray) -> NDArray:
-        """Sum of squared deviations of the samples (n,) from the mean of their bin, shape (bins,)."""
-        return np.bincount(self.bin_index, (values[self.inside] - self.mean(values)[self.bin_index]) ** 2)
-
     def average(self, time_s: NDArray, nodes_s: NDArray, smooth_from_s: float = np.inf) -> NDArray:
         """Operator (bins, nodes) from a curve's values at nodes to its means over the samples of each bin."""
         time = time_s[self.inside]

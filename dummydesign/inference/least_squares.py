@@ -37,14 +37,10 @@ class Solution:
 
 
 def solve(
-    model: Model, starts: Sequence[NDArray], low: NDArray, high: NDArray, tolerance: float = 1e-9, most: int = 400
+    model: Model, starts: Sequence[NDArray], low: NDArray, high: NDArray, tolerance: float = 1e-9
 ) -> Solution:
     """Minimise the sum of squares inside a box by the trust-region method of scipy, from every start."""
-    results = []
-    for start in starts:
-        memory = _Memory(model)
-        results.append(_descend(memory.residual, memory.jacobian, start, low, high, tolerance, most, "jac"))
-    return _best(results)
+    return _best([_descend(*_apart(model), start, low, high, tolerance) for start in starts])
 
 
 def solve_by_differences(
@@ -56,8 +52,8 @@ def solve_by_differences(
 
 
 def _descend(
-    residual: Residual, jacobian: Callable[[NDArray], NDArray] | str, start: NDArray, low: NDArray, high: NDArray,
-    tolerance: float, most: int, scale: NDArray | str,
+    residual: Residual, jacobian: Residual | str, start: NDArray, low: NDArray, high: NDArray, tolerance: float,
+    most: int = 400, scale: NDArray | str = "jac",
 ) -> Any:  # fmt: skip
     from scipy.optimize import least_squares
 
@@ -75,24 +71,17 @@ def _best(results: list[Any]) -> Solution:
     return Solution(best.x, least, len(results), near, best.fun, best.jac)
 
 
-class _Memory:
-    """Keeps the last evaluation, because scipy asks for residual and Jacobian apart."""
+def _apart(model: Model) -> tuple[Residual, Residual]:
+    """Residual and Jacobian of a model, for which scipy asks one after the other: its last evaluation is kept."""
+    kept: dict[bytes, tuple[NDArray, NDArray]] = {}
 
-    def __init__(self, model: Model) -> None:
-        self._model = model
-        self._at: NDArray | None = None
-        self._kept: tuple[NDArray, NDArray] | None = None
+    def evaluated(at: NDArray) -> tuple[NDArray, NDArray]:
+        if at.tobytes() not in kept:
+            kept.clear()
+            kept[at.tobytes()] = model(at)
+        return kept[at.tobytes()]
 
-    def _evaluate(self, at: NDArray) -> tuple[NDArray, NDArray]:
-        if self._kept is None or self._at is None or not np.array_equal(at, self._at):
-            self._at, self._kept = at.copy(), self._model(at)
-        return self._kept
-
-    def residual(self, at: NDArray) -> NDArray:
-        return self._evaluate(at)[0]
-
-    def jacobian(self, at: NDArray) -> NDArray:
-        return self._evaluate(at)[1]
+    return lambda at: evaluated(at)[0], lambda at: evaluated(at)[1]
 
 
 def solve_marquardt(
@@ -214,25 +203,16 @@ def profile_interval(model: Model, best: Solution, index: int, low: NDArray, hig
 
 
 def _profile_end(
-    model: Model,
-    best: Solution,
-    index: int,
-    low: NDArray,
-    high: NDArray,
-    side: float,
-    first: float,
-    limit: float,
+    model: Model, best: Solution, index: int, low: NDArray, high: NDArray, side: float, first: float, limit: float
 ) -> float | None:
     """Distance at which the profiled cost has risen by the threshold; None when it never does."""
-    free = np.delete(np.arange(len(low)), index)
-    centre = best.parameters
+    centre, root = best.parameters, np.sqrt(CHI_SQUARE_95)
     # always from the optimum and from the nearest point below the threshold: a far point may lie in another basin
-    warm = best.parameters[free]
-    root = np.sqrt(CHI_SQUARE_95)
+    optimum = warm = np.delete(centre, index)
     before, height_before, distance = 0.0, 0.0, min(first, limit)
     top = None
     for _ in range(25):
-        starts = [best.parameters[free]] if before == 0.0 else [warm, best.parameters[free]]
+        starts = [optimum] if before == 0.0 else [warm, optimum]
         reached, cost = _held(model, centre, index, side * distance, starts, low, high)
         height = np.sqrt(max(cost - best.chi_square, 0.0))
         if abs(height - root) < 0.01 * root:
@@ -298,7 +278,7 @@ def aicc(minus_two_log_likelihood: float, unknown: int, observed: int) -> float:
     return minus_two_log_likelihood + 2 * unknown + 2 * unknown * (unknown + 1) / spare
 
 
-def simplest(criterion: Mapping[Size, float], gain: float = PARSIMONY) -> Size:
-    """Smallest size whose criterion is within ``gain`` of the lowest."""
+def simplest(criterion: Mapping[Size, float]) -> Size:
+    """Smallest size whose criterion is within :data:`PARSIMONY` of the lowest."""
     lowest = min(criterion.values())
-    return min(size for size, value in criterion.items() if value <= lowest + gain)
+    return min(size for size, value in criterion.items() if value <= lowest + PARSIMONY)

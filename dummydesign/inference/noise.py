@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Sequence
 from copy import copy
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,24 +27,14 @@ class Noise(Serialised):
     misfit_fraction: float = 0.0
 
 
-class Binned(Protocol):
-    """Edges [s] and numbers of samples of the bins of a trace, each of shape (bins,)."""
-
-    @property
-    def start_s(self) -> NDArray: ...
-    @property
-    def end_s(self) -> NDArray: ...
-    @property
-    def samples(self) -> NDArray: ...
-
-
 class Bins:
     """Bins of several traces as padded stacks, for batched linear algebra.
 
-    Arrays have shape (traces, longest); ``used`` masks the padding.
+    Each trace has ``start_s``, ``end_s`` and ``samples`` of its bins. Arrays have shape (traces, longest); ``used``
+    masks the padding.
     """
 
-    def __init__(self, traces: Sequence[Binned]) -> None:
+    def __init__(self, traces: Sequence[Any]) -> None:
         longest = max(len(trace.samples) for trace in traces)
         self.used = np.zeros((len(traces), longest), dtype=bool)
         self.start, self.end, self.samples = (np.zeros_like(self.used, dtype=float) for _ in range(3))

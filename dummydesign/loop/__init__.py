@@ -11,7 +11,7 @@ _FACE = {
     "Effect": "dummydesign.loop.model.effect",
     "Parameter": "dummydesign.loop.model.effect",
     "Arm": "dummydesign.loop.model.effect",
-    "wrap": "dummydesign.loop.model.base_law",
+    "wrap": "dummydesign.loop.model.effect",
     "check_effect": "dummydesign.loop.effects.contract_check",
 }
 

@@ -13,13 +13,10 @@ from dummydesign.loop.data.reduction import HOLD, PRE, RISE, UNLOADING
 from dummydesign.loop.data.trials import Presses
 from dummydesign.loop.effects.learned import Learned
 from dummydesign.loop.fitting.fit import NORMAL_95, CampaignFit
-from dummydesign.loop.fitting.noise import LAW_TERMS
-from dummydesign.loop.fitting.problem import BASE
-from dummydesign.loop.model.base_law import SetupLaw
 from dummydesign.loop.model.campaign_law import start_young_kPa
-from dummydesign.loop.model.forward_model import NAMES, Active, BaseParameters, LawError, parameter_names, simulate
+from dummydesign.loop.model.effect import SetupLaw
+from dummydesign.loop.model.forward_model import BASE, Active, BaseParameters, LawError, parameter_names, simulate
 from dummydesign.loop.pad_scatter import carried_share, recorded_spread
-from dummydesign.loop.prior import carried_law
 from dummydesign.loop.result import LoopResult
 from dummydesign.loop.selection.cross_validation import pad_spreads, widened
 from dummydesign.pad.material.relaxation import PronyTerm
@@ -50,7 +47,7 @@ class Posterior:
     @property
     def young_spread(self) -> float:
         """Standard deviation of the logarithm of the long-term modulus of the material."""
-        return self.spread(f"log {NAMES[0]}")
+        return self.spread("log young_kPa")
 
     @property
     def new_pad_spread(self) -> float:
@@ -102,9 +99,12 @@ class Model:
         """Shape as typed (empty for a slab) and thickness of each pad. [mm]"""
         return tuple(zip(self.shapes or ("",) * len(self.thickness_mm), self.thickness_mm.tolist()))
 
-    def parameter_names(self) -> list[str]:
-        """Names of the parameters in a posterior; see :func:`parameter_names`."""
-        return parameter_names([one.effect for one in self.active])
+    def with_pads_of(self, earlier: Model) -> Model:
+        """The model with the law errors of pads that only an earlier one knows."""
+        rows = dict(zip(earlier.pads, earlier.law.T)) | dict(zip(self.pads, self.law.T))
+        pads = sorted(rows)
+        law = np.stack([rows[pad] for pad in pads], axis=1)
+        return replace(self, thickness_mm=np.array([h for _, h in pads]), law=law, shapes=tuple(s for s, _ in pads))
 
     def law_error(self, thickness_mm: NDArray, shapes: Sequence[str] = (), cast: bool = False) -> LawError:
         """Law error of pads (T,): of one's own shape, linear in the logarithm of thickness between the known and
@@ -201,16 +201,15 @@ class Calibration:
 
 def model_of(fit: CampaignFit) -> Model:
     """Take the model out of a fit."""
-    law = np.array(np.split(fit.vector[fit.problem.fixed :], LAW_TERMS))
-    shapes = tuple(shape for shape, _ in fit.problem.presses.pads)
-    carried = carried_share(fit)
-    return Model(fit.base, fit.active, fit.problem.thicknesses, law, shapes if any(shapes) else (), carried)
+    law, pads = fit.vector[fit.problem.fixed :].reshape(len(PADS), -1), fit.problem.presses.pads
+    return Model(fit.base, fit.active, fit.problem.thicknesses, law, tuple(s for s, _ in pads), carried_share(fit))
 
 
 def calibration_of(result: LoopResult, prior: Calibration | None = None) -> Calibration:
     """Make the calibration of a loop's result, whatever its verdict; with a prior, it knows the pads of both."""
-    prior = prior if result.joined is not None and result.joined.used else None
+    joined = result.joined is not None and result.joined.used
     presses, fit = result.presses, result.after.fit
+    after = model_of(fit) if prior is None or not joined else model_of(fit).with_pads_of(prior.after)
     left = {}
     for code, name in _PHASES.items():
         use = presses.used & (presses.label // 100 == code)
@@ -226,20 +225,7 @@ def calibration_of(result: LoopResult, prior: Calibration | None = None) -> Cali
         "punch": result.campaign.punch.text,
         **result.campaign.usual_pad,
     }
-    # what a joined prior left was widened by the lack of fit before
-    lack = None if result.joined is not None and result.joined.used else result.after.lack.ratio
     return Calibration(
-        model_of(result.base.fit), _with_earlier_pads(model_of(fit), prior), result.verdict, left, fit.sizes.floor_N,
-        pad, result.remainder.reasons, posterior_of(fit, lack),
+        model_of(result.base.fit), after, result.verdict, left, fit.sizes.floor_N, pad, result.remainder.reasons,
+        posterior_of(fit, result.after.lack.ratio),
     )  # fmt: skip
-
-
-def _with_earlier_pads(model: Model, prior: Calibration | None) -> Model:
-    """The model with the law errors of pads that only the prior's campaign pressed."""
-    if prior is None:
-        return model
-    pads, law = carried_law(prior, model.pads, model.law)
-    shapes = tuple(shape for shape, _ in pads)
-    return replace(
-        model, thickness_mm=np.array([h for _, h in pads]), law=law, shapes=shapes if any(shapes) else ()
-    )

@@ -19,8 +19,7 @@ from dummydesign.loop.calibration import PADS, Calibration, Model, Posterior
 from dummydesign.loop.data.pad_factors import USUAL
 from dummydesign.loop.effects.learned import Learned, SmoothChange, followed_by
 from dummydesign.loop.effects.registry import known_effects
-from dummydesign.loop.fitting.noise import LAW_TERMS
-from dummydesign.loop.model.forward_model import HIGH, LOW, NAMES, Active, BaseParameters
+from dummydesign.loop.model.forward_model import HIGH, LAW_TERMS, LOW, NAMES, Active, BaseParameters, parameter_names
 
 SCHEMA = "dummydesign.calibration/1"
 VERDICTS = ("effect", "none", "unexplained")
@@ -170,14 +169,9 @@ def _calibration(data: _Entry) -> Calibration:
 
 def _posterior(table: _Entry, after: Model) -> Posterior:
     """Mean and covariance of the corrected model's parameters; the intervals in the file are for its reader."""
-    every = after.parameter_names()
-    parameters = [p for one in after.active for p in one.effect.parameters]
-    forms = [name for name, p in zip(every[len(every) - len(parameters) :], parameters) if p.of_form]
-    # a file from before parameters of form were known holds the others
-    older = [name for name in every if name not in forms]
-    names = older if table["names"].value == older else every
+    names = parameter_names([one.effect for one in after.active])
     if table["names"].value != names:
-        raise _Fault(f"posterior.names must be {', '.join(every)}")
+        raise _Fault(f"posterior.names must be {', '.join(names)}")
     mean = table["mean"].numbers(-LARGEST, LARGEST)
     matrix = [row.numbers(-LARGEST, LARGEST) for row in table["covariance"].items()]
     if {len(mean), len(matrix), *(len(row) for row in matrix)} != {len(names)}:
@@ -235,12 +229,7 @@ def _effects(entries: _Entry) -> tuple[Active, ...]:
             raise entry["name"].fault(f"is not one of {', '.join(known)}{own}")
         if name in active:
             raise _Fault(f"{entry.at}: {name} is listed twice")
-        values = entry["parameters"]
-        # a file from before a parameter of form was known has its usual value
-        numbers = {
-            p.name: p.null if p.of_form and p.name not in values.value else values[p.name].number(p.low, p.high)
-            for p in known[name].parameters
-        }
+        numbers = {p.name: entry["parameters"][p.name].number(p.low, p.high) for p in known[name].parameters}
         active[name] = Active(known[name], numbers)
     return tuple(active.values())
 

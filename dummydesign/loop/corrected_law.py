@@ -11,8 +11,8 @@ from numpy.typing import ArrayLike, NDArray
 from dummydesign.geometry.dimensions import PUNCH
 from dummydesign.loop.calibration import Calibration
 from dummydesign.loop.effects.learned import Learned
-from dummydesign.loop.model.base_law import SlabLaw, UnitForce
-from dummydesign.loop.model.effect import SETUP
+from dummydesign.loop.model.base_law import SlabLaw
+from dummydesign.loop.model.effect import SETUP, UnitForce
 from dummydesign.loop.model.forward_model import Active
 from dummydesign.pad.force_law import BaseForceLaw
 from dummydesign.pad.tables.filleted import slab_table
@@ -95,16 +95,9 @@ class Correction:
 class CorrectedLaw(BaseForceLaw):
     """Static force of slabs as a calibration corrects it (:class:`Correction`); offers what a table offers."""
 
-    calibration: Calibration
+    correction: Correction
     square: bool = True
-    base: str = "bonded"
-    punch: str = PUNCH
     edge_radius_mm: float = 0.0
-
-    @property
-    def correction(self) -> Correction:
-        """What the calibration changes."""
-        return Correction(self.calibration, self.base, self.punch)
 
     @property
     def notes(self) -> tuple[str, ...]:  # type: ignore[override]
@@ -119,7 +112,7 @@ class CorrectedLaw(BaseForceLaw):
             *(np.asarray(value, dtype=float) for value in (depth_mm, thickness_mm, young_MPa))
         )
         radius = np.asarray(radius_mm, float).item()
-        law = SlabLaw(slab_table(self.base, self.edge_radius_mm, radius), radius, self.square)
+        law = SlabLaw(slab_table(self.correction.base, self.edge_radius_mm, radius), radius, self.square)
         x, h = depth.reshape(-1, 1), thickness.reshape(-1, 1)
         limit = law.limit(h)
         unit = self.correction.apply(law, x, h, limit)
@@ -129,13 +122,5 @@ class CorrectedLaw(BaseForceLaw):
     def depth_limit_mm(self, thickness_mm: ArrayLike, radius_mm: ArrayLike) -> NDArray:
         """Depth to which the table holds. [mm]"""
         radius = np.asarray(radius_mm, float)
-        table = slab_table(self.base, self.edge_radius_mm, float(radius.max()))
+        table = slab_table(self.correction.base, self.edge_radius_mm, float(radius.max()))
         return table.depth_limit_mm(np.asarray(thickness_mm, float), radius)
-
-
-def young_factor(calibration: Calibration) -> float:
-    """Long-term modulus found over the one that was expected (nominal, or the resin's at its ratio).
-
-    A batch that came out softer than its recipe says is designed for by multiplying the resin's modulus by this.
-    """
-    return 1e3 * calibration.after.base.young_MPa / float(calibration.pad["young_kPa_expected"])

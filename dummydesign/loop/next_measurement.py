@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 from dummydesign.geometry.pad_shape import PadShape
 from dummydesign.loop.data.trials import Presses, stack
 from dummydesign.loop.fitting.fit import CampaignFit
-from dummydesign.loop.fitting.noise import LAW_TERMS
-from dummydesign.loop.fitting.problem import BASE, CampaignProblem
+from dummydesign.loop.fitting.problem import CampaignProblem
 from dummydesign.loop.model.base_law import SlabLaw
+from dummydesign.loop.model.forward_model import BASE, LAW_TERMS
 from dummydesign.measurement.campaign import Trial
 from dummydesign.measurement.motion import ramp_and_hold
 from dummydesign.measurement.sensor import Lowpass
@@ -167,8 +167,7 @@ def _prediction(fit: CampaignFit, planned: Presses) -> tuple[NDArray, NDArray]:
     spread[np.ix_(known, known)] = fit.covariance[np.ix_(source[known], source[known])]
     forces = problem.predict(vector)
     values, turn = np.linalg.eigh(0.5 * (spread + spread.T))
-    root = turn * np.sqrt(np.maximum(values, 0.0))
-    return forces, problem.jacobian(vector, forces) @ root
+    return forces, problem.jacobian(vector, forces) @ (turn * np.sqrt(np.maximum(values, 0.0)))
 
 
 def next_measurement(

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from itertools import combinations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -14,18 +14,20 @@ from numpy.typing import NDArray
 
 from dummydesign.core.errors import InputError, NoAnswerError
 from dummydesign.core.files import write_text
+from dummydesign.core.library import toml_text
 from dummydesign.core.process import Progress, one_blas_thread, quiet
-from dummydesign.geometry.dimensions import MAX_DEPTH_OVER_THICKNESS, PAD_LENGTH_MM, PAD_WIDTH_MM
+from dummydesign.core.serialise import Serialised
+from dummydesign.geometry.dimensions import MAX_DEPTH_OVER_THICKNESS
 from dummydesign.inference.noise import Noise
 from dummydesign.loop.data.trials import Presses, make_presses
 from dummydesign.loop.effects.registry import known_effects
-from dummydesign.loop.fitting.fit import CampaignFit, start_vector
-from dummydesign.loop.fitting.noise import Sizes, Whitener
+from dummydesign.loop.fitting.fit import fit_at, start_vector
+from dummydesign.loop.fitting.noise import Sizes
 from dummydesign.loop.fitting.problem import CampaignProblem
-from dummydesign.loop.fitting.screening import Projection, project, starts_of
-from dummydesign.loop.model.base_law import PuckLaw, SetupLaw, SlabLaw
-from dummydesign.loop.model.campaign_law import start_young_kPa, tabulated_law
-from dummydesign.loop.model.effect import Effect
+from dummydesign.loop.fitting.screening import change_by, project, starts_of
+from dummydesign.loop.model.base_law import PuckLaw, SlabLaw
+from dummydesign.loop.model.campaign_law import pad_of, start_young_kPa, tabulated_law
+from dummydesign.loop.model.effect import SetupLaw
 from dummydesign.loop.model.forward_model import simulate
 from dummydesign.loop.next_measurement import HOLD_S, Option, options, planned_presses, planned_trace
 from dummydesign.loop.result import LoopResult
@@ -107,36 +109,22 @@ def expected_presses(
     plan: tuple[Planned, ...], campaign: Campaign, material: Material, progress: Progress = quiet
 ) -> tuple[Expected, ...]:
     """Work out depth or steady force of every planned press."""
-    curves = {h: _curve(_pad(campaign, h, material), progress) for h in sorted({row.thickness_mm for row in plan})}
-    expected: dict[tuple[float, float, float, float], Expected] = {}
-    for row in plan:
-        key = (row.thickness_mm, row.velocity_mm_s, row.target, row.hold_s)
-        if key not in expected:
-            expected[key] = _expected(row, *curves[row.thickness_mm], material)
-    return tuple(expected[row.thickness_mm, row.velocity_mm_s, row.target, row.hold_s] for row in plan)
-
-
-def _pad(campaign: Campaign, thickness_mm: float, material: Material) -> Pad | Puck:
-    """The pad as ``predict`` makes it of the same words."""
-    pad, punch, young = campaign.pad, campaign.punch, 1e-3 * material.young_kPa
-    if pad.shape == "cylinder":
-        return Puck(thickness_mm, young, float(pad.diameter_mm or 0.0), material.prony, punch.contact)
-    size = (pad.length_mm, pad.width_mm) if pad.length_mm and pad.width_mm else None
-    return Pad(
-        thickness_mm, young, punch.radius_mm, prony=material.prony, base=pad.base, condition=punch.contact,
-        extent_mm=math.sqrt(size[0] * size[1] / math.pi) if size else None,
-        sides_mm=(punch.side_mm, punch.side_mm) if punch.side_mm else None, profile_mm=punch.profile_mm,
-        geometry=pad.geometry, edge_radius_mm=punch.edge_radius_mm, slab_mm=size or (PAD_LENGTH_MM, PAD_WIDTH_MM),
-    )  # fmt: skip
+    made = (1e-3 * material.young_kPa, campaign.pad.geometry, material.prony)
+    curves = {h: _curve(pad_of(campaign, h, *made), progress) for h in sorted({row.thickness_mm for row in plan})}
+    keys = [(row.thickness_mm, row.velocity_mm_s, row.target, row.hold_s) for row in plan]
+    # repeats are expected to reach the same
+    one_of_each = dict(zip(keys, plan))
+    expected = {key: _expected(row, *curves[row.thickness_mm], material) for key, row in one_of_each.items()}
+    return tuple(expected[key] for key in keys)
 
 
 def _curve(pad: Pad | Puck, progress: Progress) -> tuple[Pad | Puck, ForceCurve]:
     """Long-term force of a pad by its table, else solved."""
     try:
-        return pad, elastic_curve(pad, "table", None, None, None)
+        return pad, elastic_curve(pad, "table")
     except InputError:
         progress(f"depths of the presses: solving the pad of {pad.thickness_mm:g} mm")
-        return pad, elastic_curve(pad, "axisymmetric", None, None, None)
+        return pad, elastic_curve(pad, "axisymmetric")
 
 
 def _expected(row: Planned, pad: Pad | Puck, curve: ForceCurve, material: Material) -> Expected:
@@ -204,12 +192,10 @@ def plan_of(result: LoopResult, repeats: int = REPEATS) -> tuple[PlannedPress, .
     forces = simulate(planned, fit.problem.law, fit.base, fit.active)
     held = [float(np.interp(end, time, force))
             for end, time, force in zip(planned.hold_end_s - 0.1, planned.time_s, forces)]  # fmt: skip
-    runs = [(number, repeat) for repeat in range(1, repeats + 1) for number in range(len(chosen))]
-    order = np.random.default_rng(ORDER_SEED).permutation(len(runs))
     out = []
-    for sequence, index in enumerate(order, 1):
-        number, repeat = runs[index]
-        option = chosen[number]
+    for sequence, index in enumerate(np.random.default_rng(ORDER_SEED).permutation(repeats * len(chosen)).tolist(), 1):
+        before, number = divmod(index, len(chosen))
+        option, repeat = chosen[number], before + 1
         name = f"press_{sequence:02d}_t{option.thickness_mm:g}_v{option.velocity_mm_s:g}_r{repeat}.csv"
         out.append(PlannedPress(name, option, repeat, sequence, held[number]))
     return tuple(out)
@@ -232,32 +218,28 @@ def write_plan(folder: str | Path, campaign: Campaign, presses: tuple[PlannedPre
 
 
 def _toml(campaign: Campaign, presses: tuple[PlannedPress, ...]) -> str:
-    pad, punch, lowpass = campaign.pad, campaign.punch, campaign.lowpass
+    pad, punch, low = campaign.pad, campaign.punch, campaign.lowpass
     shape = pad.shape if pad.shape == "cylinder" else str(pad.geometry)
-    lines = ["schema = 1", *_given(name=f"{campaign.name}, next"), "", "[pad]"]
-    lines += _given(
-        young_kPa_nominal=pad.young_kPa_nominal, resin=pad.resin, ratio=pad.ratio, shape=shape,
+    lines = ["schema = 1", f"name = {toml_text(f'{campaign.name}, next')}"]
+    lines += _table(
+        "[pad]", young_kPa_nominal=pad.young_kPa_nominal, resin=pad.resin, ratio=pad.ratio, shape=shape,
         length_mm=pad.length_mm, width_mm=pad.width_mm, diameter_mm=pad.diameter_mm, base=pad.base,
     )  # fmt: skip
-    lines += ["", "[punch]"]
-    lines += _given(shape=punch.shape, side_mm=punch.side_mm, diameter_mm=punch.diameter_mm, contact=punch.contact,
-                    edge_radius_mm=punch.edge_radius_mm or None)  # fmt: skip
+    lines += _table("[punch]", shape=punch.shape, side_mm=punch.side_mm, diameter_mm=punch.diameter_mm,
+                    contact=punch.contact, edge_radius_mm=punch.edge_radius_mm or None)  # fmt: skip
     if punch.shape == "profile":
         lines.append("# file = the profile of the punch: copy it into this folder and name it here")
-    lines += ["", "[sensor]"]
-    if lowpass is not None:
-        lines += _given(
-            lowpass_hz=lowpass.cutoff_hz, lowpass_order=lowpass.order, lowpass_passes=lowpass.passes
-        )
-    lines += _given(force_resolution_N=campaign.force_resolution_N or None)
+    lines += _table(
+        "[sensor]", lowpass_hz=low and low.cutoff_hz, lowpass_order=low and low.order,
+        lowpass_passes=low and low.passes, force_resolution_N=campaign.force_resolution_N or None,
+    )  # fmt: skip
     for press in presses:
         option = press.option
         own = None if option.geometry == pad.geometry else str(option.geometry)
-        lines += ["", "[[trial]]"]
-        lines += _given(
-            file=press.file, thickness_mm=option.thickness_mm, shape=own, velocity_mm_s=option.velocity_mm_s,
-            hold_s=HOLD_S, target_force_N=round(press.target_force_N, 2), repeat=press.repeat,
-            sequence=press.sequence, rest_s=option.rest_s,
+        lines += _table(
+            "[[trial]]", file=press.file, thickness_mm=option.thickness_mm, shape=own,
+            velocity_mm_s=option.velocity_mm_s, hold_s=HOLD_S, target_force_N=round(press.target_force_N, 2),
+            repeat=press.repeat, sequence=press.sequence, rest_s=option.rest_s,
             temperature_C=None if option.temperature_C is None else round(option.temperature_C, 1),
             age_days=None if option.age_days is None else round(option.age_days, 1),
         )  # fmt: skip
@@ -265,10 +247,10 @@ def _toml(campaign: Campaign, presses: tuple[PlannedPress, ...]) -> str:
     return "\n".join(lines) + "\n"
 
 
-def _given(**values: object) -> list[str]:
-    texts = {key: json.dumps(value, ensure_ascii=False) if isinstance(value, str) else value
-             for key, value in values.items()}  # fmt: skip
-    return [f"{key} = {value}" for key, value in texts.items() if value is not None]
+def _table(head: str, **values: object) -> list[str]:
+    """Lines of a table with the values that are known."""
+    known = {key: value for key, value in values.items() if value is not None}
+    return ["", head, *(f"{key} = {toml_text(one) if isinstance(one, str) else one}" for key, one in known.items())]
 
 
 def _sheet(presses: tuple[PlannedPress, ...]) -> str:
@@ -293,23 +275,16 @@ ALIKE = 0.95  # cosine between two effects from which they are called alike
 
 
 @dataclass(frozen=True)
-class PlanPower:
+class PlanPower(Serialised):
     """Effects that are visible, hidden or not testable, and pairs that look alike.
 
-    ``seen`` and ``hidden`` give the standard deviations at usual size, ``alike`` the cosines.
+    ``seen`` and ``hidden`` give the standard deviations at usual size, ``alike`` two ``effects`` and their ``cosine``.
     """
 
     seen: dict[str, float]
     hidden: dict[str, float]
     untested: dict[str, str]
-    alike: tuple[tuple[str, str, float], ...]
-
-    def to_dict(self) -> dict[str, Any]:
-        """Return plain values."""
-        return {
-            "seen": self.seen, "hidden": self.hidden, "untested": self.untested,
-            "alike": [{"effects": [a, b], "cosine": cosine} for a, b, cosine in self.alike],
-        }  # fmt: skip
+    alike: tuple[dict[str, Any], ...]
 
 
 @one_blas_thread()
@@ -319,45 +294,27 @@ def plan_power(plan: tuple[Planned, ...], campaign: Campaign, young_MPa: float, 
     trials = planned_trials(plan, law, young_MPa, np.random.default_rng(seed))
     presses = make_presses(replace(campaign, trials=trials))
     problem = CampaignProblem(presses, law)
-    vector = start_vector(problem, young_MPa)
-    forces = problem.predict(vector)
     usual = Sizes(NOISE, *(prior[0] for prior in law.error_priors))
-    fit = CampaignFit(
-        problem, vector, usual, np.zeros_like(forces), np.where(presses.used, problem.slope(vector, forces), 0.0),
-        forces, problem.jacobian(vector, forces), np.zeros((len(vector),) * 2), 0.0, 0.0,
-    )  # fmt: skip
-    sizes: dict[str, float] = {}
-    units: dict[str, NDArray] = {}
+    vector = start_vector(problem, young_MPa)
+    fit = fit_at(problem, vector, problem.predict(vector), usual)
+    projection = project(fit)
     untested: dict[str, str] = {}
-    projection, whiten = project(fit)
+    changes: dict[str, NDArray] = {}
     for effect in (one for one in known_effects() if not one.seen_raw):
         reason = effect.unavailable(presses, law)
         if reason:
             untested[effect.name] = reason
-            continue
-        change = _change(effect, fit, projection, whiten)
-        length = float(np.linalg.norm(change))
-        sizes[effect.name] = length
-        if length > 0:
-            units[effect.name] = change / length
+        else:
+            # what the effect adds in its usual size, beyond base and law error
+            column = projection.column(change_by(fit, effect, starts_of(effect)[0]))
+            changes[effect.name] = projection.remove(column)
+    sizes = {name: float(np.linalg.norm(change)) for name, change in changes.items()}
     seen = {name: size for name, size in sizes.items() if size >= SEEN}
-    names = [name for name in seen if name in units]
-    alike = tuple(
-        (a, b, cosine)
-        for number, a in enumerate(names)
-        for b in names[number + 1 :]
-        if (cosine := abs(float(units[a] @ units[b]))) >= ALIKE
-    )
     hidden = {name: size for name, size in sizes.items() if size < SEEN}
+    units = {name: changes[name] / size for name, size in seen.items()}
+    cosines = {(a, b): abs(float(units[a] @ units[b])) for a, b in combinations(units, 2)}
+    alike = tuple({"effects": pair, "cosine": cosine} for pair, cosine in cosines.items() if cosine >= ALIKE)
     return PlanPower(seen, hidden, untested, alike)
-
-
-def _change(effect: Effect, fit: CampaignFit, projection: Projection, whiten: Whitener) -> NDArray:
-    """What an effect of usual size adds beyond base and law error, whitened."""
-    problem = fit.problem.plus(effect)
-    vector = np.insert(fit.vector, fit.problem.fixed, starts_of(effect)[0])
-    change = np.where(problem.presses.used, problem.predict(vector) - fit.forces, 0.0)
-    return projection.remove(np.r_[whiten(change).ravel(), np.zeros(projection.rows)])
 
 
 def planned_trials(

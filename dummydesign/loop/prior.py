@@ -11,16 +11,11 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from dummydesign.core.errors import InputError
 from dummydesign.core.serialise import Serialised
-from dummydesign.loop.data.trials import Presses
 from dummydesign.loop.fitting.fit import CampaignFit, fit_with_noise
-from dummydesign.loop.fitting.noise import LAW_TERMS
-from dummydesign.loop.fitting.problem import BASE
-from dummydesign.loop.model.base_law import SetupLaw
-from dummydesign.loop.model.forward_model import parameter_names
+from dummydesign.loop.model.forward_model import BASE, parameter_names
 from dummydesign.loop.selection.cross_validation import widened
 from dummydesign.measurement.campaign import Campaign
 from dummydesign.resin.update.relaxation import POUR
@@ -50,8 +45,7 @@ class Joined(Serialised):
 def check_prior(prior: Calibration, campaign: Campaign) -> None:
     """Refuse a prior that cannot speak of a campaign."""
     if prior.posterior is None:
-        message = "the prior's calibration has no posterior: run loop again"
-        raise InputError(message, "missing", "prior.posterior")
+        raise InputError("the prior's calibration has no posterior: run loop again", "missing", "prior.posterior")
     pad, known = campaign.pad, prior.pad
     for name, own, other in (("resin", pad.resin, known["resin"]), ("ratio", pad.ratio, known["ratio"])):
         if own is None or other is None:
@@ -62,16 +56,16 @@ def check_prior(prior: Calibration, campaign: Campaign) -> None:
             raise InputError(message, "inconsistent", f"prior.{name}", other, own)
 
 
-def with_prior_effects(fit: CampaignFit, prior: Calibration, presses: Presses, law: SetupLaw) -> CampaignFit:
+def with_prior_effects(fit: CampaignFit, prior: Calibration) -> CampaignFit:
     """The model refitted with the prior's effects of the pad beside its own, as far as the campaign can take them."""
-    known = {effect.name for effect in fit.problem.effects}
-    more = [one for one in prior.design_effects() if one.effect.name not in known]
-    more = [one for one in more if not one.effect.undefined(presses, law)]
+    problem = fit.problem
+    more = [one for one in prior.design_effects() if one.effect.name not in problem.entries]
+    more = [one for one in more if not one.effect.undefined(problem.presses, problem.law)]
     if not more:
         return fit
     start = [p.to_coordinate(one.values[p.name]) for one in more for p in one.effect.parameters]
-    vector = np.insert(fit.vector, fit.problem.fixed, start)
-    return fit_with_noise(fit.problem.plus(*(one.effect for one in more)), vector, fit.sizes, 2, 8)
+    vector = np.insert(fit.vector, problem.fixed, start)
+    return fit_with_noise(problem.plus(*(one.effect for one in more)), vector, fit.sizes, 2, 8)
 
 
 def join(fit: CampaignFit, prior: Calibration, lack_ratio: float | None = None) -> tuple[CampaignFit, Joined]:
@@ -130,14 +124,3 @@ def _shared(fit: CampaignFit, known: tuple[str, ...]) -> list[tuple[int, str, fl
 def _conflict(name: str, prior: float, data: float, z: float) -> str:
     values = np.exp([prior, data]) if name.startswith("log ") else np.array([prior, data])
     return f"{name.removeprefix('log ')}: {values[0]:.4g} before, {values[1]:.4g} now ({z:.1f} standard deviations)"
-
-
-def carried_law(
-    prior: Calibration, pads: tuple[tuple[str, float], ...], law: NDArray
-) -> tuple[tuple[tuple[str, float], ...], NDArray]:
-    """Law errors of all pads that were pressed in either campaign; the new campaign's where both pressed a pad."""
-    rows = {pad: prior.after.law[:, k] for k, pad in enumerate(prior.after.pads)}
-    rows |= {pad: law[:, k] for k, pad in enumerate(pads)}
-    every = tuple(sorted(rows))
-    return every, np.stack([rows[pad] for pad in every], axis=1).reshape(LAW_TERMS, -1)
-

@@ -9,47 +9,53 @@ import numpy as np
 
 from dummydesign.core.serialise import to_plain
 from dummydesign.loop.data.trials import Presses
-from dummydesign.loop.fitting.candidates import EffectCandidate
-from dummydesign.loop.fitting.screening import Screened
 from dummydesign.loop.model.effect import Effect
 from dummydesign.loop.next_measurement import NextMeasurement
 from dummydesign.loop.pad_scatter import pad_scatter
 from dummydesign.loop.prior import Joined
 from dummydesign.loop.selection.cross_validation import AssessedModel, effect_intervals, lack_of_fit
 from dummydesign.loop.selection.learn_effect import Learnt
-from dummydesign.loop.selection.residuals import Check, Dependence
+from dummydesign.loop.selection.residuals import Seen
+from dummydesign.loop.selection.search import Selection
 from dummydesign.loop.selection.verdict import AcceptedEffect, Remainder, gain_threshold
 from dummydesign.measurement.campaign import Campaign
 
 
 @dataclass(frozen=True)
-class LoopResult:
-    """All that the loop found."""
+class Explained:
+    """A model that explains a campaign, with what it leaves; ``base_kept`` says why it is the base and no better fit.
+    """
+
+    selection: Selection
+    after: AssessedModel
+    effects: tuple[AcceptedEffect, ...]
+    learnt: Learnt | None
+    verdict: str
+    remainder: Remainder
+    seen: Seen
+    base_kept: str
+
+
+@dataclass(frozen=True)
+class LoopResult(Explained):
+    """All that the loop found; ``seen_before`` is what the base leaves."""
 
     campaign: Campaign
     presses: Presses
     base: AssessedModel
-    after: AssessedModel
-    verdict: str
-    effects: tuple[AcceptedEffect, ...]
-    screened: tuple[Screened, ...]
-    ranking: tuple[EffectCandidate, ...]
-    remainder: Remainder
-    where: tuple[Dependence, ...]
-    where_after: tuple[Dependence, ...]
-    checks: tuple[Check, ...]
+    seen_before: Seen
     next: NextMeasurement | None
     untested: dict[str, str]
     warnings: tuple[dict[str, str], ...]
-    learnt: Learnt | None = None
-    joined: Joined | None = None
+    joined: Joined | None
 
 
 def result_dict(result: LoopResult) -> dict[str, Any]:
     """Return the result in the form of the ``loop`` contract."""
     effects = [accepted.candidate.effect for accepted in result.effects]
     errors = (result.base.errors.by_trial_N, result.after.errors.by_trial_N, result.after.errors.heldout_by_trial_N)
-    lack = lack_of_fit(result.ranking[0].fit).ratio if result.ranking else None
+    screened, ranking = result.selection.screened, result.selection.ranking
+    lack = lack_of_fit(ranking[0].fit).ratio if ranking else None
     return {
         "answer": answer_of(result),
         "worth": [asdict(worth_of(result, effect)) for effect in effects],
@@ -58,12 +64,12 @@ def result_dict(result: LoopResult) -> dict[str, Any]:
         "effects": [_effect(accepted, result) for accepted in result.effects],
         "after": result.after.to_dict(),
         "residual": {
-            "where": to_plain(result.where),
-            "where_after": to_plain(result.where_after),
+            "where": to_plain(result.seen_before.where),
+            "where_after": to_plain(result.seen.where),
             "unexplained_because": list(result.remainder.reasons),
             "heldout_over_noise_floor": result.remainder.over_floor,
             "expected_over_noise_floor": result.remainder.expected,
-            "checks": to_plain(result.checks),
+            "checks": to_plain(result.seen.checks),
             "by_trial": [
                 {
                     "file": trial.file, "thickness_mm": trial.thickness_mm, "velocity_mm_s": trial.velocity_mm_s,
@@ -74,9 +80,9 @@ def result_dict(result: LoopResult) -> dict[str, Any]:
             ],
         },
         # evidence that a first effect needs in this campaign
-        "threshold": gain_threshold(list(result.screened), lack),
-        "ranking": [{"name": c.effect.name, "evidence": c.gain} for c in result.ranking],
-        "screening": [{"name": one.effect.name, "z": one.z} for one in result.screened],
+        "threshold": gain_threshold(screened, lack),
+        "ranking": [{"name": c.effect.name, "evidence": c.gain} for c in ranking],
+        "screening": [{"name": one.effect.name, "z": one.z} for one in screened],
         "pad_factors": pad_scatter(result.after.fit).to_dict(),
         "learned": to_plain(result.learnt),
         "untested": result.untested,

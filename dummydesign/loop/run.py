@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -15,23 +16,21 @@ from dummydesign.loop.data.pad_factors import with_pad_factors
 from dummydesign.loop.data.trials import Presses, make_presses
 from dummydesign.loop.effects.registry import known_effects, refuse_unsound
 from dummydesign.loop.fitting.candidates import EffectCandidate
-from dummydesign.loop.fitting.fit import CampaignFit, fit_base, with_rough_law
+from dummydesign.loop.fitting.fit import fit_base, with_rough_law
 from dummydesign.loop.fitting.noise import repeat_pairs
-from dummydesign.loop.fitting.problem import BASE
-from dummydesign.loop.model.base_law import SetupLaw
 from dummydesign.loop.model.campaign_law import law_of, start_young_kPa, within_reach
-from dummydesign.loop.model.effect import Effect
+from dummydesign.loop.model.effect import Effect, SetupLaw
 from dummydesign.loop.model.forward_model import readings
 from dummydesign.loop.next_measurement import NextMeasurement, next_measurement
 from dummydesign.loop.pad_scatter import known_pads
 from dummydesign.loop.prior import Joined, check_prior, join, with_prior_effects
-from dummydesign.loop.result import LoopResult
-from dummydesign.loop.selection.base_kept import LeftOut, left_out_errors, predicts_worse
+from dummydesign.loop.result import Explained, LoopResult, named
+from dummydesign.loop.selection.base_kept import left_out_errors, predicts_worse
 from dummydesign.loop.selection.cross_validation import AssessedModel, assess
-from dummydesign.loop.selection.learn_effect import Learnt, can_be_learned, learn, learned_alone, learned_first
+from dummydesign.loop.selection.learn_effect import can_be_learned, learn, learned_alone, learned_first
 from dummydesign.loop.selection.residuals import Seen, examine
-from dummydesign.loop.selection.search import Selection, doubt_of, doubt_of_curve, rank, search
-from dummydesign.loop.selection.verdict import AcceptedEffect, Remainder, at_bound, needed, remainder
+from dummydesign.loop.selection.search import Selection, doubt_of, doubt_of_curve, names_of, rank, search
+from dummydesign.loop.selection.verdict import AcceptedEffect, at_bound, needed, remainder
 from dummydesign.measurement.campaign import Campaign
 
 
@@ -101,62 +100,38 @@ def replay(campaign: Campaign, calibration: Calibration, progress: Progress = qu
 
 
 @one_blas_thread()
-def close_loop(
-    campaign: Campaign, progress: Progress = quiet, young_MPa: float | None = None, prior: Calibration | None = None
-) -> LoopResult:
+def close_loop(campaign: Campaign, progress: Progress = quiet, prior: Calibration | None = None) -> LoopResult:
     """Run the loop on a campaign."""
     if prior is not None:
         check_prior(prior, campaign)
     campaign = with_pad_factors(campaign, None if prior is None else prior.pad)
     law = law_of(campaign, progress)
     campaign, presses, beyond = within_reach(campaign, make_presses(campaign), law)
-    base = assess(fit_base(presses, law, young_MPa or 1e-3 * start_young_kPa(campaign), progress))
+    base = assess(fit_base(presses, law, 1e-3 * start_young_kPa(campaign), progress))
     available, untested = _available(presses, law)
     seen = examine(base.fit)
     answer = _against_base(base, seen, _explain(base, seen, available, progress), progress)
-    selection, after, effects, learnt = answer.selection, answer.after, answer.effects, answer.learnt
-    doubt = doubt_of(after.fit, selection.rivals) if learnt is None else doubt_of_curve(learnt.effect.shape.flat)
-    plain, nothing = after.fit, after.fit is base.fit
-    after = replace(after, fit=_in_doubt(plain, doubt))
-    base = after if nothing else base
+    plain, learnt = answer.after.fit, answer.learnt
+    doubt = doubt_of(plain, answer.selection.rivals) if learnt is None else doubt_of_curve(learnt.effect.shape.flat)
+    after = replace(answer.after, fit=with_rough_law(plain, doubt))
+    base = after if plain is base.fit else base
     joined = None
     if prior is not None:
         progress("prior")
-        fit, joined = join(_in_doubt(with_prior_effects(plain, prior, presses, law), doubt), prior, after.lack.ratio)
+        both = with_prior_effects(plain, prior)
+        both = after.fit if both is plain else with_rough_law(both, doubt)
+        fit, joined = join(both, prior, after.lack.ratio)
         after = assess(fit) if joined.used else after
     progress("next measurement")
-    following = _next(campaign, base, effects, selection.ranking)
+    following = _next(campaign, base, answer.effects, answer.selection.ranking)
+    warnings = (*_warnings(campaign, presses, beyond, answer, joined), *_better_alone(answer.selection, after))
     return LoopResult(
-        campaign, presses, base, after, answer.verdict, effects, tuple(selection.screened), tuple(selection.ranking),
-        answer.left, tuple(seen.where), tuple(answer.seen.where), tuple(answer.seen.checks), following, untested,
-        (*answer.kept_warnings, *_curve_warnings(learnt), *_warnings(campaign, presses, beyond, joined),
-         *_better_alone(selection, after)),
-        learnt, joined,
+        **{**vars(answer), "after": after}, campaign=campaign, presses=presses, base=base, seen_before=seen,
+        next=following, untested=untested, warnings=warnings, joined=joined,
     )  # fmt: skip
 
 
-def _in_doubt(fit: CampaignFit, of_base: NDArray) -> CampaignFit:
-    """The fit beside a law that may be rough, with a doubt (5, 5) of the base logarithms."""
-    rough = with_rough_law(fit)
-    more = np.pad(of_base, (0, len(fit.vector) - BASE))
-    return replace(rough, doubt=more if rough.doubt is None else rough.doubt + more)
-
-
-@dataclass(frozen=True)
-class _Answer:
-    """A model that explains a campaign, with what it leaves."""
-
-    selection: Selection
-    after: AssessedModel
-    effects: tuple[AcceptedEffect, ...]
-    learnt: Learnt | None
-    verdict: str
-    left: Remainder
-    seen: Seen
-    kept_warnings: tuple[dict[str, str], ...] = ()
-
-
-def _explain(base: AssessedModel, seen: Seen, available: tuple[Effect, ...], progress: Progress) -> _Answer:
+def _explain(base: AssessedModel, seen: Seen, available: tuple[Effect, ...], progress: Progress) -> Explained:
     """Named effects and a learned function, whichever explain the campaign best; ``seen`` is what the base leaves."""
     ranked = rank(base, available, progress)
     alone = learned_alone(base, seen, ranked[1], progress)
@@ -178,10 +153,10 @@ def _explain(base: AssessedModel, seen: Seen, available: tuple[Effect, ...], pro
         seen_after = examine(after.fit)
         still = remainder(base, after, seen_after)
         left = replace(still, reasons=(learnt.text, *still.reasons))
-    return _Answer(selection, after, effects, learnt, verdict, left, seen_after)
+    return Explained(selection, after, effects, learnt, verdict, left, seen_after, "")
 
 
-def _against_base(base: AssessedModel, seen: Seen, answer: _Answer, progress: Progress) -> _Answer:
+def _against_base(base: AssessedModel, seen: Seen, answer: Explained, progress: Progress) -> Explained:
     """The answer, or the base model where it predicts left-out presses better."""
     if answer.after is base:
         return answer
@@ -192,9 +167,13 @@ def _against_base(base: AssessedModel, seen: Seen, answer: _Answer, progress: Pr
     dropped = (base.fit.score - answer.after.fit.score, answer.after.fit)
     rivals = (dropped, *((one.gain, one.fit) for one in answer.selection.ranking))
     left = remainder(base, base, seen)
-    kept_warnings = _base_kept(answer.effects, answer.learnt, compared)
+    names = [named(one.candidate.effect.name) for one in answer.effects]
+    names += [] if answer.learnt is None else [f"a function of {answer.learnt.effect.shape.text}"]
+    errors = ", ".join(f"{one.kind} {one.corrected_N:.3g} N with it, {one.base_N:.3g} N without" for one in compared)
+    kept = (f"{' and '.join(names)} explains this campaign but predicts left-out presses worse ({errors}): the base "
+            "model is kept")  # fmt: skip
     verdict = "unexplained" if left.reasons else "none"
-    return _Answer(replace(answer.selection, rivals=rivals), base, (), None, verdict, left, seen, kept_warnings)
+    return Explained(replace(answer.selection, rivals=rivals), base, (), None, verdict, left, seen, kept)
 
 
 def _available(presses: Presses, law: SetupLaw) -> tuple[tuple[Effect, ...], dict[str, str]]:
@@ -223,61 +202,38 @@ BETTER = 10.0
 """Minus twice the log likelihood by which an effect that was not taken must explain more than the model to be named."""
 
 
-def _better_alone(selection: Selection, after: AssessedModel) -> tuple[dict[str, str], ...]:
+def _better_alone(selection: Selection, after: AssessedModel) -> Iterator[dict[str, str]]:
     """Single effects beyond noise that explain more than the model that is returned, and why they were not taken."""
-    out = []
-    used = {effect.name for effect in after.fit.problem.effects}
     for one in selection.ranking:
         name = one.effect.name
-        if name in used or one.fit.score >= after.fit.score - BETTER:
+        if name in names_of(after.fit) or one.fit.score >= after.fit.score - BETTER:
             continue
         if one.gain < needed(selection.screened, one.fit, name, {}, len(selection.ranking)).least:
             continue  # noise alone may explain as much
         why = "its size is at its bound" if at_bound(one.fit) else "it does not predict left-out presses better"
-        plain = name.replace("_", " ")
-        message = f"{plain} alone fits better, but was not added: {why}; test for it by itself"
-        out.append({"code": "explains_more", "message": message})
-    return tuple(out)
-
-
-def _base_kept(
-    effects: tuple[AcceptedEffect, ...], learnt: Learnt | None, compared: tuple[LeftOut, ...]
-) -> tuple[dict[str, str], ...]:
-    """Why the base model is returned though something explains the campaign."""
-    named = [one.candidate.effect.name.replace("_", " ") for one in effects]
-    dropped = " and ".join([*named, *([] if learnt is None else [f"a function of {learnt.effect.shape.text}"])])
-    errors = ", ".join(f"{one.kind} {one.corrected_N:.3g} N with it, {one.base_N:.3g} N without" for one in compared)
-    message = f"{dropped} explains this campaign but predicts left-out presses worse ({errors}): the base model is kept"
-    return ({"code": "base_kept", "message": message},)
-
-
-def _curve_warnings(learnt: Learnt | None) -> tuple[dict[str, str], ...]:
-    """What a learned curve makes of the modulus."""
-    if learnt is None:
-        return ()
-    message = (
-        f"do not use the modulus: it shares its level with the learned curve of {learnt.effect.shape.text}; "
-        "compress a puck of this batch"
-    )
-    return ({"code": "modulus_beside_curve", "message": message},)
+        message = f"{named(name)} alone fits better, but was not added: {why}; test for it by itself"
+        yield {"code": "explains_more", "message": message}
 
 
 def _warnings(
-    campaign: Campaign, presses: Presses, beyond: str, joined: Joined | None
-) -> tuple[dict[str, str], ...]:
-    # what a fit does not see comes first
-    out = [{"code": "beyond_table", "message": beyond}] if beyond else []
-    out += campaign.warnings
+    campaign: Campaign, presses: Presses, beyond: str, answer: Explained, joined: Joined | None
+) -> Iterator[dict[str, str]]:
+    """What a reader must know: what a fit does not see comes first."""
+    if answer.base_kept:
+        yield {"code": "base_kept", "message": answer.base_kept}
+    if answer.learnt is not None:
+        level = f"it shares its level with the learned curve of {answer.learnt.effect.shape.text}"
+        yield {"code": "modulus_beside_curve",
+               "message": f"do not use the modulus: {level}; compress a puck of this batch"}  # fmt: skip
+    if beyond:
+        yield {"code": "beyond_table", "message": beyond}
+    yield from campaign.warnings
     if not repeat_pairs(presses):
-        message = (
-            "no condition is repeated: lack of fit cannot be tested against pure error, and the slow noise is taken "
-            "from the residuals, where model error counts as noise"
-        )
-        out.append({"code": "no_repeats", "message": message})
+        yield {"code": "no_repeats", "message": "no condition is repeated: lack of fit cannot be tested against pure "
+               "error, and the slow noise is taken from the residuals, where model error counts as noise"}  # fmt: skip
     if presses.elastic_only:
-        message = "no trial holds and all have one speed: relaxation is not fitted, the modulus is that of this speed"
-        out.append({"code": "elastic_only", "message": message})
+        yield {"code": "elastic_only", "message": "no trial holds and all have one speed: relaxation is not fitted, "
+               "the modulus is that of this speed"}  # fmt: skip
     if joined is not None and not joined.used:
         message = f"the prior contradicts this campaign and was not used: {'; '.join(joined.conflicts)}"
-        out.append({"code": "prior_conflict", "message": message})
-    return tuple(out)
+        yield {"code": "prior_conflict", "message": message}

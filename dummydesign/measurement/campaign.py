@@ -1,4 +1,4 @@
-"""A measurement campaign: pads, punch, sensor and trials; checks of traces against them."""
+"""A measurement campaign: pads, punch, sensor and trials; the force that was held, and the edges that are solved."""
 
 from __future__ import annotations
 
@@ -6,17 +6,14 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from dummydesign.core.errors import InputError
-from dummydesign.core.toml_schema import Table
 from dummydesign.geometry.dimensions import LARGEST_EDGE_RADIUS
 from dummydesign.geometry.interface import BASES, CONDITIONS, Interface
 from dummydesign.geometry.pad_shape import PadShape
 from dummydesign.geometry.shapes.slab import Slab
-from dummydesign.measurement.landmarks import find_ramp
 from dummydesign.measurement.motion import Ramp
 from dummydesign.measurement.sensor import Lowpass
 from dummydesign.measurement.trace import Trace
@@ -138,39 +135,6 @@ class Campaign:
     usual_pad: Mapping[str, float] = field(default_factory=dict)
 
 
-def check_against_declared(trial: Trial, table: Table) -> None:
-    """Refuse magnitudes that can only be another unit, seen against the thickness, speed and force in its table."""
-    trace = trial.trace
-    try:
-        ramp = find_ramp(trace.time_s, trace.displacement_mm, "slowed")
-    except InputError as problem:
-        raise problem.within(trial.file) from None
-    deepest = float(trace.displacement_mm.max())
-    if deepest >= 0.95 * trial.thickness_mm:
-        message = (
-            f"{table.where('thickness_mm')}: {trial.file} presses {deepest:g} mm into a pad of "
-            f"{trial.thickness_mm:g} mm; is displacement_mm or thickness_mm in another unit?"
-        )
-        raise InputError(message, "inconsistent", "trial.thickness_mm", trial.thickness_mm)
-    if trial.target_force_N:
-        held = held_force(trace, ramp)
-        share = held / trial.target_force_N
-        if share > 100 or share < 0.01:
-            unit = "millinewtons: --units force=mN" if share > 100 else "kilonewtons: --units force=kN"
-            message = (
-                f"{trial.file}: force_N is {held:g} in the hold, the target at {table.where('target_force_N')} is "
-                f"{trial.target_force_N:g} N; it looks like {unit} of 'dummydesign import' reads them"
-            )
-            raise InputError(message, "implausible_unit", "force_N", held)
-    if not 0.02 < ramp.velocity_mm_s / trial.velocity_mm_s < 20.0:
-        message = (
-            f"{table.where('velocity_mm_s')}: velocity_mm_s = {trial.velocity_mm_s:g}, but {trial.file} moves at "
-            f"{ramp.velocity_mm_s:.4g} mm/s; is the speed in m/s, or the time of the trace in another unit "
-            "(--units time=ms of 'dummydesign import' reads milliseconds)?"
-        )
-        raise InputError(message, "inconsistent", "trial.velocity_mm_s", trial.velocity_mm_s)
-
-
 def held_force(trace: Trace, ramp: Ramp) -> float:
     """Return the median force of the last fifth of the hold. [N]"""
     late = trace.time_s >= ramp.hold_end_s - 0.2 * (ramp.hold_end_s - ramp.stop_time_s)
@@ -188,10 +152,6 @@ def check_edge(pad: PadSpec, punch: PunchSpec, shapes: Sequence[PadShape], where
         Of the pads that are pressed.
     where : str
         Begins the message.
-
-    Raises
-    ------
-    InputError
     """
     edge = punch.edge_radius_mm
     if not edge:
@@ -214,28 +174,6 @@ def check_edge(pad: PadSpec, punch: PunchSpec, shapes: Sequence[PadShape], where
     held = ("bonded",) if any(shape.bone_height_mm for shape in shaped) else BASES
     unsolved += [] if pad.base in held else [f"base = {pad.base}"]
     if unsolved:
-        message = (
-            f"{text} with {unsolved[0]} is not solved; a fillet goes with a flat punch on slabs, or glued on round "
-            "shapes, whose base is bonded, or sliding without a bone: give 0 for the sharp edge"
-        )
-        raise InputError(message, "unsupported", "edge_radius_mm", edge)
-
-
-def check_set(trials: Sequence[Trial], tables: Sequence[Table]) -> list[dict[str, str]]:
-    """Refuse files and sequence numbers that are used twice; return what is missing for some tests."""
-    for key in ("file", "sequence"):
-        seen: dict[Any, int] = {}
-        for index, (trial, table) in enumerate(zip(trials, tables)):
-            value = getattr(trial, key)
-            if value in seen and key in table:
-                raise table.fault(key, f"is already used by trial {seen[value] + 1}", "duplicate")
-            seen[value] = index
-    warnings = []
-    if not any("sequence" in table for table in tables):
-        message = "no sequence is given: the order of the file is taken as the order of the trials"
-        warnings.append({"code": "no_sequence", "message": message})
-    for key in ("temperature_C", "age_days", "rest_s"):
-        if any(getattr(trial, key) is None for trial in trials):
-            message = f"{key} is not given for every trial: effects that need it cannot be tested"
-            warnings.append({"code": f"no_{key}", "message": message})
-    return warnings
+        raise InputError(f"{text} with {unsolved[0]} is not solved; a fillet goes with a flat punch on slabs, or glued "
+                         "on round shapes, whose base is bonded, or sliding without a bone: give 0 for the sharp edge",
+                         "unsupported", "edge_radius_mm", edge)  # fmt: skip

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import shlex
 import tomllib
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from dummydesign.core.errors import InputError, unknown_name
-from dummydesign.core.library import toml_text
+from dummydesign.core.errors import InputError, errors_within, unknown_name
+from dummydesign.core.library import toml_table
 from dummydesign.core.toml_schema import Table
 from dummydesign.geometry.dimensions import PAD_LENGTH_MM, PAD_WIDTH_MM
 from dummydesign.geometry.interface import BASES, CONDITIONS, FRICTION, Interface
@@ -18,36 +18,20 @@ from dummydesign.geometry.pad_shape import PadShape
 from dummydesign.geometry.punch import ball_profile, read_profile
 from dummydesign.geometry.shape_registry import read_shape, shape_kinds
 from dummydesign.geometry.shapes.slab import Slab
-from dummydesign.measurement.campaign import (
-    Campaign,
-    PadSpec,
-    PunchSpec,
-    Trial,
-    check_against_declared,
-    check_edge,
-    check_set,
-)
+from dummydesign.measurement.campaign import Campaign, PadSpec, PunchSpec, Trial, check_edge, held_force
+from dummydesign.measurement.landmarks import ramp_of
 from dummydesign.measurement.pad_record import Records, pad_with_record, trial_with_record
 from dummydesign.measurement.sensor import Lowpass
 from dummydesign.measurement.trace import read_trace
 
 FILE = "campaign.toml"
 TRIAL_NUMBERS = {
-    "thickness_mm": (0.5, 200.0),
-    "thickness_sd_mm": (0.0, 10.0),
-    "design_thickness_mm": (0.5, 200.0),
-    "witness_kPa": (0.5, 5000.0),
-    "witness_sd_kPa": (0.0, 2500.0),
-    "weighed_ratio": (0.0, 1000.0),
-    "weighed_ratio_sd": (0.0, 100.0),
-    "velocity_mm_s": (0.001, 5000.0),
-    "hold_s": (0.0, 1e5),
-    "target_force_N": (0.0, 2000.0),
-    "rest_s": (0.0, 1e9),
-    "temperature_C": (-20.0, 80.0),
-    "age_days": (0.0, 36500.0),
+    "thickness_mm": (0.5, 200.0), "thickness_sd_mm": (0.0, 10.0), "design_thickness_mm": (0.5, 200.0),
+    "witness_kPa": (0.5, 5000.0), "witness_sd_kPa": (0.0, 2500.0), "weighed_ratio": (0.0, 1000.0),
+    "weighed_ratio_sd": (0.0, 100.0), "velocity_mm_s": (0.001, 5000.0), "hold_s": (0.0, 1e5),
+    "target_force_N": (0.0, 2000.0), "rest_s": (0.0, 1e9), "temperature_C": (-20.0, 80.0), "age_days": (0.0, 36500.0),
     "target_depth_mm": (0.0, 200.0),
-}
+}  # fmt: skip
 TRIAL_REQUIRED = ("thickness_mm", "velocity_mm_s")
 PUNCHES = ("square", "round", "ball", "profile", "plate")
 PUNCH_KEYS = {"punch", "side_mm", "diameter_mm", "contact", "edge_radius_mm"}
@@ -97,10 +81,10 @@ def read_campaign(folder: str | Path) -> Campaign:
         speed, force and thickness), fewer than two trials.
     """
     folder = Path(folder)
+    if folder.is_file():
+        message = f"campaign '{folder}' is a file; give its folder: {shlex.quote(str(folder.parent))}"
+        raise InputError(message, "file_not_found", "campaign", str(folder))
     if not folder.is_dir():
-        if folder.is_file():
-            message = f"campaign '{folder}' is a file; give its folder: {shlex.quote(str(folder.parent))}"
-            raise InputError(message, "file_not_found", "campaign", str(folder))
         raise InputError(f"campaign folder '{folder}' does not exist", "file_not_found", "campaign")
     top = read_campaign_toml(folder)
     if top.data.get("schema") != 1:
@@ -120,17 +104,14 @@ def read_campaign(folder: str | Path) -> Campaign:
     lowpass, resolution = _read_sensor(sensor)
     tables = trial_tables(top)
     if len(tables) < 2:
-        message = (
-            f"{tables[0].where()}: a single trial; a modulus and two relaxation arms need at least two trials (two "
-            "depths or speeds), and repeats to know the noise"
-        )
-        raise InputError(message, "not_enough_data", "campaign.trials", 1)
+        raise InputError(f"{tables[0].where()}: a single trial; a modulus and two relaxation arms need at least two "
+                         "trials (two depths or speeds), and repeats to know the noise",
+                         "not_enough_data", "campaign.trials", 1)  # fmt: skip
     measured = [records.of(table) or own for table in tables]
     tables = [trial_with_record(table, one) if one else table for table, one in zip(tables, measured)]
     trials = tuple(_read_trial(table, index, folder, pad, punch) for index, table in enumerate(tables, 1))
-    shapes = [trial.geometry for trial in trials]
-    check_edge(pad, punch, shapes, f"{punch_table.where('edge_radius_mm')}: ")
-    warnings = (*check_set(trials, tables), *records.warnings())
+    check_edge(pad, punch, [trial.geometry for trial in trials], f"{punch_table.where('edge_radius_mm')}: ")
+    warnings = (*_check_set(trials, tables), *records.warnings())
     name = str(top.data.get("name", folder.name))
     return Campaign(name, folder, pad, punch, lowpass, resolution, trials, warnings, tuple(records.read))
 
@@ -148,10 +129,8 @@ def geometry_of(text: str, where: str) -> PadShape:
         wanted = ",".join(f"{one}=.." for one in kinds[name].needed())
         message = f"{where}: shape = '{text}' has no lengths; give shape = \"{name}:{wanted}\""
         raise InputError(message, "missing", "shape", text)
-    try:
+    with errors_within(where):
         return read_shape(text)
-    except InputError as problem:
-        raise problem.within(where) from None
 
 
 def _read_pad(table: Table) -> PadSpec:
@@ -187,8 +166,7 @@ def _read_punch(table: Table, folder: Path) -> PunchSpec:
     if needed and needed not in table:
         raise table.fault(needed, f"is missing: the punch is {shape}", "missing")
     profile = ball_profile(diameter) if shape == "ball" else None
-    if shape == "profile":
-        profile = read_profile(folder / _read_file_name(table, folder))
+    profile = read_profile(folder / _read_file_name(table, folder)) if shape == "profile" else profile
     contact = _read_interface(table, "contact", (*CONDITIONS, FRICTION))
     edge = table.number("edge_radius_mm", 0.0, low=0.0, high=100.0)
     return PunchSpec(shape, side, diameter, contact, profile, edge)
@@ -202,42 +180,55 @@ def _read_sensor(table: Table) -> tuple[Lowpass | None, float]:
     where = table.where("lowpass_hz")
     try:
         order, passes = (int(table.data.get(f"lowpass_{key}", usual)) for key, usual in (("order", 2), ("passes", 1)))
-        return Lowpass(cutoff, order, passes), resolution
-    except InputError as problem:
-        raise problem.within(where) from None
     except (ValueError, TypeError) as problem:
         raise InputError(f"{where}: {problem}", "not_a_number", "sensor.lowpass") from None
+    with errors_within(where):
+        return Lowpass(cutoff, order, passes), resolution
 
 
 def _read_trial(table: Table, number: int, folder: Path, pad: PadSpec, punch: PunchSpec) -> Trial:
     unknown = sorted(set(table.data) - _TRIAL_KEYS)
-    for key in unknown:
-        if key in PUNCH_KEYS:
-            words = "in a trial: a campaign has one [punch]; join campaigns by 'dummydesign loop --prior'"
-            raise table.fault(key, words, "not_applicable")
+    if of_punch := [key for key in unknown if key in PUNCH_KEYS]:
+        words = "in a trial: a campaign has one [punch]; join campaigns by 'dummydesign loop --prior'"
+        raise table.fault(of_punch[0], words, "not_applicable")
     if unknown:
         raise unknown_name("key", unknown[0], _TRIAL_KEYS, "unknown_key", "trial").within(table.where(unknown[0]))
     numbers = {key: table.number(key, None, low=low, high=high) for key, (low, high) in TRIAL_NUMBERS.items()}
     for key in TRIAL_REQUIRED:
-        if key not in table:
-            raise table.fault(key, "is missing", "missing")
+        table.number(key)
     geometry = _trial_geometry(table, pad, punch)
     name = _read_file_name(table, folder)
     if not (folder / name).is_file():
         raise table.fault("file", "does not exist in the campaign folder", "file_not_found")
     trace = read_trace(folder / name, numbers["velocity_mm_s"])
     declared = {key: value for key, value in numbers.items() if key != "target_depth_mm"}
-    repeat, sequence = _read_count(table, "repeat", 1), _read_count(table, "sequence", number)
+    repeat, sequence = table.count("repeat", 1), table.count("sequence", number)
     trial = Trial(file=name, repeat=repeat, sequence=sequence, trace=trace, geometry=geometry, **declared)
-    check_against_declared(trial, table)
+    _check_against_declared(trial, table)
     return trial
 
 
-def _read_count(table: Table, key: str, usual: int) -> int:
-    value = table.data.get(key, usual)
-    if type(value) is not int or value < 1:
-        raise table.fault(key, "must be a whole number from 1", "out_of_range")
-    return value
+def _check_against_declared(trial: Trial, table: Table) -> None:
+    """Refuse magnitudes that can only be another unit, seen against the thickness, speed and force in its table."""
+    trace, ramp = trial.trace, ramp_of(trial.trace)
+    deepest = float(trace.displacement_mm.max())
+    if deepest >= 0.95 * trial.thickness_mm:
+        raise InputError(f"{table.where('thickness_mm')}: {trial.file} presses {deepest:g} mm into a pad of "
+                         f"{trial.thickness_mm:g} mm; is displacement_mm or thickness_mm in another unit?",
+                         "inconsistent", "trial.thickness_mm", trial.thickness_mm)  # fmt: skip
+    if trial.target_force_N:
+        held = held_force(trace, ramp)
+        share = held / trial.target_force_N
+        if share > 100 or share < 0.01:
+            unit = "millinewtons: --units force=mN" if share > 100 else "kilonewtons: --units force=kN"
+            raise InputError(f"{trial.file}: force_N is {held:g} in the hold, the target at "
+                             f"{table.where('target_force_N')} is {trial.target_force_N:g} N; it looks like {unit} of "
+                             "'dummydesign import' reads them", "implausible_unit", "force_N", held)  # fmt: skip
+    if not 0.02 < ramp.velocity_mm_s / trial.velocity_mm_s < 20.0:
+        raise InputError(f"{table.where('velocity_mm_s')}: velocity_mm_s = {trial.velocity_mm_s:g}, but {trial.file} "
+                         f"moves at {ramp.velocity_mm_s:.4g} mm/s; is the speed in m/s, or the time of the trace in "
+                         "another unit (--units time=ms of 'dummydesign import' reads milliseconds)?",
+                         "inconsistent", "trial.velocity_mm_s", trial.velocity_mm_s)  # fmt: skip
 
 
 def _trial_geometry(table: Table, pad: PadSpec, punch: PunchSpec) -> PadShape:
@@ -252,10 +243,8 @@ def _trial_geometry(table: Table, pad: PadSpec, punch: PunchSpec) -> PadShape:
     if punch.profile_mm is not None:
         message = f"{where}: shape {geometry} is pressed by a flat punch, not by a {punch.shape}"
         raise InputError(message, "conflict", "trial.shape", str(geometry))
-    try:
+    with errors_within(where):
         geometry.check(table.data["thickness_mm"], pad.length_mm or PAD_LENGTH_MM, pad.width_mm or PAD_WIDTH_MM)
-    except InputError as problem:
-        raise problem.within(where) from None
     return geometry
 
 
@@ -268,6 +257,26 @@ def _read_file_name(table: Table, folder: Path) -> str:
     if outside or not (folder / name).resolve().is_relative_to(folder.resolve()):
         raise table.fault("file", "leaves the campaign folder; give a plain file name inside it", "not_allowed")
     return name
+
+
+def _check_set(trials: Sequence[Trial], tables: Sequence[Table]) -> list[dict[str, str]]:
+    """Refuse files and sequence numbers that are used twice; return what is missing for some tests."""
+    for key in ("file", "sequence"):
+        seen: dict[Any, int] = {}
+        for index, (trial, table) in enumerate(zip(trials, tables)):
+            value = getattr(trial, key)
+            if value in seen and key in table:
+                raise table.fault(key, f"is already used by trial {seen[value] + 1}", "duplicate")
+            seen[value] = index
+    warnings = []
+    if not any("sequence" in table for table in tables):
+        message = "no sequence is given: the order of the file is taken as the order of the trials"
+        warnings.append({"code": "no_sequence", "message": message})
+    for key in ("temperature_C", "age_days", "rest_s"):
+        if any(getattr(trial, key) is None for trial in trials):
+            message = f"{key} is not given for every trial: effects that need it cannot be tested"
+            warnings.append({"code": f"no_{key}", "message": message})
+    return warnings
 
 
 @dataclass(frozen=True)
@@ -311,8 +320,7 @@ class SetUp:
         material = {"young_kPa_nominal": self.young_kPa, "resin": self.resin, "ratio": self.ratio}
         pad: dict[str, Any] = {key: value for key, value in material.items() if value is not None}
         kind, _, size = self.pad.partition(":")
-        cylinder = kind == "cylinder"
-        if cylinder:
+        if cylinder := kind == "cylinder":
             pad |= {"shape": "cylinder", "diameter_mm": _sizes(size, 1, "pad", self.pad, "cylinder:50")[0]}
         else:
             length, width = _sizes(self.pad.removeprefix("slab:"), 2, "pad", self.pad, "150x120")
@@ -338,11 +346,11 @@ class SetUp:
         if cylinder and self.shape != "slab":
             message = f"shape {self.shape} with a cylinder: a puck has a diameter only"
             raise InputError(message, "conflict", "shape", self.shape)
+        if shape == "profile" and not size:
+            message = f"punch '{self.punch}': give the file, profile:FILE with columns r_mm,z_mm"
+            raise InputError(message, "missing", "punch", self.punch)
         punch: dict[str, Any] = {"shape": shape}
         if shape == "profile":
-            if not size:
-                message = f"punch '{self.punch}': give the file, profile:FILE with columns r_mm,z_mm"
-                raise InputError(message, "missing", "punch", self.punch)
             punch["file"] = Path(size).name
         elif shape != "plate":
             key = "side_mm" if shape == "square" else "diameter_mm"
@@ -362,21 +370,9 @@ def campaign_toml(set_up: SetUp, trials: Iterable[Mapping[str, Any]], comments: 
         Keys and values of each trial.
     comments : iterable of str
         Lines at the top of the file.
-
-    Returns
-    -------
-    str
-        TOML.
     """
-    lines = [f"# {text}" for text in comments]
-    lines += ["schema = 1", f"name = {toml_text(set_up.name)}"]
-    for table, entries in set_up.tables().items():
-        lines += ["", f"[{table}]", *(f"{key} = {_value(value)}" for key, value in entries.items())]
-    for trial in trials:
-        lines += ["", "[[trial]]"]
-        for key, value in trial.items():
-            lines.append(f"# {key} =" if value is None else f"{key} = {_value(value)}")
-    return "\n".join(lines) + "\n"
+    content = {"schema": 1, "name": set_up.name, **set_up.tables(), "trial": [dict(trial) for trial in trials]}
+    return "".join(f"# {text}\n" for text in comments) + toml_table(content)
 
 
 def _sizes(text: str, count: int, what: str, given: str, form: str) -> list[float]:
@@ -387,9 +383,3 @@ def _sizes(text: str, count: int, what: str, given: str, form: str) -> list[floa
     if len(sizes) != count or not all(1.0 <= size <= 2000.0 for size in sizes):
         raise InputError(f"{what} '{given}' must have the form {form}, in mm", "malformed", what, given)
     return sizes
-
-
-def _value(value: Any) -> str:
-    if isinstance(value, bool):
-        return "true" if value else "false"
-    return toml_text(value) if isinstance(value, str) else repr(value)

@@ -14,7 +14,7 @@ from typing import Any
 from dummydesign.core.errors import InputError, unknown_name
 from dummydesign.core.files import write_bytes
 from dummydesign.measurement.campaign_file import FILE, TRIAL_NUMBERS, TRIAL_REQUIRED, read_campaign_toml, trial_tables
-from dummydesign.measurement.landmarks import approach_velocity, find_ramp
+from dummydesign.measurement.landmarks import approach_velocity, ramp_of
 from dummydesign.measurement.trace import read_trace
 
 KEYS = (
@@ -79,8 +79,7 @@ def _check_value(key: str, value: float | None, file: str) -> float | int | None
     low, high = TRIAL_NUMBERS.get(key, (1, math.inf))
     if not (math.isfinite(value) and low <= value <= high and (key != "sequence" or value == int(value))):
         allowed = "a whole number from 1" if key == "sequence" else f"a number from {low:g} to {high:g}"
-        message = f"{file}: {key} = {value:g} must be {allowed}"
-        raise InputError(message, "out_of_range", name, value, (low, high))
+        raise InputError(f"{file}: {key} = {value:g} must be {allowed}", "out_of_range", name, value, (low, high))
     return int(value) if key == "sequence" else float(value)
 
 
@@ -135,13 +134,12 @@ def trials_of(
         trial, why = _trial(path, rows.get(path.name, {}), thickness_mm)
         keys = ("thickness_mm", "velocity_mm_s", "target_force_N", "target_depth_mm")
         condition = tuple(trial.get(key) for key in keys)
+        repeats[condition] += 1
+        trial.setdefault("repeat", repeats[condition])
         words = f"{trial['thickness_mm']:g} mm pad, {trial['velocity_mm_s']:g} mm/s"
         words += f", {trial['target_force_N']:g} N" if "target_force_N" in trial else ""
         words += f", {trial['target_depth_mm']:g} mm deep" if "target_depth_mm" in trial else ""
-        words += f", repeat {trial.get('repeat', 1)}"
-        decisions.append({"what": path.name, "value": words, "why": why})
-        repeats[condition] += 1
-        trial.setdefault("repeat", repeats[condition])
+        decisions.append({"what": path.name, "value": f"{words}, repeat {trial['repeat']}", "why": why})
         trials.append(trial)
     if all("sequence" in trial for trial in trials):
         trials.sort(key=lambda trial: trial["sequence"])
@@ -149,29 +147,19 @@ def trials_of(
 
 
 def _trial(path: Path, row: Mapping[str, Any], thickness_mm: float | None) -> tuple[dict[str, Any], str]:
-    named = named_values(path)
-    trace = read_trace(path, {**named, **row}.get("velocity_mm_s"))
-    if thickness_mm is not None:
-        named.setdefault("thickness_mm", thickness_mm)
+    named = ({} if thickness_mm is None else {"thickness_mm": thickness_mm}) | named_values(path)
     known = {**named, **row}
+    trace = read_trace(path, known.get("velocity_mm_s"))
     if "thickness_mm" not in known:
-        message = (
-            f"{path.name}: how thick was the pad? the name does not say (such as t05_v010_f05_1.csv); give --table "
-            "trials.csv with file,thickness_mm,..., or --thickness MM for all files"
-        )
-        raise InputError(message, "missing", "thickness_mm")
-    sources = ["table"] if row else []
-    sources += ["name"] if set(named) - set(row) else []
+        raise InputError(f"{path.name}: how thick was the pad? the name does not say (such as t05_v010_f05_1.csv); "
+                         "give --table trials.csv with file,thickness_mm,..., or --thickness MM for all files",
+                         "missing", "thickness_mm")  # fmt: skip
+    sources = [word for word, used in (("table", row), ("name", set(named) - set(row))) if used]
     if "velocity_mm_s" not in known:
-        try:
-            ramp = find_ramp(trace.time_s, trace.displacement_mm, "slowed")
-        except InputError as problem:
-            raise problem.within(path.name) from None
-        speed = approach_velocity(trace.time_s, trace.displacement_mm, ramp)
+        speed = approach_velocity(trace.time_s, trace.displacement_mm, ramp_of(trace))
         known["velocity_mm_s"] = float(f"{speed:.2g}")
         sources.append("speed as the trace moves")
-    trial = {"file": path.name, **{key: known[key] for key in COLUMNS[1:] if key in known}}
-    return trial, ", ".join(sources)
+    return {"file": path.name, **{key: known[key] for key in COLUMNS[1:] if key in known}}, ", ".join(sources)
 
 
 def named_values(path: Path) -> dict[str, Any]:
@@ -191,9 +179,8 @@ def _read_table(path: Path, names: Sequence[str]) -> dict[str, dict[str, Any]]:
     if "file" not in head:
         message = f"{path.name}: needs a column 'file', comma-separated; known are {', '.join(COLUMNS)}"
         raise InputError(message, "missing", "file")
-    for name in head:
-        if name not in COLUMNS:
-            raise unknown_name("column", name, COLUMNS, "unknown_key", "table").within(f"{path.name}:1")
+    if unknown := [name for name in head if name not in COLUMNS]:
+        raise unknown_name("column", unknown[0], COLUMNS, "unknown_key", "table").within(f"{path.name}:1")
     rows: dict[str, dict[str, Any]] = {}
     for number, cells in enumerate(lines[1:], start=2):
         if not any(cell.strip() for cell in cells):

@@ -11,7 +11,7 @@ from dummydesign.core.errors import InputError
 from dummydesign.measurement.campaign import held_force
 from dummydesign.measurement.campaign_file import FILE, read_campaign, read_campaign_toml, trial_tables
 from dummydesign.measurement.importing.press_checks import copies_among, doubts_of
-from dummydesign.measurement.landmarks import approach_velocity, find_ramp
+from dummydesign.measurement.landmarks import approach_velocity, ramp_of
 from dummydesign.measurement.trace import Trace, read_trace
 
 FORCE_SHARE, SPEED_SHARE, HOLD_SHARE, DEPTH_SHARE = 0.3, 0.2, 0.8, 0.2
@@ -55,18 +55,17 @@ def check_campaign(folder: str | Path) -> CampaignStatus:
         name = trial.get("file")
         if not isinstance(name, str) or not name.strip() or Path(name).name != name:
             problem("file_name", FILE, f"trial {number} has no plain file name")
-            continue
-        if not (folder / name).is_file():
+        elif not (folder / name).is_file():
             missing.append(name)
-            continue
-        pressed.append(name)
-        try:
-            trace = read_trace(folder / name, _positive(trial, "velocity_mm_s") or None)
-            for message in differences_from_plan(trace, trial):
-                problem("not_as_planned", name, message)
-            traces.append(trace)
-        except InputError as fault:
-            problem("not_readable", name, fault)
+        else:
+            pressed.append(name)
+            try:
+                trace = read_trace(folder / name, _positive(trial, "velocity_mm_s") or None)
+                for message in differences_from_plan(trace, trial):
+                    problem("not_as_planned", name, message)
+                traces.append(trace)
+            except InputError as fault:
+                problem("not_readable", name, fault)
     sensor = top.data.get("sensor")
     resolution = _positive(sensor, "force_resolution_N") if isinstance(sensor, dict) else 0.0
     for trace in traces:
@@ -104,7 +103,7 @@ def _positive(table: dict[str, Any], key: str) -> float:
 
 def differences_from_plan(trace: Trace, trial: dict[str, Any]) -> Iterator[str]:
     """Return the differences between a press and what was planned."""
-    ramp = find_ramp(trace.time_s, trace.displacement_mm, "slowed")
+    ramp = ramp_of(trace)
     differences = {
         "velocity_mm_s": (approach_velocity(trace.time_s, trace.displacement_mm, ramp), SPEED_SHARE, "mm/s"),
         "target_force_N": (held_force(trace, ramp), FORCE_SHARE, "N in the hold"),

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from dummydesign.core.errors import InputError
+from dummydesign.core.errors import InputError, errors_within
 from dummydesign.measurement.motion import Ramp
+
+if TYPE_CHECKING:
+    from dummydesign.measurement.trace import Trace
 
 SLOWED = 0.1
 """Fraction of the speed of the ramp below which the punch counts as stopped."""
@@ -35,7 +38,16 @@ class Hold:
         return self.end_s - self.start_s
 
 
-def find_ramp(time_s: ArrayLike, displacement_mm: ArrayLike, stop: Literal["reached", "slowed"] = "reached") -> Ramp:
+Stop = Literal["reached", "slowed"]
+
+
+def ramp_of(trace: Trace, stop: Stop = "slowed") -> Ramp:
+    """Find the ramp and hold of a trace; a fault names it."""
+    with errors_within(trace.name):
+        return find_ramp(trace.time_s, trace.displacement_mm, stop)
+
+
+def find_ramp(time_s: ArrayLike, displacement_mm: ArrayLike, stop: Stop = "reached") -> Ramp:
     """Find contact, stop, held depth and end of hold in one measured ramp and hold.
 
     The depth is the median near the largest displacement. Two rules for the stop:
@@ -142,13 +154,13 @@ def find_holds(time_s: NDArray, displacement_mm: NDArray) -> tuple[Hold, ...]:
     half = max(one, 2.0 * float(np.median(np.diff(time))))
     speed = 0.01 * deepest / max(one, 1e-12)
     moved = np.abs(np.interp(time + half, time, x) - np.interp(time - half, time, x))
-    edges = np.diff(np.r_[False, (moved <= SLOWED * speed * 2.0 * half) & (x > 0.03 * deepest), False].astype(int))
+    still = true_runs((moved <= SLOWED * speed * 2.0 * half) & (x > 0.03 * deepest))
     least = max(HOLD_FRACTION * 100.0 * one, 4.0 * half)
     reach = max(0.002 * deepest, 0.01)
     holds: list[Hold] = []
-    for first, last in zip(np.nonzero(edges == 1)[0], np.nonzero(edges == -1)[0] - 1):
-        level = float(np.median(x[first : last + 1]))
-        begin, end = _stretch(x, int(first), int(last), level, reach)
+    for first, after in still:
+        level = float(np.median(x[first:after]))
+        begin, end = _stretch(x, first, after - 1, level, reach)
         if time[end] - time[begin] < least or end - begin < 10:
             continue
         if holds and level < holds[-1].displacement_mm - reach:
@@ -158,6 +170,12 @@ def find_holds(time_s: NDArray, displacement_mm: NDArray) -> tuple[Hold, ...]:
         else:
             holds.append(Hold(float(time[begin]), float(time[end]), level))
     return tuple(holds)
+
+
+def true_runs(mask: NDArray) -> list[tuple[int, int]]:
+    """Half-open ranges in which a mask is true."""
+    edges = np.flatnonzero(np.diff(np.r_[0, mask.astype(np.int8), 0]))
+    return list(zip(edges[::2].tolist(), edges[1::2].tolist()))
 
 
 def _stretch(x: NDArray, first: int, last: int, level: float, reach: float) -> tuple[int, int]:
@@ -200,11 +218,8 @@ def summarise(file: str, time: NDArray, x: NDArray, force: NDArray) -> Summary:
         advice = "is the displacement that of the punch? (--columns displacement=NAME, --contact N)"
         message = f"{file}: presses {x.max():.3g} mm deep only, counted from contact; {advice}"
         raise InputError(message, "nothing_found", "depth_mm", float(x.max()))
-    try:
+    with errors_within(file, "; record from before contact, or say --contact N"):
         ramp = find_ramp(time, x, "slowed")
-    except InputError as problem:
-        message = f"{file}: {problem}; record from before contact, or say --contact N"
-        raise InputError(message, problem.code, problem.quantity, problem.value, problem.allowed) from None
     hold = max(ramp.hold_end_s - ramp.stop_time_s, 0.0)
     steady = None
     if hold >= SHORTEST_HOLD_S:

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from dummydesign.core.errors import InputError, out_of_range
+from dummydesign.core.errors import out_of_range
 from dummydesign.core.serialise import Serialised
 
 DECELERATION_MM_S2 = 30_000.0
@@ -60,14 +59,10 @@ def contact_velocity(velocity_mm_s: ArrayLike, depth_mm: ArrayLike, deceleration
 
 
 def ramp_and_hold(
-    velocity_mm_s: ArrayLike,
-    depth_mm: ArrayLike,
-    hold_s: float = 10.0,
-    deceleration_mm_s2: float = DECELERATION_MM_S2,
-    ramp_points: int = 60,
-    brake_points: int = 24,
+    velocity_mm_s: ArrayLike, depth_mm: ArrayLike, hold_s: float = HOLD_S,
+    deceleration_mm_s2: float = DECELERATION_MM_S2, ramp_points: int = 60, brake_points: int = 24,
     hold_points: int = 60,
-) -> Motion:
+) -> Motion:  # fmt: skip
     """Move at constant speed, brake at constant deceleration to stop exactly at the depth, and hold.
 
     Time starts at contact. When the stopping distance v^2 / (2 a) is larger than the depth, the robot
@@ -90,49 +85,9 @@ def ramp_and_hold(
     straight, braking = np.maximum(straight, floor)[..., None], np.maximum(braking, floor)[..., None]
     share = np.linspace(0.0, 1.0, ramp_points + 1)
     left = 1.0 - np.linspace(0.0, 1.0, brake_points + 1)[1:]
-    first = min(1e-4, hold_s / (10 * hold_points))
-    after = np.geomspace(first, hold_s, hold_points)
+    after = np.geomspace(min(1e-4, hold_s / (10 * hold_points)), hold_s, hold_points)
     stopped = straight + braking
     time = np.concatenate([straight * share, straight + braking * (1.0 - left), stopped + after], axis=-1)
     distance, stop = 0.5 * touch[..., None] * braking, depth[..., None]
     held = np.broadcast_to(stop, (*depth.shape, hold_points))
-    displacement = np.concatenate([(stop - distance) * share, stop - distance * left**2, held], axis=-1)
-    return Motion(time, displacement)
-
-
-_COLUMNS = ("time_s", "displacement_mm")
-
-
-def read_motion(path: str | Path) -> Motion:
-    """Read the columns time_s and displacement_mm (or displacement_in) of a CSV file; others are ignored."""
-    from dummydesign.measurement.trace import open_csv, read_cell
-
-    path = Path(path)
-    _, places, sizes, rows = open_csv(path, _COLUMNS, "motion_file")
-    values: list[list[float]] = []
-    for line, row in rows:
-        where, cells = f"{path.name}:{line}", [row[at] if at < len(row) else None for at in places]
-        values.append([size * read_cell(cell, name, where) for name, cell, size in zip(_COLUMNS, cells, sizes)])
-        time = values[-1][0]
-        if len(values) > 1 and time <= values[-2][0]:
-            raise InputError(f"{where}: time_s = {time} does not increase", "malformed", "time_s", time)
-    if len(values) < 2:
-        message = f"{path.name}: {len(values)} rows; a motion needs at least 2"
-        raise InputError(message, "not_enough_data", "motion_file", len(values))
-    return Motion(*np.array(values).T)
-
-
-def read_motion_force(path: str | Path) -> NDArray | None:
-    """Read the force at the samples of a motion file, shape (n,); None where it has no such column. [N]"""
-    from dummydesign.measurement.trace import open_csv, read_cell
-
-    path, names = Path(path), (*_COLUMNS, "force_N")
-    try:
-        _, places, sizes, rows = open_csv(path, names, "motion_file")
-    except InputError as problem:
-        if problem.code == "missing":
-            return None
-        raise
-    at, size = places[-1], sizes[-1]
-    return np.array([size * read_cell(row[at] if at < len(row) else None, names[-1], f"{path.name}:{line}")
-                     for line, row in rows])  # fmt: skip
+    return Motion(time, np.concatenate([(stop - distance) * share, stop - distance * left**2, held], axis=-1))

@@ -8,7 +8,7 @@ from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
-from dummydesign.core.errors import InputError
+from dummydesign.core.errors import InputError, errors_within
 from dummydesign.core.toml_schema import Table
 
 SCHEMA = "dummydesign.pad/1"
@@ -62,8 +62,7 @@ class PadRecord:
             return []
         change = self.force_percent
         force = "" if change is None else f"; its force at a given depth is {change:+.1f} % off the designed pad's"
-        message = f"{self.title} missed {', '.join(self.missed)}{force}"
-        return [{"code": "pad_not_accepted", "message": message}]
+        return [{"code": "pad_not_accepted", "message": f"{self.title} missed {', '.join(self.missed)}{force}"}]
 
     @property
     def title(self) -> str:
@@ -152,11 +151,9 @@ def trial_with_record(table: Table, record: PadRecord) -> Table:
     if given is not None and not (
         isinstance(given, int | float) and any(abs(given / thickness - 1) <= NEAR for thickness in near)
     ):
-        message = (
-            f"{where}: thickness_mm = {given!r}, but the record is of a pad of {near[0]:.4g} mm (designed "
-            f"{near[1]:g}); name the record of this pad"
-        )
-        raise InputError(message, "inconsistent", "trial.thickness_mm", given)
+        raise InputError(f"{where}: thickness_mm = {given!r}, but the record is of a pad of {near[0]:.4g} mm (designed "
+                         f"{near[1]:g}); name the record of this pad",
+                         "inconsistent", "trial.thickness_mm", given)  # fmt: skip
     shape = table.data.get("shape", record.shape)
     if shape != record.shape:
         message = f"{where}: shape = {shape!r}, but the record is of shape {record.shape!r}"
@@ -191,10 +188,8 @@ class Records:
             raise InputError(message, "malformed", "record", name)
         path = self.folder / name
         if path not in self.read:
-            try:
+            with errors_within(table.where("record")):
                 self.read[path] = read_record(path)
-            except InputError as problem:
-                raise problem.within(table.where("record")) from None
         return self.read[path]
 
     def warnings(self) -> list[dict[str, str]]:

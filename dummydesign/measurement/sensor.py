@@ -55,12 +55,10 @@ def parse_lowpass(text: str | None) -> Lowpass | None:
     """Read ``HZ[:ORDER[:PASSES]]`` as given on the command line; None stays None."""
     if text is None:
         return None
-    parts = text.split(":")
+    cutoff, *counts = text.split(":")
     try:
-        if not 1 <= len(parts) <= 3:
-            raise ValueError
-        return Lowpass(float(parts[0]), *(int(part) for part in parts[1:]))
-    except ValueError:
+        return Lowpass(float(cutoff), *map(int, counts))
+    except (TypeError, ValueError):  # more than three parts, or one that is no number
         message = f"low-pass '{text}' is not HZ[:ORDER[:PASSES]], such as 35 or 35:2:1"
         raise InputError(message, "malformed", "lowpass", text) from None
 
@@ -74,8 +72,7 @@ def _one_pass(step: NDArray, force: NDArray, cutoff_hz: float, order: int) -> ND
     for index, pole in enumerate(poles):
         if pole.imag < -1e-9 * cutoff:
             continue  # its conjugate is counted twice
-        others = np.delete(poles, index)
-        residue = cutoff**order / np.prod(pole - others)
+        residue = cutoff**order / np.prod(pole - np.delete(poles, index))
         weight = 1.0 if abs(pole.imag) <= 1e-9 * cutoff else 2.0
         change = pole * step
         growth = np.expm1(change)

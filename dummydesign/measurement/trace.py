@@ -6,7 +6,7 @@ import csv
 import io
 import math
 import shlex
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import NamedTuple
@@ -16,9 +16,10 @@ from numpy.typing import NDArray
 
 from dummydesign.core.errors import InputError
 from dummydesign.core.parsing import columns_in
-from dummydesign.measurement.importing.vocabulary import absent_roles, absent_words
+from dummydesign.measurement.motion import Motion
 
 COLUMNS = ("time_s", "displacement_mm", "force_N")
+MOTION_COLUMNS = ("time_s", "displacement_mm")
 SECONDS = "time_is_in_seconds"
 """A further column whose presence says that time was looked at: a slow press is then no longer doubted."""
 MIN_SAMPLES = 10
@@ -67,26 +68,14 @@ def read_trace(path: str | Path, velocity_mm_s: float | None = None) -> Trace:
         too few samples, or magnitudes that show another unit (m, um, mN, kN, ms) or sign.
     """
     path = Path(path)
-    file = path.name
-    header, places, sizes, rows = open_csv(path, COLUMNS, "trace")
-    values, lines = [], []
-    for line, row in rows:
-        if len(row) <= max(places):
-            message = f"{path.name}:{line}: has {len(row)} cells, the header has {len(header)}"
-            raise InputError(message, "malformed", "trace", len(row), len(header))
-        where = f"{file}:{line}"
-        values.append([size * read_cell(row[at], name, where) for name, at, size in zip(COLUMNS, places, sizes)])
-        lines.append(line)
+    header, lines, values = read_numbers(path, COLUMNS, "trace")
     if len(values) < MIN_SAMPLES:
         message = f"{path.name}: {len(values)} samples; at least {MIN_SAMPLES} are needed"
         raise InputError(message, "not_enough_data", "trace", len(values))
-    time, displacement, force = np.array(values).T
-    back = np.flatnonzero(np.diff(time) <= 0)
-    if back.size:
-        at = int(back[0])
-        before, after = float(time[at]), float(time[at + 1])
-        message = f"{path.name}:{lines[at + 1]}: time_s = {after:g} does not increase (line before: {before:g})"
-        raise InputError(message, "malformed", "time_s", after)
+    time, displacement, force = values.T
+    for at in np.flatnonzero(np.diff(time) <= 0)[:1] + 1:
+        words = f"time_s = {time[at]:g} does not increase (line before: {time[at - 1]:g})"
+        raise InputError(f"{path.name}:{lines[at]}: {words}", "malformed", "time_s", float(time[at]))
     fault = magnitude_fault(time, displacement, force, velocity_mm_s, SECONDS in header)
     if fault:
         raise InputError(f"{path.name}: {fault.message}{import_first(path)}", fault.code, fault.column)
@@ -100,12 +89,10 @@ def import_first(path: str | Path) -> str:
     return f"; import it first: dummydesign import {shlex.quote(str(path))}"
 
 
-def open_csv(
-    path: Path, names: Sequence[str], quantity: str
-) -> tuple[list[str], list[int], list[float], Iterator[tuple[int, list[str]]]]:
-    """Read a CSV file: header, columns of the names with the size of their unit, and rows with their lines.
+def read_numbers(path: Path, names: Sequence[str], quantity: str) -> tuple[list[str], list[int], NDArray]:
+    """Read columns of a CSV file: its header, and line and numbers of each row that is not blank.
 
-    Rows that are blank are left out. A column in inches or pounds-force has their size, any other 1.
+    A column in inches or pounds-force is read in mm or N.
 
     Parameters
     ----------
@@ -130,6 +117,8 @@ def open_csv(
     columns, sizes = columns_in(tuple(names), header)
     missing = next((name for name, column in zip(names, columns) if column is None), "")
     if missing:
+        from dummydesign.measurement.importing.vocabulary import absent_roles, absent_words
+
         roles = [name.partition("_")[0] for name in names]
         absent = absent_roles(header, roles) if len(header) > 1 else ()
         if absent:
@@ -137,8 +126,20 @@ def open_csv(
             raise InputError(message, "missing", names[roles.index(absent[0])])
         advice = _header_advice(missing, header, names) + (import_first(path) if any(header) else "")
         raise InputError(f"{path.name}:1: column '{missing}' is missing{advice}", "missing", missing)
-    filled = ((rows.line_num, row) for row in rows if any(cell.strip() for cell in row))
-    return header, [column for column in columns if column is not None], sizes, filled
+    places = [column for column in columns if column is not None]
+    values: list[list[float]] = []
+    lines: list[int] = []
+    for row in rows:
+        if not any(cell.strip() for cell in row):
+            continue
+        where = f"{path.name}:{rows.line_num}"
+        if quantity == "trace" and len(row) <= max(places):
+            message = f"{where}: has {len(row)} cells, the header has {len(header)}"
+            raise InputError(message, "malformed", "trace", len(row), len(header))
+        cells = (row[at] if at < len(row) else None for at in places)
+        values.append([size * _number(cell, name, where) for name, cell, size in zip(names, cells, sizes)])
+        lines.append(rows.line_num)
+    return header, lines, np.array(values).reshape(-1, len(names))
 
 
 def _header_advice(missing: str, header: list[str], names: Sequence[str]) -> str:
@@ -151,18 +152,8 @@ def _header_advice(missing: str, header: list[str], names: Sequence[str]) -> str
     return f"; the header must be {','.join(names)} (found {','.join(header) or 'nothing'})"
 
 
-def read_cell(cell: str | None, name: str, where: str) -> float:
-    """Read a cell as a finite number.
-
-    Parameters
-    ----------
-    cell : str or None
-        As it is written; None where the row ends before it.
-    name : str
-        Its column.
-    where : str
-        Its file and line, for errors.
-    """
+def _number(cell: str | None, name: str, where: str) -> float:
+    """Read a cell as a finite number; None where the row ends before it."""
     try:
         number = float(cell or "")
     except ValueError:
@@ -272,3 +263,27 @@ def _milliseconds(time: NDArray, displacement: NDArray, velocity_mm_s: float | N
     if velocity_mm_s is not None:
         return step >= COARSE_S and 1.0 / AGREES < 1000.0 * speed / velocity_mm_s < AGREES
     return step >= COARSE_S and (speed < SLOW_MM_S or float(time[-1] - time[0]) > LONG_S)
+
+
+def read_motion(path: str | Path) -> Motion:
+    """Read the columns time_s and displacement_mm (or displacement_in) of a CSV file; others are ignored."""
+    path = Path(path)
+    _, lines, values = read_numbers(path, MOTION_COLUMNS, "motion_file")
+    time, displacement = values.T
+    for at in np.flatnonzero(np.diff(time) <= 0)[:1] + 1:
+        message = f"{path.name}:{lines[at]}: time_s = {float(time[at])} does not increase"
+        raise InputError(message, "malformed", "time_s", float(time[at]))
+    if len(values) < 2:
+        message = f"{path.name}: {len(values)} rows; a motion needs at least 2"
+        raise InputError(message, "not_enough_data", "motion_file", len(values))
+    return Motion(time, displacement)
+
+
+def read_motion_force(path: str | Path) -> NDArray | None:
+    """Read the force at the samples of a motion file, shape (n,); None where it has no such column. [N]"""
+    try:
+        return read_numbers(Path(path), (*MOTION_COLUMNS, "force_N"), "motion_file")[2][:, -1]
+    except InputError as problem:
+        if problem.code == "missing":
+            return None
+        raise

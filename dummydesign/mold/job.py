@@ -12,10 +12,9 @@ from dummydesign.core.errors import InputError, NoAnswerError, out_of_range
 from dummydesign.core.manifest import Question
 from dummydesign.core.outputs import new_folder
 from dummydesign.core.parsing import THICKNESSES, read_number
-from dummydesign.mold.files.pour_sheet import Block, to_markdown
-from dummydesign.mold.files.pour_sheet_pdf import Foot, sheet_pdf
+from dummydesign.mold.files.pour_sheet import Block, Foot, sheet_pdf, to_markdown
 from dummydesign.mold.model.spec import MouldSpec
-from dummydesign.mold.pour.bill_of_materials import HEAD, MaterialItem, materials
+from dummydesign.mold.pour.bill_of_materials import bill_of_materials, materials
 from dummydesign.mold.pour.plan import PourPlan, batches_of, pour_plan
 from dummydesign.mold.pour.steps import BLANK
 from dummydesign.mold.runner import make_mold, papers
@@ -46,11 +45,8 @@ def check_job(thicknesses_mm: Sequence[float], castings: int) -> None:
 
 def job_bill(ordered: Sequence[Ordered], castings: int) -> list[tuple[str, str, str]]:
     """Everything to buy or to have for a job, the first row the head."""
-    merged: dict[tuple[str, str], MaterialItem] = {}
-    for need in (need for one in ordered for need in materials(one.spec, one.plan, one.printed_mm3)):
-        more, key = need.times(castings), (need.what, need.form)
-        merged[key] = merged[key].with_(more) if key in merged else more
-    return [HEAD, *(need.row for need in merged.values())]
+    needs = (need for one in ordered for need in materials(one.spec, one.plan, one.printed_mm3))
+    return bill_of_materials(need.times(castings) for need in needs)
 
 
 def job_sheet(ordered: Sequence[Ordered], castings: int) -> list[Block]:
@@ -71,8 +67,7 @@ def job_sheet(ordered: Sequence[Ordered], castings: int) -> list[Block]:
         Block("table", rows=tuple(rows)),
         Block("text", f"A mould is in use for about {hours:g} h a casting: {castings} castings of each take {castings} "
               "cures. Pads of one campaign are best cast of one resin batch; the witness puck goes with every cup."),
-        Block("head", "What is needed for all"),
-        Block("table", rows=tuple(job_bill(ordered, castings))),
+        Block("head", "What is needed for all"), Block("table", rows=tuple(job_bill(ordered, castings))),
     ]  # fmt: skip
 
 
@@ -111,9 +106,7 @@ def job_inputs(specs: Sequence[MouldSpec], castings: int) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def make_job(
-    specs: Sequence[MouldSpec], castings: int, folder: Path, asked: Question, replace: bool
-) -> dict[str, Any]:
+def make_job(specs: Sequence[MouldSpec], castings: int, folder: Path, asked: Question, replace: bool) -> dict[str, Any]:
     """Make several moulds, all or none."""
     inputs, hashes = job_inputs(specs, castings), [spec.hash for spec in specs]
     moulds: list[dict[str, Any]] = []
@@ -134,9 +127,9 @@ def make_job(
             ordered.append(Ordered(spec, plan, {name: one for name, one in volumes.items() if name not in other}))
             moulds.append({"thickness_mm": spec.pad.thickness_mm, "folder": str(output.path(spec.tag)), **made})
         files = {"job": output.path("job.md"), "job_pdf": output.path("job.pdf")}
-        blocks, document = job_sheet(ordered, castings), papers()
+        blocks = job_sheet(ordered, castings)
         files["job"].write_text(to_markdown(blocks), encoding="utf-8")
-        files["job_pdf"].write_bytes(sheet_pdf(blocks, Foot(" ".join(hashes), document["command"], document["date"])))
+        files["job_pdf"].write_bytes(sheet_pdf(blocks, Foot(" ".join(hashes), **papers())))
         output.extra["hashes"] = hashes
         listed = {f"{spec.tag}_{role}": path for spec, one in zip(specs, moulds) for role, path in one["files"].items()}
         warnings = [{**item, "message": f"{spec.pad.thickness_mm:g} mm: {item['message']}"}

@@ -6,12 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from dummydesign.core.errors import InputError
-
-if TYPE_CHECKING:
-    from dummydesign.mold.model.spec import MouldSpec
 
 SPEC = "spec.json"
 
@@ -61,14 +57,15 @@ def moulded_pads(folders: Sequence[str | PathLike[str]]) -> MouldedPads:
     pours: dict[tuple[str, float], None] = {}
     for mould in places:
         spec = read_spec(mould)
-        thickness = float(spec.pad.thickness_mm)
+        pad, thickness = spec.pad, float(spec.pad.thickness_mm)
         if (other := known.setdefault(thickness, mould)) is not mould:
             raise InputError(
                 f"moulds '{other}' and '{mould}' both have {thickness:g} mm: a campaign tells pads by their thickness; "
                 "plan one for each",
                 "duplicate", "thickness_mm", thickness,
             )  # fmt: skip
-        pads.append((thickness, spec.pad.name, _outline(spec, mould), mould))
+        size = f"cylinder:{pad.length_mm:g}" if pad.is_puck else f"{pad.length_mm:g}x{pad.width_mm:g}"
+        pads.append((thickness, pad.name, size, mould))
         pours.setdefault((spec.pour.resin, float(spec.pour.ratio)))
     pads.sort(key=lambda one: one[0])
     for _, _, outline, mould in pads[1:]:
@@ -91,13 +88,3 @@ def mould_folders(folder: Path) -> list[Path]:
         message = f"folder '{folder}' holds no mould: give folders that 'dummydesign mold' wrote"
         raise InputError(message, "nothing_found", "from_mould", str(folder))
     return moulds
-
-
-def _outline(spec: MouldSpec, folder: Path) -> str:
-    pad = spec.pad
-    if not pad.is_puck:
-        return f"{pad.length_mm:g}x{pad.width_mm:g}"
-    if pad.length_mm != pad.width_mm:
-        message = f"mould '{folder}': a puck of {pad.length_mm:g} x {pad.width_mm:g} mm is not round"
-        raise InputError(message, "inconsistent", "outline")
-    return f"cylinder:{pad.length_mm:g}"

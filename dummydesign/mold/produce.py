@@ -15,32 +15,26 @@ from dummydesign.core.process import write_progress
 from dummydesign.mold.cad.build import Parts, build
 from dummydesign.mold.checks import files as check_files
 from dummydesign.mold.checks import release
-from dummydesign.mold.checks.check import genera
 from dummydesign.mold.checks.process import check_process
 from dummydesign.mold.checks.solids import check_shape, check_solids
 from dummydesign.mold.files import picture as view
 from dummydesign.mold.files.drawing_sheet import to_dxf, to_pdf, to_svg
-from dummydesign.mold.files.meshes import coloured_scene, tessellate, write_3mf, write_glb, write_stl
-from dummydesign.mold.files.part_drawings import NO_PAPERS, DocumentInfo, part_views, sheets
+from dummydesign.mold.files.meshes import tessellate, write_3mf, write_glb, write_stl
+from dummydesign.mold.files.part_drawings import part_views, sheets
 from dummydesign.mold.files.picture import turned_over
-from dummydesign.mold.files.pour_sheet import pour_sheet, to_html, to_markdown
-from dummydesign.mold.files.pour_sheet_pdf import Foot, sheet_pdf
+from dummydesign.mold.files.pour_sheet import Foot, pour_sheet, sheet_pdf, to_html, to_markdown
 from dummydesign.mold.files.solid_view import mould_view
-from dummydesign.mold.files.step import COLOURS, Material, StepPart, step_text
+from dummydesign.mold.files.step import step_text
 from dummydesign.mold.model.spec import MouldSpec
 from dummydesign.mold.pour.acceptance import gauge_points
 from dummydesign.mold.pour.plan import PourPlan, batches_of, pour_plan
 from dummydesign.mold.pour.warnings import pour_warnings
 
-GLASS = Material("glass or acrylic sheet", "cut to size, density of float glass", 2.5)
-RIGID = Material("printed rigid polymer", "PETG or ASA, density as printed solid", 1.27)
 PICTURE_S = 600
 """A renderer that hangs (a driver without a screen) is given up after this time; drawing takes a few seconds. [s]"""
 
 
-def produce(
-    spec: MouldSpec, folder: Path, papers: DocumentInfo = NO_PAPERS, bone_file: Path | None = None
-) -> dict[str, Any]:
+def produce(spec: MouldSpec, folder: Path, foot: Foot, bone_file: Path | None = None) -> dict[str, Any]:
     """Build, write, read again and check; return what the parent turns into a result."""
     write_progress("step 1 of 5: building the solids")
     made = build(spec, bone_file)
@@ -48,7 +42,7 @@ def produce(
     meshes = {name: tessellate(part.solid) for name, part in made.parts.items()}
     picture = _start_picture(made, meshes, folder)
     try:
-        return _write_and_check(made, meshes, folder, papers, picture)
+        return _write_and_check(made, meshes, folder, foot, picture)
     finally:
         if picture.poll() is None:
             # A check failed or the user stopped: nobody waits for it any more.
@@ -57,11 +51,10 @@ def produce(
 
 
 def _write_and_check(
-    made: Parts, meshes: dict[str, Any], folder: Path, papers: DocumentInfo, picture: subprocess.Popen[bytes]
+    made: Parts, meshes: dict[str, Any], folder: Path, foot: Foot, picture: subprocess.Popen[bytes]
 ) -> dict[str, Any]:
     spec = made.spec
-    steps = {name: step_part(made, name) for name in made.parts}
-    files = _write_steps(spec, steps, folder)
+    files = _write_steps(made, folder)
     mesh_files = _write_meshes(made, meshes, folder)
     volumes = {"cavity": made.cavity.Volume(), "pad_nominal": made.pad_nominal.Volume(),
                "pad_compensated": made.parts["pad"].volume_mm3,
@@ -73,19 +66,17 @@ def _write_and_check(
     checks += release.check_mould_mesh(made, tool, tessellate(made.core, *release.FINE))
     write_progress("step 4 of 5: reading the files again")
     assembly = folder / files["assembly"]
-    checks += check_files.check_step(steps, {name: folder / files[name] for name in steps}, assembly)
+    checks += check_files.check_step(made.parts, {name: folder / files[name] for name in made.parts}, assembly)
     checks += check_files.check_step_text(assembly, folder / files["pad"], spec.hash)
     total = sum(part.volume_mm3 for part in made.parts.values())
     checks.append(check_files.check_second_reader(assembly, total, len(made.parts)))
-    scales = {name: print_scale(made, name) for name in mesh_files}
-    paths = {name: list(paths_of.values()) for name, paths_of in mesh_files.items()}
-    checks += check_files.check_meshes(steps, genera(spec), paths, scales)
+    checks += check_files.check_meshes(made, mesh_files)
     write_progress("step 5 of 5: drawings, picture and pour sheet")
     warnings = pour_warnings(spec, plan)
     checks += check_process(spec, plan, warnings)
     files |= {f"{name}_{kind}": path.name for name, paths_of in mesh_files.items() for kind, path in paths_of.items()}
     files |= _write_views(made, meshes, folder)
-    files |= _write_papers(made, plan, warnings, folder, papers)
+    files |= _write_papers(made, plan, warnings, folder, foot)
     files |= finish_picture(picture, folder, spec, warnings)
     files |= {"spec": "spec.json", "checks": "checks.json"}
     listed = [item.to_dict() for item in checks]
@@ -98,27 +89,11 @@ def _write_and_check(
     }  # fmt: skip
 
 
-def step_part(made: Parts, name: str) -> StepPart:
-    """One part with its material and colour, as a STEP file holds it."""
-    part = made.parts[name]
-    return StepPart(name, part.solid, _material(made.spec, part.material), COLOURS[part.material], part.offset_mm)
-
-
-def _material(spec: MouldSpec, kind: str) -> Material:
-    if kind == "resin":
-        return Material(spec.pour.resin, f"ratio {spec.pour.ratio:g}", spec.pour.density_g_per_cm3)
-    if kind == "resin_base" and spec.base is not None:
-        pour = spec.base.pour
-        return Material(f"{pour.resin} base", f"ratio {pour.ratio:.4g}", pour.density_g_per_cm3)
-    if kind == "silicone" and spec.silicone is not None:
-        return Material(spec.silicone.name, "mould silicone", spec.silicone.density_g_per_cm3)
-    return {"rigid": RIGID, "glass": GLASS}[kind]
-
-
-def _write_steps(spec: MouldSpec, steps: dict[str, StepPart], folder: Path) -> dict[str, str]:
+def _write_steps(made: Parts, folder: Path) -> dict[str, str]:
     """One STEP file per part and one assembly; return role to file name."""
-    files = {}
-    for name, parts in {**{name: [part] for name, part in steps.items()}, "assembly": list(steps.values())}.items():
+    files, spec = {}, made.spec
+    for name in (*made.parts, "assembly"):
+        parts = list(made.parts.values()) if name == "assembly" else [made.parts[name]]
         files[name] = f"{name}_{spec.tag}.step"
         text = step_text(parts, f"{name}_{spec.tag}", description(spec, name))
         (folder / files[name]).write_text(text, encoding="utf-8")
@@ -130,21 +105,16 @@ def description(spec: MouldSpec, name: str) -> str:
     return f"{name} of the {spec.preset} mould for a {spec.pad.title}, specification {spec.hash}, lengths in mm"
 
 
-def print_scale(made: Parts, name: str) -> float:
-    """Size of a part's print files over the part: what is printed is enlarged by the shrinkage of the print."""
-    return made.spec.machines.print_scale if made.parts[name].material == "rigid" else 1.0
-
-
 def _write_meshes(made: Parts, meshes: dict[str, Any], folder: Path) -> dict[str, dict[str, Path]]:
     """STL and 3MF of what is printed or looked at in a slicer."""
     files: dict[str, dict[str, Path]] = {}
     for name, part in meshes.items():
-        if (scale := print_scale(made, name)) != 1.0:
+        if (scale := made.print_scale(name)) != 1.0:
             part = part.copy()
             part.apply_scale(scale)
         files[name] = {"stl": folder / f"{name}_{made.spec.tag}.stl"}
         write_stl(part, files[name]["stl"])
-        if made.parts[name].material == "rigid":
+        if made.parts[name].is_printed:
             files[name]["3mf"] = folder / f"{name}_{made.spec.tag}.3mf"
             write_3mf(part, files[name]["3mf"])
     return files
@@ -173,7 +143,7 @@ def _shown(made: Parts, meshes: dict[str, Any]) -> tuple[dict[str, Any], dict[st
             part = part.copy()
             part.vertices = turned_over(np.asarray(part.vertices))
         shown[upside.get(name, name)] = part
-        colours[upside.get(name, name)] = COLOURS[made.parts[name].material]
+        colours[upside.get(name, name)] = made.parts[name].material.colour
     return shown, colours
 
 
@@ -197,12 +167,12 @@ def finish_picture(
 
 def _write_views(made: Parts, meshes: dict[str, Any], folder: Path) -> dict[str, str]:
     """GLB of the assembly as in the STEP file, and a one-file HTML view with the stacked parts lifted apart."""
-    colours = {name: COLOURS[part.material] for name, part in made.parts.items()}
+    colours = {name: part.material.colour for name, part in made.parts.items()}
     joined = {name: part.copy() for name, part in meshes.items()}
     for name, part in joined.items():
         part.apply_translation(made.parts[name].offset_mm)
     files = {"glb": f"assembly_{made.spec.tag}.glb", "view": f"assembly_{made.spec.tag}.html"}
-    write_glb(coloured_scene(joined, colours, 1e-3), folder / files["glb"])
+    write_glb(joined, colours, folder / files["glb"])
     shown, shown_colours = _shown(made, meshes)
     page = mould_view(shown, shown_colours, f"Mould {made.spec.tag}, specification {made.spec.hash}")
     (folder / files["view"]).write_text(page, encoding="utf-8")
@@ -210,15 +180,14 @@ def _write_views(made: Parts, meshes: dict[str, Any], folder: Path) -> dict[str,
 
 
 def _write_papers(
-    made: Parts, plan: PourPlan, warnings: list[dict[str, str]], folder: Path, papers: DocumentInfo
+    made: Parts, plan: PourPlan, warnings: list[dict[str, str]], folder: Path, foot: Foot
 ) -> dict[str, str]:
     """Drawings as DXF, SVG and, all in one, as PDF; the pour sheet as Markdown, HTML and PDF."""
     spec, tag = made.spec, made.spec.tag
     views = part_views(made)
-    drawn = {paper: sheets(made, views, papers, paper) for paper in ("A3", "A4")}
-    printed = {name: part.volume_mm3 for name, part in made.parts.items() if part.material == "rigid"}
+    drawn = {paper: sheets(made, views, foot.date, paper) for paper in ("A3", "A4")}
+    printed = {name: part.volume_mm3 for name, part in made.parts.items() if part.is_printed}
     blocks = pour_sheet(spec, plan, warnings, printed)
-    foot = Foot(spec.hash, papers.command, papers.date)
     files: dict[str, str] = {}
 
     def write(role: str, name: str, content: str | bytes) -> None:

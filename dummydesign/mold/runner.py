@@ -1,4 +1,4 @@
-"""Run the CAD child from outside: place a bone, make a mould; checked files are renamed into place."""
+"""Run the CAD child from outside: place a bone, make a mould."""
 
 from __future__ import annotations
 
@@ -6,11 +6,9 @@ import hashlib
 import json
 import os
 import shlex
-import shutil
 import subprocess
 import sys
 import tempfile
-from collections.abc import Sequence
 from dataclasses import asdict, dataclass, field
 from datetime import UTC, datetime
 from pathlib import Path
@@ -31,7 +29,6 @@ from dummydesign.mold.pour.warnings import pour_warnings
 
 SUFFIXES = (".stl", ".step", ".stp")
 TIMEOUT_S = 300.0
-BONE_WORKER = ("-m", "dummydesign.mold.cad.bone")
 
 
 def insert_bone(
@@ -59,40 +56,50 @@ def insert_bone(
 
 def _measured(asked: dict[str, Any]) -> dict[str, Any]:
     """What the child measured of a bone; its error as ours."""
-    with tempfile.TemporaryDirectory(prefix="dummydesign-bone-") as work:
-        question, answer = Path(work) / "asked.json", Path(work) / "answer.json"
-        question.write_text(json.dumps(asked), encoding="utf-8")
-        done = _run_module([*BONE_WORKER, str(question), str(answer)], TIMEOUT_S)
-        if done is None:
-            raise NoAnswerError("cad_failed", f"the bone was not read within {TIMEOUT_S:g} s", {}, "bone")
-        if not answer.is_file():
-            last = (done.stderr.strip().splitlines() or [f"exit status {done.returncode}"])[-1]
-            raise NoAnswerError("cad_failed", f"the bone could not be read: {last}", {}, "bone")
-        measured: dict[str, Any] = json.loads(answer.read_text(encoding="utf-8"))
+    done, measured = _answered(asked, TIMEOUT_S)
+    if done is None:
+        raise NoAnswerError("cad_failed", f"the bone was not read within {TIMEOUT_S:g} s", {}, "bone")
+    if not measured:
+        last = _last_line(done, f"exit status {done.returncode}")
+        raise NoAnswerError("cad_failed", f"the bone could not be read: {last}", {}, "bone")
     if "error" not in measured:
         return measured
+    if "fault" in measured["error"]:
+        raise InputError(*measured["error"]["fault"])
     code, message = measured["error"]["code"], measured["error"]["message"]
-    if code == "input":
-        raise InputError(message, *measured["error"]["fault"])
     raise NoAnswerError(code, message, {}, "bone")
 
 
-def _run_module(words: Sequence[str], timeout_s: float) -> subprocess.CompletedProcess[str] | None:
-    """Run this Python with one thread and this package; None when it did not end in time."""
+WORKER = ("-m", "dummydesign.mold.worker")
+
+
+def _answered(
+    asked: dict[str, Any], timeout_s: float
+) -> tuple[subprocess.CompletedProcess[str] | None, dict[str, Any]]:
+    """Ask this Python with one thread and this package; no process when it did not end in time, {} without answer."""
     package = str(Path(__file__).resolve().parents[2])
     path = os.pathsep.join(filter(None, (package, os.environ.get("PYTHONPATH"))))
     environment = {**os.environ, **ONE_THREAD, "PYTHONPATH": path}
-    try:
-        return subprocess.run([sys.executable, *words], capture_output=True, encoding="utf-8", errors="replace",
-                              timeout=timeout_s, env=environment)  # fmt: skip
-    except subprocess.TimeoutExpired:
-        return None
+    with tempfile.TemporaryDirectory(prefix="dummydesign-cad-") as work:
+        question, answer = Path(work) / "question.json", Path(work) / "answer.json"
+        question.write_text(json.dumps(asked), encoding="utf-8")
+        try:
+            done = subprocess.run([sys.executable, *WORKER, str(question), str(answer)], capture_output=True,
+                                  encoding="utf-8", errors="replace", timeout=timeout_s, env=environment)  # fmt: skip
+        except subprocess.TimeoutExpired:
+            return None, {}
+        # One that was stopped by its limit may have been writing.
+        whole = answer.is_file() and not ran_out(done.returncode)
+        return done, json.loads(answer.read_text(encoding="utf-8")) if whole else {}
+
+
+def _last_line(done: subprocess.CompletedProcess[str], without: str) -> str:
+    """Last line that a child wrote of its error."""
+    return (done.stderr.strip().splitlines() or [without])[-1]
 
 
 PROCESSOR_S = 900.0
 """Processor time after which the CAD kernel is given up; the largest moulds take a tenth of it. [s]"""
-RESULT = ".result.json"
-WORKER = ("-m", "dummydesign.mold.worker")
 
 
 @dataclass(frozen=True)
@@ -116,30 +123,22 @@ class MouldResult(Serialised):
 def make_mold(
     spec: MouldSpec, folder: Path, processor_s: float = PROCESSOR_S, bone_file: Path | None = None
 ) -> MouldResult:
-    """Build the mould of a specification with all its files into a folder."""
+    """Build the mould of a specification with all its files into a folder, which the caller removes on an error."""
     validate(spec)
     check_layers(spec)
     if spec.insert is not None and bone_file is None:
         message = f"the bone of this mould comes from {spec.insert.file}; give the file again"
         raise InputError(message, "missing", "bone")
-    target = output_folder(folder)
-    work = Path(tempfile.mkdtemp(prefix=".mould-", dir=target))
-    try:
-        answer = _run_child(spec, work, processor_s, bone_file)
-        files = answer["files"]
-        result = MouldResult(
-            **{**answer, "files": {role: str(target / name) for role, name in files.items()}},
-            masses_g=masses_g(answer["pour"]), spec_hash=spec.hash, gauge_points=gauge_points(spec),
-        )  # fmt: skip
-        failed = [item for item in result.checks if item["status"] == "fail"]
-        if failed:
-            names = "; ".join(f"{item['id']} = {item['value']} (limit {item['limit']})" for item in failed)
-            partial = {**result.to_dict(), "files": {}}
-            message = f"the mould was built but failed {names}; no file was kept"
-            raise NoAnswerError("check_failed", message, partial, "mould")
-        _move(work, target, files)
-    finally:
-        shutil.rmtree(work, ignore_errors=True)
+    answer = _made(spec, output_folder(folder), processor_s, bone_file)
+    result = MouldResult(
+        **{**answer, "files": {role: str(folder / name) for role, name in answer["files"].items()}},
+        masses_g=masses_g(answer["pour"]), spec_hash=spec.hash, gauge_points=gauge_points(spec),
+    )  # fmt: skip
+    failed = [item for item in result.checks if item["status"] == "fail"]
+    if failed:
+        names = "; ".join(f"{item['id']} = {item['value']} (limit {item['limit']})" for item in failed)
+        message = f"the mould was built but failed {names}; no file was kept"
+        raise NoAnswerError("check_failed", message, {**result.to_dict(), "files": {}}, "mould")
     return result
 
 
@@ -147,14 +146,10 @@ def without_cad(spec: MouldSpec) -> dict[str, Any]:
     """What is known of a mould without CAD: weights from closed forms, warnings, the hash."""
     plan = pour_plan(spec)
     return {
-        "files": {},
-        "masses_g": masses_g(plan.to_dict()),
-        "pour": plan.to_dict(),
-        "batch": batches_of(spec, plan),
-        "spec_hash": spec.hash,
-        "gauge_points": [point.to_dict() for point in gauge_points(spec)],
+        "files": {}, "masses_g": masses_g(plan.to_dict()), "pour": plan.to_dict(), "batch": batches_of(spec, plan),
+        "spec_hash": spec.hash, "gauge_points": [point.to_dict() for point in gauge_points(spec)],
         "warnings": pour_warnings(spec, plan),
-    }
+    }  # fmt: skip
 
 
 def masses_g(pour: dict[str, Any]) -> dict[str, float]:
@@ -165,30 +160,27 @@ def masses_g(pour: dict[str, Any]) -> dict[str, float]:
     return {**masses, "silicone": pour["silicone_mass_g"]} if pour["silicone_mass_g"] else masses
 
 
-def _run_child(spec: MouldSpec, work: Path, processor_s: float, bone_file: Path | None = None) -> dict[str, Any]:
-    """Start the child, wait, and turn every way it can end into a result or a named error."""
-    spec_file, answer = work / ".spec.json", work / RESULT
-    asked = {"spec": spec.to_dict(), "papers": papers(), "bone": str(bone_file) if bone_file else None}
-    spec_file.write_text(json.dumps(asked), encoding="utf-8")
-    done = _run_module([*WORKER, str(spec_file), str(work), f"{processor_s:g}"], HUNG_S)
+def _made(spec: MouldSpec, folder: Path, processor_s: float, bone_file: Path | None) -> dict[str, Any]:
+    """Have the child make the mould, and turn every way it can end into a result or a named error."""
+    asked = {"spec": spec.to_dict(), "papers": papers(), "bone": str(bone_file) if bone_file else None,
+             "folder": str(folder), "processor_s": processor_s}  # fmt: skip
+    done, answer = _answered(asked, HUNG_S)
     code, how = "cad_failed", ""
     if done is None:
         how = f"did not end within {HUNG_S:g} s"
     elif ran_out(done.returncode):
         how = f"did not finish within {processor_s:g} s of processor time"
-    elif not answer.is_file():
-        last = (done.stderr.strip().splitlines() or ["no message"])[-1]
-        status = f"signal {-done.returncode}" if done.returncode < 0 else f"exit status {done.returncode}: {last}"
-        how = f"ended without an answer ({status})"
+    elif not answer:
+        status = f"exit status {done.returncode}: {_last_line(done, 'no message')}"
+        how = f"ended without an answer ({f'signal {-done.returncode}' if done.returncode < 0 else status})"
+    elif "error" not in answer:
+        return answer
     else:
-        content: dict[str, Any] = json.loads(answer.read_text(encoding="utf-8"))
-        if "error" not in content:
-            return content
-        code, how = content["error"]["code"], f"failed: {content['error']['message']}"
+        code, how = answer["error"]["code"], f"failed: {answer['error']['message']}"
     what = f"preset {spec.preset}, {spec.pad.title}, specification {spec.hash}"
     message = f"the CAD kernel {how} ({what}); nothing was written"
     if code == "cad_unavailable":
-        message = content["error"]["message"]
+        message = answer["error"]["message"]
     raise NoAnswerError(code, message, without_cad(spec), "mould")
 
 
@@ -199,17 +191,3 @@ def papers() -> dict[str, str]:
     fixed = os.environ.get("SOURCE_DATE_EPOCH", "")
     day = datetime.fromtimestamp(int(fixed), UTC) if fixed.isdigit() else datetime.now()
     return {"command": command, "date": day.date().isoformat()}
-
-
-def _move(work: Path, target: Path, files: dict[str, str]) -> None:
-    """Rename the checked files into place."""
-    for name in files.values():
-        if (target / name).is_dir():
-            message = f"'{target / name}' is a folder; a file of that name has to be written"
-            raise InputError(message, "file_exists", "out", str(target / name))
-    try:
-        for name in files.values():
-            os.replace(work / name, target / name)
-    except OSError as problem:
-        message = f"output folder '{target}' cannot be written: {problem.strerror or problem}"
-        raise InputError(message, "file_unwritable", "out", str(target)) from None

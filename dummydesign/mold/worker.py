@@ -1,6 +1,6 @@
-"""The child process that loads the CAD kernel: ``python -m dummydesign.mold.worker spec.json folder SECONDS``.
+"""The child process that loads the CAD kernel: ``python -m dummydesign.mold.worker question.json answer.json``.
 
-It writes ``.result.json`` into the folder: what was made, or an ``error`` {code, message}.
+It answers what was made or measured, or an ``error`` {code, message}.
 """
 
 from __future__ import annotations
@@ -12,33 +12,43 @@ import time
 from pathlib import Path
 from typing import Any
 
+from dummydesign.core.errors import InputError
 from dummydesign.core.process import leave, limit_processor_time
 from dummydesign.mold.cad.kernel import cad_problem, load_trimesh
 
-RESULT = ".result.json"
 
-
-def run(spec_file: Path, folder: Path) -> dict[str, Any]:
-    """Make the mould described in ``spec_file``; never raises for faults with a message."""
-    problem = cad_problem()
-    if problem:
+def run(asked: dict[str, Any]) -> dict[str, Any]:
+    """Make the mould or place the bone of the question; never raises for faults with a message."""
+    if problem := cad_problem():
         return {"error": {"code": "cad_unavailable", "message": problem}}
-    from dummydesign.mold.files.part_drawings import DocumentInfo
+    bone = "placing" in asked
+    try:
+        return _placed(asked) if bone else _made(asked)
+    except Exception as problem:
+        text = " ".join(str(problem).split()) or "no message"
+        error: dict[str, Any] = {"code": "cad_failed", "message": f"{type(problem).__name__}: {text}"}
+        if bone and isinstance(problem, InputError):
+            error["fault"] = str(problem), problem.code, problem.quantity, problem.value, problem.allowed
+        return {"error": error}
+
+
+def _placed(asked: dict[str, Any]) -> dict[str, Any]:
+    from dummydesign.mold.cad.bone import placed_bone
+
+    return placed_bone(**asked)
+
+
+def _made(asked: dict[str, Any]) -> dict[str, Any]:
+    load_trimesh()
+    from dummydesign.mold.files.pour_sheet import Foot
     from dummydesign.mold.model.spec import MouldSpec
     from dummydesign.mold.produce import produce
 
-    load_trimesh()
-    asked = json.loads(spec_file.read_text(encoding="utf-8"))
-    spec, papers = MouldSpec.from_dict(asked["spec"]), DocumentInfo(**asked["papers"])
+    spec = MouldSpec.from_dict(asked["spec"])
     start = time.perf_counter()
-    try:
-        result = produce(spec, folder, papers, Path(asked["bone"]) if asked.get("bone") else None)
-    except Exception as problem:
-        text = " ".join(str(problem).split()) or "no message"
-        return {"error": {"code": "cad_failed", "message": f"{type(problem).__name__}: {text}"}}
-    result["seconds"] = time.perf_counter() - start
-    result["memory_MB"] = peak_memory_MB()
-    return result
+    bone = Path(asked["bone"]) if asked["bone"] else None
+    result = produce(spec, Path(asked["folder"]), Foot(spec.hash, **asked["papers"]), bone)
+    return {**result, "seconds": time.perf_counter() - start, "memory_MB": peak_memory_MB()}
 
 
 def peak_memory_MB() -> float:
@@ -52,13 +62,13 @@ def peak_memory_MB() -> float:
 
 
 def main() -> None:
-    """Entry point of the child; the last word is the processor time that it may use. [s]"""
-    limit_processor_time(float(sys.argv[3]))
+    """Entry point of the child."""
+    asked = json.loads(Path(sys.argv[1]).read_text(encoding="utf-8"))
+    if "processor_s" in asked:
+        limit_processor_time(asked["processor_s"])
     # Nothing that is made here lives in cycles: looking for them over and over takes a tenth of the time.
     gc.disable()
-    spec_file, folder = Path(sys.argv[1]), Path(sys.argv[2])
-    result = run(spec_file, folder)
-    (folder / RESULT).write_text(json.dumps(result, allow_nan=False), encoding="utf-8")
+    Path(sys.argv[2]).write_text(json.dumps(run(asked), allow_nan=False), encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -28,12 +28,11 @@ if TYPE_CHECKING:
     from dummydesign.pad.tables.shape import TabulatedShapeLaw
 
 Array = np.ndarray
-Progress = Callable[[float], None]
 FIDELITIES = ("table", "axisymmetric", "viscoelastic", "3d")
 
 
 def elastic_curve(
-    pad: Pad | Puck, fidelity: str, deepest_mm: float | None, depths_mm: Array | None, progress: Progress | None,
+    pad: Pad | Puck, fidelity: str, deepest_mm: float | None = None, depths_mm: Array | None = None,
     force_law: ForceLaw | None = None,
 ) -> ForceCurve:  # fmt: skip
     """Long-term force as a function of depth, by the table or solved by finite elements."""
@@ -45,18 +44,23 @@ def elastic_curve(
             raise InputError(message, "conflict", "fidelity", fidelity, "table")
         return curve_at(force_law, pad.thickness_mm, pad.young_MPa, pad.radius_mm)
     if isinstance(pad, Puck):
-        return _of_puck(pad, fidelity, deepest_mm, depths_mm, progress)
+        if fidelity == "table":
+            raise _not_tabulated("punch", "plate", "flat")
+        if fidelity != "axisymmetric":
+            message = f"fidelity = {fidelity} is not for pucks between plates; use --fidelity axisymmetric"
+            raise InputError(message, "unsupported", "fidelity", fidelity, "axisymmetric")
+        return _by_elements(pad, deepest_mm, depths_mm)
     if fidelity in ("3d", "viscoelastic"):
         if Interface.names_friction(pad.base):
             raise _unsupported("base", pad.base, fidelity)
         if pad.edge_radius_mm:
             raise _unsupported("edge_radius_mm", pad.edge_radius_mm, fidelity)
     if fidelity == "3d":
-        return _in_space(pad, deepest_mm, depths_mm, progress)
+        return _in_space(pad, deepest_mm, depths_mm)
     if fidelity == "table" or (fidelity == "viscoelastic" and _in_table(pad)):
         curve = _by_table(pad)
     else:
-        curve = _by_elements(pad, deepest_mm, depths_mm, progress)
+        curve = _by_elements(pad, deepest_mm, depths_mm)
     if not has_square_factor(pad):
         return curve
     from dummydesign.pad.tables.square import square_factor
@@ -78,19 +82,6 @@ def _not_tabulated(name: str, value: Any, held: Any) -> InputError:
     return InputError(message, "not_tabulated", name.removeprefix("punch "), value, held)
 
 
-def _of_puck(
-    puck: Puck, fidelity: str, deepest_mm: float | None, depths_mm: Array | None, progress: Progress | None
-) -> ForceCurve:
-    """A puck between plates, solved by its own elements."""
-    if fidelity == "table":
-        raise _not_tabulated("punch", "plate", "flat")
-    if fidelity != "axisymmetric":
-        message = f"fidelity = {fidelity} is not for pucks between plates; use --fidelity axisymmetric"
-        raise InputError(message, "unsupported", "fidelity", fidelity, "axisymmetric")
-    grid, _ = depth_grid(puck.thickness_mm, deepest_mm, depths_mm)
-    return interpolate_curve(1.0, solve_points(puck, grid, progress))
-
-
 def has_square_factor(pad: Pad) -> bool:
     """Whether the punch is a square whose factor over the circle of its area is tabulated."""
     if pad.sides_mm is None or pad.sides_mm[0] != pad.sides_mm[1]:
@@ -108,15 +99,13 @@ def _tabulated(pad: Pad) -> bool:
     return low <= pad.radius_mm / pad.thickness_mm <= high
 
 
-def _in_space(
-    pad: Pad, deepest_mm: float | None, depths_mm: Array | None, progress: Progress | None
-) -> ForceCurve:
+def _in_space(pad: Pad, deepest_mm: float | None, depths_mm: Array | None) -> ForceCurve:
     """The axisymmetric curve of the circle of equal area, times the ratio solved in space on twin cells."""
     from dummydesign.pad.solve.continuation import add_costs
     from dummydesign.pad.spatial.square_punch import Block, FactorCurve, solve_factor
 
     if pad.geometry != SLAB:
-        return _shape_in_space(pad, deepest_mm, depths_mm, progress)
+        return _shape_in_space(pad, deepest_mm, depths_mm)
     if pad.sides_mm is None:
         message = "fidelity = 3d is for square and rectangular punches; a round one is solved by axisymmetric"
         raise InputError(message, "unsupported", "fidelity", "3d", "axisymmetric")
@@ -125,14 +114,14 @@ def _in_space(
     block = Block(
         (0.5 * a / h, 0.5 * b / h), (0.5 * length / h, 0.5 * width / h), pad.base, pad.condition, pad.shape, pad.poisson
     )
-    curve = _by_elements(pad, deepest_mm, depths_mm, progress)
+    curve = _by_elements(pad, deepest_mm, depths_mm)
     if curve.notes and _tabulated(pad):
         # The table averages over many neighbouring solves and reaches where a single one may stop.
         note = f"the round twin's curve is the response table's: the solve was not complete ({curve.notes[0]})"
         curve = replace(_by_table(pad), solver=curve.solver, notes=(note,))
     deepest = min(deepest_mm or curve.limit_mm, curve.limit_mm) / h
     inputs = {"block": block, "deepest": deepest}
-    solved = FactorCurve(**cached("3d", inputs, lambda: vars(solve_factor(block, deepest, progress))))
+    solved = FactorCurve(**cached("3d", inputs, lambda: vars(solve_factor(block, deepest))))
     solver = add_costs(curve.solver, solved.solver) | {"unknowns": solved.solver["unknowns"]}
     return replace(scale_curve(curve, lambda depth: solved.factor(depth / h)), solver=solver)
 
@@ -173,20 +162,15 @@ def _shape_law(pad: Pad) -> TabulatedShapeLaw:
     return TabulatedShapeLaw(pad.geometry)
 
 
-def _by_elements(
-    pad: Pad, deepest_mm: float | None, depths_mm: Array | None, progress: Progress | None
-) -> ForceCurve:
+def _by_elements(pad: Pad | Puck, deepest_mm: float | None, depths_mm: Array | None) -> ForceCurve:
     grid, deepest = depth_grid(pad.thickness_mm, deepest_mm, depths_mm)
-    if pad.condition != "bonded":
+    if isinstance(pad, Pad) and pad.condition != "bonded":
         # A face that slides needs some depth to start from.
         grid = grid[grid >= min(0.025 * pad.thickness_mm, 0.25 * deepest)]
-    return interpolate_curve(pad.geometry.first_exponent, solve_points(pad, grid, progress))
+    return interpolate_curve(pad.geometry.first_exponent if isinstance(pad, Pad) else 1.0, solve_points(pad, grid))
 
 
-def solve_points(
-    pad: Pad | Puck, depth_mm: Array, progress: Progress | None = None, cells: int | None = None,
-    independent: bool = False,
-) -> PadCurve:  # fmt: skip
+def solve_points(pad: Pad | Puck, depth_mm: Array, cells: int | None = None, independent: bool = False) -> PadCurve:
     """Static force at given depths, solved by the elements that fit the pad, the punch and its contact.
 
     ``independent`` of the response table, to check it with (``solve_curve``).
@@ -194,8 +178,8 @@ def solve_points(
     if isinstance(pad, Puck):
         from dummydesign.pad.axisymmetric.puck import solve_puck
 
-        return solve_puck(pad, depth_mm, progress)
-    from dummydesign.pad.axisymmetric.friction import solve_under_fillet
+        return solve_puck(pad, depth_mm)
+    from dummydesign.pad.axisymmetric.filleted import solve_under_fillet
     from dummydesign.pad.axisymmetric.profile_punch import solve_profile
     from dummydesign.pad.axisymmetric.shaped_pad import solve_flat, solve_shaped_pad
     from dummydesign.pad.axisymmetric.sharp_edge import solve_curve
@@ -206,18 +190,16 @@ def solve_points(
             message = f"shape {pad.geometry} is not round; add --fidelity 3d"
             raise InputError(message, "unsupported", "shape", str(pad.geometry))
         more: dict[str, Any] = {} if cells is None else {"cells": cells}
-        return _of_unit_modulus(
-            "shaped", pad, depths | more, lambda own: solve_shaped_pad(own, depth_mm, progress=progress, **more)
-        )
+        return _of_unit_modulus("shaped", pad, depths | more, lambda own: solve_shaped_pad(own, depth_mm, **more))
     if pad.profile_mm is not None:
         # A pad that rests by its weight is not the same at another modulus.
         unit = 1.0 if pad.base in BASES else pad.young_MPa
         return _of_unit_modulus("profile", pad, depths, lambda own: solve_profile(own, depth_mm), unit)
     if pad.edge_radius_mm:
-        return solve_under_fillet(pad, depth_mm, progress)
+        return solve_under_fillet(pad, depth_mm)
     if pad.condition == "bonded" and pad.base in BASES:
-        return solve_curve(pad, depth_mm, progress, independent)
-    return solve_flat(pad, depth_mm, progress)
+        return solve_curve(pad, depth_mm, independent)
+    return solve_flat(pad, depth_mm)
 
 
 def _of_unit_modulus(
@@ -230,16 +212,12 @@ def _of_unit_modulus(
     return PadCurve(**(made | {name: made[name] * scale for name in ("force_N", "error_N")}))
 
 
-def _shape_in_space(
-    pad: Pad, deepest_mm: float | None, depths_mm: Array | None, progress: Progress | None
-) -> ForceCurve:
+def _shape_in_space(pad: Pad, deepest_mm: float | None, depths_mm: Array | None) -> ForceCurve:
     """A shaped pad under its own punch, square or round, solved in space with unit modulus."""
     from dummydesign.pad.spatial.shaped_pad import solve_shaped_block
 
     grid, _ = depth_grid(pad.thickness_mm, deepest_mm, depths_mm)
     if depths_mm is None:
         grid = grid[1::2]
-    solved = _of_unit_modulus(
-        "shape-3d", pad, {"depth": grid}, lambda own: solve_shaped_block(own, grid, progress=progress)
-    )
+    solved = _of_unit_modulus("shape-3d", pad, {"depth": grid}, lambda own: solve_shaped_block(own, grid))
     return interpolate_curve(pad.geometry.first_exponent, solved)

@@ -15,36 +15,19 @@ import numpy as np
 from dummydesign.core.cache import cached
 from dummydesign.core.errors import InputError, NoAnswerError
 from dummydesign.geometry.interface import BASES, FACES, Interface
+from dummydesign.pad.axisymmetric import filleted
+from dummydesign.pad.axisymmetric import shaped_problem as shaped
 from dummydesign.pad.axisymmetric.case import (
     FIRST_STEP,
     LATTICE,
     Case,
-    Progress,
     lattice_depths,
     relative_depths,
     rimmed_problem,
 )
-from dummydesign.pad.axisymmetric.filleted import filleted_problem
-from dummydesign.pad.axisymmetric.friction import (
-    COARSE,
-    FINE,
-    SlidingMesh,
-    follow_rubbing,
-    follow_sliding,
-    rubbing_problem,
-)
 from dummydesign.pad.axisymmetric.profile_punch import CELLS as PROFILE_CELLS
 from dummydesign.pad.axisymmetric.profile_punch import edge_problem, load_steps, profile, profile_problem
 from dummydesign.pad.axisymmetric.self_contact import FoldWatch, RoundFace
-from dummydesign.pad.axisymmetric.shaped_problem import (
-    CELLS,
-    LARGEST_STEP,
-    SMALLEST_STEP,
-    first_depth,
-    radius_touched,
-    shaped_problem,
-    visited_states,
-)
 from dummydesign.pad.contact.axisymmetric import FlatPunch, ProfilePunch
 from dummydesign.pad.fem import mesh_axisymmetric as meshes
 from dummydesign.pad.fem.mesh_axisymmetric import POINTS, cell_nodes
@@ -70,19 +53,10 @@ def cauchy(solid: Solid, u: Array, p: Array, factor: Array) -> tuple[Array, Arra
     slope = -law.reference_stress_MPa / J + solid.stabilisation * (J - 1.0) + p @ solid.mesh.pressure_basis.T
     P = law.stress(F) + slope[..., None] * kinematics.cofactor(F)
     P = P * (factor[:, None] / J)[..., None]
-    stress = np.stack(
-        [
-            P[..., 0] * F[..., 0] + P[..., 1] * F[..., 1],
-            P[..., 2] * F[..., 2] + P[..., 3] * F[..., 3],
-            P[..., 4] * F[..., 4],
-            P[..., 0] * F[..., 2] + P[..., 1] * F[..., 3],
-        ],
-        axis=-1,
-    )
-    plane = F[..., :4].reshape(*F.shape[:-1], 2, 2)
-    pair = np.linalg.svd(plane, compute_uv=False)
-    stretch = -np.sort(-np.concatenate([pair, F[..., 4:5]], axis=-1), axis=-1)
-    return stress, stretch
+    pairs = ((0, 0), (1, 1)), ((2, 2), (3, 3)), ((4, 4),), ((0, 2), (1, 3))
+    stress = np.stack([sum(P[..., i] * F[..., j] for i, j in pair) for pair in pairs], axis=-1)
+    plane = np.linalg.svd(F[..., :4].reshape(*F.shape[:-1], 2, 2), compute_uv=False)
+    return stress, -np.sort(-np.concatenate([plane, F[..., 4:]], axis=-1), axis=-1)
 
 
 def to_nodes(solid: Solid, places: Array, values: Array) -> Array:
@@ -227,12 +201,12 @@ Keep = Callable[[Problem, Solution, float], None]
 
 
 def _follow_under_fillet(
-    case: Case, depths: Array, thickness_mm: float, coarse: bool, progress: Progress | None, keep: Keep
+    case: Case, depths: Array, thickness_mm: float, coarse: bool, keep: Keep
 ) -> tuple[str | None, tuple[str, ...]]:
     """Follow a slab that is not glued to a filleted punch and keep its states at wanted depths."""
     done, stop = 0, None
     notes: tuple[str, ...] = ()
-    for cells in (COARSE,) if coarse else (FINE, COARSE):
+    for cells in (filleted.COARSE,) if coarse else (filleted.FINE, filleted.COARSE):
         wanted, path = depths[done:], _with_lattice(depths)
         problem, follow = _slipping(case, cells)
 
@@ -240,9 +214,9 @@ def _follow_under_fillet(
             if np.isclose(wanted, depth, rtol=1e-9, atol=0.0).any():
                 keep(problem, solution, depth)
 
-        made = follow(path, progress, visit)
+        made = follow(path, visit)
         before, done = done, int((depths <= (made.depth[-1] if len(made.depth) else 0.0) * (1.0 + 1e-9)).sum())
-        if cells == COARSE and not coarse and done > before:
+        if cells == filleted.COARSE and not coarse and done > before:
             start = f"{depths[before] * thickness_mm:.3g} mm"
             notes = (f"fields from {start} on are those of cells of 1.5 times the size: finer ones end before",)
         done, stop = max(done, before), made.stop
@@ -254,10 +228,10 @@ def _follow_under_fillet(
 def _slipping(case: Case, cells: int) -> tuple[Problem, Callable[..., Path]]:
     """The problem of a face with or without friction, and what follows it."""
     if not Interface.parse(case.condition, "condition", FACES).friction:
-        mesh = SlidingMesh(case, cells)
-        return mesh.problem, lambda *args: follow_sliding(mesh, *args)
-    problem = rubbing_problem(case, cells)
-    return problem, lambda *args: follow_rubbing(problem, *args)
+        mesh = filleted.SlidingMesh(case, cells)
+        return mesh.problem, lambda *args: filleted.follow_sliding(mesh, *args)
+    problem = filleted.rubbing_problem(case, cells)
+    return problem, lambda *args: filleted.follow_rubbing(problem, *args)
 
 
 def _with_lattice(depths: Array) -> Array:
@@ -288,7 +262,7 @@ class Setup:
 
 
 def solve_fields(
-    pad: Pad | Puck, depth_mm: Sequence[float], progress: Progress | None = None, coarse: bool = False
+    pad: Pad | Puck, depth_mm: Sequence[float], coarse: bool = False
 ) -> tuple[tuple[Pressed, ...], tuple[str, ...]]:
     """Fields of a round pad at static depths."""
     if not has_fields(pad):
@@ -301,7 +275,7 @@ def solve_fields(
     def keep(problem: Problem, solution: Solution, depth: float) -> None:
         fields.append(_pressed(problem, solution, depth, pad, shear))
 
-    stop, notes = _follow(pad, depths, coarse, progress, keep)
+    stop, notes = _follow(pad, depths, coarse, keep)
     if not fields:
         raise NoAnswerError("no_convergence", f"the fields could not be solved: {stop}", quantity="fields")
     if pad.sides_mm is not None:
@@ -326,13 +300,11 @@ def contact_pressures(pad: Pad, depth_mm: Sequence[float]) -> tuple[list[dict[st
     return made["contact"], tuple(made["notes"])
 
 
-def _follow(
-    pad: Pad, depths: Array, coarse: bool, progress: Progress | None, keep: Keep
-) -> tuple[str | None, tuple[str, ...]]:
+def _follow(pad: Pad, depths: Array, coarse: bool, keep: Keep) -> tuple[str | None, tuple[str, ...]]:
     """Keep the equilibria at depths; return why some are missing, and notes on the others."""
     case = Case.of(pad, check=pad.profile_mm is None)
     if pad.edge_radius_mm and pad.condition != "bonded":
-        return _follow_under_fillet(case, depths, pad.thickness_mm, coarse, progress, keep)
+        return _follow_under_fillet(case, depths, pad.thickness_mm, coarse, keep)
     setup = _setup(pad, case, depths, coarse)
     if setup.visited:
         solutions = [state_between(setup.problem, setup.visited, depth) for depth in depths]
@@ -351,7 +323,7 @@ def _follow(
         return None
 
     path = follow(
-        setup.problem, depths, setup.first_step, setup.largest_step, setup.smallest_step, progress,
+        setup.problem, depths, setup.first_step, setup.largest_step, setup.smallest_step,
         lattice=setup.lattice, visit=visit,
     )  # fmt: skip
     return path.stop if watch is None else watch.stop_reason(path.stop), ()
@@ -361,11 +333,11 @@ def _setup(pad: Pad, case: Case, depths: Array, coarse: bool) -> Setup:
     """The problem that the pad's own curve is solved by, with one fillet."""
     scale = case.scale
     if pad.geometry != SLAB:
-        case = replace(case, first=first_depth(depths))
-        flat, cells = pad.geometry.flat_top, CELLS // 2 if coarse else CELLS
-        visited = () if flat else tuple(visited_states(case, cells, RIM, float(depths[-1])))
-        first, largest = 0.3 * RIM if flat else 0.25 * case.first, LARGEST_STEP * CELLS / cells
-        return Setup(shaped_problem(case, cells, RIM), first, largest, SMALLEST_STEP, True, visited)
+        case = replace(case, first=shaped.first_depth(depths))
+        flat, cells = pad.geometry.flat_top, shaped.CELLS // 2 if coarse else shaped.CELLS
+        visited = () if flat else tuple(shaped.visited_states(case, cells, RIM, float(depths[-1])))
+        first, largest = 0.3 * RIM if flat else 0.25 * case.first, shaped.LARGEST_STEP * shaped.CELLS / cells
+        return Setup(shaped.shaped_problem(case, cells, RIM), first, largest, shaped.SMALLEST_STEP, True, visited)
     if pad.profile_mm is not None:
         punch = ProfilePunch(profile(*(np.asarray(part) / pad.thickness_mm for part in pad.profile_mm)).height)
         cells = PROFILE_CELLS // 2 if coarse else PROFILE_CELLS
@@ -375,7 +347,7 @@ def _setup(pad: Pad, case: Case, depths: Array, coarse: bool) -> Setup:
         rim = RIM * scale
         return Setup(edge_problem(replace(case, edge=rim)), 0.1 * rim, 0.05 * scale, 0.002 * scale)
     if pad.edge_radius_mm:
-        return Setup(filleted_problem(case), FIRST_STEP, LATTICE, LATTICE / 256.0, True)
+        return Setup(filleted.filleted_problem(case), FIRST_STEP, LATTICE, LATTICE / 256.0, True)
     made = rimmed_problem(case, RIM * scale, meshes.Resolution(cells=3 if coarse else 6))
     return Setup(made, RIM * scale, 0.05 * scale, 0.005 * scale)
 
@@ -392,22 +364,18 @@ def _pressed(problem: Problem, solution: Solution, depth: float, pad: Pad, shear
     used = np.unique(meshes.cell_nodes(mesh))
     number = np.full(mesh.nodes.shape[1], -1)
     number[used] = np.arange(len(used))
-    face = _face(problem, solution, depth, pad)
+    face = _face(problem, solution, depth, pad, shear)
+    face = replace(face, node=number[face.node])
     outline = _outline(problem, depth, pad.radius_mm / h)
-    face = Face(
-        number[face.node], face.radius_mm * h, (face.height_mm - bottom) * h, face.rest_mm * h,
-        face.pressure_MPa * shear, face.shear_MPa * shear, face.state,
-        face.contact_radius_mm * h,
-    )  # fmt: skip
     return Pressed(
         depth * h, problem.force(solution.state) * shear * h * h, (mesh.nodes.T - lift)[used] * h, moved[used] * h,
         number[meshes.cell_nodes(mesh)], stress[used] * shear, stretch[used], face, (outline - lift) * h,
     )  # fmt: skip
 
 
-def _face(problem: Problem, solution: Solution, depth: float, pad: Pad) -> Face:
-    """The tested face in the problem's own units."""
-    solid = problem.solid
+def _face(problem: Problem, solution: Solution, depth: float, pad: Pad, shear: float) -> Face:
+    """The tested face, by the mesh's nodes."""
+    solid, h = problem.solid, pad.thickness_mm
     sides = face_sides(problem)
     traction = face_tractions(solid.mesh.nodes, solution.u, solution.state.internal_force, sides)
     node, pressure, drag = traction["node"], traction["pressure"], traction["shear"]
@@ -421,10 +389,11 @@ def _face(problem: Problem, solution: Solution, depth: float, pad: Pad) -> Face:
         state = np.where(touches & (np.abs(drag) >= limit), SLIPS, state)
     pressure, drag = np.where(touches, pressure, 0.0), np.where(touches, drag, 0.0)
     position = solid.mesh.nodes[:, node] + solution.u.reshape(-1, 2).T[:, node]
-    (reach, at_edge), punch = radius_touched(problem, depth, solution), problem.punch
+    (reach, at_edge), punch = shaped.radius_touched(problem, depth, solution), problem.punch
     if not pad.edge_radius_mm and at_edge and isinstance(punch, FlatPunch):
         reach = punch.radius  # the fillet stands for a sharp edge, which is reached
-    return Face(node, position[0], position[1], solid.mesh.nodes[0, node], pressure, drag, state, reach)
+    height, rest = position[1] - float(solid.mesh.nodes[1].min()), solid.mesh.nodes[0, node]
+    return Face(node, position[0] * h, height * h, rest * h, pressure * shear, drag * shear, state, reach * h)
 
 
 def face_sides(problem: Problem) -> Array:

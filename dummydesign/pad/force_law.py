@@ -8,18 +8,19 @@ from types import MappingProxyType
 from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from dummydesign.core.errors import NoAnswerError
 from dummydesign.core.interpolation import monotone_cubic
 from dummydesign.geometry.dimensions import MAX_DEPTH_OVER_THICKNESS
 
+Array = np.ndarray
 NOTHING_KNOWN: Mapping[str, Any] = MappingProxyType({})
 ANY_RATIO = (1e-6, 1e6)
 # Step of the difference that stands for a derivative, over the thickness.
 SLOPE_STEP = 1e-4
 
-Factor = Callable[[ArrayLike, ArrayLike, ArrayLike], tuple[NDArray, NDArray]]
+Factor = Callable[[ArrayLike, ArrayLike, ArrayLike], tuple[Array, Array]]
 """Factor on a force and its relative error, at depths, thicknesses and punch radii (broadcast). [mm]"""
 
 
@@ -42,9 +43,7 @@ class ForceLaw(Protocol):
         """What a reader of its forces must know."""
         ...
 
-    def force(
-        self, depth_mm: ArrayLike, thickness_mm: ArrayLike, young_MPa: ArrayLike, radius_mm: ArrayLike
-    ) -> NDArray:
+    def force(self, depth_mm: ArrayLike, thickness_mm: ArrayLike, young_MPa: ArrayLike, radius_mm: ArrayLike) -> Array:
         """Elastic force; zero above the surface, NaN or held beyond the law's depth. All arguments broadcast.
 
         Parameters
@@ -65,7 +64,7 @@ class ForceLaw(Protocol):
 
     def stiffness(
         self, depth_mm: ArrayLike, thickness_mm: ArrayLike, young_MPa: ArrayLike, radius_mm: ArrayLike
-    ) -> NDArray:
+    ) -> Array:
         """Tangent stiffness dF/dd. All arguments broadcast.
 
         Parameters
@@ -80,11 +79,11 @@ class ForceLaw(Protocol):
         """
         ...
 
-    def depth_limit_mm(self, thickness_mm: ArrayLike, radius_mm: ArrayLike) -> NDArray:
+    def depth_limit_mm(self, thickness_mm: ArrayLike, radius_mm: ArrayLike) -> Array:
         """Depth to which the law holds. [mm]"""
         ...
 
-    def relative_error(self, depth_mm: ArrayLike, thickness_mm: ArrayLike, radius_mm: ArrayLike) -> NDArray:
+    def relative_error(self, depth_mm: ArrayLike, thickness_mm: ArrayLike, radius_mm: ArrayLike) -> Array:
         """Stated error of the force over the force; NaN where none is stated.
 
         Parameters
@@ -97,9 +96,7 @@ class ForceLaw(Protocol):
         ...
 
 
-def slope_of(
-    force: Callable[[NDArray], NDArray], depth_mm: ArrayLike, step_mm: ArrayLike, limit_mm: ArrayLike
-) -> NDArray:
+def slope_of(force: Callable[[Array], Array], depth_mm: ArrayLike, step_mm: ArrayLike, limit_mm: ArrayLike) -> Array:
     """Derivative of a force by a central difference, one-sided at the surface and at the limit; zero above it.
 
     Parameters
@@ -116,7 +113,7 @@ def slope_of(
     return np.where(depth > 0.0, (force(high) - force(low)) / (high - low), 0.0)
 
 
-class BaseForceLaw:
+class BaseForceLaw(ForceLaw):
     """What a law is that says nothing else: any ratio, no provenance, no stated error, stiffness by differences.
 
     Examples
@@ -137,25 +134,15 @@ class BaseForceLaw:
     provenance: Mapping[str, Any] = NOTHING_KNOWN
     notes: tuple[str, ...] = ()
 
-    def force(
-        self, depth_mm: ArrayLike, thickness_mm: ArrayLike, young_MPa: ArrayLike, radius_mm: ArrayLike
-    ) -> NDArray:
-        """Elastic force; see :class:`ForceLaw`. [N]"""
-        raise NotImplementedError
-
-    def depth_limit_mm(self, thickness_mm: ArrayLike, radius_mm: ArrayLike) -> NDArray:
-        """Depth to which the law holds. [mm]"""
-        raise NotImplementedError
-
     def stiffness(
         self, depth_mm: ArrayLike, thickness_mm: ArrayLike, young_MPa: ArrayLike, radius_mm: ArrayLike
-    ) -> NDArray:
+    ) -> Array:
         """Tangent stiffness by a central difference, one-sided at both ends; see :class:`ForceLaw`. [N/mm]"""
         step = SLOPE_STEP * np.asarray(thickness_mm, float)
         limit = self.depth_limit_mm(thickness_mm, radius_mm)
         return slope_of(lambda depth: self.force(depth, thickness_mm, young_MPa, radius_mm), depth_mm, step, limit)
 
-    def relative_error(self, depth_mm: ArrayLike, thickness_mm: ArrayLike, radius_mm: ArrayLike) -> NDArray:
+    def relative_error(self, depth_mm: ArrayLike, thickness_mm: ArrayLike, radius_mm: ArrayLike) -> Array:
         """NaN: no error is stated; see :class:`ForceLaw`."""
         shape = np.broadcast_shapes(np.shape(depth_mm), np.shape(thickness_mm), np.shape(radius_mm))
         return np.full(shape, np.nan)
@@ -166,19 +153,17 @@ class ForceAndStiffness:
 
     def force_and_stiffness(
         self, depth_mm: ArrayLike, thickness_mm: ArrayLike, young_MPa: ArrayLike, radius_mm: ArrayLike
-    ) -> tuple[NDArray, NDArray]:
+    ) -> tuple[Array, Array]:
         """Elastic force [N] and tangent stiffness [N/mm]; see :meth:`ForceLaw.force`."""
         raise NotImplementedError
 
-    def force(
-        self, depth_mm: ArrayLike, thickness_mm: ArrayLike, young_MPa: ArrayLike, radius_mm: ArrayLike
-    ) -> NDArray:
+    def force(self, depth_mm: ArrayLike, thickness_mm: ArrayLike, young_MPa: ArrayLike, radius_mm: ArrayLike) -> Array:
         """Elastic force; see :class:`ForceLaw`. [N]"""
         return self.force_and_stiffness(depth_mm, thickness_mm, young_MPa, radius_mm)[0]
 
     def stiffness(
         self, depth_mm: ArrayLike, thickness_mm: ArrayLike, young_MPa: ArrayLike, radius_mm: ArrayLike
-    ) -> NDArray:
+    ) -> Array:
         """Tangent stiffness dF/dd; see :class:`ForceLaw`. [N/mm]"""
         return self.force_and_stiffness(depth_mm, thickness_mm, young_MPa, radius_mm)[1]
 
@@ -197,18 +182,16 @@ class ScaledLaw(BaseForceLaw):
         self.law, self.factor = law, factor
         self.ratio_range, self.provenance, self.notes = law.ratio_range, law.provenance, law.notes
 
-    def force(
-        self, depth_mm: ArrayLike, thickness_mm: ArrayLike, young_MPa: ArrayLike, radius_mm: ArrayLike
-    ) -> NDArray:
+    def force(self, depth_mm: ArrayLike, thickness_mm: ArrayLike, young_MPa: ArrayLike, radius_mm: ArrayLike) -> Array:
         """Elastic force; see :class:`ForceLaw`. [N]"""
         factor, _ = self.factor(depth_mm, thickness_mm, radius_mm)
         return factor * self.law.force(depth_mm, thickness_mm, young_MPa, radius_mm)
 
-    def depth_limit_mm(self, thickness_mm: ArrayLike, radius_mm: ArrayLike) -> NDArray:
+    def depth_limit_mm(self, thickness_mm: ArrayLike, radius_mm: ArrayLike) -> Array:
         """Depth to which the law holds. [mm]"""
         return self.law.depth_limit_mm(thickness_mm, radius_mm)
 
-    def relative_error(self, depth_mm: ArrayLike, thickness_mm: ArrayLike, radius_mm: ArrayLike) -> NDArray:
+    def relative_error(self, depth_mm: ArrayLike, thickness_mm: ArrayLike, radius_mm: ArrayLike) -> Array:
         """Error of the force over the force: the law's and the factor's; see :class:`ForceLaw`."""
         _, error = self.factor(depth_mm, thickness_mm, radius_mm)
         return error + self.law.relative_error(depth_mm, thickness_mm, radius_mm)
@@ -224,12 +207,12 @@ NO_COST: dict[str, float] = {"unknowns": 0, "load_steps": 0, "newton_iterations"
 class PadCurve:
     """Static force of one pad at depths, with its error; ``solved_error_N`` is that of the elements alone."""
 
-    depth_mm: NDArray
-    force_N: NDArray
-    error_N: NDArray
+    depth_mm: Array
+    force_N: Array
+    error_N: Array
     solver: dict[str, Any]
     notes: tuple[str, ...] = ()
-    solved_error_N: NDArray | None = None
+    solved_error_N: Array | None = None
 
 
 @dataclass(frozen=True)
@@ -239,14 +222,14 @@ class ForceCurve:
     ``provenance`` is that of the law or table, empty where the pad was solved.
     """
 
-    force: Callable[[NDArray], NDArray]
-    relative_error: Callable[[NDArray], NDArray]
+    force: Callable[[Array], Array]
+    relative_error: Callable[[Array], Array]
     limit_mm: float
     solver: dict[str, Any]
     notes: tuple[str, ...] = ()
     provenance: Mapping[str, Any] = field(default_factory=dict)
 
-    def stiffness(self, depth_mm: NDArray) -> NDArray:
+    def stiffness(self, depth_mm: Array) -> Array:
         """Tangent stiffness dF/dd, by a central difference. [N/mm]"""
         return slope_of(self.force, depth_mm, SLOPE_STEP * self.limit_mm, self.limit_mm)
 
@@ -268,7 +251,7 @@ def curve_at(law: ForceLaw, thickness_mm: float, young_MPa: float, radius_mm: fl
     )  # fmt: skip
 
 
-def depth_grid(thickness_mm: float, deepest_mm: float | None, depths_mm: NDArray | None) -> tuple[NDArray, float]:
+def depth_grid(thickness_mm: float, deepest_mm: float | None, depths_mm: Array | None) -> tuple[Array, float]:
     """Depths that are solved, the wanted ones among them, and the deepest. [mm]
 
     Parameters
@@ -304,17 +287,15 @@ def interpolate_curve(power: float, solved: PadCurve) -> ForceCurve:
     stiffness = monotone_cubic(depth, np.log(force / depth**power))
     error = solved.error_N / force
 
-    def value(at: NDArray) -> NDArray:
+    def value(at: Array) -> Array:
         at = np.asarray(at, dtype=float)
         inside = np.clip(at, 0.0, depth[-1])
         return np.where(at > 0.0, inside**power * np.exp(stiffness(inside)), 0.0)
 
-    return ForceCurve(
-        value, lambda at: np.interp(at, depth, error), float(depth[-1]), solved.solver, solved.notes
-    )
+    return ForceCurve(value, lambda at: np.interp(at, depth, error), float(depth[-1]), solved.solver, solved.notes)
 
 
-def scale_curve(curve: ForceCurve, factor: Callable[[NDArray], tuple[NDArray, NDArray]]) -> ForceCurve:
+def scale_curve(curve: ForceCurve, factor: Callable[[Array], tuple[Array, Array]]) -> ForceCurve:
     """Multiply a curve by a factor that gives its own relative error; the errors add up."""
     return replace(
         curve,

@@ -32,6 +32,7 @@ import numpy as np
 from dummydesign.core import library as json_table
 from dummydesign.core.errors import InputError, NoAnswerError, out_of_range
 from dummydesign.core.parsing import positive
+from dummydesign.core.process import reporting_depths
 from dummydesign.core.serialise import Serialised
 from dummydesign.geometry.dimensions import MAX_DEPTH_OVER_THICKNESS
 from dummydesign.geometry.interface import BASES
@@ -116,8 +117,7 @@ def slab_allowance(
 
 def over_gel(shape: PadShape, thickness_mm: float) -> float:
     """Thickness over the gel between bone and apex, which is what a depth is to be compared with."""
-    nothing = np.zeros(1)
-    return float(thickness_mm / (thickness_mm - shape.bone_mm(nothing, nothing)[0]))
+    return float(thickness_mm / (thickness_mm - shape.bone_height_mm))
 
 
 @lru_cache(maxsize=8)
@@ -144,11 +144,6 @@ def allowance(
     low, high = shape_share(shape.name)
     viscous = most_viscous(relaxed_force(time_s, elastic, tuple(prony)), elastic)
     return low * viscous, above + high * viscous
-
-
-__all__ = [
-    "MotionPrediction", "Pad", "Puck", "StaticPrediction", "depth_for_steady_force", "predict_motion", "predict_static",
-]  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -193,7 +188,8 @@ def predict_static(
     depth = np.asarray(depth_mm, dtype=float)
     if depth.ndim != 1 or not len(depth) or not np.isfinite(depth).all():
         raise InputError(f"depth_mm = {depth_mm} must be a list of finite numbers", "malformed", "depth_mm")
-    curve = elastic_curve(pad, fidelity, float(depth.max()), depth, progress, force_law)
+    with reporting_depths(progress):
+        curve = elastic_curve(pad, fidelity, float(depth.max()), depth, force_law)
     if depth.min() < 0.0:
         raise out_of_range("depth in mm", f"{depth.min():g}", 0, f"{curve.limit_mm:.4g}")
     _check_depth(depth, curve, pad)
@@ -224,14 +220,11 @@ def predict_motion(
     if deepest <= 0.0:
         message = f"largest displacement_mm = {deepest:.4g} never reaches the pad; compression is positive"
         raise InputError(message, "out_of_range", "displacement_mm", deepest)
-    curve = elastic_curve(pad, fidelity, deepest, None, progress, force_law)
-    return motion_on_curve(pad, motion, curve, fidelity, progress)
+    with reporting_depths(progress):
+        return motion_on_curve(pad, motion, elastic_curve(pad, fidelity, deepest, None, force_law), fidelity)
 
 
-def motion_on_curve(
-    pad: Pad | Puck, motion: Motion, curve: ForceCurve, fidelity: str = "table",
-    progress: Callable[[float], None] | None = None,
-) -> MotionPrediction:  # fmt: skip
+def motion_on_curve(pad: Pad | Puck, motion: Motion, curve: ForceCurve, fidelity: str = "table") -> MotionPrediction:
     """Force along a motion as :func:`predict_motion` gives it, by a long-term force that is there already."""
     _check_depth(motion.displacement_mm, curve, pad)
     time, depth, keep = _divide(motion, 0.005 * pad.thickness_mm)
@@ -243,7 +236,7 @@ def motion_on_curve(
     if fidelity == "viscoelastic" and isinstance(pad, Pad):
         from dummydesign.pad.axisymmetric.finite_strain import ratio_error
 
-        over, cost = _finite_strain_ratio(pad, motion, progress)
+        over, cost = _finite_strain_ratio(pad, motion)
         force, below = force * over, ratio_error(cost["rim_over_scale"]) * viscous
         above = below
         solver = cost | {name: solver[name] + cost[name] for name in ("load_steps", "newton_iterations", "seconds")}
@@ -262,15 +255,13 @@ def motion_on_curve(
     )  # fmt: skip
 
 
-def _finite_strain_ratio(
-    pad: Pad, motion: Motion, progress: Callable[[float], None] | None
-) -> tuple[Array, dict[str, Any]]:
+def _finite_strain_ratio(pad: Pad, motion: Motion) -> tuple[Array, dict[str, Any]]:
     """Finite-strain force over separable force at the motion's times, and what it cost."""
     from dummydesign.pad.axisymmetric.case import Case
     from dummydesign.pad.axisymmetric.finite_strain import nodes_of_motion, solve_ratio
 
     nodes = nodes_of_motion(motion.time_s, motion.displacement_mm / pad.thickness_mm, pad.prony)
-    path = solve_ratio(Case.of(pad), pad.prony, *nodes, progress=progress)
+    path = solve_ratio(Case.of(pad), pad.prony, *nodes)
     return np.interp(motion.time_s, path.time_s, path.ratio), path.solver
 
 
@@ -281,7 +272,7 @@ def depth_for_steady_force(
     """Depth at which the force at the end of a ramp and hold is the wanted one. [mm]"""
     positive("force in N", force_N)
     positive("hold in s", hold_s)
-    curve = curve or elastic_curve(pad, fidelity, None, None, None)
+    curve = curve or elastic_curve(pad, fidelity)
 
     def steady(depth: float) -> float:
         motion = motion_to(depth)

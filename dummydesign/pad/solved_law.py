@@ -3,57 +3,24 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from concurrent.futures import Executor
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from dummydesign.core.errors import InputError, NoAnswerError
 from dummydesign.geometry.dimensions import EXTENT_OVER_RADIUS, MAX_DEPTH_OVER_THICKNESS
 from dummydesign.geometry.interface import BASES
 from dummydesign.pad.force_law import BaseForceLaw, ForceLaw
-from dummydesign.pad.material.hyperelastic import Yeoh
 from dummydesign.pad.specimen import Pad
+
+Array = np.ndarray
 
 SLAB_SHARES = (0.01, 0.03, 0.06, 0.1, 0.15, 0.2, 0.25, 0.3, 0.35, 0.4, 0.45, 0.5, 0.55, 0.6)
 """Depths over thickness that are solved."""
 DEGREE, SLIDING_DEGREE = 6, 4
 """Of the polynomial through a solved curve; a face that slides scatters more, and is followed less closely."""
-
-
-@dataclass(frozen=True)
-class SlabCase:
-    """One slab to solve: thickness and punch radius [mm], what holds its base and its face, stiffening.
-
-    ``yeoh_c2_over_mu`` is the stiffening of a Yeoh law, 0 for neo-Hookean. ``sides_mm`` are those of a square
-    or rectangular punch whose area the radius stands for, None for a round one. ``fidelity`` is
-    ``axisymmetric`` (a glued square on a neo-Hookean slab carries its tabulated factor) or ``3d``.
-    """
-
-    thickness_mm: float
-    radius_mm: float
-    base: str = "bonded"
-    condition: str = "bonded"
-    yeoh_c2_over_mu: float = 0.0
-    sides_mm: tuple[float, float] | None = None
-    fidelity: str = "axisymmetric"
-
-    @property
-    def pad(self) -> Pad:
-        """The slab with unit modulus as the pad model takes it."""
-        return Pad(
-            self.thickness_mm, 1.0, self.radius_mm, base=self.base, condition=self.condition,
-            law=Yeoh(1.0, self.yeoh_c2_over_mu), sides_mm=self.sides_mm,
-        )  # fmt: skip
-
-    @property
-    def corners_known(self) -> bool:
-        """Whether this fidelity knows what the corners of the punch do; true for a round one."""
-        from dummydesign.pad.elastic_force import has_square_factor
-
-        return self.sides_mm is None or self.fidelity == "3d" or has_square_factor(self.pad)
 
 
 @dataclass(frozen=True)
@@ -64,10 +31,10 @@ class SolvedSlab:
     why the curve stops early.
     """
 
-    case: SlabCase
-    depth_mm: NDArray
-    area_mm2: NDArray
-    error: NDArray
+    pad: Pad
+    depth_mm: Array
+    area_mm2: Array
+    error: Array
     notes: tuple[str, ...] = ()
 
 
@@ -78,21 +45,18 @@ class SolvedLaw(BaseForceLaw):
     radius_mm: float
     polynomials: dict[float, tuple[float, ...]]
     limits_mm: dict[float, float]
-    errors: dict[float, tuple[NDArray, NDArray]]
+    errors: dict[float, tuple[Array, Array]]
     notes: tuple[str, ...]
 
-    def force(
-        self, depth_mm: ArrayLike, thickness_mm: ArrayLike, young_MPa: ArrayLike, radius_mm: ArrayLike
-    ) -> NDArray:
+    def force(self, depth_mm: ArrayLike, thickness_mm: ArrayLike, young_MPa: ArrayLike, radius_mm: ArrayLike) -> Array:
         """Elastic force at solved thicknesses and the one solved radius; see
         :class:`dummydesign.pad.force_law.ForceLaw`. [N]
         """
         radius = np.asarray(radius_mm, float)
         if not np.allclose(radius, self.radius_mm):
             raise ValueError(f"solved for a punch radius of {self.radius_mm} mm, requested {radius}")
-        depth, thickness, young = np.broadcast_arrays(
-            *(np.asarray(value, float) for value in (depth_mm, thickness_mm, young_MPa))
-        )
+        values = (np.asarray(value, float) for value in (depth_mm, thickness_mm, young_MPa))
+        depth, thickness, young = np.broadcast_arrays(*values)
         force = np.empty(depth.shape)
         for value in np.unique(thickness):
             at = thickness == value
@@ -100,12 +64,12 @@ class SolvedLaw(BaseForceLaw):
             force[at] = young[at] * radius * depth[at] * np.exp(series)
         return force
 
-    def depth_limit_mm(self, thickness_mm: ArrayLike, radius_mm: ArrayLike) -> NDArray:
+    def depth_limit_mm(self, thickness_mm: ArrayLike, radius_mm: ArrayLike) -> Array:
         """Largest depth that was solved. [mm]"""
         return np.array([self.limits_mm[float(value)] for value in np.atleast_1d(thickness_mm)])
 
 
-    def relative_error(self, depth_mm: ArrayLike, thickness_mm: ArrayLike, radius_mm: ArrayLike) -> NDArray:
+    def relative_error(self, depth_mm: ArrayLike, thickness_mm: ArrayLike, radius_mm: ArrayLike) -> Array:
         """Error of the force over the force, between solved depths on straight lines; see
         :class:`dummydesign.pad.force_law.ForceLaw`.
         """
@@ -117,32 +81,42 @@ class SolvedLaw(BaseForceLaw):
         return error
 
 
-def solve_slab(case: SlabCase) -> SolvedSlab:
-    """Solve one slab of unit modulus to 0.6 of its thickness; a picklable task for any executor."""
+def corners_known(pad: Pad, fidelity: str) -> bool:
+    """Whether this fidelity knows what the corners of the punch do; true for a round one."""
+    from dummydesign.pad.elastic_force import has_square_factor
+
+    return pad.sides_mm is None or fidelity == "3d" or has_square_factor(pad)
+
+
+def solve_slab(pad: Pad, fidelity: str = "axisymmetric") -> SolvedSlab:
+    """Solve one slab of unit modulus to 0.6 of its thickness.
+
+    With ``axisymmetric`` a glued square on a neo-Hookean slab carries its tabulated factor; ``3d`` solves it.
+    """
     from dummydesign.pad.elastic_force import elastic_curve, solve_points
 
-    if not case.corners_known and case.sides_mm is not None:
-        sides = "x".join(f"{side:g}" for side in case.sides_mm)
+    if pad.sides_mm is not None and not corners_known(pad, fidelity):
+        sides = "x".join(f"{side:g}" for side in pad.sides_mm)
         raise InputError(
             f"punch of {sides} mm has no corners at fidelity = axisymmetric, which knows them of a glued square on a "
             "neo-Hookean slab inside the response table only; take fidelity 3d, or a round punch of the same area",
             "unsupported", "punch",
         )  # fmt: skip
-    pad, depth = case.pad, np.array(SLAB_SHARES) * case.thickness_mm
-    if case.condition != "bonded" and case.fidelity != "3d":
+    depth = np.array(SLAB_SHARES) * pad.thickness_mm
+    if pad.condition != "bonded" and fidelity != "3d":
         solved = solve_points(pad, depth)
-        return SolvedSlab(case, solved.depth_mm, solved.force_N, solved.error_N / solved.force_N, tuple(solved.notes))
-    curve = elastic_curve(pad, case.fidelity, float(depth[-1]), depth, None)
+        return SolvedSlab(pad, solved.depth_mm, solved.force_N, solved.error_N / solved.force_N, tuple(solved.notes))
+    curve = elastic_curve(pad, fidelity, float(depth[-1]), depth)
     depth = depth[depth <= curve.limit_mm * (1.0 + 1e-9)]
-    return SolvedSlab(case, depth, curve.force(depth), curve.relative_error(depth), tuple(curve.notes))
+    return SolvedSlab(pad, depth, curve.force(depth), curve.relative_error(depth), tuple(curve.notes))
 
 
 def law_of(slabs: Iterable[SolvedSlab]) -> SolvedLaw:
     """Make one force law of slabs solved for the same punch."""
     polynomials, limits, errors, notes, radius = {}, {}, {}, [], 0.0
     for slab in slabs:
-        thickness, radius = slab.case.thickness_mm, slab.case.radius_mm
-        degree = DEGREE if slab.case.condition == "bonded" else SLIDING_DEGREE
+        thickness, radius = slab.pad.thickness_mm, slab.pad.radius_mm
+        degree = DEGREE if slab.pad.condition == "bonded" else SLIDING_DEGREE
         if len(slab.depth_mm) <= degree:
             message = f"slab of {thickness:g} mm: only {len(slab.depth_mm)} depths solved"
             raise NoAnswerError("no_convergence", message, quantity="pad")
@@ -157,16 +131,16 @@ def law_of(slabs: Iterable[SolvedSlab]) -> SolvedLaw:
 
 
 def solve_law(
-    thickness_mm: Sequence[float], radius_mm: float, executor: Executor | None = None, base: str = "bonded",
-    condition: str = "bonded", sides_mm: tuple[float, float] | None = None, fidelity: str = "axisymmetric",
+    thickness_mm: Sequence[float], radius_mm: float, base: str = "bonded", condition: str = "bonded",
+    sides_mm: tuple[float, float] | None = None, fidelity: str = "axisymmetric",
 ) -> SolvedLaw:  # fmt: skip
-    """Solve one curve a thickness, in parallel when an executor is given."""
-    cases = [
-        SlabCase(value, radius_mm, base, condition, 0.0, sides_mm, fidelity)
-        for value in sorted({float(v) for v in thickness_mm})
-    ]
-    cases = [case if case.corners_known else replace(case, sides_mm=None) for case in cases]
-    return law_of((map if executor is None else executor.map)(solve_slab, cases))
+    """Solve one curve a thickness."""
+    slabs = (
+        Pad(h, 1.0, radius_mm, base=base, condition=condition, sides_mm=sides_mm)
+        for h in sorted({float(value) for value in thickness_mm})
+    )
+    pads = [pad if corners_known(pad, fidelity) else replace(pad, sides_mm=None) for pad in slabs]
+    return law_of(solve_slab(pad, fidelity) for pad in pads)
 
 
 NODES = 5
@@ -186,9 +160,9 @@ class Solved:
     """ln of solved over tabulated force at shares of one thickness, and the solve's relative error there, (n,)."""
 
     thickness_mm: float
-    share: NDArray
-    log_factor: NDArray
-    error: NDArray
+    share: Array
+    log_factor: Array
+    error: Array
 
 
 @dataclass(frozen=True)
@@ -205,28 +179,25 @@ class OwnSlabLaw(BaseForceLaw):
         """The table's."""
         return self.table.ratio_range
 
-    def force(
-        self, depth_mm: ArrayLike, thickness_mm: ArrayLike, young_MPa: ArrayLike, radius_mm: ArrayLike
-    ) -> NDArray:
+    def force(self, depth_mm: ArrayLike, thickness_mm: ArrayLike, young_MPa: ArrayLike, radius_mm: ArrayLike) -> Array:
         """Elastic force; see :class:`dummydesign.pad.force_law.ForceLaw`. [N]"""
         depth, thickness = np.broadcast_arrays(np.asarray(depth_mm, float), np.asarray(thickness_mm, float))
-        return np.exp(self._over(depth, thickness, "log_factor")) * self.table.force(
-            depth, thickness, young_MPa, radius_mm
-        )
+        factor = np.exp(self._over(depth, thickness, "log_factor"))
+        return factor * self.table.force(depth, thickness, young_MPa, radius_mm)
 
-    def depth_limit_mm(self, thickness_mm: ArrayLike, radius_mm: ArrayLike) -> NDArray:
+    def depth_limit_mm(self, thickness_mm: ArrayLike, radius_mm: ArrayLike) -> Array:
         """Depth that the table holds and the solves reached. [mm]"""
         thickness = np.asarray(thickness_mm, float)
         nodes = np.log([one.thickness_mm for one in self.solved])
         reached = np.interp(np.log(thickness), nodes, [one.share[-1] for one in self.solved]) * thickness
         return np.minimum(self.table.depth_limit_mm(thickness, radius_mm), reached)
 
-    def relative_error(self, depth_mm: ArrayLike, thickness_mm: ArrayLike, radius_mm: ArrayLike) -> NDArray:
+    def relative_error(self, depth_mm: ArrayLike, thickness_mm: ArrayLike, radius_mm: ArrayLike) -> Array:
         """Error of the solves and of what lies between; see :class:`dummydesign.pad.force_law.ForceLaw`."""
         depth, thickness = np.broadcast_arrays(np.asarray(depth_mm, float), np.asarray(thickness_mm, float))
         return self._over(depth, thickness, "error") + self.doubt
 
-    def _over(self, depth: NDArray, thickness: NDArray, name: str) -> NDArray:
+    def _over(self, depth: Array, thickness: Array, name: str) -> Array:
         """A solved quantity between shares and thicknesses."""
         share = np.log(np.maximum(depth / thickness, 1e-9))
         rows = [_along(one, share, name, self.steep) for one in self.solved]
@@ -240,7 +211,7 @@ class OwnSlabLaw(BaseForceLaw):
         return low + part * (high - low)
 
 
-def _along(one: Solved, log_share: NDArray, name: str, steep: bool) -> NDArray:
+def _along(one: Solved, log_share: Array, name: str, steep: bool) -> Array:
     known, values = np.log(one.share), getattr(one, name)
     values_at = np.interp(log_share, known, values)
     if steep and name == "log_factor" and len(known) > 1:
@@ -248,7 +219,7 @@ def _along(one: Solved, log_share: NDArray, name: str, steep: bool) -> NDArray:
     return values_at
 
 
-def own_slab_law(table: ForceLaw, pad: Pad, thickness_mm: NDArray) -> ForceLaw:
+def own_slab_law(table: ForceLaw, pad: Pad, thickness_mm: Array) -> ForceLaw:
     """The law of slabs that are pressed as a pad is: the table itself where nothing differs."""
     ends = float(np.min(thickness_mm)), float(np.max(thickness_mm))
     if in_table(pad) and not near_rim(pad, ends[1]):
@@ -295,7 +266,7 @@ def solve_over_table(table: ForceLaw, pad: Pad, thickness_mm: float) -> Solved:
     return Solved(thickness_mm, depth_share, factor, error)
 
 
-def _by_rim(pad: Pad, share: NDArray) -> dict[str, Any]:
+def _by_rim(pad: Pad, share: Array) -> dict[str, Any]:
     """Force of the pad over that of one of the table's size, both under a sharp edge of the same coarse cells."""
     from dummydesign.pad.axisymmetric.case import Case, sharp_problem
     from dummydesign.pad.fem.mesh_axisymmetric import Resolution

@@ -26,7 +26,10 @@ class _Elastic:
     @property
     def shape(self) -> HyperelasticLaw:
         """The hyperelastic law with unit shear modulus."""
-        return Yeoh(1.0) if self.law is None else self.law.scaled(1.0 / self.law.shear_MPa)
+        if self.law is None:
+            return Yeoh(1.0)
+        nearly = self.law.scaled(1.0 / self.law.shear_MPa)
+        return nearly.scaled(1.0 / nearly.shear_MPa)
 
     @property
     def shear_MPa(self) -> float:

@@ -8,9 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from dummydesign.design.assessment.safety import QUASI_STATIC_AFTER_S
+from dummydesign.design.safety import QUASI_STATIC_AFTER_S
 from dummydesign.person.people import People
-from dummydesign.person.ringing import GAP_S
+from dummydesign.person.ringing import GAP_S, Arm
 from dummydesign.person.smoothing import interpolation
 
 TOLERANCE = 2e-5
@@ -29,19 +29,37 @@ SUBSTEPS, SOLVED, LEAST_N = 2, 1e-9, 1e-3
 """Steps between two times, error of the force over itself, and the least force that it is measured by. [N]"""
 
 
+FOUR = ("peak_N", "steady_N", "depth_mm", "energy_mJ")
+"""What is reported of a press."""
+LATE_POINTS = 25
+
+
 @dataclass(frozen=True)
-class Trajectory:
-    """Depths and forces of persons, shape (p, n) over times (n,); what a press comes to, shape (p,)."""
+class Response:
+    """What persons bear: curves of shape (p, n) over ``time_s`` (n,) or (p, n), and numbers, shape (p,).
+
+    ``held_N`` is the largest force later than 0.5 s after contact; ``stop_s`` is when a free mass stopped.
+    """
 
     time_s: NDArray
-    depth_mm: NDArray
-    force_N: NDArray
+    depth_curve_mm: NDArray
+    force_curve_N: NDArray
     peak_N: NDArray
-    deepest_mm: NDArray
+    steady_N: NDArray
+    depth_mm: NDArray
     energy_mJ: NDArray
-    stop_s: NDArray
-    late_N: NDArray
     held_N: NDArray
+    stop_s: NDArray | float = np.inf
+
+    @classmethod
+    def of_curves(cls, time_s: NDArray, depth: NDArray, force: NDArray, steady: NDArray, energy: NDArray) -> Response:
+        """Take peak, depth and held force from curves (p, n)."""
+        held = held_after(time_s, force)
+        return cls(time_s, depth, force, force.max(axis=-1), steady, depth.max(axis=-1), energy, held)
+
+    def four(self) -> dict[str, NDArray]:
+        """The four numbers by name."""
+        return {name: getattr(self, name) for name in FOUR}
 
 
 Input = Callable[[float], tuple[NDArray | float, NDArray | float]]
@@ -54,10 +72,17 @@ def held_after(time_s: NDArray, force_N: NDArray) -> NDArray:
     return np.where(np.isfinite(late), late, np.nan)
 
 
+def late_mean(time_s: NDArray, force: NDArray, from_s: float) -> NDArray:
+    """Mean force over common times (n,) from one on, shape (p,); NaN where the press ends before. [N]"""
+    if from_s >= time_s[-1]:
+        return np.full(len(force), np.nan)
+    return force @ interpolation(np.linspace(from_s, float(time_s[-1]), LATE_POINTS), time_s).mean(axis=0)
+
+
 def follow_force(
     people: People, time_s: NDArray, force_N: NDArray, late_s: float = np.inf, substeps: int = SUBSTEPS,
     tolerance: float = SOLVED,
-) -> Trajectory:  # fmt: skip
+) -> Response:  # fmt: skip
     """Press so that each person bears a force that is given over time, F(x, q) = F(t).
 
     Each step solves for the depth at its end, by Newton's method inside a bracket; the arms are exact for the even
@@ -90,17 +115,10 @@ def follow_force(
             energy = energy + 0.5 * (before + goal) * (new - x)
             x = new
         steps.append(x)
-    depth = np.stack(steps, axis=-1)
-    stop, held = np.full(len(people), time_s[-1]), np.full(len(people), np.nan)
-    if late_s < time_s[-1]:
-        held = wanted @ interpolation(np.linspace(late_s, float(time_s[-1]), 25), time_s).mean(axis=0)
-    longer = held_after(time_s, wanted)
-    return Trajectory(time_s, depth, wanted, wanted.max(axis=-1), depth.max(axis=-1), energy, stop, held, longer)
+    return Response.of_curves(time_s, np.stack(steps, axis=-1), wanted, late_mean(time_s, wanted, late_s), energy)
 
 
-def _depth_for(
-    people: People, x: NDArray, q: NDArray, step: float, goal: NDArray, tolerance: float
-) -> NDArray:  # fmt: skip
+def _depth_for(people: People, x: NDArray, q: NDArray, step: float, goal: NDArray, tolerance: float) -> NDArray:
     """Depth at the end of a step whose force is the goal, shape (p,). [mm]"""
     low, high = np.zeros(len(people)), np.maximum(people.law.root(goal / people.gamma1), x) + 1e-9
     for _ in range(60):
@@ -123,11 +141,11 @@ def _depth_for(
 
 
 def run_robot(
-    people: People, mass_kg: float, stiffness_N_per_mm: float, given: Input, end_s: float, velocity_mm_s: NDArray,
-    scale_mm: NDArray, longest_step: Callable[[float], float], until_stop: bool = False, keep: bool = True,
-    late_s: float = np.inf, loose_after_s: float = np.inf, tolerance: float = TOLERANCE,
-    damping_N_s_per_mm: float = 0.0, mean_from_s: float = np.inf, lost_mm_s: NDArray | float = 0.0,
-) -> Trajectory:  # fmt: skip
+    people: People, arm: Arm, given: Input, end_s: float, velocity_mm_s: NDArray, scale_mm: NDArray,
+    longest_step: Callable[[float], float], until_stop: bool = False, keep: bool = True, late_s: float = np.inf,
+    loose_after_s: float = np.inf, tolerance: float = TOLERANCE, mean_from_s: float = np.inf,
+    lost_mm_s: NDArray | float = 0.0,
+) -> Response:  # fmt: skip
     """Integrate M u'' = F_p(t) - D u' - K u - F(x_p(t) + u, q) of all persons, by Newmark's rules.
 
     u is the difference of the path on a person to the path x_p on the pad, where the force was F_p. The command
@@ -143,8 +161,8 @@ def run_robot(
     Parameters
     ----------
     people : People
-    mass_kg, stiffness_N_per_mm : float
-        Of the robot; a stiffness of 0 and no input is a free mass.
+    arm : Arm
+        K, M and the damping of the robot alone, D; a stiffness of 0 and no input is a free mass.
     given : callable
         Force [N] and path [mm] on the pad at a time.
     end_s : float
@@ -163,15 +181,13 @@ def run_robot(
         A hundred periods after this time the robot's own ringing is damped: forces and depths become means. [s]
     tolerance : float
         Error of a step, over the depth.
-    damping_N_s_per_mm : float
-        D, of the robot alone.
     mean_from_s : float
         From when on force and path on the pad are means over its ringing. The person goes on at the same depth and
         speed; what rang on the pad passes to the difference. [s]
     lost_mm_s : ndarray or float
         Speed of the path just before that time, less that after it.
     """
-    mass, count = 1e-3 * mass_kg, len(people)
+    mass, stiffness, damping, count = 1e-3 * arm.mass_kg, arm.stiffness_N_per_mm, arm.damping_N_s_per_mm, len(people)
     u, v, q = np.zeros(count), np.array(velocity_mm_s, float), people.at_rest()
     pushed, path = given(0.0)
     x = path + u
@@ -179,23 +195,20 @@ def run_robot(
     a = (pushed - force) / mass
     times, depths, forces = [0.0], [x], [force]
     peak, deepest, energy = force.copy(), x.copy(), np.zeros(count)
-    stop = np.full(count, np.nan)
-    longer = np.full(count, np.nan)
-    late, period = np.zeros(count), 2.0 * np.pi * np.sqrt(mass / max(stiffness_N_per_mm, 1e-9))
-    damping = damping_N_s_per_mm
+    stop, longer, late = np.full(count, np.nan), np.full(count, np.nan), np.zeros(count)
     fastest = max(float(np.max(np.abs(v))), 1e-9)
     time, step = 0.0, min(1e-3 * float(np.min(scale_mm)) / fastest, longest_step(0.0))
     before: tuple[float, NDArray] | None = None
     for _ in range(MOST_STEPS):
-        if time >= end_s * (1.0 - 1e-12) or (until_stop and not np.isnan(stop).any()):
+        if time >= end_s * (1.0 - 1e-12) or not np.isnan(stop).any():
             break
         taken = min(step, longest_step(time), end_s - time)
         pushed, path = given(time + taken)
         jerk = np.zeros(count) if before is None else (a - before[1]) / before[0]
         predicted = u + taken * v + 0.5 * taken**2 * a + taken**3 / 6.0 * jerk
-        loose = max(1.0, (time - loose_after_s) / (RINGS * period)) ** 3
-        stiff = stiffness_N_per_mm + STIFFENING * float(np.max(force / np.maximum(x, LEAST_DEPTH * scale_mm)))
-        ringing = stiffness_N_per_mm > 0.0 and stiff * taken**2 < SHORT * mass
+        loose = max(1.0, (time - loose_after_s) / (RINGS * arm.period_s)) ** 3
+        stiff = stiffness + STIFFENING * float(np.max(force / np.maximum(x, LEAST_DEPTH * scale_mm)))
+        ringing = stiffness > 0.0 and stiff * taken**2 < SHORT * mass
         new_share, far_share = IN_PHASE if ringing else STABLE
         new_share, far_share = (new_share, far_share) if loose == 1.0 else DAMPED
         constant = u + taken * v + (0.5 - far_share) * taken**2 * a
@@ -203,16 +216,16 @@ def run_robot(
         resisting = damping * new_share / (far_share * taken)
         known = weight * (pushed - damping * (v + taken * (1.0 - new_share) * a) + resisting * constant)
         new, new_q, new_force = _solve(
-            people, x, q, taken, constant + known, weight, stiffness_N_per_mm + resisting, path, predicted
+            people, x, q, taken, constant + known, weight, stiffness + resisting, path, predicted
         )
         error = float(np.max(np.abs(new - predicted) / scale_mm)) / (tolerance * loose)
         if before is not None and error > 2.0 and taken > 1e-9:
             step = taken * max(0.3, 0.85 * error ** (-1.0 / 3.0))
             continue
         drag = damping * (v + taken * (1.0 - new_share) * a) + resisting * (new - constant)
-        new_a = (pushed - drag - stiffness_N_per_mm * new - new_force) / mass
+        new_a = (pushed - drag - stiffness * new - new_force) / mass
         new_v, new_x = v + taken * ((1.0 - new_share) * a + new_share * new_a), path + new
-        going = np.isnan(stop) if until_stop else np.ones(count, bool)
+        going = np.isnan(stop)
         halted = going & until_stop & (new_v <= 0.0)
         share = np.where(halted, v / np.maximum(v - new_v, 1e-300), 1.0)
         reached = np.where(halted, x + 0.5 * share * taken * v, new_x)
@@ -231,7 +244,7 @@ def run_robot(
             time, mean_from_s, before = mean_from_s + GAP_S, np.inf, None
             pushed, path = given(time)
             u, v = x - path, v + lost_mm_s
-            a = (pushed - damping * v - stiffness_N_per_mm * u - force) / mass
+            a = (pushed - damping * v - stiffness * u - force) / mass
         if keep:
             times.append(time)
             depths.append(x)
@@ -239,10 +252,9 @@ def run_robot(
         grown = taken * float(np.clip(0.85 * max(error, 1e-9) ** (-1.0 / 3.0), 0.3, 1.6))
         # a step that was cut to end at a node says nothing against the longer one
         step = max(grown, step) if error < 1.0 and taken < step else grown
-    stop = np.where(np.isnan(stop), np.nan if until_stop else time, stop)
-    curves = [np.stack(rows, axis=-1) for rows in (depths, forces)]
-    held = late / (time - late_s) if time > late_s else np.full(count, np.nan)
-    return Trajectory(np.array(times), curves[0], curves[1], peak, deepest, energy, stop, held, longer)
+    depth_curve, force_curve = (np.stack(rows, axis=-1) for rows in (depths, forces))
+    steady = late / (time - late_s) if time > late_s else np.full(count, np.nan)
+    return Response(np.array(times), depth_curve, force_curve, peak, steady, deepest, energy, longer, stop)
 
 
 def _solve(

@@ -15,7 +15,7 @@ from dummydesign.tissue.model.measured_curves import FORCE_FACTOR, SPEED_FACTOR,
 from dummydesign.tissue.model.tissue import PRESSED
 
 if TYPE_CHECKING:
-    from dummydesign.person.drives.drive import Response
+    from dummydesign.person.integrate import Response
     from dummydesign.tissue.model.tissue import Tissue
 
 STEADY, DEPTH, PEAK = PRESSED
@@ -32,7 +32,7 @@ class Beyond:
 
     quantity: str
     value: float
-    end: float
+    pressed_to: float
     text: str
 
 
@@ -53,30 +53,25 @@ def beyond_range(tissue: Tissue, response: Response, velocity_mm_s: float) -> li
         Of the press.
     """
     low, high = _forces(tissue)
-    speeds, rows = tissue.velocities_mm_s, list[Beyond]()
-    if speeds:
-        slow, fast = min(speeds), max(speeds)
-        if velocity_mm_s < slow / SPEED_FACTOR:
-            rows.append(_beyond("velocity_mm_s", velocity_mm_s, slow, "the slowest press on people"))
-        elif velocity_mm_s > fast * SPEED_FACTOR:
-            rows.append(_beyond("velocity_mm_s", velocity_mm_s, fast, "the fastest press on people"))
-    held = response.steady_N[np.isfinite(response.steady_N)]
-    names = [one.name for one in tissue.subjects]
-    differ = held.size > 0 and float(held.max()) > NEAR * float(held.min())
-    if held.size and float(held.min()) < low / FORCE_FACTOR:
-        whom = names[int(np.nanargmin(response.steady_N))] if differ else ""
-        rows.append(_beyond("steady_force_N", float(held.min()), low, "the smallest press on people", whom))
-    if held.size and float(held.max()) > high * FORCE_FACTOR:
-        whom = names[int(np.nanargmax(response.steady_N))] if differ else ""
-        rows.append(_beyond("steady_force_N", float(held.max()), high, "the largest press on people", whom))
+    speeds, rows, names = tissue.velocities_mm_s, list[Beyond](), [one.name for one in tissue.subjects]
+    ranges = [("velocity_mm_s", np.array([velocity_mm_s]), (min(speeds), max(speeds)), SPEED_FACTOR,
+               ("slowest", "fastest"))] if speeds else []  # fmt: skip
+    if np.isfinite(response.steady_N).any():
+        ranges.append(("steady_force_N", response.steady_N, (low, high), FORCE_FACTOR, ("smallest", "largest")))
+    for quantity, values, ends, factor, words in ranges:
+        least, most = int(np.nanargmin(values)), int(np.nanargmax(values))
+        differ = values[most] > NEAR * values[least]
+        ways = ((least, values[least] < ends[0] / factor), (most, values[most] > ends[1] * factor))
+        rows += [_beyond(quantity, float(values[at]), end, f"the {word} press on people", names[at] if differ else "")
+                 for (at, outside), end, word in zip(ways, ends, words) if outside]  # fmt: skip
     deepest, strongest = _limits(tissue)
-    for quantity, values, ends in (
+    for quantity, values, limits in (
         ("depth_mm", response.depth_mm, deepest), ("peak_force_N", response.peak_N, strongest)
     ):  # fmt: skip
-        over = values / ends
+        over = values / limits
         worst = int(np.argmax(over))
         if over[worst] > NEAR:
-            rows.append(_beyond(quantity, float(values[worst]), float(ends[worst]),
+            rows.append(_beyond(quantity, float(values[worst]), float(limits[worst]),
                                 f"the most for {subject_words(names[worst])}"))  # fmt: skip
     return rows
 
@@ -126,7 +121,7 @@ def _limits(tissue: Tissue) -> tuple[NDArray, NDArray]:
         peak = np.array([max(max(p.rise_N.max(), p.hold_N.max()) for p in one.presses) for one in subjects])  # type: ignore[attr-defined]
         return depth, peak
     if not law.fitted:
-        return np.full(len(subjects), np.inf), np.full(len(subjects), np.inf)
+        return (np.full(len(subjects), np.inf),) * 2
     _, force, assumed_mm = law.press(subjects, PAPER_N[1], max(speeds), HOLD_S, DECELERATION_MM_S2)
     own = [one.pressed for one in tissue.subjects]
     depth = np.array([one[DEPTH].high if one else deep for one, deep in zip(own, assumed_mm)])

@@ -6,10 +6,10 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from dummydesign.core.serialise import Serialised
-from dummydesign.design.assessment.safety import N_PER_CM2
+from dummydesign.design.safety import N_PER_CM2
 
 if TYPE_CHECKING:
-    from dummydesign.design.assessment.safety import Limits
+    from dummydesign.design.safety import Limits
 
 
 @dataclass(frozen=True)
@@ -82,8 +82,7 @@ def against_guarded_limits(
         for load in loads:
             if load.pad_N is None and load.high_N is None and not load.subjects_low_N:
                 continue
-            factor = limits.transient_factor.value if load.kind == "transient" else 1.0
-            limit = quantity.value * factor
+            limit = quantity.value * (limits.transient_factor.value if load.kind == "transient" else 1.0)
             pad, low, high = (None if one is None else one * scale for one in (load.pad_N, load.low_N, load.high_N))
             result, reason = decide(high, tuple(one * scale for one in load.subjects_low_N), limit, extrapolated)
             rows.append(LimitRow(f"{name} {load.kind}", unit, limit, pad, low, high, result, reason, quantity.source))

@@ -11,12 +11,12 @@ from numpy.typing import NDArray
 
 from dummydesign.core.errors import InputError
 from dummydesign.core.serialise import to_plain
-from dummydesign.design.assessment.safety import N_PER_CM2
+from dummydesign.design.safety import N_PER_CM2
 from dummydesign.design.scoring.presses import press_to_depth
 from dummydesign.measurement.importing.press_checks import copies_among, doubts_of
 from dummydesign.measurement.trace import Trace
-from dummydesign.person.drives.drive import FOUR, Drive, Response
-from dummydesign.person.integrate import held_after
+from dummydesign.person.drives.drive import Drive
+from dummydesign.person.integrate import FOUR, Response, held_after
 from dummydesign.person.known_range import Beyond, beyond_range
 from dummydesign.person.limits import LimitRow, Load, against_guarded_limits
 from dummydesign.person.people import People, draw_another, draw_subject
@@ -24,7 +24,7 @@ from dummydesign.person.press import Press, read_press
 from dummydesign.person.signs import TraceSigns, signs_of
 
 if TYPE_CHECKING:
-    from dummydesign.design.assessment.safety import Limits
+    from dummydesign.design.safety import Limits
     from dummydesign.design.suggestion import Suggestion
     from dummydesign.measurement.sensor import Lowpass
     from dummydesign.measurement.trace import Trace
@@ -74,10 +74,8 @@ class PersonPress:
             "band": {**self.band, name: [pressure(end) for end in self.band["peak_N"]]},
             "interval_95": {**self.interval, name: [pressure(end) for end in self.interval["peak_N"]]},
             "factor_peak": list(self.factor), "factor_peak_95": list(self.factor_95),
-            "limits": [row.to_dict() for row in self.limits], "signs": self.signs.to_dict(),
-            "drive_contradicted": self.contradicted or None,
-            "beyond_range": [{"quantity": one.quantity, "value": one.value, "pressed_to": one.end, "text": one.text}
-                             for one in self.beyond],
+            "limits": self.limits, "signs": self.signs, "drive_contradicted": self.contradicted or None,
+            "beyond_range": self.beyond,
         })  # fmt: skip
 
 
@@ -128,13 +126,11 @@ def on_person(
         press = read_press(trace, lowpass, drive.arm)
         drive.check(press)
         pressed.append(_press_people(press, tissue, drive, limits, area_mm2))
-    warnings = [*_of_traces(traces), *_of_presses(pressed, drive, tissue)]
-    return OnPerson(tuple(pressed), drive, tissue, area_mm2, tuple(warnings))
+    of_traces = [*(warning for trace in traces for warning in doubts_of(trace)), *copies_among(traces)]
+    return OnPerson(tuple(pressed), drive, tissue, area_mm2, (*of_traces, *_of_presses(pressed, drive, tissue)))
 
 
-def _press_people(
-    press: Press, tissue: Tissue, drive: Drive, limits: Limits | None, area_mm2: float
-) -> PersonPress:  # fmt: skip
+def _press_people(press: Press, tissue: Tissue, drive: Drive, limits: Limits | None, area_mm2: float) -> PersonPress:
     """Press subjects and draws, and judge."""
     names, rng = [one.name for one in tissue.subjects], np.random.default_rng(SEED)
     pad = {name: None if value is None else float(np.mean(value)) for name, value in drive.on_pad(press).items()}
@@ -142,11 +138,11 @@ def _press_people(
         response = drive.on_curves(press, tissue.parameter_sets)
         another, own, pads = _of_few(response), {}, np.full(1, pad["peak_N"])
     else:
-        people = People.of(tissue.parameter_sets, press.velocity_mm_s)
+        speed, count = press.velocity_mm_s, len(names)
+        people = People.of(tissue.parameter_sets, speed)
         response = drive.respond(press, people)
-        count = len(names)
-        drawn = [draw_another(tissue, press.velocity_mm_s, OTHERS, rng)]
-        drawn += [draw_subject(tissue, row, press.velocity_mm_s, OWN, rng) for row in range(count)]
+        drawn = [draw_another(tissue, speed, OTHERS, rng)]
+        drawn += [draw_subject(tissue, row, speed, OWN, rng) for row in range(count)]
         everyone = People(people.law, *(np.concatenate([getattr(one, part) for one in drawn])
                                         for part in ("gamma1", "gamma", "c")))  # fmt: skip
         pressed = press.drawn(len(everyone), rng)
@@ -167,10 +163,9 @@ def _press_people(
     rows: tuple[LimitRow, ...] = ()
     if limits is not None:
         rows = against_guarded_limits(_loads(press, response, another, own), limits, area_mm2, bool(beyond))
-    peak, (low, high) = pad["peak_N"] or np.nan, band["peak_N"]
-    factor = (None if low is None else low / peak, None if high is None else high / peak)
+    low, high = (None if end is None else end / (pad["peak_N"] or np.nan) for end in band["peak_N"])
     return PersonPress(
-        press, response, pad, subjects, band, interval, factor, _ends(another["peak_N"] / pads), signs,
+        press, response, pad, subjects, band, interval, (low, high), _ends(another["peak_N"] / pads), signs,
         drive.contradicted(signs), beyond, rows,
     )  # fmt: skip
 
@@ -181,10 +176,7 @@ def _loads(press: Press, response: Response, another: dict[str, NDArray], own: d
     pads = {"transient": float(press.peak_N), "quasi-static": float(held_after(press.time_s, press.force_N[None])[0])}
     for kind, name, values in (("transient", "peak_N", response.peak_N), ("quasi-static", "held_N", response.held_N)):
         low, high = _ends(another[name])
-        if own:
-            ends = [_ends(row)[0] for row in own[name]]
-        else:
-            ends = [_number(value) for value in values]
+        ends = [_ends(row)[0] for row in own[name]] if own else [_number(value) for value in values]
         known = tuple(end for end in ends if end is not None)
         loads.append(Load(kind, _number(pads[kind]) if known or high is not None else None, low, high, known))
     return loads
@@ -226,28 +218,19 @@ def _number(value: float) -> float | None:
     return float(value) if np.isfinite(value) else None
 
 
-def _of_traces(traces: Sequence[Trace]) -> list[dict[str, str]]:
-    """What looks wrong in the files."""
-    return [*(warning for trace in traces for warning in doubts_of(trace)), *copies_among(traces)]
-
-
 def _of_presses(pressed: Sequence[PersonPress], drive: Drive, tissue: Tissue) -> list[dict[str, str]]:
     """What the reader must know: a drive that does not fit, a range that is left, people who were not measured."""
     rows: list[tuple[str, str]] = []
-    for one in pressed:
-        file = one.press.trace.name
-        if one.contradicted:
-            rows.append(("drive_mismatch", f"{file}: the trace does not fit --drive {drive.text}: {one.contradicted}"))
+    rows += [("drive_mismatch", f"{one.press.trace.name}: the trace does not fit --drive {drive.text}: "
+              f"{one.contradicted}") for one in pressed if one.contradicted]  # fmt: skip
     arm = drive.arm
     for one in pressed:
-        if arm is None:
-            break
         file, step = one.press.trace.name, float(np.median(np.diff(one.press.trace.time_s)))
-        if arm.period_s < SEEN_SAMPLES * step:
+        if arm is not None and arm.period_s < SEEN_SAMPLES * step:
             own, least = 1.0 / arm.period_s, SEEN_SAMPLES / arm.period_s
-            words = (f"peaks are missing: the arm rings at {own:.3g} Hz; record at least {least:.0f} samples/s")
+            words = f"peaks are missing: the arm rings at {own:.3g} Hz; record at least {least:.0f} samples/s"
             rows.append(("arm_unseen", f"{file}: {words}"))
-        elif one.press.rings and arm.damping_ratio == 0.0:
+        elif arm is not None and one.press.rings and arm.damping_ratio == 0.0:
             words = "the arm still rings in the hold and is assumed undamped; give its damping ratio: "
             rows.append(("arm_rings", f"{file}: {words}--drive {drive.text},RATIO"))
     for one in pressed:
@@ -276,8 +259,7 @@ def design_on_people(answer: Suggestion, drive: Drive, limits: Limits | None = N
 
 def predicted_traces(answer: Suggestion) -> list[Trace]:
     """Return the predicted press of each condition as a trace, with a short approach before contact."""
-    slabs = answer.best.evaluation.slabs.take(np.array([answer.best.index]))
-    depths = answer.best.evaluation.depth_mm[answer.best.index]
+    slabs, depths = answer.best.alone, answer.best.depth_mm
     traces = []
     for column, condition in enumerate(answer.targets.conditions):
         if not np.isfinite(depths[column]):

@@ -15,7 +15,7 @@ from dummydesign.tissue.model.laws import law_named
 from dummydesign.tissue.model.maxwell_law import MaxwellLaw, stack
 from dummydesign.tissue.model.parameters import Parameters
 from dummydesign.tissue.model.posterior import FARTHEST, drawn_tissues
-from dummydesign.tissue.model.tissue import flatten, nest
+from dummydesign.tissue.model.tissue import flatten, subject_parameters
 
 if TYPE_CHECKING:
     from dummydesign.tissue.model.tissue import Subject, Tissue
@@ -42,8 +42,7 @@ class People:
     @classmethod
     def of(cls, subjects: Sequence[Parameters], velocity_mm_s: float) -> People:
         """Collect subjects with their dampers at a speed; see :func:`~.maxwell_law.stack`."""
-        law, gamma1, gamma, c = stack(subjects, velocity_mm_s)
-        return cls(law_named(law), gamma1, gamma, c)
+        return cls(law_named(subjects[0].law), *stack(subjects, velocity_mm_s))
 
     def __len__(self) -> int:
         return len(self.gamma1)
@@ -115,10 +114,7 @@ def people_of_logs(people: People, logs: NDArray) -> People:
 
 def own_spread(subject: Subject, velocity_mm_s: float) -> NDArray:
     """Standard deviations of a subject's ln parameters, from its 95 % intervals, shape (1 + 2 arms,)."""
-    ends = []
-    for end in ("low", "high"):
-        values = nest({key: getattr(number, end) for key, number in flatten(subject.numbers).items()})
-        ends.append(Parameters.from_dict(subject.parameters.law, values))
+    ends = (subject_parameters(subject.parameters.law, subject.numbers, end) for end in ("low", "high"))
     low, high = (log_parameters(People.of([one], velocity_mm_s))[0] for one in ends)
     return (high - low) / WIDTH
 
@@ -130,8 +126,7 @@ def draw_subject(tissue: Tissue, row: int, velocity_mm_s: float, count: int, rng
     """
     people = People.of(tissue.parameter_sets[row : row + 1], velocity_mm_s)
     spread = own_spread(tissue.subjects[row], velocity_mm_s)
-    logs = log_parameters(people) + spread * rng.standard_normal((count, len(spread)))
-    return people_of_logs(people, logs)
+    return people_of_logs(people, log_parameters(people) + spread * rng.standard_normal((count, len(spread))))
 
 
 def draw_another(tissue: Tissue, velocity_mm_s: float, count: int, rng: np.random.Generator) -> People:
@@ -156,8 +151,7 @@ def draw_another(tissue: Tissue, velocity_mm_s: float, count: int, rng: np.rando
     groups = drawn_tissues(tissue, GROUPS) if _inferred(tissue) else ()
     if groups:
         persons = [one for group in groups for one in group.parameter_sets]
-        chosen = [persons[at] for at in rng.integers(len(persons), size=count)]
-        return People.of(chosen, velocity_mm_s)
+        return People.of([persons[at] for at in rng.integers(len(persons), size=count)], velocity_mm_s)
     logs = log_parameters(people)
     middle = logs.mean(axis=0)
     scatter = (logs - middle).T @ (logs - middle) / (subjects - 1.0) * (1.0 + 1.0 / subjects)

@@ -9,15 +9,15 @@ from numpy.typing import NDArray
 
 from dummydesign.core.errors import InputError
 from dummydesign.measurement.importing.signs import noise_of
-from dummydesign.measurement.landmarks import approach_velocity, find_ramp
-from dummydesign.measurement.motion import work_mJ
+from dummydesign.measurement.landmarks import approach_velocity, ramp_of
+from dummydesign.measurement.motion import Ramp, work_mJ
 from dummydesign.measurement.sensor import Lowpass
 from dummydesign.measurement.trace import Trace
-from dummydesign.person.ringing import Arm, real_bends, smoothed_ringing, still_rings
+from dummydesign.person.ringing import Arm, growing_nodes, real_bends, smoothed_ringing, still_rings
 from dummydesign.person.smoothing import SmoothCurve, smooth_curve
 from dummydesign.tissue.fitting.reduction import rounded_velocity
 
-RISE_NODES, AFTER, GROWTH = 160, 0.25, 1.08
+RISE_NODES, AFTER = 160, 0.25
 """Nodes from contact to a quarter of the rise (8 ms at least) after the stop; then each interval is 8 % longer."""
 AFTER_S = 0.008
 MOST_ROUNDS, MOST_NODES = 5, 900
@@ -119,6 +119,11 @@ class Press:
         before = 1.5 * slope[..., last - 1] - 0.5 * slope[..., last - 2]
         return np.asarray(before - slope[..., last + 1])
 
+    @property
+    def late_from_s(self) -> float:
+        """Time from which on the mean of the force is the steady force; infinite without a hold. [s]"""
+        return np.inf if self.steady_N is None else float(self.time_s[-1]) - LATE * self.hold_s
+
     def drawn(self, count: int, rng: np.random.Generator) -> Press:
         """Draw presses that may be behind the trace: noise of both columns, and where contact is."""
         x = self.x_mm + rng.standard_normal((count, self.x_factor.shape[1])) @ self.x_factor.T
@@ -126,8 +131,7 @@ class Press:
         force = self.force_N + rng.standard_normal((count, self.force_factor.shape[1])) @ self.force_factor.T
         steady = None
         if self.steady_N is not None:
-            late = self.time_s >= self.time_s[-1] - LATE * self.hold_s
-            steady = self.steady_N + (force - self.force_N)[:, late].mean(axis=-1)
+            steady = self.steady_N + (force - self.force_N)[:, self.time_s >= self.late_from_s].mean(axis=-1)
         near = np.exp(-np.maximum(self.time_s / self.stop_s - 1.0, 0.0))
         force = force * (1.0 + CURVE_ERROR * rng.standard_normal((count, 1)) * near)
         speed = np.maximum(self.contact_mm_s + self.contact_sd_mm_s * rng.standard_normal(count), 1e-3)
@@ -150,38 +154,30 @@ def read_press(trace: Trace, lowpass: Lowpass | None = None, arm: Arm | None = N
     if largest <= SEEN * noise or float(x.max()) <= 0.0:
         message = f"{trace.name}: no contact: the force never rises above its noise"
         raise InputError(message, "nothing_found", "contact", largest)
-    try:
-        ramp = find_ramp(time, x, "slowed")
-    except InputError as problem:
-        raise problem.within(trace.name) from None
+    ramp = ramp_of(trace)
     _check_contact(trace, ramp.contact_time_s, noise, lowpass is not None)
     fastest = approach_velocity(time, x, ramp)
     velocity = rounded_velocity(trace.commanded_speed_mm_s or fastest)
-    _check_stop(trace, ramp.contact_time_s, ramp.stop_time_s, velocity)
-    end = max(_leaving(time, x), ramp.stop_time_s)
-    used = (time >= ramp.contact_time_s) & (time <= end)
-    end = float(time[used][-1])
-    stop, mean_from = ramp.stop_time_s - ramp.contact_time_s, np.inf
-    nodes = _nodes(stop, end - ramp.contact_time_s)
-    since = time[used] - ramp.contact_time_s
+    _check_stop(trace, ramp, velocity)
+    used = (time >= ramp.contact_time_s) & (time <= max(_leaving(time, x), ramp.stop_time_s))
+    since, hold = time[used] - ramp.contact_time_s, float(time[used][-1]) - ramp.stop_time_s
+    stop, mean_from = ramp.rise_time_s, np.inf
+    nodes = _nodes(stop, float(since[-1]))
     if arm is None:
         path, load, nodes = _smoothed(since, x[used], force[used], nodes, lowpass)
     else:
         path, load, nodes, mean_from = smoothed_ringing(since, x[used], force[used], nodes, stop, arm, lowpass)
-    speed, error = contact_speed(time - ramp.contact_time_s, x, ramp.stop_time_s - ramp.contact_time_s, path.noise)
+    speed, error = contact_speed(time - ramp.contact_time_s, x, stop, path.noise)
     if time[0] > ramp.contact_time_s - LEAST_NEAR * float(np.median(np.diff(time))):
         speed = np.minimum(speed, fastest)  # without an approach the curve starts too steep where the robot brakes
-    late = nodes[:-1] > 2.0 * (ramp.stop_time_s - ramp.contact_time_s)
-    rings = int(((path.coarse | load.coarse) & late).sum()) >= RINGS
+    rings = int(((path.coarse | load.coarse) & (nodes[:-1] > 2.0 * stop)).sum()) >= RINGS
     if arm is not None:
         rings = still_rings(path, nodes, min(mean_from, float(nodes[-1])), arm.period_s)
-    hold = end - ramp.stop_time_s
-    steady = None
-    if hold >= SHORTEST_HOLD_S:
-        steady = np.asarray(force[used][since >= since[-1] - LATE * hold].mean())
+    late = force[used][since >= since[-1] - LATE * hold]
+    steady = np.asarray(late.mean()) if hold >= SHORTEST_HOLD_S else None
     return Press(
-        trace, nodes, path.value, _not_pulling(load).value, path.factor, load.factor, ramp.contact_time_s,
-        ramp.stop_time_s - ramp.contact_time_s, hold, velocity, speed, error, steady, load.noise, rings, mean_from,
+        trace, nodes, path.value, np.maximum(load.value, 0.0), path.factor, load.factor, ramp.contact_time_s, stop,
+        hold, velocity, speed, error, steady, load.noise, rings, mean_from,
     )  # fmt: skip
 
 
@@ -207,8 +203,7 @@ def _leaving(time: NDArray, x: NDArray) -> float:
 
     The last sample of a press that is not unloaded. An arm that swings over its depth has not left.
     """
-    largest = float(x.max())
-    deepest = int(np.argmax(x))
+    largest, deepest = float(x.max()), int(np.argmax(x))
     below = np.flatnonzero(x[deepest:] < 0.5 * largest)
     if not below.size:
         return float(time[-1])
@@ -229,23 +224,20 @@ def _smoothed(
     With more nodes the roughness is that over time: the weight that lets wide nodes follow the ringing of a hold would
     leave close nodes without samples, those of the rise, free to scatter, and peaks drawn from them too high.
     """
-    path, load = smooth_curve(since, x, nodes), smooth_curve(since, force, nodes, lowpass)
-    usual = len(nodes)
+
+    def both(nodes: NDArray, bends: NDArray | None = None) -> tuple[SmoothCurve, SmoothCurve]:
+        return smooth_curve(since, x, nodes, bends=bends), smooth_curve(since, force, nodes, lowpass, bends=bends)
+
+    (path, load), usual = both(nodes), len(nodes)
     for _ in range(MOST_ROUNDS):
         coarse = path.coarse | load.coarse
         if not coarse.any() or len(nodes) + coarse.sum() > MOST_NODES:
             break
         nodes = np.sort(np.r_[nodes, 0.5 * (nodes[1:] + nodes[:-1])[coarse]])
-        path, load = smooth_curve(since, x, nodes), smooth_curve(since, force, nodes, lowpass)
+        path, load = both(nodes)
     if len(nodes) > usual:
-        bends = real_bends(nodes)
-        path = smooth_curve(since, x, nodes, bends=bends)
-        load = smooth_curve(since, force, nodes, lowpass, bends=bends)
+        path, load = both(nodes, real_bends(nodes))
     return path, load, nodes
-
-
-def _not_pulling(curve: SmoothCurve) -> SmoothCurve:
-    return replace(curve, value=np.maximum(curve.value, 0.0))
 
 
 def _nodes(stop_s: float, end_s: float) -> NDArray:
@@ -254,10 +246,7 @@ def _nodes(stop_s: float, end_s: float) -> NDArray:
     even = np.linspace(0.0, fine, RISE_NODES + 1)
     if fine >= end_s * (1.0 - 1e-9):
         return even
-    step = fine / RISE_NODES
-    count = max(int(np.ceil(np.log1p((end_s - fine) / step * (GROWTH - 1.0)) / np.log(GROWTH))), 1)
-    grown = np.cumsum(GROWTH ** np.arange(1, count + 1))
-    return np.r_[even, fine + grown * (end_s - fine) / grown[-1]]
+    return np.r_[even, growing_nodes(fine, end_s, fine / RISE_NODES, 1, first=1)]
 
 
 def _check_contact(trace: Trace, contact_s: float, noise_N: float, delayed: bool) -> None:
@@ -284,16 +273,13 @@ def _check_contact(trace: Trace, contact_s: float, noise_N: float, delayed: bool
         raise InputError(message, "inconsistent", "contact", first, 0.0)
 
 
-def _check_stop(trace: Trace, contact_s: float, stop_s: float, velocity_mm_s: float) -> None:
+def _check_stop(trace: Trace, ramp: Ramp, velocity_mm_s: float) -> None:
     """Refuse a trace that ends while the punch still goes deeper."""
-    time, x = trace.time_s, trace.displacement_mm
-    rise = stop_s - contact_s
-    if time[-1] - stop_s > max(5.0 * float(np.median(np.diff(time))), 0.05 * rise):
+    time, x, rise = trace.time_s, trace.displacement_mm, ramp.rise_time_s
+    if time[-1] - ramp.stop_time_s > max(5.0 * float(np.median(np.diff(time))), 0.05 * rise):
         return
     back = min(int(np.searchsorted(time, time[-1] - 0.1 * rise)), len(x) - 3)
     speed = float((x[-1] - x[back]) / (time[-1] - time[back]))
     if speed > MOVING * velocity_mm_s:
-        message = (
-            f"{trace.name}: ends before the stop, at {speed:.3g} mm/s; record until the punch holds or leaves"
-        )
+        message = f"{trace.name}: ends before the stop, at {speed:.3g} mm/s; record until the punch holds or leaves"
         raise InputError(message, "not_enough_data", "hold_s", speed)

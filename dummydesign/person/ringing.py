@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from dummydesign.measurement.importing.signs import noise_of
 from dummydesign.measurement.sensor import Lowpass
 from dummydesign.person.smoothing import SmoothCurve, smooth_curve
 
@@ -79,9 +80,8 @@ def real_bends(nodes_s: NDArray) -> NDArray:
     left, right = steps[:-1], steps[1:]
     size = np.sqrt(0.5 * (left + right)) * 2.0 / (left + right)
     rows, at = np.zeros((len(nodes_s) - 2, len(nodes_s))), np.arange(len(nodes_s) - 2)
-    rows[at, at], rows[at, at + 1], rows[at, at + 2] = (
-        size / left, -size * (1.0 / left + 1.0 / right), size / right
-    )  # fmt: skip
+    for after, weight in enumerate((size / left, -size * (1.0 / left + 1.0 / right), size / right)):
+        rows[at, at + after] = weight
     return rows
 
 
@@ -104,7 +104,7 @@ def smoothed_ringing(
     close = _close_nodes(nodes_s, stop_s, beyond, ring / NODES_A_PERIOD, BEFORE * ring)
     inside = since_s <= beyond
     rough = real_bends(close)
-    noises = [float(np.nanmin([quiet_noise(one), _plain_noise(one)])) for one in (x, force)]
+    noises = [float(np.nanmin([quiet_noise(one), noise_of(one)])) for one in (x, force)]
     first = [smooth_curve(since_s[inside], one[inside], close, passed, bends=rough, noise=noise)
              for one, passed, noise in zip((x, force), (None, lowpass), noises)]  # fmt: skip
     if not split:
@@ -112,20 +112,14 @@ def smoothed_ringing(
     kept = int(np.searchsorted(close, until)) + 1
     close, until = close[:kept], float(close[kept - 1])
     first = [SmoothCurve(one.value[:kept], one.factor[:kept], one.noise, one.coarse[: kept - 1]) for one in first]
-    wide = _wide_nodes(until + GAP_S, end, ring)
+    wide = np.r_[until + GAP_S, growing_nodes(until + GAP_S, end, ring, 4)]
     second = []
     for one, noise in zip((x, force), noises):
         at, mean = slow_mean(since_s, one, WINDOW * ring)
         late = at >= until + GAP_S
-        second.append(smooth_curve(at[late], mean[late], wide, None, None, noise=noise))
-    both = [_joined(one, other) for one, other in zip(first, second)]
-    return both[0], both[1], np.r_[close, wide], until
-
-
-def _plain_noise(values: NDArray) -> float:
-    from dummydesign.measurement.importing.signs import noise_of
-
-    return float(noise_of(values))
+        second.append(smooth_curve(at[late], mean[late], wide, from_zero=False, noise=noise))
+    path, load = (_joined(one, other) for one, other in zip(first, second))
+    return path, load, np.r_[close, wide], until
 
 
 def _close_nodes(nodes_s: NDArray, stop_s: float, until_s: float, ring_step: float, before_s: float) -> NDArray:
@@ -146,11 +140,11 @@ def _close_nodes(nodes_s: NDArray, stop_s: float, until_s: float, ring_step: flo
     return nodes
 
 
-def _wide_nodes(begin_s: float, end_s: float, step_s: float) -> NDArray:
-    """Nodes of means: a period apart, then growing. [s]"""
-    count = max(int(np.ceil(np.log1p((end_s - begin_s) / step_s * (GROWTH - 1.0)) / np.log(GROWTH))), 4)
-    grown = np.cumsum(GROWTH ** np.arange(count))
-    return np.r_[begin_s, begin_s + (end_s - begin_s) * grown / grown[-1]]
+def growing_nodes(begin_s: float, end_s: float, step_s: float, fewest: int, first: int = 0) -> NDArray:
+    """Times after a beginning, about a step apart at first and each interval 8 % longer than the one before. [s]"""
+    count = max(int(np.ceil(np.log1p((end_s - begin_s) / step_s * (GROWTH - 1.0)) / np.log(GROWTH))), fewest)
+    grown = np.cumsum(GROWTH ** np.arange(first, first + count))
+    return begin_s + (end_s - begin_s) * grown / grown[-1]
 
 
 def slow_mean(time_s: NDArray, values: NDArray, window_s: float) -> tuple[NDArray, NDArray]:

@@ -35,7 +35,7 @@ class SmoothCurve:
 
 
 def smooth_curve(
-    time_s: NDArray, values: NDArray, nodes_s: NDArray, lowpass: Lowpass | None = None, start: float | None = 0.0,
+    time_s: NDArray, values: NDArray, nodes_s: NDArray, lowpass: Lowpass | None = None, from_zero: bool = True,
     bends: NDArray | None = None, noise: float | None = None,
 ) -> SmoothCurve:  # fmt: skip
     """Fit a curve, linear between nodes, to samples: least squares with a penalty on second differences.
@@ -51,8 +51,8 @@ def smooth_curve(
         Rising.
     lowpass : Lowpass, optional
         Filter that the values went through; the curve is what went into it.
-    start : float, optional
-        Value that is known at the first node; None where it is not.
+    from_zero : bool
+        Whether the curve is 0 at the first node.
     bends : ndarray, shape (k, n), optional
         What is penalised, instead of the second differences.
     noise : float, optional
@@ -67,28 +67,23 @@ def smooth_curve(
     least = LEAST_NOISE * float(np.max(np.abs(values), initial=1e-12))
     noise = max(float(noise_of(values)) if noise is None else noise, least)
     at, mean, count = _averaged(time_s, values, nodes_s)
-    design = interpolation(at, nodes_s)
+    design, first = interpolation(at, nodes_s), int(from_zero)
     if lowpass is not None:
         design = design @ lowpass.apply(nodes_s, np.eye(len(nodes_s))).T
-    offset = 0.0 if start is None else start
-    if start is not None:
-        design = design[:, 1:]
-    weighted = design * np.sqrt(count)[:, None]
-    wanted = (mean - offset * (design.sum(axis=1) if start is None else 1.0)) * np.sqrt(count)
+    weighted, wanted = design[:, first:] * np.sqrt(count)[:, None], mean * np.sqrt(count)
     normal = weighted.T @ weighted
-    rough = (np.diff(np.eye(len(nodes_s)), 2, axis=0) if bends is None else bends)[:, 0 if start is None else 1 :]
+    rough = (np.diff(np.eye(len(nodes_s)), 2, axis=0) if bends is None else bends)[:, first:]
     penalty = rough.T @ rough
     penalty *= np.trace(normal) / np.trace(penalty)
-    share, basis = eigh(normal, normal + penalty + 1e-14 * np.trace(normal) * np.eye(len(normal)))
+    ridge = 1e-14 * np.trace(normal) * np.eye(len(normal))
+    share, basis = eigh(normal, normal + penalty + ridge)
     share = np.clip(share, 0.0, 1.0)
     loading = basis.T @ (weighted.T @ wanted)
     total = float(wanted @ wanted)
     # residual sum of squares and degrees of freedom of each weight in closed form
-    damped = share + SCANNED[:, None] * (1.0 - share)
-    damped = np.maximum(damped, 1e-13)
+    damped = np.maximum(share + SCANNED[:, None] * (1.0 - share), 1e-13)
     left = total - 2.0 * (loading**2 / damped).sum(axis=1) + (share * loading**2 / damped**2).sum(axis=1)
-    freedom = (share / damped).sum(axis=1)
-    left = np.maximum(left, 0.0)
+    left, freedom = np.maximum(left, 0.0), (share / damped).sum(axis=1)
     sample, spare = noise, len(wanted) - freedom
     if lowpass is not None:
         # what no weight can fit is an error of the curve's form, not a reason to follow every sample
@@ -99,17 +94,14 @@ def smooth_curve(
         unsure = noise * np.sqrt((1.0 / damped @ (basis**2).T).max(axis=1))
         risk = np.where(unsure > MOST_UNSURE * float(np.ptp(mean)), np.inf, risk)
     best = int(np.argmin(risk)) if np.isfinite(risk).any() else -1
-    chosen = damped[best]
-    value = basis @ (loading / chosen) + offset
-    missed = np.abs(wanted - weighted @ (value - offset))
+    value = basis @ (loading / damped[best])
+    missed = np.abs(wanted - weighted @ value)
     amiss = (missed > SURE * sample) & (missed > SMALL * np.sqrt(count) * float(np.ptp(mean)))
     coarse = np.zeros(len(nodes_s) - 1, bool)
     coarse[np.clip(np.searchsorted(nodes_s, at[amiss], side="right") - 1, 0, len(coarse) - 1)] = True
-    ridge = 1e-14 * np.trace(normal) * np.eye(len(normal))
     factor = noise * root_of_inverse(normal + SCANNED[best] * (penalty + ridge))
-    if start is not None:
-        value = np.r_[start, value]
-        factor = np.vstack([np.zeros(factor.shape[1]), factor])
+    if from_zero:
+        value, factor = np.r_[0.0, value], np.vstack([np.zeros(factor.shape[1]), factor])
     return SmoothCurve(value, factor, noise, coarse)
 
 

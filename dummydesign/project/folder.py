@@ -4,15 +4,14 @@ from __future__ import annotations
 
 import os
 import shlex
-import tomllib
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 from dummydesign.core.errors import InputError, unknown_name
-from dummydesign.core.files import unwritable, write_text
-from dummydesign.core.library import toml_text
+from dummydesign.core.files import write_text, writing
+from dummydesign.core.library import read_toml, toml_text
 
 FILE = "project.toml"
 SCHEMA = 1
@@ -74,8 +73,8 @@ def find_project(start: str | Path = ".") -> Project | None:
 def _ours(path: Path) -> bool:
     """Whether a ``project.toml`` is meant for us; a damaged one is, for silence would hide it."""
     try:
-        return "schema" in tomllib.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError):
+        return "schema" in read_toml(path)[0]
+    except InputError:
         return True
 
 
@@ -88,13 +87,10 @@ def read_project(folder: str | Path) -> Project:
         message = f"'{folder}' is no project folder: it holds no {FILE} (make one: {make})"
         raise InputError(message, "file_not_found", "project", str(folder))
     try:
-        data = tomllib.loads(path.read_text(encoding="utf-8"))
-    except OSError as problem:
-        raise _unreadable(path, f"cannot be read: {problem.strerror}") from None
-    except UnicodeDecodeError:
-        raise _unreadable(path, "is not UTF-8 text") from None
-    except tomllib.TOMLDecodeError as problem:
-        raise _unreadable(path, f"not valid TOML: {problem}") from None
+        data, _ = read_toml(path)
+    except InputError as problem:
+        # which of several projects is meant is seen by its folder
+        raise InputError(f"{root}{os.sep}{problem}", "file_unreadable", "project", str(path)) from None
     if data.get("schema") != SCHEMA:
         message = f"{path}: schema = {data.get('schema')} is not {SCHEMA}, the one this version reads"
         raise InputError(message, "unsupported", "schema", data.get("schema"), SCHEMA)
@@ -113,8 +109,9 @@ def read_project(folder: str | Path) -> Project:
     return Project(root, data.get("name", root.name), **named, asked=tuple(sorted(asked.items())))
 
 
-def _unreadable(path: Path, reason: str) -> InputError:
-    return InputError(f"{path}: {reason}", "file_unreadable", "project", str(path))
+def project_of(root: Path) -> Project | None:
+    """The project of a folder as it is now; None in a folder that is none yet."""
+    return read_project(root) if (root / FILE).is_file() else None
 
 
 def make_project(folder: str | Path, name: str | None = None, **given: str | None) -> Project:
@@ -123,16 +120,12 @@ def make_project(folder: str | Path, name: str | None = None, **given: str | Non
     if (root / FILE).exists():
         message = f"'{root / FILE}' exists: the folder is a project; edit the file to change what it says"
         raise InputError(message, "file_exists", "project", str(root))
-    kept = {key: value for key, value in given.items() if value is not None}
-    asked = tuple(sorted((key, kept[key]) for key in ASKED if key in kept))
+    asked = tuple(sorted((key, value) for key in ASKED if (value := given.get(key)) is not None))
     title = name or root.resolve().name or "project"
-    named = {key: kept.get(key) for key in NAMES}
-    project = Project(root.resolve(), title, named["tissue"], named["resin"], named["punch"], asked)
-    try:
+    project = Project(root.resolve(), title, **{key: given.get(key) for key in NAMES}, asked=asked)
+    with writing("project folder", root, "project"):
         for part in FOLDERS:
             (root / part).mkdir(parents=True, exist_ok=True)
-    except OSError as problem:
-        raise unwritable("project folder", root, problem, "project") from None
     write_text(root / FILE, project.toml())
     return project
 
@@ -140,7 +133,7 @@ def make_project(folder: str | Path, name: str | None = None, **given: str | Non
 def change_project(project: Project, **given: Any) -> Project:
     """Write new values into ``project.toml``; None takes one away. Comments of one's own are not kept."""
     own = {key: value for key, value in given.items() if key in ("name", *NAMES)}
-    asked = {**dict(project.asked), **{key: value for key, value in given.items() if key in ASKED}}
+    asked = dict(project.asked) | {key: value for key, value in given.items() if key in ASKED}
     kept = tuple(sorted((key, value) for key, value in asked.items() if value is not None))
     changed = replace(project, **own, asked=kept)
     write_text(project.root / FILE, changed.toml())
@@ -158,11 +151,8 @@ GIVEN: dict[tuple[str, ...], tuple[str, ...]] = {
     ("campaign", "from-files"): ("punch",),
 }
 """Options that each command takes from the project; ``resin`` and ``young`` of ``predict`` stay with the user."""
-OUT = {
-    "suggest": "designs", "whatif": "designs", "import": "measured", "compare": "designs",
-    "compare-designs": "designs", "mold": "moulds", "loop": "calibrations",
-    "on-person": "designs",
-}  # fmt: skip
+OUT = {**dict.fromkeys(("suggest", "whatif", "compare", "compare-designs", "on-person"), "designs"),
+       "import": "measured", "mold": "moulds", "loop": "calibrations"}  # fmt: skip
 """Folder of the project into which each command writes when no ``--out`` is typed."""
 WITH_TISSUE = ("aim",)
 """Defaults that hold for the project's own tissue alone, as the name of a subject does."""

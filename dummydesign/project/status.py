@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-import json
 import os
-import shlex
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass
 from pathlib import Path
+from shlex import quote
 from typing import Any
 
 from dummydesign.core.errors import InputError
+from dummydesign.core.files import read_json
 from dummydesign.core.manifest import NAME as MANIFEST
 from dummydesign.measurement.campaign_file import FILE as CAMPAIGN
 from dummydesign.measurement.campaign_status import check_campaign
@@ -50,29 +50,25 @@ class ProjectStatus:
         }  # fmt: skip
 
 
-def things_in(root: Path, room: str) -> list[ProjectFile]:
-    """List what lies in one folder of a project, the oldest first; only a list of campaigns reads their presses."""
-    return _things(root, room, [])
-
-
 def finished_manifest(path: Path) -> dict[str, Any] | None:
-    """Return the content of a finished manifest; None where there is none that can be read."""
-    try:
-        content = json.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError):
+    """Return the content of a finished manifest, its summary a table or None; None where none can be read."""
+    content = read_json(path)
+    if not (content.get("command") and content.get("finished")):
         return None
-    return content if isinstance(content, dict) and content.get("command") and content.get("finished") else None
+    summary = content.get("summary")
+    return content | {"summary": summary if isinstance(summary, dict) else None}
 
 
 def status_of(project: Project) -> ProjectStatus:
     """Look at every folder of a project, and say what comes next."""
     problems: list[str] = []
-    files = {room: tuple(_things(project.root, room, problems)) for room in FOLDERS}
+    files = {room: tuple(things_in(project.root, room, problems)) for room in FOLDERS}
     text, command = _next(project, files)
     return ProjectStatus(project, files, text, command, tuple(problems))
 
 
-def _things(root: Path, room: str, problems: list[str]) -> list[ProjectFile]:
+def things_in(root: Path, room: str, problems: list[str] | None = None) -> list[ProjectFile]:
+    """List what lies in one folder of a project, the oldest first; only a list of campaigns reads their presses."""
     folder = root / room
     if not folder.is_dir():
         return []
@@ -83,23 +79,15 @@ def _things(root: Path, room: str, problems: list[str]) -> list[ProjectFile]:
             continue
         if room == "campaigns":
             if (path / CAMPAIGN).is_file():
-                rows.append(_campaign(path, name, problems))
+                rows.append(_campaign(path, name, [] if problems is None else problems))
         elif path.is_dir():
-            manifest = finished_manifest(path / MANIFEST)
-            if manifest is not None:
-                command, date = str(manifest["command"]), str(manifest.get("date", ""))
-                rows.append(ProjectFile(name, command, date, _summary(manifest)))
+            if manifest := finished_manifest(path / MANIFEST):
+                rows.append(_made(name, manifest, manifest["summary"]))
         elif room == "tissue" and path.suffix == ".toml" and not path.stem.endswith("-manifest"):
-            manifest = finished_manifest(path.with_name(f"{path.stem}-{MANIFEST}")) or {}
-            rows.append(ProjectFile(name, str(manifest.get("command", "")), str(manifest.get("date", ""))))
+            rows.append(_made(name, finished_manifest(path.with_name(f"{path.stem}-{MANIFEST}"))))
         elif room == "measured" and path.suffix.lower() in TEXTS:
             rows.append(ProjectFile(name, ""))
     return sorted(rows, key=lambda one: one.date)
-
-
-def _summary(manifest: dict[str, Any]) -> dict[str, Any] | None:
-    summary = manifest.get("summary")
-    return summary if isinstance(summary, dict) else None
 
 
 def _campaign(path: Path, name: str, problems: list[str]) -> ProjectFile:
@@ -108,9 +96,14 @@ def _campaign(path: Path, name: str, problems: list[str]) -> ProjectFile:
     except InputError as problem:
         problems.append(f"{name}: {problem}")
         return ProjectFile(name, "", "", {"pressed": 0, "missing": 0, "wrong": 1})
-    manifest = finished_manifest(path / MANIFEST) or {}
-    counts = {"pressed": len(state.pressed), "missing": len(state.missing), "wrong": len(state.wrong)}
-    return ProjectFile(name, str(manifest.get("command", "")), str(manifest.get("date", "")), counts)
+    counts = {key: len(getattr(state, key)) for key in ("pressed", "missing", "wrong")}
+    return _made(name, finished_manifest(path / MANIFEST), counts)
+
+
+def _made(name: str, manifest: dict[str, Any] | None, summary: dict[str, Any] | None = None) -> ProjectFile:
+    """A thing with command and date of its manifest, where there is one."""
+    known = manifest or {}
+    return ProjectFile(name, str(known.get("command", "")), str(known.get("date", "")), summary)
 
 
 def _next(project: Project, files: dict[str, tuple[ProjectFile, ...]]) -> tuple[str, str]:
@@ -121,16 +114,14 @@ def _next(project: Project, files: dict[str, tuple[ProjectFile, ...]]) -> tuple[
     designed_for = str((designs[-1].summary or {}).get("tissue", "")) if designs else ""
     if project.tissue is None and not files["tissue"] and (imported or raw or not designed_for):
         if imported:
-            traces = f"{_word(imported[-1].folder)}/*.csv"
+            traces = f"{quote(imported[-1].folder)}/*.csv"
             return "fit the tissue law to the imported presses", f"dummydesign fit {traces} --out tissue/mine.toml"
         if raw:
-            return "read the measured files", "dummydesign import " + " ".join(_word(one.folder) for one in raw)
-        return (
-            "choose a tissue (tissue = \"...\" in project.toml), or put files of your test machine into measured/",
-            "dummydesign tissues list",
-        )
+            return "read the measured files", "dummydesign import " + " ".join(quote(one.folder) for one in raw)
+        text = 'choose a tissue (tissue = "..." in project.toml), or put files of your test machine into measured/'
+        return text, "dummydesign tissues list"
     given = files["tissue"][-1].folder if files["tissue"] else designed_for
-    tissue = "" if project.tissue else f" --tissue {_word(given)}"
+    tissue = "" if project.tissue else f" --tissue {quote(given)}"
     if not designs:
         return "design a pad", f"dummydesign suggest{tissue} --no-cad"
     best = designs[-1].summary or {}
@@ -140,42 +131,36 @@ def _next(project: Project, files: dict[str, tuple[ProjectFile, ...]]) -> tuple[
     if not files["campaigns"]:
         moulds = [one for one in files["moulds"] if one.command == "mold"]
         return "cast the pads, then plan what to press", _plan(best, moulds[-1].folder if moulds else "")
-    ready = [one for one in files["campaigns"] if one not in open_plans]
     done = {str((one.summary or {}).get("campaign", "")) for one in files["calibrations"]}
-    for one in ready:
-        if Path(one.folder).name not in done:
-            return "learn from the campaign", f"dummydesign loop {_word(one.folder)}"
+    for one in files["campaigns"]:
+        if one not in open_plans and Path(one.folder).name not in done:
+            return "learn from the campaign", f"dummydesign loop {quote(one.folder)}"
     if open_plans:
         left = open_plans[-1].summary or {}
-        text = f"press the rest ({left['missing']} of {left['missing'] + left['pressed']} presses)"
-        text = text if not left["wrong"] else "fix the problems of the campaign"
-        return text, f"dummydesign campaign check {_word(open_plans[-1].folder)}"
+        rest = f"press the rest ({left['missing']} of {left['missing'] + left['pressed']} presses)"
+        text = "fix the problems of the campaign" if left["wrong"] else rest
+        return text, f"dummydesign campaign check {quote(open_plans[-1].folder)}"
     latest = files["calibrations"][-1]
     if all(one.date < latest.date for one in designs):
-        calibration = _word(f"{latest.folder}/calibration.json")
-        again = f"dummydesign suggest{tissue} --shape slab --calibration {calibration}"
+        again = f"dummydesign suggest{tissue} --shape slab --calibration {quote(f'{latest.folder}/calibration.json')}"
         return "design again with what was learned", again
     return f"all steps are done: read {designs[-1].folder}/report.html", "dummydesign status"
-
-
-def _word(text: str) -> str:
-    return shlex.quote(text)
 
 
 def _mould(project: Project, best: dict[str, Any]) -> str:
     if not {"thickness_mm", "ratio", "shape"} <= set(best):
         return "dummydesign mold --thickness MM"
-    shape = "" if best["shape"] == "slab" else f" --shape {_word(str(best['shape']))}"
-    resin = "" if best.get("resin") == (project.resin or STANDARD_RESIN) else f" --resin {_word(str(best['resin']))}"
+    shape = "" if best["shape"] == "slab" else f" --shape {quote(str(best['shape']))}"
+    resin = "" if best.get("resin") == (project.resin or STANDARD_RESIN) else f" --resin {quote(str(best['resin']))}"
     return f"dummydesign mold --thickness {best['thickness_mm']:g}{shape}{resin} --ratio {best['ratio']:g}"
 
 
 def _plan(best: dict[str, Any], mould: str) -> str:
     if mould:
-        return f"dummydesign campaign new campaigns/first --from-mould {_word(mould)}"
+        return f"dummydesign campaign new campaigns/first --from-mould {quote(mould)}"
     if not {"ratio", "resin"} <= set(best):
         return "dummydesign campaign new campaigns/first --young KPA"
-    return f"dummydesign campaign new campaigns/first --resin {_word(str(best['resin']))} --ratio {best['ratio']:g}"
+    return f"dummydesign campaign new campaigns/first --resin {quote(str(best['resin']))} --ratio {best['ratio']:g}"
 
 
 DEEPEST = 3
@@ -206,14 +191,10 @@ def history_of(folder: Path) -> tuple[PastAnswer, ...]:
         raise InputError(message, "file_not_found", "folder", str(folder))
     answers = []
     for path in _manifests(folder):
-        content = finished_manifest(path)
-        if content is not None:
+        if content := finished_manifest(path):
             thing = path.parent if path.name == MANIFEST else path.with_name(path.name.removesuffix(f"-{MANIFEST}"))
-            summary = content.get("summary")
-            answers.append(PastAnswer(
-                thing.relative_to(folder).as_posix(), str(content["command"]), str(content.get("date", "")),
-                str(content.get("version", "")), summary if isinstance(summary, dict) else None,
-            ))  # fmt: skip
+            command, date, version = (str(content.get(key, "")) for key in ("command", "date", "version"))
+            answers.append(PastAnswer(thing.relative_to(folder).as_posix(), command, date, version, content["summary"]))
     return tuple(sorted(answers, key=lambda one: one.date, reverse=True))
 
 

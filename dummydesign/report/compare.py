@@ -5,19 +5,18 @@ from __future__ import annotations
 import io
 import json
 import math
-from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from dummydesign.core.files import write_bytes, write_text
+from dummydesign.core.files import csv_text, write_bytes, write_text
 from dummydesign.report.front_page import FOOT, Fact, FrontPage, Grid, Panel, sentence, warning_texts
 from dummydesign.report.page import STYLES, Section, Table, digits, log_start, unique, write_report
 from dummydesign.report.plot import Plot, press_plot, steady_plot
 from dummydesign.report.plot_drawing import plot_drawing
 from dummydesign.report.plot_layers import Band, Bars, Dots, Layer, Line
-from dummydesign.tissue.comparison import Comparison
+from dummydesign.tissue.comparison import ComparedPress, Comparison
 from dummydesign.tissue.model.ranges import interpolate_rows
 from dummydesign.tissue.model.tissue import Tissue
 
@@ -30,9 +29,7 @@ FARTHEST = 3.0
 """Parameters are drawn up to this many widths of the band beside it."""
 
 
-def write_compare_report(
-    folder: Path, comparison: Comparison, tissue: Tissue, verdict: dict[str, Any] | None = None
-) -> dict[str, str]:
+def _write_report(folder: Path, comparison: Comparison, tissue: Tissue, verdict: dict[str, Any]) -> dict[str, str]:
     """Write the report of a comparison; see :func:`dummydesign.report.page.write_report`."""
     data, fit = comparison.result, comparison.result["fit"]
     steady, rows = data["steady_state_range"], data["force_variation_range"]
@@ -66,9 +63,7 @@ def write_compare_report(
                         verdict=verdict, front=_front(title, data, verdict, steady_figure, presses))  # fmt: skip
 
 
-def _front(
-    title: str, data: dict[str, Any], verdict: dict[str, Any] | None, steady: Plot, presses: list[Plot]
-) -> FrontPage:
+def _front(title: str, data: dict[str, Any], verdict: dict[str, Any], steady: Plot, presses: list[Plot]) -> FrontPage:
     """The first page: verdict, steady curve, each press in the people's range."""
     head, rows = press_rows(data)
     facts = [
@@ -79,7 +74,7 @@ def _front(
     ]
     return FrontPage(
         title, f"Each press is compared with people at its own steady force, speed and hold.{_test_words(data)}",
-        (verdict["light"], verdict["text"]) if verdict else (None, f"Compared with {data['tissue']}."),
+        (verdict["light"], verdict["text"]),
         ("Steady force over depth", plot_drawing(steady)), "Comparison", [fact for fact in facts if fact.text],
         "Force [N] over time since contact",
         [Panel(plot, f"{row[0]} N, {row[1]} mm/s", f"{row[3]} N: {row[5]} inside") for plot, row in zip(presses, rows)],
@@ -138,30 +133,22 @@ def _steady(comparison: Comparison, tissue: Tissue) -> Plot:
 
 def _presses(comparison: Comparison, data: dict[str, Any]) -> list[Plot]:
     """One figure a condition, in the order of the rows of the force variation range."""
-    from dummydesign.tissue.fitting.reduction import condition_groups
-
-    bands = {id(trace): band for trace, band in comparison.presses}
-    groups = condition_groups([trace for trace, _ in comparison.presses])
     plots: list[Plot] = []
     names: set[str] = set()
-    for (_, _, traces), row in zip(groups, data["force_variation_range"]):
-        speed = row["velocity_mm_s"]
-        band, force = bands[id(traces[0])], row["steady_force_N"]
+    for (speed, pressed), row in zip(comparison.conditions, data["force_variation_range"]):
+        band, force, share = pressed[0].range, row["steady_force_N"], row["inside_fraction"]
         layers: list[Layer] = [Band(f"subjects of {data['tissue']}", band.time_s, band.low_N, band.high_N)]
-        for number, trace in enumerate(traces):
-            time = trace.trace.time_s[trace.inside] - trace.ramp.contact_time_s
-            keep = time > 0
-            name = "dummy" if len(traces) == 1 else f"dummy, {trace.trace.name}"
-            seen = _thin(time[keep], trace.trace.force_N[trace.inside][keep])
-            layers.append(Line(name, *seen, STYLES[number % len(STYLES)]))
-        share = row["inside_fraction"]
+        for number, (trace, _, _) in enumerate(pressed):
+            time, measured = trace.since_contact
+            name = "dummy" if len(pressed) == 1 else f"dummy, {trace.trace.name}"
+            layers.append(Line(name, *_thin(time[time > 0], measured[time > 0]), STYLES[number % len(STYLES)]))
         title = f"{force:.3g} N at {speed:g} mm/s: {_percent(share)} inside"
         alt = (
             f"Force over time on a logarithmic axis, {force:.3g} N steady at {speed:g} mm/s: the dummy peaks at "
             f"{row['peak_force_N']:.1f} N, the subjects between {row['range_peak_low_N']:.1f} and "
             f"{row['range_peak_high_N']:.1f} N; {_percent(share)} of the press lies inside."
         )
-        ends = (log_start(min(trace.ramp.rise_time_s for trace in traces)), float(band.time_s[-1]))
+        ends = (log_start(min(press.trace.ramp.rise_time_s for press in pressed)), float(band.time_s[-1]))
         plots.append(press_plot(unique(f"press-{force:.2g}N-{speed:g}mm-s", names), title, alt, layers, ends))
     return plots
 
@@ -174,33 +161,28 @@ def _thin(time: np.ndarray, force: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _conditions(rows: list[dict[str, Any]]) -> Table:
-    head = ["steady N", "mm/s", "depth mm", "peak N", "subjects' peaks N", "inside", "of the rise", "of the hold",
-            "repeats"]  # fmt: skip
-    body = [
-        [row["steady_force_N"], f"{row['velocity_mm_s']:g}", row["depth_mm"], row["peak_force_N"],
-         f"{row['range_peak_low_N']:.1f} to {row['range_peak_high_N']:.1f}", _percent(row["inside_fraction"]),
-         *(_percent(row[key]) for key in ("inside_rise_fraction", "inside_hold_fraction")), row["repeats"]]
-        for row in rows
-    ]  # fmt: skip
-    return Table(head, body)
+    return Table.of(rows, {
+        "steady N": "steady_force_N", "mm/s": "velocity_mm_s:g", "depth mm": "depth_mm", "peak N": "peak_force_N",
+        "subjects' peaks N": lambda row: f"{row['range_peak_low_N']:.1f} to {row['range_peak_high_N']:.1f}",
+        "inside": lambda row: _percent(row["inside_fraction"]),
+        "of the rise": lambda row: _percent(row["inside_rise_fraction"]),
+        "of the hold": lambda row: _percent(row["inside_hold_fraction"]), "repeats": "repeats",
+    })  # fmt: skip
 
 
 def _parameters(data: dict[str, Any]) -> list[Plot]:
-    labels, low, high, middle = [], [], [], []
+    labels, places = [], []
     for name, row in data["parametric"].items():
         if row["band_low"] is None or not 0.0 < row["band_low"] < row["band_high"]:
             continue
+        ends = [row["value"] if row[end] is None else row[end] for end in ("value", "low", "high")]
         width = math.log(row["band_high"] / row["band_low"])
-        ends = [
-            math.log((row["value"] if row[end] is None else row[end]) / row["band_low"]) / width
-            for end in ("low", "high")
-        ]
-        middle.append(math.log(row["value"] / row["band_low"]) / width)
-        low.append(min(max(ends[0], -FARTHEST), 1.0 + FARTHEST))
-        high.append(min(max(ends[1], -FARTHEST), 1.0 + FARTHEST))
+        places.append([math.log(end / row["band_low"]) / width for end in ends])
         labels.append(name.replace("_N_per_mm3", "").replace("_N_s_per_mm.", " at ") + (" mm/s" if "." in name else ""))
     if not labels:
         return []
+    middle, *outer = np.transpose(places)
+    low, high = np.clip(outer, -FARTHEST, 1.0 + FARTHEST)
     count = float(len(labels))
     layers = (
         Band("band of the subjects", np.array([0.0, count]), np.zeros(2), np.ones(2), sideways=True),
@@ -218,26 +200,20 @@ def _parameters(data: dict[str, Any]) -> list[Plot]:
 
 def _parametric(data: dict[str, Any]) -> Table:
     verdict = {True: "inside", False: "outside", None: "no band"}
-    body = [
-        [name, *(digits(row[key]) for key in ("value", "low", "high", "band_low", "band_high")),
-         verdict[row["inside"]], "at bound" if row["at_bound"] else ""]
-        for name, row in data["parametric"].items()
-    ]  # fmt: skip
+    keys = ("value", "low", "high", "band_low", "band_high")
+    body = [[name, *(digits(row[key]) for key in keys), verdict[row["inside"]], "at bound" if row["at_bound"] else ""]
+            for name, row in data["parametric"].items()]  # fmt: skip
     return Table(["parameter", "dummy", "95 % low", "95 % high", "band low", "band high", "", ""], body)
 
 
 def _traces(data: dict[str, Any]) -> Table:
-    body = [
-        [row["file"], f"{row['velocity_mm_s']:g}", row["steady_force_N"], row["depth_mm"], row["peak_force_N"],
-         _percent(row["inside_fraction"])]
-        for row in data["by_trace"]
-    ]  # fmt: skip
-    return Table(["file", "mm/s", "steady N", "depth mm", "peak N", "inside"], body)
+    return Table.of(data["by_trace"], {
+        "file": "file", "mm/s": "velocity_mm_s:g", "steady N": "steady_force_N", "depth mm": "depth_mm",
+        "peak N": "peak_force_N", "inside": lambda row: _percent(row["inside_fraction"]),
+    })  # fmt: skip
 
 
-def write_comparison(
-    comparison: Comparison, tissue: Tissue, folder: Path, verdict: dict[str, Any] | None = None
-) -> dict[str, str]:
+def write_comparison(comparison: Comparison, tissue: Tissue, folder: Path, verdict: dict[str, Any]) -> dict[str, str]:
     """Write parametric.csv, steady_state.csv, force_variation.csv, ranges.png, compare.json and the report."""
     files = {
         "parametric": write_text(folder / "parametric.csv", _parametric_file(comparison)),
@@ -248,23 +224,19 @@ def write_comparison(
             folder / "compare.json", json.dumps({"verdict": verdict, **comparison.result}, indent=1) + "\n"
         ),
     }
-    report = write_compare_report(folder, comparison, tissue, verdict)
+    report = _write_report(folder, comparison, tissue, verdict)
     return {role: str(path) for role, path in files.items()} | report
 
 
 def _parametric_file(comparison: Comparison) -> str:
     keys = ("value", "low", "high", "band_low", "band_high", "inside")
-    return _csv(("parameter", *keys), [(name, *("" if row[key] is None else str(row[key]) for key in keys))
-                                       for name, row in comparison.result["parametric"].items()])  # fmt: skip
-
-
-def _csv(head: Iterable[str], rows: Iterable[Iterable[str]]) -> str:
-    return "".join(",".join(row) + "\n" for row in (head, *rows))
+    rows = comparison.result["parametric"].items()
+    return csv_text(("parameter", *keys), ((name, *(row[key] for key in keys)) for name, row in rows))
 
 
 def _steady_file(comparison: Comparison) -> str:
     rows = zip(comparison.grid_N, comparison.steady, *comparison.range_mm)
-    return _csv(("force_N", "depth_mm", "range_low_mm", "range_high_mm"), [
+    return csv_text(("force_N", "depth_mm", "range_low_mm", "range_high_mm"), [
         (f"{force:.4g}", "" if np.isnan(depth) else f"{depth:.5g}", f"{least:.5g}", f"{most:.5g}")
         for force, depth, least, most in rows
     ])  # fmt: skip
@@ -272,15 +244,14 @@ def _steady_file(comparison: Comparison) -> str:
 
 def _force_variation(comparison: Comparison) -> str:
     lines: list[tuple[str, ...]] = []
-    for trace, band in comparison.presses:
-        time = trace.trace.time_s[trace.inside] - trace.ramp.contact_time_s
-        force = trace.trace.force_N[trace.inside]
+    for trace, band, _ in comparison.presses:
+        time, force = trace.since_contact
         at = band.time_s[:: max(len(band.time_s) // 300, 1)]
         seen = interpolate_rows(at[None], time[None], force[None])[0]
         low, high = np.interp(at, band.time_s, band.low_N), np.interp(at, band.time_s, band.high_N)
         for row in zip(at, seen, low, high):
             lines.append((trace.trace.name, *(f"{number:.6g}" for number in row)))
-    return _csv(("file", "time_s", "force_N", "range_low_N", "range_high_N"), lines)
+    return csv_text(("file", "time_s", "force_N", "range_low_N", "range_high_N"), lines)
 
 
 def _picture(comparison: Comparison, tissue: Tissue) -> bytes:
@@ -290,9 +261,9 @@ def _picture(comparison: Comparison, tissue: Tissue) -> bytes:
     matplotlib.use("Agg")
     from matplotlib.figure import Figure
 
-    shown: dict[tuple[float, int], tuple] = {}
-    for trace, band in comparison.presses:
-        shown.setdefault((band.velocity_mm_s, round(band.steady_force_N)), (trace, band))
+    shown: dict[tuple[float, int], ComparedPress] = {}
+    for press in comparison.presses:
+        shown.setdefault((press.range.velocity_mm_s, round(press.range.steady_force_N)), press)
     count = len(shown) + 1
     columns = min(count, 4)
     figure = Figure(figsize=(3.6 * columns, 3.2 * -(-count // columns)), layout="constrained")
@@ -303,10 +274,10 @@ def _picture(comparison: Comparison, tissue: Tissue) -> bytes:
     axes[0].plot(comparison.points[:, 0], comparison.points[:, 1], "o", ms=4, label="measured")
     axes[0].set(xlabel="depth [mm]", ylabel="steady force [N]", title="steady state")
     axes[0].legend(fontsize=7)
-    for panel, (trace, band) in zip(axes[1:], shown.values()):
-        time = trace.trace.time_s[trace.inside] - trace.ramp.contact_time_s
+    for panel, (trace, band, _) in zip(axes[1:], shown.values()):
+        time, force = trace.since_contact
         panel.fill_between(np.maximum(band.time_s, 1e-4), band.low_N, band.high_N, color="0.85")
-        panel.semilogx(np.maximum(time, 1e-4), trace.trace.force_N[trace.inside], lw=1.0)
+        panel.semilogx(np.maximum(time, 1e-4), force, lw=1.0)
         panel.set(
             xlabel="time since contact [s]", ylabel="force [N]", xlim=(0.1 * trace.ramp.rise_time_s, time[-1]),
             title=f"{band.velocity_mm_s:g} mm/s, {band.steady_force_N:.1f} N",
@@ -338,7 +309,7 @@ def press_rows(result: dict[str, Any]) -> tuple[list[str], list[list[str]]]:
     rows = [
         [f"{row['steady_force_N']:.3g}", f"{row['velocity_mm_s']:.4g}", f"{row['depth_mm']:.2f}",
          f"{row['peak_force_N']:.2f}", f"{row['range_peak_low_N']:.2f} to {row['range_peak_high_N']:.2f}",
-         f"{100 * row['inside_fraction']:.0f} %"]
+         _percent(row["inside_fraction"])]
         for row in result["force_variation_range"]
     ]  # fmt: skip
     return ["steady N", "mm/s", "depth mm", "pad peak N", "people N", "samples inside"], rows
@@ -348,16 +319,14 @@ def steady_text(result: dict[str, Any]) -> str:
     """How much of the steady curve is inside the people's range, below and within the forces of the test."""
     steady = result["steady_state_range"]
     low, high = steady["span_N"]
-    shares = {f"{0.1 * low:g} to {low:g} N": steady["below_5N_fraction"],
-              f"{low:g} to {high:g} N": steady["above_5N_fraction"]}  # fmt: skip
-    return "; ".join(f"{span}: {'not reached' if share is None else f'{100 * share:.0f} %'}"
-                     for span, share in shares.items())  # fmt: skip
+    below, above = _percent(steady["below_5N_fraction"]), _percent(steady["above_5N_fraction"])
+    return f"{0.1 * low:g} to {low:g} N: {below}; {low:g} to {high:g} N: {above}"
 
 
 def parameters_text(result: dict[str, Any]) -> str:
     """Which parameters of the law are outside the subjects' band; empty without a law."""
-    outside = [name for name, row in result["parametric"].items() if row["inside"] is False]
-    known = [name for name, row in result["parametric"].items() if row["inside"] is not None]
+    known = {name: row["inside"] for name, row in result["parametric"].items() if row["inside"] is not None}
+    outside = [name for name, inside in known.items() if not inside]
     if outside:
         count = f"{len(outside)} of {len(known)} parameters of the force law"
         return f"{count} are outside the subjects' band: {', '.join(outside)}"

@@ -6,6 +6,8 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from dummydesign.core.serialise import percent_below_limit
 from dummydesign.report.page import STYLES, Section, Table, write_report
 from dummydesign.report.plot import Plot, steady_plot
@@ -161,7 +163,7 @@ def _steady(designs: Sequence[Mapping[str, Any]]) -> Plot:
                            sideways=True, style="band" if tissue == designs[0]["tissue"] else "extra"))  # fmt: skip
     for number, one in enumerate(designs):
         curve = one["steady_curve"]
-        depth = [float("nan") if value is None else value for value in curve["depth_mm"]]
+        depth = np.array(curve["depth_mm"], float)
         layers.append(Line(one["name"], depth, curve["force_N"], STYLES[number % len(STYLES)]))
     alt = f"Steady force over depth of {', '.join(one['name'] for one in designs)}, and the subjects' range."
     return steady_plot(alt, layers)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -14,14 +14,11 @@ from dummydesign.report.page import STYLES, Section, Table, log_start, table_of_
 from dummydesign.report.plot import Plot, press_plot
 from dummydesign.report.plot_layers import Band, Dots, Layer, Line
 from dummydesign.tissue.fitting.fit import TissueFit, subject_from_fit
-from dummydesign.tissue.fitting.problem import residual_plot, residual_table
+from dummydesign.tissue.fitting.problem import fitted_force, residual_plot, residual_table
+from dummydesign.tissue.fitting.reduction import ReducedTrace, condition_groups
 from dummydesign.tissue.model.laws import law_named
 from dummydesign.tissue.model.tissue import Tissue
 from dummydesign.tissue.model.tissue_file import tissue_toml
-
-if TYPE_CHECKING:
-    from dummydesign.tissue.fitting.reduction import ReducedTrace
-
 
 MOST_PLOTS = 24
 RIVALS = (
@@ -67,29 +64,20 @@ def write_fit_report(folder: Path, stem: str, fit: TissueFit, sources: Sequence[
 
 def _series(fit: TissueFit) -> Iterable[tuple[ReducedTrace, np.ndarray, np.ndarray, np.ndarray]]:
     """Each trace with its fitted force in bins, and the fitted curve at its nodes with times since contact."""
-    from dummydesign.tissue.fitting.problem import fitted_force
-
     for problem, optimum in fit.problems:
         binned = problem.predict(optimum.solution.parameters, optimum.arms)[0]
-        at = 0
-        for index, trace in enumerate(problem.traces):
-            count = len(trace.force_N)
+        for index, (trace, own) in enumerate(problem.by_trace(binned)):
             time = trace.motion.time_s - trace.ramp.contact_time_s
-            yield trace, binned[at : at + count], time, fitted_force(problem, optimum, index)
-            at += count
+            yield trace, own, time, fitted_force(problem, optimum, index)
 
 
 def _groups(fit: TissueFit) -> list[tuple[float, float, list[tuple[Any, ...]]]]:
     """Speed, mean steady force and series of each condition, repeats together."""
-    from dummydesign.tissue.fitting.reduction import condition_groups
-
     series = {id(row[0]): row for row in _series(fit)}
-    traces: list[ReducedTrace] = [row[0] for row in series.values()]
-    groups = []
-    for speed, _, group in condition_groups(traces):
-        force = float(np.mean([trace.steady_force_N for trace in group]))
-        groups.append((speed, force, [series[id(trace)] for trace in group]))
-    return groups
+    return [
+        (speed, float(np.mean([trace.steady_force_N for trace in group])), [series[id(trace)] for trace in group])
+        for speed, _, group in condition_groups([row[0] for row in series.values()])
+    ]
 
 
 def _presses(fit: TissueFit) -> list[Plot]:
@@ -98,7 +86,7 @@ def _presses(fit: TissueFit) -> list[Plot]:
     for speed, force, rows in _groups(fit)[:MOST_PLOTS]:
         layers: list[Layer] = []
         for number, (trace, _, time, curve) in enumerate(rows):
-            middle = 0.5 * (trace.start_s + trace.end_s) - trace.ramp.contact_time_s
+            middle = trace.middle_s - trace.ramp.contact_time_s
             shown, style = middle > 0, STYLES[number % len(STYLES)]
             label = "measured" if len(rows) == 1 else f"measured, {trace.trace.name}"
             layers.append(Dots(label, middle[shown], trace.force_N[shown], "other" if len(rows) == 1 else style))
@@ -125,9 +113,8 @@ def _residuals(fit: TissueFit) -> list[Plot]:
     for number, (speed, force, rows) in enumerate(_groups(fit)):
         style = STYLES[number % len(STYLES)]
         for trace, binned, *_ in rows:
-            middle = 0.5 * (trace.start_s + trace.end_s)
+            middle, depth = trace.middle_s, trace.depth_mm
             after, left = middle > trace.ramp.stop_time_s, trace.force_N - binned
-            depth = trace.average @ trace.motion.displacement_mm
             name = f"{speed:g} mm/s, {force:.3g} N"
             rise.append(Line(name, depth[~after], left[~after], style))
             hold.append(Line(name, middle[after] - trace.ramp.stop_time_s, left[after], style))
@@ -166,15 +153,11 @@ def _notes(data: dict[str, Any]) -> str:
 def _by_condition(data: dict[str, Any]) -> list[Section]:
     if "by_condition" not in data:
         return []
-    rows = data["by_condition"]
-    names = list(rows[0]["parameters"])
-    body = [
-        [f"{row['velocity_mm_s']:g}", row["depth_mm"], row["steady_force_N"],
-         *(row["parameters"][name]["value"] for name in names)]
-        for row in rows
-    ]  # fmt: skip
+    rows = [row | {name: one["value"] for name, one in row["parameters"].items()} for row in data["by_condition"]]
+    columns = {"mm/s": "velocity_mm_s:g", "depth mm": "depth_mm", "steady N": "steady_force_N"}
+    columns |= {name: name for name in rows[0]["parameters"]}
     text = "A parameter that changes with force or speed here need not change in the material; see the documentation."
-    return [Section("Condition by condition", text, table=Table(["mm/s", "depth mm", "steady N", *names], body))]
+    return [Section("Condition by condition", text, table=Table.of(rows, columns))]
 
 
 def _rivals(data: dict[str, Any]) -> Table:
@@ -188,10 +171,11 @@ def _rivals(data: dict[str, Any]) -> Table:
 
 
 def _traces(data: dict[str, Any]) -> Table:
-    head = ["file", "mm/s", "depth mm", "steady N", "peak N", "fitted peak N", "rms N", "worst bin N", "at s"]
-    keys = ("velocity_mm_s", "depth_mm", "steady_force_N", "peak_force_N", "fitted_peak_force_N", "rmse_N",
-            "max_residual_N", "max_residual_time_s")  # fmt: skip
-    return Table(head, [[row["file"], *(row[key] for key in keys)] for row in data["by_trace"]])
+    return Table.of(data["by_trace"], {
+        "file": "file", "mm/s": "velocity_mm_s", "depth mm": "depth_mm", "steady N": "steady_force_N",
+        "peak N": "peak_force_N", "fitted peak N": "fitted_peak_force_N", "rms N": "rmse_N",
+        "worst bin N": "max_residual_N", "at s": "max_residual_time_s",
+    })  # fmt: skip
 
 
 def write_fit(fit: TissueFit, out: str, sources: Sequence[str] = ()) -> dict[str, str]:

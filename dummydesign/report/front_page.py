@@ -54,7 +54,6 @@ LIGHTS = {"green": ("#2e8b57", "#e9f5ee"), "amber": ("#d98e04", "#fdf4e1"), "red
 NO_LIGHT = ("#0b5cad", "#e8f0f8")
 BAD = "#b3261e"
 
-
 FOOT = "report.html continues with all figures and tables, the warnings and the sources."
 
 
@@ -155,16 +154,15 @@ def lay_out(page: FrontPage) -> VectorSheet:
     rows = -(-count // _columns(count))
     smaller = ((page, size) for size in SIZES_PT)
     for shown, size in chain(smaller, ((shown, SIZES_PT[-1]) for shown in _shorter(page))):
-        top, y = _head(shown, size)
-        fixed = _lower(shown, size, 0.0)[1] + _panel_head(size) + GAP_MM
+        fixed = _lower([], shown, size, 0.0) + _line_mm(size + 1) + 1.8 + GAP_MM
+        y = _head([], shown, size)
         room = (HEIGHT_MM - y - fixed) / max(rows, 1)
         if room >= (LEAST_PANEL_MM if rows else 0.0):
             break
     panel = min(room, MOST_PANEL_MM)
-    top, y = _head(shown, size, min(max(HEIGHT_MM - y - fixed - rows * panel, 0.0), SPARE_MM))
-    sheet = VectorSheet(page.title, WIDTH_MM, HEIGHT_MM, top)
-    y = _panels(sheet.items, shown, y, panel, size) + GAP_MM
-    sheet.items += _lower(shown, size, y)[0]
+    sheet = VectorSheet(page.title, WIDTH_MM, HEIGHT_MM)
+    y = _head(sheet.items, shown, size, min(max(HEIGHT_MM - y - fixed - rows * panel, 0.0), SPARE_MM))
+    _lower(sheet.items, shown, size, _panels(sheet.items, shown, y, panel, size) + GAP_MM)
     return sheet
 
 
@@ -197,65 +195,58 @@ def _line_mm(size: float) -> float:
     return PITCH * size * PT_MM
 
 
-def _heading(words: str, x: float, y: float, wide: float, size: float) -> tuple[list[Item], float]:
-    """A heading over a rule, and the edge under it."""
+# Each of the following adds items to those of a sheet, from an edge on, and returns the edge under them. [mm]
+def _heading(items: list[Item], words: str, x: float, y: float, wide: float, size: float) -> float:
+    """A heading over a rule."""
     low = y + _line_mm(size + 1) + 0.6
     words = shortened(words, wide, size + 1, "bold")
-    return [Text(x, y + 0.8 * _line_mm(size + 1), words, size + 1, "bold"),
-            Path(((x, low), (x + wide, low)), RULE, width_mm=0.3)], low + 1.2  # fmt: skip
+    items += [Text(x, y + 0.8 * _line_mm(size + 1), words, size + 1, "bold"),
+              Path(((x, low), (x + wide, low)), RULE, width_mm=0.3)]  # fmt: skip
+    return low + 1.2
 
 
-def _head(page: FrontPage, size: float, spare_mm: float = 0.0) -> tuple[list[Item], float]:
+def _head(items: list[Item], page: FrontPage, size: float, spare_mm: float = 0.0) -> float:
     """Title, for what it holds, verdict, drawing and facts; the drawing takes what is spare."""
     version = f"dummydesign {__version__}"
     room = WIDTH_MM - text_width_mm(version, 7.0) - 6.0
-    items: list[Item] = [Text(0.0, 5.6, shortened(page.title, room, 16.0, "bold"), 16.0, "bold"),
-                         Text(WIDTH_MM, 5.6, version, 7.0, anchor="end", colour=SOFT)]  # fmt: skip
-    drawn, y = paragraph(0.0, 7.6, wrapped(page.basis, WIDTH_MM, size, most=4), size, colour=SOFT)
-    items += drawn
-    drawn, y = _verdict(*page.verdict, y + 2.0, size + 1.5)
-    items += drawn
-    y += GAP_MM
-    wide = 0.6 * WIDTH_MM
-    drawn, under = _heading(page.drawing[0], 0.0, y, wide, size)
-    items += drawn
-    drawn, low = _facts(page, wide + 6.0, y, WIDTH_MM - wide - 6.0, size)
+    items += [Text(0.0, 5.6, shortened(page.title, room, 16.0, "bold"), 16.0, "bold"),
+              Text(WIDTH_MM, 5.6, version, 7.0, anchor="end", colour=SOFT)]  # fmt: skip
+    y = paragraph(items, 0.0, 7.6, wrapped(page.basis, WIDTH_MM, size, most=4), size, colour=SOFT)
+    y = _verdict(items, *page.verdict, y + 2.0, size + 1.5) + GAP_MM
+    wide, facts = 0.6 * WIDTH_MM, list[Item]()
+    under = _heading(items, page.drawing[0], 0.0, y, wide, size)
+    low = _facts(facts, page, wide + 6.0, y, WIDTH_MM - wide - 6.0, size)
     low = max(low, under + DRAWING_MM + spare_mm)
-    return [*items, *page.drawing[1]((0.0, under, wide, low)), *drawn], low + GAP_MM
+    items += [*page.drawing[1]((0.0, under, wide, low)), *facts]
+    return low + GAP_MM
 
 
-def _verdict(light: str | None, words: str, y: float, size: float) -> tuple[list[Item], float]:
+def _verdict(items: list[Item], light: str | None, words: str, y: float, size: float) -> float:
     """The verdict in a box in the colour of its light, which is named as well."""
+    texts: list[Item] = []
     colour, pale = LIGHTS.get(light or "", NO_LIGHT)
     first, _, rest = words.partition(". ")
     strong = f"{light.upper()}: {first.rstrip('.').upper()}" if light else f"{first.rstrip('.')}."
     left, room = (14.0, WIDTH_MM - 18.0) if light else (5.0, WIDTH_MM - 9.0)
-    drawn, low = paragraph(left, y + 1.6, wrapped(strong, room, size + 2.0, "bold", 3), size + 2.0, "bold")
-    more, low = paragraph(left, low + 0.4, wrapped(rest, room, size, most=6), size)
-    low += 1.6
-    items: list[Item] = [rectangle((0.0, y, WIDTH_MM, low), pale, colour, 0.5)]
+    low = paragraph(texts, left, y + 1.6, wrapped(strong, room, size + 2.0, "bold", 3), size + 2.0, "bold")
+    low = paragraph(texts, left, low + 0.4, wrapped(rest, room, size, most=6), size) + 1.6
+    items.append(rectangle((0.0, y, WIDTH_MM, low), pale, colour, 0.5))
     if light:
         turn = np.linspace(0.0, 2.0 * np.pi, 49)[:-1]
-        middle = 0.5 * (y + low)
-        ring = tuple((7.0 + 3.4 * math.cos(t), middle + 3.4 * math.sin(t)) for t in turn)
+        ring = tuple((7.0 + 3.4 * math.cos(t), 0.5 * (y + low) + 3.4 * math.sin(t)) for t in turn)
         items.append(Path(ring, None, colour, closed=True))
-    return [*items, *drawn, *more], low
+    items += texts
+    return low
 
 
-def _facts(page: FrontPage, x: float, y: float, wide: float, size: float) -> tuple[list[Item], float]:
+def _facts(items: list[Item], page: FrontPage, x: float, y: float, wide: float, size: float) -> float:
     """Labels and their values, one under the other."""
-    items, y = _heading(page.facts_title, x, y, wide, size)
+    y = _heading(items, page.facts_title, x, y, wide, size)
     for fact in page.facts:
-        drawn, y = paragraph(x, y + 0.5, [shortened(fact.label, wide, size - 1)], size - 1, colour=SOFT)
-        items += drawn
+        y = paragraph(items, x, y + 0.5, [shortened(fact.label, wide, size - 1)], size - 1, colour=SOFT)
         big = size + (7.0 if fact.large else 0.5)
-        drawn, y = paragraph(x, y, wrapped(fact.text, wide, big, "bold", 4), big, "bold")
-        items += drawn
-    return items, y
-
-
-def _panel_head(size: float) -> float:
-    return _line_mm(size + 1) + 1.8
+        y = paragraph(items, x, y, wrapped(fact.text, wide, big, "bold", 4), big, "bold")
+    return y
 
 
 def _columns(panels: int) -> int:
@@ -264,12 +255,11 @@ def _columns(panels: int) -> int:
 
 
 def _panels(items: list[Item], page: FrontPage, y: float, high: float, size: float) -> float:
-    """The presses as small multiples, and the edge under them."""
+    """The presses as small multiples."""
     if not page.panels:
         return y
     left_out = f": {MOST_PANELS} of {len(page.panels)}" if len(page.panels) > MOST_PANELS else ""
-    drawn, under = _heading(f"{page.panels_title}{left_out}", 0.0, y, WIDTH_MM, size)
-    items += drawn
+    under = _heading(items, f"{page.panels_title}{left_out}", 0.0, y, WIDTH_MM, size)
     x, base = WIDTH_MM, y + 0.8 * _line_mm(size + 1)
     for style, name in reversed(page.keys):
         x -= text_width_mm(name, size - 1)
@@ -327,60 +317,54 @@ def _panel(
     return items
 
 
-def _lower(page: FrontPage, size: float, y: float) -> tuple[list[Item], float]:
-    """Table and blocks, warnings, steps and foot, from an edge on; and the edge under them."""
+def _lower(items: list[Item], page: FrontPage, size: float, y: float) -> float:
+    """Table and blocks, warnings, steps and foot."""
     wide = 0.6 * WIDTH_MM
-    items, low = _grid(page.table, 0.0, y, wide if page.blocks else WIDTH_MM, size)
+    low = _grid(items, page.table, 0.0, y, wide if page.blocks else WIDTH_MM, size)
     under, x = y, wide + 6.0
     for title, texts in page.blocks:
-        drawn, under = _heading(title, x, under, WIDTH_MM - x, size)
-        items += drawn
+        under = _heading(items, title, x, under, WIDTH_MM - x, size)
         for text in texts:
-            drawn, under = paragraph(x, under, wrapped(text, WIDTH_MM - x, size, most=3), size)
-            items, under = [*items, *drawn], under + 0.6
+            under = paragraph(items, x, under, wrapped(text, WIDTH_MM - x, size, most=3), size) + 0.6
         under += 1.5
     y = max(low, under) + 1.5
     for note in page.notes[:MOST_NOTES]:
-        drawn, low = paragraph(5.0, y + 0.8, wrapped(note, WIDTH_MM - 6.0, size, most=2), size)
-        items += [Path(((1.5, y + 0.8), (1.5, low)), LIGHTS["amber"][0], width_mm=1.0), *drawn]
+        at = len(items)
+        low = paragraph(items, 5.0, y + 0.8, wrapped(note, WIDTH_MM - 6.0, size, most=2), size)
+        items.insert(at, Path(((1.5, y + 0.8), (1.5, low)), LIGHTS["amber"][0], width_mm=1.0))
         y = low + 0.6
     if page.steps:
-        drawn, y = _steps(page, y + 1.0, size)
-        items += drawn
-    drawn, y = paragraph(0.0, y + 1.5, wrapped(page.foot, WIDTH_MM, size - 1, most=2), size - 1, colour=SOFT)
-    return [*items, *drawn], y
+        y = _steps(items, page, y + 1.0, size)
+    return paragraph(items, 0.0, y + 1.5, wrapped(page.foot, WIDTH_MM, size - 1, most=2), size - 1, colour=SOFT)
 
 
-def _steps(page: FrontPage, y: float, size: float) -> tuple[list[Item], float]:
+def _steps(items: list[Item], page: FrontPage, y: float, size: float) -> float:
     """What to do next, numbered, on a tinted ground; commands in the letters of a terminal."""
-    head, low = _heading("What to do next", 4.0, y + 1.5, WIDTH_MM - 8.0, size)
-    items: list[Item] = []
+    texts: list[Item] = []
+    low = _heading(texts, "What to do next", 4.0, y + 1.5, WIDTH_MM - 8.0, size)
     numbered = len(page.steps) > 1
+    left = 9.0 if numbered else 4.0
     for number, step in enumerate(page.steps, 1):
-        left = 9.0 if numbered else 4.0
         typed = step.startswith("dummydesign ")
         face, own = ("mono", size - 0.5) if typed else ("plain", size)
         lines = wrapped(step, WIDTH_MM - left - 8.0, own, face, 3)
         if typed:  # a shell takes the lines as one
             lines = [*(f"{line} \\" for line in lines[:-1]), lines[-1]]
         if numbered:
-            items.append(Text(5.0, low + 0.8 * _line_mm(size), str(number), size, "bold"))
-        drawn, low = paragraph(left, low, lines, own, face, pitch=PITCH * size / own)
-        items, low = [*items, *drawn], low + 0.7
+            texts.append(Text(5.0, low + 0.8 * _line_mm(size), str(number), size, "bold"))
+        low = paragraph(texts, left, low, lines, own, face, pitch=PITCH * size / own) + 0.7
     if page.side_note:
-        left = 9.0 if numbered else 4.0
         noted = wrapped(page.side_note, WIDTH_MM - left - 4.0, size, most=2)
-        drawn, low = paragraph(left, low, noted, size, colour=SOFT)
-        items += drawn
-    low += 1.0
-    return [rectangle((0.0, y, WIDTH_MM, low), PANEL, None), *head, *items], low
+        low = paragraph(texts, left, low, noted, size, colour=SOFT)
+    items += [rectangle((0.0, y, WIDTH_MM, low + 1.0), PANEL, None), *texts]
+    return low + 1.0
 
 
-def _grid(table: Grid, x: float, y: float, wide: float, size: float) -> tuple[list[Item], float]:
+def _grid(items: list[Item], table: Grid, x: float, y: float, wide: float, size: float) -> float:
     """A table: columns as wide as their widest text, spread over the width; smaller where it has no room."""
     rows = [list(table.head), *(list(row) for row in table.rows)]
     if not table.rows:
-        return [], y
+        return y
     if len(table.rows) > MOST_ROWS + 1:
         rows = [*rows[: MOST_ROWS + 1], [f"... and {len(table.rows) - MOST_ROWS} more in the report"]]
     count = len(table.head)
@@ -395,7 +379,7 @@ def _grid(table: Grid, x: float, y: float, wide: float, size: float) -> tuple[li
     own = widths(size)
     gap = min((wide - sum(own)) / max(count - 1, 1), 9.0)
     rights = np.cumsum(own) + gap * np.arange(count)
-    step, items = 1.5 * size * PT_MM, list[Item]()
+    step = 1.5 * size * PT_MM
     for number, row in enumerate(rows):
         base = y + number * step + 0.72 * step
         colour = SOFT if number == 0 else BAD if number - 1 in table.marked else INK
@@ -407,4 +391,4 @@ def _grid(table: Grid, x: float, y: float, wide: float, size: float) -> tuple[li
         if number + 1 < len(rows):
             edge = y + (number + 1) * step
             items.append(Path(((x, edge), (x + float(rights[-1]), edge)), RULE, width_mm=0.3 if number == 0 else 0.15))
-    return items, y + len(rows) * step
+    return y + len(rows) * step

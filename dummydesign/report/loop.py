@@ -29,11 +29,9 @@ def _screening(data: dict[str, Any]) -> list[Plot]:
     labels, z = [named(row["name"]) for row in rows], np.array([row["z"] for row in rows])
     words = "; ".join(f"{label} {value:.1f}" for label, value in zip(labels, z))
     top = float(len(rows))
-    layers = (
-        Bars("score", labels, np.minimum(z, 0.0), np.maximum(z, 0.0)),
-        Line(f"fitted from {FITTED_FROM:g} on", [-FITTED_FROM, -FITTED_FROM, np.nan, FITTED_FROM, FITTED_FROM],
-             [0.0, top, np.nan, 0.0, top], "aim"),
-    )  # fmt: skip
+    ends = [-FITTED_FROM, -FITTED_FROM, np.nan, FITTED_FROM, FITTED_FROM]
+    layers = (Bars("score", labels, np.minimum(z, 0.0), np.maximum(z, 0.0)),
+              Line(f"fitted from {FITTED_FROM:g} on", ends, [0.0, top, np.nan, 0.0, top], "aim"))  # fmt: skip
     return [
         Plot("screening", "Score of each effect at the base model", f"Score of each effect: {words}.",
              "score [standard deviations]", "", "z", "none", layers, y_range=(0.0, top),
@@ -68,7 +66,7 @@ def trial_plot(result: LoopResult, data: dict[str, Any]) -> Plot:
     number = np.arange(1, len(rows) + 1, dtype=float)
 
     def column(key: str) -> NDArray:
-        return np.array([np.nan if row[key] is None else row[key] for row in rows])
+        return np.array([row[key] for row in rows], float)
 
     floor = data["after"]["error"]["noise_floor_N"]
     layers = (
@@ -144,8 +142,7 @@ def press_plots(result: LoopResult) -> Iterator[Plot]:
     names: set[str] = set()
     base, after = (model.fit.forces for model in (result.base, result.after))
     for label, rows in _groups(result):
-        layers: list[Layer] = []
-        ends, rises, rms = [], [], []
+        layers, ends, rises, rms = list[Layer](), [], [], []
         for number, row in enumerate(rows):
             shown, time = _times(result, row)
             own = "" if len(rows) == 1 else f", {presses.trials[row].file}"
@@ -257,11 +254,11 @@ def _effects(data: dict[str, Any]) -> Table | None:
 
 
 def _errors(data: dict[str, Any]) -> Table:
-    keys = ("train_rmse_N", "heldout_rmse_N", "heldout_pad_rmse_N", "noise_floor_N", "lack_of_fit_p")
-    rows = [[label, *(data[model]["error"][key] for key in keys)] for label, model in (("base", "base"),
-            ("corrected", "after"))]  # fmt: skip
-    head = ["model", "fitted rms N", "left out rms N", "left-out pads rms N", "noise floor N", "lack of fit p"]
-    return Table(head, rows)
+    rows = ({"model": label, **data[model]["error"]} for label, model in (("base", "base"), ("corrected", "after")))
+    return Table.of(rows, {
+        "model": "model", "fitted rms N": "train_rmse_N", "left out rms N": "heldout_rmse_N",
+        "left-out pads rms N": "heldout_pad_rmse_N", "noise floor N": "noise_floor_N", "lack of fit p": "lack_of_fit_p",
+    })  # fmt: skip
 
 
 def _parameters(data: dict[str, Any]) -> Table:
@@ -282,12 +279,11 @@ def _where_words(data: dict[str, Any]) -> str:
 
 def _where(data: dict[str, Any]) -> Table:
     after = {row["factor"]: row for row in data["residual"]["where_after"]}
-    rows = [
-        [row["factor"], f"{row['excess']:.0f}", f"{100 * row['share']:.0f} %",
-         f"{after[row['factor']]['excess']:.0f}" if row["factor"] in after else None]
-        for row in data["residual"]["where"]
-    ]  # fmt: skip
-    return Table(["factor", "base: excess", "fraction of chi-square", "corrected: excess"], rows)
+    return Table.of(data["residual"]["where"], {
+        "factor": "factor", "base: excess": "excess:.0f",
+        "fraction of chi-square": lambda row: f"{100 * row['share']:.0f} %",
+        "corrected: excess": lambda row: f"{after[row['factor']]['excess']:.0f}" if row["factor"] in after else None,
+    })  # fmt: skip
 
 
 def _next(data: dict[str, Any]) -> list[Section]:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
 import json
 from pathlib import Path
 from typing import Any
@@ -11,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from dummydesign.core.files import write_text
+from dummydesign.core.files import csv_text, write_text
 from dummydesign.core.interpolation import uniform_times
 from dummydesign.core.library import data_folder
 from dummydesign.person.known_range import subject_words
@@ -102,9 +100,7 @@ def curves_csv(answer: OnPerson, rate_hz: float) -> str:
     head = ["file", "time_s", "pad_displacement_mm", "pad_force_N", "people_low_N", "people_high_N"]
     for subject in answer.tissue.subjects:
         head += [f"{subject.name}_displacement_mm", f"{subject.name}_force_N"]
-    stream = io.StringIO()
-    writer = csv.writer(stream, lineterminator="\n")
-    writer.writerow(head)
+    rows: list[list[str]] = []
     spans = [(0.0, max(float(one.press.time_s[-1]), float(np.max(one.response.time_s)))) for one in answer.presses]
     for one, time in zip(answer.presses, uniform_times(spans, rate_hz)):
         depth, force = on_grid(one, time)
@@ -112,9 +108,9 @@ def curves_csv(answer: OnPerson, rate_hz: float) -> str:
         with np.errstate(all="ignore"):
             outer = [np.where(np.isnan(force).any(axis=0), np.nan, edge) for edge in (force.min(0), force.max(0))]
         columns = [time, *pad, *outer, *(row for pair in zip(depth, force) for row in pair)]
-        for values in zip(*(column.tolist() for column in columns)):
-            writer.writerow([one.press.trace.name, *("" if v != v else f"{v:.6g}" for v in values)])
-    return stream.getvalue()
+        rows += [[one.press.trace.name, *("" if v != v else f"{v:.6g}" for v in values)]
+                 for values in zip(*(column.tolist() for column in columns))]  # fmt: skip
+    return csv_text(head, rows)
 
 
 def press_figure(one: PersonPress, name: str) -> Plot:
@@ -153,26 +149,24 @@ def _press_section(one: PersonPress, row: dict[str, Any], prefix: str, names: se
 
 
 def _limit_section(presses: list[dict[str, Any]]) -> Section:
-    body = [
-        [press["file"], facts.limit_name(row), row["limit"], row["unit"], number_text(row["pad"]),
-         span_text([row["person_low_95"], row["person_high_95"]]), row["result"].upper(), row["reason"]]
-        for press in presses for row in press["limits"]
-    ]  # fmt: skip
+    rows = ({"file": press["file"], **row} for press in presses for row in press["limits"])
     text = (
         "Pass: the upper 95 % end of people is at most the limit, and nothing is extrapolated. Fail: the lower 95 % "
         "end of one subject is above the limit. Undecided: anything else."
     )
-    head = ["press", "limit of", "limit", "unit", "pad", "95 % of people", "result", "why"]
-    return Section("Limits", text, table=Table(head, body))
+    return Section("Limits", text, table=Table.of(rows, {
+        "press": "file", "limit of": facts.limit_name, "limit": "limit", "unit": "unit",
+        "pad": lambda row: number_text(row["pad"]),
+        "95 % of people": lambda row: span_text([row["person_low_95"], row["person_high_95"]]),
+        "result": lambda row: row["result"].upper(), "why": "reason",
+    }))  # fmt: skip
 
 
 def _drive_section(answer: OnPerson, result: dict[str, Any]) -> Section:
-    body = [
-        [row["file"], row["signs"]["looks_like"] or "not clear", row["signs"]["creep_mm"], row["signs"]["relaxed_N"],
-         row["drive_contradicted"] or "none"]
-        for row in result["presses"]
-    ]  # fmt: skip
     text = f"The drive is {answer.drive.text}. What the traces show of the drive that made them:"
-    against = f"contradiction of {answer.drive.text}"
-    head = ["press", "looks like", "creep in the hold [mm]", "fall of the force [N]", against]
-    return Section("Which drive", text, table=Table(head, body))
+    return Section("Which drive", text, table=Table.of(result["presses"], {
+        "press": "file", "looks like": lambda row: row["signs"]["looks_like"] or "not clear",
+        "creep in the hold [mm]": lambda row: row["signs"]["creep_mm"],
+        "fall of the force [N]": lambda row: row["signs"]["relaxed_N"],
+        f"contradiction of {answer.drive.text}": lambda row: row["drive_contradicted"] or "none",
+    }))  # fmt: skip

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -36,11 +37,7 @@ def pad_section(
     condition : str
         How the pad lies on its base, written under it.
     """
-
-    def drawn(box: Box) -> list[Item]:
-        return _section(shape, thickness_mm, pad_mm, punch, condition, box)
-
-    return drawn
+    return partial(_section, shape, thickness_mm, pad_mm, punch, condition)
 
 
 def _section(

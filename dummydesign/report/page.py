@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import cache
@@ -72,11 +72,7 @@ def whole_glossary() -> str:
 
 def marked_terms(text: str) -> list[tuple[int, int, Term]]:
     """Where a text uses a term for the first time: start, end and term, in the order of the text."""
-    hits: list[tuple[int, int, Term]] = []
-    for term, pattern in _patterns():
-        hit = pattern.search(text)
-        if hit:
-            hits.append((hit.start(), hit.end(), term))
+    hits = [(*hit.span(), term) for term, pattern in _patterns() if (hit := pattern.search(text))]
     # of terms that overlap the longest is meant
     hits.sort(key=lambda one: (one[0] - one[1], one[0]))
     kept: list[tuple[int, int, Term]] = []
@@ -110,6 +106,18 @@ class Table:
 
     head: Sequence[str]
     rows: Sequence[Sequence[Any]]
+
+    @classmethod
+    def of(cls, rows: Iterable[Any], columns: Mapping[str, str | Callable[[Any], Any]]) -> Table:
+        """Make a table of rows by heading: a key of the row, ``key:format``, or what a function makes of the row."""
+
+        def value(row: Any, column: str | Callable[[Any], Any]) -> Any:
+            if not isinstance(column, str):
+                return column(row)
+            key, _, form = column.partition(":")
+            return format(row[key], form) if form else row[key]
+
+        return cls([*columns], [[value(row, column) for column in columns.values()] for row in rows])
 
     def html(self) -> str:
         """The table, scrolling sideways by itself on a narrow screen."""

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import base64
-import csv
-import io
 import math
 import struct
 import zlib
@@ -16,6 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from dummydesign.core.files import csv_text
 from dummydesign.report.plot_layers import Band, Bars, Cells, Dots, Ellipse, Label, Layer, Line, corners, edges, thin
 
 LETTER_WIDTH = 7.0
@@ -34,15 +33,11 @@ class Axis:
     log: bool = False
 
     def position(self, value: float) -> float:
-        """Position of a value along the axis; values outside are put a little outside."""
-        if self.log:
-            share = (math.log(max(value, 1e-300)) - math.log(self.low)) / (math.log(self.high) - math.log(self.low))
-        else:
-            share = (value - self.low) / (self.high - self.low)
-        return self.start + min(max(share, -1.0), 2.0) * (self.stop - self.start)
+        """Position of a value along the axis."""
+        return float(self.positions(np.float64(value)))
 
-    def positions(self, values: NDArray) -> NDArray:
-        """:meth:`position` of several values; NaN stays."""
+    def positions(self, values: NDArray | np.float64) -> NDArray:
+        """Positions of values along the axis; those outside are put a little outside, NaN stays."""
         if self.log:
             share = np.log(np.maximum(values, 1e-300) / self.low) / math.log(self.high / self.low)
         else:
@@ -148,19 +143,15 @@ class Plot:
 
     def csv_text(self) -> str:
         """All plotted values: ``series``, x, y, and low and high of bands, bars and maps."""
-        stream = io.StringIO()
-        table = csv.writer(stream, lineterminator="\n")
-        table.writerow(["series", self.x_name, self.y_name, "low", "high"])
-        for layer in self.layers:
-            for record in layer.records():
-                table.writerow([_text(value) for value in record])
-        return stream.getvalue()
+        records = (record for layer in self.layers for record in layer.records())
+        rows = ([_text(value) for value in record] for record in records)
+        return csv_text(["series", self.x_name, self.y_name, "low", "high"], rows)
 
     def svg(self) -> str:
         """The figure as SVG with its alternative text, and the ends of its axes for the page's script."""
         x, y = self.axes()
         clip = f"clip-{escape(self.name)}"
-        parts = [
+        return "".join([
             f'<svg class="plot" viewBox="0 0 {self._width:g} {self._height:g}" role="img" '
             f'aria-label="{escape(self.alt)}" data-x="{_ends(x)}" data-y="{_ends(y)}">',
             f"<title>{escape(self.title)}</title><desc>{escape(self.alt)}</desc>",
@@ -173,15 +164,14 @@ class Plot:
             *(_scale(layer, x, y) for layer in self.layers if isinstance(layer, Cells)),
             f'<rect class="frame" x="{x.start:g}" y="{y.stop:g}" width="{x.stop - x.start:g}" '
             f'height="{y.start - y.stop:g}"/></svg>',
-        ]
-        return "".join(parts)
+        ])  # fmt: skip
 
     def legend(self) -> str:
         """Names beside their colours, as HTML."""
         entries: dict[str, tuple[str, str]] = {}
         for layer in self.layers:
             if not isinstance(layer, Bars | Cells | Label):
-                entries.setdefault(layer.name, (_shape(layer), getattr(layer, "style", "main")))
+                entries.setdefault(layer.name, (_KEYS[type(layer)], getattr(layer, "style", "main")))
         return "".join(
             f'<span class="key"><svg viewBox="0 0 22 12" aria-hidden="true">{shape.format(style=style)}</svg>'
             f"{escape(name)}</span>"
@@ -321,31 +311,22 @@ def _band(layer: Band, x: Axis, y: Axis) -> str:
 
 
 def _bars(layer: Bars, x: Axis, y: Axis) -> str:
-    parts = []
-    low, high = np.asarray(layer.low, float), np.asarray(layer.high, float)
-    for row in range(len(layer.labels)):
-        top, bottom = y.position(len(layer.labels) - row - 0.2), y.position(len(layer.labels) - row - 0.8)
-        left, right = x.position(low[row]), x.position(high[row])
-        parts.append(
-            f'<rect class="bar" data-n="{escape(layer.labels[row])}" x="{left:.1f}" y="{top:.1f}" '
-            f'width="{max(right - left, 1):.1f}" height="{bottom - top:.1f}"/>'
-        )
-    zero = x.position(0.0)
-    parts.append(f'<line class="line other" x1="{zero:.1f}" x2="{zero:.1f}" y1="{y.start:g}" y2="{y.stop:g}"/>')
-    labels = "".join(
-        f'<text x="{x.start - 6:g}" y="{y.position(len(layer.labels) - row - 0.5) + 4:.1f}" text-anchor="end">'
-        f"{escape(label)}</text>"
-        for row, label in enumerate(layer.labels)
-    )
+    bars, labels, zero, count = "", "", x.position(0.0), len(layer.labels)
+    ends = (x.positions(np.asarray(end, float)) for end in (layer.low, layer.high))
+    for row, (label, left, right) in enumerate(zip(layer.labels, *ends)):
+        top, middle, bottom = (y.position(count - row - share) for share in (0.2, 0.5, 0.8))
+        bars += (f'<rect class="bar" data-n="{escape(label)}" x="{left:.1f}" y="{top:.1f}" '
+                 f'width="{max(right - left, 1):.1f}" height="{bottom - top:.1f}"/>')  # fmt: skip
+        labels += f'<text x="{x.start - 6:g}" y="{middle + 4:.1f}" text-anchor="end">{escape(label)}</text>'
+    bars += f'<line class="line other" x1="{zero:.1f}" x2="{zero:.1f}" y1="{y.start:g}" y2="{y.stop:g}"/>'
     # the labels stand left of the frame, outside the clipped group
-    return "".join(parts) + "</g><g>" + labels
+    return f"{bars}</g><g>{labels}"
 
 
 def _cells(layer: Cells, x: Axis, y: Axis) -> str:
     value = (np.asarray(layer.value, float) - layer.low) / (layer.high - layer.low)
     across, along = edges(np.asarray(layer.x, float)), edges(np.asarray(layer.y, float))
-    even = all(np.ptp(np.diff(side)) < 1e-6 * np.ptp(side) for side in (across, along))
-    if even:
+    if all(np.ptp(np.diff(side)) < 1e-6 * np.ptp(side) for side in (across, along)):
         drawn = "auto" if layer.smooth else "pixelated"
         left, right = x.position(across[0]), x.position(across[-1])
         top, bottom = y.position(along[-1]), y.position(along[0])
@@ -354,17 +335,12 @@ def _cells(layer: Cells, x: Axis, y: Axis) -> str:
             f'href="{png_uri(value)}" x="{left:.1f}" y="{top:.1f}" width="{right - left:.1f}" '
             f'height="{bottom - top:.1f}" preserveAspectRatio="none" style="image-rendering:{drawn}"/>'
         )
-    parts = []
-    for row in range(value.shape[0]):
-        for column in range(value.shape[1]):
-            if np.isfinite(value[row, column]):
-                left, right = x.position(across[column]), x.position(across[column + 1])
-                top, bottom = y.position(along[row + 1]), y.position(along[row])
-                parts.append(
-                    f'<rect fill="{css(value[row, column])}" x="{left:.1f}" y="{top:.1f}" '
-                    f'width="{right - left:.2f}" height="{bottom - top:.2f}"/>'
-                )
-    return "".join(parts)
+    sides, heights = x.positions(across), y.positions(along)
+    return "".join(
+        f'<rect fill="{css(value[row, column])}" x="{sides[column]:.1f}" y="{heights[row + 1]:.1f}" '
+        f'width="{sides[column + 1] - sides[column]:.2f}" height="{heights[row] - heights[row + 1]:.2f}"/>'
+        for row, column in zip(*np.nonzero(np.isfinite(value)))
+    )
 
 
 def _scale(layer: Cells, x: Axis, y: Axis) -> str:
@@ -397,16 +373,13 @@ def _label(layer: Label, x: Axis, y: Axis) -> str:
     return f'<text class="direct {layer.style}" {anchor}>{escape(layer.name)}</text>'
 
 
-def _shape(layer: Layer) -> str:
-    if isinstance(layer, Band):
-        return '<rect class="area {style}" x="1" y="1" width="20" height="10"/>'
-    if isinstance(layer, Dots):
-        return '<circle class="dot {style}" cx="11" cy="6" r="4"/>'
-    if isinstance(layer, Ellipse):
-        return '<ellipse class="ellipse" cx="11" cy="6" rx="9" ry="4"/>'
-    return '<path class="line {style}" d="M1 6L21 6"/>'
-
-
+_KEYS: dict[type, str] = {
+    Line: '<path class="line {style}" d="M1 6L21 6"/>',
+    Dots: '<circle class="dot {style}" cx="11" cy="6" r="4"/>',
+    Band: '<rect class="area {style}" x="1" y="1" width="20" height="10"/>',
+    Ellipse: '<ellipse class="ellipse" cx="11" cy="6" rx="9" ry="4"/>',
+}
+"""Marks of the legend."""
 _DRAW: dict[type, Any] = {
     Line: _line, Dots: _dots, Band: _band, Bars: _bars, Cells: _cells, Ellipse: _ellipse, Label: _label,
 }  # fmt: skip

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -11,7 +12,7 @@ import numpy as np
 from dummydesign.core.serialise import percent_below_limit
 from dummydesign.design.options import base_words
 from dummydesign.design.plot_data import THICKNESS_GRID_MM, PressPictures, SuggestionCurves
-from dummydesign.design.safety_view import SafetyView
+from dummydesign.design.safety import SafetyView
 from dummydesign.geometry.punch import read_punch
 from dummydesign.mold.files.solid_view import box, read_stl, view_script
 from dummydesign.report import suggest_facts
@@ -20,7 +21,7 @@ from dummydesign.report.pad_drawing import pad_section
 from dummydesign.report.page import STYLES, Section, Table, solid_section, write_report
 from dummydesign.report.plot import Plot, press_plot, steady_plot
 from dummydesign.report.plot_layers import Band, Bars, Cells, Dots, Ellipse, Layer, Line
-from dummydesign.report.suggest_sections import pressed_section, safety_section
+from dummydesign.report.suggest_sections import full_sentence, pressed_section, safety_section
 
 if TYPE_CHECKING:
     from dummydesign.design.suggestion import Suggestion
@@ -130,10 +131,10 @@ def score_maps(answer: Suggestion, curves: SuggestionCurves) -> list[Plot]:
     columns = np.abs(scores.ratio - best.ratio) <= 8 * off + 0.1
     rows = np.abs(scores.thickness_mm - best.thickness_mm) <= 8 * thick + 0.5
     layers[0] = Cells("total score", scores.ratio[columns], scores.thickness_mm[rows], value[rows][:, columns])
-    close = Plot("score-map-near", "The same around the recommended design", f"{alt} The ellipse is {off:.3g} parts "
-                 f"and {thick:g} mm in half.", label, "thickness [mm]", "ratio", "thickness_mm", tuple(layers),
-                 x_range=(best.ratio - 6 * off, best.ratio + 6 * off),
-                 y_range=(best.thickness_mm - 6 * thick, best.thickness_mm + 6 * thick))  # fmt: skip
+    close = replace(whole, name="score-map-near", title="The same around the recommended design",
+                    alt=f"{alt} The ellipse is {off:.3g} parts and {thick:g} mm in half.", layers=tuple(layers),
+                    note="", x_range=(best.ratio - 6 * off, best.ratio + 6 * off),
+                    y_range=(best.thickness_mm - 6 * thick, best.thickness_mm + 6 * thick))  # fmt: skip
     return [whole, close]
 
 
@@ -153,20 +154,15 @@ def exponent_plot(answer: Suggestion, curves: SuggestionCurves) -> Plot:
 
 def sensitivity_bars(answer: Suggestion, curves: SuggestionCurves) -> list[Plot]:
     """Change of depth and of peak between both ends of each uncertainty."""
-    bars = curves.reactions
-    names = [item.name for item in bars]
-    plots = []
-    force, protocol = answer.targets.protocol.needed_N, answer.targets.protocol
+    bars, protocol, plots = curves.reactions, answer.targets.protocol, []
+    names, force = [item.name for item in bars], protocol.needed_N
     note = f"* at one end {force:g} N is out of reach" if any(name.endswith("*") for name in names) else ""
-    depths, peaks = [item.depth_percent for item in bars], [item.peak_percent for item in bars]
-    for name, title, pairs in (
-        ("sensitivity-depth", f"Change of depth at {force:g} N, {protocol.slow_mm_s:g} mm/s", depths),
-        ("sensitivity-peak", f"Change of peak at {force:g} N, {protocol.fast_mm_s:g} mm/s", peaks),
-    ):
-        low, high = np.array(pairs).T
-        words = "; ".join(f"{label} {a:.1f} to {b:.1f} %" for label, (a, b) in zip(names, pairs))
-        plots.append(Plot(name, title, f"{title}: {words}.", "change [%]", "", "change_percent", "none",
-                          (Bars("change", names, low, high),), y_range=(0.0, float(len(names))),
+    for what, speed in (("depth", protocol.slow_mm_s), ("peak", protocol.fast_mm_s)):
+        low, high = np.array([getattr(item, f"{what}_percent") for item in bars]).T
+        title = f"Change of {what} at {force:g} N, {speed:g} mm/s"
+        words = "; ".join(f"{label} {a:.1f} to {b:.1f} %" for label, a, b in zip(names, low, high))
+        plots.append(Plot(f"sensitivity-{what}", title, f"{title}: {words}.", "change [%]", "", "change_percent",
+                          "none", (Bars("change", names, low, high),), y_range=(0.0, float(len(names))),
                           note=note))  # fmt: skip
     return plots
 
@@ -180,9 +176,9 @@ def suggestion_front(answer: Suggestion, result: dict[str, Any], presses: Sequen
     impact, steps = suggest_facts.impact_text(result), suggest_facts.next_steps(result)
     risks = [suggest_facts.risk_text(result), impact and f"impact: {impact}"]
     blocks = [
-        ("Correction", [_sentence(line) for line in suggest_facts.correction_lines(result)]),
-        ("Why this pad", [_sentence(suggest_facts.why_text(result))]),
-        ("Risk", [_sentence(text) for text in risks if text]),
+        ("Correction", [full_sentence(line) for line in suggest_facts.correction_lines(result)]),
+        ("Why this pad", [full_sentence(suggest_facts.why_text(result))]),
+        ("Risk", [full_sentence(text) for text in risks if text]),
     ]
     return FrontPage(
         title=f"Pad for the {answer.tissue.name}",
@@ -197,8 +193,8 @@ def suggestion_front(answer: Suggestion, result: dict[str, Any], presses: Sequen
         table=Grid(head, rows, frozenset(n for n, cells in enumerate(rows) if cells[-1] != "inside")),
         blocks=[(title, texts) for title, texts in blocks if texts],
         notes=suggest_facts.warning_texts(result),
-        steps=[step if step.startswith("dummydesign ") else _sentence(step) for step in steps],
-        side_note=_sentence(suggest_facts.meanwhile_text(result)),
+        steps=[step if step.startswith("dummydesign ") else full_sentence(step) for step in steps],
+        side_note=full_sentence(suggest_facts.meanwhile_text(result)),
         foot=FOOT,
     )
 
@@ -206,18 +202,17 @@ def suggestion_front(answer: Suggestion, result: dict[str, Any], presses: Sequen
 def _basis(result: dict[str, Any]) -> str:
     """What the answer holds for, and the calibration that it uses."""
     used = suggest_facts.calibration_text(result)
-    return f"Valid for {suggest_facts.valid_text(result)}." + (f" {_sentence(used)}" if used else "")
+    return f"Valid for {suggest_facts.valid_text(result)}." + (f" {full_sentence(used)}" if used else "")
 
 
 def _recipe_facts(result: dict[str, Any]) -> list[Fact]:
     """Ratio, weights, modulus and the words for the pad."""
     best = result["recommendation"]
-    name, *lengths = suggest_facts.pad_text(result).split("\n")
     return [
         Fact(f"ratio: {suggest_facts.ratio_meaning(best)}, by weight", f"{best['ratio']:g}", True),
         Fact(f"weigh ({best['resin']})", "\n".join(suggest_facts.batch_lines(best["batch"]))),
         Fact("long-term modulus", suggest_facts.modulus_text(best)),
-        Fact("pad", "\n".join([name, *lengths])),
+        Fact("pad", suggest_facts.pad_text(result)),
     ]
 
 
@@ -253,7 +248,7 @@ def write_suggestion(
         *_castings_fact(result),
     ]
     first = result["measure_first"]
-    lead = (f"{_sentence(first['text'])} {_sentence(first['protocol'])} " if first["text"] else "") + (
+    lead = (f"{full_sentence(first['text'])} {full_sentence(first['protocol'])} " if first["text"] else "") + (
         f"Tissue: {answer.tissue.title}, aim {answer.request.aim}. Resin: {answer.resin.title}. "
         f"{result['rests_on']['text']}"
         + ("" if first["text"] else f" Next: {result['rests_on']['next_step']}.")
@@ -266,8 +261,7 @@ def write_suggestion(
     sections = [
         Section("Steady force", _steady_words(answer), [steady_figure(answer, curves)], _low_table(best)),
         *_shapes(answer, result, curves),
-        Section("Force over time", _press_words(answer),
-                presses, _conditions(best)),
+        Section("Force over time", _press_words(answer), presses, _conditions(best)),
         pressed_section(answer, pictures),
         Section("Why this design", _why(result),
                 [*score_maps(answer, curves), exponent_plot(answer, curves), *sensitivity_bars(answer, curves)],
@@ -315,10 +309,8 @@ def _castings_fact(result: dict[str, Any]) -> list[tuple[str, str]]:
 def _steady_words(answer: Suggestion) -> str:
     low = "Below 5 N there are no data on people; the range there is their law extrapolated and drawn paler."
     if answer.tissue.measured:
-        low = (
-            f"Below {answer.request.protocol.forces_N[0]:g} N the subjects' range is their slowest rise, scaled to "
-            "their steady force, and drawn paler."
-        )
+        low = (f"Below {answer.request.protocol.forces_N[0]:g} N the subjects' range is their slowest rise, scaled to "
+               "their steady force, and drawn paler.")  # fmt: skip
     top = "The pad's top is touched gradually, so it starts soft."
     if answer.shape.flat_top:
         # a straight line it can follow, a cube not
@@ -326,8 +318,7 @@ def _steady_words(answer: Suggestion) -> str:
         top = "A flat pad starts nearly linear, so it crosses the tissue's curve and cannot follow it." if steep else ""
     return (
         f"The relaxed pad and the subjects. {low} The band of the pad holds 95 % of its castings. It covers the "
-        "uncertainty of the resin and the errors of weighing and thickness. "
-        + top
+        f"uncertainty of the resin and the errors of weighing and thickness. {top}"
     )
 
 
@@ -364,13 +355,9 @@ def _shapes(answer: Suggestion, result: dict[str, Any], curves: SuggestionCurves
         if row["shape"] is None:
             rows.append([f"{row['kind']}: {row['reason']}", *[""] * (len(head) - 1)])
             continue
-        rows.append(
-            [
-                row["shape"], f"{row['thickness_mm']:g}", f"{row['ratio']:g}", row["misfit_rms_ln_force"],
-                row["share_below_5N"], row["share_above_5N"], *(row["exponent_at_N"][f] for f in shown),
-                row["depth_over_thickness"], row["total"],
-            ]
-        )  # fmt: skip
+        rows.append([row["shape"], f"{row['thickness_mm']:g}", f"{row['ratio']:g}", row["misfit_rms_ln_force"],
+                     row["share_below_5N"], row["share_above_5N"], *(row["exponent_at_N"][f] for f in shown),
+                     row["depth_over_thickness"], row["total"]])  # fmt: skip
     return [Section("Shapes side by side", text, [relative_force_plot(answer, curves)], Table(head, rows))]
 
 
@@ -381,7 +368,7 @@ def _why(result: dict[str, Any]) -> str:
     weights = ", ".join(f"{name.replace('_', ' ')} {given[name]:.3g}" for name in SCORED if name in given)
     slope = 100 * result["sensitivity"]["d_ln_young_per_percent_ratio"]
     return (
-        f"{_sentence(result['choice']['text'])} {_sentence(result['choice']['expectation']['text'])}"
+        f"{full_sentence(result['choice']['text'])} {full_sentence(result['choice']['expectation']['text'])}"
         "\n\n"
         f"Scores from 0 to 1: {scores}. The total is their mean by the weights {given['set']} of this aim ({weights}). "
         f"The modulus changes {slope:.0f} % per 1 % of the ratio."
@@ -394,32 +381,20 @@ def _why(result: dict[str, Any]) -> str:
 SCORED = ("aim", "steady_state_range", "force_variation_range", "parametric")
 
 
-def _sentence(text: str) -> str:
-    """The text with a capital and a full stop."""
-    return text and f"{text[0].upper()}{text[1:].removesuffix('.')}."
-
-
 def _low_table(best: dict[str, Any]) -> Table:
-    rows = [
-        [f"{row['force_N']:g}", row["depth_mm"], row["tissue_depth_low_mm"], row["tissue_depth_high_mm"]]
-        for row in best["low_force"]
-    ]
-    return Table(["steady force N", "pad mm", "stiffest subject mm", "softest subject mm"], rows)
+    return Table.of(best["low_force"], {
+        "steady force N": "force_N:g", "pad mm": "depth_mm", "stiffest subject mm": "tissue_depth_low_mm",
+        "softest subject mm": "tissue_depth_high_mm",
+    })  # fmt: skip
 
 
 def _conditions(best: dict[str, Any]) -> Table:
-    head = ["steady N", "speed mm/s", "depth mm", "depth / thickness", "gel compression", "peak N", "subjects' peaks N",
-            "reads", "inside", ""]  # fmt: skip
-    rows = [
-        [
-            f"{row['steady_force_N']:g}", f"{row['velocity_mm_s']:g}", row["depth_mm"], row["depth_over_thickness"],
-            row["gel_compression"], row["peak_force_N"],
-            f"{row['target_peak_low_N']:.1f} to {row['target_peak_high_N']:.1f}", _reads(row), row["inside_fraction"],
-            row["out_of_reach"] or "",
-        ]
-        for row in best["conditions"]
-    ]  # fmt: skip
-    return Table(head, rows)
+    return Table.of(best["conditions"], {
+        "steady N": "steady_force_N:g", "speed mm/s": "velocity_mm_s:g", "depth mm": "depth_mm",
+        "depth / thickness": "depth_over_thickness", "gel compression": "gel_compression", "peak N": "peak_force_N",
+        "subjects' peaks N": lambda row: f"{row['target_peak_low_N']:.1f} to {row['target_peak_high_N']:.1f}",
+        "reads": _reads, "inside": "inside_fraction", "": lambda row: row["out_of_reach"] or "",
+    })  # fmt: skip
 
 
 def _reads(row: dict[str, Any]) -> str:
@@ -431,12 +406,10 @@ def _reads(row: dict[str, Any]) -> str:
 
 def _alternatives(result: dict[str, Any]) -> Table | None:
     designs = [result["recommendation"], *result["alternatives"]]
-    names = list(designs[0]["scores"])
-    rows = [
-        [f"{d['thickness_mm']:g} mm", f"{d['ratio']:g}", d["young_kPa"]["value"], *(d["scores"][n] for n in names)]
-        for d in designs
-    ]
-    return Table(["design (first: recommended)", "ratio", "E kPa", *(name.replace("_", " ") for name in names)], rows)
+    rows = [[f"{one['thickness_mm']:g} mm", f"{one['ratio']:g}", one["young_kPa"]["value"], *one["scores"].values()]
+            for one in designs]  # fmt: skip
+    names = (name.replace("_", " ") for name in designs[0]["scores"])
+    return Table(["design (first: recommended)", "ratio", "E kPa", *names], rows)
 
 
 def _solids(best: dict[str, Any], files: dict[str, str], pad_mm: tuple[float, float]) -> Section:

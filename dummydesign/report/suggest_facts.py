@@ -12,23 +12,18 @@ from typing import Any
 from dummydesign.design.options import SuggestOptions, base_words, command_words
 
 MOST_NOTES = 4
-NOTES = {
-    "bottoms_out": "{message}",
-    "measured_curves": "{message}",
-    "tissue_punch": "{message}",
-    "force_not_in_band": "{message}",
-    "speed_not_in_band": "{message}",
-    "calibration_resin": "{message}",
+NOTES = ("bottoms_out", "measured_curves", "tissue_punch", "force_not_in_band", "speed_not_in_band",
+         "calibration_resin", "out_of_reach", "one_subject", "contradictory_points", "calibration", "at_edge",
+         "outside_steady_range", "cad_unavailable", "curved_master")  # fmt: skip
+"""Warnings that change what one does, the most pressing first."""
+NOTE_WORDS = {
     "out_of_reach": "{message}. Allow a thicker pad (--thickness) or a smaller force.",
     "one_subject": "Only one subject: a range needs at least two ('dummydesign tissues add').",
-    "contradictory_points": "{message}",
-    "calibration": "{message}",
     "at_edge": "{message}.",
     "outside_steady_range": "{message}.",
-    "cad_unavailable": "{message}",
     "curved_master": "Print the curved plug in layers of at most 0.1 mm, or machine it: its height sets the force.",
 }
-"""Warnings that change what one does, the most pressing first, and their words on the screen."""
+"""Words of a warning on the screen, where they are not its message."""
 TYPED_AGAIN = ("aim", "shape", "punch", "edge_radius_mm", "force_N", "velocity_mm_s", "hold_s", "base", "condition",
                "deceleration_mm_s2", "preset", "machine", "silicone", "pad_mm", "thickness_mm", "ratio", "sites",
                "weighing_g", "thickness_tolerance_mm")  # fmt: skip
@@ -186,7 +181,8 @@ def warning_texts(result: dict[str, Any]) -> list[str]:
     """At most four warnings, each with what to do."""
     messages = {item["code"]: item["message"] for item in reversed(result["warnings"])}
     shown = [code for code in NOTES if code in messages][:MOST_NOTES]
-    return [NOTES[code].format(message=f"{messages[code][0].upper()}{messages[code][1:]}") for code in shown]
+    texts = {code: f"{messages[code][0].upper()}{messages[code][1:]}" for code in shown}
+    return [NOTE_WORDS.get(code, "{message}").format(message=text) for code, text in texts.items()]
 
 
 def impact_of(result: dict[str, Any]) -> tuple[dict[str, Any] | None, list[float]]:

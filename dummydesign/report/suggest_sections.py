@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from dummydesign.design.plot_data import ABOVE_MM, PressedPad, PressPictures
-from dummydesign.design.safety_view import SafetyView
+from dummydesign.design.safety import SafetyView
 from dummydesign.report.page import Section, Table
 from dummydesign.report.plot import Plot
 from dummydesign.report.plot_layers import Band, Cells, Layer, Line
@@ -36,12 +36,13 @@ def pressed_section(answer: Suggestion, pictures: PressPictures) -> Section:
     )
     plots = [_section(answer, one, pictures.ceiling_kPa) for one in pictures.pads]
     plots.append(_pressure(pictures))
-    words = "\n\n".join(part for part in (text, _compared(pictures), _sentence(pictures.left_out)) if part)
+    words = "\n\n".join(part for part in (text, _compared(pictures), full_sentence(pictures.left_out)) if part)
     return Section(TITLE, words, plots, _table(pictures))
 
 
-def _sentence(text: str) -> str:
-    return f"{text[0].upper()}{text[1:]}." if text else ""
+def full_sentence(text: str) -> str:
+    """The text with a capital and a full stop."""
+    return text and f"{text[0].upper()}{text[1:].removesuffix('.')}."
 
 
 def _section(answer: Suggestion, pad: PressedPad, ceiling_kPa: float) -> Plot:
@@ -122,40 +123,30 @@ def _compared(pictures: PressPictures) -> str:
 
 
 def _table(pictures: PressPictures) -> Table:
-    head = ["pad", "steady N", "depth mm", "contact radius mm", "mean kPa", "largest away from the edge kPa",
-            "at radius mm", "at the edge"]  # fmt: skip
-    rows = []
-    for pad in (*pictures.pads, *pictures.slab):
-        contact = pad.contact
-        edge = "rises" if contact["edge_kPa"] > contact["peak_kPa"] else "falls"
-        lengths = (f"{pad.depth_mm:.2f}", f"{contact['contact_radius_mm']:.1f}")
-        pressures = (f"{contact['mean_kPa']:.3g}", f"{contact['peak_kPa']:.3g}")
-        rows.append([pad.title, f"{pad.force_N:g}", *lengths, *pressures, f"{contact['peak_radius_mm']:.1f}", edge])
-    return Table(head, rows)
+    pads = (*pictures.pads, *pictures.slab)
+    return Table.of(({**pad.contact, **vars(pad)} for pad in pads), {
+        "pad": "title", "steady N": "force_N:g", "depth mm": "depth_mm:.2f",
+        "contact radius mm": "contact_radius_mm:.1f", "mean kPa": "mean_kPa:.3g",
+        "largest away from the edge kPa": "peak_kPa:.3g", "at radius mm": "peak_radius_mm:.1f",
+        "at the edge": lambda row: "rises" if row["edge_kPa"] > row["peak_kPa"] else "falls",
+    })  # fmt: skip
 
 
 def safety_section(view: SafetyView) -> Section:
     """Energy and pressure at each condition, and on request an impact and a user's limits."""
-    rows = [
-        [
-            f"{row.steady_force_N:g}", f"{row.velocity_mm_s:g}",
-            _pair(row.tissue_energy_mJ), row.pad_energy_mJ, _pair(row.tissue_pressure_N_per_cm2),
-            row.pad_pressure_N_per_cm2,
-        ]
-        for row in view.presses
-    ]  # fmt: skip
-    head = ["steady N", "speed mm/s", "energy of the rise, subjects mJ", "pad mJ",
-            "largest mean pressure, subjects N/cm2", "pad N/cm2"]  # fmt: skip
-    plots = [_energy(view)]
-    html = ""
-    if view.impact:
-        html += _impact_html(view)
+    presses = Table.of(map(vars, view.presses), {
+        "steady N": "steady_force_N:g", "speed mm/s": "velocity_mm_s:g",
+        "energy of the rise, subjects mJ": lambda row: _pair(row["tissue_energy_mJ"]), "pad mJ": "pad_energy_mJ",
+        "largest mean pressure, subjects N/cm2": lambda row: _pair(row["tissue_pressure_N_per_cm2"]),
+        "pad N/cm2": "pad_pressure_N_per_cm2",
+    })  # fmt: skip
+    html = _impact_html(view) if view.impact else ""
     if view.limits:
         lines = [[row["body"], row["case"], row["criterion"], row["contact"], row["value"], row["limit"],
                   {True: "yes", False: "no", None: "–"}[row["within"]]] for row in view.limits]  # fmt: skip
         table = Table(["body", "case", "criterion", "contact", "value", "limit", "within"], lines)
         html += f"<p>{escape(view.limits_source)}</p>" + table.html()
-    return Section("Safety view", view.text, plots, Table(head, rows), html)
+    return Section("Safety view", view.text, [_energy(view)], presses, html)
 
 
 def _pair(values: tuple[float, float]) -> str:
@@ -170,7 +161,7 @@ def _energy(view: SafetyView) -> Plot:
         forces = [row.steady_force_N for row in rows]
         low, high = zip(*(row.tissue_energy_mJ for row in rows))
         layers.append(Band(f"subjects, {speed:g} mm/s", forces, low, high, style="band" if speed > 50 else "extra"))
-        pad = [np.nan if row.pad_energy_mJ is None else row.pad_energy_mJ for row in rows]
+        pad = np.array([row.pad_energy_mJ for row in rows], float)
         layers.append(Line(f"pad, {speed:g} mm/s", forces, pad, styles.get(speed, "alt2")))
     alt = "Energy of the rise over steady force for the pad and the subjects at each speed."
     return Plot("energy", "Energy of the rise", alt, "steady force [N]", "energy [mJ]", "force_N", "energy_mJ",
@@ -178,7 +169,8 @@ def _energy(view: SafetyView) -> Plot:
 
 
 def _impact_html(view: SafetyView) -> str:
-    lines = [[row["body"], row["depth_mm"], row["peak_force_N"], row["energy_mJ"], row["mean_pressure_N_per_cm2"],
-              row["note"]] for row in view.impact]  # fmt: skip
-    head = ["body", "depth mm", "peak N", "energy mJ", "mean pressure N/cm2", ""]
-    return f"<p>{escape(view.impact_text)}</p>" + Table(head, lines).html()
+    rows = Table.of(view.impact, {
+        "body": "body", "depth mm": "depth_mm", "peak N": "peak_force_N", "energy mJ": "energy_mJ",
+        "mean pressure N/cm2": "mean_pressure_N_per_cm2", "": "note",
+    })  # fmt: skip
+    return f"<p>{escape(view.impact_text)}</p>{rows.html()}"

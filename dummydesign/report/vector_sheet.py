@@ -167,12 +167,6 @@ class Text:
         """Where the words begin. [mm]"""
         return self.x_mm - {"start": 0.0, "middle": 0.5, "end": 1.0}[self.anchor] * self.width_mm
 
-    @property
-    def box(self) -> Box:
-        """What the words cover, with descenders. [mm]"""
-        size = self.size_pt * PT_MM
-        return self.left_mm, self.y_mm - 0.73 * size, self.left_mm + self.width_mm, self.y_mm + 0.21 * size
-
 
 Item = Path | Text
 
@@ -191,11 +185,6 @@ class VectorSheet:
     width_mm: float
     height_mm: float
     items: list[Item] = field(default_factory=list)
-
-    @property
-    def texts(self) -> list[Text]:
-        """The texts on it."""
-        return [item for item in self.items if isinstance(item, Text)]
 
     def svg(self) -> str:
         """Write the sheet as SVG, without a size of its own."""
@@ -283,18 +272,18 @@ def _font(text: Text) -> str:
     try:
         text.words.encode("cp1252")
     except UnicodeEncodeError:
-        from dummydesign.mold.files.pour_sheet_pdf import fonts
+        from dummydesign.mold.files.pour_sheet import fonts
 
         return fonts()[int(text.face == "bold")]
     return PDF_FONTS[text.face]
 
 
 def paragraph(
-    x_mm: float, y_mm: float, lines: Sequence[str], size_pt: float, face: str = "plain", colour: str = INK,
-    pitch: float = PITCH,
-) -> tuple[list[Item], float]:  # fmt: skip
-    """Texts of lines from a top edge on, and the edge under the last. [mm]"""
+    items: list[Item], x_mm: float, y_mm: float, lines: Sequence[str], size_pt: float, face: str = "plain",
+    colour: str = INK, pitch: float = PITCH,
+) -> float:  # fmt: skip
+    """Add texts of lines from a top edge on; return the edge under the last. [mm]"""
     step = pitch * size_pt * PT_MM
-    items: list[Item] = [Text(x_mm, y_mm + (row + 0.8) * step, line, size_pt, face, colour=colour)
-                         for row, line in enumerate(lines)]  # fmt: skip
-    return items, y_mm + len(lines) * step
+    items += [Text(x_mm, y_mm + (row + 0.8) * step, line, size_pt, face, colour=colour)
+              for row, line in enumerate(lines)]  # fmt: skip
+    return y_mm + len(lines) * step

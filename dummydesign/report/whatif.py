@@ -85,8 +85,7 @@ def _select(name: str, text: str, options: tuple[str, ...], chosen: str) -> str:
 
 def live_scripts() -> list[str]:
     """The page's computing and its controls."""
-    folder = Path(__file__).parent
-    return [(folder / name).read_text(encoding="utf-8") for name in ("live.js", "sliders.js")]
+    return [(Path(__file__).parent / name).read_text(encoding="utf-8") for name in ("live.js", "sliders.js")]
 
 
 SHOWN, SERIES = 200, 6
@@ -147,8 +146,7 @@ def plane_tables(rows: Rows) -> tuple[list[str], list[list[str]], list[list[str]
     shown = across if len(across) <= ACROSS else [across[round(i * (len(across) - 1) / (ACROSS - 1))]
                                                   for i in range(ACROSS)]  # fmt: skip
     at = {(row["ratio"], row["thickness_mm"]): row for row in rows}
-    depths: list[list[str]] = []
-    peaks: list[list[str]] = []
+    depths, peaks = list[list[str]](), list[list[str]]()
     for ratio in sorted({row["ratio"] for row in rows}):
         cells = [at.get((ratio, thickness)) for thickness in shown]
         depth = [None if row is None else row["depth_mm_at_N"][force] for row in cells]
@@ -208,9 +206,7 @@ def _solved(study: Study) -> str:
     return "stored finite-element solutions" if study.fidelity == "table" else f"finite elements ({study.fidelity})"
 
 
-def _front(
-    study: Study, rows: Rows, lead: str, plots: Sequence[Plot], warnings: list[dict[str, str]]
-) -> FrontPage:
+def _front(study: Study, rows: Rows, lead: str, plots: Sequence[Plot], warnings: list[dict[str, str]]) -> FrontPage:
     """The first page: the best design or the study in words, depth and exponents over thickness, a table."""
     ordered = best_first(rows)
     plane = in_plane(ordered)
@@ -220,16 +216,15 @@ def _front(
         body = [[x if column < 2 or y == "-" else f"{x}, {y}" for column, (x, y) in enumerate(row)] for row in both]
     else:
         head, body, _ = first_table(ordered)
-    steps: list[str] = []
-    best, facts, words = ordered[0], [Fact("designs", f"{len(rows)}", True)], lead
+    steps, best, facts, words = list[str](), ordered[0], [Fact("designs", f"{len(rows)}", True)], lead
     if "score" in best:
         text = f"{best['thickness_mm']:g} mm, ratio {best['ratio']:g}, {best['shape']}"
         score = f"{best['score']['total']:.2f}"
         facts = [Fact(f"best score for {study.tissue}, 0 to 1", score, True), Fact("pad", text)]
         words = f"Highest score for {study.tissue}, aim {study.aim}: {text}. A score is no verdict. {lead}"
-        again = command_words(SuggestOptions, {"aim": study.aim, "resin": study.resin}, ("aim", "resin"))
-        again = f"dummydesign suggest --tissue {shlex.quote(str(study.tissue))}{again}"
-        steps = ["Search all pads for a verdict, with castings, recipe and mould.", again]
+        asked = command_words(SuggestOptions, {"aim": study.aim, "resin": study.resin}, ("aim", "resin"))
+        steps = ["Search all pads for a verdict, with castings, recipe and mould.",
+                 f"dummydesign suggest --tissue {shlex.quote(str(study.tissue))}{asked}"]  # fmt: skip
     fixed = "\n".join(fixed_texts(ordered))
     return FrontPage(
         "What if",
@@ -279,7 +274,7 @@ def _groups(study: Study, rows: Rows) -> list[tuple[str, Rows]]:
         wanted = (punch, condition, base, shape, edge)
         chosen = [row for row in rows if row["ratio"] == ratio and _setup(row) == wanted]
         groups.append((", ".join(words) or f"ratio {ratio:g}", chosen))
-    return groups[:SERIES]
+    return groups
 
 
 def _setup(row: dict[str, Any]) -> tuple[Any, ...]:
@@ -292,6 +287,7 @@ def _thickness(study: Study, rows: Rows) -> Section:
     middle = min(study.forces_N, key=lambda force: abs(force - 10.0))
     groups = _groups(study, rows)
     first, one = groups[len(groups) // 2]
+
     def curves(name: str, force: float) -> list[Layer]:
         return [mark(words, *_series(chosen, name, force), style) for (words, chosen), style in zip(groups, STYLES)]
 
@@ -324,11 +320,9 @@ def _map(study: Study, rows: Rows) -> list[Section]:
     (punch, _), condition, base = study.setups[0]
     shape, edge = study.pads[0]
     thickness, ratio = sorted(study.thickness_mm), sorted(study.ratio)
-    value = np.full((len(thickness), len(ratio)), np.nan)
     shown = [row for row in rows if _setup(row) == (punch, condition, base, shape, edge)]
-    at = [{design: number for number, design in enumerate(steps)} for steps in (thickness, ratio)]
-    for row in shown:
-        value[at[0][row["thickness_mm"]], at[1][row["ratio"]]] = row["score"]["total"]
+    score = {(row["thickness_mm"], row["ratio"]): row["score"]["total"] for row in shown}
+    value = np.array([[score.get((one, other), np.nan) for other in ratio] for one in thickness])
     best = max(shown, key=lambda row: row["score"]["total"])
     layers = (Cells("total score", ratio, thickness, value),
               Dots("best of this study", [best["ratio"]], [best["thickness_mm"]], "aim"))  # fmt: skip
@@ -348,8 +342,7 @@ def _table(study: Study, rows: Rows) -> Section:
     head += [f"{name} at {force} N" for force in forces for name in ("depth mm,", "exponent")]
     head += [f"peak / steady at {speed} mm/s" for speed in speeds] + ["stops early"]
     lines = []
-    ordered = sorted(rows, key=lambda row: -row["score"]["total"]) if scored else rows
-    for row in ordered[:SHOWN]:
+    for row in best_first(rows)[:SHOWN]:
         edge = f", edge {row['edge_radius_mm']:g} mm" if row["edge_radius_mm"] else ""
         values = [row["thickness_mm"], row["ratio"], row["shape"], row["punch"] + edge]
         values += [f"{row['condition']}, {row['base']}", row["young_kPa"]]

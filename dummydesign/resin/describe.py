@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from dummydesign.core.files import write_bytes, write_text
+from dummydesign.core.serialise import to_plain
 from dummydesign.resin.model.resin import Resin
 
 ROWS, CURVE = 9, 61
@@ -17,7 +18,6 @@ ROWS, CURVE = 9, 61
 
 def explain(resin: Resin) -> dict[str, Any]:
     """Return the resin's file, its curve over the ratio, its numbers by name, and warnings."""
-    ratios = np.linspace(resin.ratio_min, resin.ratio_max, ROWS)
     numbers = {
         **resin.numbers,
         **{f"beta_at_{arm.tau_s.value:g}_s": arm.beta for arm in resin.arms},
@@ -25,23 +25,18 @@ def explain(resin: Resin) -> dict[str, Any]:
         **{name: resin.property(name, resin.relaxation_ratio_ref) for name in resin.property_names()},
     }
     return {
-        "name": resin.name,
-        "origin": resin.origin,
-        "resin": resin.to_dict(),
-        "curve": [curve_row(resin, float(ratio)) for ratio in ratios],
-        "numbers": {name: quantity.to_dict() for name, quantity in numbers.items()},
-        "warnings": resin_warnings(resin),
-    }
+        "name": resin.name, "origin": resin.origin, "resin": resin.to_dict(), "curve": _curve(resin, ROWS),
+        "numbers": to_plain(numbers), "warnings": resin_warnings(resin),
+    }  # fmt: skip
 
 
-def curve_row(resin: Resin, ratio: float) -> dict[str, Any]:
-    """One ratio: modulus with interval, sensitivity, Prony terms relative to the long-term modulus."""
-    return {
-        "ratio": ratio,
-        "young_kPa": resin.modulus_kPa(ratio).to_dict(),
-        "d_ln_young_per_percent_ratio": 0.01 * resin.log_slope(ratio),
-        "prony": [term.to_dict() for term in resin.prony(ratio)],
-    }
+def _curve(resin: Resin, rows: int) -> list[dict[str, Any]]:
+    """Ratios with modulus and interval, sensitivity, Prony terms relative to the long-term modulus."""
+    return [
+        {"ratio": ratio, "young_kPa": resin.modulus_kPa(ratio).to_dict(),
+         "d_ln_young_per_percent_ratio": 0.01 * resin.log_slope(ratio), "prony": to_plain(resin.prony(ratio))}
+        for ratio in np.linspace(resin.ratio_min, resin.ratio_max, rows).tolist()
+    ]  # fmt: skip
 
 
 def resin_warnings(resin: Resin) -> list[dict[str, str]]:
@@ -56,8 +51,8 @@ def resin_warnings(resin: Resin) -> list[dict[str, str]]:
 
 def write_plot(resin: Resin, folder: Path) -> dict[str, str]:
     """Write modulus and relaxation against the ratio as SVG with the data as CSV; return {role: path}."""
-    ratios = np.linspace(resin.ratio_min, resin.ratio_max, CURVE)
-    rows = [curve_row(resin, float(ratio)) for ratio in ratios]
+    rows = _curve(resin, CURVE)
+    ratios = [row["ratio"] for row in rows]
     young = np.array([[row["young_kPa"][end] for end in ("low", "value", "high")] for row in rows])
     beta = np.array([[term["beta"] for term in row["prony"]] for row in rows])
     names = [f"beta_at_{arm.tau_s.value:g}_s" for arm in resin.arms]
@@ -71,7 +66,7 @@ def write_plot(resin: Resin, folder: Path) -> dict[str, str]:
     return {"plot": str(picture), "data": str(data)}
 
 
-def _draw(resin: Resin, ratios: np.ndarray, young: np.ndarray, beta: np.ndarray, names: list[str]) -> bytes:
+def _draw(resin: Resin, ratios: list[float], young: np.ndarray, beta: np.ndarray, names: list[str]) -> bytes:
     from matplotlib import rc_context
     from matplotlib.figure import Figure
 

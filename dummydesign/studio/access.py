@@ -3,19 +3,19 @@
 from __future__ import annotations
 
 import hmac
-from collections.abc import Awaitable, Callable, Iterable, Mapping, MutableMapping
+from collections.abc import Callable
 from html import escape
 from secrets import token_urlsafe
-from typing import Any
-from urllib.parse import parse_qs, quote, urlencode
+from urllib.parse import quote, urlencode
 
-Scope = MutableMapping[str, Any]
-Receive = Callable[[], Awaitable[MutableMapping[str, Any]]]
-Send = Callable[[MutableMapping[str, Any]], Awaitable[None]]
+from starlette.datastructures import Headers, MutableHeaders
+from starlette.requests import HTTPConnection
+from starlette.responses import HTMLResponse, PlainTextResponse, RedirectResponse, Response
+from starlette.types import ASGIApp, Message, Receive, Scope, Send
+
 LARGEST_BYTES = 64 * 1024 * 1024
 """A file that is sent: an hour at 1 kHz has some 100 MB as text only with many columns."""
 COOKIE = "dummydesign-studio"
-HTML = "text/html; charset=utf-8"
 ROOM_BYTES = 64 * 1024
 """What the form around a file may take."""
 VIEW = "/view/"
@@ -29,6 +29,7 @@ FILE_POLICY = (
 PDF_POLICY = "default-src 'none'; object-src 'self'; style-src 'unsafe-inline'; frame-ancestors 'self'"
 """The same for a PDF, which browsers do not show in a sandbox."""
 LONGEST_PATH = 4000
+UNKEPT = {"cache-control": "no-store"}
 NO_KEY = (
     "<!doctype html><html lang=en><meta charset=utf-8><title>dummydesign studio</title>"
     "<body style='font:16px system-ui;margin:3rem;max-width:40rem'><h1>This address needs its key</h1>"
@@ -45,12 +46,13 @@ class Guard:
     """
 
     def __init__(
-        self, app: Any, key: str, port: int, largest_bytes: int = LARGEST_BYTES,
+        self, app: ASGIApp, key: str, port: int, largest_bytes: int = LARGEST_BYTES,
         once: Callable[[str], bool] = lambda key: False,
     ) -> None:  # fmt: skip
-        self._app, self._key, self._largest, self._once = app, key, largest_bytes, once
+        self._app, self._key, self._allowed, self._once = app, key, largest_bytes + ROOM_BYTES, once
         self._path, self._session = f"/{token_urlsafe(16)}", token_urlsafe(24)
         self._hosts = {f"{name}:{port}" for name in ("127.0.0.1", "localhost")}
+        self._too_large = _refusal(413, f"larger than {largest_bytes // 2**20} MB: not taken")
         sockets = " ".join(f"ws://{host}" for host in sorted(self._hosts))
         self._policy = (
             "default-src 'self'; script-src 'self' 'unsafe-inline' 'unsafe-eval'; style-src 'self' 'unsafe-inline'; "
@@ -60,135 +62,109 @@ class Guard:
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Let a request through, or answer it here."""
-        if scope["type"] not in ("http", "websocket"):
+        kind = scope["type"]
+        if kind not in ("http", "websocket"):
             await self._app(scope, receive, send)
             return
-        heads = [(name.decode("latin-1").lower(), value.decode("latin-1")) for name, value in scope["headers"]]
-        head, path = dict(heads), scope["path"]
-        host = head.get("host", "")
-        if host not in self._hosts or [name for name, _ in heads].count("host") > 1:
-            await _refuse(scope, send, 403, "only for pages of this machine")
-            return
-        if head.get("origin") not in (None, f"http://{host}"):
-            await _refuse(scope, send, 403, "only for pages of the studio itself")
-            return
-        given = parse_qs(scope.get("query_string", b"").decode("latin-1"), keep_blank_values=True)
-        key = given.pop("key", [""])[0]
-        welcome = scope["type"] == "http" and scope.get("method", "GET") in ("GET", "HEAD")
-        welcome = welcome and (_same(key, self._key) or (scope.get("method") != "HEAD" and self._once(key)))
-        away = head.get("sec-fetch-site", "none") not in ("none", "same-origin")
-        if away and not (welcome and _opens_a_tab(head)):
-            await _refuse(scope, send, 403, NO_KEY, HTML)
-            return
-        if len(path) > LONGEST_PATH or "\\" in path or any(ord(one) < 32 for one in path):
-            await _refuse(scope, send, 404, "no such address")
-            return
-        if welcome:
-            await self._welcome(send, path, urlencode(given, doseq=True), away)
-            return
-        if not (scope["type"] == "http" and path.startswith(VIEW)):
-            if not path.startswith(f"{self._path}/") or not _same(_from_cookies(heads), self._session):
-                await _refuse(scope, send, 403, NO_KEY, HTML)
-                return
+        apart = kind == "http" and scope["path"].startswith(VIEW)
+        answer = self._answer(HTTPConnection(scope), apart)
+        if not apart:
             scope = {**scope, "root_path": self._path}
-            path = path.removeprefix(self._path)
-        if scope["type"] == "websocket":
+        if answer is not None and kind == "http":
+            await answer(scope, receive, send)
+        elif answer is not None:
+            await send({"type": "websocket.close", "code": 4403})
+        elif kind == "websocket":
             await self._app(scope, receive, send)
-            return
-        allowed = self._largest + ROOM_BYTES
-        length = head.get("content-length", "0")
-        large = f"larger than {self._largest // 2**20} MB: not taken"
-        if not (length.isascii() and length.isdigit() and len(length) < 20) or int(length) > allowed:
-            await _refuse(scope, send, 413, large)
-            return
-        policy = FILE_POLICY if path.startswith((VIEW, "/files/", "/solid/")) else self._policy
-        await _Counted(allowed, large).run(self._app, scope, receive, _with_policy(send, policy))
+        else:
+            of_project = scope["path"].removeprefix(self._path).startswith((VIEW, "/files/", "/solid/"))
+            await self._count(scope, receive, _with_policy(send, FILE_POLICY if of_project else self._policy))
 
-    async def _welcome(self, send: Send, path: str, query: str, away: bool) -> None:
+    def _answer(self, asked: HTTPConnection, apart: bool) -> Response | None:
+        """What to answer here: a refusal, or the welcome to the key; None for what may go on."""
+        heads, path = asked.headers, asked.scope["path"]
+        host, method = heads.get("host", ""), asked.scope.get("method", "")
+        if host not in self._hosts or len(heads.getlist("host")) > 1:
+            return _refusal(403, "only for pages of this machine")
+        if any(origin != f"http://{host}" for origin in heads.getlist("origin")):
+            return _refusal(403, "only for pages of the studio itself")
+        key = next((value for name, value in asked.query_params.multi_items() if name == "key"), "")
+        welcome = method in ("GET", "HEAD") and (same_secret(key, self._key) or (method == "GET" and self._once(key)))
+        away = heads.get("sec-fetch-site", "none") not in ("none", "same-origin")
+        a_tab = heads.get("sec-fetch-mode") == "navigate" and heads.get("sec-fetch-dest") == "document"
+        if away and not (welcome and a_tab):
+            return HTMLResponse(NO_KEY, 403, UNKEPT)
+        if len(path) > LONGEST_PATH or "\\" in path or any(ord(one) < 32 for one in path):
+            return _refusal(404, "no such address")
+        if welcome:
+            given = [(name, value) for name, value in asked.query_params.multi_items() if name != "key"]
+            return self._welcome(path, urlencode(given), away)
+        if not apart and not (path.startswith(f"{self._path}/") and self._knows(heads)):
+            return HTMLResponse(NO_KEY, 403, UNKEPT)
+        length = heads.get("content-length", "0")
+        digits = length.isascii() and length.isdigit() and len(length) < 20
+        return None if digits and int(length) <= self._allowed else self._too_large
+
+    def _welcome(self, path: str, query: str, away: bool) -> Response:
         """Keep a secret in a cookie, and take the key out of the address, where others read it over a shoulder."""
         rest = path.removeprefix(self._path).lstrip("/")
         address = f"{self._path}/{quote(rest)}" + (f"?{query}" if query else "")
         cookie = f"{COOKIE}={self._session}; HttpOnly; SameSite=Strict; Path={self._path}/"
-        heads = [(b"set-cookie", cookie.encode()), (b"cache-control", b"no-store")]
-        heads += [(b"referrer-policy", b"no-referrer")]
-        body = b""
-        if away:
-            # a browser keeps the cookie back on a way that began on another site: the page goes on by itself
-            heads.append((b"content-type", HTML.encode()))
-            body = f'<!doctype html><meta http-equiv="refresh" content="0;url={escape(address)}">'.encode()
-        else:
-            heads.append((b"location", address.encode()))
-        await send({"type": "http.response.start", "status": 200 if away else 303, "headers": heads})
-        await send({"type": "http.response.body", "body": body})
+        heads = {**UNKEPT, "set-cookie": cookie, "referrer-policy": "no-referrer"}
+        if not away:
+            return RedirectResponse(address, 303, heads)
+        # a browser keeps the cookie back on a way that began on another site: the page goes on by itself
+        return HTMLResponse(f'<!doctype html><meta http-equiv="refresh" content="0;url={escape(address)}">', 200, heads)
 
+    def _knows(self, heads: Headers) -> bool:
+        """Whether a request brings the cookie; other servers of this machine may have set one of its name."""
+        pairs = (pair.strip().partition("=") for text in heads.getlist("cookie") for pair in text.split(";"))
+        return any(name == COOKIE and same_secret(value, self._session) for name, _, value in pairs)
 
-def _same(given: str, right: str) -> bool:
-    return hmac.compare_digest(given.encode("utf-8", "replace"), right.encode())
+    async def _count(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Cut off a body that claims no length and grows too large; it is refused, whatever the server makes of it."""
+        seen, answered = 0, False
 
-
-def _opens_a_tab(head: Mapping[str, str]) -> bool:
-    return head.get("sec-fetch-mode") == "navigate" and head.get("sec-fetch-dest") == "document"
-
-
-def _from_cookies(heads: Iterable[tuple[str, str]]) -> str:
-    for name, text in heads:
-        for part in text.split(";") if name == "cookie" else ():
-            if part.strip().startswith(f"{COOKIE}="):
-                return part.strip().partition("=")[2]
-    return ""
-
-
-async def _refuse(scope: Scope, send: Send, status: int, text: str, kind: str = "text/plain; charset=utf-8") -> None:
-    if scope["type"] == "websocket":
-        await send({"type": "websocket.close", "code": 4403})
-        return
-    heads = [(b"content-type", kind.encode()), (b"cache-control", b"no-store")]
-    await send({"type": "http.response.start", "status": status, "headers": heads})
-    await send({"type": "http.response.body", "body": text.encode()})
-
-
-class _Counted:
-    """Cuts off a body that claims no length and grows too large; the answer is 413, whatever the server makes of it."""
-
-    def __init__(self, allowed: int, text: str) -> None:
-        self._allowed, self._text, self._seen, self._answered = allowed, text, 0, False
-
-    async def run(self, app: Any, scope: Scope, receive: Receive, send: Send) -> None:
-        async def counted() -> MutableMapping[str, Any]:
+        async def counted() -> Message:
+            nonlocal seen
             message = await receive()
-            self._seen += len(message.get("body", b""))
-            return {"type": "http.disconnect"} if self._over else message
+            seen += len(message.get("body", b""))
+            return {"type": "http.disconnect"} if seen > self._allowed else message
 
-        async def sent(message: MutableMapping[str, Any]) -> None:
-            if self._over and not self._answered:
-                return
-            self._answered = True
-            await send(message)
+        async def sent(message: Message) -> None:
+            nonlocal answered
+            if seen <= self._allowed or answered:
+                answered = True
+                await send(message)
 
         try:
-            await app(scope, counted, sent)
+            await self._app(scope, counted, sent)
         except Exception:
-            if not self._over:
+            if seen <= self._allowed:
                 raise
-        if self._over and not self._answered:
-            await _refuse(scope, send, 413, self._text)
+        if seen > self._allowed and not answered:
+            await self._too_large(scope, receive, send)
 
-    @property
-    def _over(self) -> bool:
-        return self._seen > self._allowed
+
+def _refusal(status: int, text: str) -> Response:
+    return PlainTextResponse(text, status, UNKEPT)
+
+
+def same_secret(given: str, right: str) -> bool:
+    """Whether a secret is the right one; how long it takes tells nothing of it."""
+    return hmac.compare_digest(given.encode("utf-8", "replace"), right.encode())
 
 
 def _with_policy(send: Send, policy: str) -> Send:
     """Say in each answer what its page may ask for."""
 
-    async def sent(message: MutableMapping[str, Any]) -> None:
+    async def sent(message: Message) -> None:
         if message["type"] == "http.response.start":
-            heads = list(message.get("headers", []))
-            pdf = policy == FILE_POLICY and (b"content-type", b"application/pdf") in heads
-            heads += [(b"content-security-policy", (PDF_POLICY if pdf else policy).encode())]
-            heads += [(b"x-dns-prefetch-control", b"off")]
-            heads += [(b"x-content-type-options", b"nosniff"), (b"referrer-policy", b"no-referrer")]
-            message = {**message, "headers": heads}
+            heads = MutableHeaders(scope=message)
+            pdf = policy == FILE_POLICY and heads.get("content-type") == "application/pdf"
+            heads["content-security-policy"] = PDF_POLICY if pdf else policy
+            heads.update({"x-dns-prefetch-control": "off", "x-content-type-options": "nosniff",
+                          "referrer-policy": "no-referrer"})  # fmt: skip
         await send(message)
 
     return sent

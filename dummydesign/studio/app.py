@@ -8,35 +8,29 @@ import os
 import socket
 import stat
 from collections.abc import Callable
-from contextlib import suppress
+from contextlib import ExitStack, suppress
 from functools import partial
 from pathlib import Path
 from secrets import token_bytes, token_urlsafe
 from typing import IO, Any
 from urllib.parse import quote
 
+import uvicorn
 from fastapi import FastAPI, Request
 from fastapi.exceptions import RequestValidationError
-from fastapi.responses import (
-    FileResponse,
-    HTMLResponse,
-    PlainTextResponse,
-    RedirectResponse,
-    Response,
-    StreamingResponse,
-)
+from fastapi.responses import FileResponse, HTMLResponse, PlainTextResponse, RedirectResponse, StreamingResponse
 from nicegui import ui
+from starlette.responses import Response
 from starlette.types import Receive, Scope, Send
 
 from dummydesign.core.errors import InputError, out_of_range
-from dummydesign.core.files import take, unwritable
+from dummydesign.core.files import take, writing
 from dummydesign.geometry.dimensions import THICKNESS_MM
 from dummydesign.geometry.shape_registry import read_shape
-from dummydesign.studio import figures
-from dummydesign.studio import file_transfer as files
-from dummydesign.studio.access import VIEW, Guard
-from dummydesign.studio.page_frame import Body, Studio, lay_out
+from dummydesign.studio import figures, file_transfer
+from dummydesign.studio.access import VIEW, Guard, same_secret
 from dummydesign.studio.pages import campaign, cast, design, learn, measured, mould, overview, pucks, tissue
+from dummydesign.studio.parts import Body, lay_out
 
 PAGES: dict[str, tuple[str, Body]] = {
     "/": ("Overview", overview.show_status), "/measured": ("Measured files", measured.MeasuredPage),
@@ -51,13 +45,15 @@ def make_app(root: Path) -> FastAPI:
     """The server of a folder; the guard goes around it."""
     logging.getLogger("nicegui").addFilter(_unexpected)
     app = FastAPI(docs_url=None, redoc_url=None, openapi_url=None)
-    root = root.resolve()
-    studio = Studio(root)
-    secret = token_bytes(32)
+    root, secret = root.resolve(), token_bytes(32)
 
-    words = "this address lacks a value, or has one that is no number"
-    app.add_exception_handler(InputError, lambda request, problem: PlainTextResponse(str(problem), 404))
-    app.add_exception_handler(RequestValidationError, lambda request, problem: PlainTextResponse(words, 400))
+    @app.exception_handler(InputError)
+    def refused(request: Request, problem: InputError) -> Response:
+        return PlainTextResponse(str(problem), 507 if problem.code == "file_unwritable" else 404)
+
+    @app.exception_handler(RequestValidationError)
+    def malformed(request: Request, problem: RequestValidationError) -> Response:
+        return PlainTextResponse("this address lacks a value, or has one that is no number", 400)
 
     @app.get("/alive")
     def alive() -> Response:
@@ -75,19 +71,16 @@ def make_app(root: Path) -> FastAPI:
     @app.get(VIEW + "{mark}/{path:path}")
     def view(mark: str, path: str) -> Response:
         # without cookie: a file that knows its own address knows no other
-        if not hmac.compare_digest(mark.encode(), mark_of(path).encode()):
+        if not same_secret(mark, mark_of(path)):
             return PlainTextResponse("open this file from the studio again", 404)
         return FileResponse(_readable(root, path), headers={"cache-control": "no-cache"})
 
     @app.get("/zip/{path:path}")
     def archive(path: str) -> Response:
-        folder = files.inside(root, path)
+        folder = file_transfer.inside(root, path)
         if folder == root or not folder.is_dir():
             return PlainTextResponse(f"'{path}' is no folder of this project", 404)
-        try:
-            return Archive(files.zipped(root, folder), folder.name)
-        except InputError as problem:
-            return PlainTextResponse(str(problem), 507)
+        return Archive(file_transfer.zipped(root, folder), folder.name)
 
     @app.get("/solid/pad")
     def pad(shape: str, thickness: float) -> Response:
@@ -100,13 +93,13 @@ def make_app(root: Path) -> FastAPI:
     @app.get("/solid/mould/{path:path}")
     def mould_solid(path: str) -> Response:
         try:
-            text = figures.mould_page(files.inside(root, path))
+            text = figures.mould_page(file_transfer.inside(root, path))
         except (OSError, ValueError) as problem:
             return PlainTextResponse(f"the solids of '{path}' cannot be read: {problem}", 404)
         return HTMLResponse(text) if text else PlainTextResponse("no solids in this folder", 404)
 
     for path in PAGES:
-        _add_page(studio, path)
+        _add_page(root, path)
     ui.run_with(app, title="dummydesign studio", dark=None, tailwind=False, unocss=None, storage_secret=None,
                 reconnect_timeout=30.0, show_welcome_message=False)  # fmt: skip
     return app
@@ -117,18 +110,18 @@ def _unexpected(record: logging.LogRecord) -> bool:
     return not (record.exc_info and isinstance(record.exc_info[1], InputError | OSError))
 
 
-def _add_page(studio: Studio, path: str) -> None:
+def _add_page(root: Path, path: str) -> None:
     title, body = PAGES[path]
     step = "/measured" if path == "/resin" else path
 
     @ui.page(path)
     def page(request: Request) -> None:
-        lay_out(studio, step, title, request.query_params, body, overview.make_new if path == "/" else None)
+        lay_out(root, step, title, request.query_params, body, overview.make_new if path == "/" else None)
 
 
 def _readable(root: Path, path: str) -> Path:
     """A file of the project that can be read now."""
-    file = files.inside(root, path)
+    file = file_transfer.inside(root, path)
     if not file.is_file():
         raise InputError(f"'{path}' is not there (any more)", "file_not_found", "path", path)
     try:
@@ -143,19 +136,15 @@ class Archive(StreamingResponse):
     """An archive as a download; closed when it is out, or when nobody wants it any more."""
 
     def __init__(self, packed: IO[bytes], name: str) -> None:
-        size = packed.seek(0, os.SEEK_END)
-        packed.seek(0)
-        head = {"content-disposition": f"attachment; filename*=UTF-8''{quote(name + '.zip', safe='')}"}
-        super().__init__(iter(lambda: packed.read(1 << 20), b""), media_type="application/zip",
-                         headers={**head, "content-length": str(size)})  # fmt: skip
+        heads = {"content-disposition": f"attachment; filename*=UTF-8''{quote(name + '.zip', safe='')}",
+                 "content-length": str(os.fstat(packed.fileno()).st_size)}  # fmt: skip
+        super().__init__(iter(lambda: packed.read(1 << 20), b""), media_type="application/zip", headers=heads)
         self._packed = packed
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Send it."""
-        try:
+        with self._packed:
             await super().__call__(scope, receive, send)
-        finally:
-            self._packed.close()
 
 
 HOST, FIRST_PORT, TRIED_PORTS = "127.0.0.1", 8420, 20
@@ -165,47 +154,30 @@ ONCE = "once"
 
 def run_studio(folder: str | Path, port: int | None, browser: bool, say: Callable[[str], None]) -> dict[str, Any]:
     """Serve a folder until the process is stopped."""
-    try:
-        import nicegui  # noqa: F401
-        import uvicorn
-    except ImportError as problem:
-        message = f"the studio needs {problem.name}: pip install 'dummydesign[studio]'"
-        raise InputError(message, "program_missing", "package", problem.name) from None
     root = Path(folder).resolve()
     home = root / ".studio"
-    lock = listening = None
     key = token_urlsafe(24)
-    try:
-        root.mkdir(parents=True, exist_ok=True)
-        _refuse_links(home)
-        lock = take(home / "lock")
-        if lock is None:
-            raise _open_elsewhere(root, browser)
-        _clear(home)
-        listening = _listen(port)
-        bound = int(listening.getsockname()[1])
-        address = f"http://{HOST}:{bound}/"
-        _write_privately(home / "address", f"{address}?key={key}")
-    except (OSError, InputError) as problem:
-        for opened in (listening, lock):
-            if opened is not None:
-                opened.close()
-        if isinstance(problem, InputError):
-            raise
-        raise unwritable("folder", root, problem, "folder") from None
-    os.environ["NICEGUI_STORAGE_PATH"] = str(home / "page")
-    say(f"studio of '{root.name}': {address}?key={key}")
-    if browser:
-        _show(home, address)
-    guard = Guard(make_app(root), key, bound, once=partial(_use_once, home))
-    config = uvicorn.Config(guard, log_level="warning", server_header=False, proxy_headers=False)
-    try:
+    with ExitStack() as opened:
+        with writing("folder", root, "folder"):
+            root.mkdir(parents=True, exist_ok=True)
+            _refuse_links(home)
+            lock = take(home / "lock")
+            if lock is None:
+                raise _open_elsewhere(root, browser)
+            opened.enter_context(lock)
+            _clear(home)
+            opened.callback(_forget, home)
+            listening = opened.enter_context(_listen(port))
+            bound = int(listening.getsockname()[1])
+            address = f"http://{HOST}:{bound}/"
+            _write_privately(home / "address", f"{address}?key={key}")
+        os.environ["NICEGUI_STORAGE_PATH"] = str(home / "page")
+        say(f"studio of '{root.name}': {address}?key={key}")
+        if browser:
+            _show(home, address)
+        guard = Guard(make_app(root), key, bound, once=partial(_use_once, home))
+        config = uvicorn.Config(guard, log_level="warning", server_header=False, proxy_headers=False)
         uvicorn.Server(config).run(sockets=[listening])
-    finally:
-        for name in ("address", ONCE):
-            (home / name).unlink(missing_ok=True)
-        listening.close()
-        lock.close()
     return {"folder": str(root), "address": address}
 
 
@@ -237,7 +209,7 @@ def _use_once(home: Path, key: str) -> bool:
         right = (home / ONCE).read_text(encoding="utf-8")
     except OSError:
         return False
-    same = bool(right) and hmac.compare_digest(key.encode("utf-8", "replace"), right.encode())
+    same = bool(right) and same_secret(key, right)
     if same:
         (home / ONCE).unlink(missing_ok=True)
     return same
@@ -269,11 +241,16 @@ def _clear(home: Path) -> None:
     with suppress(PermissionError):
         # the folder of another user, who let us write in it
         home.chmod(0o700)
-    for name in ("address", ONCE):
-        (home / name).unlink(missing_ok=True)
+    _forget(home)
     for left in home.glob("zip-*"):
         left.unlink(missing_ok=True)
     (home / ".gitignore").write_text("*\n", encoding="utf-8")
+
+
+def _forget(home: Path) -> None:
+    """Take away the keys of a studio that ended."""
+    for name in ("address", ONCE):
+        (home / name).unlink(missing_ok=True)
 
 
 def _write_privately(path: Path, text: str) -> None:
@@ -286,20 +263,14 @@ def _listen(port: int | None) -> socket.socket:
     if port is not None and not 1 <= port <= 65535:
         message = f"--port {port} is outside the allowed range 1 to 65535"
         raise InputError(message, "out_of_range", "port", port, (1, 65535))
-    tried = [port] if port is not None else list(range(FIRST_PORT, FIRST_PORT + TRIED_PORTS))
+    tried = [port] if port is not None else range(FIRST_PORT, FIRST_PORT + TRIED_PORTS)
     for one in tried:
-        listener = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
-        if os.name != "nt":
-            listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         try:
-            listener.bind((HOST, one))
-            listener.listen(128)
-            return listener
+            return socket.create_server((HOST, one), backlog=128)
         except PermissionError:
-            listener.close()
             message = f"port {one} may not be used by you: choose one above 1023"
             raise InputError(message, "not_allowed", "port", one) from None
         except OSError:
-            listener.close()
+            continue
     words = f"port {port} is" if port is not None else f"ports {tried[0]} to {tried[-1]} are"
     raise InputError(f"{words} in use: choose another with --port", "busy", "port", port)

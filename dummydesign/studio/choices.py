@@ -14,17 +14,18 @@ from dummydesign.studio.file_transfer import numbered
 
 def tissues(root: Path) -> dict[str, str]:
     """Tissues of the project, then of the library; value for ``--tissue`` to words."""
-    own = [
-        path.relative_to(root).as_posix() for path in sorted((root / "tissue").glob("*.toml"))
-        if not path.stem.endswith("-manifest")
-    ]  # fmt: skip
-    known = {entry.name: f"{entry.name} ({entry.origin})" for entry in entries("materials/tissues").values()}
-    return {name: name for name in own} | known
+    files = sorted(path for path in (root / "tissue").glob("*.toml") if not path.stem.endswith("-manifest"))
+    own = [path.relative_to(root).as_posix() for path in files]
+    return {name: name for name in own} | _of_library("materials/tissues")
 
 
 def resins() -> dict[str, str]:
     """Resins of the library; value for ``--resin`` to words."""
-    return {entry.name: f"{entry.name} ({entry.origin})" for entry in entries("materials/resins").values()}
+    return _of_library("materials/resins")
+
+
+def _of_library(kind: str) -> dict[str, str]:
+    return {entry.name: f"{entry.name} ({entry.origin})" for entry in entries(kind).values()}
 
 
 def shapes() -> dict[str, str]:
@@ -38,8 +39,7 @@ def aims(tissue: str) -> dict[str, str]:
     """Aims that a tissue allows."""
     from dummydesign.tissue import load_tissue
 
-    subjects = [subject.name for subject in load_tissue(tissue).subjects]
-    named = {f"subject:{name}": f"subject {name}" for name in subjects}
+    named = {f"subject:{one.name}": f"subject {one.name}" for one in load_tissue(tissue).subjects}
     return {"average": "average", "safe-side": "safe side"} | named
 
 
@@ -71,12 +71,12 @@ def free_library_name(what: str, name: str) -> str:
 def check_name(what: str, name: str, replace: bool = True) -> None:
     """Refuse the name of a ``tissue`` or ``resin`` that is not the user's own, or that is not to be replaced."""
     known = entries(f"materials/{what}s").get(name.strip().lower())
-    if known is not None and known.origin != "user":
-        message = f"'{known.name}' is a {what} of the library: choose another name."
-        raise InputError(message, "file_exists", what, known.name)
-    if known is not None and not replace:
+    if known is None or (known.origin == "user" and replace):
+        return
+    message = f"'{known.name}' is a {what} of the library: choose another name."
+    if known.origin == "user":
         message = f"You have a {what} '{known.name}': choose another name, or tick Replace."
-        raise InputError(message, "file_exists", what, known.name)
+    raise InputError(message, "file_exists", what, known.name)
 
 
 def offered(known: Mapping[str, str], value: str, words: str = "") -> dict[str, str]:
@@ -86,8 +86,8 @@ def offered(known: Mapping[str, str], value: str, words: str = "") -> dict[str, 
 
 def calibrations(root: Path) -> dict[str, str]:
     """Calibrations of the project, the newest first; value for ``--calibration`` to words."""
-    own_folders = reversed(folders(root, "calibrations", "calibration.json"))
-    return {"": "none"} | {f"{one}/calibration.json": one for one in own_folders}
+    own = reversed(folders(root, "calibrations", "calibration.json"))
+    return {"": "none"} | {f"{one}/calibration.json": one for one in own}
 
 
 def campaigns(root: Path) -> dict[str, str]:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Mapping
 from contextlib import suppress
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -17,8 +16,8 @@ from dummydesign.design.plot_data import force_grids
 from dummydesign.geometry.dimensions import PAD_LENGTH_MM, PAD_WIDTH_MM
 from dummydesign.geometry.shape_registry import read_shape
 from dummydesign.report.page import STYLES, log_start
-from dummydesign.report.plot import Plot
-from dummydesign.report.plot_layers import Band, Dots, Line
+from dummydesign.report.plot import Plot, press_plot
+from dummydesign.report.plot_layers import Band, Dots, Layer, Line
 
 if TYPE_CHECKING:
     from dummydesign.design.pad_evaluator import EvaluatedPad, PadEvaluator
@@ -28,6 +27,7 @@ if TYPE_CHECKING:
     from dummydesign.tissue.model.tissue import Tissue
 
 
+SMALL_PX = (300.0, 222.0)
 ABOVE_MM, TALL_MM = 0.4, 3.6
 """How far over the pad the punch is drawn, and how much of it. [mm]"""
 
@@ -35,7 +35,7 @@ ABOVE_MM, TALL_MM = 0.4, 3.6
 def steady(tissue: Tissue, targets: Targets, pad: EvaluatedPad | None = None) -> Plot:
     """Steady force over depth: the subjects, the aim, and a pad where one is given."""
     grids = force_grids(targets.protocol)
-    layers: list[Band | Line] = [
+    layers: list[Layer] = [
         Band("subjects, extrapolated", grids.extrapolated, *targets.depth_range_mm(grids.extrapolated), sideways=True,
              style="extra"),
         Band(f"subjects of {tissue.name}", grids.measured, *targets.depth_range_mm(grids.measured), sideways=True),
@@ -43,7 +43,7 @@ def steady(tissue: Tissue, targets: Targets, pad: EvaluatedPad | None = None) ->
     ]  # fmt: skip
     alt = f"Steady force over depth of the subjects of {tissue.name}"
     if pad is not None:
-        depth = pad.steady_depth_mm(grids.pad)
+        depth = pad.candidate.steady_depth_mm(grids.pad)
         layers.append(Line("this pad", depth, grids.pad))
         at = float(np.interp(10.0, grids.pad, depth)) if np.isfinite(depth).all() else float("nan")
         alt += f"; the pad is {at:.2f} mm deep at 10 N" if np.isfinite(at) else "; the pad does not reach 10 N"
@@ -52,11 +52,11 @@ def steady(tissue: Tissue, targets: Targets, pad: EvaluatedPad | None = None) ->
                 "force_N", tuple(layers), x_range=(0.0, 1.25 * deepest), y_range=(0.0, 16.0))  # fmt: skip
 
 
-def _press(targets: Targets, pad: EvaluatedPad, column: int, size: tuple[float, float]) -> Plot:
+def _press(targets: Targets, pad: EvaluatedPad, column: int) -> Plot:
     """Force over time of one press of the protocol: subjects, aim, pad."""
     condition = targets.conditions[column]
     band, press = condition.range, pad.candidate.evaluation.presses[column]
-    layers: list[Band | Line] = [Band("subjects", band.time_s, band.low_N, band.high_N),
+    layers: list[Layer] = [Band("subjects", band.time_s, band.low_N, band.high_N),
                                  Line("aim", condition.aim.time_s, condition.aim.curves_N[0], "aim")]  # fmt: skip
     reached = "out of the pad's reach"
     if np.isfinite(press.depth_mm[0]):
@@ -65,13 +65,12 @@ def _press(targets: Targets, pad: EvaluatedPad, column: int, size: tuple[float, 
     start = 1e-2 if condition.velocity_mm_s < 50 else 1e-3
     title = f"{condition.steady_force_N:g} N at {condition.velocity_mm_s:g} mm/s: {reached}"
     return Plot(f"press-{column}", title, f"Force over time, {title}.", "time [s]", "force [N]", "time_s", "force_N",
-                tuple(layers), log_x=True, x_range=(start, float(band.time_s[-1])), size=size)  # fmt: skip
+                tuple(layers), log_x=True, x_range=(start, float(band.time_s[-1])), size=SMALL_PX)  # fmt: skip
 
 
-def presses(targets: Targets, pad: EvaluatedPad, width_px: float = 300.0) -> list[Plot]:
+def presses(targets: Targets, pad: EvaluatedPad) -> list[Plot]:
     """Force over time of every press of the protocol, small enough to stand in a grid."""
-    size = (width_px, round(0.74 * width_px))
-    return [_press(targets, pad, column, size) for column in range(len(targets.conditions))]
+    return [_press(targets, pad, column) for column in range(len(targets.conditions))]
 
 
 def plots_html(plots: Iterable[Plot], small: bool = False) -> str:
@@ -81,15 +80,14 @@ def plots_html(plots: Iterable[Plot], small: bool = False) -> str:
 
 def measured_over_fitted(root: Path, answer: Mapping[str, Any]) -> list[Plot]:
     """Measured force over time with the model's curve, one plot a condition, from the files that the report wrote."""
-    files = answer.get("files", {})
-    paths = [root / path for role, path in files.items() if role.startswith("report_press_")]
-    return [_measured(path) for path in paths if path.is_file()]
+    paths = [root / path for role, path in answer.get("files", {}).items() if role.startswith("report_press_")]
+    return [measured_press(path) for path in paths if path.is_file()]
 
 
-def _measured(path: Path) -> Plot:
+def measured_press(path: Path) -> Plot:
     """One plot from the CSV file of a report's plot: series, time, force."""
     series = _series(path)
-    layers: list[Dots | Line] = []
+    layers: list[Layer] = []
     traces = list(dict.fromkeys(name.partition(", ")[2] for name in series))
     for name, (time, force) in series.items():
         kind, _, trace = name.partition(", ")
@@ -105,8 +103,7 @@ def _measured(path: Path) -> Plot:
     title = _condition_of(path.stem)
     alt = f"Measured force and the model's over time on a logarithmic axis, {title}; measured peak {peak:.3g} N."
     name = path.stem.partition("report-")[2]
-    return Plot(name, title, alt, "time since contact [s]", "force [N]", "time_s", "force_N", tuple(layers),
-                log_x=True, x_range=(min(log_start(rise), 0.5 * last), last))  # fmt: skip
+    return press_plot(name, title, alt, layers, (min(log_start(rise), 0.5 * last), last))
 
 
 def _series(path: Path) -> dict[str, tuple[np.ndarray, np.ndarray]]:
@@ -132,13 +129,13 @@ def _condition_of(stem: str) -> str:
     return name
 
 
-def section(shape: PadShape, thickness_mm: float, punch: Punch, name: str = "section") -> Plot:
+def section(shape: PadShape, thickness_mm: float, punch: Punch) -> Plot:
     """Cross-section through the middle of a pad, with the punch over it."""
     half = 32.0
     y = np.linspace(-half, half, 257)
     top = thickness_mm - np.asarray(shape.drop_mm(np.zeros_like(y), y), float)
     bone = np.broadcast_to(np.asarray(shape.bone_mm(np.zeros_like(y), y), float), y.shape)
-    layers: list[Band | Line] = [Band("pad", y, bone, top)]
+    layers: list[Layer] = [Band("pad", y, bone, top)]
     if float(bone.max()) > 0.0:
         layers.append(Band("rigid bone", y, np.zeros_like(y), bone, style="extra"))
     if (parts := shape.layers()) is not None:
@@ -146,14 +143,13 @@ def section(shape: PadShape, thickness_mm: float, punch: Punch, name: str = "sec
     layers.append(Line("tested face", y, top))
     layers.append(Line(f"punch, {punch.text}", *_outline(punch, thickness_mm + ABOVE_MM), "aim"))
     alt = f"Cross-section of a {shape.title}, {thickness_mm:g} mm thick; 64 mm of {PAD_WIDTH_MM:g} mm are shown."
-    return Plot(name, "Cross-section, heights stretched", alt, "across [mm]", "height [mm]", "across_mm", "height_mm",
-                tuple(layers), x_range=(-half, half), y_range=(0.0, thickness_mm + 5.0))  # fmt: skip
+    return Plot("section", "Cross-section, heights stretched", alt, "across [mm]", "height [mm]", "across_mm",
+                "height_mm", tuple(layers), x_range=(-half, half), y_range=(0.0, thickness_mm + 5.0))  # fmt: skip
 
 
 def _outline(punch: Punch, foot_mm: float) -> tuple[np.ndarray, np.ndarray]:
     """Half of a punch and its mirror image over a height, from the left; closed at no end."""
-    half = punch.half_width_mm
-    across, height = np.array([0.0, half]), np.zeros(2)
+    across, height = np.array([0.0, punch.half_width_mm]), np.zeros(2)
     if punch.profile_mm is not None:
         across, height = (np.asarray(part, float) for part in punch.profile_mm)
         across, height = across[height < TALL_MM], height[height < TALL_MM]
@@ -175,8 +171,7 @@ def pad_page(shape: PadShape, thickness_mm: float) -> str:
     for side in (nodes[::-1, 0], nodes[:, -1], nodes[0], nodes[-1, ::-1]):
         under = side * np.array([1.0, 1.0, 0.0])
         walls += [np.stack([side[:-1], under[:-1], under[1:]], 1), np.stack([side[:-1], under[1:], side[1:]], 1)]
-    bottom = _faces(floor)[:, ::-1]
-    return solids_page({"pad": np.concatenate([_faces(nodes), bottom, *walls])})
+    return solids_page({"pad": np.concatenate([_faces(nodes), _faces(floor)[:, ::-1], *walls])})
 
 
 def _faces(nodes: np.ndarray) -> np.ndarray:
@@ -214,71 +209,58 @@ def solids_page(parts: dict[str, np.ndarray]) -> str:
 HEAD = ("pad", "verdict", "score", "combined score", "shortfall", "over", "thickness mm", "ratio")
 
 
-@dataclass(frozen=True)
-class KindsCompared:
-    """A table with one row a kind, the recommended first, and sentences on the choice."""
-
-    head: tuple[str, ...]
-    rows: tuple[tuple[Any, ...], ...]
-    sentences: tuple[str, ...]
-
-
-def kinds_compared(answer: Mapping[str, Any], verdicts: Mapping[str, Mapping[str, Any]] | None = None) -> KindsCompared:
-    """Compare the best pad of each kind."""
-    best, choice = answer["recommendation"], answer["choice"]
+def kind_rows(answer: Mapping[str, Any], verdicts: Mapping[str, Mapping[str, Any]] | None = None) -> list[list[Any]]:
+    """The best pad of each kind, a row of the table with the head :data:`HEAD` each; the recommended one first."""
+    best = answer["recommendation"]
     kind = best["shape"].partition(":")[0]
     known = {**(verdicts or {}), kind: answer["verdict"]}
-    rows, missing = [], []
-    for row in answer["shapes"]:
-        if row["shape"] is None:
-            missing.append(f"No {row['kind']} pad: {row['reason']}.")
-            continue
+    rows = []
+    for row in (one for one in answer["shapes"] if one["shape"] is not None):
         verdict = known.get(row["kind"], {})
         pad, total = (best, best["scores"]["total"]) if row["kind"] == kind else (row, row["total"])
         central = (verdict.get(side, {}).get("central") for side in ("shortfall", "over"))
         size = pad["thickness_mm"], pad["ratio"]
-        rows.append((row["kind"], verdict.get("light"), total, row["merit"], *central, *size))
-    rows.sort(key=lambda row: (row[0] != kind, -row[3]))
-    return KindsCompared(HEAD, tuple(rows), tuple([*_why(answer, best, choice, kind), *missing]))
+        rows.append([row["kind"], verdict.get("light"), total, row["merit"], *central, *size])
+    return sorted(rows, key=lambda row: (row[0] != kind, -row[3]))
 
 
-def _why(answer: Mapping[str, Any], best: Mapping[str, Any], choice: Mapping[str, Any], kind: str) -> list[str]:
-    """Sentences on the choice, from the numbers of the answer."""
+def kind_sentences(answer: Mapping[str, Any]) -> list[str]:
+    """Sentences on the choice among the kinds, from the numbers of the answer."""
+    best, choice = answer["recommendation"], answer["choice"]
     lowest = min(row["steady_force_N"] for row in best["conditions"])
     words = {term: text.format(low=lowest) for term, text in WORDS.items()}
     terms, decided = choice["terms"], choice["decided_by"]
-    pad = f"the {kind} pad, {best['thickness_mm']:g} mm, ratio {best['ratio']:g}"
+    pad = f"the {best['shape'].partition(':')[0]} pad, {best['thickness_mm']:g} mm, ratio {best['ratio']:g}"
     if choice["next_best"] is None:
         sentences = [f"No other kind was compared with {pad}."]
     elif decided == "verdict":
         sentences = [f"Chosen: {pad}.", f"The next best is {choice['next_best']}. It is not representative."]
     else:
-        share_of_choice = f"{terms[decided]:+.2f} of {sum(terms.values()):+.2f}"
-        sentences = [f"Chosen: {pad}.", f"The next best is {choice['next_best']}.",
-                     f"The choice is mainly for {words[decided]}: {share_of_choice}."]  # fmt: skip
+        why = f"{words[decided]}: {terms[decided]:+.2f} of {sum(terms.values()):+.2f}"
+        sentences = [f"Chosen: {pad}.", f"The next best is {choice['next_best']}.", f"The choice is mainly for {why}."]
     weaker = [f"{words[term]} ({gain:+.2f})" for term, gain in terms.items() if gain < -TELLS]
     if weaker and decided != "verdict":
         sentences.append(f"It is weaker in {' and '.join(weaker)}.")
     share = choice["weights"]["low_aim"]
-    sentences.append(
-        f"The combined score is {100 * (1 - share):.0f} % score and {100 * share:.0f} % match below {lowest:g} N."
-    )
+    parts = f"{100 * (1 - share):.0f} % score and {100 * share:.0f} % match below {lowest:g} N"
+    sentences.append(f"The combined score is {parts}.")
     if choice["expectation"]["differs"]:
         middle = choice["expectation"]["middle"]
         size = f"{middle['thickness_mm']:g} mm, ratio {middle['ratio']:g}"
         sentences.append(f"At central estimates the {middle['kind']} pad, {size}, scores more.")
     total, low = choice["expected_total"], choice["total_low"]
-    return [*sentences, f"Score with all uncertainties: {total:.2f} (5 % of castings below {low:.2f})."]
+    sentences.append(f"Score with all uncertainties: {total:.2f} (5 % of castings below {low:.2f}).")
+    missing = [row for row in answer["shapes"] if row["shape"] is None]
+    return [*sentences, *(f"No {row['kind']} pad: {row['reason']}." for row in missing)]
 
 
 def verdicts_of_kinds(evaluator: PadEvaluator, answer: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
     """Judge the best pad of each other kind, with its castings; a kind that the tables cannot press is left out."""
     own, verdicts = answer["recommendation"]["shape"].partition(":")[0], {}
     for row in answer["shapes"]:
-        if row["shape"] is None or row["kind"] == own:
-            continue
-        with suppress(InputError):
-            shape = read_shape(row["shape"])
-            pad = evaluator.evaluate(shape, row["thickness_mm"], row["ratio"])
-            verdicts[row["kind"]] = evaluator.with_castings(pad, shape).to_dict()
+        if row["shape"] is not None and row["kind"] != own:
+            with suppress(InputError):
+                shape = read_shape(row["shape"])
+                pad = evaluator.evaluate(shape, row["thickness_mm"], row["ratio"])
+                verdicts[row["kind"]] = evaluator.with_castings(pad, shape).to_dict()
     return verdicts

@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-import json
 import os
 import tempfile
 import zipfile
-from collections.abc import Iterator
-from contextlib import suppress
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, suppress
 from itertools import count
 from pathlib import Path
-from typing import IO, Any
+from typing import IO
 
 from dummydesign.core.errors import InputError
-from dummydesign.core.files import unwritable, write_bytes
+from dummydesign.core.files import read_json as read_json
+from dummydesign.core.files import write_bytes, writing
 from dummydesign.core.library import DEVICE
 
 MEANINGFUL = frozenset({"project.toml", "campaign.toml", "manifest.json", "calibration.json", "study.json"})
@@ -48,15 +48,6 @@ def inside(root: Path, path: str) -> Path:
     return target
 
 
-def read_json(path: Path) -> dict[str, Any]:
-    """What a JSON file holds; empty where it cannot be read or holds something else than keys."""
-    try:
-        content = json.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError):
-        return {}
-    return content if isinstance(content, dict) else {}
-
-
 def numbered(name: str, ending: str = "") -> Iterator[str]:
     """Yield the names ``name``, ``name-2``, ``name-3`` and so on, of which the first free one is taken."""
     yield f"{name}{ending}"
@@ -76,14 +67,20 @@ def new_folder(home: Path, names: Iterator[str]) -> Path:
 def save_upload(folder: Path, name: str, content: bytes) -> Path:
     """Write a file that was sent; one of the same name and content stays, one of another content gets a number."""
     names = numbered(*os.path.splitext(plain_name(name)))
-    try:
+    with writing("folder", folder.name, "folder"):
         folder.mkdir(parents=True, exist_ok=True)
         while (target := folder / next(names)).exists():
             if target.is_file() and target.read_bytes() == content:
                 return target
-    except OSError as problem:
-        raise unwritable("folder", folder.name, problem, "folder") from None
     return write_bytes(target, content)
+
+
+def read_sent(name: str, content: bytes, read: Callable[[Path], object]) -> None:
+    """Read a file that was sent, apart from the project."""
+    with tempfile.TemporaryDirectory() as away:
+        path = Path(away) / name
+        path.write_bytes(content)
+        read(path)
 
 
 def check_press(name: str, content: bytes, speed_mm_s: object = None) -> None:
@@ -92,10 +89,7 @@ def check_press(name: str, content: bytes, speed_mm_s: object = None) -> None:
 
     speed = speed_mm_s if isinstance(speed_mm_s, int | float) and speed_mm_s > 0 else None
     try:
-        with tempfile.TemporaryDirectory() as away:
-            path = Path(away) / name
-            path.write_bytes(content)
-            read_trace(path, speed)
+        read_sent(name, content, lambda path: read_trace(path, speed))
     except OSError as problem:
         message = f"{name} cannot be read: {problem.strerror or problem}"
         raise InputError(message, "file_unreadable", "trace", name) from None
@@ -111,30 +105,23 @@ def listed(root: Path, folder: Path) -> list[str]:
         folders[:] = [name for name in folders if not name.startswith(".")]
         for name in names:
             path = (Path(parent) / name).relative_to(root).as_posix()
-            try:
+            with suppress(InputError):
                 if inside(root, path).is_file():
                     paths.append(path)
-            except InputError:
-                continue
     return sorted(paths)
 
 
 def zipped(root: Path, folder: Path) -> IO[bytes]:
     """All files of a folder as a ZIP archive, whole and at its start; gone from the disk when it is closed."""
     home = root / ".studio"
-    try:
+    with writing("archive of", folder.name, "archive"), ExitStack() as opened:
         home.mkdir(exist_ok=True)
         # without a name: nothing is left even when the server is killed
-        packed = tempfile.TemporaryFile(dir=home)
-        try:
-            with zipfile.ZipFile(packed, "w", zipfile.ZIP_DEFLATED, strict_timestamps=False) as archive:
-                for name in listed(root, folder):
-                    inner = (root / name).relative_to(folder.parent).as_posix()
-                    archive.write(root / name, inner.encode("utf-8", "replace").decode("utf-8"))
-            packed.seek(0)
-        except BaseException:
-            packed.close()
-            raise
-    except OSError as problem:
-        raise unwritable("archive of", folder.name, problem, "archive") from None
+        packed = opened.enter_context(tempfile.TemporaryFile(dir=home))
+        with zipfile.ZipFile(packed, "w", zipfile.ZIP_DEFLATED, strict_timestamps=False) as archive:
+            for name in listed(root, folder):
+                inner = (root / name).relative_to(folder.parent).as_posix()
+                archive.write(root / name, inner.encode("utf-8", "replace").decode("utf-8"))
+        packed.seek(0)
+        opened.pop_all()
     return packed

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from dummydesign.core.errors import InputError
-from dummydesign.core.files import unwritable, write_bytes, write_text
+from dummydesign.core.files import write_bytes, write_text, writing
 from dummydesign.core.manifest import NAME as MANIFEST
 from dummydesign.measurement.campaign_file import FILE, read_campaign_toml, trial_tables
 from dummydesign.measurement.campaign_from_files import COLUMNS, named_values, read_trials
@@ -76,10 +76,8 @@ def assign(root: Path, campaign: str, name: str, planned: str) -> Taken:
     except OSError:
         raise InputError(f"'{name}' is not there (any more)", "file_not_found", "trace", name) from None
     taken = _put(root, campaign, planned, content)
-    try:
+    with writing(f"{planned} was added;", name, "trace"):
         held_file.unlink()
-    except OSError as problem:
-        raise unwritable(f"{planned} was added;", name, problem, "trace") from None
     return Taken(f"{name} is now {planned}. {taken.text}", taken.gone)
 
 
@@ -101,8 +99,7 @@ def _put(root: Path, campaign: str, name: str, content: bytes) -> Taken:
         return Taken(f"{name} was added.")
     if (folder / name).read_bytes() == content:
         return Taken(f"{name} is there already.")
-    gone = replace_file(root, folder, name, content)
-    return Taken(f"{name} was added. The earlier one is in the bin.", gone)
+    return Taken(f"{name} was added. The earlier one is in the bin.", replace_file(root, folder, name, content))
 
 
 FOLDER = "measured/to-bring-in"
@@ -119,10 +116,8 @@ def save_waiting_file(root: Path, name: str, content: bytes) -> str:
     if not name.lower().endswith(ENDINGS):
         message = f"a campaign has files of the kinds {', '.join(ENDINGS)}"
         raise InputError(message, "unknown_name", "file_ending", name, ENDINGS)
-    try:
+    with writing("folder", FOLDER, "folder"):
         inside(root, FOLDER).mkdir(parents=True, exist_ok=True)
-    except OSError as problem:
-        raise unwritable("folder", FOLDER, problem, "folder") from None
     return write_bytes(root / FOLDER / name, content).name
 
 
@@ -134,11 +129,6 @@ def waiting(root: Path) -> list[str]:
 def traces(root: Path) -> list[str]:
     """Presses among them."""
     return [name for name in waiting(root) if name.lower().endswith(".csv") and name != TABLE]
-
-
-def has_campaign_file(root: Path) -> bool:
-    """Whether ``campaign.toml`` is among them."""
-    return (root / FOLDER / FILE).is_file()
 
 
 def new_campaign_folder(root: Path, name: str) -> str:
@@ -153,11 +143,9 @@ def bring_in(root: Path, name: str) -> str:
     """Make a campaign of the files as they are; return its folder from the project folder on."""
     folder = new_campaign_folder(root, name)
     read_campaign_toml(root / FOLDER)
-    try:
+    with writing("campaign", folder, "campaign"):
         (root / folder).parent.mkdir(exist_ok=True)
         shutil.move(root / FOLDER, root / folder)
-    except OSError as problem:
-        raise unwritable("campaign", folder, problem, "campaign") from None
     return folder
 
 
@@ -174,9 +162,8 @@ def _rows_of_table(path: Path) -> dict[str, dict[str, Any]]:
         lines = list(csv.DictReader(io.StringIO(path.read_text(encoding="utf-8-sig"))))
     except (OSError, UnicodeDecodeError, csv.Error):
         return {}
-    return {(line.get("file") or "").strip(): {
-        key: _cell(cell) for key in COLUMNS[1:] if (cell := (line.get(key) or "").strip())
-    } for line in lines}  # fmt: skip
+    cells = [{key: (line.get(key) or "").strip() for key in COLUMNS} for line in lines]
+    return {row["file"]: {key: _cell(row[key]) for key in COLUMNS[1:] if row[key]} for row in cells}
 
 
 def _cell(text: str) -> float | str:
@@ -188,12 +175,11 @@ def _cell(text: str) -> float | str:
 
 def write_table(root: Path, rows: Sequence[Mapping[str, Any]]) -> None:
     """Write the table that ``campaign from-files`` reads."""
-    used = [key for key in COLUMNS if key == "file" or any(row.get(key) is not None for row in rows)]
+    used = [key for key in COLUMNS if any(row.get(key) is not None for row in rows)]
     text = io.StringIO(newline="")
-    out = csv.writer(text, lineterminator="\n")
-    out.writerow(used)
-    for row in rows:
-        out.writerow([f"{value:g}" if isinstance(value := row.get(key), float) else value for key in used])
+    out = csv.DictWriter(text, used, extrasaction="ignore", lineterminator="\n")
+    out.writeheader()
+    out.writerows({key: f"{cell:g}" if isinstance(cell, float) else cell for key, cell in row.items()} for row in rows)
     write_text(root / FOLDER / TABLE, text.getvalue())
 
 
@@ -207,10 +193,8 @@ def words(root: Path, name: str, more: Sequence[str]) -> list[str]:
             "--table", f"{FOLDER}/{TABLE}", *more]  # fmt: skip
 
 
-FIELDS = {
-    "pads": "5,15,20", "speeds": "10,250", "forces": "3,7,12", "ages": "9,14,29", "repeats": 2, "hold": 10.0,
-    "shape": "slab", "pad": "150x120", "moulds": (),
-}  # fmt: skip
+FIELDS: dict[str, Any] = {"pads": "5,15,20", "speeds": "10,250", "forces": "3,7,12", "ages": "9,14,29", "repeats": 2,
+                          "hold": 10.0, "shape": "slab", "pad": "150x120"}  # fmt: skip
 
 
 def usual_moulds(root: Path, state: State) -> list[str]:
@@ -218,15 +202,10 @@ def usual_moulds(root: Path, state: State) -> list[str]:
 
     Those of the pad that is chosen come first, else those of the newest mould.
     """
-    newest_first = list(reversed(moulds(root)))
-    first = next((one for one in newest_first if one.is_of(state)), newest_first[0] if newest_first else None)
-    if first is None:
-        return []
-    kept: dict[float, Mould] = {}
-    for one in [first, *newest_first]:
-        if _kind(one) == _kind(first):
-            kept.setdefault(one.pad["thickness_mm"], one)
-    return [kept[thickness].folder for thickness in sorted(kept)]
+    # of each thickness the last one counts
+    own = sorted(moulds(root), key=lambda one: one.is_of(state))
+    kept = {one.pad["thickness_mm"]: one.folder for one in own if _kind(one) == _kind(own[-1])}
+    return [kept[thickness] for thickness in sorted(kept)]
 
 
 def _kind(mould: Mould) -> tuple[Any, ...]:
@@ -260,9 +239,8 @@ def plan_options(given: Mapping[str, Any]) -> dict[str, object]:
     """Options of ``campaign new`` for the fields of a plan; pads come from moulds where some are named."""
     presses = {"velocity": given["speeds"], "force": given["forces"], "repeats": given["repeats"],
                "ages": given["ages"], "hold": given["hold"]}  # fmt: skip
-    if given["moulds"]:
+    if given.get("moulds"):
         return {"from-mould": ",".join(given["moulds"]), **presses, "punch": given["punch"]}
-    shape = "" if given["shape"] == "slab" else given["shape"]
-    pad = "" if given["pad"] == FIELDS["pad"] else given["pad"]
-    return {"pads": given["pads"], "shape": shape, "pad": pad, **presses,
-            **{key: given[key] for key in ("resin", "ratio", "punch")}}  # fmt: skip
+    pads = {key: "" if key in ("shape", "pad") and given[key] == FIELDS[key] else given[key]
+            for key in ("pads", "shape", "pad")}  # fmt: skip
+    return {**pads, **presses, **{key: given[key] for key in ("resin", "ratio", "punch")}}

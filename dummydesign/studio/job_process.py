@@ -1,4 +1,4 @@
-"""The process that runs one command of the studio: ``python -m dummydesign.studio.job_process FOLDER [LOCK]``.
+"""The process that runs a command of the studio: ``python -m dummydesign.studio.job_process FOLDER [LOCK]``.
 
 LOCK is the number of an open file that holds the folder's lock already, handed on by the studio. The process outlives
 page and studio, holds the lock as long as it runs, ends its command when a file ``stop`` appears, and writes
@@ -15,14 +15,12 @@ import sys
 import time
 from collections.abc import Callable
 from pathlib import Path
-from types import FrameType
 
 from dummydesign.core.files import take, write_text
 from dummydesign.core.process import VARIABLE
 
-COMMAND, ANSWER, ERRORS, PROGRESS, STATUS, LOCK, PID, STOP, CHILD, AWAKE = (
-    "command.json", "answer.json", "errors.txt", "progress.txt", "status.json", "lock", "pid", "stop", "child", "awake",
-)  # fmt: skip
+COMMAND, ANSWER, ERRORS, PROGRESS, STATUS = "command.json", "answer.json", "errors.txt", "progress.txt", "status.json"
+LOCK, PID, STOP, CHILD, AWAKE = "lock", "pid", "stop", "child", "awake"
 """Files of the folder; ``awake`` is a lock of the runner alone."""
 PATIENCE_S = 5.0
 """How long to wait for a lock that someone only looks at. [s]"""
@@ -31,39 +29,41 @@ GRACE_S = 120.0
 POLL_S = 0.25
 
 
+def answer_name(number: int, of: int) -> str:
+    """Name of the file with the answer of one of several commands; that of the last is the answer of the job."""
+    return ANSWER if number == of else f"{number}-{ANSWER}"
+
+
 def main(folder: Path, handed_on: int | None = None) -> int:
-    """Run the command of a folder and write how it ended; return its exit status."""
+    """Run the command of a folder, after those that come first, and write how it ended; return its exit status."""
     lock = take(folder / LOCK, PATIENCE_S) if handed_on is None else open(handed_on, "a", encoding="utf-8")
     if lock is None:
         return 2
     awake = take(folder / AWAKE, PATIENCE_S)
     asked = json.loads((folder / COMMAND).read_text(encoding="utf-8"))
     write_text(folder / PID, str(os.getpid()))
-    stopped = False
+    signals: list[int] = []
+    signal.signal(signal.SIGTERM, lambda number, frame: signals.append(number))
     start = time.time()
     environment = {**os.environ, VARIABLE: str((folder / PROGRESS).resolve())}
-    with open(folder / ANSWER, "wb") as answer, open(folder / ERRORS, "wb") as errors:
-        child = subprocess.Popen(
-            [sys.executable, "-m", "dummydesign", *asked["words"], "--json"], cwd=asked["cwd"], stdout=answer,
-            stderr=errors, stdin=subprocess.DEVNULL, env=environment,
-            pass_fds=() if os.name == "nt" else (lock.fileno(),),
-        )  # fmt: skip
-        write_text(folder / CHILD, str(child.pid))
-
-        def stop(number: int, frame: FrameType | None) -> None:
-            nonlocal stopped
-            stopped = True
-
-        def asked_to_stop() -> bool:
-            return stopped or (folder / STOP).exists()
-
-        signal.signal(signal.SIGTERM, stop)
-        status, stopped = _wait(child, asked_to_stop)
+    commands = [*asked.get("first", []), asked["words"]]
+    status, stopped = 0, False
+    with open(folder / ERRORS, "wb") as errors:
+        for number, words in enumerate(commands, 1):
+            with open(folder / answer_name(number, len(commands)), "wb") as answer:
+                child = subprocess.Popen(
+                    [sys.executable, "-m", "dummydesign", *words, "--json"], cwd=asked["cwd"], stdout=answer,
+                    stderr=errors, stdin=subprocess.DEVNULL, env=environment,
+                    pass_fds=() if os.name == "nt" else (lock.fileno(),),
+                )  # fmt: skip
+            write_text(folder / CHILD, str(child.pid))
+            status, stopped = _wait(child, lambda: bool(signals) or (folder / STOP).exists())
+            if status or stopped:
+                break
     ended = {"status": status, "stopped": stopped, "start": start, "end": time.time()}
     write_text(folder / STATUS, json.dumps(ended))
-    lock.close()
-    if awake is not None:
-        awake.close()
+    for held in filter(None, (lock, awake)):
+        held.close()
     return status
 
 

@@ -12,10 +12,10 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable, Mapping, Sequence
-from contextlib import suppress
+from contextlib import nullcontext, suppress
 from dataclasses import dataclass
 from functools import lru_cache
-from itertools import count
+from itertools import chain, count
 from pathlib import Path
 from typing import Any
 
@@ -37,11 +37,11 @@ def options(given: Mapping[str, object]) -> list[str]:
     """Options that are not empty: numbers short, True as a bare flag."""
     words: list[str] = []
     for name, value in given.items():
-        if value is None or value is False or (isinstance(value, str) and not value.strip()):
-            continue
-        words.append(f"--{name}")
-        if value is not True:
-            words.append(f"{value:g}" if isinstance(value, int | float) else str(value).strip())
+        text = f"{value:g}" if isinstance(value, int | float) else str(value or "").strip()
+        if value is True:
+            words.append(f"--{name}")
+        elif value is not False and text:
+            words += [f"--{name}", text]
     return words
 
 
@@ -56,11 +56,10 @@ KINDS = {"tissue": "materials/tissues", "resin": "materials/resins", "mould pres
 
 def changed_inputs(root: Path, manifest: Path) -> list[str]:
     """Files that are gone or have another content than when a command read them."""
-    try:
+    with suppress(OSError, ValueError, KeyError, TypeError):
         read = read_json(manifest)["files_read"]
         return [str(one["name"]) for one in read if sha256_of(_path_of(root, str(one["name"]))) != one["sha256"]]
-    except (OSError, ValueError, KeyError, TypeError):
-        return []
+    return []
 
 
 def _path_of(root: Path, name: str) -> Path:
@@ -101,11 +100,16 @@ class Job:
 
     folder: Path
     name: str
-    words: tuple[str, ...]
+    commands: tuple[tuple[str, ...], ...]
     state: str
     started: float
     seconds: float
     progress: str = ""
+
+    @property
+    def words(self) -> tuple[str, ...]:
+        """The command; of several the last, whose answer counts."""
+        return self.commands[-1]
 
     @property
     def has_answer(self) -> bool:
@@ -115,9 +119,13 @@ class Job:
     @property
     def answer(self) -> dict[str, Any]:
         """What the command printed; empty where it printed no answer, or only an error."""
-        path = self.folder / runner.ANSWER
-        content = _answer(path, path.stat().st_mtime_ns) if path.is_file() else {}
+        content = self.answer_of(len(self.commands))
         return {} if set(content) == {"error"} else content
+
+    def answer_of(self, number: int) -> dict[str, Any]:
+        """What one of several commands printed, the first being number 1."""
+        path = self.folder / runner.answer_name(number, len(self.commands))
+        return _answer(path, path.stat().st_mtime_ns) if path.is_file() else {}
 
     @property
     def error(self) -> str:
@@ -141,8 +149,8 @@ def _answer(path: Path, stamp: int) -> dict[str, Any]:
     return read_json(path)
 
 
-def start(root: Path, name: str, words: Sequence[str]) -> Job:
-    """Start a command in a project folder."""
+def start(root: Path, name: str, *commands: Sequence[str]) -> Job:
+    """Start a command in a project folder, or several one after the other."""
     running = [one for one in all_jobs(root) if one.state == "running"]
     if any(one.name == name for one in running):
         raise InputError("this step is still at work: wait for it, or stop it", "busy", "step", name)
@@ -150,18 +158,19 @@ def start(root: Path, name: str, words: Sequence[str]) -> Job:
         message = f"{len(running)} commands are at work: wait for one, or stop one"
         raise InputError(message, "busy", "commands", len(running), MOST_AT_ONCE)
     home = root / HOME / "jobs"
-    folder = None
     try:
         home.mkdir(parents=True, exist_ok=True)
-        folder = _new_folder(home, name)
-        request = {"name": name, "words": list(words), "cwd": str(root), "start": time.time()}
-        write_text(folder / runner.COMMAND, json.dumps(request))
-        _spawn(root, folder)
-    except (OSError, InputError) as problem:
-        if folder is not None:
+        numbers = [int(match[1]) for path in home.iterdir() if (match := re.match(r"(\d+)-", path.name))]
+        folder = new_folder(home, (f"{number:04d}-{name}" for number in count(max(numbers, default=0) + 1)))
+        try:
+            request = {"name": name, "first": commands[:-1], "words": commands[-1], "cwd": str(root),
+                       "start": time.time()}  # fmt: skip
+            write_text(folder / runner.COMMAND, json.dumps(request))
+            _spawn(root, folder)
+        except (OSError, InputError):
             shutil.rmtree(folder, ignore_errors=True)
-        if isinstance(problem, InputError):
             raise
+    except OSError as problem:
         if problem.filename == sys.executable:
             message = f"'{sys.executable}' cannot be run: {problem.strerror or problem}"
             raise InputError(message, "program_failed", "python") from None
@@ -173,8 +182,7 @@ def _spawn(root: Path, folder: Path) -> None:
     detached: dict[str, Any] = {"start_new_session": True}
     if os.name == "nt":
         detached = {"creationflags": getattr(subprocess, "CREATE_NEW_PROCESS_GROUP", 0)}
-    package = str(Path(__file__).resolve().parents[2])
-    path = os.pathsep.join(filter(None, (package, os.environ.get("PYTHONPATH"))))
+    path = os.pathsep.join(filter(None, (str(Path(__file__).resolve().parents[2]), os.environ.get("PYTHONPATH"))))
     _CHILDREN[:] = [child for child in _CHILDREN if child.poll() is None]
     words = [sys.executable, "-m", "dummydesign.studio.job_process", str(folder)]
     lock = None if os.name == "nt" else take(folder / runner.LOCK, runner.PATIENCE_S)
@@ -182,35 +190,26 @@ def _spawn(root: Path, folder: Path) -> None:
         # held from the first moment on, however long a busy machine takes to start the process
         detached["pass_fds"] = (lock.fileno(),)
         words.append(str(lock.fileno()))
-    try:
-        with open(folder / "runner.txt", "wb") as output:
-            child = subprocess.Popen(
-                words, cwd=root, stdin=subprocess.DEVNULL, stdout=output, stderr=output,
-                env={**os.environ, "PYTHONPATH": path}, **detached,
-            )  # fmt: skip
-    finally:
-        if lock is not None:
-            lock.close()
-    _CHILDREN.append(child)
-
-
-def _new_folder(home: Path, name: str) -> Path:
-    numbers = [int(match[1]) for path in home.iterdir() if (match := re.match(r"(\d+)-", path.name))]
-    return new_folder(home, (f"{number:04d}-{name}" for number in count(max(numbers, default=0) + 1)))
+    with lock or nullcontext(), open(folder / "runner.txt", "wb") as output:
+        _CHILDREN.append(subprocess.Popen(words, cwd=root, stdin=subprocess.DEVNULL, stdout=output, stderr=output,
+                                          env={**os.environ, "PYTHONPATH": path}, **detached))  # fmt: skip
 
 
 def read_job(folder: Path) -> Job:
     """How a command stands."""
     asked = json.loads((folder / runner.COMMAND).read_text(encoding="utf-8"))
-    started = float(asked["start"])
-    if not (0.0 <= started < 1e11 and all(isinstance(word, str) for word in [asked["name"], *asked["words"]])):
+    started, commands = float(asked["start"]), [*asked.get("first", []), asked["words"]]
+    if not (0.0 <= started < 1e11 and all(isinstance(word, str) for word in chain([asked["name"]], *commands))):
         raise ValueError("not written by a studio")
     state, seconds = _state(folder, started)
     progress = ""
     if state == "running":
         with suppress(OSError):
             progress = (folder / runner.PROGRESS).read_text(encoding="utf-8")
-    return Job(folder, asked["name"], tuple(asked["words"]), state, started, seconds, progress)
+        if len(commands) > 1:
+            number = sum((folder / runner.answer_name(k + 1, len(commands))).exists() for k in range(len(commands)))
+            progress = f"step {max(number, 1)} of {len(commands)}: {progress or 'at work'}"
+    return Job(folder, asked["name"], tuple(map(tuple, commands)), state, started, seconds, progress)
 
 
 def _state(folder: Path, started: float) -> tuple[str, float]:
@@ -232,11 +231,9 @@ def all_jobs(root: Path, name: str = "*") -> list[Job]:
     """Return all commands of a project, or of a step, the oldest first; pages ask for them twice a second."""
     jobs = []
     for folder in sorted((root / HOME / "jobs").glob(f"[0-9]*-{name}")):
-        try:
+        with suppress(OSError, ValueError, KeyError, TypeError):
             status = folder / runner.STATUS
             jobs.append(_ended_job(folder, status.stat().st_mtime_ns) if status.exists() else read_job(folder))
-        except (OSError, ValueError, KeyError, TypeError):
-            continue
     return jobs
 
 
@@ -252,8 +249,8 @@ def latest(root: Path, name: str) -> Job | None:
 
 def is_last(root: Path, job: Job, made: Callable[[Job], str]) -> bool:
     """Whether no later command of the step made the same file or folder, which took the place of this one's."""
-    same = [one for one in all_jobs(root, job.name) if made(one) == made(job)]
-    return not same or same[-1].folder == job.folder
+    same = (one for one in reversed(all_jobs(root, job.name)) if made(one) == made(job))
+    return next(same, job).folder == job.folder
 
 
 def stop(job: Job) -> None:
@@ -262,13 +259,10 @@ def stop(job: Job) -> None:
         return
     # a command without its runner, which was killed, reads no file
     number = runner.PID if held(job.folder / runner.AWAKE) else runner.CHILD
-    try:
+    with suppress(OSError):  # a full disk
         (job.folder / runner.STOP).touch()
         if number == runner.PID:
             return
-    except OSError:
-        # a full disk
-        pass
     with suppress(FileNotFoundError, ProcessLookupError, ValueError):
         process = int((job.folder / number).read_text(encoding="utf-8"))
         if held(job.folder / runner.LOCK) and not (job.folder / runner.STATUS).exists():

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
+from itertools import chain
 from pathlib import Path
 from typing import Any
 
@@ -16,8 +18,7 @@ from dummydesign.measurement.campaign_file import FILE as CAMPAIGN
 from dummydesign.measurement.campaign_file import read_campaign_toml
 from dummydesign.measurement.campaign_from_files import read_trials
 from dummydesign.project.status import finished_manifest, things_in
-from dummydesign.studio import choices, made
-from dummydesign.studio import file_transfer as files
+from dummydesign.studio import choices, file_transfer
 from dummydesign.studio.state import State, design_state
 
 GROUPS = ("Pour", "Print or machine", "Draw", "Check", "More")
@@ -29,6 +30,8 @@ PRESETS = {
 """Kinds of mould, each in a line."""
 CHECKED = {"checks.json": "Checks of the solids", "manifest.json": "What was asked, and sums of all files",
            "spec.json": "All dimensions and settings"}  # fmt: skip
+PAD = ("shape", "thickness_mm", "ratio", "resin")
+SIZE = PAD[:2]
 _TAIL = r"_(?:(?:{})_)?t\d+(?:\.\d+)?(?:_(a\d))?$"
 
 
@@ -60,8 +63,7 @@ def design_of_pad(root: Path, state: State) -> str:
         return state.design
     designs = [folder for folder, _ in _manifests(root, "designs", "suggest")
                if (pad := design_state(root, folder)) and same_pad(pad, vars(state))]  # fmt: skip
-    asked = [folder for folder in designs if answers(root, folder, state)]
-    return (asked or designs or [""])[-1]
+    return ([folder for folder in designs if answers(root, folder, state)] or designs or [""])[-1]
 
 
 def answers(root: Path, folder: str, state: State) -> bool:
@@ -75,7 +77,6 @@ class Calibration:
     """What was learned from a campaign: the folder of its report, and the files that were read."""
 
     folder: str
-    date: str
     text: str
     campaign: str
     prior: str
@@ -103,34 +104,30 @@ def name_and_unit(parameter: str) -> tuple[str, str]:
 
 def shape_key(text: str) -> str:
     """A shape with its lengths in one form, however it was typed; the text itself where it is none."""
-    try:
+    with suppress(InputError):
         return str(read_shape(text.strip()))
-    except InputError:
-        return text.strip()
+    return text.strip()
 
 
-def same_pad(
-    one: Mapping[str, Any], other: Mapping[str, Any], keys: Sequence[str] = ("shape", "thickness_mm", "ratio", "resin")
-) -> bool:
+def same_pad(one: Mapping[str, Any], other: Mapping[str, Any], keys: Sequence[str] = PAD) -> bool:
     """Whether two pads are the same in these keys: lengths within 1e-6, shapes however they were typed."""
 
-    def same(first: Any, second: Any) -> bool:
+    def same(key: str) -> bool:
+        first, second = (shape_key(pad[key]) if key == "shape" else pad[key] for pad in (one, other))
         return bool(first == second) if isinstance(first, str) else abs(first - second) < 1e-6
 
-    return all(same(*(shape_key(pad[key]) if key == "shape" else pad[key] for pad in (one, other))) for key in keys)
+    return all(same(key) for key in keys)
 
 
 def moulds(root: Path) -> list[Mould]:
     """Moulds of a project, the newest last; those whose manifest cannot be read are left out."""
     own = []
     for folder, manifest in _manifests(root, "moulds", "mold"):
-        try:
+        with suppress(KeyError, TypeError, ValueError):
             given = manifest["inputs"]
             pad = {"shape": str(given["shape"]), "thickness_mm": float(given["thickness_mm"]),
                    "ratio": float(given["ratio"]), "resin": str(given["resin"])}  # fmt: skip
             own.append(Mould(folder, pad, float(given["length_mm"]), float(given["width_mm"]), str(given["preset"])))
-        except (KeyError, TypeError, ValueError):
-            continue
     return own
 
 
@@ -142,21 +139,17 @@ def calibrations(root: Path, campaign: str) -> list[Calibration]:
         read = manifest.get("files_read") or []
         sums = tuple((str(one["file"]), one.get("sha256")) for one in read
                      if str(one.get("name", "")).rpartition("/")[0] == path.rstrip("/"))  # fmt: skip
-        if not (root / folder / "calibration.json").is_file():
-            continue
-        if not (_names(root, path, campaign) or _was_renamed(root, path, campaign, dict(sums))):
-            continue
-        text = str((manifest.get("summary") or {}).get("text", ""))
-        prior = str(manifest["inputs"].get("prior") or "")
-        own.append(Calibration(folder, str(manifest.get("date", "")), text, campaign, prior, sums))
+        of_campaign = _names(root, path, campaign) or _was_renamed(root, path, campaign, dict(sums))
+        if of_campaign and (root / folder / "calibration.json").is_file():
+            text = str((manifest["summary"] or {}).get("text", ""))
+            own.append(Calibration(folder, text, campaign, str(manifest["inputs"].get("prior") or ""), sums))
     return own
 
 
 def _was_renamed(root: Path, path: str, campaign: str, sums: dict[str, str | None]) -> bool:
     """Whether a campaign that is not there any more has the file that the chosen one has."""
     old = sums.get(CAMPAIGN)
-    gone = not (root / path / CAMPAIGN).is_file()
-    return old is not None and gone and sha256_of(root / campaign / CAMPAIGN) == old
+    return bool(old) and not (root / path / CAMPAIGN).is_file() and sha256_of(root / campaign / CAMPAIGN) == old
 
 
 def _names(root: Path, path: str, folder: str) -> bool:
@@ -211,7 +204,6 @@ def _group(name: str) -> tuple[str, str]:
     return ("Check", CHECKED[name]) if name in CHECKED else ("More", name)
 
 
-SIZE = ("shape", "thickness_mm")
 DROPPED = "measured/cast-pad"
 """Where presses go that are dropped for a comparison."""
 
@@ -240,39 +232,36 @@ class GaugePoint:
 
 def pads(root: Path, state: State) -> list[PressedPad]:
     """Every pad of the project with presses: those of the chosen campaign first, then others, then loose files."""
-    known = choices.campaigns(root)
-    own_first = sorted(known, key=lambda name: name != state.campaign)
+    own_first = sorted(choices.campaigns(root), key=lambda name: name != state.campaign)
     pressed = [pad for name in own_first for pad in _of_campaign(root, name)]
-    loose = [(DROPPED, "files dropped here"), *(
-        (path.relative_to(root).as_posix(), f"{path.name} of the measured files")
-        for path in sorted((root / "measured").glob("import-*")) if path.is_dir()
-    )]  # fmt: skip
-    for folder, words in loose:
-        presses = tuple(sorted(path.relative_to(root).as_posix() for path in (root / folder).glob("*.csv")))
+    loose = {root / DROPPED: "files dropped here"}
+    for folder in sorted((root / "measured").glob("import-*")):
+        loose[folder] = f"{folder.name} of the measured files"
+    for folder, words in loose.items():
+        presses = tuple(sorted(path.relative_to(root).as_posix() for path in folder.glob("*.csv")))
         if presses:
-            pressed.append(PressedPad(f"{words}: {_count(presses)}", presses, state.punch))
+            pressed.append(PressedPad(f"{words}: {presses_text(presses)}", presses, state.punch))
     return pressed
 
 
 def nearest(pressed: Sequence[PressedPad], state: State) -> PressedPad | None:
     """The pad that is chosen, where one of this shape and thickness was pressed; else the first."""
-    same = [one for one in pressed
-            if one.thickness_mm is not None and made.same_pad(vars(one), vars(state), SIZE)]  # fmt: skip
-    return next(iter([*same, *pressed]), None)
+    same = (one for one in pressed if one.thickness_mm is not None and same_pad(vars(one), vars(state), SIZE))
+    return next(chain(same, pressed), None)
 
 
 def keep_press(root: Path, name: str, content: bytes) -> str:
     """Keep a trace that was dropped; return its path from the project folder on."""
-    files.plain_name(name)
-    files.check_press(name, content)
-    return files.save_upload(files.inside(root, DROPPED), name, content).relative_to(root).as_posix()
+    file_transfer.plain_name(name)
+    file_transfer.check_press(name, content)
+    return file_transfer.save_upload(file_transfer.inside(root, DROPPED), name, content).relative_to(root).as_posix()
 
 
 def records(root: Path, pad: PressedPad) -> list[str]:
     """Records of castings whose mould is of this pad, the newest last."""
     own = []
-    for mould in made.moulds(root):
-        if pad.thickness_mm is None or made.same_pad(mould.pad, vars(pad), SIZE):
+    for mould in moulds(root):
+        if pad.thickness_mm is None or same_pad(mould.pad, vars(pad), SIZE):
             paths = sorted((root / mould.folder).glob("record*.json"), key=lambda path: path.stat().st_mtime)
             own += [path.relative_to(root).as_posix() for path in paths]
     return own
@@ -280,14 +269,14 @@ def records(root: Path, pad: PressedPad) -> list[str]:
 
 def gauge_points(folder: Path) -> list[GaugePoint]:
     """Gauge points of a mould; empty where its specification cannot be read."""
-    points = files.read_json(folder / "spec.json").get("gauge_points", [])
-    try:
+    points = file_transfer.read_json(folder / "spec.json").get("gauge_points", [])
+    with suppress(ValueError, KeyError, TypeError):
         return [GaugePoint(str(one["name"]), float(one["low_mm"]), float(one["high_mm"])) for one in points]
-    except (ValueError, KeyError, TypeError):
-        return []
+    return []
 
 
-def _count(presses: Sequence[str]) -> str:
+def presses_text(presses: Sequence[object]) -> str:
+    """How many presses there are, in words."""
     return f"{len(presses)} press{'es' * (len(presses) != 1)}"
 
 
@@ -299,15 +288,16 @@ def _of_campaign(root: Path, folder: str) -> list[PressedPad]:
         return []
     by_pad: dict[tuple[str, float], list[str]] = {}
     for trial in trials:
-        thickness = trial["thickness_mm"]
-        if isinstance(thickness, int | float) and trial["file"] and (root / folder / trial["file"]).is_file():
-            by_pad.setdefault((trial["shape"], float(thickness)), []).append(f"{folder}/{trial['file']}")
+        thickness, shape, file = trial["thickness_mm"], trial["shape"], trial["file"]
+        pad = isinstance(thickness, int | float) and shape != "cylinder"
+        if pad and file and (root / folder / file).is_file():
+            by_pad.setdefault((shape, float(thickness)), []).append(f"{folder}/{file}")
     punch, lowpass = _punch(data.get("punch"), folder), _lowpass(data.get("sensor"))
-    return [
-        PressedPad(f"{folder}: {shape}, {thickness:g} mm, {_count(presses)}", tuple(presses), punch, lowpass, folder,
-                   shape, thickness)
-        for (shape, thickness), presses in by_pad.items() if shape != "cylinder"
-    ]  # fmt: skip
+    pads = []
+    for (shape, thickness), presses in by_pad.items():
+        label = f"{folder}: {shape}, {thickness:g} mm, {presses_text(presses)}"
+        pads.append(PressedPad(label, tuple(presses), punch, lowpass, folder, shape, thickness))
+    return pads
 
 
 def _punch(table: Any, folder: str) -> str:

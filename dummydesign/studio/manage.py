@@ -15,7 +15,6 @@ from dummydesign.core.errors import InputError
 from dummydesign.studio import parts
 from dummydesign.studio import project_files as bin
 from dummydesign.studio.access import LARGEST_BYTES
-from dummydesign.studio.page_frame import Studio
 from dummydesign.studio.parts import html
 
 HEADER = """
@@ -37,70 +36,69 @@ ADDED = "(files) => emit(performance.now())"
 Then = Callable[[str, str], None]
 
 
-def manage(studio: Studio, path: str, kind: str, then: Then) -> None:
+def manage(root: Path, path: str, kind: str, then: Then) -> None:
     """A row of buttons to rename and delete a thing of the project, and to replace a file."""
-    name = path.rpartition("/")[2]
-    bar = undo_bar(studio)
+    name, ending = path.rpartition("/")[2], Path(path).suffix.lower()
+    bar = undo_bar(root)
+
     def remove() -> None:
-        with parts.problems_in(form):
-            bar.offer(bin.delete(studio.root, path), then)
+        with parts.problems_in(refused):
+            bar.offer(bin.delete(root, path), then)
             bar.run(lambda: then(path, ""))
 
     def ask_name() -> None:
+        refused.clear()
         with parts.fresh(form), ui.element("div").classes("fields"):
-            field = ui.input(f"New name of {name}", value=_short(studio.root, path)).props('data-test="new-name"')
+            field = ui.input(f"New name of {name}", value=_short(root, path)).props('data-test="new-name"')
             with ui.element("div"):
                 parts.button("Save", lambda: take_name(field.value or ""), "save-name", main=True)
-                parts.button("Cancel", form.clear)
+                parts.button("Cancel", close)
         field.on("keydown.enter", lambda: take_name(field.value or ""))
-        field.on("keydown.escape", form.clear)
+        field.on("keydown.escape", close)
         field.run_method("focus")
 
-    def take_name(new: str) -> None:
-        try:
-            now = bin.rename(studio.root, path, new)
-        except InputError as problem:
-            ask_name()
-            with form:
-                parts.tell_problem(str(problem))
-            return
+    def close() -> None:
         form.clear()
-        bar.say(f"{name} is now {now.rpartition('/')[2]}.")
-        bar.run(lambda: then(path, now))
+        refused.clear()
+
+    def take_name(new: str) -> None:
+        with parts.problems_in(refused):
+            now = bin.rename(root, path, new)
+            form.clear()
+            bar.say(f"{name} is now {now.rpartition('/')[2]}.")
+            bar.run(lambda: then(path, now))
 
     async def take_file(event: events.UploadEventArguments) -> None:
-        sent, ending = event.file.name, Path(path).suffix.lower()
-        content = await event.file.read()
-        try:
+        sent, content = event.file.name, await event.file.read()
+        with parts.problems_in(refused):
             if Path(sent).suffix.lower() != ending:
                 message = f"{sent} was refused: choose a file that ends in {ending}"
                 raise InputError(message, "unknown_name", "file_ending", sent, ending)
-            stored = bin.store(studio.root, (studio.root / path).parent, name, content, replace=True)
-        except InputError as problem:
-            with form:
-                parts.tell_problem(str(problem))
-            return
-        form.clear()
-        if stored.gone is None:
-            bar.say(f"{sent} is the same as {stored.name}, which is there: nothing was changed.")
-            return
-        bar.offer(stored.gone, then)
-        bar.run(lambda: then(path, path))
+            stored = bin.store(root, (root / path).parent, name, content, replace=True)
+            form.clear()
+            if stored.gone is None:
+                bar.say(f"{sent} is the same as {stored.name}, which is there: nothing was changed.")
+            else:
+                bar.offer(stored.gone, then)
+                bar.run(lambda: then(path, path))
+
+    def refuse(name: str, why: str) -> None:
+        with parts.fresh(refused):
+            parts.tell_problem(f"{name} was refused: it {why}")
 
     def ask_file() -> None:
+        refused.clear()
         with parts.fresh(form):
             html(f"<p>Choose the file that replaces {escape(name)}. The earlier one goes to the bin.</p>")
-            drop_zone(take_file, lambda name, why: parts.tell_problem(f"{name} was refused: it {why}"), "replace",
-                      multiple=False)  # fmt: skip
+            drop_zone(take_file, refuse, "replace", multiple=False)
 
+    actions = {"Rename": ask_name, "Replace": ask_file, "Delete": remove}
     with ui.element("div").classes("manage").props("role=group") as row:
         row.props["aria-label"] = f"change {name}"
-        for word, action in (("Rename", ask_name), ("Replace", ask_file), ("Delete", remove)):
-            if word == "Replace" and kind != "file":
-                continue
-            made = parts.button(word, action, word.lower(), f"{word} the {kind} {name}").props("dense")
+        for word in ("Rename", "Replace", "Delete") if kind == "file" else ("Rename", "Delete"):
+            made = parts.button(word, actions[word], word.lower(), f"{word} the {kind} {name}").props("dense")
             made.props["data-name"] = name
-    form = ui.element("div")
+    form, refused = ui.element("div"), ui.element("div")
 
 
 def _short(root: Path, path: str) -> str:
@@ -134,10 +132,8 @@ def drop_zone(
         for name in event.args:
             refused(str(name), "did not arrive: drop it again")
 
-    words = {"TEST": test, "WHAT": "files" if multiple else "it", "FILES": "files" if multiple else "the file"}
-    header = HEADER
-    for mark, word in words.items():
-        header = header.replace(mark, word)
+    what, choose = ("files", "files") if multiple else ("it", "the file")
+    header = HEADER.replace("TEST", test).replace("WHAT", what).replace("FILES", choose)
     upload = ui.upload(on_upload=took, multiple=multiple, auto_upload=True, max_file_size=LARGEST_BYTES)
     upload.props('flat data-test="drop"').add_slot("header", header)
     upload.on("rejected", rejected, js_handler=REJECTED)
@@ -182,12 +178,12 @@ class DropList:
 class UndoBar:
     """The last change at the foot of a page, with a button that takes it back."""
 
-    def __init__(self, studio: Studio) -> None:
-        self._studio = studio
+    def __init__(self, root: Path) -> None:
+        self._root = root
         self._content = ui.context.client.content
         with self._content:
             self._area = parts.area("undo", live=True).classes("undo")
-        newest = next(iter(bin.deleted(studio.root)), None)
+        newest = next(iter(bin.deleted(root)), None)
         if newest is not None and newest.why != "undone" and time.time() - newest.time < STILL_OFFERED_S:
             self.offer(newest, lambda old, new: ui.navigate.reload(), focus=False)
 
@@ -210,45 +206,43 @@ class UndoBar:
 
         def undo() -> None:
             try:
-                back = bin.take_back(self._studio.root, gone)
+                back = bin.take_back(self._root, gone)
             except InputError as problem:
                 self.say(f"{problem}.")
                 return
             self.say(f"{gone.path} is back." if back == gone.path else f"It is back as {back}.")
             self.run(lambda: then(gone.path, back))
 
-        line = self.say(f"The earlier {name} was replaced." if gone.why == "replaced" else f"{name} was deleted.")
-        with line:
+        with self.say(f"The earlier {name} was replaced." if gone.why == "replaced" else f"{name} was deleted."):
             back = parts.button("Undo", undo, "undo-last", f"Undo: bring back {name}", main=True).props("dense")
             if focus:
                 ui.run_javascript(f"setTimeout(() => document.getElementById('{back.html_id}')?.focus(), 100)")
 
 
-def undo_bar(studio: Studio) -> UndoBar:
+def undo_bar(root: Path) -> UndoBar:
     """The bar of this page, made when it is first wanted."""
     client: Any = ui.context.client
     if not hasattr(client, "undo_bar"):
-        client.undo_bar = UndoBar(studio)
+        client.undo_bar = UndoBar(root)
     bar: UndoBar = client.undo_bar
     return bar
 
 
-def deleted_files(studio: Studio) -> None:
+def deleted_files(root: Path) -> None:
     """The list of what was deleted, each with a button that restores it."""
     section = ui.element("section").props('data-test="deleted"').style("width:100%")
     message = parts.area(live=True)
 
     def restore(one: bin.Deleted) -> None:
         with parts.problems_in(message):
-            back = bin.restore(studio.root, one)
+            back = bin.restore(root, one)
             with message:
                 html(f'<p class="note">{escape(back)} is back. <a href="">Load the page again</a> to see it.</p>')
         renew()
 
     def renew() -> None:
-        section.clear()
-        entries = bin.deleted(studio.root)
-        with section:
+        entries = bin.deleted(root)
+        with parts.fresh(section):
             html(f"<h2>Deleted</h2>{'' if entries else '<p>Nothing was deleted.</p>'}")
             for one in entries:
                 when = time.strftime("%d %b %H:%M", time.localtime(one.time))

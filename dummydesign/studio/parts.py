@@ -1,22 +1,132 @@
-"""Pieces of a page: text, problems, verdicts, values, tables, links, files."""
+"""The frame of every page, and its pieces: text, problems, verdicts, values, tables, links, files."""
 
 from __future__ import annotations
 
+import json
+import math
 import re
+import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from functools import cache
 from html import escape
 from pathlib import Path
 from typing import Any, cast
+from urllib.parse import urlencode
 
 from nicegui import ui
 from nicegui.elements.mixins.value_element import ValueElement
 
 from dummydesign.core.errors import InputError
-from dummydesign.report.page import Table, marked_terms
+from dummydesign.project.folder import Project, project_of
+from dummydesign.report import page as report_page
 from dummydesign.studio.choices import offered
 from dummydesign.studio.jobs import changed_inputs, shown
-from dummydesign.studio.state import address
+from dummydesign.studio.state import State, address, page_link, read_state
+
+STEPS = (("/", "Overview"), ("/measured", "1 Measured"), ("/tissue", "2 Tissue"), ("/design", "3 Design"),
+         ("/mould", "4 Mould"), ("/cast", "5 Cast pad"), ("/campaign", "6 Campaign"),
+         ("/learn", "7 Learn"))  # fmt: skip
+
+
+@cache
+def page_head() -> str:
+    """Return style and scripts of a page, for its head: those of the reports and those of the studio."""
+    return (
+        f"<style>{_file(report_page.__file__, 'page.css')}{_file(__file__, 'studio.css')}</style>"
+        f"<script>document.documentElement.lang = 'en'</script><script>{report_page.plots_js()}</script>"
+        f"<script>{_file(__file__, 'studio.js')}</script>"
+    )
+
+
+def _file(module: str, name: str) -> str:
+    """Return the text of a file of this package, which lies beside a module."""
+    return (Path(module).parent / name).read_text(encoding="utf-8")
+
+
+Body = Callable[[Project, State, Mapping[str, str]], object]
+
+
+def lay_out(
+    root: Path, here: str, title: str, query: Mapping[str, str], body: Body,
+    empty: Callable[[Path], None] | None = None,
+) -> None:  # fmt: skip
+    """Lay out a page; with faults of the folder on it."""
+    ui.colors(primary="#0b5cad")
+    ui.add_head_html(page_head())
+    ui.page_title(f"{title} – dummydesign studio")
+    problem, project, state = "", None, None
+    try:
+        project = project_of(root)
+        state = read_state(project, query) if project else None
+    except (InputError, OSError) as refused:
+        problem = problem_text(refused)
+    links = "".join(page_link(path, words, current=path == here) for path, words in STEPS)
+    html(
+        '<a class="skip" href="#body">to the content</a><div class="top"><div class="bar"><span class="name">'
+        f'{escape(project.name if project else root.name)}</span><nav aria-label="steps">{links}</nav></div></div>'
+    )
+    kept = json.dumps(state.query() if state else "").replace("<", "\\u003c")
+    ui.add_body_html(f"<script>stateQuery = {kept};</script>")
+    with ui.element("div").classes("body").props('id="body" tabindex="-1"'):
+        html(f"<h1>{escape(title)}</h1>")
+        _tell_failures()
+        if problem:
+            tell_problem(f"{problem}. Fix the file in an editor, then load this page again; nothing was changed.")
+            return
+        try:
+            if project and state:
+                for sentence in state.missing:
+                    tell_problem(sentence)
+                body(project, state, query)
+            elif empty:
+                empty(root)
+            else:
+                html(f'<p class="note">This folder is no project yet: {page_link("/", "make it one")} first.</p>')
+        except (InputError, OSError) as refused:
+            tell_problem(problem_text(refused))
+        html(f'<footer class="glossary">{report_page.whole_glossary()}</footer>')
+
+
+LONGEST_ADDRESS = 8000
+"""Characters of what a page keeps in its address besides the state; servers refuse addresses that are too long."""
+
+
+def keep_state(state: State, **more: str) -> None:
+    """Write a state into the address and into all links that carry it; back, reload and other tabs then show it."""
+    own = urlencode({name: text for name, text in more.items() if text})
+    kept = own if len(own) <= LONGEST_ADDRESS else ""
+    ui.run_javascript(f"keepState({json.dumps(state.query())}, {json.dumps(kept)})")
+
+
+def open_page(path: str, state: State) -> None:
+    """Go to a page in a state."""
+    ui.navigate.to(f"{address(path)}?{state.query()}")
+
+
+TIMER_S = 5.0
+"""Longer than the time between two calls of any timer of a page. [s]"""
+
+
+def _tell_failures() -> None:
+    """Show on the page what a click or a timer could not do, wherever the code is that did not expect it."""
+    notice = area()
+    seen_s: dict[str, float] = {}
+
+    def tell(problem: Exception) -> None:
+        text, now = problem_text(problem), time.monotonic()
+        before, seen_s[text] = seen_s.get(text, -math.inf), now
+        if now - before < TIMER_S:
+            return  # a timer that fails again and again
+        with fresh(notice):
+            tell_problem(text)
+        ui.run_javascript(f"document.getElementById('{notice.html_id}')?.scrollIntoView({{block: 'center'}})")
+
+    ui.on_exception(tell)
+
+
+for kind in (ui.expansion, ui.select):
+    kind.default_style("width:100%")
 
 
 def html(text: str) -> ui.html:
@@ -44,9 +154,7 @@ def on_change(then: Callable[..., object], *fields: ui.element) -> None:
         cast(ValueElement, field).on_value_change(then)
 
 
-def button(
-    words: str, action: Callable[..., object], test: str = "", label: str = "", main: bool = False
-) -> ui.button:  # fmt: skip
+def button(words: str, action: Callable[..., object], test: str = "", label: str = "", main: bool = False) -> ui.button:
     """Add a button, outlined unless it is a main one; ``label`` is what screen readers speak for its words."""
     added = ui.button(words, on_click=action, color="primary" if main else None).props("" if main else "outline")
     # not in a text of properties: a name with a backslash in it would break off there
@@ -54,23 +162,23 @@ def button(
     return added
 
 
-def select(label: str, known: Mapping[str, str], value: str, test: str = "", wide: bool = True) -> ui.select:
+def select(label: str, known: Mapping[str, str], value: str, test: str = "") -> ui.select:
     """Add a field to choose from value to words; what is chosen now is offered too when it is not there any more."""
     added = ui.select(offered(known, value), value=value, label=label)
     added.props.update({"data-test": test} if test else {})
-    return added.style("width:100%") if wide else added
+    return added
 
 
 def select_several(label: str, known: Mapping[str, str], value: Sequence[str], test: str) -> ui.select:
     """Add a field to choose several of value to words."""
-    added = ui.select(dict(known), multiple=True, value=list(value), label=label).style("width:100%")
+    added = ui.select(dict(known), multiple=True, value=list(value), label=label)
     return added.props(f'use-chips data-test="{test}"')
 
 
 def marked(text: str) -> str:
     """Return a text as HTML in which the first use of each term opens its definition under the pointer and by touch."""
     pieces, at = [], 0
-    for start, end, term in marked_terms(text):
+    for start, end, term in report_page.marked_terms(text):
         definition = f'<abbr class="term" data-term="{escape(term.text)}">{escape(text[start:end])}</abbr>'
         pieces += [escape(text[at:start]), definition]
         at = end
@@ -152,7 +260,7 @@ def warnings(answer: Mapping[str, Any]) -> None:
 
 def table(head: Sequence[str], rows: Sequence[Sequence[object]], words: bool = False, under: str = "") -> None:
     """Show a table that scrolls by itself; ``under`` is the line that it is folded under."""
-    text = Table(head, rows).html()
+    text = report_page.Table(head, rows).html()
     text = re.sub(r"(<th[^>]*>)([^<&]+)(</th>)", lambda match: match[1] + marked(match[2]) + match[3], text)
     text = f'<div class="words">{text}</div>' if words else text
     html(f"<details><summary>{escape(under)}</summary>{text}</details>" if under else text)
@@ -169,6 +277,14 @@ def zip_link(folder: str) -> None:
     """Show a link that downloads a folder of the project as one file."""
     link = f'<a data-test="zip" href="{address(f"/zip/{folder}")}" download>Download all files (ZIP)</a>'
     html(f'<div class="links">{link}</div>')
+
+
+def show_report(root: Path, files: Mapping[str, str], title: str) -> None:
+    """Show the report among the files of an answer, with a link to them all; nothing where it is gone."""
+    report = files.get("report")
+    if report and (root / report).is_file():
+        zip_link(Path(report).parent.as_posix())
+        shown_file(f"/files/{report}", title)
 
 
 def shown_file(path: str, title: str, kind: str = "shown", **query: object) -> None:

@@ -4,20 +4,22 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import shutil
 import time
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
+from itertools import chain
 from pathlib import Path, PurePosixPath
 from typing import Any
 
 from dummydesign.core.errors import InputError
-from dummydesign.core.files import unwritable, write_bytes, write_text
+from dummydesign.core.files import unwritable, write_bytes, write_text, writing
 from dummydesign.core.library import toml_text
 from dummydesign.core.manifest import NAME as MANIFEST
 from dummydesign.core.manifest import sha256_of
-from dummydesign.project.folder import FILE, FOLDERS, Project, change_project, read_project
+from dummydesign.project.folder import FOLDERS, Project, change_project, project_of
 from dummydesign.studio import jobs
 from dummydesign.studio.file_transfer import inside, new_folder, numbered, plain_name, read_json, save_upload
 
@@ -39,13 +41,11 @@ def deleted(root: Path) -> list[Deleted]:
     """What is in the bin of a project, the newest first."""
     entries = []
     for path in (root / HOME).glob(f"*/{ENTRY}"):
-        try:
+        with suppress(OSError, ValueError, KeyError, TypeError, OverflowError):
             kept = read_json(path)
             when = float(kept["time"])
             time.localtime(when)
             entries.append(Deleted(path.parent, str(kept["path"]), when, str(kept["why"])))
-        except (OSError, ValueError, KeyError, TypeError, OverflowError):
-            continue
     return sorted(entries, key=lambda one: (one.time, one.folder.name), reverse=True)
 
 
@@ -118,12 +118,11 @@ def rename(root: Path, path: str, name: str) -> str:
     plain_name(wanted)
     if wanted == old:
         return path
-    names = [part.name for part in parts]
-    after = [plain_name(one) for one in _renamed(names, old, wanted)]
+    after = [plain_name(one) for one in _renamed([part.name for part in parts], old, wanted)]
     taken = next((one for one in after if (source.parent / one).exists()), None)
     if taken is not None:
         raise InputError(f"'{taken}' is there already: choose another name", "file_exists", "name", taken)
-    project = read_project(root) if (root / FILE).is_file() else None
+    project = project_of(root)
     moves = [(part, source.parent / one) for part, one in zip(parts, after)]
     before = {part: part.read_bytes() for part in parts if _is_tissue(path)}
     new = f"{path.rpartition('/')[0]}/{after[0]}"
@@ -142,11 +141,10 @@ def rename(root: Path, path: str, name: str) -> str:
 
 
 def _follow_in_project(project: Project, old: str, new: str) -> None:
-    given = project.given()
-    moved = {key: follow(given[key], old, new) for key in ("tissue", "calibration") if key in given}
-    changed = {key: value for key, value in moved.items() if value != given[key]}
-    if changed:
-        change_project(project, **changed)
+    given = {key: text for key, text in project.given().items() if key in ("tissue", "calibration")}
+    moved = {key: follow(text, old, new) for key, text in given.items()}
+    if moved != given:
+        change_project(project, **moved)
 
 
 def follow(text: str, old: str, new: str) -> str:
@@ -156,31 +154,25 @@ def follow(text: str, old: str, new: str) -> str:
 
 def is_import(path: str) -> bool:
     """Whether a path is that of a folder of imported presses."""
-    parts = path.split("/")
-    return len(parts) == 2 and parts[0] == "measured" and parts[1].startswith("import-")
+    return re.fullmatch(r"measured/import-[^/]*", path) is not None
 
 
 def check_idle(root: Path, path: str) -> None:
     """Refuse what a running command reads or writes (InputError)."""
     target = PurePosixPath(path)
-    for job in jobs.all_jobs(root):
-        if job.state != "running":
-            continue
-        for word in (piece for text in job.words for piece in {text, *text.split(",")}):
+    for job in (one for one in jobs.all_jobs(root) if one.state == "running"):
+        for word in (piece for text in chain(*job.commands) for piece in {text, *text.split(",")}):
             used = _path_in(root, word)
-            if used is None:
-                continue
-            if used == target or used in target.parents[:-1] or target in used.parents:
+            if used is not None and (used == target or used in target.parents[:-1] or target in used.parents):
                 message = f"'{path}' is in use by a running command ({job.name}). Wait for it, or stop it"
                 raise InputError(message, "busy", "path", path)
 
 
 def _path_in(root: Path, word: str) -> PurePosixPath | None:
     """Path from the project's folder to what a word names; None on another drive."""
-    try:
+    with suppress(ValueError):
         return PurePosixPath(os.path.relpath(root / word, root).replace(os.sep, "/"))
-    except ValueError:
-        return None
+    return None
 
 
 def parts_of(root: Path, path: str) -> list[Path]:
@@ -249,11 +241,9 @@ def _move(pairs: Sequence[tuple[Path, Path]]) -> None:
 
 def _new_folder(home: Path, name: str, now: float) -> Path:
     names = numbered(f"{time.strftime('%Y%m%d-%H%M%S', time.localtime(now))}-{name}")
-    try:
+    with writing("bin", home, "bin"):
         home.mkdir(parents=True, exist_ok=True)
         return new_folder(home, names)
-    except OSError as problem:
-        raise unwritable("bin", home, problem, "bin") from None
 
 
 @dataclass(frozen=True)
@@ -309,9 +299,8 @@ def take_back(root: Path, gone: Deleted) -> str:
 
 def twin(folder: Path, name: str, content: bytes) -> str | None:
     """Name of the file of a folder with the same content; the one of this name first."""
-    for path in sorted(folder.glob("*"), key=lambda path: (path.name != name, path.name)):
-        same = not path.name.startswith(".") and path.is_file() and path.stat().st_size == len(content)
-        if same and path.read_bytes() == content:
+    for path in sorted(folder.glob("[!.]*"), key=lambda path: (path.name != name, path.name)):
+        if path.is_file() and path.stat().st_size == len(content) and path.read_bytes() == content:
             return path.name
     return None
 

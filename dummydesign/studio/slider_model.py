@@ -49,7 +49,6 @@ class Slider:
     def __init__(
         self, name: str, unit: str, low: float, high: float, step: float, value: float, moved: Callable[[], None]
     ) -> None:
-        """Build it."""
         self.value, self._name, self._moved, self._written = value, name, moved, 0
         self._box = ui.html("", sanitize=False).classes("slide")
         self._box.on("input", self._take, js_handler=MOVED, throttle=THROTTLE_S)
@@ -110,9 +109,8 @@ def lengths_of(kind: str, thickness_mm: float, radius_mm: float) -> tuple[Length
     lengths = []
     for name, column in columns.items():
         kept = column[usable]
-        if (made.sliders and name not in made.sliders) or not len(kept) or not kept.max() > kept.min():
-            continue
-        lengths.append(Length(name, float(kept.min()), float(kept.max()), 10.0 ** -made.digits(name)))
+        if (not made.sliders or name in made.sliders) and len(kept) and kept.max() > kept.min():
+            lengths.append(Length(name, float(kept.min()), float(kept.max()), 10.0 ** -made.digits(name)))
     return tuple(lengths)
 
 
@@ -122,7 +120,7 @@ def first_shape(
     """Return a shape of a kind that can be pressed at a thickness; None when there is none."""
     made = shape_kind(kind)
     _, columns = made.candidates(np.array([thickness_mm]), radius_mm)
-    rows = np.column_stack([column for column in columns.values()]) if columns else np.zeros((1, 0))
+    rows = np.column_stack(list(columns.values())) if columns else np.zeros((1, 0))
     spread = np.where(np.ptp(rows, axis=0) > 0.0, np.ptp(rows, axis=0), 1.0) if len(rows) else 1.0
     known = dict(near.parameters) if near is not None and near.name == kind else {}
     middle = np.array([known.get(name, float(np.median(column))) for name, column in columns.items()])
@@ -136,11 +134,10 @@ def first_shape(
 
 def _allowed(call: Callable[..., object], *given: object) -> bool:
     """Whether a call is not refused."""
-    try:
+    with suppress(InputError):
         call(*given)
-    except InputError:
-        return False
-    return True
+        return True
+    return False
 
 
 def evaluator_of(root: Path, state: State) -> PadEvaluator:
@@ -151,13 +148,13 @@ def evaluator_of(root: Path, state: State) -> PadEvaluator:
 
 @lru_cache(maxsize=8)
 def _evaluator(root: Path, question: State, stamp: object) -> PadEvaluator:
-    from dummydesign.design.inputs import resolve
+    from dummydesign.design.suggest import resolve
 
-    calibration = str(root / question.calibration) if question.calibration else None
-    profile = question.punch.removeprefix(PROFILE) if question.punch.startswith(PROFILE) else None
+    calibration, punch_text = str(root / question.calibration) if question.calibration else None, question.punch
+    if punch_text.startswith(PROFILE):
+        punch_text = f"{PROFILE}{root / punch_text.removeprefix(PROFILE)}"
     request = Request(absolute(root, question.tissue), question.aim, absolute(root, question.resin), shape="slab",
-                      verify=False, calibration=calibration,
-                      punch=question.punch if profile is None else f"{PROFILE}{root / profile}")  # fmt: skip
+                      verify=False, calibration=calibration, punch=punch_text)  # fmt: skip
     punch = read_punch(request.punch)
     if punch.profile_mm is not None:
         raise NotTabulated(why_solved(request, punch, THICKNESS_MM[0]), "punch")
@@ -189,13 +186,7 @@ def first_pad(root: Path, state: State, kind: str) -> PadShape:
 
     radius_mm = evaluator.inputs.punch.radius_mm
     for solvable in (tabulated, lambda shape: True):
-        shape = first_shape(kind, state.thickness_mm, radius_mm, solvable, near)
-        if shape is not None:
+        if (shape := first_shape(kind, state.thickness_mm, radius_mm, solvable, near)) is not None:
             return shape
     message = f"no {kind} pad {state.thickness_mm:g} mm thick can be made: choose another thickness or shape"
     raise InputError(message, "cannot_be_made", "thickness_mm", state.thickness_mm)
-
-
-def solved_by_predict(state: State) -> bool:
-    """Whether ``predict`` solves the pad of a state: a shape outside its table, under a flat punch on a glued base."""
-    return state.kind != Slab.name and read_punch(state.punch).profile_mm is None

@@ -16,8 +16,7 @@ from dummydesign.core.manifest import NAME as MANIFEST
 from dummydesign.geometry.dimensions import PUNCH
 from dummydesign.project.folder import Project
 from dummydesign.project.status import STANDARD_RESIN, ProjectFile, ProjectStatus, finished_manifest, things_in
-from dummydesign.studio import choices
-from dummydesign.studio import file_transfer as files
+from dummydesign.studio import choices, file_transfer
 
 PAD_FIELDS = ("shape", "thickness_mm", "ratio")
 QUESTION_FIELDS = ("tissue", "aim", "resin", "calibration", "punch")
@@ -79,33 +78,30 @@ def read_state(project: Project, query: Mapping[str, str]) -> State:
     # no calibration is a choice too: without it the one of project.toml would come back
     given = {name: text for name, text in query.items()
              if (text.strip() or name == "calibration") and _in_project(project.root, name, text)}  # fmt: skip
-    designs = [one for one in things_in(project.root, "designs") if is_design(one)]
-    tissue = given.get("tissue") or project.tissue or ""
-    named = [one for one in designs if one.folder == given.get("design")]
+    designs = [one.folder for one in things_in(project.root, "designs") if is_design(one)]
+    own, tissue = _of_project(project), given.get("tissue") or project.tissue or ""
     # what was edited by hand since wins over an older design
-    chosen = {name: text for name, text in _of_project(project).items() if name in QUESTION_FIELDS}
-    chosen |= {"tissue": tissue or None}
-    newest = [one for one in designs if chosen.items() <= design_state(project.root, one.folder).items()]
+    chosen = {name: text for name, text in own.items() if name in QUESTION_FIELDS} | {"tissue": tissue or None}
+    newest = [folder for folder in designs if chosen.items() <= design_state(project.root, folder).items()]
     # nothing was chosen at all: the newest design says what one worked on
     newest = newest or ([] if tissue else designs)
-    base: dict[str, Any] = {"tissue": tissue, **_of_project(project)}
-    if named or (newest and "shape" not in given):
-        base |= design_state(project.root, (named or newest)[-1].folder)
+    base: dict[str, Any] = {"tissue": tissue, **own}
+    if given.get("design") in designs:
+        base |= design_state(project.root, given["design"])
+    elif newest and "shape" not in given:
+        base |= design_state(project.root, newest[-1])
     known = choices.tissues(project.root)
     for one in fields(State):
         if one.name in given and one.name != "missing":
             base[one.name] = _number(given[one.name], base.get(one.name, one.default), one.type == "float")
-    if not base["tissue"]:
-        base["tissue"] = next(iter(known))
+    base["tissue"] = base["tissue"] or next(iter(known))
     campaigns = list(choices.campaigns(project.root))
-    base["campaign"] = base.get("campaign") or (campaigns[-1] if campaigns else "")
+    base["campaign"] = base.get("campaign") or next(reversed(campaigns), "")
     state = State(**base)
-    if named or (state.design and state.design != given.get("design")):
-        # the address changes what the design was made for: the pad is then no longer that design
-        source = design_state(project.root, state.design)
-        if any(name in given and getattr(state, name) != source.get(name) for name in (*PAD_FIELDS, *QUESTION_FIELDS)):
-            state = replace(state, design="")
-    if state.design not in [one.folder for one in designs]:
+    # where the address changes what the design was made for, the pad is no longer that design
+    source = design_state(project.root, state.design) if state.design in designs else {}
+    kept = all(getattr(state, name) == source.get(name) for name in (*PAD_FIELDS, *QUESTION_FIELDS) if name in given)
+    if state.design not in designs or not kept:
         state = replace(state, design="")
     return replace(state, missing=_missing(project.root, state, known, campaigns, designs, given))
 
@@ -113,12 +109,11 @@ def read_state(project: Project, query: Mapping[str, str]) -> State:
 def _in_project(root: Path, name: str, text: str) -> bool:
     """Whether a path of the address stays in the project; names of the library are no paths."""
     path = name in ("design", "calibration", "campaign") or text.endswith(".toml")
-    if not (path or (name in ("tissue", "resin") and "/" in text)):
-        return True
-    try:
-        files.inside(root, text)
-    except InputError:
-        return False
+    if path or (name in ("tissue", "resin") and "/" in text):
+        try:
+            file_transfer.inside(root, text)
+        except InputError:
+            return False
     return True
 
 
@@ -143,9 +138,8 @@ def design_state(root: Path, folder: str) -> dict[str, Any]:
 
 
 def design_summary(root: Path, folder: str) -> dict[str, Any]:
-    """The summary of a design's manifest: pad, verdict and its sentence; empty where it cannot be read."""
-    summary = (finished_manifest(root / folder / MANIFEST) or {}).get("summary")
-    return summary if isinstance(summary, dict) else {}
+    """The summary of a design's manifest: pad, verdict and its sentence; empty without a design that can be read."""
+    return (finished_manifest(root / folder / MANIFEST) or {}).get("summary") or {}
 
 
 def _inside(root: Path, path: object) -> str:
@@ -158,12 +152,9 @@ def _inside(root: Path, path: object) -> str:
 
 
 def _of_project(project: Project) -> dict[str, Any]:
-    asked = dict(project.asked)
-    named = {"resin": project.resin, "punch": project.punch, "aim": asked.get("aim"),
-             "calibration": asked.get("calibration")}  # fmt: skip
-    if ":" in (shape := asked.get("shape", "")):
-        named["shape"] = shape
-    return {name: value for name, value in named.items() if value}
+    """What ``project.toml`` says of a state; a shape only with its lengths, for a kind alone is to be searched."""
+    own = {name: value for name, value in project.given().items() if name in ("shape", *QUESTION_FIELDS[1:])}
+    return {name: value for name, value in own.items() if name != "shape" or ":" in value}
 
 
 def _number(text: str, before: Any, is_number: bool) -> Any:
@@ -177,29 +168,25 @@ def _number(text: str, before: Any, is_number: bool) -> Any:
 
 
 def _missing(
-    root: Path, state: State, known: Mapping[str, str], campaigns: list[str], designs: list[ProjectFile],
+    root: Path, state: State, known: Mapping[str, str], campaigns: list[str], designs: list[str],
     given: Mapping[str, str],
 ) -> tuple[str, ...]:  # fmt: skip
     """What is chosen and not there."""
-    design = given.get("design", "")
     there = (
         ("tissue", state.tissue, known, "Choose another, or bring its file back."),
         ("calibration", state.calibration, [""], "Choose another, or none."),
         ("resin", state.resin, choices.resins(), "Choose another."),
         ("campaign", state.campaign, ["", *campaigns], "Choose another."),
-        ("design", design, ["", *(one.folder for one in designs)], "The pad comes from the address."),
+        ("design", given.get("design", ""), ["", *designs], "The pad comes from the address."),
     )
-    problems = [f"The {what} '{name}' is not there. {advice}" for what, name, names, advice in there
-                if name not in names and not (root / name).is_file()]  # fmt: skip
-    if not problems:
-        try:
-            aims = choices.aims(absolute(root, state.tissue))
-        except InputError as problem:
-            problems.append(str(problem))
-        else:
-            if state.aim not in aims:
-                problems.append(f"The tissue '{state.tissue}' has no aim '{state.aim}'. Choose another aim.")
-    return tuple(problems)
+    problems = tuple(f"The {what} '{name}' is not there. {advice}" for what, name, names, advice in there
+                     if name not in names and not (root / name).is_file())  # fmt: skip
+    try:
+        if not problems and state.aim not in choices.aims(absolute(root, state.tissue)):
+            return (f"The tissue '{state.tissue}' has no aim '{state.aim}'. Choose another aim.",)
+    except InputError as problem:
+        return (str(problem),)
+    return problems
 
 
 def absolute(root: Path, name: str) -> str:
@@ -217,23 +204,17 @@ def address(path: str, **query: object) -> str:
     return "./" + quote(path.lstrip("/"), safe="/", errors="surrogateescape") + (f"?{given}" if given else "")
 
 
-def page_link(path: str, words: str, test: str = "", current: bool = False) -> str:
-    """Return HTML of a link to a page, which shows what is chosen on this one when the link is used."""
-    mark = f' data-test="{escape(test)}"' if test else ""
-    here = " aria-current=page" if current else ""
-    return f'<a data-state{mark}{here} href="{address(path)}">{escape(words)}</a>'
+def page_link(path: str, words: str, state: State | None = None, test: str = "", current: bool = False) -> str:
+    """Return HTML of a link to a page in a state, else in what is chosen on this page when the link is used."""
+    marks = f' data-test="{escape(test)}"' if test else ""
+    marks += "" if state else " data-state"
+    marks += " aria-current=page" if current else ""
+    query = f"?{escape(state.query())}" if state else ""
+    return f'<a{marks} href="{address(path)}{query}">{escape(words)}</a>'
 
 
-def state_link(path: str, words: str, state: State, test: str = "") -> str:
-    """Return HTML of a link to a page that shows a state of its own, whatever is chosen on this page later."""
-    mark = f' data-test="{escape(test)}"' if test else ""
-    return f'<a{mark} href="{address(path)}?{escape(state.query())}">{escape(words)}</a>'
-
-
-PAGES = {
-    "tissues": "/tissue", "import": "/measured", "fit": "/tissue", "suggest": "/design", "mold": "/mould",
-    "campaign": "/campaign", "loop": "/learn", "status": "/design",
-}  # fmt: skip
+PAGES = {"tissues": "/tissue", "import": "/measured", "fit": "/tissue", "suggest": "/design", "mold": "/mould",
+         "campaign": "/campaign", "loop": "/learn", "status": "/design"}  # fmt: skip
 """Page that a command belongs to."""
 _NUMBERS = {"thickness": "thickness_mm", "ratio": "ratio"}
 
@@ -246,19 +227,19 @@ def next_page(status: ProjectStatus) -> str:
 def next_state(status: ProjectStatus, state: State) -> State:
     """What the next step is about: its campaign, calibration, tissue and design."""
     words = shlex.split(status.next_command)[1:]
-    command = words[0] if words else ""
+    command = words[0]
     new: dict[str, object] = {}
     designs = [one for one in status.files["designs"] if is_design(one) and one.command == "suggest"]
     if designs and (command in ("mold", "status") or words[:2] == ["campaign", "new"]):
         new |= design_state(status.project.root, designs[-1].folder)
+    # shape, thickness and ratio of a search are what is searched, not a pad
+    pad = () if command == "suggest" else ("shape", "ratio", "thickness")
     for name, value in pairwise(words):
         option = name.removeprefix("--")
-        if name.startswith("--") and option in ("tissue", "calibration", "resin", "shape", "ratio", "thickness"):
-            if command == "suggest" and option in ("shape", "ratio", "thickness"):
-                continue  # what is searched, not a pad
+        if name.startswith("--") and option in ("tissue", "calibration", "resin", *pad):
             new[_NUMBERS.get(option, option)] = float(value) if option in _NUMBERS else value
     campaigns = {one.folder for one in status.files["campaigns"]}
-    named = next((word.rstrip("/") for word in words if word.rstrip("/") in campaigns), None)
-    if named:
-        new["campaign"] = named
-    return state.changed(**new) if new else state
+    for word in words:
+        if word.rstrip("/") in campaigns:
+            new["campaign"] = word.rstrip("/")
+    return state.changed(**new)

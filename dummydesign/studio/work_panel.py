@@ -3,27 +3,47 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from html import escape
+from pathlib import Path
 
 from nicegui import ui
 
 from dummydesign.core.errors import InputError
 from dummydesign.studio import jobs, parts
-from dummydesign.studio.jobs import Job, shown
-from dummydesign.studio.page_frame import Studio
 from dummydesign.studio.parts import html
 
 ENDED = {"failed": "no result", "stopped": "stopped", "lost": "ended"}
 Steps = list[list[str]]
 
 
-class Panel:
-    """Command lines with a button, a sentence on how far they are, and a place for what they found."""
+class Work:
+    """The panel of a long command: its line with a button, a sentence on how far it is, and what it found.
 
-    def __init__(self, studio: Studio, name: str, label: str, commands: Callable[[], Steps]) -> None:
-        self.root, self.name, self.commands = studio.root, name, commands
+    What is shown comes from the jobs of this name in the folder, so that every tab and a restart see the same: the
+    newest one that belongs to what is chosen and has an answer. A later one that failed is shown over it.
+    """
+
+    def __init__(
+        self, root: Path, name: str, label: str, words: Callable[[], list[str]], show: Callable[[jobs.Job], None],
+        belongs: Callable[[jobs.Job, list[str]], bool] | None = None,
+        ended: Callable[[jobs.Job, bool], None] | None = None, stamp: Callable[[], object] = lambda: None,
+        needs: str = "", first: Callable[[], Steps] = list, check: Callable[[], object] = lambda: None,
+    ) -> None:  # fmt: skip
+        """Build it.
+
+        ``belongs`` is given a job and the command that is chosen (empty when that is refused), ``ended`` a job that
+        ended and whether it belongs to what is chosen; what is shown is renewed when ``stamp`` changes. Answers without
+        the key ``needs`` are not shown. The commands of ``first`` run before. ``check`` refuses what is chosen before
+        anything is started.
+        """
+        self.root, self.name = root, name
+        self._commands: Callable[[], Steps] = lambda: [*first(), words()]
+        self._show, self._belongs, self._ended, self._stamp = show, belongs, ended, stamp
+        self._needs, self._check = needs, check
         self._seen: object = None
+        self._watched = ""
+        self._pressed = self.running = self.answered = False
         with ui.element("section").classes("work"):
             self._lines = parts.area()
             with ui.element("div").classes("state"):
@@ -33,31 +53,13 @@ class Panel:
                 self._status = ui.label("").props('role="status" aria-live="polite"')
             self._problem = ui.element("div")
             self._result_area = parts.area(f"found-{name}")
-
-    def watch(self) -> None:
-        """Show what there is, and follow it."""
         self.renew()
         ui.timer(0.5, self.update)
-
-    def begin(self) -> None:
-        """Start the first command."""
-        raise NotImplementedError
-
-    def update(self) -> None:
-        """Show how far the commands are, and what they found."""
-        raise NotImplementedError
-
-    def chosen(self) -> Steps:
-        """Return the commands of what is chosen; none when that is refused."""
-        try:
-            return self.commands()
-        except InputError:
-            return []
 
     def renew(self) -> None:
         """Write the command lines anew, after something was chosen, and show what belongs to them."""
         with parts.fresh(self._lines):
-            parts.command_lines(self.commands)
+            parts.command_lines(self._commands)
         self.update()
 
     def end(self) -> None:
@@ -67,39 +69,6 @@ class Panel:
             jobs.stop(job)
             self._status.set_text("stopping …")
 
-    def _show_running(self, running: bool, busy: bool) -> None:
-        self._button.set_enabled(not busy)
-        self._stop.set_visibility(running)
-        self._spinner.set_visibility(running)
-
-
-def _same(job: Job, words: list[str]) -> bool:
-    return list(job.words) == words
-
-
-class Work(Panel):
-    """The panel of a long command.
-
-    What is shown comes from the jobs of this name in the folder, so that every tab and a restart see the same: the
-    newest one that belongs to what is chosen and has an answer. A later one that failed is shown over it.
-    """
-
-    def __init__(
-        self, studio: Studio, name: str, label: str, words: Callable[[], list[str]], show: Callable[[Job], None],
-        belongs: Callable[[Job, list[str]], bool] = _same, ended: Callable[[Job, bool], None] | None = None,
-        stamp: Callable[[], object] = lambda: None,
-    ) -> None:  # fmt: skip
-        """Build it.
-
-        ``belongs`` is given a job and the command that is chosen (empty when that is refused), ``ended`` a job that
-        ended and whether it belongs to what is chosen; what is shown is renewed when ``stamp`` changes.
-        """
-        super().__init__(studio, name, label, lambda: [words()])
-        self._show, self._belongs, self._ended, self._stamp = show, belongs, ended, stamp
-        self._watched = ""
-        self._pressed = self.running = self.answered = False
-        self.watch()
-
     def show_again(self) -> None:
         """Show anew what is there, after the panel was hidden."""
         self._seen = ()
@@ -108,7 +77,9 @@ class Work(Panel):
     def begin(self) -> None:
         """Start the command as it is shown."""
         with parts.problems_in(self._problem):
-            jobs.start(self.root, self.name, self.commands()[0])
+            commands = self._commands()
+            self._check()
+            jobs.start(self.root, self.name, *commands)
             self._pressed = True
             self.update()
             _move_focus(self._button, self._stop)
@@ -116,39 +87,49 @@ class Work(Panel):
     def update(self) -> None:
         """Show how the newest command of this step stands, and the newest answer to what is chosen."""
         every = jobs.all_jobs(self.root, self.name)
-        words = next(iter(self.chosen()), [])
+        try:
+            commands = self._commands()
+        except InputError:
+            commands = [[]]
+
+        def same(job: jobs.Job, words: list[str]) -> bool:
+            return [list(one) for one in job.commands] == commands
+
+        belongs, words = self._belongs or same, commands[-1]
         newest = every[-1] if every else None
-        mine = newest is not None and self._belongs(newest, words)
+        mine = newest is not None and belongs(newest, words)
         self.running = newest is not None and newest.state == "running"
-        self._show_running(self.running, self.running)
+        self._button.set_enabled(not self.running)
+        self._stop.set_visibility(self.running)
+        self._spinner.set_visibility(self.running)
         if self._pressed and not self.running:
             self._pressed = False
             _move_focus(self._stop, self._button)
-        answer = next((one for one in reversed(every) if self._belongs(one, words) and one.has_answer), None)
+        answer = next((one for one in reversed(every) if belongs(one, words) and one.has_answer), None)
         self.answered = answer is not None
         if newest is not None and self.running:
             self._watched = newest.folder.name
             self._status.set_text(f"{newest.progress or 'at work'} – {newest.seconds:.0f} s")
-        as_chosen = answer is not None and _same(answer, words)
-        seen = (newest and (newest.folder.name, newest.state, mine), answer and (answer.folder.name, as_chosen),
-                self._stamp())  # fmt: skip
+        as_chosen = answer is not None and same(answer, words)
+        ours = newest and (newest.folder.name, newest.state, mine)
+        seen = ours, answer and (answer.folder.name, as_chosen), self._stamp()
         if seen == self._seen:
             return
         self._seen = seen
         self._tell_end(newest, mine)
-        self._result_area.clear()
-        if answer is not None:
-            with self._result_area:
+        with parts.fresh(self._result_area):
+            if answer is not None:
                 if answer is not newest or not as_chosen:
                     when = time.strftime("%d %b %H:%M", time.localtime(answer.started))
-                    html(f'<p class="source">Result of {when}: <code>{escape(shown(answer.words))}</code></p>')
-                self._show(answer)
+                    html(f'<p class="source">Result of {when}: <code>{escape(jobs.shown(answer.words))}</code></p>')
+                if not self._needs or self._needs in answer.answer:
+                    self._show(answer)
         if newest is not None and not self.running and newest.folder.name == self._watched:
             self._watched = ""
             if self._ended is not None and newest.answer:
                 self._ended(newest, mine)
 
-    def _tell_end(self, job: Job | None, mine: bool) -> None:
+    def _tell_end(self, job: jobs.Job | None, mine: bool) -> None:
         """Say how a command ended; one for another choice is shown with its line."""
         self._problem.clear()
         if job is None or job.state == "running":
@@ -168,102 +149,3 @@ def _move_focus(gone: ui.button, stays: ui.button) -> None:
         f"if (at === document.body || at.id === '{gone.html_id}') "
         f"document.getElementById('{stays.html_id}')?.focus({{preventScroll: true}}); }}, 200)"
     )
-
-
-class Chain(Panel):
-    """The panel of several commands; the jobs in the folder say how far they are, so that a reload goes on."""
-
-    def __init__(
-        self, studio: Studio, name: str, label: str, steps: Callable[[], Steps], show: Callable[[list[Job]], None],
-        ended: Callable[[list[Job]], None], check: Callable[[], None],
-    ) -> None:  # fmt: skip
-        """Build it; ``check`` refuses what is chosen before anything is started."""
-        super().__init__(studio, name, label, steps)
-        self._show, self._ended, self._check = show, ended, check
-        self._going: Steps = []
-        self._since = 0.0
-        self._adopt()
-        self.watch()
-
-    def _adopt(self) -> None:
-        """Go on with what another page, or this one before a reload, began."""
-        every, steps = jobs.all_jobs(self.root, self.name), self.chosen()
-        if not every or every[-1].state != "running" or list(every[-1].words) not in steps:
-            return
-        self._going = steps
-        for job, wanted in zip(reversed(every), reversed(steps[: steps.index(list(every[-1].words)) + 1])):
-            if list(job.words) != wanted:
-                break
-            self._since = job.started
-
-    def begin(self) -> None:
-        """Start the first command."""
-        with parts.problems_in(self._problem):
-            steps = self.commands()
-            self._check()
-            self._since = jobs.start(self.root, self.name, steps[0]).started
-            self._going = steps
-            self.update()
-
-    def end(self) -> None:
-        """Stop the command that runs, and start no other."""
-        self._going = []
-        super().end()
-
-    def _jobs(self, steps: Steps, since: float) -> list[Job | None]:
-        """Return the newest job of each step, none that is older than the one of the step before."""
-        every = jobs.all_jobs(self.root, self.name)
-        own_jobs: list[Job | None] = []
-        for words in steps:
-            job = next((one for one in reversed(every) if list(one.words) == words and one.started >= since), None)
-            own_jobs.append(job)
-            since = job.started if job is not None else float("inf")
-        return own_jobs
-
-    def update(self) -> None:
-        """Start what comes next, and show how far the chain is."""
-        going = self._going
-        if going:
-            own_jobs = self._jobs(going, self._since)
-            at = next((k for k, job in enumerate(own_jobs) if job is None or job.state != "done"), len(going))
-            job = own_jobs[at] if at < len(going) else None
-            if at == len(going) or (job is not None and job.state != "running"):
-                self._going = []
-            elif job is None:
-                try:
-                    jobs.start(self.root, self.name, going[at])
-                except InputError as refused:
-                    # two commands are at work: this one waits its turn
-                    self._status.set_text(f"waiting: {refused}")
-                    return
-        latest = jobs.latest(self.root, self.name)
-        running = latest is not None and latest.state == "running"
-        steps = going or self.chosen()
-        own_jobs = self._jobs(steps, self._since if going else 0.0)
-        self._show_running(running, running or bool(self._going))
-        done = [job for job in own_jobs if job is not None and job.state == "done"]
-        if running and latest is not None:
-            at_work = f"step {min(len(done) + 1, len(steps))} of {len(steps)}: {latest.progress or 'at work'}"
-            self._status.set_text(f"{at_work} – {latest.seconds:.0f} s")
-        seen = [(job.folder.name, job.state) if job is not None else None for job in own_jobs], running
-        if seen == self._seen:
-            return
-        self._seen = seen
-        self._problem.clear()
-        self._result_area.clear()
-        whole = bool(done) and len(done) == len(own_jobs)
-        if not running:
-            self._tell_end(own_jobs, whole)
-            if whole:
-                with self._result_area:
-                    self._show(done)
-        if going and not self._going and whole:
-            self._ended(done)
-
-    def _tell_end(self, own_jobs: Iterable[Job | None], whole: bool) -> None:
-        """Say how the chain ended: at its last step, or at one without a result."""
-        wrong = next((job for job in own_jobs if job is not None and job.state in ENDED), None)
-        self._status.set_text(f"done, {len(list(own_jobs))} steps" if whole else ENDED[wrong.state] if wrong else "")
-        if wrong is not None:
-            with self._problem:
-                parts.tell_problem(wrong.error)

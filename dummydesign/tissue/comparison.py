@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,14 +17,8 @@ from dummydesign.measurement.trace import Trace
 from dummydesign.tissue.fitting.fit import Progress, TissueFit, fit_traces
 from dummydesign.tissue.fitting.reduction import ReducedTrace, condition_groups, reduce_trace, rounded_velocity
 from dummydesign.tissue.model.laws import DEFAULT, law_named
-from dummydesign.tissue.model.measured_curves import (
-    FORCE_FACTOR,
-    SAME_DEPTH,
-    SPEED_FACTOR,
-    group_near,
-    log_steady_curve,
-)
-from dummydesign.tissue.model.ranges import STEADY_TOLERANCE, ForceRange, end_of_hold_range
+from dummydesign.tissue.model.measured_curves import FORCE_FACTOR, SPEED_FACTOR, group_near, log_steady_curve
+from dummydesign.tissue.model.ranges import STEADY_TOLERANCE, ForceRange
 from dummydesign.tissue.model.tissue import Tissue
 
 LONGER, SHORTER = 1.02, 0.9
@@ -66,7 +60,7 @@ def presses_of(
 ) -> tuple[list[Trace], list[ReducedTrace], list[tuple[str, str]]]:
     """Return the presses that belong to a test, held no longer than it holds, and a notice of the others."""
     every = [_held(trace, test.hold_s) for trace in traces]
-    own = [(trace, reduced) for trace, reduced in every if _belongs(reduced, test)]
+    own = [pair for pair in every if _belongs(pair[1], test)]
     forces, speeds = (
         None if values is None else f"{', '.join(f'{v:g}' for v in values)} {unit}"
         for values, unit in ((test.forces_N, "N"), (test.velocities_mm_s, "mm/s"))
@@ -106,9 +100,7 @@ def missing_of(reduced: Sequence[ReducedTrace], test: PressTest, known_mm_s: Seq
             f"{'' if force is None else f'to {force:g} N '}at {speed:g} mm/s"
             for speed in speeds
             for force in test.forces_N or (None,)
-            if not any(
-                (force is None or _near(f, force, FORCE_FACTOR)) and _near(v, speed, SPEED_FACTOR) for f, v in made
-            )
+            if not any(_near(f, force, FORCE_FACTOR) and _near(v, speed, SPEED_FACTOR) for f, v in made)
         ]
         if not_made:
             why.append(f"it was not pressed {', '.join(not_made)}")
@@ -138,14 +130,14 @@ def _held(trace: Trace, hold_s: float | None) -> tuple[Trace, ReducedTrace]:
 
 
 def _belongs(reduced: ReducedTrace, test: PressTest) -> bool:
-    force, speed = reduced.steady_force_N, reduced.velocity_mm_s
-    return (test.forces_N is None or any(_near(force, one, FORCE_FACTOR) for one in test.forces_N)) and (
-        test.velocities_mm_s is None or any(_near(speed, one, SPEED_FACTOR) for one in test.velocities_mm_s)
+    return any(_near(reduced.steady_force_N, one, FORCE_FACTOR) for one in test.forces_N or (None,)) and any(
+        _near(reduced.velocity_mm_s, one, SPEED_FACTOR) for one in test.velocities_mm_s or (None,)
     )
 
 
-def _near(value: float, wanted: float, factor: float) -> bool:
-    return wanted / factor < value < wanted * factor
+def _near(value: float, wanted: float | None, factor: float) -> bool:
+    """Whether a value is that of the test; None of the test is any."""
+    return wanted is None or wanted / factor < value < wanted * factor
 
 
 SHOWN = ("lack_of_fit", "at_bound", "not_identifiable", *CODES)
@@ -158,12 +150,20 @@ AS_PRESSED = PressTest()
 """Every press in its own test, the steady curve from 5 to 15 N."""
 
 
+class ComparedPress(NamedTuple):
+    """A press of the dummy, the tissue's range at its condition, and the braking of both. [mm/s2]"""
+
+    trace: ReducedTrace
+    range: ForceRange
+    braking_mm_s2: float
+
+
 @dataclass(frozen=True)
 class Comparison:
     """What was found; ``result`` is the JSON of ``compare``, the rest is for tables and pictures.
 
     ``steady`` are depths (n,) [mm] of the dummy at the forces ``grid_N``, NaN where it was not pressed, ``range_mm``
-    those of the stiffest and the softest subject; ``presses`` pair each trace with the tissue's range at its
+    those of the stiffest and the softest subject; ``conditions`` are the test's speed and the presses of each
     condition; ``test`` is what they were compared in.
     """
 
@@ -171,10 +171,15 @@ class Comparison:
     fit: TissueFit
     steady: NDArray
     points: NDArray
-    presses: tuple[tuple[ReducedTrace, ForceRange], ...]
+    conditions: tuple[tuple[float, tuple[ComparedPress, ...]], ...]
     grid_N: NDArray
     range_mm: tuple[NDArray, NDArray]
     test: PressTest
+
+    @property
+    def presses(self) -> list[ComparedPress]:
+        """All presses, condition by condition."""
+        return [press for _, pressed in self.conditions for press in pressed]
 
 
 def compare_traces(
@@ -200,34 +205,40 @@ def compare_traces(
     grid = test.grid_N
     points, depth = steady_curve(reduced, grid)
     slowest = min(trace.velocity_mm_s for trace in reduced)
-    span = end_of_hold_range(tissue.parameter_sets, grid, test.speed_of(rounded_velocity(slowest)),
-                             hold_of(reduced, test), test.deceleration_mm_s2 or DECELERATION_MM_S2)  # fmt: skip
-    presses, rows = [], []
+    held = law_named(tissue.law).end_of_hold_depths(
+        tissue.parameter_sets, grid, test.speed_of(rounded_velocity(slowest)), hold_of(reduced, test),
+        test.deceleration_mm_s2 or DECELERATION_MM_S2,
+    )  # fmt: skip
+    span = held.min(axis=0), held.max(axis=0)
+    conditions, by_condition, rows = [], [], list[dict[str, Any]]()
     for measured, _, group in condition_groups(reduced):
-        speed = test.speed_of(measured)
+        speed, pressed = test.speed_of(measured), []
         for trace in group:
             braking = test.deceleration_mm_s2 or braking_of(trace, speed)
             band = tissue.force_range(trace.steady_force_N, speed, trace.hold_s, braking, lowpass)
-            shares = _shares(trace, band, fit.result["noise_floor_N"])
-            presses.append((trace, band))
-            rows.append({"file": trace.trace.name, "velocity_mm_s": speed, **shares})
+            pressed.append(ComparedPress(trace, band, braking))
+        shares = [_shares(press, fit.result["noise_floor_N"]) for press in pressed]
+        mean = {key: float(np.mean([own[key] for own in shares])) for key in shares[0]}
+        conditions.append((speed, tuple(pressed)))
+        by_condition.append({"velocity_mm_s": speed, **mean, "repeats": len(group)})
+        rows += [{"file": one.trace.name, "velocity_mm_s": speed, **own} for one, own in zip(group, shares)]
     result = {
         "tissue": tissue.name,
         "law": tissue.law,
         "parametric": _parametric(fit, tissue) if known else {},
         "steady_state_range": _steady_shares(grid, depth, span, test.span_N),
-        "force_variation_range": _by_condition(reduced, rows, test),
+        "force_variation_range": by_condition,
         "by_trace": rows,
         "fit": {key: fit.result[key] for key in ("rmse_N", "noise_floor_N", "max_residual_N", "comparison")},
         "warnings": _warnings(fit, tissue, points, rows, notices),
     }
-    return Comparison(result, fit, depth, points, tuple(presses), grid, span, test)
+    return Comparison(result, fit, depth, points, tuple(conditions), grid, span, test)
 
 
 def steady_curve(reduced: Sequence[ReducedTrace], grid_N: NDArray) -> tuple[NDArray, NDArray]:
     """Steady points (k, 2) of depth and force at the end of the hold, and depths at the forces ``grid_N`` (n,)."""
     points = sorted((trace.ramp.depth_mm, trace.steady_force_N) for trace in reduced)
-    groups = group_near(points, lambda point: point[0], SAME_DEPTH)
+    groups = group_near(points, lambda point: point[0])
     knots = np.array([[np.mean(column) for column in zip(*group)] for group in groups])
     slowest = min(reduced, key=lambda trace: (round(trace.velocity_mm_s, -1), -trace.ramp.depth_mm))
     rise = slowest.end_s <= slowest.ramp.stop_time_s
@@ -295,10 +306,10 @@ def soft_stop(trace: ReducedTrace, velocity_mm_s: float) -> float:
     return float(np.clip(braking, 0.5 * velocity_mm_s**2 / ramp.depth_mm, DECELERATION_MM_S2))
 
 
-def _shares(trace: ReducedTrace, band: ForceRange, noise_N: float) -> dict[str, Any]:
+def _shares(press: ComparedPress, noise_N: float) -> dict[str, Any]:
     """Shares of one press inside its range, give or take the steady force's tolerance or the noise."""
-    time = trace.trace.time_s[trace.inside] - trace.ramp.contact_time_s
-    force = trace.trace.force_N[trace.inside]
+    trace, band, _ = press
+    time, force = trace.since_contact
     near = max(STEADY_TOLERANCE * trace.steady_force_N, 3.0 * noise_N)
     shares = band.inside(time, force, trace.ramp.rise_time_s, near)
     return {
@@ -309,20 +320,6 @@ def _shares(trace: ReducedTrace, band: ForceRange, noise_N: float) -> dict[str, 
         "range_peak_high_N": band.peak_high_N,
         **{name: float(share) for name, share in shares.items()},
     }
-
-
-def _by_condition(
-    reduced: Sequence[ReducedTrace], rows: list[dict[str, Any]], test: PressTest
-) -> list[dict[str, Any]]:
-    """Mean over the repeats of each condition."""
-    by_file = {row["file"]: row for row in rows}
-    conditions = []
-    for speed, _, group in condition_groups(reduced):
-        own = [by_file[trace.trace.name] for trace in group]
-        keys = [key for key in own[0] if key not in ("file", "velocity_mm_s")]
-        mean = {key: float(np.mean([row[key] for row in own])) for key in keys}
-        conditions.append({"velocity_mm_s": test.speed_of(speed), **mean, "repeats": len(own)})
-    return conditions
 
 
 def _parametric(fit: TissueFit, tissue: Tissue) -> dict[str, Any]:
@@ -368,9 +365,9 @@ def _warnings(
         own.append(("steady_from_rise", f"below {points[0, 1]:.2g} N the steady-state curve is the scaled rise of the "
                     "slowest press, not a measured steady force"))  # fmt: skip
     own += [] if tissue.notice is None else [tissue.notice]
-    unknown = sorted({row["velocity_mm_s"] for row in rows} - set(tissue.velocities_mm_s))
-    if tissue.measured:
-        unknown = [v for v in unknown if all(max(v / one, one / v) > SPEED_FACTOR for one in tissue.velocities_mm_s)]
+    near, known = SPEED_FACTOR if tissue.measured else 1.0, tissue.velocities_mm_s
+    speeds_made = sorted({row["velocity_mm_s"] for row in rows})
+    unknown = [v for v in speeds_made if all(max(v / one, one / v) > near for one in known)]
     speeds = ", ".join(f"{v:g}" for v in unknown)
     why = f"the tissue has no dampers at {speeds} mm/s: its range there uses dampers interpolated in ln c over ln v"
     if tissue.measured:

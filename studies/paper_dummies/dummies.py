@@ -10,9 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from dummydesign.design.scoring.presses import (
-    Sampling,
-)
+from dummydesign.design.scoring.presses import Sampling
 from dummydesign.geometry.dimensions import PUNCH_RADIUS_MM
 from dummydesign.geometry.interface import BASES
 from dummydesign.measurement.trace import Trace
@@ -35,9 +33,18 @@ FORCES_N, VELOCITIES_MM_S = (5.0, 10.0, 15.0), (10.0, 250.0)
 ARM_TAU_S = np.geomspace(1e-3, 10.0, 33)
 """Times of single relaxing arms that are tried for what they add to a peak. [s]"""
 STEADY_GRID_N = np.linspace(0.5, 15.0, 146)
+STEADY_PARTS_N = {"inside": (0.5, 15.0), "below_5N": (0.5, 5.0), "above_5N": (5.0, 15.0)}
+"""Parts of the steady-state range that are reported separately; below 5 N there are no measurements. [N]"""
 SAMPLING = Sampling(200, 60, 300)
 RATE_HZ, APPROACH_S = 1000.0, 0.03
 """Sampling of the simulated traces and the free way before contact, as a robot's record has them."""
+
+
+def inside_shares(depth_mm: NDArray, stiff_mm: NDArray, soft_mm: NDArray) -> dict[str, NDArray]:
+    """Fraction of steady curves (..., 146) in a range, below 5 N, above 5 N and over both."""
+    inside = (depth_mm >= stiff_mm - 1e-9) & (depth_mm <= soft_mm + 1e-9)
+    parts = {name: (STEADY_GRID_N >= low) & (STEADY_GRID_N <= high) for name, (low, high) in STEADY_PARTS_N.items()}
+    return {f"{name}_fraction": inside[..., part].mean(axis=-1) for name, part in parts.items()}
 
 
 @dataclass(frozen=True, order=True)
@@ -117,8 +124,7 @@ class Dummy:
     @cached_property
     def steady_inside(self) -> dict[str, float]:
         """Share of the steady-state curve inside the range below and above 5 N; out of reach is outside."""
-        shares = self.tissue.steady_inside(STEADY_GRID_N, self.depth_mm)
-        return {name: float(share) for name, share in shares.items()}
+        return {name: float(share) for name, share in inside_shares(self.depth_mm, *self.edges_mm).items()}
 
     def depth_at(self, force_N: float) -> float:
         """Depth at a steady force, NaN out of reach. [mm]"""

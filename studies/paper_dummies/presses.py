@@ -14,7 +14,8 @@ from dummydesign.measurement.motion import contact_velocity
 from dummydesign.measurement.trace import Trace
 from dummydesign.pad.force_law import ForceLaw
 from dummydesign.pad.material.relaxation import PronyTerm
-from dummydesign.pad.solved_law import SlabCase, SolvedSlab, law_of
+from dummydesign.pad.solved_law import SolvedSlab, law_of
+from dummydesign.pad.specimen import Pad
 from dummydesign.pad.tables.square import punch_law
 from studies.paper_dummies.dummies import (
     APPROACH_S,
@@ -35,16 +36,17 @@ from studies.paper_dummies.dummies import (
     Variant,
     variants,
 )
+from studies.thickness import stiffening, unit_slab
 
 if TYPE_CHECKING:
     from dummydesign.tissue.model.parameters import Parameters
     from dummydesign.tissue.model.tissue import Tissue
 
 
-def stiffening_cases() -> list[SlabCase]:
+def stiffening_cases() -> list[Pad]:
     """Slabs that the response tables do not hold."""
     return [
-        SlabCase(thickness, RADIUS_MM, base, "bonded", c2)
+        unit_slab(thickness, RADIUS_MM, base, c2)
         for c2 in STIFFENING if c2 for base in BASES for _, thickness in SITES.values()
     ]  # fmt: skip
 
@@ -59,7 +61,7 @@ def force_laws(slabs: list[SolvedSlab]) -> dict[tuple[str, float], ForceLaw]:
     laws: dict[tuple[str, float], ForceLaw] = {(base, 0.0): load_table(base) for base in BASES}
     groups: dict[tuple[str, float], list[SolvedSlab]] = {}
     for slab in slabs:
-        groups.setdefault((slab.case.base, slab.case.yeoh_c2_over_mu), []).append(slab)
+        groups.setdefault((slab.pad.base, stiffening(slab.pad)), []).append(slab)
     laws |= {key: law_of(group) for key, group in groups.items()}
     return {(base, c2): punch_law(law, PUNCH, base=base) for (base, c2), law in laws.items()}
 

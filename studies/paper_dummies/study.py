@@ -19,7 +19,7 @@ from dummydesign.pad.solved_law import SolvedSlab, solve_slab
 from studies.marked_page import MarkedPage
 from studies.paper_dummies.presses import steady_scan, stiffening_cases, study
 from studies.paper_dummies.tables import data_files, page_tables
-from studies.thickness import curves_text, read_curves
+from studies.thickness import curves_text, read_curves, stiffening
 
 DATA = Path("docs") / "data"
 CURVES = DATA / "dummies.csv"
@@ -34,7 +34,7 @@ def read_or_solve(path: Path, solve: bool) -> list[SolvedSlab]:
     slabs = []
     for case in stiffening_cases():
         slabs.append(solve_slab(case))
-        print(f"{case.base} base, c2/mu {case.yeoh_c2_over_mu:g}, {case.thickness_mm:g} mm", flush=True)
+        print(f"{case.base} base, c2/mu {stiffening(case):g}, {case.thickness_mm:g} mm", flush=True)
     path.parent.mkdir(parents=True, exist_ok=True)
     write_text(path, curves_text(slabs))
     return slabs

@@ -18,7 +18,7 @@ from dummydesign.core.errors import NoAnswerError
 from dummydesign.core.library import data_folder
 from dummydesign.geometry.dimensions import EXTENT_OVER_RADIUS, MAX_DEPTH_OVER_THICKNESS
 from dummydesign.pad.axisymmetric.case import LATTICE
-from dummydesign.pad.axisymmetric.friction import solve_under_fillet
+from dummydesign.pad.axisymmetric.filleted import solve_under_fillet
 from dummydesign.pad.specimen import Pad
 from dummydesign.pad.tables.filleted import FILLETS, between_fillets
 from studies.tables.common import Build, write_table

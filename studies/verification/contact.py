@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from dummydesign.geometry.shapes.crowned import Crowned
-from dummydesign.pad.axisymmetric.friction import solve_under_fillet
+from dummydesign.pad.axisymmetric.filleted import solve_under_fillet
 from dummydesign.pad.elastic_force import solve_points
 from dummydesign.pad.fields import solve_fields
 from dummydesign.pad.specimen import Pad

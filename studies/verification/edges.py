@@ -9,8 +9,7 @@ import numpy as np
 from dummydesign.geometry.shape_registry import read_shape
 from dummydesign.geometry.shapes.crowned import Crowned
 from dummydesign.pad.axisymmetric.case import Case, first_stiffness
-from dummydesign.pad.axisymmetric.filleted import filleted_problem
-from dummydesign.pad.axisymmetric.friction import solve_under_fillet
+from dummydesign.pad.axisymmetric.filleted import filleted_problem, solve_under_fillet
 from dummydesign.pad.axisymmetric.shaped_pad import solve_shaped_pad
 from dummydesign.pad.fields import solve_fields
 from dummydesign.pad.solve.continuation import follow

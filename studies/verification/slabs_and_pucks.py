@@ -15,7 +15,7 @@ from dummydesign.pad.axisymmetric.sharp_edge import solve_curve
 from dummydesign.pad.fem import mesh_axisymmetric as meshes
 from dummydesign.pad.fem.mesh_axisymmetric import Resolution
 from dummydesign.pad.fem.mixed_solid import Solid
-from dummydesign.pad.material.hyperelastic import HyperelasticLaw, Ogden, Yeoh, neo_hookean
+from dummydesign.pad.material.hyperelastic import HyperelasticLaw, Ogden, Yeoh
 from dummydesign.pad.material.relaxation import PronyTerm, Viscoelastic, relaxed_force
 from dummydesign.pad.solve.continuation import follow
 from dummydesign.pad.solve.sparse import Pattern
@@ -25,7 +25,7 @@ from studies.verification.check import Check
 from studies.verification.shapes import cap_on_layer, slab_limits
 
 Array = np.ndarray
-NEO = neo_hookean(1.0)
+NEO = Yeoh(1.0)
 ARMS = (PronyTerm(0.05, 0.6), PronyTerm(1.0, 0.3))
 HAYES = "layer solution of Hayes et al., J. Biomech. 5 (1972) 541, integral equation solved anew"
 LAYER = {

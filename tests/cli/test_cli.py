@@ -127,6 +127,15 @@ def test_a_package_that_is_missing_is_named_with_the_command_that_brings_it(monk
     assert (error["code"], error["quantity"], error["value"]) == ("program_missing", "package", "scikit-fem")
 
 
+def test_what_the_studio_lacks_is_brought_by_one_package(monkeypatch, tmp_path, capsys):
+    for name in [one for one in sys.modules if one.startswith(("dummydesign.studio.app", "fastapi"))]:
+        monkeypatch.delitem(sys.modules, name)
+    monkeypatch.setitem(sys.modules, "fastapi", None)
+    assert cli.run(["studio", str(tmp_path / "a"), "--no-browser", "--json"]) == 2
+    error = json.loads(capsys.readouterr().out)["error"]
+    assert (error["code"], error["quantity"], error["value"]) == ("program_missing", "package", "nicegui")
+
+
 @pytest.mark.skipif(os.name == "nt", reason="pipes of a POSIX shell")
 def test_a_reader_that_stops_early_is_no_error():
     command = f"{sys.executable} -m dummydesign | head -1; exit ${{PIPESTATUS[0]}}"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import io
+import json
 import os
 import re
 import sys
@@ -12,6 +13,7 @@ import time
 import pytest
 
 from dummydesign import cli
+from dummydesign.cli import entry
 from dummydesign.cli.entry import help_texts, meanings_of, parser_of
 from dummydesign.cli.progress import Count, Steps, Watch, loudness
 from dummydesign.core.process import VARIABLE, write_progress
@@ -105,6 +107,17 @@ def test_verbose_tells_what_it_took_on_standard_error_and_leaves_the_answer_alon
 def test_verbose_and_quiet_at_once_are_refused_in_one_line(capsys):
     assert cli.run([*PREDICT, "-v", "-q"]) == 2
     assert capsys.readouterr().err == "error: --verbose and --quiet: the one or the other\n"
+
+
+def test_an_option_typed_twice_is_told_and_its_last_value_counts(capsys):
+    words = ["predict", "--young", "25", "--thickness", "5", "--depth", "1", "--json"]
+    assert cli.run([*words, "--thickness=7", "--quiet", "--quiet"]) == 0
+    answer = json.loads(capsys.readouterr().out)
+    told = [one["message"] for one in answer["warnings"] if one["code"] == "option_repeated"]
+    assert len(told) == 1 and told[0].startswith("--thickness ") and answer["inputs"]["thickness_mm"] == 7.0
+    parser = parser_of("loop")
+    assert entry._repeated(parser, ["c", "--effect", "a.py", "--effect", "b.py", "--json", "--json"]) == []
+    assert len(entry._repeated(parser, ["c", "--out", "a", "--effect", "b.py", "--out=b"])) == 1
 
 
 def test_verbose_says_what_the_project_added(tmp_path, monkeypatch, capsys):

@@ -10,8 +10,8 @@ from pathlib import Path
 import pytest
 
 from dummydesign import cli
-from dummydesign.core.errors import CODES, InputError, NoAnswerError, out_of_range, quantity_name, unknown_name
-from studies.errors import DOCUMENT, document, raised
+from dummydesign.core.errors import InputError, NoAnswerError, out_of_range, quantity_name, unknown_name
+from studies.errors import CODES, DOCUMENT, document, raised
 
 ROOT = Path(__file__).parents[2]
 

@@ -11,8 +11,7 @@ from dummydesign import predict
 from dummydesign.api.campaigns import plan_campaign
 from dummydesign.core.parsing import twin_of
 from dummydesign.measurement.campaign_plan import PlanSettings
-from dummydesign.measurement.motion import read_motion
-from dummydesign.measurement.trace import read_trace
+from dummydesign.measurement.trace import read_motion, read_trace
 from tests.support.refusal import raises_code
 
 PRESS = {"young_kPa": 25, "force_N": 5, "velocity_mm_s": 100, "prony": "1:0.3", "hold_s": 1}

@@ -33,12 +33,12 @@ def threads():
 
 SOLVE = COUNT + """
 import numpy
+from dummydesign.core.process import reporting_depths
 from dummydesign.pad.spatial.square_punch import Block, Cells, solve_ratios
 
 seen, before = [], threads()
-found = solve_ratios(
-    Block((0.7, 0.7), (3.0, 3.0)), [0.05, 0.1], Cells(0.2), progress=lambda _: seen.append(threads())
-)
+with reporting_depths(lambda _: seen.append(threads())):
+    found = solve_ratios(Block((0.7, 0.7), (3.0, 3.0)), [0.05, 0.1], Cells(0.2))
 forces = [number.hex() for name in vars(found) for number in numpy.ravel(vars(found)[name]) if name != "solver"
           and isinstance(number, float)]
 print(json.dumps({"before": before, "seen": seen, "after": threads(), "forces": forces}))

@@ -36,7 +36,7 @@ def table(tmp_path: Path):
 
 def test_values_are_read_and_what_may_be_left_out_has_its_default(table):
     process = table.table("process")
-    assert process.count("speed_mm_s", low=10) == 10 and table.count("none", 4, low=5) == 4
+    assert process.count("speed_mm_s", 1) == 10 and table.count("none", 4) == 4
     assert process.number("speed_mm_s", above=0.0) == 10.0 and process.number("none", 3.0) == 3.0
     assert table.string("name") == "one" and table.tables("subject")[0].numbers("depths") == (1.0, 2.0)
     assert table.table("nowhere", required=False).data == {} and table.tables("nowhere", required=False) == []
@@ -48,7 +48,7 @@ def test_values_are_read_and_what_may_be_left_out_has_its_default(table):
         (lambda t: t.table("process").number("bad"), "not_a_number", "process.bad", 5),
         (lambda t: t.table("process").number("endless"), "not_a_number", "process.endless", 6),
         (lambda t: t.table("process").number("speed_mm_s", high=5.0), "out_of_range", "process.speed_mm_s", 4),
-        (lambda t: t.count("schema", low=2), "out_of_range", "schema", 1),
+        (lambda t: t.table("process").count("bad", 1), "out_of_range", "process.bad", 5),
         (lambda t: t.table("process").number("depth"), "missing", "process.depth", 3),
         (lambda t: t.table("process").only(("speed_mm_s", "bad")), "unknown_key", "process.endless", 6),
         (lambda t: t.tables("subject")[1].string("name"), "missing", "subject.name", 11),

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from dummydesign.cli.text import FIRST
-from dummydesign.design.inputs import resolve
 from dummydesign.design.request import Request
+from dummydesign.design.suggest import resolve
 from dummydesign.loop.calibration import Calibration, Model
 from dummydesign.loop.calibration_file import write_calibration
 from dummydesign.loop.model.forward_model import BaseParameters

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from dummydesign.pad.axisymmetric.friction import solve_under_fillet
+from dummydesign.pad.axisymmetric.filleted import solve_under_fillet
 from dummydesign.pad.solved_law import OwnSlabLaw, Solved, near_rim, own_slab_law, solve_over_table
 from dummydesign.pad.specimen import Pad
 from dummydesign.pad.tables.slab import load_table

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from dummydesign.design.assessment.warnings import _reasons
-from dummydesign.design.inputs import resolve
 from dummydesign.design.request import PAPER, Protocol, Request
 from dummydesign.design.scoring.law_parameters import gamma1_score
 from dummydesign.design.scoring.presses import Sampling, Slabs, make_curves
@@ -14,7 +13,7 @@ from dummydesign.design.scoring.score import evaluate, steady_gamma1
 from dummydesign.design.scoring.targets import make_targets
 from dummydesign.design.scoring.verdict import ranges_of
 from dummydesign.design.search.best_of_kinds import ShapeComparison, low_force
-from dummydesign.design.suggest import suggest
+from dummydesign.design.suggest import resolve, suggest
 from dummydesign.design.test_setup import refused_kinds
 from dummydesign.geometry.punch import read_punch
 from dummydesign.tissue.model.ranges import force_range
@@ -192,7 +191,7 @@ def test_how_far_a_test_goes_beyond_the_people_of_a_built_in_tissue_is_a_factor_
     from dummydesign.design.test_setup import beyond_people, tissue_warnings
 
     request, finger = Request(FINGER, force_N=forces), load_tissue(FINGER)
-    assert beyond_people(request, finger) == pytest.approx(factor)
+    assert beyond_people(request.protocol.forces_N, finger) == pytest.approx(factor)
     said = dict(tissue_warnings(finger, "square:14", 0.0, request.protocol.forces_N))
     assert ("force_not_in_band" in said) == (forces != (5.0, 15.0))
     assert (f"{factor:.3g} times" in said.get("force_not_in_band", "")) == (factor > 1.0)
@@ -211,9 +210,9 @@ def test_measured_people_are_known_as_far_as_they_were_pressed_and_a_fit_of_ones
 
     finger = load_tissue(FINGER)
     own = replace(finger, origin="user")
-    assert beyond_people(Request(FINGER, force_N=(140.0,)), own) == 1.0
+    assert beyond_people((140.0,), own) == 1.0
     people = (person(2.0, 7.0), person(3.0, 10.0))
     subjects = tuple(replace(one, parameters=made) for one, made in zip(finger.subjects, people))
     curves = replace(own, subjects=subjects)
-    assert beyond_people(Request(FINGER, force_N=(5.0, 25.0)), curves) == pytest.approx(2.5)
-    assert beyond_people(Request(FINGER, force_N=(5.0, 10.0)), curves) == 1.0
+    assert beyond_people((5.0, 25.0), curves) == pytest.approx(2.5)
+    assert beyond_people((5.0, 10.0), curves) == 1.0

@@ -17,19 +17,11 @@ from dummydesign.design.measured_pad import PARABOLA, energy_of, peak_of
 from dummydesign.design.options import LARGEST_ERROR, SuggestOptions, command_words, read_options
 from dummydesign.design.request import PAPER
 from dummydesign.design.scoring.presses import SAMPLES, Curves, Slabs
-from dummydesign.design.scoring.score import deviations
 from dummydesign.design.scoring.settings import verdict_limits
-from dummydesign.design.scoring.verdict import Correction, _ending, _reading_words, whole_percents
-from dummydesign.design.suggestion import (
-    LOSS_PERCENT,
-    CentringTolerance,
-    _low_force,
-    _reads,
-    centring_tolerance,
-    condition_rows,
-    of_shape,
-    verify_design,
-)
+from dummydesign.design.scoring.verdict import Correction, _ending, _reading_words, deviations, whole_percents
+from dummydesign.design.search.slabs import DesignCandidate
+from dummydesign.design.suggest import centring_tolerance, of_shape, verify_design
+from dummydesign.design.suggestion import LOSS_PERCENT, CentringTolerance, _low_force, _reads, condition_rows
 from dummydesign.design.test_setup import LEAST_SIDE, check_numbers
 from dummydesign.pad.axisymmetric.shaped_problem import Touch
 from tests.support.judged_pads import away, ranges
@@ -50,7 +42,7 @@ def pressed_candidate(depths=(1.0, np.nan)):
     presses = tuple(SimpleNamespace(peak_N=np.array([99.0, peak])) for peak in (7.0, np.nan))
     evaluation = SimpleNamespace(slabs=slabs, depth_mm=np.array([[9.0, 9.0], depths]), presses=presses,
                                  inside=np.array([[0.0, 0.0], [0.75, 0.0]]))  # fmt: skip
-    return SimpleNamespace(index=1, thickness_mm=12.0, evaluation=evaluation)
+    return DesignCandidate(12.0, 15.0, 1, evaluation)
 
 
 def test_conditions_of_a_design_are_its_own_and_one_out_of_reach_says_why():
@@ -79,23 +71,23 @@ def test_small_forces_are_shares_of_the_lowest_at_their_own_depths():
 
 
 def test_a_verification_is_the_largest_difference_at_the_same_depths(monkeypatch):
-    from dummydesign.pad.axisymmetric import sharp_edge
+    from dummydesign.pad import elastic_force
 
     def solved(pad, depth, independent):
-        assert independent and depth == sorted(depth)
+        assert independent and depth.tolist() == sorted(depth)
         force = np.array([2.0, 4.2, 5.7])
         return SimpleNamespace(depth_mm=np.array(depth), force_N=force, notes=["n"])
 
-    monkeypatch.setattr(sharp_edge, "solve_curve", solved)
-    found = verify_design(10.0, 0.03, 7.9, [3.0, 1.0, 2.0], [6.0, 2.0, 4.0])
+    monkeypatch.setattr(elastic_force, "solve_points", solved)
+    found = verify_design(None, [3.0, 1.0, 2.0], [6.0, 2.0, 4.0])
     assert found.max_difference_percent == pytest.approx(5.0) and found.table_force_N == (2.0, 4.0, 6.0)
     assert found.depth_mm == (1.0, 2.0, 3.0) and found.solved_force_N == (2.0, 4.2, 5.7) and found.notes == ("n",)
 
     def fails(*given, **more):
         raise NoAnswerError("no_convergence", "stopped")
 
-    monkeypatch.setattr(sharp_edge, "solve_curve", fails)
-    assert verify_design(10.0, 0.03, 7.9, [1.0], [1.0]).max_difference_percent is None
+    monkeypatch.setattr(elastic_force, "solve_points", fails)
+    assert verify_design(None, [1.0], [1.0]).max_difference_percent is None
     table = SimpleNamespace(force=lambda d, h, young, radius: 2.0 * d, shape=SimpleNamespace(fidelity="axisymmetric"))
     law = SimpleNamespace(table=table, depth_mm=np.array([1.0, 2.0]), thickness_mm=10.0,
                           log_factor=np.log([0.9, 1.05]), end="")  # fmt: skip
@@ -113,18 +105,18 @@ def test_only_slow_depths_that_the_circle_reaches_are_verified(monkeypatch):
 
     asked = []
     monkeypatch.setattr(suggest, "circle_of", lambda law: Law())
-    monkeypatch.setattr(suggest, "standard_press", lambda request: True)
+    monkeypatch.setattr(suggest, "pad_of_request", lambda request, punch, *given: given)
     monkeypatch.setattr(suggest, "verify_design", lambda *given: asked.append(given))
     depth = np.array([[9.0] * 6, [1.0, np.nan, 2.6, 1.0, 2.0, 2.4]])
-    best = SimpleNamespace(evaluation=SimpleNamespace(depth_mm=depth), index=1, ratio=15.0, thickness_mm=10.0)
+    best = DesignCandidate(10.0, 15.0, 1, SimpleNamespace(depth_mm=depth))
     from dummydesign.geometry.shapes.slab import Slab
 
     chosen = SimpleNamespace(result=SimpleNamespace(best=best), cast=None, shape=Slab())
     space = SimpleNamespace(resin=SimpleNamespace(young_MPa=lambda ratio: 0.5), radius_mm=7.9,
                             targets=SimpleNamespace(protocol=PAPER))  # fmt: skip
     suggest._verify(chosen, SimpleNamespace(space=space, request=None, punch=None))
-    thickness, young, radius, depths, forces, own = asked[0]
-    assert (thickness, young, radius, own) == (10.0, 0.5, 7.9, None)
+    pad, depths, forces = asked[0]
+    assert pad == (10.0, 0.5)
     np.testing.assert_allclose(depths, [1.0])
     np.testing.assert_allclose(forces, [1.0])
 
@@ -133,7 +125,7 @@ def test_the_way_a_punch_may_be_moved_is_to_the_side_of_the_contact():
     depth = np.linspace(0.0, 4.0, SAMPLES)
     curves = Curves(np.array([10.0]), np.array([4.0]), 10.0 * depth[None])
     slabs = Slabs(curves, np.array([0]), np.array([0.5]), (1.0,), np.ones((1, 1)))
-    best = SimpleNamespace(evaluation=SimpleNamespace(slabs=slabs), index=0, thickness_mm=10.0)
+    best = DesignCandidate(10.0, 15.0, 0, SimpleNamespace(slabs=slabs))
     crown = SimpleNamespace(flat_top=False, axisymmetric=True)
     touch = Touch(np.linspace(0.0, 4.0, 9), 2.0 * np.linspace(0.0, 4.0, 9), np.zeros(9))
     found = centring_tolerance(best, crown, 7.9, 7.0, (5.0, 15.0, 18.0, 30.0), touch=touch)
@@ -191,21 +183,19 @@ def test_readings_of_repeats_are_averaged_and_their_scatter_is_over_the_lowest_s
         return SimpleNamespace(energy_mJ=np.array([3.0, 9.0]) * band.scale)
 
     monkeypatch.setattr(measured_pad, "tissue_press", press)
-    monkeypatch.setattr(measured_pad, "braking_of", lambda trace, speed: 1234.0)
 
     def pair(name, low, scale):
-        ramp = SimpleNamespace(hold_end_s=7.5, stop_time_s=0.5)
         band = SimpleNamespace(peak_low_N=low, peak_high_N=2.0 * low, scale=scale)
-        return SimpleNamespace(name=name, ramp=ramp, steady_force_N=5.0 + name), band
+        return SimpleNamespace(name=name, hold_s=7.0, steady_force_N=5.0 + name), band, 1234.0
 
-    test = SimpleNamespace(speed_of=lambda speed: 250.0, deceleration_mm_s2=None)
-    row = measured_pad._press([pair(1, 10.0, 1.0), pair(2, 12.0, 2.0)], SimpleNamespace(law="x"), test, 248.0, 0.3)
+    pressed = [measured_pad.ComparedPress(*pair(*one)) for one in ((1, 10.0, 1.0), (2, 12.0, 2.0))]
+    row = measured_pad._press(pressed, SimpleNamespace(law="x"), 250.0, 0.3)
     force, speed, low, high, least, most, peak, error, energy = row
     assert (force, speed, low, high) == (6.5, 250.0, 11.0, 22.0) and (least, most) == (4.5, 13.5)
     assert (peak, energy) == (12.0, 6.0) and asked[0].hold_s == 7.0 and asked[0].deceleration_mm_s2 == 1234.0
     scatter = np.std([1.1, 13.0 / 12.0], ddof=1) * 11.0
     assert error == pytest.approx(np.hypot(0.3, scatter) / np.sqrt(2.0))
-    alone = measured_pad._press([pair(1, 10.0, 1.0)], SimpleNamespace(law="x"), test, 248.0, 0.3)
+    alone = measured_pad._press(pressed[:1], SimpleNamespace(law="x"), 250.0, 0.3)
     assert alone[7] == pytest.approx(0.3)
 
 
@@ -225,7 +215,7 @@ def test_speeds_far_from_those_of_the_subjects_are_named(monkeypatch, kind, fact
 
 def chosen_of(low=0.9, depths=(1.0, 2.0), thickness=10.0, ratio=15.0, flat=True, comparisons=()):
     evaluation = SimpleNamespace(depth_mm=np.array([[9.0, 9.0], depths]), low_force_range=np.array([0.0, low]))
-    best = SimpleNamespace(evaluation=evaluation, index=1, thickness_mm=thickness, ratio=ratio)
+    best = DesignCandidate(thickness, ratio, 1, evaluation)
     return SimpleNamespace(result=SimpleNamespace(best=best), shape=SimpleNamespace(flat_top=flat, plain=True),
                            comparisons=comparisons, law=SimpleNamespace(notes=()))  # fmt: skip
 
@@ -372,8 +362,7 @@ def test_castings_are_at_the_nearest_of_even_steps_and_held_to_the_law():
         def depth_limit_mm(self, thickness, radius):
             return 0.5 * np.asarray(thickness)
 
-    arm = SimpleNamespace(tau_s=SimpleNamespace(value=0.3))
-    space = SimpleNamespace(radius_mm=8.0, resin=SimpleNamespace(arms=(arm,)))
+    space = SimpleNamespace(radius_mm=8.0, resin=SimpleNamespace(tau_s=(0.3,)))
     thickness = np.array([9.8, 10.2, 10.0, 9.913])
     made = poured_slabs(Law(), casting_module.Pours(thickness, np.ones(4), np.ones((4, 1))), space)
     assert np.abs(made.thickness_mm - thickness).max() <= 0.5 * 0.01 + 1e-9 and made.tau_s == (0.3,)
@@ -390,7 +379,7 @@ def test_limits_bind_where_a_design_lies_at_them():
 
     def bound(depth, thickness=10.0, ratio=15.0):
         evaluation = SimpleNamespace(depth_mm=np.array([[1.0, 1.0], [1.0, depth]]), slabs=slabs)
-        one = SimpleNamespace(evaluation=evaluation, index=1, thickness_mm=thickness, ratio=ratio)
+        one = DesignCandidate(thickness, ratio, 1, evaluation)
         return limits_that_bind(one, SPACE.thickness_mm, SPACE.ratio)
 
     assert bound(4.94) == () and bound(4.96) == ("depth over thickness (at most 0.50)",) and len(bound(np.nan)) == 1

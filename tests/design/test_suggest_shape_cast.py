@@ -5,7 +5,7 @@ import pytest
 
 from dummydesign.design.plot_data import press_pictures, reactions, suggestion_curves
 from dummydesign.design.request import RADIUS_MM, Request
-from dummydesign.design.safety_view import safety_view
+from dummydesign.design.safety import safety_view
 from dummydesign.design.search.shape_family import FamilyLaw
 from dummydesign.design.suggest import suggest
 from dummydesign.report.suggest import write_suggestion

@@ -97,6 +97,6 @@ def test_a_learned_curve_is_compared_on_pads_that_were_left_out(tmp_path):
     assert result.learnt is not None
     pad = result.presses.pad
     for place in np.unique(pad):
-        forces = predicted_without(result.after.fit, pad == place, result.learnt.effect.shape)
+        forces = predicted_without(result.after.fit, pad == place)
         left = np.where(result.presses.used, result.presses.force_N - forces, 0.0)[pad == place]
         assert np.sqrt(np.mean(left**2)) < 0.2 * result.presses.force_N.max()

@@ -12,7 +12,9 @@ import pytest
 from dummydesign import cli
 from dummydesign.design.calibrated import CalibratedFamily
 from dummydesign.design.search import finalists as elements_law
+from dummydesign.design.search.best_of_kinds import Shaped
 from dummydesign.design.search.shape_family import Designs, FamilyLaw, load_family
+from dummydesign.design.search.slabs import DesignCandidate, SearchResult
 from dummydesign.geometry.dimensions import PAD_EXTENT_MM
 from dummydesign.geometry.shape_registry import read_shape
 from dummydesign.loop.calibration_file import write_calibration
@@ -93,18 +95,9 @@ def test_a_solved_shape_carries_the_correction_once(monkeypatch):
     monkeypatch.setattr(elements_law, "cached", lambda *_: {
         "depth_mm": depth, "force_N": 1.05 * plain, "error_N": 0.01 * plain})  # fmt: skip
 
-    class Best:
-        thickness_mm, index = 10.0, 0
-        evaluation = SimpleNamespace(depth_mm=np.array([[1.0, 2.0, 3.0]]))
-
-    class Found:
-        best = Best()
-
-    class Shaped:
-        result, shape = Found(), read_shape(CROWN)
-
-    Shaped.law = law
-    solved = elements_law.solve_law(Shaped(), SPACE)
+    best = DesignCandidate(10.0, 15.0, 0, SimpleNamespace(depth_mm=np.array([[1.0, 2.0, 3.0]])))
+    shaped = Shaped(read_shape(CROWN), law, SearchResult(best, (), None))
+    solved = elements_law.solve_law(shaped, SPACE)
     np.testing.assert_allclose(solved.force(depth, 10.0, 1.0, RADIUS), 1.05 * plain * (1.0 + 2.0 * (depth / 10.0) ** 2))
 
 

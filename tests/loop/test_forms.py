@@ -1,4 +1,4 @@
-"""Parameters of form, tension read off the raw data, doubt between models: closed forms, limits and older files."""
+"""Parameters of form, tension read off the raw data, doubt between models: closed forms, limits, a missing form."""
 
 from __future__ import annotations
 
@@ -37,26 +37,19 @@ def test_only_forms_and_the_law_error_have_priors():
     assert prior_precision(problem, sizes) == pytest.approx(expected)
 
 
-def test_a_calibration_from_before_forms_were_known_is_read_with_their_usual_values(tmp_path):
+def test_a_calibration_that_lacks_a_form_or_a_size_is_refused(tmp_path):
     made = calibration(effect("friction_hysteresis", friction_fraction=0.05))
     names = tuple(parameter_names([made.after.active[0].effect]))
     made = replace(made, posterior=replace(made.posterior, names=names))
     path = write_calibration(made, tmp_path / "calibration.json")
-    whole = json.loads(path.read_text())
-    del whole["after"]["effects"][0]["parameters"]["turn_mm"]
-    known = whole["posterior"]
-    place = known["names"].index("log friction_hysteresis.turn_mm")
-    for row in (known["names"], known["mean"], known["covariance"], *known["covariance"]):
-        del row[place]
-    path.write_text(json.dumps(whole))
-    read = read_calibration(path)
-    assert read.after.active[0].values == {"friction_fraction": 0.05, "turn_mm": 0.1}
-    assert read.posterior.names[-1] == "friction_hysteresis.friction_fraction"
-    # a size may not be missing
-    del whole["after"]["effects"][0]["parameters"]["friction_fraction"]
-    path.write_text(json.dumps(whole))
-    with raises_code("malformed"):
-        read_calibration(path)
+    assert read_calibration(path).after.active[0].values == {"friction_fraction": 0.05, "turn_mm": 0.1}
+    for lacking in ("turn_mm", "friction_fraction"):
+        whole = json.loads(path.read_text())
+        del whole["after"]["effects"][0]["parameters"][lacking]
+        other = tmp_path / f"{lacking}.json"
+        other.write_text(json.dumps(whole))
+        with raises_code("malformed"):
+            read_calibration(other)
 
 
 def test_an_arm_whose_time_changes_decays_with_each_time_in_turn():

@@ -14,9 +14,9 @@ from dummydesign.loop import next_measurement as next_module
 from dummydesign.loop import planning
 from dummydesign.loop.calibration import Calibration, Model, Posterior, model_of, posterior_of
 from dummydesign.loop.effects.registry import effect_named
-from dummydesign.loop.fitting.problem import BASE, CampaignProblem
+from dummydesign.loop.fitting.problem import CampaignProblem
 from dummydesign.loop.model.base_law import PuckLaw, SlabLaw
-from dummydesign.loop.model.forward_model import BaseParameters, LawError
+from dummydesign.loop.model.forward_model import BASE, Active, BaseParameters, LawError
 from dummydesign.loop.next_measurement import (
     BACK_MM_S,
     HOLD_S,
@@ -25,7 +25,7 @@ from dummydesign.loop.next_measurement import (
     planned_presses,
     planned_trace,
 )
-from dummydesign.loop.prior import ARM_TOLERANCE, _shared, carried_law, check_prior, join
+from dummydesign.loop.prior import ARM_TOLERANCE, _shared, check_prior, join, with_prior_effects
 from dummydesign.loop.selection.cross_validation import widened
 from dummydesign.measurement.sensor import Lowpass
 from dummydesign.pad.tables.slab import load_table
@@ -126,10 +126,9 @@ def test_a_prior_of_another_ratio_is_refused_beyond_a_thousandth():
 
 def test_pads_of_both_campaigns_are_kept_with_the_newer_law_error():
     old = Model(BaseParameters(0.03, (0.1, 1.0), (0.3, 0.3)), (), np.array([5.0, 10.0]), np.arange(6.0).reshape(3, 2))
-    prior = SimpleNamespace(after=old)
-    pads, law = carried_law(prior, (("", 10.0), ("", 20.0)), -np.arange(6.0).reshape(3, 2))
-    assert pads == (("", 5.0), ("", 10.0), ("", 20.0))
-    np.testing.assert_array_equal(law, [[0.0, 0.0, -1.0], [2.0, -2.0, -3.0], [4.0, -4.0, -5.0]])
+    new = replace(old, thickness_mm=np.array([10.0, 20.0]), law=-np.arange(6.0).reshape(3, 2)).with_pads_of(old)
+    assert new.pads == (("", 5.0), ("", 10.0), ("", 20.0))
+    np.testing.assert_array_equal(new.law, [[0.0, 0.0, -1.0], [2.0, -2.0, -3.0], [4.0, -4.0, -5.0]])
 
 
 def test_a_law_error_is_linear_in_the_logarithm_of_thickness_of_its_own_shape():
@@ -402,3 +401,19 @@ def test_a_plan_that_is_written_has_the_pads_and_presses_of_the_plan_and_names_a
     place = head.index("depth_mm")
     depths = [float(row[place]) for row in rows[:-1]]
     assert depths == pytest.approx([p.option.depth_share * p.option.thickness_mm for p in plan[1:]], rel=5e-3)
+
+
+def test_effects_of_the_pad_come_from_a_prior_as_far_as_the_campaign_can_take_them():
+    found = clean_fit()
+    names = {"strain_stiffening": {"coefficient": 0.2, "exponent": 2.0}, "contact_offset": {"offset_mm": 0.05},
+             "compressibility": {"poisson_ratio": 0.49}}  # fmt: skip
+    active = tuple(Active(effect_named(name), values) for name, values in names.items())
+    prior = prior_of(found)
+    assert with_prior_effects(found, prior) is found
+    both = with_prior_effects(found, replace(prior, after=replace(prior.after, active=active)))
+    # an offset is of the rig, and pucks between plates have no bulk that gives
+    assert [effect.name for effect in both.problem.effects] == ["strain_stiffening"]
+    spread = np.sqrt(np.diag(both.covariance))[BASE]
+    assert abs(both.vector[BASE]) < 4.0 * spread and abs(both.vector[BASE]) < 0.2 / 0.3
+    again = with_prior_effects(both, replace(prior, after=replace(prior.after, active=active)))
+    assert again is both

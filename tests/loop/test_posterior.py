@@ -29,11 +29,13 @@ def made(level=0.004, young=0.01):
     """A calibration with one effect of two parameters and a posterior."""
     base = BaseParameters(0.03, (0.05, 1.2), (0.3, 0.2))
     recovery = effect_named("incomplete_recovery")
-    after = Model(base, (Active(recovery, {"fraction": 0.02, "tau_s": 100.0}),), np.array([5.0]), np.zeros((3, 1)))
-    names = (*BASE_NAMES, "incomplete_recovery.fraction", "log incomplete_recovery.tau_s")
-    mean = np.r_[np.log([30.0, 0.05, 0.3, 1.2, 0.2]), 0.02, np.log(100.0)]
-    spread = np.array([young, 0.02, 0.03, 0.02, 0.04, 0.001, 0.2])
-    covariance = np.outer(spread, spread) * (0.7 * np.eye(7) + 0.3)
+    found = Active(recovery, {"fraction": 0.02, "tau_s": 100.0, "adding": 0.0})
+    after = Model(base, (found,), np.array([5.0]), np.zeros((3, 1)))
+    names = (*BASE_NAMES, "incomplete_recovery.fraction", "log incomplete_recovery.tau_s",
+             "incomplete_recovery.adding")  # fmt: skip
+    mean = np.r_[np.log([30.0, 0.05, 0.3, 1.2, 0.2]), 0.02, np.log(100.0), 0.0]
+    spread = np.array([young, 0.02, 0.03, 0.02, 0.04, 0.001, 0.2, 0.1])
+    covariance = np.outer(spread, spread) * (0.7 * np.eye(8) + 0.3)
     known = Posterior(names, mean, covariance, (level, 0.015, 0.008))
     pad = {"young_kPa_expected": 30.0, "resin": None, "ratio": 15.0, "base": "bonded", "shape": "slab"}
     return Calibration(after, after, "effect", {}, 0.03, pad, (), known)

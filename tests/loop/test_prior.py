@@ -19,7 +19,7 @@ from dummydesign.loop.fitting.problem import CampaignProblem
 from dummydesign.loop.model.campaign_law import law_of
 from dummydesign.loop.next_measurement import next_measurement
 from dummydesign.loop.planning import REPEATS, plan_of, write_plan
-from dummydesign.loop.prior import carried_law, check_prior, join
+from dummydesign.loop.prior import check_prior, join
 from dummydesign.loop.run import close_loop, replay
 from dummydesign.measurement.campaign_file import read_campaign
 from tests.support import campaign_generator as generator
@@ -96,11 +96,13 @@ def test_a_prior_of_another_material_or_of_an_earlier_version_is_refused(fits, c
 
 def test_pads_of_earlier_campaigns_keep_their_law_error(fits):
     prior = known(fits[0])
-    pads, law = carried_law(prior, (("", 20.0), ("crowned:radius=20", 10.0)), np.full((3, 2), 0.01))
-    assert pads == (("", 15.0), ("", 20.0), ("crowned:radius=20", 10.0))
-    assert law[:, 0] == pytest.approx(prior.after.law[:, 0]) and (law[:, 1:] == 0.01).all()
-    pads, law = carried_law(prior, (("", 15.0),), np.full((3, 1), 0.02))
-    assert pads == (("", 15.0),) and (law == 0.02).all()
+    new = replace(prior.after, thickness_mm=np.array([20.0, 10.0]), law=np.full((3, 2), 0.01),
+                  shapes=("", "crowned:radius=20"))  # fmt: skip
+    both = new.with_pads_of(prior.after)
+    assert both.pads == (("", 15.0), ("", 20.0), ("crowned:radius=20", 10.0))
+    assert both.law[:, 0] == pytest.approx(prior.after.law[:, 0]) and (both.law[:, 1:] == 0.01).all()
+    again = replace(prior.after, law=np.full((3, 1), 0.02)).with_pads_of(prior.after)
+    assert again.pads == (("", 15.0),) and (again.law == 0.02).all()
 
 
 @pytest.mark.slow

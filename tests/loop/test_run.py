@@ -184,7 +184,7 @@ def test_effects_that_the_campaign_cannot_test_are_listed_with_the_reason(result
 def test_a_calibration_changes_the_resin_that_is_designed_with(results, tmp_path):
     """The batch's modulus and relaxation enter; an effect of the sensor or the robot leaves the force law alone."""
     from dummydesign.design.calibrated import with_calibration
-    from dummydesign.pad.tables.slab import equal_area_radius_mm
+    from dummydesign.geometry.dimensions import PUNCH_RADIUS_MM
     from dummydesign.resin import load_resin
 
     result = results("temperature", 402)
@@ -197,8 +197,7 @@ def test_a_calibration_changes_the_resin_that_is_designed_with(results, tmp_path
     spread = [one.modulus_kPa(15.0) for one in (before, resin)]
     assert spread[1].high / spread[1].low < 0.2 * (spread[0].high / spread[0].low - 1.0) + 1.0
     assert [arm.beta.value for arm in resin.arms] == pytest.approx([term.beta for term in calibration.prony()])
-    radius = equal_area_radius_mm(196.0)
-    own = law.force(np.array([1.0, 2.0]), np.array([10.0, 10.0]), 0.025, radius)
+    own = law.force(np.array([1.0, 2.0]), np.array([10.0, 10.0]), 0.025, PUNCH_RADIUS_MM)
     assert np.all(np.isfinite(own)) and np.all(np.diff(own) > 0.0)
 
 

@@ -10,7 +10,7 @@ import pytest
 
 from dummydesign.loop.calibration import Calibration, Model, calibration_of
 from dummydesign.loop.calibration_file import read_calibration, write_calibration
-from dummydesign.loop.corrected_law import CorrectedLaw
+from dummydesign.loop.corrected_law import CorrectedLaw, Correction
 from dummydesign.loop.data.trials import make_presses
 from dummydesign.loop.effects.registry import effect_named
 from dummydesign.loop.fitting.fit import fit_base, fit_with_noise
@@ -66,9 +66,9 @@ def test_a_calibration_keeps_why_it_is_unexplained_and_says_so_where_it_is_used(
     said = Calibration(model, model, "unexplained", {}, 0.03, pad, ("left-out conditions are at 5 noise floors",))
     again = read_calibration(write_calibration(said, tmp_path / "c.json"))
     assert again.unexplained_because == said.unexplained_because
-    assert CorrectedLaw(again).notes == (again.caution,)
+    assert CorrectedLaw(Correction(again)).notes == (again.caution,)
     assert "unexplained" in again.caution and "5 noise floors" in again.caution
-    assert CorrectedLaw(replace(said, verdict="effect")).notes == ()
+    assert CorrectedLaw(Correction(replace(said, verdict="effect"))).notes == ()
 
 
 def test_an_effect_that_is_taken_out_again_leaves_the_model_without_it(campaigns):

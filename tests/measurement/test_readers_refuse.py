@@ -11,8 +11,7 @@ from hypothesis import strategies as st
 
 from dummydesign.core.errors import DummydesignError
 from dummydesign.measurement.campaign_file import read_campaign
-from dummydesign.measurement.motion import read_motion
-from dummydesign.measurement.trace import read_trace
+from dummydesign.measurement.trace import read_motion, read_trace
 
 MANY = settings(max_examples=150, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 TIME = np.linspace(0.0, 2.0, 40)

@@ -56,17 +56,19 @@ def test_a_cavity_that_is_not_the_pads_fails(three):
 
 @pytest.mark.parametrize("count", range(1, 13))
 def test_cavities_keep_a_wall_apart_and_lie_about_the_middle(count):
-    grid = best_grid(count, 30.0, 24.0, 12.0, 20.0, (210.0, 210.0))
-    assert len(set(grid.places_mm)) == count
-    for (x0, y0), (x1, y1) in combinations(grid.places_mm, 2):
+    reach, places = best_grid(count, 30.0, 24.0, 12.0, 20.0, (210.0, 210.0))
+    assert len(set(places)) == count
+    for (x0, y0), (x1, y1) in combinations(places, 2):
         assert abs(x1 - x0) >= 42.0 - 1e-9 or abs(y1 - y0) >= 36.0 - 1e-9
-    xs, ys = zip(*grid.places_mm)
+    xs, ys = zip(*places)
+    assert (max(xs) - min(xs), max(ys) - min(ys)) == pytest.approx(reach)
     assert max(xs) + min(xs) == pytest.approx(0.0, abs=1e-9) and max(ys) + min(ys) == pytest.approx(0.0, abs=1e-9)
 
 
 def test_a_long_bed_takes_a_row_where_a_square_one_takes_a_block():
-    assert best_grid(4, 30.0, 30.0, 10.0, 20.0, (400.0, 80.0)).rows in (1, 4)
-    assert best_grid(4, 30.0, 30.0, 10.0, 20.0, (200.0, 200.0)).rows == 2
+    beds = (400.0, 80.0), (200.0, 200.0)
+    rows = [len({y for _, y in best_grid(4, 30.0, 30.0, 10.0, 20.0, bed)[1]}) for bed in beds]
+    assert rows[0] in (1, 4) and rows[1] == 2
 
 
 def test_the_batch_is_for_all_cavities_and_a_pad_weighs_what_it_weighs_alone():

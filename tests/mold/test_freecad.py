@@ -11,7 +11,6 @@ import pytest
 
 from dummydesign.mold.checks.files import check_second_reader
 from dummydesign.mold.files.step import step_text
-from dummydesign.mold.produce import step_part
 from tests.support.mould_checks import shape_spec
 
 FREECAD = next((found for name in ("freecadcmd", "FreeCADCmd") if (found := shutil.which(name))), None)
@@ -35,7 +34,7 @@ def test_freecad_reads_every_part_as_one_valid_solid_of_its_volume(shape, thickn
     from dummydesign.mold.cad.build import build
 
     made = build(shape_spec(shape, thickness_mm, preset=preset))
-    parts = {name: step_part(made, name) for name in made.parts}
+    parts = made.parts
     for name, part in parts.items():
         (tmp_path / f"{name}.step").write_text(step_text([part], name, "test"), encoding="ascii")
     listed = tmp_path / "listed.txt"

@@ -12,7 +12,7 @@ from dummydesign.mold import runner
 from dummydesign.mold.files.pour_sheet import to_markdown
 from dummydesign.mold.job import Ordered, check_job, folder_name, job_bill, job_sheet, read_thicknesses
 from dummydesign.mold.model.preset import mould_spec
-from dummydesign.mold.pour.bill_of_materials import bill_of_materials
+from dummydesign.mold.pour.bill_of_materials import bill_of_materials, materials
 from dummydesign.mold.pour.plan import pour_plan
 from tests.support.refusal import raises_code
 
@@ -22,7 +22,7 @@ ORDERED = [Ordered(spec, pour_plan(spec), PRINTED) for spec in SPECS]
 # A child that makes one file and the volumes of the closed forms, without CAD.
 CHILD = """
 import json, pathlib, sys
-asked = json.load(open(sys.argv[1])); folder = pathlib.Path(sys.argv[2])
+asked = json.load(open(sys.argv[1])); folder = pathlib.Path(asked["folder"])
 from dummydesign.mold.model.spec import MouldSpec
 from dummydesign.mold.pour.acceptance import gauge_points
 from dummydesign.mold.pour.plan import batches_of
@@ -36,7 +36,7 @@ status = "fail" if spec.pad.thickness_mm == 7.0 else "pass"
 checks = [{"id": "a", "value": 1.0, "limit": 1.0, "status": status}]
 found = {"files": {"spec": "spec.json"}, "volumes_mm3": volumes, "checks": checks, "warnings": [],
          "pour": plan.to_dict(), "batch": batches_of(spec, plan), "step_sha256": "0", "seconds": 1.0, "memory_MB": 1.0}
-(folder / ".result.json").write_text(json.dumps(found))
+pathlib.Path(sys.argv[2]).write_text(json.dumps(found))
 """
 
 
@@ -52,7 +52,7 @@ def amounts(rows):
 
 
 def test_a_jobs_list_is_the_sum_of_its_moulds_with_resin_for_every_casting():
-    alone = [amounts(bill_of_materials(one.spec, one.plan, PRINTED)) for one in ORDERED]
+    alone = [amounts(bill_of_materials(materials(one.spec, one.plan, PRINTED))) for one in ORDERED]
     three = amounts(job_bill(ORDERED, 3))
     assert three["polyol"] == pytest.approx(3 * sum(one["polyol"] for one in alone), abs=0.2)
     silicone = next(what for what in three if "silicone" in what)
@@ -63,7 +63,7 @@ def test_a_jobs_list_is_the_sum_of_its_moulds_with_resin_for_every_casting():
 
 
 def test_a_job_of_one_casting_of_one_mould_needs_what_the_mould_needs():
-    assert job_bill(ORDERED[:1], 1) == bill_of_materials(SPECS[0], ORDERED[0].plan, PRINTED)
+    assert job_bill(ORDERED[:1], 1) == bill_of_materials(materials(SPECS[0], ORDERED[0].plan, PRINTED))
 
 
 def test_the_sheet_names_every_mould_its_folder_and_the_castings():

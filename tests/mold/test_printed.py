@@ -15,10 +15,10 @@ from dummydesign.mold.checks import solids as check_shape
 from dummydesign.mold.checks.process import check_process
 from dummydesign.mold.files import meshes as mesh
 from dummydesign.mold.files.pour_sheet import pour_sheet, to_markdown
-from dummydesign.mold.model.layout import dowel_places, layout, level_places, pad_scale, parting_mm, silicone_scale
+from dummydesign.mold.model.layout import dowel_places, layout, level_places, pad_scale, parting_mm
 from dummydesign.mold.model.preset import mould_spec
 from dummydesign.mold.model.spec import MouldSpec
-from dummydesign.mold.pour.bill_of_materials import bill_of_materials
+from dummydesign.mold.pour.bill_of_materials import bill_of_materials, materials
 from dummydesign.mold.pour.plan import pour_plan
 from dummydesign.mold.pour.warnings import pour_warnings
 from dummydesign.mold.runner import make_mold
@@ -40,7 +40,7 @@ def test_all_checks_pass_and_nothing_of_silicone_is_made(printed):
     checks = check.check_solids(printed)
     assert failed(checks) == [] and {"cavity_volume", "interference_frame_mould", "draft_cavity"} <= set(named(checks))
     assert set(printed.parts) == {"pad", "mould", "frame", "strike_off"}
-    assert all(part.material == "rigid" for name, part in printed.parts.items() if name != "pad")
+    assert all(part.is_printed for name, part in printed.parts.items() if name != "pad")
     whole = mesh.tessellate(printed.mould)
     assert failed(check_mesh.check_mould_mesh(printed, whole, mesh.tessellate(printed.mould, *check_mesh.FINE))) == []
 
@@ -79,7 +79,7 @@ def test_the_pad_ends_at_size_in_a_mould_that_grows_as_plastic_does():
     hot = pad_scale(SPEC) * (1 + SPEC.plastic.expansion_per_K * warmer)
     cured = hot * (1 - SPEC.pour.shrinkage_percent / 100)
     assert cured / (1 + SPEC.pour.resin_expansion_per_K * warmer) == pytest.approx(1.0, rel=1e-14)
-    assert silicone_scale(SPEC) == 1.0 and pour_plan(SPEC).silicone_mass_g == 0.0
+    assert layout(SPEC).silicone_scale == 1.0 and pour_plan(SPEC).silicone_mass_g == 0.0
 
 
 def test_too_little_draft_for_the_surface_is_refused_with_what_is_needed():
@@ -103,7 +103,7 @@ def test_sheet_list_and_answer_do_not_speak_of_silicone_that_is_cast():
     text = to_markdown(pour_sheet(SPEC, plan, pour_warnings(SPEC, plan)))
     assert "Lift the ring straight up" in text and "wax" in text.lower() and "in the tray" not in text
     assert "mould silicone" not in text and "silicone foams" not in text and "draft of 3 deg" in text
-    bill = " ".join(row[0] for row in bill_of_materials(SPEC, plan, {"mould": 1e5}))
+    bill = " ".join(row[0] for row in bill_of_materials(materials(SPEC, plan, {"mould": 1e5})))
     assert "steel pins" in bill and "PVA" in bill and "ASA: mould" in bill and "silicone" not in bill
     assert MouldSpec.from_dict(SPEC.to_dict()) == SPEC and "silicone" not in SPEC.to_dict()
 

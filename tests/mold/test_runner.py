@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 import dummydesign
-from dummydesign import cli
+from dummydesign import cli, make_mould
 from dummydesign.mold import runner
 from dummydesign.mold.model.preset import mould_spec
 from tests.support.mould_checks import no_check_fails
@@ -84,15 +84,14 @@ def test_crash_of_the_kernel_is_told_with_the_parameters_and_harms_nothing(monke
     (tmp_path / "mould_t5.step").write_text("earlier")
     _worker(monkeypatch, "import os, signal; os.kill(os.getpid(), signal.SIGSEGV)")
     with raises_code("cad_failed", "mould") as caught:
-        runner.make_mold(mould_spec(5), tmp_path)
-    assert caught.value.code == "cad_failed"
+        make_mould(5, out=tmp_path)
     assert caught.value.result["masses_g"]["polyol"] > 80
     assert _files(tmp_path) == ["mould_t5.step"] and (tmp_path / "mould_t5.step").read_text() == "earlier"
 
 
 LIMITED = (
-    "import sys; from dummydesign.core.process import limit_processor_time; "
-    "limit_processor_time(float(sys.argv[3]));"
+    "import json, sys; from dummydesign.core.process import limit_processor_time; "
+    "limit_processor_time(json.load(open(sys.argv[1]))['processor_s']);"
 )
 
 
@@ -107,19 +106,20 @@ def test_a_kernel_that_waits_for_a_busy_machine_is_not_stopped(monkeypatch, tmp_
     """Three times the limit by the clock, hardly any of the processor."""
     answer = json.dumps({"error": {"code": "cad_failed", "message": "came to its end"}})
     code = f"{LIMITED} import time, pathlib; time.sleep(3)\n"
-    code += f"(pathlib.Path(sys.argv[2]) / '.result.json').write_text({answer!r})"
+    code += f"pathlib.Path(sys.argv[2]).write_text({answer!r})"
     _worker(monkeypatch, code)
     with raises_code("cad_failed", "mould"):
         runner.make_mold(mould_spec(5), tmp_path, processor_s=1.0)
 
 
-def test_the_worker_takes_its_limit_from_the_command_line(tmp_path):
+def test_the_worker_takes_its_limit_from_the_question(tmp_path):
     code = (
         "import sys, resource; from dummydesign.mold import worker; worker.run = lambda *_: {}; worker.main();"
         "print(resource.getrlimit(resource.RLIMIT_CPU)[0])"
     )
     pytest.importorskip("resource")
-    words = [sys.executable, "-c", code, str(tmp_path / "spec.json"), str(tmp_path), "77"]
+    (tmp_path / "question.json").write_text('{"processor_s": 77.0}')
+    words = [sys.executable, "-c", code, str(tmp_path / "question.json"), str(tmp_path / "answer.json")]
     assert subprocess.run(words, capture_output=True, text=True, check=True).stdout.strip() == "77"
 
 
@@ -130,31 +130,34 @@ def test_failed_check_keeps_no_file_but_reports_all_checks(monkeypatch, tmp_path
         "pour": {"components": [], "silicone_mass_g": 1.0}, "seconds": 1.0, "memory_MB": 1.0,
     }  # fmt: skip
     code = (
-        "import sys, pathlib; w = pathlib.Path(sys.argv[2]); (w / 'mould_t5.step').write_text('bad'); "
-        f"(w / '.result.json').write_text({json.dumps(found)!r})"
+        "import json, sys, pathlib; folder = json.load(open(sys.argv[1]))['folder']; "
+        "(pathlib.Path(folder) / 'mould_t5.step').write_text('bad'); "
+        f"pathlib.Path(sys.argv[2]).write_text({json.dumps(found)!r})"
     )
     _worker(monkeypatch, code)
     with raises_code("check_failed", "mould") as caught:
-        runner.make_mold(mould_spec(5), tmp_path)
-    assert caught.value.code == "check_failed"
+        make_mould(5, out=tmp_path)
     assert caught.value.result["checks"][0]["status"] == "fail" and caught.value.result["files"] == {}
     assert _files(tmp_path) == []
 
 
-def test_final_name_taken_by_a_folder_is_refused(monkeypatch, tmp_path):
-    (tmp_path / "mould_t5.step").mkdir()
+def test_a_folder_that_has_a_final_name_is_left_and_the_mould_goes_into_a_folder_beside(monkeypatch, tmp_path):
+    out = tmp_path / "out"
+    (out / "mould_t5.step").mkdir(parents=True)
     found = {
         "files": {"mould": "mould_t5.step"}, "volumes_mm3": {}, "step_sha256": "0", "warnings": [], "batch": {},
         "checks": [], "pour": {"components": [], "silicone_mass_g": 1.0}, "seconds": 1.0, "memory_MB": 1.0,
     }  # fmt: skip
     code = (
-        "import sys, pathlib; w = pathlib.Path(sys.argv[2]); (w / 'mould_t5.step').write_text('good'); "
-        f"(w / '.result.json').write_text({json.dumps(found)!r})"
+        "import json, sys, pathlib; folder = json.load(open(sys.argv[1]))['folder']; "
+        "(pathlib.Path(folder) / 'mould_t5.step').write_text('good'); "
+        f"pathlib.Path(sys.argv[2]).write_text({json.dumps(found)!r})"
     )
     _worker(monkeypatch, code)
-    with raises_code("file_exists", "out"):
-        runner.make_mold(mould_spec(5), tmp_path)
-    assert _files(tmp_path) == ["mould_t5.step"]
+    answer = make_mould(5, out=out)
+    made = Path(answer.result["files"]["mould"])
+    assert _files(out) == ["mould_t5.step"] and made.read_text() == "good" and made.parent.parent == tmp_path
+    assert answer.outcome.files == {"mould": str(made)}
 
 
 @pytest.mark.parametrize(

@@ -10,11 +10,10 @@ from dummydesign.mold.checks import solids as check
 from dummydesign.mold.checks.files import volumes_by_gmsh
 from dummydesign.mold.checks.solids import check_shape
 from dummydesign.mold.files.drawing_sheet import TEXT_MM
-from dummydesign.mold.files.part_drawings import DocumentInfo, part_views, sheets
+from dummydesign.mold.files.part_drawings import part_views, sheets
 from dummydesign.mold.files.step import step_text
 from dummydesign.mold.pour.plan import pour_plan
 from dummydesign.mold.pour.steps import order_faults, pour_steps
-from dummydesign.mold.produce import step_part
 from tests.mold.files.test_drawings import meeting
 from tests.support.mould_checks import failed, shape_spec
 from tests.support.refusal import raises_code
@@ -61,10 +60,10 @@ def test_every_mould_is_sound_its_drawings_readable_and_its_step_read_by_another
     assert failed([*check.check_solids(made), *check_shape(made)]) == []
     views = part_views(made)
     for paper in ("A3", "A4"):
-        for name, drawing in sheets(made, views, DocumentInfo("project", "2026-01-01"), paper).items():
+        for name, drawing in sheets(made, views, "2026-01-01", paper).items():
             assert meeting(drawing) == [], (paper, name, meeting(drawing))
             assert min(text.height for text in drawing.texts) >= TEXT_MM
-    text = step_text([step_part(made, name) for name in made.parts], "assembly", "sweep")
+    text = step_text(list(made.parts.values()), "assembly", "sweep")
     (tmp_path / "assembly.step").write_text(text, encoding="ascii")
     volumes = volumes_by_gmsh(tmp_path / "assembly.step")
     if volumes is not None:

@@ -14,7 +14,6 @@ from dummydesign.design.sweep.run import whatif
 from dummydesign.design.sweep.spec import Study
 from dummydesign.geometry.shape_registry import read_shape
 from dummydesign.loop.corrected_law import CorrectedLaw
-from dummydesign.loop.model.base_law import PuckLaw, SlabLaw
 from dummydesign.measurement.motion import ramp_and_hold
 from dummydesign.pad.elastic_force import elastic_curve
 from dummydesign.pad.force_law import BaseForceLaw, ForceCurve, ForceLaw, ScaledLaw, curve_at
@@ -65,17 +64,12 @@ def laws():
         "square": square_law(table, "bonded"),
         "crowned": TabulatedShapeLaw(crowned),
         "solved": solved,
-        "loop slab": SlabLaw(table, RADIUS, True),
-        "loop puck": PuckLaw(2.0 * RADIUS),
         "toy": Foam(),
         "times": ScaledLaw(Foam(), lambda d, h, a: (np.full(np.shape(d), 2.0), np.full(np.shape(d), 0.1))),
     }
 
 
-NAMES = [
-    *("table", "square", "crowned", "family", "elements", "solved", "toy", "times"),
-    *("loop slab", "loop puck"),
-]
+NAMES = ("table", "square", "crowned", "family", "elements", "solved", "toy", "times")
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -90,18 +84,7 @@ def test_a_law_offers_every_member_and_its_stiffness_is_the_slope_of_its_force(n
 
 
 @pytest.mark.parametrize(
-    "kind",
-    [
-        ResponseTable,
-        TabulatedShapeLaw,
-        FamilyShapeLaw,
-        SolvedLaw,
-        ScaledLaw,
-        ElementsLaw,
-        CorrectedLaw,
-        SlabLaw,
-        PuckLaw,
-    ],
+    "kind", [ResponseTable, TabulatedShapeLaw, FamilyShapeLaw, SolvedLaw, ScaledLaw, ElementsLaw, CorrectedLaw]
 )
 def test_no_law_of_the_package_lacks_a_member(kind):
     own = set(dir(kind)) | set(getattr(kind, "__dataclass_fields__", ()))
@@ -170,36 +153,9 @@ def test_a_curve_is_its_law_at_one_pad():
     assert np.array_equal(curve.relative_error(np.array([2.0 * curve.limit_mm])), end)
 
 
-@pytest.mark.parametrize("law", [SlabLaw(load_table(), RADIUS, True), PuckLaw(2.0 * RADIUS)], ids=["slab", "puck"])
-def test_a_law_of_the_loop_is_its_own_call_times_the_modulus_and_answers_one_radius(law):
-    depth, thickness = np.array([[-0.5, 0.0, 1.0], [0.5, 2.0, 4.0]]), np.array([[5.0], [10.0]])
-    assert np.array_equal(law.force(depth, thickness, 0.03, RADIUS), 0.03 * law(depth, thickness))
-    assert law.force(np.array([-0.5, 0.0]), 5.0, 0.03, RADIUS).tolist() == [0.0, 0.0]
-    assert law.depth_limit_mm(thickness, RADIUS) == pytest.approx(law.limit(thickness))
-    assert law.depth_limit_mm(10.0, np.full(3, RADIUS)).shape == (3,)
-    with raises_code("out_of_range", "radius_mm"):
-        law.force(depth, thickness, 0.03, 5.0)
-
-
-def test_the_slabs_of_the_loop_have_the_table_s_error_and_provenance_and_pucks_are_exact():
-    table, depth = load_table(), np.array([1.0, 2.0])
-    slab, puck = SlabLaw(table, RADIUS, True), PuckLaw(50.0)
-    assert np.array_equal(
-        slab.relative_error(depth, 10.0, RADIUS), square_law(table, "bonded").relative_error(depth, 10.0, RADIUS)
-    )
-    assert np.array_equal(
-        replace(slab, square=False).relative_error(depth, 10.0, RADIUS), table.relative_error(depth, 10.0, RADIUS)
-    )
-    assert (slab.ratio_range, slab.provenance) == (table.ratio_range, table.provenance)
-    stretch = 1.0 - depth / 30.0
-    exact = 0.03 / 3.0 * np.pi * 25.0**2 * (stretch**-2 - stretch)
-    assert puck.force(depth, 30.0, 0.03, 25.0) == pytest.approx(exact, rel=1e-12)
-    assert puck.relative_error(depth, 30.0, 25.0).tolist() == [0.0, 0.0]
-
-
 def test_a_curve_of_the_pad_keeps_the_contract_of_curves():
     table, depth = load_table(), np.array([0.5, 3.0])
-    curves = [curve_at(table, 10.0, 0.03, RADIUS), elastic_curve(Pad(10.0, 0.03, RADIUS), "table", None, None, None)]
+    curves = [curve_at(table, 10.0, 0.03, RADIUS), elastic_curve(Pad(10.0, 0.03, RADIUS), "table")]
     for curve in curves:
         assert isinstance(curve, ForceCurve)
         assert curve.force(depth) == pytest.approx(table.force(depth, 10.0, 0.03, RADIUS), rel=1e-12)

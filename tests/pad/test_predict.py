@@ -77,7 +77,7 @@ def test_the_interval_of_a_static_force_is_the_stated_error_and_its_exponent_the
 def test_the_interval_of_a_motion_adds_the_error_of_the_curve_and_what_is_allowed_for(kind):
     own, motion = pad(**kind), short_steps()
     found = predict_motion(own, motion)
-    curve = elastic_curve(own, "table", None, None, None)
+    curve = elastic_curve(own, "table")
     elastic = curve.force(motion.displacement_mm)
     force = np.maximum(relaxed_force(motion.time_s, elastic, ARMS), 0.0)
     error = force * curve.relative_error(np.maximum.accumulate(np.maximum(motion.displacement_mm, 0.0)))
@@ -122,7 +122,7 @@ def test_a_base_with_friction_allows_for_both_bases_and_a_puck_for_a_glued_slab(
 def test_a_motion_solved_at_finite_strain_has_its_ratio_and_doubts_a_share_of_the_viscous_part(monkeypatch):
     asked, motion = [], short_steps()
 
-    def solve(case, prony, time_s, depth, progress=None):
+    def solve(case, prony, time_s, depth):
         asked.append((case.radius, prony, depth.max()))
         separable = 1.0 + 0.0 * time_s
         return RatioPath(time_s, depth, separable, separable, 1.0 + 0.1 * time_s, COST | {"rim_over_scale": 0.05})
@@ -132,7 +132,7 @@ def test_a_motion_solved_at_finite_strain_has_its_ratio_and_doubts_a_share_of_th
     assert asked == [(pytest.approx(7.9 / 12.0), ARMS, pytest.approx(2.4 / 12.0))]
     later = motion.time_s > 0.01
     assert solved.force_N[later] == pytest.approx((quick.force_N * (1.0 + 0.1 * motion.time_s))[later], rel=1e-4)
-    curve = elastic_curve(pad(), "table", None, None, None)
+    curve = elastic_curve(pad(), "table")
     viscous = np.abs(quick.force_N - np.maximum(curve.force(motion.displacement_mm), 0.0))
     deepest = np.maximum.accumulate(np.maximum(motion.displacement_mm, 0.0))
     width = quick.force_N * curve.relative_error(deepest) + finite_strain.ratio_error(0.05) * viscous
@@ -323,39 +323,39 @@ def test_a_curve_through_solved_depths_is_exact_for_its_own_power_times_an_expon
 def test_a_square_in_space_is_the_round_twin_times_its_factor_at_relative_depths(monkeypatch):
     asked = []
 
-    def solve(block, deepest, progress):
+    def solve(block, deepest):
         asked.append((block, deepest))
         return FactorCurve(np.array([0.1, 0.5]), np.zeros(2), np.zeros(2), 0.6, {0.2: 0.6}, {}, 0.0, 0.0, COST)
 
     twin = curve_at(load_table(), 10.0, 0.03, 7.9)
     monkeypatch.setattr(square_punch, "solve_factor", solve)
-    monkeypatch.setattr(elastic_force, "_by_elements", lambda pad, deepest, depths, progress: twin)
+    monkeypatch.setattr(elastic_force, "_by_elements", lambda pad, deepest, depths: twin)
     own = Pad(10.0, 0.03, 7.9, sides_mm=(14.0, 10.0), slab_mm=(150.0, 120.0))
-    curve, depth = elastic_curve(own, "3d", 2.0, None, None), np.array([0.5, 2.0])
+    curve, depth = elastic_curve(own, "3d", 2.0), np.array([0.5, 2.0])
     assert curve.force(depth) == pytest.approx(twin.force(depth) * np.exp(0.1 + 0.05 * depth))
     assert np.all(curve.relative_error(depth) > twin.relative_error(depth)) and curve.solver["unknowns"] == 9
     block, deepest = asked[0]
     assert block.half_sides == pytest.approx((0.7, 0.5)) and block.half_extents == pytest.approx((7.5, 6.0))
     assert deepest == pytest.approx(0.2)
-    elastic_curve(own, "3d", None, None, None)
-    elastic_curve(own, "3d", 99.0, None, None)
+    elastic_curve(own, "3d")
+    elastic_curve(own, "3d", 99.0)
     assert [one for _, one in asked[1:]] == pytest.approx([twin.limit_mm / 10.0] * 2)
 
 
 def test_a_face_that_slides_is_solved_from_some_depth_on(monkeypatch):
     asked = []
 
-    def solve(pad, depth_mm, progress=None):
+    def solve(pad, depth_mm):
         asked.append(depth_mm)
         return PadCurve(depth_mm, 2.0 * depth_mm, 0.01 * depth_mm, COST)
 
     monkeypatch.setattr(elastic_force, "solve_points", solve)
     wanted = np.array([0.05, 0.1, 0.2, 1.0, 4.0])
     for condition, least in (("bonded", 0.05), ("frictionless", 0.25), ("friction:0.3", 0.25)):
-        curve = elastic_curve(Pad(10.0, 0.03, 7.9, condition=condition), "axisymmetric", 4.0, wanted, None)
+        curve = elastic_curve(Pad(10.0, 0.03, 7.9, condition=condition), "axisymmetric", 4.0, wanted)
         assert asked[-1].min() >= least - 1e-12 and asked[-1].max() == 4.0 and 1.0 in asked[-1]
         assert curve.force(np.array([2.0])) == pytest.approx([4.0])
-    elastic_curve(Pad(10.0, 0.03, 7.9, condition="frictionless"), "axisymmetric", 0.2, wanted[:3], None)
+    elastic_curve(Pad(10.0, 0.03, 7.9, condition="frictionless"), "axisymmetric", 0.2, wanted[:3])
     # Of a press that is itself so shallow the first quarter is left out.
     assert asked[-1].min() == pytest.approx(0.05)
 
@@ -378,4 +378,4 @@ def test_a_square_has_its_tabulated_factor_where_base_law_and_proportion_are_in_
 )  # fmt: skip
 def test_what_no_table_has_is_refused_by_the_table(change, code):
     with raises_code(code):
-        elastic_curve(pad(**change), "table", None, None, None)
+        elastic_curve(pad(**change), "table")

@@ -19,9 +19,9 @@ from dummydesign.pad.solved_law import (
     SLAB_SHARES,
     SLIDING_DEGREE,
     OwnSlabLaw,
-    SlabCase,
     Solved,
     SolvedSlab,
+    corners_known,
     in_table,
     law_of,
     near_rim,
@@ -46,17 +46,15 @@ def pad(**more) -> Pad:
     [({}, True), ({"sides_mm": (14.0, 14.0)}, True), ({"sides_mm": (14.0, 10.0)}, False),
      ({"sides_mm": (14.0, 10.0), "fidelity": "3d"}, True),
      ({"sides_mm": (14.0, 14.0), "condition": "frictionless"}, False),
-     ({"sides_mm": (14.0, 14.0), "yeoh_c2_over_mu": 0.1}, False)],
+     ({"sides_mm": (14.0, 14.0), "law": Yeoh(1.0, 0.1)}, False)],
 )  # fmt: skip
 def test_corners_are_known_of_round_punches_in_space_and_of_glued_squares_in_the_table(change, known):
-    case = SlabCase(10.0, RADIUS, **change)
-    assert case.corners_known == known
-    own = case.pad
-    assert (own.thickness_mm, own.young_MPa, own.radius_mm, own.sides_mm) == (10.0, 1.0, RADIUS, case.sides_mm)
-    assert own.law == Yeoh(1.0, change.get("yeoh_c2_over_mu", 0.0)) and own.condition == case.condition
+    own, fidelity = dict(change), change.get("fidelity", "axisymmetric")
+    own.pop("fidelity", None)
+    assert corners_known(Pad(10.0, 1.0, RADIUS, **own), fidelity) == known
     if not known:
         with raises_code("unsupported", "punch"):
-            solve_slab(case)
+            solve_slab(Pad(10.0, 1.0, RADIUS, **own), fidelity)
 
 
 @pytest.mark.parametrize(
@@ -66,7 +64,7 @@ def test_corners_are_known_of_round_punches_in_space_and_of_glued_squares_in_the
 def test_a_slab_is_solved_at_shares_of_its_thickness_as_far_as_its_curve_goes(monkeypatch, condition, fidelity, by):
     asked = []
 
-    def curve(own, fidelity, deepest, depth, progress):
+    def curve(own, fidelity, deepest, depth):
         asked.append(("curve", depth, deepest))
         whole = curve_at(TABLE, own.thickness_mm, own.young_MPa, own.radius_mm)
         return replace(whole, limit_mm=0.35 * 8.0, notes=("n",))
@@ -78,7 +76,7 @@ def test_a_slab_is_solved_at_shares_of_its_thickness_as_far_as_its_curve_goes(mo
     monkeypatch.setattr(elastic_force, "elastic_curve", curve)
     monkeypatch.setattr(elastic_force, "solve_points", points)
     sides = (14.0, 14.0) if fidelity == "3d" else None
-    found = solve_slab(SlabCase(8.0, RADIUS, condition=condition, fidelity=fidelity, sides_mm=sides))
+    found = solve_slab(Pad(8.0, 1.0, RADIUS, condition=condition, sides_mm=sides), fidelity)
     name, depth, deepest = asked[0]
     assert name == by and depth == pytest.approx(8.0 * np.array(SLAB_SHARES)) and deepest == pytest.approx(4.8)
     assert found.notes == ("n",)
@@ -97,7 +95,7 @@ def slab(thickness: float, condition: str = "bonded", count: int = 14, off: floa
     area[3] *= np.exp(off)
     error = np.full(count, 1e-3)
     error[3] = 1.0 if off else 1e-3
-    return SolvedSlab(SlabCase(thickness, RADIUS, condition=condition), share * thickness, area, error, ("ends",))
+    return SolvedSlab(Pad(thickness, 1.0, RADIUS, condition=condition), share * thickness, area, error, ("ends",))
 
 
 @pytest.mark.parametrize("condition", ["bonded", "frictionless"])

@@ -8,6 +8,7 @@ from dummydesign.person.drives import DRIVES, read_drive
 from dummydesign.person.drives.spring import press_by_spring
 from dummydesign.person.people import People
 from dummydesign.person.press import read_press
+from dummydesign.person.ringing import Arm
 from dummydesign.tissue import load_tissue
 from dummydesign.tissue.model.laws.spring import SPRING
 from tests.support.robot_presses import (
@@ -115,7 +116,7 @@ def test_a_free_mass_stops_as_by_another_integrator_and_gives_its_energy(mass):
 
 
 def test_a_free_mass_on_springs_is_that_of_the_closed_form_and_of_the_safety_view():
-    from dummydesign.design.assessment.safety import impact, tissue_body
+    from dummydesign.design.safety import impact, tissue_body
 
     run, _ = pressed(250.0)
     press, k = read_press(sampled(run, 2000.0)), np.array([5.0, 20.0, 75.0])
@@ -161,7 +162,7 @@ def test_two_masses_and_springs_by_hand():
     before = np.linspace(-0.01, 0.0, 200)[:-1]
     run = Run(np.r_[before, t], np.r_[v * before, x], np.r_[0.0 * before, pad * x])
     press = read_press(ending(run))
-    found = press_by_spring(press, springs(*people), big, mass)
+    found = press_by_spring(press, springs(*people), Arm(big, mass))
     inside = found.time_s < 0.055
     for row, k in enumerate(people):
         own = two_springs(found.time_s[inside], v, big, k, mass)
@@ -178,7 +179,7 @@ def ending(run):
 def test_an_infinitely_stiff_arm_is_position():
     run, _ = pressed(100.0)
     press, people = read_press(sampled(run)), People.of(TISSUE.parameter_sets, 100.0)
-    stiff = press_by_spring(press, people, 1e6, 3.0)
+    stiff = press_by_spring(press, people, Arm(1e6, 3.0))
     path = read_drive("position").respond(press, people)
     for name in ("peak_N", "steady_N", "depth_mm", "energy_mJ"):
         assert stiff.four()[name] == pytest.approx(path.four()[name], rel=2e-3)
@@ -193,7 +194,7 @@ def test_an_infinitely_soft_arm_with_speed_is_a_free_mass():
     press = read_press(sampled(Run(t, x, 15.0 * np.maximum(x, 0.0)), 10_000.0))
     people = People.of(TISSUE.parameter_sets[2:], 200.0)
     free = read_drive("mass:2").respond(press, people)
-    soft = press_by_spring(press, people, 1e-6, 2.0)
+    soft = press_by_spring(press, people, Arm(1e-6, 2.0))
     assert soft.peak_N == pytest.approx(free.peak_N, rel=1e-2)
     assert soft.depth_mm == pytest.approx(free.depth_mm, rel=1e-2)
 
@@ -204,7 +205,7 @@ def test_work_of_the_command_is_in_spring_mass_and_person():
     t = np.linspace(0.0, 0.07, 7001)
     lead, path = np.linspace(-0.01, 0, 100)[:-1], two_springs(t, v, big, pad, mass)
     run = Run(np.r_[lead, t], np.r_[v * lead, path], np.r_[0.0 * lead, pad * path])
-    found = press_by_spring(read_press(ending(run)), springs(k), big, mass)
+    found = press_by_spring(read_press(ending(run)), springs(k), Arm(big, mass))
     inside = found.time_s < 0.065
     at, x = found.time_s[inside], found.depth_curve_mm[0][inside]
     speed = np.gradient(x, at)

@@ -65,7 +65,7 @@ def peak_factor(found):
     """Lowest and highest subject over the pad, as the verdict takes them from the same press."""
     from dummydesign.design.measured_pad import peak_of
 
-    reduced, band = found.presses[0]
+    reduced, band, _ = found.presses[0]
     own = peak_of(reduced, float(found.fit.result["noise_floor_N"] or 0.0))
     return band.peak_low_N / own, band.peak_high_N / own
 
@@ -109,9 +109,9 @@ def test_the_guard_band(high, low, beyond, result):
 def test_an_extrapolation_says_how_far():
     deep = on_person([press(depth=2.5)], TISSUE, read_drive("position")).presses[0]
     depth = next(one for one in deep.beyond if one.quantity == "depth_mm")
-    assert depth.value == pytest.approx(2.5, rel=1e-2) and depth.end < 2.0 and "%" in depth.text
+    assert depth.value == pytest.approx(2.5, rel=1e-2) and depth.pressed_to < 2.0 and "%" in depth.text
     fast = on_person([press(velocity=400.0)], TISSUE, read_drive("position")).presses[0]
-    assert any(one.quantity == "velocity_mm_s" and one.end == 250.0 for one in fast.beyond)
+    assert any(one.quantity == "velocity_mm_s" and one.pressed_to == 250.0 for one in fast.beyond)
     inside = on_person([press(depth=1.1, hold=9.0)], TISSUE, read_drive("steady")).presses[0]
     assert inside.beyond == ()
 

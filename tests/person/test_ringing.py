@@ -39,13 +39,13 @@ def test_a_damped_arm_on_a_spring_swings_as_in_closed_form(ratio):
     def given(time):
         return force, 0.0
 
-    run = run_robot(springs(k), mass, stiffness, given, end, np.zeros(1), np.ones(1), lambda time: arm.period_s / 48.0,
-                    damping_N_s_per_mm=arm.damping_N_s_per_mm, tolerance=1.0)  # fmt: skip
+    run = run_robot(springs(k), arm, given, end, np.zeros(1), np.ones(1), lambda time: arm.period_s / 48.0,
+                    tolerance=1.0)  # fmt: skip
     d = arm.damping_N_s_per_mm / (2e-3 * mass)
     w = np.sqrt((stiffness + k) / (1e-3 * mass) - d**2)
     t = run.time_s
     own = force / (stiffness + k) * (1.0 - np.exp(-d * t) * (np.cos(w * t) + d / w * np.sin(w * t)))
-    assert np.max(np.abs(run.depth_mm[0] - own)) < 1e-3 * own.max()
+    assert np.max(np.abs(run.depth_curve_mm[0] - own)) < 1e-3 * own.max()
 
 
 def test_even_bends_are_second_differences_and_a_parabola_bends_alike_on_uneven_nodes():
@@ -126,7 +126,7 @@ def test_an_arm_that_is_still_does_not_move_and_means_change_nothing():
     lead = np.linspace(-0.01, 0.0, 200)[:-1]
     run = Run(np.r_[lead, t], np.r_[150.0 * lead, x], np.r_[0.0 * lead, k * np.maximum(x, 0.0)])
     press = read_press(sampled(run, 4000.0), None, Arm(60.0, 0.2))
-    found = press_by_spring(press, springs(k), 60.0, 0.2)
+    found = press_by_spring(press, springs(k), Arm(60.0, 0.2))
     deep = np.interp(found.time_s, press.time_s, press.x_mm)
     before = found.time_s < press.mean_from_s
     assert np.max(np.abs(found.depth_curve_mm[0] - deep)[before]) < 2e-3

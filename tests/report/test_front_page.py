@@ -16,7 +16,7 @@ from dummydesign.report.front_page import HEIGHT_MM, PAPER_MM, WIDTH_MM, Fact, F
 from dummydesign.report.pad_drawing import pad_section
 from dummydesign.report.plot import press_plot
 from dummydesign.report.plot_layers import Band, Line
-from dummydesign.report.vector_sheet import Path, Text, VectorSheet, shortened, text_width_mm, wrapped
+from dummydesign.report.vector_sheet import PT_MM, Path, Text, VectorSheet, shortened, text_width_mm, wrapped
 from tests.support.pdf_paths import contents, pages_mm
 from tests.support.studio import browser
 
@@ -35,6 +35,16 @@ def made(tmp_path_factory, request):
         assert run([*words, str(first)]) in (0, 1) and run([*words, str(second)]) in (0, 1)
     answer = json.loads(next(text for text in printed if text.startswith("{")))
     return first, answer, second
+
+
+def texts_on(sheet):
+    return [item for item in sheet.items if isinstance(item, Text)]
+
+
+def box_of(text):
+    """What the words cover, with descenders. [mm]"""
+    size = text.size_pt * PT_MM
+    return text.left_mm, text.y_mm - 0.73 * size, text.left_mm + text.width_mm, text.y_mm + 0.21 * size
 
 
 def pdf_texts(data):
@@ -148,15 +158,15 @@ def some_page(presses=6, long=False):
 def test_nothing_leaves_the_sheet_and_no_text_covers_another(presses, long):
     sheet = lay_out(some_page(presses, long))
     for item in sheet.items:
-        points = np.array(item.points if isinstance(item, Path) else [item.box[:2], item.box[2:]])
+        points = np.array(item.points if isinstance(item, Path) else [box_of(item)[:2], box_of(item)[2:]])
         assert points.min() >= -0.2 and np.all(points.max(axis=0) <= (WIDTH_MM + 0.2, HEIGHT_MM + 0.2)), item
-    boxes = [text.box for text in sheet.texts]
+    boxes = [box_of(text) for text in texts_on(sheet)]
     for at, one in enumerate(boxes):
         for number, other in enumerate(boxes[:at]):
             across = min(one[2], other[2]) - max(one[0], other[0])
             along = min(one[3], other[3]) - max(one[1], other[1])
-            assert min(across, along) < 0.3, (sheet.texts[at], sheet.texts[number])
-    titles = [text.words for text in sheet.texts if text.words.startswith("press ")]
+            assert min(across, along) < 0.3, (texts_on(sheet)[at], texts_on(sheet)[number])
+    titles = [text.words for text in texts_on(sheet) if text.words.startswith("press ")]
     assert len(titles) == min(presses, 6)
 
 
@@ -164,8 +174,8 @@ def test_a_press_out_of_reach_is_named_and_its_pad_not_drawn():
     page = some_page(1)
     band = page.panels[0].plot.layers[0]
     page = replace(page, panels=[replace(page.panels[0], plot=replace(page.panels[0].plot, layers=(band,)))])
-    assert "not reached" in [text.words for text in lay_out(page).texts]
-    assert "not reached" not in [text.words for text in lay_out(some_page(1)).texts]
+    assert "not reached" in [text.words for text in texts_on(lay_out(page))]
+    assert "not reached" not in [text.words for text in texts_on(lay_out(some_page(1)))]
 
 
 def test_curves_of_one_level_share_their_scale():
@@ -173,7 +183,7 @@ def test_curves_of_one_level_share_their_scale():
     high = replace(page.panels[1].plot, layers=(Band("people", [1e-3, 10.0], [0.0, 0.0], [60.0, 60.0]),))
     for level, count in (("a", 2), ("b", 1)):
         panels = [page.panels[0], replace(page.panels[1], plot=high, level=level)]
-        words = [text.words for text in lay_out(replace(page, panels=panels)).texts]
+        words = [text.words for text in texts_on(lay_out(replace(page, panels=panels)))]
         assert words.count("60") == count
 
 
@@ -225,5 +235,5 @@ def test_a_section_is_to_scale_and_has_the_lengths_of_its_shape(shape, thickness
     drop = pad.drop_mm(still, x) if pad.runs_out else pad.drop_mm(x, still)
     assert np.abs(thickness - drop - z).max() < 1e-6
     for item in items:
-        points = np.array(item.points if isinstance(item, Path) else [item.box[:2], item.box[2:]])
+        points = np.array(item.points if isinstance(item, Path) else [box_of(item)[:2], box_of(item)[2:]])
         assert points.min() >= 0.0 and np.all(points.max(axis=0) <= (110.0, 60.0)), item

@@ -121,3 +121,18 @@ def test_the_command_refuses_a_folder_without_the_page(tmp_path):
     with raises_code("missing", "page"):
         main(["--repository", str(tmp_path)])
     assert not list(tmp_path.iterdir())
+
+
+def test_a_steady_curve_is_judged_below_and_above_5_newtons_apart():
+    force = dummies.STEADY_GRID_N
+    cubic = np.cbrt(force / 0.1)
+    linear = np.cbrt(10.0 / 0.1) * force / 10.0
+    curves = np.stack([cubic, linear, np.full(146, np.nan)])
+    shares = dummies.inside_shares(curves, np.cbrt(force / 0.2), np.cbrt(force / 0.05))
+    assert shares["inside_fraction"][0] == 1.0 and shares["inside_fraction"][2] == 0.0
+    # the line through the cubic at 10 N leaves the range where F/10 = (F/10 * 0.1/0.2)^(1/3), at 10/sqrt(2) N
+    inside = force >= 10 / np.sqrt(2)
+    inside &= force <= 10 * np.sqrt(2)
+    assert shares["inside_fraction"][1] == pytest.approx(inside.mean(), abs=0.01)
+    assert shares["below_5N_fraction"][1] == 0.0
+    assert shares["above_5N_fraction"][1] == pytest.approx(inside[force >= 5].mean(), abs=0.01)

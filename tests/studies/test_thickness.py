@@ -5,7 +5,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from dummydesign.pad.solved_law import SlabCase, SolvedSlab
+from dummydesign.pad.solved_law import SolvedSlab
+from dummydesign.pad.specimen import Pad
 from dummydesign.pad.tables.slab import load_table
 from studies import thickness as module
 
@@ -28,7 +29,7 @@ def exponents(rows, support):
 
 def test_curvature_of_a_power_law_is_its_power():
     depth = np.linspace(0.05, 6.0, 14)
-    slab = SolvedSlab(SlabCase(10.0, 7.9), depth, 3.0 * depth * np.exp(0.8 * depth / 10.0), 0 * depth + 1e-3)
+    slab = SolvedSlab(Pad(10.0, 1.0, 7.9), depth, 3.0 * depth * np.exp(0.8 * depth / 10.0), 0 * depth + 1e-3)
     at = module.curvature_at(module.law_of([slab]), "bonded", 10.0, 4.0)
     # n = 1 + 0.8 u and dn / d ln x = 0.8 u for F = x exp(0.8 u)
     assert at.exponent == pytest.approx(1.32, abs=1e-6) and at.growth == pytest.approx(0.32, abs=1e-5)
@@ -87,13 +88,13 @@ def test_the_page_holds_what_the_command_writes(slabs, tmp_path):
 
 def test_curves_survive_being_written(slabs):
     again = module.read_curves(module.curves_text(slabs))
-    assert [slab.case for slab in again] == [slab.case for slab in slabs] == module.cases()
+    assert [slab.pad for slab in again] == [slab.pad for slab in slabs] == module.cases()
     for a, b in zip(again, slabs):
         np.testing.assert_array_equal(a.area_mm2, b.area_mm2)
 
 
 @pytest.mark.slow
 def test_a_curve_solved_now_is_the_curve_in_the_file(slabs):
-    kept = next(slab for slab in slabs if slab.case.thickness_mm == 5.0 and slab.case.base == "bonded")
-    now = module.solve_slab(kept.case)
+    kept = next(slab for slab in slabs if slab.pad.thickness_mm == 5.0 and slab.pad.base == "bonded")
+    now = module.solve_slab(kept.pad)
     np.testing.assert_allclose(now.area_mm2, np.interp(now.depth_mm, kept.depth_mm, kept.area_mm2), rtol=5e-3)

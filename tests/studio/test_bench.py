@@ -6,10 +6,9 @@ import numpy as np
 import pytest
 
 from dummydesign.core.library import find
-from dummydesign.design.inputs import resolve
-from dummydesign.design.plot_data import force_grids, steady_curve
+from dummydesign.design.plot_data import force_grids
 from dummydesign.design.request import Request
-from dummydesign.design.suggest import design
+from dummydesign.design.suggest import design, resolve
 from dummydesign.geometry.punch import read_punch
 from dummydesign.geometry.shape_registry import read_shape
 from dummydesign.loop.calibration_file import write_calibration
@@ -40,14 +39,15 @@ def test_the_verdict_and_the_curve_are_those_of_suggest_under_the_same_punch(tmp
     _, pad, verdict = looked(tmp_path, shape, thickness_mm, 15.0, punch=punch)
     found = suggested(shape, thickness_mm, 15.0, punch=punch)
     grids = force_grids(found.targets.protocol)
-    assert np.allclose(pad.steady_depth_mm(grids.pad), steady_curve(found.best, grids), rtol=1e-9, equal_nan=True)
+    depth, wanted = (one.steady_depth_mm(grids.pad) for one in (pad.candidate, found.best))
+    assert np.allclose(depth, wanted, rtol=1e-9, equal_nan=True)
     assert verdict.text == found.verdict.text
 
 
 def test_a_wider_punch_sinks_in_less(tmp_path):
     force = np.array([5.0, 10.0])
     narrow, wide = (looked(tmp_path, "slab", 9.0, 15.0, punch=punch)[1] for punch in ("square:14", "round:20"))
-    assert (wide.steady_depth_mm(force) < 0.95 * narrow.steady_depth_mm(force)).all()
+    assert (wide.candidate.steady_depth_mm(force) < 0.95 * narrow.candidate.steady_depth_mm(force)).all()
 
 
 @pytest.mark.slow
@@ -58,12 +58,12 @@ def test_a_calibration_is_in_the_pad_of_every_shape_as_suggest_has_it(tmp_path, 
     _, pad, verdict = looked(tmp_path, shape, 9.0, 15.0, calibration="calibration.json")
     found = suggested(shape, 9.0, 15.0, calibration=str(path))
     grids = force_grids(found.targets.protocol)
-    depth = pad.steady_depth_mm(grids.pad)
-    assert np.allclose(depth, steady_curve(found.best, grids), rtol=1e-9, equal_nan=True)
+    depth = pad.candidate.steady_depth_mm(grids.pad)
+    assert np.allclose(depth, found.best.steady_depth_mm(grids.pad), rtol=1e-9, equal_nan=True)
     assert verdict.text == found.verdict.text
     stiff = calibration()
     write_calibration(stiff, tmp_path / "plain.json")
-    plain = looked(tmp_path, shape, 9.0, 15.0, calibration="plain.json")[1].steady_depth_mm(grids.pad)
+    plain = looked(tmp_path, shape, 9.0, 15.0, calibration="plain.json")[1].candidate.steady_depth_mm(grids.pad)
     deep = np.isfinite(depth) & np.isfinite(plain) & (plain > 2.0)
     assert deep.any() and (depth[deep] < 0.99 * plain[deep]).all()
 

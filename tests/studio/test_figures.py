@@ -14,7 +14,7 @@ from dummydesign.report.page import plots_js
 from dummydesign.report.plot import Plot
 from dummydesign.report.plot_layers import Dots, Line
 from dummydesign.studio import figures
-from dummydesign.studio.page_frame import page_head
+from dummydesign.studio.parts import page_head
 from dummydesign.studio.slider_model import evaluator_of
 from dummydesign.studio.state import State
 
@@ -33,7 +33,7 @@ def looked(tmp_path_factory):
 def test_every_press_of_the_protocol_is_drawn_small(looked):
     inputs, _, pad = looked
     targets = inputs.space.targets
-    plots = figures.presses(targets, pad, 280.0)
+    plots = figures.presses(targets, pad)
     assert [plot.title.partition(":")[0] for plot in plots] == [
         f"{one.steady_force_N:g} N at {one.velocity_mm_s:g} mm/s" for one in targets.conditions
     ]
@@ -42,7 +42,7 @@ def test_every_press_of_the_protocol_is_drawn_small(looked):
         svg = plot.svg()
         xml.fromstring(svg)
         width, height = map(float, re.search(r'viewBox="0 0 (\S+) (\S+)"', svg).groups())
-        assert (width, height) == (280.0, 207.0)
+        assert (width, height) == (300.0, 222.0)
         assert f"{press.force_N[0].max():.1f} N" in plot.title
         texts = [float(at) for at in re.findall(r'<text x="([\d.]+)"[^>]*text-anchor="middle">[\d.e+-]+<', svg)]
         assert len(texts) >= 3 and min(np.diff(texts)) > 25.0

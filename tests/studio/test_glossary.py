@@ -8,8 +8,7 @@ from html import escape
 import pytest
 
 from dummydesign.report.page import terms
-from dummydesign.studio.page_frame import page_head
-from dummydesign.studio.parts import marked
+from dummydesign.studio.parts import marked, page_head
 from tests.support.studio import browser
 
 

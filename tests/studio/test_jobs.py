@@ -38,6 +38,29 @@ def test_a_command_is_run_in_the_folder_and_its_answer_is_kept(tmp_path):
     assert jobs.latest(tmp_path, "list") == job and jobs.latest(tmp_path, "other") is None
 
 
+def test_of_several_commands_each_keeps_its_answer_and_the_last_one_counts(tmp_path):
+    started = jobs.start(tmp_path, "two", ["tissues", "list"], ["resins", "list"])
+    assert started.state != "running" or started.progress.startswith(("step 1 of 2", "step 2 of 2"))
+    job = wait_for(started.folder, "done")
+    assert job.commands == (("tissues", "list"), ("resins", "list")) and job.words == ("resins", "list")
+    assert [job.answer_of(number)["schema"] for number in (1, 2)] == ["dummydesign.tissues/1", "dummydesign.resins/1"]
+    assert job.answer == job.answer_of(2)
+
+
+def test_a_command_that_fails_ends_those_after_it(tmp_path):
+    commands = ["tissues", "list"], ["tissues", "show", "palms"], ["tissues", "list"]
+    job = wait_for(jobs.start(tmp_path, "three", *commands).folder, "failed")
+    assert job.error.startswith("unknown tissue 'palms'") and job.answer == {} and not job.has_answer
+    assert job.answer_of(1)["schema"] == "dummydesign.tissues/1" and job.answer_of(3) == {}
+
+
+def test_several_commands_that_are_stopped_start_no_other(tmp_path):
+    slow = ["suggest", "--tissue", "forefinger", "--no-cad", "--out", "designs/a"]
+    job = jobs.start(tmp_path, "two", slow, ["tissues", "list"])
+    jobs.stop(job)
+    assert wait_for(job.folder, "stopped").answer_of(2) == {}
+
+
 def test_what_is_wrong_is_the_line_of_the_command(tmp_path):
     job = wait_for(jobs.start(tmp_path, "show", ["tissues", "show", "palms"]).folder, "failed")
     assert job.error.startswith("unknown tissue 'palms'") and job.answer == {}

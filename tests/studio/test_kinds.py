@@ -7,7 +7,7 @@ import json
 import pytest
 
 from dummydesign.cli.entry import run
-from dummydesign.studio.figures import HEAD, kinds_compared, verdicts_of_kinds
+from dummydesign.studio.figures import HEAD, kind_rows, kind_sentences, verdicts_of_kinds
 from dummydesign.studio.slider_model import evaluator_of
 from dummydesign.studio.state import State
 
@@ -36,31 +36,31 @@ def answer(**more):
 
 
 def test_the_recommended_kind_is_first_and_has_its_own_numbers():
-    found = kinds_compared(answer(), {"slab": verdict("red", 1.4, 0.9)})
-    assert [row[0] for row in found.rows] == ["crowned", "bumped", "slab"]
-    assert all(len(row) == len(HEAD) for row in found.rows)
-    named = {row[0]: dict(zip(HEAD, row)) for row in found.rows}
+    found = kind_rows(answer(), {"slab": verdict("red", 1.4, 0.9)})
+    assert [row[0] for row in found] == ["crowned", "bumped", "slab"]
+    assert all(len(row) == len(HEAD) for row in found)
+    named = {row[0]: dict(zip(HEAD, row)) for row in found}
     assert named["crowned"] | {"pad": None} == dict(zip(HEAD, (None, "amber", 0.85, 0.9, 1.02, 1.1, 4.5, 15.5)))
     assert named["slab"]["verdict"] == "red" and named["slab"]["shortfall"] == 1.4 and named["slab"]["over"] == 0.9
     assert [named["bumped"][key] for key in ("verdict", "shortfall", "over")] == [None, None, None]
 
 
 def test_the_sentences_hold_the_numbers_of_the_choice():
-    text = " ".join(kinds_compared(answer()).sentences)
+    text = " ".join(kind_sentences(answer()))
     for part in ("4.5 mm", "ratio 15.5", "bumped", "below 3 N", "+0.30 of +0.30", "(-0.05)", "60 %", "40 %", "0.55",
                  "0.25", "too thin for a bone"):  # fmt: skip
         assert part in text, part
-    for sentence in kinds_compared(answer()).sentences:
+    for sentence in kind_sentences(answer()):
         assert sentence.endswith(".") and len(sentence.split()) <= 20
 
 
 def test_the_other_grounds_of_a_choice():
     alone = answer(next_best=None, terms={}, decided_by=None)
-    assert "bumped" not in kinds_compared(alone).sentences[0]
-    judged = " ".join(kinds_compared(answer(decided_by="verdict")).sentences)
+    assert "bumped" not in kind_sentences(alone)[0]
+    judged = " ".join(kind_sentences(answer(decided_by="verdict")))
     assert "not representative" in judged and "+0.30" not in judged
     differs = answer(expectation={"differs": True, "middle": {"kind": "slab", "thickness_mm": 6.0, "ratio": 15.0}})
-    assert any("slab pad, 6 mm" in one for one in kinds_compared(differs).sentences)
+    assert any("slab pad, 6 mm" in one for one in kind_sentences(differs))
 
 
 def test_other_kinds_are_judged_as_suggest_judges(tmp_path, capsys):
@@ -72,7 +72,7 @@ def test_other_kinds_are_judged_as_suggest_judges(tmp_path, capsys):
     kinds = {row["kind"] for row in given["shapes"]}
     own = given["recommendation"]["shape"].partition(":")[0]
     assert set(found) == kinds - {own}
-    assert all(row[1] in ("green", "amber", "red") and row[4] > 0 for row in kinds_compared(given, found).rows)
+    assert all(row[1] in ("green", "amber", "red") and row[4] > 0 for row in kind_rows(given, found))
     # the recommended pad judged this way is judged as the answer judges it
     turned = {**given, "recommendation": {**given["recommendation"], "shape": "none"}}
     again = verdicts_of_kinds(evaluator, turned)[own]

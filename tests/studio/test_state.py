@@ -163,7 +163,7 @@ def test_the_start_of_a_kind_is_pressed_by_the_tables_as_far_as_they_reach(tmp_p
             evaluator.evaluate(shape, thickness_mm, 15.0)
         return
     pad = evaluator.evaluate(shape, thickness_mm, 15.0)
-    assert np.isfinite(pad.steady_depth_mm(np.array([0.5]))).all()
+    assert np.isfinite(pad.candidate.steady_depth_mm(np.array([0.5]))).all()
 
 
 def test_lengths_that_a_table_ties_together_follow_each_other():

@@ -6,9 +6,9 @@ import dataclasses
 
 from dummydesign.core.quantity import Quantity
 from dummydesign.design.assessment.castings import PadCastings, Tolerances
-from dummydesign.design.inputs import resolve
 from dummydesign.design.pad_evaluator import law_of_shape, one_pad
 from dummydesign.design.request import Request
+from dummydesign.design.suggest import resolve
 from dummydesign.geometry.shape_registry import read_shape
 
 CROWNED = ("crowned:radius=5.1,height=3.8,foot=7.8", 10.0, 15.3)

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from dummydesign.core.errors import InputError
-from dummydesign.measurement.importing.read import Imported, import_file
+from dummydesign.measurement.importing.read import Imported, import_files
 from tests.support.machine_files import MachineFile
 
 CONTACT_MM, CONTACT_SHARE = 0.15, 0.04
@@ -33,7 +33,7 @@ def judge(
     path = folder / made.name
     path.write_bytes(made.data)
     try:
-        found = import_file(path)
+        found = import_files([path])[0][0]
     except InputError as refusal:
         return Outcome("refused", True, str(refusal))
     finally:

@@ -2,9 +2,17 @@
 
 import numpy as np
 
-from dummydesign.design.scoring.score import CLASSES, Ranges, Readings, classes, deviations
 from dummydesign.design.scoring.settings import verdict_limits
-from dummydesign.design.scoring.verdict import outside, reads_of, representative
+from dummydesign.design.scoring.verdict import (
+    CLASSES,
+    Ranges,
+    Readings,
+    classes,
+    deviations,
+    outside,
+    reads_of,
+    representative,
+)
 
 FORCES = np.array([5.0, 10.0, 15.0, 5.0, 10.0, 15.0])
 SPEEDS = np.repeat([10.0, 250.0], 3)

@@ -21,7 +21,7 @@ ARMS = (PronyTerm(0.05, 0.3), PronyTerm(1.5, 0.2))
 
 @lru_cache(maxsize=8)
 def _curve(pad: Pad | Puck, deepest_mm: float):
-    return elastic_curve(pad, "axisymmetric", deepest_mm, None, None)
+    return elastic_curve(pad, "axisymmetric", deepest_mm)
 
 
 def press_set_up(folder: Path, young_kPa: float, seed: int = 1, noise_N: float = 0.02) -> None:

@@ -7,7 +7,8 @@ from contextlib import contextmanager
 
 import pytest
 
-from dummydesign.core.errors import CODES, DummydesignError
+from dummydesign.core.errors import DummydesignError
+from studies.errors import CODES
 
 
 @contextmanager

@@ -13,7 +13,7 @@ import numpy as np
 
 from benchmarks.fit_coverage import press
 from dummydesign.pad.axisymmetric.puck import solve_puck
-from dummydesign.pad.material.hyperelastic import neo_hookean
+from dummydesign.pad.material.hyperelastic import Yeoh
 from dummydesign.pad.specimen import Puck
 
 GAMMA1, GAMMA, DAMPER = 0.55, np.array([0.10, 0.25]), {10.0: np.array([1.0, 0.12]), 250.0: np.array([1.0, 0.012])}
@@ -38,7 +38,7 @@ def write(folder: Path, seed: int = 11) -> None:
             name = folder / "exports" / f"finger_v{speed:03.0f}_f{force:02.0f}.txt"
             name.write_text("\n".join([*text, *rows]) + "\n", encoding="cp1252")
     depth = np.linspace(0.5, 13.0, 14)
-    solved = solve_puck(Puck(30.0, YOUNG_KPA * 1e-3, 50.0, plates="friction:0.3", law=neo_hookean(1.0)), depth)
+    solved = solve_puck(Puck(30.0, YOUNG_KPA * 1e-3, 50.0, plates="friction:0.3", law=Yeoh(1.0)), depth)
     place, load = np.r_[0.0, solved.depth_mm], np.r_[0.0, solved.force_N]
     x = np.linspace(0.0, place[-1], 500)
     force = np.interp(x, place, load) + draw.normal(0.0, 0.02, len(x))

@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import argparse
+import os
+import shlex
+from pathlib import Path
 from typing import Any
 
 from dummydesign.cli.common_options import add_replace_option
@@ -15,7 +18,7 @@ HELP = "Plan presses (randomised, with a sheet to press from), check them, or ma
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the actions."""
     actions = parser.add_subparsers(dest="action", required=True, metavar="new|check|from-files", help="what to do")
-    new = actions.add_parser("new", help="a plan, campaign.toml and a sheet to press from", allow_abbrev=False)
+    new = actions.add_parser("new", help="a plan, campaign.toml and a sheet to press from")
     new.add_argument("folder", metavar="DIR", help="folder to make")
     add = new.add_argument
     add("--pads", metavar="MM,...", help="thicknesses of the pads (default 5,15,20)")
@@ -33,9 +36,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("--moulds", action="store_true", help="make the moulds of all pads too, in DIR-moulds (needs --resin)")
     add("--preset", default="open", metavar="NAME|FILE", help="of the moulds (default open)")
     add("--units", default="mm", metavar="NAME", help="of the sheet: mm (default; mm, N) or in (inches, pounds-force)")
-    check = actions.add_parser("check", help="what is not yet pressed, and problems", allow_abbrev=False)
+    check = actions.add_parser("check", help="what is not yet pressed, and problems")
     check.add_argument("folder", metavar="DIR", help="folder with campaign.toml")
-    files = actions.add_parser("from-files", help="campaign.toml from existing traces", allow_abbrev=False)
+    files = actions.add_parser("from-files", help="campaign.toml from existing traces")
     files.add_argument("folder", metavar="DIR", help="folder to make; the traces are copied into it")
     files.add_argument("files", nargs="+", metavar="FILE", help="traces, named such as t05_v010_f03_1.csv")
     files.add_argument("--table", metavar="trials.csv", help="file,thickness_mm,velocity_mm_s,... of each press")
@@ -115,9 +118,6 @@ def _moulded(options: argparse.Namespace) -> Any:
 
 def _unused_moulds() -> list[dict[str, str]]:
     """A hint in a project that has moulds."""
-    import os
-    import shlex
-
     from dummydesign.mold.moulded_pads import SPEC
     from dummydesign.project.folder import find_project
 
@@ -154,8 +154,6 @@ def _moulds(options: argparse.Namespace, set_up: Any, design: Any) -> dict[str, 
 
 def _with_moulds(plan: dict[str, Any], asked: dict[str, Any]) -> dict[str, Any]:
     """The plan, and the moulds of its pads in a folder beside it."""
-    from pathlib import Path
-
     from dummydesign.api.moulds import make_mould
 
     folder = Path(plan["inputs"]["folder"])
@@ -172,8 +170,6 @@ def _with_moulds(plan: dict[str, Any], asked: dict[str, Any]) -> dict[str, Any]:
 
 
 def _set_up(options: argparse.Namespace, moulded: Any = None) -> Any:
-    from pathlib import Path
-
     from dummydesign.core.parsing import EDGE, YOUNG, YOUNG_KPA, read_allowed, read_number
     from dummydesign.measurement.campaign_file import SetUp
     from dummydesign.measurement.sensor import parse_lowpass
@@ -201,34 +197,24 @@ def _design(options: argparse.Namespace, moulded: Any = None) -> Any:
     if options.force is not None and options.depth is not None:
         raise InputError("--force and --depth: press to the one or to the other", "conflict", "depth")
 
-    def numbers(text: str | None, purpose: parsing.Purpose) -> tuple[float, ...] | None:
-        return None if text is None else parsing.read_numbers(text, purpose)
-
-    given: dict[str, Any] = {
-        "pads_mm": moulded.pads_mm if moulded else numbers(options.pads, parsing.THICKNESS),
-        "velocities_mm_s": numbers(options.velocity, parsing.VELOCITY),
-        "targets": numbers(options.depth, parsing.DEPTH) or numbers(options.force, parsing.FORCE),
-        "repeats": options.repeats, "ages_days": _numbers("ages", options.ages),
-        "rest_s": options.rest, "hold_s": options.hold,
-    }  # fmt: skip
-    given = {key: value for key, value in given.items() if value is not None}
+    typed = (("pads_mm", options.pads, parsing.THICKNESS), ("velocities_mm_s", options.velocity, parsing.VELOCITY),
+             ("targets", options.depth, parsing.DEPTH), ("targets", options.force, parsing.FORCE))  # fmt: skip
+    given: dict[str, Any] = {name: parsing.read_numbers(text, purpose) for name, text, purpose in typed
+                             if text is not None}  # fmt: skip
+    given |= {"pads_mm": moulded.pads_mm} if moulded else {}
+    if options.ages is not None:
+        try:
+            given["ages_days"] = tuple(float(part) for part in options.ages.split(","))
+        except ValueError:
+            message = f"--ages {options.ages} must be numbers separated by commas"
+            raise InputError(message, "not_a_number", "ages", options.ages) from None
+    settings = {"repeats": options.repeats, "rest_s": options.rest, "hold_s": options.hold}
+    given |= {key: value for key, value in settings.items() if value is not None}
     return PlanSettings(**given, by_depth=options.depth is not None, seed=options.seed)
-
-
-def _numbers(option: str, text: str | None) -> tuple[float, ...] | None:
-    if text is None:
-        return None
-    try:
-        return tuple(float(part) for part in text.split(","))
-    except ValueError:
-        message = f"--{option} {text} must be numbers separated by commas"
-        raise InputError(message, "not_a_number", option, text) from None
 
 
 def render(result: dict[str, Any]) -> str:
     """What was planned, what the plan can see, and what to do next."""
-    import shlex
-
     if "ready" in result:
         return _status(result)
     if "decisions" in result:
@@ -280,8 +266,6 @@ def _plan(result: dict[str, Any]) -> list[str]:
 
 
 def _status(result: dict[str, Any]) -> str:
-    import shlex
-
     done, left = len(result["pressed"]), len(result["missing"])
     lines = [f"{result['name']}: {done} of {done + left} presses are there"]
     lines += [f"to press: {name}" for name in result["missing"][:5]]

@@ -5,17 +5,9 @@ from __future__ import annotations
 import argparse
 from typing import Any
 
+from dummydesign.cli import text
 from dummydesign.cli.common_options import add_replace_option, call_in_steps
-from dummydesign.cli.text import (
-    file_lines,
-    files_block,
-    labelled,
-    screen,
-    tissue_lines,
-    verdict_lines,
-    warning_block,
-    warning_lines,
-)
+from dummydesign.cli.text import columns_of, file_lines, labelled, table, tissue_lines, verdict_lines, warning_lines
 
 HELP = "Compare the traces of a cast dummy with a tissue: parameters, steady-state range, force variation range."
 
@@ -28,9 +20,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--record", metavar="FILE", help="the pad as it was cast, by 'mold record'")
     parser.add_argument("--out", metavar="DIR", help="folder of the files (default compare-TISSUE)")
     add_replace_option(parser)
-    test = parser.add_argument_group(
-        "your own test", "as in 'suggest'; without them every press is used as measured. Numbers may carry a unit"
-    )
+    words = "as in 'suggest'; without them every press is used as measured. Numbers may carry a unit"
+    test = parser.add_argument_group("your own test", words)
     punches = "square:14 (default), rectangle:AxB, round:D, ball:D, profile:FILE.csv"
     test.add_argument("--punch", default="square:14", metavar="KIND:SIZE", help=punches)
     test.add_argument("--edge-radius", default=0.0, metavar="MM", help="fillet of the punch's edge (default 0, sharp)")
@@ -67,37 +58,37 @@ def render(result: dict[str, Any]) -> str:
     tissue = f"{result['tissue']}, {facts.law_text(result)}"
     head = [*verdict_lines(result["verdict"]), *tissue_lines(result), *labelled("TISSUE", tissue)]
     columns, body = facts.press_rows(result)
-    widths = (8, 5, 8, 10, 14, 0)
-    rows = ["  " + "  ".join(f"{cell:<{wide}}" for cell, wide in zip(row, widths)) for row in (columns, *body)]
+    rows = columns_of((columns, *body), (8, 5, 8, 10, 14, 0), "  ")
     steady = f"fraction inside the subjects' range: {facts.steady_text(result)}"
-    return screen(
+    return text.screen(
         [*head, *labelled("PAD", facts.pad_text(result)), ""], rows, [""], labelled("STEADY", steady),
-        labelled("LAW", facts.parameters_text(result), 2), warning_block(result),
+        labelled("LAW", facts.parameters_text(result), 2), text.warning_block(result),
         labelled("NEXT", "; ".join(facts.next_steps(result))),
-        files_block(result, ("report", "first_page", "picture")),
+        text.files_block(result, ("report", "first_page", "picture")),
         labelled("MORE", "--details: parameters of the law with their intervals"),
     )  # fmt: skip
+
+
+PARAMETERS = [("parameter", "name", "<22"), ("dummy", "value", ">10.4g"), ("95 % low", "low", ">10.4g"),
+              ("95 % high", "high", ">10.4g"), ("band low", "band_low", ">10.4g"),
+              ("band high", "band_high", ">10.4g"), ("", "position", "<1")]  # fmt: skip
+POSITIONS = {True: " inside", False: " outside", None: " no band"}
+PRESSES = [("mm/s", "velocity_mm_s", ">6.4g"), ("steady N", "steady_force_N", ">9.3f"),
+           ("depth mm", "depth_mm", ">9.3f"), ("peak N", "peak_force_N", ">8.3f"), ("range of peak N", "span", ">17"),
+           ("inside", "inside", ">7")]  # fmt: skip
 
 
 def render_details(result: dict[str, Any]) -> str:
     """Make the readable tables."""
     from dummydesign.report import compare as facts
 
-    def text(value: float | None) -> str:
-        return "-" if value is None else f"{value:.4g}"
-
     against = f"against {result['tissue']}, {facts.law_text(result)}"
     lines = [*verdict_lines(result["verdict"]), *tissue_lines(result), against]
     if "pad" in result:
         lines.append(f"pad of {facts.pad_text(result)}")
     if result["parametric"]:
-        lines.append(
-            f"{'parameter':<22} {'dummy':>10} {'95 % low':>10} {'95 % high':>10} {'band low':>10} {'band high':>10}"
-        )
-    for name, row in result["parametric"].items():
-        position = {True: "inside", False: "outside", None: "no band"}[row["inside"]]
-        cells = " ".join(f"{text(row[key]):>10}" for key in ("value", "low", "high", "band_low", "band_high"))
-        lines.append(f"{name:<22} {cells}  {position}")
+        lines += table([{**row, "name": name, "position": POSITIONS[row["inside"]]}
+                        for name, row in result["parametric"].items()], PARAMETERS)  # fmt: skip
     steady = result["steady_state_range"]
     lines.append("steady-state curve, fraction in range of the force reached:")
     low, high = steady["span_N"]
@@ -105,11 +96,7 @@ def render_details(result: dict[str, Any]) -> str:
     for label, key in spans:
         share = steady[key]
         lines.append(f"  {label:<11} {'not reached' if share is None else f'{100 * share:.0f} %'}")
-    lines.append(f"{'mm/s':>6} {'steady N':>9} {'depth mm':>9} {'peak N':>8} {'range of peak N':>17} {'inside':>7}")
-    for row in result["force_variation_range"]:
-        span = f"{row['range_peak_low_N']:.2f} to {row['range_peak_high_N']:.2f}"
-        lines.append(
-            f"{row['velocity_mm_s']:>6.4g} {row['steady_force_N']:>9.3f} {row['depth_mm']:>9.3f} "
-            f"{row['peak_force_N']:>8.3f} {span:>17} {100 * row['inside_fraction']:>5.0f} %"
-        )
+    lines += table([{**row, "span": f"{row['range_peak_low_N']:.2f} to {row['range_peak_high_N']:.2f}",
+                     "inside": f"{100 * row['inside_fraction']:.0f} %"}
+                    for row in result["force_variation_range"]], PRESSES)  # fmt: skip
     return "\n".join(lines + warning_lines(result) + file_lines(result))

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from dummydesign.cli.common_options import add_replace_option, call
-from dummydesign.cli.text import WIDTH, fitted, labelled
+from dummydesign.cli.text import WIDTH, fitted, labelled, warning_lines
 
 COLUMNS, LABEL = 5, 15
 
@@ -21,7 +21,8 @@ def render(result: dict[str, Any]) -> str:
     head = [*_different(result, 3), *_rows(_header(shown), shown), *_rows(report.design_rows(shown), shown)]
     presses = ["peak N, people's range", *_rows(report.press_rows(shown), shown)]
     left = len(result["designs"]) - len(shown)
-    tail = [*_files(result), *([f"{left} more designs are in the report and in --details"] if left else [])]
+    tail = [f"report: {result['files']['report']}"] if "report" in result["files"] else []
+    tail += [f"{left} more designs are in the report and in --details"] if left else []
     return "\n".join(fitted(head, presses, [tail], (), "... and {} more lines: --details"))
 
 
@@ -36,8 +37,7 @@ def render_details(result: dict[str, Any]) -> str:
                   *_rows(report.press_rows(shown), shown), ""]  # fmt: skip
     for one in result["designs"]:
         lines += labelled("", f"{one['name']}: {one['verdict']['text']}")
-    lines += [f"warning: {one['message']}" for one in result["warnings"]]
-    return "\n".join([*lines, *(f"{role}: {path}" for role, path in result["files"].items())])
+    return "\n".join([*lines, *warning_lines(result), *(f"{role}: {path}" for role, path in result["files"].items())])
 
 
 def _different(result: dict[str, Any], most: int | None) -> list[str]:
@@ -65,10 +65,6 @@ def _rows(rows: list[tuple[str, list[str]]], designs: Sequence[dict[str, Any]]) 
             row = "".join(f"{part[number] if number < len(part) else '':<{width}}" for part in parts)
             lines.append(f"{label if not number else '':<{LABEL}}{row}".rstrip())
     return lines
-
-
-def _files(result: dict[str, Any]) -> list[str]:
-    return [f"report: {result['files']['report']}"] if "report" in result["files"] else []
 
 
 HELP = "Compare the designs of several 'suggest' folders: verdict, score, presses, weights."

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+from pathlib import Path
 from typing import Any
 
 from dummydesign.cli.text import labelled, screen
@@ -18,7 +19,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> dict[str, Any]:
     """Read the manifests."""
     from dataclasses import asdict
-    from pathlib import Path
 
     from dummydesign.project.status import history_of
 

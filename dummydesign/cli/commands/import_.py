@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from dummydesign.cli.common_options import call
-from dummydesign.cli.text import labelled, screen, warning_block
+from dummydesign.cli.text import labelled, screen, table, warning_block
 from dummydesign.core.errors import InputError
 
 HELP = "Read test-machine files: one trace for each press, tared, zero at contact, compression positive."
@@ -106,16 +106,17 @@ def render(result: dict[str, Any]) -> str:
         head += labelled("FILE", f"{Path(one['source']).name}{sheet}: {_decided(known)}", 3)
     more, kind = len(result["files"]) - 3, "sheets" if sheets else "files"
     head += labelled("", f"{more} more {kind}: --details" if more > 0 else "")
-    table = [f"  {'press':<28} {'mm/s':>8} {'hold s':>8} {'depth mm':>8} {'peak N':>8} {'steady N':>8}"]
-    for trace in (trace for one in result["files"] for trace in one["traces"]):
-        steady = "-" if trace["steady_force_N"] is None else f"{trace['steady_force_N']:.3f}"
-        file = trace["file"] if len(trace["file"]) <= 28 else "..." + trace["file"][-25:]
-        table.append(f"  {file:<28} {trace['velocity_mm_s']:>8.4g} {trace['hold_s']:>8.3g} "
-                     f"{trace['depth_mm']:>8.3f} {trace['peak_force_N']:>8.3f} {steady:>8}")  # fmt: skip
+    presses = [{**trace, "file": trace["file"] if len(trace["file"]) <= 28 else "..." + trace["file"][-25:]}
+               for one in result["files"] for trace in one["traces"]]  # fmt: skip
+    columns = [("press", "file", "<28"), *MOTION, ("depth mm", "depth_mm", ">8.3f"), *FORCES]
     made = f"traces in {result['inputs']['out']}/, {result['preview']} (look at it first)"
     made += f", profile {result['profile']}" if "profile" in result else ""
-    return screen([*head, ""], table, [""], warning_block(result), labelled("FILES", made),
+    return screen([*head, ""], table(presses, columns, "  "), [""], warning_block(result), labelled("FILES", made),
                   labelled("MORE", "--details: every decision and why"))  # fmt: skip
+
+
+MOTION = [("mm/s", "velocity_mm_s", ">8.4g"), ("hold s", "hold_s", ">8.3g")]
+FORCES = [("peak N", "peak_force_N", ">8.3f"), ("steady N", "steady_force_N", ">8.3f")]
 
 
 def _decided(known: dict[str, str]) -> str:
@@ -136,22 +137,11 @@ def render_details(result: dict[str, Any]) -> str:
         rows = [f"{one['name']:<20} {one['origin']:<9} {one['path']}" for one in result["profiles"]]
         return "\n".join(rows) if rows else "no profiles yet; 'dummydesign import FILE --save-profile NAME' keeps one"
     lines = []
+    columns = [("trace", "file", "<28.28"), ("samples", "samples", ">8"), *MOTION, ("mm", "depth_mm", ">8.3f"), *FORCES]
     for one in result["files"]:
-        lines.append(one["source"])
         wide = max(len(decision["what"]) for decision in one["decisions"])
-        for decision in one["decisions"]:
-            lines.append(f"  {decision['what']:<{wide}}  {decision['value']}: {decision['why']}")
-        head = ("samples", "mm/s", "hold s", "mm", "peak N", "steady N")
-        lines.append(f"  {'trace':<28}" + "".join(f" {text:>8}" for text in head))
-        for trace in one["traces"]:
-            steady = "-" if trace["steady_force_N"] is None else f"{trace['steady_force_N']:.3f}"
-            lines.append(
-                f"  {trace['file'][:28]:<28} {trace['samples']:>8} {trace['velocity_mm_s']:>8.4g} "
-                f"{trace['hold_s']:>8.3g} {trace['depth_mm']:>8.3f} {trace['peak_force_N']:>8.3f} {steady:>8}"
-            )
+        decisions = (f"  {made['what']:<{wide}}  {made['value']}: {made['why']}" for made in one["decisions"])
+        lines += [one["source"], *decisions, *table(one["traces"], columns, "  ")]
     lines += [f"warning: {warning['message']}" for warning in result["warnings"]]
-    lines.append(f"traces in: {result['inputs']['out']}")
-    lines.append(f"preview: {result['preview']}")
-    if "profile" in result:
-        lines.append(f"profile: {result['profile']}")
-    return "\n".join(lines)
+    lines += [f"traces in: {result['inputs']['out']}", f"preview: {result['preview']}"]
+    return "\n".join([*lines, *([f"profile: {result['profile']}"] if "profile" in result else [])])

@@ -7,19 +7,18 @@ from textwrap import wrap
 from typing import Any
 
 from dummydesign.cli.common_options import add_effect_option, add_replace_option, call_in_steps
-from dummydesign.cli.text import file_lines, files_block, labelled, screen, warning_block, warning_lines
+from dummydesign.cli.text import file_lines, files_block, labelled, screen, table, warning_block, warning_lines
 
 HELP = "Find which effect the model lacks in a measured campaign, correct the model, and plan what to measure next."
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
-    parser.add_argument("campaign", metavar="CAMPAIGN_DIR", help="folder with campaign.toml and one CSV per trial")
-    parser.add_argument("--out", metavar="DIR", help="where report and calibration go (default: loop-NAME)")
-    parser.add_argument(
-        "--prior", metavar="CALIBRATION", help="calibration.json of an earlier campaign of the same material"
-    )
-    parser.add_argument("--plan", metavar="DIR", help="write the next measurement as a campaign to press")
+    add = parser.add_argument
+    add("campaign", metavar="CAMPAIGN_DIR", help="folder with campaign.toml and one CSV per trial")
+    add("--out", metavar="DIR", help="where report and calibration go (default: loop-NAME)")
+    add("--prior", metavar="CALIBRATION", help="calibration.json of an earlier campaign of the same material")
+    add("--plan", metavar="DIR", help="write the next measurement as a campaign to press")
     add_replace_option(parser)
     add_effect_option(parser)
 
@@ -58,12 +57,14 @@ def render(result: dict[str, Any]) -> str:
     )  # fmt: skip
 
 
+ERRORS = [("", "label", "<8"), ("fitted N", "train_rmse_N", ">9.4f"), ("held-out N", "heldout_rmse_N", ">11.4f"),
+          ("noise floor N", "noise_floor_N", ">14.4f"), ("lack of fit p", "lack_of_fit_p", ">14.4f")]  # fmt: skip
+PARAMETERS = [("parameter", "name", "<12"), ("base", "base", ">10.4g"), ("after", "value", ">10.4g"),
+              ("95 % low", "low", ">10.4g"), ("95 % high", "high", ">10.4g")]  # fmt: skip
+
+
 def render_details(result: dict[str, Any]) -> str:
     """The answer in words, then the readable tables."""
-
-    def number(value: float | None, form: str = ".4f") -> str:
-        return "-" if value is None else format(value, form)
-
     lines = [line for text in result["answer"] for line in wrap(text, 110, subsequent_indent="  ")]
     lines += ["", f"verdict: {result['verdict']}"]
     over, expected = (result["residual"][f"{name}_over_noise_floor"] for name in ("heldout", "expected"))
@@ -79,18 +80,10 @@ def render_details(result: dict[str, Any]) -> str:
             lines.append(f"  equally good explanations: {', '.join(effect['confounded_with'])}")
         if effect["family"]:
             lines.append(f"  indistinguishable in this campaign: {', '.join(effect['family'])}")
-    lines.append(f"{'':<8} {'fitted N':>9} {'held-out N':>11} {'noise floor N':>14} {'lack of fit p':>14}")
-    for label in ("base", "after"):
-        error = result[label]["error"]
-        lines.append(
-            f"{label:<8} {number(error['train_rmse_N']):>9} {number(error['heldout_rmse_N']):>11} "
-            f"{number(error['noise_floor_N']):>14} {number(error['lack_of_fit_p']):>14}"
-        )
-    lines.append(f"{'parameter':<12} {'base':>10} {'after':>10} {'95 % low':>10} {'95 % high':>10}")
-    for name, after in result["after"]["parameters"].items():
-        base = result["base"]["parameters"][name]["value"]
-        row = (base, after["value"], after["low"], after["high"])
-        lines.append(f"{name:<12} " + " ".join(f"{v:>10.4g}" for v in row))
+    lines += table([{"label": label, **result[label]["error"]} for label in ("base", "after")], ERRORS)
+    before = result["base"]["parameters"]
+    lines += table([{"name": name, "base": before[name]["value"], **after}
+                    for name, after in result["after"]["parameters"].items()], PARAMETERS)  # fmt: skip
     rows = [f"  {row['name']:<28} {row['evidence']:>10.1f}" for row in result["ranking"]]
     lines += ["evidence of each effect alone:", *rows] if rows else ["evidence of each effect alone: none has any"]
     if result["next_measurement"]:

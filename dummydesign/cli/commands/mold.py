@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+from collections import Counter
 from pathlib import Path
 from typing import Any
 
@@ -10,8 +11,6 @@ from dummydesign.cli.common_options import add_replace_option, call
 from dummydesign.cli.progress import Watch
 from dummydesign.cli.text import files_block, labelled, screen, warning_block
 from dummydesign.core.errors import InputError, NoAnswerError, quantity_name
-
-RECORD_HELP = "store what was poured and list the limits that the pad misses"
 
 
 def add_record_arguments(parser: argparse.ArgumentParser) -> None:
@@ -112,8 +111,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
     add = parser.add_argument
     actions = parser.add_subparsers(dest="action", metavar="[record]", help="without 'record' a mould is made")
-    record = actions.add_parser("record", help=RECORD_HELP, allow_abbrev=False)
-    add_record_arguments(record)
+    words = "store what was poured and list the limits that the pad misses"
+    add_record_arguments(actions.add_parser("record", help=words))
     add("--thickness", metavar="MM[,MM..]", help="thickness of the pad, 3 to 30 mm; required; several make one job")
     add("--count", type=int, default=1, metavar="N", help="cavities in one mould (default 1)")
     add("--castings", type=int, default=1, metavar="N", help="castings of each mould (default 1)")
@@ -177,7 +176,9 @@ def render(result: dict[str, Any]) -> str:
     if "specification" in result:
         return render_record(result)
     if "moulds" in result:
-        return _short(_job(result).splitlines(), result)
+        left_out = "warning: ", "job: ", "job_pdf: ", "manifest: "
+        lines = [line for line in _job(result).splitlines() if not line.startswith(left_out)]
+        return screen([], lines, warning_block(result), files_block(result, ("job_pdf", "job")))
     inputs, pour, batch = result["inputs"], result["pour"], result["batch"]
     count = inputs.get("count", 1)
     size = f"{inputs['length_mm']:g} x {inputs['width_mm']:g} x {inputs['thickness_mm']:g} mm"
@@ -190,22 +191,24 @@ def render(result: dict[str, Any]) -> str:
     head += labelled("", f"ratio {inputs['ratio']:g} ({inputs['ratio_meaning']}), {inputs['resin']}")
     if pour["silicone_mass_g"]:
         head += labelled("", f"silicone {pour['silicone_mass_g']:.0f} g for the mould itself")
-    checks = result.get("checks", [])
-    counts = {status: sum(c["status"] == status for c in checks) for status in ("pass", "fail", "skipped")}
-    text = f"{counts['pass']} passed, {counts['fail']} failed, {counts['skipped']} skipped" if checks else ""
-    table = [f"  {item['status']:<8}{item['id']}: {item.get('note', '')}" for item in checks
-             if item["status"] != "pass"]  # fmt: skip
+    head += labelled("CHECKS", _counted(result["checks"]) if result.get("checks") else "")
     more = labelled("MORE", "--details: volumes, every check, every file and caution")
     return screen(
-        [*head, *labelled("CHECKS", text)], table, warning_block(result),
+        head, _not_passed(result), warning_block(result),
         files_block(result, ("pour_sheet_a4", "mould")), more, more="  ... and {} more checks: --details",
     )  # fmt: skip
 
 
-def _short(lines: list[str], result: dict[str, Any]) -> str:
-    """A job of several moulds on one screen."""
-    kept = [line for line in lines if not line.startswith(("warning: ", "job: ", "job_pdf: ", "manifest: "))]
-    return screen([], kept, warning_block(result), files_block(result, ("job_pdf", "job")))
+def _counted(checks: list[dict[str, Any]], word: str = "") -> str:
+    """How many checks passed, failed and were skipped."""
+    counts = Counter(one["status"] for one in checks)
+    return f"{counts['pass']}{word} passed, {counts['fail']} failed, {counts['skipped']} skipped"
+
+
+def _not_passed(result: dict[str, Any]) -> list[str]:
+    """A line for each check that did not pass."""
+    return [f"  {item['status']:<8}{item['id']}: {item.get('note', '')}"
+            for item in result.get("checks", []) if item["status"] != "pass"]  # fmt: skip
 
 
 def render_details(result: dict[str, Any]) -> str:
@@ -216,53 +219,38 @@ def render_details(result: dict[str, Any]) -> str:
         return _job(result)
     inputs, pour = result["inputs"], result["pour"]
     size = f"{inputs['length_mm']:g} x {inputs['width_mm']:g} x {inputs['thickness_mm']:g} mm"
-    several = f"{inputs['count']} pads" if inputs.get("count", 1) > 1 else "a"
-    pads = f"{several} {inputs['shape']} pad" if several == "a" else f"{several} ({inputs['shape']}), each"
-    lines = [
-        f"Mould ({inputs['preset']}) for {pads} of {size}, specification {result['spec_hash']}",
-        "",
-    ]
-    batch = result["batch"]
+    count, batch = inputs.get("count", 1), result["batch"]
+    pads = f"a {inputs['shape']} pad" if count == 1 else f"{count} pads ({inputs['shape']}), each"
     first = "upper layer, poured first: " if "base" in batch else ""
-    lines.append(f"Mix ({first}{inputs['resin']}, ratio {inputs['ratio']:g} {inputs['ratio_meaning']})")
-    lines += _weights(batch, inputs.get("count", 1))
+    lines = [f"Mould ({inputs['preset']}) for {pads} of {size}, specification {result['spec_hash']}", "",
+             f"Mix ({first}{inputs['resin']}, ratio {inputs['ratio']:g} {inputs['ratio_meaning']})",
+             *_weights(batch, count)]  # fmt: skip
     if "base" in batch:
         lines.append(f"Mix (base layer, poured second: {inputs['resin']}, ratio {inputs['base_ratio']:.4g})")
-        lines += _weights(batch["base"], inputs.get("count", 1))
+        lines += _weights(batch["base"], count)
     if pour["silicone_mass_g"]:
         lines.append(f"  {'silicone':<14}{pour['silicone_mass_g']:10.0f} g   for the mould itself")
     volumes = result.get("volumes_mm3", {})
     if volumes:
-        lines += ["", "Volumes"]
-        lines += [f"  {name:<16}{volume / 1000:10.2f} cm3" for name, volume in volumes.items()]
-    checks = result.get("checks", [])
-    if checks:
-        counts = {status: sum(c["status"] == status for c in checks) for status in ("pass", "fail", "skipped")}
-        lines += ["", f"Checks: {counts['pass']} passed, {counts['fail']} failed, {counts['skipped']} skipped"]
-        for item in checks:
-            if item["status"] != "pass":
-                lines.append(f"  {item['status']:<8}{item['id']}: {item.get('note', '')}")
+        lines += ["", "Volumes", *(f"  {name:<16}{volume / 1000:10.2f} cm3" for name, volume in volumes.items())]
+    if result.get("checks"):
+        lines += ["", f"Checks: {_counted(result['checks'])}", *_not_passed(result)]
     if result["files"]:
         folder = Path(next(iter(result["files"].values()))).parent
-        lines += ["", f"Files in {folder}"]
-        lines += [f"  {role:<24}{Path(path).name}" for role, path in result["files"].items()]
+        files = (f"  {role:<24}{Path(path).name}" for role, path in result["files"].items())
+        lines += ["", f"Files in {folder}", *files]
     if result["warnings"]:
-        lines += ["", "Cautions"]
-        lines += [f"  - {item['message']}" for item in result["warnings"]]
+        lines += ["", "Cautions", *(f"  - {item['message']}" for item in result["warnings"])]
     return "\n".join(lines)
 
 
 def _job(result: dict[str, Any]) -> str:
     """One line a mould, then what all need."""
-    lines = []
-    for one in result["moulds"]:
-        counts = {status: sum(c["status"] == status for c in one["checks"]) for status in ("pass", "fail", "skipped")}
-        counted = f"{counts['pass']} checks passed, {counts['fail']} failed, {counts['skipped']} skipped"
-        lines.append(f"{one['thickness_mm']:>6g} mm  {one['spec_hash']}  {counted}  {one['folder']}")
+    lines = [f"{one['thickness_mm']:>6g} mm  {one['spec_hash']}  {_counted(one['checks'], ' checks')}  {one['folder']}"
+             for one in result["moulds"]]  # fmt: skip
     if "bill_of_materials" not in result:
         # One of them failed, and what was made is not kept.
-        failed = [item for item in result.get("checks", []) if item["status"] == "fail"]
-        return "\n".join([*lines, *(f"  fail    {item['id']}: {item.get('note', '')}" for item in failed)])
+        return "\n".join(lines + [line for line in _not_passed(result) if line.startswith("  fail ")])
     lines += ["", f"Needed for all, {result['inputs']['castings']} castings of each"]
     lines += [f"  {what:<46}{much:<16}{purpose}" for what, much, purpose in result["bill_of_materials"][1:]]
     lines += ["", *(f"{role}: {result['files'][role]}" for role in ("job", "job_pdf", "manifest"))]

@@ -7,32 +7,29 @@ import re
 from typing import Any
 
 from dummydesign.cli.common_options import add_replace_option, call_in_steps
-from dummydesign.cli.text import INDENT, WIDTH, files_block, fitted, labelled, warning_block
+from dummydesign.cli.text import INDENT, WIDTH, files_block, fitted, labelled, step_lines, warning_block
 
 HELP = "Compute what a press measured on a pad would have been on people; compare it with your limits."
 ABOUT_STEPS = 6
 NUMBER_UNIT = re.compile(r"(?<=\d) (?=(?:%|N|mm|mJ|kg|s|mm/s|N/mm|N/cm2|times)(?:[\s.,;:)]|$))")
-MOST_WARNINGS, MOST_CHECKS = 2, 4
-FILES = ("report", "first_page", "curves")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
+    add = parser.add_argument
     columns = "one press a file: columns time_s, displacement_mm, force_N, zero at contact ('dummydesign import')"
-    parser.add_argument("traces", nargs="+", metavar="TRACE.csv", help=columns)
+    add("traces", nargs="+", metavar="TRACE.csv", help=columns)
     people = "the people: a name of 'dummydesign tissues list', or a tissue file"
-    parser.add_argument("--tissue", required=True, metavar="NAME|FILE", help=people)
+    add("--tissue", required=True, metavar="NAME|FILE", help=people)
     drives = "what moves the robot: position (default), steady, force, mass:KG, spring:K,M or spring:K,M,ZETA"
-    parser.add_argument("--drive", default="position", metavar="NAME", help=drives)
+    add("--drive", default="position", metavar="NAME", help=drives)
     limits = "your limits of force and pressure, with their source; without it, a template is written"
-    parser.add_argument("--limits", metavar="FILE.toml", help=limits)
-    passed = "low-pass filter of the force sensor; its delay is undone"
-    parser.add_argument("--lowpass", metavar="HZ[:ORDER[:PASSES]]", help=passed)
-    rate = "samples per second of on_person.csv (default 1000)"
-    parser.add_argument("--rate", default=1000.0, metavar="HZ", help=rate)
+    add("--limits", metavar="FILE.toml", help=limits)
+    add("--lowpass", metavar="HZ[:ORDER[:PASSES]]", help="low-pass filter of the force sensor; its delay is undone")
+    add("--rate", default=1000.0, metavar="HZ", help="samples per second of on_person.csv (default 1000)")
     faces = "face of the punch, for the mean pressure (default square:14)"
-    parser.add_argument("--punch", default="square:14", metavar="KIND:SIZE", help=faces)
-    parser.add_argument("--out", metavar="DIR", help="folder of report and curves (default on-person-TISSUE)")
+    add("--punch", default="square:14", metavar="KIND:SIZE", help=faces)
+    add("--out", metavar="DIR", help="folder of report and curves (default on-person-TISSUE)")
     add_replace_option(parser)
 
 
@@ -54,11 +51,11 @@ def render(result: dict[str, Any]) -> str:
     """Lay the answer out on one screen."""
     from dummydesign.report import on_person_facts as facts
 
-    limits = ["", *_limits(result, MOST_CHECKS)] if facts.limit_rows(result) else []
-    warnings = warning_block(result, facts.IN_HEADLINE, MOST_WARNINGS)
+    limits = ["", *_limits(result, 4)] if facts.limit_rows(result) else []
     notes, checks = len(result["warnings"]), "all limits, " if limits else ""
-    more = labelled("MORE", f"--details: each subject, {checks}{notes} note{'s' * (notes != 1)}")
-    tail = [limits, ["", *_drive(result)], warnings, _next(result), files_block(result, FILES), more]
+    tail = [limits, ["", *_drive(result)], warning_block(result, facts.IN_HEADLINE, 2),
+            step_lines(facts.next_steps(result)), files_block(result, ("report", "first_page", "curves")),
+            labelled("MORE", f"--details: each subject, {checks}{notes} note{'s' * (notes != 1)}")]  # fmt: skip
     head, left_out = [*_headline(result), ""], "  ... and {} more presses: --details"
     return "\n".join(fitted(head, _table(result), tail, (1,), left_out))
 
@@ -75,7 +72,7 @@ def render_details(result: dict[str, Any]) -> str:
     checks = _limits(result, None)
     lines += [*checks, *([""] if checks else []), *_drive(result)]
     lines += [line for one in result["warnings"] for line in labelled("NOTE", one["message"])]
-    lines += _next(result)
+    lines += step_lines(facts.next_steps(result))
     return "\n".join([*lines, *(f"{role}: {path}" for role, path in result["files"].items())])
 
 
@@ -129,12 +126,3 @@ def _drive(result: dict[str, Any]) -> list[str]:
 
     drive = labelled("DRIVE", f"{result['drive']}: {read_drive(result['drive']).words}")
     return [*drive, *labelled("PEOPLE", people_text(result))]
-
-
-def _next(result: dict[str, Any]) -> list[str]:
-    """What to do now: the steps in their order, or the only one."""
-    from dummydesign.report.on_person_facts import next_steps
-
-    steps = next_steps(result)
-    return labelled("NEXT", steps[0] if len(steps) == 1 else "\n".join(
-        f"{number}. {step}" for number, step in enumerate(steps, 1)))  # fmt: skip

@@ -6,7 +6,7 @@ import argparse
 from typing import Any
 
 from dummydesign.cli.common_options import call
-from dummydesign.cli.text import labelled, screen, tissue_lines, verdict_lines, warning_block, warning_lines
+from dummydesign.cli.text import labelled, screen, table, tissue_lines, verdict_lines, warning_block, warning_lines
 
 HELP = "Force of one pad at static depths, under a measured motion, or in a ramp and hold."
 SHOWN = 25
@@ -84,12 +84,8 @@ def render(result: dict[str, Any]) -> str:
         head += labelled("ERROR", _error_text(result))
     elif "presses" not in result and "conditions" not in result:
         head += labelled("FORCE", "static, fully relaxed at each depth; low and high: the model's own uncertainty")
-    tail = []
-    for contact in result.get("contact_pressure", []):
-        edge = f", at the edge up to {contact['edge_kPa']:.3g} kPa" if contact["edge_kPa"] > contact["peak_kPa"] else ""
-        tail += labelled("CONTACT", f"at {contact['depth_mm']:.3g} mm: mean {contact['mean_kPa']:.3g} kPa, peak "
-                                    f"{contact['peak_kPa']:.3g} kPa at radius {contact['peak_radius_mm']:.2g} mm{edge}")
-    table = _tissue_presses(result) if "conditions" in result else (
+    tail = [line for text in _contact_texts(result) for line in labelled("CONTACT", text)]
+    rows = _tissue_presses(result) if "conditions" in result else (
         _press_lines(result["presses"]) if "presses" in result else _curve_lines(result, 12)[-13:])  # fmt: skip
     written = _files_written(result)
     curve = "" if any(role.startswith("curve") for role in result.get("files", {})) else "; --out FILE writes the curve"
@@ -98,7 +94,17 @@ def render(result: dict[str, Any]) -> str:
     if len(written) > 3:
         written = [*written[:2], f"and {len(written) - 2} more"]
     files = labelled("FILES", "\n".join(written)) if written else []
-    return screen([*head, ""], table, [""], tail[:4], warnings, files, more)
+    return screen([*head, ""], rows, [""], tail[:4], warnings, files, more)
+
+
+def _contact_texts(result: dict[str, Any]) -> list[str]:
+    """Contact pressure at each depth."""
+    texts = []
+    for one in result.get("contact_pressure", []):
+        edge = f", at the edge up to {one['edge_kPa']:.3g} kPa" if one["edge_kPa"] > one["peak_kPa"] else ""
+        texts.append(f"at {one['depth_mm']:.3g} mm: mean {one['mean_kPa']:.3g} kPa, peak {one['peak_kPa']:.3g} kPa "
+                     f"at radius {one['peak_radius_mm']:.2g} mm{edge}")  # fmt: skip
+    return texts
 
 
 def _error_text(result: dict[str, Any]) -> str:
@@ -112,8 +118,7 @@ def _error_text(result: dict[str, Any]) -> str:
 
 def _files_written(result: dict[str, Any]) -> list[str]:
     """Paths of curves, fields and picture."""
-    paths = (path for path in result.get("files", {}).values())
-    return [one for path in paths for one in (path if isinstance(path, list) else [path])]
+    return [one for path in result.get("files", {}).values() for one in (path if isinstance(path, list) else [path])]
 
 
 def _tissue_presses(result: dict[str, Any]) -> list[str]:
@@ -150,18 +155,11 @@ def render_details(result: dict[str, Any]) -> str:
         span = f"{row['target_peak_low_N']:.1f} to {row['target_peak_high_N']:.1f} N"
         lines.append(f"{head}{row['depth_mm']:.2f} mm deep, peak {row['peak_force_N']:.1f} N, the subjects' {span}")
     lines += _press_lines(result["presses"]) if "presses" in result else _curve_lines(result)
-    for contact in result.get("contact_pressure", []):
-        edge = f", at the edge up to {contact['edge_kPa']:.3g} kPa" if contact["edge_kPa"] > contact["peak_kPa"] else ""
-        lines.append(
-            f"contact pressure at {contact['depth_mm']:.3g} mm: mean {contact['mean_kPa']:.3g} kPa, "
-            f"peak {contact['peak_kPa']:.3g} kPa at radius {contact['peak_radius_mm']:.2g} mm{edge}"
-        )
+    lines += [f"contact pressure {text}" for text in _contact_texts(result)]
     solver = result["solver"]
     if solver["unknowns"]:
-        lines.append(
-            f"solved {solver['unknowns']} unknowns, {solver['load_steps']} load steps, "
-            f"{solver['newton_iterations']} Newton iterations, {solver['seconds']:.1f} s"
-        )
+        lines.append(f"solved {solver['unknowns']} unknowns, {solver['load_steps']} load steps, "
+                     f"{solver['newton_iterations']} Newton iterations, {solver['seconds']:.1f} s")  # fmt: skip
     others = [item for item in result["warnings"] if item["code"] != NO_RELAXATION]
     lines += warning_lines({"warnings": others})
     lines += [f"written: {path}" for path in _files_written(result)]
@@ -181,27 +179,24 @@ def _press_lines(presses: list[dict[str, Any]]) -> list[str]:
     return lines
 
 
+MOVED = {"time_s": ">10.4f", "displacement_mm": ">16.3f", "force_N": ">10.3f"}
+STATIC = {"depth_mm": ">9.3f", "force_N": ">9.3f", "force_low_N": ">12.3f", "force_high_N": ">13.3f",
+          "local_exponent": ">15.3f"}  # fmt: skip
+
+
 def _curve_lines(result: dict[str, Any], shown: int = SHOWN) -> list[str]:
     """A curve over depth or over time, thinned."""
-    lines: list[str] = []
-    names: tuple[str, ...]
-    formats: tuple[str, ...]
-    if "peak_force_N" in result:
-        lines += [
-            f"peak force    {result['peak_force_N']:.3f} N at {result['peak_time_s']:.4f} s",
-            f"force at end  {result['steady_force_N']:.3f} N",
-        ]
-        names, formats = ("time_s", "displacement_mm", "force_N"), ("{:>10.4f}", "{:>16.3f}", "{:>10.3f}")
+    moved = "peak_force_N" in result
+    forms, lines = (MOVED, [
+        f"peak force    {result['peak_force_N']:.3f} N at {result['peak_time_s']:.4f} s",
+        f"force at end  {result['steady_force_N']:.3f} N",
+    ]) if moved else (STATIC, [])  # fmt: skip
+    rows = list(zip(*(result[name] for name in forms)))
+    if moved and shown < SHOWN:
+        rows = _spread_in_time(rows, result["peak_time_s"], shown)
     else:
-        names = ("depth_mm", "force_N", "force_low_N", "force_high_N", "local_exponent")
-        formats = ("{:>9.3f}", "{:>9.3f}", "{:>12.3f}", "{:>13.3f}", "{:>15.3f}")
-    lines.append(" ".join(f"{name:>{len(form.format(0))}}" for name, form in zip(names, formats)))
-    rows = list(zip(*(result[name] for name in names)))
-    picked: Any = slice(None, None, max(1, -(-len(rows) // shown)))
-    if "peak_force_N" in result and shown < SHOWN:
-        rows, picked = _spread_in_time(rows, result["peak_time_s"], shown), slice(None)
-    lines += [" ".join(form.format(value) for form, value in zip(formats, row)) for row in rows[picked]]
-    return lines
+        rows = rows[:: max(1, -(-len(rows) // shown))]
+    return lines + table((dict(zip(forms, row)) for row in rows), [(name, name, form) for name, form in forms.items()])
 
 
 def _spread_in_time(rows: list[tuple[float, ...]], peak_s: float, shown: int) -> list[tuple[float, ...]]:

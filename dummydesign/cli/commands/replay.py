@@ -6,17 +6,17 @@ import argparse
 from typing import Any
 
 from dummydesign.cli.common_options import add_effect_option, call_in_steps
-from dummydesign.cli.text import labelled, screen, verdict_lines, warning_block, warning_lines
+from dummydesign.cli.text import labelled, screen, table, verdict_lines, warning_block, warning_lines
 
 HELP = "Predict a campaign with a calibration written by 'loop', and compare with what was measured."
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
-    parser.add_argument("campaign", metavar="CAMPAIGN_DIR", help="folder with campaign.toml and one CSV per trial")
-    parser.add_argument("--calibration", metavar="FILE", required=True, help="calibration.json of 'dummydesign loop'")
-    words = "judge each pad of the campaign by its presses, as 'compare' does"
-    parser.add_argument("--tissue", metavar="NAME|FILE", help=words)
+    add = parser.add_argument
+    add("campaign", metavar="CAMPAIGN_DIR", help="folder with campaign.toml and one CSV per trial")
+    add("--calibration", metavar="FILE", required=True, help="calibration.json of 'dummydesign loop'")
+    add("--tissue", metavar="NAME|FILE", help="judge each pad of the campaign by its presses, as 'compare' does")
     add_effect_option(parser)
 
 
@@ -38,32 +38,31 @@ def render(result: dict[str, Any]) -> str:
         text = f"{result['rmse_N']:.4f} N rms with {', '.join(result['effects'])}; "
         text += f"{result['base_rmse_N']:.4f} N with the base model"
     head = [*verdict_lines(result["verdict"]), *labelled("ERROR", f"{text}; {len(result['trials'])} presses")]
-    for pad in result["pads"] if len(result["pads"]) > 1 else ():
-        level = pad["reason"] if pad["verdict"] is None else pad["verdict"]["level"].replace("_", " ")
-        head += labelled("PAD", f"{pad['shape']}, {pad['thickness_mm']:g} mm: {level}", 1)
+    head += [line for pad in _pads(result) for line in labelled("PAD", pad, 1)]
     ordered = sorted(result["trials"], key=lambda row: -row["rmse_N"])
-    table = [TRIALS, *(_trial(row) for row in ordered)]
+    presses = table(ordered, [("press, largest error first", "file", "<28.28"), *ERRORS], "  ")
     more = labelled("MORE", "--details: every press and pad")
-    return screen([*head[:14], ""], table, [""], warning_block(result), more)
+    return screen([*head[:14], ""], presses, [""], warning_block(result), more)
 
 
-TRIALS = f"  {'press, largest error first':<28} {'rms N':>9} {'base rms N':>11} {'peak error N':>13}"
+ERRORS = [("rms N", "rmse_N", ">9.4f"), ("base rms N", "base_rmse_N", ">11.4f"),
+          ("peak error N", "peak_error_N", ">+13.4f")]  # fmt: skip
 
 
-def _trial(row: dict[str, Any]) -> str:
-    errors = f"{row['rmse_N']:>9.4f} {row['base_rmse_N']:>11.4f} {row['peak_error_N']:>+13.4f}"
-    return f"  {row['file'][:28]:<28} {errors}"
+def _pads(result: dict[str, Any]) -> list[str]:
+    """The verdict on each of several pads."""
+    if len(result["pads"]) < 2:
+        return []
+    levels = (pad["reason"] if pad["verdict"] is None else pad["verdict"]["level"].replace("_", " ")
+              for pad in result["pads"])  # fmt: skip
+    return [f"{pad['shape']}, {pad['thickness_mm']:g} mm: {level}" for pad, level in zip(result["pads"], levels)]
 
 
 def render_details(result: dict[str, Any]) -> str:
     """Make the readable table."""
     lines = verdict_lines(result["verdict"])
-    if len(result["pads"]) > 1:
-        lines.append("verdict of the worst pad; by pad:")
-    for pad in result["pads"] if len(result["pads"]) > 1 else ():
-        level = pad["reason"] if pad["verdict"] is None else pad["verdict"]["level"].replace("_", " ")
-        lines.append(f"{pad['shape']}, {pad['thickness_mm']:g} mm: {level}")
-    lines += [TRIALS.replace(", largest error first", " " * 21), *(_trial(row) for row in result["trials"])]
+    lines += ["verdict of the worst pad; by pad:", *pads] if (pads := _pads(result)) else []
+    lines += table(result["trials"], [("press", "file", "<28.28"), *ERRORS], "  ")
     effects = ", ".join(result["effects"]) or "no effect"
     lines.append(f"all: {result['rmse_N']:.4f} N with {effects}; {result['base_rmse_N']:.4f} N with the base model")
     return "\n".join(lines + warning_lines(result))

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import argparse
+from collections import Counter
 from typing import Any
 
+from dummydesign.cli import text
 from dummydesign.cli.common_options import ACTIONS, add_own_actions, render_own, run_own
-from dummydesign.cli.text import file_lines, files_block, labelled, screen, shortened, warning_block, warning_lines
+from dummydesign.cli.text import file_lines, labelled, screen, table, warning_lines
 from dummydesign.core.errors import InputError
 
 HELP = "List the known resins, show one with all its numbers and sources, and add, rename or remove your own."
@@ -16,17 +18,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the actions."""
     words = "list|show|add|add-compression|remove|rename|path"
     actions = parser.add_subparsers(dest="action", required=True, metavar=words, help="what to do")
-    actions.add_parser("list", help="names, origin, ratio and modulus range", allow_abbrev=False)
-    show = actions.add_parser("show", help="one resin, every number with its source", allow_abbrev=False)
+    actions.add_parser("list", help="names, origin, ratio and modulus range")
+    show = actions.add_parser("show", help="one resin, every number with its source")
     show.add_argument("name", metavar="NAME", help="a known resin or a TOML file")
     show.add_argument("--out", metavar="DIR", help="also write a plot and its CSV")
-    words = "keep a resin file, or update a resin by a file of measured points"
-    add = actions.add_parser("add", help=words, allow_abbrev=False)
+    add = actions.add_parser("add", help="keep a resin file, or update a resin by a file of measured points")
     add.add_argument("file", metavar="FILE", help="TOML file of a resin, or of points: base, name and [[point]]s")
-    words = "take the place of a resin of your own that has this name"
-    add.add_argument("--replace", action="store_true", help=words)
-    words = "modulus and relaxation of a batch from its puck's curve"
-    puck = actions.add_parser("add-compression", help=words, allow_abbrev=False)
+    add.add_argument("--replace", action="store_true", help="take the place of a resin of your own that has this name")
+    puck = actions.add_parser("add-compression", help="modulus and relaxation of a batch from its puck's curve")
     words = "time_s, displacement_mm, force_N: one slow loading, or ramps and holds"
     puck.add_argument("file", metavar="TRACE.csv", help=words)
     puck.add_argument("--diameter", type=float, required=True, metavar="MM", help="of the puck")
@@ -34,8 +33,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     puck.add_argument("--name", required=True, help="of the resin that results")
     puck.add_argument("--ratio", type=float, required=True, metavar="R", help="mixing ratio of the puck")
     puck.add_argument("--resin", metavar="BASE", help="resin whose law is updated")
-    words = "begin NAME again, without the points it has"
-    puck.add_argument("--replace", action="store_true", help=words)
+    puck.add_argument("--replace", action="store_true", help="begin NAME again, without the points it has")
     add_own_actions(actions, "resin")
 
 
@@ -95,11 +93,11 @@ def _add(options: argparse.Namespace) -> dict[str, Any]:
 def _add_compression(options: argparse.Namespace) -> dict[str, Any]:
     from dummydesign.resin.puck_test.add_compression import add_compression
 
-    done = add_compression(options.file, options.diameter, options.height, options.name, options.ratio, options.resin,
-                           options.replace)  # fmt: skip
     given = {"file": options.file, "diameter_mm": options.diameter, "height_mm": options.height, "name": options.name,
-             "ratio": options.ratio, "resin": options.resin}  # fmt: skip
-    return {"inputs": {"action": "add-compression", **given}, "sources": [done.young_kPa.source], **done.to_dict()}
+             "ratio": options.ratio}  # fmt: skip
+    done = add_compression(**given, base=options.resin, replace_own=options.replace)
+    inputs = {"action": "add-compression", **given, "resin": options.resin}
+    return {"inputs": inputs, "sources": [done.young_kPa.source], **done.to_dict()}
 
 
 def render(result: dict[str, Any]) -> str:
@@ -108,16 +106,17 @@ def render(result: dict[str, Any]) -> str:
         return render_details(result)
     rows = _render_resin(result)
     end = next((row for row, line in enumerate(rows) if line.startswith("numbers (")), len(rows))
-    kinds: dict[str, int] = {}
-    for item in result["numbers"].values():
-        kinds[item["kind"]] = kinds.get(item["kind"], 0) + 1
-    text = ", ".join(f"{count} {kind}" for kind, count in kinds.items())
-    notes = [line for note in result["resin"]["notes"][:2] for line in labelled("NOTE", shortened(note, 170), 2)]
+    kinds = Counter(item["kind"] for item in result["numbers"].values())
+    counted = ", ".join(f"{count} {kind}" for kind, count in kinds.items())
     return screen(
-        [*labelled("RESIN", rows[0], 2), *rows[1:3]], rows[3 : end - 1], [""], labelled("NUMBERS", text), notes,
-        warning_block(result, most=2), files_block(result, ()),
+        [*labelled("RESIN", rows[0], 2), *rows[1:3]], rows[3 : end - 1], [""], labelled("NUMBERS", counted),
+        text.notes_block(result["resin"]["notes"]), text.warning_block(result, most=2), text.files_block(result, ()),
         labelled("MORE", "--details: every number with its interval and source, all notes"),
     )  # fmt: skip
+
+
+LISTED = [("name", "name", "<20"), ("origin", "origin", "<9"), ("ratio", "ratio", "<9"), ("E in kPa", "young", "<13"),
+          ("ratio definition", "ratio_meaning", "<1")]  # fmt: skip
 
 
 def render_details(result: dict[str, Any]) -> str:
@@ -127,11 +126,9 @@ def render_details(result: dict[str, Any]) -> str:
         return own
     lines: list[str] = []
     if "resins" in result:
-        lines.append(f"{'name':<20} {'origin':<9} {'ratio':<9} {'E in kPa':<13} ratio definition")
-        for row in result["resins"]:
-            ratio = "{:g} to {:g}".format(*row["ratio_range"])
-            young = "{:.3g} to {:.3g}".format(*row["young_kPa_range"])
-            lines.append(f"{row['name']:<20} {row['origin']:<9} {ratio:<9} {young:<13} {row['ratio_meaning']}")
+        rows = [{**row, "ratio": "{:g} to {:g}".format(*row["ratio_range"]),
+                 "young": "{:.3g} to {:.3g}".format(*row["young_kPa_range"])} for row in result["resins"]]  # fmt: skip
+        lines += table(rows, LISTED)
     elif "young_kPa" in result:
         lines += _render_puck(result)
     else:
@@ -160,21 +157,17 @@ def _render_puck(result: dict[str, Any]) -> list[str]:
 def _render_relaxation(relaxation: dict[str, Any] | None) -> list[str]:
     if relaxation is None:
         return []
-    lines = []
-    for arm in relaxation["prony"]:
-        beta, tau = arm["beta"], arm["tau_s"]
-        lines.append(
-            f"term      {beta['value']:.3g} of the long-term modulus (95 %: {beta['low']:.3g} to {beta['high']:.3g}) "
-            f"at {tau['value']:.3g} s ({tau['low']:.3g} to {tau['high']:.3g})"
-        )
+    pairs = ((arm["beta"], arm["tau_s"]) for arm in relaxation["prony"])
+    lines = [f"term      {beta['value']:.3g} of the long-term modulus (95 %: {beta['low']:.3g} to {beta['high']:.3g}) "
+             f"at {tau['value']:.3g} s ({tau['low']:.3g} to {tau['high']:.3g})" for beta, tau in pairs]  # fmt: skip
     return lines or ["term      none that the holds resolve"]
 
 
 def _render_resin(result: dict[str, Any]) -> list[str]:
     resin = result["resin"]
     columns = "  ratio   E kPa (95 % interval)     % of E per"
-    lines = [resin["title"], f"ratio: {resin['ratio_meaning']}", "", columns]
-    lines.append("                                  % of ratio   Prony terms, relative to the long-term modulus")
+    below = f"{'':34}% of ratio   Prony terms, relative to the long-term modulus"
+    lines = [resin["title"], f"ratio: {resin['ratio_meaning']}", "", columns, below]
     for row in result["curve"]:
         young = row["young_kPa"]
         arms = ", ".join(f"{arm['beta']:.2g} at {arm['tau_s']:g} s" for arm in row["prony"])
@@ -190,4 +183,4 @@ def _render_resin(result: dict[str, Any]) -> list[str]:
     for name, item in result["numbers"].items():
         lines.append(f"  {name:<26} {item['value']:<8.4g} {item['low']:.4g} to {item['high']:.4g}  {item['kind']}")
         lines.append(f"      {item['source']}")
-    return [*lines, *(f"note: {text}" for text in resin["notes"]), *file_lines({"files": {}, **result})]
+    return [*lines, *(f"note: {note}" for note in resin["notes"]), *file_lines({"files": {}, **result})]

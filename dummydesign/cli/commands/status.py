@@ -56,10 +56,8 @@ def status_line(one: dict[str, Any]) -> str:
         left = f", {summary['wrong']} problem{'s' * (summary['wrong'] > 1)}" if summary["wrong"] else ""
         return f"{summary['pressed']} of {summary['pressed'] + summary['missing']} presses are there{left}"
     if "thickness_mm" in summary and "ratio" in summary:
-        verdict = str(summary.get("verdict", "")).replace("_", " ")
-        return f"{summary['thickness_mm']:g} mm {summary['shape']}, ratio {summary['ratio']:g}" + (
-            f": {verdict}" if verdict else ""
-        )
+        verdict = f": {summary['verdict']}".replace("_", " ") if summary.get("verdict") else ""
+        return f"{summary['thickness_mm']:g} mm {summary['shape']}, ratio {summary['ratio']:g}{verdict}"
     if "traces" in summary:
         return f"{summary['traces']} presses"
     if "effects" in summary:

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import argparse
+from importlib import import_module
 from typing import Any
 
-from dummydesign.cli.common_options import ACTIONS, add_own_actions, render_own, run_own
-from dummydesign.cli.text import file_lines, files_block, labelled, screen, shortened, warning_block, warning_lines
+from dummydesign.cli import text
+from dummydesign.cli.common_options import ACTIONS, add_own_actions, call, render_own, run_own
+from dummydesign.cli.text import file_lines, labelled, screen, table, warning_lines
 from dummydesign.core.errors import InputError
 
 HELP = "List the known tissues, show one with all its numbers and sources, and add, rename or remove your own."
@@ -29,7 +31,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     curves = actions.add_parser("add-curves", help="make a tissue from one table of several people's curves")
     curves.add_argument("name", metavar="NAME", help="name of the new tissue")
     columns = "columns subject,velocity_mm_s,time_s,depth_mm,force_N; a hold with its times is needed"
-    curves.add_argument("curves", metavar="FILE.csv", help=columns)
+    curves.add_argument("table", metavar="FILE.csv", help=columns)
     law = "auto (default: ode where it follows the curves, else none), none (the curves themselves), "
     curves.add_argument("--law", default="auto", help=law + "ode, consistent or published")
     curves.add_argument("--elements", default="5", help="3, 5 or 7 (default 5)")
@@ -52,6 +54,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_own_actions(actions, "tissue")
 
 
+ADDING = {
+    "add": ("from_traces", "add_tissue"), "add-curves": ("from_curves", "add_curves"),
+    "add-points": ("from_points", "add_points"), "add-spring": ("from_springs", "add_spring"),
+    "template": ("from_springs", "write_template"), "add-regions": ("from_springs", "add_regions"),
+}  # fmt: skip
+"""Module and function of each action that makes or changes a tissue."""
+
+
 def run(options: argparse.Namespace) -> dict[str, Any]:
     """Run the chosen action."""
     if options.action in ACTIONS:
@@ -60,35 +70,14 @@ def run(options: argparse.Namespace) -> dict[str, Any]:
         return _list()
     if options.action == "show":
         return _show(options.name)
-    if options.action == "add":
-        from dummydesign.tissue.adding.from_traces import add_tissue
-
-        return add_tissue(options.name, options.files, options.law, options.elements, options.lowpass, options.replace)
-    if options.action == "add-curves":
-        from dummydesign.tissue.adding.from_curves import add_curves
-
-        return add_curves(options.name, options.curves, options.law, options.elements, options.replace)
-    if options.action == "add-points":
-        from dummydesign.tissue.adding.from_points import add_points
-
-        return add_points(options.name, options.points)
-    if options.action in ("add-spring", "template", "add-regions"):
-        return _springs(options)
+    if options.action in ADDING:
+        module, function = ADDING[options.action]
+        add = getattr(import_module(f"dummydesign.tissue.adding.{module}"), function)
+        return call(add, options, **({"replace_own": options.replace} if "replace" in options else {}))
     actions = "list, show NAME, add NAME FILE..., add-curves NAME FILE.csv, add-points NAME POINTS.csv, "
     actions += "add-spring NAME, template FILE.csv, add-regions FILE.csv, "
     actions += "remove NAME, rename OLD NEW or path NAME"
     raise InputError(f"tissues needs an action: {actions}", "missing", "action")
-
-
-def _springs(options: argparse.Namespace) -> dict[str, Any]:
-    from dummydesign.tissue.adding.from_springs import add_regions, add_spring, write_template
-
-    if options.action == "template":
-        return write_template(options.path)
-    if options.action == "add-regions":
-        return add_regions(options.table, options.replace)
-    given = options.name, options.stiffness, options.spread, options.source, options.kind
-    return add_spring(*given, options.replace)
 
 
 def _list() -> dict[str, Any]:
@@ -123,19 +112,24 @@ def render(result: dict[str, Any]) -> str:
     rows = render_details(result).splitlines()
     words = "subject ", "note: ", "source: ", "warning: ", "what would narrow"
     files = set(file_lines({"files": {}, **result}))
-    table = [row for row in rows[1:] if not row.startswith(words) and row not in files]
+    shown = [row for row in rows[1:] if not row.startswith(words) and row not in files]
     people = [row.removeprefix("subject ") for row in rows if row.startswith("subject ")]
     if result["law"] != "curves":
         people = [f"{row.partition(', ')[0]})" if "(" in row else row for row in people]
-    table += ["", *(f"  {row}" for row in people)]
-    notes = [line for note in result["notes"][:2] for line in labelled("NOTE", shortened(note, 170), 2)]
+    shown += ["", *(f"  {row}" for row in people)]
     left = [one for one in result["warnings"] if one["message"] not in result["notes"]]
     following = result["next_measurement"]["text"] if "next_measurement" in result else ""
     return screen(
-        labelled("TISSUE", rows[0]), table, [""], notes, warning_block({"warnings": left}, most=2),
-        labelled("NEXT", following, 2), files_block(result, ()),
+        labelled("TISSUE", rows[0]), shown, [""], text.notes_block(result["notes"]),
+        text.warning_block({"warnings": left}, most=2), labelled("NEXT", following, 2), text.files_block(result, ()),
         labelled("MORE", "--details: where every number comes from, all notes"),
     )  # fmt: skip
+
+
+LISTED = [("tissue", "name", "<14"), ("origin", "origin", "<9"), ("kind", "kind", "<20"), ("law", "law", "<11"),
+          ("subjects", "people", ">8"), (" gamma1 N/mm3, or k N/mm", "steady", "<1")]  # fmt: skip
+BANDS = [("parameter", "label", "<26"), ("mean", "value", ">10.4g"), ("lowest", "low", ">10.4g"),
+         ("highest", "high", ">10.4g"), (" kind", "kind", "<1")]  # fmt: skip
 
 
 def render_details(result: dict[str, Any]) -> str:
@@ -152,37 +146,30 @@ def render_details(result: dict[str, Any]) -> str:
                  for row in result["added"]]  # fmt: skip
         return "\n".join(lines + warning_lines(result))
     if "tissues" in result:
-        lines = [f"{'tissue':<14} {'origin':<9} {'kind':<20} {'law':<11} subjects  gamma1 N/mm3, or k N/mm"]
+        rows = []
         for row in result["tissues"]:
             name, (low, high) = list(row.items())[-1]
-            at = name.removeprefix("depth_at_").removesuffix("_mm") if name.startswith("depth_at_") else ""
-            lines.append(
-                f"{row['name']:<14} {row['origin']:<9} {'+'.join(row['kinds']):<20} {row['law']:<11} "
-                f"{len(row['subjects']):>8}  {low:.3g} to {high:.3g}" + (f" mm at {at}" if at else "")
-            )
-        return "\n".join(lines + warning_lines(result))
+            at = f" mm at {name.removeprefix('depth_at_').removesuffix('_mm')}" if name.startswith("depth_at_") else ""
+            rows.append({**row, "kind": "+".join(row["kinds"]), "people": len(row["subjects"]),
+                         "steady": f" {low:.3g} to {high:.3g}{at}"})  # fmt: skip
+        return "\n".join(table(rows, LISTED) + warning_lines(result))
     measured = result["law"] == "curves"
     law = "measured curves, no law" if measured else f"law {result['law']}"
     lines = [f"{result['name']} ({result['title']}), {result['origin']}, {law}"]
     lines += [note for note in result["notes"] if measured]
-    lines.append(f"{'parameter':<26} {'mean':>10} {'lowest':>10} {'highest':>10}  kind")
-    for name, entry in parameter_rows(result["bands"]):
-        lines.append(
-            f"{name:<26} {entry['value']:>10.4g} {entry['low']:>10.4g} {entry['high']:>10.4g}  {entry['kind']}"
-        )
+    bands = [{"label": label, **one, "kind": f" {one['kind']}"} for label, one in parameter_rows(result["bands"])]
+    lines += table(bands, BANDS)
     for subject in result["subjects"]:
         if measured:
             cells = [f"{value['value']:.3g} mm at {key.removeprefix('depth_at_').removesuffix('N_mm')} N"
                      for key, value in subject.items() if key.startswith("depth_at_")]  # fmt: skip
             lines.append(f"subject {subject['name']:<16} {', '.join(cells)}")
             continue
-        spring = "k_N_per_mm" in subject
-        gamma1 = subject["k_N_per_mm" if spring else "gamma1_N_per_mm3"]
-        name = "k" if spring else "gamma1"
-        lines.append(
-            f"subject {subject['name']:<16} {name} {gamma1['value']:.4g} {'N/mm' if spring else 'N/mm3'} "
-            f"(95 %: {gamma1['low']:.4g} to {gamma1['high']:.4g}, {gamma1['kind']}: {gamma1['source']})"
-        )
+        key, name, unit = ("k_N_per_mm", "k", "N/mm") if "k_N_per_mm" in subject else (
+            "gamma1_N_per_mm3", "gamma1", "N/mm3")  # fmt: skip
+        one = subject[key]
+        lines.append(f"subject {subject['name']:<16} {name} {one['value']:.4g} {unit} (95 %: {one['low']:.4g} to "
+                     f"{one['high']:.4g}, {one['kind']}: {one['source']})")  # fmt: skip
     lines += [f"note: {note}" for note in result["notes"] if not measured]
     lines += [f"source: {source}" for source in result["sources"]]
     lines += file_lines({"files": {}, **result})

@@ -5,9 +5,10 @@ from __future__ import annotations
 import argparse
 from typing import Any
 
+from dummydesign.cli import text
 from dummydesign.cli.common_options import add_replace_option, call
 from dummydesign.cli.progress import Count
-from dummydesign.cli.text import files_block, labelled, screen, tissue_lines, warning_block, warning_lines
+from dummydesign.cli.text import columns_of, labelled, screen, table, tissue_lines, warning_lines
 
 HELP = "Compute many pads at once: depth, stiffness, local exponent, peak over steady, score for a tissue."
 SHOWN = 40
@@ -70,27 +71,23 @@ def render(result: dict[str, Any]) -> str:
     plane = facts.in_plane(rows)
     if plane:
         columns, depths, peaks, left = facts.plane_tables(rows)
-        widths, (text, peak_text) = (7, 8, *[9] * len(columns)), facts.plane_texts(rows)
-        table = [f"  {text}", *_lines(columns, depths, widths)]
+        widths, (depth_text, peak_text) = (7, 8, *[9] * len(columns)), facts.plane_texts(rows)
+        shown = [f"  {depth_text}", *columns_of((columns, *depths), widths)]
         if len(depths) <= BOTH:
-            table += ["", f"  {peak_text}", *_lines(columns, peaks, widths)]
+            shown += ["", f"  {peak_text}", *columns_of((columns, *peaks), widths)]
     else:
         columns, body, left = facts.first_table(rows)
         widths = (*[7] * columns.index("kPa"), 7, *[10] * (len(columns) - columns.index("kPa") - 2), 0)
-        table = [f"  {facts.first_text(rows)}", *_lines(columns, body, widths)]
+        shown = [f"  {facts.first_text(rows)}", *columns_of((columns, *body), widths)]
     if left > 0:
         columns_left = f"  {left} more thickness{'es' * (left != 1)}: --details"
-        table.append(columns_left if plane else f"  ... and {left} more designs: --details")
+        shown.append(columns_left if plane else f"  ... and {left} more designs: --details")
     more = "  ... and {} more rows: --details" if plane else "  ... and {} more designs: --details"
+    files = text.files_block(result, ("report", "first_page", "rows"))
     return screen(
-        [*head, ""], table, [""], warning_block(result), files_block(result, ("report", "first_page", "rows")),
+        [*head, ""], shown, [""], text.warning_block(result), files,
         labelled("MORE", "--details: exponents, peaks and every design; rows.csv has every number"), more=more,
     )  # fmt: skip
-
-
-def _lines(head: list[str], body: list[list[str]], widths: tuple[int, ...]) -> list[str]:
-    """A table as lines, each cell as wide as its column."""
-    return [("  " + "".join(f"{cell:<{wide}}" for cell, wide in zip(row, widths))).rstrip() for row in (head, *body)]
 
 
 def render_details(result: dict[str, Any]) -> str:
@@ -98,33 +95,28 @@ def render_details(result: dict[str, Any]) -> str:
     from dummydesign.report.whatif import best_first
 
     rows = best_first(result["rows"])
-    forces = list(rows[0]["depth_mm_at_N"])
-    speeds = list(rows[0]["peak_over_steady"])
     scored = "score" in rows[0]
     shaped = len({row["shape"] for row in rows} | {"slab"}) > 1
     filleted = any(row["edge_radius_mm"] for row in rows)
     supports = {(row["condition"], row["base"]) for row in rows}
-    head = f"{'mm':<6} {'ratio':<6} {'kPa':<7} {'punch':<12} " + ("face, base".ljust(22) if len(supports) > 1 else "")
-    head += "edge ".ljust(6) if filleted else ""
-    head += " ".join(f"x,n at {force} N".ljust(14) for force in forces)
-    head += " " + " ".join(f"peak {speed} mm/s".ljust(14) for speed in speeds)
+    columns = [("mm", "thickness_mm", "<6g"), ("ratio", "ratio", "<6g"), ("kPa", "young_kPa", "<7.3g"),
+               ("punch", "punch", "<12")]  # fmt: skip
+    columns += [("face, base", "support", "<21")] if len(supports) > 1 else []
+    columns += [("edge", "edge_radius_mm", "<5g")] if filleted else []
+    columns += [(f"x,n at {force} N", f"at {force} N", "<14") for force in rows[0]["depth_mm_at_N"]]
+    columns += [(f"peak {speed} mm/s", f"peak {speed}", "<14.2f") for speed in rows[0]["peak_over_steady"]]
+    columns += [("", name, "<1") for name, there in (("score", scored), ("shape", shaped)) if there]
     hold = result["inputs"]["hold_s"]
     end = "" if hold == 10.0 else f", the force at the end of a hold of {hold:g} s"
     what = f"x depth in mm, n local exponent d ln F / d ln x (both relaxed), peak over steady at 10 N steady{end}"
-    lines = [*tissue_lines(result), what, "", head]
+    shown = []
     for row in rows[:SHOWN]:
-        cells = []
-        for force in forces:
-            depth, exponent = row["depth_mm_at_N"][force], row["exponent_at_N"][force]
-            cells.append(("-" if depth is None else f"{depth:.2f}, {exponent:.2f}").ljust(14))
-        for value in row["peak_over_steady"].values():
-            cells.append(("-" if value is None else f"{value:.2f}").ljust(14))
-        line = f"{row['thickness_mm']:<6g} {row['ratio']:<6g} {row['young_kPa']:<7.3g} {row['punch']:<12} "
-        if len(supports) > 1:
-            line += f"{row['condition']}, {row['base']}".ljust(22)
-        line += f"{row['edge_radius_mm']:<6g}" if filleted else ""
-        line += " ".join(cells) + (f" score {row['score']['total']:.2f}" if scored else "")
-        lines.append(line + (f" {row['shape']}" if shaped else ""))
+        depths = {f"at {force} N": None if depth is None else f"{depth:.2f}, {row['exponent_at_N'][force]:.2f}"
+                  for force, depth in row["depth_mm_at_N"].items()}  # fmt: skip
+        peaks = {f"peak {speed}": value for speed, value in row["peak_over_steady"].items()}
+        score = {"score": f"score {row['score']['total']:.2f}"} if scored else {}
+        shown.append({**row, "support": f"{row['condition']}, {row['base']}", **depths, **peaks, **score})
+    lines = [*tissue_lines(result), what, "", *table(shown, columns)]
     if len(rows) > SHOWN:
         lines.append(f"... {len(rows) - SHOWN} more rows in {result['files']['rows']}")
     lines += ["", f"{len(rows)} designs in {result['seconds']:.2f} s; rows: {result['files']['rows']}"]

@@ -14,9 +14,9 @@ from dummydesign.core.errors import InputError
 from dummydesign.core.quantity import HALF_WIDTH
 from dummydesign.core.serialise import Serialised
 from dummydesign.design.scoring.presses import Slabs, make_curves, steady_depth
-from dummydesign.design.scoring.score import Evaluation, Readings, evaluate
+from dummydesign.design.scoring.score import Evaluation, evaluate
 from dummydesign.design.scoring.targets import Targets
-from dummydesign.design.scoring.verdict import Verdict, ranges_of, readings_of, verdict
+from dummydesign.design.scoring.verdict import Readings, Verdict, ranges_of, readings_of, verdict
 from dummydesign.pad.force_law import ForceLaw
 
 if TYPE_CHECKING:
@@ -122,7 +122,7 @@ class PadCastings:
     @cached_property
     def error(self) -> float:
         """Largest stated error of the force law over the pressed depths; 0 where none is stated."""
-        depth = self.candidate.evaluation.depth_mm[self.candidate.index]
+        depth = self.candidate.depth_mm
         known = depth[np.isfinite(depth)]
         stated = np.asarray(self.law.relative_error(known, self.candidate.thickness_mm, self.space.radius_mm))
         return float(np.max(stated[np.isfinite(stated)], initial=0.0))
@@ -145,9 +145,9 @@ class PadCastings:
         return readings_of(self.every if not known else self.pressed(known))
 
     @cached_property
-    def over_tissues(self) -> dict[int, tuple[NDArray, ...]]:
-        """Scores of the first castings for every tissue, by how many; filled where they are first wanted."""
-        return {}
+    def over_tissues(self) -> list[NDArray]:
+        """Scores of the first castings for every tissue; filled where they are first wanted."""
+        return []
 
     @cached_property
     def every(self) -> Evaluation:
@@ -175,16 +175,12 @@ def poured_slabs(law: ForceLaw, pours: Pours, space: SearchSpace) -> Slabs:
     low, high = float(thickness.min()), float(thickness.max())
     nodes = np.linspace(low, high, NODES) if high > low else np.array([low])
     index = np.rint((thickness - low) / max(high - low, 1e-12) * (len(nodes) - 1)).astype(int)
-    tau = tuple(arm.tau_s.value for arm in space.resin.arms)
-    return Slabs(make_curves(law, nodes, space.radius_mm), index, pours.young_MPa, tau, pours.beta)
+    return Slabs(make_curves(law, nodes, space.radius_mm), index, pours.young_MPa, space.resin.tau_s, pours.beta)
 
 
 def limits_that_bind(candidate: DesignCandidate, thickness_mm: NDArray, ratio: NDArray) -> tuple[str, ...]:
     """Which limits a design lies at: depth over thickness, and the ends of what was searched."""
-    depth = candidate.evaluation.depth_mm[candidate.index]
-    slabs = candidate.evaluation.slabs
-    limit = float(slabs.curves.limit_mm[slabs.slab[candidate.index]])
-    bound = []
+    depth, limit, bound = candidate.depth_mm, candidate.limit_mm, []
     if not np.isfinite(depth).all() or np.nanmax(depth) >= AT_LIMIT * limit:
         bound.append(f"depth over thickness (at most {limit / candidate.thickness_mm:.2f})")
     for name, value, steps, unit in (
@@ -200,9 +196,8 @@ def verdict_of_design(cast: PadCastings, beyond: float = 1.0) -> Verdict:
     """Verdict on a design: at central estimates, over its castings, and with the limits that bind it."""
     space, candidate = cast.space, cast.candidate
     bound = limits_that_bind(candidate, space.thickness_mm, space.ratio)
-    own = readings_of(candidate.evaluation, candidate.index)
     return verdict(
-        ranges_of(space.targets), own, cast.readings(), bound, measured=cast.readings(RESIN),
+        ranges_of(space.targets), candidate.readings, cast.readings(), bound, measured=cast.readings(RESIN),
         limits=space.targets.limits, beyond=beyond,
     )  # fmt: skip
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,33 +21,24 @@ from dummydesign.design.assessment.castings import (
     Pours,
     Tolerances,
 )
-from dummydesign.design.scoring.law_parameters import gamma1_score, rough_parametric
+from dummydesign.design.scoring.law_parameters import gamma1_score
 from dummydesign.design.scoring.presses import make_curves
-from dummydesign.design.scoring.score import (
-    CLASSES,
-    STANDS_FOR,
-    USABLE,
-    Evaluation,
-    classes,
-    evaluate,
-    evaluated_gamma1,
-    scored_for,
-)
+from dummydesign.design.scoring.score import Evaluation, evaluate, evaluated_gamma1, scored_for
+from dummydesign.design.scoring.targets import Targets
 from dummydesign.design.scoring.verdict import (
     ACCEPTABLE,
     BORDERLINE,
+    CLASSES,
+    STANDS_FOR,
+    USABLE,
     acceptability_rank,
+    classes,
     classes_of,
     deviations_of,
     ranges_of,
 )
-from dummydesign.design.search.best_of_kinds import Chosen, ShapeComparison, compare_shape, mixable
-from dummydesign.design.search.slabs import DesignCandidate, make_slabs, with_parameters
-
-if TYPE_CHECKING:
-    from dummydesign.design.scoring.targets import Targets
-    from dummydesign.design.search.slabs import SearchSpace
-
+from dummydesign.design.search.best_of_kinds import ShapeComparison, Shaped, compare_shape, mixable
+from dummydesign.design.search.slabs import DesignCandidate, SearchSpace, exact_candidates, make_slabs, with_parameters
 
 # Castings, the first of an answer's, that are scored for every tissue.
 POURS = 120
@@ -71,23 +61,23 @@ class TissueScores:
         return len(self.total) > 1
 
 
-def castings_for_tissues(cast: PadCastings, low_share: float, pours: int = POURS, worst: int = 1) -> TissueScores:
+def castings_for_tissues(cast: PadCastings, low_share: float, worst: int = 1) -> TissueScores:
     """Score castings of a pad for every tissue that is drawn; parameters are those of gamma1.
 
     What is scored is kept with the castings, as several parts of an answer rest on it; its shapes are (1 + tissues,
     castings), the tissue as stated first.
     """
-    if pours not in cast.over_tissues:
+    if not cast.over_tissues:
         space = cast.space
-        pressed = evaluate(cast.slabs(cast.pours().first(pours)), space.targets, space.sampling.coarse)
+        pressed = evaluate(cast.slabs(cast.pours().first(POURS)), space.targets, space.sampling.coarse)
         gamma1 = evaluated_gamma1(pressed, space.targets.power)
         rows = []
         for targets in (space.targets, *space.targets.drawn):
             evaluation = pressed if targets is space.targets else scored_for(pressed, targets)
             total = evaluation.total(gamma1_score(gamma1, targets))
             rows.append((total, evaluation.low_aim, classes_of(evaluation, targets)))
-        cast.over_tissues[pours] = tuple(np.array(values) for values in zip(*rows))
-    total, low_aim, kinds = cast.over_tissues[pours]
+        cast.over_tissues.extend(np.array(values) for values in zip(*rows))
+    total, low_aim, kinds = cast.over_tissues
     merit = (1.0 - low_share) * total + low_share * low_aim
     kept = slice(1, None) if len(total) > 1 else slice(None)
     return TissueScores(total[kept], merit[kept], (kinds <= worst)[kept], merit[0])
@@ -219,7 +209,7 @@ class Expectation(Serialised):
 class _Contender:
     """A pad that the search does not tell apart from the best, with its castings."""
 
-    chosen: Chosen
+    chosen: Shaped
     candidate: DesignCandidate
     cast: PadCastings
 
@@ -242,13 +232,13 @@ class _Contender:
 
 
 def by_expectation(
-    close: Sequence[Chosen], space: SearchSpace, castings: Castings, tolerances: Tolerances, low_share: float
-) -> tuple[Chosen, Expectation]:
+    close: Sequence[Shaped], space: SearchSpace, castings: Castings, tolerances: Tolerances, low_share: float
+) -> tuple[Shaped, Expectation]:
     """Take the pad of the best light, and of these the one with the largest expected score."""
     pads = [
         _Contender(chosen, candidate, PadCastings(castings, chosen.cast, candidate, space, tolerances))
         for chosen in close
-        for candidate in _near(chosen, space, low_share)
+        for candidate in _near(chosen, space)
     ]
     green = [pad.green for pad in pads]
     first, least = pads[0].candidate, pads[0].candidate.rank
@@ -277,12 +267,12 @@ def by_expectation(
         f"{winner.expected_worth:.3f} against {middle.expected_worth:.3f}, {shares} of castings usable"
     )
     if candidate is not chosen.result.best:
-        candidate = with_parameters([candidate], space)[0]
-        comparisons = tuple(
-            compare_shape(item.kind, chosen.shape, candidate, space, item.by or "table")
-            if item.kind == chosen.shape.name else item for item in chosen.comparisons
-        )  # fmt: skip
-        chosen = replace(chosen, result=replace(chosen.result, best=candidate), comparisons=comparisons)
+        chosen = replace(chosen, result=replace(chosen.result, best=with_parameters([candidate], space)[0]))
+        rows = tuple(
+            compare_shape(chosen, space, item.by or "table") if item.kind == chosen.shape.name else item
+            for item in chosen.comparisons
+        )
+        chosen = replace(chosen, comparisons=rows)
     return chosen, Expectation(text, True, winner, middle, undecided)
 
 
@@ -299,35 +289,26 @@ def _undecided(taken: int, pads: Sequence[_Contender], scores: dict[int, TissueS
             continue
         rank = np.argsort(np.argsort(strength))
         thirds = [gain[rank < len(gain) // 3], gain[rank >= len(gain) - len(gain) // 3]]
-        sizes = [one.mean() / (one.std(ddof=1) / np.sqrt(len(one))) for one in thirds]
-        if min(sizes) < -SURE and max(sizes) > SURE:
+        means = np.array([one.mean() for one in thirds])
+        sure = SURE * np.array([one.std(ddof=1) for one in thirds]) / np.sqrt(len(gain) // 3)
+        if (means < -sure).any() and (means > sure).any():
             return f"cannot choose between the {kind} and the {other} pad until the resin's relaxation is measured"
     return None
 
 
-def _near(chosen: Chosen, space: SearchSpace, low_share: float) -> list[DesignCandidate]:
+def _near(chosen: Shaped, space: SearchSpace) -> list[DesignCandidate]:
     """The best pad, and those of one step of the ratio either way that rank no lower."""
     best = chosen.result.best
     here = int(np.argmin(np.abs(space.ratio - best.ratio)))
-    steps = [
-        at
-        for at in (here - 1, here + 1)
-        if 0 <= at < len(space.ratio) and mixable(chosen.shape, float(space.ratio[at]), space.resin)
-    ]
+    beside = (at for at in (here - 1, here + 1) if 0 <= at < len(space.ratio))
+    steps = [at for at in beside if mixable(chosen.shape, float(space.ratio[at]), space.resin)]
     if not steps:
         return [best]
     curves = make_curves(chosen.cast, np.array([best.thickness_mm]), space.radius_mm)
     slabs = make_slabs(curves, np.zeros(len(steps), int), space.resin, space.ratio[steps])
-    evaluation = evaluate(slabs, space.targets, space.sampling, exact=True)
-    parametric = rough_parametric(slabs, space.targets, space.sampling)
-    ranks = acceptability_rank(evaluation, space.targets)
-    columns = space.ratio[steps], parametric, evaluation.total(parametric), ranks
-    others = [
-        DesignCandidate(best.thickness_mm, ratio, at, evaluation, None, score, total, rank)
-        for at, (ratio, score, total, rank) in enumerate(zip(*(column.tolist() for column in columns)))
-        if evaluation.feasible[at] and rank >= min(best.rank, BORDERLINE)
-    ]
-    return [best, *others]
+    others = exact_candidates(slabs, space.ratio[steps], space)
+    least = min(best.rank, BORDERLINE)
+    return [best, *(one for one in others if one.evaluation.feasible[one.index] and one.rank >= least)]
 
 
 def _best_of(drawn: Sequence[TissueScores]) -> tuple[int, bool]:
@@ -364,6 +345,14 @@ NEAR_RATIOS, ROUGH, LEAST = 10, 120, 0.01
 NAMES = {
     MODULUS: "the modulus", RELAXATION: "the relaxation", MAKING: "weighing and thickness",
     FORCE_LAW: "the pad's force law", TISSUE: "the tissue",
+}  # fmt: skip
+# How what is no resin is measured, and what to type then.
+HOW = {
+    MAKING: ("weigh a larger batch or use a finer balance, and gauge the thickness of the cast pad",
+             "dummydesign suggest ... --balance 0.01 --thickness-tolerance 0.1"),
+    FORCE_LAW: ("cast the pad, press it by a campaign and calibrate", "dummydesign loop CAMPAIGN_DIR"),
+    TISSUE: ("press the people themselves, or use published traces of them",
+             "dummydesign tissues add NAME TRACE.csv..."),
 }  # fmt: skip
 # Diameter and height.
 PUCK_MM = (50.0, 30.0)
@@ -440,12 +429,7 @@ def _how(group: str, cast: PadCastings) -> tuple[str, str]:
             f"--ratio {ratio:g} --name {batch} --resin {resin}"
         )
         return protocol, command
-    if group == MAKING:
-        return ("weigh a larger batch or use a finer balance, and gauge the thickness of the cast pad",
-                "dummydesign suggest ... --balance 0.01 --thickness-tolerance 0.1")  # fmt: skip
-    if group == FORCE_LAW:
-        return "cast the pad, press it by a campaign and calibrate", "dummydesign loop CAMPAIGN_DIR"
-    return "press the people themselves, or use published traces of them", "dummydesign tissues add NAME TRACE.csv..."
+    return HOW[group]
 
 
 Pair = tuple[float, float]

@@ -11,7 +11,7 @@ from dummydesign.tissue.model.laws import law_named
 
 if TYPE_CHECKING:
     from dummydesign.design.assessment.castings import PourYield
-    from dummydesign.design.search.best_of_kinds import Chosen
+    from dummydesign.design.search.best_of_kinds import Shaped
     from dummydesign.design.search.slabs import DesignCandidate, SearchSpace
     from dummydesign.design.suggestion import CentringTolerance, Verification
     from dummydesign.resin.model.resin import Resin
@@ -46,15 +46,11 @@ def count_unmeasured(resin: Resin, tissue: Tissue, best: DesignCandidate) -> dic
         f"lies between {low:.2f} and {high:.2f} (95 %)."
     )
     return {
-        "numbers": sum(count.values()),
-        "inferred_or_assumed": sum(weak.values()),
+        "numbers": sum(count.values()), "inferred_or_assumed": sum(weak.values()),
         **{name: {"numbers": count[name], "inferred_or_assumed": weak[name]} for name in numbers},
-        "wanted_young_kPa": wanted,
-        "ratio_low": low,
-        "ratio_high": high,
-        "text": text,
-        "next_step": _next_step(resin, best, weak),
-    }
+        "wanted_young_kPa": wanted, "ratio_low": low, "ratio_high": high,
+        "text": text, "next_step": _next_step(resin, best, weak),
+    }  # fmt: skip
 
 
 def _next_step(resin: Resin, best: DesignCandidate, weak: dict[str, int]) -> str:
@@ -75,7 +71,7 @@ def _leaves(numbers: dict[str, Any]) -> list[Any]:
 
 
 def design_warnings(
-    chosen: Chosen, space: SearchSpace, tissue: Tissue, pour: PourYield, verification: Verification,
+    chosen: Shaped, space: SearchSpace, tissue: Tissue, pour: PourYield, verification: Verification,
     centring: CentringTolerance | None, verify: bool,
 ) -> Warnings:  # fmt: skip
     """List what is out of reach, at an edge, doubtful or contradictory, as (code, message)."""
@@ -106,12 +102,12 @@ def design_warnings(
     return notes
 
 
-def _of_forces(chosen: Chosen, space: SearchSpace) -> Warnings:
+def _of_forces(chosen: Shaped, space: SearchSpace) -> Warnings:
     """Conditions out of reach, and a start that is too stiff."""
     best = chosen.result.best
     notes = []
     for column, condition in enumerate(space.targets.conditions):
-        if not np.isfinite(best.evaluation.depth_mm[best.index, column]):
+        if not np.isfinite(best.depth_mm[column]):
             force, speed = condition.steady_force_N, condition.velocity_mm_s
             notes.append(("out_of_reach", f"{force:g} N at {speed:g} mm/s is out of reach and counts as out of range"))
     low = float(best.evaluation.low_force_range[best.index])
@@ -157,7 +153,7 @@ def _of_data(resin: Resin, tissue: Tissue) -> Warnings:
     return notes
 
 
-def _why_stiff(chosen: Chosen) -> str:
+def _why_stiff(chosen: Shaped) -> str:
     if not chosen.shape.flat_top:
         return "the shape starts stiffer or softer than tissue there"
     text = "a flat pad starts far more linear than tissue, whatever its ratio"
@@ -165,7 +161,7 @@ def _why_stiff(chosen: Chosen) -> str:
     return text if len(chosen.comparisons) > 1 else f"{text}; '--shape auto' looks for others"
 
 
-def _reasons(chosen: Chosen) -> list[str]:
+def _reasons(chosen: Shaped) -> list[str]:
     """Why kinds have no design, in one line those that share a reason."""
     kinds: dict[str, list[str]] = {}
     for item in chosen.comparisons:
@@ -176,7 +172,7 @@ def _reasons(chosen: Chosen) -> list[str]:
     return [f"{', '.join(names)} {reason}".strip() for reason, names in kinds.items()]
 
 
-def _edges(chosen: Chosen, space: SearchSpace) -> Warnings:
+def _edges(chosen: Shaped, space: SearchSpace) -> Warnings:
     """A best design at the end of a range: what may be had outside, where there is an outside."""
     best, resin = chosen.result.best, space.resin
     ends = float(resin.young_MPa(resin.ratio_min)), float(resin.young_MPa(resin.ratio_max))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,9 +11,7 @@ from dummydesign.design.scoring.presses import Sampling, SimulatedPress, Slabs, 
 from dummydesign.design.scoring.score import halving, steady_gamma1
 from dummydesign.design.scoring.targets import NARROWEST, Targets
 from dummydesign.tissue.model.laws import law_named
-
-if TYPE_CHECKING:
-    from dummydesign.tissue.model.parameters import Parameters
+from dummydesign.tissue.model.parameters import Parameters
 
 STEPS, TOLERANCE, DIFFERENCE = 40, 1e-4, 1e-5
 _FIT_SAMPLING = (16, 8, 24)
@@ -34,10 +32,8 @@ def fit_presses(slabs: Slabs, targets: Targets, depth_mm: NDArray, sampling: Sam
     ----------
     Golub and Pereyra, SIAM J. Numer. Anal. 10 (1973) 413 (variable projection).
     """
-    from dummydesign.tissue.model.parameters import Parameters
-
     fine = Sampling(*_FIT_SAMPLING, sampling.hold_s, sampling.deceleration_mm_s2)
-    speeds = tuple(dict.fromkeys(condition.velocity_mm_s for condition in targets.conditions))
+    speeds = _speeds(targets)
     speed_of = np.array([speeds.index(condition.velocity_mm_s) for condition in targets.conditions])
     reached = np.isfinite(depth_mm)
     usable = np.array([all(row[speed_of == s].any() for s in range(len(speeds))) for row in reached])
@@ -50,7 +46,7 @@ def fit_presses(slabs: Slabs, targets: Targets, depth_mm: NDArray, sampling: Sam
     ]
     problem = _Problem(presses, fine, targets, speed_of)
     rates = problem.solve()
-    springs = problem.springs(rates)
+    springs, _ = problem.fit(problem.responses(rates))
     parameters: list[Parameters | None] = [None] * len(usable)
     for row, design in enumerate(np.nonzero(usable)[0]):
         gamma, per_speed = springs[row, 1:], springs[row, 1:] / rates[row]
@@ -96,10 +92,6 @@ class _Problem:
         matrix = np.concatenate(responses, axis=1)
         springs = _nonnegative(matrix, self.wanted)
         return springs, np.einsum("dnk,dk->dn", matrix, springs) - self.wanted
-
-    def springs(self, rates: NDArray) -> NDArray:
-        """Best springs (D, 1 + arms) for given rates."""
-        return self.fit(self.responses(rates))[0]
 
     def solve(self) -> NDArray:
         """Levenberg-Marquardt on ln rate, all designs side by side; returns the rates."""

@@ -147,11 +147,10 @@ def _lookup(table: NDArray, slab: NDArray, position: NDArray) -> NDArray:
     return np.where(np.isnan(position), np.nan, table[rows, left] * (1.0 - share) + table[rows, left + 1] * share)
 
 
-def make_curves(law: ForceLaw, thickness_mm: ArrayLike, radius_mm: float, depth_share: float | None = None) -> Curves:
+def make_curves(law: ForceLaw, thickness_mm: ArrayLike, radius_mm: float) -> Curves:
     """Sample the force law for slabs of the given thicknesses (T,)."""
-    depth_share = verdict_limits().gel_compression if depth_share is None else depth_share
     thickness = np.atleast_1d(np.asarray(thickness_mm, float))
-    limit = np.minimum(depth_share * thickness, law.depth_limit_mm(thickness, radius_mm))
+    limit = np.minimum(verdict_limits().gel_compression * thickness, law.depth_limit_mm(thickness, radius_mm))
     share = np.linspace(0.0, 1.0, SAMPLES)
     area = np.asarray(law.force(limit[:, None] * share, thickness[:, None], 1.0, radius_mm), float)
     return Curves(thickness, limit, area)

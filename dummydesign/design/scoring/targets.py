@@ -154,12 +154,10 @@ class Targets:
     @cached_property
     def _held_curves(self) -> tuple[NDArray, NDArray]:
         """ln force (k,) and ln depth (subjects and aim, k) at the end of the hold of the slowest ramp."""
-        from dummydesign.tissue.model.ranges import held_depth
-
         forces = np.geomspace(0.02 * self.protocol.forces_N[0], 12.0 * self.protocol.forces_N[-1], HELD_FORCES)
         everyone = (*self.tissue.parameter_sets, self.parameters)
         motion = self.sampling.hold_s, self.sampling.deceleration_mm_s2
-        depth = held_depth(everyone, forces, self.protocol.slow_mm_s, *motion)
+        depth = law_named(self.tissue.law).held_depths(everyone, forces, self.protocol.slow_mm_s, *motion)
         return np.log(forces), np.log(depth)
 
 

@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any
+from typing import Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from dummydesign.core.errors import InputError, NoAnswerError, unknown_name
 from dummydesign.core.serialise import Serialised, to_plain
 from dummydesign.design.request import PAPER
-from dummydesign.design.scoring.presses import DEPTH_SHARE, steady_depth
+from dummydesign.design.scoring.presses import DEPTH_SHARE
 from dummydesign.design.scoring.targets import Targets
 from dummydesign.design.scoring.verdict import NOT_ACCEPTABLE
 from dummydesign.design.search.shape_family import Designs, Family, FamilyLaw, designable_kinds, load_family
@@ -32,37 +32,38 @@ from dummydesign.design.search.slabs import (
     search_each,
     with_parameters,
 )
-from dummydesign.geometry.dimensions import PAD_LENGTH_MM, PAD_WIDTH_MM
 from dummydesign.geometry.pad_shape import PadShape
 from dummydesign.geometry.shape_registry import read_shape
 from dummydesign.geometry.shapes.slab import Slab
 from dummydesign.pad.force_law import ForceLaw
+from dummydesign.resin.model.resin import Resin
 
-if TYPE_CHECKING:
-    from dummydesign.resin.model.resin import Resin
-
-
-TRIED, AROUND_STEPS, REFINED = 6, 2, 4
+SIEVED, TRIED, AROUND_STEPS, REFINED = 400, 6, 2, 4
 SIEVE_STEP = 3
 
 
 @dataclass(frozen=True)
-class Prescreened:
-    """Castable designs that reach the aim's depth at 15 N, by rising misfit, with their best modulus (M,)."""
-
-    designs: Designs
-    misfit: NDArray
-    young_MPa: NDArray
-
-
-@dataclass(frozen=True)
 class Shaped:
-    """A design with a shape; ``elements`` is its force law once it has been solved by finite elements."""
+    """The design of one kind: its force law in proportion with thickness, and that of its finite elements once solved.
+
+    ``comparisons`` are the best designs of all kinds, where it was chosen among them.
+    """
 
     shape: PadShape
-    law: FamilyLaw
+    law: ForceLaw
     result: SearchResult
     elements: ForceLaw | None = None
+    comparisons: tuple[ShapeComparison, ...] = ()
+
+    @property
+    def table(self) -> FamilyLaw:
+        """Force law of a tabulated shape as it is cast."""
+        return replace(cast(FamilyLaw, self.law), cast=True)
+
+    @property
+    def cast(self) -> ForceLaw:
+        """Force law of the pad as it is cast, by its elements where they are solved."""
+        return self.elements or (self.table if isinstance(self.law, FamilyLaw) else self.law)
 
     @property
     def merit(self) -> float:
@@ -75,64 +76,51 @@ class Shaped:
         return self.result.best.worth()
 
 
-def prescreen(family: Family, targets: Targets, thickness_mm: NDArray, young_MPa: tuple[float, float], radius_mm: float,
-          count: int = 400, pad_mm: tuple[float, float] = (PAD_LENGTH_MM, PAD_WIDTH_MM),
-          thicknesses: int | None = None) -> Prescreened:  # fmt: skip
-    """Misfit of every candidate of a family with its best modulus inside a range."""
+def misfits(family: Family, designs: Designs, targets: Targets, young_MPa: NDArray, radius_mm: float) -> NDArray:
+    """Misfit (M,) of pads to the aim with their best modulus inside a range; NaN where the force is not known."""
     forces = targets.protocol.misfit_N[::SIEVE_STEP]
-    depth = targets.aim_depth_mm(forces)
-    designs = family.candidates(thickness_mm, radius_mm)
-    limit = family.limit_mm(designs, radius_mm)
-    deep = np.minimum(limit, DEPTH_SHARE * designs.thickness_mm) >= depth[-1]
-    designs = replace(designs, limit_mm=limit).take(deep)
-    wanted = np.log(forces)
-    misfit, best = np.full(len(designs.thickness_mm), np.nan), np.empty(len(designs.thickness_mm))
+    depth, misfit = targets.aim_depth_mm(forces), np.full(len(designs.thickness_mm), np.nan)
     for start in range(0, len(misfit), 4000):
         rows = np.arange(start, min(start + 4000, len(misfit)))
         area = family.area_mm2(designs.take(rows), np.broadcast_to(depth, (len(rows), len(depth))), radius_mm)
-        away = wanted - np.log(area)
-        level = np.clip(away.mean(axis=1), *np.log(young_MPa))
+        away = np.log(forces) - np.log(area)
+        level = np.clip(away.mean(axis=1), np.log(young_MPa.min()), np.log(young_MPa.max()))
         misfit[rows] = np.sqrt(np.mean((away - level[:, None]) ** 2, axis=1))
-        best[rows] = np.exp(level)
-    order = np.argsort(np.where(np.isfinite(misfit), misfit, np.inf), kind="stable")
-    order = order[np.isfinite(misfit[order])][:count]
-    if thicknesses is None:
-        kept = order[designs.take(order).castable(pad_mm)] if len(order) else order
-    else:
-        kept = order[_one_a_thickness(designs.take(order), pad_mm, thicknesses)]
+    return misfit
+
+
+def prescreen(family: Family, space: SearchSpace) -> Designs:
+    """The best castable pad of each thickness that reaches the aim's depth at 15 N; some of them, by rising misfit."""
+    thickness, targets = space.thickness_mm, space.targets
+    designs = family.candidates(thickness, space.radius_mm)
+    limit = family.limit_mm(designs, space.radius_mm)
+    forces = targets.protocol.misfit_N[::SIEVE_STEP]
+    deepest = targets.aim_depth_mm(forces)[-1]
+    deep = np.minimum(limit, DEPTH_SHARE * designs.thickness_mm) >= deepest
+    designs = replace(designs, limit_mm=limit).take(deep)
+    misfit = misfits(family, designs, targets, space.resin.young_MPa(space.ratio), space.radius_mm)
+    order = np.argsort(misfit, kind="stable")[: min(int(np.isfinite(misfit).sum()), SIEVED)]
+    kept = order[_one_a_thickness(designs.take(order), space.pad_mm, TRIED)]
     if not len(kept):
         raise NoAnswerError(
             "no_feasible_design",
-            f"no {family.kind} pad of {thickness_mm[0]:g} to {thickness_mm[-1]:g} mm reaches {depth[-1]:.2f} mm, the "
-            f"tissue's depth at {forces[-1]:g} N, within {DEPTH_SHARE:g} of its thickness; allow thicker pads",
-            quantity="pad",
-        )
-    return Prescreened(designs.take(kept), misfit[kept], best[kept])
-
-
-def search_shape(family: Family, space: SearchSpace) -> list[Shaped]:
-    """Find shape, thickness and ratio of one family; designs of several thicknesses, the best first."""
-    designs = search_shapes([family], space)[0]
-    if isinstance(designs, NoAnswerError):
-        raise designs
-    return designs
+            f"no {family.kind} pad of {thickness[0]:g} to {thickness[-1]:g} mm reaches {deepest:.2f} mm, the tissue's "
+            f"depth at {forces[-1]:g} N, within {DEPTH_SHARE:g} of its thickness; allow thicker pads", quantity="pad",
+        )  # fmt: skip
+    return designs.take(kept)
 
 
 def search_shapes(families: Sequence[Family], space: SearchSpace) -> list[list[Shaped] | NoAnswerError]:
-    """Make the search of :func:`search_shape` for several families at once; what each gives, or why it has none."""
-    young = space.resin.young_MPa(space.ratio)
-    moduli = (float(np.min(young)), float(np.max(young)))
+    """Shape, thickness and ratio of each family: designs of several thicknesses, the best first, or why it has none."""
     starts: list[list[tuple[Family, PadShape, float]] | NoAnswerError] = []
     for family in families:
         try:
-            sieved = prescreen(family, space.targets, space.thickness_mm, moduli, space.radius_mm, pad_mm=space.pad_mm,
-                           thicknesses=TRIED)  # fmt: skip
+            designs = prescreen(family, space)
         except NoAnswerError as problem:
             starts.append(problem)
             continue
-        thickness = sieved.designs.thickness_mm.tolist()
-        starts.append([(family, sieved.designs.shape(i), at) for i, at in enumerate(thickness)])
-    around = iter(_around([one for each in starts if not isinstance(each, NoAnswerError) for one in each], space))
+        starts.append([(family, designs.shape(i), at) for i, at in enumerate(designs.thickness_mm.tolist())])
+    around = iter(_around([one for each in starts if isinstance(each, list) for one in each], space))
     answers: list[list[Shaped] | NoAnswerError] = []
     for family, each in zip(families, starts):
         if isinstance(each, NoAnswerError):
@@ -184,26 +172,20 @@ def _accepts(shape: PadShape, thickness_mm: float, pad_mm: tuple[float, float]) 
 def _around(starts: Sequence[tuple[Family, PadShape, float]], space: SearchSpace) -> list[Shaped | None]:
     """Search ratio and the thicknesses near each start, in proportion; then its own, rounded shape exactly."""
     near = [_near(*start, space) for start in starts]
-    laws: list[tuple[ForceLaw, NDArray]] = [(FamilyLaw(*one), steps) for one, steps in zip(starts, near) if len(steps)]
-    results = iter(search_each(laws, space, space.targets.weights.low_aim, REFINED, 0))
-    rough = [next(results) if len(steps) else None for steps in near]
-    own: list[FamilyLaw | None] = []
-    for (family, shape, thickness), result in zip(starts, rough):
-        own.append(None)
+    able = [n for n, steps in enumerate(near) if len(steps)]
+    low_share, rough = space.targets.weights.low_aim, {}
+    laws: list[tuple[ForceLaw, NDArray]] = [(FamilyLaw(*starts[n]), near[n]) for n in able]
+    for n, result in zip(able, search_each(laws, space, low_share, REFINED, 0)):
         if isinstance(result, SearchResult):
-            chosen = result.best.thickness_mm
+            (family, shape, thickness), chosen = starts[n], result.best.thickness_mm
             rounded = family.at_thickness(shape, thickness, np.array([chosen])).shape(0).rounded()
             if _accepts(rounded, chosen, space.pad_mm):
-                own[-1] = FamilyLaw(family, rounded, chosen)
-    laws = [(law, np.array([law.made_for_mm])) for law in own if law is not None]
-    results = iter(search_each(laws, space, space.targets.weights.low_aim, REFINED, 0, others=False))
-    made: list[Shaped | None] = []
-    for law, result in zip(own, rough):
-        made.append(None)
-        if law is not None and isinstance(result, SearchResult):
-            exact = next(results)
-            if isinstance(exact, SearchResult):
-                made[-1] = Shaped(law.shape, law, replace(result, best=exact.best))
+                rough[n] = FamilyLaw(family, rounded, chosen), result
+    laws = [(law, np.array([law.made_for_mm])) for law, _ in rough.values()]
+    made: list[Shaped | None] = [None] * len(starts)
+    for (n, (law, result)), exact in zip(rough.items(), search_each(laws, space, low_share, REFINED, 0, others=False)):
+        if isinstance(exact, SearchResult):
+            made[n] = Shaped(law.shape, law, replace(result, best=exact.best))
     return made
 
 
@@ -243,21 +225,18 @@ class LowForce(Serialised):
 
 def low_force(candidate: DesignCandidate, targets: Targets) -> LowForce:
     """Compare a design with the aim and the subjects' range over 0.5 to 15 N."""
-    index, evaluation = candidate.index, candidate.evaluation
-    slabs = evaluation.slabs.take(np.array([index]))
-    protocol, sampling = targets.protocol, targets.sampling.coarse
+    index, evaluation, slabs, protocol = candidate.index, candidate.evaluation, candidate.alone, targets.protocol
     area = np.array(protocol.exponent_at_N) / slabs.young_MPa[0]
     depth = slabs.curves.depth_at(slabs.slab, area[None])
     exponent = (slabs.curves.slope_at(slabs.slab, depth) * depth / area)[0]
-    deepest = float(steady_depth(slabs, protocol.forces_N[-1], protocol.slow_mm_s, sampling)[0])
-    wide = steady_depth(slabs, protocol.wide_N, protocol.slow_mm_s, sampling)[0]
+    deepest = float(candidate.steady_depth_mm(np.array([protocol.forces_N[-1]]))[0])
+    wide = candidate.steady_depth_mm(protocol.wide_N)
     return LowForce(
         misfit(wide, protocol.wide_N, targets.aim_depth_mm(protocol.misfit_N), protocol.misfit_N),
-        float(evaluation.low_force_range[index]),
-        float(evaluation.steady_state_range[index]),
+        float(evaluation.low_force_range[index]), float(evaluation.steady_state_range[index]),
         to_plain({f"{force:g}": value for force, value in zip(protocol.exponent_at_N, exponent)}),
         to_plain(deepest / candidate.thickness_mm),
-    )
+    )  # fmt: skip
 
 
 def misfit(depth_mm: NDArray, force_N: NDArray, aim_depth_mm: NDArray, aim_N: NDArray = MISFIT_N) -> float | None:
@@ -267,14 +246,6 @@ def misfit(depth_mm: NDArray, force_N: NDArray, aim_depth_mm: NDArray, aim_N: ND
         return None
     away = np.log(force_at(aim_depth_mm, depth_mm, force_N) / aim_N)
     return float(np.sqrt(np.mean(away**2)))
-
-
-def steady_force(candidate: DesignCandidate, depth_mm: NDArray) -> NDArray:
-    """Steady force of a design at depths, through its steady curve; NaN beyond it. [N]"""
-    slabs = candidate.evaluation.slabs.take(np.array([candidate.index]))
-    protocol, sampling = candidate.evaluation.protocol, candidate.evaluation.sampling.coarse
-    wide = steady_depth(slabs, protocol.wide_N, protocol.slow_mm_s, sampling)[0]
-    return force_at(depth_mm, wide, protocol.wide_N)
 
 
 def force_at(at_mm: NDArray, depth_mm: NDArray, force_N: NDArray) -> NDArray:
@@ -307,18 +278,11 @@ class ShapeComparison:
         if self.candidate is None or self.low_force is None:
             return {"kind": self.kind, "shape": None, "reason": self.reason}
         return {
-            "kind": self.kind,
-            "shape": str(self.shape),
-            "thickness_mm": self.candidate.thickness_mm,
-            "ratio": self.candidate.ratio,
-            "young_kPa": self.young_kPa,
-            "merit": self.candidate.merit(),
-            "total": self.candidate.total,
-            "by": self.by,
-            "acceptable": self.candidate.rank > NOT_ACCEPTABLE,
-            **self.low_force.to_dict(),
-            "reason": None,
-        }
+            "kind": self.kind, "shape": str(self.shape), "thickness_mm": self.candidate.thickness_mm,
+            "ratio": self.candidate.ratio, "young_kPa": self.young_kPa, "merit": self.candidate.merit(),
+            "total": self.candidate.total, "by": self.by, "acceptable": self.candidate.rank > NOT_ACCEPTABLE,
+            **self.low_force.to_dict(), "reason": None,
+        }  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -326,22 +290,10 @@ class SearchOutcome:
     """What tables give for a request: the best flat slab, designs of the requested kinds, kinds without one."""
 
     asked: str
-    slab_law: ForceLaw
-    slab: SearchResult | None
+    slab: Shaped | None
     slab_reason: str | None = None
     designs: tuple[Shaped, ...] = ()
     missing: tuple[ShapeComparison, ...] = ()
-
-
-@dataclass(frozen=True)
-class Chosen:
-    """The winning design with its force laws: in proportion with thickness, and as cast."""
-
-    shape: PadShape
-    result: SearchResult
-    law: ForceLaw
-    cast: ForceLaw
-    comparisons: tuple[ShapeComparison, ...]
 
 
 def kinds_of(text: str) -> tuple[str, ...]:
@@ -366,54 +318,52 @@ def best_of_kinds(
     if text.lower() != AUTO and (reason := refused.get(text.partition(":")[0].lower())):
         raise InputError(f"shape = {text}: {reason}", "unsupported", "shape", text)
     if text.lower() == Slab.name:
-        return SearchOutcome(text, slab_law, search(slab_law, space))
+        return SearchOutcome(text, Shaped(Slab(), slab_law, search(slab_law, space)))
     slab, reason = None, None
     try:
-        slab = search(slab_law, space, space.targets.weights.low_aim)
+        slab = Shaped(Slab(), slab_law, search(slab_law, space, space.targets.weights.low_aim))
     except NoAnswerError as problem:
         reason = str(problem)
-    return SearchOutcome(text, slab_law, slab, reason, *_designs(text, space, refused))
+    return SearchOutcome(text, slab, reason, *_designs(text, space, refused))
 
 
-def choose(outcome: SearchOutcome, space: SearchSpace) -> Chosen:
+def choose(outcome: SearchOutcome, space: SearchSpace) -> Shaped:
     """Take the best of what was found: solved designs first; a slab only where it was requested or by ``auto``."""
-    flat, law, designs = outcome.slab, outcome.slab_law, outcome.designs
+    flat, designs = outcome.slab, outcome.designs
     if outcome.asked.lower() == Slab.name and flat is not None:
-        return Chosen(Slab(), flat, law, law, ())
-    comparisons = [ShapeComparison(Slab.name, reason=outcome.slab_reason)]
-    if flat is not None:
-        comparisons = [compare_shape(Slab.name, Slab(), flat.best, space, "table")]
+        return flat
+    none = ShapeComparison(Slab.name, reason=outcome.slab_reason)
+    comparisons = [none if flat is None else compare_shape(flat, space, "table")]
     winner = max(designs, key=_rank) if designs else None
     leaders = _fitted(_leaders(designs), space, None if winner is None else winner.shape.name)
     for best in leaders:
-        by = best.law.family.source if best.elements is None else "elements"
-        comparisons.append(compare_shape(best.shape.name, best.shape, best.result.best, space, by))
+        by = best.table.family.source if best.elements is None else "elements"
+        comparisons.append(compare_shape(best, space, by))
     listed = (*comparisons, *outcome.missing)
-    if outcome.asked.lower() == AUTO and flat is not None and (winner is None or flat.best.worth() >= winner.worth):
-        return Chosen(Slab(), flat, law, law, listed)
+    if outcome.asked.lower() == AUTO and flat is not None and (winner is None or flat.worth >= winner.worth):
+        return replace(flat, comparisons=listed)
     if winner is None:
         message = "; ".join(item.reason for item in outcome.missing if item.reason)
         raise NoAnswerError("no_feasible_design", message, quantity="pad")
     best = next(shaped for shaped in leaders if shaped.shape.name == winner.shape.name)
-    return _chosen(best, listed)
+    return replace(best, comparisons=listed)
 
 
-def close_to(chosen: Chosen, outcome: SearchOutcome, space: SearchSpace) -> tuple[Chosen, ...]:
+def close_to(chosen: Shaped, outcome: SearchOutcome, space: SearchSpace) -> tuple[Shaped, ...]:
     """The chosen design, then the best of every other kind that is near in worth: their castings decide.
 
     A design that only a table knows is not compared with one that was solved.
     """
     if outcome.asked.lower() != AUTO:
         return (chosen,)
-    least = chosen.result.best.worth() - space.targets.weights["resolution"]
+    least = chosen.worth - space.targets.weights["resolution"]
     solved = any(shaped.elements is not None for shaped in outcome.designs)
     designs = [shaped for shaped in outcome.designs if not solved or shaped.elements is not None]
     leaders = _leaders([shaped for shaped in designs if shaped.shape.name != chosen.shape.name])
     near = _fitted([shaped for shaped in leaders if shaped.worth >= least], space)
-    others = [_chosen(shaped, chosen.comparisons) for shaped in near]
-    if not chosen.shape.plain and outcome.slab is not None and outcome.slab.best.worth() >= least:
-        others.append(Chosen(Slab(), outcome.slab, outcome.slab_law, outcome.slab_law, chosen.comparisons))
-    return (chosen, *others)
+    if not chosen.shape.plain and outcome.slab is not None and outcome.slab.worth >= least:
+        near.append(outcome.slab)
+    return (chosen, *(replace(shaped, comparisons=chosen.comparisons) for shaped in near))
 
 
 def _leaders(designs: Sequence[Shaped]) -> list[Shaped]:
@@ -422,10 +372,6 @@ def _leaders(designs: Sequence[Shaped]) -> list[Shaped]:
     for shaped in designs:
         kinds.setdefault(shaped.shape.name, []).append(shaped)
     return [max(own, key=_rank) for own in kinds.values()]
-
-
-def _chosen(best: Shaped, comparisons: tuple[ShapeComparison, ...]) -> Chosen:
-    return Chosen(best.shape, best.result, best.law, best.elements or replace(best.law, cast=True), comparisons)
 
 
 def _rank(shaped: Shaped) -> tuple[bool, float]:
@@ -444,12 +390,11 @@ def _fitted(designs: Sequence[Shaped], space: SearchSpace, kind: str | None = No
     ]
     fits = iter(with_parameters([candidate for group in groups for candidate in group], space))
     fitted = [[next(fits) for _ in group] for group in groups]
-    return [
-        replace(shaped, result=replace(
-            shaped.result, best=best, alternatives=tuple(others) or shaped.result.alternatives
-        ))
+    results = [
+        replace(shaped.result, best=best, alternatives=tuple(others) or shaped.result.alternatives)
         for shaped, (best, *others) in zip(designs, fitted)
     ]
+    return [replace(shaped, result=result) for shaped, result in zip(designs, results)]
 
 
 def _designs(
@@ -492,7 +437,8 @@ def _pourable(shaped: Shaped, resin: Resin) -> Shaped | None:
     return replace(shaped, result=replace(shaped.result, alternatives=others))
 
 
-def compare_shape(kind: str, shape: PadShape, best: DesignCandidate, space: SearchSpace, by: str) -> ShapeComparison:
+def compare_shape(design: Shaped, space: SearchSpace, by: str) -> ShapeComparison:
     """The row of a kind's best design."""
+    shape, best = design.shape, design.result.best
     young = 1e3 * float(np.asarray(space.resin.young_MPa(best.ratio)))
-    return ShapeComparison(kind, shape, best, young, low_force(best, space.targets), None, by)
+    return ShapeComparison(shape.name, shape, best, young, low_force(best, space.targets), None, by)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from operator import attrgetter
 from typing import Any, cast
 
 import numpy as np
@@ -13,13 +14,11 @@ from dummydesign.core.cache import cached
 from dummydesign.core.errors import NoAnswerError
 from dummydesign.core.interpolation import monotone_cubic
 from dummydesign.design.request import Progress, quiet
-from dummydesign.design.scoring.score import deviations
-from dummydesign.design.scoring.verdict import NOT_ACCEPTABLE, ranges_of, readings_of, representative
+from dummydesign.design.scoring.verdict import NOT_ACCEPTABLE, deviations, ranges_of, representative
 from dummydesign.design.search.best_of_kinds import Shaped
 from dummydesign.design.search.shape_family import FamilyLaw
 from dummydesign.design.search.slabs import SearchSpace, search
 from dummydesign.geometry.dimensions import PAD_EXTENT_MM, PUNCH_RADIUS_MM
-from dummydesign.geometry.pad_shape import PadShape
 from dummydesign.pad.axisymmetric.shaped_problem import PathCache, Touch
 from dummydesign.pad.force_law import BaseForceLaw
 from dummydesign.pad.specimen import Pad
@@ -74,43 +73,46 @@ class ElementsLaw(BaseForceLaw):
 
 def solve_law(shaped: Shaped, space: SearchSpace, solved: PathCache | None = None) -> ElementsLaw:
     """Solve the best pad of a search, once for all moduli, on the base and of the size requested."""
-    inputs, own = _inputs(shaped, space)
-    if shaped.shape.axisymmetric:
-        made = cached("design", {**inputs, **own}, lambda: _solve_round(shaped, space, solved))
-    else:
-        made = cached("design", inputs, lambda: _solve_field(shaped.shape, inputs["thickness"], inputs["depth"]))
-    return _law(shaped, made, len(inputs["depth"]), space.radius_mm)
+    inputs, pad = _inputs(shaped, space)
+    depth = inputs["depth"]
+
+    def solve() -> dict[str, Any]:
+        round_pad = shaped.shape.axisymmetric
+        return _solve_round(pad, depth, solved or PathCache()) if round_pad else _solve_field(pad, depth)
+
+    return _law(shaped, cached("design", inputs, solve), len(depth), space.radius_mm)
 
 
 def rough_law(shaped: Shaped, space: SearchSpace, solved: PathCache) -> ElementsLaw:
     """The same on the coarsest grid alone, to compare pads."""
     from dummydesign.pad.axisymmetric.shaped_pad import rough_shaped_pad
 
-    inputs, own = _inputs(shaped, space)
-    pad = Pad(inputs["thickness"], 1.0, space.radius_mm, geometry=shaped.shape, **own)
-    made = cached("rough-design", {**inputs, **own}, lambda: vars(rough_shaped_pad(pad, inputs["depth"], solved)))
-    return _law(shaped, made, len(inputs["depth"]), space.radius_mm)
+    inputs, pad = _inputs(shaped, space)
+    depth = inputs["depth"]
+    made = cached("rough-design", inputs, lambda: vars(rough_shaped_pad(pad, depth, solved)))
+    return _law(shaped, made, len(depth), space.radius_mm)
 
 
-def _inputs(shaped: Shaped, space: SearchSpace) -> tuple[dict[str, Any], dict[str, Any]]:
-    """What a solve depends on; apart from it base and size of the pad, and the punch's fillet, where they are not those
-    of the tables."""
-    thickness = shaped.result.best.thickness_mm
-    own: dict[str, Any] = {} if space.base == "bonded" else {"base": space.base}
-    if space.extent_mm != PAD_EXTENT_MM:
-        own["extent_mm"] = space.extent_mm
-    if space.edge_radius_mm and shaped.shape.axisymmetric:
-        own["edge_radius_mm"] = space.edge_radius_mm
+def _inputs(shaped: Shaped, space: SearchSpace) -> tuple[dict[str, Any], Pad]:
+    """What a solve depends on, and the pad of unit modulus.
+
+    Of a round pad that is also its base and size and the punch's fillet, where they are not those of the tables.
+    """
+    thickness, own = shaped.result.best.thickness_mm, {}
+    if shaped.shape.axisymmetric:
+        usual = {"base": "bonded", "extent_mm": PAD_EXTENT_MM, "edge_radius_mm": 0.0}
+        own = {name: getattr(space, name) for name, value in usual.items() if getattr(space, name) != value}
     depth = thickness * solved_shares(shaped, space.radius_mm)
-    return {"shape": str(shaped.shape), "thickness": thickness, "radius": space.radius_mm, "depth": depth}, own
+    inputs = {"shape": str(shaped.shape), "thickness": thickness, "radius": space.radius_mm, "depth": depth, **own}
+    return inputs, Pad(thickness, 1.0, space.radius_mm, geometry=shaped.shape, **own)
 
 
 def solved_shares(shaped: Shaped, radius_mm: float) -> NDArray:
     """Depths over the thickness at which a design is solved: somewhat beyond its deepest press, or to the table's end.
     """
     best = shaped.result.best
-    limit = float(replace(shaped.law, cast=True).depth_limit_mm(best.thickness_mm, radius_mm)) / best.thickness_mm
-    pressed = best.evaluation.depth_mm[best.index] / best.thickness_mm
+    limit = float(shaped.table.depth_limit_mm(best.thickness_mm, radius_mm)) / best.thickness_mm
+    pressed = best.depth_mm / best.thickness_mm
     last = min(limit, BEYOND * float(np.max(pressed))) if np.isfinite(pressed).all() else limit
     if not shaped.shape.axisymmetric:
         return FIELD_SHARES * last
@@ -119,7 +121,7 @@ def solved_shares(shaped: Shaped, radius_mm: float) -> NDArray:
 
 
 def _law(shaped: Shaped, made: Mapping[str, Any], asked: int, radius_mm: float) -> ElementsLaw:
-    thickness, law = shaped.result.best.thickness_mm, replace(shaped.law, cast=True)
+    thickness, law = shaped.result.best.thickness_mm, shaped.table
     reached, force = (np.asarray(made[name], float) for name in ("depth_mm", "force_N"))
     if len(reached) < 2:
         message = f"{shaped.shape} on {thickness:g} mm could not be solved by finite elements"
@@ -132,34 +134,31 @@ def _law(shaped: Shaped, made: Mapping[str, Any], asked: int, radius_mm: float) 
     return ElementsLaw(law, thickness, reached, factor, error, touch, complete, end)
 
 
-def _solve_round(shaped: Shaped, space: SearchSpace, solved: PathCache | None) -> dict[str, Any]:
+def _solve_round(pad: Pad, depth_mm: NDArray, solved: PathCache) -> dict[str, Any]:
     from dummydesign.pad.axisymmetric.shaped_pad import solve_shaped_pad
 
-    inputs, own = _inputs(shaped, space)
-    thickness, radius = inputs["thickness"], space.radius_mm
-    solved = PathCache() if solved is None else solved
-    curve = solve_shaped_pad(Pad(thickness, 1.0, radius, geometry=shaped.shape, **own), inputs["depth"], solved=solved)
-    rows = [(depth * thickness, min(touched * thickness, radius), edge) for depth, touched, edge in solved.touched]
+    curve, h = solve_shaped_pad(pad, depth_mm, solved=solved), pad.thickness_mm
+    rows = [(depth * h, min(touched * h, pad.radius_mm), edge) for depth, touched, edge in solved.touched]
     return {**vars(curve), "touch": [list(column) for column in zip(*rows)]}
 
 
-def _solve_field(shape: PadShape, thickness_mm: float, depth_mm: NDArray) -> dict[str, Any]:
+def _solve_field(pad: Pad, depth_mm: NDArray) -> dict[str, Any]:
     """In space under the 14 x 14 mm punch; with a table, on its grid, whose stated error of the solves it has."""
     from dummydesign.geometry.shapes.bumped import Bumped
     from dummydesign.pad.spatial.shaped_pad import COARSE, HALF_SIDE_MM, press_field, solve_shaped_block
     from dummydesign.pad.tables.shape import load_shape_table
 
+    shape, h = pad.geometry, pad.thickness_mm
     if not shape.tabulated:
         sides_mm = (2.0 * HALF_SIDE_MM, 2.0 * HALF_SIDE_MM)
-        pad = Pad(thickness_mm, 1.0, PUNCH_RADIUS_MM, geometry=shape, sides_mm=sides_mm)
-        return vars(solve_shaped_block(pad, depth_mm))
-    depth, area, stop = press_field(cast(Bumped, shape), thickness_mm, depth_mm / thickness_mm, COARSE)
+        return vars(solve_shaped_block(Pad(h, 1.0, PUNCH_RADIUS_MM, geometry=shape, sides_mm=sides_mm), depth_mm))
+    depth, area, stop = press_field(cast(Bumped, shape), h, depth_mm / h, COARSE)
     table = load_shape_table(shape.name)
     error = np.interp(depth, table.error_depth, table.solve_error)
-    notes = (stop,) if stop else ()
-    return {"depth_mm": depth * thickness_mm, "force_N": area, "error_N": area * error, "notes": notes}
+    return {"depth_mm": depth * h, "force_N": area, "error_N": area * error, "notes": (stop,) if stop else ()}
 
 
+WORTH = attrgetter("worth")
 SOLVED = 3
 # Twice the most by which solving moved what a design of the three built-in tissues is worth (0.014), where elements
 # reach every press.
@@ -183,10 +182,6 @@ def on_elements(shaped: Shaped, space: SearchSpace, solved: PathCache | None = N
     return with_law(shaped, solve_law(shaped, space, solved), space)
 
 
-def _rank(shaped: Shaped) -> float:
-    return shaped.worth
-
-
 def solve_leading(designs: Sequence[Shaped], space: SearchSpace, progress: Progress = quiet) -> tuple[Shaped, ...]:
     """Designs with those that can be the best worked out on elements; those that cannot be solved fall away.
 
@@ -197,9 +192,9 @@ def solve_leading(designs: Sequence[Shaped], space: SearchSpace, progress: Progr
     what its elements give over its table. Fields of caps take minutes in space and are solved, the first of them, when
     nothing else was requested.
     """
-    order = sorted((shaped for shaped in designs if shaped.shape.axisymmetric), key=_rank, reverse=True)
+    order = sorted((shaped for shaped in designs if shaped.shape.axisymmetric), key=WORTH, reverse=True)
     if not order:
-        first = sorted(designs, key=_rank, reverse=True)[:1]
+        first = sorted(designs, key=WORTH, reverse=True)[:1]
         return tuple(_solvable(first, space) or designs)
     leading = [shaped for shaped in order if shaped.shape.name == order[0].shape.name][:SOLVED]
     firsts = [next(s for s in order if s.shape.name == kind) for kind in dict.fromkeys(s.shape.name for s in order)]
@@ -212,7 +207,7 @@ def solve_leading(designs: Sequence[Shaped], space: SearchSpace, progress: Progr
     fields = [shaped for shaped in designs if not shaped.shape.axisymmetric]
     finalists: list[Shaped] = []
     for at_most, shaped, solved in judged:
-        if finalists and at_most <= max(map(_rank, finalists)):
+        if finalists and at_most <= max(one.worth for one in finalists):
             continue
         progress(f"finite elements, {shaped.shape.name} pad")
         try:
@@ -220,14 +215,14 @@ def solve_leading(designs: Sequence[Shaped], space: SearchSpace, progress: Progr
         except NoAnswerError:
             failed.append(shaped)
             continue
-        at_least = max(map(_rank, finalists)) + GAIN
+        at_least = max(one.worth for one in finalists) + GAIN
         better = _better_neighbour(finalists[-1], _neighbours(shaped, contenders), space, at_least)
         if better is not None:
             progress(f"finite elements, {shaped.shape.name} pad")
             finalists += _solvable([better], space)
     for shaped in failed:
         # what keeps one pad from being solved need not keep its neighbours
-        best = max(map(_rank, finalists), default=-np.inf)
+        best = max((one.worth for one in finalists), default=-np.inf)
         finalists += _solvable([other for other in _neighbours(shaped, contenders) if other.worth > best], space)
     if not finalists:
         tried = [shaped.shape for shaped in failed]
@@ -264,7 +259,7 @@ def _better_neighbour(
     for shaped in neighbours:
         thickness = shaped.result.best.thickness_mm
         depth = law.depth_mm * thickness / law.thickness_mm
-        own = replace(law, table=replace(shaped.law, cast=True), thickness_mm=thickness, depth_mm=depth, touch=None)
+        own = replace(law, table=shaped.table, thickness_mm=thickness, depth_mm=depth, touch=None)
         try:
             judged.append((with_law(shaped, own, space).worth, shaped))
         except NoAnswerError:
@@ -283,7 +278,7 @@ def _judged(
     """
     judged: list[tuple[float, Shaped, PathCache]] = []
     failed, best = [], -np.inf
-    for shaped in sorted(contenders, key=_rank, reverse=True):
+    for shaped in sorted(contenders, key=WORTH, reverse=True):
         # a pad just beyond a limit by its table may keep it by its elements, and then counts by its merit
         if (shaped.merit if _nearly(shaped, space) else shaped.worth) + DOUBT < best:
             continue
@@ -308,7 +303,7 @@ def _nearly(shaped: Shaped, space: SearchSpace) -> bool:
     best, targets = shaped.result.best, space.targets
     if best.rank > NOT_ACCEPTABLE:
         return True
-    differences = deviations(ranges_of(targets), readings_of(best.evaluation, best.index))
+    differences = deviations(ranges_of(targets), best.readings)
     # the safe side knows no tie, so its own limit is moved
     limits = replace(targets.limits, tie=MOVED).moved("stands_shortfall", 1.0 + MOVED)
     return bool(representative(differences, limits)[0])

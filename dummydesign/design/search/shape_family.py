@@ -64,11 +64,9 @@ class Family(Protocol):
 
     def candidates(self, thickness_mm: NDArray, radius_mm: float) -> Designs:
         """Pads in practical steps inside the surface's range; not yet judged by castability."""
-        ...
 
     def check(self, shape: PadShape) -> None:
         """Refuse a shape that the surface is not made for (``InputError``)."""
-        ...
 
     def at_thickness(self, shape: PadShape, thickness_mm: float, wanted_mm: NDArray) -> Designs:
         """The same shape in proportion on pads of other thickness.
@@ -87,7 +85,6 @@ class Family(Protocol):
         Designs
             M of them.
         """
-        ...
 
     def area_mm2(self, designs: Designs, depth_mm: NDArray, radius_mm: float) -> NDArray:
         """Force over Young's modulus; NaN where the surface does not reach.
@@ -106,11 +103,9 @@ class Family(Protocol):
         ndarray, shape (M, n)
             [mm2]
         """
-        ...
 
     def limit_mm(self, designs: Designs, radius_mm: float) -> NDArray:
         """Depth to which the surface holds, shape (M,); 0 outside its range. [mm]"""
-        ...
 
     def relative_error(self, designs: Designs, depth_mm: NDArray, radius_mm: float) -> NDArray:
         """Stated error of the force over the force.
@@ -128,7 +123,6 @@ class Family(Protocol):
         -------
         ndarray, shape (M, n)
         """
-        ...
 
 
 @dataclass(frozen=True)

@@ -14,10 +14,18 @@ from numpy.typing import NDArray
 from dummydesign.core.errors import NoAnswerError, out_of_range
 from dummydesign.core.serialise import Serialised
 from dummydesign.design.scoring.law_parameters import fit_presses, gamma1_score, parametric_score, rough_parametric
-from dummydesign.design.scoring.presses import Curves, Sampling, Slabs, join_curves, join_slabs, make_curves
+from dummydesign.design.scoring.presses import (
+    Curves,
+    Sampling,
+    Slabs,
+    join_curves,
+    join_slabs,
+    make_curves,
+    steady_depth,
+)
 from dummydesign.design.scoring.score import Evaluation, evaluate, evaluated_gamma1
 from dummydesign.design.scoring.targets import Targets
-from dummydesign.design.scoring.verdict import acceptability_rank
+from dummydesign.design.scoring.verdict import Readings, acceptability_rank, readings_of
 from dummydesign.geometry.dimensions import PAD_LENGTH_MM, PAD_WIDTH_MM, THICKNESS_MM
 from dummydesign.pad.force_law import ForceLaw
 from dummydesign.resin.model.resin import Resin
@@ -146,12 +154,38 @@ class DesignCandidate:
     ratio: float
     index: int
     evaluation: Evaluation
-    parameters: Any
-    parametric: float
-    total: float
+    parameters: Any = None
+    parametric: float = 0.0
+    total: float = 0.0
     # Whether it may be cast, by its verdict; what its castings are expected to lose of the merit.
     rank: int = 0
     loss: float = 0.0
+
+    @property
+    def alone(self) -> Slabs:
+        """The one design to press."""
+        return self.evaluation.slabs.take(np.array([self.index]))
+
+    @property
+    def depth_mm(self) -> NDArray:
+        """Steady depth in each condition; NaN out of reach. [mm]"""
+        return self.evaluation.depth_mm[self.index]
+
+    @property
+    def limit_mm(self) -> float:
+        """Depth to which the pad is designed. [mm]"""
+        slabs = self.evaluation.slabs
+        return float(slabs.curves.limit_mm[slabs.slab[self.index]])
+
+    @property
+    def readings(self) -> Readings:
+        """Peaks, energies and steady depths of the one design."""
+        return readings_of(self.evaluation, self.index)
+
+    def steady_depth_mm(self, force_N: NDArray) -> NDArray:
+        """Depth at steady forces after the slowest ramp; NaN out of reach. [mm]"""
+        speed, sampling = self.evaluation.protocol.slow_mm_s, self.evaluation.sampling.coarse
+        return np.asarray(steady_depth(self.alone, force_N, speed, sampling)[0])
 
     def merit(self, low_share: float | None = None) -> float:
         """By what designs are ranked: the total, with a share (by default the weights') of the closeness below 5 N."""
@@ -188,10 +222,7 @@ def thickness_steps(low_mm: float, high_mm: float) -> NDArray:
 def make_slabs(curves: Curves, slab: NDArray, resin: Resin, ratio: NDArray) -> Slabs:
     """Designs with the central numbers of a resin."""
     known, back = np.unique(ratio, return_inverse=True)
-    beta = np.array([[term.beta for term in resin.prony(float(value))] for value in known])
-    tau = tuple(arm.tau_s.value for arm in resin.arms)
-    young = np.atleast_1d(resin.young_MPa(known))
-    return Slabs(curves, slab, young[back], tau, beta.reshape(len(known), len(tau))[back])
+    return Slabs(curves, slab, resin.young_MPa(known)[back], resin.tau_s, resin.strengths(known)[back])
 
 
 def search(
@@ -241,11 +272,12 @@ def search_each(
         unbeaten = np.setdiff1d(pareto(score_map, ranked[0]), ranked) if able and others else ranked[:0]
         groups.append((start + ranked, start + unbeaten))
     chosen = np.concatenate([index for group in groups for index in group])
+    counts = [(len(ranked), len(unbeaten)) for ranked, unbeaten in groups]
+    worked: list[list[DesignCandidate]] = [[]] * len(maps)
     if len(chosen):
-        counts = [(len(ranked), len(unbeaten)) for ranked, unbeaten in groups]
         worked = _work_out(slabs.take(chosen), ratio[column[chosen]], space, counts, fitted, low_share, loss[chosen])
-    for number, score_map in enumerate(maps):
-        if not score_map.feasible.any():
+    for score_map, candidates in zip(maps, worked):
+        if not candidates:
             thickness = score_map.thickness_mm
             why = (
                 f"no slab of {thickness[0]:g} to {thickness[-1]:g} mm and ratio {ratio[0]:g} to {ratio[-1]:g} of "
@@ -254,8 +286,8 @@ def search_each(
             )
             results.append(NoAnswerError("no_feasible_design", why, quantity="pad"))
             continue
-        best = max(worked[number], key=lambda candidate: candidate.worth(low_share))
-        results.append(SearchResult(best, alternatives_to(worked[number], best), score_map))
+        best = max(candidates, key=lambda candidate: candidate.worth(low_share))
+        results.append(SearchResult(best, alternatives_to(candidates, best), score_map))
     return results
 
 
@@ -264,36 +296,33 @@ def _work_out(
     loss: NDArray,
 ) -> list[list[DesignCandidate]]:  # fmt: skip
     """Evaluate groups of designs on the fine grid; fit the best of each group's ranked ones and all its others."""
-    targets = space.targets
-    exact = evaluate(slabs, targets, space.sampling, exact=True)
-    ranks = acceptability_rank(exact, targets)
-    parametric = rough_parametric(slabs, targets, space.sampling)
-    total = exact.total(parametric)
-    parameters_of: list[Any] = [None] * len(ratio)
-    groups, end = [], 0
-    order = (1.0 - low_share) * total + low_share * exact.low_aim - loss
-    order = np.maximum(order, 0.0) * np.array(targets.weights.worth)[ranks]
+    candidates, groups, end = exact_candidates(slabs, ratio, space, loss), [], 0
     for ranked, others in counts:
         start, end = end, end + ranked + others
-        kept = np.arange(start, end)
+        group = candidates[start:end]
         if fitted:
-            best = np.argsort(-order[start : start + ranked], kind="stable")[:fitted]
-            kept = np.sort(np.r_[start + best, np.arange(start + ranked, end)])
-        groups.append(kept)
-    if fitted and targets.parameters.gamma_N_per_mm3:
-        every = np.concatenate(groups)
-        fits = fit_presses(slabs.take(every), targets, exact.depth_mm[every], space.sampling)
-        parametric = parametric.copy()
-        parametric[every] = parametric_score(fits, targets)
-        total = exact.total(parametric)
-        for index, fit in zip(every, fits):
-            parameters_of[index] = fit
-    columns = (slabs.thickness_mm, ratio, parametric, total, ranks, loss)
-    candidates = [
-        DesignCandidate(thickness, at, index, exact, parameters_of[index], score, sum_, int(rank), lost)
-        for index, (thickness, at, score, sum_, rank, lost) in enumerate(zip(*(one.tolist() for one in columns)))
+            worth = [candidate.worth(low_share) for candidate in group[:ranked]]
+            best = np.sort(np.argsort(-np.array(worth), kind="stable")[:fitted]).tolist()
+            group = [group[at] for at in (*best, *range(ranked, ranked + others))]
+        groups.append(group)
+    if not fitted:
+        return groups
+    done = iter(with_parameters([candidate for group in groups for candidate in group], space))
+    return [[next(done) for _ in group] for group in groups]
+
+
+def exact_candidates(
+    slabs: Slabs, ratio: NDArray, space: SearchSpace, loss: NDArray | None = None
+) -> list[DesignCandidate]:
+    """Designs evaluated on the fine grid, in their order, with the parametric part of gamma1 alone."""
+    exact = evaluate(slabs, space.targets, space.sampling, exact=True)
+    parametric = rough_parametric(slabs, space.targets, space.sampling)
+    ranks, lost = acceptability_rank(exact, space.targets), np.zeros(len(ratio)) if loss is None else loss
+    columns = (slabs.thickness_mm, ratio, parametric, exact.total(parametric), ranks, lost)
+    return [
+        DesignCandidate(thickness, at, index, exact, None, score, total, rank, lost)
+        for index, (thickness, at, score, total, rank, lost) in enumerate(zip(*(one.tolist() for one in columns)))
     ]
-    return [[candidates[index] for index in kept] for kept in groups]
 
 
 def with_parameters(candidates: Sequence[DesignCandidate], space: SearchSpace) -> tuple[DesignCandidate, ...]:
@@ -302,9 +331,8 @@ def with_parameters(candidates: Sequence[DesignCandidate], space: SearchSpace) -
     lacking = [candidate for candidate in candidates if candidate.parameters is None] if arms else []
     if not lacking:
         return tuple(candidates)
-    own = [(c.evaluation.slabs.take(np.array([c.index])), c.evaluation.depth_mm[[c.index]]) for c in lacking]
-    fits = fit_presses(join_slabs([one for one, _ in own]), space.targets, np.concatenate([d for _, d in own]),
-                       space.sampling)  # fmt: skip
+    slabs, depth = join_slabs([one.alone for one in lacking]), np.stack([one.depth_mm for one in lacking])
+    fits = fit_presses(slabs, space.targets, depth, space.sampling)
     scores = iter(zip(fits, parametric_score(fits, space.targets)))
     done = []
     for candidate in candidates:

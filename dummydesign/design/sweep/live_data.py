@@ -26,25 +26,20 @@ def live_data(resin: Resin, tissue: Tissue | None, sampling: Sampling | None = N
 
     sampling = sampling or Sampling()
     ratio = np.linspace(resin.ratio_min, resin.ratio_max, RATIOS)
-    strengths = [[term.beta for term in resin.prony(float(value))] for value in ratio]
     names = ("coefficients", "ratio_range", "depth_range")
     return {
         "tables": {base: _listed(load_table(base), *names, "limit_ratio", "limit_depth") for base in BASES},
         "squares": {base: _listed(load_square(base), *names, "reach_ratio", "reach_depth") for base in BASES},
         "resin": {
-            "name": resin.name,
-            "ratio": ratio.tolist(),
-            "ln_young_MPa": np.log(resin.young_MPa(ratio)).tolist(),
-            "tau_s": [arm.tau_s.value for arm in resin.arms],
-            "beta": np.array(strengths).reshape(RATIOS, -1).T.tolist(),
+            "name": resin.name, "ratio": ratio.tolist(), "ln_young_MPa": np.log(resin.young_MPa(ratio)).tolist(),
+            "tau_s": list(resin.tau_s), "beta": resin.strengths(ratio).T.tolist(),
         },
         "tissue": None if tissue is None else _tissue(tissue, sampling.hold_s),
         "protocol": {
-            "hold_s": sampling.hold_s,
-            "deceleration_mm_s2": sampling.deceleration_mm_s2,
+            "hold_s": sampling.hold_s, "deceleration_mm_s2": sampling.deceleration_mm_s2,
             "fine": [sampling.ramp_points, sampling.brake_points, sampling.hold_points],
         },
-    }
+    }  # fmt: skip
 
 
 def _listed(table: object, *names: str) -> dict[str, Any]:
@@ -62,14 +57,10 @@ def _tissue(tissue: Tissue, hold_s: float) -> dict[str, Any] | None:
     if law is None:
         return None
     subjects = [
-        {
-            "gamma1": subject.gamma1_N_per_mm3,
-            "gamma": list(subject.gamma_N_per_mm3),
-            "speeds": list(subject.velocities_mm_s),
-            "c": [list(dampers) for _, dampers in subject.c_N_s_per_mm],
-        }
+        {"gamma1": subject.gamma1_N_per_mm3, "gamma": list(subject.gamma_N_per_mm3),
+         "speeds": list(subject.velocities_mm_s), "c": [list(dampers) for _, dampers in subject.c_N_s_per_mm]}
         for subject in tissue.parameter_sets
-    ]
+    ]  # fmt: skip
     return {"name": tissue.name, "law": law, "subjects": subjects}
 
 

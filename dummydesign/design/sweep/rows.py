@@ -8,7 +8,8 @@ import io
 import json
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, partial
+from itertools import repeat
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
@@ -23,12 +24,11 @@ from dummydesign.design.scoring.presses import (
     Curves,
     Sampling,
     Slabs,
-    join_curves,
     make_curves,
     press_to_depth,
     steady_depth,
 )
-from dummydesign.design.search.shape_family import Designs
+from dummydesign.design.search.shape_family import Designs, load_family
 from dummydesign.design.sweep.spec import Key, Study, why_not_cast
 from dummydesign.geometry.punch import punch_sides_mm
 from dummydesign.geometry.shape_registry import read_shape
@@ -43,7 +43,8 @@ if TYPE_CHECKING:
 # Steady force at which peak over steady is given, that of the paper's force-time figures. [N]
 PEAK_FORCE_N = 10.0
 SCORES = ("total", "steady_state_range", "force_variation_range", "aim", "parametric", "low_force_range")
-BY_FORCE = ("exponent_at_N", "depth_mm_at_N", "depth_over_thickness_at_N", "stiffness_N_per_mm_at_N")
+_BY_FORCE = ("exponent", "depth_mm", "depth_over_thickness", "stiffness_N_per_mm")
+BY_FORCE = tuple(f"{name}_at_N" for name in _BY_FORCE)
 SOLVED_SHARES = DEPTH_SHARE * np.linspace(0.04, 1.0, 16)
 
 
@@ -92,14 +93,11 @@ def rows_of(task: Task, slabs: Slabs, error: Callable[[NDArray], NDArray]) -> li
     with np.errstate(invalid="ignore"):
         columns = (slope * depth / forces, depth, depth / slabs.thickness_mm[:, None], slope)
     by_force = [_plain(values) for values in columns]
-    scores = None if task.targets is None else _plain(_scores(slabs, task.targets))
+    scores = repeat(None) if task.targets is None else _plain(_scores(slabs, task.targets))
     peaks, limits = _plain(_peaks(slabs, task.velocities_mm_s, task.sampling)), _limits(slabs, depth, task.forces_N)
-    errors = _plain(_errors(depth, error)[:, None])
-    return [
-        _row(task, index, [values[index] for values in by_force], peaks[index], errors[index][0], limits[index],
-             None if scores is None else scores[index])
-        for index in range(len(task.ratio))
-    ]  # fmt: skip
+    errors = (one for (one,) in _plain(_errors(depth, error)[:, None]))
+    each = zip(range(len(task.ratio)), zip(*by_force), peaks, errors, limits, scores)
+    return [_row(task, *values) for values in each]
 
 
 def _row(
@@ -182,59 +180,41 @@ def _plain(values: NDArray) -> list[list[float | None]]:
 
 def _by_tables(task: Task) -> list[dict[str, Any]]:
     """Pads of each kind on its table, all at once."""
-    from dummydesign.design.search.shape_family import load_family
-
     chosen = np.zeros(len(task.ratio), int) if task.shape is None else task.shape
     pads, pad_of = np.unique(np.stack([chosen, task.thickness_mm]), axis=1, return_inverse=True)
     pad_of = pad_of.reshape(-1)
     shapes = [read_shape(task.shapes[int(index)]) for index in pads[0]]
     why: list[str | None] = [why_not_cast(str(shape), float(mm)) for shape, mm in zip(shapes, pads[1])]
-    groups, curves, order = [], [], []
+    rows: list[dict[str, Any]] = [{} for _ in pad_of]
     for kind in dict.fromkeys(shape.name for shape in shapes):
-        family = load_family(kind)
-        candidates = [n for n, shape in enumerate(shapes) if shape.name == kind and why[n] is None]
-        for n in candidates:
+        family, own = load_family(kind), []
+        for n in (n for n, shape in enumerate(shapes) if shape.name == kind and why[n] is None):
             try:
                 family.check(shapes[n])
             except InputError as problem:
                 why[n] = str(problem)
-        own = np.array([n for n in candidates if why[n] is None], dtype=int)
-        if not len(own):
+                continue
+            own.append(n)
+        if not own:
             continue
         lengths = [dict(shapes[n].parameters) for n in own]
         designs = Designs(kind, pads[1][own], {name: np.array([one[name] for one in lengths]) for name in lengths[0]})
         limit = np.minimum(family.limit_mm(designs, task.radius_mm), DEPTH_SHARE * designs.thickness_mm)
-        for n in own[limit <= 0.0]:
+        curve_of, held = np.full(len(shapes), -1), np.array(own)[limit > 0.0]
+        for n in set(own) - set(held.tolist()):
             why[n] = f"outside the response table of {kind} pads; --fidelity {shapes[n].fidelity} solves it"
-        designs, limit, own = designs.take(limit > 0.0), limit[limit > 0.0], own[limit > 0.0]
-        if not len(own):
+        if not len(held):
             continue
+        designs, limit, curve_of[held] = designs.take(limit > 0.0), limit[limit > 0.0], np.arange(len(held))
         area = family.area_mm2(designs, limit[:, None] * np.linspace(0.0, 1.0, SAMPLES), task.radius_mm)
-        curves.append(Curves(designs.thickness_mm, limit, area))
-        groups.append((family, designs))
-        order.append(own)
-    rows = [empty_row(task, index, why[pad] or "") if why[pad] else {} for index, pad in enumerate(pad_of)]
-    if not groups:
-        return rows
-    joined, known = join_curves(curves), np.concatenate(order)
-    curve_of = np.full(pads.shape[1], -1)
-    curve_of[known] = np.arange(len(known))
-    able = np.nonzero(curve_of[pad_of] >= 0)[0]
-    part = task.take(able)
-    slabs = Slabs(joined, curve_of[pad_of[able]], part.young_MPa, part.tau_s, part.beta)
-    starts = np.cumsum([0, *(len(own) for own in order)])
-
-    def error(depth_mm: NDArray) -> NDArray:
-        relative = np.empty_like(depth_mm)
-        for (family, designs), start, stop in zip(groups, starts, starts[1:]):
-            here = (slabs.slab >= start) & (slabs.slab < stop)
-            own = designs.take(slabs.slab[here] - start)
-            relative[here] = family.relative_error(own, depth_mm[here], task.radius_mm)
-        return relative
-
-    for index, row in zip(able, rows_of(part, slabs, error)):
-        rows[index] = row
-    return rows
+        able = np.nonzero(curve_of[pad_of] >= 0)[0]
+        part, slab = task.take(able), curve_of[pad_of[able]]
+        curves = Curves(designs.thickness_mm, limit, area)
+        slabs = Slabs(curves, slab, part.young_MPa, part.tau_s, part.beta)
+        error = partial(family.relative_error, designs.take(slab), radius_mm=task.radius_mm)
+        for index, row in zip(able, rows_of(part, slabs, error)):
+            rows[index] = row
+    return [row or empty_row(task, index, why[pad] or "") for index, (row, pad) in enumerate(zip(rows, pad_of))]
 
 
 def _solved(task: Task) -> list[dict[str, Any]]:
@@ -258,7 +238,7 @@ def _solved(task: Task) -> list[dict[str, Any]]:
         edge_radius_mm=task.edge_radius_mm, geometry=read_shape(shape),
     )  # fmt: skip
     try:
-        force_curve = elastic_curve(pad, task.fidelity, float(wanted[-1]), wanted, None)
+        force_curve = elastic_curve(pad, task.fidelity, float(wanted[-1]), wanted)
     except NoAnswerError as problem:
         return empty_rows(task, str(problem))
     depth = wanted[wanted <= force_curve.limit_mm * (1.0 + 1e-9)]
@@ -287,12 +267,8 @@ def work(task: Task, law: ForceLaw | None = None) -> list[dict[str, Any]]:
         curves = make_curves(law, thickness, task.radius_mm)
     except NoAnswerError as problem:
         return empty_rows(task, str(problem))
-    slabs = Slabs(curves, row, task.young_MPa, task.tau_s, task.beta)
-
-    def error(depth_mm: NDArray) -> NDArray:
-        return law.relative_error(depth_mm, slabs.thickness_mm[:, None], task.radius_mm)
-
-    return rows_of(task, slabs, error)
+    slabs, known = Slabs(curves, row, task.young_MPa, task.tau_s, task.beta), law
+    return rows_of(task, slabs, lambda at: known.relative_error(at, slabs.thickness_mm[:, None], task.radius_mm))
 
 
 def force_law(task: Task, thickness_mm: NDArray) -> ForceLaw:
@@ -305,14 +281,13 @@ def force_law(task: Task, thickness_mm: NDArray) -> ForceLaw:
     from dummydesign.pad.solved_law import solve_law
 
     sides = punch_sides_mm(task.punch)
-    solved = solve_law(thickness_mm.tolist(), task.radius_mm, None, task.base, task.condition, sides, task.fidelity)
+    solved = solve_law(thickness_mm.tolist(), task.radius_mm, task.base, task.condition, sides, task.fidelity)
     return cast(ForceLaw, solved)
 
 
 ROWS, SETTINGS = "rows.csv", "study.json"
 _NAMED = ("thickness_mm", "ratio", "punch", "condition", "base", "shape", "edge_radius_mm")
 _TEXT = ("punch", "condition", "base", "shape", "limit")
-_BY_FORCE = ("exponent", "depth_mm", "depth_over_thickness", "stiffness_N_per_mm")
 
 
 class RowFormat:
@@ -433,15 +408,11 @@ def settings_of(study: Study, resin: Any, tissue: Any) -> dict[str, Any]:
     from dummydesign._version import __version__
 
     settings = {
-        "version": __version__,
-        "fidelity": study.fidelity,
-        "resin": f"{resin.name} {_hash(resin.to_dict())}",
+        "version": __version__, "fidelity": study.fidelity, "resin": f"{resin.name} {_hash(resin.to_dict())}",
         "tissue": None if tissue is None else f"{tissue.name} {study.aim} {_hash(tissue.to_dict())}",
-        "forces_N": list(study.forces_N),
-        "velocities_mm_s": list(study.velocities_mm_s),
-        "hold_s": study.hold_s,
-        "deceleration_mm_s2": study.deceleration_mm_s2,
-    }
+        "forces_N": list(study.forces_N), "velocities_mm_s": list(study.velocities_mm_s),
+        "hold_s": study.hold_s, "deceleration_mm_s2": study.deceleration_mm_s2,
+    }  # fmt: skip
     if study.fidelity == "table":
         from dummydesign.geometry.interface import BASES
         from dummydesign.pad.tables.slab import load_table

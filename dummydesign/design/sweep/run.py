@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 import time
 from collections.abc import Callable, Iterable, Iterator
-from concurrent.futures import Executor
+from concurrent.futures import Executor, as_completed
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
@@ -14,7 +14,7 @@ import numpy as np
 from dummydesign.core.errors import DummydesignError, InputError, NoAnswerError, out_of_range
 from dummydesign.core.process import COMMAND_LINE
 from dummydesign.design.sites import pressed_alone
-from dummydesign.design.sweep.rows import Task, work
+from dummydesign.design.sweep.rows import RowsFile, Task, key_of, work
 from dummydesign.design.sweep.spec import Key, Study
 from dummydesign.geometry.shape_registry import read_shape
 from dummydesign.geometry.shapes.slab import Slab
@@ -22,7 +22,6 @@ from dummydesign.pad.force_law import ForceLaw
 
 if TYPE_CHECKING:
     from dummydesign.design.scoring.targets import Targets
-    from dummydesign.design.sweep.rows import RowsFile
     from dummydesign.resin.model.resin import Resin
 
 
@@ -81,8 +80,6 @@ def completed(function: Callable[[Any], Any], tasks: Iterable[Any], executor: Ex
     if executor is None:
         yield from map(function, tasks)
         return
-    from concurrent.futures import as_completed
-
     waiting = [executor.submit(function, task) for task in tasks]
     try:
         for future in as_completed(waiting):
@@ -115,16 +112,13 @@ def whatif(
     start = time.perf_counter()
     resin = load_resin(study.resin)
     study.check(resin)
-    done = {} if file is None else file.rows
+    known: dict[Key, dict[str, Any]] = {} if file is None else file.rows
     targets = targets or targets_of(study)
-    tasks = tasks_of(study, resin, targets, done)
-    known: dict[Key, dict[str, Any]] = {}
+    tasks = tasks_of(study, resin, targets, known)
     results = completed(work, tasks, executor) if law is None else (work(task, law) for task in tasks)
     if progress is not None:
-        results = _counted(results, study.size, len(set(done) & set(study.keys())), progress)
+        results = _counted(results, study.size, len(set(known) & set(study.keys())), progress)
     if file is None:
-        from dummydesign.design.sweep.rows import key_of
-
         for rows in results:
             known.update((key_of(row), row) for row in rows)
         ordered = [known[key] for key in study.keys()]
@@ -180,9 +174,7 @@ def tasks_of(study: Study, resin: Resin, targets: Targets | None, done: Iterable
     """
     done = set(done)
     ratios = np.array(study.ratio)
-    young = np.atleast_1d(resin.young_MPa(ratios))
-    tau = tuple(arm.tau_s.value for arm in resin.arms)
-    beta = np.array([[term.beta for term in resin.prony(float(value))] for value in ratios]).reshape(len(ratios), -1)
+    young, beta = resin.young_MPa(ratios), resin.strengths(ratios)
     for (punch, radius), condition, base in study.setups:
         for shapes, edge in _groups(study):
             designs = [
@@ -200,8 +192,8 @@ def tasks_of(study: Study, resin: Resin, targets: Targets | None, done: Iterable
             for part in parts:
                 which, thickness, columns = (np.array(values) for values in zip(*part))
                 yield Task(
-                    study.fidelity, punch, condition, base, radius, thickness, ratios[columns], young[columns], tau,
-                    beta[columns], study.forces_N, study.velocities_mm_s, targets, shapes, which, edge,
+                    study.fidelity, punch, condition, base, radius, thickness, ratios[columns], young[columns],
+                    resin.tau_s, beta[columns], study.forces_N, study.velocities_mm_s, targets, shapes, which, edge,
                     study.sampling,
                 )  # fmt: skip
 

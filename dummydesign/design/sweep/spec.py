@@ -213,12 +213,10 @@ class Study(Serialised):
 
     def keys(self) -> list[Key]:
         """Name every design, in the order of the rows."""
+        each = itertools.product(self.setups, self.pads, self.thickness_mm, self.ratio)
         return [
-            (punch[0], condition, base, shape, edge, thickness, ratio)
-            for punch, condition, base in self.setups
-            for shape, edge in self.pads
-            for thickness in self.thickness_mm
-            for ratio in self.ratio
+            (punch, condition, base, shape, edge, thickness, ratio)
+            for ((punch, _), condition, base), (shape, edge), thickness, ratio in each
         ]
 
     def check(self, resin: Resin) -> None:
@@ -295,13 +293,14 @@ class Study(Serialised):
         if self.fidelity == "table":
             square = sides is not None and sides[0] == sides[1]
             return punch.startswith("round") or (square and not shaped)
-        from dummydesign.pad.solved_law import SlabCase
+        from dummydesign.pad.solved_law import corners_known
+        from dummydesign.pad.specimen import Pad
 
         # The slabs between the thinnest and the thickest lie in the same table when both do.
         ends = (min(self.thickness_mm), max(self.thickness_mm))
         each = itertools.product(ends, self.bases, self.conditions)
-        cases = [SlabCase(mm, radius_mm, base, condition, sides_mm=sides) for mm, base, condition in each]
-        return not shaped and all(case.corners_known for case in cases)
+        pads = [Pad(mm, 1.0, radius_mm, base=base, condition=face, sides_mm=sides) for mm, base, face in each]
+        return not shaped and all(corners_known(pad, self.fidelity) for pad in pads)
 
 
 def check_friction(condition: str) -> None:

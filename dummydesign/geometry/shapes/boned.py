@@ -9,17 +9,9 @@ from typing import ClassVar, Self
 import numpy as np
 
 from dummydesign.core.errors import InputError
+from dummydesign.geometry import dimensions as limits
 from dummydesign.geometry.conic import FOOT_SHARES, ConicProfile, wall_slope
-from dummydesign.geometry.dimensions import (
-    BAR_END_GAP_MM,
-    PAD_LENGTH_MM,
-    PAD_WIDTH_MM,
-    STEEPEST_BONE_DEG,
-    THINNEST_COVER_MM,
-    check_flag,
-    check_inside,
-    check_left,
-)
+from dummydesign.geometry.dimensions import PAD_LENGTH_MM, PAD_WIDTH_MM
 from dummydesign.geometry.pad_shape import Array, PadBlock, Similarity, grid, stack
 
 # Heights of bones that are tried, over the thickness.
@@ -66,7 +58,7 @@ class Boned(ConicProfile):
     def ends(self, block: PadBlock) -> tuple[float, float]:
         """The bar ends a little before the drafted walls."""
         slope = wall_slope(block)
-        return block.length_mm / 2 + slope * (block.thickness_mm - self.height_mm) - BAR_END_GAP_MM, slope
+        return block.length_mm / 2 + slope * (block.thickness_mm - self.height_mm) - limits.BAR_END_GAP_MM, slope
 
     def bone_volume_mm3(self, block: PadBlock) -> float:
         """Volume of dome or bar."""
@@ -74,10 +66,10 @@ class Boned(ConicProfile):
 
     def check(self, thickness_mm: float, length_mm: float = PAD_LENGTH_MM, width_mm: float = PAD_WIDTH_MM) -> None:
         """Refuse bones that are too steep for the mesh and covers too thin to last."""
-        check_flag("bar", self.bar)
-        self.conic.check("bone", STEEPEST_BONE_DEG)
-        check_left("bone", self.height_mm, thickness_mm, THINNEST_COVER_MM)
-        check_inside("bone", self.foot_mm, width_mm if self.bar else min(length_mm, width_mm))
+        limits.check_flag("bar", self.bar)
+        self.conic.check("bone", limits.STEEPEST_BONE_DEG)
+        limits.check_left("bone", self.height_mm, thickness_mm, limits.THINNEST_COVER_MM)
+        limits.check_inside("bone", self.foot_mm, width_mm if self.bar else min(length_mm, width_mm))
 
     def mark(self, block: PadBlock, scale: float) -> str:
         """Tip, height, foot and the gel over it."""
@@ -91,7 +83,8 @@ class Boned(ConicProfile):
         """A bar ends before the walls."""
         if not self.bar:
             return ()
-        return (("bar_ends", f"the bar ends {BAR_END_GAP_MM:g} mm before the walls: a film of gel covers its ends"),)
+        gap = f"the bar ends {limits.BAR_END_GAP_MM:g} mm before the walls"
+        return (("bar_ends", f"{gap}: a film of gel covers its ends"),)
 
     @classmethod
     def gel_mm(cls, thickness_mm: Array, parameters: Mapping[str, Array]) -> Array:

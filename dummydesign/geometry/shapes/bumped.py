@@ -10,19 +10,9 @@ from typing import ClassVar, Self
 import numpy as np
 
 from dummydesign.core.errors import InputError
+from dummydesign.geometry import dimensions as limits
 from dummydesign.geometry.conic import Conic, sphere_foot_mm
-from dummydesign.geometry.dimensions import (
-    DEEPEST_POCKET,
-    GAUGE_FOOT_MM,
-    PAD_LENGTH_MM,
-    PAD_WIDTH_MM,
-    RIM_FREE_MM,
-    SMALLEST_HEIGHT_MM,
-    STEEPEST_TOP_DEG,
-    THINNEST_GEL_MM,
-    check_inside,
-    check_left,
-)
+from dummydesign.geometry.dimensions import PAD_LENGTH_MM, PAD_WIDTH_MM
 from dummydesign.geometry.pad_shape import Array, PadBlock, PadShape, Similarity, grid, stack
 
 # The proportions that the mould allows at most: feet that nearly meet and a height of 0.26 of the diameter.
@@ -74,7 +64,7 @@ class Bumped(PadShape):
         grade = grade_share * height
         reach = int(np.ceil(FIELD_MM / pitch_mm))
         if grade > 0.0:
-            reach = min(reach, int(np.sqrt(max(height - SMALLEST_HEIGHT_MM, 0.0) / grade)))
+            reach = min(reach, int(np.sqrt(max(height - limits.SMALLEST_HEIGHT_MM, 0.0) / grade)))
         return cls(pitch_mm, (foot**2 + height**2) / (2.0 * height), height, grade, float(reach))
 
     def with_length(self, name: str, value: float) -> Self:
@@ -127,7 +117,8 @@ class Bumped(PadShape):
             (i * self.pitch_mm, j * self.pitch_mm, self.height_mm - self.grade_mm * (i * i + j * j))
             for i, j in product(places, places)
         ]
-        return tuple(sorted((c for c in caps if c[2] >= SMALLEST_HEIGHT_MM - 1e-9), key=lambda cap: (-cap[2], cap)))
+        high = (cap for cap in caps if cap[2] >= limits.SMALLEST_HEIGHT_MM - 1e-9)
+        return tuple(sorted(high, key=lambda cap: (-cap[2], cap)))
 
     def drop_mm(self, x_mm: Array, y_mm: Array) -> Array:
         """How far the caps, or the flat between them, lie below the highest tip."""
@@ -144,7 +135,8 @@ class Bumped(PadShape):
     def gauge_places(self, block: PadBlock) -> dict[str, tuple[float, float]]:
         """Beside the field of caps, and between four of them where a pin of the gauge reaches the flat. [mm]"""
         foot, half = self.cap(self.height_mm).foot_mm, self.pitch_mm / 2
-        shoulder = min(self.rings * self.pitch_mm + foot + GAUGE_FOOT_MM, block.length_mm / 2 - RIM_FREE_MM)
+        reach = self.rings * self.pitch_mm + foot + limits.GAUGE_FOOT_MM
+        shoulder = min(reach, block.length_mm / 2 - limits.RIM_FREE_MM)
         free = half * 2.0**0.5 - foot
         between = {"between": (half, half)} if self.rings and free >= GAUGE_PIN_MM else {}
         return {**between, "shoulder": (shoulder, 0.0)}
@@ -152,11 +144,11 @@ class Bumped(PadShape):
     def check(self, thickness_mm: float, length_mm: float = PAD_LENGTH_MM, width_mm: float = PAD_WIDTH_MM) -> None:
         """Refuse caps that overlap, keep air or leave the pad."""
         cap = self.cap(self.height_mm)
-        cap.check("cap", STEEPEST_TOP_DEG)
+        cap.check("cap", limits.STEEPEST_TOP_DEG)
         width = 2.0 * cap.foot_mm
-        most = 2.0 * DEEPEST_POCKET * cap.foot_mm
+        most = 2.0 * limits.DEEPEST_POCKET * cap.foot_mm
         if self.height_mm > most:
-            pocket = f"{DEEPEST_POCKET:g} of its diameter: its pocket in the mould keeps its air"
+            pocket = f"{limits.DEEPEST_POCKET:g} of its diameter: its pocket in the mould keeps its air"
             message = f"cap height = {self.height_mm:g} mm is above {most:.3g} mm, {pocket}"
             raise InputError(message, "out_of_range", "cap_height_mm", self.height_mm, (None, most))
         if not self.pitch_mm >= width:
@@ -168,8 +160,8 @@ class Bumped(PadShape):
         if not 0 <= self.rings <= 10 or self.rings != int(self.rings):
             message = f"rings = {self.rings:g} is not a whole number from 0 to 10"
             raise InputError(message, "out_of_range", "rings", self.rings, (0, 10))
-        check_left("cap", self.height_mm, thickness_mm, THINNEST_GEL_MM)
-        check_inside("field of caps", self.rings * self.pitch_mm + cap.foot_mm, min(length_mm, width_mm))
+        limits.check_left("cap", self.height_mm, thickness_mm, limits.THINNEST_GEL_MM)
+        limits.check_inside("field of caps", self.rings * self.pitch_mm + cap.foot_mm, min(length_mm, width_mm))
 
     def mark(self, block: PadBlock, scale: float) -> str:
         """Caps and pitch."""

@@ -9,16 +9,9 @@ from typing import ClassVar
 import numpy as np
 
 from dummydesign.core.errors import InputError
+from dummydesign.geometry import dimensions as limits
 from dummydesign.geometry.conic import FOOT_SHARES, ConicProfile, wall_slope
-from dummydesign.geometry.dimensions import (
-    PAD_LENGTH_MM,
-    PAD_WIDTH_MM,
-    STEEPEST_TOP_DEG,
-    THINNEST_GEL_MM,
-    check_flag,
-    check_inside,
-    check_left,
-)
+from dummydesign.geometry.dimensions import PAD_LENGTH_MM, PAD_WIDTH_MM
 from dummydesign.geometry.pad_shape import Array, PadBlock, Similarity, grid, stack
 
 # Crowns that are tried: height over thickness, and R c / b^2, by which a cap is a point (0.1) or blunt (0.65).
@@ -106,9 +99,9 @@ class Crowned(ConicProfile):
 
     def check(self, thickness_mm: float, length_mm: float = PAD_LENGTH_MM, width_mm: float = PAD_WIDTH_MM) -> None:
         """Refuse tips, slopes and rests that cannot be cast."""
-        check_flag("ridge", self.ridge)
-        self.conic.check("crown", STEEPEST_TOP_DEG)
-        check_left("crown", self.height_mm, thickness_mm, THINNEST_GEL_MM)
+        limits.check_flag("ridge", self.ridge)
+        self.conic.check("crown", limits.STEEPEST_TOP_DEG)
+        limits.check_left("crown", self.height_mm, thickness_mm, limits.THINNEST_GEL_MM)
         self._check_sites(length_mm, width_mm)
 
     def _check_sites(self, length_mm: float, width_mm: float) -> None:
@@ -122,7 +115,7 @@ class Crowned(ConicProfile):
                 raise InputError(message, "out_of_range", f"sites_{name}", count, (1, MOST_SITES))
             if count == 1:
                 if not (self.ridge and name == "along"):
-                    check_inside("crown", self.foot_mm, across)
+                    limits.check_inside("crown", self.foot_mm, across)
                 continue
             if self.ridge:
                 message = f"sites_{name} = {count:g}: a ridge has one site; leave the sites or the ridge out"
@@ -131,7 +124,7 @@ class Crowned(ConicProfile):
                 least = 2.0 * self.foot_mm
                 message = f"pitch_{name} = {pitch:g} mm is below {least:.4g} mm: the crowns meet at their feet"
                 raise InputError(message, "out_of_range", f"pitch_{name}_mm", pitch, (least, None))
-            check_inside("the outermost crown", 0.5 * (count - 1) * pitch + self.foot_mm, across)
+            limits.check_inside("the outermost crown", 0.5 * (count - 1) * pitch + self.foot_mm, across)
 
     def mark(self, block: PadBlock, scale: float) -> str:
         """Tip, height and foot."""

@@ -40,19 +40,10 @@ def usual_of(trials: Sequence[Trial]) -> dict[str, float]:
 
 
 def with_pad_factors(campaign: Campaign, usual: Mapping[str, Any] | None = None) -> Campaign:
-    """A campaign whose trials carry what is known of their pads' moduli.
+    """A campaign whose trials carry what is known of their pads' moduli, where something is.
 
-    Parameters
-    ----------
-    campaign : Campaign
-    usual : mapping, optional
-        The pads that the modulus is of, by the keys of :data:`USUAL`: those of a calibration that is used. Without it
-        they are the campaign's own.
-
-    Returns
-    -------
-    Campaign
-        The same where nothing is known of any pad.
+    ``usual`` are the pads that the modulus is of, by the keys of :data:`USUAL`: those of a calibration that is used, or
+    the campaign's own.
     """
     known = {key: value for key, value in (usual or {}).items() if key in USUAL and value}
     known = known or usual_of(campaign.trials)

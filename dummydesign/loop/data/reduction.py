@@ -11,10 +11,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from dummydesign.core.errors import InputError
 from dummydesign.inference.binning import cut, distinct, mean_around, repeatable_hold_edges
 from dummydesign.inference.noise import white_noise
-from dummydesign.measurement.landmarks import find_ramp
+from dummydesign.measurement.landmarks import ramp_of
 from dummydesign.measurement.motion import Ramp
 from dummydesign.measurement.sensor import Lowpass
 from dummydesign.measurement.trace import Trace
@@ -46,7 +45,6 @@ class ReducedPress:
     samples: NDArray
     force_N: NDArray
     label: NDArray
-    scatter: NDArray
     time_s: NDArray
     displacement_mm: NDArray
     acceleration_mm_s2: NDArray
@@ -57,10 +55,7 @@ class ReducedPress:
 
 def reduce_press(trace: Trace, lowpass: Lowpass | None) -> ReducedPress:
     """Reduce one trial."""
-    try:
-        ramp = find_ramp(trace.time_s, trace.displacement_mm, "slowed")
-    except InputError as problem:
-        raise problem.within(trace.name) from None
+    ramp = ramp_of(trace)
     edges, labels = _bin_edges(trace.time_s, ramp)
     binning = cut(trace.time_s, edges, labels < 0)
     nodes, x = _nodes(trace, ramp)
@@ -69,7 +64,7 @@ def reduce_press(trace: Trace, lowpass: Lowpass | None) -> ReducedPress:
     acceleration = np.interp(nodes, trace.time_s, _acceleration(trace.time_s, trace.displacement_mm))
     return ReducedPress(
         ramp, binning.start_s, binning.end_s, binning.samples.astype(float), binning.mean(trace.force_N),
-        labels[binning.interval], binning.scatter(trace.force_N), nodes, x, acceleration, filtered, operator,
+        labels[binning.interval], nodes, x, acceleration, filtered, operator,
         _white(trace, ramp),
     )  # fmt: skip
 

@@ -96,7 +96,7 @@ class Presses:
     force_N: NDArray
     samples: NDArray
     label: NDArray
-    operator: NDArray
+    operator: NDArray  # bin means (T, B, N) of the sensor's output for forces at the nodes
     bins: Bins
     cell: NDArray
     history: History
@@ -109,8 +109,7 @@ class Presses:
     @cached_property
     def pad(self) -> NDArray:
         """Which of :attr:`pads` each trial presses, shape (T,)."""
-        pads = self.pads
-        return np.array([pads.index(trial.pad) for trial in self.trials])
+        return np.array([self.pads.index(trial.pad) for trial in self.trials])
 
     @cached_property
     def young_factor(self) -> NDArray | None:
@@ -139,8 +138,7 @@ class Presses:
         A fit asks for the same depths again and again: only effects of the motion change them.
         """
         if id(law) not in self._laws:
-            own = law.on(self.trials) if hasattr(law, "on") else law
-            self._laws[id(law)] = law, memoised_law(own)
+            self._laws[id(law)] = law, memoised_law(law.on(self.trials) if hasattr(law, "on") else law)
         return self._laws[id(law)][1]
 
     @property
@@ -172,11 +170,7 @@ class Presses:
 
     def measure(self, node_force_N: NDArray) -> NDArray:
         """Bin means (T, B) of the sensor's output for a force at the nodes (T, N). [N]"""
-        return self.measured(node_force_N[..., None])[..., 0]
-
-    def measured(self, node_force_N: NDArray) -> NDArray:
-        """Bin means (T, B, K) of the sensor's output for K forces at the nodes (T, N, K). [N]"""
-        return self.operator @ node_force_N
+        return (self.operator @ node_force_N[..., None])[..., 0]
 
     def at_samples(self, node_force_N: NDArray) -> list[NDArray]:
         """The sensor's output at the raw samples of each trial. [N]"""

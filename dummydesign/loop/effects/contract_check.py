@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import traceback
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass, fields
 from functools import lru_cache
+from itertools import product
 from pathlib import Path
 from typing import Any
 
@@ -13,8 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.loop.data.trials import History, Presses, stack
-from dummydesign.loop.model.base_law import PuckLaw, SetupLaw, SlabLaw, UnitForce
-from dummydesign.loop.model.effect import HOOKS, OWNERS, PADS, SETUP, Effect, Parameter, Values
+from dummydesign.loop.model.base_law import PuckLaw, SlabLaw
+from dummydesign.loop.model.effect import HOOKS, OWNERS, PADS, SETUP, Effect, Parameter, SetupLaw, UnitForce, Values
 from dummydesign.loop.model.forward_model import Active, BaseParameters, readings, simulate
 from dummydesign.measurement.campaign import Trial
 from dummydesign.measurement.trace import Trace
@@ -220,10 +221,6 @@ class ReferenceCap:
     shape: str = "shaped"
     offers: frozenset[str] = frozenset({"flat_faces", "base_that_can_slip", "bulk_that_gives"})
 
-    def on(self, trials: Sequence[Trial]) -> ReferenceCap:
-        """Itself."""
-        return self
-
     def __call__(self, depth_mm: NDArray, thickness_mm: NDArray) -> NDArray:
         """F / E [mm2]."""
         depth = np.maximum(depth_mm, 0.0)
@@ -241,23 +238,19 @@ class ReferenceCap:
 @lru_cache(maxsize=3)
 def reference_presses(shape: str) -> tuple[Presses, SetupLaw]:
     """Eight presses of two pads at two speeds with unloading, temperatures, ages and rests, and their base law."""
-    law: Any
-    if shape == "shaped":
-        law, thicknesses, share = ReferenceCap(), (8.0, 15.0), 0.3
-    elif shape == "slab":
-        law, thicknesses, share = SlabLaw(load_table("bonded"), 7.9, True), (5.0, 15.0), 0.3
-    else:
-        law, thicknesses, share = PuckLaw(50.0), (30.0, 40.0), 0.2
+    laws: dict[str, tuple[Any, tuple[float, float], float]] = {
+        "shaped": (ReferenceCap(), (8.0, 15.0), 0.3),
+        "slab": (SlabLaw(load_table("bonded"), 7.9, True), (5.0, 15.0), 0.3),
+        "cylinder": (PuckLaw(50.0), (30.0, 40.0), 0.2),
+    }
+    law, thicknesses, share = laws[shape]
     trials: list[Trial] = []
-    for repeat in (1, 2):
-        for thickness in thicknesses:
-            for speed in (10.0, 250.0):
-                depth, order = share * thickness * (1.0 - 0.3 * (repeat - 1)), len(trials)
-                trace = _trace(f"reference_{order}", depth, speed, law, thickness)
-                trials.append(
-                    Trial(trace.name, thickness, speed, 3.0, None, repeat, order + 1, 60.0 if order % 2 else 3600.0,
-                          21.0 + order, 9.0 * repeat, trace)
-                )  # fmt: skip
+    for order, (repeat, thickness, speed) in enumerate(product((1, 2), thicknesses, (10.0, 250.0))):
+        trace = _trace(f"reference_{order}", share * thickness * (1.0 - 0.3 * (repeat - 1)), speed, law, thickness)
+        trials.append(
+            Trial(trace.name, thickness, speed, 3.0, None, repeat, order + 1, 60.0 if order % 2 else 3600.0,
+                  21.0 + order, 9.0 * repeat, trace)
+        )  # fmt: skip
     presses = stack(tuple(trials), None)
     vars(presses)["flat_top_N"] = 0.5 * float(simulate(presses, law, BASE).max())  # as if their readings were clipped
     return presses, law

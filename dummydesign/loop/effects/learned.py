@@ -10,8 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.loop.data.trials import Presses
-from dummydesign.loop.model.base_law import UnitForce, wrap
-from dummydesign.loop.model.effect import Effect, Parameter, Values
+from dummydesign.loop.model.effect import Effect, Parameter, UnitForce, Values, wrap
 
 FOLLOWED = {
     "depth_mm": "depth in mm",
@@ -107,15 +106,6 @@ def place(at: NDArray, knots: NDArray) -> tuple[NDArray, NDArray]:
     clipped = np.clip(at, knots[0], knots[-1])
     low = np.clip(np.searchsorted(knots, clipped, side="right") - 1, 0, len(knots) - 2)
     return low, (clipped - knots[low]) / (knots[low + 1] - knots[low])
-
-
-def hats(at: NDArray, knots: NDArray) -> NDArray:
-    """Weights (..., k) of linear interpolation on knots (k,), constant outside."""
-    low, share = place(at, knots)
-    out = np.zeros((*np.shape(at), len(knots)))
-    np.put_along_axis(out, low[..., None], (1.0 - share)[..., None], axis=-1)
-    np.put_along_axis(out, low[..., None] + 1, share[..., None], axis=-1)
-    return out
 
 
 class Learned(Effect):

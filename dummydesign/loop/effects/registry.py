@@ -21,8 +21,7 @@ from pathlib import Path
 from dummydesign.core.errors import DummydesignError, InputError, unknown_name
 from dummydesign.loop.data.trials import Presses
 from dummydesign.loop.effects.contract_check import check_effect, faults_on, problem_text
-from dummydesign.loop.model.base_law import SetupLaw
-from dummydesign.loop.model.effect import Effect, effect_classes, members
+from dummydesign.loop.model.effect import Effect, SetupLaw, effect_classes, members
 
 ROOMS = ("rig", "material", "history", "sensor")
 GROUP = "dummydesign.effects"

@@ -9,9 +9,9 @@ import numpy as np
 from dummydesign.core.process import Progress, quiet
 from dummydesign.loop.fitting.fit import CampaignFit, fit, fit_with_noise, with_sizes
 from dummydesign.loop.fitting.noise import Sizes
-from dummydesign.loop.fitting.problem import BASE
 from dummydesign.loop.fitting.screening import Screened, screen
 from dummydesign.loop.model.effect import Effect
+from dummydesign.loop.model.forward_model import BASE
 
 ROUGH = 0.5  # gain in chi-square at which a first fit ends: what is compared are tens
 USUAL_POSITION_MM = 0.02  # contact scatter of a usual robot

@@ -7,7 +7,7 @@ are taken out, so that neither model error nor effects that change from trial to
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from itertools import pairwise
 from typing import Any
@@ -21,7 +21,6 @@ from dummydesign.loop.data.trials import Presses
 
 POSITION_PRIOR_MM = (0.008, 1.0)
 """Median and spread (of the logarithm) of the contact scatter; that of the law's error belongs to the law."""
-LAW_TERMS = 3  # level, slope and curvature in depth over thickness
 SLOW_BOUNDS = np.array([[1e-4, 0.05], [5.0, 20.0]])  # lowest and highest slow noise [N] and time of it [s]
 SIZE_BOUNDS = np.array([[3e-4, 3e-4, 3e-4, 3e-4], [0.5, 0.2, 0.3, 0.3]])
 """Lowest and highest contact scatter [mm] and law error in level, slope and curvature."""
@@ -37,6 +36,12 @@ class Sizes:
     slope: float
     curve: float
 
+    @classmethod
+    def first(cls, presses: Presses, law_priors: Priors) -> Sizes:
+        """Sizes to start from: white noise as measured, the rest at the middle of the priors."""
+        white = float(np.sqrt(np.mean([press.white_N**2 for press in presses.presses])))
+        return cls(Noise(white, 0.6 * white, 1.0, POSITION_PRIOR_MM[0]), *(prior[0] for prior in law_priors))
+
     @property
     def law(self) -> tuple[float, ...]:
         """Prior sizes of the law error's terms."""
@@ -50,12 +55,6 @@ class Sizes:
     def floor_N(self) -> float:
         """Standard deviation of the noise of one raw sample: white and slow. [N]"""
         return float(np.hypot(self.noise.white_N, self.noise.slow_N))
-
-
-def first_sizes(presses: Presses, law_priors: Priors) -> Sizes:
-    """Starting sizes: white noise as measured, the rest at the middle of the priors."""
-    white = float(np.sqrt(np.mean([press.white_N**2 for press in presses.presses])))
-    return Sizes(Noise(white, 0.6 * white, 1.0, POSITION_PRIOR_MM[0]), *(prior[0] for prior in law_priors))
 
 
 def repeat_pairs(presses: Presses) -> list[tuple[int, int]]:
@@ -156,3 +155,89 @@ def make_whitener(presses: Presses, noise: Noise, slope: NDArray, with_position:
         return white[..., 0] if values.ndim == 2 else white
 
     return apply
+
+
+LEAST_DEGREES = 2.0
+"""The expansion does not hold for fewer; the priors on the sizes keep them above, but for a handful of trials."""
+STEP = 0.05
+
+
+@dataclass(frozen=True)
+class SizeLikelihood:
+    """Minus twice the log likelihood of contact scatter and law error."""
+
+    gram: NDArray
+    counts: tuple[int, ...]
+    law_priors: Priors
+
+    def estimate(self, sizes: Sizes) -> tuple[Sizes, float]:
+        """Likeliest sizes, and minus twice the log likelihood there."""
+        terms = self._terms()
+        begin = np.array([max(sizes.noise.position_mm, 1e-3), *sizes.law])
+        low, high = SIZE_BOUNDS
+        likely = likeliest(lambda z: self._score(terms, z, True), begin, low, high, gradient=True)[0]
+        position, *law = likely.tolist()
+        return Sizes(replace(sizes.noise, position_mm=position), *law), self._score(terms, likely, False)[0]
+
+    def variances(self, sizes: NDArray) -> NDArray:
+        """Variances (p,) of the fitted parameters for given sizes (4,), random columns integrated out."""
+        p = self.counts[0]
+        fixed, cross = self.gram[1 : 1 + p, 1 : 1 + p], self.gram[1 : 1 + p, 1 + p :]
+        scale = sizes[self._groups()]
+        inner = np.eye(len(scale)) + scale[:, None] * self.gram[1 + p :, 1 + p :] * scale
+        turned = cross * scale
+        known = fixed - turned @ np.linalg.solve(inner, turned.T)
+        length = np.sqrt(np.maximum(np.diag(fixed), 0.0))
+        seen = np.where(length > 0.0, length, 1.0)
+        inverse = np.linalg.pinv(known / np.outer(seen, seen), rcond=1e-12, hermitian=True)
+        return np.where(length > 0.0, np.diag(inverse) / seen**2, 0.0)
+
+    def degrees(self, sizes: Sizes) -> tuple[NDArray, NDArray]:
+        """Degrees of freedom of the variances of the fitted parameters (p,), and of the four sizes squared (4,)."""
+        at = np.clip(np.array([sizes.noise.position_mm, *sizes.law]), *SIZE_BOUNDS)
+        terms = self._terms()
+        steps = np.exp(STEP * np.eye(len(at)))
+        sides = [(at * step, at / step) for step in steps]
+        bend = np.stack([self._score(terms, up, True)[1] - self._score(terms, down, True)[1] for up, down in sides])
+        bend = 0.25 * (bend + bend.T) / STEP
+        # of -2 ln L, whose second derivative is twice the inverse covariance; flat or upward where a size is unseen
+        values, turn = np.linalg.eigh(bend)
+        priors = np.array([POSITION_PRIOR_MM[1], *(spread for _, spread in self.law_priors)])
+        values = np.maximum(values, 2.0 / priors.max() ** 2)
+        covariance = turn @ np.diag(2.0 / values) @ turn.T
+        middle = self.variances(at)
+        slopes = np.stack([self.variances(up) - self.variances(down) for up, down in sides], axis=1) / (2.0 * STEP)
+        spread = np.einsum("pi,ij,pj->p", slopes, covariance, slopes)
+        own = 0.5 / np.diag(covariance)
+        known = 2.0 * middle**2 / np.maximum(spread, 1e-12 * middle**2 + 1e-300)
+        return np.maximum(known, LEAST_DEGREES), np.maximum(own, LEAST_DEGREES)
+
+    def _groups(self) -> NDArray:
+        return np.repeat(np.arange(len(self.counts) - 1), self.counts[1:])
+
+    def _terms(self) -> tuple[float, NDArray, NDArray, NDArray]:
+        """Squares of the residual, its inner products with the random columns, and theirs: the fixed at their best."""
+        p, gram = self.counts[0], self.gram
+        fixed = gram[1 : 1 + p, 1 : 1 + p] + np.diag(1e-9 * np.diag(gram)[1 : 1 + p] + 1e-12)
+        others = np.r_[0, np.arange(1 + p, len(gram))]
+        cross = gram[1 : 1 + p][:, others]
+        rest = gram[np.ix_(others, others)] - cross.T @ np.linalg.solve(fixed, cross)
+        return float(rest[0, 0]), rest[1:, 0], rest[1:, 1:], gram[1 + p :, 1 + p :]
+
+    def _score(
+        self, terms: tuple[float, NDArray, NDArray, NDArray], sizes: NDArray, restricted: bool
+    ) -> tuple[float, NDArray]:
+        """Minus twice the log likelihood, and (restricted) its gradient in the logarithms of the sizes."""
+        total, inner, cleaned, random = terms
+        groups = self._groups()
+        medians, spreads = np.array((POSITION_PRIOR_MM, *self.law_priors)).T
+        eye, scale, logs = np.eye(len(random)), sizes[groups], np.log(sizes)
+        # in units of the scale the matrix is 1 + S R S, which is never singular
+        inverse = np.linalg.inv(eye + scale[:, None] * cleaned * scale)
+        pull = inverse @ (scale * inner)
+        chi2 = total - (scale * inner) @ pull
+        spectrum = cleaned if restricted else random
+        volume = np.linalg.slogdet(eye + scale[:, None] * spectrum * scale)[1]
+        prior = (logs - np.log(medians)) / spreads
+        each = -2.0 * pull**2 + 2.0 * (1.0 - np.diag(inverse))
+        return float(chi2 + volume + prior @ prior), np.bincount(groups, each) + 2.0 * prior / spreads

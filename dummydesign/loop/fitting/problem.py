@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
@@ -11,79 +10,22 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.loop.data.trials import Presses
-from dummydesign.loop.fitting.noise import LAW_TERMS
-from dummydesign.loop.model.base_law import REFERENCE_DEPTH, SetupLaw
-from dummydesign.loop.model.effect import Arm, Effect
+from dummydesign.loop.model.effect import Effect, SetupLaw
 from dummydesign.loop.model.forward_model import (
+    ARMS,
+    BASE,
     HIGH,
+    LAW_TERMS,
     LOW,
     Active,
     BaseParameters,
     LawError,
-    arm_forces,
-    arms_of,
-    at_the_surface,
-    before_the_pad,
-    loaded,
+    base_and_law_columns,
     readings,
-    sensor_signal,
     simulate_yielding,
 )
 
-BASE = 5  # number of logarithms of the base, with which the vector begins
-ARMS = (1, 2, 3, 4)  # entries of the arms' logarithms in the vector
 STEP = 4e-3
-
-
-def base_and_law_columns(problem: CampaignProblem, vector: NDArray, step: float) -> tuple[NDArray, NDArray]:
-    """Forward differences with respect to the base logarithms, and to the law error of each trial's pad."""
-    presses, logs = problem.presses, vector[:BASE]
-    acting = [one for one in problem.active_of(vector) if not one.absent]
-    law, depth = before_the_pad(presses, problem.law, acting)
-    thickness = presses.thickness_mm[:, None]
-    unit = law(depth, thickness)
-    for one in acting:
-        unit = unit * one.effect.scale(presses, depth, one.values)
-    share = np.maximum(depth, 0.0) / thickness / REFERENCE_DEPTH
-    base, error = problem.base_of(vector), problem.law_error_of(vector)
-    level, slope, curve = (term[:, None] for term in (error.level, error.slope, error.curve))
-    arms = arms_of(presses, base, acting, depth)
-    plain = base.young_MPa * unit
-    powers = np.stack([plain, plain * share, plain * share**2])
-    weights = np.stack([1.0 + level, slope, curve])
-    elastic = (weights * powers).sum(axis=0)
-    held = arm_forces(presses.time_s, powers, arms)
-    shapes = [loaded(power, arms, held[:, k]) for k, power in enumerate(powers)]
-    force = (weights * np.stack(shapes)).sum(axis=0)
-    moved = [force, force * np.exp(step), *(force + step * one for one in shapes)]
-    total = (weights * held).sum(axis=1)
-    for index in ARMS:
-        other = logs.copy()
-        other[index] += step
-        changed = arms_of(presses, BaseParameters.from_logs(other), acting, depth)
-        moved.append(_with_arms(presses, elastic, arms, total, changed))
-    shown = [sensor_signal(presses, at_the_surface(presses, one, acting, depth), acting) for one in moved]
-    bins = readings(presses, presses.measured(np.stack(shown, axis=-1)), acting)
-    change = (bins[..., 1:] - bins[..., :1]) / step
-    return change[..., [0, 4, 5, 6, 7]], change[..., 1:4]
-
-
-def _with_arms(
-    presses: Presses, elastic_N: NDArray, arms: Sequence[Arm], held_N: NDArray, changed: Sequence[Arm]
-) -> NDArray:
-    """Force (T, N) with other arms; what those with an old time and weight hold (arms, T, N) is known. [N]"""
-    known = []
-    for number, arm in enumerate(changed):
-        old = arms[number] if number < len(arms) else None
-        if old is not None and np.array_equal(old.tau_s, arm.tau_s) and _same(old.weight, arm.weight):
-            known.append(held_N[number])
-        else:
-            known.append(arm_forces(presses.time_s, elastic_N[None], [arm])[0, 0])
-    return loaded(elastic_N, changed, np.stack(known))
-
-
-def _same(one: NDArray | None, other: NDArray | None) -> bool:
-    return one is other if one is None or other is None else np.array_equal(one, other)
 
 
 @dataclass(frozen=True)
@@ -190,14 +132,15 @@ class CampaignProblem:
                 moved.append(vector.copy())
                 moved[-1][self.law_entries(term)] += STEP
         if moved:
-            shown = np.stack([self.nodes(one, near_mm=near) for one in moved], axis=-1)
-            bins = self.presses.measured(shown)
+            bins = self.presses.operator @ np.stack([self.nodes(one, near_mm=near) for one in moved], axis=-1)
             read = [readings(self.presses, bins[..., at], self.active_of(one)) for at, one in enumerate(moved)]
             change = np.stack(read, axis=-1) - forces[..., None]
         for number, (entry, step) in enumerate(steps):
             out[..., entry] = change[..., number] / step
         if shared:
-            out[..., :BASE], by_pad = base_and_law_columns(self, vector, STEP)
+            out[..., :BASE], by_pad = base_and_law_columns(
+                self.presses, self.law, vector[:BASE], self.active_of(vector), self.law_error_of(vector), STEP
+            )
         else:
             by_pad = change[..., len(steps) :] / STEP
         rows = np.arange(len(self.presses.pad))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import product
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,13 +35,18 @@ class Projection:
     basis: NDArray
     residual: NDArray
     rows: int
+    whiten: Whitener
+
+    def column(self, change_N: NDArray) -> NDArray:
+        """A change of the bins (T, B), whitened, with the rows of the priors."""
+        return np.r_[self.whiten(change_N).ravel(), np.zeros(self.rows)]
 
     def remove(self, vector: NDArray) -> NDArray:
         """Take out of a whitened vector what the base could absorb."""
         return vector - self.basis @ (self.basis.T @ vector)
 
 
-def project(fit: CampaignFit, law_free: bool = False) -> tuple[Projection, Whitener]:
+def project(fit: CampaignFit, law_free: bool = False) -> Projection:
     """Whiten a fit's residual with its prior rows and orthonormalise its sensitivities.
 
     ``law_free`` drops the prior rows of level, slope and curvature: then whatever such a law error of any size could
@@ -52,17 +58,20 @@ def project(fit: CampaignFit, law_free: bool = False) -> tuple[Projection, White
     turned = whiten(fit.jacobian).reshape(-1, len(fit.vector))
     rough = rough_columns(fit)
     count = rough.shape[-1]
-    prior = np.zeros((len(scale) + count, len(fit.vector) + count))
-    prior[: len(scale), problem.fixed : len(fit.vector)] = np.diag(scale)
-    prior[len(scale) :, len(fit.vector) :] = np.eye(count)
-    if count:
-        turned = np.concatenate([turned, whiten(rough).reshape(len(turned), count)], axis=1)
-    stacked = np.concatenate([turned, prior])
+    # the base parameters have no prior
+    prior = np.diag(np.r_[np.zeros(problem.fixed), scale, np.ones(count)])[problem.fixed :]
+    stacked = np.concatenate([np.hstack([turned, whiten(rough).reshape(len(turned), count)]), prior])
     norm = np.linalg.norm(stacked, axis=0)
     basis, singular, _ = np.linalg.svd(stacked / np.where(norm > 0, norm, 1.0), full_matrices=False)
     basis = basis[:, singular > 1e-9 * singular[0]]
     residual = np.r_[whiten(fit.residual).ravel(), -scale * fit.vector[problem.fixed :], np.zeros(count)]
-    return Projection(basis, residual, len(prior)), whiten
+    return Projection(basis, residual, len(prior), whiten)
+
+
+def change_by(fit: CampaignFit, effect: Effect, start: NDArray) -> NDArray:
+    """Change of the bins (T, B) when an effect joins what a fit holds, from a start of its coordinates. [N]"""
+    problem, vector = fit.problem.plus(effect), np.insert(fit.vector, fit.problem.fixed, start)
+    return np.where(problem.presses.used, problem.predict(vector) - fit.forces, 0.0)
 
 
 def screen(fit: CampaignFit, candidates: tuple[Effect, ...]) -> list[Screened]:
@@ -71,26 +80,25 @@ def screen(fit: CampaignFit, candidates: tuple[Effect, ...]) -> list[Screened]:
     One simulation per starting value of each effect; z = a . r / |a| with a the whitened change, base and
     law error projected out.
     """
-    projection, whiten = project(fit)
+    projection = project(fit)
     clean = projection.remove(projection.residual)
     out = []
     for effect in candidates:
-        problem, at = fit.problem.plus(effect), fit.problem.fixed
         best: Screened | None = None
+        size_of = effect.parameters[0]
+        low, high = sorted(size_of.to_coordinate(end) for end in (size_of.low, size_of.high))
         for start in starts_of(effect):
-            vector = np.insert(fit.vector, at, start)
-            change = np.where(problem.presses.used, problem.predict(vector) - fit.forces, 0.0)
+            change = change_by(fit, effect, start)
             if not np.all(np.isfinite(change)):
-                values = ", ".join(f"{k} = {v:g}" for k, v in problem.active_of(vector)[-1].values.items())
+                values = ", ".join(f"{p.name} = {p.to_value(at):g}" for p, at in zip(effect.parameters, start))
                 message = f"effect '{effect.name}' gives a force that is not finite at {values} on these trials"
                 raise InputError(message, "out_of_range", "effect", effect.name)
-            column = projection.remove(np.r_[whiten(change).ravel(), np.zeros(projection.rows)])
+            column = projection.remove(projection.column(change))
             length = float(np.linalg.norm(column))
             if length < 1e-6:
                 continue
             z = float(column @ clean) / length
             size = z / length * start[0]
-            low, high = sorted(effect.parameters[0].to_coordinate(end) for end in _ends(effect))
             inside = low - 1e-9 <= np.sign(size) * 1e-6 <= high + 1e-9
             entry = Screened(effect, z if inside else 0.0, size if inside else 0.0, column / length, start)
             if best is None or abs(entry.z) > abs(best.z):
@@ -100,16 +108,10 @@ def screen(fit: CampaignFit, candidates: tuple[Effect, ...]) -> list[Screened]:
     return sorted(out, key=lambda one: -abs(one.z))
 
 
-def _ends(effect: Effect) -> tuple[float, float]:
-    return effect.parameters[0].low, effect.parameters[0].high
-
-
 def starts_of(effect: Effect) -> list[NDArray]:
     """Coordinates to try: the typical size, with each start of a second parameter (its null if that is not 0)."""
-    first = effect.parameters[0]
+    first, *others = effect.parameters
     size = 1.0 if first.to_value(1.0) != first.null else -1.0
-    rest = [(p.typical if p.log or p.null == 0.0 else p.null, *p.starts) for p in effect.parameters[1:]]
-    grid: list[list[float]] = [[]]
-    for parameter, values in zip(effect.parameters[1:], rest):
-        grid = [[*g, parameter.to_coordinate(v)] for g in grid for v in values]
-    return [np.r_[size, g] for g in grid]
+    usual = [(p.typical if p.log or p.null == 0.0 else p.null, *p.starts) for p in others]
+    grid = product(*([p.to_coordinate(value) for value in values] for p, values in zip(others, usual)))
+    return [np.array([size, *rest]) for rest in grid]

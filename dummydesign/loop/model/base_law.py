@@ -6,20 +6,16 @@ Other set-ups are in :mod:`dummydesign.loop.model.solved_law`; :mod:`dummydesign
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Any, Protocol
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
-from dummydesign.core.errors import InputError
-from dummydesign.measurement.campaign import Trial
-from dummydesign.pad.force_law import BaseForceLaw
 from dummydesign.pad.tables.filleted import FILLETS, POWER, load_filleted
 from dummydesign.pad.tables.slab import ResponseTable, load_compressibility, load_table
-from dummydesign.pad.tables.square import load_square, square_factor
+from dummydesign.pad.tables.square import load_square
 
 SLAB_ERROR = ((0.005, 0.35), (0.015, 0.35), (0.008, 0.4))
 PUCK_ERROR = SLAB_ERROR
@@ -27,40 +23,6 @@ PUCK_ERROR = SLAB_ERROR
 Slabs: half a per cent from pad to pad, and at depth what the table and the square-punch factor state, each known
 within a factor of two (0.35 = ln 2 / 1.96). Pucks: the closed form is exact for
 the neo-Hookean law; the allowance is for the law."""
-
-UnitForce = Callable[[NDArray, NDArray], NDArray]
-"""F / E [mm2] of depths (T, N) and thicknesses (T, 1) [mm]; zero at and above the surface."""
-
-
-class SetupLaw(Protocol):
-    """What the law of a set-up offers: the base law of all trials of a campaign."""
-
-    @property
-    def shape(self) -> str:
-        """``slab`` under a flat glued punch, ``cylinder`` (a puck) or ``shaped`` (any other pad, punch or contact)."""
-        ...
-
-    @property
-    def offers(self) -> frozenset[str]:
-        """What effects may ask of it, see :data:`dummydesign.loop.model.effect.SETUP`."""
-        ...
-
-    @property
-    def error_priors(self) -> tuple:
-        """Median size and spread of level, slope and curvature of its error."""
-        ...
-
-    def on(self, trials: Sequence[Trial]) -> UnitForce:
-        """The law of these trials, row by row."""
-        ...
-
-    def limit_of(self, trials: Sequence[Trial]) -> NDArray:
-        """Depth to which the law of each trial's pad holds, shape (T,). [mm]"""
-        ...
-
-
-REFERENCE_DEPTH = 0.4
-"""Depth over thickness at which the slope of a law error is counted."""
 
 USUAL_ROUGHNESS = 0.001
 """Relative roughness of a solved force over depth: slabs of 6, 10 and 16 mm under a filleted punch differ from GetFEM's
@@ -81,26 +43,16 @@ def _square_curve(thickness_mm: float, radius_mm: float, base: str) -> NDArray:
 
 
 def square_over_circle(depth_mm: NDArray, thickness_mm: NDArray, radius_mm: float, base: str = "bonded") -> NDArray:
-    """Force of a square punch over that of the round one of equal area.
+    """Force (T, N) of a square punch over that of the round one of equal area, at depths (T, N) on pads (T, 1)."""
+    return _by_pad(depth_mm, thickness_mm, lambda h: _square_curve(h, radius_mm, base))
 
-    Parameters
-    ----------
-    depth_mm : ndarray, shape (T, N)
-        Depths on T pads. [mm]
-    thickness_mm : ndarray, shape (T, 1)
-        Of the pads. [mm]
-    radius_mm : float
-        Radius of the circle of the punch's area. [mm]
-    base : str
-        ``bonded`` or ``sliding``.
 
-    Returns
-    -------
-    ndarray, shape (T, N)
-    """
+def _by_pad(depth_mm: NDArray, thickness_mm: NDArray, curve: Callable[[float], NDArray]) -> NDArray:
+    """Values (T, N) at depths (T, N) of the curve of each pad, by its thickness (T, 1), over ``_SHARES``."""
     share = np.clip(depth_mm / thickness_mm, 0.0, _SHARES[-1])
-    rows = np.broadcast_to(np.asarray(thickness_mm, float), (len(share), 1))[:, 0]
-    return np.stack([np.interp(s, _SHARES, _square_curve(float(h), radius_mm, base)) for s, h in zip(share, rows)])
+    rows = np.broadcast_to(np.asarray(thickness_mm, float), (len(share), 1))[:, 0].tolist()
+    curves = {h: curve(h) for h in set(rows)}
+    return np.stack([np.interp(s, _SHARES, curves[h]) for s, h in zip(share, rows)])
 
 
 @lru_cache(maxsize=512)
@@ -120,61 +72,10 @@ def _edge_curves(thickness_mm: float, radius_mm: float, base: str) -> Callable[[
     return PchipInterpolator(np.power(EDGES, POWER), np.array(rows), axis=0)
 
 
-class _OneFace(BaseForceLaw):
-    """A law of one punch or puck, given per unit modulus by its call; here what the contract of force laws adds."""
-
-    @property
-    def face_radius_mm(self) -> float:
-        """Radius of what is pressed on, of equal area. [mm]"""
-        raise NotImplementedError
-
-    def __call__(self, depth_mm: NDArray, thickness_mm: NDArray) -> NDArray:
-        """F / E of depths (T, N) on thicknesses (T, 1). [mm2]"""
-        raise NotImplementedError
-
-    def limit(self, thickness_mm: NDArray) -> NDArray:
-        """Largest depth the law knows. [mm]"""
-        raise NotImplementedError
-
-    def force(
-        self, depth_mm: ArrayLike, thickness_mm: ArrayLike, young_MPa: ArrayLike, radius_mm: ArrayLike
-    ) -> NDArray:
-        """Elastic force, for the law's own radius; see :class:`dummydesign.pad.force_law.ForceLaw`. [N]
-
-        Raises
-        ------
-        InputError
-            For another radius than the law's.
-        """
-        if not np.allclose(radius_mm, self.face_radius_mm):
-            message = f"radius_mm = {np.asarray(radius_mm)}: this law is that of {self.face_radius_mm:.6g} mm alone"
-            raise InputError(message, "out_of_range", "radius_mm")
-        depth, thickness, young, _ = np.broadcast_arrays(
-            *(np.asarray(value, float) for value in (depth_mm, thickness_mm, young_MPa, radius_mm))
-        )
-        unit = self(depth.reshape(-1, 1), thickness.reshape(-1, 1))
-        return young * unit.reshape(depth.shape)
-
-    def limit_of(self, trials: Sequence[Trial]) -> NDArray:
-        """Depth to which the law of each trial's pad holds, shape (T,). [mm]"""
-        return self.limit(np.array([trial.thickness_mm for trial in trials]))
-
-    def depth_limit_mm(self, thickness_mm: ArrayLike, radius_mm: ArrayLike) -> NDArray:
-        """Depth to which the law holds. [mm]"""
-        return self.limit(np.broadcast_arrays(np.asarray(thickness_mm, float), radius_mm)[0])
-
-
 @dataclass(frozen=True)
-class SlabLaw(_OneFace):
-    """Glued flat punch on a slab, incompressible neo-Hookean, from the response table.
-
-    Attributes
-    ----------
-    table : ResponseTable
-    radius_mm : float
-        Circle of the punch's area.
-    square : bool
-    """
+class SlabLaw:
+    """Glued flat punch on a slab, incompressible neo-Hookean, from the response table; ``radius_mm`` is that of the
+    circle of its area."""
 
     table: ResponseTable
     radius_mm: float
@@ -188,35 +89,16 @@ class SlabLaw(_OneFace):
         own = {"flat_faces", "sharp_edge"}
         return frozenset(own | {"base_that_can_slip", "bulk_that_gives"} if self.table.base == "bonded" else own)
 
-    def on(self, trials: Sequence[Trial]) -> SlabLaw:
-        """Itself: the thickness says all of a slab."""
-        return self
-
     def sliding(self) -> SlabLaw:
         """The same punch on a base that slides."""
         return SlabLaw(load_table("sliding"), self.radius_mm, self.square)
 
     def edge_factor(self, edge_radius_mm: float, depth_mm: NDArray, thickness_mm: NDArray) -> NDArray:
-        """Force under a punch with a fillet over that of the sharp one, by the tables of both.
-
-        Parameters
-        ----------
-        edge_radius_mm : float
-            Fillet; beyond 0.3 of the punch's radius that of 0.3. [mm]
-        depth_mm : ndarray, shape (T, N)
-            Depths on T pads. [mm]
-        thickness_mm : ndarray, shape (T, 1)
-            Of the pads. [mm]
-
-        Returns
-        -------
-        ndarray, shape (T, N)
-        """
-        share = np.clip(depth_mm / thickness_mm, 0.0, _SHARES[-1])
+        """Force (T, N) under a punch with a fillet over that of the sharp one, by the tables of both; beyond 0.3 of the
+        punch's radius the fillet of 0.3."""
         argument = min(edge_radius_mm / self.radius_mm, EDGES[-1]) ** POWER
-        rows = np.broadcast_to(np.asarray(thickness_mm, float), (len(share), 1))[:, 0]
-        curves = {h: _edge_curves(float(h), self.radius_mm, self.table.base)(argument) for h in set(rows)}
-        return np.exp(np.stack([np.interp(s, _SHARES, curves[h]) for s, h in zip(share, rows)]))
+        own = self.radius_mm, self.table.base
+        return np.exp(_by_pad(depth_mm, thickness_mm, lambda h: _edge_curves(h, *own)(argument)))
 
     def compressibility_coefficient(self, depth_mm: NDArray, thickness_mm: NDArray) -> NDArray:
         """c of a compressible slab, F / (1 + (1 - 2 nu) c), tabulated from finite elements."""
@@ -236,31 +118,9 @@ class SlabLaw(_OneFace):
         ratio = np.clip(self.radius_mm / np.asarray(thickness_mm, float), *self.table.ratio_range)
         return self.table.depth_limit(ratio) * thickness_mm
 
-    def relative_error(self, depth_mm: ArrayLike, thickness_mm: ArrayLike, radius_mm: ArrayLike) -> NDArray:
-        """The table's error and that of the square's factor; see :class:`dummydesign.pad.force_law.ForceLaw`."""
-        error = self.table.relative_error(depth_mm, thickness_mm, radius_mm)
-        if not self.square:
-            return error
-        return error + square_factor(depth_mm, thickness_mm, radius_mm, self.table.base)[1]
-
-    @property
-    def face_radius_mm(self) -> float:
-        """Radius of the circle of the punch's area. [mm]"""
-        return self.radius_mm
-
-    @property
-    def ratio_range(self) -> tuple[float, float]:  # type: ignore[override]
-        """The table's range of radius over thickness; the nearest end is held outside it."""
-        return self.table.ratio_range
-
-    @property
-    def provenance(self) -> Mapping[str, Any]:  # type: ignore[override]
-        """How the table was made."""
-        return self.table.provenance
-
 
 @dataclass(frozen=True)
-class PuckLaw(_OneFace):
+class PuckLaw:
     """Cylinder between frictionless plates: homogeneous compression, F / E = A (1 / l^2 - l) / 3, l = 1 - d / h.
 
     Incompressible neo-Hookean, exact; a puck that slips freely stays a cylinder.
@@ -271,10 +131,6 @@ class PuckLaw(_OneFace):
     error_priors: tuple = PUCK_ERROR
     offers: frozenset[str] = frozenset({"frictionless_plates"})
 
-    def on(self, trials: Sequence[Trial]) -> PuckLaw:
-        """Itself: the thickness says all of a puck."""
-        return self
-
     def __call__(self, depth_mm: NDArray, thickness_mm: NDArray) -> NDArray:
         """F / E [mm2]."""
         stretch = 1.0 - np.clip(depth_mm / thickness_mm, 0.0, 0.95)
@@ -283,33 +139,3 @@ class PuckLaw(_OneFace):
     def limit(self, thickness_mm: NDArray) -> NDArray:
         """Largest depth. [mm]"""
         return 0.8 * np.asarray(thickness_mm, float)
-
-    def relative_error(self, depth_mm: ArrayLike, thickness_mm: ArrayLike, radius_mm: ArrayLike) -> NDArray:
-        """Zero, a closed form; see :class:`dummydesign.pad.force_law.ForceLaw`."""
-        return np.zeros(np.broadcast_shapes(np.shape(depth_mm), np.shape(thickness_mm), np.shape(radius_mm)))
-
-    @property
-    def face_radius_mm(self) -> float:
-        """Radius of the puck. [mm]"""
-        return 0.5 * self.diameter_mm
-
-
-def wrap(law: UnitForce, changed: UnitForce) -> UnitForce:
-    """A law that an effect made of another one, marked so that :func:`root_law` finds what lies under it.
-
-    Parameters
-    ----------
-    law : callable
-        The law so far, F / E [mm2] of depths (T, N) and thicknesses (T, 1) [mm].
-    changed : callable
-        The new one, of the same arguments.
-    """
-    changed.__wrapped__ = law  # type: ignore[attr-defined]
-    return changed
-
-
-def root_law(law: Any) -> Any:
-    """The base law under all that effects have wrapped around it."""
-    while hasattr(law, "__wrapped__"):
-        law = law.__wrapped__
-    return law

@@ -11,14 +11,15 @@ import numpy as np
 
 from dummydesign.core.errors import InputError
 from dummydesign.core.process import Progress, quiet
-from dummydesign.geometry.dimensions import MAX_DEPTH_OVER_THICKNESS
+from dummydesign.geometry.dimensions import MAX_DEPTH_OVER_THICKNESS, PAD_LENGTH_MM, PAD_WIDTH_MM
 from dummydesign.geometry.interface import BASES
 from dummydesign.geometry.pad_shape import PadShape
 from dummydesign.loop.data.trials import Presses, stack
-from dummydesign.loop.model.base_law import PuckLaw, SetupLaw, SlabLaw
+from dummydesign.loop.model.base_law import PuckLaw, SlabLaw
 from dummydesign.loop.model.solved_law import ROUGHNESS, THICKNESS_SLOPE, SolvedCurve, SolvedLaw, error_priors
 from dummydesign.measurement.campaign import Campaign, PunchSpec, Trial
 from dummydesign.pad.elastic_force import has_square_factor
+from dummydesign.pad.material.relaxation import PronyTerm
 from dummydesign.pad.specimen import Pad, Puck
 from dummydesign.pad.tables.shape import load_shape_table
 from dummydesign.pad.tables.slab import load_table
@@ -45,10 +46,10 @@ LEAST_LEFT = 2
 
 
 def within_reach(
-    campaign: Campaign, presses: Presses, law: SetupLaw, least: int = LEAST_LEFT
+    campaign: Campaign, presses: Presses, law: SlabLaw | PuckLaw | SolvedLaw, least: int = LEAST_LEFT
 ) -> tuple[Campaign, Presses, str]:
     """A campaign without the presses that go deeper than their law."""
-    limit = law.limit_of(presses.trials)
+    limit = law.limit_of(presses.trials) if isinstance(law, SolvedLaw) else law.limit(presses.thickness_mm)
     deep = presses.depth_mm > BEYOND * limit
     if not deep.any():
         return campaign, presses, ""
@@ -88,14 +89,12 @@ def law_of(campaign: Campaign, progress: Progress = quiet) -> SlabLaw | PuckLaw 
 
 def tabulated_law(campaign: Campaign) -> SlabLaw | PuckLaw:
     """The law of a campaign that is only planned: one that needs no solve."""
-    pad, punch = campaign.pad, campaign.punch
-    if pad.shape == "cylinder" and punch.contact == "frictionless":
-        return PuckLaw(pad.diameter_mm or 0.0)
-    if pad.shape == "slab" and pad.geometry.plain and _tabulated(campaign, ()):
-        return SlabLaw(load_table(pad.base), punch.radius_mm, punch.shape == "square")
+    law, pad = _without_solve(campaign, campaign.pad.geometry, ()), campaign.pad
+    if law is not None:
+        return law
     shape = pad.shape if pad.geometry.plain else str(pad.geometry)
     raise InputError(
-        f"a pad of shape = {shape} on base = {pad.base} under a {_named(punch)} has no tabulated force; "
+        f"a pad of shape = {shape} on base = {pad.base} under a {_named(campaign.punch)} has no tabulated force; "
         "'dummydesign loop' solves this pad once it is pressed", "not_tabulated", "pad",
     )  # fmt: skip
 
@@ -105,17 +104,31 @@ def _named(punch: PunchSpec) -> str:
     return f"{punch.shape} punch{edge}, contact = {punch.contact},"
 
 
-def _law(campaign: Campaign, trials: Sequence[Trial], progress: Progress) -> SlabLaw | PuckLaw | SolvedLaw:
-    pad, punch, geometry = campaign.pad, campaign.punch, trials[0].geometry
-    thickness_error = float(np.sqrt(np.mean([level_error(t) ** 2 for t in trials]))) / THICKNESS_SLOPE
+def _without_solve(campaign: Campaign, geometry: PadShape, trials: Sequence[Trial]) -> SlabLaw | PuckLaw | None:
+    """The law of pads of one shape in closed form or by the response table of slabs; None where there is none."""
+    pad, punch = campaign.pad, campaign.punch
     if pad.shape == "cylinder":
-        if punch.contact == "frictionless":
-            return _widened(PuckLaw(pad.diameter_mm or 0.0), thickness_error)
-        return _solved(campaign, trials, "cylinder", thickness_error, progress)
-    if geometry.plain and _tabulated(campaign, trials):
-        return _widened(SlabLaw(load_table(pad.base), punch.radius_mm, punch.shape == "square"), thickness_error)
-    check_round(geometry)
-    return _solved(campaign, trials, "shaped", thickness_error, progress)
+        return PuckLaw(pad.diameter_mm or 0.0) if punch.contact == "frictionless" else None
+    if not geometry.plain or pad.base not in BASES or punch.contact != "bonded":
+        return None
+    table = load_table(pad.base)
+    low, high = (punch.radius_mm / ratio for ratio in reversed(table.ratio_range))
+    if punch.profile_mm is not None or punch.edge_radius_mm or not all(low <= t.thickness_mm <= high for t in trials):
+        return None
+    return SlabLaw(table, punch.radius_mm, punch.shape == "square")
+
+
+def _law(campaign: Campaign, trials: Sequence[Trial], progress: Progress) -> SlabLaw | PuckLaw | SolvedLaw:
+    cylinder, geometry = campaign.pad.shape == "cylinder", trials[0].geometry
+    thickness_error = float(np.sqrt(np.mean([level_error(t) ** 2 for t in trials]))) / THICKNESS_SLOPE
+    law = _without_solve(campaign, geometry, trials)
+    if law is not None and thickness_error:
+        return replace(law, error_priors=error_priors(law.error_priors, 0.0, False, thickness_error))
+    if law is not None:
+        return law
+    if not cylinder:
+        check_round(geometry)
+    return _solved(campaign, trials, "cylinder" if cylinder else "shaped", thickness_error, progress)
 
 
 def level_error(trial: Trial) -> float:
@@ -139,21 +152,6 @@ def check_round(geometry: PadShape) -> None:
     )  # fmt: skip
 
 
-def _widened(law: Any, thickness_error: float) -> Any:
-    if not thickness_error:
-        return law
-    return replace(law, error_priors=error_priors(law.error_priors, 0.0, False, thickness_error))
-
-
-def _tabulated(campaign: Campaign, trials: Sequence[Trial]) -> bool:
-    """Whether the response table of slabs holds the set-up and all its thicknesses."""
-    pad, punch = campaign.pad, campaign.punch
-    if pad.base not in BASES or punch.contact != "bonded" or punch.profile_mm is not None or punch.edge_radius_mm:
-        return False
-    low, high = (punch.radius_mm / ratio for ratio in reversed(load_table(pad.base).ratio_range))
-    return all(low <= trial.thickness_mm <= high for trial in trials)
-
-
 def _solved(
     campaign: Campaign, trials: Sequence[Trial], shape: str, thickness_error: float, progress: Progress
 ) -> SolvedLaw:
@@ -172,7 +170,10 @@ def _solved(
     groups = _groups(sorted({trial.thickness_mm for trial in trials}))
     for number, group in enumerate(groups):
         own = [trial for trial in trials if trial.thickness_mm in group]
-        made = _pad(campaign, own, float(np.mean(group)) if len(group) > 1 else group[0])
+        young = 1.0 if pad.base in BASES or shape == "cylinder" else 1e-3 * start_young_kPa(campaign)
+        made = pad_of(campaign, float(np.mean(group)) if len(group) > 1 else group[0], young, geometry)
+        if isinstance(made, Pad) and not punch.edge_radius_mm:
+            made = replace(made, sides_mm=None)
         what = "puck" if isinstance(made, Puck) else f"{geometry} pad"
         progress(f"force law of the {what} of {made.thickness_mm:g} mm ({number + 1} of {len(groups)})")
         share = MARGIN * max(float(t.trace.displacement_mm.max()) / t.thickness_mm for t in own)
@@ -196,15 +197,17 @@ def _groups(thickness_mm: list[float]) -> list[list[float]]:
     return groups
 
 
-def _pad(campaign: Campaign, trials: Sequence[Trial], thickness_mm: float) -> Pad | Puck:
-    """The pad of some trials as the pad model takes it, with unit modulus; with its own where the base rubs."""
+def pad_of(
+    campaign: Campaign, thickness_mm: float, young_MPa: float, geometry: PadShape, prony: tuple[PronyTerm, ...] = ()
+) -> Pad | Puck:
+    """A pad of a campaign under its punch, as the pad model takes it."""
     pad, punch = campaign.pad, campaign.punch
     if pad.shape == "cylinder":
-        return Puck(thickness_mm, 1.0, pad.diameter_mm or 0.0, plates=punch.contact)
-    young = 1.0 if pad.base in BASES else 1e-3 * start_young_kPa(campaign)
-    extent = math.sqrt(pad.length_mm * pad.width_mm / math.pi) if pad.length_mm and pad.width_mm else None
+        return Puck(thickness_mm, young_MPa, pad.diameter_mm or 0.0, prony, punch.contact)
+    size = (pad.length_mm, pad.width_mm) if pad.length_mm and pad.width_mm else None
     return Pad(
-        thickness_mm, young, punch.radius_mm, base=pad.base, condition=punch.contact, extent_mm=extent,
-        profile_mm=punch.profile_mm, geometry=trials[0].geometry, edge_radius_mm=punch.edge_radius_mm,
-        sides_mm=(punch.side_mm, punch.side_mm) if punch.edge_radius_mm and punch.side_mm else None,
+        thickness_mm, young_MPa, punch.radius_mm, prony=prony, base=pad.base, condition=punch.contact,
+        extent_mm=math.sqrt(size[0] * size[1] / math.pi) if size else None,
+        sides_mm=(punch.side_mm, punch.side_mm) if punch.side_mm else None, profile_mm=punch.profile_mm,
+        geometry=geometry, edge_radius_mm=punch.edge_radius_mm, slab_mm=size or (PAD_LENGTH_MM, PAD_WIDTH_MM),
     )  # fmt: skip

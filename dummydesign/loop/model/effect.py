@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from types import ModuleType
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 if TYPE_CHECKING:
     from dummydesign.loop.data.trials import Presses
-    from dummydesign.loop.model.base_law import SetupLaw, UnitForce
     from dummydesign.pad.material.relaxation import PronyTerm
 
 HOOKS = ("motion", "pad", "batch", "sensor")
@@ -89,6 +89,48 @@ class Arm:
     def changed(self, **values: Any) -> Arm:
         """Return a copy with other values."""
         return replace(self, **values)
+
+
+UnitForce = Callable[[NDArray, NDArray], NDArray]
+"""F / E [mm2] of depths (T, N) and thicknesses (T, 1) [mm]; zero at and above the surface."""
+
+
+class SetupLaw(Protocol):
+    """What the law of a set-up offers: the base law of all trials of a campaign, by its call and ``limit``, or by
+    ``on`` and ``limit_of`` of the trials where each pad has a law of its own."""
+
+    @property
+    def shape(self) -> str:
+        """``slab`` under a flat glued punch, ``cylinder`` (a puck) or ``shaped`` (any other pad, punch or contact)."""
+
+    @property
+    def offers(self) -> frozenset[str]:
+        """What effects may ask of it, see :data:`SETUP`."""
+
+    @property
+    def error_priors(self) -> tuple:
+        """Median size and spread of level, slope and curvature of its error."""
+
+
+def wrap(law: UnitForce, changed: UnitForce) -> UnitForce:
+    """A law that an effect made of another one, marked so that :func:`root_law` finds what lies under it.
+
+    Parameters
+    ----------
+    law : callable
+        The law so far, F / E [mm2] of depths (T, N) and thicknesses (T, 1) [mm].
+    changed : callable
+        The new one, of the same arguments.
+    """
+    changed.__wrapped__ = law  # type: ignore[attr-defined]
+    return changed
+
+
+def root_law(law: Any) -> Any:
+    """The base law under all that effects have wrapped around it."""
+    while hasattr(law, "__wrapped__"):
+        law = law.__wrapped__
+    return law
 
 
 class Effect:
@@ -172,21 +214,14 @@ class Effect:
         return depth_mm
 
     def yielding(self, presses: Presses, force_N: NDArray, values: Values) -> NDArray:
-        """Motion: how much the set-up gives way under the force.
+        """Motion: how much the set-up gives way under the force; what is taken off the displacement. [mm]
 
         Parameters
         ----------
-        presses : Presses
-            T trials of N samples, with their conditions.
+        presses, values
+            As for :meth:`depth`.
         force_N : ndarray, shape (T, N)
             The force on the set-up. [N]
-        values : mapping of str to float
-            The effect's parameters, each in its own unit.
-
-        Returns
-        -------
-        ndarray, shape (T, N)
-            Taken off the displacement. [mm]
         """
         return np.zeros_like(force_N)
 
@@ -199,21 +234,7 @@ class Effect:
         return ()
 
     def scale(self, presses: Presses, depth_mm: NDArray, values: Values) -> NDArray:
-        """Batch: factor on the elastic force.
-
-        Parameters
-        ----------
-        presses : Presses
-            T trials of N samples, with their conditions.
-        depth_mm : ndarray, shape (T, N)
-            Depth of the punch in the pad. [mm]
-        values : mapping of str to float
-            The effect's parameters, each in its own unit.
-
-        Returns
-        -------
-        ndarray, shape (T, 1) or (T, N)
-        """
+        """Batch: factor (T, 1) or (T, N) on the elastic force; see :meth:`Effect.depth`."""
         return np.ones((1, 1))
 
     def arms(self, presses: Presses, arms: tuple[Arm, ...], depth_mm: NDArray, values: Values) -> tuple[Arm, ...]:
@@ -221,97 +242,43 @@ class Effect:
 
         Parameters
         ----------
-        presses : Presses
-            T trials of N samples, with their conditions.
+        presses, depth_mm, values
+            As for :meth:`depth`.
         arms : tuple of Arm
             Those so far.
-        depth_mm : ndarray, shape (T, N)
-            Depth of the punch in the pad. [mm]
-        values : mapping of str to float
-            The effect's parameters, each in its own unit.
-
-        Returns
-        -------
-        tuple of Arm
         """
         return (*arms, *(Arm(term.tau_s, term.beta) for term in self.adds_terms(values)))
 
     def surface(self, presses: Presses, depth_mm: NDArray, force_N: NDArray, values: Values) -> NDArray:
-        """Pad: the force on the punch, from the one that cannot pull.
+        """Pad: the force on the punch (T, N), from the one that cannot pull. [N]
 
         Parameters
         ----------
-        presses : Presses
-            T trials of N samples, with their conditions.
-        depth_mm : ndarray, shape (T, N)
-            Depth of the punch in the pad. [mm]
+        presses, depth_mm, values
+            As for :meth:`depth`.
         force_N : ndarray, shape (T, N)
             The force so far, not below the floor. [N]
-        values : mapping of str to float
-            The effect's parameters, each in its own unit.
-
-        Returns
-        -------
-        ndarray, shape (T, N)
-            [N]
         """
         return force_N
 
     def floor(self, presses: Presses, floor_N: NDArray, values: Values) -> NDArray:
-        """Pad: the least force the contact can carry; zero in the base.
+        """Pad: the least force (T, N) that the contact can carry; zero in the base. [N]
 
         Parameters
         ----------
-        presses : Presses
-            T trials of N samples, with their conditions.
+        presses, values
+            As for :meth:`depth`.
         floor_N : ndarray, shape (T, N)
             The least force so far. [N]
-        values : mapping of str to float
-            The effect's parameters, each in its own unit.
-
-        Returns
-        -------
-        ndarray, shape (T, N)
-            [N]
         """
         return floor_N
 
     def sensor(self, presses: Presses, force_N: NDArray, values: Values) -> NDArray:
-        """Sensor: the signal before the declared filter.
-
-        Parameters
-        ----------
-        presses : Presses
-            T trials of N samples, with their conditions.
-        force_N : ndarray, shape (T, N)
-            The signal so far. [N]
-        values : mapping of str to float
-            The effect's parameters, each in its own unit.
-
-        Returns
-        -------
-        ndarray, shape (T, N)
-            [N]
-        """
+        """Sensor: the signal (T, N) before the declared filter, from that so far; see :meth:`Effect.yielding`. [N]"""
         return force_N
 
     def reading(self, presses: Presses, force_N: NDArray, values: Values) -> NDArray:
-        """Sensor: the signal after the declared filter, number by number.
-
-        Parameters
-        ----------
-        presses : Presses
-            T trials of N samples, with their conditions.
-        force_N : ndarray, any shape
-            Filtered readings so far. [N]
-        values : mapping of str to float
-            The effect's parameters, each in its own unit.
-
-        Returns
-        -------
-        ndarray, shape of ``force_N``
-            [N]
-        """
+        """Sensor: what is read of filtered readings of any shape, one by one; see :meth:`Effect.yielding`. [N]"""
         return force_N
 
     def base_starts(self, logs: NDArray) -> list[NDArray]:

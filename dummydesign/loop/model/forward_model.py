@@ -11,13 +11,17 @@ from numpy.typing import NDArray
 
 from dummydesign.core.recurrence import linear_recurrence
 from dummydesign.loop.data.trials import Presses
-from dummydesign.loop.model.base_law import REFERENCE_DEPTH, SetupLaw, UnitForce, wrap
-from dummydesign.loop.model.effect import Arm, Effect, Values
+from dummydesign.loop.model.effect import Arm, Effect, SetupLaw, UnitForce, Values, wrap
 
 NAMES = ("young_kPa", "tau_1_s", "beta_1", "tau_2_s", "beta_2")
 LOW = np.log([0.2e-3, 2e-3, 1e-3, 0.05, 1e-3])
 HIGH = np.log([20.0, 3.0, 20.0, 100.0, 20.0])
 """Bounds of the logarithms of modulus [MPa], tau_1 [s], beta_1, tau_2 [s], beta_2."""
+BASE = len(NAMES)  # number of logarithms of the base, with which the vector of a fit begins
+ARMS = (1, 2, 3, 4)  # those of the arms
+LAW_TERMS = 3  # level, slope and curvature in depth over thickness
+REFERENCE_DEPTH = 0.4
+"""Depth over thickness at which the slope of a law error is counted."""
 
 
 def parameter_names(effects: Sequence[Effect]) -> list[str]:
@@ -115,22 +119,23 @@ class LawError:
 
 
 def simulate(
-    presses: Presses, law: SetupLaw, base: BaseParameters, active: Sequence[Active] = (), error: LawError | None = None,
-    offset_mm: NDArray | float = 0.0, near_mm: NDArray | None = None,
-) -> NDArray:  # fmt: skip
+    presses: Presses, law: SetupLaw, base: BaseParameters, active: Sequence[Active] = (), error: LawError | None = None
+) -> NDArray:
     """Force before the declared sensor filter at the nodes.
 
-    depth = displacement - offset (- effects); F_inf = E law(depth) (x effects);
+    depth = displacement (- effects); F_inf = E law(depth) (x effects);
     F = F_inf + sum beta_i integral exp(-(t - s) / tau_i) dF_inf(s), not below zero; then the sensor.
     """
-    return simulate_yielding(presses, law, base, active, error, offset_mm, near_mm)[0]
+    return simulate_yielding(presses, law, base, active, error)[0]
 
 
 def simulate_yielding(
-    presses: Presses, law: SetupLaw, base: BaseParameters, active: Sequence[Active] = (), error: LawError | None = None,
+    presses: Presses, law: SetupLaw, base: BaseParameters, active: Sequence[Active], error: LawError | None,
     offset_mm: NDArray | float = 0.0, near_mm: NDArray | None = None,
 ) -> tuple[NDArray, NDArray]:  # fmt: skip
-    """Return the force of :func:`simulate`, and how much the set-up gives way under it, both (T, N). [N, mm]"""
+    """Return the force of :func:`simulate` for a surface deeper by an offset, and how much the set-up gives way under
+    it, both (T, N); ``near_mm`` is a guess of that. [N, mm]
+    """
     acting = [one for one in active if not one.absent]
     thickness = presses.thickness_mm[:, None]
     unit, start = before_the_pad(presses, law, acting, offset_mm)
@@ -162,18 +167,13 @@ def before_the_pad(
     unit: UnitForce = presses.remembered(law)
     for one in acting:
         unit = one.effect.law(unit, one.values)
-    own = presses.young_factor
+    plain, own = unit, presses.young_factor
     if own is not None:
-        unit = wrap(unit, _times(own[:, None], unit))
+        unit = wrap(plain, lambda *at: own[:, None] * plain(*at))
     start = presses.displacement_mm - np.broadcast_to(offset_mm, presses.thickness_mm.shape)[:, None]
     for one in acting:
         start = one.effect.depth(presses, start, one.values)
     return unit, start
-
-
-def _times(factor: NDArray, law: UnitForce) -> UnitForce:
-    """A law times a factor of each pad's modulus (T, 1)."""
-    return lambda depth_mm, thickness_mm: factor * law(depth_mm, thickness_mm)
 
 
 def sensor_signal(presses: Presses, force_N: NDArray, acting: Sequence[Active]) -> NDArray:
@@ -223,3 +223,55 @@ def at_the_surface(presses: Presses, force_N: NDArray, acting: Sequence[Active],
     for one in acting:
         force_N = one.effect.surface(presses, depth_mm, force_N, one.values)
     return force_N
+
+
+def base_and_law_columns(
+    presses: Presses, law: SetupLaw, logs: NDArray, active: Sequence[Active], error: LawError, step: float
+) -> tuple[NDArray, NDArray]:
+    """Forward differences with respect to the base logarithms, and to the law error of each trial's pad."""
+    acting = [one for one in active if not one.absent]
+    own, depth = before_the_pad(presses, law, acting)
+    thickness = presses.thickness_mm[:, None]
+    unit = own(depth, thickness)
+    for one in acting:
+        unit = unit * one.effect.scale(presses, depth, one.values)
+    share = np.maximum(depth, 0.0) / thickness / REFERENCE_DEPTH
+    base = BaseParameters.from_logs(logs)
+    level, slope, curve = (term[:, None] for term in (error.level, error.slope, error.curve))
+    arms = arms_of(presses, base, acting, depth)
+    plain = base.young_MPa * unit
+    powers = np.stack([plain, plain * share, plain * share**2])
+    weights = np.stack([1.0 + level, slope, curve])
+    elastic = (weights * powers).sum(axis=0)
+    held = arm_forces(presses.time_s, powers, arms)
+    shapes = [loaded(power, arms, held[:, k]) for k, power in enumerate(powers)]
+    force = (weights * np.stack(shapes)).sum(axis=0)
+    moved = [force, force * np.exp(step), *(force + step * one for one in shapes)]
+    total = (weights * held).sum(axis=1)
+    for index in ARMS:
+        other = logs.copy()
+        other[index] += step
+        changed = arms_of(presses, BaseParameters.from_logs(other), acting, depth)
+        moved.append(_with_arms(presses, elastic, arms, total, changed))
+    shown = [sensor_signal(presses, at_the_surface(presses, one, acting, depth), acting) for one in moved]
+    bins = readings(presses, presses.operator @ np.stack(shown, axis=-1), acting)
+    change = (bins[..., 1:] - bins[..., :1]) / step
+    return change[..., [0, 4, 5, 6, 7]], change[..., 1:4]
+
+
+def _with_arms(
+    presses: Presses, elastic_N: NDArray, arms: Sequence[Arm], held_N: NDArray, changed: Sequence[Arm]
+) -> NDArray:
+    """Force (T, N) with other arms; what those with an old time and weight hold (arms, T, N) is known. [N]"""
+    known = []
+    for number, arm in enumerate(changed):
+        old = arms[number] if number < len(arms) else None
+        if old is not None and np.array_equal(old.tau_s, arm.tau_s) and _same(old.weight, arm.weight):
+            known.append(held_N[number])
+        else:
+            known.append(arm_forces(presses.time_s, elastic_N[None], [arm])[0, 0])
+    return loaded(elastic_N, changed, np.stack(known))
+
+
+def _same(one: NDArray | None, other: NDArray | None) -> bool:
+    return one is other if one is None or other is None else np.array_equal(one, other)

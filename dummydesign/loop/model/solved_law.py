@@ -15,7 +15,8 @@ from dummydesign.core.cache import cached
 from dummydesign.core.errors import InputError, NoAnswerError
 from dummydesign.geometry.dimensions import MAX_DEPTH_OVER_THICKNESS
 from dummydesign.geometry.interface import BASES
-from dummydesign.loop.model.base_law import USUAL_ROUGHNESS, SlabLaw, UnitForce
+from dummydesign.loop.model.base_law import USUAL_ROUGHNESS, SlabLaw
+from dummydesign.loop.model.effect import UnitForce
 from dummydesign.measurement.campaign import Trial
 from dummydesign.pad.axisymmetric.case import Case
 from dummydesign.pad.specimen import Pad, Puck
@@ -273,7 +274,7 @@ class SolvedLaw:
 
     def on(self, trials: Sequence[Trial]) -> BoundLaw:
         """The law of these trials, row by row."""
-        return BoundLaw(self, [self.law_of(trial.pad) for trial in trials])
+        return BoundLaw([self.law_of(trial.pad) for trial in trials])
 
     def limit_of(self, trials: Sequence[Trial]) -> NDArray:
         """Depth to which the law of each trial's pad holds, shape (T,). [mm]"""
@@ -283,8 +284,7 @@ class SolvedLaw:
 class BoundLaw:
     """A law for given trials: (T,) rows, each on the law of its pad."""
 
-    def __init__(self, law: SolvedLaw, laws: Sequence[SolvedCurve | SlabLaw]) -> None:
-        self.shape, self.offers, self.error_priors = law.shape, law.offers, law.error_priors
+    def __init__(self, laws: Sequence[SolvedCurve | SlabLaw]) -> None:
         self.radius_mm = laws[0].radius_mm
         self._count = len(laws)
         different = {id(one): one for one in laws}

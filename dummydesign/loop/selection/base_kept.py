@@ -7,7 +7,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from dummydesign.loop.effects.learned import Learned, SmoothChange
 from dummydesign.loop.fitting.fit import CampaignFit
 from dummydesign.loop.selection.cross_validation import AssessedModel
 from dummydesign.loop.selection.learn_effect import refitted_squares, squares_without
@@ -40,7 +39,7 @@ def left_out_errors(base: AssessedModel, corrected: AssessedModel) -> tuple[Left
     before, after = base.errors.heldout_N, corrected.errors.heldout_N
     if before is not None and after is not None:
         if after**2 >= CLEAR * before**2:
-            before, after = (float(np.sqrt(refitted_squares(one, _shape(one)))) for one in models)
+            before, after = (float(np.sqrt(refitted_squares(one))) for one in models)
         rows.append(LeftOut("other conditions", before, after))
     for kind, out in (("deeper presses", deepest(base.fit)), ("faster presses", fastest(base.fit))):
         if out.any():
@@ -81,9 +80,5 @@ def _sparing(pads: NDArray, out: NDArray) -> NDArray:
 
 def _error_N(fit: CampaignFit, parts: list[NDArray]) -> float:
     """Error on parts of the presses, each predicted by a fit without it. [N]"""
-    squares, total = squares_without(fit, parts, _shape(fit))
+    squares, total = squares_without(fit, parts)
     return float(np.sqrt(squares / total))
-
-
-def _shape(fit: CampaignFit) -> SmoothChange | None:
-    return next((one.shape for one in fit.problem.effects if isinstance(one, Learned)), None)

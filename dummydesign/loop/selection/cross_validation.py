@@ -12,9 +12,8 @@ from numpy.typing import NDArray
 from dummydesign.inference.noise import Bins, whitener
 from dummydesign.loop.fitting.fit import NORMAL_95, CampaignFit, prior_precision, size_likelihood, student_over_normal
 from dummydesign.loop.fitting.noise import contrasts, make_whitener
-from dummydesign.loop.fitting.problem import BASE
 from dummydesign.loop.model.effect import Effect
-from dummydesign.loop.model.forward_model import NAMES
+from dummydesign.loop.model.forward_model import BASE, NAMES
 
 ESTIMABLE = 0.2  # a cell counts when the rest still holds this share of the information on an effect's size
 
@@ -58,8 +57,7 @@ def errors(fit: CampaignFit, cells: NDArray | None = None) -> Errors:
     """
     presses = fit.problem.presses
     if cells is None:
-        one = np.all(presses.cell == presses.cell[0])
-        cells = np.arange(len(presses.cell)) if one else presses.cell
+        cells = presses.cell if np.any(presses.cell != presses.cell[0]) else np.arange(len(presses.cell))
     count, mean, total = _squares(fit)
     counted = count.sum(axis=1)
     by_trial = np.sqrt(total.sum(axis=1) / counted)
@@ -153,7 +151,7 @@ MISFIT = 1.5  # lack of fit over the pure error of repeats, a ratio of variances
 
 def widened(fit: CampaignFit, lack_ratio: float | None = None) -> NDArray:
     """Covariance (n, n) of a fit's vector, scaled so that 1.96 standard deviations are its 95 % interval."""
-    if fit.joined:
+    if fit.joined:  # widened before it was joined
         return fit.covariance
     fixed = fit.problem.fixed
     likelihood = size_likelihood(fit)
@@ -206,33 +204,32 @@ class LackOfFit:
     pairs: int
 
 
-def lack_of_fit(fit: CampaignFit, seed: int = 0) -> LackOfFit:
+def lack_of_fit(fit: CampaignFit) -> LackOfFit:
     """Test a fit against the pure error of repeats."""
     presses = fit.problem.presses
     parts, places = contrasts(presses, fit.residual)
     if len(parts) < 3:
         return LackOfFit(None, None, len(parts))
     bins = Bins(parts)
-    sums, slopes = np.zeros(bins.used.shape), np.zeros(bins.used.shape)
-    for row, (i, j, a, b) in enumerate(places):
-        sums[row, : len(a)] = (fit.residual[i, a] + fit.residual[j, b]) / np.sqrt(2.0)
-        slopes[row, : len(a)] = 0.5 * (fit.slope[i, a] + fit.slope[j, b])
+    both = [[values[i, a] + values[j, b] for i, j, a, b in places] for values in (fit.residual, fit.slope)]
+    sums, slopes = bins.stacked(np.concatenate(both[0])) / np.sqrt(2.0), 0.5 * bins.stacked(np.concatenate(both[1]))
     differences = bins.stacked(np.concatenate([part.force_N for part in parts]))
-    factor = np.linalg.inv(np.linalg.cholesky(bins.covariance(fit.sizes.noise, slopes)))
+    factor = whitener(bins.covariance(fit.sizes.noise, slopes))
     count = bins.used.sum(axis=1)
     shared = ((factor @ sums[..., None])[..., 0] ** 2).sum(axis=1)
     pure = ((factor @ differences[..., None])[..., 0] ** 2).sum(axis=1)
     freedom = max(count.sum() - len(fit.vector), 1)
     ratio = float(shared.sum() / freedom / (pure.sum() / count.sum()))
     excess = (shared - pure) / count
-    signs = np.random.default_rng(seed).choice([-1.0, 1.0], size=(DRAWS, len(excess)))
+    signs = np.random.default_rng(0).choice([-1.0, 1.0], size=(DRAWS, len(excess)))
     beyond = int((signs @ excess >= excess.sum() - 1e-12).sum())
     return LackOfFit(ratio, (1 + beyond) / (DRAWS + 1), len(parts))
 
 
 @dataclass(frozen=True)
 class AssessedModel:
-    """A model with its errors and its lack of fit."""
+    """A model with its errors (``by_pad`` with all trials on one pad left out at a time, and with them its law error)
+    and its lack of fit."""
 
     fit: CampaignFit
     errors: Errors
@@ -257,12 +254,7 @@ class AssessedModel:
 
 def assess(fit: CampaignFit) -> AssessedModel:
     """Work out errors and lack of fit of a model."""
-    return AssessedModel(fit, errors(fit), pad_errors(fit), lack_of_fit(fit))
-
-
-def pad_errors(fit: CampaignFit) -> Errors:
-    """Errors with all trials on one pad left out at a time, and with them its law error."""
-    return errors(fit, fit.problem.presses.pad)
+    return AssessedModel(fit, errors(fit), errors(fit, fit.problem.presses.pad), lack_of_fit(fit))
 
 
 DECADES = 100.0

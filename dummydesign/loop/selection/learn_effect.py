@@ -18,7 +18,7 @@ from dummydesign.loop.fitting.screening import project
 from dummydesign.loop.model.effect import Effect
 from dummydesign.loop.selection.cross_validation import AssessedModel, assess
 from dummydesign.loop.selection.residuals import Seen, examine
-from dummydesign.loop.selection.search import search
+from dummydesign.loop.selection.search import named_parameters, search
 from dummydesign.loop.selection.verdict import EACH_PARAMETER, AcceptedEffect, remainder
 
 AS_GOOD = 0.1  # share of what a curve explains that a closed form may lose
@@ -192,7 +192,7 @@ def _learnt(campaign_fit: CampaignFit, usual: CampaignFit, shape: SmoothChange, 
             break
     if fit is usual:
         return None
-    ratio = refitted_squares(fit, shape) / refitted_squares(campaign_fit)
+    ratio = refitted_squares(fit) / refitted_squares(campaign_fit)
     if ratio > HALVED:
         return None
     if len(shape.follows) > 1:
@@ -267,11 +267,9 @@ def _columns(fit: CampaignFit, shape: SmoothChange) -> NDArray:
 
 def _step(fit: CampaignFit, shape: SmoothChange) -> _Step:
     """New values of a shape by one step of Gauss and Newton at a fit, with the likeliest penalty."""
-    projection, whiten = project(fit)
-    old = shape.flat
-    columns = whiten(_columns(fit, shape)).reshape(-1, len(old))
-    columns = np.concatenate([columns, np.zeros((projection.rows, len(old)))])
-    columns = columns - projection.basis @ (projection.basis.T @ columns)
+    projection, old = project(fit), shape.flat
+    columns = projection.whiten(_columns(fit, shape)).reshape(-1, len(old))
+    columns = projection.remove(np.concatenate([columns, np.zeros((projection.rows, len(old)))]))
     target = projection.remove(projection.residual) + columns @ old
     information, pull = columns.T @ columns, columns.T @ target
     rough, eye = shape.roughness(), np.eye(len(old))
@@ -291,38 +289,35 @@ FOLDS, REFITS = 4, 2
 """Parts of the conditions that are left out one after another, and rounds in which a curve is learned without one."""
 
 
-def refitted_squares(campaign_fit: CampaignFit, shape: SmoothChange | None = None) -> float:
+def refitted_squares(campaign_fit: CampaignFit) -> float:
     """Squared error of left-out conditions, each part of them predicted by real fits to the rest. [N2]
 
-    A linear step would run away along what nothing determines. A learned ``shape`` is learned anew each time. Presses
-    of one condition only are left out one by one.
+    A linear step would run away along what nothing determines. Presses of one condition only are left out one by one.
     """
     presses = campaign_fit.problem.presses
     cells = np.unique(presses.cell, return_inverse=True)[1]
     part = (cells if cells.any() else np.arange(len(cells))) % FOLDS
     folds = [out for fold in range(FOLDS) if (out := part == fold).any() and not out.all()]
-    squares, _ = squares_without(campaign_fit, folds, shape)
+    squares, _ = squares_without(campaign_fit, folds)
     return squares / float((presses.samples * presses.used).sum())
 
 
-def squares_without(
-    campaign_fit: CampaignFit, parts: Sequence[NDArray], shape: SmoothChange | None = None
-) -> tuple[float, float]:
+def squares_without(campaign_fit: CampaignFit, parts: Sequence[NDArray]) -> tuple[float, float]:
     """Weighted squares of presses, each part (T,) predicted by a fit without it, and the sum of the weights. [N2, 1]"""
     presses, squares, total = campaign_fit.problem.presses, 0.0, 0.0
     weight = presses.samples * presses.used
     for out in parts:
-        residual = (presses.force_N - predicted_without(campaign_fit, out, shape))[out]
+        residual = (presses.force_N - predicted_without(campaign_fit, out))[out]
         squares, total = squares + float((weight[out] * residual**2).sum()), total + float(weight[out].sum())
     return squares, total
 
 
-def predicted_without(campaign_fit: CampaignFit, out: NDArray, shape: SmoothChange | None = None) -> NDArray:
+def predicted_without(campaign_fit: CampaignFit, out: NDArray) -> NDArray:
     """Bins (T, B) of all presses by a fit to those that are not ``out`` (T,), a learned shape learned anew. [N]"""
     presses = campaign_fit.problem.presses
     rest = replace(campaign_fit.problem, presses=replace(presses, bins=presses.bins.without(out)))
     known = fit(rest, campaign_fit.vector, campaign_fit.sizes, 6)
-    for _ in range(REFITS if shape is not None else 0):
+    for _ in range(REFITS if any(isinstance(one, Learned) for one in rest.effects) else 0):
         known = fit(*_with(known, _learned_again(known)), campaign_fit.sizes, 4)
     return replace(known.problem, presses=presses).predict(known.vector)
 
@@ -400,9 +395,8 @@ def learned_first(
     after = selection.after
     if not any(isinstance(one, Learned) for one in after.fit.problem.effects):
         return None  # named effects have taken its place
-    if _cost(after, function) >= _cost(named):
-        return None
-    if _squares(after, function) >= _squares(named):
+    worse = _cost(after, function) >= _cost(named)
+    if worse or refitted_squares(after.fit) >= refitted_squares(named.fit):
         return None
     effects = tuple(one for one in selection.effects if not isinstance(one.candidate.effect, Learned))
     return LearnedFirst(replace(function, fit=after.fit), after, effects)
@@ -410,9 +404,4 @@ def learned_first(
 
 def _cost(model: AssessedModel, learnt: Learnt | None = None) -> float:
     """Minus twice the log likelihood, with what the curve and the named parameters cost."""
-    named = sum(not p.of_form for one in model.fit.problem.effects if not one.held for p in one.parameters)
-    return model.fit.score + (0.0 if learnt is None else learnt.cost) + EACH_PARAMETER * named
-
-
-def _squares(model: AssessedModel, learnt: Learnt | None = None) -> float:
-    return refitted_squares(model.fit, None if learnt is None else learnt.effect.shape)
+    return model.fit.score + (0.0 if learnt is None else learnt.cost) + EACH_PARAMETER * named_parameters(model.fit)

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from dummydesign.core.serialise import Serialised
 from dummydesign.loop.data.reduction import HOLD, PRE, UNLOADING
-from dummydesign.loop.fitting.fit import CampaignFit
+from dummydesign.loop.fitting.fit import CampaignFit, hats
 from dummydesign.loop.fitting.screening import project
 
 LINE_RATIO = 2.3
@@ -154,12 +154,6 @@ class Dependence(Serialised):
         return self.drop - self.columns
 
 
-def hats(values: NDArray, knots: NDArray) -> list[NDArray]:
-    """Piecewise-linear hat functions on knots, constant outside."""
-    clipped = np.clip(values, knots[0], knots[-1])
-    return [np.interp(clipped, knots, np.eye(len(knots))[i]) for i in range(len(knots))]
-
-
 def families(fit: CampaignFit) -> dict[str, list[NDArray]]:
     """Columns (T, B) in newton for each factor, at the modelled forces."""
     presses = fit.problem.presses
@@ -221,15 +215,14 @@ def _standard(values: NDArray) -> NDArray:
 
 def dependences(fit: CampaignFit) -> list[Dependence]:
     """Measure all factors on the residual of a fit, strongest first."""
-    projection, whiten = project(fit, law_free=True)
+    projection = project(fit, law_free=True)
     clean = projection.remove(projection.residual)
     total = float(clean @ clean)
     out = []
     for name, columns in families(fit).items():
-        stacked = np.stack([np.r_[whiten(c).ravel(), np.zeros(projection.rows)] for c in columns], axis=1)
+        stacked = np.stack([projection.column(one) for one in columns], axis=1)
         length = np.linalg.norm(stacked, axis=0)
-        cleaned = stacked - projection.basis @ (projection.basis.T @ stacked)
-        cleaned = cleaned[:, length > 0] / length[length > 0]
+        cleaned = projection.remove(stacked)[:, length > 0] / length[length > 0]
         if not cleaned.size:
             continue
         basis, singular, turn = np.linalg.svd(cleaned, full_matrices=False)

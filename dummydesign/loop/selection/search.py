@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 from dummydesign.core.process import Progress, quiet
 from dummydesign.loop.fitting.candidates import EffectCandidate, finished, first_fit, first_fits, modest, to_the_end
 from dummydesign.loop.fitting.fit import CampaignFit, fit_with_noise, same_noise
-from dummydesign.loop.fitting.problem import BASE
 from dummydesign.loop.fitting.screening import Screened, screen
 from dummydesign.loop.model.effect import Effect
+from dummydesign.loop.model.forward_model import BASE
 from dummydesign.loop.selection.cross_validation import AssessedModel, assess, errors, holds_null
 from dummydesign.loop.selection.residuals import examine
 from dummydesign.loop.selection.verdict import (
@@ -155,8 +155,7 @@ def _accepted(current: AssessedModel, checks: list[EffectCheck], tried: int) -> 
         names = tuple(one.effect.name for one in _near(check, current.lack.ratio)[:2])
         others = [one for one in check.screened if one.effect.name != check.effect.name]
         # effects whose signature is nearly parallel look the same in this campaign
-        alike = [one for one in others if _alike(own.screened, one)]
-        family = tuple(one.effect.name for one in alike)
+        family = tuple(one.effect.name for one in others if _alike(own.screened, one))
         limit, left = _limit(check, checks, tried).least, current.errors.heldout_N
         accepted.append(AcceptedEffect(own, names, family, limit, left, tuple(check.options)))
     return sorted(accepted, key=lambda one: -one.candidate.gain)
@@ -241,8 +240,7 @@ def search(
     after, effects = prune_effects(assess(chosen), available, tried, progress)
     if not effects:
         return Selection(base, (), screened, ranking, _tried(ranking))
-    own = names_of(after.fit)
-    more = _tried([one for one in children if own < names_of(one.fit)])
+    more = _tried([one for one in children if names_of(after.fit) < names_of(one.fit)])
     swaps = [(option.gain - one.ranking[0].gain, option.fit) for one in effects for option in one.ranking[1:]]
     return Selection(after, tuple(effects), screened, ranking, (*more, *swaps))
 
@@ -314,7 +312,8 @@ def doubt_of(chosen: CampaignFit, rivals: Iterable[Rival]) -> NDArray:
     A rival weighs exp(evidence / 2) of the chosen model, less :data:`EACH_PARAMETER` for each named parameter more; its
     own covariance counts as well.
     """
-    rows = [(gain - EACH_PARAMETER * (_named(one) - _named(chosen)), one) for gain, one in rivals if not at_bound(one)]
+    own = named_parameters(chosen)
+    rows = [(gain - EACH_PARAMETER * (named_parameters(one) - own), one) for gain, one in rivals if not at_bound(one)]
     weights = np.exp(0.5 * np.array([0.0, *(gain for gain, _ in rows)]).clip(-60.0, 60.0))
     out = np.zeros((BASE, BASE))
     for weight, (_, one) in zip((weights / weights.sum())[1:], rows):
@@ -331,5 +330,6 @@ def doubt_of_curve(flat: NDArray) -> NDArray:
     return out
 
 
-def _named(fit: CampaignFit) -> int:
+def named_parameters(fit: CampaignFit) -> int:
+    """Number of parameters of a model's named effects, those of form left out."""
     return sum(not p.of_form for one in fit.problem.effects if not one.held for p in one.parameters)

@@ -11,14 +11,7 @@ from dummydesign.loop.fitting.candidates import EffectCandidate
 from dummydesign.loop.fitting.fit import CampaignFit, prior_precision
 from dummydesign.loop.fitting.noise import make_whitener
 from dummydesign.loop.fitting.screening import Screened
-from dummydesign.loop.selection.cross_validation import (
-    AssessedModel,
-    Errors,
-    errors,
-    expected_heldout_N,
-    lack_of_fit,
-    pad_errors,
-)
+from dummydesign.loop.selection.cross_validation import AssessedModel, Errors, errors, expected_heldout_N, lack_of_fit
 from dummydesign.loop.selection.residuals import Seen
 
 GAIN_FLOOR = 30.0
@@ -163,7 +156,7 @@ def predicts_better(before: AssessedModel, after: CampaignFit) -> bool:
     cells = _change(before.errors, errors(after))
     if cells is not None and cells < -NOTHING:
         return True
-    pads = _change(before.by_pad, pad_errors(after))
+    pads = _change(before.by_pad, errors(after, after.problem.presses.pad))
     return (cells is None or cells < LITTLE) and pads is not None and pads < -LITTLE
 
 

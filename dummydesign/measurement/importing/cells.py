@@ -58,16 +58,11 @@ def _open(lines: Sequence[str]) -> bool:
 
 _MINUS = str.maketrans("−–－", "---")
 _GROUPS = {".": ",'’ \u00a0\u202f", ",": ".'’ \u00a0\u202f"}
-_NUMBER = {
-    decimal: re.compile(
-        rf"[+-]?(?:[1-9]\d{{0,2}}(?:([{groups}])\d{{3}})(?:\1\d{{3}})*|\d+)?(?:{re.escape(decimal)}\d*)?(?:[eE][+-]?\d+)?",
-        re.ASCII,
-    )
-    for decimal, groups in _GROUPS.items()
-}
+_NO_GROUPS = str.maketrans("", "", "'’ \u00a0\u202f")
+_FORM = r"[+-]?(?=[.,]?\d)(?:[1-9]\d{0,2}(?:([%s])\d{3})(?:\1\d{3})*|\d+)?(?:%s\d*)?(?:[eE][+-]?\d+)?"
+_NUMBER = {sign: re.compile(_FORM % (groups, re.escape(sign)), re.ASCII) for sign, groups in _GROUPS.items()}
 _PLAIN = {".": re.compile(r"-?\d+(?:\.\d+)?", re.ASCII), ",": re.compile(r"-?\d+(?:,\d+)?", re.ASCII)}
 """Numbers of the usual form, which most are; the patterns above also take groups, exponents and other signs."""
-_DIGITS = frozenset("0123456789")
 _NOT_FINITE = {"nan", "inf", "-inf", "+inf", "#nv", "#n/a", "n/a", "na", "null", "none", "---", "--", "-", "overflow"}
 _STAMP = re.compile(
     r"(?:(\d{4}[-/.]\d{1,2}[-/.]\d{1,2}|\d{1,2}[-/.]\d{1,2}[-/.]\d{2,4})[T ]+)?"
@@ -87,14 +82,11 @@ def parse(cell: str, decimal: str) -> float | None:
     if _PLAIN[decimal].fullmatch(cell):
         return float(cell.replace(",", "."))
     text = cell.translate(_MINUS)
-    if not any(letter in _DIGITS for letter in text) or not _NUMBER[decimal].fullmatch(text):
+    if not _NUMBER[decimal].fullmatch(text):
         return None
     for sign in _GROUPS[decimal]:
         text = text.replace(sign, "")
-    try:
-        return float(text.replace(",", "."))
-    except ValueError:  # an exponent without a mantissa
-        return None
+    return float(text.replace(",", "."))
 
 
 def is_missing(cell: str) -> bool:
@@ -115,9 +107,7 @@ def decimal_evidence(cells: Iterable[str]) -> dict[str, int]:
     """
     count = {".": 0, ",": 0, "either": 0}
     for cell in cells:
-        mantissa = re.split("[eE]", cell.translate(_MINUS).lstrip("+-"))[0]
-        for odd in "'’ \u00a0\u202f":
-            mantissa = mantissa.replace(odd, "")
+        mantissa = re.split("[eE]", cell.translate(_MINUS).lstrip("+-"))[0].translate(_NO_GROUPS)
         dots, commas = mantissa.count("."), mantissa.count(",")
         if not dots and not commas:
             continue

@@ -47,15 +47,18 @@ class Column:
 
 
 Candidates = Mapping[str, Sequence[Column]]
+Chosen = Mapping[str, Column]
+Values = Mapping[int, NDArray]
+"""Numbers of a column by its place in the table."""
 
 
 def describe_columns(layout: Layout) -> list[Column]:
     """Read names and units of all columns."""
-    columns = []
-    for index, (kind, title, below) in enumerate(zip(layout.kinds, layout.names, layout.units)):
-        name, unit = known.split_name(title)
-        columns.append(Column(index, title, kind, known.roles_of_name(name), known.find_unit(below) or unit))
-    return columns
+    read = zip(layout.kinds, layout.names, map(known.split_name, layout.names), layout.units)
+    return [
+        Column(index, title, kind, known.roles_of_name(name), known.find_unit(below) or unit)
+        for index, (kind, title, (name, unit), below) in enumerate(read)
+    ]
 
 
 def find_candidates(columns: Sequence[Column], log: ImportLog) -> Candidates:
@@ -74,8 +77,7 @@ def find_candidates(columns: Sequence[Column], log: ImportLog) -> Candidates:
     absent = [role for role in ROLES if not candidates[role]]
     taken = {column.index for role in ROLES for column in candidates[role]}
     if sum(column.numeric and column.index not in taken for column in columns) < len(absent):
-        message = known.absent_words(absent, [column.title for column in columns])
-        raise log.fault(message, "missing", absent[0])
+        raise log.fault(known.absent_words(absent, [column.title for column in columns]), "missing", absent[0])
     return candidates
 
 
@@ -112,26 +114,21 @@ def _named(columns: Sequence[Column], role: str, word: str, log: ImportLog) -> C
     return alike[0]
 
 
-def choose(
-    columns: Sequence[Column], candidates: Candidates, values: Mapping[int, NDArray], log: ImportLog
-) -> dict[str, Column]:
+def choose(columns: Sequence[Column], candidates: Candidates, values: Values, log: ImportLog) -> dict[str, Column]:
     """Choose one column for each role."""
     chosen: dict[str, Column] = {}
     for role in ROLES:
         if candidates[role]:
             chosen[role], why = _choose_one(role, candidates[role], values, log)
             log.decide(f"{role} column", chosen[role].label, why)
-    if len(chosen) < len(ROLES):
-        chosen |= _by_behaviour(columns, chosen, values, log)
+    chosen |= _by_behaviour(columns, chosen, values, log)
     if len({column.index for column in chosen.values()}) < len(ROLES):
         names = ", ".join(f"{role} {column.label}" for role, column in chosen.items())
         raise log.question(f"one column would have two meanings ({names})", "--columns ROLE=NAME,...")
     return chosen
 
 
-def _choose_one(
-    role: str, candidates: Sequence[Column], values: Mapping[int, NDArray], log: ImportLog
-) -> tuple[Column, str]:
+def _choose_one(role: str, candidates: Sequence[Column], values: Values, log: ImportLog) -> tuple[Column, str]:
     """The one among the candidates, when they differ in nothing that matters."""
     if role in log.settings.columns:
         return candidates[0], "given by --columns"
@@ -168,9 +165,7 @@ def _same(one: NDArray, other: NDArray, role: str) -> bool:
     return bool(np.max(np.abs(a - b)) <= reach or (role != "time" and np.max(np.abs(a + b)) <= reach))
 
 
-def _by_behaviour(
-    columns: Sequence[Column], chosen: Mapping[str, Column], values: Mapping[int, NDArray], log: ImportLog
-) -> dict[str, Column]:
+def _by_behaviour(columns: Sequence[Column], chosen: Chosen, values: Values, log: ImportLog) -> dict[str, Column]:
     """Roles of columns that neither name nor unit speaks for: what rises is time, what stands in a hold is position."""
     missing = [role for role in ROLES if role not in chosen]
     free = [
@@ -227,7 +222,7 @@ _EXCEL_DAYS = (36500.0, 52000.0)
 """Days since 1900 of the same years."""
 
 
-def find_factors(chosen: Mapping[str, Column], values: Mapping[str, NDArray], log: ImportLog) -> dict[str, float]:
+def find_factors(chosen: Chosen, values: Mapping[str, NDArray], log: ImportLog) -> dict[str, float]:
     """Find how many s, mm and N one count of each column is."""
     units = {role: _unit(role, chosen[role], values[role], log) for role in ROLES}
     missing = [role for role in ROLES if units[role] is None]
@@ -252,11 +247,8 @@ def _unit(role: str, column: Column, values: NDArray, log: ImportLog) -> Unit | 
             raise InputError(f"--units {role}={given} is not a unit of {kind}; {usual}", "unknown_unit", "units", given)
         log.decide(f"{role} unit", unit.text, "given by --units")
         if stated is not None and stated.kind == kind and stated.factor != unit.factor:
-            log.warn(
-                "unit_overridden",
-                f"the header says that {role} is in {stated.text}; it is taken in {unit.text}, as --units or the "
-                "profile says: leave that out if the header is right",
-            )
+            log.warn("unit_overridden", f"the header says that {role} is in {stated.text}; it is taken in {unit.text}, "
+                     "as --units or the profile says: leave that out if the header is right")  # fmt: skip
         return unit
     if column.kind == "stamp":
         log.decide("time unit", "s", "clock times, counted from the first")

@@ -34,7 +34,6 @@ class ContactEstimate:
     position_mm: float
     low_mm: float
     high_mm: float
-    power: float
     tare_N: float
     tare_error_N: float
     noise_N: float
@@ -67,16 +66,16 @@ def find_contact(time: NDArray, x: NDArray, load: NDArray, span: Span, tare_N: f
     centres, means, counts = _bins(x, load, start, near, top)
     scatter = float(np.std(load[start:near])) if near - start >= LEAST_LEAD_IN else 0.0
     noise = max(scatter, noise_of(load[start : top + 1]), 1e-9 * peak)
-    low, high = float(x[start : onset + 1].min()), float(x[onset])
-    low = max(low, high - 2.0 * reach)
+    high = float(x[onset])
+    low = max(float(x[start : onset + 1].min()), high - 2.0 * reach)
     variance = noise**2 / counts + (0.3 * noise) ** 2 + (MISFIT * np.maximum(means, 0.0)) ** 2
     dof = max(len(means) - 5, 1)
     ways = np.linspace(low, high, _WAYS + 1)
     step = max((high - low) / _WAYS, 1e-6)
-    misfit = _profile(centres, means, variance, ways, tare_N)[0]
+    misfit = _profile(centres, means, variance, ways, tare_N)
     wide = ways[misfit <= misfit.min() + 8.0 * max(1.0, float(misfit.min()) / dof)]
     ways = np.linspace(float(wide.min()) - step, min(float(wide.max()) + step, high), _WAYS + 1)
-    misfit, powers = _profile(centres, means, variance, ways, tare_N)
+    misfit = _profile(centres, means, variance, ways, tare_N)
     best = int(np.argmin(misfit))
     scale = max(1.0, float(misfit[best]) / dof)
     inside = ways[misfit <= misfit[best] + 4.0 * scale]
@@ -89,15 +88,12 @@ def find_contact(time: NDArray, x: NDArray, load: NDArray, span: Span, tare_N: f
     lead = load[start : start + (int(free[-1]) + 1 if free.size else 0)]
     tare, error, deviation, drift = _tare(lead, noise)
     speed = _speed(time, x, start, onset, top)
-    return ContactEstimate(
-        position, left, right, float(powers[best]), tare, error, deviation, len(lead), drift, speed, peak
-    )
+    return ContactEstimate(position, left, right, tare, error, deviation, len(lead), drift, speed, peak)
 
 
 def _speed(time: NDArray, x: NDArray, start: int, onset: int, top: int) -> float:
     """Speed through contact: over the part looked at, or just before it where the punch brakes already."""
-    way = float(x[top] - x[onset])
-    before = start + int(np.argmax(x[start : onset + 1] >= x[onset] - 0.3 * way))
+    before = start + int(np.argmax(x[start : onset + 1] >= x[onset] - 0.3 * float(x[top] - x[onset])))
     ends = [(onset, top), (min(before, onset - 1), onset)] if onset > start else [(onset, top)]
     return max(float((x[b] - x[a]) / max(time[b] - time[a], 1e-9)) for a, b in ends)
 
@@ -119,17 +115,14 @@ def _bins(x: NDArray, load: NDArray, start: int, near: int, top: int) -> tuple[N
     )
 
 
-def _profile(
-    centres: NDArray, means: NDArray, variance: NDArray, ways: NDArray, tare_N: float | None
-) -> tuple[NDArray, NDArray]:
-    """Least misfit over a, b, c and n for each place of contact, and the n that gives it."""
+def _profile(centres: NDArray, means: NDArray, variance: NDArray, ways: NDArray, tare_N: float | None) -> NDArray:
+    """Least misfit over a, b, c and n for each place of contact."""
     weight = 1.0 / variance
     ramp = np.maximum(centres - ways[:, None], 0.0)
     ramp = ramp / np.maximum(ramp.max(axis=1, keepdims=True), 1e-12)
     logs = np.log(np.maximum(ramp, 1e-30))
     total, force, square = weight.sum(), (weight * means).sum(), (weight * means**2).sum()
     best = np.full(len(ways), np.inf)
-    powers = np.full(len(ways), POWERS[0])
     for power in POWERS:
         plain = np.exp(power * logs)
         for bend in BENDS:
@@ -143,9 +136,8 @@ def _profile(
                 slope, base = np.maximum((cross - tare_N * first) / np.maximum(second, 1e-300), 0.0), tare_N
             misfit = square + slope**2 * second + base**2 * total - 2.0 * slope * cross - 2.0 * base * force
             misfit = misfit + 2.0 * slope * base * first
-            better = misfit < best
-            best, powers = np.where(better, misfit, best), np.where(better, power, powers)
-    return best, powers
+            best = np.where(misfit < best, misfit, best)
+    return best
 
 
 def _tare(lead: NDArray, noise: float) -> tuple[float, float, float, float]:
@@ -201,10 +193,8 @@ def find_contacts(
         _doubt_own_zero(reference, depth, sign, log)
     else:
         zero = _zero_by_force(_together(contacts, first), depth, sign, log)
-    zeros = [zero]
-    for number, contact in enumerate(contacts[1:], 1):
-        zeros.append(_zero_of_press(number, contact, zero, max(depths[: number + 1]), sign, log))
-    return zeros
+    later = enumerate(contacts[1:], 1)
+    return [zero, *(_zero_of_press(at, one, zero, max(depths[: at + 1]), sign, log) for at, one in later)]
 
 
 def own_zero_agrees(contact: ContactEstimate) -> bool:
@@ -228,20 +218,14 @@ def _doubt_own_zero(contact: ContactEstimate, depth: float, sign: float, log: Im
         return
     low, high = interval(contact)
     if not contact.low_mm <= 0.0 <= contact.high_mm:
-        why = "only just agrees with it"
-        if low <= 0.0 < contact.low_mm:
-            why = f"at {contact.velocity_mm_s:.3g} mm/s would agree with it behind a force filter"
-        log.warn(
-            "contact_may_be_late",
-            f"the file's own zero is kept, but the force begins at {_text(contact, sign)}, which {why}; else the "
-            f"surface lies {abs(off):.2g} mm {'deeper' if off > 0 else 'higher'}: press slowly once, or say --contact",
-        )
+        late = f"at {contact.velocity_mm_s:.3g} mm/s would agree with it behind a force filter"
+        why = late if low <= 0.0 < contact.low_mm else "only just agrees with it"
+        log.warn("contact_may_be_late", f"the file's own zero is kept, but the force begins at {_text(contact, sign)}, "
+                 f"which {why}; else the surface lies {abs(off):.2g} mm {'deeper' if off > 0 else 'higher'}: press "
+                 "slowly once, or say --contact")  # fmt: skip
     elif 0.5 * (high - low) > max(SURE_MM, SURE_SHARE * depth):
-        log.warn(
-            "contact_not_checked",
-            f"by the force contact lies between {_between(contact, sign)}, which is too wide to check the file's own "
-            "zero by: press slowly once, or say --contact",
-        )
+        log.warn("contact_not_checked", f"by the force contact lies between {_between(contact, sign)}, which is too "
+                 "wide to check the file's own zero by: press slowly once, or say --contact")  # fmt: skip
 
 
 def _between(contact: ContactEstimate, sign: float) -> str:
@@ -260,16 +244,14 @@ def _zero_by_force(contact: ContactEstimate, depth: float, sign: float, log: Imp
         )
     log.decide("contact", f"{sign * zero_mm:.3f} mm", f"the force begins there ({text}), not at the file's own zero")
     if wide > max(UNSURE_MM, UNSURE_SHARE * depth):
-        log.warn(
-            "contact_uncertain",
-            f"the zero rests on the force alone, which begins at {text}: it may be {wide:.2g} mm off; a slower press "
-            "or a sensor of less noise tells it more closely, or say --contact N",
-        )
+        log.warn("contact_uncertain", f"the zero rests on the force alone, which begins at {text}: it may be "
+                 f"{wide:.2g} mm off; a slower press or a sensor of less noise tells it more closely, or "
+                 "say --contact N")  # fmt: skip
     return zero_mm
 
 
 def _text(contact: ContactEstimate, sign: float) -> str:
-    low, high = sorted((sign * contact.low_mm, sign * contact.high_mm))
+    low, high = sorted(sign * end for end in (contact.low_mm, contact.high_mm))
     return f"{sign * contact.position_mm:.3f} mm (95 %: {low:.3f} to {high:.3f})"
 
 
@@ -307,18 +289,12 @@ def _zero_of_press(
     if low - SMALL_MM <= zero <= high + SMALL_MM:
         return zero
     if off < 0 or off > OTHER_SITE * depth:
-        log.warn(
-            "another_place",
-            f"press {number + 1} begins at {sign * contact.position_mm:.3f} mm, {abs(off):.2g} mm "
-            f"{'above' if off < 0 else 'below'} the first contact: taken as another place with a zero of its own; if "
-            "it is the same place, say --contact",
-        )
+        log.warn("another_place", f"press {number + 1} begins at {sign * contact.position_mm:.3f} mm, {abs(off):.2g} "
+                 f"mm {'above' if off < 0 else 'below'} the first contact: taken as another place with a zero of its "
+                 "own; if it is the same place, say --contact")  # fmt: skip
         return contact.position_mm
-    log.warn(
-        "surface_not_back",
-        f"press {number + 1} begins {off:.2g} mm deeper than the first contact, which stays zero: the surface had not "
-        "come back; rest longer between presses, or tell the loop the rest",
-    )
+    log.warn("surface_not_back", f"press {number + 1} begins {off:.2g} mm deeper than the first contact, which stays "
+             "zero: the surface had not come back; rest longer between presses, or tell the loop the rest")  # fmt: skip
     return zero
 
 
@@ -355,9 +331,6 @@ def find_tares(
         tares.append(tare)
     if max(tares) > min(tares):
         text = ", ".join(f"{tare:.4g}" for tare in tares)
-        log.warn(
-            "zero_wanders",
-            f"the force at no load changes from press to press ({text} N); each press is tared by its own lead-in: let "
-            "the sensor warm up, or zero it before each press",
-        )
+        log.warn("zero_wanders", f"the force at no load changes from press to press ({text} N); each press is tared by "
+                 "its own lead-in: let the sensor warm up, or zero it before each press")  # fmt: skip
     return tares

@@ -44,8 +44,7 @@ def decode(data: bytes, log: ImportLog) -> str:
         (marked, "byte order mark at the start"), (_wide(data), "every second byte is zero"),
         ("utf-8", "all of it is valid UTF-8"),
     ):  # fmt: skip
-        text = _try(data, name) if name else None
-        if text is not None and name:
+        if name and (text := _try(data, name)) is not None:
             if name != "utf-8" or not data.isascii():
                 log.decide("encoding", name, why)
             return text
@@ -141,19 +140,17 @@ def workbook_texts(data: bytes, log: ImportLog) -> dict[str, str]:
     except ImportError:
         message = "is an Excel workbook; save it as CSV, or install the reader: pip install 'dummydesign[xlsx]'"
         raise log.fault(message, "program_missing", "openpyxl") from None
+    with zipfile.ZipFile(io.BytesIO(data)) as packed:
+        if sum(part.file_size for part in packed.infolist()) > MOST_BYTES:
+            message = f"unpacks to more than {MOST_BYTES // 10**6} MB; save the sheet as CSV"
+            raise log.fault(message, "too_large", "workbook")
     sheets: dict[str, list[list[str]]] = {}
     try:
-        with zipfile.ZipFile(io.BytesIO(data)) as packed:
-            if sum(part.file_size for part in packed.infolist()) > MOST_BYTES:
-                message = f"unpacks to more than {MOST_BYTES // 10**6} MB; save the sheet as CSV"
-                raise log.fault(message, "too_large", "workbook")
         book = openpyxl.load_workbook(io.BytesIO(data), read_only=True, data_only=True)
         for sheet in book.worksheets:
             rows = [[_cell(value) for value in row] for row in sheet.iter_rows(values_only=True)]
             if sum(map(_numeric, rows)) >= 3:
                 sheets[sheet.title] = rows
-    except InputError:
-        raise
     except Exception as problem:  # openpyxl raises whatever the XML made of it
         message = f"cannot be read as an Excel workbook ({type(problem).__name__}); save it again, or as CSV"
         raise log.fault(message, "file_unreadable", "workbook") from None
@@ -257,5 +254,4 @@ def _cell(value: object) -> str:
 
 
 def _numeric(row: list[str]) -> bool:
-    cells = [cell for cell in row if cell]
-    return len(cells) >= 2 and sum(cell[0] in "+-0123456789.,−" for cell in cells) >= 2
+    return sum(cell[0] in "+-0123456789.,−" for cell in row if cell) >= 2

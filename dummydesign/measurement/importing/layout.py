@@ -19,6 +19,11 @@ HEADER_LINES = 8
 """Lines above the table that may be its header."""
 _LONGEST_NAME = 80
 _SAMPLE = 60
+_TESTS = {"number": is_number, "stamp": is_stamp}
+"""What the cells of a column are known by."""
+
+
+Texts = tuple[str, ...]
 
 
 @dataclass(frozen=True)
@@ -32,9 +37,9 @@ class Layout:
     separator: str
     decimal: str
     thousands: bool
-    kinds: tuple[str, ...]
-    names: tuple[str, ...]
-    units: tuple[str, ...]
+    kinds: Texts
+    names: Texts
+    units: Texts
 
     def line(self, index: int) -> int:
         """Line number in the file, from 1, of ``lines[index]``."""
@@ -61,11 +66,9 @@ def find_layout(text: str, log: ImportLog) -> Layout:
     if kinds.count("number") + kinds.count("stamp") < 2:
         if log.settings.separator is None:
             raise log.no_table(_why_no_table(lines))
-        message = (
-            f"separated by {SEPARATORS[separator]}, as --separator or the profile says, there is no table of numbers; "
-            "leave that out to have it found"
-        )
-        raise log.fault(message, "inconsistent", "separator", log.settings.separator)
+        raise log.fault(f"separated by {SEPARATORS[separator]}, as --separator or the profile says, there is no table "
+                        "of numbers; leave that out to have it found",
+                        "inconsistent", "separator", log.settings.separator)  # fmt: skip
     first, last = _bounds(lines, separator, kinds)
     if last - first < LEAST_ROWS:
         raise log.no_table(_why_no_table(lines))
@@ -74,7 +77,7 @@ def find_layout(text: str, log: ImportLog) -> Layout:
     decimal = _decimal(cells, separator, log)
     names, units, header = find_header(lines, first, separator, len(kinds))
     _refuse_two_commas(separator, cells, len(kinds), lines[max(first - HEADER_LINES, 0) : first], log)
-    _refuse_unfinished(lines, last, separator, kinds, skipped, log)
+    _refuse_unfinished(lines, last, separator, kinds, log)
     before = [lines[at] for at in range(first) if lines[at].strip() and at not in header]
     after = [line for line in lines[last:] if line.strip()]
     if before:
@@ -139,8 +142,8 @@ def _separator(sample: Sequence[str], log: ImportLog) -> str:
             continue
         width, count = Counter(width for width, _ in good).most_common(1)[0]
         score = count / len(sample) * sum(share for one, share in good if one == width) / count
-        if separator == " ":
-            score *= 0.95  # a tab is white space too: where it separates nearly as well, it is meant
+        # a tab is white space too: where it separates nearly as well, it is meant
+        score *= 0.95 if separator == " " else 1.0
         if score > best + 1e-9:
             best, chosen = score, separator
     if not chosen:
@@ -160,8 +163,7 @@ def _column_kinds(sample: Sequence[str], separator: str) -> tuple[str, ...]:
     kinds = []
     for column in zip(*(row for row in rows if len(row) == width)):
         filled = [cell for cell in column if not is_missing(cell)]
-        tests = {"number": is_number, "stamp": is_stamp}
-        kind = next((kind for kind, test in tests.items() if sum(map(test, filled)) >= 0.7 * len(filled)), "text")
+        kind = next((kind for kind, test in _TESTS.items() if sum(map(test, filled)) >= 0.7 * len(filled)), "text")
         kinds.append(kind if filled else "empty")
     return tuple(kinds)
 
@@ -170,14 +172,8 @@ def _is_row(cells: Sequence[str], kinds: Sequence[str]) -> bool:
     """Whether cells are a row of the table: every column holds what it should, and not all of it is missing."""
     if len(cells) != len(kinds):
         return False
-    filled = 0
-    for cell, kind in zip(cells, kinds):
-        if kind in ("number", "stamp"):
-            if (is_number if kind == "number" else is_stamp)(cell):
-                filled += 1
-            elif not is_missing(cell):
-                return False
-    return filled > 0
+    fits = [(cell, _TESTS[kind](cell)) for cell, kind in zip(cells, kinds) if kind in _TESTS]
+    return any(fit for _, fit in fits) and all(fit or is_missing(cell) for cell, fit in fits)
 
 
 def _bounds(lines: Sequence[str], separator: str, kinds: Sequence[str]) -> tuple[int, int]:
@@ -232,9 +228,7 @@ def _decimal(cells: Sequence[str], separator: str, log: ImportLog) -> str:
     return "."
 
 
-def find_header(
-    lines: Sequence[str], first: int, separator: str, width: int
-) -> tuple[tuple[str, ...], tuple[str, ...], list[int]]:
+def find_header(lines: Sequence[str], first: int, separator: str, width: int) -> tuple[Texts, Texts, list[int]]:
     """Find names and units above the table, and the indices of their lines."""
     rows: list[tuple[int, list[str]]] = []
     for index in range(first - 1, max(first - 1 - 3 * HEADER_LINES, -1), -1):
@@ -284,16 +278,12 @@ def _refuse_two_commas(separator: str, cells: Sequence[str], width: int, header:
         return
     for names in (cell_text.split(line, ",") for line in header):
         if len(names) == width // 2 and _count_names(names) >= 2:
-            message = (
-                f"{len(names)} names but {width} cells a row: the comma separates both columns and decimals, which "
-                "look the same; export with ';' between columns, or with numbers in quotes"
-            )
-            raise log.fault(message, "malformed", "table")
+            raise log.fault(f"{len(names)} names but {width} cells a row: the comma separates both columns and "
+                            "decimals, which look the same; export with ';' between columns, or with numbers in quotes",
+                            "malformed", "table")  # fmt: skip
 
 
-def _refuse_unfinished(
-    lines: Sequence[str], last: int, separator: str, kinds: Sequence[str], skipped: int, log: ImportLog
-) -> None:
+def _refuse_unfinished(lines: Sequence[str], last: int, separator: str, kinds: Sequence[str], log: ImportLog) -> None:
     """Refuse a file that is still being written: its last line has no end and breaks off within a row."""
     if len(lines) < 2 or not lines[-1].strip():
         return
@@ -307,11 +297,9 @@ def _refuse_unfinished(
         fewer = len(digits) > 5 and len(set(digits)) == 1 and _decimals(cells[final]) < digits[0]
         broken = is_missing(cells[final]) or fewer
     if broken:
-        message = (
-            f"the last line breaks off ('{lines[-1].strip()[-40:]}'): the file is still being written, or was cut; "
-            "wait for the test to end and export it again"
-        )
-        raise log.fault(message, "malformed", "table", line=index + skipped + 1)
+        raise log.fault(f"the last line breaks off ('{lines[-1].strip()[-40:]}'): the file is still being written, or "
+                        "was cut; wait for the test to end and export it again",
+                        "malformed", "table", line=index + (log.settings.skip or 0) + 1)  # fmt: skip
 
 
 def _decimals(cell: str) -> int:

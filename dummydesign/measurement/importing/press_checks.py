@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 from dummydesign.core.errors import InputError
 from dummydesign.measurement.importing.contact import LEAST_LEAD_IN, ContactEstimate, contact_off, find_contact
 from dummydesign.measurement.importing.decisions import ImportLog, Settings
-from dummydesign.measurement.importing.signs import find_presses, find_signs, middle_of_three, noise_of, true_runs
-from dummydesign.measurement.landmarks import Summary, summarise
+from dummydesign.measurement.importing.signs import find_presses, find_signs, middle_of_three, noise_of
+from dummydesign.measurement.landmarks import Summary, summarise, true_runs
 from dummydesign.measurement.trace import Trace, import_first
 
 Warn = Callable[[str, str], None]
@@ -49,11 +49,8 @@ def check_press(
     """Warn of what looks wrong in one press."""
     press = _Press(time, x, force, max(contact.noise_N, noise_of(force)), summary, warn)
     if abs(contact.drift_N) > max(0.01 * summary.peak_force_N, 4.0 * contact.noise_N):
-        warn(
-            "force_before_contact",
-            f"the force changes by {contact.drift_N:+.3g} N before contact; let the sensor settle, or look for "
-            "something that touches earlier",
-        )
+        warn("force_before_contact", f"the force changes by {contact.drift_N:+.3g} N before contact; let the sensor "
+             "settle, or look for something that touches earlier")  # fmt: skip
     if _swapped(press):
         return
     for check in (_hold, _several_holds, _clipped, _gaps, _lost, _frozen, _spikes, _units):
@@ -75,11 +72,8 @@ def _swapped(press: _Press) -> bool:
     fall = float(begin.mean() - middle.mean())
     swapped = fall > RELAXED * reach and fall > 4.0 * float(np.hypot(begin.std(), middle.std())) / np.sqrt(tenth)
     if swapped:
-        press.warn(
-            "columns_swapped",
-            f"the position falls back by {100 * fall / reach:.0f} % while the force stands: give "
-            "--columns displacement and force the other way round",
-        )
+        press.warn("columns_swapped", f"the position falls back by {100 * fall / reach:.0f} % while the force stands: "
+                   "give --columns displacement and force the other way round")  # fmt: skip
     return swapped
 
 
@@ -93,11 +87,8 @@ def _hold(press: _Press) -> None:
         return
     fall = -float(np.polyfit(press.time[late] - begin, press.force[late], 1)[0]) * 0.2 * hold_s
     if fall > FALLING * steady and fall > 4.0 * press.noise_N / np.sqrt(late.sum()):
-        press.warn(
-            "hold_too_short",
-            f"after {hold_s:.3g} s the force still falls, by {100 * fall / steady:.1f} % in the last "
-            f"{0.2 * hold_s:.2g} s: {steady:.3g} N is no steady force; hold for 10 s",
-        )
+        press.warn("hold_too_short", f"after {hold_s:.3g} s the force still falls, by {100 * fall / steady:.1f} % in "
+                   f"the last {0.2 * hold_s:.2g} s: {steady:.3g} N is no steady force; hold for 10 s")  # fmt: skip
 
 
 def _several_holds(press: _Press) -> None:
@@ -125,11 +116,8 @@ def _several_holds(press: _Press) -> None:
     plateaus = [float(np.median(x[a:b])) for a, b in runs if stepped(a, b)]
     if plateaus:
         depths = ", ".join(f"{depth:.2f}" for depth in sorted({*plateaus, summary.depth_mm}))
-        press.warn(
-            "several_holds",
-            f"the punch stands at several depths ({depths} mm) without coming back to zero between; fits read one ramp "
-            "and one hold: press each depth by itself, or cut the file",
-        )
+        press.warn("several_holds", f"the punch stands at several depths ({depths} mm) without coming back to zero "
+                   "between; fits read one ramp and one hold: press each depth by itself, or cut the file")  # fmt: skip
 
 
 def _clipped(press: _Press) -> None:
@@ -144,11 +132,9 @@ def _clipped(press: _Press) -> None:
     usual = int(np.max(np.diff(np.r_[-1, changes, len(below) - 1]))) if len(below) > 10 else 1
     moved = abs(float(x[last - 1] - x[first])) > 0.02 * float(np.ptp(x))
     if length > 4 * usual and (moved or length > 10 * usual):
-        press.warn(
-            "clipped",
-            f"the force stands at exactly {top:.6g} N for {length} samples from {press.time[first]:.4g} s: the load "
-            "cell or its amplifier is at its end; use a larger range, and do not fit this press",
-        )
+        press.warn("clipped", f"the force stands at exactly {top:.6g} N for {length} samples from "
+                   f"{press.time[first]:.4g} s: the load cell or its amplifier is at its end; use a larger range, and "
+                   "do not fit this press")  # fmt: skip
 
 
 def _longest(mask: NDArray) -> tuple[int, int]:
@@ -166,11 +152,8 @@ def _gaps(press: _Press) -> None:
     gaps = np.flatnonzero(hole & (moved | rising | (step > 0.2 * max(summary.hold_s, 1e-9))))
     if gaps.size:
         at = int(gaps[0])
-        press.warn(
-            "drop_out",
-            f"no samples from {time[at]:.4g} to {time[at + 1]:.4g} s ({gaps.size} such gaps) within the press; the "
-            "force between is not known: record again",
-        )
+        press.warn("drop_out", f"no samples from {time[at]:.4g} to {time[at + 1]:.4g} s ({gaps.size} such gaps) within "
+                   "the press; the force between is not known: record again")  # fmt: skip
 
 
 def _lost(press: _Press) -> None:
@@ -181,11 +164,8 @@ def _lost(press: _Press) -> None:
     deep &= np.cumsum(force > 0.5 * near) > 0  # a filtered force is late in a fast rise
     lost = np.flatnonzero(deep & (np.abs(force) < max(3.0 * noise, 0.02 * near)) & (near > 20.0 * max(noise, 1e-9)))
     if lost.size:
-        press.warn(
-            "drop_out",
-            f"the force is zero at {press.time[lost[0]]:.4g} s ({lost.size} samples) while the punch presses "
-            f"{x[lost[0]]:.3g} mm deep: a loose contact? record again",
-        )
+        press.warn("drop_out", f"the force is zero at {press.time[lost[0]]:.4g} s ({lost.size} samples) while the "
+                   f"punch presses {x[lost[0]]:.3g} mm deep: a loose contact? record again")  # fmt: skip
 
 
 def _frozen(press: _Press) -> None:
@@ -196,11 +176,8 @@ def _frozen(press: _Press) -> None:
     if last - first < 5 or last >= len(x) - 1:
         return
     if abs(x[last + 1] - x[last]) > 3.0 * float(np.median(np.abs(np.diff(x)[rise]))):
-        press.warn(
-            "drop_out",
-            f"force and position repeat for {last - first} samples from {time[first]:.4g} s in the rise and then jump: "
-            "the recording stood still; record again",
-        )
+        press.warn("drop_out", f"force and position repeat for {last - first} samples from {time[first]:.4g} s in the "
+                   "rise and then jump: the recording stood still; record again")  # fmt: skip
 
 
 def _spikes(press: _Press) -> None:
@@ -265,11 +242,8 @@ def doubts_of(trace: Trace, resolution_N: float = 0.0) -> list[dict[str, str]]:
     noise = max(contact.noise_N, noise_of(force))
     allowed = allowed_offset(summary.peak_force_N, noise, contact.tare_error_N, resolution_N)
     if contact.lead_in >= LEAST_LEAD_IN and abs(tare) > allowed:
-        warn(
-            "force_before_contact",
-            f"the force is {tare:.3g} N before contact and counts as pressing; up to {allowed:.2g} N is allowed "
-            f"(noise {noise:.2g} N)",
-        )
+        warn("force_before_contact", f"the force is {tare:.3g} N before contact and counts as pressing; up to "
+             f"{allowed:.2g} N is allowed (noise {noise:.2g} N)")  # fmt: skip
     elif contact.lead_in >= LEAST_LEAD_IN and contact_off(contact, summary.depth_mm):
         tares = (contact.tare_N + side * READING * noise for side in (-1.0, -0.5, 0.5, 1.0))
         others = (find_contact(time, x, force - rest, span, other) for other in tares)
@@ -320,10 +294,8 @@ def subjects_among(rows: Sequence[Mapping[str, Any]]) -> list[dict[str, str]]:
             continue
         ratios = [deep[key] / max(shallow[key], 1e-12) for key in ("steady_force_N", "peak_force_N")]
         if max(ratios) < depth / DIFFERENT or min(ratios) > depth**3 * DIFFERENT:
-            message = (
-                f"{a['file']} and {b['file']} press {a['depth_mm']:.3g} and {b['depth_mm']:.3g} mm deep with "
-                f"{a['steady_force_N']:.3g} and {b['steady_force_N']:.3g} N: two subjects or pads in one fit? fit "
-                "each by itself"
-            )
+            message = (f"{a['file']} and {b['file']} press {a['depth_mm']:.3g} and {b['depth_mm']:.3g} mm deep with "
+                       f"{a['steady_force_N']:.3g} and {b['steady_force_N']:.3g} N: two subjects or pads in one fit? "
+                       "fit each by itself")  # fmt: skip
             return [{"code": "several_subjects", "message": message}]
     return []

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -14,33 +14,28 @@ from numpy.typing import NDArray
 
 from dummydesign.core.errors import InputError, unknown_name
 from dummydesign.core.files import unwritable, write_bytes, write_text
-from dummydesign.core.library import DEVICE, Entry, entries, find, read_toml, toml_text, user_folder
+from dummydesign.core.library import DEVICE, Entry, entries, find, read_toml, toml_table, user_folder
+from dummydesign.core.parsing import NUMBER
+from dummydesign.core.serialise import to_plain
 from dummydesign.measurement.importing import contact as contact_zero
 from dummydesign.measurement.importing.decisions import Decision, ImportLog, NoTableError, Settings
 from dummydesign.measurement.importing.decoding import LEFT_OUT
 from dummydesign.measurement.importing.press_checks import check_press, fingerprint
 from dummydesign.measurement.importing.signs import HIGH, Span, find_presses, find_signs
-from dummydesign.measurement.importing.table import Columns, columns_of, read_texts
-from dummydesign.measurement.importing.vocabulary import BASE, ROLES, USUAL_UNITS, scaled_unit
+from dummydesign.measurement.importing.table import Columns, Ranges, columns_of, read_texts
+from dummydesign.measurement.importing.vocabulary import BASE, ROLES, USUAL_UNITS, find_unit
 from dummydesign.measurement.landmarks import SHALLOWEST_MM, Summary, summarise
 from dummydesign.measurement.trace import COLUMNS, SECONDS, magnitude_fault
+
+Warnings = list[dict[str, Any]]
 
 
 @dataclass(frozen=True)
 class ImportedPress:
-    """One press as it is written, and where it is in the file.
+    """One press as it is written: time from 0 at its first sample, zero at contact, tared, compression positive.
 
-    Attributes
-    ----------
-    number : int
-        From 1.
-    time_s, displacement_mm, force_N : ndarray, shape (n,)
-        Time from 0 at the first sample; zero at contact; tared; compression positive.
-    summary : Summary
-    contact_low_mm, contact_high_mm : float
-        95 % interval of the contact by the force alone, about the zero that was taken.
-    begins_s : float
-        Time of the file at the first sample.
+    ``contact_low_mm`` and ``contact_high_mm`` are the 95 % interval of the contact by the force alone, about the zero
+    that was taken; ``begins_s`` is the time of the file at the first sample.
     """
 
     number: int
@@ -71,44 +66,21 @@ class Imported:
         return f"{self.source.name} [{self.sheet}]" if self.sheet else self.source.name
 
 
-def import_file(path: str | Path, settings: Settings | None = None) -> Imported:
-    """Read a file as a test machine wrote it.
-
-    Parameters
-    ----------
-    path : path
-        Text in any usual encoding, or .xlsx where its reader is installed.
-    settings : Settings, optional
-        What the user settled; everything else is found.
-
-    Raises
-    ------
-    InputError
-        With file and line where there is one, and what to do.
-    QuestionError
-        Where the file leaves a decision open, with the option that settles it.
-    """
-    path = Path(path)
-    log = ImportLog(path.name, settings or Settings())
-    return _import_text(path, "".join(read_texts(path, log).values()), log)
-
-
 def _tests_of(path: Path, settings: Settings | None) -> list[tuple[str, str, ImportLog]]:
     """The title, the text and the log of each test of a file: one, or one a sheet of a workbook of tests."""
     log = ImportLog(path.name, settings or Settings())
     texts = read_texts(path, log)
     if len(texts) == 1:
         return [("", next(iter(texts.values())), log)]
-    why = "one of the sheets that are tests of their own: each has its own zero and presses"
     tests = []
     for title, text in texts.items():
         own = ImportLog(f"{path.name} [{title}]", log.settings, list(log.decisions))
-        own.decide("sheet", title, why)
+        own.decide("sheet", title, "one of the sheets that are tests of their own: each has its own zero and presses")
         tests.append((title, text, own))
     return tests
 
 
-def _import_text(path: Path, text: str, log: ImportLog, sheet: str = "") -> Imported:
+def _import_text(path: Path, sheet: str, text: str, log: ImportLog) -> Imported:
     """Read one test."""
     columns = columns_of(text, log)
     first = float(columns.force_N[0])
@@ -144,21 +116,16 @@ def _read_option(option: str, word: str, kind: str) -> float | None:
     """A reading given by the user, as the file counts it, in N or mm; None for auto and none."""
     if word in ("auto", "none"):
         return None
-    parts = re.fullmatch(r"\s*([+-]?[0-9.]+(?:[eE][+-]?\d+)?)\s*(\S*)\s*", word)
-    unit = scaled_unit(parts[2] or BASE[kind], kind) if parts else None
-    try:
-        if parts and unit:
-            return float(parts[1]) * unit.factor
-    except ValueError:
-        pass
+    parts = NUMBER.match(word)
+    unit = find_unit(parts[2] or BASE[kind]) if parts else None
+    if parts and unit and unit.kind == kind:
+        return float(parts[1]) * unit.factor
     form = f"a reading in {BASE[kind]} (or with a unit: {USUAL_UNITS[kind]})"
     form += ", or first (each file's first sample)" if option == "tare" else ""
     raise InputError(f"--{option} {word} is not auto, none or {form}", "not_a_number", option, word)
 
 
-def _find_spans(
-    time: NDArray, x: NDArray, load: NDArray, recordings: Sequence[tuple[int, int]], log: ImportLog
-) -> list[Span]:
+def _find_spans(time: NDArray, x: NDArray, load: NDArray, recordings: Ranges, log: ImportLog) -> list[Span]:
     """Presses of all recordings of the file."""
     several, spans = log.settings.split == "auto", []
     for first, stop in recordings:
@@ -178,9 +145,8 @@ def _find_spans(
         spans += [Span(span.start + first, span.stop + first, span.onset + first) for span in presses]
     if not spans:
         raise log.fault(f"nothing is pressed in any of its {len(recordings)} recordings", "nothing_found", "force_N")
-    why = "force and depth do not return to zero and rise again" if several else "--split none"
-    why = "force and depth return to zero between them" if len(spans) > 1 else why
-    log.decide("presses", str(len(spans)), why)
+    one = "force and depth do not return to zero and rise again" if several else "--split none"
+    log.decide("presses", str(len(spans)), one if len(spans) == 1 else "force and depth return to zero between them")
     return spans
 
 
@@ -212,14 +178,11 @@ def _find_contact(
     time: NDArray, x: NDArray, load: NDArray, span: Span, rest: float, tare: float | None, log: ImportLog
 ) -> contact_zero.ContactEstimate:
     """Contact of one press; where nothing was recorded before it, with the force counted from zero."""
-    way = x[span.onset : span.stop]
-    if float(way.max() - x[span.start : span.onset + 1].min()) < SHALLOWEST_MM:
-        message = (
-            f"the force rises to {load[span.start : span.stop].max():.3g} N while the position stands at "
-            f"{x[span.onset]:.4g} mm; does the recording begin pressed, or is this another column? "
-            "(--columns displacement=NAME)"
-        )
-        raise log.fault(message, "inconsistent", "displacement_mm", float(x[span.onset]))
+    if float(x[span.onset : span.stop].max() - x[span.start : span.onset + 1].min()) < SHALLOWEST_MM:
+        raise log.fault(f"the force rises to {load[span.start : span.stop].max():.3g} N while the position stands at "
+                        f"{x[span.onset]:.4g} mm; does the recording begin pressed, or is this another column? "
+                        "(--columns displacement=NAME)",
+                        "inconsistent", "displacement_mm", float(x[span.onset]))  # fmt: skip
     contact = contact_zero.find_contact(time, x, load, span, None if tare is None else 0.0)
     if tare is None and contact.lead_in < contact_zero.LEAST_LEAD_IN:
         return contact_zero.find_contact(time, x, load, span, -rest if log.settings.tare == "none" else 0.0)
@@ -254,25 +217,14 @@ def files_of(paths: Iterable[str | Path]) -> list[tuple[Path, bool]]:
     return list(files.values())
 
 
-def import_files(
-    paths: Sequence[str | Path], settings: Settings | None = None
-) -> tuple[list[Imported], list[dict[str, Any]]]:
-    """Read several files and folders.
+def import_files(paths: Sequence[str | Path], settings: Settings | None = None) -> tuple[list[Imported], Warnings]:
+    """Read files and folders as test machines wrote them; warnings of all together.
 
-    Returns
-    -------
-    imported : list of Imported
-    warnings : list of {code, message}
-        Of all of them together: files of a folder that hold no table, presses that two files share.
-
-    Raises
-    ------
-    InputError, QuestionError
-        The first one that a file gives, with the number of other files that have one too. Nothing is left out
-        silently.
+    The first error or question of a file is raised, with the number of other files that have one too. Nothing is left
+    out silently.
     """
     imported: list[Imported] = []
-    warnings: list[dict[str, Any]] = []
+    warnings: Warnings = []
     problems: list[InputError] = []
     doubtful: list[str] = []
     listed = files_of(paths)
@@ -283,7 +235,7 @@ def import_files(
             count += len(tests)
             for sheet, text, log in tests:
                 try:
-                    imported.append(_import_text(path, text, log, sheet))
+                    imported.append(_import_text(path, sheet, text, log))
                 except InputError as problem:
                     if len(tests) == 1:
                         raise
@@ -302,18 +254,15 @@ def import_files(
         first, others = problems[0], _others(doubtful, imported, settings) if len(listed) == 1 else ""
         raise type(first)(f"{first}{more}{others}", first.code, first.quantity, first.value, first.allowed)
     if not imported:
-        message = f"none of the {len(listed)} files holds a table of numbers"
-        raise InputError(message, "nothing_found", "table")
+        raise InputError(f"none of the {len(listed)} files holds a table of numbers", "nothing_found", "table")
     seen: dict[str, tuple[Imported, int]] = {}
     for one in imported:
         for press in one.presses:
             key = fingerprint(press.displacement_mm, press.force_N)
             other, number = seen.setdefault(key, (one, press.number))
             if other is not one:
-                message = (
-                    f"{one.name} press {press.number} is the same recording as {other.name} press {number}: "
-                    "one subject under two names, or a copy? take one of them out"
-                )
+                message = (f"{one.name} press {press.number} is the same recording as {other.name} press {number}: one "
+                           "subject under two names, or a copy? take one of them out")  # fmt: skip
                 warnings.append({"code": "same_press", "message": message})
     return imported, warnings
 
@@ -325,8 +274,7 @@ def _others(doubtful: list[str], imported: Sequence[Imported], settings: Setting
         return ""
     every = settings is None or settings.sheets is None
     text = f"{LEFT_OUT}{','.join(doubtful)}" if every else ",".join(certain)
-    count = len(certain)
-    return f'; --sheets "{text}" reads the other {f"{count} sheets" if count > 1 else "sheet"}'
+    return f'; --sheets "{text}" reads the other {f"{len(certain)} sheets" if len(certain) > 1 else "sheet"}'
 
 
 def plan_traces(imported: Sequence[Imported], folder: Path | None) -> list[Planned]:
@@ -355,16 +303,10 @@ def write_traces(planned: Sequence[Planned], folder: Path) -> None:
 def describe(imported: Sequence[Imported], planned: Sequence[Planned]) -> list[dict[str, Any]]:
     """Return what became of each file: ``source``, ``traces`` (without their folder), ``decisions``, ``warnings``."""
     return [
-        {
-            "source": str(one.source),
-            **({"sheet": one.sheet} if one.sheet else {}),
-            "traces": [
-                {"file": name, "press": press.number, "samples": len(press.time_s), **press.summary.to_dict()}
-                for owner, press, name in planned if owner is one
-            ],
-            "decisions": [decision.to_dict() for decision in one.decisions],
-            "warnings": list(one.warnings),
-        }
+        {"source": str(one.source), **({"sheet": one.sheet} if one.sheet else {}),
+         "traces": [{"file": name, "press": press.number, "samples": len(press.time_s), **press.summary.to_dict()}
+                    for owner, press, name in planned if owner is one],
+         "decisions": to_plain(one.decisions), "warnings": list(one.warnings)}
         for one in imported
     ]  # fmt: skip
 
@@ -390,15 +332,10 @@ def trace_bytes(time_s: NDArray, displacement_mm: NDArray, force_N: NDArray, set
         A press in the project's units. [s, mm, N]
     settled : bool
         Whether a column is added that says that time is in seconds, however slow the press.
-
-    Returns
-    -------
-    bytes
     """
     rows = np.stack([time_s, displacement_mm, force_N, *([np.ones_like(time_s)] if settled else [])], axis=1)
-    parts = [_digits(rows[start : start + _ROWS]) for start in range(0, len(rows), _ROWS)]
-    header = ",".join((*COLUMNS, SECONDS) if settled else COLUMNS)
-    return f"{header}\n".encode("ascii") + b"".join(parts)
+    header = ",".join((*COLUMNS, SECONDS) if settled else COLUMNS) + "\n"
+    return header.encode() + b"".join(_digits(rows[start : start + _ROWS]) for start in range(0, len(rows), _ROWS))
 
 
 def _digits(rows: NDArray) -> bytes:
@@ -431,7 +368,6 @@ def list_profiles() -> list[Entry]:
     return [entry for _, entry in sorted(entries(PROFILES).items())]
 
 
-_SETTINGS = {field.name for field in fields(Settings)}
 _NO_SETTINGS = Settings()
 
 
@@ -446,8 +382,8 @@ def _read_profile(path: Path) -> Settings:
         raise InputError(f"{path.name}: schema is not 1, the one that this version reads", "unsupported", "schema")
     values: dict[str, Any] = {}
     for key, value in data.items():
-        if key not in _SETTINGS:
-            raise unknown_name("key", key, _SETTINGS, "unknown_key", "profile").within(path.name)
+        if key not in vars(_NO_SETTINGS):
+            raise unknown_name("key", key, vars(_NO_SETTINGS), "unknown_key", "profile").within(path.name)
         if key in ("columns", "units"):
             valid, form = isinstance(value, dict) and not set(value) - set(ROLES), f"texts for {', '.join(ROLES)}"
         elif key == "skip":
@@ -479,13 +415,9 @@ def learned(given: Settings, imported: Iterable[Imported]) -> Settings:
         # Units are not kept: a file states its own, and one that does not was read with those that were given.
         if role not in columns and title and all(list(one.layout.names).count(title) == 1 for one in layouts):
             columns[role] = title
-    return replace(
-        given,
-        sheets=None,
-        columns=columns,
-        separator=given.separator or common([one.layout.separator for one in layouts]),
-        decimal=given.decimal or common([one.layout.decimal for one in layouts]),
-    )
+    separator, decimal = (common([getattr(one.layout, name) for one in layouts]) for name in ("separator", "decimal"))
+    return replace(given, sheets=None, columns=columns, separator=given.separator or separator,
+                   decimal=given.decimal or decimal)  # fmt: skip
 
 
 def save_profile(name: str, settings: Settings, overwrite: bool = False) -> Path:
@@ -515,16 +447,6 @@ def save_profile(name: str, settings: Settings, overwrite: bool = False) -> Path
 
 
 def _profile_text(settings: Settings) -> str:
-    lines = ["schema = 1"]
-    tables: list[str] = []
-    for field in fields(Settings):
-        value = getattr(settings, field.name)
-        if value is None or value == getattr(_NO_SETTINGS, field.name):
-            continue
-        if isinstance(value, dict):
-            tables += ["", f"[{field.name}]", *(f"{role} = {toml_text(text)}" for role, text in value.items())]
-        elif isinstance(value, frozenset):
-            lines.append(f"{field.name} = [{', '.join(toml_text(item) for item in sorted(value))}]")
-        else:
-            lines.append(f"{field.name} = {value if isinstance(value, int) else toml_text(value)}")
-    return "\n".join([*lines, *tables]) + "\n"
+    given = {key: value for key, value in vars(settings).items() if value != getattr(_NO_SETTINGS, key)}
+    plain = {key: sorted(value) if isinstance(value, frozenset) else value for key, value in given.items()}
+    return toml_table({"schema": 1, **plain})

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from dummydesign.core.errors import InputError
 from dummydesign.measurement.importing.decisions import ImportLog
+from dummydesign.measurement.landmarks import true_runs
 
 _BOTH_WAYS = 0.4
 """Share of the larger swing of the force above which the smaller one leaves open which of them is pressing."""
@@ -29,8 +30,7 @@ def middle_of_three(values: NDArray) -> NDArray:
     if len(values) < 3:
         return values.copy()
     a, b, c = values[:-2], values[1:-1], values[2:]
-    inner = np.maximum(np.minimum(a, b), np.minimum(np.maximum(a, b), c))
-    return np.concatenate([values[:1], inner, values[-1:]])
+    return np.r_[values[:1], np.maximum(np.minimum(a, b), np.minimum(np.maximum(a, b), c)), values[-1:]]
 
 
 def noise_of(force: NDArray) -> float:
@@ -54,11 +54,9 @@ def find_signs(x: NDArray, force: NDArray, tare_N: float | None, log: ImportLog)
     up, down = float(smooth.max() - rest), float(rest - smooth.min())
     swing = max(up, down)
     if swing <= 0 or swing < 8.0 * noise_of(force):
-        message = (
-            f"nothing is pressed: the force stays within {swing:.3g} N of {rest:.4g} N; is this the force column, and "
-            "the right file? (--columns force=NAME)"
-        )
-        raise log.fault(message, "nothing_found", "force_N", swing)
+        raise log.fault(f"nothing is pressed: the force stays within {swing:.3g} N of {rest:.4g} N; is this the force "
+                        "column, and the right file? (--columns force=NAME)",
+                        "nothing_found", "force_N", swing)  # fmt: skip
     if flip is not None:
         way, push = (-1.0 if name in flip else 1.0 for name in ("displacement", "force"))
         load = push * (smooth - rest)
@@ -75,15 +73,13 @@ def find_signs(x: NDArray, force: NDArray, tare_N: float | None, log: ImportLog)
     sign = 1.0 if up >= down else -1.0
     # A recording that begins pressed and ends free looks like a press of the other sign on a large offset.
     if tare_N is None and abs(rest) > 0.5 * swing and abs(rest + sign * swing) < 0.25 * abs(rest):
-        doubt = (
-            f"the force is {rest:.3g} N at the start and near zero later: either the file begins pressed (then record "
-            "from before contact), or this is an offset"
-        )
-        raise log.question(doubt, f"--tare {rest:.4g} where it is an offset")
+        raise log.question(f"the force is {rest:.3g} N at the start and near zero later: either the file begins "
+                           "pressed (then record from before contact), or this is an offset",
+                           f"--tare {rest:.4g} where it is an offset")  # fmt: skip
     way = _way(x, sign * (smooth - rest), log)
-    as_written = {1.0: "as written", -1.0: "flipped"}
-    log.decide("force sign", as_written[sign], f"pressing moves it by {sign * swing:+.3g} N from its reading at rest")
-    log.decide("displacement sign", as_written[way], f"it {'rises' if way > 0 else 'falls'} while the force rises")
+    written = {1.0: "as written", -1.0: "flipped"}
+    log.decide("force sign", written[sign], f"pressing moves it by {sign * swing:+.3g} N from its reading at rest")
+    log.decide("displacement sign", written[way], f"it {'rises' if way > 0 else 'falls'} while the force rises")
     return Signs(way, sign, rest)
 
 
@@ -163,12 +159,6 @@ def _touching(x: NDArray, smooth: NDArray, low: float) -> NDArray:
     start = int(before[-1]) if before.size else 0
     way = float(x[peak] - x[start])
     return touching & ~((way > 0) & (x < x[start] - 0.05 * way) & (smooth < 0.2 * smooth[peak]))
-
-
-def true_runs(mask: NDArray) -> list[tuple[int, int]]:
-    """Half-open ranges in which a mask is true."""
-    edges = np.flatnonzero(np.diff(np.r_[0, mask.astype(np.int8), 0]))
-    return list(zip(edges[::2].tolist(), edges[1::2].tolist()))
 
 
 def _came_back(x: NDArray, before: tuple[int, int], after: tuple[int, int]) -> bool:

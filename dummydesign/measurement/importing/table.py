@@ -20,6 +20,7 @@ from dummydesign.measurement.importing.vocabulary import ROLES
 
 MOST_INTERRUPTIONS = 500
 MIN_SAMPLES = 10
+Ranges = tuple[tuple[int, int], ...]
 
 
 @dataclass(frozen=True)
@@ -33,7 +34,7 @@ class Columns:
     time_s: NDArray
     displacement_mm: NDArray
     force_N: NDArray
-    recordings: tuple[tuple[int, int], ...]
+    recordings: Ranges
     layout: Layout
     chosen: dict[str, Column]
 
@@ -46,11 +47,6 @@ def read_texts(path: Path, log: ImportLog) -> dict[str, str]:
     if (sheets := log.settings.sheets) is not None:
         raise log.fault("--sheets is for .xlsx workbooks; leave it out", "not_applicable", "sheets", sheets)
     return {"": decode(data, log)}
-
-
-def read_columns(path: Path, log: ImportLog) -> Columns:
-    """Read time, displacement and force of a file as a test machine wrote it, all sheets of a workbook as one text."""
-    return columns_of("".join(read_texts(path, log).values()), log)
 
 
 def columns_of(text: str, log: ImportLog) -> Columns:
@@ -82,8 +78,6 @@ def _read_bytes(path: Path) -> bytes:
         before = path.stat()
         data = path.read_bytes()
         after = path.stat()
-    except FileNotFoundError:
-        raise InputError(f"file '{path}' does not exist", "file_not_found", "file") from None
     except OSError as problem:
         message = f"{path.name}: cannot be read: {problem.strerror or problem}"
         raise InputError(message, "file_unreadable", "file") from None
@@ -105,9 +99,8 @@ class Body:
 def read_body(layout: Layout, columns: Sequence[int], log: ImportLog) -> Body:
     """Read the numbers of some columns."""
     values = _read_at_once(layout, columns)
-    if values is None:
-        return _read_by_line(layout, columns, log)
-    return Body(values, np.arange(len(values)) + layout.line(layout.first), ())
+    lines = np.arange(layout.last - layout.first) + layout.line(layout.first)
+    return _read_by_line(layout, columns, log) if values is None else Body(values, lines, ())
 
 
 def _read_at_once(layout: Layout, columns: Sequence[int]) -> NDArray | None:
@@ -115,9 +108,8 @@ def _read_at_once(layout: Layout, columns: Sequence[int]) -> NDArray | None:
     lines, separator = layout.lines[layout.first : layout.last], layout.separator
     if layout.thousands or layout.decimal == separator or any(layout.kinds[column] != "number" for column in columns):
         return None
-    if len({len(line.split()) if separator == " " else line.count(separator) for line in lines}) != 1:
-        return None
-    if separator == " " and len(lines[0].split()) != len(layout.kinds):
+    widths = {len(line.split()) if separator == " " else line.count(separator) for line in lines}
+    if len(widths) != 1 or (separator == " " and widths != {len(layout.kinds)}):
         return None
     if layout.decimal == ",":
         whole = "\n".join(lines)
@@ -211,11 +203,11 @@ def _cell_fault(layout: Layout, index: int, column: int, cell: str, log: ImportL
     return log.fault(message, "not_a_number", "cell", cell[:40], line=line)
 
 
-def _recordings(time: NDArray, body: Body, log: ImportLog) -> tuple[NDArray, tuple[tuple[int, int], ...]]:
+def _recordings(time: NDArray, body: Body, log: ImportLog) -> tuple[NDArray, Ranges]:
     """Find rows to keep and the recordings in them."""
     keep = np.ones(len(time), bool)
     same = np.flatnonzero((np.diff(time) == 0) & np.all(body.values[1:] == body.values[:-1], axis=1)) + 1
-    if same.size and same.size <= 0.02 * len(time):
+    if 0 < same.size <= 0.02 * len(time):
         keep[same] = False
         why = f"word for word the row before; the first is line {body.lines[same[0]]}"
         log.decide("repeated rows", f"{same.size} rows", why)
@@ -226,10 +218,9 @@ def _recordings(time: NDArray, body: Body, log: ImportLog) -> tuple[NDArray, tup
     for row in (np.flatnonzero(np.diff(kept) <= 0) + 1).tolist():
         begin, reached = float(kept[starts[-1]]), float(kept[row - 1])
         back = reached - float(kept[row])
-        if back > 0 and (row in interrupted or back > 0.9 * (reached - begin)) and row - starts[-1] >= 10:
-            starts.append(row)
-        else:
+        if not (back > 0 and (row in interrupted or back > 0.9 * (reached - begin)) and row - starts[-1] >= 10):
             raise _time_fault(kept, row, int(lines[row]), log)
+        starts.append(row)
     if len(starts) > 1:
         log.decide("recordings", str(len(starts)), f"the time begins again at line {int(lines[starts[1]])}")
     return keep, tuple(zip(starts, [*starts[1:], len(kept)]))
@@ -238,14 +229,9 @@ def _recordings(time: NDArray, body: Body, log: ImportLog) -> tuple[NDArray, tup
 def _time_fault(time: NDArray, row: int, line: int, log: ImportLog) -> InputError:
     steps = np.diff(time)
     share = float(np.mean(steps == 0))
-    message = (
-        f"time = {time[row]:.6g} s does not rise (the row before has {time[row - 1]:.6g} s); sort the rows, or leave "
-        "this one out"
-    )
+    words = f"does not rise (the row before has {time[row - 1]:.6g} s); sort the rows, or leave this one out"
     if share > 0.05:
         size = min(steps[steps > 0].tolist(), default=0.0)
-        message = (
-            f"time = {time[row]:.6g} s is written {1 / max(1 - share, 1e-9):.1f} times on average: its last digit "
-            f"({size:.3g} s) is coarser than the sampling; export the time with more digits"
-        )
-    return log.fault(message, "malformed", "time_s", float(time[row]), line=line)
+        words = (f"is written {1 / max(1 - share, 1e-9):.1f} times on average: its last digit ({size:.3g} s) is "
+                 "coarser than the sampling; export the time with more digits")  # fmt: skip
+    return log.fault(f"time = {time[row]:.6g} s {words}", "malformed", "time_s", float(time[row]), line=line)

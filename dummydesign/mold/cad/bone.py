@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import json
-import sys
+from itertools import product
 from pathlib import Path
 from typing import Any
 
@@ -11,10 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.core.errors import InputError
-from dummydesign.core.process import leave
 from dummydesign.geometry.conic import Conic
 from dummydesign.geometry.dimensions import STEEPEST_BONE_DEG
-from dummydesign.mold.cad.kernel import cad_problem, cq, occ
+from dummydesign.mold.cad.kernel import cq, occ
 from dummydesign.mold.cad.solids import heights_over
 
 GRID, ROUNDS = 41, 4
@@ -31,14 +29,14 @@ def nearest_dome(
     low, high = np.array([0.0, 0.2 * height_mm]), np.array([np.log(MOST_TIP_MM), room_mm])
     best: tuple[float, float, float] | None = None
     for _ in range(ROUNDS):
-        for tip in np.exp(np.linspace(low[0], high[0], GRID)):
-            for foot in np.linspace(low[1], high[1], GRID):
-                conic = Conic(float(tip), height_mm, float(foot))
-                if conic.factor * height_mm > tip * (1 - 1e-6) or conic.foot_slope_deg > STEEPEST_BONE_DEG - 0.5:
-                    continue
-                off = float(np.sqrt(np.mean((height_mm - conic.sag_mm(radii_mm) - heights_mm) ** 2)))
-                if best is None or off < best[2]:
-                    best = float(tip), float(foot), off
+        tips, feet = np.exp(np.linspace(low[0], high[0], GRID)), np.linspace(low[1], high[1], GRID)
+        for tip, foot in product(tips.tolist(), feet.tolist()):
+            conic = Conic(tip, height_mm, foot)
+            if conic.factor * height_mm > tip * (1 - 1e-6) or conic.foot_slope_deg > STEEPEST_BONE_DEG - 0.5:
+                continue
+            off = float(np.sqrt(np.mean((height_mm - conic.sag_mm(radii_mm) - heights_mm) ** 2)))
+            if best is None or off < best[2]:
+                best = tip, foot, off
         if best is None:
             message = f"bone height = {height_mm:g} mm: no dome so high fits within {room_mm:g} mm of its tip"
             raise InputError(message, "cannot_be_made", "bone_height_mm", height_mm)
@@ -66,10 +64,10 @@ def read_solid(path: Path) -> tuple[Any, float]:
     """One solid of a STEP or STL file, and how far simplified triangles are off the file's. [mm]"""
     if path.suffix.lower() in (".step", ".stp"):
         try:
-            solids: list[Any] = cq.importers.importStep(str(path)).vals()
+            shapes = cq.importers.importStep(str(path)).vals()
         except Exception:
             raise _wrong(path.name, "is not a STEP file that can be read", "file_unreadable") from None
-        bodies = [solid for shape in solids for solid in shape.Solids()]
+        bodies = [solid for shape in shapes for solid in shape.Solids()]
         if len(bodies) != 1:
             raise _wrong(path.name, f"holds {len(bodies)} solids, one is needed")
         return bodies[0], 0.0
@@ -169,7 +167,7 @@ def measure(bone: Any, asked: dict[str, Any], thickness_mm: float, room_mm: floa
     points, faces = bone.copy().tessellate(0.02, 0.1)
     corners = np.array([point.toTuple() for point in points])
     triangles = corners[np.array(faces)]
-    flat = [face for face in bone.Faces() if face.Center().z > thickness_mm - TOUCH_MM]
+    seat_mm2 = sum(face.Area() for face in bone.Faces() if face.Center().z > thickness_mm - TOUCH_MM)
     normal = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
     up = (normal[:, 2] > 1e-3 * np.linalg.norm(normal, axis=1)) & (triangles[..., 2].min(axis=1) < thickness_mm - 1e-3)
     low, high = corners.min(axis=0), corners.max(axis=0)
@@ -181,36 +179,22 @@ def measure(bone: Any, asked: dict[str, Any], thickness_mm: float, room_mm: floa
     heights = np.where(np.isfinite(under), thickness_mm - under, 0.0)
     radius, foot, off = nearest_dome(heights, np.hypot(*grid.T), asked["height_mm"], room_mm)
     return {
-        "volume_mm3": bone.Volume(), "seat_mm2": sum(face.Area() for face in flat), "overhang": bool(up.any()),
+        "volume_mm3": bone.Volume(), "seat_mm2": seat_mm2, "overhang": bool(up.any()),
         "x_low_mm": float(low[0]), "x_high_mm": float(high[0]), "y_low_mm": float(low[1]), "y_high_mm": float(high[1]),
         "off_dome_mm": off, "tip_mm": radius, "foot_mm": foot,
     }  # fmt: skip
 
 
-def main() -> None:
-    """Entry point: read what is asked, write the solid and what was measured, or why not."""
-    asked = json.loads(Path(sys.argv[1]).read_text(encoding="utf-8"))
-    answer: dict[str, Any] = {}
-    try:
-        if problem := cad_problem():
-            answer = {"error": {"code": "cad_unavailable", "message": problem}}
-        else:
-            path = Path(asked["file"])
-            solid, off = read_solid(path)
-            bone = set_into_pad(solid, asked["placing"], asked["thickness_mm"], path.name)
-            answer = {**measure(bone, asked["placing"], asked["thickness_mm"], asked["room_mm"]), "off_file_mm": off}
-            bone.exportBrep(asked["solid"])
-            if off > OFF_FILE_MM:
-                message = f"{MOST_TRIANGLES} triangles are up to {off:.2f} mm off its surface; give STEP"
-                raise _wrong(path.name, message, "too_large")
-    except InputError as problem:
-        fault = problem.code, problem.quantity, problem.value, problem.allowed
-        answer = {"error": {"code": "input", "message": str(problem), "fault": fault}}
-    except Exception as problem:
-        answer = {"error": {"code": "cad_failed", "message": f"{type(problem).__name__}: {problem}"}}
-    Path(sys.argv[2]).write_text(json.dumps(answer), encoding="utf-8")
-
-
-if __name__ == "__main__":
-    main()
-    leave()
+def placed_bone(
+    file: str, solid: str, placing: dict[str, Any], thickness_mm: float, room_mm: float
+) -> dict[str, Any]:
+    """Read a bone from a file, place it, write it as ``solid`` and say what was measured."""
+    path = Path(file)
+    read, off = read_solid(path)
+    bone = set_into_pad(read, placing, thickness_mm, path.name)
+    measured = measure(bone, placing, thickness_mm, room_mm)
+    bone.exportBrep(solid)
+    if off > OFF_FILE_MM:
+        message = f"{MOST_TRIANGLES} triangles are up to {off:.2f} mm off its surface; give STEP"
+        raise _wrong(path.name, message, "too_large")
+    return {**measured, "off_file_mm": off}

@@ -27,19 +27,68 @@ CORE_MM = 1.0
 """How far the core of a mould reaches beyond its openings and its height."""
 
 
+COLOURS = {
+    "resin": (0.93, 0.62, 0.50), "resin_base": (0.62, 0.36, 0.45), "silicone": (0.36, 0.62, 0.74),
+    "rigid": (0.72, 0.73, 0.75), "glass": (0.62, 0.80, 0.72),
+}  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Material:
+    """What a part is made of: its kind, and the name, words and density that STEP files carry."""
+
+    kind: str
+    name: str
+    description: str
+    density_g_per_cm3: float
+
+    @property
+    def colour(self) -> tuple[float, float, float]:
+        """Colour in STEP files and pictures."""
+        return COLOURS[self.kind]
+
+
+def _material(spec: MouldSpec, kind: str) -> Material:
+    if kind == "rigid":
+        return Material(kind, "printed rigid polymer", "PETG or ASA, density as printed solid", 1.27)
+    if kind == "glass":
+        return Material(kind, "glass or acrylic sheet", "cut to size, density of float glass", 2.5)
+    if kind == "silicone" and spec.silicone is not None:
+        return Material(kind, spec.silicone.name, "mould silicone", spec.silicone.density_g_per_cm3)
+    if kind == "resin_base" and spec.base is not None:
+        pour = spec.base.pour
+        return Material(kind, f"{pour.resin} base", f"ratio {pour.ratio:.4g}", pour.density_g_per_cm3)
+    return Material(kind, spec.pour.resin, f"ratio {spec.pour.ratio:g}", spec.pour.density_g_per_cm3)
+
+
 @dataclass(frozen=True)
 class Part:
     """One part: its solid in its own frame, what it is made of and where it goes in the assembly."""
 
     name: str
     solid: Any
-    material: str
+    material: Material
     offset_mm: tuple[float, float, float] = (0.0, 0.0, 0.0)
+
+    @property
+    def is_printed(self) -> bool:
+        """Whether it comes from the printer."""
+        return self.material.kind == "rigid"
 
     @cached_property
     def volume_mm3(self) -> float:
         """Volume of the solid."""
         return float(self.solid.Volume())
+
+    @cached_property
+    def area_mm2(self) -> float:
+        """Surface of the solid."""
+        return float(self.solid.Area())
+
+    @cached_property
+    def centroid_mm(self) -> tuple[float, float, float]:
+        """Its middle of volume."""
+        return self.solid.Center().toTuple()
 
 
 @dataclass
@@ -88,11 +137,15 @@ class Parts:
 
     def add(self, name: str, solid: Any, material: str, offset_mm: tuple[float, float, float] = (0, 0, 0)) -> None:
         """Add one part."""
-        self.parts[name] = Part(name, solid, material, offset_mm)
+        self.parts[name] = Part(name, solid, _material(self.spec, material), offset_mm)
 
     def solid(self, name: str) -> Any:
         """Solid of a part in its own frame."""
         return self.parts[name].solid
+
+    def print_scale(self, name: str) -> float:
+        """Size of a part's print files over the part: what is printed is enlarged by the shrinkage of the print."""
+        return self.spec.machines.print_scale if self.parts[name].is_printed else 1.0
 
 
 def build(spec: MouldSpec, bone_file: Path | None = None) -> Parts:
@@ -106,9 +159,8 @@ def build(spec: MouldSpec, bone_file: Path | None = None) -> Parts:
     whole, bone = cavity_solid(spec.pad), bone_solid(spec.pad, placed)
     nominal = whole if bone is None else single_solid(whole.cut(bone))
     made = Parts(spec, plan, nominal)
-    pad = plan.at_places(single_solid(nominal.scale(plan.scale)))[0]
     made.with_bone = None if bone is None else single_solid(whole.scale(plan.scale))
-    made.add("pad", pad, "resin")
+    made.add("pad", plan.at_places(single_solid(nominal.scale(plan.scale)))[0], "resin")
     shift = plan.flange.length_mm / 2 + plan.top.length_mm / 2 + 40.0
     if spec.is_printed:
         _add_printed(made)
@@ -136,12 +188,9 @@ def _add_silicone(made: Parts, shift_mm: float) -> None:
     spec, plan = made.spec, made.plan
     made.hull = drafted_prism(plan.bottom, plan.height_mm, spec.body.outer_draft_deg, -spec.body.floor_mm)
     mould = made.hull.cut(*made.cavities)
-    if spec.body.style == "open":
-        mould = mould.cut(*plan.at_places(brim_tool(spec, plan)))
-    else:
-        mould = mould.cut(*mould_tools(spec, plan, made.tools))
-    bars = label_tools(spec, plan)
-    made.tools["label"] = bars
+    lidded = spec.body.style == "lidded"
+    mould = mould.cut(*(mould_tools(made) if lidded else plan.at_places(brim_tool(spec, plan))))
+    bars = made.tools["label"] = label_tools(spec, plan)
     if bars:
         mould = mould.cut(*bars)
     made.add("mould", single_solid(mould), "silicone")
@@ -185,9 +234,8 @@ def _letter(bars: list[Bar], deep_mm: float, land_mm: float) -> list[Any]:
     """Strokes of a letter, fused and without seams."""
     boxes = []
     for bar in bars:
-        box = cq.Solid.makeBox(bar.length_mm, bar.width_mm, deep_mm + 1.0).translate(
-            cq.Vector(-bar.length_mm / 2, -bar.width_mm / 2, land_mm - deep_mm)
-        )
+        box = cq.Solid.makeBox(bar.length_mm, bar.width_mm, deep_mm + 1.0)
+        box = box.translate(cq.Vector(-bar.length_mm / 2, -bar.width_mm / 2, land_mm - deep_mm))
         box = box.rotate(cq.Vector(), cq.Vector(0, 0, 1), bar.angle_deg)
         boxes.append(box.translate(cq.Vector(*bar.middle, 0)))
     if len(boxes) < 2:
@@ -199,8 +247,8 @@ def _letter(bars: list[Bar], deep_mm: float, land_mm: float) -> list[Any]:
 def _add_printed(made: Parts) -> None:
     """Base plate with the floor (``mould``) and ring with the walls (``frame``) of a printed mould."""
     spec, plan = made.spec, made.plan
-    brims, bars = plan.at_places(brim_tool(spec, plan)), label_tools(spec, plan)
-    made.tools["label"] = bars
+    brims = plan.at_places(brim_tool(spec, plan))
+    bars = made.tools["label"] = label_tools(spec, plan)
     part, low = dimensions.parting_mm(spec, plan), -spec.body.floor_mm
     base = drafted_prism(plan.flange, part - low, 0.0, low)
     flange = drafted_prism(plan.flange, min(spec.box.flange_thickness_mm, plan.land_mm - part), 0.0, part)
@@ -224,19 +272,14 @@ def _holes(made: Parts, low_mm: float, high_mm: float) -> list[Any]:
     return [*bolt_holes(spec, plan.flange, low_mm, high_mm), *pins, *screws]
 
 
-def block_solid(pad: PadGeometry, low_mm: float) -> Any:
-    """Make the drafted slab from a height up to the free face, rounded at its corners and around its lower face."""
-    outline = Outline(pad.length_mm, pad.width_mm, pad.corner_radius_mm)
-    solid = drafted_prism(outline, pad.thickness_mm - low_mm, pad.draft_deg, low_mm)
-    if pad.edge_radius_mm > 0:
-        solid = cq.Workplane(obj=solid).faces("<Z").edges().fillet(pad.edge_radius_mm).val()
-    return single_solid(solid)
-
-
 def cavity_solid(pad: PadGeometry) -> Any:
-    """Make what fills the mould: the pad with its bone."""
-    tops = solids_of(pad.shape).tops(pad)
-    block = block_solid(pad, pad.face_height_mm)
+    """Make what fills the mould, the pad with its bone: a drafted slab, rounded around its lower face, and its tops."""
+    tops, low = solids_of(pad.shape).tops(pad), pad.face_height_mm
+    outline = Outline(pad.length_mm, pad.width_mm, pad.corner_radius_mm)
+    block = drafted_prism(outline, pad.thickness_mm - low, pad.draft_deg, low)
+    if pad.edge_radius_mm > 0:
+        block = cq.Workplane(obj=block).faces("<Z").edges().fillet(pad.edge_radius_mm).val()
+    block = single_solid(block)
     return single_solid(block.fuse(*tops)) if tops else block
 
 
@@ -265,9 +308,8 @@ def strike_off(spec: MouldSpec, plan: Layout) -> Any:
     face flat at the pad's thickness.
     """
     aids = spec.aids
-    dip = drafted_prism(
-        plan.brim_outline.grown(-aids.plate_clearance_mm), spec.body.freeboard_mm, spec.pad.draft_deg, plan.depth_mm
-    )
+    inner = plan.brim_outline.grown(-aids.plate_clearance_mm)
+    dip = drafted_prism(inner, spec.body.freeboard_mm, spec.pad.draft_deg, plan.depth_mm)
     plate = drafted_prism(plan.top.grown(-1.0), aids.plate_mm, 0.0, plan.land_mm)
     return single_solid(plate.fuse(*plan.at_places(dip)))
 
@@ -294,11 +336,9 @@ def collar(spec: MouldSpec, plan: Layout) -> Any:
     aids = spec.aids
     high = formula.collar_height_mm(plan.depth_mm, spec.pour.foam_factor)
     gap, lip = COLLAR_GAP_MM + spec.machines.elephant_foot_mm, 4.0
-    inner = plan.openings.grown(1.0)
-    outside = plan.top.grown(gap + aids.collar_wall_mm)
-    ring = drafted_prism(outside, high + lip, 0.0, plan.land_mm - lip)
+    ring = drafted_prism(plan.top.grown(gap + aids.collar_wall_mm), high + lip, 0.0, plan.land_mm - lip)
     seat = drafted_prism(plan.top.grown(gap), lip, 0.0, plan.land_mm - lip)
-    return single_solid(ring.cut(drafted_prism(inner, high + 1.0, 0.0, plan.land_mm), seat))
+    return single_solid(ring.cut(drafted_prism(plan.openings.grown(1.0), high + 1.0, 0.0, plan.land_mm), seat))
 
 
 # Clear width between a vent and the wall of the cavity. [mm]
@@ -328,8 +368,12 @@ def carrier(spec: MouldSpec, plan: Layout, finished: Any) -> Any:
     Four vents open at the corners of the cavity, four holes beyond it take the screws that hold pad and plate later.
     """
     low, high = plan.depth_mm - 1.0, plan.land_mm + spec.aids.plate_mm + 1.0
-    tools = cylinders(vent_places(plan), CARRIER_VENT_MM / 2, high - low, low)
-    tools += cylinders(screw_places(plan), spec.box.bolt_hole_mm / 2, high - low, low)
+    # The corners of the fill plane are the last to be reached when the carrier is lowered.
+    vents = _corners(plan.fill_outline, VENT_INSET_MM + CARRIER_VENT_MM / 2)[:CARRIER_VENTS]
+    # Half-way between the cavity and the rim.
+    screws = _corners(plan.top, (plan.top.length_mm - plan.opening.length_mm) / 4)
+    tools = cylinders(vents, CARRIER_VENT_MM / 2, high - low, low)
+    tools += cylinders(screws, spec.box.bolt_hole_mm / 2, high - low, low)
     return single_solid(single_solid(strike_off(spec, plan).cut(*tools)).fuse(finished.scale(plan.scale)))
 
 
@@ -348,22 +392,9 @@ def marked_carrier(spec: MouldSpec, plan: Layout) -> Any:
                for x in sorted({x for x, _ in places}) for side in (1.0, -1.0)]  # fmt: skip
     grooves += [(side * (pad.length_mm / 2 + off), y, long, MARK_WIDTH_MM)
                 for y in sorted({y for _, y in places}) for side in (1.0, -1.0)]  # fmt: skip
-    tools = [
-        cq.Solid.makeBox(dx, dy, MARK_DEPTH_MM + 1.0).translate(cq.Vector(x - dx / 2, y - dy / 2, low - 1.0))
-        for x, y, dx, dy in grooves
-    ]
+    tools = [cq.Solid.makeBox(dx, dy, MARK_DEPTH_MM + 1.0).translate(cq.Vector(x - dx / 2, y - dy / 2, low - 1.0))
+             for x, y, dx, dy in grooves]  # fmt: skip
     return single_solid(solid.cut(*tools))
-
-
-def vent_places(plan: Layout) -> tuple[Point, ...]:
-    """Vents in the corners of the fill plane, the last to be reached when the carrier is lowered."""
-    return _corners(plan.fill_outline, VENT_INSET_MM + CARRIER_VENT_MM / 2)[:CARRIER_VENTS]
-
-
-def screw_places(plan: Layout) -> tuple[Point, ...]:
-    """Screw holes in the corners of the land, half-way between the cavity and the rim."""
-    border = (plan.top.length_mm - plan.opening.length_mm) / 4
-    return _corners(plan.top, border)
 
 
 def _corners(outline: Outline, inset_mm: float) -> tuple[Point, ...]:

@@ -8,16 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from dummydesign.mold.cad.kernel import cq
 from dummydesign.mold.cad.solids import cylinders, drafted_prism, rough_bounds, single_solid
-from dummydesign.mold.model.layout import (
-    Funnel,
-    Layout,
-    Outline,
-    Point,
-    layout,
-    recess_outline,
-    sheet_outline,
-    silicone_scale,
-)
+from dummydesign.mold.model.layout import Funnel, Layout, Outline, Point, layout, recess_outline, sheet_outline
 from dummydesign.mold.model.spec import MouldSpec
 
 if TYPE_CHECKING:
@@ -89,15 +80,15 @@ def let_in_sheet(
     return single_solid(part.cut(*made.tools["face_recess"]))
 
 
-def mould_tools(spec: MouldSpec, plan: Layout, tools: dict[str, list[Any]]) -> list[Any]:
+def mould_tools(made: Parts) -> list[Any]:
     """Sockets for the keys and the gutter, as cut into the mould's land."""
-    c = spec.lid
-    tools["keys"] = [ball(point, plan.land_mm, c.key_radius_mm + c.key_clearance_mm) for point in plan.keys]
-    tools["gutter"] = [gutter(spec, plan)]
-    return [*tools["keys"], *tools["gutter"]]
+    plan, c = made.plan, made.spec.lid
+    keys = [ball(point, plan.land_mm, c.key_radius_mm + c.key_clearance_mm) for point in plan.keys]
+    made.tools |= {"keys": keys, "gutter": [_gutter(made.spec, plan)]}
+    return [*keys, *made.tools["gutter"]]
 
 
-def gutter(spec: MouldSpec, plan: Layout) -> Any:
+def _gutter(spec: MouldSpec, plan: Layout) -> Any:
     """Groove of half-round section around the cavity that takes what is squeezed out of the parting gap."""
     line = plan.fill_outline.grown(spec.lid.gutter_distance_mm)
     path = _wire(line, plan.land_mm)
@@ -166,7 +157,7 @@ def _spigot_radius_mm(spec: MouldSpec, funnel: Funnel) -> float:
 
 def _pin(spec: MouldSpec, funnel: Funnel) -> Any:
     """Loose pin that keeps a funnel open while the lid is cast: spigot, cone, handle above the silicone."""
-    c, grow, middle = spec.lid, silicone_scale(spec), [Point(0.0, 0.0)]
+    c, grow, middle = spec.lid, layout(spec).silicone_scale, [Point(0.0, 0.0)]
     high = c.lid_mm * grow
     cone = cq.Solid.makeCone(funnel.small_mm * grow / 2, funnel.large_mm * grow / 2, high)
     spigot = cylinders(middle, _spigot_radius_mm(spec, funnel), c.pin_spigot_mm - 0.5 + 0.01, -c.pin_spigot_mm + 0.5)

@@ -9,34 +9,15 @@ from itertools import pairwise
 from dummydesign.mold.model.layout import layout
 from dummydesign.mold.model.spec import MouldSpec
 
-# Strokes on a grid 4 wide and 6 high.
 GRID_WIDTH, GRID_HEIGHT, ADVANCE = 4.0, 6.0, 5.6
-
-_STROKES: dict[str, tuple[tuple[tuple[int, int], ...], ...]] = {
-    "0": (((0, 0), (0, 6), (4, 6), (4, 0), (0, 0)), ((1, 2), (3, 4))),
-    "1": (((1, 5), (2, 6), (2, 0)),),
-    "2": (((0, 6), (4, 6), (4, 3), (0, 3), (0, 0), (4, 0)),),
-    "3": (((0, 6), (4, 6), (4, 0), (0, 0)), ((1, 3), (4, 3))),
-    "4": (((3, 0), (3, 6), (0, 2), (4, 2)),),
-    "5": (((4, 6), (0, 6), (0, 3), (4, 3), (4, 0), (0, 0)),),
-    "6": (((4, 6), (0, 6), (0, 0), (4, 0), (4, 3), (0, 3)),),
-    "7": (((0, 6), (4, 6), (1, 0)),),
-    "8": (((0, 0), (0, 6), (4, 6), (4, 0), (0, 0)), ((0, 3), (4, 3))),
-    "9": (((4, 3), (0, 3), (0, 6), (4, 6), (4, 0), (0, 0)),),
-    "A": (((0, 0), (2, 6), (4, 0)), ((1, 2), (3, 2))),
-    "B": (((0, 0), (0, 6), (3, 6), (3, 3), (4, 3), (4, 0), (0, 0)), ((0, 3), (3, 3))),
-    "C": (((4, 6), (0, 6), (0, 0), (4, 0)),),
-    "D": (((0, 0), (0, 6), (2, 6), (4, 4), (4, 2), (2, 0), (0, 0)),),
-    "E": (((4, 6), (0, 6), (0, 0), (4, 0)), ((0, 3), (3, 3))),
-    "F": (((4, 6), (0, 6), (0, 0)), ((0, 3), (3, 3))),
-    "R": (((0, 0), (0, 6), (4, 6), (4, 3), (0, 3)), ((2, 3), (4, 0))),
-    "T": (((0, 6), (4, 6)), ((2, 6), (2, 0))),
-    "X": (((0, 0), (4, 6)), ((0, 6), (4, 0))),
-    ".": (((2, 0), (2, 1)),),
-    "-": (((1, 3), (3, 3)),),
-    "#": (((1, 0), (1, 6)), ((3, 0), (3, 6)), ((0, 2), (4, 2)), ((0, 4), (4, 4))),
-    " ": (),
-}
+_STROKES = {
+    "0": "0006464000 1234", "1": "152620", "2": "064643030040", "3": "06464000 1343", "4": "30360242",
+    "5": "460603434000", "6": "460600404303", "7": "064610", "8": "0006464000 0343", "9": "430306464000",
+    "A": "002640 1232", "B": "00063633434000 0333", "C": "46060040", "D": "00062644422000",
+    "E": "46060040 0333", "F": "460600 0333", "R": "0006464303 2340", "T": "0646 2620", "X": "0046 0640",
+    ".": "2021", "-": "1333", "#": "1016 3036 0242 0444", " ": "",
+}  # fmt: skip
+"""Strokes on a grid 4 wide and 6 high: the points of each run, two digits a point (x, y)."""
 KNOWN = "".join(_STROKES)
 
 
@@ -74,23 +55,9 @@ def text_length_mm(text: str, height_mm: float) -> float:
 def letter_bars(letter: str, height_mm: float, stroke_mm: float, corner: tuple[float, float]) -> list[Bar]:
     """Strokes of a letter whose lower left corner is at a place, reading along +x when seen from +z."""
     unit, (left, below) = height_mm / GRID_HEIGHT, corner
-    return [
-        Bar(left + x0 * unit, below + y0 * unit, left + x1 * unit, below + y1 * unit, stroke_mm)
-        for run in _STROKES[letter] for (x0, y0), (x1, y1) in pairwise(run)
-    ]  # fmt: skip
-
-
-def text_corners(text: str, height_mm: float, middle: tuple[float, float]) -> list[tuple[float, float]]:
-    """Lower left corner of each letter of a text centred on ``middle``. [mm]"""
-    unit = height_mm / GRID_HEIGHT
-    left = middle[0] - text_length_mm(text, height_mm) / 2
-    return [(left + number * ADVANCE * unit, middle[1] - height_mm / 2) for number in range(len(text))]
-
-
-def text_bars(text: str, height_mm: float, stroke_mm: float, middle: tuple[float, float]) -> list[Bar]:
-    """Strokes of a text centred on ``middle``, reading along +x when seen from +z."""
-    corners = text_corners(text, height_mm, middle)
-    return [bar for letter, at in zip(text, corners) for bar in letter_bars(letter, height_mm, stroke_mm, at)]
+    runs = [[(int(x), int(y)) for x, y in zip(run[::2], run[1::2])] for run in _STROKES[letter].split()]
+    return [Bar(left + x0 * unit, below + y0 * unit, left + x1 * unit, below + y1 * unit, stroke_mm)
+            for run in runs for (x0, y0), (x1, y1) in pairwise(run)]  # fmt: skip
 
 
 def label_text(spec: MouldSpec) -> str:
@@ -112,15 +79,12 @@ def label_text(spec: MouldSpec) -> str:
 
 def label_bars(spec: MouldSpec) -> list[Bar]:
     """Strokes of the label where they stand on the land, in the mould's frame."""
-    body = spec.body
-    return text_bars(label_text(spec), body.label_height_mm, body.label_stroke_mm, _middle(spec))
+    high, stroke = spec.body.label_height_mm, spec.body.label_stroke_mm
+    return [bar for letter, at in label_corners(spec) for bar in letter_bars(letter, high, stroke, at)]
 
 
 def label_corners(spec: MouldSpec) -> list[tuple[str, tuple[float, float]]]:
     """Letters of the label and where the lower left corner of each is, in the mould's frame. [mm]"""
-    text = label_text(spec)
-    return list(zip(text, text_corners(text, spec.body.label_height_mm, _middle(spec))))
-
-
-def _middle(spec: MouldSpec) -> tuple[float, float]:
-    return 0.0, layout(spec).label_y_mm
+    text, high = label_text(spec), spec.body.label_height_mm
+    left, below = -text_length_mm(text, high) / 2, layout(spec).label_y_mm - high / 2
+    return [(letter, (left + n * ADVANCE * (high / GRID_HEIGHT), below)) for n, letter in enumerate(text)]

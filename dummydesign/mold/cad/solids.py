@@ -109,8 +109,8 @@ SPHERE_WITHIN = 1e-12
 RIDGE_PIECES = 12
 
 
-def cap_solid(conic: Conic, x_mm: float = 0.0, y_mm: float = 0.0, z_mm: float = 0.0) -> Any:
-    """Make the cap that widens upwards from its apex at a place to its flat ``height_mm`` above it."""
+def cap_solid(conic: Conic, z_mm: float = 0.0) -> Any:
+    """Make the cap that widens upwards from its apex at a height to its flat ``height_mm`` above it."""
     b, c = conic.foot_mm, conic.height_mm
     apex, foot, middle = cq.Vector(0, 0, 0), cq.Vector(b, 0, c), cq.Vector(0, 0, c)
     if abs(conic.factor - 1.0) < SPHERE_WITHIN:
@@ -121,7 +121,7 @@ def cap_solid(conic: Conic, x_mm: float = 0.0, y_mm: float = 0.0, z_mm: float = 
         arc = _bezier(tuple((r, 0.0, z) for r, z in points), weight)
     wire = cq.Wire.assembleEdges([arc, cq.Edge.makeLine(foot, middle), cq.Edge.makeLine(middle, apex)])
     solid = cq.Solid.revolve(wire, [], 360, cq.Vector(0, 0, 0), cq.Vector(0, 0, 1))
-    return solid.translate(cq.Vector(x_mm, y_mm, z_mm))
+    return solid.translate(cq.Vector(0, 0, z_mm))
 
 
 def ridge_solid(conic: Conic, half_length_mm: float, slope: float, z_mm: float = 0.0) -> Any:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections import Counter
 from dataclasses import dataclass
 from typing import Any
 
@@ -46,17 +47,12 @@ def skipped(name: str, why: str) -> Check:
     return Check(name, None, None, "skipped", why)
 
 
-def genera(spec: MouldSpec) -> dict[str, int]:
+def genera(spec: MouldSpec) -> Counter[str]:
     """How many holes go through each part: 8 bolts, 3 level screws, sprue and vents, the frame's opening."""
-    open_holes = 0 if spec.closure is None else 6
     # Vents and screws of a bone's carrier; that of several crowns only has marks.
     carrier = 8 if spec.pad.shape.bone_height_mm else 0
     if spec.is_printed:
         # Eight bolts, two pins, three levelling screws; the ring's openings.
-        return {"pad": 0, "mould": 13, "frame": 13 + spec.count, "strike_off": 0, "collar": 1, "layer_top": 0,
-                "layer_base": 0, "spacer": 0, "carrier": carrier, "face_sheet": 0}  # fmt: skip
-    return {
-        "pad": 0, "mould": 0, "master": 8, "frame": 9, "strike_off": 0, "tray": 3, "collar": 1, "lid": open_holes,
-        "backer": open_holes, "lid_master": 8, "lid_frame": 9, "sprue_pin": 0, "vent_pin": 0, "layer_top": 0,
-        "layer_base": 0, "spacer": 0, "carrier": carrier, "face_sheet": 0,
-    }  # fmt: skip
+        return Counter(mould=13, frame=13 + spec.count, collar=1, carrier=carrier)
+    lid = 0 if spec.closure is None else 6
+    return Counter(master=8, frame=9, tray=3, collar=1, lid=lid, backer=lid, lid_master=8, lid_frame=9, carrier=carrier)

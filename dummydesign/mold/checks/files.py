@@ -10,9 +10,10 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from dummydesign.mold.cad.build import Part, Parts
 from dummydesign.mold.cad.solids import rough_bounds
-from dummydesign.mold.checks.check import Check, below, equal, skipped
-from dummydesign.mold.files.step import StepPart, canonical_step, read_step, time_stamp
+from dummydesign.mold.checks.check import Check, below, equal, genera, skipped
+from dummydesign.mold.files.step import canonical_step, read_step, time_stamp
 
 READER_LIMIT_S = 120
 VOLUME_REL = 1e-6
@@ -42,10 +43,8 @@ def check_second_reader(assembly: Path, volume_mm3: float, count: int) -> Check:
     name, limit = "step_second_reader", VOLUME_REL
     program = shutil.which("FreeCADCmd") or shutil.which("freecadcmd")
     if program is not None:
-        script = (
-            f"import Part; s = Part.Shape(); s.read({str(assembly)!r}); "
-            "print('RESULT', len(s.Solids), sum(x.Volume for x in s.Solids), all(x.isValid() for x in s.Solids))"
-        )
+        script = (f"import Part; s = Part.Shape(); s.read({str(assembly)!r}); print('RESULT', len(s.Solids), "
+                  "sum(x.Volume for x in s.Solids), all(x.isValid() for x in s.Solids))")  # fmt: skip
         hit = re.search(r"RESULT (\d+) (\S+) (\w+)", _run([program, "-c", script]))
         if hit is not None:
             error = abs(float(hit[2]) / volume_mm3 - 1) if int(hit[1]) == count and hit[3] == "True" else 1.0
@@ -72,7 +71,7 @@ STEP_VOLUME_REL, STEP_BOUNDS_MM, COLOUR_ABS, DENSITY_REL = 1e-8, 1e-5, 1e-6, 1e-
 MESH_VOLUME_REL = 1e-3
 
 
-def check_step(parts: Mapping[str, StepPart], files: Mapping[str, Path], assembly: Path) -> list[Check]:
+def check_step(parts: Mapping[str, Part], files: Mapping[str, Path], assembly: Path) -> list[Check]:
     """Read all STEP files again: names, solids, volumes, bounds, colours, materials, declared volumes."""
     volume = bounds = colour = density = 0.0
     wrong: list[str] = []
@@ -86,7 +85,7 @@ def check_step(parts: Mapping[str, StepPart], files: Mapping[str, Path], assembl
             true = part.volume_mm3
             volume = max(volume, abs(copy.volume_mm3 / true - 1), abs((copy.declared_volume_mm3 or 0.0) / true - 1))
             bounds = max(bounds, *(abs(a - b) for a, b in zip(copy.bounds_mm, rough_bounds(part.solid))))
-            colour = max(colour, *(abs(a - b) for a, b in zip(copy.colour or (9, 9, 9), part.colour)))
+            colour = max(colour, *(abs(a - b) for a, b in zip(copy.colour or (9, 9, 9), part.material.colour)))
             density = max(density, abs((copy.density_g_per_cm3 or 0.0) / part.material.density_g_per_cm3 - 1))
             if copy.solids != 1 or not copy.valid or copy.material != part.material.name:
                 wrong.append(name)
@@ -107,39 +106,33 @@ def check_step_text(assembly: Path, small: Path, spec_hash: str) -> list[Check]:
     foreign = re.findall(r"Open CASCADE|translator|'Author'|Unknown|processor", text)
     good = not foreign and f"'{time_stamp()}'" in head and spec_hash in head and "AP242" in head
     units = re.findall(r"\(LENGTH_UNIT\(\)NAMED_UNIT\(\*\)SI_UNIT\(([^)]*)\)\)", text)
+    again = small.read_text(encoding="utf-8")
+    description = re.search(r"FILE_DESCRIPTION\(\('(.*?)'\)", again)
+    canonical = canonical_step(again, small.name, description[1] if description else "") == again
     millimetres = bool(units) and set(units) <= {".MILLI.,.METRE.", ".CENTI.,.METRE."}
     return [
         equal("step_header", good, True, ", ".join(sorted(set(foreign)))),
         equal("step_millimetres", millimetres, True, "centimetres occur in the unit of density alone"),
-        equal("step_canonical", _is_canonical(small), True, "ordering and numbering follow from content alone"),
+        equal("step_canonical", canonical, True, "ordering and numbering follow from content alone"),
     ]
 
 
-def _is_canonical(path: Path) -> bool:
-    text = path.read_text(encoding="utf-8")
-    match = re.search(r"FILE_DESCRIPTION\(\('(.*?)'\)", text)
-    return canonical_step(text, path.name, match.group(1) if match else "") == text
-
-
-def check_meshes(
-    parts: Mapping[str, StepPart], genus: Mapping[str, int], files: Mapping[str, list[Path]],
-    scales: Mapping[str, float] | None = None,
-) -> list[Check]:
+def check_meshes(made: Parts, files: Mapping[str, Mapping[str, Path]]) -> list[Check]:
     """Load every mesh file again: watertight, wound outwards, the solid's volume, the expected Euler number."""
     import trimesh
 
     loose: list[str] = []
     torn: list[str] = []
-    worst = 0.0
+    worst, genus = 0.0, genera(made.spec)
     for name, paths in files.items():
-        for path in paths:
+        solid_mm3 = made.print_scale(name) ** 3 * made.parts[name].volume_mm3
+        for path in paths.values():
             mesh: Any = trimesh.load(path, force="mesh")
             if not (mesh.is_watertight and mesh.is_winding_consistent and mesh.is_volume):
                 loose.append(path.name)
             if mesh.euler_number != 2 - 2 * genus[name]:
                 torn.append(f"{path.name}: {mesh.euler_number} instead of {2 - 2 * genus[name]}")
-            scale = (scales or {}).get(name, 1.0)
-            worst = max(worst, abs(mesh.volume / (scale**3 * parts[name].volume_mm3) - 1))
+            worst = max(worst, abs(mesh.volume / solid_mm3 - 1))
     return [
         equal("mesh_watertight", len(loose), 0, ", ".join(loose)),
         equal("mesh_euler", len(torn), 0, "; ".join(torn)),

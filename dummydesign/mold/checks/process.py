@@ -9,7 +9,7 @@ from dataclasses import replace
 from dummydesign.mold.checks.check import Check, above, below, equal, skipped
 from dummydesign.mold.model.layout import layout
 from dummydesign.mold.model.spec import MouldSpec, Pour
-from dummydesign.mold.model.validate import bed_mm, chamber_spare_mm, footprint, spare_mm
+from dummydesign.mold.model.validate import chamber_spare_mm, footprint, spare_mm
 from dummydesign.mold.pour.plan import CUP_FACTOR, PourPlan, pours_of
 from dummydesign.mold.pour.steps import order_faults, pour_steps
 
@@ -30,7 +30,7 @@ def _machines(spec: MouldSpec) -> list[Check]:
     m, bolt = spec.machines, math.floor(spec.box.bolt_hole_mm)
     play = spec.box.bolt_hole_mm - 2 * m.elephant_foot_mm - bolt
     checks = [
-        above("fits_printer", spare_mm(layout(spec).flange, bed_mm(m)), 0.0,
+        above("fits_printer", spare_mm(layout(spec).flange, m.bed_mm), 0.0,
               "mm to spare beside the master on the bed, margin kept"),
         above("bolts_pass", play, 0.0, f"mm of play for M{bolt} where the print's first layer spreads"),
     ]  # fmt: skip

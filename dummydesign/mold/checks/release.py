@@ -20,21 +20,22 @@ SAMPLES = 7
 
 def faces_within(solid: Any, outline: Outline, low_mm: float, high_mm: float, slack_mm: float = 0.02) -> list[Any]:
     """Faces of a solid whose bounding box lies inside an outline's rectangle and between two heights."""
-    faces = []
     across, along = outline.length_mm / 2 + slack_mm, outline.width_mm / 2 + slack_mm
-    for face in solid.Faces():
+
+    def holds(x0: float, y0: float, z0: float, x1: float, y1: float, z1: float) -> bool:
+        flat = max(-x0, x1) <= across and max(-y0, y1) <= along
+        return flat and z0 >= low_mm - slack_mm and z1 <= high_mm + slack_mm
+
+    def inside(face: Any) -> bool:
         # Corners sort out most faces at a tenth of the price of a bounding box.
         if any(abs(x) > across or abs(y) > along for x, y, _ in corners_of(face)):
-            continue
-        x0, y0, z0, x1, y1, z1 = rough_bounds(face)
-        if max(-x0, x1) <= across and max(-y0, y1) <= along and z0 >= low_mm - slack_mm and z1 <= high_mm + slack_mm:
-            faces.append(face)
-            continue
+            return False
+        if holds(*rough_bounds(face)):
+            return True
         box = face.BoundingBox()
-        flat = max(abs(box.xmin), abs(box.xmax)) <= across and max(abs(box.ymin), abs(box.ymax)) <= along
-        if flat and box.zmin >= low_mm - slack_mm and box.zmax <= high_mm + slack_mm:
-            faces.append(face)
-    return faces
+        return holds(box.xmin, box.ymin, box.zmin, box.xmax, box.ymax, box.zmax)
+
+    return [face for face in solid.Faces() if inside(face)]
 
 
 def minimum_draft_deg(faces: Sequence[Any], up: float = 1.0) -> float:
@@ -122,8 +123,7 @@ def _over(points: Any, sides: Any, origins: Any) -> Any:
 
 def sweep_interference_mm3(moving: Any, still: Any, offsets_mm: Sequence[float]) -> float:
     """Largest common volume while one solid is pulled along +z through given offsets. [mm3]"""
-    pulled = (moving.translate(cq.Vector(0, 0, offset)) for offset in offsets_mm)
-    return max(common_volume_mm3(one, still) for one in pulled)
+    return max(common_volume_mm3(moving.translate(cq.Vector(0, 0, offset)), still) for offset in offsets_mm)
 
 
 def common_volume_mm3(one: Any, other: Any) -> float:

@@ -31,8 +31,8 @@ def check_label(made: Parts, meshes: Mapping[str, Any] | None = None) -> list[Ch
     if not bars:
         return [skipped("label_reads_right", "no room for a label on this land")]
     plan, grow = made.plan, made.plan.silicone_scale
-    meshes = meshes or {"mould": tessellate(made.mould), **(
-        {} if made.spec.is_printed else {"master": tessellate(made.solid("master"))})}
+    solids = {"mould": made.mould, **({} if made.spec.is_printed else {"master": made.solid("master")})}
+    meshes = meshes or {name: tessellate(solid) for name, solid in solids.items()}
     depth = plan.land_mm - made.spec.body.label_depth_mm / 2
     places = np.array([(*bar.middle, depth) for bar in bars])
     right = ~inside_mesh(meshes["mould"], places)
@@ -79,32 +79,30 @@ def check_solids(made: Parts, meshes: Mapping[str, Any] | None = None) -> list[C
 
 def check_validity(made: Parts) -> list[Check]:
     """Each part is one valid solid with one closed shell."""
-    bad = []
-    for name, part in made.parts.items():
-        shape = part.solid
-        closed = all(shell.Closed() for shell in shape.Shells())
-        if len(shape.Solids()) != 1 or len(shape.Shells()) != 1 or not shape.isValid() or not closed:
-            bad.append(name)
+
+    def good(shape: Any) -> bool:
+        shells = shape.Shells()
+        return len(shape.Solids()) == len(shells) == 1 and shape.isValid() and shells[0].Closed()
+
+    bad = [name for name, part in made.parts.items() if not good(part.solid)]
     return [equal("solids_valid", len(made.parts) - len(bad), len(made.parts), ", ".join(bad))]
 
 
 def check_volumes(made: Parts) -> list[Check]:
     """Cavity against what fills it, compensated pad against nominal pad, and the pad against its closed form."""
     spec, plan, pad = made.spec, made.plan, made.solid("pad")
-    nominal = made.pad_nominal.Volume()
     low = drafted_prism(plan.fill_outline.grown(CORE_MM), plan.depth_mm + spec.body.floor_mm, 0.0, -spec.body.floor_mm)
     cavities = [one.cut(made.core).Volume() for one in plan.at_places(low)]
     filled = made.cavity.Volume()
     what = "against pad" if made.with_bone is None else "against pad and bone"
     off = max(abs(one / filled - 1) for one in cavities)
-    exact = dimensions.resin_volume_mm3(spec)
     added = spec.pad.shape.closed_form if spec.insert is None else ", less the placed bone as measured"
     return [
         below("cavity_volume", off, VOLUME_REL, f"cavity to the fill plane {what}"),
-        below("compensation", abs(pad.Volume() / (nominal * plan.scale**3) - 1), VOLUME_REL),
-        below("closed_form", abs(pad.Volume() / exact - 1), VOLUME_REL,
+        below("compensation", abs(pad.Volume() / (made.pad_nominal.Volume() * plan.scale**3) - 1), VOLUME_REL),
+        below("closed_form", abs(pad.Volume() / dimensions.resin_volume_mm3(spec) - 1), VOLUME_REL,
               f"drafted slab by Steiner and Pappus{added}"),
-    ]
+    ]  # fmt: skip
 
 
 TOUCHING = (
@@ -120,12 +118,9 @@ TOUCHING_PRINTED = (
 
 def check_interference(made: Parts) -> list[Check]:
     """Parts that touch in use or in the casting box must not overlap."""
-    pairs = list(TOUCHING)
-    if made.spec.is_printed:
-        # Here the ring stands where it is used; a silicone mould's frame stands in its casting box.
-        pairs += TOUCHING_PRINTED
     checks = []
-    for one, other in pairs:
+    # A printed mould's ring stands where it is used; a silicone mould's frame stands in its casting box.
+    for one, other in (*TOUCHING, *(TOUCHING_PRINTED if made.spec.is_printed else ())):
         if one in made.parts and other in made.parts:
             common = release.common_volume_mm3(_met(made, one, other), _met(made, other, one))
             checks.append(below(f"interference_{one}_{other}", common, INTERFERENCE_MM3, "mm3"))
@@ -150,10 +145,8 @@ def check_boxes(made: Parts) -> list[Check]:
         cast = to_casting(part, parting, turned, plan.silicone_scale)
         box = cast.BoundingBox()
         # From the bottom of the base plate to the fill mark, outside half-way into the frame's wall.
-        room = drafted_prism(
-            plan.top.scaled(plan.silicone_scale).grown(spec.box.frame_wall_mm / 2), box.zmax + spec.box.base_mm, 0.0,
-            -spec.box.base_mm,
-        )  # fmt: skip
+        inside = plan.top.scaled(plan.silicone_scale).grown(spec.box.frame_wall_mm / 2)
+        room = drafted_prism(inside, box.zmax + spec.box.base_mm, 0.0, -spec.box.base_mm)
         held = room.cut(_without_pocket(made) if name == "mould" else made.solid(master), made.solid(frame))
         # Bolt holes and pin sockets are no room for silicone: keep what the poured block is connected to.
         volume = max(solid.Volume() for solid in held.Solids())
@@ -230,11 +223,8 @@ def check_distances(made: Parts) -> list[Check]:
     """Key, gutter, label, sprue and vents keep apart; the gutter keeps off the cavity."""
     tools = {name: made.tools.get(name, []) for name in ("keys", "gutter", "label", "sprue", "vents")}
     flat = [(name, tool) for name, group in tools.items() for tool in group]
-    if not flat:
-        return []
-    pairs = [(f"{name} and {other_name}", tool, other) for (name, tool), (other_name, other) in combinations(flat, 2)
-             if not name == other_name == "label"]  # fmt: skip
-    least, where = _nearest(pairs)
+    least, where = _nearest([(f"{name} and {other_name}", tool, other) for (name, tool), (other_name, other)
+                             in combinations(flat, 2) if not name == other_name == "label"])  # fmt: skip
     checks = [above("features_apart", least, LEAST_GAP_MM, f"mm, nearest: {where}")] if where else []
     if tools["gutter"]:
         c = made.spec.lid
@@ -253,8 +243,7 @@ def _nearest(pairs: list[tuple[str, Any, Any]]) -> tuple[float, str]:
     for gap, name, tool, other in sorted(gaps, key=lambda pair: pair[0]):
         if gap >= least:
             break
-        distance = tool.distance(other)
-        if distance < least:
+        if (distance := tool.distance(other)) < least:
             least, where = distance, name
     return least, where
 
@@ -291,11 +280,8 @@ def face_profile(made: Parts) -> Check:
     pad, shape = made.spec.pad, made.spec.pad.shape
     turn = math.radians(shape.steepest_deg) / 3
     tall = max(shape.relief_mm, shape.bone_height_mm)
-    corners = [
-        point.toTuple()
-        for face in _inner_faces(made.pad_nominal.copy(), pad)
-        for point in face.tessellate(0.05 * tall, turn)[0]
-    ]
+    corners = [point.toTuple() for face in _inner_faces(made.pad_nominal.copy(), pad)
+               for point in face.tessellate(0.05 * tall, turn)[0]]  # fmt: skip
     if len(corners) < LEAST_POINTS:
         return below("face_profile", math.inf, PROFILE_MM, "no curved face was found")
     x, y, z = np.array(corners).T

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib.util
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -11,8 +12,7 @@ import numpy as np
 
 from dummydesign.geometry.pad_shape import PadShape
 from dummydesign.mold.files.drawing_sheet import (
-    HIGH_MM,
-    MARGIN_MM,
+    CAP_SHARE,
     PAPERS,
     TEXT_MM,
     Box,
@@ -21,12 +21,7 @@ from dummydesign.mold.files.drawing_sheet import (
     Line,
     Point,
     Text,
-    Title,
-    frame_and_title,
-    hatch,
-    notes_height,
     number_text,
-    ratio,
     text_width,
 )
 
@@ -34,6 +29,31 @@ SCALES = (10.0, 5.0, 2.0, 1.0, 0.5, 0.2, 0.1, 0.05)
 """Preferred scales of ISO 5455, paper over part."""
 FIRST_MM, LANE_MM, NAME_MM, HATCH_MM, GAP_MM = 7.0, 6.0, 3.5, 3.0, 6.0
 LEADER_MM = 5.0
+
+
+def ratio(scale: float) -> str:
+    """Scale as it stands in a title block: ``1:2``."""
+    return f"{scale:g}:1" if scale >= 1 else f"1:{1 / scale:g}"
+
+
+def hatch(loops: Sequence[Sequence[Point]], pitch: float) -> list[tuple[Point, ...]]:
+    """Lines at 45 degrees inside closed loops (even-odd rule), ``pitch`` apart. [mm on paper]"""
+    root = math.sqrt(0.5)
+    # Turn by -45 degrees, so that hatching runs along the first axis.
+    turned = [[(root * (x + y), root * (y - x)) for x, y in loop] for loop in loops]
+    edges = [(loop[i], loop[(i + 1) % len(loop)]) for loop in turned for i in range(len(loop))]
+    if not edges:
+        return []
+    low, high = min(a[1] for a, _ in edges), max(a[1] for a, _ in edges)
+    pieces = []
+    level = math.ceil(low / pitch) * pitch + 1e-7
+    while level < high:
+        crossings = sorted(a[0] + (level - a[1]) / (b[1] - a[1]) * (b[0] - a[0]) for a, b in edges
+                           if (a[1] <= level) != (b[1] <= level))  # fmt: skip
+        for start, end in zip(crossings[::2], crossings[1::2]):
+            pieces.append(tuple((root * (u - level), root * (u + level)) for u in (start, end)))
+        level += pitch
+    return pieces
 
 
 @dataclass(frozen=True)
@@ -106,9 +126,13 @@ class Placed:
 def arrange(views: Sequence[View], title: Title, notes: Sequence[str], paper: str = "A3") -> Drawing:
     """Stack views on a sheet at the largest preferred scale that fits, with frame, title block and notes."""
     w, h = PAPERS[paper]
-    low = MARGIN_MM + max(HIGH_MM, notes_height(notes, w)) + 3.0
+    low = MARGIN_MM + max(HIGH_MM, notes_beside(notes, w)[1]) + 3.0
     room = w - 2 * MARGIN_MM - 4.0, h - MARGIN_MM - 3.0 - low
-    for scale, larger in _scales(any(view.enlarged for view in views)):
+    # The largest first, each with those of its enlarged detail; the same where there is none.
+    scales = [(scale, scale) for scale in SCALES]
+    if any(view.enlarged for view in views):
+        scales = [(scale, larger) for scale in SCALES for larger in SCALES if larger >= 2.0 * scale]
+    for scale, larger in scales:
         placed = [_at_scale(view, scale, larger) for view in views]
         rows = _rows(placed, room[0])
         deep = sum(max(one.height for one in row) for row in rows) + GAP_MM * (len(rows) - 1)
@@ -127,21 +151,13 @@ def arrange(views: Sequence[View], title: Title, notes: Sequence[str], paper: st
     for row in rows:
         x = w / 2 + (left - right) / 2
         tall = max(one.height for one in row)
-        for one in row:
+        for number, one in enumerate(row):
+            x -= one.box[0] if number else 0.0
             _put(sheet, one, (x, level - tall - one.box[1] + (tall - one.height) / 2))
             x += one.box[2] + GAP_MM
-            following = row[row.index(one) + 1 :]
-            x -= following[0].box[0] if following else 0.0
         level -= tall + GAP_MM
     frame_and_title(sheet, title, notes)
     return sheet
-
-
-def _scales(enlarged: bool) -> list[tuple[float, float]]:
-    """Scales of a sheet, the largest first, each with those of its enlarged detail; 1 where there is none."""
-    if not enlarged:
-        return [(scale, scale) for scale in SCALES]
-    return [(scale, larger) for scale in SCALES for larger in SCALES if larger >= 2.0 * scale]
 
 
 def _at_scale(view: View, scale: float, larger: float) -> Placed:
@@ -157,12 +173,12 @@ def _rows(placed: list[Placed], room_mm: float) -> list[list[Placed]]:
     """One view below the other; a third and a fourth lie next to the first two where there is room."""
     rows = [[one] for one in placed[:2]]
     for one in placed[2:]:
-        wide = [sum(other.width + GAP_MM for other in row) for row in rows[:2]]
-        free = next((row for row, taken in zip(rows, wide) if taken + one.width <= room_mm), None)
-        if free is None:
-            rows.append([one])
+        for row in rows[:2]:
+            if sum(other.width + GAP_MM for other in row) + one.width <= room_mm:
+                row.append(one)
+                break
         else:
-            free.append(one)
+            rows.append([one])
     return rows
 
 
@@ -171,7 +187,7 @@ def _put(sheet: Drawing, one: Placed, shift: Point) -> None:
         return point[0] + shift[0], point[1] + shift[1]
 
     sheet.lines += [Line(tuple(moved(p) for p in line.points), line.layer) for line in one.lines]
-    sheet.texts += [Text(moved(t.at), t.words, t.height, t.middle, t.upright) for t in one.texts]
+    sheet.texts += [replace(text, at=moved(text.at)) for text in one.texts]
     for d in one.dimensions:
         at = d.at + shift[0 if d.vertical else 1]
         sheet.dimensions.append(replace(d, start=moved(d.start), end=moved(d.end), at=at))
@@ -220,12 +236,8 @@ def _crossed(one: Dimension, places: Sequence[float]) -> bool:
 
 def _meet(one: Dimension, other: Dimension) -> bool:
     """Whether the number of one stands on the number or the lines of the other."""
-
-    def crossed(a: Box, b: Box) -> bool:
-        return a[0] < b[2] and b[0] < a[2] and a[1] < b[3] and b[1] < a[3]
-
     pairs = [(one.text.box, box) for box in other.boxes] + [(box, other.text.box) for box in one.boxes]
-    return any(crossed(a, b) for a, b in pairs)
+    return any(a[0] < b[2] and b[0] < a[2] and a[1] < b[3] and b[1] < a[3] for a, b in pairs)
 
 
 def _lanes(measures: list[tuple[Point, Point, float]], side: str, edge: float) -> list[Dimension]:
@@ -239,17 +251,97 @@ def _lanes(measures: list[tuple[Point, Point, float]], side: str, edge: float) -
         before = _crossed(Dimension(start, end, 0.0, vertical, value), crossing) and not _crossed(
             Dimension(start, end, 0.0, vertical, value, before=True), crossing
         )
-        for number in range(len(lanes) + 1):
-            at = edge + outwards * (FIRST_MM + LANE_MM * number)
-            made = Dimension(start, end, at, vertical, value, before)
-            if number == len(lanes):
-                lanes.append([made])
-                break
+        for number, lane in enumerate([*lanes, []]):
+            made = Dimension(start, end, edge + outwards * (FIRST_MM + LANE_MM * number), vertical, value, before)
             low, high = made.reach
-            if all(low > other.reach[1] + 2.0 or high < other.reach[0] - 2.0 for other in lanes[number]):
-                lanes[number].append(made)
+            if all(low > other.reach[1] + 2.0 or high < other.reach[0] - 2.0 for other in lane):
                 break
+        lane.append(made)
+        if number == len(lanes):
+            lanes.append(lane)
     return [one for lane in lanes for one in lane]
+
+
+MARGIN_MM, WIDE_MM, ROW_MM = 10.0, 180.0, 8.0
+ROWS = 4
+HIGH_MM = ROWS * ROW_MM
+NOTE_MM = 4.4
+HEAD_MM = 2.5
+
+
+@dataclass(frozen=True)
+class Title:
+    """What a title block says."""
+
+    project: str
+    part: str
+    material: str
+    tolerance: str
+    revision: str
+    date: str
+    number: str
+
+
+def frame_and_title(sheet: Drawing, title: Title, notes: Sequence[str]) -> None:
+    """Add frame, title block at the lower right and notes beside or above it."""
+    w, h = sheet.size
+    m = MARGIN_MM
+    left, top = w - m - WIDE_MM, m + HIGH_MM
+    middle = left + 92.0
+    sheet.lines += [Line(((m, m), (w - m, m), (w - m, h - m), (m, h - m), (m, m)), "frame"),
+                    Line(((left, m), (left, top), (w - m, top)), "frame"),
+                    *(Line(((left, y), (w - m, y)), "thin") for y in (m + row * ROW_MM for row in range(1, ROWS))),
+                    Line(((middle, m), (middle, top)), "thin")]  # fmt: skip
+    cells = (
+        (("project", title.project), ("part", title.part)),
+        (("material", title.material), ("scale", f"{ratio(sheet.scale)}  {sheet.paper}  lengths in mm")),
+        (("tolerance", title.tolerance), ("revision", title.revision)), (("date", title.date), ("sheet", title.number)),
+    )  # fmt: skip
+    for row, pair in enumerate(cells):
+        y = top - (row + 1) * ROW_MM + 2.7
+        for x, (name, words) in zip((left + 2.0, middle + 2.0), pair):
+            room = (middle if x < middle else w - m) - x - 21.0
+            sheet.texts.append(Text((x, y), name, HEAD_MM))
+            sheet.texts.append(Text((x + 19.0, y), shortened(words, room), TEXT_MM))
+    _projection(sheet, (w - m - 21.0, m + ROW_MM / 2))
+    lines, tall = notes_beside(notes, w)
+    for row, words in enumerate(lines):
+        sheet.texts.append(Text((m + 3.0, m + tall - 3.2 - NOTE_MM * row), words, TEXT_MM))
+
+
+def notes_beside(notes: Sequence[str], wide_mm: float) -> tuple[list[str], float]:
+    """Lines of notes beside the title block, and the height that they take above the frame's lower edge. [mm]"""
+    lines = wrapped(notes, wide_mm - 2 * MARGIN_MM - WIDE_MM - 6.0)
+    return lines, 4.0 + NOTE_MM * len(lines)
+
+
+def wrapped(notes: Sequence[str], room_mm: float) -> list[str]:
+    """Notes broken into lines that fit a width."""
+    from reportlab.lib.utils import simpleSplit
+
+    return [line for note in notes for line in simpleSplit(note, "Helvetica", TEXT_MM / CAP_SHARE, room_mm)]
+
+
+def shortened(words: str, room_mm: float) -> str:
+    """Text cut at its end so that it fits a width."""
+    if text_width(words, TEXT_MM) <= room_mm:
+        return words
+    while words and text_width(words + "...", TEXT_MM) > room_mm:
+        words = words[:-1]
+    return words.rstrip() + "..."
+
+
+def _projection(sheet: Drawing, at: Point) -> None:
+    """The symbol of first-angle projection: a cone's side view, its end seen from the left on the right."""
+    x, y = at
+    side = ((x, y - 1.5), (x + 6.0, y - 2.6), (x + 6.0, y + 2.6), (x, y + 1.5), (x, y - 1.5))
+    sheet.lines.append(Line(side, "outline"))
+    for radius in (1.5, 2.6):
+        turn = [2 * math.pi * k / 36 for k in range(37)]
+        circle = tuple((x + 12.5 + radius * math.cos(t), y + radius * math.sin(t)) for t in turn)
+        sheet.lines.append(Line(circle, "outline"))
+    axes = ((x - 1.5, y), (x + 7.5, y)), ((x + 9.0, y), (x + 16.0, y)), ((x + 12.5, y - 3.5), (x + 12.5, y + 3.5))
+    sheet.lines += [Line(ends, "thin") for ends in axes]
 
 
 LETTER = "A"
@@ -287,13 +379,13 @@ def crown_detail(shape: PadShape, factor: float = 1.0) -> View:
     foot, high = factor * foot, factor * high
     axis = ((0.0, 0.15 * high), (0.0, low))
     measures = (Measure((0.0, 0.0), (foot, -high), "above"), Measure((wide, -high), (0.0, 0.0), "right"))
-    leaders = []
+    leaders: tuple[tuple[Point, str], ...] = ()
     if shape.tip_radius_mm is not None:
         at = -0.35 * foot
         depth = float(_drop(shape, np.array([abs(at) / factor]))[0])
-        leaders.append(((at, -factor * depth), f"R{number_text(factor * shape.tip_radius_mm)} at the tip"))
+        leaders = (((at, -factor * depth), f"R{number_text(factor * shape.tip_radius_mm)} at the tip"),)
     runs = ((border, "bound"), (profile, "cut"), (axis, "thin"))
-    return View(f"detail {LETTER}", runs, measures, tuple(leaders), True, True)
+    return View(f"detail {LETTER}", runs, measures, leaders, True, True)
 
 
 def font_file(name: str) -> Path | None:

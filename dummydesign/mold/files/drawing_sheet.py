@@ -99,10 +99,8 @@ class Dimension:
     @property
     def reach(self) -> tuple[float, float]:
         """What the dimension takes of its lane, arrows and number included. [mm]"""
-        a, b = self.line
-        axis = int(self.vertical)
-        low, high = sorted((a[axis], b[axis]))
-        box = self.text.box
+        axis, box = int(self.vertical), self.text.box
+        low, high = sorted(end[axis] for end in self.line)
         outside = 0.0 if high - low > 3 * ARROW_MM else ARROW_MM
         return min(low - outside, box[axis]), max(high + outside, box[axis + 2])
 
@@ -148,135 +146,10 @@ class Drawing:
         """Every text, those of the dimensions among them."""
         return [*self.texts, *(d.text for d in self.dimensions)]
 
-    def boxes(self) -> list[tuple[str, Box]]:
-        """Every text with its box."""
-        return [(text.words, text.box) for text in self.all_texts]
-
 
 def number_text(value: float) -> str:
     """Length as drawn: two decimals, trailing zeros off."""
     return f"{value:.2f}".rstrip("0").rstrip(".")
-
-
-def ratio(scale: float) -> str:
-    """Scale as it stands in a title block: ``1:2``."""
-    return f"{scale:g}:1" if scale >= 1 else f"1:{1 / scale:g}"
-
-
-def hatch(loops: Sequence[Sequence[Point]], pitch: float) -> list[tuple[Point, ...]]:
-    """Lines at 45 degrees inside closed loops (even-odd rule), ``pitch`` apart. [mm on paper]"""
-    root = math.sqrt(0.5)
-    # Turn by -45 degrees, so that hatching runs along the first axis.
-    turned = [[(root * (x + y), root * (y - x)) for x, y in loop] for loop in loops]
-    edges = [(loop[i], loop[(i + 1) % len(loop)]) for loop in turned for i in range(len(loop))]
-    if not edges:
-        return []
-    low, high = min(a[1] for a, _ in edges), max(a[1] for a, _ in edges)
-    pieces = []
-    level = math.ceil(low / pitch) * pitch + 1e-7
-    while level < high:
-        crossings = sorted(a[0] + (level - a[1]) / (b[1] - a[1]) * (b[0] - a[0]) for a, b in edges
-                           if (a[1] <= level) != (b[1] <= level))  # fmt: skip
-        for start, end in zip(crossings[::2], crossings[1::2]):
-            pieces.append(tuple((root * (u - level), root * (u + level)) for u in (start, end)))
-        level += pitch
-    return pieces
-
-
-MARGIN_MM, WIDE_MM, ROW_MM = 10.0, 180.0, 8.0
-ROWS = 4
-HIGH_MM = ROWS * ROW_MM
-NOTE_MM = 4.4
-HEAD_MM = 2.5
-
-
-@dataclass(frozen=True)
-class Title:
-    """What a title block says."""
-
-    project: str
-    part: str
-    material: str
-    tolerance: str
-    revision: str
-    date: str
-    number: str
-
-
-def frame_and_title(sheet: Drawing, title: Title, notes: Sequence[str]) -> None:
-    """Add frame, title block at the lower right and notes beside or above it."""
-    w, h = sheet.size
-    m = MARGIN_MM
-    sheet.lines.append(Line(((m, m), (w - m, m), (w - m, h - m), (m, h - m), (m, m)), "frame"))
-    left, top = w - m - WIDE_MM, m + HIGH_MM
-    sheet.lines.append(Line(((left, m), (left, top), (w - m, top)), "frame"))
-    for row in range(1, ROWS):
-        sheet.lines.append(Line(((left, m + row * ROW_MM), (w - m, m + row * ROW_MM)), "thin"))
-    middle = left + 92.0
-    sheet.lines.append(Line(((middle, m), (middle, top)), "thin"))
-    cells = (
-        (("project", title.project), ("part", title.part)),
-        (("material", title.material), ("scale", f"{ratio(sheet.scale)}  {sheet.paper}  lengths in mm")),
-        (("tolerance", title.tolerance), ("revision", title.revision)),
-        (("date", title.date), ("sheet", title.number)),
-    )
-    for row, pair in enumerate(cells):
-        y = top - (row + 1) * ROW_MM + 2.7
-        for x, (name, words) in zip((left + 2.0, middle + 2.0), pair):
-            room = (middle if x < middle else w - m) - x - 21.0
-            sheet.texts.append(Text((x, y), name, HEAD_MM))
-            sheet.texts.append(Text((x + 19.0, y), shortened(words, room), TEXT_MM))
-    _projection(sheet, (w - m - 21.0, m + ROW_MM / 2))
-    for row, words in enumerate(wrapped(notes, notes_room(sheet.size[0]))):
-        sheet.texts.append(Text((m + 3.0, m + notes_height(notes, w) - 3.2 - NOTE_MM * row), words, TEXT_MM))
-
-
-def notes_room(wide_mm: float) -> float:
-    """Width for notes beside the title block. [mm]"""
-    return wide_mm - 2 * MARGIN_MM - WIDE_MM - 6.0
-
-
-def notes_height(notes: Sequence[str], wide_mm: float) -> float:
-    """Height that notes take above the frame's lower edge. [mm]"""
-    return 4.0 + NOTE_MM * len(wrapped(notes, notes_room(wide_mm)))
-
-
-def wrapped(notes: Sequence[str], room_mm: float) -> list[str]:
-    """Notes broken into lines that fit a width."""
-    lines: list[str] = []
-    for note in notes:
-        line = ""
-        for word in note.split():
-            longer = f"{line} {word}".strip()
-            if line and text_width(longer, TEXT_MM) > room_mm:
-                lines.append(line)
-                longer = word
-            line = longer
-        lines.append(line)
-    return lines
-
-
-def shortened(words: str, room_mm: float) -> str:
-    """Text cut at its end so that it fits a width."""
-    if text_width(words, TEXT_MM) <= room_mm:
-        return words
-    while words and text_width(words + "...", TEXT_MM) > room_mm:
-        words = words[:-1]
-    return words.rstrip() + "..."
-
-
-def _projection(sheet: Drawing, at: Point) -> None:
-    """The symbol of first-angle projection: a cone's side view, its end seen from the left on the right."""
-    x, y = at
-    side = ((x, y - 1.5), (x + 6.0, y - 2.6), (x + 6.0, y + 2.6), (x, y + 1.5), (x, y - 1.5))
-    sheet.lines.append(Line(side, "outline"))
-    for radius in (1.5, 2.6):
-        turn = [2 * math.pi * k / 36 for k in range(37)]
-        circle = tuple((x + 12.5 + radius * math.cos(t), y + radius * math.sin(t)) for t in turn)
-        sheet.lines.append(Line(circle, "outline"))
-    sheet.lines.append(Line(((x - 1.5, y), (x + 7.5, y)), "thin"))
-    sheet.lines.append(Line(((x + 9.0, y), (x + 16.0, y)), "thin"))
-    sheet.lines.append(Line(((x + 12.5, y - 3.5), (x + 12.5, y + 3.5)), "thin"))
 
 
 def to_dxf(sheet: Drawing) -> str:
@@ -321,10 +194,9 @@ def to_svg(sheet: Drawing) -> str:
     w, h = sheet.size
     out = [
         f'<svg xmlns="http://www.w3.org/2000/svg" width="{w:g}mm" height="{h:g}mm" viewBox="0 0 {w:g} {h:g}">',
-        f"<title>{html.escape(sheet.title)}</title>",
-        f'<rect width="{w:g}" height="{h:g}" fill="#fff"/>',
+        f"<title>{html.escape(sheet.title)}</title>", f'<rect width="{w:g}" height="{h:g}" fill="#fff"/>',
         '<g fill="none" stroke="#111" stroke-linejoin="round" stroke-linecap="round">',
-    ]
+    ]  # fmt: skip
     for line in sheet.lines:
         points = " ".join(f"{x:.3f},{h - y:.3f}" for x, y in line.points)
         out.append(f'<polyline stroke-width="{LAYERS[line.layer]}" points="{points}"/>')
@@ -335,9 +207,7 @@ def to_svg(sheet: Drawing) -> str:
         for corners in heads:
             drawn += '<path fill="#111" d="M' + "L".join(f"{x:.3f} {h - y:.3f}" for x, y in corners) + 'Z"/>'
         out.append(f'<g stroke="#111" stroke-width="{LAYERS["dimension"]}" fill="none">{drawn}</g>')
-    out += [_svg_text(text, h) for text in sheet.all_texts]
-    out.append("</svg>")
-    return "\n".join(out) + "\n"
+    return "\n".join([*out, *(_svg_text(text, h) for text in sheet.all_texts), "</svg>", ""])
 
 
 def _svg_text(text: Text, h: float) -> str:
@@ -395,19 +265,15 @@ def draw(canvas: Any, sheet: Drawing) -> None:
         drawn += [f"{_path(corners)} h f" for corners in heads]
     canvas.addLiteral("\n".join(drawn))
     for text in sheet.all_texts:
-        _text(canvas, text)
+        canvas.saveState()
+        canvas.translate(*text.at)
+        if text.upright:
+            canvas.rotate(90)
+        canvas.setFont("Helvetica", text.height / CAP_SHARE)
+        (canvas.drawCentredString if text.middle else canvas.drawString)(0, 0, text.words)
+        canvas.restoreState()
 
 
 def _path(points: Sequence[Point]) -> str:
     (x, y), *rest = points
     return f"{x:.4f} {y:.4f} m " + " ".join([f"{x:.4f} {y:.4f} l" for x, y in rest])
-
-
-def _text(canvas: Any, text: Text) -> None:
-    canvas.saveState()
-    canvas.translate(*text.at)
-    if text.upright:
-        canvas.rotate(90)
-    canvas.setFont("Helvetica", text.height / CAP_SHARE)
-    (canvas.drawCentredString if text.middle else canvas.drawString)(0, 0, text.words)
-    canvas.restoreState()

@@ -95,8 +95,8 @@ def write_3mf(mesh: Any, path: Path) -> None:
             target.writestr(entry, text)
 
 
-def coloured_scene(meshes: Mapping[str, Any], colours: Mapping[str, tuple[float, float, float]], unit: float) -> Any:
-    """Put meshes in one scene, lengths times ``unit``; z up is turned to y up as GLB viewers expect."""
+def write_glb(meshes: Mapping[str, Any], colours: Mapping[str, tuple[float, float, float]], path: Path) -> None:
+    """Write meshes as one binary glTF, whose unit is the metre; z up is turned to y up as its viewers expect."""
     import numpy as np
     import trimesh
 
@@ -104,7 +104,7 @@ def coloured_scene(meshes: Mapping[str, Any], colours: Mapping[str, tuple[float,
     scene = trimesh.Scene()
     for name, mesh in meshes.items():
         shown = mesh.copy()
-        shown.apply_scale(unit)
+        shown.apply_scale(1e-3)
         shown.apply_transform(turn)
         colour = [*(int(255 * c) for c in colours[name]), 255]
         material = trimesh.visual.material.PBRMaterial(
@@ -112,9 +112,4 @@ def coloured_scene(meshes: Mapping[str, Any], colours: Mapping[str, tuple[float,
         )
         shown.visual = trimesh.visual.TextureVisuals(material=material)
         scene.add_geometry(shown, node_name=name, geom_name=name)
-    return scene
-
-
-def write_glb(scene: Any, path: Path) -> None:
-    """Write a binary glTF; its unit is the metre."""
     path.write_bytes(scene.export(file_type="glb"))

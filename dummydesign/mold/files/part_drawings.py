@@ -10,8 +10,8 @@ from typing import Any
 from dummydesign.mold.cad.build import Parts
 from dummydesign.mold.cad.kernel import cq, occ
 from dummydesign.mold.cad.solids import edges_of, height_range
-from dummydesign.mold.files.drawing_layout import LETTER, Measure, View, arrange, crown_detail
-from dummydesign.mold.files.drawing_sheet import Drawing, Title
+from dummydesign.mold.files.drawing_layout import LETTER, Measure, Title, View, arrange, crown_detail
+from dummydesign.mold.files.drawing_sheet import Drawing
 from dummydesign.mold.pour.steps import shape_mark
 
 CURVE_MM = 0.5
@@ -49,34 +49,28 @@ def edges_from_above(solid: Any) -> list[tuple[Run, str]]:
     Seams of round faces are left out, and so are smooth joints, but for level ones where a rounding begins: thin.
     Curves are broken into short straight pieces.
     """
-    listed = _faces(solid)
-    faces, kind_of = [face for face, _, _ in listed], [(kind, normal) for _, kind, normal in listed]
-    faces_of: dict[int, list[int]] = {}
+    faces_of: dict[int, list[tuple[Any, str, Any]]] = {}
     edges: dict[int, Any] = {}
     seams: set[int] = set()
-    for index, face in enumerate(faces):
-        around: set[int] = set()
-        for key, edge in edges_of(face):
-            if key in around:
-                # A seam bounds its face on both sides.
-                continue
-            around.add(key)
+    for one in _faces(solid):
+        # A seam bounds its face on both sides, but counts once.
+        for key, edge in dict(edges_of(one[0])).items():
             edges[key] = edge
-            faces_of.setdefault(key, []).append(index)
-            if occ.BRep_Tool.IsClosed_s(edge, face.wrapped):
+            faces_of.setdefault(key, []).append(one)
+            if occ.BRep_Tool.IsClosed_s(edge, one[0].wrapped):
                 seams.add(key)
     runs = []
     for key, edge in edges.items():
-        kinds = [kind_of[face] for face in faces_of[key]]
-        if key in seams or all(flat is not None and flat.z < 1e-6 for _, flat in kinds):
+        sides = faces_of[key]
+        if key in seams or all(flat is not None and flat.z < 1e-6 for _, _, flat in sides):
             continue
         edge = cq.Edge(edge)
         middle = edge.positionAt(0.5)
-        normals = [flat or faces[face].normalAt(middle) for face, (_, flat) in zip(faces_of[key], kinds)]
+        normals = [flat or face.normalAt(middle) for face, _, flat in sides]
         if all(normal.z < 1e-6 for normal in normals):
             continue
         smooth = len(normals) == 2 and normals[0].dot(normals[1]) > SMOOTH
-        if smooth and kinds[0][0] == kinds[1][0]:
+        if smooth and sides[0][1] == sides[1][1]:
             continue
         points = edge_points(edge)
         level = max(abs(z - points[0][2]) for _, _, z in points) < 1e-6
@@ -93,23 +87,9 @@ def _faces(solid: Any) -> list[tuple[Any, str, Any]]:
     return [(face, kind, face.normalAt() if kind == "PLANE" else None) for face, kind in kinds]
 
 
-def turned_over(solid: Any) -> Any:
-    """The solid turned by half a turn about the x axis, for a view from below."""
-    return solid.rotate(cq.Vector(), cq.Vector(1, 0, 0), 180)
-
-
-def cut_at_y(solid: Any, y_mm: float = 0.0) -> Section:
-    """Outlines (x, z) of a solid cut by the plane y = const."""
-    return _cut(solid, (0, y_mm, 0), (0, 1, 0), 0)
-
-
-def cut_at_x(solid: Any, x_mm: float = 0.0) -> Section:
-    """Outlines (y, z) of a solid cut by the plane x = const."""
-    return _cut(solid, (x_mm, 0, 0), (1, 0, 0), 1)
-
-
-def _cut(solid: Any, origin: tuple[float, float, float], normal: tuple[int, int, int], across: int) -> Section:
-    plane = cq.Face.makePlane(1000.0, 1000.0, cq.Vector(*origin), cq.Vector(*normal))
+def cut(solid: Any, across: bool = False) -> Section:
+    """Outlines (x, z) of a solid cut by the plane y = 0, or (y, z) by the plane x = 0."""
+    plane = cq.Face.makePlane(1000.0, 1000.0, cq.Vector(0, 0, 0), cq.Vector(across, not across, 0))
     wires = [w for face in plane.intersect(solid).Faces() for w in (face.outerWire(), *face.innerWires())]
     loops = tuple(tuple((point[across], point[2]) for point in wire_points(wire)) for wire in wires)
     corners = [point for wire in wires for point in _corners(list(wire))]
@@ -201,18 +181,8 @@ DETAILED = ("pad", "master")
 MOST_WIDTHS, NEAR_MM = 6, 0.3
 NAMES = {"strike_off": "strike-off plate", "lid_master": "master of the lid", "lid_frame": "frame of the lid",
          "face_sheet": "face sheet", "sprue_pin": "sprue pin", "vent_pin": "vent pin"}  # fmt: skip
+PRINTED_NAMES = {**NAMES, "mould": "base of the mould", "frame": "ring of the mould"}
 
-
-@dataclass(frozen=True)
-class DocumentInfo:
-    """What all papers of a mould carry besides: the project, the date, the command line that made them."""
-
-    project: str = ""
-    date: str = ""
-    command: str = ""
-
-
-NO_PAPERS = DocumentInfo()
 
 
 def part_views(made: Parts) -> dict[str, list[View]]:
@@ -220,35 +190,23 @@ def part_views(made: Parts) -> dict[str, list[View]]:
     return {name: _views(made, name) for name in made.parts if name not in LEFT_OUT}
 
 
-def sheets(
-    made: Parts, views: dict[str, list[View]], papers: DocumentInfo = NO_PAPERS, paper: str = "A3"
-) -> dict[str, Drawing]:
+def sheets(made: Parts, views: dict[str, list[View]], date: str = "", paper: str = "A3") -> dict[str, Drawing]:
     """Arrange what is shown of the parts, a sheet each."""
     pad, limits, drawings = made.spec.pad, made.spec.acceptance, {}
+    names = PRINTED_NAMES if made.spec.is_printed else NAMES
     thickness = f"; thickness +-{pad.thickness_mm * limits.thickness_percent / 100:.2f}"
     for count, name in enumerate(views, 1):
         title = Title(
-            project=papers.project or f"{pad.title}, {made.spec.preset} mould",
-            part=f"{_called(made, name)}, t = {pad.thickness_mm:g}",
-            material=_material(made, name),
-            tolerance=f"ISO 2768-m{thickness if name == 'pad' else ''}",
-            revision=made.spec.hash,
-            date=papers.date or "-",
-            number=f"{count} of {len(views)}",
-        )
+            f"{pad.title}, {made.spec.preset} mould", f"{names.get(name, name)}, t = {pad.thickness_mm:g}",
+            _material(made, name), f"ISO 2768-m{thickness if name == 'pad' else ''}", made.spec.hash, date or "-",
+            f"{count} of {len(views)}",
+        )  # fmt: skip
         drawings[name] = arrange(views[name], title, _notes(made, name), paper)
     return drawings
 
 
-def _called(made: Parts, name: str) -> str:
-    if made.spec.is_printed and name in ("mould", "frame"):
-        return {"mould": "base of the mould", "frame": "ring of the mould"}[name]
-    return NAMES.get(name, name)
-
-
 def _material(made: Parts, name: str) -> str:
-    spec = made.spec
-    kind = made.parts[name].material
+    spec, kind = made.spec, made.parts[name].material.kind
     if kind == "rigid":
         return spec.plastic.name.upper() if spec.plastic else "rigid plastic"
     if kind == "glass":
@@ -282,7 +240,7 @@ def _notes(made: Parts, name: str) -> list[str]:
     if name == "carrier" and made.with_bone is None:
         return [*notes, "Glue the pad on by its free face, its middle on the plate's; each groove points at a row of "
                 "tips, and the punch is set down where the lines cross."]
-    if made.parts[name].material == "rigid":
+    if made.parts[name].is_printed:
         against = "resin" if spec.is_printed else "silicone"
         notes.append(f"Print solid skins; faces against {against} sanded or sealed.")
     return notes
@@ -292,7 +250,7 @@ def _views(made: Parts, name: str) -> list[View]:
     """A section and a view from above under it; a part whose interesting side is below is shown turned over."""
     solid = made.pad_nominal if name == "pad" else made.solid(name)
     if name in TURNED:
-        solid = turned_over(solid)
+        solid = solid.rotate(cq.Vector(), cq.Vector(1, 0, 0), 180)
     rims = holes(solid)
     shape = made.spec.pad.shape
     sites = shape.places_mm if name in ("pad", "carrier") and len(shape.places_mm) > 1 else ()
@@ -310,17 +268,16 @@ def _views(made: Parts, name: str) -> list[View]:
 
 
 def _section(made: Parts, name: str, solid: Any, rims: Sequence[Hole], across: bool = False) -> View:
-    cut = cut_at_x if across else cut_at_y
     x0, y0 = section_origin(made, name)
     solid = solid.translate((-x0, -y0, 0.0)) if x0 or y0 else solid
-    section = cut(solid)
+    section = cut(solid, across)
     measures = [*_heights(solid, section.loops), *_widths(section, rims)]
     runs: list[tuple[Run, str]] = [(loop, "cut") for loop in section.loops]
     if name == "mould":
         measures += _of_cavity(made, section.loops)
         for other in ("spacer", "carrier"):
             if other in made.parts and not (other == "carrier" and made.with_bone is None):
-                runs += [(loop, "thin") for loop in cut(made.solid(other)).loops]
+                runs += [(loop, "thin") for loop in cut(made.solid(other), across).loops]
     plane = f"x = {x0:.4g}" if across else f"y = {y0:.4g}"
     return View(f"section {plane}", tuple(runs), tuple(measures), (), True)
 
@@ -345,9 +302,8 @@ def _heights(solid: Any, loops: Sequence[Run]) -> list[Measure]:
     """Overall height on the left, the other levels from the lowest on the right."""
     heights = levels(solid)
     xs = [x for loop in loops for x, _ in loop]
-    low, high = heights[0], heights[-1]
-    left, right = min(xs), max(xs)
-    return [Measure((left, low), (left, high), "left"),
+    low, left, right = heights[0], min(xs), max(xs)
+    return [Measure((left, low), (left, heights[-1]), "left"),
             *(Measure((right, low), (right, z), "right") for z in heights[1:-1])]  # fmt: skip
 
 
@@ -360,16 +316,16 @@ def _of_cavity(made: Parts, loops: Sequence[Run]) -> list[Measure]:
     return [Measure((left, 0.0), (left, z), "left") for z in heights]
 
 
-def _widths(cut: Section, rims: Sequence[Hole]) -> list[Measure]:
+def _widths(section: Section, rims: Sequence[Hole]) -> list[Measure]:
     """Widths of a symmetrical section at its corners, those of nearly the same width and of holes left out."""
     holes = [abs(x) + side * d / 2 for one in rims for x, _ in one.places for d in one.diameters_mm for side in (1, -1)]
     spans: list[tuple[float, float]] = []
-    for x, z in sorted(cut.corners, reverse=True):
-        partner = any(abs(a + x) < 1e-3 and abs(b - z) < 1e-3 for a, b in cut.corners)
+    for x, z in sorted(section.corners, reverse=True):
+        partner = any(abs(a + x) < 1e-3 and abs(b - z) < 1e-3 for a, b in section.corners)
         fresh = all(abs(x - other) > NEAR_MM for other, _ in spans)
         if x > NEAR_MM and partner and fresh and all(abs(x - rim) > 1e-2 for rim in holes):
             spans.append((x, z))
-    heights = [z for loop in cut.loops for _, z in loop]
+    heights = [z for loop in section.loops for _, z in loop]
     middle = (max(heights) + min(heights)) / 2
     kept = spans if len(spans) <= MOST_WIDTHS else [*spans[: MOST_WIDTHS - 1], spans[-1]]
     return [Measure((-x, z), (x, z), "above" if z > middle else "below") for x, z in kept]
@@ -377,9 +333,7 @@ def _widths(cut: Section, rims: Sequence[Hole]) -> list[Measure]:
 
 def _from_above(solid: Any, rims: Sequence[Hole], sites: Sequence[tuple[float, float]] = ()) -> View:
     runs = edges_from_above(solid)
-    xs = [x for run, _ in runs for x, _ in run]
-    ys = [y for run, _ in runs for _, y in run]
-    x0, x1, y0, y1 = min(xs), max(xs), min(ys), max(ys)
+    x0, y0, x1, y1 = View("", tuple(runs)).bounds
     measures = [Measure((x0, y0), (x1, y0), "below"), Measure((x1, y0), (x1, y1), "right")]
     leaders = []
     for hole in rims:

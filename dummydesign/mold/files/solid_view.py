@@ -37,8 +37,8 @@ def box(length_mm: float, width_mm: float, height_mm: float) -> NDArray:
     """Triangles of a box that stands on z = 0, seen from outside; shape (12, 3, 3). [mm]"""
     x, y = 0.5 * length_mm, 0.5 * width_mm
     corner = np.array([(a * x, b * y, c * height_mm) for c in (0, 1) for b in (-1, 1) for a in (-1, 1)])
-    sides = [(0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5)]
-    return np.array([corner[[a, b, c]] for s in sides for a, b, c in ((s[0], s[1], s[2]), (s[0], s[2], s[3]))])
+    sides = np.array([(0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5)])
+    return corner[sides[:, [0, 1, 2, 0, 2, 3]].reshape(-1, 3)]
 
 
 @dataclass(frozen=True)
@@ -77,12 +77,9 @@ def stack(parts: Mapping[str, NDArray], gap_mm: float = 25.0, shift_mm: float = 
 
 def view_html(parts: Sequence[Shown]) -> str:
     """Canvas, controls and packed parts; :func:`view_script` draws them."""
-    packed = [
-        {**pack(one.triangles, one.colour, one.lift_mm), "name": one.name.replace("_", " "), "beside": one.shift_mm,
-         "turned": ", " in one.name}
-        for one in parts
-    ]
-    names = " and ".join(one.name.replace("_", " ") for one in parts)
+    packed = [{**pack(one.triangles, one.colour, one.lift_mm), "name": one.name.replace("_", " "),
+               "beside": one.shift_mm, "turned": ", " in one.name} for one in parts]  # fmt: skip
+    names = " and ".join(one["name"] for one in packed)
     plain = json.dumps(packed, separators=(",", ":")).replace("<", "\\u003c")
     return (
         f"<style>{(_HERE / 'viewer.css').read_text(encoding='utf-8')}</style>"
@@ -127,10 +124,9 @@ TEXT = "Drag or use the arrow keys to turn, scroll or pinch to zoom; 'apart' lif
 
 def mould_view(meshes: Mapping[str, Any], colours: Mapping[str, tuple[float, float, float]], title: str) -> str:
     """The page with all parts."""
-    from dummydesign.mold.files.picture import BOXES, GAP_SHARE, stacked
+    from dummydesign.mold.files.picture import GAP_SHARE, stacks_of
 
-    used = stacked(list(meshes))
-    stacks = [used, *([name for name in box if name in meshes and name not in used] for box in BOXES)]
+    stacks = stacks_of(list(meshes))
     rest = [[name] for name in meshes if not any(name in names for names in stacks)]
     shown: list[Shown] = []
     edge, size = None, max(float(np.ptp(mesh.bounds, axis=0).max()) for mesh in meshes.values())

@@ -9,10 +9,10 @@ import tempfile
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from pathlib import Path
 from typing import Any
 
+from dummydesign.mold.cad.build import Part
 from dummydesign.mold.cad.kernel import cq, occ
 from dummydesign.mold.cad.solids import rough_bounds
 
@@ -49,14 +49,10 @@ def canonical_step(text: str, name: str, description: str) -> str:
     lines = [_wrapped(f"{new}={_joined(parts[old], renumbered)};") for old, new in renumbered.items()]
     name, description, who = _quoted(name), _quoted(description), _quoted(ORGANISATION)
     head = [
-        "ISO-10303-21;",
-        "HEADER;",
-        f"FILE_DESCRIPTION(({description}),'2;1');",
+        "ISO-10303-21;", "HEADER;", f"FILE_DESCRIPTION(({description}),'2;1');",
         f"FILE_NAME({name},{_quoted(time_stamp())},({who}),({who}),{who},{who},'');",
-        f"FILE_SCHEMA(({schema.group(1)}));",
-        "ENDSEC;",
-        "DATA;",
-    ]
+        f"FILE_SCHEMA(({schema.group(1)}));", "ENDSEC;", "DATA;",
+    ]  # fmt: skip
     return "\n".join([*head, *lines, "ENDSEC;", "END-ISO-10303-21;", ""])
 
 
@@ -158,9 +154,8 @@ def _in_ascii(text: str) -> str:
 
 def _hexadecimal(hit: re.Match[str]) -> str:
     letters = hit.group()
-    if max(letters) > "\uffff":
-        return rf"\X4\{letters.encode('utf-32-be').hex().upper()}\X0" + "\\"
-    return rf"\X2\{letters.encode('utf-16-be').hex().upper()}\X0" + "\\"
+    bytes_each, code = (4, "utf-32-be") if max(letters) > "\uffff" else (2, "utf-16-be")
+    return rf"\X{bytes_each}\{letters.encode(code).hex().upper()}\X0" + "\\"
 
 
 def _wrapped(statement: str) -> str:
@@ -174,47 +169,6 @@ def _wrapped(statement: str) -> str:
             row = ""
         row += piece
     return "\n".join([*lines, row])
-
-
-COLOURS = {
-    "resin": (0.93, 0.62, 0.50), "resin_base": (0.62, 0.36, 0.45), "silicone": (0.36, 0.62, 0.74),
-    "rigid": (0.72, 0.73, 0.75), "glass": (0.62, 0.80, 0.72),
-}  # fmt: skip
-
-
-@dataclass(frozen=True)
-class Material:
-    """Name and density that a part carries in the STEP file."""
-
-    name: str
-    description: str
-    density_g_per_cm3: float
-
-
-@dataclass(frozen=True)
-class StepPart:
-    """What one product of a STEP file consists of."""
-
-    name: str
-    solid: Any
-    material: Material
-    colour: tuple[float, float, float]
-    offset_mm: tuple[float, float, float] = (0.0, 0.0, 0.0)
-
-    @cached_property
-    def volume_mm3(self) -> float:
-        """Volume of the solid."""
-        return float(self.solid.Volume())
-
-    @cached_property
-    def area_mm2(self) -> float:
-        """Surface of the solid."""
-        return float(self.solid.Area())
-
-    @cached_property
-    def centroid_mm(self) -> tuple[float, float, float]:
-        """Its middle of volume."""
-        return self.solid.Center().toTuple()
 
 
 @dataclass(frozen=True)
@@ -239,7 +193,7 @@ def time_stamp() -> str:
     return time.strftime("%Y-%m-%dT%H:%M:%S", time.gmtime(seconds))
 
 
-def step_text(parts: Sequence[StepPart], root: str, description: str) -> str:
+def step_text(parts: Sequence[Part], root: str, description: str) -> str:
     """Return the STEP text of one part, or of an assembly named ``root`` when there are several."""
     document = _document(parts, root)
     writer = occ.STEPCAFControl_Writer()
@@ -265,7 +219,7 @@ def _settings() -> None:
     occ.Interface_Static.SetCVal_s("write.step.product.name", "part")
 
 
-def _document(parts: Sequence[StepPart], root: str) -> Any:
+def _document(parts: Sequence[Part], root: str) -> Any:
     document = occ.TDocStd_Document(occ.TCollection_ExtendedString("XmlXCAF"))
     occ.XCAFDoc_DocumentTool.SetLengthUnit_s(document, 0.001)
     shapes = occ.XCAFDoc_DocumentTool.ShapeTool_s(document.Main())
@@ -282,22 +236,17 @@ def _document(parts: Sequence[StepPart], root: str) -> Any:
     return document
 
 
-def _add_part(document: Any, shapes: Any, part: StepPart) -> Any:
+def _add_part(document: Any, shapes: Any, part: Part) -> Any:
     """Add one product with name, colour, material and validation properties; return its label."""
     label = shapes.AddShape(part.solid.wrapped, False)
     occ.TDataStd_Name.Set_s(label, occ.TCollection_ExtendedString(part.name))
-    colour = occ.Quantity_Color(*part.colour, occ.Quantity_TypeOfColor.Quantity_TOC_sRGB)
+    colour = occ.Quantity_Color(*part.material.colour, occ.Quantity_TypeOfColor.Quantity_TOC_sRGB)
     tool = occ.XCAFDoc_DocumentTool.ColorTool_s(document.Main())
     tool.SetColor(label, colour, occ.XCAFDoc_ColorType.XCAFDoc_ColorSurf)
     material = occ.XCAFDoc_DocumentTool.MaterialTool_s(document.Main())
-    words = [part.material.name, part.material.description]
-    material.SetMaterial(
-        label,
-        *[occ.TCollection_HAsciiString(word) for word in words],
-        part.material.density_g_per_cm3,
-        occ.TCollection_HAsciiString("density measure"),
-        occ.TCollection_HAsciiString("POSITIVE_RATIO_MEASURE"),
-    )
+    name, words, *kinds = (occ.TCollection_HAsciiString(one) for one in (
+        part.material.name, part.material.description, "density measure", "POSITIVE_RATIO_MEASURE"))  # fmt: skip
+    material.SetMaterial(label, name, words, part.material.density_g_per_cm3, *kinds)
     occ.XCAFDoc_Volume.Set_s(label, part.volume_mm3)
     occ.XCAFDoc_Area.Set_s(label, part.area_mm2)
     occ.XCAFDoc_Centroid.Set_s(label, occ.gp_Pnt(*part.centroid_mm))
@@ -333,16 +282,11 @@ def _read_part(document: Any, label: Any, validity: bool) -> ReadPart:
     declared = volume.Get() if label.FindAttribute(occ.XCAFDoc_Volume.GetID_s(), volume) else None
     material, density = _read_material(label)
     return ReadPart(
-        name=name.Get().ToExtString() if named else "",
-        volume_mm3=shape.Volume(),
-        bounds_mm=rough_bounds(shape),
-        solids=len(shape.Solids()),
-        valid=shape.isValid() if validity else True,
+        name=name.Get().ToExtString() if named else "", volume_mm3=shape.Volume(), bounds_mm=rough_bounds(shape),
+        solids=len(shape.Solids()), valid=shape.isValid() if validity else True,
         colour=tuple(colour.Values(occ.Quantity_TypeOfColor.Quantity_TOC_sRGB)) if coloured else None,
-        material=material,
-        density_g_per_cm3=density,
-        declared_volume_mm3=declared,
-    )
+        material=material, density_g_per_cm3=density, declared_volume_mm3=declared,
+    )  # fmt: skip
 
 
 def _read_material(label: Any) -> tuple[str | None, float | None]:

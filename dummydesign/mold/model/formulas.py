@@ -51,11 +51,6 @@ def wall_deflection_mm(depth_mm: float, wall_mm: float, young_MPa: float, densit
     return weight * depth_mm**5 / (30 * young_MPa * wall_mm**3 / 12)
 
 
-def thermal_growth_mm(length_mm: float, expansion_per_K: float, warmer_K: float) -> float:
-    """Growth of a length when warmed. [mm]"""
-    return length_mm * expansion_per_K * warmer_K
-
-
 def collar_height_mm(thickness_mm: float, foam_factor: float) -> float:
     """Head room needed above the fill plane for resin that foams to ``foam_factor`` times its volume. [mm]"""
     return (foam_factor - 1) * thickness_mm

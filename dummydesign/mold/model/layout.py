@@ -84,44 +84,26 @@ def slab_volume_mm3(base: Outline, height_mm: float, draft_deg: float, edge_radi
     return whole - edge_fillet_volume_mm3(base, edge_radius_mm, draft_deg)
 
 
-@dataclass(frozen=True)
-class Grid:
-    """Cavities in rows and columns; the last row may be short. [mm]"""
-
-    count: int
-    columns: int
-    pitch_x_mm: float
-    pitch_y_mm: float
-
-    @property
-    def rows(self) -> int:
-        """Number of rows, a short one included."""
-        return -(-self.count // self.columns)
-
-    @property
-    def reach_mm(self) -> tuple[float, float]:
-        """Distance between the centres of the outermost cavities, along and across."""
-        return (self.columns - 1) * self.pitch_x_mm, (self.rows - 1) * self.pitch_y_mm
-
-    @property
-    def places_mm(self) -> tuple[tuple[float, float], ...]:
-        """Centres of the cavities about the mould's centre, the front row first."""
-        along, across = self.reach_mm
-        return tuple((i % self.columns * self.pitch_x_mm - along / 2, i // self.columns * self.pitch_y_mm - across / 2)
-                     for i in range(self.count))  # fmt: skip
-
-
 def best_grid(
     count: int, length_mm: float, width_mm: float, wall_mm: float, border_mm: float, room_mm: tuple[float, float]
-) -> Grid:
-    """The arrangement that fits a printer's bed, of those the one with the smallest block."""
+) -> tuple[tuple[float, float], tuple[tuple[float, float], ...]]:
+    """How far the outermost middles of cavities in rows are apart, and all middles about the mould's, front row first.
 
-    def rank(grid: Grid) -> tuple[bool, float, int]:
-        sides = sorted(reach + side + 2 * border_mm for reach, side in zip(grid.reach_mm, (length_mm, width_mm)))
-        return any(side > room for side, room in zip(sides, sorted(room_mm))), math.prod(sides), grid.columns
+    Of the arrangements that fit a printer's bed the one with the smallest block; its last row may be short. [mm]
+    """
+    pitch_x_mm, pitch_y_mm = length_mm + wall_mm, width_mm + wall_mm
 
-    grids = (Grid(count, columns, length_mm + wall_mm, width_mm + wall_mm) for columns in range(1, count + 1))
-    return min((grid for grid in grids if grid.rows * grid.columns - count < grid.columns), key=rank)
+    def reach(columns: int) -> tuple[float, float]:
+        return (columns - 1) * pitch_x_mm, (-(-count // columns) - 1) * pitch_y_mm
+
+    def rank(columns: int) -> tuple[bool, float, int]:
+        sides = sorted(long + side + 2 * border_mm for long, side in zip(reach(columns), (length_mm, width_mm)))
+        return any(side > room for side, room in zip(sides, sorted(room_mm))), math.prod(sides), columns
+
+    best = min(range(1, count + 1), key=rank)
+    along, across = reach(best)
+    return (along, across), tuple((i % best * pitch_x_mm - along / 2, i // best * pitch_y_mm - across / 2)
+                                  for i in range(count))  # fmt: skip
 
 
 def pad_scale(spec: MouldSpec) -> float:
@@ -133,13 +115,6 @@ def pad_scale(spec: MouldSpec) -> float:
     warmer = spec.pour.cure_temperature_C - spec.pour.room_temperature_C
     shrink = 1.0 / (1.0 - spec.pour.shrinkage_percent / 100)
     return shrink * (1 + spec.pour.resin_expansion_per_K * warmer) / (1 + (spec.tool.expansion_per_K or 0.0) * warmer)
-
-
-def silicone_scale(spec: MouldSpec) -> float:
-    """Factor from the silicone mould to the rigid master: 1 / (1 - shrinkage of the silicone); 1 without silicone."""
-    if spec.silicone is None:
-        return 1.0
-    return 1.0 / (1.0 - spec.silicone.shrinkage_percent / 100)
 
 
 @dataclass(frozen=True)
@@ -202,7 +177,8 @@ class Layout:
 def layout(spec: MouldSpec) -> Layout:
     """Compute the derived dimensions of a specification (see :class:`Layout`)."""
     pad, body, box = spec.pad, spec.body, spec.box
-    scale, grow = pad_scale(spec), silicone_scale(spec)
+    scale = pad_scale(spec)
+    grow = 1.0 if spec.silicone is None else 1.0 / (1.0 - spec.silicone.shrinkage_percent / 100)
     depth = scale * pad.thickness_mm
     k = math.tan(math.radians(pad.draft_deg))
     nominal = Outline(pad.length_mm, pad.width_mm, pad.corner_radius_mm)
@@ -226,40 +202,23 @@ def layout(spec: MouldSpec) -> Layout:
     gutter = 0.0 if c is None else c.gutter_distance_mm + c.gutter_radius_mm
     keys = () if c is None else _key_places(spec, c, fill, gutter)
     return Layout(
-        scale=scale,
-        silicone_scale=grow,
-        face_mm=face,
-        interface_mm=interface,
-        depth_mm=depth,
-        land_mm=land,
-        floor_outline=floor,
-        interface_outline=floor.grown(k * interface),
-        fill_outline=fill,
-        brim_outline=brim,
-        opening=opening,
-        openings=openings,
-        top=top,
-        bottom=bottom,
-        flange=top.scaled(grow).grown(rim),
-        height_mm=height,
-        keys=keys,
-        funnels=() if c is None else _funnels(c, fill),
+        scale=scale, silicone_scale=grow, face_mm=face, interface_mm=interface, depth_mm=depth, land_mm=land,
+        floor_outline=floor, interface_outline=floor.grown(k * interface), fill_outline=fill, brim_outline=brim,
+        opening=opening, openings=openings, top=top, bottom=bottom, flange=top.scaled(grow).grown(rim),
+        height_mm=height, keys=keys, funnels=() if c is None else _funnels(c, fill),
         label_y_mm=-(openings.width_mm / 2 + (gutter + body.wall_mm) / 2),
-        label_room_mm=_label_room_mm(c, openings, keys),
-        places=places,
-    )
+        label_room_mm=_label_room_mm(c, openings, keys), places=places,
+    )  # fmt: skip
 
 
 def _side_by_side(spec: MouldSpec, opening: Outline, border_mm: float) -> tuple[Outline, tuple[Point, ...]]:
     """The rectangle that holds the openings of all cavities, and their middles."""
     if spec.count == 1:
         return opening, (Point(0.0, 0.0),)
-    m = spec.machines
-    bed = (m.bed_x_mm - 2 * m.bed_margin_mm, m.bed_y_mm - 2 * m.bed_margin_mm)
-    grid = best_grid(spec.count, opening.length_mm, opening.width_mm, spec.body.wall_mm, border_mm, bed)
-    x, y = grid.reach_mm
+    bed, wall = spec.machines.bed_mm, spec.body.wall_mm
+    (x, y), middles = best_grid(spec.count, opening.length_mm, opening.width_mm, wall, border_mm, bed)
     held = Outline(opening.length_mm + x, opening.width_mm + y, opening.radius_mm)
-    return held, tuple(Point(*centre) for centre in grid.places_mm)
+    return held, tuple(Point(*middle) for middle in middles)
 
 
 def _key_places(spec: MouldSpec, c: Closure, fill: Outline, gutter_mm: float) -> tuple[Point, ...]:

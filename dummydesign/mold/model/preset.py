@@ -12,12 +12,14 @@ from dummydesign.core.toml_schema import Table, read_table
 from dummydesign.geometry.dimensions import PAD_LENGTH_MM, PAD_WIDTH_MM
 from dummydesign.geometry.pad_shape import PadShape
 from dummydesign.mold.model.products import (
+    Plastic,
+    Silicone,
+    Surface,
     read_machines,
     read_numbers,
-    read_plastic,
+    read_product,
     read_quantities,
-    read_silicone,
-    read_surface,
+    read_quantity_table,
 )  # fmt: skip
 from dummydesign.mold.model.spec import (
     Acceptance,
@@ -42,13 +44,8 @@ _POUR = ("film_loss_g", "extra_percent", "silicone_extra_percent", "surface_tens
 _KEYS = ("schema", "name", "title", "style", "silicone", "machines", "plastic", "acceptance", "pad", "body", "box",
          "aids", "process", "closure", "pour", "surface")  # fmt: skip
 # What a resin may leave out; each is plain room-temperature practice and listed as assumed in the answer.
-_RESIN_FALLBACK = {
-    "pot_life_min": 20.0,
-    "shrinkage_percent": 0.0,
-    "cure_time_h": 24.0,
-    "age_before_test_days": 7.0,
-    "degas_pressure_kPa": 3.0,
-}
+_RESIN_FALLBACK = {"pot_life_min": 20.0, "shrinkage_percent": 0.0, "cure_time_h": 24.0, "age_before_test_days": 7.0,
+                   "degas_pressure_kPa": 3.0}  # fmt: skip
 
 
 def mould_spec(
@@ -70,7 +67,7 @@ def mould_spec(
     """Put together and check the specification of a mould."""
     kind, parameters = canonical_kind(kind, parameters)
     entry = find("molds", "mould preset", preset)
-    top = read_table(entry.path, _KEYS, None)
+    path, top = entry.path, read_table(entry.path, _KEYS, None)
     style = str(top.data.get("style", ""))
     printed = style == "printed"
     if printed and (silicone or "silicone" in top):
@@ -87,35 +84,26 @@ def mould_spec(
 
         resin = load_resin(resin) if resin else load_resin()
     pour, sources = _read_pour(top, resin, ratio)
-    product, more = (None, []) if printed else read_silicone(silicone or str(top.data["silicone"]), entry.path)
-    plastic, of_plastic = read_plastic(str(top.data["plastic"]), entry.path) if "plastic" in top else (None, [])
+    product, more = (None, []) if printed else read_product(Silicone, silicone or str(top.data["silicone"]), path)
+    plastic, of_plastic = read_product(Plastic, str(top.data["plastic"]), path) if "plastic" in top else (None, [])
     if printed and (plastic is None or plastic.expansion_per_K is None):
         message = "of a printed mould needs expansion_per_K and young_MPa in its file"
         raise InputError(f"{top.where('plastic')}: plastic '{top.data['plastic']}' {message}", "missing",
                          "plastic.expansion_per_K")  # fmt: skip
-    surface, of_surface = read_surface(top.table("surface")) if printed else (None, [])
+    surface, of_surface = read_quantity_table(Surface, top.table("surface"), "surface ") if printed else (None, [])
     box = read_numbers(Box, top.table("box"))
     if face_sheet_mm is not None:
         box = replace(box, face_sheet_mm=float(face_sheet_mm))
-    its_machines, of_machines = read_machines(machines or str(top.data["machines"]), entry.path)
+    its_machines, of_machines = read_machines(machines or str(top.data["machines"]), path)
     spec = MouldSpec(
-        preset=entry.name,
-        pad=pad,
-        body=read_numbers(Body, top.table("body"), style=style),
-        box=box,
-        aids=read_numbers(Aids, top.table("aids")),
-        silicone=product,
-        pour=pour,
-        machines=its_machines,
+        preset=entry.name, pad=pad, body=read_numbers(Body, top.table("body"), style=style), box=box,
+        aids=read_numbers(Aids, top.table("aids")), silicone=product, pour=pour, machines=its_machines,
         closure=read_numbers(Closure, top.table("closure")) if "closure" in top else None,
         sources=tuple(dict.fromkeys(sources + more + of_plastic + of_machines + of_surface)),
-        base=_base_layer(pad.shape, pour, resin, base_ratio),
-        plastic=plastic,
+        base=_base_layer(pad.shape, pour, resin, base_ratio), plastic=plastic,
         acceptance=read_numbers(Acceptance, top.table("acceptance", required=False)),
-        surface=surface,
-        count=count,
-        insert=insert,
-    )
+        surface=surface, count=count, insert=insert,
+    )  # fmt: skip
     validate(spec)
     return spec
 
@@ -182,13 +170,10 @@ def _resin_numbers(resin: Resin, ratio: float, room_temperature_C: float) -> dic
     known = set(resin.property_names())
     fallback = {**_RESIN_FALLBACK, "cure_temperature_C": room_temperature_C}
     numbers = {name: resin.property(name, ratio).value if name in known else value for name, value in fallback.items()}
+    for name in ("density_g_per_cm3", "viscosity_Pa_s"):
+        numbers[name] = float(resin.property(name, ratio).value)
     return {
-        "resin": resin.name,
-        "ratio": float(ratio),
-        "ratio_meaning": resin.ratio_meaning,
+        "resin": resin.name, "ratio": float(ratio), "ratio_meaning": resin.ratio_meaning,
         "components": tuple((part.name, float(part.mass_g)) for part in parts),
-        "density_g_per_cm3": float(resin.property("density_g_per_cm3", ratio).value),
-        "viscosity_Pa_s": float(resin.property("viscosity_Pa_s", ratio).value),
-        "young_kPa": 1e3 * float(resin.young_MPa(ratio)),
-        **numbers,
-    }
+        "young_kPa": 1e3 * float(resin.young_MPa(ratio)), **numbers,
+    }  # fmt: skip

@@ -60,6 +60,11 @@ class Machines:
     fit: PrintFit | None = None
 
     @property
+    def bed_mm(self) -> tuple[float, float]:
+        """Length and width of the printer's bed within its margin. [mm]"""
+        return self.bed_x_mm - 2 * self.bed_margin_mm, self.bed_y_mm - 2 * self.bed_margin_mm
+
+    @property
     def gap_mm(self) -> float:
         """Gap on each side between two printed parts that go together. [mm]"""
         return PLAIN_GAP_MM if self.fit is None else self.fit.gap_per_side_mm
@@ -103,7 +108,6 @@ def read_quantities(table: Table, keys: Iterable[str], product: str = "") -> tup
     return {key: one.value for key, one in quantities.items()}, sources
 
 
-_CAST_IN = ("expansion_per_K", "young_MPa")
 # What a print may be off by; more is a printer to repair, or another unit.
 _FIT = {"gap_per_side_mm": 1.0, "elephant_foot_mm": 1.0, "shrinkage_percent": 3.0}
 
@@ -112,33 +116,31 @@ def _names(kind: type) -> list[str]:
     return [item.name for item in fields(kind) if item.name != "name"]
 
 
-def _product(name: str, preset: Path, kind: str, what: str, keys: Iterable[str]) -> tuple[str, Table]:
+def _found(name: str, preset: Path, what: str, keys: Iterable[str]) -> tuple[str, Table]:
     """Find and read a data file named in a preset: beside the preset, else in the library."""
     near = preset.parent / name
-    entry = find(kind, what, str(near) if name.endswith(".toml") and near.is_file() else name)
+    entry = find(f"molds/{what}s", what, str(near) if name.endswith(".toml") and near.is_file() else name)
     return entry.name, read_table(entry.path, ("schema", "name", "title", *keys), None)
 
 
-def read_silicone(name: str, preset: Path) -> tuple[Silicone, list[str]]:
-    """Read a silicone product by name or file; return it and where its numbers come from."""
-    name, table = _product(name, preset, "molds/silicones", "silicone", _names(Silicone))
-    numbers, sources = read_quantities(table, _names(Silicone), "silicone ")
-    return Silicone(name, **numbers), sources
+def read_product(kind: type[T], name: str, preset: Path) -> tuple[T, list[str]]:
+    """Read a silicone or the plastic of the printed parts by name or file; and where its numbers come from.
 
-
-def read_plastic(name: str, preset: Path) -> tuple[Plastic, list[str]]:
-    """Read the plastic of the printed parts by name or file; return it and where its numbers come from."""
-    name, table = _product(name, preset, "molds/plastics", "plastic", _names(Plastic))
-    cast_in = any(key in table for key in _CAST_IN)
-    keys = [key for key in _names(Plastic) if cast_in or key not in _CAST_IN]
-    numbers, sources = read_quantities(table, keys, "plastic ")
-    return Plastic(name, **numbers), sources
+    Fields with a default go together: all of them or none.
+    """
+    what = kind.__name__.lower()
+    name, table = _found(name, preset, what, _names(kind))
+    optional = [item.name for item in fields(kind) if item.default is not MISSING]  # type: ignore[arg-type]
+    given = any(key in table for key in optional)
+    keys = [key for key in _names(kind) if given or key not in optional]
+    numbers, sources = read_quantities(table, keys, f"{what} ")
+    return kind(name, **numbers), sources  # type: ignore[call-arg]
 
 
 def read_machines(name: str, preset: Path) -> tuple[Machines, list[str]]:
     """Read what the parts must fit and how a print comes out, by name or file; and where its numbers come from."""
     keys = ("balance_resolution_g", "print_fit", "printer", "vacuum_chamber", "oven")
-    name, top = _product(name, preset, "molds/machines", "machine", keys)
+    name, top = _found(name, preset, "machine", keys)
     printer, chamber, oven = (top.table(key) for key in keys[2:])
     printer.only(("bed_x_mm", "bed_y_mm", "height_mm", "margin_mm", "layer_mm"))
     chamber.only(("diameter_mm", "height_mm"))
@@ -146,20 +148,13 @@ def read_machines(name: str, preset: Path) -> tuple[Machines, list[str]]:
     _check_between_0_and(1.0, "layer_mm", layer := printer.number("layer_mm", 0.0), printer)
     fit, sources = _read_fit(top.table("print_fit")) if "print_fit" in top else (None, [])
     machines = Machines(
-        name,
-        balance_resolution_g=top.number("balance_resolution_g"),
-        bed_x_mm=printer.number("bed_x_mm"),
-        bed_y_mm=printer.number("bed_y_mm"),
-        printer_height_mm=printer.number("height_mm"),
-        bed_margin_mm=printer.number("margin_mm"),
-        chamber_diameter_mm=chamber.number("diameter_mm"),
-        chamber_height_mm=chamber.number("height_mm"),
-        shelf_x_mm=oven.number("shelf_x_mm"),
-        shelf_y_mm=oven.number("shelf_y_mm"),
-        oven_height_mm=oven.number("height_mm"),
-        layer_mm=layer,
-        fit=fit,
-    )
+        name, balance_resolution_g=top.number("balance_resolution_g"),
+        bed_x_mm=printer.number("bed_x_mm"), bed_y_mm=printer.number("bed_y_mm"),
+        printer_height_mm=printer.number("height_mm"), bed_margin_mm=printer.number("margin_mm"), layer_mm=layer,
+        chamber_diameter_mm=chamber.number("diameter_mm"), chamber_height_mm=chamber.number("height_mm"),
+        shelf_x_mm=oven.number("shelf_x_mm"), shelf_y_mm=oven.number("shelf_y_mm"),
+        oven_height_mm=oven.number("height_mm"), fit=fit,
+    )  # fmt: skip
     return machines, sources
 
 
@@ -170,11 +165,17 @@ def _check_between_0_and(most: float, key: str, value: float, table: Table) -> N
 
 def _read_fit(table: Table) -> tuple[PrintFit, list[str]]:
     """Read how a print comes out."""
-    table.only(_FIT)
-    numbers, sources = read_quantities(table, _FIT, "print ")
+    fit, sources = read_quantity_table(PrintFit, table, "print ")
     for key, most in _FIT.items():
-        _check_between_0_and(most, key, numbers[key], table)
-    return PrintFit(**numbers), sources
+        _check_between_0_and(most, key, getattr(fit, key), table)
+    return fit, sources
+
+
+def read_quantity_table(kind: type[T], table: Table, product: str) -> tuple[T, list[str]]:
+    """Make a dataclass of a table of quantities; return it and where its numbers come from."""
+    table.only(_names(kind))
+    numbers, sources = read_quantities(table, _names(kind), product)
+    return kind(**numbers), sources
 
 
 @dataclass(frozen=True)
@@ -189,13 +190,6 @@ class Surface:
     def draft_needed_deg(self) -> float:
         """Draft with which a rigid wall lets go of a part that has filled its valleys. [deg]"""
         return self.least_draft_deg + self.draft_deg_per_mm * self.depth_mm
-
-
-def read_surface(table: Table) -> tuple[Surface, list[str]]:
-    """Read the table ``surface`` of a preset; return it and where its numbers come from."""
-    table.only(_names(Surface))
-    numbers, sources = read_quantities(table, _names(Surface), "surface ")
-    return Surface(**numbers), sources
 
 
 def check_surface(surface: Surface | None, draft_deg: float) -> None:

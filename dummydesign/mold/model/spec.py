@@ -10,7 +10,7 @@ from functools import cached_property
 from typing import Any
 
 from dummydesign.core.errors import InputError, out_of_range, unknown_name
-from dummydesign.core.serialise import plain_data, rebuild
+from dummydesign.core.serialise import rebuild, to_plain
 from dummydesign.geometry.dimensions import PAD_LENGTH_MM, PAD_WIDTH_MM, RIM_FREE_MM, THINNEST_COVER_MM
 from dummydesign.geometry.pad_shape import PadShape
 from dummydesign.geometry.shape_registry import make_shape, read_shape, shape_kinds
@@ -90,12 +90,9 @@ class Insert:
     @property
     def words(self) -> str:
         """The warning that goes out with it."""
-        text = (
-            f"the bone comes from {self.file} (scale {self.placing.scale:g}); finite elements take the nearest dome in "
-            f"its place, which is {self.off_dome_mm:.2f} mm off its underside (root mean square)"
-        )
         simpler = f"; its triangles were simplified by up to {self.off_file_mm:.3f} mm" if self.off_file_mm else ""
-        return text + simpler
+        return (f"the bone comes from {self.file} (scale {self.placing.scale:g}); finite elements take the nearest "
+                f"dome in its place, which is {self.off_dome_mm:.2f} mm off its underside (root mean square){simpler}")
 
 
 @dataclass(frozen=True)
@@ -181,9 +178,7 @@ def read_kind(text: str) -> tuple[str, tuple[tuple[str, float], ...]]:
     return shape.name, shape.parameters
 
 
-def canonical_kind(
-    kind: str, parameters: tuple[tuple[str, float], ...]
-) -> tuple[str, tuple[tuple[str, float], ...]]:
+def canonical_kind(kind: str, parameters: tuple[tuple[str, float], ...]) -> tuple[str, tuple[tuple[str, float], ...]]:
     """Name in small letters and every parameter by its name, so that equal shapes are stored alike."""
     if kind.lower() == PUCK:
         if parameters:
@@ -363,15 +358,14 @@ class MouldSpec:
 
     def to_dict(self) -> dict[str, Any]:
         """Return nested plain dictionaries, tuples as lists; what the mould does not have is left out."""
-        plain = _without_none(plain_data(asdict(self)))
+        plain = _without_none(to_plain(asdict(self)))
         plain.setdefault("closure", None)
         if self.count == 1:
             del plain["count"]
         if not self.machines.layer_mm:
             del plain["machines"]["layer_mm"]
         if not self.box.face_sheet_mm:
-            for name in ("face_sheet_mm", "sheet_bond_mm", "sheet_rim_mm"):
-                del plain["box"][name]
+            plain["box"] = {key: value for key, value in plain["box"].items() if "sheet" not in key}
         return plain
 
     def canonical(self) -> str:

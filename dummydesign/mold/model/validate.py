@@ -10,10 +10,9 @@ from dummydesign.core.errors import InputError, out_of_range, quantity_name, unk
 from dummydesign.geometry.dimensions import RIM_FREE_MM
 from dummydesign.mold.model import formulas as formula
 from dummydesign.mold.model.layout import Layout, Outline, check_face_sheet, layout
-from dummydesign.mold.model.products import Machines, check_surface
+from dummydesign.mold.model.products import check_surface
 from dummydesign.mold.model.spec import MouldSpec, PadGeometry
 
-STYLES = ("open", "lidded", "printed")
 THICKNESS_MM = (3.0, 30.0)
 CORNER_MM = 0.5
 MOST_CAVITIES = 20
@@ -35,12 +34,11 @@ def validate(spec: MouldSpec) -> Layout:
     _check_count(spec)
     plan = layout(spec)
     check_face_sheet(spec, plan)
-    try:
-        _check_machines(spec)
-    except InputError as problem:
-        fewer = next((count for count in range(spec.count - 1, 0, -1) if _machines_hold(replace(spec, count=count))), 0)
+    if problem := _machine_fault(spec):
+        counts = range(spec.count - 1, 0, -1)
+        fewer = next((count for count in counts if _machine_fault(replace(spec, count=count)) is None), 0)
         if not fewer:
-            raise
+            raise problem
         raise InputError(
             f"count = {spec.count} cavities of {spec.pad.length_mm:g} x {spec.pad.width_mm:g} mm do not fit machines "
             f"'{spec.machines.name}'; {fewer} fit{'s' if fewer == 1 else ''} in one mould",
@@ -57,14 +55,6 @@ def _check_count(spec: MouldSpec) -> None:
         what = "a lidded mould" if spec.body.style == "lidded" else f"a mould for {spec.pad.shape.name} pads"
         message = f"count = {spec.count}: {what} has one cavity; cast the pads one after the other (--castings)"
         raise InputError(message, "out_of_range", "count", spec.count, (1, 1))
-
-
-def _machines_hold(spec: MouldSpec) -> bool:
-    try:
-        _check_machines(spec)
-    except InputError:
-        return False
-    return True
 
 
 def _all_finite(value: Any, name: str) -> None:
@@ -85,8 +75,8 @@ def _between(name: str, value: float, low: float, high: float, advice: str = "")
 
 def _check_pad(spec: MouldSpec) -> None:
     pad = spec.pad
-    if spec.body.style not in STYLES:
-        raise unknown_name("style of mould", spec.body.style, STYLES)
+    if spec.body.style not in SMALLEST_MM:
+        raise unknown_name("style of mould", spec.body.style, tuple(SMALLEST_MM))
     _between("thickness_mm", pad.thickness_mm, *THICKNESS_MM)
     least = SMALLEST_MM[spec.body.style]
     for name, value in (("length_mm", pad.length_mm), ("width_mm", pad.width_mm)):
@@ -218,11 +208,6 @@ def _check_process(spec: MouldSpec) -> None:
     _between("balance_resolution_g", spec.machines.balance_resolution_g, 0.001, 10.0)
 
 
-def bed_mm(m: Machines) -> tuple[float, float]:
-    """Length and width of the printer's bed within its margin. [mm]"""
-    return m.bed_x_mm - 2 * m.bed_margin_mm, m.bed_y_mm - 2 * m.bed_margin_mm
-
-
 def footprint(spec: MouldSpec) -> Outline:
     """What stands in the oven: the tray, or the base of a printed mould."""
     if spec.is_printed:
@@ -243,34 +228,35 @@ def chamber_spare_mm(spec: MouldSpec) -> float:
     return min(m.chamber_diameter_mm - plan.top.diagonal_mm, m.chamber_height_mm - tall)
 
 
-def _check_machines(spec: MouldSpec) -> None:
+def _machine_fault(spec: MouldSpec) -> InputError | None:
+    """Why the machines do not take the mould."""
     m, plan = spec.machines, layout(spec)
     largest = "the base of the mould" if spec.is_printed else "the master"
-    _check_fit("printer bed", largest, plan.flange, bed_mm(m), spec)
+    if spare_mm(plan.flange, m.bed_mm) < 0:
+        return _too_large("printer bed", largest, plan.flange, m.bed_mm, spec)
     tall = (0.0 if spec.is_printed else spec.box.rim_mm) + plan.height_mm * plan.silicone_scale
     if tall > m.printer_height_mm:
         message = f"the frame is {tall:.0f} mm high, the printer of machines '{m.name}' {m.printer_height_mm:g}"
-        raise InputError(message, "cannot_be_made", "printer_height_mm", tall, (None, m.printer_height_mm))
-    if spec.pour.cures_warm:
-        part = "the mould" if spec.is_printed else "the tray"
-        _check_fit("oven shelf", part, footprint(spec), (m.shelf_x_mm, m.shelf_y_mm), spec)
+        return InputError(message, "cannot_be_made", "printer_height_mm", tall, (None, m.printer_height_mm))
+    shelf = m.shelf_x_mm, m.shelf_y_mm
+    if spec.pour.cures_warm and spare_mm(footprint(spec), shelf) < 0:
+        return _too_large("oven shelf", "the mould" if spec.is_printed else "the tray", footprint(spec), shelf, spec)
     if spec.pour.degas == "mould" and chamber_spare_mm(spec) < 0:
         high = plan.height_mm + formula.collar_height_mm(plan.depth_mm, spec.pour.foam_factor)
-        raise InputError(
+        return InputError(
             f"the mould with its collar ({plan.top.diagonal_mm:.0f} mm across, {high:.0f} mm high) does not fit "
             f"the vacuum chamber of machines '{m.name}' ({m.chamber_diameter_mm:g} x {m.chamber_height_mm:g} mm); "
             "degas in the cup or use a smaller pad",
             "cannot_be_made", "vacuum_chamber",
         )  # fmt: skip
+    return None
 
 
-def _check_fit(machine: str, part: str, size: Outline, room_mm: tuple[float, float], spec: MouldSpec) -> None:
-    """Refuse a part larger than a machine, saying how large the pad may be."""
-    if spare_mm(size, room_mm) >= 0:
-        return
+def _too_large(machine: str, part: str, size: Outline, room_mm: tuple[float, float], spec: MouldSpec) -> InputError:
+    """The error for a part larger than a machine, saying how large the pad may be."""
     pad, short, long = spec.pad, min(room_mm), max(room_mm)
     most = long - (size.length_mm - pad.length_mm), short - (size.width_mm - pad.width_mm)
-    raise InputError(
+    return InputError(
         f"pad of {pad.length_mm:g} x {pad.width_mm:g} mm: {part} of {size.length_mm:.1f} x {size.width_mm:.1f} mm does "
         f"not fit the {machine} of machines '{spec.machines.name}' ({long:g} x {short:g} mm usable); allowed here is "
         f"a pad up to {most[0]:.0f} x {most[1]:.0f} mm, or name other machines in a preset file",

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from dummydesign.core.errors import InputError, out_of_range, unknown_name
+from dummydesign.core.errors import InputError
 from dummydesign.core.serialise import Serialised
 from dummydesign.geometry.dimensions import PUNCH_RADIUS_MM, RIM_FREE_MM
 from dummydesign.mold.model.spec import MouldSpec
@@ -66,9 +66,7 @@ def _corner(spec: MouldSpec) -> tuple[float, float]:
     return pad.length_mm / 2 - back, pad.width_mm / 2 - back
 
 
-def _point(
-    spec: MouldSpec, name: str, at: tuple[float, float], stands: Sequence[tuple[float, float]]
-) -> GaugePoint:
+def _point(spec: MouldSpec, name: str, at: tuple[float, float], stands: Sequence[tuple[float, float]]) -> GaugePoint:
     pad, shape = spec.pad, spec.pad.shape
     x, y = np.array([at[0] - x for x, _ in stands]), np.array([at[1] - y for _, y in stands])
     nominal = pad.thickness_mm - float(np.min(shape.drop_mm(x, y)))
@@ -92,42 +90,6 @@ def points_rows(points: Sequence[GaugePoint], blank: str, first_pad: int = 1, pa
         rows.append((one.name, f"{one.x_mm:g}", f"{one.y_mm:g}", f"{one.nominal_mm:.2f}", *gel,
                      f"{one.low_mm:.2f} to {one.high_mm:.2f}", *[blank] * pads))  # fmt: skip
     return rows
-
-
-def check_readings(readings: Mapping[str, float], points: Sequence[GaugePoint]) -> None:
-    """Refuse readings of unknown points, missing points and values that this pad cannot have."""
-    names = [point.name for point in points]
-    for name in readings:
-        if name not in names:
-            raise unknown_name("gauge point", name, names)
-    if missing := [name for name in names if name not in readings]:
-        raise InputError(f"--thickness lacks {', '.join(missing)}; give {example(points)}", "missing", "thickness")
-    for point in points:
-        value, nominal = readings[point.name], point.nominal_mm
-        if not 0.5 * nominal <= value <= 2.0 * nominal:
-            raise out_of_range(f"--thickness {point.name}", f"{value:g} mm", f"{0.5 * nominal:g}",
-                               f"{2 * nominal:g} mm", f"its nominal is {nominal:.2f} mm")  # fmt: skip
-
-
-def example(points: Sequence[GaugePoint]) -> str:
-    """How readings are typed: every name with its nominal thickness."""
-    return ",".join(f"{point.name}={point.nominal_mm:.2f}" for point in points)
-
-
-def offsets_mm(readings: Mapping[str, float], points: Sequence[GaugePoint]) -> dict[str, float]:
-    """Reading less nominal thickness by name. [mm]"""
-    return {point.name: readings[point.name] - point.nominal_mm for point in points}
-
-
-def pressed_thickness_mm(readings: Mapping[str, float], points: Sequence[GaugePoint], thickness_mm: float) -> float:
-    """Thickness of the pad as its force law means it. [mm]
-
-    Of a pad with tips the mean reading at them; of a flat pad the designed thickness and the mean offset of all points.
-    """
-    flat = all(abs(point.nominal_mm - thickness_mm) < 1e-9 for point in points)
-    off = offsets_mm(readings, points)
-    counted = [off[point.name] for point in points if flat or point.pressed]
-    return thickness_mm + sum(counted) / len(counted)
 
 
 # Depth over thickness at which the force's sensitivity to the thickness is stated.

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from dummydesign.mold.model.layout import DOWEL_MM, layout, parting_mm, sheet_outline
@@ -21,14 +21,14 @@ LEVEL_TRAVEL_MM = 12.0
 CUPS_LITRE = (0.1, 0.25, 0.5, 1.0, 2.0, 5.0)
 
 
-def screw_length_mm(grip_mm: float) -> int:
+def sold(sizes: Sequence[float], least: float) -> float:
+    """Smallest size sold that is large enough, else the largest."""
+    return next((size for size in sizes if size >= least), sizes[-1])
+
+
+def screw_length_mm(grip_mm: float) -> float:
     """Shortest screw sold that goes through ``grip_mm`` and a nut. [mm]"""
-    return next((length for length in SCREW_MM if length >= grip_mm + NUT_MM), SCREW_MM[-1])
-
-
-def cup_litre(volume_mm3: float) -> float:
-    """Smallest usual cup that holds a volume. [l]"""
-    return next((size for size in CUPS_LITRE if size >= volume_mm3 * 1e-6), CUPS_LITRE[-1])
+    return sold(SCREW_MM, grip_mm + NUT_MM)
 
 
 HEAD = ("what", "how much", "what for")
@@ -62,9 +62,7 @@ class MaterialItem:
         return replace(self, amount=both)
 
 
-def materials(
-    spec: MouldSpec, plan: PourPlan, printed_mm3: Mapping[str, float] | None = None
-) -> list[MaterialItem]:
+def materials(spec: MouldSpec, plan: PourPlan, printed_mm3: Mapping[str, float] | None = None) -> list[MaterialItem]:
     """Everything to buy or to have for a mould and one casting."""
     box, aids, arrangement = spec.box, spec.aids, layout(spec)
     under = spec.body.floor_mm + parting_mm(spec, arrangement) if spec.is_printed else box.base_mm
@@ -73,10 +71,8 @@ def materials(
     bolted, levelled = ("ring on base", "mould") if spec.is_printed else ("frame on master", "tray")
     bolts = f"screws M{math.floor(box.bolt_hole_mm)} x {screw_length_mm(grip)} with nuts and washers"
     levels = f"screws M{math.floor(aids.level_screw_hole_mm)} x {long} with nuts"
-    needs = [
-        MaterialItem(bolts, 8 if spec.closure is None else 16, "{:.0f}", bolted),
-        MaterialItem(levels, 3, "{:.0f}", f"levelling the {levelled}"),
-    ]
+    needs = [MaterialItem(bolts, 8 if spec.closure is None else 16, "{:.0f}", bolted),
+             MaterialItem(levels, 3, "{:.0f}", f"levelling the {levelled}")]  # fmt: skip
     if spec.silicone is not None:
         needs.append(MaterialItem(f"mould silicone {spec.silicone.name}", plan.silicone_mass_g, "{:.0f} g", "mould"))
     else:
@@ -96,7 +92,7 @@ def materials(
     needs += [MaterialItem(f"{what}{name}", mass, "{:.1f} g", "pad and witness", POUR)
               for name, _, mix in mixes for what, mass in mix.components]  # fmt: skip
     foam = max(CUP_FACTOR * mix.total_g / pour.density_g_per_cm3 * 1e3 for _, pour, mix in mixes)
-    cup = f"cups of {cup_litre(foam):g} l"
+    cup = f"cups of {sold(CUPS_LITRE, foam * 1e-6):g} l"
     needs.append(MaterialItem(cup, 2 * len(mixes), "{:.0f}", "mixing and pouring over", POUR))
     if spec.body.style != "lidded" and not spec.pad.shape.bone_height_mm:
         film = f"release film, {arrangement.openings.length_mm + 40:.0f} x {arrangement.openings.width_mm + 40:.0f} mm"
@@ -116,8 +112,10 @@ def materials(
                     for name, volume in (printed_mm3 or {}).items()]  # fmt: skip
 
 
-def bill_of_materials(
-    spec: MouldSpec, plan: PourPlan, printed_mm3: Mapping[str, float] | None = None
-) -> list[tuple[str, str, str]]:
-    """Everything to buy or to have, as (what, how much, what for); the first row is the head."""
-    return [HEAD, *(need.row for need in materials(spec, plan, printed_mm3))]
+def bill_of_materials(needs: Iterable[MaterialItem]) -> list[tuple[str, str, str]]:
+    """Everything to buy or to have, as (what, how much, what for); equal things together, the first row the head."""
+    merged: dict[tuple[str, str], MaterialItem] = {}
+    for need in needs:
+        key = need.what, need.form
+        merged[key] = merged[key].with_(need) if key in merged else need
+    return [HEAD, *(need.row for need in merged.values())]

@@ -53,11 +53,13 @@ class PourPlan:
 
     def to_dict(self) -> dict[str, Any]:
         """Return the fields as plain values; components as {name, mass_g}; ``base`` only when there is one."""
-        parts = [{"name": name, "mass_g": mass} for name, mass in self.components]
-        plain = {**asdict(self), "components": parts, "base": self.base.to_dict() if self.base else None}
-        if self.base is None:
-            del plain["base"]
-        return plain
+        plain = {**asdict(self), "components": _named(self.components)}
+        del plain["base"]
+        return {**plain, "base": self.base.to_dict()} if self.base else plain
+
+
+def _named(components: tuple[tuple[str, float], ...]) -> list[dict[str, Any]]:
+    return [{"name": name, "mass_g": mass} for name, mass in components]
 
 
 def split_batch(
@@ -67,10 +69,8 @@ def split_batch(
     steps = [max(1, round(total_g * share / resolution_g)) for _, share in components]
     digits = max(0, -math.floor(math.log10(resolution_g)))
     masses = tuple((name, round(n * resolution_g, digits)) for (name, _), n in zip(components, steps))
-    worst = 0.0
-    for (_, share), n in zip(components, steps):
-        worst = max(worst, (abs(n - share * sum(steps)) + 0.5) / (share * sum(steps)))
-    return masses, 100 * worst
+    wanted = [share * sum(steps) for _, share in components]
+    return masses, 100 * max((abs(n - want) + 0.5) / want for n, want in zip(steps, wanted))
 
 
 def pour_plan(spec: MouldSpec, resin_mm3: float | None = None, silicone_mm3: float | None = None) -> PourPlan:
@@ -81,10 +81,10 @@ def pour_plan(spec: MouldSpec, resin_mm3: float | None = None, silicone_mm3: flo
     layers = spec.pad.shape.layers()
     if spec.base is None or layers is None:
         film = spec.pad.least_gel_mm
-        return _one_pour(spec, spec.pour, resin, silicone, _above_fill_mm3(spec, spec.pour), plan.fill_outline, film)
+        return _one_pour(spec, spec.pour, resin, silicone, above_fill_mm3(spec, spec.pour), plan.fill_outline, film)
     upper, _ = dimensions.layer_volumes_mm3(spec)
     base, left_mm = spec.base.pour, spec.pad.thickness_mm - layers[0]
-    under = _one_pour(spec, base, resin - upper, silicone, _above_fill_mm3(spec, base), plan.fill_outline, left_mm)
+    under = _one_pour(spec, base, resin - upper, silicone, above_fill_mm3(spec, base), plan.fill_outline, left_mm)
     # The spacer closes the first pour, so no meniscus stands over it.
     return replace(_one_pour(spec, spec.pour, upper, silicone, 0.0, plan.interface_outline, layers[0]), base=under)
 
@@ -104,57 +104,40 @@ def _one_pour(
     components, error = split_batch(wanted, pour.components, resolution)
     batch = sum(mass for _, mass in components)
     smallest = min(share for _, share in pour.components)
-    level = formula.level_tolerance_deg(spec.pad.thickness_mm, max(spec.pad.length_mm, spec.pad.width_mm))
+    long = max(spec.pad.length_mm, spec.pad.width_mm)
+    level = formula.level_tolerance_deg(spec.pad.thickness_mm, long)
     mass_mould = silicone_mm3 * spec.tool.density_g_per_cm3 * 1e-3
     warmer = max(0.0, pour.cure_temperature_C - pour.room_temperature_C)
     return PourPlan(
-        cavity_mm3=resin_mm3,
-        pad_mass_g=density * resin_mm3,
-        batch_mass_g=round(batch, 6),
-        components=components,
-        ratio_error_percent=error,
-        batch_for_ratio_g=resolution / (RATIO_ERROR_LIMIT_PERCENT / 100 * smallest),
-        cup_mm3=CUP_FACTOR * batch / density,
-        fill_mass_g=in_mould,
-        gram_per_mm_g=density * face.area_mm2,
+        cavity_mm3=resin_mm3, pad_mass_g=density * resin_mm3, batch_mass_g=round(batch, 6), components=components,
+        ratio_error_percent=error, batch_for_ratio_g=resolution / (RATIO_ERROR_LIMIT_PERCENT / 100 * smallest),
+        cup_mm3=CUP_FACTOR * batch / density, fill_mass_g=in_mould, gram_per_mm_g=density * face.area_mm2,
         silicone_mass_g=0.0 if spec.is_printed else mass_mould * (1 + pour.silicone_extra_percent / 100),
-        mould_mass_g=mass_mould,
-        level_deg=level,
-        level_mm=formula.tilt_error_mm(max(spec.pad.length_mm, spec.pad.width_mm), level),
-        meniscus_mm=formula.meniscus_height_mm(
-            pour.surface_tension_N_per_m, pour.density_g_per_cm3, pour.contact_angle_deg
-        ),
-        meniscus_mm3=_meniscus_mm3(spec, pour),
+        mould_mass_g=mass_mould, level_deg=level, level_mm=formula.tilt_error_mm(long, level),
+        meniscus_mm=formula.meniscus_height_mm(*_liquid(pour)), meniscus_mm3=_meniscus_mm3(spec, pour),
         wall_deflection_mm=formula.wall_deflection_mm(
-            plan.depth_mm, spec.body.wall_mm, spec.tool.young_MPa or 0.0, pour.density_g_per_cm3
-        ),
+            plan.depth_mm, spec.body.wall_mm, spec.tool.young_MPa or 0.0, pour.density_g_per_cm3),
         thermal_growth_mm=plan.bottom.length_mm * (spec.tool.expansion_per_K or 0.0) * warmer,
         collar_mm=formula.collar_height_mm(plan.depth_mm, pour.foam_factor) if pour.degas == "mould" else 0.0,
         pour_time_s=spreading_time_s(spec, pour, film_mm),
-    )
-
-
-def _meniscus_mm3(spec: MouldSpec, pour: Pour) -> float:
-    return formula.meniscus_volume_mm3(
-        pour.surface_tension_N_per_m, pour.density_g_per_cm3, pour.contact_angle_deg,
-        layout(spec).fill_outline.perimeter_mm,
     )  # fmt: skip
 
 
-def _above_fill_mm3(spec: MouldSpec, pour: Pour) -> float:
-    """Resin that stands over the fill plane: stems of a lid or of a bone's carrier, else the meniscus. [mm3]"""
-    if spec.closure is None and not spec.pad.shape.bone_height_mm:
-        return _meniscus_mm3(spec, pour)
-    return stems_mm3(spec)
+def _liquid(pour: Pour) -> tuple[float, float, float]:
+    return pour.surface_tension_N_per_m, pour.density_g_per_cm3, pour.contact_angle_deg
 
 
-def stems_mm3(spec: MouldSpec) -> float:
-    """Resin that stands in the sprue and the vents of a lid, or in the vents of a bone's carrier. [mm3]"""
+def _meniscus_mm3(spec: MouldSpec, pour: Pour) -> float:
+    return formula.meniscus_volume_mm3(*_liquid(pour), layout(spec).fill_outline.perimeter_mm)
+
+
+def above_fill_mm3(spec: MouldSpec, pour: Pour) -> float:
+    """Resin over the fill plane: stems in a lid's funnels or the vents of a bone's carrier, else the meniscus. [mm3]"""
     if spec.pad.shape.bone_height_mm:
         high = spec.body.freeboard_mm + spec.aids.plate_mm
         return CARRIER_VENTS * math.pi / 4 * CARRIER_VENT_MM**2 * high
     if spec.closure is None:
-        return 0.0
+        return _meniscus_mm3(spec, pour)
     sprue, *vents = layout(spec).funnels
     return _cone_mm3(sprue, spec.closure.lid_mm) + len(vents) * _cone_mm3(vents[0], spec.closure.lid_mm)
 
@@ -179,7 +162,8 @@ def spreading_time_s(spec: MouldSpec, pour: Pour, film_mm: float) -> float:
     return 3 * 3 * pour.viscosity_Pa_s / (weight * (film_mm * 1e-3) ** 3 * wave**2)
 
 
-WITNESS_DIAMETER_MM, WITNESS_HEIGHT_MM = 50.0, 30.0
+WITNESS_MM = 50.0, 30.0
+"""Diameter and height of the witness puck."""
 
 
 @dataclass(frozen=True)
@@ -192,8 +176,8 @@ class Mix:
 
     def to_dict(self) -> dict[str, Any]:
         """Return plain values."""
-        parts = [{"name": name, "mass_g": mass} for name, mass in self.components]
-        return {"components": parts, "total_g": self.total_g, "weighing_error_percent": self.error_percent}
+        return {"components": _named(self.components), "total_g": self.total_g,
+                "weighing_error_percent": self.error_percent}  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -219,8 +203,8 @@ class Batch:
 
 def witness_mass_g(pour: Pour) -> float:
     """Liquid for the witness puck. [g]"""
-    volume = math.pi / 4 * WITNESS_DIAMETER_MM**2 * WITNESS_HEIGHT_MM
-    return volume * pour.density_g_per_cm3 * 1e-3
+    diameter, height = WITNESS_MM
+    return math.pi / 4 * diameter**2 * height * pour.density_g_per_cm3 * 1e-3
 
 
 def batch_of(spec: MouldSpec, pour: Pour, plan: PourPlan) -> Batch:

@@ -103,23 +103,19 @@ def check_layers(spec: MouldSpec) -> None:
         finer = f"layers of {good[0]:g} mm do" if good else "machine the master"
         raise InputError(
             f"layer_mm = {layer:g} of machines '{spec.machines.name}': {layer_words(spec)}; allowed is "
-            f"{ALLOWED_PERCENT:g} %: {finer}, or take a thickness near "
-            f"{printed_thickness_mm(spec, layer):.2f} mm",
+            f"{ALLOWED_PERCENT:g} %: {finer}, or take a thickness near {printed_thickness_mm(spec, layer):.2f} mm",
             "out_of_range", "layer_mm", layer,
         )  # fmt: skip
 
 
 def tip_words(spec: MouldSpec) -> str:
     """How true a curve's height must be, and what the advised layers cost; empty where that is not known."""
-    allowed = allowed_layer_mm(spec)
-    if allowed is None:
+    if (allowed := allowed_layer_mm(spec)) is None:
         return ""
     tall = max(spec.pad.shape.relief_mm, spec.pad.shape.bone_height_mm)
     layer = spec.machines.layer_mm or formula.print_layer_mm(tall)
-    return (
-        f"{allowed / 2:.3f} mm of its height change the force by {ALLOWED_PERCENT:g} %, layers of {layer:.2g} mm by up "
-        f"to {ALLOWED_PERCENT * layer / allowed:.1f} %"
-    )
+    return (f"{allowed / 2:.3f} mm of its height change the force by {ALLOWED_PERCENT:g} %, layers of {layer:.2g} mm "
+            f"by up to {ALLOWED_PERCENT * layer / allowed:.1f} %")
 
 
 def print_words(spec: MouldSpec) -> str:
@@ -140,10 +136,8 @@ def print_words(spec: MouldSpec) -> str:
 def release_words(spec: MouldSpec) -> str:
     """The warning: plastic does not let go by itself."""
     assert spec.surface is not None
-    return (
-        "a printed mould is rigid and polyurethane bonds to plastic: finish the faces to valleys of at most "
-        f"{spec.surface.depth_mm:g} mm, wax them, lay on a film of PVA, and try a scrap of print and resin first"
-    )
+    return ("a printed mould is rigid and polyurethane bonds to plastic: finish the faces to valleys of at most "
+            f"{spec.surface.depth_mm:g} mm, wax them, lay on a film of PVA, and try a scrap of print and resin first")
 
 
 def mould_steps(spec: MouldSpec, plastic: str, face: str) -> tuple[str, ...]:
@@ -165,10 +159,14 @@ def mould_steps(spec: MouldSpec, plastic: str, face: str) -> tuple[str, ...]:
 
 
 def demould_steps(spec: MouldSpec) -> tuple[str, ...]:
-    """How the pad is taken out of a rigid mould."""
+    """How the pad is taken out of a soft mould, or of a rigid one."""
     pad = spec.pad
     hold = formula.suction_force_N(pad.length_mm * pad.width_mm)
     peel = formula.peel_force_N(min(pad.length_mm, pad.width_mm), 5.0)
+    if not spec.is_printed:
+        return (f"Never pull it straight: air pressure alone can hold {hold:.0f} N on the sealed face. Peel a corner "
+                "of the mould's wall outwards, let air in, and roll the mould off the pad "
+                f"(about {peel:.1f} N at 5 J/m2).",)  # fmt: skip
     return (
         f"Never pull the pad out of the ring: air pressure alone can hold {hold:.0f} N on the sealed face. Turn the "
         "mould over onto release film on a flat board and take the bolts out.",

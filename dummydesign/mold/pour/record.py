@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
@@ -13,17 +13,7 @@ from dummydesign.core.errors import InputError, out_of_range, unknown_name
 from dummydesign.measurement.pad_record import PadRecord, thickness_error
 from dummydesign.mold.model import formulas as formula
 from dummydesign.mold.model.spec import MouldSpec
-from dummydesign.mold.pour.acceptance import (
-    BUBBLES,
-    WRONG_MODULUS,
-    GaugePoint,
-    check_readings,
-    example,
-    force_change_percent,
-    gauge_points,
-    offsets_mm,
-    pressed_thickness_mm,
-)
+from dummydesign.mold.pour.acceptance import BUBBLES, WRONG_MODULUS, GaugePoint, force_change_percent, gauge_points
 from dummydesign.mold.pour.plan import pour_plan
 
 PLACES = 5
@@ -137,17 +127,50 @@ def check_measured(measured: Measured, spec: MouldSpec, points: tuple[GaugePoint
         ("--modulus", measured.young_kPa, 0.5, 5000.0),
         ("--modulus-error", measured.young_sd_kPa, 0.0, 0.5 * (measured.young_kPa or 5000.0)),
         ("--scale", measured.scale_g, 0.0, 10.0),
-        ("--level", measured.level_deg, 0.0, 10.0),
-        ("--bubbles", measured.bubbles, 0, 10000),
+        ("--level", measured.level_deg, 0.0, 10.0), ("--bubbles", measured.bubbles, 0, 10000),
         ("--gauge", measured.gauge_mm, 0.0, 0.2 * h),
-    ):
+    ):  # fmt: skip
         if value is not None and not low <= value <= high:
             raise out_of_range(name, f"{value:g}", f"{low:g}", f"{high:g}")
 
 
-def record_pad(
-    measured: Measured, spec: MouldSpec, points: tuple[GaugePoint, ...] | None = None
-) -> PadRecord:
+def check_readings(readings: Mapping[str, float], points: Sequence[GaugePoint]) -> None:
+    """Refuse readings of unknown points, missing points and values that this pad cannot have."""
+    names = [point.name for point in points]
+    for name in readings:
+        if name not in names:
+            raise unknown_name("gauge point", name, names)
+    if missing := [name for name in names if name not in readings]:
+        raise InputError(f"--thickness lacks {', '.join(missing)}; give {example(points)}", "missing", "thickness")
+    for point in points:
+        value, nominal = readings[point.name], point.nominal_mm
+        if not 0.5 * nominal <= value <= 2.0 * nominal:
+            raise out_of_range(f"--thickness {point.name}", f"{value:g} mm", f"{0.5 * nominal:g}",
+                               f"{2 * nominal:g} mm", f"its nominal is {nominal:.2f} mm")  # fmt: skip
+
+
+def example(points: Sequence[GaugePoint]) -> str:
+    """How readings are typed: every name with its nominal thickness."""
+    return ",".join(f"{point.name}={point.nominal_mm:.2f}" for point in points)
+
+
+def offsets_mm(readings: Mapping[str, float], points: Sequence[GaugePoint]) -> dict[str, float]:
+    """Reading less nominal thickness by name. [mm]"""
+    return {point.name: readings[point.name] - point.nominal_mm for point in points}
+
+
+def pressed_thickness_mm(readings: Mapping[str, float], points: Sequence[GaugePoint], thickness_mm: float) -> float:
+    """Thickness of the pad as its force law means it. [mm]
+
+    Of a pad with tips the mean reading at them; of a flat pad the designed thickness and the mean offset of all points.
+    """
+    flat = all(abs(point.nominal_mm - thickness_mm) < 1e-9 for point in points)
+    off = offsets_mm(readings, points)
+    counted = [off[point.name] for point in points if flat or point.pressed]
+    return thickness_mm + sum(counted) / len(counted)
+
+
+def record_pad(measured: Measured, spec: MouldSpec, points: tuple[GaugePoint, ...] | None = None) -> PadRecord:
     """Judge a cast pad.
 
     The force is that at a quarter of the designed thickness by the response table, over that of the designed pad:
@@ -210,9 +233,7 @@ def _evened_mm(measured: Measured, spec: MouldSpec, points: tuple[GaugePoint, ..
     return tuple(spec.pad.thickness_mm + off for off in offsets_mm(measured.readings, points).values())
 
 
-def judge(
-    measured: Measured, spec: MouldSpec, points: tuple[GaugePoint, ...] | None = None
-) -> tuple[LimitCheck, ...]:
+def judge(measured: Measured, spec: MouldSpec, points: tuple[GaugePoint, ...] | None = None) -> tuple[LimitCheck, ...]:
     """Each limit of acceptance with what was measured; those that were not measured are left out."""
     limits, pad, points = spec.acceptance, spec.pad, points or gauge_points(spec)
     h, values = pad.thickness_mm, _evened_mm(measured, spec, points)

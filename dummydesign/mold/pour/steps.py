@@ -69,19 +69,15 @@ def plug_finish(spec: MouldSpec) -> str:
     pad, sheet = spec.pad, spec.box.face_sheet_mm
     where = "floor of the base" if spec.is_printed else "plug's top"
     if sheet:
-        return (
-            f"The tested face is the sheet of {sheet:g} mm (drawing face_sheet): gauge it first, another thickness is "
-            f"another face_sheet_mm (measured: {BLANK} mm). Bond it into the pocket with a film of "
-            f"{spec.box.sheet_bond_mm:g} mm, weighed down on a flat plate so that it ends flush with the {where} "
-            f"(step measured: {BLANK} mm), and fill the gap around it."
-        )
+        return (f"The tested face is the sheet of {sheet:g} mm (drawing face_sheet): gauge it first, another "
+                f"thickness is another face_sheet_mm (measured: {BLANK} mm). Bond it into the pocket with a film of "
+                f"{spec.box.sheet_bond_mm:g} mm, weighed down on a flat plate so that it ends flush with the {where} "
+                f"(step measured: {BLANK} mm), and fill the gap around it.")  # fmt: skip
     if not pad.shape.relief_mm:
         return f"The {where} becomes the tested face: sand it, or have a sheet of glass let in (face_sheet_mm)."
     layer = formula.print_layer_mm(pad.shape.relief_mm)
-    return (
-        f"The {where} shapes the tested face and is curved. Print it in layers of at most {layer:.2g} mm, then "
-        "sand it with a soft pad or coat it. Measure its height over the flat with a dial gauge."
-    )
+    return (f"The {where} shapes the tested face and is curved. Print it in layers of at most {layer:.2g} mm, then "
+            "sand it with a soft pad or coat it. Measure its height over the flat with a dial gauge.")  # fmt: skip
 
 
 def shape_mark(spec: MouldSpec) -> str:
@@ -98,11 +94,9 @@ def by_difference(plan: PourPlan, why: str, count: int = 1) -> str:
             f"it, pour in a thin stream into one corner, put the cup back and stop at -{plan.fill_mass_g:.1f} g "
             f"({why}). Do not move the mould. Poured: {' '.join([BLANK] * count)} g"
         )
-    return (
-        f"Put the cup on the balance and tare it. Pour in a thin stream into one corner and put the cup back: the "
-        f"balance shows how much you poured. Stop at -{plan.fill_mass_g:.1f} g ({why}). Do not move the mould. "
-        f"Poured: {BLANK} g"
-    )
+    return ("Put the cup on the balance and tare it. Pour in a thin stream into one corner and put the cup back: the "
+            f"balance shows how much you poured. Stop at -{plan.fill_mass_g:.1f} g ({why}). Do not move the mould. "
+            f"Poured: {BLANK} g")  # fmt: skip
 
 
 def _layer_steps(spec: MouldSpec, plan: PourPlan) -> list[Step]:
@@ -132,25 +126,15 @@ def _preparing_bone(spec: MouldSpec) -> list[Step]:
                  "Lower the carrier into the empty mould once: it must sit on the land all round.")]  # fmt: skip
 
 
-def _lower_bone() -> Step:
-    return Step("Wet bone and plate with resin. Set the plate down on one edge and lower it like a hinge, slowly, "
-                "until it rests on the land and every vent shows resin; top up through a vent. Clamp it or weigh it "
-                f"down: it must not float. Seated all round: {BLANK}", (CLOSE,))  # fmt: skip
-
-
 def demould_first(spec: MouldSpec) -> str:
     """Where the pad goes when the mould is off."""
     if spec.pad.shape.bone_height_mm:
-        return (
-            "The pad stays on its plate for good: lift both, cut the stems in the vents and the rim flush, and screw "
-            "the plate to the base of the test rig through its four corner holes."
-        )
+        return ("The pad stays on its plate for good: lift both, cut the stems in the vents and the rim flush, and "
+                "screw the plate to the base of the test rig through its four corner holes.")  # fmt: skip
     if len(spec.pad.shape.places_mm) > 1:
-        return (
-            "Slide the pad on release film onto a flat board, then glue it by its free face to the middle of the "
-            "carrier (drawing carrier): its grooves point at the tips, the punch is set down where the lines cross. "
-            "No silicone spray on the face that is tested."
-        )
+        return ("Slide the pad on release film onto a flat board, then glue it by its free face to the middle of the "
+                "carrier (drawing carrier): its grooves point at the tips, the punch is set down where the lines "
+                "cross. No silicone spray on the face that is tested.")  # fmt: skip
     return "Slide the pad on release film onto a flat board. No silicone spray on the face that is tested."
 
 
@@ -223,20 +207,20 @@ def _degas_in_mould(spec: MouldSpec, plan: PourPlan) -> list[Step]:
 
 def _filling(spec: MouldSpec, plan: PourPlan) -> list[Step]:
     """Filling an open mould that is level: at once, in two layers, or under a bone."""
+    why = f"the step of the brim is the fill line; {plan.gram_per_mm_g:.1f} g fill one millimetre"
     if spec.pad.shape.bone_height_mm:
         bone = bone_volume_mm3(spec) * 1e-3
         why = f"the bone displaces {bone:.1f} cm3, so the resin stands below the step of the brim"
-        return [Step(by_difference(plan, why), (POUR,)), *_closing(spec, plan)]
-    if plan.base is not None:
-        return [*_layer_steps(spec, plan), *_closing(spec, plan)]
-    why = f"the step of the brim is the fill line; {plan.gram_per_mm_g:.1f} g fill one millimetre"
-    return [Step(by_difference(plan, why, spec.count), (POUR,)), *_closing(spec, plan)]
+    steps = [Step(by_difference(plan, why, spec.count), (POUR,))]
+    return [*(steps if plan.base is None else _layer_steps(spec, plan)), *_closing(spec, plan)]
 
 
 def _closing(spec: MouldSpec, plan: PourPlan) -> list[Step]:
     """What closes an open mould that is filled: a bone's carrier or the strike-off plate."""
     if spec.pad.shape.bone_height_mm:
-        return [_lower_bone()]
+        return [Step("Wet bone and plate with resin. Set the plate down on one edge and lower it like a hinge, slowly, "
+                     "until it rests on the land and every vent shows resin; top up through a vent. Clamp it or weigh "
+                     f"it down: it must not float. Seated all round: {BLANK}", (CLOSE,))]  # fmt: skip
     last, pour = plan.base or plan, spec.base.pour if spec.base else spec.pour
     return [
         Step(f"Prick bubbles, wait {max(30.0, last.pour_time_s):.0f} s for the liquid to level (viscosity "

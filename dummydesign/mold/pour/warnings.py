@@ -14,41 +14,33 @@ RATIO_OFF = 0.02
 def pour_warnings(spec: MouldSpec, plan: PourPlan) -> list[dict[str, str]]:
     """Say what may go wrong with this pour, as {code, message}."""
     pad = spec.pad
-    notes = {
-        "level": f"level the mould to {plan.level_deg:.2f} deg: {plan.level_mm:.2f} mm over the longer side, "
-                 f"{100 * plan.level_mm / pad.thickness_mm:.1f} % of {pad.thickness_mm:g} mm",
-    }  # fmt: skip
+    notes = {"level": f"level the mould to {plan.level_deg:.2f} deg: {plan.level_mm:.2f} mm over the longer side, "
+                      f"{100 * plan.level_mm / pad.thickness_mm:.1f} % of {pad.thickness_mm:g} mm"}  # fmt: skip
     if spec.body.style != "lidded":
         plate = "the carrier of the bone" if pad.shape.bone_height_mm else "the strike-off plate onto a release film"
-        notes["meniscus"] = (
-            f"fill to the sharp step of the brim, no higher, and lower {plate}: "
-            f"the liquid rises up to {plan.meniscus_mm:.1f} mm at the walls of an open cavity"
-        )
+        notes["meniscus"] = (f"fill to the sharp step of the brim, no higher, and lower {plate}: the liquid rises up "
+                             f"to {plan.meniscus_mm:.1f} mm at the walls of an open cavity")  # fmt: skip
     pours = pours_of(spec, plan)
     pour, small = max(pours, key=lambda one: one[1].ratio_error_percent)
     if small.ratio_error_percent > RATIO_ERROR_LIMIT_PERCENT:
         mix, alone = batch_of(spec, pour, small).mix, small.batch_mass_g
-        notes["small_batch"] = (
-            f"mix {mix.total_g:g} g, although {alone:g} g fill the mould: with a balance of "
-            f"{spec.machines.balance_resolution_g:g} g the error of the smaller component is then at most "
-            f"{mix.error_percent:.2f} % instead of {small.ratio_error_percent:.2f} %; a finer balance saves resin"
-        )
+        notes["small_batch"] = (f"mix {mix.total_g:g} g, although {alone:g} g fill the mould: with a balance of "
+                                f"{spec.machines.balance_resolution_g:g} g the error of the smaller component is then "
+                                f"at most {mix.error_percent:.2f} % instead of {small.ratio_error_percent:.2f} %; a "
+                                "finer balance saves resin")  # fmt: skip
     if plan.wall_deflection_mm > 0.2:
         bulge = f"the walls may bulge by {plan.wall_deflection_mm:.2f} mm under the liquid"
         notes["wall_deflection"] = f"{bulge}: support them in the tray"
     slowest_s = max(one.pour_time_s for _, one in pours)
     if slowest_s > 60 * spec.pour.pot_life_min / 4:
-        notes["slow_levelling"] = (
-            f"the liquid needs about {slowest_s / 60:.0f} min to level itself in {pad.least_gel_mm:g} mm, a good part "
-            f"of its pot life of {spec.pour.pot_life_min:g} min: spread it with a spatula"
-        )
+        notes["slow_levelling"] = (f"the liquid needs about {slowest_s / 60:.0f} min to level itself in "
+                                   f"{pad.least_gel_mm:g} mm, a good part of its pot life of "
+                                   f"{spec.pour.pot_life_min:g} min: spread it with a spatula")  # fmt: skip
     if spec.is_printed:
         notes["printed_mould"] = release_words(spec)
     elif not spec.has_isocyanate:
-        notes["bonding"] = (
-            f"if {spec.pour.resin} is a silicone it bonds to a silicone mould: use a release agent and try it on a "
-            "scrap first"
-        )
+        notes["bonding"] = (f"if {spec.pour.resin} is a silicone it bonds to a silicone mould: use a release agent "
+                            "and try it on a scrap first")  # fmt: skip
     if words := layer_words(spec):
         notes["print_layers"] = words
     if 0.0 < pad.edge_radius_mm == pad.edge_room_mm:
@@ -77,10 +69,8 @@ def _relief(spec: MouldSpec) -> dict[str, str]:
                             "mm beside it: pour by mass, not by depth",
     }  # fmt: skip
     if shape.pockets:
-        notes["air_pockets"] = (
-            f"the {shape.pockets} pockets in the floor keep air: brush a thin coat of resin into them first, or "
-            "draw a vacuum on the filled mould"
-        )
+        notes["air_pockets"] = (f"the {shape.pockets} pockets in the floor keep air: brush a thin coat of resin into "
+                                "them first, or draw a vacuum on the filled mould")  # fmt: skip
     return notes
 
 
@@ -96,10 +86,8 @@ def _bone(spec: MouldSpec) -> dict[str, str]:
         return notes
     notes["bone_from_file"] = spec.insert.words
     if spec.insert.overhang:
-        notes["bone_overhang"] = (
-            "parts of the bone look up towards its plate and keep air under them: wet them with resin, lower the bone "
-            "tilted and turn it while it sinks"
-        )
+        notes["bone_overhang"] = ("parts of the bone look up towards its plate and keep air under them: wet them with "
+                                  "resin, lower the bone tilted and turn it while it sinks")  # fmt: skip
     return notes
 
 

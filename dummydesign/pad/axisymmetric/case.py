@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from dummydesign.core.cache import cached
 from dummydesign.core.errors import InputError, NoAnswerError, out_of_range
@@ -28,10 +30,8 @@ from dummydesign.pad.solve.equilibrium import Problem
 from dummydesign.pad.specimen import SLAB, Pad
 
 Array = np.ndarray
-Progress = Callable[[float], None]
 
-# Contact and film stiffness in shear moduli per rim.
-CONTACT_STIFFNESS = GLUED_SLAB.contact
+# Stiffness of the film in shear moduli per rim, and how many rims it reaches inwards.
 FILM_STIFFNESS = GLUED_SLAB.contact * GLUED_SLAB.grip_share
 FILM_REACH = 6.0
 # The energy term that keeps elements from inverting, in shear moduli, where a glued face ends in an edge: ten times as
@@ -67,12 +67,11 @@ class Case:
         """Make the case of a pad; with ``check`` refuse what cannot be meshed under a flat punch."""
         h = pad.thickness_mm
         extent_mm = PAD_EXTENT_MM if pad.extent_mm is None else pad.extent_mm
-        law = pad.shape.scaled(1.0 / pad.shape.shear_MPa)
         # Slabs of one proportion are one case, whatever their thickness.
         own_mm = 1.0 if pad.geometry == SLAB else float(h)
         weight = weight_over_shear(h, pad.shear_MPa) if Interface.names_friction(pad.base) else 0.0
         case = cls(
-            pad.radius_mm / h, extent_mm / h, pad.base, pad.condition, law, pad.poisson, pad.edge_radius_mm / h,
+            pad.radius_mm / h, extent_mm / h, pad.base, pad.condition, pad.shape, pad.poisson, pad.edge_radius_mm / h,
             pad.geometry, own_mm, weight=weight,
         )  # fmt: skip
         if check:
@@ -164,7 +163,7 @@ def sharp_problem(case: Case, resolution: Resolution, rings: int = 6, quarter_po
     """The sharp-edged punch, for the small-strain limit: quarter-point elements at the edge."""
     _check_smooth(case)
     half_box = resolution.box * case.scale
-    points, quads, centre = meshes.web_mesh(case.radius, 1.0, case.extent, half_box, rings, resolution)
+    points, quads, centre = meshes.web_mesh(case.radius, case.extent, half_box, rings, resolution)
     mesh = meshes.discretise(points, quads, centre, quarter_points)
     return round_problem(mesh, case, np.nonzero(meshes.on_top(mesh) & (mesh.nodes[0] <= case.radius + 1e-9))[0])
 
@@ -180,7 +179,7 @@ def rimmed_problem(case: Case, rim: float, resolution: Resolution) -> Problem:
     punch, shear = FlatPunch(case.radius, rim), case.law.shear_MPa
     half_box = resolution.box * case.scale
     rings = max(1, int(np.ceil(np.log2(half_box / rim)))) + 2
-    points, quads, centre = meshes.web_mesh(punch.flat_radius, 1.0, case.extent, half_box, rings, resolution)
+    points, quads, centre = meshes.web_mesh(punch.flat_radius, case.extent, half_box, rings, resolution)
     mesh = meshes.discretise(points, quads, centre)
     top, r = meshes.on_top(mesh), mesh.nodes[0]
     glued = case.condition == "bonded"
@@ -189,12 +188,9 @@ def rimmed_problem(case: Case, rim: float, resolution: Resolution) -> Problem:
     inner = vertices.max()
     reach = case.radius + 0.8 * case.scale
     sides = meshes.edges_on(mesh, top & (r >= inner - 1e-9) & (r <= reach))
-
-    def film(radius: Array) -> Array:
-        return glue_film(radius, punch, shear) * glued
-
+    film = partial(glue_film, punch=punch, shear_MPa=shear) if glued else None
     surface = Surface(
-        mesh.nodes, sides, shear * CONTACT_STIFFNESS / rim, film, shear * FILM_STIFFNESS / rim * glued,
+        mesh.nodes, sides, shear * GLUED_SLAB.contact / rim, film, shear * FILM_STIFFNESS / rim * glued,
         punch.flat_radius,
     )  # fmt: skip
     face = np.nonzero(top & (r <= punch.flat_radius + 1e-9))[0]
@@ -217,7 +213,7 @@ def first_stiffness(case: Case, resolution: Resolution | None = None) -> float:
     return problem.stiffness() / (3.0 * case.law.shear_MPa * case.radius)
 
 
-def relative_depths(depth_mm: Sequence[float] | Array, thickness_mm: float) -> Array:
+def relative_depths(depth_mm: ArrayLike, thickness_mm: float) -> Array:
     """Return the wanted depths above 0, increasing, over the thickness."""
     depths = np.unique(np.asarray(depth_mm, dtype=float))
     limit = MAX_DEPTH_OVER_THICKNESS * thickness_mm
@@ -270,7 +266,7 @@ def lattice_depths(deepest: float) -> Array:
 
 
 def solve_on_lattice(
-    kind: str, pad: Pad, depth_mm: Sequence[float] | Array, solve: Callable[[Case, Array], dict[str, Any]]
+    kind: str, pad: Pad, depth_mm: ArrayLike, solve: Callable[[Case, Array], dict[str, Any]]
 ) -> PadCurve:
     """Solve a slab at the lattice's depths, kept in the cache, and interpolate its force at the wanted ones.
 
@@ -289,9 +285,7 @@ def solve_on_lattice(
     at, where = np.sqrt(nodes), np.sqrt(np.maximum(kept, nodes[0]))
     stiffness = np.exp(monotone_cubic(at, log)(where) if len(nodes) > 1 else log[0])
     force = stiffness * kept * pad.shear_MPa * pad.thickness_mm**2
-    return PadCurve(
-        kept * pad.thickness_mm, force, np.interp(where, at, made["error"]) * force, made["solver"], notes
-    )
+    return PadCurve(kept * pad.thickness_mm, force, np.interp(where, at, made["error"]) * force, made["solver"], notes)
 
 
 def of_two_meshes(coarse: Path, fine: Path, nodes: Array, least_error: float) -> dict[str, Any]:

@@ -1,27 +1,45 @@
 """Force of a slab under a round flat punch whose edge is a fillet: a well-posed problem without a singular edge.
 
-The face inside the fillet is glued from the start. Beyond it the pad's surface rolls on to the fillet, and further on
-to the punch's upright side; what touches there sticks where it touched. Nothing is singular: the force is solved on
-two meshes, the cells of one twice as large, and extrapolated by half of what that changed.
+Glued, the face inside the fillet moves with the punch from the start. Beyond it the pad's surface rolls on to the
+fillet, and further on to the punch's upright side; what touches there sticks where it touched. Nothing is singular: the
+force is solved on two meshes, the cells of one twice as large, and extrapolated by half of what that changed. A face
+that slides without friction has a mesh that moves with the fillet; one with friction rubs along the punch's outline.
 """
 
 from __future__ import annotations
 
+import time
+from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import numpy as np
 
 from dummydesign.core.errors import out_of_range
+from dummydesign.core.process import one_blas_thread, tell_depth
 from dummydesign.geometry.dimensions import LARGEST_EDGE_RADIUS
-from dummydesign.pad.axisymmetric.case import FIRST_STEP, LATTICE, Case, Progress, first_stiffness, round_problem
+from dummydesign.geometry.interface import FACES, Interface
+from dummydesign.pad.axisymmetric.case import (
+    FIRST_STEP,
+    LATTICE,
+    Case,
+    extend_path,
+    first_stiffness,
+    of_two_meshes,
+    round_problem,
+    solve_on_lattice,
+)
 from dummydesign.pad.contact.axisymmetric import FilletedPunch, Surface
-from dummydesign.pad.contact.penalty import FILLETED_PUNCH
+from dummydesign.pad.contact.friction import RubbingSurface
+from dummydesign.pad.contact.penalty import FILLETED_PUNCH, RUBBING_PUNCH
 from dummydesign.pad.fem import mesh_axisymmetric as meshes
 from dummydesign.pad.fem.mesh_axisymmetric import columns
-from dummydesign.pad.fem.mixed_solid import Discretisation
-from dummydesign.pad.solve.continuation import Path, cost, follow
-from dummydesign.pad.solve.equilibrium import Problem
+from dummydesign.pad.fem.mixed_solid import Discretisation, Solid
+from dummydesign.pad.force_law import PadCurve
+from dummydesign.pad.solve.continuation import EASY, Path, cost, follow
+from dummydesign.pad.solve.equilibrium import Failure, Problem, Solution, find_equilibrium
+from dummydesign.pad.specimen import Pad
 
 Array = np.ndarray
 
@@ -77,19 +95,17 @@ def check_fillet(fillet_mm: float, half_width_mm: float) -> None:
         raise out_of_range("edge_radius_mm", fillet_mm, 0.0, float(f"{largest:.4g}"))
 
 
-def follow_filleted(problem: Problem, nodes: Array, progress: Progress | None = None) -> Path:
+def follow_filleted(problem: Problem, nodes: Array) -> Path:
     """Follow a glued fillet through depths on the lattice."""
-    return follow(problem, nodes, FIRST_STEP, LATTICE, LATTICE / 256.0, progress, lattice=True)
+    return follow(problem, nodes, FIRST_STEP, LATTICE, LATTICE / 256.0, lattice=True)
 
 
-def solve_filleted(case: Case, nodes: Array, progress: Progress | None = None, sides: bool = True) -> dict[str, Any]:
+def solve_filleted(case: Case, nodes: Array, sides: bool = True) -> dict[str, Any]:
     """F / d over mu h at depth 0 and at the first of the nodes, those that were reached, and its relative error.
 
     F / d rises from that of the flat face as the contact rolls on to the fillet, by about the root of the depth.
     """
-    coarse, fine = (
-        follow_filleted(filleted_problem(case, sides, coarser), nodes, progress) for coarser in (2.0, 1.0)
-    )
+    coarse, fine = (follow_filleted(filleted_problem(case, sides, coarser), nodes) for coarser in (2.0, 1.0))
     face = replace(case, radius=case.radius - case.edge)
     first = 3.0 * face.radius * first_stiffness(face)
     count = len(fine.force)
@@ -105,3 +121,220 @@ def solve_filleted(case: Case, nodes: Array, progress: Progress | None = None, s
         "depth": np.concatenate([[0.0], nodes[:count]]), "stiffness": stiffness,
         "error": np.concatenate([[LEAST_ERROR], error]), "solver": cost([coarse, fine]), "stop": fine.stop,
     }  # fmt: skip
+
+
+# Undeformed length of the face over the fillet, and of the even cells above it, in fillets.
+SPAN, ABOVE = 0.8, 2.0
+# The energy term that keeps cells from inverting, in shear moduli; a tenth of it changes no force by more than 0.2 %.
+STABILISATION = 10.0
+# A column is moved by this share of what it is away from the fillet's start, and at most by this share of a cell.
+GAIN, FURTHEST = 0.5, 0.5
+
+
+class SlidingMesh:
+    """The slab under a filleted punch without friction, its columns at any place; lengths in thicknesses."""
+
+    def __init__(self, case: Case, cells: int) -> None:
+        fillet = case.edge
+        self.case, self.punch, self.cells = case, FilletedPunch(case.radius, fillet), cells
+        flat, self._cell = self.punch.flat_radius, SPAN * fillet / cells
+        self.edge = flat
+        self._inside = (1.0 - lines(flat, self._cell, GROWTH, LARGEST) / flat)[::-1]
+        self._even = self._cell * np.arange(cells + round(ABOVE * fillet / self._cell) + 1)
+        beyond = case.extent - flat - self._even[-1]
+        self._beyond = lines(beyond, self._cell, GROWTH, LARGEST, 1.0) / beyond
+        self._z = -lines(1.0, self._cell, GROWTH, LARGEST)
+        mesh = self._mesh()
+        top, r = meshes.on_top(mesh), mesh.nodes[0]
+        self._sides = meshes.edges_on(mesh, top & (r <= case.radius + 0.8 * case.scale))
+        self.face = np.nonzero(top)[0][np.argsort(r[top])]
+        depths = np.sort(np.concatenate([self._z, 0.5 * (self._z[1:] + self._z[:-1])]))
+        self._column = np.argmin(np.abs(r[:, None] - self._middles(flat)), axis=1)
+        self._row = np.argmin(np.abs(mesh.nodes[1][:, None] - depths), axis=1)
+        self.problem: Problem = round_problem(
+            mesh, case, np.array([], dtype=int), self._surface(mesh), self.punch,
+            np.nonzero(top & (r <= flat + 1e-9))[0], STABILISATION,
+        )  # fmt: skip
+
+    def _radii(self, edge: float) -> Array:
+        """Radii of the columns when the fillet's first one is at ``edge`` in the undeformed slab."""
+        start = edge + self._even[-1]
+        outside = start + (self.case.extent - start) * self._beyond
+        return np.concatenate([edge * self._inside[:-1], edge + self._even[:-1], outside])
+
+    def _middles(self, edge: float) -> Array:
+        """Those and the radii half-way between them: all that have nodes."""
+        radii = self._radii(edge)
+        both = np.empty(2 * len(radii) - 1)
+        both[::2], both[1::2] = radii, 0.5 * (radii[1:] + radii[:-1])
+        return both
+
+    def _mesh(self) -> Discretisation:
+        points, quads, _ = columns(self._radii(self.edge), -self._z)
+        return meshes.discretise(points, quads)
+
+    def _surface(self, mesh: Discretisation) -> Surface:
+        return Surface(mesh.nodes, self._sides, self.case.law.shear_MPa * FILLETED_PUNCH.contact / self.punch.rim)
+
+    def move(self, edge: float) -> None:
+        """Put the columns where the fillet's first one is at a radius ``edge`` of the undeformed slab."""
+        self.edge = edge
+        mesh = self._mesh()
+        self.problem.solid = Solid(mesh, self.case.law, self.case.poisson, STABILISATION)
+        self.problem.surface = self._surface(mesh)
+
+    def nearer(self, edge: float, places: Array, depth: float) -> tuple[float, Array]:
+        """Columns nearer to the fillet's start than those at ``edge``, and where their nodes are then."""
+        way = self.punch.outline(places[self.face], depth)
+        before, at = self._middles(edge), 2 * (len(self._inside) - 1)
+        stretch = (way[at + 1] - way[at - 1]) / (before[at + 1] - before[at - 1])
+        miss = (way[at] - self.punch.flat_radius) / max(stretch, 0.3)
+        moved = edge - float(np.clip(GAIN * miss, -FURTHEST * self._cell, FURTHEST * self._cell))
+        grid = np.zeros((len(before), self._row.max() + 1, 2))
+        grid[self._column, self._row] = places
+        grid += np.gradient(grid, before, axis=0) * (self._middles(moved) - before)[:, None, None]
+        return moved, grid[self._column, self._row]
+
+    def stretch(self, u: Array, depth: float) -> float:
+        """Largest stretch of the face along the outline, of the cells over the fillet and next to it."""
+        nodes = self.problem.solid.mesh.nodes[:, self.face].T
+        way = self.punch.outline(nodes + u.reshape(-1, 2)[self.face], depth)
+        at = 2 * (len(self._inside) - 2) + 2 * np.arange(self.cells + 2)
+        return float((np.diff(way[at]) / np.diff(nodes[at, 0])).max())
+
+
+SMALLEST_SLIDE = LATTICE / 128.0
+# Error of contact, steps and the energy term; beside the step between the meshes, doubled where the fine one has ended.
+SLIDING_ERROR = 3e-3
+
+
+def solve_sliding(case: Case, nodes: Array) -> dict[str, Any]:
+    """F / d over mu h at the first of the nodes, those that were reached, and its relative error."""
+    coarse, fine = (follow_sliding(SlidingMesh(case, cells), nodes) for cells in (COARSE, FINE))
+    return of_two_meshes(coarse, fine, nodes, SLIDING_ERROR)
+
+
+@one_blas_thread()
+def follow_sliding(mesh: SlidingMesh, depths: Array, visit: Callable[[float, Solution], None] | None = None) -> Path:
+    """Follow the slab through depths while the mesh's columns follow the fillet.
+
+    The next state is extrapolated from the last two in the frame of the punch, in which it hardly changes.
+    """
+    began = time.perf_counter()
+    problem = mesh.problem
+    u, p = problem.start()
+    rate = problem.direction()
+    places = problem.solid.mesh.nodes.T + u.reshape(-1, 2)
+    earlier: tuple[float, float, Array, Array] | None = None
+    depth, here, step, stop, stretch = 0.0, mesh.edge, float(depths[0]), None, 1.0
+    points: list[tuple[float, float, float]] = []
+    steps = iterations = 0
+    while len(points) < len(depths) and stop is None:
+        remaining = depths[len(points)] - depth
+        goal = float(depths[len(points)] if remaining <= 1.25 * step else depth + min(step, 0.5 * remaining))
+        if earlier is None:
+            ahead = goal - depth
+            edge, guess, pressure = here, places + ahead * rate[0].reshape(-1, 2), p + ahead * rate[1]
+        else:
+            ahead = min((goal - depth) / (depth - earlier[0]), 5.0)
+            edge = here + ahead * (here - earlier[1])
+            guess, pressure = places + ahead * (places - earlier[2]), p + ahead * (p - earlier[3])
+            edge, guess = mesh.nearer(edge, guess, goal)
+        mesh.move(edge)
+        nodes = problem.solid.mesh.nodes.T
+        answer = find_equilibrium(problem, (guess - nodes).ravel(), pressure, goal)
+        iterations += answer.iterations
+        if isinstance(answer, Failure):
+            step = 0.5 * (goal - depth)
+            if step < SMALLEST_SLIDE:
+                stop = (
+                    f"{answer.reason}; at relative depth {depth:.3f} the face is {stretch:.1f} times as long where it "
+                    "slides round the fillet; under a larger fillet it gets further"
+                )
+            continue
+        earlier = (depth, here, places, p)
+        depth, here, p, places = goal, edge, answer.p, nodes + answer.u.reshape(-1, 2)
+        stretch = mesh.stretch(answer.u, depth)
+        steps += 1
+        if goal >= depths[len(points)] * (1.0 - 1e-12):
+            points.append((goal, problem.force(answer.state), float(answer.state.J.min())))
+            if visit:
+                visit(goal, answer)
+            tell_depth(goal)
+        if answer.iterations <= EASY:
+            step = min(1.4 * step, LATTICE)
+    table = np.array(points).reshape(-1, 3)
+    return Path(
+        table[:, 0], table[:, 1], table[:, 2], problem.pattern.n, steps, iterations, time.perf_counter() - began, stop
+    )
+
+
+# Cells over the fillet of the two meshes; even cells reach this many fillets inwards of it, and half of one beyond.
+COARSE, FINE = 2, 3
+INWARDS, OUTWARDS = 2.0, 0.5
+# Grips over the one of the table: where a path ends early, that with the softer one is followed too, whose points that
+# slip and stick in turn do so more gently. Its force counts from there on, made equal where both are known.
+GRIPS = (1.0, 0.2)
+# Stated for a path of the softer grip alone.
+SOFTER_ERROR = 2e-3
+SMALLEST_STEP = LATTICE / 512.0
+# Error of contact, grip and steps, beside the step between the meshes.
+RUBBING_ERROR = 5e-3
+
+
+def solve_under_fillet(pad: Pad, depth_mm: Sequence[float] | Array, sides: bool = True) -> PadCurve:
+    """Static force of a slab under a round punch with a filleted edge, by what its face does there.
+
+    Without ``sides`` a punch that is glued ends with its fillet.
+    """
+    face = Interface.parse(pad.condition, "condition", FACES)
+    if face.bonded:
+        kind = "filleted" if sides else "filleted-without-sides"
+        return solve_on_lattice(kind, pad, depth_mm, partial(solve_filleted, sides=sides))
+    kind, solve = ("rubbing", solve_rubbing) if face.friction else ("sliding", solve_sliding)
+    return solve_on_lattice(kind, pad, depth_mm, partial(solve))
+
+
+def solve_rubbing(case: Case, nodes: Array) -> dict[str, Any]:
+    """F / d over mu h at the first of the nodes, those that were reached, and its relative error."""
+    (coarse, rough), (fine, softer) = (_extended(case, cells, nodes) for cells in (COARSE, FINE))
+    made = of_two_meshes(coarse, fine, nodes, RUBBING_ERROR)
+    count = len(made["error"])
+    own = np.concatenate([softer, rough[len(softer) :]]) if len(rough) > len(softer) else softer
+    return made | {"error": made["error"] + np.maximum.accumulate(own)[:count]}
+
+
+def rubbing_problem(case: Case, cells: int, grip: float = 1.0) -> Problem:
+    """The slab under a punch with a fillet, contact and friction over the whole face."""
+    fillet, friction = case.edge, Interface.parse(case.condition, "condition", FACES).friction
+    punch = FilletedPunch(case.radius, fillet)
+    flat, cell = punch.flat_radius, fillet / cells
+    inner = min(INWARDS * fillet, 0.5 * flat)
+    near = np.linspace(flat - inner, flat + OUTWARDS * fillet, max(2, round((inner + OUTWARDS * fillet) / cell)) + 1)
+    mesh = fine_columns(case, near, cell, GROWTH ** (CELLS / cells), LARGEST * CELLS / cells)
+    top, radius = meshes.on_top(mesh), mesh.nodes[0]
+    sides = meshes.edges_on(mesh, top & (radius <= case.radius + 0.8 * case.scale))
+    stiffness = case.law.shear_MPa * RUBBING_PUNCH.contact / fillet
+    surface = RubbingSurface(mesh.nodes, sides, stiffness, grip * RUBBING_PUNCH.grip_share, friction)
+    surface.settle(np.zeros(mesh.size), punch, 0.0)
+    under = np.nonzero(top & (radius <= flat + 1e-9))[0]
+    return round_problem(mesh, case, np.array([], dtype=int), surface, punch, under)
+
+
+def follow_rubbing(problem: Problem, depths: Array, visit: Callable[[float, Solution], None] | None = None) -> Path:
+    """Follow the problem through depths that are no further apart than the steps of the force's path."""
+    return follow(problem, depths, FIRST_STEP, LATTICE, SMALLEST_STEP, visit=visit)
+
+
+def _extended(case: Case, cells: int, nodes: Array) -> tuple[Path, Array]:
+    """A path, extended by that with a softer grip where it ends early, and the relative doubt in that."""
+    path = follow_rubbing(rubbing_problem(case, cells, GRIPS[0]), nodes)
+    count = len(path.force)
+    if path.stop is None:
+        return path, np.zeros(count)
+    other = follow_rubbing(rubbing_problem(case, cells, GRIPS[1]), nodes)
+    # Up to a depth that both reached they differ by less than what is stated; deeper by what they did last.
+    log = float(np.log(path.force[-1] / other.force[count - 1])) if 0 < count <= len(other.force) else 0.0
+    path = extend_path(path, other, other.force[count:] * np.exp(log))
+    doubt = max(abs(log), 0.0 if count else SOFTER_ERROR)
+    return path, np.where(np.arange(len(path.force)) < count, 0.0, doubt)

@@ -5,13 +5,13 @@ from __future__ import annotations
 import time as clock
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
 from typing import Any
 
 import numpy as np
 
 from dummydesign.core.cache import cached
-from dummydesign.pad.axisymmetric.case import Case, Progress, rimmed_problem, unsolved
+from dummydesign.core.process import tell_depth
+from dummydesign.pad.axisymmetric.case import Case, rimmed_problem, unsolved
 from dummydesign.pad.axisymmetric.self_contact import FoldWatch, RoundFace
 from dummydesign.pad.axisymmetric.shaped_problem import FLAT_STEP, LARGEST_STEP, RIMS, shaped_problem
 from dummydesign.pad.fem.mesh_axisymmetric import Resolution
@@ -44,7 +44,7 @@ class MotionPath:
 
 
 def follow_motion(
-    problem: Problem, time_s: Array, depth: Array, largest_step: float, progress: Callable[[float], None] | None = None,
+    problem: Problem, time_s: Array, depth: Array, largest_step: float,
     check: Callable[[float, Array], str | None] | None = None,
 ) -> MotionPath:  # fmt: skip
     """Follow a motion, piecewise linear in time, from the undeformed state."""
@@ -92,8 +92,7 @@ def follow_motion(
             break
         assert state is not None
         forces.append(problem.force(state))
-        if progress:
-            progress(here)
+        tell_depth(here)
     count = len(forces)
     return MotionPath(
         time_s[:count], depth[:count], np.array(forces), problem.pattern.n, steps, iterations,
@@ -155,36 +154,27 @@ class RatioPath:
 
 def solve_ratio(
     case: Case, prony: Sequence[PronyTerm], time_s: Array, depth: Array, *, rims: Sequence[float] = SLAB_RIMS,
-    cells: int = CELLS, progress: Progress | None = None,
+    cells: int = CELLS,
 ) -> RatioPath:  # fmt: skip
     """Solve one motion of a round pad twice on one mesh, with and without relaxation.
 
     ``rims`` are the fillets that are tried on a slab, ``cells`` those under the punch of a shaped pad.
     """
     arms = tuple(prony)
-    inputs = {"case": case, "prony": arms, "time": time_s, "depth": depth}
-    if case.shape == SLAB:
-        inputs |= {"rims": rims}
-        solve = partial(_of_slab, case, arms, time_s, depth, rims, progress)
-    else:
-        inputs |= {"cells": cells}
-        solve = partial(_of_shape, case, arms, time_s, depth, cells, progress)
+    inputs = {"case": case, "prony": arms, "time": time_s, "depth": depth, "rims": rims, "cells": cells}
+
+    def solve() -> RatioPath:
+        if case.shape != SLAB:
+            return _of_shape(case, arms, time_s, depth, cells)
+        return _ratio_path(
+            lambda own, rim: rimmed_problem(own, rim * case.scale, Resolution()), case, arms, time_s, depth, rims,
+            0.05 * case.scale, False,
+        )  # fmt: skip
+
     return RatioPath(**cached("viscoelastic-ratio", inputs, lambda: vars(solve())))
 
 
-def _of_slab(
-    case: Case, prony: tuple[PronyTerm, ...], time_s: Array, depth: Array, rims: Sequence[float],
-    progress: Progress | None,
-) -> RatioPath:  # fmt: skip
-    def problem(own: Case, rim: float) -> Problem:
-        return rimmed_problem(own, rim * case.scale, Resolution())
-
-    return _ratio_path(problem, case, prony, time_s, depth, rims, 0.05 * case.scale, False, progress)
-
-
-def _of_shape(
-    case: Case, prony: tuple[PronyTerm, ...], time_s: Array, depth: Array, cells: int, progress: Progress | None
-) -> RatioPath:
+def _of_shape(case: Case, prony: tuple[PronyTerm, ...], time_s: Array, depth: Array, cells: int) -> RatioPath:
     flat = case.shape.flat_top
     step = (FLAT_STEP if flat else LARGEST_STEP) * 16.0 / cells
 
@@ -192,14 +182,14 @@ def _of_shape(
         def problem(own: Case, rim: float) -> Problem:
             return shaped_problem(own, cells, rim, twin)
 
-        return _ratio_path(problem, case, prony, time_s, depth, rims, step, not (twin or flat), progress)
+        return _ratio_path(problem, case, prony, time_s, depth, rims, step, not (twin or flat))
 
     path = follow(False, (case.edge / case.scale,) if case.edge else RIMS[::-1])
     if not flat:
         return path
     # The edge of a flat top: what cells this large leave out of a slab's departure is left out of this pad's.
     twin = follow(True, (path.solver["rim_over_scale"],))
-    fine = solve_ratio(replace(case, shape=SLAB, edge=0.0, thickness_mm=1.0), prony, time_s, depth, progress=progress)
+    fine = solve_ratio(replace(case, shape=SLAB, edge=0.0, thickness_mm=1.0), prony, time_s, depth)
     ratio = path.ratio + fine.ratio - twin.ratio
     solver = path.solver | add_costs(path.solver, twin.solver, fine.solver) | {"unknowns": path.solver["unknowns"]}
     return replace(path, force=ratio * path.separable, solver=solver)
@@ -207,7 +197,7 @@ def _of_shape(
 
 def _ratio_path(
     problem: Callable[[Case, float], Problem], case: Case, prony: tuple[PronyTerm, ...], time_s: Array, depth: Array,
-    rims: Sequence[float], largest_step: float, folds: bool, progress: Progress | None,
+    rims: Sequence[float], largest_step: float, folds: bool,
 ) -> RatioPath:  # fmt: skip
     """Follow one motion with and without relaxation on the mesh of any pad, with the first fillet that gets there."""
     for rim in rims:
@@ -215,7 +205,7 @@ def _ratio_path(
         for arms in ((), prony):
             made = problem(replace(case, law=Viscoelastic(case.law, arms)), rim)
             watch = FoldWatch(RoundFace(made, case.thickness_mm)) if folds else None
-            path = follow_motion(made, time_s, depth, largest_step, progress, watch.check if watch else None)
+            path = follow_motion(made, time_s, depth, largest_step, watch.check if watch else None)
             paths.append(path)
             why = watch.stop_reason(path.stop) if watch else path.stop
             if why:
@@ -226,14 +216,10 @@ def _ratio_path(
         raise unsolved(why, "the motion of the viscoelastic pad")
     elastic, relaxing = paths
     solver = {"rim_over_scale": rim, **cost(paths)}
-    return RatioPath(
-        time_s, depth, elastic.force, relaxed_force(time_s, elastic.force, prony), relaxing.force, solver
-    )  # fmt: skip
+    return RatioPath(time_s, depth, elastic.force, relaxed_force(time_s, elastic.force, prony), relaxing.force, solver)
 
 
-def nodes_of_motion(
-    time_s: Array, depth: Array, prony: Sequence[PronyTerm], fineness: int = 1
-) -> tuple[Array, Array]:
+def nodes_of_motion(time_s: Array, depth: Array, prony: Sequence[PronyTerm], fineness: int = 1) -> tuple[Array, Array]:
     """Choose times of a motion to solve at: fine where it moves, growing in a hold.
 
     A step spans at most 0.02 thicknesses or a 16th of the largest depth, follows the motion within 5e-4

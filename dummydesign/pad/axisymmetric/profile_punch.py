@@ -6,16 +6,16 @@ punches, and for flat ones that are not glued; the sharp, glued punch has its ow
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from dummydesign.core.errors import InputError
 from dummydesign.geometry.interface import FACES, Interface
 from dummydesign.pad.axisymmetric.case import Case, held_on, padded, relative_depths, round_problem, unsolved
 from dummydesign.pad.contact.axisymmetric import FlatPunch, ProfilePunch, Punch, Surface
-from dummydesign.pad.contact.penalty import PROFILE_PUNCH, SLIDING_EDGE
+from dummydesign.pad.contact.penalty import PROFILE_PUNCH, SLIDING_EDGE, Penalty
 from dummydesign.pad.fem import mesh_axisymmetric as meshes
 from dummydesign.pad.fem.mesh_axisymmetric import columns, graded
 from dummydesign.pad.fem.mixed_solid import STABILISATION
@@ -26,8 +26,6 @@ from dummydesign.pad.specimen import Pad
 
 Array = np.ndarray
 
-# Contact stiffness in shear moduli per cell, of a profile and of a flat punch that slides.
-SHAPED_STIFFNESS, EDGE_STIFFNESS = PROFILE_PUNCH.contact, SLIDING_EDGE.contact
 SLIP_SCALE = 0.02
 # Cells from the axis to a profile's reach, and how large they may be over their radius: uniform ones move the force by
 # 0.1 %. Four of them lie in the contact at the first depth, where that is less than a sixth of the reach.
@@ -35,6 +33,8 @@ CELLS, SHARE = 24, 0.08
 # Cells per fillet of a flat face that slides, which is meshed finely this many fillets inwards of its edge and beyond.
 EDGE_CELLS, EDGE_INWARDS, EDGE_BEYOND = 3.0, 3.0, 2.0
 TIP_CELLS = 6.0
+# Growth of the cells away from where they are fine.
+GROWTH = 1.3
 # A step: the slope falls by this within two cells. Forces are right to this share of the depth at which its top is as
 # deep as the surface was (beyond it two ledges were 3 to 14 % off with 0.7 to 5 % stated).
 FALL, BEFORE_TOP = 1.0, 0.8
@@ -44,7 +44,7 @@ LEAST_ERROR = {"frictionless": 2e-3, "bonded": 3e-3, "friction": 5e-3}
 STEP = 0.005
 
 
-def profile(radius: Sequence[float] | Array, height: Sequence[float] | Array) -> ProfilePunch:
+def profile(radius: ArrayLike, height: ArrayLike) -> ProfilePunch:
     """A punch through points (r, z(r)) measured from its lowest point, joined by a smooth curve."""
     from scipy.interpolate import PchipInterpolator
 
@@ -91,30 +91,24 @@ class Region:
         return self.start + (np.array(r) - self.start) * (self.stop - self.start) / (r[-1] - self.start)
 
 
-def indentation_problem(
-    punch: Punch, region: Region, case: Case, growth: float = 1.3, stiffness: float = EDGE_STIFFNESS,
-    stabilisation: float = STABILISATION,
-) -> Problem:  # fmt: skip
+def indentation_problem(punch: Punch, region: Region, case: Case, penalty: Penalty = SLIDING_EDGE) -> Problem:
     """A slab of unit thickness under a rigid punch, contact over the whole top."""
     face, cell = Interface.parse(case.condition, "condition", FACES), region.cell
-    inner = graded(region.start, 0.0, cell, growth)[::-1] if region.start > 0.0 else np.array([0.0])
+    inner = graded(region.start, 0.0, cell, GROWTH)[::-1] if region.start > 0.0 else np.array([0.0])
     fine = region.lines()
-    outer = graded(region.stop, case.extent, max(cell, fine[-1] - fine[-2]), growth)
-    points, quads, _ = columns(np.concatenate([inner[:-1], fine, outer[1:]]), -graded(0.0, -1.0, cell, growth))
+    outer = graded(region.stop, case.extent, max(cell, fine[-1] - fine[-2]), GROWTH)
+    points, quads, _ = columns(np.concatenate([inner[:-1], fine, outer[1:]]), -graded(0.0, -1.0, cell, GROWTH))
     mesh = meshes.discretise(points, quads)
     sides = meshes.edges_on(mesh, meshes.on_top(mesh) & (mesh.nodes[0] <= region.stop + 0.5))
-    contact = case.law.shear_MPa * stiffness
-
-    def pushing(radius: Array) -> Array:
-        return contact / np.maximum(cell, region.share * radius)
-
+    contact = case.law.shear_MPa * penalty.contact
     surface = Surface(
-        mesh.nodes, sides, pushing, grip=contact / cell * float(face.bonded), grip_from=0.0,
-        friction=face.coulomb or 0.0, slip_scale=SLIP_SCALE * cell, ties_within_step=True,
+        mesh.nodes, sides, lambda radius: contact / np.maximum(cell, region.share * radius),
+        grip=contact / cell * float(face.bonded), grip_from=0.0, friction=face.coulomb or 0.0,
+        slip_scale=SLIP_SCALE * cell, ties_within_step=True,
     )  # fmt: skip
     # What touches at the start sticks or slips from where it is.
     surface.settle(np.zeros(mesh.size), punch, 0.0)
-    return round_problem(mesh, case, np.array([], dtype=int), surface, punch, None, stabilisation)
+    return round_problem(mesh, case, np.array([], dtype=int), surface, punch, None, STABILISATION)
 
 
 def edge_problem(case: Case) -> Problem:
@@ -124,9 +118,7 @@ def edge_problem(case: Case) -> Problem:
     return indentation_problem(FlatPunch(case.radius, case.edge), region, case)
 
 
-def press(
-    problem: Problem, depths: Sequence[float] | Array, first_step: float, largest_step: float, lattice: bool = False
-) -> Path:
+def press(problem: Problem, depths: ArrayLike, first_step: float, largest_step: float, lattice: bool = False) -> Path:
     """Follow the contact through depths; raise when not even the first is reached."""
     path = follow(problem, depths, first_step, largest_step, first_step / 64.0, lattice=lattice)
     if not len(path.depth):
@@ -134,9 +126,7 @@ def press(
     return path
 
 
-def solve_profile(
-    pad: Pad, depth_mm: Sequence[float] | Array, punch: ProfilePunch | None = None, cells: int = CELLS
-) -> PadCurve:
+def solve_profile(pad: Pad, depth_mm: ArrayLike, punch: ProfilePunch | None = None, cells: int = CELLS) -> PadCurve:
     """Static force of a slab under a ball or profile, its own or another one in mm, from first touch.
 
     The stated error is a third of what cells of twice the size change, and 0.2 % without friction, 0.3 % where it
@@ -146,9 +136,7 @@ def solve_profile(
     own = relative_punch(pad, punch)
     depths, note = before_the_step(own, case.radius, depths, h, cells)
     first, largest, lattice = load_steps(pad.condition, float(depths[0]))
-    fine, coarse = (
-        profile_problem(case, own, float(depths[0]), number) for number in (cells, max(4, cells // 2))
-    )
+    fine, coarse = (profile_problem(case, own, float(depths[0]), number) for number in (cells, max(4, cells // 2)))
     path = press(fine, depths, first, largest, lattice)
     half = follow(coarse, path.depth, first, largest, first / 64.0, lattice=lattice)
     # With cells of twice the size a smooth contact is wrong by four times as much.
@@ -194,7 +182,7 @@ def before_the_step(punch: ProfilePunch, reach: float, depth: Array, unit_mm: fl
 
 def profile_problem(case: Case, punch: ProfilePunch, first: float, cells: int = CELLS) -> Problem:
     """A slab under a profile in thicknesses, meshed for the contact at a first depth."""
-    return indentation_problem(punch, tip_region(punch, case.radius, first, cells), case, stiffness=SHAPED_STIFFNESS)
+    return indentation_problem(punch, tip_region(punch, case.radius, first, cells), case, PROFILE_PUNCH)
 
 
 def relative_punch(pad: Pad, punch: ProfilePunch | None = None) -> ProfilePunch:

@@ -29,7 +29,7 @@ from dummydesign.core.cache import cached
 from dummydesign.core.errors import InputError, out_of_range
 from dummydesign.geometry.dimensions import MAX_DEPTH_OVER_THICKNESS
 from dummydesign.geometry.interface import FACES, FRICTION, Interface
-from dummydesign.pad.axisymmetric.case import Progress, unsolved
+from dummydesign.pad.axisymmetric.case import unsolved
 from dummydesign.pad.contact.axisymmetric import Punch, SideContact
 from dummydesign.pad.contact.penalty import PUCK_PLATES
 from dummydesign.pad.fem import mesh_axisymmetric as meshes
@@ -45,7 +45,6 @@ Array = np.ndarray
 
 PLATES = (*FACES, FRICTION)
 SLIP_SCALE = 2e-4
-CONTACT_STIFFNESS = PUCK_PLATES.contact
 # Smallest cells that are tried in turn when a curve stops early; a rough edge can fold a cell of one mesh.
 CORNER_CELLS = (0.01, 0.02, 0.014, 0.03)
 GROWTH = 1.4
@@ -131,21 +130,18 @@ def puck_problem(
     solid = Solid(mesh, law, poisson)
     if puck.friction == 0.0:
         return Problem(solid, held, 2 * top + 1, 2 * middle + 1)
-    side = np.abs(mesh.nodes[0] - puck.radius) < 1e-9
-    sides = meshes.edges_on(mesh, side)
-    none = np.array([], dtype=int)
-    driven = none
+    sides, driven = meshes.edges_on(mesh, np.abs(mesh.nodes[0] - puck.radius) < 1e-9), np.array([], dtype=int)
     if puck.plates == "bonded":
         held[2 * top] = True
         driven = 2 * top + 1
     else:
         sides = np.concatenate([meshes.edges_on(mesh, meshes.on_top(mesh)), sides])
-    stiffness = CONTACT_STIFFNESS * law.shear_MPa
+    stiffness = PUCK_PLATES.contact * law.shear_MPa
     plate = RoughPlate(mesh.nodes, sides, stiffness, puck.friction, slip_scale)
     return Problem(solid, held, driven, 2 * middle + 1, plate, None, 2 * top + 1)
 
 
-def solve_puck(puck: Puck, compression_mm: Sequence[float] | Array, progress: Progress | None = None) -> PadCurve:
+def solve_puck(puck: Puck, compression_mm: Sequence[float] | Array) -> PadCurve:
     """Static force of a cylinder compressed between two rigid plates."""
     h = puck.thickness_mm
     wanted = np.unique(np.asarray(compression_mm, dtype=float))
@@ -157,26 +153,24 @@ def solve_puck(puck: Puck, compression_mm: Sequence[float] | Array, progress: Pr
             "out_of_range", "compression_mm", list(wanted), (0.0, limit),
         )  # fmt: skip
     unit = UnitPuck(0.5 * puck.diameter_mm / h, puck.plates)
-    law = puck.shape.scaled(1.0 / puck.shape.shear_MPa)
+    law = puck.shape
     relative, start = wanted[wanted > 0.0] / h, np.zeros(int(wanted[0] == 0.0))
     if not len(relative):
         return PadCurve(start, start, start, dict(NO_COST))
     inputs = {"puck": unit, "law": law, "poisson": puck.poisson, "compression": relative}
-    made = cached("puck", inputs, lambda: _farthest(unit, law, puck.poisson, relative, progress))
+    made = cached("puck", inputs, lambda: _farthest(unit, law, puck.poisson, relative))
     force = np.concatenate([start, made["force"] * puck.young_MPa / (2.0 * (1.0 + puck.poisson)) * h**2])
     depth = np.concatenate([start, 2.0 * made["depth"] * h])
     return PadCurve(depth, force, MESH_ERROR * force, made["solver"], made["notes"])
 
 
-def _farthest(
-    puck: UnitPuck, law: HyperelasticLaw, poisson: float, compression: Array, progress: Progress | None
-) -> dict[str, Any]:
+def _farthest(puck: UnitPuck, law: HyperelasticLaw, poisson: float, compression: Array) -> dict[str, Any]:
     """The path of the mesh that gets farthest, tried in turn."""
-    path = compress(puck, law, compression, poisson, progress=progress)
+    path = compress(puck, law, compression, poisson)
     for corner in CORNER_CELLS[1:]:
         if path.stop is None:
             break
-        other = compress(puck, law, compression, poisson, corner, progress=progress)
+        other = compress(puck, law, compression, poisson, corner)
         path = max(path, other, key=lambda one: len(one.depth))
     if not len(path.depth):
         raise unsolved(path.stop, "the puck")
@@ -186,9 +180,9 @@ def _farthest(
 
 def compress(
     puck: UnitPuck, law: HyperelasticLaw, compression: Array, poisson: float = 0.5, corner: float = CORNER_CELLS[0],
-    slip_scale: float = SLIP_SCALE, progress: Progress | None = None,
+    slip_scale: float = SLIP_SCALE,
 ) -> Path:  # fmt: skip
     """Follow a puck of unit height through relative compressions; a Path whose depth is HALF of them."""
     problem = puck_problem(puck, law, poisson, corner, slip_scale)
     first = 0.02 if problem.surface is None else slip_scale
-    return follow(problem, np.asarray(compression) / 2.0, first, 0.0125, 1e-4, progress)
+    return follow(problem, np.asarray(compression) / 2.0, first, 0.0125, 1e-4)

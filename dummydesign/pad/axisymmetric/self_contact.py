@@ -101,8 +101,9 @@ class RoundFace:
     def __init__(self, problem: Problem, thickness_mm: float) -> None:
         mesh = problem.solid.mesh
         node = meshes.cell_nodes(mesh)
-        # the face is the upper side of the first row of cells, which begins at the axis
-        top = np.unique(node[_first_row(mesh)][:, [2, 6, 3]])
+        # The face is the upper side of the first row of cells, which no other cell has.
+        uses = np.bincount(node[:, [4, 6]].ravel(), minlength=mesh.nodes.shape[1])
+        top = np.unique(node[uses[node[:, 6]] == 1][:, [2, 6, 3]])
         self._nodes = top[np.argsort(mesh.nodes[0, top])]
         self.rest = mesh.nodes[:, self._nodes].T
         self._thickness_mm = thickness_mm
@@ -118,15 +119,6 @@ class RoundFace:
     def opening_deg(self, u: Array) -> float:
         """Angle of the narrowest notch in the line."""
         return opening_deg(self._line(u))
-
-
-def _first_row(mesh: meshes.Discretisation) -> Array:
-    """Cells under the tested face: those whose upper side belongs to no other cell, the base apart."""
-    node = meshes.cell_nodes(mesh)
-    count = np.bincount(node[:, 6], minlength=mesh.nodes.shape[1]) + np.bincount(
-        node[:, 4], minlength=mesh.nodes.shape[1]
-    )
-    return count[node[:, 6]] == 1
 
 
 def _cross(one: Array, other: Array) -> Array:

@@ -22,13 +22,13 @@ from functools import partial
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from dummydesign.core.cache import cached
 from dummydesign.geometry.dimensions import PAD_EXTENT_MM
 from dummydesign.geometry.interface import BASES, FACES, Interface
 from dummydesign.pad.axisymmetric.case import (
     Case,
-    Progress,
     end_note,
     held_on,
     padded,
@@ -57,15 +57,15 @@ LEFT = 1.0 / (2.0**RIM_POWER - 1.0)
 GLUED_ERROR, SLIDING_ERROR = 3e-3, 1e-2
 
 
-def solve_flat(pad: Pad, depth_mm: Sequence[float] | Array, progress: Progress | None = None) -> PadCurve:
+def solve_flat(pad: Pad, depth_mm: ArrayLike) -> PadCurve:
     """Static force of a slab under a flat, sharp-edged punch where the face, the base or both slide or rub."""
     depths = relative_depths(depth_mm, pad.thickness_mm)
     Interface.parse(pad.condition, "condition", FACES)
     Interface.parse(pad.base, "base", BASES)
     case = Case.of(pad)
-    glued = solve_curve(replace(pad, base="bonded", condition="bonded"), depths * pad.thickness_mm, progress)
+    glued = solve_curve(replace(pad, base="bonded", condition="bonded"), depths * pad.thickness_mm)
     depths = depths[: len(glued.depth_mm)]
-    made = cached("slab-ratio", {"case": case, "depths": depths}, lambda: solve_ratio(case, depths, progress))
+    made = cached("slab-ratio", {"case": case, "depths": depths}, lambda: solve_ratio(case, depths))
     count = len(made["ratio"])
     force = glued.force_N[:count] * made["ratio"]
     error = force * (made["error"] + glued.error_N[:count] / glued.force_N[:count])
@@ -73,24 +73,21 @@ def solve_flat(pad: Pad, depth_mm: Sequence[float] | Array, progress: Progress |
     return PadCurve(glued.depth_mm[:count], force, error, solver, (*made["notes"], *glued.notes))
 
 
-def _follow_rim(case: Case, depths: Array, slides: bool, progress: Progress | None) -> Path:
+def _follow_rim(case: Case, depths: Array, slides: bool) -> Path:
     """Follow one fillet: contact over the whole face where it slides, else a face that moves with the punch."""
     if slides:
         problem = edge_problem(case)
-        return follow(problem, depths, 0.1 * case.edge, 0.05 * case.scale, 0.002 * case.scale, progress)
-    return follow_filleted(filleted_problem(case, sides=False), depths, progress)
+        return follow(problem, depths, 0.1 * case.edge, 0.05 * case.scale, 0.002 * case.scale)
+    return follow_filleted(filleted_problem(case, sides=False), depths)
 
 
-def solve_ratio(case: Case, depths: Array, progress: Progress | None = None) -> dict[str, Any]:
+def solve_ratio(case: Case, depths: Array) -> dict[str, Any]:
     """Ratio to the glued slab and its relative error at the first of the depths, with cost and notes."""
     slides = case.condition != "bonded"
     rows, paths = [], []
     for rim in RIMS:
         own = replace(case, edge=rim * case.scale)
-        pair = [
-            _follow_rim(one, depths, slides, progress)
-            for one in (replace(own, base="bonded", condition="bonded"), own)
-        ]
+        pair = [_follow_rim(one, depths, slides) for one in (replace(own, base="bonded", condition="bonded"), own)]
         paths += pair
         rows.append(padded(pair[1], len(depths)) / padded(pair[0], len(depths)))
     coarse, fine = rows
@@ -123,7 +120,7 @@ LEAST_ERROR = 2e-3
 LEAST_FILLET = 0.015
 
 
-def rough_shaped_pad(pad: Pad, depth_mm: Sequence[float] | Array, solved: PathCache) -> PadCurve:
+def rough_shaped_pad(pad: Pad, depth_mm: ArrayLike, solved: PathCache) -> PadCurve:
     """Force of a round shaped pad on the coarsest of the grids of :func:`solve_shaped_pad`.
 
     A third to a sixth of the work, to see which of several pads is worth the whole of it; the error is not stated.
@@ -135,14 +132,14 @@ def rough_shaped_pad(pad: Pad, depth_mm: Sequence[float] | Array, solved: PathCa
     paths = [solved.path(case, depths, grid, False)]
     force = padded(paths[0], len(depths)) * pad.shear_MPa * pad.thickness_mm**2
     if case.shape.flat_top:
-        slab = _slab_curve(pad, case, depths, None)
+        slab = _slab_curve(pad, case, depths)
         paths.append(solved.path(case, depths, grid, True))
         count = len(slab.force_N)
         force = slab.force_N * padded(paths[0], len(depths))[:count] / padded(paths[1], len(depths))[:count]
     return _curve(case, depths, force, np.full(len(depths), np.nan), paths, [path.stop or "" for path in paths])
 
 
-def _case(pad: Pad, depth_mm: Sequence[float] | Array) -> tuple[Case, Array]:
+def _case(pad: Pad, depth_mm: ArrayLike) -> tuple[Case, Array]:
     """A shaped pad, meshed for the first of its depths, and the depths over its thickness."""
     depths = relative_depths(depth_mm, pad.thickness_mm)
     return replace(Case.of(pad), first=first_depth(depths), thickness_mm=float(pad.thickness_mm)), depths
@@ -155,28 +152,21 @@ def sharp(rough: Array, fine: Array) -> tuple[Array, Array]:
     """
     step = np.log(fine / rough)
     known = np.isfinite(step)
-    if known.any():
-        at = np.arange(len(step))
-        step = np.where(known, step, step[known][-1]) if at[known][-1] < at[-1] else np.where(known, step, 0.0)
-    else:
-        step = np.zeros(len(step))
+    step = np.where(known, step, step[known][-1] if known.any() and not known[-1] else 0.0)
     best = np.where(np.isfinite(fine), fine, rough * np.exp(step))
     return extrapolate_to_sharp(best, step, LEFT_TO_SHARP), np.expm1(LEFT_TO_SHARP * step)
 
 
-def solve_shaped_pad(
-    pad: Pad, depth_mm: Sequence[float] | Array, cells: int = CELLS, progress: Progress | None = None,
-    solved: PathCache | None = None,
-) -> PadCurve:  # fmt: skip
+def solve_shaped_pad(pad: Pad, depth_mm: ArrayLike, cells: int = CELLS, solved: PathCache | None = None) -> PadCurve:
     """Static force of a round shaped pad under a round, flat punch with a sharp or filleted edge, from first touch."""
     least = least_fillet_mm(pad)
     if 0.0 < pad.edge_radius_mm < least:
-        return _nearly_sharp(pad, least, depth_mm, cells, progress, solved)
+        return _nearly_sharp(pad, least, depth_mm, cells, solved)
     case, depths = _case(pad, depth_mm)
     solved = PathCache() if solved is None else solved
     if case.shape.flat_top:
-        return _over_slab(pad, case, depths, cells, progress, solved)
-    paths = [solved.path(case, depths, grid, False, progress) for grid in grids(cells, case)]
+        return _over_slab(pad, case, depths, cells, solved)
+    paths = [solved.path(case, depths, grid, False) for grid in grids(cells, case)]
     rough, fine, half = (padded(path, len(depths)) for path in _three(paths))
     value, added = sharp(rough, fine)
     error = LEAST_ERROR + EDGE_ERROR * np.abs(added) + MESH_ERROR * held_on(np.abs(np.log(half / fine)))
@@ -189,13 +179,10 @@ def least_fillet_mm(pad: Pad) -> float:
     return LEAST_FILLET * min(pad.radius_mm, pad.thickness_mm)
 
 
-def _nearly_sharp(
-    pad: Pad, least_mm: float, depth_mm: Sequence[float] | Array, cells: int, progress: Progress | None,
-    solved: PathCache | None,
-) -> PadCurve:  # fmt: skip
+def _nearly_sharp(pad: Pad, least_mm: float, depth_mm: ArrayLike, cells: int, solved: PathCache | None) -> PadCurve:
     """Force between that under a sharp edge and that under the smallest fillet that is followed."""
-    sharp_edge = solve_shaped_pad(replace(pad, edge_radius_mm=0.0), depth_mm, cells, progress, solved)
-    fillet = solve_shaped_pad(replace(pad, edge_radius_mm=least_mm), depth_mm, cells, progress)
+    sharp_edge = solve_shaped_pad(replace(pad, edge_radius_mm=0.0), depth_mm, cells, solved)
+    fillet = solve_shaped_pad(replace(pad, edge_radius_mm=least_mm), depth_mm, cells)
     count = min(len(sharp_edge.force_N), len(fillet.force_N))
     part = (pad.edge_radius_mm / least_mm) ** POWER
     logs = [np.log(curve.force_N[:count]) for curve in (sharp_edge, fillet)]
@@ -206,18 +193,16 @@ def _nearly_sharp(
     return PadCurve(shorter.depth_mm[:count], force, error * force, solver, shorter.notes)
 
 
-def _over_slab(
-    pad: Pad, case: Case, depths: Array, cells: int, progress: Progress | None, solved: PathCache
-) -> PadCurve:
+def _over_slab(pad: Pad, case: Case, depths: Array, cells: int, solved: PathCache) -> PadCurve:
     """Force of a flat-topped pad: its ratio to the slab of the upper resin on twin grids, times the slab's force."""
-    slab = _slab_curve(pad, case, depths, progress)
+    slab = _slab_curve(pad, case, depths)
     factors: list[Array] = []
     paths: list[Path] = []
     if case.shape.plain:
         factors = [np.ones(len(depths))] * 3
     else:
         for grid in grids(cells, case):
-            pair = [solved.path(case, depths, grid, twin, progress) for twin in (False, True)]
+            pair = [solved.path(case, depths, grid, twin) for twin in (False, True)]
             factors.append(padded(pair[0], len(depths)) / padded(pair[1], len(depths)))
             paths += pair
     rough, fine, half = _three(factors)
@@ -229,7 +214,7 @@ def _over_slab(
     return replace(curve, solver=add_costs(curve.solver, slab.solver))
 
 
-def _slab_curve(pad: Pad, case: Case, depths: Array, progress: Progress | None) -> PadCurve:
+def _slab_curve(pad: Pad, case: Case, depths: Array) -> PadCurve:
     """Force of the slab of the upper resin under the same edge: from its table where it holds, else solved."""
     h = pad.thickness_mm
     a, edge = case.radius * h, case.edge * h
@@ -244,8 +229,8 @@ def _slab_curve(pad: Pad, case: Case, depths: Array, progress: Progress | None) 
             notes = () if len(depth) == len(depths) else (f"the slab's table ends at {depth[-1] / h:.3f}",)
             return PadCurve(depth, force, table.relative_error(depth, h, a) * force, dict(NO_COST), notes)
     if case.edge:
-        return solve_on_lattice("filleted", own, depths * h, partial(solve_filleted, progress=progress))
-    return (solve_curve if pad.condition == "bonded" else solve_flat)(own, depths * h, progress)
+        return solve_on_lattice("filleted", own, depths * h, partial(solve_filleted))
+    return (solve_curve if pad.condition == "bonded" else solve_flat)(own, depths * h)
 
 
 def _three(forces: list[Any]) -> list[Any]:

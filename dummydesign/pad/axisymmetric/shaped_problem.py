@@ -13,13 +13,13 @@ from dummydesign.core.cache import cached
 from dummydesign.core.errors import InputError
 from dummydesign.core.parsing import one_of
 from dummydesign.geometry.interface import BASES, FACES, Interface
-from dummydesign.pad.axisymmetric.case import FILM_REACH, Case, Progress, glue_film, round_problem
+from dummydesign.pad.axisymmetric.case import FILM_REACH, Case, glue_film, round_problem
 from dummydesign.pad.axisymmetric.self_contact import FoldWatch, RoundFace
 from dummydesign.pad.contact.axisymmetric import FilletedPunch, FlatPunch, Surface
 from dummydesign.pad.contact.friction import CombinedSurface
 from dummydesign.pad.contact.penalty import ROUND_SHAPED_PAD
 from dummydesign.pad.fem import mesh_axisymmetric as meshes
-from dummydesign.pad.fem.mesh_axisymmetric import Sizes, columns, height_lines, radial_lines, stretch
+from dummydesign.pad.fem.mesh_axisymmetric import Sizes, columns, height_lines, lines_by_size, stretch
 from dummydesign.pad.fem.mixed_solid import STABILISATION
 from dummydesign.pad.solve.continuation import Path, VisitedState, follow
 from dummydesign.pad.solve.equilibrium import Problem, Solution
@@ -27,8 +27,6 @@ from dummydesign.pad.specimen import Pad
 
 Array = np.ndarray
 
-# Contact stiffness in shear moduli over the cell, and what holds a sticking point, as a share of it.
-CONTACT_STIFFNESS, GRIP_SHARE = ROUND_SHAPED_PAD.contact, ROUND_SHAPED_PAD.grip_share
 # Fillets at the punch's edge over the smaller of radius and thickness.
 RIMS = (0.1, 0.05)
 CELLS = 16
@@ -36,6 +34,8 @@ CELLS = 16
 # the force was up to 6.5 % too high once the contact had come to the edge, with 0.25 it is within 0.9 % (d/h to 0.6);
 # flat tops are divided by a slab on the same cells, where this cancels.
 EDGE_REFINEMENT = 0.25
+# Cells grow by this share of their distance from where they are wanted fine; a part of one that is no cell of its own.
+SIZE_SLOPE, SPARE = 0.25, 0.2
 
 
 def shaped_problem(case: Case, cells: int = CELLS, rim: float = RIMS[-1], twin: bool = False) -> Problem:
@@ -62,7 +62,7 @@ def shaped_problem(case: Case, cells: int = CELLS, rim: float = RIMS[-1], twin: 
     top, below = node[row == 0][:, [2, 6, 3]], np.unique(node[row == row.max()][:, [0, 4, 1]])
     radius = mesh.nodes[0, top]
     near = radius.min(axis=1) <= case.radius + 0.8 * case.scale
-    strength = CONTACT_STIFFNESS * shear / coarse
+    strength = ROUND_SHAPED_PAD.contact * shear / coarse
     film, glued, carried = None, np.array([], dtype=int), None
     if shape.flat_top:
         carried = np.unique(top[radius.max(axis=1) <= punch.flat_radius + 1e-9])
@@ -73,7 +73,7 @@ def shaped_problem(case: Case, cells: int = CELLS, rim: float = RIMS[-1], twin: 
         glued, near = np.unique(top[inside]), near & ~inside
         film = partial(glue_film, punch=punch, shear_MPa=shear)
     surface = Surface(
-        mesh.nodes, top[near], strength, film, GRIP_SHARE * strength * float(face.bonded),
+        mesh.nodes, top[near], strength, film, ROUND_SHAPED_PAD.grip_share * strength * float(face.bonded),
         punch.flat_radius if len(glued) else 0.0, face.coulomb or 0.0, 0.02 * coarse, ties_within_step=True,
     )  # fmt: skip
     return round_problem(mesh, case, glued, surface, punch, carried, STABILISATION, below)
@@ -85,10 +85,8 @@ def _grid(case: Case, cells: int, rim: float) -> tuple[Array, Array, float | Non
     first = min(coarse, 1.6 / cells)
     finer = 1.0 if case.shape.flat_top else EDGE_REFINEMENT
     top = finer * min(coarse, 1.0 / cells)
-    places, sizes = [case.radius - 0.5 * rim], [min(coarse, finer * 16.0 / cells * rim)]
-    for line in case.lines:
-        places.append(line)
-        sizes.append(0.6 * coarse)
+    places = [case.radius - 0.5 * rim, *case.lines]
+    sizes = [min(coarse, finer * 16.0 / cells * rim), *[0.6 * coarse] * len(case.lines)]
     near = np.array([1e-3])
     fallen = float(case.drop(near)[0])
     if fallen > 0.0:
@@ -97,8 +95,8 @@ def _grid(case: Case, cells: int, rim: float) -> tuple[Array, Array, float | Non
         first = min(first, 1.3 * np.sqrt(tip * case.first) * 8.0 / cells)
         places.append(0.0)
         sizes.append(first)
-    marks = (*case.lines, case.radius)
-    r = radial_lines(Sizes(tuple(places), tuple(sizes), coarse, case.radius), marks, case.extent)
+    wanted = Sizes(places, sizes, SIZE_SLOPE, coarse, case.radius)
+    r = lines_by_size(0.0, case.extent, (*case.lines, case.radius), wanted.at, SPARE)
     layers = case.shape.layers()
     interface = layers[0] / case.thickness_mm if layers else None
     return r, height_lines(min(first, top), interface), interface
@@ -130,7 +128,7 @@ def visited_states(case: Case, cells: int, rim: float, deepest: float) -> list[V
 
 def solve_path(
     case: Case, depths: Array, cells: int = CELLS, rim: float = RIMS[-1], twin: bool = False,
-    progress: Progress | None = None, visit: Callable[[Problem, float, Solution], None] | None = None,
+    visit: Callable[[Problem, float, Solution], None] | None = None,
 ) -> Path:  # fmt: skip
     """Follow the pad under a punch with one edge fillet."""
     problem = shaped_problem(case, cells, rim, twin)
@@ -151,7 +149,7 @@ def solve_path(
         first, largest = 0.3 * rim, FLAT_STEP
     ends: list[VisitedState] = []
     keep = ends.append if watch is not None and lattice else None
-    path = follow(problem, depths, first, largest, SMALLEST_STEP, progress, lattice=lattice, visit=check, keep=keep)
+    path = follow(problem, depths, first, largest, SMALLEST_STEP, lattice=lattice, visit=check, keep=keep)
     if watch is None:
         return path
     if watch.folded is None:
@@ -174,14 +172,12 @@ class PathCache:
         self._paths: dict[tuple[int, float, bool], Path] = {}
         self.touched: list[tuple[float, float, bool]] = []
 
-    def path(
-        self, case: Case, depths: Array, grid: tuple[int, float], twin: bool, progress: Progress | None = None
-    ) -> Path:
+    def path(self, case: Case, depths: Array, grid: tuple[int, float], twin: bool) -> Path:
         """The path on one grid, followed now if it was not yet."""
         key = (*grid, twin)
         if key not in self._paths:
             visit = self._touch if grid == grids(CELLS, case)[-2] and not case.shape.flat_top else None
-            self._paths[key] = solve_path(case, depths, *grid, twin=twin, progress=progress, visit=visit)
+            self._paths[key] = solve_path(case, depths, *grid, twin=twin, visit=visit)
         return self._paths[key]
 
     def _touch(self, problem: Problem, depth: float, solution: Solution) -> None:

@@ -12,7 +12,6 @@ from dummydesign.core.cache import cached
 from dummydesign.geometry.interface import BASES
 from dummydesign.pad.axisymmetric.case import (
     Case,
-    Progress,
     end_note,
     extend_path,
     first_stiffness,
@@ -238,29 +237,27 @@ REACH_OF_TABLE = 0.58
 CLOSER = (1, 2)
 
 
-def solve_path(case: Case, depths: Array, rim: float, resolution: Resolution, progress: Progress | None = None) -> Path:
+def solve_path(case: Case, depths: Array, rim: float, resolution: Resolution) -> Path:
     """Follow the slab under a punch with one fillet."""
     problem = rimmed_problem(case, rim, resolution)
     # Under a small rim the first touch is steep: steps down to a tenth of it.
     smallest = min(0.005 * case.scale, 0.1 * rim)
-    return follow(problem, depths, rim, 0.05 * case.scale, smallest, progress, most_wasted=MOST_WASTED)
+    return follow(problem, depths, rim, 0.05 * case.scale, smallest, most_wasted=MOST_WASTED)
 
 
-def solve_rims(
-    case: Case, depths: Array, rims: Sequence[float], resolution: Resolution, progress: Progress | None = None
-) -> tuple[Samples, list[Path]]:
+def solve_rims(case: Case, depths: Array, rims: Sequence[float], resolution: Resolution) -> tuple[Samples, list[Path]]:
     """Solve every fillet at the depths that are large against it."""
-    depth, rim_of, value, paths = [], [], [], []
+    values, paths = [np.zeros((3, 0))], []
     for rim in rims:
         wanted = depths[depths >= 0.8 * np.sqrt(rim) * case.scale]
         if not len(wanted):
             continue
-        path = solve_path(case, wanted, rim * case.scale, resolution, progress)
+        path = solve_path(case, wanted, rim * case.scale, resolution)
         for more in CLOSER if rim == max(rims) else ():
             if path.stop is None:
                 break
             closer = replace(resolution, cells=resolution.cells + more)
-            other = solve_path(case, wanted, rim * case.scale, closer, progress)
+            other = solve_path(case, wanted, rim * case.scale, closer)
             # The reach of a curve is that of its largest fillet: where its corner cell inverts, smaller cells go on,
             # made equal where both are known.
             count = len(path.force)
@@ -268,16 +265,13 @@ def solve_rims(
             tail = other.force[count:] * path.force[-1] / other.force[count - 1] if known else np.array([])
             path = extend_path(path, other, tail)
         paths.append(path)
-        depth.append(path.depth)
-        rim_of.append(np.full(len(path.depth), rim))
-        value.append(path.force / (3.0 * case.law.shear_MPa * case.radius * path.depth))
-    joined = [np.concatenate(parts) if parts else np.array([]) for parts in (depth, rim_of, value)]
-    return Samples(joined[0], np.full(len(joined[0]), case.radius), joined[1], joined[2]), paths
+        stiffness = path.force / (3.0 * case.law.shear_MPa * case.radius * path.depth)
+        values.append(np.stack([path.depth, np.full(len(path.depth), rim), stiffness]))
+    depth, rim_of, value = np.concatenate(values, axis=1)
+    return Samples(depth, np.full(len(depth), case.radius), rim_of, value), paths
 
 
-def solve_curve(
-    pad: Pad, depth_mm: Sequence[float] | Array, progress: Progress | None = None, independent: bool = False
-) -> PadCurve:
+def solve_curve(pad: Pad, depth_mm: Sequence[float] | Array, independent: bool = False) -> PadCurve:
     """Static force of a slab under a round, flat, sharp-edged punch at the wanted depths.
 
     Where the response table covers the slab, three rims and the table's correction give the limit of small rims. With
@@ -287,7 +281,7 @@ def solve_curve(
     table = None if independent else _table_of(case, depths)
     made = cached(
         "slab" if table is None else "slab-by-table", {"case": case, "depths": depths},
-        lambda: _relative_curve(case, depths, table, progress),
+        lambda: _relative_curve(case, depths, table),
     )  # fmt: skip
     unit = pad.young_MPa * 1.5 / (1.0 + pad.poisson)  # E' = 3 mu of the law with this shear modulus
     depth = depths[: len(made["stiffness"])] * pad.thickness_mm
@@ -298,13 +292,8 @@ def solve_curve(
 def _table_of(case: Case, depths: Array) -> ResponseTable | None:
     """The response table that covers a slab to any depth, if one does."""
     low, high = EXTENTS_BY_TABLE
-    plain = (
-        case.condition == "bonded"
-        and case.base in BASES
-        and case.poisson == 0.5
-        and case.law == Yeoh(case.law.shear_MPa)
-    )
-    if not plain or not low <= case.extent / case.radius <= high:
+    plain = case.condition == "bonded" and case.poisson == 0.5 and case.law == Yeoh(case.law.shear_MPa)
+    if not plain or case.base not in BASES or not low <= case.extent / case.radius <= high:
         return None
     table = load_table(case.base)
     inside = table.ratio_range[0] <= case.radius <= table.ratio_range[1]
@@ -312,20 +301,18 @@ def _table_of(case: Case, depths: Array) -> ResponseTable | None:
     return table if inside and reach >= REACH_OF_TABLE and depths[-1] <= reach else None
 
 
-def _relative_curve(
-    case: Case, depths: Array, table: ResponseTable | None, progress: Progress | None
-) -> dict[str, Any]:
+def _relative_curve(case: Case, depths: Array, table: ResponseTable | None) -> dict[str, Any]:
     """s = F / (E a d) and its relative error at the first of the relative ``depths``, those that were reached."""
     deepest = max(depths[-1], LEAST_DEPTH * case.scale)
     even = deepest * np.linspace(0.0, 1.0, GRID_POINTS + 1)[1:]
     far = np.abs(even[:, None] - depths).min(axis=1) > 0.02 * deepest
     grid = np.union1d(depths, even[far])
-    samples, paths = solve_rims(case, grid, RIMS if table is None else RIMS_BY_TABLE, Resolution(), progress)
+    samples, paths = solve_rims(case, grid, RIMS if table is None else RIMS_BY_TABLE, Resolution())
     stops = [path.stop for path in paths if path.stop]
     reached = float(samples.depth.max()) if len(samples.depth) else 0.0
     if len(np.unique(samples.depth)) < 4:
         if table is not None:
-            return _relative_curve(case, depths, None, progress)
+            return _relative_curve(case, depths, None)
         raise unsolved("; ".join(stops[:1]) or "no depth")
     radius, first = np.array([case.radius]), first_stiffness(case)
     limit: Limit | Departure

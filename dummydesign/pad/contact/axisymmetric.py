@@ -24,10 +24,10 @@ TOUCHING = 1e-12
 
 
 class Punch(Protocol):
-    """A rigid axisymmetric punch; lengths in the unit of the mesh."""
+    """A rigid punch, round or in space; lengths in the unit of the mesh."""
 
     def gap(self, points: Array, depth: float) -> tuple[Array, Array, Array]:
-        """Gap with its gradient (..., 2) and second derivative (..., 2, 2) at ``points`` (last axis r, z).
+        """Gap with its gradient and second derivative at ``points``, whose last axis is r, z or x, y, z.
 
         The punch is down by ``depth``; the gap is negative inside it.
         """
@@ -38,9 +38,13 @@ DOWN, OUTWARDS, UNIT = np.array([0.0, -1.0]), np.array([1.0, 0.0]), np.eye(2)
 
 def _length(vectors: Array) -> Array:
     """Length of vectors in the plane, shape (..., 2)."""
-    r, z = vectors[..., 0], vectors[..., 1]
-    length: Array = np.sqrt(r * r + z * z)
+    length: Array = np.sqrt(vectors[..., 0] ** 2 + vectors[..., 1] ** 2)
     return length
+
+
+def _along_outline(normal: Array) -> Array:
+    """Unit vectors along a punch's outline, from its normals."""
+    return np.stack([-normal[..., 1], normal[..., 0]], axis=-1) / _length(normal)[..., None]
 
 
 @dataclass(frozen=True)
@@ -136,6 +140,7 @@ class SideContact(ContactSurface):
         length = np.linalg.norm(np.einsum("qi,eic->eqc", self._slope, self._corners), axis=-1)
         self._r = self._corners[..., 0] @ self._shape.T
         self._area = 2.0 * np.pi * self._r * length * self._weight
+        self._pairs = np.einsum("qi,qj->ijq", self._shape, self._shape).reshape(9, -1)
         self.dofs = np.stack([2 * sides, 2 * sides + 1], axis=-1).reshape(len(sides), 6)
 
     def points(self, u: Array) -> Array:
@@ -145,10 +150,15 @@ class SideContact(ContactSurface):
 
     def _assembled(self, u: Array, traction: Array, second: Array) -> tuple[Array, Array]:
         """Force on all unknowns and its derivative per side, of what acts on the points."""
-        local = np.einsum("qi,eqc->eic", self._shape, traction).reshape(len(self.dofs), 6)
-        matrix = np.einsum("qi,qj,eqab->eiajb", self._shape, self._shape, second, optimize=True)
-        total = np.bincount(self.dofs.ravel(), local.ravel(), minlength=len(u))
-        return total, matrix.reshape(len(local), 6, 6)
+        return self._force(u, traction), self._matrix(second)
+
+    def _force(self, u: Array, traction: Array) -> Array:
+        on_side = np.einsum("qi,eqc->eic", self._shape, traction)
+        return np.bincount(self.dofs.ravel(), on_side.ravel(), minlength=len(u))
+
+    def _matrix(self, second: Array) -> Array:
+        matrix = (self._pairs @ second.reshape(*second.shape[:2], 4)).reshape(-1, 3, 3, 2, 2)
+        return matrix.transpose(0, 1, 3, 2, 4).reshape(len(self.dofs), 6, 6)
 
 
 class Surface(SideContact):
@@ -161,12 +171,10 @@ class Surface(SideContact):
     ) -> None:  # fmt: skip
         super().__init__(nodes, sides, 5)
         shape, r, area = self._shape, self._r, self._area
-        self._pairs = np.einsum("qi,qj->ijq", shape, shape).reshape(9, -1)
         self._stiffness = area * (stiffness(r) if callable(stiffness) else stiffness)
-        slide = np.zeros((len(sides), 3, 2, 3, 2))
+        self._film = np.zeros((len(sides), 6, 6))
         if film is not None:
-            slide[:, :, 0, :, 0] = np.einsum("qi,qj,eq->eij", shape, shape, area * film(r))
-        self._film = slide.reshape(len(sides), 6, 6)
+            self._film[:, ::2, ::2] = np.einsum("qi,qj,eq->eij", shape, shape, area * film(r))
         self._grip = np.where(r >= grip_from, area * grip, 0.0)
         self._friction, self._slip_scale = friction, slip_scale
         self._held = np.zeros(area.shape, dtype=bool)
@@ -178,9 +186,8 @@ class Surface(SideContact):
         self._order = np.argsort(r.ravel(), kind="stable")
 
     def points(self, u: Array) -> Array:
-        """Where the quadrature points are at displacements ``u``."""
-        moved = self._corners + u[self.dofs].reshape(self._corners.shape)
-        return self._shape @ moved
+        """Where the quadrature points are at displacements ``u``, by a faster product."""
+        return self._shape @ (self._corners + u[self.dofs].reshape(self._corners.shape))
 
     def begin(self) -> None:
         """Forget what was tied in a step that has not been accepted."""
@@ -208,10 +215,7 @@ class Surface(SideContact):
             start = self.points(np.zeros(len(u)))
             self._last = (start, punch.gap(start, 0.0)[0])
         spot = self._where_closed(points, touching, depth, *self._last)
-        normal = punch.gap(spot, 0.0)[1]
-        length = _length(normal)
-        along = np.stack([-normal[..., 1], normal[..., 0]], axis=-1) / length[..., None]
-        self._spot[new], self._along[new] = spot[new], along[new]
+        self._spot[new], self._along[new] = spot[new], _along_outline(punch.gap(spot, 0.0)[1])[new]
         self._held = self._held | new
         return True
 
@@ -227,13 +231,11 @@ class Surface(SideContact):
         """Accept a step: free points that do not touch; without ties within the step, tie those that do."""
         points = self.points(u)
         gap, normal, _ = punch.gap(points, depth)
-        new = (gap <= 0.0) & ~self._held
-        self._spot[new] = (points + np.array([0.0, depth]))[new]
-        length = _length(normal)
-        self._along[new] = (np.stack([-normal[..., 1], normal[..., 0]], axis=-1) / length[..., None])[new]
+        places, new = points + np.array([0.0, depth]), (gap <= 0.0) & ~self._held
+        self._spot[new], self._along[new] = places[new], _along_outline(normal)[new]
         self._held = gap <= 0.0
         self._before = self._held.copy()
-        self._last = (points + np.array([0.0, depth]), gap)
+        self._last = (places, gap)
 
     def forces(self, u: Array, punch: Punch, depth: float) -> tuple[Array, Array]:
         """Gradient (full length) and second derivative (per side) of the contact and film energy."""
@@ -269,16 +271,10 @@ class Surface(SideContact):
 
         return self._force(u, pull), matrix
 
-    def _assembled(self, u: Array, traction: Array, second: Array) -> tuple[Array, Array]:
-        """Force on all unknowns and its derivative per side, of what acts on the points and of the film."""
-        return self._force(u, traction), self._matrix(second)
-
     def _force(self, u: Array, traction: Array) -> Array:
         local = u[self.dofs]
         on_side = (self._shape.T @ traction).reshape(local.shape) + (self._film @ local[:, :, None])[:, :, 0]
         return np.bincount(self.dofs.ravel(), on_side.ravel(), minlength=len(u))
 
     def _matrix(self, second: Array) -> Array:
-        points = second.reshape(*second.shape[:2], 4)
-        matrix = (self._pairs @ points).reshape(-1, 3, 3, 2, 2).transpose(0, 1, 3, 2, 4)
-        return matrix.reshape(len(self.dofs), 6, 6) + self._film
+        return super()._matrix(second) + self._film

@@ -17,7 +17,6 @@ Array = np.ndarray
 # the second and twice the last by less than 0.1 % (friction 0.3, pads of 5 and 20 mm).
 SLIP_SCALE = 1e-4
 SOFT_SHARE = 0.01
-CONTACT_STIFFNESS = RESTING_BASE.contact
 # Friction is eased in: its slip scale is larger by this factor at first touch, and by 1/e less at each of these depths.
 EASE, EASE_DEPTH = 100.0, 0.003
 # Gels and silicones of the library have 970 to 1070 kg/m3; 5 % of it is at most 0.5 % of the force (5, 20 mm; 25 kPa).
@@ -37,7 +36,7 @@ class RestingBase(SideContact):
         super().__init__(mesh.nodes, sides, 4)
         r = mesh.nodes[0][sides]
         area = 2.0 * np.pi * (r @ self._shape.T) * np.abs(r @ self._slope.T) * self._weight
-        self._stiffness, self._friction = area * CONTACT_STIFFNESS * shear, friction
+        self._stiffness, self._friction = area * RESTING_BASE.contact * shear, friction
         self._pull, self._pressure = area * weight * shear, weight
 
     def forces(self, u: Array, punch: Punch | None, depth: float) -> tuple[Array, Array]:
@@ -45,9 +44,9 @@ class RestingBase(SideContact):
         local = u[self.dofs].reshape(-1, 3, 2)
         slip, gap = (local[:, :, k] @ self._shape.T for k in (0, 1))
         scale = SLIP_SCALE * (1.0 + EASE * np.exp(-depth / EASE_DEPTH))
-        soft = SOFT_SHARE * (3.0 * depth + self._pressure) / CONTACT_STIFFNESS
+        soft = SOFT_SHARE * (3.0 * depth + self._pressure) / RESTING_BASE.contact
         # Shifted so that the undeformed pad presses on the plate by its weight alone.
-        rest = self._pressure / CONTACT_STIFFNESS
+        rest = self._pressure / RESTING_BASE.contact
         gap = gap - rest + soft**2 / max(4.0 * rest, 1e-12)
         bend = np.sqrt(gap**2 + soft**2)
         push = 0.5 * self._stiffness * (bend - gap)
@@ -180,13 +179,3 @@ class RubbingSurface(Surface):
         second -= share[..., None, None] * along[..., :, None] * normal[..., None, :]
         second += drag[..., None, None] * (TURN @ bend)
         return self._assembled(u, traction, second)
-
-    def tractions(self, u: Array, punch: Any, depth: float) -> tuple[Array, Array, Array]:
-        """Way along the outline, rising, with pressure and drag at the quadrature points that touch, per rest area."""
-        points = self.points(u)
-        gap = punch.gap(points, depth)[0]
-        on = self._held & (gap < 0.0)
-        way, push = punch.outline(points, depth), self._stiffness * np.maximum(-gap, 0.0)
-        drag = coulomb_drag(self._spring * (way - self._anchor), self._friction * push)[0]
-        order = np.argsort(way[on])
-        return tuple((part[on])[order] for part in (way, push / self._area, drag / self._area))  # type: ignore[return-value]

@@ -8,27 +8,16 @@ load step is held along its surface from there on, until it lifts off.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
 
-from dummydesign.pad.contact.axisymmetric import TOUCHING
+from dummydesign.pad.contact.axisymmetric import TOUCHING, Punch
 from dummydesign.pad.contact.penalty import ContactSurface
 
 Array = np.ndarray
 
 # Quadrature points of a face along each direction.
 FACE_POINTS = 5
-
-
-class SpatialPunch(Protocol):
-    """A rigid punch in space; lengths in the unit of the mesh."""
-
-    def gap(self, points: Array, depth: float) -> tuple[Array, Array, Array]:
-        """Gap with its gradient (..., 3) and second derivative (..., 3, 3) at ``points`` (last axis x, y, z).
-
-        The punch is down by ``depth``; the gap is negative inside it.
-        """
 
 
 @dataclass(frozen=True)
@@ -66,18 +55,6 @@ class BeadedPunch:
         return distance - self.rim, normal, np.where(flat[..., None, None], 0.0, bend)
 
 
-def rectangle_punch(
-    half_sides: tuple[float, float], rim: float, centre: tuple[float, float] = (0.0, 0.0)
-) -> BeadedPunch:
-    """A rectangular punch, its edge fillet included in its sides."""
-    return BeadedPunch((half_sides[0] - rim, half_sides[1] - rim), 0.0, rim, centre)
-
-
-def round_punch(radius: float, rim: float, centre: tuple[float, float] = (0.0, 0.0)) -> BeadedPunch:
-    """A round punch, its edge fillet included in its radius."""
-    return BeadedPunch((0.0, 0.0), radius - rim, rim, centre)
-
-
 class FaceContact(ContactSurface):
     """Faces of the pad that may touch the punch; takes the place of ``contact.Surface`` in space."""
 
@@ -107,7 +84,7 @@ class FaceContact(ContactSurface):
     def _points(self, u: Array) -> Array:
         return np.einsum("qi,eic->eqc", self._shape, self._corners + u[self.dofs].reshape(self._corners.shape))
 
-    def settle(self, u: Array, punch: SpatialPunch, depth: float) -> None:
+    def settle(self, u: Array, punch: Punch, depth: float) -> None:
         """Let points that touch at the end of a load step stick where they are; free those that do not."""
         points = self._points(u)
         gap, normal, _ = punch.gap(points, depth)
@@ -118,7 +95,7 @@ class FaceContact(ContactSurface):
         self._plane[new] = (np.eye(3) - unit[..., :, None] * unit[..., None, :])[new]
         self._held = touching
 
-    def forces(self, u: Array, punch: SpatialPunch, depth: float) -> tuple[Array, Array]:
+    def forces(self, u: Array, punch: Punch, depth: float) -> tuple[Array, Array]:
         """Gradient (full length) and second derivative (per face) of the contact and grip energy."""
         points = self._points(u)
         gap, normal, bend = punch.gap(points, depth)

@@ -91,44 +91,33 @@ def graded(start: float, stop: float, first: float, growth: float) -> Array:
 
 
 def web_mesh(
-    edge: float, thickness: float, extent: float, half_box: float, rings: int, resolution: Resolution
+    edge: float, extent: float, half_box: float, rings: int, resolution: Resolution
 ) -> tuple[Array, Array, Array]:
-    """Mesh the slab 0 <= r <= extent, -thickness <= z <= 0 with a web of quadrilaterals around (edge, 0)."""
+    """Mesh the slab 0 <= r <= extent, -1 <= z <= 0 with a web of quadrilaterals around (edge, 0)."""
     cells, growth = resolution.cells, resolution.growth
     first = half_box / cells
     box = np.linspace(-half_box, half_box, 2 * cells + 1)
     inner = graded(edge - half_box, 0.0, first, growth)[::-1]
     outer = graded(edge + half_box, extent, first, growth)
     r = np.concatenate([inner[:-1], edge + box, outer[1:]])
-    z = np.concatenate([np.linspace(0.0, -half_box, cells + 1)[:-1], graded(-half_box, -thickness, first, growth)])
+    z = np.concatenate([np.linspace(0.0, -half_box, cells + 1)[:-1], graded(-half_box, -1.0, first, growth)])
     left, right = len(inner) - 1, len(inner) - 1 + 2 * cells
-    number = np.full((len(r), len(z)), -1)
-    points: list[tuple[float, float]] = []
-    for i in range(len(r)):
-        for j in range(len(z)):
-            if not (left < i < right and j < cells):
-                number[i, j] = len(points)
-                points.append((r[i], z[j]))
-    quads = [
-        (number[i, j + 1], number[i + 1, j + 1], number[i + 1, j], number[i, j])
-        for i in range(len(r) - 1)
-        for j in range(len(z) - 1)
-        if not (left <= i < right and j < cells)
-    ]
-    rim = [number[left, j] for j in range(cells)]
-    rim += [number[i, cells] for i in range(left, right)]
-    rim += [number[right, j] for j in range(cells, -1, -1)]
+    number, outside = np.full((len(r), len(z)), -1), np.ones((len(r), len(z)), dtype=bool)
+    outside[left + 1 : right, :cells] = False
+    number[outside] = np.arange(outside.sum())
+    points = np.stack(np.meshgrid(r, z, indexing="ij"), axis=-1)[outside]
+    kept = np.ones((len(r) - 1, len(z) - 1), dtype=bool)
+    kept[left:right, :cells] = False
+    quads = [np.stack([number[:-1, 1:], number[1:, 1:], number[1:, :-1], number[:-1, :-1]])[:, kept]]
+    ring = np.concatenate([number[left, :cells], number[left:right, cells], number[right, cells::-1]])
     corner = np.array([edge, 0.0])
-    ring = rim
+    rim = points[ring] - corner
     for k in range(rings):
-        scale = 0.5 ** (k + 1) if k < rings - 1 else 0.0
-        smaller = []
-        for vertex in rim:
-            smaller.append(len(points))
-            points.append(tuple(corner + (np.array(points[vertex]) - corner) * scale))
-        quads += [(ring[e], ring[e + 1], smaller[e + 1], smaller[e]) for e in range(len(rim) - 1)]
+        smaller = len(points) + np.arange(len(rim))
+        points = np.concatenate([points, corner + rim * (0.5 ** (k + 1) if k < rings - 1 else 0.0)])
+        quads.append(np.stack([ring[:-1], ring[1:], smaller[1:], smaller[:-1]]))
         ring = smaller
-    return np.array(points).T, np.array(quads).T, np.array(ring)
+    return points.T, np.concatenate(quads, axis=1), ring
 
 
 def discretise(
@@ -137,7 +126,7 @@ def discretise(
 ) -> Discretisation:  # fmt: skip
     """Build the biquadratic discretisation of a quadrilateral mesh in the (r, z) plane."""
     places, node = nine_nodes(points, quads)
-    if quarter_points:
+    if quarter_points and centre is not None:
         places = _to_quarter(places, quads, node, centre)
     if move is not None:
         places = move(places)
@@ -167,9 +156,7 @@ def discretise(
 PATCH_SIDES = ((4, 0, 1), (5, 1, 2), (6, 2, 3), (7, 3, 0))
 
 
-def _to_quarter(places: Array, quads: Array, node: Array, centre: Array | None) -> Array:
-    if centre is None:
-        raise ValueError("quarter points need a centre")
+def _to_quarter(places: Array, quads: Array, node: Array, centre: Array) -> Array:
     places = places.copy()
     corner = places[:, centre[0]][:, None]
     at_centre = np.zeros(places.shape[1], dtype=bool)
@@ -218,38 +205,40 @@ def on_axis(mesh: Discretisation) -> Array:
     return mesh.nodes[0] < _TOLERANCE
 
 
-# Cells grow by this share of their distance from where they are wanted fine.
-SIZE_SLOPE = 0.25
 Z_GROWTH = 1.35
 
 
 @dataclass(frozen=True)
 class Sizes:
-    """Where cells are to be how small: places and sizes, and the largest size inside ``reach``."""
+    """Where cells are to be how small, growth away from there, the largest size within ``reach`` of the ``middle``."""
 
-    places: tuple[float, ...]
-    sizes: tuple[float, ...]
+    places: Sequence[float]
+    sizes: Sequence[float]
+    slope: float
     largest: float
     reach: float
+    middle: float = 0.0
 
-    def at(self, r: Array) -> Array:
-        """Wanted cell size at radii."""
-        near = [size + SIZE_SLOPE * np.abs(r - centre) for centre, size in zip(self.places, self.sizes)]
-        inside = self.largest + SIZE_SLOPE * np.maximum(r - self.reach, 0.0)
+    def at(self, x: Array) -> Array:
+        """Wanted cell size at radii, or distances across."""
+        near = [size + self.slope * np.abs(x - centre) for centre, size in zip(self.places, self.sizes)]
+        inside = self.largest + self.slope * np.maximum(np.abs(x - self.middle) - self.reach, 0.0)
         return np.minimum(np.min(near, axis=0), inside)
 
 
-def radial_lines(sizes: Sizes, lines: Sequence[float], extent: float) -> Array:
-    """Radii from 0 to the outer radius that follow the wanted sizes and meet every marked radius."""
-    marks = np.unique(np.concatenate([[0.0, extent], [x for x in lines if 0.0 < x < extent]]))
-    radii = [0.0]
-    for start, stop in pairwise(marks):
-        fine = start + (stop - start) * np.linspace(0.0, 1.0, 400)
-        density = 1.0 / sizes.at(fine)
+def lines_by_size(
+    start: float, stop: float, marks: Sequence[float], size: Callable[[Array], Array], spare: float
+) -> Array:
+    """Points whose cells follow a wanted size and which meet every mark; ``spare`` of a cell less is no cell more."""
+    ends = np.unique(np.concatenate([[start, stop], [mark for mark in marks if start < mark < stop]]))
+    lines = [start]
+    for low, high in pairwise(ends):
+        fine = low + (high - low) * np.linspace(0.0, 1.0, 400)
+        density = 1.0 / size(fine)
         count = np.concatenate([[0.0], np.cumsum(0.5 * (density[1:] + density[:-1]) * np.diff(fine))])
-        cells = max(1, int(np.ceil(count[-1] - 0.2)))
-        radii.extend(np.interp(count[-1] * np.arange(1, cells + 1) / cells, count, fine))
-    return np.array(radii)
+        cells = max(1, int(np.ceil(count[-1] - spare)))
+        lines.extend(np.interp(count[-1] * np.arange(1, cells + 1) / cells, count, fine))
+    return np.array(lines)
 
 
 def height_lines(first: float, interface: float | None = None) -> Array:

@@ -166,15 +166,17 @@ class Solid:
         self._back = np.ascontiguousarray(self._rows.transpose(0, 2, 1))
         self._weighted_basis = mesh.weight[:, :, None] * mesh.pressure_basis
         self._same: Array | None = None
+        self._section: SectionTangent | None = None
         if isinstance(law, Yeoh) and not law.c2_MPa:
             # The law's own tangent is the same at every state.
             self._same = self._of_law(law.shear_MPa * mesh.weight)
-        self._section: SectionTangent | None = None
-        if self._same is not None and mesh.kinematics is Axisymmetric:
-            self._section = SectionTangent(self._rows, self._weighted_basis, self.inverse, self._same)
-        self._moduli: Array | None = None
-        self._work: Array | None = None
-        self._flat: Array | None = None
+            if mesh.kinematics is Axisymmetric:
+                self._section = SectionTangent(self._rows, self._weighted_basis, self.inverse, self._same)
+        else:
+            # Kept, as making such large arrays anew takes as long as filling them.
+            self._flat = np.ascontiguousarray(mesh.gradient.reshape(elements, -1, width))
+            self._moduli = np.empty((*mesh.weight.shape, mesh.gradient.shape[2], mesh.gradient.shape[2]))
+            self._work = np.empty(mesh.gradient.shape)
 
     def _of_law(self, moduli: Array) -> Array:
         """Tangent of each element for stresses of ``moduli``, shape (elements, points), times the slopes."""
@@ -227,7 +229,7 @@ class Solid:
         curvature = (self.law.reference_stress_MPa / state.J**2 + self.stabilisation) * mesh.weight
         if self._section is not None:
             return self._section.at(F, slope * mesh.weight, curvature)
-        if self._same is not None and mesh.kinematics is Spatial:
+        if self._same is not None:
             stiffness = self._same.copy()
             self._add_second(stiffness, slope * mesh.weight, F)
         else:
@@ -244,20 +246,10 @@ class Solid:
     def _by_moduli(self, F: Array, factor: Array) -> Array:
         """Tangent of each element from the law's moduli and ``factor`` times the second derivative of J."""
         mesh = self.mesh
-        elements, points, components, width = mesh.gradient.shape
-        if self._moduli is None or self._work is None or self._flat is None:
-            # Kept, as making such large arrays anew takes as long as filling them.
-            self._flat = np.ascontiguousarray(mesh.gradient.reshape(elements, points * components, width))
-            self._moduli = np.empty((*mesh.weight.shape, components, components))
-            self._work = np.empty(mesh.gradient.shape)
-        if self._same is None:
-            np.multiply(self.law.tangent(F), mesh.weight[..., None, None], out=self._moduli)
-        else:
-            self._moduli.fill(0.0)
+        np.multiply(self.law.tangent(F), mesh.weight[..., None, None], out=self._moduli)
         mesh.kinematics.add_second(self._moduli, factor, F)
         np.matmul(self._moduli, mesh.gradient, out=self._work)
-        stiffness = self._flat.transpose(0, 2, 1) @ self._work.reshape(self._flat.shape)
-        return stiffness if self._same is None else stiffness + self._same
+        return self._flat.transpose(0, 2, 1) @ self._work.reshape(self._flat.shape)
 
     def _dilation(self, cofactor: Array) -> Array:
         """Change of J by each of the element's unknowns, shape (elements, points, element dofs)."""

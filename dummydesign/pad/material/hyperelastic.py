@@ -25,9 +25,6 @@ class HyperelasticLaw(Protocol):
     def reference_stress_MPa(self) -> float:
         """Stress of the distortional part at F = 1, MPa; the element cancels it by -s0 ln J."""
 
-    def energy(self, F: Array) -> Array:
-        """Energy per reference volume, MPa, zero at F = 1; shape of F without its last axis."""
-
     def stress(self, F: Array) -> Array:
         """First Piola stress dW/dF, MPa; shape of F."""
 
@@ -68,11 +65,6 @@ class Yeoh:
         """Stress of the distortional part at F = 1."""
         return self.shear_MPa
 
-    def energy(self, F: Array) -> Array:
-        """Energy per reference volume."""
-        x = _first_invariant(F) - 3.0
-        return 0.5 * self.shear_MPa * x + self.c2_MPa * x * x
-
     def stress(self, F: Array) -> Array:
         """First Piola stress (mu + 4 c2 (I1 - 3)) F."""
         if not self.c2_MPa:
@@ -82,10 +74,7 @@ class Yeoh:
     def tangent(self, F: Array) -> Array:
         """Second derivative (mu + 4 c2 (I1 - 3)) 1 + 8 c2 F x F."""
         slope = self.shear_MPa + 4.0 * self.c2_MPa * (_first_invariant(F) - 3.0)
-        tangent = slope[..., None, None] * np.eye(F.shape[-1])
-        if self.c2_MPa:
-            tangent = tangent + 8.0 * self.c2_MPa * F[..., :, None] * F[..., None, :]
-        return tangent
+        return slope[..., None, None] * np.eye(F.shape[-1]) + 8.0 * self.c2_MPa * F[..., :, None] * F[..., None, :]
 
     def scaled(self, factor: float) -> Yeoh:
         """The same law with all moduli multiplied by ``factor``."""
@@ -96,14 +85,9 @@ NEO_HOOKEAN = Yeoh(1.0)
 """The neo-Hookean solid with unit shear modulus."""
 
 
-def neo_hookean(shear_MPa: float) -> Yeoh:
-    """Return the neo-Hookean solid W = mu/2 (I1 - 3)."""
-    return Yeoh(shear_MPa)
-
-
 def read_law(text: str) -> HyperelasticLaw:
     """Make a law from its name on the command line; only its shape counts, moduli are scaled later."""
-    forms = {"neo-hookean": "neo-hookean", "yeoh": "yeoh:C2_OVER_MU", "ogden": "ogden:MU,ALPHA;MU,ALPHA"}
+    forms = {"neo-hookean": (0, "neo-hookean"), "yeoh": (1, "yeoh:C2_OVER_MU"), "ogden": (2, "ogden:MU,ALPHA;MU,ALPHA")}
     name, colon, rest = text.partition(":")
     if name not in forms:
         raise unknown_name("law", name, forms)
@@ -111,9 +95,9 @@ def read_law(text: str) -> HyperelasticLaw:
         rows = [[float(number) for number in part.split(",")] for part in rest.split(";")] if colon else []
     except ValueError:
         rows = [[]]
-    wanted = {"neo-hookean": 0, "yeoh": 1, "ogden": 2}[name]
+    wanted, form = forms[name]
     if bool(wanted) != bool(rows) or any(len(row) != wanted for row in rows) or (name == "yeoh" and len(rows) > 1):
-        raise InputError(f"law '{text}' is not of the form {forms[name]}", "malformed", "law", text, forms[name])
+        raise InputError(f"law '{text}' is not of the form {form}", "malformed", "law", text, form)
     if name == "ogden":
         return Ogden([row[0] for row in rows], [row[1] for row in rows])
     return Yeoh(1.0, rows[0][0] if rows else 0.0)
@@ -134,12 +118,12 @@ class Ogden:
        doi 10.1098/rspa.1972.0026; stability by mu_p alpha_p > 0: R. Hill, Adv. Appl. Mech. 18 (1978) 1.
     """
 
-    mu_MPa: tuple[float, ...]
-    alpha: tuple[float, ...]
+    mu_MPa: Sequence[float]
+    alpha: Sequence[float]
 
-    def __init__(self, mu_MPa: Sequence[float], alpha: Sequence[float]) -> None:
-        object.__setattr__(self, "mu_MPa", tuple(float(m) for m in mu_MPa))
-        object.__setattr__(self, "alpha", tuple(float(a) for a in alpha))
+    def __post_init__(self) -> None:
+        for name in ("mu_MPa", "alpha"):
+            object.__setattr__(self, name, tuple(map(float, getattr(self, name))))
         if not 1 <= len(self.mu_MPa) == len(self.alpha) <= MOST_TERMS:
             message = f"Ogden law with {len(self.mu_MPa)} mu and {len(self.alpha)} alpha; it takes one to three pairs"
             raise InputError(message, "malformed", "law")
@@ -175,14 +159,6 @@ class Ogden:
             quotient = np.where(ratio == 0.0, power, np.expm1(power * np.log1p(safe)) / safe)
             total = total + 0.5 * m * x ** (power - 1.0) * quotient
         return total
-
-    def energy(self, F: Array) -> Array:
-        """Energy per reference volume."""
-        values, _, hoop = _eigen(F)
-        squares = values if hoop is None else np.concatenate([values, (hoop**2)[..., None]], axis=-1)
-        return sum(
-            m / a * (np.sum(squares ** (0.5 * a), axis=-1) - 3.0) for m, a in zip(self.mu_MPa, self.alpha)
-        )
 
     def stress(self, F: Array) -> Array:
         """First Piola stress F 2 w'(C)."""
@@ -284,14 +260,6 @@ class Axisymmetric:
             A[..., j, i] += factor * value
 
 
-def _signed_permutations() -> list[tuple[int, tuple[int, int, int]]]:
-    rows = []
-    for order in permutations(range(3)):
-        sign = int(np.round(np.linalg.det(np.eye(3)[list(order)])))
-        rows.append((sign, (order[0], 3 + order[1], 6 + order[2])))
-    return rows
-
-
 class Spatial:
     """The nine components of F, row by row."""
 
@@ -300,7 +268,8 @@ class Spatial:
     # Those of the first displacement alone, and where all stand among the slopes of (u_x, u_y, u_z) side by side.
     first = (0, 1, 2)
     order = np.array([0, 3, 6, 1, 4, 7, 2, 5, 8])
-    _terms = tuple(_signed_permutations())
+    # Signs and places of the products that make up J.
+    _terms = tuple((round(np.linalg.det(np.eye(3)[[*p]])), (p[0], 3 + p[1], 6 + p[2])) for p in permutations(range(3)))
 
     @classmethod
     def determinant(cls, F: Array) -> Array:

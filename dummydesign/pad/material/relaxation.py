@@ -135,11 +135,6 @@ class Isochoric:
     def __init__(self, law: HyperelasticLaw) -> None:
         self.law = law
 
-    def energy(self, F: Array) -> Array:
-        """W(J^(-1/3) F)."""
-        kinematics = Axisymmetric if F.shape[-1] == 5 else Spatial
-        return self.law.energy(F * kinematics.determinant(F)[..., None] ** (-1.0 / 3.0))
-
     def stress(self, F: Array) -> Array:
         """J^(-1/3) (P - 1/3 (P : F) K), P at J^(-1/3) F and K = F^-T."""
         return self._stress(F)[0]
@@ -178,7 +173,7 @@ class Isochoric:
 class Viscoelastic:
     """A law with relaxing arms; its history is that of one discretisation.
 
-    Use: ``begin(dt)``, then energy, stress and tangent for any trial F, then ``commit(F)`` with the F that
+    Use: ``begin(dt)``, then stress and tangent for any trial F, then ``commit(F)`` with the F that
     was found. Without arms (or with all strengths zero) it is the hyperelastic law, to the last bit.
     """
 
@@ -222,15 +217,6 @@ class Viscoelastic:
         old = self._arms or [np.zeros(())] * len(self.prony)
         self._arms = [d * Q + j * (now - self._last) for (d, j), Q in zip(self._factors, old)]
         self._last = now
-
-    def energy(self, F: Array) -> Array:
-        """Incremental energy of the step; its derivative is the stress."""
-        energy = self.law.energy(F)
-        if self._strength:
-            energy = energy + self._strength * self.isochoric.energy(F)
-        if self._history is not None:
-            energy = energy + 0.5 * np.einsum("...c,...c->...", F, _product(F, self._history))
-        return energy
 
     def stress(self, F: Array) -> Array:
         """First Piola stress at the end of the step."""

@@ -9,8 +9,9 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from dummydesign.core.process import one_blas_thread
+from dummydesign.core.process import one_blas_thread, tell_depth
 from dummydesign.pad.force_law import NO_COST
 from dummydesign.pad.solve.equilibrium import (
     RESIDUAL_TOLERANCE,
@@ -86,10 +87,9 @@ def add_costs(*costs: Mapping[str, float]) -> dict[str, float]:
 
 @one_blas_thread()
 def follow(
-    problem: Problem, depths: Sequence[float] | Array, first_step: float, largest_step: float, smallest_step: float,
-    progress: Callable[[float], None] | None = None, sound_J: float = 0.0, lattice: bool = False,
-    visit: Callable[[float, Solution], str | None] | None = None, keep: Callable[[VisitedState], None] | None = None,
-    most_wasted: float = math.inf,
+    problem: Problem, depths: ArrayLike, first_step: float, largest_step: float, smallest_step: float,
+    sound_J: float = 0.0, lattice: bool = False, visit: Callable[[float, Solution], str | None] | None = None,
+    keep: Callable[[VisitedState], None] | None = None, most_wasted: float = math.inf,
 ) -> Path:  # fmt: skip
     """Follow the equilibrium from first touch through ``depths`` (increasing, in the mesh's unit of length).
 
@@ -130,12 +130,11 @@ def follow(
         long = lattice and trial_depth - depth > largest_step * (1.0 + 1e-9)
         aim = PATH_TOLERANCE if passing else RESIDUAL_TOLERANCE
         answer = find_equilibrium(problem, *guess, trial_depth, aim, without_ties=long)
+        iterations += answer.iterations
         if isinstance(answer, Failure) and answer.reason == TIED:
-            iterations += answer.iterations
             step = largest_step
             continue
         if isinstance(answer, Failure):
-            iterations += answer.iterations
             wasted, since = (wasted, since) if depth - since < largest_step else (0, depth)
             wasted += answer.iterations
             step = 0.5 * (trial_depth - depth)
@@ -146,25 +145,22 @@ def follow(
         tied = problem.surface.memory() if problem.surface is not None and passed else None
         between: Solution | Failure = answer
         for goal in passed:
+            between = answer
             if goal < trial_depth * (1.0 - 1e-9):
                 part = (goal - depth) / (trial_depth - depth)
                 between = find_equilibrium(problem, u + part * (answer.u - u), p + part * (answer.p - p), goal)
                 iterations += between.iterations
                 if isinstance(between, Failure):
                     break
-            else:
-                between = answer
             if visit and (stop := visit(goal, between)):
                 break
             points.append((goal, problem.force(between.state), float(between.state.J.min())))
-            if progress:
-                progress(goal)
+            tell_depth(goal)
             if points[-1][2] < sound_J:
                 stop = explain(problem, answer.u, answer.p, goal, f"a volume ratio fell below {sound_J:g}")
                 break
         if isinstance(between, Failure):
             # A wanted depth that cannot be met from here is met from nearer by.
-            iterations += answer.iterations
             step = 0.5 * (trial_depth - depth)
             if step < smallest_step:
                 stop = explain(problem, u, p, depth, between.reason)
@@ -174,7 +170,6 @@ def follow(
         earlier, u, p, depth = (u, p, depth), answer.u, answer.p, trial_depth
         if keep:
             keep(VisitedState(depth, u, p, None if problem.surface is None else problem.surface.memory()))
-        iterations += answer.iterations
         if problem.surface is not None:
             problem.surface.settle(u, problem.punch, depth)
         steps += 1

@@ -57,13 +57,6 @@ class Problem:
         self._touch: tuple[Array, Array, float] | None = None
         self.pattern: Any = solver(groups, free, size) if solver else Pattern(groups, free, size, solid.mesh.nodes)
 
-    def contact(self, u: Array, depth: float) -> tuple[Array, list[Array]]:
-        """Force and matrices of the surface; zero without one."""
-        if self.surface is None:
-            return np.zeros(len(u)), []
-        force, matrix = self.surface.forces(u, self.punch, depth)
-        return force, [matrix]
-
     def pressed(self, u: Array, depth: float) -> tuple[Array, Callable[[], list[Array]]]:
         """Force of the surface, and what gives its matrices."""
         if self.surface is None:
@@ -97,7 +90,7 @@ class Problem:
         state = self.solid.state(u, p)
         assert state is not None
         tangent = self.solid.linearise(state)
-        _, matrices = self.contact(u, 0.0)
+        matrices = self.pressed(u, 0.0)[1]()
 
         def pull(of: Array) -> Array:
             local = (tangent.stiffness @ of[mesh.dofs][:, :, None])[:, :, 0]
@@ -145,7 +138,7 @@ def find_equilibrium(
         return Failure("the predicted state inverts an element", 0)
     if surface is not None:
         surface.begin()
-    at = _met(problem, _Trial(1.0, u, p, state, u, list, np.inf, np.inf), depth)
+    at = _met(problem, depth, 1.0, u, p, state)
     residuals: list[float] = []
     ties = factorised = 0
     contraction, least = problem.pattern.contraction
@@ -178,7 +171,7 @@ def find_equilibrium(
             if surface.tie(at.u, problem.punch, depth):
                 if without_ties:
                     return Failure(TIED, factorised)
-                ties, at = ties + 1, _met(problem, at, depth)
+                ties, at = ties + 1, _met(problem, depth, at.fraction, at.u, at.p, at.state)
                 tangent = None
                 continue
         if at.residual < tolerance and at.fraction == 1.0:
@@ -203,12 +196,12 @@ class _Trial(NamedTuple):
     unbalanced: float
 
 
-def _met(problem: Problem, at: _Trial, depth: float) -> _Trial:
-    """The same displacements and pressures with the contact as it is now."""
-    contact, matrices = problem.pressed(at.u, depth)
-    unbalanced = _size((at.state.internal_force + contact)[problem.pattern.free])
-    residual = unbalanced / (_size(at.state.internal_force) + 1e-300)
-    return _Trial(at.fraction, at.u, at.p, at.state, contact, matrices, residual, unbalanced)
+def _met(problem: Problem, depth: float, fraction: float, u: Array, p: Array, state: State) -> _Trial:
+    """Displacements and pressures with the contact as it is now."""
+    contact, matrices = problem.pressed(u, depth)
+    unbalanced = _size((state.internal_force + contact)[problem.pattern.free])
+    residual = unbalanced / (_size(state.internal_force) + 1e-300)
+    return _Trial(fraction, u, p, state, contact, matrices, residual, unbalanced)
 
 
 def _size(forces: Array) -> float:
@@ -222,7 +215,7 @@ def _tried(problem: Problem, at: _Trial, du: Array, dp: Array, depth: float, fra
     state = problem.solid.state(u, p)
     if state is None or not state.J.min() > SMALLEST_J:
         return None
-    return _met(problem, _Trial(fraction, u, p, state, at.contact, at.matrices, at.residual, at.unbalanced), depth)
+    return _met(problem, depth, fraction, u, p, state)
 
 
 def _sound(problem: Problem, at: _Trial, du: Array, dp: Array, depth: float) -> _Trial | None:

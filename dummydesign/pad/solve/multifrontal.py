@@ -14,6 +14,7 @@ References
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import partial
 
 import numpy as np
 
@@ -206,21 +207,17 @@ class _GeneralFactor(_Factor):
         from scipy.linalg import lu_factor, lu_solve
 
         whole = np.tril(block) + np.tril(block, -1).T
-        self.factors, self.coupling = lu_factor(whole, check_finite=False), coupling
-        self._taken = coupling.T @ lu_solve(self.factors, coupling, check_finite=False)
+        self._solve = partial(lu_solve, lu_factor(whole, check_finite=False), check_finite=False)
+        self.coupling, self._taken = coupling, coupling.T @ self._solve(coupling)
 
     def take_from(self, rest: Array) -> Array:
         return rest - self._taken
 
     def forward(self, load: Array) -> tuple[Array, Array]:
-        from scipy.linalg import lu_solve
-
-        return load, self.coupling.T @ lu_solve(self.factors, load, check_finite=False)
+        return load, self.coupling.T @ self._solve(load)
 
     def back(self, load: Array, rim: Array) -> Array:
-        from scipy.linalg import lu_solve
-
-        return lu_solve(self.factors, load - self.coupling @ rim, check_finite=False)
+        return self._solve(load - self.coupling @ rim)
 
 
 def _factorise(block: Array, coupling: Array) -> _Factor:

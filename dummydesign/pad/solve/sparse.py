@@ -68,11 +68,8 @@ class Band:
 
 def symmetric(matrices: list[Array]) -> bool:
     """Whether element matrices, shape (elements, n, n) each, equal their transposes but for rounding."""
-    for matrix in matrices:
-        largest = np.abs(matrix).max(initial=0.0)
-        if np.abs(matrix - matrix.transpose(0, 2, 1)).max(initial=0.0) > ASYMMETRY * largest:
-            return False
-    return True
+    skew = ((matrix - matrix.transpose(0, 2, 1), matrix) for matrix in matrices)
+    return not any(np.abs(part).max(initial=0.0) > ASYMMETRY * np.abs(whole).max(initial=0.0) for part, whole in skew)
 
 
 class Pattern:

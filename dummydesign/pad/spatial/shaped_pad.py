@@ -18,10 +18,9 @@ covered by a triangle that is turned over too, so only those that stand over or 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from itertools import pairwise
 from typing import ClassVar
 
 import numpy as np
@@ -32,13 +31,14 @@ from dummydesign.geometry.dimensions import PAD_WIDTH_MM, PUNCH_SIDE_MM
 from dummydesign.geometry.interface import BASES, CONDITIONS
 from dummydesign.geometry.pad_shape import PadShape
 from dummydesign.geometry.shapes.bumped import Bumped
-from dummydesign.pad.axisymmetric.case import Case, Progress, end_note, relative_depths, unsolved
+from dummydesign.pad.axisymmetric.case import Case, end_note, relative_depths, unsolved
 from dummydesign.pad.axisymmetric.self_contact import FOLDED, FoldWatch, opening_deg
 from dummydesign.pad.axisymmetric.shaped_problem import CELLS, RIMS, first_depth
 from dummydesign.pad.axisymmetric.shaped_problem import solve_path as solve_round_path
 from dummydesign.pad.contact.penalty import SHAPED_PAD_IN_SPACE
-from dummydesign.pad.contact.spatial import BeadedPunch, FaceContact, rectangle_punch, round_punch
+from dummydesign.pad.contact.spatial import BeadedPunch, FaceContact
 from dummydesign.pad.fem import mesh_hexahedra as space
+from dummydesign.pad.fem.mesh_axisymmetric import Sizes, lines_by_size
 from dummydesign.pad.fem.mixed_solid import Solid
 from dummydesign.pad.force_law import PadCurve
 from dummydesign.pad.material.hyperelastic import NEO_HOOKEAN, HyperelasticLaw
@@ -160,23 +160,22 @@ class SpatialFace:
         return min(opening_deg(points[..., [0, 2]].swapaxes(0, 1)), opening_deg(points[..., [1, 2]]))
 
 
-def watched(
-    problem: Problem, face: SpatialFace, depths: Array, largest_step: float,
-    progress: Callable[[float], None] | None = None,
-) -> Path:  # fmt: skip
+def watched(problem: Problem, face: SpatialFace, depths: Array, largest_step: float) -> Path:
     """Follow a problem through depths, to where its face folds on to itself at the most."""
     watch, first = FoldWatch(face), 0.25 * float(depths[0])
 
     def check(depth: float, solution: Solution) -> str | None:
         return watch.check(depth, solution.u)
 
-    return watch.with_stop_reason(follow(problem, depths, first, largest_step, first / 64.0, progress, visit=check))
+    return watch.with_stop_reason(follow(problem, depths, first, largest_step, first / 64.0, visit=check))
 
 
 # Cell at the first touch: this over ``Grid.cells``, of the contact radius sqrt(R d) at the first depth.
 APEX_CELLS = 4.0
 # Height of the uppermost cells over the thickness: this over ``Grid.cells``.
 HEIGHT_CELLS = 1.0
+# A part of a cell that is no cell of its own along a side.
+SPARE = 0.3
 
 
 @dataclass(frozen=True)
@@ -223,9 +222,8 @@ class Load:
             (float(one) / h, float(other) / h)
             for one, other in (half_mm, (0.5 * pad.slab_mm[0], 0.5 * pad.slab_mm[1]), offset_mm)
         )
-        law = pad.shape.scaled(1.0 / pad.shape.shear_MPa)
         load = cls(pad.geometry, float(h), half_sides, extents, pad.sides_mm is None, offset, pad.base, pad.condition,
-                   pad.poisson, first, law=law)  # fmt: skip
+                   pad.poisson, first, law=pad.shape)  # fmt: skip
         load.check()
         return load
 
@@ -267,23 +265,10 @@ class Load:
         return np.stack([places[0], places[1], face + (bone - face) * -places[2]])
 
     def punch(self, rim: float) -> BeadedPunch:
-        """The punch with a fillet at its edge."""
-        if self.is_round:
-            return round_punch(self.half_sides[0], rim, self.offset)
-        return rectangle_punch(self.half_sides, rim, self.offset)
-
-
-def graded_lines(start: float, stop: float, marks: Sequence[float], size: Callable[[Array], Array]) -> Array:
-    """Points whose cells follow a wanted size and which meet every mark."""
-    ends = np.unique(np.concatenate([[start, stop], [mark for mark in marks if start < mark < stop]]))
-    lines = [start]
-    for low, high in pairwise(ends):
-        fine = np.linspace(low, high, 400)
-        density = 1.0 / size(fine)
-        count = np.concatenate([[0.0], np.cumsum(0.5 * (density[1:] + density[:-1]) * np.diff(fine))])
-        cells = max(1, int(np.ceil(count[-1] - 0.3)))
-        lines.extend(np.interp(count[-1] * np.arange(1, cells + 1) / cells, count, fine))
-    return np.array(lines)
+        """The punch with a fillet at its edge, which is part of its sides or radius."""
+        one, other = (half - rim for half in self.half_sides)
+        core, corner = ((0.0, 0.0), one) if self.is_round else ((one, other), 0.0)
+        return BeadedPunch(core, corner, rim, self.offset)
 
 
 def _tip(load: Load, axis: int) -> float:
@@ -305,14 +290,8 @@ def axis_lines(load: Load, grid: Grid, axis: int) -> Array:
         places.append(0.0)
         # A first contact of radius sqrt(R d) is to span some cells.
         sizes.append(min(coarse, APEX_CELLS / grid.cells * np.sqrt(tip * load.first)))
-
-    def size(x: Array) -> Array:
-        near = [least + grid.slope * np.abs(x - centre) for centre, least in zip(places, sizes)]
-        away = np.maximum(np.abs(x - shift) - half, 0.0)
-        return np.minimum(np.min(near, axis=0), coarse + grid.slope * away)
-
-    start = 0.0 if shift == 0.0 else -extent
-    return graded_lines(start, extent, (places[0], places[1], 0.0), size)
+    wanted = Sizes(places, sizes, grid.slope, coarse, half, shift)
+    return lines_by_size(0.0 if shift == 0.0 else -extent, extent, (places[0], places[1], 0.0), wanted.at, SPARE)
 
 
 def levels(load: Load, grid: Grid) -> Array:
@@ -327,8 +306,6 @@ def levels(load: Load, grid: Grid) -> Array:
     return -np.concatenate([upper, lower[1:]])[::-1]
 
 
-# Contact stiffness in shear moduli over the cell, and grip as a share of it.
-CONTACT_STIFFNESS, GRIP_SHARE = SHAPED_PAD_IN_SPACE.contact, SHAPED_PAD_IN_SPACE.grip_share
 # How far beyond the punch the surface may come to touch it, in units of the smaller of punch and thickness.
 REACH = 0.8
 # Depths at which a round twin is checked for folds, in thicknesses.
@@ -350,7 +327,7 @@ def shaped_problem(load: Load, grid: Grid) -> Problem:
     if load.base != "bonded" and np.ptp(load.heights(*part.mesh.nodes[:2, base])[0]) > 0.0:
         message = "base = 'sliding' is not built for a pad with a bone; take bonded"
         raise InputError(message, "unsupported", "base", load.base, "bonded")
-    strength = CONTACT_STIFFNESS * load.law.shear_MPa / float(min(load.half_sides) / grid.cells)
+    strength = SHAPED_PAD_IN_SPACE.contact * load.law.shear_MPa / float(min(load.half_sides) / grid.cells)
     return contact_problem(load, part, base, part.share * strength, grid.rim * load.scale)
 
 
@@ -364,7 +341,7 @@ def contact_problem(load: Load, part: space.Quarter, base: Array, strength: Arra
     held[base] |= np.array([load.base == "bonded"] * 2 + [True])
     middle = np.abs(nodes[:2, part.faces[:, 4]] - np.array(load.offset)[:, None])
     near = np.all(middle <= np.array(load.half_sides)[:, None] + REACH * load.scale, axis=0)
-    grip = GRIP_SHARE * strength[near] * (load.condition == "bonded")
+    grip = SHAPED_PAD_IN_SPACE.grip_share * strength[near] * (load.condition == "bonded")
     surface = FaceContact(nodes, part.faces[near], strength[near], grip, part.unknowns)
     punch = load.punch(rim)
     surface.settle(np.zeros(mesh.size), punch, 0.0)
@@ -377,27 +354,26 @@ def contact_problem(load: Load, part: space.Quarter, base: Array, strength: Arra
     return Problem(solid, held.ravel(), nothing, 3 * base + 2, surface, punch, carried, solver=solver)
 
 
-def solve_path(load: Load, depths: Array, grid: Grid, progress: Progress | None = None) -> Path:
+def solve_path(load: Load, depths: Array, grid: Grid) -> Path:
     """Follow a pad through depths, to where its face folds on to itself at the most."""
     problem = shaped_problem(load, grid)
     mesh = problem.solid.mesh
     top = np.arange(len(mesh.dofs))[-(len(axis_lines(load, grid, 0)) - 1) * (len(axis_lines(load, grid, 1)) - 1) :]
     mirrored = load.offset[0] == 0.0, load.offset[1] == 0.0
     face = SpatialFace(problem, space.horizontal_faces(mesh, top), mirrored, load.thickness_mm)
-    return watched(problem, face, depths, 0.05 * load.scale, progress)
+    return watched(problem, face, depths, 0.05 * load.scale)
 
 
 def solve_shaped_block(
-    pad: Pad, depth_mm: Sequence[float] | Array, grid: Grid | None = None,
-    offset_mm: tuple[float, float] = (0.0, 0.0), progress: Progress | None = None,
-) -> PadCurve:  # fmt: skip
+    pad: Pad, depth_mm: Sequence[float] | Array, grid: Grid | None = None, offset_mm: tuple[float, float] = (0.0, 0.0)
+) -> PadCurve:
     """Static force of a shaped pad under a flat punch with a filleted edge."""
     h, depths, grid = pad.thickness_mm, relative_depths(depth_mm, pad.thickness_mm), grid or Grid()
     load = Load.of(pad, float(depths[0]), offset_mm)
     wanted, folds = _open_depths(load, depths)
     paths: list[Path] = []
     for fineness in (grid.coarser(), grid):
-        paths.append(solve_path(load, wanted, fineness, progress))
+        paths.append(solve_path(load, wanted, fineness))
         if not len(paths[-1].depth):
             raise unsolved(paths[-1].stop)
     coarse, fine = paths
@@ -465,7 +441,7 @@ def field_lines(pitch_mm: float, rim_mm: float, cells: int) -> Array:
         near = fine + SLOPE * np.abs(x[:, None] - edge).min(axis=1)
         return np.minimum(np.minimum(near, tip + SLOPE * x), cell + SLOPE * np.maximum(x - far, 0.0))
 
-    return graded_lines(0.0, 0.5 * PAD_WIDTH_MM, [*halves, *edge], size)
+    return lines_by_size(0.0, 0.5 * PAD_WIDTH_MM, [*halves, *edge], size, SPARE)
 
 
 def field_problem(shape: Bumped, thickness_mm: float, cells: int) -> tuple[Problem, SpatialFace]:
@@ -478,7 +454,7 @@ def field_problem(shape: Bumped, thickness_mm: float, cells: int) -> tuple[Probl
     z = -space.lines(1.0, load.scale / (CELLS_DOWN * cells), GROWTH)[::-1]
     part = space.quarter(x, x, z, folded=True, bend=load.bend)
     base = np.nonzero(part.mesh.nodes[2] < -1.0 + 1e-9)[0]
-    strength = part.share * CONTACT_STIFFNESS * load.law.shear_MPa * STIFF_OVER / half
+    strength = part.share * SHAPED_PAD_IN_SPACE.contact * load.law.shear_MPa * STIFF_OVER / half
     made = contact_problem(load, part, base, strength, rim)
     return made, SpatialFace(made, part.faces, (True, True), h, part.unknowns)
 

@@ -35,8 +35,7 @@ Array = np.ndarray
 _TOLERANCE = 1e-9
 # Below this volume ratio at a quadrature point the corner cell is about to fold.
 SOUND_J = 0.2
-# Contact and grip in shear moduli per rim.
-CONTACT_STIFFNESS = BEADED_SQUARE.contact
+# Grip in shear moduli per rim.
 GRIP_STIFFNESS = BEADED_SQUARE.contact * BEADED_SQUARE.grip_share
 # Cells inside the flat face's edge that are held by contact instead of moving with the punch.
 FILM_CELLS = 1
@@ -144,7 +143,7 @@ def block_problem(block: Block, cells: Cells, rim: float = 0.0, folded: bool = F
         near = ~under[faces].all(axis=1) & np.all(mesh.nodes[:2, faces[:, 4]] <= reach, axis=0)
         strength = part.share[near] * block.law.shear_MPa / bead
         grip = (block.condition == "bonded") * GRIP_STIFFNESS * strength
-        surface = FaceContact(mesh.nodes, faces[near], CONTACT_STIFFNESS * strength, grip, part.unknowns)
+        surface = FaceContact(mesh.nodes, faces[near], BEADED_SQUARE.contact * strength, grip, part.unknowns)
         punch = BeadedPunch((float(core[0]), float(core[1])), 0.0, bead)
     return _problem(mesh, block, core, last, surface, punch, partial(Dissection, position=part.lattice))
 
@@ -161,7 +160,7 @@ def twin_problem(block: Block, cells: Cells, rim: float = 0.0) -> Problem:
     inside = (mesh.nodes[0] >= last - _TOLERANCE) & (mesh.nodes[0] <= block.radius + REACH * block.scale)
     strength = block.law.shear_MPa / bead
     surface = Surface(
-        mesh.nodes, plane.edges_on(mesh, plane.on_top(mesh) & inside), CONTACT_STIFFNESS * strength,
+        mesh.nodes, plane.edges_on(mesh, plane.on_top(mesh) & inside), BEADED_SQUARE.contact * strength,
         grip=(block.condition == "bonded") * GRIP_STIFFNESS * strength, grip_from=0.0,
     )  # fmt: skip
     return _problem(mesh, block, np.array([core]), np.array([last]), surface, FlatPunch(block.radius, bead))
@@ -217,9 +216,7 @@ def useful_depths(block: Block, depths: Array, rim: float) -> Array:
     return depths[depths >= 0.5 * np.sqrt(rim) * block.scale]
 
 
-def solve_ratios(
-    block: Block, depths: Array, cells: Cells, rim: float = 0.0, progress: Callable[[float], None] | None = None
-) -> Ratios:
+def solve_ratios(block: Block, depths: Array, cells: Cells, rim: float = 0.0) -> Ratios:
     """Follow a rectangular punch and its round twin on the same cells through ``depths`` (in thicknesses).
 
     Depths at which a cell is near folding (volume ratio at a quadrature point below ``SOUND_J``, in either) are left
@@ -233,7 +230,7 @@ def solve_ratios(
     else:
         first = parts * problems[0].stiffness() / problems[1].stiffness()
         sound_J, steps = SOUND_J, (0.08 * scale, 0.15 * scale, 0.02 * scale)
-    paths = [follow(problem, depths, *steps, report, sound_J) for problem, report in zip(problems, (progress, None))]
+    paths = [follow(problem, depths, *steps, sound_J) for problem in problems]
     count = min(len(path.depth) for path in paths)
     smallest = np.minimum(*(path.smallest_J[:count] for path in paths))
     sound = np.logical_and.accumulate(smallest >= sound_J)
@@ -293,7 +290,7 @@ def _off(depth: Array, reach: dict[float, float], correction: Array) -> Array:
 
 
 @one_blas_thread()
-def solve_factor(block: Block, deepest: float, progress: Callable[[float], None] | None = None) -> FactorCurve:
+def solve_factor(block: Block, deepest: float) -> FactorCurve:
     """Solve a rectangular punch and its twin with several corner cells and fillets, and fit the limit at size 0."""
     outline = 1.0
     if not block.mirrors and block.middle_extents != block.half_extents:
@@ -307,13 +304,13 @@ def solve_factor(block: Block, deepest: float, progress: Callable[[float], None]
         end = min(deepest, depth_of_corner(block, cells))
         count = max(1, round(end / step))
         depths: Array = end * np.arange(1, count + 1) / count
-        sharp[corner] = solve_ratios(block, depths, cells, progress=progress)
+        sharp[corner] = solve_ratios(block, depths, cells)
     beaded: dict[float, Ratios] = {}
     if max(_reach(sharp).values()) < deepest * 0.999:
         # Values of fillets scatter: some more than the curve's own depths.
         depths = deepest * np.arange(1, 13) / 12.0
         for rim in RIMS:
-            beaded[rim] = solve_ratios(block, useful_depths(block, depths, rim), Cells(rim), rim, progress)
+            beaded[rim] = solve_ratios(block, useful_depths(block, depths, rim), Cells(rim), rim)
     curve = _fitted(sharp, beaded, step)
     return replace(curve, coefficients=curve.coefficients + np.log(outline) * np.eye(1, len(curve.coefficients))[0])
 

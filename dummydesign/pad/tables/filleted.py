@@ -15,11 +15,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from dummydesign.core import library as json_table
-from dummydesign.core.errors import InputError, out_of_range
+from dummydesign.core.errors import out_of_range
 from dummydesign.core.interpolation import monotone_cubic
 from dummydesign.geometry.dimensions import LARGEST_EDGE_RADIUS
-from dummydesign.geometry.interface import BASES
-from dummydesign.pad.tables.slab import ResponseTable, load_table
+from dummydesign.pad.tables.slab import ResponseTable, check_base, load_table
 
 Array = np.ndarray
 
@@ -124,9 +123,7 @@ def _series(table: FilletedTable, rows: Array, depth: Array) -> tuple[Array, Arr
 @lru_cache(maxsize=32)
 def load_filleted(base: str, fillet: float) -> FilletedTable:
     """Response table of slabs under a round punch with a filleted edge."""
-    if base not in BASES:
-        message = f"base = '{base}' has no table; known are {', '.join(BASES)}; use --fidelity axisymmetric"
-        raise InputError(message, "not_tabulated", "base", base, BASES)
+    check_base(base)
     if not 0.0 < fillet <= LARGEST_EDGE_RADIUS * (1.0 + 1e-9):
         raise out_of_range("edge radius over punch radius", f"{fillet:.4g}", 0.0, LARGEST_EDGE_RADIUS)
     command = "python -m studies.tables.filleted"

@@ -77,9 +77,7 @@ def load_puck_table() -> PuckTable:
 def load_shapes() -> tuple[PuckTable, ...]:
     """Read the tables of all solved proportions, by rising radius over height; see :func:`load_puck_table`."""
     command = f"{COMMAND} --shapes"
-    others = json_table.read(
-        OTHERS, "friction tables", command, lambda data: [_parse(one) for one in data["shapes"]]
-    )
+    others = json_table.read(OTHERS, "friction tables", command, lambda data: [_parse(one) for one in data["shapes"]])
     return tuple(sorted([load_puck_table(), *others], key=lambda table: table.radius_over_height))
 
 

@@ -13,7 +13,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TypeVar
 
 import numpy as np
 
@@ -131,6 +130,3 @@ class Response:
         # Held before the first knot and beyond the last.
         asked = np.sqrt(depth)
         return value, np.where((asked < t[0]) | (asked > t[-1]), 0.0, slope)
-
-
-T = TypeVar("T")

@@ -107,13 +107,13 @@ class ShapeTable:
 class TabulatedShapeLaw(ForceAndStiffness, BaseForceLaw):
     """Force law of one shape (lengths fixed in mm) at any thickness and punch radius the table holds."""
 
-    def __init__(self, shape: PadShape, condition: str = "bonded") -> None:
+    def __init__(self, shape: PadShape) -> None:
         if not shape.tabulated:
             message = f"shape = {shape} has no response table; known are round {', '.join(tabulated_kinds())}"
             raise InputError(message, "not_tabulated", "shape", str(shape))
         shape.check_tabulated()
         self.shape = shape
-        self.table = load_shape_table(shape.name, condition)
+        self.table = load_shape_table(shape.name)
         self._tip_radius_mm = float(shape.tip_radius_mm or 0.0)
         self._slab: ResponseTable | None = None if self.table.similarity.over_tip else load_table("bonded")
 
@@ -128,11 +128,11 @@ class TabulatedShapeLaw(ForceAndStiffness, BaseForceLaw):
 
         Thickness is that at the highest point, the modulus that of the upper resin.
         """
-        d, h, young, a = np.broadcast_arrays(
-            *(np.asarray(v, dtype=float) for v in (depth_mm, thickness_mm, young_MPa, radius_mm))
-        )
-        pads, row = self._pads(h, a)
-        inputs = ratios(self.shape, *pads)
+        values = (np.asarray(v, dtype=float) for v in (depth_mm, thickness_mm, young_MPa, radius_mm))
+        d, h, young, a = np.broadcast_arrays(*values)
+        # Each of the pads that differ is looked up once.
+        pads, at = np.unique(np.stack([h.ravel(), a.ravel()], axis=1), axis=0, return_inverse=True)
+        inputs, row = ratios(self.shape, *pads.T), np.asarray(at).reshape(h.shape)
         self.table.check(inputs, self.shape.fidelity)
         x = np.maximum(d, 0.0) / h
         limit = self.table.depth_limit(inputs)[row]
@@ -165,30 +165,19 @@ class TabulatedShapeLaw(ForceAndStiffness, BaseForceLaw):
         """Error of the force over the force: finite elements and regression; see
         :class:`dummydesign.pad.force_law.ForceLaw`.
         """
-        depth, h, a = np.broadcast_arrays(
-            *(np.asarray(v, dtype=float) for v in (depth_mm, thickness_mm, radius_mm))
-        )
+        depth, h, a = np.broadcast_arrays(*(np.asarray(v, dtype=float) for v in (depth_mm, thickness_mm, radius_mm)))
         error = self.table.relative_error(depth / h)
         return error if self._slab is None else error + self._slab.relative_error(depth, h, a)
 
-    @staticmethod
-    def _pads(h: Array, a: Array) -> tuple[tuple[Array, Array], Array]:
-        """Pads that differ, as (thickness, punch radius), and which of them each entry is."""
-        pairs, row = np.unique(np.stack([h.ravel(), a.ravel()], axis=1), axis=0, return_inverse=True)
-        return (pairs[:, 0], pairs[:, 1]), np.asarray(row).reshape(h.shape)
-
 
 @lru_cache(maxsize=8)
-def load_shape_table(kind: str, condition: str = "bonded") -> ShapeTable:
+def load_shape_table(kind: str) -> ShapeTable:
     """Read a shipped table."""
     if kind not in tabulated_kinds():
         message = f"shape = '{kind}' has no table; known are {', '.join(tabulated_kinds())}"
         raise InputError(message, "not_tabulated", "shape", kind, tabulated_kinds())
-    if condition != "bonded":
-        message = f"condition = '{condition}' is not in the tables of shapes (only bonded); solve it instead"
-        raise InputError(message, "not_tabulated", "condition", condition, "bonded")
     command = f"python -m studies.tables.shapes {kind}"
-    return json_table.read(f"{kind}-{condition}.json", "response table", command, from_dict)
+    return json_table.read(f"{kind}-bonded.json", "response table", command, from_dict)
 
 
 def from_dict(data: dict[str, Any]) -> ShapeTable:

@@ -60,14 +60,10 @@ _DIFFERENCE = 0.01 * np.array([[0.0, 0.3, 1.1, 1.5], [0.0, 0.3, 0.5, 1.3], [0.0,
 def sharp_edge_doubt(depth: Array, ratio: Array) -> Array:
     """Relative difference to independent codes under a sharp, glued punch."""
     x, at = np.broadcast_arrays(np.asarray(depth, dtype=float), np.log(np.asarray(ratio, dtype=float)))
-    rows = []
-    for row in _DIFFERENCE:
-        slope = (row[-1] - row[-2]) / (_DEPTH[-1] - _DEPTH[-2])
-        rows.append(np.interp(x, _DEPTH, row) + slope * np.maximum(x - _DEPTH[-1], 0.0))
-    position = np.interp(at, np.log(_RATIO), np.arange(len(_RATIO)))
-    low = np.minimum(position.astype(int), len(_RATIO) - 2)
-    share = position - low
-    table = np.array(rows)
+    slope = (_DIFFERENCE[:, -1] - _DIFFERENCE[:, -2]) / (_DEPTH[-1] - _DEPTH[-2])
+    beyond = np.maximum(x - _DEPTH[-1], 0.0)
+    table = np.array([np.interp(x, _DEPTH, row) + steep * beyond for row, steep in zip(_DIFFERENCE, slope)])
+    low, share = locate_on_grid(np.log(_RATIO), at)
     below, above = (np.take_along_axis(table, (low + k)[None], axis=0)[0] for k in (0, 1))
     return (1.0 - share) * below + share * above
 
@@ -90,9 +86,11 @@ def check_ratio(ratio: ArrayLike, allowed: tuple[float, float], advice: str = ""
         raise out_of_range("punch radius over pad thickness", f"{float(ratio[bad].flat[0]):.4g}", low, high, advice)
 
 
-def equal_area_radius_mm(area_mm2: float) -> float:
-    """Radius of the round punch of the same area: sqrt(A / pi). [mm]"""
-    return float(np.sqrt(area_mm2 / np.pi))
+def check_base(base: str) -> None:
+    """Refuse a base that slabs are not tabulated on."""
+    if base not in BASES:
+        message = f"base = '{base}' has no table; known are {', '.join(BASES)}; use --fidelity axisymmetric"
+        raise InputError(message, "not_tabulated", "base", base, BASES)
 
 
 @dataclass(frozen=True)
@@ -184,8 +182,7 @@ class ResponseTable(ForceAndStiffness):
     def solved_error(self, depth_mm: ArrayLike, thickness_mm: ArrayLike, radius_mm: ArrayLike) -> Array:
         """Relative error of elements and interpolation alone: what a solve made now may differ by from the table."""
         ratio = np.log(self._ratio(thickness_mm, radius_mm))
-        x = np.asarray(depth_mm, dtype=float) / np.asarray(thickness_mm, dtype=float)
-        x, ratio = np.broadcast_arrays(x, ratio)
+        x, ratio = np.broadcast_arrays(np.asarray(depth_mm, float) / np.asarray(thickness_mm, float), ratio)
         return between(x, ratio, self.error_depth, np.log(self.error_ratio), self.error)
 
 
@@ -200,9 +197,7 @@ def load_table(base: str = "bonded") -> ResponseTable:
     >>> load_table("bonded").force([1.0, 2.0], 12.0, 0.025, 14.0).round(2).tolist()
     [4.95, 10.74]
     """
-    if base not in BASES:
-        message = f"base = '{base}' has no table; known are {', '.join(BASES)}; use --fidelity axisymmetric"
-        raise InputError(message, "not_tabulated", "base", base, BASES)
+    check_base(base)
     return _read(base, partial(fill_table, ResponseTable))
 
 

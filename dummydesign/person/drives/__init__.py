@@ -11,16 +11,12 @@ from dummydesign.person.drives.drive import Drive
 ORDER = ("position", "steady", "force", "mass", "spring")
 
 
-def _find() -> dict[str, type[Drive]]:
-    drives: dict[str, type[Drive]] = {}
-    for entry in pkgutil.iter_modules(__path__):
-        module = importlib.import_module(f"{__name__}.{entry.name}")
-        own = (value for value in vars(module).values() if isinstance(value, type) and issubclass(value, Drive))
-        drives |= {value.name: value for value in own if value.__module__ == module.__name__ and value is not Drive}
-    return dict(sorted(drives.items(), key=lambda item: (ORDER.index(item[0]) if item[0] in ORDER else 9, item[0])))
-
-
-DRIVES: dict[str, type[Drive]] = _find()
+for entry in pkgutil.iter_modules(__path__):
+    importlib.import_module(f"{__name__}.{entry.name}")
+_rank = dict(zip(ORDER, range(9)))
+DRIVES: dict[str, type[Drive]] = {
+    one.name: one for one in sorted(Drive.__subclasses__(), key=lambda one: (_rank.get(one.name, 9), one.name))
+}
 """Drives by name."""
 
 

@@ -4,30 +4,22 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar
 
-import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.core.errors import InputError, out_of_range
 from dummydesign.core.parsing import Purpose, read_number
-from dummydesign.measurement.motion import work_mJ
-from dummydesign.person.integrate import held_after
-from dummydesign.person.press import LATE, Press
-from dummydesign.person.smoothing import interpolation
+from dummydesign.person.integrate import FOUR, Response
+from dummydesign.person.press import Press
 
 if TYPE_CHECKING:
-    from dummydesign.person.integrate import Trajectory
     from dummydesign.person.people import People
     from dummydesign.person.ringing import Arm
     from dummydesign.person.signs import TraceSigns
 
-FOUR = ("peak_N", "steady_N", "depth_mm", "energy_mJ")
-"""What is reported of a press."""
 FASTER = 20.0
 """Factor of the tolerance where only the four numbers of many draws are wanted."""
-LATE_POINTS = 25
 DAMPING = Purpose("damping ratio", "", (0.0, 1.0))
 MASS = Purpose("mass in kg", "kg", (0.05, 500.0))
 STIFFNESS = Purpose("stiffness in N/mm", "N/mm", (0.1, 10_000.0))
@@ -35,28 +27,6 @@ MASSES, STIFFNESSES = (1e-3, 1e4), (1e-3, 1e6)
 """Masses and stiffnesses that are allowed with their unit. [kg, N/mm]"""
 DAMPINGS = (0.0, 2.0)
 """Damping ratios of an arm that are allowed."""
-
-
-@dataclass(frozen=True)
-class Response:
-    """What persons bear: curves of shape (p, n) over ``time_s`` (n,) or (p, n), and numbers, shape (p,).
-
-    ``held_N`` is the largest force later than 0.5 s after contact.
-    """
-
-    time_s: NDArray
-    depth_curve_mm: NDArray
-    force_curve_N: NDArray
-    peak_N: NDArray
-    steady_N: NDArray
-    depth_mm: NDArray
-    energy_mJ: NDArray
-
-    held_N: NDArray
-
-    def four(self) -> dict[str, NDArray]:
-        """The four numbers by name."""
-        return {name: getattr(self, name) for name in FOUR}
 
 
 class Drive(ABC):
@@ -146,8 +116,7 @@ class Drive(ABC):
 
     def on_pad(self, press: Press) -> dict[str, NDArray | None]:
         """The four numbers of the pad, over the same part of the press as those of people."""
-        return {"peak_N": press.peak_N, "steady_N": press.steady_N, "depth_mm": press.depth_mm,
-                "energy_mJ": press.energy_mJ}  # fmt: skip
+        return {name: getattr(press, name) for name in FOUR}
 
 
 def not_kept(signs: TraceSigns) -> str:
@@ -157,25 +126,3 @@ def not_kept(signs: TraceSigns) -> str:
     if signs.looks_like == "mass":
         return f"the pad alone stopped a mass of {signs.mass_kg:.3g} kg"
     return ""
-
-
-def late_from(press: Press) -> float:
-    """Time from which on the mean of the force is the steady force; infinite without a hold. [s]"""
-    return float(press.time_s[-1]) - LATE * press.hold_s if press.steady_N is not None else np.inf
-
-
-def of_trajectory(run: Trajectory) -> Response:
-    """Make the answer of an integrated motion."""
-    return Response(run.time_s, run.depth_mm, run.force_N, run.peak_N, run.late_N, run.deepest_mm, run.energy_mJ,
-                    run.held_N)  # fmt: skip
-
-
-def of_curves(press: Press, time_s: NDArray, depth: NDArray, force: NDArray) -> Response:
-    """Make the answer of curves of shape (p, n) over common times (n,)."""
-    depth, start = np.broadcast_to(depth, force.shape), late_from(press)
-    energy = work_mJ(np.maximum(depth, 0.0), force)
-    held = np.full(len(force), np.nan)
-    if np.isfinite(start):
-        held = force @ interpolation(np.linspace(start, float(time_s[-1]), LATE_POINTS), time_s).mean(axis=0)
-    longer = held_after(time_s, force)
-    return Response(time_s, depth, force, force.max(axis=-1), held, depth.max(axis=-1), energy, longer)

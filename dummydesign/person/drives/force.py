@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from dummydesign.person.drives.drive import Drive, Response, late_from, not_kept, of_trajectory
-from dummydesign.person.integrate import follow_force
+from dummydesign.person.drives.drive import Drive, not_kept
+from dummydesign.person.integrate import Response, follow_force
 from dummydesign.person.known_range import short_number
 from dummydesign.person.people import People
 from dummydesign.person.press import Press
@@ -24,5 +24,5 @@ class Force(Drive):
 
     def respond(self, press: Press, people: People, keep: bool = True) -> Response:
         """Solve the law for the depth."""
-        given = people, press.time_s, press.force_N, late_from(press)
-        return of_trajectory(follow_force(*given) if keep else follow_force(*given, substeps=1, tolerance=1e-5))
+        given = people, press.time_s, press.force_N, press.late_from_s
+        return follow_force(*given) if keep else follow_force(*given, substeps=1, tolerance=1e-5)

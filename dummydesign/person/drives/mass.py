@@ -8,10 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.measurement.motion import work_mJ
-from dummydesign.person.drives.drive import FASTER, MASS, MASSES, Drive, Response, of_trajectory
-from dummydesign.person.integrate import TOLERANCE, run_robot
+from dummydesign.person.drives.drive import FASTER, MASS, MASSES, Drive
+from dummydesign.person.integrate import TOLERANCE, Response, run_robot
 from dummydesign.person.people import People
 from dummydesign.person.press import Press
+from dummydesign.person.ringing import Arm
 from dummydesign.person.signs import TraceSigns
 
 LONGEST_S, AFTER_STOP = 60.0, 1.0
@@ -39,22 +40,23 @@ class Mass(Drive):
 
     def respond(self, press: Press, people: People, keep: bool = True) -> Response:
         """Integrate until every body has stopped; with curves, as long again for the rebound."""
-        mass, count = self.values[0], len(people)
-        speed = press.contact_mm_s * np.ones(count)
+        mass, speed = self.values[0], press.contact_mm_s * np.ones(len(people))
         scale = people.depth_taking(float(0.5e-3 * mass * np.max(speed) ** 2))
         rise = 4.0 * float(np.max(scale / speed))
 
         def longest(time: float) -> float:
             return rise / CURVE_STEPS
 
+        given = speed, scale, longest
         looser = TOLERANCE * (1.0 if keep else FASTER)
-        run = run_robot(people, mass, 0.0, _nothing, LONGEST_S, speed, scale, longest, until_stop=True, keep=False,
+        run = run_robot(people, Arm(0.0, mass), _nothing, LONGEST_S, *given, until_stop=True, keep=False,
                         tolerance=looser)  # fmt: skip
-        if keep:
-            end = (1.0 + AFTER_STOP) * float(np.max(run.stop_s))
-            curve = run_robot(people, mass, 0.0, _nothing, end, speed, scale, longest)
-            run = replace(run, time_s=curve.time_s, depth_mm=curve.depth_mm, force_N=curve.force_N)
-        return of_trajectory(run)
+        if not keep:
+            return run
+        end = (1.0 + AFTER_STOP) * float(np.max(run.stop_s))
+        curve = run_robot(people, Arm(0.0, mass), _nothing, end, *given)
+        names = ("time_s", "depth_curve_mm", "force_curve_N")
+        return replace(run, **{name: getattr(curve, name) for name in names})
 
     def on_pad(self, press: Press) -> dict[str, NDArray | None]:
         """The pad's numbers up to its stop."""

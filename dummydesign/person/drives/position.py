@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
-from dummydesign.person.drives.drive import Drive, Response, not_kept, of_curves
+import numpy as np
+
+from dummydesign.measurement.motion import work_mJ
+from dummydesign.person.drives.drive import Drive, not_kept
+from dummydesign.person.integrate import Response, late_mean
 from dummydesign.person.people import People
 from dummydesign.person.press import Press
 from dummydesign.person.signs import TraceSigns
@@ -20,4 +24,6 @@ class Position(Drive):
 
     def respond(self, press: Press, people: People, keep: bool = True) -> Response:
         """Force of the law along the path."""
-        return of_curves(press, press.time_s, press.x_mm, people.force(press.time_s, press.x_mm))
+        time, force = press.time_s, people.force(press.time_s, press.x_mm)
+        depth, steady = np.broadcast_to(press.x_mm, force.shape), late_mean(time, force, press.late_from_s)
+        return Response.of_curves(time, depth, force, steady, work_mJ(np.maximum(depth, 0.0), force))

@@ -5,20 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from dummydesign.person.drives.drive import (
-    DAMPING,
-    DAMPINGS,
-    FASTER,
-    MASS,
-    MASSES,
-    STIFFNESS,
-    STIFFNESSES,
-    Drive,
-    Response,
-    late_from,
-    of_trajectory,
-)
-from dummydesign.person.integrate import RINGS, TOLERANCE, Input, run_robot
+from dummydesign.person.drives.drive import DAMPING, DAMPINGS, FASTER, MASS, MASSES, STIFFNESS, STIFFNESSES, Drive
+from dummydesign.person.integrate import RINGS, TOLERANCE, Input, Response, run_robot
 from dummydesign.person.known_range import short_number
 from dummydesign.person.people import People
 from dummydesign.person.press import Press
@@ -54,8 +42,7 @@ class Spring(Drive):
 
     def respond(self, press: Press, people: People, keep: bool = True) -> Response:
         """Integrate from contact to the end of the hold, in the difference to the path on the pad."""
-        stiffness, mass, ratio = self.values
-        return press_by_spring(press, people, stiffness, mass, keep, ratio)
+        return press_by_spring(press, people, self.arm, keep)
 
     @property
     def arm(self) -> Arm:
@@ -63,13 +50,9 @@ class Spring(Drive):
         return Arm(*self.values)
 
 
-def press_by_spring(
-    press: Press, people: People, stiffness_N_per_mm: float, mass_kg: float, keep: bool = True,
-    damping_ratio: float = 0.0,
-) -> Response:  # fmt: skip
+def press_by_spring(press: Press, people: People, arm: Arm, keep: bool = True) -> Response:
     """Press people by a spring and a mass; a stiffness of 0 leaves the mass with the force that acted on it."""
     count, nodes = len(people), press.time_s
-    arm = Arm(stiffness_N_per_mm, mass_kg, damping_ratio)
     even, calm = arm.period_s / (STEPS if keep else FEWER), press.stop_s + RINGS * arm.period_s
 
     def longest(time: float) -> float:
@@ -78,12 +61,9 @@ def press_by_spring(
         return left if not press.stop_s <= time < calm or left <= even else left / int(np.ceil(left / even - 1e-6))
 
     scale = np.full(count, float(np.max(press.depth_mm)))
-    run = run_robot(people, mass_kg, stiffness_N_per_mm, _between_nodes(press), float(nodes[-1]), np.zeros(count),
-                    scale, longest, keep=keep, late_s=late_from(press), loose_after_s=press.stop_s,
-                    tolerance=TOLERANCE * (1.0 if keep else FASTER),
-                    damping_N_s_per_mm=arm.damping_N_s_per_mm,
-                    mean_from_s=press.mean_from_s, lost_mm_s=press.lost_mm_s)  # fmt: skip
-    return of_trajectory(run)
+    return run_robot(people, arm, _between_nodes(press), float(nodes[-1]), np.zeros(count), scale, longest, keep=keep,
+                     late_s=press.late_from_s, loose_after_s=press.stop_s, mean_from_s=press.mean_from_s,
+                     tolerance=TOLERANCE * (1.0 if keep else FASTER), lost_mm_s=press.lost_mm_s)  # fmt: skip
 
 
 def _between_nodes(press: Press) -> Input:

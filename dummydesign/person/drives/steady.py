@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from dummydesign.core.errors import InputError
 from dummydesign.measurement.motion import Motion, work_mJ
-from dummydesign.person.drives.drive import LATE_POINTS, Drive, Response, not_kept
-from dummydesign.person.integrate import held_after
+from dummydesign.person.drives.drive import Drive, not_kept
+from dummydesign.person.integrate import LATE_POINTS, Response
 from dummydesign.person.people import People
 from dummydesign.person.press import LATE, SHORTEST_HOLD_S, Press
 from dummydesign.person.signs import TraceSigns
@@ -73,15 +73,13 @@ def press_of(press: Press) -> tuple[float, float]:
 
 def late_mean(motion: Motion, force: NDArray, last_s: float) -> NDArray:
     """Mean force over the last seconds of motions with their own times, shape (p,). [N]"""
-    end = motion.time_s[:, -1:]
-    at = end - last_s * np.linspace(1.0, 0.0, LATE_POINTS)
+    at = motion.time_s[:, -1:] - last_s * np.linspace(1.0, 0.0, LATE_POINTS)
     return np.array([np.interp(*row).mean() for row in zip(at, motion.time_s, force)])
 
 
 def _response(motion: Motion, force: NDArray, steady: NDArray) -> Response:
     x = motion.displacement_mm
-    return Response(motion.time_s, x, force, force.max(axis=-1), steady, x.max(axis=-1), work_mJ(x, force),
-                    held_after(motion.time_s, force))  # fmt: skip
+    return Response.of_curves(motion.time_s, x, force, steady, work_mJ(x, force))
 
 
 SAME_SPEED = 0.95
@@ -128,8 +126,7 @@ class RobotPath:
     def contact_s(self, deeper_mm: NDArray) -> NDArray:
         """Time at which a body is touched that is pressed deeper than the pad by so much. [s]"""
         rise = self.time_s <= self.stop_s
-        top = np.maximum.accumulate(self.x_mm[rise])
-        inside = np.interp(-deeper_mm, top, self.time_s[rise])
+        inside = np.interp(-deeper_mm, np.maximum.accumulate(self.x_mm[rise]), self.time_s[rise])
         braking, gain = self.braking_mm_s2, self.approach_mm_s - self.contact_mm_s
         way = 0.5 * gain * (self.approach_mm_s + self.contact_mm_s) / braking
         slow = np.minimum(np.maximum(deeper_mm, 0.0), way)

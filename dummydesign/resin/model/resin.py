@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from dummydesign.core.errors import InputError, out_of_range, unknown_name
 from dummydesign.core.files import write_text
-from dummydesign.core.library import toml_text
+from dummydesign.core.library import toml_table
 from dummydesign.core.quantity import HALF_WIDTH, Quantity, value_at
 from dummydesign.core.serialise import Serialised, to_plain
 from dummydesign.resin.model.modulus_laws import ModulusLaw, check_young
@@ -57,8 +57,7 @@ def mixed(name: str, liquids: Sequence[Liquid], parts: Sequence[float]) -> Quant
     parts : sequence of float
         Parts by weight of each.
     """
-    whole = sum(parts)
-    shares = [part / whole for part in parts]
+    shares = [part / sum(parts) for part in parts]
     quantities = [getattr(liquid, name) for liquid in liquids]
 
     def at(end: str) -> float:
@@ -77,13 +76,8 @@ def mixed(name: str, liquids: Sequence[Liquid], parts: Sequence[float]) -> Quant
 class RelaxationGivenModulus:
     """ln beta = ln of the stated strength + slope (ln E - mean) + spread z, with independent normal z.
 
-    Attributes
-    ----------
-    log_young_kPa : float
-        Mean of ln E at the reference ratio.
-    slope : ndarray, shape (arms,)
-    spread : ndarray, shape (arms, arms)
-        A root of the covariance of ln beta at a known modulus.
+    ``log_young_kPa`` is the mean of ln E at the reference ratio, ``slope`` (arms,), ``spread`` (arms, arms)
+    a root of the covariance of ln beta at a known modulus.
     """
 
     log_young_kPa: float
@@ -116,45 +110,8 @@ class RelaxationGivenModulus:
 
 
 def save_resin(resin: Resin, path: Path) -> Path:
-    """Write a resin file under its final name only when complete.
-
-    Raises
-    ------
-    InputError
-        When the place cannot be written.
-    """
-    return write_text(path, "\n".join(_lines(resin.to_dict(), "")) + "\n")
-
-
-def _value(value: Any) -> str:
-    """Write a plain value, a list of plain values or a quantity on one line of TOML."""
-    if isinstance(value, dict):
-        return "{ " + ", ".join(f"{key} = {_value(item)}" for key, item in value.items()) + " }"
-    if isinstance(value, list):
-        return "[" + ", ".join(_value(item) for item in value) + "]"
-    if isinstance(value, str):
-        return toml_text(value)
-    return repr(float(value)) if isinstance(value, float) else str(value)
-
-
-def _is_inline(value: Any) -> bool:
-    """Quantities and plain values stay on one line; other tables get a heading of their own."""
-    if isinstance(value, dict):
-        return "kind" in value and "source" in value
-    return not (isinstance(value, list) and value and isinstance(value[0], dict))
-
-
-def _lines(table: Mapping[str, Any], prefix: str) -> list[str]:
-    """Write a table: its own values first, then the tables inside it."""
-    lines = [f"{key} = {_value(value)}" for key, value in table.items() if _is_inline(value)]
-    for key, value in table.items():
-        if _is_inline(value):
-            continue
-        name = f"{prefix}{key}"
-        for item in value if isinstance(value, list) else [value]:
-            heading = f"[[{name}]]" if isinstance(value, list) else f"[{name}]"
-            lines += ["", heading, *_lines(item, f"{name}.")]
-    return lines
+    """Write a resin file under its final name only when complete."""
+    return write_text(path, toml_table(resin.to_dict()))
 
 
 DRAWS, SEED = 2000, 20240
@@ -181,18 +138,10 @@ class Arm(Serialised):
 
 @dataclass(frozen=True)
 class PuckPoint:
-    """The recording of a puck.
+    """The recording of a puck; by ``sha256`` of its numbers it is known again under another file name.
 
-    Attributes
-    ----------
-    sha256 : str
-        Of the numbers of the recording: the same puck under another file name is known again.
-    file : str
-    diameter_mm, height_mm : float
-    seen_s : (float, float) or None
-        Shortest and longest time its holds show; None without holds. [s]
-    arms : tuple of Arm
-        What the holds showed, strengths relative to the long-term modulus at the point's ratio.
+    ``seen_s`` are the shortest and longest time that its holds show, None without holds; ``arms`` what they showed,
+    strengths relative to the long-term modulus at the point's ratio.
     """
 
     sha256: str
@@ -203,11 +152,8 @@ class PuckPoint:
     arms: tuple[Arm, ...] = ()
 
     def to_dict(self) -> dict[str, Any]:
-        """Return plain values as they stand in a resin file."""
-        plain = {key: getattr(self, key) for key in ("sha256", "file", "diameter_mm", "height_mm")}
-        if self.seen_s is not None:
-            plain["seen_s"] = list(self.seen_s)
-        return plain | ({"arm": to_plain(self.arms)} if self.arms else {})
+        """Return plain values as they stand in a resin file, what is unknown left out."""
+        return {"arm" if key == "arms" else key: one for key, one in to_plain(vars(self)).items() if one}
 
 
 @dataclass(frozen=True)
@@ -220,8 +166,7 @@ class Point:
 
     def to_dict(self) -> dict[str, Any]:
         """Return plain values as they stand in a resin file."""
-        plain = {"ratio": self.ratio, "young_kPa": self.young_kPa.to_dict()}
-        return plain if self.puck is None else plain | {"puck": self.puck.to_dict()}
+        return {key: one for key, one in to_plain(vars(self)).items() if one is not None}
 
     @property
     def log_young(self) -> float:
@@ -231,8 +176,7 @@ class Point:
     @property
     def spread(self) -> float:
         """Standard deviation of the logarithm, from the 95 % interval."""
-        width = math.log(self.young_kPa.high / self.young_kPa.low) / (2 * HALF_WIDTH)
-        return max(width, SMALLEST_SPREAD)
+        return max(math.log(self.young_kPa.high / self.young_kPa.low) / (2 * HALF_WIDTH), SMALLEST_SPREAD)
 
 
 @dataclass(frozen=True)
@@ -295,9 +239,9 @@ class Resin:
     def check_ratio(self, ratio: ArrayLike) -> None:
         """Refuse ratios outside the range the law is meant for (InputError)."""
         values = np.atleast_1d(np.asarray(ratio, float))
-        inside = (values >= self.ratio_min - 1e-9) & (values <= self.ratio_max + 1e-9)
-        for wrong in map(float, values[~inside][:1]):
-            raise out_of_range(f"ratio of {self.name}", wrong, self.ratio_min, self.ratio_max, self.ratio_meaning,
+        wrong = values[~((values >= self.ratio_min - 1e-9) & (values <= self.ratio_max + 1e-9))].tolist()
+        if wrong:
+            raise out_of_range(f"ratio of {self.name}", wrong[0], self.ratio_min, self.ratio_max, self.ratio_meaning,
                                "ratio")  # fmt: skip
 
     @property
@@ -330,8 +274,7 @@ class Resin:
     def modulus_kPa(self, ratio: float) -> Quantity:
         """Modulus at one ratio with its 95 % interval from the draws [kPa]."""
         value = self.young_MPa(ratio) * 1e3
-        drawn = self._draws.young_MPa(ratio) * 1e3
-        low, high = np.percentile(drawn, [2.5, 97.5]).tolist()
+        low, high = np.percentile(self._draws.young_MPa(ratio) * 1e3, [2.5, 97.5]).tolist()
         kind, at = ("fitted", ", updated by points") if self.points else ("inferred", "")
         source = f"law {self.law.name} of resin {self.name}{at}; 95 % interval of {DRAWS} draws"
         return Quantity(value, min(low, value), max(high, value), kind, source)
@@ -373,6 +316,26 @@ class Resin:
         growth = (self.young_MPa(self.relaxation_ratio_ref) / self.young_MPa(ratio)) ** self.softness_exponent.value
         return tuple(PronyTerm(arm.tau_s.value, arm.beta.value * growth) for arm in self.arms)
 
+    @property
+    def tau_s(self) -> tuple[float, ...]:
+        """Times of the arms. [s]"""
+        return tuple(arm.tau_s.value for arm in self.arms)
+
+    def strengths(self, ratio: Sequence[float] | NDArray) -> NDArray:
+        """Strengths of the arms of ``prony`` at several ratios.
+
+        Parameters
+        ----------
+        ratio : sequence of float, or ndarray, shape (n,)
+            Mixing ratios, see ``ratio_meaning``.
+
+        Returns
+        -------
+        ndarray, shape (n, arms)
+            Relative to the LONG-TERM modulus.
+        """
+        return np.array([[term.beta for term in self.prony(float(value))] for value in ratio])
+
     def draw(self, count: int, seed: int | np.random.Generator = SEED) -> Draws:
         """Draw what is not known: law parameters (prior, or posterior after an update) and relaxation.
 
@@ -385,8 +348,7 @@ class Resin:
         """
         rng = np.random.default_rng(seed)
         if self.posterior is not None:
-            size = len(next(iter(self.posterior.values())))
-            rows = rng.integers(0, size, count)
+            rows = rng.integers(0, len(next(iter(self.posterior.values()))), count)
             numbers = {name: np.asarray(column)[rows] for name, column in self.posterior.items()}
         else:
             numbers = self._draw_prior(count, rng)

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import hashlib
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.core.library import Entry, find
 from dummydesign.core.quantity import Quantity
-from dummydesign.core.toml_schema import Table, read_table
+from dummydesign.core.toml_schema import REQUIRED, Table, read_table
 from dummydesign.resin.model.modulus_laws import LAWS, ModulusLaw
 from dummydesign.resin.model.resin import Arm, Liquid, Point, PuckPoint, Resin
 
@@ -74,56 +74,31 @@ def read_resin(entry: Entry) -> Resin:
         words = f"needs 0 <= ratio_min < ratio_max and ratio_step > 0, given {low}, {high}, {step}"
         raise top.fault("ratio_min", words, "inconsistent")
     law, numbers, posterior, prior = _modulus(top.table("modulus"))
-    relaxation, name = top.table("relaxation"), top.string("name")
-    relaxation.only(("ratio_ref", "softness_exponent", "term", "prior"))
+    relaxation = top.table("relaxation").only(("ratio_ref", "softness_exponent", "term", "prior"))
+    name = top.string("name")
     arms, ratio_ref = _arms(relaxation, low, high)
-    before = relaxation.table("prior", required=False)
-    before.only(("ratio_ref", "term"))
-    properties = top.table("property", required=False)
-    properties.only(PROPERTIES)
+    before = relaxation.table("prior", required=False).only(("ratio_ref", "term"))
+    properties = top.table("property", required=False).only(PROPERTIES)
     resin = Resin(
-        name=name,
-        title=top.string("title", name),
-        origin=entry.origin,
-        ratio_meaning=top.string("ratio_meaning"),
-        ratio_min=low,
-        ratio_max=high,
-        ratio_step=step,
-        liquids=_liquids(top),
-        law=law,
-        numbers=numbers,
-        arms=arms,
-        relaxation_ratio_ref=ratio_ref,
-        softness_exponent=_positive(relaxation, "softness_exponent", zero=True),
+        name=name, title=top.string("title", name), origin=entry.origin, ratio_meaning=top.string("ratio_meaning"),
+        ratio_min=low, ratio_max=high, ratio_step=step, liquids=_liquids(top), law=law, numbers=numbers, arms=arms,
+        relaxation_ratio_ref=ratio_ref, softness_exponent=_positive(relaxation, "softness_exponent", zero=True),
         properties={key: _positive(properties, key) for key in properties.data},
-        references=top.strings("references", ()),
-        notes=top.strings("notes", ()),
-        points=tuple(_point(item) for item in top.tables("point", required=False)),
-        contradictions=top.strings("contradictions", ()),
-        posterior=posterior,
-        prior_numbers=prior,
+        **{key: top.strings(key, ()) for key in ("references", "notes", "contradictions")},
+        points=tuple(map(_point, top.tables("point", required=False))), posterior=posterior, prior_numbers=prior,
         prior_relaxation=_arms(before, low, high, ratio_ref) if "prior" in relaxation else None,
-    )
+    )  # fmt: skip
     _check_physics(resin, top.table("modulus"))
     return resin
 
 
 def read_points(path: Path) -> tuple[str, str, list[Point]]:
-    """Read a file of measured points: ``base``, ``name`` and ``[[point]]`` tables (ratio, young_kPa).
+    """Read a file of measured points: the resin to update, the name of what results, and the points.
 
-    Returns
-    -------
-    base, name : str
-        Resin to update and the name of what results (default: the file's own name).
-    points : list of Point
-
-    Raises
-    ------
-    InputError
-        With file and line when something is missing, unknown or not a number.
+    The name is the file's own where it has none. An InputError names file and line.
     """
     top = read_table(path, ("schema", "base", "name", "point"), schema=None)
-    points = [_point(item) for item in top.tables("point")]
+    points = list(map(_point, top.tables("point")))
     return top.string("base", DEFAULT), top.string("name", path.stem), points
 
 
@@ -147,23 +122,21 @@ def _liquids(top: Table) -> tuple[Liquid, ...]:
         liquids.append(Liquid(item.string("name"), None if parts == "ratio" else float(parts), density, viscosity))
     by_ratio = sum(liquid.parts is None for liquid in liquids)
     if by_ratio != 1 or len({liquid.name for liquid in liquids}) < len(liquids):
-        words = 'needs different names, and parts = "ratio" exactly once'
-        raise top.fault("component", words, "inconsistent")
+        raise top.fault("component", 'needs different names, and parts = "ratio" exactly once', "inconsistent")
     return tuple(liquids)
 
 
-def _modulus(
-    table: Table,
-) -> tuple[ModulusLaw, dict[str, Quantity], dict[str, NDArray] | None, dict[str, Quantity] | None]:
+Numbers = dict[str, Quantity]
+
+
+def _modulus(table: Table) -> tuple[ModulusLaw, Numbers, dict[str, NDArray] | None, Numbers | None]:
     """Read the law of the modulus, its numbers and, after an update, its joint draws and prior."""
     law = LAWS[table.string("law", choices=LAWS)]
     table.only({"law", "posterior", "prior", *law.parameters})
     numbers = {key: _positive(table, key) for key in law.parameters}
     if "posterior" not in table:
         return law, numbers, None, None
-    draws, prior = table.table("posterior"), table.table("prior")
-    draws.only(law.parameters)
-    prior.only(law.parameters)
+    draws, prior = (table.table(key).only(law.parameters) for key in ("posterior", "prior"))
     columns = {key: np.array(draws.numbers(key)) for key in law.parameters}
     if len({len(column) for column in columns.values()}) != 1:
         words = f"needs equally long lists of numbers for {', '.join(law.parameters)}"
@@ -171,14 +144,11 @@ def _modulus(
     return law, numbers, columns, {key: _positive(prior, key) for key in law.parameters}
 
 
-def _arms(table: Table, low: float, high: float, default: float | None = None) -> tuple[tuple[Arm, ...], float]:
+def _arms(table: Table, low: float, high: float, default: Any = REQUIRED) -> tuple[tuple[Arm, ...], float]:
     """Read arms and the ratio they belong to."""
-    ratio_ref = table.number("ratio_ref", *([] if default is None else [default]), low=low, high=high)
-    arms = []
-    for item in table.tables("term", required=False):
-        item.only(("tau_s", "beta"))
-        arms.append(Arm(_positive(item, "tau_s"), _positive(item, "beta", zero=True)))
-    return tuple(arms), ratio_ref
+    ratio_ref = table.number("ratio_ref", default, low=low, high=high)
+    terms = [item.only(("tau_s", "beta")) for item in table.tables("term", required=False)]
+    return tuple(Arm(_positive(item, "tau_s"), _positive(item, "beta", zero=True)) for item in terms), ratio_ref
 
 
 def _point(table: Table) -> Point:
@@ -187,8 +157,7 @@ def _point(table: Table) -> Point:
     ratio, young = table.number("ratio"), _positive(table, "young_kPa")
     if "puck" not in table:
         return Point(ratio, young)
-    puck = table.table("puck")
-    puck.only(("sha256", "file", "diameter_mm", "height_mm", "seen_s", "arm"))
+    puck = table.table("puck").only(("sha256", "file", "diameter_mm", "height_mm", "seen_s", "arm"))
     seen = puck.numbers("seen_s", None)
     if seen is not None and len(seen) != 2:
         raise puck.fault("seen_s", "must be the shortest and the longest time", "malformed")

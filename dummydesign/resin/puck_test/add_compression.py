@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from dummydesign.pad.tables.puck import PuckTable
 
 Array = np.ndarray
+Window = tuple[float, float]
 
 FIRST_SHARE, LAST_SHARE = 0.03, 0.5
 """Compressions that are used, in heights: past the toe, and short of where the side lies on the plates."""
@@ -48,7 +49,7 @@ class Compressed(Serialised):
     law: dict[str, Any]
     friction: dict[str, float]
     rmse_N: float
-    compression_mm: tuple[float, float]
+    compression_mm: Window
     relaxation: dict[str, Any] | None
     warnings: tuple[dict[str, str], ...]
     action: str
@@ -72,8 +73,7 @@ class _Fit:
 def loading(displacement_mm: Array, force_N: Array) -> tuple[Array, Array]:
     """The first loading of a trace: up to its largest displacement, on rising displacements only."""
     end = int(np.argmax(displacement_mm)) + 1
-    rising = np.maximum.accumulate(displacement_mm[:end])
-    depth, index = np.unique(rising, return_inverse=True)
+    depth, index = np.unique(np.maximum.accumulate(displacement_mm[:end]), return_inverse=True)
     return depth, np.bincount(index, force_N[:end]) / np.bincount(index)
 
 
@@ -105,10 +105,8 @@ def add_compression(
     known = entries(KIND).get(name.lower())
     own = known if known is not None and known.origin == "user" else None
     if own and base is not None and base.lower() != name.lower() and not replace_own:
-        raise InputError(
-            f"resin '{own.name}' exists; leave --resin out to add this puck to it, or --replace to begin it again",
-            "file_exists", "resin", own.name,
-        )  # fmt: skip
+        raise InputError(f"resin '{own.name}' exists; leave --resin out to add this puck to it, or --replace to begin "
+                         "it again", "file_exists", "resin", own.name)  # fmt: skip
     if own and replace_own and base is None:
         message = f"--replace begins resin '{own.name}' again; say from which one with --resin"
         raise InputError(message, "missing", "resin")
@@ -148,7 +146,7 @@ def add_compression(
     )  # fmt: skip
 
 
-def _window(trace: Trace, height_mm: float, table: PuckTable) -> tuple[float, float]:
+def _window(trace: Trace, height_mm: float, table: PuckTable) -> Window:
     """Compressions that are used. [mm]"""
     largest = float(np.max(trace.displacement_mm))
     share = min(LAST_SHARE, float(table.compression[-1]) - 0.02)
@@ -161,7 +159,7 @@ def _window(trace: Trace, height_mm: float, table: PuckTable) -> tuple[float, fl
     return first, last
 
 
-def _misfit(trace: Trace, window: tuple[float, float], rmse_N: float) -> tuple[dict[str, str], ...]:
+def _misfit(trace: Trace, window: Window, rmse_N: float) -> tuple[dict[str, str], ...]:
     """A warning where the puck's law misses the forces as no real puck did."""
     used = (trace.displacement_mm >= window[0]) & (trace.displacement_mm <= window[1])
     share = rmse_N / max(float(np.sqrt(np.mean(trace.force_N[used] ** 2))), 1e-300) if used.any() else 0.0
@@ -174,7 +172,7 @@ def _misfit(trace: Trace, window: tuple[float, float], rmse_N: float) -> tuple[d
     return ({"code": "lack_of_fit", "message": message},)
 
 
-def _fit_loading(trace: Trace, table: PuckTable, window: tuple[float, float], puck: PuckPoint) -> _Fit:
+def _fit_loading(trace: Trace, table: PuckTable, window: Window, puck: PuckPoint) -> _Fit:
     from dummydesign.resin.puck_test.loading_fit import LoadingCurve, fit_pucks
 
     first, last = window
@@ -187,32 +185,25 @@ def _fit_loading(trace: Trace, table: PuckTable, window: tuple[float, float], pu
     return _Fit(young, fit.alpha, friction, fit.rmse * float(np.sqrt(np.mean(curve.load_N[1:] ** 2))), puck)
 
 
-def _fit_holds(
-    trace: Trace, holds: tuple[Hold, ...], table: PuckTable, window: tuple[float, float], puck: PuckPoint
-) -> _Fit:
+def _fit_holds(trace: Trace, holds: tuple[Hold, ...], table: PuckTable, window: Window, puck: PuckPoint) -> _Fit:
     from dummydesign.resin.puck_test.loading_fit import reduce_press
     from dummydesign.resin.puck_test.relaxation_fit import fit_relaxation
 
     # half a hundredth of the height more, so that a hold at the very end is not cut by its own noise
-    press = reduce_press(
-        trace.time_s, trace.displacement_mm, trace.force_N, holds, (window[0], window[1] + 0.005 * puck.height_mm)
-    )
+    wider = window[0], window[1] + 0.005 * puck.height_mm
+    press = reduce_press(trace.time_s, trace.displacement_mm, trace.force_N, holds, wider)
     fit = fit_relaxation(press, puck.diameter_mm, puck.height_mm, table)
     source = f"holds of puck {puck.diameter_mm:g} x {puck.height_mm:g} mm, {trace.name}"
     known = [arm for arm in fit.arms if not arm.reason]
     reasons = [arm.reason for arm in fit.arms if arm.reason]
     arms = tuple(Arm(*(Quantity(*one, "fitted", source) for one in (arm.tau_s, arm.beta))) for arm in known)
     relaxation = {
-        "holds": holds,
-        "seen_s": fit.seen_s,
+        "holds": holds, "seen_s": fit.seen_s,
         "prony": [{"tau_s": arm.tau_s._asdict(), "beta": arm.beta._asdict()} for arm in known],
         "not_identifiable": [{"tau_s": None, "beta": None, "reason": reason} for reason in reasons],
-        "comparison": fit.comparison,
-        "noise": fit.noise,
-    }
-    warnings = tuple(
-        {"code": "not_identifiable", "message": f"an arm of the relaxation has no value: {reason}"}
-        for reason in reasons
-    )
+        "comparison": fit.comparison, "noise": fit.noise,
+    }  # fmt: skip
+    said = [f"an arm of the relaxation has no value: {reason}" for reason in reasons]
+    warnings = tuple({"code": "not_identifiable", "message": message} for message in said)
     puck = replace(puck, seen_s=fit.seen_s, arms=arms)
     return _Fit(fit.young_kPa, fit.alpha, fit.friction, fit.rmse_N, puck, to_plain(relaxation), warnings)

@@ -100,8 +100,8 @@ def fit_pucks(
             raise InputError(message, "not_enough_data", "curve", curve.name)
         parts.append((curve.compression_mm[inside] / height_mm, load[inside] / area * 1e3))
     points: list[_Point] = []
-    for grip_value in GRIPS[::-1]:
-        points.append(_best(parts, table, grip_value, points[-1] if points else None))
+    for grip in GRIPS[::-1]:
+        points.append(_best(parts, table, grip, points[-1] if points else None))
     return _summarise(curves, points[::-1], height_mm)
 
 
@@ -128,47 +128,35 @@ def _best(parts: list[tuple[Array, Array]], table: PuckTable, grip_value: float,
     upper = np.r_[20.0, ALPHA_RANGE[1], np.full(count, LARGEST_OFFSET)]
 
     def residuals(q: Array) -> list[Array]:
-        differences = []
-        for (c, stress), offset in zip(parts, q[2:]):
-            value = np.exp(q[0]) * _model(table, q[1], grip_value, c, offset)
-            differences.append(np.log(np.maximum(value, 1e-12) / stress))
-        return differences
+        models = [np.exp(q[0]) * _model(table, q[1], grip_value, c, at) for (c, _), at in zip(parts, q[2:])]
+        return [np.log(np.maximum(model, 1e-12) / stress) for model, (_, stress) in zip(models, parts)]
 
     best = solve_by_differences(
         lambda q: np.concatenate(residuals(q)), [start], lower, upper, scale=np.r_[0.1, 0.5, np.full(count, 0.003)]
     ).parameters
     rest = residuals(best)
-    mean_square = float(np.mean(np.concatenate(rest) ** 2))
-    return _Point(grip_value, best[0], best[1], best[2:], mean_square, rest)
+    return _Point(grip_value, best[0], best[1], best[2:], float(np.mean(np.concatenate(rest) ** 2)), rest)
 
 
 def _summarise(curves: Sequence[LoadingCurve], points: list[_Point], height_mm: float) -> PuckFit:
     best = min(points, key=lambda point: point.mean_square)
     own = np.array([float(np.mean(rest)) for rest in best.residuals])
     scatter = float(np.std(own, ddof=1)) if len(own) > 1 else 0.02
-    pucks = len({curve.puck for curve in curves})
-    variance = (scatter**2 + best.mean_square) / pucks
+    variance = (scatter**2 + best.mean_square) / len({curve.puck for curve in curves})
     excess = [(point.mean_square - best.mean_square) / variance for point in points]
     kept = [points[index] for index in within(excess)]
     young = np.exp([point.log_young for point in kept])
     # One puck's modulus differs from another's: the mean of all is known to this.
     around = 1.96 * np.sqrt(variance)
+    profile = tuple((friction_of(p.grip), float(np.exp(p.log_young)), above) for p, above in zip(points, excess))
     return PuckFit(
-        young_kPa=float(np.exp(best.log_young)),
-        young_low_kPa=float(young.min() * np.exp(-around)),
-        young_high_kPa=float(young.max() * np.exp(around)),
-        alpha=best.alpha,
-        friction=friction_of(best.grip),
-        friction_low=friction_of(kept[0].grip),
-        friction_high=friction_of(kept[-1].grip),
+        young_kPa=float(np.exp(best.log_young)), young_low_kPa=float(young.min() * np.exp(-around)),
+        young_high_kPa=float(young.max() * np.exp(around)), alpha=best.alpha, friction=friction_of(best.grip),
+        friction_low=friction_of(kept[0].grip), friction_high=friction_of(kept[-1].grip),
         offset_mm={curve.name: float(o * height_mm) for curve, o in zip(curves, best.offsets)},
-        young_frictionless_kPa=float(np.exp(points[0].log_young)),
-        young_bonded_kPa=float(np.exp(points[-1].log_young)),
-        rmse=float(np.sqrt(best.mean_square)),
-        rmse_frictionless=float(np.sqrt(points[0].mean_square)),
-        scatter=scatter,
-        profile=tuple((friction_of(p.grip), float(np.exp(p.log_young)), above) for p, above in zip(points, excess)),
-    )
+        young_frictionless_kPa=profile[0][1], young_bonded_kPa=profile[-1][1], rmse=float(np.sqrt(best.mean_square)),
+        rmse_frictionless=float(np.sqrt(points[0].mean_square)), scatter=scatter, profile=profile,
+    )  # fmt: skip
 
 
 RAMP_BINS = 25

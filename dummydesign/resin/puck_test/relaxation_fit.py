@@ -36,14 +36,8 @@ from dummydesign.core.recurrence import linear_recurrence
 from dummydesign.inference.least_squares import CHI_SQUARE_95, aicc, simplest, solve_by_differences, within
 from dummydesign.pad.tables.puck import PuckTable, friction_of, uniaxial
 from dummydesign.resin.model.resin import Interval
-from dummydesign.resin.puck_test.loading_fit import (
-    ALPHA_RANGE,
-    LARGEST_OFFSET,
-    PuckNoise,
-    PuckPress,
-    estimate,
-    whitener,
-)
+from dummydesign.resin.puck_test import loading_fit as loading
+from dummydesign.resin.puck_test.loading_fit import PuckNoise, PuckPress, whitener
 
 Array = np.ndarray
 
@@ -84,8 +78,7 @@ class PuckProblem:
     def arm(self, elastic: Array, tau_s: float) -> Array:
         """Force of an arm of strength one at the nodes, exact for forces that are linear between them."""
         ratio = self.step / tau_s
-        rise = np.diff(elastic) * (-np.expm1(-ratio) / ratio)
-        return np.r_[0.0, linear_recurrence(np.exp(-ratio), rise)]
+        return np.r_[0.0, linear_recurrence(np.exp(-ratio), np.diff(elastic) * (-np.expm1(-ratio) / ratio))]
 
     def predict(self, q: Array, grip: float) -> Array:
         """Force of the bins. [N]"""
@@ -104,8 +97,8 @@ class PuckProblem:
         """Lowest and highest parameters."""
         weak, strong = np.log(STRENGTHS)
         short, long = np.log(self.times)
-        low = [-20.0, ALPHA_RANGE[0], -LARGEST_OFFSET, *[weak] * arms, *[short] * arms]
-        high = [20.0, ALPHA_RANGE[1], LARGEST_OFFSET, *[strong] * arms, *[long] * arms]
+        low = [-20.0, loading.ALPHA_RANGE[0], -loading.LARGEST_OFFSET, *[weak] * arms, *[short] * arms]
+        high = [20.0, loading.ALPHA_RANGE[1], loading.LARGEST_OFFSET, *[strong] * arms, *[long] * arms]
         return np.array(low), np.array(high)
 
     def starts(self, arms: int, grip: float, count: int = 2) -> list[Array]:
@@ -177,6 +170,9 @@ class PuckArm:
     reason: str
 
 
+Comparison = dict[str, dict[str, float]]
+
+
 @dataclass(frozen=True)
 class PuckRelaxation:
     """What one press with holds says; intervals are 95 %.
@@ -190,7 +186,7 @@ class PuckRelaxation:
     friction: Interval
     arms: tuple[PuckArm, ...]
     seen_s: tuple[float, float]
-    comparison: dict[str, dict[str, float]]
+    comparison: Comparison
     noise: PuckNoise
     rmse_N: float
 
@@ -223,7 +219,7 @@ def fit_relaxation(press: PuckPress, diameter_mm: float, height_mm: float, table
 
 def _noise(problem: PuckProblem, trial: Trial) -> PuckNoise:
     lower = np.linalg.inv(problem.factor)
-    return estimate(problem.press, problem.height_mm, lower @ trial.residual, lower @ trial.jacobian)
+    return loading.estimate(problem.press, problem.height_mm, lower @ trial.residual, lower @ trial.jacobian)
 
 
 def _rmse(problem: PuckProblem, trial: Trial) -> float:
@@ -234,13 +230,10 @@ def _rmse(problem: PuckProblem, trial: Trial) -> float:
 def _spreads(trial: Trial) -> Array:
     """Standard deviations of the parameters from the Jacobian; an undetermined one has a very large one."""
     _, singular, turn = np.linalg.svd(trial.jacobian, full_matrices=False)
-    floor = 1e-10 * singular[0]
-    return np.sqrt(np.sum((turn / np.maximum(singular, floor)[:, None]) ** 2, axis=0))
+    return np.sqrt(np.sum((turn / np.maximum(singular, 1e-10 * singular[0])[:, None]) ** 2, axis=0))
 
 
-def _summarise(
-    problem: PuckProblem, profile: list[Trial], comparison: dict[str, dict[str, float]], noise: PuckNoise
-) -> PuckRelaxation:
+def _summarise(problem: PuckProblem, profile: list[Trial], comparison: Comparison, noise: PuckNoise) -> PuckRelaxation:
     best = min(profile, key=lambda one: one.chi_square)
     kept = [profile[index] for index in within([one.chi_square for one in profile])]
     reach = [np.sqrt(CHI_SQUARE_95 - (one.chi_square - best.chi_square)) * _spreads(one) for one in kept]
@@ -252,8 +245,7 @@ def _summarise(
     for k in range(arms):
         strength, time = 3 + k, 3 + arms + k
         tau_s, beta = (
-            Interval(*np.exp([q[i], max(low[i], -40.0), min(high[i], 40.0)]).tolist())
-            for i in (time, strength)
+            Interval(*np.exp([q[i], max(low[i], -40.0), min(high[i], 40.0)]).tolist()) for i in (time, strength)
         )
         parts.append(PuckArm(tau_s, beta, _reason(problem, tau_s, beta, q[time] - ends[0][time])))
     # what a slow arm still carries at the end of the file counts as stiffness
@@ -269,9 +261,7 @@ def _summarise(
     young, friction = _elastic(problem, profile, best)
     slow_low = float(np.exp(low[0])) if stiff > 1.0 else young.low
     young = Interval(young.value * stiff, min(young.low, slow_low), young.high * stiff)
-    return PuckRelaxation(
-        young, float(q[1]), friction, given, _seen(problem), comparison, noise, _rmse(problem, best)
-    )
+    return PuckRelaxation(young, float(q[1]), friction, given, _seen(problem), comparison, noise, _rmse(problem, best))
 
 
 def _elastic(problem: PuckProblem, profile: list[Trial], best: Trial) -> tuple[Interval, Interval]:

@@ -6,6 +6,7 @@ import math
 import re
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from itertools import combinations
 from pathlib import Path
 
 import numpy as np
@@ -16,8 +17,8 @@ from dummydesign.core.files import output_folder
 from dummydesign.core.library import Entry, make_room, read_toml, user_folder
 from dummydesign.core.quantity import Quantity, value_at
 from dummydesign.resin.model.resin import Point, Resin, save_resin
-from dummydesign.resin.model.resin_file import KIND, load_resin, read_points, read_resin
-from dummydesign.resin.update.relaxation import NOTE, ArmUpdate, update_relaxation
+from dummydesign.resin.model.resin_file import KIND, Numbers, load_resin, read_points, read_resin
+from dummydesign.resin.update.relaxation import NOTE, Updated, update_relaxation
 
 CHAINS, STEPS, SEED = 400, 150, 7
 
@@ -77,7 +78,7 @@ def base_title(resin: Resin) -> str:
     return re.sub(r"(, updated by \d+ measured points?)+$", "", resin.title)
 
 
-def base_numbers(resin: Resin) -> dict[str, Quantity]:
+def base_numbers(resin: Resin) -> Numbers:
     """Return the law's numbers as they were before any point: of the base, when points updated it."""
     if resin.posterior is None:
         return dict(resin.numbers)
@@ -114,33 +115,26 @@ def _sample(log_likelihood: Callable[[NDArray], NDArray], size: int, seed: int) 
             at = np.nonzero(open_)[0]
             tried = z[at] * np.cos(angle[at])[:, None] + other[at] * np.sin(angle[at])[:, None]
             value = log_likelihood(tried)
-            taken = value >= level[at]
             # the bracket shrinks towards the present state, which is always acceptable
-            taken |= np.abs(angle[at]) < 1e-12
-            done = at[taken]
-            z_new = tried[taken]
+            taken = (value >= level[at]) | (np.abs(angle[at]) < 1e-12)
+            done, shrink = at[taken], at[~taken]
             current[done] = np.where(np.isfinite(value[taken]), value[taken], current[done])
-            shrink = at[~taken]
             low[shrink] = np.where(angle[shrink] < 0, angle[shrink], low[shrink])
             high[shrink] = np.where(angle[shrink] >= 0, angle[shrink], high[shrink])
             angle[shrink] = rng.uniform(low[shrink], high[shrink])
             open_[done] = False
-            z[done] = z_new
+            z[done] = tried[taken]
     return z
 
 
-def _summary(
-    prior: dict[str, Quantity], draws: dict[str, NDArray], central: dict[str, float], count: int
-) -> dict[str, Quantity]:
+def _summary(prior: Numbers, draws: dict[str, NDArray], central: dict[str, float], count: int) -> Numbers:
     """Summarise the draws as quantities of kind ``fitted``; what was fixed stays as it was."""
-    summary = {}
+    summary = dict(prior)
     for key, quantity in prior.items():
-        if quantity.low == quantity.high:
-            summary[key] = quantity
-            continue
-        (low, high), value = np.percentile(draws[key], [2.5, 97.5]).tolist(), central[key]
-        source = f"prior ({quantity.source}) updated by {count} measured point{'s' if count > 1 else ''}"
-        summary[key] = Quantity(value, min(low, value), max(high, value), "fitted", source)
+        if quantity.low < quantity.high:
+            (low, high), value = np.percentile(draws[key], [2.5, 97.5]).tolist(), central[key]
+            source = f"prior ({quantity.source}) updated by {count} measured point{'s' if count > 1 else ''}"
+            summary[key] = Quantity(value, min(low, value), max(high, value), "fitted", source)
     return summary
 
 
@@ -156,24 +150,20 @@ def contradictions(
 ) -> list[str]:
     """Say which points contradict each other, the law, or what was believed before."""
     notices = []
-    ordered = sorted(points, key=lambda point: point.ratio)
-    for index, first in enumerate(ordered):
-        for second in ordered[index + 1 :]:
-            step = second.log_young - first.log_young
-            spread = math.hypot(first.spread, second.spread)
-            same = math.isclose(first.ratio, second.ratio, abs_tol=0.5 * resin.ratio_step)
-            if same and abs(step) > 2.6 * spread:
-                notices.append(f"{_text(first)} and {_text(second)} differ by more than their intervals allow")
-            elif not same and step * resin.law.direction < -2.6 * spread:
-                way = "grow" if resin.law.direction > 0 else "fall"
-                notices.append(f"{_text(first)} and {_text(second)}: the modulus must {way} with the ratio")
-    for point, size in zip(points, misfit):
-        if abs(size) > 2.6:
-            notices.append(f"{_text(point)} is {abs(size):.1f} standard deviations off the law {resin.law.name}")
-    for key, size in zip(names, deviates):
-        if abs(size) > 2.6:
-            away = f"{abs(size):.1f} standard deviations from what resin {resin.name} states"
-            notices.append(f"the points ask for a {key} {away}")
+    for first, second in combinations(sorted(points, key=lambda point: point.ratio), 2):
+        step = second.log_young - first.log_young
+        spread = math.hypot(first.spread, second.spread)
+        same = math.isclose(first.ratio, second.ratio, abs_tol=0.5 * resin.ratio_step)
+        if same and abs(step) > 2.6 * spread:
+            notices.append(f"{_text(first)} and {_text(second)} differ by more than their intervals allow")
+        elif not same and step * resin.law.direction < -2.6 * spread:
+            way = "grow" if resin.law.direction > 0 else "fall"
+            notices.append(f"{_text(first)} and {_text(second)}: the modulus must {way} with the ratio")
+    far = [(point, abs(size)) for point, size in zip(points, misfit) if abs(size) > 2.6]
+    notices += [f"{_text(one)} is {off:.1f} standard deviations off the law {resin.law.name}" for one, off in far]
+    asked = [(key, abs(size)) for key, size in zip(names, deviates) if abs(size) > 2.6]
+    away = f"standard deviations from what resin {resin.name} states"
+    notices += [f"the points ask for a {key} {off:.1f} {away}" for key, off in asked]
     if widening > 1.0:
         notices.append(f"all intervals of the points were widened {widening:.1f} times so that they agree")
     return notices
@@ -183,7 +173,7 @@ def _text(point: Point) -> str:
     return f"{point.young_kPa.value:g} kPa at ratio {point.ratio:g}"
 
 
-def with_point(resin: Resin, point: Point, name: str) -> tuple[Resin, tuple[ArmUpdate, ...], tuple[str, ...]]:
+def with_point(resin: Resin, point: Point, name: str) -> Updated:
     """Update the law by a point, and the relaxation by what its puck's holds showed."""
     changed = update_resin(resin, [point], name)
     if point.puck is None or point.puck.seen_s is None:
@@ -206,7 +196,7 @@ def without_puck(resin: Resin, sha256: str) -> Resin:
     )  # fmt: skip
     for point in resin.points:
         if point.puck is None or point.puck.sha256 != sha256:
-            base, _, _ = with_point(base, point, resin.name)
+            base = with_point(base, point, resin.name)[0]
     return base
 
 
@@ -220,11 +210,9 @@ def add_resin(file: str | Path, replace_own: bool = False) -> tuple[Resin, Path]
     if not path.is_file():
         raise InputError(f"resin file '{file}' does not exist", "file_not_found", "resin_file", str(file))
     if path.suffix.lower() == ".csv":
-        raise InputError(
-            f"resin file '{file}' is a CSV, not TOML: give each point as [[point]] with ratio and young_kPa "
-            "(value, low, high, kind, source); of a puck's trace 'dummydesign resins add-compression' makes the point",
-            "file_unreadable", "resin_file", str(file),
-        )  # fmt: skip
+        raise InputError(f"resin file '{file}' is a CSV, not TOML: give each point as [[point]] with ratio and "
+                         "young_kPa (value, low, high, kind, source); of a puck's trace 'dummydesign resins "
+                         "add-compression' makes the point", "file_unreadable", "resin_file", str(file))  # fmt: skip
     content, _ = read_toml(path)
     if "modulus" in content or "point" not in content:
         resin = replace(read_resin(Entry(path.stem, path, "user")), origin="user")
@@ -232,5 +220,4 @@ def add_resin(file: str | Path, replace_own: bool = False) -> tuple[Resin, Path]
         base, name, points = read_points(path)
         resin = update_resin(load_resin(base), points, name)
     make_room(KIND, "resin", resin.name, replace_own)
-    folder = output_folder(user_folder() / KIND)
-    return resin, save_resin(resin, folder / f"{resin.name}.toml")
+    return resin, save_resin(resin, output_folder(user_folder() / KIND) / f"{resin.name}.toml")

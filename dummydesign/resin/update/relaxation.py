@@ -23,6 +23,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from math import inf
 from typing import Any
 
 import numpy as np
@@ -51,31 +52,28 @@ class ArmUpdate:
 
     def to_dict(self) -> dict[str, Any]:
         """Return plain values; strengths as {value, low, high} or null."""
-        strengths = {key: getattr(self, key) for key in ("base_beta", "measured_beta", "beta")}
+        strengths = {"base_beta": self.base_beta, "measured_beta": self.measured_beta, "beta": self.beta}
         plain = {key: None if one is None else one._asdict() for key, one in strengths.items()}
         return {"tau_s": self.tau_s, "from": self.came_from, **plain}
 
 
-def update_relaxation(
-    resin: Resin, measured: Sequence[Arm], ratio: float, seen_s: tuple[float, float]
-) -> tuple[Resin, tuple[ArmUpdate, ...], tuple[str, ...]]:
+Updated = tuple[Resin, tuple[ArmUpdate, ...], tuple[str, ...]]
+"""A resin, what became of its arms, and notices."""
+
+
+def update_relaxation(resin: Resin, measured: Sequence[Arm], ratio: float, seen_s: tuple[float, float]) -> Updated:
     """Put measured arms into a resin."""
-    drawn = resin.draw(DRAWS).beta(ratio)
-    base = [_carried(column) for column in drawn.T]
+    base = [_carried(column) for column in resin.draw(DRAWS).beta(ratio).T]
     taken: set[int] = set()
     arms: list[Arm] = []
     updates: list[ArmUpdate] = []
     notices: list[str] = []
     for tau, beta in sorted(((arm.tau_s, arm.beta) for arm in measured), key=lambda pair: pair[0].value):
-        near = [
-            (abs(math.log(arm.tau_s.value / tau.value)), index)
-            for index, arm in enumerate(resin.arms)
-            if index not in taken and abs(math.log(arm.tau_s.value / tau.value)) <= math.log(SAME_TIME)
-        ]
+        free = [at for at in range(len(base)) if at not in taken]
+        off, index = min(((abs(math.log(resin.arms[at].tau_s.value / tau.value)), at) for at in free), default=(inf, 0))
         own = Interval(beta.value, beta.low, beta.high)
-        carried = base[min(near)[1]] if near else None
+        carried = base[index] if off <= math.log(SAME_TIME) else None
         if carried is not None:
-            index = min(near)[1]
             taken.add(index)
             value, widening = _combined(carried, own)
             if widening > 1.0:
@@ -86,8 +84,7 @@ def update_relaxation(
             source = f"{beta.source}; prior ({resin.arms[index].beta.source}) by inverse variance of ln beta"
             updates.append(ArmUpdate(tau.value, "both", base[index], own, value))
         else:
-            spread = math.hypot(_spread(own), POUR)
-            value = _interval(math.log(beta.value), spread)
+            value = _interval(math.log(beta.value), math.hypot(_spread(own), POUR))
             source = f"{beta.source}; spread from pour to pour {POUR:g} of ln beta assumed"
             updates.append(ArmUpdate(tau.value, "measured", None, own, value))
         arms.append(Arm(tau, Quantity(*value, "fitted", source)))
@@ -104,9 +101,8 @@ def update_relaxation(
         arms.append(Arm(arm.tau_s, Quantity(*value, arm.beta.kind, source)))
         updates.append(ArmUpdate(time, "base", base[index], None, value))
         notices.append(f"the base's arm at {time:g} s is kept: holds show {seen_s[0]:.2g} to {seen_s[1]:.3g} s")
-    order = np.argsort([arm.tau_s.value for arm in arms])
     changed = replace(
-        resin, arms=tuple(arms[k] for k in order), relaxation_ratio_ref=ratio,
+        resin, arms=tuple(sorted(arms, key=lambda arm: arm.tau_s.value)), relaxation_ratio_ref=ratio,
         prior_relaxation=resin.prior_relaxation or (resin.arms, resin.relaxation_ratio_ref),
         notes=tuple(dict.fromkeys([*resin.notes, *(NOTE + text for text in notices)])),
     )  # fmt: skip

@@ -1,94 +1,85 @@
-"""The campaign page: plan, print, drop the presses; campaigns from elsewhere."""
+"""The campaign page: plan, print, drop the presses and say what they were; campaigns from elsewhere."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import math
+from collections.abc import Callable, Mapping, Sequence
 from html import escape
+from pathlib import Path
 from typing import Any
 
-from nicegui import run, ui
+from nicegui import events, run, ui
 
 from dummydesign.core.errors import InputError
+from dummydesign.measurement.campaign_from_files import read_trials, write_trial_values
 from dummydesign.measurement.campaign_status import CampaignStatus, check_campaign
 from dummydesign.project.folder import Project
-from dummydesign.studio import choices, parts
+from dummydesign.studio import choices, file_transfer, jobs, made, parts
 from dummydesign.studio import incoming_presses as incoming
 from dummydesign.studio import project_files as bin
-from dummydesign.studio.jobs import Job, options
 from dummydesign.studio.manage import DropList, manage, undo_bar
-from dummydesign.studio.page_frame import Studio, open_page
-from dummydesign.studio.pages.plan import HEADS, PlanForm, TrialTable, folder_of, number_of, value_table
-from dummydesign.studio.parts import html
-from dummydesign.studio.state import State, state_link
+from dummydesign.studio.parts import html, open_page
+from dummydesign.studio.state import State, page_link
 from dummydesign.studio.work_panel import Work
 
-FIELDS = {
-    "young": "Modulus of the pads [kPa]", "ratio": "Ratio", "punch": "Punch", "pad": "Outline [mm]", "shape": "Shape",
-    "base": "Base", "contact": "Contact under the punch", "lowpass": "Filter of the force, HZ[:ORDER[:PASSES]]",
-}  # fmt: skip
+FIELDS = {"young": "Modulus of the pads [kPa]", "ratio": "Ratio", "punch": "Punch", "pad": "Outline [mm]",
+          "shape": "Shape", "base": "Base", "contact": "Contact under the punch",
+          "lowpass": "Filter of the force, HZ[:ORDER[:PASSES]]"}  # fmt: skip
 
 
 class BringIn:
     """Files that wait, and the two ways to a campaign."""
 
-    def __init__(self, studio: Studio, state: State) -> None:
-        self.studio, self.root, self.state = studio, studio.root, state
+    def __init__(self, root: Path, state: State) -> None:
+        self.root, self.state = root, state
         self.drop = DropList(lambda name, content: f"{incoming.save_waiting_file(self.root, name, content)} was added.",
                              self.show, "Drop all files of the campaign at once: the presses (CSV) and, where there is "
                              "one, campaign.toml or a table trials.csv.", "campaign")  # fmt: skip
-        self.name = ui.input("Name of the campaign", value=choices.free_name(self.root, "campaigns", "earlier"))
+        self.name = ui.input("Name of the campaign", value=choices.free_name(root, "campaigns", "earlier"))
         self.name.props('data-test="bring-name"').on_value_change(self.renew)
         self.problem, self.as_it_is, self.by_table, self.files = parts.area(), parts.area(), parts.area(), parts.area()
         with self.as_it_is:
             html("<p>campaign.toml is among the files. They are taken as they are.</p>")
             parts.button("Bring it in", self.bring, "bring", main=True)
         with self.by_table:
-            self._by_table()
+            html("<p>No campaign.toml: say of each press what it was. Pad and speed are needed; empty means unknown."
+                 "</p>")  # fmt: skip
+            self.table_problem, self.table = parts.area(live=True), parts.area()
+            start = {"ratio": f"{state.ratio:g}", "punch": state.punch, "pad": "150x120", "shape": "slab",
+                     "base": "bonded", "contact": "bonded"}  # fmt: skip
+            with ui.element("div").classes("fields"):
+                resins = {"": "unknown", **choices.resins()}
+                self.fields: dict[str, Any] = {"resin": parts.select("Resin of the pads", resins, state.resin)}
+                for key, label in FIELDS.items():
+                    self.fields[key] = ui.input(label, value=start.get(key, "")).props(f'data-test="bring-{key}"')
+            self.work = Work(root, "fromfiles", "Make the campaign", self.words, self.done, self.belongs)
+            parts.on_change(self.work.renew, *self.fields.values())
         self.empty = parts.button("Remove these files", self.remove, "bring-remove")
         self.show()
-
-    def _by_table(self) -> None:
-        html("<p>No campaign.toml: say of each press what it was. Pad and speed are needed; empty means unknown.</p>")
-        self.table_problem = parts.area(live=True)
-        self.table = parts.area()
-        start = {"ratio": f"{self.state.ratio:g}", "punch": self.state.punch, "pad": "150x120", "shape": "slab",
-                 "base": "bonded", "contact": "bonded"}  # fmt: skip
-        self.fields: dict[str, Any] = {}
-        with ui.element("div").classes("fields"):
-            resins = {"": "unknown", **choices.resins()}
-            self.fields["resin"] = parts.select("Resin of the pads", resins, self.state.resin)
-            for key, label in FIELDS.items():
-                self.fields[key] = ui.input(label, value=start.get(key, "")).props(f'data-test="bring-{key}"')
-        self.work = Work(self.studio, "fromfiles", "Make the campaign", self.words, self.done, self.belongs)
-        parts.on_change(self.work.renew, *self.fields.values())
 
     def show(self) -> None:
         """Show what waits, and the way it goes in."""
         names = [name for name in incoming.waiting(self.root) if name != incoming.TABLE]
-        as_it_is = incoming.has_campaign_file(self.root)
+        as_it_is = incoming.FILE in names
         self.as_it_is.set_visibility(as_it_is)
         # what was made stays in sight once its files are gone
         self.by_table.set_visibility(not as_it_is)
         self.empty.set_visibility(bool(names))
         with parts.fresh(self.files):
             if names:
-                html(f'<p data-test="waiting">{len(names)} files wait: {escape(", ".join(names[:8]))}'
-                     f"{' …' if len(names) > 8 else ''}</p>")  # fmt: skip
+                first = escape(", ".join(names[:8])) + " …" * (len(names) > 8)
+                html(f'<p data-test="waiting">{len(names)} files wait: {first}</p>')
         self.rows = [] if as_it_is else incoming.table(self.root)
-        self.table.clear()
-        if self.rows:
-            with self.table:
-                value_table(incoming.KEYS, self.rows, self.changed)
-            incoming.write_table(self.root, self.rows)
+        with parts.fresh(self.table):
+            if self.rows:
+                value_table(incoming.KEYS, self.rows, self.changed, self.table_problem)
+                incoming.write_table(self.root, self.rows)
         self.renew()
 
-    def changed(self, row: int, key: str, text: str) -> bool:
-        """Take over a value of the table; return whether it was kept."""
-        with parts.problems_in(self.table_problem):
-            self.rows[row][key] = number_of(text, f"{self.rows[row]['file']}: {HEADS[key]}", key)
-            incoming.write_table(self.root, self.rows)
-            return True
-        return False
+    def changed(self, row: int, key: str, text: str) -> None:
+        """Take over a value of the table."""
+        self.rows[row][key] = number_of(text, f"{self.rows[row]['file']}: {HEADS[key]}", key)
+        incoming.write_table(self.root, self.rows)
 
     def renew(self) -> None:
         """Write the command anew."""
@@ -100,15 +91,14 @@ class BringIn:
         given = {key: field.value for key, field in self.fields.items()}
         if given["young"]:
             given["resin"] = given["ratio"] = None
-        return incoming.words(self.root, self.name.value or "", options(given))
+        return incoming.words(self.root, self.name.value or "", jobs.options(given))
 
-    def belongs(self, job: Job, words: list[str]) -> bool:
+    def belongs(self, job: jobs.Job, words: list[str]) -> bool:
         """Whether a job made the campaign that is named, and it is still there."""
-        folder = folder_of(job)
         same = job.words[2:3] == (f"campaigns/{(self.name.value or '').strip()}",)
-        return same and (not folder or (self.root / folder).is_dir())
+        return same and (self.root / folder_of(job)).is_dir()
 
-    def done(self, job: Job) -> None:
+    def done(self, job: jobs.Job) -> None:
         """What was made."""
         folder = folder_of(job)
         if not folder:
@@ -117,14 +107,13 @@ class BringIn:
         rows = [[str(one.get(key)) for key in ("what", "value", "why")] for one in job.answer.get("decisions", [])]
         if rows:
             parts.table(["file", "taken as", "because"], rows, words=True, under=f"how {len(rows)} files were read")
-        link = state_link("/campaign", f"Go on with {folder}", self.state.changed(campaign=folder), "brought")
+        link = page_link("/campaign", f"Go on with {folder}", self.state.changed(campaign=folder), "brought")
         html(f'<p class="note">{link}. The files that waited can be removed.</p>')
 
     def bring(self) -> None:
         """Make a campaign of the files as they are."""
         with parts.problems_in(self.problem):
-            folder = incoming.bring_in(self.root, self.name.value or "")
-            open_page("/campaign", self.state.changed(campaign=folder))
+            open_page("/campaign", self.state.changed(campaign=incoming.bring_in(self.root, self.name.value or "")))
 
     def remove(self) -> None:
         """Move the files that wait to the bin."""
@@ -134,31 +123,32 @@ class BringIn:
             self.show()
 
 
-def show_campaigns(studio: Studio, project: Project, state: State, query: Mapping[str, str]) -> None:
+def show_campaigns(project: Project, state: State, query: Mapping[str, str]) -> None:
     """Build the page."""
+    root = project.root
     html("<p>What to press of the pads that were cast, in random order. The model is then compared with it.</p>")
-    undo_bar(studio)
-    known = choices.campaigns(studio.root)
-    with ui.expansion("Plan a new campaign", value=not known).props('data-test="plan-new"').style("width:100%"):
-        PlanForm(studio, state)
-    with ui.expansion("Bring in a campaign that was pressed earlier").props('data-test="bring-in"').style("width:100%"):
-        BringIn(studio, state)
+    undo_bar(root)
+    known = choices.campaigns(root)
+    with ui.expansion("Plan a new campaign", value=not known).props('data-test="plan-new"'):
+        PlanForm(root, state)
+    with ui.expansion("Bring in a campaign that was pressed earlier").props('data-test="bring-in"'):
+        BringIn(root, state)
     html("<h2>The presses</h2>")
     if not known:
         html("<p>No campaign yet.</p>")
         return
     chosen = parts.select("Campaign", known, state.campaign, "campaign")
     chosen.on_value_change(lambda: open_page("/campaign", state.changed(campaign=chosen.value)))
-    if (studio.root / state.campaign / "campaign.toml").is_file():
-        manage(studio, state.campaign, "plan", lambda old, new: open_page("/campaign", state.changed(campaign=new)))
-        Presses(studio, state)
+    if (root / state.campaign / "campaign.toml").is_file():
+        manage(root, state.campaign, "plan", lambda old, new: open_page("/campaign", state.changed(campaign=new)))
+        Presses(root, state)
 
 
 class Presses:
     """The presses of the campaign that is chosen."""
 
-    def __init__(self, studio: Studio, state: State) -> None:
-        self.studio, self.root, self.state, self.campaign = studio, studio.root, state, state.campaign
+    def __init__(self, root: Path, state: State) -> None:
+        self.root, self.state, self.campaign = root, state, state.campaign
         self.folder = self.root / self.campaign
         self.wanted, self.at_work = 0, False
         links = [("the sheet to press from", f"{self.campaign}/{name}") for name in ("sheet.html", "sheet.csv")
@@ -171,15 +161,14 @@ class Presses:
         self.holder = parts.area()
         with ui.expansion("Values of the presses: order, age, temperature, rest") as expansion:
             self.values = parts.area()
-        expansion.props('data-test="values"').style("width:100%").on_value_change(self.show_values)
+        expansion.props('data-test="values"').on_value_change(self.show_values)
         self.change = parts.area()
         self.show_held()
         status = check_campaign(self.folder)
         self.show(status)
-        if not status.pressed and incoming.plan_of(self.root, self.campaign):
-            with self.change, ui.expansion("Change this plan: nothing was pressed yet") as change:
-                PlanForm(studio, state, self.campaign)
-            change.props('data-test="replan"').style("width:100%")
+        if not status.pressed and incoming.plan_of(root, self.campaign):
+            with self.change, ui.expansion("Change this plan: nothing was pressed yet").props('data-test="replan"'):
+                PlanForm(root, state, self.campaign)
 
     def take(self, name: str, content: bytes) -> str:
         """Take a file that was dropped."""
@@ -189,10 +178,9 @@ class Presses:
         return taken.text
 
     def _offer_undo(self, taken: incoming.Taken) -> None:
-        gone = taken.gone
-        if gone is None:
+        if taken.gone is None:
             return
-        name = gone.path.rpartition("/")[2]
+        gone, name = taken.gone, taken.gone.path.rpartition("/")[2]
 
         def undo() -> None:
             with parts.problems_in(line):
@@ -212,8 +200,6 @@ class Presses:
                 self._held(name)
 
     def _held(self, name: str) -> None:
-        planned = incoming.presses_for(self.root, self.campaign, name)
-
         def assign() -> None:
             with parts.problems_in(self.undone):
                 taken = incoming.assign(self.root, self.campaign, name, pressed.value or "")
@@ -224,11 +210,12 @@ class Presses:
                 self.renew()
 
         def discard() -> None:
-            bar = undo_bar(self.studio)
+            bar = undo_bar(self.root)
             bar.offer(incoming.discard(self.root, self.campaign, name), lambda old, new: self.show_held())
             bar.run(self.show_held)
 
         with ui.element("div").classes("fields").props('data-test="held"'):
+            planned = incoming.presses_for(self.root, self.campaign, name)
             pressed = ui.select(planned, label=f"{name} is the press").props('data-test="assign-to"')
             parts.button("Assign", assign, "assign", f"assign {name}", main=True)
             parts.button("Move to the bin", discard, "discard", f"move {name} to the bin")
@@ -276,14 +263,231 @@ def _show_status(status: CampaignStatus, chosen: State) -> None:
     """How far a campaign is, in words."""
     done, left = len(status.pressed), len(status.missing)
     html(f'<p role="status"><b>{done} of {done + left} presses are there</b></p>')
-    if status.missing:
-        html(f"<p>To press: {escape(', '.join(status.missing[:6]))}{' …' if left > 6 else ''}</p>")
+    if left:
+        html(f"<p>To press: {escape(', '.join(status.missing[:6]))}{' …' * (left > 6)}</p>")
     if status.wrong:
         parts.table(["file", "looks wrong"], [[one["file"], one["message"]] for one in status.wrong], words=True)
     for one in status.warnings:
         html(f'<p class="note">{escape(one["message"])}</p>')
     if done:
-        html(f'<p class="note">{state_link("/cast", "Check a cast pad", chosen, "cast")}: its presses against the '
-             "tissue.</p>")  # fmt: skip
+        link = page_link("/cast", "Check a cast pad", chosen, "cast")
+        html(f'<p class="note">{link}: its presses against the tissue.</p>')
     if status.ready:
-        html(f'<p class="note">All is there: {state_link("/learn", "learn from it", chosen, "learn")}.</p>')
+        html(f'<p class="note">All is there: {page_link("/learn", "learn from it", chosen, "learn")}.</p>')
+
+
+HEADS = {"sequence": "order", "thickness_mm": "pad [mm]", "velocity_mm_s": "speed [mm/s]",
+         "target_force_N": "force [N]", "target_depth_mm": "depth [mm]", "hold_s": "hold [s]",
+         "age_days": "age [days]", "temperature_C": "temperature [C]", "rest_s": "rest [s]",
+         "repeat": "repeat"}  # fmt: skip
+CHANGED = "({target: t}) => { if (t.dataset.key) emit([Number(t.dataset.row), t.dataset.key, t.value]); }"
+
+
+def number_of(text: str, name: str, key: str = "") -> float | None:
+    """A typed number, with a dot or a comma; None for an empty field."""
+    given = text.strip().replace(",", ".")
+    if not given:
+        return None
+    try:
+        value = float(given)
+    except ValueError:
+        value = math.nan
+    if not math.isfinite(value):
+        raise InputError(f"{name} = '{text.strip()}' is not a number", "not_a_number", key or name, text.strip())
+    return value
+
+
+def table_html(keys: Sequence[str], rows: Sequence[Mapping[str, Any]]) -> str:
+    """The table as HTML; each row has ``file`` and the keys, None where a value is unknown."""
+    head = "".join(f"<th scope=col>{escape(HEADS[key])}</th>" for key in keys)
+    body = ""
+    for number, row in enumerate(rows):
+        body += f"<tr><th scope=row>{escape(str(row['file']))}</th>"
+        for key in keys:
+            value = row.get(key)
+            shown = f"{value:g}" if isinstance(value, int | float) and not isinstance(value, bool) else ""
+            label = escape(f"{HEADS[key]} of {row['file']}")
+            body += (f'<td><input inputmode="decimal" size="6" data-row="{number}" data-key="{key}" value="{shown}" '
+                     f'aria-label="{label}"></td>')  # fmt: skip
+        body += "</tr>"
+    return (f'<div class="values"><table><thead><tr><th scope=col>press</th>{head}</tr></thead>'
+            f"<tbody>{body}</tbody></table></div>")  # fmt: skip
+
+
+def value_table(
+    keys: Sequence[str], rows: Sequence[Mapping[str, Any]], changed: Callable[[int, str, str], None],
+    refusal: ui.element,
+) -> None:
+    """Show the table; why a value is refused stands in a place of its own."""
+    shown = html(table_html(keys, rows)).style("width:100%")
+
+    def typed(event: events.GenericEventArguments) -> None:
+        row, key, text = event.args
+        if key in keys and isinstance(row, int) and 0 <= row < len(rows):
+            mark = "setAttribute('aria-invalid', true)"
+            with parts.problems_in(refusal):
+                changed(row, key, str(text))
+                mark = "removeAttribute('aria-invalid')"
+            cell = f'#{shown.html_id} [data-row="{row}"][data-key="{key}"]'
+            ui.run_javascript(f"document.querySelector('{cell}')?.{mark}")
+
+    shown.on("change", typed, js_handler=CHANGED)
+
+
+OFTEN = ("temperature_C", "age_days", "rest_s")
+"""Values that often are the same for a whole day."""
+ALL = "all presses"
+
+
+class TrialTable:
+    """The table of a campaign; each value is written into ``campaign.toml`` when it was typed."""
+
+    def __init__(self, folder: Path, then: Callable[[], None]) -> None:
+        self.folder, self.then = folder, then
+        html("<p>Empty means unknown. Each value is written into campaign.toml when you leave its field.</p>")
+        with ui.element("div").classes("fields"):
+            self.day = parts.select("Fill in for", {ALL: ALL}, ALL, "fill-day")
+            self.key = parts.select("Value", {key: HEADS[key] for key in OFTEN}, OFTEN[0], "fill-key")
+            self.value = ui.input("The same for all of them").props('data-test="fill-value"')
+            parts.button("Fill in", self.fill, "fill")
+        self.message, self.table = parts.area("values-said", live=True), parts.area()
+        self.read()
+
+    def read(self) -> None:
+        """Show the file as it is now."""
+        self.rows = read_trials(self.folder)
+        days = [ALL, *days_of(self.rows)]
+        self.day.set_options(days, value=self.day.value if self.day.value in days else ALL)
+        aim = "target_depth_mm" if all(row["target_force_N"] is None for row in self.rows) else "target_force_N"
+        keys = ("sequence", "thickness_mm", "velocity_mm_s", aim, "age_days", "temperature_C", "rest_s")
+        with parts.fresh(self.table):
+            value_table(keys, self.rows, self.changed, self.message)
+
+    def changed(self, row: int, key: str, text: str) -> None:
+        """Write one value."""
+        file = self.rows[row]["file"]
+        self.write({row: {key: number_of(text, f"{file}: {key}", key)}}, f"{HEADS[key]} of {file} is kept.")
+
+    def fill(self) -> None:
+        """Write one value for all presses of a day."""
+        rows, key = rows_of(self.rows, self.day.value), str(self.key.value)
+        with parts.problems_in(self.message):
+            value = number_of(str(self.value.value or ""), key)
+            self.write({row: {key: value} for row in rows}, f"{HEADS[key]} of {len(rows)} presses is kept.")
+            self.read()
+
+    def write(self, changes: Mapping[int, Mapping[str, float | None]], words: str) -> None:
+        """Write values where the presses are still those of the table."""
+        if [row["file"] for row in read_trials(self.folder)] != [row["file"] for row in self.rows]:
+            message = "campaign.toml was changed meanwhile: load the page again"
+            raise InputError(message, "changed_meanwhile", "campaign.trials")
+        write_trial_values(self.folder, changes)
+        for row, values in changes.items():
+            self.rows[row].update(values)
+        with self.message:
+            html(f'<p class="note">{escape(words)}</p>')
+        self.then()
+
+
+def days_of(rows: Sequence[Mapping[str, Any]]) -> list[str]:
+    """Days of pressing by the pads' age, in the order of the table."""
+    return list(dict.fromkeys(day for row in rows if (day := _day(row))))
+
+
+def rows_of(rows: Sequence[Mapping[str, Any]], day: str) -> list[int]:
+    """Numbers of the rows of a day."""
+    return [number for number, row in enumerate(rows) if day == ALL or _day(row) == day]
+
+
+def _day(row: Mapping[str, Any]) -> str:
+    age = row.get("age_days")
+    return f"the day at {age:g} days of age" if isinstance(age, int | float) else ""
+
+
+MOULDED, TYPED = "the moulds of this project", "typed here"
+
+
+class PlanForm:
+    """Fields of a plan and the command that makes it."""
+
+    def __init__(self, root: Path, state: State, replaced: str = "") -> None:
+        self.root, self.state, self.replaced = root, state, replaced
+        name = "replan" if replaced else "campaign"
+        usual = [] if replaced else incoming.usual_moulds(root, state)
+        given = {**incoming.FIELDS, "resin": state.resin, "ratio": state.ratio, "punch": state.punch}
+        given |= incoming.plan_of(root, replaced) if replaced else {}
+        self.punch = given["punch"]
+        known = {one.folder: f"{one.folder.partition('/')[2]}: {one.label}" for one in reversed(made.moulds(root))}
+        self.fields: dict[str, Any] = {}
+
+        def add(key: str, label: str) -> None:
+            self.fields[key] = ui.input(label, value=str(given[key]))
+
+        with ui.element("div").classes("fields"):
+            if not replaced:
+                self.name = ui.input("Name", value=choices.free_name(root, "campaigns", "first"))
+                self.name.props('data-test="plan-name"').on_value_change(self.renew)
+            sources = {one: one for one in ((MOULDED, TYPED) if known else (TYPED,))}
+            self.source = parts.select("Pads are those of", sources, MOULDED if usual else TYPED, f"{name}-source")
+        self.moulds = parts.select_several("Moulds", known, usual, f"{name}-moulds")
+        self.typed = ui.element("div").classes("fields")
+        with self.typed:
+            add("pads", "Pads, thickness [mm]")
+            add("shape", "Shape with its lengths")
+            add("pad", "Outline, length x width [mm]")
+            self.fields["resin"] = parts.select("Resin", choices.resins(), given["resin"])
+            self.fields["ratio"] = ui.number("Ratio", value=given["ratio"], step=0.1)
+        with ui.element("div").classes("fields"):
+            add("speeds", "Speeds [mm/s]")
+            add("forces", "Steady forces [N]")
+            self.fields["repeats"] = ui.number("Repeats", value=given["repeats"], min=1, max=9, step=1)
+            add("ages", "Age of the pads on each day [days]")
+            self.fields["hold"] = ui.number("Hold [s]", value=given["hold"], min=1, max=600)
+        for key in ("pads", "shape", "speeds", "forces", "repeats", "ages"):
+            self.fields[key].props(f'data-test="{"re" if replaced else ""}plan-{key}"')
+        label = "Change the plan" if replaced else "Plan it"
+        self.work = Work(root, name, label, self.words, self.show, self.belongs, needs="trials")
+        parts.on_change(self.renew, self.source, self.moulds, *self.fields.values())
+        self.renew()
+
+    def renew(self) -> None:
+        """Something was chosen."""
+        moulded = self.source.value == MOULDED
+        self.moulds.set_visibility(moulded)
+        self.typed.set_visibility(not moulded)
+        self.work.renew()
+
+    def words(self) -> list[str]:
+        """The plan as a command."""
+        given: dict[str, Any] = {key: field.value for key, field in self.fields.items()}
+        for key in ("repeats", "ratio"):
+            if given[key] is None:
+                raise InputError(f"{key} is empty", "missing", key)
+        moulds = list(self.moulds.value or []) if self.source.value == MOULDED else []
+        if self.source.value == MOULDED and not moulds:
+            raise InputError("choose the moulds whose pads are pressed", "missing", "moulds")
+        given |= {"moulds": moulds, "punch": self.punch, "repeats": int(given["repeats"])}
+        folder = self.replaced or f"campaigns/{file_transfer.plain_name((self.name.value or '').strip())}"
+        typed = incoming.plan_options(given) | {"replace": bool(self.replaced)}
+        return ["campaign", "new", folder, *jobs.options(typed)]
+
+    def belongs(self, job: jobs.Job, words: list[str]) -> bool:
+        """Whether a job made the plan that is chosen, and it is still there."""
+        folder = folder_of(job)
+        there = not folder or ((self.root / folder).is_dir() and jobs.is_last(self.root, job, folder_of))
+        return list(job.words) == words and there
+
+    def show(self, job: jobs.Job) -> None:
+        """What was planned."""
+        answer, folder = job.answer, folder_of(job)
+        html(f'<p data-test="planned">{len(answer["trials"])} presses planned in {escape(folder)}</p>')
+        if power := answer.get("power"):
+            html(f"<p>Effects that this plan can detect: {escape(', '.join(power['seen']) or 'none')}.</p>")
+        parts.warnings(answer)
+        link = page_link("/campaign", "Go on to the presses", self.state.changed(campaign=folder), "presses")
+        html(f'<p class="note">{link}</p>')
+
+
+def folder_of(job: jobs.Job) -> str:
+    """Folder of the campaign that a command made; empty where it has no answer."""
+    return str(job.answer.get("inputs", {}).get("folder", ""))

@@ -1,8 +1,9 @@
-"""Check a cast pad: its presses against the tissue, by the calibration, and what was really poured."""
+"""Check a cast pad: what was poured, its presses against the tissue and by the calibration, the same on people."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from html import escape
 from pathlib import Path
 from typing import Any
@@ -10,59 +11,54 @@ from typing import Any
 from nicegui import ui
 
 from dummydesign.core.errors import InputError
+from dummydesign.core.parsing import Purpose
+from dummydesign.person.drives import DRIVES, read_drive
 from dummydesign.project.folder import Project
 from dummydesign.project.status import things_in
-from dummydesign.studio import choices, made, parts
-from dummydesign.studio import file_transfer as transfer
+from dummydesign.report import on_person_facts as people
+from dummydesign.studio import choices, file_transfer, made, parts
 from dummydesign.studio.jobs import Job, changed_since, options
 from dummydesign.studio.made import PressedPad
 from dummydesign.studio.manage import DropList
-from dummydesign.studio.page_frame import Studio, keep_state
-from dummydesign.studio.pages.people_of_pad import PeopleOfPad
-from dummydesign.studio.parts import html
+from dummydesign.studio.parts import html, keep_state
 from dummydesign.studio.state import State, page_link
 from dummydesign.studio.work_panel import Work
 
 
-def show_cast_pad(studio: Studio, project: Project, state: State, query: Mapping[str, str]) -> None:
+def show_cast_pad(project: Project, state: State, query: Mapping[str, str]) -> None:
     """Build the page."""
     html("<p>Is the cast pad right? First its thickness and mass, then its presses against the tissue.</p>")
     html("<h2>What was cast</h2>")
-    comparison: list[Comparison] = []
-
-    def find_pads() -> None:
-        for one in comparison:
-            one.find_pads()
-
-    record_form(studio, state, find_pads)
+    cast = parts.area()
     html("<h2>Its presses against the tissue</h2>")
-    comparison.append(Comparison(studio, state))
+    comparison = Comparison(project.root, state)
+    with cast:
+        record_form(project.root, state, comparison.find_pads)
 
 
 class Comparison:
     """Presses of one pad, the tissue, the calibration, and what the comparison says."""
 
-    def __init__(self, studio: Studio, state: State) -> None:
-        self.studio, self.root, self.state = studio, studio.root, state
+    def __init__(self, root: Path, state: State) -> None:
+        self.root, self.state = root, state
         self.pads: list[PressedPad] = []
         DropList(lambda name, content: f"{made.keep_press(self.root, name, content)} was added.",
                  lambda: self.find_pads(dropped=True), "Drop presses of the pad: CSV with time_s, displacement_mm, "
                  "force_N. Bring files in another form in under Measured first.", "cast")  # fmt: skip
-        self.pad = ui.select({}, label="Pad").props('data-test="pad"').style("width:100%")
+        self.pad = ui.select({}, label="Pad").props('data-test="pad"')
         self.files = parts.select_several("Its presses", {}, [], "presses")
         with ui.element("div").classes("fields"):
             self.tissue = parts.select("Tissue", choices.tissues(self.root), state.tissue, "tissue")
             self.record = parts.select("Record of the cast pad", {"": "none"}, "", "record")
-        self.work = Work(studio, "compare", "Compare with the tissue", self.words,
-                         lambda job: show_comparison(self.root, job.answer))  # fmt: skip
+        self.work = Work(root, "compare", "Compare with the tissue", self.words, self.show, needs="verdict")
         self.model = parts.area()
         with self.model:
             html("<h2>By the calibration</h2>")
-            known = choices.calibrations(self.root)
-            self.calibration = parts.select("Calibration", known, state.calibration, "calibration", wide=False)
-            self.replay = Work(studio, "replay", "Predict its presses and compare", self.replay_words, self.show_replay,
-                               self.replay_belongs)  # fmt: skip
-        self.people = PeopleOfPad(studio, self.chosen, lambda: list(self.files.value or []), lambda: self.tissue.value)
+            known = choices.calibrations(root)
+            self.calibration = parts.select("Calibration", known, state.calibration, "calibration").style("width:auto")
+            self.replay = Work(root, "replay", "Predict its presses and compare", self.replay_words, self.show_replay,
+                               self.replay_belongs, needs="trials")  # fmt: skip
+        self.people = PeopleOfPad(self)
         self._list_earlier()
         self.find_pads()
         self.pad.on_value_change(self.new_pad)
@@ -85,6 +81,13 @@ class Comparison:
     def chosen(self) -> PressedPad | None:
         """The pad that is chosen."""
         return next((one for one in self.pads if one.label == self.pad.value), None)
+
+    def presses(self) -> tuple[PressedPad, list[str]]:
+        """The pad and those of its presses that are chosen (InputError without any)."""
+        pad = self.chosen()
+        if pad is None or not self.files.value:
+            raise InputError("choose the presses of a pad, or drop them above", "missing", "trace")
+        return pad, list(self.files.value)
 
     def new_pad(self) -> None:
         """Offer the presses and the records of the pad."""
@@ -110,13 +113,11 @@ class Comparison:
 
     def words(self) -> list[str]:
         """The comparison as a command."""
-        pad = self.chosen()
-        if pad is None or not self.files.value:
-            raise InputError("choose the presses of a pad, or drop them above", "missing", "trace")
+        pad, presses = self.presses()
         stem = self.tissue.value.rpartition("/")[2].removesuffix(".toml")
         given = {"tissue": self.tissue.value, "lowpass": pad.lowpass, "record": self.record.value,
                  "punch": pad.punch, "out": f"designs/compare-{stem}"}  # fmt: skip
-        return ["compare", *self.files.value, *options(given)]
+        return ["compare", *presses, *options(given)]
 
     def replay_words(self) -> list[str]:
         """The prediction as a command."""
@@ -135,22 +136,38 @@ class Comparison:
     def show_replay(self, job: Job) -> None:
         """What the calibration predicts, and each pad against the tissue."""
         answer, pad = job.answer, self.chosen()
-        if "trials" not in answer or pad is None:
+        if pad is None:
             return
         parts.facts([(f"{answer['rmse_N']:.3g} N", "error of the calibrated model (rms)"),
                      (f"{answer['base_rmse_N']:.3g} N", "error of the plain model (rms)")])  # fmt: skip
         for one in answer.get("pads") or []:
-            if pad.thickness_mm is None or abs(one["thickness_mm"] - pad.thickness_mm) > 1e-6:
-                continue
-            if one.get("verdict"):
+            mine = pad.thickness_mm is not None and abs(one["thickness_mm"] - pad.thickness_mm) < 1e-6
+            if mine and one.get("verdict"):
                 show_verdict(one["verdict"])
-            else:
+            elif mine:
                 html(f"<p>{escape(str(one.get('reason') or 'no verdict'))}</p>")
         names = {path.rpartition("/")[2] for path in pad.files}
         keys = ("file", "rmse_N", "base_rmse_N", "peak_error_N")
         rows = [[one[key] for key in keys] for one in answer["trials"] if one["file"] in names]
         parts.table(["press", "calibrated, rms N", "plain model, rms N", "peak off by N"], rows)
         parts.warnings(answer)
+
+    def show(self, job: Job) -> None:
+        """Verdict, correction, each press, and the report of a comparison."""
+        answer, files = job.answer, job.answer.get("files") or {}
+        parts.tell_changes(self.root, str(files.get("manifest") or ""), "Compare again.")
+        show_verdict(answer["verdict"])
+        html(f'<p data-test="correction">{escape(correction(answer["verdict"]))}</p>')
+        if pad := answer.get("pad"):
+            size = f"{pad['thickness_mm']:.2f} mm (standard error {pad['thickness_sd_mm']:.2f} mm)"
+            html(f"<p>Cast: {size}, {'accepted' if pad['accepted'] else 'not accepted'}.</p>")
+        head = ["press", "mm/s", "steady N", "depth mm", "peak N", "people from N", "people to N", "fraction in range"]
+        keys = ("velocity_mm_s", "steady_force_N", "depth_mm", "peak_force_N", "range_peak_low_N", "range_peak_high_N",
+                "inside_fraction")  # fmt: skip
+        rows = [[Path(one["file"]).name, *(one[key] for key in keys)] for one in answer.get("by_trace", [])]
+        parts.table(head, rows)
+        parts.warnings(answer)
+        parts.show_report(self.root, files, "report of the comparison")
 
     def _list_earlier(self) -> None:
         """Comparisons and presses on people in the folder, also those made on the terminal."""
@@ -180,30 +197,8 @@ def correction(verdict: Mapping[str, Any]) -> str:
     return f"Correction: {best} at central estimates. Multiply by {sure:.2f} to be safe in 95 % of cases."
 
 
-def show_comparison(root: Path, answer: Mapping[str, Any]) -> None:
-    """Verdict, correction, each press, and the report of a comparison."""
-    if "verdict" not in answer or "force_variation_range" not in answer:
-        return
-    files = answer.get("files") or {}
-    parts.tell_changes(root, str(files.get("manifest") or ""), "Compare again.")
-    show_verdict(answer["verdict"])
-    html(f'<p data-test="correction">{escape(correction(answer["verdict"]))}</p>')
-    if pad := answer.get("pad"):
-        state = "accepted" if pad["accepted"] else "not accepted"
-        html(f"<p>Cast: {pad['thickness_mm']:.2f} mm (standard error {pad['thickness_sd_mm']:.2f} mm), {state}.</p>")
-    head = ["press", "mm/s", "steady N", "depth mm", "peak N", "people from N", "people to N", "fraction in range"]
-    keys = ("velocity_mm_s", "steady_force_N", "depth_mm", "peak_force_N", "range_peak_low_N", "range_peak_high_N",
-            "inside_fraction")  # fmt: skip
-    parts.table(head, [[Path(one["file"]).name, *(one[key] for key in keys)] for one in answer.get("by_trace", [])])
-    parts.warnings(answer)
-    if files.get("report") and (root / files["report"]).is_file():
-        parts.zip_link(Path(files["report"]).parent.as_posix())
-        parts.shown_file(f"/files/{files['report']}", "report of the comparison")
-
-
-def record_form(studio: Studio, state: State, then: Callable[[], None]) -> None:
+def record_form(root: Path, state: State, then: Callable[[], None]) -> None:
     """Fields for what was really cast, and the verdict of the record."""
-    root = studio.root
     moulds = [one for one in reversed(made.moulds(root)) if made.gauge_points(root / one.folder)]
     if not moulds:
         html(f'<p class="note">No mould in this project yet: {page_link("/mould", "make one")}.</p>')
@@ -239,14 +234,13 @@ def record_form(studio: Studio, state: State, then: Callable[[], None]) -> None:
         with parts.fresh(kept):
             _records(root, chosen.value)
 
-    work = Work(studio, "record", "Keep this record", words, show,
-                lambda job, words: job.words[2:3] == (chosen.value,), lambda job, mine: list_records())  # fmt: skip
-    kept = ui.element("div").style("width:100%")
+    work = Work(root, "record", "Keep this record", words, show, lambda job, words: job.words[2:3] == (chosen.value,),
+                lambda job, mine: list_records(), needs="limits")  # fmt: skip
+    kept = parts.area()
 
     def new_mould() -> None:
-        points.clear()
         gauged.clear()
-        with points:
+        with parts.fresh(points):
             for one in made.gauge_points(root / chosen.value):
                 field = ui.number(f"Thickness, {one.name} [mm]", min=0, step=0.01)
                 field.props(f'data-test="gauge-{one.name}" hint="{one.low_mm:.2f} to {one.high_mm:.2f} mm"')
@@ -264,31 +258,131 @@ def _records(root: Path, folder: str) -> None:
     """Records that lie in the folder of a mould, each in a line."""
     rows = []
     for path in sorted((root / folder).glob("record*.json")):
-        try:
-            one = transfer.read_json(path)
+        with suppress(ValueError, KeyError, TypeError):
+            one = file_transfer.read_json(path)
             verdict = "accepted" if one["accepted"] else f"not accepted: {', '.join(one['missed'])}"
             rows.append([path.name, f"{one['thickness_mm']:.2f}", f"{one['mass_g']:g}", verdict])
-        except (ValueError, KeyError, TypeError):
-            continue
     if rows:
         parts.table(["record", "thickness mm", "mass g", ""], rows, words=True)
 
 
 def show_record(answer: Mapping[str, Any]) -> None:
     """The verdict of a record: each limit, and what it does to the force."""
-    result = answer if "limits" in answer else (answer.get("result") or {})
-    if "limits" not in result:
-        return
-    light = "green" if result["accepted"] else "red"
-    missed = ", ".join(result["missed"])
-    text = "Accepted: the pad keeps all limits." if result["accepted"] else f"Not accepted. It misses {missed}."
-    force = result.get("force_percent")
+    light, text = "green", "Accepted: the pad keeps all limits."
+    if not answer["accepted"]:
+        light, text = "red", f"Not accepted. It misses {', '.join(answer['missed'])}."
+    force = answer.get("force_percent")
     more = "" if force is None else f" Its force at a given depth is {force:+.1f} % off the designed pad's."
     show_verdict({"light": light, "text": text + more})
-    rows = [
-        [one["what"], one["value"], one["unit"],
-         f"at most {one['high']:.4g}" if one["low"] is None else f"{one['low']:.4g} to {one['high']:.4g}",
-         "missed" if one["missed"] else "kept", one["advice"] if one["missed"] else ""]
-        for one in result["limits"]
-    ]  # fmt: skip
+    rows = []
+    for one in answer["limits"]:
+        allowed = f"at most {one['high']:.4g}" if one["low"] is None else f"{one['low']:.4g} to {one['high']:.4g}"
+        advice = ("missed", one["advice"]) if one["missed"] else ("kept", "")
+        rows.append([one["what"], one["value"], one["unit"], allowed, *advice])
     parts.table(["what", "value", "", "allowed", "", "what to do"], rows, words=True)
+
+
+LIMITS = "limits"
+"""Folder of a project with the user's own limits."""
+LIGHTS = {"pass": "green", "undecided": "amber", "fail": "red"}
+SHORT = {"position": "the arm keeps its path", "steady": "the same steady force", "force": "the arm keeps its force",
+         "mass": "a free body", "spring": "an arm with a spring and a mass"}  # fmt: skip
+
+
+class PeopleOfPad:
+    """Drive, limits, and what the presses would have been on people."""
+
+    def __init__(self, comparison: Comparison) -> None:
+        self.root, self.comparison = comparison.root, comparison
+        html("<h2>The same presses on people</h2>")
+        html("<p>What the robot would have done to people with the press it made on the pad. The result depends on "
+             "what moves the robot.</p>")  # fmt: skip
+        with ui.element("div").classes("fields"):
+            known = {name: f"{name}: {SHORT[name]}" if name in SHORT else name for name in DRIVES}
+            self.drive = parts.select("What moves the robot", known, "position", "drive")
+            self.numbers: dict[str, ui.number] = {}
+            for purpose, usual in _numbers().items():
+                name = purpose.quantity.partition(" in ")[0]
+                label = f"{name[0].upper()}{name[1:]}" + (f" [{purpose.unit}]" if purpose.unit else "")
+                self.numbers[purpose.quantity] = ui.number(label, value=usual, min=0).props(f'data-test="drive-{name}"')
+            self.limits = parts.select("Your limits", self._known_limits(), "", "limits")
+        DropList(self._keep_limits, self._find_limits, "Drop your limits of force and pressure with their source: "
+                 "a TOML file as 'suggest --limits' takes it.", "limits")  # fmt: skip
+        self.work = Work(self.root, "on-person", "Compute the presses on people", self.words,
+                         lambda job: show_people(self.root, job.answer), needs="presses")  # fmt: skip
+        self.drive.on_value_change(self._new_drive)
+        parts.on_change(self.work.renew, self.limits, *self.numbers.values())
+        self._new_drive()
+
+    def words(self) -> list[str]:
+        """The command of what is chosen."""
+        (pad, presses), tissue = self.comparison.presses(), self.comparison.tissue.value
+        values = {name: self.numbers[name].value for name in self._wanted()}
+        for name, value in values.items():
+            if value is None:
+                raise InputError(f"{name} is empty: give it", "missing", "drive")
+        numbers = ",".join(f"{value:g}" for value in values.values())
+        drive = read_drive(f"{self.drive.value}:{numbers}" if numbers else self.drive.value)
+        given = {"tissue": tissue, "drive": drive.text, "limits": self.limits.value, "lowpass": pad.lowpass,
+                 "punch": pad.punch, "out": f"designs/on-person-{Path(tissue).stem}"}  # fmt: skip
+        return ["on-person", *presses, *options(given)]
+
+    def _wanted(self) -> list[str]:
+        """What the chosen drive needs to know."""
+        return [purpose.quantity for purpose, _ in DRIVES[self.drive.value].numbers]
+
+    def _new_drive(self) -> None:
+        for name, field in self.numbers.items():
+            field.set_visibility(name in self._wanted())
+        self.work.renew()
+
+    def _known_limits(self) -> dict[str, str]:
+        paths = sorted((self.root / LIMITS).glob("*.toml"))
+        return {"": "none"} | {path.relative_to(self.root).as_posix(): path.stem for path in paths}
+
+    def _find_limits(self) -> None:
+        known = self._known_limits()
+        self.limits.set_options(known, value=self.limits.value if self.limits.value in known else "")
+
+    def _keep_limits(self, name: str, content: bytes) -> str:
+        """Keep a file of limits that can be read, and choose it."""
+        from dummydesign.design.safety import read_limits
+
+        if Path(file_transfer.plain_name(name)).suffix.lower() != ".toml":
+            raise InputError("choose a file that ends in .toml", "unknown_name", "file_ending", name, ".toml")
+        file_transfer.read_sent(name, content, read_limits)
+        kept = file_transfer.save_upload(file_transfer.inside(self.root, LIMITS), name, content)
+        chosen = kept.relative_to(self.root).as_posix()
+        self.limits.set_options(self._known_limits(), value=chosen)
+        return f"{chosen} was added."
+
+
+def _numbers() -> dict[Purpose, float | None]:
+    """Numbers of all drives, with the default of those that may be left out."""
+    numbers: dict[Purpose, float | None] = {}
+    for drive in DRIVES.values():
+        usual = [None] * (len(drive.numbers) - len(drive.defaults)) + list(drive.defaults)
+        numbers |= {purpose: value for (purpose, _), value in zip(drive.numbers, usual)}
+    return numbers
+
+
+def show_people(root: Path, answer: Mapping[str, Any]) -> None:
+    """Result, presses, limits, warnings and the report of an answer of ``on-person``."""
+    files, result = answer.get("files") or {}, dict(answer)
+    parts.tell_changes(root, str(files.get("manifest") or ""), "Compute them again.")
+    word, text = people.headline(result)
+    if wrong := people.mismatch(result):
+        parts.tell_verdict("amber", f"CAUTION. {wrong}", test="drive-mismatch")
+    if word in LIGHTS:
+        parts.tell_verdict(LIGHTS[word], f"{word.upper()}. {text}", test="people")
+    else:
+        html(f'<p data-test="people">{escape(text)}</p>')
+    parts.table(*people.press_table(result))
+    rows = [[row["result"].upper(), people.limit_name(row), row["limit"], row["unit"], people.number_text(row["pad"]),
+             people.span_text([row["person_low_95"], row["person_high_95"]]), row["reason"], file]
+            for row, file in people.limit_rows(result)]  # fmt: skip
+    if rows:
+        head = ["result", "limit of", "limit", "unit", "pad", "people, 95 %", "why", "press"]
+        parts.table(head, rows, words=True)
+    parts.warnings(answer)
+    parts.show_report(root, files, "report of the presses on people")

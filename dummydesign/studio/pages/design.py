@@ -19,9 +19,8 @@ from dummydesign.geometry.shape_registry import read_shape
 from dummydesign.project.folder import Project
 from dummydesign.studio import choices, figures, parts
 from dummydesign.studio import slider_model as sliders
-from dummydesign.studio.page_frame import Studio, keep_state, open_page
 from dummydesign.studio.pages import search
-from dummydesign.studio.parts import html
+from dummydesign.studio.parts import html, keep_state, open_page
 from dummydesign.studio.slider_model import Slider
 from dummydesign.studio.state import State, absolute
 
@@ -53,8 +52,8 @@ class Refusal:
 class DesignPage:
     """The page: one state, from which every control and every panel is drawn."""
 
-    def __init__(self, studio: Studio, project: Project, state: State, query: Mapping[str, str]) -> None:
-        self.studio, self.root, self.state = studio, studio.root, state
+    def __init__(self, project: Project, state: State, query: Mapping[str, str]) -> None:
+        self.root, self.state = project.root, state
         self.wanted = self.shown = 0
         self.busy = self.setting = False
         self.lengths: dict[str, Slider] = {}
@@ -68,14 +67,14 @@ class DesignPage:
                 self.numbers = parts.area("numbers")
                 self.plots = html("").props('data-test="plots"').style("width:100%")
                 self.solid = parts.area("solid")
-                self.solved = search.SolvedPad(studio, lambda: self.state, self._say)
+                self.solved = search.SolvedPad(self.root, lambda: self.state, self._say)
         html("<h2>This pad by the command line</h2>")
         self.same = parts.area("same")
         html("<h2 id=search>Find the best pad</h2><p>Searches thickness, ratio and lengths, checks the best by finite "
              "elements and writes the report. The sliders then stand at it.</p>")  # fmt: skip
-        self.search = search.Search(studio, project, lambda: self.state, self.take)
+        self.search = search.Search(project, lambda: self.state, self.take)
         html("<h2>Designs of this project</h2>")
-        search.Designs(studio, lambda: self.state)
+        search.Designs(self.root, lambda: self.state)
         self.stamp: object = None
         self.take(state)
         ui.timer(WATCH_S, self.watch)
@@ -91,8 +90,8 @@ class DesignPage:
         self.ratio = Slider("Ratio", "", self.state.ratio, self.state.ratio, 0.05, self.state.ratio, self.moved)
         self.length_box = ui.element("div").style("width:100%")
         self.shape = ui.input("Shape with its lengths").props('data-test="shape"')
-        for field in (*self.fields.values(), self.punch, self.kind, self.shape):
-            field.style("width:100%")
+        for typed in (self.punch, self.shape):
+            typed.style("width:100%")
         for name, field in self.fields.items():
             field.on_value_change(lambda event, name=name: self.choose(**{name: event.value}))
         self.punch.on("change", lambda: self.choose(punch=self.punch.value.strip() or PUNCH))
@@ -107,8 +106,7 @@ class DesignPage:
             return
         after = self.state.changed(**new)
         if after.tissue != self.state.tissue:
-            aims = self._aims(after.tissue)
-            after = after.changed(aim=after.aim if after.aim in aims else "average")
+            after = after.changed(aim=after.aim if after.aim in self._aims(after.tissue) else "average")
         if after != self.state and after.missing:
             # what the page says at its top may be no longer true
             open_page("/design", after)
@@ -163,7 +161,6 @@ class DesignPage:
 
     def _set_choices(self, state: State) -> None:
         """Offer what there is; what is chosen and not there is offered as missing, and nothing takes its place."""
-
         resins = choices.resins()
         known = {
             "tissue": choices.tissues(self.root), "aim": self._aims(state.tissue),
@@ -204,9 +201,8 @@ class DesignPage:
         except (InputError, AttributeError):
             values, lengths = {}, ()
         if set(self.lengths) != {one.name for one in lengths}:
-            self.length_box.clear()
             self.lengths = {}
-            with self.length_box:
+            with parts.fresh(self.length_box):
                 for one in lengths:
                     words, move = one.name.replace("_", " ").capitalize(), partial(self.length_moved, one.name)
                     self.lengths[one.name] = Slider(words, one.unit, one.low, one.high, one.step, one.low, move)
@@ -222,17 +218,13 @@ class DesignPage:
     def evaluate(self) -> None:
         """Something changed: press the pad anew, once for all moves that came in the meantime."""
         self.wanted += 1
-        self.stamp = self.files()
+        self.stamp = sliders.stamp_of(self.root, self.state)
         if not self.busy:
             ui.timer(0.0, self.follow, once=True)
 
-    def files(self) -> object:
-        """Times of the files behind what is chosen."""
-        return sliders.stamp_of(self.root, self.state)
-
     def watch(self) -> None:
         """A file was changed on the disk: the verdict is made anew."""
-        if self.files() != self.stamp:
+        if sliders.stamp_of(self.root, self.state) != self.stamp:
             self.evaluate()
 
     async def follow(self) -> None:
@@ -267,8 +259,8 @@ class DesignPage:
         except Exception as problem:
             return Refusal(f"this pad cannot be evaluated ({type(problem).__name__}: {problem})")
         inputs, targets = evaluator.inputs, evaluator.inputs.space.targets
-        large = figures.plots_html([figures.steady(inputs.tissue, targets, pad),
-                                    figures.section(shape, state.thickness_mm, inputs.punch)])  # fmt: skip
+        section = figures.section(shape, state.thickness_mm, inputs.punch)
+        large = figures.plots_html([figures.steady(inputs.tissue, targets, pad), section])
         small = figures.plots_html(figures.presses(targets, pad), small=True)
         rows = search.press_rows(condition_rows(pad.candidate, targets, shape))
         return View(evaluator, shape, pad, large + small, rows)
@@ -310,8 +302,9 @@ class DesignPage:
             return
         self._say(state, verdict.light, verdict.text, "settled")
         with self.solid:
-            pad = {"shape": state.shape, "thickness": f"{state.thickness_mm:g}"}
-            parts.shown_file("/solid/pad", f"solid of {pad['shape']}, {pad['thickness']} mm", "shown solid", **pad)
+            size = f"{state.thickness_mm:g}"
+            title = f"solid of {state.shape}, {size} mm"
+            parts.shown_file("/solid/pad", title, "shown solid", shape=state.shape, thickness=size)
 
     def _say(self, state: State, light: str, text: str, shown: str) -> None:
         with parts.fresh(self.verdict):

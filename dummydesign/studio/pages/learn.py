@@ -14,21 +14,21 @@ from dummydesign.project.folder import Project
 from dummydesign.studio import choices, figures, made, parts
 from dummydesign.studio.jobs import Job, options
 from dummydesign.studio.manage import manage, undo_bar
-from dummydesign.studio.page_frame import Studio, keep_state, open_page
-from dummydesign.studio.parts import html
-from dummydesign.studio.state import State, page_link, state_link
+from dummydesign.studio.parts import html, keep_state, open_page
+from dummydesign.studio.state import State, page_link
 from dummydesign.studio.work_panel import Work
 
 INTERVAL = ("value", "low", "high")
 
 
-def show_learning(studio: Studio, project: Project, state: State, query: Mapping[str, str]) -> None:
+def show_learning(project: Project, state: State, query: Mapping[str, str]) -> None:
     """Build the page."""
+    root = project.root
     html("<p>The model against a pressed campaign: what it lacks, how large that is, and what to measure next.</p>")
-    undo_bar(studio)
-    known = choices.campaigns(studio.root)
+    undo_bar(root)
+    known = choices.campaigns(root)
     if known:
-        Learning(studio, state, known)
+        Learning(root, state, known)
     else:
         html(f'<p class="note">No campaign yet: {page_link("/campaign", "plan one")}.</p>')
 
@@ -36,17 +36,17 @@ def show_learning(studio: Studio, project: Project, state: State, query: Mapping
 class Learning:
     """The page of one visitor: a campaign, and what was learned from it."""
 
-    def __init__(self, studio: Studio, state: State, known: Mapping[str, str]) -> None:
-        self.studio, self.root, self.state = studio, studio.root, state
+    def __init__(self, root: Path, state: State, known: Mapping[str, str]) -> None:
+        self.root, self.state = root, state
         self.shown = ""
         with ui.element("div").classes("fields"):
             self.campaign = parts.select("Campaign", known, state.campaign, "campaign")
-            self.prior = parts.select("Earlier calibration of the same material", choices.calibrations(self.root), "")
-        self.work = Work(studio, "loop", "Learn from it", self.words, self.show, self.belongs,
-                         lambda job, mine: self.list_calibrations())  # fmt: skip
+            self.prior = parts.select("Earlier calibration of the same material", choices.calibrations(root), "")
+        self.work = Work(root, "loop", "Learn from it", self.words, self.show, self.belongs,
+                         lambda job, mine: self.list_calibrations(), needs="answer")  # fmt: skip
         self.others = parts.area()
         html("<h2 id=next>The next measurement</h2><p>Plans the presses that tell most, as a new campaign.</p>")
-        self.next = Work(studio, "next", "Plan the next measurement", self.next_words, self.show_plan,
+        self.next = Work(root, "next", "Plan the next measurement", self.next_words, self.show_plan,
                          self.belongs, lambda job, mine: self.list_calibrations())  # fmt: skip
         self.campaign.on_value_change(self.renew)
         self.prior.on_value_change(self.renew_lines)
@@ -56,24 +56,22 @@ class Learning:
         """The loop as a command."""
         if not self.campaign.value:
             raise InputError("choose a campaign", "missing", "campaign")
-        name = self.campaign.value.partition("/")[2]
-        prior = options({"prior": self.prior.value})
-        return ["loop", self.campaign.value, *prior, "--out", f"calibrations/loop-{name}"]
+        out = f"calibrations/loop-{self.campaign.value.partition('/')[2]}"
+        return ["loop", self.campaign.value, *options({"prior": self.prior.value, "out": out})]
 
     def next_words(self) -> list[str]:
         """The loop with a plan of what to press next, as a command."""
         words = self.words()
-        name = self.campaign.value.partition("/")[2]
-        plan = f"campaigns/{choices.free_name(self.root, 'campaigns', f'{name}-next')}"
+        name = choices.free_name(self.root, "campaigns", f"{self.campaign.value.partition('/')[2]}-next")
         # learned from the same files with the same prior: the same calibration, which needs no second folder
         same = any(one.folder == words[-1] and one.prior == self.prior.value and not one.outdated(self.root)
                    for one in made.calibrations(self.root, self.campaign.value))  # fmt: skip
-        return [*words, "--plan", plan, *(["--replace"] if same else [])]
+        return [*words, *options({"plan": f"campaigns/{name}", "replace": same})]
 
     def belongs(self, job: Job, words: list[str]) -> bool:
         """Whether a job was of the campaign that is chosen, and what it made is still there."""
         path = _plan_folder(job.answer) if job.name == "next" else str(job.answer.get("calibration_file") or "")
-        return job.words[1:2] == (self.campaign.value,) and (not path or (self.root / path).exists())
+        return job.words[1:2] == (self.campaign.value,) and (self.root / path).exists()
 
     def renew(self) -> None:
         """Another campaign was chosen."""
@@ -94,11 +92,8 @@ class Learning:
     def show(self, job: Job) -> None:
         """What a command learned."""
         answer = job.answer
-        if "answer" not in answer:
-            return
-        folder = Path(answer["calibration_file"]).parent.as_posix()
-        self.shown = folder
-        self._outdated(folder)
+        self.shown = Path(answer["calibration_file"]).parent.as_posix()
+        self._outdated(self.shown)
         first, *more = answer["answer"] or [""]
         html(f'<p class="note next" data-test="verdict"><b>{escape(first)}</b></p>')
         html("".join(f"<p>{escape(text)}</p>" for text in more))
@@ -112,38 +107,36 @@ class Learning:
         parts.warnings(answer)
         self._again(answer["calibration_file"])
         html('<p><a href="#next">Plan the next measurement</a></p>')
-        _curves(self.root, folder)
+        _curves(self.root, self.shown)
 
     def _again(self, calibration: str) -> None:
         again = self.chosen().changed(calibration=calibration)
-        html(f'<p class="note next">{state_link("/design", "Design again with what was learned", again, "again")}</p>')
+        html(f'<p class="note next">{page_link("/design", "Design again with what was learned", again, "again")}</p>')
 
     def _outdated(self, folder: str) -> None:
-        own = [one for one in made.calibrations(self.root, self.campaign.value) if one.folder == folder]
-        if any(one.outdated(self.root) for one in own):
-            words = "The campaign changed after this was learned. Learn again."
-            html(f'<p class="problem" role="alert" data-test="outdated">{words}</p>')
+        known = made.calibrations(self.root, self.campaign.value)
+        if any(one.folder == folder and one.outdated(self.root) for one in known):
+            html('<p class="problem" role="alert" data-test="outdated">The campaign changed after this was learned. '
+                 "Learn again.</p>")  # fmt: skip
 
     def list_calibrations(self) -> None:
         """Calibrations of this campaign in the folder, also those made on the terminal."""
-        self.others.clear()
-        newest_first = list(reversed(made.calibrations(self.root, self.campaign.value or "")))
-        newest = True
-        with self.others:
-            if newest_first:
+        known = list(reversed(made.calibrations(self.root, self.campaign.value or "")))
+        newest = next((one for one in known if one.folder != self.shown), None)
+        with parts.fresh(self.others):
+            if known:
                 html("<h2>Calibrations of this campaign</h2>")
-            for one in newest_first:
+            for one in known:
                 html(f'<h3 data-test="calibration">{escape(one.folder)}</h3>')
-                manage(self.studio, one.folder, "calibration", self._moved)
+                manage(self.root, one.folder, "calibration", self._moved)
                 if one.folder == self.shown:
                     html("<p>It is shown above.</p>")
                     continue
                 self._outdated(one.folder)
                 html(f"<p>{escape(one.text)}</p>")
                 self._again(one.file)
-                if newest:
+                if one is newest:
                     _curves(self.root, one.folder)
-                    newest = False
                 else:
                     parts.zip_link(one.folder)
                     parts.file_links([("the whole report", f"{one.folder}/report.html")])
@@ -159,7 +152,7 @@ class Learning:
         plan = _plan_folder(job.answer)
         if not plan:
             return
-        link = state_link("/campaign", f"Go on to {plan}", self.chosen().changed(campaign=plan), "next-plan")
+        link = page_link("/campaign", f"Go on to {plan}", self.chosen().changed(campaign=plan), "next-plan")
         html(f'<p class="note next">The next measurement is planned. {link}</p>')
 
 
@@ -174,15 +167,13 @@ def _curves(root: Path, folder: str) -> None:
     parts.zip_link(folder)
     report = f"{folder}/report.html"
     there = (root / report).is_file()
-    presses = sorted((root / folder).glob("report-press-*.csv"))
-    roles = {f"report_press_{number}": path.relative_to(root).as_posix() for number, path in enumerate(presses)}
     try:
-        plots = figures.measured_over_fitted(root, {"files": roles})
+        plots = [figures.measured_press(path) for path in sorted((root / folder).glob("report-press-*.csv"))]
     except (OSError, ValueError, IndexError):
         plots = []
+    if plots and there:
+        parts.file_links([("the whole report", report)])
     if plots:
-        if there:
-            parts.file_links([("the whole report", report)])
         html(f'<div data-test="curves">{figures.plots_html(plots, small=True)}</div>')
     elif there:
         parts.shown_file(f"/files/{report}", "report of the loop")

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import partial
 from html import escape
+from itertools import takewhile
 from pathlib import Path
 
 from nicegui import ui
@@ -14,21 +16,18 @@ from dummydesign.project.status import TEXTS
 from dummydesign.studio import jobs, parts
 from dummydesign.studio import project_files as bin
 from dummydesign.studio.access import LARGEST_BYTES
-from dummydesign.studio.jobs import Job, options
+from dummydesign.studio.made import presses_text
 from dummydesign.studio.manage import DropList, manage, undo_bar
-from dummydesign.studio.page_frame import Studio, keep_state
-from dummydesign.studio.parts import html
+from dummydesign.studio.parts import html, keep_state
 from dummydesign.studio.state import State, page_link
 from dummydesign.studio.work_panel import Work
 
-OPEN = {
-    "columns": "columns, as time=NAME,displacement=NAME,force=NAME",
-    "units": "units, as time=s,displacement=mm,force=N",
-    "separator": "separator: tab, semicolon, comma, bar, spaces", "decimal": "decimal sign: . or ,",
-    "skip": "lines to leave out at the start", "flip": "turn round: displacement, force, both, or none",
-    "tare": "reading at no force: auto, none or a number", "contact": "reading at contact: auto, none or a number",
-    "split": "parts: auto, or none for one press",
-}  # fmt: skip
+OPEN = {"columns": "columns, as time=NAME,displacement=NAME,force=NAME",
+        "units": "units, as time=s,displacement=mm,force=N",
+        "separator": "separator: tab, semicolon, comma, bar, spaces", "decimal": "decimal sign: . or ,",
+        "skip": "lines to leave out at the start", "flip": "turn round: displacement, force, both, or none",
+        "tare": "reading at no force: auto, none or a number", "contact": "reading at contact: auto, none or a number",
+        "split": "parts: auto, or none for one press"}  # fmt: skip
 SEPARATOR = "\n"
 """Between names in the address; no file name has one."""
 
@@ -36,36 +35,32 @@ SEPARATOR = "\n"
 class MeasuredPage:
     """The page: which files are chosen, and what was read from them."""
 
-    def __init__(self, studio: Studio, project: Project, state: State, query: Mapping[str, str]) -> None:
-        self._studio, self._root, self._state = studio, studio.root, state
-        self._folder = studio.root / "measured"
+    def __init__(self, project: Project, state: State, query: Mapping[str, str]) -> None:
+        self._root, self._state = project.root, state
+        self._folder = self._root / "measured"
         self._let_go: set[str] = set()
-        wanted = query.get("files")
-        chosen = wanted.split(SEPARATOR) if wanted else _last_read(studio.root)
-        html(
-            "<p>Files of your test machine: text with columns of time, displacement and force, or .xlsx. "
-            f"They are copied into <code>measured/</code>, up to {LARGEST_BYTES // 2**20} MB each.</p>"
-        )
+        wanted, last = query.get("files"), jobs.latest(self._root, "import")
+        chosen = wanted.split(SEPARATOR) if wanted else [Path(name).name for name in _sources(last)] if last else []
+        html("<p>Files of your test machine: text with columns of time, displacement and force, or .xlsx. They are "
+             f"copied into <code>measured/</code>, up to {LARGEST_BYTES // 2**20} MB each.</p>")  # fmt: skip
         for name in chosen:
             if wanted and name not in self._names():
                 parts.tell_problem(f"'{name}' is not in measured/ (any more). Choose another file, or bring it back.")
-        self._bar = undo_bar(studio)
+        self._bar = undo_bar(self._root)
         self._drop = DropList(self._take, lambda: None, test="measured")
         self._chosen = parts.select_several("Files to read", {}, [], "files")
-        self._fields: dict[str, ui.input] = {}
-        with ui.expansion("What the file leaves open (only when asked)").style("width:100%"):
-            with ui.element("div").classes("fields"):
-                for name, words in OPEN.items():
-                    self._fields[name] = ui.input(words).props(f'data-test="open-{name}"')
+        with ui.expansion("What the file leaves open (only when asked)"), ui.element("div").classes("fields"):
+            self._fields = {name: ui.input(words).props(f'data-test="open-{name}"') for name, words in OPEN.items()}
         self._change = ui.expansion("Rename, replace or delete files").props('data-test="change-files"')
-        self._change.style("width:100%").on_value_change(self._list_files)
-        self._work = Work(studio, "import", "Read the files", self._words, self._show, self._belongs,
-                          lambda job, mine: self._list_imports())  # fmt: skip
+        self._change.on_value_change(self._list_files)
+        self._work = Work(self._root, "import", "Read the files", self._words, self._show, self._belongs,
+                          lambda job, mine: self._list_imports(), needs="files")  # fmt: skip
         self._choose(chosen)
         parts.on_change(self._renew, self._chosen, *self._fields.values())
-        self._imports = ui.element("section").props('data-test="imports"').style("width:100%")
+        self._imports = parts.area("imports")
         self._list_imports()
-        html(f'<p class="note">A puck of resin was pressed: {page_link("/resin", "find its modulus", "resin")}.</p>')
+        link = page_link("/resin", "find its modulus", test="resin")
+        html(f'<p class="note">A puck of resin was pressed: {link}.</p>')
 
     def _take(self, name: str, content: bytes) -> str:
         """Store a file that was dropped and choose it; one that differs from an earlier one may replace it."""
@@ -100,15 +95,14 @@ class MeasuredPage:
         return sorted(path.name for path in paths if not path.name.startswith("."))
 
     def _choose(self, names: list[str]) -> None:
-        names_there = self._names()
-        self._chosen.set_options(names_there, value=[name for name in names if name in names_there])
-        self._chosen.set_enabled(bool(names_there))
+        there = self._names()
+        self._chosen.set_options(there, value=[name for name in names if name in there])
+        self._chosen.set_enabled(bool(there))
         self._work.renew()
 
     def _add(self, name: str) -> None:
         """Choose a file that came in; one that is gone is let go."""
-        kept = [one for one in self._chosen.value if one != name]
-        self._choose([*kept, name])
+        self._choose([*(one for one in self._chosen.value if one != name), name])
         self._list_files()
 
     def _renew(self) -> None:
@@ -120,27 +114,24 @@ class MeasuredPage:
             raise InputError("Choose a file to read.", "missing", "file")
         names = list(self._chosen.value)
         stem = names[0].rpartition(".")[0] if len(names) == 1 else "all"
-        given = options({name: field.value for name, field in self._fields.items()})
-        return ["import", *(f"measured/{name}" for name in names), *given, "--out", f"measured/import-{stem}"]
+        given = {name: field.value for name, field in self._fields.items()} | {"out": f"measured/import-{stem}"}
+        return ["import", *(f"measured/{name}" for name in names), *jobs.options(given)]
 
-    def _belongs(self, job: Job, words: list[str]) -> bool:
+    def _belongs(self, job: jobs.Job, words: list[str]) -> bool:
         """Whether a job read the chosen files, and its presses are still there."""
         same = set(_sources(job)) == {f"measured/{name}" for name in self._chosen.value or []}
         return same and (not job.answer.get("files") or (self._root / _out(job)).is_dir())
 
     def _list_files(self) -> None:
-        self._change.clear()
-        if not self._change.value:
-            return
-        with self._change:
-            names = self._names()
-            if not names:
+        names = self._names() if self._change.value else []
+        with parts.fresh(self._change):
+            if self._change.value and not names:
                 html("<p>No files yet.</p>")
             for name in names:
                 with ui.element("div").classes("thing"):
                     html(f"<span>{escape(name)}</span>")
                     with ui.element("div"):
-                        manage(self._studio, f"measured/{name}", "file", self._moved)
+                        manage(self._root, f"measured/{name}", "file", self._moved)
 
     def _moved(self, old: str, new: str) -> None:
         """Follow a file that was renamed, replaced, deleted or brought back; what was chosen stays chosen."""
@@ -155,17 +146,14 @@ class MeasuredPage:
         self._list_files()
 
     def _list_imports(self) -> None:
-        self._imports.clear()
         folders = sorted(path for path in self._folder.glob("import-*") if path.is_dir())
-        with self._imports:
-            if not folders:
-                return
-            html("<h2>Presses that were read</h2>")
+        with parts.fresh(self._imports):
+            if folders:
+                html("<h2>Presses that were read</h2>")
             for path in folders:
-                count = len(list(path.glob("*.csv")))
-                title = f"{path.name}: {count} press{'es' * (count != 1)}"
-                one = ui.expansion(title).style("width:100%").props('data-test="import"')
-                one.on_value_change(lambda event, one=one, path=path: self._open_import(one, path))
+                one = ui.expansion(f"{path.name}: {presses_text(list(path.glob('*.csv')))}")
+                one.props('data-test="import"')
+                one.on_value_change(partial(self._open_import, one, path))
 
     def _open_import(self, panel: ui.expansion, path: Path) -> None:
         panel.clear()
@@ -173,43 +161,34 @@ class MeasuredPage:
             return
         inner = f"measured/{path.name}"
         with panel:
-            manage(self._studio, inner, "import", lambda old, new: self._list_imports())
+            manage(self._root, inner, "import", lambda old, new: self._list_imports())
             if (path / "preview.html").is_file():
-                with ui.element("div").style("width:100%"):
+                with parts.area():
                     parts.shown_file(f"/files/{inner}/preview.html", f"presses of {path.name}")
 
-    def _show(self, job: Job) -> None:
+    def _show(self, job: jobs.Job) -> None:
         answer = job.answer
-        if not isinstance(answer.get("files"), list):
-            return
         html(f"<p><b>{escape(', '.join(Path(one['source']).name for one in answer['files']))}</b></p>")
         parts.tell_changes(self._root, f"{_out(job)}/manifest.json", "Read the files again.")
         parts.warnings(answer)
         if answer.get("preview") and (self._root / answer["preview"]).is_file():
             parts.shown_file(f"/files/{answer['preview']}", "preview of the presses")
         keys = ("file", "samples", "velocity_mm_s", "hold_s", "depth_mm", "peak_force_N", "steady_force_N")
+        head = ["press", "samples", "mm/s", "hold s", "depth mm", "peak N", "steady N"]
         for one in answer["files"]:
             html(f"<h2>{escape(Path(one['source']).name)}</h2>")
-            parts.table(["press", "samples", "mm/s", "hold s", "depth mm", "peak N", "steady N"],
-                        [[trace[key] for key in keys] for trace in one["traces"]])  # fmt: skip
+            parts.table(head, [[trace[key] for key in keys] for trace in one["traces"]])
             rows = [[made["what"], str(made["value"]), made["why"]] for made in one["decisions"]]
             under = f"how {len(rows)} things were decided, and why"
             parts.table(["decided", "value", "because"], rows, words=True, under=under)
         html(f'<p class="note">Next: {page_link("/tissue", "fit a tissue to these presses")}</p>')
 
 
-def _sources(job: Job) -> list[str]:
+def _sources(job: jobs.Job) -> list[str]:
     """Files that an import read."""
-    words = job.words[1:]
-    return list(words[: next((at for at, word in enumerate(words) if word.startswith("--")), len(words))])
+    return list(takewhile(lambda word: not word.startswith("--"), job.words[1:]))
 
 
-def _out(job: Job) -> str:
+def _out(job: jobs.Job) -> str:
     """Folder that an import wrote; it has a number where the requested one was taken."""
-    return str(Path(job.answer.get("preview") or "measured/none/preview.html").parent.as_posix())
-
-
-def _last_read(root: Path) -> list[str]:
-    """Files of the newest import, when nothing else was chosen."""
-    job = jobs.latest(root, "import")
-    return [Path(name).name for name in _sources(job)] if job is not None else []
+    return Path(job.answer.get("preview") or "measured/none/preview.html").parent.as_posix()

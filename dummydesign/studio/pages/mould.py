@@ -15,66 +15,61 @@ from dummydesign.project.folder import Project
 from dummydesign.studio import choices, made, parts
 from dummydesign.studio.jobs import Job, holds_answer, options
 from dummydesign.studio.manage import manage, undo_bar
-from dummydesign.studio.page_frame import Studio, keep_state, open_page
-from dummydesign.studio.parts import html
-from dummydesign.studio.state import State, design_state, design_summary, page_link, state_link
+from dummydesign.studio.parts import html, keep_state, open_page
+from dummydesign.studio.state import State, design_state, design_summary, page_link
 from dummydesign.studio.work_panel import Work
 
 OUTLINE_MM = (150.0, 120.0)
+OPTIONS = ("thickness", "length", "width", "shape", "preset", "resin", "ratio")
 
 
 class MouldPage:
     """The page of one visitor: the pad that is chosen, its moulds, and the others of the project."""
 
-    def __init__(self, studio: Studio, project: Project, state: State, query: Mapping[str, str]) -> None:
-        self.studio, self.root, self.state = studio, studio.root, state
+    def __init__(self, project: Project, state: State, query: Mapping[str, str]) -> None:
+        self.root, self.state = project.root, state
         self.shown = ""
-        undo_bar(studio)
+        undo_bar(self.root)
         self.source = parts.area()
         mine = [one for one in made.moulds(self.root) if one.is_of(state)]
         length_mm, width_mm = (mine[-1].length_mm, mine[-1].width_mm) if mine else OUTLINE_MM
         preset = mine[-1].preset if mine and mine[-1].preset in made.PRESETS else "open"
         with ui.element("div").classes("fields"):
-            self.thickness = ui.number("Thickness [mm]", value=state.thickness_mm, min=3, max=30, step=0.5)
-            self.length = ui.number("Length [mm]", value=length_mm, min=20, max=300, step=5)
-            self.width = ui.number("Width [mm]", value=width_mm, min=20, max=300, step=5)
-            self.shape = ui.input("Shape", value=state.shape)
-            self.ratio = ui.number("Ratio", value=state.ratio, step=0.1)
-            self.resin = parts.select("Resin", choices.resins(), state.resin)
-            self.preset = parts.select("Kind of mould", {name: name for name in made.PRESETS}, preset, "preset")
-        self.thickness.props('data-test="thickness"')
+            self.fields: dict[str, Any] = {
+                "thickness": ui.number("Thickness [mm]", value=state.thickness_mm, min=3, max=30, step=0.5),
+                "length": ui.number("Length [mm]", value=length_mm, min=20, max=300, step=5),
+                "width": ui.number("Width [mm]", value=width_mm, min=20, max=300, step=5),
+                "shape": ui.input("Shape", value=state.shape),
+                "ratio": ui.number("Ratio", value=state.ratio, step=0.1),
+                "resin": parts.select("Resin", choices.resins(), state.resin),
+                "preset": parts.select("Kind of mould", {name: name for name in made.PRESETS}, preset, "preset"),
+            }
+        self.fields["thickness"].props('data-test="thickness"')
         self.kind = html("")
-        self.work = Work(studio, "mould", "Make the mould", self.words, self.show, self.belongs,
-                         lambda job, mine: self.list_moulds())  # fmt: skip
+        self.work = Work(self.root, "mould", "Make the mould", self.words, self.show, self.belongs,
+                         lambda job, mine: self.list_moulds(), needs="pour")  # fmt: skip
         self.others = parts.area()
-        for field in (self.thickness, self.length, self.width, self.shape, self.ratio, self.resin, self.preset):
-            field.on_value_change(self.renew)
+        parts.on_change(self.renew, *self.fields.values())
         self.show_pad()
 
     def words(self) -> list[str]:
         """The mould as a command."""
-        size = {"thickness": self.thickness.value, "length": self.length.value, "width": self.width.value,
-                "ratio": self.ratio.value}  # fmt: skip
-        for name, value in size.items():
-            if value is None:
+        given = {name: self.fields[name].value for name in OPTIONS}
+        for name in ("thickness", "length", "width", "ratio"):
+            if given[name] is None:
                 raise InputError(f"{name} is empty", "missing", name)
-        kind = (self.shape.value or "slab").partition(":")[0]
-        given = {
-            "thickness": size["thickness"], "length": None if size["length"] == OUTLINE_MM[0] else size["length"],
-            "width": None if size["width"] == OUTLINE_MM[1] else size["width"],
-            "shape": None if self.shape.value == "slab" else self.shape.value, "preset": self.preset.value,
-            "resin": self.resin.value, "ratio": size["ratio"],
-            "out": f"moulds/mould_{'' if kind == 'slab' else f'{kind}_'}t{size['thickness']:g}",
-        }  # fmt: skip
-        return ["mold", *options(given)]
+        usual = {"length": OUTLINE_MM[0], "width": OUTLINE_MM[1], "shape": "slab"}
+        kind = (given["shape"] or "slab").partition(":")[0]
+        folder = f"moulds/mould_{'' if kind == 'slab' else f'{kind}_'}t{given['thickness']:g}"
+        typed = {name: value for name, value in given.items() if value != usual.get(name)}
+        return ["mold", *options(typed | {"out": folder})]
 
     def chosen(self) -> State:
         """The state with the pad of the fields."""
-        return self.state.changed(
-            shape=(self.shape.value or "slab").strip(), resin=self.resin.value,
-            thickness_mm=float(self.thickness.value or self.state.thickness_mm),
-            ratio=float(self.ratio.value or self.state.ratio),
-        )  # fmt: skip
+        now = {name: field.value for name, field in self.fields.items()}
+        lengths = {"thickness_mm": float(now["thickness"] or self.state.thickness_mm),
+                   "ratio": float(now["ratio"] or self.state.ratio)}  # fmt: skip
+        return self.state.changed(shape=(now["shape"] or "slab").strip(), resin=now["resin"], **lengths)
 
     def belongs(self, job: Job, words: list[str]) -> bool:
         """Whether a job made the mould that is chosen, and its files are still there."""
@@ -91,7 +86,7 @@ class MouldPage:
         now = self.chosen()
         with parts.fresh(self.source):
             _source(self.root, now)
-        self.kind.set_content(f'<p class="note">{escape(made.PRESETS[self.preset.value])}</p>')
+        self.kind.set_content(f'<p class="note">{escape(made.PRESETS[self.fields["preset"].value])}</p>')
         self.shown = ""
         self.work.renew()
         self.list_moulds()
@@ -99,8 +94,6 @@ class MouldPage:
     def show(self, job: Job) -> None:
         """What a command made."""
         answer = job.answer
-        if "pour" not in answer:
-            return
         self.shown = folder_of(answer)
         batch = answer.get("batch") or {**answer["pour"], "pour_g": answer["pour"]["fill_mass_g"]}
         poured = [(f"{part['mass_g']:.1f} g", f"{part['name']}, to mix") for part in batch["components"]]
@@ -110,41 +103,40 @@ class MouldPage:
         parts.warnings(answer)
         if self.shown:
             html(f"<h2>{escape(self.shown)}</h2>")
-            manage(self.studio, self.shown, "mould", self._moved)
-            _files(self.root, self.shown, self.chosen())
+            self._files(self.shown)
         html(f'<p class="note">Next: cast the pads, then {page_link("/cast", "check a cast pad")} or '
              f'{page_link("/campaign", "plan what to press")}.</p>')  # fmt: skip
 
-    def _moved(self, old: str, new: str) -> None:
-        """A mould was renamed, deleted or brought back."""
-        open_page("/mould", self.chosen())
+    def _files(self, folder: str) -> None:
+        """Buttons, checks, solids and files of a mould; of a pad that must not be cast, folded away."""
+        manage(self.root, folder, "mould", lambda old, new: open_page("/mould", self.chosen()))
+        _checks(self.root / folder)
+        if red := verdict_of(self.root, self.chosen()):
+            html(f'<p class="problem" data-test="do-not-cast">Do not cast. {escape(red)}</p>')
+            with ui.expansion("Files of this mould, for the record").props('data-test="files-for-the-record"'):
+                _links(self.root, folder)
+        else:
+            _links(self.root, folder)
 
     def list_moulds(self) -> None:
         """Further moulds of this pad with their files, and moulds of other pads as links."""
-        self.others.clear()
-        now = self.chosen()
-        others = [one for one in reversed(made.moulds(self.root)) if one.folder != self.shown]
-        with self.others:
-            for one in others:
-                if one.is_of(now):
+        now, links = self.chosen(), []
+        with parts.fresh(self.others):
+            for one in reversed(made.moulds(self.root)):
+                if one.folder != self.shown and one.is_of(now):
                     html(f'<h2 data-test="mould-of-this-pad">{escape(one.folder)}</h2><p>{escape(one.label)}</p>')
-                    manage(self.studio, one.folder, "mould", self._moved)
-                    _files(self.root, one.folder, now)
-            links = [
-                f"<li>{state_link('/mould', one.label, self.state.changed(**one.pad, design=''), 'other-mould')}</li>"
-                for one in others if not one.is_of(now)
-            ]  # fmt: skip
+                    self._files(one.folder)
+                elif one.folder != self.shown:
+                    other = self.state.changed(**one.pad, design="")
+                    links.append(f"<li>{page_link('/mould', one.label, other, 'other-mould')}</li>")
             if links:
                 html(f"<h2>Moulds of other pads</h2><ul>{''.join(links)}</ul>")
 
 
-def pad_of(words: Sequence[str]) -> tuple[str, ...]:
+def pad_of(words: Sequence[str]) -> list[str]:
     """The options of a command line of ``mold`` but for its folder: the pad and the kind of mould."""
-    given = list(words)
-    if "--out" in given:
-        at = given.index("--out")
-        del given[at : at + 2]
-    return tuple(given)
+    at = words.index("--out") if "--out" in words else len(words)
+    return [*words[:at], *words[at + 2 :]]
 
 
 def folder_of(answer: Mapping[str, Any]) -> str:
@@ -174,19 +166,6 @@ def _source(root: Path, state: State) -> None:
              f'For what is chosen, check it on the {page_link("/design", "design page")}.</p>')  # fmt: skip
     if red := verdict_of(root, state):
         html(f'<p class="problem" role="alert" data-test="red">Do not cast this pad. {escape(red)}</p>')
-
-
-def _files(root: Path, folder: str, state: State) -> None:
-    """Checks, solids and files of a mould; of a pad that must not be cast, folded away."""
-    _checks(root / folder)
-    red = verdict_of(root, state)
-    if red:
-        html(f'<p class="problem" data-test="do-not-cast">Do not cast. {escape(red)}</p>')
-        with ui.expansion("Files of this mould, for the record").style("width:100%") as kept:
-            _links(root, folder)
-        kept.props('data-test="files-for-the-record"')
-        return
-    _links(root, folder)
 
 
 def _links(root: Path, folder: str) -> None:

@@ -11,28 +11,22 @@ from nicegui import ui
 from dummydesign.project.folder import Project, make_project
 from dummydesign.project.status import STANDARD_RESIN, ProjectStatus, status_of
 from dummydesign.studio import choices, jobs, made, parts
-from dummydesign.studio.jobs import options, shown
 from dummydesign.studio.manage import deleted_files
-from dummydesign.studio.page_frame import Studio
 from dummydesign.studio.parts import html
-from dummydesign.studio.state import State, address, design_state, next_page, next_state, page_link, state_link
+from dummydesign.studio.state import State, address, design_state, next_page, next_state, page_link
 
-ROOMS = {
-    "measured": ("/measured", "Measured files"), "tissue": ("/tissue", "Tissues of your own"),
-    "designs": ("/design", "Designs"), "moulds": ("/mould", "Moulds"), "campaigns": ("/campaign", "Campaigns"),
-    "calibrations": ("/learn", "Calibrations"),
-}  # fmt: skip
+ROOMS = {"measured": ("/measured", "Measured files"), "tissue": ("/tissue", "Tissues of your own"),
+         "designs": ("/design", "Designs"), "moulds": ("/mould", "Moulds"), "campaigns": ("/campaign", "Campaigns"),
+         "calibrations": ("/learn", "Calibrations")}  # fmt: skip
 
 
-def make_new(studio: Studio) -> None:
+def make_new(root: Path) -> None:
     """Build the page of a folder that is no project yet."""
-    html(
-        "<p>A project folder keeps everything about one dummy: what was measured, the tissue, designs, moulds, "
-        "campaigns and what was learned. The files in it are all there is; this page keeps nothing.</p>"
-    )
+    html("<p>A project folder keeps everything about one dummy: what was measured, the tissue, designs, moulds, "
+         "campaigns and what was learned. The files in it are all there is; this page keeps nothing.</p>")  # fmt: skip
     with ui.element("div").classes("fields"):
-        name = ui.input("Name", value=studio.root.name).props('data-test="name"')
-        tissue = parts.select("Tissue", {"": "decide later", **choices.tissues(studio.root)}, "", "tissue")
+        name = ui.input("Name", value=root.name).props('data-test="name"')
+        tissue = parts.select("Tissue", {"": "decide later", **choices.tissues(root)}, "", "tissue")
         resin = parts.select("Resin", choices.resins(), STANDARD_RESIN)
     line = parts.area()
 
@@ -41,7 +35,7 @@ def make_new(studio: Studio) -> None:
 
     def renew() -> None:
         with parts.fresh(line):
-            parts.command_line(["init", ".", *options(given())])
+            parts.command_line(["init", ".", *jobs.options(given())])
 
     parts.on_change(renew, name, tissue, resin)
     renew()
@@ -49,13 +43,13 @@ def make_new(studio: Studio) -> None:
 
     def make() -> None:
         with parts.problems_in(problem):
-            make_project(studio.root, **given())
+            make_project(root, **given())
             ui.navigate.to(address("/"))
 
     parts.button("Make the project", make, "make", main=True)
 
 
-def show_status(studio: Studio, project: Project, state: State, query: Mapping[str, str]) -> None:
+def show_status(project: Project, state: State, query: Mapping[str, str]) -> None:
     """Build the page of a project."""
     status = status_of(project)
     html(f'<p class="note next">Next: <b>{escape(status.next_text)}</b></p>')
@@ -66,25 +60,25 @@ def show_status(studio: Studio, project: Project, state: State, query: Mapping[s
     html(f"<p>Chosen for this project: {escape(given)}</p>")
     for problem in status.problems:
         parts.tell_problem(problem)
-    links = links_of(studio.root, status, state)
-    cards = []
+    links, cards, reports = links_of(project.root, status, state), "", []
     for room, (path, words) in ROOMS.items():
-        files = status.files[room]
-        lines = [links.get(one.folder) or escape(choices.file_line(one)) for one in reversed(files)]
+        lines = [links.get(one.folder) or escape(choices.file_line(one)) for one in reversed(status.files[room])]
         more = f"<details><summary>{len(lines) - 8} more</summary><ul>{_list(lines[8:])}</ul></details>"
         listed = f"<ul>{_list(lines[:8])}</ul>{more if lines[8:] else ''}" if lines else "<p>none yet</p>"
-        cards.append(f"<div><h2>{page_link(path, words)}</h2>{listed}</div>")
-    html(f'<div class="cards">{"".join(cards)}</div>')
-    reports = [
-        (f"{one.folder.partition('/')[2]}: report", f"{one.folder}/report.html")
-        for room in ("designs", "calibrations") for one in status.files[room]
-        if (studio.root / one.folder / "report.html").is_file()
-    ]  # fmt: skip
+        cards += f"<div><h2>{page_link(path, words)}</h2>{listed}</div>"
+    html(f'<div class="cards">{cards}</div>')
+    for one in (*status.files["designs"], *status.files["calibrations"]):
+        if (project.root / one.folder / "report.html").is_file():
+            reports.append((f"{one.folder.partition('/')[2]}: report", f"{one.folder}/report.html"))
     if reports:
         html("<h2>Reports</h2>")
         parts.file_links(reports)
-    deleted_files(studio)
-    _running(studio)
+    deleted_files(project.root)
+    html("<h2>What was run</h2>")
+    rows = ""
+    for job in reversed(jobs.all_jobs(project.root)[-12:]):
+        rows += f"<li>{_ended(job)}, {job.seconds:.0f} s: <code>{escape(jobs.shown(job.words))}</code></li>"
+    html(f"<ul>{rows}</ul>" if rows else "<p>nothing yet</p>")
 
 
 def _list(lines: Sequence[str]) -> str:
@@ -108,18 +102,9 @@ def links_of(root: Path, status: ProjectStatus, state: State) -> dict[str, str]:
     for one in status.files["tissue"]:
         states[one.folder] = ("/tissue", state.changed(tissue=one.folder, aim="average"))
     known = {one.folder: one for room in status.files.values() for one in room}
-    return {folder: state_link(path, choices.file_line(known[folder]), of, f"open-{folder}")
+    return {folder: page_link(path, choices.file_line(known[folder]), of, f"open-{folder}")
             for folder, (path, of) in states.items() if folder in known}  # fmt: skip
 
 
 def _ended(job: jobs.Job) -> str:
     return "answer not acceptable" if job.state == "failed" and job.answer else job.state
-
-
-def _running(studio: Studio) -> None:
-    html("<h2>What was run</h2>")
-    rows = [
-        f"<li>{_ended(job)}, {job.seconds:.0f} s: <code>{escape(shown(job.words))}</code></li>"
-        for job in reversed(jobs.all_jobs(studio.root)[-12:])
-    ]
-    html(f"<ul>{''.join(rows)}</ul>" if rows else "<p>nothing yet</p>")

@@ -11,11 +11,9 @@ from nicegui import ui
 
 from dummydesign.core.errors import InputError
 from dummydesign.core.library import entries
-from dummydesign.project.folder import Project, change_project
+from dummydesign.project.folder import Project, change_project, project_of
 from dummydesign.studio import choices, jobs, parts
-from dummydesign.studio.jobs import Job, options
-from dummydesign.studio.page_frame import Studio, keep_state, open_page
-from dummydesign.studio.parts import html
+from dummydesign.studio.parts import html, keep_state, open_page
 from dummydesign.studio.state import State, page_link
 from dummydesign.studio.work_panel import Work
 
@@ -26,14 +24,12 @@ OWN = ("puck", "diameter", "height", "mixed", "name", "base")
 class PuckPage:
     """The page: which puck was pressed, and the resin that results."""
 
-    def __init__(self, studio: Studio, project: Project, state: State, query: Mapping[str, str]) -> None:
-        self._studio, self._project, self._state = studio, project, state
-        known = pucks(studio.root)
-        start = {name: query[name] for name in OWN if name in query} or _last(studio.root)
-        html(
-            "<p>Press a puck of the batch slowly between two plates, by a third of its height or more. "
-            "Its modulus makes a resin of the batch.</p>"
-        )
+    def __init__(self, project: Project, state: State, query: Mapping[str, str]) -> None:
+        self._root, self._project, self._state = project.root, project, state
+        known = pucks(project.root)
+        start = {name: query[name] for name in OWN if name in query} or _last(project.root)
+        html("<p>Press a puck of the batch slowly between two plates, by a third of its height or more. "
+             "Its modulus makes a resin of the batch.</p>")  # fmt: skip
         if not known:
             html(f'<p class="note">No presses yet: {page_link("/measured", "bring in the file of a puck")} first.</p>')
             return
@@ -52,13 +48,12 @@ class PuckPage:
                 "name": ui.input("Name of the batch", value=name),
                 "base": parts.select("Resin whose law is updated", bases, base if base in bases else ""),
             }  # fmt: skip
-        for test, field in zip(("puck", "puck-diameter", "puck-height", "puck-ratio", "puck-name", "puck-base"),
-                               self._fields.values()):  # fmt: skip
-            field.props(f'data-test="{test}"')
-        self._work = Work(studio, "puck", "Find the modulus", self._words, self._show,
-                          ended=lambda job, mine: self._list())  # fmt: skip
+        for name, field in self._fields.items():
+            field.props(f'data-test="{"puck" if name == "puck" else f"puck-{name}"}"')
+        self._work = Work(project.root, "puck", "Find the modulus", self._words, self._show,
+                          ended=lambda job, mine: self._list(), needs="young_kPa")  # fmt: skip
         parts.on_change(self._renew, *self._fields.values())
-        self._own = ui.element("section").style("width:100%")
+        self._own = parts.area()
         self._list()
 
     def _renew(self) -> None:
@@ -74,23 +69,20 @@ class PuckPage:
         if not name:
             raise InputError("Give the batch a name.", "missing", "name")
         choices.check_name("resin", name)
-        return ["resins", "add-compression", given["puck"], *options({
-            "diameter": given["diameter"], "height": given["height"], "name": name, "ratio": given["mixed"],
-            "resin": given["base"],
-        })]  # fmt: skip
+        typed = {"diameter": given["diameter"], "height": given["height"], "name": name, "ratio": given["mixed"],
+                 "resin": given["base"]}  # fmt: skip
+        return ["resins", "add-compression", given["puck"], *jobs.options(typed)]
 
-    def _show(self, job: Job) -> None:
-        answer = job.answer
-        if "young_kPa" not in answer:
-            return
-        name = answer["name"]
+    def _show(self, job: jobs.Job) -> None:
+        answer, name = job.answer, job.answer["name"]
         puck, friction = answer["young_kPa"], answer["friction"]
         html(f"<p><b>{escape(name)}</b> from {escape(Path(job.words[2]).name)}, ratio {answer['ratio']:g}.</p>")
-        interval = f"{puck['low']:.3g} to {puck['high']:.3g}"
-        parts.facts([(f"{puck['value']:.3g} kPa", f"modulus of this puck, 95 %: {interval}"),
+        low, high = ("bonded" if friction[end] is None else f"{friction[end]:.2g}" for end in ("low", "high"))
+        parts.facts([(f"{puck['value']:.3g} kPa",
+                      f"modulus of this puck, 95 %: {puck['low']:.3g} to {puck['high']:.3g}"),
                      (f"{answer['rmse_N']:.2g} N", "residual, rms"),
-                     (_friction(friction), "plate friction that fits, in the interval")])  # fmt: skip
-        rows, problem = _moduli(self._studio.root / job.words[2], answer)
+                     (f"{low} to {high}", "plate friction that fits, in the interval")])  # fmt: skip
+        rows, problem = _moduli(self._root / job.words[2], answer)
         if problem:
             html(f'<p class="problem" role="alert">{escape(problem)}</p>')
         parts.table(["", "modulus kPa", "95 % low", "95 % high"], rows)
@@ -104,7 +96,7 @@ class PuckPage:
             parts.button(f"Use {name} for this project", lambda: self._use(name), "use-resin", main=True)
 
     def _use(self, name: str) -> None:
-        change_project(self._studio.project or self._project, resin=name)
+        change_project(project_of(self._root) or self._project, resin=name)
         open_page("/design", self._state.changed(resin=name))
 
     def _list(self) -> None:
@@ -123,11 +115,11 @@ def pucks(root: Path) -> dict[str, str]:
 
 def _is_trace(path: Path) -> bool:
     try:
-        with open(path, encoding="utf-8") as stream:
-            head = stream.readline(4096)
+        with open(path, encoding="utf-8-sig") as stream:
+            words = {word.strip() for word in stream.readline(4096).split(",")}
     except (OSError, UnicodeDecodeError):
         return False
-    return {"time_s", "displacement_mm", "force_N"} <= {word.strip() for word in head.lstrip("\ufeff").split(",")}
+    return {"time_s", "displacement_mm", "force_N"} <= words
 
 
 def _moduli(puck: Path, answer: Mapping[str, Any]) -> tuple[list[list[object]], str]:
@@ -136,8 +128,7 @@ def _moduli(puck: Path, answer: Mapping[str, Any]) -> tuple[list[list[object]], 
     from dummydesign.resin.model.resin_file import load_resin, recording_sha256
     from dummydesign.resin.update.modulus import known_puck, without_puck
 
-    this = answer["young_kPa"]
-    rows: list[list[object]] = [["this puck alone", this["value"], this["low"], this["high"]]]
+    rows: list[list[object]] = [["this puck alone", *(answer["young_kPa"][key] for key in ("value", "low", "high"))]]
     try:
         resin, sha256 = load_resin(answer["name"]), recording_sha256(read_trace(puck))
     except InputError as refused:
@@ -145,14 +136,10 @@ def _moduli(puck: Path, answer: Mapping[str, Any]) -> tuple[list[list[object]], 
     if known_puck(resin, sha256) is None:
         return rows, f"The resin '{answer['name']}' does not hold this puck (any more). Run the command again."
     ratio = float(answer["ratio"])
-    before, after = without_puck(resin, sha256).modulus_kPa(ratio), resin.modulus_kPa(ratio)
-    named = ((f"before, at ratio {ratio:g}", before), (f"{answer['name']}, at ratio {ratio:g}", after))
-    return [rows[0], *([words, one.value, one.low, one.high] for words, one in named)], ""
-
-
-def _friction(interval: Mapping[str, float | None]) -> str:
-    low, high = ("bonded" if interval[end] is None else f"{interval[end]:.2g}" for end in ("low", "high"))
-    return f"{low} to {high}"
+    for words, resin_then in (("before", without_puck(resin, sha256)), (answer["name"], resin)):
+        one = resin_then.modulus_kPa(ratio)
+        rows.append([f"{words}, at ratio {ratio:g}", one.value, one.low, one.high])
+    return rows, ""
 
 
 def _last(root: Path) -> dict[str, str]:

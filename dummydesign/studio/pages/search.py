@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import replace
 from html import escape
 from itertools import pairwise
@@ -14,16 +15,15 @@ from nicegui import run, ui
 from dummydesign.core.errors import InputError
 from dummydesign.core.manifest import NAME as MANIFEST
 from dummydesign.geometry.dimensions import PUNCH
+from dummydesign.geometry.punch import read_punch
 from dummydesign.geometry.shape_registry import read_shape
 from dummydesign.project.folder import Project
 from dummydesign.project.status import things_in
 from dummydesign.studio import choices, figures, jobs, parts
 from dummydesign.studio import slider_model as sliders
-from dummydesign.studio.jobs import Job, changed_since, holds_answer
 from dummydesign.studio.manage import manage
-from dummydesign.studio.page_frame import Studio, open_page
-from dummydesign.studio.parts import html
-from dummydesign.studio.state import State, design_state, is_design, state_link
+from dummydesign.studio.parts import html, open_page
+from dummydesign.studio.state import QUESTION_FIELDS, State, design_state, is_design, page_link
 from dummydesign.studio.work_panel import Work
 
 PATIENCE_S = 2.0
@@ -36,9 +36,8 @@ def question_of(words: Sequence[str], answer: Mapping[str, Any]) -> dict[str, st
     """What a command line of ``suggest`` asked, as :attr:`State.question` has it; what it lacks is in its answer."""
     used = answer.get("inputs") or {}
     given = {name[2:]: value for name, value in pairwise(words) if name.startswith("--")}
-    return {"tissue": given.get("tissue", str(used.get("tissue") or "")), "aim": given.get("aim", "average"),
-            "resin": given.get("resin", ""), "calibration": given.get("calibration", ""),
-            "punch": given.get("punch", str(used.get("punch") or PUNCH))}  # fmt: skip
+    usual = {"tissue": str(used.get("tissue") or ""), "aim": "average", "punch": str(used.get("punch") or PUNCH)}
+    return {name: given.get(name, usual.get(name, "")) for name in QUESTION_FIELDS}
 
 
 def press_rows(presses: Sequence[Mapping[str, Any]]) -> list[list[object]]:
@@ -60,12 +59,12 @@ def press_rows(presses: Sequence[Mapping[str, Any]]) -> list[list[object]]:
 def state_of_answer(state: State, answer: dict[str, Any], folder: str) -> State:
     """The state of the pad that a search recommends."""
     best = answer["recommendation"]
+    resin = best["resin"] if best["resin"] == state.resin.rpartition("/")[2] else state.resin
     return state.changed(shape=best["shape"], thickness_mm=float(best["thickness_mm"]), ratio=float(best["ratio"]),
-                         resin=best["resin"] if best["resin"] == state.resin.rpartition("/")[2] else state.resin,
-                         design=folder)  # fmt: skip
+                         resin=resin, design=folder)  # fmt: skip
 
 
-def _folder(job: Job) -> str:
+def _folder(job: jobs.Job) -> str:
     """The folder of a search's answer, from the project folder on; another number than requested when it was taken."""
     return "designs/" + str(job.answer["inputs"]["out"]).replace("\\", "/").rpartition("/")[2]
 
@@ -73,16 +72,14 @@ def _folder(job: Job) -> str:
 class Search:
     """The panel of the search, with what belongs to the question of the page."""
 
-    def __init__(
-        self, studio: Studio, project: Project, state: Callable[[], State], take: Callable[[State], None]
-    ) -> None:
-        self.studio, self.project, self.state, self.take = studio, project, state, take
+    def __init__(self, project: Project, state: Callable[[], State], take: Callable[[State], None]) -> None:
+        self.root, self.state, self.take = project.root, state, take
         known = choices.shapes()
         wish = dict(project.asked).get("shape", "auto").partition(":")[0]
         self.kinds = parts.select("Shapes to search", known, wish if wish in known else "auto", "searched")
         self.kinds.style("max-width:320px")
-        self.work = Work(studio, "suggest", "Find the best pad", self.words, self.show, self.belongs, self.ended,
-                         lambda: sliders.stamp_of(self.studio.root, self.state()))  # fmt: skip
+        self.work = Work(self.root, "suggest", "Find the best pad", self.words, self.show, self.belongs, self.ended,
+                         lambda: sliders.stamp_of(self.root, self.state()), "recommendation")  # fmt: skip
         self.kinds.on_value_change(self.work.renew)
 
     def words(self) -> list[str]:
@@ -92,32 +89,29 @@ class Search:
         given = {**state.question, "shape": self.kinds.value}
         return jobs.suggest(given, f"suggest-{stem}{'-calibrated' if state.calibration else ''}")
 
-    def belongs(self, job: Job, words: list[str]) -> bool:
+    def belongs(self, job: jobs.Job, words: list[str]) -> bool:
         """Whether a search was for what is chosen."""
         if question_of(job.words, job.answer) != self.state().question:
             return False
-        return "recommendation" not in job.answer or holds_answer(self.studio.root, _folder(job), job.answer)
+        return "recommendation" not in job.answer or jobs.holds_answer(self.root, _folder(job), job.answer)
 
-    def ended(self, job: Job, mine: bool) -> None:
+    def ended(self, job: jobs.Job, mine: bool) -> None:
         """Put the sliders at the pad that was found, when it is for what is chosen."""
         if mine and "recommendation" in job.answer:
             self.take(state_of_answer(self.state(), job.answer, _folder(job)))
 
-    def show(self, job: Job) -> None:
+    def show(self, job: jobs.Job) -> None:
         """What a search found: the pad, why this one, the other kinds, the presses."""
         answer = job.answer
-        if "recommendation" not in answer:
-            return
-        parts.tell_changes(self.studio.root, f"{_folder(job)}/{MANIFEST}", "Search again.")
+        parts.tell_changes(self.root, f"{_folder(job)}/{MANIFEST}", "Search again.")
         best, light = answer["recommendation"], answer["verdict"]["light"]
         parts.tell_verdict(str(light), str(answer["verdict"]["text"]))
         mixed = (best.get("batch") or best["recipe"])["components"]
         parts.facts([(f"{best['thickness_mm']:g} mm", best["shape"]), (f"{best['ratio']:g}", best["ratio_meaning"]),
                      *((f"{part['mass_g']:.1f} g", f"{part['name']}, to mix") for part in mixed)])  # fmt: skip
         designed = state_of_answer(self.state(), answer, _folder(job))
-        link = state_link("/mould", "Make its mould", designed, "mould")
         red = "This pad is not representative: do not cast it. " if light == "red" else ""
-        html(f'<p class="note next">{red}{link}</p>')
+        html(f'<p class="note next">{red}{page_link("/mould", "Make its mould", designed, "mould")}</p>')
         with ui.row():
             parts.button("Put the sliders at this pad", lambda: self.take(designed))
         parts.table(PRESS_HEAD, press_rows(best["conditions"]))
@@ -128,27 +122,23 @@ class Search:
 
     def _compare_kinds(self, answer: dict[str, Any]) -> None:
         """The best pad of each kind, and why this one; the verdicts of the others come a moment later."""
-        compared = figures.kinds_compared(answer)
-        html("<h3>Why this pad</h3>" + "".join(f"<p>{parts.marked(one)}</p>" for one in compared.sentences))
-        if len(compared.rows) < 2:
+        sentences = "".join(f"<p>{parts.marked(one)}</p>" for one in figures.kind_sentences(answer))
+        html(f"<h3>Why this pad</h3>{sentences}")
+        rows, state = figures.kind_rows(answer), self.state()
+        if len(rows) < 2:
             return
-        box = parts.area("kinds")
-        with box:
-            parts.table(compared.head, compared.rows)
-        root, state = self.studio.root, self.state()
+        with parts.area("kinds") as box:
+            parts.table(figures.HEAD, rows)
 
-        def judge() -> figures.KindsCompared:
-            verdicts = figures.verdicts_of_kinds(sliders.evaluator_of(root, state), answer)
-            return figures.kinds_compared(answer, verdicts)
+        def judge() -> dict[str, dict[str, Any]]:
+            return figures.verdicts_of_kinds(sliders.evaluator_of(self.root, state), answer)
 
         async def fill() -> None:
-            try:
-                full = await run.io_bound(judge)
-            except InputError:
-                return
-            if full is not None and not box.is_deleted:
-                with parts.fresh(box):
-                    parts.table(full.head, full.rows)
+            with suppress(InputError):
+                verdicts = await run.io_bound(judge)
+                if verdicts is not None and not box.is_deleted:
+                    with parts.fresh(box):
+                        parts.table(figures.HEAD, figures.kind_rows(answer, verdicts))
 
         ui.timer(0.1, fill, once=True)
 
@@ -156,14 +146,15 @@ class Search:
 class Designs:
     """The designs of the project: open one again, or hold several side by side."""
 
-    def __init__(self, studio: Studio, state: Callable[[], State]) -> None:
-        self.studio, self.state = studio, state
-        self.seen: list[str] = []
+    def __init__(self, root: Path, state: Callable[[], State]) -> None:
+        self.root, self.state = root, state
+        self.seen: list[str] | None = None
         self.box = parts.area("designs")
-        self.chosen: Any = None
+        self.chosen = parts.select_several("Designs to compare", {}, [], "to-compare")
+        self.work = Work(root, "compare-designs", "Compare them", self.words, self.show, self.belongs)
+        self.chosen.on_value_change(self.work.renew)
         self.renew()
         ui.timer(2.0, self.renew)
-        self.work = Work(studio, "compare-designs", "Compare them", self.words, self.show, self.belongs)
 
     def moved(self, old: str, new: str) -> None:
         """Follow a design that was renamed, deleted or brought back; the pad stays under the sliders."""
@@ -175,51 +166,45 @@ class Designs:
 
     def renew(self) -> None:
         """List the designs anew when one came or went."""
-        root = self.studio.root
+        root = self.root
         designs = [one for one in things_in(root, "designs") if is_design(one) and design_state(root, one.folder)]
         names = [f"{one.folder} {one.date}" for one in designs]
-        if names == self.seen and self.chosen is not None:
+        if names == self.seen:
             return
         self.seen = names
-        kept = list(self.chosen.value) if self.chosen is not None else []
         with parts.fresh(self.box):
             if not designs:
                 html("<p>none yet</p>")
             for one in reversed(designs):
                 opened = self.state().changed(**design_state(root, one.folder), missing=())
                 verdict = str((one.summary or {}).get("verdict", "")).replace("_", " ")
-                link = state_link("/design", opened.design.partition("/")[2], opened)
+                link = page_link("/design", opened.design.partition("/")[2], opened)
                 with ui.element("div").classes("thing").props('data-test="design"'):
                     html(f"<span>{link}: {escape(opened.label)}: <b>{escape(verdict)}</b></span>")
                     with ui.element("div"):
-                        manage(self.studio, one.folder, "design", self.moved)
-            folders = [one.folder for one in designs]
-            kept = [name for name in kept if name in folders]
-            value = kept if len(kept) > 1 else folders[-2:]
-            self.chosen = parts.select_several("Designs to compare", {one: one for one in folders}, value, "to-compare")
-            self.chosen.on_value_change(lambda: self.work.renew())
-        if hasattr(self, "work"):
-            self.work.renew()
+                        manage(self.root, one.folder, "design", self.moved)
+        folders = [one.folder for one in designs]
+        kept = [name for name in self.chosen.value if name in folders]
+        self.chosen.set_options({one: one for one in folders}, value=kept if len(kept) > 1 else folders[-2:])
+        self.work.renew()
 
     def words(self) -> list[str]:
         """The comparison as a command."""
-        chosen = list(self.chosen.value or [])
-        if len(chosen) < 2:
+        if len(self.chosen.value) < 2:
             raise InputError("choose two designs or more to compare them", "not_enough_data", "designs")
-        return ["compare-designs", *chosen, "--out", COMPARED, "--replace"]
+        return ["compare-designs", *self.chosen.value, "--out", COMPARED, "--replace"]
 
-    def belongs(self, job: Job, words: list[str]) -> bool:
+    def belongs(self, job: jobs.Job, words: list[str]) -> bool:
         """Whether a comparison is of the designs that are chosen."""
-        compared = {word for word in job.words if word.startswith("designs/")} - {COMPARED}
-        same = compared == set(self.chosen.value or ())
+        same = {word for word in job.words if word.startswith("designs/")} - {COMPARED} == set(self.chosen.value)
         # each comparison takes the place of the one before
-        return same and (not job.answer or holds_answer(self.studio.root, COMPARED, job.answer))
+        return same and (not job.answer or jobs.holds_answer(self.root, COMPARED, job.answer))
 
-    def show(self, job: Job) -> None:
+    def show(self, job: jobs.Job) -> None:
         """The page of the comparison."""
         report = job.answer.get("files", {}).get("report")
         if report:
-            parts.tell_changes(self.studio.root, f"{COMPARED}/{MANIFEST}", "Compare again.")
+            parts.tell_changes(self.root, f"{COMPARED}/{MANIFEST}", "Compare again.")
             parts.shown_file(f"/files/{report}", "designs side by side")
 
 
@@ -239,10 +224,8 @@ def suggest_words(state: State) -> list[str]:
 class SolvedPad:
     """A pad that no table holds, solved in the background; shown while it is the pad that is chosen."""
 
-    def __init__(
-        self, studio: Studio, state: Callable[[], State], judge: Callable[[State, str, str, str], None]
-    ) -> None:
-        self.studio, self.state, self.judge = studio, state, judge
+    def __init__(self, root: Path, state: Callable[[], State], judge: Callable[[State, str, str, str], None]) -> None:
+        self.root, self.state, self.judge = root, state, judge
         self.box = parts.area("solved")
         self.work: Work | None = None
         self.hide()
@@ -257,7 +240,7 @@ class SolvedPad:
         if self.work is None:
             with self.box:
                 html("<p>No table holds this pad. It is solved by finite elements in the background.</p>")
-                self.work = Work(self.studio, "pad", "Solve this pad", self.words, self.show, self.belongs, self.ended)
+                self.work = Work(self.root, "pad", "Solve this pad", self.words, self.show, self.belongs, self.ended)
         self.work.show_again()
         chosen = self.state()
         ui.timer(PATIENCE_S, lambda: self._begin(chosen), once=True)
@@ -268,7 +251,7 @@ class SolvedPad:
         if work and not (work.answered or work.running) and self.box.visible and self.state() == chosen:
             work.begin()
 
-    def ended(self, job: Job, mine: bool) -> None:
+    def ended(self, job: jobs.Job, mine: bool) -> None:
         """A pad that was chosen meanwhile is solved next."""
         if self.box.visible and not mine:
             self.offer()
@@ -276,16 +259,17 @@ class SolvedPad:
     def words(self) -> list[str]:
         """The pad as a command that solves it."""
         state = self.state()
-        if sliders.solved_by_predict(state):
+        # predict solves one shape under a flat punch on a glued base
+        if state.kind != "slab" and read_punch(state.punch).profile_mm is None:
             return predict_words(state, fidelity=read_shape(state.shape).fidelity)
         return suggest_words(state)
 
-    def belongs(self, job: Job, words: list[str]) -> bool:
+    def belongs(self, job: jobs.Job, words: list[str]) -> bool:
         """Whether a job solved the pad that is chosen."""
-        files = [Path(path) for path, *_ in sliders.stamp_of(self.studio.root, self.state())]
-        return list(job.words) == words and not changed_since(files, job.started)
+        files = [Path(path) for path, *_ in sliders.stamp_of(self.root, self.state())]
+        return list(job.words) == words and not jobs.changed_since(files, job.started)
 
-    def show(self, job: Job) -> None:
+    def show(self, job: jobs.Job) -> None:
         """The verdict and the presses of the solved pad."""
         answer = job.answer
         if not answer.get("verdict"):

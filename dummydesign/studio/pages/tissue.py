@@ -2,44 +2,51 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import re
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from functools import partial
 from html import escape
+from pathlib import Path
+from typing import Any
 
 from nicegui import ui
 
 from dummydesign.core.errors import InputError
-from dummydesign.project.folder import Project, change_project
-from dummydesign.studio import choices, parts
+from dummydesign.project.folder import Project, change_project, project_of
+from dummydesign.studio import choices, figures, file_transfer, jobs, parts
 from dummydesign.studio.manage import manage, undo_bar
-from dummydesign.studio.page_frame import Studio, keep_state, open_page
-from dummydesign.studio.pages import people
-from dummydesign.studio.parts import html
+from dummydesign.studio.parts import html, keep_state, open_page
 from dummydesign.studio.state import State, absolute, page_link
+from dummydesign.studio.work_panel import Steps, Work
+
+OWN = ("presses", "name", "touched", "people", "group")
+"""Choices of this page in the address."""
 
 
 class TissuePage:
     """The page: which tissue is chosen, and what the fits below make."""
 
-    def __init__(self, studio: Studio, project: Project, state: State, query: Mapping[str, str]) -> None:
-        self.studio, self.query = studio, query
+    def __init__(self, project: Project, state: State, query: Mapping[str, str]) -> None:
+        self.root, self.query = project.root, query
         self._project, self._state = project, state
-        self._own = {name: query[name] for name in (*people.FIT_STATE, *people.OWN) if name in query}
+        self._own = {name: query[name] for name in OWN if name in query}
         html("<p>The tissue that the dummy imitates. Its band is the range of the subjects that were measured.</p>")
-        self._chosen = ui.select({}, label="Tissue").props('data-test="tissue"').style("width:100%")
-        undo_bar(studio)
-        self._list()
+        self._chosen = ui.select({}, label="Tissue").props('data-test="tissue"')
+        undo_bar(self.root)
         self._shown = parts.area()
         parts.button("Use it for this project", lambda: self.use(self.tissue), "use", main=True)
         self._problem = parts.area()
         self._renew()
         self._chosen.on_value_change(self._choose_shown)
         html("<h2>Fit a tissue to your own presses</h2>")
-        if not choices.traces(studio.root):
+        if not choices.traces(self.root):
             html(f'<p class="note">No presses yet: {page_link("/measured", "bring in files")} first.</p>')
             return
-        people.fit_panel(self)
+        fit_panel(self)
         html("<h2>Several people in one tissue</h2>")
-        people.people_panel(self)
+        with ui.expansion("Assign presses to people", value="people" in query).props('data-test="people"'):
+            _People(self)
 
     @property
     def tissue(self) -> str:
@@ -57,10 +64,9 @@ class TissuePage:
         if was_missing:
             # what the page says at its top is no longer true
             open_page("/tissue", self._state)
-            return
-        self._list()
-        self._renew()
-        self.keep()
+        else:
+            self._renew()
+            self.keep()
 
     def keep(self, **own: str) -> None:
         """Keep what is chosen in the address; choices of this page alone by name."""
@@ -70,65 +76,285 @@ class TissuePage:
     def use(self, tissue: str) -> None:
         """Make a tissue the project's, and go on to the design."""
         self._problem.clear()
-        if tissue not in choices.tissues(self.studio.root):
+        if tissue not in choices.tissues(self.root):
             with self._problem:
-                parts.tell_problem(f"'{tissue}' is not there. Choose another tissue, or bring its file back.")
+                _tell_missing(tissue)
             return
         after = self._state if tissue == self.tissue else self._state.changed(tissue=tissue, aim="average")
         aim = None if after.aim == "average" else after.aim
-        change_project(self.studio.project or self._project, tissue=tissue, aim=aim)
+        change_project(project_of(self.root) or self._project, tissue=tissue, aim=aim)
         open_page("/design", after)
 
     def use_button(self, tissue: str) -> None:
         """A button that makes a fitted tissue the project's."""
         parts.button(f"Use {tissue} for this project", lambda: self.use(tissue), "use-fitted", main=True)
 
-    def _list(self) -> None:
-        known = choices.offered(choices.tissues(self.studio.root), self.tissue, f"{self.tissue} (missing)")
-        self._chosen.set_options(known, value=self.tissue)
-
     def _renew(self) -> None:
-        self._shown.clear()
+        known = choices.offered(choices.tissues(self.root), self.tissue, f"{self.tissue} (missing)")
+        self._chosen.set_options(known, value=self.tissue)
         self._problem.clear()
-        with self._shown:
-            if self.tissue.startswith("tissue/") and (self.studio.root / self.tissue).is_file():
-                manage(self.studio, self.tissue, "tissue", self._moved)
-            _show_tissue(self.studio, self.tissue)
+        with parts.fresh(self._shown):
+            if self.tissue.startswith("tissue/") and (self.root / self.tissue).is_file():
+                manage(self.root, self.tissue, "tissue", self._moved)
+            _show_tissue(self.root, self.tissue)
 
     def _moved(self, old: str, new: str) -> None:
         """Follow a tissue that was renamed or brought back; one that was deleted stays chosen and is missing."""
         if new and old == self.tissue:
             self._state = self._state.changed(tissue=new)
-        self._list()
         self._renew()
         self.keep()
 
 
-def _show_tissue(studio: Studio, name: str) -> None:
+def _tell_missing(tissue: str) -> None:
+    parts.tell_problem(f"'{tissue}' is not there. Choose another tissue, or bring its file back.")
+
+
+def _show_tissue(root: Path, name: str) -> None:
     from dummydesign.design.scoring.presses import Sampling
     from dummydesign.design.scoring.targets import make_targets
-    from dummydesign.studio import figures
     from dummydesign.tissue import load_tissue
 
     parts.command_line(["tissues", "show", name])
-    path = studio.root / name
-    if name.endswith(".toml") and not path.is_file():
-        parts.tell_problem(f"'{name}' is not there. Choose another tissue, or bring its file back.")
+    if name.endswith(".toml") and not (root / name).is_file():
+        _tell_missing(name)
         return
     try:
-        tissue = load_tissue(absolute(studio.root, name))
+        tissue = load_tissue(absolute(root, name))
         plot = figures.steady(tissue, make_targets(tissue, "average", Sampling()))
     except InputError as problem:
         parts.tell_problem(str(problem))
         return
-    count = len(tissue.subjects)
-    subjects = f"{count} subject{'s' * (count != 1)}"
+    subjects = f"{len(tissue.subjects)} subject{'s' * (len(tissue.subjects) != 1)}"
     html(f"<p><b>{escape(name)}</b>: {escape(tissue.title)}, {escape(subjects)}, law {escape(tissue.law)}</p>")
     html(f'<div class="plots">{plot.html()}</div>')
     report = f"{name.removesuffix('.toml')}-report.html"
-    if name.endswith(".toml") and (studio.root / report).is_file():
+    if name.endswith(".toml") and (root / report).is_file():
         parts.file_links([("report of the fit", report)])
-    rows = people.parameter_rows(tissue.to_dict()["bands"], lambda one: one["kind"])
+    rows = parameter_rows(tissue.to_dict()["bands"], lambda one: one["kind"])
     parts.table(["parameter", "mean", "lowest", "highest", "kind"], rows)
     for note in tissue.notes:
         html(f"<p>{escape(note)}</p>")
+
+
+SEPARATOR = "\n"
+CONTACT = {"": "as the files were read", "per-press": "fitted for each press"}
+
+
+def fit_panel(page: TissuePage) -> None:
+    """Fields, command and result of a fit."""
+    root = page.root
+    known = choices.traces(root)
+    start, start_name, touched = _start(page, known)
+    for path in start:
+        if path not in known:
+            parts.tell_problem(f"The press '{path}' is not there (any more). Choose others, or bring it back.")
+    picked = parts.select_several("Presses of one subject", known, [path for path in start if path in known], "traces")
+    picked.set_enabled(bool(known))
+    with ui.element("div").classes("fields"):
+        name = ui.input("Name of the tissue", value=start_name).props('data-test="fit-name"')
+        contact = parts.select("Where each press touched", CONTACT, touched, "fit-contact")
+        lowpass = ui.input("Filter of the force, HZ[:ORDER[:PASSES]] (optional)")
+
+    def words() -> list[str]:
+        if not picked.value:
+            raise InputError("Choose the presses to fit.", "missing", "trace")
+        kept = file_transfer.plain_name(f"{(name.value or '').strip() or 'mine'}.toml")
+        given = {"contact": contact.value, "lowpass": lowpass.value, "out": f"tissue/{kept}"}
+        return ["fit", *picked.value, *jobs.options(given)]
+
+    def belongs(job: jobs.Job, chosen: list[str]) -> bool:
+        """Whether a fit is of the chosen presses and name, and its tissue is still there."""
+        same = set(_presses(job.words)) == set(_presses(chosen)) and [job.words[-1]] == chosen[-1:]
+        tissue = _tissue_of(job)
+        return same and (not tissue or ((root / tissue).is_file() and jobs.is_last(root, job, _tissue_of)))
+
+    def ended(job: jobs.Job, mine: bool) -> None:
+        """Choose what was fitted, when it answers what is chosen."""
+        if mine and _tissue_of(job):
+            page.choose(_tissue_of(job))
+
+    work = Work(root, "fit", "Fit the tissue", words, lambda job: _show(page, job), belongs, ended, needs="parameters")
+
+    def renew() -> None:
+        page.keep(presses=SEPARATOR.join(picked.value or []), name=name.value or "", touched=contact.value)
+        work.renew()
+
+    parts.on_change(renew, picked, name, contact, lowpass)
+
+
+def _start(page: TissuePage, known: dict[str, str]) -> tuple[list[str], str, str]:
+    """Presses, name and contact: of the address, of the fit that made the tissue, or all presses and a free name."""
+    root, query = page.root, page.query
+    if query.get("presses"):
+        touched = query.get("touched", "")
+        return query["presses"].split(SEPARATOR), query.get("name", ""), touched if touched in CONTACT else ""
+    for job in reversed(jobs.all_jobs(root, "fit")):
+        if _tissue_of(job) == page.tissue:
+            return _presses(job.words), Path(job.words[-1]).stem, "per-press" if "per-press" in job.words else ""
+    return list(known), query.get("name") or choices.free_name(root, "tissue", "mine"), ""
+
+
+def _tissue_of(job: jobs.Job) -> str:
+    return str(job.answer.get("files", {}).get("tissue") or "")
+
+
+def _presses(words: Sequence[str]) -> list[str]:
+    return [word for word in words if word.endswith(".csv")]
+
+
+def _show(page: TissuePage, job: jobs.Job) -> None:
+    answer, root, tissue = job.answer, page.root, _tissue_of(job)
+    parts.tell_changes(root, answer["files"].get("manifest", ""), "Fit the tissue again.")
+    html(f"<p><b>{escape(tissue)}</b>: {escape(str(answer['elements']))} elements, {escape(answer['mode'])}. Residual "
+         f"{answer['rmse_N']:.3g} N rms, noise {answer['noise_floor_N']:.3g} N.</p>")  # fmt: skip
+    page.use_button(tissue)
+    parts.warnings(answer)
+    show_curves(root, answer)
+    rows = parameter_rows(answer["parameters"], lambda one: "at bound" if one["at_bound"] else "")
+    parts.table(["parameter", "value", "95 % low", "95 % high", ""], rows)
+
+
+def show_curves(root: Path, answer: Mapping[str, Any]) -> None:
+    """Measured force with the fitted curve over it, and the report."""
+
+    # several fits on a page have presses of the same name
+    own = Path(answer["files"]["tissue"]).with_suffix("").as_posix().replace("/", "-")
+    plots = figures.measured_over_fitted(root, answer)
+    html(figures.plots_html(replace(one, name=f"{own}-{one.name}") for one in plots))
+    report = answer["files"].get("report", "")
+    if report and (root / report).is_file():
+        parts.file_links([("report of the fit, with its residuals", report)])
+
+
+def parameter_rows(parameters: Mapping[str, Any], note_of: Callable[[Mapping[str, Any]], object]) -> list[list[object]]:
+    """Rows of a table of a tissue's parameters with a note each, dampers by speed."""
+    rows = []
+    for label, entry in parameters.items():
+        by_label = {label: entry} if "value" in entry else {f"{label} at {v} mm/s": one for v, one in entry.items()}
+        rows += [[key, one["value"], one["low"], one["high"], note_of(one)] for key, one in by_label.items()]
+    return rows
+
+
+NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]*")
+NOT_ALLOWED = "is not allowed: use letters, digits, '-' and '_'."
+ELEMENTS = {"3": "3", "5": "5 (usual)", "7": "7"}
+
+
+class _People:
+    def __init__(self, page: TissuePage) -> None:
+        self._page, self._root = page, page.root
+        traces = choices.traces(page.root)
+        start, start_name = self._read()
+        html("<p>Write the person's name beside each press. A press without a name is left out. "
+             "Each person is fitted, then all make one tissue.</p>")  # fmt: skip
+        for path in start.keys() - traces.keys():
+            parts.tell_problem(f"The press '{path}' is not there (any more). It is left out until you bring it back.")
+        parts.button("Take the names from the file names", self._guess, "guess-people")
+        self._fields: dict[str, ui.input] = {}
+        with ui.element("div").classes("people"):
+            for path, words in traces.items():
+                name = ui.input(f"Person of {words}", value=start.get(path, "")).style("width:100%")
+                self._fields[path] = name.props('dense data-test="person"')
+                name.props["data-press"] = words
+        with ui.element("div").classes("fields"):
+            self._name = ui.input("Name of the tissue", value=start_name).props('data-test="people-name"')
+            self._elements = parts.select("Elements of the law", ELEMENTS, "5")
+            self._lowpass = ui.input("Filter of the force, HZ[:ORDER[:PASSES]] (optional)")
+            self._lowpass.props('data-test="people-lowpass"')
+            self._replace = ui.checkbox("Replace my tissue of this name").props('data-test="people-replace"')
+        self._work = Work(page.root, "people", "Fit all and make the tissue", self._words, self._show,
+                          ended=self._ended, needs="name", first=self._fits, check=self._check)  # fmt: skip
+        parts.on_change(self._renew, *self._fields.values(), self._name, self._elements, self._lowpass, self._replace)
+
+    def _renew(self) -> None:
+        people = "\n".join(f"{path}\t{name}" for path, name in self._assigned().items())
+        self._page.keep(people=people, group=self._name.value or "")
+        self._work.renew()
+
+    def _guess(self) -> None:
+        """Fill in what stands before the first underscore, as ``tissues add`` reads single traces."""
+        for path, field in self._fields.items():
+            field.value = Path(path).stem.split("_")[0]
+
+    def _assigned(self) -> dict[str, str]:
+        return {path: name for path, field in self._fields.items() if (name := (field.value or "").strip())}
+
+    def _people(self) -> dict[str, list[str]]:
+        """Presses of each person."""
+        people: dict[str, list[str]] = {}
+        for path, person in self._assigned().items():
+            if not NAME.fullmatch(person):
+                raise InputError(f"The name '{person}' {NOT_ALLOWED}", "bad_name", "person", person)
+            people.setdefault(person, []).append(path)
+        if len({person.lower() for person in people}) < len(people):
+            message = "Two people differ only in capital letters: give them different names."
+            raise InputError(message, "duplicate", "person")
+        if len(people) < 2:
+            raise InputError("Assign presses to at least two people.", "not_enough_data", "person")
+        return people
+
+    def _tissue(self) -> str:
+        name = (self._name.value or "").strip()
+        if not NAME.fullmatch(name):
+            raise InputError(f"The tissue name '{name}' {NOT_ALLOWED}", "bad_name", "tissue", name)
+        return str(name)
+
+    def _fits(self) -> Steps:
+        people, name = self._people(), self._tissue()
+        given = {"elements": self._elements.value, "mode": "per-speed", "lowpass": self._lowpass.value}
+        return [["fit", *presses, *jobs.options(given | {"out": f"tissue/{name}/{person}.toml", "replace": True})]
+                for person, presses in people.items()]  # fmt: skip
+
+    def _words(self) -> list[str]:
+        name, replaced = self._tissue(), jobs.options({"replace": self._replace.value})
+        return ["tissues", "add", name, *(f"tissue/{name}/{person}.toml" for person in self._people()), *replaced]
+
+    def _check(self) -> None:
+        """Refuse a name that is taken before anything is fitted."""
+        choices.check_name("tissue", self._name.value or "", bool(self._replace.value))
+
+    def _read(self) -> tuple[dict[str, str], str]:
+        """People and name: of the address, of the chain that made the chosen tissue, or none."""
+        query = self._page.query
+        if query.get("people"):
+            rows = (line.partition("\t") for line in query["people"].split("\n"))
+            return {path: person for path, _, person in rows}, query.get("group", "")
+        every = reversed(jobs.all_jobs(self._root, "people"))
+        last = next((job for job in every if job.words[:3] == ("tissues", "add", self._page.tissue)), None)
+        if last is None:
+            return {}, choices.free_library_name("tissue", "people")
+        persons: dict[str, str] = {}
+        for fit in last.commands[:-1]:
+            persons |= dict.fromkeys(_presses(fit), Path(fit[fit.index("--out") + 1]).stem)
+        return persons, last.words[2]
+
+    def _show(self, job: jobs.Job) -> None:
+        answer, name = job.answer, job.answer["name"]
+        fits = [job.answer_of(number) for number in range(1, len(job.commands))]
+        if not jobs.is_last(self._root, job, lambda one: str(one.answer.get("name") or "")):
+            html(f'<p class="note">The tissue {escape(name)} was made anew since, from other presses.</p>')
+            return
+        if name not in choices.tissues(self._root):
+            html(f'<p class="note">The tissue {escape(name)} is no longer in your library.</p>')
+            return
+        html(f"<p><b>{escape(name)}</b>: {len(fits)} people. It is in your own library, for all projects.</p>")
+        self._page.use_button(name)
+        keys = ("rmse_N", "noise_floor_N")
+        rows = [[Path(fit["inputs"]["out"]).stem, len(fit["by_trace"]), *(fit[key] for key in keys)] for fit in fits]
+        parts.table(["person", "presses", "residual N rms", "noise N"], rows)
+        parts.warnings(answer)
+        for fit in fits:
+            parts.tell_changes(self._root, fit["files"].get("manifest", ""), "Fit all again.")
+            panel = ui.expansion(f"{Path(fit['files']['tissue']).stem}: measured and fitted force")
+            panel.on_value_change(partial(self._open, panel, fit))
+
+    def _open(self, panel: ui.expansion, fit: Mapping[str, Any]) -> None:
+        panel.clear()
+        if panel.value:
+            with panel, parts.area():
+                show_curves(self._root, fit)
+
+    def _ended(self, job: jobs.Job, mine: bool) -> None:
+        if mine and job.state == "done":
+            self._page.choose(job.answer["name"])

@@ -16,14 +16,7 @@ from dummydesign.core.serialise import Serialised
 from dummydesign.measurement.landmarks import approach_velocity, find_ramp
 from dummydesign.measurement.motion import work_mJ
 from dummydesign.measurement.trace import Trace, check_one_press, magnitude_fault
-from dummydesign.tissue.adding.from_traces import (
-    copies_of,
-    fit_people,
-    fit_row,
-    fit_warnings,
-    reserve,
-    tissue_of_fits,
-)
+from dummydesign.tissue.adding.from_traces import copies_of, fit_people, fit_row, fit_warnings, reserve, tissue_of_fits
 from dummydesign.tissue.adding.observations import HELD_S, ObservedCurve, check_curves, read_curves
 from dummydesign.tissue.fitting.problem import fitted_force
 from dummydesign.tissue.fitting.reduction import ReducedTrace, condition_groups, reduce_trace
@@ -52,12 +45,9 @@ def held_press(trace: ReducedTrace, velocity_mm_s: float) -> HeldPress:
     ramp = trace.ramp
     rise = (time >= ramp.contact_time_s) & (time <= ramp.stop_time_s)
     rising = _smooth(time[rise], force[rise])
-    share = np.maximum.accumulate(np.clip(x[rise] / ramp.depth_mm, 0.0, 1.0))
-    first = np.unique(share, return_index=True)[1]
-    stop = _at_stop(time[rise], rising, ramp.stop_time_s)
-    known, values = share[first], rising[first]
-    inner = known < 1.0
-    curve = np.interp(SHARES, np.r_[known[inner], 1.0], np.r_[values[inner], stop])
+    share, first = np.unique(np.maximum.accumulate(np.clip(x[rise] / ramp.depth_mm, 0.0, 1.0)), return_index=True)
+    stop, inner = _at_stop(time[rise], rising, ramp.stop_time_s), share < 1.0
+    curve = np.interp(SHARES, np.r_[share[inner], 1.0], np.r_[rising[first][inner], stop])
     held = trace.inside[time[trace.inside] > ramp.stop_time_s]
     when, mean = _bins(time[held] - ramp.stop_time_s, force[held], trace.hold_s)
     if not trace.steady_force_N > 0.0:
@@ -89,8 +79,7 @@ def _bins(since_s: NDArray, force_N: NDArray, hold_s: float) -> tuple[NDArray, N
     """Mean time and force of the bins that hold a sample, before the last twentieth. [s, N]"""
     edges = np.r_[0.0, np.geomspace(FIRST_HOLD_S, (1.0 - LATE) * hold_s, HOLD_BINS)]
     bin_number = np.digitize(since_s, edges)
-    rows = [np.flatnonzero(bin_number == number) for number in range(1, len(edges))]
-    kept = [row for row in rows if len(row)]
+    kept = [row for number in range(1, len(edges)) if len(row := np.flatnonzero(bin_number == number))]
     return np.array([since_s[row].mean() for row in kept]), np.array([force_N[row].mean() for row in kept])
 
 
@@ -145,7 +134,7 @@ def misfit_of(subject: str, fit: TissueFit, person: MeasuredPerson) -> Misfit:
     scatter = _of_repeats(traces)
     if scatter is not None:
         expected = np.full_like(expected, scatter)
-    least = np.broadcast_to((STEADY_TOLERANCE, STEADY_TOLERANCE, ENERGY_TOLERANCE), expected.shape).copy()
+    least = np.tile((STEADY_TOLERANCE, STEADY_TOLERANCE, ENERGY_TOLERANCE), (len(traces), 1))
     least[:, PEAK] *= measured[:, STEADY] / measured[:, PEAK]
     expected = np.maximum(expected, least)
     return Misfit(subject, 100.0 * _rms(off), 100.0 * _rms(expected), scatter is not None, _rms(off / expected))
@@ -167,14 +156,9 @@ def _of_model(trace: ReducedTrace, force_N: NDArray) -> NDArray:
 
 def _of_repeats(traces: Sequence[ReducedTrace]) -> float | None:
     """Standard deviation of repeats' peaks, steady forces and energies over their mean, pooled; None without."""
-    squares, count = 0.0, 0
-    for _, _, group in condition_groups(traces):
-        if len(group) < 2:
-            continue
-        values = np.log([_measured(trace) for trace in group])
-        squares += float(((values - values.mean(axis=0)) ** 2).sum())
-        count += 3 * (len(group) - 1)
-    return float(np.sqrt(squares / count)) if count else None
+    repeats = [np.log([_measured(one) for one in group]) for _, _, group in condition_groups(traces) if len(group) > 1]
+    squares = sum(float(((values - values.mean(axis=0)) ** 2).sum()) for values in repeats)
+    return float(np.sqrt(squares / sum(3 * (len(values) - 1) for values in repeats))) if repeats else None
 
 
 def _rms(values: NDArray) -> float:

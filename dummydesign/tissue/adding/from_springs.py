@@ -57,8 +57,8 @@ def spring_tissue(name: str, stiffness: float | str, spread: float | str | None,
         Subject(who, Parameters("spring", k, (), ()), {NAME: Quantity(k, k, k, kind, f"{source} ({who})")})
         for who, k in people.items()
     )
-    notes = (f"{SPRING.notice_of(name)[1]}.",)
-    return Tissue(name, f"spring constant of {value:g} N/mm", "spring", subjects, (source,), notes, "user")
+    title, notes = f"spring constant of {value:g} N/mm", (f"{SPRING.notice_of(name)[1]}.",)
+    return Tissue(name, title, "spring", subjects, (source,), notes, "user")
 
 
 def write_template(path: str) -> dict[str, Any]:

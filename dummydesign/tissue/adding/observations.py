@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import itertools
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -146,22 +147,20 @@ def _curve(first: Row, rows: list[list[float]]) -> ObservedCurve:
 
 def check_curves(curves: list[ObservedCurve], file: str) -> None:
     """Refuse curves of one person that contradict each other, or of which none is held."""
-    for number, first in enumerate(curves):
-        for second in curves[number + 1 :]:
-            slow, fast = sorted((first, second), key=lambda curve: curve.velocity_mm_s)
-            depth = 0.8 * float(min(first.depth_mm.max(), second.depth_mm.max()))
-            forces = slow.rising_force_N(depth), fast.rising_force_N(depth)
-            ratio = forces[0] / max(forces[1], 1e-12)
-            same = fast.velocity_mm_s <= SAME_SPEED * slow.velocity_mm_s
-            if ratio > CONTRADICTION or (same and ratio < 1.0 / CONTRADICTION):
-                why = "the same speed" if same else "the slower press carries more"
-                raise InputError(
-                    f"{file}: curves of {first.subject} contradict each other at {depth:.2g} mm: {forces[0]:.3g} N at "
-                    f"{slow.velocity_mm_s:g} mm/s (line {slow.line}) and {forces[1]:.3g} N at "
-                    f"{fast.velocity_mm_s:g} mm/s (line {fast.line}), {why}; name them as two subjects or leave one "
-                    "out",
-                    "inconsistent", "force_N", [float(force) for force in forces],
-                )  # fmt: skip
+    for first, second in itertools.combinations(curves, 2):
+        slow, fast = sorted((first, second), key=lambda curve: curve.velocity_mm_s)
+        depth = 0.8 * float(min(first.depth_mm.max(), second.depth_mm.max()))
+        forces = [slow.rising_force_N(depth), fast.rising_force_N(depth)]
+        ratio = forces[0] / max(forces[1], 1e-12)
+        same = fast.velocity_mm_s <= SAME_SPEED * slow.velocity_mm_s
+        if ratio > CONTRADICTION or (same and ratio < 1.0 / CONTRADICTION):
+            why = "the same speed" if same else "the slower press carries more"
+            raise InputError(
+                f"{file}: curves of {first.subject} contradict each other at {depth:.2g} mm: {forces[0]:.3g} N at "
+                f"{slow.velocity_mm_s:g} mm/s (line {slow.line}) and {forces[1]:.3g} N at {fast.velocity_mm_s:g} mm/s "
+                f"(line {fast.line}), {why}; name them as two subjects or leave one out",
+                "inconsistent", "force_N", forces,
+            )  # fmt: skip
     if all(curve.held_s < HELD_S for curve in curves):
         raise InputError(
             f"{file}: no curve of {curves[0].subject} is held for {HELD_S:g} s, so the steady force is not known; give "
@@ -204,9 +203,7 @@ def _steady(name: str, points: NDArray, largest: NDArray, file: str) -> Steady:
     logs = np.log(force) - 3.0 * np.log(depth)
     weight = 1.0 / ((force_error / force) ** 2 + (3.0 * depth_error / depth) ** 2)
     mean = float((weight * logs).sum() / weight.sum())
-    scatter = 0.0
-    if len(logs) > 1:
-        scatter = float(np.sqrt((weight * (logs - mean) ** 2).sum() / (len(logs) - 1)))
+    scatter = float(np.sqrt((weight * (logs - mean) ** 2).sum() / max(len(logs) - 1, 1)))
     deviation = float(weight.sum() ** -0.5) * max(scatter, 1.0)
     errors = "own errors" if given else f"axes to {largest[0]:g} mm and {largest[1]:g} N, reading error 2 % of them"
     source = f"{file}: {len(logs)} point{'s' if len(logs) > 1 else ''} of {name}, {errors}"

@@ -21,14 +21,7 @@ from dummydesign.measurement.importing.press_checks import copies_among, doubts_
 from dummydesign.measurement.motion import Motion
 from dummydesign.measurement.sensor import Lowpass
 from dummydesign.measurement.trace import Trace
-from dummydesign.tissue.fitting.problem import (
-    Optimum,
-    Responses,
-    TissueProblem,
-    heldout_rmse,
-    problems_of,
-    trace_residuals,
-)
+from dummydesign.tissue.fitting.problem import Optimum, TissueProblem, heldout_rmse, problems_of, trace_residuals
 from dummydesign.tissue.fitting.reduction import reduce_trace, rounded_velocity, speed_groups
 from dummydesign.tissue.model.laws import fitted_law, law_named
 from dummydesign.tissue.model.parameters import speed_key
@@ -63,14 +56,14 @@ class ContactOffsets:
     def warnings(self, traces: Sequence[Trace]) -> list[dict[str, str]]:
         """What a reader must know of offsets that stand at an end."""
         names = [trace.name for trace, end in zip(traces, self.at_end) if end]
-        if not names:
-            return []
-        some = ", ".join(names[:3]) + (f" and {len(names) - 3} more" if len(names) > 3 else "")
-        message = (
-            f"contact of {some} would lie before what was recorded, or too far in: the offset there is no "
-            "measurement; record from above the surface"
-        )
-        return [{"code": "contact_at_end", "message": message}]
+        message = (f"contact of {_some(names)} would lie before what was recorded, or too far in: the offset there is "
+                   "no measurement; record from above the surface")  # fmt: skip
+        return [{"code": "contact_at_end", "message": message}] if names else []
+
+
+def _some(names: Sequence[str]) -> str:
+    """The first three names, and how many more there are."""
+    return ", ".join(names[:3]) + (f" and {len(names) - 3} more" if len(names) > 3 else "")
 
 
 def shifted(traces: Sequence[Trace], offsets_mm: NDArray) -> list[Trace]:
@@ -103,15 +96,13 @@ def find_offsets(traces: Sequence[Trace], law: str, mode: str, arms: int, lowpas
         at = np.clip(at + step, -reach, most)
         if largest < SETTLED_MM:
             break
-    ended = (at >= most) | (at <= -reach)
-    return ContactOffsets(at, at - 1.96 * error, at + 1.96 * error, ended)
+    return ContactOffsets(at, at - 1.96 * error, at + 1.96 * error, (at >= most) | (at <= -reach))
 
 
 def with_unknown_offsets(problem: TissueProblem, optimum: Optimum) -> Optimum:
     """The same fit with the offset of every press counted as unknown."""
     slope = problem.bins.stacked(_slope(problem, optimum))
-    unknown = UNKNOWN_MM**2 * slope[:, :, None] * slope[:, None]
-    factor = whitener(_covariance(problem, optimum) + unknown)
+    factor = whitener(_covariance(problem, optimum) + UNKNOWN_MM**2 * slope[:, :, None] * slope[:, None])
     low, high = problem.box(optimum.arms)
     refit = solve(problem.model(optimum.arms, factor), [optimum.solution.parameters], low, high)
     solution = replace(optimum.solution, parameters=refit.parameters, chi_square=refit.chi_square)
@@ -126,17 +117,15 @@ def _covariance(problem: TissueProblem, optimum: Optimum) -> NDArray:
 
 def _slope(problem: TissueProblem, optimum: Optimum) -> NDArray:
     """Change of the force of every bin with the offset of its press, shape (bins,). [N/mm]"""
-    theta = optimum.solution.parameters
-    base = problem.predict(theta, optimum.arms)[0]
+    theta, arms = optimum.solution.parameters, range(optimum.arms)
     gamma1, gamma, damper = problem.split(theta, optimum.arms)
-    moved = np.empty_like(base)
-    for group, (where, traces) in enumerate(zip(problem.slices, problem.groups)):
-        pushed = [replace(t, motion=Motion(t.motion.time_s, t.motion.displacement_mm + _STEP_MM)) for t in traces]
-        response = Responses(problem.law, pushed, problem.lowpass)
-        moved[where] = np.exp(gamma1) * response.elastic + sum(
-            np.exp(gamma[arm]) * response.arm(gamma[arm] - damper[group, arm])[0] for arm in range(optimum.arms)
-        )
-    return (moved - base) / _STEP_MM
+    pushed = [[replace(t, motion=Motion(t.motion.time_s, t.motion.displacement_mm + _STEP_MM)) for t in group]
+              for group in problem.groups]  # fmt: skip
+    moved = np.concatenate([
+        np.exp(gamma1) * own.elastic + sum(np.exp(gamma[arm]) * own.arm(gamma[arm] - c[arm])[0] for arm in arms)
+        for own, c in zip(TissueProblem(problem.law, pushed, problem.lowpass).responses, damper)
+    ])  # fmt: skip
+    return (moved - problem.predict(theta, optimum.arms)[0]) / _STEP_MM
 
 
 def _step(problem: TissueProblem, optimum: Optimum) -> tuple[NDArray, NDArray]:
@@ -205,21 +194,15 @@ SAME_ERROR = 1.01
 
 @dataclass(frozen=True)
 class TissueFit:
-    """What was found; :meth:`to_dict` is the JSON of ``fit``.
+    """What was found; ``result`` is the JSON of ``fit``.
 
     ``problems`` are the fits it consists of (one, or one per condition) with their optimum.
     """
 
-    elements: int
     law: str
     mode: str
-    lowpass: Lowpass | None
     result: dict[str, Any]
     problems: tuple[tuple[TissueProblem, Optimum], ...]
-
-    def to_dict(self) -> dict[str, Any]:
-        """Return parameters, intervals, residuals and the comparison of elements as plain values."""
-        return dict(self.result)
 
 
 @one_blas_thread()
@@ -234,8 +217,7 @@ def fit_traces(
     intervals by profile likelihood; 3, 5 and 7 elements compared by AICc and by the error on left-out
     conditions. The measured motion and the declared sensor filter are part of the model.
     """
-    form = fitted_law(law)
-    allowed = form.elements
+    allowed = fitted_law(law).elements
     if mode not in MODES:
         raise unknown_name("mode", mode, MODES)
     if contact not in CONTACTS:
@@ -251,8 +233,7 @@ def fit_traces(
     offsets = None
     if contact == "per-press":
         tell("where each press touched")
-        arms = 2 if elements == "auto" else (int(elements) - 1) // 2
-        offsets = find_offsets(whole, law, mode, arms, lowpass)
+        offsets = find_offsets(whole, law, mode, 2 if elements == "auto" else (int(elements) - 1) // 2, lowpass)
         traces = shifted(whole, offsets.value_mm)
     reduced = [reduce_trace(trace) for trace in traces]
     problems = problems_of(law, mode, reduced, lowpass)
@@ -285,7 +266,7 @@ def fit_traces(
     if offsets is None and intervals:
         tell("contact of the presses")
         result |= proposed_offsets(whole, result, lowpass)
-    return TissueFit(chosen, law, mode, lowpass, result, pairs)
+    return TissueFit(law, mode, result, pairs)
 
 
 def _chosen(comparison: dict[str, dict[str, Any]]) -> int:
@@ -335,24 +316,21 @@ def _parameters(
         for arm, name in enumerate(names[1 + arms :]):
             shared[name] = {speed: own[arm] for speed, own in dampers.items()}
         return {"parameters": shared, "by_speed": by_speed}
-    conditions: list[dict[str, Any]] = []
-    for (problem, _), own in zip(pairs, objects):
-        group = problem.traces
-        conditions.append({
-            "velocity_mm_s": rounded_velocity(float(np.median([t.velocity_mm_s for t in group]))),
-            "depth_mm": float(np.mean([t.ramp.depth_mm for t in group])),
-            "steady_force_N": float(np.mean([t.steady_force_N for t in group])),
-            "traces": [t.trace.name for t in group],
+    conditions: list[dict[str, Any]] = [
+        {
+            "velocity_mm_s": rounded_velocity(float(np.median([t.velocity_mm_s for t in problem.traces]))),
+            "depth_mm": float(np.mean([t.ramp.depth_mm for t in problem.traces])),
+            "steady_force_N": float(np.mean([t.steady_force_N for t in problem.traces])),
+            "traces": [t.trace.name for t in problem.traces],
             "parameters": dict(zip(names, own)),
-        })  # fmt: skip
+        }
+        for (problem, _), own in zip(pairs, objects)
+    ]
     reason = "mean over conditions, as the paper reports; a mean of separate fits has no profile interval"
     mean = {
-        name: {
-            "value": float(np.mean([c["parameters"][name]["value"] for c in conditions])),
-            "low": None, "high": None, "at_bound": any(c["parameters"][name]["at_bound"] for c in conditions),
-            "reason": reason,
-        }
-        for name in names
+        name: {"value": float(np.mean([one["value"] for one in each])), "low": None, "high": None,
+               "at_bound": any(one["at_bound"] for one in each), "reason": reason}
+        for name, each in zip(names, zip(*objects))
     }  # fmt: skip
     return {"parameters": mean, "by_condition": conditions}
 
@@ -417,7 +395,7 @@ def subject_from_fit(name: str, fit: TissueFit) -> Subject:
     A fit per condition has no intervals; the range over its conditions stands in.
     """
     files = [row["file"] for row in fit.result["by_trace"]]
-    shown = ", ".join(files[:3]) + (f" and {len(files) - 3} more" if len(files) > 3 else "")
+    shown = _some(files)
     source = f"fit of {shown}: law {fit.law}, {fit.mode}, rms residual {fit.result['rmse_N']:.3g} N"
     speeds = [speed_key(speed) for speed, _ in speed_groups([t for p, _ in fit.problems for t in p.traces])]
     numbers: dict[str, Any] = {}
@@ -425,15 +403,12 @@ def subject_from_fit(name: str, fit: TissueFit) -> Subject:
         if not key.startswith("c"):
             numbers[key] = _quantity(entry, source, _over_conditions(fit, key))
             continue
-        by_speed = dict.fromkeys(speeds, entry) if "value" in entry else entry
-        numbers[key] = {
-            speed: _quantity(one, source, _over_conditions(fit, key, float(speed))) for speed, one in by_speed.items()
-        }
-    rows = fit.result["by_trace"]
-    pressed = {key: [float(row[key]) for row in rows] for key in PRESSED}
-    if min(min(values) for values in pressed.values()) <= 0.0:
+        by_speed = (dict.fromkeys(speeds, entry) if "value" in entry else entry).items()
+        numbers[key] = {v: _quantity(one, source, _over_conditions(fit, key, float(v))) for v, one in by_speed}
+    pressed = {key: [float(row[key]) for row in fit.result["by_trace"]] for key in PRESSED}
+    if min(map(min, pressed.values())) <= 0.0:
         return Subject.of(name, fit.law, numbers)
-    words = f"{len(rows)} press{'es' if len(rows) > 1 else ''}: {shown}; median, lowest and highest"
+    words = f"{len(files)} press{'es' if len(files) > 1 else ''}: {shown}; median, lowest and highest"
     spans = {key: Quantity(float(np.median(values)), min(values), max(values), "measured", words)
              for key, values in pressed.items()}  # fmt: skip
     return Subject.of(name, fit.law, numbers, spans)

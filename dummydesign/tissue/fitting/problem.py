@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from dummydesign.core.files import csv_text
 from dummydesign.inference.least_squares import Model, Solution, aicc, solve
 from dummydesign.inference.noise import (
     Bins,
@@ -206,13 +207,9 @@ class TissueProblem:
 
     def _columns(self, rates: NDArray) -> NDArray:
         """X and A at ln rates (groups, arms), shape (bins, 1 + arms)."""
-        arms = rates.shape[1]
-        columns = np.empty((len(self.force), 1 + arms))
-        columns[:, 0] = self.elastic
-        for where, response, own in zip(self.slices, self.responses, rates):
-            for arm in range(arms):
-                columns[where, 1 + arm] = response.arm(own[arm])[0]
-        return columns
+        parts = (np.column_stack([response.elastic, *(response.arm(rate)[0] for rate in own)])
+                 for response, own in zip(self.responses, rates))  # fmt: skip
+        return np.concatenate(list(parts))
 
     def _combinations(self, arms: int, grid: NDArray, weight: NDArray, where: list[slice], count: int) -> list[NDArray]:
         """The best ``count`` combinations of ``arms`` rates out of the grid, for the bins in ``where``."""
@@ -222,11 +219,8 @@ class TissueProblem:
         columns = self._columns(np.tile(grid, (len(self.groups), 1)))[rows] * weight[rows, None]
         weighted = np.column_stack([columns, self.force[rows] * weight[rows]])
         triangle = np.asarray(np.linalg.qr(weighted, mode="r"))
-        ranked = []
-        for combo in itertools.combinations(range(len(grid)), arms):
-            places = [0, *(1 + index for index in combo)]
-            ranked.append((nnls(triangle[:, places], triangle[:, -1])[1], combo))
-        ranked.sort()
+        combos = itertools.combinations(range(len(grid)), arms)
+        ranked = sorted((nnls(triangle[:, [0, *(1 + at for at in own)]], triangle[:, -1])[1], own) for own in combos)
         kept: list[tuple[int, ...]] = []
         for _, combo in ranked:
             if all(sum(abs(a - b) for a, b in zip(combo, other)) > 2 for other in kept):
@@ -249,9 +243,7 @@ class TissueProblem:
         shallow = np.maximum([t.ramp.depth_mm for t in self.traces], 1e-3)[:, None] * 0.1
         depth = self.bins.stacked(np.concatenate([t.depth_mm for t in self.traces]))
         rough = self.bins.stacked(1.0 / (0.03 + 0.02 * np.abs(self.force)))
-        factor = np.zeros((*rough.shape, rough.shape[1]))
-        diagonal = np.arange(rough.shape[1])
-        factor[:, diagonal, diagonal] = np.where(self.bins.used, rough, 1.0)
+        factor = np.where(self.bins.used, rough, 1.0)[:, :, None] * np.eye(rough.shape[1])
         last = first = solve(self.model(arms, factor), self.starts(arms), low, high, 1e-7)
         noise: Noise | None = None
         measured, level = self.measured_and_level()
@@ -299,7 +291,7 @@ def problems_of(law: str, mode: str, reduced: list[ReducedTrace], lowpass: Lowpa
 def fitted_force(problem: TissueProblem, optimum: Optimum, index: int) -> NDArray:
     """Fitted force of trace ``index`` of the problem at its nodes, filtered as recorded. [N]"""
     gamma1, gamma, damper = problem.split(optimum.solution.parameters, optimum.arms)
-    group = next(g for g in range(len(problem.groups)) if index < sum(len(part) for part in problem.groups[: g + 1]))
+    group = np.repeat(np.arange(len(problem.groups)), [len(part) for part in problem.groups])[index]
     motion = problem.traces[index].motion
     curve = law_named(problem.law).force(motion, np.exp(gamma1), np.exp(gamma), np.exp(damper[group]))
     return curve if problem.lowpass is None else problem.lowpass.apply(motion.time_s, curve)
@@ -357,14 +349,15 @@ def heldout_rmse(problem: TissueProblem, optimum: Optimum) -> float | None:
 
 def residual_table(pairs: Sequence[tuple[TissueProblem, Optimum]]) -> str:
     """CSV of all bins: file, time since contact, displacement, force, fitted force, residual."""
-    lines = ["file,time_since_contact_s,displacement_mm,force_N,fitted_N,residual_N"]
+    rows: list[list[str]] = []
     for problem, optimum in pairs:
         fitted = problem.predict(optimum.solution.parameters, optimum.arms)[0]
         for trace, model in problem.by_trace(fitted):
             since = trace.middle_s - trace.ramp.contact_time_s
-            for row in zip(since, trace.depth_mm, trace.force_N, model, trace.force_N - model):
-                lines.append(trace.trace.name + "".join(f",{number:.6g}" for number in row))
-    return "\n".join(lines) + "\n"
+            columns = zip(since, trace.depth_mm, trace.force_N, model, trace.force_N - model)
+            rows += [[trace.trace.name, *(f"{number:.6g}" for number in row)] for row in columns]
+    head = ("file", "time_since_contact_s", "displacement_mm", "force_N", "fitted_N", "residual_N")
+    return csv_text(head, rows)
 
 
 def residual_plot(pairs: Sequence[tuple[TissueProblem, Optimum]], title: str) -> bytes:

@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 
 from dummydesign.core.errors import InputError
 from dummydesign.inference.binning import cut, distinct, hold_edges, mean_around
-from dummydesign.measurement.landmarks import approach_velocity, find_ramp
+from dummydesign.measurement.landmarks import approach_velocity, ramp_of
 from dummydesign.measurement.motion import Motion, Ramp
 from dummydesign.measurement.trace import Trace
-from dummydesign.tissue.model.measured_curves import SAME_DEPTH, group_near
+from dummydesign.tissue.model.measured_curves import SPEED_FACTOR, group_near
 
 RISE_BINS = 20
 FIRST_HOLD_S = 1e-3
@@ -56,6 +56,11 @@ class ReducedTrace:
         return self.average @ self.motion.displacement_mm
 
     @property
+    def since_contact(self) -> tuple[NDArray, NDArray]:
+        """Time since contact [s] and force [N] of the samples that are used."""
+        return self.trace.time_s[self.inside] - self.ramp.contact_time_s, self.trace.force_N[self.inside]
+
+    @property
     def hold(self) -> tuple[NDArray, NDArray]:
         """Time since the stop [s] and force [N] of the samples that are used."""
         return self.trace.time_s[self.inside] - self.ramp.stop_time_s, self.trace.force_N[self.inside]
@@ -63,40 +68,29 @@ class ReducedTrace:
 
 def reduce_trace(trace: Trace) -> ReducedTrace:
     """Cut a press into bins: evenly over the rise, from 1 ms growing by a third each over the hold."""
-    try:
-        ramp = find_ramp(trace.time_s, trace.displacement_mm)
-    except InputError as problem:
-        raise problem.within(trace.name) from None
+    ramp = ramp_of(trace, "reached")
     time, force = trace.time_s, trace.force_N
     hold = ramp.hold_end_s - ramp.stop_time_s
     if hold < 5 * ramp.rise_time_s * 0.02 or hold < 0.05:
         needed = max(10.0, 0.1 * ramp.rise_time_s)
-        message = (
-            f"{trace.name}: a hold of {hold:.3g} s after a rise of {ramp.rise_time_s:.3g} s is too short to see "
-            f"relaxation; hold {needed:.3g} s"
-        )
+        message = (f"{trace.name}: a hold of {hold:.3g} s after a rise of {ramp.rise_time_s:.3g} s is too short to see "
+                   f"relaxation; hold {needed:.3g} s")  # fmt: skip
         raise InputError(message, "not_enough_data", "hold_s", float(hold))
-    edges = _edges(ramp, time)
-    binning = cut(time, edges)
-    nodes = _nodes(time, edges, ramp)
-    held = nodes > ramp.stop_time_s + SETTLED_S
-    measured = between(nodes, time, trace.displacement_mm)
-    displacement = np.where(held, mean_around(nodes, time, trace.displacement_mm), measured)
-    average = binning.average(time, nodes, ramp.stop_time_s + SETTLED_S)
-    inside = binning.inside
-    late = time[inside] >= ramp.hold_end_s - 0.05 * hold
+    edges, settled_s = _edges(ramp, time), ramp.stop_time_s + SETTLED_S
+    binning, nodes = cut(time, edges), _nodes(time, edges, ramp)
+    measured, mean = (of(nodes, time, trace.displacement_mm) for of in (between, mean_around))
+    motion = Motion(nodes, np.where(nodes > settled_s, mean, measured))
+    late = force[binning.inside][time[binning.inside] >= ramp.hold_end_s - 0.05 * hold]
     velocity = trace.commanded_speed_mm_s or approach_velocity(time, trace.displacement_mm, ramp)
     return ReducedTrace(
-        trace, ramp, velocity, float(force[inside][late].mean()),
-        binning.start_s, binning.end_s, binning.samples, binning.mean(force), Motion(nodes, displacement), average,
-        inside,
+        trace, ramp, velocity, float(late.mean()), binning.start_s, binning.end_s, binning.samples, binning.mean(force),
+        motion, binning.average(time, nodes, settled_s), binning.inside,
     )  # fmt: skip
 
 
 def _edges(ramp: Ramp, time: NDArray) -> NDArray:
     """Bin edges [s]: one bin before contact, the rise, the hold."""
-    step = float(np.median(np.diff(time)))
-    before = max(float(time[0]), ramp.contact_time_s - 3 * max(step, 1e-3))
+    before = max(float(time[0]), ramp.contact_time_s - 3 * max(float(np.median(np.diff(time))), 1e-3))
     rise = np.linspace(ramp.contact_time_s, ramp.stop_time_s, RISE_BINS + 1)
     hold = ramp.stop_time_s + hold_edges(FIRST_HOLD_S, ramp.hold_end_s - ramp.stop_time_s)
     return np.unique(np.r_[before, rise, hold])
@@ -113,8 +107,7 @@ def _nodes(time: NDArray, edges: NDArray, ramp: Ramp) -> NDArray:
     hold = edges[edges >= ramp.stop_time_s]
     middle = 0.5 * (hold[:-1] + hold[1:])
     nodes = np.union1d(np.r_[rise, ramp.contact_time_s, ramp.stop_time_s], np.r_[hold, middle])
-    nodes = nodes[(nodes >= edges[0]) & (nodes <= ramp.hold_end_s)]
-    return distinct(nodes, 1e-7)
+    return distinct(nodes[(nodes >= edges[0]) & (nodes <= ramp.hold_end_s)], 1e-7)
 
 
 def between(at: NDArray, time: NDArray, x: NDArray) -> NDArray:
@@ -158,7 +151,8 @@ def speed_groups(traces: Sequence[ReducedTrace]) -> list[tuple[float, list[Reduc
 
     The nominal speed is the commanded one, where it is the same for all of a group; else two digits of the median.
     """
-    return [(_nominal(group), group) for group in group_near(traces, lambda trace: trace.velocity_mm_s, 1.15)]
+    groups = group_near(traces, lambda trace: trace.velocity_mm_s, SPEED_FACTOR)
+    return [(_nominal(group), group) for group in groups]
 
 
 def _nominal(group: Sequence[ReducedTrace]) -> float:
@@ -173,5 +167,5 @@ def condition_groups(traces: Sequence[ReducedTrace]) -> list[tuple[float, float,
     return [
         (speed, float(np.mean([t.ramp.depth_mm for t in part])), part)
         for speed, group in speed_groups(traces)
-        for part in group_near(group, lambda trace: trace.ramp.depth_mm, SAME_DEPTH)
+        for part in group_near(group, lambda trace: trace.ramp.depth_mm)
     ]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any, ClassVar, Protocol
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -21,32 +21,17 @@ SETTLED_S = 10.0
 HELD_FORCES = 40
 
 
-def stack(subjects: Sequence[Parameters], velocity_mm_s: float) -> tuple[str, NDArray, NDArray, NDArray]:
-    """Law, gamma1 (S,), gamma (S, arms) and dampers (S, arms) of several subjects at one speed."""
-    law = one_law(subjects)
-    if len({len(subject.gamma_N_per_mm3) for subject in subjects}) != 1:
-        message = "subjects fitted with different numbers of elements cannot share a range"
-        raise InputError(message, "inconsistent", "elements")
+def stack(subjects: Sequence[Parameters], velocity_mm_s: float) -> tuple[NDArray, NDArray, NDArray]:
+    """Stack gamma1 (S,), gamma (S, arms) and dampers (S, arms) of a tissue's subjects at one speed."""
     gamma1 = np.array([subject.gamma1_N_per_mm3 for subject in subjects])
     gamma = np.array([subject.gamma_N_per_mm3 for subject in subjects])
-    dampers = np.array([subject.dampers_at(velocity_mm_s) for subject in subjects])
-    return law, gamma1, gamma, dampers
+    return gamma1, gamma, np.array([subject.dampers_at(velocity_mm_s) for subject in subjects])
 
 
-def one_law(subjects: Sequence[Parameters]) -> str:
-    """Name of the law that subjects share, or InputError where they do not."""
-    laws = {subject.law for subject in subjects}
-    if len(laws) != 1:
-        message = f"subjects fitted with different laws ({', '.join(sorted(laws))}) cannot share a range"
-        raise InputError(message, "inconsistent", "law", sorted(laws))
-    return laws.pop()
-
-
-class Drive(Protocol):
-    """What a motion does to a law: the elastic shape X(t) and the response A(t; r) of an arm, both in mm3."""
+class Drive:
+    """What a motion does to a law: the elastic shape X(t), shape (..., n), and the response A(t; r) of an arm. [mm3]"""
 
     elastic: NDArray
-    """X(t), shape (..., n). [mm3]"""
 
     def arm(self, rate: ArrayLike) -> NDArray:
         """Response A(t; r) of an arm with spring constant 1 and damper 1 / r. [mm3]
@@ -60,6 +45,7 @@ class Drive(Protocol):
         -------
         ndarray, shape (..., n)
         """
+        raise NotImplementedError("a law of one element has no arm")
 
 
 class MaxwellLaw(ABC):
@@ -168,10 +154,8 @@ class MaxwellLaw(ABC):
         size = float(np.log(gamma1_N_per_mm3))
         springs = [size + end for end in self.log_gamma]
         dampers = [springs[0] - log_rate[1], springs[1] - log_rate[0]]
-        low, high = (
-            np.repeat([size + self.log_gamma1[end], springs[end], dampers[end]], [1, arms, groups * arms])
-            for end in (0, 1)
-        )
+        ends = zip([size + end for end in self.log_gamma1], springs, dampers)
+        low, high = (np.repeat(end, [1, arms, groups * arms]) for end in ends)
         return low, high
 
     def force(
@@ -282,12 +266,12 @@ class MaxwellLaw(ABC):
         velocity_mm_s, hold_s, deceleration_mm_s2 : float
             Ramp, hold and braking. [mm/s, s, mm/s2]
         """
-        gamma1, gamma, dampers = stack(subjects, velocity_mm_s)[1:]
+        arms = stack(subjects, velocity_mm_s)
 
         def coarse(depth: NDArray) -> Motion:
             return ramp_and_hold(velocity_mm_s, depth, hold_s, deceleration_mm_s2, 24, 12, 3)
 
-        return np.stack([self.steady_depth(coarse, float(force), gamma1, gamma, dampers) for force in force_N], axis=-1)
+        return np.stack([self.steady_depth(coarse, float(force), *arms) for force in force_N], axis=-1)
 
     def end_of_hold_depths(
         self, subjects: Sequence[Parameters], force_N: NDArray, velocity_mm_s: float, hold_s: float,
@@ -329,7 +313,7 @@ class MaxwellLaw(ABC):
         """
         depth = self.held_depths(subjects, np.array([force_N]), velocity_mm_s, hold_s, deceleration_mm_s2)[:, 0]
         motion = ramp_and_hold(velocity_mm_s, depth, hold_s, deceleration_mm_s2)
-        return motion, self.force(motion, *stack(subjects, velocity_mm_s)[1:]), depth
+        return motion, self.force(motion, *stack(subjects, velocity_mm_s)), depth
 
 
 def arms_of(names: Any) -> list[int]:

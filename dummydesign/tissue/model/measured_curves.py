@@ -28,6 +28,8 @@ SHARES: NDArray = 1.0 - (1.0 - np.linspace(0.0, 1.0, 61)) ** 3
 FIRST_HOLD_S, HOLD_POINTS = 1e-3, 60
 FORCE_FACTOR, SPEED_FACTOR, HOLD_FACTOR, SAME_DEPTH = 1.2, 1.15, 1.1, 1.05
 """Factors within which a press belongs to a force, a speed and a hold, and presses to one depth."""
+ONE_FORCE = 1.3
+"""Ratio of the highest to the lowest force in common below which one force stands for both."""
 FINE = 400
 START_SHARE = 0.02
 """Share of its depth from which on the rise of a press gives the start of the steady curve."""
@@ -99,7 +101,9 @@ def extrapolate_linearly(at: NDArray, x: NDArray, y: NDArray) -> NDArray:
 Item = TypeVar("Item")
 
 
-def group_near(items: Iterable[Item], size: Callable[[Item], float], factor: float, of: int = -1) -> list[list[Item]]:
+def group_near(
+    items: Iterable[Item], size: Callable[[Item], float], factor: float = SAME_DEPTH, of: int = -1
+) -> list[list[Item]]:
     """Group items by rising size: each lies within a factor of the last (or, ``of`` = 0, the first) of its group."""
     groups: list[list[Item]] = []
     for item in sorted(items, key=size):
@@ -112,7 +116,7 @@ def group_near(items: Iterable[Item], size: Callable[[Item], float], factor: flo
 
 def by_depth(presses: Iterable[HeldPress]) -> list[list[HeldPress]]:
     """Presses by rising depth with repeats together."""
-    return group_near(presses, lambda press: press.depth_mm, SAME_DEPTH, of=0)
+    return group_near(presses, lambda press: press.depth_mm, of=0)
 
 
 def common_span(people: Iterable[Measured], velocity_mm_s: float, hold_s: float) -> tuple[float, float] | None:
@@ -122,15 +126,26 @@ def common_span(people: Iterable[Measured], velocity_mm_s: float, hold_s: float)
     return (max(low for low, _ in known), min(high for _, high in known)) if len(known) == len(spans) else None
 
 
+def common_forces(people: Sequence[Measured], speeds: Sequence[float], hold_s: float) -> tuple[float, ...]:
+    """Steady forces that all were pressed to at all speeds: the lowest, the middle and the highest, or one. [N]"""
+    spans = [span for speed in speeds if (span := common_span(people, speed, hold_s)) is not None]
+    low, high = max(span[0] for span in spans), min(span[1] for span in spans)
+    if low > high * FORCE_FACTOR**2:
+        return ()
+    if high < ONE_FORCE * low:
+        return (float(f"{np.sqrt(low * high):.2g}"),)
+    return tuple(float(f"{force:.2g}") for force in (low, np.sqrt(low * high), high))
+
+
 LAW = "curves"
 
 
 class MeasuredParameters(Parameters):
     """In place of the parameters of a law: there are none, and asking for one is refused."""
 
-    def __init__(self) -> None:
-        self.__dict__.update(law=LAW, gamma_N_per_mm3=(), c_N_s_per_mm=())
+    law, gamma_N_per_mm3, c_N_s_per_mm = LAW, (), ()
 
+    __setattr__ = object.__setattr__
     __eq__ = object.__eq__
     __hash__ = object.__hash__
     __repr__ = object.__repr__
@@ -155,14 +170,10 @@ class MeasuredPerson(MeasuredParameters):
     """The presses of one person."""
 
     def __init__(self, presses: Sequence[HeldPress]) -> None:
-        super().__init__()
+        self.presses = tuple(presses)
         speeds = sorted({press.velocity_mm_s for press in presses})
-        groups = {speed: by_depth(press for press in presses if press.velocity_mm_s == speed) for speed in speeds}
-        self.__dict__.update(presses=tuple(presses), _by_speed=groups, _curves={})
-
-    presses: tuple[HeldPress, ...]
-    _by_speed: dict[float, list[list[HeldPress]]]
-    _curves: dict[float, tuple[NDArray, NDArray]]
+        self._by_speed = {v: by_depth(press for press in presses if press.velocity_mm_s == v) for v in speeds}
+        self._curves: dict[float, tuple[NDArray, NDArray]] = {}
 
     @property
     def velocities_mm_s(self) -> tuple[float, ...]:
@@ -175,14 +186,9 @@ class MeasuredPerson(MeasuredParameters):
 
     def known_N(self, velocity_mm_s: float, hold_s: float) -> tuple[float, float] | None:
         """Lowest and highest steady force that was pressed at a speed, None for a speed that was not. [N]"""
-        pairs = self._speeds(velocity_mm_s)
-        if not pairs:
-            return None
-        ends = []
-        for speed, _ in pairs:
-            forces = [np.mean([press.steady_N(hold_s) for press in group]) for group in self._by_speed[speed]]
-            ends.append((min(forces), max(forces)))
-        return float(max(low for low, _ in ends)), float(min(high for _, high in ends))
+        forces = [[np.mean([press.steady_N(hold_s) for press in group]) for group in self._by_speed[speed]]
+                  for speed, _ in self._speeds(velocity_mm_s)]  # fmt: skip
+        return (float(max(map(min, forces))), float(min(map(max, forces)))) if forces else None
 
     def depth_mm(self, force_N: ArrayLike, hold_s: float) -> NDArray:
         """Depth at forces at the end of a hold, on the steady curve of all presses. [mm]"""
@@ -270,11 +276,7 @@ class MeasuredAim(MeasuredParameters):
     """
 
     def __init__(self, people: Sequence[MeasuredPerson], aim: str) -> None:
-        super().__init__()
-        self.__dict__.update(people=tuple(people), aim=aim)
-
-    people: tuple[MeasuredPerson, ...]
-    aim: str
+        self.people, self.aim = tuple(people), aim
 
     @property
     def velocities_mm_s(self) -> tuple[float, ...]:

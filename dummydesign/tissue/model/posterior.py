@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.core.errors import InputError
+from dummydesign.core.files import csv_text
 from dummydesign.core.library import find
 from dummydesign.core.quantity import Quantity
 from dummydesign.tissue.model.laws import law_named
@@ -49,11 +50,9 @@ def draws_path(tissue_path: Path) -> Path:
 def draws_csv(draws: NDArray, weight: NDArray | None = None) -> str:
     """Write draws (m, 5, 7) as CSV: draw, weight, rank and the columns of :data:`COLUMNS`."""
     share = np.full(len(draws), 1.0 / len(draws)) if weight is None else weight / weight.sum()
-    lines = ["draw,weight,rank," + ",".join(COLUMNS)]
-    for index, draw in enumerate(draws):
-        for rank, row in enumerate(draw, start=1):
-            lines.append(f"{index + 1},{share[index]:.5g},{rank}," + ",".join(f"{x:.4g}" for x in row))
-    return "\n".join(lines) + "\n"
+    rows = ((index + 1, f"{share[index]:.5g}", rank, *(f"{x:.4g}" for x in row))
+            for index, draw in enumerate(draws) for rank, row in enumerate(draw, start=1))  # fmt: skip
+    return csv_text(("draw", "weight", "rank", *COLUMNS), rows)
 
 
 def read_draws(path: Path) -> tuple[NDArray, NDArray]:
@@ -152,10 +151,8 @@ def _posterior(tissue: Tissue, count: int) -> tuple[Tissue, ...]:
     kinds = [("inferred", "drawn from the posterior")] * len(COLUMNS)
     tissues = []
     for one in draws[order[np.minimum(index, len(draws) - 1)]]:
-        people = one[np.argsort(one[:, 0])]
-        subjects = tuple(
-            subject_of(subject.name, row, row, row, kinds) for subject, row in zip(tissue.subjects, people)
-        )
+        pairs = zip(tissue.subjects, one[np.argsort(one[:, 0])])
+        subjects = tuple(subject_of(subject.name, row, row, row, kinds) for subject, row in pairs)
         tissues.append(replace(tissue, subjects=subjects))
     return tuple(tissues)
 

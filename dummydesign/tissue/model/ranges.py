@@ -1,4 +1,4 @@
-"""The ranges a pad is compared with: steady force over depth, and force over time."""
+"""The ranges of force over time that a pad is compared with."""
 
 from __future__ import annotations
 
@@ -11,32 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from dummydesign.measurement.motion import DECELERATION_MM_S2
 from dummydesign.measurement.sensor import Lowpass
 from dummydesign.tissue.model.laws import law_named
-from dummydesign.tissue.model.maxwell_law import one_law
 from dummydesign.tissue.model.parameters import Parameters
-
-STEADY_PARTS_N = {"below_5N": (0.5, 5.0), "above_5N": (5.0, 15.0)}
-"""Parts of the steady-state range that are reported separately; below 5 N there are no measurements. [N]"""
-
-
-def steady_depth_range(subjects: tuple[Parameters, ...], force_N: ArrayLike) -> tuple[NDArray, NDArray]:
-    """Steady-state range over force: depth of the stiffest and of the softest subject. [mm]"""
-    depth = law_named(subjects[0].law).steady_depths(subjects, force_N)
-    return depth.min(axis=0), depth.max(axis=0)
-
-
-def steady_inside(subjects: tuple[Parameters, ...], force_N: ArrayLike, depth_mm: ArrayLike) -> dict[str, NDArray]:
-    """Fraction of a steady-state curve in the range, below 5 N, above 5 N and over both."""
-    forces, depth = np.asarray(force_N, float), np.asarray(depth_mm, float)
-    low, high = steady_depth_range(subjects, forces)
-    inside = (depth >= low - 1e-9) & (depth <= high + 1e-9)
-    parts = {"inside": (STEADY_PARTS_N["below_5N"][0], STEADY_PARTS_N["above_5N"][1]), **STEADY_PARTS_N}
-    result = {}
-    for name, (start, stop) in parts.items():
-        chosen = (forces >= start) & (forces <= stop)
-        none = np.full(depth.shape[:-1], np.nan)
-        result[f"{name}_fraction"] = inside[..., chosen].mean(axis=-1) if chosen.any() else none
-    return result
-
 
 FIRST_HOLD_S = 0.005
 
@@ -115,7 +90,7 @@ def force_ranges(
 ) -> list[ForceRange]:  # fmt: skip
     """The :func:`force_range` of each of several groups of subjects of one law, all pressed at once."""
     everyone = [one for group in groups for one in group]
-    law = law_named(one_law(everyone))
+    law = law_named(everyone[0].law)
     motion, curves, depth = law.press(everyone, steady_force_N, velocity_mm_s, hold_s, deceleration_mm_s2)
     if lowpass is not None:
         curves = lowpass.apply(motion.time_s, curves)
@@ -123,8 +98,8 @@ def force_ranges(
     ranges, end = [], 0
     for group in groups:
         rows = slice(end, end := end + len(group))
-        # the samples of every subject, so that each piecewise-linear curve is kept as it is
         time = motion.time_s[rows]
+        # the samples of every subject, so that each piecewise-linear curve is kept as it is
         grid = np.unique(time)
         grid = grid[grid <= float(stop[rows].min()) + hold_s]
         on_grid = interpolate_rows(np.broadcast_to(grid, (len(time), len(grid))), time, curves[rows])
@@ -132,22 +107,3 @@ def force_ranges(
         condition = float(steady_force_N), float(velocity_mm_s)
         ranges.append(ForceRange(*condition, grid, low, high, on_grid, depth[rows], stop[rows]))
     return ranges
-
-
-def held_depth(
-    subjects: tuple[Parameters, ...], force_N: NDArray, velocity_mm_s: float, hold_s: float,
-    deceleration_mm_s2: float = DECELERATION_MM_S2,
-) -> NDArray:  # fmt: skip
-    """Depths at which subjects still carry steady forces at the end of a hold, shape (subjects, n). [mm]"""
-    law = law_named(one_law(subjects))
-    return law.held_depths(subjects, force_N, velocity_mm_s, hold_s, deceleration_mm_s2)
-
-
-def end_of_hold_range(
-    subjects: tuple[Parameters, ...], force_N: NDArray, velocity_mm_s: float, hold_s: float,
-    deceleration_mm_s2: float = DECELERATION_MM_S2,
-) -> tuple[NDArray, NDArray]:  # fmt: skip
-    """Depth of the stiffest and of the softest subject at forces at the end of a hold, shapes (n,). [mm]"""
-    law = law_named(one_law(subjects))
-    depths = law.end_of_hold_depths(subjects, force_N, velocity_mm_s, hold_s, deceleration_mm_s2)
-    return depths.min(axis=0), depths.max(axis=0)

@@ -55,8 +55,7 @@ class Subject:
         pressed : mapping, optional
             Quantity by each of :data:`PRESSED`.
         """
-        values = nest({key: quantity.value for key, quantity in flatten(numbers).items()})
-        return cls(name, Parameters.from_dict(law, values), numbers, pressed or {})
+        return cls(name, subject_parameters(law, numbers), numbers, pressed or {})
 
     def to_dict(self) -> dict[str, Any]:
         """Return the name and the numbers with their sources."""
@@ -71,6 +70,21 @@ def flatten(numbers: Mapping[str, Any]) -> dict[tuple[str, str], Any]:
         for name, entry in numbers.items()
         for speed, number in (entry.items() if isinstance(entry, dict) else [("", entry)])
     }
+
+
+def subject_parameters(law: str, numbers: Mapping[str, Any], end: str = "value") -> Parameters:
+    """Make parameters of a subject's or a band's numbers.
+
+    Parameters
+    ----------
+    law : str
+        Name of the law.
+    numbers : mapping
+        Quantity by outward name; dampers {speed: Quantity}.
+    end : str
+        ``value``, ``low`` or ``high``.
+    """
+    return Parameters.from_dict(law, nest({key: getattr(one, end) for key, one in flatten(numbers).items()}))
 
 
 def nest(flat: Mapping[tuple[str, str], Any]) -> dict[str, Any]:
@@ -188,17 +202,12 @@ class Tissue:
             raise unknown_name("aim", aim, [*AIMS, "subject:NAME"])
         if self.measured:
             return MeasuredAim(self.parameter_sets, aim)  # type: ignore[arg-type]
-        chosen = "value" if aim == "average" else "high"
-        values = {key: getattr(quantity, chosen) for key, quantity in flatten(self.bands).items()}
-        return Parameters.from_dict(self.law, nest(values))
+        return subject_parameters(self.law, self.bands, "value" if aim == "average" else "high")
 
     def steady_depth_range(self, force_N: ArrayLike) -> tuple[NDArray, NDArray]:
         """Depth of the stiffest and of the softest subject over steady force. [mm]"""
-        return ranges.steady_depth_range(self.parameter_sets, force_N)
-
-    def steady_inside(self, force_N: ArrayLike, depth_mm: ArrayLike) -> dict[str, NDArray]:
-        """Fraction of steady curves in the range; see :func:`dummydesign.tissue.model.ranges.steady_inside`."""
-        return ranges.steady_inside(self.parameter_sets, force_N, depth_mm)
+        depth = law_named(self.law).steady_depths(self.parameter_sets, force_N)
+        return depth.min(axis=0), depth.max(axis=0)
 
     def force_range(
         self, steady_force_N: float, velocity_mm_s: float, hold_s: float = 10.0,

@@ -15,22 +15,13 @@ from dummydesign.core.toml_schema import Table, read_table
 from dummydesign.tissue.model.laws import LAWS, law_named
 from dummydesign.tissue.model.laws.curves import CURVES, known_words
 from dummydesign.tissue.model.maxwell_law import arms_of
-from dummydesign.tissue.model.measured_curves import (
-    DEPTH_MM,
-    FORCE_FACTOR,
-    SHARES,
-    HeldPress,
-    MeasuredPerson,
-    common_span,
-)
+from dummydesign.tissue.model.measured_curves import DEPTH_MM, SHARES, HeldPress, MeasuredPerson, common_forces
 from dummydesign.tissue.model.parameters import speed_key
 from dummydesign.tissue.model.tissue import PRESSED, Subject, Tissue, same_shape
 
 KIND = "materials/tissues"
 KEYS = ("schema", "name", "title", "law", "sources", "notes", "subject", "inference")
 PRESS_KEYS = ("velocity_mm_s", "depth_mm", "rise_force_N", "hold_time_s", "hold_force_N")
-ONE_FORCE = 1.3
-"""Ratio of the highest to the lowest force in common below which one force stands for both."""
 
 
 def subjects_of(people: Sequence[tuple[str, MeasuredPerson, str, str]]) -> tuple[Subject, ...]:
@@ -62,27 +53,6 @@ def subjects_of(people: Sequence[tuple[str, MeasuredPerson, str, str]]) -> tuple
                 numbers[f"peak_at_{force:g}N_{speed:g}mm_s_N"] = _number(peak, width, kind, words)
         subjects.append(Subject(name, person, numbers))
     return tuple(sorted(subjects, key=lambda one: -float(np.mean(one.parameters.depth_mm(np.array(forces), hold)))))  # type: ignore[attr-defined]
-
-
-def common_forces(people: Sequence[MeasuredPerson], speeds: Sequence[float], hold_s: float) -> tuple[float, ...]:
-    """Steady forces that all were pressed to at all speeds: the lowest, the middle and the highest, or one. [N]
-
-    Parameters
-    ----------
-    people : sequence of MeasuredPerson
-        With their presses.
-    speeds : sequence of float
-        That all share. [mm/s]
-    hold_s : float
-        At whose end forces are steady. [s]
-    """
-    spans = [span for speed in speeds if (span := common_span(people, speed, hold_s)) is not None]
-    low, high = max(span[0] for span in spans), min(span[1] for span in spans)
-    if low > high * FORCE_FACTOR**2:
-        return ()
-    if high < ONE_FORCE * low:
-        return (float(f"{np.sqrt(low * high):.2g}"),)
-    return tuple(float(f"{force:.2g}") for force in (low, np.sqrt(low * high), high))
 
 
 def _number(value: float, width: float, kind: str, source: str) -> Quantity:

@@ -147,6 +147,7 @@ def test_a_doubt_about_one_file_of_a_folder_writes_nothing(tmp_path, capsys):
         (["none.csv"], "does not exist"),
         (["."], "holds no file that may be a trace"),
         (["a.csv", "--tare", "much"], "--tare much is not auto, none or a reading"),
+        (["a.csv", "--tare", "1 3N"], "--tare 1 3N is not auto, none or a reading"),
         (["a.csv", "--contact", "3N"], "--contact 3N"),
         (["a.csv", "--units", "force=mm"], "is not a unit of force"),
         (["a.csv", "--units", "forse=N"], "roles time, displacement, force"),

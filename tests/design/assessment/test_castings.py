@@ -20,8 +20,7 @@ from dummydesign.design.assessment.castings import (
     verdict_of_design,
 )
 from dummydesign.design.scoring.presses import steady_depth
-from dummydesign.design.scoring.score import CLASSES
-from dummydesign.design.scoring.verdict import classes_of, readings_of
+from dummydesign.design.scoring.verdict import CLASSES, classes_of, readings_of
 from dummydesign.resin import load_resin
 from tests.support.cast_pads import SHARP, cast_pad, known, space_of
 from tests.support.refusal import raises_code

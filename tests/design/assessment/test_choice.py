@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 
 from dummydesign.design.assessment.choice import castings_for_tissues, explain, terms
-from dummydesign.design.inputs import resolve
 from dummydesign.design.request import Request
-from dummydesign.design.suggest import design
+from dummydesign.design.suggest import design, resolve
 from tests.support.cast_pads import SHARP, known, with_tissues
 
 

@@ -10,6 +10,7 @@ import pytest
 from dummydesign.design.assessment import choice
 from dummydesign.design.assessment.castings import FORCE_LAW, MAKING, MODULUS, RELAXATION, RESIN, TISSUE, Pours
 from dummydesign.design.assessment.choice import (
+    POURS,
     SURE,
     Expected,
     TissueScores,
@@ -27,6 +28,7 @@ from dummydesign.design.assessment.choice import (
 )
 from dummydesign.design.scoring.settings import verdict_limits
 from dummydesign.design.scoring.verdict import ACCEPTABLE, BORDERLINE, NOT_ACCEPTABLE
+from dummydesign.design.search.slabs import DesignCandidate
 
 
 def test_the_share_of_the_tissue_is_that_of_a_layout_of_two_ways():
@@ -103,16 +105,16 @@ def test_castings_are_scored_for_every_tissue_once(monkeypatch):
     monkeypatch.setattr(choice, "classes_of", lambda one, targets: np.array([0, 1, 2]))
     space = SimpleNamespace(targets=stated, sampling=SimpleNamespace(coarse=None))
     pours = SimpleNamespace(first=lambda count: count)
-    cast = SimpleNamespace(over_tissues={}, space=space, pours=lambda: pours, slabs=lambda some: some)
-    found = castings_for_tissues(cast, 0.25, 3)
+    cast = SimpleNamespace(over_tissues=[], space=space, pours=lambda: pours, slabs=lambda some: some)
+    found = castings_for_tissues(cast, 0.25)
     np.testing.assert_allclose(found.total[:, 0], [0.23, 0.43])
     np.testing.assert_allclose(found.merit[:, 0], [0.75 * 0.23 + 0.25 * 0.1, 0.75 * 0.43 + 0.25 * 0.2])
     np.testing.assert_allclose(found.merit_as_known, 0.75 * 0.63 + 0.25 * 0.3)
     assert found.usable[0].tolist() == [True, True, False] and found.tissue_drawn
-    assert castings_for_tissues(cast, 0.0, 3, worst=0).usable[0].tolist() == [True, False, False] and asked == [3]
-    alone = SimpleNamespace(**{**vars(cast), "over_tissues": {}, "space": SimpleNamespace(
+    assert castings_for_tissues(cast, 0.0, worst=0).usable[0].tolist() == [True, False, False] and asked == [POURS]
+    alone = SimpleNamespace(**{**vars(cast), "over_tissues": [], "space": SimpleNamespace(
         targets=SimpleNamespace(value=0.6, power=3.0, drawn=()), sampling=space.sampling)})  # fmt: skip
-    one = castings_for_tissues(alone, 0.0, 3)
+    one = castings_for_tissues(alone, 0.0)
     assert one.total.shape == (1, 3) and not one.tissue_drawn and one.total[0, 0] == pytest.approx(0.63)
 
 
@@ -190,7 +192,7 @@ def contenders(monkeypatch):
         queue = iter(pads)
         monkeypatch.setattr(choice, "_Contender", lambda chosen, candidate, cast: next(queue))
         monkeypatch.setattr(choice, "PadCastings", lambda *args: None)
-        monkeypatch.setattr(choice, "_near", lambda chosen, space, share: [chosen.result.best])
+        monkeypatch.setattr(choice, "_near", lambda chosen, space: [chosen.result.best])
         monkeypatch.setattr(choice, "castings_for_tissues", lambda cast, share: cast.scores)
         monkeypatch.setattr(choice, "acceptability_rank", lambda evaluation, targets, tighter: [state.tighter])
         space = SimpleNamespace(targets=SimpleNamespace(drawn=drawn))
@@ -253,25 +255,30 @@ def test_an_end_of_the_relaxation_counts_from_two_standard_errors_of_its_third()
     flat = [SimpleNamespace(**{**vars(pad), "cast": SimpleNamespace(pours=lambda: Pours(0 * beta, 0 * beta, 0 * beta))})
             for pad in pads]  # fmt: skip
     assert _undecided(0, flat, {0: scores(np.ones((1, 60))), 1: scores(np.zeros((1, 60)))}) is None
+    # scores without scatter, alike or not, are no division by zero
+    level = scores(np.zeros((1, 60)))
+    assert _undecided(0, pads, {0: level, 1: level}) is None
+    assert _undecided(0, pads, {0: scores(np.ones((1, 60))), 1: level}) is None
+    ends = scores(np.repeat([-0.1, 0.0, 0.1], 20)[None])
+    assert _undecided(0, pads, {0: ends, 1: level}) is not None
 
 
 def test_neighbours_in_ratio_that_rank_no_lower_are_looked_at_too(monkeypatch):
     ratios = np.array([13.0, 14.0, 15.0, 16.0])
     made = []
-    evaluation = SimpleNamespace(feasible=np.array([True, True]), total=lambda parametric: parametric + 0.1)
+    evaluation = SimpleNamespace(feasible=np.array([True, True]))
     ranks = np.array([2, 1])
     monkeypatch.setattr(choice, "mixable", lambda shape, ratio, resin: ratio != 16.0)
     monkeypatch.setattr(choice, "make_curves", lambda *args: None)
     monkeypatch.setattr(choice, "make_slabs", lambda curves, slab, resin, ratio: made.append(ratio))
-    monkeypatch.setattr(choice, "evaluate", lambda *args, exact: evaluation)
-    monkeypatch.setattr(choice, "rough_parametric", lambda *args: np.array([0.3, 0.4]))
-    monkeypatch.setattr(choice, "acceptability_rank", lambda evaluation, targets: ranks)
+    monkeypatch.setattr(choice, "exact_candidates", lambda slabs, ratio, space: [
+        DesignCandidate(10.0, one, at, evaluation, rank=int(ranks[at])) for at, one in enumerate(ratio.tolist())])
     space = SimpleNamespace(ratio=ratios, resin=None, targets=None, sampling=None, radius_mm=7.9)
 
     def near(ratio, rank=1):
         best = SimpleNamespace(ratio=ratio, thickness_mm=10.0, rank=rank)
         chosen = SimpleNamespace(result=SimpleNamespace(best=best), shape=None, cast=None)
-        first, *others = _near(chosen, space, 0.2)
+        first, *others = _near(chosen, space)
         assert first is best
         return [one.ratio for one in others]
 

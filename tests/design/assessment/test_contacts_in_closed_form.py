@@ -7,9 +7,11 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from dummydesign.design.assessment import safety
-from dummydesign.design.assessment.safety import (
+from dummydesign.design import safety
+from dummydesign.design.safety import (
     SafetyContact,
+    _bottoming,
+    _impact_rows,
     _stopped,
     against_limits,
     curves_impact,
@@ -17,7 +19,6 @@ from dummydesign.design.assessment.safety import (
     pad_body,
     pad_press,
 )
-from dummydesign.design.safety_view import _bottoming, _impact_rows
 from dummydesign.design.scoring.presses import SAMPLES, Curves, Sampling, Slabs
 from tests.support.refusal import raises_code
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from dummydesign.design.assessment.safety import curves_impact, impact, tissue_body
+from dummydesign.design.safety import curves_impact, impact, tissue_body
 from dummydesign.tissue import load_tissue
 from dummydesign.tissue.adding.from_curves import add_curves
 from dummydesign.tissue.model.measured_curves import SHARES, HeldPress, MeasuredPerson

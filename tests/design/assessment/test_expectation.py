@@ -7,6 +7,7 @@ import pytest
 
 from dummydesign.design.assessment.castings import PadCastings, Tolerances, verdict_of_design
 from dummydesign.design.assessment.choice import (
+    POURS,
     TissueScores,
     _best_of,
     by_expectation,
@@ -14,12 +15,11 @@ from dummydesign.design.assessment.choice import (
     tissue_share,
     usable,
 )
-from dummydesign.design.inputs import resolve
 from dummydesign.design.pad_evaluator import one_pad
 from dummydesign.design.request import Request
 from dummydesign.design.scoring.score import evaluate, scored_for
 from dummydesign.design.search.best_of_kinds import best_of_kinds, choose, close_to
-from dummydesign.design.suggest import design
+from dummydesign.design.suggest import design, resolve
 from tests.support.cast_pads import SHARP, known, with_tissues
 
 
@@ -56,12 +56,12 @@ def test_the_doubt_is_all_the_tissues_where_the_pad_is_known_and_none_of_it_wher
     sure = cast(exact(inputs), SHARP)
     sure.__dict__["error"] = 0.0
     for one in (sure, cast(inputs.castings, Tolerances(110.0)), cast(inputs.castings, Tolerances(1.0, 0.02))):
-        found = castings_for_tissues(one, share, 40)
-        assert found.total.shape == (len(inputs.space.targets.drawn), 40)
+        found = castings_for_tissues(one, share)
+        assert found.total.shape == (len(inputs.space.targets.drawn), POURS)
         shares.append(tissue_share(found.merit))
     assert shares[0] > 0.99 > shares[1] > shares[2] > 0.0
-    alone = castings_for_tissues(cast(inputs.castings, Tolerances(110.0), with_tissues(inputs.space, ())), share, 40)
-    assert alone.total.shape == (1, 40) and tissue_share(alone.merit) is None and not alone.tissue_drawn
+    alone = castings_for_tissues(cast(inputs.castings, Tolerances(110.0), with_tissues(inputs.space, ())), share)
+    assert alone.total.shape == (1, POURS) and tissue_share(alone.merit) is None and not alone.tissue_drawn
 
 
 def test_presses_scored_for_another_tissue_are_what_pressing_anew_for_it_gives(crowned):

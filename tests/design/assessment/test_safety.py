@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from dummydesign.core.errors import InputError
-from dummydesign.design.assessment.safety import Body, impact, pad_body, pad_press, tissue_body, tissue_press
+from dummydesign.design.safety import Body, impact, pad_body, pad_press, tissue_body, tissue_press
 from dummydesign.design.scoring.presses import Sampling, Slabs, make_curves, press_to_depth, steady_depth
 from dummydesign.design.search.slabs import make_slabs
 from dummydesign.pad.tables.slab import load_table

@@ -6,6 +6,12 @@ import pytest
 import dummydesign
 from dummydesign.design import measured_pad as verdict_of_traces
 from dummydesign.design import pad_evaluator as verdict_of_pad
+from dummydesign.design.request import Request
+from dummydesign.design.scoring.presses import Sampling
+from dummydesign.design.suggest import resolve
+from dummydesign.geometry.shape_registry import read_shape
+from dummydesign.pad.elastic_force import elastic_curve
+from dummydesign.pad.specimen import Pad
 from tests.support.refusal import raises_code
 
 
@@ -21,6 +27,21 @@ def test_the_recommended_pad_has_the_presses_and_the_numbers_of_its_suggestion()
         assert own["peak_force_N"] == pytest.approx(wanted["peak_force_N"], rel=3e-3)
     same = ("peaks_below", "peaks_above", "peaks", "subjects", "reads", "light", "not_reached")
     assert [found["verdict"][name] for name in same] == [told["verdict"][name] for name in same]
+
+
+def test_with_one_force_law_a_predicted_shaped_pad_has_the_presses_of_the_design():
+    """What `suggest` and `predict --tissue` differ by on a shaped pad is elements against table, nothing else."""
+    shape, inputs = read_shape("crowned:5.1,3.8,7.8"), resolve(Request("palm", shape="crowned", verify=False))
+    resin = inputs.space.resin
+    designed = verdict_of_pad.PadEvaluator(inputs).evaluate(shape, 10.0, 15.3)
+    pad = Pad(10.0, resin.young_MPa(15.3), inputs.punch.radius_mm, prony=resin.prony(15.3), geometry=shape)
+    curve, young = elastic_curve(pad, "table", None, None, None), {"low": 20.0, "high": 60.0}
+    judged, predicted, _ = verdict_of_pad.verdict_of_pad(pad, curve, young, inputs.tissue, "average", Sampling())
+    own, wanted = predicted.evaluation, designed.candidate.evaluation
+    np.testing.assert_allclose(own.depth_mm, wanted.depth_mm, rtol=1e-9)
+    for press, other in zip(own.presses, wanted.presses):
+        np.testing.assert_allclose(press.peak_N, other.peak_N, rtol=1e-9)
+    assert judged.shortfall.central == pytest.approx(designed.verdict.shortfall.central, rel=1e-9)
 
 
 def test_a_pad_far_too_soft_is_out_of_reach_and_an_elastic_one_reads_low_and_both_are_red():

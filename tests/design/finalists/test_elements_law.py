@@ -8,6 +8,7 @@ import pytest
 
 from dummydesign.design.search.finalists import BEYOND, ElementsLaw, solved_shares
 from dummydesign.design.search.shape_family import FamilyLaw, load_family
+from dummydesign.design.search.slabs import DesignCandidate
 from dummydesign.geometry.shape_registry import read_shape
 from dummydesign.pad.axisymmetric.shaped_problem import FLAT_STEP, LARGEST_STEP
 
@@ -22,8 +23,8 @@ def law(kind):
 
 def shares(kind, *pressed_mm):
     evaluation = SimpleNamespace(depth_mm=np.array([pressed_mm]))
-    found = SimpleNamespace(best=SimpleNamespace(thickness_mm=H, index=0, evaluation=evaluation))
-    return solved_shares(SimpleNamespace(shape=read_shape(SHAPES[kind]), law=law(kind), result=found), RADIUS)
+    found = SimpleNamespace(best=DesignCandidate(H, 15.0, 0, evaluation))
+    return solved_shares(SimpleNamespace(shape=read_shape(SHAPES[kind]), table=law(kind), result=found), RADIUS)
 
 
 @pytest.mark.parametrize("kind", SHAPES)
@@ -57,14 +58,14 @@ def test_deeper_than_was_asked_the_table_goes_on_with_the_last_factor_and_its_ow
 def test_a_field_of_caps_is_solved_at_sixteen_depths_as_each_is_a_solve_in_space():
     shape = read_shape("bumped:pitch=5,radius=2.91,height=1.24,grade=0.34")
     evaluation = SimpleNamespace(depth_mm=np.array([[1.0, 1.5]]))
-    found = SimpleNamespace(best=SimpleNamespace(thickness_mm=5.0, index=0, evaluation=evaluation))
-    field = SimpleNamespace(shape=shape, law=FamilyLaw(load_family("bumped"), shape, 5.0, cast=True), result=found)
+    found = SimpleNamespace(best=DesignCandidate(5.0, 15.0, 0, evaluation))
+    field = SimpleNamespace(shape=shape, table=FamilyLaw(load_family("bumped"), shape, 5.0, cast=True), result=found)
     share = solved_shares(field, RADIUS)
     assert len(share) == 16 and share[-1] * 5.0 == pytest.approx(BEYOND * 1.5)
 
 
 def test_a_design_that_could_not_be_solved_deep_enough_says_why():
-    from dummydesign.design.suggestion import of_shape
+    from dummydesign.design.suggest import of_shape
 
     table, depth = law("crowned"), np.array([0.5, 1.0, 2.0])
     solved = ElementsLaw(table, H, depth, np.array([0.0, 0.01, 0.02]), np.full(3, 0.001), end="the face folds")

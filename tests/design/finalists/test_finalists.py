@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from dummydesign.core.errors import NoAnswerError
-from dummydesign.design.scoring.score import Readings
 from dummydesign.design.scoring.settings import verdict_limits
+from dummydesign.design.scoring.verdict import Readings
 from dummydesign.design.search import finalists as resolved_by_fem
 from dummydesign.design.search.finalists import ElementsLaw, near, solve_leading
 from tests.support.judged_pads import away, ranges
@@ -43,7 +43,7 @@ class Pad:
     complete: bool = True
     radius: float = 0.0
     by_neighbour: float = 0.0
-    law: Table = Table()
+    table: Table = Table()
 
     @property
     def shape(self):
@@ -149,8 +149,7 @@ def test_just_beyond_is_within_what_solving_moves_forces(monkeypatch, aim, short
         readings.peak_N[1] = band.peak_high_N[1] / (shortfall or 1.0)
         readings.peak_N[4] = band.peak_high_N[4] * (over or 1.0)
     monkeypatch.setattr(resolved_by_fem, "ranges_of", lambda _: band)
-    monkeypatch.setattr(resolved_by_fem, "readings_of", lambda *_: readings)
-    found = SimpleNamespace(best=SimpleNamespace(rank=0, index=0, evaluation=None))
+    found = SimpleNamespace(best=SimpleNamespace(rank=0, readings=readings))
     space = SimpleNamespace(targets=SimpleNamespace(aim=aim, limits=verdict_limits()))
     assert resolved_by_fem._nearly(SimpleNamespace(result=found), space) == nearly
 

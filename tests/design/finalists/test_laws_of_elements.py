@@ -21,6 +21,7 @@ from dummydesign.design.search.finalists import (
     near,
     solved_shares,
 )
+from dummydesign.design.search.slabs import DesignCandidate
 from dummydesign.geometry.dimensions import PAD_EXTENT_MM
 
 
@@ -76,10 +77,11 @@ def test_the_error_is_that_of_the_elements_and_beyond_them_at_least_the_tables()
 
 
 def shaped(depths=(1.0, 2.0, 3.0), thickness=10.0, flat=True, axisymmetric=True, share=0.5, name="crowned", **lengths):
-    shape = SimpleNamespace(name=name, axisymmetric=axisymmetric, flat_top=flat, parameters=tuple(lengths.items()))
+    shape = SimpleNamespace(name=name, axisymmetric=axisymmetric, flat_top=flat, parameters=tuple(lengths.items()),
+                            check=lambda *given: None)  # fmt: skip
     evaluation = SimpleNamespace(depth_mm=np.array([[9.0] * len(depths), depths]))
-    best = SimpleNamespace(thickness_mm=thickness, evaluation=evaluation, index=1)
-    return SimpleNamespace(shape=shape, law=Table(share=share), result=SimpleNamespace(best=best))
+    best = DesignCandidate(thickness, 15.0, 1, evaluation)
+    return SimpleNamespace(shape=shape, table=Table(cast=True, share=share), result=SimpleNamespace(best=best))
 
 
 @pytest.mark.parametrize("flat", [True, False])
@@ -110,12 +112,14 @@ def space(**given):
 
 
 def test_only_what_differs_from_the_tables_is_asked_of_a_solve():
-    inputs, own = _inputs(shaped(), space())
-    assert own == {} and inputs["thickness"] == 10.0 and inputs["radius"] == 7.9
+    inputs, pad = _inputs(shaped(), space())
+    assert list(inputs) == ["shape", "thickness", "radius", "depth"]
+    assert inputs["thickness"] == pad.thickness_mm == 10.0 and inputs["radius"] == pad.radius_mm == 7.9
     np.testing.assert_allclose(inputs["depth"], 10.0 * solved_shares(shaped(), 7.9))
-    full = _inputs(shaped(), space(base="sliding", extent_mm=40.0, edge_radius_mm=0.5))[1]
-    assert full == {"base": "sliding", "extent_mm": 40.0, "edge_radius_mm": 0.5}
-    assert _inputs(shaped(axisymmetric=False), space(edge_radius_mm=0.5))[1] == {}
+    full, pad = _inputs(shaped(), space(base="sliding", extent_mm=40.0, edge_radius_mm=0.5))
+    own = {"base": "sliding", "extent_mm": 40.0, "edge_radius_mm": 0.5}
+    assert full.items() >= own.items() and {name: getattr(pad, name) for name in own} == own
+    assert not _inputs(shaped(axisymmetric=False), space(edge_radius_mm=0.5))[0].keys() & own.keys()
 
 
 def test_a_law_is_the_logarithm_of_elements_over_table_at_unit_modulus():
@@ -141,9 +145,8 @@ def test_a_round_solve_keeps_where_the_face_has_touched_in_millimetres(monkeypat
         return SimpleNamespace(depth_mm=depth, force_N=depth, error_N=0.0 * depth)
 
     monkeypatch.setattr(shaped_pad, "solve_shaped_pad", solve)
-    monkeypatch.setattr(finalists, "Pad", lambda *given, **more: None)
     solved = SimpleNamespace(touched=[(0.1, 0.3, 0.01), (0.2, 0.9, 0.02)])
-    made = finalists._solve_round(shaped(), space(), solved)
+    made = finalists._solve_round(_inputs(shaped(), space())[1], np.array([1.0, 2.0]), solved)
     np.testing.assert_allclose(made["touch"], [[1.0, 2.0], [3.0, 7.9], [0.01, 0.02]])
 
 
@@ -160,7 +163,8 @@ def test_a_field_with_a_table_is_solved_on_its_grid_in_units_of_the_thickness(mo
     monkeypatch.setattr(shaped_pad, "press_field", press)
     table = SimpleNamespace(error_depth=np.array([0.0, 0.4]), solve_error=np.array([0.0, 0.04]))
     monkeypatch.setattr(tables, "load_shape_table", lambda name: table)
-    made = finalists._solve_field(SimpleNamespace(tabulated=True, name="bumped"), 8.0, np.array([0.8, 1.6, 2.4]))
+    pad = SimpleNamespace(geometry=SimpleNamespace(tabulated=True, name="bumped"), thickness_mm=8.0)
+    made = finalists._solve_field(pad, np.array([0.8, 1.6, 2.4]))
     np.testing.assert_allclose(asked[0][1], [0.1, 0.2, 0.3])
     assert asked[0][0] == 8.0 and made["notes"] == ("stopped",)
     np.testing.assert_allclose(made["depth_mm"], [0.8, 1.6])
@@ -174,7 +178,8 @@ def test_a_field_without_a_table_is_solved_under_the_square_of_fourteen_millimet
     asked = []
     monkeypatch.setattr(shaped_pad, "solve_shaped_block", lambda pad, depth: asked.append(pad) or SimpleNamespace(a=1))
     monkeypatch.setattr(finalists, "Pad", lambda *given, **more: SimpleNamespace(given=given, **more))
-    assert finalists._solve_field(SimpleNamespace(tabulated=False), 8.0, np.array([0.8])) == {"a": 1}
+    pad = SimpleNamespace(geometry=SimpleNamespace(tabulated=False), thickness_mm=8.0)
+    assert finalists._solve_field(pad, np.array([0.8])) == {"a": 1}
     assert asked[0].sides_mm == (14.0, 14.0) and asked[0].given[:2] == (8.0, 1.0)
 
 

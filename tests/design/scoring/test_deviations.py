@@ -6,7 +6,8 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from dummydesign.design.scoring.score import (
+from dummydesign.design.scoring.settings import verdict_limits
+from dummydesign.design.scoring.verdict import (
     CLASSES,
     ENERGY,
     PEAK,
@@ -16,9 +17,9 @@ from dummydesign.design.scoring.score import (
     Readings,
     classes,
     deviations,
+    representative,
+    verdict,
 )
-from dummydesign.design.scoring.settings import verdict_limits
-from dummydesign.design.scoring.verdict import representative, verdict
 
 FORCE = np.array([5.0, 10.0, 15.0])
 GRID = np.linspace(5.0, 15.0, 11)

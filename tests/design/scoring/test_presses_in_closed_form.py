@@ -33,19 +33,17 @@ from dummydesign.design.scoring.presses import (
     steady_depth,
 )
 from dummydesign.design.scoring.score import (
-    Deviations,
     Evaluation,
-    Ranges,
-    Readings,
     closeness,
-    deviations,
     evaluate,
     evaluated_gamma1,
     halving,
     scored_for,
     steady_gamma1,
 )
+from dummydesign.design.scoring.settings import verdict_limits
 from dummydesign.design.scoring.targets import make_targets
+from dummydesign.design.scoring.verdict import Deviations, Ranges, Readings, deviations
 from dummydesign.measurement.motion import ramp_and_hold
 from tests.support.slab_by_formula import LayerLaw, make_tissue
 
@@ -173,10 +171,18 @@ def test_samples_of_a_press_weigh_half_in_the_rise_and_half_in_the_logarithm_of_
 
 
 def test_curves_of_a_law_end_at_the_gels_compression_or_the_laws_end():
-    law = LayerLaw()
-    made = make_curves(law, np.array([10.0, 20.0]), 7.9, 0.4)
+    class Held(LayerLaw):
+        share = 0.4
+
+        def depth_limit_mm(self, thickness_mm, radius_mm):
+            return self.share * np.asarray(thickness_mm)
+
+    law = Held()
+    made = make_curves(law, np.array([10.0, 20.0]), 7.9)
     np.testing.assert_allclose(made.limit_mm, [4.0, 8.0])
-    np.testing.assert_allclose(make_curves(law, 10.0, 7.9, 0.9).limit_mm, [6.0])
+    far = Held()
+    far.share = 0.9
+    np.testing.assert_allclose(make_curves(far, 10.0, 7.9).limit_mm, [10.0 * verdict_limits().gel_compression])
     depth = np.array([[1.0, 3.0], [2.0, 7.0]])
     wanted = law.force(depth, np.array([[10.0], [20.0]]), 1.0, 7.9)
     np.testing.assert_allclose(made.area_at(np.array([0, 1]), depth), wanted, rtol=1e-4)

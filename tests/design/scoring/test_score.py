@@ -107,7 +107,7 @@ def test_parameters_are_recovered_from_presses_that_follow_the_law(law):
         presses.append(SimulatedPress(motion.time_s, force, stop, np.array([depth]), x, 24))
     problem = _Problem(presses, sampling, targets, np.array([0, 0, 0, 1, 1, 1]))
     rates = problem.solve()
-    springs = problem.springs(rates)[0]
+    springs = problem.fit(problem.responses(rates))[0][0]
     wanted = [truth.gamma1_N_per_mm3, *truth.gamma_N_per_mm3]
     np.testing.assert_allclose(springs, wanted, rtol=0.02)
     dampers = springs[1:] / rates[0]

@@ -5,9 +5,18 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from dummydesign.design.scoring.score import ENERGY, PEAK, STEADY, Readings, classes, deviations
 from dummydesign.design.scoring.settings import verdict_limits
-from dummydesign.design.scoring.verdict import LIGHTS, representative, verdict
+from dummydesign.design.scoring.verdict import (
+    ENERGY,
+    LIGHTS,
+    PEAK,
+    STEADY,
+    Readings,
+    classes,
+    deviations,
+    representative,
+    verdict,
+)
 from tests.support.judged_pads import FORCES, SPEEDS, away, cast, pad, ranges, stacked
 
 

@@ -5,8 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from dummydesign.design.scoring.score import CLASSES, STEADY, Readings
-from dummydesign.design.scoring.verdict import verdict
+from dummydesign.design.scoring.verdict import CLASSES, STEADY, Readings, verdict
 from tests.support.judged_pads import away, cast, pad, ranges, stacked
 
 CASTINGS = [

@@ -9,9 +9,9 @@ from hypothesis import strategies as st
 
 from dummydesign.design.request import RADIUS_MM
 from dummydesign.design.scoring.presses import Sampling, Slabs, make_curves
-from dummydesign.design.scoring.score import Readings, evaluate
+from dummydesign.design.scoring.score import evaluate
 from dummydesign.design.scoring.targets import make_targets
-from dummydesign.design.scoring.verdict import LEVELS, ranges_of, readings_of, verdict
+from dummydesign.design.scoring.verdict import LEVELS, Readings, ranges_of, readings_of, verdict
 from tests.support.judged_pads import pad, ranges
 from tests.support.slab_by_formula import make_tissue
 

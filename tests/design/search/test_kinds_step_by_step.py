@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from types import SimpleNamespace
 
 import numpy as np
@@ -25,12 +25,12 @@ from dummydesign.design.search.best_of_kinds import (
     force_at,
     low_force,
     misfit,
+    misfits,
     mixable,
     prescreen,
-    steady_force,
 )
 from dummydesign.design.search.shape_family import Designs, FamilyLaw, TableFamily
-from dummydesign.design.search.slabs import SearchResult
+from dummydesign.design.search.slabs import DesignCandidate, SearchResult
 from dummydesign.geometry.shape_registry import read_shape
 from dummydesign.geometry.shapes.slab import Slab
 
@@ -70,24 +70,27 @@ TARGETS = SimpleNamespace(protocol=PAPER, aim_depth_mm=lambda force: np.sqrt(np.
 
 def test_the_sieve_finds_the_power_of_the_aim_and_its_modulus():
     """The aim is 1.2 d^2: of 20 E d^2 that is a modulus of 0.06 MPa, without any misfit."""
-    found = prescreen(Powers(), TARGETS, np.array([6.0, 8.0, 10.0]), (0.01, 0.1), 7.9)
-    assert found.designs.power[0] == 2.0 and found.misfit[0] == pytest.approx(0.0, abs=1e-12)
-    assert found.young_MPa[0] == pytest.approx(0.06) and np.all(np.diff(found.misfit) >= -1e-12)
+    def sieved(*thickness, young=(0.01, 0.1), pad_mm=(150.0, 120.0)):
+        resin = SimpleNamespace(young_MPa=np.asarray)
+        return prescreen(Powers(), SimpleNamespace(thickness_mm=np.array(thickness), targets=TARGETS, resin=resin,
+                                                   ratio=young, radius_mm=7.9, pad_mm=pad_mm))  # fmt: skip
+
+    found = sieved(6.0, 8.0, 10.0)
     # the aim is 3.54 mm deep at 15 N: 6 mm are too thin for half of the thickness
-    assert set(found.designs.thickness_mm) == {8.0, 10.0} and len(found.misfit) == 6
+    assert found.power.tolist() == [2.0, 2.0] and set(found.thickness_mm) == {8.0, 10.0}
+    every = Powers().candidates(np.array([8.0]), 7.9)
+    misfit = misfits(Powers(), every, TARGETS, np.array([0.01, 0.1]), 7.9)
+    assert misfit[every.power == 2.0] == pytest.approx(0.0, abs=1e-12) and np.argmin(misfit) == 1
     forces = PAPER.misfit_N[:: module.SIEVE_STEP]
     away = np.log(forces) - np.log(20.0 * TARGETS.aim_depth_mm(forces))
-    linear = found.misfit[found.designs.power == 1.0]
-    np.testing.assert_allclose(linear, np.std(away), rtol=1e-6)
+    np.testing.assert_allclose(misfit[every.power == 1.0], np.std(away), rtol=1e-6)
     # a modulus outside the resin's is taken at its end
-    held = prescreen(Powers(), TARGETS, np.array([8.0]), (0.01, 0.05), 7.9)
-    assert held.young_MPa[0] == pytest.approx(0.05) and held.misfit[0] == pytest.approx(np.log(0.06 / 0.05))
-    few = prescreen(Powers(), TARGETS, np.array([8.0, 10.0]), (0.01, 0.1), 7.9, thicknesses=1)
-    assert len(few.misfit) == 1
+    held = misfits(Powers(), every, TARGETS, np.array([0.05, 0.01]), 7.9)
+    assert held[every.power == 2.0] == pytest.approx(np.log(0.06 / 0.05))
     with pytest.raises(NoAnswerError):
-        prescreen(Powers(), TARGETS, np.array([6.0]), (0.01, 0.1), 7.9)
+        sieved(6.0)
     with pytest.raises(NoAnswerError):
-        prescreen(Powers(), TARGETS, np.array([8.0]), (0.01, 0.1), 7.9, pad_mm=(7.0, 7.0))
+        sieved(8.0, pad_mm=(7.0, 7.0))
     assert DEPTH_SHARE >= 0.5
 
 
@@ -124,13 +127,13 @@ def test_the_misfit_is_the_root_mean_square_of_the_logarithm():
     assert misfit(short, wide, aim) is None and misfit(np.full(200, np.nan), wide, aim) is None
 
 
-def candidate(power=2.0, young=0.06, **more):
+def candidate(power=2.0, young=0.06):
     depth = 6.0 * np.linspace(0.0, 1.0, SAMPLES)
     curves = Curves(np.array([9.0, 10.0]), np.array([6.0, 6.0]), np.stack([depth, 20.0 * depth**power]))
     slabs = Slabs(curves, np.array([0, 1]), np.array([1.0, young]), (1e-9,), np.zeros((2, 1)))
     evaluation = SimpleNamespace(slabs=slabs, protocol=PAPER, sampling=Sampling(), low_force_range=np.array([0.0, 0.4]),
                                  steady_state_range=np.array([0.0, 0.7]))  # fmt: skip
-    return SimpleNamespace(index=1, evaluation=evaluation, thickness_mm=10.0, **more)
+    return DesignCandidate(10.0, 15.0, 1, evaluation)
 
 
 def test_a_design_against_the_aim_at_low_force():
@@ -142,9 +145,9 @@ def test_a_design_against_the_aim_at_low_force():
     assert found.depth_over_thickness == pytest.approx(np.sqrt(15.0 / 1.2) / 10.0, rel=1e-3)
     stiff = low_force(candidate(young=0.12), targets)
     assert stiff.misfit_rms_ln_force == pytest.approx(np.log(2.0), abs=0.03)
-    at = np.array([1.0, 3.0, 6.5])
-    np.testing.assert_allclose(steady_force(candidate(), at)[:2], 1.2 * at[:2] ** 2, rtol=5e-3)
-    assert np.isnan(steady_force(candidate(), at)[2])
+    at, curve = np.array([1.0, 3.0, 6.5]), (candidate().steady_depth_mm(PAPER.wide_N), PAPER.wide_N)
+    np.testing.assert_allclose(force_at(at, *curve)[:2], 1.2 * at[:2] ** 2, rtol=5e-3)
+    assert np.isnan(force_at(at, *curve)[2])
 
 
 class Soft:
@@ -175,16 +178,15 @@ def shaped(kind, worth, solved=False, shape=None, others=()):
 @pytest.fixture
 def plain(monkeypatch):
     monkeypatch.setattr(module, "with_parameters", lambda candidates, space: tuple(candidates))
-    monkeypatch.setattr(module, "compare_shape", lambda kind, shape, best, space, by: (kind, best.worth(), by))
-    monkeypatch.setattr(module, "replace", lambda one, **more: replace(one, **more) if hasattr(
-        one, "__dataclass_fields__") else one)  # fmt: skip
+    monkeypatch.setattr(module, "compare_shape", lambda one, space, by: (one.shape.name, one.worth, by))
+    monkeypatch.setattr(Shaped, "table", property(lambda one: one.law))
     weights = {"resolution": 0.02}
     return SimpleNamespace(targets=SimpleNamespace(weights=weights))
 
 
 def outcome(slab, *designs, asked="auto"):
     flat = None if slab is None else SearchResult(SimpleNamespace(worth=lambda: slab), (), None)
-    return SearchOutcome(asked, None, flat, "none", tuple(designs))
+    return SearchOutcome(asked, flat and Shaped(Slab(), None, flat), "none", tuple(designs))
 
 
 def test_the_best_of_all_kinds_is_chosen_and_a_slab_where_it_is_as_good(plain):

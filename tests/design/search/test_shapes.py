@@ -13,14 +13,16 @@ from dummydesign.design.search import best_of_kinds as best_of_kinds_module
 from dummydesign.design.search import shape_family as families
 from dummydesign.design.search.best_of_kinds import (
     MISFIT_N,
+    TRIED,
     best_of_kinds,
     choose,
     kinds_of,
     low_force,
     misfit,
+    misfits,
     prescreen,
     search_fixed,
-    search_shape,
+    search_shapes,
 )
 from dummydesign.design.search.shape_family import Designs, FamilyLaw
 from dummydesign.design.search.slabs import SearchSpace, search
@@ -78,7 +80,7 @@ def setting():
 
 @pytest.fixture(scope="module")
 def shaped(setting):
-    return search_shape(CapFamily(), setting)[0]
+    return search_shapes([CapFamily()], setting)[0][0]
 
 
 def test_misfit_of_the_aims_own_curve_is_zero_and_of_another_power_is_closed_form():
@@ -98,23 +100,25 @@ def test_misfit_has_no_value_when_the_pad_ends_before_the_aims_depth():
 
 def test_sieve_finds_the_same_misfit_and_modulus_as_a_brute_force_search(setting):
     targets, thickness = setting.targets, setting.thickness_mm
-    found = prescreen(CapFamily(), targets, thickness, (0.005, 0.5), RADIUS)
-    assert np.all(np.diff(found.misfit) >= 0.0)
+    designs, young = CapFamily().candidates(thickness, RADIUS), np.geomspace(0.005, 0.5, 20001)
     depth = targets.aim_depth_mm(MISFIT_N[::3])
-    area = CapFamily().area_mm2(found.designs.take(np.array([0])), depth[None], RADIUS)[0]
-    young = np.geomspace(0.005, 0.5, 20001)
-    rms = np.sqrt(np.mean((np.log(young[:, None] * area) - np.log(MISFIT_N[::3])) ** 2, axis=1))
-    assert found.misfit[0] == pytest.approx(rms.min(), rel=1e-4)
-    assert found.young_MPa[0] == pytest.approx(young[rms.argmin()], rel=1e-3)
+    designs = designs.take(CapFamily().limit_mm(designs, RADIUS) >= depth[-1])
+    found = misfits(CapFamily(), designs, targets, young, RADIUS)
+    for index in (0, int(np.argmin(found)), len(found) - 1):
+        area = CapFamily().area_mm2(designs.take(np.array([index])), depth[None], RADIUS)[0]
+        rms = np.sqrt(np.mean((np.log(young[:, None] * area) - np.log(MISFIT_N[::3])) ** 2, axis=1))
+        assert found[index] == pytest.approx(rms.min(), rel=1e-4)
 
 
 def test_the_best_of_each_thickness_is_the_same_as_among_all_that_can_be_cast(setting):
-    given = CapFamily(), setting.targets, setting.thickness_mm, (0.005, 0.5), RADIUS
-    every, few = prescreen(*given), prescreen(*given, thicknesses=3)
-    _, first = np.unique(every.designs.thickness_mm, return_index=True)
-    wanted = np.sort(first)[:3]
-    np.testing.assert_array_equal(few.misfit, every.misfit[wanted])
-    np.testing.assert_array_equal(few.designs.thickness_mm, every.designs.thickness_mm[wanted])
+    few, every = prescreen(CapFamily(), setting), CapFamily().candidates(setting.thickness_mm, RADIUS)
+    deepest = setting.targets.aim_depth_mm(MISFIT_N[-1:])
+    every = every.take((CapFamily().limit_mm(every, RADIUS) >= deepest) & every.castable(setting.pad_mm))
+    known = CapFamily(), setting.targets, setting.resin.young_MPa(setting.ratio)
+    misfit, kept = (misfits(known[0], designs, *known[1:], RADIUS) for designs in (every, few))
+    best = {h: misfit[every.thickness_mm == h].min() for h in set(every.thickness_mm.tolist())}
+    assert kept.tolist() == sorted(best.values())[: len(kept)] and len(kept) == min(len(best), TRIED)
+    assert [best[h] for h in few.thickness_mm.tolist()] == kept.tolist()
 
 
 def test_a_cap_comes_nearer_to_the_tissue_than_the_slab_by_the_same_rule(setting, shaped):
@@ -154,7 +158,7 @@ def test_a_given_shape_is_kept_and_only_thicknesses_that_hold_it_are_searched(se
 def test_no_shape_when_the_pads_are_too_thin_for_the_tissue(setting):
     soft = make_targets(make_tissue((0.002, 0.003, 0.004)), "average", SAMPLING)
     with raises_code("no_feasible_design", "pad"):
-        search_shape(CapFamily(), replace(setting, targets=soft, thickness_mm=np.array([3.0, 4.0])))
+        raise search_shapes([CapFamily()], replace(setting, targets=soft, thickness_mm=np.array([3.0, 4.0])))[0]
 
 
 def test_auto_takes_the_best_merit_of_all_kinds_and_lists_the_slab_beside(setting, monkeypatch):

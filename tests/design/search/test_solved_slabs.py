@@ -7,6 +7,8 @@ from dummydesign.design.sweep.run import whatif
 from dummydesign.design.sweep.spec import Study
 from dummydesign.geometry.punch import equal_area_radius_mm
 from dummydesign.pad import solved_law as solved
+from dummydesign.pad.material.hyperelastic import Yeoh
+from dummydesign.pad.specimen import Pad
 from tests.support.refusal import raises_code
 
 RADIUS = 14.0 / np.sqrt(np.pi)
@@ -15,13 +17,13 @@ RADIUS = 14.0 / np.sqrt(np.pi)
 def pretend(layer_law, calls, reach=0.6, depths=solved.SLAB_SHARES):
     """Stand in for the finite-element solve by a formula of known force."""
 
-    def solve(case):
-        thickness, radius = case.thickness_mm, case.radius_mm
+    def solve(pad, fidelity):
+        thickness, radius = pad.thickness_mm, pad.radius_mm
         calls.append(thickness)
         depth = thickness * np.array([share for share in depths if share <= reach])
         why = () if reach >= 0.6 else ("stopped early",)
         force = layer_law.force(depth, thickness, 1.0, radius)
-        return solved.SolvedSlab(case, depth, force, 0.001 + 0.0 * depth, why)
+        return solved.SolvedSlab(pad, depth, force, 0.001 + 0.0 * depth, why)
 
     return solve
 
@@ -87,7 +89,7 @@ def test_finite_elements_and_table_agree_at_moderate_depth():
 @pytest.mark.slow
 def test_stiffening_is_solved_under_a_face_that_slides(monkeypatch):
     monkeypatch.setattr(solved, "SLAB_SHARES", (0.02,))
-    cases = [solved.SlabCase(8.0, 8.0, condition="frictionless", yeoh_c2_over_mu=c2) for c2 in (0.0, 2.0)]
+    cases = [Pad(8.0, 1.0, 8.0, condition="frictionless", law=Yeoh(1.0, c2)) for c2 in (0.0, 2.0)]
     soft, stiff = (solved.solve_slab(case) for case in cases)
     assert 1.01 < stiff.area_mm2[0] / soft.area_mm2[0] < 1.1
 
@@ -95,10 +97,10 @@ def test_stiffening_is_solved_under_a_face_that_slides(monkeypatch):
 @pytest.mark.parametrize(
     "case",
     [
-        solved.SlabCase(8.0, RADIUS, condition="frictionless", sides_mm=(14.0, 14.0)),
-        solved.SlabCase(8.0, RADIUS, sides_mm=(28.0, 7.0)),
-        solved.SlabCase(8.0, RADIUS, yeoh_c2_over_mu=0.3, sides_mm=(14.0, 14.0)),
-        solved.SlabCase(100.0, RADIUS, sides_mm=(14.0, 14.0)),
+        Pad(8.0, 1.0, RADIUS, condition="frictionless", sides_mm=(14.0, 14.0)),
+        Pad(8.0, 1.0, RADIUS, sides_mm=(28.0, 7.0)),
+        Pad(8.0, 1.0, RADIUS, law=Yeoh(1.0, 0.3), sides_mm=(14.0, 14.0)),
+        Pad(100.0, 1.0, RADIUS, sides_mm=(14.0, 14.0)),
     ],
     ids=["a face that slides", "a rectangle", "stiffening", "outside the table of squares"],
 )

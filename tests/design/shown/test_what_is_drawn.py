@@ -26,6 +26,7 @@ from dummydesign.design.plot_data import (
 )
 from dummydesign.design.request import PAPER
 from dummydesign.design.scoring.presses import SAMPLES, Curves, Sampling, Slabs
+from dummydesign.design.search.slabs import DesignCandidate
 from dummydesign.pad.force_law import BaseForceLaw
 
 POWER = 2.0
@@ -51,6 +52,7 @@ class Resin:
     """E = 0.1 MPa (ratio / 15)^-6 within 10 % either way, one fast arm that is known within a half."""
 
     arms = (SimpleNamespace(tau_s=quantity(0.05), beta=quantity(0.4, 0.2, 0.6)),)
+    tau_s = (0.05,)
     ratio_min, ratio_max = 12.0, 15.01
     liquids = (SimpleNamespace(name="base", parts=None), SimpleNamespace(name="hardener", parts=1.0),
                SimpleNamespace(name="dye", parts=0.1))  # fmt: skip
@@ -62,8 +64,8 @@ class Resin:
         value = float(1e3 * self.young_MPa(ratio))
         return quantity(value, 0.9 * value, 1.1 * value)
 
-    def prony(self, ratio):
-        return (SimpleNamespace(beta=0.4),)
+    def strengths(self, ratio):
+        return np.full((len(ratio), 1), 0.4)
 
 
 def answer(tolerance=0.2, weighing=0.1, **more):
@@ -150,7 +152,7 @@ def power_slabs(limit=5.0, power=POWER):
 
 def candidate_of(slabs):
     evaluation = SimpleNamespace(slabs=slabs, protocol=PAPER, sampling=Sampling())
-    return SimpleNamespace(evaluation=evaluation, index=0)
+    return DesignCandidate(10.0, 15.0, 0, evaluation)
 
 
 def test_a_relative_force_is_the_pads_at_the_aims_depth():
@@ -236,7 +238,7 @@ def test_a_pad_is_solved_at_the_forces_it_reaches_with_its_own_modulus(monkeypat
     monkeypatch.setattr(module, "_solved", lambda pad, depth: {"states": [{"depth": d} for d in depth]})
     monkeypatch.setattr(module, "_drawn", lambda pad, force, state: (force, state["depth"]))
     evaluation = SimpleNamespace(depth_mm=np.array([[9.0] * 6, [1.5, 2.5, np.nan, 1.4, 2.4, np.nan]]))
-    candidate = SimpleNamespace(evaluation=evaluation, index=1, thickness_mm=8.123, ratio=14.0)
+    candidate = DesignCandidate(8.123, 14.0, 1, evaluation)
     from dummydesign.geometry.shapes.slab import Slab
 
     found = _pressed(answer(punch=None, resin=Resin()), candidate, Slab())

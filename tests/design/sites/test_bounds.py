@@ -10,6 +10,7 @@ import pytest
 
 from dummydesign.core.errors import InputError, NoAnswerError
 from dummydesign.design import sites as module
+from dummydesign.design.search.slabs import DesignCandidate
 from dummydesign.design.sites import (
     DEPTH_SHARES,
     INDEPENDENT,
@@ -184,7 +185,7 @@ def test_a_punch_reaches_to_its_corners_and_crowns_are_solved_at_the_deepest_pre
     asked = []
     monkeypatch.setattr(module, "lay_out", lambda *given: asked.append(given))
     depth = np.array([[1.0, 9.0], [1.5, np.nan]])
-    best = SimpleNamespace(evaluation=SimpleNamespace(depth_mm=depth), index=1, thickness_mm=4.5)
+    best = DesignCandidate(4.5, 15.0, 1, SimpleNamespace(depth_mm=depth))
     space = SimpleNamespace(radius_mm=7.9, extent_mm=60.0, base="sliding", pad_mm=(150.0, 120.0))
     lay_out_sites(CROWN, best, space, SimpleNamespace(sides_mm=sides, radius_mm=7.9), (2, 3))
     (alone, wanted, pad, reached) = asked[0]

@@ -6,10 +6,10 @@ from math import exp
 import pytest
 
 from dummydesign.core.errors import InputError
-from dummydesign.design.inputs import resolve
 from dummydesign.design.options import read_sites
 from dummydesign.design.request import Request
 from dummydesign.design.sites import INDEPENDENT, lay_out
+from dummydesign.design.suggest import resolve
 from dummydesign.geometry.shape_registry import read_shape
 from tests.support.refusal import raises_code
 

@@ -4,11 +4,10 @@ import numpy as np
 import pytest
 
 from dummydesign.core.errors import InputError
-from dummydesign.design.inputs import resolve
 from dummydesign.design.pad_evaluator import PadEvaluator, law_of_shape, one_pad
-from dummydesign.design.plot_data import force_grids, steady_curve
+from dummydesign.design.plot_data import force_grids
 from dummydesign.design.request import Request
-from dummydesign.design.suggest import design
+from dummydesign.design.suggest import design, resolve
 from dummydesign.geometry.shape_registry import read_shape
 from dummydesign.geometry.shapes.slab import Slab
 
@@ -26,7 +25,7 @@ def test_the_recommended_pad_gets_the_verdict_and_the_curve_of_the_suggestion(in
     pad = evaluator.evaluate(Slab(), best.thickness_mm, best.ratio)
     assert evaluator.with_castings(pad, Slab()) == found.verdict
     grids = force_grids(found.targets.protocol)
-    assert np.array_equal(pad.steady_depth_mm(grids.pad), steady_curve(best, grids), equal_nan=True)
+    assert np.array_equal(pad.candidate.steady_depth_mm(grids.pad), best.steady_depth_mm(grids.pad), equal_nan=True)
 
 
 def test_a_softer_pad_is_deeper_at_every_force(inputs):
@@ -34,7 +33,7 @@ def test_a_softer_pad_is_deeper_at_every_force(inputs):
     soft, stiff = (one_pad(law, inputs.space, 5.0, ratio) for ratio in (15.0, 15.4))
     assert inputs.space.resin.young_MPa(15.0) < inputs.space.resin.young_MPa(15.4)
     force = np.array([1.0, 5.0, 10.0])
-    assert (soft.steady_depth_mm(force) > stiff.steady_depth_mm(force)).all()
+    assert (soft.candidate.steady_depth_mm(force) > stiff.candidate.steady_depth_mm(force)).all()
 
 
 def test_a_pad_out_of_reach_is_judged_red_and_not_refused(inputs):

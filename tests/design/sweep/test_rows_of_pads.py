@@ -105,7 +105,7 @@ def test_a_pad_that_is_solved_has_rows_of_its_curve_and_its_power_before_the_fir
 
     asked = []
 
-    def curve(pad, fidelity, deepest, wanted, more):
+    def curve(pad, fidelity, deepest, wanted):
         asked.append((pad, deepest, wanted))
         return curve_of(99.0, power)
 

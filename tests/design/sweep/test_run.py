@@ -72,9 +72,9 @@ def test_a_tissue_adds_scores(layer_law):
 
 
 def test_scores_are_of_the_studys_own_forces_and_speeds_as_suggest_gives_them(layer_law):
-    from dummydesign.design.inputs import resolve
     from dummydesign.design.request import Request
     from dummydesign.design.search.slabs import search
+    from dummydesign.design.suggest import resolve
 
     pads = {"thickness_mm": (5.0, 5.5), "ratio": (15.0, 16.0)}
     asked = Request("forefinger", force_N=(2.0, 4.0, 8.0), velocity_mm_s=(50.0,), **pads)
@@ -91,9 +91,9 @@ def test_scores_are_of_the_studys_own_forces_and_speeds_as_suggest_gives_them(la
 
 
 def test_hold_and_braking_of_the_study_are_those_of_its_scores_as_suggest_gives_them(layer_law):
-    from dummydesign.design.inputs import resolve
     from dummydesign.design.request import Request
     from dummydesign.design.search.slabs import search
+    from dummydesign.design.suggest import resolve
 
     pads = {"thickness_mm": (5.0, 5.5), "ratio": (15.0, 16.0)}
     test = {"hold_s": 0.5, "deceleration_mm_s2": 5000.0}
@@ -217,8 +217,8 @@ def test_a_sliding_base_is_softer_and_every_support_has_its_rows():
 
 
 def test_a_slab_that_cannot_be_solved_has_a_row_that_says_so(monkeypatch):
-    def fail(case):
-        raise NoAnswerError("no_convergence", f"slab of {case.thickness_mm:g} mm: no depth")
+    def fail(pad, fidelity):
+        raise NoAnswerError("no_convergence", f"slab of {pad.thickness_mm:g} mm: no depth")
 
     monkeypatch.setattr("dummydesign.pad.solved_law.solve_slab", fail)
     rows = whatif(Study((5.0,), (15.0, 16.0), SQUARE, fidelity="axisymmetric", tissue="palm"))["rows"]

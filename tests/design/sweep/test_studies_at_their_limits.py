@@ -180,8 +180,9 @@ def test_a_built_in_tissue_is_known_from_5_to_15_newtons_under_its_punch():
     own = SimpleNamespace(origin="file", name="own", parameter_sets=())
     assert tissue_warnings(own, "round:16", 0.5, (1.0, 99.0)) == []
     request = Request("palm", force_N=(10.0, 30.0))
-    assert beyond_people(request, built_in()) == 2.0 and beyond_people(Request("palm"), built_in()) == 1.0
-    assert beyond_people(request, own) == 1.0 and pressed_to_N(own) is None
+    forces_N = request.protocol.forces_N
+    assert beyond_people(forces_N, built_in()) == 2.0 and beyond_people(PAPER.forces_N, built_in()) == 1.0
+    assert beyond_people(forces_N, own) == 1.0 and pressed_to_N(own) is None
     presses = [SimpleNamespace(hold_s=10.0, steady_N=lambda hold, f=f: f + hold) for f in (2.0, 5.0)]
     measured = SimpleNamespace(origin="file", parameter_sets=(SimpleNamespace(presses=presses),))
     assert pressed_to_N(measured) == 15.0

@@ -66,11 +66,9 @@ def test_bins_are_as_many_as_the_docstring_says(speed, fast):
 def test_bins_of_a_press_hold_the_means_of_its_samples_and_its_nodes_a_straight_force():
     trace = motion(20.0)
     press = reduce_press(trace, None)
-    columns = press.start_s, press.end_s, press.samples, press.force_N, press.scatter
-    for start, end, count, mean, scatter in zip(*columns):
+    for start, end, count, mean in zip(press.start_s, press.end_s, press.samples, press.force_N):
         inside = trace.force_N[(trace.time_s >= start) & (trace.time_s < end)]
         assert count == len(inside) and mean == pytest.approx(inside.mean(), abs=1e-9)
-        assert scatter == pytest.approx(((inside - inside.mean()) ** 2).sum(), abs=1e-9)
     # a force that is linear in time between the nodes is binned exactly
     time = press.time_s
     inside = [(trace.time_s >= a) & (trace.time_s < b) for a, b in zip(press.start_s, press.end_s)]
@@ -218,7 +216,7 @@ def test_the_values_of_a_law_are_remembered_and_are_those_of_the_law():
 def test_signals_are_binned_and_sampled_alike_by_one_operator():
     presses = pucks.planned()
     force = np.sin(presses.time_s)
-    both = presses.measured(np.stack([force, 2.0 * force], axis=-1))
+    both = presses.operator @ np.stack([force, 2.0 * force], axis=-1)
     np.testing.assert_allclose(both[..., 1], 2.0 * presses.measure(force))
     for row, (values, trial_) in enumerate(zip(presses.at_samples(force), presses.trials)):
         count = len(presses.presses[row].time_s)

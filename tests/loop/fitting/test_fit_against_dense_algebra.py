@@ -23,9 +23,9 @@ from dummydesign.loop.fitting.fit import (
     with_sizes,
 )
 from dummydesign.loop.fitting.noise import Sizes, contrasts, estimate_slow_noise, make_whitener
-from dummydesign.loop.fitting.problem import ARMS, BASE, CampaignProblem
+from dummydesign.loop.fitting.problem import ARMS, CampaignProblem
 from dummydesign.loop.fitting.screening import Screened, starts_of
-from dummydesign.loop.model.forward_model import HIGH, LOW, simulate_yielding
+from dummydesign.loop.model.forward_model import BASE, HIGH, LOW, simulate_yielding
 from tests.support import puck_presses as pucks
 from tests.support.puck_presses import clean_fit
 

@@ -11,9 +11,9 @@ from dummydesign.loop.data.trials import make_presses
 from dummydesign.loop.effects.registry import effect_named
 from dummydesign.loop.fitting.fit import KNOTS, fit, fit_base, prior_precision, rough_columns, with_rough_law
 from dummydesign.loop.fitting.noise import make_whitener
-from dummydesign.loop.fitting.problem import BASE
 from dummydesign.loop.model.base_law import USUAL_ROUGHNESS
 from dummydesign.loop.model.campaign_law import law_of
+from dummydesign.loop.model.forward_model import BASE
 from dummydesign.measurement.campaign_file import read_campaign
 
 

@@ -7,8 +7,8 @@ import pytest
 from scipy.stats import t as student
 
 from dummydesign.inference.noise import Noise
-from dummydesign.loop.fitting.fit import NORMAL_95, SizeLikelihood, student_over_normal
-from dummydesign.loop.fitting.noise import Sizes
+from dummydesign.loop.fitting.fit import NORMAL_95, student_over_normal
+from dummydesign.loop.fitting.noise import SizeLikelihood, Sizes
 
 NOISE = 1e-4
 WIDE = ((0.005, 30.0), (0.005, 0.3), (0.005, 0.3))

@@ -11,7 +11,7 @@ import pytest
 
 from dummydesign.core.errors import NoAnswerError
 from dummydesign.geometry.shape_registry import read_shape
-from dummydesign.loop.effects.learned import FADE, Learned, SmoothChange, at_nodes, fading, followed, hats
+from dummydesign.loop.effects.learned import FADE, Learned, SmoothChange, at_nodes, fading, followed
 from dummydesign.loop.effects.registry import effect_named
 from dummydesign.loop.model import campaign_law, solved_law
 from dummydesign.loop.model.base_law import SLAB_ERROR, PuckLaw, SlabLaw
@@ -260,14 +260,10 @@ def test_a_pad_is_solved_to_the_first_depth_beyond_what_was_pressed_by_a_tenth(m
 
 
 def test_learned_changes_interpolate_between_knots_and_fade_evenly():
-    knots = np.array([1.0, 2.0, 4.0, 8.0])
-    at = np.array([0.0, 1.0, 1.25, 3.0, 7.0, 8.0, 99.0])
-    weights = hats(at, knots)
-    np.testing.assert_allclose(weights.sum(axis=-1), 1.0)
-    np.testing.assert_allclose(weights @ knots, np.clip(at, 1.0, 8.0))
-    np.testing.assert_allclose(weights @ knots**2, np.interp(at, knots, knots**2))
-    assert weights.min() >= 0.0
-    assert np.count_nonzero(weights, axis=-1).max() == 2
+    knots = (1.0, 2.0, 4.0, 8.0)
+    at = np.array([1.0, 1.25, 3.0, 7.0, 8.0])
+    np.testing.assert_allclose(SmoothChange(("depth_mm",), (knots,), knots)(at), at)
+    assert not SmoothChange(("depth_mm",), (knots,), knots)(np.array([-9.0, 99.0])).any()
     reach = FADE * 7.0
     np.testing.assert_allclose(
         fading(np.array([1.0, 8.0, 8.0 + 0.25 * reach, 1.0 - 0.75 * reach, 8.0 + 2.0 * reach]), (1.0, 8.0)),

@@ -12,7 +12,8 @@ from scipy.stats import chi2
 from dummydesign.loop.effects.registry import effect_named
 from dummydesign.loop.fitting.fit import fit, fit_with_noise, prior_precision
 from dummydesign.loop.fitting.noise import contrasts, make_whitener
-from dummydesign.loop.fitting.problem import BASE, CampaignProblem
+from dummydesign.loop.fitting.problem import CampaignProblem
+from dummydesign.loop.model.forward_model import BASE
 from dummydesign.loop.selection import cross_validation, verdict
 from dummydesign.loop.selection.cross_validation import (
     assess,
@@ -25,7 +26,6 @@ from dummydesign.loop.selection.cross_validation import (
     jackknife,
     lack_of_fit,
     leave_out,
-    pad_errors,
     repeat_scatter_mm,
     widened,
 )
@@ -91,7 +91,7 @@ def test_leaving_presses_out_is_least_squares_without_them(offset_fit, by):
         left = np.r_[residual[kept].ravel(), -root * offset_fit.vector]
         wanted = np.linalg.lstsq(rows, left, rcond=None)[0]
         np.testing.assert_allclose(change / spread, wanted / spread, atol=0.1)
-    assert pad_errors(offset_fit).heldout_N == pytest.approx(errors(offset_fit, presses.pad).heldout_N)
+    assert assess(offset_fit).by_pad.heldout_N == pytest.approx(errors(offset_fit, presses.pad).heldout_N)
 
 
 def test_presses_of_one_condition_are_left_out_one_by_one():
@@ -292,10 +292,16 @@ def errors_of(*squares):
 def test_an_effect_predicts_better_on_conditions_or_without_loss_there_on_pads(cells, pads, better, monkeypatch):
     """Two in a thousand of the square on conditions, two in a hundred on pads."""
     nothing = errors_of(np.nan, np.nan)
-    monkeypatch.setattr(verdict, "errors", lambda fit: nothing if cells is None else errors_of(cells, cells))
-    monkeypatch.setattr(verdict, "pad_errors", lambda fit: nothing if pads is None else errors_of(pads, pads))
+
+    def errors_without(fit, labels=None):
+        share = cells if labels is None else pads
+        assert labels in (None, "by pad")
+        return nothing if share is None else errors_of(share, share)
+
+    monkeypatch.setattr(verdict, "errors", errors_without)
     before = SimpleNamespace(errors=errors_of(1.0, 1.0), by_pad=errors_of(1.0, 1.0))
-    assert verdict.predicts_better(before, None) is better
+    after = SimpleNamespace(problem=SimpleNamespace(presses=SimpleNamespace(pad="by pad")))
+    assert verdict.predicts_better(before, after) is better
 
 
 def test_a_size_is_at_its_bound_within_a_thousandth_of_its_range_but_not_at_null():

@@ -135,7 +135,7 @@ def test_a_step_is_the_normal_posterior_of_the_curve_with_all_other_parameters_f
     found = changed_fit(warmer)
     shape = SmoothChange(("temperature_C",), (tuple(np.linspace(21.5, 29.0, 6)),), (0.0,) * 6)
     step = learn_effect._step(found, shape)
-    whiten = project(found)[1]
+    whiten = project(found).whiten
     presses = found.problem.presses
     columns = whiten(learn_effect._columns(found, shape)).reshape(-1, 6)
     jacobian = whiten(found.jacobian).reshape(len(columns), -1)
@@ -215,7 +215,7 @@ def test_a_learned_shape_is_learned_anew_without_the_presses():
     learnt = learn(found, ("temperature_C",))
     presses = found.problem.presses
     out = np.arange(len(presses.trials)) == int(np.argmax(presses.history.temperature_C < 24.0))
-    with_shape = learn_effect.predicted_without(learnt.fit, out, learnt.effect.shape)
+    with_shape = learn_effect.predicted_without(learnt.fit, out)
     plain = learn_effect.predicted_without(found, out)
     weight = (presses.samples * presses.used)[out]
     errors = [float(np.average((presses.force_N - one)[out] ** 2, weights=weight)) for one in (with_shape, plain)]
@@ -329,7 +329,7 @@ def test_a_function_first_must_cost_less_and_predict_better_than_the_named_effec
     curve = Learned(SmoothChange(("depth_mm",), ((0.0, 1.0),), (0.1, 0.0)))
     effect = effect_named("contact_offset")
     named = model(600.0, [effect], squares=2.0)
-    monkeypatch.setattr(learn_effect, "refitted_squares", lambda fit, shape=None: fit.squares)
+    monkeypatch.setattr(learn_effect, "refitted_squares", lambda fit: fit.squares)
     monkeypatch.setattr(learn_effect, "replace", lambda one, **more: SimpleNamespace(**{**vars(one), **more}))
     asked = []
 
@@ -379,7 +379,7 @@ def rounds(monkeypatch):
     monkeypatch.setattr(learn_effect, "replace", lambda one, **more: one)
     monkeypatch.setattr(learn_effect, "_with", lambda fit, shape: (shape, None))
     monkeypatch.setattr(learn_effect, "_step", lambda fit, shape: step)
-    monkeypatch.setattr(learn_effect, "refitted_squares", lambda fit, shape=None: fit.squares)
+    monkeypatch.setattr(learn_effect, "refitted_squares", lambda fit: fit.squares)
     return SimpleNamespace(run=run, tried=tried)
 
 

@@ -13,7 +13,7 @@ from dummydesign.loop.data.trials import stack
 from dummydesign.loop.effects.learned import followed
 from dummydesign.loop.effects.registry import known_effects
 from dummydesign.loop.fitting.candidates import first_fit
-from dummydesign.loop.fitting.fit import fit_base
+from dummydesign.loop.fitting.fit import fit_base, hats
 from dummydesign.loop.fitting.noise import estimate_slow_noise, repeat_pairs
 from dummydesign.loop.fitting.screening import project, screen, starts_of
 from dummydesign.loop.selection.cross_validation import assess
@@ -22,7 +22,6 @@ from dummydesign.loop.selection.residuals import (
     dependences,
     examine,
     families,
-    hats,
     raw_residuals,
     run_checks,
 )
@@ -85,7 +84,8 @@ def test_what_a_factor_explains_is_what_least_squares_explain():
     chance = np.random.default_rng(4)
     left = np.where(found.problem.presses.used, 0.1 * chance.normal(size=found.forces.shape), 0.0)
     made = replace(found, residual=left)
-    projection, whiten = project(made, law_free=True)
+    projection = project(made, law_free=True)
+    whiten = projection.whiten
     clean = projection.remove(projection.residual)
     told = {one.factor: one for one in dependences(made)}
     for name in ("temperature", "repeat", "loading or unloading"):
@@ -104,6 +104,7 @@ def test_hats_add_to_one_and_interpolate():
     at = np.array([[-1.0, 0.5], [2.0, 9.0]])
     rows = np.stack(hats(at, knots), axis=-1)
     np.testing.assert_allclose(rows.sum(axis=-1), 1.0)
+    assert rows.min() >= 0.0 and np.count_nonzero(rows, axis=-1).max() == 2
     np.testing.assert_allclose(rows @ knots, [[0.0, 0.5], [2.0, 7.0]])
 
 
@@ -275,7 +276,8 @@ def test_effects_are_screened_by_what_they_would_explain():
         vector = np.insert(found.vector, found.problem.fixed, start)
         change = np.where(presses.used, problem.predict(vector) - forces, 0.0)
         made = replace(found, forces=forces, residual=change)
-        projection, whiten = project(made)
+        projection = project(made)
+        whiten = projection.whiten
         wanted = projection.remove(np.r_[whiten(change).ravel(), np.zeros(projection.rows)])
         if np.linalg.norm(wanted) < 1e-3:
             continue

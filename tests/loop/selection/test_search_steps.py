@@ -275,7 +275,7 @@ def test_named_parameters_are_counted_without_forms_and_curves():
     for name in ("contact_offset", "machine_compliance", "sensor_lag"):
         effect = effect_named(name)
         made = SimpleNamespace(problem=SimpleNamespace(effects=(effect, curve)))
-        assert search._named(made) == sum(not p.of_form for p in effect.parameters) >= 1
+        assert search.named_parameters(made) == sum(not p.of_form for p in effect.parameters) >= 1
 
 
 @pytest.fixture

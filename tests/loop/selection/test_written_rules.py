@@ -17,7 +17,7 @@ from dummydesign.core.process import quiet
 from dummydesign.loop import run
 from dummydesign.loop.effects.learned import SmoothChange
 from dummydesign.loop.effects.registry import effect_named
-from dummydesign.loop.fitting.noise import first_sizes
+from dummydesign.loop.fitting.noise import Sizes
 from dummydesign.loop.model.base_law import PuckLaw, SlabLaw
 from dummydesign.loop.selection import learn_effect, search, verdict
 from dummydesign.loop.selection.base_kept import LeftOut, deepest, fastest, predicts_worse
@@ -52,7 +52,7 @@ def test_the_error_of_the_force_law_starts_at_what_is_written():
     wanted = [0.01 * written("fit the base", text) for text in ("level # %", "slope # %", "curvature # % at")]
     presses = SimpleNamespace(presses=[SimpleNamespace(white_N=one) for one in (0.03, 0.04)])
     for law in (SlabLaw, PuckLaw):
-        sizes = first_sizes(presses, law.error_priors)
+        sizes = Sizes.first(presses, law.error_priors)
         assert sizes.law == pytest.approx(wanted)
         # a factor of two is the end of the 95 % interval of the logarithm: 1.2 to 2.5 to be called so
         assert all(1.8 < np.exp(1.96 * spread) < 2.3 for _, spread in law.error_priors)
@@ -160,10 +160,10 @@ def test_a_single_effect_that_explains_more_by_what_is_written_is_named(monkeypa
     for gain, enough in ((29.9, False), (30.1, True)):
         for better, named in cases(more):
             ranking = [candidate("ageing", gain, 1000.0 - better)]
-            found = run._better_alone(SimpleNamespace(ranking=ranking, screened=[]), after)
+            found = [*run._better_alone(SimpleNamespace(ranking=ranking, screened=[]), after)]
             assert bool(found) is (enough and named)
     used = SimpleNamespace(fit=SimpleNamespace(problem=SimpleNamespace(effects=(effect_named("ageing"),)), score=1e3))
-    assert not run._better_alone(SimpleNamespace(ranking=[candidate("ageing", 90.0)], screened=[]), used)
+    assert not [*run._better_alone(SimpleNamespace(ranking=[candidate("ageing", 90.0)], screened=[]), used)]
 
 
 def test_presses_left_out_are_beyond_the_written_shares():
@@ -247,7 +247,7 @@ def test_a_curve_must_lower_the_squared_left_out_error_to_what_is_written(monkey
     monkeypatch.setattr(learn_effect, "replace", lambda one, **more: one)
     monkeypatch.setattr(learn_effect, "_with", lambda fit, shape: (shape, None))
     monkeypatch.setattr(learn_effect, "_step", lambda fit, shape: step)
-    monkeypatch.setattr(learn_effect, "refitted_squares", lambda fit, shape=None: fit.squares)
+    monkeypatch.setattr(learn_effect, "refitted_squares", lambda fit: fit.squares)
     for ratio, enough in ((BELOW * limit, True), (ABOVE * limit, False)):
         after = SimpleNamespace(score=700.0, sizes=noise, squares=2.0 * ratio)
         monkeypatch.setattr(learn_effect, "fit_with_noise", lambda *args, after=after: after)

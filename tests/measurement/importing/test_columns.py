@@ -5,9 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from dummydesign.core.library import data_folder, read_toml
 from dummydesign.measurement.importing.decisions import ImportLog, Settings
-from dummydesign.measurement.importing.table import read_columns
-from dummydesign.measurement.importing.vocabulary import find_unit, roles_of_name, scaled_unit, split_name
+from dummydesign.measurement.importing.table import columns_of
+from dummydesign.measurement.importing.vocabulary import find_unit, roles_of_name, scaled_unit, split_name, words_of
 from tests.support.refusal import raises_code
 
 TIME = np.arange(400) * 0.01
@@ -20,7 +21,7 @@ def read(tmp_path, head, columns=(TIME, WAY, FORCE), settings=None, separator=";
     path = tmp_path / "press.csv"
     path.write_text("\n".join([*([head] if head else []), *rows]) + "\n", encoding="utf-8")
     log = ImportLog(path.name, settings or Settings())
-    return read_columns(path, log), log
+    return columns_of(path.read_text(encoding="utf-8"), log), log
 
 
 def close(found):
@@ -77,11 +78,10 @@ def test_units_that_differ_by_a_capital_are_kept_apart():
         ("time (h);depth (in);load (lbf)", (1 / 3600, 1 / 25.4, 1 / 4.4482216152605)),
     ],
 )  # fmt: skip
-def test_stated_units_are_brought_to_s_mm_and_newton(tmp_path, head, scale):
+def test_stated_units_are_brought_to_s_mm_and_newton(head, scale):
     rows = [values * factor for values, factor in zip((TIME, WAY, FORCE), scale)]
     lines = [";".join(f"{cell:.12f}" for cell in row) for row in zip(*rows)]
-    (tmp_path / "a.csv").write_text("\n".join([head, *lines]) + "\n", encoding="utf-8")
-    close(read_columns(tmp_path / "a.csv", ImportLog("a.csv")))
+    close(columns_of("\n".join([head, *lines]) + "\n", ImportLog("a.csv")))
 
 
 def test_a_unit_row_may_be_in_another_order_than_ours(tmp_path):
@@ -207,3 +207,11 @@ def test_a_row_that_stands_twice_is_taken_once(tmp_path):
 def test_a_time_that_begins_again_begins_another_recording(tmp_path):
     found, _ = read(tmp_path, "Zeit [s];Weg [mm];Kraft [N]", (np.r_[TIME, TIME], np.r_[WAY, WAY], np.r_[FORCE, FORCE]))
     assert found.recordings == ((0, len(TIME)), (len(TIME), 2 * len(TIME)))
+
+
+def test_every_word_of_the_data_file_can_be_found_and_no_unit_stands_twice():
+    content, _ = read_toml(data_folder() / "materials" / "machine-words.toml")
+    words = {word for languages in content["words"].values() for text in languages.values() for word in text.split()}
+    assert [word for word in words if words_of(word) != [word]] == []
+    names = [name for factors in content["units"].values() for text in factors.values() for name in text.split()]
+    assert len(names) == len(set(names)) and all(find_unit(name).text == name for name in names)

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from dummydesign.core.errors import InputError
-from dummydesign.measurement.importing.read import import_file
+from dummydesign.measurement.importing.read import import_files
 from tests.support.import_rates import judge
 from tests.support.machine_files import DIALECTS, machine_file
 from tests.support.mutations import mutate
@@ -54,7 +54,7 @@ def damaged(seeds, folder):
         with warnings.catch_warnings():
             warnings.simplefilter("error")
             try:
-                found = import_file(path)
+                found = import_files([path])[0][0]
             except InputError as refusal:
                 text = str(refusal)
                 assert text.startswith((made.name, "--")) and "\n" not in text and len(text) < 700, (seed, text)

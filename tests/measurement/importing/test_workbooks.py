@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from dummydesign.measurement.importing.decisions import QuestionError, Settings
-from dummydesign.measurement.importing.read import describe, import_file, import_files, plan_traces
+from dummydesign.measurement.importing.read import describe, import_files, plan_traces
 from tests.support.refusal import raises_code
 
 openpyxl = pytest.importorskip("openpyxl")
@@ -86,7 +86,6 @@ def test_one_recording_over_two_sheets_stays_one_press(tmp_path):
     book_of_tests(tmp_path / "long.xlsx", halves)
     read, _ = import_files([tmp_path / "long.xlsx"])
     assert len(read) == 1 and read[0].sheet == "" and len(read[0].presses[0].time_s) == len(time)
-    assert len(import_file(tmp_path / "long.xlsx").presses[0].time_s) == len(time)
 
 
 def test_every_test_may_begin_with_an_offset_of_its_own(tmp_path):

@@ -163,6 +163,13 @@ def test_a_campaign_comes_from_the_names_of_its_files(mine, tmp_path, capsys):
     assert {file: Path(file).read_bytes() for file in files} == before
 
 
+def test_presses_alike_are_counted_and_the_decision_says_which_one_it_is(mine, tmp_path, capsys):
+    paths = [shutil.copy(mine / "t05_v010_f03_1.csv", tmp_path / f"press {letter}.csv") for letter in "ab"]
+    found = asked(capsys, "from-files", str(tmp_path / "made"), *map(str, paths), "--young", "25", "--thickness", "5")
+    assert [trial["repeat"] for trial in found["trials"]] == [1, 2]
+    assert [one["value"].rpartition("repeat ")[2] for one in found["decisions"]] == ["1", "2"]
+
+
 def test_a_table_wins_over_names_and_gives_what_they_do_not_say(mine, tmp_path, capsys):
     paths = []
     for number, name in enumerate(("t05_v010_f03_1.csv", "t15_v250_f08_1.csv"), start=1):
@@ -194,6 +201,8 @@ def test_a_table_wins_over_names_and_gives_what_they_do_not_say(mine, tmp_path, 
         (["new", "c", "--young", "25", "--punch", "star:3"], "punch 'star:3'"),
         (["new", "c", "--young", "25", "--pad", "cylinder:50", "--punch", "round:9"], "a puck by plate"),
         (["new", "c", "--young", "25", "--force", "3", "--depth", "1"], "the one or to the other"),
+        (["new", "c", "--young", "25", "--pad", "150x13"], "at least 14 mm"),
+        (["new", "c", "--young", "25", "--pad", "10x60", "--punch", "ball:20"], "smaller than the punch ball:20"),
         (["new", "c", "--resin", "nylon", "--ratio", "15"], "unknown resin 'nylon'"), (["check", "."], "campaign new"),
     ],
 )

@@ -12,7 +12,7 @@ from dummydesign.mold.files.pour_sheet import pour_sheet, to_markdown
 from dummydesign.mold.model.layout import layout, plug_top_mm, recess_outline, sheet_outline
 from dummydesign.mold.model.preset import mould_spec
 from dummydesign.mold.model.spec import MouldSpec
-from dummydesign.mold.pour.bill_of_materials import bill_of_materials
+from dummydesign.mold.pour.bill_of_materials import bill_of_materials, materials
 from dummydesign.mold.pour.plan import pour_plan
 from tests.support.mould_checks import failed, named, shape_spec
 from tests.support.refusal import raises_code
@@ -75,7 +75,7 @@ def test_a_puck_takes_a_round_sheet():
 def test_sheet_and_list_name_the_size_to_cut():
     plan, sheet = pour_plan(GLASS), sheet_outline(GLASS, layout(GLASS))
     size = f"{sheet.length_mm:g} x {sheet.width_mm:g} mm"
-    assert any("glass, 3 mm" in row[0] and size in row[0] for row in bill_of_materials(GLASS, plan))
+    assert any("glass, 3 mm" in row[0] and size in row[0] for row in bill_of_materials(materials(GLASS, plan)))
     assert "flush with the plug's top" in to_markdown(pour_sheet(GLASS, plan, []))
 
 

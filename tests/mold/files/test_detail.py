@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from dummydesign.geometry.shape_registry import read_shape
-from dummydesign.mold.files.drawing_layout import SCALES, View, arrange, crown_detail, foot_mm
-from dummydesign.mold.files.drawing_sheet import PAPERS, ratio, to_dxf
-from dummydesign.mold.files.part_drawings import DocumentInfo, part_views, sheets
+from dummydesign.mold.files.drawing_layout import SCALES, View, arrange, crown_detail, foot_mm, ratio
+from dummydesign.mold.files.drawing_sheet import PAPERS, to_dxf
+from dummydesign.mold.files.part_drawings import part_views, sheets
 from tests.mold.files.test_drawings import TITLE, meeting
 
 CROWNS = {"crowned:21.2,2,9.4": (21.2, 2.0, 9.4), "crowned:3,8,9,1": (3.0, 8.0, 9.0), "crowned:10,2": (10.0, 2.0, 6.0),
@@ -55,7 +55,7 @@ def test_a_detail_is_larger_than_the_sheet_says_its_scale_and_meets_no_text(text
 def test_pad_and_master_of_a_crown_have_the_detail_in_every_format(crowned):
     import ezdxf
 
-    found = sheets(crowned, part_views(crowned), DocumentInfo(), "A3")
+    found = sheets(crowned, part_views(crowned), "", "A3")
     shape = dict(crowned.spec.pad.shape.parameters)
     factor = crowned.plan.scale * crowned.plan.silicone_scale
     for name, grown in (("pad", 1.0), ("master", factor)):

@@ -15,9 +15,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from dummydesign.mold.files import part_drawings as projection
-from dummydesign.mold.files.drawing_layout import SCALES, Measure, View, arrange, lay_out_view
-from dummydesign.mold.files.drawing_sheet import PAPERS, TEXT_MM, Drawing, Line, Title, hatch, to_dxf, to_pdf, to_svg
-from dummydesign.mold.files.part_drawings import DocumentInfo, part_views, sheets
+from dummydesign.mold.files.drawing_layout import SCALES, Measure, Title, View, arrange, hatch, lay_out_view
+from dummydesign.mold.files.drawing_sheet import PAPERS, TEXT_MM, Drawing, Line, to_dxf, to_pdf, to_svg
+from dummydesign.mold.files.part_drawings import part_views, sheets
 from tests.support.mould_checks import shape_spec
 from tests.support.pdf_paths import contents, pages_mm, paths_mm
 
@@ -26,7 +26,7 @@ TITLE = Title("project", "part", "plastic", "ISO 2768-m", "ABCD1234", "2026-01-0
 
 def meeting(drawing):
     """Pairs of texts whose boxes meet, and texts outside the frame."""
-    (w, h), boxes = drawing.size, drawing.boxes()
+    (w, h), boxes = drawing.size, [(text.words, text.box) for text in drawing.all_texts]
     pairs = [(a, b) for (a, p), (b, q) in combinations(boxes, 2)
              if p[0] < q[2] and q[0] < p[2] and p[1] < q[3] and q[1] < p[3]]  # fmt: skip
     outside = [a for a, box in boxes if min(box[0], box[1]) < 10 or box[2] > w - 10 or box[3] > h - 10]
@@ -34,7 +34,7 @@ def meeting(drawing):
 
 
 def sound(made, paper):
-    for name, drawing in sheets(made, part_views(made), DocumentInfo("project", "2026-01-01"), paper).items():
+    for name, drawing in sheets(made, part_views(made), "2026-01-01", paper).items():
         assert meeting(drawing) == [], (name, meeting(drawing))
         assert drawing.dimensions and min(text.height for text in drawing.texts) >= TEXT_MM
         words = " ".join(text.words for text in drawing.texts)
@@ -136,7 +136,7 @@ def test_section_outline_encloses_the_area_of_the_cut(open_parts, lidded_parts):
     for made, name in ((open_parts, "mould"), (lidded_parts, "lid"), (lidded_parts, "lid_master")):
         solid = made.solid(name)
         face = cq.Face.makePlane(1000, 1000, cq.Vector(), cq.Vector(0, 1, 0)).intersect(solid)
-        loops = projection.cut_at_y(solid).loops
+        loops = projection.cut(solid).loops
         area = sum(abs(sum(x0 * y1 - x1 * y0 for (x0, y0), (x1, y1) in pairwise(loop))) / 2 for loop in loops)
         assert area == pytest.approx(face.Area(), rel=1e-3), name
 

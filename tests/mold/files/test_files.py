@@ -22,15 +22,9 @@ from dummydesign.mold.pour.warnings import pour_warnings
 HEADER = ("x.step", "test")
 
 
-def _step_parts(made):
-    from dummydesign.mold.produce import step_part
-
-    return [step_part(made, name) for name in made.parts]
-
-
 @pytest.fixture(scope="module")
 def pad_step(open_parts):
-    return step.step_text(_step_parts(open_parts)[:1], "pad", "test")
+    return step.step_text([open_parts.parts["pad"]], "pad", "test")
 
 
 def _shuffled(text: str, seed: int) -> str:
@@ -107,7 +101,7 @@ def test_step_of_the_child_process_is_the_same_to_the_byte(lidded_package, lidde
 
     _, result = lidded_package
     tag = lidded_parts.spec.tag
-    made = _step_parts(lidded_parts)
+    made = list(lidded_parts.parts.values())
     text = step.step_text(made, f"assembly_{tag}", description(lidded_parts.spec, "assembly"))
     on_disk = Path(result.files["assembly"]).read_bytes()
     assert on_disk == text.encode("ascii")

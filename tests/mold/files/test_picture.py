@@ -12,9 +12,9 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from dummydesign.mold.cad.build import COLOURS
 from dummydesign.mold.files import picture as view
-from dummydesign.mold.files import renderer
-from dummydesign.mold.files.step import COLOURS
+from dummydesign.mold.files.pour_sheet import Foot
 
 
 def test_stacked_parts_never_overlap_in_height():
@@ -40,7 +40,8 @@ DOWN = (np.array((0.0, 0.0, 1.0)), np.array((1.0, 0.0, 0.0)), np.array((0.0, 1.0
 def rendered(parts, tmp_path, scale=10.0, light=((0, 0, 1), 1.0)):
     from PIL import Image
 
-    renderer.render(parts, [], "", (200, 200), DOWN, np.zeros(3), scale, [light], 14.0, tmp_path / "p.png")
+    scene = view.Scene(parts, [], "", (200, 200), DOWN, np.zeros(3), scale)
+    view.render(scene, tmp_path / "p.png", [light])
     return np.asarray(Image.open(tmp_path / "p.png").convert("RGB")).astype(int)
 
 
@@ -84,7 +85,7 @@ def test_brightness_is_that_of_the_angle_to_the_light(tmp_path):
 
 def test_edges_are_those_where_faces_turn():
     corners, faces = box((0, 0, 0), (1, 2, 3))
-    edges = renderer.sharp_edges(faces, renderer.normals_of(corners, faces), 14.0)
+    edges = view.sharp_edges(faces, view.normals_of(corners, faces), 14.0)
     assert len(edges) == 12
     lengths = np.linalg.norm(corners[edges[:, 0]] - corners[edges[:, 1]], axis=1)
     assert sorted(lengths) == [1.0] * 4 + [2.0] * 4 + [3.0] * 4
@@ -140,5 +141,5 @@ def test_a_check_that_breaks_off_leaves_no_renderer_running(open_spec, tmp_path,
     monkeypatch.setattr(produce, "_start_picture", lambda *_: renderer)
     monkeypatch.setattr(produce, "_write_steps", broken)
     with pytest.raises(RuntimeError, match="broke off"):
-        produce.produce(open_spec, tmp_path)
+        produce.produce(open_spec, tmp_path, Foot("ABCD"))
     assert renderer.returncode is not None

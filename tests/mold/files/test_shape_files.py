@@ -11,21 +11,19 @@ from tests.support.mould_checks import shape_spec
 @pytest.mark.slow
 def test_steps_of_spacer_and_carrier_do_not_depend_on_what_was_written_before(layered, boned):
     from dummydesign.mold.files import step
-    from dummydesign.mold.produce import step_part
 
     for made, name in ((layered, "spacer"), (layered, "layer_base"), (boned, "carrier"), (boned, "pad")):
-        first = step.step_text([step_part(made, name)], name, "test")
-        assert step.step_text([step_part(made, name)], name, "test") == first
+        first = step.step_text([made.parts[name]], name, "test")
+        assert step.step_text([made.parts[name]], name, "test") == first
 
 
 @pytest.mark.slow
 def test_curved_faces_survive_step(crowned, boned, tmp_path):
     from dummydesign.mold.files import step
-    from dummydesign.mold.produce import step_part
 
     for made, name in ((crowned, "pad"), (crowned, "mould"), (boned, "carrier"), (boned, "pad")):
         path = tmp_path / f"{name}.step"
-        path.write_text(step.step_text([step_part(made, name)], name, "test"), encoding="ascii")
+        path.write_text(step.step_text([made.parts[name]], name, "test"), encoding="ascii")
         (again,) = step.read_step(path)
         assert again.valid and again.volume_mm3 == pytest.approx(made.solid(name).Volume(), rel=1e-9)
 
@@ -52,7 +50,7 @@ def test_section_across_a_ridge_shows_its_profile():
     from dummydesign.mold.files import part_drawings as projection
 
     spec = shape_spec("crowned:10,2,0,1", 8.0)
-    loops = projection.cut_at_x(cavity_solid(spec.pad)).loops
+    loops = projection.cut(cavity_solid(spec.pad), across=True).loops
     low = [(y, z) for y, z in loops[0] if z < spec.pad.face_height_mm - 1e-6]
     assert len(low) > 20
     for y, z in low:

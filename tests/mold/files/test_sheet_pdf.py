@@ -7,8 +7,7 @@ import pytest
 import segno
 
 from dummydesign.mold.files.drawing_sheet import Drawing, Line
-from dummydesign.mold.files.pour_sheet import Block, pour_sheet
-from dummydesign.mold.files.pour_sheet_pdf import QR_MM, Foot, sheet_pdf
+from dummydesign.mold.files.pour_sheet import QR_MM, Block, Foot, pour_sheet, sheet_pdf
 from dummydesign.mold.pour.plan import pour_plan
 from dummydesign.mold.pour.warnings import pour_warnings
 from tests.support.pdf_paths import contents, pages_mm, paths_mm

@@ -7,6 +7,7 @@ import math
 import subprocess
 import sys
 from dataclasses import replace
+from itertools import pairwise
 
 import pytest
 
@@ -18,7 +19,6 @@ from dummydesign.mold.cad.label import (
     label_corners,
     label_text,
     letter_bars,
-    text_bars,
     text_length_mm,
 )
 from dummydesign.mold.model.layout import cavity_volume_mm3, layout, pad_scale
@@ -111,7 +111,7 @@ def test_tiny_lands_get_the_short_label():
 def test_every_letter_is_drawn_inside_its_box_and_no_two_look_alike():
     seen = {}
     for letter in KNOWN.replace(" ", ""):
-        bars = text_bars(letter, 6.0, 0.8, (2.0, 3.0))
+        bars = letter_bars(letter, 6.0, 0.8, (0.0, 0.0))
         strokes = frozenset(
             frozenset([(round(b.x0_mm, 6), round(b.y0_mm, 6)), (round(b.x1_mm, 6), round(b.y1_mm, 6))]) for b in bars
         )
@@ -123,11 +123,14 @@ def test_every_letter_is_drawn_inside_its_box_and_no_two_look_alike():
     assert text_length_mm("88", 6.0) == pytest.approx(9.6)
 
 
-def test_corners_of_the_letters_give_the_strokes_of_the_label():
+def test_the_letters_stand_in_their_order_centred_on_the_land():
     spec = mould_spec(5)
-    height, stroke = spec.body.label_height_mm, spec.body.label_stroke_mm
-    bars = [bar for letter, at in label_corners(spec) for bar in letter_bars(letter, height, stroke, at)]
-    assert bars == label_bars(spec) and "".join(letter for letter, _ in label_corners(spec)) == label_text(spec)
+    height, (letters, corners) = spec.body.label_height_mm, zip(*label_corners(spec))
+    assert "".join(letters) == label_text(spec)
+    lefts = [x for x, _ in corners]
+    assert [b - a for a, b in pairwise(lefts)] == pytest.approx([5.6 / 6 * height] * (len(lefts) - 1))
+    assert lefts[0] + lefts[-1] + 4 / 6 * height == pytest.approx(0.0, abs=1e-9)
+    assert {y for _, y in corners} == {layout(spec).label_y_mm - height / 2}
 
 
 BAD = [

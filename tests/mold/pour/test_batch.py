@@ -8,7 +8,7 @@ import pytest
 
 from dummydesign.mold.files import pour_sheet as sheet
 from dummydesign.mold.model.preset import mould_spec
-from dummydesign.mold.pour.bill_of_materials import bill_of_materials
+from dummydesign.mold.pour.bill_of_materials import bill_of_materials, materials
 from dummydesign.mold.pour.plan import RATIO_ERROR_LIMIT_PERCENT, batch_of, batches_of, pour_plan, witness_mass_g
 from dummydesign.mold.pour.warnings import pour_warnings
 from dummydesign.mold.runner import without_cad
@@ -57,7 +57,7 @@ def test_sheet_list_and_answer_say_the_same_batch():
     assert answer["masses_g"]["polyol"] == dict(plan.components)["polyol"]
     text = text_of(CROWN)
     assert f"Mix {batch['total_g']:.1f} g and pour {batch['pour_g']:.1f} g" in text
-    rows = bill_of_materials(CROWN, plan)
+    rows = bill_of_materials(materials(CROWN, plan))
     for part in batch["components"]:
         assert f"| {part['name']} | {part['mass_g']:.1f} | {sheet.BLANK} |" in text
         assert (part["name"], f"{part['mass_g']:.1f} g") in [row[:2] for row in rows]

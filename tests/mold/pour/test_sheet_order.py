@@ -17,7 +17,7 @@ from dummydesign.mold.pour.acceptance import (
     measured_blanks,
     when_it_fails,
 )
-from dummydesign.mold.pour.bill_of_materials import bill_of_materials, screw_length_mm
+from dummydesign.mold.pour.bill_of_materials import bill_of_materials, materials, screw_length_mm
 from dummydesign.mold.pour.plan import pour_plan
 from dummydesign.mold.pour.steps import BLANK, MOVE, PREPARE, Step, order_faults, pour_steps
 from dummydesign.mold.pour.warnings import pour_warnings
@@ -102,7 +102,7 @@ def test_what_a_thickness_costs_in_force_is_the_slope_of_the_pad_model():
 def test_screws_go_through_what_they_hold():
     assert screw_length_mm(14.0) == 20 and screw_length_mm(15.1) == 25
     spec = mould_spec(8.0, 70.0, 60.0, preset="lidded")
-    rows = bill_of_materials(spec, pour_plan(spec), {"master": 1e5})
+    rows = bill_of_materials(materials(spec, pour_plan(spec), {"master": 1e5}))
     assert ("screws M4 x 20 with nuts and washers", "16", "frame on master") in rows
     assert any(row[0] == "ASA: master" and "g" in row[1] for row in rows)
     needed = {row[0] for row in rows}
@@ -150,4 +150,4 @@ def test_every_oven_of_the_sheet_is_vented_and_the_cure_says_why(spec):
     assert sentences and all("vented oven" in one or "oven's air" in one for one in sentences)
     cure = pour_steps(spec, plan)[-1].text
     assert ("vented oven" in cure and "vapour" in cure) == spec.pour.cures_warm
-    assert any(row[0] == "vented oven" for row in bill_of_materials(spec, plan)) == spec.pour.cures_warm
+    assert any(row[0] == "vented oven" for row in bill_of_materials(materials(spec, plan))) == spec.pour.cures_warm

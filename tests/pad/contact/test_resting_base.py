@@ -13,12 +13,12 @@ from dummydesign.pad.axisymmetric.shaped_pad import solve_flat
 from dummydesign.pad.contact.axisymmetric import FlatPunch
 from dummydesign.pad.contact.friction import RestingBase, weight_over_shear
 from dummydesign.pad.fem import mesh_axisymmetric as meshes
-from dummydesign.pad.material.hyperelastic import neo_hookean
+from dummydesign.pad.material.hyperelastic import Yeoh
 from dummydesign.pad.solve.continuation import follow
 from dummydesign.pad.specimen import Pad
 from tests.support.refusal import raises_code
 
-LAW = neo_hookean(1.0)
+LAW = Yeoh(1.0)
 DEPTHS = np.array([0.1, 0.3])
 HEAVY, LIGHT = 10.0, 0.01
 

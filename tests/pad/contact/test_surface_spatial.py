@@ -9,10 +9,10 @@ import pytest
 from scipy.optimize import brentq
 
 from dummydesign.pad.contact.axisymmetric import FlatPunch
-from dummydesign.pad.contact.spatial import BeadedPunch, FaceContact, rectangle_punch, round_punch
+from dummydesign.pad.contact.spatial import BeadedPunch, FaceContact
 from dummydesign.pad.fem import mesh_hexahedra as space
 from dummydesign.pad.fem.mixed_solid import Solid
-from dummydesign.pad.material.hyperelastic import neo_hookean
+from dummydesign.pad.material.hyperelastic import Yeoh
 from dummydesign.pad.solve import equilibrium
 from dummydesign.pad.solve.continuation import follow
 from dummydesign.pad.solve.equilibrium import Problem
@@ -20,7 +20,16 @@ from dummydesign.pad.solve.multifrontal import Dissection
 from dummydesign.pad.solve.sparse import Pattern
 from dummydesign.pad.spatial.square_punch import Block, Cells, block_problem, solve_ratios
 
-LAW = neo_hookean(1.0)
+LAW = Yeoh(1.0)
+
+def rectangle_punch(half_sides, rim, centre=(0.0, 0.0)):
+    return BeadedPunch((half_sides[0] - rim, half_sides[1] - rim), 0.0, rim, centre)
+
+
+def round_punch(radius, rim):
+    return BeadedPunch((0.0, 0.0), radius - rim, rim)
+
+
 PUNCHES = [rectangle_punch((1.0, 0.7), 0.2, (0.3, -0.1)), round_punch(0.8, 0.2), BeadedPunch((0.3, 0.2), 0.3, 0.2)]
 
 
@@ -126,7 +135,7 @@ def test_the_dissection_solves_with_faces_what_a_sparse_factorisation_solves():
     problem = block_problem(block(10.0), Cells(0.45), 0.45)
     solid, rng = problem.solid, np.random.default_rng(3)
     tangent = solid.linearise(solid.state(*problem.start()))
-    _, faces = problem.contact(np.zeros(solid.mesh.size), 0.01)
+    faces = problem.pressed(np.zeros(solid.mesh.size), 0.01)[1]()
     assert np.abs(faces[0]).max() > 0.0
     load, groups = rng.standard_normal(solid.mesh.size), [solid.mesh.dofs, problem.surface.dofs]
     reference = Pattern(groups, problem.pattern.free, solid.mesh.size).solve([tangent.stiffness, *faces], load)

@@ -50,11 +50,11 @@ def test_a_finer_resolution_has_half_the_cells_size_everywhere():
 
 
 def test_wanted_sizes_are_the_least_of_all_places_and_of_what_is_allowed_inside_the_reach():
-    sizes, r = Sizes((0.5, 2.0), (0.02, 0.1), 0.3, 3.0), np.array([0.0, 0.5, 1.0, 2.0, 2.4, 9.0])
-    slope = plane.SIZE_SLOPE
+    slope, r = 0.25, np.array([0.0, 0.5, 1.0, 2.0, 2.4, 9.0])
+    sizes = Sizes((0.5, 2.0), (0.02, 0.1), slope, 0.3, 3.0)
     exact = [0.02 + slope * 0.5, 0.02, 0.02 + slope * 0.5, 0.1, 0.1 + slope * 0.4, 0.3 + slope * 6.0]
     assert sizes.at(r) == pytest.approx(exact)
-    lines = plane.radial_lines(sizes, (0.7, 12.0), 9.0)
+    lines = plane.lines_by_size(0.0, 9.0, (0.7, 12.0), sizes.at, 0.2)
     assert lines[0] == 0.0 and lines[-1] == 9.0 and np.abs(lines - 0.7).min() == 0.0
     cells, middle = np.diff(lines), 0.5 * (lines[1:] + lines[:-1])
     # A cell follows the wanted size where it is not stretched to meet a mark.
@@ -91,7 +91,7 @@ def test_columns_that_are_stretched_have_the_volume_between_bone_and_face():
 
 @pytest.mark.parametrize("quarter_points", [False, True])
 def test_a_web_has_the_volume_of_the_slab_and_its_centre_at_the_edge(quarter_points):
-    points, quads, centre = plane.web_mesh(0.8, 1.0, 3.0, 0.25, 4, Resolution())
+    points, quads, centre = plane.web_mesh(0.8, 3.0, 0.25, 4, Resolution())
     mesh = plane.discretise(points, quads, centre, quarter_points)
     assert mesh.weight.sum() == pytest.approx(np.pi * 9.0, rel=1e-10) and mesh.weight.min() > 0.0
     assert points[:, centre] == pytest.approx(np.repeat([[0.8], [0.0]], len(centre), axis=1))

@@ -12,7 +12,7 @@ from dummydesign.geometry.shape_registry import read_shape
 from dummydesign.pad import fields as fields_solve
 from dummydesign.pad.axisymmetric import shaped_problem as paths
 from dummydesign.pad.axisymmetric.case import Case
-from dummydesign.pad.axisymmetric.friction import solve_under_fillet
+from dummydesign.pad.axisymmetric.filleted import solve_under_fillet
 from dummydesign.pad.fem import mesh_axisymmetric as meshes
 from dummydesign.pad.fem.mixed_solid import Solid
 from dummydesign.pad.field_files import TOP, draw, grid, write_fields, write_picture

@@ -14,7 +14,7 @@ from dummydesign.pad.axisymmetric.case import Case
 from dummydesign.pad.axisymmetric.shaped_pad import LEFT_TO_SHARP, sharp, solve_shaped_pad
 from dummydesign.pad.axisymmetric.shaped_problem import contact_radius, shaped_problem, solve_path
 from dummydesign.pad.contact.axisymmetric import FilletedPunch
-from dummydesign.pad.fem.mesh_axisymmetric import Sizes, height_lines, radial_lines
+from dummydesign.pad.fem.mesh_axisymmetric import Sizes, height_lines, lines_by_size
 from dummydesign.pad.material.hyperelastic import Yeoh
 from dummydesign.pad.specimen import Pad
 from dummydesign.pad.tables.slab import load_table
@@ -210,7 +210,7 @@ def test_the_mesh_has_the_volume_of_the_pad():
 
 
 def test_grid_lines_meet_kinks_and_interfaces_and_follow_the_wanted_sizes():
-    r = radial_lines(Sizes((0.0, 1.0), (0.02, 0.01), 0.1, 1.0), (0.37, 1.0), 6.0)
+    r = lines_by_size(0.0, 6.0, (0.37, 1.0), Sizes((0.0, 1.0), (0.02, 0.01), 0.25, 0.1, 1.0).at, 0.2)
     assert {0.0, 0.37, 1.0, 6.0} <= set(np.round(r, 12))
     assert np.diff(r)[0] < 0.03 and np.diff(r)[np.searchsorted(r, 1.0) - 1] < 0.015
     assert np.all(np.diff(r) > 0.0)

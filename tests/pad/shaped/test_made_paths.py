@@ -38,7 +38,7 @@ def rimmed(monkeypatch, reach: dict[float, int], ratio: float = 0.8):
     """``_follow_rim`` with forces that miss of a sharp edge what a power of the fillet takes; what it was asked."""
     asked = []
 
-    def follow_rim(case, depths, slides, progress):
+    def follow_rim(case, depths, slides):
         asked.append((case, slides))
         rim = case.edge / case.scale
         glued = (case.base, case.condition) == ("bonded", "bonded")
@@ -89,7 +89,7 @@ def test_a_base_with_friction_adds_what_its_regularised_slip_leaves_at_small_dep
 def test_a_slab_that_slides_is_the_glued_one_times_its_ratio_and_their_errors_add_up(monkeypatch):
     solved = []
 
-    def glued(pad, depth_mm, progress):
+    def glued(pad, depth_mm):
         solved.append(pad)
         depth = np.asarray(depth_mm)[:2]
         return PadCurve(depth, 3.0 * depth, 0.03 * depth, dict(NO_COST, load_steps=4), ("glued ends",))
@@ -121,7 +121,7 @@ class MadePaths:
 
     touched = ()
 
-    def path(self, case, depths, grid, twin, progress=None):
+    def path(self, case, depths, grid, twin):
         cells, rim = grid
         force = 3.0 * depths**1.5 * np.exp(-0.8 * rim**POWER + 0.02 * (cells < 16))
         count = 2 if (cells, rim) == (16, 0.05) else len(depths)
@@ -205,7 +205,7 @@ def slab_curve(monkeypatch, **kind):
     for name in ("solve_on_lattice", "solve_curve", "solve_flat"):
         monkeypatch.setattr(shaped_pad, name, solved(name))
     pad = Pad(**{"thickness_mm": 10.0, "young_MPa": 0.03, "radius_mm": 7.9, "geometry": Layered(5.0, 2.0)} | kind)
-    return pad, shaped_pad._slab_curve(pad, Case.of(pad), DEPTHS, None), asked
+    return pad, shaped_pad._slab_curve(pad, Case.of(pad), DEPTHS), asked
 
 
 @pytest.mark.parametrize(
@@ -225,7 +225,7 @@ def test_the_slab_under_a_flat_top_is_taken_from_the_table_of_its_edge(monkeypat
 def test_the_slab_of_a_table_ends_where_it_does_and_says_so():
     pad = Pad(4.0, 0.03, 7.9, geometry=Layered(2.0, 2.0))
     limit, deep = float(load_table("bonded").depth_limit(7.9 / 4.0)), np.array([0.1, 0.3, 0.599])
-    curve = shaped_pad._slab_curve(pad, Case.of(pad), np.append(deep[deep < limit], 1.01 * limit), None)
+    curve = shaped_pad._slab_curve(pad, Case.of(pad), np.append(deep[deep < limit], 1.01 * limit))
     assert curve.depth_mm == pytest.approx(4.0 * deep[deep < limit]) and len(curve.notes) == 1
 
 

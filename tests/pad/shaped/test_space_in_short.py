@@ -162,7 +162,7 @@ def test_a_path_on_few_cells_is_that_of_a_cap_on_a_layer_before_the_edge_of_the_
 @pytest.mark.parametrize("sides", [(14.0, 14.0), (14.0, 10.0)])
 def test_a_curve_is_the_finer_path_of_the_whole_in_newtons_with_what_the_coarser_one_is_off_by(monkeypatch, sides):
     paths = {3: made([0.1, 0.2], [1.1, 2.1], "coarse"), 5: made([0.1, 0.2, 0.3], [1.0, 2.0, 3.0])}
-    monkeypatch.setattr(shaped_pad, "solve_path", lambda load, depths, grid, progress: paths[grid.cells])
+    monkeypatch.setattr(shaped_pad, "solve_path", lambda load, depths, grid: paths[grid.cells])
     pad = Pad(5.0, 0.03, 7.9, geometry=Slab(), sides_mm=sides)
     depth, unit = 5.0 * np.array([0.1, 0.2, 0.3]), 4.0 * 0.01 * 25.0
     found = solve_shaped_block(pad, depth, Grid(5))

@@ -15,13 +15,14 @@ from dummydesign.geometry.shapes.slab import Slab
 from dummydesign.pad.axisymmetric.case import Case
 from dummydesign.pad.axisymmetric.shaped_problem import shaped_problem as round_problem
 from dummydesign.pad.axisymmetric.shaped_problem import solve_path
-from dummydesign.pad.material.hyperelastic import neo_hookean
+from dummydesign.pad.fem.mesh_axisymmetric import lines_by_size
+from dummydesign.pad.material.hyperelastic import Yeoh
 from dummydesign.pad.solve.continuation import follow
-from dummydesign.pad.spatial.shaped_pad import Grid, Load, graded_lines, shaped_problem, solve_shaped_block
+from dummydesign.pad.spatial.shaped_pad import Grid, Load, shaped_problem, solve_shaped_block
 from dummydesign.pad.specimen import Pad
 from tests.support.refusal import raises_code
 
-LAW = neo_hookean(1.0)
+LAW = Yeoh(1.0)
 RADIUS = 14.0 / np.sqrt(np.pi)
 COARSE = Grid(3, slope=1.0, height_growth=2.0)
 
@@ -50,7 +51,7 @@ def pressed(shape, thickness, depths, half=(7.0, 7.0), grid=COARSE, **other):
 
 
 def test_grid_lines_meet_their_marks_and_follow_the_wanted_size():
-    lines = graded_lines(-2.0, 3.0, (0.0, 0.7, 9.0), lambda x: 0.1 + 0.2 * np.abs(x - 0.7))
+    lines = lines_by_size(-2.0, 3.0, (0.0, 0.7, 9.0), lambda x: 0.1 + 0.2 * np.abs(x - 0.7), 0.3)
     assert {-2.0, 0.0, 0.7, 3.0} <= set(lines.tolist())
     sizes, middles = np.diff(lines), 0.5 * (lines[1:] + lines[:-1])
     assert np.all(sizes < 1.3 * (0.1 + 0.2 * np.abs(middles - 0.7)))

@@ -11,18 +11,25 @@ from dummydesign.design.sweep.run import whatif
 from dummydesign.design.sweep.spec import Study
 from dummydesign.geometry.shapes.crowned import Crowned
 from dummydesign.pad import fields as sliding
+from dummydesign.pad.axisymmetric import filleted
 from dummydesign.pad.axisymmetric.case import Case, first_stiffness
-from dummydesign.pad.axisymmetric.filleted import FilletedPunch
-from dummydesign.pad.axisymmetric.friction import COARSE, FINE, SlidingMesh, follow_sliding, solve_under_fillet
+from dummydesign.pad.axisymmetric.filleted import (
+    COARSE,
+    FINE,
+    FilletedPunch,
+    SlidingMesh,
+    follow_sliding,
+    solve_under_fillet,
+)
 from dummydesign.pad.elastic_force import solve_points
 from dummydesign.pad.fields import FREE, SLIPS, Pressed, solve_fields
-from dummydesign.pad.material.hyperelastic import neo_hookean
+from dummydesign.pad.material.hyperelastic import Yeoh
 from dummydesign.pad.solve.continuation import Path
 from dummydesign.pad.specimen import Pad
 from studies.verification.edges import rounded_flat
 from tests.support.refusal import raises_code
 
-LAW = neo_hookean(1.0)
+LAW = Yeoh(1.0)
 
 
 def follow(thickness_mm: float, depths: list[float], cells: int = 2):
@@ -125,18 +132,18 @@ def test_face_and_base_of_the_fields_carry_the_force_and_nothing_drags(number):
 def test_where_fine_cells_end_the_fields_of_coarser_ones_follow_and_it_says_so(monkeypatch):
     ends, kept = {COARSE: 0.45, FINE: 0.3}, []
 
-    def walk(mesh, depths, progress, visit):
+    def walk(mesh, depths, visit):
         reached = depths[depths <= ends[mesh.cells]]
         for depth in reached:
             visit(depth, mesh.cells)
         stop = None if len(reached) == len(depths) else "a cell folds"
         return Path(reached, reached, reached, 1, 1, 1, 0.0, stop)
 
-    monkeypatch.setattr(sliding, "follow_sliding", walk)
+    monkeypatch.setattr(filleted, "follow_sliding", walk)
     pad = Pad(10.0, 0.025, 7.9, condition="frictionless", edge_radius_mm=0.5)
     wanted = np.array([0.1, 0.29, 0.37, 0.44, 0.5])
     stop, notes = sliding._follow_under_fillet(
-        Case.of(pad), wanted, 10.0, False, None, lambda _, cells, depth: kept.append((depth, cells))
+        Case.of(pad), wanted, 10.0, False, lambda _, cells, depth: kept.append((depth, cells))
     )
     assert kept == [(0.1, FINE), (0.29, FINE), (0.37, COARSE), (0.44, COARSE)]
     assert stop == "a cell folds"

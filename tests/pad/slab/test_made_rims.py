@@ -102,7 +102,7 @@ def rims(monkeypatch, paths):
     """``solve_rims`` with made-up paths by rim and cells; gives what was followed."""
     asked = []
 
-    def follow(case, depths, rim, resolution, progress=None):
+    def follow(case, depths, rim, resolution):
         asked.append((rim, resolution.cells, depths))
         return paths(rim, resolution.cells, depths)
 
@@ -150,7 +150,7 @@ def test_a_path_under_a_fillet_begins_with_a_step_of_it_and_may_halve_it_ten_tim
     steps = []
     monkeypatch.setattr(sharp_edge, "follow", lambda problem, depths, *words, **more: steps.append((words, more)))
     solve_path(Case(radius, 9.0), np.array([0.1]), rim, Resolution())
-    (first, largest, smallest, _), more = steps[0]
+    (first, largest, smallest), more = steps[0]
     assert first == rim and largest == pytest.approx(0.05 * min(radius, 1.0)) and more == {"most_wasted": MOST_WASTED}
     assert smallest == pytest.approx(min(0.005 * min(radius, 1.0), 0.1 * rim))
 
@@ -159,7 +159,7 @@ def curve(monkeypatch, depths, table=True, reached=9.0):
     """``solve_curve`` of a slab of 10 mm with made-up values of its rims; what they were asked for."""
     asked = []
 
-    def solve(case, grid, ladder, resolution, progress):
+    def solve(case, grid, ladder, resolution):
         asked.append((grid, ladder))
         depth, rim = (one.ravel() for one in np.meshgrid(grid[grid <= reached], ladder))
         value = np.exp(load_table().log_stiffness(depth, case.radius)[0])
@@ -195,7 +195,7 @@ def test_a_curve_to_a_small_depth_is_solved_further_and_one_that_ends_says_where
 def test_a_curve_with_too_few_values_by_the_table_is_solved_without_it_and_without_any_has_no_answer(monkeypatch):
     asked = []
 
-    def solve(case, grid, ladder, resolution, progress):
+    def solve(case, grid, ladder, resolution):
         asked.append(ladder)
         count = 3 if ladder == RIMS_BY_TABLE else 0
         depth = np.repeat(grid[:count], 2)

@@ -8,15 +8,16 @@ import numpy as np
 import pytest
 
 from dummydesign.pad.axisymmetric.case import LATTICE, Case
-from dummydesign.pad.axisymmetric.friction import COARSE, FINE, follow_rubbing, rubbing_problem, solve_under_fillet
+from dummydesign.pad.axisymmetric.filleted import COARSE, FINE, follow_rubbing, rubbing_problem, solve_under_fillet
 from dummydesign.pad.elastic_force import solve_points
 from dummydesign.pad.fields import SLIPS, STICKS, solve_fields
-from dummydesign.pad.material.hyperelastic import neo_hookean
+from dummydesign.pad.material.hyperelastic import Yeoh
 from dummydesign.pad.solve.equilibrium import Solution
 from dummydesign.pad.specimen import Pad
 from tests.support.refusal import raises_code
+from tests.support.rubbing import tractions
 
-LAW = neo_hookean(1.0)
+LAW = Yeoh(1.0)
 EVEN = LATTICE * np.concatenate([0.5 ** np.arange(5, 0, -1), np.arange(1, 16)])
 
 
@@ -85,7 +86,7 @@ def test_every_point_stays_in_coulombs_cone_and_the_face_carries_the_force(frict
     seen = []
 
     def visit(depth: float, solution: Solution) -> None:
-        way, pressure, drag = made.surface.tractions(solution.u, made.punch, depth)
+        way, pressure, drag = tractions(made.surface, solution.u, made.punch, depth)
         assert np.all(np.abs(drag) <= friction * pressure * (1.0 + 1e-12))
         # The punch drags the face inwards, which goes outwards: nearly all of the contact outside the axis.
         assert np.mean(drag > 0.0) > 0.8

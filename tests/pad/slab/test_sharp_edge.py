@@ -8,13 +8,13 @@ import pytest
 from dummydesign.pad.axisymmetric.case import Case, first_stiffness, rimmed_problem
 from dummydesign.pad.axisymmetric.sharp_edge import Samples, fit_limit, solve_curve, solve_path, solve_rims
 from dummydesign.pad.fem.mesh_axisymmetric import Resolution
-from dummydesign.pad.material.hyperelastic import neo_hookean
+from dummydesign.pad.material.hyperelastic import Yeoh
 from dummydesign.pad.solve.continuation import follow
 from dummydesign.pad.specimen import Pad
 from dummydesign.pad.tables.slab import load_table
 from tests.support.refusal import raises_code
 
-LAW = neo_hookean(1.0)
+LAW = Yeoh(1.0)
 # kappa of the layer solution (Hayes et al. 1972), frictionless flat punch, recomputed from the integral equation.
 LAYER = {
     0.5: {0.2: 1.281, 0.4: 1.684, 1.0: 3.619, 2.0: 9.149, 3.0: 18.157},

@@ -46,7 +46,7 @@ def made(monkeypatch, terms=4, noise=0.0, lost=()):
     """``solve_ratios`` by that law; gives what it was asked."""
     asked, rng = [], np.random.default_rng(8)
 
-    def solve(block, depths, cells, rim=0.0, progress=None):
+    def solve(block, depths, cells, rim=0.0):
         asked.append((block, np.asarray(depths), cells, rim))
         kept = np.asarray(depths)[: 0 if cells.corner in lost else None]
         corner = 0.0 if rim else cells.corner

@@ -7,9 +7,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from dummydesign.pad.axisymmetric import friction
+from dummydesign.core.process import reporting_depths
+from dummydesign.pad.axisymmetric import filleted
 from dummydesign.pad.axisymmetric.case import Case, extend_path, of_two_meshes
-from dummydesign.pad.axisymmetric.friction import (
+from dummydesign.pad.axisymmetric.filleted import (
     COARSE,
     GRIPS,
     INWARDS,
@@ -29,6 +30,7 @@ from dummydesign.pad.fem import mesh_axisymmetric as meshes
 from dummydesign.pad.solve.continuation import Path
 from dummydesign.pad.solve.equilibrium import Failure, find_equilibrium
 from dummydesign.pad.specimen import Pad
+from tests.support.rubbing import tractions
 
 FIRST = 0.02 / 32.0
 DEPTHS = np.array([FIRST, 0.02, 0.04, 0.06])
@@ -49,7 +51,8 @@ def slid():
         seen.append((depth, mesh.problem.force(solution.state), push.reshape(-1, 2), nodes + solution.u.reshape(-1, 2)))
 
     told = []
-    path = follow_sliding(mesh, DEPTHS, told.append, visit)
+    with reporting_depths(told.append):
+        path = follow_sliding(mesh, DEPTHS, visit)
     assert told == pytest.approx(DEPTHS)
     return mesh, path, seen
 
@@ -144,7 +147,7 @@ def test_a_sliding_path_that_cannot_go_on_halves_its_steps_and_says_how_far_it_g
         failed.append(depth)
         return Failure("a wall", 3)
 
-    monkeypatch.setattr(friction, "find_equilibrium", walled)
+    monkeypatch.setattr(filleted, "find_equilibrium", walled)
     path = follow_sliding(SlidingMesh(case(), COARSE), DEPTHS)
     assert path.depth == pytest.approx(DEPTHS[:2])
     assert all(one in path.stop for one in ("a wall", "0.021", "1.0"))
@@ -172,13 +175,13 @@ def test_points_of_a_face_that_rubs_stay_in_coulombs_cone_and_are_dragged_inward
     problem, seen = rubbing_problem(case("friction:0.2"), COARSE), []
 
     def visit(depth, solution):
-        way, pressure, drag = problem.surface.tractions(solution.u, problem.punch, depth)
+        way, pressure, drag = tractions(problem.surface, solution.u, problem.punch, depth)
         assert np.all(np.diff(way) >= 0.0) and np.all(np.abs(drag) <= 0.2 * pressure * (1.0 + 1e-12))
         push = problem.surface.forces(solution.u, problem.punch, depth)[0]
         assert push[1::2].sum() == pytest.approx(problem.force(solution.state), rel=1e-3)
         seen.append((drag > 0.0).mean())
 
-    path = follow_rubbing(problem, DEPTHS[:2], None, visit)
+    path = follow_rubbing(problem, DEPTHS[:2], visit)
     assert path.stop is None and len(seen) == 2 and seen[-1] > 0.8
 
 
@@ -253,14 +256,14 @@ def test_a_path_that_is_extended_has_the_forces_of_both_and_their_cost():
 
 def rubbing_with(monkeypatch, paths):
     """``solve_rubbing`` with made-up paths by cells and grip."""
-    monkeypatch.setattr(friction, "rubbing_problem", lambda case, cells, grip=1.0: (cells, grip))
-    monkeypatch.setattr(friction, "follow_rubbing", lambda problem, nodes, progress=None: paths[problem])
+    monkeypatch.setattr(filleted, "rubbing_problem", lambda case, cells, grip=1.0: (cells, grip))
+    monkeypatch.setattr(filleted, "follow_rubbing", lambda problem, nodes: paths[problem])
     return solve_rubbing(case("friction:0.3"), NODES)
 
 
 def test_a_rubbing_path_that_ends_early_goes_on_with_the_softer_grip_and_doubts_it(monkeypatch):
     full, soft = GRIPS
-    coarse, fine = friction.COARSE, friction.FINE
+    coarse, fine = filleted.COARSE, filleted.FINE
     paths = {
         (coarse, full): made([1.0, 2.0, 3.0, 4.0]), (fine, full): made([1.0, 2.0], "grip"),
         (fine, soft): made([0.98, 1.96, 2.94, 3.92]),
@@ -269,25 +272,25 @@ def test_a_rubbing_path_that_ends_early_goes_on_with_the_softer_grip_and_doubts_
     # Made equal to the harder grip at the last depth that both reached, it goes on as that would.
     assert found["stiffness"] == pytest.approx(np.full(4, 10.0)) and found["stop"] is None
     doubt = np.log(2.0 / 1.96)
-    assert found["error"] == pytest.approx(friction.LEAST_ERROR + np.array([0.0, 0.0, doubt, doubt]))
+    assert found["error"] == pytest.approx(filleted.RUBBING_ERROR + np.array([0.0, 0.0, doubt, doubt]))
     whole = rubbing_with(monkeypatch, {key: made([1.0, 2.0, 3.0, 4.0]) for key in ((coarse, full), (fine, full))})
-    assert whole["error"] == pytest.approx(np.full(4, friction.LEAST_ERROR))
+    assert whole["error"] == pytest.approx(np.full(4, filleted.RUBBING_ERROR))
 
 
 def test_a_rubbing_path_of_the_softer_grip_alone_is_doubted_from_the_start(monkeypatch):
     full, soft = GRIPS
-    coarse, fine = friction.COARSE, friction.FINE
+    coarse, fine = filleted.COARSE, filleted.FINE
     paths = {(coarse, full): made([1.0, 2.0, 3.0]), (fine, full): made([], "at once"), (fine, soft): made([1.0, 2.0])}
     found = rubbing_with(monkeypatch, paths)
-    assert np.all(found["error"][:2] == pytest.approx(friction.LEAST_ERROR + friction.SOFTER_ERROR))
+    assert np.all(found["error"][:2] == pytest.approx(filleted.RUBBING_ERROR + filleted.SOFTER_ERROR))
     # Where the fine cells ended, the doubt in the coarse ones' grip follows; theirs is none, so the earlier one stays.
-    assert found["error"][2] == pytest.approx(friction.LEAST_ERROR + friction.SOFTER_ERROR)
+    assert found["error"][2] == pytest.approx(filleted.RUBBING_ERROR + filleted.SOFTER_ERROR)
 
 
 def test_a_sliding_solve_takes_both_meshes(monkeypatch):
-    monkeypatch.setattr(friction, "SlidingMesh", lambda case, cells: cells)
-    forces = {friction.COARSE: [1.02, 2.04], friction.FINE: [1.0, 2.0, 3.0]}
-    monkeypatch.setattr(friction, "follow_sliding", lambda cells, nodes, progress: made(forces[cells]))
+    monkeypatch.setattr(filleted, "SlidingMesh", lambda case, cells: cells)
+    forces = {filleted.COARSE: [1.02, 2.04], filleted.FINE: [1.0, 2.0, 3.0]}
+    monkeypatch.setattr(filleted, "follow_sliding", lambda cells, nodes: made(forces[cells]))
     found = solve_sliding(case(), NODES)
     assert found["stiffness"] == pytest.approx(np.full(3, 10.0))
     assert found["error"] == pytest.approx(SLIDING_ERROR + np.log(1.02) * np.array([1.0, 1.0, 2.0]))

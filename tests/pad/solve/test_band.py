@@ -32,7 +32,7 @@ def test_a_grid_is_numbered_along_its_columns_where_that_is_narrower():
     assert columns.width < 0.6 * levels.width
     load = np.random.default_rng(2).standard_normal(mesh.size)
     tangent = problem.solid.linearise(problem.solid.state(*problem.start()))
-    matrices = [tangent.stiffness, *problem.contact(0.0 * load, 0.0)[1]]
+    matrices = [tangent.stiffness, *problem.pressed(0.0 * load, 0.0)[1]()]
     answers = [Pattern(groups, free, mesh.size, *nodes).solve(matrices, load) for nodes in ([], [mesh.nodes])]
     assert answers[1] == pytest.approx(answers[0], rel=1e-8, abs=1e-9 * np.abs(answers[0]).max())
 

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from dummydesign.core.process import reporting_depths
 from dummydesign.pad.solve import continuation
 from dummydesign.pad.solve.continuation import follow
 from dummydesign.pad.solve.equilibrium import MAX_ITERATIONS, Failure, Solution
@@ -79,6 +80,8 @@ def test_a_path_ends_before_the_first_depth_that_is_refused_and_takes_the_reason
         asked.append(depth)
         return "met itself" if depth > 0.25 else None
 
-    path = follow(Spring(), [0.1, 0.2, 0.3, 0.4], 0.05, 0.05, 1e-9, told.append, lattice=lattice, visit=visit)
+    with reporting_depths(told.append):
+        path = follow(Spring(), [0.1, 0.2, 0.3, 0.4], 0.05, 0.05, 1e-9, lattice=lattice, visit=visit)
+    follow(Spring(), [0.1], 0.05, 0.05, 1e-9)
     assert path.stop == "met itself" and path.depth.tolist() == pytest.approx([0.1, 0.2]) == told
     assert path.force.tolist() == pytest.approx([0.1, 0.2]) and asked == pytest.approx([0.1, 0.2, 0.3])

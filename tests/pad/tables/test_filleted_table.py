@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from dummydesign.geometry.shape_registry import read_shape
-from dummydesign.pad.axisymmetric.friction import solve_under_fillet
+from dummydesign.pad.axisymmetric.filleted import solve_under_fillet
 from dummydesign.pad.axisymmetric.shaped_pad import solve_shaped_pad
 from dummydesign.pad.predict import predict_static
 from dummydesign.pad.specimen import Pad

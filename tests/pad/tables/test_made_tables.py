@@ -18,7 +18,6 @@ from dummydesign.pad.tables.slab import (
     CompressibilityTable,
     ResponseTable,
     check_ratio,
-    equal_area_radius_mm,
     load_table,
     sharp_edge_doubt,
     square_doubt,
@@ -195,7 +194,6 @@ def test_a_radius_outside_a_table_is_refused_and_the_ends_belong_to_it():
     for wrong in (0.199, 3.01, np.nan):
         with raises_code("out_of_range"):
             check_ratio([1.0, wrong], (0.2, 3.0))
-    assert equal_area_radius_mm(196.0) == pytest.approx(14.0 / np.sqrt(np.pi))
 
 
 def made_slab() -> ResponseTable:

@@ -8,13 +8,14 @@ import numpy as np
 import pytest
 
 from dummydesign.core.library import data_folder
+from dummydesign.geometry.dimensions import PUNCH_RADIUS_MM
 from dummydesign.pad.axisymmetric.case import Case, first_stiffness
 from dummydesign.pad.axisymmetric.sharp_edge import solve_curve
 from dummydesign.pad.specimen import Pad
-from dummydesign.pad.tables.slab import equal_area_radius_mm, load_table
+from dummydesign.pad.tables.slab import load_table
 from tests.support.refusal import raises_code
 
-RADIUS = equal_area_radius_mm(14.0 * 14.0)
+RADIUS = PUNCH_RADIUS_MM
 
 
 SLOW = pytest.param(12.3, 0.45, marks=pytest.mark.slow)

@@ -9,7 +9,7 @@ import pytest
 
 from dummydesign.cli.entry import run
 from dummydesign.pad.axisymmetric.puck import solve_puck
-from dummydesign.pad.material.hyperelastic import neo_hookean
+from dummydesign.pad.material.hyperelastic import Yeoh
 from dummydesign.pad.specimen import Puck
 from dummydesign.resin import load_resin
 from dummydesign.resin.puck_test.add_compression import loading
@@ -22,7 +22,7 @@ YOUNG_KPA = 30.0
 def curve(tmp_path_factory):
     """A puck of 30 kPa between rough plates, solved by finite elements, touched 0.2 mm late, pressed and released."""
     depth = np.linspace(0.5, 13.0, 14)
-    law = neo_hookean(1.0)
+    law = Yeoh(1.0)
     solved = solve_puck(Puck(30.0, YOUNG_KPA * 1e-3, 50.0, plates="friction:0.3", law=law), depth)
     place = np.concatenate([[0.0, 0.1, 0.2], 0.2 + solved.depth_mm])
     load = np.concatenate([[0.0, 0.0, 0.0], solved.force_N])

@@ -23,7 +23,7 @@ def root(tmp_path):
 def test_a_folder_with_its_campaign_file_is_taken_as_it_is(root):
     for name, content in (("campaign.toml", TOML), ("t05_v010_f03_1.csv", b"1,2\n"), ("notes.txt", b"words")):
         bring_in.save_waiting_file(root, name, content)
-    assert bring_in.has_campaign_file(root)
+    assert "campaign.toml" in bring_in.waiting(root)
     folder = bring_in.bring_in(root, "may")
     assert folder == "campaigns/may"
     assert {path.name: path.read_bytes() for path in (root / folder).iterdir()} == {

@@ -12,7 +12,7 @@ from dummydesign.measurement.motion import Motion, ramp_and_hold
 from dummydesign.measurement.trace import Trace
 from dummydesign.tissue import load_tissue
 from dummydesign.tissue.comparison import PressTest, compare_traces, presses_of
-from dummydesign.tissue.model.ranges import end_of_hold_range, held_depth, steady_depth_range
+from dummydesign.tissue.model.laws.ode import ODE
 from tests.support.refusal import raises_code
 
 
@@ -21,12 +21,21 @@ def palm():
     return load_tissue("palm")
 
 
+def held_depths(subjects, forces_N, velocity_mm_s, hold_s, of=ODE.held_depths):
+    return of(subjects, forces_N, velocity_mm_s, hold_s, 30_000.0)
+
+
+def end_of_hold_range(*press):
+    depth = held_depths(*press, of=ODE.end_of_hold_depths)
+    return depth.min(axis=0), depth.max(axis=0)
+
+
 def subject_presses(palm, forces_N, velocities_mm_s, hold_s=10.0, subject=2, scale=1.0):
     """Traces of a subject whose force at the end of the hold is each of the forces."""
     own, traces = (palm.parameter_sets[subject],), []
     for v in velocities_mm_s:
         for f in forces_N:
-            depth = float(held_depth(own, np.array([f]), v, hold_s)[0, 0])
+            depth = float(held_depths(own, np.array([f]), v, hold_s)[0, 0])
             motion = ramp_and_hold(v, depth, hold_s)
             time = np.union1d(np.arange(0.0, motion.time_s[-1], 2e-3), motion.time_s[:90])
             x = np.interp(time, motion.time_s, motion.displacement_mm)
@@ -36,10 +45,10 @@ def subject_presses(palm, forces_N, velocities_mm_s, hold_s=10.0, subject=2, sca
 
 def test_after_a_short_hold_a_subject_is_less_deep_than_at_rest_and_the_range_says_so(palm):
     forces = np.array([2.0, 5.0, 10.0])
-    rest = steady_depth_range(palm.parameter_sets, forces)
+    rest = palm.steady_depth_range(forces)
     stiff, soft = end_of_hold_range(palm.parameter_sets, forces, 10.0, 0.5)
     assert (stiff < 0.99 * rest[0]).all() and (soft < 0.99 * rest[1]).all()
-    every = held_depth(palm.parameter_sets, forces, 10.0, 0.5)
+    every = held_depths(palm.parameter_sets, forces, 10.0, 0.5)
     np.testing.assert_allclose([stiff, soft], [every.min(axis=0), every.max(axis=0)], rtol=1e-3)
     np.testing.assert_array_equal(end_of_hold_range(palm.parameter_sets, forces, 10.0, 10.0), rest)
 
@@ -48,7 +57,7 @@ def test_after_a_short_hold_a_subject_is_less_deep_than_at_rest_and_the_range_sa
 def test_a_subject_pressed_with_a_short_hold_lies_inside_the_steady_range_of_that_hold(palm):
     found = compare_traces(subject_presses(palm, (5.0, 10.0, 15.0), (10.0,), hold_s=0.5), palm)
     assert found.result["steady_state_range"]["above_5N_fraction"] == 1.0
-    at_rest = steady_depth_range(palm.parameter_sets, found.grid_N)
+    at_rest = palm.steady_depth_range(found.grid_N)
     kept = np.isfinite(found.steady) & (found.grid_N >= 5.0)
     assert (found.steady[kept] < at_rest[1][kept]).all() and (found.range_mm[0] < at_rest[0]).all()
 
@@ -91,7 +100,7 @@ def test_presses_of_the_test_that_were_not_made_leave_the_verdict_open(palm):
 def test_a_longer_hold_is_cut_at_the_tests_and_a_shorter_one_is_said(palm):
     traces = subject_presses(palm, (5.0, 10.0), (10.0,))
     found = compare_traces(traces, palm, test=PressTest(hold_s=1.0))
-    for trace, band in found.presses:
+    for trace, band, _ in found.presses:
         assert trace.ramp.hold_end_s - trace.ramp.stop_time_s == pytest.approx(1.0, abs=0.01)
         assert band.time_s[-1] - band.stop_s.min() == pytest.approx(1.0, abs=0.02)
     # the force at 1 s is above that at 10 s, and the range is made for it
@@ -105,7 +114,7 @@ def test_a_longer_hold_is_cut_at_the_tests_and_a_shorter_one_is_said(palm):
 def test_braking_that_is_said_is_used_in_place_of_what_the_motion_shows(palm):
     traces = subject_presses(palm, (10.0,), (250.0,))
     found, gentle = (compare_traces(traces, palm, test=PressTest(deceleration_mm_s2=a)) for a in (30_000.0, 5_000.0))
-    assert gentle.presses[0][1].stop_s.min() > 1.2 * found.presses[0][1].stop_s.min()
+    assert gentle.presses[0].range.stop_s.min() > 1.2 * found.presses[0].range.stop_s.min()
 
 
 def test_a_speed_with_three_digits_keeps_its_name_and_its_range(palm):

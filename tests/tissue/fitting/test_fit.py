@@ -99,11 +99,11 @@ def test_aicc_finds_the_number_of_elements(arms):
     truth = np.r_[GAMMA1, gamma, damper]
     traces = [noisy(press(v, np.cbrt(f / GAMMA1), truth=truth), k) for k, (v, f) in enumerate(SIX)]
     fit = fit_traces(traces, "auto", intervals=False)
-    assert fit.elements == 1 + 2 * arms
+    assert fit.result["elements"] == 1 + 2 * arms
     table = fit.result["comparison"]
     assert set(table) == {"3", "5", "7"}
     if arms > 1:
-        assert table["3"]["heldout_rmse_N"] > 3 * table[str(fit.elements)]["heldout_rmse_N"]
+        assert table["3"]["heldout_rmse_N"] > 3 * table[str(fit.result["elements"])]["heldout_rmse_N"]
 
 
 @pytest.mark.slow
@@ -231,7 +231,7 @@ def test_more_arms_than_the_data_have_are_not_given_certain_numbers():
     doubtful = [p for p in fit.result["parameters"].values() if p["at_bound"] or p["low"] is None or p["high"] is None]
     assert len(doubtful) >= 2
     assert {w["code"] for w in fit.result["warnings"]} & {"at_bound", "not_identifiable"}
-    assert fit_traces(traces, "auto", intervals=False).elements == 3
+    assert fit_traces(traces, "auto", intervals=False).result["elements"] == 3
 
 
 @pytest.mark.slow
@@ -242,7 +242,7 @@ def test_eighteen_traces_are_fitted_together_down_to_their_noise(clean):
         for t in clean
     ]
     fit = fit_traces(traces)
-    assert fit.elements == 5 and len(fit.result["by_trace"]) == 18
+    assert fit.result["elements"] == 5 and len(fit.result["by_trace"]) == 18
     assert fit.result["noise_floor_N"] == pytest.approx(0.03, rel=0.05)
     assert fit.result["rmse_N"] == pytest.approx(0.03, rel=0.05)
 

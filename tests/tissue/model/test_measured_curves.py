@@ -7,13 +7,13 @@ import numpy as np
 import pytest
 
 from dummydesign.core.errors import InputError
-from dummydesign.design.assessment.safety import tissue_body
 from dummydesign.design.measured_pad import verdict_of_traces
 from dummydesign.design.request import Protocol
+from dummydesign.design.safety import tissue_body
 from dummydesign.design.scoring.presses import Sampling
-from dummydesign.design.scoring.score import Ranges, evaluate
+from dummydesign.design.scoring.score import evaluate
 from dummydesign.design.scoring.targets import make_targets
-from dummydesign.design.scoring.verdict import ranges_of, readings_of
+from dummydesign.design.scoring.verdict import Ranges, ranges_of, readings_of
 from dummydesign.measurement.motion import ramp_and_hold
 from dummydesign.measurement.trace import Trace
 from dummydesign.tissue.adding.from_curves import add_curves

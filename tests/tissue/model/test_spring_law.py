@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 from dummydesign.core.errors import InputError
-from dummydesign.design.assessment.safety import impact, tissue_body
 from dummydesign.design.measured_pad import verdict_of_traces
+from dummydesign.design.safety import impact, tissue_body
 from dummydesign.design.scoring.presses import Sampling, Slabs, make_curves
-from dummydesign.design.scoring.score import deviations, evaluate, steady_gamma1
+from dummydesign.design.scoring.score import evaluate, steady_gamma1
 from dummydesign.design.scoring.targets import make_targets
-from dummydesign.design.scoring.verdict import ranges_of, readings_of
+from dummydesign.design.scoring.verdict import deviations, ranges_of, readings_of
 from dummydesign.measurement.motion import ramp_and_hold
 from dummydesign.measurement.trace import Trace
 from dummydesign.pad.force_law import BaseForceLaw

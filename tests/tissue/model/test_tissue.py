@@ -10,7 +10,7 @@ from dummydesign.core.library import data_folder, read_toml
 from dummydesign.measurement.motion import ramp_and_hold
 from dummydesign.tissue import load_tissue
 from dummydesign.tissue.model.parameters import Parameters
-from dummydesign.tissue.model.ranges import force_range, steady_inside
+from dummydesign.tissue.model.ranges import force_range
 from dummydesign.tissue.model.tissue_file import readable_tissues, tissue_toml
 from tests.support.refusal import raises_code
 
@@ -75,21 +75,6 @@ def test_a_force_off_the_range_counts_only_where_it_is_off():
     assert shares["inside_rise_fraction"] == pytest.approx([1.0, 1.0, 0.0], abs=0.02)
     assert shares["inside_hold_fraction"] == pytest.approx([1.0, 0.0, 0.0])
     assert shares["inside_fraction"] == pytest.approx([1.0, 0.5, 0.0], abs=0.02)
-
-
-def test_a_steady_curve_is_judged_below_and_above_5_newtons_apart():
-    people = (subject(0.05), subject(0.2))
-    force = np.linspace(0.5, 15.0, 146)
-    cubic = np.cbrt(force / 0.1)
-    linear = np.cbrt(10.0 / 0.1) * force / 10.0
-    shares = steady_inside(people, force, np.stack([cubic, linear, np.full(146, np.nan)]))
-    assert shares["inside_fraction"][0] == 1.0 and shares["inside_fraction"][2] == 0.0
-    # the line through the cubic at 10 N leaves the range where F/10 = (F/10 * 0.1/0.2)^(1/3), at 10/sqrt(2) N
-    inside = force >= 10 / np.sqrt(2)
-    inside &= force <= 10 * np.sqrt(2)
-    assert shares["inside_fraction"][1] == pytest.approx(inside.mean(), abs=0.01)
-    assert shares["below_5N_fraction"][1] == 0.0
-    assert shares["above_5N_fraction"][1] == pytest.approx(inside[force >= 5].mean(), abs=0.01)
 
 
 def test_dampers_between_known_speeds_are_interpolated_in_logarithms():

@@ -6,15 +6,14 @@ import numpy as np
 import pytest
 
 from dummydesign.design.scoring.presses import Sampling
-from dummydesign.design.scoring.score import TOLERANCE, Readings, evaluate
+from dummydesign.design.scoring.score import evaluate
 from dummydesign.design.scoring.targets import make_targets
-from dummydesign.design.scoring.verdict import ranges_of, readings_of
+from dummydesign.design.scoring.verdict import TOLERANCE, Readings, ranges_of, readings_of
 from dummydesign.measurement.motion import ramp_and_hold
 from dummydesign.tissue import load_tissue
 from dummydesign.tissue.adding.from_curves import Misfit, add_curves
 from dummydesign.tissue.adding.from_points import add_points
 from dummydesign.tissue.model.laws import law_named
-from dummydesign.tissue.model.ranges import held_depth
 from tests.support.fung_people import PEOPLE, write_table
 from tests.support.judged_pads import judged
 from tests.support.power_pads import pads
@@ -35,7 +34,7 @@ def law_table(path, tissue, forces=(5.0, 7.0, 10.0, 15.0), speeds=(10.0, 250.0),
         for speed in speeds:
             for force in forces:
                 number += 1
-                depth = float(held_depth((p,), np.array([force]), speed, 10.0)[0, 0])
+                depth = float(law_named(p.law).held_depths((p,), np.array([force]), speed, 10.0, 30_000.0)[0, 0])
                 motion = ramp_and_hold(speed, depth, 10.0, ramp_points=120, brake_points=120, hold_points=200)
                 carried = law_named(p.law).force(motion, p.gamma1_N_per_mm3, p.gamma_N_per_mm3, p.dampers_at(speed))
                 carried = carried + noise_N * rng.standard_normal(len(carried))

@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-from numpy.typing import NDArray
-
-from dummydesign.loop.model.base_law import UnitForce, root_law, wrap
-from dummydesign.loop.model.effect import Effect, Parameter, Values
+from dummydesign.loop.model.effect import Effect, Parameter, UnitForce, Values, root_law, wrap
 
 
 class Compressibility(Effect):
@@ -28,8 +25,4 @@ class Compressibility(Effect):
     def law(self, law: UnitForce, values: Values) -> UnitForce:
         coefficient = root_law(law).compressibility_coefficient
         excess = 1.0 - 2.0 * values["poisson_ratio"]
-
-        def softer(depth_mm: NDArray, thickness_mm: NDArray) -> NDArray:
-            return law(depth_mm, thickness_mm) / (1.0 + excess * coefficient(depth_mm, thickness_mm))
-
-        return wrap(law, softer)
+        return wrap(law, lambda *at: law(*at) / (1.0 + excess * coefficient(*at)))

@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from dummydesign.loop.model.base_law import UnitForce, wrap
-from dummydesign.loop.model.effect import Effect, Parameter, Values
+from dummydesign.loop.model.effect import Effect, Parameter, UnitForce, Values, wrap
 
 AT_SHARE = 0.3
 """Depth over thickness at which the coefficient means the same whatever the exponent."""

@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-from numpy.typing import NDArray
-
-from dummydesign.loop.model.base_law import UnitForce, root_law, wrap
-from dummydesign.loop.model.effect import Effect, Parameter, Values
+from dummydesign.loop.model.effect import Effect, Parameter, UnitForce, Values, root_law, wrap
 
 
 class BaseSlip(Effect):
@@ -25,10 +22,5 @@ class BaseSlip(Effect):
     reference = "layer on a slipping base: Hayes et al., J. Biomech. 5 (1972) 541; response tables of the pad model"
 
     def law(self, law: UnitForce, values: Values) -> UnitForce:
-        slip = values["slip_fraction"]
-        sliding = root_law(law).sliding()
-
-        def mixed(depth_mm: NDArray, thickness_mm: NDArray) -> NDArray:
-            return (1.0 - slip) * law(depth_mm, thickness_mm) + slip * sliding(depth_mm, thickness_mm)
-
-        return wrap(law, mixed)
+        slip, sliding = values["slip_fraction"], root_law(law).sliding()
+        return wrap(law, lambda *at: (1.0 - slip) * law(*at) + slip * sliding(*at))

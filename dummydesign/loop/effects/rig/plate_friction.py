@@ -9,8 +9,7 @@ from numpy.typing import NDArray
 
 from dummydesign.core.errors import InputError
 from dummydesign.loop.data.trials import Presses
-from dummydesign.loop.model.base_law import SetupLaw, UnitForce, root_law, wrap
-from dummydesign.loop.model.effect import Effect, Parameter, Values
+from dummydesign.loop.model.effect import Effect, Parameter, SetupLaw, UnitForce, Values, root_law, wrap
 from dummydesign.pad.tables.puck import PuckTable, grip, shape_range, table_for
 
 

@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-from numpy.typing import NDArray
-
-from dummydesign.loop.model.base_law import UnitForce, root_law, wrap
-from dummydesign.loop.model.effect import Effect, Parameter, Values
+from dummydesign.loop.model.effect import Effect, Parameter, UnitForce, Values, root_law, wrap
 
 
 class PunchEdge(Effect):
@@ -28,8 +25,4 @@ class PunchEdge(Effect):
 
     def law(self, law: UnitForce, values: Values) -> UnitForce:
         root, radius = root_law(law), values["edge_radius_mm"]
-
-        def rounded(depth_mm: NDArray, thickness_mm: NDArray) -> NDArray:
-            return law(depth_mm, thickness_mm) * root.edge_factor(radius, depth_mm, thickness_mm)
-
-        return wrap(law, rounded)
+        return wrap(law, lambda *at: law(*at) * root.edge_factor(radius, *at))

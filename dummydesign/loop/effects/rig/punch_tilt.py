@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-from dummydesign.loop.model.base_law import UnitForce, root_law, wrap
-from dummydesign.loop.model.effect import Effect, Parameter, Values
+from dummydesign.loop.model.effect import Effect, Parameter, UnitForce, Values, root_law, wrap
+from dummydesign.pad.tables.square import SIDE_OVER_RADIUS
 
 
 class PunchTilt(Effect):
@@ -33,15 +32,7 @@ class PunchTilt(Effect):
 
     def law(self, law: UnitForce, values: Values) -> UnitForce:
         node, weight = np.polynomial.legendre.leggauss(9)
-        half = HALF_WIDTH_OF_RADIUS * root_law(law).radius_mm
+        half = SIDE_OVER_RADIUS * root_law(law).radius_mm
         lever = half * np.tan(np.deg2rad(values["tilt_deg"])) * node
-
-        def tilted(depth_mm: NDArray, thickness_mm: NDArray) -> NDArray:
-            strips = [0.5 * w * law(depth_mm + u, thickness_mm) for u, w in zip(lever, weight)]
-            return np.asarray(sum(strips))
-
-        return wrap(law, tilted)
-
-
-HALF_WIDTH_OF_RADIUS = float(np.sqrt(np.pi) / 2.0)
-"""Half the side of a square over the radius of the circle of its area."""
+        strips = [(u, 0.5 * w) for u, w in zip(lever, weight)]
+        return wrap(law, lambda depth_mm, h_mm: np.asarray(sum(w * law(depth_mm + u, h_mm) for u, w in strips)))

@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-from numpy.typing import NDArray
-
-from dummydesign.loop.model.base_law import UnitForce, wrap
-from dummydesign.loop.model.effect import Effect, Parameter, Values
+from dummydesign.loop.model.effect import Effect, Parameter, UnitForce, Values, wrap
 
 
 class ThicknessError(Effect):
@@ -25,8 +22,4 @@ class ThicknessError(Effect):
 
     def law(self, law: UnitForce, values: Values) -> UnitForce:
         error = values["thickness_error_mm"]
-
-        def other(depth_mm: NDArray, thickness_mm: NDArray) -> NDArray:
-            return law(depth_mm, thickness_mm + error)
-
-        return wrap(law, other)
+        return wrap(law, lambda depth_mm, thickness_mm: law(depth_mm, thickness_mm + error))

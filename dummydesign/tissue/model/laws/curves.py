@@ -11,15 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from dummydesign.core.errors import InputError
 from dummydesign.measurement.motion import Motion, ramp_and_hold
 from dummydesign.tissue.model.maxwell_law import Drive, MaxwellLaw
-from dummydesign.tissue.model.measured_curves import (
-    FORCE_FACTOR,
-    HOLD_FACTOR,
-    LAW,
-    SHARES,
-    Measured,
-    common_span,
-    hold_times,
-)
+from dummydesign.tissue.model.measured_curves import FORCE_FACTOR, HOLD_FACTOR, LAW, SHARES, common_span, hold_times
 
 
 class Curves(MaxwellLaw):
@@ -46,11 +38,6 @@ class Curves(MaxwellLaw):
     def drive(self, motion: Motion) -> Drive:
         """Curves answer to no motion."""
         message = "measured curves give the presses that were made, not the force under any motion"
-        raise InputError(message, "unsupported", "law", LAW)
-
-    def stretch_rates(self, depth_mm: NDArray, rate: NDArray) -> tuple[NDArray, NDArray]:
-        """Curves say nothing of a free mass."""
-        message = "measured curves say nothing of a robot of finite mass; it needs a tissue with a law"
         raise InputError(message, "unsupported", "law", LAW)
 
     def steady_depths(self, subjects: Sequence[Any], force_N: ArrayLike) -> NDArray:
@@ -86,7 +73,7 @@ class Curves(MaxwellLaw):
             force[row] = np.where(since[row] <= 0.0, rising, np.interp(since[row], hold_times(hold_s), hold))
         return motion, force, depth
 
-    def check(self, people: Sequence[Measured], force_N: float, velocity_mm_s: float, hold_s: float) -> None:
+    def check(self, people: Sequence[Any], force_N: float, velocity_mm_s: float, hold_s: float) -> None:
         """Refuse a press that curves do not hold, in one line with the test that they do."""
         longest = min(one.hold_known_s() for one in people)
         hold = min(hold_s, longest)
@@ -100,7 +87,7 @@ class Curves(MaxwellLaw):
         )  # fmt: skip
 
 
-def known_words(people: Sequence[Measured], hold_s: float = np.inf) -> str:
+def known_words(people: Sequence[Any], hold_s: float = np.inf) -> str:
     """The tests that everyone's curves hold, as options of the commands."""
     longest = min(one.hold_known_s() for one in people)
     hold, spans = min(hold_s, longest), {}

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from dummydesign.measurement.motion import Motion
-from dummydesign.tissue.model.maxwell_law import MaxwellLaw
+from dummydesign.tissue.model.maxwell_law import Drive, MaxwellLaw
 
 
 class IdealRamp(MaxwellLaw):
@@ -48,7 +48,7 @@ class Published(IdealRamp):
     live: ClassVar[dict[str, Any] | None] = {"ideal_ramp": True, "running_clock": True}
 
 
-class RampDrive:
+class RampDrive(Drive):
     """X and A of the ideal ramp that stands in for a motion."""
 
     def __init__(self, motion: Motion, running_clock: bool) -> None:
@@ -75,11 +75,9 @@ def ramps_of(motion: Motion) -> tuple[NDArray, NDArray, NDArray]:
     from dummydesign.measurement.landmarks import find_ramp
 
     time, x = np.broadcast_arrays(motion.time_s, motion.displacement_mm)
-    flat_time, flat_x = time.reshape(-1, time.shape[-1]), x.reshape(-1, x.shape[-1])
-    ramps = [find_ramp(t, d) for t, d in zip(flat_time, flat_x)]
-    leading = time.shape[:-1]
-    columns = np.array([[ramp.contact_time_s, ramp.stop_time_s, ramp.depth_mm] for ramp in ramps])
-    contact, stop, depth = (columns[:, index].reshape(leading) for index in range(3))
+    ramps = [find_ramp(*row) for row in zip(time.reshape(-1, time.shape[-1]), x.reshape(-1, x.shape[-1]))]
+    names = ("contact_time_s", "stop_time_s", "depth_mm")
+    contact, stop, depth = (np.reshape([getattr(one, name) for one in ramps], time.shape[:-1]) for name in names)
     return contact, stop, depth
 
 

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from dummydesign.core.recurrence import linear_recurrence
 from dummydesign.measurement.motion import Motion
-from dummydesign.tissue.model.maxwell_law import MaxwellLaw
+from dummydesign.tissue.model.maxwell_law import Drive, MaxwellLaw
 
 _GAUSS_X, _GAUSS_W = (0.5 * (x + shift) for x, shift in zip(np.polynomial.legendre.leggauss(4), (1.0, 0.0)))
 
@@ -35,7 +35,7 @@ class Ode(MaxwellLaw):
         return np.ones_like(rate), rate * (depth_mm**2)[..., None]
 
 
-class OdeDrive:
+class OdeDrive(Drive):
     """X = x^3, and A = x^2 e by the exact integrating factor of each step on which x is linear."""
 
     def __init__(self, motion: Motion) -> None:
@@ -70,8 +70,7 @@ def _mean_survival(rate_step: NDArray, after: NDArray, rise: NDArray, decay: NDA
     Gauss points per panel; panels halve towards the end of the step, where a fast arm keeps its memory.
     The relative error stays below 2e-6.
     """
-    moving = np.broadcast_to(rise != 0, decay.shape)
-    strongest = float(np.max(decay, where=moving, initial=0.0))
+    strongest = float(np.max(decay, where=np.broadcast_to(rise != 0, decay.shape), initial=0.0))
     panels = 1 if strongest < 0.25 else 2 + int(np.ceil(np.log2(max(strongest, 1.0))))
     edges = np.r_[0.0, 0.5 ** np.arange(panels - 1, -1, -1)]
     linear, square, cubic = rate_step * after**2, rate_step * after * rise, rate_step * rise**2 / 3.0

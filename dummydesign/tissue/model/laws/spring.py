@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
-from dummydesign.core.errors import InputError
 from dummydesign.measurement.motion import Motion
-from dummydesign.tissue.model.maxwell_law import MaxwellLaw
+from dummydesign.tissue.model.maxwell_law import Drive, MaxwellLaw
 
 
 class Spring(MaxwellLaw):
@@ -29,24 +28,15 @@ class Spring(MaxwellLaw):
             "person's"
         )
 
-    def drive(self, motion: Motion) -> SpringDrive:
-        """Drive by the depth as it is."""
-        return SpringDrive(np.maximum(np.asarray(motion.displacement_mm, float), 0.0))
+    def drive(self, motion: Motion) -> Drive:
+        """Drive by the depth as it is: X = x. [mm]"""
+        drive = Drive()
+        drive.elastic = np.maximum(np.asarray(motion.displacement_mm, float), 0.0)
+        return drive
 
     def stretch_rates(self, depth_mm: NDArray, rate: NDArray) -> tuple[NDArray, NDArray]:
         """There is no arm."""
         return np.ones_like(rate), np.zeros_like(rate)
-
-
-class SpringDrive:
-    """X = x. [mm]"""
-
-    def __init__(self, depth_mm: NDArray) -> None:
-        self.elastic = depth_mm
-
-    def arm(self, rate: ArrayLike) -> NDArray:
-        """A spring has no arm."""
-        raise InputError("law = 'spring' has no relaxing arm", "unsupported", "law", "spring")
 
 
 SPRING = Spring()

@@ -57,7 +57,7 @@ def test_presses_of_two_days_are_parted_at_the_pause(tmp_path):
     """The next press does not begin with the last samples of the day before."""
     from datetime import datetime, timedelta
 
-    from dummydesign.measurement.importing.read import import_file
+    from dummydesign.measurement.importing.read import import_files
 
     t = np.arange(0.0, 8.0, 0.01)
     x = np.clip(np.where(t < 5.0, 10.0 * (t - 1.0), 3.0 - 10.0 * (t - 5.0)), -5.0, 3.0)
@@ -67,7 +67,7 @@ def test_presses_of_two_days_are_parted_at_the_pause(tmp_path):
         stamps = [(start + timedelta(seconds=float(at))).strftime("%Y-%m-%d %H:%M:%S.%f") for at in t]
         lines += [f"{stamp};{a:.4f};{b:.4f}" for stamp, a, b in zip(stamps, x, force)]
     (tmp_path / "two.csv").write_text("\n".join(lines) + "\n")
-    first, second = import_file(tmp_path / "two.csv").presses
+    first, second = import_files([tmp_path / "two.csv"])[0][0].presses
     assert len(first.time_s) == len(second.time_s) == len(t)
     assert first.time_s == pytest.approx(t, abs=1e-5) and second.time_s == pytest.approx(t, abs=1e-5)
 

@@ -179,17 +179,17 @@ def _plain_lines(rows: list[dict], plain: list[dict]) -> list[str]:
     lines = [
         "", "## Pads of one material", "",
         f"`python benchmarks/loop_turns.py --seed {min(row['seed'] for row in plain)}`, {len(plain)} series of new "
-        "seeds, run once:", "",
+        "seeds:", "",
         f"- Modulus: half width of the interval {_medians(width)} %, narrower after each turn in {narrower} of "
         f"{len(plain)}.", f"- It contains the true value in {sum(map(sum, inside))} of {np.size(inside)} turns.",
         f"- Error on the other pads {_medians(error)}. It fell from turn one to three in {smaller} of {len(plain)}.",
-        f"- A prior of the same material was refused in {_refused(plain)} of {2 * len(plain)} turns.",
     ]  # fmt: skip
+    refused = f"- A prior of the same material was refused in {_refused(plain)} of {2 * len(plain)} turns"
     wrong = [row for row in rows if "contradicted" in row]
     if wrong:
         named = sum(not row["used"] and any("young_kPa" in text for text in row["conflicts"]) for row in wrong)
-        lines.append(f"- A prior with a modulus 25 % off was refused, naming the modulus, in {named} of {len(wrong)}.")
-    return lines
+        refused += f"; one with a modulus 25 % off in {named} of {len(wrong)}"
+    return [*lines, f"{refused}."]
 
 
 def _medians(values: np.ndarray | list[list[float]]) -> str:
@@ -210,7 +210,7 @@ def pads_table(rows: list[dict]) -> list[str]:
         "standard deviations. Level and slope", "of its force are off by a further half per cent that no record shows. "
         "Each series is run without records, and with", f"the gauged thickness ({pads.gauge_mm:g} mm) and a witness of "
         f"each batch ({100 * pads.witness:g} %). The other pads are newly cast too.",
-        f"`python benchmarks/loop_turns.py --pads --seed {seeds[0]}`, {len(seeds)} series of new seeds, run once:", "",
+        f"`python benchmarks/loop_turns.py --pads --seed {seeds[0]}`, {len(seeds)} series of new seeds:", "",
         "| | without records | with records |", "|---|---|---|",
     ]  # fmt: skip
     error: dict[bool, list[list[float]]] = {False: [], True: []}

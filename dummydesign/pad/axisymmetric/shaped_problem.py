@@ -38,14 +38,16 @@ EDGE_REFINEMENT = 0.25
 SIZE_SLOPE, SPARE = 0.25, 0.2
 
 
-def shaped_problem(case: Case, cells: int = CELLS, rim: float = RIMS[-1], twin: bool = False) -> Problem:
+def shaped_problem(
+    case: Case, cells: int = CELLS, rim: float = RIMS[-1], twin: bool = False, refinement: float = EDGE_REFINEMENT
+) -> Problem:
     """The pad under a punch with an edge fillet; its ``twin`` is the slab on the same cells."""
     face = Interface.parse(case.condition, "condition", FACES)
     one_of("base", case.base, BASES)
     shape, shear, coarse = case.shape, case.law.shear_MPa, case.radius / cells
     # Without a fillet of its own the punch has no sides.
     punch = FilletedPunch(case.radius, case.edge or rim * case.scale, sides=case.edge > 0.0)
-    r, share, interface = _grid(case, cells, punch.rim)
+    r, share, interface = _grid(case, cells, punch.rim, refinement)
     points, quads, row = columns(r, share)
     nothing = np.zeros_like
     move = stretch(nothing, nothing) if twin else stretch(case.drop, case.bone)
@@ -79,11 +81,11 @@ def shaped_problem(case: Case, cells: int = CELLS, rim: float = RIMS[-1], twin: 
     return round_problem(mesh, case, glued, surface, punch, carried, STABILISATION, below)
 
 
-def _grid(case: Case, cells: int, rim: float) -> tuple[Array, Array, float | None]:
+def _grid(case: Case, cells: int, rim: float, refinement: float) -> tuple[Array, Array, float | None]:
     """Radii, shares of the column, and the share at which layers meet."""
     coarse = case.radius / cells
     first = min(coarse, 1.6 / cells)
-    finer = 1.0 if case.shape.flat_top else EDGE_REFINEMENT
+    finer = 1.0 if case.shape.flat_top else refinement
     top = finer * min(coarse, 1.0 / cells)
     places = [case.radius - 0.5 * rim, *case.lines]
     sizes = [min(coarse, finer * 16.0 / cells * rim), *[0.6 * coarse] * len(case.lines)]
@@ -153,6 +155,9 @@ def solve_path(
     if watch is None:
         return path
     if watch.folded is None:
+        if ends:
+            # The notch where the path ended, which may lie well beyond the last wanted depth.
+            watch.opening = min(watch.opening, watch.face.opening_deg(ends[-1].u))
         if len(_VISITED) >= MOST_VISITED:
             _VISITED.pop(next(iter(_VISITED)))
         # Up to the last state that was checked for a fold.

@@ -235,7 +235,8 @@ def motions(monkeypatch, ends, over=lambda rim: 1.0 + rim):
     monkeypatch.setattr(finite_strain, "follow_motion", follow)
     monkeypatch.setattr(finite_strain, "rimmed_problem", lambda case, rim, resolution: ("slab", case, rim / case.scale))
     kinds = {True: "twin", False: "pad"}
-    monkeypatch.setattr(finite_strain, "shaped_problem", lambda case, cells, rim, twin: (kinds[twin], case, rim))
+    shaped = lambda case, cells, rim, twin, refinement: (kinds[twin], case, rim)  # noqa: E731
+    monkeypatch.setattr(finite_strain, "shaped_problem", shaped)
     return asked
 
 
@@ -286,5 +287,5 @@ def test_a_crown_in_motion_is_watched_for_folds_and_needs_no_slab(monkeypatch):
     monkeypatch.setattr(finite_strain, "RoundFace", lambda problem, thickness: watched.append(thickness))
     found = solve_ratio(Case(0.5, 3.0, shape=Crowned(20.0, 2.0), thickness_mm=10.0), ARMS, TIME, DEPTH)
     assert {kind for kind, *_ in asked} == {"pad"} and watched == [10.0, 10.0]
-    assert asked[0][2] == pytest.approx(finite_strain.LARGEST_STEP * 16.0 / finite_strain.CELLS)
+    assert asked[0][2] == pytest.approx(2.0 * finite_strain.LARGEST_STEP * 16.0 / finite_strain.CELLS)
     assert found.ratio[1:] == pytest.approx(np.full(3, 0.95)) and found.solver["rim_over_scale"] == 0.05

@@ -128,10 +128,10 @@ def _text(value: Any) -> str:
 
 def _canonical(value: Any) -> Any:
     """Plain values that stand for ``value``, alike for equal inputs; TypeError for what has no such form."""
-    if value is None or isinstance(value, (bool, str, int)):
-        return value
     if isinstance(value, (np.ndarray, np.generic)):
         value = value.tolist()
+    if value is None or isinstance(value, (bool, str, int)):
+        return value
     if isinstance(value, float):
         return value + 0.0  # -0.0 becomes 0.0
     if isinstance(value, (list, tuple)):

@@ -1,4 +1,4 @@
-"""Interpolation without scipy's heavy module: monotone cubics, straight lines on held grids."""
+"""Interpolation without scipy's heavy module: monotone cubics, straight lines on held grids; runs of samples."""
 
 from __future__ import annotations
 
@@ -84,3 +84,9 @@ def uniform_times(spans_s: Sequence[tuple[float, float]], rate_hz: float) -> lis
         raise InputError(message, "too_large", "rate_Hz", rate_hz, MOST_ROWS)
     # an end that is a whole number of steps belongs to the times
     return [start + np.arange(int((end - start) * rate_hz * (1 + 1e-9)) + 1) / rate_hz for start, end in spans_s]
+
+
+def true_runs(mask: NDArray) -> list[tuple[int, int]]:
+    """Half-open ranges in which a mask is true."""
+    edges = np.flatnonzero(np.diff(np.r_[0, mask.astype(np.int8), 0]))
+    return list(zip(edges[::2].tolist(), edges[1::2].tolist()))

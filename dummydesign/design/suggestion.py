@@ -277,6 +277,8 @@ class Verification(Serialised):
 
 # The largest loss of force of the crowns solved in space is 2 % at 1 mm off centre (docs/shapes.md).
 LOSS_PERCENT = 1.0
+
+
 @dataclass(frozen=True)
 class CentringTolerance(Serialised):
     """Contact radius at each steady force, and the way the punch may be moved until its side meets the contact."""

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from dummydesign.core.errors import InputError, errors_within
+from dummydesign.core.interpolation import true_runs
 from dummydesign.measurement.motion import Ramp
 
 if TYPE_CHECKING:
@@ -170,12 +171,6 @@ def find_holds(time_s: NDArray, displacement_mm: NDArray) -> tuple[Hold, ...]:
         else:
             holds.append(Hold(float(time[begin]), float(time[end]), level))
     return tuple(holds)
-
-
-def true_runs(mask: NDArray) -> list[tuple[int, int]]:
-    """Half-open ranges in which a mask is true."""
-    edges = np.flatnonzero(np.diff(np.r_[0, mask.astype(np.int8), 0]))
-    return list(zip(edges[::2].tolist(), edges[1::2].tolist()))
 
 
 def _stretch(x: NDArray, first: int, last: int, level: float, reach: float) -> tuple[int, int]:

@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from dummydesign.core.errors import InputError, NoAnswerError
-from dummydesign.core.files import output_folder
+from dummydesign.core.files import output_folder, writing
 from dummydesign.core.manifest import COMMAND_LINE
 from dummydesign.core.process import HUNG_S, ONE_THREAD, ran_out
 from dummydesign.core.serialise import Serialised
@@ -123,23 +123,38 @@ class MouldResult(Serialised):
 def make_mold(
     spec: MouldSpec, folder: Path, processor_s: float = PROCESSOR_S, bone_file: Path | None = None
 ) -> MouldResult:
-    """Build the mould of a specification with all its files into a folder, which the caller removes on an error."""
+    """Build the mould of a specification with all its files into a folder; an error leaves nothing there."""
     validate(spec)
     check_layers(spec)
     if spec.insert is not None and bone_file is None:
         message = f"the bone of this mould comes from {spec.insert.file}; give the file again"
         raise InputError(message, "missing", "bone")
-    answer = _made(spec, output_folder(folder), processor_s, bone_file)
-    result = MouldResult(
-        **{**answer, "files": {role: str(folder / name) for role, name in answer["files"].items()}},
-        masses_g=masses_g(answer["pour"]), spec_hash=spec.hash, gauge_points=gauge_points(spec),
-    )  # fmt: skip
-    failed = [item for item in result.checks if item["status"] == "fail"]
-    if failed:
-        names = "; ".join(f"{item['id']} = {item['value']} (limit {item['limit']})" for item in failed)
-        message = f"the mould was built but failed {names}; no file was kept"
-        raise NoAnswerError("check_failed", message, {**result.to_dict(), "files": {}}, "mould")
+    target = output_folder(folder)
+    with tempfile.TemporaryDirectory(prefix=".mould-", dir=target, ignore_cleanup_errors=True) as work:
+        answer = _made(spec, Path(work), processor_s, bone_file)
+        files = answer["files"]
+        result = MouldResult(
+            **{**answer, "files": {role: str(target / name) for role, name in files.items()}},
+            masses_g=masses_g(answer["pour"]), spec_hash=spec.hash, gauge_points=gauge_points(spec),
+        )  # fmt: skip
+        failed = [item for item in result.checks if item["status"] == "fail"]
+        if failed:
+            names = "; ".join(f"{item['id']} = {item['value']} (limit {item['limit']})" for item in failed)
+            message = f"the mould was built but failed {names}; no file was kept"
+            raise NoAnswerError("check_failed", message, {**result.to_dict(), "files": {}}, "mould")
+        _move(Path(work), target, files)
     return result
+
+
+def _move(work: Path, target: Path, files: dict[str, str]) -> None:
+    """Rename the checked files into place."""
+    for name in files.values():
+        if (target / name).is_dir():
+            message = f"'{target / name}' is a folder; a file of that name has to be written"
+            raise InputError(message, "file_exists", "out", str(target / name))
+    with writing("output folder", target, "out"):
+        for name in files.values():
+            os.replace(work / name, target / name)
 
 
 def without_cad(spec: MouldSpec) -> dict[str, Any]:
@@ -171,8 +186,9 @@ def _made(spec: MouldSpec, folder: Path, processor_s: float, bone_file: Path | N
     elif ran_out(done.returncode):
         how = f"did not finish within {processor_s:g} s of processor time"
     elif not answer:
-        status = f"exit status {done.returncode}: {_last_line(done, 'no message')}"
-        how = f"ended without an answer ({f'signal {-done.returncode}' if done.returncode < 0 else status})"
+        last = _last_line(done, "no message")
+        status = f"signal {-done.returncode}" if done.returncode < 0 else f"exit status {done.returncode}: {last}"
+        how = f"ended without an answer ({status})"
     elif "error" not in answer:
         return answer
     else:

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.core.files import csv_text
+from dummydesign.core.interpolation import true_runs
 from dummydesign.report.plot_layers import Band, Bars, Cells, Dots, Ellipse, Label, Layer, Line, corners, edges, thin
 
 LETTER_WIDTH = 7.0
@@ -269,17 +270,11 @@ def _path(x: Axis, y: Axis, xs: np.ndarray, ys: np.ndarray) -> str:
     """Path through points, broken where one is missing, without those that no one would see."""
     across, along = x.positions(xs), y.positions(ys)
     words = []
-    for start, stop in runs(np.isfinite(across) & np.isfinite(along)):
+    for start, stop in true_runs(np.isfinite(across) & np.isfinite(along)):
         kept = corners(across[start:stop], along[start:stop])
         points = zip(across[start:stop][kept].tolist(), along[start:stop][kept].tolist())
         words.append("M" + "L".join([f"{_short(a)} {_short(b)}" for a, b in points]))
     return "".join(words)
-
-
-def runs(known: np.ndarray) -> list[tuple[int, int]]:
-    """Start and stop of each run of points that are there."""
-    steps = np.flatnonzero(np.diff(np.r_[False, known, False])).tolist()
-    return list(zip(steps[::2], steps[1::2]))
 
 
 def _short(value: float) -> str:

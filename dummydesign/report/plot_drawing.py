@@ -8,7 +8,8 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from dummydesign.report.plot import Axis, Plot, runs
+from dummydesign.core.interpolation import true_runs
+from dummydesign.report.plot import Axis, Plot
 from dummydesign.report.plot_layers import Band, Bars, Dots, Line, corners
 from dummydesign.report.vector_sheet import (
     BAND,
@@ -145,7 +146,7 @@ def draw_layers(plot: Plot, x: Axis, y: Axis, size_pt: float) -> list[Item]:
         elif isinstance(layer, Line):
             colour, dash = STYLES.get(layer.style, STYLES["other"])
             xs, ys = np.asarray(layer.x, float), np.asarray(layer.y, float)
-            for start, stop in runs(np.isfinite(xs) & np.isfinite(ys)):
+            for start, stop in true_runs(np.isfinite(xs) & np.isfinite(ys)):
                 items += _run(x, y, xs[start:stop], ys[start:stop], colour, None, dash)
     return items
 

@@ -135,10 +135,33 @@ def test_failed_check_keeps_no_file_but_reports_all_checks(monkeypatch, tmp_path
         f"pathlib.Path(sys.argv[2]).write_text({json.dumps(found)!r})"
     )
     _worker(monkeypatch, code)
-    with raises_code("check_failed", "mould") as caught:
-        make_mould(5, out=tmp_path)
-    assert caught.value.result["checks"][0]["status"] == "fail" and caught.value.result["files"] == {}
-    assert _files(tmp_path) == []
+    for make in (make_mould, lambda thickness, out: runner.make_mold(mould_spec(thickness), out)):
+        with raises_code("check_failed", "mould") as caught:
+            make(5, out=tmp_path)
+        assert caught.value.result["checks"][0]["status"] == "fail" and caught.value.result["files"] == {}
+        assert _files(tmp_path) == []
+    # The report of a design stands without its mould: nothing of the refused one may lie beside it.
+    with raises_code("check_failed", "mould"):
+        dummydesign.suggest("palm", shape="slab", verify=False, cad=True, out=tmp_path / "design")
+    kept = _files(tmp_path / "design")
+    assert "suggest.json" in kept and not {"mould_t5.step", "spec.json"} & set(kept)
+
+
+def test_final_name_taken_by_a_folder_is_refused(monkeypatch, tmp_path):
+    (tmp_path / "mould_t5.step").mkdir()
+    found = {
+        "files": {"mould": "mould_t5.step"}, "volumes_mm3": {}, "step_sha256": "0", "warnings": [], "batch": {},
+        "checks": [], "pour": {"components": [], "silicone_mass_g": 1.0}, "seconds": 1.0, "memory_MB": 1.0,
+    }  # fmt: skip
+    code = (
+        "import json, sys, pathlib; folder = json.load(open(sys.argv[1]))['folder']; "
+        "(pathlib.Path(folder) / 'mould_t5.step').write_text('good'); "
+        f"pathlib.Path(sys.argv[2]).write_text({json.dumps(found)!r})"
+    )
+    _worker(monkeypatch, code)
+    with raises_code("file_exists", "out"):
+        runner.make_mold(mould_spec(5), tmp_path)
+    assert _files(tmp_path) == ["mould_t5.step"]
 
 
 def test_a_folder_that_has_a_final_name_is_left_and_the_mould_goes_into_a_folder_beside(monkeypatch, tmp_path):

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from dummydesign.core.interpolation import true_runs
 from dummydesign.inference.noise import Bins
 from dummydesign.loop.data.reduction import UNLOADING, ReducedPress, has_hold, reduce_press
 from dummydesign.measurement.campaign import Campaign, Trial
@@ -213,9 +214,8 @@ def flat_top(forces_N: list[NDArray]) -> float | None:
         return None
     runs = 0
     for force in forces_N:
-        at = (force >= top - 0.5 * step - 1e-9 * abs(top)).astype(int)
-        edges = np.flatnonzero(np.diff(np.r_[0, at, 0]))
-        runs += int((edges[1::2] - edges[::2]).max(initial=0)) >= FLAT_RUN
+        flat = true_runs(force >= top - 0.5 * step - 1e-9 * abs(top))
+        runs += any(stop - start >= FLAT_RUN for start, stop in flat)
     return top if runs >= FLAT_PRESSES else None
 
 

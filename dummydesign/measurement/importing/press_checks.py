@@ -12,10 +12,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.core.errors import InputError
+from dummydesign.core.interpolation import true_runs
 from dummydesign.measurement.importing.contact import LEAST_LEAD_IN, ContactEstimate, contact_off, find_contact
 from dummydesign.measurement.importing.decisions import ImportLog, Settings
 from dummydesign.measurement.importing.signs import find_presses, find_signs, middle_of_three, noise_of
-from dummydesign.measurement.landmarks import Summary, summarise, true_runs
+from dummydesign.measurement.landmarks import Summary, summarise
 from dummydesign.measurement.trace import Trace, import_first
 
 Warn = Callable[[str, str], None]

@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.core.errors import InputError
+from dummydesign.core.interpolation import true_runs
 from dummydesign.measurement.importing.decisions import ImportLog
-from dummydesign.measurement.landmarks import true_runs
 
 _BOTH_WAYS = 0.4
 """Share of the larger swing of the force above which the smaller one leaves open which of them is pressing."""

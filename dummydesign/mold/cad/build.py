@@ -58,7 +58,9 @@ def _material(spec: MouldSpec, kind: str) -> Material:
     if kind == "resin_base" and spec.base is not None:
         pour = spec.base.pour
         return Material(kind, f"{pour.resin} base", f"ratio {pour.ratio:.4g}", pour.density_g_per_cm3)
-    return Material(kind, spec.pour.resin, f"ratio {spec.pour.ratio:g}", spec.pour.density_g_per_cm3)
+    if kind == "resin":
+        return Material(kind, spec.pour.resin, f"ratio {spec.pour.ratio:g}", spec.pour.density_g_per_cm3)
+    raise KeyError(kind)
 
 
 @dataclass(frozen=True)

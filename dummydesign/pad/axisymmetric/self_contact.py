@@ -63,8 +63,10 @@ class FoldWatch:
             return stop
         return f"{self.face.notch} is folded to {self.opening:.0f} degrees, and {stop}"
 
-    def with_stop_reason(self, path: Path) -> Path:
-        """The path with the reason of its end."""
+    def with_stop_reason(self, path: Path, last: Array | None = None) -> Path:
+        """The path with the reason of its end; ``last`` is where it came to, beyond the last wanted depth."""
+        if last is not None and self.folded is None:
+            self.opening = min(self.opening, self.face.opening_deg(last))
         return replace(path, stop=self.stop_reason(path.stop))
 
 

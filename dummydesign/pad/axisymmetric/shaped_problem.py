@@ -155,15 +155,12 @@ def solve_path(
     if watch is None:
         return path
     if watch.folded is None:
-        if ends:
-            # The notch where the path ended, which may lie well beyond the last wanted depth.
-            watch.opening = min(watch.opening, watch.face.opening_deg(ends[-1].u))
         if len(_VISITED) >= MOST_VISITED:
             _VISITED.pop(next(iter(_VISITED)))
         # Up to the last state that was checked for a fold.
         last = path.depth[-1] if len(path.depth) else 0.0
         _VISITED[case, cells, rim] = [end for end in ends if end.depth <= last * (1.0 + 1e-9)]
-    return watch.with_stop_reason(path)
+    return watch.with_stop_reason(path, ends[-1].u if ends else None)
 
 
 class PathCache:

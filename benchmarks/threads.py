@@ -24,9 +24,8 @@ PREDICT = ["-m", "dummydesign", "predict", "--young", "25", "--thickness", "10",
 LIBRARY = """
 import json
 import numpy, scipy.linalg
-from dummydesign.pad.material.hyperelastic import Yeoh
 from dummydesign.pad.spatial.square_punch import Block, Cells, solve_ratios
-found = solve_ratios(Block((0.7, 0.7), (7.5, 6.0)), Yeoh(1.0), 0.5, [0.1], Cells(0.14))
+found = solve_ratios(Block((0.7, 0.7), (7.5, 6.0)), numpy.array([0.1]), Cells(0.14))
 print(json.dumps({"ratio": found.ratio.tolist()}))
 """
 COMMANDS = {

@@ -32,7 +32,7 @@ def raised(package: Path = PACKAGE) -> tuple[dict[str, set[str]], list[str]]:
         for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
             if not isinstance(node, ast.Call) or not isinstance(node.func, ast.Name):
                 continue
-            if node.func.id == "unwritable":
+            if node.func.id in ("unwritable", "writing"):
                 last = node.args[-1]
                 quantities["file_unwritable"] |= {str(last.value)} if isinstance(last, ast.Constant) else set()
             at = FIRST_ARGUMENT.get(node.func.id)

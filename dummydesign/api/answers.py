@@ -174,8 +174,9 @@ def dataset_of(rows: Sequence[Mapping[str, Any]]) -> Any:
             if isinstance(value, Mapping):
                 along = next(axis for ending, axis in INNER.items() if name.endswith(ending))
                 inner.setdefault(along, [float(key) for key in value])
-                empty = ((*VARIED, along), np.full((*shape, len(value)), np.nan))
-                variables.setdefault(name, empty)[1][at] = np.array(list(value.values()), dtype=float)
+                if name not in variables:
+                    variables[name] = ((*VARIED, along), np.full((*shape, len(value)), np.nan))
+                variables[name][1][at] = np.array(list(value.values()), dtype=float)
             elif name == "limit":
                 variables.setdefault(name, (VARIED, np.full(shape, "", dtype=object)))[1][at] = value or ""
             else:

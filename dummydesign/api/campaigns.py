@@ -129,7 +129,7 @@ def _expected(
 
 def _check_set_up(campaign: Campaign, pads_mm: Iterable[float]) -> None:
     """Refuse what could not be read or solved once it is pressed."""
-    from dummydesign.geometry.dimensions import PAD_LENGTH_MM, PAD_WIDTH_MM
+    from dummydesign.geometry.dimensions import PAD_LENGTH_MM, PAD_WIDTH_MM, check_covers
     from dummydesign.loop.model.campaign_law import check_round
     from dummydesign.measurement.campaign import check_edge
 
@@ -137,10 +137,7 @@ def _check_set_up(campaign: Campaign, pads_mm: Iterable[float]) -> None:
     length_mm, width_mm = pad.length_mm or PAD_LENGTH_MM, pad.width_mm or PAD_WIDTH_MM
     check_edge(pad, punch, [geometry])
     widest = 0.0 if punch.shape == "plate" else punch.side_mm or 2.0 * punch.radius_mm
-    if min(length_mm, width_mm) < widest:
-        size = f"{length_mm:g}x{width_mm:g}"
-        message = f"pad = {size} mm is smaller than the punch {punch.text}; its sides must be at least {widest:g} mm"
-        raise InputError(message, "out_of_range", "pad", size)
+    check_covers(f"{length_mm:g}x{width_mm:g}", (length_mm, width_mm), widest, punch.text)
     if geometry.plain:
         return
     if punch.profile_mm is not None:

@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 
 def pad_of_inputs(inputs: dict[str, Any]) -> tuple[Pad | Puck, dict[str, float], list[str]]:
     """Make the pad or puck of the question; also its modulus with interval, and sources."""
+    from dummydesign.geometry.dimensions import check_covers
     from dummydesign.geometry.interface import BASES, FACES, Interface
     from dummydesign.geometry.punch import equal_area_radius_mm, punch_sides_mm, read_profile
     from dummydesign.geometry.shape_registry import read_shape
@@ -63,9 +64,7 @@ def pad_of_inputs(inputs: dict[str, Any]) -> tuple[Pad | Puck, dict[str, float],
     profile = read_profile(punch[len("profile:") :]) if punch.startswith("profile:") else None
     radius = profile[0][-1] if profile else equal_area_radius_mm(punch)
     widest = max((punch_sides_mm(punch) if profile is None else None) or (2.0 * radius,))
-    if min(sides) < widest:
-        message = f"pad = {size} mm is smaller than the punch {punch}; its sides must be at least {widest:g} mm"
-        raise InputError(message, "out_of_range", "pad", size)
+    check_covers(size, sides, widest, punch)
     same = {name: inputs[name] for name in ("thickness_mm", "base", "condition", "poisson", "edge_radius_mm")}
     made = Pad(
         **same, young_MPa=young["value"] * 1e-3, radius_mm=radius, prony=prony, law=law, geometry=geometry,

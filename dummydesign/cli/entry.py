@@ -244,13 +244,12 @@ def _run(arguments: list[str]) -> int:
         if added and project is not None:
             say(f"from project '{project.name}': {' '.join(added)}")
         COMMAND_LINE.set(tuple(words))
+        repeated = _repeated(parser, arguments[1:])
         problem: NoAnswerError | None = None
         try:
             settle_out(project, name, module, options)
             with timed():
                 result = module.run(options)
-            if repeated := _repeated(parser, arguments[1:]):
-                result = {**result, "warnings": [*result.get("warnings", []), *repeated]}
             verdict = result.get("verdict")
             if isinstance(verdict, dict) and verdict.get("light") == "red":
                 message = "the pad is not representative of the tissue"
@@ -276,9 +275,14 @@ def _run(arguments: list[str]) -> int:
         if as_json:
             from dummydesign.core.serialise import json_text
 
+            if repeated:
+                result = {**result, "warnings": [*result.get("warnings", []), *repeated]}
             print(json_text(name, {**result, **({} if problem is None else {"error": problem.to_dict()})}))
         elif result:
             print(_render_of(module, options)(result))
+        for one in repeated if not as_json else ():
+            # Beside the answer: not every screen has room for its warnings.
+            print(f"warning: {one['message']}", file=sys.stderr)
         if problem is not None:
             print(f"error: {problem}", file=sys.stderr)
         return 0 if problem is None else 1

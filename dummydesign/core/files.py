@@ -26,7 +26,7 @@ def unwritable(what: str, path: str | Path, problem: OSError, quantity: str) -> 
 
 @contextmanager
 def writing(what: str, path: str | Path, quantity: str) -> Iterator[None]:
-    """Make the same error of what the system refuses while a block writes."""
+    """Turn what the system refuses while a block writes into the error of :func:`unwritable`."""
     try:
         yield
     except OSError as problem:
@@ -50,7 +50,7 @@ def read_json(path: Path) -> dict[str, Any]:
     """What a JSON file holds; empty where it cannot be read or holds something else than keys."""
     try:
         content = json.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError):
+    except (OSError, ValueError, RecursionError):
         return {}
     return content if isinstance(content, dict) else {}
 

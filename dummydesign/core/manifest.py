@@ -9,13 +9,12 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from datetime import UTC, datetime
 from functools import cached_property
-from os import PathLike
 from pathlib import Path
 from typing import Any
 
 from dummydesign._version import __version__
 from dummydesign.core.errors import InputError
-from dummydesign.core.files import read_json, write_text
+from dummydesign.core.files import FilePath, read_json, write_text
 from dummydesign.core.process import COMMAND_LINE
 
 SCHEMA = "dummydesign.manifest/1"
@@ -28,7 +27,7 @@ class Question:
 
     command: str
     inputs: Mapping[str, Any]
-    files: Mapping[str, str | PathLike[str]] = field(default_factory=dict)
+    files: Mapping[str, FilePath] = field(default_factory=dict)
 
     @cached_property
     def sums(self) -> list[dict[str, Any]]:

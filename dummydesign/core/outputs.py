@@ -16,7 +16,7 @@ from secrets import token_hex
 from typing import Any
 
 from dummydesign.core.errors import InputError
-from dummydesign.core.files import FilePath, output_folder, unwritable, write_text
+from dummydesign.core.files import FilePath, output_folder, unwritable, write_text, writing
 from dummydesign.core.manifest import KEY, NAME, Earlier, Question, manifest_text, read_manifest, records_of
 from dummydesign.core.process import check_stop
 
@@ -196,10 +196,8 @@ def _written(target: OutputTarget, question: Question) -> Iterator[Output]:
     _sweep(parent, head)
     work = parent / f"{head}{os.getpid()}-{token_hex(3)}"
     try:
-        try:
+        with writing("output folder", target.folder, "out"):
             work.mkdir()
-        except OSError as problem:
-            raise unwritable("output folder", target.folder, problem, "out") from None
         output = Output(target, work)
         try:
             yield output
@@ -281,10 +279,8 @@ def _names(folder: Path) -> list[str]:
 def _make(folder: Path) -> list[Path]:
     """Make a folder and its parents; return those that are new, the innermost last."""
     missing = list(takewhile(lambda path: not path.exists(), (folder, *folder.parents)))
-    try:
+    with writing("output folder", folder, "out"):
         folder.mkdir(parents=True, exist_ok=True)
-    except OSError as problem:
-        raise unwritable("output folder", folder, problem, "out") from None
     return missing[::-1]
 
 

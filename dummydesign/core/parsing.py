@@ -38,7 +38,7 @@ UNITS: dict[str, dict[str, float]] = {
     "": {"%": 0.01},
 }
 """Units that are understood for each unit a number is wanted in, with their size in it."""
-NUMBER = re.compile(r"^\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(\S*)\s*$")
+NUMBER = re.compile(r"^\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(\S*)\s*$", re.ASCII)
 
 
 @dataclass(frozen=True)

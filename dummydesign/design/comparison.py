@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from os import PathLike, fspath
+from os import fspath
 from pathlib import Path
 from typing import Any
 
 from dummydesign.core.errors import InputError
+from dummydesign.core.files import FilePath, read_json
 from dummydesign.core.serialise import Serialised
 from dummydesign.design.request import ANSWER
 
@@ -37,7 +37,7 @@ class Comparison(Serialised):
     sources: tuple[str, ...]
 
 
-def compare_designs(folders: Iterable[str | PathLike[str]]) -> Comparison:
+def compare_designs(folders: Iterable[FilePath]) -> Comparison:
     """Read the designs of two or more folders of ``suggest``."""
     paths = [Path(fspath(folder)) for folder in folders]
     if len(paths) < 2:
@@ -77,14 +77,9 @@ def read_design(folder: Path) -> dict[str, Any]:
 
 
 def _json(path: Path) -> dict[str, Any] | None:
-    """A JSON object; None where there is none that can be read."""
-    try:
-        if path.stat().st_size > LARGEST_FILE:
-            return None
-        content = json.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError, RecursionError):
-        return None
-    return content if isinstance(content, dict) else None
+    """A JSON object that is not too large; None where there is none that can be read."""
+    whole = path.is_file() and path.stat().st_size <= LARGEST_FILE
+    return read_json(path) or None if whole else None
 
 
 def _names(paths: Sequence[Path]) -> list[str]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 
 from dummydesign.core.errors import InputError, quantity_name
 
@@ -52,6 +53,13 @@ def check_left(what: str, height_mm: float, thickness_mm: float, least_mm: float
         left = f"{thickness_mm - height_mm:.3g} mm of a pad of {thickness_mm:g} mm; at least {least_mm:g} mm must stay"
         message = f"{what} height = {height_mm:g} mm leaves {left}"
         raise InputError(message, "out_of_range", f"{what}_height_mm", height_mm, (None, thickness_mm - least_mm))
+
+
+def check_covers(size: str, sides_mm: Iterable[float], widest_mm: float, punch: str) -> None:
+    """Refuse a pad that is smaller than its punch."""
+    if min(sides_mm) < widest_mm:
+        message = f"pad = {size} mm is smaller than the punch {punch}; its sides must be at least {widest_mm:g} mm"
+        raise InputError(message, "out_of_range", "pad", size)
 
 
 def check_inside(what: str, reach_mm: float, across_mm: float) -> None:

@@ -15,7 +15,15 @@ from dummydesign.loop.effects.learned import Learned
 from dummydesign.loop.fitting.fit import NORMAL_95, CampaignFit
 from dummydesign.loop.model.campaign_law import start_young_kPa
 from dummydesign.loop.model.effect import SetupLaw
-from dummydesign.loop.model.forward_model import BASE, Active, BaseParameters, LawError, parameter_names, simulate
+from dummydesign.loop.model.forward_model import (
+    BASE,
+    LAW_TERMS,
+    Active,
+    BaseParameters,
+    LawError,
+    parameter_names,
+    simulate,
+)
 from dummydesign.loop.pad_scatter import carried_share, recorded_spread
 from dummydesign.loop.result import LoopResult
 from dummydesign.loop.selection.cross_validation import pad_spreads, widened
@@ -201,7 +209,7 @@ class Calibration:
 
 def model_of(fit: CampaignFit) -> Model:
     """Take the model out of a fit."""
-    law, pads = fit.vector[fit.problem.fixed :].reshape(len(PADS), -1), fit.problem.presses.pads
+    law, pads = fit.vector[fit.problem.fixed :].reshape(LAW_TERMS, -1), fit.problem.presses.pads
     return Model(fit.base, fit.active, fit.problem.thicknesses, law, tuple(s for s, _ in pads), carried_share(fit))
 
 

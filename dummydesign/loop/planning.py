@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from dummydesign.core.errors import InputError, NoAnswerError
 from dummydesign.core.files import write_text
-from dummydesign.core.library import toml_text
+from dummydesign.core.library import toml_text, toml_value
 from dummydesign.core.process import Progress, one_blas_thread, quiet
 from dummydesign.core.serialise import Serialised
 from dummydesign.geometry.dimensions import MAX_DEPTH_OVER_THICKNESS
@@ -248,9 +248,9 @@ def _toml(campaign: Campaign, presses: tuple[PlannedPress, ...]) -> str:
 
 
 def _table(head: str, **values: object) -> list[str]:
-    """Lines of a table with the values that are known."""
+    """Lines of a table of TOML, without the values that are None."""
     known = {key: value for key, value in values.items() if value is not None}
-    return ["", head, *(f"{key} = {toml_text(one) if isinstance(one, str) else one}" for key, one in known.items())]
+    return ["", head, *(f"{key} = {toml_value(one)}" for key, one in known.items())]
 
 
 def _sheet(presses: tuple[PlannedPress, ...]) -> str:

@@ -166,7 +166,8 @@ def _read_punch(table: Table, folder: Path) -> PunchSpec:
     if needed and needed not in table:
         raise table.fault(needed, f"is missing: the punch is {shape}", "missing")
     profile = ball_profile(diameter) if shape == "ball" else None
-    profile = read_profile(folder / _read_file_name(table, folder)) if shape == "profile" else profile
+    if shape == "profile":
+        profile = read_profile(folder / _read_file_name(table, folder))
     contact = _read_interface(table, "contact", (*CONDITIONS, FRICTION))
     edge = table.number("edge_radius_mm", 0.0, low=0.0, high=100.0)
     return PunchSpec(shape, side, diameter, contact, profile, edge)
@@ -371,7 +372,9 @@ def campaign_toml(set_up: SetUp, trials: Iterable[Mapping[str, Any]], comments: 
     comments : iterable of str
         Lines at the top of the file.
     """
-    content = {"schema": 1, "name": set_up.name, **set_up.tables(), "trial": [dict(trial) for trial in trials]}
+    content = {"schema": 1, "name": set_up.name, **set_up.tables()}
+    if listed := [dict(trial) for trial in trials]:
+        content["trial"] = listed
     return "".join(f"# {text}\n" for text in comments) + toml_table(content)
 
 

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from os import PathLike
 from pathlib import Path
 
 from dummydesign.core.errors import InputError
+from dummydesign.core.files import FilePath
 
 SPEC = "spec.json"
 
@@ -45,7 +45,7 @@ class MouldedPads:
         return self.pours[0]
 
 
-def moulded_pads(folders: Sequence[str | PathLike[str]]) -> MouldedPads:
+def moulded_pads(folders: Sequence[FilePath]) -> MouldedPads:
     """Read the pads of some moulds."""
     from dummydesign.mold.pour.record import read_spec
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from abc import abstractmethod
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from types import MappingProxyType
@@ -43,6 +44,7 @@ class ForceLaw(Protocol):
         """What a reader of its forces must know."""
         ...
 
+    @abstractmethod
     def force(self, depth_mm: ArrayLike, thickness_mm: ArrayLike, young_MPa: ArrayLike, radius_mm: ArrayLike) -> Array:
         """Elastic force; zero above the surface, NaN or held beyond the law's depth. All arguments broadcast.
 
@@ -79,6 +81,7 @@ class ForceLaw(Protocol):
         """
         ...
 
+    @abstractmethod
     def depth_limit_mm(self, thickness_mm: ArrayLike, radius_mm: ArrayLike) -> Array:
         """Depth to which the law holds. [mm]"""
         ...

@@ -29,6 +29,7 @@ class _Elastic:
         if self.law is None:
             return Yeoh(1.0)
         nearly = self.law.scaled(1.0 / self.law.shear_MPa)
+        # Once more: the first division may miss 1 by rounding, and 1 is wanted exactly.
         return nearly.scaled(1.0 / nearly.shear_MPa)
 
     @property

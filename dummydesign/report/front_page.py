@@ -195,7 +195,7 @@ def _line_mm(size: float) -> float:
     return PITCH * size * PT_MM
 
 
-# Each of the following adds items to those of a sheet, from an edge on, and returns the edge under them. [mm]
+# Parts of a sheet add items to it, from an edge on; those in one column return the edge under them. [mm]
 def _heading(items: list[Item], words: str, x: float, y: float, wide: float, size: float) -> float:
     """A heading over a rule."""
     low = y + _line_mm(size + 1) + 0.6

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import csv
 import io
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from dummydesign.core.files import write_bytes, write_text
+from dummydesign.core.files import csv_text, write_bytes, write_text
 from dummydesign.core.serialise import to_plain
 from dummydesign.resin.model.resin import Resin
 
@@ -56,12 +55,10 @@ def write_plot(resin: Resin, folder: Path) -> dict[str, str]:
     young = np.array([[row["young_kPa"][end] for end in ("low", "value", "high")] for row in rows])
     beta = np.array([[term["beta"] for term in row["prony"]] for row in rows])
     names = [f"beta_at_{arm.tau_s.value:g}_s" for arm in resin.arms]
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(["ratio", "young_low_kPa", "young_kPa", "young_high_kPa", *names])
-    writer.writerows([f"{value:.6g}" for value in (r, *y, *b)] for r, y, b in zip(ratios, young, beta))
+    head = ["ratio", "young_low_kPa", "young_kPa", "young_high_kPa", *names]
+    cells = ([f"{value:.6g}" for value in (r, *y, *b)] for r, y, b in zip(ratios, young, beta))
     stem = f"resin-{resin.name}"
-    data = write_text(folder / f"{stem}.csv", text.getvalue())
+    data = write_text(folder / f"{stem}.csv", csv_text(head, cells))
     picture = write_bytes(folder / f"{stem}.svg", _draw(resin, ratios, young, beta, names))
     return {"plot": str(picture), "data": str(data)}
 

@@ -12,7 +12,6 @@ from pathlib import Path
 from typing import IO
 
 from dummydesign.core.errors import InputError
-from dummydesign.core.files import read_json as read_json
 from dummydesign.core.files import write_bytes, writing
 from dummydesign.core.library import DEVICE
 

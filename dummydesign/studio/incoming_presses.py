@@ -12,13 +12,13 @@ from pathlib import Path
 from typing import Any
 
 from dummydesign.core.errors import InputError
-from dummydesign.core.files import write_bytes, write_text, writing
+from dummydesign.core.files import csv_text, read_json, write_bytes, write_text, writing
 from dummydesign.core.manifest import NAME as MANIFEST
 from dummydesign.measurement.campaign_file import FILE, read_campaign_toml, trial_tables
 from dummydesign.measurement.campaign_from_files import COLUMNS, named_values, read_trials
 from dummydesign.measurement.campaign_status import differences_from_plan
 from dummydesign.measurement.trace import read_trace
-from dummydesign.studio.file_transfer import check_press, inside, plain_name, read_json, save_upload
+from dummydesign.studio.file_transfer import check_press, inside, plain_name, save_upload
 from dummydesign.studio.made import Mould, moulds, shape_key
 from dummydesign.studio.project_files import Deleted, delete, replace_file
 from dummydesign.studio.state import State
@@ -176,11 +176,12 @@ def _cell(text: str) -> float | str:
 def write_table(root: Path, rows: Sequence[Mapping[str, Any]]) -> None:
     """Write the table that ``campaign from-files`` reads."""
     used = [key for key in COLUMNS if any(row.get(key) is not None for row in rows)]
-    text = io.StringIO(newline="")
-    out = csv.DictWriter(text, used, extrasaction="ignore", lineterminator="\n")
-    out.writeheader()
-    out.writerows({key: f"{cell:g}" if isinstance(cell, float) else cell for key, cell in row.items()} for row in rows)
-    write_text(root / FOLDER / TABLE, text.getvalue())
+
+    def cell(value: object) -> object:
+        return f"{value:g}" if isinstance(value, float) else value
+
+    lines = ([cell(row.get(key)) for key in used] for row in rows)
+    write_text(root / FOLDER / TABLE, csv_text(used, lines))
 
 
 def words(root: Path, name: str, more: Sequence[str]) -> list[str]:
@@ -200,9 +201,9 @@ FIELDS: dict[str, Any] = {"pads": "5,15,20", "speeds": "10,250", "forces": "3,7,
 def usual_moulds(root: Path, state: State) -> list[str]:
     """Moulds whose pads one campaign can press: of one outline, resin and ratio, each of its own thickness.
 
-    Those of the pad that is chosen come first, else those of the newest mould.
+    Those of the pad that is chosen, else those of the newest mould.
     """
-    # of each thickness the last one counts
+    # The chosen pad's stand last: of each thickness the last one counts.
     own = sorted(moulds(root), key=lambda one: one.is_of(state))
     kept = {one.pad["thickness_mm"]: one.folder for one in own if _kind(one) == _kind(own[-1])}
     return [kept[thickness] for thickness in sorted(kept)]

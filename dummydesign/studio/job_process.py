@@ -48,22 +48,23 @@ def main(folder: Path, handed_on: int | None = None) -> int:
     environment = {**os.environ, VARIABLE: str((folder / PROGRESS).resolve())}
     commands = [*asked.get("first", []), asked["words"]]
     status, stopped = 0, False
-    with open(folder / ERRORS, "wb") as errors:
-        for number, words in enumerate(commands, 1):
-            with open(folder / answer_name(number, len(commands)), "wb") as answer:
-                child = subprocess.Popen(
-                    [sys.executable, "-m", "dummydesign", *words, "--json"], cwd=asked["cwd"], stdout=answer,
-                    stderr=errors, stdin=subprocess.DEVNULL, env=environment,
-                    pass_fds=() if os.name == "nt" else (lock.fileno(),),
-                )  # fmt: skip
-            write_text(folder / CHILD, str(child.pid))
-            status, stopped = _wait(child, lambda: bool(signals) or (folder / STOP).exists())
-            if status or stopped:
-                break
+    for number, words in enumerate(commands, 1):
+        # The command that ends the job is the last that writes its errors.
+        with open(folder / answer_name(number, len(commands)), "wb") as answer, open(folder / ERRORS, "wb") as errors:
+            child = subprocess.Popen(
+                [sys.executable, "-m", "dummydesign", *words, "--json"], cwd=asked["cwd"], stdout=answer,
+                stderr=errors, stdin=subprocess.DEVNULL, env=environment,
+                pass_fds=() if os.name == "nt" else (lock.fileno(),),
+            )  # fmt: skip
+        write_text(folder / CHILD, str(child.pid))
+        status, stopped = _wait(child, lambda: bool(signals) or (folder / STOP).exists())
+        if status or stopped:
+            break
     ended = {"status": status, "stopped": stopped, "start": start, "end": time.time()}
     write_text(folder / STATUS, json.dumps(ended))
-    for held in filter(None, (lock, awake)):
-        held.close()
+    lock.close()
+    if awake is not None:
+        awake.close()
     return status
 
 

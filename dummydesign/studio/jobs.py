@@ -20,12 +20,12 @@ from pathlib import Path
 from typing import Any
 
 from dummydesign.core.errors import InputError
-from dummydesign.core.files import held, take, unwritable, write_text
+from dummydesign.core.files import held, read_json, take, unwritable, write_text
 from dummydesign.core.library import find
 from dummydesign.core.manifest import NAME as MANIFEST
 from dummydesign.core.manifest import sha256_of
 from dummydesign.studio import job_process as runner
-from dummydesign.studio.file_transfer import new_folder, read_json
+from dummydesign.studio.file_transfer import new_folder
 
 
 def shown(words: Sequence[str]) -> str:
@@ -96,7 +96,7 @@ _CHILDREN: list[subprocess.Popen[bytes]] = []
 
 @dataclass(frozen=True)
 class Job:
-    """A command that was started, as it is now."""
+    """Commands that were started one after the other, mostly one, as they are now."""
 
     folder: Path
     name: str
@@ -110,6 +110,14 @@ class Job:
     def words(self) -> tuple[str, ...]:
         """The command; of several the last, whose answer counts."""
         return self.commands[-1]
+
+    @property
+    def begun(self) -> str:
+        """The commands that were begun, as they are typed."""
+        count = len(self.commands)
+        files = (self.folder / runner.answer_name(number, count) for number in range(1, count + 1))
+        return "; ".join([shown(words) for words, file in zip(self.commands, files) if file.is_file()]
+                         or [shown(self.commands[0])])  # fmt: skip
 
     @property
     def has_answer(self) -> bool:

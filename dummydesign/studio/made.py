@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from dummydesign.core.errors import InputError
+from dummydesign.core.files import read_json
 from dummydesign.core.manifest import NAME as MANIFEST
 from dummydesign.core.manifest import sha256_of
 from dummydesign.geometry.shape_registry import read_shape, shape_kinds
@@ -269,7 +270,7 @@ def records(root: Path, pad: PressedPad) -> list[str]:
 
 def gauge_points(folder: Path) -> list[GaugePoint]:
     """Gauge points of a mould; empty where its specification cannot be read."""
-    points = file_transfer.read_json(folder / "spec.json").get("gauge_points", [])
+    points = read_json(folder / "spec.json").get("gauge_points", [])
     with suppress(ValueError, KeyError, TypeError):
         return [GaugePoint(str(one["name"]), float(one["low_mm"]), float(one["high_mm"])) for one in points]
     return []

@@ -62,14 +62,17 @@ def manage(root: Path, path: str, kind: str, then: Then) -> None:
         refused.clear()
 
     def take_name(new: str) -> None:
+        now = ""
         with parts.problems_in(refused):
             now = bin.rename(root, path, new)
             form.clear()
             bar.say(f"{name} is now {now.rpartition('/')[2]}.")
+        if now:
             bar.run(lambda: then(path, now))
 
     async def take_file(event: events.UploadEventArguments) -> None:
         sent, content = event.file.name, await event.file.read()
+        replaced = False
         with parts.problems_in(refused):
             if Path(sent).suffix.lower() != ending:
                 message = f"{sent} was refused: choose a file that ends in {ending}"
@@ -80,7 +83,9 @@ def manage(root: Path, path: str, kind: str, then: Then) -> None:
                 bar.say(f"{sent} is the same as {stored.name}, which is there: nothing was changed.")
             else:
                 bar.offer(stored.gone, then)
-                bar.run(lambda: then(path, path))
+                replaced = True
+        if replaced:
+            bar.run(lambda: then(path, path))
 
     def refuse(name: str, why: str) -> None:
         with parts.fresh(refused):

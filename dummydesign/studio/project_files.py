@@ -15,13 +15,13 @@ from pathlib import Path, PurePosixPath
 from typing import Any
 
 from dummydesign.core.errors import InputError
-from dummydesign.core.files import unwritable, write_bytes, write_text, writing
+from dummydesign.core.files import read_json, unwritable, write_bytes, write_text, writing
 from dummydesign.core.library import toml_text
 from dummydesign.core.manifest import NAME as MANIFEST
 from dummydesign.core.manifest import sha256_of
 from dummydesign.project.folder import FOLDERS, Project, change_project, project_of
 from dummydesign.studio import jobs
-from dummydesign.studio.file_transfer import inside, new_folder, numbered, plain_name, read_json, save_upload
+from dummydesign.studio.file_transfer import inside, new_folder, numbered, plain_name, save_upload
 
 HOME = ".studio/bin"
 ENTRY, CONTENT = "entry.json", "content"

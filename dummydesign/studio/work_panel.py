@@ -121,7 +121,7 @@ class Work:
             if answer is not None:
                 if answer is not newest or not as_chosen:
                     when = time.strftime("%d %b %H:%M", time.localtime(answer.started))
-                    html(f'<p class="source">Result of {when}: <code>{escape(jobs.shown(answer.words))}</code></p>')
+                    html(f'<p class="source">Result of {when}: <code>{escape(answer.begun)}</code></p>')
                 if not self._needs or self._needs in answer.answer:
                     self._show(answer)
         if newest is not None and not self.running and newest.folder.name == self._watched:

@@ -115,6 +115,10 @@ def test_an_option_typed_twice_is_told_and_its_last_value_counts(capsys):
     answer = json.loads(capsys.readouterr().out)
     told = [one["message"] for one in answer["warnings"] if one["code"] == "option_repeated"]
     assert len(told) == 1 and told[0].startswith("--thickness ") and answer["inputs"]["thickness_mm"] == 7.0
+    capsys.readouterr()
+    twice = ["suggest", "--tissue", "palm", "--shape", "slab", "--no-cad", "--no-verify", "--thickness", "9:10"]
+    cli.run([*twice, "--thickness", "14:15"])
+    assert capsys.readouterr().err.count("warning: --thickness is given 2 times") == 1
     parser = parser_of("loop")
     assert entry._repeated(parser, ["c", "--effect", "a.py", "--effect", "b.py", "--json", "--json"]) == []
     assert len(entry._repeated(parser, ["c", "--out", "a", "--effect", "b.py", "--out=b"])) == 1

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 from collections import Counter
+from collections.abc import Collection
 from pathlib import Path
 from typing import Any
 
@@ -205,10 +206,10 @@ def _counted(checks: list[dict[str, Any]], word: str = "") -> str:
     return f"{counts['pass']}{word} passed, {counts['fail']} failed, {counts['skipped']} skipped"
 
 
-def _not_passed(result: dict[str, Any]) -> list[str]:
-    """A line for each check that did not pass."""
+def _not_passed(result: dict[str, Any], ends: Collection[str] = ("fail", "skipped")) -> list[str]:
+    """A line for each check that ended so."""
     return [f"  {item['status']:<8}{item['id']}: {item.get('note', '')}"
-            for item in result.get("checks", []) if item["status"] != "pass"]  # fmt: skip
+            for item in result.get("checks", []) if item["status"] in ends]  # fmt: skip
 
 
 def render_details(result: dict[str, Any]) -> str:
@@ -250,7 +251,7 @@ def _job(result: dict[str, Any]) -> str:
              for one in result["moulds"]]  # fmt: skip
     if "bill_of_materials" not in result:
         # One of them failed, and what was made is not kept.
-        return "\n".join(lines + [line for line in _not_passed(result) if line.startswith("  fail ")])
+        return "\n".join(lines + _not_passed(result, ("fail",)))
     lines += ["", f"Needed for all, {result['inputs']['castings']} castings of each"]
     lines += [f"  {what:<46}{much:<16}{purpose}" for what, much, purpose in result["bill_of_materials"][1:]]
     lines += ["", *(f"{role}: {result['files'][role]}" for role in ("job", "job_pdf", "manifest"))]

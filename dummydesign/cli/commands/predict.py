@@ -187,10 +187,11 @@ STATIC = {"depth_mm": ">9.3f", "force_N": ">9.3f", "force_low_N": ">12.3f", "for
 def _curve_lines(result: dict[str, Any], shown: int = SHOWN) -> list[str]:
     """A curve over depth or over time, thinned."""
     moved = "peak_force_N" in result
-    forms, lines = (MOVED, [
-        f"peak force    {result['peak_force_N']:.3f} N at {result['peak_time_s']:.4f} s",
-        f"force at end  {result['steady_force_N']:.3f} N",
-    ]) if moved else (STATIC, [])  # fmt: skip
+    forms, lines = STATIC, []
+    if moved:
+        forms = MOVED
+        lines = [f"peak force    {result['peak_force_N']:.3f} N at {result['peak_time_s']:.4f} s",
+                 f"force at end  {result['steady_force_N']:.3f} N"]  # fmt: skip
     rows = list(zip(*(result[name] for name in forms)))
     if moved and shown < SHOWN:
         rows = _spread_in_time(rows, result["peak_time_s"], shown)

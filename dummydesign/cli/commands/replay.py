@@ -61,7 +61,8 @@ def _pads(result: dict[str, Any]) -> list[str]:
 def render_details(result: dict[str, Any]) -> str:
     """Make the readable table."""
     lines = verdict_lines(result["verdict"])
-    lines += ["verdict of the worst pad; by pad:", *pads] if (pads := _pads(result)) else []
+    if pads := _pads(result):
+        lines += ["verdict of the worst pad; by pad:", *pads]
     lines += table(result["trials"], [("press", "file", "<28.28"), *ERRORS], "  ")
     effects = ", ".join(result["effects"]) or "no effect"
     lines.append(f"all: {result['rmse_N']:.4f} N with {effects}; {result['base_rmse_N']:.4f} N with the base model")

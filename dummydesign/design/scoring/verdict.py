@@ -130,7 +130,7 @@ def classes(differences: Deviations, limits: VerdictLimits) -> NDArray:
 
 
 def tolerance_of(quantity: str) -> float:
-    """Share of a reading by which it may leave the subjects and count as inside."""
+    """A reading outside the subjects' range by less than this share of it counts as inside."""
     return ENERGY_TOLERANCE if quantity == ENERGY else TOLERANCE
 
 

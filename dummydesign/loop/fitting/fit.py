@@ -198,7 +198,7 @@ def rough_columns(campaign_fit: CampaignFit) -> NDArray:
 
 
 LARGEST_WAVES = 2.0
-"""Waves of a law, rms in standard deviations, that are believed; laws by GetFEM ask for 0.5 to 0.9."""
+"""Largest waves of a law that are believed, rms in standard deviations; laws by GetFEM ask for 0.5 to 0.9."""
 
 
 def with_rough_law(campaign_fit: CampaignFit, of_base: NDArray | float = 0.0) -> CampaignFit:

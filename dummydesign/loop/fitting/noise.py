@@ -158,7 +158,7 @@ def make_whitener(presses: Presses, noise: Noise, slope: NDArray, with_position:
 
 
 LEAST_DEGREES = 2.0
-"""The expansion does not hold for fewer; the priors on the sizes keep them above, but for a handful of trials."""
+"""Fewest for which the expansion holds; the priors on the sizes keep them above, but for a handful of trials."""
 STEP = 0.05
 
 

@@ -262,7 +262,7 @@ def base_and_law_columns(
 def _with_arms(
     presses: Presses, elastic_N: NDArray, arms: Sequence[Arm], held_N: NDArray, changed: Sequence[Arm]
 ) -> NDArray:
-    """Force (T, N) with other arms; what those with an old time and weight hold (arms, T, N) is known. [N]"""
+    """Force (T, N) with changed arms; those with an old time and weight keep their known forces (arms, T, N). [N]"""
     known = []
     for number, arm in enumerate(changed):
         old = arms[number] if number < len(arms) else None

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.core.errors import InputError, unknown_name
-from dummydesign.core.files import unwritable, write_bytes, write_text
+from dummydesign.core.files import write_bytes, write_text, writing
 from dummydesign.core.library import DEVICE, Entry, entries, find, read_toml, toml_table, user_folder
 from dummydesign.core.parsing import NUMBER
 from dummydesign.core.serialise import to_plain
@@ -439,10 +439,8 @@ def save_profile(name: str, settings: Settings, overwrite: bool = False) -> Path
     if path.exists() and not overwrite and _read_profile(path) != settings:
         message = f"--save-profile '{name}': exists already with other settings; add --replace to replace it"
         raise InputError(message, "file_exists", "save_profile", name)
-    try:
+    with writing("folder", path.parent, "folder"):
         path.parent.mkdir(parents=True, exist_ok=True)
-    except OSError as problem:
-        raise unwritable("folder", path.parent, problem, "folder") from None
     return write_text(path, _profile_text(settings))
 
 

@@ -292,7 +292,7 @@ def solve_under_fillet(pad: Pad, depth_mm: Sequence[float] | Array, sides: bool 
         kind = "filleted" if sides else "filleted-without-sides"
         return solve_on_lattice(kind, pad, depth_mm, partial(solve_filleted, sides=sides))
     kind, solve = ("rubbing", solve_rubbing) if face.friction else ("sliding", solve_sliding)
-    return solve_on_lattice(kind, pad, depth_mm, partial(solve))
+    return solve_on_lattice(kind, pad, depth_mm, solve)
 
 
 def solve_rubbing(case: Case, nodes: Array) -> dict[str, Any]:

@@ -18,7 +18,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -229,7 +228,7 @@ def _slab_curve(pad: Pad, case: Case, depths: Array) -> PadCurve:
             notes = () if len(depth) == len(depths) else (f"the slab's table ends at {depth[-1] / h:.3f}",)
             return PadCurve(depth, force, table.relative_error(depth, h, a) * force, dict(NO_COST), notes)
     if case.edge:
-        return solve_on_lattice("filleted", own, depths * h, partial(solve_filleted))
+        return solve_on_lattice("filleted", own, depths * h, solve_filleted)
     return (solve_curve if pad.condition == "bonded" else solve_flat)(own, depths * h)
 
 

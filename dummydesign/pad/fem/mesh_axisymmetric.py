@@ -126,7 +126,8 @@ def discretise(
 ) -> Discretisation:  # fmt: skip
     """Build the biquadratic discretisation of a quadrilateral mesh in the (r, z) plane."""
     places, node = nine_nodes(points, quads)
-    if quarter_points and centre is not None:
+    if quarter_points:
+        assert centre is not None
         places = _to_quarter(places, quads, node, centre)
     if move is not None:
         places = move(places)
@@ -210,7 +211,7 @@ Z_GROWTH = 1.35
 
 @dataclass(frozen=True)
 class Sizes:
-    """Where cells are to be how small, growth away from there, the largest size within ``reach`` of the ``middle``."""
+    """Wanted sizes of cells by place, their growth away from there, the largest within ``reach`` of the ``middle``."""
 
     places: Sequence[float]
     sizes: Sequence[float]
@@ -229,7 +230,7 @@ class Sizes:
 def lines_by_size(
     start: float, stop: float, marks: Sequence[float], size: Callable[[Array], Array], spare: float
 ) -> Array:
-    """Points whose cells follow a wanted size and which meet every mark; ``spare`` of a cell less is no cell more."""
+    """Points whose cells follow a wanted size and which meet every mark; a rest below ``spare`` of a cell adds none."""
     ends = np.unique(np.concatenate([[start, stop], [mark for mark in marks if start < mark < stop]]))
     lines = [start]
     for low, high in pairwise(ends):

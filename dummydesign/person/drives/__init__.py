@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib
 import pkgutil
+from typing import Any
 
 from dummydesign.core.errors import unknown_name
 from dummydesign.person.drives.drive import Drive
@@ -11,11 +12,16 @@ from dummydesign.person.drives.drive import Drive
 ORDER = ("position", "steady", "force", "mass", "spring")
 
 
+def _below(kind: type[Any]) -> list[type[Any]]:
+    """Subclasses, and theirs: a drive may derive from another."""
+    return [one for own in kind.__subclasses__() for one in (own, *_below(own))]
+
+
 for entry in pkgutil.iter_modules(__path__):
     importlib.import_module(f"{__name__}.{entry.name}")
 _rank = dict(zip(ORDER, range(9)))
 DRIVES: dict[str, type[Drive]] = {
-    one.name: one for one in sorted(Drive.__subclasses__(), key=lambda one: (_rank.get(one.name, 9), one.name))
+    one.name: one for one in sorted(_below(Drive), key=lambda one: (_rank.get(one.name, 9), one.name))
 }
 """Drives by name."""
 

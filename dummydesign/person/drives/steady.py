@@ -50,7 +50,7 @@ class Steady(Drive):
         depth = people.law.steady_depth(lambda wanted: path.to(wanted, coarse=True), forces, *parts)
         motion = path.to(depth)
         force = np.maximum(people.law.force(motion, *parts), 0.0)
-        return _response(motion, force, late_mean(motion, force, LATE * press.hold_s))
+        return _response(motion, force, own_late_mean(motion, force, LATE * press.hold_s))
 
     def on_curves(self, press: Press, people: Sequence[Any]) -> Response:
         """The presses that were made, between their forces."""
@@ -71,7 +71,7 @@ def press_of(press: Press) -> tuple[float, float]:
     return reduced.hold_s, braking_of(reduced, press.velocity_mm_s)
 
 
-def late_mean(motion: Motion, force: NDArray, last_s: float) -> NDArray:
+def own_late_mean(motion: Motion, force: NDArray, last_s: float) -> NDArray:
     """Mean force over the last seconds of motions with their own times, shape (p,). [N]"""
     at = motion.time_s[:, -1:] - last_s * np.linspace(1.0, 0.0, LATE_POINTS)
     return np.array([np.interp(*row).mean() for row in zip(at, motion.time_s, force)])

@@ -23,7 +23,6 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from math import inf
 from typing import Any
 
 import numpy as np
@@ -70,7 +69,8 @@ def update_relaxation(resin: Resin, measured: Sequence[Arm], ratio: float, seen_
     notices: list[str] = []
     for tau, beta in sorted(((arm.tau_s, arm.beta) for arm in measured), key=lambda pair: pair[0].value):
         free = [at for at in range(len(base)) if at not in taken]
-        off, index = min(((abs(math.log(resin.arms[at].tau_s.value / tau.value)), at) for at in free), default=(inf, 0))
+        distances = ((abs(math.log(resin.arms[at].tau_s.value / tau.value)), at) for at in free)
+        off, index = min(distances, default=(math.inf, 0))
         own = Interval(beta.value, beta.low, beta.high)
         carried = base[index] if off <= math.log(SAME_TIME) else None
         if carried is not None:

@@ -478,7 +478,7 @@ class PlanForm:
         return list(job.words) == words and there
 
     def show(self, job: jobs.Job) -> None:
-        """What was planned."""
+        """Show what was planned."""
         answer, folder = job.answer, folder_of(job)
         html(f'<p data-test="planned">{len(answer["trials"])} presses planned in {escape(folder)}</p>')
         if power := answer.get("power"):

@@ -11,6 +11,7 @@ from typing import Any
 from nicegui import ui
 
 from dummydesign.core.errors import InputError
+from dummydesign.core.files import read_json
 from dummydesign.core.parsing import Purpose
 from dummydesign.person.drives import DRIVES, read_drive
 from dummydesign.project.folder import Project
@@ -259,7 +260,7 @@ def _records(root: Path, folder: str) -> None:
     rows = []
     for path in sorted((root / folder).glob("record*.json")):
         with suppress(ValueError, KeyError, TypeError):
-            one = file_transfer.read_json(path)
+            one = read_json(path)
             verdict = "accepted" if one["accepted"] else f"not accepted: {', '.join(one['missed'])}"
             rows.append([path.name, f"{one['thickness_mm']:.2f}", f"{one['mass_g']:g}", verdict])
     if rows:

@@ -148,7 +148,7 @@ class Learning:
         open_page("/learn", chosen.changed(calibration=file) if chosen.calibration.startswith(f"{old}/") else chosen)
 
     def show_plan(self, job: Job) -> None:
-        """What was planned."""
+        """Show what was planned."""
         plan = _plan_folder(job.answer)
         if not plan:
             return

@@ -77,7 +77,7 @@ def show_status(project: Project, state: State, query: Mapping[str, str]) -> Non
     html("<h2>What was run</h2>")
     rows = ""
     for job in reversed(jobs.all_jobs(project.root)[-12:]):
-        rows += f"<li>{_ended(job)}, {job.seconds:.0f} s: <code>{escape(jobs.shown(job.words))}</code></li>"
+        rows += f"<li>{_ended(job)}, {job.seconds:.0f} s: <code>{escape(job.begun)}</code></li>"
     html(f"<ul>{rows}</ul>" if rows else "<p>nothing yet</p>")
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from dummydesign.core.errors import InputError, out_of_range, quantity_name, unknown_name
+from dummydesign.core.errors import InputError, errors_within, out_of_range, quantity_name, unknown_name
 from dummydesign.core.files import write_text
 from dummydesign.core.parsing import Purpose, read_number
 from dummydesign.core.quantity import KINDS, Quantity
@@ -77,13 +77,11 @@ def add_regions(table: str, replace_own: bool = False) -> dict[str, Any]:
         region, stiffness, spread, source = (row.text(column) for column in COLUMNS)
         if not stiffness:
             continue
-        try:
+        with errors_within(f"{path.name}:{row.line}"):
             tissue_folder(region)
             if region.lower() in {one.name.lower() for one in made}:
                 raise InputError(f"region '{region}' is listed twice", "duplicate", "region", region)
             made.append(spring_tissue(region, stiffness, spread or None, source, "digitised"))
-        except InputError as problem:
-            raise problem.within(f"{path.name}:{row.line}") from None
     if not made:
         message = f"{path.name}: no row has a stiffness_N_per_mm; fill the regions that you need"
         raise InputError(message, "missing", "stiffness_N_per_mm")

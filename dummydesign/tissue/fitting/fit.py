@@ -21,7 +21,14 @@ from dummydesign.measurement.importing.press_checks import copies_among, doubts_
 from dummydesign.measurement.motion import Motion
 from dummydesign.measurement.sensor import Lowpass
 from dummydesign.measurement.trace import Trace
-from dummydesign.tissue.fitting.problem import Optimum, TissueProblem, heldout_rmse, problems_of, trace_residuals
+from dummydesign.tissue.fitting.problem import (
+    Optimum,
+    Responses,
+    TissueProblem,
+    heldout_rmse,
+    problems_of,
+    trace_residuals,
+)
 from dummydesign.tissue.fitting.reduction import reduce_trace, rounded_velocity, speed_groups
 from dummydesign.tissue.model.laws import fitted_law, law_named
 from dummydesign.tissue.model.parameters import speed_key
@@ -56,9 +63,11 @@ class ContactOffsets:
     def warnings(self, traces: Sequence[Trace]) -> list[dict[str, str]]:
         """What a reader must know of offsets that stand at an end."""
         names = [trace.name for trace, end in zip(traces, self.at_end) if end]
+        if not names:
+            return []
         message = (f"contact of {_some(names)} would lie before what was recorded, or too far in: the offset there is "
                    "no measurement; record from above the surface")  # fmt: skip
-        return [{"code": "contact_at_end", "message": message}] if names else []
+        return [{"code": "contact_at_end", "message": message}]
 
 
 def _some(names: Sequence[str]) -> str:
@@ -123,7 +132,7 @@ def _slope(problem: TissueProblem, optimum: Optimum) -> NDArray:
               for group in problem.groups]  # fmt: skip
     moved = np.concatenate([
         np.exp(gamma1) * own.elastic + sum(np.exp(gamma[arm]) * own.arm(gamma[arm] - c[arm])[0] for arm in arms)
-        for own, c in zip(TissueProblem(problem.law, pushed, problem.lowpass).responses, damper)
+        for own, c in zip((Responses(problem.law, group, problem.lowpass) for group in pushed), damper)
     ])  # fmt: skip
     return (moved - problem.predict(theta, optimum.arms)[0]) / _STEP_MM
 

@@ -145,7 +145,6 @@ class MeasuredParameters(Parameters):
 
     law, gamma_N_per_mm3, c_N_s_per_mm = LAW, (), ()
 
-    __setattr__ = object.__setattr__
     __eq__ = object.__eq__
     __hash__ = object.__hash__
     __repr__ = object.__repr__
@@ -170,10 +169,14 @@ class MeasuredPerson(MeasuredParameters):
     """The presses of one person."""
 
     def __init__(self, presses: Sequence[HeldPress]) -> None:
-        self.presses = tuple(presses)
         speeds = sorted({press.velocity_mm_s for press in presses})
-        self._by_speed = {v: by_depth(press for press in presses if press.velocity_mm_s == v) for v in speeds}
-        self._curves: dict[float, tuple[NDArray, NDArray]] = {}
+        groups = {v: by_depth(press for press in presses if press.velocity_mm_s == v) for v in speeds}
+        # The class is frozen.
+        self.__dict__.update(presses=tuple(presses), _by_speed=groups, _curves={})
+
+    presses: tuple[HeldPress, ...]
+    _by_speed: dict[float, list[list[HeldPress]]]
+    _curves: dict[float, tuple[NDArray, NDArray]]
 
     @property
     def velocities_mm_s(self) -> tuple[float, ...]:
@@ -276,7 +279,10 @@ class MeasuredAim(MeasuredParameters):
     """
 
     def __init__(self, people: Sequence[MeasuredPerson], aim: str) -> None:
-        self.people, self.aim = tuple(people), aim
+        self.__dict__.update(people=tuple(people), aim=aim)
+
+    people: tuple[MeasuredPerson, ...]
+    aim: str
 
     @property
     def velocities_mm_s(self) -> tuple[float, ...]:

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from dummydesign.core.errors import out_of_range
+from dummydesign.core.errors import InputError, out_of_range
 from dummydesign.tissue.model.maxwell_law import arms_of
 
 if TYPE_CHECKING:
@@ -27,8 +27,14 @@ class Parameters:
     c_N_s_per_mm: tuple[tuple[float, tuple[float, ...]], ...]
 
     def __post_init__(self) -> None:
-        dampers = (damper for _, own in self.c_N_s_per_mm for damper in own)
-        numbers = [self.gamma1_N_per_mm3, *self.gamma_N_per_mm3, *dampers]
+        springs, numbers = len(self.gamma_N_per_mm3), [self.gamma1_N_per_mm3, *self.gamma_N_per_mm3]
+        if springs and not self.c_N_s_per_mm:
+            raise InputError("tissue parameters need dampers for at least one speed", "missing", "c_N_s_per_mm")
+        for _, dampers in self.c_N_s_per_mm:
+            if len(dampers) != springs:
+                message = f"{springs} springs but {len(dampers)} dampers in the arms"
+                raise InputError(message, "inconsistent", "c_N_s_per_mm")
+            numbers += dampers
         if min(numbers) <= 0:
             raise out_of_range("tissue parameter", min(numbers), "above 0", "any finite value")
 

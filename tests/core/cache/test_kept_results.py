@@ -59,6 +59,14 @@ class ForeignLaw:
     shear_MPa: float = 1.0
 
 
+@pytest.mark.parametrize("number", [np.int64(3), np.float64(3.0), np.array([3]), np.bool_(True)])
+def test_numbers_of_numpy_are_kept_as_those_of_python(place, number):
+    calls = []
+    for asked in (number, number.tolist()):
+        cache.cached("numbers", {"one": asked}, lambda: calls.append(1) or {"x": 1.0})
+    assert len(calls) == 1
+
+
 @pytest.mark.parametrize("what", [ForeignLaw(), lambda r: r, object()])
 def test_what_has_no_canonical_form_is_computed_each_time(place, what):
     solve = CountedSolve()

@@ -77,6 +77,12 @@ def test_a_force_off_the_range_counts_only_where_it_is_off():
     assert shares["inside_fraction"] == pytest.approx([1.0, 0.5, 0.0], abs=0.02)
 
 
+@pytest.mark.parametrize(("dampers", "code"), [((), "missing"), (((10.0, (0.1,)),), "inconsistent")])
+def test_springs_need_as_many_dampers(dampers, code):
+    with raises_code(code, "c_N_s_per_mm"):
+        Parameters("ode", 0.1, (0.2, 0.3), dampers)
+
+
 def test_dampers_between_known_speeds_are_interpolated_in_logarithms():
     person = subject(0.1)
     middle = person.dampers_at(np.sqrt(10.0 * 250.0))

@@ -198,7 +198,7 @@ IGNORED_INPUTS = ("out", "workers", "scheduler", "resume", "replace", "save_prof
 
 def question(
     command: str, inputs: Mapping[str, Any], *, tissue: str | None = None, resin: str | None = None,
-    preset: str | None = None, files: Iterable[FilePath | None] = (),
+    preset: str | None = None, files: Iterable[FilePath | None] = (), named: Mapping[str, FilePath] | None = None,
 ) -> Question:  # fmt: skip
     """Make the question of a call.
 
@@ -212,13 +212,15 @@ def question(
         Names of the library or paths.
     files : iterable of path
         Other files that are read; None is left out.
+    named : mapping, optional
+        Files by what they are, such as those of weights and limits.
     """
     from dummydesign.core.library import find
 
-    named = (("materials/tissues", "tissue", tissue), ("materials/resins", "resin", resin),
+    library = (("materials/tissues", "tissue", tissue), ("materials/resins", "resin", resin),
              ("molds", "mould preset", preset))  # fmt: skip
     read: dict[str, FilePath] = {f"{what} {name}": find(kind, what, name).path
-                                 for kind, what, name in named if name is not None}  # fmt: skip
+                                 for kind, what, name in library if name is not None} | dict(named or {})  # fmt: skip
     read |= {fspath(path): path for path in files if path is not None}
     return Question(command, {key: value for key, value in inputs.items() if key not in IGNORED_INPUTS}, read)
 

@@ -34,7 +34,8 @@ Numbers = float | str | Iterable[float | str]
 def suggest(
     tissue: str, *, aim: str = "average", resin: str = "polyurethane-nagoya",
     thickness_mm: tuple[float, float] | str | None = None, ratio: tuple[float, float] | str | None = None,
-    shape: str = "auto", calibration: FilePath | None = None, effects: Iterable[FilePath] = (),
+    shape: str = "auto", mould: FilePath | None = None, calibration: FilePath | None = None,
+    effects: Iterable[FilePath] = (),
     verify: bool = True, cad: bool | None = None, punch: str = "square:14",
     force_N: Numbers = (5.0, 10.0, 15.0), velocity_mm_s: Numbers = (10.0, 250.0), hold_s: float | str = 10.0,
     deceleration_mm_s2: float | str = 30_000.0, pad: tuple[float, float] | str = "150x120",
@@ -57,6 +58,8 @@ def suggest(
         Limits with both ends included. [mm, resin's ratio]
     shape : str
         ``auto`` (the best of all kinds), ``slab``, another kind such as ``crowned``, or one with its lengths.
+    mould : path, optional
+        Folder or ``spec.json`` of a mould that was made: shape, thickness and size of its pad are kept.
     calibration : path, optional
         Written by ``dummydesign loop``.
     effects : iterable of path
@@ -163,10 +166,11 @@ def _answer(
     progress: Callable[[str], None],
 ) -> Answer:  # fmt: skip
     """Resolve, design, and write what there is a folder for."""
+    from dummydesign.design.problem import read_problem
     from dummydesign.design.safety import read_limits, safety_view
-    from dummydesign.design.suggest import design, resolve
+    from dummydesign.design.suggest import design
 
-    wanted = resolve(request)
+    wanted = read_problem(request)
     mass_kg, velocity_mm_s = inputs["robot_mass_kg"], inputs["robot_velocity_mm_s"]
     for name, value in (("robot mass in kg", mass_kg), ("robot velocity in mm/s", velocity_mm_s)):
         if value is not None and not (isfinite(value) and value > 0):
@@ -179,8 +183,11 @@ def _answer(
     inputs["weights"] = wanted.space.targets.weights.to_dict()
     limits = None if inputs["limits"] is None else read_limits(inputs["limits"])
 
-    read = (inputs["calibration"], inputs["limits"], *effects, *_named_files(request))
-    asked = question("suggest", inputs, tissue=request.tissue, resin=request.resin, preset=request.preset, files=read)
+    profile = request.punch.partition("profile:")[2] or None
+    read = (inputs["calibration"], inputs["limits"], *effects, profile)
+    asked = question(
+        "suggest", inputs, tissue=request.tissue, resin=request.resin, files=read, named=dict(wanted.files)
+    )
     with answer_folder(folder, asked, replace) as output:
         suggestion = design(wanted, progress)
         safety = safety_view(suggestion, mass_kg, velocity_mm_s, limits)
@@ -218,13 +225,6 @@ def _on_people(
     sections = people_sections(pressed, values["presses"], "people")
     titled = (replace_fields(one, title=f"On people, {drive}: {one.title}") for one in sections)
     return {"on_person": values}, tuple(titled)
-
-
-def _named_files(request: Request) -> list[str]:
-    """Files that the test names: a punch's profile, a machine, a silicone."""
-    profile = request.punch.partition("profile:")[2]
-    named = [name for name in (request.machine, request.silicone) if name is not None and name.endswith(".toml")]
-    return [*([profile] if profile else []), *named]
 
 
 def _mould(suggestion: Suggestion, output: Output) -> tuple[dict[str, Any] | None, NoAnswerError | None]:
@@ -422,12 +422,13 @@ def _work_out(
             swept = work_out(study, executor=executor, progress=progress, targets=targets)
         return Rows(study, tuple(swept["rows"]), swept["seconds"], inputs, tuple(swept["warnings"]), sources)
     from dummydesign.core.outputs import growing_folder
+    from dummydesign.design.scoring.settings import settings_files
     from dummydesign.design.sweep.live_data import live_data
     from dummydesign.design.sweep.rows import RowsFile, settings_of
     from dummydesign.report.whatif import write_whatif
 
     settings = settings_of(study, resin, sites)
-    asked = question("whatif", inputs, tissue=study.tissue, resin=study.resin)
+    asked = question("whatif", inputs, tissue=study.tissue, resin=study.resin, named=settings_files())
     with opened as executor, growing_folder(folder, asked, replace=replace, go_on=inputs["resume"]) as output:
         file = RowsFile(output.work, study, settings, inputs["resume"])
         kept = len(file.rows)

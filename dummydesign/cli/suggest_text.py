@@ -198,11 +198,13 @@ def render(result: dict[str, Any]) -> str:
         "",
     ]
     more = f"--details: scores, other shapes, parameters, castings, {len(result['warnings'])} notes"
-    tail = [[""], labelled("CORRECT", "\n".join(facts.correction_lines(result))),
+    tail = [[""], labelled("SHARES", "\n".join(facts.castings_lines(result))),
+            labelled("MOULD", facts.other_mould_text(result)),
+            labelled("CORRECT", "\n".join(facts.correction_lines(result))),
             labelled("WHY", facts.why_text(result), 3), labelled("RISK", facts.risk_text(result)), _notes(result),
             _next(result), labelled("", facts.meanwhile_text(result)), _files(result),
             labelled("MORE", more)]  # fmt: skip
-    risk, meanwhile, why = 3, 6, 2
+    risk, meanwhile, why = 5, 8, 4
     columns, rows = facts.press_rows(result)
     presses = columns_of((columns, *rows), (8, 5, 8, 8, 10, 12, 0), "  ")
     return "\n".join(fitted(head, presses, tail, (risk, meanwhile, why), "  ... and {} more presses: --details"))

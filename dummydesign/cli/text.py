@@ -222,6 +222,4 @@ def first_lines(result: dict[str, Any]) -> list[str]:
     lines += [f"{first['text']}: {first['protocol']}", f"then: {first['command']}"] if first and first["text"] else []
     choice = result.get("choice")
     lines += [f"why this pad: {choice['text']}"] if choice else []
-    lines += [choice["expectation"]["text"]] if choice and choice["expectation"]["differs"] else []
-    lines += [choice["expectation"]["undecided"]] if choice and choice["expectation"]["undecided"] else []
     return [*lines, ""] if lines else []

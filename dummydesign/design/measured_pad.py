@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 from dummydesign.core.errors import DummydesignError
 from dummydesign.core.parsing import DECELERATION, EDGE, FORCE, HOLD, VELOCITY, positive, read_number, read_numbers
 from dummydesign.core.serialise import to_plain
-from dummydesign.design.assessment.castings import COUNT
 from dummydesign.design.request import face_of
 from dummydesign.design.safety import tissue_press
+from dummydesign.design.scoring.castings import COUNT
 from dummydesign.design.scoring.presses import Sampling
 from dummydesign.design.scoring.verdict import LEVELS, Ranges, Readings, Verdict, verdict
 from dummydesign.design.test_setup import check_edge, check_numbers, tissue_warnings
@@ -129,7 +129,7 @@ def verdict_of_traces(comparison: Comparison, tissue: Tissue) -> Verdict:
     if not len(steady):
         unsettled = " and ".join(filter(None, [unsettled, f"it was not pressed above {lowest:g} N"]))
     readings = Readings(peak, energy, depth)
-    return verdict(ranges, readings, spread, of="pads that fit these traces", unsettled=unsettled, cast=True)
+    return verdict(ranges, readings, spread, of="pads that fit these traces", unsettled=unsettled)
 
 
 def _press(pressed: Sequence[ComparedPress], tissue: Tissue, speed_mm_s: float, noise_N: float) -> tuple[float, ...]:

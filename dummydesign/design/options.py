@@ -123,6 +123,8 @@ class SuggestOptions:
         "search range of the mixing ratio, within the resin's range",
         read=partial(parse_limits, quantity="ratio"), between=":")  # fmt: skip
     shape: str = option("auto", "shape", "NAME[:P,..]", _shape_help)
+    mould: str | None = option(None, "mould", "DIR|FILE",
+        "keep shape and thickness of a mould that was made; choose the ratio for the resin at hand", read=str)
     verify: bool = option(True, "no-verify", "", "do not check the design by finite elements")
     hold_s: float = option(10.0, "hold", "S", "hold after the stop (default 10 s)",
         read=partial(read_number, purpose=parsing.HOLD))  # fmt: skip

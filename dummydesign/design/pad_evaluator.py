@@ -10,15 +10,11 @@ import numpy as np
 
 from dummydesign.core.errors import InputError
 from dummydesign.core.quantity import HALF_WIDTH
-from dummydesign.design.assessment.castings import (
-    COUNT,
-    PadCastings,
-    limits_that_bind,
-    verdict_of_design,
-)
+from dummydesign.design.assessment.pad_castings import PadCastings, limits_that_bind, verdict_of_design
+from dummydesign.design.scoring.castings import COUNT
+from dummydesign.design.scoring.outlook import Match
 from dummydesign.design.scoring.presses import SAMPLES, Curves, Sampling, Slabs, make_curves
 from dummydesign.design.scoring.score import evaluate
-from dummydesign.design.scoring.settings import verdict_limits
 from dummydesign.design.scoring.targets import Targets, make_targets
 from dummydesign.design.scoring.verdict import Verdict, ranges_of, readings_of, verdict
 from dummydesign.design.search.shape_family import Family, FamilyLaw, load_family
@@ -28,7 +24,7 @@ from dummydesign.geometry.pad_shape import PadShape
 from dummydesign.pad.force_law import ForceCurve, ForceLaw
 
 if TYPE_CHECKING:
-    from dummydesign.design.suggest import Inputs
+    from dummydesign.design.problem import Problem
     from dummydesign.pad.specimen import Pad
     from dummydesign.tissue.model.tissue import Tissue
 
@@ -40,13 +36,14 @@ def verdict_of_pad(
     pad: Pad, curve: ForceCurve, young: dict[str, float], tissue: Tissue, aim: str, sampling: Sampling
 ) -> tuple[Verdict, DesignCandidate, Targets]:
     """Press a pad by the paper's test and judge it, with what is not known of its modulus and of the force."""
-    thickness, limit = pad.thickness_mm, min(gel_limit_mm(pad), float(curve.limit_mm))
+    targets = make_targets(tissue, aim, sampling)
+    gel_mm = pad.thickness_mm - pad.geometry.bone_height_mm
+    thickness, limit = pad.thickness_mm, min(targets.limits.gel_compression * gel_mm, float(curve.limit_mm))
     depth = np.linspace(0.0, limit, SAMPLES)
     area = np.asarray(curve.force(depth), float) / pad.young_MPa
     area[0] = 0.0
     curves = Curves(np.array([thickness]), np.array([limit]), area[None])
     tau, beta = tuple(term.tau_s for term in pad.prony), np.array([[term.beta for term in pad.prony]])
-    targets = make_targets(tissue, aim, sampling)
     slabs = Slabs(curves, np.array([0]), np.array([pad.young_MPa]), tau, beta)
     evaluation = evaluate(slabs, targets, sampling, exact=True)
     candidate = DesignCandidate(thickness, 0.0, 0, evaluation)
@@ -60,14 +57,9 @@ def verdict_of_pad(
     bound = [f"depth over thickness (at most {limit / thickness:.2f})"] if missing else []
     judged = verdict(
         ranges_of(targets), candidate.readings, spread, bound, of="pads with a modulus in its interval",
-        measured=readings_of(evaluate(slabs, targets, sampling.coarse)), limits=targets.limits,
+        known=readings_of(evaluate(slabs, targets, sampling.coarse)), limits=targets.limits,
     )  # fmt: skip
     return judged, candidate, targets
-
-
-def gel_limit_mm(pad: Pad) -> float:
-    """Depth at which the gel under the middle of the punch is compressed as far as the verdict allows. [mm]"""
-    return float(verdict_limits().gel_compression * (pad.thickness_mm - pad.geometry.bone_height_mm))
 
 
 @dataclass(frozen=True)
@@ -96,7 +88,7 @@ def law_of_shape(
 
 def one_pad(law: ForceLaw, space: SearchSpace, thickness_mm: float, ratio: float) -> EvaluatedPad:
     """Press one pad as the search presses its best ones, and judge it."""
-    curves = make_curves(law, np.array([thickness_mm]), space.radius_mm)
+    curves = make_curves(law, np.array([thickness_mm]), space.radius_mm, space.targets.limits.gel_compression)
     slabs = make_slabs(curves, np.array([0]), space.resin, np.array([ratio]))
     evaluation = evaluate(slabs, space.targets, space.sampling, exact=True)
     candidate = DesignCandidate(thickness_mm, ratio, 0, evaluation)
@@ -115,13 +107,13 @@ class NotTabulated(InputError):
 class PadEvaluator:
     """Presses pads one by one under the inputs of a search, by the tables alone, and judges them."""
 
-    inputs: Inputs
+    problem: Problem
 
     def evaluate(self, shape: PadShape, thickness_mm: float, ratio: float) -> EvaluatedPad:
         """Press one pad; refuse one that cannot be made (InputError) or that no table holds (NotTabulated)."""
         from dummydesign.design.test_setup import refused_kinds, why_solved
 
-        request, space, punch = self.inputs.request, self.inputs.space, self.inputs.punch
+        request, space, punch = self.problem.request, self.problem.space, self.problem.punch
         if refused := refused_kinds(request, punch).get(shape.name):
             raise InputError(refused, "unsupported", "shape", shape.name)
         # with a calibration slabs are pressed by their table, under a fillet too; shapes have none with a fillet
@@ -131,7 +123,7 @@ class PadEvaluator:
         space.resin.check_ratio(ratio)
         shape.check(thickness_mm, *request.pad_mm)
         try:
-            law = law_of_shape(self.inputs.slab_law, shape, thickness_mm, request.pad_mm, space.correct)
+            law = law_of_shape(self.problem.slab_law, shape, thickness_mm, request.pad_mm, space.correct)
         except InputError as problem:
             raise NotTabulated(str(problem).partition("; use --fidelity")[0], "shape") from None
         if float(law.depth_limit_mm(np.array([thickness_mm]), space.radius_mm)[0]) <= 0.0:
@@ -140,10 +132,12 @@ class PadEvaluator:
 
     def with_castings(self, pad: EvaluatedPad, shape: PadShape) -> Verdict:
         """Judge a pad with what its castings may turn out as; the same verdict as that of ``suggest``."""
-        from dummydesign.design.suggestion import tolerances_of
+        from dummydesign.design.search.shape_search import MANY_BATCHES, outlook_for
         from dummydesign.design.test_setup import beyond_people
 
-        inputs, space = self.inputs, self.inputs.space
-        tolerances = tolerances_of(space.resin, pad.candidate, inputs.request, shape)
-        cast = PadCastings(inputs.castings, pad.law, pad.candidate, space, tolerances)
-        return verdict_of_design(cast, beyond_people(inputs.request.protocol.forces_N, inputs.tissue))
+        problem, space, thickness = self.problem, self.problem.space, pad.candidate.thickness_mm
+        match = Match(float(np.log(space.resin.young_MPa(pad.candidate.ratio))), 0.0)
+        outlook = outlook_for(pad.law, shape, thickness, match, space, MANY_BATCHES)
+        tolerances = space.tolerances(shape, thickness, pad.candidate.ratio)
+        cast = PadCastings(space.castings, pad.law, pad.candidate, space, tolerances, outlook)
+        return verdict_of_design(cast, beyond_people(problem.request.protocol.forces_N, problem.tissue))

@@ -64,8 +64,8 @@ def reactions(answer: Suggestion, law: ForceLaw) -> list[Reaction]:
              "relaxation, 95 %")  # fmt: skip
     moduli = [young, young, young, *resin.young_MPa(mixed), 1e-3 * modulus.low, 1e-3 * modulus.high, young, young]
     strengths = np.concatenate([beta[[0, 0, 0, 1, 2, 0, 0]], beta[0] * np.array(ends)])
-    slab = np.array([0, 1, 2, 0, 0, 0, 0, 0, 0])
-    slabs = Slabs(make_curves(law, [thickness, *thin], radius), slab, np.array(moduli), resin.tau_s, strengths)
+    slab, gel = np.array([0, 1, 2, 0, 0, 0, 0, 0, 0]), answer.targets.limits.gel_compression
+    slabs = Slabs(make_curves(law, [thickness, *thin], radius, gel), slab, np.array(moduli), resin.tau_s, strengths)
     protocol, sampling = answer.targets.protocol, answer.targets.sampling.coarse
     speeds = protocol.slow_mm_s, protocol.fast_mm_s
     slow, fast = (steady_depth(slabs, protocol.needed_N, speed, sampling) for speed in speeds)
@@ -169,7 +169,7 @@ def exponent_over_thickness(answer: Suggestion, law: ForceLaw, grids: ForceGrids
     low, high = law.ratio_range
     held = (answer.radius_mm / THICKNESS_GRID_MM >= low) & (answer.radius_mm / THICKNESS_GRID_MM <= high)
     held[held] = np.asarray(law.depth_limit_mm(THICKNESS_GRID_MM[held], answer.radius_mm)) > 0.0
-    curves = make_curves(law, THICKNESS_GRID_MM[held], answer.radius_mm)
+    curves = make_curves(law, THICKNESS_GRID_MM[held], answer.radius_mm, answer.targets.limits.gel_compression)
     slab = np.arange(int(held.sum()))
     area = np.array(grids.exponent_at) / answer.resin.young_MPa(answer.best.ratio)
     depth = curves.depth_at(slab, np.broadcast_to(area, (len(slab), len(area))))

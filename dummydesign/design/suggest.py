@@ -1,185 +1,158 @@
-"""From a tissue and an aim to ratio, thickness, recipe and reasons: read what is named, search, solve, judge."""
+"""From a tissue and an aim to ratio, thickness, recipe and reasons: search, solve, cast, judge."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import partial
-from typing import TYPE_CHECKING, cast
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from dummydesign.core.errors import InputError, NoAnswerError
+from dummydesign.core.errors import NoAnswerError
 from dummydesign.core.process import one_blas_thread
-from dummydesign.design.assessment.castings import Castings, PadCastings, pour_yield, verdict_of_design
-from dummydesign.design.assessment.choice import Expectation, by_expectation, explain, measure_first
+from dummydesign.design.assessment.decision import compare_kinds, explain
+from dummydesign.design.assessment.pad_castings import PadCastings, pour_yield, shares_of_pad, verdict_of_design
+from dummydesign.design.assessment.value_of_information import measure_first
 from dummydesign.design.assessment.warnings import count_unmeasured, design_warnings
+from dummydesign.design.problem import Problem, read_problem, recipe_and_batch
 from dummydesign.design.request import PAPER, Progress, Request, quiet
-from dummydesign.design.scoring.presses import Sampling, make_curves
-from dummydesign.design.scoring.settings import verdict_limits
-from dummydesign.design.scoring.targets import make_targets
-from dummydesign.design.search.best_of_kinds import SearchOutcome, Shaped, best_of_kinds, choose, close_to, kinds_of
+from dummydesign.design.scoring.castings import Castings
+from dummydesign.design.scoring.presses import make_curves
+from dummydesign.design.scoring.verdict import LEVELS, deviations, good_share, ranges_of, shares_of
 from dummydesign.design.search.shape_family import FamilyLaw
-from dummydesign.design.search.slabs import Correct, DesignCandidate, SearchSpace, thickness_steps
-from dummydesign.design.suggestion import (
-    CentringTolerance,
-    RecommendedDesign,
-    Suggestion,
-    Verification,
-    mould_of,
-    recipe_and_batch,
-    tolerances_of,
+from dummydesign.design.search.shape_search import (
+    SearchOutcome,
+    ShapedDesign,
+    candidate_of,
+    outlook_for,
+    rank,
+    search_shapes,
 )
-from dummydesign.design.test_setup import (
-    beyond_people,
-    check_calibrated,
-    check_mould,
-    check_test,
-    own_slab_law,
-    own_warnings,
-    pad_of_request,
-    refused_kinds,
-    standard_press,
-    tabulated,
-)
-from dummydesign.geometry.dimensions import PAD_EXTENT_MM, THICKNESS_MM
+from dummydesign.design.search.slabs import DesignCandidate, SearchResult, search, with_parameters
+from dummydesign.design.suggestion import CentringTolerance, RecommendedDesign, Suggestion, Verification
+from dummydesign.design.test_setup import beyond_people, own_warnings, pad_of_request, refused_kinds
+from dummydesign.geometry.dimensions import PAD_EXTENT_MM
 from dummydesign.geometry.pad_shape import PadShape
-from dummydesign.geometry.punch import Punch, read_punch
 from dummydesign.geometry.shapes.slab import Slab
-from dummydesign.pad.force_law import ForceLaw
 from dummydesign.pad.tables.square import circle_of
 
 if TYPE_CHECKING:
-    from numpy.typing import ArrayLike, NDArray
+    from numpy.typing import ArrayLike
 
-    from dummydesign.design.calibrated import Calibrated
-    from dummydesign.design.search.finalists import ElementsLaw
+    from dummydesign.design.search.fe_candidates import ElementsLaw
     from dummydesign.design.sites import Sites
     from dummydesign.pad.axisymmetric.shaped_problem import Touch
     from dummydesign.pad.specimen import Pad
-    from dummydesign.resin.model.resin import Resin
-    from dummydesign.tissue.model.tissue import Tissue
 
 CALIBRATED = "designed with a calibration: the correction is based on the campaign, the table on finite elements"
 
 
-@dataclass(frozen=True)
-class Inputs:
-    """A request with what it names."""
 
-    request: Request
-    tissue: Tissue
-    space: SearchSpace
-    slab_law: ForceLaw
-    punch: Punch
-    castings: Castings
-    calibrated: Calibrated | None = None
-
-
-def resolve(request: Request, law: ForceLaw | None = None) -> Inputs:
-    """Read tissue, resin, calibration and force law, and lay out what is searched."""
-    from dummydesign.resin import load_resin
-    from dummydesign.tissue.model.tissue_file import load_tissue
-
-    if request.shape.lower() != Slab.name:
-        kinds_of(request.shape)
-    punch = read_punch(request.punch)
-    check_test(request, punch)
-    tissue, resin = load_tissue(request.tissue), load_resin(request.resin)
-    sampling = Sampling(hold_s=request.hold_s, deceleration_mm_s2=request.deceleration_mm_s2)
-    tissue.target(request.aim)
-    thickness = tabulated(thickness_steps(*(request.thickness_mm or THICKNESS_MM)), request, punch)
-    ratios = _ratios(resin, request.ratio)
-    targets = make_targets(tissue, request.aim, sampling, request.protocol)
-    calibrated, correct = None, None
-    if request.calibration is not None:
-        from dummydesign.design.calibrated import CalibratedFamily, with_calibration
-
-        if not standard_press(request):
-            check_calibrated(request, punch, thickness)
-        calibrated = with_calibration(resin, request.calibration, request.punch, punch.square, request.edge_radius_mm)
-        resin, law = calibrated.resin, cast(ForceLaw, calibrated.law)
-        correct = cast(Correct, partial(CalibratedFamily, correction=calibrated.law.correction))
-    if law is None:
-        law = own_slab_law(request, punch, thickness)
-    castings = Castings(resin, request.castings)
-    verdict_limits()
-    check_mould(request, resin, float(thickness[0]), float(ratios[0]))
-    space = SearchSpace(
-        resin, targets, thickness, ratios, punch.radius_mm, sampling, request.pad_mm, request.base, correct,
-        request.edge_radius_mm,
-    )  # fmt: skip
-    return Inputs(request, tissue, space, law, punch, castings, calibrated)
-
-
-def _ratios(resin: Resin, wanted: tuple[float, float] | None) -> NDArray:
-    """Practical ratios inside the wanted range, which must lie inside the resin's."""
-    if wanted is None:
-        return resin.ratios()
-    resin.check_ratio(wanted)
-    ratios = resin.ratios(*wanted)
-    if not len(ratios):
-        raise InputError(
-            f"ratio range {wanted[0]:g}:{wanted[1]:g} holds no step of {resin.ratio_step:g}; "
-            f"{resin.name} allows {resin.ratio_min:g} to {resin.ratio_max:g}",
-            "out_of_range", "ratio", wanted, (resin.ratio_min, resin.ratio_max),
-        )  # fmt: skip
-    return ratios
+# Standard errors between a share of castings and its limit from which the level is certain; how many more are drawn.
+CERTAIN, MORE, MOST_DRAWN = 3.0, 4, 19_200
+# Thicknesses beside the recommended one whose ratios are scored with it, in steps of the search.
+AROUND_STEPS = 2
 
 
 @dataclass(frozen=True)
 class SolvedDesign:
-    """The chosen design, how it was chosen by expectation, its verification, a crown's centring tolerance and sites."""
+    """The chosen design, the others ranked, its verification, a crown's centring tolerance and sites."""
 
-    chosen: Shaped
-    expectation: Expectation
+    chosen: ShapedDesign
+    designs: tuple[ShapedDesign, ...]
+    castings: PadCastings
+    result: SearchResult
     verification: Verification
     centring: CentringTolerance | None = None
     sites: Sites | None = None
 
+    @property
+    def best(self) -> DesignCandidate:
+        """The chosen pad with its presses and parameters."""
+        return self.result.best
 
-def solve(inputs: Inputs, outcome: SearchOutcome, progress: Progress = quiet) -> SolvedDesign:
-    """Solve the leading shaped designs, choose the best, and compare a recommended slab with its table.
 
-    Designs that the search does not tell apart are chosen from by what is expected of their castings. Nothing is
-    solved when the request has ``verify = False``; a slab with a calibration is not compared.
+def solve(problem: Problem, outcome: SearchOutcome, progress: Progress = quiet) -> SolvedDesign:
+    """Solve the leading design, draw its castings, and compare a recommended slab with its table.
+
+    Nothing is solved when the request has ``verify = False``; a slab with a calibration is not compared.
     """
-    request, space = inputs.request, inputs.space
-    if request.verify and outcome.designs:
-        from dummydesign.design.search.finalists import solve_leading
+    request, space, designs = problem.request, problem.space, outcome.designs
+    if request.verify:
+        from dummydesign.design.search.fe_candidates import solve_leading
 
-        outcome = replace(outcome, designs=solve_leading(outcome.designs, space, progress))
-    chosen = choose(outcome, space)
-    low_share = 0.0 if outcome.asked.lower() == Slab.name else space.targets.weights.low_aim
-    tolerances = tolerances_of(space.resin, chosen.result.best, request, chosen.shape)
-    chosen, expected = by_expectation(close_to(chosen, outcome, space), space, inputs.castings, tolerances, low_share)
+        designs = solve_leading(designs, space, progress)
+    chosen = designs[0]
+    progress("castings")
+    castings = cast_pad(problem, chosen)
+    result = _neighbours(problem, chosen, castings.candidate)
+    castings = replace(castings, candidate=result.best)
+    done = SolvedDesign(chosen, designs, castings, result, not_verified("not requested"))
     if request.calibration is not None and chosen.shape.plain:
-        return SolvedDesign(chosen, expected, not_verified(CALIBRATED))
+        return replace(done, verification=not_verified(CALIBRATED))
     if not request.verify:
-        return SolvedDesign(chosen, expected, not_verified("not requested"))
-    best, forces = chosen.result.best, (space.targets.protocol.low_grid_N[1], *space.targets.protocol.forces_N)
+        return done
+    best, forces = done.best, (space.targets.protocol.low_grid_N[1], *space.targets.protocol.forces_N)
     centring = centring_tolerance(
-        best, chosen.shape, space.radius_mm, inputs.punch.half_width_mm, forces, space.extent_mm,
+        best, chosen.shape, space.radius_mm, problem.punch.half_width_mm, forces, space.extent_mm,
         getattr(chosen.cast, "touch", None),
     )  # fmt: skip
-    verification, sites = _verify(chosen, inputs), None
+    sites = None
     if request.sites is not None:
         from dummydesign.design.sites import lay_out_sites
 
         progress("neighbouring sites")
-        sites = lay_out_sites(chosen.shape, best, space, inputs.punch, request.sites)
+        sites = lay_out_sites(chosen.shape, best, space, problem.punch, request.sites)
         chosen = replace(chosen, shape=sites.on(chosen.shape))
-    return SolvedDesign(chosen, expected, verification, centring, sites)
+    return replace(done, chosen=chosen, verification=_verify(chosen, best, problem), centring=centring, sites=sites)
 
 
-def _verify(chosen: Shaped, inputs: Inputs) -> Verification:
+def cast_pad(problem: Problem, design: ShapedDesign) -> PadCastings:
+    """Draw the castings of a design at the ratio to pour, as many as make its level certain."""
+    space, castings, limits = problem.space, problem.space.castings, problem.space.targets.limits
+    outlook = outlook_for(design.cast, design.shape, design.thickness_mm, design.match, space, castings.n)
+    candidate = candidate_of(design.cast, design.thickness_mm, outlook.ratio, space)
+    tolerances = space.tolerances(design.shape, design.thickness_mm, outlook.ratio)
+    cast = PadCastings(castings, design.cast, candidate, space, tolerances, outlook)
+    while MORE * cast.castings.n <= MOST_DRAWN and _near_a_limit(cast, limits.share):
+        cast = replace(cast, castings=Castings(castings.resin, MORE * cast.castings.n, castings.seed))
+    return cast
+
+
+def _near_a_limit(cast: PadCastings, needed: float) -> bool:
+    """Whether a share of castings that decides the level lies within three standard errors of what is needed."""
+    ranges, limits = ranges_of(cast.space.targets), cast.space.targets.limits
+    poured, known = (shares_of(deviations(ranges, one), limits) for one in (cast.readings(), cast.resin_known))
+    decisive = [good_share(poured, ranges.strict), good_share(known, ranges.strict), poured["stands_for"]]
+    error = np.sqrt(needed * (1.0 - needed) / cast.castings.n)
+    return any(abs(value - needed) < CERTAIN * error for value in decisive)
+
+
+def _neighbours(problem: Problem, chosen: ShapedDesign, best: DesignCandidate) -> SearchResult:
+    """The map of scores and the alternatives about a design, with the design as the best."""
+    space = problem.space
+    around = space.thickness_mm
+    if isinstance(chosen.law, FamilyLaw):
+        near = around[np.abs(around - chosen.thickness_mm) <= AROUND_STEPS * 0.5 + 1e-9]
+        known = np.asarray(chosen.law.depth_limit_mm(near, space.radius_mm)) > 0.0
+        able = known & chosen.law.family.at_thickness(chosen.shape, chosen.thickness_mm, near).castable(space.pad_mm)
+        around = near[able] if able.any() else np.array([chosen.thickness_mm])
+    found = search(chosen.law, replace(space, thickness_mm=around))
+    fitted = with_parameters([best], space)[0]
+    others = [one for one in (found.best, *found.alternatives)
+              if abs(one.thickness_mm - best.thickness_mm) > 1e-9 or abs(one.ratio - best.ratio) > 1e-9]  # fmt: skip
+    return replace(found, best=fitted, alternatives=tuple(others[:4]))
+
+
+def _verify(chosen: ShapedDesign, best: DesignCandidate, problem: Problem) -> Verification:
     """Solve the depths of the slow conditions by finite elements; the fast ones differ by micrometres.
 
     Compared are the forces of the circle of the punch's area, which is what is solved. A design with a shape has
     been worked out on its elements already; what the table was off is reported.
     """
-    from dummydesign.design.search.finalists import ElementsLaw
+    from dummydesign.design.search.fe_candidates import ElementsLaw
 
-    best, space = chosen.result.best, inputs.space
+    space = problem.space
     young, thickness, radius = space.resin.young_MPa(best.ratio), best.thickness_mm, space.radius_mm
     if isinstance(chosen.cast, ElementsLaw):
         return of_shape(chosen.cast, young, radius)
@@ -189,9 +162,10 @@ def _verify(chosen: Shaped, inputs: Inputs) -> Verification:
     law = circle_of(chosen.cast)
     depth = best.depth_mm[: len(space.targets.protocol.forces_N)]
     depth = depth[np.isfinite(depth)]
-    depth = depth[depth <= make_curves(law, [thickness], radius).limit_mm[0]]
+    gel = space.targets.limits.gel_compression
+    depth = depth[depth <= make_curves(law, [thickness], radius, gel).limit_mm[0]]
     forces = young * np.asarray(law.force(depth, thickness, 1.0, radius))
-    return verify_design(pad_of_request(inputs.request, inputs.punch, thickness, young), depth, forces)
+    return verify_design(pad_of_request(problem.request, problem.punch, thickness, young), depth, forces)
 
 
 def not_verified(reason: str) -> Verification:
@@ -255,56 +229,89 @@ def centring_tolerance(
     return CentringTolerance(forces_N, *values)
 
 
-def assess(inputs: Inputs, solved: SolvedDesign) -> Suggestion:
+def assess(problem: Problem, solved: SolvedDesign, missing: dict[str, str] | None = None) -> Suggestion:
     """Judge the chosen design and lay the whole answer together."""
-    request, space, chosen, calibrated = inputs.request, inputs.space, solved.chosen, inputs.calibrated
-    best = chosen.result.best
-    tolerances = tolerances_of(space.resin, best, request, chosen.shape)
-    castings = PadCastings(inputs.castings, chosen.cast, best, space, tolerances)
+    request, space, chosen, best = problem.request, problem.space, solved.chosen, solved.best
+    castings, designs = solved.castings, solved.designs
     pour = pour_yield(castings)
+    comparisons = compare_kinds(_of_kinds(designs), missing or {}, space)
     solved_round = solved.verification.fidelity == "axisymmetric" and chosen.shape.axisymmetric
-    warnings = own_warnings(request, inputs.punch, inputs.tissue, chosen.shape.plain or solved_round)
+    warnings = own_warnings(request, problem.punch, problem.tissue, chosen.shape.plain or solved_round)
     checks = solved.verification, solved.centring, request.verify
-    warnings += design_warnings(chosen, space, inputs.tissue, pour, *checks)
-    beyond = beyond_people(request.protocol.forces_N, inputs.tissue)
+    warnings += design_warnings(chosen, best, comparisons, space, problem.tissue, pour, *checks)
+    beyond = beyond_people(request.protocol.forces_N, problem.tissue)
     listed = [{"code": code, "message": text} for code, text in warnings]
+    calibrated = problem.calibrated
     return Suggestion(
-        request=request, tissue=inputs.tissue, resin=space.resin, targets=space.targets, punch=inputs.punch,
-        result=chosen.result, law=chosen.law, cast=chosen.cast, comparisons=chosen.comparisons,
-        verification=solved.verification, centring=solved.centring, sites=solved.sites, expectation=solved.expectation,
-        verdict=verdict_of_design(castings, beyond), castings=castings, pour=pour,
-        recommended=_recommended(inputs, best, chosen.shape),
-        alternatives=tuple(_recommended(inputs, one, _shape_at(chosen, one)) for one in chosen.result.alternatives),
-        rests_on=count_unmeasured(space.resin, inputs.tissue, best),
+        problem=problem, result=solved.result, law=chosen.law, cast=chosen.cast, comparisons=tuple(comparisons),
+        verification=solved.verification, centring=solved.centring, sites=solved.sites,
+        verdict=verdict_of_design(castings, beyond), castings=castings, shares=shares_of_pad(castings), pour=pour,
+        recommended=_recommended(problem, best, chosen.shape),
+        alternatives=tuple(_recommended(problem, one, _shape_at(chosen, one)) for one in solved.result.alternatives),
+        rests_on=count_unmeasured(space.resin, problem.tissue, best),
         warnings=(*listed, *(() if calibrated is None else calibrated.warnings)),
-        choice=explain(castings, chosen.shape.name, chosen.comparisons), measure_first=measure_first(castings),
-        calibration=None if calibrated is None else calibrated.summary,
+        choice=explain(chosen, designs, space), measure_first=measure_first(castings),
     )  # fmt: skip
 
 
-def _shape_at(chosen: Shaped, other: DesignCandidate) -> PadShape:
+def _of_kinds(designs: Sequence[ShapedDesign]) -> list[ShapedDesign]:
+    """The best design of each kind, in their order."""
+    first: dict[str, ShapedDesign] = {}
+    for design in designs:
+        first.setdefault(design.shape.name, design)
+    return list(first.values())
+
+
+def _shape_at(chosen: ShapedDesign, other: DesignCandidate) -> PadShape:
     """Shape of an alternative: the best design's, in proportion to the thickness."""
-    if other is chosen.result.best or not isinstance(chosen.law, FamilyLaw):
+    if not isinstance(chosen.law, FamilyLaw):
         return chosen.shape
     return chosen.law.shape_at(other.thickness_mm)
 
 
-def _recommended(inputs: Inputs, candidate: DesignCandidate, shape: PadShape) -> RecommendedDesign:
-    spec = mould_of(inputs.space.resin, candidate, inputs.request, shape)
-    return RecommendedDesign(candidate, shape, *recipe_and_batch(spec))
+def _recommended(problem: Problem, candidate: DesignCandidate, shape: PadShape) -> RecommendedDesign:
+    return RecommendedDesign(candidate, shape, *recipe_and_batch(problem.mould(candidate, shape)))
 
 
-def suggest(request: Request, law: ForceLaw | None = None) -> Suggestion:
-    """Find ratio, thickness and, on request, shape of a pad for a tissue, with tolerance study and verification."""
-    return design(resolve(request, law))
+def suggest(request: Request) -> Suggestion:
+    """Find ratio, thickness and shape of a pad for a tissue, with its castings and verification."""
+    return design(read_problem(request))
 
 
 @one_blas_thread()
-def design(inputs: Inputs, progress: Progress = quiet) -> Suggestion:
-    """Run the search on resolved inputs and report progress."""
+def design(problem: Problem, progress: Progress = quiet) -> Suggestion:
+    """Search, solve, cast and judge, and report progress."""
     progress("search")
-    refused = refused_kinds(inputs.request, inputs.punch)
-    outcome = best_of_kinds(inputs.request.kind, inputs.slab_law, inputs.space, refused)
-    solved = solve(inputs, outcome, progress)
+    refused = refused_kinds(problem.request, problem.punch)
+    outcome = search_shapes(problem.request.kind, problem.slab_law, problem.space, refused)
+    solved = solve(problem, outcome, progress)
+    other = None
+    if problem.wide is not None:
+        progress("other moulds")
+        other = other_mould(problem, solved.chosen)
     progress("tolerance and verdict")
-    return assess(inputs, solved)
+    return replace(assess(problem, solved, dict(outcome.missing)), other_mould=other)
+
+
+def other_mould(problem: Problem, chosen: ShapedDesign) -> dict[str, Any]:
+    """What the best other mould would be worth beside the one that is kept, by the tables."""
+    assert problem.wide is not None
+    limits, strict = problem.wide.targets.limits, ranges_of(problem.wide.targets).strict
+    try:
+        designs = search_shapes("auto", problem.slab_law, problem.wide, refused_kinds(problem.request, problem.punch))
+    except NoAnswerError:
+        return {"shape": None, "text": "no other mould is better"}
+    best = rank([chosen, *designs.designs], problem.wide)[0]
+    mine, its = chosen.outlook, best.outlook
+    if best is chosen or (its.level(limits, strict) == mine.level(limits, strict) and its.ties(mine)
+                          and mine.ties(its)):  # fmt: skip
+        return {"shape": None, "text": "no other mould is better"}
+    text = (
+        f"another mould ({best.shape.name}, {best.thickness_mm:g} mm) would make {100 * its.as_poured:.0f} % of "
+        f"castings usable instead of {100 * mine.as_poured:.0f} %"
+    )
+    return {
+        "shape": str(best.shape), "thickness_mm": best.thickness_mm, "ratio": its.ratio,
+        "level": LEVELS[its.level(limits, strict)], "as_poured": its.as_poured, "after_puck": its.after_puck,
+        "text": text,
+    }  # fmt: skip

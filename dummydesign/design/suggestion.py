@@ -10,21 +10,24 @@ import numpy as np
 
 from dummydesign.core.errors import NoAnswerError
 from dummydesign.core.serialise import Serialised, to_plain
-from dummydesign.design.assessment.castings import GROUPS, TISSUE, PadCastings, PourYield, Tolerances
+from dummydesign.design.assessment.decision import ShapeComparison, low_force
+from dummydesign.design.assessment.pad_castings import PadCastings, PourYield, Shares
+from dummydesign.design.problem import recipe_of_pour
 from dummydesign.design.request import Request
+from dummydesign.design.scoring.castings import GROUPS, TISSUE
 from dummydesign.design.scoring.targets import Targets
 from dummydesign.design.scoring.verdict import TOLERANCE, Verdict
-from dummydesign.design.search.best_of_kinds import ShapeComparison, low_force
 from dummydesign.geometry.dimensions import PAD_LENGTH_MM, PAD_WIDTH_MM
 from dummydesign.geometry.pad_shape import PadShape
 
 if TYPE_CHECKING:
-    from dummydesign.design.assessment.choice import Choice, Expectation, MeasureFirst
+    from dummydesign.design.assessment.decision import Choice
+    from dummydesign.design.assessment.value_of_information import MeasureFirst
+    from dummydesign.design.problem import Problem
     from dummydesign.design.safety import SafetyView
     from dummydesign.design.search.slabs import DesignCandidate, SearchResult
     from dummydesign.design.sites import Sites
     from dummydesign.geometry.punch import Punch
-    from dummydesign.mold.model.spec import MouldSpec
     from dummydesign.pad.force_law import ForceLaw
     from dummydesign.resin.model.resin import Resin
     from dummydesign.tissue.model.tissue import Tissue
@@ -49,21 +52,19 @@ class RecommendedDesign:
 
 @dataclass(frozen=True, kw_only=True)
 class Suggestion:
-    """The answer: verdict, recommended design and the others, the search, tolerance, verification, and its basis.
+    """The answer: verdict, shares, recommended design and the others, the search, verification, and its basis.
 
     ``law`` is the force law in proportion with thickness, ``cast`` that of the shape as it is cast, from elements
     when it was verified; ``comparisons`` the best design of each kind of shape; ``centring`` how far off the centre of
-    a crown the punch may press (with verification); ``warnings`` are {code, message}; ``calibration`` says what was
-    used of one and what it left; ``sites`` the grid of crowns, where several were requested.
+    a crown the punch may press (with verification); ``warnings`` are {code, message}; ``sites`` the grid of crowns,
+    where several were requested; ``other_mould`` what the best other mould would be worth, where one was kept.
     """
 
-    request: Request
-    tissue: Tissue
-    resin: Resin
-    targets: Targets
+    problem: Problem
     result: SearchResult
     verdict: Verdict
     castings: PadCastings
+    shares: Shares
     recommended: RecommendedDesign
     alternatives: tuple[RecommendedDesign, ...]
     law: ForceLaw
@@ -74,12 +75,40 @@ class Suggestion:
     centring: CentringTolerance | None
     rests_on: dict[str, Any]
     warnings: tuple[dict[str, str], ...]
-    punch: Punch
     choice: Choice
-    expectation: Expectation
     measure_first: MeasureFirst
-    calibration: dict[str, Any] | None = None
     sites: Sites | None = None
+    other_mould: dict[str, Any] | None = None
+
+    @property
+    def request(self) -> Request:
+        """The question."""
+        return self.problem.request
+
+    @property
+    def tissue(self) -> Tissue:
+        """The tissue that the pad stands for."""
+        return self.problem.tissue
+
+    @property
+    def resin(self) -> Resin:
+        """The resin, as a calibration changes it."""
+        return self.problem.resin
+
+    @property
+    def targets(self) -> Targets:
+        """What the pad is compared with."""
+        return self.problem.space.targets
+
+    @property
+    def punch(self) -> Punch:
+        """The punch of the test."""
+        return self.problem.punch
+
+    @property
+    def calibration(self) -> dict[str, Any] | None:
+        """What was used of a calibration and what it left; None without one."""
+        return None if self.problem.calibrated is None else self.problem.calibrated.summary
 
     @property
     def radius_mm(self) -> float:
@@ -108,21 +137,22 @@ class Suggestion:
         force_law = [f"response table of {self.shape.name} pads, made by {made_by}"] if made_by else []
         sources = [*self.tissue.sources, *self.resin.references, *force_law]
         groups = [group for group in GROUPS if group != TISSUE]
-        castings, verdict = self.castings.castings, self.verdict.to_dict()
+        castings, verdict, shares = self.castings.castings, self.verdict.to_dict(), self.shares.to_dict()
         recommendation = design_dict(self.recommended, self.resin, self.targets)
         answer: dict[str, Any] = {
             "verdict": verdict,
             "castings": {"n": castings.n, "seed": castings.seed, "groups": groups, **(verdict["castings"] or {})},
-            "measure_first": self.measure_first.to_dict(),
-            "choice": {**self.choice.to_dict(), "expectation": self.expectation.to_dict(),
-                       "weights": self.targets.weights.to_dict()},
+            "shares": {name: value for name, value in shares.items() if name != "window_kPa"},
+            "window_kPa": shares["window_kPa"], "measure_first": self.measure_first.to_dict(),
+            "choice": {**self.choice.to_dict(), "weights": self.targets.weights.to_dict()},
             "calibration": self.calibration, "recommendation": recommendation,
             "alternatives": [design_dict(other, self.resin, self.targets) for other in self.alternatives],
             "sensitivity": {"d_ln_young_per_percent_ratio": 0.01 * self.resin.log_slope(self.best.ratio),
                             **self.pour.to_dict()},
             "verification": self.verification.to_dict(), "shapes": to_plain(self.comparisons),
             "tissue_exponent": self.targets.power, "landing": to_plain(self.centring),
-            "sites": self.sites.to_dict(self.shape) if self.sites else None, "rests_on": self.rests_on,
+            "sites": self.sites.to_dict(self.shape) if self.sites else None, "other_mould": self.other_mould,
+            "rests_on": self.rests_on,
             "warnings": [*(safety.warnings if safety else ()), *self.warnings], "sources": sources,
         }  # fmt: skip
         if inputs is None or safety is None:
@@ -133,7 +163,7 @@ class Suggestion:
         excluded = ("files", "warnings", "sources")
         return {
             **whole,
-            "recommendation": {**recommendation, "recipe": _recipe_of_pour(mould["pour"]), "batch": mould["batch"]},
+            "recommendation": {**recommendation, "recipe": recipe_of_pour(mould["pour"]), "batch": mould["batch"]},
             "warnings": [*whole["warnings"], *mould["warnings"]],
             "sources": [*sources, *(text for text in mould["sources"] if text not in sources)],
             "files": mould["files"],
@@ -210,44 +240,13 @@ def _low_force(candidate: DesignCandidate, targets: Targets) -> list[dict[str, A
     return [to_plain(dict(zip(names, row))) for row in zip(forces, depths, stiff, soft)]
 
 
-def _recipe_of_pour(pour: dict[str, Any]) -> dict[str, Any]:
-    """Masses to weigh of a pour or, for a layered pad, of both. [g]"""
-    pours = [("", pour)] + ([(" (base)", pour["base"])] if "base" in pour else [])
-    items = [{**item, "name": item["name"] + layer} for layer, one in pours for item in one["components"]]
-    return {"components": items, "total_g": round(sum(item["mass_g"] for item in items), 6)}
-
-
-def mould_of(resin: Resin, candidate: DesignCandidate, request: Request, shape: PadShape) -> MouldSpec:
-    """Specification of the mould of a design."""
-    from dummydesign.mold.model.preset import mould_spec
-
-    return mould_spec(
-        candidate.thickness_mm, *request.pad_mm, request.preset, resin, candidate.ratio,
-        shape.name, shape.parameters, machines=request.machine, silicone=request.silicone,
-    )  # fmt: skip
-
-
-def recipe_and_batch(spec: MouldSpec) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Masses to weigh for a mould, both pours of a layered pad, and what to mix and how much of it to pour. [g]"""
-    from dummydesign.mold.pour.plan import batches_of, pour_plan
-
-    plan = pour_plan(spec)
-    return _recipe_of_pour(plan.to_dict()), batches_of(spec, plan)
-
-
-def tolerances_of(resin: Resin, candidate: DesignCandidate, request: Request, shape: PadShape) -> Tolerances:
-    """How well a pad of a design is made: the batch that is mixed is what is weighed."""
-    _, batch = recipe_and_batch(mould_of(resin, candidate, request, shape))
-    return Tolerances(batch["total_g"], request.weighing_g, request.thickness_tolerance_mm)
-
-
 def make_mould(answer: Suggestion, folder: Path) -> dict[str, Any]:
     """Make the mould of the recommended pad into a folder; return it with its files, warnings and sources."""
     from dummydesign.mold import runner
 
     best = answer.best
     try:
-        spec = mould_of(answer.resin, best, answer.request, answer.shape)
+        spec = answer.problem.mould(best, answer.shape)
         return runner.make_mold(spec, folder).to_dict() | {"sources": list(spec.sources)}
     except NoAnswerError as problem:
         step = f"dummydesign mold --thickness {best.thickness_mm:g} --resin {answer.request.resin}"

@@ -23,7 +23,6 @@ from dummydesign.pad.tables.square import punch_law
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from dummydesign.resin.model.resin import Resin
     from dummydesign.tissue.model.tissue import Tissue
 
 
@@ -104,15 +103,6 @@ def pad_of_request(request: Request, punch: Punch, thickness_mm: float = 10.0, y
         profile_mm=punch.profile_mm, edge_radius_mm=request.edge_radius_mm,
         condition=request.face,
     )  # fmt: skip
-
-
-def check_mould(request: Request, resin: Resin, thickness_mm: float, ratio: float) -> None:
-    """Refuse presets, machines and silicones that are not known, and pads that they cannot make."""
-    from dummydesign.mold.model.preset import mould_spec
-
-    mould_spec(
-        thickness_mm, *request.pad_mm, request.preset, resin, ratio, machines=request.machine, silicone=request.silicone
-    )
 
 
 FORCE_N, VELOCITY_MM_S, HOLD_S = (0.05, 300.0), (0.1, 5000.0), (0.05, 3600.0)

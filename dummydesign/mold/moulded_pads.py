@@ -8,6 +8,7 @@ from pathlib import Path
 
 from dummydesign.core.errors import InputError
 from dummydesign.core.files import FilePath
+from dummydesign.mold.model.spec import MouldSpec
 
 SPEC = "spec.json"
 
@@ -79,12 +80,34 @@ def moulded_pads(folders: Sequence[FilePath]) -> MouldedPads:
     return MouldedPads(shapes, pads[0][2], tuple(pours), tuple(str(mould) for *_, mould in pads))
 
 
-def mould_folders(folder: Path) -> list[Path]:
+def one_mould(place: FilePath) -> MouldSpec:
+    """Read the specification of one mould of a pad: its folder, a folder that holds it alone, or its ``spec.json``.
+
+    Raises
+    ------
+    InputError
+        Where there is none, where there are several, and for the mould of a puck.
+    """
+    from dummydesign.mold.pour.record import read_spec
+
+    path = Path(place)
+    folders = [path.parent] if path.name == SPEC and path.is_file() else mould_folders(path, "mould")
+    if len(folders) > 1:
+        names = ", ".join(str(folder) for folder in folders)
+        raise InputError(f"folder '{path}' holds {len(folders)} moulds; give one of {names}", "conflict", "mould")
+    spec = read_spec(folders[0])
+    if spec.pad.is_puck:
+        message = f"mould '{path}' is that of a puck; give the mould of a pad"
+        raise InputError(message, "not_applicable", "mould", str(path))
+    return spec
+
+
+def mould_folders(folder: Path, quantity: str = "from_mould") -> list[Path]:
     """The folder itself where it holds a mould, else the moulds directly in it."""
     if (folder / SPEC).is_file():
         return [folder]
     moulds = sorted(path.parent for path in folder.glob(f"*/{SPEC}") if not path.parent.name.startswith("."))
     if not moulds:
         message = f"folder '{folder}' holds no mould: give folders that 'dummydesign mold' wrote"
-        raise InputError(message, "nothing_found", "from_mould", str(folder))
+        raise InputError(message, "nothing_found", quantity, str(folder))
     return moulds

@@ -86,6 +86,10 @@ class ForceLaw(Protocol):
         """Depth to which the law holds. [mm]"""
         ...
 
+    def gel_mm(self, thickness_mm: ArrayLike) -> Array:
+        """Thickness of the gel under the middle of the punch: the pad's, less a bone. [mm]"""
+        ...
+
     def relative_error(self, depth_mm: ArrayLike, thickness_mm: ArrayLike, radius_mm: ArrayLike) -> Array:
         """Stated error of the force over the force; NaN where none is stated.
 
@@ -144,6 +148,10 @@ class BaseForceLaw(ForceLaw):
         step = SLOPE_STEP * np.asarray(thickness_mm, float)
         limit = self.depth_limit_mm(thickness_mm, radius_mm)
         return slope_of(lambda depth: self.force(depth, thickness_mm, young_MPa, radius_mm), depth_mm, step, limit)
+
+    def gel_mm(self, thickness_mm: ArrayLike) -> Array:
+        """The pad's whole thickness; see :class:`ForceLaw`. [mm]"""
+        return np.asarray(thickness_mm, float)
 
     def relative_error(self, depth_mm: ArrayLike, thickness_mm: ArrayLike, radius_mm: ArrayLike) -> Array:
         """NaN: no error is stated; see :class:`ForceLaw`."""

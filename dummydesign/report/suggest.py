@@ -338,8 +338,8 @@ def _shapes(answer: Suggestion, result: dict[str, Any], curves: SuggestionCurves
         return []
     low, high = answer.targets.protocol.forces_N[0], answer.targets.protocol.forces_N[-1]
     text = (
-        f"The best pad of each kind by one rule: half the total score, half the closeness to the aim below {low:g} N. "
-        f"The misfit is the rms of ln F over {0.1 * low:g} to {high:g} N; below 5 N the tissue's curve is an "
+        "The best pad of each kind by one rule: its level, then the castings that are usable after one puck, then the "
+        f"misfit. The misfit is the rms of ln F over {0.1 * low:g} to {high:g} N; below 5 N the tissue's curve is an "
         "extrapolation."
     )
     if answer.sites:
@@ -349,7 +349,7 @@ def _shapes(answer: Suggestion, result: dict[str, Any], curves: SuggestionCurves
     shown = [f"{force:g}" for force in (0.2 * low, low, high)]
     head = ["pad", "thickness mm", "ratio", "misfit", f"in range {0.1 * low:g} to {low:g} N",
             f"in range {low:g} to {high:g} N", *(f"exponent at {force} N" for force in shown),
-            f"depth / thickness, {high:g} N", "total"]  # fmt: skip
+            f"depth / thickness, {high:g} N", "total", "usable after a puck"]  # fmt: skip
     rows = []
     for row in result["shapes"]:
         if row["shape"] is None:
@@ -357,7 +357,7 @@ def _shapes(answer: Suggestion, result: dict[str, Any], curves: SuggestionCurves
             continue
         rows.append([row["shape"], f"{row['thickness_mm']:g}", f"{row['ratio']:g}", row["misfit_rms_ln_force"],
                      row["share_below_5N"], row["share_above_5N"], *(row["exponent_at_N"][f] for f in shown),
-                     row["depth_over_thickness"], row["total"]])  # fmt: skip
+                     row["depth_over_thickness"], row["total"], f"{100 * row['after_puck']:.0f} %"])  # fmt: skip
     return [Section("Shapes side by side", text, [relative_force_plot(answer, curves)], Table(head, rows))]
 
 
@@ -368,7 +368,7 @@ def _why(result: dict[str, Any]) -> str:
     weights = ", ".join(f"{name.replace('_', ' ')} {given[name]:.3g}" for name in SCORED if name in given)
     slope = 100 * result["sensitivity"]["d_ln_young_per_percent_ratio"]
     return (
-        f"{full_sentence(result['choice']['text'])} {full_sentence(result['choice']['expectation']['text'])}"
+        f"{full_sentence(result['choice']['text'])} The score does not choose the pad."
         "\n\n"
         f"Scores from 0 to 1: {scores}. The total is their mean by the weights {given['set']} of this aim ({weights}). "
         f"The modulus changes {slope:.0f} % per 1 % of the ratio."

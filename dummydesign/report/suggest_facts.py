@@ -156,19 +156,46 @@ def _factors(what: str, values: list[float | None], reach: str | None) -> str:
     return f"{text} (nominal {max(central or 1.0, 1.0):.2f}{later})"
 
 
+def castings_lines(result: dict[str, Any]) -> list[str]:
+    """Castings that are usable as poured, with the resin known and after one puck, and the window of moduli."""
+    shares, strict = result["shares"], result["inputs"]["aim"] == "safe-side"
+    good = {name: share["stands_for"] + (0.0 if strict else share["usable"]) for name, share in shares.items()}
+    after = shares["after_puck"]
+    words = "keep the safe side" if strict else "are usable"
+    text = (f"{_percent(good['as_poured'])} {words} as poured, {_percent(good['resin_known'])} with the resin known, "
+            f"{_percent(good['after_puck'])} after one puck")  # fmt: skip
+    lines = [text]
+    window, young = result["window_kPa"], result["recommendation"]["young_kPa"]
+    if window is not None:
+        lines.append(f"usable from {window[0]:.3g} to {window[1]:.3g} kPa; batches of this ratio: "
+                     f"{young['low']:.3g} to {young['high']:.3g} kPa (95 %)")  # fmt: skip
+    if after["no_ratio"] >= 0.005:
+        reason = f" ({after['no_ratio_reason']})" if after["no_ratio_reason"] else ""
+        lines.append(f"{_percent(after['no_ratio'])} of batches are usable at no ratio{reason}")
+    return lines
+
+
+def other_mould_text(result: dict[str, Any]) -> str:
+    """What another mould would be worth, where one was kept."""
+    other = result["other_mould"]
+    return "" if other is None else str(other["text"])
+
+
+def _percent(share: float) -> str:
+    return f"{100.0 * share:.0f} %"
+
+
 def why_text(result: dict[str, Any]) -> str:
     """How near each kind comes to the tissue, or why no other was compared."""
     known = [row for row in result["shapes"] if row["shape"] is not None and row["misfit_rms_ln_force"] is not None]
     mine = next((row for row in known if row["shape"] == result["recommendation"]["shape"]), None)
-    undecided = result["choice"]["expectation"]["undecided"]
-    text = f"{undecided}\n" if undecided else ""
     if mine is None or len(known) < 2:
-        return text + result["choice"]["text"]
+        return str(result["choice"]["text"])
     forces = sorted(result["inputs"]["force_N"])
     others = sorted((row for row in known if row is not mine), key=lambda row: row["misfit_rms_ln_force"])
     listed = ", ".join(f"{row['kind']} {row['misfit_rms_ln_force']:.2f}" for row in others)
     fit = f"{mine['misfit_rms_ln_force']:.2f} ({listed})"
-    return f"{text}misfit to people, {0.1 * forces[0]:g} to {forces[-1]:g} N: {fit}"
+    return f"misfit to the subjects, {0.1 * forces[0]:g} to {forces[-1]:g} N: {fit}"
 
 
 def risk_text(result: dict[str, Any]) -> str:

@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from dummydesign.core.errors import InputError
-from dummydesign.design.assessment.choice import TELLS, WORDS
 from dummydesign.design.plot_data import force_grids
 from dummydesign.geometry.dimensions import PAD_LENGTH_MM, PAD_WIDTH_MM
 from dummydesign.geometry.shape_registry import read_shape
@@ -206,7 +205,7 @@ def solids_page(parts: dict[str, np.ndarray]) -> str:
     return page("Solids", "", [section], scripts=[view_script()], tables="").replace("</head>", f"{small}</head>")
 
 
-HEAD = ("pad", "verdict", "score", "combined score", "shortfall", "over", "thickness mm", "ratio")
+HEAD = ("pad", "verdict", "score", "usable after a puck", "shortfall", "over", "thickness mm", "ratio")
 
 
 def kind_rows(answer: Mapping[str, Any], verdicts: Mapping[str, Mapping[str, Any]] | None = None) -> list[list[Any]]:
@@ -220,36 +219,18 @@ def kind_rows(answer: Mapping[str, Any], verdicts: Mapping[str, Mapping[str, Any
         pad, total = (best, best["scores"]["total"]) if row["kind"] == kind else (row, row["total"])
         central = (verdict.get(side, {}).get("central") for side in ("shortfall", "over"))
         size = pad["thickness_mm"], pad["ratio"]
-        rows.append([row["kind"], verdict.get("light"), total, row["merit"], *central, *size])
+        rows.append([row["kind"], verdict.get("light"), total, row["after_puck"], *central, *size])
     return sorted(rows, key=lambda row: (row[0] != kind, -row[3]))
 
 
 def kind_sentences(answer: Mapping[str, Any]) -> list[str]:
     """Sentences on the choice among the kinds, from the numbers of the answer."""
     best, choice = answer["recommendation"], answer["choice"]
-    lowest = min(row["steady_force_N"] for row in best["conditions"])
-    words = {term: text.format(low=lowest) for term, text in WORDS.items()}
-    terms, decided = choice["terms"], choice["decided_by"]
     pad = f"the {best['shape'].partition(':')[0]} pad, {best['thickness_mm']:g} mm, ratio {best['ratio']:g}"
     if choice["next_best"] is None:
         sentences = [f"No other kind was compared with {pad}."]
-    elif decided == "verdict":
-        sentences = [f"Chosen: {pad}.", f"The next best is {choice['next_best']}. It is not representative."]
     else:
-        why = f"{words[decided]}: {terms[decided]:+.2f} of {sum(terms.values()):+.2f}"
-        sentences = [f"Chosen: {pad}.", f"The next best is {choice['next_best']}.", f"The choice is mainly for {why}."]
-    weaker = [f"{words[term]} ({gain:+.2f})" for term, gain in terms.items() if gain < -TELLS]
-    if weaker and decided != "verdict":
-        sentences.append(f"It is weaker in {' and '.join(weaker)}.")
-    share = choice["weights"]["low_aim"]
-    parts = f"{100 * (1 - share):.0f} % score and {100 * share:.0f} % match below {lowest:g} N"
-    sentences.append(f"The combined score is {parts}.")
-    if choice["expectation"]["differs"]:
-        middle = choice["expectation"]["middle"]
-        size = f"{middle['thickness_mm']:g} mm, ratio {middle['ratio']:g}"
-        sentences.append(f"At central estimates the {middle['kind']} pad, {size}, scores more.")
-    total, low = choice["expected_total"], choice["total_low"]
-    sentences.append(f"Score with all uncertainties: {total:.2f} (5 % of castings below {low:.2f}).")
+        sentences = [f"Chosen: {pad}, because {choice['text']}."]
     missing = [row for row in answer["shapes"] if row["shape"] is None]
     return [*sentences, *(f"No {row['kind']} pad: {row['reason']}." for row in missing)]
 

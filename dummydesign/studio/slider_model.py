@@ -148,7 +148,7 @@ def evaluator_of(root: Path, state: State) -> PadEvaluator:
 
 @lru_cache(maxsize=8)
 def _evaluator(root: Path, question: State, stamp: object) -> PadEvaluator:
-    from dummydesign.design.suggest import resolve
+    from dummydesign.design.problem import read_problem
 
     calibration, punch_text = str(root / question.calibration) if question.calibration else None, question.punch
     if punch_text.startswith(PROFILE):
@@ -158,7 +158,7 @@ def _evaluator(root: Path, question: State, stamp: object) -> PadEvaluator:
     punch = read_punch(request.punch)
     if punch.profile_mm is not None:
         raise NotTabulated(why_solved(request, punch, THICKNESS_MM[0]), "punch")
-    return PadEvaluator(resolve(request, None if calibration else table_alone(request, punch)))
+    return PadEvaluator(read_problem(request, None if calibration else table_alone(request, punch)))
 
 
 def stamp_of(root: Path, state: State) -> tuple[tuple[str, int, int], ...]:
@@ -184,7 +184,7 @@ def first_pad(root: Path, state: State, kind: str) -> PadShape:
     def tabulated(shape: PadShape) -> bool:
         return _allowed(evaluator.evaluate, shape, state.thickness_mm, state.ratio)
 
-    radius_mm = evaluator.inputs.punch.radius_mm
+    radius_mm = evaluator.problem.punch.radius_mm
     for solvable in (tabulated, lambda shape: True):
         if (shape := first_shape(kind, state.thickness_mm, radius_mm, solvable, near)) is not None:
             return shape

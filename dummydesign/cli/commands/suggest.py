@@ -22,7 +22,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add = parser.add_argument
     add_options(parser, SuggestOptions, ("tissue", "aim", "resin", "thickness_mm", "ratio", "calibration"))
     add_effect_option(parser)
-    add_options(parser, SuggestOptions, ("shape",))
+    add_options(parser, SuggestOptions, ("shape", "mould"))
     add("--cad", action="store_const", const=True, help="make the mould even if the pad is red")
     add("--no-cad", dest="cad", action="store_const", const=False, help="skip the mould; write recipe and report only")
     add_options(parser, SuggestOptions, ("verify",))

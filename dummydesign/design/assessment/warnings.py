@@ -10,8 +10,11 @@ from dummydesign.geometry.dimensions import THICKNESS_MM
 from dummydesign.tissue.model.laws import law_named
 
 if TYPE_CHECKING:
-    from dummydesign.design.assessment.castings import PourYield
-    from dummydesign.design.search.best_of_kinds import Shaped
+    from collections.abc import Sequence
+
+    from dummydesign.design.assessment.decision import ShapeComparison
+    from dummydesign.design.assessment.pad_castings import PourYield
+    from dummydesign.design.search.shape_search import ShapedDesign
     from dummydesign.design.search.slabs import DesignCandidate, SearchSpace
     from dummydesign.design.suggestion import CentringTolerance, Verification
     from dummydesign.resin.model.resin import Resin
@@ -71,14 +74,14 @@ def _leaves(numbers: dict[str, Any]) -> list[Any]:
 
 
 def design_warnings(
-    chosen: Shaped, space: SearchSpace, tissue: Tissue, pour: PourYield, verification: Verification,
-    centring: CentringTolerance | None, verify: bool,
+    chosen: ShapedDesign, best: DesignCandidate, comparisons: Sequence[ShapeComparison], space: SearchSpace,
+    tissue: Tissue, pour: PourYield, verification: Verification, centring: CentringTolerance | None, verify: bool,
 ) -> Warnings:  # fmt: skip
     """List what is out of reach, at an edge, doubtful or contradictory, as (code, message)."""
-    notes = _of_forces(chosen, space)
+    notes = _of_forces(chosen, best, len(comparisons), space)
     notes += [("off_centre", centring.text)] if centring else []
-    notes += [("no_shape", reason) for reason in _reasons(chosen)]
-    notes += _edges(chosen, space)
+    notes += [("no_shape", reason) for reason in _reasons(comparisons)]
+    notes += _edges(best, space)
     alone = len(tissue.subjects) < 2
     if alone:
         text = f"{tissue.name} has one subject, who makes no range: shares in range and of castings mean nothing"
@@ -102,9 +105,8 @@ def design_warnings(
     return notes
 
 
-def _of_forces(chosen: Shaped, space: SearchSpace) -> Warnings:
+def _of_forces(chosen: ShapedDesign, best: DesignCandidate, kinds: int, space: SearchSpace) -> Warnings:
     """Conditions out of reach, and a start that is too stiff."""
-    best = chosen.result.best
     notes = []
     for column, condition in enumerate(space.targets.conditions):
         if not np.isfinite(best.depth_mm[column]):
@@ -114,7 +116,7 @@ def _of_forces(chosen: Shaped, space: SearchSpace) -> Warnings:
     if low < 0.5:
         lowest = space.targets.protocol.forces_N[0]
         share = f"below {lowest:g} N only {100 * low:.0f} % of the steady curve lies in the (extrapolated) range: "
-        notes.append(("stiff_at_first_touch", share + _why_stiff(chosen)))
+        notes.append(("stiff_at_first_touch", share + _why_stiff(chosen, kinds)))
     return notes
 
 
@@ -153,18 +155,18 @@ def _of_data(resin: Resin, tissue: Tissue) -> Warnings:
     return notes
 
 
-def _why_stiff(chosen: Shaped) -> str:
+def _why_stiff(chosen: ShapedDesign, kinds: int) -> str:
     if not chosen.shape.flat_top:
         return "the shape starts stiffer or softer than tissue there"
     text = "a flat pad starts far more linear than tissue, whatever its ratio"
     # other kinds were compared already where rows of them are beside it
-    return text if len(chosen.comparisons) > 1 else f"{text}; '--shape auto' looks for others"
+    return text if kinds > 1 else f"{text}; '--shape auto' looks for others"
 
 
-def _reasons(chosen: Shaped) -> list[str]:
+def _reasons(comparisons: Sequence[ShapeComparison]) -> list[str]:
     """Why kinds have no design, in one line those that share a reason."""
     kinds: dict[str, list[str]] = {}
-    for item in chosen.comparisons:
+    for item in comparisons:
         if item.reason:
             own = item.reason.startswith(f"{item.kind} pads ")
             reason = item.reason.removeprefix(f"{item.kind} ") if own else item.reason
@@ -172,9 +174,9 @@ def _reasons(chosen: Shaped) -> list[str]:
     return [f"{', '.join(names)} {reason}".strip() for reason, names in kinds.items()]
 
 
-def _edges(chosen: Shaped, space: SearchSpace) -> Warnings:
+def _edges(best: DesignCandidate, space: SearchSpace) -> Warnings:
     """A best design at the end of a range: what may be had outside, where there is an outside."""
-    best, resin = chosen.result.best, space.resin
+    resin = space.resin
     ends = float(resin.young_MPa(resin.ratio_min)), float(resin.young_MPa(resin.ratio_max))
     notes = []
     for name, value, steps, limits, beyond in (

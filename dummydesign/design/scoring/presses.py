@@ -9,7 +9,6 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from dummydesign.design.scoring.settings import verdict_limits
 from dummydesign.geometry.dimensions import MAX_DEPTH_OVER_THICKNESS
 from dummydesign.measurement.motion import DECELERATION_MM_S2, HOLD_S, Motion, ramp_and_hold
 from dummydesign.pad.force_law import ForceLaw
@@ -147,10 +146,15 @@ def _lookup(table: NDArray, slab: NDArray, position: NDArray) -> NDArray:
     return np.where(np.isnan(position), np.nan, table[rows, left] * (1.0 - share) + table[rows, left + 1] * share)
 
 
-def make_curves(law: ForceLaw, thickness_mm: ArrayLike, radius_mm: float) -> Curves:
-    """Sample the force law for slabs of the given thicknesses (T,)."""
+def designed_depth_mm(law: ForceLaw, thickness_mm: NDArray, radius_mm: float, gel_compression: float) -> NDArray:
+    """Depth to which pads (T,) are designed: the law holds, and the gel is not compressed beyond the limit. [mm]"""
+    return np.minimum(gel_compression * law.gel_mm(thickness_mm), law.depth_limit_mm(thickness_mm, radius_mm))
+
+
+def make_curves(law: ForceLaw, thickness_mm: ArrayLike, radius_mm: float, gel_compression: float) -> Curves:
+    """Sample the force law for pads of the given thicknesses (T,), to a limit of depth over the gel's thickness."""
     thickness = np.atleast_1d(np.asarray(thickness_mm, float))
-    limit = np.minimum(verdict_limits().gel_compression * thickness, law.depth_limit_mm(thickness, radius_mm))
+    limit = designed_depth_mm(law, thickness, radius_mm, gel_compression)
     share = np.linspace(0.0, 1.0, SAMPLES)
     area = np.asarray(law.force(limit[:, None] * share, thickness[:, None], 1.0, radius_mm), float)
     return Curves(thickness, limit, area)
@@ -273,13 +277,20 @@ def steady_depth(
 
 def _left_by_formula(slabs: Slabs, depth_mm: NDArray, velocities_mm_s: NDArray, sampling: Sampling) -> NDArray:
     """Force at the end of the hold over the relaxed force for rises at constant rates (n,), shape (D, n)."""
-    share = np.ones_like(depth_mm)
-    for arm, tau in enumerate(slabs.tau_s):
+    return rest_after_hold(slabs.beta, slabs.tau_s, depth_mm, velocities_mm_s, sampling)
+
+
+def rest_after_hold(
+    beta: NDArray, tau_s: Sequence[float], depth_mm: NDArray, velocities_mm_s: NDArray, sampling: Sampling
+) -> NDArray:
+    """The same for strengths (D, arms) and depths (D, n) or (D, 1)."""
+    share = np.ones(np.broadcast_shapes(depth_mm.shape, np.shape(velocities_mm_s)))
+    for arm, tau in enumerate(tau_s):
         kept = np.exp(-sampling.hold_s / tau)
         if kept < 1e-15:
             continue
         rise = depth_mm / (velocities_mm_s * tau)
-        share += slabs.beta[:, arm, None] * (kept * -np.expm1(-rise) / rise)
+        share += beta[:, arm, None] * (kept * -np.expm1(-rise) / rise)
     return share
 
 

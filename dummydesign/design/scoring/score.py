@@ -20,10 +20,9 @@ class Evaluation:
     """Scores and presses of D designs.
 
     ``steady_state_range`` (over the forces of the test, 5 to 15 N), ``low_force_range`` (below its lowest),
-    ``force_variation_range``, ``aim`` and ``low_aim`` (closeness to the aim below the lowest force, no part of the
-    total) have shape (D,), ``inside`` and ``depth_mm`` (D, conditions), ``low_depth_mm`` (D, low forces),
-    ``steady_depth_mm`` (D, steady forces); ``presses`` one a condition, in the order of the targets' conditions.
-    ``protocol`` and ``sampling`` are the test, ``weights`` those of the total.
+    ``force_variation_range`` and ``aim`` have shape (D,), ``inside`` and ``depth_mm`` (D, conditions),
+    ``low_depth_mm`` (D, low forces), ``steady_depth_mm`` (D, steady forces); ``presses`` one a condition, in the order
+    of the targets' conditions. ``protocol`` and ``sampling`` are the test, ``weights`` those of the total.
     """
 
     slabs: Slabs
@@ -31,7 +30,6 @@ class Evaluation:
     low_force_range: NDArray
     force_variation_range: NDArray
     aim: NDArray
-    low_aim: NDArray
     inside: NDArray
     depth_mm: NDArray
     low_depth_mm: NDArray
@@ -83,16 +81,22 @@ def evaluate(slabs: Slabs, targets: Targets, sampling: Sampling | None = None, e
     protocol = targets.protocol
     sampling = sampling or targets.sampling.coarse
     forces = np.concatenate([protocol.low_grid_N, protocol.steady_grid_N])
+    reached, presses = press_all(slabs, targets, forces, sampling, exact)
+    return _scored(slabs, targets, sampling, reached, presses, _inside_exact if exact else _inside_at_samples)
+
+
+def press_all(
+    slabs: Slabs, targets: Targets, forces_N: NDArray, sampling: Sampling, exact: bool = False
+) -> tuple[NDArray, tuple[SimulatedPress, ...]]:
+    """Depths (D, forces) at steady forces of the slowest ramp, and the presses of every condition."""
     pressed = np.array([(one.steady_force_N, one.velocity_mm_s) for one in targets.conditions])
     # one inversion of the curves for all, but where the presses are to be exact
-    wanted = np.r_[[(force, protocol.slow_mm_s) for force in forces], pressed]
-    force_N, speed_mm_s = (wanted[: len(forces)] if exact else wanted).T
+    wanted = np.r_[[(force, targets.protocol.slow_mm_s) for force in forces_N], pressed]
+    force_N, speed_mm_s = (wanted[: len(forces_N)] if exact else wanted).T
     depth = steady_depth(slabs, force_N, speed_mm_s, sampling)
-    reached = depth[:, : len(forces)]
-    depth = steady_depth(slabs, pressed[:, 0], pressed[:, 1], sampling, exact) if exact else depth[:, len(forces) :]
-    presses = [press_to_depth(slabs, *at, sampling) for at in zip(depth.T, pressed[:, 1].tolist())]
-    share = _inside_exact if exact else _inside_at_samples
-    return _scored(slabs, targets, sampling, reached, tuple(presses), share)
+    reached = depth[:, : len(forces_N)]
+    depth = steady_depth(slabs, pressed[:, 0], pressed[:, 1], sampling, exact) if exact else depth[:, len(forces_N) :]
+    return reached, tuple(press_to_depth(slabs, *at, sampling) for at in zip(depth.T, pressed[:, 1].tolist()))
 
 
 def scored_for(evaluation: Evaluation, targets: Targets) -> Evaluation:
@@ -117,7 +121,7 @@ def _scored(
     return Evaluation(
         slabs, targets.steady_inside(protocol.steady_grid_N, reached[:, lows:]),
         targets.steady_inside(low_N, reached[:, :lows]), np.mean(inside, axis=0), aim,
-        closeness(away[:, :lows]), np.stack(inside, axis=-1), np.stack([press.depth_mm for press in presses], axis=-1),
+        np.stack(inside, axis=-1), np.stack([press.depth_mm for press in presses], axis=-1),
         reached[:, :lows], reached[:, lows:], presses, protocol, sampling, targets.weights,
     )  # fmt: skip
 

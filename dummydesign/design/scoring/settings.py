@@ -14,7 +14,9 @@ from dummydesign.core.serialise import Serialised
 from dummydesign.core.toml_schema import Table, read_table
 
 PARTS = ("aim", "steady_state_range", "force_variation_range", "parametric")
-OTHERS = ("low_aim", "not_representative", "borderline", "resolution")
+# Entries of earlier editions in a user's own file, and what to do with them.
+OLD_WEIGHTS = dict.fromkeys(("low_aim", "not_representative", "borderline", "resolution"),
+                            "pads are chosen by the castings that are usable, not by a score: delete it")  # fmt: skip
 AIMS = ("average", "safe-side", "subject")
 
 
@@ -48,19 +50,21 @@ class Weights:
                 kept[name] = replace(number, value=value, low=min(number.low, value), high=max(number.high, value))
         return replace(self, numbers=kept)
 
-    @property
-    def low_aim(self) -> float:
-        """Share, in the merit, of the closeness to the aim below the lowest force."""
-        return self["low_aim"]
-
-    @property
-    def worth(self) -> tuple[float, float, float]:
-        """What the merit of a design counts by its :mod:`~dummydesign.design.scoring.verdict`."""
-        return self["not_representative"], self["borderline"], 1.0
-
     def to_dict(self) -> dict[str, Any]:
         """Return the set's name, where it comes from and its values."""
         return {"set": self.name, "origin": self.origin, **{name: self[name] for name in self.numbers}}
+
+
+def settings_files() -> dict[str, Path]:
+    """Files of weights, limits and the puck's error, the user's own where there are any, by what they are."""
+    return {f"materials/{name}": find("materials", name, name).path for name in ("score", "verdict", "puck")}
+
+
+def puck_error() -> float:
+    """Read the standard deviation of ln modulus that a puck's test leaves: the user's own file, else the built-in one.
+    """
+    top = read_table(find("materials", "puck", "puck").path, ("schema", "modulus_error"))
+    return _bounded(top, "modulus_error", 0.0, 1.0).value
 
 
 def weights_of(aim: str) -> Weights:
@@ -79,13 +83,22 @@ def _read_weights(path: Path, origin: str, changed_ns: int) -> dict[str, Weights
 
 
 def _set(table: Table, name: str, origin: str) -> Weights:
-    table.only((*PARTS, *OTHERS))
-    weights = Weights(name, origin, {key: _bounded(table, key, 0.0, 1.0) for key in (*PARTS, *OTHERS)})
+    _refuse_old(table, OLD_WEIGHTS)
+    table.only(PARTS)
+    weights = Weights(name, origin, {key: _bounded(table, key, 0.0, 1.0) for key in PARTS})
     total = sum(weights.parts.values())
     if abs(total - 1.0) > 1e-9:
         message = f"{table.where()}: the weights {', '.join(PARTS)} of set '{name}' sum to {total:g}, not 1"
         raise InputError(message, "inconsistent", table.name)
     return weights
+
+
+def _refuse_old(table: Table, entries: dict[str, str]) -> None:
+    """Refuse what an earlier edition read and this one does not, with what to do."""
+    for key, advice in entries.items():
+        if key in table:
+            raise InputError(f"{table.where(key)}: '{key}' is of an earlier edition; {advice}", "unknown_key",
+                             f"{table.name}.{key}")  # fmt: skip
 
 
 def _bounded(table: Table, key: str, low: float, high: float, kinds: tuple[str, ...] = KINDS) -> Quantity:
@@ -101,40 +114,40 @@ def _bounded(table: Table, key: str, low: float, high: float, kinds: tuple[str, 
 # Field of the limits by its place in the file.
 NUMBERS = {
     "stands_for": {"shortfall": "stands_shortfall", "over": "stands_over", "inside": "stands_inside"},
-    "usable": {name: name for name in ("shortfall", "shortfall_castings", "over", "beyond_people")},
+    "usable": {name: name for name in ("shortfall", "over", "beyond_people")},
     "castings": {"share": "share"},
     "bottoming_out": {"gel_compression": "gel_compression"},
-    "choice": {"tie": "tie"},
 }
 BOUNDS = {
-    "beyond_people": (1.0, 10.0), "stands_inside": (0.0, 1.0), "share": (0.5, 0.999),
-    "gel_compression": (0.05, 0.6), "tie": (0.0, 0.1),
+    "beyond_people": (1.0, 10.0), "stands_inside": (0.0, 1.0), "share": (0.5, 0.999), "gel_compression": (0.05, 0.6),
 }  # fmt: skip
 # Allowed range of shortfalls and over-readings.
 FACTORS = (1.0, 3.0)
 # Each limit and one that it must not exceed.
-RISING = (("stands_shortfall", "shortfall"), ("shortfall", "shortfall_castings"), ("stands_over", "over"))
+RISING = (("stands_shortfall", "shortfall"), ("stands_over", "over"))
+OLD_LIMITS = {
+    "usable": {"shortfall_castings": "there is one row of limits: give this value as usable.shortfall and delete it"},
+    "choice": {"tie": "nothing is tied by a limit any more: delete the table [choice]"},
+}
 
 
 @dataclass(frozen=True)
 class VerdictLimits(Serialised):
-    """Limits of shortfall and over-reading, of the share of castings, of the gel's compression, and of a tie.
+    """Limits of shortfall and over-reading of a casting, of the share of castings, and of the gel's compression.
 
-    ``stands_*`` are those of green; ``shortfall`` and ``over`` those of amber at central estimates, and
-    ``shortfall_castings`` that for ``share`` of the castings. ``beyond_people`` limits the largest steady force of the
-    test over the hardest press of people.
+    A casting within ``stands_*`` stands for the subjects, one within ``shortfall`` and ``over`` is usable with a
+    correction. ``stands_inside`` is the least share of peaks and of the steady curve among the subjects.
+    ``beyond_people`` limits the largest steady force of the test over the hardest press of people.
     """
 
     stands_shortfall: float
     stands_over: float
     stands_inside: float
     shortfall: float
-    shortfall_castings: float
     over: float
     beyond_people: float
     share: float
     gel_compression: float
-    tie: float
     origin: str = "built-in"
 
     def moved(self, name: str, factor: float) -> VerdictLimits:
@@ -151,7 +164,9 @@ def verdict_limits() -> VerdictLimits:
 @lru_cache(maxsize=4)
 def _read_limits(path: Path, changed_ns: int) -> VerdictLimits:
     """Read again when the file has changed."""
-    top = read_table(path, ("schema", *NUMBERS))
+    top = read_table(path, ("schema", *NUMBERS, "choice"))
+    for name, entries in OLD_LIMITS.items():
+        _refuse_old(top.table(name, required=False), entries)
     values: dict[str, Any] = {}
     typed: dict[str, str] = {}
     for name, keys in NUMBERS.items():

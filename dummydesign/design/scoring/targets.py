@@ -55,25 +55,16 @@ class Condition:
 
 @dataclass(frozen=True)
 class Targets:
-    """A tissue, an aim, and the conditions of the protocol."""
+    """A tissue, an aim, the conditions of the protocol, the score's weights for the aim and the verdict's limits."""
 
     tissue: Tissue
     aim: str
     parameters: Parameters
     conditions: tuple[Condition, ...]
+    weights: Weights
+    limits: VerdictLimits
     protocol: Protocol = PAPER
     sampling: Sampling = field(default_factory=Sampling)
-
-    @cached_property
-    def weights(self) -> Weights:
-        """Of the score, as the aim names them."""
-        whole = weights_of(self.aim)
-        return whole if self.parametric else whole.without("parametric")
-
-    @cached_property
-    def limits(self) -> VerdictLimits:
-        """Of the verdict."""
-        return verdict_limits()
 
     def depth_range_mm(self, force_N: NDArray) -> tuple[NDArray, NDArray]:
         """Depth of the stiffest and the softest subject at steady forces. [mm]"""
@@ -98,7 +89,8 @@ class Targets:
 
         if self.aim.lower().startswith("subject:"):
             return ()
-        return make_each(drawn_tissues(self.tissue, DRAWN), self.aim, self.sampling, self.protocol)
+        drawn = drawn_tissues(self.tissue, DRAWN)
+        return make_each(drawn, self.aim, self.sampling, self.protocol, self.weights, self.limits)
 
     @property
     def settled(self) -> bool:
@@ -166,12 +158,19 @@ def make_targets(tissue: Tissue, aim: str, sampling: Sampling, protocol: Protoco
     return make_each((tissue,), aim, sampling, protocol)[0]
 
 
-def make_each(tissues: Sequence[Tissue], aim: str, sampling: Sampling, protocol: Protocol) -> tuple[Targets, ...]:
+def make_each(
+    tissues: Sequence[Tissue], aim: str, sampling: Sampling, protocol: Protocol, weights: Weights | None = None,
+    limits: VerdictLimits | None = None,
+) -> tuple[Targets, ...]:  # fmt: skip
     """The :func:`make_targets` of several tissues of one law, all subjects pressed at once."""
     from dummydesign.tissue.model.ranges import force_ranges
 
     if not tissues:
         return ()
+    if weights is None:
+        whole = weights_of(aim)
+        weights = whole.without("parametric") if tissues[0].measured else whole
+    limits = limits or verdict_limits()
     aims = [tissue.target(aim) for tissue in tissues]
     groups = [(*tissue.parameter_sets, parameters) for tissue, parameters in zip(tissues, aims)]
     conditions: list[list[Condition]] = [[] for _ in tissues]
@@ -183,7 +182,7 @@ def make_each(tissues: Sequence[Tissue], aim: str, sampling: Sampling, protocol:
             ends = float(energy.min()), float(energy.max())
             own.append(Condition(force, velocity, part, _part(band, slice(-1, None)), ends))
     return tuple(
-        Targets(tissue, aim, parameters, tuple(own), protocol, sampling)
+        Targets(tissue, aim, parameters, tuple(own), weights, limits, protocol, sampling)
         for tissue, parameters, own in zip(tissues, aims, conditions)
     )
 

@@ -124,8 +124,8 @@ def classes(differences: Deviations, limits: VerdictLimits) -> NDArray:
     if differences.ranges.strict:
         return np.asarray(np.select([~differences.reached, short <= limits.stands_shortfall], [4, 0], 2))
     stands = (short <= limits.stands_shortfall) & (over <= limits.stands_over)
-    usable = (short <= limits.shortfall_castings) & (over <= limits.over)
-    low = short / limits.shortfall_castings >= over / limits.over
+    usable = (short <= limits.shortfall) & (over <= limits.over)
+    low = short / limits.shortfall >= over / limits.over
     return np.asarray(np.select([~differences.reached, stands, usable, low], [4, 0, 1, 2], 3))
 
 
@@ -142,16 +142,17 @@ def _largest(ratios: dict[str, NDArray]) -> NDArray:
 LEVEL_WORDS = {
     "stands_for": "Stands for the subjects",
     "usable_with_correction": "Usable with a correction",
-    "not_settled": "Not settled",
+    "not_settled": "Measure one puck first",
     "not_representative": "Not representative",
 }
 LEVELS = tuple(LEVEL_WORDS)
+# Words of a pad that is cast already and whose readings leave its level open.
+OPEN = "Not settled"
 LIGHTS = dict(zip(LEVELS, ("green", "amber", "amber", "red")))
 QUANTITIES = {PEAK: "the peak", ENERGY: "the energy"}
 OUTCOMES = {OUT_OF_REACH: "too soft to reach a force", READS_LOW: "too low", OVER: "too high"}
 TIMES = 3.0  # a reading further above the subjects is stated in times, not in per cent
 SAFE_SIDE, QUANTILE = "safe-side", 0.95
-NOT_ACCEPTABLE, BORDERLINE, ACCEPTABLE = 0, 1, 2
 
 
 @dataclass(frozen=True)
@@ -228,32 +229,60 @@ class Verdict(Serialised):
         return None if self.castings is None else self.castings[STANDS_FOR] + self.castings[USABLE]
 
 
+def shares_of(differences: Deviations, limits: VerdictLimits) -> dict[str, float]:
+    """Share of pads in each of :data:`CLASSES`; they sum to 1."""
+    kinds = classes(differences, limits)
+    return {name: float((kinds == number).mean()) for number, name in enumerate(CLASSES)}
+
+
+def good_share(shares: dict[str, float], strict: bool) -> float:
+    """Share of pads that may be used: as they are or with a correction, on the safe side as they are alone."""
+    return shares[STANDS_FOR] if strict else shares[STANDS_FOR] + shares[USABLE]
+
+
+def level_of(
+    as_poured: dict[str, float], known: dict[str, float], limits: VerdictLimits, strict: bool, stands: bool = True
+) -> str:
+    """Level of a pad: by its castings as poured, else by those with the resin measured.
+
+    ``stands`` is whether the pad may be called one that stands for the subjects.
+    """
+    if stands and as_poured[STANDS_FOR] >= limits.share:
+        return "stands_for"
+    if not strict and good_share(as_poured, strict) >= limits.share:
+        return "usable_with_correction"
+    return "not_settled" if good_share(known, strict) >= limits.share else "not_representative"
+
+
 def verdict(
     ranges: Ranges, readings: Readings, spread: Readings | None = None, limits_that_bind: Sequence[str] = (),
-    of: str = "castings", unsettled: str = "", measured: Readings | None = None, limits: VerdictLimits | None = None,
-    beyond: float = 1.0, cast: bool = False,
+    of: str = "castings", unsettled: str = "", known: Readings | None = None, limits: VerdictLimits | None = None,
+    beyond: float = 1.0,
 ) -> Verdict:  # fmt: skip
     """Judge one pad against the subjects of a tissue.
 
-    ``spread`` are the readings of its castings, ``measured`` those once the resin is measured, ``beyond`` the largest
-    force of the test over the hardest press of people. A pad that is ``cast`` is held to the limits of castings.
+    ``spread`` are the readings of its castings as poured, ``known`` those with the resin measured; without them the pad
+    itself counts, as for one that is cast. ``beyond`` is the largest force of the test over the hardest press of
+    people.
     """
     limits = verdict_limits() if limits is None else limits
-    if cast:
-        limits = replace(limits, shortfall=limits.shortfall_castings)
-    differences = deviations(ranges, readings)
+    differences, strict = deviations(ranges, readings), ranges.strict
     below, above = outside(deviations(replace(ranges, strict=False), readings))
     every = differences if spread is None else deviations(ranges, spread)
-    kinds = classes(every, limits)
-    shares = {name: float((kinds == number).mean()) for number, name in enumerate(CLASSES)}
+    measured = None if known is None else deviations(ranges, known)
+    shares = shares_of(every, limits)
+    shares_known = shares_of(differences if measured is None else measured, limits)
     short_95, over_95, force_95 = (None, None, None) if spread is None else every.quantiles
     if beyond > 1.0 and not unsettled:
         unsettled = f"the test goes to {beyond:.2g} times the hardest press of people"
     inside = [float(1.0 - (below[name] | above[name]).mean()) for name in (PEAK, STEADY) if below[name].size]
-    level = _level(differences, shares, limits, not unsettled, min(inside, default=0.0))
+    stands = ranges.subjects > 1 and (strict or min(inside, default=0.0) >= limits.stands_inside)
+    level = level_of(shares, shares_known, limits, strict, stands)
+    if unsettled and level in ("stands_for", "usable_with_correction"):
+        level = "not_settled"
     if beyond > limits.beyond_people:
         level = "not_representative"
-    after, _, force_after = (None, None, None) if measured is None else deviations(ranges, measured).quantiles
+    after, _, force_after = (None, None, None) if measured is None else measured.quantiles
     shortfall = _deviation(differences, differences.short, short_95)
     over = _deviation(differences, differences.above, over_95)
     central, own_force = _factor(shortfall.central), float(differences.force_shortfall[0])
@@ -264,40 +293,31 @@ def verdict(
     bound = tuple(limits_that_bind)
     parts = [
         _reading_words(differences, readings, level),
-        "" if castings is None else _casting_words(castings, level, limits, ranges.strict, of),
+        "" if castings is None else _casting_words(castings, level, limits, strict, of, measured is not None),
+        _known_words(shares_known, level, strict) if measured is not None and not unsettled else "",
         _ending(level, correction, unsettled, castings is not None),
     ]
+    words = OPEN if level == "not_settled" and (measured is None or unsettled) else LEVEL_WORDS[level]
     reached = np.isfinite(readings.peak_N)
     return Verdict(
-        level, reads_of(below, above), _sentence(level, parts, bound), shortfall, over, correction,
-        int(below[PEAK].sum()), int(above[PEAK].sum()), int(reached.sum()),
+        level, reads_of(below, above), _sentence(words, parts, bound if level != "stands_for" else ()), shortfall, over,
+        correction, int(below[PEAK].sum()), int(above[PEAK].sum()), int(reached.sum()),
         *_steady_shares(ranges, readings, below, above), _energy_ratio(ranges, readings),
         int(below[ENERGY].sum()), int(above[ENERGY].sum()), int((~reached).sum()),
         ranges.subjects, castings, bound, limits,
     )  # fmt: skip
 
 
-def _level(
-    differences: Deviations, shares: dict[str, float], limits: VerdictLimits, settled: bool, inside: float
-) -> str:
-    strict, several = differences.ranges.strict, differences.ranges.subjects > 1
-    if not representative(differences, limits)[0]:
-        return "not_representative"
-    enough = settled and several and shares[STANDS_FOR] >= limits.share
-    if enough and (strict or inside >= limits.stands_inside):
-        return "stands_for"
-    if settled and not strict and shares[STANDS_FOR] + shares[USABLE] >= limits.share:
-        return "usable_with_correction"
-    return "not_settled"
-
-
-def representative(differences: Deviations, limits: VerdictLimits, slack: float | None = None) -> NDArray:
-    """Whether pads may be cast by their central estimates, shape (n,)."""
-    short, over = np.nan_to_num(differences.shortfall), np.nan_to_num(differences.over)
-    if differences.ranges.strict:
-        return np.asarray(differences.reached & (short <= limits.stands_shortfall))
-    near = 1.0 + (limits.tie if slack is None else slack)
-    return np.asarray(differences.reached & (short <= limits.shortfall * near) & (over <= limits.over * near))
+def _known_words(shares: dict[str, float], level: str, strict: bool) -> str:
+    """What the castings of a measured resin do, where those as poured are too few."""
+    if level not in ("not_settled", "not_representative"):
+        return ""
+    good = good_share(shares, strict)
+    words = f"{100.0 * good:.0f} % once the resin is measured"
+    if level == "not_representative" and good < 1.0:
+        name = max(OUTCOMES, key=lambda outcome: shares[outcome])
+        words += f" (most are {OUTCOMES[name]})" if shares[name] > 0.0 else ""
+    return words
 
 
 def outside(differences: Deviations, pad: int = 0) -> tuple[dict[str, NDArray], dict[str, NDArray]]:
@@ -348,11 +368,11 @@ def _energy_ratio(ranges: Ranges, readings: Readings) -> float | None:
     return float(np.exp(away[known].mean())) if known.any() else None
 
 
-def _sentence(level: str, parts: Sequence[str], bound: Sequence[str]) -> str:
+def _sentence(level_words: str, parts: Sequence[str], bound: Sequence[str]) -> str:
     """Write the verdict: level, worst reading, castings, limits that bind."""
     words = "; ".join(part for part in parts if part)
-    text = f"{LEVEL_WORDS[level]}. {words[0].upper()}{words[1:]}." if words else f"{LEVEL_WORDS[level]}."
-    return f"{text} At the limit of {' and of '.join(bound)}." if bound and level != "stands_for" else text
+    text = f"{level_words}. {words[0].upper()}{words[1:]}." if words else f"{level_words}."
+    return f"{text} At the limit of {' and of '.join(bound)}." if bound else text
 
 
 def whole_percents(shares: list[float], taken: int | None = None) -> list[int]:
@@ -408,7 +428,9 @@ def _worst_words(differences: Deviations, readings: Readings, ratios: dict[str, 
     return f"{what} is {percent:.0f} % {side} {who}"
 
 
-def _casting_words(shares: dict[str, float], level: str, limits: VerdictLimits, strict: bool, of: str) -> str:
+def _casting_words(
+    shares: dict[str, float], level: str, limits: VerdictLimits, strict: bool, of: str, poured: bool
+) -> str:
     """What becomes of the castings; the classes add up to 100 %."""
     share = shares[STANDS_FOR] + (0.0 if strict else shares[USABLE])
     good = round(100.0 * share)
@@ -416,7 +438,8 @@ def _casting_words(shares: dict[str, float], level: str, limits: VerdictLimits, 
     lost = [f"{percent} % {words}" for words, percent in zip(OUTCOMES.values(), rest) if percent > 0]
     word = "keep the safe side" if strict else "are usable"
     shown = percent_below_limit(share, limits.share) if level == "not_settled" else f"{good} %"
-    text = f"{shown} of {of} {word}"
+    open_level = level in ("not_settled", "not_representative")
+    text = f"{shown} of {of} {word}{' as poured' if poured and open_level else ''}"
     if level == "not_settled" and share < limits.share and not strict:
         text += f", {100.0 * limits.share:g} % needed"
     return f"{text} ({', '.join(lost)})" if lost and level != "stands_for" else text
@@ -440,17 +463,6 @@ def _ending(level: str, correction: Correction, unsettled: str, over_castings: b
     else:
         words = f"multiply forces by {force:.2f}, energies by {every:.2f}"
     return f"{words} for 95 % of them" if over_castings else words
-
-
-def acceptability_rank(evaluation: Evaluation, targets: Targets, tighter: bool = False) -> NDArray:
-    """Rank designs by their verdict at central estimates, shape (D,).
-
-    2 may be cast; 1 as well, but is beyond a limit by less than the limits' tie; 0 is not representative.
-    """
-    differences = deviations_of(evaluation, targets)
-    slack = -targets.limits.tie if tighter else 0.0
-    kept, near = (representative(differences, targets.limits, one) for one in (slack, None))
-    return np.where(kept, ACCEPTABLE, np.where(near, BORDERLINE, NOT_ACCEPTABLE))
 
 
 def ranges_of(targets: Targets) -> Ranges:

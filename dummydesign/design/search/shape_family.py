@@ -11,7 +11,6 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from dummydesign.core.errors import InputError, unknown_name
-from dummydesign.design.scoring.settings import verdict_limits
 from dummydesign.geometry.pad_shape import PadShape
 from dummydesign.geometry.shape_registry import make_shape, part_of, shape_kind, shape_kinds
 from dummydesign.pad.force_law import BaseForceLaw
@@ -32,6 +31,11 @@ class Designs:
     thickness_mm: NDArray
     parameters: dict[str, NDArray]
     limit_mm: NDArray | None = None
+
+    @property
+    def gel_mm(self) -> NDArray:
+        """Thickness of the gel under the middle of the punch, shape (M,). [mm]"""
+        return shape_kind(self.kind).gel_mm(self.thickness_mm, self.parameters)
 
     def take(self, chosen: NDArray) -> Designs:
         """Keep the pads chosen by index or mask."""
@@ -171,10 +175,16 @@ class FamilyLaw(BaseForceLaw):
         return young * self._of_each(self.family.area_mm2, depth, thickness, radius_mm)
 
     def depth_limit_mm(self, thickness_mm: ArrayLike, radius_mm: ArrayLike) -> NDArray:
-        """Depth to which the law holds and the gel, over a bone where there is one, is not bottomed out. [mm]"""
-        designs = self._designs(np.atleast_1d(np.asarray(thickness_mm, float)).ravel())
-        gel = verdict_limits().gel_compression * self.shape.gel_mm(designs.thickness_mm, designs.parameters)
-        return np.minimum(self.family.limit_mm(designs, cast(float, radius_mm)), gel).reshape(np.shape(thickness_mm))
+        """Depth to which the law holds. [mm]"""
+        limit = self.family.limit_mm(self._flat(thickness_mm), cast(float, radius_mm))
+        return np.asarray(limit).reshape(np.shape(thickness_mm))
+
+    def gel_mm(self, thickness_mm: ArrayLike) -> NDArray:
+        """Thickness of the gel under the middle of the punch, over a bone where there is one. [mm]"""
+        return np.asarray(self._flat(thickness_mm).gel_mm).reshape(np.shape(thickness_mm))
+
+    def _flat(self, thickness_mm: ArrayLike) -> Designs:
+        return self._designs(np.atleast_1d(np.asarray(thickness_mm, float)).ravel())
 
     def relative_error(self, depth_mm: ArrayLike, thickness_mm: ArrayLike, radius_mm: ArrayLike) -> NDArray:
         """Stated error of the force over the force; see :class:`dummydesign.pad.force_law.ForceLaw`."""
@@ -249,7 +259,7 @@ class TableFamily:
         return np.where((depth <= limit * (1.0 + 1e-9)) & (limit > 0.0), base * np.exp(value), np.nan)
 
     def limit_mm(self, designs: Designs, radius_mm: float) -> NDArray:
-        """Depth to which the table holds and the gel is not bottomed out, shape (M,); 0 outside its range. [mm]"""
+        """Depth to which the table holds, shape (M,); 0 outside its range. [mm]"""
         inputs = self._inputs(designs, radius_mm)
         limit, inside = self.table.depth_limit(inputs), self.table.inside(inputs)
         if not self.table.similarity.over_tip:
@@ -258,8 +268,7 @@ class TableFamily:
             ratio = radius_mm / designs.thickness_mm
             inside &= (ratio >= low) & (ratio <= high)
             limit = np.minimum(limit, slab.depth_limit(np.clip(ratio, low, high)))
-        bottom_mm = verdict_limits().gel_compression * self._shape.gel_mm(designs.thickness_mm, designs.parameters)
-        return np.where(inside, np.minimum(limit * designs.thickness_mm, bottom_mm), 0.0)
+        return np.where(inside, limit * designs.thickness_mm, 0.0)
 
     def relative_error(self, designs: Designs, depth_mm: NDArray, radius_mm: float) -> NDArray:
         """Stated error of the force over the force; see :class:`Family`."""

@@ -13,20 +13,21 @@ from numpy.typing import NDArray
 
 from dummydesign.core.errors import NoAnswerError, out_of_range
 from dummydesign.core.serialise import Serialised
+from dummydesign.design.scoring.castings import Castings, Tolerances
 from dummydesign.design.scoring.law_parameters import fit_presses, gamma1_score, parametric_score, rough_parametric
 from dummydesign.design.scoring.presses import (
     Curves,
     Sampling,
     Slabs,
-    join_curves,
     join_slabs,
     make_curves,
     steady_depth,
 )
 from dummydesign.design.scoring.score import Evaluation, evaluate, evaluated_gamma1
 from dummydesign.design.scoring.targets import Targets
-from dummydesign.design.scoring.verdict import Readings, acceptability_rank, readings_of
+from dummydesign.design.scoring.verdict import Readings, readings_of
 from dummydesign.geometry.dimensions import PAD_LENGTH_MM, PAD_WIDTH_MM, THICKNESS_MM
+from dummydesign.geometry.pad_shape import PadShape
 from dummydesign.pad.force_law import ForceLaw
 from dummydesign.resin.model.resin import Resin
 
@@ -39,13 +40,20 @@ Correct = Callable[["Family"], "Family"]
 
 @dataclass(frozen=True)
 class SearchSpace:
-    """Every combination of the steps of thickness and ratio, of one resin, for one set of targets."""
+    """Every combination of the steps of thickness and ratio, of one resin, for one set of targets.
+
+    ``tolerances`` gives how well a pad of a shape, thickness and ratio is made; ``puck_error`` is the standard
+    deviation of ln modulus that one puck leaves.
+    """
 
     resin: Resin
     targets: Targets
     thickness_mm: NDArray
     ratio: NDArray
     radius_mm: float
+    castings: Castings
+    tolerances: Callable[[PadShape, float, float], Tolerances]
+    puck_error: float
     sampling: Sampling = field(default_factory=Sampling)
     pad_mm: tuple[float, float] = (PAD_LENGTH_MM, PAD_WIDTH_MM)
     base: str = "bonded"
@@ -58,37 +66,11 @@ class SearchSpace:
         return float(np.sqrt(self.pad_mm[0] * self.pad_mm[1] / np.pi))
 
 
-QUANTILES = (np.arange(9) + 0.5) / 9.0
-DRAWS, ALTERNATIVES = 400, 4
+ALTERNATIVES = 4
 THICKNESS_STEP_MM = 0.5
 REFINED, FITTED = 24, 6
 # What a user may weigh differently: measured steady range, force range, aim, low forces.
 OBJECTIVES = ("steady_state_range", "force_variation_range", "aim", "low_force_range")
-
-
-def averaging(resin: Resin, ratio: NDArray) -> NDArray:
-    """Weights (R, R) of the ratios whose modulus the castings of each ratio may have; every row sums to 1.
-
-    Moduli beyond the ends count at the ends.
-    """
-    count = len(ratio)
-    if count < 2:
-        return np.eye(count)
-    drawn = resin.draw(DRAWS)
-    moduli = np.array([np.log(np.maximum(drawn.young_MPa(value), 1e-12)) for value in ratio])
-    spread = np.quantile(moduli, QUANTILES, axis=1).T
-    central = np.log(resin.young_MPa(ratio))
-    # the draws' median may lie off the central law: what counts here is their spread about it
-    spread += (central - np.median(moduli, axis=1))[:, None]
-    order = np.argsort(central)
-    position = np.interp(spread, central[order], np.arange(count)[order].astype(float))
-    left = np.minimum(position.astype(int), count - 2)
-    share = position - left
-    weights = np.zeros((count, count))
-    rows = np.arange(count)[:, None]
-    np.add.at(weights, (rows, left), (1.0 - share) / len(QUANTILES))
-    np.add.at(weights, (rows, left + 1), share / len(QUANTILES))
-    return weights
 
 
 def alternatives_to(candidates: list[DesignCandidate], best: DesignCandidate) -> tuple[DesignCandidate, ...]:
@@ -157,9 +139,6 @@ class DesignCandidate:
     parameters: Any = None
     parametric: float = 0.0
     total: float = 0.0
-    # Whether it may be cast, by its verdict; what its castings are expected to lose of the merit.
-    rank: int = 0
-    loss: float = 0.0
 
     @property
     def alone(self) -> Slabs:
@@ -186,15 +165,6 @@ class DesignCandidate:
         """Depth at steady forces after the slowest ramp; NaN out of reach. [mm]"""
         speed, sampling = self.evaluation.protocol.slow_mm_s, self.evaluation.sampling.coarse
         return np.asarray(steady_depth(self.alone, force_N, speed, sampling)[0])
-
-    def merit(self, low_share: float | None = None) -> float:
-        """By what designs are ranked: the total, with a share (by default the weights') of the closeness below 5 N."""
-        share = self.evaluation.weights.low_aim if low_share is None else low_share
-        return (1.0 - share) * self.total + share * float(self.evaluation.low_aim[self.index])
-
-    def worth(self, low_share: float | None = None) -> float:
-        """By what designs are searched: the merit expected of castings, almost nothing where not representative."""
-        return self.evaluation.weights.worth[self.rank] * max(self.merit(low_share) - self.loss, 0.0)
 
 
 @dataclass(frozen=True)
@@ -225,103 +195,51 @@ def make_slabs(curves: Curves, slab: NDArray, resin: Resin, ratio: NDArray) -> S
     return Slabs(curves, slab, resin.young_MPa(known)[back], resin.tau_s, resin.strengths(known)[back])
 
 
-def search(
-    law: ForceLaw, space: SearchSpace, low_share: float = 0.0, refined: int = REFINED, fitted: int = FITTED
-) -> SearchResult:
-    """Find the slab and ratio that score best, in practical steps.
+def search(law: ForceLaw, space: SearchSpace) -> SearchResult:
+    """Score every thickness and ratio of one force law, in practical steps.
 
     Every combination is scored on a coarse time grid (the map); the best of it are worked out on a fine
-    one, with the tissue's law fitted to their simulated presses, and ranked again. The map has no fitted
+    one, with the tissue's law fitted to their simulated presses. The map has no fitted
     parameters: there the parametric part is that of gamma1 alone.
-    """
-    result = search_each([(law, space.thickness_mm)], space, low_share, refined, fitted)[0]
-    if isinstance(result, NoAnswerError):
-        raise result
-    return result
 
-
-def search_each(
-    laws: Sequence[tuple[ForceLaw, NDArray]], space: SearchSpace, low_share: float = 0.0, refined: int = REFINED,
-    fitted: int = FITTED, others: bool = True,
-) -> list[SearchResult | NoAnswerError]:  # fmt: skip
-    """Make the search of :func:`search` for several force laws, each on thicknesses of its own, all designs at once.
+    Raises
+    ------
+    NoAnswerError
+        When no combination reaches the middle force of the test.
     """
-    if not laws:
-        return []
-    resin, targets, ratio = space.resin, space.targets, space.ratio
-    curves = join_curves([make_curves(law, thickness, space.radius_mm) for law, thickness in laws])
-    slab, column = (i.ravel() for i in np.indices((len(curves.thickness_mm), len(ratio))))
+    resin, targets, ratio, thickness = space.resin, space.targets, space.ratio, space.thickness_mm
+    curves = make_curves(law, thickness, space.radius_mm, targets.limits.gel_compression)
+    slab, column = (i.ravel() for i in np.indices((len(thickness), len(ratio))))
     slabs = make_slabs(curves, slab, resin, ratio[column])
     rough = evaluate(slabs, targets, space.sampling.coarse)
     total = rough.total(gamma1_score(evaluated_gamma1(rough, targets.power), targets))
-    merit = (1.0 - low_share) * total + low_share * rough.low_aim
-    expected = (merit.reshape(-1, len(ratio)) @ averaging(resin, ratio).T).ravel()
-    loss = merit - expected
-    order = expected * np.array(targets.weights.worth)[acceptability_rank(rough, targets)]
-    order = np.where(rough.feasible, order, -1.0)
-    results: list[SearchResult | NoAnswerError] = []
-    maps, groups, end = [], [], 0
-    for _, thickness in laws:
-        start, end = end, end + len(thickness) * len(ratio)
-        columns = (total, *(getattr(rough, name) for name in OBJECTIVES), rough.feasible)
-        parts = (values[start:end].reshape(len(thickness), len(ratio)) for values in columns)
-        score_map = ScoreMap(thickness, ratio, *parts)
-        maps.append(score_map)
-        able = int(score_map.feasible.sum())
-        ranked = np.argsort(-order[start:end], kind="stable")[: min(refined, able)]
-        unbeaten = np.setdiff1d(pareto(score_map, ranked[0]), ranked) if able and others else ranked[:0]
-        groups.append((start + ranked, start + unbeaten))
-    chosen = np.concatenate([index for group in groups for index in group])
-    counts = [(len(ranked), len(unbeaten)) for ranked, unbeaten in groups]
-    worked: list[list[DesignCandidate]] = [[]] * len(maps)
-    if len(chosen):
-        worked = _work_out(slabs.take(chosen), ratio[column[chosen]], space, counts, fitted, low_share, loss[chosen])
-    for score_map, candidates in zip(maps, worked):
-        if not candidates:
-            thickness = score_map.thickness_mm
-            why = (
-                f"no slab of {thickness[0]:g} to {thickness[-1]:g} mm and ratio {ratio[0]:g} to {ratio[-1]:g} of "
-                f"{resin.name} reaches {targets.protocol.needed_N:g} N within its depth limit; allow stiffer ratios or "
-                "thinner pads"
-            )
-            results.append(NoAnswerError("no_feasible_design", why, quantity="pad"))
-            continue
-        best = max(candidates, key=lambda candidate: candidate.worth(low_share))
-        results.append(SearchResult(best, alternatives_to(candidates, best), score_map))
-    return results
+    columns = (total, *(getattr(rough, name) for name in OBJECTIVES), rough.feasible)
+    score_map = ScoreMap(thickness, ratio, *(values.reshape(len(thickness), len(ratio)) for values in columns))
+    able = int(rough.feasible.sum())
+    if not able:
+        raise NoAnswerError(
+            "no_feasible_design",
+            f"no slab of {thickness[0]:g} to {thickness[-1]:g} mm and ratio {ratio[0]:g} to {ratio[-1]:g} of "
+            f"{resin.name} reaches {targets.protocol.needed_N:g} N within its depth limit; allow stiffer ratios or "
+            "thinner pads", quantity="pad",
+        )  # fmt: skip
+    ranked = np.argsort(-np.where(rough.feasible, total, -1.0), kind="stable")[: min(REFINED, able)]
+    chosen = np.r_[ranked, np.setdiff1d(pareto(score_map, int(ranked[0])), ranked)]
+    every = exact_candidates(slabs.take(chosen), ratio[column[chosen]], space)
+    first = sorted(every[: len(ranked)], key=lambda candidate: -candidate.total)[:FITTED]
+    candidates = list(with_parameters([*first, *every[len(ranked) :]], space))
+    best = max(candidates, key=lambda candidate: candidate.total)
+    return SearchResult(best, alternatives_to(candidates, best), score_map)
 
 
-def _work_out(
-    slabs: Slabs, ratio: NDArray, space: SearchSpace, counts: Sequence[tuple[int, int]], fitted: int, low_share: float,
-    loss: NDArray,
-) -> list[list[DesignCandidate]]:  # fmt: skip
-    """Evaluate groups of designs on the fine grid; fit the best of each group's ranked ones and all its others."""
-    candidates, groups, end = exact_candidates(slabs, ratio, space, loss), [], 0
-    for ranked, others in counts:
-        start, end = end, end + ranked + others
-        group = candidates[start:end]
-        if fitted:
-            worth = [candidate.worth(low_share) for candidate in group[:ranked]]
-            best = np.sort(np.argsort(-np.array(worth), kind="stable")[:fitted]).tolist()
-            group = [group[at] for at in (*best, *range(ranked, ranked + others))]
-        groups.append(group)
-    if not fitted:
-        return groups
-    done = iter(with_parameters([candidate for group in groups for candidate in group], space))
-    return [[next(done) for _ in group] for group in groups]
-
-
-def exact_candidates(
-    slabs: Slabs, ratio: NDArray, space: SearchSpace, loss: NDArray | None = None
-) -> list[DesignCandidate]:
+def exact_candidates(slabs: Slabs, ratio: NDArray, space: SearchSpace) -> list[DesignCandidate]:
     """Designs evaluated on the fine grid, in their order, with the parametric part of gamma1 alone."""
     exact = evaluate(slabs, space.targets, space.sampling, exact=True)
     parametric = rough_parametric(slabs, space.targets, space.sampling)
-    ranks, lost = acceptability_rank(exact, space.targets), np.zeros(len(ratio)) if loss is None else loss
-    columns = (slabs.thickness_mm, ratio, parametric, exact.total(parametric), ranks, lost)
+    columns = (slabs.thickness_mm, ratio, parametric, exact.total(parametric))
     return [
-        DesignCandidate(thickness, at, index, exact, None, score, total, rank, lost)
-        for index, (thickness, at, score, total, rank, lost) in enumerate(zip(*(one.tolist() for one in columns)))
+        DesignCandidate(thickness, at, index, exact, None, score, total)
+        for index, (thickness, at, score, total) in enumerate(zip(*(one.tolist() for one in columns)))
     ]
 
 

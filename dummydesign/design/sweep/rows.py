@@ -28,6 +28,7 @@ from dummydesign.design.scoring.presses import (
     press_to_depth,
     steady_depth,
 )
+from dummydesign.design.scoring.settings import verdict_limits, weights_of
 from dummydesign.design.search.shape_family import Designs, load_family
 from dummydesign.design.sweep.spec import Key, Study, why_not_cast
 from dummydesign.geometry.punch import punch_sides_mm
@@ -69,6 +70,7 @@ class Task:
     shape: NDArray | None = None
     edge_radius_mm: float = 0.0
     sampling: Sampling = field(default_factory=Sampling)
+    gel_compression: float = DEPTH_SHARE
 
     def take(self, chosen: NDArray) -> Task:
         """Keep the designs chosen by index or mask."""
@@ -199,7 +201,7 @@ def _by_tables(task: Task) -> list[dict[str, Any]]:
             continue
         lengths = [dict(shapes[n].parameters) for n in own]
         designs = Designs(kind, pads[1][own], {name: np.array([one[name] for one in lengths]) for name in lengths[0]})
-        limit = np.minimum(family.limit_mm(designs, task.radius_mm), DEPTH_SHARE * designs.thickness_mm)
+        limit = np.minimum(family.limit_mm(designs, task.radius_mm), task.gel_compression * designs.gel_mm)
         curve_of, held = np.full(len(shapes), -1), np.array(own)[limit > 0.0]
         for n in set(own) - set(held.tolist()):
             why[n] = f"outside the response table of {kind} pads; --fidelity {shapes[n].fidelity} solves it"
@@ -264,7 +266,7 @@ def work(task: Task, law: ForceLaw | None = None) -> list[dict[str, Any]]:
     thickness, row = np.unique(task.thickness_mm, return_inverse=True)
     try:
         law = law or force_law(task, thickness)
-        curves = make_curves(law, thickness, task.radius_mm)
+        curves = make_curves(law, thickness, task.radius_mm, task.gel_compression)
     except NoAnswerError as problem:
         return empty_rows(task, str(problem))
     slabs, known = Slabs(curves, row, task.young_MPa, task.tau_s, task.beta), law
@@ -412,6 +414,8 @@ def settings_of(study: Study, resin: Any, tissue: Any) -> dict[str, Any]:
         "tissue": None if tissue is None else f"{tissue.name} {study.aim} {_hash(tissue.to_dict())}",
         "forces_N": list(study.forces_N), "velocities_mm_s": list(study.velocities_mm_s),
         "hold_s": study.hold_s, "deceleration_mm_s2": study.deceleration_mm_s2,
+        "gel_compression": verdict_limits().gel_compression,
+        "weights": None if tissue is None else _hash(weights_of(study.aim).to_dict()),
     }  # fmt: skip
     if study.fidelity == "table":
         from dummydesign.geometry.interface import BASES

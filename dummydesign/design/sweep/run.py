@@ -13,6 +13,7 @@ import numpy as np
 
 from dummydesign.core.errors import DummydesignError, InputError, NoAnswerError, out_of_range
 from dummydesign.core.process import COMMAND_LINE
+from dummydesign.design.scoring.settings import verdict_limits
 from dummydesign.design.sites import pressed_alone
 from dummydesign.design.sweep.rows import RowsFile, Task, key_of, work
 from dummydesign.design.sweep.spec import Key, Study
@@ -175,6 +176,7 @@ def tasks_of(study: Study, resin: Resin, targets: Targets | None, done: Iterable
     done = set(done)
     ratios = np.array(study.ratio)
     young, beta = resin.young_MPa(ratios), resin.strengths(ratios)
+    gel = (verdict_limits() if targets is None else targets.limits).gel_compression
     for (punch, radius), condition, base in study.setups:
         for shapes, edge in _groups(study):
             designs = [
@@ -194,7 +196,7 @@ def tasks_of(study: Study, resin: Resin, targets: Targets | None, done: Iterable
                 yield Task(
                     study.fidelity, punch, condition, base, radius, thickness, ratios[columns], young[columns],
                     resin.tau_s, beta[columns], study.forces_N, study.velocities_mm_s, targets, shapes, which, edge,
-                    study.sampling,
+                    study.sampling, gel,
                 )  # fmt: skip
 
 

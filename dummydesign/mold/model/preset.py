@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from dummydesign.core.errors import InputError, out_of_range
@@ -12,9 +13,11 @@ from dummydesign.core.toml_schema import Table, read_table
 from dummydesign.geometry.dimensions import PAD_LENGTH_MM, PAD_WIDTH_MM
 from dummydesign.geometry.pad_shape import PadShape
 from dummydesign.mold.model.products import (
+    Machines,
     Plastic,
     Silicone,
     Surface,
+    product_file,
     read_machines,
     read_numbers,
     read_product,
@@ -52,7 +55,7 @@ def mould_spec(
     thickness_mm: float,
     length_mm: float = PAD_LENGTH_MM,
     width_mm: float = PAD_WIDTH_MM,
-    preset: str = "open",
+    preset: str | Preset = "open",
     resin: str | Resin | None = None,
     ratio: float = 15.0,
     kind: str = "slab",
@@ -64,8 +67,51 @@ def mould_spec(
     count: int = 1,
     insert: Insert | None = None,
 ) -> MouldSpec:
-    """Put together and check the specification of a mould."""
+    """Put together and check the specification of a mould; machines and silicone are those of a preset by name."""
     kind, parameters = canonical_kind(kind, parameters)
+    used = preset if isinstance(preset, Preset) else read_preset(preset, machines, silicone)
+    top = used.top
+    pad = read_numbers(PadGeometry, top.table("pad"), thickness_mm=float(thickness_mm), kind=kind,
+                       parameters=parameters)  # fmt: skip
+    pad = _fitted(replace(pad, length_mm=float(length_mm), width_mm=float(width_mm)))
+    if resin is None or isinstance(resin, str):
+        from dummydesign.resin import load_resin
+
+        resin = load_resin(resin) if resin else load_resin()
+    pour, sources = _read_pour(top, resin, ratio)
+    box = read_numbers(Box, top.table("box"))
+    if face_sheet_mm is not None:
+        box = replace(box, face_sheet_mm=float(face_sheet_mm))
+    spec = MouldSpec(
+        preset=used.name, pad=pad, body=read_numbers(Body, top.table("body"), style=used.style), box=box,
+        aids=read_numbers(Aids, top.table("aids")), silicone=used.silicone, pour=pour, machines=used.machines,
+        closure=read_numbers(Closure, top.table("closure")) if "closure" in top else None,
+        sources=tuple(dict.fromkeys((*sources, *used.sources))),
+        base=_base_layer(pad.shape, pour, resin, base_ratio), plastic=used.plastic,
+        acceptance=read_numbers(Acceptance, top.table("acceptance", required=False)),
+        surface=used.surface, count=count, insert=insert,
+    )  # fmt: skip
+    validate(spec)
+    return spec
+
+
+@dataclass(frozen=True)
+class Preset:
+    """A mould preset with the products and machines it names; ``files`` are what was read, by what they are."""
+
+    name: str
+    style: str
+    top: Table
+    machines: Machines
+    silicone: Silicone | None
+    plastic: Plastic | None
+    surface: Surface | None
+    sources: tuple[str, ...]
+    files: dict[str, Path]
+
+
+def read_preset(preset: str = "open", machines: str | None = None, silicone: str | None = None) -> Preset:
+    """Read a preset by name or file, with other machines or another silicone than it names where they are given."""
     entry = find("molds", "mould preset", preset)
     path, top = entry.path, read_table(entry.path, _KEYS, None)
     style = str(top.data.get("style", ""))
@@ -76,36 +122,21 @@ def mould_spec(
     for key in ("style", "machines", *(("plastic", "surface") if printed else ("silicone",))):
         if key not in top:
             raise top.fault(key, "is missing", "missing")
-    pad = read_numbers(PadGeometry, top.table("pad"), thickness_mm=float(thickness_mm), kind=kind,
-                       parameters=parameters)  # fmt: skip
-    pad = _fitted(replace(pad, length_mm=float(length_mm), width_mm=float(width_mm)))
-    if resin is None or isinstance(resin, str):
-        from dummydesign.resin import load_resin
-
-        resin = load_resin(resin) if resin else load_resin()
-    pour, sources = _read_pour(top, resin, ratio)
-    product, more = (None, []) if printed else read_product(Silicone, silicone or str(top.data["silicone"]), path)
-    plastic, of_plastic = read_product(Plastic, str(top.data["plastic"]), path) if "plastic" in top else (None, [])
+    names = {"silicone": None if printed else silicone or str(top.data["silicone"]),
+             "plastic": str(top.data["plastic"]) if "plastic" in top else None,
+             "machine": machines or str(top.data["machines"])}  # fmt: skip
+    product, more = (None, []) if names["silicone"] is None else read_product(Silicone, names["silicone"], path)
+    plastic, of_plastic = (None, []) if names["plastic"] is None else read_product(Plastic, names["plastic"], path)
     if printed and (plastic is None or plastic.expansion_per_K is None):
         message = "of a printed mould needs expansion_per_K and young_MPa in its file"
         raise InputError(f"{top.where('plastic')}: plastic '{top.data['plastic']}' {message}", "missing",
                          "plastic.expansion_per_K")  # fmt: skip
     surface, of_surface = read_quantity_table(Surface, top.table("surface"), "surface ") if printed else (None, [])
-    box = read_numbers(Box, top.table("box"))
-    if face_sheet_mm is not None:
-        box = replace(box, face_sheet_mm=float(face_sheet_mm))
-    its_machines, of_machines = read_machines(machines or str(top.data["machines"]), path)
-    spec = MouldSpec(
-        preset=entry.name, pad=pad, body=read_numbers(Body, top.table("body"), style=style), box=box,
-        aids=read_numbers(Aids, top.table("aids")), silicone=product, pour=pour, machines=its_machines,
-        closure=read_numbers(Closure, top.table("closure")) if "closure" in top else None,
-        sources=tuple(dict.fromkeys(sources + more + of_plastic + of_machines + of_surface)),
-        base=_base_layer(pad.shape, pour, resin, base_ratio), plastic=plastic,
-        acceptance=read_numbers(Acceptance, top.table("acceptance", required=False)),
-        surface=surface, count=count, insert=insert,
-    )  # fmt: skip
-    validate(spec)
-    return spec
+    its_machines, of_machines = read_machines(str(names["machine"]), path)
+    files = {f"{what} {name}": product_file(name, path, what).path for what, name in names.items() if name is not None}
+    sources = (*more, *of_plastic, *of_machines, *of_surface)
+    return Preset(entry.name, style, top, its_machines, product, plastic, surface, sources,
+                  {f"mould preset {entry.name}": path, **files})  # fmt: skip
 
 
 def _fitted(pad: PadGeometry) -> PadGeometry:

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from dummydesign.core.errors import InputError, out_of_range
-from dummydesign.core.library import find
+from dummydesign.core.library import Entry, find
 from dummydesign.core.toml_schema import REQUIRED, Table, read_table
 
 T = TypeVar("T")
@@ -116,10 +116,15 @@ def _names(kind: type) -> list[str]:
     return [item.name for item in fields(kind) if item.name != "name"]
 
 
-def _found(name: str, preset: Path, what: str, keys: Iterable[str]) -> tuple[str, Table]:
-    """Find and read a data file named in a preset: beside the preset, else in the library."""
+def product_file(name: str, preset: Path, what: str) -> Entry:
+    """Find a data file named in a preset: beside the preset, else in the library."""
     near = preset.parent / name
-    entry = find(f"molds/{what}s", what, str(near) if name.endswith(".toml") and near.is_file() else name)
+    return find(f"molds/{what}s", what, str(near) if name.endswith(".toml") and near.is_file() else name)
+
+
+def _found(name: str, preset: Path, what: str, keys: Iterable[str]) -> tuple[str, Table]:
+    """Find and read a data file named in a preset."""
+    entry = product_file(name, preset, what)
     return entry.name, read_table(entry.path, ("schema", "name", "title", *keys), None)
 
 

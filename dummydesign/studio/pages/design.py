@@ -258,7 +258,7 @@ class DesignPage:
             return Refusal(str(problem))
         except Exception as problem:
             return Refusal(f"this pad cannot be evaluated ({type(problem).__name__}: {problem})")
-        inputs, targets = evaluator.inputs, evaluator.inputs.space.targets
+        inputs, targets = evaluator.problem, evaluator.problem.space.targets
         section = figures.section(shape, state.thickness_mm, inputs.punch)
         large = figures.plots_html([figures.steady(inputs.tissue, targets, pad), section])
         small = figures.plots_html(figures.presses(targets, pad), small=True)
@@ -276,7 +276,7 @@ class DesignPage:
             return
         self.plots.set_content(view.plots)
         self._say(state, view.pad.verdict.light, view.pad.verdict.text, "")
-        resin = view.evaluator.inputs.space.resin
+        resin = view.evaluator.problem.space.resin
         young = 1e3 * float(resin.young_MPa(state.ratio))
         with self.numbers:
             parts.facts([(f"{young:.3g} kPa", "modulus"), (f"{state.thickness_mm:g} mm", "thickness"),

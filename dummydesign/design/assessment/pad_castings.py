@@ -1,123 +1,55 @@
-"""The castings of an answer: drawn once, in named groups, for every fraction and quantile."""
+"""The castings of one pad, pressed: readings, shares as poured, with the resin known and after a puck, verdict."""
 
 from __future__ import annotations
 
 from collections.abc import Collection
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from dummydesign.core.errors import InputError
-from dummydesign.core.quantity import HALF_WIDTH
 from dummydesign.core.serialise import Serialised
+from dummydesign.design.scoring.castings import FORCE_LAW, MODULUS, RELAXATION, RESIN, Castings, Pours, Tolerances
+from dummydesign.design.scoring.outlook import Outlook
 from dummydesign.design.scoring.presses import Slabs, make_curves, steady_depth
 from dummydesign.design.scoring.score import Evaluation, evaluate
 from dummydesign.design.scoring.targets import Targets
-from dummydesign.design.scoring.verdict import Readings, Verdict, ranges_of, readings_of, verdict
+from dummydesign.design.scoring.verdict import (
+    CLASSES,
+    OUTCOMES,
+    Readings,
+    Verdict,
+    classes,
+    deviations,
+    good_share,
+    ranges_of,
+    readings_of,
+    shares_of,
+    verdict,
+)
+from dummydesign.design.scoring.windows import readings_along
 from dummydesign.pad.force_law import ForceLaw
 
 if TYPE_CHECKING:
     from dummydesign.design.search.slabs import DesignCandidate, SearchSpace
-    from dummydesign.resin.model.resin import Resin
 
 
-MODULUS, RELAXATION, MAKING, FORCE_LAW, TISSUE = GROUPS = ("modulus", "relaxation", "making", "force_law", "tissue")
-RESIN = frozenset((MODULUS, RELAXATION))
-# Castings: a share of 1200 has a standard error of at most 1.45 points.
-COUNT, SEED, MOST = 1200, 11, 100_000
+# Even steps of thickness at which pours are pressed, and the share of a limit from which a design lies at it.
 NODES, AT_LIMIT = 41, 0.99
 
 
 @dataclass(frozen=True)
-class Tolerances(Serialised):
-    """How well a pad is made. Errors are even within plus and minus these limits.
-
-    ``pour_g`` is the whole mass that is weighed in.
-    """
-
-    pour_g: float
-    weighing_g: float = 0.1
-    thickness_mm: float = 0.2
-
-
-@dataclass(frozen=True)
-class Pours:
-    """Pads that may come out of one design: ``thickness_mm``, ``young_MPa`` (n,) and ``beta`` (n, arms)."""
-
-    thickness_mm: NDArray
-    young_MPa: NDArray
-    beta: NDArray
-
-    def first(self, count: int) -> Pours:
-        """The first of them."""
-        return Pours(self.thickness_mm[:count], self.young_MPa[:count], self.beta[:count])
-
-
-@dataclass(frozen=True)
-class Castings:
-    """Deviates of n castings of a resin; see :meth:`of_pad`."""
-
-    resin: Resin
-    n: int = COUNT
-    seed: int = SEED
-
-    def __post_init__(self) -> None:
-        if not COUNT <= self.n <= MOST:
-            message = f"castings = {self.n} is outside {COUNT} to {MOST}: fewer leave percentages too uncertain"
-            raise InputError(message, "out_of_range", "castings", self.n, (COUNT, MOST))
-
-    @cached_property
-    def _drawn(self) -> dict[str, Any]:
-        # a stream of its own for each group, so that none depends on another
-        of_resin, of_making, of_law = np.random.default_rng(self.seed).spawn(3)
-        weighed = {liquid.name: of_making.uniform(-1.0, 1.0, self.n) for liquid in self.resin.liquids}
-        thickness, law = of_making.uniform(-1.0, 1.0, self.n), of_law.standard_normal(self.n)
-        resin = self.resin.draw(self.n, of_resin)
-        central = {name: np.full(self.n, value) for name, value in self.resin.central.items()}
-        beta = np.tile([arm.beta.value for arm in self.resin.arms], (self.n, 1))
-        softness = np.full(self.n, self.resin.softness_exponent.value)
-        stated = replace(resin, numbers=central, beta_ref=beta, softness_exponent=softness)
-        return {"weighed": weighed, "thickness": thickness, "law": law, "resin": resin, "central": stated}
-
-    def pours(
-        self, thickness_mm: float, ratio: float, tolerances: Tolerances, error: float = 0.0, known: Collection[str] = ()
-    ) -> Pours:
-        """Pads that may come out of one design."""
-        drawn, making = self._drawn, MAKING not in known
-        weighed = self._weighed_ratio(ratio, tolerances) if making else np.full(self.n, ratio)
-        thickness = thickness_mm + (tolerances.thickness_mm * drawn["thickness"] if making else np.zeros(self.n))
-        modulus, relaxation = (drawn["central" if group in known else "resin"] for group in (MODULUS, RELAXATION))
-        off = np.zeros(self.n) if FORCE_LAW in known else error / HALF_WIDTH * drawn["law"]
-        kept = np.clip(weighed, self.resin.ratio_min, self.resin.ratio_max)
-        young = np.maximum(modulus.young_MPa(weighed), 1e-9) * np.exp(off)
-        return Pours(thickness, young, relaxation.beta(kept))
-
-    def _weighed_ratio(self, ratio: float, tolerances: Tolerances) -> NDArray:
-        """Ratio that is in the cup when every component is weighed with an error of its own."""
-        parts = self.resin.parts(ratio)
-        by_ratio = next(liquid.name for liquid in self.resin.liquids if liquid.parts is None)
-        masses = {item.name: item.mass_g for item in self.resin.recipe(ratio, tolerances.pour_g)}
-        weighed = {
-            name: np.maximum(mass + tolerances.weighing_g * self._drawn["weighed"][name], 0.0)
-            for name, mass in masses.items()
-        }
-        others = sum(value for name, value in parts.items() if name != by_ratio)
-        rest = sum(mass for name, mass in weighed.items() if name != by_ratio)
-        return others * weighed.get(by_ratio, np.zeros(self.n)) / np.maximum(rest, 1e-9)
-
-
-@dataclass(frozen=True)
 class PadCastings:
-    """The castings of one pad, pressed by the test."""
+    """The castings of one pad, pressed by the test; ``outlook`` has its ratios."""
 
     castings: Castings
     law: ForceLaw
     candidate: DesignCandidate
     space: SearchSpace
     tolerances: Tolerances
+    outlook: Outlook
 
     @cached_property
     def error(self) -> float:
@@ -127,8 +59,8 @@ class PadCastings:
         stated = np.asarray(self.law.relative_error(known, self.candidate.thickness_mm, self.space.radius_mm))
         return float(np.max(stated[np.isfinite(stated)], initial=0.0))
 
-    def pours(self, known: Collection[str] = (), ratio: float | None = None) -> Pours:
-        """See :meth:`Castings.pours`; of another ratio where one is given."""
+    def pours(self, known: Collection[str] = (), ratio: float | NDArray | None = None) -> Pours:
+        """See :meth:`Castings.pours`; of other ratios where they are given."""
         at = self.candidate.ratio if ratio is None else ratio
         return self.castings.pours(self.candidate.thickness_mm, at, self.tolerances, self.error, known)
 
@@ -140,14 +72,22 @@ class PadCastings:
         """Scores and presses of all castings."""
         return evaluate(self.slabs(self.pours(known)), self.space.targets, self.space.sampling.coarse)
 
-    def readings(self, known: Collection[str] = ()) -> Readings:
+    def readings(self, known: Collection[str] = (), ratio: float | NDArray | None = None) -> Readings:
         """Readings of all castings, shapes (n, c) and (n, g)."""
-        return readings_of(self.every if not known else self.pressed(known))
+        if not known and ratio is None:
+            return readings_of(self.every)
+        slabs, targets = self.slabs(self.pours(known, ratio)), self.space.targets
+        return readings_along(slabs, targets, targets.protocol.steady_grid_N, self.space.sampling.coarse)
 
     @cached_property
-    def over_tissues(self) -> list[NDArray]:
-        """Scores of the first castings for every tissue; filled where they are first wanted."""
-        return []
+    def resin_known(self) -> Readings:
+        """Readings of castings of the resin's centre, at the ratio chosen for it."""
+        return self.readings(RESIN, self.outlook.known_ratio)
+
+    @cached_property
+    def after_puck(self) -> Readings:
+        """Readings of the search's castings, with the ratio chosen anew for each batch after one puck."""
+        return replace(self, castings=self.space.castings).readings((), self.outlook.ratios)
 
     @cached_property
     def every(self) -> Evaluation:
@@ -175,7 +115,8 @@ def poured_slabs(law: ForceLaw, pours: Pours, space: SearchSpace) -> Slabs:
     low, high = float(thickness.min()), float(thickness.max())
     nodes = np.linspace(low, high, NODES) if high > low else np.array([low])
     index = np.rint((thickness - low) / max(high - low, 1e-12) * (len(nodes) - 1)).astype(int)
-    return Slabs(make_curves(law, nodes, space.radius_mm), index, pours.young_MPa, space.resin.tau_s, pours.beta)
+    curves = make_curves(law, nodes, space.radius_mm, space.targets.limits.gel_compression)
+    return Slabs(curves, index, pours.young_MPa, space.resin.tau_s, pours.beta)
 
 
 def limits_that_bind(candidate: DesignCandidate, thickness_mm: NDArray, ratio: NDArray) -> tuple[str, ...]:
@@ -197,8 +138,62 @@ def verdict_of_design(cast: PadCastings, beyond: float = 1.0) -> Verdict:
     space, candidate = cast.space, cast.candidate
     bound = limits_that_bind(candidate, space.thickness_mm, space.ratio)
     return verdict(
-        ranges_of(space.targets), candidate.readings, cast.readings(), bound, measured=cast.readings(RESIN),
+        ranges_of(space.targets), candidate.readings, cast.readings(), bound, known=cast.resin_known,
         limits=space.targets.limits, beyond=beyond,
+    )  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Share(Serialised):
+    """Exclusive shares of one set of castings, which sum to 1, at a ratio or, batch by batch, between two."""
+
+    ratio: float | tuple[float, float]
+    stands_for: float
+    usable: float
+    reads_low: float
+    over: float
+    out_of_reach: float
+    standard_error: float
+
+
+@dataclass(frozen=True)
+class AfterPuck(Share):
+    """The same with the ratio chosen anew for each batch; ``no_ratio`` is the share of batches that none fits."""
+
+    no_ratio: float
+    no_ratio_reason: str | None
+
+
+@dataclass(frozen=True)
+class Shares(Serialised):
+    """Castings of one pad: all unknown; the resin at its centre; every batch after one puck of it."""
+
+    as_poured: Share
+    resin_known: Share
+    after_puck: AfterPuck
+    window_kPa: tuple[float, float] | None
+
+
+def shares_of_pad(cast: PadCastings) -> Shares:
+    """Count the castings of a pad as poured, with the resin known, and after a puck."""
+    targets, outlook = cast.space.targets, cast.outlook
+    ranges, limits = ranges_of(targets), targets.limits
+
+    def share(readings: Readings) -> dict[str, float]:
+        found = shares_of(deviations(ranges, readings), limits)
+        good, count = good_share(found, ranges.strict), len(readings.peak_N)
+        return {**found, "standard_error": float(np.sqrt(good * (1.0 - good) / count))}
+
+    after, none = cast.after_puck, ~outlook.possible
+    kinds = classes(deviations(ranges, after), limits)[none]
+    counts = {name: int((kinds == CLASSES.index(name)).sum()) for name in OUTCOMES}
+    most = max(counts, key=lambda name: counts[name])
+    reason = OUTCOMES[most] if none.any() and counts[most] else None
+    ends = (float(outlook.ratios.min()), float(outlook.ratios.max()))
+    return Shares(
+        Share(cast.candidate.ratio, **share(cast.readings())),
+        Share(outlook.known_ratio, **share(cast.resin_known)),
+        AfterPuck(ends, **share(after), no_ratio=float(none.mean()), no_ratio_reason=reason), outlook.window_kPa,
     )  # fmt: skip
 
 

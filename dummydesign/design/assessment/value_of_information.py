@@ -1,0 +1,163 @@
+"""What to measure first: what the castings gain by each group that is known, and two ratios to pour meanwhile."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dummydesign.core.serialise import Serialised
+from dummydesign.design.assessment.pad_castings import PadCastings
+from dummydesign.design.scoring.castings import FORCE_LAW, MAKING, MODULUS, RELAXATION, RESIN, TISSUE, Pours
+from dummydesign.design.scoring.verdict import (
+    CLASSES,
+    STANDS_FOR,
+    USABLE,
+    Readings,
+    classes,
+    deviations,
+    ranges_of,
+)
+from dummydesign.design.scoring.windows import readings_along
+
+# Castings, the first of an answer's, that are judged for every tissue that is drawn.
+POURS = 120
+# Least gain of usable castings for which something is measured: twice the standard error of a share.
+GAIN = 0.03
+# Steps of the ratio that are tried for two pads, castings of each, and the share below which none is proposed.
+NEAR_RATIOS, ROUGH, LEAST = 10, 120, 0.01
+NAMES = {
+    MODULUS: "the modulus", RELAXATION: "the relaxation", MAKING: "weighing and thickness",
+    FORCE_LAW: "the pad's force law", TISSUE: "the tissue",
+}  # fmt: skip
+# How what is no resin is measured, and what to type then.
+HOW = {
+    MAKING: ("weigh a larger batch or use a finer balance, and gauge the thickness of the cast pad",
+             "dummydesign suggest ... --balance 0.01 --thickness-tolerance 0.1"),
+    FORCE_LAW: ("cast the pad, press it by a campaign and calibrate", "dummydesign loop CAMPAIGN_DIR"),
+    TISSUE: ("press the people themselves, or use published traces of them",
+             "dummydesign tissues add NAME TRACE.csv..."),
+}  # fmt: skip
+# Diameter and height.
+PUCK_MM = (50.0, 30.0)
+
+
+@dataclass(frozen=True)
+class MeasureFirst(Serialised):
+    """What to measure first, and what it is worth."""
+
+    group: str | None
+    acceptable_now: float
+    acceptable_means: str
+    acceptable_if_known: dict[str, float]
+    acceptable_over_tissues: float | None
+    protocol: str
+    command: str
+    text: str
+    ratios: tuple[float, float] | None = None
+    each_fraction: tuple[float, float] | None = None
+    either_fraction: float | None = None
+
+
+def measure_first(cast: PadCastings) -> MeasureFirst:
+    """Compare the castings of a pad with all unknown and with one group known.
+
+    A group that is known has its deviates at the centre. The tissue is no part of the castings, which are judged
+    against its subjects as stated; it comes first where no group of the castings helps and its own doubt costs most.
+    """
+    targets = cast.space.targets
+    ranges, limits = ranges_of(targets), targets.limits
+
+    def judged(readings: Readings) -> NDArray:
+        return classes(deviations(ranges, readings), limits)
+
+    known = {group: judged(cast.readings((group,))) for group in (MODULUS, RELAXATION, MAKING, FORCE_LAW)}
+    both = judged(cast.readings(RESIN))
+    means = STANDS_FOR if ranges.strict or (both == 0).mean() > 0.5 else USABLE
+    worst = CLASSES.index(means)
+    fit = judged(cast.readings()) <= worst
+    now = float(fit.mean())
+    listed = {group: float((kinds <= worst).mean()) for group, kinds in known.items()}
+    gains = {group: share - now for group, share in listed.items()}
+    listed["modulus+relaxation"] = resin = float((both <= worst).mean())
+    if resin - now >= GAIN and max(gains.values()) < GAIN:
+        gains[max(sorted(RESIN), key=lambda group: gains[group])] = resin - now  # only both together help
+    over_tissues = _over_tissues(cast, fit, worst)
+    listed[TISSUE] = now
+    group = max(gains, key=lambda name: gains[name])
+    if gains[group] < GAIN:
+        group, gains[TISSUE] = TISSUE, 0.0 if over_tissues is None else now - over_tissues
+    shares = now, means, listed, over_tissues
+    if gains[group] < GAIN or len(targets.tissue.subjects) < 2:
+        return MeasureFirst(None, *shares, "", "", "")
+    words = "are usable" if means == USABLE else "need no correction"
+    if group == TISSUE:
+        text = f"measure people: for other people that the data allow {100 * (over_tissues or 0.0):.0f} % of castings"
+        return MeasureFirst(group, *shares, *_how(group, cast), f"{text} {words}")
+    then = f"{100 * (now + gains[group]):.0f} % of castings {words}"
+    text = f"measure {NAMES[group]}: then {then} (now {100 * now:.0f} %)"
+    pair = _two_ratios(cast, worst) if group in RESIN else (None, None, None)
+    return MeasureFirst(group, *shares, *_how(group, cast), text, *pair)
+
+
+def _over_tissues(cast: PadCastings, fit: NDArray, worst: int) -> float | None:
+    """Share of castings that are acceptable for the tissues that the data allow; None where none can be drawn."""
+    targets = cast.space.targets
+    if not targets.drawn:
+        return None
+    whole = cast.readings()
+    first = Readings(*(getattr(whole, name)[:POURS] for name in ("peak_N", "energy_mJ", "depth_mm")))
+    others = [classes(deviations(ranges_of(one), first), one.limits) <= worst for one in targets.drawn]
+    # the first castings alone are judged for other tissues: what they lose there is taken off the share of all
+    lost = float(fit[:POURS].mean() - np.mean(others))
+    return min(max(float(fit.mean()) - lost, 0.0), 1.0)
+
+
+def _how(group: str, cast: PadCastings) -> tuple[str, str]:
+    """How a group is measured, and what to type then."""
+    resin, ratio = cast.space.resin.name, cast.candidate.ratio
+    if group in RESIN:
+        diameter, height = PUCK_MM
+        batch = "my-batch" if resin != "my-batch" else "my-batch-2"
+        protocol = (
+            f"cast a puck ({diameter:g} mm diameter, {height:g} mm high) at ratio {ratio:g}; press it: ramp, then 10 s "
+            "hold; this measures modulus and relaxation with one puck in two minutes"
+        )
+        command = (
+            f"dummydesign resins add-compression puck.csv --diameter {diameter:g} --height {height:g} "
+            f"--ratio {ratio:g} --name {batch} --resin {resin}"
+        )
+        return protocol, command
+    return HOW[group]
+
+
+Pair = tuple[float, float]
+
+
+def _two_ratios(cast: PadCastings, worst: int) -> tuple[Pair, Pair, float] | tuple[None, None, None]:
+    """Two ratios of which at least one is usable for most castings, found on a few castings; both shares on all."""
+    ratios = cast.space.ratio
+    here = int(np.argmin(np.abs(ratios - cast.candidate.ratio)))
+    ratios = ratios[max(here - NEAR_RATIOS, 0) : here + NEAR_RATIOS + 1]
+    if len(ratios) < 2:
+        return None, None, None
+    rough = _usable(cast, [cast.pours(ratio=float(ratio)).first(ROUGH) for ratio in ratios], worst)
+    either = (rough[:, None] | rough[None]).mean(axis=-1)
+    np.fill_diagonal(either, -1.0)
+    first, second = sorted(int(at) for at in np.unravel_index(int(np.argmax(either)), either.shape))
+    pair = float(ratios[first]), float(ratios[second])
+    acceptable = _usable(cast, [cast.pours(ratio=ratio) for ratio in pair], worst)
+    share = float((acceptable[0] | acceptable[1]).mean())
+    if share < LEAST:
+        return None, None, None
+    return pair, (float(acceptable[0].mean()), float(acceptable[1].mean())), share
+
+
+def _usable(cast: PadCastings, pours: list[Pours], worst: int) -> NDArray:
+    """Which castings of several ratios are acceptable, shape (ratios, castings)."""
+    every = Pours(*(np.concatenate(columns) for columns in zip(*(vars(one).values() for one in pours))))
+    targets = cast.space.targets
+    grid, sampling = targets.protocol.steady_grid_N, cast.space.sampling.coarse
+    readings = readings_along(cast.slabs(every), targets, grid, sampling)
+    return (classes(deviations(ranges_of(targets), readings), targets.limits) <= worst).reshape(len(pours), -1)

@@ -1,0 +1,192 @@
+"""The problem of a design: everything a request names, read once, as values."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, cast
+
+import numpy as np
+
+from dummydesign.core.errors import InputError
+from dummydesign.core.files import read_json
+from dummydesign.design.request import ANSWER, Request
+from dummydesign.design.scoring.castings import Castings, Tolerances
+from dummydesign.design.scoring.presses import Sampling
+from dummydesign.design.scoring.settings import puck_error, settings_files
+from dummydesign.design.scoring.targets import make_targets
+from dummydesign.design.search.shape_search import kinds_of
+from dummydesign.design.search.slabs import Correct, SearchSpace, thickness_steps
+from dummydesign.design.test_setup import check_calibrated, check_test, own_slab_law, standard_press, tabulated
+from dummydesign.geometry.dimensions import THICKNESS_MM
+from dummydesign.geometry.pad_shape import PadShape
+from dummydesign.geometry.punch import Punch, read_punch
+from dummydesign.geometry.shapes.slab import Slab
+from dummydesign.mold.model.preset import Preset, mould_spec, read_preset
+from dummydesign.mold.model.spec import MouldSpec
+from dummydesign.pad.force_law import ForceLaw
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from dummydesign.design.calibrated import Calibrated
+    from dummydesign.design.search.slabs import DesignCandidate
+    from dummydesign.resin.model.resin import Resin
+    from dummydesign.tissue.model.tissue import Tissue
+
+
+@dataclass(frozen=True)
+class Problem:
+    """A request with what it names: tissue, resin, test, limits and weights (in ``space``), mould and force law.
+
+    Nothing that works on it reads a user's folder. ``files`` are those that were read, by what they are; they belong to
+    the key of an answer. ``wide`` is what would be searched without the mould that is kept, None without one.
+    """
+
+    request: Request
+    tissue: Tissue
+    space: SearchSpace
+    slab_law: ForceLaw
+    punch: Punch
+    preset: Preset
+    files: Mapping[str, Path]
+    calibrated: Calibrated | None = None
+    wide: SearchSpace | None = None
+
+    @property
+    def resin(self) -> Resin:
+        """The resin, as a calibration changes it."""
+        return self.space.resin
+
+    def mould(self, candidate: DesignCandidate, shape: PadShape) -> MouldSpec:
+        """Specification of the mould of a design."""
+        return _mould(self.request, self.preset, self.resin, shape, candidate.thickness_mm, candidate.ratio)
+
+
+def read_problem(request: Request, law: ForceLaw | None = None) -> Problem:
+    """Read tissue, resin, calibration, mould and force law, and lay out what is searched.
+
+    Raises
+    ------
+    InputError
+        For what is not known, or cannot be designed.
+    """
+    from dummydesign.resin import load_resin
+    from dummydesign.tissue.model.tissue_file import load_tissue
+
+    asked, kept = request, None
+    if request.mould is not None:
+        request, kept = _with_mould(request)
+    if request.shape.lower() != Slab.name:
+        kinds_of(request.shape)
+    punch = read_punch(request.punch)
+    check_test(request, punch)
+    tissue, resin = load_tissue(request.tissue), load_resin(request.resin)
+    if kept is not None:
+        _check_mould(kept, str(asked.mould), resin, request.punch)
+    sampling = Sampling(hold_s=request.hold_s, deceleration_mm_s2=request.deceleration_mm_s2)
+    tissue.target(request.aim)
+    steps = thickness_steps(*(asked.thickness_mm or THICKNESS_MM))
+    thickness = tabulated(steps if kept is None else np.array([kept.pad.thickness_mm]), request, punch)
+    ratios = _ratios(resin, request.ratio)
+    targets = make_targets(tissue, request.aim, sampling, request.protocol)
+    calibrated, correct = None, None
+    if request.calibration is not None:
+        from dummydesign.design.calibrated import CalibratedFamily, with_calibration
+
+        if not standard_press(request):
+            check_calibrated(request, punch, thickness)
+        calibrated = with_calibration(resin, request.calibration, request.punch, punch.square, request.edge_radius_mm)
+        resin, law = calibrated.resin, cast(ForceLaw, calibrated.law)
+        correct = cast(Correct, partial(CalibratedFamily, correction=calibrated.law.correction))
+    if law is None:
+        law = own_slab_law(request, punch, thickness)
+    preset = read_preset(request.preset, request.machine, request.silicone)
+    made = partial(_tolerances, request, preset, resin)
+    made(Slab(), float(thickness[0]), float(ratios[0]))  # a pad that no mould can make is refused at once
+    space = SearchSpace(
+        resin, targets, thickness, ratios, punch.radius_mm, Castings(resin, request.castings), made, puck_error(),
+        sampling, request.pad_mm, request.base, correct,
+        request.edge_radius_mm,
+    )  # fmt: skip
+    wide = None if kept is None else replace(space, thickness_mm=tabulated(steps, request, punch))
+    files = {**settings_files(), **preset.files}
+    return Problem(request, tissue, space, law, punch, preset, files, calibrated, wide)
+
+
+def _with_mould(request: Request) -> tuple[Request, MouldSpec]:
+    """The request for the pad of a mould that was made."""
+    from dummydesign.mold.moulded_pads import one_mould
+
+    spec = one_mould(str(request.mould))
+    pad, given = spec.pad, []
+    given += ["--shape"] if request.shape.lower() not in ("auto", pad.name) else []
+    given += ["--thickness"] if request.thickness_mm is not None else []
+    given += ["--sites"] if request.sites is not None else []
+    if given:
+        message = f"mould = {request.mould} keeps shape and thickness of its pad; leave {' and '.join(given)} out"
+        raise InputError(message, "conflict", "mould", request.mould)
+    preset = spec.preset if request.preset == "open" else request.preset
+    return replace(request, shape=pad.name, pad_mm=(pad.length_mm, pad.width_mm), preset=preset), spec
+
+
+def _check_mould(spec: MouldSpec, place: str, resin: Resin, punch: str) -> None:
+    """Refuse a mould that was made for other liquids, or designed under another punch."""
+    made, liquids = [name for name, _ in spec.pour.components], [liquid.name for liquid in resin.liquids]
+    if not set(made) <= set(liquids):
+        raise InputError(
+            f"mould '{place}' was made for {spec.pour.resin} ({', '.join(made)}) and its shrinkage; {resin.name} is "
+            f"mixed of {', '.join(liquids)}: leave --mould out, or name a resin of these liquids",
+            "inconsistent", "mould", spec.pour.resin, resin.name,
+        )  # fmt: skip
+    folder = Path(place) if Path(place).is_dir() else Path(place).parent
+    designed = read_json(folder / ANSWER).get("inputs", {}).get("punch")
+    if designed is not None and designed != punch:
+        raise InputError(f"mould '{place}' was designed under the punch {designed}; it is now {punch}: leave --mould "
+                         f"out, or give --punch {designed}", "inconsistent", "mould", punch, designed)  # fmt: skip
+
+
+def _mould(
+    request: Request, preset: Preset, resin: Resin, shape: PadShape, thickness_mm: float, ratio: float
+) -> MouldSpec:
+    return mould_spec(thickness_mm, *request.pad_mm, preset, resin, ratio, shape.name, shape.parameters)
+
+
+def _tolerances(
+    request: Request, preset: Preset, resin: Resin, shape: PadShape, thickness_mm: float, ratio: float
+) -> Tolerances:
+    """How well a pad is made: the batch that is mixed is what is weighed."""
+    _, batch = recipe_and_batch(_mould(request, preset, resin, shape, thickness_mm, ratio))
+    return Tolerances(batch["total_g"], request.weighing_g, request.thickness_tolerance_mm)
+
+
+def _ratios(resin: Resin, wanted: tuple[float, float] | None) -> NDArray:
+    """Practical ratios inside the wanted range, which must lie inside the resin's."""
+    if wanted is None:
+        return resin.ratios()
+    resin.check_ratio(wanted)
+    ratios = resin.ratios(*wanted)
+    if not len(ratios):
+        raise InputError(
+            f"ratio range {wanted[0]:g}:{wanted[1]:g} holds no step of {resin.ratio_step:g}; "
+            f"{resin.name} allows {resin.ratio_min:g} to {resin.ratio_max:g}",
+            "out_of_range", "ratio", wanted, (resin.ratio_min, resin.ratio_max),
+        )  # fmt: skip
+    return ratios
+
+
+def recipe_of_pour(pour: dict[str, Any]) -> dict[str, Any]:
+    """Masses to weigh of a pour or, for a layered pad, of both. [g]"""
+    pours = [("", pour)] + ([(" (base)", pour["base"])] if "base" in pour else [])
+    items = [{**item, "name": item["name"] + layer} for layer, one in pours for item in one["components"]]
+    return {"components": items, "total_g": round(sum(item["mass_g"] for item in items), 6)}
+
+
+def recipe_and_batch(spec: MouldSpec) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Masses to weigh for a mould, both pours of a layered pad, and what to mix and how much of it to pour. [g]"""
+    from dummydesign.mold.pour.plan import batches_of, pour_plan
+
+    plan = pour_plan(spec)
+    return recipe_of_pour(plan.to_dict()), batches_of(spec, plan)

@@ -1,0 +1,191 @@
+"""What a pad's castings are expected to do at each ratio: as poured, with the resin known, and after one puck."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dummydesign.design.scoring.settings import VerdictLimits
+from dummydesign.design.scoring.windows import Batches, Windows
+
+# Nodes of a normal distribution for what a puck leaves unknown of the modulus at another ratio.
+GAUSS_NODES, GAUSS_WEIGHTS = np.polynomial.hermite_e.hermegauss(7)
+GAUSS_WEIGHTS = GAUSS_WEIGHTS / GAUSS_WEIGHTS.sum()
+# Shares of two ratios that differ by less are the same; standard errors within which shares of two pads are.
+SLACK, SURE = 0.005, 2.0
+# A share below this is that of no ratio.
+LEAST = 0.01
+# What a misfit of 1 counts against a share: it decides between ratios that are usable alike, and nothing else.
+BESIDE = 1e-3
+
+
+@dataclass(frozen=True)
+class Scatter:
+    """What scatters the modulus of a pad about its batch's: making and force law, and the error of a puck's test.
+
+    ``making`` is the standard deviation of ln E with the force law's error; ``puck`` that of a puck's modulus, with the
+    weighing of its own mix; ``shifts`` (k,) are how far tolerance of thickness moves the windows in ln E, all equally
+    likely.
+    """
+
+    making: float
+    puck: float
+    shifts: NDArray
+
+
+@dataclass(frozen=True)
+class Match:
+    """How near a pad of modulus E comes to the aim: rms of ln F is sqrt(spread^2 + (ln E - log_young)^2)."""
+
+    log_young: float
+    spread: float
+
+    def misfit(self, log_young: NDArray) -> NDArray:
+        """Misfit at moduli. [ln MPa -> rms of ln F]"""
+        return np.hypot(self.spread, log_young - self.log_young)
+
+
+@dataclass(frozen=True, eq=False)
+class Outlook:
+    """Expected shares of usable castings of one pad (that stand for the subjects, on the safe side).
+
+    ``ratio`` is the one to pour first, ``as_poured`` its share and ``stands`` the share that needs no correction;
+    ``known_ratio`` and ``known`` are those with the resin at its centre; ``after_puck`` the mean over batches with the
+    ratio chosen anew after one puck, ``ratios`` the ratio of each batch then, and ``possible`` (n,)
+    whether any ratio will do for it. ``misfit`` is that to the aim after the puck; ``beyond`` is ln of
+    the largest reading over its limit at the resin's centre; ``chances`` and ``poured`` (n,) are the
+    batches' own shares after the puck and as poured. ``window_kPa`` are the moduli in which the pad is usable at the resin's centre,
+    None without one.
+    """
+
+    ratio: float
+    as_poured: float
+    stands: float
+    known_ratio: float
+    known: float
+    after_puck: float
+    misfit: float
+    beyond: float
+    chances: NDArray
+    poured: NDArray
+    ratios: NDArray
+    possible: NDArray
+    window_kPa: tuple[float, float] | None
+
+    def ties(self, best: Outlook, poured: bool = False) -> bool:
+        """Whether the share after a puck, or as poured, is that of another pad within two standard errors.
+
+        Pads are compared batch by batch, so that what the batches have in common is no error.
+        """
+        lost = best.poured - self.poured if poured else best.chances - self.chances
+        return bool(lost.mean() <= SURE * lost.std() / np.sqrt(len(lost)) + 1e-9)
+
+    def level(self, limits: VerdictLimits, strict: bool) -> int:
+        """0 stands for the subjects, 1 usable as poured, 2 usable once the resin is measured, 3 none of these."""
+        if self.stands >= limits.share:
+            return 0
+        if not strict and self.as_poured >= limits.share:
+            return 1
+        return 2 if self.known >= limits.share else 3
+
+
+def outlook_of(
+    windows: Windows, central: Windows, batches: Batches, centre: Batches, match: Match, scatter: Scatter,
+    limits: VerdictLimits, strict: bool,
+) -> Outlook:  # fmt: skip
+    """Work out the outlook of one pad from the windows of its batches and that of the resin's centre."""
+    ratio, count = batches.ratio, len(batches)
+    # on the safe side more than the share that is needed only reads higher
+    most = limits.share + 0.01 if strict else 1.0
+    good = _Chance(windows.usable[0], windows.log_young[0], scatter)
+    of_stands = _Chance(windows.stands[0], windows.log_young[0], scatter)
+    misfit = match.misfit(centre.log_young[0])
+    each = good(batches.log_young)
+    shares = each.mean(axis=0)
+    first = _best(shares, misfit, most, SLACK)
+    known = _Chance(central.usable[0], central.log_young[0], scatter)(centre.log_young)[0]
+    best_known = _best(known, misfit, most, SLACK)
+    beyond = np.interp(centre.log_young[0], central.log_young[0], central.beyond_usable[0, 0], left=np.inf,
+                       right=np.inf)  # fmt: skip
+    if not known[best_known] > LEAST:
+        # nowhere usable: where the readings are least beyond the limits
+        best_known = int(np.argmin(beyond))
+    if not shares[first] > LEAST:
+        first = best_known
+    mean, spread = _after_puck(batches, first, scatter)
+    expected = sum(w * good(mean + spread * z) for z, w in zip(GAUSS_NODES, GAUSS_WEIGHTS))
+    chosen = np.argmax(np.minimum(expected, most) - BESIDE * match.misfit(mean), axis=1)
+    rows = np.arange(count)
+    after = each[rows, chosen]
+    return Outlook(
+        float(ratio[first]), float(shares[first]), float(of_stands(batches.log_young[:, [first]]).mean()),
+        float(ratio[best_known]), float(known[best_known]), float(after.mean()),
+        float(match.misfit(batches.log_young[rows, chosen]).mean()),
+        float(beyond[best_known]), after, each[:, first],
+        ratio[chosen], windows.usable[0].any(axis=-1), _window(central),
+    )  # fmt: skip
+
+
+def _window(central: Windows) -> tuple[float, float] | None:
+    """Ends of the moduli in which the pad is usable. [kPa]"""
+    usable = central.log_young[0][central.usable[0, 0]]
+    return (1e3 * float(np.exp(usable[0])), 1e3 * float(np.exp(usable[-1]))) if len(usable) else None
+
+
+class _Chance:
+    """Probability that a pad of each batch (n,) made for a modulus is good, over the scatter of its making."""
+
+    def __init__(self, good: NDArray, grid: NDArray, scatter: Scatter) -> None:
+        self.grid, smooth = grid, smoothed(good, grid, scatter.making)
+        self.table = np.mean([_look(smooth, grid, grid + shift) for shift in scatter.shifts], axis=0)
+
+    def __call__(self, log_young: NDArray) -> NDArray:
+        return _look(self.table, self.grid, log_young)
+
+
+def smoothed(good: NDArray, grid: NDArray, spread: float) -> NDArray:
+    """Probability along even grids of ln E that what is made for it is good, made with a normal scatter."""
+    from scipy.ndimage import gaussian_filter1d
+
+    return gaussian_filter1d(good.astype(float), spread / (grid[1] - grid[0]), axis=-1, mode="constant")
+
+
+def _look(table: NDArray, grid: NDArray, at: NDArray) -> NDArray:
+    """Rows (n, F) of an even grid at places (F,) or (n, k), straight between; 0 beyond the grid."""
+    place = (at - grid[0]) / (grid[1] - grid[0])
+    inside = np.clip(place, 0.0, len(grid) - 1.000001)
+    left = inside.astype(int)
+    share = inside - left
+    rows = np.arange(len(table))[:, None]
+    value = table[rows, left] * (1.0 - share) + table[rows, left + 1] * share
+    return np.where((place < 0.0) | (place > len(grid) - 1), 0.0, value)
+
+
+def _best(shares: NDArray, misfit: NDArray, most: float, slack: float) -> int:
+    """The ratio of the largest share; of those that are as large within a slack that of the least misfit."""
+    held = np.minimum(shares, most)
+    able = np.nonzero(held >= held.max() - slack)[0]
+    return int(able[np.argmin(misfit[able])])
+
+
+def _after_puck(batches: Batches, first: int, scatter: Scatter) -> tuple[NDArray, NDArray]:
+    """Mean (n, R) and standard deviation (R,) of ln E at each ratio once a puck of one ratio has been pressed.
+
+    What is known of the resin ties its moduli at other ratios to the measured one; the tie is taken as linear in ln E,
+    as of jointly normal moduli. The puck's own error is drawn.
+    """
+    log_young = batches.log_young
+    centre, own = log_young.mean(axis=0), log_young[:, first]
+    away, error = log_young - centre, scatter.puck
+    variance = max(float(own.var()), 1e-12)
+    slope = (away * away[:, [first]]).mean(axis=0) / variance
+    rest = np.var(away - away[:, [first]] * slope, axis=0)
+    believed = variance / (variance + error**2)
+    measured = away[:, first] + error * np.random.default_rng(PUCK_SEED).standard_normal(len(own))
+    mean = centre + (believed * measured)[:, None] * slope
+    return mean, np.sqrt(rest + slope**2 * variance * (1.0 - believed))
+
+
+PUCK_SEED = 53

@@ -53,11 +53,10 @@ class Outlook:
 
     ``ratio`` is the one to pour first, ``as_poured`` its share and ``stands`` the share that needs no correction;
     ``known_ratio`` and ``known`` are those with the resin at its centre; ``after_puck`` the mean over batches with the
-    ratio chosen anew after one puck, ``ratios`` the ratio of each batch then, and ``possible`` (n,)
-    whether any ratio will do for it. ``misfit`` is that to the aim after the puck; ``beyond`` is ln of
-    the largest reading over its limit at the resin's centre; ``chances`` and ``poured`` (n,) are the
-    batches' own shares after the puck and as poured. ``window_kPa`` are the moduli in which the pad is usable at the resin's centre,
-    None without one.
+    ratio chosen anew after one puck, ``ratios`` the ratio of each batch then, and ``possible`` (n,) whether any ratio
+    will do for it; ``chances`` and ``poured`` (n,) are the batches' own shares after the puck and as poured.
+    ``misfit`` is that to the aim after the puck. ``beyond`` is ln of the largest reading over its limit at the resin's
+    centre, ``window_kPa`` the moduli in which the pad is usable there, None without one.
     """
 
     ratio: float

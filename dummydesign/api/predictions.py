@@ -363,7 +363,12 @@ def _against(made: Pad | Puck, inputs: dict[str, Any], young: dict[str, float]) 
     site = load_tissue(inputs["tissue"])
     sampling = Sampling(hold_s=inputs["hold_s"], deceleration_mm_s2=inputs["deceleration_mm_s2"])
     curve = elastic_curve(made, inputs["fidelity"])
-    judged, candidate, targets = verdict_of_pad(made, curve, young, site, inputs["aim"], sampling)
+    resin = None
+    if inputs.get("resin") is not None and inputs.get("ratio") is not None:
+        from dummydesign.resin import load_resin
+
+        resin = load_resin(inputs["resin"]), float(inputs["ratio"])
+    judged, candidate, targets = verdict_of_pad(made, curve, young, site, inputs["aim"], sampling, resin)
     return {"verdict": judged.to_dict(), "conditions": condition_rows(candidate, targets, made.geometry)}, site
 
 

@@ -11,12 +11,13 @@ import numpy as np
 from dummydesign.core.errors import InputError
 from dummydesign.core.quantity import HALF_WIDTH
 from dummydesign.design.assessment.pad_castings import PadCastings, limits_that_bind, verdict_of_design
-from dummydesign.design.scoring.castings import COUNT
+from dummydesign.design.scoring.castings import COUNT, RESIN, Castings, Tolerances
 from dummydesign.design.scoring.outlook import Match
 from dummydesign.design.scoring.presses import SAMPLES, Curves, Sampling, Slabs, make_curves
 from dummydesign.design.scoring.score import evaluate
 from dummydesign.design.scoring.targets import Targets, make_targets
-from dummydesign.design.scoring.verdict import Verdict, ranges_of, readings_of, verdict
+from dummydesign.design.scoring.verdict import Readings, Verdict, ranges_of, verdict
+from dummydesign.design.scoring.windows import readings_along
 from dummydesign.design.search.shape_family import Family, FamilyLaw, load_family
 from dummydesign.design.search.slabs import DesignCandidate, SearchSpace, make_slabs
 from dummydesign.geometry.dimensions import PAD_LENGTH_MM, PAD_WIDTH_MM
@@ -24,18 +25,27 @@ from dummydesign.geometry.pad_shape import PadShape
 from dummydesign.pad.force_law import ForceCurve, ForceLaw
 
 if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
     from dummydesign.design.problem import Problem
     from dummydesign.pad.specimen import Pad
+    from dummydesign.resin.model.resin import Resin
     from dummydesign.tissue.model.tissue import Tissue
 
 
 DRAWS, SEED = COUNT, 41
+# Resin that is weighed in for a usual pad, so that a balance of 0.1 g gives the ratio to 0.5 %.
+USUAL_BATCH_G = 150.0
 
 
 def verdict_of_pad(
-    pad: Pad, curve: ForceCurve, young: dict[str, float], tissue: Tissue, aim: str, sampling: Sampling
-) -> tuple[Verdict, DesignCandidate, Targets]:
-    """Press a pad by the paper's test and judge it, with what is not known of its modulus and of the force."""
+    pad: Pad, curve: ForceCurve, young: dict[str, float], tissue: Tissue, aim: str, sampling: Sampling,
+    resin: tuple[Resin, float] | None = None,
+) -> tuple[Verdict, DesignCandidate, Targets]:  # fmt: skip
+    """Press a pad by the paper's test and judge it, with what is not known of its modulus and of the force.
+
+    With a resin and its ratio the castings are those of the batch: modulus, relaxation and weighing of 150 g.
+    """
     targets = make_targets(tissue, aim, sampling)
     gel_mm = pad.thickness_mm - pad.geometry.bone_height_mm
     thickness, limit = pad.thickness_mm, min(targets.limits.gel_compression * gel_mm, float(curve.limit_mm))
@@ -48,16 +58,25 @@ def verdict_of_pad(
     evaluation = evaluate(slabs, targets, sampling, exact=True)
     candidate = DesignCandidate(thickness, 0.0, 0, evaluation)
     reached = candidate.depth_mm[np.isfinite(candidate.depth_mm)]
-    error = float(np.nan_to_num(np.max(curve.relative_error(reached), initial=0.0))) if len(reached) else 0.0
-    width = float(np.hypot(0.5 * np.log(young["high"] / young["low"]), error)) / HALF_WIDTH
-    drawn = pad.young_MPa * np.exp(width * np.random.default_rng(SEED).standard_normal(DRAWS))
-    every = Slabs(curves, np.zeros(DRAWS, int), drawn, tau, np.repeat(beta, DRAWS, axis=0))
-    spread = readings_of(evaluate(every, targets, sampling.coarse))
+    error = float(np.max(curve.relative_error(reached), initial=0.0)) if len(reached) else 0.0
     missing = len(reached) < evaluation.depth_mm.shape[1]
     bound = [f"depth over thickness (at most {limit / thickness:.2f})"] if missing else []
+
+    def readings(moduli: NDArray, strengths: NDArray) -> Readings:
+        every = Slabs(curves, np.zeros(len(moduli), int), moduli, tau, strengths)
+        return readings_along(every, targets, targets.protocol.steady_grid_N, sampling.coarse)
+
+    if resin is None:
+        width = float(np.hypot(0.5 * np.log(young["high"] / young["low"]), error)) / HALF_WIDTH
+        drawn = pad.young_MPa * np.exp(width * np.random.default_rng(SEED).standard_normal(DRAWS))
+        spread, known = readings(drawn, np.repeat(beta, DRAWS, axis=0)), readings(np.array([pad.young_MPa]), beta)
+    else:
+        castings, tolerances = Castings(resin[0]), Tolerances(USUAL_BATCH_G, thickness_mm=0.0)
+        pours = [castings.pours(thickness, resin[1], tolerances, error, group) for group in ((), RESIN)]
+        spread, known = (readings(one.young_MPa, one.beta) for one in pours)
     judged = verdict(
-        ranges_of(targets), candidate.readings, spread, bound, of="pads with a modulus in its interval",
-        known=readings_of(evaluate(slabs, targets, sampling.coarse)), limits=targets.limits,
+        ranges_of(targets), candidate.readings, spread, bound,
+        of="castings" if resin else "pads with a modulus in its interval", known=known, limits=targets.limits,
     )  # fmt: skip
     return judged, candidate, targets
 

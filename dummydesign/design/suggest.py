@@ -250,7 +250,8 @@ def assess(problem: Problem, solved: SolvedDesign, missing: dict[str, str] | Non
         alternatives=tuple(_recommended(problem, one, _shape_at(chosen, one)) for one in solved.result.alternatives),
         rests_on=count_unmeasured(space.resin, problem.tissue, best),
         warnings=(*listed, *(() if calibrated is None else calibrated.warnings)),
-        choice=explain(chosen, rank([one for one in designs if one is not chosen], space), space), measure_first=measure_first(castings),
+        choice=explain(chosen, rank([one for one in designs if one is not solved.designs[0]], space), space),
+        measure_first=measure_first(castings),
     )  # fmt: skip
 
 

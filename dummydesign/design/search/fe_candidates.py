@@ -150,7 +150,7 @@ def _solve_field(pad: Pad, depth_mm: NDArray) -> dict[str, Any]:
     return {"depth_mm": depth * h, "force_N": area, "error_N": area * error, "notes": (stop,) if stop else ()}
 
 
-# Designs that are solved at most, and by how much the share of another one has to exceed that of the solved one: solving
+# Designs that are solved at most, and by how much the share of another has to exceed that of the solved one: solving
 # moved shares of leading pads of the three built-in tissues by up to 0.03.
 MOST_SOLVED, DOUBT = 3, 0.03
 

@@ -295,6 +295,9 @@ def _fit_holds(
     known = [arm for arm in fit.arms if not arm.reason]
     reasons = [arm.reason for arm in fit.arms if arm.reason]
     arms = tuple(Arm(*(Quantity(*one, "fitted", source) for one in (arm.tau_s, arm.beta))) for arm in known)
+    within = f"{source}; what relaxes within them, the time may be longer"
+    arms += tuple(Arm(*(Quantity(*one, "inferred", within) for one in (arm.tau_s, arm.beta)))
+                  for arm in fit.arms if arm.slow)  # fmt: skip
     relaxation = {
         "holds": [hold for holds in held for hold in holds], "seen_s": fit.seen_s,
         "prony": [{"tau_s": arm.tau_s._asdict(), "beta": arm.beta._asdict()} for arm in known],

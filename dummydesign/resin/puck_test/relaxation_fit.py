@@ -15,8 +15,8 @@ along the compression is not known, so a puck counts as one independent number w
 as its size. (By the likelihood, with a smooth misfit of known length, they held the truth in 0.7 of the draws of a
 rougher one.) alpha has none: it takes up what the law misfits.
 
-An arm faster than a press shows (:func:`_fastest_seen`) or slower than half of the longest hold is not given a value. What
-a slow one has not relaxed at the end of the file counts as stiffness; the interval of the modulus goes down to where it would have relaxed, those of the other
+An arm whose time may be longer than the longest hold is not given a value. What it has not relaxed at the end of the
+file counts as stiffness, what it has is reported as a strength of its own; the interval of the modulus goes down to where it would have relaxed, those of the other
 strengths, which are relative to the modulus, up accordingly.
 
 References
@@ -29,7 +29,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import cache, partial
+from functools import cache, lru_cache, partial
 
 import numpy as np
 
@@ -44,6 +44,8 @@ from dummydesign.resin.puck_test.plates import OPEN, Plates
 Array = np.ndarray
 
 STRENGTHS = (1e-4, 30.0)
+KEPT = 256
+"""Forces that a problem keeps."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,6 +73,8 @@ class PuckProblem:
         self.first = 2 + len(self.presses)
         self.area = 0.25e-3 * np.pi * diameter_mm**2
         self.log_factor = cache(partial(_smooth_log_factor, table))
+        # a slope by differences moves one parameter: what the others give is kept
+        self.curve, self.column = lru_cache(KEPT)(self.elastic), lru_cache(KEPT)(self._column)
         self.steps = [np.diff(press.time_s) for press in presses]
         self.longest = max(hold.duration_s for press in presses for hold in press.holds)
         shortest = float(np.min(joined(presses, "end_s") - joined(presses, "start_s")))
@@ -96,12 +100,17 @@ class PuckProblem:
 
     def parts(self, q: Array, grip: float, times: Sequence[float] | Array) -> Array:
         """Force over E of the bins: elastic, then an arm of strength one for each time, shape (bins, 1 + times)."""
-        columns = []
-        for number, press in enumerate(self.presses):
-            elastic = self.elastic(q[1], grip, q[2 + number], number)
-            forces = [elastic, *(self.arm(elastic, float(tau), number) for tau in times)]
-            columns.append(press.average @ np.stack(forces, axis=1))
-        return np.concatenate(columns)
+        alpha, grip = float(q[1]), float(grip)
+        offsets = [float(q[2 + number]) for number in range(len(self.presses))]
+        taus = [np.inf, *(float(tau) for tau in times)]
+        return np.concatenate([np.stack([self.column(number, alpha, grip, offset, tau) for tau in taus], axis=1)
+                               for number, offset in enumerate(offsets)])  # fmt: skip
+
+    def _column(self, number: int, alpha: float, grip: float, offset: float, tau_s: float) -> Array:
+        """Bins of a press: its elastic force over E (infinite time), or that of an arm of strength one."""
+        elastic = self.curve(alpha, grip, offset, number)
+        force = elastic if np.isinf(tau_s) else self.arm(elastic, tau_s, number)
+        return self.presses[number].average @ force
 
     def predict(self, q: Array, grip: float) -> Array:
         """Force of the bins. [N]"""
@@ -184,11 +193,15 @@ WIDEST = 10.0
 
 @dataclass(frozen=True)
 class PuckArm:
-    """One relaxing arm; ``reason`` says why it is not identifiable, empty when it is."""
+    """One relaxing arm; ``reason`` says why it is not identifiable, empty when it is.
+
+    Of a ``slow`` arm, which may outlast the hold, ``beta`` is what relaxes within it, up to all of it.
+    """
 
     tau_s: Interval
     beta: Interval
     reason: str
+    slow: bool = False
 
 
 Comparison = dict[str, dict[str, float]]
@@ -221,7 +234,8 @@ def fit_relaxation(
     problem = PuckProblem(presses, diameter_mm, height_mm, table)
     rivals: dict[int, Trial] = {}
     for arms in range(MOST_ARMS, -1, -1):
-        tried = [problem.fit(problem.starts(arms, grip), grip) for grip in COARSE]
+        grips = (rivals[MOST_ARMS].grip,) if plates and rivals else COARSE
+        tried = [problem.fit(problem.starts(arms, grip), grip) for grip in grips]
         rivals[arms] = min(tried, key=lambda one: one.chi_square)
         if arms == MOST_ARMS:
             problem.factor = whitener(presses, height_mm, _noise(problem, rivals[arms]))
@@ -294,17 +308,18 @@ def _summarise(
         tau_s, beta = (
             Interval(*np.exp([q[i], max(low[i], -40.0), min(high[i], 40.0)]).tolist()) for i in (time, strength)
         )
-        parts.append(PuckArm(tau_s, beta, _reason(problem, tau_s, beta, q[time] - ends[0][time])))
+        reason, slow = _reason(problem, tau_s, beta, q[time] - ends[0][time]), tau_s.high > problem.longest
+        parts.append(PuckArm(tau_s, beta, reason, slow))
     # what a slow arm still carries at the end of the file counts as stiffness
-    elastic = problem.elastic(q[1], best.grip, q[2])
-    stiff = 1.0
-    for arm in parts:
-        if arm.tau_s.value > 0.5 * problem.longest:
-            stiff += arm.beta.value * float(problem.arm(elastic, arm.tau_s.value)[-1] / elastic[-1])
+    longest = int(np.argmax([max(hold.duration_s for hold in press.holds) for press in problem.presses]))
+    elastic = problem.elastic(q[1], best.grip, q[2 + longest], longest)
+    carried = [float(problem.arm(elastic, arm.tau_s.value, longest)[-1] / elastic[-1]) * arm.slow for arm in parts]
+    stiff = 1.0 + sum(arm.beta.value * share for arm, share in zip(parts, carried))
     given = tuple(
-        PuckArm(arm.tau_s, Interval(arm.beta.value / stiff, arm.beta.low / stiff, arm.beta.high), arm.reason)
-        for arm in parts
-    )
+        PuckArm(arm.tau_s, Interval((1.0 - share) * arm.beta.value / stiff, (1.0 - share) * arm.beta.low / stiff,
+                                    arm.beta.high), arm.reason, arm.slow)
+        for arm, share in zip(parts, carried)
+    )  # fmt: skip
     young, friction = _elastic(problem, profile, best, plates)
     slow_low = float(np.exp(low[0])) if stiff > 1.0 else young.low
     young = Interval(young.value * stiff, min(young.low, slow_low), young.high * stiff)
@@ -339,15 +354,13 @@ be seen."""
 
 
 def _seen(problem: PuckProblem, best: Trial, arms: Sequence[PuckArm]) -> tuple[float, float]:
-    """Shortest and longest time that the presses show; an arm without a value bounds them."""
+    """Shortest and longest time that the presses show; a fast arm without a value bounds them."""
     shortest, longest = _fastest_seen(problem, best), 0.5 * problem.longest
     known = [arm.tau_s.value for arm in arms if not arm.reason]
     shortest = min([shortest, *known])
     for arm in arms:
-        if arm.reason and (not known or arm.tau_s.value < min(known)):
+        if arm.reason and not arm.slow and arm.tau_s.value < min(known, default=np.inf):
             shortest = max(shortest, min(arm.tau_s.high, min(known, default=longest)))
-        elif arm.reason and arm.tau_s.value > max(known, default=0.0):
-            longest = min(longest, max(arm.tau_s.low, max(known, default=shortest)))
     return min(shortest, longest), longest
 
 
@@ -368,8 +381,9 @@ def _fastest_seen(problem: PuckProblem, best: Trial) -> float:
 
 def _reason(problem: PuckProblem, tau_s: Interval, beta: Interval, above_shortest: float) -> str:
     """Why an arm is not identifiable, or nothing."""
-    if tau_s.value > 0.5 * problem.longest:
-        return f"slower than half of the longest hold ({problem.longest:.4g} s): hold longer to see its time"
+    if tau_s.high > problem.longest:
+        return (f"its time ({tau_s.value:.3g} s) may be longer than the longest hold ({problem.longest:.4g} s): hold "
+                "longer to see it")  # fmt: skip
     if above_shortest < 1e-3:
         return f"faster than the samples show ({problem.times[0]:.2g} s)"
     for name, interval in (("time", tau_s), ("strength", beta)):

@@ -89,7 +89,7 @@ def update_relaxation(resin: Resin, measured: Sequence[Arm], ratio: float, seen_
                         f"({carried.value:.3g}); both were widened {widening:.1f} times so that they agree"
                     )
         updates.append(ArmUpdate(tau.value, came_from, carried, own, value, notice))
-        arms.append(Arm(tau, Quantity(*value, "fitted", source)))
+        arms.append(Arm(tau, Quantity(*value, beta.kind, source)))
     for index, arm in enumerate(resin.arms):
         if index in taken:
             continue

@@ -120,7 +120,7 @@ def pressed(batch: Batch, speed_mm_s: float, rng: np.random.Generator) -> tuple[
     end = 0.2 + depth / speed_mm_s + HOLD_S
     t = np.arange(0.0, end, 1.0 / (fine * RATE_HZ))
     x = np.clip((t - 0.2) * speed_mm_s, -0.2, depth)
-    elastic = batch.young_kPa * batch.curve(np.clip(x - batch.offset_mm, 0.0, depth))
+    elastic = batch.young_kPa * batch.curve(np.maximum(x - batch.offset_mm, 0.0))
     rise, step = np.diff(elastic, prepend=0.0), 1.0 / (fine * RATE_HZ)
     force = elastic.copy()
     for tau, beta in batch.arms:

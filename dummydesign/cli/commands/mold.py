@@ -222,8 +222,12 @@ def _render_pucks(result: dict[str, Any], details: bool = False) -> str:
         head += [f"  {one['status']:<8}{one['id']}: {one['value']} (limit {one['limit']})"
                  for one in result.get("checks", [])]  # fmt: skip
         head += [f"  {name:<24}{volume / 1000:10.3f} cm3" for name, volume in result.get("volumes_mm3", {}).items()]
-    files = files_block(result, tuple(result["files"]) if details else ("pour_sheet_a4", "assembly"))
-    return screen(head, _not_passed(result), warning_block(result), files)
+    if details:
+        rows = [*head, *_not_passed(result), *(f"  - {item['message']}" for item in result["warnings"])]
+        return "\n".join(rows + [f"  {role:<24}{path}" for role, path in result["files"].items()])
+    more = labelled("MORE", "--details: volumes, every check, every file")
+    files = files_block(result, ("pour_sheet_a4", "assembly"))
+    return screen(head, _not_passed(result), warning_block(result), files, more)
 
 
 def _counted(checks: list[dict[str, Any]], word: str = "") -> str:

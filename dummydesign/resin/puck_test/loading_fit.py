@@ -211,13 +211,14 @@ def reduce_press(
 ) -> PuckPress:
     """Cut a press into bins: evenly in displacement over each ramp, growing by a third over each hold.
 
-    Forces are counted from their mean before the displacement reaches zero. Bins outside the window and what
+    Forces are counted from their median before the displacement reaches zero, which a contact that comes a little
+    earlier does not move. Bins outside the window and what
     follows the last hold are left out.
     """
     last = int(np.searchsorted(time_s, holds[-1].end_s, side="right"))
     time, x, force = time_s[:last], displacement_mm[:last], force_N[:last]
     touch = int(np.argmax(x > 0.0))
-    force = force - (float(np.mean(force[:touch])) if touch else float(force[0]))
+    force = force - (float(np.median(force[:touch])) if touch else float(force[0]))
     step = float(np.median(np.diff(time)))
     edges = _edges(time, x, touch, step, holds)
     parts = np.linspace(0.0, 1.0, 5)[:-1]

@@ -83,11 +83,10 @@ class PuckProblem:
         self.factor = whitener(presses, height_mm, start)
 
     def elastic(self, alpha: float, grip: float, offset: float, press: int = 0) -> Array:
-        """Long-term force over E at the nodes of a press, zeroed where the displacement is zero. [N/kPa]"""
-        compression = np.r_[0.0, self.presses[press].displacement_mm] / self.height_mm
-        c = np.maximum(compression - offset, 0.0)
+        """Long-term force over E at the nodes of a press, zeroed where its forces are: at its beginning. [N/kPa]"""
+        c = np.maximum(self.presses[press].displacement_mm / self.height_mm - offset, 0.0)
         load = self.area * uniaxial(alpha, c) * np.exp(self.log_factor(grip)(alpha, c))
-        return load[1:] - load[0]
+        return load - load[0]
 
     def arm(self, elastic: Array, tau_s: float, press: int = 0) -> Array:
         """Force of an arm of strength one at the nodes, exact for forces that are linear between them."""

@@ -38,7 +38,7 @@ DIAMETER_MM, HEIGHT_MM = 50.0, 30.0
 SHARE, HOLD_S, RATE_HZ = 0.3, 10.0, 1000.0
 SPEEDS_MM_S = (10.0, 50.0)
 COUNTED_S = (0.01, 10.0)
-POOL = 10
+POOL = 12
 """Elastic curves that are solved for each kind of plates."""
 
 
@@ -71,7 +71,7 @@ def drawn_law(rng: np.random.Generator) -> HyperelasticLaw:
     if kind == 2:
         share, first, second = float(rng.uniform(0.5, 0.9)), float(rng.uniform(1.3, 2.0)), float(rng.uniform(4.0, 7.0))
         return Ogden([2.0 * share / first, 2.0 * (1.0 - share) / second], [first, second])
-    return Yeoh(1.0, float(rng.uniform(0.0, 0.1)))
+    return Yeoh(1.0, float(rng.uniform(0.0, 0.05)))
 
 
 @lru_cache(maxsize=None)

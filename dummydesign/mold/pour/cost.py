@@ -15,7 +15,7 @@ from dummydesign.mold.model.layout import (
 )
 from dummydesign.mold.model.spec import MouldSpec
 from dummydesign.mold.pour.bill_of_materials import FILLED_SHARE, GRAM_PER_HOUR
-from dummydesign.mold.pour.plan import batch_of, pour_plan, pours_of
+from dummydesign.mold.pour.plan import CARRIER_VENT_MM, CARRIER_VENTS, batch_of, pour_plan, pours_of
 
 BOLTS, SCREWS = 8, 3
 EAR_MM2 = 162.0
@@ -41,8 +41,8 @@ class MouldCost:
 def mould_cost(spec: MouldSpec) -> MouldCost:
     """Estimate what a mould and one casting of it take; loads no CAD.
 
-    Printed volumes are in closed form, without the label and what a bone's plate needs of vents; filled by
-    :data:`~dummydesign.mold.pour.bill_of_materials.FILLED_SHARE`.
+    Printed volumes are in closed form, but for the label; of them
+    :data:`~dummydesign.mold.pour.bill_of_materials.FILLED_SHARE` is plastic.
     """
     plan = pour_plan(spec)
     resin = sum(batch_of(spec, *one).mix.total_g for one in pours_of(spec, plan))
@@ -89,7 +89,9 @@ def printed_volumes_mm3(spec: MouldSpec) -> dict[str, float] | None:
     dip = drafted_volume_mm3(plan.brim_outline.grown(-aids.plate_clearance_mm), body.freeboard_mm, spec.pad.draft_deg)
     plate = plan.top.grown(-1.0).area_mm2 * aids.plate_mm + spec.count * dip
     if spec.pad.shape.bone_height_mm:
-        volumes["carrier"] = plate + plan.scale**3 * bone_volume_mm3(spec)
+        holes = 4 * spec.box.bolt_hole_mm**2 + CARRIER_VENTS * CARRIER_VENT_MM**2
+        holes_mm3 = math.pi / 4 * (holes * aids.plate_mm + CARRIER_VENTS * CARRIER_VENT_MM**2 * body.freeboard_mm)
+        volumes["carrier"] = plate + plan.scale**3 * bone_volume_mm3(spec) - holes_mm3
     else:
         volumes["strike_off"] = plate
     if spec.base is not None:

@@ -31,8 +31,9 @@ WALL_MM, LUG_LONG_MM, LUG_THICK_MM, RIDGE_MM = 2.4, 8.0, 4.0, 1.0
 DIAMETERS_MM, HEIGHTS_MM = (15.0, 150.0), (8.0, 100.0)
 MOST = 12
 PRINTED = "printed"
-DUMMY_MM = 10.0
-"""Thickness of a pad whose mould is never made: presets are read by the function that reads a pad's."""
+DUMMY_MM = 10.0, 40.0, 40.0
+"""Thickness, length and width of a pad whose mould is never made: presets are read by the function that reads a
+pad's."""
 
 
 @dataclass(frozen=True)
@@ -127,7 +128,7 @@ def read_pucks(text: str) -> tuple[Ring, ...]:
             message = f"--puck {part.strip()!r} must be diameter x height in mm, such as 50x30"
             raise InputError(message, "malformed", "puck", part.strip()) from None
     if len(sizes) > MOST:
-        raise out_of_range("number of pucks", len(sizes), 1, MOST, quantity="puck")
+        raise out_of_range("number of pucks", len(sizes), 1, MOST)
     return tuple(Ring(*size, count) for size, count in Counter(sizes).items())
 
 
@@ -135,12 +136,18 @@ def puck_spec(
     rings: Sequence[Ring], preset: str = PRINTED, resin: str | None = None, ratio: float = 15.0
 ) -> PuckSpec:
     """Put together what pucks are made from; machines and plastic are those of a preset of printed moulds."""
-    pad = mould_spec(DUMMY_MM, preset=preset, resin=resin, ratio=ratio)
+    pad = mould_spec(*DUMMY_MM, preset=preset, resin=resin, ratio=ratio)
     if not pad.is_printed or pad.plastic is None:
         message = f"preset '{preset}' is of silicone moulds; a puck's ring is printed: leave --preset out"
         raise InputError(message, "not_applicable", "preset", preset, [PRINTED])
     sources = tuple(one for one in pad.sources if not one.startswith(("surface ", "silicone ")))
     spec = PuckSpec(pad.preset, tuple(rings), pad.pour, pad.machines, pad.plastic, pad.acceptance, sources)
+    check_bed(spec)
+    return spec
+
+
+def check_bed(spec: PuckSpec) -> None:
+    """Refuse a ring that is larger than the printer."""
     for ring in spec.rings:
         if (spare := bed_spare_mm(spec, ring)) < 0.0:
             raise InputError(
@@ -148,7 +155,6 @@ def puck_spec(
                 f"{-spare:.0f} mm); cast a smaller puck, or name your printer in a preset",
                 "cannot_be_made", "puck", ring.tag,
             )  # fmt: skip
-    return spec
 
 
 def bed_spare_mm(spec: PuckSpec, ring: Ring) -> float:

@@ -90,7 +90,7 @@ def made(
 def fitted(time, x, force, diameter_mm=50.0, height_mm=30.0):
     """The package's answer to one press."""
     press = reduce_press(time, x, force, find_holds(time, x), (0.03 * height_mm, 0.5 * height_mm))
-    return fit_relaxation(press, diameter_mm, height_mm, table_for(diameter_mm, height_mm))
+    return fit_relaxation((press,), diameter_mm, height_mm, table_for(diameter_mm, height_mm))
 
 
 def holds(interval, truth):

@@ -19,19 +19,20 @@ if TYPE_CHECKING:
 
 
 def make_mould(
-    thickness_mm: float | str | Iterable[float], *, length_mm: float | str = 150.0,
+    thickness_mm: float | str | Iterable[float] | None = None, *, length_mm: float | str = 150.0,
     width_mm: float | str = 120.0, shape: str = "slab", preset: str = "open", resin: str | None = None,
     ratio: float = 15.0, count: int = 1, castings: int = 1, base_ratio: float | None = None,
     face_sheet_mm: float | None = None, bone: FilePath | None = None, bone_height_mm: float | None = None,
     bone_scale: float = 1.0, bone_turn_deg: tuple[float, float, float] = (0.0, 0.0, 0.0),
     bone_at_mm: tuple[float, float] = (0.0, 0.0), out: FilePath | None = None, replace: bool = False,
+    puck: str | None = None,
 ) -> Result:  # fmt: skip
     """Make the silicone mould of a pad: STEP files, printable master and frame, pour sheet, all checked.
 
     Parameters
     ----------
     thickness_mm : float, str or iterable of float
-        Thickness of the pad; several, also as text such as ``"5,15"``, make one job with a folder each. [mm]
+        Thickness of the pad, needed but for pucks; several, also as text such as ``"5,15"``, make one job with a folder each. [mm]
     length_mm, width_mm : float
         Size of the pad. [mm]
     shape : str
@@ -62,6 +63,9 @@ def make_mould(
         Folder of the files, ``mould_tMM`` by default; the next free number when it holds another answer.
     replace : bool
         Take the place of the other answer instead.
+    puck : str, optional
+        Witness pucks instead of a pad, ``"50x30"`` (diameter x height) or several, comma-separated: the printed rings
+        they are cast in, one pour sheet with the protocol of the test. Takes a preset of printed moulds. [mm]
 
     Returns
     -------
@@ -88,6 +92,13 @@ def make_mould(
     from dummydesign.mold.model.preset import mould_spec
     from dummydesign.mold.model.spec import read_kind
 
+    if puck is not None:
+        if thickness_mm is not None:
+            raise InputError("a puck has its height in --puck 50x30; leave thickness_mm out", "conflict", "thickness_mm")
+        return _make_pucks(puck, preset, resin, ratio, out, replace)
+    if thickness_mm is None:
+        message = "--thickness is missing: the thickness of the pad in mm, 3 to 30"
+        raise InputError(message, "missing", "thickness")
     kind, parameters = read_kind(shape)
     wanted = read_thicknesses(thickness_mm)
     length_mm, width_mm = read_number(length_mm, LENGTH), read_number(width_mm, WIDTH)
@@ -175,6 +186,38 @@ def _make_one(
     # Memory differs from run to run; the same question shall get the same answer but for seconds.
     del result["memory_MB"]
     return Result(mould, result, "make_mould")
+
+
+def _make_pucks(
+    puck: str, preset: str, resin: str | None, ratio: float, out: FilePath | None, replace: bool
+) -> Result:
+    from dummydesign.core.outputs import new_folder
+    from dummydesign.mold.puck.ring import PRINTED, puck_spec, read_pucks
+    from dummydesign.mold.runner import make_puck_rings
+
+    rings = read_pucks(puck)
+    # the default of pads is a silicone mould
+    spec = puck_spec(rings, PRINTED if preset == "open" else preset, resin, ratio)
+    folder = Path(out) if out else Path(f"puck_{spec.tag}")
+    inputs = {
+        "puck": [{"diameter_mm": ring.diameter_mm, "height_mm": ring.height_mm, "count": ring.count}
+                 for ring in spec.rings],
+        "preset": spec.preset, "resin": spec.pour.resin, "ratio": spec.pour.ratio,
+        "ratio_meaning": spec.pour.ratio_meaning,
+    }  # fmt: skip
+    asked = question("mold", {**inputs, "specification": spec.hash}, resin=resin, preset=spec.preset)
+    with new_folder(folder, asked, replace=replace) as output:
+        head = {"inputs": {**inputs, "out": str(output.folder)}, "sources": list(spec.sources)}
+        try:
+            made = make_puck_rings(spec, output.work)
+            rings_made = dataclasses.replace(made, files=output.settled(made.files))
+        except NoAnswerError as reason:
+            result = output.settled({**head, **reason.result})
+            raise NoAnswerError(reason.code, output.settled(str(reason)), result, reason.quantity) from None
+        output.extra["hash"] = spec.hash
+        output.extra["summary"] = {name: inputs[name] for name in ("ratio", "resin", "preset")}
+        result = output.answer({**head, **rings_made.to_dict(), "spec": spec.to_dict()})
+    return Result(rings_made, result, "make_mould")
 
 
 def _make_job(

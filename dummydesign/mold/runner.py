@@ -12,7 +12,7 @@ import tempfile
 from dataclasses import asdict, dataclass, field
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from dummydesign.core.errors import InputError, NoAnswerError
 from dummydesign.core.files import output_folder, writing
@@ -26,6 +26,9 @@ from dummydesign.mold.pour.acceptance import GaugePoint, gauge_points
 from dummydesign.mold.pour.plan import batches_of, pour_plan
 from dummydesign.mold.pour.printing import check_layers
 from dummydesign.mold.pour.warnings import pour_warnings
+
+if TYPE_CHECKING:
+    from dummydesign.mold.puck.ring import PuckSpec
 
 SUFFIXES = (".stl", ".step", ".stp")
 TIMEOUT_S = 300.0
@@ -131,17 +134,64 @@ def make_mold(
         raise InputError(message, "missing", "bone")
     target = output_folder(folder)
     with tempfile.TemporaryDirectory(prefix=".mould-", dir=target, ignore_cleanup_errors=True) as work:
-        answer = _made(spec, Path(work), processor_s, bone_file)
+        asked = {"spec": spec.to_dict(), "papers": papers(), "bone": str(bone_file) if bone_file else None,
+                 "folder": work, "processor_s": processor_s}  # fmt: skip
+        what = f"preset {spec.preset}, {spec.pad.title}, specification {spec.hash}"
+        answer = _made(asked, what, without_cad(spec))
         files = answer["files"]
         result = MouldResult(
             **{**answer, "files": {role: str(target / name) for role, name in files.items()}},
             masses_g=masses_g(answer["pour"]), spec_hash=spec.hash, gauge_points=gauge_points(spec),
         )  # fmt: skip
-        failed = [item for item in result.checks if item["status"] == "fail"]
-        if failed:
-            names = "; ".join(f"{item['id']} = {item['value']} (limit {item['limit']})" for item in failed)
-            message = f"the mould was built but failed {names}; no file was kept"
-            raise NoAnswerError("check_failed", message, {**result.to_dict(), "files": {}}, "mould")
+        _refuse_failed(result)
+        _move(Path(work), target, files)
+    return result
+
+
+def _refuse_failed(result: MouldResult | PuckResult) -> None:
+    """Keep no file of a mould that failed a check."""
+    failed = [item for item in result.checks if item["status"] == "fail"]
+    if failed:
+        names = "; ".join(f"{item['id']} = {item['value']} (limit {item['limit']})" for item in failed)
+        message = f"the mould was built but failed {names}; no file was kept"
+        raise NoAnswerError("check_failed", message, {**result.to_dict(), "files": {}}, "mould")
+
+
+@dataclass(frozen=True)
+class PuckResult(Serialised):
+    """Rings of pucks that were made: as :class:`MouldResult`; hours and grams of printing are estimates."""
+
+    files: dict[str, str]
+    volumes_mm3: dict[str, float]
+    masses_g: dict[str, float]
+    checks: list[dict[str, Any]]
+    step_sha256: str
+    warnings: list[dict[str, str]]
+    pour: dict[str, Any]
+    spec_hash: str
+    printing_h: float
+    filament_g: float
+    seconds: float = field(default=0.0, compare=False)
+
+
+def make_puck_rings(spec: PuckSpec, folder: Path, processor_s: float = PROCESSOR_S) -> PuckResult:
+    """Build the rings of some pucks with all their files into a folder; an error leaves nothing there."""
+    from dummydesign.mold.puck.plan import puck_plan
+    from dummydesign.mold.puck.ring import spec_cost
+    from dummydesign.mold.puck.sheet import warnings_of
+
+    target = output_folder(folder)
+    with tempfile.TemporaryDirectory(prefix=".puck-", dir=target, ignore_cleanup_errors=True) as work:
+        plan, cost = puck_plan(spec), spec_cost(spec)
+        known = {"files": {}, "masses_g": dict(plan.mix.components), "pour": plan.to_dict(), "spec_hash": spec.hash,
+                 "printing_h": cost.printing_h, "filament_g": cost.filament_g,
+                 "warnings": warnings_of(spec, plan)}  # fmt: skip
+        asked = {"puck": spec.to_dict(), "papers": papers(), "folder": work, "processor_s": processor_s}
+        answer = _made(asked, f"{spec.title}, specification {spec.hash}", known)
+        files = answer["files"]
+        del answer["memory_MB"]
+        result = PuckResult(**{**answer, "files": {role: str(target / name) for role, name in files.items()}})
+        _refuse_failed(result)
         _move(Path(work), target, files)
     return result
 
@@ -175,10 +225,9 @@ def masses_g(pour: dict[str, Any]) -> dict[str, float]:
     return {**masses, "silicone": pour["silicone_mass_g"]} if pour["silicone_mass_g"] else masses
 
 
-def _made(spec: MouldSpec, folder: Path, processor_s: float, bone_file: Path | None) -> dict[str, Any]:
-    """Have the child make the mould, and turn every way it can end into a result or a named error."""
-    asked = {"spec": spec.to_dict(), "papers": papers(), "bone": str(bone_file) if bone_file else None,
-             "folder": str(folder), "processor_s": processor_s}  # fmt: skip
+def _made(asked: dict[str, Any], what: str, known: dict[str, Any]) -> dict[str, Any]:
+    """Have the child make a mould, and turn every way it can end into a result or a named error with what is known."""
+    processor_s = asked["processor_s"]
     done, answer = _answered(asked, HUNG_S)
     code, how = "cad_failed", ""
     if done is None:
@@ -193,11 +242,10 @@ def _made(spec: MouldSpec, folder: Path, processor_s: float, bone_file: Path | N
         return answer
     else:
         code, how = answer["error"]["code"], f"failed: {answer['error']['message']}"
-    what = f"preset {spec.preset}, {spec.pad.title}, specification {spec.hash}"
     message = f"the CAD kernel {how} ({what}); nothing was written"
     if code == "cad_unavailable":
         message = answer["error"]["message"]
-    raise NoAnswerError(code, message, without_cad(spec), "mould")
+    raise NoAnswerError(code, message, known, "mould")
 
 
 def papers() -> dict[str, str]:

@@ -41,13 +41,21 @@ def _placed(asked: dict[str, Any]) -> dict[str, Any]:
 def _made(asked: dict[str, Any]) -> dict[str, Any]:
     load_trimesh()
     from dummydesign.mold.files.pour_sheet import Foot
-    from dummydesign.mold.model.spec import MouldSpec
-    from dummydesign.mold.produce import produce
 
-    spec = MouldSpec.from_dict(asked["spec"])
     start = time.perf_counter()
-    bone = Path(asked["bone"]) if asked["bone"] else None
-    result = produce(spec, Path(asked["folder"]), Foot(spec.hash, **asked["papers"]), bone)
+    if "puck" in asked:
+        from dummydesign.mold.puck.produce import produce_pucks
+        from dummydesign.mold.puck.ring import PuckSpec
+
+        pucks = PuckSpec.from_dict(asked["puck"])
+        result = produce_pucks(pucks, Path(asked["folder"]), Foot(pucks.hash, **asked["papers"]))
+    else:
+        from dummydesign.mold.model.spec import MouldSpec
+        from dummydesign.mold.produce import produce
+
+        spec = MouldSpec.from_dict(asked["spec"])
+        bone = Path(asked["bone"]) if asked["bone"] else None
+        result = produce(spec, Path(asked["folder"]), Foot(spec.hash, **asked["papers"]), bone)
     return {**result, "seconds": time.perf_counter() - start, "memory_MB": peak_memory_MB()}
 
 

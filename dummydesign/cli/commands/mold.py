@@ -115,6 +115,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     words = "store what was poured and list the limits that the pad misses"
     add_record_arguments(actions.add_parser("record", help=words))
     add("--thickness", metavar="MM[,MM..]", help="thickness of the pad, 3 to 30 mm; required; several make one job")
+    add("--puck", metavar="DxH[,DxH..]", help="witness pucks instead of a pad, diameter x height in mm: printed rings")
     add("--count", type=int, default=1, metavar="N", help="cavities in one mould (default 1)")
     add("--castings", type=int, default=1, metavar="N", help="castings of each mould (default 1)")
     add("--length", default=150.0, metavar="MM", help="length of the pad (default 150)")
@@ -141,8 +142,9 @@ def run(options: argparse.Namespace) -> dict[str, Any]:
 
     if options.action == "record":
         return run_record(options)
-    if options.thickness is None:
-        raise InputError("--thickness is missing: the thickness of the pad in mm, 3 to 30", "missing", "thickness")
+    if options.thickness is None and options.puck is None:
+        message = "--thickness is missing: the thickness of the pad in mm, 3 to 30; or --puck 50x30 for a witness puck"
+        raise InputError(message, "missing", "thickness")
 
     turn, position = (_numbers(f"--bone-{name}", text, count) for name, text, count in
                       (("turn", options.bone_turn, 3), ("at", options.bone_at, 2)))  # fmt: skip
@@ -164,7 +166,7 @@ def _numbers(option: str, text: str, count: int) -> Any:
 def default_in_project(options: argparse.Namespace) -> str | None:
     """Name of the folder in a project when none is typed; elsewhere the call names it. A record has its folder."""
     if options.action == "record" or options.thickness is None:
-        return None
+        return f"puck_{options.puck.lower().replace(',', '_')}" if getattr(options, "puck", None) else None
     from dummydesign.mold.job import folder_name, read_thicknesses
 
     shape = "boned" if options.bone else options.shape.partition(":")[0].lower()
@@ -180,6 +182,8 @@ def render(result: dict[str, Any]) -> str:
         left_out = "warning: ", "job: ", "job_pdf: ", "manifest: "
         lines = [line for line in _job(result).splitlines() if not line.startswith(left_out)]
         return screen([], lines, warning_block(result), files_block(result, ("job_pdf", "job")))
+    if "puck" in result["inputs"]:
+        return _render_pucks(result)
     inputs, pour, batch = result["inputs"], result["pour"], result["batch"]
     count = inputs.get("count", 1)
     size = f"{inputs['length_mm']:g} x {inputs['width_mm']:g} x {inputs['thickness_mm']:g} mm"
@@ -200,6 +204,32 @@ def render(result: dict[str, Any]) -> str:
     )  # fmt: skip
 
 
+def _render_pucks(result: dict[str, Any], details: bool = False) -> str:
+    """What to print, mix and pour for pucks, and the sheet to begin with."""
+    inputs, pour = result["inputs"], result["pour"]
+    sizes = ", ".join(f"{one['count']} x {one['diameter_mm']:g} x {one['height_mm']:g} mm" for one in inputs["puck"])
+    count = sum(one["count"] for one in inputs["puck"])
+    parts = " + ".join(f"{part['name']} {part['mass_g']:.1f} g" for part in pour["components"])
+    each = ", ".join(f"{mass:.1f} g" for mass in pour["pour_g"])
+    head = labelled("PUCK", f"{sizes} (diameter x height): {'a printed ring' if count == 1 else 'printed rings'}, "
+                    "two halves each", 2)  # fmt: skip
+    head += labelled("PRINT", f"about {result['printing_h']:.1f} h, {result['filament_g']:.0f} g")
+    head += labelled("WEIGH", f"{parts} = {pour['total_g']:.1f} g; pour {each} into each ring, strike off at the rim")
+    head += labelled("", f"ratio {inputs['ratio']:g} ({inputs['ratio_meaning']}), {inputs['resin']}")
+    head += labelled("CHECKS", _counted(result["checks"]) if result.get("checks") else "")
+    head += labelled("NEXT", "cast, press as the pour sheet says, then dummydesign resins add-compression")
+    if details:
+        head += [f"  {one['status']:<8}{one['id']}: {one['value']} (limit {one['limit']})"
+                 for one in result.get("checks", [])]  # fmt: skip
+        head += [f"  {name:<24}{volume / 1000:10.3f} cm3" for name, volume in result.get("volumes_mm3", {}).items()]
+    if details:
+        rows = [*head, *_not_passed(result), *(f"  - {item['message']}" for item in result["warnings"])]
+        return "\n".join(rows + [f"  {role:<24}{path}" for role, path in result["files"].items()])
+    more = labelled("MORE", "--details: volumes, every check, every file")
+    files = files_block(result, ("pour_sheet_a4", "assembly"))
+    return screen(head, _not_passed(result), warning_block(result), files, more)
+
+
 def _counted(checks: list[dict[str, Any]], word: str = "") -> str:
     """How many checks passed, failed and were skipped."""
     counts = Counter(one["status"] for one in checks)
@@ -218,6 +248,8 @@ def render_details(result: dict[str, Any]) -> str:
         return render_record(result)
     if "moulds" in result:
         return _job(result)
+    if "puck" in result["inputs"]:
+        return _render_pucks(result, details=True)
     inputs, pour = result["inputs"], result["pour"]
     size = f"{inputs['length_mm']:g} x {inputs['width_mm']:g} x {inputs['thickness_mm']:g} mm"
     count, batch = inputs.get("count", 1), result["batch"]

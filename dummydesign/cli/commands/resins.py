@@ -27,12 +27,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add.add_argument("--replace", action="store_true", help="take the place of a resin of your own that has this name")
     puck = actions.add_parser("add-compression", help="modulus and relaxation of a batch from its puck's curve")
     words = "time_s, displacement_mm, force_N: one slow loading, or ramps and holds"
-    puck.add_argument("file", metavar="TRACE.csv", help=words)
+    puck.add_argument("file", metavar="TRACE.csv", nargs="+", help=f"{words}; several presses of one puck together")
     puck.add_argument("--diameter", type=float, required=True, metavar="MM", help="of the puck")
     puck.add_argument("--height", type=float, required=True, metavar="MM", help="of the puck")
     puck.add_argument("--name", required=True, help="of the resin that results")
     puck.add_argument("--ratio", type=float, required=True, metavar="R", help="mixing ratio of the puck")
     puck.add_argument("--resin", metavar="BASE", help="resin whose law is updated")
+    words = "plates: lubricated, bonded or a friction coefficient (default: any friction)"
+    puck.add_argument("--friction", metavar="lubricated|bonded|MU", help=words)
     puck.add_argument("--replace", action="store_true", help="begin NAME again, without the points it has")
     add_own_actions(actions, "resin")
 
@@ -93,7 +95,8 @@ def _add(options: argparse.Namespace) -> dict[str, Any]:
 def _add_compression(options: argparse.Namespace) -> dict[str, Any]:
     from dummydesign.resin.puck_test.add_compression import add_compression
 
-    given = {"file": options.file, "diameter_mm": options.diameter, "height_mm": options.height, "name": options.name,
+    file = options.file[0] if len(options.file) == 1 else options.file
+    given = {"file": file, "friction": options.friction, "diameter_mm": options.diameter, "height_mm": options.height, "name": options.name,
              "ratio": options.ratio}  # fmt: skip
     done = add_compression(**given, base=options.resin, replace_own=options.replace)
     inputs = {"action": "add-compression", **given, "resin": options.resin}
@@ -139,9 +142,12 @@ def render_details(result: dict[str, Any]) -> str:
 def _render_puck(result: dict[str, Any]) -> list[str]:
     young, friction = result["young_kPa"], result["friction"]
     low, high = ("bonded" if friction[end] is None else f"{friction[end]:.2g}" for end in ("low", "high"))
+    plates = f"friction {low} to {high} agrees with the curve; not specified, included in the interval"
+    if result["plates"]:
+        plates = f"declared {result['plates']}; friction {f'{low} to {high}' if low != high else low} used"
     return [
         f"modulus   {young['value']:.4g} kPa (95 %: {young['low']:.4g} to {young['high']:.4g}), this puck alone",
-        f"plates    friction {low} to {high} agrees with the curve; not specified, included in the interval",
+        f"plates    {plates}",
         f"misfit    {result['rmse_N']:.3g} N rms over {result['compression_mm'][0]:.3g} to "
         f"{result['compression_mm'][1]:.3g} mm",
         *_render_relaxation(result["relaxation"]),
@@ -160,7 +166,8 @@ def _render_relaxation(relaxation: dict[str, Any] | None) -> list[str]:
     pairs = ((arm["beta"], arm["tau_s"]) for arm in relaxation["prony"])
     lines = [f"term      {beta['value']:.3g} of the long-term modulus (95 %: {beta['low']:.3g} to {beta['high']:.3g}) "
              f"at {tau['value']:.3g} s ({tau['low']:.3g} to {tau['high']:.3g})" for beta, tau in pairs]  # fmt: skip
-    return lines or ["term      none that the holds resolve"]
+    seen = "seen      terms from {:.2g} to {:.2g} s".format(*relaxation["seen_s"])
+    return [*(lines or ["term      none that the holds resolve"]), seen]
 
 
 def _render_resin(result: dict[str, Any]) -> list[str]:

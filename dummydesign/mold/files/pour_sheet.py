@@ -44,6 +44,8 @@ def pour_sheet(
     pad, mark = spec.pad, shape_mark(spec)
     title = f"Pour sheet: {pad.prefix + ' ' if pad.prefix else ''}pad "
     title += f"{pad.length_mm:g} x {pad.width_mm:g} x {pad.thickness_mm:g} mm, {spec.preset} mould"
+    if pad.is_puck:
+        title = f"Pour sheet: puck {pad.length_mm:g} x {pad.thickness_mm:g} mm, {spec.preset} mould"
     title += f" with {spec.count} cavities" if spec.count > 1 else ""
     text = label_text(spec)
     label = f"label on the mould: {text}" if text else "the land has no room for a label: mark the mould"
@@ -148,10 +150,10 @@ def _weighing(spec: MouldSpec, pour: Pour, plan: PourPlan) -> list[Block]:
     cup = f"Cup of at least {litres:.2f} litres: the mix foams to four times its volume under vacuum."
     diameter, height = WITNESS_MM
     witness = (f"Witness: a puck of {diameter:g} mm diameter and {height:g} mm height from the same cup "
-               f"({batch.witness_g:.1f} g). Its mould: dummydesign mold --shape puck --thickness {height:g} --length "
-               f"{diameter:g} --width {diameter:g}. Compress it on the day of the test and read its modulus with: "
-               f"dummydesign resins add-compression TRACE.csv --diameter {diameter:g} --height {height:g} --name NAME "
-               f"--ratio {pour.ratio:.6g}.")  # fmt: skip
+               f"({batch.witness_g:.1f} g). Its printed ring and how to press it: dummydesign mold --puck "
+               f"{diameter:g}x{height:g}. Compress it on the day of the test and read its modulus with: "
+               f"dummydesign resins add-compression TRACE.csv --diameter {diameter:g} --height {height:g} --friction "
+               f"lubricated --name NAME --ratio {pour.ratio:.6g}.")  # fmt: skip
     return [
         Block("text", f"{pour.resin}, ratio {pour.ratio:.6g} ({pour.ratio_meaning}); balance step {resolution:g} g."),
         Block("table", rows=tuple(rows)),

@@ -8,7 +8,7 @@ from functools import lru_cache
 from typing import Any
 
 from dummydesign.core.errors import InputError, out_of_range
-from dummydesign.mold.model.spec import Closure, MouldSpec
+from dummydesign.mold.model.spec import Closure, MouldSpec, Pour
 
 
 @dataclass(frozen=True)
@@ -112,9 +112,14 @@ def pad_scale(spec: MouldSpec) -> float:
     (1 / (1 - shrinkage)) (1 + a_pad dT) / (1 + a_mould dT), dT from room to the temperature at which
     the resin gels: the hot cavity is larger by the expansion of silicone or plastic, the pad shrinks back by its own.
     """
-    warmer = spec.pour.cure_temperature_C - spec.pour.room_temperature_C
-    shrink = 1.0 / (1.0 - spec.pour.shrinkage_percent / 100)
-    return shrink * (1 + spec.pour.resin_expansion_per_K * warmer) / (1 + (spec.tool.expansion_per_K or 0.0) * warmer)
+    return cavity_scale(spec.pour, spec.tool.expansion_per_K or 0.0)
+
+
+def cavity_scale(pour: Pour, expansion_per_K: float) -> float:
+    """Factor from a finished casting to its cold cavity in a material of this expansion; see :func:`pad_scale`."""
+    warmer = pour.cure_temperature_C - pour.room_temperature_C
+    shrink = 1.0 / (1.0 - pour.shrinkage_percent / 100)
+    return shrink * (1 + pour.resin_expansion_per_K * warmer) / (1 + expansion_per_K * warmer)
 
 
 @dataclass(frozen=True)

@@ -138,8 +138,9 @@ class Arm(Serialised):
 
 @dataclass(frozen=True)
 class PuckPoint:
-    """The recording of a puck; by ``sha256`` of its numbers it is known again under another file name.
+    """The recordings of a puck; by ``sha256`` of their numbers they are known again under other file names.
 
+    Several recordings have their hashes in one text, parted by blanks. ``plates`` is what was declared of them,
     ``seen_s`` are the shortest and longest time that its holds show, None without holds; ``arms`` what they showed,
     strengths relative to the long-term modulus at the point's ratio.
     """
@@ -150,6 +151,11 @@ class PuckPoint:
     height_mm: float
     seen_s: tuple[float, float] | None = None
     arms: tuple[Arm, ...] = ()
+    plates: str = ""
+
+    def has(self, sha256: str) -> bool:
+        """Whether one of some recordings is among those of this puck."""
+        return not set(self.sha256.split()).isdisjoint(sha256.split())
 
     def to_dict(self) -> dict[str, Any]:
         """Return plain values as they stand in a resin file, what is unknown left out."""

@@ -157,13 +157,14 @@ def _point(table: Table) -> Point:
     ratio, young = table.number("ratio"), _positive(table, "young_kPa")
     if "puck" not in table:
         return Point(ratio, young)
-    puck = table.table("puck").only(("sha256", "file", "diameter_mm", "height_mm", "seen_s", "arm"))
+    puck = table.table("puck").only(("sha256", "file", "diameter_mm", "height_mm", "seen_s", "arm", "plates"))
     seen = puck.numbers("seen_s", None)
     if seen is not None and len(seen) != 2:
         raise puck.fault("seen_s", "must be the shortest and the longest time", "malformed")
     arms = tuple(Arm(arm.quantity("tau_s"), arm.quantity("beta")) for arm in puck.tables("arm", required=False))
     size = puck.number("diameter_mm"), puck.number("height_mm")
-    return Point(ratio, young, PuckPoint(puck.string("sha256"), puck.string("file"), *size, seen, arms))
+    plates = puck.string("plates", "")
+    return Point(ratio, young, PuckPoint(puck.string("sha256"), puck.string("file"), *size, seen, arms, plates))
 
 
 def _check_physics(resin: Resin, modulus: Table) -> None:

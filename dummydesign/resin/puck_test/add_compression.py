@@ -1,7 +1,8 @@
-"""Modulus and relaxation of a batch from one compression curve of its puck, and the resin it becomes."""
+"""Modulus and relaxation of a batch from compression curves of its puck, and the resin it becomes."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -15,7 +16,9 @@ from dummydesign.core.quantity import Quantity
 from dummydesign.core.serialise import Serialised, to_plain
 from dummydesign.resin.model.resin import Arm, Interval, Point, PuckPoint, save_resin
 from dummydesign.resin.model.resin_file import DEFAULT, KIND, load_resin, recording_sha256
+from dummydesign.resin.puck_test.plates import OPEN, Plates, read_plates
 from dummydesign.resin.update.modulus import known_puck, with_point, without_puck
+from dummydesign.resin.update.relaxation import ArmUpdate
 
 if TYPE_CHECKING:
     from dummydesign.measurement.landmarks import Hold
@@ -36,9 +39,9 @@ LARGEST_MISFIT = 0.1
 
 @dataclass(frozen=True)
 class Compressed(Serialised):
-    """What one puck's curve says; ``young_kPa`` is of this puck alone, ``relaxation`` None without a hold.
+    """What one puck's curves say; ``young_kPa`` is of this puck alone, ``relaxation`` None without a hold.
 
-    ``law`` is the elastic law that was fitted, ``action`` is ``added``, ``unchanged`` (the resin has this puck at this
+    ``law`` is the elastic law that was fitted, ``plates`` what was declared of them, ``action`` is ``added``, ``unchanged`` (the resin has this puck at this
     ratio) or ``replaced`` (it had it at another ratio or size, named in ``before``).
     """
 
@@ -47,6 +50,7 @@ class Compressed(Serialised):
     ratio: float
     young_kPa: Quantity
     law: dict[str, Any]
+    plates: str | None
     friction: dict[str, float]
     rmse_N: float
     compression_mm: Window
@@ -59,7 +63,7 @@ class Compressed(Serialised):
 
 @dataclass(frozen=True)
 class _Fit:
-    """The fit of one press; a relaxation with what the resin learns of it in ``puck``, only where there are holds."""
+    """The fit of a puck's presses; a relaxation with what the resin learns of it in ``puck``, only where there are holds."""
 
     young_kPa: Interval
     alpha: float
@@ -78,23 +82,24 @@ def loading(displacement_mm: Array, force_N: Array) -> tuple[Array, Array]:
 
 
 def add_compression(
-    file: str | Path, diameter_mm: float, height_mm: float, name: str, ratio: float, base: str | None = None,
-    replace_own: bool = False,
+    file: str | Path | Sequence[str | Path], diameter_mm: float, height_mm: float, name: str, ratio: float,
+    base: str | None = None, replace_own: bool = False, friction: str | float | None = None,
 ) -> Compressed:  # fmt: skip
-    """Fit a puck's compression curve and keep the resin that its modulus makes of a law.
+    """Fit a puck's compression curves and keep the resin that its modulus makes of a law.
 
-    A curve without a hold: load = A E u(c; alpha) B(c; alpha, friction), see
-    :mod:`dummydesign.resin.puck_test.loading_fit`; modulus, stiffening, plate friction and contact offset
+    Curves without a hold: load = A E u(c; alpha) B(c; alpha, friction), see
+    :mod:`dummydesign.resin.puck_test.loading_fit`; modulus, stiffening, plate friction and contact offsets
     together. The modulus is that of the press, slow against relaxation: press slowly, or what has not relaxed
-    counts as stiffness. With one or more holds the relaxation is fitted too, see
+    counts as stiffness. With one or more holds in every curve the relaxation is fitted too, see
     :mod:`dummydesign.resin.puck_test.relaxation_fit`: the modulus is then the long-term one, and the arms go into
-    the resin by the rule of :mod:`dummydesign.resin.update.relaxation`. What friction leaves open is
-    in the intervals of both.
+    the resin by the rule of :mod:`dummydesign.resin.update.relaxation`. Several curves of one puck are fitted together.
 
-    A recording that the resin has is known by its numbers: at the same ratio and size nothing is changed, else its
-    point is replaced, as if it had not been there before.
+    ``friction`` declares the plates: ``lubricated``, ``bonded`` or a coefficient; without it the friction is open, and
+    what it leaves open is in the intervals. A declaration that the curves contradict is reported.
+
+    Recordings that the resin has are known by their numbers: the same at the same ratio, size and plates change
+    nothing, else their points are replaced, as if they had not been there before.
     """
-    from dummydesign.measurement.landmarks import find_holds
     from dummydesign.measurement.trace import read_trace
     from dummydesign.pad.tables.puck import table_for
 
@@ -102,6 +107,7 @@ def add_compression(
         if not (np.isfinite(value) and value > 0.0):
             raise out_of_range(what, value, "above 0", "any finite value")
     check_name("resin", name)
+    plates = read_plates(friction)
     known = entries(KIND).get(name.lower())
     own = known if known is not None and known.origin == "user" else None
     if own and base is not None and base.lower() != name.lower() and not replace_own:
@@ -113,10 +119,90 @@ def add_compression(
     resin = load_resin(base or (name if known is not None else DEFAULT))
     resin.check_ratio(ratio)
     table = table_for(diameter_mm, height_mm)
-    trace = read_trace(file)
-    window = _window(trace, height_mm, table)
-    source = f"puck {diameter_mm:g} x {height_mm:g} mm, {trace.name}, fitted with plate friction left open"
-    puck = PuckPoint(recording_sha256(trace), trace.name, diameter_mm, height_mm)
+    traces = [read_trace(one) for one in ([file] if isinstance(file, str | Path) else file)]
+    sha256 = [recording_sha256(trace) for trace in traces]
+    if len(set(sha256)) < len(traces):
+        raise InputError("a recording is listed twice; give each press once", "duplicate", "file")
+    names = ", ".join(trace.name for trace in traces)
+    window = _common_window(traces, height_mm, table)
+    source = f"puck {diameter_mm:g} x {height_mm:g} mm, {names}, fitted with {plates.words}"
+    puck = PuckPoint(" ".join(sorted(sha256)), names, diameter_mm, height_mm, plates=plates.name)
+    held = [_holds(trace, window) for trace in traces]
+    if any(held) and not all(held):
+        without = ", ".join(trace.name for trace, holds in zip(traces, held) if not holds)
+        message = f"{without}: no hold; curves with and without holds are not fitted together, leave one kind out"
+        raise InputError(message, "inconsistent", "file")
+    before = known_puck(resin, puck.sha256)
+    if all(held):
+        fit = _fit_holds(traces, held, table, window, puck, plates)
+    else:
+        fit = _fit_loading(traces, table, window, puck, plates)
+    point = Point(ratio, Quantity(*fit.young_kPa, "fitted", source), fit.puck)
+    path = user_folder() / KIND / f"{own.name if own else name}.toml"
+    action, former = "added", None
+    if before and before.puck:
+        was = before.puck
+        same = (before.ratio, was.diameter_mm, was.height_mm, was.plates, was.sha256) == (
+            ratio, diameter_mm, height_mm, plates.name, puck.sha256)  # fmt: skip
+        action = "unchanged" if same else "replaced"
+        if not same:
+            declared = f", plates {was.plates}" if was.plates else ""
+            former = f"ratio {before.ratio:g}, {was.diameter_mm:g} x {was.height_mm:g} mm{declared}"
+    warnings, relaxation = (*fit.warnings, *_misfit(traces, window, fit.rmse_N)), fit.relaxation
+    if action != "unchanged":
+        kept, updates, _ = with_point(without_puck(resin, puck.sha256) if before else resin, point, path.stem)
+        warnings += tuple(_update_warning(one, traces, held, fit.puck) for one in updates if one.notice)
+        warnings += () if own else tuple(hidden_by(KIND, "resin", name))
+        if relaxation is not None:
+            relaxation |= {"updates": [one.to_dict() for one in updates]}
+        save_resin(kept, output_folder(path.parent) / path.name)
+    return Compressed(
+        name, resin.name, ratio, point.young_kPa, {"name": "ogden, one term", "alpha": fit.alpha}, plates.name or None,
+        fit.friction._asdict(), fit.rmse_N, window, relaxation, warnings, action, former, {"resin": str(path)},
+    )  # fmt: skip
+
+
+RAMP_TIMES = 10.0
+"""A term is seen well by a ramp of this many of its times, half of its strength is left at its end even then."""
+SAMPLES_A_TIME = 20.0
+SPEEDS = (1.0, 2.0, 5.0, 10.0)
+
+
+def _update_warning(
+    update: ArmUpdate, traces: Sequence[Trace], held: Sequence[tuple[Hold, ...]], puck: PuckPoint
+) -> dict[str, str]:
+    """What became of an arm; of one too fast for the presses also how to press so that it shows."""
+    if update.came_from != "base" or puck.seen_s is None or update.tau_s >= puck.seen_s[0]:
+        return {"code": "relaxation_update", "message": update.notice}
+    advice = []
+    fastest = max(_ramp_speed(trace, holds[0]) for trace, holds in zip(traces, held))
+    depth = max(holds[0].displacement_mm for holds in held)
+    if fastest < (needed := depth / (RAMP_TIMES * update.tau_s)):
+        advice.append(f"press at {_round_up(needed):g} mm/s or faster (fastest ramp here: {fastest:.2g} mm/s)")
+    step = min(float(np.median(np.diff(trace.time_s))) for trace in traces)
+    if step > update.tau_s / SAMPLES_A_TIME:
+        rate = _round_up(SAMPLES_A_TIME / update.tau_s)
+        advice.append(f"sample at {rate:g} Hz or more (here: {1.0 / step:.0f} Hz)")
+    advice = advice or ["press with less noise of the force"]
+    return {"code": "relaxation_not_seen", "message": f"{update.notice}; to measure it {' and '.join(advice)}"}
+
+
+def _ramp_speed(trace: Trace, hold: Hold) -> float:
+    """Mean speed from contact to the first hold. [mm/s]"""
+    touch = float(trace.time_s[int(np.argmax(trace.displacement_mm > 0.0))])
+    return hold.displacement_mm / max(hold.start_s - touch, 1e-9)
+
+
+def _round_up(value: float) -> float:
+    """Next of 1, 2, 5 times a power of ten."""
+    power = 10.0 ** np.floor(np.log10(value))
+    return float(next(one for one in SPEEDS if one * power >= value * (1 - 1e-9)) * power)
+
+
+def _holds(trace: Trace, window: Window) -> tuple[Hold, ...]:
+    """Holds of a trace inside the compressions that are used."""
+    from dummydesign.measurement.landmarks import find_holds
+
     seen = find_holds(trace.time_s, trace.displacement_mm)
     holds = tuple(hold for hold in seen if window[0] < hold.displacement_mm <= window[1])
     if seen and not holds:
@@ -125,25 +211,13 @@ def add_compression(
             f"between {window[0]:.3g} and {window[1]:.3g} mm, or cut the file at the end of the loading",
             "out_of_range", "displacement_mm", [hold.displacement_mm for hold in seen], window,
         )  # fmt: skip
-    before = known_puck(resin, puck.sha256)
-    fit = _fit_holds(trace, holds, table, window, puck) if holds else _fit_loading(trace, table, window, puck)
-    point = Point(ratio, Quantity(*fit.young_kPa, "fitted", source), fit.puck)
-    path = user_folder() / KIND / f"{own.name if own else name}.toml"
-    was = (before.ratio, before.puck.diameter_mm, before.puck.height_mm) if before and before.puck else None
-    action = "added" if was is None else "unchanged" if was == (ratio, diameter_mm, height_mm) else "replaced"
-    former = "ratio {:g}, {:g} x {:g} mm".format(*was) if was and action == "replaced" else None
-    warnings, relaxation = (*fit.warnings, *_misfit(trace, window, fit.rmse_N)), fit.relaxation
-    if action != "unchanged":
-        kept, updates, notices = with_point(without_puck(resin, puck.sha256) if was else resin, point, path.stem)
-        warnings += tuple({"code": "relaxation_update", "message": text} for text in notices)
-        warnings += () if own else tuple(hidden_by(KIND, "resin", name))
-        if relaxation is not None:
-            relaxation |= {"updates": [one.to_dict() for one in updates]}
-        save_resin(kept, output_folder(path.parent) / path.name)
-    return Compressed(
-        name, resin.name, ratio, point.young_kPa, {"name": "ogden, one term", "alpha": fit.alpha},
-        fit.friction._asdict(), fit.rmse_N, window, relaxation, warnings, action, former, {"resin": str(path)},
-    )  # fmt: skip
+    return holds
+
+
+def _common_window(traces: Sequence[Trace], height_mm: float, table: PuckTable) -> Window:
+    """Compressions that are used: up to the deepest press. [mm]"""
+    windows = [_window(trace, height_mm, table) for trace in traces]
+    return windows[0][0], max(last for _, last in windows)
 
 
 def _window(trace: Trace, height_mm: float, table: PuckTable) -> Window:
@@ -159,51 +233,79 @@ def _window(trace: Trace, height_mm: float, table: PuckTable) -> Window:
     return first, last
 
 
-def _misfit(trace: Trace, window: Window, rmse_N: float) -> tuple[dict[str, str], ...]:
+def _misfit(traces: Sequence[Trace], window: Window, rmse_N: float) -> tuple[dict[str, str], ...]:
     """A warning where the puck's law misses the forces as no real puck did."""
-    used = (trace.displacement_mm >= window[0]) & (trace.displacement_mm <= window[1])
-    share = rmse_N / max(float(np.sqrt(np.mean(trace.force_N[used] ** 2))), 1e-300) if used.any() else 0.0
+    used = [trace.force_N[(trace.displacement_mm >= window[0]) & (trace.displacement_mm <= window[1])]
+            for trace in traces]  # fmt: skip
+    forces = np.concatenate(used)
+    share = rmse_N / max(float(np.sqrt(np.mean(forces**2))), 1e-300) if forces.size else 0.0
     if share <= LARGEST_MISFIT:
         return ()
+    names = ", ".join(trace.name for trace in traces)
     message = (
         f"the law of a puck misses the forces by {100 * share:.0f} % (19 silicones: 1 to 3 %); check that "
-        f"{trace.name} is of a puck between plates, its diameter, its height and the zero of its displacement"
+        f"{names} is of a puck between plates, its diameter, its height and the zero of its displacement"
     )
     return ({"code": "lack_of_fit", "message": message},)
 
 
-def _fit_loading(trace: Trace, table: PuckTable, window: Window, puck: PuckPoint) -> _Fit:
-    from dummydesign.resin.puck_test.loading_fit import LoadingCurve, fit_pucks
+def _doubted(plates: Plates, found: bool) -> tuple[dict[str, str], ...]:
+    """A warning where the curves contradict what was declared of the plates."""
+    if not found:
+        return ()
+    message = (
+        f"the curves contradict plates declared {plates.name}; check the declaration, the height and the diameter, "
+        "or leave --friction out: the modulus is then fitted with any friction"
+    )
+    return ({"code": "plates_doubted", "message": message},)
+
+
+def _fit_loading(
+    traces: Sequence[Trace], table: PuckTable, window: Window, puck: PuckPoint, plates: Plates = OPEN
+) -> _Fit:
+    from dummydesign.resin.puck_test.loading_fit import LoadingCurve, fit_pucks, loading_contradicts
 
     first, last = window
-    depth, load = loading(trace.displacement_mm, trace.force_N)
-    grid = np.concatenate([[0.0], np.linspace(first, last, STEPS)])
-    curve = LoadingCurve(trace.name, "puck", grid, np.interp(grid, depth, load))
-    fit = fit_pucks([curve], puck.diameter_mm, puck.height_mm, table, (first * (1 - 1e-9), last))
+    curves = []
+    for trace in traces:
+        depth, load = loading(trace.displacement_mm, trace.force_N)
+        grid = np.concatenate([[0.0], np.linspace(first, min(last, float(depth[-1])), STEPS)])
+        curves.append(LoadingCurve(trace.name, "puck", grid, np.interp(grid, depth, load)))
+    fit = fit_pucks(curves, puck.diameter_mm, puck.height_mm, table, (first * (1 - 1e-9), last), plates)
     young = Interval(fit.young_kPa, fit.young_low_kPa, fit.young_high_kPa)
     friction = Interval(fit.friction, fit.friction_low, fit.friction_high)
-    return _Fit(young, fit.alpha, friction, fit.rmse * float(np.sqrt(np.mean(curve.load_N[1:] ** 2))), puck)
+    loads = np.concatenate([curve.load_N[1:] for curve in curves])
+    rmse_N = fit.rmse * float(np.sqrt(np.mean(loads**2)))
+    return _Fit(young, fit.alpha, friction, rmse_N, puck, warnings=_doubted(plates, loading_contradicts(fit)))
 
 
-def _fit_holds(trace: Trace, holds: tuple[Hold, ...], table: PuckTable, window: Window, puck: PuckPoint) -> _Fit:
+def _fit_holds(
+    traces: Sequence[Trace], held: Sequence[tuple[Hold, ...]], table: PuckTable, window: Window, puck: PuckPoint,
+    plates: Plates = OPEN,
+) -> _Fit:  # fmt: skip
     from dummydesign.resin.puck_test.loading_fit import reduce_press
-    from dummydesign.resin.puck_test.relaxation_fit import fit_relaxation
+    from dummydesign.resin.puck_test.relaxation_fit import fit_relaxation, holds_contradict
 
     # half a hundredth of the height more, so that a hold at the very end is not cut by its own noise
     wider = window[0], window[1] + 0.005 * puck.height_mm
-    press = reduce_press(trace.time_s, trace.displacement_mm, trace.force_N, holds, wider)
-    fit = fit_relaxation(press, puck.diameter_mm, puck.height_mm, table)
-    source = f"holds of puck {puck.diameter_mm:g} x {puck.height_mm:g} mm, {trace.name}"
+    presses = [reduce_press(trace.time_s, trace.displacement_mm, trace.force_N, holds, wider)
+               for trace, holds in zip(traces, held)]  # fmt: skip
+    fit = fit_relaxation(presses, puck.diameter_mm, puck.height_mm, table, plates)
+    source = f"holds of puck {puck.diameter_mm:g} x {puck.height_mm:g} mm, {puck.file}"
     known = [arm for arm in fit.arms if not arm.reason]
     reasons = [arm.reason for arm in fit.arms if arm.reason]
     arms = tuple(Arm(*(Quantity(*one, "fitted", source) for one in (arm.tau_s, arm.beta))) for arm in known)
+    within = f"{source}; what relaxes within them, the time may be longer"
+    arms += tuple(Arm(*(Quantity(*one, "inferred", within) for one in (arm.tau_s, arm.beta)))
+                  for arm in fit.arms if arm.slow)  # fmt: skip
     relaxation = {
-        "holds": holds, "seen_s": fit.seen_s,
+        "holds": [hold for holds in held for hold in holds], "seen_s": fit.seen_s,
         "prony": [{"tau_s": arm.tau_s._asdict(), "beta": arm.beta._asdict()} for arm in known],
         "not_identifiable": [{"tau_s": None, "beta": None, "reason": reason} for reason in reasons],
         "comparison": fit.comparison, "noise": fit.noise,
     }  # fmt: skip
     said = [f"an arm of the relaxation has no value: {reason}" for reason in reasons]
     warnings = tuple({"code": "not_identifiable", "message": message} for message in said)
+    warnings += _doubted(plates, holds_contradict(fit))
     puck = replace(puck, seen_s=fit.seen_s, arms=arms)
     return _Fit(fit.young_kPa, fit.alpha, fit.friction, fit.rmse_N, puck, to_plain(relaxation), warnings)

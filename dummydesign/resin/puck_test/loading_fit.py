@@ -5,6 +5,8 @@ form between frictionless plates and B the table of ``pad.tables.puck``; x_k is 
 begins. The machine's load is zeroed at x = 0, in the data and in the model alike. Modulus, stiffening and
 friction are common to all curves of the batch.
 
+A declaration of the plates (``puck_test.plates``) restricts the friction to its interval, with its chi square.
+
 Intervals: errors are taken as fully correlated along a curve and among the repeats on one puck, so that each
 puck counts as ONE independent number, with the scatter between curves and the misfit of the law as its
 size. Whatever friction keeps the mean square misfit below its minimum + 3.84 s^2 / pucks belongs to the 95 %
@@ -21,10 +23,11 @@ import numpy as np
 from dummydesign.core.errors import InputError
 from dummydesign.inference import noise as inference
 from dummydesign.inference.binning import cut, distinct, hold_edges, mean_around
-from dummydesign.inference.least_squares import solve_by_differences, within
+from dummydesign.inference.least_squares import CHI_SQUARE_95, solve_by_differences, within
 from dummydesign.inference.noise import white_noise
 from dummydesign.measurement.landmarks import Hold
 from dummydesign.pad.tables.puck import PuckTable, friction_of, uniaxial
+from dummydesign.resin.puck_test.plates import OPEN, Plates
 
 Array = np.ndarray
 
@@ -49,7 +52,7 @@ class PuckFit:
 
     ``friction`` is infinite for plates that hold the faces (bonded). ``rmse`` is the root mean square of
     the relative misfit, ``profile`` what each friction would make of the batch: (friction, young_kPa, chi square above
-    the best).
+    the best). ``rmse_open`` is the misfit with the declared friction let go.
     """
 
     young_kPa: float
@@ -66,6 +69,7 @@ class PuckFit:
     rmse_frictionless: float
     scatter: float
     profile: tuple[tuple[float, float, float], ...]
+    rmse_open: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -82,7 +86,7 @@ class _Point:
 
 def fit_pucks(
     curves: Sequence[LoadingCurve], diameter_mm: float, height_mm: float, table: PuckTable,
-    window_mm: tuple[float, float],
+    window_mm: tuple[float, float], plates: Plates = OPEN,
 ) -> PuckFit:  # fmt: skip
     """Fit one batch."""
     table.check_shape(diameter_mm, height_mm)
@@ -102,7 +106,15 @@ def fit_pucks(
     points: list[_Point] = []
     for grip in GRIPS[::-1]:
         points.append(_best(parts, table, grip, points[-1] if points else None))
-    return _summarise(curves, points[::-1], height_mm)
+    points.reverse()
+    if not plates:
+        return _summarise(curves, points, height_mm)
+    free = min(points, key=lambda point: point.mean_square)
+    own: list[_Point] = []
+    for grip in plates.grips(GRIPS)[::-1]:
+        near = min(points, key=lambda point: abs(point.grip - grip))
+        own.append(_best(parts, table, float(grip), own[-1] if own else near))
+    return _summarise(curves, own[::-1], height_mm, plates, free)
 
 
 def _model(table: PuckTable, alpha: float, grip_value: float, compression: Array, offset: float) -> Array:
@@ -138,25 +150,41 @@ def _best(parts: list[tuple[Array, Array]], table: PuckTable, grip_value: float,
     return _Point(grip_value, best[0], best[1], best[2:], float(np.mean(np.concatenate(rest) ** 2)), rest)
 
 
-def _summarise(curves: Sequence[LoadingCurve], points: list[_Point], height_mm: float) -> PuckFit:
-    best = min(points, key=lambda point: point.mean_square)
-    own = np.array([float(np.mean(rest)) for rest in best.residuals])
+def _summarise(
+    curves: Sequence[LoadingCurve], points: list[_Point], height_mm: float, plates: Plates = OPEN,
+    free: _Point | None = None,
+) -> PuckFit:  # fmt: skip
+    """Intervals from the points of a profile; ``free`` is the best fit without the declaration of the plates."""
+    pucks = len({curve.puck for curve in curves})
+    closest = min(points, key=lambda point: point.mean_square)
+    own = np.array([float(np.mean(rest)) for rest in closest.residuals])
     scatter = float(np.std(own, ddof=1)) if len(own) > 1 else 0.02
-    variance = (scatter**2 + best.mean_square) / len({curve.puck for curve in curves})
-    excess = [(point.mean_square - best.mean_square) / variance for point in points]
-    kept = [points[index] for index in within(excess)]
-    young = np.exp([point.log_young for point in kept])
+    variance = (scatter**2 + closest.mean_square) / pucks
+    surprise = [plates.surprise(point.grip) for point in points]
+    cost = [point.mean_square / variance + more for point, more in zip(points, surprise)]
+    best = points[int(np.argmin(cost))]
+    excess = [one - min(cost) for one in cost]
+    kept = within(excess)
     # One puck's modulus differs from another's: the mean of all is known to this.
-    around = 1.96 * np.sqrt(variance)
+    around = [float(np.sqrt(variance * (CHI_SQUARE_95 - (excess[index] if plates else 0.0)))) for index in kept]
+    logs = [points[index].log_young for index in kept]
     profile = tuple((friction_of(p.grip), float(np.exp(p.log_young)), above) for p, above in zip(points, excess))
     return PuckFit(
-        young_kPa=float(np.exp(best.log_young)), young_low_kPa=float(young.min() * np.exp(-around)),
-        young_high_kPa=float(young.max() * np.exp(around)), alpha=best.alpha, friction=friction_of(best.grip),
-        friction_low=friction_of(kept[0].grip), friction_high=friction_of(kept[-1].grip),
+        young_kPa=float(np.exp(best.log_young)),
+        young_low_kPa=float(np.exp(min(log - one for log, one in zip(logs, around)))),
+        young_high_kPa=float(np.exp(max(log + one for log, one in zip(logs, around)))),
+        alpha=best.alpha, friction=friction_of(best.grip),
+        friction_low=friction_of(points[kept[0]].grip), friction_high=friction_of(points[kept[-1]].grip),
         offset_mm={curve.name: float(o * height_mm) for curve, o in zip(curves, best.offsets)},
         young_frictionless_kPa=profile[0][1], young_bonded_kPa=profile[-1][1], rmse=float(np.sqrt(best.mean_square)),
         rmse_frictionless=float(np.sqrt(points[0].mean_square)), scatter=scatter, profile=profile,
+        rmse_open=float(np.sqrt((free or best).mean_square)),
     )  # fmt: skip
+
+
+def loading_contradicts(fit: PuckFit) -> bool:
+    """Whether a declared friction misfits the curves and another one does not."""
+    return fit.rmse**2 - fit.rmse_open**2 > CONTRADICTS * (LEAST_MISFIT**2 + fit.rmse_open**2)
 
 
 RAMP_BINS = 25
@@ -183,13 +211,14 @@ def reduce_press(
 ) -> PuckPress:
     """Cut a press into bins: evenly in displacement over each ramp, growing by a third over each hold.
 
-    Forces are counted from their mean before the displacement reaches zero. Bins outside the window and what
+    Forces are counted from their median before the displacement reaches zero, which a contact that comes a little
+    earlier does not move. Bins outside the window and what
     follows the last hold are left out.
     """
     last = int(np.searchsorted(time_s, holds[-1].end_s, side="right"))
     time, x, force = time_s[:last], displacement_mm[:last], force_N[:last]
     touch = int(np.argmax(x > 0.0))
-    force = force - (float(np.mean(force[:touch])) if touch else float(force[0]))
+    force = force - (float(np.median(force[:touch])) if touch else float(force[0]))
     step = float(np.median(np.diff(time)))
     edges = _edges(time, x, touch, step, holds)
     parts = np.linspace(0.0, 1.0, 5)[:-1]
@@ -228,6 +257,7 @@ def _white(time: Array, force: Array, holds: tuple[Hold, ...]) -> float:
     return white_noise(np.concatenate([np.diff(force[rows], 2) for rows in late]), robust=True)
 
 
+CONTRADICTS = 1.0
 LEAST_MISFIT = 0.02
 """Misfit of the one-term law that is always reckoned with: the middle of 19 mixtures, ``docs/ecoflex.md``."""
 ALIKE = 0.15
@@ -235,13 +265,16 @@ ALIKE = 0.15
 RIPPLE, RIPPLE_LENGTH = 0.0025, 0.02
 """Ripple of the solved force over compression, half of its mesh error, and the compression it goes with: the
 bulging side comes to lie on the plate cell by cell."""
+REPEAT = 0.01
+"""Scatter of the force between presses of one puck (lubricant, seating, rest): assumed, by judgement."""
 JITTER = 1e-4
 """Relative error of taking the motion as straight between nodes."""
 
 
 @dataclass(frozen=True)
 class PuckNoise:
-    """Standard deviations: white per sample and slow [N], life of the slow part [s], misfit over force."""
+    """Standard deviations: white per sample (each press has its own) and slow [N], life of the slow part [s], misfit
+    over force."""
 
     white_N: float
     slow_N: float
@@ -249,36 +282,50 @@ class PuckNoise:
     misfit: float
 
 
-def covariance(press: PuckPress, height_mm: float, noise: PuckNoise) -> Array:
-    """Covariance of the bins' residuals of ln force, shape (bins, bins)."""
-    c = press.compression_mm / height_mm
+def joined(presses: Sequence[PuckPress], name: str) -> Array:
+    """Values of the bins of all presses, one after the other."""
+    return np.concatenate([getattr(press, name) for press in presses])
+
+
+def covariance(presses: Sequence[PuckPress], height_mm: float, noise: PuckNoise) -> Array:
+    """Covariance of the residuals of ln force at the bins of all presses of a puck, shape (bins, bins).
+
+    Its law misfits alike in every press; noise and drift are each press's own, and so is :data:`REPEAT`.
+    """
+    c, force = joined(presses, "compression_mm") / height_mm, joined(presses, "force_N")
     difference = c[:, None] - c
     total = noise.misfit**2 * np.exp(-0.5 * (difference / ALIKE) ** 2)
     total += RIPPLE**2 * np.exp(-0.5 * (difference / RIPPLE_LENGTH) ** 2)
-    slow = inference.Bins([press]).slow(noise.slow_time_s)[0]
-    total += noise.slow_N**2 * slow / np.outer(press.force_N, press.force_N)
-    total[np.diag_indices_from(total)] += noise.white_N**2 / press.samples / press.force_N**2 + JITTER**2
+    white = np.concatenate([np.full(len(press.samples), press.white_N) for press in presses])
+    total[np.diag_indices_from(total)] += white**2 / joined(presses, "samples") / force**2 + JITTER**2
+    first = 0
+    for press in presses:
+        own = slice(first, first := first + len(press.samples))
+        slow = inference.Bins([press]).slow(noise.slow_time_s)[0]
+        total[own, own] += noise.slow_N**2 * slow / np.outer(press.force_N, press.force_N)
+        total[own, own] += REPEAT**2 if len(presses) > 1 else 0.0
     return total
 
 
-def whitener(press: PuckPress, height_mm: float, noise: PuckNoise) -> Array:
+def whitener(presses: Sequence[PuckPress], height_mm: float, noise: PuckNoise) -> Array:
     """Inverse Cholesky factor: whitened = factor @ residual."""
-    return inference.whitener(covariance(press, height_mm, noise))
+    return inference.whitener(covariance(presses, height_mm, noise))
 
 
-def estimate(press: PuckPress, height_mm: float, residual: Array, jacobian: Array) -> PuckNoise:
+def estimate(presses: Sequence[PuckPress], height_mm: float, residual: Array, jacobian: Array) -> PuckNoise:
     """Sizes of slow noise and misfit from residuals of ln force and their sensitivity to what was fitted."""
-    level = float(press.force_N.max())
-    longest = max(hold.duration_s for hold in press.holds)
+    level = float(joined(presses, "force_N").max())
+    longest = max(hold.duration_s for press in presses for hold in press.holds)
+    white_N = float(np.sqrt(np.mean([press.white_N**2 for press in presses])))
     start = np.array([1e-3 * level, 0.1 * longest, 1.2 * LEAST_MISFIT])
     low = np.array([1e-5 * level, 1e-2 * longest, LEAST_MISFIT])
     high = np.array([0.02 * level, longest, 0.3])
 
     def noise_of(sizes: Array) -> PuckNoise:
-        return PuckNoise(press.white_N, *sizes.tolist())
+        return PuckNoise(white_N, *sizes.tolist())
 
     def cost(sizes: Array) -> float:
-        own = covariance(press, height_mm, noise_of(sizes))
+        own = covariance(presses, height_mm, noise_of(sizes))
         return inference.restricted_likelihood(own[None], residual[None], jacobian[None])
 
     return noise_of(inference.likeliest(cost, start, low, high)[0])

@@ -1,4 +1,4 @@
-"""Long-term modulus, relaxation, stiffening and plate friction of a puck from one press with holds.
+"""Long-term modulus, relaxation, stiffening and plate friction of a puck from presses with holds.
 
 The force is that of :mod:`dummydesign.resin.puck_test.loading_fit` with relaxation on top (quasi-linear law):
 
@@ -6,7 +6,8 @@ The force is that of :mod:`dummydesign.resin.puck_test.loading_fit` with relaxat
 
 driven by the measured motion. Given alpha, contact offset and times the force is linear in E and E beta_i, from
 which the starts are found. The number of arms, 0 to 3, is the smallest whose AICc is within 6 of the lowest, all
-under the noise of the richest. Friction is not specified: it is profiled from frictionless to bonded.
+under the noise of the richest. Friction is profiled: from frictionless to bonded, or over what was declared of the
+plates with its chi square. Presses of one puck are fitted together; each has its own contact offset.
 
 Intervals of times and strengths are those of the profile likelihood over friction, with the other parameters in
 their Gaussian approximation. Modulus and friction have the cautious ones of ``loading_fit``: how the law misfits
@@ -14,8 +15,8 @@ along the compression is not known, so a puck counts as one independent number w
 as its size. (By the likelihood, with a smooth misfit of known length, they held the truth in 0.7 of the draws of a
 rougher one.) alpha has none: it takes up what the law misfits.
 
-An arm slower than half of the longest hold is not given a value. What it has not relaxed at the end of the file
-counts as stiffness; the interval of the modulus goes down to where it would have relaxed, those of the other
+An arm whose time may be longer than the longest hold is not given a value. What it has not relaxed at the end of the
+file counts as stiffness, what it has is reported as a strength of its own; the interval of the modulus goes down to where it would have relaxed, those of the other
 strengths, which are relative to the modulus, up accordingly.
 
 References
@@ -26,9 +27,9 @@ Fung, Biomechanics: Mechanical Properties of Living Tissues (1993), chapter 7 (q
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import cache, partial
+from functools import cache, lru_cache, partial
 
 import numpy as np
 
@@ -37,11 +38,14 @@ from dummydesign.inference.least_squares import CHI_SQUARE_95, aicc, simplest, s
 from dummydesign.pad.tables.puck import PuckTable, friction_of, uniaxial
 from dummydesign.resin.model.resin import Interval
 from dummydesign.resin.puck_test import loading_fit as loading
-from dummydesign.resin.puck_test.loading_fit import PuckNoise, PuckPress, whitener
+from dummydesign.resin.puck_test.loading_fit import PuckNoise, PuckPress, joined, whitener
+from dummydesign.resin.puck_test.plates import OPEN, Plates
 
 Array = np.ndarray
 
 STRENGTHS = (1e-4, 30.0)
+KEPT = 256
+"""Forces that a problem keeps."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,49 +60,74 @@ class Trial:
 
 
 class PuckProblem:
-    """One press: parameters ln E [kPa], alpha, offset over height, then ln beta of the arms, then ln tau [s]."""
+    """Presses of one puck.
 
-    def __init__(self, press: PuckPress, diameter_mm: float, height_mm: float, table: PuckTable) -> None:
-        self.press, self.height_mm, self.table = press, height_mm, table
+    Parameters: ln E [kPa], alpha, an offset over height for each press, then ln beta of the arms, then ln tau [s].
+    """
+
+    def __init__(
+        self, presses: Sequence[PuckPress], diameter_mm: float, height_mm: float, table: PuckTable
+    ) -> None:
+        self.presses, self.height_mm, self.table = tuple(presses), height_mm, table
+        self.force_N = joined(presses, "force_N")
+        self.first = 2 + len(self.presses)
         self.area = 0.25e-3 * np.pi * diameter_mm**2
         self.log_factor = cache(partial(_smooth_log_factor, table))
-        self.step = np.diff(press.time_s)
-        self.longest = max(hold.duration_s for hold in press.holds)
-        shortest = float(np.min(press.end_s - press.start_s))
+        # a slope by differences moves one parameter: what the others give is kept
+        self.curve, self.column = lru_cache(KEPT)(self.elastic), lru_cache(KEPT)(self._column)
+        self.steps = [np.diff(press.time_s) for press in presses]
+        self.longest = max(hold.duration_s for press in presses for hold in press.holds)
+        shortest = float(np.min(joined(presses, "end_s") - joined(presses, "start_s")))
         self.times = (max(shortest, 1e-4 * self.longest), 10.0 * self.longest)
-        self.factor = whitener(press, height_mm, PuckNoise(press.white_N, 1e-3 * press.force_N.max(), 1.0, 0.02))
+        start = PuckNoise(0.0, 1e-3 * float(self.force_N.max()), 1.0, 0.02)
+        self.factor = whitener(presses, height_mm, start)
 
-    def elastic(self, alpha: float, grip: float, offset: float) -> Array:
-        """Long-term force over E at the nodes, zeroed where the displacement is zero. [N/kPa]"""
-        compression = np.r_[0.0, self.press.displacement_mm] / self.height_mm
-        c = np.maximum(compression - offset, 0.0)
+    def elastic(self, alpha: float, grip: float, offset: float, press: int = 0) -> Array:
+        """Long-term force over E at the nodes of a press, zeroed where its forces are: at its beginning. [N/kPa]"""
+        c = np.maximum(self.presses[press].displacement_mm / self.height_mm - offset, 0.0)
         load = self.area * uniaxial(alpha, c) * np.exp(self.log_factor(grip)(alpha, c))
-        return load[1:] - load[0]
+        return load - load[0]
 
-    def arm(self, elastic: Array, tau_s: float) -> Array:
+    def arm(self, elastic: Array, tau_s: float, press: int = 0) -> Array:
         """Force of an arm of strength one at the nodes, exact for forces that are linear between them."""
-        ratio = self.step / tau_s
+        ratio = self.steps[press] / tau_s
         return np.r_[0.0, linear_recurrence(np.exp(-ratio), np.diff(elastic) * (-np.expm1(-ratio) / ratio))]
+
+    def arms(self, q: Array) -> int:
+        """Number of arms of a vector."""
+        return (len(q) - self.first) // 2
+
+    def parts(self, q: Array, grip: float, times: Sequence[float] | Array) -> Array:
+        """Force over E of the bins: elastic, then an arm of strength one for each time, shape (bins, 1 + times)."""
+        alpha, grip = float(q[1]), float(grip)
+        offsets = [float(q[2 + number]) for number in range(len(self.presses))]
+        taus = [np.inf, *(float(tau) for tau in times)]
+        return np.concatenate([np.stack([self.column(number, alpha, grip, offset, tau) for tau in taus], axis=1)
+                               for number, offset in enumerate(offsets)])  # fmt: skip
+
+    def _column(self, number: int, alpha: float, grip: float, offset: float, tau_s: float) -> Array:
+        """Bins of a press: its elastic force over E (infinite time), or that of an arm of strength one."""
+        elastic = self.curve(alpha, grip, offset, number)
+        force = elastic if np.isinf(tau_s) else self.arm(elastic, tau_s, number)
+        return self.presses[number].average @ force
 
     def predict(self, q: Array, grip: float) -> Array:
         """Force of the bins. [N]"""
-        arms = (len(q) - 3) // 2
-        elastic = self.elastic(q[1], grip, q[2])
-        total = elastic.copy()
-        for beta, tau in zip(np.exp(q[3 : 3 + arms]), np.exp(q[3 + arms :])):
-            total += beta * self.arm(elastic, tau)
-        return np.exp(q[0]) * (self.press.average @ total)
+        arms = self.arms(q)
+        beta, tau = np.exp(q[self.first : self.first + arms]), np.exp(q[self.first + arms :])
+        return np.exp(q[0]) * (self.parts(q, grip, tau) @ np.r_[1.0, beta])
 
     def residual(self, q: Array, grip: float) -> Array:
         """Logarithm of fitted over measured force of the bins."""
-        return np.log(np.maximum(self.predict(q, grip), 1e-9) / self.press.force_N)
+        return np.log(np.maximum(self.predict(q, grip), 1e-9) / self.force_N)
 
     def box(self, arms: int) -> tuple[Array, Array]:
         """Lowest and highest parameters."""
         weak, strong = np.log(STRENGTHS)
         short, long = np.log(self.times)
-        low = [-20.0, loading.ALPHA_RANGE[0], -loading.LARGEST_OFFSET, *[weak] * arms, *[short] * arms]
-        high = [20.0, loading.ALPHA_RANGE[1], loading.LARGEST_OFFSET, *[strong] * arms, *[long] * arms]
+        offsets = [loading.LARGEST_OFFSET] * len(self.presses)
+        low = [-20.0, loading.ALPHA_RANGE[0], *(-one for one in offsets), *[weak] * arms, *[short] * arms]
+        high = [20.0, loading.ALPHA_RANGE[1], *offsets, *[strong] * arms, *[long] * arms]
         return np.array(low), np.array(high)
 
     def starts(self, arms: int, grip: float, count: int = 2) -> list[Array]:
@@ -107,28 +136,28 @@ class PuckProblem:
 
         starts = []
         grid = np.geomspace(3.0 * self.times[0], 0.6 * self.longest, 9)
+        offsets = [0.0] * len(self.presses)
         for alpha in (1.5, 3.0):
-            elastic = self.elastic(alpha, grip, 0.0)
-            forces = np.stack([elastic, *(self.arm(elastic, tau) for tau in grid)], axis=1)
-            columns = self.factor @ ((self.press.average @ forces) / self.press.force_N[:, None])
+            forces = self.parts(np.array([0.0, alpha, *offsets]), grip, grid)
+            columns = self.factor @ (forces / self.force_N[:, None])
             goal = self.factor @ np.ones(len(columns))
             for combo in itertools.combinations(range(len(grid)), arms):
                 strength, rest = nnls(columns[:, [0, *(1 + k for k in combo)]], goal)
                 if strength[0] > 0.0:
                     beta = np.clip(strength[1:] / strength[0], 1e-3, 10.0)
-                    starts.append((rest, [np.log(strength[0]), alpha, 0.0, *np.log(beta), *np.log(grid[list(combo)])]))
+                    starts.append((rest, [np.log(strength[0]), alpha, *offsets, *np.log(beta), *np.log(grid[list(combo)])]))
         starts.sort(key=lambda pair: pair[0])
         return [np.array(q) for _, q in starts[:count]]
 
     def fit(self, starts: list[Array], grip: float) -> Trial:
         """Trust-region least squares of the whitened residuals; arms in the order of their times."""
-        arms = (len(starts[0]) - 3) // 2
+        arms, first = self.arms(starts[0]), self.first
         best = solve_by_differences(
             lambda q: self.factor @ self.residual(q, grip), starts, *self.box(arms), tolerance=1e-7, most=60
         )
         assert best.residual is not None and best.jacobian is not None
-        order = np.argsort(best.parameters[3 + arms :])
-        columns = np.r_[0, 1, 2, 3 + order, 3 + arms + order]
+        order = np.argsort(best.parameters[first + arms :])
+        columns = np.r_[np.arange(first), first + order, first + arms + order]
         return Trial(grip, best.parameters[columns], best.chi_square, best.residual, best.jacobian[:, columns])
 
     def aicc(self, trial: Trial) -> float:
@@ -163,11 +192,15 @@ WIDEST = 10.0
 
 @dataclass(frozen=True)
 class PuckArm:
-    """One relaxing arm; ``reason`` says why it is not identifiable, empty when it is."""
+    """One relaxing arm; ``reason`` says why it is not identifiable, empty when it is.
+
+    Of a ``slow`` arm, which may outlast the hold, ``beta`` is what relaxes within it, up to all of it.
+    """
 
     tau_s: Interval
     beta: Interval
     reason: str
+    slow: bool = False
 
 
 Comparison = dict[str, dict[str, float]]
@@ -175,10 +208,11 @@ Comparison = dict[str, dict[str, float]]
 
 @dataclass(frozen=True)
 class PuckRelaxation:
-    """What one press with holds says; intervals are 95 %.
+    """What presses with holds say; intervals are 95 %.
 
-    ``seen_s`` are the shortest and longest times that the holds can show: twice the sampling or a tenth of the
-    shortest ramp, and half of the longest hold. ``comparison`` gives rmse [N] and AICc for each number of arms.
+    ``seen_s`` are the shortest and longest times that the presses show (:func:`_fastest_seen`, half of the longest
+    hold). ``comparison`` gives rmse [N] and AICc for each number of arms. ``doubt`` is by how much chi square falls
+    when the declared friction of the plates is let go.
     """
 
     young_kPa: Interval
@@ -189,41 +223,63 @@ class PuckRelaxation:
     comparison: Comparison
     noise: PuckNoise
     rmse_N: float
+    doubt: float = 0.0
 
 
-def fit_relaxation(press: PuckPress, diameter_mm: float, height_mm: float, table: PuckTable) -> PuckRelaxation:
-    """Fit one press with holds."""
-    problem = PuckProblem(press, diameter_mm, height_mm, table)
+def fit_relaxation(
+    presses: Sequence[PuckPress], diameter_mm: float, height_mm: float, table: PuckTable, plates: Plates = OPEN
+) -> PuckRelaxation:
+    """Fit presses of one puck, each with a hold or more."""
+    problem = PuckProblem(presses, diameter_mm, height_mm, table)
     rivals: dict[int, Trial] = {}
     for arms in range(MOST_ARMS, -1, -1):
-        tried = [problem.fit(problem.starts(arms, grip), grip) for grip in COARSE]
+        grips = (rivals[MOST_ARMS].grip,) if plates and rivals else COARSE
+        tried = [problem.fit(problem.starts(arms, grip), grip) for grip in grips]
         rivals[arms] = min(tried, key=lambda one: one.chi_square)
         if arms == MOST_ARMS:
-            problem.factor = whitener(press, height_mm, _noise(problem, rivals[arms]))
+            problem.factor = whitener(presses, height_mm, _noise(problem, rivals[arms]))
             rivals[arms] = problem.fit([rivals[arms].parameters], rivals[arms].grip)
     scores = {arms: problem.aicc(trial) for arms, trial in rivals.items()}
     chosen = simplest(scores)
     noise = _noise(problem, rivals[chosen])
-    problem.factor = whitener(press, height_mm, noise)
-    profile: list[Trial] = []
-    warm = rivals[chosen].parameters
-    for grip in GRIPS[np.argsort(np.abs(GRIPS - rivals[chosen].grip))]:
-        nearest = min(profile, key=lambda one: abs(one.grip - grip)).parameters if profile else warm
-        profile.append(problem.fit([nearest, warm] if profile else [warm], float(grip)))
-    profile.sort(key=lambda one: one.grip)
+    problem.factor = whitener(presses, height_mm, noise)
+    profile = _profile(problem, plates.grips(GRIPS), rivals[chosen])
+    doubt = 0.0
+    if plates:
+        free = _profile(problem, np.array(COARSE), min(profile, key=lambda one: one.chi_square))
+        least = min(one.chi_square for one in (*free, *profile))
+        doubt = min(one.chi_square for one in profile) - least
     comparison = {
         str(arms): {"rmse_N": _rmse(problem, trial), "aicc": scores[arms]} for arms, trial in sorted(rivals.items())
     }
-    return _summarise(problem, profile, comparison, noise)
+    return _summarise(problem, profile, comparison, noise, plates, doubt)
+
+
+CONTRADICTS = 15.0
+
+
+def holds_contradict(fit: PuckRelaxation) -> bool:
+    """Whether the presses contradict the declared friction of the plates."""
+    return fit.doubt > CONTRADICTS
+
+
+def _profile(problem: PuckProblem, grips: Array, start: Trial) -> list[Trial]:
+    """Best fits at some grips, from the nearest that was fitted; by rising grip."""
+    profile: list[Trial] = []
+    warm = start.parameters
+    for grip in grips[np.argsort(np.abs(grips - start.grip))]:
+        nearest = min(profile, key=lambda one: abs(one.grip - grip)).parameters if profile else warm
+        profile.append(problem.fit([nearest, warm] if profile else [warm], float(grip)))
+    return sorted(profile, key=lambda one: one.grip)
 
 
 def _noise(problem: PuckProblem, trial: Trial) -> PuckNoise:
     lower = np.linalg.inv(problem.factor)
-    return loading.estimate(problem.press, problem.height_mm, lower @ trial.residual, lower @ trial.jacobian)
+    return loading.estimate(problem.presses, problem.height_mm, lower @ trial.residual, lower @ trial.jacobian)
 
 
 def _rmse(problem: PuckProblem, trial: Trial) -> float:
-    error = problem.predict(trial.parameters, trial.grip) - problem.press.force_N
+    error = problem.predict(trial.parameters, trial.grip) - problem.force_N
     return float(np.sqrt(np.mean(error**2)))
 
 
@@ -233,60 +289,100 @@ def _spreads(trial: Trial) -> Array:
     return np.sqrt(np.sum((turn / np.maximum(singular, 1e-10 * singular[0])[:, None]) ** 2, axis=0))
 
 
-def _summarise(problem: PuckProblem, profile: list[Trial], comparison: Comparison, noise: PuckNoise) -> PuckRelaxation:
-    best = min(profile, key=lambda one: one.chi_square)
-    kept = [profile[index] for index in within([one.chi_square for one in profile])]
-    reach = [np.sqrt(CHI_SQUARE_95 - (one.chi_square - best.chi_square)) * _spreads(one) for one in kept]
+def _summarise(
+    problem: PuckProblem, profile: list[Trial], comparison: Comparison, noise: PuckNoise, plates: Plates, doubt: float
+) -> PuckRelaxation:
+    costs = [one.chi_square + plates.surprise(one.grip) for one in profile]
+    best, least = profile[int(np.argmin(costs))], min(costs)
+    places = within(costs)
+    kept = [profile[index] for index in places]
+    reach = [np.sqrt(CHI_SQUARE_95 - (costs[index] - least)) * _spreads(profile[index]) for index in places]
     low = np.min([one.parameters - width for one, width in zip(kept, reach)], axis=0)
     high = np.max([one.parameters + width for one, width in zip(kept, reach)], axis=0)
-    q, arms = best.parameters, (len(best.parameters) - 3) // 2
+    q, arms, first = best.parameters, problem.arms(best.parameters), problem.first
     ends = problem.box(arms)
     parts = []
     for k in range(arms):
-        strength, time = 3 + k, 3 + arms + k
+        strength, time = first + k, first + arms + k
         tau_s, beta = (
             Interval(*np.exp([q[i], max(low[i], -40.0), min(high[i], 40.0)]).tolist()) for i in (time, strength)
         )
-        parts.append(PuckArm(tau_s, beta, _reason(problem, tau_s, beta, q[time] - ends[0][time])))
+        reason, slow = _reason(problem, tau_s, beta, q[time] - ends[0][time]), tau_s.high > problem.longest
+        parts.append(PuckArm(tau_s, beta, reason, slow))
     # what a slow arm still carries at the end of the file counts as stiffness
-    elastic = problem.elastic(q[1], best.grip, q[2])
-    stiff = 1.0
-    for arm in parts:
-        if arm.tau_s.value > 0.5 * problem.longest:
-            stiff += arm.beta.value * float(problem.arm(elastic, arm.tau_s.value)[-1] / elastic[-1])
+    longest = int(np.argmax([max(hold.duration_s for hold in press.holds) for press in problem.presses]))
+    elastic = problem.elastic(q[1], best.grip, q[2 + longest], longest)
+    carried = [float(problem.arm(elastic, arm.tau_s.value, longest)[-1] / elastic[-1]) * arm.slow for arm in parts]
+    stiff = 1.0 + sum(arm.beta.value * share for arm, share in zip(parts, carried))
     given = tuple(
-        PuckArm(arm.tau_s, Interval(arm.beta.value / stiff, arm.beta.low / stiff, arm.beta.high), arm.reason)
-        for arm in parts
-    )
-    young, friction = _elastic(problem, profile, best)
+        PuckArm(arm.tau_s, Interval((1.0 - share) * arm.beta.value / stiff, (1.0 - share) * arm.beta.low / stiff,
+                                    arm.beta.high), arm.reason, arm.slow)
+        for arm, share in zip(parts, carried)
+    )  # fmt: skip
+    young, friction = _elastic(problem, profile, best, plates)
     slow_low = float(np.exp(low[0])) if stiff > 1.0 else young.low
     young = Interval(young.value * stiff, min(young.low, slow_low), young.high * stiff)
-    return PuckRelaxation(young, float(q[1]), friction, given, _seen(problem), comparison, noise, _rmse(problem, best))
+    return PuckRelaxation(
+        young, float(q[1]), friction, given, _seen(problem, best, given), comparison, noise, _rmse(problem, best), doubt
+    )
 
 
-def _elastic(problem: PuckProblem, profile: list[Trial], best: Trial) -> tuple[Interval, Interval]:
+def _elastic(
+    problem: PuckProblem, profile: list[Trial], best: Trial, plates: Plates
+) -> tuple[Interval, Interval]:
     """Modulus [kPa] and friction with cautious intervals: the puck is one independent number."""
     squares = [float(np.mean(problem.residual(one.parameters, one.grip) ** 2)) for one in profile]
     own = squares[profile.index(best)]
     variance = PUCK_SCATTER**2 + own
-    kept = [profile[index] for index in within(squares, variance, own)]
-    around = np.sqrt(CHI_SQUARE_95 * variance)
-    logs = [one.parameters[0] for one in kept]
-    young = Interval(*np.exp([best.parameters[0], min(logs) - around, max(logs) + around]).tolist())
+    excess = [(square - own) / variance + plates.surprise(one.grip) - plates.surprise(best.grip)
+              for square, one in zip(squares, profile)]  # fmt: skip
+    places = within(excess, 1.0, 0.0)
+    # without a declaration the friction is not weighed against the scatter
+    around = [np.sqrt(variance * (CHI_SQUARE_95 - (max(excess[index], 0.0) if plates else 0.0))) for index in places]
+    logs = [profile[index].parameters[0] for index in places]
+    low = min(log - one for log, one in zip(logs, around))
+    high = max(log + one for log, one in zip(logs, around))
+    young = Interval(*np.exp([best.parameters[0], low, high]).tolist())
+    kept = [profile[index] for index in places]
     return young, Interval(*(friction_of(one.grip) for one in (best, kept[0], kept[-1])))
 
 
-def _seen(problem: PuckProblem) -> tuple[float, float]:
-    holds = problem.press.holds
-    touch = float(problem.press.time_s[int(np.argmax(problem.press.displacement_mm > 0.0))])
-    ramps = [hold.start_s - begin for hold, begin in zip(holds, [touch, *(hold.end_s for hold in holds)])]
-    return max(2.0 * problem.times[0], 0.1 * min(ramps)), 0.5 * problem.longest
+SHOWN = 0.05
+"""Standard deviation of a strength, over the long-term modulus, up to which presses show an arm: one of a tenth would
+be seen."""
+
+
+def _seen(problem: PuckProblem, best: Trial, arms: Sequence[PuckArm]) -> tuple[float, float]:
+    """Shortest and longest time that the presses show; a fast arm without a value bounds them."""
+    shortest, longest = _fastest_seen(problem, best), 0.5 * problem.longest
+    known = [arm.tau_s.value for arm in arms if not arm.reason]
+    shortest = min([shortest, *known])
+    for arm in arms:
+        if arm.reason and not arm.slow and arm.tau_s.value < min(known, default=np.inf):
+            shortest = max(shortest, min(arm.tau_s.high, min(known, default=longest)))
+    return min(shortest, longest), longest
+
+
+def _fastest_seen(problem: PuckProblem, best: Trial) -> float:
+    """Shortest time at which an arm alone would have a strength known to :data:`SHOWN` or better. [s]
+
+    By the noise of the bins, with modulus, stiffening and offsets free: a ramp that is slow against the time, coarse
+    samples or noise hide it.
+    """
+    times = np.geomspace(problem.times[0], 0.5 * problem.longest, 40)
+    forces = problem.parts(best.parameters, best.grip, times)[:, 1:]
+    columns = problem.factor @ (np.exp(best.parameters[0]) * forces / problem.force_N[:, None])
+    others, _ = np.linalg.qr(best.jacobian[:, : problem.first])
+    columns = columns - others @ (others.T @ columns)
+    hidden = np.nonzero(np.sum(columns**2, axis=0) < SHOWN**-2)[0]
+    return float(times[min(hidden[-1] + 1, len(times) - 1)]) if hidden.size else float(times[0])
 
 
 def _reason(problem: PuckProblem, tau_s: Interval, beta: Interval, above_shortest: float) -> str:
     """Why an arm is not identifiable, or nothing."""
-    if tau_s.value > 0.5 * problem.longest:
-        return f"slower than half of the longest hold ({problem.longest:.4g} s): hold longer to see its time"
+    if tau_s.high > problem.longest:
+        return (f"its time ({tau_s.value:.3g} s) may be longer than the longest hold ({problem.longest:.4g} s): hold "
+                "longer to see it")  # fmt: skip
     if above_shortest < 1e-3:
         return f"faster than the samples show ({problem.times[0]:.2g} s)"
     for name, interval in (("time", tau_s), ("strength", beta)):

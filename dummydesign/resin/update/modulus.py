@@ -182,8 +182,8 @@ def with_point(resin: Resin, point: Point, name: str) -> Updated:
 
 
 def known_puck(resin: Resin, sha256: str) -> Point | None:
-    """The point of a resin that came from this recording."""
-    return next((point for point in resin.points if point.puck and point.puck.sha256 == sha256), None)
+    """The point of a resin that came from one of these recordings."""
+    return next((point for point in resin.points if point.puck and point.puck.has(sha256)), None)
 
 
 def without_puck(resin: Resin, sha256: str) -> Resin:
@@ -195,7 +195,7 @@ def without_puck(resin: Resin, sha256: str) -> Resin:
         notes=tuple(note for note in resin.notes if not note.startswith(NOTE)),
     )  # fmt: skip
     for point in resin.points:
-        if point.puck is None or point.puck.sha256 != sha256:
+        if point.puck is None or not point.puck.has(sha256):
             base = with_point(base, point, resin.name)[0]
     return base
 

@@ -1,17 +1,18 @@
-"""Update a resin's relaxation by the arms that a puck's holds showed.
+"""Update a resin's relaxation by the arms that presses of a puck showed.
 
 The base's arms are carried to the puck's ratio, with what is not known of its law (draws). Then, arm by arm:
 
-- a measured arm and the base's nearest one within a factor of three in time are taken for the same; the posterior
-  of ln beta is normal, with weights 1 / variance of the base's and of the measured. The time is the measured one.
-  Where the two miss each other by more than 2.6 of their joint standard deviation, both are widened until they
-  agree (Birge ratio) and this is reported;
+- a measured arm takes the place of the base's nearest one within a factor of three in time where that is a guess
+  (assumed or inferred): a guess has no weight beside a measurement. Where the base's is measured too, the posterior
+  of ln beta is normal, with weights 1 / variance of both. The time is the new one. Where the two miss each other by
+  more than 2.6 of their joint standard deviation, both are widened until they agree (Birge ratio) and this is
+  reported;
 - a measured arm without a counterpart is taken as measured;
-- an arm of the base inside the times that the puck could show, without a counterpart, is not there: the measured
+- an arm of the base inside the times that the presses show, without a counterpart, is not there: the measured
   arms stand for all of it;
-- an arm of the base outside those times is kept as the base has it, and this is reported.
+- an arm of the base outside those times is kept as the base has it, with its own interval, and this is reported.
 
-From pour to pour strengths scatter by more than one puck shows: :data:`POUR` is added to the measured spread.
+The interval is that of the batch that was poured. Another pour of the recipe is another batch.
 
 References
 ----------
@@ -28,11 +29,10 @@ from typing import Any
 import numpy as np
 
 from dummydesign.core.quantity import HALF_WIDTH, Quantity
-from dummydesign.resin.model.resin import Arm, Interval, Resin
+from dummydesign.resin.model.resin import SMALLEST_SPREAD, Arm, Interval, Resin
 
 SAME_TIME = 3.0
-POUR = 0.05
-"""Standard deviation of ln beta from pour to pour that is added to a puck's own: assumed, a twentieth."""
+GUESSES = ("assumed", "inferred")
 DRAWS = 4000
 SURPRISE = 2.6
 NOTE = "relaxation: "
@@ -41,13 +41,17 @@ NOTE = "relaxation: "
 
 @dataclass(frozen=True)
 class ArmUpdate:
-    """What became of one arm: ``from`` is measured, both, base or gone; strengths are at the puck's ratio."""
+    """What became of one arm: ``from`` is measured, both, base or gone; strengths are at the puck's ratio.
+
+    ``notice`` says what a user should know of it, empty for what was to be expected.
+    """
 
     tau_s: float
     came_from: str
     base_beta: Interval | None
     measured_beta: Interval | None
     beta: Interval | None
+    notice: str = ""
 
     def to_dict(self) -> dict[str, Any]:
         """Return plain values; strengths as {value, low, high} or null."""
@@ -66,47 +70,48 @@ def update_relaxation(resin: Resin, measured: Sequence[Arm], ratio: float, seen_
     taken: set[int] = set()
     arms: list[Arm] = []
     updates: list[ArmUpdate] = []
-    notices: list[str] = []
     for tau, beta in sorted(((arm.tau_s, arm.beta) for arm in measured), key=lambda pair: pair[0].value):
         free = [at for at in range(len(base)) if at not in taken]
         distances = ((abs(math.log(resin.arms[at].tau_s.value / tau.value)), at) for at in free)
         off, index = min(distances, default=(math.inf, 0))
         own = Interval(beta.value, beta.low, beta.high)
         carried = base[index] if off <= math.log(SAME_TIME) else None
+        value, source, came_from, notice = _interval(math.log(own.value), _spread(own)), beta.source, "measured", ""
         if carried is not None:
             taken.add(index)
-            value, widening = _combined(carried, own)
-            if widening > 1.0:
-                notices.append(
-                    f"the strength at {tau.value:.3g} s, {beta.value:.3g}, is not what the base states "
-                    f"({carried.value:.3g}); both were widened {widening:.1f} times so that they agree"
-                )
-            source = f"{beta.source}; prior ({resin.arms[index].beta.source}) by inverse variance of ln beta"
-            updates.append(ArmUpdate(tau.value, "both", base[index], own, value))
-        else:
-            value = _interval(math.log(beta.value), math.hypot(_spread(own), POUR))
-            source = f"{beta.source}; spread from pour to pour {POUR:g} of ln beta assumed"
-            updates.append(ArmUpdate(tau.value, "measured", None, own, value))
-        arms.append(Arm(tau, Quantity(*value, "fitted", source)))
+            known = resin.arms[index].beta
+            if known.kind not in GUESSES:
+                value, widening = _combined(carried, own)
+                came_from, source = "both", f"{source}; before ({known.source}) by inverse variance of ln beta"
+                if widening > 1.0:
+                    notice = (
+                        f"the strength at {tau.value:.3g} s, {beta.value:.3g}, differs from the one measured before "
+                        f"({carried.value:.3g}); both were widened {widening:.1f} times so that they agree"
+                    )
+        updates.append(ArmUpdate(tau.value, came_from, carried, own, value, notice))
+        arms.append(Arm(tau, Quantity(*value, beta.kind, source)))
     for index, arm in enumerate(resin.arms):
         if index in taken:
             continue
         time = arm.tau_s.value
         if seen_s[0] <= time <= seen_s[1]:
-            updates.append(ArmUpdate(time, "gone", base[index], None, None))
-            notices.append(f"the base's arm at {time:g} s is replaced by the measured ones")
+            notice = f"the base's arm at {time:g} s is replaced by the measured ones"
+            updates.append(ArmUpdate(time, "gone", base[index], None, None, notice))
             continue
         value = base[index] or Interval(0.0, 0.0, 0.0)
         source = f"{arm.beta.source}; carried to ratio {ratio:g}"
         arms.append(Arm(arm.tau_s, Quantity(*value, arm.beta.kind, source)))
-        updates.append(ArmUpdate(time, "base", base[index], None, value))
-        notices.append(f"the base's arm at {time:g} s is kept: holds show {seen_s[0]:.2g} to {seen_s[1]:.3g} s")
+        notice = (f"the base's arm at {time:g} s, {value.value:.3g} ({value.low:.3g} to {value.high:.3g}), is kept: "
+                  f"the presses show {seen_s[0]:.2g} to {seen_s[1]:.3g} s")  # fmt: skip
+        updates.append(ArmUpdate(time, "base", base[index], None, value, notice))
+    updates.sort(key=lambda one: one.tau_s)
+    notices = tuple(one.notice for one in updates if one.notice)
     changed = replace(
         resin, arms=tuple(sorted(arms, key=lambda arm: arm.tau_s.value)), relaxation_ratio_ref=ratio,
         prior_relaxation=resin.prior_relaxation or (resin.arms, resin.relaxation_ratio_ref),
         notes=tuple(dict.fromkeys([*resin.notes, *(NOTE + text for text in notices)])),
     )  # fmt: skip
-    return changed, tuple(sorted(updates, key=lambda one: one.tau_s)), tuple(notices)
+    return changed, tuple(updates), notices
 
 
 def _carried(draws: np.ndarray) -> Interval | None:
@@ -117,7 +122,7 @@ def _carried(draws: np.ndarray) -> Interval | None:
 
 def _spread(beta: Interval) -> float:
     """Standard deviation of ln beta from a 95 % interval; an end at zero counts as far away."""
-    return math.log(beta.high / max(beta.low, 1e-3 * beta.value)) / (2.0 * HALF_WIDTH)
+    return max(math.log(beta.high / max(beta.low, 1e-3 * beta.value)) / (2.0 * HALF_WIDTH), SMALLEST_SPREAD)
 
 
 def _interval(log_value: float, spread: float) -> Interval:
@@ -126,7 +131,7 @@ def _interval(log_value: float, spread: float) -> Interval:
 
 def _combined(base: Interval, own: Interval) -> tuple[Interval, float]:
     """Posterior of a strength and the factor by which both were widened."""
-    first, second = _spread(base), math.hypot(_spread(own), POUR)
+    first, second = _spread(base), _spread(own)
     misfit = abs(math.log(base.value / own.value)) / math.hypot(first, second)
     widening = misfit if misfit > SURPRISE else 1.0
     weights = first**-2, second**-2

@@ -5,6 +5,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -28,7 +30,7 @@ def pressed(arms, levels=(0.12, 0.25), hold_s=80.0, seed=5, noise_N=0.01):
 
 
 def fitted(press):
-    return fit_relaxation(press, DIAMETER, HEIGHT, table_for(DIAMETER, HEIGHT))
+    return fit_relaxation((press,), DIAMETER, HEIGHT, table_for(DIAMETER, HEIGHT))
 
 
 @pytest.mark.parametrize("noise_mm", [0.0, 0.004])
@@ -58,7 +60,7 @@ def test_a_hold_is_found_after_a_ramp_of_few_samples():
 def test_the_model_of_the_bins_is_the_hereditary_integral():
     arms = ((0.7, 0.3), (9.0, 0.15))
     press = pressed(arms, noise_N=0.0)
-    problem = PuckProblem(press, DIAMETER, HEIGHT, table_for(DIAMETER, HEIGHT))
+    problem = PuckProblem((press,), DIAMETER, HEIGHT, table_for(DIAMETER, HEIGHT))
     truth = np.r_[np.log(YOUNG_KPA), ALPHA, 0.0, np.log([0.3, 0.15]), np.log([0.7, 9.0])]
     assert np.max(np.abs(problem.residual(truth, 0.0))) < 2e-3
     elastic = problem.elastic(ALPHA, 0.0, 0.0)
@@ -100,9 +102,11 @@ def test_an_arm_slower_than_half_of_the_hold_has_no_value_and_the_modulus_reache
 def test_misfit_of_the_law_is_the_same_all_through_a_hold_and_noise_falls_with_samples():
     press = pressed(((1.2, 0.3),), levels=(0.25,))
     late = np.nonzero(press.start_s > press.holds[0].start_s)[0]
-    matrix = covariance(press, HEIGHT, PuckNoise(0.0, 0.0, 1.0, 0.03))[np.ix_(late, late)]
+    quiet = replace(press, white_N=0.0)
+    matrix = covariance((quiet,), HEIGHT, PuckNoise(0.0, 0.0, 1.0, 0.03))[np.ix_(late, late)]
     assert matrix[0, 1:] == pytest.approx(0.03**2 + 0.0025**2, rel=1e-3)
-    white = np.diag(covariance(press, HEIGHT, PuckNoise(0.1, 0.0, 1.0, 0.0)))
+    loud = replace(press, white_N=0.1)
+    white = np.diag(covariance((loud,), HEIGHT, PuckNoise(0.1, 0.0, 1.0, 0.0)))
     expected = 0.01 / press.samples / press.force_N**2
     assert white - 0.0025**2 - 1e-8 == pytest.approx(expected, rel=1e-6)
 

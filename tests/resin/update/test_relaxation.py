@@ -1,13 +1,14 @@
-"""Measured arms in a resin: weights by inverse variance, what was not seen is kept, contradiction is said."""
+"""Measured arms in a resin: they replace guesses, two measurements are weighed, what was not seen is kept."""
 
 import math
 
+import numpy as np
 import pytest
 
 from dummydesign.core.quantity import HALF_WIDTH, Quantity
 from dummydesign.resin import load_resin
 from dummydesign.resin.model.resin import Arm, save_resin
-from dummydesign.resin.update.relaxation import POUR, update_relaxation
+from dummydesign.resin.update.relaxation import update_relaxation
 
 
 def arm(tau_s, beta, spread=0.05):
@@ -28,19 +29,34 @@ def strengths(resin):
     return {arm.tau_s.value: arm.beta for arm in resin.arms}
 
 
-def test_a_measured_arm_and_the_bases_of_like_time_have_the_posterior_of_the_closed_form(base):
-    """Two normal numbers of ln beta: weights 1 / variance."""
+def test_a_measured_arm_takes_the_place_of_the_bases_guess(base):
+    """A guess of 35 % has no weight beside a measurement of 3 %: value and interval are the measured ones."""
     own = max(base.arms, key=lambda arm: arm.tau_s.value)
-    tau = 1.2 * own.tau_s.value
-    resin, updates, said = update_relaxation(base, [arm(tau, own.beta.value, 0.1)], 15.0, (0.5, 50.0))
+    assert own.beta.kind == "inferred"
+    tau, beta = 1.2 * own.tau_s.value, 1.9 * own.beta.value
+    resin, updates, said = update_relaxation(base, [arm(tau, beta, 0.03)], 15.0, (0.5, 50.0))
     found = strengths(resin)[tau]
+    assert found.value == pytest.approx(beta, rel=1e-12)
+    assert spread_of(found) == pytest.approx(0.03, rel=1e-9)
+    assert own.tau_s.value not in strengths(resin) and not any("widened" in text for text in said)
+    assert next(one for one in updates if one.tau_s == tau).came_from == "measured"
+    drawn = resin.draw(4000, 1).beta(15.0)[:, [arm.tau_s.value for arm in resin.arms].index(tau)]
+    assert np.std(np.log(drawn)) == pytest.approx(0.03, rel=0.05)
+
+
+def test_two_measured_arms_of_like_time_have_the_posterior_of_the_closed_form(base):
+    """Two normal numbers of ln beta: weights 1 / variance."""
+    tau, first, second = 3.0, 0.10, 0.11
+    once, *_ = update_relaxation(base, [arm(tau, first, 0.1)], 15.0, (0.5, 50.0))
+    twice, updates, said = update_relaxation(once, [arm(1.1 * tau, second, 0.05)], 15.0, (0.5, 50.0))
+    found = strengths(twice)[1.1 * tau]
     carried = next(one for one in updates if one.came_from == "both").base_beta
-    first, second = math.log(carried[2] / carried[1]) / (2 * HALF_WIDTH), math.hypot(0.1, POUR)
-    weights = first**-2, second**-2
-    mean = (weights[0] * math.log(carried[0]) + weights[1] * math.log(own.beta.value)) / sum(weights)
+    spreads = math.log(carried[2] / carried[1]) / (2 * HALF_WIDTH), 0.05
+    weights = [spread**-2 for spread in spreads]
+    mean = (weights[0] * math.log(carried[0]) + weights[1] * math.log(second)) / sum(weights)
     assert math.log(found.value) == pytest.approx(mean, abs=1e-9)
     assert spread_of(found) == pytest.approx(sum(weights) ** -0.5, rel=1e-9)
-    assert not any("widened" in text for text in said)
+    assert spreads[0] == pytest.approx(0.1, rel=0.05) and not any("widened" in text for text in said)
 
 
 def test_arms_outside_what_was_seen_stay_and_those_inside_without_counterpart_go(base):
@@ -56,13 +72,13 @@ def test_arms_outside_what_was_seen_stay_and_those_inside_without_counterpart_go
     assert kept[min(times)].value == pytest.approx(strengths(base)[min(times)].value, rel=0.05)
 
 
-def test_what_the_base_states_and_the_puck_denies_is_widened_and_said(base):
-    own = base.arms[-1]
-    tau, beta = own.tau_s.value, 40.0 * own.beta.high
-    resin, _, said = update_relaxation(base, [arm(tau, beta, 0.02)], 15.0, (0.5 * tau, 50.0 * tau))
+def test_what_two_pucks_contradict_is_widened_and_said(base):
+    tau, beta = 3.0, 0.4
+    once, *_ = update_relaxation(base, [arm(tau, 0.1, 0.02)], 15.0, (0.5 * tau, 50.0 * tau))
+    resin, _, said = update_relaxation(once, [arm(tau, beta, 0.02)], 15.0, (0.5 * tau, 50.0 * tau))
     assert any("widened" in text for text in said)
     found = strengths(resin)[tau]
-    assert found.low < beta and spread_of(found) > 2.0 * math.hypot(0.02, POUR)
+    assert found.low < beta and spread_of(found) > 2.0 * 0.02
 
 
 def test_another_ratio_becomes_the_reference_and_arms_are_carried_there(base):

@@ -1,0 +1,1 @@
+"""Witness pucks: the ring they are cast in, what is weighed, how they are pressed."""

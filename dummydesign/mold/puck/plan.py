@@ -1,0 +1,58 @@
+"""What to weigh and to pour for the pucks of one batch. No CAD."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+from dummydesign.mold.model import formulas as formula
+from dummydesign.mold.pour.plan import CUP_FACTOR, RATIO_ERROR_LIMIT_PERCENT, Mix, split_batch
+from dummydesign.mold.puck.ring import PuckSpec, Ring, cavity_mm3
+
+
+@dataclass(frozen=True)
+class PuckPlan:
+    """One pour: what is mixed, what of it goes into each ring; ``raised`` when the balance needs more than is poured."""
+
+    mix: Mix
+    pour_g: tuple[float, ...]
+    puck_g: tuple[float, ...]
+    wanted_g: float
+    raised: bool
+    cup_mm3: float
+    level_deg: float
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return plain values."""
+        return {**self.mix.to_dict(), "pour_g": list(self.pour_g), "puck_g": list(self.puck_g),
+                "wanted_g": self.wanted_g, "raised": self.raised, "cup_mm3": self.cup_mm3,
+                "level_deg": self.level_deg}  # fmt: skip
+
+
+def puck_plan(spec: PuckSpec) -> PuckPlan:
+    """Work out the pour: all rings filled a little over the rim, film and spare added, weighable in the right ratio."""
+    pour, machines = spec.pour, spec.machines
+    density = pour.density_g_per_cm3 * 1e-3
+    over = tuple(density * (cavity_mm3(spec, ring) + _over_rim_mm3(spec, ring)) for ring in spec.rings)
+    needed = sum(ring.count * mass for ring, mass in zip(spec.rings, over))
+    wanted = needed * (1 + pour.extra_percent / 100) + pour.film_loss_g
+    resolution = machines.balance_resolution_g
+    smallest = min(share for _, share in pour.components)
+    cup_mm = min(machines.chamber_diameter_mm, machines.chamber_height_mm)
+    most = math.pi / 4 * cup_mm**3 / CUP_FACTOR * density
+    least = min(math.ceil(resolution / (RATIO_ERROR_LIMIT_PERCENT / 100 * smallest) - 1e-9), math.floor(most))
+    components, error = split_batch(max(wanted, least), pour.components, resolution)
+    total = round(sum(mass for _, mass in components), 6)
+    return PuckPlan(
+        Mix(components, total, error), over, tuple(density * ring.volume_mm3 for ring in spec.rings), wanted,
+        wanted < least, CUP_FACTOR * total / density,
+        min(formula.level_tolerance_deg(ring.height_mm, ring.diameter_mm) for ring in spec.rings),
+    )  # fmt: skip
+
+
+def _over_rim_mm3(spec: PuckSpec, ring: Ring) -> float:
+    """Half of the cap that surface tension holds over a rim: what the strike-off plate drives out. [mm3]"""
+    pour = spec.pour
+    high = formula.meniscus_height_mm(pour.surface_tension_N_per_m, pour.density_g_per_cm3, 0.0)
+    return 0.5 * high * math.pi / 4 * (spec.scale * ring.diameter_mm) ** 2

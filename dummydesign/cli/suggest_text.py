@@ -149,8 +149,6 @@ def _more_details(result: dict[str, Any]) -> list[str]:
         lines.append(f"verified: {checked['fidelity']} finite elements differ by at most "
                      f"{checked['max_difference_percent']:.2f} % from the stored solutions")  # fmt: skip
     lines += ["", result["rests_on"]["text"]]
-    if not result["measure_first"]["group"]:
-        lines.append(f"next: {result['rests_on']['next_step']}")
     return lines + file_lines(result) + text.warning_lines(result)
 
 
@@ -202,7 +200,8 @@ def render(result: dict[str, Any]) -> str:
             labelled("MOULD", facts.other_mould_text(result)),
             labelled("CORRECT", "\n".join(facts.correction_lines(result))),
             labelled("WHY", facts.why_text(result), 3), labelled("RISK", facts.risk_text(result)), _notes(result),
-            _next(result), labelled("", facts.meanwhile_text(result)), _files(result),
+            _next(result), labelled("", facts.meanwhile_text(result)),
+            labelled("PATHS", "\n".join(facts.paths_lines(result))), _files(result),
             labelled("MORE", more)]  # fmt: skip
     risk, meanwhile, why = 5, 8, 4
     columns, rows = facts.press_rows(result)
@@ -228,7 +227,8 @@ def _files(result: dict[str, Any]) -> list[str]:
     files = result["files"]
     if not files:
         return []
-    named = {"pour_sheet_a4": "{} (start here)", "mould": "{}", "report": "{}", "first_page": "{}"}
+    start = "after the puck" if result["verdict"]["level"] == "not_settled" else "start here"
+    named = {"pour_sheet_a4": f"{{}} ({start})", "mould": "{}", "report": "{}", "first_page": "{}"}
     shown = [words.format(Path(files[role]).name) for role, words in named.items() if role in files]
     folder = Path(next(iter(files.values()))).parent
     return labelled("FILES", f"{folder}/: {', '.join(shown)}, {len(files) - len(shown)} more", 2)

@@ -12,6 +12,7 @@ from dummydesign.core.errors import NoAnswerError
 from dummydesign.core.serialise import Serialised, to_plain
 from dummydesign.design.assessment.decision import ShapeComparison, low_force
 from dummydesign.design.assessment.pad_castings import PadCastings, PourYield, Shares
+from dummydesign.design.next_steps import next_steps, paths_of
 from dummydesign.design.problem import recipe_of_pour
 from dummydesign.design.request import Request
 from dummydesign.design.scoring.castings import GROUPS, TISSUE
@@ -157,7 +158,8 @@ class Suggestion:
         }  # fmt: skip
         if inputs is None or safety is None:
             return answer
-        whole = {"inputs": inputs, **answer, "safety": safety.to_dict(), "files": {}}
+        ahead = {"next": to_plain(next_steps(self, inputs, mould)), "paths": to_plain(paths_of(self, mould))}
+        whole = {"inputs": inputs, **answer, **ahead, "safety": safety.to_dict(), "files": {}}
         if mould is None:
             return whole
         excluded = ("files", "warnings", "sources")

@@ -5,11 +5,10 @@ Every text is made of the answer's values; terminal and report only lay it out.
 
 from __future__ import annotations
 
-import shlex
 from dataclasses import fields
 from typing import Any
 
-from dummydesign.design.options import SuggestOptions, base_words, command_words
+from dummydesign.design.options import base_words
 
 MOST_NOTES = 4
 NOTES = ("bottoms_out", "measured_curves", "tissue_punch", "force_not_in_band", "speed_not_in_band",
@@ -24,10 +23,6 @@ NOTE_WORDS = {
     "curved_master": "Print the curved plug in layers of at most 0.1 mm, or machine it: its height sets the force.",
 }
 """Words of a warning on the screen, where they are not its message."""
-TYPED_AGAIN = ("aim", "shape", "punch", "edge_radius_mm", "force_N", "velocity_mm_s", "hold_s", "base", "condition",
-               "deceleration_mm_s2", "preset", "machine", "silicone", "pad_mm", "thickness_mm", "ratio", "sites",
-               "weighing_g", "thickness_tolerance_mm")  # fmt: skip
-"""Options of the next search beside tissue and resin, in the order in which they are typed."""
 
 
 PARTS = {"crowned": "crown", "boned": "bone", "bumped": "bumps", "layered": "layers"}
@@ -229,43 +224,13 @@ def impact_text(result: dict[str, Any]) -> str:
 
 
 def next_steps(result: dict[str, Any]) -> list[str]:
-    """What to do now: measure first, or the one step that the answer rests on."""
-    first = result["measure_first"]
-    if result["verdict"]["light"] == "red":
-        return ["do not cast this pad: try another resin, shape or thickness, or a smaller force"]
-    if not first["group"]:
-        return [result["rests_on"]["next_step"]]
-    steps = [first["text"], first["protocol"].partition("; this")[0], first["command"]]
-    if first["group"] in ("modulus", "relaxation"):
-        name = first["command"].partition("--name ")[2].split()[0]
-        given = dict(result["inputs"])
-        if given["condition"] == "bonded":
-            given["condition"] = None
-        asked = command_words(SuggestOptions, given, TYPED_AGAIN)
-        steps[1] += _for_both(result["recommendation"]["batch"])
-        asked += _safety_words(given)
-        steps.append(f"dummydesign suggest --tissue {shlex.quote(given['tissue'])}{asked} --resin {shlex.quote(name)}")
-    return steps
+    """What to do now, a step each: what to type, else what to do."""
+    return [step["command"] or step["do"] for step in result["next"]]
 
 
-def _for_both(batch: dict[str, Any]) -> str:
-    """What to weigh where the batch of the pad does not hold a puck as well."""
-    both = batch["witness"]
-    if both["total_g"] <= batch["total_g"]:
-        return ""
-    weigh = " + ".join(f"{item['name']} {item['mass_g']:.1f} g" for item in both["components"])
-    return f"; to cast pad and puck together, weigh {weigh} = {both['total_g']:.1f} g"
-
-
-def _safety_words(given: dict[str, Any]) -> str:
-    """Options of the safety view as they are typed."""
-    words = ""
-    if given.get("robot_mass_kg") is not None:
-        words += f" --robot-mass {given['robot_mass_kg']:g}"
-        words += "" if given["robot_velocity_mm_s"] == 250.0 else f" --robot-velocity {given['robot_velocity_mm_s']:g}"
-    for name in ("limits", "drive"):
-        words += f" --{name} {shlex.quote(given[name])}" if given.get(name) else ""
-    return words
+def paths_lines(result: dict[str, Any]) -> list[str]:
+    """The ways to a pad that can be used, where a puck comes first."""
+    return [path["text"] for path in result["paths"]] if result["verdict"]["level"] == "not_settled" else []
 
 
 def meanwhile_text(result: dict[str, Any]) -> str:

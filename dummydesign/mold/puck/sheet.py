@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 
 from dummydesign.mold.files.pour_sheet import Block
 from dummydesign.mold.pour.bill_of_materials import (

@@ -1,0 +1,196 @@
+"""What to do now, in order: the puck first where it settles the pad, else the pad; with hours and grams of each step."""
+
+from __future__ import annotations
+
+import shlex
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from dummydesign.core.serialise import Serialised
+from dummydesign.design.options import SuggestOptions, command_words
+from dummydesign.design.scoring.verdict import PEAK, deviations, ranges_of
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from dummydesign.design.suggestion import Suggestion
+
+TYPED_AGAIN = ("aim", "punch", "edge_radius_mm", "force_N", "velocity_mm_s", "hold_s", "base", "condition",
+               "deceleration_mm_s2", "machine", "silicone", "weighing_g", "thickness_tolerance_mm")  # fmt: skip
+"""Options of the next search beside tissue, resin and mould, in the order in which they are typed."""
+SEARCHED_AGAIN = ("shape", "preset", "pad_mm", "thickness_mm", "ratio", "sites")
+"""Those that a mould which is kept has decided already."""
+PUCK_MM = (50.0, 30.0)
+# A puck and its two presses on the machine, and a pad by the protocol. [h]
+PRESSING_H = 0.5
+
+
+@dataclass(frozen=True)
+class Step(Serialised):
+    """One step: what to do, the command to type, hours until it is done, and what it takes; None where it has none.
+
+    ``cost`` is material in grams by what it is: presets hold no prices.
+    """
+
+    do: str
+    command: str | None = None
+    hours: float | None = None
+    cost: dict[str, float] | None = None
+
+
+@dataclass(frozen=True)
+class Path(Serialised):
+    """A way to a pad that can be used: steps, printing and calendar hours, and the castings that are usable then."""
+
+    name: str
+    printing_h: float | None
+    calendar_h: float | None
+    grams: dict[str, float]
+    usable: float
+    text: str
+
+
+def next_steps(answer: Suggestion, inputs: Mapping[str, Any], mould: Mapping[str, Any] | None) -> list[Step]:
+    """Steps from an answer on; ``mould`` is that of the recommended pad, where it was made."""
+    level, first = answer.verdict.level, answer.measure_first
+    if level == "not_representative":
+        return [Step(f"do not cast this pad: {why_red(answer)}")]
+    if level == "not_settled" or first.group in ("modulus", "relaxation"):
+        return _puck_first(answer, inputs)
+    steps = [Step(first.text, None), Step(first.protocol, first.command)] if first.group else []
+    pad = Step("cast the pad by its pour sheet", None, _pad_hours(answer, mould), _pad_grams(answer))
+    pressed = Step("press it by the test and compare it with the subjects",
+                   f"dummydesign compare PRESS.csv... --tissue {shlex.quote(inputs['tissue'])}", PRESSING_H)  # fmt: skip
+    return [*steps, pad, pressed]
+
+
+def _puck_first(answer: Suggestion, inputs: Mapping[str, Any]) -> list[Step]:
+    """Cast and press a puck of the batch, then choose the ratio for the same mould."""
+    from dummydesign.mold.puck.protocol import SPEEDS_MM_S, command, trace_names
+    from dummydesign.mold.puck.ring import ring_cost
+
+    resin, ratio = answer.resin.name, answer.best.ratio
+    diameter, height = (f"{value:g}" for value in PUCK_MM)
+    size = f"{diameter}x{height}"
+    take = ring_cost(*PUCK_MM, resin=str(inputs["resin"]), ratio=ratio)
+    batch = "my-batch" if resin != "my-batch" else "my-batch-2"
+    pour = answer.problem.mould(answer.best, answer.shape).pour
+    wait = pour.cure_time_h + 24.0 * pour.age_before_test_days
+    speeds = " and ".join(f"{speed:g}" for speed in SPEEDS_MM_S)
+    named = f"--resin {shlex.quote(inputs['resin'])} --ratio {ratio:g}"
+    added = command(trace_names(size), diameter, height, ratio, shlex.quote(inputs["resin"])).replace("my-batch", batch)
+    return [
+        Step(f"print the ring of a puck ({diameter} mm diameter, {height} mm high)",
+             f"dummydesign mold --puck {size} {named}", take.printing_h, {"filament": take.filament_g}),
+        Step(f"cast the puck at ratio {ratio:g}; press it at {speeds} mm/s, 10 s hold", None, wait + PRESSING_H,
+             {"resin": take.resin_g}),
+        Step("read the puck", added),
+        Step("choose the ratio for the batch, for the same mould", _search_again(inputs, batch)),
+    ]  # fmt: skip
+
+
+def _search_again(inputs: Mapping[str, Any], batch: str) -> str:
+    """The command of the next search: of the same mould where one was made."""
+    given = dict(inputs)
+    if given["condition"] == "bonded":
+        given["condition"] = None
+    folder = given.get("mould") or (given.get("out") if given.get("cad") else None)
+    names = TYPED_AGAIN if folder else (*TYPED_AGAIN, *SEARCHED_AGAIN)
+    words = command_words(SuggestOptions, given, names)
+    words += f" --mould {shlex.quote(str(folder))}" if folder else ""
+    return (f"dummydesign suggest --tissue {shlex.quote(given['tissue'])}{words}{_safety_words(given)} "
+            f"--resin {batch}")  # fmt: skip
+
+
+def _safety_words(given: Mapping[str, Any]) -> str:
+    """Options of the safety view as they are typed."""
+    words = ""
+    if given.get("robot_mass_kg") is not None:
+        words += f" --robot-mass {given['robot_mass_kg']:g}"
+        words += "" if given["robot_velocity_mm_s"] == 250.0 else f" --robot-velocity {given['robot_velocity_mm_s']:g}"
+    for name in ("limits", "drive"):
+        words += f" --{name} {shlex.quote(given[name])}" if given.get(name) else ""
+    return words
+
+
+def paths_of(answer: Suggestion, mould: Mapping[str, Any] | None) -> list[Path]:
+    """The puck first and then the pad, beside the pad at once: what each takes and how many castings are usable then.
+    """
+    from dummydesign.mold.puck.ring import ring_cost
+
+    shares, pad_h, grams = answer.shares, _pad_hours(answer, mould), _pad_grams(answer)
+    printing = None if mould is None else float(mould["printing_h"])
+    strict = ranges_of(answer.targets).strict
+    poured, after = (
+        one.stands_for + (0.0 if strict else one.usable) for one in (shares.as_poured, shares.after_puck)
+    )
+    ring = ring_cost(*PUCK_MM, resin=answer.request.resin, ratio=answer.best.ratio)
+    pour = answer.problem.mould(answer.best, answer.shape).pour
+    wait = pour.cure_time_h + 24.0 * pour.age_before_test_days
+    puck_h = ring.printing_h + wait + PRESSING_H
+    # the pad's mould can be printed while the puck cures
+    both_h = None if pad_h is None else puck_h + wait
+    first = Path(
+        "puck first", None if printing is None else ring.printing_h + printing, both_h,
+        {"filament": ring.filament_g, "resin": ring.resin_g + grams["resin"]}, after,
+        f"puck first ({ring.printing_h:.1f} h of printing, {ring.resin_g:.0f} g, {_days(puck_h)}): then "
+        f"{100.0 * after:.0f} % of castings are usable",
+    )  # fmt: skip
+    at_once = Path(
+        "pad at once", printing, pad_h, grams, poured,
+        f"pad at once ({'' if printing is None else f'{printing:.0f} h of printing, '}{grams['resin']:.0f} g, "
+        f"{_days(wait)}): {100.0 * poured:.0f} %",
+    )  # fmt: skip
+    return [first, at_once]
+
+
+def _days(hours: float) -> str:
+    return f"{np.ceil(hours / 24.0):.0f} days"
+
+
+def _pad_hours(answer: Suggestion, mould: Mapping[str, Any] | None) -> float | None:
+    """Calendar hours from the mould's first part to a pad that can be tested; None without a mould."""
+    if mould is None:
+        return None
+    pour = answer.problem.mould(answer.best, answer.shape).pour
+    return float(mould["printing_h"]) + pour.cure_time_h + 24.0 * pour.age_before_test_days
+
+
+def _pad_grams(answer: Suggestion) -> dict[str, float]:
+    return {"resin": float(answer.recommended.batch["total_g"])}
+
+
+def why_red(answer: Suggestion) -> str:
+    """Why no casting of a resin will do, in the resin's own terms, and what would have to change."""
+    targets = answer.targets
+    ranges, limits = ranges_of(targets), targets.limits
+    readings = answer.best.readings
+    missing = ~np.isfinite(readings.peak_N)
+    if missing.any():
+        force = float(ranges.force_N[missing].min())
+        return f"{force:g} N is out of reach: the gel bottoms out; a stiffer resin, or a thicker pad (--thickness)"
+    differences = deviations(ranges, readings)
+    low, high = (limits.stands_shortfall, np.inf) if ranges.strict else (limits.shortfall, limits.over)
+    short, name, at = differences.worst(differences.short)
+    over, other, its = differences.worst(differences.above)
+    if short / low >= over / high and name == PEAK:
+        return _relaxation(float(ranges.peak_low_N[at]), float(readings.peak_N[at]), low, ranges.force_N[at],
+                           ranges.velocity_mm_s[at], "little")  # fmt: skip
+    if over / high > short / low and other == PEAK:
+        return _relaxation(float(ranges.peak_high_N[its]), float(readings.peak_N[its]), 1.0 / high, ranges.force_N[its],
+                           ranges.velocity_mm_s[its], "much")  # fmt: skip
+    side = "softer" if over / high > short / low else "stiffer"
+    return f"its steady curve is {side} shaped than the subjects'; try another resin or a smaller force"
+
+
+def _relaxation(subject_N: float, pad_N: float, limit: float, force_N: float, speed_mm_s: float, word: str) -> str:
+    """Peak over steady of subject and pad, and by how much the resin would have to relax otherwise."""
+    wanted, own = subject_N / limit / force_N, pad_N / force_N
+    factor = (wanted - 1.0) / max(own - 1.0, 1e-9)
+    than = f"{factor:.1f} times as much" if factor > 0.0 else "not at all"
+    return (
+        f"the resin relaxes too {word}: at {force_N:g} N, {speed_mm_s:g} mm/s the subjects' peak is "
+        f"{subject_N / force_N:.2f} times the steady force, the pad's {own:.2f}; it would have to relax {than}"
+    )

@@ -10,8 +10,10 @@ import numpy as np
 
 from dummydesign.core.errors import InputError, NoAnswerError
 from dummydesign.core.process import one_blas_thread
+from dummydesign.design.assessment.budget import budget_of_castings
 from dummydesign.design.assessment.castings import Castings, PadCastings, pour_yield, verdict_of_design
 from dummydesign.design.assessment.choice import Expectation, by_expectation, explain, measure_first
+from dummydesign.design.assessment.curves import match_of_design
 from dummydesign.design.assessment.warnings import count_unmeasured, design_warnings
 from dummydesign.design.request import PAPER, Progress, Request, quiet
 from dummydesign.design.scoring.presses import Sampling, make_curves
@@ -278,6 +280,7 @@ def assess(inputs: Inputs, solved: SolvedDesign) -> Suggestion:
         rests_on=count_unmeasured(space.resin, inputs.tissue, best),
         warnings=(*listed, *(() if calibrated is None else calibrated.warnings)),
         choice=explain(castings, chosen.shape.name, chosen.comparisons), measure_first=measure_first(castings),
+        curves=match_of_design(best.evaluation, best.index, space.targets), budget=budget_of_castings(castings),
         calibration=None if calibrated is None else calibrated.summary,
     )  # fmt: skip
 

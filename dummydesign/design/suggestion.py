@@ -19,7 +19,9 @@ from dummydesign.geometry.dimensions import PAD_LENGTH_MM, PAD_WIDTH_MM
 from dummydesign.geometry.pad_shape import PadShape
 
 if TYPE_CHECKING:
+    from dummydesign.design.assessment.budget import Budget
     from dummydesign.design.assessment.choice import Choice, Expectation, MeasureFirst
+    from dummydesign.design.assessment.curves import CurveMatch
     from dummydesign.design.safety import SafetyView
     from dummydesign.design.search.slabs import DesignCandidate, SearchResult
     from dummydesign.design.sites import Sites
@@ -78,6 +80,8 @@ class Suggestion:
     choice: Choice
     expectation: Expectation
     measure_first: MeasureFirst
+    curves: CurveMatch
+    budget: Budget | None
     calibration: dict[str, Any] | None = None
     sites: Sites | None = None
 
@@ -116,6 +120,7 @@ class Suggestion:
             "measure_first": self.measure_first.to_dict(),
             "choice": {**self.choice.to_dict(), "expectation": self.expectation.to_dict(),
                        "weights": self.targets.weights.to_dict()},
+            "curves": to_plain(self.curves), "budget": to_plain(self.budget),
             "calibration": self.calibration, "recommendation": recommendation,
             "alternatives": [design_dict(other, self.resin, self.targets) for other in self.alternatives],
             "sensitivity": {"d_ln_young_per_percent_ratio": 0.01 * self.resin.log_slope(self.best.ratio),

@@ -137,29 +137,33 @@ def warped(reference: NDArray, compared: NDArray) -> tuple[NDArray, NDArray]:
     """Indices into both curves along the path of least summed squared distance within the window.
 
     Dynamic time warping with steps of one in either curve or in both, from both beginnings to both ends. Sums are
-    filled in along lines of constant i + j, at once over the window |i - j|.
+    filled in along lines of constant i + j, each at once over the window.
     """
     n = len(reference)
-    wide = int(np.ceil(WINDOW * n)) - 1
-    lines, across = np.arange(2 * n - 1)[:, None], np.arange(-wide, wide + 1)
-    i, odd = np.divmod(lines + across, 2)
-    j = i - across + odd
-    known = (odd == 0) & (i >= 0) & (i < n) & (j >= 0) & (j < n)
-    away = np.where(known, (reference[i.clip(0, n - 1)] - compared[j.clip(0, n - 1)]) ** 2, np.inf)
-    # two lines before the first and one column on either side are out of reach, but for the start
-    least = np.full((2 * n + 1, 2 * wide + 3), np.inf)
-    least[2, wide + 1] = away[0, wide]
-    for line in range(1, 2 * n - 1):
-        row, before = least[line + 2, 1:-1], least[line + 1]
-        np.minimum(before[:-2], before[2:], out=row)
-        np.minimum(row, least[line, 1:-1], out=row)
-        row += away[line]
-    # a step in both curves before a step in one, where sums are equal
-    came = np.argmin(np.stack([least[:-2, 1:-1], least[1:-1, :-2], least[1:-1, 2:]]), axis=0)
-    at, column, path = 2 * n - 2, wide, [(n - 1, n - 1)]
-    while at > 0:
-        step = int(came[at, column])
-        at, column = at - (2, 1, 1)[step], column + (0, -1, 1)[step]
-        path.append(((at + column - wide) // 2, (at - column + wide) // 2))
+    wide, back = int(np.ceil(WINDOW * n)) - 1, compared[::-1]
+    # by line + 2 and i + 1; what is not filled in is out of reach
+    least = np.full((2 * n + 1, n + 1), np.inf)
+    least[0, 0] = 0.0
+    for line in range(2 * n - 1):
+        first, last = max(0, line - n + 1, (line - wide + 1) // 2), min(n, line + 1, (line + wide) // 2 + 1)
+        row, before = least[line + 2, first + 1 : last + 1], least[line + 1]
+        np.minimum(before[first:last], before[first + 1 : last + 1], out=row)
+        np.minimum(row, least[line, first:last], out=row)
+        away = reference[first:last] - back[n - 1 - line + first : n - 1 - line + last]
+        away *= away
+        row += away
+    i, j = n - 1, n - 1
+    path = [(i, j)]
+    while i or j:
+        line = i + j
+        both, one, other = least.item(line, i), least.item(line + 1, i), least.item(line + 1, i + 1)
+        # where sums are equal, a step in both curves before a step in one
+        if both <= one and both <= other:
+            i, j = i - 1, j - 1
+        elif one <= other:
+            i -= 1
+        else:
+            j -= 1
+        path.append((i, j))
     pairs = np.array(path[::-1])
     return pairs[:, 0], pairs[:, 1]

@@ -80,12 +80,6 @@ class Decision(Serialised):
     acceptance: Limits
     rejection: Limits
 
-    @property
-    def can_pass(self) -> bool:
-        """Whether any reading could pass: the guard bands leave something of the tolerance."""
-        low, high = self.acceptance.low, self.acceptance.high
-        return low is None or high is None or low <= high
-
 
 def decide(
     value: float, tolerance: tuple[float | None, float | None], standard: tuple[float, float], k: float = K
@@ -163,14 +157,6 @@ class Reading(Serialised):
     velocity_mm_s: float | None = None
     file: str | None = None
 
-    @property
-    def text(self) -> str:
-        """The reading with its press, in words."""
-        where = [] if self.steady_force_N is None else [f"{self.steady_force_N:.3g} N"]
-        where += [] if self.velocity_mm_s is None else [f"{self.velocity_mm_s:.4g} mm/s"]
-        where += [] if self.file is None else [self.file]
-        return f"{self.quantity} {self.value:.3g} {self.unit} ({', '.join(where)})"
-
 
 @dataclass(frozen=True)
 class Budget:
@@ -179,7 +165,7 @@ class Budget:
     ``decision`` is None where there is no requirement. ``exact_range`` is the decision with the subjects' range taken
     as the specification itself, without their uncertainty; None where that is not known or changes nothing.
     ``missing`` are presses that gave no reading: the statement is then ``fail``. With a ``doubt`` whose size is not
-    known a pass is conditional.
+    known a pass is conditional, and the probability of false acceptance is not known.
     """
 
     reading: Reading
@@ -211,6 +197,13 @@ class Budget:
         return CONDITIONAL_PASS if self.doubt and made == PASS else made
 
     @property
+    def false_acceptance(self) -> float | None:
+        """Probability that the reading is outside the tolerance; None without a requirement, or in doubt."""
+        if self.decision is None or self.doubt:
+            return None
+        return 1.0 if self.missing else self.decision.false_acceptance
+
+    @property
     def not_known(self) -> tuple[str, ...]:
         """Parts that are not in the combined uncertainty, as nothing is known of them."""
         return tuple(one.name for one in self.components if one.standard_percent is None)
@@ -221,7 +214,7 @@ class Budget:
         return {
             "components": [one.to_dict() for one in self.components], "combined_percent": self.combined_percent,
             "expanded_percent": self.expanded_percent, "k": K, "rule": RULE,
-            "false_acceptance": None if made is None else 1.0 if self.missing else made.false_acceptance,
+            "false_acceptance": self.false_acceptance,
             "statement": self.statement, "reading": self.reading.to_dict(), "requirement": self.requirement,
             "guard_band_percent": None if made is None else self.expanded_percent,
             "decision": to_plain(made), "exact_range": to_plain(self.exact_range), "missing": self.missing,

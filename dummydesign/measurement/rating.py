@@ -94,11 +94,7 @@ def best_shift(reference: NDArray, compared: NDArray) -> int:
     begins = np.maximum(order, 0), np.maximum(-order, 0)
     counts = n - np.abs(order)
     curves = [curve - curve.mean() for curve in (compared, reference)]
-    sums, squares = [], []
-    for curve, begin in zip(curves, begins):
-        for power, into in ((1, sums), (2, squares)):
-            total = np.r_[0.0, np.cumsum(curve**power)]
-            into.append(total[begin + counts] - total[begin])
+    sums, squares = ([_sums(curve**power, begin, counts) for curve, begin in zip(curves, begins)] for power in (1, 2))
     products = np.correlate(curves[0], curves[1], "full")[n - 1 + order]
     inner = products - sums[0] * sums[1] / counts
     own, wanted = (np.maximum(two - one**2 / counts, 0.0) for one, two in zip(sums, squares))
@@ -107,6 +103,12 @@ def best_shift(reference: NDArray, compared: NDArray) -> int:
     correlation = np.where(varies, inner / np.sqrt(np.where(varies, own * wanted, 1.0)), -np.inf)
     # rounding must not tell equal ones apart
     return int(order[np.argmax(correlation >= correlation.max() - 1e-12)])
+
+
+def _sums(values: NDArray, begin: NDArray, count: NDArray) -> NDArray:
+    """Sums of as many values from each beginning on."""
+    total = np.r_[0.0, np.cumsum(values)]
+    return total[begin + count] - total[begin]
 
 
 def _phase(shift: int, count: int) -> float:

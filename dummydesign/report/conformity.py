@@ -56,7 +56,7 @@ def statement_text(budget: dict[str, Any]) -> str:
     if budget["doubt"]:
         doubt = budget["doubt"]
         return f"{text}. The probability of false acceptance is not known, and a pass is conditional: {doubt}."
-    text += f". If it is accepted, the probability of false acceptance is {probability_text(budget['false_acceptance'])}."
+    text += f". If accepted, the probability of false acceptance is {probability_text(budget['false_acceptance'])}."
     if none_can_pass(made):
         text += " No reading can pass: the guard bands are wider than the tolerance."
     if exact is not None:

@@ -113,7 +113,9 @@ def decide(
     """
     _above("reading", value, positive=True)
     _above("k", k)
-    rooms, tails, guards = [], [], []
+    rooms: list[tuple[float, float]] = []
+    tails: list[float] = []
+    guards: list[tuple[float | None, float | None]] = []
     for limit, side, u in zip(tolerance, (1.0, -1.0), standard):
         _above("standard uncertainty", u)
         if limit is None:
@@ -290,7 +292,8 @@ def deciding(
             u = np.hypot(spread[name], 0.0 if ends is None else np.nan_to_num(getattr(ends, side)[name]))
             with np.errstate(invalid="ignore", divide="ignore"):
                 room = np.log(limit / values[0]) / np.maximum(u, 1e-9)
-            if not np.isfinite(room).any():
+            room = np.where(np.isfinite(room), room, np.nan)
+            if np.isnan(room).all():
                 continue
             at = int(np.nanargmin(room))
             if best is None or room[at] < best[0]:

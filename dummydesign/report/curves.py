@@ -46,8 +46,7 @@ def curves_section(curves: dict[str, Any], subjects: int, aim: str) -> Section:
         "half each.\n\n"
         f"The rating of ISO/TS 18571 compares each press with the aim ({aim}): corridor Z, phase EP, magnitude EM, "
         "slope ES and overall R = 0.4 Z + 0.2 (EP + EM + ES), from 0 to 1 (equal curves). It is taken from contact "
-        "until twice the time in which the aim stops. The standard calls R above 0.94 excellent, above 0.8 good, above "
-        "0.58 fair."
+        "until twice the time in which the aim stops."
     )
     rows = [
         [f"{row['steady_force_N']:.3g}", f"{row['velocity_mm_s']:.4g}", f"{100.0 * row['inside_fraction']:.0f} %",

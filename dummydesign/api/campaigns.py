@@ -414,6 +414,7 @@ def replay(
     InputError
         For files that cannot be used.
     """
+    from dummydesign.core.serialise import to_plain
     from dummydesign.design.measured_pad import verdicts_of_campaign
     from dummydesign.loop.calibration_file import read_calibration
     from dummydesign.loop.effects.registry import own_effects
@@ -434,7 +435,9 @@ def replay(
     result = {
         "inputs": {"campaign": fspath(campaign), "calibration": fspath(calibration), "tissue": tissue},
         "warnings": [*beyond, *read.warnings, *caution, *unjudged],
-        "verdict": judged[0].to_dict() if judged else None, "pads": [pad.to_dict() for pad in pads],
+        "verdict": judged[0].to_dict() if judged else None,
+        "budget": next((to_plain(pad.budget) for pad in pads if pad.verdict is not None), None),
+        "pads": [pad.to_dict() for pad in pads],
         "calibration_verdict": known.verdict, "effects": [one.effect.name for one in known.after.active],
         **replayed.to_dict(), "warning_band_N": known.remainder_N,
     }  # fmt: skip

@@ -161,7 +161,9 @@ def compare(
     InputError
         For names or files that cannot be used.
     """
-    from dummydesign.design.measured_pad import read_test, verdict_of_traces
+    from dummydesign.core.serialise import to_plain
+    from dummydesign.design.measured_match import budget_of_traces, curves_of_traces
+    from dummydesign.design.measured_pad import read_test, readings_of_traces, verdict_of_traces
     from dummydesign.measurement.pad_record import read_record
     from dummydesign.measurement.sensor import parse_lowpass
     from dummydesign.tissue.comparison import compare_traces
@@ -185,6 +187,8 @@ def compare(
             values["test"] = test.given
         missed = [] if pad is None else pad.warnings()
         values["warnings"] = [*test.warnings(site), *comparison.result["warnings"], *missed]
+        values["curves"] = to_plain(curves_of_traces(comparison, site, passed))
+        values["budget"] = to_plain(budget_of_traces(comparison, site, *readings_of_traces(comparison, site)))
         comparison = replace_fields(comparison, result=values)
         judged = verdict_of_traces(comparison, site).to_dict()
         result = {"inputs": inputs, "verdict": judged, **values, "sources": list(site.sources), "files": {}}
@@ -378,6 +382,7 @@ def on_person(
     from dummydesign.measurement.sensor import parse_lowpass
     from dummydesign.person.drives import read_drive
     from dummydesign.person.on_person import on_person as work_out
+    from dummydesign.person.people_budget import budget_of_people
     from dummydesign.tissue.model.tissue_file import load_tissue
 
     moved, rate_hz = read_drive(drive), read_allowed(rate, RATE, *RATES_HZ)
@@ -397,6 +402,7 @@ def on_person(
         result: dict[str, Any] = {
             "inputs": inputs, "drive": moved.text, "tissue": site.name,
             "presses": [one.to_dict(area) for one in answer.presses],
+            "budget": to_plain(budget_of_people(answer)),
             "limits_file": to_plain(allowed.to_dict()) if allowed is not None else None,
             "warnings": [dict(one) for one in answer.warnings], "sources": sources, "files": {},
         }  # fmt: skip

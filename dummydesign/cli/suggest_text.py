@@ -9,6 +9,7 @@ from dummydesign.cli.text import columns_of, file_lines, fitted, labelled, numbe
 from dummydesign.design.options import base_words
 from dummydesign.design.scoring.verdict import OUTCOMES, whole_percents
 from dummydesign.report import suggest_facts as facts
+from dummydesign.report.conformity import budget_lines
 
 SMALL = [("N", "force_N", "<6g"), ("depth mm", "depth_mm", "<10.2f"), ("tissue mm", "span", "<1")]
 OTHERS = [("mm", "thickness_mm", "<6g"), ("ratio", "ratio", "<7g"), ("kPa", "young", "<7.3g"),
@@ -148,7 +149,7 @@ def _more_details(result: dict[str, Any]) -> list[str]:
     if checked["max_difference_percent"] is not None:
         lines.append(f"verified: {checked['fidelity']} finite elements differ by at most "
                      f"{checked['max_difference_percent']:.2f} % from the stored solutions")  # fmt: skip
-    lines += ["", result["rests_on"]["text"]]
+    lines += ["", *budget_lines(result["budget"]), "", result["rests_on"]["text"]]
     return lines + file_lines(result) + text.warning_lines(result)
 
 
@@ -197,13 +198,13 @@ def render(result: dict[str, Any]) -> str:
     ]
     more = f"--details: scores, other shapes, parameters, castings, {len(result['warnings'])} notes"
     tail = [[""], labelled("SHARES", "\n".join(facts.castings_lines(result))),
-            labelled("MOULD", facts.other_mould_text(result)),
+            labelled("CURVES", facts.curves_line(result), 2), labelled("MOULD", facts.other_mould_text(result)),
             labelled("CORRECT", "\n".join(facts.correction_lines(result))),
             labelled("WHY", facts.why_text(result), 3), labelled("RISK", facts.risk_text(result)), _notes(result),
             _next(result), labelled("", facts.meanwhile_text(result)),
             labelled("PATHS", "\n".join(facts.paths_lines(result))), _files(result),
             labelled("MORE", more)]  # fmt: skip
-    risk, meanwhile, why = 5, 8, 4
+    risk, meanwhile, why = 6, 9, 5
     columns, rows = facts.press_rows(result)
     presses = columns_of((columns, *rows), (8, 5, 8, 8, 10, 12, 0), "  ")
     return "\n".join(fitted(head, presses, tail, (risk, meanwhile, why), "  ... and {} more presses: --details"))

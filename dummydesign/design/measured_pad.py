@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from dummydesign.core.errors import DummydesignError
 from dummydesign.core.parsing import DECELERATION, EDGE, FORCE, HOLD, VELOCITY, positive, read_number, read_numbers
 from dummydesign.core.serialise import to_plain
+from dummydesign.design.measured_match import budget_of_traces
 from dummydesign.design.request import face_of
 from dummydesign.design.safety import tissue_press
 from dummydesign.design.scoring.castings import COUNT
@@ -27,6 +28,7 @@ from dummydesign.tissue.fitting.reduction import ReducedTrace
 from dummydesign.tissue.model.laws import law_named
 
 if TYPE_CHECKING:
+    from dummydesign.design.assessment.budget import Budget
     from dummydesign.measurement.campaign import Campaign
     from dummydesign.tissue.model.tissue import Tissue
 
@@ -107,6 +109,17 @@ def verdict_of_traces(comparison: Comparison, tissue: Tissue) -> Verdict:
     depth. A press of the test that was not made, or without a test a speed of the tissue at which the pad was not
     pressed, leaves open whether it is inside.
     """
+    ranges, readings, spread = readings_of_traces(comparison, tissue)
+    reduced = [press.trace for press in comparison.presses]
+    unsettled = missing_of(reduced, comparison.test, tissue.velocities_mm_s)
+    if not len(ranges.steady_N):
+        lowest = comparison.test.span_N[0]
+        unsettled = " and ".join(filter(None, [unsettled, f"it was not pressed above {lowest:g} N"]))
+    return verdict(ranges, readings, spread, of="pads that fit these traces", unsettled=unsettled)
+
+
+def readings_of_traces(comparison: Comparison, tissue: Tissue) -> tuple[Ranges, Readings, Readings]:
+    """Subjects' ranges at the presses of a cast pad, its readings, and those of pads that fit its traces."""
     noise = float(comparison.fit.result["noise_floor_N"] or 0.0)
     rows = [_press(pressed, tissue, speed, noise) for speed, pressed in comparison.conditions]
     reduced = [press.trace for press in comparison.presses]
@@ -125,11 +138,7 @@ def verdict_of_traces(comparison: Comparison, tissue: Tissue) -> Verdict:
         energy * (1.0 + error / peak * rng.standard_normal((DRAWS, len(peak)))),
         depth + DEPTH_ERROR_MM * rng.standard_normal((DRAWS, 1)),
     )
-    unsettled = missing_of(reduced, comparison.test, tissue.velocities_mm_s)
-    if not len(steady):
-        unsettled = " and ".join(filter(None, [unsettled, f"it was not pressed above {lowest:g} N"]))
-    readings = Readings(peak, energy, depth)
-    return verdict(ranges, readings, spread, of="pads that fit these traces", unsettled=unsettled)
+    return ranges, Readings(peak, energy, depth), spread
 
 
 def _press(pressed: Sequence[ComparedPress], tissue: Tissue, speed_mm_s: float, noise_N: float) -> tuple[float, ...]:
@@ -189,12 +198,13 @@ class PadVerdict:
     presses: int
     verdict: Verdict | None
     reason: str = ""
+    budget: Budget | None = None
 
     def to_dict(self) -> dict[str, Any]:
         """Return all fields as plain values."""
         judged = None if self.verdict is None else self.verdict.to_dict()
         return {"shape": self.shape or "slab", "thickness_mm": self.thickness_mm, "presses": self.presses,
-                "verdict": judged, "reason": self.reason or None}  # fmt: skip
+                "verdict": judged, "budget": to_plain(self.budget), "reason": self.reason or None}  # fmt: skip
 
 
 def verdicts_of_campaign(campaign: Campaign, tissue: Tissue) -> tuple[PadVerdict, ...]:
@@ -202,11 +212,13 @@ def verdicts_of_campaign(campaign: Campaign, tissue: Tissue) -> tuple[PadVerdict
     verdicts = []
     for shape, thickness in dict.fromkeys(trial.pad for trial in campaign.trials):
         traces = [trial.trace for trial in campaign.trials if trial.pad == (shape, thickness)]
-        judged, reason = None, ""
+        judged, budget, reason = None, None, ""
         try:
-            judged = verdict_of_traces(compare_traces(traces, tissue, campaign.lowpass), tissue)
+            compared = compare_traces(traces, tissue, campaign.lowpass)
+            judged = verdict_of_traces(compared, tissue)
+            budget = budget_of_traces(compared, tissue, *readings_of_traces(compared, tissue))
         except DummydesignError as problem:
             reason = str(problem)
-        verdicts.append(PadVerdict(shape, thickness, len(traces), judged, reason))
+        verdicts.append(PadVerdict(shape, thickness, len(traces), judged, reason, budget))
     return tuple(sorted(verdicts, key=lambda pad: -1 if pad.verdict is None else LEVELS.index(pad.verdict.level),
                         reverse=True))  # fmt: skip

@@ -10,6 +10,8 @@ import numpy as np
 
 from dummydesign.core.errors import NoAnswerError
 from dummydesign.core.process import one_blas_thread
+from dummydesign.design.assessment.budget import budget_of_castings
+from dummydesign.design.assessment.curves import match_of_design
 from dummydesign.design.assessment.decision import compare_kinds, explain
 from dummydesign.design.assessment.pad_castings import PadCastings, pour_yield, shares_of_pad, verdict_of_design
 from dummydesign.design.assessment.value_of_information import measure_first
@@ -252,6 +254,7 @@ def assess(problem: Problem, solved: SolvedDesign, missing: dict[str, str] | Non
         warnings=(*listed, *(() if calibrated is None else calibrated.warnings)),
         choice=explain(chosen, rank([one for one in designs if one is not solved.designs[0]], space), space),
         measure_first=measure_first(castings),
+        curves=match_of_design(best.evaluation, best.index, space.targets), budget=budget_of_castings(castings),
     )  # fmt: skip
 
 

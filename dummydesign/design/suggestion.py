@@ -22,6 +22,8 @@ from dummydesign.geometry.dimensions import PAD_LENGTH_MM, PAD_WIDTH_MM
 from dummydesign.geometry.pad_shape import PadShape
 
 if TYPE_CHECKING:
+    from dummydesign.design.assessment.budget import Budget
+    from dummydesign.design.assessment.curves import CurveMatch
     from dummydesign.design.assessment.decision import Choice
     from dummydesign.design.assessment.value_of_information import MeasureFirst
     from dummydesign.design.problem import Problem
@@ -78,6 +80,8 @@ class Suggestion:
     warnings: tuple[dict[str, str], ...]
     choice: Choice
     measure_first: MeasureFirst
+    curves: CurveMatch
+    budget: Budget | None
     sites: Sites | None = None
     other_mould: dict[str, Any] | None = None
 
@@ -146,6 +150,7 @@ class Suggestion:
             "shares": {name: value for name, value in shares.items() if name != "window_kPa"},
             "window_kPa": shares["window_kPa"], "measure_first": self.measure_first.to_dict(),
             "choice": {**self.choice.to_dict(), "weights": self.targets.weights.to_dict()},
+            "curves": to_plain(self.curves), "budget": to_plain(self.budget),
             "calibration": self.calibration, "recommendation": recommendation,
             "alternatives": [design_dict(other, self.resin, self.targets) for other in self.alternatives],
             "sensitivity": {"d_ln_young_per_percent_ratio": 0.01 * self.resin.log_slope(self.best.ratio),

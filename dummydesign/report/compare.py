@@ -11,6 +11,8 @@ from typing import Any
 import numpy as np
 
 from dummydesign.core.files import csv_text, write_bytes, write_text
+from dummydesign.report.conformity import budget_section
+from dummydesign.report.curves import curves_section
 from dummydesign.report.front_page import FOOT, Fact, FrontPage, Grid, Panel, sentence, warning_texts
 from dummydesign.report.page import STYLES, Section, Table, digits, log_start, unique, write_report
 from dummydesign.report.plot import Plot, press_plot, steady_plot
@@ -54,9 +56,11 @@ def _write_report(folder: Path, comparison: Comparison, tissue: Tissue, verdict:
         Section("Steady force", _steady_words(data), [steady_figure]),
         Section("Force over time", "Repeats of a condition share a figure; the range is that of the first.",
                 presses, _conditions(rows)),
+        *([curves_section(data["curves"], len(tissue.subjects), "average")] if "curves" in data else []),
         *([Section("Parameters", PARAMETERS, _parameters(data), _parametric(data))] if data["parametric"] else []),
         Section("Fit behind the parameters", f"Rms residual {fit['rmse_N']:.3g} N, noise floor "
                 f"{fit['noise_floor_N']:.3g} N, largest residual {fit['max_residual_N']:.3g} N.", table=_traces(data)),
+        *budget_section(data.get("budget")),
     ]  # fmt: skip
     title = f"Dummy against {tissue.name}"
     return write_report(folder, title, lead, sections, facts=facts, warnings=data["warnings"], sources=tissue.sources,

@@ -15,6 +15,7 @@ from dummydesign.core.library import data_folder
 from dummydesign.person.known_range import subject_words
 from dummydesign.person.on_person import OnPerson, PersonPress
 from dummydesign.report import on_person_facts as facts
+from dummydesign.report.conformity import budget_section
 from dummydesign.report.front_page import FOOT, Fact, FrontPage, Grid, Panel, sentence, warning_texts
 from dummydesign.report.on_person_facts import number_text, span_text
 from dummydesign.report.page import Section, Table, log_start, unique, write_report
@@ -28,7 +29,7 @@ DRAWN, MOST_CHECKS = 400, 5
 def write_on_person(answer: OnPerson, result: dict[str, Any], rate_hz: float, folder: Path) -> dict[str, str]:
     """Write the report, ``on_person.csv`` (curves at a uniform rate), ``on_person.json`` and a template of limits."""
     pressed = people_sections(answer, result["presses"])
-    sections = [*pressed, _drive_section(answer, result)]
+    sections = [*pressed, *budget_section(result["budget"]), _drive_section(answer, result)]
     worst = max(result["presses"], key=lambda row: row["factor_peak"][1] or 0.0)
     shown = [
         (span_text(worst["factor_peak"]), "times the pad's peak force: the subjects, largest press"),

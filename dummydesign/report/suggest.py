@@ -16,6 +16,8 @@ from dummydesign.design.safety import SafetyView
 from dummydesign.geometry.punch import read_punch
 from dummydesign.mold.files.solid_view import box, read_stl, view_script
 from dummydesign.report import suggest_facts
+from dummydesign.report.conformity import budget_section
+from dummydesign.report.curves import curves_section
 from dummydesign.report.front_page import FOOT, Fact, FrontPage, Grid, Panel
 from dummydesign.report.pad_drawing import pad_section
 from dummydesign.report.page import STYLES, Section, Table, solid_section, write_report
@@ -262,6 +264,7 @@ def write_suggestion(
         Section("Steady force", _steady_words(answer), [steady_figure(answer, curves)], _low_table(best)),
         *_shapes(answer, result, curves),
         Section("Force over time", _press_words(answer), presses, _conditions(best)),
+        curves_section(result["curves"], result["verdict"]["subjects"], answer.request.aim),
         pressed_section(answer, pictures),
         Section("Why this design", _why(result),
                 [*score_maps(answer, curves), exponent_plot(answer, curves), *sensitivity_bars(answer, curves)],
@@ -269,6 +272,7 @@ def write_suggestion(
         Section("Recipe", "Weigh the whole batch: it keeps the weighing error small. Pour the mass in the last column "
                 "into the mould; the rest is spare.", table=_recipe_table(best)),
         _solids(best, result.get("files", {}), answer.request.pad_mm),
+        *budget_section(result["budget"]),
         safety_section(safety),
         *people,
     ]  # fmt: skip

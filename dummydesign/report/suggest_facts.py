@@ -9,6 +9,7 @@ from dataclasses import fields
 from typing import Any
 
 from dummydesign.design.options import base_words
+from dummydesign.report.curves import curves_text
 
 MOST_NOTES = 4
 NOTES = ("bottoms_out", "measured_curves", "tissue_punch", "force_not_in_band", "speed_not_in_band",
@@ -125,6 +126,11 @@ def press_rows(result: dict[str, Any]) -> tuple[list[str], list[list[str]]]:
         rows.append([*test, f"{row['depth_mm']:.2f}", f"{100 * row['gel_compression']:.0f} %",
                      f"{row['peak_force_N']:.1f}", people, reads])  # fmt: skip
     return ["steady N", "mm/s", "depth mm", "% of gel", "pad peak N", "people N", ""], rows
+
+
+def curves_line(result: dict[str, Any]) -> str:
+    """Share of the time among people, and the largest miss."""
+    return curves_text(result["curves"], result["verdict"]["subjects"])
 
 
 def correction_lines(result: dict[str, Any]) -> list[str]:

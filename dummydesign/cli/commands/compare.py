@@ -54,6 +54,7 @@ def default_out(options: argparse.Namespace) -> str:
 def render(result: dict[str, Any]) -> str:
     """The verdict, each press beside the people's range, then which parameters lie outside."""
     from dummydesign.report import compare as facts
+    from dummydesign.report.curves import curves_text
 
     tissue = f"{result['tissue']}, {facts.law_text(result)}"
     head = [*verdict_lines(result["verdict"]), *tissue_lines(result), *labelled("TISSUE", tissue)]
@@ -62,6 +63,7 @@ def render(result: dict[str, Any]) -> str:
     steady = f"fraction inside the subjects' range: {facts.steady_text(result)}"
     return text.screen(
         [*head, *labelled("PAD", facts.pad_text(result)), ""], rows, [""], labelled("STEADY", steady),
+        labelled("CURVES", curves_text(result["curves"], result["verdict"]["subjects"]), 2),
         labelled("LAW", facts.parameters_text(result), 2), text.warning_block(result),
         labelled("NEXT", "; ".join(facts.next_steps(result))),
         text.files_block(result, ("report", "first_page", "picture")),
@@ -81,6 +83,7 @@ PRESSES = [("mm/s", "velocity_mm_s", ">6.4g"), ("steady N", "steady_force_N", ">
 def render_details(result: dict[str, Any]) -> str:
     """Make the readable tables."""
     from dummydesign.report import compare as facts
+    from dummydesign.report.conformity import budget_lines
 
     against = f"against {result['tissue']}, {facts.law_text(result)}"
     lines = [*verdict_lines(result["verdict"]), *tissue_lines(result), against]
@@ -99,4 +102,5 @@ def render_details(result: dict[str, Any]) -> str:
     lines += table([{**row, "span": f"{row['range_peak_low_N']:.2f} to {row['range_peak_high_N']:.2f}",
                      "inside": f"{100 * row['inside_fraction']:.0f} %"}
                     for row in result["force_variation_range"]], PRESSES)  # fmt: skip
+    lines += budget_lines(result["budget"])
     return "\n".join(lines + warning_lines(result) + file_lines(result))

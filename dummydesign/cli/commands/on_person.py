@@ -63,6 +63,7 @@ def render(result: dict[str, Any]) -> str:
 def render_details(result: dict[str, Any]) -> str:
     """Lay everything out."""
     from dummydesign.report import on_person_facts as facts
+    from dummydesign.report.conformity import budget_lines
 
     lines = [*_headline(result), "", *_table(result), ""]
     for press in result["presses"]:
@@ -70,7 +71,7 @@ def render_details(result: dict[str, Any]) -> str:
         lines += [f"  {press['file']}", *(f"  {row[0]:<20}" + "".join(f"{cell:>{max(len(name) + 2, 10)}}"
                   for cell, name in zip(row[1:], head[1:])) for row in (head, *rows)), ""]  # fmt: skip
     checks = _limits(result, None)
-    lines += [*checks, *([""] if checks else []), *_drive(result)]
+    lines += [*checks, *([""] if checks else []), *budget_lines(result["budget"]), *_drive(result)]
     lines += [line for one in result["warnings"] for line in labelled("NOTE", one["message"])]
     lines += step_lines(facts.next_steps(result))
     return "\n".join([*lines, *(f"{role}: {path}" for role, path in result["files"].items())])

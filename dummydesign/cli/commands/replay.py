@@ -60,10 +60,13 @@ def _pads(result: dict[str, Any]) -> list[str]:
 
 def render_details(result: dict[str, Any]) -> str:
     """Make the readable table."""
+    from dummydesign.report.conformity import budget_lines
+
     lines = verdict_lines(result["verdict"])
     if pads := _pads(result):
         lines += ["verdict of the worst pad; by pad:", *pads]
     lines += table(result["trials"], [("press", "file", "<28.28"), *ERRORS], "  ")
+    lines += budget_lines(result["budget"])
     effects = ", ".join(result["effects"]) or "no effect"
     lines.append(f"all: {result['rmse_N']:.4f} N with {effects}; {result['base_rmse_N']:.4f} N with the base model")
     return "\n".join(lines + warning_lines(result))

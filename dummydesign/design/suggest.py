@@ -14,6 +14,7 @@ from dummydesign.design.assessment.castings import Castings, PadCastings, pour_y
 from dummydesign.design.assessment.choice import Expectation, by_expectation, explain, measure_first
 from dummydesign.design.assessment.warnings import count_unmeasured, design_warnings
 from dummydesign.design.request import PAPER, Progress, Request, quiet
+from dummydesign.design.scoring.people import people_warnings
 from dummydesign.design.scoring.presses import Sampling, make_curves
 from dummydesign.design.scoring.settings import verdict_limits
 from dummydesign.design.scoring.targets import make_targets
@@ -266,6 +267,7 @@ def assess(inputs: Inputs, solved: SolvedDesign) -> Suggestion:
     warnings = own_warnings(request, inputs.punch, inputs.tissue, chosen.shape.plain or solved_round)
     checks = solved.verification, solved.centring, request.verify
     warnings += design_warnings(chosen, space, inputs.tissue, pour, *checks)
+    warnings += people_warnings(space.targets)
     beyond = beyond_people(request.protocol.forces_N, inputs.tissue)
     listed = [{"code": code, "message": text} for code, text in warnings]
     return Suggestion(

@@ -12,6 +12,7 @@ from dummydesign.core.errors import NoAnswerError
 from dummydesign.core.serialise import Serialised, to_plain
 from dummydesign.design.assessment.castings import GROUPS, TISSUE, PadCastings, PourYield, Tolerances
 from dummydesign.design.request import Request
+from dummydesign.design.scoring.people import shares_below
 from dummydesign.design.scoring.targets import Targets
 from dummydesign.design.scoring.verdict import TOLERANCE, Verdict
 from dummydesign.design.search.best_of_kinds import ShapeComparison, low_force
@@ -113,6 +114,7 @@ class Suggestion:
         answer: dict[str, Any] = {
             "verdict": verdict,
             "castings": {"n": castings.n, "seed": castings.seed, "groups": groups, **(verdict["castings"] or {})},
+            "people": shares_below(self.targets, self.best.readings.peak_N).to_dict(),
             "measure_first": self.measure_first.to_dict(),
             "choice": {**self.choice.to_dict(), "expectation": self.expectation.to_dict(),
                        "weights": self.targets.weights.to_dict()},

@@ -52,8 +52,9 @@ def default_out(options: argparse.Namespace) -> str:
 
 
 def render(result: dict[str, Any]) -> str:
-    """The verdict, each press beside the people's range, then which parameters lie outside."""
+    """The verdict, each press beside the subjects' range, then which parameters lie outside."""
     from dummydesign.report import compare as facts
+    from dummydesign.report.suggest_facts import people_text
 
     tissue = f"{result['tissue']}, {facts.law_text(result)}"
     head = [*verdict_lines(result["verdict"]), *tissue_lines(result), *labelled("TISSUE", tissue)]
@@ -61,7 +62,7 @@ def render(result: dict[str, Any]) -> str:
     rows = columns_of((columns, *body), (8, 5, 8, 10, 14, 0), "  ")
     steady = f"fraction inside the subjects' range: {facts.steady_text(result)}"
     return text.screen(
-        [*head, *labelled("PAD", facts.pad_text(result)), ""], rows, [""], labelled("STEADY", steady),
+        [*head, *labelled("PAD", facts.pad_text(result)), ""], rows, ["", *labelled("PEOPLE", people_text(result["people"]), 2)], labelled("STEADY", steady),
         labelled("LAW", facts.parameters_text(result), 2), text.warning_block(result),
         labelled("NEXT", "; ".join(facts.next_steps(result))),
         text.files_block(result, ("report", "first_page", "picture")),

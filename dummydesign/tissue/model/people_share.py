@@ -34,7 +34,7 @@ PERCENT = 1.0, 99.9
 """Smallest and largest share that can be aimed at. [%]"""
 LARGE_FACTOR = 3.0
 """Standard deviations from which on a bound says more of the number of subjects than of people."""
-NODES, NODES_OF_MANY = 400, 48
+NODES, NODES_OF_MANY = 200, 48
 """Even quantiles of N and of c, for one group of subjects and for each of many."""
 SMALLEST = 1e-9
 """Smallest standard deviation of ln reading."""

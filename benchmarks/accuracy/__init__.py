@@ -1,0 +1,1 @@
+"""Benchmarks of what the answers state of accuracy, on data of others."""

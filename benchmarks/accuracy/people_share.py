@@ -35,7 +35,8 @@ AT = (0.5, 0.8, 0.95)
 ABOVE_ALL = 1.5
 LOG_NORMAL, LOG_SPREAD = 20_000, 0.3
 HEAD = ("site", "reading", "people", "skewness", "normal_p", "subjects", "draws", "lower_holds_percent",
-        "upper_holds_percent", "bound_holds_percent", "share_below_bound_5th", "mean_stated_share", "mean_true_share")  # fmt: skip
+        "upper_holds_percent", "bound_holds_percent", "share_below_bound_5th", "mean_stated_share",
+        "mean_true_share")  # fmt: skip
 
 
 @dataclass(frozen=True)

@@ -162,7 +162,7 @@ def compare(
         For names or files that cannot be used.
     """
     from dummydesign.design.measured_pad import read_test, verdict_of_traces
-    from dummydesign.design.scoring.people import shares_of_traces
+    from dummydesign.design.measured_people import shares_of_traces
     from dummydesign.measurement.pad_record import read_record
     from dummydesign.measurement.sensor import parse_lowpass
     from dummydesign.tissue.comparison import compare_traces
@@ -189,7 +189,8 @@ def compare(
         comparison = replace_fields(comparison, result=values)
         judged = verdict_of_traces(comparison, site).to_dict()
         people = shares_of_traces(comparison, site, passed).to_dict()
-        result = {"inputs": inputs, "verdict": judged, "people": people, **values, "sources": list(site.sources), "files": {}}
+        result = {"inputs": inputs, "verdict": judged, "people": people, **values, "sources": list(site.sources),
+                  "files": {}}  # fmt: skip
         if output is not None:
             from dummydesign.report.compare import write_comparison
 

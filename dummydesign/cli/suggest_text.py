@@ -198,7 +198,8 @@ def render(result: dict[str, Any]) -> str:
         "",
     ]
     more = f"--details: scores, other shapes, parameters, castings, {len(result['warnings'])} notes"
-    tail = [["", *labelled("PEOPLE", facts.people_text(result["people"]), 2)], labelled("CORRECT", "\n".join(facts.correction_lines(result))),
+    tail = [["", *labelled("PEOPLE", facts.people_text(result["people"]), 2)],
+            labelled("CORRECT", "\n".join(facts.correction_lines(result))),
             labelled("WHY", facts.why_text(result), 3), labelled("RISK", facts.risk_text(result)), _notes(result),
             _next(result), labelled("", facts.meanwhile_text(result)), _files(result),
             labelled("MORE", more)]  # fmt: skip

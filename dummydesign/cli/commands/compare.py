@@ -62,7 +62,8 @@ def render(result: dict[str, Any]) -> str:
     rows = columns_of((columns, *body), (8, 5, 8, 10, 14, 0), "  ")
     steady = f"fraction inside the subjects' range: {facts.steady_text(result)}"
     return text.screen(
-        [*head, *labelled("PAD", facts.pad_text(result)), ""], rows, ["", *labelled("PEOPLE", people_text(result["people"]), 2)], labelled("STEADY", steady),
+        [*head, *labelled("PAD", facts.pad_text(result)), ""], rows,
+        ["", *labelled("PEOPLE", people_text(result["people"]), 2)], labelled("STEADY", steady),
         labelled("LAW", facts.parameters_text(result), 2), text.warning_block(result),
         labelled("NEXT", "; ".join(facts.next_steps(result))),
         text.files_block(result, ("report", "first_page", "picture")),

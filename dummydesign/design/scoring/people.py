@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,8 +29,6 @@ from dummydesign.tissue.model.tissue import Subject, flatten, nest
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from dummydesign.measurement.sensor import Lowpass
-    from dummydesign.tissue.comparison import Comparison
     from dummydesign.tissue.model.tissue import Tissue
 
 SHARED = ("inferred", "assumed")
@@ -101,16 +99,16 @@ def people_of(targets: Targets) -> PeopleReadings | None:
         groups = targets.drawn or make_each(
             posterior_tissues(targets.tissue, DRAWN), "average", targets.sampling, targets.protocol
         )
-        return PeopleReadings(*(Population.of_groups([view(one) for one in groups]) for view in views), stated)
-    moved = _moved(targets.tissue)
+        peak, energy, stiffness = (Population.of_groups([view(one) for one in groups]) for view in views)
+        return PeopleReadings(peak, energy, stiffness, stated)
+    moved = moved_tissues(targets.tissue)
     others = make_each([one for _, one in moved], "average", targets.sampling, targets.protocol)
     kinds = [kind for kind, _ in moved]
-    return PeopleReadings(
-        *(_with_errors(view(targets), [view(one) for one in others], kinds) for view in views), stated
-    )
+    peak, energy, stiffness = (with_errors(view(targets), [view(one) for one in others], kinds) for view in views)
+    return PeopleReadings(peak, energy, stiffness, stated)
 
 
-def _with_errors(readings: NDArray, moved: Sequence[NDArray], kinds: Sequence[str]) -> Population:
+def with_errors(readings: NDArray, moved: Sequence[NDArray], kinds: Sequence[str]) -> Population:
     """Population of subjects (n, ...) with the errors of their numbers, from the readings with one number moved."""
     own, shared = np.zeros(readings.shape[1:]), np.zeros(readings.shape[1:])
     for kind, other in zip(kinds, moved):
@@ -119,7 +117,7 @@ def _with_errors(readings: NDArray, moved: Sequence[NDArray], kinds: Sequence[st
     return Population.of(readings, np.sqrt(own), np.sqrt(shared))
 
 
-def _moved(tissue: Tissue) -> list[tuple[str, Tissue]]:
+def moved_tissues(tissue: Tissue) -> list[tuple[str, Tissue]]:
     """The tissue with one number of every subject moved by its standard deviation, and the kind of that number."""
     if tissue.measured:
         return []
@@ -157,26 +155,30 @@ def shares_below(targets: Targets, peak_N: NDArray) -> PeopleShares:
     """Return the share of people below the peaks (c,) of a pad in the presses of a test; NaN is out of reach."""
     people, tissue = targets.people, targets.tissue
     if people is None:
-        return PeopleShares(len(tissue.subjects), (), _inferred(tissue), reason_of(tissue))
+        return PeopleShares(len(tissue.subjects), (), is_inferred(tissue), reason_of(tissue))
     rows = _rows(targets.conditions, people.peak_N, people.stated, np.asarray(peak_N, float))
-    return PeopleShares(len(tissue.subjects), rows, _inferred(tissue))
+    return PeopleShares(len(tissue.subjects), rows, is_inferred(tissue))
 
 
 def _rows(
     conditions: Sequence[Condition], people: Population, stated: Population, peak_N: NDArray
 ) -> tuple[ShareBelow, ...]:
+    expected, exact = people.expected_below(peak_N), stated.expected_below(peak_N)
     low, high = people.interval_below(peak_N)
-    columns = zip(conditions, people.expected_below(peak_N), low, high, stated.expected_below(peak_N))
-    return tuple(
-        ShareBelow(
-            one.steady_force_N, one.velocity_mm_s,
-            *((float(expected), (float(least), float(most)), float(exact)) if np.isfinite(least) else (None,) * 3),
+    rows = []
+    for at, one in enumerate(conditions):
+        test = one.steady_force_N, one.velocity_mm_s
+        span = float(low[at]), float(high[at])
+        reached = np.isfinite(peak_N[at])
+        rows.append(
+            ShareBelow(*test, float(expected[at]), span, float(exact[at])) if reached
+            else ShareBelow(*test, None, None, None)
         )  # fmt: skip
-        for one, expected, least, most, exact in columns
-    )
+    return tuple(rows)
 
 
-def _inferred(tissue: Tissue) -> bool:
+def is_inferred(tissue: Tissue) -> bool:
+    """Whether a number of a subject is inferred."""
     return "inferred" in tissue.kinds
 
 
@@ -229,37 +231,3 @@ def people_warnings(targets: Targets) -> list[tuple[str, str]]:
     if ratio > 1.02 * exact:
         text += f"; {exact:.2f} times if these subjects were measured ('dummydesign tissues add')"
     return [("people_bound", text)]
-
-
-def shares_of_traces(comparison: Comparison, tissue: Tissue, lowpass: Lowpass | None = None) -> PeopleShares:
-    """Return the share of people below the peaks of a measured pad, each press at its own force, hold and braking.
-
-    Repeats of a press are averaged; the filter is the one that the traces went through.
-    """
-    reason = reason_of(tissue)
-    if reason is not None:
-        return PeopleShares(len(tissue.subjects), (), _inferred(tissue), reason)
-    from dummydesign.design.measured_pad import peak_of
-    from dummydesign.tissue.model.ranges import force_ranges
-
-    noise = float(comparison.fit.result["noise_floor_N"] or 0.0)
-    posterior = posterior_tissues(tissue, DRAWN)
-    moved = [] if posterior else _moved(tissue)
-    kinds = [kind for kind, _ in moved]
-    groups = [one.parameter_sets for one in (tissue, *posterior, *(one for _, one in moved))]
-    rows = []
-    for speed, pressed in comparison.conditions:
-        readings: list[Any] = []
-        for trace, _, braking in pressed:
-            bands = force_ranges(groups, trace.steady_force_N, speed, trace.hold_s, braking, lowpass)
-            peaks = np.array([band.curves_N.max(axis=-1) for band in bands])
-            readings.append((trace.steady_force_N, peak_of(trace, noise), np.log(peaks)))
-        force, peak = (float(np.mean([row[at] for row in readings])) for at in (0, 1))
-        peaks = np.exp(np.mean([row[2] for row in readings], axis=0))
-        stated = Population.of(peaks[0])
-        people = Population.of_groups(peaks[1:]) if posterior else _with_errors(peaks[0], peaks[1:], kinds)
-        expected, (low, high) = people.expected_below(peak), people.interval_below(peak)
-        rows.append(
-            ShareBelow(force, speed, float(expected), (float(low), float(high)), float(stated.expected_below(peak)))
-        )
-    return PeopleShares(len(tissue.subjects), tuple(rows), _inferred(tissue))

@@ -203,5 +203,6 @@ def _quantiles(value: Callable[..., NDArray], groups: Sequence[NDArray], shares:
     rows = []
     for at in range(columns[0].shape[1]):
         values = value(*(column[:, at, None, None] for column in columns))
-        rows.append(np.quantile(values, shares, method="hazen") if np.isfinite(values).all() else np.full(len(shares), np.nan))
+        known = np.isfinite(values).all()
+        rows.append(np.quantile(values, shares, method="hazen") if known else np.full(len(shares), np.nan))
     return np.array(rows).T.reshape(len(shares), *shape)

@@ -192,7 +192,7 @@ def test_the_share_of_people_outside_a_range_is_the_one_that_is_said(count):
 
 def test_how_many_people_stand_behind_the_ranges_is_said(people):
     text = people.notice[1]
-    assert text.endswith(behind_ranges(len(people.subjects))) and "4 people stand behind" in text
+    assert text.endswith(behind_ranges(len(people.subjects))) and "4 subjects" in text
     assert "makes no range" in behind_ranges(1)
 
 

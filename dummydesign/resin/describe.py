@@ -44,7 +44,7 @@ def _curve(resin: Resin, rows: int) -> list[dict[str, Any]]:
 
 
 def hardness_text(curve: list[dict[str, Any]]) -> str:
-    """The reading that a durometer should show at the ends and in the middle of the range of the ratio."""
+    """The reading that a durometer should show at the lowest, the central and the highest ratio."""
     from dummydesign.resin.model.hardness import Hardness
 
     rows = curve[:: max((len(curve) - 1) // 2, 1)]

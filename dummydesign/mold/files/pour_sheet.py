@@ -169,7 +169,7 @@ def _hardness_words(pour: Pour, interval_kPa: tuple[float, float]) -> str:
     source = f"resin {pour.resin} at ratio {pour.ratio:.6g}"
     expected = hardness_law().expected(Quantity(pour.young_kPa, *interval_kPa, "inferred", source))
     return (f"Hardness, a rough check without a press: a durometer should show {expected.text} after "
-            f"{pour.age_before_test_days:g} days, on a piece at least 6 mm thick. Outside of it the batch is not this "
+            f"{pour.age_before_test_days:g} days, on a piece at least 6 mm thick. Outside it the batch is not this "
             f"recipe. Reading: {BLANK}")  # fmt: skip
 
 

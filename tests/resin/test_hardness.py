@@ -141,7 +141,8 @@ def test_a_base_with_points_of_its_own_gives_its_law_alone():
 def test_a_fixed_modulus_over_a_range_of_ratios_is_refused():
     add_hardness("gel", shore_00=30.0)
     path = user_folder() / KIND / "gel.toml"
-    path.write_text(path.read_text(encoding="utf-8").replace("ratio_max = 100.0", "ratio_max = 120.0"), encoding="utf-8")
+    text = path.read_text(encoding="utf-8")
+    path.write_text(text.replace("ratio_max = 100.0", "ratio_max = 120.0"), encoding="utf-8")
     with raises_code("inconsistent"):
         load_resin("gel")
 

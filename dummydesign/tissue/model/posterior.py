@@ -138,6 +138,8 @@ def drawn_tissues(tissue: Tissue, count: int) -> tuple[Tissue, ...]:
 
 def posterior_tissues(tissue: Tissue, count: int) -> tuple[Tissue, ...]:
     """Return draws stored with an inferred tissue, by their weights; none where a person was measured."""
+    if not law_named(tissue.law).fitted:
+        return ()
     inferred = all(subject.numbers["gamma1_N_per_mm3"].kind == "inferred" for subject in tissue.subjects)
     if tissue.origin == "file" or not inferred:
         return ()

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
     from dummydesign.tissue.model.tissue import Tissue
 
-GROUPS, STEPS = 49, 40
+GROUPS, STEPS = 49, 24
 """Groups of subjects that are drawn of an inferred tissue; halvings of the interval of the arms' factor."""
 LOG_FACTOR = -7.0, 7.0
 """Smallest and largest ln of the factor on the arms."""

@@ -1,18 +1,27 @@
 """People by the subjects of a tissue: shares below a pad's peaks, the strict bounds of an aim, refusals."""
 
 import dataclasses
+from itertools import pairwise
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
+from dummydesign.cli.entry import run
 from dummydesign.core.quantity import Quantity
+from dummydesign.design.measured_people import shares_of_traces
 from dummydesign.design.scoring.people import people_warnings, shares_below
 from dummydesign.design.scoring.presses import Sampling
 from dummydesign.design.scoring.settings import weights_of
 from dummydesign.design.scoring.targets import make_targets
 from dummydesign.design.scoring.verdict import Readings, deviations, ranges_of, verdict
+from dummydesign.measurement.motion import ramp_and_hold
+from dummydesign.measurement.trace import Trace
+from dummydesign.report.suggest_facts import people_text
 from dummydesign.tissue import load_tissue
 from dummydesign.tissue.adding.from_springs import spring_tissue
+from dummydesign.tissue.comparison import ComparedPress
+from dummydesign.tissue.fitting.reduction import reduce_trace
 from dummydesign.tissue.model.people_share import tolerance_factor
 from dummydesign.tissue.model.tissue import Subject
 from tests.support.refusal import raises_code
@@ -102,7 +111,7 @@ def test_the_aim_is_the_tolerance_bound_of_the_subjects_and_strict(tissue):
 
 def test_a_larger_share_is_a_higher_bound(tissue):
     bounds = [ranges_of(make_targets(tissue, f"people:{p}", Sampling())).peak_high_N for p in (50, 80, 95, 99)]
-    assert all((low < high).all() for low, high in zip(bounds, bounds[1:]))
+    assert all((low < high).all() for low, high in pairwise(bounds))
 
 
 def test_the_parameters_of_the_aim_reach_the_bound(tissue):
@@ -133,3 +142,44 @@ def test_one_subject_and_a_spring_say_nothing_of_people():
         assert found.conditions == () and found.reason
         with raises_code("not_enough_data", "subjects"):
             make_targets(tissue, "people:95", Sampling())
+
+
+def pressed_as(tissue, subject, speed):
+    """The presses of a subject to 10 N, as those of a pad, repeated."""
+    person = tissue.subjects[subject].parameters
+    depth = float(np.cbrt(10.0 / person.gamma1_N_per_mm3))
+    motion = ramp_and_hold(speed, depth)
+    trace = reduce_trace(Trace("press.csv", motion.time_s, motion.displacement_mm, person.force(motion, speed)))
+    band = tissue.force_range(trace.steady_force_N, speed, trace.hold_s, 30_000.0)
+    return speed, (ComparedPress(trace, band, 30_000.0),) * 2
+
+
+def test_a_measured_pad_that_is_a_subject_has_that_subjects_share(tissue):
+    conditions = tuple(pressed_as(tissue, 4, speed) for speed in (10.0, 250.0))
+    comparison = SimpleNamespace(conditions=conditions, fit=SimpleNamespace(result={"noise_floor_N": 0.0}))
+    found = shares_of_traces(comparison, tissue)
+    targets = make_targets(tissue, "average", Sampling())
+    at_10 = [row for row, one in enumerate(targets.conditions) if one.steady_force_N == 10.0]
+    wanted = shares_below(targets, peaks_of(targets)[:, 4])
+    for mine, row in zip(found.conditions, at_10):
+        assert mine.velocity_mm_s == wanted.conditions[row].velocity_mm_s
+        assert mine.below_expected == pytest.approx(wanted.conditions[row].below_expected, abs=0.01)
+        assert mine.below_90 == pytest.approx(wanted.conditions[row].below_90, abs=0.02)
+
+
+def test_the_line_of_the_first_screen_is_of_the_press_with_the_least_share(tissue):
+    targets = make_targets(tissue, "average", Sampling())
+    peaks = peaks_of(targets).max(axis=-1)
+    peaks[4] = peaks_of(targets)[4].mean()
+    found = shares_below(targets, peaks)
+    text = people_text(found.to_dict())
+    least = found.conditions[4]
+    assert f"{least.steady_force_N:g} N, {least.velocity_mm_s:g} mm/s" in text
+    assert f"{100 * least.below_expected:.0f} % of people" in text and text.startswith("5 subjects")
+    assert people_text(shares_below(make_targets(make_tissue((1.0,)), "average", Sampling()), peaks).to_dict()) == ""
+
+
+@pytest.mark.parametrize("percent", ["0", "100", "abc", ""])
+def test_a_wrong_share_is_one_line_and_status_2(percent, capsys):
+    assert run(["suggest", "--tissue", "palm", "--aim", f"people:{percent}", "--no-cad"]) == 2
+    assert len(capsys.readouterr().err.strip().splitlines()) == 1

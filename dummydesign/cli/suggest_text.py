@@ -47,6 +47,7 @@ def details(result: dict[str, Any]) -> str:
         "the tissue's law extrapolated; no data on people")  # fmt: skip
     small = [{**row, "span": f"{row['tissue_depth_low_mm']:.2f} to {row['tissue_depth_high_mm']:.2f}"}
              for row in best["low_force"]]  # fmt: skip
+    lines += ["", *facts.people_lines(result["people"])]
     lines += ["", f"  small forces ({words}):", *table(small, SMALL, "  ")]
     lines += _shapes(result) + _parameters(best) + _more_details(result)
     return "\n".join(lines)

@@ -150,6 +150,18 @@ def people_text(people: dict[str, Any]) -> str:
     return f"{subjects}: the pad's peak is above {100 * row['below_expected']:.0f} % of people at {press} ({span})"
 
 
+def people_lines(people: dict[str, Any]) -> list[str]:
+    """The share of all people below the pad's peak in every press, for the detailed answer."""
+    rows = [row for row in people["conditions"] if row["below_expected"] is not None]
+    head = [f"share of people whose peak is at most the pad's, by {people['subjects']} subjects (90 % interval):"]
+    return (head if rows else []) + [
+        "  {:g} N, {:g} mm/s: {:.0f} % ({:.0f} to {:.0f} %)".format(
+            float(f"{row['steady_force_N']:.3g}"), row["velocity_mm_s"],
+            *(100 * share for share in (row["below_expected"], *row["below_90"])),
+        ) for row in rows
+    ]  # fmt: skip
+
+
 def correction_lines(result: dict[str, Any]) -> list[str]:
     """By what readings are multiplied: at central estimates, for 95 % of castings, and after measuring."""
     factors = result["verdict"]["correction"]

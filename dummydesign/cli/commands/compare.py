@@ -83,6 +83,7 @@ PRESSES = [("mm/s", "velocity_mm_s", ">6.4g"), ("steady N", "steady_force_N", ">
 def render_details(result: dict[str, Any]) -> str:
     """Make the readable tables."""
     from dummydesign.report import compare as facts
+    from dummydesign.report.suggest_facts import people_lines
 
     against = f"against {result['tissue']}, {facts.law_text(result)}"
     lines = [*verdict_lines(result["verdict"]), *tissue_lines(result), against]
@@ -101,4 +102,5 @@ def render_details(result: dict[str, Any]) -> str:
     lines += table([{**row, "span": f"{row['range_peak_low_N']:.2f} to {row['range_peak_high_N']:.2f}",
                      "inside": f"{100 * row['inside_fraction']:.0f} %"}
                     for row in result["force_variation_range"]], PRESSES)  # fmt: skip
+    lines += people_lines(result["people"])
     return "\n".join(lines + warning_lines(result) + file_lines(result))

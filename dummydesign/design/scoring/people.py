@@ -214,7 +214,7 @@ def people_warnings(targets: Targets) -> list[tuple[str, str]]:
     """Say how large the bound of a share of people is, and why; nothing for another aim."""
     if not is_share(targets.aim):
         return []
-    bounds, people, share = bounds_of(targets), targets.people, share_of_aim(targets.aim)
+    bounds, people, share = targets.bounds, targets.people, share_of_aim(targets.aim)
     assert bounds is not None and people is not None and share is not None
     count = len(targets.tissue.subjects)
     highest = np.array([one.range.peak_high_N for one in targets.conditions])

@@ -114,6 +114,13 @@ class Targets:
 
         return people_of(self)
 
+    @cached_property
+    def bounds(self) -> tuple[NDArray, NDArray, NDArray, str] | None:
+        """Bounds of an aim at a share of people, see :func:`~dummydesign.design.scoring.people.bounds_of`."""
+        from dummydesign.design.scoring.people import bounds_of
+
+        return bounds_of(self)
+
     @property
     def settled(self) -> bool:
         """Whether the hold is so long that a steady force is the relaxed one; measured curves are at a hold's end."""

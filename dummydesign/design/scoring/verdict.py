@@ -10,7 +10,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.core.serialise import Serialised, percent_below_limit
-from dummydesign.design.scoring.people import bounds_of
 from dummydesign.design.scoring.score import Evaluation
 from dummydesign.design.scoring.settings import VerdictLimits, verdict_limits
 from dummydesign.design.scoring.targets import Targets
@@ -465,7 +464,7 @@ def ranges_of(targets: Targets) -> Ranges:
     force, speed, low, high, least, most = (np.array(column) for column in zip(*rows))
     grid_N, subjects = targets.protocol.steady_grid_N, len(targets.tissue.subjects)
     stiff, soft = targets.depth_range_mm(grid_N)
-    bounds = bounds_of(targets)
+    bounds = targets.bounds
     high, most, stiff, highest = bounds or (high, most, stiff, "")
     strict = targets.aim.lower() == SAFE_SIDE or bounds is not None
     return Ranges(force, speed, low, high, least, most, grid_N, stiff, soft, subjects, targets.power, strict, highest)

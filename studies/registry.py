@@ -174,6 +174,7 @@ DATA_FILES = (
     DataFile("pad-rejected.csv", "", f"{BY_HAND} of methods that left the sources; cannot be measured again"),
     DataFile("pad-three-fillets.csv", "", f"{BY_HAND} of counts of one comparison; no command repeats it"),
     DataFile("pad-time.csv", "python benchmarks/pad.py", f"{COPIED}; on one machine"),
+    DataFile("people-share.csv", "python -m benchmarks.accuracy.people_share FILE.csv", WRITTEN),
     DataFile("puck-drawn.csv", "python benchmarks/puck_shapes.py --drawn 10", COPIED),
     DataFile("puck-hold.csv", "python benchmarks/puck_hold.py --draws 25 --csv FILE", COPIED),
     DataFile("puck-shapes.csv", "python benchmarks/puck_shapes.py --csv FILE", WRITTEN),

@@ -53,7 +53,7 @@ def suggest(
     tissue, resin : str
         Names of the library, or paths of TOML files.
     aim : str
-        ``average``, ``safe-side`` or ``subject:NAME``.
+        ``average``, ``safe-side``, ``subject:NAME`` or ``people:PERCENT``.
     thickness_mm, ratio : (low, high) or "LOW:HIGH", optional
         Limits with both ends included. [mm, resin's ratio]
     shape : str
@@ -335,7 +335,7 @@ def whatif(
     resin, tissue : str
         Names or paths; with a tissue every design is scored for it.
     aim : str
-        Whom of the tissue a score is for: ``average``, ``safe-side`` or ``subject:NAME``.
+        Whom of the tissue a score is for: ``average``, ``safe-side``, ``subject:NAME`` or ``people:PERCENT``.
     punch, condition, base : str or several
         Such as ``square:14``, ``bonded``, ``sliding``.
     shape : str or several

@@ -164,6 +164,7 @@ def compare(
     from dummydesign.core.serialise import to_plain
     from dummydesign.design.measured_match import budget_of_traces, curves_of_traces
     from dummydesign.design.measured_pad import read_test, readings_of_traces, verdict_of_traces
+    from dummydesign.design.measured_people import shares_of_traces
     from dummydesign.measurement.pad_record import read_record
     from dummydesign.measurement.sensor import parse_lowpass
     from dummydesign.tissue.comparison import compare_traces
@@ -191,7 +192,9 @@ def compare(
         values["budget"] = to_plain(budget_of_traces(comparison, site, *readings_of_traces(comparison, site)))
         comparison = replace_fields(comparison, result=values)
         judged = verdict_of_traces(comparison, site).to_dict()
-        result = {"inputs": inputs, "verdict": judged, **values, "sources": list(site.sources), "files": {}}
+        people = shares_of_traces(comparison, site, passed).to_dict()
+        result = {"inputs": inputs, "verdict": judged, "people": people, **values, "sources": list(site.sources),
+                  "files": {}}  # fmt: skip
         if output is not None:
             from dummydesign.report.compare import write_comparison
 

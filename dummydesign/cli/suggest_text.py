@@ -48,6 +48,7 @@ def details(result: dict[str, Any]) -> str:
         "the tissue's law extrapolated; no data on people")  # fmt: skip
     small = [{**row, "span": f"{row['tissue_depth_low_mm']:.2f} to {row['tissue_depth_high_mm']:.2f}"}
              for row in best["low_force"]]  # fmt: skip
+    lines += ["", *facts.people_lines(result["people"])]
     lines += ["", f"  small forces ({words}):", *table(small, SMALL, "  ")]
     lines += _shapes(result) + _parameters(best) + _more_details(result)
     return "\n".join(lines)
@@ -197,14 +198,16 @@ def render(result: dict[str, Any]) -> str:
         "",
     ]
     more = f"--details: scores, other shapes, parameters, castings, {len(result['warnings'])} notes"
-    tail = [[""], labelled("SHARES", "\n".join(facts.castings_lines(result))),
-            labelled("CURVES", facts.curves_line(result), 2), labelled("MOULD", facts.other_mould_text(result)),
+    tail = [[""], labelled("PEOPLE", facts.people_text(result["people"]), 2),
+            labelled("CURVES", facts.curves_line(result), 2),
+            labelled("SHARES", "\n".join(facts.castings_lines(result))),
+            labelled("MOULD", facts.other_mould_text(result)),
             labelled("CORRECT", "\n".join(facts.correction_lines(result))),
             labelled("WHY", facts.why_text(result), 3), labelled("RISK", facts.risk_text(result)), _notes(result),
             _next(result), labelled("", facts.meanwhile_text(result)),
             labelled("PATHS", "\n".join(facts.paths_lines(result))), _files(result),
             labelled("MORE", more)]  # fmt: skip
-    risk, meanwhile, why = 6, 9, 5
+    risk, meanwhile, why = 7, 10, 6
     columns, rows = facts.press_rows(result)
     presses = columns_of((columns, *rows), (8, 5, 8, 8, 10, 12, 0), "  ")
     return "\n".join(fitted(head, presses, tail, (risk, meanwhile, why), "  ... and {} more presses: --details"))

@@ -115,7 +115,7 @@ class SuggestOptions:
     """What ``suggest`` is asked, in the order of the answer's inputs: default, option, metavar, help, reader."""
 
     tissue: str = option(MISSING, "tissue", "NAME|FILE", "see 'dummydesign tissues list'")
-    aim: str = option("average", "aim", "AIM", "average (default), safe-side or subject:NAME")
+    aim: str = option("average", "aim", "AIM", "average (default), safe-side, subject:NAME or people:PERCENT")
     resin: str = option("polyurethane-nagoya", "resin", "NAME|FILE", "see 'dummydesign resins list'")
     thickness_mm: tuple[float, float] | None = option(None, "thickness", "MIN:MAX", "search range in mm, in 3 to 30",
         read=partial(parse_limits, quantity="thickness in mm"), between=":")  # fmt: skip

@@ -19,6 +19,7 @@ from dummydesign.design.assessment.warnings import count_unmeasured, design_warn
 from dummydesign.design.problem import Problem, read_problem, recipe_and_batch
 from dummydesign.design.request import PAPER, Progress, Request, quiet
 from dummydesign.design.scoring.castings import Castings
+from dummydesign.design.scoring.people import people_warnings
 from dummydesign.design.scoring.presses import make_curves
 from dummydesign.design.scoring.verdict import LEVELS, deviations, good_share, ranges_of, shares_of
 from dummydesign.design.search.shape_family import FamilyLaw
@@ -241,6 +242,7 @@ def assess(problem: Problem, solved: SolvedDesign, missing: dict[str, str] | Non
     warnings = own_warnings(request, problem.punch, problem.tissue, chosen.shape.plain or solved_round)
     checks = solved.verification, solved.centring, request.verify
     warnings += design_warnings(chosen, best, comparisons, space, problem.tissue, pour, *checks)
+    warnings += people_warnings(space.targets)
     beyond = beyond_people(request.protocol.forces_N, problem.tissue)
     listed = [{"code": code, "message": text} for code, text in warnings]
     calibrated = problem.calibrated

@@ -16,6 +16,7 @@ from dummydesign.design.next_steps import next_steps, paths_of
 from dummydesign.design.problem import recipe_of_pour
 from dummydesign.design.request import Request
 from dummydesign.design.scoring.castings import GROUPS, TISSUE
+from dummydesign.design.scoring.people import shares_below
 from dummydesign.design.scoring.targets import Targets
 from dummydesign.design.scoring.verdict import TOLERANCE, Verdict
 from dummydesign.geometry.dimensions import PAD_LENGTH_MM, PAD_WIDTH_MM
@@ -148,7 +149,9 @@ class Suggestion:
             "verdict": verdict,
             "castings": {"n": castings.n, "seed": castings.seed, "groups": groups, **(verdict["castings"] or {})},
             "shares": {name: value for name, value in shares.items() if name != "window_kPa"},
-            "window_kPa": shares["window_kPa"], "measure_first": self.measure_first.to_dict(),
+            "window_kPa": shares["window_kPa"],
+            "people": shares_below(self.targets, self.best.readings.peak_N).to_dict(),
+            "measure_first": self.measure_first.to_dict(),
             "choice": {**self.choice.to_dict(), "weights": self.targets.weights.to_dict()},
             "curves": to_plain(self.curves), "budget": to_plain(self.budget),
             "calibration": self.calibration, "recommendation": recommendation,

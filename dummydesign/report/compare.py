@@ -68,21 +68,21 @@ def _write_report(folder: Path, comparison: Comparison, tissue: Tissue, verdict:
 
 
 def _front(title: str, data: dict[str, Any], verdict: dict[str, Any], steady: Plot, presses: list[Plot]) -> FrontPage:
-    """The first page: verdict, steady curve, each press in the people's range."""
+    """The first page: verdict, steady curve, each press in the subjects' range."""
     head, rows = press_rows(data)
     facts = [
-        Fact("people", f"{data['tissue']}, {law_text(data)}", True),
-        Fact("part of the steady curve inside the people's range", steady_text(data).replace("; ", "\n")),
+        Fact("tissue", f"{data['tissue']}, {law_text(data)}", True),
+        Fact("part of the steady curve inside the subjects' range", steady_text(data).replace("; ", "\n")),
         Fact("parameters of the law", parameters_text(data)),
         Fact("pad", pad_text(data)),
     ]
     return FrontPage(
-        title, f"Each press is compared with people at its own steady force, speed and hold.{_test_words(data)}",
+        title, f"Each press is compared with the subjects at its own steady force, speed and hold.{_test_words(data)}",
         (verdict["light"], verdict["text"]),
         ("Steady force over depth", plot_drawing(steady)), "Comparison", [fact for fact in facts if fact.text],
         "Force [N] over time since contact",
         [Panel(plot, f"{row[0]} N, {row[1]} mm/s", f"{row[3]} N: {row[5]} inside") for plot, row in zip(presses, rows)],
-        [("band", "people"), ("main", "this pad")], Grid(head, rows), notes=warning_texts(data["warnings"]),
+        [("band", "subjects"), ("main", "this pad")], Grid(head, rows), notes=warning_texts(data["warnings"]),
         steps=[sentence(step) for step in next_steps({"verdict": verdict})], foot=FOOT,
     )  # fmt: skip
 
@@ -294,7 +294,7 @@ def _picture(comparison: Comparison, tissue: Tissue) -> bytes:
 
 
 def law_text(result: dict[str, Any]) -> str:
-    """By what the people are known."""
+    """By what the subjects are known."""
     return "measured curves, no law" if result["law"] == "curves" else f"law {result['law']}"
 
 
@@ -316,11 +316,11 @@ def press_rows(result: dict[str, Any]) -> tuple[list[str], list[list[str]]]:
          _percent(row["inside_fraction"])]
         for row in result["force_variation_range"]
     ]  # fmt: skip
-    return ["steady N", "mm/s", "depth mm", "pad peak N", "people N", "samples inside"], rows
+    return ["steady N", "mm/s", "depth mm", "pad peak N", "subjects N", "samples inside"], rows
 
 
 def steady_text(result: dict[str, Any]) -> str:
-    """How much of the steady curve is inside the people's range, below and within the forces of the test."""
+    """How much of the steady curve is inside the subjects' range, below and within the forces of the test."""
     steady = result["steady_state_range"]
     low, high = steady["span_N"]
     below, above = _percent(steady["below_5N_fraction"]), _percent(steady["above_5N_fraction"])

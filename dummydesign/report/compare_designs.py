@@ -35,8 +35,8 @@ def write_designs_report(folder: Path, comparison: Comparison) -> dict[str, str]
         Section("Verdicts", "\n\n".join(f"{one['name']}: {one['verdict']['text']}" for one in designs)),
         Section("Designs", table=Table(head, [[label.replace("  ", "score: "), *cells]
                                               for label, cells in [*design_rows(designs), *_lengths(designs)]])),
-        Section("Peak force against the people's range",
-                "Peak of the pad, then the range of the people's peaks, in N: < below it, in inside it, > above it.",
+        Section("Peak force against the subjects' range",
+                "Peak of the pad, then the range of the subjects' peaks, in N: < below it, in inside it, > above it.",
                 table=Table(head, [[label, *cells] for label, cells in press_rows(designs)])),
         Section("Steady force", "", [_steady(designs)]),
         Section("Weights to mix", table=Table(["design", "pour", "component", "weigh g", "of total g", "pour g"],
@@ -80,7 +80,7 @@ def design_rows(designs: Sequence[Mapping[str, Any]]) -> list[Row]:
         values = [one["scores"].get(key) for one in designs]
         if any(value is not None for value in values):
             rows.append((f"  {words}", [_number(value) for value in values]))
-    for key, words in (("shortfall", "people/pad"), ("over", "pad/people")):
+    for key, words in (("shortfall", "subjects/pad"), ("over", "pad/subjects")):
         cells = [f"{_number(one[key]['central'])}, 95 %: {_number(one[key]['q95'])}" for one in designs]
         rows.append((words, cells))
     return [
@@ -110,7 +110,7 @@ def _lengths(designs: Sequence[Mapping[str, Any]]) -> list[Row]:
 
 
 def press_rows(designs: Sequence[Mapping[str, Any]]) -> list[Row]:
-    """Peak of each press against the people's range, a cell a design."""
+    """Peak of each press against the subjects' range, a cell a design."""
     pressed = [{(row["steady_force_N"], row["velocity_mm_s"]): row for row in one["conditions"]} for one in designs]
     keys = sorted({key for one in pressed for key in one}, key=lambda key: (key[1], key[0]))
     return [(f"{force:g} N {speed:g} mm/s", [_press(one.get((force, speed))) for one in pressed])

@@ -191,7 +191,7 @@ def suggestion_front(answer: Suggestion, result: dict[str, Any], presses: Sequen
         facts=_recipe_facts(result),
         panels_title="Force [N] over time since contact",
         panels=[_panel(plot, row, cells) for plot, row, cells in zip(presses, best["conditions"], rows)],
-        keys=[("band", "people"), ("main", "this pad"), ("aim", f"aim: {given['aim']}")],
+        keys=[("band", "subjects"), ("main", "this pad"), ("aim", f"aim: {given['aim']}")],
         table=Grid(head, rows, frozenset(n for n, cells in enumerate(rows) if cells[-1] != "inside")),
         blocks=[(title, texts) for title, texts in blocks if texts],
         notes=suggest_facts.warning_texts(result),

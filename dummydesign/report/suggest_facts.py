@@ -12,7 +12,7 @@ from dummydesign.design.options import base_words
 from dummydesign.report.curves import curves_text
 
 MOST_NOTES = 4
-NOTES = ("bottoms_out", "measured_curves", "tissue_punch", "force_not_in_band", "speed_not_in_band",
+NOTES = ("bottoms_out", "people_bound", "measured_curves", "tissue_punch", "force_not_in_band", "speed_not_in_band",
          "calibration_resin", "out_of_reach", "one_subject", "contradictory_points", "calibration", "at_edge",
          "outside_steady_range", "cad_unavailable", "curved_master")  # fmt: skip
 """Warnings that change what one does, the most pressing first."""
@@ -26,6 +26,8 @@ NOTE_WORDS = {
 """Words of a warning on the screen, where they are not its message."""
 
 
+WIDEST = 90.0
+"""Interval of the share of people, in per cent, from which on the share is called unknown."""
 PARTS = {"crowned": "crown", "boned": "bone", "bumped": "bumps", "layered": "layers"}
 """What the lengths of a shape measure."""
 
@@ -125,7 +127,35 @@ def press_rows(result: dict[str, Any]) -> tuple[list[str], list[list[str]]]:
         reads = row["reads"] if row["reads"] == "inside" else f"{row['percent_outside']:.0f} % {row['reads']}"
         rows.append([*test, f"{row['depth_mm']:.2f}", f"{100 * row['gel_compression']:.0f} %",
                      f"{row['peak_force_N']:.1f}", people, reads])  # fmt: skip
-    return ["steady N", "mm/s", "depth mm", "% of gel", "pad peak N", "people N", ""], rows
+    return ["steady N", "mm/s", "depth mm", "% of gel", "pad peak N", "subjects N", ""], rows
+
+
+def people_text(people: dict[str, Any]) -> str:
+    """The share of all people below the pad's peak, in the press where it is least; empty where it is not known."""
+    known = [row for row in people["conditions"] if row["below_expected"] is not None]
+    if not known:
+        return ""
+    row = min(known, key=lambda one: one["below_expected"])
+    low, high = (100 * share for share in row["below_90"])
+    subjects = f"{people['subjects']} subjects{', inferred, not measured' if people['inferred'] else ''}"
+    press = f"{row['steady_force_N']:.3g} N, {row['velocity_mm_s']:g} mm/s"
+    span = f"90 %: {low:.0f} to {high:.0f} %"
+    if high - low > WIDEST:
+        exact = f"{100 * row['below_expected_if_exact']:.0f} % if they were known exactly"
+        return f"{subjects}: the share of people below the pad's peak is unknown at {press} ({span}; {exact})"
+    return f"{subjects}: the pad's peak is above {100 * row['below_expected']:.0f} % of people at {press} ({span})"
+
+
+def people_lines(people: dict[str, Any]) -> list[str]:
+    """The share of all people below the pad's peak in every press, for the detailed answer."""
+    rows = [row for row in people["conditions"] if row["below_expected"] is not None]
+    head = [f"share of people whose peak is at most the pad's, by {people['subjects']} subjects (90 % interval):"]
+    return (head if rows else []) + [
+        "  {:g} N, {:g} mm/s: {:.0f} % ({:.0f} to {:.0f} %)".format(
+            float(f"{row['steady_force_N']:.3g}"), row["velocity_mm_s"],
+            *(100 * share for share in (row["below_expected"], *row["below_90"])),
+        ) for row in rows
+    ]  # fmt: skip
 
 
 def curves_line(result: dict[str, Any]) -> str:
@@ -214,19 +244,19 @@ def warning_texts(result: dict[str, Any]) -> list[str]:
 
 
 def impact_of(result: dict[str, Any]) -> tuple[dict[str, Any] | None, list[float]]:
-    """The row of a pad that stops a free mass, None where none does, and the peaks of the people who stop it. [N]"""
+    """The row of a pad that stops a free mass, None where none does, and the peaks of the subjects who stop it. [N]"""
     rows = [row for row in result.get("safety", {}).get("impact", []) if row["peak_force_N"] is not None]
     pad = next((row for row in rows if row["body"] == "pad"), None)
     return pad, [row["peak_force_N"] for row in rows if row["body"] != "pad"]
 
 
 def impact_text(result: dict[str, Any]) -> str:
-    """What a free mass does on pad and people; empty where none was requested."""
+    """What a free mass does on pad and subjects; empty where none was requested."""
     pad, known = impact_of(result)
     if not pad or not known:
         return ""
     span = f"{min(known):.3g} to {max(known):.3g} N" if len(known) > 1 else f"{known[0]:.3g} N"
-    return f"peak {pad['peak_force_N']:.3g} N at {pad['depth_mm']:.3g} mm on the pad, {span} on people"
+    return f"peak {pad['peak_force_N']:.3g} N at {pad['depth_mm']:.3g} mm on the pad, {span} on the subjects"
 
 
 def next_steps(result: dict[str, Any]) -> list[str]:

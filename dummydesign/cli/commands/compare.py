@@ -52,9 +52,10 @@ def default_out(options: argparse.Namespace) -> str:
 
 
 def render(result: dict[str, Any]) -> str:
-    """The verdict, each press beside the people's range, then which parameters lie outside."""
+    """The verdict, each press beside the subjects' range, then which parameters lie outside."""
     from dummydesign.report import compare as facts
     from dummydesign.report.curves import curves_text
+    from dummydesign.report.suggest_facts import people_text
 
     tissue = f"{result['tissue']}, {facts.law_text(result)}"
     head = [*verdict_lines(result["verdict"]), *tissue_lines(result), *labelled("TISSUE", tissue)]
@@ -62,7 +63,8 @@ def render(result: dict[str, Any]) -> str:
     rows = columns_of((columns, *body), (8, 5, 8, 10, 14, 0), "  ")
     steady = f"fraction inside the subjects' range: {facts.steady_text(result)}"
     return text.screen(
-        [*head, *labelled("PAD", facts.pad_text(result)), ""], rows, [""], labelled("STEADY", steady),
+        [*head, *labelled("PAD", facts.pad_text(result)), ""], rows,
+        ["", *labelled("PEOPLE", people_text(result["people"]), 2)], labelled("STEADY", steady),
         labelled("CURVES", curves_text(result["curves"], result["verdict"]["subjects"]), 2),
         labelled("LAW", facts.parameters_text(result), 2), text.warning_block(result),
         labelled("NEXT", "; ".join(facts.next_steps(result))),
@@ -84,6 +86,7 @@ def render_details(result: dict[str, Any]) -> str:
     """Make the readable tables."""
     from dummydesign.report import compare as facts
     from dummydesign.report.conformity import budget_lines
+    from dummydesign.report.suggest_facts import people_lines
 
     against = f"against {result['tissue']}, {facts.law_text(result)}"
     lines = [*verdict_lines(result["verdict"]), *tissue_lines(result), against]
@@ -103,4 +106,5 @@ def render_details(result: dict[str, Any]) -> str:
                      "inside": f"{100 * row['inside_fraction']:.0f} %"}
                     for row in result["force_variation_range"]], PRESSES)  # fmt: skip
     lines += budget_lines(result["budget"])
+    lines += people_lines(result["people"])
     return "\n".join(lines + warning_lines(result) + file_lines(result))

@@ -19,7 +19,7 @@ def render(result: dict[str, Any]) -> str:
 
     shown = result["designs"][:COLUMNS]
     head = [*_different(result, 3), *_rows(_header(shown), shown), *_rows(report.design_rows(shown), shown)]
-    presses = ["peak N, people's range", *_rows(report.press_rows(shown), shown)]
+    presses = ["peak N, subjects' range", *_rows(report.press_rows(shown), shown)]
     left = len(result["designs"]) - len(shown)
     tail = [f"report: {result['files']['report']}"] if "report" in result["files"] else []
     tail += [f"{left} more designs are in the report and in --details"] if left else []
@@ -33,7 +33,7 @@ def render_details(result: dict[str, Any]) -> str:
     lines = _different(result, None)
     for start in range(0, len(result["designs"]), COLUMNS):
         shown = result["designs"][start : start + COLUMNS]
-        lines += [*_rows(_header(shown), shown), *_rows(report.design_rows(shown), shown), "peak N, people's range",
+        lines += [*_rows(_header(shown), shown), *_rows(report.design_rows(shown), shown), "peak N, subjects' range",
                   *_rows(report.press_rows(shown), shown), ""]  # fmt: skip
     for one in result["designs"]:
         lines += labelled("", f"{one['name']}: {one['verdict']['text']}")

@@ -18,7 +18,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("--tissue", metavar="NAME|FILE", help="see 'dummydesign tissues list'")
     add("--resin", metavar="NAME|FILE", help="see 'dummydesign resins list'")
     add("--punch", metavar="KIND:SIZE", help="square:14 (default), rectangle:AxB, round:D, ball:D, profile:FILE.csv")
-    add("--aim", metavar="AIM", help="average (default), safe-side or subject:NAME")
+    add("--aim", metavar="AIM", help="average (default), safe-side, subject:NAME or people:PERCENT")
     add("--shape", metavar="NAME[:P,..]", help=shape_help("auto", default="auto"))
 
 

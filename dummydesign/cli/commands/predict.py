@@ -29,7 +29,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("--hold", default=10.0, metavar="S", help="hold after the stop (default 10 s)")
     add("--deceleration", default=30000.0, metavar="MM_S2", help="braking (default 30000 mm/s2)")
     add("--tissue", metavar="NAME|FILE", help="compare the pad with a tissue: the verdict and its numbers")
-    add("--aim", default="average", metavar="AIM", help="with --tissue: average (default), safe-side or subject:NAME")
+    aims = "with --tissue: average (default), safe-side, subject:NAME or people:PERCENT"
+    add("--aim", default="average", metavar="AIM", help=aims)
     punches = "square:14 (default), round:D, rectangle:AxB, profile:FILE.csv, plate"
     add("--punch", default="square:14", metavar="KIND:SIZE", help=punches)
     edge = "fillet of the punch's edge, 0 (default, sharp) to 0.3 of its half-width; shapes: --fidelity axisymmetric"
@@ -122,16 +123,16 @@ def _files_written(result: dict[str, Any]) -> list[str]:
 
 
 def _tissue_presses(result: dict[str, Any]) -> list[str]:
-    """Each press beside the people's range."""
-    lines = ["  steady N  mm/s   depth mm  pad peak N  people N"]
+    """Each press beside the subjects' range."""
+    lines = ["  steady N  mm/s   depth mm  pad peak N  subjects N"]
     for row in result["conditions"]:
         head = f"  {row['steady_force_N']:<9g} {row['velocity_mm_s']:<6g} "
         if row["depth_mm"] is None:
             lines.append(head + row["out_of_reach"])
             continue
-        people = f"{row['target_peak_low_N']:.1f} to {row['target_peak_high_N']:.1f}"
+        subjects = f"{row['target_peak_low_N']:.1f} to {row['target_peak_high_N']:.1f}"
         reads = row["reads"] if row["reads"] == "inside" else f"{row['percent_outside']:.0f} % {row['reads']}"
-        lines.append(f"{head}{row['depth_mm']:<9.2f} {row['peak_force_N']:<11.1f} {people:<14}{reads}")
+        lines.append(f"{head}{row['depth_mm']:<9.2f} {row['peak_force_N']:<11.1f} {subjects:<14}{reads}")
     return lines
 
 

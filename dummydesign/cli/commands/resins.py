@@ -16,7 +16,7 @@ HELP = "List the known resins, show one with all its numbers and sources, and ad
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the actions."""
-    words = "list|show|add|add-compression|remove|rename|path"
+    words = "list|show|add|add-compression|add-hardness|remove|rename|path"
     actions = parser.add_subparsers(dest="action", required=True, metavar=words, help="what to do")
     actions.add_parser("list", help="names, origin, ratio and modulus range")
     show = actions.add_parser("show", help="one resin, every number with its source")
@@ -36,14 +36,28 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     words = "plates: lubricated, bonded or a friction coefficient (default: any friction)"
     puck.add_argument("--friction", metavar="lubricated|bonded|MU", help=words)
     puck.add_argument("--replace", action="store_true", help="begin NAME again, without the points it has")
+    _add_hardness_options(actions)
     add_own_actions(actions, "resin")
+
+
+def _add_hardness_options(actions: Any) -> None:
+    hard = actions.add_parser("add-hardness", help="a resin of a supplier's Shore value alone, with its scatter")
+    scale = hard.add_mutually_exclusive_group(required=True)
+    scale.add_argument("--shore-00", type=float, metavar="S", help="Shore 00 as the supplier states it, 5 to 90")
+    scale.add_argument("--shore-a", type=float, metavar="S", help="Shore A as the supplier states it, 10 to 90")
+    hard.add_argument("--name", required=True, help="of the resin that results")
+    base = "resin whose law of the ratio and relaxation are kept (none: one fixed mix)"
+    hard.add_argument("--resin", metavar="BASE", help=base)
+    hard.add_argument("--replace", action="store_true", help="take the place of a resin of your own that has this name")
 
 
 def run(options: argparse.Namespace) -> dict[str, Any]:
     """Do the action and return plain values."""
     if options.action in ACTIONS:
         return run_own(options, "materials/resins", "resin")
-    return {"list": _list, "show": _show, "add": _add, "add-compression": _add_compression}[options.action](options)
+    actions = {"list": _list, "show": _show, "add": _add, "add-compression": _add_compression,
+               "add-hardness": _add_hardness}  # fmt: skip
+    return actions[options.action](options)
 
 
 def _list(options: argparse.Namespace) -> dict[str, Any]:
@@ -103,16 +117,28 @@ def _add_compression(options: argparse.Namespace) -> dict[str, Any]:
     return {"inputs": inputs, "sources": [done.young_kPa.source], **done.to_dict()}
 
 
+def _add_hardness(options: argparse.Namespace) -> dict[str, Any]:
+    from dummydesign.resin.from_hardness import add_hardness
+
+    given = {"name": options.name, "shore_00": options.shore_00, "shore_a": options.shore_a}
+    done = add_hardness(**given, base=options.resin, replace_own=options.replace)
+    inputs = {"action": "add-hardness", **given, "resin": options.resin}
+    return {"inputs": inputs, "sources": [done.young_kPa.source], **done.to_dict()}
+
+
 def render(result: dict[str, Any]) -> str:
     """Modulus over ratio on one screen; lists and pucks are short as they are."""
     if "curve" not in result:
         return render_details(result)
+    from dummydesign.resin.describe import hardness_text
+
     rows = _render_resin(result)
     end = next((row for row, line in enumerate(rows) if line.startswith("numbers (")), len(rows))
     kinds = Counter(item["kind"] for item in result["numbers"].values())
     counted = ", ".join(f"{count} {kind}" for kind, count in kinds.items())
     return screen(
-        [*labelled("RESIN", rows[0], 2), *rows[1:3]], rows[3 : end - 1], [""], labelled("NUMBERS", counted),
+        [*labelled("RESIN", rows[0], 2), *rows[1:3]], rows[3 : end - 1], [""],
+        labelled("SHORE", hardness_text(result["curve"]), 3), labelled("NUMBERS", counted),
         text.notes_block(result["resin"]["notes"]), text.warning_block(result, most=2), text.files_block(result, ()),
         labelled("MORE", "--details: every number with its interval and source, all notes"),
     )  # fmt: skip
@@ -129,14 +155,36 @@ def render_details(result: dict[str, Any]) -> str:
         return own
     lines: list[str] = []
     if "resins" in result:
-        rows = [{**row, "ratio": "{:g} to {:g}".format(*row["ratio_range"]),
-                 "young": "{:.3g} to {:.3g}".format(*row["young_kPa_range"])} for row in result["resins"]]  # fmt: skip
+        rows = [{**row, "ratio": _span([f"{end:g}" for end in row["ratio_range"]]),
+                 "young": _span([_kPa(end) for end in row["young_kPa_range"]])} for row in result["resins"]]
         lines += table(rows, LISTED)
+    elif "shore" in result:
+        lines += _render_hardness(result)
     elif "young_kPa" in result:
         lines += _render_puck(result)
     else:
         lines += _render_resin(result)
     return "\n".join(lines + warning_lines(result))
+
+
+def _kPa(value: float) -> str:
+    """Three figures, without a power of ten."""
+    return f"{value:.3g}" if value < 1e3 else f"{float(f'{value:.3g}'):.0f}"
+
+
+def _span(ends: list[str]) -> str:
+    return ends[0] if ends[0] == ends[1] else f"{ends[0]} to {ends[1]}"
+
+
+def _render_hardness(result: dict[str, Any]) -> list[str]:
+    young, base = result["young_kPa"], result["base"]
+    form = "one fixed mix, no ratio" if base is None else f"law of {base}, moved to this modulus at its reference ratio"
+    return [
+        f"modulus   {young['value']:.3g} kPa (95 %: {young['low']:.3g} to {young['high']:.3g}) from Shore "
+        f"{result['shore']['scale']} {result['shore']['value']:g}",
+        f"resin     {result['name']}: {form}",
+        f"file      {result['files']['resin']}",
+    ]
 
 
 def _render_puck(result: dict[str, Any]) -> list[str]:
@@ -171,6 +219,8 @@ def _render_relaxation(relaxation: dict[str, Any] | None) -> list[str]:
 
 
 def _render_resin(result: dict[str, Any]) -> list[str]:
+    from dummydesign.resin.describe import hardness_text
+
     resin = result["resin"]
     columns = "  ratio   E kPa (95 % interval)     % of E per"
     below = f"{'':34}% of ratio   Prony terms, relative to the long-term modulus"
@@ -178,9 +228,9 @@ def _render_resin(result: dict[str, Any]) -> list[str]:
     for row in result["curve"]:
         young = row["young_kPa"]
         arms = ", ".join(f"{arm['beta']:.2g} at {arm['tau_s']:g} s" for arm in row["prony"])
-        interval = f"({young['low']:.3g} to {young['high']:.3g})"
+        interval = f"({_kPa(young['low'])} to {_kPa(young['high'])})"
         slope = row["d_ln_young_per_percent_ratio"] * 100
-        lines.append(f"  {row['ratio']:<6g}  {young['value']:<7.3g}{interval:<19} {slope:>6.1f}       {arms}")
+        lines.append(f"  {row['ratio']:<6g}  {_kPa(young['value']):<7}{interval:<19} {slope:>6.1f}       {arms}")
     for point in resin.get("point", []):
         young, puck = point["young_kPa"], point.get("puck")
         came = f"{puck['diameter_mm']:g} x {puck['height_mm']:g} mm puck, {puck['file']}" if puck else young["source"]
@@ -190,4 +240,5 @@ def _render_resin(result: dict[str, Any]) -> list[str]:
     for name, item in result["numbers"].items():
         lines.append(f"  {name:<26} {item['value']:<8.4g} {item['low']:.4g} to {item['high']:.4g}  {item['kind']}")
         lines.append(f"      {item['source']}")
+    lines += ["", f"hardness: {hardness_text(result['curve'])}"]
     return [*lines, *(f"note: {note}" for note in resin["notes"]), *file_lines({"files": {}, **result})]

@@ -23,7 +23,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("--ratio", metavar="RANGE|LIST", help="mixing ratios (default the resin's reference)")
     add("--resin", default="polyurethane-nagoya", metavar="NAME|FILE", help="default polyurethane-nagoya")
     add("--tissue", metavar="NAME|FILE", help="score every design for this tissue")
-    add("--aim", default="average", metavar="AIM", help="average (default), safe-side or subject:NAME")
+    add("--aim", default="average", metavar="AIM", help="average (default), safe-side, subject:NAME or people:PERCENT")
     add("--punch", default="square:14", metavar="LIST", help="such as square:14,round:16 (default square:14)")
     add("--condition", default="bonded", metavar="LIST", help="face: bonded (default), frictionless or friction:MU")
     add("--base", default="bonded", metavar="LIST", help="pad on its base: bonded (default), sliding")

@@ -12,6 +12,7 @@ from dummydesign.core.library import find
 from dummydesign.core.quantity import KINDS, Quantity
 from dummydesign.core.serialise import Serialised
 from dummydesign.core.toml_schema import Table, read_table
+from dummydesign.tissue.model.people_share import is_share
 
 PARTS = ("aim", "steady_state_range", "force_variation_range", "parametric")
 # Entries of earlier editions in a user's own file, and what to do with them.
@@ -68,9 +69,10 @@ def puck_error() -> float:
 
 
 def weights_of(aim: str) -> Weights:
-    """The set of weights that an aim is scored by."""
+    """The set of weights that an aim is scored by; a share of people is scored as the safe side is."""
     entry = find("materials", "score", "score")
-    return _read_weights(entry.path, entry.origin, entry.path.stat().st_mtime_ns)[aim.lower().partition(":")[0]]
+    name = "safe-side" if is_share(aim) else aim.lower().partition(":")[0]
+    return _read_weights(entry.path, entry.origin, entry.path.stat().st_mtime_ns)[name]
 
 
 @lru_cache(maxsize=4)

@@ -19,6 +19,7 @@ from dummydesign.tissue.model.laws import law_named
 from dummydesign.tissue.model.maxwell_law import SETTLED_S
 
 if TYPE_CHECKING:
+    from dummydesign.design.scoring.people import PeopleReadings
     from dummydesign.tissue.model.parameters import Parameters
     from dummydesign.tissue.model.ranges import ForceRange
     from dummydesign.tissue.model.tissue import Tissue
@@ -70,8 +71,14 @@ class Targets:
         """Depth of the stiffest and the softest subject at steady forces. [mm]"""
         if self.settled:
             return self.tissue.steady_depth_range(force_N)
-        depth = self._held_mm(force_N)[:-1]
+        depth = self.subject_depths_mm(force_N)
         return depth.min(axis=0), depth.max(axis=0)
+
+    def subject_depths_mm(self, force_N: NDArray) -> NDArray:
+        """Depth of each subject at steady forces, shape (subjects, n). [mm]"""
+        if self.settled:
+            return law_named(self.tissue.law).steady_depths(self.tissue.parameter_sets, force_N)
+        return self._held_mm(force_N)[:-1]
 
     def aim_depth_mm(self, force_N: NDArray) -> NDArray:
         """Depth of the aim at steady forces. [mm]"""
@@ -83,14 +90,28 @@ class Targets:
     def drawn(self) -> tuple[Targets, ...]:
         """Targets of tissues that the data of this one allow, of the same test; empty where nothing can be drawn.
 
-        One who is named is followed as he was measured: nothing is drawn.
+        One who is named is followed as he was measured: nothing is drawn. The bound of a share of people has it all.
         """
         from dummydesign.tissue.model.posterior import drawn_tissues
 
-        if self.aim.lower().startswith("subject:"):
+        if self.aim.lower().startswith(("subject:", "people:")):
             return ()
         drawn = drawn_tissues(self.tissue, DRAWN)
         return make_each(drawn, self.aim, self.sampling, self.protocol, self.weights, self.limits)
+
+    @cached_property
+    def people(self) -> PeopleReadings | None:
+        """Readings of people as the subjects show them; None where they do not."""
+        from dummydesign.design.scoring.people import people_of
+
+        return people_of(self)
+
+    @cached_property
+    def bounds(self) -> tuple[NDArray, NDArray, NDArray, str] | None:
+        """Bounds of an aim at a share of people, see :func:`~dummydesign.design.scoring.people.bounds_of`."""
+        from dummydesign.design.scoring.people import bounds_of
+
+        return bounds_of(self)
 
     @property
     def settled(self) -> bool:
@@ -177,7 +198,7 @@ def make_each(
     for velocity, force in product(protocol.velocities_mm_s, protocol.forces_N):
         bands = force_ranges(groups, force, velocity, sampling.hold_s, sampling.deceleration_mm_s2)
         subjects = [_part(band, slice(-1)) for band in bands]
-        energies = _energies(subjects, tissues[0].law, sampling)
+        energies = energies_of(subjects, tissues[0].law, sampling)
         for band, own, part, energy in zip(bands, conditions, subjects, energies):
             ends = float(energy.min()), float(energy.max())
             own.append(Condition(force, velocity, part, _part(band, slice(-1, None)), ends))
@@ -201,8 +222,8 @@ def press_subjects(bands: Sequence[ForceRange], law: str, sampling: Sampling) ->
     return motion.time_s, displacement, forces
 
 
-def _energies(bands: Sequence[ForceRange], law: str, sampling: Sampling) -> list[NDArray]:
-    """Energy of the rise of each subject of several ranges of one speed. [mJ]"""
+def energies_of(bands: Sequence[ForceRange], law: str, sampling: Sampling) -> list[NDArray]:
+    """Return the energy of the rise of each subject of several ranges of one speed. [mJ]"""
     _, displacement, force = press_subjects(bands, law, sampling)
     energy = work_mJ(displacement, force)
     parts = np.split(energy, np.cumsum([len(band.stop_s) for band in bands])[:-1])

@@ -42,6 +42,7 @@ class Ranges:
     subjects: int
     power: float = 3.0
     strict: bool = False
+    highest: str = ""  # the upper end, where it is not the highest subject
 
 
 @dataclass(frozen=True)
@@ -392,11 +393,12 @@ def _reading_words(differences: Deviations, readings: Readings, level: str) -> s
     presses, ranges = len(readings.peak_N), differences.ranges
     if missing := int((~np.isfinite(readings.peak_N)).sum()):
         return f"{missing} of {presses} presses are out of reach"
-    who = "the one subject" if ranges.subjects < 2 else "all subjects"
+    who = ranges.highest or ("the one subject" if ranges.subjects < 2 else "all subjects")
+    highest = ranges.highest or "the highest subject"
     above = _worst_words(differences, readings, differences.above, "above", who)
     if ranges.strict:
-        below = _worst_words(differences, readings, differences.short, "below", "the highest subject")
-        kept = below or "no peak and no steady force is below the highest subject"
+        below = _worst_words(differences, readings, differences.short, "below", highest)
+        kept = below or f"no peak and no steady force is below {highest}"
         return f"{kept}; price of the safe side: {above}" if above else kept
     below = _worst_words(differences, readings, differences.short, "below", who)
     if below and above:
@@ -474,8 +476,10 @@ def ranges_of(targets: Targets) -> Ranges:
     force, speed, low, high, least, most = (np.array(column) for column in zip(*rows))
     grid_N, subjects = targets.protocol.steady_grid_N, len(targets.tissue.subjects)
     stiff, soft = targets.depth_range_mm(grid_N)
-    strict = targets.aim.lower() == SAFE_SIDE
-    return Ranges(force, speed, low, high, least, most, grid_N, stiff, soft, subjects, targets.power, strict)
+    bounds = targets.bounds
+    high, most, stiff, highest = bounds or (high, most, stiff, "")
+    strict = targets.aim.lower() == SAFE_SIDE or bounds is not None
+    return Ranges(force, speed, low, high, least, most, grid_N, stiff, soft, subjects, targets.power, strict, highest)
 
 
 def readings_of(evaluation: Evaluation, index: int | None = None) -> Readings:

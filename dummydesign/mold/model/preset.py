@@ -203,8 +203,9 @@ def _resin_numbers(resin: Resin, ratio: float, room_temperature_C: float) -> dic
     numbers = {name: resin.property(name, ratio).value if name in known else value for name, value in fallback.items()}
     for name in ("density_g_per_cm3", "viscosity_Pa_s"):
         numbers[name] = float(resin.property(name, ratio).value)
+    young = resin.modulus_kPa(ratio)
     return {
         "resin": resin.name, "ratio": float(ratio), "ratio_meaning": resin.ratio_meaning,
         "components": tuple((part.name, float(part.mass_g)) for part in parts),
-        "young_kPa": 1e3 * float(resin.young_MPa(ratio)), **numbers,
+        "young_kPa": 1e3 * float(resin.young_MPa(ratio)), "young_interval_kPa": (young.low, young.high), **numbers,
     }  # fmt: skip

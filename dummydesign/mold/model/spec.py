@@ -261,7 +261,7 @@ class PadGeometry:
 class Pour:
     """The resin as a liquid to be weighed and poured; ``components`` are (name, mass fraction).
 
-    ``young_kPa`` is the modulus that the design counts on.
+    ``young_kPa`` is the modulus that the design counts on, ``young_interval_kPa`` its 95 % interval.
     """
 
     resin: str
@@ -287,6 +287,7 @@ class Pour:
     foam_factor: float
     pour_and_degas_min: float
     young_kPa: float
+    young_interval_kPa: tuple[float, float] | None = None
 
     @property
     def cures_warm(self) -> bool:

@@ -105,7 +105,28 @@ class PolymerFraction:
         return np.asarray(parameters["exponent"], float) > 0
 
 
-_ALL: tuple[ModulusLaw, ...] = (GelPoint(), PolymerFraction())
+class Fixed:
+    """One mix with one modulus, for a product that is mixed at one ratio only."""
+
+    name = "fixed"
+    parameters: tuple[str, ...] = ("young_kPa",)
+    direction = 1
+
+    def young_kPa(self, ratio: ArrayLike, parameters: Parameters) -> NDArray:
+        """Return the modulus, the same at any ratio. [kPa]"""
+        (young,) = _arrays(parameters, self.parameters)
+        return young + np.zeros(np.shape(ratio))
+
+    def ratio(self, young_kPa: ArrayLike, parameters: Parameters) -> NDArray:
+        """Return NaN: no ratio gives another modulus."""
+        return np.full(np.shape(young_kPa), np.nan)
+
+    def valid(self, lowest_ratio: float, parameters: Parameters) -> NDArray:
+        """Tell where the modulus is positive."""
+        return np.asarray(parameters["young_kPa"], float) > 0
+
+
+_ALL: tuple[ModulusLaw, ...] = (GelPoint(), PolymerFraction(), Fixed())
 LAWS: dict[str, ModulusLaw] = {law.name: law for law in _ALL}
 """Known laws by the name used in resin files."""
 

@@ -448,6 +448,8 @@ class Resin:
         """Ratios that can be weighed in practical steps inside ``low`` to ``high``, both ends included."""
         first = self.ratio_min if low is None else max(low, self.ratio_min)
         last = self.ratio_max if high is None else min(high, self.ratio_max)
+        if self.ratio_min == self.ratio_max:
+            return np.array([self.ratio_min]) if first <= last else np.array([])
         start = math.ceil(first / self.ratio_step - 1e-9)
         stop = math.floor(last / self.ratio_step + 1e-9)
         return np.round(np.arange(start, stop + 1) * self.ratio_step, INCREMENT_DIGITS)

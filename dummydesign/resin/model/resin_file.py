@@ -70,8 +70,8 @@ def read_resin(entry: Entry) -> Resin:
     """Read and check one resin file; see :func:`load_resin`."""
     top = read_table(entry.path, KEYS)
     low, high, step = top.number("ratio_min"), top.number("ratio_max"), top.number("ratio_step", 0.1)
-    if not (0 <= low < high and step > 0):
-        words = f"needs 0 <= ratio_min < ratio_max and ratio_step > 0, given {low}, {high}, {step}"
+    if not (0 <= low <= high and step > 0):
+        words = f"needs 0 <= ratio_min <= ratio_max and ratio_step > 0, given {low}, {high}, {step}"
         raise top.fault("ratio_min", words, "inconsistent")
     law, numbers, posterior, prior = _modulus(top.table("modulus"))
     relaxation = top.table("relaxation").only(("ratio_ref", "softness_exponent", "term", "prior"))
@@ -176,6 +176,6 @@ def _check_physics(resin: Resin, modulus: Table) -> None:
     young = resin.young_MPa(np.linspace(resin.ratio_min, resin.ratio_max, 101))
     if not np.all(np.isfinite(young) & (young > 0)):
         raise modulus.fault("law", "gives a modulus that is not positive over the whole ratio range", "inconsistent")
-    if not np.all(np.diff(young) * resin.law.direction > 0):
+    if resin.ratio_min < resin.ratio_max and not np.all(np.diff(young) * resin.law.direction > 0):
         way = "grow" if resin.law.direction > 0 else "fall"
         raise modulus.fault("law", f"gives a modulus that does not {way} with {resin.ratio_meaning}", "inconsistent")

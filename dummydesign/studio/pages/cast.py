@@ -162,7 +162,8 @@ class Comparison:
         if pad := answer.get("pad"):
             size = f"{pad['thickness_mm']:.2f} mm (standard error {pad['thickness_sd_mm']:.2f} mm)"
             html(f"<p>Cast: {size}, {'accepted' if pad['accepted'] else 'not accepted'}.</p>")
-        head = ["press", "mm/s", "steady N", "depth mm", "peak N", "people from N", "people to N", "fraction in range"]
+        head = ["press", "mm/s", "steady N", "depth mm", "peak N", "subjects from N", "subjects to N",
+                "fraction in range"]  # fmt: skip
         keys = ("velocity_mm_s", "steady_force_N", "depth_mm", "peak_force_N", "range_peak_low_N", "range_peak_high_N",
                 "inside_fraction")  # fmt: skip
         rows = [[Path(one["file"]).name, *(one[key] for key in keys)] for one in answer.get("by_trace", [])]

@@ -29,7 +29,7 @@ from dummydesign.studio.work_panel import Work
 PATIENCE_S = 2.0
 """How long a pad must stay chosen before it is solved in the background. [s]"""
 COMPARED = "designs/compared"
-PRESS_HEAD = ("steady N", "mm/s", "depth mm", "pad peak N", "people N", "")
+PRESS_HEAD = ("steady N", "mm/s", "depth mm", "pad peak N", "subjects N", "")
 
 
 def question_of(words: Sequence[str], answer: Mapping[str, Any]) -> dict[str, str]:

@@ -18,6 +18,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from dummydesign.core.errors import InputError
 from dummydesign.tissue.model.parameters import Parameters
+from dummydesign.tissue.model.people_share import Population, is_share, share_of_aim
 
 if TYPE_CHECKING:
     from dummydesign.measurement.motion import Motion
@@ -31,6 +32,8 @@ FORCE_FACTOR, SPEED_FACTOR, HOLD_FACTOR, SAME_DEPTH = 1.2, 1.15, 1.1, 1.05
 ONE_FORCE = 1.3
 """Ratio of the highest to the lowest force in common below which one force stands for both."""
 FINE = 400
+SMALLEST_N = 1e-6
+"""Force that stands for none where logarithms are taken. [N]"""
 START_SHARE = 0.02
 """Share of its depth from which on the rise of a press gives the start of the steady curve."""
 DEPTH_MM = 0.02
@@ -275,7 +278,7 @@ class MeasuredAim(MeasuredParameters):
     """The average of people, or on the strict side of all, at equal steady force.
 
     The mean of their ln depths and of their forces at equal shares of the depth and equal times of the hold
-    (``average``), or the smallest depth and the largest forces (``safe-side``).
+    (``average``), the smallest depth and the largest forces (``safe-side``), or the bounds of a share of people.
     """
 
     def __init__(self, people: Sequence[MeasuredPerson], aim: str) -> None:
@@ -300,13 +303,24 @@ class MeasuredAim(MeasuredParameters):
     def depth_mm(self, force_N: ArrayLike, hold_s: float) -> NDArray:
         """Depth at forces at the end of a hold. [mm]"""
         depth = np.stack([one.depth_mm(force_N, hold_s) for one in self.people])
+        if is_share(self.aim):
+            return 1.0 / self._bound(1.0 / depth)
         return np.exp(np.log(depth).mean(axis=0)) if self.aim == "average" else depth.min(axis=0)
 
     def shape_N(self, force_N: float, velocity_mm_s: float, hold_s: float) -> tuple[NDArray, NDArray]:
         """Force at shares of the depth and at times of the hold. [N]"""
         rows = [one.shape_N(force_N, velocity_mm_s, hold_s) for one in self.people]
+        rises, holds = (np.array(each) for each in zip(*rows))
+        if is_share(self.aim):
+            return self._bound(rises), self._bound(holds)
         over = np.mean if self.aim == "average" else np.max
-        return over([rise for rise, _ in rows], axis=0), over([hold for _, hold in rows], axis=0)
+        return over(rises, axis=0), over(holds, axis=0)
+
+    def _bound(self, readings: NDArray) -> NDArray:
+        """Bound of the aimed share of people of readings (people, ...); the start of a rise may be 0."""
+        share = share_of_aim(self.aim)
+        assert share is not None
+        return Population.of(np.maximum(readings, SMALLEST_N)).bound(share)
 
 
 Measured = MeasuredPerson | MeasuredAim

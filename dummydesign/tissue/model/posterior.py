@@ -133,11 +133,13 @@ def drawn_tissues(tissue: Tissue, count: int) -> tuple[Tissue, ...]:
     if len(tissue.subjects) < 2 or not law_named(tissue.law).fitted:
         return ()
     rng = np.random.default_rng(SEED)
-    return _posterior(tissue, count) or tuple(_of_subjects(tissue, rng) for _ in range(count))
+    return posterior_tissues(tissue, count) or tuple(_of_subjects(tissue, rng) for _ in range(count))
 
 
-def _posterior(tissue: Tissue, count: int) -> tuple[Tissue, ...]:
-    """Draws that lie beside the file of an inferred tissue, by their weights; none where a person was measured."""
+def posterior_tissues(tissue: Tissue, count: int) -> tuple[Tissue, ...]:
+    """Return draws stored with an inferred tissue, by their weights; none where a person was measured."""
+    if not law_named(tissue.law).fitted:
+        return ()
     inferred = all(subject.numbers["gamma1_N_per_mm3"].kind == "inferred" for subject in tissue.subjects)
     if tissue.origin == "file" or not inferred:
         return ()

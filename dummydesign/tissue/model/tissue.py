@@ -13,6 +13,7 @@ from dummydesign.tissue.model import ranges
 from dummydesign.tissue.model.laws import law_named
 from dummydesign.tissue.model.measured_curves import MeasuredAim
 from dummydesign.tissue.model.parameters import Parameters, speed_key
+from dummydesign.tissue.model.people_share import share_of_aim
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -98,13 +99,13 @@ def nest(flat: Mapping[tuple[str, str], Any]) -> dict[str, Any]:
     return numbers
 
 
-def behind_ranges(people: int) -> str:
-    """How many people stand behind a range without a law, and how often one more lies outside: 2 / (n + 1)."""
+def behind_ranges(subjects: int) -> str:
+    """How many subjects a range without a law is of, and how often one more person is outside: 2 / (n + 1)."""
     # of n + 1 people of one population each is as likely to be the lowest, and the highest, whatever its distribution
-    if people < 2:
-        return "one person stands behind it, who makes no range"
-    share = 200.0 / (people + 1)
-    return f"{people} people stand behind each range, and on average {share:.0f} % of their kind lie outside of it"
+    if subjects < 2:
+        return "it has one subject, who makes no range"
+    share = 200.0 / (subjects + 1)
+    return f"each range is that of {subjects} subjects; on average {share:.0f} % of people are outside of it"
 
 
 @dataclass(frozen=True)
@@ -183,15 +184,20 @@ class Tissue:
         return bands
 
     def target(self, aim: str = "average") -> Parameters:
-        """Parameters a dummy should have: band mean, largest of each (``safe-side``), or ``subject:NAME``.
+        """Parameters a dummy should have.
 
-        Of measured curves it is the middle or the strict side of the curves themselves.
+        ``average`` is the band's mean, ``safe-side`` the largest of each, ``subject:NAME`` one subject's,
+        ``people:PERCENT`` the bound of a share of people (:mod:`~dummydesign.tissue.model.share_target`). Of measured
+        curves it is the middle, the strict side or the bound of the curves themselves.
 
         Raises
         ------
         InputError
-            For an unknown aim or subject.
+            For an unknown aim or subject, and for a share of people by fewer than two.
         """
+        share = share_of_aim(aim)
+        if share is not None:
+            return self._share_target(aim, share)
         if aim.lower().startswith("subject:"):
             wanted = aim.split(":", 1)[1].strip().lower()
             for subject in self.subjects:
@@ -199,10 +205,25 @@ class Tissue:
                     return subject.parameters
             raise unknown_name(f"subject of {self.name}", wanted, [s.name for s in self.subjects], quantity="subject")
         if aim not in AIMS:
-            raise unknown_name("aim", aim, [*AIMS, "subject:NAME"])
+            raise unknown_name("aim", aim, [*AIMS, "subject:NAME", "people:PERCENT"])
         if self.measured:
             return MeasuredAim(self.parameter_sets, aim)  # type: ignore[arg-type]
         return subject_parameters(self.law, self.bands, "value" if aim == "average" else "high")
+
+    def _share_target(self, aim: str, share: float) -> Parameters:
+        law = law_named(self.law)
+        if len(self.subjects) < 2 or not (law.fitted or law.measured):
+            what = "one subject does" if law.fitted or law.measured else "a spring constant and its spread do"
+            raise InputError(
+                f"aim = '{aim}' needs at least two subjects: {what} not show how people differ; use average or "
+                "safe-side, or add people with 'dummydesign tissues add'", "not_enough_data", "subjects",
+                len(self.subjects),
+            )  # fmt: skip
+        if self.measured:
+            return MeasuredAim(self.parameter_sets, aim)  # type: ignore[arg-type]
+        from dummydesign.tissue.model.share_target import share_parameters
+
+        return share_parameters(self, share)
 
     def steady_depth_range(self, force_N: ArrayLike) -> tuple[NDArray, NDArray]:
         """Depth of the stiffest and of the softest subject over steady force. [mm]"""

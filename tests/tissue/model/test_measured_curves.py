@@ -18,6 +18,7 @@ from dummydesign.measurement.motion import ramp_and_hold
 from dummydesign.measurement.trace import Trace
 from dummydesign.tissue.adding.from_curves import add_curves
 from dummydesign.tissue.comparison import compare_traces
+from dummydesign.tissue.model.people_share import tolerance_factor
 from dummydesign.tissue.model.tissue import Tissue, behind_ranges
 from dummydesign.tissue.model.tissue_file import load_tissue, tissue_toml
 from tests.support.fung_people import PEOPLE, press, write_table
@@ -124,6 +125,12 @@ def test_aims_are_the_middle_the_strict_side_and_one_person(people):
         assert middle == pytest.approx(np.exp(np.log(depth).mean())) and strict == pytest.approx(depth.min())
         named = [subject.name for subject in people.subjects].index("ben")
         assert one == pytest.approx(depth[named])
+        bound = make_targets(people, "people:90", sampling).aim_depth_mm(np.array([force]))[0]
+        away = tolerance_factor(len(depth), 0.9) * np.log(depth).std(ddof=1)
+        assert bound == pytest.approx(np.exp(np.log(depth).mean() - away))
+    bounded = make_targets(people, "people:90", sampling)
+    aims = [one.aim_peak_N for one in bounded.conditions]
+    np.testing.assert_allclose(aims, ranges_of(bounded).peak_high_N, rtol=0.02)
     conditions = make_targets(people, "safe-side", sampling).conditions
     for condition in conditions:
         assert condition.aim_peak_N == pytest.approx(condition.range.peak_high_N, rel=1e-3)
@@ -192,7 +199,7 @@ def test_the_share_of_people_outside_a_range_is_the_one_that_is_said(count):
 
 def test_how_many_people_stand_behind_the_ranges_is_said(people):
     text = people.notice[1]
-    assert text.endswith(behind_ranges(len(people.subjects))) and "4 people stand behind" in text
+    assert text.endswith(behind_ranges(len(people.subjects))) and "4 subjects" in text
     assert "makes no range" in behind_ranges(1)
 
 

@@ -82,7 +82,8 @@ class Curves(MaxwellLaw):
             return
         raise InputError(
             f"{force_N:g} N at {velocity_mm_s:g} mm/s, held {hold_s:g} s, was not pressed: the tissue is measured "
-            f"curves, without a law that would carry them on; all its people were pressed {known_words(people, hold)}",
+            "curves, without a law that would carry them on; all its subjects were pressed "
+            f"{known_words(people, hold)}",
             "out_of_range", "velocity_mm_s" if span is None else "hold_s" if too_long else "force_N",
         )  # fmt: skip
 

@@ -1,0 +1,142 @@
+"""A resin made from a supplier's Shore value alone: the law of another resin moved to it, or one fixed mix."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+from dummydesign.core.errors import InputError
+from dummydesign.core.files import output_folder
+from dummydesign.core.library import make_room, user_folder
+from dummydesign.core.quantity import Quantity
+from dummydesign.core.serialise import Serialised
+from dummydesign.resin.model.hardness import SHORE_00, SHORE_A, hardness_law
+from dummydesign.resin.model.modulus_laws import LAWS
+from dummydesign.resin.model.resin import Arm, Liquid, Resin, save_resin
+from dummydesign.resin.model.resin_file import DEFAULT, KIND, load_resin
+from dummydesign.resin.update.modulus import base_numbers, base_title
+
+RELAXES_LITTLE = "ecoflex-00-30"
+"""Of the built-in resins the one that relaxes least; the polyurethane relaxes most."""
+FIXED_RATIO = 100.0
+MIXED = "mixed resin"
+DOUBT = 2.0
+"""Factor by which strengths of relaxation taken from another resin may be wrong: assumed."""
+
+
+@dataclass(frozen=True)
+class FromHardness(Serialised):
+    """The resin that was made: its modulus at ``ratio``, the base whose law it has (None: one fixed mix)."""
+
+    name: str
+    shore: dict[str, Any]
+    base: str | None
+    ratio: float
+    young_kPa: Quantity
+    warnings: tuple[dict[str, str], ...]
+    files: dict[str, str]
+
+
+def add_hardness(
+    name: str, shore_00: float | None = None, shore_a: float | None = None, base: str | None = None,
+    replace_own: bool = False,
+) -> FromHardness:  # fmt: skip
+    """Make a resin of a supplier's Shore value and keep it in the user's own folder.
+
+    With a base its law of the ratio is kept and moved to the modulus at its reference ratio; relaxation and liquid
+    properties are the base's, with doubt. Without one the resin has one fixed mix, and its relaxation lies anywhere
+    between those of the built-in resins.
+
+    Parameters
+    ----------
+    name : str
+        Of the resin.
+    shore_00, shore_a : float, optional
+        The supplier's value, exactly one of them.
+    base : str, optional
+        Name or file of the resin whose law is kept.
+    replace_own : bool
+        Take the place of a resin of the user that has this name.
+
+    Raises
+    ------
+    InputError
+        For none or both Shore values, one outside its scale's range, or a name that is taken.
+    """
+    given = [(scale, value) for scale, value in ((SHORE_00, shore_00), (SHORE_A, shore_a)) if value is not None]
+    if len(given) != 1:
+        words, code = ("give one of", "missing") if not given else ("give only one of", "conflict")
+        raise InputError(f"{words} --shore-00 and --shore-a, as the supplier states it", code, "shore")
+    scale, shore = given[0]
+    young = hardness_law().modulus(shore, scale)
+    shadowed = make_room(KIND, "resin", name, replace_own)
+    resin = _moved(load_resin(base), young) if base is not None else _fixed(young)
+    stated = f"Shore {scale} {shore:g}"
+    resin = replace(resin, name=name, title=f"{resin.title}, {stated} as stated by its supplier", origin="user")
+    path = save_resin(resin, output_folder(user_folder() / KIND) / f"{name}.toml")
+    factor = max(young.high / young.value, young.value / young.low)
+    warnings = [
+        {"code": "hardness_only", "message": f"made from {stated} alone: the modulus is known to a factor of "
+         f"{factor:.1f}, the relaxation is assumed; cast a puck and press it (resins add-compression)"},
+        *shadowed,
+    ]  # fmt: skip
+    return FromHardness(
+        name, {"scale": scale, "value": shore}, base, resin.relaxation_ratio_ref, young, tuple(warnings),
+        {"resin": str(path)},
+    )  # fmt: skip
+
+
+def reference_ratio(resin: Resin) -> float:
+    """Ratio at which the law's own modulus, its first number, holds: its reference, or 0 where it has none."""
+    return resin.central.get("ratio_ref", 0.0)
+
+
+def _moved(base: Resin, young: Quantity) -> Resin:
+    """The base with its law's modulus replaced; what its own points and pucks said is left out."""
+    numbers = base_numbers(base)
+    scale = base.law.parameters[0]
+    arms, ratio_ref = base.prior_relaxation or (base.arms, base.relaxation_ratio_ref)
+    taken = f"taken from resin {base.name}, not of this product"
+    kept = tuple(
+        Arm(arm.tau_s, Quantity(arm.beta.value, arm.beta.low / DOUBT, arm.beta.high * DOUBT, "assumed",
+                                f"{taken}, a factor of {DOUBT:g} wider: {arm.beta.source}"))
+        for arm in arms
+    )  # fmt: skip
+    at = reference_ratio(base)
+    return replace(
+        base, title=base_title(base), numbers={**numbers, scale: young}, arms=kept, relaxation_ratio_ref=ratio_ref,
+        properties={key: replace(one, kind="assumed", source=f"{taken}: {one.source}")
+                    for key, one in base.properties.items()},
+        notes=(f"Made from a Shore value: the modulus is put to ratio {at:g}, the law of the ratio, relaxation and "
+               f"liquid properties are those of {base.name}.",),
+        points=(), posterior=None, prior_numbers=None, prior_relaxation=None, contradictions=(), joint_relaxation=None,
+    )  # fmt: skip
+
+
+def _fixed(young: Quantity) -> Resin:
+    """A resin of one mix; relaxation and liquid properties between those of the built-in resins."""
+    least, most = load_resin(RELAXES_LITTLE), load_resin(DEFAULT)
+    source = f"between the built-in resins {least.name} and {most.name}; no measurement of this product"
+
+    def between(one: Quantity, other: Quantity) -> Quantity:
+        low, high = min(one.low, other.low), max(one.high, other.high)
+        return Quantity((one.value * other.value) ** 0.5, low, high, "assumed", source)
+
+    arms = tuple(Arm(two.tau_s, between(one.beta, two.beta)) for one, two in zip(least.arms, most.arms))
+    properties = {
+        key: between(least.properties[key], one) for key, one in most.properties.items() if key in least.properties
+    }
+    ratios = least.ratio_min, most.ratio_min
+    density, viscosity = (
+        between(least.property(key, ratios[0]), most.property(key, ratios[1]))
+        for key in ("density_g_per_cm3", "viscosity_Pa_s")
+    )
+    return Resin(
+        name="", title="Resin of one fixed mix", origin="user",
+        ratio_meaning="parts of mixed resin, A and B as the supplier says", ratio_min=FIXED_RATIO,
+        ratio_max=FIXED_RATIO, ratio_step=1.0, liquids=(Liquid(MIXED, None, density, viscosity),), law=LAWS["fixed"],
+        numbers={"young_kPa": young}, arms=arms, relaxation_ratio_ref=FIXED_RATIO,
+        softness_exponent=Quantity(0.0, 0.0, 0.0, "assumed", "one mix: nothing changes with the ratio"),
+        properties=properties, references=("materials/hardness.toml, and the supplier's Shore value",),
+        notes=("Mix A and B as the supplier says; the weights on the pour sheet are of the mixed resin.",),
+    )  # fmt: skip

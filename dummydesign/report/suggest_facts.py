@@ -189,7 +189,7 @@ def _factors(what: str, values: list[float | None], reach: str | None) -> str:
 
 def castings_lines(result: dict[str, Any]) -> list[str]:
     """Castings that are usable as poured, with the resin known and after one puck, and the window of moduli."""
-    shares, strict = result["shares"], result["inputs"]["aim"] == "safe-side"
+    shares, strict = result["shares"], result["inputs"]["aim"].lower().startswith(("safe-side", "people:"))
     good = {name: share["stands_for"] + (0.0 if strict else share["usable"]) for name, share in shares.items()}
     after = shares["after_puck"]
     words = "keep the safe side" if strict else "are usable"

@@ -25,7 +25,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     moulds = "press the pads of these moulds: thickness, shape, outline, resin and ratio of folders of 'mold'"
     add("--from-mould", metavar="DIR,...", help=moulds)
     add("--velocity", metavar="MM_S,...", help="default 10,250")
-    add("--force", metavar="N,...", help="steady forces to press to (default 3,7,12)")
+    add("--force", metavar="N,...", help="steady forces to press to (default 5,10,15)")
     add("--depth", metavar="MM,...", help="depths to press to, instead of forces")
     add("--repeats", type=int, metavar="N", help="of every condition, on different days (default 2)")
     add("--ages", metavar="DAYS,...", help="age of the pads on each day of pressing (default 9,14,29)")
@@ -53,7 +53,7 @@ def _set_up_options(parser: argparse.ArgumentParser) -> None:
     add("--name", help="of the campaign (default the folder's)")
     add("--young", metavar="KPA", help="nominal modulus of the pads")
     add("--resin", metavar="NAME", help="or the resin they are cast of, with --ratio")
-    add("--ratio", type=float, metavar="R", help="mixing ratio")
+    add("--ratio", type=float, metavar="R", help="mixing ratio; without it the campaign leads to no recipe")
     add("--pad", metavar="LxW|cylinder:D", help="outline in mm (default 150x120)")
     shape = "of the pads on their base, with its lengths: crowned:radius=20,height=3,foot=11 (default slab)"
     add("--shape", metavar="NAME:P,..", help=shape)

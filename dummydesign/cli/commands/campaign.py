@@ -29,8 +29,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("--depth", metavar="MM,...", help="depths to press to, instead of forces")
     add("--repeats", type=int, metavar="N", help="of every condition, on different days (default 2)")
     add("--ages", metavar="DAYS,...", help="age of the pads on each day of pressing (default 9,14,29)")
-    add("--rest", type=float, metavar="S", help="rest between presses of a pad (default 60)")
-    add("--hold", type=float, metavar="S", help="default 10")
+    add("--rest", metavar="S", help="rest between presses of a pad (default 60)")
+    add("--hold", metavar="S", help="default 10")
     add("--seed", type=int, default=1, metavar="N", help="of the order (default 1)")
     add("--no-power", action="store_true", help="do not work out which effects the plan cannot see or tell apart")
     add("--moulds", action="store_true", help="make the moulds of all pads too, in DIR-moulds (needs --resin)")
@@ -208,8 +208,9 @@ def _design(options: argparse.Namespace, moulded: Any = None) -> Any:
         except ValueError:
             message = f"--ages {options.ages} must be numbers separated by commas"
             raise InputError(message, "not_a_number", "ages", options.ages) from None
-    settings = {"repeats": options.repeats, "rest_s": options.rest, "hold_s": options.hold}
-    given |= {key: value for key, value in settings.items() if value is not None}
+    given |= {} if options.repeats is None else {"repeats": options.repeats}
+    for name, text, purpose in (("rest_s", options.rest, parsing.REST), ("hold_s", options.hold, parsing.HOLD)):
+        given |= {} if text is None else {name: parsing.read_number(text, purpose)}
     return PlanSettings(**given, by_depth=options.depth is not None, seed=options.seed)
 
 

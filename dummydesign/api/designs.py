@@ -124,7 +124,7 @@ def suggest(
     >>> answer["recommendation"]["thickness_mm"], answer["recommendation"]["ratio"]
     (4.5, 15.5)
     >>> [(part["name"], part["mass_g"]) for part in answer["recommendation"]["recipe"]["components"]]
-    [('polyol', 54.0), ('isocyanate', 8.4)]
+    [('polyol', 54.2), ('isocyanate', 8.4)]
     """
     from dummydesign.design.request import Request
 

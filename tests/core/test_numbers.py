@@ -25,7 +25,7 @@ from dummydesign.core.parsing import (
     read_values,
     twin_of,
 )
-from dummydesign.core.quantity import HALF_WIDTH, KINDS, Quantity, line_of, value_at
+from dummydesign.core.quantity import HALF_WIDTH, KINDS, Quantity, has_line, line_of, value_at
 from tests.support.refusal import raises_code
 
 PURPOSES = {name: value for name, value in vars(parsing).items() if isinstance(value, Purpose)}
@@ -179,6 +179,17 @@ def test_the_line_of_a_key_is_searched_after_the_one_before_it():
     text = "a = 1\n[one]\nkey = 1\n[two]\nother = 2\nkey = 3"
     assert (line_of(text, "a"), line_of(text, "[one]", "key"), line_of(text, "[two]", "key")) == (1, 3, 6)
     assert line_of(text, "[two]", "nothing") == 4 and line_of(text) == 1
+
+
+def test_a_comment_or_a_text_is_not_the_line_of_a_key():
+    text = (
+        '# [pad] has a ratio = 15\nname = "ratio = 3, [pad]"\n[padding]\nratio = 1\n[pad] # ratio\n# ratio = 2\n'
+        'note = "a # ratio = 4"\nratio = 16 # the ratio\n[[trial]]\nby = { name = "x", ratio = 5 }\n[a.b]\nc.d = 1'
+    )
+    assert line_of(text, "[pad") == line_of(text, "[pad]") == 5
+    assert line_of(text, "[pad", "ratio") == 8 and line_of(text, "[[trial]]", "ratio") == 10
+    assert line_of(text, "[trial") == 9 and line_of(text, "[a") == 11 and line_of(text, "c") == 12
+    assert has_line(text, "[a.b") and not has_line(text, "[ratio")
 
 
 @pytest.mark.parametrize("text", ["0.25", "0.25,250", "0.25:1:0.25"])

@@ -125,6 +125,12 @@ def test_what_nothing_would_read_is_refused():
         dummydesign.whatif([8.0], [15.0], aim="safe-side")
 
 
+def test_answers_compare_by_identity():
+    one, other = (dummydesign.predict(8, young_kPa=30, depth_mm=[1, 2]) for _ in range(2))
+    assert one == one and one != other and one.outcome != other.outcome
+    assert one.to_dict()["force_N"] == other.to_dict()["force_N"] and len({one, other}) == 2
+
+
 def test_a_study_reads_numbers_as_a_prediction_does():
     (metres,), (millimetres,) = (
         dummydesign.whatif([8], [15], velocity_mm_s=[speed], force_N="10N").rows for speed in ("0.25m/s", 250)

@@ -79,7 +79,8 @@ def _material(inputs: dict[str, Any]) -> tuple[dict[str, float], list[str], tupl
     prony = _prony(inputs["prony"])
     either = "give either --young KPA or --resin NAME with --ratio R"
     if (inputs["young_kPa"] is None) == (inputs["resin"] is None):
-        raise InputError(either, "missing" if inputs["resin"] is None else "conflict", "young")
+        code = "missing" if inputs["resin"] is None else "conflict"
+        raise InputError(either, code, "young")
     if inputs["young_kPa"] is not None and inputs["ratio"] is not None:
         message = f"ratio = {inputs['ratio']:g} has no effect on a given modulus: {either}"
         raise InputError(message, "conflict", "ratio", inputs["ratio"])
@@ -313,11 +314,13 @@ def _check_unused(inputs: dict[str, Any], asked: list[str], tissue: str | None) 
     if inputs["aim"] != AVERAGE:
         message = f"aim = {inputs['aim']} is of a tissue's subjects: give --tissue, or leave --aim out"
         raise InputError(message, "not_applicable", "aim", inputs["aim"])
-    for name, usual in (("hold_s", HOLD_S), ("deceleration_mm_s2", DECELERATION_MM_S2)):
-        if asked != ["force_N"] and inputs[name] != usual:
-            option = name.partition("_")[0]
-            message = f"{option} = {inputs[name]:g} is of a ramp: leave --{option} out, or give --force with --velocity"
-            raise InputError(message, "not_applicable", name, inputs[name])
+    if asked == ["force_N"]:
+        return
+    words = "is of a ramp: leave it out, or give --force with --velocity"
+    if inputs["hold_s"] != HOLD_S:
+        raise InputError(f"--hold {inputs['hold_s']:g} {words}", "not_applicable", "hold_s", inputs["hold_s"])
+    if (braking := inputs["deceleration_mm_s2"]) != DECELERATION_MM_S2:
+        raise InputError(f"--deceleration {braking:g} {words}", "not_applicable", "deceleration_mm_s2", braking)
 
 
 def _measured(

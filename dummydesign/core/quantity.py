@@ -55,7 +55,7 @@ _QUOTED = re.compile(r"\"(?:[^\"\\]|\\.)*\"|'[^']*'")
 
 
 def _setting(key: str) -> Callable[[str], bool]:
-    """A test of a line: whether it sets the key, by itself or in an inline table, or is a header that begins with it."""
+    """A test of a line: whether it sets the key, alone or in an inline table, or is a header that begins with it."""
     name = re.escape(key.strip("[]"))
     if key.startswith("["):
         second = r"\[" if key.startswith("[[") else r"\[?"

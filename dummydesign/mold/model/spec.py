@@ -261,8 +261,8 @@ class PadGeometry:
 class Pour:
     """The resin as a liquid to be weighed and poured; ``components`` are (name, mass fraction).
 
-    ``young_kPa`` is the modulus that the design counts on. The ratio is the mass of ``ratio_component`` over that of the
-    others, in parts; it is unknown in specifications of earlier versions, and no part of the mould.
+    ``young_kPa`` is the modulus that the design counts on. The ratio is the mass of ``ratio_component`` over that of
+    the others, in parts; it is unknown in specifications of earlier versions, and no part of the mould.
     """
 
     resin: str

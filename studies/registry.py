@@ -103,6 +103,7 @@ STUDIES = (
         "shapes", "", ("docs/shapes.md", "docs/data/shapes.csv", "docs/data/shapes-designs.csv"),
         "what each shape reaches for each tissue", "6 min",
     ),
+    Study("built_in", "", ("docs/design.md",), "recommended pads of the built-in tissues, and what to measure first"),
     Study("shape_figure", "", ("docs/images/shapes.png",), "cross-sections of the best pads of a forefinger", "2 s"),
     Study(
         "real_data", "MEAT_DIR ADHESIVE_DIR", ("docs/real-data.md", "docs/data/real-data.csv"),

@@ -241,7 +241,7 @@ def answer_folder(out: FilePath | None, asked: Question, replace: bool) -> Abstr
     return nullcontext() if out is None else new_folder(out, asked, replace=replace)
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, repr=False, eq=False)
 class Result(Values):
     """What a call found: ``outcome`` with all its objects, ``result`` the whole answer in values."""
 
@@ -288,7 +288,7 @@ class Result(Values):
         return axes
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, repr=False, eq=False)
 class Answer(Result):
     """What ``suggest`` found. ``outcome`` is the search with all its objects, ``result`` the whole answer in values."""
 
@@ -302,7 +302,7 @@ class Answer(Result):
         return _frame_of([{key: design[key] for key in keys} for design in designs])
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, repr=False, eq=False)
 class Fitted(Result):
     """What ``fit`` found. ``outcome`` is the fit with all its objects, ``result`` the whole answer in values."""
 
@@ -315,7 +315,7 @@ class Fitted(Result):
         return _frame_of([{"parameter": label, **one} for label, one in rows])
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, repr=False, eq=False)
 class Rows(Values):
     """What ``whatif`` found: one row a design, in the study's order.
 

@@ -53,7 +53,7 @@ def plan_campaign(
         For values that cannot be pressed.
     """
     from dummydesign.core.outputs import new_folder
-    from dummydesign.measurement.campaign_file import FILE, campaign_toml
+    from dummydesign.measurement.campaign_file import FILE, campaign_toml, no_ratio
     from dummydesign.measurement.campaign_plan import make_plan
     from dummydesign.report.campaign_sheet import sheet_html
 
@@ -85,7 +85,7 @@ def plan_campaign(
             "trials": [row | (expected[i].to_dict() if expected else {}) for i, row in enumerate(trials)],
             "expected": material, "power": seen,
             "files": {"campaign": str(output.path(FILE)), "sheet": str(output.path("sheet.html"))},
-            "warnings": [*notes, *warnings],
+            "warnings": [*no_ratio(set_up.ratio), *notes, *warnings],
         })  # fmt: skip
     return Result(plan, result)
 

@@ -127,7 +127,7 @@ def suggest(
     >>> answer["recommendation"]["thickness_mm"], answer["recommendation"]["ratio"]
     (4.5, 15.5)
     >>> [(part["name"], part["mass_g"]) for part in answer["recommendation"]["recipe"]["components"]]
-    [('polyol', 54.0), ('isocyanate', 8.4)]
+    [('polyol', 54.2), ('isocyanate', 8.4)]
     """
     from dummydesign.design.request import Request
 
@@ -379,6 +379,7 @@ def whatif(
     >>> [(row["thickness_mm"], row["ratio"]) for row in rows]
     [(8.0, 14.0), (8.0, 16.0), (12.0, 14.0), (12.0, 16.0)]
     """
+    from dummydesign.core import parsing
     from dummydesign.core.parsing import DECELERATION, HOLD, read_names, read_number, read_values
     from dummydesign.design.sweep.run import open_executor
     from dummydesign.design.sweep.spec import Study, parse_shapes
@@ -387,13 +388,13 @@ def whatif(
 
     material = load_resin(resin)
     study = Study(
-        read_values(thickness_mm, "thickness in mm"),
+        read_values(thickness_mm, parsing.THICKNESS),
         (material.relaxation_ratio_ref,) if ratio is None else read_values(ratio, "ratio"),
         tuple((name, equal_area_radius_mm(name)) for name in read_names(punch)),
-        read_values(velocity_mm_s, "velocity in mm/s"), read_values(force_N, "force in N"), resin, tissue, aim,
+        read_values(velocity_mm_s, parsing.VELOCITY), read_values(force_N, parsing.FORCE), resin, tissue, aim,
         fidelity, read_names(condition), read_names(base),
         tuple(text for item in ([shape] if isinstance(shape, str) else shape) for text in parse_shapes(item)),
-        read_values(edge_radius_mm, "edge radius in mm"), read_number(hold_s, HOLD),
+        read_values(edge_radius_mm, parsing.EDGE), read_number(hold_s, HOLD),
         read_number(deceleration_mm_s2, DECELERATION),
     )  # fmt: skip
     study.check(material)

@@ -77,9 +77,13 @@ def pad_of_inputs(inputs: dict[str, Any]) -> tuple[Pad | Puck, dict[str, float],
 def _material(inputs: dict[str, Any]) -> tuple[dict[str, float], list[str], tuple[PronyTerm, ...]]:
     """Modulus with interval, sources and relaxation, given or from a resin."""
     prony = _prony(inputs["prony"])
+    either = "give either --young KPA or --resin NAME with --ratio R"
     if (inputs["young_kPa"] is None) == (inputs["resin"] is None):
         code = "missing" if inputs["resin"] is None else "conflict"
-        raise InputError("give either --young KPA or --resin NAME with --ratio R", code, "young")
+        raise InputError(either, code, "young")
+    if inputs["young_kPa"] is not None and inputs["ratio"] is not None:
+        message = f"ratio = {inputs['ratio']:g} has no effect on a given modulus: {either}"
+        raise InputError(message, "conflict", "ratio", inputs["ratio"])
     if inputs["young_kPa"] is not None:
         return dict.fromkeys(("value", "low", "high"), inputs["young_kPa"]), [], prony
     from dummydesign.resin import load_resin
@@ -154,7 +158,7 @@ def predict(
     ratio: float | None = None, depth_mm: str | float | Iterable[float] | None = None,
     motion: FilePath | None = None, force_N: float | str | Iterable[float] | None = None,
     velocity_mm_s: float | str | Iterable[float] | None = None, hold_s: float | str = 10.0,
-    deceleration_mm_s2: float | str = 30000.0, tissue: str | None = None, aim: str = "average",
+    deceleration_mm_s2: float | str = 30_000.0, tissue: str | None = None, aim: str = "average",
     punch: str = "square:14", condition: str = "bonded", base: str = "bonded", pad: str = "slab:150x120",
     shape: str = "slab", poisson: float = 0.5, law: str = "neo-hookean", edge_radius_mm: float | str = 0.0,
     prony: str | None = None, fidelity: str = "table", out: FilePath | None = None,
@@ -251,6 +255,7 @@ def predict(
         given = asked[0].removesuffix("_mm")
         message = f"--velocity is of a ramp, and {why}: leave it out, or give --force in place of --{given}"
         raise InputError(message, "not_applicable", "velocity_mm_s")
+    _check_unused(inputs, asked, tissue)
     from dummydesign.measurement.trace import read_motion
     from dummydesign.pad.predict import predict_motion, predict_static
 
@@ -296,6 +301,26 @@ def predict(
         columns = STATIC if asked == ["depth_mm"] else MOVED
         files = _write(fspath(out), columns, result, inputs["rate_Hz"], units) | files
     return Result(prediction, result | ({"files": files} if files else {}), "predict")
+
+
+AVERAGE, HOLD_S, DECELERATION_MM_S2 = "average", 10.0, 30_000.0
+"""Values of ``aim``, ``hold_s`` and ``deceleration_mm_s2`` when they are not given."""
+
+
+def _check_unused(inputs: dict[str, Any], asked: list[str], tissue: str | None) -> None:
+    """Refuse an aim, a hold and a braking that nothing reads."""
+    if tissue is not None:
+        return
+    if inputs["aim"] != AVERAGE:
+        message = f"aim = {inputs['aim']} is of a tissue's subjects: give --tissue, or leave --aim out"
+        raise InputError(message, "not_applicable", "aim", inputs["aim"])
+    if asked == ["force_N"]:
+        return
+    words = "is of a ramp: leave it out, or give --force with --velocity"
+    if inputs["hold_s"] != HOLD_S:
+        raise InputError(f"--hold {inputs['hold_s']:g} {words}", "not_applicable", "hold_s", inputs["hold_s"])
+    if (braking := inputs["deceleration_mm_s2"]) != DECELERATION_MM_S2:
+        raise InputError(f"--deceleration {braking:g} {words}", "not_applicable", "deceleration_mm_s2", braking)
 
 
 def _measured(

@@ -54,6 +54,7 @@ FORCE = Purpose("force in N", "N", (0.05, 1000.0))
 VELOCITY = Purpose("velocity in mm/s", "mm/s", (1.0, 5000.0))
 ROBOT_VELOCITY = Purpose("robot velocity in mm/s", "mm/s", (1.0, 10_000.0))
 HOLD = Purpose("hold in s", "s", (0.05, 3600.0))
+REST = Purpose("rest in s", "s", (0.0, math.inf))
 DECELERATION = Purpose("deceleration in mm/s2", "mm/s2", (100.0, 1e7))
 YOUNG = Purpose("Young's modulus in kPa", "kPa", (0.5, 5000.0))
 YOUNG_KPA = 0.01, 1e6
@@ -165,7 +166,8 @@ def parse_limits(text: str | tuple[float, float], quantity: str) -> tuple[float,
     """Read ``MIN:MAX`` (or one value for both), or two numbers."""
     if not isinstance(text, str):
         return float(text[0]), float(text[1])
-    values = [_number(part, text, quantity, "MIN:MAX") for part in text.split(":")]
+    purpose = _any_size(quantity)
+    values = [_number(part, text, purpose, "MIN:MAX") for part in text.split(":")]
     if len(values) == 1:
         values *= 2
     if len(values) != 2 or values[0] > values[1]:
@@ -174,15 +176,19 @@ def parse_limits(text: str | tuple[float, float], quantity: str) -> tuple[float,
     return values[0], values[1]
 
 
-def parse_values(text: str, quantity: str) -> list[float]:
-    """Read ``START:STOP:STEP`` with STOP included, or a list ``A,B,C``; a quantity "in mm" takes ``5mm`` as well.
+def parse_values(text: str, purpose: Purpose | str) -> list[float]:
+    """Read ``START:STOP:STEP`` with STOP included, or a list ``A,B,C``, as :func:`read_number` reads each; a quantity
+    without a unit is given by its name.
 
     Values of a range are START + n STEP, so that 3:30:0.5 ends at exactly 30.
     """
-    form = "START:STOP:STEP or a list A,B,C"
+    form, quantity = "START:STOP:STEP or a list A,B,C", purpose if isinstance(purpose, str) else purpose.quantity
+    purpose = _any_size(purpose) if isinstance(purpose, str) else purpose
     if ":" not in text:
-        return [_number(part, text, quantity, form) for part in text.split(",")]
-    parts = [_number(part, text, quantity, form) for part in text.split(":")]
+        return [_number(part, text, purpose, form) for part in text.split(",")]
+    # a step, the third, may be smaller than any value
+    of_step = _any_size(purpose)
+    parts = [_number(part, text, of_step if at == 2 else purpose, form) for at, part in enumerate(text.split(":"))]
     if len(parts) != 3 or not parts[2] > 0 or parts[1] < parts[0]:
         message = f"{quantity} = '{text}' is not {form} with START at most STOP and STEP above 0"
         raise InputError(message, "malformed", quantity_name(quantity), text)
@@ -195,11 +201,22 @@ def parse_values(text: str, quantity: str) -> list[float]:
     return [round(start + index * step, digits) for index in range(count)]
 
 
-def _number(part: str, text: str, quantity: str, form: str) -> float:
+def _any_size(purpose: Purpose | str) -> Purpose | str:
+    """The purpose of a number of any size; a name "in mm" has that unit, another none."""
+    quantity = purpose if isinstance(purpose, str) else purpose.quantity
     unit = quantity.rpartition(" in ")[2]
+    return Purpose(quantity, unit, (0.0, math.inf)) if unit in UNITS else quantity
+
+
+def _number(part: str, text: str, purpose: Purpose | str, form: str) -> float:
+    quantity = purpose if isinstance(purpose, str) else purpose.quantity
     try:
-        value = read_number(part, Purpose(quantity, unit, (0.0, math.inf))) if unit in UNITS else float(part)
-    except (InputError, ValueError):
+        value = float(part) if isinstance(purpose, str) else read_number(part, purpose)
+    except ValueError:
+        value = math.nan
+    except InputError as problem:
+        if problem.code != "not_a_number":
+            raise
         value = math.nan
     if not math.isfinite(value):
         message = f"{quantity} = '{text}' is not {form}: '{part}' is not a number"
@@ -207,12 +224,16 @@ def _number(part: str, text: str, quantity: str, form: str) -> float:
     return value
 
 
-def read_values(values: float | str | Iterable[float], quantity: str) -> tuple[float, ...]:
-    """Read numbers however they are given: one, several, or text as on the command line."""
+def read_values(values: float | str | Iterable[float | str], purpose: Purpose | str) -> tuple[float, ...]:
+    """Read numbers however they are given: one, several, or text as on the command line; see :func:`parse_values`."""
     if isinstance(values, str):
-        return tuple(parse_values(values, quantity))
+        return tuple(parse_values(values, purpose))
+    quantity = purpose if isinstance(purpose, str) else purpose.quantity
+    purpose = _any_size(purpose) if isinstance(purpose, str) else purpose
     try:
-        numbers = tuple(float(value) for value in (values if isinstance(values, Iterable) else (values,)))
+        numbers = tuple(
+            float(value) if isinstance(purpose, str) else read_number(value, purpose) for value in parts_of(values)
+        )
     except (TypeError, ValueError):
         message = f"{quantity} = {values!r} is not a number, a list of numbers or text like 3:30:0.5"
         raise InputError(message, "not_a_number", quantity_name(quantity)) from None

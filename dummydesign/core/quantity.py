@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+import re
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -31,15 +33,36 @@ class Quantity(Serialised):
 
 
 def line_of(text: str, *keys: str) -> int:
-    """Find the line (from 1) at which the last of ``keys`` stands, each searched after the one before."""
+    """Find the line (from 1) of a TOML text that sets the last of ``keys``, each searched after the one before.
+
+    A key is a name, or the beginning of a header: ``[pad`` finds ``[pad]``, ``[[pad]]`` and ``[pad.punch]``. Comments
+    and texts in quotes are passed over; a key that is not found leaves the line of the one before.
+    """
     lines = text.splitlines()
     row = 0
     for key in keys:
-        for index in range(row, len(lines)):
-            if key in lines[index]:
-                row = index
-                break
+        sets = _setting(key)
+        row = next((index for index in range(row, len(lines)) if sets(lines[index])), row)
     return row + 1
+
+
+def has_line(text: str, key: str) -> bool:
+    """Whether a line of a TOML text sets a key or begins with a header; see :func:`line_of`."""
+    return any(map(_setting(key), text.splitlines()))
+
+
+_QUOTED = re.compile(r"\"(?:[^\"\\]|\\.)*\"|'[^']*'")
+
+
+def _setting(key: str) -> Callable[[str], bool]:
+    """A test of a line: whether it sets the key, alone or in an inline table, or is a header that begins with it."""
+    name = re.escape(key.strip("[]"))
+    if key.startswith("["):
+        second = r"\[" if key.startswith("[[") else r"\[?"
+        head = re.compile(rf"\s*\[{second}\s*{name}\s*[\].]")
+        return lambda line: head.match(line) is not None
+    first, inside = re.compile(rf"\s*[\"']?{name}[\"']?\s*[=.]"), re.compile(rf"[{{,]\s*{name}\s*[=.]")
+    return lambda line: bool(first.match(line) or inside.search(_QUOTED.sub("", line).partition("#")[0]))
 
 
 PAPER = (

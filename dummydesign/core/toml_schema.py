@@ -10,7 +10,7 @@ from typing import Any
 
 from dummydesign.core.errors import InputError, unknown_name
 from dummydesign.core.library import read_toml
-from dummydesign.core.quantity import FIELDS, KINDS, Quantity, line_of
+from dummydesign.core.quantity import FIELDS, KINDS, Quantity, has_line, line_of
 
 REQUIRED: Any = object()
 """Default of a key that must be there."""
@@ -32,7 +32,7 @@ class Table:
     def where(self, key: str = "") -> str:
         """File and line of a key, of the table itself without one."""
         header = f"[{self._dotted(key)}"
-        last = [header if header in self.text else key] if key in self.data else []
+        last = [header if has_line(self.text, header) else key] if key in self.data else []
         return f"{self.path.name}:{line_of(self.text, *self.keys, *last)}"
 
     def fault(self, key: str, words: str, code: str, allowed: object = None) -> InputError:
@@ -110,7 +110,7 @@ class Table:
 
     def quantity(self, key: str, kinds: tuple[str, ...] = KINDS) -> Quantity:
         """Return a number with interval, kind and source; refuse one that lacks any of them."""
-        where = f"{self.path.name}:{line_of(self.text, *self.keys, key)}: "
+        where = f"{self.where(key)}: "
 
         def wrong(code: str, message: str, quantity: str = key) -> InputError:
             return InputError(f"{where}'{key}' {message}", code, quantity)

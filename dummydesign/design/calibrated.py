@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from math import exp, log
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -22,10 +23,10 @@ if TYPE_CHECKING:
     from dummydesign.loop.corrected_law import CorrectedLaw, Correction
 
 
-# Half widths of the 95 % intervals of modulus and strengths of calibrations that carry none: assumed.
+# Half widths of the 95 % intervals of ln modulus and ln strength of calibrations that carry none: assumed.
 YOUNG_SPREAD, BETA_SPREAD = 0.03, 0.1
-# A half width is not more than this share of the value, which is positive.
-LARGEST_SHARE = 0.9
+UNDETERMINED = 3.0
+"""A modulus that is known only within this factor either way (95 %) was not measured: as wide as a resin's own law."""
 # What holds the base and the face of the pads that are designed.
 BASE, CONTACT = "bonded", "bonded"
 OTHER = "another"
@@ -74,7 +75,8 @@ def with_calibration(
     from dummydesign.resin.update.modulus import update_resin
 
     calibration = read_calibration(path)
-    ratio, pressed = calibration.pad.get("ratio") or resin.relaxation_ratio_ref, calibration.pad.get("resin")
+    ratio, pressed = _ratio(calibration, path), calibration.pad.get("resin")
+    _check_family(calibration, resin, path)
     if pressed not in (None, resin.name) and not resin.ratio_min <= ratio <= resin.ratio_max:
         raise InputError(
             f"calibration {path} is of {pressed} at ratio {ratio:g}, which {resin.name} does not have "
@@ -82,24 +84,69 @@ def with_calibration(
             "(--calibration none)", "inconsistent", "calibration.ratio", ratio, (resin.ratio_min, resin.ratio_max),
         )  # fmt: skip
     punch = with_edge(punch, edge_radius_mm)
-    warnings = _differences(calibration, resin, ratio, punch)
+    warnings = _differences(calibration, resin, punch)
     source = f"calibration {path} of a measured campaign"
     young = 1e3 * float(calibration.after.base.young_MPa)
     known = calibration.posterior
     spread = YOUNG_SPREAD if known is None else NORMAL_95 * known.new_pad_spread
+    if not spread <= log(UNDETERMINED):
+        raise InputError(
+            f"calibration {path} leaves the modulus undetermined: {young:.3g} kPa, 95 % within a factor of "
+            f"{exp(min(spread, 99.0)):.2g}, at most {UNDETERMINED:g} is allowed; press deeper or more pads and run "
+            "'dummydesign loop' again, or design without it (--calibration none)", "not_enough_data",
+            "calibration.young_kPa", young,
+        )  # fmt: skip
     point = Point(ratio, _around(young, spread, source))
     updated = update_resin(resin, [point], resin.name)
     arms = []
     for term in calibration.prony():
         own = calibration.strength_spread(term)
-        share = BETA_SPREAD if own is None else min(NORMAL_95 * own, LARGEST_SHARE)
-        arms.append(Arm(_around(term.tau_s, 0.0, source), _around(term.beta, share, source)))
+        beta_spread = BETA_SPREAD if own is None else NORMAL_95 * own
+        if not beta_spread <= log(UNDETERMINED):
+            message = (f"the calibration's campaign leaves the strength of the relaxation at {term.tau_s:.2g} s "
+                       f"undetermined ({term.beta:.2g}, 95 % within a factor of {exp(min(beta_spread, 99.0)):.2g}); "
+                       "press a ramp and a longer hold")  # fmt: skip
+            warnings = (*warnings, {"code": "calibration_relaxation", "message": message})
+        arms.append(Arm(_around(term.tau_s, 0.0, source), _around(term.beta, beta_spread, source)))
     resin = replace(
         updated, arms=tuple(arms), relaxation_ratio_ref=float(ratio), references=(*resin.references, source),
         joint_relaxation=_joint(calibration),
     )  # fmt: skip
     law = CorrectedLaw(Correction(calibration, BASE, punch), square, edge_radius_mm)
     return Calibrated(resin, law, calibration, warnings, path)
+
+
+def _ratio(calibration: Calibration, path: str) -> float:
+    """Ratio of the pads that were pressed: a modulus without it leads to no recipe."""
+    ratio = calibration.pad.get("ratio")
+    if ratio is None:
+        raise InputError(
+            f"calibration {path} has no mixing ratio, so no weights follow from its modulus: write 'ratio = R' into "
+            "[pad] of the campaign's campaign.toml and run 'dummydesign loop' on it again, or design without it "
+            "(--calibration none)", "missing", "calibration.ratio",
+        )  # fmt: skip
+    return float(ratio)
+
+
+def _check_family(calibration: Calibration, resin: Resin, path: str) -> None:
+    """Refuse a campaign of other liquids: its ratio means something else."""
+    from dummydesign.resin.model.resin_file import load_resin
+
+    pressed = calibration.pad.get("resin")
+    if pressed in (None, resin.name):
+        return
+    try:
+        other = load_resin(pressed)
+    except InputError:  # a resin of another library; the warning names it
+        return
+    if other.ratio_meaning != resin.ratio_meaning or [one.name for one in other.liquids] != [
+        one.name for one in resin.liquids
+    ]:
+        raise InputError(
+            f"calibration {path} is of {pressed}, whose ratio is {other.ratio_meaning}; that of {resin.name} is "
+            f"{resin.ratio_meaning}: design with --resin {pressed}, or without it (--calibration none)",
+            "inconsistent", "calibration.resin", pressed, resin.name,
+        )  # fmt: skip
 
 
 def _joint(calibration: Calibration) -> RelaxationGivenModulus | None:
@@ -115,17 +162,14 @@ def _joint(calibration: Calibration) -> RelaxationGivenModulus | None:
     return RelaxationGivenModulus.of(float(np.log(1e3 * calibration.after.base.young_MPa)), covariance)
 
 
-def _differences(calibration: Calibration, resin: Resin, ratio: float, punch: str) -> tuple[dict[str, str], ...]:
-    """Where the campaign differs from what is designed: resin, ratio, base, contact and punch."""
+def _differences(calibration: Calibration, resin: Resin, punch: str) -> tuple[dict[str, str], ...]:
+    """Where the campaign differs from what is designed: resin, base, contact and punch."""
     pad = calibration.pad
     notes = []
     carried = "modulus, relaxation and effects are carried over, what was found of the force law is not"
     if pad.get("resin") not in (None, resin.name):
         notes.append(("calibration_resin", f"the calibration's campaign pressed pads of {pad['resin']}; this design is "
                       f"of {resin.name}, and still uses its modulus and relaxation"))
-    if pad.get("ratio") is None:
-        notes.append(("calibration_ratio", "the calibration's campaign says no ratio: its modulus is taken for that at "
-                      f"{ratio:g}, the ratio of {resin.name}'s relaxation; name resin and ratio in campaign.toml"))
     if not calibration.on_pucks():
         for name, own, designed in (("base", pad.get("base"), BASE), ("contact", pad.get("contact"), CONTACT)):
             if own not in (None, designed):
@@ -137,8 +181,10 @@ def _differences(calibration: Calibration, resin: Resin, ratio: float, punch: st
     return tuple({"code": code, "message": message} for code, message in notes)
 
 
-def _around(value: float, share: float, source: str) -> Quantity:
-    return Quantity(value, value * (1.0 - share), value * (1.0 + share), "fitted", source)
+def _around(value: float, spread: float, source: str) -> Quantity:
+    """A positive quantity whose logarithm has this half width of its 95 % interval."""
+    factor = exp(min(spread, 99.0))
+    return Quantity(value, value / factor, value * factor, "fitted", source)
 
 
 @dataclass(frozen=True)

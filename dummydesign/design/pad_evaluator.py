@@ -120,6 +120,10 @@ class NotTabulated(InputError):
 
     def __init__(self, reason: str, quantity: str) -> None:
         super().__init__(f"{reason}: it is solved by finite elements, which takes minutes", "not_tabulated", quantity)
+        self.reason = reason
+
+    def __reduce__(self) -> tuple[type[NotTabulated], tuple[str, str]]:
+        return type(self), (self.reason, self.quantity)
 
 
 @dataclass(frozen=True)

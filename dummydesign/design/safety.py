@@ -28,7 +28,9 @@ if TYPE_CHECKING:
 # ISO/TS 15066: contact below 0.5 s is transient, what lasts longer quasi-static (second-hand, docs/references.md).
 QUASI_STATIC_AFTER_S = 0.5
 STEPS, LONGEST_MM, FINE, N_PER_CM2 = 1000, 40.0, 600, 100.0
-@dataclass(frozen=True)
+
+
+@dataclass(frozen=True, eq=False)
 class SafetyContact(Serialised):
     """What one contact does; arrays over bodies (subjects, or pads).
 
@@ -57,14 +59,14 @@ def _of_press(time_s: NDArray, displacement_mm: NDArray, force_N: NDArray, stop_
 
 
 def pad_press(slabs: Slabs, depth_mm: NDArray, velocity_mm_s: float, sampling: Sampling | None = None) -> SafetyContact:
-    """Ramp and hold on pads, each to its own depth (NaN for out of reach); see :class:`Contact`."""
+    """Ramp and hold on pads, each to its own depth (NaN for out of reach); see :class:`SafetyContact`."""
     sampling = sampling or Sampling()
     press = press_to_depth(slabs, depth_mm, velocity_mm_s, sampling)
     return _of_press(press.time_s, press.displacement_mm, press.force_N, press.stop_s).where(np.isfinite(depth_mm))
 
 
 def tissue_press(band: ForceRange, law: str = "ode", sampling: Sampling | None = None) -> SafetyContact:
-    """Ramp and hold on the subjects of a force range, each to its own depth; see :class:`Contact`."""
+    """Ramp and hold on the subjects of a force range, each to its own depth; see :class:`SafetyContact`."""
     contact = _of_press(*press_subjects([band], law, sampling or Sampling()), band.stop_s)
     return contact.where(band.stop_s <= band.time_s[-1])
 

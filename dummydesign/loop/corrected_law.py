@@ -14,8 +14,9 @@ from dummydesign.loop.effects.learned import Learned
 from dummydesign.loop.model.base_law import SlabLaw
 from dummydesign.loop.model.effect import SETUP, UnitForce
 from dummydesign.loop.model.forward_model import Active
-from dummydesign.pad.force_law import BaseForceLaw
+from dummydesign.pad.force_law import BaseForceLaw, ForceLaw
 from dummydesign.pad.tables.filleted import slab_table
+from dummydesign.pad.tables.square import square_law
 
 BULK = "bulk_that_gives"
 
@@ -118,6 +119,16 @@ class CorrectedLaw(BaseForceLaw):
         unit = self.correction.apply(law, x, h, limit)
         unit = np.where(x > limit * (1.0 + 1e-9), np.nan, unit)
         return young * unit.reshape(depth.shape)
+
+    def relative_error(self, depth_mm: ArrayLike, thickness_mm: ArrayLike, radius_mm: ArrayLike) -> NDArray:
+        """Error of the table that is corrected; a calibration makes it no smaller, its own is the modulus's interval.
+
+        See :class:`dummydesign.pad.force_law.ForceLaw`.
+        """
+        radius = float(np.max(np.asarray(radius_mm, float)))
+        table: ForceLaw = slab_table(self.correction.base, self.edge_radius_mm, radius)
+        law = square_law(table, self.correction.base, self.edge_radius_mm > 0.0) if self.square else table
+        return law.relative_error(depth_mm, thickness_mm, radius_mm)
 
     def depth_limit_mm(self, thickness_mm: ArrayLike, radius_mm: ArrayLike) -> NDArray:
         """Depth to which the table holds. [mm]"""

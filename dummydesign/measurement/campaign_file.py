@@ -111,7 +111,7 @@ def read_campaign(folder: str | Path) -> Campaign:
     tables = [trial_with_record(table, one) if one else table for table, one in zip(tables, measured)]
     trials = tuple(_read_trial(table, index, folder, pad, punch) for index, table in enumerate(tables, 1))
     check_edge(pad, punch, [trial.geometry for trial in trials], f"{punch_table.where('edge_radius_mm')}: ")
-    warnings = (*_check_set(trials, tables), *records.warnings())
+    warnings = (*no_ratio(pad.ratio), *_check_set(trials, tables), *records.warnings())
     name = str(top.data.get("name", folder.name))
     return Campaign(name, folder, pad, punch, lowpass, resolution, trials, warnings, tuple(records.read))
 
@@ -258,6 +258,15 @@ def _read_file_name(table: Table, folder: Path) -> str:
     if outside or not (folder / name).resolve().is_relative_to(folder.resolve()):
         raise table.fault("file", "leaves the campaign folder; give a plain file name inside it", "not_allowed")
     return name
+
+
+def no_ratio(ratio: float | None) -> tuple[dict[str, str], ...]:
+    """Warn of a campaign whose modulus leads to no recipe."""
+    if ratio is not None:
+        return ()
+    message = ("the campaign has no mixing ratio, so 'suggest' cannot use its calibration: give --resin and --ratio, "
+               f"or write ratio into [pad] of {FILE}")  # fmt: skip
+    return ({"code": "no_ratio", "message": message},)
 
 
 def _check_set(trials: Sequence[Trial], tables: Sequence[Table]) -> list[dict[str, str]]:

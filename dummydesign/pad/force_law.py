@@ -90,8 +90,9 @@ class ForceLaw(Protocol):
         """Thickness of the gel under the middle of the punch: the pad's, less a bone. [mm]"""
         ...
 
+    @abstractmethod
     def relative_error(self, depth_mm: ArrayLike, thickness_mm: ArrayLike, radius_mm: ArrayLike) -> Array:
-        """Stated error of the force over the force; NaN where none is stated.
+        """Stated error of the force over the force, finite within the law's depth; 0 for a law that is exact.
 
         Parameters
         ----------
@@ -121,17 +122,19 @@ def slope_of(force: Callable[[Array], Array], depth_mm: ArrayLike, step_mm: Arra
 
 
 class BaseForceLaw(ForceLaw):
-    """What a law is that says nothing else: any ratio, no provenance, no stated error, stiffness by differences.
+    """What a law is that says nothing else: any ratio, no provenance, stiffness by differences.
 
     Examples
     --------
-    A foam that carries under the punch alone, half as deep as it is thick:
+    A foam that carries under the punch alone, half as deep as it is thick, known to 2 %:
 
     >>> class Foam(BaseForceLaw):
     ...     def force(self, depth_mm, thickness_mm, young_MPa, radius_mm):
     ...         return young_MPa * np.pi * np.square(radius_mm) * np.asarray(depth_mm) / thickness_mm
     ...     def depth_limit_mm(self, thickness_mm, radius_mm):
     ...         return 0.5 * np.asarray(thickness_mm)
+    ...     def relative_error(self, depth_mm, thickness_mm, radius_mm):
+    ...         return np.full(np.broadcast_shapes(np.shape(depth_mm), np.shape(thickness_mm)), 0.02)
     >>> pad = curve_at(Foam(), thickness_mm=10.0, young_MPa=0.1, radius_mm=14.0)
     >>> f"{pad.force(1.0):.2f} N, {pad.stiffness(1.0):.2f} N/mm, to {pad.limit_mm:g} mm"
     '6.16 N, 6.16 N/mm, to 5 mm'
@@ -152,11 +155,6 @@ class BaseForceLaw(ForceLaw):
     def gel_mm(self, thickness_mm: ArrayLike) -> Array:
         """The pad's whole thickness; see :class:`ForceLaw`. [mm]"""
         return np.asarray(thickness_mm, float)
-
-    def relative_error(self, depth_mm: ArrayLike, thickness_mm: ArrayLike, radius_mm: ArrayLike) -> Array:
-        """NaN: no error is stated; see :class:`ForceLaw`."""
-        shape = np.broadcast_shapes(np.shape(depth_mm), np.shape(thickness_mm), np.shape(radius_mm))
-        return np.full(shape, np.nan)
 
 
 class ForceAndStiffness:

@@ -146,7 +146,7 @@ def allowance(
     return low * viscous, above + high * viscous
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class StaticPrediction(Serialised):
     """Force at static depths with the model's own uncertainty; arrays of one length."""
 
@@ -160,7 +160,7 @@ class StaticPrediction(Serialised):
     notes: tuple[str, ...] = ()
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class MotionPrediction(Serialised):
     """Force under a motion with the model's own uncertainty; arrays of one length."""
 
@@ -323,7 +323,7 @@ def _divide(motion: Motion, largest_mm: float) -> tuple[Array, Array, Array]:
     return np.interp(fine, at, time), np.interp(fine, at, depth), at
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class RampPress:
     """One ramp and hold."""
 

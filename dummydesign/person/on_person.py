@@ -42,7 +42,7 @@ Interval = tuple[float | None, float | None]
 class PersonPress:
     """One press: on the pad, on every subject, on one more person.
 
-    ``pad``, ``subjects`` and the intervals are by the names of :data:`~.drives.drive.FOUR`; ``factor`` is the lowest
+    ``pad``, ``subjects`` and the intervals are by the names of :data:`~.integrate.FOUR`; ``factor`` is the lowest
     and highest subject's peak over the pad's, ``factor_95`` that of one more person.
     """
 

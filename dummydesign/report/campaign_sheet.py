@@ -54,7 +54,7 @@ def sheet_html(
 
 def _targets(by_depth: bool, both: bool, units: str) -> list[str]:
     """Headings of what is pressed to, and of what is expected beside it."""
-    depth, force = (twin_of(name, units)[0].replace("_", " ") for name in ("depth_mm", "force_N"))
+    depth, force = (twin_of(name, units)[0].replace("_", " ") for name in ("depth_mm", "steady_force_N"))
     planned, other = (depth, f"{force} (95 %)") if by_depth else (force, f"{depth} (95 %)")
     return [planned, other] if both else [planned]
 
@@ -64,7 +64,9 @@ def _hold(by_depth: bool, expected: Iterable[Expected]) -> str:
     presses = list(expected)
     words = "Hold the position; do not control the force."
     if presses and not by_depth:
-        words = f"Press to the force. If your machine controls position, press to the depth in the next column. {words}"
+        words = f"If your machine controls position, press to the depth in the next column. {words}"
+    if not by_depth:
+        words = f"The steady force is that at the end of the hold; the peak before it is larger. {words}"
     if any(one.beyond or one.may_go_beyond for one in presses):
         words += " <b>!</b> is deeper than 0.6 of the pad's thickness, or than the model reaches: stop at that depth."
     return words

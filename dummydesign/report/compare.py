@@ -339,9 +339,12 @@ def parameters_text(result: dict[str, Any]) -> str:
 
 def next_steps(result: dict[str, Any]) -> list[str]:
     """What to do with the pad, by the light of its verdict; nothing without one."""
-    verdict = result["verdict"] or {"light": ""}
+    verdict = result["verdict"] or {"light": "", "level": ""}
     if verdict["light"] == "green":
         return ["use the pad; its readings need no correction"]
+    if verdict["level"] == "not_settled":
+        return ["do not use the pad yet: press what is missing, or press more repeats, and compare again",
+                "a plan of the presses: dummydesign campaign new DIR"]  # fmt: skip
     if verdict["light"] == "amber" and verdict["correction"]["factor"] is not None:
         force, energy = verdict["correction"]["force"], verdict["correction"]["factor"]
         return [f"use the pad; multiply forces by {max(force or 1.0, 1.0):.2f}, energies by {max(energy, 1.0):.2f}"]

@@ -8,7 +8,8 @@ from __future__ import annotations
 
 import io
 import unicodedata
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from functools import lru_cache
 from html import escape
@@ -197,10 +198,8 @@ class VectorSheet:
 
     def pdf(self, paper_mm: Point) -> bytes:
         """Write the sheet as PDF with even margins; equal sheets give equal bytes."""
-        from reportlab import rl_config
         from reportlab.pdfgen.canvas import Canvas
 
-        rl_config.useA85 = 0  # pages packed as they are, not also spelt out in letters
         stream = io.BytesIO()
         size = tuple(side / PT_MM for side in paper_mm)
         canvas = Canvas(stream, pagesize=size, invariant=1, pageCompression=1)
@@ -213,9 +212,23 @@ class VectorSheet:
                 _pdf_text(canvas, item, left, top)
             else:
                 _pdf_path(canvas, item, left, top)
-        canvas.showPage()
-        canvas.save()
+        with _packed():
+            canvas.showPage()
+            canvas.save()
         return stream.getvalue()
+
+
+@contextmanager
+def _packed() -> Iterator[None]:
+    """Write pages packed as they are, not also spelt out in letters; reportlab's setting is given back."""
+    from reportlab import rl_config
+
+    before = rl_config.useA85
+    rl_config.useA85 = 0
+    try:
+        yield
+    finally:
+        rl_config.useA85 = before
 
 
 def _svg_path(path: Path) -> str:

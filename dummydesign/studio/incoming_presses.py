@@ -194,7 +194,7 @@ def words(root: Path, name: str, more: Sequence[str]) -> list[str]:
             "--table", f"{FOLDER}/{TABLE}", *more]  # fmt: skip
 
 
-FIELDS: dict[str, Any] = {"pads": "5,15,20", "speeds": "10,250", "forces": "3,7,12", "ages": "9,14,29", "repeats": 2,
+FIELDS: dict[str, Any] = {"pads": "5,15,20", "speeds": "10,250", "forces": "5,10,15", "ages": "9,14,29", "repeats": 2,
                           "hold": 10.0, "shape": "slab", "pad": "150x120"}  # fmt: skip
 
 

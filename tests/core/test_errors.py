@@ -11,6 +11,7 @@ import pytest
 
 from dummydesign import cli
 from dummydesign.core.errors import InputError, NoAnswerError, out_of_range, quantity_name, unknown_name
+from dummydesign.design.pad_evaluator import NotTabulated
 from studies.errors import CODES, DOCUMENT, document, raised
 
 ROOT = Path(__file__).parents[2]
@@ -82,3 +83,9 @@ def test_with_json_an_error_is_printed_as_json_and_keeps_its_status(
 
 def test_an_error_from_elsewhere_has_the_code_for_that():
     assert InputError("no idea").to_dict()["code"] == "not_specified"
+
+
+def test_a_refusal_of_a_pad_that_no_table_holds_comes_back_from_another_process():
+    problem = NotTabulated("the punch is round", "punch")
+    again = pickle.loads(pickle.dumps(problem))
+    assert type(again) is NotTabulated and again.to_dict() == problem.to_dict()

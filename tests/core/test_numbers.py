@@ -10,7 +10,9 @@ import pytest
 from dummydesign.core import parsing
 from dummydesign.core.interpolation import MOST_ROWS, uniform_times
 from dummydesign.core.parsing import (
+    THICKNESS,
     UNITS,
+    VELOCITY,
     Purpose,
     columns_in,
     parse_limits,
@@ -18,11 +20,12 @@ from dummydesign.core.parsing import (
     positive,
     read_allowed,
     read_number,
+    read_numbers,
     read_size,
     read_values,
     twin_of,
 )
-from dummydesign.core.quantity import HALF_WIDTH, KINDS, Quantity, line_of, value_at
+from dummydesign.core.quantity import HALF_WIDTH, KINDS, Quantity, has_line, line_of, value_at
 from tests.support.refusal import raises_code
 
 PURPOSES = {name: value for name, value in vars(parsing).items() if isinstance(value, Purpose)}
@@ -176,3 +179,33 @@ def test_the_line_of_a_key_is_searched_after_the_one_before_it():
     text = "a = 1\n[one]\nkey = 1\n[two]\nother = 2\nkey = 3"
     assert (line_of(text, "a"), line_of(text, "[one]", "key"), line_of(text, "[two]", "key")) == (1, 3, 6)
     assert line_of(text, "[two]", "nothing") == 4 and line_of(text) == 1
+
+
+def test_a_comment_or_a_text_is_not_the_line_of_a_key():
+    text = (
+        '# [pad] has a ratio = 15\nname = "ratio = 3, [pad]"\n[padding]\nratio = 1\n[pad] # ratio\n# ratio = 2\n'
+        'note = "a # ratio = 4"\nratio = 16 # the ratio\n[[trial]]\nby = { name = "x", ratio = 5 }\n[a.b]\nc.d = 1'
+    )
+    assert line_of(text, "[pad") == line_of(text, "[pad]") == 5
+    assert line_of(text, "[pad", "ratio") == 8 and line_of(text, "[[trial]]", "ratio") == 10
+    assert line_of(text, "[trial") == 9 and line_of(text, "[a") == 11 and line_of(text, "c") == 12
+    assert has_line(text, "[a.b") and not has_line(text, "[ratio")
+
+
+@pytest.mark.parametrize("text", ["0.25", "0.25,250", "0.25:1:0.25"])
+def test_every_call_asks_about_a_speed_that_looks_like_metres_a_second(text):
+    for read in (read_values, read_numbers) if ":" not in text else (read_values,):
+        with raises_code("implausible_unit", "velocity_mm_s"):
+            read(text, VELOCITY)
+    with raises_code("implausible_unit", "velocity_mm_s"):
+        read_values([0.25, 10.0], VELOCITY)
+
+
+def test_units_are_read_in_lists_and_ranges_and_a_step_may_be_small():
+    assert read_values(["0.25m/s", 10], VELOCITY) == (250.0, 10.0) == read_numbers(["0.25m/s", 10], VELOCITY)
+    assert read_values("0.01m/s:0.02m/s:5", VELOCITY) == (10.0, 15.0, 20.0)
+    assert read_values("5:6:0.25", THICKNESS) == (5.0, 5.25, 5.5, 5.75, 6.0)
+    with raises_code("unknown_unit", "velocity_mm_s"):
+        read_values(["3N"], VELOCITY)
+    with raises_code("not_a_number", "ratio"):
+        read_values(["15mm"], "ratio")

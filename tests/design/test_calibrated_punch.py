@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -10,6 +12,7 @@ from dummydesign.design.request import Request
 from dummydesign.design.suggest import resolve
 from dummydesign.loop.calibration import Calibration, Model
 from dummydesign.loop.calibration_file import write_calibration
+from dummydesign.loop.fitting.fit import NORMAL_95
 from dummydesign.loop.model.forward_model import BaseParameters
 from dummydesign.pad.tables.filleted import load_filleted
 from dummydesign.pad.tables.slab import load_table
@@ -82,11 +85,48 @@ def test_what_a_calibration_cannot_correct_is_refused_with_the_way_out(calibrati
 
 
 def test_a_calibration_of_another_resin_is_named_as_one(tmp_path):
-    def written(ratio):
-        made = made_calibration(pad={"resin": "ecoflex-00-30", "ratio": ratio})
+    def written(name, ratio):
+        made = made_calibration(pad={"resin": name, "ratio": ratio})
         return str(write_calibration(made, tmp_path / f"{ratio:g}.json"))
 
     with raises_code("inconsistent", "calibration.ratio"):
-        _resolved(written(10.0), "square:14")
-    codes = [one["code"] for one in _resolved(written(15.0), "square:14").calibrated.warnings]
+        _resolved(written("sister-of-it", 10.0), "square:14")
+    codes = [one["code"] for one in _resolved(written("sister-of-it", 15.0), "square:14").calibrated.warnings]
     assert "calibration_resin" in codes and "calibration_resin" in FIRST
+
+
+def test_a_ratio_of_other_liquids_leads_to_no_recipe(tmp_path):
+    made = made_calibration(pad={"resin": "ecoflex-00-30", "ratio": 15.0})
+    with raises_code("inconsistent", "calibration.resin"):
+        _resolved(str(write_calibration(made, tmp_path / "c.json")), "square:14")
+
+
+def test_a_calibration_without_a_ratio_leads_to_no_recipe(tmp_path):
+    made = made_calibration(pad={"resin": None, "ratio": None})
+    with raises_code("missing", "calibration.ratio") as problem:
+        _resolved(str(write_calibration(made, tmp_path / "c.json")), "square:14")
+    assert "campaign.toml" in str(problem.value) and "\n" not in str(problem.value)
+
+
+def _known_to(spreads):
+    """A calibration whose posterior has these standard deviations of ln modulus and ln strengths."""
+    made = made_calibration()
+    return replace(made, posterior=replace(made.posterior, covariance=np.diag(np.square(spreads))))
+
+
+def test_a_modulus_that_the_campaign_leaves_undetermined_is_refused(tmp_path):
+    """0.2 to 2e4 kPa: ln of it is known to 2.9 (95 % within a factor of 300)."""
+    path = str(write_calibration(_known_to([2.9, 0.01, 0.01, 0.01, 0.01]), tmp_path / "c.json"))
+    with raises_code("not_enough_data", "calibration.young_kPa"):
+        _resolved(path, "square:14")
+
+
+def test_an_interval_is_even_in_the_logarithm_and_a_strength_that_is_not_known_is_named(tmp_path):
+    path = str(write_calibration(_known_to([0.4, 0.01, 0.01, 0.01, 1.0]), tmp_path / "c.json"))
+    found = _resolved(path, "square:14").calibrated
+    (point,), arm = found.resin.points, found.resin.arms[1].beta
+    width = NORMAL_95 * np.hypot(0.4, 0.004)
+    ends = [point.young_kPa.low / 30.0, point.young_kPa.high / 30.0]
+    assert np.log(ends) == pytest.approx([-width, width], rel=1e-9)
+    assert np.log([arm.low / 0.2, arm.high / 0.2]) == pytest.approx([-NORMAL_95, NORMAL_95], rel=1e-9)
+    assert [one["code"] for one in found.warnings] == ["calibration_relaxation"]

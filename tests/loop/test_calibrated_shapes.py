@@ -132,7 +132,6 @@ def test_suggest_takes_a_calibration_for_every_shape_and_says_first_what_it_left
     ("pad", "code", "said"),
     [
         ({"resin": "ecoflex-0030"}, "calibration_resin", "pads of ecoflex-0030"),
-        ({"ratio": None}, "calibration_ratio", "says no ratio"),
         ({"base": "sliding"}, "calibration_base", "base = sliding"),
         ({"base": "friction:0.3"}, "calibration_base", "base = friction:0.3"),
         ({"contact": "frictionless"}, "calibration_contact", "contact = frictionless"),

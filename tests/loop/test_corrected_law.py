@@ -14,7 +14,9 @@ from dummydesign.loop.calibration_file import write_calibration
 from dummydesign.loop.corrected_law import CorrectedLaw, Correction
 from dummydesign.loop.effects.registry import EFFECTS, effect_named
 from dummydesign.loop.model.forward_model import Active, BaseParameters
+from dummydesign.pad.tables.filleted import slab_table
 from dummydesign.pad.tables.slab import load_table
+from dummydesign.pad.tables.square import punch_law
 
 QUICK = ["--no-cad", "--no-verify"]
 RADIUS = 14.0 / np.sqrt(np.pi)
@@ -40,6 +42,17 @@ def force(*active, **options):
 
 def test_without_effects_it_is_the_table():
     np.testing.assert_allclose(force(), load_table("bonded").force(D, H, 0.025, RADIUS), rtol=1e-10)
+
+
+@pytest.mark.parametrize(("square", "edge_mm"), [(False, 0.0), (True, 0.0), (True, 1.0)])
+def test_its_stated_error_is_that_of_the_law_that_it_corrects_whatever_the_effects(square, edge_mm):
+    circle = slab_table("bonded", edge_mm, RADIUS)
+    plain = punch_law(circle, "square:14" if square else "round:15.8", "bonded", filleted=edge_mm > 0.0)
+    for known in (calibration(), calibration(effect("strain_stiffening", coefficient=2.0), law=0.02)):
+        law = CorrectedLaw(Correction(known), square, edge_mm)
+        error = law.relative_error(D, H, RADIUS)
+        np.testing.assert_allclose(error, plain.relative_error(D, H, RADIUS), rtol=1e-12)
+        assert np.all(np.isfinite(error)) and np.all(error > 0.0)
 
 
 def test_effects_of_the_material_change_it_by_their_law():

@@ -63,7 +63,12 @@ def test_a_sound_campaign_is_read_with_all_that_it_declares(tmp_path):
     assert campaign.lowpass.cutoff_hz == 35.0 and campaign.lowpass.order == 2 and campaign.lowpass.passes == 1
     assert campaign.trials[1].sequence == 2 and campaign.trials[0].age_days == 7.0
     assert campaign.punch.radius_mm == pytest.approx(14.0 / np.sqrt(np.pi))
-    assert campaign.warnings == ()
+    assert [one["code"] for one in campaign.warnings] == ["no_ratio"]
+
+
+def test_a_campaign_with_its_ratio_is_not_warned_of(tmp_path):
+    folder = write(tmp_path, text=lambda s: s.replace("[pad]\n", "[pad]\nratio = 15.0\n"))
+    assert read_campaign(folder).warnings == ()
 
 
 def test_what_is_not_declared_is_said(tmp_path):

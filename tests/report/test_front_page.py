@@ -237,3 +237,10 @@ def test_a_section_is_to_scale_and_has_the_lengths_of_its_shape(shape, thickness
     for item in items:
         points = np.array(item.points if isinstance(item, Path) else [box_of(item)[:2], box_of(item)[2:]])
         assert points.min() >= 0.0 and np.all(points.max(axis=0) <= (110.0, 60.0)), item
+
+
+def test_a_pdf_leaves_the_settings_of_its_library_as_they_were(monkeypatch):
+    rl_config = pytest.importorskip("reportlab.rl_config")
+    monkeypatch.setattr(rl_config, "useA85", 1)
+    content = VectorSheet("x", 100.0, 100.0, [Text(0.0, 10.0, "a")]).pdf((210.0, 297.0))
+    assert rl_config.useA85 == 1 and b"ASCII85Decode" not in content

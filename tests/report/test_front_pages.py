@@ -89,13 +89,23 @@ def test_the_page_of_a_comparison_has_the_verdict_and_each_press(made):
 
 
 @pytest.mark.parametrize(
-    ("light", "numbers"), [("green", ()), ("amber", ("1.12", "1.16")), ("red", ("dummydesign loop",)), (None, ())]
-)
-def test_what_to_do_with_a_measured_pad_follows_from_its_light(light, numbers):
-    verdict = light and {"light": light, "correction": {"factor": 1.16, "force": 1.12}}
+    ("light", "level", "numbers"),
+    [
+        ("green", "stands_for", ()), ("amber", "usable_with_correction", ("1.12", "1.16")),
+        ("red", "not_representative", ("dummydesign loop",)), (None, "", ()),
+    ],
+)  # fmt: skip
+def test_what_to_do_with_a_measured_pad_follows_from_its_light(light, level, numbers):
+    verdict = light and {"light": light, "level": level, "correction": {"factor": 1.16, "force": 1.12}}
     steps = next_steps({"verdict": verdict})
     assert bool(steps) == (light is not None) and all(number in " ".join(steps) for number in numbers)
     assert len(steps) == (3 if light == "red" else int(light is not None))
+
+
+def test_a_pad_that_is_not_settled_is_not_to_be_used():
+    verdict = {"light": "amber", "level": "not_settled", "correction": {"factor": 1.0, "force": 1.0}}
+    steps = " ".join(next_steps({"verdict": verdict}))
+    assert "multiply" not in steps and "do not use" in steps and "campaign new" in steps
 
 
 def test_the_page_of_a_study_has_the_best_designs_or_the_plane(made):

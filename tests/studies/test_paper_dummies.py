@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from dummydesign.design.scoring.presses import make_curves
-from dummydesign.pad.force_law import BaseForceLaw
 from dummydesign.pad.material.relaxation import PronyTerm
 from dummydesign.tissue.model.tissue_file import load_tissue
 from studies.paper_dummies import dummies
@@ -15,12 +14,13 @@ from studies.paper_dummies.in_time import bow, half_time_s
 from studies.paper_dummies.statements import statements
 from studies.paper_dummies.study import main
 from studies.paper_dummies.tables import needed_exponents, verdict
+from tests.support.exact_law import ExactLaw
 from tests.support.refusal import raises_code
 
 PRONY = (PronyTerm(0.05, 0.8), PronyTerm(1.0, 0.3))
 
 
-class CubicLaw(BaseForceLaw):
+class CubicLaw(ExactLaw):
     """Force E a d (d / h)^2 C: a slab that follows the tissue's own law."""
 
     def force(self, depth_mm, thickness_mm, young_MPa, radius_mm):

@@ -75,7 +75,8 @@ def make_campaign(folder: Path) -> None:
     """Twelve presses of two slabs at two speeds whose contact was taken 0.06 mm too early."""
     folder.mkdir()
     lines = [
-        "schema = 1", 'name = "twelve presses"', "[pad]", "young_kPa_nominal = 30.0", "length_mm = 150.0",
+        "schema = 1", 'name = "twelve presses"', "[pad]", "ratio = 15.0", "young_kPa_nominal = 30.0",
+        "length_mm = 150.0",
         "width_mm = 120.0", 'base = "bonded"', "[punch]", 'shape = "square"', "side_mm = 14.0", 'contact = "bonded"',
         "[sensor]", "lowpass_hz = 35.0", "lowpass_order = 2", "lowpass_passes = 1", "force_resolution_N = 0.01",
     ]  # fmt: skip

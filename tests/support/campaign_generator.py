@@ -306,7 +306,7 @@ def _physics(effects, young, tau, beta, pad, rows, depths, rng) -> Physics:
 def _write(folder, effects, rows, moved, force, nominal, young, slow_time, rng, crowned, cast, punch) -> Truth:
     folder.mkdir(parents=True, exist_ok=True)
     lines = [
-        "schema = 1", f'name = "{folder.name}"', "[pad]", f"young_kPa_nominal = {nominal:.2f}",
+        "schema = 1", f'name = "{folder.name}"', "[pad]", "ratio = 15.0", f"young_kPa_nominal = {nominal:.2f}",
         *([cast] if cast else []), "length_mm = 150.0",
         "width_mm = 120.0", 'base = "bonded"', "[punch]", *punch,
         *(['shape = "round"', f"diameter_mm = {28.0 / np.sqrt(np.pi):.6f}"] if crowned else

@@ -196,7 +196,7 @@ def write_campaign(
     largest = max(float(force.max()) for _, _, force in presses)
     folder.mkdir(parents=True, exist_ok=True)
     lines = [
-        "schema = 1", f'name = "{folder.name}"', "[pad]", f"young_kPa_nominal = {1e3 * nominal:.2f}",
+        "schema = 1", f'name = "{folder.name}"', "[pad]", "ratio = 15.0", f"young_kPa_nominal = {1e3 * nominal:.2f}",
         "length_mm = 150.0", "width_mm = 120.0", 'base = "bonded"', "[punch]", 'shape = "round"', "diameter_mm = 15.8",
         "edge_radius_mm = 0.5", 'contact = "bonded"', "[sensor]", "lowpass_hz = 50.0", "lowpass_order = 2",
         "lowpass_passes = 1", "force_resolution_N = 0.01",

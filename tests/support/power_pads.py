@@ -3,10 +3,10 @@
 import numpy as np
 
 from dummydesign.design.scoring.presses import Slabs, make_curves
-from dummydesign.pad.force_law import BaseForceLaw
+from tests.support.exact_law import ExactLaw
 
 
-class Power(BaseForceLaw):
+class Power(ExactLaw):
     """F = E d^n: pads that do not depend on their thickness."""
 
     def __init__(self, exponent):

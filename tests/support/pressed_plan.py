@@ -31,7 +31,8 @@ def press_campaign(folder: Path, seed: int = 1, young_kPa: float | None = None, 
     data = tomllib.loads(text)
     pad, sensor = data["pad"], data["sensor"]
     lowpass = f"{sensor['lowpass_hz']:g}" if "lowpass_hz" in sensor else None
-    set_up = SetUp(data["name"], pad.get("young_kPa_nominal", 25.0), lowpass=parse_lowpass(lowpass))
+    young, ratio = pad.get("young_kPa_nominal", 25.0), pad.get("ratio")
+    set_up = SetUp(data["name"], young, ratio=ratio, lowpass=parse_lowpass(lowpass))
     plan = tuple(
         Planned(t["file"], t["thickness_mm"], t["velocity_mm_s"], t.get("target_force_N", t.get("target_depth_mm")),
                 "target_depth_mm" in t, t["repeat"], t["sequence"], t["age_days"], t["rest_s"], t["hold_s"],

@@ -3,9 +3,9 @@
 import numpy as np
 
 from dummydesign.core.quantity import Quantity
-from dummydesign.pad.force_law import BaseForceLaw
 from dummydesign.tissue.model.parameters import Parameters
 from dummydesign.tissue.model.tissue import Subject, Tissue
+from tests.support.exact_law import ExactLaw
 
 # Stiffness factor of a frictionless flat punch on an incompressible layer bonded to a rigid base,
 # Hayes et al. 1972, recomputed from the integral equation.
@@ -13,7 +13,7 @@ A_OVER_H = [0.2, 0.4, 0.6, 0.8, 1.0, 1.5, 2.0, 3.0]
 KAPPA = [1.281, 1.684, 2.213, 2.860, 3.619, 6.003, 9.149, 18.157]
 
 
-class LayerLaw(BaseForceLaw):
+class LayerLaw(ExactLaw):
     """F = 8/3 E a d kappa(a/h) (1 + 1.5 (d/h)^2): the layer solution with growth at finite depth."""
 
     growth = 1.5

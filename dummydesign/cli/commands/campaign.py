@@ -25,12 +25,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     moulds = "press the pads of these moulds: thickness, shape, outline, resin and ratio of folders of 'mold'"
     add("--from-mould", metavar="DIR,...", help=moulds)
     add("--velocity", metavar="MM_S,...", help="default 10,250")
-    add("--force", metavar="N,...", help="steady forces to press to (default 3,7,12)")
+    add("--force", metavar="N,...", help="steady forces to press to (default 5,10,15)")
     add("--depth", metavar="MM,...", help="depths to press to, instead of forces")
     add("--repeats", type=int, metavar="N", help="of every condition, on different days (default 2)")
     add("--ages", metavar="DAYS,...", help="age of the pads on each day of pressing (default 9,14,29)")
-    add("--rest", type=float, metavar="S", help="rest between presses of a pad (default 60)")
-    add("--hold", type=float, metavar="S", help="default 10")
+    add("--rest", metavar="S", help="rest between presses of a pad (default 60)")
+    add("--hold", metavar="S", help="default 10")
     add("--seed", type=int, default=1, metavar="N", help="of the order (default 1)")
     add("--no-power", action="store_true", help="do not work out which effects the plan cannot see or tell apart")
     add("--moulds", action="store_true", help="make the moulds of all pads too, in DIR-moulds (needs --resin)")
@@ -53,7 +53,7 @@ def _set_up_options(parser: argparse.ArgumentParser) -> None:
     add("--name", help="of the campaign (default the folder's)")
     add("--young", metavar="KPA", help="nominal modulus of the pads")
     add("--resin", metavar="NAME", help="or the resin they are cast of, with --ratio")
-    add("--ratio", type=float, metavar="R", help="mixing ratio")
+    add("--ratio", type=float, metavar="R", help="mixing ratio; without it the campaign leads to no recipe")
     add("--pad", metavar="LxW|cylinder:D", help="outline in mm (default 150x120)")
     shape = "of the pads on their base, with its lengths: crowned:radius=20,height=3,foot=11 (default slab)"
     add("--shape", metavar="NAME:P,..", help=shape)
@@ -208,8 +208,9 @@ def _design(options: argparse.Namespace, moulded: Any = None) -> Any:
         except ValueError:
             message = f"--ages {options.ages} must be numbers separated by commas"
             raise InputError(message, "not_a_number", "ages", options.ages) from None
-    settings = {"repeats": options.repeats, "rest_s": options.rest, "hold_s": options.hold}
-    given |= {key: value for key, value in settings.items() if value is not None}
+    given |= {} if options.repeats is None else {"repeats": options.repeats}
+    for name, text, purpose in (("rest_s", options.rest, parsing.REST), ("hold_s", options.hold, parsing.HOLD)):
+        given |= {} if text is None else {name: parsing.read_number(text, purpose)}
     return PlanSettings(**given, by_depth=options.depth is not None, seed=options.seed)
 
 

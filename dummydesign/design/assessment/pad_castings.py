@@ -53,11 +53,11 @@ class PadCastings:
 
     @cached_property
     def error(self) -> float:
-        """Largest stated error of the force law over the pressed depths; 0 where none is stated."""
+        """Largest stated error of the force law over the pressed depths."""
         depth = self.candidate.depth_mm
         known = depth[np.isfinite(depth)]
         stated = np.asarray(self.law.relative_error(known, self.candidate.thickness_mm, self.space.radius_mm))
-        return float(np.max(stated[np.isfinite(stated)], initial=0.0))
+        return float(np.max(stated, initial=0.0))
 
     def pours(self, known: Collection[str] = (), ratio: float | NDArray | None = None) -> Pours:
         """See :meth:`Castings.pours`; of other ratios where they are given."""

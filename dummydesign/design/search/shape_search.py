@@ -398,7 +398,7 @@ def outlook_for(
 def relative_error_of(law: ForceLaw, deepest_mm: float, thickness_mm: float, radius_mm: float) -> float:
     """Largest stated error of a force law down to a depth."""
     depth = deepest_mm * np.linspace(0.1, 1.0, 10)
-    return float(np.max(np.nan_to_num(law.relative_error(depth, thickness_mm, radius_mm)), initial=0.0))
+    return float(np.max(law.relative_error(depth, thickness_mm, radius_mm)))
 
 
 def _shifts(usable: NDArray, grid: NDArray) -> NDArray:

@@ -27,6 +27,7 @@ if TYPE_CHECKING:
 
 
 MOST_SHAPES, MOST_DESIGNS = 100_000, 1_000_000
+AVERAGE = "average"
 # Forces at which rows are given by default. [N]
 SHOWN_N = (1.0, 5.0, 10.0, 15.0)
 FIDELITIES = ("table", "axisymmetric", "3d")
@@ -171,7 +172,7 @@ class Study(Serialised):
     forces_N: tuple[float, ...] = SHOWN_N
     resin: str = "polyurethane-nagoya"
     tissue: str | None = None
-    aim: str = "average"
+    aim: str = AVERAGE
     fidelity: str = "table"
     conditions: tuple[str, ...] = ("bonded",)
     bases: tuple[str, ...] = ("bonded",)
@@ -235,6 +236,9 @@ class Study(Serialised):
                 if not value > 0:
                     raise out_of_range(name, value, "above 0", "any finite value")
         check_numbers(None, None, self.hold_s)
+        if self.tissue is None and self.aim != AVERAGE:
+            message = f"aim = {self.aim} is of a tissue's subjects: give --tissue, or leave --aim out"
+            raise InputError(message, "not_applicable", "aim", self.aim)
         positive(DECELERATION.quantity, self.deceleration_mm_s2)
         self._check_setups()
         check_pads(self)

@@ -21,7 +21,7 @@ from dummydesign.mold.files.drawing_sheet import PAPERS, Drawing, binary_streams
 from dummydesign.mold.model.spec import MouldSpec, Pour
 from dummydesign.mold.pour.acceptance import acceptance_rows, gauge_points, measured_blanks, points_rows, when_it_fails
 from dummydesign.mold.pour.bill_of_materials import bill_of_materials, materials
-from dummydesign.mold.pour.plan import CUP_FACTOR, WITNESS_MM, Batch, PourPlan, batch_of, pours_of
+from dummydesign.mold.pour.plan import CUP_FACTOR, WITNESS_MM, Batch, Mix, PourPlan, batch_of, pours_of
 from dummydesign.mold.pour.printing import demould_steps, mould_steps, print_words, tip_words
 from dummydesign.mold.pour.steps import BLANK, demould_first, plug_finish, pour_steps, shape_mark
 
@@ -156,7 +156,8 @@ def _weighing(spec: MouldSpec, pour: Pour, plan: PourPlan) -> list[Block]:
                f"dummydesign resins add-compression TRACE.csv --diameter {diameter:g} --height {height:g} --friction "
                f"lubricated --name NAME --ratio {pour.ratio:.6g}.")  # fmt: skip
     return [
-        Block("text", f"{pour.resin}, ratio {pour.ratio:.6g} ({pour.ratio_meaning}); balance step {resolution:g} g."),
+        Block("text", f"{pour.resin}, ratio {pour.ratio:.6g} ({pour.ratio_meaning}){_made(mixes)}; balance step "
+                      f"{resolution:g} g."),
         Block("table", rows=tuple(rows)),
         Block("text", " ".join((*_batch_words(spec, pour, plan, batch, digits), cup))),
         Block("text", witness),
@@ -173,6 +174,12 @@ def _hardness_words(pour: Pour, interval_kPa: tuple[float, float]) -> str:
     return (f"Hardness, a rough check without a press: a durometer should show {expected.text} after "
             f"{pour.age_before_test_days:g} days, on a piece at least 6 mm thick. Outside it the batch is not this "
             f"recipe. Reading: {BLANK}")  # fmt: skip
+
+
+def _made(mixes: Sequence[Mix]) -> str:
+    """The ratio of the weights that are printed."""
+    ratios = dict.fromkeys(f"{mix.ratio:.5g}" for mix in mixes if mix.ratio is not None)
+    return f"; these weights make {' and '.join(ratios)}" if ratios else ""
 
 
 def _batch_words(spec: MouldSpec, pour: Pour, plan: PourPlan, batch: Batch, digits: int) -> list[str]:

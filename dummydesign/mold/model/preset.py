@@ -208,4 +208,5 @@ def _resin_numbers(resin: Resin, ratio: float, room_temperature_C: float) -> dic
         "resin": resin.name, "ratio": float(ratio), "ratio_meaning": resin.ratio_meaning,
         "components": tuple((part.name, float(part.mass_g)) for part in parts),
         "young_kPa": 1e3 * float(resin.young_MPa(ratio)), "young_interval_kPa": (young.low, young.high), **numbers,
+        "ratio_component": next((liquid.name for liquid in resin.liquids if liquid.parts is None), ""),
     }  # fmt: skip

@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 import math
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -261,7 +261,9 @@ class PadGeometry:
 class Pour:
     """The resin as a liquid to be weighed and poured; ``components`` are (name, mass fraction).
 
-    ``young_kPa`` is the modulus that the design counts on, ``young_interval_kPa`` its 95 % interval.
+    ``young_kPa`` is the modulus that the design counts on, ``young_interval_kPa`` its 95 % interval. The ratio is the
+    mass of ``ratio_component`` over that of the others, in parts; it is unknown in specifications of earlier versions,
+    and no part of the mould.
     """
 
     resin: str
@@ -288,6 +290,7 @@ class Pour:
     pour_and_degas_min: float
     young_kPa: float
     young_interval_kPa: tuple[float, float] | None = None
+    ratio_component: str = ""
 
     @property
     def cures_warm(self) -> bool:
@@ -375,8 +378,14 @@ class MouldSpec:
 
     @cached_property
     def hash(self) -> str:
-        """First eight hexadecimal digits (upper case) of the SHA-256 of :meth:`canonical`."""
-        return hashlib.sha256(self.canonical().encode()).hexdigest()[:8].upper()
+        """First eight hexadecimal digits (upper case) of the SHA-256 of :meth:`canonical`.
+
+        The name of the ratio's component is left out: it makes no other mould.
+        """
+        base = self.base and replace(self.base, pour=replace(self.base.pour, ratio_component=""))
+        same = replace(self, pour=replace(self.pour, ratio_component=""), base=base)
+        text = same.canonical().replace('"ratio_component":"",', "")
+        return hashlib.sha256(text.encode()).hexdigest()[:8].upper()
 
     @property
     def tag(self) -> str:

@@ -21,6 +21,7 @@ CARRIER_VENTS, CARRIER_VENT_MM = 4, 3.0
 class PourPlan:
     """Weights and limits of one pour; ``components`` are (name, mass in g) as the balance shows them.
 
+    ``weighed_ratio`` is the mixing ratio that these weights make, None where the ratio's component is not known.
     ``cavity_mm3`` is the resin of one pad in this pour, ``pad_mass_g`` and ``fill_mass_g`` are those of one cavity, the
     batch is for all cavities of the mould. ``base`` is the second pour of a layered pad.
     """
@@ -45,6 +46,7 @@ class PourPlan:
     collar_mm: float
     pour_time_s: float
     base: PourPlan | None = None
+    weighed_ratio: float | None = None
 
     @property
     def cast_mass_g(self) -> float:
@@ -63,14 +65,46 @@ def _named(components: tuple[tuple[str, float], ...]) -> list[dict[str, Any]]:
 
 
 def split_batch(
-    total_g: float, components: tuple[tuple[str, float], ...], resolution_g: float
+    total_g: float, components: tuple[tuple[str, float], ...], resolution_g: float, most_g: float = math.inf
 ) -> tuple[tuple[tuple[str, float], ...], float]:
-    """Split a batch into what the balance can show. [%]"""
-    steps = [max(1, round(total_g * share / resolution_g)) for _, share in components]
+    """Split a batch into whole steps of the balance; return masses [g] and largest error of a component's share. [%]
+
+    Of the totals from the batch up to one more step of the smallest component it takes the one whose shares come out
+    best: rounding each component by itself would leave the smallest wrong by half a step. None is above ``most_g``.
+    """
     digits = max(0, -math.floor(math.log10(resolution_g)))
+    shares = [share for _, share in components]
+    most = math.inf if math.isinf(most_g) else math.floor(most_g / resolution_g + 1e-9)
+    first = int(min(math.ceil(total_g / resolution_g - 1e-9), most))
+    last = int(min(first + math.ceil(1.0 / min(shares)), most))
+    tried = [_in_steps(total, shares) for total in range(first, last + 1)]
+    steps = min(tried, key=lambda one: (round(_share_error(one, shares), 12), sum(one)))
     masses = tuple((name, round(n * resolution_g, digits)) for (name, _), n in zip(components, steps))
-    wanted = [share * sum(steps) for _, share in components]
+    wanted = [share * sum(steps) for share in shares]
     return masses, 100 * max((abs(n - want) + 0.5) / want for n, want in zip(steps, wanted))
+
+
+def _in_steps(total: int, shares: list[float]) -> list[int]:
+    """A total split into whole steps: all but the largest share rounded, the largest takes the rest."""
+    steps = [max(1, round(total * share)) for share in shares]
+    largest = shares.index(max(shares))
+    steps[largest] = max(1, total - sum(steps) + steps[largest])
+    return steps
+
+
+def _share_error(steps: list[int], shares: list[float]) -> float:
+    """Largest relative error of a component's share."""
+    return max(abs(n / (share * sum(steps)) - 1.0) for n, share in zip(steps, shares))
+
+
+def weighed_ratio(pour: Pour, components: tuple[tuple[str, float], ...]) -> float | None:
+    """Mixing ratio that masses make, in the resin's definition; None where its component is not known."""
+    wanted, masses = dict(pour.components), dict(components)
+    name = pour.ratio_component
+    if name not in masses or len(masses) < 2:
+        return None
+    asked, made = (one[name] / (sum(one.values()) - one[name]) for one in (wanted, masses))
+    return pour.ratio * made / asked
 
 
 def pour_plan(spec: MouldSpec, resin_mm3: float | None = None, silicone_mm3: float | None = None) -> PourPlan:
@@ -119,7 +153,7 @@ def _one_pour(
             plan.depth_mm, spec.body.wall_mm, spec.tool.young_MPa or 0.0, pour.density_g_per_cm3),
         thermal_growth_mm=plan.bottom.length_mm * (spec.tool.expansion_per_K or 0.0) * warmer,
         collar_mm=formula.collar_height_mm(plan.depth_mm, pour.foam_factor) if pour.degas == "mould" else 0.0,
-        pour_time_s=spreading_time_s(spec, pour, film_mm),
+        pour_time_s=spreading_time_s(spec, pour, film_mm), weighed_ratio=weighed_ratio(pour, components),
     )  # fmt: skip
 
 
@@ -168,16 +202,20 @@ WITNESS_MM = 50.0, 30.0
 
 @dataclass(frozen=True)
 class Mix:
-    """What is weighed into one cup; ``error_percent`` is the largest error of a component's share. [g, %]"""
+    """What is weighed into one cup; ``error_percent`` is the largest error of a component's share. [g, %]
+
+    ``ratio`` is the mixing ratio of these weights, None where the ratio's component is not known.
+    """
 
     components: tuple[tuple[str, float], ...]
     total_g: float
     error_percent: float
+    ratio: float | None = None
 
     def to_dict(self) -> dict[str, Any]:
         """Return plain values."""
         return {"components": _named(self.components), "total_g": self.total_g,
-                "weighing_error_percent": self.error_percent}  # fmt: skip
+                "weighing_error_percent": self.error_percent, "ratio": self.ratio}  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -217,8 +255,8 @@ def batch_of(spec: MouldSpec, pour: Pour, plan: PourPlan) -> Batch:
     cup_mm = min(machines.chamber_diameter_mm, machines.chamber_height_mm)
     most = math.pi / 4 * cup_mm**3 / CUP_FACTOR * pour.density_g_per_cm3 * 1e-3
     least = min(math.ceil(plan.batch_for_ratio_g - 1e-9), math.floor(most))
-    own = Mix(plan.components, plan.batch_mass_g, plan.ratio_error_percent)
-    mix = own if plan.batch_mass_g >= least else _mix(least, pour, machines.balance_resolution_g)
+    own = Mix(plan.components, plan.batch_mass_g, plan.ratio_error_percent, plan.weighed_ratio)
+    mix = own if plan.batch_mass_g >= least else _mix(least, pour, machines.balance_resolution_g, most)
     wanted = plan.batch_mass_g + (1 + pour.extra_percent / 100) * witness_mass_g(pour)
     both = mix if wanted <= mix.total_g else _mix(wanted, pour, machines.balance_resolution_g)
     poured = spec.count * plan.fill_mass_g
@@ -237,6 +275,6 @@ def batches_of(spec: MouldSpec, plan: PourPlan) -> dict[str, Any]:
     return {**first, "base": base[0]} if base else first
 
 
-def _mix(total_g: float, pour: Pour, resolution_g: float) -> Mix:
-    components, error = split_batch(total_g, pour.components, resolution_g)
-    return Mix(components, round(sum(mass for _, mass in components), 6), error)
+def _mix(total_g: float, pour: Pour, resolution_g: float, most_g: float = math.inf) -> Mix:
+    components, error = split_batch(total_g, pour.components, resolution_g, most_g)
+    return Mix(components, round(sum(mass for _, mass in components), 6), error, weighed_ratio(pour, components))

@@ -104,6 +104,13 @@ class ShapeTable:
         return np.hypot(np.interp(at, levels, self.error), np.interp(at, levels, self.solve_error))
 
 
+    def force_error(self, depth_mm: ArrayLike, thickness_mm: ArrayLike, radius_mm: ArrayLike) -> Array:
+        """Error of the force over the force: of the factor and, where it is over a slab, of the slab's table."""
+        depth, h, a = np.broadcast_arrays(*(np.asarray(v, dtype=float) for v in (depth_mm, thickness_mm, radius_mm)))
+        error = self.relative_error(depth / h)
+        return error if self.similarity.over_tip else error + load_table("bonded").relative_error(depth, h, a)
+
+
 class TabulatedShapeLaw(ForceAndStiffness, BaseForceLaw):
     """Force law of one shape (lengths fixed in mm) at any thickness and punch radius the table holds."""
 
@@ -165,9 +172,7 @@ class TabulatedShapeLaw(ForceAndStiffness, BaseForceLaw):
         """Error of the force over the force: finite elements and regression; see
         :class:`dummydesign.pad.force_law.ForceLaw`.
         """
-        depth, h, a = np.broadcast_arrays(*(np.asarray(v, dtype=float) for v in (depth_mm, thickness_mm, radius_mm)))
-        error = self.table.relative_error(depth / h)
-        return error if self._slab is None else error + self._slab.relative_error(depth, h, a)
+        return self.table.force_error(depth_mm, thickness_mm, radius_mm)
 
 
 @lru_cache(maxsize=8)

@@ -108,8 +108,36 @@ def test_units_are_taken_by_edges_studies_and_moulds():
     assert read_values("5mm:6mm:0.5", "thickness in mm") == (5.0, 5.5, 6.0)
     assert parse_limits("5mm:1cm", "thickness in mm") == (5.0, 10.0)
     assert read_thicknesses("5mm,1cm") == (5.0, 10.0)
-    with raises_code("not_a_number", "thickness_mm"):
+    with raises_code("unknown_unit", "thickness_mm"):
         read_values("5N", "thickness in mm")
+
+
+def test_what_nothing_would_read_is_refused():
+    pad = {"young_kPa": 30.0, "depth_mm": 1.0}
+    for more, code, quantity in (
+        ({"ratio": 17.0}, "conflict", "ratio"), ({"aim": "nonsense"}, "not_applicable", "aim"),
+        ({"hold_s": 5.0}, "not_applicable", "hold_s"),
+        ({"deceleration_mm_s2": "5m/s2"}, "not_applicable", "deceleration_mm_s2"),
+    ):  # fmt: skip
+        with raises_code(code, quantity):
+            dummydesign.predict(8, **pad, **more)
+    with raises_code("not_applicable", "aim"):
+        dummydesign.whatif([8.0], [15.0], aim="safe-side")
+
+
+def test_answers_compare_by_identity():
+    one, other = (dummydesign.predict(8, young_kPa=30, depth_mm=[1, 2]) for _ in range(2))
+    assert one == one and one != other and one.outcome != other.outcome
+    assert one.to_dict()["force_N"] == other.to_dict()["force_N"] and len({one, other}) == 2
+
+
+def test_a_study_reads_numbers_as_a_prediction_does():
+    (metres,), (millimetres,) = (
+        dummydesign.whatif([8], [15], velocity_mm_s=[speed], force_N="10N").rows for speed in ("0.25m/s", 250)
+    )
+    assert metres["peak_over_steady"] == millimetres["peak_over_steady"]
+    with raises_code("implausible_unit", "velocity_mm_s"):
+        dummydesign.whatif([8], velocity_mm_s="0.25")
 
 
 @pytest.mark.parametrize(

@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 
 from dummydesign.design.scoring.presses import Sampling, Slabs, make_curves, press_to_depth, steady_depth
-from dummydesign.pad.force_law import BaseForceLaw
 from dummydesign.pad.material.relaxation import PronyTerm, relaxed_force
+from tests.support.exact_law import ExactLaw
 
 RADIUS = 7.9
 
 
-class Crown(BaseForceLaw):
+class Crown(ExactLaw):
     """F = E (1 mm^-2) d^4: bends upwards as a crowned pad does when its face is in full contact."""
 
     def force(self, depth_mm, thickness_mm, young_MPa, radius_mm):
@@ -20,7 +20,7 @@ class Crown(BaseForceLaw):
         return 0.6 * np.asarray(thickness_mm, float)
 
 
-class Linear(BaseForceLaw):
+class Linear(ExactLaw):
     """F = E (100 mm) d, whatever the thickness."""
 
     def force(self, depth_mm, thickness_mm, young_MPa, radius_mm):

@@ -11,11 +11,11 @@ from dummydesign.design.scoring.presses import Sampling, SimulatedPress, Slabs, 
 from dummydesign.design.scoring.score import evaluate, evaluated_gamma1, scored_for, steady_gamma1
 from dummydesign.design.scoring.targets import make_targets
 from dummydesign.measurement.motion import ramp_and_hold
-from dummydesign.pad.force_law import BaseForceLaw
+from tests.support.exact_law import ExactLaw
 from tests.support.slab_by_formula import make_tissue
 
 
-class Cubic(BaseForceLaw):
+class Cubic(ExactLaw):
     """F = E (1 / mm) d^3 / 1 mm2: with E in MPa a pad whose gamma1 in N/mm3 is E."""
 
     def force(self, depth_mm, thickness_mm, young_MPa, radius_mm):

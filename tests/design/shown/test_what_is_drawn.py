@@ -27,12 +27,12 @@ from dummydesign.design.plot_data import (
 from dummydesign.design.request import PAPER
 from dummydesign.design.scoring.presses import SAMPLES, Curves, Sampling, Slabs
 from dummydesign.design.search.slabs import DesignCandidate
-from dummydesign.pad.force_law import BaseForceLaw
+from tests.support.exact_law import ExactLaw
 
 POWER = 2.0
 
 
-class PowerLaw(BaseForceLaw):
+class PowerLaw(ExactLaw):
     """F = 900 E (d / h)^2 mm2 to half of the thickness."""
 
     ratio_range = (0.3, 2.0)

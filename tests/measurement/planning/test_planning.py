@@ -8,14 +8,16 @@ import tomllib
 from collections import Counter
 from itertools import pairwise
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from dummydesign.cli.entry import run
 from dummydesign.measurement.campaign_file import read_campaign
-from dummydesign.measurement.campaign_plan import FRESH_REST_S, PlanSettings, file_name, make_plan
+from dummydesign.measurement.campaign_plan import DEFAULT_FORCES_N, FRESH_REST_S, PlanSettings, file_name, make_plan
 from dummydesign.measurement.campaign_status import check_campaign
+from dummydesign.tissue.comparison import PressTest, missing_of
 from tests.support.pressed_plan import press_campaign
 from tests.support.refusal import raises_code
 
@@ -91,6 +93,23 @@ def test_what_cannot_be_pressed_is_refused(change, code):
         make_plan(PlanSettings(**change))
 
 
+def test_the_default_forces_are_those_that_a_verdict_needs():
+    test = PressTest()
+    plan = make_plan(PlanSettings())
+    made = [SimpleNamespace(steady_force_N=row.target, velocity_mm_s=row.velocity_mm_s) for row in plan]
+    assert missing_of(made, test, (10.0, 250.0)) == ""
+    assert test.span_N == (min(DEFAULT_FORCES_N), max(DEFAULT_FORCES_N))
+
+
+def test_a_plan_without_a_ratio_says_that_it_leads_to_no_recipe(tmp_path, capsys):
+    codes = [
+        [one["code"] for one in asked(capsys, "new", str(tmp_path / name), *SMALL, "--no-power", *words)["warnings"]]
+        for name, words in (("a", ["--young", "25"]), ("b", ["--resin", "polyurethane-nagoya", "--ratio", "15"]),
+                            ("c", ["--young", "25", "--ratio", "15"]))
+    ]  # fmt: skip
+    assert [codes_of.count("no_ratio") for codes_of in codes] == [1, 0, 0]
+
+
 def test_a_new_campaign_is_written_with_its_sheet_and_nothing_is_pressed_yet(tmp_path, capsys):
     folder = tmp_path / "c"
     found = asked(capsys, "new", str(folder), *SMALL, "--young", "25", "--no-power")
@@ -106,7 +125,7 @@ def test_what_is_pressed_as_planned_is_ready_and_the_loop_reads_it(mine, capsys)
     status = check_campaign(mine)
     assert status.ready and len(status.pressed) == 16 and not status.warnings
     campaign = read_campaign(mine)
-    assert len(campaign.trials) == 16 and not campaign.warnings
+    assert len(campaign.trials) == 16 and [one["code"] for one in campaign.warnings] == ["no_ratio"]
     assert {trial.temperature_C is None for trial in campaign.trials} == {False}
     assert asked(capsys, "check", str(mine))["ready"] is True
 

@@ -109,7 +109,7 @@ def test_a_plan_by_depth_has_the_forces(tmp_path, capsys):
         back = dummydesign.predict(10.0, force_N=force, hold_s=trial["hold_s"], **given).to_dict()
         assert back["depth_mm"] == pytest.approx(depth, rel=1e-3)
         assert f">{force:.3g} (" in page
-    assert "force N (95 %)" in page
+    assert "steady force N (95 %)" in page
 
 
 def test_presses_deeper_than_the_law_goes_are_named(tmp_path, capsys):
@@ -138,7 +138,7 @@ def test_without_a_modulus_the_column_is_left_out_and_the_reason_said(tmp_path, 
     monkeypatch.setattr(press_targets, "material_of", unknown)
     design = PlanSettings((6.0, 12.0), (10.0,), (2.0, 5.0), repeats=1, ages_days=(7.0,))
     found = plan_campaign(tmp_path / "c", SetUp("c", young_kPa=25.0), design, power=False).to_dict()
-    assert [one["code"] for one in found["warnings"]] == ["no_expected"] and found["expected"] is None
+    assert [one["code"] for one in found["warnings"]] == ["no_ratio", "no_expected"] and found["expected"] is None
     assert not any("depth" in key for trial in found["trials"] for key in trial)
     page = (tmp_path / "c" / "sheet.html").read_text()
     assert "depth mm" not in page and "no modulus" in page

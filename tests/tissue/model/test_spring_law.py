@@ -14,10 +14,10 @@ from dummydesign.design.scoring.targets import make_targets
 from dummydesign.design.scoring.verdict import deviations, ranges_of, readings_of
 from dummydesign.measurement.motion import ramp_and_hold
 from dummydesign.measurement.trace import Trace
-from dummydesign.pad.force_law import BaseForceLaw
 from dummydesign.tissue.adding.from_springs import spring_tissue
 from dummydesign.tissue.comparison import compare_traces
 from dummydesign.tissue.fitting.fit import fit_traces
+from tests.support.exact_law import ExactLaw
 from tests.support.judged_pads import judged
 
 K = 10.0
@@ -28,7 +28,7 @@ def spring():
     return spring_tissue("arm", K, "20%", "made up for a test", "assumed")
 
 
-class Linear(BaseForceLaw):
+class Linear(ExactLaw):
     """F = E (1 mm) d: with E in MPa a pad whose spring constant in N/mm is E."""
 
     def force(self, depth_mm, thickness_mm, young_MPa, radius_mm):

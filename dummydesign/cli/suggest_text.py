@@ -188,17 +188,19 @@ def render(result: dict[str, Any]) -> str:
     """Lay the answer out on one screen."""
     best = result["recommendation"]
     resin = f"{best['resin']}, ratio {best['ratio']:g} ({facts.ratio_meaning(best)}), {facts.modulus_text(best)}"
+    puck_first = result["verdict"]["level"] == "not_settled"
     head = [
         *verdict_lines(result["verdict"]),
         *labelled("USED", facts.calibration_text(result), 4),
         *labelled("PAD", facts.pad_text(result), 4),
         *labelled("RESIN", resin),
-        *labelled("WEIGH", "\n".join(facts.batch_lines(best["batch"]))),
+        # before the puck the ratio of the pad is not settled
+        *labelled("WEIGH", "" if puck_first else "\n".join(facts.batch_lines(best["batch"]))),
         *labelled("VALID", facts.valid_text(result), 2),
         "",
     ]
     more = f"--details: scores, other shapes, parameters, castings, {len(result['warnings'])} notes"
-    tail = [[""], labelled("PEOPLE", facts.people_text(result["people"]), 2),
+    tail = [labelled("PEOPLE", facts.people_text(result["people"]), 2),
             labelled("CURVES", facts.curves_line(result), 2),
             labelled("SHARES", "\n".join(facts.castings_lines(result))),
             labelled("MOULD", facts.other_mould_text(result)),
@@ -207,7 +209,7 @@ def render(result: dict[str, Any]) -> str:
             _next(result), labelled("", facts.meanwhile_text(result)),
             labelled("PATHS", "\n".join(facts.paths_lines(result))), _files(result),
             labelled("MORE", more)]  # fmt: skip
-    risk, meanwhile, why = 7, 10, 6
+    risk, meanwhile, why = 6, 9, 5
     columns, rows = facts.press_rows(result)
     presses = columns_of((columns, *rows), (8, 5, 8, 8, 10, 12, 0), "  ")
     return "\n".join(fitted(head, presses, tail, (risk, meanwhile, why), "  ... and {} more presses: --details"))

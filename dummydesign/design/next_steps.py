@@ -135,13 +135,13 @@ def paths_of(answer: Suggestion, mould: Mapping[str, Any] | None) -> list[Path]:
     first = Path(
         "puck first", None if printing is None else ring.printing_h + printing, both_h,
         {"filament": ring.filament_g, "resin": ring.resin_g + grams["resin"]}, after,
-        f"puck first ({ring.printing_h:.1f} h of printing, {ring.resin_g:.0f} g, {_days(puck_h)}): then "
-        f"{100.0 * after:.0f} % of castings are usable",
+        f"puck first, {ring.printing_h:.1f} h of printing, {ring.resin_g:.0f} g, {_days(puck_h)}: "
+        f"{100.0 * after:.0f} % usable",
     )  # fmt: skip
     at_once = Path(
         "pad at once", printing, pad_h, grams, poured,
-        f"pad at once ({'' if printing is None else f'{printing:.0f} h of printing, '}{grams['resin']:.0f} g, "
-        f"{_days(wait)}): {100.0 * poured:.0f} %",
+        f"pad at once, {'' if printing is None else f'{printing:.0f} h, '}{grams['resin']:.0f} g, "
+        f"{_days(wait)}: {100.0 * poured:.0f} %",
     )  # fmt: skip
     return [first, at_once]
 

@@ -141,8 +141,7 @@ def people_text(people: dict[str, Any]) -> str:
     press = f"{row['steady_force_N']:.3g} N, {row['velocity_mm_s']:g} mm/s"
     span = f"90 %: {low:.0f} to {high:.0f} %"
     if high - low > WIDEST:
-        exact = f"{100 * row['below_expected_if_exact']:.0f} % if they were known exactly"
-        return f"{subjects}: the share of people below the pad's peak is unknown at {press} ({span}; {exact})"
+        return f"{people['subjects']} subjects do not show which share of people lies below the pad's peak ({span})"
     return f"{subjects}: the pad's peak is above {100 * row['below_expected']:.0f} % of people at {press} ({span})"
 
 
@@ -173,6 +172,10 @@ def correction_lines(result: dict[str, Any]) -> list[str]:
     )
     if max(value for value in (*forces, *energies) if value is not None) <= 1.01:
         return ["no correction needed"]
+    if result["verdict"]["level"] == "not_settled":
+        after = " and ".join(f"{what} by {values[2]:.2f}" for what, values in (("forces", forces), ("energies", energies))
+                             if values[2] is not None)  # fmt: skip
+        return [f"after the puck multiply {after} for 95 % of castings"] if after else []
     reach = " in reach" if result["castings"]["out_of_reach"] >= 0.005 else ""
     if any(e is not None and f is not None and e - f > 0.005 for f, e in zip(forces, energies)):
         return [_factors("forces", forces, reach), _factors("energies", energies, None)]
@@ -192,17 +195,14 @@ def castings_lines(result: dict[str, Any]) -> list[str]:
     shares, strict = result["shares"], result["inputs"]["aim"].lower().startswith(("safe-side", "people:"))
     good = {name: share["stands_for"] + (0.0 if strict else share["usable"]) for name, share in shares.items()}
     after = shares["after_puck"]
-    words = "keep the safe side" if strict else "are usable"
-    text = (f"{_percent(good['as_poured'])} {words} as poured, {_percent(good['resin_known'])} with the resin known, "
-            f"{_percent(good['after_puck'])} after one puck")  # fmt: skip
-    lines = [text]
+    words = "on the safe side" if strict else "usable"
+    none = f" ({_percent(after['no_ratio'])} never)" if after["no_ratio"] >= 0.005 else ""
+    lines = [f"{_percent(good['as_poured'])} {words} as poured, {_percent(good['resin_known'])} with the resin known, "
+             f"{_percent(good['after_puck'])} after one puck{none}"]  # fmt: skip
     window, young = result["window_kPa"], result["recommendation"]["young_kPa"]
     if window is not None:
         lines.append(f"usable from {window[0]:.3g} to {window[1]:.3g} kPa; batches of this ratio: "
                      f"{young['low']:.3g} to {young['high']:.3g} kPa (95 %)")  # fmt: skip
-    if after["no_ratio"] >= 0.005:
-        reason = f" ({after['no_ratio_reason']})" if after["no_ratio_reason"] else ""
-        lines.append(f"{_percent(after['no_ratio'])} of batches are usable at no ratio{reason}")
     return lines
 
 
@@ -266,7 +266,9 @@ def next_steps(result: dict[str, Any]) -> list[str]:
 
 def paths_lines(result: dict[str, Any]) -> list[str]:
     """The ways to a pad that can be used, where a puck comes first."""
-    return [path["text"] for path in result["paths"]] if result["verdict"]["level"] == "not_settled" else []
+    if result["verdict"]["level"] != "not_settled":
+        return []
+    return ["; ".join(path["text"] for path in result["paths"])]
 
 
 def meanwhile_text(result: dict[str, Any]) -> str:

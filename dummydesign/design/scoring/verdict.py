@@ -442,6 +442,9 @@ def _casting_words(
     shown = percent_below_limit(share, limits.share) if level == "not_settled" else f"{good} %"
     open_level = level in ("not_settled", "not_representative")
     text = f"{shown} of {of} {word}{' as poured' if poured and open_level else ''}"
+    if level == "not_settled" and poured:
+        # what settles it follows, and says more than what is lost
+        return text
     if level == "not_settled" and share < limits.share and not strict:
         text += f", {100.0 * limits.share:g} % needed"
     return f"{text} ({', '.join(lost)})" if lost and level != "stands_for" else text

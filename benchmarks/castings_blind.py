@@ -34,20 +34,15 @@ ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT))
 
 from benchmarks.rows import keep_row, read_rows  # noqa: E402
-from dummydesign.design.assessment.castings import (  # noqa: E402
-    Castings,
-    verdict_of_design,
-)
+from dummydesign.design.assessment.pad_castings import verdict_of_design  # noqa: E402
 from dummydesign.design.request import Request  # noqa: E402
 from dummydesign.design.scoring.presses import make_curves  # noqa: E402
 from dummydesign.design.scoring.score import evaluate  # noqa: E402
-from dummydesign.design.scoring.verdict import (  # noqa: E402
-    LEVELS,
-    acceptability_rank,
-    ranges_of,
-)
+from dummydesign.design.scoring.verdict import LEVELS, ranges_of  # noqa: E402
 from dummydesign.design.search.slabs import DesignCandidate, make_slabs  # noqa: E402
-from dummydesign.design.suggest import design, resolve  # noqa: E402
+from dummydesign.design.problem import read_problem  # noqa: E402
+from dummydesign.design.scoring.castings import Castings  # noqa: E402
+from dummydesign.design.suggest import design  # noqa: E402
 from dummydesign.geometry.shape_registry import read_shape  # noqa: E402
 from dummydesign.pad.axisymmetric.shaped_pad import solve_shaped_pad  # noqa: E402
 from dummydesign.pad.axisymmetric.sharp_edge import solve_curve  # noqa: E402
@@ -285,10 +280,10 @@ def classes_of(lowest: NDArray, highest: NDArray, reached: NDArray, limits) -> N
         low, high = lowest[pad], highest[pad]
         if low <= limits.stands_shortfall and high <= limits.stands_over:
             classes[pad] = 0
-        elif low <= limits.shortfall_castings and high <= limits.over:
+        elif low <= limits.shortfall and high <= limits.over:
             classes[pad] = 1
         else:
-            classes[pad] = 2 if low / limits.shortfall_castings >= high / limits.over else 3
+            classes[pad] = 2 if low / limits.shortfall >= high / limits.over else 3
     return classes
 
 

@@ -16,7 +16,7 @@ import argparse
 import math
 import os
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
@@ -75,12 +75,23 @@ def drawn_law(rng: np.random.Generator) -> HyperelasticLaw:
 
 
 @lru_cache(maxsize=None)
+def neo_hookean_curves(plates: str) -> tuple[PchipInterpolator, ...]:
+    """Force of neo-Hookean pucks of 1 kPa over compression, lubricated ones each with its own friction. [N]"""
+    return _curves(plates, np.random.default_rng(77), lambda rng: Ogden([1.0], [2.0]), 1 if plates == "bonded" else POOL)
+
+
+@lru_cache(maxsize=None)
 def curves(plates: str, seed: int) -> tuple[PchipInterpolator, ...]:
     """Force of pucks of 1 kPa over compression, each with its own law and, lubricated, its own friction. [N]"""
-    rng = np.random.default_rng(seed)
+    return _curves(plates, np.random.default_rng(seed), drawn_law, POOL)
+
+
+def _curves(
+    plates: str, rng: np.random.Generator, law_of: Callable[[np.random.Generator], HyperelasticLaw], count: int
+) -> tuple[PchipInterpolator, ...]:
     made: list[PchipInterpolator] = []
     at = np.r_[0.002, 0.01, 0.03, np.arange(0.06, SHARE + 0.035, 0.03)]
-    while len(made) < POOL:
+    while len(made) < count:
         friction = plates
         if plates == LUBRICATED:
             declared = read_plates(LUBRICATED).friction
@@ -88,7 +99,7 @@ def curves(plates: str, seed: int) -> tuple[PchipInterpolator, ...]:
             low, value, high = (math.log(one) for one in (declared.low, declared.value, declared.high))
             z = rng.standard_normal()
             friction = f"friction:{math.exp(value + z * (value - low if z < 0 else high - value) / 1.96):.4f}"
-        puck = Puck(HEIGHT_MM, 1e-3, DIAMETER_MM, plates=friction, law=drawn_law(rng))
+        puck = Puck(HEIGHT_MM, 1e-3, DIAMETER_MM, plates=friction, law=law_of(rng))
         solved = solve_puck(puck, HEIGHT_MM * at)
         if len(solved.depth_mm) == len(at):
             made.append(PchipInterpolator(np.r_[0.0, solved.depth_mm], np.r_[0.0, solved.force_N]))

@@ -261,7 +261,8 @@ class PadGeometry:
 class Pour:
     """The resin as a liquid to be weighed and poured; ``components`` are (name, mass fraction).
 
-    ``young_kPa`` is the modulus that the design counts on, ``young_interval_kPa`` its 95 % interval.
+    ``young_kPa`` is the modulus that the design counts on, ``hardness`` the
+    durometer's reading to expect of it, in words.
     """
 
     resin: str
@@ -287,7 +288,7 @@ class Pour:
     foam_factor: float
     pour_and_degas_min: float
     young_kPa: float
-    young_interval_kPa: tuple[float, float] | None = None
+    hardness: str = ""
 
     @property
     def cures_warm(self) -> bool:

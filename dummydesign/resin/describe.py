@@ -10,7 +10,7 @@ import numpy as np
 
 from dummydesign.core.files import csv_text, write_bytes, write_text
 from dummydesign.core.serialise import to_plain
-from dummydesign.resin.model.hardness import hardness_law
+from dummydesign.resin.model.hardness import Hardness, expected_hardness
 from dummydesign.resin.model.resin import Resin
 
 ROWS, CURVE = 9, 61
@@ -34,19 +34,16 @@ def explain(resin: Resin) -> dict[str, Any]:
 def _curve(resin: Resin, rows: int) -> list[dict[str, Any]]:
     """Ratios with modulus and interval, sensitivity, Prony terms relative to the long-term modulus, and hardness."""
     rows = rows if resin.ratio_min < resin.ratio_max else 1
-    hardness = hardness_law()
     return [
-        {"ratio": ratio, "young_kPa": young.to_dict(), "d_ln_young_per_percent_ratio": 0.01 * resin.log_slope(ratio),
-         "prony": to_plain(resin.prony(ratio)), "hardness": hardness.expected(young).to_dict()}
+        {"ratio": ratio, "young_kPa": resin.modulus_kPa(ratio).to_dict(),
+         "d_ln_young_per_percent_ratio": 0.01 * resin.log_slope(ratio),
+         "prony": to_plain(resin.prony(ratio)), "hardness": expected_hardness(resin, ratio).to_dict()}
         for ratio in np.linspace(resin.ratio_min, resin.ratio_max, rows).tolist()
-        for young in [resin.modulus_kPa(ratio)]
     ]  # fmt: skip
 
 
 def hardness_text(curve: list[dict[str, Any]]) -> str:
     """The reading that a durometer should show at the lowest, the central and the highest ratio."""
-    from dummydesign.resin.model.hardness import Hardness
-
     rows = curve[:: max((len(curve) - 1) // 2, 1)]
     text = "; ".join(f"{Hardness(**row['hardness']).text} at ratio {row['ratio']:g}" for row in rows)
     return f"{text}. A rough check of a batch without a press: {SCATTER}"

@@ -15,7 +15,7 @@ from dummydesign.mold.model.preset import mould_spec
 from dummydesign.resin import load_resin
 from dummydesign.resin.describe import explain
 from dummydesign.resin.from_hardness import add_hardness
-from dummydesign.resin.model.hardness import CHANGE_00, hardness_law
+from dummydesign.resin.model.hardness import CHANGE_00, expected_hardness, hardness_law
 from dummydesign.resin.model.resin_file import KIND
 from tests.support.refusal import raises_code
 
@@ -105,7 +105,10 @@ def test_a_fixed_mix_is_kept_with_one_ratio_and_can_be_designed_and_poured_with(
     inputs = resolve(Request(tissue="forefinger", resin="gel", shape="slab"))
     assert list(inputs.space.ratio) == [made.ratio]
     pour = mould_spec(8.0, 60.0, 50.0, "open", resin, made.ratio).pour
-    assert pour.young_interval_kPa == (young.low, young.high)
+    assert pour.hardness == expected_hardness(resin, made.ratio).text
+    hard = expected_hardness(resin, made.ratio)  # as sure as the value it is from: 5 points
+    assert (hard.scale, hard.value) == ("00", pytest.approx(30.0, abs=0.1))
+    assert 4.9 < hard.value - hard.low < 6.0 and 4.9 < hard.high - hard.value < 6.0
     with raises_code("out_of_range"):
         resin.ratio_for(0.5)
 

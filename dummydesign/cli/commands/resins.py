@@ -63,6 +63,7 @@ def run(options: argparse.Namespace) -> dict[str, Any]:
 def _list(options: argparse.Namespace) -> dict[str, Any]:
     """A broken file of the user gives a warning and is left out, so that it never hides the others."""
     from dummydesign.core.library import entries
+    from dummydesign.resin.model.hardness import expected_hardness
     from dummydesign.resin.model.resin_file import KIND, read_resin
 
     rows, warnings, sources = [], [], []
@@ -72,9 +73,11 @@ def _list(options: argparse.Namespace) -> dict[str, Any]:
         except InputError as problem:
             warnings.append({"code": "unreadable_resin", "message": str(problem)})
             continue
-        ends = sorted(1e3 * resin.young_MPa(end) for end in (resin.ratio_min, resin.ratio_max))
+        by_end = sorted((1e3 * resin.young_MPa(end), end) for end in (resin.ratio_min, resin.ratio_max))
+        ends = [young for young, _ in by_end]
         rows.append({"name": entry.name, "origin": entry.origin, "ratio_range": [resin.ratio_min, resin.ratio_max],
-                     "ratio_meaning": resin.ratio_meaning, "young_kPa_range": ends})  # fmt: skip
+                     "ratio_meaning": resin.ratio_meaning, "young_kPa_range": ends,
+                     "hardness": [expected_hardness(resin, end).to_dict() for _, end in by_end]})  # fmt: skip
         sources += [text for text in resin.references if text not in sources]
     return {"inputs": {"action": "list"}, "warnings": warnings, "sources": sources, "resins": rows}
 
@@ -153,11 +156,14 @@ def render_details(result: dict[str, Any]) -> str:
     own = render_own(result)
     if own is not None:
         return own
+    from dummydesign.resin.model.hardness import Hardness
+
     lines: list[str] = []
     if "resins" in result:
         rows = [{**row, "ratio": _span([f"{end:g}" for end in row["ratio_range"]]),
                  "young": _span([_kPa(end) for end in row["young_kPa_range"]])} for row in result["resins"]]
-        lines += table(rows, LISTED)
+        lines += [*table(rows, LISTED), "", "hardness to expect of the softest and of the hardest mix:"]
+        lines += [f"  {row['name']}: {_span([Hardness(**end).text for end in row['hardness']])}" for row in rows]
     elif "shore" in result:
         lines += _render_hardness(result)
     elif "young_kPa" in result:

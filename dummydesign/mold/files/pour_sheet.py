@@ -14,7 +14,6 @@ from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
 
-from dummydesign.core.quantity import Quantity
 from dummydesign.mold.cad.label import label_text
 from dummydesign.mold.files.drawing_layout import font_file
 from dummydesign.mold.files.drawing_sheet import PAPERS, Drawing, binary_streams, draw
@@ -161,17 +160,13 @@ def _weighing(spec: MouldSpec, pour: Pour, plan: PourPlan) -> list[Block]:
         Block("table", rows=tuple(rows)),
         Block("text", " ".join((*_batch_words(spec, pour, plan, batch, digits), cup))),
         Block("text", witness),
-        *([] if pour.young_interval_kPa is None else [Block("text", _hardness_words(pour, pour.young_interval_kPa))]),
+        *([Block("text", _hardness_words(pour))] if pour.hardness else []),
     ]
 
 
-def _hardness_words(pour: Pour, interval_kPa: tuple[float, float]) -> str:
+def _hardness_words(pour: Pour) -> str:
     """The reading that a durometer should show on the cured resin."""
-    from dummydesign.resin.model.hardness import hardness_law
-
-    source = f"resin {pour.resin} at ratio {pour.ratio:.6g}"
-    expected = hardness_law().expected(Quantity(pour.young_kPa, *interval_kPa, "inferred", source))
-    return (f"Hardness, a rough check without a press: a durometer should show {expected.text} after "
+    return (f"Hardness, a rough check without a press: a durometer should show {pour.hardness} after "
             f"{pour.age_before_test_days:g} days, on a piece at least 6 mm thick. Outside it the batch is not this "
             f"recipe. Reading: {BLANK}")  # fmt: skip
 

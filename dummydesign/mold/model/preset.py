@@ -195,6 +195,8 @@ def _read_pour(top: Table, resin: Resin, ratio: float) -> tuple[Pour, list[str]]
 
 def _resin_numbers(resin: Resin, ratio: float, room_temperature_C: float) -> dict[str, Any]:
     """Collect what pouring needs from a resin at a ratio; what it does not know takes room-temperature practice."""
+    from dummydesign.resin.model.hardness import expected_hardness
+
     if not math.isfinite(ratio):
         raise out_of_range("ratio", ratio, resin.ratio_min, resin.ratio_max, resin.ratio_meaning)
     parts = resin.recipe(ratio, 1.0)
@@ -203,10 +205,9 @@ def _resin_numbers(resin: Resin, ratio: float, room_temperature_C: float) -> dic
     numbers = {name: resin.property(name, ratio).value if name in known else value for name, value in fallback.items()}
     for name in ("density_g_per_cm3", "viscosity_Pa_s"):
         numbers[name] = float(resin.property(name, ratio).value)
-    young = resin.modulus_kPa(ratio)
     return {
         "resin": resin.name, "ratio": float(ratio), "ratio_meaning": resin.ratio_meaning,
         "components": tuple((part.name, float(part.mass_g)) for part in parts),
-        "young_kPa": 1e3 * float(resin.young_MPa(ratio)), "young_interval_kPa": (young.low, young.high), **numbers,
+        "young_kPa": 1e3 * float(resin.young_MPa(ratio)), "hardness": expected_hardness(resin, ratio).text, **numbers,
         "ratio_component": next((liquid.name for liquid in resin.liquids if liquid.parts is None), ""),
     }  # fmt: skip

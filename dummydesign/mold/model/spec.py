@@ -261,9 +261,9 @@ class PadGeometry:
 class Pour:
     """The resin as a liquid to be weighed and poured; ``components`` are (name, mass fraction).
 
-    ``young_kPa`` is the modulus that the design counts on, ``young_interval_kPa`` its 95 % interval. The ratio is the
-    mass of ``ratio_component`` over that of the others, in parts; it is unknown in specifications of earlier versions,
-    and no part of the mould.
+    ``young_kPa`` is the modulus that the design counts on, ``hardness`` the durometer's reading to expect of it, in
+    words. The ratio is the mass of ``ratio_component`` over that of the others, in parts; it is unknown in
+    specifications of earlier versions, and no part of the mould.
     """
 
     resin: str
@@ -289,7 +289,7 @@ class Pour:
     foam_factor: float
     pour_and_degas_min: float
     young_kPa: float
-    young_interval_kPa: tuple[float, float] | None = None
+    hardness: str = ""
     ratio_component: str = ""
 
     @property

@@ -12,6 +12,7 @@ import math
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -21,6 +22,9 @@ from dummydesign.core.library import find
 from dummydesign.core.quantity import Quantity
 from dummydesign.core.serialise import Serialised
 from dummydesign.core.toml_schema import Table, read_table
+
+if TYPE_CHECKING:
+    from dummydesign.resin.model.resin import Resin
 
 SHORE_00, SHORE_A = "00", "A"
 SCALES = (SHORE_00, SHORE_A)
@@ -138,7 +142,7 @@ class HardnessLaw:
         low, high = (math.hypot(scatter, math.log(float(end) / value)) for end in ends)
         laws = "Hertz contact of the ball, fitted to six products" if scale == SHORE_00 else (
             f"mean of {', '.join(law.name for law in self.laws_a)}")  # fmt: skip
-        source = f"Shore {scale} {shore:g} as stated, within {self.points:g} points; {laws} (materials/hardness.toml)"
+        source = f"{STATED}{scale} {shore:g} as stated, within {self.points:g} points; {laws} (materials/hardness.toml)"
         return Quantity(value, value * math.exp(-low), value * math.exp(high), "inferred", source)
 
     def check(self, shore: float, scale: str) -> None:
@@ -154,24 +158,30 @@ class HardnessLaw:
             name = f"shore_{scale.lower()}"
             raise out_of_range(f"Shore {scale}", f"{shore:g}", f"{low:g}", f"{high:g}", advice, name)
 
-    def expected(self, young_kPa: Quantity) -> Hardness:
+    def expected(self, young_kPa: Quantity, by_hardness: bool = False) -> Hardness:
         """Reading that a material of a modulus should give, with its 95 % interval.
 
-        The interval joins that of the modulus and the scatter of the law, as independent.
+        The interval joins that of the modulus and the scatter of the law, as independent. A modulus that is itself
+        ``by_hardness`` has that scatter already: the reading is as sure as the hardness it is from, to its tolerance.
 
         Parameters
         ----------
         young_kPa : Quantity
             Long-term modulus. [kPa]
+        by_hardness : bool
+            Whether the modulus follows from a stated hardness.
         """
         scale = SHORE_00 if self._reading(young_kPa.value, SHORE_00) <= CHANGE_00 else SHORE_A
         value = self._reading(young_kPa.value, scale)
         scatter = self.log_scatter(value, scale)
-        below, above = (abs(math.log(end / young_kPa.value)) for end in (young_kPa.low, young_kPa.high))
+        below, above = (math.log(end / young_kPa.value) for end in (young_kPa.low, young_kPa.high))
+        own = -(scatter**2) if by_hardness else scatter**2
         low, high = (
-            self._reading(young_kPa.value * math.exp(way * math.hypot(scatter, width)), scale)
+            self._reading(young_kPa.value * math.exp(way * math.sqrt(max(width**2 + own, 0.0))), scale)
             for way, width in ((-1.0, below), (1.0, above))
         )
+        if by_hardness:
+            low, high = max(min(low, value - self.points), ENDS[0]), min(max(high, value + self.points), ENDS[1])
         return Hardness(scale, value, low, high)
 
     def _reading(self, young_kPa: float, scale: str) -> float:
@@ -181,6 +191,16 @@ class HardnessLaw:
             middle = 0.5 * (low + high)
             low, high = (low, middle) if float(self.young_kPa(middle, scale)) >= young_kPa else (middle, high)
         return 0.5 * (low + high)
+
+
+STATED = "Shore "
+"""How the source of a modulus begins that follows from a stated hardness."""
+
+
+def expected_hardness(resin: Resin, ratio: float) -> Hardness:
+    """Return the reading that a durometer should show on a resin at a ratio."""
+    by_hardness = resin.numbers[resin.law.parameters[0]].source.startswith(STATED)
+    return hardness_law().expected(resin.modulus_kPa(ratio), by_hardness)
 
 
 def hardness_law() -> HardnessLaw:

@@ -32,7 +32,8 @@ def make_mould(
     Parameters
     ----------
     thickness_mm : float, str or iterable of float
-        Thickness of the pad, needed but for pucks; several, also as text such as ``"5,15"``, make one job with a folder each. [mm]
+        Thickness of the pad, needed but for pucks; several, also as text such as ``"5,15"``, make one job with a folder
+        each. [mm]
     length_mm, width_mm : float
         Size of the pad. [mm]
     shape : str
@@ -94,7 +95,8 @@ def make_mould(
 
     if puck is not None:
         if thickness_mm is not None:
-            raise InputError("a puck has its height in --puck 50x30; leave thickness_mm out", "conflict", "thickness_mm")
+            message = "a puck has its height in --puck 50x30; leave thickness_mm out"
+            raise InputError(message, "conflict", "thickness_mm")
         return _make_pucks(puck, preset, resin, ratio, out, replace)
     if thickness_mm is None:
         message = "--thickness is missing: the thickness of the pad in mm, 3 to 30"

@@ -113,8 +113,8 @@ def _add_compression(options: argparse.Namespace) -> dict[str, Any]:
     from dummydesign.resin.puck_test.add_compression import add_compression
 
     file = options.file[0] if len(options.file) == 1 else options.file
-    given = {"file": file, "friction": options.friction, "diameter_mm": options.diameter, "height_mm": options.height, "name": options.name,
-             "ratio": options.ratio}  # fmt: skip
+    given = {"file": file, "friction": options.friction, "diameter_mm": options.diameter, "height_mm": options.height,
+             "name": options.name, "ratio": options.ratio}  # fmt: skip
     done = add_compression(**given, base=options.resin, replace_own=options.replace)
     inputs = {"action": "add-compression", **given, "resin": options.resin}
     return {"inputs": inputs, "sources": [done.young_kPa.source], **done.to_dict()}

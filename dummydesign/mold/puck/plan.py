@@ -13,7 +13,7 @@ from dummydesign.mold.puck.ring import PuckSpec, Ring, cavity_mm3
 
 @dataclass(frozen=True)
 class PuckPlan:
-    """One pour: what is mixed, what of it goes into each ring; ``raised`` when the balance needs more than is poured."""
+    """One pour: what is mixed, what of it goes into each ring; ``raised`` when the balance needs more than that."""
 
     mix: Mix
     pour_g: tuple[float, ...]

@@ -13,7 +13,7 @@ import numpy as np
 from dummydesign.core.process import write_progress
 from dummydesign.mold.cad.build import COLOURS, Material, Part
 from dummydesign.mold.cad.kernel import cq
-from dummydesign.mold.cad.solids import rough_bounds, single_solid
+from dummydesign.mold.cad.solids import single_solid
 from dummydesign.mold.checks import files as check_files
 from dummydesign.mold.checks.check import Check, above, below, equal
 from dummydesign.mold.files.drawing_layout import Measure, Title, View, arrange
@@ -197,7 +197,6 @@ def _check_process(spec: PuckSpec, plan: PuckPlan) -> list[Check]:
 def _drawing(spec: PuckSpec, ring: Ring, part: Part, date: str, number: str, paper: str) -> Drawing:
     """A half from above and the section of the closed ring."""
     solid = part.solid
-    x0, y0, _, x1, y1, high = rough_bounds(solid)
     inner = spec.scale * ring.diameter_mm / 2
     outer, lug = inner + WALL_MM, inner + WALL_MM + LUG_LONG_MM
     top = View("view from above", tuple(edges_from_above(solid)), (

@@ -45,6 +45,6 @@ def protocol_steps(diameter_mm: float, age_days: float) -> tuple[str, ...]:
         "Press at the speeds of the table to one depth, stop, hold the position (not the force), then lift off. "
         "If the machine is slower, use its fastest speed: the command says which terms it hides.",
         f"Renew the film and rest the puck {REST_MIN:g} minutes between the presses.",
-        "Save each press as CSV with the columns time_s, displacement_mm, force_N (compression positive), not filtered. "
+        "Save each press as CSV with columns time_s, displacement_mm, force_N (compression positive), not filtered. "
         "Other machine files: dummydesign import.",
     )

@@ -1,9 +1,9 @@
 """The ring mould of a witness puck: sizes, volumes in closed form, printing hours and grams. No CAD.
 
-A ring is two equal halves, upright prisms without an overhang, held by a clip on each pair of lugs. A ridge on one lug of
-each half lies in a groove of the other's, so that the halves meet in one place. The ring stands on release film on a flat
-plate; a second plate strikes the resin off at its rim. The halves are taken apart to free the puck, so its side needs no
-draft: a draft would make the puck a cone, whose modulus no closed form gives.
+A ring is two equal halves, upright prisms without an overhang, held by a clip on each pair of lugs. A ridge on one lug
+of each half lies in a groove of the other's, so that the halves meet in one place. The ring stands on release film on a
+flat plate; a second plate strikes the resin off at its rim. The halves are taken apart to free the puck, so its side
+needs no draft: a draft would make the puck a cone, whose modulus no closed form gives.
 """
 
 from __future__ import annotations

@@ -41,8 +41,9 @@ LARGEST_MISFIT = 0.1
 class Compressed(Serialised):
     """What one puck's curves say; ``young_kPa`` is of this puck alone, ``relaxation`` None without a hold.
 
-    ``law`` is the elastic law that was fitted, ``plates`` what was declared of them, ``action`` is ``added``, ``unchanged`` (the resin has this puck at this
-    ratio) or ``replaced`` (it had it at another ratio or size, named in ``before``).
+    ``law`` is the elastic law that was fitted, ``plates`` what was declared of them, ``action`` is ``added``,
+    ``unchanged`` (the resin has this puck at this ratio) or ``replaced`` (it had it at another ratio, size or with other
+    plates, named in ``before``).
     """
 
     name: str
@@ -63,7 +64,7 @@ class Compressed(Serialised):
 
 @dataclass(frozen=True)
 class _Fit:
-    """The fit of a puck's presses; a relaxation with what the resin learns of it in ``puck``, only where there are holds."""
+    """The fit of a puck's presses; a relaxation, with what the resin learns of it in ``puck``, where there are holds."""
 
     young_kPa: Interval
     alpha: float
@@ -163,7 +164,7 @@ def add_compression(
 
 
 RAMP_TIMES = 10.0
-"""A term is seen well by a ramp of this many of its times, half of its strength is left at its end even then."""
+"""A term is seen well by a ramp of this many of its times: a tenth of its force is left when the ramp ends."""
 SAMPLES_A_TIME = 20.0
 SPEEDS = (1.0, 2.0, 5.0, 10.0)
 
@@ -263,7 +264,7 @@ def _doubted(plates: Plates, found: bool) -> tuple[dict[str, str], ...]:
 def _fit_loading(
     traces: Sequence[Trace], table: PuckTable, window: Window, puck: PuckPoint, plates: Plates = OPEN
 ) -> _Fit:
-    from dummydesign.resin.puck_test.loading_fit import LoadingCurve, fit_pucks, loading_contradicts
+    from dummydesign.resin.puck_test.loading_fit import LoadingCurve, contradicts, fit_pucks
 
     first, last = window
     curves = []
@@ -276,15 +277,16 @@ def _fit_loading(
     friction = Interval(fit.friction, fit.friction_low, fit.friction_high)
     loads = np.concatenate([curve.load_N[1:] for curve in curves])
     rmse_N = fit.rmse * float(np.sqrt(np.mean(loads**2)))
-    return _Fit(young, fit.alpha, friction, rmse_N, puck, warnings=_doubted(plates, loading_contradicts(fit)))
+    doubts = _doubted(plates, contradicts(fit.rmse, fit.rmse_open))
+    return _Fit(young, fit.alpha, friction, rmse_N, puck, warnings=doubts)
 
 
 def _fit_holds(
     traces: Sequence[Trace], held: Sequence[tuple[Hold, ...]], table: PuckTable, window: Window, puck: PuckPoint,
     plates: Plates = OPEN,
 ) -> _Fit:  # fmt: skip
-    from dummydesign.resin.puck_test.loading_fit import reduce_press
-    from dummydesign.resin.puck_test.relaxation_fit import fit_relaxation, holds_contradict
+    from dummydesign.resin.puck_test.loading_fit import contradicts, reduce_press
+    from dummydesign.resin.puck_test.relaxation_fit import fit_relaxation
 
     # half a hundredth of the height more, so that a hold at the very end is not cut by its own noise
     wider = window[0], window[1] + 0.005 * puck.height_mm
@@ -306,6 +308,6 @@ def _fit_holds(
     }  # fmt: skip
     said = [f"an arm of the relaxation has no value: {reason}" for reason in reasons]
     warnings = tuple({"code": "not_identifiable", "message": message} for message in said)
-    warnings += _doubted(plates, holds_contradict(fit))
+    warnings += _doubted(plates, contradicts(fit.misfit, fit.misfit_open))
     puck = replace(puck, seen_s=fit.seen_s, arms=arms)
     return _Fit(fit.young_kPa, fit.alpha, fit.friction, fit.rmse_N, puck, to_plain(relaxation), warnings)

@@ -16,8 +16,8 @@ as its size. (By the likelihood, with a smooth misfit of known length, they held
 rougher one.) alpha has none: it takes up what the law misfits.
 
 An arm whose time may be longer than the longest hold is not given a value. What it has not relaxed at the end of the
-file counts as stiffness, what it has is reported as a strength of its own; the interval of the modulus goes down to where it would have relaxed, those of the other
-strengths, which are relative to the modulus, up accordingly.
+file counts as stiffness, what it has is a strength of its own. The interval of the modulus goes down to where it would
+have relaxed, those of the other strengths, which are relative to the modulus, up accordingly.
 
 References
 ----------
@@ -145,7 +145,8 @@ class PuckProblem:
                 strength, rest = nnls(columns[:, [0, *(1 + k for k in combo)]], goal)
                 if strength[0] > 0.0:
                     beta = np.clip(strength[1:] / strength[0], 1e-3, 10.0)
-                    starts.append((rest, [np.log(strength[0]), alpha, *offsets, *np.log(beta), *np.log(grid[list(combo)])]))
+                    logs = [*np.log(beta), *np.log(grid[list(combo)])]
+                    starts.append((rest, [np.log(strength[0]), alpha, *offsets, *logs]))
         starts.sort(key=lambda pair: pair[0])
         return [np.array(q) for _, q in starts[:count]]
 
@@ -211,8 +212,8 @@ class PuckRelaxation:
     """What presses with holds say; intervals are 95 %.
 
     ``seen_s`` are the shortest and longest times that the presses show (:func:`_fastest_seen`, half of the longest
-    hold). ``comparison`` gives rmse [N] and AICc for each number of arms. ``doubt`` is by how much chi square falls
-    when the declared friction of the plates is let go.
+    hold). ``comparison`` gives rmse [N] and AICc for each number of arms. ``misfit`` is the rms of ln force over what
+    was fitted with the friction as declared, ``misfit_open`` with any friction.
     """
 
     young_kPa: Interval
@@ -223,7 +224,8 @@ class PuckRelaxation:
     comparison: Comparison
     noise: PuckNoise
     rmse_N: float
-    doubt: float = 0.0
+    misfit: float = 0.0
+    misfit_open: float = 0.0
 
 
 def fit_relaxation(
@@ -244,23 +246,15 @@ def fit_relaxation(
     noise = _noise(problem, rivals[chosen])
     problem.factor = whitener(presses, height_mm, noise)
     profile = _profile(problem, plates.grips(GRIPS), rivals[chosen])
-    doubt = 0.0
+    misfits = [_misfit(problem, one) for one in profile]
     if plates:
         free = _profile(problem, np.array(COARSE), min(profile, key=lambda one: one.chi_square))
-        least = min(one.chi_square for one in (*free, *profile))
-        doubt = min(one.chi_square for one in profile) - least
+        misfits += [_misfit(problem, one) for one in free]
+    misfit = min(misfits[: len(profile)]), min(misfits)
     comparison = {
         str(arms): {"rmse_N": _rmse(problem, trial), "aicc": scores[arms]} for arms, trial in sorted(rivals.items())
     }
-    return _summarise(problem, profile, comparison, noise, plates, doubt)
-
-
-CONTRADICTS = 15.0
-
-
-def holds_contradict(fit: PuckRelaxation) -> bool:
-    """Whether the presses contradict the declared friction of the plates."""
-    return fit.doubt > CONTRADICTS
+    return _summarise(problem, profile, comparison, noise, plates, misfit)
 
 
 def _profile(problem: PuckProblem, grips: Array, start: Trial) -> list[Trial]:
@@ -278,6 +272,11 @@ def _noise(problem: PuckProblem, trial: Trial) -> PuckNoise:
     return loading.estimate(problem.presses, problem.height_mm, lower @ trial.residual, lower @ trial.jacobian)
 
 
+def _misfit(problem: PuckProblem, trial: Trial) -> float:
+    """Root mean square of the residuals of ln force."""
+    return float(np.sqrt(np.mean(problem.residual(trial.parameters, trial.grip) ** 2)))
+
+
 def _rmse(problem: PuckProblem, trial: Trial) -> float:
     error = problem.predict(trial.parameters, trial.grip) - problem.force_N
     return float(np.sqrt(np.mean(error**2)))
@@ -290,8 +289,9 @@ def _spreads(trial: Trial) -> Array:
 
 
 def _summarise(
-    problem: PuckProblem, profile: list[Trial], comparison: Comparison, noise: PuckNoise, plates: Plates, doubt: float
-) -> PuckRelaxation:
+    problem: PuckProblem, profile: list[Trial], comparison: Comparison, noise: PuckNoise, plates: Plates,
+    misfit: tuple[float, float],
+) -> PuckRelaxation:  # fmt: skip
     costs = [one.chi_square + plates.surprise(one.grip) for one in profile]
     best, least = profile[int(np.argmin(costs))], min(costs)
     places = within(costs)
@@ -323,22 +323,27 @@ def _summarise(
     slow_low = float(np.exp(low[0])) if stiff > 1.0 else young.low
     young = Interval(young.value * stiff, min(young.low, slow_low), young.high * stiff)
     return PuckRelaxation(
-        young, float(q[1]), friction, given, _seen(problem, best, given), comparison, noise, _rmse(problem, best), doubt
-    )
+        young, float(q[1]), friction, given, _seen(problem, best, given), comparison, noise, _rmse(problem, best),
+        *misfit,
+    )  # fmt: skip
 
 
 def _elastic(
     problem: PuckProblem, profile: list[Trial], best: Trial, plates: Plates
 ) -> tuple[Interval, Interval]:
     """Modulus [kPa] and friction with cautious intervals: the puck is one independent number."""
-    squares = [float(np.mean(problem.residual(one.parameters, one.grip) ** 2)) for one in profile]
+    squares = [_misfit(problem, one) ** 2 for one in profile]
     own = squares[profile.index(best)]
     variance = PUCK_SCATTER**2 + own
     excess = [(square - own) / variance + plates.surprise(one.grip) - plates.surprise(best.grip)
               for square, one in zip(squares, profile)]  # fmt: skip
     places = within(excess, 1.0, 0.0)
-    # without a declaration the friction is not weighed against the scatter
-    around = [np.sqrt(variance * (CHI_SQUARE_95 - (max(excess[index], 0.0) if plates else 0.0))) for index in places]
+    around = [np.sqrt(CHI_SQUARE_95 * variance)] * len(places)
+    if plates:
+        # an open friction hides what the elastic law leaves open; a declared one does not
+        law = [_spreads(profile[index])[0] ** 2 for index in places]
+        around = [np.sqrt((variance + one) * (CHI_SQUARE_95 - max(excess[index], 0.0)))
+                  for index, one in zip(places, law)]  # fmt: skip
     logs = [profile[index].parameters[0] for index in places]
     low = min(log - one for log, one in zip(logs, around))
     high = max(log + one for log, one in zip(logs, around))

@@ -50,7 +50,8 @@ def test_sizes_as_typed_and_what_is_refused():
     for text, code, quantity in (
         ("50", "malformed", "puck"), ("50x30x20", "malformed", "puck"), ("axb", "malformed", "puck"),
         ("5x5", "out_of_range", "puck_diameter"), ("50x5", "out_of_range", "puck_height"),
-        ("100x10", "out_of_range", "puck_diameter_over_height"), (",".join(["50x30"] * 13), "out_of_range", "number_of_pucks"),
+        ("100x10", "out_of_range", "puck_diameter_over_height"),
+        (",".join(["50x30"] * 13), "out_of_range", "number_of_pucks"),
     ):  # fmt: skip
         with raises_code(code, quantity):
             read_pucks(text)

@@ -1,13 +1,13 @@
 """End to end: a batch is drawn, one puck of it pressed and read, the ratio chosen for a mould that is kept, a pad cast.
 
-``python -m benchmarks.accuracy.batches_blind [--batches 200] [--seed N] [--rows FILE]``. A batch is drawn from the stated
-intervals of the paper's polyurethane by code of ``benchmarks/castings_blind.py``. Its puck is weighed with errors and
-pressed at 10 and 50 mm/s between lubricated or bonded plates, with friction, gauge, contact and noise of its own
-(``benchmarks/accuracy/puck_batches.py``); ``resins add-compression`` reads it with the plates declared. The ratio is then
-chosen for a pad of given shape and thickness. A pad is cast at this ratio of the same batch, with errors of weighing and
-thickness, and pressed by curves that were solved 0.2 mm below and above its thickness, with a smooth error of the force
-law. Counted is how often the pad is usable where the answer calls it usable, and whether the stated share of usable
-castings is the counted one. It is also counted what the same batch gives as poured, without the puck.
+``python -m benchmarks.accuracy.batches_blind [--batches 200] [--seed N] [--rows FILE]``. A batch is drawn from the
+stated intervals of the paper's polyurethane by code of ``benchmarks/castings_blind.py``. Its puck is weighed with errors
+and pressed at 10 and 50 mm/s between lubricated or bonded plates, with friction, gauge, contact and noise of its own
+(``benchmarks/accuracy/puck_batches.py``); ``resins add-compression`` reads it with the plates declared. The ratio is
+then chosen for a pad of given shape and thickness. A pad is cast at this ratio of the same batch, with errors of
+weighing and thickness, and pressed by curves that were solved 0.2 mm below and above its thickness, with a smooth error
+of the force law. Counted is how often the pad is usable where the answer calls it usable, and whether the stated share
+of usable castings is the counted one. It is also counted what the same batch gives as poured, without the puck.
 """
 
 from __future__ import annotations
@@ -58,7 +58,8 @@ class Drawn:
     def young_kPa(self, ratio: NDArray | float) -> NDArray:
         """Long-term modulus at ratios."""
         gel = self.gel_ratio * self.reference
-        return self.young_ref_kPa * (np.maximum(np.asarray(ratio) - gel, 1e-3) / (self.reference - gel)) ** self.exponent
+        above = np.maximum(np.asarray(ratio) - gel, 1e-3) / (self.reference - gel)
+        return np.asarray(self.young_ref_kPa * above**self.exponent)
 
     def strengths(self, ratio: float) -> NDArray:
         """Strengths of the arms at a ratio."""
@@ -179,8 +180,10 @@ def table(rows: list[Row]) -> list[str]:
         own = [row for row in rows if name in ("all", row.tissue)]
         called = [row for row in own if row.level in ("stands_for", "usable_with_correction")]
         good = np.mean([row.kind <= 1 for row in called]) if called else np.nan
-        numbers = (100 * np.mean([row.poured_stated for row in own]), 100 * np.mean([row.poured_kind <= 1 for row in own]),
-                   100 * np.mean([row.after_stated for row in own]), 100 * np.mean([row.kind <= 1 for row in own]))  # fmt: skip
+        numbers = [100 * np.mean(shares) for shares in (
+            [row.poured_stated for row in own], [row.poured_kind <= 1 for row in own],
+            [row.after_stated for row in own], [row.kind <= 1 for row in own],
+        )]  # fmt: skip
         lines.append(f"{name} | {len(own)} | {numbers[0]:.1f}, {numbers[1]:.1f} | {numbers[2]:.1f}, {numbers[3]:.1f} | "
                      f"{len(called)} | {100 * good:.1f}")  # fmt: skip
     levels = {level: [row for row in rows if row.level == level] for level in dict.fromkeys(row.level for row in rows)}

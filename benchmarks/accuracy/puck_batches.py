@@ -80,7 +80,8 @@ def drawn_law(rng: np.random.Generator) -> HyperelasticLaw:
 @cache
 def neo_hookean_curves(plates: str) -> tuple[PchipInterpolator, ...]:
     """Force of neo-Hookean pucks of 1 kPa over compression, lubricated ones each with its own friction. [N]"""
-    return _curves(plates, np.random.default_rng(77), lambda rng: Ogden([1.0], [2.0]), 1 if plates == "bonded" else POOL)
+    count = 1 if plates == "bonded" else POOL
+    return _curves(plates, np.random.default_rng(77), lambda rng: Ogden([1.0], [2.0]), count)
 
 
 @cache

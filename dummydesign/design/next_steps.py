@@ -1,4 +1,4 @@
-"""What to do now, in order: the puck first where it settles the pad, else the pad; with hours and grams of each step."""
+"""What to do now, in order: the puck first where it settles the pad, else the pad; hours and grams of each step."""
 
 from __future__ import annotations
 
@@ -61,8 +61,8 @@ def next_steps(answer: Suggestion, inputs: Mapping[str, Any], mould: Mapping[str
         return _puck_first(answer, inputs)
     steps = [Step(first.text, None), Step(first.protocol, first.command)] if first.group else []
     pad = Step("cast the pad by its pour sheet", None, _pad_hours(answer, mould), _pad_grams(answer))
-    pressed = Step("press it by the test and compare it with the subjects",
-                   f"dummydesign compare PRESS.csv... --tissue {shlex.quote(inputs['tissue'])}", PRESSING_H)  # fmt: skip
+    compared = f"dummydesign compare PRESS.csv... --tissue {shlex.quote(inputs['tissue'])}"
+    pressed = Step("press it by the test and compare it with the subjects", compared, PRESSING_H)
     return [*steps, pad, pressed]
 
 

@@ -86,7 +86,8 @@ def _write_and_check(
     write_json(folder / files["checks"], listed)
     return {
         "files": files, "volumes_mm3": volumes, "checks": listed, "warnings": warnings, "pour": plan.to_dict(),
-        "batch": batches_of(spec, plan), **_printing(made), "step_sha256": hashlib.sha256(assembly.read_bytes()).hexdigest(),
+        "batch": batches_of(spec, plan), **_printing(made),
+        "step_sha256": hashlib.sha256(assembly.read_bytes()).hexdigest(),
     }  # fmt: skip
 
 

@@ -173,8 +173,8 @@ def correction_lines(result: dict[str, Any]) -> list[str]:
     if max(value for value in (*forces, *energies) if value is not None) <= 1.01:
         return ["no correction needed"]
     if result["verdict"]["level"] == "not_settled":
-        after = " and ".join(f"{what} by {values[2]:.2f}" for what, values in (("forces", forces), ("energies", energies))
-                             if values[2] is not None)  # fmt: skip
+        both = (("forces", forces[2]), ("energies", energies[2]))
+        after = " and ".join(f"{what} by {value:.2f}" for what, value in both if value is not None)
         return [f"after the puck multiply {after} for 95 % of castings"] if after else []
     reach = " in reach" if result["castings"]["out_of_reach"] >= 0.005 else ""
     if any(e is not None and f is not None and e - f > 0.005 for f, e in zip(forces, energies)):

@@ -48,7 +48,7 @@ class Pours:
 
 @dataclass(frozen=True)
 class Castings:
-    """Deviates of n castings of a resin; see :meth:`of_pad`."""
+    """Deviates of n castings of a resin; see :meth:`pours`."""
 
     resin: Resin
     n: int = COUNT

@@ -272,7 +272,7 @@ class TableFamily:
 
     def relative_error(self, designs: Designs, depth_mm: NDArray, radius_mm: float) -> NDArray:
         """Stated error of the force over the force; see :class:`Family`."""
-        return self.table.relative_error(depth_mm / designs.thickness_mm[:, None])
+        return self.table.force_error(depth_mm, designs.thickness_mm[:, None], radius_mm)
 
     def _inputs(self, designs: Designs, radius_mm: float) -> NDArray:
         """Inputs of the table, shape (M, k); those a little outside, as of a pad poured too thin, are at its end."""

@@ -32,8 +32,8 @@ def puck_sheet(spec: PuckSpec, plan: PuckPlan) -> list[Block]:
     blocks = [
         Block("head", f"Pour sheet: {spec.title}"),
         Block("text", f"Specification {spec.hash}. Date {BLANK}  Operator {BLANK}  Resin batch {BLANK}"),
-        Block("text", "A puck measures the modulus and the relaxation of a batch. Its modulus is what you want to know: "
-              "it is no reason to reject the puck."),
+        Block("text", "A puck measures the modulus and the relaxation of a batch. Its modulus is what you want to know, "
+              "so no reason to reject the puck."),
         Block("text", f"Safety: {safety}"),
         Block("head", "1. The ring"), Block("list", items=_ring_steps(spec)),
         Block("head", "2. Weigh the resin"), *_weighing(spec, plan),

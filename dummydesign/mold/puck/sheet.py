@@ -32,8 +32,7 @@ def puck_sheet(spec: PuckSpec, plan: PuckPlan) -> list[Block]:
     blocks = [
         Block("head", f"Pour sheet: {spec.title}"),
         Block("text", f"Specification {spec.hash}. Date {BLANK}  Operator {BLANK}  Resin batch {BLANK}"),
-        Block("text", "A puck measures the modulus and the relaxation of a batch. Its modulus is what you want to know, "
-              "so no reason to reject the puck."),
+        Block("text", "A puck measures the modulus and the relaxation of a batch. Do not reject it for its modulus."),
         Block("text", f"Safety: {safety}"),
         Block("head", "1. The ring"), Block("list", items=_ring_steps(spec)),
         Block("head", "2. Weigh the resin"), *_weighing(spec, plan),
@@ -45,9 +44,9 @@ def puck_sheet(spec: PuckSpec, plan: PuckPlan) -> list[Block]:
     for ring in spec.rings:
         for number in range(1, ring.count + 1):
             names = trace_names(ring.tag, number, ring.count)
+            typed = command(names, "MEASURED", "MEASURED", spec.pour.ratio, spec.pour.resin)
             blocks += [Block("table", rows=tuple(press_rows(names, ring.height_mm))),
-                       Block("text", f"Then type, with the measured sizes in mm: "
-                             f"{command(names, 'MEASURED', 'MEASURED', spec.pour.ratio, spec.pour.resin)}")]  # fmt: skip
+                       Block("text", f"Then type, with the measured sizes in mm: {typed}")]  # fmt: skip
     return [*blocks, Block("head", "What is needed"), Block("table", rows=tuple(needed(spec, plan)))]
 
 
@@ -84,8 +83,8 @@ def _weighing(spec: PuckSpec, plan: PuckPlan) -> list[Block]:
     return [
         Block("text", f"{pour.resin}, ratio {pour.ratio:.6g} ({pour.ratio_meaning}); balance step {resolution:g} g."),
         Block("table", rows=tuple(rows)),
-        Block("text", f"Mix {plan.mix.total_g:.{digits}f} g. Pour {each}. {why} Cup of at least {litres:.2f} litres: the "
-              "mix foams to four times its volume under vacuum."),
+        Block("text", f"Mix {plan.mix.total_g:.{digits}f} g. Pour {each}. {why} Cup of at least {litres:.2f} litres: "
+              "the mix foams to four times its volume under vacuum."),
     ]  # fmt: skip
 
 

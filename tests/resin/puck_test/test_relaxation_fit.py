@@ -127,7 +127,7 @@ FAST = ((0.02, 0.9), (0.3, 0.3))
 
 
 def at_speed(velocity_mm_s, step_s, arms=FAST, noise_N=0.02, seed=3):
-    """A press to 25 % with a hold of 4 s, stepped in time by a rule of its own: each rise relaxes from its middle on."""
+    """A press to 25 % with a hold of 4 s, stepped in time: each rise relaxes from the middle of its step on."""
     fine = 5
     end = 0.2 + 0.25 * HEIGHT / velocity_mm_s + 4.0
     time = np.arange(0.0, end, step_s / fine)

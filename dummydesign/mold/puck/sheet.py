@@ -109,7 +109,7 @@ def _pour_steps(spec: PuckSpec, plan: PuckPlan) -> tuple[str, ...]:
 
 def acceptance_rows(spec: PuckSpec, plan: PuckPlan) -> list[tuple[str, ...]]:
     """Table of what is measured on a puck, what is allowed and what to do; sizes and mass, not the modulus."""
-    rows = [("measured", "planned", "allowed", "effect", "measured value", "if outside")]
+    rows: list[tuple[str, ...]] = [("measured", "planned", "allowed", "effect", "measured value", "if outside")]
     several = len(spec.rings) > 1
     for ring, mass in zip(spec.rings, plan.puck_g):
         puck = f" of {ring.tag}" if several else ""
@@ -160,15 +160,3 @@ def needed(spec: PuckSpec, plan: PuckPlan) -> list[tuple[str, str, str]]:
 def _printed(filament: str, ring: Ring, mass_g: float) -> MaterialItem:
     several = f" ({ring.count} rings)" if ring.count > 1 else ""
     return MaterialItem(f"{filament}: ring {ring.tag}{several}", mass_g, "about {:.0f} g", "")
-
-
-def warnings_of(spec: PuckSpec, plan: PuckPlan) -> list[dict[str, str]]:
-    """What changes what the user does."""
-    found: list[dict[str, str]] = []
-    if plan.raised:
-        found.append({"code": "batch_raised", "message": (
-            f"the balance cannot weigh the {plan.wanted_g:.0f} g that the pucks need in the right ratio: mix "
-            f"{plan.mix.total_g:.0f} g, or pour the pad's or a second puck of the same cup")})  # fmt: skip
-    return found
-
-

@@ -127,7 +127,7 @@ def study(draws, seed, options):
                 if tau <= 30.0:
                     count["tau"].append(holds(arm.tau_s, tau))
                     count["beta"].append(holds(arm.beta, beta))
-        count["flagged"].append(any("slower" in arm.reason for arm in relaxation.arms))
+        count["flagged"].append(any(arm.slow for arm in relaxation.arms))
     return {name: np.array(values, float) for name, values in count.items()}
 
 

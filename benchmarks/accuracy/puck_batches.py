@@ -2,9 +2,10 @@
 
 ``python -m benchmarks.accuracy.puck_batches [--batches 100] [--first 0] [--seed N] [--csv FILE]`` draws modulus, arms
 and ratio of a batch from the paper's polyurethane (times of the arms are drawn too), an elastic law, a contact offset
-and gauge errors of the puck. The puck is pressed at 10 and 50 mm/s and held for 10 s between lubricated plates (friction drawn) or bonded
-ones. The elastic force is solved by finite elements; relaxation is stepped in time by code of its own; noise of 0.01 to
-0.05 N is added. The plates are declared as they are; of every fifth puck also left open and declared wrongly.
+and gauge errors of the puck. It is pressed at 10 and 50 mm/s and held for 10 s between lubricated plates (friction
+drawn) or bonded ones. The elastic force is solved by finite elements; relaxation is stepped in time by code of its own;
+noise of 0.01 to 0.05 N is added. The plates are declared as they are; of every fifth pair also left open and declared
+wrongly.
 
 It counts how often 95 % intervals of the resin that results hold the batch's modulus and the sum of its strengths
 between 10 ms and 10 s, and how wide they are.

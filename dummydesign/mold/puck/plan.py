@@ -56,3 +56,13 @@ def _over_rim_mm3(spec: PuckSpec, ring: Ring) -> float:
     pour = spec.pour
     high = formula.meniscus_height_mm(pour.surface_tension_N_per_m, pour.density_g_per_cm3, 0.0)
     return 0.5 * high * math.pi / 4 * (spec.scale * ring.diameter_mm) ** 2
+
+
+def warnings_of(spec: PuckSpec, plan: PuckPlan) -> list[dict[str, str]]:
+    """What changes what the user does."""
+    found: list[dict[str, str]] = []
+    if plan.raised:
+        found.append({"code": "batch_raised", "message": (
+            f"the balance cannot weigh the {plan.wanted_g:.0f} g that the pucks need in the right ratio: mix "
+            f"{plan.mix.total_g:.0f} g, or pour the pad's or a second puck of the same cup")})  # fmt: skip
+    return found

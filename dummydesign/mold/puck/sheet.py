@@ -32,8 +32,7 @@ def puck_sheet(spec: PuckSpec, plan: PuckPlan) -> list[Block]:
     blocks = [
         Block("head", f"Pour sheet: {spec.title}"),
         Block("text", f"Specification {spec.hash}. Date {BLANK}  Operator {BLANK}  Resin batch {BLANK}"),
-        Block("text", "A puck measures the modulus and the relaxation of a batch. Its modulus is what you want to know: "
-              "it is no reason to reject the puck."),
+        Block("text", "A puck measures the modulus and the relaxation of a batch. Do not reject it for its modulus."),
         Block("text", f"Safety: {safety}"),
         Block("head", "1. The ring"), Block("list", items=_ring_steps(spec)),
         Block("head", "2. Weigh the resin"), *_weighing(spec, plan),
@@ -45,9 +44,9 @@ def puck_sheet(spec: PuckSpec, plan: PuckPlan) -> list[Block]:
     for ring in spec.rings:
         for number in range(1, ring.count + 1):
             names = trace_names(ring.tag, number, ring.count)
+            typed = command(names, "MEASURED", "MEASURED", spec.pour.ratio, spec.pour.resin)
             blocks += [Block("table", rows=tuple(press_rows(names, ring.height_mm))),
-                       Block("text", f"Then type, with the measured sizes in mm: "
-                             f"{command(names, 'MEASURED', 'MEASURED', spec.pour.ratio, spec.pour.resin)}")]  # fmt: skip
+                       Block("text", f"Then type, with the measured sizes in mm: {typed}")]  # fmt: skip
     return [*blocks, Block("head", "What is needed"), Block("table", rows=tuple(needed(spec, plan)))]
 
 
@@ -84,8 +83,8 @@ def _weighing(spec: PuckSpec, plan: PuckPlan) -> list[Block]:
     return [
         Block("text", f"{pour.resin}, ratio {pour.ratio:.6g} ({pour.ratio_meaning}); balance step {resolution:g} g."),
         Block("table", rows=tuple(rows)),
-        Block("text", f"Mix {plan.mix.total_g:.{digits}f} g. Pour {each}. {why} Cup of at least {litres:.2f} litres: the "
-              "mix foams to four times its volume under vacuum."),
+        Block("text", f"Mix {plan.mix.total_g:.{digits}f} g. Pour {each}. {why} Cup of at least {litres:.2f} litres: "
+              "the mix foams to four times its volume under vacuum."),
     ]  # fmt: skip
 
 
@@ -110,7 +109,7 @@ def _pour_steps(spec: PuckSpec, plan: PuckPlan) -> tuple[str, ...]:
 
 def acceptance_rows(spec: PuckSpec, plan: PuckPlan) -> list[tuple[str, ...]]:
     """Table of what is measured on a puck, what is allowed and what to do; sizes and mass, not the modulus."""
-    rows = [("measured", "planned", "allowed", "effect", "measured value", "if outside")]
+    rows: list[tuple[str, ...]] = [("measured", "planned", "allowed", "effect", "measured value", "if outside")]
     several = len(spec.rings) > 1
     for ring, mass in zip(spec.rings, plan.puck_g):
         puck = f" of {ring.tag}" if several else ""
@@ -161,15 +160,3 @@ def needed(spec: PuckSpec, plan: PuckPlan) -> list[tuple[str, str, str]]:
 def _printed(filament: str, ring: Ring, mass_g: float) -> MaterialItem:
     several = f" ({ring.count} rings)" if ring.count > 1 else ""
     return MaterialItem(f"{filament}: ring {ring.tag}{several}", mass_g, "about {:.0f} g", "")
-
-
-def warnings_of(spec: PuckSpec, plan: PuckPlan) -> list[dict[str, str]]:
-    """What changes what the user does."""
-    found: list[dict[str, str]] = []
-    if plan.raised:
-        found.append({"code": "batch_raised", "message": (
-            f"the balance cannot weigh the {plan.wanted_g:.0f} g that the pucks need in the right ratio: mix "
-            f"{plan.mix.total_g:.0f} g, or pour the pad's or a second puck of the same cup")})  # fmt: skip
-    return found
-
-

@@ -42,7 +42,7 @@ class Compressed(Serialised):
     """What one puck's curves say; ``young_kPa`` is of this puck alone, ``relaxation`` None without a hold.
 
     ``law`` is the elastic law that was fitted, ``plates`` what was declared of them, ``action`` is ``added``,
-    ``unchanged`` (the resin has this puck at this ratio) or ``replaced`` (it had it at another ratio, size or with other
+    ``unchanged`` (the resin has this puck at this ratio) or ``replaced`` (it had it at another ratio, size or other
     plates, named in ``before``).
     """
 
@@ -64,7 +64,7 @@ class Compressed(Serialised):
 
 @dataclass(frozen=True)
 class _Fit:
-    """The fit of a puck's presses; a relaxation, with what the resin learns of it in ``puck``, where there are holds."""
+    """The fit of a puck's presses; a relaxation, with what the resin learns of it in ``puck``, with holds only."""
 
     young_kPa: Interval
     alpha: float

@@ -371,16 +371,18 @@ def _seen(problem: PuckProblem, best: Trial, arms: Sequence[PuckArm]) -> tuple[f
 def _fastest_seen(problem: PuckProblem, best: Trial) -> float:
     """Shortest time at which an arm alone would have a strength known to :data:`SHOWN` or better. [s]
 
-    By the noise of the bins, with modulus, stiffening and offsets free: a ramp that is slow against the time, coarse
-    samples or noise hide it.
+    By the noise of the bins, with modulus, stiffening and offsets free: a ramp that is slow against the time or noise
+    hide it. Not shorter than two samples.
     """
+    step = min(float(np.median((one.end_s - one.start_s) / one.samples)) for one in problem.presses)
     times = np.geomspace(problem.times[0], 0.5 * problem.longest, 40)
     forces = problem.parts(best.parameters, best.grip, times)[:, 1:]
     columns = problem.factor @ (np.exp(best.parameters[0]) * forces / problem.force_N[:, None])
     others, _ = np.linalg.qr(best.jacobian[:, : problem.first])
     columns = columns - others @ (others.T @ columns)
     hidden = np.nonzero(np.sum(columns**2, axis=0) < SHOWN**-2)[0]
-    return float(times[min(hidden[-1] + 1, len(times) - 1)]) if hidden.size else float(times[0])
+    shown = times[min(hidden[-1] + 1, len(times) - 1)] if hidden.size else times[0]
+    return max(float(shown), 2.0 * step)
 
 
 def _reason(problem: PuckProblem, tau_s: Interval, beta: Interval, above_shortest: float) -> str:

@@ -59,11 +59,10 @@ def next_steps(answer: Suggestion, inputs: Mapping[str, Any], mould: Mapping[str
         return [Step(f"do not cast this pad: {why_red(answer)}")]
     if level == "not_settled" or first.group in ("modulus", "relaxation"):
         return _puck_first(answer, inputs)
-    steps = [Step(first.text, None), Step(first.protocol, first.command)] if first.group else []
     pad = Step("cast the pad by its pour sheet", None, _pad_hours(answer, mould), _pad_grams(answer))
     compared = f"dummydesign compare PRESS.csv... --tissue {shlex.quote(inputs['tissue'])}"
     pressed = Step("press it by the test and compare it with the subjects", compared, PRESSING_H)
-    return [*steps, pad, pressed]
+    return [pad, pressed, *([Step(f"{first.text}: {first.protocol}", first.command)] if first.group else [])]
 
 
 def _puck_first(answer: Suggestion, inputs: Mapping[str, Any]) -> list[Step]:

@@ -15,7 +15,7 @@ def curves_text(curves: dict[str, Any], subjects: int) -> str:
     shares = [round(100.0 * row["inside_fraction"]) for row in curves["conditions"]]
     low, high = min(shares), max(shares)
     span = f"{low} to {high} %" if low < high else f"{low} %"
-    text = f"{span} of the time {'among the subjects' if subjects > 1 else 'within 1 % of the one subject'}"
+    text = f"{span} of the time {'inside' if subjects > 1 else 'within 1 % of the one subject'}"
     worst = curves["worst"]
     return text if worst is None else f"{text}; {miss_text(worst, subjects)}"
 

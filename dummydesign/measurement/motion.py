@@ -32,7 +32,9 @@ class Motion(Serialised):
 class Ramp:
     """What a motion did: contact, stop, the depth it held and until when.
 
-    ``velocity_mm_s`` is the mean speed from contact to stop, the v of an ideal ramp with the same t_p.
+    ``velocity_mm_s`` is the mean speed from contact to stop, the v of an ideal ramp with the same t_p. A punch that
+    overshot went ``overshoot_mm`` beyond the depth and rang with ``period_s`` until ``settled_s``; without that the
+    first and the last are 0. A press without a hold ends at its stop.
     """
 
     contact_time_s: float
@@ -40,6 +42,9 @@ class Ramp:
     hold_end_s: float
     depth_mm: float
     velocity_mm_s: float
+    overshoot_mm: float = 0.0
+    settled_s: float = 0.0
+    period_s: float = 0.0
 
     @property
     def rise_time_s(self) -> float:

@@ -26,7 +26,7 @@ SEEN_SHARE = 0.002
 """Share of the depth from which an overshoot is seen, and at which a ringing is over."""
 RELEASED = 0.5
 """Share of the largest depth below which a recording that ends there shows a release."""
-SHORT, TURNS, ABRUPT = 1.5, 0.3, 0.4
+SHORT, TURNS, ABRUPT = 1.5, 0.6, 0.4
 """A plateau lasts longer than this many windows of the speed; a shorter share of the time above 60 % of the depth may
 be a turn; a turn goes on from half of the speed to a tenth of it for longer than this."""
 NOISELESS = 60.0

@@ -122,6 +122,33 @@ def approach_velocity(time: NDArray, x: NDArray, ramp: Ramp) -> float:
     return float(stretch / needed.min())
 
 
+LATE = 0.05
+"""Share of the hold, at its end, whose mean force is the steady force."""
+STEADY_PERIODS = 2.0
+"""Periods of a ringing that is not over from which the steady force is read."""
+
+
+def steady_force(time: NDArray, x: NDArray, force: NDArray, ramp: Ramp) -> float:
+    """Return the mean force of the last twentieth of the hold. [N]
+
+    Where the punch still rings there, the force is read at the held depth: on a parabola in the displacement, and a
+    line in time, through the last two periods.
+    """
+    begin = ramp.hold_end_s - LATE * (ramp.hold_end_s - ramp.stop_time_s)
+    held = time <= ramp.hold_end_s
+    late = held & (time >= begin)
+    if not late.any():
+        late = held & (time >= time[held][-1])
+    if ramp.settled_s > begin and ramp.overshoot_mm:
+        middle = float(time[late].mean())
+        use = held & (time >= max(min(begin, ramp.hold_end_s - STEADY_PERIODS * ramp.period_s), ramp.stop_time_s))
+        off = x[use] - ramp.depth_mm
+        rows = np.stack([np.ones(len(off)), time[use] - middle, off, off**2], axis=-1)
+        if len(rows) >= 3 * rows.shape[1]:
+            return float(np.linalg.lstsq(rows, force[use], rcond=None)[0][0])
+    return float(force[late].mean())
+
+
 def find_holds(time_s: NDArray, displacement_mm: NDArray) -> tuple[Hold, ...]:
     """Find the stretches in which the plates stand still under load, up to the end of the deepest.
 
@@ -175,7 +202,7 @@ SHALLOWEST_MM = 0.02
 
 @dataclass(frozen=True)
 class Summary:
-    """Numbers of one press; ``steady_force_N`` is the mean of the last twentieth of the hold, None without one."""
+    """Numbers of one press; ``steady_force_N`` is that of :func:`steady_force`, None without a hold."""
 
     velocity_mm_s: float
     hold_s: float
@@ -202,7 +229,6 @@ def summarise(file: str, time: NDArray, x: NDArray, force: NDArray) -> Summary:
     hold = max(ramp.hold_end_s - ramp.stop_time_s, 0.0)
     steady = None
     if hold >= SHORTEST_HOLD_S:
-        late = (time >= ramp.hold_end_s - 0.05 * hold) & (time <= ramp.hold_end_s)
-        steady = float(np.mean(force[late])) if late.any() else None
+        steady = steady_force(time, x, force, ramp)
     speed, held = approach_velocity(time, x, ramp), 0.0 if steady is None else hold
     return Summary(speed, held, ramp.depth_mm, float(force.max()), steady, ramp.stop_time_s, ramp.hold_end_s)

@@ -44,7 +44,7 @@ class Plateau:
     Attributes
     ----------
     depth_mm : float
-        Median of the samples near the level of the later half.
+        Median of the samples near the level of the later half; the largest displacement where nothing is held.
     slowed_s, end_s : float
         First time that the punch slows, and the time at which it begins to leave. [s]
     held : bool
@@ -74,9 +74,8 @@ def find_plateau(time: NDArray, x: NDArray, start: int, noise: float) -> Plateau
     top = float(x.max())
     first, window = slowing(time, x, top, start, noise)
     last, released, back = _leaving(time, x, top, noise)
-    near_top = float(np.median(x[x >= top - max(NEAR_MM, NEAR_SHARE * top)]))
     if last <= first or not _stands(time, x, top, start, (first, last), (window, back if released else 0.0), noise):
-        return Plateau(near_top, float(time[first]), float(time[first]), False, 0.0, float(time[first]))
+        return Plateau(top, float(time[first]), float(time[first]), False, 0.0, float(time[first]))
     half = int(np.searchsorted(time, 0.5 * (time[first] + time[last])))
     half = min(half, max(last - 1, first))
     level = _level(time[half : last + 1], x[half : last + 1], noise, top)

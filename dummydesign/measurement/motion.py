@@ -57,6 +57,25 @@ def work_mJ(displacement_mm: NDArray, force_N: NDArray) -> NDArray:
     return (0.5 * (force_N[..., 1:] + force_N[..., :-1]) * np.diff(displacement_mm, axis=-1)).sum(axis=-1)
 
 
+def work_to_deepest_mJ(displacement_mm: NDArray, force_N: NDArray) -> NDArray:
+    """Integral of F dx from the first sample, contact, to the largest displacement of each press. [mJ]
+
+    This is the energy that a press puts into a body up to its deepest compression. A punch that rings gives and takes
+    more afterwards: to the end of the hold only what the body dissipated is added, and what it gave back is missing.
+
+    Parameters
+    ----------
+    displacement_mm, force_N : ndarray, shape (..., n)
+
+    Returns
+    -------
+    ndarray, shape (...)
+    """
+    parts = 0.5 * (force_N[..., 1:] + force_N[..., :-1]) * np.diff(displacement_mm, axis=-1)
+    reached = np.arange(parts.shape[-1]) < np.argmax(displacement_mm, axis=-1)[..., None]
+    return np.asarray((parts * reached).sum(axis=-1))
+
+
 def contact_velocity(velocity_mm_s: ArrayLike, depth_mm: ArrayLike, deceleration_mm_s2: float) -> NDArray:
     """Speed at first touch: as commanded, or sqrt(2 a depth) if braking begins above the surface. [mm/s]"""
     fastest = np.sqrt(2.0 * deceleration_mm_s2 * np.asarray(depth_mm, float))

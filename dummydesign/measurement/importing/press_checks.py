@@ -81,8 +81,8 @@ def _swapped(press: _Press) -> bool:
 def _hold(press: _Press) -> None:
     steady, hold_s, end_s = press.summary.steady_force_N, press.summary.hold_s, press.summary.hold_end_s
     if steady is None:
-        press.warn("no_hold", "the punch does not stand still: no steady force; 'fit', 'compare' and 'loop' need a hold "
-                   "of 10 s")  # fmt: skip
+        press.warn("no_hold", "the punch does not stand still: no steady force; 'fit', 'compare' and 'loop' need a "
+                   "hold of 10 s")  # fmt: skip
     if steady is None or hold_s >= 0.95 * SHORT_HOLD_S:
         return
     begin = end_s - 0.2 * hold_s

@@ -148,8 +148,8 @@ def fits(draws: int, seed: int, overshoot: tuple[float, float]) -> None:
     size = np.abs(error)
     print(f"gamma1: within 3 % in {int((size <= 0.03).sum())} of {draws}; median error {100 * np.median(size):.3f} %, "
           f"mean {100 * np.mean(error):+.3f} %, largest {100 * size.max():.2f} %")  # fmt: skip
-    print(f"95 % interval of gamma1 holds the truth in {covered} of {draws} ({100 * covered / draws:.1f} %); bounded on "
-          f"both sides in {known}; median width {100 * np.median(width):.2f} %")  # fmt: skip
+    print(f"95 % interval of gamma1 holds the truth in {covered} of {draws} ({100 * covered / draws:.1f} %); bounded "
+          f"on both sides in {known}; median width {100 * np.median(width):.2f} %")  # fmt: skip
     print("largest error at", {key: round(value, 3) for key, value in worst[1].items()})
 
 

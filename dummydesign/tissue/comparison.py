@@ -194,9 +194,9 @@ def compare_traces(
     is the rise of the slowest, deepest press scaled by that press's steady over peak force. The force
     variation range is made for the steady force, speed, hold and braking of each press, and goes through
     the declared sensor filter as the dummy's force did. Where the robot overshot, subjects are pressed with the path
-    of the press, shifted to their depths: the same robot overshoots on them too. A test that is given chooses the presses that belong
-    to it, ends their hold, and says between which forces the steady curve is judged; after a hold of less than
-    10 s that curve is compared with the subjects' at the end of the same hold.
+    of the press, shifted to their depths: the same robot overshoots on them too. A test that is given chooses the
+    presses that belong to it, ends their hold, and says between which forces the steady curve is judged; after a hold
+    of less than 10 s that curve is compared with the subjects' at the end of the same hold.
     """
     own, reduced, notices = presses_of(traces, test)
     known = law_named(tissue.law).fitted

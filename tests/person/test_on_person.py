@@ -111,7 +111,7 @@ def test_the_guard_band(high, low, beyond, result):
 @pytest.mark.parametrize("share", [1.01, 1.04, 1.09])
 @pytest.mark.parametrize("limit", [65.0, 140.0])
 def test_a_limit_has_no_allowance(share, limit):
-    """One, four and nine per cent above a limit are above it, for the person who passes and for the subject who fails."""
+    """One, four and nine per cent above a limit are above it, for one more person and for a subject."""
     assert decide(share * limit, (0.5 * limit,), limit, False)[0] == "undecided"
     assert decide(2.0 * limit, (0.5 * limit, share * limit), limit, False)[0] == "fail"
     assert decide(limit / share, (0.5 * limit,), limit, False)[0] == "pass"

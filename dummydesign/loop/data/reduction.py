@@ -170,7 +170,7 @@ def _acceleration(time: NDArray, x: NDArray) -> NDArray:
 
 
 def _white(trace: Trace, ramp: Ramp) -> float:
-    """White noise per sample from second differences before contact and 0.1 s after the stop, or the ringing, on. [N]"""
+    """White noise per sample from second differences before contact, and 0.1 s after the stop or the ringing. [N]"""
     time, force = trace.time_s, trace.force_N
     step = np.diff(time)
     even = (np.abs(step[1:] / step[:-1] - 1) < 0.1) & (step[1:] < 0.1)

@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 
 from dummydesign.measurement.importing.contact import find_contact
-from dummydesign.measurement.importing.press_checks import check_press
+from dummydesign.measurement.importing.press_checks import check_press, doubts_of
 from dummydesign.measurement.importing.signs import find_presses
 from dummydesign.measurement.landmarks import summarise
+from dummydesign.measurement.trace import Trace
 
 
 def checked(time, x, force):

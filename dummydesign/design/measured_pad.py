@@ -171,8 +171,8 @@ def energy_of(trace: ReducedTrace) -> float:
     """Integral of F dx from contact to the largest depth. [mJ]
 
     That is the end of the hold, where nothing moves any more, unless the punch overshot. The stop of the ideal ramp
-    lies halfway through the braking, or between two samples: up to there the steepest part of the rise is missing, 3 % of
-    the energy at 150 samples in the rise.
+    lies halfway through the braking, or between two samples: up to there the steepest part of the rise is missing,
+    3 % of the energy at 150 samples in the rise.
     """
     time = trace.trace.time_s
     pressed = (time >= trace.ramp.contact_time_s) & (time <= trace.ramp.hold_end_s)

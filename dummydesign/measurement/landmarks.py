@@ -135,13 +135,12 @@ def steady_force(time: NDArray, x: NDArray, force: NDArray, ramp: Ramp) -> float
     line in time, through the last two periods.
     """
     begin = ramp.hold_end_s - LATE * (ramp.hold_end_s - ramp.stop_time_s)
-    held = time <= ramp.hold_end_s
-    late = held & (time >= begin)
-    if not late.any():
-        late = held & (time >= time[held][-1])
+    end = int(np.searchsorted(time, ramp.hold_end_s, side="right"))
+    late = slice(min(int(np.searchsorted(time, begin)), end - 1), end)
     if ramp.settled_s > begin and ramp.overshoot_mm:
         middle = float(time[late].mean())
-        use = held & (time >= max(min(begin, ramp.hold_end_s - STEADY_PERIODS * ramp.period_s), ramp.stop_time_s))
+        since = max(min(begin, ramp.hold_end_s - STEADY_PERIODS * ramp.period_s), ramp.stop_time_s)
+        use = slice(int(np.searchsorted(time, since)), end)
         off = x[use] - ramp.depth_mm
         rows = np.stack([np.ones(len(off)), time[use] - middle, off, off**2], axis=-1)
         if len(rows) >= 3 * rows.shape[1]:

@@ -33,6 +33,8 @@ NOISELESS = 60.0
 """Noises in the window of the speed there, so that noise does not pass for slowness."""
 SAG = 0.01
 """Share of the speed of the ramp below which a fall is a sag of the plateau and no release."""
+ENOUGH = 2000
+"""Samples that a noise or a first level is read from, evenly spread."""
 FEWEST_TURNS = 3
 """Crossings of the level in the later half from which the mean of whole periods is taken."""
 
@@ -109,7 +111,9 @@ def path_noise(x: NDArray) -> float:
     """Noise of one sample of a path by second differences. [mm]"""
     if len(x) < 5:
         return 0.0
-    return float(np.median(np.abs(np.diff(x, 2))) / 0.6745 / np.sqrt(6.0))
+    every = max(len(x) // ENOUGH, 1)
+    second = x[2::every] - 2.0 * x[1:-1:every] + x[:-2:every]
+    return float(np.median(np.abs(second)) / 0.6745 / np.sqrt(6.0))
 
 
 def _leaving(time: NDArray, x: NDArray, top: float, noise: float) -> tuple[int, bool, float]:
@@ -169,7 +173,8 @@ def crossings(time: NDArray, offset: NDArray, least: float) -> NDArray:
 
 def _level(time: NDArray, x: NDArray, noise: float, top: float) -> float:
     """Level of the later half of a plateau: the median, or the mean over whole periods where it still rings. [mm]"""
-    level = _median(time, x)
+    every = max(len(x) // ENOUGH, 1)
+    level = _median(time[::every], x[::every])
     turns = crossings(time, x - level, max(SURE * noise, SEEN_SHARE * top))
     if len(turns) < FEWEST_TURNS:
         return level

@@ -151,16 +151,27 @@ def steady_force(time: NDArray, x: NDArray, force: NDArray, ramp: Ramp) -> float
 FIRST_RINGS, NODES_A_RING, MOST_NODES = 2.0, (32.0, 16.0), 800
 """Periods after the stop with more nodes, nodes in a period there and later, and how many there are at most: straight
 lines between 16 points miss a sine by 2 % of its amplitude."""
+WIDER, WIDEST = 1.3, 0.12
+"""Ratio of neighbouring steps after the ringing, and their largest share of the time since the stop: curves through
+points whose distances jump swing out."""
 
 
 def ringing_times(ramp: Ramp) -> NDArray:
-    """Return times at which a model follows a punch that rings after its stop; empty without an overshoot. [s]"""
+    """Return times at which a model follows a punch that rings after its stop; empty without an overshoot. [s]
+
+    They go on in growing steps until those of a hold are as wide.
+    """
     if not ramp.overshoot_mm or ramp.settled_s <= ramp.stop_time_s:
         return np.zeros(0)
     fine, wide = (ramp.period_s / nodes for nodes in NODES_A_RING)
     turn = min(ramp.stop_time_s + FIRST_RINGS * ramp.period_s, ramp.settled_s)
     times = np.r_[np.arange(ramp.stop_time_s, turn, fine), np.arange(turn, ramp.settled_s, wide), ramp.settled_s]
-    return times[:MOST_NODES]
+    times = times[:MOST_NODES]
+    beyond, step = [float(times[-1])], WIDER * wide
+    while step < WIDEST * (beyond[-1] - ramp.stop_time_s) and beyond[-1] + step < ramp.hold_end_s:
+        beyond.append(beyond[-1] + step)
+        step *= WIDER
+    return np.r_[times, beyond[1:]]
 
 
 def find_holds(time_s: NDArray, displacement_mm: NDArray) -> tuple[Hold, ...]:

@@ -22,8 +22,8 @@ NEAR_MM, NEAR_SHARE = 0.05, 0.03
 """How far from its level samples of a plateau may be to count for its depth."""
 SURE = 6.0
 """Multiple of the noise of the path from which an excursion is seen."""
-SEEN_SHARE = 0.002
-"""Share of the depth from which an overshoot is seen, and at which a ringing is over."""
+SEEN_SHARE, STILL_SHARE = 0.002, 0.001
+"""Shares of the depth from which an overshoot is seen, and at which a ringing is over."""
 RELEASED = 0.5
 """Share of the largest depth below which a recording that ends there shows a release."""
 SHORT, TURNS, ABRUPT = 1.5, 0.6, 0.4
@@ -224,5 +224,6 @@ def _with_ringing(
         return Plateau(depth, slowed, end_s, True, 0.0, slowed, 0.0, creeps)
     turns = crossings(own, offset, least)
     period = 2.0 * float(np.median(np.diff(turns[:9]))) if len(turns) > 2 else 4.0 * float(own[farthest] - own[0])
-    settled = float(own[int(np.flatnonzero(np.abs(offset) > least)[-1])])
+    rests = max(SURE * noise, STILL_SHARE * depth, min(0.6 * STEP_MM, 0.01 * depth))
+    settled = float(own[int(np.flatnonzero(np.abs(offset) > rests)[-1])])
     return Plateau(depth, slowed, end_s, True, over, settled, max(period, 1e-9), creeps)

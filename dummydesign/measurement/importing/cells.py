@@ -6,11 +6,13 @@ import csv
 import re
 from collections.abc import Iterable, Sequence
 from datetime import datetime
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.measurement.importing.decisions import ImportLog
+from dummydesign.measurement.importing.vocabulary import Unit, find_unit
 
 SEPARATORS = {"\t": "tab", ";": "semicolon", "|": "bar", ",": "comma", " ": "spaces"}
 COMMENTS = ("#", "%", "//")
@@ -69,7 +71,9 @@ _STAMP = re.compile(
     r"(\d{1,2}):(\d{2}):(\d{2})(?:[.,:](\d+))?(?: ?([AaPp])\.?[Mm]\.?)?(?:Z| ?[+-]\d{2}:?\d{2})?",
     re.ASCII,
 )
+_COMPACT = re.compile(r"(\d{4})(\d{2})(\d{2})T(\d{2})(\d{2})(\d{2})(?=\D|$)(.*)", re.ASCII)
 _MINUTES = re.compile(r"(\d{1,3}):(\d{2})[.,](\d+)", re.ASCII)
+_MEASURE = re.compile(r"(.*\d[.,]?)\s*(\D+)", re.ASCII)
 
 
 def is_number(cell: str) -> bool:
@@ -87,6 +91,23 @@ def parse(cell: str, decimal: str) -> float | None:
     for sign in _GROUPS[decimal]:
         text = text.replace(sign, "")
     return float(text.replace(",", "."))
+
+
+@lru_cache(4096)
+def _unit_of(text: str) -> Unit | None:
+    return find_unit(text)
+
+
+def measure(cell: str) -> tuple[str, Unit] | None:
+    """Part a number from the unit behind it, ``12.3 N``; None where a cell is no such thing."""
+    parts = None if not cell or cell[-1].isdigit() else _MEASURE.fullmatch(cell)
+    unit = _unit_of(parts[2].strip()) if parts else None
+    return (parts[1], unit) if parts and unit and is_number(parts[1]) else None
+
+
+def is_measure(cell: str) -> bool:
+    """Whether a cell is a number with its unit."""
+    return measure(cell) is not None
 
 
 def is_missing(cell: str) -> bool:
@@ -127,7 +148,9 @@ def decimal_evidence(cells: Iterable[str]) -> dict[str, int]:
 
 def is_stamp(cell: str) -> bool:
     """Whether a cell is a time of day, with or without a date, or minutes and seconds."""
-    return ":" in cell and (_STAMP.fullmatch(cell) is not None or _MINUTES.fullmatch(cell) is not None)
+    if ":" not in cell:
+        return "T" in cell and _COMPACT.fullmatch(cell) is not None
+    return _STAMP.fullmatch(cell) is not None or _MINUTES.fullmatch(cell) is not None
 
 
 def seconds_of_stamp(cell: str) -> tuple[float, str]:
@@ -135,7 +158,7 @@ def seconds_of_stamp(cell: str) -> tuple[float, str]:
     short = _MINUTES.fullmatch(cell)
     if short is not None:
         return int(short[1]) * 60.0 + float(f"{int(short[2])}.{short[3]}"), ""
-    parts = _STAMP.fullmatch(cell)
+    parts = _STAMP.fullmatch(_COMPACT.sub(r"\1-\2-\3T\4:\5:\6\7", cell))
     if parts is None:
         raise ValueError(cell)
     hour, minute, second = int(parts[2]), int(parts[3]), int(parts[4])

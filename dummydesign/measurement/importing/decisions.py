@@ -34,12 +34,15 @@ class Settings:
     split: str = "auto"
     sheets: str | None = None
     """Sheets of a workbook to read, comma-separated; ``not:`` before them reads all others."""
+    rate: float | None = None
+    """Sampling rate of evenly spaced samples. [Hz]"""
 
     def __post_init__(self) -> None:
         wrong = min((self.flip or frozenset()) - {"displacement", "force"}, default=None)
         for option, value, allowed, valid in (
             ("decimal", self.decimal, (".", ","), self.decimal in (None, ".", ",")),
             ("split", self.split, ("auto", "none"), self.split in ("auto", "none")),
+            ("rate", self.rate, ("a frequency above 0 Hz",), self.rate is None or 0 < self.rate < 1e7),
             ("flip", wrong, ("displacement", "force", "none"), wrong is None),
         ):
             if not valid:

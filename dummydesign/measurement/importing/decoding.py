@@ -81,8 +81,8 @@ def _without_padding(text: str, log: ImportLog) -> str:
         return text
     whole = kept[: max(kept.rfind("\n"), kept.rfind("\r")) + 1]
     cut = f", and the line '{kept[len(whole) :].strip()[:40]}' that they cut" if kept[len(whole) :].strip() else ""
-    log.warn("padded", f"{len(text) - len(kept)} zero bytes at its end were left out{cut}: the logger lost its power or "
-             "was not closed; check that the recording is complete")  # fmt: skip
+    log.warn("padded", f"{len(text) - len(kept)} zero bytes at its end were left out{cut}: the logger lost its power "
+             "or was not closed; check that the recording is complete")  # fmt: skip
     return whole
 
 

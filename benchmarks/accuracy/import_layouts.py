@@ -238,7 +238,7 @@ def _time_columns(
         return [_Column(names[0], "", [str(origin + int(one)) for one in whole]),
                 _Column(names[1], "", [str(int(one)) for one in part])], 1e-6, []  # fmt: skip
     if form == "epoch":
-        return [_Column("timestamp", "", [f"{1763561000.0 + one:.5f}" for one in time], "time")], 1e-5, []
+        return [_Column("timestamp", "", _numbers(style, time + 1763561000.0, 1.0, 5), "time")], 1e-5, []
     if form == "counter":
         return [_Column("Sample", "", [str(at) for at in range(len(time))])], 1e-6, []
     if form in ("rate", "two_bases"):
@@ -441,3 +441,95 @@ def plain_press(rng: np.random.Generator) -> tuple[NDArray, NDArray, NDArray]:
     pressed = np.maximum(x, 0.0)
     force = stiff * pressed**3 * (1.0 + 0.35 * np.exp(-since / 1.5))
     return time, x, force + rng.normal(0.0, 2e-4 * force.max(), len(time))
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """How a file was read.
+
+    ``kind``: right; answered (a needed option was asked for, and with it the file is right); slip caught (the wrong
+    unit of a header was refused, asked for or warned of); unneeded (a question or refusal of a file that says all);
+    wrong warned; wrong quiet.
+    """
+
+    kind: str
+    text: str
+
+
+def judge(path: Path, truth: dict[str, Any]) -> Verdict:
+    """Import a drawn file and compare what comes out with its truth."""
+    from dummydesign.core.errors import InputError
+    from dummydesign.measurement.importing.decisions import Settings
+    from dummydesign.measurement.importing.read import import_files
+
+    try:
+        read = import_files([path])[0]
+    except InputError as refusal:
+        if truth["slip"]:
+            return Verdict("slip caught", str(refusal))
+        if not truth["needs"]:
+            return Verdict("unneeded", str(refusal))
+        try:
+            read = import_files([path], Settings(**truth["needs"]))[0]
+        except InputError as second:
+            return Verdict("unneeded", f"answered, then: {second}")
+        fault = _fault(read, truth)
+        return Verdict("wrong quiet" if fault else "answered", fault)
+    codes = {warning["code"] for one in read for warning in one.warnings}
+    fault = _fault(read, truth)
+    if truth["slip"]:
+        return Verdict(
+            "slip caught" if codes - {"hold_too_short"} else "wrong quiet", f"unit of {truth['slip']}: {codes}"
+        )
+    if truth["needs"]:
+        return Verdict("wrong quiet", "a unit that the file does not state was taken without a question")
+    return Verdict(("wrong warned" if codes else "wrong quiet") if fault else "right", f"{fault} {sorted(codes)}")
+
+
+def _fault(read: list[Any], truth: dict[str, Any]) -> str:
+    """What differs from the truth, of time, displacement and force; contact and tare are not judged here."""
+    if len(read) != len(truth["presses"]):
+        return f"{len(read)} tests instead of {len(truth['presses'])}"
+    for one, (time, x, force) in zip(read, truth["presses"]):
+        if len(one.presses) != 1:
+            return f"{len(one.presses)} presses instead of 1"
+        press = one.presses[0]
+        length = float(time[-1] - time[0])
+        if abs(float(press.time_s[-1]) - length) > 2.0 * truth["time_error_s"] + 2e-3 * length:
+            return f"{press.time_s[-1]:.5g} s instead of {length:.5g} s"
+        speed = float(np.max(np.abs(np.diff(x) / np.diff(time))))
+        steep = float(np.max(np.abs(np.diff(force))))
+        for name, own, true, least in (
+            ("displacement", press.displacement_mm, x, 0.01 + 2.0 * speed * (truth["time_error_s"] + 1e-3)),
+            ("force", press.force_N, force, 0.02 * float(force.max()) + 3.0 * steep),
+        ):
+            apart = own - np.interp(press.time_s, time - time[0], true)
+            off = float(np.max(np.abs(apart - np.median(apart))))
+            late = 0.0 if name == "displacement" else 2.0 * truth["time_error_s"] * speed * float(force.max()) / 2.0
+            if off > least + late:
+                return f"{name} is off by {off:.3g} (up to {least + late:.3g} is right)"
+    return ""
+
+
+def main() -> None:
+    """Print the rates over drawn files: ``python -m benchmarks.accuracy.import_layouts FIRST COUNT``."""
+    import sys
+    import tempfile
+    from collections import Counter
+
+    first, count = (int(word) for word in sys.argv[1:3])
+    kinds: Counter[str] = Counter()
+    with tempfile.TemporaryDirectory() as folder:
+        for seed in range(first, first + count):
+            rng = np.random.default_rng(seed)
+            path = Path(folder) / f"press_{seed}.csv"
+            truth = write_file(path, rng, *plain_press(rng))
+            verdict = judge(path, truth)
+            kinds[verdict.kind] += 1
+            if verdict.kind not in ("right", "answered", "slip caught"):
+                print(seed, verdict.kind, truth["layout"], verdict.text[:300])
+    print(count, "files:", dict(kinds))
+
+
+if __name__ == "__main__":
+    main()

@@ -145,8 +145,8 @@ def _ask_for_size(absent: Sequence[str], columns: Sequence[Column], log: ImportL
         doubt.append(f"'{label}' is {what}")
         sizes.append(f"{role}={count * size:g}{unit}")
         rules.append(f"for {of} of {size}: one count is {count:g} x {of}")
-    option = f"--columns {shlex.quote(','.join(f'{role}={label}' for role, label, _ in named))} --units {','.join(sizes)}"
-    raise log.question(" and ".join(doubt), f"{option} ({'; '.join(rules)})")
+    option = "--columns " + shlex.quote(",".join(f"{role}={label}" for role, label, _ in named))
+    raise log.question(" and ".join(doubt), f"{option} --units {','.join(sizes)} ({'; '.join(rules)})")
 
 
 _SIZED = {"displacement": ("a strain, not a displacement", "a height in mm", 30, "mm"),

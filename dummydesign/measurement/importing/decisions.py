@@ -42,7 +42,6 @@ class Settings:
         for option, value, allowed, valid in (
             ("decimal", self.decimal, (".", ","), self.decimal in (None, ".", ",")),
             ("split", self.split, ("auto", "none"), self.split in ("auto", "none")),
-            ("rate", self.rate, ("a frequency above 0 Hz",), self.rate is None or 0 < self.rate < 1e7),
             ("flip", wrong, ("displacement", "force", "none"), wrong is None),
         ):
             if not valid:

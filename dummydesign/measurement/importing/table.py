@@ -161,8 +161,10 @@ def _check_range(role: str, column: Column, change: float, log: ImportLog) -> No
     if column.unit is None or column.unit.kind == known.OTHER or role in log.settings.units or low <= change <= high:
         return
     limit = f"at least {low:g} {unit}" if change < low else f"at most {high:g} {unit}"
-    message = (f"by the unit of the header ({column.unit.text}) the {role} changes by {change:.4g} {unit}; this tool "
-               f"reads presses that change it by {limit}. If the header is wrong, give the true unit by --units")  # fmt: skip
+    message = (
+        f"by the unit of the header ({column.unit.text}) the {role} changes by {change:.4g} {unit}; this tool reads "
+        f"presses that change it by {limit}. If the header is wrong, give the true unit by --units"
+    )
     raise log.fault(message, "out_of_range", f"{role}_{unit}", change, (low, high))
 
 

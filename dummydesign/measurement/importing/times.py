@@ -51,7 +51,8 @@ def compose_time(columns: Sequence[Column], values: Values) -> ComposedTime | No
             falls = np.diff(part) < 0
             total = seconds - seconds[0] + part
             goes_on = np.mean(np.diff(total) >= 0) > 0.9 and np.ptp(total) > 0
-            begins_again = falls.any() and rises[falls].mean() >= 0.9
+            hits = int(rises[falls].sum())
+            begins_again = hits > 0 and falls.sum() - hits <= 0.1 * hits + 2
             if 0.0 <= part.min() and part.max() < 1.0 and goes_on and (begins_again or not rises.any()):
                 return ComposedTime((whole, fine), total)
     return None
@@ -65,7 +66,7 @@ def time_by_rate(
         if not one.counts or one.index not in values:
             continue
         steps = np.diff(values[one.index])
-        if np.all(steps == np.rint(steps)) and np.all(steps > 0) and np.median(steps) == 1.0:
+        if np.all(steps == np.rint(steps)) and np.all(steps >= 0) and np.median(steps) == 1.0:
             log.decide("time", f"'{one.label}' at {rate:g} Hz", f"counts the samples; {why}")
             return (values[one.index] - values[one.index][0]) / rate
     log.decide("time", f"{rate:g} Hz", f"one row a sample; {why}")

@@ -98,6 +98,7 @@ _ELSEWHERE = _DATA["elsewhere"]["units"].split()
 _ALIKE = str.maketrans("µμ［］（）〔〕／", "uu[]()()/")
 _BRACKETS = re.compile(r"\[([^\[\]]*)\]|\(([^()]*)\)|<([^<>]*)>|\{([^{}]*)\}")
 _TAIL = re.compile(r"^(.*?)(?:_|\s*/\s*|\s+in\s+|\s+en\s+|\s*:\s*|\s*,\s*|\s+|(\.))((?:[^\W\d_]|[%\"°])+)\.?$")
+_RATIO = re.compile(r"[_\s:,]([^\s_:,/]+/[^\s_:,/]+)$")
 
 
 @dataclass(frozen=True)
@@ -164,6 +165,9 @@ def split_name(cell: str) -> tuple[str, Unit | None]:
     alone = find_unit(text)
     if alone is not None and (len(text) > 1 or text in "sNсН秒"):
         return "", alone
+    ratio = _RATIO.search(text)
+    if ratio is not None and (unit := find_unit(ratio[1])):
+        return text[: ratio.start()].strip(), unit
     tail = _TAIL.match(text)
     if tail is not None:
         unit = find_unit(tail[3])

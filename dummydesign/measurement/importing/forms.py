@@ -9,7 +9,9 @@ from dummydesign.measurement.importing.cells import SEPARATORS, split
 from dummydesign.measurement.importing.decisions import ImportLog
 from dummydesign.measurement.importing.vocabulary import KIND_OF_ROLE, ROLES, roles_of_name, split_name, words_of
 
-_ARROW = re.compile(r"\s*(\d{1,2}:\d{2}:\d{2}(?:[.,]\d+)?) ?-> ?(.*)")
+_CLOCK = r"((?:\d{4}-\d{2}-\d{2}[T ])?\d{1,2}:\d{2}:\d{2}(?:[.,]\d+)?)"
+_ARRIVAL = re.compile(rf"\s*(?:\[{_CLOCK}\]\s*(?:[-=]?>|→|:)?|{_CLOCK}\s*(?:[-=]?>|→))\s*(.*)")
+"""The time of arrival that serial monitors write before a line: ``14:03:20.250 -> ``, ``[2024-05-03 14:03:20] ``."""
 _LABVIEW, _END = "LabVIEW Measurement", "***End_of_Header***"
 _HEAD = 60
 """Lines at the start among which a header is looked for."""
@@ -19,15 +21,16 @@ def plain_lines(lines: list[str], log: ImportLog) -> list[str]:
     """Return the lines of a plain table, as many as there are, so that errors name the lines of the file."""
     if lines and lines[0].startswith(_LABVIEW):
         return _labview(lines, log)
-    if not any("->" in line for line in lines[:_HEAD]):
+    if not any(map(_ARRIVAL.fullmatch, lines[:_HEAD])):
         return lines
-    matches = [_ARROW.fullmatch(line) for line in lines]
+    matches = [_ARRIVAL.fullmatch(line) for line in lines]
     if sum(match is not None for match in matches) <= 0.5 * sum(bool(line.strip()) for line in lines):
         return lines
-    log.decide("form", "serial monitor", "a clock time and an arrow stand before each line: the time of its arrival")
-    rest = "\n".join(match[2] for match in matches[:_HEAD] if match)
+    log.decide("form", "serial monitor", "the time of its arrival stands before each line")
+    rest = "\n".join(match[3] for match in matches[:_HEAD] if match)
     separator = next((sign for sign in SEPARATORS if sign in rest), ",")
-    return [line if match is None else f"{match[1]}{separator}{match[2]}" for line, match in zip(lines, matches)]
+    return [line if match is None else f"{match[1] or match[2]}{separator}{match[3]}"
+            for line, match in zip(lines, matches)]  # fmt: skip
 
 
 def _labview(lines: Sequence[str], log: ImportLog) -> list[str]:

@@ -158,7 +158,7 @@ def _quantities(
 def _check_range(role: str, column: Column, change: float, log: ImportLog) -> None:
     """Name the range of this tool where a quantity whose unit the header states is outside it."""
     low, high, unit = RANGES[role]
-    if column.unit is None or column.unit.kind == known.OTHER or role in log.settings.units or low <= change <= high:
+    if change == 0.0 or column.unit is None or column.unit.kind == known.OTHER or role in log.settings.units or low <= change <= high:
         return
     limit = f"at least {low:g} {unit}" if change < low else f"at most {high:g} {unit}"
     message = (

@@ -188,7 +188,7 @@ def absent_words(absent: Sequence[str], titles: Sequence[str], roles: Sequence[s
     """Return the words of an error: which columns are missing and what to do."""
     shown = ", ".join(f"'{title[:40]}'" if title else f"column {at}" for at, title in enumerate(titles[:12], 1))
     ways = "export the test again with them"
-    if list(absent) == ["time"]:
+    if list(absent) == ["time"] or ("time" in absent and len(titles) == 2):
         ways += "; 'import --rate HZ' reads evenly spaced samples, 'tissues add-points' steady forces over depth"
     return (f"no column is {' or '.join(absent)} (there are {shown}); {', '.join(roles[:-1])} and {roles[-1]} are "
             f"needed: {ways}")  # fmt: skip

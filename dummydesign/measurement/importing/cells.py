@@ -6,7 +6,6 @@ import csv
 import re
 from collections.abc import Iterable, Sequence
 from datetime import datetime
-from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -93,15 +92,10 @@ def parse(cell: str, decimal: str) -> float | None:
     return float(text.replace(",", "."))
 
 
-@lru_cache(4096)
-def _unit_of(text: str) -> Unit | None:
-    return find_unit(text)
-
-
 def measure(cell: str) -> tuple[str, Unit] | None:
     """Part a number from the unit behind it, ``12.3 N``; None where a cell is no such thing."""
     parts = None if not cell or cell[-1].isdigit() else _MEASURE.fullmatch(cell)
-    unit = _unit_of(parts[2].strip()) if parts else None
+    unit = find_unit(parts[2].strip()) if parts else None
     return (parts[1], unit) if parts and unit and is_number(parts[1]) else None
 
 
@@ -148,7 +142,7 @@ def decimal_evidence(cells: Iterable[str]) -> dict[str, int]:
 
 def is_stamp(cell: str) -> bool:
     """Whether a cell is a time of day, with or without a date, or minutes and seconds."""
-    if ":" not in cell:
+    if ":" not in cell[:-3]:
         return "T" in cell and _COMPACT.fullmatch(cell) is not None
     return _STAMP.fullmatch(cell) is not None or _MINUTES.fullmatch(cell) is not None
 
@@ -158,7 +152,7 @@ def seconds_of_stamp(cell: str) -> tuple[float, str]:
     short = _MINUTES.fullmatch(cell)
     if short is not None:
         return int(short[1]) * 60.0 + float(f"{int(short[2])}.{short[3]}"), ""
-    parts = _STAMP.fullmatch(_COMPACT.sub(r"\1-\2-\3T\4:\5:\6\7", cell))
+    parts = _STAMP.fullmatch(cell if ":" in cell[:-3] else _COMPACT.sub(r"\1-\2-\3T\4:\5:\6\7", cell))
     if parts is None:
         raise ValueError(cell)
     hour, minute, second = int(parts[2]), int(parts[3]), int(parts[4])

@@ -87,16 +87,18 @@ def specimens(text: str, log: ImportLog) -> dict[str, str]:
     """
     if any(name.strip().isdigit() for name in log.settings.columns.values()):
         return {"": text}  # numbers of columns count those of the file
-    lines = text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
     first = log.settings.skip or 0
-    heads = ((at, sign) for at in range(first, min(first + _HEAD, len(lines))) for sign in SEPARATORS if sign != " ")
+    lines = text[: _HEAD * 1000].splitlines()[first : first + _HEAD]
+    heads = ((at, sign) for at in range(len(lines)) for sign in SEPARATORS if sign != " ")
     for at, separator in heads:
-        width = _period(split(lines[at], separator)) if separator in lines[at] else 0
+        wide = lines[at].count(separator) >= 2 * len(ROLES) - 1
+        width = _period(split(lines[at], separator)) if wide else 0
         if width:
             break
     else:
         return {"": text}
-    rows = [split(line, separator) for line in lines]
+    at += first
+    rows = [split(line, separator) for line in text.replace("\r\n", "\n").replace("\r", "\n").split("\n")]
     starts = [start for start in range(0, len(rows[at]), width) if any(rows[at][start : start + width])]
     above = next((row for row in reversed(rows[first:at]) if any(row)), [])
     titles = [above[start] if start < len(above) else "" for start in starts]

@@ -48,6 +48,12 @@ class Layout:
         """Line number in the file, from 1, of ``lines[index]``."""
         return index + self.skipped + 1
 
+    def repeats(self, line: int) -> bool:
+        """Whether a line of the file is word for word the one before, blank lines left out."""
+        at = line - self.skipped - 1
+        before = next((one for one in reversed(self.lines[max(at - 8, 0) : at]) if one.strip()), "")
+        return self.lines[at] == before
+
     def cells(self, line: str) -> list[str]:
         """Split one line."""
         return cell_text.split(line, self.separator)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -97,7 +96,7 @@ def columns_of(text: str, log: ImportLog) -> Columns:
     wanted = {column.index for role in ROLES for column in candidates[role]}
     wanted |= {one.index for one in columns if timelike(one) or (one.numeric and (missing or one.counts))}
     indices = sorted(wanted)
-    body = read_body(layout, indices, log)
+    body = read_body(layout, indices, log, len(candidates["time"]) > 1)
     if len(body.values) < MIN_SAMPLES:
         message = f"{len(body.values)} rows of numbers; a press needs at least {MIN_SAMPLES}"
         raise log.fault(message, "not_enough_data", "table", len(body.values))
@@ -107,7 +106,7 @@ def columns_of(text: str, log: ImportLog) -> Columns:
     time, x, force, inside = _quantities(columns, candidates, chosen, values, layout.rate_Hz, log)
     lines = body.lines[inside]
     breaks = np.flatnonzero(np.isin(np.flatnonzero(inside), body.breaks)).tolist()
-    order, time, recordings = rows_in_order(time, _repeats(layout, lines), breaks, lines, log)
+    order, time, recordings = rows_in_order(time, layout.repeats, breaks, lines, log)
     found = {role: chosen.get(role, _NAMELESS) for role in ROLES}
     return Columns(time, x[order], force[order], recordings, layout, found)
 
@@ -141,15 +140,17 @@ def _quantities(
     raw = {role: values[column.index] for role, column in chosen.items()}
     scale = find_factors(chosen, raw, log)
     x, force = (raw[role] * scale[role] for role in ("displacement", "force"))
-    for role, swing in (("displacement", float(np.ptp(x))), ("force", float(np.ptp(force)))):
-        _check_range(role, chosen[role], swing, log)
-    inside = np.ones(count, bool)
+    for role, read in (("displacement", x), ("force", force)):
+        _check_range(role, chosen[role], float(np.nanmax(read) - np.nanmin(read)), log)
+    inside = np.isfinite(x) & np.isfinite(force)
+    if second is None and not inside.all():
+        raise log.fault("a number is missing: the recording dropped out; export it again", "missing", "cell")
     if seconds is None:
         begin = float(raw["time"][0]) if abs(raw["time"][0]) > 1e6 else 0.0
         seconds = (raw["time"] - begin) * scale["time"]
         if second is not None:
             own = second.unit.factor if second.unit and "time" not in settings.units else scale["time"]
-            inside, x = align(seconds, values[second.index] * own - begin * scale["time"], x, log)
+            inside, x = align(seconds, values[second.index] * own - begin * scale["time"], x, force, log)
         else:
             _check_time(chosen["time"], seconds, columns, values, log)
     return seconds[inside], x[inside], force[inside], inside
@@ -158,7 +159,7 @@ def _quantities(
 def _check_range(role: str, column: Column, change: float, log: ImportLog) -> None:
     """Name the range of this tool where a quantity whose unit the header states is outside it."""
     low, high, unit = RANGES[role]
-    if change == 0.0 or column.unit is None or column.unit.kind == known.OTHER or role in log.settings.units or low <= change <= high:
+    if change == 0.0 or column.unit is None or role in log.settings.units or low <= change <= high:
         return
     limit = f"at least {low:g} {unit}" if change < low else f"at most {high:g} {unit}"
     message = (
@@ -191,12 +192,6 @@ def _check_time(
                                f"'{other.label}'", f"--columns time={other.label} or {options}")  # fmt: skip
 
 
-def _repeats(layout: Layout, lines: NDArray) -> NDArray:
-    """Whether each row is word for word the one before."""
-    texts = [layout.lines[line - layout.skipped - 1] for line in lines.tolist()]
-    return np.array([False, *(one == other for one, other in pairwise(texts))])
-
-
 def _read_bytes(path: Path) -> bytes:
     """The file's content; refused when it changes while it is read."""
     try:
@@ -221,11 +216,11 @@ class Body:
     breaks: tuple[int, ...]
 
 
-def read_body(layout: Layout, columns: Sequence[int], log: ImportLog) -> Body:
-    """Read the numbers of some columns."""
+def read_body(layout: Layout, columns: Sequence[int], log: ImportLog, ragged: bool = False) -> Body:
+    """Read the numbers of some columns; where the table may be ``ragged``, NaN after a column's end."""
     values = _read_at_once(layout, columns)
     lines = np.arange(layout.last - layout.first) + layout.line(layout.first)
-    return _read_by_line(layout, columns, log) if values is None else Body(values, lines, ())
+    return _read_by_line(layout, columns, log, ragged) if values is None else Body(values, lines, ())
 
 
 def _read_at_once(layout: Layout, columns: Sequence[int]) -> NDArray | None:
@@ -249,7 +244,7 @@ def _read_at_once(layout: Layout, columns: Sequence[int]) -> NDArray | None:
     return values if len(values) == len(lines) and np.isfinite(values).all() else None
 
 
-def _read_by_line(layout: Layout, columns: Sequence[int], log: ImportLog) -> Body:
+def _read_by_line(layout: Layout, columns: Sequence[int], log: ImportLog, ragged: bool) -> Body:
     """Line by line, with the faults named; lines of text between the numbers interrupt the table."""
     width, date_at, dates = len(layout.kinds), _date_column(layout), list[str]()
     rows: list[list[Any]] = []
@@ -274,9 +269,14 @@ def _read_by_line(layout: Layout, columns: Sequence[int], log: ImportLog) -> Bod
         if len(cells) != width:
             message = f"has {len(cells)} cells, the table has {width}; fix or remove this line of the file"
             raise log.fault(message, "malformed", "table", len(cells), width, line=layout.line(index))
-        if None in row:
-            at = row.index(None)
-            raise _cell_fault(layout, index, columns[at], wanted[at], log)
+        ended = [bool(rows) and rows[-1][at] is _ENDED for at in range(len(row))]
+        for at, cell in enumerate(wanted):
+            # a channel that was recorded for a shorter time ends, and does not go on
+            if ragged and len(rows) >= MIN_SAMPLES and not cell and layout.kinds[columns[at]] == "number":
+                row[at], ended[at] = _ENDED, False
+        if None in row or any(ended):
+            at = row.index(None) if None in row else ended.index(True)
+            raise _cell_fault(layout, index, columns[at], wanted[at] if None in row else "", log)
         rows.append(row)
         dates.append("" if date_at is None or not cell_text.is_date(cells[date_at]) else cells[date_at])
         numbers.append(layout.line(index))
@@ -295,10 +295,14 @@ def _read_by_line(layout: Layout, columns: Sequence[int], log: ImportLog) -> Bod
             for row, seconds in zip(rows, cell_text.elapsed_seconds(stamps, log)):
                 row[at] = seconds
     values = np.array(rows, float).reshape(-1, len(columns))
-    finite = np.isfinite(values).all(axis=1)
+    finite = (np.isfinite(values) | np.isnan(values)).all(axis=1)
     if not finite.all():
         raise log.fault("a number is too large", "out_of_range", "cell", line=numbers[int(np.argmin(finite))])
     return Body(values, np.array(numbers, int), tuple(dict.fromkeys(at for at in breaks if 0 < at < len(rows))))
+
+
+_ENDED = float("nan")
+"""Stands for the cells below the end of a column."""
 
 
 def _date_column(layout: Layout) -> int | None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -100,37 +100,42 @@ def find_bases(chosen: Mapping[str, Column], times: Sequence[Column]) -> dict[st
     return bases if bases["displacement"] is not bases["force"] else {}
 
 
-def align(force_s: NDArray, displacement_s: NDArray, x: NDArray, log: ImportLog) -> tuple[NDArray, NDArray]:
+def align(
+    force_s: NDArray, displacement_s: NDArray, x: NDArray, force: NDArray, log: ImportLog
+) -> tuple[NDArray, NDArray]:
     """Bring the displacement to the times of the force: which rows both cover, and the displacement there.
 
-    Two clocks whose times do not meet only begin elsewhere: then the rows are taken as they stand.
+    Two clocks whose times do not meet only begin elsewhere: then the rows are taken as they stand. A channel may be
+    shorter than the other: NaN follows its end.
     """
-    for time in (force_s, displacement_s):
+    inside, own = np.isfinite(force_s + force), np.isfinite(displacement_s + x)
+    for time in (force_s[inside], displacement_s[own]):
         if np.any(np.diff(time) <= 0):
             at = int(np.argmax(np.diff(time) <= 0)) + 1
             raise log.fault("displacement and force have their own times, and one of them does not rise "
                             f"({time[at]:.6g} s after {time[at - 1]:.6g} s); name the one time that is right for both "
                             "by --columns time=NAME", "malformed", "time_s", float(time[at]))  # fmt: skip
-    everything = np.ones(len(force_s), bool)
-    lag = float(np.median(displacement_s - force_s))
-    if np.max(np.abs(displacement_s - force_s)) <= 1e-3 * float(np.median(np.diff(force_s))):
-        return everything, x
-    if displacement_s[0] > force_s[-1] or displacement_s[-1] < force_s[0]:
-        log.decide("two times", f"{lag:+.6g} s apart", "they never meet: each row is taken as one moment")
-        return everything, x
-    inside = (force_s >= displacement_s[0]) & (force_s <= displacement_s[-1])
-    if inside.sum() < 0.5 * len(inside):
+    both = inside & own
+    first, last = displacement_s[own][[0, -1]]
+    lag = float(first - force_s[inside][0])
+    same = np.max(np.abs((displacement_s - force_s)[both])) <= 1e-3 * float(np.median(np.diff(force_s[inside])))
+    if same or first > force_s[inside][-1] or last < force_s[inside][0]:
+        why = "the same" if same else "they never meet: each row is taken as one moment"
+        log.decide("two times", f"begin {lag:+.6g} s apart", why)
+        return both, x
+    shared = inside & (force_s >= first) & (force_s <= last)
+    if shared.sum() < 0.5 * inside.sum():
         raise log.fault(f"displacement and force have their own times, {lag:+.4g} s apart: less than half of the "
                         "recording is covered by both; name the one time that is right for both by --columns time=NAME",
                         "inconsistent", "time_s", lag)  # fmt: skip
-    log.decide("two times", f"{lag:+.6g} s apart", "displacement interpolated to the times of the force")
-    log.warn("two_time_bases", f"displacement and force have their own times, {lag:+.4g} s apart; the displacement was "
-             "interpolated to the times of the force: check that both clocks began together")  # fmt: skip
-    return inside, np.interp(force_s, displacement_s, x)
+    log.decide("two times", f"begin {lag:+.6g} s apart", "displacement interpolated to the force")
+    log.warn("two_time_bases", f"displacement and force have their own times, which begin {lag:+.4g} s apart; the "
+             "displacement was interpolated to the times of the force: check that both clocks share a zero")  # fmt: skip
+    return shared, np.interp(force_s, displacement_s[own], x[own])
 
 
 def rows_in_order(
-    time: NDArray, equal_rows: NDArray, breaks: Sequence[int], lines: NDArray, log: ImportLog
+    time: NDArray, repeats: Callable[[int], bool], breaks: Sequence[int], lines: NDArray, log: ImportLog
 ) -> tuple[NDArray, NDArray, Ranges]:
     """Bring rows to the order of time: which rows in which order, their time, and the recordings in them.
 
@@ -138,20 +143,24 @@ def rows_in_order(
     ----------
     time : ndarray, shape (n,)
         As it is written. [s]
-    equal_rows : ndarray of bool, shape (n,)
-        Whether a row is word for word the one before.
+    repeats : callable
+        Whether a line of the file is word for word the one before.
     breaks : sequence of int
         Rows before which text stands in the file.
     lines : ndarray of int, shape (n,)
         Line of each row in the file.
     """
     order = np.arange(len(time))
-    equal = np.r_[False, np.diff(time) == 0]
-    twice = equal & equal_rows
-    if twice.any() and not (equal & ~twice).sum() > twice.sum():
-        why = f"word for word the row before; the first is line {lines[twice][0]}"
-        log.decide("repeated rows", f"{twice.sum()} rows", why)
-        order = order[~twice]
+    steps = np.diff(time)
+    if np.all(steps > 0):
+        return order, time, ((0, len(time)),)
+    equal = np.flatnonzero(steps == 0) + 1
+    twice = np.array([row for row in equal.tolist() if repeats(int(lines[row]))], int)
+    # rows of a coarse time are alike where nothing moves; where all that are equal are alike, they are one row
+    if len(twice) and (len(twice) == len(equal) or len(equal) < COARSE * len(time)):
+        why = f"word for word the row before; the first is line {lines[twice[0]]}"
+        log.decide("repeated rows", f"{len(twice)} rows", why)
+        order = np.delete(order, twice)
     kept = time[order]
     interrupted = set(np.searchsorted(order, list(breaks)).tolist())
     starts = [0]
@@ -180,7 +189,7 @@ def _sorted(time: NDArray, lines: NDArray, log: ImportLog) -> NDArray:
     moved = order != np.arange(len(time))
     touched = moved[1:] | moved[:-1]
     usual = float(np.median(steps))
-    most = max(2.0 * usual, 1.2 * float(steps[~touched].max(initial=0.0)))
+    most = max(1.5 * usual, 1.2 * float(steps[~touched].max(initial=0.0)))
     if np.any(steps[touched] > most) or np.any(steps[touched] < 0.3 * usual):
         at = int(back[0])
         message = (f"time = {time[at]:.6g} s goes back (the row before has {time[at - 1]:.6g} s; {len(back)} such "

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import re
 import unicodedata
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
 from dummydesign.core.library import data_folder, read_toml
 
@@ -44,6 +46,7 @@ def _signs_in(name: str) -> set[str]:
     return found
 
 
+@lru_cache(4096)
 def meanings_of(name: str) -> frozenset[str]:
     """Return all that a column's name speaks for: time, displacement, force, stress, strain, counter and ``other``."""
     words, found = words_of(name), _signs_in(name)
@@ -114,8 +117,12 @@ _UNITS = {
     name: Unit(kind, float(factor), name)
     for kind, factors in _DATA["units"].items() for factor, names in factors.items() for name in names.split()
 }  # fmt: skip
+_LOWER = Counter(name.lower() for name in _UNITS)
+_ALIKE_UNITS = {name.lower(): unit for name, unit in _UNITS.items() if _LOWER[name.lower()] == 1}
+"""Units that no other one is written like in other letters."""
 
 
+@lru_cache(4096)
 def find_unit(text: str) -> Unit | None:
     """Look a unit up as written, brackets or not; None where it is none that is known.
 
@@ -132,8 +139,7 @@ def find_unit(text: str) -> Unit | None:
     # MN and MS are mega-units or sloppy capitals: a factor of a thousand million is nothing to guess at.
     if word in ("MN", "Mn", "mn", "M", "MS", "Ms", "G", "MIN"):
         return None
-    alike = [unit for name, unit in _UNITS.items() if name.lower() == word.lower()]
-    return alike[0] if len(alike) == 1 else None
+    return _ALIKE_UNITS.get(word.lower())
 
 
 def scaled_unit(text: str, kind: str) -> Unit | None:
@@ -155,6 +161,7 @@ USUAL_UNITS = {"time": "s, ms, us, min, h", "length": "mm, um, cm, m, in", "forc
 """The usual units of a kind, for messages."""
 
 
+@lru_cache(4096)
 def split_name(cell: str) -> tuple[str, Unit | None]:
     """Separate a column's name from the unit in it: ``Weg [mm]``, ``Kraft in N``, ``time_s``, ``t/s``, ``mm``."""
     text = cell.translate(_ALIKE).strip().strip('"').strip()

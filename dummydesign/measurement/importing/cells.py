@@ -65,8 +65,10 @@ _NUMBER = {sign: re.compile(_FORM % (groups, re.escape(sign)), re.ASCII) for sig
 _PLAIN = {".": re.compile(r"-?\d+(?:\.\d+)?", re.ASCII), ",": re.compile(r"-?\d+(?:,\d+)?", re.ASCII)}
 """Numbers of the usual form, which most are; the patterns above also take groups, exponents and other signs."""
 _NOT_FINITE = {"nan", "inf", "-inf", "+inf", "#nv", "#n/a", "n/a", "na", "null", "none", "---", "--", "-", "overflow"}
+_MONTH = r"\d{1,2}[-/. ]+[A-Za-z]{3}[a-z]*[-/., ]+\d{4}"
+_DAY = rf"\d{{4}}[-/.]\d{{1,2}}[-/.]\d{{1,2}}|\d{{1,2}}[-/.]\d{{1,2}}[-/.]\d{{2,4}}|{_MONTH}"
 _STAMP = re.compile(
-    r"(?:(\d{4}[-/.]\d{1,2}[-/.]\d{1,2}|\d{1,2}[-/.]\d{1,2}[-/.]\d{2,4})[T ]+)?"
+    rf"(?:({_DAY})[T ]+)?"
     r"(\d{1,2}):(\d{2}):(\d{2})(?:[.,:](\d+))?(?: ?([AaPp])\.?[Mm]\.?)?(?:Z| ?[+-]\d{2}:?\d{2})?",
     re.ASCII,
 )
@@ -164,8 +166,9 @@ def seconds_of_stamp(cell: str) -> tuple[float, str]:
 
 
 DAY_S = 86400.0
-_DATE = re.compile(r"\d{4}[-/.]\d{1,2}[-/.]\d{1,2}|\d{1,2}[-/.]\d{1,2}[-/.]\d{2,4}", re.ASCII)
+_DATE = re.compile(_DAY, re.ASCII)
 _ORDERS = ("year-month-day", "day-month-year", "month-day-year")
+_MONTHS = ("jan", "feb", "mar", "apr", "may", "jun", "jul", "aug", "sep", "oct", "nov", "dec")
 
 
 def is_date(cell: str) -> bool:
@@ -214,6 +217,8 @@ def _days(texts: Sequence[str], log: ImportLog) -> tuple[dict[str, int], str]:
 
 def _ordinal(text: str, order: str) -> int:
     """Number of the day of a date; two digits of a year are of this century."""
-    parts = dict(zip(order.split("-"), re.split("[-/.]", text)))
+    parts = dict(zip(order.split("-"), re.split("[-/., ]+", text)))
+    name = parts["month"][:3].lower()
+    parts["month"] = str(_MONTHS.index(name) + 1) if name in _MONTHS else parts["month"]
     year = parts["year"] if len(parts["year"]) != 2 else f"20{parts['year']}"
     return datetime.strptime(f"{year}-{parts['month']}-{parts['day']}", "%Y-%m-%d").toordinal()

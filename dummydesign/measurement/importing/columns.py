@@ -187,7 +187,7 @@ def _choose_one(role: str, candidates: Sequence[Column], values: Values, log: Im
     if not moving:
         return column, why
     first = moving[0]
-    rivals = [one for one in moving[1:] if not _same(values[first.index], values[one.index], role)]
+    rivals = [one for one in moving[1:] if not _same(*(_counts(column, role, values) for column in (first, one)), role)]
     if rivals:
         names = " or ".join(f"'{one.label}'" for one in (first, *rivals))
         # by its number where another one has its name
@@ -196,6 +196,12 @@ def _choose_one(role: str, candidates: Sequence[Column], values: Values, log: Im
         raise log.question(f"{role} may be {names}", f"--columns {shlex.quote(f'{role}={label}')}")
     others = ", ".join(f"'{one.label}'" for one in candidates if one is not first)
     return first, f"{why}; {others} hold the same or nothing"
+
+
+def _counts(column: Column, role: str, values: Values) -> NDArray:
+    """Numbers of a column, in the unit that it states."""
+    stated = column.unit is not None and column.unit.kind == KIND_OF_ROLE[role]
+    return values[column.index] * column.unit.factor if stated and column.unit else values[column.index]
 
 
 def _rises(values: NDArray) -> bool:
@@ -239,7 +245,8 @@ def choose_by_behaviour(
     if absent:
         shown = ", ".join(f"'{one.short}'" if one.title else f"column {one.index + 1}" for one in columns[:12])
         option = f"--columns {','.join(f'{role}=NAME' for role in absent)}"
-        message = f"no column is {' or '.join(absent)} (there are {shown}); say {option}, or export it"
+        rate = ", or --rate HZ where the samples are evenly spaced" if absent == ["time"] else ""
+        message = f"no column is {' or '.join(absent)} (there are {shown}); say {option}{rate}, or export it"
         raise log.fault(message, "missing", absent[0])
     # Without the units the answer would be a guess; with them the user has said what kinds of numbers these are.
     units = log.settings.units

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections import Counter
 from collections.abc import Sequence
 
 from dummydesign.measurement.importing.cells import SEPARATORS, split
@@ -12,6 +13,9 @@ from dummydesign.measurement.importing.vocabulary import KIND_OF_ROLE, ROLES, ro
 _CLOCK = r"((?:\d{4}-\d{2}-\d{2}[T ])?\d{1,2}:\d{2}:\d{2}(?:[.,]\d+)?)"
 _ARRIVAL = re.compile(rf"\s*(?:\[{_CLOCK}\]\s*(?:[-=]?>|→|:)?|{_CLOCK}\s*(?:[-=]?>|→))\s*(.*)")
 """The time of arrival that serial monitors write before a line: ``14:03:20.250 -> ``, ``[2024-05-03 14:03:20] ``."""
+_LABELLED = re.compile(
+    r"(?:^|(?<=[,;\s]))([^\W\d][\w.]*(?: ?[(\[][^\])]+[)\]])?)\s*[:=]\s*([-+]?[\d.]+(?:[eE][-+]?\d+)?)(?=[,;\s]|$)[,;]?"
+)
 _LABVIEW, _END = "LabVIEW Measurement", "***End_of_Header***"
 _HEAD = 60
 """Lines at the start among which a header is looked for."""
@@ -21,6 +25,7 @@ def plain_lines(lines: list[str], log: ImportLog) -> list[str]:
     """Return the lines of a plain table, as many as there are, so that errors name the lines of the file."""
     if lines and lines[0].startswith(_LABVIEW):
         return _labview(lines, log)
+    lines = _without_labels(lines, log)
     if not any(map(_ARRIVAL.fullmatch, lines[:_HEAD])):
         return lines
     matches = [_ARRIVAL.fullmatch(line) for line in lines]
@@ -33,6 +38,27 @@ def plain_lines(lines: list[str], log: ImportLog) -> list[str]:
             for line, match in zip(lines, matches)]  # fmt: skip
 
 
+def _without_labels(lines: list[str], log: ImportLog) -> list[str]:
+    """Lines of labelled values, ``Position:1.25,Force:0.3``, as a table whose first line is added: the labels."""
+    read = [_labelled(line) for line in lines[:_HEAD]]
+    labels, count = Counter(map(tuple, read)).most_common(1)[0]
+    if len(labels) < 2 or count < 0.5 * len(read):
+        return lines
+    log.decide("form", "labelled values", f"each line holds {', '.join(labels)} with their values")
+    plain = ["\t".join(labels)]
+    for line in lines:
+        own = _labelled(line)
+        plain.append("\t".join(own.values()) if tuple(own) == labels else line)
+    return plain
+
+
+def _labelled(line: str) -> dict[str, str]:
+    """Values by their label, of a line that consists of nothing else."""
+    if not (":" in line or "=" in line) or _LABELLED.sub("", line).strip(" ,;\t"):
+        return {}
+    return {part[1]: part[2] for part in _LABELLED.finditer(line)}
+
+
 def _labview(lines: Sequence[str], log: ImportLog) -> list[str]:
     """Lines of a LabVIEW measurement: names with their units, and rows with their time.
 
@@ -40,7 +66,7 @@ def _labview(lines: Sequence[str], log: ImportLog) -> list[str]:
     National Instruments, "Specification for the LabVIEW Measurement File (.lvm)".
     """
     plain, facts, names, row = [""] * len(lines), dict[str, list[str]](), list[str](), 0
-    separator, in_header = "\t", True
+    separator, in_header = "," if lines[0].startswith(f"{_LABVIEW},") else "\t", True
     for at, line in enumerate(lines):
         cells = [cell.strip() for cell in line.split(separator)]
         if in_header and names and line.startswith(("X_Value", "Comment")):
@@ -51,7 +77,6 @@ def _labview(lines: Sequence[str], log: ImportLog) -> list[str]:
             in_header = False
         elif in_header:
             facts[cells[0]] = cells
-            separator = {"Comma": ","}.get(facts.get("Separator", ["", ""])[-1], "\t")
         elif not any(cells):
             in_header = True
         else:
@@ -119,7 +144,7 @@ def _period(names: list[str]) -> int:
         names = names[:-1]
     read = [split_name(name) for name in names]
     keys = [(tuple(words_of(name)), unit.text if unit else "") for name, unit in read]
-    for width in range(len(ROLES), len(keys) // 2 + 1):
+    for width in range(len(ROLES), (len(keys) + 1) // 2 + 1):
         rest = len(keys) % width
         if rest in (0, width - 1) and all(key == keys[at % width] for at, key in enumerate(keys)):
             kinds = {unit.kind for _, unit in read[:width] if unit}

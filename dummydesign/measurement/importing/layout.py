@@ -62,8 +62,9 @@ class Layout:
 def find_layout(text: str, log: ImportLog) -> Layout:
     """Find the table of numbers."""
     skipped = log.settings.skip or 0
-    lines = text.replace("\r\n", "\n").replace("\r", "\n").split("\n")[skipped:]
-    lines = plain_lines(cell_text.whole_cells(lines), log)
+    written = cell_text.whole_cells(text.replace("\r\n", "\n").replace("\r", "\n").split("\n")[skipped:])
+    lines = plain_lines(written, log)
+    skipped -= len(lines) - len(written)
     sample = _spread(lines)
     if not sample:
         raise log.no_table("holds no table: nothing but comments and blank lines")

@@ -128,7 +128,7 @@ def _quantities(
     elif composed and not (named and times[0] not in composed.parts):
         seconds = composed.seconds
         first, other = composed.parts
-        log.decide("time column", f"{first.label} + {other.label}", "whole seconds, and their fraction")
+        log.decide("time column", f"{first.label} + {other.label}", "whole ones, and their fraction")
     elif "time" not in chosen:
         bases = {} if named else find_bases(chosen, times)
         if bases:

@@ -36,16 +36,16 @@ class ComposedTime:
 
 
 def compose_time(columns: Sequence[Column], values: Values) -> ComposedTime | None:
-    """Find a column of whole seconds (or of a clock) beside one of ms, us or ns that begins again with each of them."""
+    """Find a column of whole seconds (a clock, minutes) beside one of a smaller unit that begins again with each."""
     parts = [one for one in columns if one.index in values and timelike(one)]
     for whole in parts:
         factor = 1.0 if whole.kind == "stamp" else whole.unit.factor if whole.unit else 0.0
         seconds = values[whole.index] * factor
-        if factor < 1.0 or np.any(seconds != np.rint(seconds)):
+        if factor < 1.0 or np.any(seconds != np.rint(seconds / factor) * factor):
             continue
         rises = np.diff(seconds) > 0
         for fine in parts:
-            if fine is whole or fine.kind == "stamp" or fine.unit is None or fine.unit.factor >= 1.0:
+            if fine is whole or fine.kind == "stamp" or fine.unit is None or fine.unit.factor >= factor:
                 continue
             part = values[fine.index] * fine.unit.factor
             falls = np.diff(part) < 0
@@ -53,7 +53,7 @@ def compose_time(columns: Sequence[Column], values: Values) -> ComposedTime | No
             goes_on = np.mean(np.diff(total) >= 0) > 0.9 and np.ptp(total) > 0
             hits = int(rises[falls].sum())
             begins_again = hits > 0 and falls.sum() - hits <= 0.1 * hits + 2
-            if 0.0 <= part.min() and part.max() < 1.0 and goes_on and (begins_again or not rises.any()):
+            if 0.0 <= part.min() and part.max() < factor and goes_on and (begins_again or not rises.any()):
                 return ComposedTime((whole, fine), total)
     return None
 
@@ -130,7 +130,7 @@ def align(
                         "inconsistent", "time_s", lag)  # fmt: skip
     log.decide("two times", f"begin {lag:+.6g} s apart", "displacement interpolated to the force")
     log.warn("two_time_bases", f"displacement and force have their own times, which begin {lag:+.4g} s apart; the "
-             "displacement was interpolated to the times of the force: check that both clocks share a zero")  # fmt: skip
+             "displacement was interpolated to the times of the force: check that both share a zero")  # fmt: skip
     return shared, np.interp(force_s, displacement_s[own], x[own])
 
 
@@ -167,7 +167,7 @@ def rows_in_order(
     for row in (np.flatnonzero(np.diff(kept) < 0) + 1).tolist():
         begin, reached = float(kept[starts[-1]]), float(kept[row - 1])
         back = reached - float(kept[row])
-        if (row in interrupted or back > 0.9 * (reached - begin)) and row - starts[-1] >= 10:
+        if reached > begin and (row in interrupted or back > 0.9 * (reached - begin)) and row - starts[-1] >= 10:
             starts.append(row)
     ranges = tuple(zip(starts, [*starts[1:], len(kept)]))
     if len(starts) > 1:

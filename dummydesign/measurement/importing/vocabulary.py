@@ -50,10 +50,11 @@ def _signs_in(name: str) -> set[str]:
 def meanings_of(name: str) -> frozenset[str]:
     """Return all that a column's name speaks for: time, displacement, force, stress, strain, counter and ``other``."""
     words, found = words_of(name), _signs_in(name)
-    for word in words:
+    for word in sorted(words, key=len, reverse=True):
         exact = {role for role, known in _WORDS.items() if word in known}
         part = next((role for one, role in _PARTS if word.startswith(one) or word.endswith(one)), None)
-        found |= exact or ({part} if part else set())
+        # the z of "force.z" is an axis
+        found |= (exact or ({part} if part else set())) if len(word) > 1 or not found else set()
     if len(words) == 1 and words[0] in _LETTERS:
         found.add(_LETTERS[words[0]])
     return frozenset(found)

@@ -139,13 +139,22 @@ def zipped(name):
     [(zipped("content.xml"), ".ods"), (zipped("a.npy"), ".npz"), (zipped("a.txt"), "ZIP"),
      (b"PAR1\x15", "Parquet"),
      (b"MATLAB 5.0 MAT-file, Platform", ".mat"), (b"\x93NUMPY\x01\x00v", ".npy"), (b"TDSm\x0e\x00", "TDMS"),
-     (b"\x89HDF\r\n\x1a\n", "HDF5"), (json.dumps({"force": [1, 2]}).encode(), "JSON"), (b"\xd0\xcf\x11\xe0\xa1", ".xls"),
+     (b"\x89HDF\r\n\x1a\n", "HDF5"), (json.dumps({"force": [1, 2]}).encode(), "JSON"),
+     (b"\xd0\xcf\x11\xe0\xa1", ".xls"),
      (b"<html><table>", "web page"), (b"#ROSBAG V2.0\n", "ROS bag")],
 )  # fmt: skip
 def test_a_known_container_is_refused_by_its_name(data, named):
     with raises_code("file_unreadable", "file") as fault:
         decode(data, ImportLog("a"))
     assert named in str(fault.value)
+
+
+@pytest.mark.parametrize("separator", [",", " ", "\t"])
+def test_labelled_values_are_columns_by_their_labels(separator):
+    lines = [
+        f"Time_s:{a:.3f}{separator}Position_mm:{b:.6f}{separator}Force_N:{c:.6f}" for a, b, c in zip(TIME, WAY, FORCE)
+    ]
+    check(read(["ready", *lines])[0])
 
 
 def test_values_of_a_preamble_are_no_names():

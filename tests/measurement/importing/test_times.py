@@ -60,6 +60,26 @@ def test_compact_iso_times_are_read():
     assert max(off(read("time_utc;Weg [mm];Kraft [N]", stamps, WAY, FORCE)[0])) < 2e-6
 
 
+@pytest.mark.parametrize(
+    "form", ["%d-%b-%Y %H:%M:%S.%f", "%m/%d/%Y %I:%M:%S.%f %p", "%H:%M:%S:%f", "%d %B %Y %H:%M:%S,%f"]
+)
+def test_clocks_with_and_without_dates_are_read(form):
+    begin = datetime.datetime(2025, 1, 31, 23, 59, 57, 250000)
+    stamps = [f"{begin + datetime.timedelta(seconds=float(second)):{form}}" for second in TIME]
+    assert max(off(read("Timestamp;Weg [mm];Kraft [N]", stamps, WAY, FORCE)[0])) < 2e-6
+
+
+def test_minutes_beside_seconds_are_one_time():
+    minutes, seconds = np.divmod(TIME + 57.0, 60.0)
+    found, _ = read("min;s;Weg [mm];Kraft [N]", [f"{one:.0f}" for one in minutes], seconds, WAY, FORCE)
+    assert max(off(found)) < 2e-6
+
+
+def test_the_same_time_in_two_units_is_one_and_a_file_may_be_written_from_its_end():
+    assert max(off(read("Time (ms);Time (s);Weg [mm];Kraft [N]", 1e3 * TIME, TIME, WAY, FORCE)[0])) < 2e-6
+    assert max(off(read("Time (s);Weg [mm];Kraft [N]", TIME[::-1], WAY[::-1], FORCE[::-1])[0])) < 2e-6
+
+
 @pytest.mark.parametrize("lag", [-0.3, 0.02, 0.5])
 @pytest.mark.parametrize("names", ["Time Load [s];Load [N];Time Position [s];Position [mm]",
                                    "t [s];Load [N];t [s];Position [mm]"])  # fmt: skip

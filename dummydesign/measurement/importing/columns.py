@@ -187,7 +187,8 @@ def _choose_one(role: str, candidates: Sequence[Column], values: Values, log: Im
     if not moving:
         return column, why
     first = moving[0]
-    rivals = [one for one in moving[1:] if not _same(*(_counts(column, role, values) for column in (first, one)), role)]
+    own = _counts(first, role, values)
+    rivals = [one for one in moving[1:] if not _same(own, _counts(one, role, values), role)]
     if rivals:
         names = " or ".join(f"'{one.label}'" for one in (first, *rivals))
         # by its number where another one has its name

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import islice
 
 from dummydesign.core.errors import InputError
@@ -16,6 +16,8 @@ from dummydesign.measurement.importing.forms import plain_lines
 
 LEAST_ROWS = 3
 LONGEST_LINE = 20_000
+LEAST_GAPS = 0.2
+"""Share of empty cells from which on quantities are written in rows of their own; fewer are drop-outs."""
 HEADER_LINES = 8
 """Lines above the table that may be its header."""
 _LONGEST_NAME = 80
@@ -43,6 +45,8 @@ class Layout:
     units: Texts
     rate_Hz: float | None = None
     """Sampling rate that the lines above the table state."""
+    sparse: bool = False
+    """Whether quantities are written in rows of their own, the other cells empty."""
 
     def line(self, index: int) -> int:
         """Line number in the file, from 1, of ``lines[index]``."""
@@ -83,9 +87,11 @@ def find_layout(text: str, log: ImportLog) -> Layout:
     first, last = _bounds(lines, separator, kinds)
     if last - first < LEAST_ROWS:
         raise log.no_table(_why_no_table(lines))
-    rows = [cell_text.split(line, separator) for line in lines[first:last][:: max((last - first) // 300, 1)]]
+    rows = [cell_text.split(line, separator) for line in lines[first:last][:: (last - first) // 300 | 1]]
     cells = [cell for row in rows for cell, kind in zip(row, kinds) if kind == "number" and is_number(cell)]
-    inside = [_units_inside(column, kind, cells) for column, kind in zip(zip(*_full(rows, len(kinds))), kinds)]
+    full = list(zip(*(row for row in rows if len(row) == len(kinds))))
+    inside = [_units_inside(column, kind, cells) for column, kind in zip(full, kinds)]
+    sparse = any(kind == "number" and _gaps(column) >= LEAST_GAPS for column, kind in zip(full, kinds))
     decimal = _decimal(cells, separator, log)
     names, units, header = find_header(lines, first, separator, len(kinds))
     if any(inside):
@@ -103,11 +109,14 @@ def find_layout(text: str, log: ImportLog) -> Layout:
     if after:
         log.decide("footer", f"{len(after)} lines", f"not rows of the table; the first: '{_short(after[0])}'")
     thousands = any(cell_text.has_thousands(cell, decimal) for cell in cells)
-    return Layout(lines, first, last, skipped, separator, decimal, thousands, kinds, names, units, next(rates, None))
+    found = Layout(lines, first, last, skipped, separator, decimal, thousands, kinds, names, units)
+    return replace(found, rate_Hz=next(rates, None), sparse=sparse)
 
 
-def _full(rows: Sequence[list[str]], width: int) -> list[list[str]]:
-    return [row for row in rows if len(row) == width]
+def _gaps(column: Sequence[str]) -> float:
+    """Share of empty cells above the last one that is filled."""
+    last = max((at for at, cell in enumerate(column) if cell), default=0)
+    return column[:last].count("") / max(last, 1)
 
 
 def _units_inside(column: Sequence[str], kind: str, numbers: list[str]) -> str:
@@ -129,11 +138,12 @@ def _short(line: str) -> str:
 
 def _spread(lines: Sequence[str]) -> list[str]:
     """Some lines of the whole text, neither blank nor comments."""
-    for step in (max(len(lines) // (4 * _SAMPLE), 1), 1):
+    for step in (len(lines) // (4 * _SAMPLE) | 1, 1):
         used = [line for line in lines[::step] if line.strip() and not is_comment(line)]
         if len(used) >= min(_SAMPLE, len(lines)):
             break
-    return used[:: max(len(used) // _SAMPLE, 1)]
+    # an odd step sees all rows where quantities take turns
+    return used[:: len(used) // _SAMPLE | 1]
 
 
 def _why_no_table(lines: Sequence[str]) -> str:

@@ -35,6 +35,7 @@ from dummydesign.measurement.importing.times import (
     align,
     check_rate,
     compose_time,
+    fill,
     find_bases,
     rows_in_order,
     time_by_rate,
@@ -81,8 +82,8 @@ _NAMELESS = Column(-1, "", "number", frozenset({"time"}), None)
 """Stands for a time that is made of several columns, or of none: a profile keeps no name of it."""
 RANGES = {"force": (0.03, 2000.0, "N"), "displacement": (0.03, 1e5, "mm")}
 """Changes of force and displacement that can be a press."""
-LEAST_STEP_S = 2e-5
-"""Shortest time between samples; no press is recorded at more than 50 kHz."""
+LEAST_STEP_S, LEAST_LENGTH_S = 2e-5, 0.05
+"""Shortest time between samples, and shortest recording, of a press."""
 
 
 def columns_of(text: str, log: ImportLog) -> Columns:
@@ -96,7 +97,8 @@ def columns_of(text: str, log: ImportLog) -> Columns:
     wanted = {column.index for role in ROLES for column in candidates[role]}
     wanted |= {one.index for one in columns if timelike(one) or (one.numeric and (missing or one.counts))}
     indices = sorted(wanted)
-    body = read_body(layout, indices, log, len(candidates["time"]) > 1)
+    gaps = "any" if layout.sparse else "end" if len(candidates["time"]) > 1 else ""
+    body = read_body(layout, indices, log, gaps)
     if len(body.values) < MIN_SAMPLES:
         message = f"{len(body.values)} rows of numbers; a press needs at least {MIN_SAMPLES}"
         raise log.fault(message, "not_enough_data", "table", len(body.values))
@@ -143,8 +145,6 @@ def _quantities(
     for role, read in (("displacement", x), ("force", force)):
         _check_range(role, chosen[role], float(np.nanmax(read) - np.nanmin(read)), log)
     inside = np.isfinite(x) & np.isfinite(force)
-    if second is None and not inside.all():
-        raise log.fault("a number is missing: the recording dropped out; export it again", "missing", "cell")
     if seconds is None:
         begin = float(raw["time"][0]) if abs(raw["time"][0]) > 1e6 else 0.0
         seconds = (raw["time"] - begin) * scale["time"]
@@ -153,6 +153,8 @@ def _quantities(
             inside, x = align(seconds, values[second.index] * own - begin * scale["time"], x, force, log)
         else:
             _check_time(chosen["time"], seconds, columns, values, log)
+    if second is None and not inside.all():
+        inside, x = fill(seconds, x, force, log)
     return seconds[inside], x[inside], force[inside], inside
 
 
@@ -178,7 +180,7 @@ def _check_time(
     text, length = column.unit.text, float(np.ptp(seconds))
     step = float(np.median(np.diff(seconds)))
     options = f"--units time=s where it is in seconds, --units time={text} where the header is right"
-    if 0.0 < step < LEAST_STEP_S:
+    if 0.0 < step < LEAST_STEP_S or 0.0 < length < LEAST_LENGTH_S:
         raise log.question(f"in {text}, as the header says, the samples are {1e6 * step:.3g} us apart "
                            f"({1e-3 / step:.4g} kHz) and the recording lasts {length:.3g} s", options)  # fmt: skip
     for other in columns:
@@ -216,11 +218,11 @@ class Body:
     breaks: tuple[int, ...]
 
 
-def read_body(layout: Layout, columns: Sequence[int], log: ImportLog, ragged: bool = False) -> Body:
-    """Read the numbers of some columns; where the table may be ``ragged``, NaN after a column's end."""
+def read_body(layout: Layout, columns: Sequence[int], log: ImportLog, gaps: str = "") -> Body:
+    """Read the numbers of some columns; NaN for empty cells below a column's ``end``, or for ``any``."""
     values = _read_at_once(layout, columns)
     lines = np.arange(layout.last - layout.first) + layout.line(layout.first)
-    return _read_by_line(layout, columns, log, ragged) if values is None else Body(values, lines, ())
+    return _read_by_line(layout, columns, log, gaps) if values is None else Body(values, lines, ())
 
 
 def _read_at_once(layout: Layout, columns: Sequence[int]) -> NDArray | None:
@@ -244,7 +246,7 @@ def _read_at_once(layout: Layout, columns: Sequence[int]) -> NDArray | None:
     return values if len(values) == len(lines) and np.isfinite(values).all() else None
 
 
-def _read_by_line(layout: Layout, columns: Sequence[int], log: ImportLog, ragged: bool) -> Body:
+def _read_by_line(layout: Layout, columns: Sequence[int], log: ImportLog, gaps: str) -> Body:
     """Line by line, with the faults named; lines of text between the numbers interrupt the table."""
     width, date_at, dates = len(layout.kinds), _date_column(layout), list[str]()
     rows: list[list[Any]] = []
@@ -269,11 +271,11 @@ def _read_by_line(layout: Layout, columns: Sequence[int], log: ImportLog, ragged
         if len(cells) != width:
             message = f"has {len(cells)} cells, the table has {width}; fix or remove this line of the file"
             raise log.fault(message, "malformed", "table", len(cells), width, line=layout.line(index))
-        ended = [bool(rows) and rows[-1][at] is _ENDED for at in range(len(row))]
+        ended = [gaps == "end" and bool(rows) and rows[-1][at] is _EMPTY for at in range(len(row))]
         for at, cell in enumerate(wanted):
             # a channel that was recorded for a shorter time ends, and does not go on
-            if ragged and len(rows) >= MIN_SAMPLES and not cell and layout.kinds[columns[at]] == "number":
-                row[at], ended[at] = _ENDED, False
+            if not cell and layout.kinds[columns[at]] == "number" and (gaps == "any" or (gaps and len(rows) > 9)):
+                row[at], ended[at] = _EMPTY, False
         if None in row or any(ended):
             at = row.index(None) if None in row else ended.index(True)
             raise _cell_fault(layout, index, columns[at], wanted[at] if None in row else "", log)
@@ -301,8 +303,8 @@ def _read_by_line(layout: Layout, columns: Sequence[int], log: ImportLog, ragged
     return Body(values, np.array(numbers, int), tuple(dict.fromkeys(at for at in breaks if 0 < at < len(rows))))
 
 
-_ENDED = float("nan")
-"""Stands for the cells below the end of a column."""
+_EMPTY = float("nan")
+"""Stands for an empty cell."""
 
 
 def _date_column(layout: Layout) -> int | None:

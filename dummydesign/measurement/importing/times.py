@@ -134,6 +134,18 @@ def align(
     return shared, np.interp(force_s, displacement_s[own], x[own])
 
 
+def fill(time: NDArray, x: NDArray, force: NDArray, log: ImportLog) -> tuple[NDArray, NDArray]:
+    """Interpolate the displacement to the rows of the force, where each is written in rows of its own."""
+    own, rows = np.isfinite(time + x), np.isfinite(time + force)
+    if min(own.sum(), rows.sum()) < LEAST_STAMPS or np.any(np.diff(time[own]) <= 0):
+        message = "cells of displacement or force are empty, too many to read it; export each row with both"
+        raise log.fault(message, "missing", "cell")
+    inside = rows & (time >= time[own][0]) & (time <= time[own][-1])
+    share = f"displacement is in {own.sum()} and force in {rows.sum()} of {len(time)} rows"
+    log.decide("two times", "rows of their own", f"{share}: displacement interpolated to the force")
+    return inside, np.interp(time, time[own], x[own])
+
+
 def rows_in_order(
     time: NDArray, repeats: Callable[[int], bool], breaks: Sequence[int], lines: NDArray, log: ImportLog
 ) -> tuple[NDArray, NDArray, Ranges]:

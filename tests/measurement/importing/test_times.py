@@ -104,6 +104,16 @@ def test_a_channel_that_is_shorter_than_the_other_ends_without_a_fault():
         read("t [s];Load [N];t [s];Position [mm]", TIME, FORCE, own, way)
 
 
+def test_quantities_in_rows_of_their_own_are_brought_together_and_single_gaps_are_refused():
+    way = [f"{x:.6f}" if at % 2 else "" for at, x in enumerate(WAY)]
+    force = [f"{one:.6f}" if not at % 2 else "" for at, one in enumerate(FORCE)]
+    found, _ = read("Zeit [s];Weg [mm];Kraft [N]", TIME, way, force)
+    assert np.allclose(found.time_s, TIME[2::2]) and np.allclose(found.force_N, FORCE[2::2], atol=1e-6)
+    assert np.max(np.abs(found.displacement_mm - WAY[2::2])) < 10.0 * STEP
+    with raises_code("missing", "cell"):
+        read("Zeit [s];Weg [mm];Kraft [N]", TIME, [f"{x:.6f}" if at != 700 else "" for at, x in enumerate(WAY)], FORCE)
+
+
 @pytest.mark.parametrize("line", ["Acquisition rate :;250.0;[Hz]", "Abtastrate: 0,25 kHz", "Sampling interval;0,004;s"])
 def test_a_rate_above_the_table_stands_for_the_time(line):
     found, _ = read(f"{line}\n\nWeg [mm];Kraft [N]", WAY, FORCE)

@@ -94,23 +94,25 @@ def find_layout(text: str, log: ImportLog) -> Layout:
     sparse = any(kind == "number" and _gaps(column) >= LEAST_GAPS for column, kind in zip(full, kinds))
     decimal = _decimal(cells, separator, log)
     names, units, header = find_header(lines, first, separator, len(kinds))
+    beside = [unit if kind == "text" else "" for unit, kind in zip([*inside[1:], ""], [*kinds[1:], ""])]
+    if kinds.count("measure") + sum(map(bool, beside)) < 2:  # a single letter may be a status
+        inside, beside = [""] * len(kinds), [""] * len(kinds)
     if any(inside):
         log.decide("units", ", ".join(filter(None, inside)), "stand behind the numbers, in the cells")
-        beside = [*inside[1:], ""]
         units = tuple(own or unit or (right if kind == "number" else "") for own, unit, right, kind in
                       zip(inside, units, beside, kinds))  # fmt: skip
     _refuse_two_commas(separator, cells, len(kinds), lines[max(first - HEADER_LINES, 0) : first], log)
     _refuse_unfinished(lines, last, separator, kinds, log)
     before = [lines[at] for at in range(first) if lines[at].strip() and at not in header]
     after = [line for line in lines[last:] if line.strip()]
-    rates = (rate for at in range(first) if at not in header if (rate := vocabulary.sampling_rate_in(lines[at])))
+    rates = {rate for at in range(first) if at not in header if (rate := vocabulary.sampling_rate_in(lines[at]))}
     if before:
         log.decide("preamble", f"{len(before)} lines", f"no numbers of the table; the first: '{_short(before[0])}'")
     if after:
         log.decide("footer", f"{len(after)} lines", f"not rows of the table; the first: '{_short(after[0])}'")
     thousands = any(cell_text.has_thousands(cell, decimal) for cell in cells)
     found = Layout(lines, first, last, skipped, separator, decimal, thousands, kinds, names, units)
-    return replace(found, rate_Hz=next(rates, None), sparse=sparse)
+    return replace(found, rate_Hz=rates.pop() if len(rates) == 1 else None, sparse=sparse)
 
 
 def _gaps(column: Sequence[str]) -> float:

@@ -23,6 +23,7 @@ _SIGNS, _PARTS = (
 )
 """Parts of names with their role, the longest first."""
 _SAMPLING = tuple(_DATA["sampling"]["words"].split())
+_FILTERS = tuple(_DATA["sampling"]["filters"].split())
 _RATES = {name: float(hertz) for hertz, names in _DATA["sampling"]["rates"].items() for name in names.split()}
 _LETTERS = {"t": "time", "f": "force", "s": "displacement", "d": "displacement"}
 """Names of a single letter."""
@@ -81,7 +82,10 @@ def is_known_word(word: str) -> bool:
 
 def sampling_rate_in(line: str) -> float | None:
     """Return the sampling rate that a line above a table states, from its frequency or its interval. [Hz]"""
-    if not any(word.startswith(_SAMPLING) for word in words_of(line)) and not any(one in line for one in _SAMPLING):
+    words = words_of(line)
+    if not any(word.startswith(_SAMPLING) for word in words) and not any(one in line for one in _SAMPLING):
+        return None
+    if any(word.startswith(_FILTERS) for word in words):
         return None
     numbers = re.findall(r"(?<![\w.])\d+(?:[.,]\d+)?(?:[eE][+-]?\d+)?(?![\d:])", line)
     value = float(numbers[0].replace(",", ".")) if len(numbers) == 1 else 0.0

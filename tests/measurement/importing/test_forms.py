@@ -83,6 +83,13 @@ def test_units_in_the_cells_are_read(form, decimal):
     check(read(["Zeit;Weg;Kraft", *body])[0])
 
 
+def test_a_letter_of_status_is_no_unit_and_two_rates_are_none():
+    lines = [f"{a:.3f};{b:.6f};N;{c:.6f}" for a, b, c in zip(TIME, WAY, FORCE)]
+    check(read(["Zeit [s];Weg [mm];Status;Kraft [N]", *lines])[0])
+    with raises_code("missing", "time"):
+        read(["Sample rate A: 100 Hz", "Sample rate B: 200 Hz", "", "Weg [mm];Kraft [N]", *rows(WAY, FORCE)])
+
+
 def test_a_gauge_that_changes_its_unit_is_followed():
     cells = [f"{1e3 * one:.4f} mN" if abs(one) < 0.9 else f"{one:.7f} N" for one in FORCE]
     lines = [f"{a:.3f} s;{b:.6f} mm;{c}" for a, b, c in zip(TIME, WAY, cells)]
@@ -204,7 +211,8 @@ def test_two_columns_without_a_time_name_what_reads_them():
 @pytest.mark.parametrize(
     ("line", "rate"),
     [("Sample rate: 500 Hz", 500.0), ("サンプリング周波数,2,kHz", 2000.0), ("Intervalo de muestreo;2;ms", 500.0),
-     ("Rate;10.00;mm/s", None), ("Sample 12", None), ("Sampling 500 Hz and 2 kHz", None)],
+     ("Rate;10.00;mm/s", None), ("Sample 12", None), ("Sampling 500 Hz and 2 kHz", None),
+     ("Sampling filter cut-off 50 Hz", None)],
 )  # fmt: skip
 def test_a_sampling_rate_is_a_number_with_its_unit(line, rate):
     assert sampling_rate_in(line) == rate

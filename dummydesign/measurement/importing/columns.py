@@ -36,6 +36,11 @@ class Column:
         return self.title or str(self.index + 1)
 
     @property
+    def name(self) -> str:
+        """Title without its unit, which the next file of the machine may state otherwise."""
+        return known.split_name(self.title)[0]
+
+    @property
     def short(self) -> str:
         """Title for a message: what a damaged file takes for a title can be as long as the file."""
         return self.title if len(self.title) <= 40 else f"{self.title[:40]}..."

@@ -23,7 +23,7 @@ from dummydesign.measurement.importing.decoding import LEFT_OUT
 from dummydesign.measurement.importing.press_checks import check_press, fingerprint
 from dummydesign.measurement.importing.signs import HIGH, Span, find_presses, find_signs
 from dummydesign.measurement.importing.table import Columns, Ranges, columns_of, read_texts
-from dummydesign.measurement.importing.vocabulary import BASE, ROLES, USUAL_UNITS, find_unit, split_name
+from dummydesign.measurement.importing.vocabulary import BASE, ROLES, USUAL_UNITS, find_unit
 from dummydesign.measurement.landmarks import SHALLOWEST_MM, Summary, summarise
 from dummydesign.measurement.trace import COLUMNS, SECONDS, magnitude_fault
 
@@ -414,8 +414,8 @@ def learned(given: Settings, imported: Iterable[Imported]) -> Settings:
     columns = dict(given.columns)
     for role in ROLES:
         # Units are not kept: a file states its own, and one that does not was read with those that were given.
-        name = common([split_name(one.chosen[role].title)[0] for one in layouts])
-        names = [[split_name(title)[0] for title in one.layout.names] for one in layouts]
+        name = common([one.chosen[role].name for one in layouts])
+        names = [one.layout.plain_names for one in layouts]
         if role not in columns and name and all(one.count(name) == 1 for one in names):
             columns[role] = name
     separator, decimal = (common([getattr(one.layout, name) for one in layouts]) for name in ("separator", "decimal"))

@@ -146,16 +146,16 @@ def _ask_for_size(absent: Sequence[str], columns: Sequence[Column], log: ImportL
         return
     doubt, sizes, rules = [], [], []
     for role, label, count in named:
-        what, of, size, unit = _SIZED[role]
+        what, of, of_unit, size, unit = _SIZED[role]
         doubt.append(f"'{label}' is {what}")
         sizes.append(f"{role}={count * size:g}{unit}")
-        rules.append(f"for {of} of {size}: one count is {count:g} x {of}")
+        rules.append(f"for {of} of {size} {of_unit}: one count is {count:g} x the {of.split()[-1]} in {of_unit}")
     option = "--columns " + shlex.quote(",".join(f"{role}={label}" for role, label, _ in named))
     raise log.question(" and ".join(doubt), f"{option} --units {','.join(sizes)} ({'; '.join(rules)})")
 
 
-_SIZED = {"displacement": ("a strain, not a displacement", "a height in mm", 30, "mm"),
-          "force": ("a stress, not a force", "an area in mm2", 1000, "N")}  # fmt: skip
+_SIZED = {"displacement": ("a strain, not a displacement", "a height", "mm", 30, "mm"),
+          "force": ("a stress, not a force", "an area", "mm2", 1000, "N")}  # fmt: skip
 
 
 def choose(candidates: Candidates, values: Values, log: ImportLog) -> dict[str, Column]:

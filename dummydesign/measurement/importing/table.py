@@ -80,10 +80,6 @@ def read_texts(path: Path, log: ImportLog) -> dict[str, str]:
 
 _NAMELESS = Column(-1, "", "number", frozenset({"time"}), None)
 """Stands for a time that is made of several columns, or of none: a profile keeps no name of it."""
-RANGES = {"force": (0.03, 2000.0, "N"), "displacement": (0.03, 1e5, "mm")}
-"""Changes of force and displacement that can be a press."""
-LEAST_STEP_S, LEAST_LENGTH_S = 2e-5, 0.05
-"""Shortest time between samples, and shortest recording, of a press."""
 
 
 def columns_of(text: str, log: ImportLog) -> Columns:
@@ -142,8 +138,6 @@ def _quantities(
     raw = {role: values[column.index] for role, column in chosen.items()}
     scale = find_factors(chosen, raw, log)
     x, force = (raw[role] * scale[role] for role in ("displacement", "force"))
-    for role, read in (("displacement", x), ("force", force)):
-        _check_range(role, chosen[role], float(np.nanmax(read) - np.nanmin(read)), log)
     inside = np.isfinite(x) & np.isfinite(force)
     if seconds is None:
         begin = float(raw["time"][0]) if abs(raw["time"][0]) > 1e6 else 0.0
@@ -158,31 +152,11 @@ def _quantities(
     return seconds[inside], x[inside], force[inside], inside
 
 
-def _check_range(role: str, column: Column, change: float, log: ImportLog) -> None:
-    """Name the range of this tool where a quantity whose unit the header states is outside it."""
-    low, high, unit = RANGES[role]
-    if change == 0.0 or column.unit is None or role in log.settings.units or low <= change <= high:
-        return
-    limit = f"at least {low:g} {unit}" if change < low else f"at most {high:g} {unit}"
-    message = (
-        f"by the unit of the header ({column.unit.text}) the {role} changes by {change:.4g} {unit}; this tool reads "
-        f"presses that change it by {limit}. If the header is wrong, give the true unit by --units"
-    )
-    raise log.fault(message, "out_of_range", f"{role}_{unit}", change, (low, high))
-
-
-def _check_time(
-    column: Column, seconds: NDArray, columns: Sequence[Column], values: Values, log: ImportLog
-) -> None:
-    """Ask where the time, by its unit, is that of no recording or contradicts another column of time."""
+def _check_time(column: Column, seconds: NDArray, columns: Sequence[Column], values: Values, log: ImportLog) -> None:
+    """Ask where the time, by its unit, contradicts another column of time."""
     if "time" in log.settings.units or column.unit is None:
         return
     text, length = column.unit.text, float(np.ptp(seconds))
-    step = float(np.median(np.diff(seconds)))
-    options = f"--units time=s where it is in seconds, --units time={text} where the header is right"
-    if 0.0 < step < LEAST_STEP_S or 0.0 < length < LEAST_LENGTH_S:
-        raise log.question(f"in {text}, as the header says, the samples are {1e6 * step:.3g} us apart "
-                           f"({1e-3 / step:.4g} kHz) and the recording lasts {length:.3g} s", options)  # fmt: skip
     for other in columns:
         if other is column or other.index not in values or not timelike(other):
             continue
@@ -191,7 +165,8 @@ def _check_time(
         span = float(np.ptp(values[other.index])) * factor
         if rising and span > 0 and abs(span - length) > max(AGREES * span, 1.0):
             raise log.question(f"the recording lasts {length:.4g} s by '{column.label}' and {span:.4g} s by "
-                               f"'{other.label}'", f"--columns time={other.label} or {options}")  # fmt: skip
+                               f"'{other.label}'", f"--columns time={other.label} or --units time={text} where the "
+                               "header is right")  # fmt: skip
 
 
 def _read_bytes(path: Path) -> bytes:

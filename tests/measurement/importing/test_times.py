@@ -183,13 +183,6 @@ def test_a_single_wrong_time_is_refused_and_not_sorted_elsewhere():
         read("Zeit [s];Weg [mm];Kraft [N]", wrong, WAY, FORCE)
 
 
-def test_a_unit_of_time_that_no_logger_has_is_asked_for_with_both_answers():
-    with raises_code("needs_decision", "units") as asked:
-        read("Zeit [ms];Weg [mm];Kraft [N]", TIME, WAY, FORCE)
-    assert "time=s" in str(asked.value) and "time=ms" in str(asked.value)
-    assert max(off(read("Zeit [ms];Weg [mm];Kraft [N]", TIME, WAY, FORCE, units={"time": "s"})[0])) < 2e-6
-
-
 def test_a_time_that_a_clock_beside_it_contradicts_is_asked_for():
     begin = datetime.datetime(2025, 1, 1, 12)
     clock = [f"{begin + datetime.timedelta(seconds=10 * float(second)):%H:%M:%S.%f}" for second in TIME]

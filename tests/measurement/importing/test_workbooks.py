@@ -105,8 +105,8 @@ def test_every_test_may_begin_with_an_offset_of_its_own(tmp_path):
 def test_a_sheet_in_doubt_is_named_and_the_others_can_be_chosen(tmp_path):
     tests = {"A": press(), "B, wet": press(1.5, 800.0), "C": press(0.5, 0.8)}
     book_of_tests(tmp_path / "day.xlsx", tests)
-    assert float(tests["B, wet"][1].max()) > 2000.0  # more than this tool reads, by the unit that it states
-    with raises_code("out_of_range", "force_N") as caught:
+    assert float(tests["B, wet"][1].max()) > 2000.0  # more than machines do: the unit is asked for
+    with raises_code("needs_decision", "units") as caught:
         import_files([tmp_path / "day.xlsx"])
     assert "[B, wet]" in str(caught.value)
     option = re.search(r'--sheets "([^"]+)"', str(caught.value))[1]
@@ -115,7 +115,7 @@ def test_a_sheet_in_doubt_is_named_and_the_others_can_be_chosen(tmp_path):
         assert [one.sheet for one in read] == ["A", "C"]
     read, _ = import_files([tmp_path / "day.xlsx"], Settings(sheets="C"))
     assert len(read) == 1 and read[0].presses[0].summary.peak_force_N == pytest.approx(tests["C"][1].max(), rel=0.02)
-    with raises_code("out_of_range", "force_N") as caught:
+    with raises_code("needs_decision", "units") as caught:
         import_files([tmp_path / "day.xlsx"], Settings(sheets="B, wet,C"))
     assert '--sheets "C"' in str(caught.value)
 

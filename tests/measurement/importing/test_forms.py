@@ -100,8 +100,7 @@ def test_units_that_stand_in_columns_of_their_own_are_those_of_the_numbers_befor
     check(read([f"{a:.3f} s {b:.6f} mm {c:.6f} N" for a, b, c in zip(TIME, WAY, FORCE)])[0])
 
 
-@pytest.mark.parametrize("separator", [",", ";", "\t"])
-@pytest.mark.parametrize("titles", ["1 _ 1,,,1 _ 2,,", ""])
+@pytest.mark.parametrize(("separator", "titles"), [(",", "1 _ 1,,,1 _ 2,,"), ("\t", "1 _ 1,,,1 _ 2,,"), (";", "")])
 def test_specimens_side_by_side_are_tests_of_their_own(tmp_path, separator, titles):
     end = 550
     second = rows(TIME[:end], 0.5 * FORCE[:end], WAY[:end], separator=separator)

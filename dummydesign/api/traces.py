@@ -238,7 +238,7 @@ def import_traces(
     separator: str | None = None, decimal: str | None = None, encoding: str | None = None,
     skip: int | None = None, flip: Iterable[str] | None = None, tare: str | None = None,
     contact: str | None = None, split: str | None = None, sheets: str | None = None,
-    out: FilePath | None = None, replace: bool = False,
+    rate: float | str | None = None, out: FilePath | None = None, replace: bool = False,
 ) -> Result:  # fmt: skip
     """Read files as test machines wrote them, and write each press as a trace.
 
@@ -267,7 +267,10 @@ def import_traces(
     split : str, optional
         ``auto`` or ``none``.
     sheets : str, optional
-        Sheets of a workbook to read, comma-separated; ``not:`` before them reads all others.
+        Sheets of a workbook, or specimens side by side, to read, comma-separated; ``not:`` before them reads all
+        others.
+    rate : float, optional
+        Sampling rate of a recording whose samples are evenly spaced and have no time of their own. [Hz]
     out : path, optional
         Folder of the traces and of the preview, which are not written without it; the next free number when it
         holds another answer.
@@ -291,6 +294,7 @@ def import_traces(
     given: dict[str, Any] = {"columns": columns, "units": units, "separator": separator, "decimal": decimal,
                              "encoding": encoding, "skip": skip, "tare": tare, "contact": contact, "split": split,
                              "sheets": sheets,
+                             "rate": None if rate is None else read_allowed(rate, RATE, *RATES_HZ),
                              "flip": None if flip is None else frozenset(flip)}  # fmt: skip
     settings = _settings(profile, {key: value for key, value in given.items() if value is not None})
     names = [fspath(name) for name in files]
@@ -302,7 +306,7 @@ def import_traces(
     of_files = [warning for one in described for warning in one["warnings"]]
     result: dict[str, Any] = {"inputs": inputs, "files": described, "preview": None, "warnings": [*of_files, *warnings]}
     profiles: dict[str, str] = {}
-    asked = {key: value for key, value in inputs.items() if key != "sheets" or value is not None}
+    asked = {key: value for key, value in inputs.items() if key not in ("sheets", "rate") or value is not None}
     with answer_folder(out, question("import", asked, files=[one.source for one in imported]), replace) as output:
         if save_profile:
             # first: a name that is taken must not leave traces behind

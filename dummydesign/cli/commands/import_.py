@@ -24,6 +24,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("--list", action="store_true", help="show the profiles")
     add("--columns", metavar="time=NAME,...", help="column of time, displacement or force: its name or number")
     add("--units", metavar="time=s,...", help="unit of time, displacement or force; 0.5N: one count is 0.5 N")
+    add("--rate", metavar="HZ", help="sampling rate of evenly spaced samples, where the file has no time")
     add("--separator", metavar="C", help="between columns: tab, semicolon, comma, bar or spaces")
     add("--decimal", metavar="C", help="decimal sign: . or ,")
     add("--encoding", metavar="E", help="such as utf-8, utf-16, cp1252, cp932")
@@ -35,7 +36,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("--contact", metavar="auto|none|MM",
         help="displacement reading at contact, in the file's unit (default auto: by force)")
     add("--split", metavar="auto|none", help="auto: split where force and depth return to zero; none: one press")
-    add("--sheets", metavar="NAME,...", help="sheets of a workbook to read; not:NAME,... reads all others")
+    add("--sheets", metavar="NAME,...", help="sheets of a workbook or specimens to read; not:NAME,...: all others")
     add("--out", metavar="DIR", help="folder of the traces (default import-NAME)")
     add("--replace", action="store_true", help="take the place of another answer in --out, or of the profile's name")
 
@@ -120,14 +121,15 @@ FORCES = [("peak N", "peak_force_N", ">8.3f"), ("steady N", "steady_force_N", ">
 
 
 def _decided(known: dict[str, str]) -> str:
-    """The decisions that change force or depth: columns, units, signs, tare and contact."""
+    """The decisions that change time, force or depth: columns, units, signs, tare and contact."""
     parts = []
     for role in ("displacement", "force"):
         column, unit, sign = (known.get(f"{role} {what}") for what in ("column", "unit", "sign"))
         text = f"{role} from '{column}'" if column is not None else role
         text += f" in {unit}" if unit is not None else ""
         parts.append(text + (f", sign {sign}" if sign not in (None, "as written") else ""))
-    parts += [f"{name}: {known[name]}" for name in ("tare", "contact") if name in known]
+    named = ("time", "equal times", "two times", "tare", "contact")
+    parts += [f"{name}: {known[name]}" for name in named if name in known]
     return "; ".join(parts)
 
 

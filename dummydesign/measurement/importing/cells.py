@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.measurement.importing.decisions import ImportLog
+from dummydesign.measurement.importing.vocabulary import Unit, find_unit
 
 SEPARATORS = {"\t": "tab", ";": "semicolon", "|": "bar", ",": "comma", " ": "spaces"}
 COMMENTS = ("#", "%", "//")
@@ -64,12 +65,16 @@ _NUMBER = {sign: re.compile(_FORM % (groups, re.escape(sign)), re.ASCII) for sig
 _PLAIN = {".": re.compile(r"-?\d+(?:\.\d+)?", re.ASCII), ",": re.compile(r"-?\d+(?:,\d+)?", re.ASCII)}
 """Numbers of the usual form, which most are; the patterns above also take groups, exponents and other signs."""
 _NOT_FINITE = {"nan", "inf", "-inf", "+inf", "#nv", "#n/a", "n/a", "na", "null", "none", "---", "--", "-", "overflow"}
+_MONTH = r"\d{1,2}[-/. ]+[A-Za-z]{3}[a-z]*[-/., ]+\d{4}"
+_DAY = rf"\d{{4}}[-/.]\d{{1,2}}[-/.]\d{{1,2}}|\d{{1,2}}[-/.]\d{{1,2}}[-/.]\d{{2,4}}|{_MONTH}"
 _STAMP = re.compile(
-    r"(?:(\d{4}[-/.]\d{1,2}[-/.]\d{1,2}|\d{1,2}[-/.]\d{1,2}[-/.]\d{2,4})[T ]+)?"
+    rf"(?:({_DAY})[T ]+)?"
     r"(\d{1,2}):(\d{2}):(\d{2})(?:[.,:](\d+))?(?: ?([AaPp])\.?[Mm]\.?)?(?:Z| ?[+-]\d{2}:?\d{2})?",
     re.ASCII,
 )
+_COMPACT = re.compile(r"(\d{4})(\d{2})(\d{2})T(\d{2})(\d{2})(\d{2})(?=\D|$)(.*)", re.ASCII)
 _MINUTES = re.compile(r"(\d{1,3}):(\d{2})[.,](\d+)", re.ASCII)
+_MEASURE = re.compile(r"(.*\d[.,]?)\s*(\D+)", re.ASCII)
 
 
 def is_number(cell: str) -> bool:
@@ -87,6 +92,18 @@ def parse(cell: str, decimal: str) -> float | None:
     for sign in _GROUPS[decimal]:
         text = text.replace(sign, "")
     return float(text.replace(",", "."))
+
+
+def measure(cell: str) -> tuple[str, Unit] | None:
+    """Part a number from the unit behind it, ``12.3 N``; None where a cell is no such thing."""
+    parts = None if not cell or cell[-1].isdigit() else _MEASURE.fullmatch(cell)
+    unit = find_unit(parts[2].strip()) if parts else None
+    return (parts[1], unit) if parts and unit and is_number(parts[1]) else None
+
+
+def is_measure(cell: str) -> bool:
+    """Whether a cell is a number with its unit."""
+    return measure(cell) is not None
 
 
 def is_missing(cell: str) -> bool:
@@ -127,7 +144,9 @@ def decimal_evidence(cells: Iterable[str]) -> dict[str, int]:
 
 def is_stamp(cell: str) -> bool:
     """Whether a cell is a time of day, with or without a date, or minutes and seconds."""
-    return ":" in cell and (_STAMP.fullmatch(cell) is not None or _MINUTES.fullmatch(cell) is not None)
+    if ":" not in cell[:-3]:
+        return "T" in cell and _COMPACT.fullmatch(cell) is not None
+    return _STAMP.fullmatch(cell) is not None or _MINUTES.fullmatch(cell) is not None
 
 
 def seconds_of_stamp(cell: str) -> tuple[float, str]:
@@ -135,7 +154,7 @@ def seconds_of_stamp(cell: str) -> tuple[float, str]:
     short = _MINUTES.fullmatch(cell)
     if short is not None:
         return int(short[1]) * 60.0 + float(f"{int(short[2])}.{short[3]}"), ""
-    parts = _STAMP.fullmatch(cell)
+    parts = _STAMP.fullmatch(cell if ":" in cell[:-3] else _COMPACT.sub(r"\1-\2-\3T\4:\5:\6\7", cell))
     if parts is None:
         raise ValueError(cell)
     hour, minute, second = int(parts[2]), int(parts[3]), int(parts[4])
@@ -147,8 +166,9 @@ def seconds_of_stamp(cell: str) -> tuple[float, str]:
 
 
 DAY_S = 86400.0
-_DATE = re.compile(r"\d{4}[-/.]\d{1,2}[-/.]\d{1,2}|\d{1,2}[-/.]\d{1,2}[-/.]\d{2,4}", re.ASCII)
+_DATE = re.compile(_DAY, re.ASCII)
 _ORDERS = ("year-month-day", "day-month-year", "month-day-year")
+_MONTHS = ("jan", "feb", "mar", "apr", "may", "jun", "jul", "aug", "sep", "oct", "nov", "dec")
 
 
 def is_date(cell: str) -> bool:
@@ -197,6 +217,8 @@ def _days(texts: Sequence[str], log: ImportLog) -> tuple[dict[str, int], str]:
 
 def _ordinal(text: str, order: str) -> int:
     """Number of the day of a date; two digits of a year are of this century."""
-    parts = dict(zip(order.split("-"), re.split("[-/.]", text)))
+    parts = dict(zip(order.split("-"), re.split("[-/., ]+", text)))
+    name = parts["month"][:3].lower()
+    parts["month"] = str(_MONTHS.index(name) + 1) if name in _MONTHS else parts["month"]
     year = parts["year"] if len(parts["year"]) != 2 else f"20{parts['year']}"
     return datetime.strptime(f"{year}-{parts['month']}-{parts['day']}", "%Y-%m-%d").toordinal()

@@ -36,14 +36,24 @@ class Column:
         return self.title or str(self.index + 1)
 
     @property
+    def name(self) -> str:
+        """Title without its unit, which the next file of the machine may state otherwise."""
+        return known.split_name(self.title)[0]
+
+    @property
     def short(self) -> str:
         """Title for a message: what a damaged file takes for a title can be as long as the file."""
         return self.title if len(self.title) <= 40 else f"{self.title[:40]}..."
 
     @property
+    def counts(self) -> bool:
+        """Whether its name says that it counts the samples."""
+        return self.numeric and "counter" in known.meanings_of(self.title)
+
+    @property
     def numeric(self) -> bool:
         """Whether it holds numbers or clock times."""
-        return self.kind in ("number", "stamp")
+        return self.kind in ("number", "stamp", "measure")
 
 
 Candidates = Mapping[str, Sequence[Column]]
@@ -61,8 +71,8 @@ def describe_columns(layout: Layout) -> list[Column]:
     ]
 
 
-def find_candidates(columns: Sequence[Column], log: ImportLog) -> Candidates:
-    """Find the columns that may be time, displacement and force."""
+def find_candidates(columns: Sequence[Column], timeless: bool, log: ImportLog) -> Candidates:
+    """Find the columns that may be time, displacement and force; ``timeless`` where a rate takes the time's place."""
     named = {role: _named(columns, role, word, log) for role, word in log.settings.columns.items()}
     taken = {column.index for column in named.values()}
     if len(taken) < len(named):
@@ -74,8 +84,9 @@ def find_candidates(columns: Sequence[Column], log: ImportLog) -> Candidates:
         best = max(ranks, default=1) or 1
         candidates[role] = [column for column, rank in zip(free, ranks) if rank == best]
     candidates |= {role: [column] for role, column in named.items()}
-    absent = [role for role in ROLES if not candidates[role]]
+    absent = [role for role in ROLES if not candidates[role] and not (timeless and role == "time")]
     taken = {column.index for role in ROLES for column in candidates[role]}
+    _ask_for_size(absent, columns, log)
     if sum(column.numeric and column.index not in taken for column in columns) < len(absent):
         raise log.fault(known.absent_words(absent, [column.title for column in columns]), "missing", absent[0])
     return candidates
@@ -85,7 +96,8 @@ def _rank(column: Column, role: str) -> int:
     """2 where name and unit agree, 1 where one of them speaks and the other is silent, else 0."""
     if column.kind == "stamp":
         return int(role == "time")
-    named = role in column.roles
+    # "Time Load" is the time of the load
+    named = role in column.roles and (role == "time" or "time" not in column.roles)
     if column.unit is None:
         return int(named)
     if column.unit.kind == known.OTHER:
@@ -99,7 +111,9 @@ def _rank(column: Column, role: str) -> int:
 def _named(columns: Sequence[Column], role: str, word: str, log: ImportLog) -> Column:
     wanted = word.strip().lower()
     alike = [column for column in columns if column.title.strip().lower() == wanted]
-    alike = alike or [one for one in columns if one.title and known.split_name(one.title)[0].lower() == wanted]
+    # a profile of another file of the machine: the unit in the name may differ
+    plain = (wanted, known.split_name(word)[0].lower())
+    alike = alike or [one for one in columns if one.title and known.split_name(one.title)[0].lower() in plain]
     if not alike and wanted.isdigit() and 1 <= int(wanted) <= len(columns):
         alike = [columns[int(wanted) - 1]]
     if not alike:
@@ -114,22 +128,57 @@ def _named(columns: Sequence[Column], role: str, word: str, log: ImportLog) -> C
     return alike[0]
 
 
-def choose(columns: Sequence[Column], candidates: Candidates, values: Values, log: ImportLog) -> dict[str, Column]:
-    """Choose one column for each role."""
-    chosen: dict[str, Column] = {}
-    for role in ROLES:
-        if candidates[role]:
-            chosen[role], why = _choose_one(role, candidates[role], values, log)
-            log.decide(f"{role} column", chosen[role].label, why)
-    chosen |= _by_behaviour(columns, chosen, values, log)
-    if len({column.index for column in chosen.values()}) < len(ROLES):
-        names = ", ".join(f"{role} {column.label}" for role, column in chosen.items())
-        raise log.question(f"one column would have two meanings ({names})", "--columns ROLE=NAME,...")
+_SHARE = {"%": 0.01, "mm/mm": 1.0, "in/in": 1.0, "-": 1.0, "um/m": 1e-6}
+_PRESSURE = {"pa": 1e-6, "kpa": 1e-3, "mpa": 1.0, "n/mm2": 1.0, "n/mm^2": 1.0, "bar": 0.1, "psi": 6.894757e-3}
+"""How many N/mm2 a unit of stress is."""
+
+
+def _ask_for_size(absent: Sequence[str], columns: Sequence[Column], log: ImportLog) -> None:
+    """Ask for height or area of the specimen where a file has strain for displacement, or stress for force."""
+    named: list[tuple[str, str, float]] = []
+    for role, meaning, table in (("displacement", "strain", _SHARE), ("force", "stress", _PRESSURE)):
+        for column in columns if role in absent else ():
+            unit = column.unit.text.lower() if column.unit and column.unit.kind == known.OTHER else ""
+            if unit in table and (meaning == "strain" or meaning in known.meanings_of(column.title)):
+                named.append((role, column.label, table[unit]))
+                break
+    if not named:
+        return
+    doubt, sizes, rules = [], [], []
+    for role, label, count in named:
+        what, of, of_unit, size, unit = _SIZED[role]
+        doubt.append(f"'{label}' is {what}")
+        sizes.append(f"{role}={count * size:g}{unit}")
+        rules.append(f"for {of} of {size} {of_unit}: one count is {count:g} x the {of.split()[-1]} in {of_unit}")
+    option = "--columns " + shlex.quote(",".join(f"{role}={label}" for role, label, _ in named))
+    raise log.question(" and ".join(doubt), f"{option} --units {','.join(sizes)} ({'; '.join(rules)})")
+
+
+_SIZED = {"displacement": ("a strain, not a displacement", "a height", "mm", 30, "mm"),
+          "force": ("a stress, not a force", "an area", "mm2", 1000, "N")}  # fmt: skip
+
+
+def choose(candidates: Candidates, values: Values, log: ImportLog) -> dict[str, Column]:
+    """Choose one column for displacement and one for force."""
+    return {role: choose_one(role, candidates[role], values, log) for role in ROLES[1:] if candidates[role]}
+
+
+def choose_one(role: str, candidates: Sequence[Column], values: Values, log: ImportLog) -> Column:
+    """Choose the one among the candidates, when they differ in nothing that matters."""
+    chosen, why = _choose_one(role, candidates, values, log)
+    log.decide(f"{role} column", chosen.label, why)
     return chosen
 
 
+def check_apart(chosen: Chosen, log: ImportLog) -> None:
+    """Refuse one column in two roles."""
+    if len({column.index for column in chosen.values()}) < len(chosen):
+        names = ", ".join(f"{role} {column.label}" for role, column in chosen.items())
+        raise log.question(f"one column would have two meanings ({names})", "--columns ROLE=NAME,...")
+
+
 def _choose_one(role: str, candidates: Sequence[Column], values: Values, log: ImportLog) -> tuple[Column, str]:
-    """The one among the candidates, when they differ in nothing that matters."""
+    """The one among the candidates, and why."""
     if role in log.settings.columns:
         return candidates[0], "given by --columns"
     column = candidates[0]
@@ -143,7 +192,8 @@ def _choose_one(role: str, candidates: Sequence[Column], values: Values, log: Im
     if not moving:
         return column, why
     first = moving[0]
-    rivals = [one for one in moving[1:] if not _same(values[first.index], values[one.index], role)]
+    own = _counts(first, role, values)
+    rivals = [one for one in moving[1:] if not _same(own, _counts(one, role, values), role)]
     if rivals:
         names = " or ".join(f"'{one.label}'" for one in (first, *rivals))
         # by its number where another one has its name
@@ -152,6 +202,12 @@ def _choose_one(role: str, candidates: Sequence[Column], values: Values, log: Im
         raise log.question(f"{role} may be {names}", f"--columns {shlex.quote(f'{role}={label}')}")
     others = ", ".join(f"'{one.label}'" for one in candidates if one is not first)
     return first, f"{why}; {others} hold the same or nothing"
+
+
+def _counts(column: Column, role: str, values: Values) -> NDArray:
+    """Numbers of a column, in the unit that it states."""
+    stated = column.unit is not None and column.unit.kind == KIND_OF_ROLE[role]
+    return values[column.index] * column.unit.factor if stated and column.unit else values[column.index]
 
 
 def _rises(values: NDArray) -> bool:
@@ -165,9 +221,12 @@ def _same(one: NDArray, other: NDArray, role: str) -> bool:
     return bool(np.max(np.abs(a - b)) <= reach or (role != "time" and np.max(np.abs(a + b)) <= reach))
 
 
-def _by_behaviour(columns: Sequence[Column], chosen: Chosen, values: Values, log: ImportLog) -> dict[str, Column]:
-    """Roles of columns that neither name nor unit speaks for: what rises is time, what stands in a hold is position."""
-    missing = [role for role in ROLES if role not in chosen]
+def choose_by_behaviour(
+    columns: Sequence[Column], chosen: Chosen, missing: Sequence[str], values: Values, log: ImportLog
+) -> dict[str, Column]:
+    """Choose columns that neither name nor unit speaks for: what rises is time, what stands in a hold is position."""
+    if not missing:
+        return {}
     free = [
         column for column in columns
         if column.index in values and column not in chosen.values() and not column.roles and column.unit is None
@@ -192,7 +251,8 @@ def _by_behaviour(columns: Sequence[Column], chosen: Chosen, values: Values, log
     if absent:
         shown = ", ".join(f"'{one.short}'" if one.title else f"column {one.index + 1}" for one in columns[:12])
         option = f"--columns {','.join(f'{role}=NAME' for role in absent)}"
-        message = f"no column is {' or '.join(absent)} (there are {shown}); say {option}, or export it"
+        rate = ", or --rate HZ where the samples are evenly spaced" if absent == ["time"] else ""
+        message = f"no column is {' or '.join(absent)} (there are {shown}); say {option}{rate}, or export it"
         raise log.fault(message, "missing", absent[0])
     # Without the units the answer would be a guess; with them the user has said what kinds of numbers these are.
     units = log.settings.units
@@ -223,9 +283,9 @@ _EXCEL_DAYS = (36500.0, 52000.0)
 
 
 def find_factors(chosen: Chosen, values: Mapping[str, NDArray], log: ImportLog) -> dict[str, float]:
-    """Find how many s, mm and N one count of each column is."""
-    units = {role: _unit(role, chosen[role], values[role], log) for role in ROLES}
-    missing = [role for role in ROLES if units[role] is None]
+    """Find how many s, mm and N one count of each chosen column is."""
+    units = {role: _unit(role, chosen[role], values[role], log) for role in ROLES if role in chosen}
+    missing = [role for role, unit in units.items() if unit is None]
     if missing:
         parts = []
         for role in missing:
@@ -257,6 +317,9 @@ def _unit(role: str, column: Column, values: NDArray, log: ImportLog) -> Unit | 
         factor = "" if stated.text == BASE[kind] else f"; 1 {stated.text} is {stated.factor:.6g} {BASE[kind]}"
         log.decide(f"{role} unit", stated.text, f"stated in the header{factor}")
         return stated
+    if role == "time" and log.settings.rate:
+        log.decide("time unit", f"counts at {log.settings.rate:g} Hz", "given by --rate")
+        return Unit("time", 1.0 / log.settings.rate, f"1/{log.settings.rate:g} s")
     return _absolute(values, log) if role == "time" else None
 
 

@@ -34,6 +34,8 @@ class Settings:
     split: str = "auto"
     sheets: str | None = None
     """Sheets of a workbook to read, comma-separated; ``not:`` before them reads all others."""
+    rate: float | None = None
+    """Sampling rate of evenly spaced samples. [Hz]"""
 
     def __post_init__(self) -> None:
         wrong = min((self.flip or frozenset()) - {"displacement", "force"}, default=None)

@@ -6,6 +6,7 @@ import codecs
 import datetime
 import io
 import itertools
+import json
 import re
 import zipfile
 
@@ -17,26 +18,75 @@ _MARKS = {
     codecs.BOM_UTF8: "utf-8-sig", codecs.BOM_UTF32_LE: "utf-32", codecs.BOM_UTF32_BE: "utf-32",
     codecs.BOM_UTF16_LE: "utf-16", codecs.BOM_UTF16_BE: "utf-16",
 }  # fmt: skip
-_PAGES = ("cp1252", "cp932", "mac_roman", "cp850", "euc_jp", "cp1250")
-"""Code pages that are tried, likeliest first: Western and Japanese Windows, old Macs, DOS, Unix, Central Europe."""
+_PAGES = ("cp1252", "cp932", "mac_roman", "cp850", "euc_jp", "cp1250", "cp1251", "gb18030", "cp949", "big5")
+"""Code pages that are tried, likeliest first: Western and Japanese Windows, old Macs, DOS, Unix, Central Europe,
+Cyrillic, Chinese, Korean."""
 _HEADER_ROWS = 60
 """Rows of a sheet among which the names of columns are looked for."""
-_NO_TEXT = {
+_CONTAINERS = {
     b"%PDF": "a PDF", b"\x89PNG": "a picture", b"\xff\xd8\xff": "a picture", b"GIF8": "a picture",
     b"\xd0\xcf\x11\xe0": "an old Excel workbook (.xls): save it as .xlsx or CSV",
-    b"PK\x03\x04": "a ZIP archive: unpack it first", b"\x1f\x8b": "a gzip archive: unpack it first",
-    b"HDF": "an HDF file: export the test as text", b"\x89HDF": "an HDF file: export the test as text",
-    b"TDSm": "a TDMS file: export the test as text",
+    b"\x89HDF": "an HDF5 file: export with h5py and numpy.savetxt, or HDFView, as CSV",
+    b"\x0e\x03\x13\x01": "an HDF4 file: export the test as CSV", b"HDF": "an HDF file: export the test as CSV",
+    b"MATLAB": "a MATLAB file (.mat): export with writetable or writematrix as CSV",
+    b"TDSm": "a TDMS file: export with 'tdms to CSV' of LabVIEW or DIAdem, or npTDMS as CSV",
+    b"\x93NUMPY": "a NumPy array (.npy): export with numpy.savetxt as CSV",
+    b"PAR1": "a Parquet file: export with pandas to_csv", b"ARROW1": "a Feather file: export with pandas to_csv",
+    b"SQLite format 3": "a database (SQLite, or a ROS 2 bag): export the topic or table as CSV",
+    b"#ROSBAG": "a ROS bag: export the topic with 'rostopic echo -b FILE -p TOPIC' as CSV",
+    b"\x89MCAP": "a ROS 2 bag (MCAP): export the topic as CSV",
+    b"\x1f\x8b": "a gzip archive: unpack it first", b"7z\xbc\xaf": "a 7-Zip archive: unpack it first",
+    b"Rar!": "a RAR archive: unpack it first", b"<?xml": "an XML file: export the test as CSV",
+    b"<html": "a web page (some programs name it .xls): open it in a spreadsheet and save it as .xlsx or CSV",
+    b"<!DOCTYPE": "a web page: open it in a spreadsheet and save it as .xlsx or CSV",
 }  # fmt: skip
+"""First bytes of files that are no text table: what each is, and how to export it."""
+_ZIPPED = {"content.xml": "an OpenDocument spreadsheet (.ods): save it as .xlsx or CSV",
+           ".npy": "NumPy arrays (.npz): export with numpy.savetxt as CSV"}  # fmt: skip
 
 
 def decode(data: bytes, log: ImportLog) -> str:
     """Decode the bytes of a file."""
     if not data.strip(b"\x00\r\n\t \xef\xbb\xbf\xff\xfe"):
         raise log.fault("is empty; export the test again", "not_enough_data", "file")
-    for magic, what in _NO_TEXT.items():
-        if data.startswith(magic):
-            raise log.fault(f"is {what}, not a table of text; export CSV or text", "file_unreadable", "file")
+    if container := _container(data):
+        export = "" if ":" in container else ": export time, displacement and force as CSV or text"
+        raise log.fault(f"is {container}{export}", "file_unreadable", "file")
+    return _without_padding(_decode_text(data, log), log)
+
+
+def _container(data: bytes) -> str:
+    """What a file is that is no text; empty where it may be text."""
+    if data.startswith(b"PK\x03\x04"):
+        names = _names_in(data)
+        inside = (what for end, what in _ZIPPED.items() if any(name.endswith(end) for name in names))
+        return next(inside, "a ZIP archive: unpack it first")
+    if data[:2000].lstrip(b"\xef\xbb\xbf \r\n\t")[:1] in (b"{", b"["):
+        try:
+            json.loads(data)
+            return "a JSON file: export with pandas to_csv, or write its arrays as the columns of a CSV"
+        except ValueError:
+            return ""
+    return next((what for magic, what in _CONTAINERS.items() if data[: len(magic)].lower() == magic.lower()), "")
+
+
+def _without_padding(text: str, log: ImportLog) -> str:
+    """Leave out zero bytes at the end, of a file made larger than its content, and the line that they cut."""
+    kept = text.rstrip("\x00")
+    if "\x00" in kept:
+        line = kept[: kept.index("\x00")].count("\n") + 1
+        message = "holds zero bytes within its text: it is damaged, or no text; export the test as CSV or text"
+        raise log.fault(message, "file_unreadable", "file", line=line)
+    if len(kept) == len(text):
+        return text
+    whole = kept[: max(kept.rfind("\n"), kept.rfind("\r")) + 1]
+    cut = f", and the line '{kept[len(whole) :].strip()[:40]}' that they cut" if kept[len(whole) :].strip() else ""
+    log.warn("padded", f"{len(text) - len(kept)} zero bytes at its end were left out{cut}: the logger lost its power "
+             "or was not closed; check that the recording is complete")  # fmt: skip
+    return whole
+
+
+def _decode_text(data: bytes, log: ImportLog) -> str:
     if log.settings.encoding is not None:
         return _decode_as(data, log.settings.encoding, log)
     marked = next((name for mark, name in _MARKS.items() if data.startswith(mark)), None)
@@ -51,9 +101,6 @@ def decode(data: bytes, log: ImportLog) -> str:
         if marked:
             message = f"begins as {marked} but does not go on as such; say --encoding NAME"
             raise log.fault(message, "file_unreadable", "encoding", marked)
-    if b"\x00" in data:
-        message = "holds zero bytes, so it is no text; export the test as CSV or text"
-        raise log.fault(message, "file_unreadable", "file")
     return _decode_by_words(data, log)
 
 
@@ -73,10 +120,9 @@ def _decode_as(data: bytes, encoding: str, log: ImportLog) -> str:
 
 def _try(data: bytes, name: str) -> str | None:
     try:
-        text = data.decode(name)
+        return data.decode(name)
     except ValueError:
         return None
-    return None if "\x00" in text else text
 
 
 def _wide(data: bytes) -> str | None:
@@ -95,23 +141,23 @@ def _decode_by_words(data: bytes, log: ImportLog) -> str:
     Some twenty letters beyond ASCII stand in such a file, all of them in its header: too few for statistics of
     letters, enough for a vocabulary.
     """
-    texts = {page: text for page in _PAGES if (text := _try(data, page)) is not None}
-    if not texts:
-        texts = {"latin-1": data.decode("latin-1")}
-        head = texts["latin-1"][:4096]
-        if sum(not (letter.isprintable() or letter in "\r\n\t") for letter in head) > 0.05 * len(head):
-            message = "is no text in any encoding tried; export it as UTF-8 or say --encoding NAME"
-            raise log.fault(message, "file_unreadable", "encoding")
-    counts = {page: _known_words(text) for page, text in texts.items()}
-    page = max(counts, key=lambda name: counts[name])
-    known = f"{counts[page]} words of its header are known in it" if counts[page] else "numbers read alike in all"
-    log.decide("encoding", page, f"not UTF-8; {known}")
-    return texts[page]
+    heads = {page: _known_words(data[:20000].decode(page, "ignore")) for page in _PAGES}
+    for page in sorted(_PAGES, key=lambda name: -heads[name]):
+        if (text := _try(data, page)) is not None:
+            known = f"{heads[page]} words of its header are known in it" if heads[page] else "numbers read alike in all"
+            log.decide("encoding", page, f"not UTF-8; {known}")
+            return text
+    text = data.decode("latin-1")
+    if sum(not (letter.isprintable() or letter in "\r\n\t") for letter in text[:4096]) > 0.05 * len(text[:4096]):
+        message = "is no text in any encoding tried; export it as UTF-8 or say --encoding NAME"
+        raise log.fault(message, "file_unreadable", "encoding")
+    log.decide("encoding", "latin-1", "not UTF-8; numbers read alike in all")
+    return text
 
 
 def _known_words(text: str) -> int:
     """Words beyond ASCII, in the lines before the numbers, that are known as names of columns."""
-    words = (re.split(r"[\s;,\t\"()\[\]/|_]+", line) for line in text[:20000].splitlines()[:200])
+    words = (re.split(r"[\s;,\t\"()\[\]/|_]+", line) for line in text.splitlines()[:200])
     return sum(is_known_word(word) for line in words for word in line if not word.isascii())
 
 
@@ -121,13 +167,16 @@ MOST_BYTES = 1_000_000_000
 
 def is_workbook(data: bytes) -> bool:
     """Whether bytes are an .xlsx workbook."""
-    if not data.startswith(b"PK\x03\x04"):
-        return False
+    return data.startswith(b"PK\x03\x04") and "xl/workbook.xml" in _names_in(data)
+
+
+def _names_in(data: bytes) -> list[str]:
+    """Names of the files in a ZIP archive."""
     try:
         with zipfile.ZipFile(io.BytesIO(data)) as packed:
-            return "xl/workbook.xml" in packed.namelist()
+            return packed.namelist()
     except (zipfile.BadZipFile, OSError, ValueError, EOFError, NotImplementedError):
-        return False
+        return []
 
 
 def workbook_texts(data: bytes, log: ImportLog) -> dict[str, str]:

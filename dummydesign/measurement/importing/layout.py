@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import islice
 
 from dummydesign.core.errors import InputError
@@ -12,14 +12,17 @@ from dummydesign.measurement.importing import cells as cell_text
 from dummydesign.measurement.importing import vocabulary
 from dummydesign.measurement.importing.cells import COMMENTS, SEPARATORS, is_comment, is_missing, is_number, is_stamp
 from dummydesign.measurement.importing.decisions import ImportLog
+from dummydesign.measurement.importing.forms import plain_lines
 
 LEAST_ROWS = 3
 LONGEST_LINE = 20_000
+LEAST_GAPS = 0.2
+"""Share of empty cells from which on quantities are written in rows of their own; fewer are drop-outs."""
 HEADER_LINES = 8
 """Lines above the table that may be its header."""
 _LONGEST_NAME = 80
 _SAMPLE = 60
-_TESTS = {"number": is_number, "stamp": is_stamp}
+_TESTS = {"number": is_number, "stamp": is_stamp, "measure": cell_text.is_measure}
 """What the cells of a column are known by."""
 
 
@@ -40,10 +43,25 @@ class Layout:
     kinds: Texts
     names: Texts
     units: Texts
+    rate_Hz: float | None = None
+    """Sampling rate that the lines above the table state."""
+    sparse: bool = False
+    """Whether quantities are written in rows of their own, the other cells empty."""
+
+    @property
+    def plain_names(self) -> list[str]:
+        """Names of the columns without their units."""
+        return [vocabulary.split_name(name)[0] for name in self.names]
 
     def line(self, index: int) -> int:
         """Line number in the file, from 1, of ``lines[index]``."""
         return index + self.skipped + 1
+
+    def repeats(self, line: int) -> bool:
+        """Whether a line of the file is word for word the one before, blank lines left out."""
+        at = line - self.skipped - 1
+        before = next((one for one in reversed(self.lines[max(at - 8, 0) : at]) if one.strip()), "")
+        return self.lines[at] == before
 
     def cells(self, line: str) -> list[str]:
         """Split one line."""
@@ -53,7 +71,9 @@ class Layout:
 def find_layout(text: str, log: ImportLog) -> Layout:
     """Find the table of numbers."""
     skipped = log.settings.skip or 0
-    lines = cell_text.whole_cells(text.replace("\r\n", "\n").replace("\r", "\n").split("\n")[skipped:])
+    written = cell_text.whole_cells(text.replace("\r\n", "\n").replace("\r", "\n").split("\n")[skipped:])
+    lines = plain_lines(written, log)
+    skipped -= len(lines) - len(written)
     sample = _spread(lines)
     if not sample:
         raise log.no_table("holds no table: nothing but comments and blank lines")
@@ -63,7 +83,7 @@ def find_layout(text: str, log: ImportLog) -> Layout:
         raise log.no_table(message, "malformed", longest)
     separator = _separator(sample, log)
     kinds = _column_kinds(sample, separator)
-    if kinds.count("number") + kinds.count("stamp") < 2:
+    if sum(map(kinds.count, _TESTS)) < 2:
         if log.settings.separator is None:
             raise log.no_table(_why_no_table(lines))
         raise log.fault(f"separated by {SEPARATORS[separator]}, as --separator or the profile says, there is no table "
@@ -72,20 +92,50 @@ def find_layout(text: str, log: ImportLog) -> Layout:
     first, last = _bounds(lines, separator, kinds)
     if last - first < LEAST_ROWS:
         raise log.no_table(_why_no_table(lines))
-    rows = (cell_text.split(line, separator) for line in lines[first:last][:: max((last - first) // 300, 1)])
+    rows = [cell_text.split(line, separator) for line in lines[first:last][:: (last - first) // 300 | 1]]
     cells = [cell for row in rows for cell, kind in zip(row, kinds) if kind == "number" and is_number(cell)]
+    full = list(zip(*(row for row in rows if len(row) == len(kinds))))
+    inside = [_units_inside(column, kind, cells) for column, kind in zip(full, kinds)]
+    sparse = any(kind == "number" and _gaps(column) >= LEAST_GAPS for column, kind in zip(full, kinds))
     decimal = _decimal(cells, separator, log)
     names, units, header = find_header(lines, first, separator, len(kinds))
+    beside = [unit if kind == "text" else "" for unit, kind in zip([*inside[1:], ""], [*kinds[1:], ""])]
+    if kinds.count("measure") + sum(map(bool, beside)) < 2:  # a single letter may be a status
+        inside, beside = [""] * len(kinds), [""] * len(kinds)
+    if any(inside):
+        log.decide("units", ", ".join(filter(None, inside)), "stand behind the numbers, in the cells")
+        units = tuple(own or unit or (right if kind == "number" else "") for own, unit, right, kind in
+                      zip(inside, units, beside, kinds))  # fmt: skip
     _refuse_two_commas(separator, cells, len(kinds), lines[max(first - HEADER_LINES, 0) : first], log)
     _refuse_unfinished(lines, last, separator, kinds, log)
     before = [lines[at] for at in range(first) if lines[at].strip() and at not in header]
     after = [line for line in lines[last:] if line.strip()]
+    rates = {rate for at in range(first) if at not in header if (rate := vocabulary.sampling_rate_in(lines[at]))}
     if before:
         log.decide("preamble", f"{len(before)} lines", f"no numbers of the table; the first: '{_short(before[0])}'")
     if after:
         log.decide("footer", f"{len(after)} lines", f"not rows of the table; the first: '{_short(after[0])}'")
     thousands = any(cell_text.has_thousands(cell, decimal) for cell in cells)
-    return Layout(lines, first, last, skipped, separator, decimal, thousands, kinds, names, units)
+    found = Layout(lines, first, last, skipped, separator, decimal, thousands, kinds, names, units)
+    return replace(found, rate_Hz=rates.pop() if len(rates) == 1 else None, sparse=sparse)
+
+
+def _gaps(column: Sequence[str]) -> float:
+    """Share of empty cells above the last one that is filled."""
+    last = max((at for at, cell in enumerate(column) if cell), default=0)
+    return column[:last].count("") / max(last, 1)
+
+
+def _units_inside(column: Sequence[str], kind: str, numbers: list[str]) -> str:
+    """The unit in the cells of a column, the likeliest of several, or that it consists of; their numbers are added."""
+    if kind == "text":
+        units = {cell for cell in column if cell}
+        return units.pop() if len(units) == 1 and vocabulary.find_unit(min(units)) else ""
+    if kind != "measure":
+        return ""
+    read = [parts for cell in column if (parts := cell_text.measure(cell))]
+    numbers += [number for number, _ in read]
+    return Counter(unit.text for _, unit in read).most_common(1)[0][0]
 
 
 def _short(line: str) -> str:
@@ -95,11 +145,12 @@ def _short(line: str) -> str:
 
 def _spread(lines: Sequence[str]) -> list[str]:
     """Some lines of the whole text, neither blank nor comments."""
-    for step in (max(len(lines) // (4 * _SAMPLE), 1), 1):
+    for step in (len(lines) // (4 * _SAMPLE) | 1, 1):
         used = [line for line in lines[::step] if line.strip() and not is_comment(line)]
         if len(used) >= min(_SAMPLE, len(lines)):
             break
-    return used[:: max(len(used) // _SAMPLE, 1)]
+    # an odd step sees all rows where quantities take turns
+    return used[:: len(used) // _SAMPLE | 1]
 
 
 def _why_no_table(lines: Sequence[str]) -> str:
@@ -153,7 +204,7 @@ def _separator(sample: Sequence[str], log: ImportLog) -> str:
 
 
 def _count_numbers(row: Sequence[str]) -> int:
-    return sum(is_number(cell) or is_stamp(cell) for cell in row)
+    return sum(any(test(cell) for test in _TESTS.values()) for cell in row)
 
 
 def _column_kinds(sample: Sequence[str], separator: str) -> tuple[str, ...]:
@@ -230,20 +281,27 @@ def _decimal(cells: Sequence[str], separator: str, log: ImportLog) -> str:
 
 def find_header(lines: Sequence[str], first: int, separator: str, width: int) -> tuple[Texts, Texts, list[int]]:
     """Find names and units above the table, and the indices of their lines."""
-    rows: list[tuple[int, list[str]]] = []
+    block: list[tuple[int, list[str], int]] = []
     for index in range(first - 1, max(first - 1 - 3 * HEADER_LINES, -1), -1):
         cells = _header_cells(lines[index], separator, width)
-        if cells is not None and len(rows) < HEADER_LINES:
-            rows.append((index, cells))
-    counted = [(sum(vocabulary.find_unit(cell) is not None for cell in cells), index, cells) for index, cells in rows]
-    unit_rows = [row for row in counted if row[0] >= max(2, 0.6 * sum(map(bool, row[2])))]
-    units = max(unit_rows, key=lambda row: row[:2], default=None)
-    named = [(sum(map(_is_name, cells)), index, cells) for index, cells in rows if not units or index != units[1]]
-    names = max((row for row in named if row[0]), key=lambda row: row[:2], default=None)
-    if names is None and named and not any(map(is_number, named[0][2])):
-        names = named[0]
-    texts = [tuple(row[2]) if row else ("",) * width for row in (names, units)]
-    return texts[0], texts[1], [row[1] for row in (names, units) if row]
+        if cells is None or any(map(is_number, cells)):
+            # the header is the block just above the numbers; a comment or a blank line may stand below it
+            if any(not _are_units(row) for row in block):
+                break
+            continue
+        block.append((index, cells, sum(vocabulary.find_unit(cell) is not None for cell in cells)))
+        if len(block) == HEADER_LINES:
+            break
+    units = max((row for row in block if _are_units(row)), key=lambda row: (row[2], row[0]), default=None)
+    named = [(sum(map(_is_name, cells)), index, cells) for index, cells, _ in block if not units or index != units[0]]
+    names = max(named, key=lambda row: row[:2], default=None)
+    texts = [tuple(cells) if cells else ("",) * width for cells in (names and names[2], units and units[1])]
+    return texts[0], texts[1], [index for index in (names and names[1], units and units[0]) if index is not None]
+
+
+def _are_units(row: tuple[int, list[str], int]) -> bool:
+    """Whether most cells of a row are units."""
+    return row[2] >= max(2, 0.6 * sum(map(bool, row[1])))
 
 
 def _is_name(cell: str) -> bool:
@@ -268,7 +326,8 @@ def _header_cells(line: str, separator: str, width: int) -> list[str] | None:
         if len(cells) == width - 1 >= 2 and separator != " ":
             cells = [*cells, ""]
         if len(cells) == width:
-            return [cell.strip('"').strip()[:_LONGEST_NAME] for cell in cells]
+            # the clock of a serial monitor stands above its own column too
+            return ["" if is_stamp(cell) else cell.strip('"').strip()[:_LONGEST_NAME] for cell in cells]
     return None
 
 
@@ -289,9 +348,9 @@ def _refuse_unfinished(lines: Sequence[str], last: int, separator: str, kinds: S
         return
     index = len(lines) - 1
     cells = cell_text.split(lines[-1], separator)
-    broken = last <= index and all(is_number(cell) or is_stamp(cell) or cell in ("", "-", "+") for cell in cells)
+    broken = last <= index and all(cell in ("", "-", "+") or is_number(cell) or is_stamp(cell) for cell in cells)
     if last == index + 1:
-        final = max((i for i, kind in enumerate(kinds) if kind == "number"), default=0)
+        final = max((i for i, kind in enumerate(kinds) if kind in ("number", "measure")), default=0)
         rows = [cell_text.split(line, separator) for line in lines[max(index - 40, 0) : index]]
         digits = [_decimals(row[final]) for row in rows if len(row) == len(kinds)]
         fewer = len(digits) > 5 and len(set(digits)) == 1 and _decimals(cells[final]) < digits[0]

@@ -75,7 +75,7 @@ def _tests_of(path: Path, settings: Settings | None) -> list[tuple[str, str, Imp
     tests = []
     for title, text in texts.items():
         own = ImportLog(f"{path.name} [{title}]", log.settings, list(log.decisions))
-        own.decide("sheet", title, "one of the sheets that are tests of their own: each has its own zero and presses")
+        own.decide("test", title, "one of the tests of this file: each has its own zero and presses")
         tests.append((title, text, own))
     return tests
 
@@ -391,6 +391,8 @@ def _read_profile(path: Path) -> Settings:
         elif key == "flip":
             valid = isinstance(value, list) and not set(map(str, value)) - {"displacement", "force"}
             form = "a list of 'displacement' and 'force', which may be empty"
+        elif key == "rate":
+            valid, form = type(value) in (int, float) and value > 0, "a number above 0, in Hz"
         else:
             valid, form = isinstance(value, str), "a text in quotes"
         if not valid:
@@ -411,10 +413,11 @@ def learned(given: Settings, imported: Iterable[Imported]) -> Settings:
 
     columns = dict(given.columns)
     for role in ROLES:
-        title = common([one.chosen[role].title for one in layouts])
         # Units are not kept: a file states its own, and one that does not was read with those that were given.
-        if role not in columns and title and all(list(one.layout.names).count(title) == 1 for one in layouts):
-            columns[role] = title
+        name = common([one.chosen[role].name for one in layouts])
+        names = [one.layout.plain_names for one in layouts]
+        if role not in columns and name and all(one.count(name) == 1 for one in names):
+            columns[role] = name
     separator, decimal = (common([getattr(one.layout, name) for one in layouts]) for name in ("separator", "decimal"))
     return replace(given, sheets=None, columns=columns, separator=given.separator or separator,
                    decimal=given.decimal or decimal)  # fmt: skip

@@ -12,15 +12,39 @@ from numpy.typing import NDArray
 
 from dummydesign.core.errors import InputError
 from dummydesign.measurement.importing import cells as cell_text
-from dummydesign.measurement.importing.columns import Column, choose, describe_columns, find_candidates, find_factors
+from dummydesign.measurement.importing import vocabulary as known
+from dummydesign.measurement.importing.columns import (
+    Candidates,
+    Column,
+    Values,
+    check_apart,
+    choose,
+    choose_by_behaviour,
+    choose_one,
+    describe_columns,
+    find_candidates,
+    find_factors,
+)
 from dummydesign.measurement.importing.decisions import ImportLog
-from dummydesign.measurement.importing.decoding import decode, is_workbook, workbook_texts
+from dummydesign.measurement.importing.decoding import chosen_sheets, decode, is_workbook, workbook_texts
+from dummydesign.measurement.importing.forms import specimens
 from dummydesign.measurement.importing.layout import Layout, find_layout
+from dummydesign.measurement.importing.times import (
+    AGREES,
+    Ranges,
+    align,
+    check_rate,
+    compose_time,
+    fill,
+    find_bases,
+    rows_in_order,
+    time_by_rate,
+    timelike,
+)
 from dummydesign.measurement.importing.vocabulary import ROLES
 
 MOST_INTERRUPTIONS = 500
 MIN_SAMPLES = 10
-Ranges = tuple[tuple[int, int], ...]
 
 
 @dataclass(frozen=True)
@@ -40,36 +64,109 @@ class Columns:
 
 
 def read_texts(path: Path, log: ImportLog) -> dict[str, str]:
-    """Read a file to text; a workbook whose sheets are tests of their own to one text a sheet, by its title."""
+    """Read a file to the text of each test: a sheet of a workbook or a specimen beside others, by its title."""
     data = _read_bytes(path)
     if is_workbook(data):
-        return workbook_texts(data, log)
+        texts = workbook_texts(data, log)
+        return texts if len(texts) > 1 else specimens(next(iter(texts.values())), log)
+    texts = specimens(decode(data, log), log)
     if (sheets := log.settings.sheets) is not None:
-        raise log.fault("--sheets is for .xlsx workbooks; leave it out", "not_applicable", "sheets", sheets)
-    return {"": decode(data, log)}
+        if len(texts) == 1:
+            message = "--sheets is for .xlsx workbooks and for specimens side by side; leave it out"
+            raise log.fault(message, "not_applicable", "sheets", sheets)
+        texts = {title: texts[title] for title in chosen_sheets(sheets, list(texts), log.file)}
+    return texts
+
+
+_NAMELESS = Column(-1, "", "number", frozenset({"time"}), None)
+"""Stands for a time that is made of several columns, or of none: a profile keeps no name of it."""
 
 
 def columns_of(text: str, log: ImportLog) -> Columns:
     """Read time, displacement and force of a text."""
     layout = find_layout(text, log)
     columns = describe_columns(layout)
-    candidates = find_candidates(columns, log)
-    named = {column.index for role in ROLES for column in candidates[role]}
+    rate = log.settings.rate or layout.rate_Hz
+    candidates = find_candidates(columns, rate is not None, log)
     # where a role has no candidate, it is chosen by what all columns of numbers do
-    indices = [one.index for one in columns if one.index in named or (one.numeric and not all(candidates.values()))]
-    body = read_body(layout, indices, log)
+    missing = [role for role in ROLES if not candidates[role] and not (rate and role == "time")]
+    wanted = {column.index for role in ROLES for column in candidates[role]}
+    wanted |= {one.index for one in columns if timelike(one) or (one.numeric and (missing or one.counts))}
+    indices = sorted(wanted)
+    gaps = "any" if layout.sparse else "end" if len(candidates["time"]) > 1 else ""
+    body = read_body(layout, indices, log, gaps)
     if len(body.values) < MIN_SAMPLES:
         message = f"{len(body.values)} rows of numbers; a press needs at least {MIN_SAMPLES}"
         raise log.fault(message, "not_enough_data", "table", len(body.values))
     values = dict(zip(indices, body.values.T))
-    chosen = choose(columns, candidates, values, log)
-    raw = {role: values[chosen[role].index] for role in ROLES}
+    chosen = choose(candidates, values, log)
+    chosen |= choose_by_behaviour(columns, chosen, missing, values, log)
+    time, x, force, inside = _quantities(columns, candidates, chosen, values, layout.rate_Hz, log)
+    lines = body.lines[inside]
+    breaks = np.flatnonzero(np.isin(np.flatnonzero(inside), body.breaks)).tolist()
+    order, time, recordings = rows_in_order(time, layout.repeats, breaks, lines, log)
+    found = {role: chosen.get(role, _NAMELESS) for role in ROLES}
+    return Columns(time, x[order], force[order], recordings, layout, found)
+
+
+def _quantities(
+    columns: Sequence[Column], candidates: Candidates, chosen: dict[str, Column], values: Values, stated: float | None,
+    log: ImportLog,
+) -> tuple[NDArray, NDArray, NDArray, NDArray]:  # fmt: skip
+    """Time, displacement and force in s, mm and N, and which rows of the table they are; the time's column is added."""
+    settings, second, seconds = log.settings, None, None
+    times, composed = candidates["time"], compose_time(columns, values)
+    named = "time" in settings.columns
+    count = len(values[chosen["force"].index])
+    if "time" not in chosen and not named and settings.rate:
+        seconds = time_by_rate(columns, values, count, settings.rate, "given by --rate", log)
+        check_rate(settings.rate, [one for one in columns if timelike(one)], values, log)
+    elif "time" not in chosen and not times and stated:
+        seconds = time_by_rate(columns, values, count, stated, "stated above the table", log)
+    elif composed and not (named and times[0] not in composed.parts):
+        seconds = composed.seconds
+        first, other = composed.parts
+        log.decide("time column", f"{first.label} + {other.label}", "whole ones, and their fraction")
+    elif "time" not in chosen:
+        bases = {} if named else find_bases(chosen, times)
+        if bases:
+            chosen["time"], second = bases["force"], bases["displacement"]
+            log.decide("time column", f"{chosen['time'].label} and {second.label}", "each quantity has its own")
+        else:
+            chosen["time"] = choose_one("time", times, values, log)
+    check_apart(chosen, log)
+    raw = {role: values[column.index] for role, column in chosen.items()}
     scale = find_factors(chosen, raw, log)
-    first = float(raw["time"][0])
-    time = (raw["time"] - first) * scale["time"] if abs(first) > 1e6 else raw["time"] * scale["time"]
-    keep, recordings = _recordings(time, body, log)
-    x, force = (raw[role][keep] * scale[role] for role in ("displacement", "force"))
-    return Columns(time[keep], x, force, recordings, layout, {role: chosen[role] for role in ROLES})
+    x, force = (raw[role] * scale[role] for role in ("displacement", "force"))
+    inside = np.isfinite(x) & np.isfinite(force)
+    if seconds is None:
+        begin = float(raw["time"][0]) if abs(raw["time"][0]) > 1e6 else 0.0
+        seconds = (raw["time"] - begin) * scale["time"]
+        if second is not None:
+            own = second.unit.factor if second.unit and "time" not in settings.units else scale["time"]
+            inside, x = align(seconds, values[second.index] * own - begin * scale["time"], x, force, log)
+        else:
+            _check_time(chosen["time"], seconds, columns, values, log)
+    if second is None and not inside.all():
+        inside, x = fill(seconds, x, force, log)
+    return seconds[inside], x[inside], force[inside], inside
+
+
+def _check_time(column: Column, seconds: NDArray, columns: Sequence[Column], values: Values, log: ImportLog) -> None:
+    """Ask where the time, by its unit, contradicts another column of time."""
+    if "time" in log.settings.units or column.unit is None:
+        return
+    text, length = column.unit.text, float(np.ptp(seconds))
+    for other in columns:
+        if other is column or other.index not in values or not timelike(other):
+            continue
+        rising = bool(np.all(np.diff(values[other.index]) >= 0))
+        factor = 1.0 if other.kind == "stamp" else other.unit.factor if other.unit else 0.0
+        span = float(np.ptp(values[other.index])) * factor
+        if rising and span > 0 and abs(span - length) > max(AGREES * span, 1.0):
+            raise log.question(f"the recording lasts {length:.4g} s by '{column.label}' and {span:.4g} s by "
+                               f"'{other.label}'", f"--columns time={other.label} or --units time={text} where the "
+                               "header is right")  # fmt: skip
 
 
 def _read_bytes(path: Path) -> bytes:
@@ -96,11 +193,11 @@ class Body:
     breaks: tuple[int, ...]
 
 
-def read_body(layout: Layout, columns: Sequence[int], log: ImportLog) -> Body:
-    """Read the numbers of some columns."""
+def read_body(layout: Layout, columns: Sequence[int], log: ImportLog, gaps: str = "") -> Body:
+    """Read the numbers of some columns; NaN for empty cells below a column's ``end``, or for ``any``."""
     values = _read_at_once(layout, columns)
     lines = np.arange(layout.last - layout.first) + layout.line(layout.first)
-    return _read_by_line(layout, columns, log) if values is None else Body(values, lines, ())
+    return _read_by_line(layout, columns, log, gaps) if values is None else Body(values, lines, ())
 
 
 def _read_at_once(layout: Layout, columns: Sequence[int]) -> NDArray | None:
@@ -124,7 +221,7 @@ def _read_at_once(layout: Layout, columns: Sequence[int]) -> NDArray | None:
     return values if len(values) == len(lines) and np.isfinite(values).all() else None
 
 
-def _read_by_line(layout: Layout, columns: Sequence[int], log: ImportLog) -> Body:
+def _read_by_line(layout: Layout, columns: Sequence[int], log: ImportLog, gaps: str) -> Body:
     """Line by line, with the faults named; lines of text between the numbers interrupt the table."""
     width, date_at, dates = len(layout.kinds), _date_column(layout), list[str]()
     rows: list[list[Any]] = []
@@ -139,7 +236,7 @@ def _read_by_line(layout: Layout, columns: Sequence[int], log: ImportLog) -> Bod
         while len(cells) > width and not cells[-1]:
             cells = cells[:-1]
         wanted = [cells[column] if column < len(cells) else "" for column in columns]
-        row = [_read_cell(cell, layout.kinds[column], layout.decimal) for cell, column in zip(wanted, columns)]
+        row = [_read_cell(cell, column, layout) for cell, column in zip(wanted, columns)]
         if all(number is None for number in row):
             # A line of text, of units or a header again: what follows may be another test.
             if any(cells):
@@ -149,9 +246,14 @@ def _read_by_line(layout: Layout, columns: Sequence[int], log: ImportLog) -> Bod
         if len(cells) != width:
             message = f"has {len(cells)} cells, the table has {width}; fix or remove this line of the file"
             raise log.fault(message, "malformed", "table", len(cells), width, line=layout.line(index))
-        if None in row:
-            at = row.index(None)
-            raise _cell_fault(layout, index, columns[at], wanted[at], log)
+        ended = [gaps == "end" and bool(rows) and rows[-1][at] is _EMPTY for at in range(len(row))]
+        for at, cell in enumerate(wanted):
+            # a channel that was recorded for a shorter time ends, and does not go on
+            if not cell and layout.kinds[columns[at]] == "number" and (gaps == "any" or (gaps and len(rows) > 9)):
+                row[at], ended[at] = _EMPTY, False
+        if None in row or any(ended):
+            at = row.index(None) if None in row else ended.index(True)
+            raise _cell_fault(layout, index, columns[at], wanted[at] if None in row else "", log)
         rows.append(row)
         dates.append("" if date_at is None or not cell_text.is_date(cells[date_at]) else cells[date_at])
         numbers.append(layout.line(index))
@@ -170,10 +272,14 @@ def _read_by_line(layout: Layout, columns: Sequence[int], log: ImportLog) -> Bod
             for row, seconds in zip(rows, cell_text.elapsed_seconds(stamps, log)):
                 row[at] = seconds
     values = np.array(rows, float).reshape(-1, len(columns))
-    finite = np.isfinite(values).all(axis=1)
+    finite = (np.isfinite(values) | np.isnan(values)).all(axis=1)
     if not finite.all():
         raise log.fault("a number is too large", "out_of_range", "cell", line=numbers[int(np.argmin(finite))])
     return Body(values, np.array(numbers, int), tuple(dict.fromkeys(at for at in breaks if 0 < at < len(rows))))
+
+
+_EMPTY = float("nan")
+"""Stands for an empty cell."""
 
 
 def _date_column(layout: Layout) -> int | None:
@@ -182,10 +288,17 @@ def _date_column(layout: Layout) -> int | None:
     return next((at for at, (cell, kind) in enumerate(first) if kind == "text" and cell_text.is_date(cell)), None)
 
 
-def _read_cell(cell: str, kind: str, decimal: str) -> float | tuple[float, str] | None:
+def _read_cell(cell: str, column: int, layout: Layout) -> float | tuple[float, str] | None:
     """A number, or the clock and the date of a stamp; None where the cell is neither."""
-    if kind != "stamp":
-        return cell_text.parse(cell, decimal)
+    kind = layout.kinds[column]
+    if kind == "number":
+        return cell_text.parse(cell, layout.decimal)
+    if kind == "measure":
+        parts, unit = cell_text.measure(cell), known.find_unit(layout.units[column])
+        number = cell_text.parse(parts[0], layout.decimal) if parts else None
+        if number is None or parts is None or unit is None or parts[1].kind != unit.kind:
+            return None
+        return number * parts[1].factor / unit.factor
     try:
         return cell_text.seconds_of_stamp(cell)
     except ValueError:
@@ -201,37 +314,3 @@ def _cell_fault(layout: Layout, index: int, column: int, cell: str, log: ImportL
     sign = "dot" if layout.decimal == "." else "comma"
     message = f"{name} = '{cell[:40]}' is not a number with a decimal {sign}"
     return log.fault(message, "not_a_number", "cell", cell[:40], line=line)
-
-
-def _recordings(time: NDArray, body: Body, log: ImportLog) -> tuple[NDArray, Ranges]:
-    """Find rows to keep and the recordings in them."""
-    keep = np.ones(len(time), bool)
-    same = np.flatnonzero((np.diff(time) == 0) & np.all(body.values[1:] == body.values[:-1], axis=1)) + 1
-    if 0 < same.size <= 0.02 * len(time):
-        keep[same] = False
-        why = f"word for word the row before; the first is line {body.lines[same[0]]}"
-        log.decide("repeated rows", f"{same.size} rows", why)
-    kept, lines = time[keep], body.lines[keep]
-    rank = np.cumsum(keep) - 1
-    interrupted = {int(rank[at]) for at in body.breaks}
-    starts = [0]
-    for row in (np.flatnonzero(np.diff(kept) <= 0) + 1).tolist():
-        begin, reached = float(kept[starts[-1]]), float(kept[row - 1])
-        back = reached - float(kept[row])
-        if not (back > 0 and (row in interrupted or back > 0.9 * (reached - begin)) and row - starts[-1] >= 10):
-            raise _time_fault(kept, row, int(lines[row]), log)
-        starts.append(row)
-    if len(starts) > 1:
-        log.decide("recordings", str(len(starts)), f"the time begins again at line {int(lines[starts[1]])}")
-    return keep, tuple(zip(starts, [*starts[1:], len(kept)]))
-
-
-def _time_fault(time: NDArray, row: int, line: int, log: ImportLog) -> InputError:
-    steps = np.diff(time)
-    share = float(np.mean(steps == 0))
-    words = f"does not rise (the row before has {time[row - 1]:.6g} s); sort the rows, or leave this one out"
-    if share > 0.05:
-        size = min(steps[steps > 0].tolist(), default=0.0)
-        words = (f"is written {1 / max(1 - share, 1e-9):.1f} times on average: its last digit ({size:.3g} s) is "
-                 "coarser than the sampling; export the time with more digits")  # fmt: skip
-    return log.fault(f"time = {time[row]:.6g} s {words}", "malformed", "time_s", float(time[row]), line=line)

@@ -1,34 +1,64 @@
-"""Column names and units as test machines write them, in four languages: ``materials/machine-words.toml``."""
+"""Column names and units as test machines write them, in many languages: ``materials/machine-words.toml``."""
 
 from __future__ import annotations
 
 import re
 import unicodedata
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
 from dummydesign.core.library import data_folder, read_toml
 
 ROLES = ("time", "displacement", "force")
+ELSE = frozenset({"stress", "strain", "counter", "other"})
+"""What a name may mean that is none of them."""
 
 _DATA = read_toml(data_folder() / "materials" / "machine-words.toml")[0]
 _WORDS = {role: frozenset(" ".join(languages.values()).split()) for role, languages in _DATA["words"].items()}
-_SIGNS, _PARTS = ({role: tuple(one.split()) for role, one in _DATA[key].items()} for key in ("signs", "parts"))
+_SIGNS, _PARTS = (
+    sorted(((one, role) for role, text in _DATA[key].items() for one in text.split()), key=lambda pair: -len(pair[0]))
+    for key in ("signs", "parts")
+)
+"""Parts of names with their role, the longest first."""
+_SAMPLING = tuple(_DATA["sampling"]["words"].split())
+_FILTERS = tuple(_DATA["sampling"]["filters"].split())
+_RATES = {name: float(hertz) for hertz, names in _DATA["sampling"]["rates"].items() for name in names.split()}
 _LETTERS = {"t": "time", "f": "force", "s": "displacement", "d": "displacement"}
 """Names of a single letter."""
+_PLAIN = str.maketrans({"ß": "ss", "ł": "l", "ø": "o", "đ": "d", "ı": "i"})
 
 
 def words_of(name: str) -> list[str]:
     """Return the lower-case words of a name without accents; capitals in a word and underscores separate words."""
-    spaced = re.sub(r"(?<=[a-zà-ÿ])(?=[A-Z])", " ", name).lower().replace("ß", "ss")
+    spaced = re.sub(r"(?<=[a-zà-ÿ])(?=[A-Z])", " ", name).lower().translate(_PLAIN)
     plain = "".join(letter for letter in unicodedata.normalize("NFKD", spaced) if not unicodedata.combining(letter))
-    return re.findall(r"[a-z]+|[^\x00-\x7f]+", plain)
+    return re.findall(r"[^\W\d_]+", plain)
 
 
-def _sign_in(name: str) -> str | None:
-    """Return the role of a name by the Japanese signs in it."""
-    wide = unicodedata.normalize("NFKC", name)
-    return next((role for role, signs in _SIGNS.items() if any(sign in wide for sign in signs)), None)
+def _signs_in(name: str) -> set[str]:
+    """Return the roles of the Chinese, Japanese and Korean signs in a name; a sign within a longer one is none."""
+    wide, found = unicodedata.normalize("NFKC", name), set[str]()
+    for sign, role in _SIGNS if not name.isascii() else ():
+        if sign in wide:
+            wide = wide.replace(sign, " ")
+            found.add(role)
+    return found
+
+
+@lru_cache(4096)
+def meanings_of(name: str) -> frozenset[str]:
+    """Return all that a column's name speaks for: time, displacement, force, stress, strain, counter and ``other``."""
+    words, found = words_of(name), _signs_in(name)
+    for word in sorted(words, key=len, reverse=True):
+        exact = {role for role, known in _WORDS.items() if word in known}
+        part = next((role for one, role in _PARTS if word.startswith(one) or word.endswith(one)), None)
+        # the z of "force.z" is an axis
+        found |= (exact or ({part} if part else set())) if len(word) > 1 or not found else set()
+    if len(words) == 1 and words[0] in _LETTERS:
+        found.add(_LETTERS[words[0]])
+    return frozenset(found)
 
 
 def roles_of_name(name: str) -> frozenset[str]:
@@ -37,23 +67,35 @@ def roles_of_name(name: str) -> frozenset[str]:
     ``other`` is a word for something else (stress, temperature, a commanded value) and outweighs the rest:
     "Kraft Sollwert" is no measured force. Empty where the name says nothing.
     """
-    if sign := _sign_in(name):
-        return frozenset([sign])
-    words = words_of(name)
-    roles = {role for role, known in _WORDS.items() if known & set(words)}
-    roles |= {role for role, parts in _PARTS.items() if any(w.startswith(parts) or w.endswith(parts) for w in words)}
-    if len(words) == 1 and words[0] in _LETTERS:
-        roles.add(_LETTERS[words[0]])
+    found = meanings_of(name)
     # "Load cell temperature", "Position setpoint": the word for something else decides. "Sample time" is a time.
-    if "other" in roles:
-        return frozenset(roles - {"other"} if roles == {"other", "time"} else ["other"])
-    return frozenset(roles)
+    if found & ELSE:
+        return frozenset(["time"] if found - ELSE == {"time"} else ["other"])
+    return found
 
 
 def is_known_word(word: str) -> bool:
     """Whether a single word, as a whole, is one that columns are named by."""
     words = words_of(word)
-    return _sign_in(word) is not None or (len(words) == 1 and any(words[0] in known for known in _WORDS.values()))
+    return bool(_signs_in(word)) or (len(words) == 1 and any(words[0] in known for known in _WORDS.values()))
+
+
+def sampling_rate_in(line: str) -> float | None:
+    """Return the sampling rate that a line above a table states, from its frequency or its interval. [Hz]"""
+    words = words_of(line)
+    if not any(word.startswith(_SAMPLING) for word in words) and not any(one in line for one in _SAMPLING):
+        return None
+    if any(word.startswith(_FILTERS) for word in words):
+        return None
+    numbers = re.findall(r"(?<![\w.])\d+(?:[.,]\d+)?(?:[eE][+-]?\d+)?(?![\d:])", line)
+    value = float(numbers[0].replace(",", ".")) if len(numbers) == 1 else 0.0
+    for word in re.split(r"[\s;,|\[\](){}:=\"\d]+", line) if value > 0.0 else ():
+        if word.lower() in _RATES:
+            return value * _RATES[word.lower()]
+        unit = find_unit(word) if len(word) > 1 or word == "s" else None
+        if unit is not None and unit.kind == "time":
+            return 1.0 / (value * unit.factor)
+    return None
 
 
 KIND_OF_ROLE = {"time": "time", "displacement": "length", "force": "force"}
@@ -63,7 +105,8 @@ OTHER = "other"
 _ELSEWHERE = _DATA["elsewhere"]["units"].split()
 _ALIKE = str.maketrans("µμ［］（）〔〕／", "uu[]()()/")
 _BRACKETS = re.compile(r"\[([^\[\]]*)\]|\(([^()]*)\)|<([^<>]*)>|\{([^{}]*)\}")
-_TAIL = re.compile(r"^(.*?)(?:_|\s*/\s*|\s+in\s+|\s+en\s+|\s*:\s*|\s*,\s*|\s+)([A-Za-zµμ%\"°秒分]+)\.?$")
+_TAIL = re.compile(r"^(.*?)(?:_|\s*/\s*|\s+in\s+|\s+en\s+|\s*:\s*|\s*,\s*|\s+|(\.))((?:[^\W\d_]|[%\"°])+)\.?$")
+_RATIO = re.compile(r"[_\s:,]([^\s_:,/]+/[^\s_:,/]+)$")
 
 
 @dataclass(frozen=True)
@@ -79,8 +122,12 @@ _UNITS = {
     name: Unit(kind, float(factor), name)
     for kind, factors in _DATA["units"].items() for factor, names in factors.items() for name in names.split()
 }  # fmt: skip
+_LOWER = Counter(name.lower() for name in _UNITS)
+_ALIKE_UNITS = {name.lower(): unit for name, unit in _UNITS.items() if _LOWER[name.lower()] == 1}
+"""Units that no other one is written like in other letters."""
 
 
+@lru_cache(4096)
 def find_unit(text: str) -> Unit | None:
     """Look a unit up as written, brackets or not; None where it is none that is known.
 
@@ -97,8 +144,7 @@ def find_unit(text: str) -> Unit | None:
     # MN and MS are mega-units or sloppy capitals: a factor of a thousand million is nothing to guess at.
     if word in ("MN", "Mn", "mn", "M", "MS", "Ms", "G", "MIN"):
         return None
-    alike = [unit for name, unit in _UNITS.items() if name.lower() == word.lower()]
-    return alike[0] if len(alike) == 1 else None
+    return _ALIKE_UNITS.get(word.lower())
 
 
 def scaled_unit(text: str, kind: str) -> Unit | None:
@@ -120,6 +166,7 @@ USUAL_UNITS = {"time": "s, ms, us, min, h", "length": "mm, um, cm, m, in", "forc
 """The usual units of a kind, for messages."""
 
 
+@lru_cache(4096)
 def split_name(cell: str) -> tuple[str, Unit | None]:
     """Separate a column's name from the unit in it: ``Weg [mm]``, ``Kraft in N``, ``time_s``, ``t/s``, ``mm``."""
     text = cell.translate(_ALIKE).strip().strip('"').strip()
@@ -128,13 +175,16 @@ def split_name(cell: str) -> tuple[str, Unit | None]:
         if unit is not None:
             return (text[: inner.start()] + " " + text[inner.end() :]).strip(), unit
     alone = find_unit(text)
-    if alone is not None and (len(text) > 1 or text in "sN"):
+    if alone is not None and (len(text) > 1 or text in "sNсН秒"):
         return "", alone
+    ratio = _RATIO.search(text)
+    if ratio is not None and (unit := find_unit(ratio[1])):
+        return text[: ratio.start()].strip(), unit
     tail = _TAIL.match(text)
     if tail is not None:
-        unit = find_unit(tail[2])
+        unit = find_unit(tail[3])
         # A last letter such as the g of "force g" or the h of "Kanal h" is no unit unless it is set apart as one.
-        if unit is not None and (len(tail[2]) > 1 or tail[2] in "smN"):
+        if unit is not None and (len(tail[3]) > 1 or (tail[3] in "smNсН秒牛" and not tail[2])):
             return tail[1].strip(), unit
     return text, None
 
@@ -149,5 +199,8 @@ def absent_roles(titles: Sequence[str], roles: Sequence[str] = ROLES) -> tuple[s
 def absent_words(absent: Sequence[str], titles: Sequence[str], roles: Sequence[str] = ROLES) -> str:
     """Return the words of an error: which columns are missing and what to do."""
     shown = ", ".join(f"'{title[:40]}'" if title else f"column {at}" for at, title in enumerate(titles[:12], 1))
+    ways = "export the test again with them"
+    if list(absent) == ["time"] or ("time" in absent and len(titles) == 2):
+        ways += "; 'import --rate HZ' reads evenly spaced samples, 'tissues add-points' steady forces over depth"
     return (f"no column is {' or '.join(absent)} (there are {shown}); {', '.join(roles[:-1])} and {roles[-1]} are "
-            "needed: export the test again with them")  # fmt: skip
+            f"needed: {ways}")  # fmt: skip

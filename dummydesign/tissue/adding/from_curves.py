@@ -17,7 +17,13 @@ from dummydesign.measurement.landmarks import approach_velocity, find_ramp
 from dummydesign.measurement.motion import work_mJ
 from dummydesign.measurement.trace import Trace, check_one_press, magnitude_fault
 from dummydesign.tissue.adding.from_traces import copies_of, fit_people, fit_row, fit_warnings, reserve, tissue_of_fits
-from dummydesign.tissue.adding.observations import HELD_S, ObservedCurve, check_curves, read_curves
+from dummydesign.tissue.adding.observations import (
+    HELD_S,
+    ObservedCurve,
+    check_curves,
+    force_unit_fault,
+    read_curves,
+)
 from dummydesign.tissue.fitting.problem import fitted_force
 from dummydesign.tissue.fitting.reduction import ReducedTrace, condition_groups, reduce_trace
 from dummydesign.tissue.model.laws import DEFAULT, fitted_law
@@ -267,6 +273,8 @@ def _traces(curves: list[ObservedCurve]) -> dict[str, list[Trace]]:
         # nine digits, which two tables of one press share
         time, x, force = (np.array([float(f"{value:.9g}") for value in array]) for array in arrays)
         trace = Trace(f"curve_{number}_line_{curve.line}.csv", time, x, force, curve.velocity_mm_s)
+        if words := force_unit_fault(x, force):
+            raise InputError(f"{trace.name}: {words}", "implausible_unit", "force_N", float(force.max()))
         if fault := magnitude_fault(time, x, force):
             raise InputError(f"{trace.name}: {fault.message}", fault.code, fault.column)
         check_one_press(trace)

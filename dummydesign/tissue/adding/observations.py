@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import itertools
 import math
 from collections.abc import Sequence
@@ -65,26 +64,56 @@ class Row:
 
 
 def read_rows(path: Path, what: str, columns: Sequence[str], optional: Sequence[str] = ()) -> list[Row]:
-    """Read the rows that hold something, of a table with these columns."""
-    try:
-        with open(path, encoding="utf-8-sig", newline="") as stream:
-            reader = csv.DictReader(stream, skipinitialspace=True)
-            reader.fieldnames = header = [cell.strip() for cell in reader.fieldnames or []]
-            cells = [(reader.line_num, {key: (row[key] or "").strip() for key in header}) for row in reader]
-    except OSError as problem:
-        code = "file_not_found" if isinstance(problem, FileNotFoundError) else "file_unreadable"
-        message = f"{what} file '{path}' cannot be read: {problem.strerror}"
-        raise InputError(message, code, what, str(path)) from None
-    except UnicodeDecodeError:
-        raise InputError(f"{path.name}: is not UTF-8 text", "file_unreadable", what, str(path)) from None
-    for column in columns:
-        if column not in header and column not in optional:
-            message = f"{path.name}:1: column '{column}' is missing; the header must be {','.join(columns)}"
-            raise InputError(message, "missing", column)
-    rows = [Row(path.name, line, row) for line, row in cells if any(row.values())]
+    """Read the rows that hold something, of a table with these columns.
+
+    A column is found by its name as given, or by what its name and unit say (``Depth (cm)`` for ``depth_mm``); numbers
+    are brought to the unit of the name. Encoding, separator and decimal sign are those of the file.
+    """
+    from dummydesign.measurement.importing.cells import measure, parse
+    from dummydesign.measurement.importing.named_table import read_named_table
+
+    table = read_named_table(path, what, columns, optional)
+    rows = []
+    for line, cells in table.rows:
+        for key, factor in table.factors.items():
+            parts = measure(cells[key])
+            number = parse(parts[0] if parts else cells[key], table.decimal)
+            if number is not None:
+                cells[key] = f"{number * factor * (parts[1].factor if parts else 1.0):.12g}"
+        rows.append(Row(path.name, line, cells))
     if not rows:
         raise InputError(f"{path.name}: holds no {what}", "nothing_found", what)
     return rows
+
+
+FORCES_N, STIFFEST_N_PER_MM, SOFTEST_N_PER_MM3 = (0.02, 500.0), 200.0, 1e-3
+"""Largest forces that are pressed on a hand, and stiffness and gamma1 beyond any hand."""
+HANDS_N_PER_MM3 = (0.02, 10.0)
+"""gamma1 of hands, from the softest thenar to the stiffest finger of the library; a likely unit leads there."""
+_UNITS = ("mN", "gf", "kgf", "lbf", "kN")
+
+
+def force_unit_fault(depth_mm: NDArray, force_N: NDArray) -> str:
+    """Say which unit forces may be in that no hand carries at its depths; empty where they may be in N."""
+    from dummydesign.measurement.importing.vocabulary import find_unit
+
+    at = int(np.argmax(force_N))
+    force, depth = float(force_N[at]), float(max(depth_mm[at], 1e-9))
+
+    def possible(newtons: float) -> bool:
+        soft = newtons >= SOFTEST_N_PER_MM3 * depth**3
+        return FORCES_N[0] <= newtons <= FORCES_N[1] and newtons <= STIFFEST_N_PER_MM * depth and soft
+
+    if possible(force):
+        return ""
+    softest, stiffest = (gamma1 * depth**3 for gamma1 in HANDS_N_PER_MM3)
+    newtons = {name: force * unit.factor for name in _UNITS if (unit := find_unit(name))}
+    likely = {name: one for name, one in newtons.items() if possible(one) and softest <= one <= stiffest}
+    words = f"{force:.4g} N at {depth:.3g} mm is the force of no hand"
+    if not likely:
+        return words
+    each = ", ".join(f"{one:.3g} N if it is in {name}" for name, one in likely.items())
+    return f"{words} ({each}): write the unit into the column's name, such as force_{next(iter(likely))}"
 
 
 @dataclass(frozen=True)
@@ -186,10 +215,13 @@ def read_points(path: Path) -> list[Steady]:
     for row in read_rows(path, "points", POINT_COLUMNS):
         point = [row.number(key) for key in POINT_COLUMNS[1:]]
         if not DEPTHS_MM[0] <= point[0] <= DEPTHS_MM[1]:
-            words = f"depth_mm = {point[0]:g} is outside 0.05 to 50; is it in millimetres?"
+            words = f"depth_mm = {point[0]:g} is outside 0.05 to 50; if it is in metres, name the column depth_m"
             raise row.fault(words, "out_of_range", "depth_mm", point[0], DEPTHS_MM)
         point += [row.number(key, optional=True) for key in ("depth_error_mm", "force_error_N")]
         by_subject.setdefault(row.subject(), []).append(point)
+    deepest = max((point for own in by_subject.values() for point in own), key=lambda point: point[1])
+    if fault := force_unit_fault(np.array(deepest[:1]), np.array(deepest[1:2])):
+        raise InputError(f"{path.name}: {fault}", "implausible_unit", "force_N", deepest[1], FORCES_N)
     largest = np.max([point[:2] for own in by_subject.values() for point in own], axis=0)
     return [_steady(name, np.array(own), largest, path.name) for name, own in by_subject.items()]
 

@@ -193,8 +193,6 @@ def test_a_time_that_stands_or_goes_back_is_named_by_its_line(tmp_path):
     time[100] = time[98]
     with raises_code("malformed", "time_s"):
         read(tmp_path, "Zeit [s];Weg [mm];Kraft [N]", (time, WAY, FORCE))
-    with raises_code("malformed", "time_s"):
-        read(tmp_path, "Zeit [s];Weg [mm];Kraft [N]", (np.floor(TIME * 20) / 20, WAY, FORCE))
 
 
 def test_a_row_that_stands_twice_is_taken_once(tmp_path):

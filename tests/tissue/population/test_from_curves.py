@@ -58,7 +58,7 @@ def test_forces_in_millinewtons_are_refused_without_naming_a_file_that_nobody_ha
     path = table(tmp_path / "c.csv", people={"anna": 50.0})
     with raises_code("implausible_unit", "force_N") as told:
         add_curves("mine", str(path), "ode", "5")
-    assert "import" not in str(told.value) and "curve_2_line_" in str(told.value)
+    assert "import" not in str(told.value) and "curve_1_line_" in str(told.value)
 
 
 def test_a_person_without_a_hold_has_no_steady_force(tmp_path):

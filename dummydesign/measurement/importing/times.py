@@ -1,0 +1,262 @@
+"""Time as a quantity of one or several columns, of a rate, or of two time bases; rows in the order of time."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dummydesign.measurement.importing import vocabulary as known
+from dummydesign.measurement.importing.columns import Column, Values
+from dummydesign.measurement.importing.decisions import ImportLog
+
+AGREES = 0.05
+"""Share of a recording by which two statements of its length may differ."""
+LEAST_STAMPS = 20
+"""Different times that a recording of coarse time must have."""
+COARSE, EVEN = 0.2, 1.5
+"""Share of equal times from which on a time is coarse, and steps by which times are off an even grid at most."""
+Ranges = tuple[tuple[int, int], ...]
+
+
+def timelike(column: Column) -> bool:
+    """Whether a column may be the time or a part of it."""
+    unit = column.unit is not None and column.unit.kind == "time"
+    return column.numeric and (column.kind == "stamp" or unit or column.roles == {"time"})
+
+
+@dataclass(frozen=True)
+class ComposedTime:
+    """Whole seconds and their fraction in another column: both columns, and the time from the first second. [s]"""
+
+    parts: tuple[Column, Column]
+    seconds: NDArray
+
+
+def compose_time(columns: Sequence[Column], values: Values) -> ComposedTime | None:
+    """Find a column of whole seconds (a clock, minutes) beside one of a smaller unit that begins again with each."""
+    parts = [one for one in columns if one.index in values and timelike(one)]
+    for whole in parts:
+        factor = 1.0 if whole.kind == "stamp" else whole.unit.factor if whole.unit else 0.0
+        seconds = values[whole.index] * factor
+        if factor < 1.0 or np.any(seconds != np.rint(seconds / factor) * factor):
+            continue
+        rises = np.diff(seconds) > 0
+        for fine in parts:
+            if fine is whole or fine.kind == "stamp" or fine.unit is None or fine.unit.factor >= factor:
+                continue
+            part = values[fine.index] * fine.unit.factor
+            falls = np.diff(part) < 0
+            total = seconds - seconds[0] + part
+            goes_on = np.mean(np.diff(total) >= 0) > 0.9 and np.ptp(total) > 0
+            hits = int(rises[falls].sum())
+            begins_again = hits > 0 and falls.sum() - hits <= 0.1 * hits + 2
+            if 0.0 <= part.min() and part.max() < factor and goes_on and (begins_again or not rises.any()):
+                return ComposedTime((whole, fine), total)
+    return None
+
+
+def time_by_rate(
+    columns: Sequence[Column], values: Values, count: int, rate: float, why: str, log: ImportLog
+) -> NDArray:
+    """Return the time of evenly spaced samples, by a column that counts them or by the row. [s]"""
+    for one in columns:
+        if not one.counts or one.index not in values:
+            continue
+        steps = np.diff(values[one.index])
+        if np.all(steps == np.rint(steps)) and np.all(steps >= 0) and np.median(steps) == 1.0:
+            log.decide("time", f"'{one.label}' at {rate:g} Hz", f"counts the samples; {why}")
+            return (values[one.index] - values[one.index][0]) / rate
+    log.decide("time", f"{rate:g} Hz", f"one row a sample; {why}")
+    return np.arange(count) / rate
+
+
+def check_rate(rate: float, times: Sequence[Column], values: Values, log: ImportLog) -> None:
+    """Refuse a rate of the user's that the file's own time contradicts."""
+    for column in times:
+        factor = 1.0 if column.kind == "stamp" else column.unit.factor if column.unit else 0.0
+        length, count = float(np.ptp(values[column.index])) * factor, len(values[column.index]) - 1
+        if length > 0 and np.all(np.diff(values[column.index]) >= 0) and abs(length - count / rate) > AGREES * length:
+            message = f"--rate {rate:g}, but '{column.label}' says {count / length:.4g} Hz; leave --rate out"
+            raise log.fault(message, "inconsistent", "rate", rate)
+
+
+def find_bases(chosen: Mapping[str, Column], times: Sequence[Column]) -> dict[str, Column]:
+    """Find the time of displacement and of force where each has its own; empty where they share one.
+
+    It is named after the quantity, or stands nearest before it (behind it where the table begins with a quantity).
+    """
+    if len(times) < 2:
+        return {}
+    places = [one.index for one in times]
+    before = min(places) < min(column.index for column in chosen.values())
+    bases: dict[str, Column] = {}
+    for role, column in chosen.items():
+        named = [one for one in times if role in known.meanings_of(known.split_name(one.title)[0])]
+        near = [one for one in times if (one.index < column.index) == before]
+        bases[role] = (named or (near[::-1] if before else near) or list(times))[0]
+    return bases if bases["displacement"] is not bases["force"] else {}
+
+
+def align(
+    force_s: NDArray, displacement_s: NDArray, x: NDArray, force: NDArray, log: ImportLog
+) -> tuple[NDArray, NDArray]:
+    """Bring the displacement to the times of the force: which rows both cover, and the displacement there.
+
+    Two clocks whose times do not meet only begin elsewhere: then the rows are taken as they stand. A channel may be
+    shorter than the other: NaN follows its end.
+    """
+    inside, own = np.isfinite(force_s + force), np.isfinite(displacement_s + x)
+    for time in (force_s[inside], displacement_s[own]):
+        if np.any(np.diff(time) <= 0):
+            at = int(np.argmax(np.diff(time) <= 0)) + 1
+            raise log.fault("displacement and force have their own times, and one of them does not rise "
+                            f"({time[at]:.6g} s after {time[at - 1]:.6g} s); name the one time that is right for both "
+                            "by --columns time=NAME", "malformed", "time_s", float(time[at]))  # fmt: skip
+    both = inside & own
+    first, last = displacement_s[own][[0, -1]]
+    lag = float(first - force_s[inside][0])
+    same = np.max(np.abs((displacement_s - force_s)[both])) <= 1e-3 * float(np.median(np.diff(force_s[inside])))
+    if same or first > force_s[inside][-1] or last < force_s[inside][0]:
+        why = "the same" if same else "they never meet: each row is taken as one moment"
+        log.decide("two times", f"begin {lag:+.6g} s apart", why)
+        return both, x
+    shared = inside & (force_s >= first) & (force_s <= last)
+    if shared.sum() < 0.5 * inside.sum():
+        raise log.fault(f"displacement and force have their own times, {lag:+.4g} s apart: less than half of the "
+                        "recording is covered by both; name the one time that is right for both by --columns time=NAME",
+                        "inconsistent", "time_s", lag)  # fmt: skip
+    log.decide("two times", f"begin {lag:+.6g} s apart", "displacement interpolated to the force")
+    log.warn("two_time_bases", f"displacement and force have their own times, which begin {lag:+.4g} s apart; the "
+             "displacement was interpolated to the times of the force: check that both share a zero")  # fmt: skip
+    return shared, np.interp(force_s, displacement_s[own], x[own])
+
+
+def fill(time: NDArray, x: NDArray, force: NDArray, log: ImportLog) -> tuple[NDArray, NDArray]:
+    """Interpolate the displacement to the rows of the force, where each is written in rows of its own."""
+    own, rows = np.isfinite(time + x), np.isfinite(time + force)
+    if min(own.sum(), rows.sum()) < LEAST_STAMPS or np.any(np.diff(time[own]) <= 0):
+        message = "cells of displacement or force are empty, too many to read it; export each row with both"
+        raise log.fault(message, "missing", "cell")
+    inside = rows & (time >= time[own][0]) & (time <= time[own][-1])
+    share = f"displacement is in {own.sum()} and force in {rows.sum()} of {len(time)} rows"
+    log.decide("two times", "rows of their own", f"{share}: displacement interpolated to the force")
+    return inside, np.interp(time, time[own], x[own])
+
+
+def rows_in_order(
+    time: NDArray, repeats: Callable[[int], bool], breaks: Sequence[int], lines: NDArray, log: ImportLog
+) -> tuple[NDArray, NDArray, Ranges]:
+    """Bring rows to the order of time: which rows in which order, their time, and the recordings in them.
+
+    Parameters
+    ----------
+    time : ndarray, shape (n,)
+        As it is written. [s]
+    repeats : callable
+        Whether a line of the file is word for word the one before.
+    breaks : sequence of int
+        Rows before which text stands in the file.
+    lines : ndarray of int, shape (n,)
+        Line of each row in the file.
+    """
+    order = np.arange(len(time))
+    steps = np.diff(time)
+    if np.all(steps > 0):
+        return order, time, ((0, len(time)),)
+    equal = np.flatnonzero(steps == 0) + 1
+    twice = np.array([row for row in equal.tolist() if repeats(int(lines[row]))], int)
+    # rows of a coarse time are alike where nothing moves; where all that are equal are alike, they are one row
+    if len(twice) and (len(twice) == len(equal) or len(equal) < COARSE * len(time)):
+        why = f"word for word the row before; the first is line {lines[twice[0]]}"
+        log.decide("repeated rows", f"{len(twice)} rows", why)
+        order = np.delete(order, twice)
+    kept = time[order]
+    interrupted = set(np.searchsorted(order, list(breaks)).tolist())
+    starts = [0]
+    for row in (np.flatnonzero(np.diff(kept) < 0) + 1).tolist():
+        begin, reached = float(kept[starts[-1]]), float(kept[row - 1])
+        back = reached - float(kept[row])
+        if reached > begin and (row in interrupted or back > 0.9 * (reached - begin)) and row - starts[-1] >= 10:
+            starts.append(row)
+    ranges = tuple(zip(starts, [*starts[1:], len(kept)]))
+    if len(starts) > 1:
+        log.decide("recordings", str(len(starts)), f"the time begins again at line {int(lines[order[starts[1]]])}")
+    for first, stop in ranges:
+        part = slice(first, stop)
+        order[part] = order[part][_sorted(kept[part], lines[order[part]], log)]
+        kept[part] = _spread(time[order[part]], lines[order[part]], log)
+    return order, kept, ranges
+
+
+def _sorted(time: NDArray, lines: NDArray, log: ImportLog) -> NDArray:
+    """Order of rows by time, where it fits: moved rows leave no hole where they were and come between no others."""
+    back = np.flatnonzero(time < np.maximum.accumulate(time))
+    order = np.argsort(time, kind="stable")
+    if not len(back):
+        return order
+    steps = np.diff(time[order])
+    moved = order != np.arange(len(time))
+    touched = moved[1:] | moved[:-1]
+    usual = float(np.median(steps))
+    most = max(1.5 * usual, 1.2 * float(steps[~touched].max(initial=0.0)))
+    if np.any(steps[touched] > most) or np.any(steps[touched] < 0.3 * usual):
+        at = int(back[0])
+        message = (f"time = {time[at]:.6g} s goes back (the row before has {time[at - 1]:.6g} s; {len(back)} such "
+                   f"row{'s' * (len(back) > 1)}) and fits nowhere else: remove or correct these rows")  # fmt: skip
+        raise log.fault(message, "malformed", "time_s", float(time[at]), line=int(lines[at]))
+    why = f"their times fit between those of other rows; the first is line {int(lines[back[0]])}"
+    log.decide("rows sorted by time", f"{len(back)} rows", why)
+    return order
+
+
+def _spread(time: NDArray, lines: NDArray, log: ImportLog) -> NDArray:
+    """Part equal times: on an even grid where the samples are even, else between the times that are different."""
+    count, rows = len(time), np.arange(len(time))
+    new = np.flatnonzero(np.diff(time) > 0) + 1
+    equal = count - 1 - len(new)
+    if not equal:
+        return time
+    share, first = equal / count, int(lines[int(np.argmin(np.r_[True, np.diff(time) > 0]))])
+    where = f"{equal} rows have the time of the row before; the first is line {first}"
+    if len(new) < 3:
+        raise _too_coarse(time, lines, log)
+    # a time may be that of the first of its rows, as a clock that is cut off, or of the last, as a packet's arrival
+    off, at, slope, begin = min(
+        (_line(at, time) for at in (new, np.r_[new[1:] - 1, count - 1])), key=lambda one: float(one[0])
+    )
+    if share > COARSE and off <= EVEN * slope:
+        log.decide("equal times", f"spread evenly at {1 / slope:.6g} Hz", f"even to {off:.2g} s; {where}")
+        return begin + slope * (rows - at[0])
+    stamps = time[at]
+    if len(new) < LEAST_STAMPS:
+        raise _too_coarse(time, lines, log)
+    spread = np.interp(rows, at, stamps)
+    spread[: at[0]] = stamps[0] + slope * (rows[: at[0]] - at[0])
+    spread[at[-1] :] = stamps[-1] + slope * (rows[at[-1] :] - at[-1])
+    size = float(np.max(np.diff(stamps)))
+    log.decide("equal times", f"{equal} rows spread", f"between the times before and after; {where}")
+    if share > COARSE:
+        log.warn("coarse_time", f"each time is written {1 / (1 - share):.1f} times on average and the samples are not "
+                 f"even: spread between the times, they may be {size:.2g} s off; give --rate HZ where the samples are "
+                 "even, or export the time with more digits")  # fmt: skip
+    return spread
+
+
+def _line(at: NDArray, time: NDArray) -> tuple[float, NDArray, float, float]:
+    """How far the times of some rows are off an even grid [s], those rows, the grid's step and its first time."""
+    slope, begin = np.polyfit(at - at[0], time[at] - time[at[0]], 1)
+    off = time[at] - time[at[0]] - slope * (at - at[0])
+    return float(np.ptp(off)), at, float(slope), float(time[at[0]] + begin)
+
+
+def _too_coarse(time: NDArray, lines: NDArray, log: ImportLog) -> Exception:
+    stamps = np.unique(time)
+    digit = float(np.min(np.diff(stamps))) if len(stamps) > 1 else 0.0
+    message = (
+        f"the time has only {len(stamps)} different values in {len(time)} rows, {digit:.3g} s apart: coarser than the "
+        "sampling; export it with more digits, or say --rate HZ where the samples are even"
+    )
+    return log.fault(message, "malformed", "time_s", float(time[0]), line=int(lines[0]))

@@ -40,7 +40,7 @@ def protocol_steps(diameter_mm: float, age_days: float) -> tuple[str, ...]:
         f"Use two flat, stiff, parallel plates at least {PLATE_SHARE * diameter_mm:.0f} mm wide. Wipe the puck dry. "
         "Spread a fresh film of silicone oil on both plates (on a silicone puck: glycerine). Or glue both faces to the "
         "plates and type --friction bonded.",
-        "Put the puck in the middle. Zero the force with the upper plate free. Start recording about 1 mm above the "
+        "Centre the puck. Zero the force with the upper plate free. Start recording about 1 mm above the "
         "puck; displacement is 0 where the plate touches it.",
         "Press at the speeds of the table to one depth, stop, hold the position (not the force), then lift off. "
         "If the machine is slower, use its fastest speed: the command says which terms it hides.",

@@ -140,7 +140,7 @@ class Arm(Serialised):
 class PuckPoint:
     """The recordings of a puck; by ``sha256`` of their numbers they are known again under other file names.
 
-    Several recordings have their hashes in one text, parted by blanks. ``plates`` is what was declared of them,
+    Several recordings have their hashes in one text, separated by blanks. ``plates`` is what was declared of them,
     ``seen_s`` are the shortest and longest time that its holds show, None without holds; ``arms`` what they showed,
     strengths relative to the long-term modulus at the point's ratio.
     """

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
 import pytest
 
 from dummydesign.core.quantity import HALF_WIDTH
@@ -55,4 +54,4 @@ def test_plates_declared_against_the_curve_are_doubted():
     curves, table = made(30.0, 2.0, "bonded", [("A1", 0.1, 1.0)]), load_puck_table()
     wrong = fit_pucks(curves, 50.0, 30.0, table, WINDOW, read_plates("lubricated"))
     assert contradicts(wrong.rmse, wrong.rmse_open)
-    assert np.isinf(fit_pucks(curves, 50.0, 30.0, table, WINDOW).friction)
+    assert fit_pucks(curves, 50.0, 30.0, table, WINDOW).friction > 0.3

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from dummydesign.design.suggestion import Suggestion
+    from dummydesign.mold.pour.cost import MouldCost
 
 TYPED_AGAIN = ("aim", "punch", "edge_radius_mm", "force_N", "velocity_mm_s", "hold_s", "base", "condition",
                "deceleration_mm_s2", "machine", "silicone", "weighing_g", "thickness_tolerance_mm")  # fmt: skip
@@ -52,14 +53,16 @@ class Path(Serialised):
     text: str
 
 
-def next_steps(answer: Suggestion, inputs: Mapping[str, Any], mould: Mapping[str, Any] | None) -> list[Step]:
-    """Steps from an answer on; ``mould`` is that of the recommended pad, where it was made."""
+def next_steps(answer: Suggestion, inputs: Mapping[str, Any]) -> list[Step]:
+    """Steps from an answer on."""
     level, first = answer.verdict.level, answer.measure_first
     if level == "not_representative":
         return [Step(f"do not cast this pad: {why_red(answer)}")]
     if level == "not_settled" or first.group in ("modulus", "relaxation"):
         return _puck_first(answer, inputs)
-    pad = Step("cast the pad by its pour sheet", None, _pad_hours(answer, mould), _pad_grams(answer))
+    made = _mould(answer)
+    hours = None if made.printing_h is None else made.printing_h + _curing_h(answer)
+    pad = Step("cast the pad by its pour sheet", None, hours, {"silicone": made.silicone_g, "resin": made.resin_g})
     compared = f"dummydesign compare PRESS.csv... --tissue {shlex.quote(inputs['tissue'])}"
     pressed = Step("press it by the test and compare it with the subjects", compared, PRESSING_H)
     return [pad, pressed, *([Step(f"{first.text}: {first.protocol}", first.command)] if first.group else [])]
@@ -75,8 +78,7 @@ def _puck_first(answer: Suggestion, inputs: Mapping[str, Any]) -> list[Step]:
     size = f"{diameter}x{height}"
     take = ring_cost(*PUCK_MM, resin=str(inputs["resin"]), ratio=ratio)
     batch = "my-batch" if resin != "my-batch" else "my-batch-2"
-    pour = answer.problem.mould(answer.best, answer.shape).pour
-    wait = pour.cure_time_h + 24.0 * pour.age_before_test_days
+    wait = _curing_h(answer)
     speeds = " and ".join(f"{speed:g}" for speed in SPEEDS_MM_S)
     named = f"--resin {shlex.quote(inputs['resin'])} --ratio {ratio:g}"
     added = command(trace_names(size), diameter, height, ratio, shlex.quote(inputs["resin"])).replace("my-batch", batch)
@@ -114,33 +116,34 @@ def _safety_words(given: Mapping[str, Any]) -> str:
     return words
 
 
-def paths_of(answer: Suggestion, mould: Mapping[str, Any] | None) -> list[Path]:
+def paths_of(answer: Suggestion) -> list[Path]:
     """The puck first and then the pad, beside the pad at once: what each takes and how many castings are usable then.
     """
     from dummydesign.mold.puck.ring import ring_cost
 
-    shares, pad_h, grams = answer.shares, _pad_hours(answer, mould), _pad_grams(answer)
-    printing = None if mould is None else float(mould["printing_h"])
-    strict = ranges_of(answer.targets).strict
+    strict, shares, pad = ranges_of(answer.targets).strict, answer.shares, _mould(answer)
     poured, after = (
         one.stands_for + (0.0 if strict else one.usable) for one in (shares.as_poured, shares.after_puck)
     )
-    ring = ring_cost(*PUCK_MM, resin=answer.request.resin, ratio=answer.best.ratio)
-    pour = answer.problem.mould(answer.best, answer.shape).pour
-    wait = pour.cure_time_h + 24.0 * pour.age_before_test_days
-    puck_h = ring.printing_h + wait + PRESSING_H
-    # the pad's mould can be printed while the puck cures
-    both_h = None if pad_h is None else puck_h + wait
+    ring, wait = ring_cost(*PUCK_MM, resin=answer.request.resin, ratio=answer.best.ratio), _curing_h(answer)
+    printing, kept = pad.printing_h, answer.request.mould is not None
+    grams = {"silicone": 0.0 if kept else pad.silicone_g, "resin": pad.resin_g}
+    if kept:
+        printing = 0.0
+    # the pad's mould is printed while the puck cures, and is the same for every batch
     first = Path(
-        "puck first", None if printing is None else ring.printing_h + printing, both_h,
-        {"filament": ring.filament_g, "resin": ring.resin_g + grams["resin"]}, after,
-        f"puck first, {ring.printing_h:.1f} h of printing, {ring.resin_g:.0f} g, {_days(puck_h)}: "
+        "puck first", None if printing is None else ring.printing_h + printing,
+        None if printing is None else max(ring.printing_h + wait + PRESSING_H, printing) + wait,
+        {**grams, "filament": ring.filament_g + (0.0 if kept else pad.filament_g or 0.0),
+         "resin": grams["resin"] + ring.resin_g}, after,
+        f"puck first, {ring.printing_h:.1f} h of printing, {ring.resin_g:.0f} g, {_days(ring.printing_h + wait)}: "
         f"{100.0 * after:.0f} % usable",
     )  # fmt: skip
+    hours = "" if not printing else f"{printing:.0f} h, "
     at_once = Path(
-        "pad at once", printing, pad_h, grams, poured,
-        f"pad at once, {'' if printing is None else f'{printing:.0f} h, '}{grams['resin']:.0f} g, "
-        f"{_days(wait)}: {100.0 * poured:.0f} %",
+        "pad at once", printing, None if printing is None else printing + wait,
+        {**grams, "filament": 0.0 if kept else pad.filament_g or 0.0}, poured,
+        f"pad at once, {hours}{grams['resin']:.0f} g, {_days((printing or 0.0) + wait)}: {100.0 * poured:.0f} %",
     )  # fmt: skip
     return [first, at_once]
 
@@ -149,16 +152,17 @@ def _days(hours: float) -> str:
     return f"{np.ceil(hours / 24.0):.0f} days"
 
 
-def _pad_hours(answer: Suggestion, mould: Mapping[str, Any] | None) -> float | None:
-    """Calendar hours from the mould's first part to a pad that can be tested; None without a mould."""
-    if mould is None:
-        return None
+def _mould(answer: Suggestion) -> MouldCost:
+    """What the mould of the recommended pad and one casting take."""
+    from dummydesign.mold.pour.cost import mould_cost
+
+    return mould_cost(answer.problem.mould(answer.best, answer.shape))
+
+
+def _curing_h(answer: Suggestion) -> float:
+    """Hours from pouring until what was cast can be tested."""
     pour = answer.problem.mould(answer.best, answer.shape).pour
-    return float(mould["printing_h"]) + pour.cure_time_h + 24.0 * pour.age_before_test_days
-
-
-def _pad_grams(answer: Suggestion) -> dict[str, float]:
-    return {"resin": float(answer.recommended.batch["total_g"])}
+    return float(pour.cure_time_h + 24.0 * pour.age_before_test_days)
 
 
 def why_red(answer: Suggestion) -> str:

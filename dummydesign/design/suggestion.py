@@ -166,7 +166,7 @@ class Suggestion:
         }  # fmt: skip
         if inputs is None or safety is None:
             return answer
-        ahead = {"next": to_plain(next_steps(self, inputs, mould)), "paths": to_plain(paths_of(self, mould))}
+        ahead = {"next": to_plain(next_steps(self, inputs)), "paths": to_plain(paths_of(self))}
         whole = {"inputs": inputs, **answer, **ahead, "safety": safety.to_dict(), "files": {}}
         if mould is None:
             return whole

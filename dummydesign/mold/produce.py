@@ -27,7 +27,6 @@ from dummydesign.mold.files.solid_view import mould_view
 from dummydesign.mold.files.step import step_text
 from dummydesign.mold.model.spec import MouldSpec
 from dummydesign.mold.pour.acceptance import gauge_points
-from dummydesign.mold.pour.bill_of_materials import FILLED_SHARE, GRAM_PER_HOUR, USUAL_DENSITY
 from dummydesign.mold.pour.plan import PourPlan, batches_of, pour_plan
 from dummydesign.mold.pour.warnings import pour_warnings
 
@@ -86,17 +85,8 @@ def _write_and_check(
     write_json(folder / files["checks"], listed)
     return {
         "files": files, "volumes_mm3": volumes, "checks": listed, "warnings": warnings, "pour": plan.to_dict(),
-        "batch": batches_of(spec, plan), **_printing(made),
-        "step_sha256": hashlib.sha256(assembly.read_bytes()).hexdigest(),
+        "batch": batches_of(spec, plan), "step_sha256": hashlib.sha256(assembly.read_bytes()).hexdigest(),
     }  # fmt: skip
-
-
-def _printing(made: Parts) -> dict[str, float]:
-    """Filament and hours of the printed parts, estimated."""
-    density = made.spec.plastic.density_g_per_cm3 if made.spec.plastic else USUAL_DENSITY
-    volume = sum(part.volume_mm3 for part in made.parts.values() if part.is_printed)
-    grams = 1e-3 * FILLED_SHARE * density * volume
-    return {"printing_h": grams / GRAM_PER_HOUR, "filament_g": grams}
 
 
 def _write_steps(made: Parts, folder: Path) -> dict[str, str]:

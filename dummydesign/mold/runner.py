@@ -119,8 +119,6 @@ class MouldResult(Serialised):
     spec_hash: str
     batch: dict[str, Any]
     gauge_points: tuple[GaugePoint, ...]
-    printing_h: float
-    filament_g: float
     seconds: float = field(default=0.0, compare=False)
     memory_MB: float = field(default=0.0, compare=False)
 

@@ -14,7 +14,6 @@ from dummydesign.mold.pour.plan import CUP_FACTOR, PourPlan, batch_of, pours_of
 # (judgement; a slicer knows better), and grams an hour of a 0.4 mm nozzle (judgement).
 FILLED_SHARE = 0.5
 GRAM_PER_HOUR = 18.0
-USUAL_DENSITY = 1.24
 # Lengths in which machine screws are sold, and grip beyond the flanges for nut and washer. [mm]
 SCREW_MM = (10, 12, 16, 20, 25, 30, 35, 40, 45, 50, 60, 70)
 NUT_MM = 5.0
@@ -108,7 +107,7 @@ def materials(spec: MouldSpec, plan: PourPlan, printed_mm3: Mapping[str, float] 
     against = "resin" if spec.is_printed else "resin and silicone"
     needs.append(MaterialItem("gloves, goggles, extraction", 1, "{:.0f} set", against, SHARED))
     filament = spec.plastic.name.upper() if spec.plastic else "filament"
-    gram = 1e-3 * FILLED_SHARE * (spec.plastic.density_g_per_cm3 if spec.plastic else USUAL_DENSITY)
+    gram = 1e-3 * FILLED_SHARE * (spec.plastic.density_g_per_cm3 if spec.plastic else 1.24)
     return needs + [MaterialItem(f"{filament}: {name}", volume * gram, "about {:.0f} g", "")
                     for name, volume in (printed_mm3 or {}).items()]  # fmt: skip
 

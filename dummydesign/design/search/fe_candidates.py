@@ -177,7 +177,8 @@ def solve_leading(
     Pads that cannot be solved fall away. Fields of caps take minutes in space: they are solved where no round pad was
     searched, the first of them. Slabs are designed by their table.
     """
-    left, solved = list(designs), []
+    left: list[ShapedDesign] = list(designs)
+    solved: list[ShapedDesign] = []
     if any(one.shape.axisymmetric for one in designs):
         left = [one for one in designs if one.shape.axisymmetric or one.shape.plain]
     while len(solved) < MOST_SOLVED:
@@ -198,6 +199,6 @@ def solve_leading(
         return tuple(rank(left, space)) or tuple(designs)
     # what only a table knows is not chosen before what was solved, but a slab by its own table
     slabs = [one for one in left if one.shape.plain]
-    first = rank([*solved, *slabs], space)
+    leading = rank([*solved, *slabs], space)
     behind = [one for one in designs if one not in slabs and one.shape not in {item.shape for item in solved}]
-    return (*first, *rank(behind, space))
+    return (*leading, *rank(behind, space))

@@ -48,10 +48,7 @@ def check_press(
     time: NDArray, x: NDArray, force: NDArray, contact: ContactEstimate, summary: Summary, warn: Warn
 ) -> None:
     """Warn of what looks wrong in one press."""
-    press = _Press(time, x, force, max(contact.noise_N, noise_of(force)), summary, warn)
-    if abs(contact.drift_N) > max(0.01 * summary.peak_force_N, 4.0 * contact.noise_N):
-        warn("force_before_contact", f"the force changes by {contact.drift_N:+.3g} N before contact; let the sensor "
-             "settle, or look for something that touches earlier")  # fmt: skip
+    press = _Press(time, x, force, max(contact.baseline.noise_N, noise_of(force)), summary, warn)
     if _swapped(press):
         return
     for check in (_hold, _several_holds, _clipped, _gaps, _lost, _frozen, _spikes, _units):
@@ -239,14 +236,14 @@ def doubts_of(trace: Trace, resolution_N: float = 0.0) -> list[dict[str, str]]:
         summary = summarise(trace.name, time, x, force)
     except InputError:
         return []  # whoever uses the trace names what it lacks
-    tare = rest + contact.tare_N
-    noise = max(contact.noise_N, noise_of(force))
-    allowed = allowed_offset(summary.peak_force_N, noise, contact.tare_error_N, resolution_N)
+    before = contact.baseline
+    tare, noise = rest + before.mean_N, max(before.noise_N, noise_of(force))
+    allowed = allowed_offset(summary.peak_force_N, noise, before.error_N, resolution_N)
     if contact.lead_in >= LEAST_LEAD_IN and abs(tare) > allowed:
         warn("force_before_contact", f"the force is {tare:.3g} N before contact and counts as pressing; up to "
              f"{allowed:.2g} N is allowed (noise {noise:.2g} N)")  # fmt: skip
     elif contact.lead_in >= LEAST_LEAD_IN and contact_off(contact, summary.depth_mm):
-        tares = (contact.tare_N + side * READING * noise for side in (-1.0, -0.5, 0.5, 1.0))
+        tares = (before.mean_N + side * READING * noise for side in (-1.0, -0.5, 0.5, 1.0))
         others = (find_contact(time, x, force - rest, span, other) for other in tares)
         if all(contact_off(other, summary.depth_mm) for other in others):
             warn("contact_off", contact_off(contact, summary.depth_mm))

@@ -100,7 +100,7 @@ def _import_text(path: Path, sheet: str, text: str, log: ImportLog) -> Imported:
         part = slice(span.start, span.stop)
         name = log.file if len(spans) == 1 else f"{log.file} press {number}"
         t, way = time[part] - time[span.start], x[part] - at + 0.0
-        force = load[part] + rest - level + 0.0
+        force = load[part] + rest - level.at(time[part], x[part]) + 0.0
         summary = summarise(name, t, way, force)
         fault = magnitude_fault(t, way, force, seconds="time" in log.settings.units)
         if fault:
@@ -114,14 +114,14 @@ def _import_text(path: Path, sheet: str, text: str, log: ImportLog) -> Imported:
 
 def _read_option(option: str, word: str, kind: str) -> float | None:
     """A reading given by the user, as the file counts it, in N or mm; None for auto and none."""
-    if word in ("auto", "none"):
+    if word in ("auto", "none") or (option == "tare" and word in ("drift", "slope")):
         return None
     parts = NUMBER.match(word)
     unit = find_unit(parts[2] or BASE[kind]) if parts else None
     if parts and unit and unit.kind == kind:
         return float(parts[1]) * unit.factor
     form = f"a reading in {BASE[kind]} (or with a unit: {USUAL_UNITS[kind]})"
-    form += ", or first (each file's first sample)" if option == "tare" else ""
+    form += ", or first (each file's first sample), drift or slope" if option == "tare" else ""
     raise InputError(f"--{option} {word} is not auto, none or {form}", "not_a_number", option, word)
 
 

@@ -14,6 +14,8 @@ WANDER, LONG_WANDER = 0.15, 0.5
 """Shares of the noise by which means of it wander: least of all between parts, and over the whole lead-in."""
 DRIFT_N_S, SLOPE_N_MM = 0.1, 0.05
 """Standard deviations of drift and slope with travel before the lead-in shows them: wide on purpose."""
+MOSTLY = 0.3
+"""Share of the variance from which on the noise mostly wanders: then samples that follow quickly share its error."""
 CLEAR = 3.0
 """Errors that a drift or a slope must exceed to be one."""
 MATTERS = 0.005
@@ -29,10 +31,12 @@ def digit_step(force: NDArray) -> float:
 
 @dataclass(frozen=True)
 class Noise:
-    """Standard deviations of a sample and of what wanders between means, and the step of the digits. [N]"""
+    """Standard deviations of a sample and of what wanders between means, how long that lasts at least, and the step of
+    the digits."""
 
     sample_N: float
     wander_N: float
+    wander_s: float
     step_N: float
 
     @property
@@ -46,18 +50,19 @@ class Noise:
 def noise_before(time: NDArray, load: NDArray, span: Span, stop: int) -> Noise:
     """Noise about a straight line in time of the samples up to ``stop``; of the whole press where there are too few."""
     press, free = load[span.start : span.stop], load[span.start : stop]
-    step, grain = digit_step(press), 1e-9 * max(float(np.ptp(press)), 1e-12)
+    step, grain = digit_step(press), 1e-6 * max(float(np.ptp(press)), 1e-12)
     if len(free) < 2 * LEAST_LEAD_IN:
         white = max(noise_of(press), grain)
-        return Noise(white, WANDER * white, step)
+        return Noise(white, WANDER * white, 0.0, step)
     clock = time[span.start : stop] - time[span.start]
     rest = free - np.polyval(np.polyfit(clock, free, 1), clock)
     sample = max(float(np.std(rest)), grain)
     parts = np.array_split(rest, 10 if len(free) >= 30 else 3)
     # the line takes two of the means
     means = float(np.sum(np.square([part.mean() for part in parts]))) / max(len(parts) - 2, 1)
-    own = means - noise_of(free) ** 2 / len(parts[0])
-    return Noise(sample, float(np.sqrt(max(own, (WANDER * sample) ** 2))), step)
+    own, least = means - noise_of(free) ** 2 / len(parts[0]), (WANDER * sample) ** 2
+    lasts = float(clock[-1]) / len(parts) if own > MOSTLY * sample**2 else 0.0
+    return Noise(sample, float(np.sqrt(max(own, least))), lasts, step)
 
 
 @dataclass(frozen=True)

@@ -138,16 +138,19 @@ def _posterior(
     """Relative probability of each place of contact over all laws of the rise, zeros, drifts and slopes."""
     late = np.arange(len(bins.x)) >= bins.early
     rise = np.maximum(bins.load - bins.load[: max(bins.early, 1)].mean(), 0.0)
-    # bins within one step of the digits share its error
+    # bins within one step of the digits share its error, bins that follow quickly on one another share the wander
     together = np.sum(np.abs(bins.load[:, None] - bins.load) <= 0.5 * noise.step_N, axis=1)
-    weight = 1.0 / (noise.sample_N**2 / bins.count + noise.rounding_N**2 * together + (MISFIT * rise) ** 2)
+    white = noise.sample_N**2 / bins.count
+    lasting = np.minimum(noise.wander_s / np.maximum(np.gradient(bins.time_s), 1e-9), len(bins.x))
+    weight = 1.0 / (white + noise.wander_N**2 * lasting + noise.rounding_N**2 * together + (MISFIT * rise) ** 2)
     # level, drift, slope, and what the level wanders between lead-in and approach; each with its prior
     columns = np.stack([np.ones_like(bins.x), bins.time_s - bins.time_s[-1], bins.x - bins.x[-1], late.astype(float)])
     wander = 1.0 / (noise.wander_N**2 + noise.rounding_N**2)
     prior = np.array([0.0 if tare_N is None else 1e30, DRIFT_N_S**-2, SLOPE_N_MM**-2, wander])
     load = bins.load - (tare_N or 0.0)
-    inverse = np.linalg.inv((columns * weight) @ columns.T + np.diag(prior))
-    root = np.linalg.cholesky(inverse).T @ (columns * weight)
+    normal = (columns * weight) @ columns.T + np.diag(prior)
+    size = np.sqrt(np.diag(normal))
+    root = np.linalg.solve(np.linalg.cholesky(normal / np.outer(size, size)), (columns * weight) / size[:, None])
     target = load * weight - root.T @ (root @ load)
     ramp = np.maximum(bins.x - ways[:, None], 0.0)
     ramp = ramp / np.maximum(ramp.max(axis=1, keepdims=True), 1e-12)

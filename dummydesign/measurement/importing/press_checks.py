@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from dummydesign.core.errors import InputError
 from dummydesign.core.interpolation import true_runs
+from dummydesign.measurement.clipping import find_clip
 from dummydesign.measurement.importing.contact import LEAST_LEAD_IN, ContactEstimate, contact_off, find_contact
 from dummydesign.measurement.importing.decisions import ImportLog, Settings
 from dummydesign.measurement.importing.signs import find_presses, find_signs, middle_of_three, noise_of
@@ -119,20 +120,11 @@ def _several_holds(press: _Press) -> None:
 
 
 def _clipped(press: _Press) -> None:
-    """The load cell's end: the largest value over and over while the punch still moves, and no other value does so."""
-    force, x, top = press.force, press.x, float(press.force.max())
-    first, last = _longest(force >= top)
-    length = last - first
-    if length < 5 or top <= 0:
-        return
-    below = force[(force > 0.5 * top) & (force < top)]
-    changes = np.flatnonzero(np.diff(below) != 0)
-    usual = int(np.max(np.diff(np.r_[-1, changes, len(below) - 1]))) if len(below) > 10 else 1
-    moved = abs(float(x[last - 1] - x[first])) > 0.02 * float(np.ptp(x))
-    if length > 4 * usual and (moved or length > 10 * usual):
-        press.warn("clipped", f"the force stands at exactly {top:.6g} N for {length} samples from "
-                   f"{press.time[first]:.4g} s: the load cell or its amplifier is at its end; use a larger range, and "
-                   "do not fit this press")  # fmt: skip
+    """The load cell's end: the force stands within its noise while the punch still moves, or before it relaxes."""
+    if clip := find_clip(press.time, press.x, press.force):
+        press.warn("clipped", f"the force stands at {clip.level_N:.6g} N for {clip.stop - clip.first} samples from "
+                   f"{clip.start_s:.4g} s: the load cell or its amplifier is at its end; use a larger range; fits leave "
+                   "these samples out, the peak is not known")  # fmt: skip
 
 
 def _longest(mask: NDArray) -> tuple[int, int]:

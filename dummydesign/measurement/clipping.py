@@ -1,0 +1,78 @@
+"""The end of a load cell's range: a force that stands within its noise where it ought to change."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dummydesign.core.interpolation import true_runs
+from dummydesign.measurement.importing.baseline import digit_step
+from dummydesign.measurement.importing.signs import middle_of_three, noise_of
+
+LEAST = 5
+"""Samples of a clipped stretch."""
+BAND, FLAT, GRAIN = 6.0, 4.0, 1e-4
+"""Width of the stretch and most change along it, over the noise; least noise, over the largest force."""
+RISE, FALL = 60.0, 15.0
+"""Changes over the noise that the stretch would show: of the rise before it if the punch goes on at half its speed (a
+smooth top of the same width would show 50), and of the relaxation behind it."""
+
+
+@dataclass(frozen=True)
+class Clip:
+    """A clipped stretch: samples ``first`` to ``stop``, their times and the force at which they stand."""
+
+    first: int
+    stop: int
+    start_s: float
+    end_s: float
+    level_N: float
+
+
+def find_clip(time: NDArray, x: NDArray, force: NDArray) -> Clip | None:
+    """Find where the force stands at its largest although the punch goes on, or the relaxation begins later only.
+
+    Parameters
+    ----------
+    time, x, force : ndarray, shape (n,)
+        One press, compression positive. [s, mm, N]
+    """
+    smooth = middle_of_three(force)
+    peak = float(smooth.max())
+    noise = max(noise_of(force), 0.5 * digit_step(force), GRAIN * peak)
+    runs = true_runs(smooth >= peak - BAND * noise)
+    first, stop = max(runs, key=lambda run: run[1] - run[0], default=(0, 0))
+    if stop - first < LEAST or first < LEAST or peak <= 0:
+        return None
+    inside = slice(first, stop)
+    tilt = float(np.polyfit(time[inside] - time[first], force[inside], 1)[0]) * float(time[stop - 1] - time[first])
+    if abs(tilt) > FLAT * noise:
+        return None
+    if not (_goes_on(time, x, force, first, stop, noise) or _relaxes_later(time, x, force, first, stop, noise)):
+        return None
+    return Clip(first, stop, float(time[first]), float(time[stop - 1]), float(np.median(force[inside])))
+
+
+def _goes_on(time: NDArray, x: NDArray, force: NDArray, first: int, stop: int, noise: float) -> bool:
+    """Whether the punch goes on into the pad at half its speed or more while the force stands."""
+    before = max(first - max((stop - first) // 4, LEAST), 0)
+    way, rise = float(x[first] - x[before]), float(force[first] - force[before])
+    if way <= 0.0 or rise <= 0.0:
+        return False
+    reached = np.maximum.accumulate(x[first:stop])
+    speed = way / max(float(time[first] - time[before]), 1e-12)
+    fast = reached - x[first] >= 0.5 * speed * (time[first:stop] - time[first])
+    moved = float(reached[fast][-1] - x[first])
+    return bool(rise / way * moved > RISE * noise)
+
+
+def _relaxes_later(time: NDArray, x: NDArray, force: NDArray, first: int, stop: int, noise: float) -> bool:
+    """Whether the force falls behind the stretch, at the same depth, as it ought to within it."""
+    lasts = float(time[stop - 1] - time[first])
+    after = min(int(np.searchsorted(time, time[stop - 1] + lasts)), len(time) - 1)
+    held = np.ptp(x[stop - 1 : after + 1]) <= 0.01 * float(x.max())
+    behind = force[max(after - 2, stop) : after + 1]
+    inside = float(np.median(force[first:stop]))
+    return bool(held and len(behind) and inside - float(np.median(behind)) > FALL * noise)

@@ -21,7 +21,7 @@ from dummydesign.design.test_setup import check_edge, check_numbers, tissue_warn
 from dummydesign.geometry.dimensions import PUNCH
 from dummydesign.geometry.interface import CONDITIONS, Interface
 from dummydesign.geometry.punch import read_punch
-from dummydesign.measurement.motion import work_mJ
+from dummydesign.measurement.motion import work_mJ, work_to_deepest_mJ
 from dummydesign.tissue.comparison import ComparedPress, Comparison, PressTest, compare_traces, hold_of, missing_of
 from dummydesign.tissue.fitting.reduction import ReducedTrace
 from dummydesign.tissue.model.laws import law_named
@@ -139,7 +139,7 @@ def _press(pressed: Sequence[ComparedPress], tissue: Tissue, speed_mm_s: float, 
     outer = []
     for trace, band, braking in pressed:
         sampling = Sampling(hold_s=trace.hold_s, deceleration_mm_s2=braking)
-        energy = tissue_press(band, tissue.law, sampling).energy_mJ
+        energy = tissue_press(band, tissue.law, sampling).energy_mJ if band.energy_mJ is None else band.energy_mJ
         outer.append((trace.steady_force_N, band.peak_low_N, band.peak_high_N, energy.min(), energy.max()))
     force, low, high, least, most = np.mean(outer, axis=0)
     # Repeats differ in depth and force; what scatters is the peak over its own lowest subject.
@@ -168,16 +168,17 @@ def peak_of(trace: ReducedTrace, noise_N: float = 0.0) -> float:
 
 
 def energy_of(trace: ReducedTrace) -> float:
-    """Integral of F dx from contact to the end of the hold, where nothing moves any more. [mJ]
+    """Integral of F dx from contact to the largest depth. [mJ]
 
-    The stop of the ideal ramp lies halfway through the braking, or between two samples: up to there the steepest part
-    of the rise is missing, 3 % of the energy at 150 samples in the rise.
+    That is the end of the hold, where nothing moves any more, unless the punch overshot. The stop of the ideal ramp
+    lies halfway through the braking, or between two samples: up to there the steepest part of the rise is missing,
+    3 % of the energy at 150 samples in the rise.
     """
     time = trace.trace.time_s
     pressed = (time >= trace.ramp.contact_time_s) & (time <= trace.ramp.hold_end_s)
     x: NDArray = trace.trace.displacement_mm[pressed]
     force = trace.trace.force_N[pressed]
-    return float(work_mJ(x, force))
+    return float(work_to_deepest_mJ(x, force) if trace.ramp.overshoot_mm else work_mJ(x, force))
 
 
 @dataclass(frozen=True)

@@ -11,16 +11,11 @@ from numpy.typing import ArrayLike, NDArray
 from dummydesign.core.errors import InputError, errors_within
 from dummydesign.core.interpolation import true_runs
 from dummydesign.measurement.motion import Ramp
+from dummydesign.measurement.plateau import SLOWED, find_plateau, path_noise, slowing
 
 if TYPE_CHECKING:
     from dummydesign.measurement.trace import Trace
 
-SLOWED = 0.1
-"""Fraction of the speed of the ramp below which the punch counts as stopped."""
-STEP_MM = 0.005
-"""Resolution of the position that must not disturb the speed. [mm]"""
-LEAVE_MM = 0.06
-"""Wander that does not end a hold. [mm]"""
 HOLD_FRACTION = 0.1
 """A hold lasts at least this fraction of the time that the ramps alone take."""
 
@@ -51,13 +46,15 @@ def ramp_of(trace: Trace, stop: Stop = "slowed") -> Ramp:
 def find_ramp(time_s: ArrayLike, displacement_mm: ArrayLike, stop: Stop = "reached") -> Ramp:
     """Find contact, stop, held depth and end of hold in one measured ramp and hold.
 
-    The depth is the median near the largest displacement. Two rules for the stop:
+    Depth and end are those of the plateau (:func:`~dummydesign.measurement.plateau.find_plateau`), whatever the
+    punch overshot and rang before. Without a plateau the hold ends at the stop. Two rules for the stop:
 
     - ``reached``: where the motion, extrapolated at the speed it has over the last hundredths of a millimetre,
-      reaches that depth; the hold ends where the motion leaves it for good. Exact for a clean ramp.
+      reaches that depth. Exact for a clean ramp. A punch that creeps by more than 3 % stops where it slows.
     - ``slowed``: where the speed, over a window that steps of 5 um do not disturb, falls to a tenth of that
       between contact and 60 % of the depth. It does not move when the robot creeps by hundredths of a millimetre
-      afterwards, and the hold may wander by 0.06 mm. A motion that ends while it presses has its stop there.
+      afterwards. A motion that ends while it presses has its stop there; one that overshoots, where it passes the
+      depth.
     """
     time, x = np.asarray(time_s, float), np.asarray(displacement_mm, float)
     largest = float(x.max())
@@ -67,18 +64,26 @@ def find_ramp(time_s: ArrayLike, displacement_mm: ArrayLike, stop: Stop = "reach
     if x[0] > 0.1 * largest:
         text = f"the motion starts pressed at displacement_mm = {x[0]:g}; it must begin at or before contact"
         raise InputError(text, "not_enough_data", "displacement_mm", float(x[0]))
-    depth = float(np.median(x[x >= largest - max(0.05, 0.03 * largest)]))
-    below = np.nonzero(x[: int(np.argmax(x >= 0.2 * depth)) + 1] <= 0)[0]
+    below = np.nonzero(x[: int(np.argmax(x >= 0.2 * largest)) + 1] <= 0)[0]
     start = int(below[-1]) if below.size else 0
     contact = _crossing(time, x, start, 0.0) if x[start] < 0 else float(time[start])
-    if stop == "slowed":
-        stopped = _slowed(time, x, depth, start)
-        end = _left(time, x, depth, stopped)
+    noise = path_noise(x[start:])
+    plateau = find_plateau(time, x, start, noise)
+    depth = plateau.depth_mm
+    if stop == "reached":
+        stopped = _reached(time, x, depth, min(0.02, 0.01 * depth))
+        stopped = min(stopped, plateau.slowed_s) if plateau.overshoot_mm or plateau.creeps else stopped
     else:
-        reach = min(0.02, 0.01 * depth)
-        stopped = _reached(time, x, depth, reach)
-        end = float(time[np.nonzero(x >= depth - max(2 * reach, 0.04))[0][-1]])
-    return Ramp(contact, stopped, end, depth, depth / max(stopped - contact, 1e-9))
+        stopped = float(time[slowing(time, x, depth, start, noise)[0]])
+        if plateau.overshoot_mm:
+            passed = int(np.argmax(x >= depth))
+            stopped = min(stopped, _crossing(time, x, passed - 1, depth)) if passed else stopped
+    end = max(plateau.end_s, stopped) if plateau.held else stopped
+    settled = min(max(plateau.settled_s, stopped), end)
+    return Ramp(
+        contact, stopped, end, depth, depth / max(stopped - contact, 1e-9), plateau.overshoot_mm, settled,
+        plateau.period_s,
+    )  # fmt: skip
 
 
 def _reached(time: NDArray, x: NDArray, depth: float, reach: float) -> float:
@@ -90,27 +95,6 @@ def _reached(time: NDArray, x: NDArray, depth: float, reach: float) -> float:
     early_at = int(np.argmax(x >= depth - 4 * reach))
     early = _crossing(time, x, early_at - 1, depth - 4 * reach) if early_at > 0 else float(time[0])
     return min(late + (late - early) / 3.0, float(time[-1]))
-
-
-def _slowed(time: NDArray, x: NDArray, depth: float, start: int) -> float:
-    """First time after 60 % of the depth from which the punch goes on at a tenth of its speed."""
-    late = int(np.argmax(x >= 0.6 * depth))
-    speed = (x[late] - x[start]) / max(time[late] - time[start], 1e-9)
-    window = max(10.0 * STEP_MM / speed, 3.0 * float(np.median(np.diff(time[start : late + 4]))))
-    ahead = np.interp(time[late:] + window, time, x) - x[late:]
-    slow = np.nonzero((ahead <= SLOWED * speed * window) & (time[late:] + window <= time[-1]))[0]
-    return float(time[late + (int(slow[0]) if slow.size else len(time) - late - 1)])
-
-
-def _left(time: NDArray, x: NDArray, depth: float, stop: float) -> float:
-    """Time at which the punch begins to leave for good. [s]"""
-    wander = max(LEAVE_MM, 0.01 * depth)
-    last = int(np.nonzero(x >= depth - wander)[0][-1])
-    if last == len(time) - 1:
-        return float(time[-1])
-    after = min(last + 5, len(x) - 1)
-    speed = (x[last] - x[after]) / (time[after] - time[last])
-    return float(max(time[last] - wander / max(speed, 1e-9), stop))
 
 
 def _crossing(time: NDArray, x: NDArray, before: int, level: float) -> float:
@@ -136,6 +120,47 @@ def approach_velocity(time: NDArray, x: NDArray, ramp: Ramp) -> float:
     starts = np.linspace(climb[0], climb[-1] - stretch, 200)
     needed = np.interp(starts + stretch, climb, grid) - np.interp(starts, climb, grid)
     return float(stretch / needed.min())
+
+
+LATE = 0.05
+"""Share of the hold, at its end, whose mean force is the steady force."""
+STEADY_PERIODS = 2.0
+"""Periods of a ringing that is not over from which the steady force is read."""
+
+
+def steady_force(time: NDArray, x: NDArray, force: NDArray, ramp: Ramp) -> float:
+    """Return the mean force of the last twentieth of the hold. [N]
+
+    Where the punch still rings there, the force is read at the held depth: on a parabola in the displacement, and a
+    line in time, through the last two periods.
+    """
+    begin = ramp.hold_end_s - LATE * (ramp.hold_end_s - ramp.stop_time_s)
+    end = int(np.searchsorted(time, ramp.hold_end_s, side="right"))
+    late = slice(min(int(np.searchsorted(time, begin)), end - 1), end)
+    if ramp.settled_s > begin and ramp.overshoot_mm:
+        middle = float(time[late].mean())
+        since = max(min(begin, ramp.hold_end_s - STEADY_PERIODS * ramp.period_s), ramp.stop_time_s)
+        use = slice(int(np.searchsorted(time, since)), end)
+        off = x[use] - ramp.depth_mm
+        rows = np.stack([np.ones(len(off)), time[use] - middle, off, off**2], axis=-1)
+        if len(rows) >= 3 * rows.shape[1]:
+            return float(np.linalg.lstsq(rows, force[use], rcond=None)[0][0])
+    return float(force[late].mean())
+
+
+FIRST_RINGS, NODES_A_RING, MOST_NODES = 2.0, (32.0, 16.0), 800
+"""Periods after the stop with more nodes, nodes in a period there and later, and how many there are at most: straight
+lines between 16 points miss a sine by 2 % of its amplitude."""
+
+
+def ringing_times(ramp: Ramp) -> NDArray:
+    """Return times at which a model follows a punch that rings after its stop; empty without an overshoot. [s]"""
+    if not ramp.overshoot_mm or ramp.settled_s <= ramp.stop_time_s:
+        return np.zeros(0)
+    fine, wide = (ramp.period_s / nodes for nodes in NODES_A_RING)
+    turn = min(ramp.stop_time_s + FIRST_RINGS * ramp.period_s, ramp.settled_s)
+    times = np.r_[np.arange(ramp.stop_time_s, turn, fine), np.arange(turn, ramp.settled_s, wide), ramp.settled_s]
+    return times[:MOST_NODES]
 
 
 def find_holds(time_s: NDArray, displacement_mm: NDArray) -> tuple[Hold, ...]:
@@ -191,7 +216,7 @@ SHALLOWEST_MM = 0.02
 
 @dataclass(frozen=True)
 class Summary:
-    """Numbers of one press; ``steady_force_N`` is the mean of the last twentieth of the hold, None without one."""
+    """Numbers of one press; ``steady_force_N`` is that of :func:`steady_force`, None without a hold."""
 
     velocity_mm_s: float
     hold_s: float
@@ -218,7 +243,6 @@ def summarise(file: str, time: NDArray, x: NDArray, force: NDArray) -> Summary:
     hold = max(ramp.hold_end_s - ramp.stop_time_s, 0.0)
     steady = None
     if hold >= SHORTEST_HOLD_S:
-        late = (time >= ramp.hold_end_s - 0.05 * hold) & (time <= ramp.hold_end_s)
-        steady = float(np.mean(force[late])) if late.any() else None
+        steady = steady_force(time, x, force, ramp)
     speed, held = approach_velocity(time, x, ramp), 0.0 if steady is None else hold
     return Summary(speed, held, ramp.depth_mm, float(force.max()), steady, ramp.stop_time_s, ramp.hold_end_s)

@@ -32,7 +32,9 @@ class Motion(Serialised):
 class Ramp:
     """What a motion did: contact, stop, the depth it held and until when.
 
-    ``velocity_mm_s`` is the mean speed from contact to stop, the v of an ideal ramp with the same t_p.
+    ``velocity_mm_s`` is the mean speed from contact to stop, the v of an ideal ramp with the same t_p. A punch that
+    overshot went ``overshoot_mm`` beyond the depth and rang with ``period_s`` until ``settled_s``; without that the
+    first and the last are 0. A press without a hold ends at its stop.
     """
 
     contact_time_s: float
@@ -40,6 +42,9 @@ class Ramp:
     hold_end_s: float
     depth_mm: float
     velocity_mm_s: float
+    overshoot_mm: float = 0.0
+    settled_s: float = 0.0
+    period_s: float = 0.0
 
     @property
     def rise_time_s(self) -> float:
@@ -50,6 +55,25 @@ class Ramp:
 def work_mJ(displacement_mm: NDArray, force_N: NDArray) -> NDArray:
     """Integral of F dx along a press, by trapezoids. [mJ]"""
     return (0.5 * (force_N[..., 1:] + force_N[..., :-1]) * np.diff(displacement_mm, axis=-1)).sum(axis=-1)
+
+
+def work_to_deepest_mJ(displacement_mm: NDArray, force_N: NDArray) -> NDArray:
+    """Integral of F dx from the first sample, contact, to the largest displacement of each press. [mJ]
+
+    This is the energy that a press puts into a body up to its deepest compression. A punch that rings gives and takes
+    more afterwards: to the end of the hold only what the body dissipated is added, and what it gave back is missing.
+
+    Parameters
+    ----------
+    displacement_mm, force_N : ndarray, shape (..., n)
+
+    Returns
+    -------
+    ndarray, shape (...)
+    """
+    parts = 0.5 * (force_N[..., 1:] + force_N[..., :-1]) * np.diff(displacement_mm, axis=-1)
+    reached = np.arange(parts.shape[-1]) < np.argmax(displacement_mm, axis=-1)[..., None]
+    return np.asarray((parts * reached).sum(axis=-1))
 
 
 def contact_velocity(velocity_mm_s: ArrayLike, depth_mm: ArrayLike, deceleration_mm_s2: float) -> NDArray:

@@ -38,6 +38,7 @@ LATE_POINTS = 25
 class Response:
     """What persons bear: curves of shape (p, n) over ``time_s`` (n,) or (p, n), and numbers, shape (p,).
 
+    ``energy_mJ`` is the work done on the person from contact to the largest depth;
     ``held_N`` is the largest force later than 0.5 s after contact; ``stop_s`` is when a free mass stopped.
     """
 
@@ -104,6 +105,7 @@ def follow_force(
     wanted = np.maximum(np.broadcast_to(force_N, (len(people), len(time_s))), 0.0)
     x, q = np.zeros(len(people)), people.at_rest()
     energy, steps = np.zeros(len(people)), [x]
+    deepest, taken = x, energy
     for at in range(1, len(time_s)):
         step = float(time_s[at] - time_s[at - 1]) / substeps
         for part in range(1, substeps + 1):
@@ -114,8 +116,9 @@ def follow_force(
             q = people.carried(x, q, new, step)[0]
             energy = energy + 0.5 * (before + goal) * (new - x)
             x = new
+            taken, deepest = np.where(x > deepest, energy, taken), np.maximum(x, deepest)
         steps.append(x)
-    return Response.of_curves(time_s, np.stack(steps, axis=-1), wanted, late_mean(time_s, wanted, late_s), energy)
+    return Response.of_curves(time_s, np.stack(steps, axis=-1), wanted, late_mean(time_s, wanted, late_s), taken)
 
 
 def _depth_for(people: People, x: NDArray, q: NDArray, step: float, goal: NDArray, tolerance: float) -> NDArray:
@@ -194,7 +197,7 @@ def run_robot(
     force = people.force_of(x, q)
     a = (pushed - force) / mass
     times, depths, forces = [0.0], [x], [force]
-    peak, deepest, energy = force.copy(), x.copy(), np.zeros(count)
+    peak, deepest, work, energy = force.copy(), x.copy(), np.zeros(count), np.zeros(count)
     stop, longer, late = np.full(count, np.nan), np.full(count, np.nan), np.zeros(count)
     fastest = max(float(np.max(np.abs(v))), 1e-9)
     time, step = 0.0, min(1e-3 * float(np.min(scale_mm)) / fastest, longest_step(0.0))
@@ -231,8 +234,9 @@ def run_robot(
         reached = np.where(halted, x + 0.5 * share * taken * v, new_x)
         at_end = force + share * (new_force - force)
         way = np.maximum(reached, 0.0) - np.maximum(x, 0.0)
-        energy = energy + np.where(going, 0.5 * (force + at_end) * way, 0.0)
+        work = work + np.where(going, 0.5 * (force + at_end) * way, 0.0)
         peak = np.where(going, np.maximum(peak, np.where(halted, at_end, new_force)), peak)
+        energy = np.where(going & (reached > deepest), work, energy)
         deepest = np.where(going, np.maximum(deepest, reached), deepest)
         if time + taken >= QUASI_STATIC_AFTER_S:
             longer = np.where(going, np.fmax(longer, new_force), longer)

@@ -125,12 +125,16 @@ def on_person(
             progress(f"press {number + 1} of {len(traces)}")
         press = read_press(trace, lowpass, drive.arm)
         drive.check(press)
-        pressed.append(_press_people(press, tissue, drive, limits, area_mm2))
+        doubt = drive.speed_doubt(press)
+        press = drive.with_own_speed(press)
+        pressed.append(_press_people(press, tissue, drive, limits, area_mm2, doubt))
     of_traces = [*(warning for trace in traces for warning in doubts_of(trace)), *copies_among(traces)]
     return OnPerson(tuple(pressed), drive, tissue, area_mm2, (*of_traces, *_of_presses(pressed, drive, tissue)))
 
 
-def _press_people(press: Press, tissue: Tissue, drive: Drive, limits: Limits | None, area_mm2: float) -> PersonPress:
+def _press_people(
+    press: Press, tissue: Tissue, drive: Drive, limits: Limits | None, area_mm2: float, doubt: str
+) -> PersonPress:  # fmt: skip
     """Press subjects and draws, and judge."""
     names, rng = [one.name for one in tissue.subjects], np.random.default_rng(SEED)
     pad = {name: None if value is None else float(np.mean(value)) for name, value in drive.on_pad(press).items()}
@@ -166,7 +170,7 @@ def _press_people(press: Press, tissue: Tissue, drive: Drive, limits: Limits | N
     low, high = (None if end is None else end / (pad["peak_N"] or np.nan) for end in band["peak_N"])
     return PersonPress(
         press, response, pad, subjects, band, interval, (low, high), _ends(another["peak_N"] / pads), signs,
-        drive.contradicted(signs), beyond, rows,
+        drive.contradicted(signs) or doubt, beyond, rows,
     )  # fmt: skip
 
 

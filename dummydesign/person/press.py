@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from dummydesign.core.errors import InputError
 from dummydesign.measurement.importing.signs import noise_of
 from dummydesign.measurement.landmarks import approach_velocity, ramp_of
-from dummydesign.measurement.motion import Ramp, work_mJ
+from dummydesign.measurement.motion import Ramp, work_to_deepest_mJ
 from dummydesign.measurement.sensor import Lowpass
 from dummydesign.measurement.trace import Trace
 from dummydesign.person.ringing import Arm, growing_nodes, real_bends, smoothed_ringing, still_rings
@@ -70,6 +70,8 @@ class Press:
         Whether an arm is seen to ring on in the hold.
     mean_from_s : float
         From when on depth and force are means over the ringing of the arm; infinite where they are not. [s]
+    approached : bool
+        Whether the path before contact is recorded; without it the speed at contact is a guess.
     """
 
     trace: Trace
@@ -88,6 +90,7 @@ class Press:
     noise_N: float
     rings: bool = False
     mean_from_s: float = np.inf
+    approached: bool = True
 
     @property
     def peak_N(self) -> NDArray:
@@ -101,8 +104,8 @@ class Press:
 
     @property
     def energy_mJ(self) -> NDArray:
-        """Work on the pad from contact to the end of the hold. [mJ]"""
-        return work_mJ(self.x_mm, self.force_N)
+        """Work on the pad from contact to its largest depth. [mJ]"""
+        return work_to_deepest_mJ(np.broadcast_to(self.x_mm, self.force_N.shape), self.force_N)
 
     @property
     def stopped(self) -> int:
@@ -168,7 +171,8 @@ def read_press(trace: Trace, lowpass: Lowpass | None = None, arm: Arm | None = N
     else:
         path, load, nodes, mean_from = smoothed_ringing(since, x[used], force[used], nodes, stop, arm, lowpass)
     speed, error = contact_speed(time - ramp.contact_time_s, x, stop, path.noise)
-    if time[0] > ramp.contact_time_s - LEAST_NEAR * float(np.median(np.diff(time))):
+    approached = bool(time[0] <= ramp.contact_time_s - LEAST_NEAR * float(np.median(np.diff(time))))
+    if not approached:
         speed = np.minimum(speed, fastest)  # without an approach the curve starts too steep where the robot brakes
     rings = int(((path.coarse | load.coarse) & (nodes[:-1] > 2.0 * stop)).sum()) >= RINGS
     if arm is not None:
@@ -178,6 +182,7 @@ def read_press(trace: Trace, lowpass: Lowpass | None = None, arm: Arm | None = N
     return Press(
         trace, nodes, path.value, np.maximum(load.value, 0.0), path.factor, load.factor, ramp.contact_time_s, stop,
         hold, velocity, speed, error, steady, load.noise, rings, mean_from,
+        approached,
     )  # fmt: skip
 
 

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from dummydesign.core.errors import InputError
 from dummydesign.measurement.importing.press_checks import CODES
 from dummydesign.measurement.motion import DECELERATION_MM_S2
+from dummydesign.measurement.robot_path import RobotPath
 from dummydesign.measurement.sensor import Lowpass
 from dummydesign.measurement.trace import Trace
 from dummydesign.tissue.fitting.fit import Progress, TissueFit, fit_traces
@@ -192,9 +193,10 @@ def compare_traces(
     curve goes through its measured (depth, force at the end of the hold); below the smallest of them it
     is the rise of the slowest, deepest press scaled by that press's steady over peak force. The force
     variation range is made for the steady force, speed, hold and braking of each press, and goes through
-    the declared sensor filter as the dummy's force did. A test that is given chooses the presses that belong
-    to it, ends their hold, and says between which forces the steady curve is judged; after a hold of less than
-    10 s that curve is compared with the subjects' at the end of the same hold.
+    the declared sensor filter as the dummy's force did. Where the robot overshot, subjects are pressed with the path
+    of the press, shifted to their depths: the same robot overshoots on them too. A test that is given chooses the
+    presses that belong to it, ends their hold, and says between which forces the steady curve is judged; after a hold
+    of less than 10 s that curve is compared with the subjects' at the end of the same hold.
     """
     own, reduced, notices = presses_of(traces, test)
     known = law_named(tissue.law).fitted
@@ -210,12 +212,14 @@ def compare_traces(
         test.deceleration_mm_s2 or DECELERATION_MM_S2,
     )  # fmt: skip
     span = held.min(axis=0), held.max(axis=0)
+    follows = not law_named(tissue.law).ideal_ramp and not law_named(tissue.law).measured
     conditions, by_condition, rows = [], [], list[dict[str, Any]]()
     for measured, _, group in condition_groups(reduced):
         speed, pressed = test.speed_of(measured), []
         for trace in group:
             braking = test.deceleration_mm_s2 or braking_of(trace, speed)
-            band = tissue.force_range(trace.steady_force_N, speed, trace.hold_s, braking, lowpass)
+            path = None if test.deceleration_mm_s2 or not follows else overshooting_path(trace)
+            band = tissue.force_range(trace.steady_force_N, speed, trace.hold_s, braking, lowpass, path)
             pressed.append(ComparedPress(trace, band, braking))
         shares = [_shares(press, fit.result["noise_floor_N"]) for press in pressed]
         mean = {key: float(np.mean([own[key] for own in shares])) for key in shares[0]}
@@ -230,7 +234,7 @@ def compare_traces(
         "force_variation_range": by_condition,
         "by_trace": rows,
         "fit": {key: fit.result[key] for key in ("rmse_N", "noise_floor_N", "max_residual_N", "comparison")},
-        "warnings": _warnings(fit, tissue, points, rows, notices),
+        "warnings": _warnings(fit, tissue, points, rows, [*notices, *([] if follows else overshoots_of(reduced))]),
     }
     return Comparison(result, fit, depth, points, tuple(conditions), grid, span, test)
 
@@ -251,12 +255,28 @@ def steady_curve(reduced: Sequence[ReducedTrace], grid_N: NDArray) -> tuple[NDAr
     return knots, depth
 
 
+def overshooting_path(trace: ReducedTrace) -> RobotPath | None:
+    """Path of a press that overshot, level where it has rung out; None for a press that did not."""
+    ramp = trace.ramp
+    if not ramp.overshoot_mm:
+        return None
+    time, x = trace.motion.time_s, trace.motion.displacement_mm
+    kept = time > ramp.contact_time_s
+    since = np.r_[0.0, time[kept] - ramp.contact_time_s]
+    way = np.r_[0.0, np.where(time[kept] > ramp.settled_s, ramp.depth_mm, x[kept])]
+    way[-1] = ramp.depth_mm
+    speed = trace.velocity_mm_s
+    return RobotPath(since, way, ramp.rise_time_s, speed, speed, DECELERATION_MM_S2)
+
+
 def braking_of(trace: ReducedTrace, velocity_mm_s: float) -> float:
     """Deceleration of the robot: of the way left before the stop, sqrt(d - x) = sqrt(a / 2) (t_stop - t). [mm/s2]
 
-    With fewer than four samples there, from the rise time, t_p = d / v + v / (2 a); the default when it is not seen.
-    Below 50 mm/s see :func:`soft_stop`.
+    With fewer than four samples there, from the rise time, t_p = d / v + v / (2 a); the default when it is not seen,
+    and for a robot that passes the depth. Below 50 mm/s see :func:`soft_stop`.
     """
+    if trace.ramp.overshoot_mm:
+        return DECELERATION_MM_S2
     if velocity_mm_s < SLOW_MM_S:
         return soft_stop(trace, velocity_mm_s)
     spare = trace.ramp.rise_time_s - trace.ramp.depth_mm / velocity_mm_s
@@ -304,6 +324,17 @@ def soft_stop(trace: ReducedTrace, velocity_mm_s: float) -> float:
         return DECELERATION_MM_S2
     # it brakes from contact on at the earliest
     return float(np.clip(braking, 0.5 * velocity_mm_s**2 / ramp.depth_mm, DECELERATION_MM_S2))
+
+
+def overshoots_of(reduced: Sequence[ReducedTrace]) -> list[tuple[str, str]]:
+    """Warn of presses whose overshoot the tissue's law cannot follow."""
+    over = [trace for trace in reduced if trace.ramp.overshoot_mm]
+    if not over:
+        return []
+    most = max(over, key=lambda trace: trace.ramp.overshoot_mm / trace.ramp.depth_mm)
+    text = (f"{len(over)} of {len(reduced)} presses went beyond their depth, {most.trace.name} by "
+            f"{most.ramp.overshoot_mm:.2g} mm; people's peaks are without an overshoot: let the robot brake earlier")
+    return [("overshoot", text)]
 
 
 def _shares(press: ComparedPress, noise_N: float) -> dict[str, Any]:

@@ -1,15 +1,17 @@
 """Intervals, limits, signs of the drive, ranges, and the agreement with the verdict of `compare`."""
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from dummydesign.core.errors import InputError
+from dummydesign.design.safety import read_limits
 from dummydesign.measurement.trace import Trace
 from dummydesign.person import integrate
 from dummydesign.person.drives import read_drive
-from dummydesign.person.limits import decide
+from dummydesign.person.limits import Load, against_guarded_limits, decide
 from dummydesign.person.on_person import on_person
 from dummydesign.person.people import draw_another, log_parameters
 from dummydesign.person.press import read_press
@@ -104,6 +106,29 @@ def test_the_same_question_has_the_same_answer():
 ])  # fmt: skip
 def test_the_guard_band(high, low, beyond, result):
     assert decide(high, (low, 20.0), 100.0, beyond)[0] == result
+
+
+@pytest.mark.parametrize("share", [1.01, 1.04, 1.09])
+@pytest.mark.parametrize("limit", [65.0, 140.0])
+def test_a_limit_has_no_allowance(share, limit):
+    """One, four and nine per cent above a limit are above it, for one more person and for a subject."""
+    assert decide(share * limit, (0.5 * limit,), limit, False)[0] == "undecided"
+    assert decide(2.0 * limit, (0.5 * limit, share * limit), limit, False)[0] == "fail"
+    assert decide(limit / share, (0.5 * limit,), limit, False)[0] == "pass"
+    assert decide(limit / share, (limit / share,), limit, False)[0] == "pass"
+
+
+@pytest.mark.parametrize("share", [1.01, 1.04, 1.09])
+def test_forces_and_pressures_above_a_limit_do_not_pass(share):
+    limits = read_limits(Path(__file__).parents[2] / "examples" / "limits.toml")
+    force, transient = limits.force_N.value, limits.transient_factor.value
+    pressure = replace(limits.pressure_N_per_cm2, value=1e6, low=1e6, high=1e6)
+    for kind, allowed in (("quasi-static", force), ("transient", transient * force)):
+        load = Load(kind, None, 0.5 * allowed, share * allowed, (0.5 * allowed,))
+        (row, other) = against_guarded_limits([load], replace(limits, pressure_N_per_cm2=pressure), 196.0, False)
+        assert (row.limit, row.result, other.result) == (pytest.approx(allowed), "undecided", "pass")
+        load = Load(kind, None, 0.5 * allowed, 2.0 * allowed, (share * allowed,))
+        assert against_guarded_limits([load], limits, 196.0, False)[0].result == "fail"
 
 
 def test_an_extrapolation_says_how_far():

@@ -72,12 +72,8 @@ class Run:
 
     @property
     def energy(self):
-        return cumulative_trapezoid(self.f, np.maximum(self.x, 0.0))[-1]
-
-    @property
-    def settled_energy(self):
-        """Mean over the last twentieth: an arm that rings takes energy back and forth."""
-        return cumulative_trapezoid(self.f, np.maximum(self.x, 0.0))[self.t[1:] > 0.95 * self.t[-1]].mean()
+        """To the largest depth: an arm that rings takes energy back and forth afterwards."""
+        return cumulative_trapezoid(self.f, np.maximum(self.x, 0.0), initial=0.0)[np.argmax(self.x)]
 
 
 def command(velocity, depth, hold, ramp_s=0.004):

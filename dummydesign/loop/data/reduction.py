@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from dummydesign.inference.binning import cut, distinct, mean_around, repeatable_hold_edges
 from dummydesign.inference.noise import white_noise
-from dummydesign.measurement.landmarks import ramp_of
+from dummydesign.measurement.landmarks import ramp_of, ringing_times
 from dummydesign.measurement.motion import Ramp
 from dummydesign.measurement.sensor import Lowpass
 from dummydesign.measurement.trace import Trace
@@ -114,7 +114,8 @@ def _nodes(trace: Trace, ramp: Ramp) -> tuple[NDArray, NDArray]:
     """Node times and the displacement there.
 
     All samples (and, when fast, points half-way on a cubic) near contact and stop; thinned elsewhere in
-    the rise; a growing series with averaged displacement in the hold; thinned in the unloading.
+    the rise; close while the punch rings; a growing series with averaged displacement in the hold; thinned in the
+    unloading.
     """
     from scipy.interpolate import CubicSpline
 
@@ -135,13 +136,14 @@ def _nodes(trace: Trace, ramp: Ramp) -> tuple[NDArray, NDArray]:
     away = time[time >= end]
     if len(away) > AWAY_NODES:
         away = away[:: int(np.ceil(len(away) / AWAY_NODES))]
-    nodes = np.unique(np.r_[start, rise, hold[1:-1], end, away, time[-1]])
+    nodes = np.unique(np.r_[start, rise, ringing_times(ramp), hold[1:-1], end, away, time[-1]])
     nodes = distinct(nodes[(nodes >= time[0]) & (nodes <= time[-1])], 1e-5)
     rising = np.diff(time).min() > 0 and len(time) > 3
     placed = CubicSpline(time, x)(nodes) if rising else np.interp(nodes, time, x)
     linear, mean = np.interp(nodes, time, x), mean_around(nodes, time, x)
-    held = (nodes > late) & (nodes < end - 0.02)
-    smooth = (nodes >= contact) & (nodes <= late)
+    rung_out = max(late, ramp.settled_s)
+    held = (nodes > rung_out) & (nodes < end - 0.02)
+    smooth = (nodes >= contact) & (nodes <= rung_out)
     return nodes, np.where(held, mean, np.where(smooth, placed, linear))
 
 
@@ -168,12 +170,13 @@ def _acceleration(time: NDArray, x: NDArray) -> NDArray:
 
 
 def _white(trace: Trace, ramp: Ramp) -> float:
-    """White noise per sample from second differences before contact and 0.1 s after the stop on. [N]"""
+    """White noise per sample from second differences before contact, and 0.1 s after the stop or the ringing. [N]"""
     time, force = trace.time_s, trace.force_N
     step = np.diff(time)
     even = (np.abs(step[1:] / step[:-1] - 1) < 0.1) & (step[1:] < 0.1)
     middle = time[1:-1]
-    quiet = (middle < ramp.contact_time_s) | ((middle > ramp.stop_time_s + 0.1) & (middle < ramp.hold_end_s))
+    rung_out = max(ramp.stop_time_s + 0.1, ramp.settled_s)
+    quiet = (middle < ramp.contact_time_s) | ((middle > rung_out) & (middle < ramp.hold_end_s))
     second = (force[2:] - 2 * force[1:-1] + force[:-2])[even & quiet]
     if len(second) < 20:
         second = np.diff(force, 2)

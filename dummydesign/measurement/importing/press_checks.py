@@ -26,6 +26,8 @@ FALLING = 0.01
 """Share of the force by which it may still fall over the last fifth of a hold and be called steady."""
 SHORT_HOLD_S = 10.0
 """Hold of the published protocol; no shorter one is called too short unless the force still falls."""
+NO_HOLD = "no_hold"
+"""Code of a warning of imports alone: some uses of a trace need no hold."""
 GRAMS_N_PER_MM, GRAMS_N = 100.0, 200.0
 HELD, RELAXED = 0.02, 0.05
 """Shares of its range within which a value is held, and by which the other one must fall meanwhile to be doubted."""
@@ -78,6 +80,9 @@ def _swapped(press: _Press) -> bool:
 
 def _hold(press: _Press) -> None:
     steady, hold_s, end_s = press.summary.steady_force_N, press.summary.hold_s, press.summary.hold_end_s
+    if steady is None:
+        press.warn(NO_HOLD, "the punch does not stand still: no steady force; 'fit', 'compare' and 'loop' need a "
+                   "hold of 10 s")  # fmt: skip
     if steady is None or hold_s >= 0.95 * SHORT_HOLD_S:
         return
     begin = end_s - 0.2 * hold_s
@@ -218,6 +223,8 @@ def doubts_of(trace: Trace, resolution_N: float = 0.0) -> list[dict[str, str]]:
     log = ImportLog(trace.name, Settings(flip=frozenset()))
 
     def warn(code: str, message: str) -> None:
+        if code == NO_HOLD:
+            return  # whoever uses the trace says whether it needs one
         log.warn(code, message + (import_first(trace.name) if code in MENDED else ""))
 
     time, x, force = trace.time_s, trace.displacement_mm, trace.force_N

@@ -89,6 +89,10 @@ class Drive(ABC):
         """Refuse a press that the drive cannot carry over to people; by itself none."""
         return None
 
+    def with_own_speed(self, press: Press) -> Press:
+        """Return the press with the speed at contact that the drive knows better than the path; by itself as it is."""
+        return press
+
     @abstractmethod
     def respond(self, press: Press, people: People, keep: bool = True) -> Response:
         """Press people as the robot pressed the pad.
@@ -112,6 +116,10 @@ class Drive(ABC):
 
     def contradicted(self, signs: TraceSigns) -> str:
         """Say why this drive cannot have made the trace; empty where nothing speaks against it."""
+        return ""
+
+    def speed_doubt(self, press: Press) -> str:
+        """Say why the speed at contact is not that of this drive; empty where nothing speaks against it."""
         return ""
 
     def on_pad(self, press: Press) -> dict[str, NDArray | None]:

@@ -7,7 +7,6 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from dummydesign.measurement.motion import work_mJ
 from dummydesign.person.drives.drive import FASTER, MASS, MASSES, Drive
 from dummydesign.person.integrate import TOLERANCE, Response, run_robot
 from dummydesign.person.people import People
@@ -17,6 +16,9 @@ from dummydesign.person.signs import TraceSigns
 
 LONGEST_S, AFTER_STOP = 60.0, 1.0
 CURVE_STEPS = 400
+SENSOR_SHARE, SURE = 0.01, 3.0
+"""Relative standard deviation of the energy by the calibration of a force sensor and by smoothing, and multiple of the
+errors from which on two speeds differ."""
 SAME_MASS = 1.3
 """Factor within which a mass agrees with the one that the trace shows."""
 
@@ -37,6 +39,35 @@ class Mass(Drive):
         if not 1.0 / SAME_MASS < self.values[0] / signs.mass_kg < SAME_MASS:
             return f"the path on the pad is that of a free mass of {signs.mass_kg:.3g} kg"
         return ""
+
+    def with_own_speed(self, press: Press) -> Press:
+        """Take the speed at contact from the energy balance where the approach is not recorded."""
+        if press.approached:
+            return press
+        speed, error = self.speed_of_energy(press)
+        return replace(press, contact_mm_s=np.asarray(speed), contact_sd_mm_s=error)
+
+    def speed_of_energy(self, press: Press) -> tuple[float, float]:
+        """Speed at contact and its error, from the energy that the pad took: M v^2 / 2 = integral of F dx. [mm/s]
+
+        The errors are those of the curves, of the zero of depth and of a force sensor.
+        """
+        mass, energy = 1e-3 * self.values[0], float(press.energy_mJ)
+        upto = slice(0, press.stopped + 1)
+        steps = np.gradient(press.x_mm[upto])
+        noise = float(np.linalg.norm(press.force_factor[upto].T @ steps))
+        share = np.hypot(noise / energy, SENSOR_SHARE)
+        return float(np.sqrt(2.0 * energy / mass)), float(0.5 * share * np.sqrt(2.0 * energy / mass))
+
+    def speed_doubt(self, press: Press) -> str:
+        """Where the path at contact and the energy that the pad took give two speeds."""
+        speed, error = self.speed_of_energy(press)
+        path = float(press.contact_mm_s)
+        if abs(speed - path) <= SURE * float(np.hypot(error, press.contact_sd_mm_s)):
+            return ""
+        energy, needed = float(press.energy_mJ), 0.5e-3 * self.values[0] * path**2
+        return (f"the pad took {energy:.3g} mJ up to the stop; {self.values[0]:g} kg at {path:.3g} mm/s have "
+                f"{needed:.3g} mJ")  # fmt: skip
 
     def respond(self, press: Press, people: People, keep: bool = True) -> Response:
         """Integrate until every body has stopped; with curves, as long again for the rebound."""
@@ -59,10 +90,8 @@ class Mass(Drive):
         return replace(run, **{name: getattr(curve, name) for name in names})
 
     def on_pad(self, press: Press) -> dict[str, NDArray | None]:
-        """The pad's numbers up to its stop."""
-        upto = slice(0, press.stopped + 1)
-        energy = work_mJ(press.x_mm[..., upto], press.force_N[..., upto])
-        return {"peak_N": press.peak_N, "steady_N": None, "depth_mm": press.depth_mm, "energy_mJ": energy}
+        """The pad's numbers; a body that bounces has no steady force."""
+        return {**super().on_pad(press), "steady_N": None}
 
 
 def _nothing(time: float) -> tuple[float, float]:

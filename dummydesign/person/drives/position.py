@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from dummydesign.measurement.motion import work_mJ
+from dummydesign.measurement.motion import work_to_deepest_mJ
 from dummydesign.person.drives.drive import Drive, not_kept
 from dummydesign.person.integrate import Response, late_mean
 from dummydesign.person.people import People
@@ -26,4 +26,5 @@ class Position(Drive):
         """Force of the law along the path."""
         time, force = press.time_s, people.force(press.time_s, press.x_mm)
         depth, steady = np.broadcast_to(press.x_mm, force.shape), late_mean(time, force, press.late_from_s)
-        return Response.of_curves(time, depth, force, steady, work_mJ(np.maximum(depth, 0.0), force))
+        energy = work_to_deepest_mJ(np.maximum(depth, 0.0), force)
+        return Response.of_curves(time, depth, force, steady, energy)

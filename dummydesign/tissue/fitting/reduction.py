@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from dummydesign.core.errors import InputError
 from dummydesign.inference.binning import cut, distinct, hold_edges, mean_around
-from dummydesign.measurement.landmarks import approach_velocity, ramp_of
+from dummydesign.measurement.landmarks import approach_velocity, ramp_of, ringing_times, steady_force
 from dummydesign.measurement.motion import Motion, Ramp
 from dummydesign.measurement.trace import Trace
 from dummydesign.tissue.model.measured_curves import SPEED_FACTOR, group_near
@@ -22,6 +22,8 @@ FINE_NODES = 80
 """Nodes that a rise of few samples is brought to; its motion between samples is :func:`between`."""
 SETTLED_S = 0.01
 """Time after the stop from which the motion is taken as a slow wander and the force as smooth. [s]"""
+QUIET_SAMPLES = 40
+"""Samples that a punch must leave after its ringing for the noise of the hold to be read from them."""
 
 
 @dataclass(frozen=True)
@@ -62,8 +64,11 @@ class ReducedTrace:
 
     @property
     def hold(self) -> tuple[NDArray, NDArray]:
-        """Time since the stop [s] and force [N] of the samples that are used."""
-        return self.trace.time_s[self.inside] - self.ramp.stop_time_s, self.trace.force_N[self.inside]
+        """Time since the stop [s] and force [N] of the samples that are used, from where the punch has rung out."""
+        time, force = self.trace.time_s[self.inside], self.trace.force_N[self.inside]
+        quiet = time > self.ramp.settled_s if self.ramp.overshoot_mm else np.ones(len(time), bool)
+        quiet = quiet if quiet.sum() >= QUIET_SAMPLES else np.ones(len(time), bool)
+        return time[quiet] - self.ramp.stop_time_s, force[quiet]
 
 
 def reduce_trace(trace: Trace) -> ReducedTrace:
@@ -79,11 +84,11 @@ def reduce_trace(trace: Trace) -> ReducedTrace:
     edges, settled_s = _edges(ramp, time), ramp.stop_time_s + SETTLED_S
     binning, nodes = cut(time, edges), _nodes(time, edges, ramp)
     measured, mean = (of(nodes, time, trace.displacement_mm) for of in (between, mean_around))
-    motion = Motion(nodes, np.where(nodes > settled_s, mean, measured))
-    late = force[binning.inside][time[binning.inside] >= ramp.hold_end_s - 0.05 * hold]
+    motion = Motion(nodes, np.where(nodes > max(settled_s, ramp.settled_s), mean, measured))
+    steady = steady_force(time, trace.displacement_mm, force, ramp)
     velocity = trace.commanded_speed_mm_s or approach_velocity(time, trace.displacement_mm, ramp)
     return ReducedTrace(
-        trace, ramp, velocity, float(late.mean()), binning.start_s, binning.end_s, binning.samples, binning.mean(force),
+        trace, ramp, velocity, steady, binning.start_s, binning.end_s, binning.samples, binning.mean(force),
         motion, binning.average(time, nodes, settled_s), binning.inside,
     )  # fmt: skip
 
@@ -97,7 +102,7 @@ def _edges(ramp: Ramp, time: NDArray) -> NDArray:
 
 
 def _nodes(time: NDArray, edges: NDArray, ramp: Ramp) -> NDArray:
-    """Times at which the model is evaluated: the samples of the rise (thinned), and three per hold bin."""
+    """Times at which the model is evaluated: the samples of the rise (thinned), three per hold bin, and a ringing."""
     rise = time[(time >= edges[0]) & (time < ramp.stop_time_s + SETTLED_S)]
     if len(rise) > RISE_NODES:
         rise = rise[np.unique(np.linspace(0, len(rise) - 1, RISE_NODES).astype(int))]
@@ -106,7 +111,8 @@ def _nodes(time: NDArray, edges: NDArray, ramp: Ramp) -> NDArray:
         rise = np.interp(np.arange(parts * (len(rise) - 1) + 1) / parts, np.arange(len(rise)), rise)
     hold = edges[edges >= ramp.stop_time_s]
     middle = 0.5 * (hold[:-1] + hold[1:])
-    nodes = np.union1d(np.r_[rise, ramp.contact_time_s, ramp.stop_time_s], np.r_[hold, middle])
+    known = np.r_[rise, ramp.contact_time_s, ramp.stop_time_s, ringing_times(ramp)]
+    nodes = np.union1d(known, np.r_[hold, middle])
     return distinct(nodes[(nodes >= edges[0]) & (nodes <= ramp.hold_end_s)], 1e-7)
 
 

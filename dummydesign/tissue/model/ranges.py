@@ -8,9 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from dummydesign.measurement.motion import DECELERATION_MM_S2
+from dummydesign.measurement.motion import DECELERATION_MM_S2, work_to_deepest_mJ
+from dummydesign.measurement.robot_path import RobotPath
 from dummydesign.measurement.sensor import Lowpass
 from dummydesign.tissue.model.laws import law_named
+from dummydesign.tissue.model.maxwell_law import stack
 from dummydesign.tissue.model.parameters import Parameters
 
 FIRST_HOLD_S = 0.005
@@ -24,7 +26,8 @@ class ForceRange:
     """Force variation range at one steady force and speed: the envelope of the subjects' F(t).
 
     Contact is at time 0; every subject has its own depth and stop time. Arrays of shape (n,), the
-    single curves of shape (subjects, n).
+    single curves of shape (subjects, n). ``energy_mJ`` is the work on each subject up to its largest depth, where they
+    followed a measured path.
     """
 
     steady_force_N: float
@@ -35,6 +38,7 @@ class ForceRange:
     curves_N: NDArray
     depth_mm: NDArray
     stop_s: NDArray
+    energy_mJ: NDArray | None = None
 
     @property
     def peak_low_N(self) -> float:
@@ -78,20 +82,28 @@ def interpolate_rows(at: NDArray, time: NDArray, values: NDArray) -> NDArray:
 
 def force_range(
     subjects: tuple[Parameters, ...], steady_force_N: float, velocity_mm_s: float, hold_s: float = 10.0,
-    deceleration_mm_s2: float = DECELERATION_MM_S2, lowpass: Lowpass | None = None,
+    deceleration_mm_s2: float = DECELERATION_MM_S2, lowpass: Lowpass | None = None, path: RobotPath | None = None,
 ) -> ForceRange:  # fmt: skip
     """Envelope of the subjects' F(t), each pressed to its own depth for the same force at the end of hold."""
-    return force_ranges((subjects,), steady_force_N, velocity_mm_s, hold_s, deceleration_mm_s2, lowpass)[0]
+    return force_ranges((subjects,), steady_force_N, velocity_mm_s, hold_s, deceleration_mm_s2, lowpass, path)[0]
 
 
 def force_ranges(
     groups: Sequence[tuple[Parameters, ...]], steady_force_N: float, velocity_mm_s: float, hold_s: float = 10.0,
-    deceleration_mm_s2: float = DECELERATION_MM_S2, lowpass: Lowpass | None = None,
+    deceleration_mm_s2: float = DECELERATION_MM_S2, lowpass: Lowpass | None = None, path: RobotPath | None = None,
 ) -> list[ForceRange]:  # fmt: skip
     """The :func:`force_range` of each of several groups of subjects of one law, all pressed at once."""
     everyone = [one for group in groups for one in group]
     law = law_named(everyone[0].law)
-    motion, curves, depth = law.press(everyone, steady_force_N, velocity_mm_s, hold_s, deceleration_mm_s2)
+    energy = None
+    if path is None:
+        motion, curves, depth = law.press(everyone, steady_force_N, velocity_mm_s, hold_s, deceleration_mm_s2)
+    else:
+        force = np.array([steady_force_N])
+        depth = law.held_depths(everyone, force, velocity_mm_s, hold_s, deceleration_mm_s2)[:, 0]
+        motion = path.to(depth)
+        curves = law.force(motion, *stack(everyone, velocity_mm_s))
+        energy = work_to_deepest_mJ(motion.displacement_mm, curves)
     if lowpass is not None:
         curves = lowpass.apply(motion.time_s, curves)
     stop = motion.time_s[..., -1] - hold_s
@@ -105,5 +117,6 @@ def force_ranges(
         on_grid = interpolate_rows(np.broadcast_to(grid, (len(time), len(grid))), time, curves[rows])
         low, high = on_grid.min(axis=0), on_grid.max(axis=0)
         condition = float(steady_force_N), float(velocity_mm_s)
-        ranges.append(ForceRange(*condition, grid, low, high, on_grid, depth[rows], stop[rows]))
+        own = None if energy is None else energy[rows]
+        ranges.append(ForceRange(*condition, grid, low, high, on_grid, depth[rows], stop[rows], own))
     return ranges

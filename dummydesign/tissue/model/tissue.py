@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import ArrayLike, NDArray
 
+    from dummydesign.measurement.robot_path import RobotPath
     from dummydesign.measurement.sensor import Lowpass
     from dummydesign.tissue.model.ranges import ForceRange
 
@@ -211,7 +212,7 @@ class Tissue:
 
     def force_range(
         self, steady_force_N: float, velocity_mm_s: float, hold_s: float = 10.0,
-        deceleration_mm_s2: float = 30_000.0, lowpass: Lowpass | None = None,
+        deceleration_mm_s2: float = 30_000.0, lowpass: Lowpass | None = None, path: RobotPath | None = None,
     ) -> ForceRange:  # fmt: skip
         """Envelope of the subjects' F(t) at one condition; see :func:`dummydesign.tissue.model.ranges.force_range`.
 
@@ -225,9 +226,11 @@ class Tissue:
             Hold after the stop, and braking of the robot. [s, mm/s2]
         lowpass : Lowpass, optional
             Sensor filter to put on the curves; none by default.
+        path : RobotPath, optional
+            Measured path, shifted to each subject's depth, instead of a ramp with that braking.
         """
         condition = steady_force_N, velocity_mm_s, hold_s, deceleration_mm_s2
-        return ranges.force_range(self.parameter_sets, *condition, lowpass)
+        return ranges.force_range(self.parameter_sets, *condition, lowpass, path)
 
     def to_dict(self) -> dict[str, Any]:
         """Return the whole tissue with bands, subjects, sources and notes."""

@@ -10,7 +10,7 @@ from dummydesign.design.scoring.verdict import LIGHTS
 from dummydesign.measurement.motion import Motion, ramp_and_hold
 from dummydesign.measurement.trace import Trace
 from dummydesign.tissue import load_tissue
-from dummydesign.tissue.comparison import AS_PRESSED, compare_traces, steady_curve
+from dummydesign.tissue.comparison import AS_PRESSED, compare_traces, overshooting_path, steady_curve
 from dummydesign.tissue.fitting.reduction import reduce_trace
 
 STEADY_GRID_N = AS_PRESSED.grid_N
@@ -178,3 +178,24 @@ def test_a_dummy_that_was_pressed_at_one_speed_is_not_called_inside(palm):
 
     found = verdict_of_traces(compare_traces(presses(palm.parameter_sets[2])[:3], palm), palm)
     assert found.level == "not_settled" and found.light == "amber" and "not pressed at 250 mm/s" in found.text
+
+
+@pytest.mark.parametrize("subject", [0, 2, 4])
+def test_a_subject_pressed_with_an_overshoot_is_itself_among_people(palm, subject):
+    """People are pressed with the overshoot of the press: peak and energy of a subject are its own."""
+    from dummydesign.design.measured_pad import energy_of
+
+    own = palm.parameter_sets[subject]
+    depth = float(np.cbrt(10.0 / own.gamma1_N_per_mm3))
+    time = np.arange(-0.2, depth / 10.0 + 10.0, 1e-3)
+    since = np.maximum(time - depth / 10.0, 0.0)
+    x = np.minimum(10.0 * time, depth) + 0.3 * np.exp(-10.0 * since) * np.sin(75.0 * since)
+    reduced = reduce_trace(Trace("rings.csv", time, x, own.force(Motion(time, x), 10.0)))
+    path = overshooting_path(reduced)
+    band = palm.force_range(reduced.steady_force_N, 10.0, reduced.hold_s, path=path)
+    peak = reduced.trace.force_N.max()
+    assert band.curves_N[subject].max() == pytest.approx(peak, rel=3e-3)
+    assert band.energy_mJ[subject] == pytest.approx(energy_of(reduced), rel=3e-3)
+    plain = palm.force_range(reduced.steady_force_N, 10.0, reduced.hold_s)
+    assert plain.curves_N[subject].max() < 0.92 * peak
+    assert overshooting_path(reduce_trace(slow_press(own, 30_000.0))) is None

@@ -292,3 +292,23 @@ def test_traces_without_a_press_or_a_hold_are_refused_by_name(clean):
     cut = Trace("cut.csv", whole.time_s[short], whole.displacement_mm[short], whole.force_N[short])
     with raises_code("not_enough_data", "hold_s"):
         fit_traces([cut])
+
+
+@pytest.mark.parametrize("seed", [41, 42])
+def test_gamma1_of_a_press_that_overshoots_is_right_and_inside_its_interval(seed):
+    from benchmarks.accuracy import overshoot
+
+    press = overshoot.drawn(np.random.default_rng(seed), True, (0.03, 0.1))
+    trace = Trace("rings.csv", press.time_s, press.displacement_mm, press.force_N)
+    found = fit_traces([trace], 5).result
+    gamma1 = found["parameters"]["gamma1_N_per_mm3"]
+    assert gamma1["value"] == pytest.approx(overshoot.GAMMA1, rel=0.01)
+    assert gamma1["low"] < 1.003 * overshoot.GAMMA1 and gamma1["high"] > 0.997 * overshoot.GAMMA1
+    assert "lack_of_fit" not in {one["code"] for one in found["warnings"]}
+
+
+def test_a_press_without_a_hold_is_refused():
+    time = np.arange(-0.5, 20.0, 5e-3)
+    x = np.maximum(5.0 - 0.5 * np.abs(time - 10.0), -0.2)
+    with raises_code("not_enough_data", "hold_s"):
+        fit_traces([Trace("triangle.csv", time, x, 0.06 * np.maximum(x, 0.0) ** 3)])

@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 
 from dummydesign.measurement.importing.contact import find_contact
-from dummydesign.measurement.importing.press_checks import check_press
+from dummydesign.measurement.importing.press_checks import check_press, doubts_of
 from dummydesign.measurement.importing.signs import find_presses
 from dummydesign.measurement.landmarks import summarise
+from dummydesign.measurement.trace import Trace
 
 
 def checked(time, x, force):
@@ -113,3 +114,11 @@ def test_a_position_that_creeps_during_its_hold_is_no_staircase(press):
         x = np.round(way / 0.005) * 0.005
         found = checked(time, x, 8.0 * np.maximum(x, 0))
         assert ("several_holds" in found) is told, found
+
+
+def test_a_press_that_does_not_stand_is_named_at_import_alone(press):
+    time, _, _ = press
+    x = np.maximum(4.0 - np.abs(time - 6.0), -1.0)
+    force = 2.0 * np.maximum(x, 0.0) ** 1.5
+    assert checked(time, x, force) == ["no_hold"]
+    assert "no_hold" not in {one["code"] for one in doubts_of(Trace("turn.csv", time, x, force))}

@@ -1,0 +1,1 @@
+"""How right the answers are, by drawn inputs whose truth is known."""

@@ -11,13 +11,18 @@ from dummydesign.core.interpolation import true_runs
 from dummydesign.measurement.importing.baseline import digit_step
 from dummydesign.measurement.importing.signs import middle_of_three, noise_of
 
-LEAST = 5
+LEAST = 8
 """Samples of a clipped stretch."""
-BAND, FLAT, GRAIN = 6.0, 4.0, 1e-4
-"""Width of the stretch and most change along it, over the noise; least noise, over the largest force."""
+BAND, FLAT, ROUND, GRAIN = 6.0, 4.0, 1.3, 1e-4
+"""Over the noise: width of the stretch, most change along it, most by which its middle stands above its ends (a smooth
+top: 2.7). Least noise, over the largest force."""
 RISE, FALL = 60.0, 15.0
 """Changes over the noise that the stretch would show: of the rise before it if the punch goes on at half its speed (a
 smooth top of the same width would show 50), and of the relaxation behind it."""
+
+
+STIFFENING, HELD = 5.0, 0.02
+"""Relative change of a force over that of the depth, and the change up to which a depth is held."""
 
 
 @dataclass(frozen=True)
@@ -48,7 +53,9 @@ def find_clip(time: NDArray, x: NDArray, force: NDArray) -> Clip | None:
         return None
     inside = slice(first, stop)
     tilt = float(np.polyfit(time[inside] - time[first], force[inside], 1)[0]) * float(time[stop - 1] - time[first])
-    if abs(tilt) > FLAT * noise:
+    middle, third = force[inside], (stop - first) // 3
+    ends = np.r_[middle[:third], middle[-third:]]
+    if abs(tilt) > FLAT * noise or float(middle[third:-third].mean() - ends.mean()) > ROUND * noise:
         return None
     if not (_goes_on(time, x, force, first, stop, noise) or _relaxes_later(time, x, force, first, stop, noise)):
         return None
@@ -72,7 +79,9 @@ def _relaxes_later(time: NDArray, x: NDArray, force: NDArray, first: int, stop: 
     """Whether the force falls behind the stretch, at the same depth, as it ought to within it."""
     lasts = float(time[stop - 1] - time[first])
     after = min(int(np.searchsorted(time, time[stop - 1] + lasts)), len(time) - 1)
-    held = np.ptp(x[stop - 1 : after + 1]) <= 0.01 * float(x.max())
+    share = float(np.ptp(x[first : after + 1])) / float(x.max())
     behind = force[max(after - 2, stop) : after + 1]
     inside = float(np.median(force[first:stop]))
-    return bool(held and len(behind) and inside - float(np.median(behind)) > FALL * noise)
+    # where the punch still rings, the force follows it
+    least = FALL * noise + STIFFENING * share * inside
+    return bool(share < HELD and len(behind) and inside - float(np.median(behind)) > least)

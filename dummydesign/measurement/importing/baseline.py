@@ -16,9 +16,9 @@ DRIFT_N_S, SLOPE_N_MM = 0.1, 0.05
 """Standard deviations of drift and slope with travel before the lead-in shows them: wide on purpose."""
 MOSTLY = 0.3
 """Share of the variance from which on the noise mostly wanders: then samples that follow quickly share its error."""
-CLEAR = 3.0
+CLEAR = 2.5
 """Errors that a drift or a slope must exceed to be one."""
-MATTERS = 0.005
+MATTERS = 0.002
 """Share of the largest force by which drift and slope must change it within the press to be subtracted."""
 
 
@@ -122,17 +122,23 @@ def find_baseline(
     error = float(max(2.0 * np.std(means), 2.0 * noise.sample_N / np.sqrt(count), noise.rounding_N))
     mean = float(np.mean(lead))
     plain = Baseline(mean, mean, error, float(np.std(lead)), count, float(time[at]), place_mm)
+    stand = min(parked, count) if parked >= LEAST_LEAD_IN else count
+    if count - stand >= 2 * LEAST_LEAD_IN:  # the approach tells the slope, the time before it the drift
+        standing = np.array_split(np.arange(start, start + stand), 10 if stand >= 30 else 3)
+        parts = standing + np.array_split(np.arange(start + stand, start + count), 5)
+    leading = len(parts)
     back = deepest + np.nonzero(x[deepest:stop] < min(free_mm, place_mm - 0.5 * (place_mm - float(x[start:at].min()))))[0]
     back = back[back > deepest]
     if len(back) >= 2 * LEAST_LEAD_IN:
         parts += np.array_split(back, 5)
-    return _with_changes(plain, parts, time, x, load, (deepest, stop), noise)
+    return _with_changes(plain, parts, leading, time, x, load, (deepest, stop), noise)
 
 
 def _with_changes(
-    plain: Baseline, parts: list[NDArray], time: NDArray, x: NDArray, load: NDArray, press: tuple[int, int], noise: Noise
-) -> Baseline:
-    """Add drift and slope where they stand out of their errors."""
+    plain: Baseline, parts: list[NDArray], leading: int, time: NDArray, x: NDArray, load: NDArray,
+    press: tuple[int, int], noise: Noise,
+) -> Baseline:  # fmt: skip
+    """Add drift and slope where they stand out of their errors; ``leading`` parts lie before contact."""
     clock, way, mean = (np.array([float(v[part].mean()) for part in parts]) for v in (time, x, load))
     clock, way = clock - plain.at_s, way - plain.at_mm
     variance = noise.wander_N**2 + noise.rounding_N**2 + noise.sample_N**2 / np.array([len(part) for part in parts])
@@ -168,10 +174,9 @@ def _with_changes(
     held = deepest + np.nonzero(x[deepest:stop] >= plain.at_mm + 0.9 * (x[deepest] - plain.at_mm))[0][-1]
     lasts, depth = float(time[held]) - plain.at_s, float(x[deepest]) - plain.at_mm
     effect = abs(value[1]) * lasts + abs(value[2]) * depth
-    lead = slice(0, 10 if plain.samples >= 30 else 3)
-    before = float(value[1] * -clock[lead][0] + value[2] * -way[lead][0])
+    before = float(value[1] * -clock[0] + value[2] * -way[0])
     return replace(
         plain, level_N=float(value[0]), error_N=2.0 * float(error[0]), drift_N_s=float(value[1]),
         slope_N_mm=float(value[2]), before_N=before, effect_N=float(effect),
-        effect_error_N=float(np.hypot(error[1] * lasts, error[2] * depth)), comes_back=len(parts) > lead.stop,
+        effect_error_N=float(np.hypot(error[1] * lasts, error[2] * depth)), comes_back=len(parts) > leading,
     )  # fmt: skip

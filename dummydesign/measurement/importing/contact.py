@@ -31,6 +31,8 @@ MISFIT = 0.02
 POWERS = np.arange(0.8, 3.21, 0.15)
 BENDS = np.linspace(-0.6, 0.1, 6)
 """Relative change of a power of the depth over the part looked at: what relaxes or stiffens on the way."""
+PARKED_LONG = 30
+"""Samples before the approach that tell the noise by themselves."""
 _WAYS, _CELLS, _PARTS = 60, 80, 20
 
 
@@ -63,7 +65,8 @@ def find_contact(time: NDArray, x: NDArray, load: NDArray, span: Span, tare_N: f
     go = approach_start(x, start, start + int(np.argmax(load[start : span.stop])))
     at = max(span.onset, go)
     for share, powers, bends in ((COARSE, POWERS[::3], BENDS[::2]), (0.0, POWERS[::2], BENDS[::2])):
-        noise = noise_before(time, load, span, at)
+        # a slope with travel is no noise: where the punch is parked for long enough, only that is taken
+        noise = noise_before(time, load, span, go if go - start >= PARKED_LONG else at)
         bins, low, high = _looked_at(time, x, load, span, (go, at), noise, share)
         ways = np.linspace(low, high, _WAYS + 1)
         weight = _posterior(bins, noise, ways, tare_N, powers, bends)
@@ -170,7 +173,7 @@ SMALL_MM, BENEFIT = 0.05, 0.5
 """The file's own zero stands unless it lies beyond the interval by half its half-width (1 in 300) and 0.05 mm."""
 LATE_MM, LATE_SHARE = 0.1, 0.03
 """Distance of the contact from the file's own zero that deserves a word although a filter explains it."""
-UNSURE_MM, UNSURE_SHARE = 0.06, 0.015
+UNSURE_MM, UNSURE_SHARE = 0.02, 0.01
 """Half-width of the contact's interval above which a zero that rests on it is called uncertain."""
 OTHER_SITE = 0.5
 """Share of the deepest press so far beyond which a later contact is another place, not the dent that was left."""
@@ -356,7 +359,8 @@ def _constant(baseline: Baseline, level_N: float) -> Baseline:
 def _line(contact: ContactEstimate, rest_N: float, log: ImportLog) -> Baseline:
     """The reading at no load with its drift and slope where they matter, without them where they do not."""
     line, kind = contact.baseline, log.settings.tare
-    if line.effect_N <= max(MATTERS * contact.peak_N, 2.0 * line.effect_error_N):
+    changes = line.effect_N + abs(line.level_N - line.mean_N)
+    if changes <= max(MATTERS * contact.peak_N, 2.0 * line.effect_error_N):
         return _constant(line, rest_N + line.mean_N)
     if line.drift_alone_N_s and kind not in ("drift", "slope"):
         doubt = (f"before contact the force changes by {line.before_N:+.3g} N while the punch moves; either as a drift "

@@ -14,7 +14,8 @@ from numpy.typing import NDArray
 from dummydesign.core.errors import InputError
 from dummydesign.core.interpolation import true_runs
 from dummydesign.measurement.clipping import find_clip
-from dummydesign.measurement.importing.contact import LEAST_LEAD_IN, ContactEstimate, contact_off, find_contact
+from dummydesign.measurement.importing.baseline import LEAST_LEAD_IN, digit_step
+from dummydesign.measurement.importing.contact import ContactEstimate, contact_off, find_contact
 from dummydesign.measurement.importing.decisions import ImportLog, Settings
 from dummydesign.measurement.importing.signs import find_presses, find_signs, middle_of_three, noise_of
 from dummydesign.measurement.landmarks import Summary, summarise
@@ -24,6 +25,8 @@ Warn = Callable[[str, str], None]
 
 FALLING = 0.01
 """Share of the force by which it may still fall over the last fifth of a hold and be called steady."""
+COARSE = 0.01
+"""Share of the steady force by which half a step of the digits may be off."""
 SHORT_HOLD_S = 10.0
 """Hold of the published protocol; no shorter one is called too short unless the force still falls."""
 NO_HOLD = "no_hold"
@@ -54,7 +57,7 @@ def check_press(
     press = _Press(time, x, force, max(contact.baseline.noise_N, noise_of(force)), summary, warn)
     if _swapped(press):
         return
-    for check in (_hold, _several_holds, _clipped, _gaps, _lost, _frozen, _spikes, _units):
+    for check in (_coarse, _hold, _several_holds, _clipped, _gaps, _lost, _frozen, _spikes, _units):
         check(press)
 
 
@@ -76,6 +79,14 @@ def _swapped(press: _Press) -> bool:
         press.warn("columns_swapped", f"the position falls back by {100 * fall / reach:.0f} % while the force stands: "
                    "give --columns displacement and force the other way round")  # fmt: skip
     return swapped
+
+
+def _coarse(press: _Press) -> None:
+    """Digits that the noise does not spread, so coarse that the steady force is not known to 1 %."""
+    step, steady = digit_step(press.force), press.summary.steady_force_N
+    if steady and 0.5 * step > COARSE * steady and press.noise_N < 0.3 * step:
+        press.warn("coarse_digits", f"the force is written in steps of {step:.2g} N, {100 * step / steady:.1f} % of the "
+                   "steady force: export it with more digits, or use a smaller range")  # fmt: skip
 
 
 def _hold(press: _Press) -> None:
@@ -205,7 +216,7 @@ def _units(press: _Press) -> None:
 
 CODES = (
     *("force_before_contact", "contact_off", "hold_too_short", "several_holds", "clipped", "drop_out", "spike"),
-    *("far_from_known", "columns_swapped", "same_press", "several_subjects"),
+    *("coarse_digits", "far_from_known", "columns_swapped", "same_press", "several_subjects"),
 )
 """Codes of the warnings of this module."""
 MENDED = ("force_before_contact", "contact_off", "far_from_known")

@@ -1,8 +1,8 @@
 """What ``dummydesign import`` makes of presses drawn with all that robots and sensors do, in drawn files.
 
-``python -m benchmarks.accuracy.import_drawn [--draws N] [--seed S] [--plain] [--out FILE]`` draws presses with overshoot
-(0 to 10 %), ringing, drift, slope with travel, digits of the force, noise that wanders, dropped rows and, in three of
-ten, a zero of the position far from contact. Each is written in a drawn layout (languages, units, two time bases, wrong
+``python -m benchmarks.accuracy.import_drawn [--draws N] [--seed S] [--plain] [--out FILE]`` draws presses of tissue and
+pads with overshoot (0 to 10 %), ringing, drift (to 0.1 N/s), slope with travel (to 0.01 N/mm, as of a dragged cable),
+digits of the force, noise that wanders, dropped rows and, in three of ten, a zero of the position far from contact. Each is written in a drawn layout (languages, units, two time bases, wrong
 units of the header: :mod:`benchmarks.accuracy.import_layouts`; ``--plain``: as a canonical CSV) and imported. The table
 gives the rates of wrong answers without a warning, of questions of files that say all, and of contact intervals (95 %)
 that hold the truth.
@@ -54,11 +54,13 @@ def draw(rng: np.random.Generator) -> Drawn:
     kinds = {
         "overshoot": float(rng.uniform(0.0, 0.1)), "ringing_Hz": spread(3.0, 50.0), "damping": spread(0.02, 1.0),
         "depth_mm": spread(1.0, 8.0), "speed_mm_s": spread(1.0, 100.0), "hold_s": float(rng.uniform(3.0, 10.0)),
-        "peak_N": spread(3.0, 30.0), "noise_N": spread(0.002, 0.03), "digit_N": float(rng.choice([1e-4, 0.001, 0.01, 0.1])),
+        "peak_N": spread(3.0, 30.0), "noise_N": spread(0.002, 0.03),
+        "digit_N": float(rng.choice([1e-4, 0.001, 0.01, 0.1])),
         "drift_N_s": float(rng.choice([0, 1]) * rng.uniform(-0.1, 0.1)),
         "slope_N_mm": float(rng.choice([0, 1]) * rng.uniform(-0.01, 0.01)), "wander": float(rng.choice([0.0, 0.5])),
         "dropped": float(rng.choice([0.0, 0.0, 0.01])), "dwell_s": float(rng.uniform(0.5, 4.0)),
-        "gap_mm": float(rng.uniform(1.0, 5.0)), "released": float(rng.integers(2)), "zero_mm": float(rng.choice([0, 0, 0, 0, 0, 0, 0, 1, 1, 1]) * rng.uniform(5, 400)),
+        "gap_mm": float(rng.uniform(1.0, 5.0)), "released": float(rng.integers(2)),
+        "zero_mm": float(rng.choice([0, 0, 0, 0, 0, 0, 0, 1, 1, 1]) * rng.uniform(5, 400)),
     }  # fmt: skip
     kinds["release_mm_s"] = kinds["speed_mm_s"]
     rate = float(rng.choice([200.0, 500.0, 1000.0]))
@@ -78,7 +80,8 @@ def draw(rng: np.random.Generator) -> Drawn:
         level = keep * level + kick
         wander[at] = level
     measured = scale * np.interp(time, fine, force, left=0.0) + kinds["drift_N_s"] * (time - time[0])
-    measured += kinds["slope_N_mm"] * (x - x[0]) + kinds["noise_N"] * (rng.standard_normal(len(time)) + kinds["wander"] * wander)
+    noise = rng.standard_normal(len(time)) + kinds["wander"] * wander
+    measured += kinds["slope_N_mm"] * (x - x[0]) + kinds["noise_N"] * noise
     measured = np.round(measured / kinds["digit_N"]) * kinds["digit_N"]
     x = np.round(x + rng.normal(0.0, 0.001, len(x)), 4)
     held = kinds["hold_s"] if kinds["released"] else float(time[-1]) - stop
@@ -149,7 +152,8 @@ def main() -> None:
                 read = import_files([file], Settings(**truth["needs"]))[0]
             except InputError as refusal:
                 needed = press.zero_mm and refusal.quantity == "contact"
-                name = "slip caught" if truth["slip"] else f"{'needed' if needed else 'asked'}: {refusal.quantity}"
+                asked = f"{'needed' if needed else 'asked'}: {refusal.quantity}"
+                name = "slip caught" if truth["slip"] else asked
                 counts[name] += 1
                 if number < options.show:
                     print(number, name, str(refusal)[:250])

@@ -13,12 +13,12 @@ from dummydesign.measurement.importing.signs import middle_of_three, noise_of
 
 LEAST = 8
 """Samples of a clipped stretch."""
-BAND, FLAT, ROUND, GRAIN = 6.0, 4.0, 1.3, 1e-4
-"""Over the noise: width of the stretch, most change along it, most by which its middle stands above its ends (a smooth
-top: 2.7). Least noise, over the largest force."""
-RISE, FALL = 60.0, 15.0
+BAND, LEVEL, FLAT, ROUND, GRAIN = 6.0, 0.7, 2.0, 0.7, 1e-4
+"""Over the noise: width of the stretch, what its running means may fall by, most change along it, most by which its
+middle stands above its ends. Least noise, over the largest force."""
+RISE, FALL = 25.0, 10.0
 """Changes over the noise that the stretch would show: of the rise before it if the punch goes on at half its speed (a
-smooth top of the same width would show 50), and of the relaxation behind it."""
+smooth top of the same width would show 10), and of the relaxation behind it."""
 
 
 STIFFENING, HELD = 5.0, 0.02
@@ -51,7 +51,10 @@ def find_clip(time: NDArray, x: NDArray, force: NDArray) -> Clip | None:
     first, stop = max(runs, key=lambda run: run[1] - run[0], default=(0, 0))
     if stop - first < LEAST or first < LEAST or peak <= 0:
         return None
+    first, stop = _level_part(force, first, stop, noise)
     inside = slice(first, stop)
+    if stop - first < LEAST:
+        return None
     tilt = float(np.polyfit(time[inside] - time[first], force[inside], 1)[0]) * float(time[stop - 1] - time[first])
     middle, third = force[inside], (stop - first) // 3
     ends = np.r_[middle[:third], middle[-third:]]
@@ -60,6 +63,15 @@ def find_clip(time: NDArray, x: NDArray, force: NDArray) -> Clip | None:
     if not (_goes_on(time, x, force, first, stop, noise) or _relaxes_later(time, x, force, first, stop, noise)):
         return None
     return Clip(first, stop, float(time[first]), float(time[stop - 1]), float(np.median(force[inside])))
+
+
+def _level_part(force: NDArray, first: int, stop: int, noise: float) -> tuple[int, int]:
+    """The part of a stretch in which running means stay level: without the last of the rise and of the fall."""
+    window = max((stop - first) // 10, 5)
+    means = np.convolve(force[first:stop], np.full(window, 1.0 / window), "valid")
+    level = true_runs(means >= np.quantile(means, 0.9) - LEVEL * noise)
+    a, b = max(level, key=lambda run: run[1] - run[0], default=(0, 0))
+    return first + a, first + b + window - 1
 
 
 def _goes_on(time: NDArray, x: NDArray, force: NDArray, first: int, stop: int, noise: float) -> bool:
@@ -79,7 +91,7 @@ def _relaxes_later(time: NDArray, x: NDArray, force: NDArray, first: int, stop: 
     """Whether the force falls behind the stretch, at the same depth, as it ought to within it."""
     lasts = float(time[stop - 1] - time[first])
     after = min(int(np.searchsorted(time, time[stop - 1] + lasts)), len(time) - 1)
-    share = float(np.ptp(x[first : after + 1])) / float(x.max())
+    share = float(np.ptp(x[(first + stop) // 2 : after + 1])) / float(x.max())
     behind = force[max(after - 2, stop) : after + 1]
     inside = float(np.median(force[first:stop]))
     # where the punch still rings, the force follows it

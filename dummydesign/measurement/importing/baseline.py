@@ -127,7 +127,8 @@ def find_baseline(
         standing = np.array_split(np.arange(start, start + stand), 10 if stand >= 30 else 3)
         parts = standing + np.array_split(np.arange(start + stand, start + count), 5)
     leading = len(parts)
-    back = deepest + np.nonzero(x[deepest:stop] < min(free_mm, place_mm - 0.5 * (place_mm - float(x[start:at].min()))))[0]
+    half_mm = place_mm - 0.5 * (place_mm - float(x[start:at].min()))
+    back = deepest + np.nonzero(x[deepest:stop] < min(free_mm, half_mm))[0]
     back = back[back > deepest]
     if len(back) >= 2 * LEAST_LEAD_IN:
         parts += np.array_split(back, 5)

@@ -85,7 +85,7 @@ def _coarse(press: _Press) -> None:
     """Digits that the noise does not spread, so coarse that the steady force is not known to 1 %."""
     step, steady = digit_step(press.force), press.summary.steady_force_N
     if steady and 0.5 * step > COARSE * steady and press.noise_N < 0.3 * step:
-        press.warn("coarse_digits", f"the force is written in steps of {step:.2g} N, {100 * step / steady:.1f} % of the "
+        press.warn("coarse_digits", f"the digits of the force are {step:.2g} N, {100 * step / steady:.1f} % of the "
                    "steady force: export it with more digits, or use a smaller range")  # fmt: skip
 
 
@@ -139,8 +139,8 @@ def _clipped(press: _Press) -> None:
     """The load cell's end: the force stands within its noise while the punch still moves, or before it relaxes."""
     if clip := find_clip(press.time, press.x, press.force):
         press.warn("clipped", f"the force stands at {clip.level_N:.6g} N for {clip.stop - clip.first} samples from "
-                   f"{clip.start_s:.4g} s: the load cell or its amplifier is at its end; use a larger range; fits leave "
-                   "these samples out, the peak is not known")  # fmt: skip
+                   f"{clip.start_s:.4g} s: the load cell or its amplifier is at its end; use a larger range; fits "
+                   "leave these samples out, the peak is not known")  # fmt: skip
 
 
 def _longest(mask: NDArray) -> tuple[int, int]:

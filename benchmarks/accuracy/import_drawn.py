@@ -2,10 +2,10 @@
 
 ``python -m benchmarks.accuracy.import_drawn [--draws N] [--seed S] [--plain] [--out FILE]`` draws presses of tissue and
 pads with overshoot (0 to 10 %), ringing, drift (to 0.1 N/s), slope with travel (to 0.01 N/mm, as of a dragged cable),
-digits of the force, noise that wanders, dropped rows and, in three of ten, a zero of the position far from contact. Each is written in a drawn layout (languages, units, two time bases, wrong
-units of the header: :mod:`benchmarks.accuracy.import_layouts`; ``--plain``: as a canonical CSV) and imported. The table
-gives the rates of wrong answers without a warning, of questions of files that say all, and of contact intervals (95 %)
-that hold the truth.
+digits of the force, noise that wanders, dropped rows and, in three of ten, a zero of the position far from contact.
+Each is written in a drawn layout (languages, units, two time bases, wrong units of the header:
+:mod:`benchmarks.accuracy.import_layouts`; ``--plain``: as a canonical CSV) and imported. The table gives the rates of
+wrong answers without a warning, of questions of files that say all, and of contact intervals (95 %) that hold the truth.
 """
 
 from __future__ import annotations
@@ -176,8 +176,8 @@ def main() -> None:
                 counts[f"{'warned' if doubted else 'quiet'}: {fault}"] += 1
             counts["right" if not faults else "wrong"] += 1
             if faults and number < options.show:
-                print(number, faults, sorted(codes), read[0].presses[0].summary,
-                      {key: round(value, 4) for key, value in press.kinds.items()}, round(press.steady_N, 4))  # fmt: skip
+                drawn = {key: round(value, 4) for key, value in press.kinds.items()}
+                print(number, faults, sorted(codes), read[0].presses[0].summary, drawn, round(press.steady_N, 4))
     result = {"draws": options.draws, "seed": options.seed, "plain": options.plain, "contact_intervals": len(inside),
               "contact_coverage": round(float(np.mean(inside)), 4), "counts": dict(sorted(counts.items()))}  # fmt: skip
     print(f"contact intervals that hold the truth: {result['contact_coverage']:.3f} of {len(inside)}")

@@ -69,9 +69,8 @@ def _level_part(force: NDArray, first: int, stop: int, noise: float) -> tuple[in
     """The part of a stretch in which running means stay level: without the last of the rise and of the fall."""
     window = max((stop - first) // 10, 5)
     means = np.convolve(force[first:stop], np.full(window, 1.0 / window), "valid")
-    level = true_runs(means >= np.quantile(means, 0.9) - LEVEL * noise)
-    a, b = max(level, key=lambda run: run[1] - run[0], default=(0, 0))
-    return first + a, first + b + window - 1
+    level = np.flatnonzero(means >= np.quantile(means, 0.9) - LEVEL * noise)
+    return first + int(level[0]), first + int(level[-1]) + window
 
 
 def _goes_on(time: NDArray, x: NDArray, force: NDArray, first: int, stop: int, noise: float) -> bool:

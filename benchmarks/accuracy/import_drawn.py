@@ -5,7 +5,7 @@ pads with overshoot (0 to 10 %), ringing, drift (to 0.1 N/s), slope with travel 
 digits of the force, noise that wanders, dropped rows and, in three of ten, a zero of the position far from contact.
 Each is written in a drawn layout (languages, units, two time bases, wrong units of the header:
 :mod:`benchmarks.accuracy.import_layouts`; ``--plain``: as a canonical CSV) and imported. The table gives the rates of
-wrong answers without a warning, of questions of files that say all, and of contact intervals (95 %) that hold the truth.
+wrong answers without a warning, of questions of files that say all, and of contact intervals (95 %) with the truth.
 """
 
 from __future__ import annotations

@@ -164,7 +164,7 @@ def _with_changes(
     steady = [abs(one[0][kind]) > CLEAR * one[1][kind] for kind, one in zip((1, 2), alone)]
     if clear:
         value, error = fit(0, *clear)
-    elif all(steady):  # which of them it is cannot be told: a drift, until somebody says otherwise
+    elif all(steady):  # of which kind it is remains open: a drift, until the user settles it
         value, error = alone[0]
         plain = replace(plain, drift_alone_N_s=float(alone[0][0][1]), slope_alone_N_mm=float(alone[1][0][2]))
     elif any(steady):

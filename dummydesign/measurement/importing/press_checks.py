@@ -252,6 +252,9 @@ def doubts_of(trace: Trace, resolution_N: float = 0.0) -> list[dict[str, str]]:
     if contact.lead_in >= LEAST_LEAD_IN and abs(tare) > allowed:
         warn("force_before_contact", f"the force is {tare:.3g} N before contact and counts as pressing; up to "
              f"{allowed:.2g} N is allowed (noise {noise:.2g} N)")  # fmt: skip
+    elif before.effect_N > max(OFFSET_SHARE * summary.peak_force_N, 2.0 * before.effect_error_N):
+        warn("force_before_contact", f"the force changes by {before.before_N:+.3g} N before contact, which makes "
+             f"{before.effect_N:.2g} N by the end of the hold")  # fmt: skip
     elif contact.lead_in >= LEAST_LEAD_IN and contact_off(contact, summary.depth_mm):
         tares = (before.mean_N + side * READING * noise for side in (-1.0, -0.5, 0.5, 1.0))
         others = (find_contact(time, x, force - rest, span, other) for other in tares)

@@ -252,7 +252,7 @@ def doubts_of(trace: Trace, resolution_N: float = 0.0) -> list[dict[str, str]]:
     if contact.lead_in >= LEAST_LEAD_IN and abs(tare) > allowed:
         warn("force_before_contact", f"the force is {tare:.3g} N before contact and counts as pressing; up to "
              f"{allowed:.2g} N is allowed (noise {noise:.2g} N)")  # fmt: skip
-    elif before.effect_N > max(OFFSET_SHARE * summary.peak_force_N, 2.0 * before.effect_error_N):
+    elif abs(before.before_N) > max(OFFSET_SHARE * summary.peak_force_N, READING * noise):
         warn("force_before_contact", f"the force changes by {before.before_N:+.3g} N before contact, which makes "
              f"{before.effect_N:.2g} N by the end of the hold")  # fmt: skip
     elif contact.lead_in >= LEAST_LEAD_IN and contact_off(contact, summary.depth_mm):

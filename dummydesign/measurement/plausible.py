@@ -112,28 +112,6 @@ def units_that_fit(role: str, time: NDArray, x: NDArray, force: NDArray, factor:
     return fitting
 
 
-def hand_force_fault(depth_mm: NDArray, force_N: NDArray) -> str:
-    """Return why steady forces cannot be in newtons on a hand, with the units they may be in; empty where they can.
-
-    Parameters
-    ----------
-    depth_mm, force_N : ndarray, shape (n,)
-        Depths and the forces held there, of one subject.
-    """
-    limits, gamma = ranges()["gamma_N_mm3"], float(np.median(force_N / np.asarray(depth_mm) ** 3))
-    strongest = int(np.argmax(force_N))
-    largest = float(force_N[strongest])
-    reason = ranges()["force_N"].fault(largest)
-    if not reason and limits.usual(gamma):
-        return ""
-    reason = reason or limits.fault(gamma)
-    fitting = [
-        unit for unit, size in UNITS["force"].items()
-        if size != 1.0 and limits.usual(size * gamma) and ranges()["force_N"].usual(size * largest)
-    ]  # fmt: skip
-    return f"{largest:g} N at {depth_mm[strongest]:g} mm: {reason}{may_be_in(fitting)}"
-
-
 def may_be_in(units: Iterable[str]) -> str:
     """Return the end of a message that names the units which would fit; empty for none."""
     named = " or ".join(units)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from dummydesign.measurement.importing.read import import_files
-from dummydesign.measurement.plausible import hand_force_fault, impossible, press_quantities, units_that_fit
+from dummydesign.measurement.plausible import impossible, press_quantities, units_that_fit
 from tests.support.refusal import raises_code
 
 TIME = np.arange(0.0, 12.0, 0.01)
@@ -31,12 +31,6 @@ def test_another_unit_is_seen_and_those_that_fit_are_named(role, scale, key, fit
     assert impossible(press_quantities(*press))[0] == key
     factor = {"time": 1e-3, "displacement": 1e3}.get(role, 1.0)
     assert fitting in units_that_fit(role, *press, factor=factor)
-
-
-def test_a_hand_in_other_units_than_newtons_is_refused_with_both_that_fit():
-    depth = np.linspace(0.8, 5.0, 9)
-    assert hand_force_fault(depth, 0.06 * depth**3) == ""
-    assert "mN or gf" in hand_force_fault(depth, 60.0 * depth**3)
 
 
 def written(folder, header, *columns):

@@ -34,10 +34,8 @@ ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT))
 
 from benchmarks.rows import keep_row, read_rows  # noqa: E402
-from dummydesign.design.assessment.castings import (  # noqa: E402
-    Castings,
-    verdict_of_design,
-)
+from dummydesign.design.assessment.pad_castings import verdict_of_design
+from dummydesign.design.scoring.castings import Castings
 from dummydesign.design.request import Request  # noqa: E402
 from dummydesign.design.scoring.presses import make_curves  # noqa: E402
 from dummydesign.design.scoring.score import evaluate  # noqa: E402
@@ -47,7 +45,8 @@ from dummydesign.design.scoring.verdict import (  # noqa: E402
     ranges_of,
 )
 from dummydesign.design.search.slabs import DesignCandidate, make_slabs  # noqa: E402
-from dummydesign.design.suggest import design, resolve  # noqa: E402
+from dummydesign.design.problem import read_problem
+from dummydesign.design.suggest import design
 from dummydesign.geometry.shape_registry import read_shape  # noqa: E402
 from dummydesign.pad.axisymmetric.shaped_pad import solve_shaped_pad  # noqa: E402
 from dummydesign.pad.axisymmetric.sharp_edge import solve_curve  # noqa: E402
@@ -298,7 +297,7 @@ def classes_of(lowest: NDArray, highest: NDArray, reached: NDArray, limits) -> N
 def designs_of(tissue: str, shape: str, thickness: float, knowledge: str) -> list[tuple]:
     """What ``suggest`` says of a shape, and designs of it: that, and the middle ratio of every level near it."""
     made: dict[str, Any] = MADE_WELL if knowledge == KNOWLEDGE[-1] else {}
-    inputs = resolve(Request(tissue, shape=shape, thickness_mm=(thickness, thickness), verify=False, **made))
+    inputs = read_problem(Request(tissue, shape=shape, thickness_mm=(thickness, thickness), verify=False, **made))
     resin = known_resin(inputs.space.resin, knowledge)
     space = replace(inputs.space, resin=resin, ratio=resin.ratios())
     inputs = replace(inputs, space=space, castings=Castings(resin, inputs.castings.n))

@@ -22,12 +22,15 @@ sys.path.insert(0, str(ROOT))
 
 from benchmarks.rows import keep_row, read_rows, write_csv  # noqa: E402
 from dummydesign.core.errors import NoAnswerError  # noqa: E402
-from dummydesign.design.assessment.castings import RESIN, PadCastings, verdict_of_design  # noqa: E402
+from dummydesign.design.assessment.pad_castings import PadCastings, verdict_of_design
+from dummydesign.design.scoring.castings import RESIN
 from dummydesign.design.request import Request  # noqa: E402
 from dummydesign.design.scoring.targets import make_targets  # noqa: E402
 from dummydesign.design.scoring.verdict import LEVELS, NOT_ACCEPTABLE, ranges_of, readings_of, verdict  # noqa: E402
-from dummydesign.design.search.best_of_kinds import best_of_kinds  # noqa: E402
-from dummydesign.design.suggest import Inputs, SolvedDesign, resolve, solve  # noqa: E402
+from MISSING.dummydesign.design.search.best_of_kinds import best_of_kinds
+from MISSING.dummydesign.design.suggest import Inputs
+from dummydesign.design.problem import read_problem
+from dummydesign.design.suggest import SolvedDesign, solve
 from dummydesign.design.suggestion import tolerances_of  # noqa: E402
 from dummydesign.tissue.model.posterior import COLUMNS, read_draws, subject_of  # noqa: E402
 
@@ -47,7 +50,7 @@ def study_one(number: int, seed: int) -> dict[str, object]:
     """Search one random tissue: the best of each kind of shape by central estimates, and the pad that is taken."""
     started = time.process_time()
     site = SITES[number % len(SITES)]
-    inputs = resolve(Request(site, verify=False))
+    inputs = read_problem(Request(site, verify=False))
     tissue, draw = drawn_tissue(inputs.tissue, site, np.random.default_rng([seed, number]))
     space = replace(inputs.space, targets=make_targets(tissue, "average", inputs.space.sampling))
     inputs = replace(inputs, tissue=tissue, space=space)

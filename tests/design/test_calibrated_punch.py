@@ -7,7 +7,7 @@ import pytest
 
 from dummydesign.cli.text import FIRST
 from dummydesign.design.request import Request
-from dummydesign.design.suggest import resolve
+from dummydesign.design.problem import read_problem
 from dummydesign.loop.calibration import Calibration, Model
 from dummydesign.loop.calibration_file import write_calibration
 from dummydesign.loop.model.forward_model import BaseParameters
@@ -35,7 +35,7 @@ def calibration(tmp_path):
 
 
 def _resolved(path, punch, **more):
-    return resolve(Request("forefinger", punch=punch, calibration=path, shape="slab", thickness_mm=(5.0, 12.0), **more))
+    return read_problem(Request("forefinger", punch=punch, calibration=path, shape="slab", thickness_mm=(5.0, 12.0), **more))
 
 
 def _force(inputs):

@@ -12,8 +12,9 @@ from dummydesign.design.scoring.presses import Sampling, Slabs, make_curves
 from dummydesign.design.scoring.score import evaluate, steady_gamma1
 from dummydesign.design.scoring.targets import make_targets
 from dummydesign.design.scoring.verdict import ranges_of
-from dummydesign.design.search.best_of_kinds import ShapeComparison, low_force
-from dummydesign.design.suggest import resolve, suggest
+from dummydesign.design.assessment.decision import ShapeComparison, low_force
+from dummydesign.design.problem import read_problem
+from dummydesign.design.suggest import suggest
 from dummydesign.design.test_setup import refused_kinds
 from dummydesign.geometry.punch import read_punch
 from dummydesign.tissue.model.ranges import force_range
@@ -25,7 +26,7 @@ FINGER = "forefinger"
 
 
 def one_slab(tau_s=(), beta=()):
-    curves = make_curves(LayerLaw(), [6.0], 7.9)
+    curves = make_curves(LayerLaw(), [6.0], 7.9, 0.6)
     return Slabs(curves, np.array([0]), np.array([0.03]), tuple(tau_s), np.array([list(beta)]).reshape(1, len(tau_s)))
 
 
@@ -155,7 +156,7 @@ def test_kinds_that_are_refused_for_the_same_reason_are_warned_of_in_one_line():
 
 
 def test_the_default_test_takes_the_table_itself():
-    law = resolve(Request(FINGER)).slab_law
+    law = read_problem(Request(FINGER)).slab_law
     from dummydesign.pad.force_law import ScaledLaw
     from dummydesign.pad.tables.slab import load_table
 

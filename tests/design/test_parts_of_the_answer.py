@@ -11,7 +11,7 @@ from dummydesign.core.errors import NoAnswerError
 from dummydesign.design import measured_pad, suggest, suggestion
 from dummydesign.design.assessment import castings as casting_module
 from dummydesign.design.assessment import warnings
-from dummydesign.design.assessment.castings import limits_that_bind, poured_slabs
+from dummydesign.design.assessment.pad_castings import limits_that_bind, poured_slabs
 from dummydesign.design.comparison import _differences, _names, _warnings
 from dummydesign.design.measured_pad import PARABOLA, energy_of, peak_of
 from dummydesign.design.options import LARGEST_ERROR, SuggestOptions, command_words, read_options

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from dummydesign.core.quantity import Quantity
-from dummydesign.design.assessment.castings import pour_yield
+from dummydesign.design.assessment.pad_castings import pour_yield
 from dummydesign.design.request import Request
 from dummydesign.design.suggest import suggest
 from dummydesign.resin import load_resin

@@ -12,7 +12,7 @@ import pytest
 from dummydesign import cli
 from dummydesign.design.calibrated import CalibratedFamily
 from dummydesign.design.search import finalists as elements_law
-from dummydesign.design.search.best_of_kinds import Shaped
+from dummydesign.design.search.shape_search import ShapedDesign
 from dummydesign.design.search.shape_family import Designs, FamilyLaw, load_family
 from dummydesign.design.search.slabs import DesignCandidate, SearchResult
 from dummydesign.geometry.dimensions import PAD_EXTENT_MM

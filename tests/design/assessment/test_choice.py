@@ -5,15 +5,17 @@ import dataclasses
 import numpy as np
 import pytest
 
-from dummydesign.design.assessment.choice import castings_for_tissues, explain, terms
+from MISSING.dummydesign.design.assessment.choice import castings_for_tissues, terms
+from dummydesign.design.assessment.decision import explain
 from dummydesign.design.request import Request
-from dummydesign.design.suggest import design, resolve
+from dummydesign.design.problem import read_problem
+from dummydesign.design.suggest import design
 from tests.support.cast_pads import SHARP, known, with_tissues
 
 
 @pytest.fixture(scope="module")
 def answered():
-    inputs = resolve(Request("forefinger", shape="slab", verify=False))
+    inputs = read_problem(Request("forefinger", shape="slab", verify=False))
     return inputs, design(inputs)
 
 

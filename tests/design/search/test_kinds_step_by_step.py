@@ -13,22 +13,9 @@ from dummydesign.design import calibrated
 from dummydesign.design.request import PAPER, Protocol, Request
 from dummydesign.design.scoring.presses import DEPTH_SHARE, SAMPLES, Curves, Sampling, Slabs
 from dummydesign.design.search import best_of_kinds as module
-from dummydesign.design.search.best_of_kinds import (
-    MISFIT_N,
-    SearchOutcome,
-    Shaped,
-    _near,
-    _one_a_thickness,
-    _pourable,
-    choose,
-    close_to,
-    force_at,
-    low_force,
-    misfit,
-    misfits,
-    mixable,
-    prescreen,
-)
+from MISSING.dummydesign.design.search.best_of_kinds import _near, _one_a_thickness, _pourable, choose, close_to, misfits
+from dummydesign.design.assessment.decision import MISFIT_N, force_at, low_force, misfit
+from dummydesign.design.search.shape_search import SearchOutcome, ShapedDesign, mixable, sieve
 from dummydesign.design.search.shape_family import Designs, FamilyLaw, TableFamily
 from dummydesign.design.search.slabs import DesignCandidate, SearchResult
 from dummydesign.geometry.shape_registry import read_shape

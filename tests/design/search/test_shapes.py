@@ -11,19 +11,9 @@ from dummydesign.design.scoring.presses import Sampling
 from dummydesign.design.scoring.targets import make_targets
 from dummydesign.design.search import best_of_kinds as best_of_kinds_module
 from dummydesign.design.search import shape_family as families
-from dummydesign.design.search.best_of_kinds import (
-    MISFIT_N,
-    TRIED,
-    best_of_kinds,
-    choose,
-    kinds_of,
-    low_force,
-    misfit,
-    misfits,
-    prescreen,
-    search_fixed,
-    search_shapes,
-)
+from MISSING.dummydesign.design.search.best_of_kinds import TRIED, best_of_kinds, choose, misfits, search_fixed
+from dummydesign.design.assessment.decision import MISFIT_N, low_force, misfit
+from dummydesign.design.search.shape_search import kinds_of, sieve, search_shapes
 from dummydesign.design.search.shape_family import Designs, FamilyLaw
 from dummydesign.design.search.slabs import SearchSpace, search
 from dummydesign.geometry.conic import sphere_foot_mm

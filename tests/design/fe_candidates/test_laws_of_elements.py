@@ -10,17 +10,7 @@ import pytest
 
 from dummydesign.core.errors import NoAnswerError
 from dummydesign.design.search import finalists
-from dummydesign.design.search.finalists import (
-    BEYOND,
-    FIELD_SHARES,
-    SPACING,
-    ElementsLaw,
-    _better_neighbour,
-    _inputs,
-    _law,
-    near,
-    solved_shares,
-)
+from dummydesign.design.search.fe_candidates import BEYOND, FIELD_SHARES, SPACING, ElementsLaw, _inputs, _law, solved_shares
 from dummydesign.design.search.slabs import DesignCandidate
 from dummydesign.geometry.dimensions import PAD_EXTENT_MM
 

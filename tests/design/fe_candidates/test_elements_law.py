@@ -6,7 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from dummydesign.design.search.finalists import BEYOND, ElementsLaw, solved_shares
+from dummydesign.design.search.fe_candidates import BEYOND, ElementsLaw, solved_shares
 from dummydesign.design.search.shape_family import FamilyLaw, load_family
 from dummydesign.design.search.slabs import DesignCandidate
 from dummydesign.geometry.shape_registry import read_shape

@@ -162,6 +162,15 @@ def on_elements(design: ShapedDesign, space: SearchSpace) -> ShapedDesign:
     return replace(design, cast=law, outlook=outlook, solved=True)
 
 
+def _solved(design: ShapedDesign, space: SearchSpace) -> ShapedDesign | None:
+    """A pad solved; None where it cannot be, or no longer reaches the middle force."""
+    try:
+        made = on_elements(design, space)
+    except NoAnswerError:
+        return None
+    return made if feasible(made, space) else None
+
+
 def _better(other: ShapedDesign, solved: ShapedDesign, space: SearchSpace) -> bool:
     """Whether a design that only a table knows is better than a solved one by more than solving moves it."""
     limits, strict = space.targets.limits, ranges_of(space.targets).strict
@@ -177,7 +186,7 @@ def solve_leading(
     Pads that cannot be solved fall away. Fields of caps take minutes in space: they are solved where no round pad was
     searched, the first of them. Slabs are designed by their table.
     """
-    left, solved = list(designs), []
+    left, solved, fallen = list(designs), [], []
     if any(one.shape.axisymmetric for one in designs):
         left = [one for one in designs if one.shape.axisymmetric or one.shape.plain]
     while len(solved) < MOST_SOLVED:
@@ -186,18 +195,18 @@ def solve_leading(
             break
         left.remove(first)
         progress(f"finite elements, {first.shape.name} pad")
-        try:
-            made = on_elements(first, space)
-        except NoAnswerError:
+        made = _solved(first, space)
+        if made is None:
+            fallen.append(first)
             continue
-        if feasible(made, space):
-            solved.append(made)
-        if solved and left and not _better(rank(left, space)[0], rank(solved, space)[0], space):
+        solved.append(made)
+        if left and not _better(rank(left, space)[0], rank(solved, space)[0], space):
             break
     if not solved:
         return tuple(rank(left, space)) or tuple(designs)
     # what only a table knows is not chosen before what was solved, but a slab by its own table
     slabs = [one for one in left if one.shape.plain]
     first = rank([*solved, *slabs], space)
-    behind = [one for one in designs if one not in slabs and one.shape not in {item.shape for item in solved}]
+    gone = {item.shape for item in solved}
+    behind = [one for one in designs if one not in slabs and one not in fallen and one.shape not in gone]
     return (*first, *rank(behind, space))

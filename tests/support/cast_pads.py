@@ -8,11 +8,12 @@ import numpy as np
 
 from dummydesign.core.quantity import Quantity
 from dummydesign.design.assessment.pad_castings import PadCastings
-from dummydesign.design.scoring.castings import Tolerances
+from dummydesign.design.scoring.castings import Castings, Tolerances
 from dummydesign.design.scoring.outlook import Outlook
 from dummydesign.design.pad_evaluator import law_of_shape, one_pad
 from dummydesign.design.request import Request
 from dummydesign.design.problem import read_problem
+from dummydesign.design.search.slabs import SearchSpace
 from dummydesign.geometry.shape_registry import read_shape
 
 CROWNED = ("crowned:radius=5.1,height=3.8,foot=7.8", 10.0, 15.3)
@@ -42,6 +43,15 @@ def space_of(tissue="palm", **asked):
     """What a request for a tissue is searched over, and its flat law."""
     inputs = read_problem(Request(tissue, verify=False, **({"shape": "slab"} | asked)))
     return inputs.space, inputs.slab_law, inputs.space.castings
+
+
+def space_with(resin, targets, thickness_mm, ratio, tolerances=Tolerances(100.0), **more):  # noqa: B008
+    """What is searched of a resin under the paper's punch, however pads are made."""
+    radius, castings = 14.0 / np.sqrt(np.pi), more.pop("castings", None) or Castings(resin)
+    return SearchSpace(
+        resin, targets, np.asarray(thickness_mm, float), np.asarray(ratio, float), radius, castings,
+        lambda *_: tolerances, more.pop("puck_error", 0.03), **more,
+    )  # fmt: skip
 
 
 def cast_pad(space, slab_law, castings, pad=CROWNED, tolerances=Tolerances(60.0)):  # noqa: B008

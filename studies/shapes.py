@@ -21,10 +21,10 @@ from numpy.typing import NDArray
 
 from dummydesign.core.errors import NoAnswerError
 from dummydesign.core.files import write_text
+from dummydesign.design.assessment.decision import MISFIT_N, ShapeComparison, force_at
 from dummydesign.design.request import RADIUS_MM, Request
 from dummydesign.design.scoring.presses import DEPTH_SHARE
 from dummydesign.design.scoring.targets import Targets
-from dummydesign.design.assessment.decision import MISFIT_N, ShapeComparison, force_at
 from dummydesign.design.suggest import centring_tolerance, suggest
 from dummydesign.design.suggestion import CentringTolerance, Suggestion
 from dummydesign.geometry.dimensions import PUNCH_SIDE_MM

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from dummydesign.cli.text import FIRST
-from dummydesign.design.request import Request
 from dummydesign.design.problem import read_problem
+from dummydesign.design.request import Request
 from dummydesign.loop.calibration import Calibration, Model
 from dummydesign.loop.calibration_file import write_calibration
 from dummydesign.loop.model.forward_model import BaseParameters

@@ -5,15 +5,15 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from dummydesign.design.assessment.decision import ShapeComparison, low_force
 from dummydesign.design.assessment.warnings import _reasons
+from dummydesign.design.problem import read_problem
 from dummydesign.design.request import PAPER, Protocol, Request
 from dummydesign.design.scoring.law_parameters import gamma1_score
 from dummydesign.design.scoring.presses import Sampling, Slabs, make_curves
 from dummydesign.design.scoring.score import evaluate, steady_gamma1
 from dummydesign.design.scoring.targets import make_targets
 from dummydesign.design.scoring.verdict import ranges_of
-from dummydesign.design.assessment.decision import ShapeComparison, low_force
-from dummydesign.design.problem import read_problem
 from dummydesign.design.suggest import design, suggest
 from dummydesign.design.test_setup import refused_kinds
 from dummydesign.geometry.punch import read_punch

@@ -6,9 +6,9 @@ import pytest
 import dummydesign
 from dummydesign.design import measured_pad as verdict_of_traces
 from dummydesign.design import pad_evaluator as verdict_of_pad
+from dummydesign.design.problem import read_problem
 from dummydesign.design.request import Request
 from dummydesign.design.scoring.presses import Sampling
-from dummydesign.design.problem import read_problem
 from dummydesign.geometry.shape_registry import read_shape
 from dummydesign.pad.elastic_force import elastic_curve
 from dummydesign.pad.specimen import Pad

@@ -9,13 +9,13 @@ import pytest
 
 from dummydesign.core.errors import NoAnswerError
 from dummydesign.design import measured_pad, suggest, suggestion
-from dummydesign.design.scoring.castings import Pours
 from dummydesign.design.assessment import warnings
 from dummydesign.design.assessment.pad_castings import limits_that_bind, poured_slabs
 from dummydesign.design.comparison import _differences, _names, _warnings
 from dummydesign.design.measured_pad import PARABOLA, energy_of, peak_of
 from dummydesign.design.options import LARGEST_ERROR, SuggestOptions, command_words, read_options
 from dummydesign.design.request import PAPER
+from dummydesign.design.scoring.castings import Pours
 from dummydesign.design.scoring.presses import SAMPLES, Curves, Slabs
 from dummydesign.design.scoring.settings import verdict_limits
 from dummydesign.design.scoring.verdict import Correction, _ending, _reading_words, deviations, whole_percents

@@ -7,8 +7,8 @@ import pytest
 
 from dummydesign.core.quantity import Quantity
 from dummydesign.design.assessment.pad_castings import pour_yield
-from dummydesign.design.request import Request
 from dummydesign.design.problem import read_problem
+from dummydesign.design.request import Request
 from dummydesign.design.suggest import design
 from dummydesign.resin import load_resin
 from dummydesign.resin.model.modulus_laws import LAWS

@@ -12,8 +12,8 @@ import pytest
 from dummydesign import cli
 from dummydesign.design.calibrated import CalibratedFamily
 from dummydesign.design.search import fe_candidates
-from dummydesign.design.search.shape_search import ShapedDesign
 from dummydesign.design.search.shape_family import Designs, FamilyLaw, load_family
+from dummydesign.design.search.shape_search import ShapedDesign
 from dummydesign.geometry.dimensions import PAD_EXTENT_MM
 from dummydesign.geometry.shape_registry import read_shape
 from dummydesign.loop.calibration_file import write_calibration

@@ -7,8 +7,8 @@ import pytest
 
 from dummydesign.core.library import find
 from dummydesign.design.plot_data import force_grids
-from dummydesign.design.request import Request
 from dummydesign.design.problem import read_problem
+from dummydesign.design.request import Request
 from dummydesign.design.suggest import design
 from dummydesign.geometry.punch import read_punch
 from dummydesign.geometry.shape_registry import read_shape

@@ -8,11 +8,11 @@ import numpy as np
 
 from dummydesign.core.quantity import Quantity
 from dummydesign.design.assessment.pad_castings import PadCastings
+from dummydesign.design.pad_evaluator import law_of_shape, one_pad
+from dummydesign.design.problem import read_problem
+from dummydesign.design.request import Request
 from dummydesign.design.scoring.castings import Castings, Tolerances
 from dummydesign.design.scoring.outlook import Outlook
-from dummydesign.design.pad_evaluator import law_of_shape, one_pad
-from dummydesign.design.request import Request
-from dummydesign.design.problem import read_problem
 from dummydesign.design.search.slabs import SearchSpace
 from dummydesign.geometry.shape_registry import read_shape
 

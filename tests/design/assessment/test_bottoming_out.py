@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from dummydesign.design.assessment.pad_castings import verdict_of_design
-from dummydesign.design.scoring.castings import FORCE_LAW, MODULUS, RELAXATION, Tolerances
 from dummydesign.design.pad_evaluator import law_of_shape, one_pad
+from dummydesign.design.scoring.castings import FORCE_LAW, MODULUS, RELAXATION, Tolerances
 from dummydesign.design.scoring.presses import designed_depth_mm, make_curves
 from dummydesign.design.scoring.settings import verdict_limits
 from dummydesign.design.scoring.verdict import classes_of

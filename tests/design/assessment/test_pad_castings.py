@@ -7,7 +7,18 @@ import pytest
 
 from dummydesign.core.quantity import HALF_WIDTH
 from dummydesign.design.assessment.pad_castings import verdict_of_design
-from dummydesign.design.scoring.castings import COUNT, FORCE_LAW, GROUPS, MAKING, MODULUS, RELAXATION, RESIN, TISSUE, Castings, Tolerances
+from dummydesign.design.scoring.castings import (
+    COUNT,
+    FORCE_LAW,
+    GROUPS,
+    MAKING,
+    MODULUS,
+    RELAXATION,
+    RESIN,
+    TISSUE,
+    Castings,
+    Tolerances,
+)
 from dummydesign.design.scoring.presses import steady_depth
 from dummydesign.design.scoring.verdict import CLASSES, classes_of, readings_of
 from dummydesign.resin import load_resin

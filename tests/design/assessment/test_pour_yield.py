@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from dummydesign.design.assessment.pad_castings import PadCastings, pour_yield
-from dummydesign.design.scoring.castings import Castings, Tolerances
 from dummydesign.design.pad_evaluator import one_pad
+from dummydesign.design.scoring.castings import Castings, Tolerances
 from dummydesign.design.scoring.presses import Sampling
 from dummydesign.design.scoring.targets import make_targets
 from dummydesign.design.search.slabs import SearchSpace

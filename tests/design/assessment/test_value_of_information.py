@@ -6,8 +6,17 @@ import numpy as np
 import pytest
 
 from dummydesign.design.assessment.pad_castings import verdict_of_design
-from dummydesign.design.scoring.castings import FORCE_LAW, MAKING, MODULUS, RELAXATION, RESIN, TISSUE, Castings, Tolerances
 from dummydesign.design.assessment.value_of_information import GAIN, measure_first
+from dummydesign.design.scoring.castings import (
+    FORCE_LAW,
+    MAKING,
+    MODULUS,
+    RELAXATION,
+    RESIN,
+    TISSUE,
+    Castings,
+    Tolerances,
+)
 from dummydesign.design.scoring.verdict import classes_of
 from tests.support.cast_pads import CROWNED, SHARP, cast_pad, known, space_of, with_tissues
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 from types import SimpleNamespace
 
 import numpy as np
-import pytest
 
 from dummydesign.design.search import slabs as search_module
 from dummydesign.design.search.slabs import _far, alternatives_to, pareto, thickness_steps

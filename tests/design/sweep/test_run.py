@@ -72,9 +72,9 @@ def test_a_tissue_adds_scores(layer_law):
 
 
 def test_scores_are_of_the_studys_own_forces_and_speeds_as_suggest_gives_them(layer_law):
+    from dummydesign.design.problem import read_problem
     from dummydesign.design.request import Request
     from dummydesign.design.search.slabs import search
-    from dummydesign.design.problem import read_problem
 
     pads = {"thickness_mm": (5.0, 5.5), "ratio": (15.0, 16.0)}
     asked = Request("forefinger", force_N=(2.0, 4.0, 8.0), velocity_mm_s=(50.0,), **pads)
@@ -91,9 +91,9 @@ def test_scores_are_of_the_studys_own_forces_and_speeds_as_suggest_gives_them(la
 
 
 def test_hold_and_braking_of_the_study_are_those_of_its_scores_as_suggest_gives_them(layer_law):
+    from dummydesign.design.problem import read_problem
     from dummydesign.design.request import Request
     from dummydesign.design.search.slabs import search
-    from dummydesign.design.problem import read_problem
 
     pads = {"thickness_mm": (5.0, 5.5), "ratio": (15.0, 16.0)}
     test = {"hold_s": 0.5, "deceleration_mm_s2": 5000.0}

@@ -79,7 +79,8 @@ def infer(law: ForceLaw | None = None, draws: int = DRAWS, seed: int = SEED) -> 
     beta = amplitude[:, None] * (np.array(TAU_S) / 0.3) ** -exponent[:, None]
     parts, peaks = {}, {}
     for name, tissue, thickness in DUMMIES:
-        slabs = Slabs(make_curves(law, [thickness], RADIUS_MM, MAX_DEPTH_OVER_THICKNESS), np.zeros(draws, int), young, TAU_S, beta)
+        curves = make_curves(law, [thickness], RADIUS_MM, MAX_DEPTH_OVER_THICKNESS)
+        slabs = Slabs(curves, np.zeros(draws, int), young, TAU_S, beta)
         for velocity in VELOCITIES_MM_S:
             peak = _peaks(slabs, velocity)
             key = f"dummy {name} at {velocity:g} mm/s"

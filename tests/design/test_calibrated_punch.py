@@ -35,7 +35,8 @@ def calibration(tmp_path):
 
 
 def _resolved(path, punch, **more):
-    return read_problem(Request("forefinger", punch=punch, calibration=path, shape="slab", thickness_mm=(5.0, 12.0), **more))
+    asked = Request("forefinger", punch=punch, calibration=path, shape="slab", thickness_mm=(5.0, 12.0), **more)
+    return read_problem(asked)
 
 
 def _force(inputs):

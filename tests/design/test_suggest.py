@@ -112,7 +112,8 @@ def test_contradictory_points_reach_the_answer(tmp_path, layer_law):
 
     resin = update_resin(load_resin(), [Point(15.0, number(50.0)), Point(16.0, number(35.0))], "mine")
     path = str(save_resin(resin, tmp_path / "mine.toml"))
-    warnings = design(read_problem(Request("forefinger", resin=path, verify=False, shape="slab"), layer_law)).to_dict()["warnings"]
+    asked = Request("forefinger", resin=path, verify=False, shape="slab")
+    warnings = design(read_problem(asked, layer_law)).to_dict()["warnings"]
     assert any(item["code"] == "contradictory_points" for item in warnings)
 
 
@@ -125,7 +126,8 @@ def test_measured_points_narrow_the_ratio_that_is_recommended(tmp_path, layer_la
     path = str(save_resin(resin, tmp_path / "mine.toml"))
     widths = []
     for name in ("polyurethane-nagoya", path):
-        found = design(read_problem(Request("forefinger", resin=name, verify=False, shape="slab"), layer_law)).to_dict()["rests_on"]
+        asked = Request("forefinger", resin=name, verify=False, shape="slab")
+        found = design(read_problem(asked, layer_law)).to_dict()["rests_on"]
         widths.append(found["ratio_high"] - found["ratio_low"])
     assert widths[1] < 0.4 * widths[0]
 

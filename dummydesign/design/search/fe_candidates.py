@@ -150,8 +150,8 @@ def _solve_field(pad: Pad, depth_mm: NDArray) -> dict[str, Any]:
     return {"depth_mm": depth * h, "force_N": area, "error_N": area * error, "notes": (stop,) if stop else ()}
 
 
-# Designs that are solved at most, and by how much the share of another one has to exceed that of the solved one: solving
-# moved shares of leading pads of the three built-in tissues by up to 0.03.
+# Designs that are solved at most, and by how much the share of another one has to exceed that of the solved one:
+# solving moved shares of leading pads of the three built-in tissues by up to 0.03.
 MOST_SOLVED, DOUBT = 3, 0.03
 
 
@@ -186,7 +186,9 @@ def solve_leading(
     Pads that cannot be solved fall away. Fields of caps take minutes in space: they are solved where no round pad was
     searched, the first of them. Slabs are designed by their table.
     """
-    left, solved, fallen = list(designs), [], []
+    left = list(designs)
+    solved: list[ShapedDesign] = []
+    fallen: list[ShapedDesign] = []
     if any(one.shape.axisymmetric for one in designs):
         left = [one for one in designs if one.shape.axisymmetric or one.shape.plain]
     while len(solved) < MOST_SOLVED:
@@ -206,7 +208,7 @@ def solve_leading(
         return tuple(rank(left, space)) or tuple(designs)
     # what only a table knows is not chosen before what was solved, but a slab by its own table
     slabs = [one for one in left if one.shape.plain]
-    first = rank([*solved, *slabs], space)
+    leading = rank([*solved, *slabs], space)
     gone = {item.shape for item in solved}
     behind = [one for one in designs if one not in slabs and one not in fallen and one.shape not in gone]
-    return (*first, *rank(behind, space))
+    return (*leading, *rank(behind, space))

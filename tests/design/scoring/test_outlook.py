@@ -1,4 +1,4 @@
-"""Shares of a pad's castings against normal integrals: windows of moduli that are made up, batches that are lognormal."""
+"""Shares of a pad's castings against normal integrals: made-up windows of moduli, lognormal batches."""
 
 from __future__ import annotations
 
@@ -72,7 +72,8 @@ def test_as_poured_and_with_the_resin_known_are_normal_integrals_over_the_window
     assert found.known == pytest.approx(cover(HALF, making), abs=2e-3)
     assert found.stands == pytest.approx(cover(0.105, np.hypot(spread, making)), abs=3e-3)
     assert log_young(found.ratio) == pytest.approx(MIDDLE, abs=0.1 * HALF + 0.5 * SLOPE * 0.05)
-    assert found.window_kPa == pytest.approx((37.0 * np.exp(-HALF), 37.0 * np.exp(HALF)), rel=6e-3) and found.possible.all()
+    assert found.window_kPa == pytest.approx((37.0 * np.exp(-HALF), 37.0 * np.exp(HALF)), rel=6e-3)
+    assert found.possible.all()
 
 
 @pytest.mark.parametrize(("spread", "making"), CASES)
@@ -170,7 +171,8 @@ def test_on_the_safe_side_more_castings_than_are_needed_only_read_higher():
 def test_where_no_modulus_is_usable_the_ratio_is_that_of_the_least_excess():
     away = 0.3 + np.abs(GRID - (MIDDLE + 0.5))
     none, one = (Windows(GRID[None], *(np.broadcast_to(away, (1, n, len(GRID))) for _ in range(2))) for n in (COUNT, 1))
-    found = outlook_of(none, one, batches(0.2), centre(), Match(MIDDLE, 0.0), Scatter(0.1, 0.1, NO_SHIFT), LIMITS, False)
+    scatter = Scatter(0.1, 0.1, NO_SHIFT)
+    found = outlook_of(none, one, batches(0.2), centre(), Match(MIDDLE, 0.0), scatter, LIMITS, False)
     assert found.as_poured == found.known == found.after_puck == 0.0 and not found.possible.any()
     assert found.window_kPa is None and found.beyond == pytest.approx(0.3, abs=0.02)
     assert log_young(found.ratio) == pytest.approx(MIDDLE + 0.5, abs=SLOPE * 0.026) and found.known_ratio == found.ratio

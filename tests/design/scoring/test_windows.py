@@ -25,6 +25,7 @@ from tests.support.slab_by_formula import make_tissue
 SAMPLING = Sampling()
 LIMIT_MM, SAMPLES, SIZE = 8.0, 4801, 20.0
 TAU_S = 1.0
+LOG_YOUNG = float(np.log(0.04))
 WIDE = {"stands_shortfall": 1.58, "stands_over": 1.1, "shortfall": 1.65, "over": 1.25}
 
 
@@ -41,7 +42,7 @@ def curves(power=3.0, size=SIZE, limit_mm=LIMIT_MM):
     return Curves(np.array([12.0]), np.array([limit_mm]), size * depth[None] ** power)
 
 
-def batches(*beta, softness=0.0, reference=np.log(0.04)):
+def batches(*beta, softness=0.0, reference=LOG_YOUNG):
     """Batches of one arm with strengths at a modulus of reference, that fall with the modulus by a power."""
     count = len(beta)
     draws = SimpleNamespace(resin=SimpleNamespace(tau_s=(TAU_S,)), beta_ref=np.array(beta)[:, None],
@@ -157,8 +158,8 @@ def test_a_pad_of_another_unit_of_modulus_has_the_same_window(targets, factor):
 
 
 def test_pads_and_batches_side_by_side_have_the_windows_of_one_after_the_other(targets):
-    both = Curves(np.array([12.0, 9.0]), np.array([8.0, 6.0]), np.concatenate([curves().area_mm2,
-                                                                              curves(2.6, 30.0, 6.0).area_mm2]))  # fmt: skip
+    area = np.concatenate([curves().area_mm2, curves(2.6, 30.0, 6.0).area_mm2])
+    both = Curves(np.array([12.0, 9.0]), np.array([8.0, 6.0]), area)
     centre, drawn = np.log([0.04, 0.03]), batches(0.0, 0.4, 0.9, softness=0.6)
     every = windows_of(both, centre, drawn, targets, SAMPLING, 8)
     for pad in range(2):
@@ -173,7 +174,8 @@ def test_strengths_of_a_batch_are_those_it_has_at_a_ratio():
     assert len(found) == 40 and found.log_young.shape == (40, len(ratio))
     strengths = found.strengths(found.log_young)
     for column, value in enumerate(ratio):
-        np.testing.assert_allclose(strengths[:, column], draws.beta(np.full(len(draws.beta_ref), value))[:40], rtol=1e-9)
+        wanted = draws.beta(np.full(len(draws.beta_ref), value))[:40]
+        np.testing.assert_allclose(strengths[:, column], wanted, rtol=1e-9)
         np.testing.assert_allclose(found.log_young[:, column], np.log(np.maximum(draws.young_MPa(value)[:40], 1e-7)))
 
 

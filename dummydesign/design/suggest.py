@@ -136,7 +136,8 @@ def _neighbours(problem: Problem, chosen: ShapedDesign, best: DesignCandidate) -
     if isinstance(chosen.law, FamilyLaw):
         near = around[np.abs(around - chosen.thickness_mm) <= AROUND_STEPS * 0.5 + 1e-9]
         known = np.asarray(chosen.law.depth_limit_mm(near, space.radius_mm)) > 0.0
-        able = known & chosen.law.family.at_thickness(chosen.shape, chosen.thickness_mm, near).castable(space.pad_mm)
+        pads = chosen.law.family.at_thickness(chosen.shape, chosen.thickness_mm, near)
+        able = known & pads.castable(space.pad_mm, space.least_film_mm)
         around = near[able] if able.any() else np.array([chosen.thickness_mm])
     found = search(chosen.law, replace(space, thickness_mm=around))
     fitted = with_parameters([best], space)[0]

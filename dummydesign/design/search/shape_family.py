@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from dummydesign.core.errors import InputError, unknown_name
 from dummydesign.geometry.pad_shape import PadShape
 from dummydesign.geometry.shape_registry import make_shape, part_of, shape_kind, shape_kinds
+from dummydesign.mold.model.spec import PadGeometry
 from dummydesign.pad.force_law import BaseForceLaw
 from dummydesign.pad.tables.slab import load_table
 
@@ -47,15 +48,16 @@ class Designs:
         """Shape of one pad."""
         return make_shape(self.kind, [(name, float(values[index])) for name, values in self.parameters.items()])
 
-    def castable(self, pad_mm: tuple[float, float]) -> NDArray:
-        """Which pads of a length and width their own shape accepts, shape (M,)."""
+    def castable(self, pad_mm: tuple[float, float], least_film_mm: float = 0.0) -> NDArray:
+        """Which pads of a length and width their own shape accepts, none thinner than a film, shape (M,)."""
         accepted = np.zeros(len(self.thickness_mm), dtype=bool)
-        for index, thickness in enumerate(self.thickness_mm):
+        for index, thickness in enumerate(self.thickness_mm.tolist()):
+            shape = self.shape(index)
             try:
-                self.shape(index).check(float(thickness), *pad_mm)
+                shape.check(thickness, *pad_mm)
             except InputError:
                 continue
-            accepted[index] = True
+            accepted[index] = shape.least_gel_mm(PadGeometry(thickness, *pad_mm)) >= least_film_mm
         return accepted
 
 

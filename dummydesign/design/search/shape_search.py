@@ -239,7 +239,7 @@ def _matches(
 
 
 def _sieve(family: Family, space: SearchSpace) -> list[_Sieved]:
-    """Unlike castable pads, a few of each thickness, those of the least misfit first."""
+    """Unlike pads that can be cast, a few of each thickness, those of the least misfit first."""
     designs, mean, spread = sieve(family, space)
     lengths = np.stack([designs.thickness_mm, *designs.parameters.values()], axis=-1)
     kept: list[int] = []
@@ -248,7 +248,7 @@ def _sieve(family: Family, space: SearchSpace) -> list[_Sieved]:
         same = of_thickness.setdefault(thickness, [])
         if len(same) >= A_THICKNESS or any(_alike(lengths[index], lengths[other]) for other in same):
             continue
-        if designs.take(np.array([index])).castable(space.pad_mm)[0]:
+        if designs.take(np.array([index])).castable(space.pad_mm, space.least_film_mm)[0]:
             same.append(index)
             kept.append(index)
             if len(kept) == A_KIND:

@@ -18,6 +18,8 @@ from dummydesign.design.search.shape_family import Designs, FamilyLaw
 from dummydesign.design.search.shape_search import LEAST, candidate_of, kinds_of, rank, search_shapes, sieve
 from dummydesign.geometry.conic import sphere_foot_mm
 from dummydesign.geometry.shapes.crowned import Crowned
+from dummydesign.mold.model.preset import mould_spec
+from dummydesign.mold.pour.plan import least_film_mm
 from dummydesign.resin import load_resin
 from tests.support.cast_pads import space_with
 from tests.support.refusal import raises_code
@@ -260,3 +262,10 @@ def test_all_pads_of_a_law_at_once_have_the_forces_of_one_after_the_other():
     alone = np.stack([law.force(row, float(value), 0.04, 7.9) for row, value in zip(depth, thickness)])
     np.testing.assert_allclose(together, alone, rtol=1e-9)
     assert np.isnan(together[:, -1]).all() and (together[:, 0] == 0.0).all()
+
+
+def test_a_search_lists_no_crown_whose_foot_is_thinner_than_the_least_film() -> None:
+    thin = Designs("crowned", np.array([4.5, 4.5]), {
+        "radius": np.array([21.5, 21.2]), "height": np.array([2.8, 2.0]), "foot": np.array([11.2, 9.4])})  # fmt: skip
+    assert thin.castable((150.0, 120.0)).all()
+    assert thin.castable((150.0, 120.0), least_film_mm(mould_spec(4.5))).tolist() == [False, True]

@@ -9,7 +9,7 @@ from dummydesign.cli.text import columns_of, file_lines, fitted, labelled, numbe
 from dummydesign.design.options import base_words
 from dummydesign.design.scoring.verdict import OUTCOMES, whole_percents
 from dummydesign.report import suggest_facts as facts
-from dummydesign.report.conformity import budget_lines
+from dummydesign.report.sections.conformity import budget_lines
 
 SMALL = [("N", "force_N", "<6g"), ("depth mm", "depth_mm", "<10.2f"), ("tissue mm", "span", "<1")]
 OTHERS = [("mm", "thickness_mm", "<6g"), ("ratio", "ratio", "<7g"), ("kPa", "young", "<7.3g"),

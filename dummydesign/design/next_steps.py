@@ -70,8 +70,8 @@ def next_steps(answer: Suggestion, inputs: Mapping[str, Any]) -> list[Step]:
 
 def _puck_first(answer: Suggestion, inputs: Mapping[str, Any]) -> list[Step]:
     """Cast and press a puck of the batch, then choose the ratio for the same mould."""
+    from dummydesign.mold.puck.plan import ring_cost
     from dummydesign.mold.puck.protocol import SPEEDS_MM_S, command, trace_names
-    from dummydesign.mold.puck.ring import ring_cost
 
     resin, ratio = answer.resin.name, answer.best.ratio
     diameter, height = (f"{value:g}" for value in PUCK_MM)
@@ -119,7 +119,7 @@ def _safety_words(given: Mapping[str, Any]) -> str:
 def paths_of(answer: Suggestion) -> list[Path]:
     """The puck first and then the pad, beside the pad at once: what each takes and how many castings are usable then.
     """
-    from dummydesign.mold.puck.ring import ring_cost
+    from dummydesign.mold.puck.plan import ring_cost
 
     strict, shares, pad = ranges_of(answer.targets).strict, answer.shares, _mould(answer)
     poured, after = (

@@ -176,8 +176,7 @@ class PuckResult(Serialised):
 
 def make_puck_rings(spec: PuckSpec, folder: Path, processor_s: float = PROCESSOR_S) -> PuckResult:
     """Build the rings of some pucks with all their files into a folder; an error leaves nothing there."""
-    from dummydesign.mold.puck.plan import puck_plan, warnings_of
-    from dummydesign.mold.puck.ring import spec_cost
+    from dummydesign.mold.puck.plan import puck_plan, spec_cost, warnings_of
 
     target = output_folder(folder)
     with tempfile.TemporaryDirectory(prefix=".puck-", dir=target, ignore_cleanup_errors=True) as work:

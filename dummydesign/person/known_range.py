@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from dummydesign.measurement.motion import DECELERATION_MM_S2, HOLD_S
 from dummydesign.tissue.comparison import PAPER_N
 from dummydesign.tissue.model.measured_curves import FORCE_FACTOR, SPEED_FACTOR, common_span
-from dummydesign.tissue.model.tissue import PRESSED
+from dummydesign.tissue.model.subject import PRESSED
 
 if TYPE_CHECKING:
     from dummydesign.person.integrate import Response

@@ -11,13 +11,13 @@ from typing import Any
 import numpy as np
 
 from dummydesign.core.files import csv_text, write_bytes, write_text
-from dummydesign.report.conformity import budget_section
-from dummydesign.report.curves import curves_section
 from dummydesign.report.front_page import FOOT, Fact, FrontPage, Grid, Panel, sentence, warning_texts
 from dummydesign.report.page import STYLES, Section, Table, digits, log_start, unique, write_report
 from dummydesign.report.plot import Plot, press_plot, steady_plot
 from dummydesign.report.plot_drawing import plot_drawing
 from dummydesign.report.plot_layers import Band, Bars, Dots, Layer, Line
+from dummydesign.report.sections.conformity import budget_section
+from dummydesign.report.sections.curves import curves_section
 from dummydesign.tissue.comparison import ComparedPress, Comparison
 from dummydesign.tissue.model.ranges import interpolate_rows
 from dummydesign.tissue.model.tissue import Tissue

@@ -15,13 +15,13 @@ from dummydesign.core.library import data_folder
 from dummydesign.person.known_range import subject_words
 from dummydesign.person.on_person import OnPerson, PersonPress
 from dummydesign.report import on_person_facts as facts
-from dummydesign.report.conformity import budget_section
 from dummydesign.report.front_page import FOOT, Fact, FrontPage, Grid, Panel, sentence, warning_texts
 from dummydesign.report.on_person_facts import number_text, span_text
 from dummydesign.report.page import Section, Table, log_start, unique, write_report
 from dummydesign.report.plot import Plot, press_plot
 from dummydesign.report.plot_drawing import plot_drawing
 from dummydesign.report.plot_layers import Band, Line
+from dummydesign.report.sections.conformity import budget_section
 
 DRAWN, MOST_CHECKS = 400, 5
 

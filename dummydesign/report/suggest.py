@@ -16,13 +16,13 @@ from dummydesign.design.safety import SafetyView
 from dummydesign.geometry.punch import read_punch
 from dummydesign.mold.files.solid_view import box, read_stl, view_script
 from dummydesign.report import suggest_facts
-from dummydesign.report.conformity import budget_section
-from dummydesign.report.curves import curves_section
 from dummydesign.report.front_page import FOOT, Fact, FrontPage, Grid, Panel
 from dummydesign.report.pad_drawing import pad_section
 from dummydesign.report.page import STYLES, Section, Table, solid_section, write_report
 from dummydesign.report.plot import Plot, press_plot, steady_plot
 from dummydesign.report.plot_layers import Band, Bars, Cells, Dots, Ellipse, Layer, Line
+from dummydesign.report.sections.conformity import budget_section
+from dummydesign.report.sections.curves import curves_section
 from dummydesign.report.suggest_sections import full_sentence, pressed_section, safety_section
 
 if TYPE_CHECKING:

@@ -9,7 +9,7 @@ from dataclasses import fields
 from typing import Any
 
 from dummydesign.design.options import base_words
-from dummydesign.report.curves import curves_text
+from dummydesign.report.sections.curves import curves_text
 
 MOST_NOTES = 4
 NOTES = ("bottoms_out", "people_bound", "measured_curves", "tissue_punch", "force_not_in_band", "speed_not_in_band",

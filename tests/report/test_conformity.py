@@ -8,8 +8,8 @@ import pytest
 
 from dummydesign.core.serialise import to_plain
 from dummydesign.design.assessment.budget import Budget, Component, Reading, decide
-from dummydesign.report.conformity import budget_lines, budget_section, probability_text, statement_table
-from dummydesign.report.curves import curves_section, curves_text, moment_text
+from dummydesign.report.sections.conformity import budget_lines, budget_section, probability_text, statement_table
+from dummydesign.report.sections.curves import curves_section, curves_text, moment_text
 
 
 def budget(value=1.0, tolerance=(0.5, 2.0), u=0.1, **changes):

@@ -54,7 +54,7 @@ def default_out(options: argparse.Namespace) -> str:
 def render(result: dict[str, Any]) -> str:
     """The verdict, each press beside the subjects' range, then which parameters lie outside."""
     from dummydesign.report import compare as facts
-    from dummydesign.report.curves import curves_text
+    from dummydesign.report.sections.curves import curves_text
     from dummydesign.report.suggest_facts import people_text
 
     tissue = f"{result['tissue']}, {facts.law_text(result)}"
@@ -85,7 +85,7 @@ PRESSES = [("mm/s", "velocity_mm_s", ">6.4g"), ("steady N", "steady_force_N", ">
 def render_details(result: dict[str, Any]) -> str:
     """Make the readable tables."""
     from dummydesign.report import compare as facts
-    from dummydesign.report.conformity import budget_lines
+    from dummydesign.report.sections.conformity import budget_lines
     from dummydesign.report.suggest_facts import people_lines
 
     against = f"against {result['tissue']}, {facts.law_text(result)}"

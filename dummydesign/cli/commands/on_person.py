@@ -63,7 +63,7 @@ def render(result: dict[str, Any]) -> str:
 def render_details(result: dict[str, Any]) -> str:
     """Lay everything out."""
     from dummydesign.report import on_person_facts as facts
-    from dummydesign.report.conformity import budget_lines
+    from dummydesign.report.sections.conformity import budget_lines
 
     lines = [*_headline(result), "", *_table(result), ""]
     for press in result["presses"]:

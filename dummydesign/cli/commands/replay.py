@@ -60,7 +60,7 @@ def _pads(result: dict[str, Any]) -> list[str]:
 
 def render_details(result: dict[str, Any]) -> str:
     """Make the readable table."""
-    from dummydesign.report.conformity import budget_lines
+    from dummydesign.report.sections.conformity import budget_lines
 
     lines = verdict_lines(result["verdict"])
     if pads := _pads(result):

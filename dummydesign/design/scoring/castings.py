@@ -103,7 +103,7 @@ class Castings:
         others, wanted = sum(fixed.values()), np.broadcast_to(ratio, self.n)
         errors = {name: tolerances.weighing_g * own for name, own in self._drawn["weighed"].items()}
         gram = tolerances.pour_g / (others + wanted)
-        # what is left out altogether is not weighed
+        # a liquid at ratio 0 is not weighed
         varied = np.where(wanted > 0.0, np.maximum(gram * wanted + errors[by_ratio], 0.0), 0.0)
         rest = sum(np.maximum(gram * parts + errors[name], 0.0) for name, parts in fixed.items())
         return np.asarray(others * varied / np.maximum(rest, 1e-9))

@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 from dummydesign.core.errors import InputError
 from dummydesign.core.quantity import HALF_WIDTH, Quantity
 from dummydesign.core.serialise import Serialised
-from dummydesign.design.scoring.targets import DRAWN, Condition, Targets, energies_of, make_each
 from dummydesign.tissue.model.laws import law_named
 from dummydesign.tissue.model.people_share import (
     CONFIDENCE,
@@ -23,15 +22,13 @@ from dummydesign.tissue.model.people_share import (
     share_of_aim,
     tolerance_factor,
 )
-from dummydesign.tissue.model.posterior import FARTHEST, posterior_tissues
-from dummydesign.tissue.model.tissue import Subject, flatten, nest
+from dummydesign.tissue.model.posterior import DRAWN, FARTHEST, posterior_tissues
+from dummydesign.tissue.model.subject import Subject, flatten, nest
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from dummydesign.design.request import Protocol
-    from dummydesign.design.scoring.presses import Sampling
-    from dummydesign.design.scoring.settings import VerdictLimits, Weights
+    from dummydesign.design.scoring.targets import Condition, Targets
     from dummydesign.tissue.model.tissue import Tissue
 
 SHARED = ("inferred", "assumed")
@@ -96,23 +93,17 @@ def people_of(targets: Targets) -> PeopleReadings | None:
         return None
     grid, stated = targets.protocol.steady_grid_N, Population.of(_peaks(targets))
     views: tuple[Callable[[Targets], NDArray], ...] = (
-        _peaks, _energies, lambda one: 1.0 / one.subject_depths_mm(grid),
+        _peaks, lambda one: one.subject_energies_mJ(), lambda one: 1.0 / one.subject_depths_mm(grid),
     )  # fmt: skip
     if posterior_tissues(targets.tissue, 1):
-        groups = targets.drawn or make_each(
-            posterior_tissues(targets.tissue, DRAWN), "average", *_test_of(targets)
-        )
+        groups = targets.drawn or targets.of_tissues(posterior_tissues(targets.tissue, DRAWN), "average")
         peak, energy, stiffness = (Population.of_groups([view(one) for one in groups]) for view in views)
         return PeopleReadings(peak, energy, stiffness, stated)
     moved = moved_tissues(targets.tissue)
-    others = make_each([one for _, one in moved], "average", *_test_of(targets))
+    others = targets.of_tissues([one for _, one in moved], "average")
     kinds = [kind for kind, _ in moved]
     peak, energy, stiffness = (with_errors(view(targets), [view(one) for one in others], kinds) for view in views)
     return PeopleReadings(peak, energy, stiffness, stated)
-
-
-def _test_of(targets: Targets) -> tuple[Sampling, Protocol, Weights, VerdictLimits]:
-    return targets.sampling, targets.protocol, targets.weights, targets.limits
 
 
 def with_errors(readings: NDArray, moved: Sequence[NDArray], kinds: Sequence[str]) -> Population:
@@ -150,12 +141,6 @@ def _one_deviation_up(number: Quantity) -> Quantity:
 def _peaks(targets: Targets) -> NDArray:
     """Peak of each subject in each press, shape (subjects, c). [N]"""
     return np.stack([one.range.curves_N.max(axis=-1) for one in targets.conditions], axis=-1)
-
-
-def _energies(targets: Targets) -> NDArray:
-    """Energy of the rise of each subject in each press, shape (subjects, c). [mJ]"""
-    law, sampling = targets.tissue.law, targets.sampling
-    return np.stack([energies_of([one.range], law, sampling)[0] for one in targets.conditions], axis=-1)
 
 
 def shares_below(targets: Targets, peak_N: NDArray) -> PeopleShares:

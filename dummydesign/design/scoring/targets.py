@@ -17,6 +17,7 @@ from dummydesign.design.scoring.settings import VerdictLimits, Weights, verdict_
 from dummydesign.measurement.motion import work_mJ
 from dummydesign.tissue.model.laws import law_named
 from dummydesign.tissue.model.maxwell_law import SETTLED_S
+from dummydesign.tissue.model.posterior import DRAWN, drawn_tissues
 
 if TYPE_CHECKING:
     from dummydesign.design.scoring.people import PeopleReadings
@@ -28,8 +29,6 @@ if TYPE_CHECKING:
 # a scale on which a slab's unavoidable misfit still distinguishes better from worse.
 NARROWEST = 0.15
 HELD_FORCES = 60
-# Tissues that are drawn for what is not known of one.
-DRAWN = 49
 
 
 @dataclass(frozen=True)
@@ -92,12 +91,18 @@ class Targets:
 
         One who is named is followed as he was measured: nothing is drawn. The bound of a share of people has it all.
         """
-        from dummydesign.tissue.model.posterior import drawn_tissues
-
         if self.aim.lower().startswith(("subject:", "people:")):
             return ()
-        drawn = drawn_tissues(self.tissue, DRAWN)
-        return make_each(drawn, self.aim, self.sampling, self.protocol, self.weights, self.limits)
+        return self.of_tissues(drawn_tissues(self.tissue, DRAWN), self.aim)
+
+    def of_tissues(self, tissues: Sequence[Tissue], aim: str) -> tuple[Targets, ...]:
+        """Targets of other tissues of the same law in the same test."""
+        return make_each(tissues, aim, self.sampling, self.protocol, self.weights, self.limits)
+
+    def subject_energies_mJ(self) -> NDArray:
+        """Energy of the rise of each subject in each press, shape (subjects, presses); NaN as in a condition. [mJ]"""
+        each = [energies_of([one.range], self.tissue.law, self.sampling)[0] for one in self.conditions]
+        return np.stack(each, axis=-1)
 
     @cached_property
     def people(self) -> PeopleReadings | None:

@@ -32,7 +32,7 @@ from dummydesign.resin.model.resin import Resin
 
 # Unlike pads of a thickness and of a kind that pass the sieve; lengths that differ by less than a share are alike.
 A_THICKNESS, A_KIND, ALIKE = 6, 80, 0.12
-# Batches and moduli by which pads are first told apart, and those of the leading ones.
+# Batches and moduli by which pads are first compared, and those of the leading ones.
 FEW_BATCHES, FEW_NODES, MANY_BATCHES, MANY_NODES = 6, 10, 160, 10
 LEADING = 14
 # Scatter of ln modulus of a usual making, by which windows are first compared.

@@ -7,8 +7,9 @@ from dataclasses import dataclass
 from typing import Any
 
 from dummydesign.mold.model import formulas as formula
+from dummydesign.mold.pour.bill_of_materials import GRAM_PER_HOUR
 from dummydesign.mold.pour.plan import CUP_FACTOR, RATIO_ERROR_LIMIT_PERCENT, Mix, split_batch
-from dummydesign.mold.puck.ring import PuckSpec, Ring, cavity_mm3
+from dummydesign.mold.puck.ring import PRINTED, PuckSpec, Ring, cavity_mm3, puck_spec, ring_mass_g
 
 
 @dataclass(frozen=True)
@@ -66,3 +67,41 @@ def warnings_of(spec: PuckSpec, plan: PuckPlan) -> list[dict[str, str]]:
             f"the balance cannot weigh the {plan.wanted_g:.0f} g that the pucks need in the right ratio: mix "
             f"{plan.mix.total_g:.0f} g, or pour the pad's or a second puck of the same cup")})  # fmt: skip
     return found
+
+
+@dataclass(frozen=True)
+class RingCost:
+    """What the rings of some pucks take; ``cost`` is None: presets hold no prices."""
+
+    printing_h: float
+    filament_g: float
+    resin_g: float
+    cost: float | None = None
+
+
+def ring_cost(
+    diameter_mm: float = 50.0, height_mm: float = 30.0, count: int = 1, preset: str = PRINTED,
+    resin: str | None = None, ratio: float = 15.0,
+) -> RingCost:  # fmt: skip
+    """Estimate printing hours and grams of a puck's ring and of the resin to mix; loads no CAD.
+
+    Parameters
+    ----------
+    diameter_mm, height_mm : float
+        Of the puck. [mm]
+    count : int
+        Pucks, each with a ring.
+    preset : str
+        Of printed moulds.
+    resin : str, optional
+        The paper's polyurethane by default.
+    ratio : float
+        Mixing ratio.
+    """
+    return spec_cost(puck_spec((Ring(diameter_mm, height_mm, count),), preset, resin, ratio))
+
+
+def spec_cost(spec: PuckSpec) -> RingCost:
+    """Estimate what the rings of a specification take, and the resin of all pucks."""
+    filament = sum(ring.count * ring_mass_g(spec, ring) for ring in spec.rings)
+    return RingCost(filament / GRAM_PER_HOUR, filament, puck_plan(spec).mix.total_g)

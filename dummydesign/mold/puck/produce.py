@@ -22,7 +22,7 @@ from dummydesign.mold.files.meshes import tessellate, write_3mf, write_glb, writ
 from dummydesign.mold.files.part_drawings import cut, edges_from_above
 from dummydesign.mold.files.pour_sheet import Foot, sheet_pdf, to_html, to_markdown
 from dummydesign.mold.files.step import step_text
-from dummydesign.mold.puck.plan import PuckPlan, puck_plan, warnings_of
+from dummydesign.mold.puck.plan import PuckPlan, puck_plan, spec_cost, warnings_of
 from dummydesign.mold.puck.ring import (
     LUG_LONG_MM,
     LUG_THICK_MM,
@@ -34,7 +34,6 @@ from dummydesign.mold.puck.ring import (
     cavity_mm3,
     groove_mm,
     ring_volume_mm3,
-    spec_cost,
 )
 from dummydesign.mold.puck.sheet import puck_sheet
 

@@ -24,7 +24,6 @@ from dummydesign.mold.model.layout import cavity_scale
 from dummydesign.mold.model.preset import mould_spec
 from dummydesign.mold.model.products import Machines, Plastic
 from dummydesign.mold.model.spec import Acceptance, Pour
-from dummydesign.mold.pour.bill_of_materials import GRAM_PER_HOUR
 
 WALL_MM, LUG_LONG_MM, LUG_THICK_MM, RIDGE_MM = 2.4, 8.0, 4.0, 1.0
 """Wall (six lines of a 0.4 mm nozzle), length and thickness of a lug, height of the ridge on it."""
@@ -204,43 +203,3 @@ def cavity_mm3(spec: PuckSpec, ring: Ring) -> float:
 def ring_mass_g(spec: PuckSpec, ring: Ring) -> float:
     """Filament of one ring, whose walls are too thin for infill. [g]"""
     return 1e-3 * spec.plastic.density_g_per_cm3 * ring_volume_mm3(spec, ring)
-
-
-@dataclass(frozen=True)
-class RingCost:
-    """What the rings of some pucks take; ``cost`` is None: presets hold no prices."""
-
-    printing_h: float
-    filament_g: float
-    resin_g: float
-    cost: float | None = None
-
-
-def ring_cost(
-    diameter_mm: float = 50.0, height_mm: float = 30.0, count: int = 1, preset: str = PRINTED,
-    resin: str | None = None, ratio: float = 15.0,
-) -> RingCost:  # fmt: skip
-    """Estimate printing hours and grams of a puck's ring and of the resin to mix; loads no CAD.
-
-    Parameters
-    ----------
-    diameter_mm, height_mm : float
-        Of the puck. [mm]
-    count : int
-        Pucks, each with a ring.
-    preset : str
-        Of printed moulds.
-    resin : str, optional
-        The paper's polyurethane by default.
-    ratio : float
-        Mixing ratio.
-    """
-    return spec_cost(puck_spec((Ring(diameter_mm, height_mm, count),), preset, resin, ratio))
-
-
-def spec_cost(spec: PuckSpec) -> RingCost:
-    """Estimate what the rings of a specification take, and the resin of all pucks."""
-    from dummydesign.mold.puck.plan import puck_plan
-
-    filament = sum(ring.count * ring_mass_g(spec, ring) for ring in spec.rings)
-    return RingCost(filament / GRAM_PER_HOUR, filament, puck_plan(spec).mix.total_g)

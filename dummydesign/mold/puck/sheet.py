@@ -16,9 +16,9 @@ from dummydesign.mold.pour.bill_of_materials import (
 )
 from dummydesign.mold.pour.plan import CUP_FACTOR
 from dummydesign.mold.pour.steps import BLANK
-from dummydesign.mold.puck.plan import PuckPlan
+from dummydesign.mold.puck.plan import PuckPlan, spec_cost
 from dummydesign.mold.puck.protocol import command, press_rows, protocol_steps, trace_names
-from dummydesign.mold.puck.ring import PuckSpec, Ring, ring_mass_g, spec_cost
+from dummydesign.mold.puck.ring import PuckSpec, Ring, ring_mass_g
 
 ROUND_MM, PARALLEL_SHARE, SIZE_SHARE = 0.5, 0.01, 0.02
 """Largest difference of three diameters [mm]; of four heights, over the height; of the size from the planned one."""

@@ -32,7 +32,7 @@ from dummydesign.tissue.fitting.problem import (
 from dummydesign.tissue.fitting.reduction import reduce_trace, rounded_velocity, speed_groups
 from dummydesign.tissue.model.laws import fitted_law, law_named
 from dummydesign.tissue.model.parameters import speed_key
-from dummydesign.tissue.model.tissue import PRESSED, Subject
+from dummydesign.tissue.model.subject import PRESSED, Subject
 
 MOST_STEPS = 12
 SETTLED_MM = 5e-4

@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 from dataclasses import replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,8 +16,13 @@ from dummydesign.core.library import find
 from dummydesign.core.quantity import Quantity
 from dummydesign.tissue.model.laws import law_named
 from dummydesign.tissue.model.parameters import speed_key
-from dummydesign.tissue.model.tissue import Subject, Tissue, flatten, nest
-from dummydesign.tissue.model.tissue_file import KIND
+from dummydesign.tissue.model.subject import KIND, Subject, flatten, nest
+
+if TYPE_CHECKING:
+    from dummydesign.tissue.model.tissue import Tissue
+
+DRAWN = 49
+"""Tissues that are drawn for what is not known of one."""
 
 LAW = "ode"
 """Law of the inferred tissues."""

@@ -17,9 +17,9 @@ from dummydesign.tissue.model.laws.curves import CURVES, known_words
 from dummydesign.tissue.model.maxwell_law import arms_of
 from dummydesign.tissue.model.measured_curves import DEPTH_MM, SHARES, HeldPress, MeasuredPerson, common_forces
 from dummydesign.tissue.model.parameters import speed_key
-from dummydesign.tissue.model.tissue import PRESSED, Subject, Tissue, same_shape
+from dummydesign.tissue.model.subject import KIND, PRESSED, Subject
+from dummydesign.tissue.model.tissue import Tissue, same_shape
 
-KIND = "materials/tissues"
 KEYS = ("schema", "name", "title", "law", "sources", "notes", "subject", "inference")
 PRESS_KEYS = ("velocity_mm_s", "depth_mm", "rise_force_N", "hold_time_s", "hold_force_N")
 

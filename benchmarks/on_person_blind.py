@@ -29,7 +29,8 @@ from dummydesign.person.drives.drive import FOUR
 from dummydesign.person.on_person import on_person
 from dummydesign.tissue import load_tissue
 from dummydesign.tissue.model.parameters import speed_key
-from dummydesign.tissue.model.tissue import Subject, Tissue, nest
+from dummydesign.tissue.model.subject import Subject, nest
+from dummydesign.tissue.model.tissue import Tissue
 from tests.support.robot_presses import (
     Run,
     by_mass,

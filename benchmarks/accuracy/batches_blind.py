@@ -151,7 +151,9 @@ def run(number: int, seed: int) -> Row:
     with scratch("batch-") as folder:
         os.environ["DUMMYDESIGN_HOME"] = str(folder)
         files, size = puck_files(batch, resin, before.best.ratio, plates, folder, rng)
-        add_compression(files, *size, "batch", before.best.ratio, "polyurethane-nagoya", friction=plates)
+        diameter_mm, height_mm = size
+        add_compression(files, diameter_mm, height_mm, "batch", before.best.ratio, "polyurethane-nagoya",
+                        friction=plates)  # fmt: skip
         answer = _designed(tissue, "batch", **asked)
         kind = cast(batch, answer, answer.best.ratio, thickness, rng)
     usable = answer.verdict.usable_share

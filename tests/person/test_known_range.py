@@ -10,7 +10,8 @@ from benchmarks.fit_coverage import press as pressed_person
 from dummydesign.person.drives import read_drive
 from dummydesign.person.on_person import on_person
 from dummydesign.tissue.fitting.fit import fit_traces
-from dummydesign.tissue.model.tissue import PRESSED, Tissue
+from dummydesign.tissue.model.subject import PRESSED
+from dummydesign.tissue.model.tissue import Tissue
 from dummydesign.tissue.model.tissue_file import load_tissue, tissue_toml
 from tests.support.refusal import raises_code
 from tests.support.robot_presses import by_path, command, gel_pad, sampled

@@ -23,6 +23,7 @@ from dummydesign.mold.pour.bill_of_materials import bill_of_materials, materials
 from dummydesign.mold.pour.plan import CUP_FACTOR, WITNESS_MM, Batch, Mix, PourPlan, batch_of, pours_of
 from dummydesign.mold.pour.printing import demould_steps, mould_steps, print_words, tip_words
 from dummydesign.mold.pour.steps import BLANK, demould_first, plug_finish, pour_steps, shape_mark
+from dummydesign.resin.model.ratio_meaning import ratio_words
 
 PADS_A_TABLE = 4
 
@@ -142,10 +143,7 @@ def _weighing(spec: MouldSpec, pour: Pour, plan: PourPlan) -> list[Block]:
     digits = max(0, -math.floor(math.log10(resolution)))
     batch = batch_of(spec, pour, plan)
     mixes = [batch.mix] if batch.holds_witness else [batch.mix, batch.with_witness]
-    rows = [("component", *("mix, g", "mix with a witness puck, g")[: len(mixes)], "weighed, g")]
-    for parts in zip(*(mix.components for mix in mixes)):
-        rows.append((parts[0][0], *(f"{mass:.{digits}f}" for _, mass in parts), BLANK))
-    rows.append(("total", *(f"{one.total_g:.{digits}f}" for one in mixes), BLANK))
+    rows = weight_rows(mixes, digits)
     litres = CUP_FACTOR * mixes[-1].total_g / pour.density_g_per_cm3 * 1e-3
     cup = f"Cup of at least {litres:.2f} litres: the mix foams to four times its volume under vacuum."
     diameter, height = WITNESS_MM
@@ -155,13 +153,47 @@ def _weighing(spec: MouldSpec, pour: Pour, plan: PourPlan) -> list[Block]:
                f"dummydesign resins add-compression TRACE.csv --diameter {diameter:g} --height {height:g} --friction "
                f"lubricated --name NAME --ratio {pour.ratio:.6g}.")  # fmt: skip
     return [
-        Block("text", f"{pour.resin}, ratio {pour.ratio:.6g} ({pour.ratio_meaning}){_made(mixes)}; balance step "
+        Block("text", f"{pour.resin}, ratio {pour.ratio:.6g} ({ratio_text(pour)}){_made(mixes)}; balance step "
                       f"{resolution:g} g."),
         Block("table", rows=tuple(rows)),
+        *volume_blocks(pour),
         Block("text", " ".join((*_batch_words(spec, pour, plan, batch, digits), cup))),
         Block("text", witness),
         *([Block("text", _hardness_words(pour))] if pour.hardness else []),
     ]
+
+
+def weight_rows(mixes: Sequence[Mix], digits: int) -> list[tuple[str, ...]]:
+    """Table of the masses of each mix, of a resin by volume the volumes too, with a column to fill in."""
+    names = ("mix", "mix with a witness puck")[: len(mixes)]
+    by_volume = bool(mixes[0].volumes_ml)
+    units = ("g", "ml") if by_volume else ("g",)
+    rows: list[tuple[str, ...]] = [("component", *(f"{name}, {unit}" for name in names for unit in units), "weighed, g")]
+    for row, (component, _) in enumerate(mixes[0].components):
+        cells: list[str] = []
+        for mix in mixes:
+            cells.append(f"{mix.components[row][1]:.{digits}f}")
+            cells += [f"{mix.volumes_ml[row]:.1f}"] if by_volume else []
+        rows.append((component, *cells, BLANK))
+    totals: list[str] = []
+    for mix in mixes:
+        totals.append(f"{mix.total_g:.{digits}f}")
+        totals += [f"{sum(mix.volumes_ml):.1f}"] if by_volume else []
+    return [*rows, ("total", *totals, BLANK)]
+
+
+def ratio_text(pour: Pour) -> str:
+    """What the ratio counts, by weight or by volume; the meaning alone for a resin of one component."""
+    return ratio_words(pour.ratio_meaning, pour.ratio_by) if len(pour.components) > 1 else pour.ratio_meaning
+
+
+def volume_blocks(pour: Pour) -> list[Block]:
+    """How the weights follow from a ratio by volume; nothing for one by weight."""
+    if not pour.component_densities_g_per_cm3:
+        return []
+    densities = ", ".join(f"{name} {density:g} g/cm3" for (name, _), density
+                          in zip(pour.components, pour.component_densities_g_per_cm3))  # fmt: skip
+    return [Block("text", f"The ratio is by volume. The masses follow from the densities: {densities}.")]
 
 
 def _hardness_words(pour: Pour) -> str:

@@ -210,4 +210,13 @@ def _resin_numbers(resin: Resin, ratio: float, room_temperature_C: float) -> dic
         "components": tuple((part.name, float(part.mass_g)) for part in parts),
         "young_kPa": 1e3 * float(resin.young_MPa(ratio)), "hardness": expected_hardness(resin, ratio).text, **numbers,
         "ratio_component": next((liquid.name for liquid in resin.liquids if liquid.parts is None), ""),
+        "ratio_by": resin.ratio_by, "ratio_per": resin.ratio_per,
+        "component_densities_g_per_cm3": _densities(resin, [part.name for part in parts]),
+        "assumed": tuple(name for name in fallback if name not in known),
     }  # fmt: skip
+
+
+def _densities(resin: Resin, names: list[str]) -> tuple[float, ...]:
+    """Density of each component of a recipe by volume; none by weight, where nothing follows from it."""
+    densities = {liquid.name: liquid.density_g_per_cm3.value for liquid in resin.liquids}
+    return tuple(densities[name] for name in names) if resin.ratio_by == "volume" else ()

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from dummydesign.mold.files.pour_sheet import Block
+from dummydesign.mold.files.pour_sheet import Block, ratio_text, volume_blocks, weight_rows
 from dummydesign.mold.pour.bill_of_materials import (
     CUPS_LITRE,
     ONCE,
@@ -71,9 +71,6 @@ def _ring_steps(spec: PuckSpec) -> tuple[str, ...]:
 def _weighing(spec: PuckSpec, plan: PuckPlan) -> list[Block]:
     resolution, pour = spec.machines.balance_resolution_g, spec.pour
     digits = max(0, -math.floor(math.log10(resolution)))
-    rows = [("component", "mix, g", "weighed, g")]
-    rows += [(name, f"{mass:.{digits}f}", BLANK) for name, mass in plan.mix.components]
-    rows.append(("total", f"{plan.mix.total_g:.{digits}f}", BLANK))
     each = "; ".join(f"{mass:.1f} g into each ring {ring.tag}" for ring, mass in zip(spec.rings, plan.pour_g))
     why = f"The balance leaves up to {plan.mix.error_percent:.2f} % error in a component's share."
     if plan.raised:
@@ -81,8 +78,9 @@ def _weighing(spec: PuckSpec, plan: PuckPlan) -> list[Block]:
                f"ratio. {why} A finer balance saves resin.")  # fmt: skip
     litres = plan.cup_mm3 * 1e-6
     return [
-        Block("text", f"{pour.resin}, ratio {pour.ratio:.6g} ({pour.ratio_meaning}); balance step {resolution:g} g."),
-        Block("table", rows=tuple(rows)),
+        Block("text", f"{pour.resin}, ratio {pour.ratio:.6g} ({ratio_text(pour)}); balance step {resolution:g} g."),
+        Block("table", rows=tuple(weight_rows([plan.mix], digits))),
+        *volume_blocks(pour),
         Block("text", f"Mix {plan.mix.total_g:.{digits}f} g. Pour {each}. {why} Cup of at least {litres:.2f} litres: "
               "the mix foams to four times its volume under vacuum."),
     ]  # fmt: skip

@@ -7,9 +7,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 from dummydesign.mold.checks.check import Check, above, below, equal, skipped
-from dummydesign.mold.model.layout import layout
+from dummydesign.mold.model.printed_parts import part_title, printed_parts
 from dummydesign.mold.model.spec import MouldSpec, Pour
-from dummydesign.mold.model.validate import chamber_spare_mm, footprint, spare_mm
+from dummydesign.mold.model.validate import bed_spare_mm, chamber_spare_mm, footprint, spare_mm
 from dummydesign.mold.pour.plan import CUP_FACTOR, PourPlan, pours_of
 from dummydesign.mold.pour.steps import order_faults, pour_steps
 
@@ -29,9 +29,10 @@ def check_process(spec: MouldSpec, plan: PourPlan, warnings: Sequence[Mapping[st
 def _machines(spec: MouldSpec) -> list[Check]:
     m, bolt = spec.machines, math.floor(spec.box.bolt_hole_mm)
     play = spec.box.bolt_hole_mm - 2 * m.elephant_foot_mm - bolt
+    tight = min(printed_parts(spec), key=lambda part: bed_spare_mm(part, spec))
     checks = [
-        above("fits_printer", spare_mm(layout(spec).flange, m.bed_mm), 0.0,
-              "mm to spare beside the master on the bed, margin kept"),
+        above("fits_printer", bed_spare_mm(tight, spec), 0.0, "mm to spare on the bed, margin kept, or in height; "
+              f"tightest of all printed parts as they lie: {part_title(tight.name, spec.is_printed)}"),
         above("bolts_pass", play, 0.0, f"mm of play for M{bolt} where the print's first layer spreads"),
     ]  # fmt: skip
     if spec.pour.cures_warm:

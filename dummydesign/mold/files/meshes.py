@@ -68,6 +68,20 @@ def _kernel_triangles(
     return points, triangles
 
 
+def lying(mesh: Any, turned: bool, scale: float = 1.0) -> Any:
+    """A copy of a mesh as it is printed: turned over about x where asked, enlarged, its lowest point at z = 0."""
+    import numpy as np
+
+    laid = mesh.copy()
+    if turned:
+        # Half a turn about x by signs alone, so that flat faces stay flat to the last digit.
+        laid.vertices = np.asarray(laid.vertices) * (1.0, -1.0, -1.0)
+    if scale != 1.0:
+        laid.apply_scale(scale)
+    laid.apply_translation((0.0, 0.0, -laid.bounds[0][2]))
+    return laid
+
+
 def write_stl(mesh: Any, path: Path) -> None:
     """Write a binary STL; the 80-byte head is blank but for the name, so equal meshes give equal files."""
     data = mesh.export(file_type="stl")

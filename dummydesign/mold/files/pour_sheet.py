@@ -102,7 +102,7 @@ def _mould_steps(spec: MouldSpec, plan: PourPlan) -> tuple[str, ...]:
         return mould_steps(spec, plastic, face)
     pins = ["Stand the sprue pin (one) and the vent pins (five) in their sockets; pull them before peeling the lid."]
     return (
-        f"Print master and frame{_aids(spec)} and tray ({plastic}; 4 perimeters, 15 % infill; plug upwards). "
+        f"Print master and frame{_aids(spec)} and tray ({plastic}; 4 perimeters, 15 % infill). "
         f"{face}{print_words(spec)}",
         f"Test cure inhibition: a dab of this silicone on this print, and a dab of resin {spec.pour.resin} on cured "
         "silicone, overnight. Tacky borders mean inhibition: seal the print or change the product.",
@@ -123,7 +123,7 @@ def _aids(spec: MouldSpec) -> str:
     if spec.closure is not None:
         return " of mould and lid, pins and backer"
     if spec.pad.shape.bone_height_mm:
-        return ", carrier with the bone upwards (solid)"
+        return ", carrier with the bone (solid)"
     carrier = ", carrier (solid)" if len(spec.pad.shape.places_mm) > 1 else ""
     return f", strike-off plate{carrier}" if spec.base is None else ", strike-off plate, spacer"
 
@@ -168,7 +168,8 @@ def weight_rows(mixes: Sequence[Mix], digits: int) -> list[tuple[str, ...]]:
     names = ("mix", "mix with a witness puck")[: len(mixes)]
     by_volume = bool(mixes[0].volumes_ml)
     units = ("g", "ml") if by_volume else ("g",)
-    rows: list[tuple[str, ...]] = [("component", *(f"{name}, {unit}" for name in names for unit in units), "weighed, g")]
+    heads = [f"{name}, {unit}" for name in names for unit in units]
+    rows: list[tuple[str, ...]] = [("component", *heads, "weighed, g")]
     for row, (component, _) in enumerate(mixes[0].components):
         cells: list[str] = []
         for mix in mixes:

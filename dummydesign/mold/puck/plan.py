@@ -7,7 +7,14 @@ from dataclasses import dataclass
 from typing import Any
 
 from dummydesign.mold.model import formulas as formula
-from dummydesign.mold.pour.plan import CUP_FACTOR, RATIO_ERROR_LIMIT_PERCENT, Mix, split_batch, volumes_ml, weighed_ratio
+from dummydesign.mold.pour.plan import (
+    CUP_FACTOR,
+    RATIO_ERROR_LIMIT_PERCENT,
+    Mix,
+    split_batch,
+    volumes_ml,
+    weighed_ratio,
+)
 from dummydesign.mold.puck.ring import PuckSpec, Ring, cavity_mm3
 
 
@@ -46,7 +53,8 @@ def puck_plan(spec: PuckSpec) -> PuckPlan:
     total = round(sum(mass for _, mass in components), 6)
     return PuckPlan(
         Mix(components, total, error, weighed_ratio(pour, components), volumes_ml(pour, components)),
-        over, tuple(density * ring.volume_mm3 for ring in spec.rings), wanted, wanted < least, CUP_FACTOR * total / density,
+        over, tuple(density * ring.volume_mm3 for ring in spec.rings), wanted, wanted < least,
+        CUP_FACTOR * total / density,
         min(formula.level_tolerance_deg(ring.height_mm, ring.diameter_mm) for ring in spec.rings),
     )  # fmt: skip
 

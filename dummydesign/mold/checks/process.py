@@ -39,7 +39,7 @@ def _machines(spec: MouldSpec) -> list[Check]:
         shelf = spare_mm(footprint(spec), (m.shelf_x_mm, m.shelf_y_mm))
         checks.append(above("fits_oven", shelf, 0.0, "mm to spare on the shelf"))
     else:
-        checks.append(skipped("fits_oven", "cures at room temperature"))
+        checks.append(skipped("fits_oven", f"cures {spec.pour.cure_place}"))
     if spec.plastic is None:
         checks.append(skipped("plastic_bears_oven", "the preset names no plastic"))
     else:
@@ -48,7 +48,8 @@ def _machines(spec: MouldSpec) -> list[Check]:
     if spec.pour.degas == "mould":
         checks.append(above("fits_vacuum_chamber", chamber_spare_mm(spec), 0.0, "mm to spare, mould with collar"))
     else:
-        checks.append(skipped("fits_vacuum_chamber", "the resin is degassed in its cup"))
+        where = "is degassed in its cup" if spec.pour.is_degassed else "is poured without a vacuum"
+        checks.append(skipped("fits_vacuum_chamber", f"the resin {where}"))
     return checks
 
 
@@ -77,6 +78,7 @@ def _weights(spec: MouldSpec, pour: Pour, plan: PourPlan) -> list[Check]:
         above("batch_covers_cavity", plan.batch_mass_g - pour.film_loss_g, filled, "g after film loss"),
         below("weighing_error", plan.ratio_error_percent, 100 * resolution / lightest,
               "%, what one balance step allows"),
+        skipped("cup_fits_chamber", "poured without a vacuum") if not pour.is_degassed else
         below("cup_fits_chamber", cup, min(spec.machines.chamber_diameter_mm, spec.machines.chamber_height_mm),
               f"mm, cup of {CUP_FACTOR:g} times the liquid, as high as wide"),
         above("pot_life", pour.pot_life_min, needed, "min against degassing, pouring and levelling"),

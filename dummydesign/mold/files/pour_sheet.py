@@ -67,8 +67,8 @@ def pour_sheet(
         Block("head", "When a step fails"), Block("list", items=when_it_fails(spec)),
         Block("head", "4. Demould and measure"), Block("list", items=(
             *demould_steps(spec), demould_first(spec), measured_blanks(spec.count),
-            f"Age {spec.pour.age_before_test_days:g} days at room temperature before testing; test pad and witness on "
-            "one day.")),
+            f"Age {spec.pour.age_before_test_days:g} days{spec.pour.mark('age_before_test_days')} at room temperature "
+            "before testing; test pad and witness on one day.")),
         *_gauge_blocks(spec),
         Block("head", "5. Accept or reject" + (", each pad" if spec.count > 1 else "")),
         Block("table", rows=tuple(acceptance_rows(spec, plan))),
@@ -146,6 +146,8 @@ def _weighing(spec: MouldSpec, pour: Pour, plan: PourPlan) -> list[Block]:
     rows = weight_rows(mixes, digits)
     litres = CUP_FACTOR * mixes[-1].total_g / pour.density_g_per_cm3 * 1e-3
     cup = f"Cup of at least {litres:.2f} litres: the mix foams to four times its volume under vacuum."
+    if not pour.is_degassed:
+        cup = f"Cup of at least {litres / 2:.2f} litres."
     diameter, height = WITNESS_MM
     witness = (f"Witness: a puck of {diameter:g} mm diameter and {height:g} mm height from the same cup "
                f"({batch.witness_g:.1f} g). Its printed ring and how to press it: dummydesign mold --puck "
@@ -200,8 +202,8 @@ def volume_blocks(pour: Pour) -> list[Block]:
 def _hardness_words(pour: Pour) -> str:
     """The reading that a durometer should show on the cured resin."""
     return (f"Hardness, a rough check without a press: a durometer should show {pour.hardness} after "
-            f"{pour.age_before_test_days:g} days, on a piece at least 6 mm thick. Outside it the batch is not this "
-            f"recipe. Reading: {BLANK}")  # fmt: skip
+            f"{pour.age_before_test_days:g} days{pour.mark('age_before_test_days')}, on a piece at least 6 mm thick. "
+            f"Outside it the batch is not this recipe. Reading: {BLANK}")  # fmt: skip
 
 
 def _made(mixes: Sequence[Mix]) -> str:
@@ -215,8 +217,8 @@ def _batch_words(spec: MouldSpec, pour: Pour, plan: PourPlan, batch: Batch, digi
     each = f" ({plan.fill_mass_g:.1f} g into each of {spec.count} cavities)" if spec.count > 1 else ""
     error = f"The balance leaves up to {batch.mix.error_percent:.2f} % error in a component's share."
     if batch.raised:
-        error = (f"The mould needs only {plan.batch_mass_g:.{digits}f} g. Of that the balance leaves up to "
-                 f"{plan.ratio_error_percent:.2f} % error in a component's share; of this mix "
+        error = (f"With the loss in the cup and the spare {plan.batch_mass_g:.{digits}f} g would do. Of that the "
+                 f"balance leaves up to {plan.ratio_error_percent:.2f} % error in a component's share; of this mix "
                  f"{batch.mix.error_percent:.2f} %. A finer balance saves resin.")  # fmt: skip
     rest = (f"With a witness puck mix the second column, {batch.with_witness.total_g:.{digits}f} g; pour the same mass "
             "into the mould.")  # fmt: skip

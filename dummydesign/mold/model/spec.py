@@ -264,7 +264,8 @@ class Pour:
     ``young_kPa`` is the modulus that the design counts on, ``hardness`` the durometer's reading to expect of it, in
     words. The ratio is the amount of ``ratio_component`` over that of the others, in parts; it is unknown in
     specifications of earlier versions, and no part of the mould. Parts are by weight or by volume (``ratio_by``), to
-    those of the others or in 100 of the mix (``ratio_per``). ``assumed`` names what the resin's file does not state.
+    those of the others or in 100 of the mix (``ratio_per``).
+    ``assumed`` names what the resin's file does not state, ``chemistry`` what it is where that is known.
     """
 
     resin: str
@@ -296,6 +297,29 @@ class Pour:
     ratio_per: str = "others"
     component_densities_g_per_cm3: tuple[float, ...] = ()
     assumed: tuple[str, ...] = ()
+    chemistry: str = ""
+
+    def mark(self, *names: str) -> str:
+        """Return `` (assumed)`` where the resin's file states none of these numbers, else nothing."""
+        return " (assumed)" if set(names) & set(self.assumed) else ""
+
+    @property
+    def cures_cold(self) -> bool:
+        """Whether the cure needs a refrigerator: more than :data:`WARM_K` below the room."""
+        return self.cure_temperature_C < self.room_temperature_C - WARM_K
+
+    @property
+    def cure_place(self) -> str:
+        """Temperature and place of the cure; the cavity is compensated for this temperature."""
+        at = f"at {self.cure_temperature_C:g} C{self.mark('cure_temperature_C')}"
+        if self.cures_warm:
+            return f"{at} in the vented oven"
+        return f"{at} in a refrigerator" if self.cures_cold else f"{at}, room temperature"
+
+    @property
+    def is_degassed(self) -> bool:
+        """Whether a vacuum takes the air out of the resin."""
+        return self.degas != "none"
 
     @property
     def cures_warm(self) -> bool:
@@ -303,7 +327,8 @@ class Pour:
         return self.cure_temperature_C > self.room_temperature_C + WARM_K
 
 
-USUAL_POUR = {"ratio_by": "weight", "ratio_per": "others", "component_densities_g_per_cm3": (), "assumed": ()}
+USUAL_POUR = {"ratio_by": "weight", "ratio_per": "others", "component_densities_g_per_cm3": (), "assumed": (),
+              "chemistry": ""}  # fmt: skip
 """Fields of a pour that are left out of a specification when they are as usual."""
 
 
@@ -396,10 +421,11 @@ class MouldSpec:
     def hash(self) -> str:
         """First eight hexadecimal digits (upper case) of the SHA-256 of :meth:`canonical`.
 
-        The name of the ratio's component and what is assumed are left out: they make no other mould.
+        The name of the ratio's component, the chemistry and what is assumed are left out: they make no other mould.
         """
-        base = self.base and replace(self.base, pour=replace(self.base.pour, ratio_component="", assumed=()))
-        same = replace(self, pour=replace(self.pour, ratio_component="", assumed=()), base=base)
+        apart = {"ratio_component": "", "assumed": (), "chemistry": ""}
+        base = self.base and replace(self.base, pour=replace(self.base.pour, **apart))
+        same = replace(self, pour=replace(self.pour, **apart), base=base)
         text = same.canonical().replace('"ratio_component":"",', "")
         return hashlib.sha256(text.encode()).hexdigest()[:8].upper()
 

@@ -18,6 +18,7 @@ from dummydesign.mold.model.spec import MouldSpec, PadGeometry
 THICKNESS_MM = (3.0, 30.0)
 CORNER_MM = 0.5
 MOST_CAVITIES = 20
+DEGAS_PLACES = ("cup", "mould", "none")
 SMALLEST_MM = {"open": 20.0, "lidded": 50.0, "printed": 20.0}
 
 
@@ -204,15 +205,17 @@ def _check_process(spec: MouldSpec) -> None:
     for name, value in asdict(spec.acceptance).items():
         _between(f"acceptance {name}", value, 0.1, 50.0)
     _between("foam_factor", pour.foam_factor, 1.5, 8.0)
-    if pour.degas not in ("cup", "mould"):
-        raise unknown_name("place to degas", pour.degas, ("cup", "mould"))
+    if pour.degas not in DEGAS_PLACES:
+        raise unknown_name("place to degas", pour.degas, DEGAS_PLACES)
     if pour.degas == "mould" and spec.body.style != "open":
         message = f"degas = 'mould' needs an open mould of silicone, not a {spec.body.style} one; use 'cup'"
         raise InputError(message, "conflict", "degas", pour.degas, "cup")
     if pour.pour_and_degas_min >= pour.pot_life_min:
         raise InputError(
-            f"pour_and_degas_min = {pour.pour_and_degas_min:g} is not below the resin's pot life of "
-            f"{pour.pot_life_min:g} min",
+            f"pour_and_degas_min = {pour.pour_and_degas_min:g} is not below the pot life of {pour.resin}, "
+            f"{pour.pot_life_min:g} min{pour.mark('pot_life_min')}. It is in [process] of mould preset "
+            f"'{spec.preset}': copy its file, write the minutes that you need and pass the copy with --preset. Without "
+            "a vacuum write degas = \"none\" there, and the minutes to pour alone",
             "out_of_range", "pour_and_degas_min", pour.pour_and_degas_min, (None, pour.pot_life_min),
         )  # fmt: skip
     if not pour.components or not math.isclose(sum(share for _, share in pour.components), 1.0, abs_tol=1e-9):

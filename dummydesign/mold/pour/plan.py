@@ -266,8 +266,9 @@ def batch_of(spec: MouldSpec, pour: Pour, plan: PourPlan) -> Batch:
     """
     machines = spec.machines
     cup_mm = min(machines.chamber_diameter_mm, machines.chamber_height_mm)
-    most = math.pi / 4 * cup_mm**3 / CUP_FACTOR * pour.density_g_per_cm3 * 1e-3
-    least = min(math.ceil(plan.batch_for_ratio_g - 1e-9), math.floor(most))
+    foamed = math.pi / 4 * cup_mm**3 / CUP_FACTOR * pour.density_g_per_cm3 * 1e-3
+    most = foamed if pour.is_degassed else math.inf
+    least = math.ceil(min(plan.batch_for_ratio_g, math.floor(most) if pour.is_degassed else math.inf) - 1e-9)
     own = Mix(plan.components, plan.batch_mass_g, plan.ratio_error_percent, plan.weighed_ratio,
               volumes_ml(pour, plan.components))  # fmt: skip
     mix = own if plan.batch_mass_g >= least else _mix(least, pour, machines.balance_resolution_g, most)

@@ -138,7 +138,13 @@ def print_words(spec: MouldSpec) -> str:
 def release_words(spec: MouldSpec) -> str:
     """The warning: plastic does not let go by itself."""
     assert spec.surface is not None
-    return ("a printed mould is rigid and polyurethane bonds to plastic: finish the faces to valleys of at most "
+    chemistry = spec.pour.chemistry
+    bonds = f"{chemistry or spec.pour.resin} may bond to plastic"
+    if chemistry == "polyurethane" or spec.has_isocyanate:
+        bonds = "polyurethane bonds to plastic"
+    elif "silicone" in chemistry:
+        bonds = "some prints inhibit the cure of silicone, which does not bond to plastic but grips its valleys"
+    return (f"a printed mould is rigid and {bonds}: finish the faces to valleys of at most "
             f"{spec.surface.depth_mm:g} mm, wax them, lay on a film of PVA, and try a scrap of print and resin first")
 
 

@@ -115,7 +115,7 @@ class PuckSpec:
     @cached_property
     def hash(self) -> str:
         """First eight hexadecimal digits (upper case) of the SHA-256 of the specification."""
-        same = replace(self, pour=replace(self.pour, assumed=()))
+        same = replace(self, pour=replace(self.pour, assumed=(), chemistry=""))
         text = json.dumps(same.to_dict(), sort_keys=True, separators=(",", ":"), allow_nan=False)
         return hashlib.sha256(text.encode()).hexdigest()[:8].upper()
 

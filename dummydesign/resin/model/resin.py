@@ -218,7 +218,7 @@ class Resin:
     holds joint draws of the law's parameters when points have updated it; ``prior_numbers`` and ``prior_relaxation``
     (arms and their ratio) are those before. ``joint_relaxation`` ties strengths to the modulus (a calibration's).
     ``ratio_by`` is what parts are measured by (weight or volume), ``ratio_per`` whether the ratio is to the parts of
-    the other components (others) or in 100 parts of the whole mix (mix).
+    the other components (others) or in 100 parts of the whole mix (mix). ``chemistry`` is empty where it is not known.
     """
 
     name: str
@@ -245,6 +245,7 @@ class Resin:
     joint_relaxation: RelaxationGivenModulus | None = field(default=None, repr=False)
     ratio_by: str = "weight"
     ratio_per: str = "others"
+    chemistry: str = ""
 
     def check_ratio(self, ratio: ArrayLike) -> None:
         """Refuse ratios outside the range the law is meant for (InputError)."""
@@ -490,6 +491,8 @@ class Resin:
         """Return the whole resin file as plain values, every number with interval, kind and source."""
         simple = ("name", "title", "ratio_meaning", "ratio_by", "ratio_per", "ratio_min", "ratio_max", "ratio_step",
                   "references", "notes", "contradictions")  # fmt: skip
+        if self.chemistry:
+            simple = ("chemistry", *simple)
         liquids = [to_plain(one) | ({"parts": "ratio"} if one.parts is None else {}) for one in self.liquids]
         modulus: dict[str, Any] = {"law": self.law.name, **self.numbers}
         if self.posterior is not None and self.prior_numbers is not None:

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from dummydesign.core.library import Entry, find
 from dummydesign.core.quantity import Quantity
 from dummydesign.core.toml_schema import REQUIRED, Table, read_table
+from dummydesign.resin.model.chemistry import CHEMISTRIES, guessed_chemistry
 from dummydesign.resin.model.modulus_laws import LAWS, ModulusLaw
 from dummydesign.resin.model.ratio_meaning import read_ratio_meaning
 from dummydesign.resin.model.resin import Arm, Liquid, Point, PuckPoint, Resin
@@ -26,8 +27,8 @@ PROPERTIES = (
     "age_before_test_days", "shrinkage_percent",
 )  # fmt: skip
 KEYS = (
-    "schema", "name", "title", "ratio_meaning", "ratio_by", "ratio_per", "ratio_min", "ratio_max", "ratio_step",
-    "references", "notes", "component", "modulus", "relaxation", "property", "point", "contradictions",
+    "schema", "name", "title", "chemistry", "ratio_meaning", "ratio_by", "ratio_per", "ratio_min", "ratio_max",
+    "ratio_step", "references", "notes", "component", "modulus", "relaxation", "property", "point", "contradictions",
 )  # fmt: skip
 
 
@@ -87,6 +88,7 @@ def read_resin(entry: Entry) -> Resin:
     properties = top.table("property", required=False).only(PROPERTIES)
     resin = Resin(
         name=name, title=top.string("title", name), origin=entry.origin, ratio_meaning=meaning, ratio_by=by,
+        chemistry=top.string("chemistry", guessed_chemistry(name, also), choices=CHEMISTRIES),
         ratio_per=per, ratio_min=low, ratio_max=high, ratio_step=step, liquids=liquids, law=law, numbers=numbers,
         arms=arms,
         relaxation_ratio_ref=ratio_ref, softness_exponent=_positive(relaxation, "softness_exponent", zero=True),

@@ -91,8 +91,8 @@ CASES = [
     ("open", "boned:20,4", {}), ("open", "slab", {"degas": "mould"}), ("open", "slab", {"face_sheet_mm": 3.0}),
     ("open", "puck", {}), ("lidded", "slab", {}), ("printed", "slab", {}),
     ("printed", "crowned:12,2,8", {}), ("printed", "layered:3,0.4", {}), ("printed", "boned:20,4", {}),
-    ("printed", "slab", {"count": 3}), ("open", "bumped:13,6,1.5", {}), ("open", "crowned:radius=12,height=1.5,foot=6,sites_along=2,pitch_along=30", {}),
-   
+    ("printed", "slab", {"count": 3}), ("open", "bumped:13,6,1.5", {}),
+    ("open", "crowned:radius=12,height=1.5,foot=6,sites_along=2,pitch_along=30", {}),
 ]  # fmt: skip
 
 

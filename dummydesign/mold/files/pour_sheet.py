@@ -156,7 +156,7 @@ def _weighing(spec: MouldSpec, pour: Pour, plan: PourPlan) -> list[Block]:
                f"lubricated --name NAME --ratio {pour.ratio:.6g}.")  # fmt: skip
     return [
         Block("text", f"{pour.resin}, ratio {pour.ratio:.6g} ({ratio_text(pour)}){_made(mixes)}; balance step "
-                      f"{resolution:g} g."),
+                      f"{resolution:g} g, each reading within half of it."),
         Block("table", rows=tuple(rows)),
         *volume_blocks(pour),
         Block("text", " ".join((*_batch_words(spec, pour, plan, batch, digits), cup))),

@@ -317,6 +317,11 @@ class Pour:
         return f"{at} in a refrigerator" if self.cures_cold else f"{at}, room temperature"
 
     @property
+    def as_hashed(self) -> Pour:
+        """Return the pour without what makes no other mould."""
+        return replace(self, ratio_component="", assumed=(), chemistry="")
+
+    @property
     def is_degassed(self) -> bool:
         """Whether a vacuum takes the air out of the resin."""
         return self.degas != "none"
@@ -423,9 +428,8 @@ class MouldSpec:
 
         The name of the ratio's component, the chemistry and what is assumed are left out: they make no other mould.
         """
-        apart = {"ratio_component": "", "assumed": (), "chemistry": ""}
-        base = self.base and replace(self.base, pour=replace(self.base.pour, **apart))
-        same = replace(self, pour=replace(self.pour, **apart), base=base)
+        base = self.base and replace(self.base, pour=self.base.pour.as_hashed)
+        same = replace(self, pour=self.pour.as_hashed, base=base)
         text = same.canonical().replace('"ratio_component":"",', "")
         return hashlib.sha256(text.encode()).hexdigest()[:8].upper()
 

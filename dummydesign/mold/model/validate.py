@@ -297,8 +297,9 @@ def largest_pad_mm(spec: MouldSpec) -> tuple[float, float] | None:
         return None
 
     def good(length_mm: float, width_mm: float) -> bool:
-        round_mm = {"corner_radius_mm": length_mm / 2} if pad.is_puck else {}
-        smaller = replace(spec, pad=replace(pad, length_mm=length_mm, width_mm=width_mm, **round_mm))
+        corner = length_mm / 2 if pad.is_puck else pad.corner_radius_mm
+        sized = replace(pad, length_mm=length_mm, width_mm=width_mm, corner_radius_mm=corner)
+        smaller = replace(spec, pad=sized)
         if _machine_fault(smaller) is not None:
             return False
         try:

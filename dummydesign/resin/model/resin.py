@@ -489,10 +489,10 @@ class Resin:
 
     def to_dict(self) -> dict[str, Any]:
         """Return the whole resin file as plain values, every number with interval, kind and source."""
-        simple = ("name", "title", "ratio_meaning", "ratio_by", "ratio_per", "ratio_min", "ratio_max", "ratio_step",
-                  "references", "notes", "contradictions")  # fmt: skip
+        simple = ["name", "title", "ratio_meaning", "ratio_by", "ratio_per", "ratio_min", "ratio_max", "ratio_step",
+                  "references", "notes", "contradictions"]  # fmt: skip
         if self.chemistry:
-            simple = ("chemistry", *simple)
+            simple.insert(2, "chemistry")
         liquids = [to_plain(one) | ({"parts": "ratio"} if one.parts is None else {}) for one in self.liquids]
         modulus: dict[str, Any] = {"law": self.law.name, **self.numbers}
         if self.posterior is not None and self.prior_numbers is not None:

@@ -64,8 +64,8 @@ def test_every_set_of_missing_numbers_is_marked_in_sheet_sources_and_warnings():
         for name, (words, _) in ASSUMED.items():
             assert (name in missing) == (words in codes.get("assumed_numbers", ""))
         body = text.split("## Cautions")[0]
-        marks = {"pot_life_min": "min (assumed)", "cure_time_h": "h (assumed)",
-                 "age_before_test_days": "days (assumed)", "shrinkage_percent": "% assumed", "degas_pressure_kPa": "kPa (assumed)",
+        marks = {"pot_life_min": "min (assumed)", "cure_time_h": "h (assumed)", "shrinkage_percent": "% assumed",
+                 "age_before_test_days": "days (assumed)", "degas_pressure_kPa": "kPa (assumed)",
                  "cure_temperature_C": " C (assumed)"}  # fmt: skip
         for name, words in marks.items():
             # A warm cure has a line of its own that a missing temperature never reaches.

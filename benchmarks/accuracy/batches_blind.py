@@ -1,8 +1,8 @@
 """End to end: a batch is drawn, one puck of it pressed and read, the ratio chosen for a mould that is kept, a pad cast.
 
 ``python -m benchmarks.accuracy.batches_blind [--batches 200] [--seed N] [--rows FILE]``. A batch is drawn from the
-stated intervals of the paper's polyurethane by code of ``benchmarks/castings_blind.py``. Its puck is weighed with errors
-and pressed at 10 and 50 mm/s between lubricated or bonded plates, with friction, gauge, contact and noise of its own
+stated intervals of the paper's polyurethane by code of ``benchmarks/castings_blind.py``. Its puck is weighed with
+errors and pressed at 10 and 50 mm/s between lubricated or bonded plates, with friction, gauge, contact and noise of its own
 (``benchmarks/accuracy/puck_batches.py``); ``resins add-compression`` reads it with the plates declared. The ratio is
 then chosen for a pad of given shape and thickness. A pad is cast at this ratio of the same batch, with errors of
 weighing and thickness, and pressed by curves that were solved 0.2 mm below and above its thickness, with a smooth error

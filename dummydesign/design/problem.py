@@ -108,8 +108,8 @@ def read_problem(request: Request, law: ForceLaw | None = None) -> Problem:
     made(Slab(), float(thickness[0]), float(ratios[0]))  # a pad that no mould can make is refused at once
     space = SearchSpace(
         resin, targets, thickness, ratios, punch.radius_mm, Castings(resin, request.castings), made, puck_error(),
-        sampling, request.pad_mm, request.base, correct,
-        request.edge_radius_mm,
+        sampling, request.pad_mm, request.base, correct, request.edge_radius_mm,
+        _least_film_mm(request, preset, resin, float(thickness[-1]), ratios),
     )  # fmt: skip
     wide = None if kept is None else replace(space, thickness_mm=tabulated(steps, request, punch))
     files = {**settings_files(), **preset.files}
@@ -160,6 +160,16 @@ def _tolerances(
     """How well a pad is made: the batch that is mixed is what is weighed."""
     _, batch = recipe_and_batch(_mould(request, preset, resin, shape, thickness_mm, ratio))
     return Tolerances(batch["total_g"], request.weighing_g, request.thickness_tolerance_mm)
+
+
+def _least_film_mm(
+    request: Request, preset: Preset, resin: Resin, thickness_mm: float, ratios: NDArray
+) -> float:
+    """Thinnest gel that levels itself within the pot life, over the ratios. [mm]"""
+    from dummydesign.mold.pour.plan import least_film_mm
+
+    ends = (float(ratios[0]), float(ratios[-1]))
+    return max(least_film_mm(_mould(request, preset, resin, Slab(), thickness_mm, one)) for one in ends)
 
 
 def _ratios(resin: Resin, wanted: tuple[float, float] | None) -> NDArray:

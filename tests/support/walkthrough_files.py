@@ -100,8 +100,8 @@ def _write_pad(folder: Path, draw: np.random.Generator) -> None:
                                 velocity_mm_s=speed, rate_Hz=2000.0, out=file)  # fmt: skip
             made = np.loadtxt(file, delimiter=",", skiprows=1)[:, :3].T
             lead = np.arange(-0.1, -2.5e-4, 5e-4)
-            rows = np.column_stack([np.r_[lead, made[0]] + 0.1, np.r_[lead * speed, made[1]],
-                                    np.r_[0.0 * lead, made[2]] + draw.normal(0.0, 0.02, len(lead) + len(made[0]))])  # fmt: skip
+            force = np.r_[0.0 * lead, made[2]] + draw.normal(0.0, 0.02, len(lead) + len(made[0]))
+            rows = np.column_stack([np.r_[lead, made[0]] + 0.1, np.r_[lead * speed, made[1]], force])
             np.savetxt(file, rows, "%.5f", ",", header="time_s,displacement_mm,force_N", comments="")
 
 

@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from dummydesign.core.errors import InputError, unknown_name
 from dummydesign.geometry.pad_shape import PadShape
 from dummydesign.geometry.shape_registry import make_shape, part_of, shape_kind, shape_kinds
+from dummydesign.mold.model.spec import PadGeometry
 from dummydesign.pad.force_law import BaseForceLaw
 from dummydesign.pad.tables.slab import load_table
 
@@ -47,15 +48,16 @@ class Designs:
         """Shape of one pad."""
         return make_shape(self.kind, [(name, float(values[index])) for name, values in self.parameters.items()])
 
-    def castable(self, pad_mm: tuple[float, float]) -> NDArray:
-        """Which pads of a length and width their own shape accepts, shape (M,)."""
+    def castable(self, pad_mm: tuple[float, float], least_film_mm: float = 0.0) -> NDArray:
+        """Which pads of a length and width their own shape accepts, none thinner than a film, shape (M,)."""
         accepted = np.zeros(len(self.thickness_mm), dtype=bool)
-        for index, thickness in enumerate(self.thickness_mm):
+        for index, thickness in enumerate(self.thickness_mm.tolist()):
+            shape = self.shape(index)
             try:
-                self.shape(index).check(float(thickness), *pad_mm)
+                shape.check(thickness, *pad_mm)
             except InputError:
                 continue
-            accepted[index] = True
+            accepted[index] = shape.least_gel_mm(PadGeometry(thickness, *pad_mm)) >= least_film_mm
         return accepted
 
 
@@ -181,7 +183,8 @@ class FamilyLaw(BaseForceLaw):
 
     def gel_mm(self, thickness_mm: ArrayLike) -> NDArray:
         """Thickness of the gel under the middle of the punch, over a bone where there is one. [mm]"""
-        return np.asarray(self._flat(thickness_mm).gel_mm).reshape(np.shape(thickness_mm))
+        pads = self._flat(thickness_mm)
+        return np.asarray(self.shape.gel_mm(pads.thickness_mm, pads.parameters)).reshape(np.shape(thickness_mm))
 
     def _flat(self, thickness_mm: ArrayLike) -> Designs:
         return self._designs(np.atleast_1d(np.asarray(thickness_mm, float)).ravel())

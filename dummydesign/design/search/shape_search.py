@@ -146,7 +146,8 @@ def rank(designs: Sequence[ShapedDesign], space: SearchSpace) -> list[ShapedDesi
 
     Shares within two standard errors of the largest are tied.
     """
-    limits, strict, left, ordered = space.targets.limits, ranges_of(space.targets).strict, list(designs), []
+    limits, strict, left = space.targets.limits, ranges_of(space.targets).strict, list(designs)
+    ordered: list[ShapedDesign] = []
     while left:
         level = min(one.outlook.level(limits, strict) for one in left)
         if level == NONE and all(one.outlook.after_puck <= LEAST for one in left):
@@ -238,7 +239,7 @@ def _matches(
 
 
 def _sieve(family: Family, space: SearchSpace) -> list[_Sieved]:
-    """Unlike castable pads, a few of each thickness, those of the least misfit first."""
+    """Unlike pads that can be cast, a few of each thickness, those of the least misfit first."""
     designs, mean, spread = sieve(family, space)
     lengths = np.stack([designs.thickness_mm, *designs.parameters.values()], axis=-1)
     kept: list[int] = []
@@ -247,7 +248,7 @@ def _sieve(family: Family, space: SearchSpace) -> list[_Sieved]:
         same = of_thickness.setdefault(thickness, [])
         if len(same) >= A_THICKNESS or any(_alike(lengths[index], lengths[other]) for other in same):
             continue
-        if designs.take(np.array([index])).castable(space.pad_mm)[0]:
+        if designs.take(np.array([index])).castable(space.pad_mm, space.least_film_mm)[0]:
             same.append(index)
             kept.append(index)
             if len(kept) == A_KIND:

@@ -43,7 +43,7 @@ class SearchSpace:
     """Every combination of the steps of thickness and ratio, of one resin, for one set of targets.
 
     ``tolerances`` gives how well a pad of a shape, thickness and ratio is made; ``puck_error`` is the standard
-    deviation of ln modulus that one puck leaves.
+    deviation of ln modulus that one puck leaves; thinner gel than ``least_film_mm`` does not level itself in time.
     """
 
     resin: Resin
@@ -59,6 +59,7 @@ class SearchSpace:
     base: str = "bonded"
     correct: Correct | None = None
     edge_radius_mm: float = 0.0
+    least_film_mm: float = 0.0
 
     @property
     def extent_mm(self) -> float:

@@ -207,6 +207,12 @@ def spreading_time_s(spec: MouldSpec, pour: Pour, film_mm: float) -> float:
     return 3 * 3 * pour.viscosity_Pa_s / (weight * (film_mm * 1e-3) ** 3 * wave**2)
 
 
+def least_film_mm(spec: MouldSpec) -> float:
+    """Thinnest film that levels itself while the resin can be poured (:func:`spreading_time_s`). [mm]"""
+    left_s = 60 * (spec.pour.pot_life_min - spec.pour.pour_and_degas_min)
+    return float((spreading_time_s(spec, spec.pour, 1.0) / left_s) ** (1 / 3))
+
+
 WITNESS_MM = 50.0, 30.0
 """Diameter and height of the witness puck."""
 

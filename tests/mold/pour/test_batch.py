@@ -9,7 +9,15 @@ import pytest
 from dummydesign.mold.files import pour_sheet as sheet
 from dummydesign.mold.model.preset import mould_spec
 from dummydesign.mold.pour.bill_of_materials import bill_of_materials, materials
-from dummydesign.mold.pour.plan import RATIO_ERROR_LIMIT_PERCENT, batch_of, batches_of, pour_plan, witness_mass_g
+from dummydesign.mold.pour.plan import (
+    RATIO_ERROR_LIMIT_PERCENT,
+    batch_of,
+    batches_of,
+    least_film_mm,
+    pour_plan,
+    spreading_time_s,
+    witness_mass_g,
+)
 from dummydesign.mold.pour.warnings import pour_warnings
 from dummydesign.mold.runner import without_cad
 from tests.support.mould_checks import shape_spec
@@ -89,3 +97,11 @@ def test_a_coarse_balance_never_asks_for_more_than_the_chamber_degasses():
     cup_mm = min(machines.chamber_diameter_mm, machines.chamber_height_mm)
     assert litres <= 0.7854 * (cup_mm * 1e-2) ** 3 * 1.01 and batch.mix.total_g < plan.batch_for_ratio_g
     assert "small_batch" in {item["code"] for item in pour_warnings(spec, plan)}
+
+
+@pytest.mark.parametrize("pad_mm", [(60.0, 60.0), (150.0, 120.0)])
+def test_the_least_film_levels_itself_just_within_the_pot_life(pad_mm: tuple[float, float]) -> None:
+    spec = mould_spec(10.0, *pad_mm)
+    film_mm = least_film_mm(spec)
+    needed_min = spec.pour.pour_and_degas_min + spreading_time_s(spec, spec.pour, film_mm) / 60
+    assert needed_min == pytest.approx(spec.pour.pot_life_min)

@@ -169,7 +169,8 @@ def to_dxf(sheet: Drawing) -> str:
         for name, width in LAYERS.items():
             document.layers.add(name, lineweight=round(100 * width))
         document.layers.add("viewport").off()
-        model, page = document.modelspace(), document.layout("Layout1")
+        model = document.modelspace()
+        page: Any = document.layout("Layout1")
         (wide, high), whole = sheet.size, 1.0 / sheet.scale
         page.page_setup(size=sheet.size, margins=(0, 0, 0, 0), units="mm")
         view = page.add_viewport((wide / 2, high / 2), sheet.size, (whole * wide / 2, whole * high / 2), whole * high,

@@ -183,7 +183,8 @@ def to_dxf(sheet: Drawing) -> str:
             space.add_lwpolyline(points, dxfattribs={"layer": line.layer})
         _dxf_texts(page, sheet)
         for d in sheet.dimensions:
-            _dxf_dimension(*((page, 1.0) if d.enlarged != 1.0 else (model, whole)), d, sheet)
+            space, factor = (page, 1.0) if d.enlarged != 1.0 else (model, whole)
+            _dxf_dimension(space, factor, d, sheet)
         # Left to itself the library adds the last of these in the order of a set, which differs between processes.
         for name in REQ_R2000:
             document.classes.add_class(name)
@@ -207,7 +208,7 @@ def _dxf_texts(page: Any, sheet: Drawing) -> None:
 
 def _dxf_dimension(space: Any, factor: float, d: Dimension, sheet: Drawing) -> None:
     """A dimension that measures its own length; one of a detail on the page divides by the detail's scale."""
-    measured = 1.0 if factor != 1.0 or sheet.scale * d.enlarged == 1.0 else 1.0 / (sheet.scale * d.enlarged)
+    measured = 1.0 / (factor * sheet.scale * d.enlarged)
     base, start, end = ((factor * x, factor * y) for x, y in (d.line[0], d.start, d.end))
     style = {"dimtxt": factor * TEXT_MM, "dimasz": factor * ARROW_MM, "dimexe": factor * 1.25, "dimexo": 0.0,
              "dimgap": factor * 0.6, "dimscale": 1.0, "dimlfac": measured, "dimdec": 2, "dimzin": 8, "dimrnd": 0.0,

@@ -19,12 +19,13 @@ from dummydesign.mold.checks.process import check_process
 from dummydesign.mold.checks.solids import check_shape, check_solids
 from dummydesign.mold.files import picture as view
 from dummydesign.mold.files.drawing_sheet import to_dxf, to_pdf, to_svg
-from dummydesign.mold.files.meshes import tessellate, write_3mf, write_glb, write_stl
+from dummydesign.mold.files.meshes import lying, tessellate, write_3mf, write_glb, write_stl
 from dummydesign.mold.files.part_drawings import part_views, sheets
 from dummydesign.mold.files.picture import turned_over
 from dummydesign.mold.files.pour_sheet import Foot, pour_sheet, sheet_pdf, to_html, to_markdown
 from dummydesign.mold.files.solid_view import mould_view
 from dummydesign.mold.files.step import step_text
+from dummydesign.mold.model.printed_parts import printed_parts
 from dummydesign.mold.model.spec import MouldSpec
 from dummydesign.mold.pour.acceptance import gauge_points
 from dummydesign.mold.pour.plan import PourPlan, batches_of, pour_plan
@@ -71,6 +72,7 @@ def _write_and_check(
     total = sum(part.volume_mm3 for part in made.parts.values())
     checks.append(check_files.check_second_reader(assembly, total, len(made.parts)))
     checks += check_files.check_meshes(made, mesh_files)
+    checks += check_files.check_lying(made, mesh_files)
     write_progress("step 5 of 5: drawings, picture and pour sheet")
     warnings = pour_warnings(spec, plan)
     checks += check_process(spec, plan, warnings)
@@ -106,12 +108,12 @@ def description(spec: MouldSpec, name: str) -> str:
 
 
 def _write_meshes(made: Parts, meshes: dict[str, Any], folder: Path) -> dict[str, dict[str, Path]]:
-    """STL and 3MF of what is printed or looked at in a slicer."""
+    """STL and 3MF of what is printed, as it lies on the bed; STL of the other parts as they stand in the mould."""
     files: dict[str, dict[str, Path]] = {}
+    turned = {part.name: part.turned for part in printed_parts(made.spec)}
     for name, part in meshes.items():
-        if (scale := made.print_scale(name)) != 1.0:
-            part = part.copy()
-            part.apply_scale(scale)
+        if made.parts[name].is_printed:
+            part = lying(part, turned[name], made.print_scale(name))
         files[name] = {"stl": folder / f"{name}_{made.spec.tag}.stl"}
         write_stl(part, files[name]["stl"])
         if made.parts[name].is_printed:

@@ -211,7 +211,7 @@ def _recipe_facts(result: dict[str, Any]) -> list[Fact]:
     """Ratio, weights, modulus and the words for the pad."""
     best = result["recommendation"]
     return [
-        Fact(f"ratio: {suggest_facts.ratio_meaning(best)}, by weight", f"{best['ratio']:g}", True),
+        Fact(f"ratio: {suggest_facts.ratio_by_words(best)}", f"{best['ratio']:g}", True),
         Fact(f"weigh ({best['resin']})", "\n".join(suggest_facts.batch_lines(best["batch"]))),
         Fact("long-term modulus", suggest_facts.modulus_text(best)),
         Fact("pad", suggest_facts.pad_text(result)),

@@ -72,6 +72,11 @@ def ratio_meaning(best: dict[str, Any]) -> str:
     return best["ratio_meaning"].replace("isocyanate parts", "isocyanate").removesuffix(" by weight")
 
 
+def ratio_by_words(best: dict[str, Any]) -> str:
+    """What the ratio counts, and that it is by weight where it is not by volume."""
+    return ratio_meaning(best) if "by volume" in best["ratio_meaning"] else f"{ratio_meaning(best)}, by weight"
+
+
 def modulus_text(best: dict[str, Any]) -> str:
     """Long-term modulus with its interval."""
     young = best["young_kPa"]

@@ -9,8 +9,8 @@ import pytest
 from dummydesign.cli.entry import run
 from dummydesign.core.library import user_folder
 from dummydesign.core.quantity import Quantity
+from dummydesign.design.problem import read_problem
 from dummydesign.design.request import Request
-from dummydesign.design.suggest import resolve
 from dummydesign.mold.model.preset import mould_spec
 from dummydesign.resin import load_resin
 from dummydesign.resin.describe import explain
@@ -102,7 +102,7 @@ def test_a_fixed_mix_is_kept_with_one_ratio_and_can_be_designed_and_poured_with(
     assert resin.log_slope(made.ratio) == 0.0 and len(explain(resin)["curve"]) == 1
     assert [one.mass_g for one in resin.recipe(made.ratio, 50.0)] == [50.0]
     assert {arm.beta.kind for arm in resin.arms} == {"assumed"}
-    inputs = resolve(Request(tissue="forefinger", resin="gel", shape="slab"))
+    inputs = read_problem(Request(tissue="forefinger", resin="gel", shape="slab"))
     assert list(inputs.space.ratio) == [made.ratio]
     pour = mould_spec(8.0, 60.0, 50.0, "open", resin, made.ratio).pour
     assert pour.hardness == expected_hardness(resin, made.ratio).text

@@ -191,7 +191,7 @@ def render(result: dict[str, Any]) -> str:
     weights = [("", batch)] if "base" not in batch else [("upper layer, poured first: ", batch),
                                                          ("base layer, poured second: ", batch["base"])]  # fmt: skip
     for words, one in weights:
-        parts = " + ".join(f"{part['name']} {part['mass_g']:.1f} g" for part in one["components"])
+        parts = " + ".join(map(_part, one["components"]))
         head += labelled("WEIGH", f"{words}{parts} = {one['total_g']:.1f} g; pour {one['pour_g']:.1f} g of it")
     head += labelled("", f"ratio {inputs['ratio']:g} ({inputs['ratio_meaning']}), {inputs['resin']}")
     if pour["silicone_mass_g"]:
@@ -204,12 +204,18 @@ def render(result: dict[str, Any]) -> str:
     )  # fmt: skip
 
 
+def _part(part: dict[str, Any]) -> str:
+    """A component with its mass, and its volume where the ratio is by volume."""
+    volume = f" ({part['volume_ml']:.1f} ml)" if "volume_ml" in part else ""
+    return f"{part['name']} {part['mass_g']:.1f} g{volume}"
+
+
 def _render_pucks(result: dict[str, Any], details: bool = False) -> str:
     """What to print, mix and pour for pucks, and the sheet to begin with."""
     inputs, pour = result["inputs"], result["pour"]
     sizes = ", ".join(f"{one['count']} x {one['diameter_mm']:g} x {one['height_mm']:g} mm" for one in inputs["puck"])
     count = sum(one["count"] for one in inputs["puck"])
-    parts = " + ".join(f"{part['name']} {part['mass_g']:.1f} g" for part in pour["components"])
+    parts = " + ".join(map(_part, pour["components"]))
     each = ", ".join(f"{mass:.1f} g" for mass in pour["pour_g"])
     head = labelled("PUCK", f"{sizes} (diameter x height): {'a printed ring' if count == 1 else 'printed rings'}, "
                     "two halves each", 2)  # fmt: skip

@@ -20,6 +20,15 @@ from dummydesign.mold.cad.solids import cylinders, drafted_prism, single_solid
 from dummydesign.mold.model import formulas as formula
 from dummydesign.mold.model import layout as dimensions
 from dummydesign.mold.model.layout import Layout, Outline, Point, layout, plug_top_mm
+from dummydesign.mold.model.printed_parts import (
+    CARRIER_BORDER_MM,
+    COLLAR_GAP_MM,
+    COLLAR_LIP_MM,
+    EAR_OUT_MM,
+    EAR_RADIUS_MM,
+    ear_side_mm,
+    tray_outline,
+)
 from dummydesign.mold.model.spec import MouldSpec, PadGeometry
 from dummydesign.mold.pour.plan import CARRIER_VENT_MM, CARRIER_VENTS
 
@@ -298,11 +307,6 @@ def pad_solid(pad: PadGeometry) -> Any:
     return whole if bone is None else single_solid(whole.cut(bone))
 
 
-EAR_RADIUS_MM = 8.0
-# Room around silicone that a printed ring is put over; its lower edge is the first layer.
-COLLAR_GAP_MM = 0.3
-
-
 def strike_off(spec: MouldSpec, plan: Layout) -> Any:
     """Plate that rests on the land and dips through the freeboard to the fill plane, a film gap around it.
 
@@ -320,12 +324,10 @@ def tray(spec: MouldSpec, plan: Layout) -> Any:
     """Flat stiff carrier with a rim that leaves room for thermal growth and three ears for level screws."""
     aids, body = spec.aids, spec.body
     pocket = plan.bottom.grown(aids.tray_clearance_mm)
-    outer = pocket.grown(aids.tray_rim_mm)
+    outer = tray_outline(spec, plan)
     low = -body.floor_mm - aids.tray_floor_mm
     solid = drafted_prism(outer, aids.tray_floor_mm + aids.tray_rim_height_mm, 0.0, low)
-    reach = outer.width_mm / 2 + EAR_RADIUS_MM - 4.0
-    # Two ears that met would close a gap between them and the rim.
-    side = max(EAR_RADIUS_MM + 2.0, outer.length_mm / 2 - outer.radius_mm - EAR_RADIUS_MM)
+    reach, side = outer.width_mm / 2 + EAR_OUT_MM, ear_side_mm(outer)
     places = [Point(-side, reach), Point(side, reach), Point(0.0, -reach)]
     ears = cylinders(places, EAR_RADIUS_MM, aids.tray_floor_mm, low)
     holes = cylinders(places, aids.level_screw_hole_mm / 2, aids.tray_floor_mm + 2, low - 1)
@@ -337,7 +339,7 @@ def collar(spec: MouldSpec, plan: Layout) -> Any:
     """Ring on the land that holds foaming resin while it is degassed in the mould; a lip centres it outside."""
     aids = spec.aids
     high = formula.collar_height_mm(plan.depth_mm, spec.pour.foam_factor)
-    gap, lip = COLLAR_GAP_MM + spec.machines.elephant_foot_mm, 4.0
+    gap, lip = COLLAR_GAP_MM + spec.machines.elephant_foot_mm, COLLAR_LIP_MM
     ring = drafted_prism(plan.top.grown(gap + aids.collar_wall_mm), high + lip, 0.0, plan.land_mm - lip)
     seat = drafted_prism(plan.top.grown(gap), lip, 0.0, plan.land_mm - lip)
     return single_solid(ring.cut(drafted_prism(plan.openings.grown(1.0), high + 1.0, 0.0, plan.land_mm), seat))
@@ -345,8 +347,8 @@ def collar(spec: MouldSpec, plan: Layout) -> Any:
 
 # Clear width between a vent and the wall of the cavity. [mm]
 VENT_INSET_MM = 3.0
-# Border of the carrier of several crowns around the pad, and its marks: gap to the pad, width and depth. [mm]
-CARRIER_BORDER_MM, MARK_GAP_MM, MARK_WIDTH_MM, MARK_DEPTH_MM = 15.0, 2.0, 0.8, 0.6
+# Marks on the carrier of several crowns: gap to the pad, width and depth. [mm]
+MARK_GAP_MM, MARK_WIDTH_MM, MARK_DEPTH_MM = 2.0, 0.8, 0.6
 
 
 def spacer(spec: MouldSpec, plan: Layout) -> Any:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 import shutil
 import subprocess
@@ -12,8 +13,12 @@ from typing import Any
 
 from dummydesign.mold.cad.build import Part, Parts
 from dummydesign.mold.cad.solids import rough_bounds
-from dummydesign.mold.checks.check import Check, below, equal, genera, skipped
+from dummydesign.mold.checks.check import Check, above, below, equal, genera, skipped
 from dummydesign.mold.files.step import canonical_step, read_step, time_stamp
+from dummydesign.mold.model.layout import Outline
+from dummydesign.mold.model.printed_parts import MOST_OVERHANG_MM2, STEEPEST_DEG
+from dummydesign.mold.model.spec import MouldSpec
+from dummydesign.mold.model.validate import spare_mm
 
 READER_LIMIT_S = 120
 VOLUME_REL = 1e-6
@@ -115,6 +120,59 @@ def check_step_text(assembly: Path, small: Path, spec_hash: str) -> list[Check]:
         equal("step_millimetres", millimetres, True, "centimetres occur in the unit of density alone"),
         equal("step_canonical", canonical, True, "ordering and numbering follow from content alone"),
     ]
+
+
+ON_BED_MM = 1e-3
+
+
+def overhang_mm2(mesh: Any) -> float:
+    """Area of a mesh that looks down off the bed, flatter than 45 degrees: what needs support. [mm2]
+
+    The bed is at the mesh's lowest point.
+    """
+    import numpy as np
+
+    triangles = np.asarray(mesh.triangles)
+    above_bed = triangles[:, :, 2].max(axis=1) > mesh.bounds[0][2] + ON_BED_MM
+    flat = -np.asarray(mesh.face_normals)[:, 2] > math.cos(math.radians(STEEPEST_DEG)) + 1e-6
+    return float(np.asarray(mesh.area_faces)[above_bed & flat].sum())
+
+
+def check_lying(made: Parts, files: Mapping[str, Mapping[str, Path]]) -> list[Check]:
+    """Print files lie on z = 0, hang over the bed nowhere, and fit it with their margin; read again from disk."""
+    import trimesh
+
+    machines = made.spec.machines
+    low, spare, hanging, names = 0.0, math.inf, 0.0, {"spare": "", "hanging": ""}
+    for name, paths in files.items():
+        if not made.parts[name].is_printed:
+            continue
+        for path in paths.values():
+            mesh: Any = trimesh.load(path, force="mesh")
+            (x0, y0, z0), (x1, y1, z1) = mesh.bounds
+            low = max(low, abs(z0))
+            room = min(spare_mm(Outline(x1 - x0, y1 - y0, 0.0), machines.bed_mm), machines.printer_height_mm - z1)
+            if room < spare:
+                spare, names["spare"] = room, name
+            if not _bone_overhangs(made.spec, name) and (area := overhang_mm2(mesh)) > hanging:
+                hanging, names["hanging"] = area, name
+    note = "mm2 flatter than 45 degrees off the bed"
+    if _bone_overhangs(made.spec, "carrier"):
+        note += "; the carrier's bone overhangs and is printed with support"
+    worst = f", {names['hanging']}" if names["hanging"] else ""
+    return [
+        below("print_on_bed", low, ON_BED_MM, "mm, lowest point of the print files off the bed"),
+        below("print_overhang", hanging, MOST_OVERHANG_MM2, note + worst),
+        above("print_fits_bed", spare, -BED_SLACK_MM, f"mm to spare for print file {names['spare']}, margin kept"),
+    ]  # fmt: skip
+
+
+BED_SLACK_MM = 0.01
+
+
+def _bone_overhangs(spec: MouldSpec, name: str) -> bool:
+    """Whether a part carries a bone from a file that overhangs by its own shape."""
+    return name == "carrier" and spec.insert is not None and spec.insert.overhang
 
 
 def check_meshes(made: Parts, files: Mapping[str, Mapping[str, Path]]) -> list[Check]:

@@ -7,9 +7,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 from dummydesign.mold.checks.check import Check, above, below, equal, skipped
-from dummydesign.mold.model.layout import layout
+from dummydesign.mold.model.printed_parts import part_title, printed_parts
 from dummydesign.mold.model.spec import MouldSpec, Pour
-from dummydesign.mold.model.validate import chamber_spare_mm, footprint, spare_mm
+from dummydesign.mold.model.validate import bed_spare_mm, chamber_spare_mm, footprint, spare_mm
 from dummydesign.mold.pour.plan import CUP_FACTOR, PourPlan, pours_of
 from dummydesign.mold.pour.steps import order_faults, pour_steps
 
@@ -29,16 +29,17 @@ def check_process(spec: MouldSpec, plan: PourPlan, warnings: Sequence[Mapping[st
 def _machines(spec: MouldSpec) -> list[Check]:
     m, bolt = spec.machines, math.floor(spec.box.bolt_hole_mm)
     play = spec.box.bolt_hole_mm - 2 * m.elephant_foot_mm - bolt
+    tight = min(printed_parts(spec), key=lambda part: bed_spare_mm(part, spec))
     checks = [
-        above("fits_printer", spare_mm(layout(spec).flange, m.bed_mm), 0.0,
-              "mm to spare beside the master on the bed, margin kept"),
+        above("fits_printer", bed_spare_mm(tight, spec), 0.0, "mm to spare on the bed, margin kept, or in height; "
+              f"tightest of all printed parts as they lie: {part_title(tight.name, spec.is_printed)}"),
         above("bolts_pass", play, 0.0, f"mm of play for M{bolt} where the print's first layer spreads"),
     ]  # fmt: skip
     if spec.pour.cures_warm:
         shelf = spare_mm(footprint(spec), (m.shelf_x_mm, m.shelf_y_mm))
         checks.append(above("fits_oven", shelf, 0.0, "mm to spare on the shelf"))
     else:
-        checks.append(skipped("fits_oven", "cures at room temperature"))
+        checks.append(skipped("fits_oven", f"cures {spec.pour.cure_place}"))
     if spec.plastic is None:
         checks.append(skipped("plastic_bears_oven", "the preset names no plastic"))
     else:
@@ -47,7 +48,8 @@ def _machines(spec: MouldSpec) -> list[Check]:
     if spec.pour.degas == "mould":
         checks.append(above("fits_vacuum_chamber", chamber_spare_mm(spec), 0.0, "mm to spare, mould with collar"))
     else:
-        checks.append(skipped("fits_vacuum_chamber", "the resin is degassed in its cup"))
+        where = "is degassed in its cup" if spec.pour.is_degassed else "is poured without a vacuum"
+        checks.append(skipped("fits_vacuum_chamber", f"the resin {where}"))
     return checks
 
 
@@ -76,6 +78,7 @@ def _weights(spec: MouldSpec, pour: Pour, plan: PourPlan) -> list[Check]:
         above("batch_covers_cavity", plan.batch_mass_g - pour.film_loss_g, filled, "g after film loss"),
         below("weighing_error", plan.ratio_error_percent, 100 * resolution / lightest,
               "%, what one balance step allows"),
+        skipped("cup_fits_chamber", "poured without a vacuum") if not pour.is_degassed else
         below("cup_fits_chamber", cup, min(spec.machines.chamber_diameter_mm, spec.machines.chamber_height_mm),
               f"mm, cup of {CUP_FACTOR:g} times the liquid, as high as wide"),
         above("pot_life", pour.pot_life_min, needed, "min against degassing, pouring and levelling"),

@@ -145,7 +145,7 @@ def arrange(views: Sequence[View], title: Title, notes: Sequence[str], paper: st
         if view.filled:
             bound = [line.points for line in one.lines if line.layer == "bound"]
             closed = bound or [line.points for line in one.lines if line.layer == "cut"]
-            one.lines += [Line(piece, "hatch") for piece in hatch(closed, HATCH_MM)]
+            one.lines += [Line(piece, "hatch", not view.enlarged) for piece in hatch(closed, HATCH_MM)]
     sheet = Drawing(title.part, scale, paper)
     level = h - MARGIN_MM - 3.0 - (room[1] - deep) / 2
     for row in rows:
@@ -165,6 +165,7 @@ def _at_scale(view: View, scale: float, larger: float) -> Placed:
     if not view.enlarged:
         return lay_out_view(view, scale)
     one = lay_out_view(replace(view, name=f"{view.name} ({ratio(larger)})"), larger)
+    one.lines = [replace(line, of_part=False) for line in one.lines]
     one.dimensions = [replace(d, enlarged=larger / scale) for d in one.dimensions]
     return one
 
@@ -186,7 +187,7 @@ def _put(sheet: Drawing, one: Placed, shift: Point) -> None:
     def moved(point: Point) -> Point:
         return point[0] + shift[0], point[1] + shift[1]
 
-    sheet.lines += [Line(tuple(moved(p) for p in line.points), line.layer) for line in one.lines]
+    sheet.lines += [replace(line, points=tuple(moved(p) for p in line.points)) for line in one.lines]
     sheet.texts += [replace(text, at=moved(text.at)) for text in one.texts]
     for d in one.dimensions:
         at = d.at + shift[0 if d.vertical else 1]
@@ -199,7 +200,7 @@ def lay_out_view(view: View, scale: float) -> Placed:
     def on_paper(point: Point) -> Point:
         return point[0] * scale, point[1] * scale
 
-    lines = [Line(tuple(on_paper(point) for point in run), layer) for run, layer in view.runs]
+    lines = [Line(tuple(on_paper(point) for point in run), layer, True) for run, layer in view.runs]
     x0, y0, x1, y1 = (scale * value for value in view.bounds)
     edges = {"above": y1, "below": y0, "left": x0, "right": x1}
     dimensions: list[Dimension] = []

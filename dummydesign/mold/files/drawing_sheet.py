@@ -33,10 +33,11 @@ def text_width(words: str, height: float) -> float:
 
 @dataclass(frozen=True)
 class Line:
-    """A run of straight pieces."""
+    """A run of straight pieces; ``of_part`` where it is the part at the scale of the sheet, not frame or detail."""
 
     points: tuple[Point, ...]
     layer: str
+    of_part: bool = False
 
 
 @dataclass(frozen=True)
@@ -153,32 +154,37 @@ def number_text(value: float) -> str:
 
 
 def to_dxf(sheet: Drawing) -> str:
-    """Write the sheet as DXF R2010 in millimetres, dimensions as dimension entities; equal sheets, equal files."""
+    """Write the sheet as DXF R2010 in millimetres; equal sheets, equal files.
+
+    Model space holds the part at 1:1 with dimensions that measure it, so that it can be cut from. The sheet, with
+    frame, texts and enlarged details, is the paper space; its viewport scales the model.
+    """
     import ezdxf
-    from ezdxf.enums import TextEntityAlignment
     from ezdxf.sections.classes import REQ_R2000
 
     fixed, ezdxf.options.write_fixed_meta_data_for_testing = ezdxf.options.write_fixed_meta_data_for_testing, True
     try:
         document = ezdxf.new("R2010", setup=["dimstyles:metric"])
         document.units = ezdxf.units.MM
-        space = document.modelspace()
         for name, width in LAYERS.items():
             document.layers.add(name, lineweight=round(100 * width))
+        document.layers.add("viewport").off()
+        model = document.modelspace()
+        page: Any = document.layout("Layout1")
+        (wide, high), whole = sheet.size, 1.0 / sheet.scale
+        page.page_setup(size=sheet.size, margins=(0, 0, 0, 0), units="mm")
+        view = page.add_viewport((wide / 2, high / 2), sheet.size, (whole * wide / 2, whole * high / 2), whole * high,
+                                 status=2)  # fmt: skip
+        view.dxf.layer = "viewport"
         # edges come from the solid in an order that differs between processes
         for line in sorted(sheet.lines, key=lambda one: (one.layer, one.points)):
-            space.add_lwpolyline(line.points, dxfattribs={"layer": line.layer})
-        for text in sheet.texts:
-            alignment = TextEntityAlignment.BOTTOM_CENTER if text.middle else TextEntityAlignment.BOTTOM_LEFT
-            turn = 90.0 if text.upright else 0.0
-            entity = space.add_text(text.words, height=text.height, rotation=turn, dxfattribs={"layer": "text"})
-            entity.set_placement(text.at, align=alignment)
+            space, factor = (model, whole) if line.of_part else (page, 1.0)
+            points = [(factor * x, factor * y) for x, y in line.points]
+            space.add_lwpolyline(points, dxfattribs={"layer": line.layer})
+        _dxf_texts(page, sheet)
         for d in sheet.dimensions:
-            space.add_linear_dim(
-                base=d.line[0], p1=d.start, p2=d.end, angle=90 if d.vertical else 0, text=number_text(d.value),
-                dimstyle="EZDXF", override={"dimtxt": TEXT_MM, "dimasz": 2.5, "dimclrt": 7},
-                dxfattribs={"layer": "dimension"},
-            ).render()  # fmt: skip
+            space, factor = (page, 1.0) if d.enlarged != 1.0 else (model, whole)
+            _dxf_dimension(space, factor, d, sheet)
         # Left to itself the library adds the last of these in the order of a set, which differs between processes.
         for name in REQ_R2000:
             document.classes.add_class(name)
@@ -187,6 +193,28 @@ def to_dxf(sheet: Drawing) -> str:
         return stream.getvalue()
     finally:
         ezdxf.options.write_fixed_meta_data_for_testing = fixed
+
+
+def _dxf_texts(page: Any, sheet: Drawing) -> None:
+    """The texts of the sheet on its page."""
+    from ezdxf.enums import TextEntityAlignment
+
+    for text in sheet.texts:
+        alignment = TextEntityAlignment.BOTTOM_CENTER if text.middle else TextEntityAlignment.BOTTOM_LEFT
+        turn = 90.0 if text.upright else 0.0
+        entity = page.add_text(text.words, height=text.height, rotation=turn, dxfattribs={"layer": "text"})
+        entity.set_placement(text.at, align=alignment)
+
+
+def _dxf_dimension(space: Any, factor: float, d: Dimension, sheet: Drawing) -> None:
+    """A dimension that measures its own length; one of a detail on the page divides by the detail's scale."""
+    measured = 1.0 / (factor * sheet.scale * d.enlarged)
+    base, start, end = ((factor * x, factor * y) for x, y in (d.line[0], d.start, d.end))
+    style = {"dimtxt": factor * TEXT_MM, "dimasz": factor * ARROW_MM, "dimexe": factor * 1.25, "dimexo": 0.0,
+             "dimgap": factor * 0.6, "dimscale": 1.0, "dimlfac": measured, "dimdec": 2, "dimzin": 8, "dimrnd": 0.0,
+             "dimclrt": 7}  # fmt: skip
+    space.add_linear_dim(base=base, p1=start, p2=end, angle=90 if d.vertical else 0, dimstyle="EZDXF", override=style,
+                         dxfattribs={"layer": "dimension"}).render()  # fmt: skip
 
 
 def to_svg(sheet: Drawing) -> str:

@@ -23,6 +23,7 @@ from dummydesign.mold.pour.bill_of_materials import bill_of_materials, materials
 from dummydesign.mold.pour.plan import CUP_FACTOR, WITNESS_MM, Batch, Mix, PourPlan, batch_of, pours_of
 from dummydesign.mold.pour.printing import demould_steps, mould_steps, print_words, tip_words
 from dummydesign.mold.pour.steps import BLANK, demould_first, plug_finish, pour_steps, shape_mark
+from dummydesign.resin.model.ratio_meaning import ratio_words
 
 PADS_A_TABLE = 4
 
@@ -66,8 +67,8 @@ def pour_sheet(
         Block("head", "When a step fails"), Block("list", items=when_it_fails(spec)),
         Block("head", "4. Demould and measure"), Block("list", items=(
             *demould_steps(spec), demould_first(spec), measured_blanks(spec.count),
-            f"Age {spec.pour.age_before_test_days:g} days at room temperature before testing; test pad and witness on "
-            "one day.")),
+            f"Age {spec.pour.age_before_test_days:g} days{spec.pour.mark('age_before_test_days')} at room temperature "
+            "before testing; test pad and witness on one day.")),
         *_gauge_blocks(spec),
         Block("head", "5. Accept or reject" + (", each pad" if spec.count > 1 else "")),
         Block("table", rows=tuple(acceptance_rows(spec, plan))),
@@ -101,7 +102,7 @@ def _mould_steps(spec: MouldSpec, plan: PourPlan) -> tuple[str, ...]:
         return mould_steps(spec, plastic, face)
     pins = ["Stand the sprue pin (one) and the vent pins (five) in their sockets; pull them before peeling the lid."]
     return (
-        f"Print master and frame{_aids(spec)} and tray ({plastic}; 4 perimeters, 15 % infill; plug upwards). "
+        f"Print master and frame{_aids(spec)} and tray ({plastic}; 4 perimeters, 15 % infill). "
         f"{face}{print_words(spec)}",
         f"Test cure inhibition: a dab of this silicone on this print, and a dab of resin {spec.pour.resin} on cured "
         "silicone, overnight. Tacky borders mean inhibition: seal the print or change the product.",
@@ -122,7 +123,7 @@ def _aids(spec: MouldSpec) -> str:
     if spec.closure is not None:
         return " of mould and lid, pins and backer"
     if spec.pad.shape.bone_height_mm:
-        return ", carrier with the bone upwards (solid)"
+        return ", carrier with the bone (solid)"
     carrier = ", carrier (solid)" if len(spec.pad.shape.places_mm) > 1 else ""
     return f", strike-off plate{carrier}" if spec.base is None else ", strike-off plate, spacer"
 
@@ -142,12 +143,11 @@ def _weighing(spec: MouldSpec, pour: Pour, plan: PourPlan) -> list[Block]:
     digits = max(0, -math.floor(math.log10(resolution)))
     batch = batch_of(spec, pour, plan)
     mixes = [batch.mix] if batch.holds_witness else [batch.mix, batch.with_witness]
-    rows = [("component", *("mix, g", "mix with a witness puck, g")[: len(mixes)], "weighed, g")]
-    for parts in zip(*(mix.components for mix in mixes)):
-        rows.append((parts[0][0], *(f"{mass:.{digits}f}" for _, mass in parts), BLANK))
-    rows.append(("total", *(f"{one.total_g:.{digits}f}" for one in mixes), BLANK))
+    rows = weight_rows(mixes, digits)
     litres = CUP_FACTOR * mixes[-1].total_g / pour.density_g_per_cm3 * 1e-3
     cup = f"Cup of at least {litres:.2f} litres: the mix foams to four times its volume under vacuum."
+    if not pour.is_degassed:
+        cup = f"Cup of at least {litres / 2:.2f} litres."
     diameter, height = WITNESS_MM
     witness = (f"Witness: a puck of {diameter:g} mm diameter and {height:g} mm height from the same cup "
                f"({batch.witness_g:.1f} g). Its printed ring and how to press it: dummydesign mold --puck "
@@ -155,20 +155,55 @@ def _weighing(spec: MouldSpec, pour: Pour, plan: PourPlan) -> list[Block]:
                f"dummydesign resins add-compression TRACE.csv --diameter {diameter:g} --height {height:g} --friction "
                f"lubricated --name NAME --ratio {pour.ratio:.6g}.")  # fmt: skip
     return [
-        Block("text", f"{pour.resin}, ratio {pour.ratio:.6g} ({pour.ratio_meaning}){_made(mixes)}; balance step "
-                      f"{resolution:g} g."),
+        Block("text", f"{pour.resin}, ratio {pour.ratio:.6g} ({ratio_text(pour)}){_made(mixes)}; balance step "
+                      f"{resolution:g} g, each reading within half of it."),
         Block("table", rows=tuple(rows)),
+        *volume_blocks(pour),
         Block("text", " ".join((*_batch_words(spec, pour, plan, batch, digits), cup))),
         Block("text", witness),
         *([Block("text", _hardness_words(pour))] if pour.hardness else []),
     ]
 
 
+def weight_rows(mixes: Sequence[Mix], digits: int) -> list[tuple[str, ...]]:
+    """Table of the masses of each mix, of a resin by volume the volumes too, with a column to fill in."""
+    names = ("mix", "mix with a witness puck")[: len(mixes)]
+    by_volume = bool(mixes[0].volumes_ml)
+    units = ("g", "ml") if by_volume else ("g",)
+    heads = [f"{name}, {unit}" for name in names for unit in units]
+    rows: list[tuple[str, ...]] = [("component", *heads, "weighed, g")]
+    for row, (component, _) in enumerate(mixes[0].components):
+        cells: list[str] = []
+        for mix in mixes:
+            cells.append(f"{mix.components[row][1]:.{digits}f}")
+            cells += [f"{mix.volumes_ml[row]:.1f}"] if by_volume else []
+        rows.append((component, *cells, BLANK))
+    totals: list[str] = []
+    for mix in mixes:
+        totals.append(f"{mix.total_g:.{digits}f}")
+        totals += [f"{sum(mix.volumes_ml):.1f}"] if by_volume else []
+    return [*rows, ("total", *totals, BLANK)]
+
+
+def ratio_text(pour: Pour) -> str:
+    """What the ratio counts, by weight or by volume; the meaning alone for a resin of one component."""
+    return ratio_words(pour.ratio_meaning, pour.ratio_by) if len(pour.components) > 1 else pour.ratio_meaning
+
+
+def volume_blocks(pour: Pour) -> list[Block]:
+    """How the weights follow from a ratio by volume; nothing for one by weight."""
+    if not pour.component_densities_g_per_cm3:
+        return []
+    densities = ", ".join(f"{name} {density:g} g/cm3" for (name, _), density
+                          in zip(pour.components, pour.component_densities_g_per_cm3))  # fmt: skip
+    return [Block("text", f"The ratio is by volume. The masses follow from the densities: {densities}.")]
+
+
 def _hardness_words(pour: Pour) -> str:
     """The reading that a durometer should show on the cured resin."""
     return (f"Hardness, a rough check without a press: a durometer should show {pour.hardness} after "
-            f"{pour.age_before_test_days:g} days, on a piece at least 6 mm thick. Outside it the batch is not this "
-            f"recipe. Reading: {BLANK}")  # fmt: skip
+            f"{pour.age_before_test_days:g} days{pour.mark('age_before_test_days')}, on a piece at least 6 mm thick. "
+            f"Outside it the batch is not this recipe. Reading: {BLANK}")  # fmt: skip
 
 
 def _made(mixes: Sequence[Mix]) -> str:
@@ -182,8 +217,8 @@ def _batch_words(spec: MouldSpec, pour: Pour, plan: PourPlan, batch: Batch, digi
     each = f" ({plan.fill_mass_g:.1f} g into each of {spec.count} cavities)" if spec.count > 1 else ""
     error = f"The balance leaves up to {batch.mix.error_percent:.2f} % error in a component's share."
     if batch.raised:
-        error = (f"The mould needs only {plan.batch_mass_g:.{digits}f} g. Of that the balance leaves up to "
-                 f"{plan.ratio_error_percent:.2f} % error in a component's share; of this mix "
+        error = (f"With the loss in the cup and the spare {plan.batch_mass_g:.{digits}f} g would do. Of that the "
+                 f"balance leaves up to {plan.ratio_error_percent:.2f} % error in a component's share; of this mix "
                  f"{batch.mix.error_percent:.2f} %. A finer balance saves resin.")  # fmt: skip
     rest = (f"With a witness puck mix the second column, {batch.with_witness.total_g:.{digits}f} g; pour the same mass "
             "into the mould.")  # fmt: skip

@@ -49,6 +49,7 @@ _KEYS = ("schema", "name", "title", "style", "silicone", "machines", "plastic", 
 # What a resin may leave out; each is plain room-temperature practice and listed as assumed in the answer.
 _RESIN_FALLBACK = {"pot_life_min": 20.0, "shrinkage_percent": 0.0, "cure_time_h": 24.0, "age_before_test_days": 7.0,
                    "degas_pressure_kPa": 3.0}  # fmt: skip
+ASSUMED_SOURCE = "usual practice at room temperature, by judgement"
 
 
 def mould_spec(
@@ -190,6 +191,8 @@ def _read_pour(top: Table, resin: Resin, ratio: float) -> tuple[Pour, list[str]]
         **_resin_numbers(resin, ratio, room), **values, room_temperature_C=room, degas=process.string("degas"),
         foam_factor=process.number("foam_factor"), pour_and_degas_min=process.number("pour_and_degas_min"),
     )  # fmt: skip
+    sources += [f"resin {resin.name} {name} = {getattr(result, name):g} (assumed): not in its file, {ASSUMED_SOURCE}"
+                for name in result.assumed]  # fmt: skip
     return result, sources + [f"resin {resin.name}: {reference}" for reference in resin.references[:1]]
 
 
@@ -210,4 +213,13 @@ def _resin_numbers(resin: Resin, ratio: float, room_temperature_C: float) -> dic
         "components": tuple((part.name, float(part.mass_g)) for part in parts),
         "young_kPa": 1e3 * float(resin.young_MPa(ratio)), "hardness": expected_hardness(resin, ratio).text, **numbers,
         "ratio_component": next((liquid.name for liquid in resin.liquids if liquid.parts is None), ""),
+        "ratio_by": resin.ratio_by, "ratio_per": resin.ratio_per,
+        "component_densities_g_per_cm3": _densities(resin, [part.name for part in parts]),
+        "assumed": tuple(name for name in fallback if name not in known), "chemistry": resin.chemistry,
     }  # fmt: skip
+
+
+def _densities(resin: Resin, names: list[str]) -> tuple[float, ...]:
+    """Density of each component of a recipe by volume; none by weight, where nothing follows from it."""
+    densities = {liquid.name: liquid.density_g_per_cm3.value for liquid in resin.liquids}
+    return tuple(densities[name] for name in names) if resin.ratio_by == "volume" else ()

@@ -262,8 +262,10 @@ class Pour:
     """The resin as a liquid to be weighed and poured; ``components`` are (name, mass fraction).
 
     ``young_kPa`` is the modulus that the design counts on, ``hardness`` the durometer's reading to expect of it, in
-    words. The ratio is the mass of ``ratio_component`` over that of the others, in parts; it is unknown in
-    specifications of earlier versions, and no part of the mould.
+    words. The ratio is the amount of ``ratio_component`` over that of the others, in parts; it is unknown in
+    specifications of earlier versions, and no part of the mould. Parts are by weight or by volume (``ratio_by``), to
+    those of the others or in 100 of the mix (``ratio_per``).
+    ``assumed`` names what the resin's file does not state, ``chemistry`` what it is where that is known.
     """
 
     resin: str
@@ -291,11 +293,53 @@ class Pour:
     young_kPa: float
     hardness: str = ""
     ratio_component: str = ""
+    ratio_by: str = "weight"
+    ratio_per: str = "others"
+    component_densities_g_per_cm3: tuple[float, ...] = ()
+    assumed: tuple[str, ...] = ()
+    chemistry: str = ""
+
+    def mark(self, *names: str) -> str:
+        """Return `` (assumed)`` where the resin's file states none of these numbers, else nothing."""
+        return " (assumed)" if set(names) & set(self.assumed) else ""
+
+    @property
+    def cures_cold(self) -> bool:
+        """Whether the cure needs a refrigerator: more than :data:`WARM_K` below the room."""
+        return self.cure_temperature_C < self.room_temperature_C - WARM_K
+
+    @property
+    def cure_place(self) -> str:
+        """Temperature and place of the cure; the cavity is compensated for this temperature."""
+        at = f"at {self.cure_temperature_C:g} C{self.mark('cure_temperature_C')}"
+        if self.cures_warm:
+            return f"{at} in the vented oven"
+        return f"{at} in a refrigerator" if self.cures_cold else f"{at}, room temperature"
+
+    @property
+    def as_hashed(self) -> Pour:
+        """Return the pour without what makes no other mould."""
+        return replace(self, ratio_component="", assumed=(), chemistry="")
+
+    @property
+    def is_degassed(self) -> bool:
+        """Whether a vacuum takes the air out of the resin."""
+        return self.degas != "none"
 
     @property
     def cures_warm(self) -> bool:
         """Whether the cure needs an oven: more than :data:`WARM_K` above the room."""
         return self.cure_temperature_C > self.room_temperature_C + WARM_K
+
+
+USUAL_POUR = {"ratio_by": "weight", "ratio_per": "others", "component_densities_g_per_cm3": (), "assumed": (),
+              "chemistry": ""}  # fmt: skip
+"""Fields of a pour that are left out of a specification when they are as usual."""
+
+
+def without_usual(pour: dict[str, Any]) -> dict[str, Any]:
+    """A pour in plain values without the fields that are as usual, so that older specifications keep their hash."""
+    return {key: value for key, value in pour.items() if key not in USUAL_POUR or list(value) != list(USUAL_POUR[key])}
 
 
 @dataclass(frozen=True)
@@ -364,6 +408,8 @@ class MouldSpec:
         """Return nested plain dictionaries, tuples as lists; what the mould does not have is left out."""
         plain = _without_none(to_plain(asdict(self)))
         plain.setdefault("closure", None)
+        for holder in [plain, *([plain["base"]] if self.base else [])]:
+            holder["pour"] = without_usual(holder["pour"])
         if self.count == 1:
             del plain["count"]
         if not self.machines.layer_mm:
@@ -380,10 +426,10 @@ class MouldSpec:
     def hash(self) -> str:
         """First eight hexadecimal digits (upper case) of the SHA-256 of :meth:`canonical`.
 
-        The name of the ratio's component is left out: it makes no other mould.
+        The name of the ratio's component, the chemistry and what is assumed are left out: they make no other mould.
         """
-        base = self.base and replace(self.base, pour=replace(self.base.pour, ratio_component=""))
-        same = replace(self, pour=replace(self.pour, ratio_component=""), base=base)
+        base = self.base and replace(self.base, pour=self.base.pour.as_hashed)
+        same = replace(self, pour=self.pour.as_hashed, base=base)
         text = same.canonical().replace('"ratio_component":"",', "")
         return hashlib.sha256(text.encode()).hexdigest()[:8].upper()
 

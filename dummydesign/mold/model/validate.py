@@ -4,23 +4,46 @@ from __future__ import annotations
 
 import math
 from dataclasses import asdict, fields, is_dataclass, replace
+from itertools import product
 from typing import Any
 
 from dummydesign.core.errors import InputError, out_of_range, quantity_name, unknown_name
 from dummydesign.geometry.dimensions import RIM_FREE_MM
 from dummydesign.mold.model import formulas as formula
 from dummydesign.mold.model.layout import Layout, Outline, check_face_sheet, layout
+from dummydesign.mold.model.printed_parts import PrintedPart, part_title, printed_parts, tray_covers
 from dummydesign.mold.model.products import check_surface
 from dummydesign.mold.model.spec import MouldSpec, PadGeometry
 
 THICKNESS_MM = (3.0, 30.0)
 CORNER_MM = 0.5
 MOST_CAVITIES = 20
+DEGAS_PLACES = ("cup", "mould", "none")
 SMALLEST_MM = {"open": 20.0, "lidded": 50.0, "printed": 20.0}
 
 
 def validate(spec: MouldSpec) -> Layout:
-    """Check a specification and return its layout."""
+    """Check a specification and return its layout; what is advised instead was tried with the same checks."""
+    plan = _check_makeable(spec)
+    if (fault := _machine_fault(spec)) is None:
+        return plan
+    counts = range(spec.count - 1, 0, -1)
+    fewer = next((count for count in counts if _machine_fault(replace(spec, count=count)) is None), 0)
+    if fewer:
+        raise InputError(
+            f"count = {spec.count} cavities of {spec.pad.length_mm:g} x {spec.pad.width_mm:g} mm do not fit machines "
+            f"'{spec.machines.name}'; {fewer} fit{'s' if fewer == 1 else ''} in one mould",
+            "out_of_range", "count", spec.count, (1, fewer),
+        ) from InputError(fault[0], "cannot_be_made", fault[1])  # fmt: skip
+    message, quantity, value, allowed = fault
+    advice = "name other machines in a preset file"
+    if (size := largest_pad_mm(replace(spec, count=1))) is not None:
+        advice = f"a pad of {size[0]:g} x {size[1]:g} mm fits, or {advice}"
+    raise InputError(f"{message}; {advice}", "cannot_be_made", quantity, value, allowed)
+
+
+def _check_makeable(spec: MouldSpec) -> Layout:
+    """Check all but the machines."""
     _all_finite(spec, "")
     _check_pad(spec)
     _check_body(spec)
@@ -34,16 +57,6 @@ def validate(spec: MouldSpec) -> Layout:
     _check_count(spec)
     plan = layout(spec)
     check_face_sheet(spec, plan)
-    if problem := _machine_fault(spec):
-        counts = range(spec.count - 1, 0, -1)
-        fewer = next((count for count in counts if _machine_fault(replace(spec, count=count)) is None), 0)
-        if not fewer:
-            raise problem
-        raise InputError(
-            f"count = {spec.count} cavities of {spec.pad.length_mm:g} x {spec.pad.width_mm:g} mm do not fit machines "
-            f"'{spec.machines.name}'; {fewer} fit{'s' if fewer == 1 else ''} in one mould",
-            "out_of_range", "count", spec.count, (1, fewer),
-        ) from problem  # fmt: skip
     return plan
 
 
@@ -192,15 +205,17 @@ def _check_process(spec: MouldSpec) -> None:
     for name, value in asdict(spec.acceptance).items():
         _between(f"acceptance {name}", value, 0.1, 50.0)
     _between("foam_factor", pour.foam_factor, 1.5, 8.0)
-    if pour.degas not in ("cup", "mould"):
-        raise unknown_name("place to degas", pour.degas, ("cup", "mould"))
+    if pour.degas not in DEGAS_PLACES:
+        raise unknown_name("place to degas", pour.degas, DEGAS_PLACES)
     if pour.degas == "mould" and spec.body.style != "open":
         message = f"degas = 'mould' needs an open mould of silicone, not a {spec.body.style} one; use 'cup'"
         raise InputError(message, "conflict", "degas", pour.degas, "cup")
     if pour.pour_and_degas_min >= pour.pot_life_min:
         raise InputError(
-            f"pour_and_degas_min = {pour.pour_and_degas_min:g} is not below the resin's pot life of "
-            f"{pour.pot_life_min:g} min",
+            f"pour_and_degas_min = {pour.pour_and_degas_min:g} is not below the pot life of {pour.resin}, "
+            f"{pour.pot_life_min:g} min{pour.mark('pot_life_min')}. It is in [process] of mould preset "
+            f"'{spec.preset}': copy its file, write the minutes that you need and pass the copy with --preset. Without "
+            "a vacuum write degas = \"none\" there, and the minutes to pour alone",
             "out_of_range", "pour_and_degas_min", pour.pour_and_degas_min, (None, pour.pot_life_min),
         )  # fmt: skip
     if not pour.components or not math.isclose(sum(share for _, share in pour.components), 1.0, abs_tol=1e-9):
@@ -212,7 +227,7 @@ def footprint(spec: MouldSpec) -> Outline:
     """What stands in the oven: the tray, or the base of a printed mould."""
     if spec.is_printed:
         return layout(spec).flange
-    return layout(spec).bottom.grown(spec.aids.tray_rim_mm + spec.aids.tray_clearance_mm)
+    return tray_covers(spec, layout(spec))
 
 
 def spare_mm(part: Outline, room_mm: tuple[float, float]) -> float:
@@ -228,37 +243,78 @@ def chamber_spare_mm(spec: MouldSpec) -> float:
     return min(m.chamber_diameter_mm - plan.top.diagonal_mm, m.chamber_height_mm - tall)
 
 
-def _machine_fault(spec: MouldSpec) -> InputError | None:
-    """Why the machines do not take the mould."""
+def bed_spare_mm(part: PrintedPart, spec: MouldSpec) -> float:
+    """Room that a printed part leaves on the bed within its margin, or under the printer's height. [mm]"""
+    return min(spare_mm(part.outline, spec.machines.bed_mm), spec.machines.printer_height_mm - part.height_mm)
+
+
+def _machine_fault(spec: MouldSpec) -> tuple[str, str, Any, Any] | None:
+    """Why the machines do not take the mould: message, quantity, what is needed and what is there."""
     m, plan = spec.machines, layout(spec)
-    largest = "the base of the mould" if spec.is_printed else "the master"
-    if spare_mm(plan.flange, m.bed_mm) < 0:
-        return _too_large("printer bed", largest, plan.flange, m.bed_mm, spec)
-    tall = (0.0 if spec.is_printed else spec.box.rim_mm) + plan.height_mm * plan.silicone_scale
-    if tall > m.printer_height_mm:
-        message = f"the frame is {tall:.0f} mm high, the printer of machines '{m.name}' {m.printer_height_mm:g}"
-        return InputError(message, "cannot_be_made", "printer_height_mm", tall, (None, m.printer_height_mm))
+    for part in printed_parts(spec):
+        name = part_title(part.name, spec.is_printed)
+        if spare_mm(part.outline, m.bed_mm) < 0:
+            return _too_large("printer bed", f"the {name}", part.outline, m.bed_mm, spec)
+        if part.height_mm > m.printer_height_mm:
+            message = f"the {name} is {part.height_mm:.0f} mm high as it is printed, the printer of machines"
+            return (f"{message} '{m.name}' prints up to {m.printer_height_mm:g} mm", "printer_height_mm",
+                    part.height_mm, (None, m.printer_height_mm))  # fmt: skip
     shelf = m.shelf_x_mm, m.shelf_y_mm
     if spec.pour.cures_warm and spare_mm(footprint(spec), shelf) < 0:
         return _too_large("oven shelf", "the mould" if spec.is_printed else "the tray", footprint(spec), shelf, spec)
     if spec.pour.degas == "mould" and chamber_spare_mm(spec) < 0:
         high = plan.height_mm + formula.collar_height_mm(plan.depth_mm, spec.pour.foam_factor)
-        return InputError(
+        return (
             f"the mould with its collar ({plan.top.diagonal_mm:.0f} mm across, {high:.0f} mm high) does not fit "
             f"the vacuum chamber of machines '{m.name}' ({m.chamber_diameter_mm:g} x {m.chamber_height_mm:g} mm); "
-            "degas in the cup or use a smaller pad",
-            "cannot_be_made", "vacuum_chamber",
+            "degas in the cup or use a smaller pad", "vacuum_chamber", None, None,
         )  # fmt: skip
     return None
 
 
-def _too_large(machine: str, part: str, size: Outline, room_mm: tuple[float, float], spec: MouldSpec) -> InputError:
-    """The error for a part larger than a machine, saying how large the pad may be."""
+def _too_large(
+    machine: str, part: str, size: Outline, room_mm: tuple[float, float], spec: MouldSpec
+) -> tuple[str, str, Any, Any]:
+    """What is wrong with a part larger than a machine."""
     pad, short, long = spec.pad, min(room_mm), max(room_mm)
-    most = long - (size.length_mm - pad.length_mm), short - (size.width_mm - pad.width_mm)
-    return InputError(
-        f"pad of {pad.length_mm:g} x {pad.width_mm:g} mm: {part} of {size.length_mm:.1f} x {size.width_mm:.1f} mm does "
-        f"not fit the {machine} of machines '{spec.machines.name}' ({long:g} x {short:g} mm usable); allowed here is "
-        f"a pad up to {most[0]:.0f} x {most[1]:.0f} mm, or name other machines in a preset file",
-        "cannot_be_made", quantity_name(machine), (size.length_mm, size.width_mm), (long, short),
-    )  # fmt: skip
+    message = (f"pad of {pad.length_mm:g} x {pad.width_mm:g} mm: {part} of {size.length_mm:.1f} x {size.width_mm:.1f} "
+               f"mm does not fit the {machine} of machines '{spec.machines.name}' ({long:g} x {short:g} mm "
+               "usable)")  # fmt: skip
+    return message, quantity_name(machine), (size.length_mm, size.width_mm), (long, short)
+
+
+TRIED = 3
+"""Whole millimetres about the size that the bed suggests in which a pad that fits is looked for."""
+
+
+def largest_pad_mm(spec: MouldSpec) -> tuple[float, float] | None:
+    """Largest pad in whole millimetres, no longer and no wider than asked, whose mould the machines take; tried.
+
+    None where none was found. Of a puck both sides are its diameter.
+    """
+    pad, parts, room = spec.pad, printed_parts(spec), sorted(spec.machines.bed_mm)
+    if any(part.height_mm > spec.machines.printer_height_mm for part in parts):
+        return None
+
+    def good(length_mm: float, width_mm: float) -> bool:
+        corner = length_mm / 2 if pad.is_puck else pad.corner_radius_mm
+        sized = replace(pad, length_mm=length_mm, width_mm=width_mm, corner_radius_mm=corner)
+        smaller = replace(spec, pad=sized)
+        if _machine_fault(smaller) is not None:
+            return False
+        try:
+            _check_makeable(smaller)
+        except InputError:
+            return False
+        return True
+
+    def sizes(asked_mm: float, beside_mm: set[float]) -> set[float]:
+        """Sizes to try of one side: what each side of the bed leaves for the pad in each part, give or take a few."""
+        starts = {math.floor(side / spec.machines.print_scale - more) for side in room for more in beside_mm}
+        return {float(min(start - less, math.floor(asked_mm))) for start in starts for less in range(-1, TRIED)}
+
+    # What a part adds to the pad is the same for every size, but for the ears of a small tray.
+    lengths = sizes(pad.length_mm, {part.outline.length_mm - pad.length_mm for part in parts})
+    widths = sizes(pad.width_mm, {part.outline.width_mm - pad.width_mm for part in parts})
+    pairs = [(side, side) for side in widths] if pad.is_puck else product(lengths, widths)
+    return next((pair for pair in sorted(pairs, key=math.prod, reverse=True) if good(*pair)), None)

@@ -104,6 +104,8 @@ def materials(spec: MouldSpec, plan: PourPlan, printed_mm3: Mapping[str, float] 
     if spec.pour.cures_warm:
         hot = spec.pour.cure_temperature_C
         needs.append(MaterialItem("vented oven", hot, "to {:.0f} C", "cure and drying", SHARED))
+    if spec.pour.cures_cold:
+        needs.append(MaterialItem("refrigerator", -spec.pour.cure_temperature_C, "at {:.0f} C", "cure", SHARED))
     against = "resin" if spec.is_printed else "resin and silicone"
     needs.append(MaterialItem("gloves, goggles, extraction", 1, "{:.0f} set", against, SHARED))
     filament = spec.plastic.name.upper() if spec.plastic else "filament"

@@ -60,8 +60,11 @@ class PourPlan:
         return {**plain, "base": self.base.to_dict()} if self.base else plain
 
 
-def _named(components: tuple[tuple[str, float], ...]) -> list[dict[str, Any]]:
-    return [{"name": name, "mass_g": mass} for name, mass in components]
+def _named(components: tuple[tuple[str, float], ...], volumes: tuple[float, ...] = ()) -> list[dict[str, Any]]:
+    named: list[dict[str, Any]] = [{"name": name, "mass_g": mass} for name, mass in components]
+    for one, volume in zip(named, volumes):
+        one["volume_ml"] = round(volume, 2)
+    return named
 
 
 def split_batch(
@@ -104,7 +107,15 @@ def weighed_ratio(pour: Pour, components: tuple[tuple[str, float], ...]) -> floa
     if name not in masses or len(masses) < 2:
         return None
     asked, made = (one[name] / (sum(one.values()) - one[name]) for one in (wanted, masses))
+    if pour.ratio_per == "mix":
+        to_others = pour.ratio / (100.0 - pour.ratio) * made / asked
+        return 100.0 * to_others / (1.0 + to_others)
     return pour.ratio * made / asked
+
+
+def volumes_ml(pour: Pour, components: tuple[tuple[str, float], ...]) -> tuple[float, ...]:
+    """Volume of each weighed component of a resin by volume; empty for one by weight. [ml]"""
+    return tuple(mass / density for (_, mass), density in zip(components, pour.component_densities_g_per_cm3))
 
 
 def pour_plan(spec: MouldSpec, resin_mm3: float | None = None, silicone_mm3: float | None = None) -> PourPlan:
@@ -210,17 +221,19 @@ WITNESS_MM = 50.0, 30.0
 class Mix:
     """What is weighed into one cup; ``error_percent`` is the largest error of a component's share. [g, %]
 
-    ``ratio`` is the mixing ratio of these weights, None where the ratio's component is not known.
+    ``ratio`` is the mixing ratio of these weights, None where the ratio's component is not known; ``volumes_ml`` are
+    those of the components where the ratio is by volume.
     """
 
     components: tuple[tuple[str, float], ...]
     total_g: float
     error_percent: float
     ratio: float | None = None
+    volumes_ml: tuple[float, ...] = ()
 
     def to_dict(self) -> dict[str, Any]:
         """Return plain values."""
-        return {"components": _named(self.components), "total_g": self.total_g,
+        return {"components": _named(self.components, self.volumes_ml), "total_g": self.total_g,
                 "weighing_error_percent": self.error_percent, "ratio": self.ratio}  # fmt: skip
 
 
@@ -259,9 +272,11 @@ def batch_of(spec: MouldSpec, pour: Pour, plan: PourPlan) -> Batch:
     """
     machines = spec.machines
     cup_mm = min(machines.chamber_diameter_mm, machines.chamber_height_mm)
-    most = math.pi / 4 * cup_mm**3 / CUP_FACTOR * pour.density_g_per_cm3 * 1e-3
-    least = min(math.ceil(plan.batch_for_ratio_g - 1e-9), math.floor(most))
-    own = Mix(plan.components, plan.batch_mass_g, plan.ratio_error_percent, plan.weighed_ratio)
+    foamed = math.pi / 4 * cup_mm**3 / CUP_FACTOR * pour.density_g_per_cm3 * 1e-3
+    most = foamed if pour.is_degassed else math.inf
+    least = math.ceil(min(plan.batch_for_ratio_g, math.floor(most) if pour.is_degassed else math.inf) - 1e-9)
+    own = Mix(plan.components, plan.batch_mass_g, plan.ratio_error_percent, plan.weighed_ratio,
+              volumes_ml(pour, plan.components))  # fmt: skip
     mix = own if plan.batch_mass_g >= least else _mix(least, pour, machines.balance_resolution_g, most)
     wanted = plan.batch_mass_g + (1 + pour.extra_percent / 100) * witness_mass_g(pour)
     both = mix if wanted <= mix.total_g else _mix(wanted, pour, machines.balance_resolution_g)
@@ -283,4 +298,5 @@ def batches_of(spec: MouldSpec, plan: PourPlan) -> dict[str, Any]:
 
 def _mix(total_g: float, pour: Pour, resolution_g: float, most_g: float = math.inf) -> Mix:
     components, error = split_batch(total_g, pour.components, resolution_g, most_g)
-    return Mix(components, round(sum(mass for _, mass in components), 6), error, weighed_ratio(pour, components))
+    return Mix(components, round(sum(mass for _, mass in components), 6), error, weighed_ratio(pour, components),
+               volumes_ml(pour, components))  # fmt: skip

@@ -7,6 +7,7 @@ import numpy as np
 from dummydesign.core.errors import InputError
 from dummydesign.mold.model import formulas as formula
 from dummydesign.mold.model.layout import layout, plug_top_mm
+from dummydesign.mold.model.printed_parts import lying_words
 from dummydesign.mold.model.spec import MouldSpec
 from dummydesign.mold.pour.acceptance import COMPARED_DEPTH, force_change_percent
 from dummydesign.mold.pour.steps import BLANK
@@ -119,7 +120,7 @@ def tip_words(spec: MouldSpec) -> str:
 
 
 def print_words(spec: MouldSpec) -> str:
-    """Elephant's foot, shrinkage and gap of the machine's prints, in words; empty where nothing is known."""
+    """How the parts lie on the bed; elephant's foot, shrinkage and gap of the machine's prints, where known."""
     fit, sentences = spec.machines.fit, []
     if fit is not None:
         foot = f"take {fit.elephant_foot_mm:g} mm off the first layer (elephant's foot compensation)"
@@ -130,13 +131,20 @@ def print_words(spec: MouldSpec) -> str:
         sentences.append(f"In the slicer {foot}; {size}. {gap}")
     if words := layer_words(spec):
         sentences.append(f"{words[0].upper()}{words[1:]}.")
-    return f" {' '.join(sentences)}" if sentences else ""
+    sentences.insert(0, lying_words(spec))
+    return f" {' '.join(sentences)}"
 
 
 def release_words(spec: MouldSpec) -> str:
     """The warning: plastic does not let go by itself."""
     assert spec.surface is not None
-    return ("a printed mould is rigid and polyurethane bonds to plastic: finish the faces to valleys of at most "
+    chemistry = spec.pour.chemistry
+    bonds = f"{chemistry or spec.pour.resin} may bond to plastic"
+    if chemistry == "polyurethane" or spec.has_isocyanate:
+        bonds = "polyurethane bonds to plastic"
+    elif "silicone" in chemistry:
+        bonds = "some prints inhibit the cure of silicone, which does not bond to plastic but grips its valleys"
+    return (f"a printed mould is rigid and {bonds}: finish the faces to valleys of at most "
             f"{spec.surface.depth_mm:g} mm, wax them, lay on a film of PVA, and try a scrap of print and resin first")
 
 
@@ -144,7 +152,7 @@ def mould_steps(spec: MouldSpec, plastic: str, face: str) -> tuple[str, ...]:
     """From the printer to the empty mould."""
     assert spec.surface is not None
     return (
-        f"Print base and ring solid where resin touches ({plastic}; 6 perimeters; base floor up, ring flange down), "
+        f"Print base and ring solid where resin touches ({plastic}; 6 perimeters), "
         f"and the plates. {face}{print_words(spec)}",
         f"Fill and sand floor and walls until no valley is deeper than {spec.surface.depth_mm:g} mm (gauge a "
         f"scrap), 400 grit last; the walls' draft of {spec.pad.draft_deg:g} deg releases no "

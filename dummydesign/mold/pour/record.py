@@ -217,13 +217,14 @@ def weighed_ratio(measured: Measured, spec: MouldSpec) -> tuple[float, float]:
         raise InputError(message, "missing", "weighed")
     by_ratio = next(liquid.name for liquid in resin.liquids if liquid.parts is None)
     rest = sum(mass for name, mass in masses.items() if name != by_ratio)
-    ratio = sum(part for name, part in parts.items() if name != by_ratio) * masses[by_ratio] / rest
+    ratio = float(resin.ratio_of(masses))
     if not 0.5 * spec.pour.ratio <= ratio <= 2.0 * spec.pour.ratio:
         meant = f"the mould is for ratio {spec.pour.ratio:g}"
         raise out_of_range("--weighed", f"ratio {ratio:.4g}", f"{0.5 * spec.pour.ratio:g}", f"{2 * spec.pour.ratio:g}",
                            meant)  # fmt: skip
     each = measured.scale_g / math.sqrt(3.0)
-    return ratio, ratio * each * math.hypot(1.0 / masses[by_ratio], math.sqrt(len(masses) - 1) / rest)
+    share = 1.0 - ratio / 100.0 if resin.ratio_per == "mix" else 1.0
+    return ratio, share * ratio * each * math.hypot(1.0 / masses[by_ratio], math.sqrt(len(masses) - 1) / rest)
 
 
 def _evened_mm(measured: Measured, spec: MouldSpec, points: tuple[GaugePoint, ...]) -> tuple[float, ...]:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from dummydesign.mold.model import formulas as formula
 from dummydesign.mold.model.layout import bone_volume_mm3, layout
-from dummydesign.mold.model.spec import MouldSpec
+from dummydesign.mold.model.spec import MouldSpec, Pour
 from dummydesign.mold.pour.plan import PourPlan
 
 # What a step may do. A move is anything that disturbs the level: carrying, weighing the mould itself, tilting it.
@@ -103,14 +103,14 @@ def _layer_steps(spec: MouldSpec, plan: PourPlan) -> list[Step]:
     """From the first pour of a layered pad to the second."""
     assert spec.base is not None and plan.base is not None
     pour = spec.pour
-    where = f"at {pour.cure_temperature_C:g} C in the vented oven" if pour.cures_warm else "at room temperature"
     return [
         Step("UPPER LAYER FIRST (it forms the tested face). "
              f"{by_difference(plan, f'{plan.gram_per_mm_g:.1f} g fill one millimetre')} at: {BLANK}", (POUR,)),
         Step(f"Prick bubbles, wait {max(30.0, plan.pour_time_s):.0f} s. Lay release film on the spacer, set it down on "
              "one edge and lower it like a hinge until it rests on the land; excess comes up in the gap. "
              "Without a spacer the layer is as even as the mould is level.", (WAIT, CLOSE)),
-        Step(f"Let it gel where it stands, {where}; not before its pot life of {pour.pot_life_min:g} min is over "
+        Step(f"Let it gel where it stands, {pour.cure_place}; not before its pot life of {pour.pot_life_min:g} "
+             f"min{pour.mark('pot_life_min')} is over "
              f"lift the spacer on one edge. Gelled at: {BLANK}", (GEL,)),
         Step("BASE LAYER SECOND, while the first is tacky: weigh, mix and degas it only now, as the first (ratio "
              f"{spec.base.pour.ratio:.4g}). The surface must be free of film, dust and release agent. "
@@ -154,11 +154,14 @@ def pour_steps(spec: MouldSpec, plan: PourPlan) -> list[Step]:
         steps += [*_closing_lid(spec), _mixing(spec), _degas_in_cup(spec), *_filling_lidded(plan)]
     latest = spec.pour.pot_life_min - max(2.0, plan.pour_time_s / 60)
     what = "All of this" if plan.base is None else "Each of the two pours"
-    limit = f"{what} within {latest:.0f} min of mixing (pot life {spec.pour.pot_life_min:g} min). Done at: {BLANK}"
+    life = f"{spec.pour.pot_life_min:g} min{spec.pour.mark('pot_life_min')}"
+    limit = f"{what} within {latest:.0f} min of mixing (pot life {life}). Done at: {BLANK}"
     return [*steps, Step(limit, (WAIT,)), _cure(spec, plan)]
 
 
 def _site(spec: MouldSpec) -> str:
+    if spec.pour.cures_cold:
+        return "on the shelf of the refrigerator"
     return f"on the shelf of the {VENTED_OVEN}, switched off and open" if spec.pour.cures_warm else "on a firm bench"
 
 
@@ -191,16 +194,41 @@ def _mixing(spec: MouldSpec) -> Step:
                 (MIX,))  # fmt: skip
 
 
+ASSUMED = {
+    "pot_life_min": ("pot life", "min"), "shrinkage_percent": ("shrinkage", "%"), "cure_time_h": ("cure time", "h"),
+    "age_before_test_days": ("age before the test", "days"), "degas_pressure_kPa": ("degassing pressure", "kPa"),
+    "cure_temperature_C": ("cure temperature", "C"),
+}  # fmt: skip
+
+
+def assumed_words(pour: Pour) -> str:
+    """What the resin's file does not state, with the numbers taken instead; empty where it states all."""
+    listed = ", ".join(f"{name} {getattr(pour, key):g} {unit}" for key, (name, unit) in ASSUMED.items()
+                       if key in pour.assumed)  # fmt: skip
+    return listed and (f"assumed, as the file of resin {pour.resin} does not state them: {listed}. Write those of the "
+                       "data sheet into [property] of the file")  # fmt: skip
+
+
+def degas_words(pour: Pour) -> str:
+    """How the air is taken out of the mixed resin, in its cup or without a vacuum."""
+    if not pour.is_degassed:
+        return ("No vacuum: stir slowly without drawing air in. Let large bubbles rise for a minute and prick them. "
+                "Pour from high up in a thin thread, so that bubbles break as it stretches.")
+    below = f"{pour.degas_pressure_kPa:g} kPa{pour.mark('degas_pressure_kPa')}"
+    return (f"Degas in the cup below {below} until the foam has fallen, then one minute more. "
+            "With less vacuum the bubbles only swell.")  # fmt: skip
+
+
 def _degas_in_cup(spec: MouldSpec) -> Step:
-    return Step(f"Degas in the cup below {spec.pour.degas_pressure_kPa:g} kPa until the foam has fallen, then one "
-                "minute more. With less vacuum the bubbles only swell.", (DEGAS,))  # fmt: skip
+    return Step(degas_words(spec.pour), (DEGAS,))
 
 
 def _degas_in_mould(spec: MouldSpec, plan: PourPlan) -> list[Step]:
     filled = by_difference(plan, "the step of the brim is the fill line", spec.count)
     return [
         Step(f"Set the collar on the land. {filled.replace(' Do not move the mould.', '')}", (POUR,)),
-        Step(f"Stand the mould in the chamber and degas below {spec.pour.degas_pressure_kPa:g} kPa until the foam "
+        Step(f"Stand the mould in the chamber and degas below {spec.pour.degas_pressure_kPa:g} kPa"
+             f"{spec.pour.mark('degas_pressure_kPa')} until the foam "
              f"falls (it may rise {plan.collar_mm:.0f} mm), then take the collar off.", (MOVE, DEGAS)),
     ]  # fmt: skip
 
@@ -250,14 +278,17 @@ def _filling_lidded(plan: PourPlan) -> list[Step]:
 
 def _cure(spec: MouldSpec, plan: PourPlan) -> Step:
     pour = spec.pour
-    how = f"Cure {pour.cure_time_h:g} h at room temperature"
+    hours = f"{pour.cure_time_h:g} h{pour.mark('cure_time_h')}"
+    how = f"Cure {hours} {pour.cure_place}"
     if pour.cures_warm:
         vapour = "warm resin and release agent give off vapour"
         if spec.has_isocyanate:
             vapour = "warm isocyanate gives off vapour that harms the airways"
-        how = (f"Close the {VENTED_OVEN} and cure {pour.cure_time_h:g} h at {pour.cure_temperature_C:g} C ({vapour}: "
+        how = (f"Close the {VENTED_OVEN} and cure {hours} at {pour.cure_temperature_C:g} C ({vapour}: "
                "lead the oven's air outdoors or into extraction)")  # fmt: skip
     carried = "" if spec.is_printed else ", in the tray"
-    return Step(f"{how}, where it stands{carried}. The hot mould grows by {plan.thermal_growth_mm:.1f} mm. The cavity "
-                f"is cut {100 * (layout(spec).scale - 1):+.2f} % so that the cured pad has its size.",
+    hot = f" The hot mould grows by {plan.thermal_growth_mm:.1f} mm." if pour.cures_warm else ""
+    shrinks = f" (shrinkage {pour.shrinkage_percent:g} % assumed)" if pour.mark("shrinkage_percent") else ""
+    cut = f"{100 * (layout(spec).scale - 1):+.2f} %{shrinks}"
+    return Step(f"{how}, where it stands{carried}.{hot} The cavity is cut {cut} so that the cured pad has its size.",
                 (CURE,))  # fmt: skip

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import re
+
 from dummydesign.mold.model import formulas as formula
 from dummydesign.mold.model.spec import MouldSpec
 from dummydesign.mold.pour.plan import CARRIER_VENTS, RATIO_ERROR_LIMIT_PERCENT, PourPlan, batch_of, pours_of
 from dummydesign.mold.pour.printing import layer_words, release_words, tip_words
+from dummydesign.mold.pour.steps import assumed_words
 
 # A base further than this from the shape's modulus ratio is worth a word.
 RATIO_OFF = 0.02
@@ -20,11 +23,17 @@ def pour_warnings(spec: MouldSpec, plan: PourPlan) -> list[dict[str, str]]:
         plate = "the carrier of the bone" if pad.shape.bone_height_mm else "the strike-off plate onto a release film"
         notes["meniscus"] = (f"fill to the sharp step of the brim, no higher, and lower {plate}: the liquid rises up "
                              f"to {plan.meniscus_mm:.1f} mm at the walls of an open cavity")  # fmt: skip
+    if words := assumed_words(spec.pour):
+        notes["assumed_numbers"] = words
+    if not spec.pour.is_degassed:
+        notes["not_degassed"] = ("poured without a vacuum: air that stays makes the pad softer by an unknown amount; "
+                                 "weigh the pad, and cast the witness puck from the same cup")  # fmt: skip
     pours = pours_of(spec, plan)
     pour, small = max(pours, key=lambda one: one[1].ratio_error_percent)
     if small.ratio_error_percent > RATIO_ERROR_LIMIT_PERCENT:
         mix, alone = batch_of(spec, pour, small).mix, small.batch_mass_g
-        notes["small_batch"] = (f"mix {mix.total_g:g} g, although {alone:g} g fill the mould: with a balance of "
+        notes["small_batch"] = (f"mix {mix.total_g:g} g, although {alone:g} g with cup loss and spare would do: with a "
+                                "balance of "
                                 f"{spec.machines.balance_resolution_g:g} g the error of the smaller component is then "
                                 f"at most {mix.error_percent:.2f} % instead of {small.ratio_error_percent:.2f} %; a "
                                 "finer balance saves resin")  # fmt: skip
@@ -35,12 +44,12 @@ def pour_warnings(spec: MouldSpec, plan: PourPlan) -> list[dict[str, str]]:
     if slowest_s > 60 * spec.pour.pot_life_min / 4:
         notes["slow_levelling"] = (f"the liquid needs about {slowest_s / 60:.0f} min to level itself in "
                                    f"{pad.least_gel_mm:g} mm, a good part of its pot life of "
-                                   f"{spec.pour.pot_life_min:g} min: spread it with a spatula")  # fmt: skip
+                                   f"{spec.pour.pot_life_min:g} min{spec.pour.mark('pot_life_min')}: spread it "
+                                   "with a spatula")  # fmt: skip
     if spec.is_printed:
         notes["printed_mould"] = release_words(spec)
-    elif not spec.has_isocyanate:
-        notes["bonding"] = (f"if {spec.pour.resin} is a silicone it bonds to a silicone mould: use a release agent "
-                            "and try it on a scrap first")  # fmt: skip
+    else:
+        notes |= _against_silicone(spec)
     if words := layer_words(spec):
         notes["print_layers"] = words
     if 0.0 < pad.edge_radius_mm == pad.edge_room_mm:
@@ -49,6 +58,29 @@ def pour_warnings(spec: MouldSpec, plan: PourPlan) -> list[dict[str, str]]:
     notes |= {**_relief(spec), **_bone(spec), **_layers(spec)}
     listed = [*notes.items(), *pad.shape.casting_notes(pad)]
     return [{"code": code, "message": message} for code, message in listed]
+
+
+def _against_silicone(spec: MouldSpec) -> dict[str, str]:
+    """What the pad's resin and the mould's silicone do to each other."""
+    pour, mould = spec.pour, spec.tool.name
+    notes = {}
+    if pour.chemistry in ("", "other") and not spec.has_isocyanate:
+        notes["bonding"] = (f"if {pour.resin} is a silicone it bonds to a silicone mould: use a release agent "
+                            "and try it on a scrap first")  # fmt: skip
+    if "silicone" in pour.chemistry:
+        notes["bonding"] = (f"{pour.resin} is a silicone and bonds to a silicone mould: use a release agent "
+                            "and try it on a scrap first")  # fmt: skip
+        if is_tin(mould) and pour.chemistry != "tin silicone":
+            sure = "inhibits" if pour.chemistry == "platinum silicone" else "may inhibit"
+            notes["cure_inhibition"] = (f"the mould silicone {mould} cures with tin, which {sure} the cure of "
+                                        f"{pour.resin}: the pad stays tacky. Name a platinum-cured silicone in the "
+                                        "preset, or cast in a printed mould (--preset printed)")  # fmt: skip
+    return notes
+
+
+def is_tin(silicone: str) -> bool:
+    """Whether the name of a silicone says that it cures with tin (condensation)."""
+    return bool(re.search(r"(^|[^a-z])tin([^a-z]|$)|condensation", silicone.lower()))
 
 
 def _relief(spec: MouldSpec) -> dict[str, str]:

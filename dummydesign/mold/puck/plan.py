@@ -8,7 +8,15 @@ from typing import Any
 
 from dummydesign.mold.model import formulas as formula
 from dummydesign.mold.pour.bill_of_materials import GRAM_PER_HOUR
-from dummydesign.mold.pour.plan import CUP_FACTOR, RATIO_ERROR_LIMIT_PERCENT, Mix, split_batch
+from dummydesign.mold.pour.plan import (
+    CUP_FACTOR,
+    RATIO_ERROR_LIMIT_PERCENT,
+    Mix,
+    split_batch,
+    volumes_ml,
+    weighed_ratio,
+)
+from dummydesign.mold.pour.steps import assumed_words
 from dummydesign.mold.puck.ring import PRINTED, PuckSpec, Ring, cavity_mm3, puck_spec, ring_mass_g
 
 
@@ -41,13 +49,15 @@ def puck_plan(spec: PuckSpec) -> PuckPlan:
     resolution = machines.balance_resolution_g
     smallest = min(share for _, share in pour.components)
     cup_mm = min(machines.chamber_diameter_mm, machines.chamber_height_mm)
-    most = math.pi / 4 * cup_mm**3 / CUP_FACTOR * density
-    least = min(math.ceil(resolution / (RATIO_ERROR_LIMIT_PERCENT / 100 * smallest) - 1e-9), math.floor(most))
+    least = math.ceil(resolution / (RATIO_ERROR_LIMIT_PERCENT / 100 * smallest) - 1e-9)
+    if pour.is_degassed:
+        least = min(least, math.floor(math.pi / 4 * cup_mm**3 / CUP_FACTOR * density))
     components, error = split_batch(max(wanted, least), pour.components, resolution)
     total = round(sum(mass for _, mass in components), 6)
     return PuckPlan(
-        Mix(components, total, error), over, tuple(density * ring.volume_mm3 for ring in spec.rings), wanted,
-        wanted < least, CUP_FACTOR * total / density,
+        Mix(components, total, error, weighed_ratio(pour, components), volumes_ml(pour, components)),
+        over, tuple(density * ring.volume_mm3 for ring in spec.rings), wanted, wanted < least,
+        CUP_FACTOR * total / density,
         min(formula.level_tolerance_deg(ring.height_mm, ring.diameter_mm) for ring in spec.rings),
     )  # fmt: skip
 
@@ -62,10 +72,12 @@ def _over_rim_mm3(spec: PuckSpec, ring: Ring) -> float:
 def warnings_of(spec: PuckSpec, plan: PuckPlan) -> list[dict[str, str]]:
     """What changes what the user does."""
     found: list[dict[str, str]] = []
+    if words := assumed_words(spec.pour):
+        found.append({"code": "assumed_numbers", "message": words})
     if plan.raised:
         found.append({"code": "batch_raised", "message": (
-            f"the balance cannot weigh the {plan.wanted_g:.0f} g that the pucks need in the right ratio: mix "
-            f"{plan.mix.total_g:.0f} g, or pour the pad's or a second puck of the same cup")})  # fmt: skip
+            f"the balance cannot weigh {plan.wanted_g:.0f} g, the pucks with cup loss and spare, in the right ratio: "
+            f"mix {plan.mix.total_g:.0f} g, or pour the pad's or a second puck of the same cup")})  # fmt: skip
     return found
 
 

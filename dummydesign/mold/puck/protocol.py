@@ -32,10 +32,11 @@ def press_rows(names: Sequence[str], height_mm: float) -> list[tuple[str, ...]]:
                     for name, speed in zip(names, SPEEDS_MM_S))]  # fmt: skip
 
 
-def protocol_steps(diameter_mm: float, age_days: float) -> tuple[str, ...]:
+def protocol_steps(diameter_mm: float, age_days: float, mark: str = "") -> tuple[str, ...]:
     """The work from the cured puck to its traces, in order."""
     return (
-        f"Wait {age_days:g} days after the cure. Test at room temperature, on one day with the pad if there is one.",
+        f"Wait {age_days:g} days{mark} after the cure. Test at room temperature, on one day with the pad if there is "
+        "one.",
         "Measure diameter and height again on this day; the command needs what was measured, not what was planned.",
         f"Use two flat, stiff, parallel plates at least {PLATE_SHARE * diameter_mm:.0f} mm wide. Wipe the puck dry. "
         "Spread a fresh film of silicone oil on both plates (on a silicone puck: glycerine). Or glue both faces to the "

@@ -23,7 +23,7 @@ from dummydesign.core.serialise import rebuild, to_plain
 from dummydesign.mold.model.layout import cavity_scale
 from dummydesign.mold.model.preset import mould_spec
 from dummydesign.mold.model.products import Machines, Plastic
-from dummydesign.mold.model.spec import Acceptance, Pour
+from dummydesign.mold.model.spec import Acceptance, Pour, without_usual
 
 WALL_MM, LUG_LONG_MM, LUG_THICK_MM, RIDGE_MM = 2.4, 8.0, 4.0, 1.0
 """Wall (six lines of a 0.4 mm nozzle), length and thickness of a lug, height of the ridge on it."""
@@ -103,7 +103,8 @@ class PuckSpec:
 
     def to_dict(self) -> dict[str, Any]:
         """Return nested plain dictionaries."""
-        return to_plain(asdict(self))
+        plain = to_plain(asdict(self))
+        return {**plain, "pour": without_usual(plain["pour"])}
 
     @staticmethod
     def from_dict(data: dict[str, Any]) -> PuckSpec:
@@ -113,7 +114,8 @@ class PuckSpec:
     @cached_property
     def hash(self) -> str:
         """First eight hexadecimal digits (upper case) of the SHA-256 of the specification."""
-        text = json.dumps(self.to_dict(), sort_keys=True, separators=(",", ":"), allow_nan=False)
+        same = replace(self, pour=replace(self.pour, assumed=(), chemistry=""))
+        text = json.dumps(same.to_dict(), sort_keys=True, separators=(",", ":"), allow_nan=False)
         return hashlib.sha256(text.encode()).hexdigest()[:8].upper()
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from dummydesign.mold.files.pour_sheet import Block
+from dummydesign.mold.files.pour_sheet import Block, ratio_text, volume_blocks, weight_rows
 from dummydesign.mold.pour.bill_of_materials import (
     CUPS_LITRE,
     ONCE,
@@ -15,7 +15,7 @@ from dummydesign.mold.pour.bill_of_materials import (
     sold,
 )
 from dummydesign.mold.pour.plan import CUP_FACTOR
-from dummydesign.mold.pour.steps import BLANK
+from dummydesign.mold.pour.steps import BLANK, degas_words
 from dummydesign.mold.puck.plan import PuckPlan, spec_cost
 from dummydesign.mold.puck.protocol import command, press_rows, protocol_steps, trace_names
 from dummydesign.mold.puck.ring import PuckSpec, Ring, ring_mass_g
@@ -39,7 +39,8 @@ def puck_sheet(spec: PuckSpec, plan: PuckPlan) -> list[Block]:
         Block("head", "3. Pour"), Block("list", items=_pour_steps(spec, plan)),
         Block("head", "4. Accept or reject, each puck"), Block("table", rows=tuple(acceptance_rows(spec, plan))),
         Block("head", "5. Press"), Block("list", items=protocol_steps(
-            max(ring.diameter_mm for ring in spec.rings), spec.pour.age_before_test_days)),
+            max(ring.diameter_mm for ring in spec.rings), spec.pour.age_before_test_days,
+            spec.pour.mark("age_before_test_days"))),
     ]  # fmt: skip
     for ring in spec.rings:
         for number in range(1, ring.count + 1):
@@ -71,18 +72,16 @@ def _ring_steps(spec: PuckSpec) -> tuple[str, ...]:
 def _weighing(spec: PuckSpec, plan: PuckPlan) -> list[Block]:
     resolution, pour = spec.machines.balance_resolution_g, spec.pour
     digits = max(0, -math.floor(math.log10(resolution)))
-    rows = [("component", "mix, g", "weighed, g")]
-    rows += [(name, f"{mass:.{digits}f}", BLANK) for name, mass in plan.mix.components]
-    rows.append(("total", f"{plan.mix.total_g:.{digits}f}", BLANK))
     each = "; ".join(f"{mass:.1f} g into each ring {ring.tag}" for ring, mass in zip(spec.rings, plan.pour_g))
     why = f"The balance leaves up to {plan.mix.error_percent:.2f} % error in a component's share."
     if plan.raised:
-        why = (f"The rings need only {plan.wanted_g:.0f} g; less than this mix the balance does not weigh in the right "
-               f"ratio. {why} A finer balance saves resin.")  # fmt: skip
+        why = (f"With the loss in the cup and the spare {plan.wanted_g:.0f} g would do; less than this mix the balance "
+               f"does not weigh in the right ratio. {why} A finer balance saves resin.")  # fmt: skip
     litres = plan.cup_mm3 * 1e-6
     return [
-        Block("text", f"{pour.resin}, ratio {pour.ratio:.6g} ({pour.ratio_meaning}); balance step {resolution:g} g."),
-        Block("table", rows=tuple(rows)),
+        Block("text", f"{pour.resin}, ratio {pour.ratio:.6g} ({ratio_text(pour)}); balance step {resolution:g} g."),
+        Block("table", rows=tuple(weight_rows([plan.mix], digits))),
+        *volume_blocks(pour),
         Block("text", f"Mix {plan.mix.total_g:.{digits}f} g. Pour {each}. {why} Cup of at least {litres:.2f} litres: "
               "the mix foams to four times its volume under vacuum."),
     ]  # fmt: skip
@@ -90,17 +89,17 @@ def _weighing(spec: PuckSpec, plan: PuckPlan) -> list[Block]:
 
 def _pour_steps(spec: PuckSpec, plan: PuckPlan) -> tuple[str, ...]:
     pour = spec.pour
-    cure = f"Cure {pour.cure_time_h:g} h at {pour.cure_temperature_C:g} C in the vented oven" if pour.cures_warm else (
-        f"Cure {pour.cure_time_h:g} h at room temperature")  # fmt: skip
+    cure = f"Cure {pour.cure_time_h:g} h{pour.mark('cure_time_h')} {pour.cure_place}"
     return (
         f"Level the plate to {plan.level_deg:.2f} deg where it stays until the resin is cured. Level read: {BLANK}",
         f"Weigh {', then '.join(name for name, _ in pour.components)}; stir slowly for two minutes, scrape wall and "
         f"floor, pour it into a second cup and stir again. Start of mixing: {BLANK}",
-        f"Degas in the cup below {pour.degas_pressure_kPa:g} kPa until the foam has fallen, then one minute more.",
+        degas_words(pour),
         "Fill each ring in a thin stream until the resin stands a little over the rim. Prick bubbles.",
         "Strike off at the rim: lay release film on a second flat plate, set it down on one edge of the rim and lower "
         "it like a hinge until it rests on the rim all round; excess runs out. Put a weight of about 100 g on it.",
-        f"All of this within {pour.pot_life_min - 2.0:.0f} min of mixing. Done at: {BLANK}",
+        f"All of this within {pour.pot_life_min - 2.0:.0f} min of mixing (pot life {pour.pot_life_min:g} min"
+        f"{pour.mark('pot_life_min')}). Done at: {BLANK}",
         f"{cure}, where it stands.",
         "Take off plate, clips and wax. Pull the halves apart sideways. Peel the film off both faces; do not pull the "
         "puck. Cut the seam at the two joints flush.",

@@ -37,7 +37,7 @@ class Component(Serialised):
 
 @dataclass(frozen=True)
 class Liquid:
-    """A component in the can: parts by weight (None: the ratio itself), density, viscosity."""
+    """A component in the can: parts as the resin counts them (None: the ratio itself), density, viscosity."""
 
     name: str
     parts: float | None
@@ -217,6 +217,8 @@ class Resin:
     the long-term Young's modulus, ``arms`` the relaxation at ``relaxation_ratio_ref``. ``posterior``
     holds joint draws of the law's parameters when points have updated it; ``prior_numbers`` and ``prior_relaxation``
     (arms and their ratio) are those before. ``joint_relaxation`` ties strengths to the modulus (a calibration's).
+    ``ratio_by`` is what parts are measured by (weight or volume), ``ratio_per`` whether the ratio is to the parts of
+    the other components (others) or in 100 parts of the whole mix (mix). ``chemistry`` is empty where it is not known.
     """
 
     name: str
@@ -241,6 +243,9 @@ class Resin:
     prior_numbers: Mapping[str, Quantity] | None = field(default=None, repr=False)
     prior_relaxation: tuple[tuple[Arm, ...], float] | None = field(default=None, repr=False)
     joint_relaxation: RelaxationGivenModulus | None = field(default=None, repr=False)
+    ratio_by: str = "weight"
+    ratio_per: str = "others"
+    chemistry: str = ""
 
     def check_ratio(self, ratio: ArrayLike) -> None:
         """Refuse ratios outside the range the law is meant for (InputError)."""
@@ -386,9 +391,37 @@ class Resin:
         return self.draw(DRAWS)
 
     def parts(self, ratio: float) -> dict[str, float]:
-        """Parts by weight of each liquid at a ratio."""
+        """Parts by weight of each liquid at a ratio.
+
+        Parts by volume are multiplied by the density of their liquid. A ratio to the whole mix leaves 100 less the
+        ratio to the other liquids, in the proportion of their own parts.
+        """
         self.check_ratio(ratio)
-        return {liquid.name: ratio if liquid.parts is None else liquid.parts for liquid in self.liquids}
+        others = 1.0
+        if self.ratio_per == "mix":
+            others = (100.0 - ratio) / sum(liquid.parts for liquid in self.liquids if liquid.parts is not None)
+        return {liquid.name: self._weight_per_part(liquid) * (ratio if liquid.parts is None else others * liquid.parts)
+                for liquid in self.liquids}  # fmt: skip
+
+    def _weight_per_part(self, liquid: Liquid) -> float:
+        return liquid.density_g_per_cm3.value if self.ratio_by == "volume" else 1.0
+
+    def ratio_of(self, masses_g: Mapping[str, ArrayLike]) -> Any:
+        """Mixing ratio that weighed masses make, in the resin's own definition.
+
+        Parameters
+        ----------
+        masses_g : mapping of str to float or array_like
+            Mass of each liquid. What is missing counts as none. [g]
+        """
+        parts = {liquid.name: np.asarray(masses_g.get(liquid.name, 0.0), float) / self._weight_per_part(liquid)
+                 for liquid in self.liquids}  # fmt: skip
+        varied = next(liquid.name for liquid in self.liquids if liquid.parts is None)
+        rest = sum(part for name, part in parts.items() if name != varied)
+        if self.ratio_per == "mix":
+            return 100.0 * parts[varied] / np.maximum(parts[varied] + rest, 1e-12)
+        fixed = sum(liquid.parts for liquid in self.liquids if liquid.parts is not None)
+        return fixed * parts[varied] / np.maximum(rest, 1e-12)
 
     def recipe(self, ratio: float, total_g: float) -> list[Component]:
         """Masses to weigh for a total mass.
@@ -456,8 +489,10 @@ class Resin:
 
     def to_dict(self) -> dict[str, Any]:
         """Return the whole resin file as plain values, every number with interval, kind and source."""
-        simple = ("name", "title", "ratio_meaning", "ratio_min", "ratio_max", "ratio_step", "references", "notes",
-                  "contradictions")  # fmt: skip
+        simple = ["name", "title", "ratio_meaning", "ratio_by", "ratio_per", "ratio_min", "ratio_max", "ratio_step",
+                  "references", "notes", "contradictions"]  # fmt: skip
+        if self.chemistry:
+            simple.insert(2, "chemistry")
         liquids = [to_plain(one) | ({"parts": "ratio"} if one.parts is None else {}) for one in self.liquids]
         modulus: dict[str, Any] = {"law": self.law.name, **self.numbers}
         if self.posterior is not None and self.prior_numbers is not None:

@@ -12,7 +12,9 @@ from numpy.typing import NDArray
 from dummydesign.core.library import Entry, find
 from dummydesign.core.quantity import Quantity
 from dummydesign.core.toml_schema import REQUIRED, Table, read_table
+from dummydesign.resin.model.chemistry import CHEMISTRIES, guessed_chemistry
 from dummydesign.resin.model.modulus_laws import LAWS, ModulusLaw
+from dummydesign.resin.model.ratio_meaning import read_ratio_meaning
 from dummydesign.resin.model.resin import Arm, Liquid, Point, PuckPoint, Resin
 
 if TYPE_CHECKING:
@@ -25,8 +27,8 @@ PROPERTIES = (
     "age_before_test_days", "shrinkage_percent",
 )  # fmt: skip
 KEYS = (
-    "schema", "name", "title", "ratio_meaning", "ratio_min", "ratio_max", "ratio_step", "references", "notes",
-    "component", "modulus", "relaxation", "property", "point", "contradictions",
+    "schema", "name", "title", "chemistry", "ratio_meaning", "ratio_by", "ratio_per", "ratio_min", "ratio_max",
+    "ratio_step", "references", "notes", "component", "modulus", "relaxation", "property", "point", "contradictions",
 )  # fmt: skip
 
 
@@ -73,6 +75,11 @@ def read_resin(entry: Entry) -> Resin:
     if not (0 <= low <= high and step > 0):
         words = f"needs 0 <= ratio_min <= ratio_max and ratio_step > 0, given {low}, {high}, {step}"
         raise top.fault("ratio_min", words, "inconsistent")
+    liquids = _liquids(top)
+    also = " / ".join((str(top.data.get("title", "")), *(liquid.name for liquid in liquids)))
+    meaning, by, per = read_ratio_meaning(top, also)
+    if per == "mix" and high >= 100.0:
+        raise top.fault("ratio_max", "must be below 100 parts of the mix", "out_of_range", (0, 100))
     law, numbers, posterior, prior = _modulus(top.table("modulus"))
     relaxation = top.table("relaxation").only(("ratio_ref", "softness_exponent", "term", "prior"))
     name = top.string("name")
@@ -80,8 +87,10 @@ def read_resin(entry: Entry) -> Resin:
     before = relaxation.table("prior", required=False).only(("ratio_ref", "term"))
     properties = top.table("property", required=False).only(PROPERTIES)
     resin = Resin(
-        name=name, title=top.string("title", name), origin=entry.origin, ratio_meaning=top.string("ratio_meaning"),
-        ratio_min=low, ratio_max=high, ratio_step=step, liquids=_liquids(top), law=law, numbers=numbers, arms=arms,
+        name=name, title=top.string("title", name), origin=entry.origin, ratio_meaning=meaning, ratio_by=by,
+        chemistry=top.string("chemistry", guessed_chemistry(name, also), choices=CHEMISTRIES),
+        ratio_per=per, ratio_min=low, ratio_max=high, ratio_step=step, liquids=liquids, law=law, numbers=numbers,
+        arms=arms,
         relaxation_ratio_ref=ratio_ref, softness_exponent=_positive(relaxation, "softness_exponent", zero=True),
         properties={key: _positive(properties, key) for key in properties.data},
         **{key: top.strings(key, ()) for key in ("references", "notes", "contradictions")},

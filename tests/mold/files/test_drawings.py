@@ -229,3 +229,48 @@ def test_the_dxf_is_the_same_in_processes_that_hash_differently():
         for seed in ("1", "2", "4", "5")
     }  # fmt: skip
     assert len(found) == 1
+
+
+def drawn_sheet(rng):
+    """A rectangle of drawn size with its dimensions and an enlarged detail, on a drawn paper."""
+    from dummydesign.mold.files.drawing_layout import Measure, View
+
+    length, width = (round(float(side), 2) for side in 10 ** rng.uniform(1.2, 2.6, 2))
+    corners = ((0.0, 0.0), (length, 0.0), (length, width), (0.0, width), (0.0, 0.0))
+    measures = (Measure(corners[0], corners[1], "below"), Measure(corners[0], corners[3], "left"))
+    small = ((0.0, 0.0), (length / 20, 0.0), (length / 20, width / 20), (0.0, 0.0))
+    detail = View("detail A", ((small, "cut"),), (Measure(small[0], small[1], "below"),), enlarged=True)
+    view = View("top", ((corners, "outline"),), measures)
+    return arrange([view, detail], TITLE, [], str(rng.choice(["A3", "A4"]))), length, width
+
+
+def test_a_dxf_has_the_part_at_full_size_and_the_sheet_in_paper_space():
+    """Read by ezdxf: lengths in model space are the part's, dimensions measure them, the viewport has the scale."""
+    import io
+
+    import ezdxf
+
+    scales = set()
+    for seed in np.random.default_rng().integers(0, 2**32, 12):
+        drawing, length, width = drawn_sheet(np.random.default_rng(seed))
+        scales.add(drawing.scale)
+        document = ezdxf.read(io.StringIO(to_dxf(drawing)))
+        assert not document.audit().errors
+        model, page = document.modelspace(), document.layout("Layout1")
+        (line,) = model.query("LWPOLYLINE")
+        xs, ys = zip(*((x, y) for x, y in line.get_points("xy")))
+        assert (max(xs) - min(xs), max(ys) - min(ys)) == pytest.approx((length, width), abs=1e-6)
+        found = sorted(d.get_measurement() for d in model.query("DIMENSION"))
+        assert found == pytest.approx(sorted((length, width)), abs=1e-6)
+        assert all(d.dxf.text in ("", "<>") for d in [*model.query("DIMENSION"), *page.query("DIMENSION")])
+        (detail,) = page.query("DIMENSION")
+        assert detail.get_measurement() * detail.override().get("dimlfac") == pytest.approx(length / 20, abs=1e-6)
+        assert not model.query("TEXT") and len(page.query("TEXT")) == len(drawing.texts)
+        view = next(one for one in page.query("VIEWPORT") if one.dxf.id != 1)
+        assert view.dxf.height / view.dxf.view_height == pytest.approx(drawing.scale)
+        # A point of the model is seen where the sheet has it.
+        x, y = (drawing.scale * (at - middle) for at, middle in zip((min(xs), min(ys)), view.dxf.view_center_point))
+        at = (x + view.dxf.center[0], y + view.dxf.center[1])
+        first = next(line for line in drawing.lines if line.of_part).points
+        assert at == pytest.approx((min(x for x, _ in first), min(y for _, y in first)), abs=1e-6)
+    assert len(scales) > 1

@@ -10,6 +10,7 @@ import re
 from html.parser import HTMLParser
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from dummydesign.mold.files import meshes as mesh
@@ -223,3 +224,28 @@ def test_manifest_names_every_file_with_its_hash(lidded_package):
             assert sums[path.name] == hashlib.sha256(path.read_bytes()).hexdigest()
     assert json.loads(Path(result.files["checks"]).read_text()) == result.checks
     assert json.loads(Path(result.files["spec"]).read_text())["hash"] == result.spec_hash
+
+
+def test_a_3mf_is_of_the_core_alone_for_readers_that_refuse_what_they_do_not_know(tmp_path):
+    """One namespace, the parts of the core in their order, the same triangles; drawn closed meshes."""
+    import zipfile
+    from xml.etree import ElementTree
+
+    import trimesh
+
+    rng = np.random.default_rng()
+    core = "{http://schemas.microsoft.com/3dmanufacturing/core/2015/02}"
+    for _ in range(3):
+        made = trimesh.creation.icosphere(2, float(rng.uniform(1.0, 80.0)))
+        made.vertices *= rng.uniform(0.5, 2.0, 3)
+        mesh.write_3mf(made, tmp_path / "a & b.3mf")
+        archive = zipfile.ZipFile(tmp_path / "a & b.3mf")
+        assert archive.namelist()[0] == "[Content_Types].xml"
+        text = archive.read("3D/3dmodel.model").decode()
+        assert text.count("xmlns") == 1 and "UUID" not in text
+        root = ElementTree.fromstring(text)
+        assert root.get("unit") == "millimeter" and all(one.tag.startswith(core) for one in root.iter())
+        assert [child.tag for child in root] == [f"{core}resources", f"{core}build"]
+        again = trimesh.load(tmp_path / "a & b.3mf", force="mesh")
+        assert again.is_watertight and again.volume == pytest.approx(made.volume, rel=1e-5)
+        assert len(again.faces) == len(made.faces)

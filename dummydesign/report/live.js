@@ -148,8 +148,7 @@ const DD = (() => {
   }
   // Stop and depth of the ideal ramp as measurement/landmarks.py finds them on these samples.
   function idealRamp(m) {
-    const largest = max(m.x), near = m.x.filter((x) => x >= largest - Math.max(0.05, 0.03 * largest)).sort((a, b) => a - b);
-    const depth = 0.5 * (near[(near.length - 1) >> 1] + near[near.length >> 1]), reach = Math.min(0.02, 0.01 * depth);
+    const depth = max(m.x), reach = Math.min(0.02, 0.01 * depth);
     const crossing = (level) => {
       const i = m.x.findIndex((x) => x >= level);
       return m.t[i - 1] + (level - m.x[i - 1]) / (m.x[i] - m.x[i - 1]) * (m.t[i] - m.t[i - 1]);

@@ -128,7 +128,7 @@ COMMAND_OF = {
     "calibrate": ["loop", "campaign"],
     "close_loop": ["loop", "campaign"],
     "replay": ["replay", "campaign", "--calibration", "c.json"],
-    "make_mould": ["mold", "--thickness", "5"],
+    "make_mould": ["mold"],
     "record_pad": ["mold", "record", "m", "--thickness", "8,8,8,8,8", "--mass", "24"],
 }
 FOR_SCRIPTS = {"executor", "progress"}

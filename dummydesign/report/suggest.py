@@ -42,7 +42,7 @@ def relative_force_plot(answer: Suggestion, curves: SuggestionCurves) -> Plot:
         words.append(f"{item.shape}: misfit {'not reached' if misfit is None else f'{misfit:.2f}'}")
     alt = f"Steady force of each pad over the tissue's at the same depth; 1 is the tissue. {'; '.join(words)}."
     return Plot("shapes", "Force of each pad over the tissue's, at equal depth", alt, "steady force of the tissue [N]",
-                "force / tissue's force", "tissue_force_N", "force_ratio", layers, log_x=True,
+                "ratio to tissue's force", "tissue_force_N", "force_ratio", layers, log_x=True,
                 x_range=(float(force[0]), float(force[-1])), y_range=(0.0, 4.0),
                 note="1 is the tissue; above 4 is cut off")  # fmt: skip
 

@@ -11,10 +11,9 @@ import pytest
 from dummydesign.cli import run
 from dummydesign.cli.commands import loop
 from dummydesign.cli.entry import parser_of
-from dummydesign.cli.suggest_text import _next
-from dummydesign.cli.text import WIDTH, labelled
+from dummydesign.cli.text import WIDTH, labelled, step_lines
+from dummydesign.design.next_steps import _search_again
 from dummydesign.design.options import SuggestOptions
-from dummydesign.report.suggest_facts import next_steps
 
 DEFAULTS = {one.name: one.default for one in dataclasses.fields(SuggestOptions)}
 ASKED = {
@@ -24,23 +23,15 @@ ASKED = {
 }  # fmt: skip
 
 
-def mix(*masses):
-    components = [{"name": name, "mass_g": mass} for name, mass in zip(("polyol", "isocyanate"), masses)]
-    return {"components": components, "total_g": sum(masses)}
-
-
-def suggested(asked, pad=(131.0, 20.0), both=(173.2, 26.5)):
-    """As much of an answer of suggest as its steps are made of."""
+def suggested(asked):
+    """What was asked of suggest, as its answer holds it."""
     given = {**DEFAULTS, "robot_mass_kg": None, "robot_velocity_mm_s": 250.0, "limits": None, "condition": "bonded"}
-    first = {"group": "modulus", "text": "measure the modulus", "protocol": "cast a puck at ratio 15.3",
-             "command": "dummydesign resins add-compression puck.csv --name my-batch --resin x"}  # fmt: skip
-    return {"inputs": {**given, **asked}, "measure_first": first, "verdict": {"light": "amber"},
-            "recommendation": {"batch": {**mix(*pad), "witness": mix(*both)}}}  # fmt: skip
+    return {**given, **asked}
 
 
 def test_the_next_search_keeps_what_was_asked_and_can_be_typed():
-    printed = "\n".join(line[8:] for line in _next(suggested(ASKED)))
-    command = printed[printed.index("dummydesign suggest") :]
+    command = "\n".join(line[8:] for line in step_lines(["read the puck", _search_again(suggested(ASKED), "my-batch")]))
+    command = command[command.index("dummydesign suggest") :]
     assert max(len(line) for line in command.splitlines()) <= WIDTH - 8 and "\\\n" in command
     shown = [sys.executable, "-c", "import sys; print(*sys.argv[1:], sep='\\n')"]
     script = command.replace("dummydesign", shlex.join(shown), 1)
@@ -51,11 +42,12 @@ def test_the_next_search_keeps_what_was_asked_and_can_be_typed():
         assert word == value if isinstance(value, str) else float(word) == value, name
 
 
-def test_the_puck_step_names_what_to_weigh_where_the_batch_does_not_hold_both():
-    small = next_steps(suggested({"tissue": "palm"}))
-    assert all(f"{mass} g" in small[1] for mass in (173.2, 26.5, 199.7))
-    assert not any(" g" in step for step in next_steps(suggested({"tissue": "palm"}, both=(131.0, 20.0))))
-    assert small[-1] == "dummydesign suggest --tissue palm --resin my-batch"
+def test_a_mould_that_was_made_is_kept_and_nothing_of_its_pad_is_asked_again():
+    asked = suggested({"tissue": "palm", "thickness_mm": (5.0, 5.0), "out": "my pads/palm", "cad": True})
+    command = _search_again(asked, "my-batch")
+    typed = vars(parser_of("suggest").parse_args(shlex.split(command)[2:]))
+    assert typed["mould"] == "my pads/palm" and typed["thickness"] is None and typed["resin"] == "my-batch"
+    assert _search_again(suggested({"tissue": "palm"}), "b") == "dummydesign suggest --tissue palm --resin b"
 
 
 def test_a_campaign_in_a_folder_with_blanks_is_named_so_that_it_can_be_typed(tmp_path, monkeypatch, capsys):

@@ -60,7 +60,7 @@ def test_a_campaign_may_name_resin_and_ratio_instead_of_a_modulus(small, tmp_pat
         (tmp_path / path.name).write_bytes(path.read_bytes())
     text = (tmp_path / "campaign.toml").read_text().splitlines()
     text = [
-        'resin = "polyurethane-nagoya"\nratio = 15.0' if line.startswith("young_kPa_nominal") else line for line in text
+        'resin = "polyurethane-nagoya"' if line.startswith("young_kPa_nominal") else line for line in text
     ]
     (tmp_path / "campaign.toml").write_text("\n".join(text))
     assert 5.0 < start_young_kPa(read_campaign(tmp_path)) < 100.0

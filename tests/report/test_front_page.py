@@ -91,7 +91,9 @@ def test_page_and_pdf_have_the_same_texts_and_the_answers_numbers(made):
     factor = verdict["correction"]
     assert f"by {factor['force']:.2f} for 95 %" in page
     assert f"(nominal {max(factor['force_central'], 1):.2f}" in page
-    assert answer["measure_first"]["command"] in page.replace(" \\ ", " ")
+    assert any(step["command"] for step in answer["next"])
+    for step in answer["next"]:
+        assert (step["command"] or step["do"]).lower() in page.replace(" \\ ", " ").lower()
     for heading in ("Recipe", "Correction", "What to do next", "Force [N] over time since contact"):
         assert heading in texts
     for length in ("4.5", "2.5", "2", "9.4", "R 21.2"):

@@ -193,11 +193,11 @@ def make_each(
 
     if not tissues:
         return ()
+    aims = [tissue.target(aim) for tissue in tissues]
     if weights is None:
         whole = weights_of(aim)
         weights = whole.without("parametric") if tissues[0].measured else whole
     limits = limits or verdict_limits()
-    aims = [tissue.target(aim) for tissue in tissues]
     groups = [(*tissue.parameter_sets, parameters) for tissue, parameters in zip(tissues, aims)]
     conditions: list[list[Condition]] = [[] for _ in tissues]
     for velocity, force in product(protocol.velocities_mm_s, protocol.forces_N):

@@ -148,8 +148,8 @@ def test_castings_are_counted_and_add_up(capsys):
     first = found["measure_first"]
     now = drawn["stands_for"] + (drawn["usable"] if first["acceptable_means"] == "usable" else 0.0)
     assert first["acceptable_now"] == pytest.approx(now, abs=1e-12)
-    expected = found["choice"]["expectation"]["taken"]["acceptable_fraction"]
-    assert expected == pytest.approx(drawn["stands_for"] + drawn["usable"], abs=1e-12)
+    poured = found["shares"]["as_poured"]
+    assert poured["stands_for"] + poured["usable"] == pytest.approx(drawn["stands_for"] + drawn["usable"], abs=1e-12)
 
 
 def test_a_limits_file_of_ones_own_decides_and_a_damaged_one_is_refused(capsys, tmp_path, monkeypatch):

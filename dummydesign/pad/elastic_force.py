@@ -163,11 +163,44 @@ def _shape_law(pad: Pad) -> TabulatedShapeLaw:
 
 
 def _by_elements(pad: Pad | Puck, deepest_mm: float | None, depths_mm: Array | None) -> ForceCurve:
-    grid, deepest = depth_grid(pad.thickness_mm, deepest_mm, depths_mm)
-    if isinstance(pad, Pad) and pad.condition != "bonded":
-        # A face that slides needs some depth to start from.
-        grid = grid[grid >= min(0.025 * pad.thickness_mm, 0.25 * deepest)]
-    return interpolate_curve(pad.geometry.first_exponent if isinstance(pad, Pad) else 1.0, solve_points(pad, grid))
+    grid, _ = depth_grid(pad.thickness_mm, deepest_mm, depths_mm)
+    return _through(pad, solve_points(pad, solvable_depths(pad, grid)))
+
+
+def _through(pad: Pad | Puck, solved: PadCurve) -> ForceCurve:
+    from dummydesign.pad.first_touch import low_end
+
+    depth, force = solved.depth_mm, solved.force_N
+    end = low_end(pad, depth, force, solved.error_N / force) if len(depth) > 1 else None
+    return interpolate_curve(solved, end)
+
+
+# Contact grows cell by cell: its radius at the first depth that is solved, over the thickness, under a profile and on
+# a tip. A shallower one is known better by the law of first touch. Depths over the thickness that are solved at least.
+FIRST_CONTACT = {"profile": 0.01, "tip": 0.05}
+LEAST_SHARE, LEAST_SHARE_IN_SPACE = 1e-4, 0.01
+# A contact that grows is solved once at no more than this radius over the thickness, up to which a layer's factor is
+# known to follow the contact's radius.
+EVEN_CONTACT = 0.5
+
+
+def solvable_depths(pad: Pad | Puck, depth_mm: Array, in_space: bool = False) -> Array:
+    """Depths of a grid that can be solved, and one shallow enough to join the law of first touch to. [mm]"""
+    from dummydesign.pad.first_touch import touch_of
+
+    h, touch = pad.thickness_mm, touch_of(pad)
+    least = (LEAST_SHARE_IN_SPACE if in_space else LEAST_SHARE) * h
+    if touch is not None and not touch.face_mm:
+        kind = "tip" if pad.geometry != SLAB else "profile"
+        least = max(least, touch.depth_of(FIRST_CONTACT[kind] * h))
+        shallow = max(least, touch.depth_of(EVEN_CONTACT * h))
+        if shallow < depth_mm[0]:
+            depth_mm = np.r_[shallow, depth_mm]
+    elif isinstance(pad, Pad) and pad.geometry == SLAB and pad.profile_mm is None and (
+        pad.edge_radius_mm or (pad.condition == "bonded" and pad.base in BASES)
+    ):
+        return depth_mm  # interpolated between depths of its own, first touch among them
+    return depth_mm[depth_mm >= least]
 
 
 def solve_points(pad: Pad | Puck, depth_mm: Array, cells: int | None = None, independent: bool = False) -> PadCurve:
@@ -217,7 +250,6 @@ def _shape_in_space(pad: Pad, deepest_mm: float | None, depths_mm: Array | None)
     from dummydesign.pad.spatial.shaped_pad import solve_shaped_block
 
     grid, _ = depth_grid(pad.thickness_mm, deepest_mm, depths_mm)
-    if depths_mm is None:
-        grid = grid[1::2]
+    grid = solvable_depths(pad, grid[1::2] if depths_mm is None else grid, in_space=True)
     solved = _of_unit_modulus("shape-3d", pad, {"depth": grid}, lambda own: solve_shaped_block(own, grid))
-    return interpolate_curve(pad.geometry.first_exponent, solved)
+    return _through(pad, solved)

@@ -177,30 +177,40 @@ def _through(pad: Pad | Puck, solved: PadCurve) -> ForceCurve:
 
 # Contact grows cell by cell: its radius at the first depth that is solved, over the thickness, under a profile and on
 # a tip. A shallower one is known better by the law of first touch. Depths over the thickness that are solved at least.
-FIRST_CONTACT = {"profile": 0.01, "tip": 0.05}
+FIRST_CONTACT = {"profile": 0.01, "tip": 0.1}
 LEAST_SHARE, LEAST_SHARE_IN_SPACE = 1e-4, 0.01
 # A contact that grows is solved once at no more than this radius over the thickness, up to which a layer's factor is
 # known to follow the contact's radius.
-EVEN_CONTACT = 0.5
+EVEN_CONTACT = 0.25
 
 
 def solvable_depths(pad: Pad | Puck, depth_mm: Array, in_space: bool = False) -> Array:
     """Depths of a grid that can be solved, and one shallow enough to join the law of first touch to. [mm]"""
     from dummydesign.pad.first_touch import touch_of
 
-    h, touch = pad.thickness_mm, touch_of(pad)
-    least = (LEAST_SHARE_IN_SPACE if in_space else LEAST_SHARE) * h
+    touch, least = touch_of(pad), least_depth_mm(pad, in_space)
     if touch is not None and not touch.face_mm:
-        kind = "tip" if pad.geometry != SLAB else "profile"
-        least = max(least, touch.depth_of(FIRST_CONTACT[kind] * h))
-        shallow = max(least, touch.depth_of(EVEN_CONTACT * h))
+        shallow = max(least, touch.depth_of(EVEN_CONTACT * pad.thickness_mm))
         if shallow < depth_mm[0]:
             depth_mm = np.r_[shallow, depth_mm]
-    elif isinstance(pad, Pad) and pad.geometry == SLAB and pad.profile_mm is None and (
-        pad.edge_radius_mm or (pad.condition == "bonded" and pad.base in BASES)
-    ):
-        return depth_mm  # interpolated between depths of its own, first touch among them
-    return depth_mm[depth_mm >= least]
+    return depth_mm[depth_mm >= least * (1.0 - 1e-9)]
+
+
+def least_depth_mm(pad: Pad | Puck, in_space: bool = False) -> float:
+    """Smallest depth that is solved. [mm]"""
+    from dummydesign.pad.first_touch import touch_of
+
+    h = pad.thickness_mm
+    least = (LEAST_SHARE_IN_SPACE if in_space else LEAST_SHARE) * h
+    if isinstance(pad, Puck):
+        return least
+    touch = touch_of(pad)
+    if touch is not None and not touch.face_mm:
+        return max(least, touch.depth_of(FIRST_CONTACT["profile" if pad.geometry == SLAB else "tip"] * h))
+    plain = pad.geometry == SLAB and pad.profile_mm is None
+    if plain and (pad.edge_radius_mm or (pad.condition == "bonded" and pad.base in BASES)):
+        return 0.0  # interpolated between depths of its own, first touch among them
+    return least
 
 
 def solve_points(pad: Pad | Puck, depth_mm: Array, cells: int | None = None, independent: bool = False) -> PadCurve:

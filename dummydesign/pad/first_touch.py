@@ -222,7 +222,7 @@ def low_end(pad: Pad | Puck, depth_mm: Array, force_N: Array, relative_error: Ar
             change = 0.0
         return LowEnd(first, force, error, None, 0.0, change, doubt, power)
     log_first = float(np.log(force / (pad.young_MPa * touch.area(first))))
-    doubt = FACTOR_ERROR * abs(log_first) if touch.face_mm < touch.contact(first) else 0.0
+    doubt = FACTOR_ERROR * abs(log_first) * (1.0 - touch.face_mm / float(touch.contact(first)))
     if touch.face_mm and other is not None:
         # A face that touches at once has one contact: its force per depth still changes with the depth.
         secant = np.log(force_N[[0, other]] / touch.area(depth_mm[[0, other]]))

@@ -93,6 +93,8 @@ def tilts(r: Array, z: Array) -> Array:
     if tilt[0] < POINTED * secant[0]:
         tilt[0] = 0.0
     tilt[-1] = secant[-1] + bend[-1] * step[-1]
+    if tilt[-1] * secant[-1] < 0.0:
+        tilt[-1] = 0.0
     least = np.minimum(np.abs(np.r_[secant[0], secant]), np.abs(np.r_[secant, secant[-1]]))
     turns = np.r_[False, before * after <= 0.0, False]
     return np.where(turns, 0.0, np.sign(tilt) * np.minimum(np.abs(tilt), 3.0 * least))

@@ -6,7 +6,7 @@ ratios in steps of 0.02). Of each shape, one ratio of every level that occurs is
 cast and pressed by code of this file alone: draws from the stated intervals, errors of weighing and thickness, and a
 smooth error of the force law, of its stated size at each depth, on curves that were solved by finite elements for pads
 0.2 mm thinner and thicker (``castings_blind_curves.json``). The arms of the relaxation are integrated by a rule of this
-file. Nothing of ``dummydesign.design.assessment.castings`` is used for a pad; the subjects' presses are the design's.
+file. Nothing of ``dummydesign.design.scoring.castings`` is used for a pad; the subjects' presses are the design's.
 
 A pad's needed factor is the largest ratio of the lowest subject to the pad over all peaks, energies and the steady
 curve. ``correction.factor`` should cover it for 95 % of the pads that reach every press. Rows are kept in ``--rows``
@@ -35,13 +35,13 @@ sys.path.insert(0, str(ROOT))
 
 from benchmarks.rows import keep_row, read_rows  # noqa: E402
 from dummydesign.design.assessment.pad_castings import verdict_of_design  # noqa: E402
+from dummydesign.design.problem import read_problem  # noqa: E402
 from dummydesign.design.request import Request  # noqa: E402
+from dummydesign.design.scoring.castings import Castings  # noqa: E402
 from dummydesign.design.scoring.presses import make_curves  # noqa: E402
 from dummydesign.design.scoring.score import evaluate  # noqa: E402
 from dummydesign.design.scoring.verdict import LEVELS, ranges_of  # noqa: E402
 from dummydesign.design.search.slabs import DesignCandidate, make_slabs  # noqa: E402
-from dummydesign.design.problem import read_problem  # noqa: E402
-from dummydesign.design.scoring.castings import Castings  # noqa: E402
 from dummydesign.design.suggest import design  # noqa: E402
 from dummydesign.geometry.shape_registry import read_shape  # noqa: E402
 from dummydesign.pad.axisymmetric.shaped_pad import solve_shaped_pad  # noqa: E402
@@ -293,21 +293,22 @@ def classes_of(lowest: NDArray, highest: NDArray, reached: NDArray, limits) -> N
 def designs_of(tissue: str, shape: str, thickness: float, knowledge: str) -> list[tuple]:
     """What ``suggest`` says of a shape, and designs of it: that, and the middle ratio of every level near it."""
     made: dict[str, Any] = MADE_WELL if knowledge == KNOWLEDGE[-1] else {}
-    inputs = resolve(Request(tissue, shape=shape, thickness_mm=(thickness, thickness), verify=False, **made))
+    inputs = read_problem(Request(tissue, shape=shape, thickness_mm=(thickness, thickness), verify=False, **made))
     resin = known_resin(inputs.space.resin, knowledge)
-    space = replace(inputs.space, resin=resin, ratio=resin.ratios())
-    inputs = replace(inputs, space=space, castings=Castings(resin, inputs.castings.n))
+    castings = Castings(resin, inputs.space.castings.n)
+    space = replace(inputs.space, resin=resin, ratio=resin.ratios(), castings=castings)
+    inputs = replace(inputs, space=space)
     answer = design(inputs)
     best = answer.best
     here = int(np.argmin(np.abs(space.ratio - best.ratio)))
     ratios = space.ratio[max(here - AROUND, 0) : here + AROUND + 1]
-    slabs = make_slabs(make_curves(answer.cast, np.array([best.thickness_mm]), space.radius_mm),
-                       np.zeros(len(ratios), int), resin, ratios)  # fmt: skip
+    gel = space.targets.limits.gel_compression
+    curves = make_curves(answer.cast, np.array([best.thickness_mm]), space.radius_mm, gel)
+    slabs = make_slabs(curves, np.zeros(len(ratios), int), resin, ratios)
     evaluation = evaluate(slabs, space.targets, space.sampling, exact=True)
-    ranks = acceptability_rank(evaluation, space.targets)
     levels: dict[str, list[tuple]] = {}
     for at, ratio in enumerate(ratios):
-        one = DesignCandidate(best.thickness_mm, float(ratio), at, evaluation, rank=int(ranks[at]))
+        one = DesignCandidate(best.thickness_mm, float(ratio), at, evaluation)
         judged = verdict_of_design(replace(answer.castings, candidate=one))
         levels.setdefault(judged.level, []).append((answer, float(ratio), judged, False))
     kept = {best.ratio: (answer, best.ratio, answer.verdict, True)}

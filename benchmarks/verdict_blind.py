@@ -29,9 +29,10 @@ sys.path.insert(0, str(ROOT))
 
 from benchmarks.castings_blind import GEOMETRIES, force_over_young  # noqa: E402
 from benchmarks.rows import keep_row, read_rows  # noqa: E402
-from dummydesign.design.assessment.castings import Castings, Tolerances  # noqa: E402
 from dummydesign.design.measured_pad import verdict_of_traces  # noqa: E402
+from dummydesign.design.problem import read_problem  # noqa: E402
 from dummydesign.design.request import Request  # noqa: E402
+from dummydesign.design.scoring.castings import Castings, Tolerances  # noqa: E402
 from dummydesign.design.scoring.verdict import (  # noqa: E402
     CLASSES,
     LEVELS,
@@ -42,7 +43,7 @@ from dummydesign.design.scoring.verdict import (  # noqa: E402
     ranges_of,
     verdict,
 )
-from dummydesign.design.suggest import resolve, suggest  # noqa: E402
+from dummydesign.design.suggest import suggest  # noqa: E402
 from dummydesign.measurement.trace import Trace  # noqa: E402
 from dummydesign.tissue.comparison import compare_traces  # noqa: E402
 from studies.marked_page import wrapped  # noqa: E402
@@ -286,7 +287,7 @@ def main() -> None:
     options = parser.parse_args()
     rows = [row for row in read_rows(options.rows) if row["seed"] == options.seed]
     known = {row["number"] for row in rows}
-    targets = {name: resolve(Request(name, shape="slab", verify=False)).space.targets for name in TISSUES}
+    targets = {name: read_problem(Request(name, shape="slab", verify=False)).space.targets for name in TISSUES}
     known_designs = designs()
     for number in range(options.castings):
         if number in known:

@@ -21,10 +21,10 @@ from numpy.typing import NDArray
 
 from dummydesign.core.errors import NoAnswerError
 from dummydesign.core.files import write_text
+from dummydesign.design.assessment.decision import MISFIT_N, ShapeComparison, force_at
 from dummydesign.design.request import RADIUS_MM, Request
 from dummydesign.design.scoring.presses import DEPTH_SHARE
 from dummydesign.design.scoring.targets import Targets
-from dummydesign.design.search.best_of_kinds import MISFIT_N, ShapeComparison, force_at
 from dummydesign.design.suggest import centring_tolerance, suggest
 from dummydesign.design.suggestion import CentringTolerance, Suggestion
 from dummydesign.geometry.dimensions import PUNCH_SIDE_MM
@@ -59,6 +59,7 @@ def check(item: ShapeComparison, targets: Targets) -> Solved:
     """Solve one design by finite elements, glued and frictionless, at the tissue's depths."""
     from dummydesign.pad.axisymmetric.shaped_pad import solve_shaped_pad
 
+    assert item.candidate is not None and item.shape is not None
     depth = targets.aim_depth_mm(CHECKED_N)
     slabs, wide_N = item.candidate.alone, targets.protocol.wide_N
     table = force_at(depth, item.candidate.steady_depth_mm(wide_N), wide_N)
@@ -106,7 +107,7 @@ def study(tissue: str) -> tuple[Suggestion, list[Row]]:
     answer = suggest(Request(tissue, shape="auto"))
     rows = []
     for item in answer.comparisons:
-        if item.candidate is None:
+        if item.candidate is None or item.shape is None or item.low_force is None:
             rows.append(Row(tissue, item, None, None))
             continue
         solved = check(item, answer.targets) if item.kind != Slab.name and item.shape.axisymmetric else None
@@ -142,7 +143,7 @@ def tables(studied: list[tuple[Suggestion, list[Row], tuple[float, float, float]
 def _cell(row: Row) -> str:
     """Misfit of a glued face, by finite elements where they reach all forces, and the total score."""
     item = row.item
-    if item.candidate is None:
+    if item.candidate is None or item.low_force is None:
         return item.reason or "-"
     solved = row.solved.misfit[CONDITIONS[0]] if row.solved else None
     near = solved[0] if solved and solved[1] >= CHECKED_N[-1] * (1.0 - 1e-9) else item.low_force.misfit_rms_ln_force
@@ -154,16 +155,17 @@ def designs_text(rows: list[Row]) -> str:
     stream = io.StringIO()
     table = csv.writer(stream, lineterminator="\n")
     forces = next(row.centring.force_N for row in rows if row.centring)
+    exponents = next(row.item.low_force.exponent_at_N for row in rows if row.item.low_force)
     table.writerow([
         "tissue", "shape", "thickness_mm", "young_kPa", "misfit", *(f"misfit_{name}" for name in CONDITIONS),
         *(f"misfit_{name}_to_N" for name in CONDITIONS), "steady_inside_below_5N", "steady_inside_above_5N",
-        *(f"exponent_{force}N" for force in rows[0].item.low_force.exponent_at_N), "depth_over_thickness_15N", "total",
+        *(f"exponent_{force}N" for force in exponents), "depth_over_thickness_15N", "total",
         *(f"contact_radius_{force:g}N_mm" for force in forces),
         *(f"alignment_tolerance_{force:g}N_mm" for force in forces),
     ])  # fmt: skip
     for row in rows:
         item, near, lands = row.item, row.item.low_force, row.centring
-        if item.candidate is None:
+        if item.candidate is None or near is None:
             continue
         misfits = [(row.solved and row.solved.misfit[name]) or (None, None) for name in CONDITIONS]
         ends = (*lands.contact_radius_mm, *lands.margin_mm) if lands else (None,) * (2 * len(forces))
@@ -181,7 +183,7 @@ def curves_text(rows: list[Row]) -> str:
     forces = "tissue_force_N,table_force_N,bonded_force_N,frictionless_force_N"
     lines = [f"tissue,shape,thickness_mm,young_kPa,depth_mm,{forces}"]
     for row in rows:
-        if row.solved is None:
+        if row.solved is None or row.item.candidate is None:
             continue
         head = f'{row.tissue},"{row.item.shape}",{row.item.candidate.thickness_mm:g},{row.item.young_kPa:.5g}'
         values = (row.solved.depth_mm, CHECKED_N, row.solved.table_N, *(row.solved.force_N[c] for c in CONDITIONS))

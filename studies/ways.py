@@ -101,11 +101,11 @@ def campaign(folder: Path) -> None:
 def slider(_: Path) -> None:
     """Evaluate one pad as a slider of the studio does."""
     from dummydesign.design.pad_evaluator import PadEvaluator
+    from dummydesign.design.problem import read_problem
     from dummydesign.design.request import Request
-    from dummydesign.design.suggest import resolve
     from dummydesign.geometry.shape_registry import read_shape
 
-    PadEvaluator(resolve(Request(tissue="forefinger"))).evaluate(read_shape("slab"), 10.0, 15.5)
+    PadEvaluator(read_problem(Request(tissue="forefinger"))).evaluate(read_shape("slab"), 10.0, 15.5)
 
 
 WAYS = (("a design", design), ("a campaign", campaign), ("a slider", slider))

@@ -112,7 +112,8 @@ def one_pad(law: ForceLaw, space: SearchSpace, thickness_mm: float, ratio: float
     evaluation = evaluate(slabs, space.targets, space.sampling, exact=True)
     candidate = DesignCandidate(thickness_mm, ratio, 0, evaluation)
     bound = limits_that_bind(candidate, space.thickness_mm, space.ratio)
-    return EvaluatedPad(candidate, law, verdict(ranges_of(space.targets), candidate.readings, None, bound))
+    judged = verdict(ranges_of(space.targets), candidate.readings, None, bound, limits=space.targets.limits)
+    return EvaluatedPad(candidate, law, judged)
 
 
 class NotTabulated(InputError):

@@ -49,8 +49,6 @@ if TYPE_CHECKING:
 
 CALIBRATED = "designed with a calibration: the correction is based on the campaign, the table on finite elements"
 
-
-
 # Standard errors between a share of castings and its limit from which the level is certain; how many more are drawn.
 CERTAIN, MORE, MOST_DRAWN = 3.0, 4, 19_200
 # Thicknesses beside the recommended one whose ratios are scored with it, in steps of the search.
@@ -254,7 +252,7 @@ def assess(problem: Problem, solved: SolvedDesign, missing: dict[str, str] | Non
         alternatives=tuple(_recommended(problem, one, _shape_at(chosen, one)) for one in solved.result.alternatives),
         rests_on=count_unmeasured(space.resin, problem.tissue, best),
         warnings=(*listed, *(() if calibrated is None else calibrated.warnings)),
-        choice=explain(chosen, rank([one for one in designs if one is not solved.designs[0]], space), space),
+        choice=explain(chosen, rank([one for one in designs if one is not chosen], space), space),
         measure_first=measure_first(castings),
         curves=match_of_design(best.evaluation, best.index, space.targets), budget=budget_of_castings(castings),
     )  # fmt: skip

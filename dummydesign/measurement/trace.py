@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from dummydesign.core.errors import InputError
 from dummydesign.core.parsing import columns_in
 from dummydesign.measurement.motion import Motion
+from dummydesign.measurement.plausible import ROLE, impossible, may_be_in, press_quantities, units_that_fit
 
 COLUMNS = ("time_s", "displacement_mm", "force_N")
 MOTION_COLUMNS = ("time_s", "displacement_mm")
@@ -211,10 +212,7 @@ def magnitude_fault(
     for wrong, code, column, words in (
         (not np.any(displacement), "nothing_found", x, "is zero throughout"),
         (strongest == 0, "nothing_found", f, "is zero throughout"),
-        (deepest < 0.05, "implausible_unit", x, f"= {deepest:g} at most looks like metres; multiply by 1000"),
-        (deepest > 300, "implausible_unit", x, f"= {deepest:g} at most looks like micrometres; divide by 1000"),
-        (strongest > 2000, "implausible_unit", f, f"= {strongest:g} at most looks like millinewtons; divide by 1000"),
-        (strongest < 0.03, "implausible_unit", f, f"= {strongest:g} at most looks like kilonewtons; multiply by 1000"),
+        *_beyond(time, displacement, force, deepest, strongest, seconds),
         (slow, "implausible_unit", "time_s", f"has steps of {step:g}; it looks like milliseconds ({MILLISECONDS})"),
         (force[strongest_at] < 0, "out_of_range", f, f"is negative at its largest; {positive}"),
         (way > 0 > there, "out_of_range", f, f"is negative where it is deepest; {positive}"),
@@ -222,8 +220,25 @@ def magnitude_fault(
         (pressed <= 0, "out_of_range", x, f"is not positive at the largest force; {positive}"),
     ):
         if wrong:
-            return MagnitudeFault(code, column, f"{column} {words}")
+            return MagnitudeFault(code, column, f"{column}{'' if words.startswith(':') else ' '}{words}")
     return None
+
+
+def _beyond(
+    time: NDArray, displacement: NDArray, force: NDArray, deepest: float, strongest: float, seconds: bool
+) -> list[tuple[bool, str, str, str]]:
+    """Depth, force, speed, braking and sampling that cannot be, with the units that would make all of them usual."""
+    if deepest <= 0.0 or strongest <= 0.0 or not float(displacement.max()) > 0.0:
+        return []
+    rows = []
+    found = {**press_quantities(time, displacement, np.abs(force)), "depth_mm": deepest, "force_N": strongest}
+    found = {key: value for key, value in found.items() if not (seconds and ROLE.get(key) == "time")}
+    if fault := impossible(found):
+        role = ROLE[fault[0]]
+        column = next(name for name in COLUMNS if name.startswith(role))
+        fitting = units_that_fit(role, time, displacement, np.abs(force))
+        rows.append((True, "implausible_unit", column, f": {fault[1]}{may_be_in(fitting)}"))
+    return rows
 
 
 def _deepest_loaded(displacement: NDArray, force: NDArray) -> tuple[float, float]:

@@ -163,6 +163,10 @@ class BaseForceLaw(ForceLaw):
 class ForceAndStiffness:
     """Force and stiffness of a law that works out both at once."""
 
+    def gel_mm(self, thickness_mm: ArrayLike) -> Array:
+        """The pad's whole thickness; see :class:`ForceLaw`. [mm]"""
+        return np.asarray(thickness_mm, float)
+
     def force_and_stiffness(
         self, depth_mm: ArrayLike, thickness_mm: ArrayLike, young_MPa: ArrayLike, radius_mm: ArrayLike
     ) -> tuple[Array, Array]:

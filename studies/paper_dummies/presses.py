@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.design.scoring.presses import Curves, Slabs, make_curves, press_to_depth, steady_depth
+from dummydesign.geometry.dimensions import MAX_DEPTH_OVER_THICKNESS
 from dummydesign.geometry.interface import BASES
 from dummydesign.measurement.motion import contact_velocity
 from dummydesign.measurement.trace import Trace
@@ -89,7 +90,7 @@ def press_dummy(
     site, thickness = SITES[name]
     tissue = load_tissue(site)
     taus, betas = tuple(term.tau_s for term in prony), np.array([[term.beta for term in prony]])
-    curves = make_curves(law, thickness, RADIUS_MM)
+    curves = make_curves(law, thickness, RADIUS_MM, MAX_DEPTH_OVER_THICKNESS)
     slabs = Slabs(curves, np.array([0]), np.array([young_MPa]), taus, betas)
     depth = steady_depth(slabs, STEADY_GRID_N, VELOCITIES_MM_S[0], SAMPLING)[0]
     deepest = press_to_depth(slabs, curves.limit_mm, VELOCITIES_MM_S[0], SAMPLING)

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.design.scoring.presses import Sampling, Slabs, make_curves, press_to_depth, steady_depth
-from dummydesign.geometry.dimensions import PUNCH_RADIUS_MM
+from dummydesign.geometry.dimensions import MAX_DEPTH_OVER_THICKNESS, PUNCH_RADIUS_MM
 from dummydesign.pad.force_law import ForceLaw
 from dummydesign.pad.tables.square import square_law
 
@@ -79,7 +79,8 @@ def infer(law: ForceLaw | None = None, draws: int = DRAWS, seed: int = SEED) -> 
     beta = amplitude[:, None] * (np.array(TAU_S) / 0.3) ** -exponent[:, None]
     parts, peaks = {}, {}
     for name, tissue, thickness in DUMMIES:
-        slabs = Slabs(make_curves(law, [thickness], RADIUS_MM), np.zeros(draws, int), young, TAU_S, beta)
+        curves = make_curves(law, [thickness], RADIUS_MM, MAX_DEPTH_OVER_THICKNESS)
+        slabs = Slabs(curves, np.zeros(draws, int), young, TAU_S, beta)
         for velocity in VELOCITIES_MM_S:
             peak = _peaks(slabs, velocity)
             key = f"dummy {name} at {velocity:g} mm/s"

@@ -21,7 +21,7 @@ def test_it_is_the_one_of_scipy_inside_and_beyond(count, seed):
 
 def test_a_suggestion_loads_neither_interpolation_nor_the_loop():
     code = (
-        "import sys, dummydesign, dummydesign.design.search.finalists; "
+        "import sys, dummydesign, dummydesign.design.search.fe_candidates; "
         "dummydesign.suggest('forefinger', shape='boned', verify=False, thickness_mm=(5, 6), ratio=(14, 15)); "
         "print([name for name in ('scipy.interpolate', 'skfem', 'dummydesign.loop.effects') if name in sys.modules])"
     )

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from dummydesign.cli.text import FIRST
+from dummydesign.design.problem import read_problem
 from dummydesign.design.request import Request
-from dummydesign.design.suggest import resolve
 from dummydesign.loop.calibration import Calibration, Model
 from dummydesign.loop.calibration_file import write_calibration
 from dummydesign.loop.fitting.fit import NORMAL_95
@@ -38,7 +38,8 @@ def calibration(tmp_path):
 
 
 def _resolved(path, punch, **more):
-    return resolve(Request("forefinger", punch=punch, calibration=path, shape="slab", thickness_mm=(5.0, 12.0), **more))
+    asked = Request("forefinger", punch=punch, calibration=path, shape="slab", thickness_mm=(5.0, 12.0), **more)
+    return read_problem(asked)
 
 
 def _force(inputs):

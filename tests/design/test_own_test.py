@@ -5,15 +5,16 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from dummydesign.design.assessment.decision import ShapeComparison, low_force
 from dummydesign.design.assessment.warnings import _reasons
+from dummydesign.design.problem import read_problem
 from dummydesign.design.request import PAPER, Protocol, Request
 from dummydesign.design.scoring.law_parameters import gamma1_score
 from dummydesign.design.scoring.presses import Sampling, Slabs, make_curves
 from dummydesign.design.scoring.score import evaluate, steady_gamma1
 from dummydesign.design.scoring.targets import make_targets
 from dummydesign.design.scoring.verdict import ranges_of
-from dummydesign.design.search.best_of_kinds import ShapeComparison, low_force
-from dummydesign.design.suggest import resolve, suggest
+from dummydesign.design.suggest import design, suggest
 from dummydesign.design.test_setup import refused_kinds
 from dummydesign.geometry.punch import read_punch
 from dummydesign.tissue.model.ranges import force_range
@@ -25,7 +26,7 @@ FINGER = "forefinger"
 
 
 def one_slab(tau_s=(), beta=()):
-    curves = make_curves(LayerLaw(), [6.0], 7.9)
+    curves = make_curves(LayerLaw(), [6.0], 7.9, 0.6)
     return Slabs(curves, np.array([0]), np.array([0.03]), tuple(tau_s), np.array([list(beta)]).reshape(1, len(tau_s)))
 
 
@@ -101,7 +102,7 @@ def test_a_tissue_and_a_pad_stiffer_by_the_same_factor_at_forces_that_are_too_ha
 
 def test_one_force_and_one_speed_are_a_test():
     asked = Request(FINGER, force_N=(8.0,), velocity_mm_s=(50.0,), shape="slab", verify=False)
-    answer = suggest(asked, LayerLaw())
+    answer = design(read_problem(asked, LayerLaw()))
     assert len(answer.to_dict()["recommendation"]["conditions"]) == 1
     assert low_force(answer.best, answer.targets).exponent_at_N.keys() == {"0.8", "1.6", "8"}
 
@@ -146,16 +147,16 @@ def test_kinds_that_are_refused_for_the_same_reason_are_warned_of_in_one_line():
     def beside(kind, reason):
         return ShapeComparison(kind, None, None, None, None, reason)
 
-    chosen = SimpleNamespace(comparisons=(
+    compared = (
         beside("crowned", "crowned pads need glue"), beside("boned", "boned pads need glue"),
         beside("layered", "nothing reaches 10 N"), beside("bumped", "bumped pads are tabulated on 14 mm"),
-    ))  # fmt: skip
+    )  # fmt: skip
     wanted = ["crowned, boned pads need glue", "nothing reaches 10 N", "bumped pads are tabulated on 14 mm"]
-    assert _reasons(chosen) == wanted
+    assert _reasons(compared) == wanted
 
 
 def test_the_default_test_takes_the_table_itself():
-    law = resolve(Request(FINGER)).slab_law
+    law = read_problem(Request(FINGER)).slab_law
     from dummydesign.pad.force_law import ScaledLaw
     from dummydesign.pad.tables.slab import load_table
 
@@ -177,7 +178,8 @@ def test_under_a_wide_punch_exponents_are_known_for_pads_that_are_tabulated_and_
     from dummydesign.resin import load_resin
 
     resin, table = load_resin("polyurethane-nagoya"), load_table("bonded")
-    answer = SimpleNamespace(radius_mm=12.0, resin=resin, best=SimpleNamespace(ratio=15.0))
+    targets = SimpleNamespace(limits=SimpleNamespace(gel_compression=0.6))
+    answer = SimpleNamespace(radius_mm=12.0, resin=resin, best=SimpleNamespace(ratio=15.0), targets=targets)
     found = exponent_over_thickness(answer, table, force_grids(PAPER))
     tabulated = 12.0 / THICKNESS_GRID_MM <= table.ratio_range[1]
     assert not tabulated.all() and np.isnan(found[~tabulated]).all()

@@ -9,13 +9,13 @@ import pytest
 
 from dummydesign.core.errors import NoAnswerError
 from dummydesign.design import measured_pad, suggest, suggestion
-from dummydesign.design.assessment import castings as casting_module
 from dummydesign.design.assessment import warnings
-from dummydesign.design.assessment.castings import limits_that_bind, poured_slabs
+from dummydesign.design.assessment.pad_castings import limits_that_bind, poured_slabs
 from dummydesign.design.comparison import _differences, _names, _warnings
 from dummydesign.design.measured_pad import PARABOLA, energy_of, peak_of
 from dummydesign.design.options import LARGEST_ERROR, SuggestOptions, command_words, read_options
 from dummydesign.design.request import PAPER
+from dummydesign.design.scoring.castings import Pours
 from dummydesign.design.scoring.presses import SAMPLES, Curves, Slabs
 from dummydesign.design.scoring.settings import verdict_limits
 from dummydesign.design.scoring.verdict import Correction, _ending, _reading_words, deviations, whole_percents
@@ -103,6 +103,9 @@ def test_only_slow_depths_that_the_circle_reaches_are_verified(monkeypatch):
         def depth_limit_mm(self, thickness, radius):
             return 0.25 * np.asarray(thickness)
 
+        def gel_mm(self, thickness):
+            return np.asarray(thickness)
+
     asked = []
     monkeypatch.setattr(suggest, "circle_of", lambda law: Law())
     monkeypatch.setattr(suggest, "pad_of_request", lambda request, punch, *given: given)
@@ -111,10 +114,10 @@ def test_only_slow_depths_that_the_circle_reaches_are_verified(monkeypatch):
     best = DesignCandidate(10.0, 15.0, 1, SimpleNamespace(depth_mm=depth))
     from dummydesign.geometry.shapes.slab import Slab
 
-    chosen = SimpleNamespace(result=SimpleNamespace(best=best), cast=None, shape=Slab())
+    chosen = SimpleNamespace(cast=None, shape=Slab())
     space = SimpleNamespace(resin=SimpleNamespace(young_MPa=lambda ratio: 0.5), radius_mm=7.9,
-                            targets=SimpleNamespace(protocol=PAPER))  # fmt: skip
-    suggest._verify(chosen, SimpleNamespace(space=space, request=None, punch=None))
+                            targets=SimpleNamespace(protocol=PAPER, limits=verdict_limits()))  # fmt: skip
+    suggest._verify(chosen, best, SimpleNamespace(space=space, request=None, punch=None))
     pad, depths, forces = asked[0]
     assert pad == (10.0, 0.5)
     np.testing.assert_allclose(depths, [1.0])
@@ -213,11 +216,11 @@ def test_speeds_far_from_those_of_the_subjects_are_named(monkeypatch, kind, fact
             assert told[0][0] == "speed_not_in_band" and f"{speed:g} mm/s" in told[0][1]
 
 
-def chosen_of(low=0.9, depths=(1.0, 2.0), thickness=10.0, ratio=15.0, flat=True, comparisons=()):
+def chosen_of(low=0.9, depths=(1.0, 2.0), thickness=10.0, ratio=15.0, flat=True):
+    """A design and its pad."""
     evaluation = SimpleNamespace(depth_mm=np.array([[9.0, 9.0], depths]), low_force_range=np.array([0.0, low]))
-    best = DesignCandidate(thickness, ratio, 1, evaluation)
-    return SimpleNamespace(result=SimpleNamespace(best=best), shape=SimpleNamespace(flat_top=flat, plain=True),
-                           comparisons=comparisons, law=SimpleNamespace(notes=()))  # fmt: skip
+    chosen = SimpleNamespace(shape=SimpleNamespace(flat_top=flat, plain=True), law=SimpleNamespace(notes=()))
+    return chosen, DesignCandidate(thickness, ratio, 1, evaluation)
 
 
 RESIN = SimpleNamespace(name="toy", ratio_min=14.0, ratio_max=16.0, young_MPa=lambda ratio: 0.01 * ratio)
@@ -230,25 +233,25 @@ SPACE = SimpleNamespace(
 
 
 def test_forces_out_of_reach_and_a_stiff_start_are_named():
-    assert warnings._of_forces(chosen_of(), SPACE) == []
-    ((code, text),) = warnings._of_forces(chosen_of(depths=(1.0, np.nan)), SPACE)
+    assert warnings._of_forces(*chosen_of(), 1, SPACE) == []
+    ((code, text),) = warnings._of_forces(*chosen_of(depths=(1.0, np.nan)), 1, SPACE)
     assert code == "out_of_reach" and text.startswith("15 N at 250 mm/s")
     for low, stiff in ((0.49, True), (0.51, False)):
-        told = warnings._of_forces(chosen_of(low=low), SPACE)
+        told = warnings._of_forces(*chosen_of(low=low), 1, SPACE)
         assert bool(told) is stiff
-    assert "49 %" in warnings._of_forces(chosen_of(low=0.49), SPACE)[0][1]
-    assert "--shape auto" in warnings._why_stiff(chosen_of()) and "--shape auto" not in warnings._why_stiff(
-        chosen_of(comparisons=(1, 2)))  # fmt: skip
+    assert "49 %" in warnings._of_forces(*chosen_of(low=0.49), 1, SPACE)[0][1]
+    assert "--shape auto" in warnings._why_stiff(chosen_of()[0], 1)
+    assert "--shape auto" not in warnings._why_stiff(chosen_of()[0], 2)
 
 
 def test_designs_at_an_end_of_the_range_are_named():
-    assert warnings._edges(chosen_of(), SPACE) == []
+    assert warnings._edges(chosen_of()[1], SPACE) == []
     for thickness, ratio, named in ((8.0, 15.0, "thickness"), (12.0, 15.0, "thickness"), (10.0, 14.0, "ratio"),
                                     (10.0, 16.0, "ratio")):  # fmt: skip
-        ((code, text),) = warnings._edges(chosen_of(thickness=thickness, ratio=ratio), SPACE)
+        ((code, text),) = warnings._edges(chosen_of(thickness=thickness, ratio=ratio)[1], SPACE)
         assert code == "at_edge" and named in text
     single = SimpleNamespace(thickness_mm=np.array([10.0]), ratio=np.array([15.0]), resin=RESIN)
-    assert warnings._edges(chosen_of(), single) == []
+    assert warnings._edges(chosen_of()[1], single) == []
 
 
 def test_kinds_without_a_design_share_a_line_where_they_share_the_reason():
@@ -256,20 +259,21 @@ def test_kinds_without_a_design_share_a_line_where_they_share_the_reason():
         ("boned", "boned pads are designed on a glued base only"),
         ("layered", "layered pads are designed on a glued base only"),
         ("crowned", "no crowned pad reaches"), ("slab", ""))]  # fmt: skip
-    assert warnings._reasons(chosen_of(comparisons=rows)) == [
+    assert warnings._reasons(rows) == [
         "boned, layered pads are designed on a glued base only", "no crowned pad reaches"]  # fmt: skip
 
 
 def warned(monkeypatch, off=None, share=0.9, people=3, judged=(5.0, 10.0, 15.0), plain=True, verify=True):
     monkeypatch.setattr(warnings, "_of_speeds", lambda space, tissue: [])
     monkeypatch.setattr(warnings, "_of_data", lambda resin, tissue: [])
-    chosen = chosen_of()
+    chosen, best = chosen_of()
     chosen.shape.plain = plain
     space = SPACE
     pour = SimpleNamespace(yield_fraction=share, making_only_fraction=1.0, judged_at_N=judged)
     verification = SimpleNamespace(max_difference_percent=off, notes=("n",))
     tissue = SimpleNamespace(subjects=range(people), name="t")
-    return [code for code, _ in warnings.design_warnings(chosen, space, tissue, pour, verification, None, verify)]
+    return [code for code, _ in warnings.design_warnings(chosen, best, (), space, tissue, pour, verification,
+                                                           None, verify)]
 
 
 def test_warnings_of_a_design_begin_where_their_limits_are(monkeypatch):
@@ -362,14 +366,18 @@ def test_castings_are_at_the_nearest_of_even_steps_and_held_to_the_law():
         def depth_limit_mm(self, thickness, radius):
             return 0.5 * np.asarray(thickness)
 
-    space = SimpleNamespace(radius_mm=8.0, resin=SimpleNamespace(tau_s=(0.3,)))
+        def gel_mm(self, thickness):
+            return np.asarray(thickness)
+
+    targets = SimpleNamespace(limits=verdict_limits())
+    space = SimpleNamespace(radius_mm=8.0, resin=SimpleNamespace(tau_s=(0.3,)), targets=targets)
     thickness = np.array([9.8, 10.2, 10.0, 9.913])
-    made = poured_slabs(Law(), casting_module.Pours(thickness, np.ones(4), np.ones((4, 1))), space)
+    made = poured_slabs(Law(), Pours(thickness, np.ones(4), np.ones((4, 1))), space)
     assert np.abs(made.thickness_mm - thickness).max() <= 0.5 * 0.01 + 1e-9 and made.tau_s == (0.3,)
     assert len(made.curves.thickness_mm) == 41 and np.diff(made.curves.thickness_mm) == pytest.approx(0.01)
-    held = poured_slabs(Law(), casting_module.Pours(np.array([5.0, 30.0, 12.0]), np.ones(3), np.ones((3, 1))), space)
+    held = poured_slabs(Law(), Pours(np.array([5.0, 30.0, 12.0]), np.ones(3), np.ones((3, 1))), space)
     np.testing.assert_allclose(held.thickness_mm, [8.0, 16.0, 12.0], atol=0.11)
-    one = poured_slabs(Law(), casting_module.Pours(np.array([10.0, 10.0]), np.ones(2), np.ones((2, 1))), space)
+    one = poured_slabs(Law(), Pours(np.array([10.0, 10.0]), np.ones(2), np.ones((2, 1))), space)
     assert one.thickness_mm.tolist() == [10.0, 10.0] and len(one.curves.thickness_mm) == 1
 
 
@@ -410,9 +418,9 @@ def test_folders_of_one_name_are_told_apart_by_their_paths(tmp_path):
     assert _names([paths[0], paths[2]]) == ["palm", "finger"]
 
 
-def test_the_limits_that_come_with_the_package_rise_from_green_to_castings():
+def test_the_limits_that_come_with_the_package_rise_from_green_to_amber():
     found = verdict_limits()
-    assert 1.0 < found.stands_shortfall <= found.shortfall <= found.shortfall_castings
+    assert 1.0 < found.stands_shortfall <= found.shortfall
     assert found.stands_over <= found.over and 0.5 < found.share < 1.0 and found.beyond_people > 1.0
 
 
@@ -422,11 +430,11 @@ def test_a_mould_that_fails_leaves_the_recipe_and_says_what_to_type(monkeypatch)
     def fails(spec, folder):
         raise NoAnswerError("no_convergence", "stopped")
 
-    monkeypatch.setattr(suggestion, "mould_of", lambda *given: None)
     monkeypatch.setattr(runner, "make_mold", fails)
     request = SimpleNamespace(resin="r", pad_mm=(60.0, 50.0), preset="lidded")
+    problem = SimpleNamespace(mould=lambda best, shape: None)
     with pytest.raises(NoAnswerError) as caught:
         suggestion.make_mould(SimpleNamespace(best=SimpleNamespace(thickness_mm=9.0, ratio=15.5), request=request,
-                                              resin=None, shape="slab"), None)  # fmt: skip
+                                              problem=problem, shape="slab"), None)  # fmt: skip
     words = "--thickness 9 --resin r --ratio 15.5 --shape slab --length 60 --width 50 --preset lidded"
     assert words in str(caught.value)

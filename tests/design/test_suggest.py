@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 
 from dummydesign.core.quantity import Quantity
-from dummydesign.design.assessment.castings import pour_yield
+from dummydesign.design.assessment.pad_castings import pour_yield
+from dummydesign.design.problem import read_problem
 from dummydesign.design.request import Request
-from dummydesign.design.suggest import suggest
+from dummydesign.design.suggest import design
 from dummydesign.resin import load_resin
 from dummydesign.resin.model.modulus_laws import LAWS
 from dummydesign.resin.model.resin import Liquid, save_resin
@@ -44,7 +45,7 @@ def thinned(tmp_path):
 
 @pytest.mark.slow
 def test_a_thinned_silicone_is_designed_with_its_own_components(thinned, layer_law):
-    answer = suggest(Request("forefinger", resin=thinned, verify=False, shape="slab"), layer_law).to_dict()
+    answer = design(read_problem(Request("forefinger", resin=thinned, verify=False, shape="slab"), layer_law)).to_dict()
     best = answer["recommendation"]
     masses = {item["name"]: item["mass_g"] for item in best["recipe"]["components"]}
     assert best["ratio_meaning"] == "thinner parts per 100 A+B by weight" and best["prony"] == []
@@ -59,7 +60,7 @@ def test_a_thinned_silicone_is_designed_with_its_own_components(thinned, layer_l
 
 @pytest.mark.slow
 def test_a_measured_resin_makes_more_pours_stay_inside(layer_law):
-    answer = suggest(Request("forefinger", verify=False, shape="slab"), layer_law)
+    answer = design(read_problem(Request("forefinger", verify=False, shape="slab"), layer_law))
     resin = answer.resin
     known = {
         name: dataclasses.replace(q, low=q.value - 0.1 * (q.value - q.low), high=q.value + 0.1 * (q.high - q.value))
@@ -81,7 +82,8 @@ def tissue_file(tmp_path, tissue):
 
 
 def test_a_single_subject_can_be_followed(tmp_path, layer_law):
-    answer = suggest(Request(tissue_file(tmp_path, make_tissue((1.2,))), verify=False, shape="slab"), layer_law)
+    asked = Request(tissue_file(tmp_path, make_tissue((1.2,))), verify=False, shape="slab")
+    answer = design(read_problem(asked, layer_law))
     best = answer.best
     depth = best.evaluation.depth_mm[best.index, 1]
     assert depth == pytest.approx(np.cbrt(10.0 / 1.2), rel=0.15)
@@ -90,7 +92,7 @@ def test_a_single_subject_can_be_followed(tmp_path, layer_law):
 
 def test_one_subject_is_said_to_make_no_range_and_has_no_share_of_castings(tmp_path, layer_law):
     asked = Request(tissue_file(tmp_path, make_tissue((1.2,))), verify=False, shape="slab")
-    answer = suggest(asked, layer_law).to_dict()
+    answer = design(read_problem(asked, layer_law)).to_dict()
     codes = {item["code"] for item in answer["warnings"]}
     assert "one_subject" in codes and not codes & {"low_yield", "outside_steady_range"}
     assert answer["verdict"]["subjects"] == 1 and answer["verdict"]["light"] != "green"
@@ -99,7 +101,7 @@ def test_one_subject_is_said_to_make_no_range_and_has_no_share_of_castings(tmp_p
 
 def test_speeds_and_law_come_from_the_tissue(tmp_path, layer_law):
     asked = Request(tissue_file(tmp_path, make_tissue(law="published")), verify=False, shape="slab")
-    answer = suggest(asked, layer_law).to_dict()
+    answer = design(read_problem(asked, layer_law)).to_dict()
     assert answer["recommendation"]["parameters_law"] == "published"
 
 
@@ -110,7 +112,8 @@ def test_contradictory_points_reach_the_answer(tmp_path, layer_law):
 
     resin = update_resin(load_resin(), [Point(15.0, number(50.0)), Point(16.0, number(35.0))], "mine")
     path = str(save_resin(resin, tmp_path / "mine.toml"))
-    warnings = suggest(Request("forefinger", resin=path, verify=False, shape="slab"), layer_law).to_dict()["warnings"]
+    asked = Request("forefinger", resin=path, verify=False, shape="slab")
+    warnings = design(read_problem(asked, layer_law)).to_dict()["warnings"]
     assert any(item["code"] == "contradictory_points" for item in warnings)
 
 
@@ -123,11 +126,12 @@ def test_measured_points_narrow_the_ratio_that_is_recommended(tmp_path, layer_la
     path = str(save_resin(resin, tmp_path / "mine.toml"))
     widths = []
     for name in ("polyurethane-nagoya", path):
-        found = suggest(Request("forefinger", resin=name, verify=False, shape="slab"), layer_law).to_dict()["rests_on"]
+        asked = Request("forefinger", resin=name, verify=False, shape="slab")
+        found = design(read_problem(asked, layer_law)).to_dict()["rests_on"]
         widths.append(found["ratio_high"] - found["ratio_low"])
     assert widths[1] < 0.4 * widths[0]
 
 
 def test_unknown_shapes_are_refused(layer_law):
     with raises_code("unknown_name", "shape"):
-        suggest(Request("palm", shape="cube"), layer_law)
+        design(read_problem(Request("palm", shape="cube"), layer_law))

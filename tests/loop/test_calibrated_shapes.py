@@ -11,10 +11,9 @@ import pytest
 
 from dummydesign import cli
 from dummydesign.design.calibrated import CalibratedFamily
-from dummydesign.design.search import finalists as elements_law
-from dummydesign.design.search.best_of_kinds import Shaped
+from dummydesign.design.search import fe_candidates
 from dummydesign.design.search.shape_family import Designs, FamilyLaw, load_family
-from dummydesign.design.search.slabs import DesignCandidate, SearchResult
+from dummydesign.design.search.shape_search import ShapedDesign
 from dummydesign.geometry.dimensions import PAD_EXTENT_MM
 from dummydesign.geometry.shape_registry import read_shape
 from dummydesign.loop.calibration_file import write_calibration
@@ -24,7 +23,8 @@ from dummydesign.loop.model.forward_model import Active
 from tests.support.made_calibration import calibration, effect
 
 RADIUS, CROWN = 14.0 / np.sqrt(np.pi), "crowned:radius=20,height=3,foot=11"
-SPACE = SimpleNamespace(radius_mm=RADIUS, base="bonded", extent_mm=PAD_EXTENT_MM, edge_radius_mm=0.0)
+TARGETS = SimpleNamespace(limits=SimpleNamespace(gel_compression=0.6))
+SPACE = SimpleNamespace(radius_mm=RADIUS, base="bonded", extent_mm=PAD_EXTENT_MM, edge_radius_mm=0.0, targets=TARGETS)
 
 
 def law_of(*active, shape=CROWN, **options):
@@ -92,12 +92,13 @@ def test_a_solved_shape_carries_the_correction_once(monkeypatch):
     law = replace(law_of(effect("strain_stiffening", coefficient=2.0)), cast=True)
     depth = np.array([0.5, 1.5, 3.0])
     plain = law.plain.force(depth, 10.0, 1.0, RADIUS)
-    monkeypatch.setattr(elements_law, "cached", lambda *_: {
+    monkeypatch.setattr(fe_candidates, "cached", lambda *_: {
         "depth_mm": depth, "force_N": 1.05 * plain, "error_N": 0.01 * plain})  # fmt: skip
 
-    best = DesignCandidate(10.0, 15.0, 0, SimpleNamespace(depth_mm=np.array([[1.0, 2.0, 3.0]])))
-    shaped = Shaped(read_shape(CROWN), law, SearchResult(best, (), None))
-    solved = elements_law.solve_law(shaped, SPACE)
+    pressed = SimpleNamespace(depth_mm=np.array([1.0, 2.0, 3.0]))
+    monkeypatch.setattr(fe_candidates, "candidate_of", lambda *_: pressed)
+    shaped = ShapedDesign(read_shape(CROWN), 10.0, law, law, None, SimpleNamespace(ratio=15.0))
+    solved = fe_candidates.solve_law(shaped, SPACE)
     np.testing.assert_allclose(solved.force(depth, 10.0, 1.0, RADIUS), 1.05 * plain * (1.0 + 2.0 * (depth / 10.0) ** 2))
 
 

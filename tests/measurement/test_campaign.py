@@ -111,11 +111,11 @@ def test_a_single_trial_is_refused(tmp_path):
 @pytest.mark.parametrize(
     ("scales", "word"),
     [
-        ({"scale_f": 1000.0}, "millinewtons"),
+        ({"scale_f": 1000.0}, "mN or gf"),
         ({"scale_f": 250.0}, "millinewtons"),
-        ({"scale_f": 1e-3}, "kilonewtons"),
-        ({"scale_x": 1e-3}, "metres"),
-        ({"scale_x": 1000.0}, "micrometres"),
+        ({"scale_f": 1e-3}, "in kN"),
+        ({"scale_x": 1e-3}, "in m"),
+        ({"scale_x": 1000.0}, "in um"),
     ],
 )
 def test_other_units_are_seen_by_magnitude(tmp_path, scales, word):

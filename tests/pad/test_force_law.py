@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pytest
 
-from dummydesign.design.search.finalists import ElementsLaw
+from dummydesign.design.search.fe_candidates import ElementsLaw
 from dummydesign.design.search.shape_family import FamilyLaw as FamilyShapeLaw
 from dummydesign.design.search.shape_family import load_family
 from dummydesign.design.sweep.run import whatif
@@ -28,7 +28,7 @@ from tests.support.exact_law import ExactLaw
 from tests.support.refusal import raises_code
 
 RADIUS = 7.9
-MEMBERS = ("force", "stiffness", "depth_limit_mm", "relative_error", "ratio_range", "provenance", "notes")
+MEMBERS = ("force", "stiffness", "depth_limit_mm", "gel_mm", "relative_error", "ratio_range", "provenance", "notes")
 
 
 @dataclass(frozen=True)

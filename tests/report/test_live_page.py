@@ -37,7 +37,7 @@ LAWS = ("ode", "consistent", "published")
 
 def by_python(resin, subjects, ratio, thickness, punch, speed, force, base):
     radius = equal_area_radius_mm(punch)
-    curves = make_curves(punch_law(load_table(base), punch, base), [thickness], radius)
+    curves = make_curves(punch_law(load_table(base), punch, base), [thickness], radius, 0.6)
     slabs = make_slabs(curves, np.array([0]), resin, np.array([ratio]))
     young = slabs.young_MPa[0]
     depth = curves.depth_at(np.array([0]), np.array([[force / young]]))

@@ -96,7 +96,7 @@ def test_an_exponential_has_its_half_time_and_a_straight_rise_no_bow():
 
 
 def test_an_arm_much_slower_than_the_rise_adds_its_full_strength_and_a_fast_one_next_to_nothing():
-    curves = make_curves(study.force_laws([])["bonded", 0.0], 5.0, dummies.RADIUS_MM)
+    curves = make_curves(study.force_laws([])["bonded", 0.0], 5.0, dummies.RADIUS_MM, 0.6)
     weights = study.arm_weights(curves, 0.025)
     for speed in dummies.VELOCITIES_MM_S:
         assert np.all(np.diff(weights[speed]) > 0)

@@ -27,7 +27,7 @@ def looked(tmp_path_factory):
     """Inputs, shape and pad of a crowned pad."""
     evaluator = evaluator_of(tmp_path_factory.mktemp("project"), State("forefinger"))
     shape = read_shape("crowned:21.2,2,9.4")
-    return evaluator.inputs, shape, evaluator.evaluate(shape, 4.5, 15.4)
+    return evaluator.problem, shape, evaluator.evaluate(shape, 4.5, 15.4)
 
 
 def test_every_press_of_the_protocol_is_drawn_small(looked):

@@ -4,11 +4,16 @@ from __future__ import annotations
 
 import dataclasses
 
+import numpy as np
+
 from dummydesign.core.quantity import Quantity
-from dummydesign.design.assessment.castings import PadCastings, Tolerances
+from dummydesign.design.assessment.pad_castings import PadCastings
 from dummydesign.design.pad_evaluator import law_of_shape, one_pad
+from dummydesign.design.problem import read_problem
 from dummydesign.design.request import Request
-from dummydesign.design.suggest import resolve
+from dummydesign.design.scoring.castings import Castings, Tolerances
+from dummydesign.design.scoring.outlook import Outlook
+from dummydesign.design.search.slabs import SearchSpace
 from dummydesign.geometry.shape_registry import read_shape
 
 CROWNED = ("crowned:radius=5.1,height=3.8,foot=7.8", 10.0, 15.3)
@@ -36,15 +41,32 @@ def known(resin, modulus=True, relaxation=True):
 
 def space_of(tissue="palm", **asked):
     """What a request for a tissue is searched over, and its flat law."""
-    inputs = resolve(Request(tissue, verify=False, **({"shape": "slab"} | asked)))
-    return inputs.space, inputs.slab_law, inputs.castings
+    inputs = read_problem(Request(tissue, verify=False, **({"shape": "slab"} | asked)))
+    return inputs.space, inputs.slab_law, inputs.space.castings
+
+
+def space_with(resin, targets, thickness_mm, ratio, tolerances=Tolerances(100.0), **more):  # noqa: B008
+    """What is searched of a resin under the paper's punch, however pads are made."""
+    radius, castings = 14.0 / np.sqrt(np.pi), more.pop("castings", None) or Castings(resin)
+    return SearchSpace(
+        resin, targets, np.asarray(thickness_mm, float), np.asarray(ratio, float), radius, castings,
+        lambda *_: tolerances, more.pop("puck_error", 0.03), **more,
+    )  # fmt: skip
 
 
 def cast_pad(space, slab_law, castings, pad=CROWNED, tolerances=Tolerances(60.0)):  # noqa: B008
     """Castings of one pad: its shape, thickness and ratio."""
     shape, thickness, ratio = pad
     law = law_of_shape(slab_law, read_shape(shape), thickness)
-    return PadCastings(castings, law, one_pad(law, space, thickness, ratio).candidate, space, tolerances)
+    candidate = one_pad(law, space, thickness, ratio).candidate
+    own = dataclasses.replace(space, castings=castings)
+    return PadCastings(castings, law, candidate, own, tolerances, outlook_at(ratio, castings.n))
+
+
+def outlook_at(ratio, count):
+    """An outlook that takes one ratio whatever is known."""
+    none = np.zeros(count)
+    return Outlook(ratio, 0.0, 0.0, ratio, 0.0, 0.0, 0.0, 0.0, none, none, np.full(count, ratio), none > 1.0, None)
 
 
 def with_tissues(space, drawn):

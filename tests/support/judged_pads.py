@@ -11,7 +11,6 @@ from dummydesign.design.scoring.verdict import (
     deviations,
     outside,
     reads_of,
-    representative,
 )
 
 FORCES = np.array([5.0, 10.0, 15.0, 5.0, 10.0, 15.0])
@@ -59,8 +58,8 @@ def cast(counts):
 
 
 def judged(band, readings):
-    """Of each of n pads whether it may be cast, its class, and how it reads."""
-    found, limits = deviations(band, readings), verdict_limits()
-    kinds, kept = classes(found, limits), representative(found, limits)
+    """Of each of n pads its class and how it reads."""
+    found = deviations(band, readings)
+    kinds = classes(found, verdict_limits())
     reads = (reads_of(*outside(found, at)) for at in range(len(kinds)))
-    return [(bool(ok), CLASSES[kind], how) for ok, kind, how in zip(kept, kinds, reads)]
+    return [(CLASSES[kind], how) for kind, how in zip(kinds, reads)]

@@ -10,9 +10,10 @@ from numpy.typing import NDArray
 from dummydesign.design.scoring.settings import VerdictLimits
 from dummydesign.design.scoring.windows import Batches, Windows
 
-# Nodes of a normal distribution for what a puck leaves unknown of the modulus at another ratio.
-GAUSS_NODES, GAUSS_WEIGHTS = np.polynomial.hermite_e.hermegauss(7)
-GAUSS_WEIGHTS = GAUSS_WEIGHTS / GAUSS_WEIGHTS.sum()
+# Even nodes of a normal distribution for what a puck leaves unknown of the modulus at another ratio: a quarter of its
+# deviation apart, for a window has sharp ends.
+NORMAL_NODES = np.linspace(-3.0, 3.0, 25)
+NORMAL_WEIGHTS = np.exp(-0.5 * NORMAL_NODES**2) / np.exp(-0.5 * NORMAL_NODES**2).sum()
 # Shares of two ratios that differ by less are the same; standard errors within which shares of two pads are.
 SLACK, SURE = 0.005, 2.0
 # A share below this is that of no ratio.
@@ -114,7 +115,7 @@ def outlook_of(
     if not shares[first] > LEAST:
         first = best_known
     mean, spread = _after_puck(batches, first, scatter)
-    expected = sum(w * good(mean + spread * z) for z, w in zip(GAUSS_NODES, GAUSS_WEIGHTS))
+    expected = sum(w * good(mean + spread * z) for z, w in zip(NORMAL_NODES, NORMAL_WEIGHTS))
     chosen = np.argmax(np.minimum(expected, most) - BESIDE * match.misfit(mean), axis=1)
     rows = np.arange(count)
     after = each[rows, chosen]
@@ -138,7 +139,7 @@ class _Chance:
 
     def __init__(self, good: NDArray, grid: NDArray, scatter: Scatter) -> None:
         self.grid, smooth = grid, smoothed(good, grid, scatter.making)
-        self.table = np.mean([_look(smooth, grid, grid + shift) for shift in scatter.shifts], axis=0)
+        self.table = np.mean([_look(smooth, grid, grid - shift) for shift in scatter.shifts], axis=0)
 
     def __call__(self, log_young: NDArray) -> NDArray:
         return _look(self.table, self.grid, log_young)

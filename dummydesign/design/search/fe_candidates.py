@@ -150,8 +150,8 @@ def _solve_field(pad: Pad, depth_mm: NDArray) -> dict[str, Any]:
     return {"depth_mm": depth * h, "force_N": area, "error_N": area * error, "notes": (stop,) if stop else ()}
 
 
-# Designs that are solved at most, and by how much the share of another has to exceed that of the solved one: solving
-# moved shares of leading pads of the three built-in tissues by up to 0.03.
+# Designs that are solved at most, and by how much the share of another one has to exceed that of the solved one:
+# solving moved shares of leading pads of the three built-in tissues by up to 0.03.
 MOST_SOLVED, DOUBT = 3, 0.03
 
 
@@ -160,6 +160,15 @@ def on_elements(design: ShapedDesign, space: SearchSpace) -> ShapedDesign:
     law = solve_law(design, space)
     outlook = outlook_for(law, design.shape, design.thickness_mm, design.match, space, MANY_BATCHES)
     return replace(design, cast=law, outlook=outlook, solved=True)
+
+
+def _solved(design: ShapedDesign, space: SearchSpace) -> ShapedDesign | None:
+    """A pad solved; None where it cannot be, or no longer reaches the middle force."""
+    try:
+        made = on_elements(design, space)
+    except NoAnswerError:
+        return None
+    return made if feasible(made, space) else None
 
 
 def _better(other: ShapedDesign, solved: ShapedDesign, space: SearchSpace) -> bool:
@@ -177,7 +186,9 @@ def solve_leading(
     Pads that cannot be solved fall away. Fields of caps take minutes in space: they are solved where no round pad was
     searched, the first of them. Slabs are designed by their table.
     """
-    left, solved = list(designs), []
+    left = list(designs)
+    solved: list[ShapedDesign] = []
+    fallen: list[ShapedDesign] = []
     if any(one.shape.axisymmetric for one in designs):
         left = [one for one in designs if one.shape.axisymmetric or one.shape.plain]
     while len(solved) < MOST_SOLVED:
@@ -186,18 +197,18 @@ def solve_leading(
             break
         left.remove(first)
         progress(f"finite elements, {first.shape.name} pad")
-        try:
-            made = on_elements(first, space)
-        except NoAnswerError:
+        made = _solved(first, space)
+        if made is None:
+            fallen.append(first)
             continue
-        if feasible(made, space):
-            solved.append(made)
-        if solved and left and not _better(rank(left, space)[0], rank(solved, space)[0], space):
+        solved.append(made)
+        if left and not _better(rank(left, space)[0], rank(solved, space)[0], space):
             break
     if not solved:
         return tuple(rank(left, space)) or tuple(designs)
     # what only a table knows is not chosen before what was solved, but a slab by its own table
     slabs = [one for one in left if one.shape.plain]
-    first = rank([*solved, *slabs], space)
-    behind = [one for one in designs if one not in slabs and one.shape not in {item.shape for item in solved}]
-    return (*first, *rank(behind, space))
+    leading = rank([*solved, *slabs], space)
+    gone = {item.shape for item in solved}
+    behind = [one for one in designs if one not in slabs and one not in fallen and one.shape not in gone]
+    return (*leading, *rank(behind, space))

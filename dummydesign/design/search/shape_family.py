@@ -181,7 +181,8 @@ class FamilyLaw(BaseForceLaw):
 
     def gel_mm(self, thickness_mm: ArrayLike) -> NDArray:
         """Thickness of the gel under the middle of the punch, over a bone where there is one. [mm]"""
-        return np.asarray(self._flat(thickness_mm).gel_mm).reshape(np.shape(thickness_mm))
+        pads = self._flat(thickness_mm)
+        return np.asarray(self.shape.gel_mm(pads.thickness_mm, pads.parameters)).reshape(np.shape(thickness_mm))
 
     def _flat(self, thickness_mm: ArrayLike) -> Designs:
         return self._designs(np.atleast_1d(np.asarray(thickness_mm, float)).ravel())

@@ -146,7 +146,8 @@ def rank(designs: Sequence[ShapedDesign], space: SearchSpace) -> list[ShapedDesi
 
     Shares within two standard errors of the largest are tied.
     """
-    limits, strict, left, ordered = space.targets.limits, ranges_of(space.targets).strict, list(designs), []
+    limits, strict, left = space.targets.limits, ranges_of(space.targets).strict, list(designs)
+    ordered: list[ShapedDesign] = []
     while left:
         level = min(one.outlook.level(limits, strict) for one in left)
         if level == NONE and all(one.outlook.after_puck <= LEAST for one in left):

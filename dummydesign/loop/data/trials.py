@@ -10,11 +10,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from dummydesign.core.interpolation import true_runs
 from dummydesign.inference.noise import Bins
 from dummydesign.loop.data.reduction import UNLOADING, ReducedPress, has_hold, reduce_press
 from dummydesign.measurement.campaign import Campaign, Trial
+from dummydesign.measurement.clipping import find_clip
 from dummydesign.measurement.sensor import Lowpass
+from dummydesign.measurement.trace import Trace
 
 DAY_S = 86400.0
 
@@ -121,7 +122,7 @@ class Presses:
     @cached_property
     def flat_top_N(self) -> float | None:
         """The largest reading when presses stay at it, see :func:`flat_top`. [N]"""
-        return flat_top([trial.trace.force_N for trial in self.trials])
+        return flat_top([trial.trace for trial in self.trials])
 
     @cached_property
     def pulls(self) -> int:
@@ -197,26 +198,18 @@ def shows_tension(time_s: NDArray, force_N: NDArray, contact_s: float, hold_end_
     return bool(means.min() - min(means[-1], 0.0) < -TENSION_Z * noise / np.sqrt(TENSION_RUN))
 
 
-FLAT_RUN, FLAT_PRESSES = 6, 2
-"""Samples in a row at the largest reading, and presses that must have so many."""
+FLAT_PRESSES, ALIKE = 2, 0.01
+"""Presses that must stand at one force, and the share of it by which they may differ."""
 
 
-def flat_top(forces_N: list[NDArray]) -> float | None:
-    """The largest reading, when presses stay at it although their noise would move them; None otherwise. [N]
-
-    Readings coarser than the noise stay at one value by themselves and tell nothing.
-    """
-    top = max(float(force.max()) for force in forces_N)
-    steps = [np.diff(np.unique(force)) for force in forces_N]
-    step = min((float(one.min()) for one in steps if len(one)), default=0.0)
-    noise = float(np.median([np.median(np.abs(np.diff(force))) for force in forces_N]))
-    if noise <= 2.0 * step:
+def flat_top(traces: list[Trace]) -> float | None:
+    """The force at which presses stand although the punch goes on or the pad relaxes later; None otherwise. [N]"""
+    clips = [find_clip(one.time_s, one.displacement_mm, one.force_N) for one in traces]
+    levels = [clip.level_N for clip in clips if clip is not None]
+    if len(levels) < FLAT_PRESSES:
         return None
-    runs = 0
-    for force in forces_N:
-        flat = true_runs(force >= top - 0.5 * step - 1e-9 * abs(top))
-        runs += any(stop - start >= FLAT_RUN for start, stop in flat)
-    return top if runs >= FLAT_PRESSES else None
+    level = float(np.median(levels))
+    return level if sum(abs(one - level) <= ALIKE * level for one in levels) >= FLAT_PRESSES else None
 
 
 def make_presses(campaign: Campaign) -> Presses:

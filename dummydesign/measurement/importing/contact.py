@@ -9,86 +9,97 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from dummydesign.measurement.importing.baseline import (
+    DRIFT_N_S,
+    LEAST_LEAD_IN,
+    MATTERS,
+    SLOPE_N_MM,
+    Baseline,
+    Noise,
+    find_baseline,
+    noise_before,
+)
 from dummydesign.measurement.importing.decisions import ImportLog
-from dummydesign.measurement.importing.signs import Span, noise_of
+from dummydesign.measurement.importing.signs import Span, approach_start
 
 RISE, SEEN = (0.03, 0.15), 80.0
 """The rise is looked at up to 80 times the noise: further up a law bends more; between these shares of the peak."""
-LEAST_SEEN = 30.0
-"""Multiple of the noise that is looked at in a press of little force, up to half of its peak."""
+COARSE = 0.3
+"""Share of the peak up to which the place of contact is looked for at first, over the whole approach."""
 MISFIT = 0.02
 """Relative error that the law of the rise may have."""
-LAW = 0.02
-"""Share of the way from contact to the end of the part looked at by which a wrong law may shift the contact."""
 POWERS = np.arange(0.8, 3.21, 0.15)
 BENDS = np.linspace(-0.6, 0.1, 6)
 """Relative change of a power of the depth over the part looked at: what relaxes or stiffens on the way."""
-LEAST_LEAD_IN = 5
-_WAYS, _CELLS = 60, 80
+PARKED_LONG = 30
+"""Samples before the approach that tell the noise by themselves."""
+_WAYS, _CELLS, _PARTS = 60, 80, 20
 
 
 @dataclass(frozen=True)
 class ContactEstimate:
-    """Where the punch touches, and what the force reads before."""
+    """Where the punch touches (95 % interval), what the force reads before, and the speed."""
 
     position_mm: float
     low_mm: float
     high_mm: float
-    tare_N: float
-    tare_error_N: float
-    noise_N: float
-    lead_in: int
-    drift_N: float
+    baseline: Baseline
     velocity_mm_s: float
     peak_N: float
+
+    @property
+    def lead_in(self) -> int:
+        """Samples before contact."""
+        return self.baseline.samples
 
 
 def find_contact(time: NDArray, x: NDArray, load: NDArray, span: Span, tare_N: float | None = None) -> ContactEstimate:
     """Find contact and tare of one press.
 
-    The force before and shortly after contact is fitted by b + a u^n (1 + c u), u = max(x - x0, 0), along the
-    measured position: b is the tare and x0 the contact; n is left free between 0.8 and 3.2 (a flat punch 1, a ball
-    1.5, tissue 3), and c so that the force may bend by -60 to 10 % on the way. The interval of x0 is the profile of
-    the misfit over a, b, c and n; x0 is the mean over that profile.
+    The force before and shortly after contact is b + d t + s x + a u^n (1 + c u), u = max(x - x0, 0), along the
+    measured motion: b is the tare, d its drift, s its slope with travel, x0 the contact; n is between 0.8 and 3.2 (a
+    flat punch 1, a ball 1.5, tissue 3), c lets the force bend by -60 to 10 % on the way. The noise has a white part,
+    a part that wanders, and the step of the digits. The interval of x0 is that of its posterior over all others.
     """
-    onset, start = span.onset, span.start
-    peak = float(load[span.start : span.stop].max())
-    grain = noise_of(load[start : onset + 1])
-    level = float(np.clip(SEEN * grain, RISE[0] * peak, RISE[1] * peak))
-    level = max(level, min(max(4.0 * float(load[onset]), LEAST_SEEN * grain), 0.5 * peak))
-    top = onset + int(np.argmax(load[onset : span.stop] >= level))
-    top = max(top, onset + 1, start + 2)
-    reach = max(float(x[top] - x[onset]), 1e-6)
-    out = np.nonzero(x[start : onset + 1] <= x[onset] - 4.0 * reach)[0]
-    if not out.size:  # the first sample of the approach: after it the punch only comes nearer
-        out = np.nonzero(x[start : onset + 1] <= float(x[start : onset + 1].min()) + 0.02 * reach)[0]
-    near = start + int(out[-1])
-    centres, means, counts = _bins(x, load, start, near, top)
-    scatter = float(np.std(load[start:near])) if near - start >= LEAST_LEAD_IN else 0.0
-    noise = max(scatter, noise_of(load[start : top + 1]), 1e-9 * peak)
-    high = float(x[onset])
-    low = max(float(x[start : onset + 1].min()), high - 2.0 * reach)
-    variance = noise**2 / counts + (0.3 * noise) ** 2 + (MISFIT * np.maximum(means, 0.0)) ** 2
-    dof = max(len(means) - 5, 1)
-    ways = np.linspace(low, high, _WAYS + 1)
-    step = max((high - low) / _WAYS, 1e-6)
-    misfit = _profile(centres, means, variance, ways, tare_N)
-    wide = ways[misfit <= misfit.min() + 8.0 * max(1.0, float(misfit.min()) / dof)]
-    ways = np.linspace(float(wide.min()) - step, min(float(wide.max()) + step, high), _WAYS + 1)
-    misfit = _profile(centres, means, variance, ways, tare_N)
-    best = int(np.argmin(misfit))
-    scale = max(1.0, float(misfit[best]) / dof)
-    inside = ways[misfit <= misfit[best] + 4.0 * scale]
-    weight = np.exp(-0.5 * (misfit - misfit[best]) / scale)
-    position = float(np.sum(weight * ways) / weight.sum())
-    spacing = float(np.median(np.abs(np.diff(x[max(onset - 3, 0) : onset + 4]))))
-    margin = 0.5 * spacing + LAW * (float(x[top]) - position)
-    left, right = float(inside.min()) - margin, float(inside.max()) + margin
-    free = np.nonzero(x[start:onset] < min(left, position) - 0.25 * (position - left))[0]
-    lead = load[start : start + (int(free[-1]) + 1 if free.size else 0)]
-    tare, error, deviation, drift = _tare(lead, noise)
-    speed = _speed(time, x, start, onset, top)
-    return ContactEstimate(position, left, right, tare, error, deviation, len(lead), drift, speed, peak)
+    start, peak = span.start, float(load[span.start : span.stop].max())
+    go = approach_start(x, start, start + int(np.argmax(load[start : span.stop])))
+    at = max(span.onset, go)
+    for share, powers, bends in ((COARSE, POWERS[::3], BENDS[::2]), (0.0, POWERS[::2], BENDS[::2])):
+        # a slope with travel is no noise: where the punch is parked for long enough, only that is taken
+        noise = noise_before(time, load, span, go if go - start >= PARKED_LONG else at)
+        bins, low, high = _looked_at(time, x, load, span, (go, at), noise, share)
+        ways = np.linspace(low, high, _WAYS + 1)
+        weight = _posterior(bins, noise, ways, tare_N, powers, bends)
+        at = go + int(np.argmax(x[go : span.stop] >= np.sum(weight * ways) / weight.sum()))
+    wide, step = ways[weight > 1e-3 * weight.max()], ways[1] - ways[0]
+    ways = np.linspace(max(float(wide.min()) - step, low), min(float(wide.max()) + step, high), _WAYS + 1)
+    weight = _posterior(bins, noise, ways, tare_N, POWERS, BENDS)
+    position, share = float(np.sum(weight * ways) / weight.sum()), np.cumsum(weight) / weight.sum()
+    margin = 0.25 * float(np.median(np.abs(np.diff(x[max(at - 3, 0) : at + 4]))))
+    left, right = (float(np.interp(end, share, ways)) for end in (0.025, 0.975))
+    left, right = left - margin, right + margin
+    free = min(left, position) - 0.25 * (position - left)
+    baseline = find_baseline(time, x, load, span, (at, position, free), noise)
+    speed = _speed(time, x, start, at, at + int(np.argmax(x[at : span.stop] >= high)))
+    return ContactEstimate(position, left, right, baseline, speed, peak)
+
+
+def _looked_at(
+    time: NDArray, x: NDArray, load: NDArray, span: Span, contact: tuple[int, int], noise: Noise, share: float
+) -> tuple[_Bins, float, float]:
+    """The part of the rise that is looked at, and the range of places in which contact may lie."""
+    go, at = contact
+    start = span.start
+    base = float(np.median(load[max(start, at - 10) : at + 1]))
+    rise = float(load[start : span.stop].max()) - base
+    height = max(share * rise, float(np.clip(SEEN * noise.sample_N, RISE[0] * rise, RISE[1] * rise)))
+    top = max(at + int(np.argmax(load[at : span.stop] >= base + height)), at + 1, start + 2)
+    reach = max(float(x[top] - x[at]), 1e-6)
+    out = np.nonzero(x[start : at + 1] <= x[at] - 4.0 * reach)[0]
+    near = max(start + int(out[-1]) if out.size else go, go)
+    low = float(x[start : at + 1].min())
+    low = low if share else max(low, float(x[at]) - 2.0 * reach)
+    return _bins(time, x, load, start, near, top), low, float(x[top]) - 0.1 * reach
 
 
 def _speed(time: NDArray, x: NDArray, start: int, onset: int, top: int) -> float:
@@ -98,63 +109,60 @@ def _speed(time: NDArray, x: NDArray, start: int, onset: int, top: int) -> float
     return max(float((x[b] - x[a]) / max(time[b] - time[a], 1e-9)) for a, b in ends)
 
 
-def _bins(x: NDArray, load: NDArray, start: int, near: int, top: int) -> tuple[NDArray, NDArray, NDArray]:
-    """Mean position and force: up to twenty bins before ``near``, then even steps of position to ``top``."""
-    parts = [part for part in np.array_split(np.arange(start, near), 20) if len(part)]
-    way, force = x[near : top + 1], load[near : top + 1]
-    share = (way - way.min()) / max(float(way.max() - way.min()), 1e-12)
-    cell = np.minimum((share * _CELLS).astype(int), _CELLS - 1)
+@dataclass(frozen=True)
+class _Bins:
+    """Means over parts of the lead-in (``early`` of them), then over even steps of position."""
+
+    time_s: NDArray
+    x: NDArray
+    load: NDArray
+    count: NDArray
+    early: int
+
+
+def _bins(time: NDArray, x: NDArray, load: NDArray, start: int, near: int, top: int) -> _Bins:
+    parts = [part for part in np.array_split(np.arange(start, near), _PARTS) if len(part)]
+    way = x[near : top + 1]
+    cell = np.minimum(((way - way.min()) / max(float(np.ptp(way)), 1e-12) * _CELLS).astype(int), _CELLS - 1)
     number = np.bincount(cell, minlength=_CELLS)
     used = number > 0
-    centres = (np.bincount(cell, way, _CELLS)[used] / number[used]).tolist()
-    means = (np.bincount(cell, force, _CELLS)[used] / number[used]).tolist()
-    return (
-        np.array([float(x[part].mean()) for part in parts] + centres),
-        np.array([float(load[part].mean()) for part in parts] + means),
-        np.array([len(part) for part in parts] + number[used].tolist(), float),
-    )
+
+    def means(values: NDArray) -> NDArray:
+        late = np.bincount(cell, values[near : top + 1], _CELLS)[used] / number[used]
+        return np.array([float(values[part].mean()) for part in parts] + late.tolist())
+
+    count = np.array([len(part) for part in parts] + number[used].tolist(), float)
+    return _Bins(means(time), means(x), means(load), count, len(parts))
 
 
-def _profile(centres: NDArray, means: NDArray, variance: NDArray, ways: NDArray, tare_N: float | None) -> NDArray:
-    """Least misfit over a, b, c and n for each place of contact."""
-    weight = 1.0 / variance
-    ramp = np.maximum(centres - ways[:, None], 0.0)
+def _posterior(
+    bins: _Bins, noise: Noise, ways: NDArray, tare_N: float | None, powers: NDArray, bends: NDArray
+) -> NDArray:
+    """Relative probability of each place of contact over all laws of the rise, zeros, drifts and slopes."""
+    late = np.arange(len(bins.x)) >= bins.early
+    rise = np.maximum(bins.load - bins.load[: max(bins.early, 1)].mean(), 0.0)
+    # bins within one step of the digits share its error, bins that follow quickly on one another share the wander
+    together = np.sum(np.abs(bins.load[:, None] - bins.load) <= 0.5 * noise.step_N, axis=1)
+    white = noise.sample_N**2 / bins.count
+    lasting = np.minimum(noise.wander_s / np.maximum(np.gradient(bins.time_s), 1e-9), len(bins.x))
+    weight = 1.0 / (white + noise.wander_N**2 * lasting + noise.rounding_N**2 * together + (MISFIT * rise) ** 2)
+    # level, drift, slope, and what the level wanders between lead-in and approach; each with its prior
+    columns = np.stack([np.ones_like(bins.x), bins.time_s - bins.time_s[-1], bins.x - bins.x[-1], late.astype(float)])
+    wander = 1.0 / (noise.wander_N**2 + noise.rounding_N**2)
+    prior = np.array([0.0 if tare_N is None else 1e30, DRIFT_N_S**-2, SLOPE_N_MM**-2, wander])
+    load = bins.load - (tare_N or 0.0)
+    normal = (columns * weight) @ columns.T + np.diag(prior)
+    size = np.sqrt(np.diag(normal))
+    root = np.linalg.solve(np.linalg.cholesky(normal / np.outer(size, size)), (columns * weight) / size[:, None])
+    target = load * weight - root.T @ (root @ load)
+    ramp = np.maximum(bins.x - ways[:, None], 0.0)
     ramp = ramp / np.maximum(ramp.max(axis=1, keepdims=True), 1e-12)
-    logs = np.log(np.maximum(ramp, 1e-30))
-    total, force, square = weight.sum(), (weight * means).sum(), (weight * means**2).sum()
-    best = np.full(len(ways), np.inf)
-    for power in POWERS:
-        plain = np.exp(power * logs)
-        for bend in BENDS:
-            shape = plain * (1.0 + bend * ramp)
-            first, second, cross = shape @ weight, shape**2 @ weight, shape @ (weight * means)
-            if tare_N is None:
-                bottom = np.maximum(total * second - first**2, 1e-300)
-                slope = np.maximum((total * cross - first * force) / bottom, 0.0)
-                base = (force - slope * first) / total
-            else:
-                slope, base = np.maximum((cross - tare_N * first) / np.maximum(second, 1e-300), 0.0), tare_N
-            misfit = square + slope**2 * second + base**2 * total - 2.0 * slope * cross - 2.0 * base * force
-            misfit = misfit + 2.0 * slope * base * first
-            best = np.where(misfit < best, misfit, best)
-    return best
-
-
-def _tare(lead: NDArray, noise: float) -> tuple[float, float, float, float]:
-    """Mean force before contact, its error, the noise, and a drift that stands out of it.
-
-    The error is twice the scatter of the means of ten parts, not less by the root of ten: noise that wanders for
-    longer than the lead-in lasts does not average out.
-    """
-    if len(lead) < LEAST_LEAD_IN:
-        return 0.0, float("inf"), noise, 0.0
-    parts = [float(part.mean()) for part in np.array_split(lead, 10 if len(lead) >= 30 else 3)]
-    error = float(max(2.0 * np.std(parts), 2.0 * noise / np.sqrt(len(lead))))
-    third = max(len(parts) // 3, 1)
-    drift = float(np.mean(parts[-third:]) - np.mean(parts[:third]))
-    inner = float(np.std(np.array(parts) - np.linspace(parts[0], parts[-1], len(parts))))
-    drift = drift if abs(drift) > 4.0 * max(inner, noise / 5.0) else 0.0
-    return float(np.mean(lead)), error, float(np.std(lead)), drift
+    logs, total = np.log(np.maximum(ramp, 1e-30)), float(load @ target)
+    shapes = np.exp(powers[:, None, None] * logs)[:, None] * (1.0 + bends[:, None, None] * ramp)
+    size = np.maximum(shapes**2 @ weight - np.sum((shapes @ root.T) ** 2, axis=-1), 1e-300)
+    misfit = total - np.maximum(shapes @ target, 0.0) ** 2 / size
+    scale = max(1.0, float(misfit.min()) / max(len(bins.x) - 7, 1))
+    return np.exp(-0.5 * (misfit - misfit.min()) / scale).sum(axis=(0, 1))
 
 
 FILTER_DELAY_S = 6.4e-3
@@ -165,7 +173,7 @@ SMALL_MM, BENEFIT = 0.05, 0.5
 """The file's own zero stands unless it lies beyond the interval by half its half-width (1 in 300) and 0.05 mm."""
 LATE_MM, LATE_SHARE = 0.1, 0.03
 """Distance of the contact from the file's own zero that deserves a word although a filter explains it."""
-UNSURE_MM, UNSURE_SHARE = 0.06, 0.015
+UNSURE_MM, UNSURE_SHARE = 0.02, 0.01
 """Half-width of the contact's interval above which a zero that rests on it is called uncertain."""
 OTHER_SITE = 0.5
 """Share of the deepest press so far beyond which a later contact is another place, not the dent that was left."""
@@ -300,37 +308,74 @@ def _zero_of_press(
 
 def find_tares(
     contacts: Sequence[ContactEstimate], rest_N: float, sign: float, log: ImportLog, given_N: float | None = None
-) -> list[float]:
-    """Choose what is subtracted from the force of each press: the reading that is given, or that at no load. [N]"""
+) -> list[Baseline]:
+    """Choose what is subtracted from the force of each press: the reading that is given, or that at no load.
+
+    ``level_N`` of what is returned counts as the file does, compression positive.
+    """
+    first = contacts[0].baseline
     if log.settings.tare == "none" or given_N is not None:
         tare = 0.0 if given_N is None else sign * given_N
         why = "given by --tare" + ("" if given_N is None else " (compression positive)")
         log.decide("tare", "none" if given_N is None else f"{tare:.6g} N", why)
-        return [tare] * len(contacts)
-    first, tare = contacts[0], 0.0
-    level = rest_N + first.tare_N
-    text = f"mean of {first.lead_in} samples before contact, {level:.4g} N with an error of {first.tare_error_N:.2g} N"
-    if first.lead_in < LEAST_LEAD_IN:
-        if abs(rest_N) > max(4.0 * max(first.noise_N, 1e-12), 0.004 * first.peak_N):
+        return [_constant(first, tare)] * len(contacts)
+    if first.samples < LEAST_LEAD_IN:
+        if abs(rest_N) > max(4.0 * max(first.noise_N, 1e-12), 0.004 * contacts[0].peak_N):
             shown = sign * rest_N
             doubt = f"the force is {shown:.3g} N at the first sample and there is no lead-in before contact"
             option = f"--tare {shown:.4g} where it is an offset (first: of each file), --tare none where it presses"
             raise log.question(f"{doubt}: an offset, or already pressed", option)
         log.decide("tare", "none", "there is no lead-in, and the force begins at zero within its noise")
-    elif abs(level) <= 1.5 * first.tare_error_N or abs(level) < 0.1 * first.noise_N:
+        return [_constant(first, 0.0)] * len(contacts)
+    lines = [_line(one, rest_N, log) for one in contacts]
+    level = lines[0].level_N
+    text = f"{first.samples} samples before contact, {level:.4g} N with an error of {lines[0].error_N:.2g} N"
+    if any(one.effect_N for one in lines):
+        log.decide("tare", f"{level:.4g} N at contact", _words_of_line(lines[0], text))
+        return lines
+    tare = 0.0
+    if abs(level) <= 1.5 * first.error_N or abs(level) < 0.1 * first.noise_N:
         # nothing of a tared file is changed
-        log.decide("tare", "none", f"the {text} is zero within its noise")
+        log.decide("tare", "none", f"the mean of {text} is zero within its noise")
     else:
         tare = level
-        log.decide("tare", f"{level:.4g} N", f"the {text}")
-    tares, error = [tare], first.tare_error_N if first.lead_in >= LEAST_LEAD_IN else 0.0
-    for contact in contacts[1:]:
-        level = rest_N + contact.tare_N
-        if contact.lead_in >= LEAST_LEAD_IN and abs(level - tare) > 3.0 * (contact.tare_error_N + error):
-            tare = level
+        log.decide("tare", f"{level:.4g} N", f"the mean of {text}")
+    tares = [tare]
+    for one in lines[1:]:
+        if one.samples >= LEAST_LEAD_IN and abs(one.level_N - tare) > 3.0 * (one.error_N + first.error_N):
+            tare = one.level_N
         tares.append(tare)
     if max(tares) > min(tares):
         text = ", ".join(f"{tare:.4g}" for tare in tares)
         log.warn("zero_wanders", f"the force at no load changes from press to press ({text} N); each press is tared by "
                  "its own lead-in: let the sensor warm up, or zero it before each press")  # fmt: skip
-    return tares
+    return [_constant(one, tare) for one, tare in zip(lines, tares)]
+
+
+def _constant(baseline: Baseline, level_N: float) -> Baseline:
+    return replace(baseline, level_N=level_N, drift_N_s=0.0, slope_N_mm=0.0, effect_N=0.0)
+
+
+def _line(contact: ContactEstimate, rest_N: float, log: ImportLog) -> Baseline:
+    """The reading at no load with its drift and slope where they matter, without them where they do not."""
+    line, kind = contact.baseline, log.settings.tare
+    changes = line.effect_N + abs(line.level_N - line.mean_N)
+    if changes <= max(MATTERS * contact.peak_N, 2.0 * line.effect_error_N):
+        return _constant(line, rest_N + line.mean_N)
+    if line.drift_alone_N_s and kind not in ("drift", "slope"):
+        doubt = (f"before contact the force changes by {line.before_N:+.3g} N while the punch moves; either as a drift "
+                 f"with time ({line.drift_alone_N_s:+.3g} N/s) or as a slope with travel "
+                 f"({line.slope_alone_N_mm:+.3g} N/mm)")  # fmt: skip
+        raise log.question(doubt, "--tare drift or --tare slope, whichever it is (the punch moved in the air shows it)")
+    line = line.only(kind)
+    if not line.comes_back:
+        log.warn("force_drifts", f"{_words_of_line(line, 'the force before contact')}; by the end of the hold it is "
+                 f"{line.effect_N:.2g} N with an error of {line.effect_error_N:.2g} N if it goes on like this: let the "
+                 "sensor warm up, record after the punch is back, or keep the force by --tare N")  # fmt: skip
+    return replace(line, level_N=rest_N + line.level_N)
+
+
+def _words_of_line(line: Baseline, text: str) -> str:
+    parts = [f"{line.drift_N_s:+.3g} N/s"] if line.drift_N_s else []
+    parts += [f"{line.slope_N_mm:+.3g} N per mm of travel"] if line.slope_N_mm else []
+    return f"{text} changes by {' and '.join(parts)}; a straight line is subtracted"

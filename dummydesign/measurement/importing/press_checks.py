@@ -13,7 +13,9 @@ from numpy.typing import NDArray
 
 from dummydesign.core.errors import InputError
 from dummydesign.core.interpolation import true_runs
-from dummydesign.measurement.importing.contact import LEAST_LEAD_IN, ContactEstimate, contact_off, find_contact
+from dummydesign.measurement.clipping import find_clip
+from dummydesign.measurement.importing.baseline import LEAST_LEAD_IN, digit_step
+from dummydesign.measurement.importing.contact import ContactEstimate, contact_off, find_contact
 from dummydesign.measurement.importing.decisions import ImportLog, Settings
 from dummydesign.measurement.importing.signs import find_presses, find_signs, middle_of_three, noise_of
 from dummydesign.measurement.landmarks import Summary, summarise
@@ -23,6 +25,8 @@ Warn = Callable[[str, str], None]
 
 FALLING = 0.01
 """Share of the force by which it may still fall over the last fifth of a hold and be called steady."""
+COARSE = 0.01
+"""Share of the steady force by which half a step of the digits may be off."""
 SHORT_HOLD_S = 10.0
 """Hold of the published protocol; no shorter one is called too short unless the force still falls."""
 NO_HOLD = "no_hold"
@@ -50,13 +54,10 @@ def check_press(
     time: NDArray, x: NDArray, force: NDArray, contact: ContactEstimate, summary: Summary, warn: Warn
 ) -> None:
     """Warn of what looks wrong in one press."""
-    press = _Press(time, x, force, max(contact.noise_N, noise_of(force)), summary, warn)
-    if abs(contact.drift_N) > max(0.01 * summary.peak_force_N, 4.0 * contact.noise_N):
-        warn("force_before_contact", f"the force changes by {contact.drift_N:+.3g} N before contact; let the sensor "
-             "settle, or look for something that touches earlier")  # fmt: skip
+    press = _Press(time, x, force, max(contact.baseline.noise_N, noise_of(force)), summary, warn)
     if _swapped(press):
         return
-    for check in (_hold, _several_holds, _clipped, _gaps, _lost, _frozen, _spikes, _units):
+    for check in (_coarse, _hold, _several_holds, _clipped, _gaps, _lost, _frozen, _spikes, _units):
         check(press)
 
 
@@ -78,6 +79,14 @@ def _swapped(press: _Press) -> bool:
         press.warn("columns_swapped", f"the position falls back by {100 * fall / reach:.0f} % while the force stands: "
                    "give --columns displacement and force the other way round")  # fmt: skip
     return swapped
+
+
+def _coarse(press: _Press) -> None:
+    """Digits that the noise does not spread, so coarse that the steady force is not known to 1 %."""
+    step, steady = digit_step(press.force), press.summary.steady_force_N
+    if steady and 0.5 * step > COARSE * steady and press.noise_N < 0.3 * step:
+        press.warn("coarse_digits", f"the digits of the force are {step:.2g} N, {100 * step / steady:.1f} % of the "
+                   "steady force: export it with more digits, or use a smaller range")  # fmt: skip
 
 
 def _hold(press: _Press) -> None:
@@ -127,20 +136,11 @@ def _several_holds(press: _Press) -> None:
 
 
 def _clipped(press: _Press) -> None:
-    """The load cell's end: the largest value over and over while the punch still moves, and no other value does so."""
-    force, x, top = press.force, press.x, float(press.force.max())
-    first, last = _longest(force >= top)
-    length = last - first
-    if length < 5 or top <= 0:
-        return
-    below = force[(force > 0.5 * top) & (force < top)]
-    changes = np.flatnonzero(np.diff(below) != 0)
-    usual = int(np.max(np.diff(np.r_[-1, changes, len(below) - 1]))) if len(below) > 10 else 1
-    moved = abs(float(x[last - 1] - x[first])) > 0.02 * float(np.ptp(x))
-    if length > 4 * usual and (moved or length > 10 * usual):
-        press.warn("clipped", f"the force stands at exactly {top:.6g} N for {length} samples from "
-                   f"{press.time[first]:.4g} s: the load cell or its amplifier is at its end; use a larger range, and "
-                   "do not fit this press")  # fmt: skip
+    """The load cell's end: the force stands within its noise while the punch still moves, or before it relaxes."""
+    if clip := find_clip(press.time, press.x, press.force):
+        press.warn("clipped", f"the force stands at {clip.level_N:.6g} N for {clip.stop - clip.first} samples from "
+                   f"{clip.start_s:.4g} s: the load cell or its amplifier is at its end; use a larger range; fits "
+                   "leave these samples out, the peak is not known")  # fmt: skip
 
 
 def _longest(mask: NDArray) -> tuple[int, int]:
@@ -216,7 +216,7 @@ def _units(press: _Press) -> None:
 
 CODES = (
     *("force_before_contact", "contact_off", "hold_too_short", "several_holds", "clipped", "drop_out", "spike"),
-    *("far_from_known", "columns_swapped", "same_press", "several_subjects"),
+    *("coarse_digits", "far_from_known", "columns_swapped", "same_press", "several_subjects"),
 )
 """Codes of the warnings of this module."""
 MENDED = ("force_before_contact", "contact_off", "far_from_known")
@@ -246,14 +246,17 @@ def doubts_of(trace: Trace, resolution_N: float = 0.0) -> list[dict[str, str]]:
         summary = summarise(trace.name, time, x, force)
     except InputError:
         return []  # whoever uses the trace names what it lacks
-    tare = rest + contact.tare_N
-    noise = max(contact.noise_N, noise_of(force))
-    allowed = allowed_offset(summary.peak_force_N, noise, contact.tare_error_N, resolution_N)
+    before = contact.baseline
+    tare, noise = rest + before.mean_N, max(before.noise_N, noise_of(force))
+    allowed = allowed_offset(summary.peak_force_N, noise, before.error_N, resolution_N)
     if contact.lead_in >= LEAST_LEAD_IN and abs(tare) > allowed:
         warn("force_before_contact", f"the force is {tare:.3g} N before contact and counts as pressing; up to "
              f"{allowed:.2g} N is allowed (noise {noise:.2g} N)")  # fmt: skip
+    elif abs(before.before_N) > max(OFFSET_SHARE * summary.peak_force_N, READING * noise):
+        warn("force_before_contact", f"the force changes by {before.before_N:+.3g} N before contact, which makes "
+             f"{before.effect_N:.2g} N by the end of the hold")  # fmt: skip
     elif contact.lead_in >= LEAST_LEAD_IN and contact_off(contact, summary.depth_mm):
-        tares = (contact.tare_N + side * READING * noise for side in (-1.0, -0.5, 0.5, 1.0))
+        tares = (before.mean_N + side * READING * noise for side in (-1.0, -0.5, 0.5, 1.0))
         others = (find_contact(time, x, force - rest, span, other) for other in tares)
         if all(contact_off(other, summary.depth_mm) for other in others):
             warn("contact_off", contact_off(contact, summary.depth_mm))

@@ -23,8 +23,9 @@ from dummydesign.measurement.importing.decoding import LEFT_OUT
 from dummydesign.measurement.importing.press_checks import check_press, fingerprint
 from dummydesign.measurement.importing.signs import HIGH, Span, find_presses, find_signs
 from dummydesign.measurement.importing.table import Columns, Ranges, columns_of, read_texts
-from dummydesign.measurement.importing.vocabulary import BASE, ROLES, USUAL_UNITS, find_unit
+from dummydesign.measurement.importing.vocabulary import BASE, KIND_OF_ROLE, ROLES, USUAL_UNITS, find_unit, scaled_unit
 from dummydesign.measurement.landmarks import SHALLOWEST_MM, Summary, summarise
+from dummydesign.measurement.plausible import ROLE, impossible, press_quantities, ranges, units_that_fit
 from dummydesign.measurement.trace import COLUMNS, SECONDS, magnitude_fault
 
 Warnings = list[dict[str, Any]]
@@ -90,7 +91,7 @@ def _import_text(path: Path, sheet: str, text: str, log: ImportLog) -> Imported:
     time, x = columns.time_s, signs.displacement * columns.displacement_mm
     rest, load = signs.force * signs.rest_force_N, signs.force * (columns.force_N - signs.rest_force_N)
     spans = _find_spans(time, x, load, columns.recordings, log)
-    _check_magnitudes(time, x, load, spans, log)
+    _check_magnitudes(time, x, load, spans, columns, log)
     contacts = [_find_contact(time, x, load, span, rest, tare, log) for span in spans]
     tares = contact_zero.find_tares(contacts, rest, signs.force, log, tare)
     depths = [float(x[s.start : s.stop].max()) - c.position_mm for s, c in zip(spans, contacts)]
@@ -100,7 +101,7 @@ def _import_text(path: Path, sheet: str, text: str, log: ImportLog) -> Imported:
         part = slice(span.start, span.stop)
         name = log.file if len(spans) == 1 else f"{log.file} press {number}"
         t, way = time[part] - time[span.start], x[part] - at + 0.0
-        force = load[part] + rest - level + 0.0
+        force = load[part] + rest - level.at(time[part], x[part]) + 0.0
         summary = summarise(name, t, way, force)
         fault = magnitude_fault(t, way, force, seconds="time" in log.settings.units)
         if fault:
@@ -114,14 +115,14 @@ def _import_text(path: Path, sheet: str, text: str, log: ImportLog) -> Imported:
 
 def _read_option(option: str, word: str, kind: str) -> float | None:
     """A reading given by the user, as the file counts it, in N or mm; None for auto and none."""
-    if word in ("auto", "none"):
+    if word in ("auto", "none") or (option == "tare" and word in ("drift", "slope")):
         return None
     parts = NUMBER.match(word)
     unit = find_unit(parts[2] or BASE[kind]) if parts else None
     if parts and unit and unit.kind == kind:
         return float(parts[1]) * unit.factor
     form = f"a reading in {BASE[kind]} (or with a unit: {USUAL_UNITS[kind]})"
-    form += ", or first (each file's first sample)" if option == "tare" else ""
+    form += ", or first (each file's first sample), drift or slope" if option == "tare" else ""
     raise InputError(f"--{option} {word} is not auto, none or {form}", "not_a_number", option, word)
 
 
@@ -150,28 +151,33 @@ def _find_spans(time: NDArray, x: NDArray, load: NDArray, recordings: Ranges, lo
     return spans
 
 
-def _check_magnitudes(time: NDArray, x: NDArray, load: NDArray, spans: Sequence[Span], log: ImportLog) -> None:
-    """Ask for the unit where a press would be beyond what any such machine does."""
-    depths = [float(x[s.start : s.stop].max() - x[s.onset]) for s in spans]
-    ways = [float(x[s.onset : s.stop].max() - x[s.onset]) for s in spans]
-    rises = [time[s.start + int(np.argmax(x[s.start : s.stop]))] - time[s.onset] for s in spans]
-    step, units = float(np.median(np.diff(time))), log.settings.units
-    force = max(float(load[s.start : s.stop].max()) for s in spans)
-    speed = max(way / max(rise, step) for way, rise in zip(ways, rises))
-    for role, value, words, unit, low, high, if_low, if_high in (
-        ("force", force, "the largest force would be", "N", 0.03, 2000.0, "kN", "mN"),
-        ("displacement", max(depths), "the punch would press", "mm deep", 0.03, 300.0, "m", "um"),
-        ("time", speed, "the punch would move at", "mm/s", 0.0, 5000.0, "s", "s"),
-    ):
-        if low <= value <= high:
+def _check_magnitudes(
+    time: NDArray, x: NDArray, load: NDArray, spans: Sequence[Span], columns: Columns, log: ImportLog
+) -> None:
+    """Refuse what no such machine does: a unit is proposed only where the file read with it is plausible."""
+    for span in spans:
+        part = slice(span.start, span.stop)
+        press = time[part], x[part] - x[span.onset], load[part]
+        fault = impossible(press_quantities(*press))
+        if fault is None:
             continue
-        limit = f"above {high:g}" if value > high else f"below {low:g}"
-        text = f"{words} {value:.4g} {unit}, {limit} {unit.split()[0]}"
-        if role in units:
-            message = f"with --units {role}={units[role]} {text}; check the unit"
-            raise log.fault(message, "implausible_unit", "units", units[role])
-        guess = if_high if value > high else if_low
-        raise log.question(text, f"--units {role}={guess} (or the unit that it is in)")
+        (key, text), role = fault, ROLE[fault[0]]
+        given, stated = log.settings.units.get(role), columns.chosen[role].unit
+        unit = scaled_unit(given, KIND_OF_ROLE[role]) if given else stated
+        fitting = units_that_fit(role, *press, factor=unit.factor) if unit else []
+        options = " or ".join(f"--units {role}={one}" for one in fitting)
+        if given and key in ("stop_mm_s2", "step_s"):
+            continue  # a doubt that was settled
+        if given:
+            message = f"with --units {role}={given} {text}; {options or 'check the unit'}"
+            raise log.fault(message, "implausible_unit", "units", given)
+        where = f"with the {role} in {stated.text}, as the header states, " if stated else ""
+        # a force or a depth beyond the range of this tool can be: only a motion that cannot be shows a wrong header
+        if role == "time" and fitting:
+            raise log.question(f"{where}{text}, which no machine does", f"{options} if the header is wrong")
+        low, high, base = (getattr(ranges()[key], name) for name in ("low", "high", "unit"))
+        doubt = f"{where}{text}; {low:g} to {high:g} {base} can be read"
+        raise log.question(doubt, f"--units {role}=UNIT with the unit that it is in, if the header is wrong")
 
 
 def _find_contact(

@@ -48,12 +48,13 @@ def find_signs(x: NDArray, force: NDArray, tare_N: float | None, log: ImportLog)
     goes into the pad while this force rises.
     """
     smooth, flip = middle_of_three(force), log.settings.flip
-    moved = np.abs(x - x[0]) > 0.01 * float(np.ptp(x))
-    few = int(np.clip(np.argmax(moved) if moved.any() else 0, 1, 50))
-    rest = float(np.median(force[:few])) if tare_N is None else tare_N
-    up, down = float(smooth.max() - rest), float(rest - smooth.min())
+    rest = _at_rest(x, force) if tare_N is None else tare_N
+    # the zero may drift while the punch is back where it began
+    away = np.abs(x - x[0]) > 0.1 * float(np.ptp(x))
+    reached = smooth[away] if away.any() else smooth
+    up, down = max(float(reached.max() - rest), 0.0), max(float(rest - reached.min()), 0.0)
     swing = max(up, down)
-    if swing <= 0 or swing < 8.0 * noise_of(force):
+    if swing <= 1e-9 * abs(rest) or swing < 8.0 * noise_of(force):
         raise log.fault(f"nothing is pressed: the force stays within {swing:.3g} N of {rest:.4g} N; is this the force "
                         "column, and the right file? (--columns force=NAME)",
                         "nothing_found", "force_N", swing)  # fmt: skip
@@ -83,6 +84,15 @@ def find_signs(x: NDArray, force: NDArray, tare_N: float | None, log: ImportLog)
     return Signs(way, sign, rest)
 
 
+def _at_rest(x: NDArray, force: NDArray) -> float:
+    """The force at the first sample: of up to 50 samples before the punch has moved, along a line if it moves."""
+    moved = np.abs(x - x[0]) > 0.01 * float(np.ptp(x))
+    few = int(np.clip(np.argmax(moved) if moved.any() else 0, 1, 50))
+    if few < 3 or abs(float(x[few - 1] - x[0])) < 5.0 * noise_of(x[:few]) + 1e-3 * float(np.ptp(x)):
+        return float(np.median(force[:few]))
+    return float(np.polyval(np.polyfit(x[:few] - x[0], force[:few], 1), 0.0))
+
+
 def _way(x: NDArray, load: NDArray, log: ImportLog) -> float:
     """Sign of the position: its change while the load goes from a twentieth to half of its largest."""
     peak = int(np.argmax(load))
@@ -94,6 +104,7 @@ def _way(x: NDArray, load: NDArray, log: ImportLog) -> float:
     if float(np.ptp(x)) <= 0:
         message = "the displacement never moves; name its column by --columns displacement=NAME"
         raise log.fault(message, "nothing_found", "displacement_mm")
+    overall = overall if abs(overall) > 0.05 * float(np.ptp(x)) else rise
     if rise == 0 or rise * overall < 0 or abs(rise) < 1e-3 * float(np.ptp(x)):
         doubt = f"while the force rises the position moves by {rise:+.3g} mm, over the whole press by {overall:+.3g} mm"
         raise log.question(doubt, "--flip displacement where it falls while pressing, --flip none where it rises")
@@ -102,6 +113,8 @@ def _way(x: NDArray, load: NDArray, log: ImportLog) -> float:
 
 LOW, HIGH = 0.01, 0.03
 """Shares of the largest force below which it is zero, and above which it is a press."""
+PARKED, RIPPLE = 0.005, 0.05
+"""Shares: of its way within which the punch is parked, and of the largest force that a ripple there may reach."""
 PAUSE = 0.5
 """Share of the time between two presses above which one step of it is a pause of the recording."""
 INWARD, MARGIN = 0.1, 2
@@ -121,9 +134,13 @@ class Span:
 
 def find_presses(file: str, x: NDArray, load: NDArray, several: bool, time: NDArray | None = None) -> list[Span]:
     """Find the presses; one from the first to the last of them unless ``several`` are meant."""
+    at = np.arange(len(x), dtype=float) if time is None else time
+    parked = x <= x.min() + PARKED * float(np.ptp(x))
     smooth = middle_of_three(load)
-    few, peak = int(np.clip(len(load) // 200, 3, 50)), float(smooth.max())
-    noise = max(noise_of(smooth), min(float(np.std(smooth[:few])), 0.01 * peak))
+    smooth = smooth - _level(at, smooth, parked)
+    peak = float(smooth.max())
+    ripple = 1.4826 * float(np.median(np.abs(smooth[parked])))
+    noise = max(noise_of(smooth), min(ripple, RIPPLE * peak))
     low, high = max(6.0 * noise, LOW * peak), max(12.0 * noise, HIGH * peak)
     runs = [(a, b) for a, b in true_runs(_touching(x, smooth, low)) if smooth[a:b].max() >= high]
     a, b = max(runs, key=lambda run: float(smooth[run[0] : run[1]].max()), default=(0, 1))
@@ -141,9 +158,32 @@ def find_presses(file: str, x: NDArray, load: NDArray, several: bool, time: NDAr
             joined.append(run)
         else:
             joined[-1] = (joined[-1][0], run[1])
-    at = np.arange(len(x), dtype=float) if time is None else time
     cuts = [0, *(_cut(at, x, before[1], after[0]) for before, after in pairwise(joined)), len(x)]
-    return [Span(a, b, run[0]) for a, b, run in zip(cuts, cuts[1:], joined)]
+    deepest = [a + int(np.argmax(smooth[a:b])) for a, b in joined]
+    # nothing is touched while the punch is parked, whatever the force does there
+    onsets = [max(run[0], approach_start(x, a, deep)) for run, a, deep in zip(joined, cuts, deepest)]
+    return [Span(a, b, onset) for a, b, onset in zip(cuts, cuts[1:], onsets)]
+
+
+def approach_start(x: NDArray, start: int, deepest: int) -> int:
+    """The last sample at which the punch is parked before it presses; ``start`` where it is on its way already."""
+    way = x[start : deepest + 1]
+    reach = PARKED * float(way[-1] - way.min())
+    stand = np.nonzero(way <= way.min() + reach)[0]
+    half = len(stand) // 2
+    if half and abs(float(way[stand[half:]].mean() - way[stand[:half]].mean())) > 0.25 * reach:
+        return start
+    return start + int(stand[-1])
+
+
+def _level(time: NDArray, smooth: NDArray, parked: NDArray) -> NDArray:
+    """Reading at no load over time: a line between the ends of the stretches in which the punch is parked."""
+    knots = [(float(time[0]), 0.0)]
+    for a, b in true_runs(parked):
+        part = min(max((b - a) // 4, 5), 50)
+        if b - a >= 2 * part:
+            knots += [(float(time[i : i + part].mean()), float(np.median(smooth[i : i + part]))) for i in (a, b - part)]
+    return np.interp(time, *np.array(knots[1:] or knots).T)
 
 
 def _inward(x: NDArray) -> float:

@@ -124,6 +124,10 @@ class TabulatedShapeLaw(ForceAndStiffness, BaseForceLaw):
         self._tip_radius_mm = float(shape.tip_radius_mm or 0.0)
         self._slab: ResponseTable | None = None if self.table.similarity.over_tip else load_table("bonded")
 
+    def gel_mm(self, thickness_mm: ArrayLike) -> Array:
+        """Thickness of the gel under the middle of the punch: the pad's, less a bone. [mm]"""
+        return np.asarray(thickness_mm, float) - self.shape.bone_height_mm
+
     def inside(self, thickness_mm: Array, radius_mm: Array) -> Array:
         """Whether the table holds the pads (broadcast)."""
         return self.table.inside(ratios(self.shape, thickness_mm, radius_mm))

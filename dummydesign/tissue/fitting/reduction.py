@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from dummydesign.core.errors import InputError
 from dummydesign.inference.binning import cut, distinct, hold_edges, mean_around
+from dummydesign.measurement.clipping import find_clip
 from dummydesign.measurement.landmarks import approach_velocity, ramp_of, ringing_times, steady_force
 from dummydesign.measurement.motion import Motion, Ramp
 from dummydesign.measurement.trace import Trace
@@ -82,7 +83,9 @@ def reduce_trace(trace: Trace) -> ReducedTrace:
                    f"relaxation; hold {needed:.3g} s")  # fmt: skip
         raise InputError(message, "not_enough_data", "hold_s", float(hold))
     edges, settled_s = _edges(ramp, time), ramp.stop_time_s + SETTLED_S
-    binning, nodes = cut(time, edges), _nodes(time, edges, ramp)
+    clip = find_clip(time, trace.displacement_mm, force)
+    left_out = None if clip is None else (edges[1:] > clip.start_s) & (edges[:-1] <= clip.end_s)
+    binning, nodes = cut(time, edges, left_out), _nodes(time, edges, ramp)
     measured, mean = (of(nodes, time, trace.displacement_mm) for of in (between, mean_around))
     motion = Motion(nodes, np.where(nodes > max(settled_s, ramp.settled_s), mean, measured))
     steady = steady_force(time, trace.displacement_mm, force, ramp)

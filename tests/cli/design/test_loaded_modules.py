@@ -13,7 +13,7 @@ MOST = 130
 ABSENT = (
     "loop", "pad.axisymmetric", "pad.spatial", "pad.fields", "pad.fem", "pad.contact", "pad.solve", "pad.tables.shape",
     "pad.tables.crowned", "pad.tables.bumped", "pad.tables.response_surface", "mold.cad", "mold.checks",
-    "mold.produce", "core.cache", "design.search.finalists", "design.calibrated",
+    "mold.produce", "core.cache", "design.search.fe_candidates", "design.calibrated",
 )  # fmt: skip
 WORDS = ["suggest", "--tissue", "forefinger", "--shape", "slab", "--no-cad", "--no-verify", "--out", "slab"]
 

@@ -5,16 +5,16 @@ import dataclasses
 import numpy as np
 import pytest
 
-from dummydesign.design.assessment.castings import FORCE_LAW, MODULUS, RELAXATION, Tolerances, verdict_of_design
-from dummydesign.design.pad_evaluator import gel_limit_mm, law_of_shape, one_pad
-from dummydesign.design.scoring.presses import make_curves
+from dummydesign.design.assessment.pad_castings import verdict_of_design
+from dummydesign.design.pad_evaluator import law_of_shape, one_pad
+from dummydesign.design.scoring.castings import FORCE_LAW, MODULUS, RELAXATION, Tolerances
+from dummydesign.design.scoring.presses import designed_depth_mm, make_curves
 from dummydesign.design.scoring.settings import verdict_limits
 from dummydesign.design.scoring.verdict import classes_of
 from dummydesign.design.search.shape_family import Designs, FamilyLaw, load_family
 from dummydesign.design.suggestion import condition_rows
 from dummydesign.geometry.pad_shape import PadShape
 from dummydesign.geometry.shape_registry import read_shape, shape_kind
-from dummydesign.pad.specimen import Pad
 from tests.support.cast_pads import cast_pad, space_of
 
 BONED = "boned:radius=38.2,height=2.4,foot=13.4"
@@ -27,10 +27,10 @@ def forefinger():
     return space_of("forefinger")
 
 
-def limits(forefinger, text, thickness):
+def limits(forefinger, text, thickness, gel_compression=SHARE):
     space, slab_law, _ = forefinger
     law = law_of_shape(slab_law, read_shape(text), thickness)
-    return float(make_curves(law, [thickness], space.radius_mm).limit_mm[0])
+    return float(make_curves(law, [thickness], space.radius_mm, gel_compression).limit_mm[0])
 
 
 def test_over_a_bone_the_limit_is_that_of_the_gel_that_is_left(forefinger):
@@ -56,8 +56,9 @@ def test_a_stricter_file_limits_every_shape(forefinger, tmp_path, monkeypatch):
     monkeypatch.setenv("DUMMYDESIGN_HOME", str(tmp_path))
     (tmp_path / "materials" / "verdict.toml").write_text(text.replace("value = 0.6\n", "value = 0.3\n"))
     assert verdict_limits().gel_compression == 0.3
-    assert limits(forefinger, BONED, 6.0) == pytest.approx(0.3 * 3.6)
-    assert limits(forefinger, "slab", 10.0) == pytest.approx(3.0)
+    own = space_of("forefinger")[0].targets.limits.gel_compression
+    assert limits(forefinger, BONED, 6.0, own) == pytest.approx(0.3 * 3.6)
+    assert limits(forefinger, "slab", 10.0, own) == pytest.approx(3.0)
 
 
 @pytest.mark.parametrize("kind", ["slab", "crowned", "bumped", "layered", "boned"])
@@ -115,8 +116,13 @@ class Wide:
 @pytest.mark.parametrize("cast", [True, False])
 def test_a_law_of_ones_own_that_goes_deeper_is_limited_by_the_gel_over_the_bone(cast):
     law = FamilyLaw(Wide(), Ridged(2.5, 6.0), 10.0, cast)
-    np.testing.assert_allclose(law.depth_limit_mm(np.array([9.0, 10.0]), 7.9), [SHARE * 6.5, SHARE * 7.5])
-    assert float(law.depth_limit_mm(10.0, 7.9)) == pytest.approx(SHARE * 7.5)
+    np.testing.assert_allclose(law.depth_limit_mm(np.array([9.0, 10.0]), 7.9), [8.1, 9.0])
+    np.testing.assert_allclose(law.gel_mm(np.array([9.0, 10.0])), [6.5, 7.5])
+    for share in (SHARE, 0.35):
+        found = designed_depth_mm(law, np.array([9.0, 10.0]), 7.9, share)
+        np.testing.assert_allclose(found, [share * 6.5, share * 7.5])
+    # where the gel would give more than the law, the law ends it
+    np.testing.assert_allclose(designed_depth_mm(law, np.array([40.0]), 7.9, 1.0), [36.0])
 
 
 def test_the_generic_gel_of_a_boned_pad_is_the_one_it_says_itself():
@@ -125,11 +131,6 @@ def test_the_generic_gel_of_a_boned_pad_is_the_one_it_says_itself():
     thickness = np.array([6.0, 9.0])
     generic = PadShape.gel_mm.__func__(type(boned), thickness, parameters)
     np.testing.assert_allclose(generic, type(boned).gel_mm(thickness, parameters))
-
-
-def test_a_predicted_pad_has_the_same_limit():
-    for text, gel in ((BONED, 3.6), ("slab", 6.0), ("crowned:radius=20,height=1,foot=9", 6.0)):
-        assert gel_limit_mm(Pad(6.0, 0.03, 7.9, geometry=read_shape(text))) == pytest.approx(SHARE * gel)
 
 
 def test_a_pad_that_bottoms_out_is_out_of_reach_and_red(forefinger):

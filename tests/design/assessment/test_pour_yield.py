@@ -3,13 +3,14 @@
 import numpy as np
 import pytest
 
-from dummydesign.design.assessment.castings import Castings, PadCastings, Tolerances, pour_yield
+from dummydesign.design.assessment.pad_castings import PadCastings, pour_yield
 from dummydesign.design.pad_evaluator import one_pad
+from dummydesign.design.scoring.castings import Castings, Tolerances
 from dummydesign.design.scoring.presses import Sampling
 from dummydesign.design.scoring.targets import make_targets
 from dummydesign.design.search.slabs import SearchSpace
 from dummydesign.resin import load_resin
-from tests.support.cast_pads import known
+from tests.support.cast_pads import known, outlook_at
 
 RADIUS = 14.0 / np.sqrt(np.pi)
 
@@ -31,9 +32,13 @@ def targets(finger):
 
 
 def study(layer_law, resin, targets, tolerances, **drawn):
-    space = SearchSpace(resin, targets, np.array([5.5]), np.array([15.3]), RADIUS)
+    castings = Castings(resin, **drawn)
+    space = SearchSpace(
+        resin, targets, np.array([5.5]), np.array([15.3]), RADIUS, castings, lambda *_: tolerances, 0.03
+    )
     candidate = one_pad(layer_law, space, 5.5, 15.3).candidate
-    return pour_yield(PadCastings(Castings(resin, **drawn), layer_law, candidate, space, tolerances))
+    outlook = outlook_at(15.3, castings.n)
+    return pour_yield(PadCastings(castings, layer_law, candidate, space, tolerances, outlook))
 
 
 def test_without_any_error_all_pours_are_the_nominal_one(layer_law, exact_resin, targets):

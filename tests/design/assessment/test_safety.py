@@ -66,7 +66,7 @@ def pressed(pads, force, velocity, sampling=None):
 
 @pytest.fixture
 def pads(layer_law):
-    curves = make_curves(layer_law, [8.0, 15.0], RADIUS)
+    curves = make_curves(layer_law, [8.0, 15.0], RADIUS, 0.6)
     return make_slabs(curves, np.array([0, 1]), load_resin(), np.array([16.0, 16.0]))
 
 
@@ -153,7 +153,7 @@ def test_a_mass_on_a_spring_stops_where_its_energy_is_taken_at_any_speed(mass_kg
 
 @pytest.mark.parametrize("velocity_mm_s", [1.0, 10.0, 100.0, 400.0])
 def test_what_an_elastic_pad_stores_is_the_energy_of_the_mass(velocity_mm_s):
-    curves = make_curves(load_table("bonded"), [12.0], 7.9)
+    curves = make_curves(load_table("bonded"), [12.0], 7.9, 0.6)
     slabs = Slabs(curves, np.array([0]), np.array([0.03]), (), np.zeros((1, 0)))
     found = impact(pad_body(slabs), 0.5, velocity_mm_s)
     depth = np.linspace(0.0, found.depth_mm[0], 20001)

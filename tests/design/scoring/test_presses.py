@@ -31,7 +31,7 @@ class Linear(ExactLaw):
 
 
 def slabs_of(law, thickness, young, tau=(), beta=()):
-    curves = make_curves(law, thickness, RADIUS)
+    curves = make_curves(law, thickness, RADIUS, 0.6)
     count = len(thickness)
     return Slabs(
         curves,
@@ -111,8 +111,8 @@ def test_the_depth_limit_of_the_law_wins_when_it_is_smaller():
         def depth_limit_mm(self, thickness_mm, radius_mm):
             return 0.2 * np.asarray(thickness_mm, float)
 
-    assert make_curves(Shallow(), [10.0], RADIUS).limit_mm[0] == pytest.approx(2.0)
-    assert make_curves(Linear(), [10.0], RADIUS).limit_mm[0] == pytest.approx(6.0)
+    assert make_curves(Shallow(), [10.0], RADIUS, 0.6).limit_mm[0] == pytest.approx(2.0)
+    assert make_curves(Linear(), [10.0], RADIUS, 0.6).limit_mm[0] == pytest.approx(6.0)
 
 
 def test_arms_of_a_press_are_those_of_the_relaxed_force_along_its_samples(layer_law):

@@ -178,11 +178,11 @@ def test_curves_of_a_law_end_at_the_gels_compression_or_the_laws_end():
             return self.share * np.asarray(thickness_mm)
 
     law = Held()
-    made = make_curves(law, np.array([10.0, 20.0]), 7.9)
+    made = make_curves(law, np.array([10.0, 20.0]), 7.9, 0.6)
     np.testing.assert_allclose(made.limit_mm, [4.0, 8.0])
     far = Held()
     far.share = 0.9
-    np.testing.assert_allclose(make_curves(far, 10.0, 7.9).limit_mm, [10.0 * verdict_limits().gel_compression])
+    np.testing.assert_allclose(make_curves(far, 10.0, 7.9, 0.6).limit_mm, [10.0 * verdict_limits().gel_compression])
     depth = np.array([[1.0, 3.0], [2.0, 7.0]])
     wanted = law.force(depth, np.array([[10.0], [20.0]]), 1.0, 7.9)
     np.testing.assert_allclose(made.area_at(np.array([0, 1]), depth), wanted, rtol=1e-4)
@@ -212,11 +212,11 @@ def test_an_aims_own_distances_are_none_and_a_factor_in_depth_is_its_logarithm(t
         return score._scored(None, targets, None, own, pressed, lambda press, band: np.array([share]))
 
     whole = scored(1.0)
-    assert whole.aim[0] == pytest.approx(1.0) and whole.low_aim[0] == pytest.approx(1.0)
+    assert whole.aim[0] == pytest.approx(1.0)
     assert whole.force_variation_range[0] == 0.25 and whole.steady_state_range[0] == 1.0
     away = np.exp(targets.depth_half_width)
     assert scored(away).aim[0] == pytest.approx(0.5 * (0.5 + 1.0)) and scored(1.0 / away).aim[0] == pytest.approx(0.75)
-    assert scored(1.0, low=away).low_aim[0] == pytest.approx(0.5) and scored(1.0, low=away).aim[0] == pytest.approx(1.0)
+    assert scored(1.0, low=away).aim[0] == pytest.approx(1.0)
     wide = np.array([one.peak_half_width for one in targets.conditions])
     rms = np.sqrt(np.mean((0.2 / wide) ** 2))
     assert scored(1.0, peak=np.exp(0.2)).aim[0] == pytest.approx(0.5 * (1.0 + 0.5**rms))
@@ -227,7 +227,7 @@ def test_an_aims_own_distances_are_none_and_a_factor_in_depth_is_its_logarithm(t
 
 
 def slabs_of(count=5):
-    curves = make_curves(LayerLaw(), np.linspace(8.0, 16.0, count), 7.9)
+    curves = make_curves(LayerLaw(), np.linspace(8.0, 16.0, count), 7.9, 0.6)
     return Slabs(curves, np.arange(count), np.linspace(0.02, 0.08, count), (0.08, 1.2), np.tile([0.3, 0.2], (count, 1)))
 
 
@@ -236,10 +236,10 @@ def test_scores_are_the_same_for_each_design_alone_and_for_targets_that_are_give
     whole = evaluate(slabs, targets)
     for index in range(5):
         one = evaluate(slabs.take(np.array([index])), targets)
-        for name in ("aim", "low_aim", "steady_state_range", "force_variation_range", "low_force_range", "depth_mm"):
+        for name in ("aim", "steady_state_range", "force_variation_range", "low_force_range", "depth_mm"):
             np.testing.assert_allclose(getattr(one, name)[0], getattr(whole, name)[index], rtol=1e-9)
     again = scored_for(whole, targets)
-    for name in ("aim", "low_aim", "steady_state_range", "force_variation_range", "low_force_range", "inside"):
+    for name in ("aim", "steady_state_range", "force_variation_range", "low_force_range", "inside"):
         np.testing.assert_allclose(getattr(again, name), getattr(whole, name), rtol=1e-9)
     exact = evaluate(slabs, targets, Sampling(), exact=True)
     np.testing.assert_allclose(exact.aim, whole.aim, atol=0.01)
@@ -395,7 +395,7 @@ def test_gamma1_of_an_evaluation_is_that_of_its_slow_presses():
     forces = np.array(PAPER.forces_N)
     depth = np.array([[1.0, 2.0, np.nan, 9.0, 9.0, 9.0]])
     empty = np.zeros(1)
-    made = Evaluation(None, empty, empty, empty, empty, empty, empty, depth, empty, empty, (), PAPER, None, None)
+    made = Evaluation(None, empty, empty, empty, empty, empty, depth, empty, empty, (), PAPER, None, None)
     cube = np.array([1.0, 8.0])
     assert evaluated_gamma1(made)[0] == pytest.approx((cube @ forces[:2]) / (cube @ cube))
     assert made.feasible.tolist() == [True]

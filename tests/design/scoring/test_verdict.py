@@ -14,7 +14,6 @@ from dummydesign.design.scoring.verdict import (
     Readings,
     classes,
     deviations,
-    representative,
     verdict,
 )
 from tests.support.judged_pads import FORCES, SPEEDS, away, cast, pad, ranges, stacked
@@ -95,11 +94,11 @@ def test_out_of_reach_is_red_and_hides_nothing_low():
 
 
 @pytest.mark.parametrize("press", range(6))
-def test_one_press_out_of_reach_is_enough_for_red_whatever_the_castings_do(press):
+def test_a_pad_that_is_cast_is_red_with_one_press_out_of_reach(press):
     readings = pad()
     readings.peak_N[press] = np.nan
-    found = verdict(ranges(), readings, stacked([pad()] * 20))
-    assert found.level == "not_representative" and found.castings["stands_for"] == 1.0
+    found = verdict(ranges(), readings)
+    assert (found.level, found.not_reached) == ("not_representative", 1)
 
 
 def test_a_stiff_pad_that_takes_less_energy_is_mixed_and_red():
@@ -108,12 +107,12 @@ def test_a_stiff_pad_that_takes_less_energy_is_mixed_and_red():
 
 
 LIMITS = [
-    (1.0099, None, "stands_for"), (1.0101, None, "usable_with_correction"), (1.0999, None, "usable_with_correction"),
-    (1.1001, None, "usable_with_correction"), (1.1109, None, "usable_with_correction"),
-    (1.1111, None, "not_representative"), (None, 1.0999, "stands_for"), (None, 1.1001, "usable_with_correction"),
-    (None, 1.2499, "usable_with_correction"), (None, 1.2626, "not_representative"),
-    (1.0999, 1.2499, "usable_with_correction"), (1.0099, 1.0999, "stands_for"),
-    (1.0999, 1.2626, "not_representative"), (1.1111, 1.2499, "not_representative"),
+    (1.0099, None, "stands_for"), (1.0101, None, "usable_with_correction"), (1.1111, None, "usable_with_correction"),
+    (1.1999, None, "usable_with_correction"), (1.2001, None, "not_representative"),
+    (None, 1.0999, "stands_for"), (None, 1.1001, "usable_with_correction"),
+    (None, 1.2499, "usable_with_correction"), (None, 1.2501, "not_representative"),
+    (1.1999, 1.2499, "usable_with_correction"), (1.0099, 1.0999, "stands_for"),
+    (1.1999, 1.2501, "not_representative"), (1.2001, 1.2499, "not_representative"),
 ]  # fmt: skip
 
 
@@ -127,28 +126,13 @@ def test_levels_at_and_about_each_limit_of_a_pad_that_is_known(shortfall, over, 
         assert found.over.central == pytest.approx(over) and found.over.press["velocity_mm_s"] == 250.0
 
 
-@pytest.mark.parametrize("over", [1.2501, 1.2624])
-def test_within_one_per_cent_of_the_limit_of_red_a_pad_is_amber(over):
-    assert verdict(ranges(), away(None, over)).light == "amber"
-
-
-def test_a_pad_that_is_tied_with_a_limit_ranks_as_one_that_keeps_it():
-    limits = verdict_limits()
-    pads = [away(1.0), away(1.1099), away(1.112), away(None, 1.2615), away(None, 1.264), away(1.1099, 1.2615)]
-    kept = representative(deviations(ranges(), stacked(pads)), limits)
-    assert kept.tolist() == [True, True, False, True, False, True]
-    firm = replace(limits, tie=0.0)
-    kept = representative(deviations(ranges(), stacked(pads)), firm)
-    assert kept.tolist() == [True, False, False, False, False, False]
-
-
 def test_one_subject_makes_no_range_so_nothing_is_green():
     one = ranges(1, 1.0)
     same = verdict(one, pad(width=1.0))
     assert same.level == "usable_with_correction" and same.subjects == 1
     assert same.shortfall.central == pytest.approx(1.0) and same.over.central == pytest.approx(1.0)
     assert verdict(one, pad(width=1.0), stacked([pad(width=1.0)] * 30)).light == "amber"
-    assert verdict(one, pad(peak=0.85, width=1.0)).light == "red"
+    assert verdict(one, pad(peak=0.83, width=1.0)).light == "red"
     assert verdict(one, pad(peak=0.95, width=1.0)).reads == "low"
     assert verdict(one, pad(peak=1.05, width=1.0)).reads == "high"
 
@@ -177,6 +161,4 @@ def test_many_pads_at_once_are_classed_as_they_are_alone():
         many, alone = deviations(band, stacked(pads)), [deviations(band, one) for one in pads]
         together = classes(many, limits).tolist()
         assert together == [int(classes(one, limits)[0]) for one in alone]
-        kept = representative(many, limits).tolist()
-        assert kept == [bool(representative(one, limits)[0]) for one in alone]
-    assert kept == [verdict(ranges(), one).acceptable for one in pads]
+    assert [kind <= 1 for kind in together] == [verdict(ranges(), one).acceptable for one in pads]

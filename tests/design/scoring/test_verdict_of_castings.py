@@ -9,20 +9,25 @@ from dummydesign.design.scoring.verdict import CLASSES, STEADY, Readings, verdic
 from tests.support.judged_pads import away, cast, pad, ranges, stacked
 
 CASTINGS = [
-    # per 200: stands, needs a correction, low, far above, out of reach -> level
+    # per 200: stands, needs a correction, low, far above, out of reach -> level with a resin that would settle it
     ((200, 0, 0, 0, 0), "stands_for"), ((190, 10, 0, 0, 0), "stands_for"), ((190, 0, 10, 0, 0), "stands_for"),
     ((190, 0, 0, 0, 10), "stands_for"), ((189, 11, 0, 0, 0), "usable_with_correction"),
     ((0, 200, 0, 0, 0), "usable_with_correction"), ((180, 10, 10, 0, 0), "usable_with_correction"),
     ((180, 10, 0, 10, 0), "usable_with_correction"), ((180, 9, 11, 0, 0), "not_settled"),
     ((180, 9, 0, 11, 0), "not_settled"), ((180, 9, 0, 0, 11), "not_settled"), ((189, 0, 4, 4, 3), "not_settled"),
-    ((0, 0, 200, 0, 0), "not_settled"), ((0, 0, 0, 200, 0), "not_settled"),
+    ((0, 0, 200, 0, 0), "not_settled"), ((0, 0, 0, 200, 0), "not_settled"), ((0, 0, 0, 0, 200), "not_settled"),
 ]  # fmt: skip
 
 
 @pytest.mark.parametrize(("counts", "level"), CASTINGS)
 def test_at_least_95_of_100_castings_must_keep_the_limits(counts, level):
-    found = verdict(ranges(), pad(), stacked(cast(counts)))
+    known = stacked(cast((190, 0, 10, 0, 0)))
+    found = verdict(ranges(), pad(), stacked(cast(counts)), known=known)
     assert found.level == level and found.acceptable
+    # where the measured resin would not settle it either, one that is not usable as poured is red
+    red = verdict(ranges(), pad(), stacked(cast(counts)), known=stacked(cast((0, 189, 11, 0, 0))))
+    assert red.level == (level if level != "not_settled" else "not_representative")
+    assert red.castings == found.castings
     assert found.castings == pytest.approx({name: count / 200 for name, count in zip(CLASSES, counts)})
     assert sum(found.castings.values()) == pytest.approx(1.0, abs=1e-12)
     assert found.usable_share == pytest.approx((counts[0] + counts[1]) / 200)
@@ -70,7 +75,7 @@ def test_corrected_readings_are_below_no_subject_and_measuring_gives_a_factor_of
     rng = np.random.default_rng(8)
     pads = [away(value) for value in 1.05 * np.exp(0.05 * rng.standard_normal(400))]
     known = [away(value) for value in 1.05 * np.exp(0.01 * rng.standard_normal(400))]
-    found = verdict(ranges(), away(1.05), stacked(pads), measured=stacked(known))
+    found = verdict(ranges(), away(1.05), stacked(pads), known=stacked(known))
     factor = found.correction
     assert factor.factor_central == pytest.approx(1.05)
     assert factor.factor_central < factor.factor_after_measuring < factor.factor
@@ -80,10 +85,32 @@ def test_corrected_readings_are_below_no_subject_and_measuring_gives_a_factor_of
     assert verdict(ranges(), pad(), stacked([pad()] * 3)).correction.factor_after_measuring is None
 
 
-def test_a_low_pad_stays_low_however_its_pours_may_turn_out():
-    spread = stacked([pad()] * 50)
-    found = verdict(ranges(), pad(peak=0.7), spread)
-    assert found.light == "red" and found.reads == "low" and found.shortfall.central > 1.2
+@pytest.mark.parametrize(("good", "level"), [(190, "not_settled"), (189, "not_representative")])
+def test_a_puck_is_asked_for_where_95_of_100_castings_of_the_measured_resin_are_usable(good, level):
+    """whatever the pad at central estimates does: it is the castings that are used"""
+    poured = stacked(cast((0, 100, 50, 30, 20)))
+    known = stacked(cast((good // 2, good - good // 2, 200 - good, 0, 0)))
+    for nominal in (pad(), pad(peak=0.7), pad(peak=1.9)):
+        assert verdict(ranges(), nominal, poured, known=known).level == level
+
+
+def test_without_castings_of_the_measured_resin_the_pad_itself_counts_as_the_resin_known():
+    poured = stacked(cast((0, 100, 50, 30, 20)))
+    for nominal, level in ((pad(), "not_settled"), (away(1.1999), "not_settled"), (away(1.2001), "not_representative")):
+        assert verdict(ranges(), nominal, poured).level == level
+
+
+@pytest.mark.parametrize(("beyond", "level"), [
+    (1.0, "stands_for"), (1.01, "not_settled"), (2.0, "not_settled"), (2.01, "not_representative"),
+])  # fmt: skip
+def test_a_test_harder_than_any_press_of_people_is_open_and_from_twice_on_red(beyond, level):
+    found = verdict(ranges(), pad(), stacked([pad()] * 40), known=stacked([pad()] * 40), beyond=beyond)
+    assert found.level == level
+
+
+def test_a_low_pad_reads_low_however_its_pours_may_turn_out():
+    found = verdict(ranges(), pad(peak=0.7), stacked([pad()] * 50))
+    assert found.reads == "low" and found.shortfall.central > 1.2
 
 
 def strictly(band, readings, **more):

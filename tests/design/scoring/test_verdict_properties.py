@@ -83,7 +83,7 @@ def sampling():
 def slabs_of(law, young_MPa, thickness_mm, beta=(0.6, 0.5)):
     """Slabs of one thickness and several moduli that relax in 0.03 and 0.5 s."""
     young = np.atleast_1d(young_MPa)
-    curves = make_curves(law, [thickness_mm], RADIUS_MM)
+    curves = make_curves(law, [thickness_mm], RADIUS_MM, 0.6)
     return Slabs(curves, np.zeros(len(young), int), young, (0.03, 0.5), np.tile(beta, (len(young), 1)))
 
 

@@ -1,14 +1,13 @@
-"""The map of a search on a few made designs: who is unbeaten, who lies apart, what castings make of a ratio."""
+"""The map of a search on a few made designs: who is unbeaten, who lies apart."""
 
 from __future__ import annotations
 
 from types import SimpleNamespace
 
 import numpy as np
-import pytest
 
 from dummydesign.design.search import slabs as search_module
-from dummydesign.design.search.slabs import _far, alternatives_to, averaging, pareto, thickness_steps
+from dummydesign.design.search.slabs import _far, alternatives_to, pareto, thickness_steps
 from tests.support.refusal import raises_code
 
 
@@ -53,27 +52,6 @@ def test_alternatives_are_those_that_no_other_beats_by_falling_total():
             one(18.0, 0.2, (0.5, 0.9, 0.5, 0.5))]  # fmt: skip
     found = alternatives_to(rows, best)
     assert [one.thickness_mm for one in found] == [14.0, 12.0, 18.0]
-
-
-def test_castings_of_a_ratio_have_the_moduli_of_its_neighbours():
-    """The logarithm of the modulus falls by 0.1 a step, castings scatter evenly by 0.2 either way."""
-    class Even:
-        def young_MPa(self, ratio):
-            return 0.05 * np.exp(-0.1 * (np.asarray(ratio) - 15.0))
-
-        def draw(self, count):
-            off = np.exp(np.linspace(-0.2, 0.2, count) + 0.05)
-            return SimpleNamespace(young_MPa=lambda ratio: off * self.young_MPa(ratio))
-
-    ratio = np.arange(11.0, 20.0)
-    weights = averaging(Even(), ratio)
-    np.testing.assert_allclose(weights.sum(axis=1), 1.0)
-    # in the middle: even over two steps either way about the ratio itself, the draws' own bias left out
-    np.testing.assert_allclose(weights[4] @ ratio, 15.0, atol=0.02)
-    assert np.sqrt(weights[4] @ (ratio - 15.0) ** 2) == pytest.approx(2.0 / np.sqrt(3.0), rel=0.1)
-    assert weights[4][[0, 1, 7, 8]].max() == 0.0
-    assert weights[0][0] > 0.4 and weights[8][8] > 0.4
-    np.testing.assert_array_equal(averaging(Even(), np.array([15.0])), [[1.0]])
 
 
 def test_thicknesses_come_in_half_millimetres_with_both_ends():

@@ -7,12 +7,11 @@ import pytest
 
 from dummydesign.design.scoring.presses import Sampling
 from dummydesign.design.scoring.targets import make_targets
-from dummydesign.design.search.slabs import SearchSpace, averaging, search, thickness_steps
+from dummydesign.design.search.slabs import search, thickness_steps
 from dummydesign.resin import load_resin
+from tests.support.cast_pads import space_with
 from tests.support.refusal import raises_code
 from tests.support.slab_by_formula import make_tissue
-
-RADIUS = 14.0 / np.sqrt(np.pi)
 
 
 @pytest.fixture(scope="module")
@@ -23,7 +22,7 @@ def resin():
 @pytest.fixture(scope="module")
 def found(layer_law, resin, finger):
     targets = make_targets(finger, "average", Sampling())
-    return search(layer_law, SearchSpace(resin, targets, thickness_steps(3.0, 30.0), resin.ratios(), RADIUS))
+    return search(layer_law, space_with(resin, targets, thickness_steps(3.0, 30.0), resin.ratios()))
 
 
 def test_the_recommendation_is_in_practical_steps(found):
@@ -32,10 +31,9 @@ def test_the_recommendation_is_in_practical_steps(found):
 
 
 def test_the_recommendation_is_at_the_top_of_the_map(found, resin):
-    """of the map as its castings are expected to score"""
-    expected = found.score_map.total @ averaging(resin, found.score_map.ratio).T
-    rows = np.argsort(-np.where(found.score_map.feasible, expected, -1.0).ravel())[:24]
-    places = [np.unravel_index(row, expected.shape) for row in rows]
+    total = found.score_map.total
+    rows = np.argsort(-np.where(found.score_map.feasible, total, -1.0).ravel())[:24]
+    places = [np.unravel_index(row, total.shape) for row in rows]
     assert (found.best.thickness_mm, found.best.ratio) in {
         (found.score_map.thickness_mm[t], found.score_map.ratio[r]) for t, r in places
     }
@@ -45,7 +43,7 @@ def test_no_design_nearby_scores_better_when_worked_out_exactly(found, layer_law
     targets = make_targets(finger, "average", Sampling())
     near = thickness_steps(found.best.thickness_mm - 1.0, found.best.thickness_mm + 1.0)
     ratios = resin.ratios(found.best.ratio - 0.3, found.best.ratio + 0.3)
-    again = search(layer_law, SearchSpace(resin, targets, near, ratios, RADIUS))
+    again = search(layer_law, space_with(resin, targets, near, ratios))
     assert again.best.total <= found.best.total + 0.01
 
 
@@ -75,7 +73,7 @@ def test_alternatives_are_not_beaten_by_the_recommendation_and_differ_from_it(fo
 
 def depth_at_10_N(layer_law, resin, tissue, aim):
     targets = make_targets(tissue, aim, Sampling())
-    best = search(layer_law, SearchSpace(resin, targets, thickness_steps(3.0, 30.0), resin.ratios(), RADIUS)).best
+    best = search(layer_law, space_with(resin, targets, thickness_steps(3.0, 30.0), resin.ratios())).best
     return best.evaluation.depth_mm[best.index, 1]
 
 
@@ -92,7 +90,7 @@ def test_each_aim_is_answered_by_its_own_pad(layer_law, resin):
 
 def test_limits_are_kept(layer_law, resin, finger):
     targets = make_targets(finger, "average", Sampling())
-    found = search(layer_law, SearchSpace(resin, targets, thickness_steps(8.0, 12.0), resin.ratios(16.0, 16.5), RADIUS))
+    found = search(layer_law, space_with(resin, targets, thickness_steps(8.0, 12.0), resin.ratios(16.0, 16.5)))
     assert 8.0 <= found.best.thickness_mm <= 12.0 and 16.0 <= found.best.ratio <= 16.5
 
 
@@ -100,7 +98,7 @@ def test_when_nothing_reaches_10_N_it_says_so(layer_law, resin, finger):
     soft = dataclasses.replace(resin, numbers={**resin.numbers})
     targets = make_targets(finger, "average", Sampling())
     with raises_code("no_feasible_design", "pad") as problem:
-        search(layer_law, SearchSpace(soft, targets, thickness_steps(25.0, 30.0), resin.ratios(14.0, 14.1), RADIUS))
+        search(layer_law, space_with(soft, targets, thickness_steps(25.0, 30.0), resin.ratios(14.0, 14.1)))
     assert problem.value.code == "no_feasible_design"
 
 

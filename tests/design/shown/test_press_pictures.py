@@ -21,7 +21,7 @@ def answer():
     """A crowned pad by its table; the slab that ``auto`` puts beside it is that of its own search."""
     limits = {"thickness_mm": (4.5, 5.0), "ratio": (15.0, 16.0)}
     found = suggest(Request("forefinger", shape="crowned:21.2,2,9.4", verify=False, **limits))
-    return replace(found, request=replace(found.request, verify=True))
+    return replace(found, problem=replace(found.problem, request=replace(found.request, verify=True)))
 
 
 @pytest.fixture(scope="module")

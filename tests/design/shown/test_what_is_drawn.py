@@ -26,6 +26,7 @@ from dummydesign.design.plot_data import (
 )
 from dummydesign.design.request import PAPER
 from dummydesign.design.scoring.presses import SAMPLES, Curves, Sampling, Slabs
+from dummydesign.design.scoring.settings import verdict_limits
 from dummydesign.design.search.slabs import DesignCandidate
 from tests.support.exact_law import ExactLaw
 
@@ -76,7 +77,7 @@ def answer(tolerance=0.2, weighing=0.1, **more):
         "best": SimpleNamespace(ratio=15.0, thickness_mm=10.0),
         "request": SimpleNamespace(thickness_tolerance_mm=tolerance, weighing_g=weighing),
         "recommended": SimpleNamespace(batch={"components": components}),
-        "targets": SimpleNamespace(protocol=PAPER, sampling=Sampling()),
+        "targets": SimpleNamespace(protocol=PAPER, sampling=Sampling(), limits=verdict_limits()),
     }  # fmt: skip
     return SimpleNamespace(**{**given, **more})
 

@@ -7,9 +7,9 @@ import pytest
 
 from dummydesign.core.errors import InputError
 from dummydesign.design.options import read_sites
+from dummydesign.design.problem import read_problem
 from dummydesign.design.request import Request
 from dummydesign.design.sites import INDEPENDENT, lay_out
-from dummydesign.design.suggest import resolve
 from dummydesign.geometry.shape_registry import read_shape
 from tests.support.refusal import raises_code
 
@@ -82,7 +82,7 @@ def test_what_is_no_grid_is_refused(text):
 )  # fmt: skip
 def test_sites_that_cannot_be_solved_are_refused_before_any_work(given, code):
     with raises_code(code):
-        resolve(Request("forefinger", sites=(2, 2), **given))
+        read_problem(Request("forefinger", sites=(2, 2), **given))
 
 
 @pytest.mark.slow

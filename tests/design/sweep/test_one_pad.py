@@ -6,15 +6,16 @@ import pytest
 from dummydesign.core.errors import InputError
 from dummydesign.design.pad_evaluator import PadEvaluator, law_of_shape, one_pad
 from dummydesign.design.plot_data import force_grids
+from dummydesign.design.problem import read_problem
 from dummydesign.design.request import Request
-from dummydesign.design.suggest import design, resolve
+from dummydesign.design.suggest import design
 from dummydesign.geometry.shape_registry import read_shape
 from dummydesign.geometry.shapes.slab import Slab
 
 
 @pytest.fixture(scope="module")
 def inputs():
-    return resolve(Request("forefinger", shape="slab", verify=False))
+    return read_problem(Request("forefinger", shape="slab", verify=False))
 
 
 @pytest.mark.slow

@@ -97,8 +97,8 @@ def test_the_verdict_is_what_the_forces_say_directly(people, by_hand):
                                              readings.depth_mm[[number]])  # fmt: skip
                     assert judged(widened[0], one) != judged(widened[1], one)
                     near += 1
-    assert {ok for ok, _, _ in seen} == {True, False} and {how for _, _, how in seen} >= {"inside", "low", "high"}
-    assert {"stands_for", "usable", "reads_low", "over"} <= {kind for _, kind, _ in seen}
+    assert {how for _, how in seen} >= {"inside", "low", "high"}
+    assert {"stands_for", "usable", "reads_low", "over"} <= {kind for kind, _ in seen}
     assert near <= 0.03 * count
 
 

@@ -40,7 +40,7 @@ class Linear(ExactLaw):
 
 def linear_pads(springs, beta=1e-9):
     count = len(springs)
-    curves = make_curves(Linear(), [10.0], 7.9)
+    curves = make_curves(Linear(), [10.0], 7.9, 0.6)
     return Slabs(curves, np.zeros(count, int), np.asarray(springs, float), (0.3,), np.full((count, 1), beta))
 
 
@@ -68,8 +68,8 @@ def test_a_pad_that_is_the_spring_is_inside_and_one_half_as_stiff_reads_low(spri
     np.testing.assert_allclose(steady_gamma1(slabs, power=1.0), [10, 5, 20], rtol=1e-3)
     found = evaluate(slabs, targets)
     own, softer, stiffer = judged(ranges_of(targets), readings_of(found))
-    assert own == (True, "stands_for", "inside")
-    assert (softer[0], softer[1]) == (False, "reads_low") and stiffer[0] is False
+    assert own == ("stands_for", "inside")
+    assert softer[0] == "reads_low" and stiffer[0] in ("reads_low", "over")
     away = deviations(ranges_of(targets), readings_of(found))
     np.testing.assert_allclose(away.short["steady"][1], 0.8 / 0.5, rtol=2e-3)
     np.testing.assert_allclose(away.above["steady"][2], 2.0 / 1.2, rtol=2e-3)

@@ -25,7 +25,7 @@ def test_contact_is_found_for_every_power_law(power, place):
     contact = find_contact(time, x + place, load, spans[0])
     assert contact.position_mm == pytest.approx(place, abs=0.05 if power < 2.5 else 0.15)
     assert contact.low_mm < place < contact.high_mm
-    assert contact.tare_N == pytest.approx(0.0, abs=contact.tare_error_N)
+    assert contact.baseline.mean_N == pytest.approx(0.0, abs=contact.baseline.error_N)
     assert contact.velocity_mm_s == pytest.approx(10.0, rel=0.01)
 
 
@@ -97,23 +97,27 @@ def test_a_press_at_another_place_gets_a_zero_of_its_own():
     assert [warning["code"] for warning in notes.warnings] == ["another_place"]
 
 
+def levels(contacts, signs, log):
+    return [one.level_N for one in find_tares(contacts, signs.rest_force_N, 1.0, log)]
+
+
 def test_the_lead_in_tares_and_a_tared_file_is_left_alone():
     record = recording(7, velocity_mm_s=10.0, lead_in=True)
     signs, _, contacts = parts_of(record, tare=0.8)
-    assert find_tares(contacts, signs.rest_force_N, 1.0, ImportLog("a.csv"))[0] == pytest.approx(0.8, abs=0.02)
+    assert levels(contacts, signs, ImportLog("a.csv")) == pytest.approx([0.8], abs=0.02)
     quiet = recording(7, velocity_mm_s=10.0)
     signs, _, contacts = parts_of(quiet)
-    assert find_tares(contacts, signs.rest_force_N, 1.0, ImportLog("a.csv")) == [0.0]
+    assert levels(contacts, signs, ImportLog("a.csv")) == [0.0]
 
 
 def test_without_a_lead_in_a_force_at_the_start_is_asked_about():
     record = recording(7, velocity_mm_s=10.0, lead_in=False)
     signs, _, contacts = parts_of(record)
     assert contacts[0].lead_in < 5
-    assert find_tares(contacts, signs.rest_force_N, 1.0, ImportLog("a.csv")) == [0.0]
+    assert levels(contacts, signs, ImportLog("a.csv")) == [0.0]
     signs, _, contacts = parts_of(record, tare=0.8)
     with raises_code("needs_decision", "tare"):
-        find_tares(contacts, signs.rest_force_N, 1.0, ImportLog("a.csv"))
+        levels(contacts, signs, ImportLog("a.csv"))
 
 
 def test_a_zero_that_wanders_from_press_to_press_is_tared_press_by_press():
@@ -122,6 +126,6 @@ def test_a_zero_that_wanders_from_press_to_press_is_tared_press_by_press():
     tare = np.where(np.arange(len(record.time_s)) < spans[1].start, 0.3, 0.5)
     signs, _, contacts = parts_of(record, tare=tare)
     notes = ImportLog("a.csv")
-    found = find_tares(contacts, signs.rest_force_N, 1.0, notes)
+    found = levels(contacts, signs, notes)
     assert found == pytest.approx([0.3, 0.5], abs=0.04)
     assert [warning["code"] for warning in notes.warnings] == ["zero_wanders"]

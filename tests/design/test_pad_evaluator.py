@@ -6,9 +6,9 @@ import pytest
 import dummydesign
 from dummydesign.design import measured_pad as verdict_of_traces
 from dummydesign.design import pad_evaluator as verdict_of_pad
+from dummydesign.design.problem import read_problem
 from dummydesign.design.request import Request
 from dummydesign.design.scoring.presses import Sampling
-from dummydesign.design.suggest import resolve
 from dummydesign.geometry.shape_registry import read_shape
 from dummydesign.pad.elastic_force import elastic_curve
 from dummydesign.pad.specimen import Pad
@@ -31,7 +31,7 @@ def test_the_recommended_pad_has_the_presses_and_the_numbers_of_its_suggestion()
 
 def test_with_one_force_law_a_predicted_shaped_pad_has_the_presses_of_the_design():
     """What `suggest` and `predict --tissue` differ by on a shaped pad is elements against table, nothing else."""
-    shape, inputs = read_shape("crowned:5.1,3.8,7.8"), resolve(Request("palm", shape="crowned", verify=False))
+    shape, inputs = read_shape("crowned:5.1,3.8,7.8"), read_problem(Request("palm", shape="crowned", verify=False))
     resin = inputs.space.resin
     designed = verdict_of_pad.PadEvaluator(inputs).evaluate(shape, 10.0, 15.3)
     pad = Pad(10.0, resin.young_MPa(15.3), inputs.punch.radius_mm, prony=resin.prony(15.3), geometry=shape)
@@ -49,7 +49,7 @@ def test_a_pad_far_too_soft_is_out_of_reach_and_an_elastic_one_reads_low_and_bot
     elastic = dummydesign.predict(12, young_kPa=28.0, tissue="palm").to_dict()["verdict"]
     assert soft["light"] == "red" and soft["not_reached"] > 0 and soft["castings"]["out_of_reach"] > 0.9
     assert elastic["light"] == "red" and elastic["reads"] in ("low", "mixed") and elastic["peaks_below"] == 6
-    assert elastic["shortfall"]["central"] > 1.1 and elastic["shortfall"]["quantity"] == "peak"
+    assert elastic["shortfall"]["central"] > 1.2 and elastic["shortfall"]["quantity"] == "peak"
 
 
 @pytest.mark.parametrize("module", [verdict_of_pad, verdict_of_traces])

@@ -6,9 +6,9 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from dummydesign.design.search.finalists import BEYOND, ElementsLaw, solved_shares
+from dummydesign.design.search import fe_candidates
+from dummydesign.design.search.fe_candidates import BEYOND, ElementsLaw, solved_shares
 from dummydesign.design.search.shape_family import FamilyLaw, load_family
-from dummydesign.design.search.slabs import DesignCandidate
 from dummydesign.geometry.shape_registry import read_shape
 from dummydesign.pad.axisymmetric.shaped_problem import FLAT_STEP, LARGEST_STEP
 
@@ -21,25 +21,37 @@ def law(kind):
     return FamilyLaw(load_family(kind), read_shape(SHAPES[kind]), H, cast=True)
 
 
-def shares(kind, *pressed_mm):
-    evaluation = SimpleNamespace(depth_mm=np.array([pressed_mm]))
-    found = SimpleNamespace(best=DesignCandidate(H, 15.0, 0, evaluation))
-    return solved_shares(SimpleNamespace(shape=read_shape(SHAPES[kind]), table=law(kind), result=found), RADIUS)
+SPACE = SimpleNamespace(radius_mm=RADIUS, targets=SimpleNamespace(limits=SimpleNamespace(gel_compression=0.6)))
+
+
+@pytest.fixture
+def shares(monkeypatch):
+    """Depths over the thickness at which a pad is solved whose presses go to the given depths."""
+
+    def found(shape, table, thickness, *pressed_mm):
+        candidate = SimpleNamespace(depth_mm=np.array(pressed_mm))
+        monkeypatch.setattr(fe_candidates, "candidate_of", lambda *given: candidate)
+        outlook = SimpleNamespace(ratio=15.0)
+        design = SimpleNamespace(shape=read_shape(shape), table=table, thickness_mm=thickness, outlook=outlook)
+        return solved_shares(design, SPACE)
+
+    return found
 
 
 @pytest.mark.parametrize("kind", SHAPES)
-def test_a_design_is_solved_somewhat_beyond_its_deepest_press_at_ends_of_load_steps(kind):
-    share = shares(kind, 0.5, 1.5, 2.0)
+def test_a_design_is_solved_somewhat_beyond_its_deepest_press_at_ends_of_load_steps(shares, kind):
+    share = shares(SHAPES[kind], law(kind), H, 0.5, 1.5, 2.0)
     assert BEYOND * 2.0 <= share[-1] * H < BEYOND * 2.0 + 0.05 * H
     np.testing.assert_allclose(share / STEP[kind], np.round(share / STEP[kind]), atol=1e-9)
     assert share[0] * H < 0.3
 
 
 @pytest.mark.parametrize("kind", SHAPES)
-def test_a_design_whose_presses_come_near_the_table_s_end_is_solved_to_it(kind):
+def test_a_design_whose_presses_come_near_the_table_s_end_is_solved_to_it(shares, kind):
     limit = law(kind).depth_limit_mm(H, RADIUS) / H
-    assert shares(kind, 1.0, 3.3)[-1] == pytest.approx(limit)
-    assert shares(kind, 1.0, np.nan)[-1] == pytest.approx(limit), "a press that is not reached may be with elements"
+    assert shares(SHAPES[kind], law(kind), H, 1.0, 3.3)[-1] == pytest.approx(limit)
+    # a press that is not reached may be with elements
+    assert shares(SHAPES[kind], law(kind), H, 1.0, np.nan)[-1] == pytest.approx(limit)
 
 
 def test_deeper_than_was_asked_the_table_goes_on_with_the_last_factor_and_its_own_error():
@@ -55,12 +67,10 @@ def test_deeper_than_was_asked_the_table_goes_on_with_the_last_factor_and_its_ow
     assert failed.depth_limit_mm(H, RADIUS) == pytest.approx(2.0), "where the solve failed nothing is known deeper"
 
 
-def test_a_field_of_caps_is_solved_at_sixteen_depths_as_each_is_a_solve_in_space():
-    shape = read_shape("bumped:pitch=5,radius=2.91,height=1.24,grade=0.34")
-    evaluation = SimpleNamespace(depth_mm=np.array([[1.0, 1.5]]))
-    found = SimpleNamespace(best=DesignCandidate(5.0, 15.0, 0, evaluation))
-    field = SimpleNamespace(shape=shape, table=FamilyLaw(load_family("bumped"), shape, 5.0, cast=True), result=found)
-    share = solved_shares(field, RADIUS)
+def test_a_field_of_caps_is_solved_at_sixteen_depths_as_each_is_a_solve_in_space(shares):
+    text = "bumped:pitch=5,radius=2.91,height=1.24,grade=0.34"
+    table = FamilyLaw(load_family("bumped"), read_shape(text), 5.0, cast=True)
+    share = shares(text, table, 5.0, 1.0, 1.5)
     assert len(share) == 16 and share[-1] * 5.0 == pytest.approx(BEYOND * 1.5)
 
 

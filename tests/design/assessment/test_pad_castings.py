@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from dummydesign.core.quantity import HALF_WIDTH
-from dummydesign.design.assessment.castings import (
+from dummydesign.design.assessment.pad_castings import verdict_of_design
+from dummydesign.design.scoring.castings import (
     COUNT,
     FORCE_LAW,
     GROUPS,
@@ -17,7 +18,6 @@ from dummydesign.design.assessment.castings import (
     TISSUE,
     Castings,
     Tolerances,
-    verdict_of_design,
 )
 from dummydesign.design.scoring.presses import steady_depth
 from dummydesign.design.scoring.verdict import CLASSES, classes_of, readings_of
@@ -162,9 +162,8 @@ def test_the_tissue_is_a_group_that_no_pour_depends_on(castings):
 
 
 def test_castings_without_errors_are_the_pad_in_every_share(cast):
-    sharp = dataclasses.replace(
-        cast, castings=Castings(known(cast.castings.resin)), tolerances=SHARP, law=cast.law,
-    )  # fmt: skip
+    own = Castings(known(cast.castings.resin))
+    sharp = dataclasses.replace(cast, castings=own, tolerances=SHARP)
     sharp.__dict__["error"] = 0.0
     found = verdict_of_design(sharp)
     assert sorted(found.castings.values()) == [0.0, 0.0, 0.0, 0.0, 1.0]

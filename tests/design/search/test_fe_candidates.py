@@ -9,19 +9,17 @@ import numpy as np
 import pytest
 
 from dummydesign.core.errors import NoAnswerError
-from dummydesign.design.search import finalists
-from dummydesign.design.search.finalists import (
+from dummydesign.design.search import fe_candidates
+from dummydesign.design.search.fe_candidates import (
     BEYOND,
     FIELD_SHARES,
     SPACING,
     ElementsLaw,
-    _better_neighbour,
     _inputs,
     _law,
-    near,
+    solve_leading,
     solved_shares,
 )
-from dummydesign.design.search.slabs import DesignCandidate
 from dummydesign.geometry.dimensions import PAD_EXTENT_MM
 
 
@@ -41,6 +39,9 @@ class Table:
 
     def depth_limit_mm(self, thickness_mm, radius_mm):
         return self.share * np.asarray(thickness_mm, float)
+
+    def gel_mm(self, thickness_mm):
+        return np.asarray(thickness_mm, float)
 
     def relative_error(self, depth_mm, thickness_mm, radius_mm):
         return 0.02 + 0.0 * np.asarray(depth_mm)
@@ -76,46 +77,56 @@ def test_the_error_is_that_of_the_elements_and_beyond_them_at_least_the_tables()
     np.testing.assert_allclose(worse.relative_error(np.array([1.0, 3.1]), 10.0, 7.0), 0.06)
 
 
-def shaped(depths=(1.0, 2.0, 3.0), thickness=10.0, flat=True, axisymmetric=True, share=0.5, name="crowned", **lengths):
-    shape = SimpleNamespace(name=name, axisymmetric=axisymmetric, flat_top=flat, parameters=tuple(lengths.items()),
+def shaped(thickness=10.0, flat=True, axisymmetric=True, share=0.5):
+    shape = SimpleNamespace(name="crowned", axisymmetric=axisymmetric, flat_top=flat, plain=False,
                             check=lambda *given: None)  # fmt: skip
-    evaluation = SimpleNamespace(depth_mm=np.array([[9.0] * len(depths), depths]))
-    best = DesignCandidate(thickness, 15.0, 1, evaluation)
-    return SimpleNamespace(shape=shape, table=Table(cast=True, share=share), result=SimpleNamespace(best=best))
+    return SimpleNamespace(shape=shape, thickness_mm=thickness, table=Table(cast=True, share=share),
+                           outlook=SimpleNamespace(ratio=15.0))  # fmt: skip
+
+
+def space(*pressed_mm, gel=0.6, **given):
+    """Where a design's deepest presses are those given."""
+    usual = {"base": "bonded", "extent_mm": PAD_EXTENT_MM, "edge_radius_mm": 0.0, "radius_mm": 7.0}
+    targets = SimpleNamespace(limits=SimpleNamespace(gel_compression=gel))
+    return SimpleNamespace(pressed_mm=pressed_mm or (1.0, 2.0, 3.0), targets=targets, **{**usual, **given})
+
+
+@pytest.fixture(autouse=True)
+def pressed(monkeypatch):
+    monkeypatch.setattr(fe_candidates, "candidate_of", lambda law, thickness, ratio, where: SimpleNamespace(
+        depth_mm=np.array(where.pressed_mm)))  # fmt: skip
 
 
 @pytest.mark.parametrize("flat", [True, False])
 def test_a_design_is_solved_in_even_steps_to_a_third_beyond_its_deepest_press(flat):
-    shares = solved_shares(shaped(flat=flat), 7.0)
+    shares = solved_shares(shaped(flat=flat), space())
     step = SPACING[flat]
     np.testing.assert_allclose(np.diff(shares), step)
     assert shares[0] == pytest.approx(step)
     # the first step at or beyond 1.3 x 0.3
     assert BEYOND * 0.3 <= shares[-1] + 1e-9 < BEYOND * 0.3 + step
-    deep = solved_shares(shaped((1.0, 4.5), flat=flat), 7.0)
+    deep = solved_shares(shaped(flat=flat), space(1.0, 4.5))
     assert deep[-1] == pytest.approx(0.5) and np.diff(deep).max() <= step + 1e-12
-    out_of_reach = solved_shares(shaped((1.0, np.nan), flat=flat), 7.0)
+    out_of_reach = solved_shares(shaped(flat=flat), space(1.0, np.nan))
     assert out_of_reach[-1] == pytest.approx(0.5)
-    exact = solved_shares(shaped((20.0 * step / BEYOND,), thickness=1.0, flat=flat), 7.0)
+    exact = solved_shares(shaped(thickness=1.0, flat=flat), space(20.0 * step / BEYOND))
     assert len(exact) == 20
+    # the gel may end it before the table does
+    held = solved_shares(shaped(flat=flat), space(1.0, np.nan, gel=0.3))
+    assert held[-1] == pytest.approx(0.3)
 
 
 def test_caps_are_solved_at_sixteen_shares_of_the_last_depth():
-    shares = solved_shares(shaped(axisymmetric=False), 7.0)
+    shares = solved_shares(shaped(axisymmetric=False), space())
     np.testing.assert_allclose(shares, FIELD_SHARES * BEYOND * 0.3)
     assert len(shares) == 16 and shares[0] == pytest.approx(0.04 * shares[-1])
-
-
-def space(**given):
-    usual = {"base": "bonded", "extent_mm": PAD_EXTENT_MM, "edge_radius_mm": 0.0, "radius_mm": 7.9}
-    return SimpleNamespace(**{**usual, **given})
 
 
 def test_only_what_differs_from_the_tables_is_asked_of_a_solve():
     inputs, pad = _inputs(shaped(), space())
     assert list(inputs) == ["shape", "thickness", "radius", "depth"]
-    assert inputs["thickness"] == pad.thickness_mm == 10.0 and inputs["radius"] == pad.radius_mm == 7.9
-    np.testing.assert_allclose(inputs["depth"], 10.0 * solved_shares(shaped(), 7.9))
+    assert inputs["thickness"] == pad.thickness_mm == 10.0 and inputs["radius"] == pad.radius_mm == 7.0
+    np.testing.assert_allclose(inputs["depth"], 10.0 * solved_shares(shaped(), space()))
     full, pad = _inputs(shaped(), space(base="sliding", extent_mm=40.0, edge_radius_mm=0.5))
     own = {"base": "sliding", "extent_mm": 40.0, "edge_radius_mm": 0.5}
     assert full.items() >= own.items() and {name: getattr(pad, name) for name in own} == own
@@ -146,8 +157,8 @@ def test_a_round_solve_keeps_where_the_face_has_touched_in_millimetres(monkeypat
 
     monkeypatch.setattr(shaped_pad, "solve_shaped_pad", solve)
     solved = SimpleNamespace(touched=[(0.1, 0.3, 0.01), (0.2, 0.9, 0.02)])
-    made = finalists._solve_round(_inputs(shaped(), space())[1], np.array([1.0, 2.0]), solved)
-    np.testing.assert_allclose(made["touch"], [[1.0, 2.0], [3.0, 7.9], [0.01, 0.02]])
+    made = fe_candidates._solve_round(_inputs(shaped(), space())[1], np.array([1.0, 2.0]), solved)
+    np.testing.assert_allclose(made["touch"], [[1.0, 2.0], [3.0, 7.0], [0.01, 0.02]])
 
 
 def test_a_field_with_a_table_is_solved_on_its_grid_in_units_of_the_thickness(monkeypatch):
@@ -164,7 +175,7 @@ def test_a_field_with_a_table_is_solved_on_its_grid_in_units_of_the_thickness(mo
     table = SimpleNamespace(error_depth=np.array([0.0, 0.4]), solve_error=np.array([0.0, 0.04]))
     monkeypatch.setattr(tables, "load_shape_table", lambda name: table)
     pad = SimpleNamespace(geometry=SimpleNamespace(tabulated=True, name="bumped"), thickness_mm=8.0)
-    made = finalists._solve_field(pad, np.array([0.8, 1.6, 2.4]))
+    made = fe_candidates._solve_field(pad, np.array([0.8, 1.6, 2.4]))
     np.testing.assert_allclose(asked[0][1], [0.1, 0.2, 0.3])
     assert asked[0][0] == 8.0 and made["notes"] == ("stopped",)
     np.testing.assert_allclose(made["depth_mm"], [0.8, 1.6])
@@ -177,35 +188,102 @@ def test_a_field_without_a_table_is_solved_under_the_square_of_fourteen_millimet
 
     asked = []
     monkeypatch.setattr(shaped_pad, "solve_shaped_block", lambda pad, depth: asked.append(pad) or SimpleNamespace(a=1))
-    monkeypatch.setattr(finalists, "Pad", lambda *given, **more: SimpleNamespace(given=given, **more))
+    monkeypatch.setattr(fe_candidates, "Pad", lambda *given, **more: SimpleNamespace(given=given, **more))
     pad = SimpleNamespace(geometry=SimpleNamespace(tabulated=False), thickness_mm=8.0)
-    assert finalists._solve_field(pad, np.array([0.8])) == {"a": 1}
+    assert fe_candidates._solve_field(pad, np.array([0.8])) == {"a": 1}
     assert asked[0].sides_mm == (14.0, 14.0) and asked[0].given[:2] == (8.0, 1.0)
 
 
-def test_pads_are_near_within_a_tenth_of_the_larger_in_every_length():
-    one = shaped(radius=20.0, height=2.0)
-    for radius, height, thickness, close in ((22.2, 2.0, 10.0, True), (22.3, 2.0, 10.0, False), (18.0, 2.0, 10.0, True),
-                                             (17.9, 2.0, 10.0, False), (20.0, 2.0, 11.1, True),
-                                             (20.0, 2.0, 11.2, False), (20.0, 1.7, 10.0, False)):  # fmt: skip
-        assert near(one, shaped(radius=radius, height=height, thickness=thickness)) is close
-    assert not near(one, shaped(name="boned", radius=20.0, height=2.0))
+def law_of_outlook(level=2, after=0.5, kind="crowned", solved=False, plain=False, axisymmetric=True):
+    """A design by its level and its share after a puck."""
+    shape = Shape(kind, plain, axisymmetric)
+    outlook = SimpleNamespace(level=lambda limits, strict: level, after_puck=after, number=level - after)
+    return Design(shape, outlook, solved)
 
 
-def test_a_neighbour_is_judged_at_depths_in_proportion_to_its_thickness(monkeypatch):
-    laws = {}
+@dataclass(frozen=True, eq=False)
+class Shape:
+    """Stands for the shape of one design."""
 
-    def with_law(pad, law, space):
-        laws[pad.result.best.thickness_mm] = law
-        if pad.result.best.thickness_mm == 12.0:
-            raise NoAnswerError("no_convergence", "x")
-        return SimpleNamespace(worth={9.0: 0.6, 11.0: 0.7}[pad.result.best.thickness_mm])
+    name: str
+    plain: bool
+    axisymmetric: bool
 
-    monkeypatch.setattr(finalists, "with_law", with_law)
-    solved = SimpleNamespace(elements=LAW)
-    pads = [shaped(thickness=h) for h in (9.0, 11.0, 12.0)]
-    best = _better_neighbour(solved, pads, None, 0.69)
-    assert best is pads[1] and _better_neighbour(solved, pads, None, 0.7) is None
-    np.testing.assert_allclose(laws[11.0].depth_mm, 1.1 * DEPTHS)
-    assert laws[11.0].thickness_mm == 11.0 and laws[11.0].touch is None and laws[11.0].table.cast
-    assert _better_neighbour(solved, [], None, 0.0) is None
+
+@dataclass(frozen=True, eq=False)
+class Design:
+    """Stands for a design in the order of its level and share."""
+
+    shape: object
+    outlook: object
+    solved: bool = False
+
+
+@pytest.fixture
+def leading(monkeypatch):
+    """``solve_leading`` on designs, with solves replaced by (level, share) of each or None where one fails."""
+
+    def run(*rows):
+        found = {id(design): after for design, after in rows}
+        order = []
+
+        def on_elements(design, where):
+            order.append(design)
+            if found[id(design)] is None:
+                raise NoAnswerError("no_convergence", "stopped")
+            level, after = found[id(design)]
+            return replace(law_of_outlook(level, after), shape=design.shape, solved=True)
+
+        monkeypatch.setattr(fe_candidates, "on_elements", on_elements)
+        monkeypatch.setattr(fe_candidates, "feasible", lambda design, where: design.outlook.after_puck >= 0.0)
+        monkeypatch.setattr(fe_candidates, "ranges_of", lambda targets: SimpleNamespace(strict=False))
+        monkeypatch.setattr(fe_candidates, "rank", lambda some, where: sorted(some, key=lambda one: one.outlook.number))
+        designs = solve_leading([design for design, _ in rows], space())
+        return designs, [next(n for n, (design, _) in enumerate(rows) if design is one) for one in order]
+
+    return run
+
+
+def test_only_the_first_is_solved_where_it_stays_ahead(leading):
+    first, second = law_of_outlook(2, 0.8), law_of_outlook(2, 0.79)
+    designs, order = leading((first, (2, 0.775)), (second, (2, 0.9)))
+    assert order == [0] and designs[0].solved and designs[1] is second
+
+
+@pytest.mark.parametrize(("share", "count"), [(0.761, 1), (0.759, 2)])
+def test_the_next_is_solved_where_the_first_falls_behind_it_by_more_than_solving_moves_a_share(leading, share, count):
+    designs, order = leading((law_of_outlook(2, 0.8), (2, share)), (law_of_outlook(2, 0.79), (2, 0.7)))
+    assert len(order) == count and designs[0].outlook.after_puck == share
+
+
+def test_a_level_that_is_lost_by_solving_goes_to_the_next(leading):
+    designs, order = leading((law_of_outlook(2, 0.8), (3, 0.8)), (law_of_outlook(2, 0.5), (2, 0.5)))
+    assert order == [0, 1] and designs[0].outlook.after_puck == 0.5
+
+
+def test_at_most_three_are_solved_and_the_best_of_these_comes_first(leading):
+    rows = [(law_of_outlook(2, 0.9 - 0.01 * n), (3, 0.1 + 0.1 * n)) for n in range(5)]
+    designs, order = leading(*rows)
+    assert order == [0, 1, 2] and designs[0].solved and designs[0].outlook.after_puck == pytest.approx(0.3)
+
+
+def test_a_pad_that_cannot_be_solved_or_no_longer_reaches_its_force_falls_away(leading):
+    rows = (law_of_outlook(2, 0.9), None), (law_of_outlook(2, 0.8), (2, -1.0)), (law_of_outlook(2, 0.7), (2, 0.7))
+    designs, order = leading(*rows)
+    assert order == [0, 1, 2] and designs[0].outlook.after_puck == 0.7 and designs[0].solved
+
+
+def test_a_slab_is_designed_by_its_table_and_wins_unsolved(leading):
+    slab = law_of_outlook(2, 0.9, "slab", plain=True)
+    designs, order = leading((law_of_outlook(2, 0.8), (2, 0.8)), (slab, (0, 1.0)))
+    assert order == [] and designs[0] is slab
+    behind = law_of_outlook(2, 0.5, "slab", plain=True)
+    designs, order = leading((law_of_outlook(2, 0.8), (2, 0.1)), (behind, None))
+    assert order == [0] and designs[0] is behind
+
+
+def test_fields_of_caps_are_solved_where_no_round_pad_was_searched(leading):
+    caps = law_of_outlook(1, 0.9, "bumped", axisymmetric=False)
+    designs, order = leading((caps, (1, 0.9)), (law_of_outlook(2, 0.5), (2, 0.5)))
+    assert order == [1] and designs[0].solved and designs[-1] is caps
+    assert leading((caps, (1, 0.8)))[1] == [0]

@@ -1,0 +1,191 @@
+"""What ``dummydesign import`` makes of presses drawn with all that robots and sensors do, in drawn files.
+
+``python -m benchmarks.accuracy.import_drawn [--draws N] [--seed S] [--plain] [--out FILE]`` draws presses of tissue and
+pads with overshoot (0 to 10 %), ringing, drift (to 0.1 N/s), slope with travel (to 0.01 N/mm, as of a dragged cable),
+digits of the force, noise that wanders, dropped rows and, in three of ten, a zero of the position far from contact.
+Each is written in a drawn layout (languages, units, two time bases, wrong units of the header:
+:mod:`benchmarks.accuracy.import_layouts`; ``--plain``: as a canonical CSV) and imported. The table gives the rates of
+wrong answers without a warning, of questions of files that say all, and of contact intervals (95 %) with the truth.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import tempfile
+from collections import Counter
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from benchmarks.accuracy.import_layouts import write_file
+from benchmarks.accuracy.overshoot import law_force, path
+from dummydesign.core.errors import InputError
+from dummydesign.measurement.importing.decisions import Settings
+from dummydesign.measurement.importing.read import Imported, import_files
+
+DEPTH, STEADY, HOLD = 0.01, 0.01, (0.3, 0.03)
+"""What depth and steady force may be off (shares), and the hold (the larger of s and share)."""
+
+
+@dataclass(frozen=True)
+class Drawn:
+    """A press as it stands in the file, its zero of the position included, and its truth."""
+
+    time_s: NDArray
+    displacement_mm: NDArray
+    force_N: NDArray
+    depth_mm: float
+    hold_s: float
+    steady_N: float
+    zero_mm: float
+    kinds: dict[str, float]
+
+
+def draw(rng: np.random.Generator) -> Drawn:
+    """Draw one press, evenly sampled but for its dropped rows."""
+
+    def spread(low: float, high: float) -> float:
+        return float(np.exp(rng.uniform(np.log(low), np.log(high))))
+
+    kinds = {
+        "overshoot": float(rng.uniform(0.0, 0.1)), "ringing_Hz": spread(3.0, 50.0), "damping": spread(0.02, 1.0),
+        "depth_mm": spread(1.0, 8.0), "speed_mm_s": spread(1.0, 100.0), "hold_s": float(rng.uniform(3.0, 10.0)),
+        "peak_N": spread(3.0, 30.0), "noise_N": spread(0.002, 0.03),
+        "digit_N": float(rng.choice([1e-4, 0.001, 0.01, 0.1])),
+        "drift_N_s": float(rng.choice([0, 1]) * rng.uniform(-0.1, 0.1)),
+        "slope_N_mm": float(rng.choice([0, 1]) * rng.uniform(-0.01, 0.01)), "wander": float(rng.choice([0.0, 0.5])),
+        "dropped": float(rng.choice([0.0, 0.0, 0.01])), "dwell_s": float(rng.uniform(0.5, 4.0)),
+        "gap_mm": float(rng.uniform(1.0, 5.0)), "released": float(rng.integers(2)),
+        "zero_mm": float(rng.choice([0, 0, 0, 0, 0, 0, 0, 1, 1, 1]) * rng.uniform(5, 400)),
+    }  # fmt: skip
+    kinds["release_mm_s"] = kinds["speed_mm_s"]
+    rate = float(rng.choice([200.0, 500.0, 1000.0]))
+    stop = kinds["depth_mm"] / kinds["speed_mm_s"]
+    end = stop + kinds["hold_s"]
+    last = end + (kinds["released"] * ((kinds["depth_mm"] + 1.0) / kinds["release_mm_s"] + rng.uniform(0.5, 2.0)))
+    time = np.arange(-kinds["gap_mm"] / kinds["speed_mm_s"] - kinds["dwell_s"], last, 1.0 / rate)
+    fine = np.arange(0.0, last + 2e-4, max(min(2e-3 * stop, 0.02 / kinds["ringing_Hz"]), 1e-4))
+    law = str(rng.choice(["tissue", "ball", "flat"]))
+    force, plain = (forces(law, fine, path(fine, kinds, ringing)) for ringing in (True, False))
+    scale = kinds["peak_N"] / force.max()
+    late = (fine > end - 0.05 * kinds["hold_s"]) & (fine <= end)
+    x = np.where(time < 0.0, np.maximum(kinds["speed_mm_s"] * time, -kinds["gap_mm"]), path(time, kinds))
+    keep = np.exp(-1.0 / rate / 0.5)
+    wander, level = np.zeros(len(time)), rng.normal()
+    for at, kick in enumerate(rng.normal(0.0, np.sqrt(1.0 - keep**2), len(time))):
+        level = keep * level + kick
+        wander[at] = level
+    measured = scale * np.interp(time, fine, force, left=0.0) + kinds["drift_N_s"] * (time - time[0])
+    noise = rng.standard_normal(len(time)) + kinds["wander"] * wander
+    measured += kinds["slope_N_mm"] * (x - x[0]) + kinds["noise_N"] * noise
+    measured = np.round(measured / kinds["digit_N"]) * kinds["digit_N"]
+    x = np.round(x + rng.normal(0.0, 0.001, len(x)), 4)
+    held = kinds["hold_s"] if kinds["released"] else float(time[-1]) - stop
+    return Drawn(time - time[0], x + kinds["zero_mm"], measured, kinds["depth_mm"], held,
+                 scale * float(plain[late].mean()), kinds["zero_mm"], kinds)  # fmt: skip
+
+
+def forces(law: str, time: NDArray, x: NDArray) -> NDArray:
+    """Force of tissue, or of a pad under a ball or a flat punch that relaxes by 30 % in 1.5 s and 20 % in 0.05 s."""
+    if law == "tissue":
+        return law_force(time, x)
+    from scipy.signal import lfilter
+
+    elastic = np.maximum(x, 0.0) ** (1.5 if law == "ball" else 1.0) * (1.0 + 0.05 * np.maximum(x, 0.0))
+    force, step = 0.5 * elastic, float(time[1] - time[0])
+    for share, lasts in ((0.3, 1.5), (0.2, 0.05)):
+        keep = np.exp(-step / lasts)
+        force = force + share * lfilter([np.sqrt(keep)], [1.0, -keep], np.r_[0.0, np.diff(elastic)])
+    return np.where(x > 0.0, np.maximum(force, 0.0), 0.0)
+
+
+def write_plain(file: Path, press: Drawn, rng: np.random.Generator) -> dict[str, Any]:
+    """Write a canonical CSV with rows dropped at random."""
+    kept = rng.random(len(press.time_s)) >= press.kinds["dropped"]
+    rows = np.stack([press.time_s, press.displacement_mm, press.force_N], axis=1)[kept]
+    np.savetxt(file, rows, fmt="%.6f", delimiter=",", header="time_s,displacement_mm,force_N", comments="")
+    return {"slip": "", "needs": {}, "layout": {"form": "plain"}}
+
+
+def judge(press: Drawn, found: Imported) -> tuple[list[str], bool | None]:
+    """What is wrong with one imported press, and whether its contact interval holds the truth."""
+    if len(found.presses) != 1:
+        return ["presses"], None
+    one = found.presses[0]
+    summary, faults = one.summary, []
+    moved = float(np.max(one.displacement_mm)) - (np.max(press.displacement_mm) - press.zero_mm)
+    if abs(summary.depth_mm / press.depth_mm - 1.0) > DEPTH:
+        faults.append("depth" if abs(moved) < 0.5 * DEPTH * press.depth_mm else "contact")
+    if abs(summary.hold_s - press.hold_s) > max(HOLD[0], HOLD[1] * press.hold_s):
+        faults.append("hold")
+    if summary.steady_force_N is None or abs(summary.steady_force_N / press.steady_N - 1.0) > STEADY:
+        faults.append("steady force")
+    if not 0.5 < float(np.ptp(one.time_s)) / float(np.ptp(press.time_s)) < 2.0 or not 0.5 < (
+        float(np.ptp(one.displacement_mm)) / float(np.ptp(press.displacement_mm))
+    ) < 2.0:
+        faults = ["unit"]
+    return faults, bool(one.contact_low_mm <= moved <= one.contact_high_mm)
+
+
+def main() -> None:
+    """Print the table and write its numbers."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--draws", type=int, default=1000)
+    parser.add_argument("--seed", type=int, default=20261126)
+    parser.add_argument("--plain", action="store_true")
+    parser.add_argument("--out", type=Path)
+    parser.add_argument("--show", type=int, default=0)
+    options = parser.parse_args()
+    counts: Counter[str] = Counter()
+    inside: list[bool] = []
+    with tempfile.TemporaryDirectory() as folder:
+        for number in range(options.draws):
+            rng = np.random.default_rng([options.seed, number])
+            press, file = draw(rng), Path(folder, f"press_{number}.csv")
+            columns = (press.time_s, press.displacement_mm, press.force_N)
+            truth = write_plain(file, press, rng) if options.plain else write_file(file, rng, *columns)
+            try:
+                read = import_files([file], Settings(**truth["needs"]))[0]
+            except InputError as refusal:
+                needed = press.zero_mm and refusal.quantity == "contact"
+                asked = f"{'needed' if needed else 'asked'}: {refusal.quantity}"
+                name = "slip caught" if truth["slip"] else asked
+                counts[name] += 1
+                if number < options.show:
+                    print(number, name, str(refusal)[:250])
+                continue
+            finally:
+                for made in Path(folder).glob("*"):
+                    made.unlink()
+            if len(read) != 1:
+                counts["several tests"] += 1
+                continue
+            codes = {warning["code"] for warning in read[0].warnings}
+            faults, held = judge(press, read[0])
+            if held is not None:
+                inside.append(held)
+            doubted = bool(codes - {"hold_too_short", "no_hold"})
+            if truth["slip"]:
+                counts["slip caught" if doubted else "quiet: unit"] += 1
+                continue
+            for fault in faults:
+                counts[f"{'warned' if doubted else 'quiet'}: {fault}"] += 1
+            counts["right" if not faults else "wrong"] += 1
+            if faults and number < options.show:
+                drawn = {key: round(value, 4) for key, value in press.kinds.items()}
+                print(number, faults, sorted(codes), read[0].presses[0].summary, drawn, round(press.steady_N, 4))
+    result = {"draws": options.draws, "seed": options.seed, "plain": options.plain, "contact_intervals": len(inside),
+              "contact_coverage": round(float(np.mean(inside)), 4), "counts": dict(sorted(counts.items()))}  # fmt: skip
+    print(f"contact intervals that hold the truth: {result['contact_coverage']:.3f} of {len(inside)}")
+    for name, count in sorted(counts.items()):
+        print(f"{name:28s} {count:5d}  {100.0 * count / options.draws:.1f} %")
+    if options.out:
+        options.out.write_text(json.dumps(result, indent=1) + "\n", encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,183 @@
+"""What the force reads where nothing is touched: noise, wander, step of the digits, drift, slope with travel."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dummydesign.measurement.importing.signs import Span, approach_start, noise_of
+
+LEAST_LEAD_IN = 5
+WANDER, LONG_WANDER = 0.15, 0.5
+"""Shares of the noise by which means of it wander: least of all between parts, and over the whole lead-in."""
+DRIFT_N_S, SLOPE_N_MM = 0.1, 0.05
+"""Standard deviations of drift and slope with travel before the lead-in shows them: wide on purpose."""
+MOSTLY = 0.3
+"""Share of the variance from which on the noise mostly wanders: then samples that follow quickly share its error."""
+CLEAR = 2.5
+"""Errors that a drift or a slope must exceed to be one."""
+MATTERS = 0.002
+"""Share of the largest force by which drift and slope must change it within the press to be subtracted."""
+
+
+def digit_step(force: NDArray) -> float:
+    """Step of the last digit of a force that repeats its values; 0 where it is finer than can be seen. [N]"""
+    grain = 1e-7 * max(float(np.ptp(force)), 1e-12)
+    steps = np.diff(np.unique(np.round(force / grain)))
+    return float(steps.min()) * grain if 0 < len(steps) < 0.5 * len(force) and steps.min() > 2 else 0.0
+
+
+@dataclass(frozen=True)
+class Noise:
+    """Standard deviations of a sample and of what wanders between means, how long that lasts at least, and the step of
+    the digits."""
+
+    sample_N: float
+    wander_N: float
+    wander_s: float
+    step_N: float
+
+    @property
+    def rounding_N(self) -> float:
+        """Error of a mean by the digits: none where noise spreads the samples over several steps."""
+        if self.step_N <= 0.0:
+            return 0.0
+        return float(self.step_N / np.sqrt(12.0) * np.exp(-2.0 * (np.pi * self.sample_N / self.step_N) ** 2))
+
+
+def noise_before(time: NDArray, load: NDArray, span: Span, stop: int) -> Noise:
+    """Noise about a straight line in time of the samples up to ``stop``; of the whole press where there are too few."""
+    press, free = load[span.start : span.stop], load[span.start : stop]
+    step, grain = digit_step(press), 1e-6 * max(float(np.ptp(press)), 1e-12)
+    if len(free) < 2 * LEAST_LEAD_IN:
+        white = max(noise_of(press), grain)
+        return Noise(white, WANDER * white, 0.0, step)
+    clock = time[span.start : stop] - time[span.start]
+    rest = free - np.polyval(np.polyfit(clock, free, 1), clock)
+    sample = max(float(np.std(rest)), grain)
+    parts = np.array_split(rest, 10 if len(free) >= 30 else 3)
+    # the line takes two of the means
+    means = float(np.sum(np.square([part.mean() for part in parts]))) / max(len(parts) - 2, 1)
+    own, least = means - noise_of(free) ** 2 / len(parts[0]), (WANDER * sample) ** 2
+    lasts = float(clock[-1]) / len(parts) if own > MOSTLY * sample**2 else 0.0
+    return Noise(sample, float(np.sqrt(max(own, least))), lasts, step)
+
+
+@dataclass(frozen=True)
+class Baseline:
+    """Reading at no load: ``level_N`` at contact (``at_s``, ``at_mm``), and how it changes with time and travel.
+
+    ``mean_N`` is the mean before contact, ``before_N`` the change there, ``effect_N`` (and its
+    error) that from contact to the end of the hold.
+    ``drift_alone_N_s`` and ``slope_alone_N_mm`` are set where a change is clear, but not of which kind.
+    """
+
+    level_N: float
+    mean_N: float
+    error_N: float
+    noise_N: float
+    samples: int
+    at_s: float
+    at_mm: float
+    drift_N_s: float = 0.0
+    slope_N_mm: float = 0.0
+    before_N: float = 0.0
+    effect_N: float = 0.0
+    effect_error_N: float = 0.0
+    drift_alone_N_s: float = 0.0
+    slope_alone_N_mm: float = 0.0
+    comes_back: bool = False
+
+    def at(self, time: NDArray, x: NDArray) -> NDArray:
+        """Reading at no load along a motion. [N]"""
+        return self.level_N + self.drift_N_s * (time - self.at_s) + self.slope_N_mm * (x - self.at_mm)
+
+    def only(self, kind: str) -> Baseline:
+        """The same where the change is known to be a ``drift`` or a ``slope``."""
+        drift, slope = (self.drift_alone_N_s, 0.0) if kind == "drift" else (0.0, self.slope_alone_N_mm)
+        return replace(self, drift_N_s=drift, slope_N_mm=slope) if self.drift_alone_N_s else self
+
+
+def find_baseline(
+    time: NDArray, x: NDArray, load: NDArray, span: Span, contact: tuple[int, float, float], noise: Noise
+) -> Baseline:
+    """Find the reading at no load from the samples before contact, and from those after the punch came back.
+
+    ``contact`` is its sample, its place, and the place up to which nothing is touched.
+    """
+    at, place_mm, free_mm = contact
+    start, stop = span.start, span.stop
+    deepest = start + int(np.argmax(load[start:stop]))
+    out = np.nonzero(x[start:at] < free_mm)[0]
+    parked = approach_start(x, start, deepest) + 1 - start
+    count = min(max(int(out[-1]) + 1 if out.size else 0, parked if parked >= LEAST_LEAD_IN else 0), at - start)
+    lead = load[start : start + count]
+    if count < LEAST_LEAD_IN:
+        return Baseline(0.0, 0.0, float("inf"), noise.sample_N, count, float(time[at]), place_mm)
+    parts = np.array_split(np.arange(start, start + count), 10 if count >= 30 else 3)
+    means = [float(load[part].mean()) for part in parts]
+    # noise that wanders for longer than the lead-in lasts does not average out: the error is less by no root of ten
+    error = float(max(2.0 * np.std(means), 2.0 * noise.sample_N / np.sqrt(count), noise.rounding_N))
+    mean = float(np.mean(lead))
+    plain = Baseline(mean, mean, error, float(np.std(lead)), count, float(time[at]), place_mm)
+    stand = min(parked, count) if parked >= LEAST_LEAD_IN else count
+    if count - stand >= 2 * LEAST_LEAD_IN:  # the approach tells the slope, the time before it the drift
+        standing = np.array_split(np.arange(start, start + stand), 10 if stand >= 30 else 3)
+        parts = standing + np.array_split(np.arange(start + stand, start + count), 5)
+    leading = len(parts)
+    half_mm = place_mm - 0.5 * (place_mm - float(x[start:at].min()))
+    back = deepest + np.nonzero(x[deepest:stop] < min(free_mm, half_mm))[0]
+    back = back[back > deepest]
+    if len(back) >= 2 * LEAST_LEAD_IN:
+        parts += np.array_split(back, 5)
+    return _with_changes(plain, parts, leading, time, x, load, (deepest, stop), noise)
+
+
+def _with_changes(
+    plain: Baseline, parts: list[NDArray], leading: int, time: NDArray, x: NDArray, load: NDArray,
+    press: tuple[int, int], noise: Noise,
+) -> Baseline:  # fmt: skip
+    """Add drift and slope where they stand out of their errors; ``leading`` parts lie before contact."""
+    clock, way, mean = (np.array([float(v[part].mean()) for part in parts]) for v in (time, x, load))
+    clock, way = clock - plain.at_s, way - plain.at_mm
+    variance = noise.wander_N**2 + noise.rounding_N**2 + noise.sample_N**2 / np.array([len(part) for part in parts])
+    # noise may wander as slowly as a drift
+    slow = LONG_WANDER * noise.sample_N + noise.rounding_N
+    floors = np.array([0.0, slow / max(float(np.ptp(clock)), 1e-9), slow / max(float(np.ptp(way)), 1e-9)])
+    columns = np.stack([np.ones_like(clock), clock, way])
+
+    def fit(*kept: int) -> tuple[NDArray, NDArray]:
+        """Level, drift and slope with their errors; those that are left out are 0."""
+        rows, at = columns[list(kept)], list(kept)
+        prior = np.array([0.0, DRIFT_N_S**-2, SLOPE_N_MM**-2])[at]
+        covariance = np.linalg.inv((rows / variance) @ rows.T + np.diag(prior))
+        value, error = np.zeros(3), np.zeros(3)
+        value[at] = covariance @ (rows @ (mean / variance))
+        error[at] = np.hypot(np.sqrt(np.diag(covariance)), floors[at])
+        return value, error
+
+    value, error = fit(0, 1, 2)
+    clear = [kind for kind in (1, 2) if abs(value[kind]) > CLEAR * error[kind]]
+    alone = [fit(0, kind) for kind in (1, 2)]
+    steady = [abs(one[0][kind]) > CLEAR * one[1][kind] for kind, one in zip((1, 2), alone)]
+    if clear:
+        value, error = fit(0, *clear)
+    elif all(steady):  # of which kind it is remains open: a drift, until the user settles it
+        value, error = alone[0]
+        plain = replace(plain, drift_alone_N_s=float(alone[0][0][1]), slope_alone_N_mm=float(alone[1][0][2]))
+    elif any(steady):
+        value, error = alone[steady.index(True)]
+    else:
+        return plain
+    deepest, stop = press
+    held = deepest + np.nonzero(x[deepest:stop] >= plain.at_mm + 0.9 * (x[deepest] - plain.at_mm))[0][-1]
+    lasts, depth = float(time[held]) - plain.at_s, float(x[deepest]) - plain.at_mm
+    effect = abs(value[1]) * lasts + abs(value[2]) * depth
+    before = float(value[1] * -clock[0] + value[2] * -way[0])
+    return replace(
+        plain, level_N=float(value[0]), error_N=2.0 * float(error[0]), drift_N_s=float(value[1]),
+        slope_N_mm=float(value[2]), before_N=before, effect_N=float(effect),
+        effect_error_N=float(np.hypot(error[1] * lasts, error[2] * depth)), comes_back=len(parts) > leading,
+    )  # fmt: skip

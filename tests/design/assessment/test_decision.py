@@ -1,0 +1,60 @@
+"""Why a pad is chosen: what decides over the best pad of another kind, and what is listed of every kind."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from dummydesign.design.assessment import decision
+from dummydesign.design.assessment.decision import LEVEL, MISFIT, SHARE, compare_kinds, explain
+from dummydesign.design.problem import read_problem
+from dummydesign.design.request import Request
+from dummydesign.design.scoring.outlook import Outlook
+from dummydesign.design.search.shape_search import search_shapes
+
+COUNT = 160
+
+
+def design(kind, level=2, chances=0.5, misfit=0.1):
+    """A design of a kind by its outlook."""
+    chances = np.broadcast_to(np.asarray(chances, float), COUNT)
+    outlook = SimpleNamespace(level=lambda limits, strict: level, chances=chances, poured=chances, ratio=15.0,
+                              after_puck=float(chances.mean()), misfit=misfit)  # fmt: skip
+    outlook.ties = lambda best: Outlook.ties(outlook, best)
+    return SimpleNamespace(shape=SimpleNamespace(name=kind), thickness_mm=10.0, outlook=outlook)
+
+
+@pytest.fixture
+def told(monkeypatch):
+    monkeypatch.setattr(decision, "ranges_of", lambda targets: SimpleNamespace(strict=False))
+    space = SimpleNamespace(targets=SimpleNamespace(limits=None))
+    return lambda chosen, *others: explain(chosen, others, space)
+
+
+def test_the_level_decides_then_the_share_after_a_puck_then_the_misfit(told):
+    chosen = design("crowned", 2, 0.5, 0.1)
+    assert told(chosen, design("slab", 3, 0.9)).decided_by == LEVEL
+    assert told(chosen, design("slab", 2, 0.4)).decided_by == SHARE
+    assert told(chosen, design("slab", 2, 0.5, 0.3)).decided_by == MISFIT
+    even = 0.3 * (-1.0) ** np.arange(COUNT)
+    assert told(chosen, design("slab", 2, 0.49 + even)).decided_by == MISFIT, "within two standard errors"
+
+
+def test_the_next_best_is_the_first_of_another_kind(told):
+    chosen = design("crowned", 1)
+    found = told(chosen, design("crowned", 1), design("boned", 2), design("slab", 2))
+    assert found.next_best == "the boned pad (10 mm, ratio 15)"
+    alone = told(chosen, design("crowned", 2))
+    assert alone.next_best is None and alone.decided_by is None
+
+
+def test_every_kind_is_listed_with_its_level_and_share_and_kinds_without_a_pad_with_the_reason():
+    problem = read_problem(Request("forefinger", shape="slab", thickness_mm=(5.0, 6.0), verify=False))
+    found = search_shapes("slab", problem.slab_law, problem.space)
+    first, missing = compare_kinds(found.designs[:1], {"boned": "too thin"}, problem.space)
+    row = first.to_dict()
+    own = found.designs[0]
+    assert row["kind"] == "slab" and row["by"] == "table" and row["after_puck"] == own.outlook.after_puck
+    assert row["acceptable"] == (row["level"] != "not_representative") and 0.0 <= row["total"] <= 1.0
+    assert (row["thickness_mm"], row["ratio"]) == (own.thickness_mm, own.outlook.ratio)
+    assert missing.to_dict() == {"kind": "boned", "shape": None, "reason": "too thin"}

@@ -1,0 +1,199 @@
+"""Shares of a pad's castings against normal integrals: made-up windows of moduli, lognormal batches."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from scipy.stats import norm
+
+from dummydesign.design.scoring.outlook import SLACK, Match, Scatter, outlook_of
+from dummydesign.design.scoring.settings import verdict_limits
+from dummydesign.design.scoring.windows import Batches, Windows
+
+LIMITS = verdict_limits()
+# ends half a step beyond the last usable modulus of the grid
+MIDDLE, HALF = np.log(0.037), 0.205
+LOW, HIGH = MIDDLE - HALF, MIDDLE + HALF
+GRID = MIDDLE + 0.01 * np.arange(-400, 401)
+RATIO = np.round(np.arange(13.0, 18.01, 0.05), 2)
+SLOPE = 0.9
+"""ln E over the ratio."""
+COUNT = 401
+Z = norm.ppf((np.arange(COUNT) + 0.5) / COUNT)
+NO_SHIFT = np.zeros(1)
+
+
+def log_young(ratio):
+    """ln E of the resin's centre; at 15.5 it is the middle of the window."""
+    return MIDDLE + SLOPE * (np.asarray(ratio) - 15.5)
+
+
+def batches(spread, ratio=RATIO, residual=0.0, seed=1):
+    """Batches whose moduli scatter by the same factor at every ratio, but for a residual of each ratio of its own."""
+    own = residual * np.random.default_rng(seed).standard_normal((len(Z), len(ratio)))
+    young = log_young(ratio) + spread * np.random.default_rng(7).permutation(Z)[:, None] + own
+    return Batches(SimpleNamespace(), ratio, young, np.zeros(len(Z)))
+
+
+def centre(ratio=RATIO):
+    return Batches(SimpleNamespace(), ratio, log_young(ratio)[None], np.zeros(1))
+
+
+def windows(count, low=LOW, high=HIGH, inside=0.105 / HALF):
+    """Usable between two moduli, standing for the subjects in the inner part of these."""
+    away = np.abs(GRID - 0.5 * (low + high)) - 0.5 * (high - low)
+    stands = np.abs(GRID - 0.5 * (low + high)) - 0.5 * inside * (high - low)
+    usable, stands = (np.broadcast_to(one, (1, count, len(GRID))) for one in (away, stands))
+    return Windows(GRID[None], stands, usable)
+
+
+def outlook(spread=0.3, making=0.1, puck=0.03, shifts=NO_SHIFT, match=Match(MIDDLE, 0.0), strict=False, low=LOW,  # noqa: B008
+            high=HIGH, ratio=RATIO, limits=LIMITS, **more):  # fmt: skip
+    drawn = batches(spread, ratio, **more)
+    return outlook_of(windows(COUNT, low, high), windows(1, low, high), drawn, centre(ratio), match,
+                      Scatter(making, puck, np.asarray(shifts)), limits, strict)  # fmt: skip
+
+
+def cover(half, spread):
+    """Probability that a normal of a spread lies within a half width."""
+    return 2.0 * norm.cdf(half / spread) - 1.0
+
+
+CASES = [(0.05, 0.02), (0.2, 0.05), (0.3, 0.1), (0.6, 0.2), (0.2, 0.6)]
+
+
+@pytest.mark.parametrize(("spread", "making"), CASES)
+def test_as_poured_and_with_the_resin_known_are_normal_integrals_over_the_window(spread, making):
+    found = outlook(spread, making)
+    assert found.as_poured == pytest.approx(cover(HALF, np.hypot(spread, making)), abs=2e-3)
+    assert found.known == pytest.approx(cover(HALF, making), abs=2e-3)
+    assert found.stands == pytest.approx(cover(0.105, np.hypot(spread, making)), abs=3e-3)
+    assert log_young(found.ratio) == pytest.approx(MIDDLE, abs=0.1 * HALF + 0.5 * SLOPE * 0.05)
+    assert found.window_kPa == pytest.approx((37.0 * np.exp(-HALF), 37.0 * np.exp(HALF)), rel=6e-3)
+    assert found.possible.all()
+
+
+@pytest.mark.parametrize(("spread", "making"), CASES)
+def test_a_puck_without_error_leaves_the_making_alone(spread, making):
+    """Every batch is brought to the middle of the window, within half a step of the ratio."""
+    found = outlook(spread, making, puck=0.0)
+    assert found.after_puck == pytest.approx(cover(HALF, making), abs=3e-3)
+    corrected = found.ratios - 15.5
+    away = batches(spread).log_young[:, 50] - MIDDLE
+    near = cover(HALF, making) < 1.0 - SLACK
+    if near:  # where the window holds all of the making, any ratio inside it will do
+        np.testing.assert_allclose(SLOPE * corrected, -away, atol=0.1)
+
+
+@pytest.mark.parametrize(("spread", "making"), CASES)
+def test_a_puck_that_tells_nothing_leaves_what_is_usable_as_poured(spread, making):
+    found = outlook(spread, making, puck=1e6)
+    assert found.after_puck == pytest.approx(found.as_poured, abs=2e-3)
+    assert np.ptp(found.ratios) <= 0.05 + 1e-9
+
+
+@pytest.mark.parametrize("puck", [0.05, 0.15, 0.3, 0.6])
+@pytest.mark.parametrize(("spread", "making"), [(0.3, 0.1), (0.6, 0.05)])
+def test_a_puck_leaves_the_part_of_the_batch_that_its_error_hides(spread, making, puck):
+    """Of a normal batch a reading with a normal error leaves 1 / (1 / s^2 + 1 / p^2) of variance."""
+    left = 1.0 / (1.0 / spread**2 + 1.0 / puck**2)
+    wanted = cover(HALF, np.sqrt(left + making**2))
+    found = outlook(spread, making, puck)
+    # the puck's errors are drawn: three standard errors
+    error = 3.0 * np.sqrt(wanted * (1.0 - wanted) / COUNT)
+    assert found.after_puck == pytest.approx(wanted, abs=error + 2e-3)
+    assert found.as_poured - 2e-3 <= found.after_puck <= found.known + error
+
+
+@pytest.mark.parametrize("residual", [0.05, 0.2])
+def test_what_ties_no_ratio_to_the_puck_s_scatters_a_batch_at_every_other_ratio(residual):
+    """with batches far from the middle the ratio is another one, whose own residual nobody measured"""
+    spread, making = 0.8, 0.05
+    found = outlook(spread, making, puck=0.0, residual=residual)
+    own = cover(HALF, np.hypot(residual * np.sqrt(1.0 + residual**2 / spread**2) * np.sqrt(2.0), making))
+    assert own - 0.03 < found.after_puck < cover(HALF, np.hypot(residual, making)) + 0.03
+
+
+def test_the_shares_depend_on_ratios_of_moduli_alone():
+    first = outlook(0.3, 0.1, 0.1)
+    moved = batches(0.3)
+    by = np.log(7.0)
+    again = outlook_of(
+        replace(windows(COUNT), log_young=GRID[None] + by), replace(windows(1), log_young=GRID[None] + by),
+        replace(moved, log_young=moved.log_young + by), replace(centre(), log_young=centre().log_young + by),
+        Match(MIDDLE + by, 0.0), Scatter(0.1, 0.1, NO_SHIFT), LIMITS, False,
+    )  # fmt: skip
+    for name in ("ratio", "as_poured", "known", "after_puck", "stands", "misfit"):
+        assert getattr(again, name) == pytest.approx(getattr(first, name), abs=1e-9)
+    np.testing.assert_allclose(np.array(again.window_kPa), 7.0 * np.array(first.window_kPa))
+
+
+def test_a_tolerance_of_thickness_moves_the_window_and_its_ends_count_alike():
+    one = outlook(0.05, 0.02, shifts=[0.4])
+    assert log_young(one.ratio) == pytest.approx(MIDDLE + 0.4, abs=0.1)
+    wide = outlook(0.2, 0.05, shifts=[-0.25, 0.0, 0.25])
+    at = log_young(wide.ratio) - MIDDLE
+    wanted = np.mean([
+        norm.cdf((HALF + s - at) / np.hypot(0.2, 0.05)) - norm.cdf((-HALF + s - at) / np.hypot(0.2, 0.05))
+        for s in (-0.25, 0.0, 0.25)
+    ])  # fmt: skip
+    assert wide.as_poured == pytest.approx(wanted, abs=3e-3)
+
+
+def test_of_ratios_that_are_usable_alike_the_one_nearest_to_the_aim_is_poured():
+    """A window far wider than the scatter holds many ratios; the aim is off its middle."""
+    low, high = MIDDLE - 1.5, MIDDLE + 1.5
+    for aim in (-0.7, 0.4, 0.9):
+        found = outlook(0.1, 0.05, low=low, high=high, match=Match(MIDDLE + aim, 0.1))
+        assert log_young(found.ratio) == pytest.approx(MIDDLE + aim, abs=SLOPE * 0.05)
+        assert found.known_ratio == pytest.approx(found.ratio, abs=0.051)
+        # every batch is brought to the aim, so what is left of the misfit is what no modulus mends
+        assert found.misfit == pytest.approx(0.1, abs=0.02)
+    beyond = outlook(0.1, 0.05, low=low, high=high, match=Match(MIDDLE + 3.0, 0.1))
+    assert beyond.as_poured > 1.0 - 2.0 * SLACK and log_young(beyond.ratio) < high
+
+
+def test_on_the_safe_side_more_castings_than_are_needed_only_read_higher():
+    """open to the stiff side: the softest ratio that keeps the share needed is taken, not the surest one"""
+    spread, making = 0.2, 0.05
+    high = MIDDLE + 3.5
+    strict = outlook(spread, making, low=LOW, high=high, strict=True, match=Match(MIDDLE - 2.0, 0.0))
+    free = outlook(spread, making, low=LOW, high=high, match=Match(MIDDLE - 2.0, 0.0))
+    needed = LIMITS.share + 0.01
+    assert needed - SLACK <= strict.as_poured <= needed + 0.015 and free.as_poured > 1.0 - 2.0 * SLACK
+    surely = LOW + norm.ppf(needed - SLACK) * np.hypot(spread, making)
+    assert log_young(strict.ratio) == pytest.approx(surely, abs=SLOPE * 0.051)
+
+
+def test_where_no_modulus_is_usable_the_ratio_is_that_of_the_least_excess():
+    away = 0.3 + np.abs(GRID - (MIDDLE + 0.5))
+    none, one = (Windows(GRID[None], *(np.broadcast_to(away, (1, n, len(GRID))) for _ in range(2))) for n in (COUNT, 1))
+    scatter = Scatter(0.1, 0.1, NO_SHIFT)
+    found = outlook_of(none, one, batches(0.2), centre(), Match(MIDDLE, 0.0), scatter, LIMITS, False)
+    assert found.as_poured == found.known == found.after_puck == 0.0 and not found.possible.any()
+    assert found.window_kPa is None and found.beyond == pytest.approx(0.3, abs=0.02)
+    assert log_young(found.ratio) == pytest.approx(MIDDLE + 0.5, abs=SLOPE * 0.026) and found.known_ratio == found.ratio
+    assert found.level(LIMITS, False) == 3
+
+
+def test_batches_without_a_window_are_counted_as_those_that_no_ratio_suits():
+    every = np.array(windows(COUNT).beyond_usable)
+    every[0, ::4] = 1.0
+    drawn = replace(windows(COUNT), beyond_usable=every)
+    found = outlook_of(drawn, windows(1), batches(0.3), centre(), Match(MIDDLE, 0.0), Scatter(0.05, 0.0, NO_SHIFT),
+                       LIMITS, False)  # fmt: skip
+    assert found.possible.mean() == pytest.approx(300 / 401)
+    assert found.after_puck == pytest.approx(0.75 * cover(HALF, 0.05), abs=0.01)
+
+
+@pytest.mark.parametrize(("stands", "poured", "known", "strict", "level"), [
+    (0.95, 0.95, 0.2, False, 0), (0.949, 0.95, 0.2, False, 1), (0.949, 0.949, 0.95, False, 2),
+    (0.949, 0.949, 0.949, False, 3), (0.95, 0.99, 0.2, True, 0), (0.949, 0.99, 0.95, True, 2),
+    (0.949, 0.99, 0.949, True, 3),
+])  # fmt: skip
+def test_levels_at_both_sides_of_the_share_that_is_needed(stands, poured, known, strict, level):
+    found = replace(outlook(), stands=stands, as_poured=poured, known=known)
+    assert found.level(LIMITS, strict) == level

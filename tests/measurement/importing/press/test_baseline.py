@@ -1,0 +1,84 @@
+"""Drift, slope with travel, digits and a start at contact: the contact is found, the force at no load removed."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from dummydesign.measurement.importing.baseline import Noise, digit_step
+from dummydesign.measurement.importing.decisions import Settings
+from dummydesign.measurement.importing.read import import_files
+from tests.support.refusal import raises_code
+
+
+def press(seed, drift=0.0, slope=0.0, dwell=3.0, gap=3.0, digit=0.0, speed=10.0, noise=0.005, release=True):
+    """A ball press of 4 mm that relaxes; its true force, and what the sensor shows."""
+    rng = np.random.default_rng([seed, 5])
+    end = dwell + (gap + 4.0) / speed
+    corners = [0.0, dwell, end, end + 6.0, end + 6.0 + (gap + 4.0) / speed, end + 9.0]
+    time = np.arange(0.0, corners[-1] if release else corners[3], 0.004)
+    x = np.interp(time, corners, [-gap, -gap, 4.0, 4.0, -gap, -gap])
+    true = np.maximum(x, 0.0) ** 1.5 * (0.8 + 0.2 * np.exp(-np.maximum(time - end, 0.0) / 0.5))
+    force = true + drift * time + slope * (x + gap) + rng.normal(0.0, noise, len(time))
+    return time, x, np.round(force / digit) * digit if digit else force, true
+
+
+def imported(folder, columns, **settings):
+    np.savetxt(folder / "a.csv", np.stack(columns[:3], axis=1), fmt="%.5f", delimiter=",",
+               header="time_s,displacement_mm,force_N", comments="")  # fmt: skip
+    return import_files([folder / "a.csv"], Settings(**settings))[0][0]
+
+
+@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize(("drift", "slope", "digit"), [(0.08, 0.0, 0.0), (-0.06, 0.02, 0.0), (0.0, -0.03, 0.01),
+                                                       (0.05, 0.0, 0.05)])  # fmt: skip
+def test_contact_is_never_the_parking_place_and_drift_and_slope_are_removed(tmp_path, seed, drift, slope, digit):
+    time, x, force, true = press(seed, drift, slope, digit=digit)
+    (one,) = imported(tmp_path, (time, x, force)).presses
+    assert one.summary.depth_mm == pytest.approx(4.0, abs=0.1)
+    assert one.contact_low_mm < 0.0 < one.contact_high_mm
+    assert one.summary.steady_force_N == pytest.approx(6.4, abs=0.1 + digit)
+    assert np.sqrt(np.mean((one.force_N - true) ** 2)) < 0.06 + digit
+
+
+def test_a_drift_that_is_seen_before_contact_only_is_named(tmp_path):
+    found = imported(tmp_path, press(1, drift=0.08, release=False))
+    assert "force_drifts" in [warning["code"] for warning in found.warnings]
+    assert found.presses[0].summary.steady_force_N == pytest.approx(6.4, abs=0.1)
+
+
+def test_a_drift_or_a_slope_on_an_approach_without_a_rest_before_it_is_asked_about(tmp_path):
+    moving = press(2, drift=0.15, dwell=0.0, gap=6.0, speed=3.0, release=False)
+    with raises_code("needs_decision", "tare"):
+        imported(tmp_path, moving)
+    drift, slope = (imported(tmp_path, moving, tare=kind).presses[0].summary for kind in ("drift", "slope"))
+    assert drift.steady_force_N == pytest.approx(6.4, abs=0.15)
+    assert slope.steady_force_N > drift.steady_force_N + 0.5
+
+
+def test_the_force_at_the_first_sample_of_a_press_without_approach_is_what_stands_there(tmp_path):
+    time = np.arange(0.0, 60.0, 0.1)
+    x = np.minimum(0.084 * time, 4.5)
+    force = 30.0 * (1.0 - np.exp(-x / 1.2)) + np.random.default_rng(3).normal(0.0, 0.01, len(x))
+    found = imported(tmp_path, (time, x, force))
+    decisions = {one.what: one.value for one in found.decisions}
+    assert (decisions["tare"], decisions["contact"]) == ("none", "the file's own zero")
+    with raises_code("needs_decision", "tare"):
+        imported(tmp_path, (time, x, force + 0.8))
+
+
+def test_a_ripple_before_contact_is_no_tare(tmp_path):
+    time, x, force, _ = press(4, noise=0.002)
+    found = imported(tmp_path, (time, x, force + 0.15 * np.sin(2.0 * np.pi * 5.0 * time)))
+    assert {one.what: one.value for one in found.decisions}["tare"] == "none"
+    assert found.presses[0].summary.depth_mm == pytest.approx(4.0, abs=0.01)
+
+
+def test_the_step_of_the_digits_is_found_and_noise_spreads_its_error():
+    force = np.random.default_rng(5).normal(0.0, 0.3, 400)
+    assert digit_step(np.round(force, 1)) == pytest.approx(0.1, rel=1e-3) and digit_step(force) == 0.0
+    noise = Noise(0.0, 0.0, 0.0, 0.1)
+    assert noise.rounding_N == pytest.approx(0.1 / np.sqrt(12.0))
+    assert replace(noise, sample_N=0.1).rounding_N < 1e-9

@@ -163,6 +163,8 @@ def _shape_law(pad: Pad) -> TabulatedShapeLaw:
 
 
 def _by_elements(pad: Pad | Puck, deepest_mm: float | None, depths_mm: Array | None) -> ForceCurve:
+    from dummydesign.pad.first_touch import solvable_depths
+
     grid, _ = depth_grid(pad.thickness_mm, deepest_mm, depths_mm)
     return _through(pad, solve_points(pad, solvable_depths(pad, grid)))
 
@@ -173,44 +175,6 @@ def _through(pad: Pad | Puck, solved: PadCurve) -> ForceCurve:
     depth, force = solved.depth_mm, solved.force_N
     end = low_end(pad, depth, force, solved.error_N / force) if len(depth) > 1 else None
     return interpolate_curve(solved, end)
-
-
-# Contact grows cell by cell: its radius at the first depth that is solved, over the thickness, under a profile and on
-# a tip. A shallower one is known better by the law of first touch. Depths over the thickness that are solved at least.
-FIRST_CONTACT = {"profile": 0.01, "tip": 0.1}
-LEAST_SHARE, LEAST_SHARE_IN_SPACE = 1e-4, 0.01
-# A contact that grows is solved once at no more than this radius over the thickness, up to which a layer's factor is
-# known to follow the contact's radius.
-EVEN_CONTACT = 0.25
-
-
-def solvable_depths(pad: Pad | Puck, depth_mm: Array, in_space: bool = False) -> Array:
-    """Depths of a grid that can be solved, and one shallow enough to join the law of first touch to. [mm]"""
-    from dummydesign.pad.first_touch import touch_of
-
-    touch, least = touch_of(pad), least_depth_mm(pad, in_space)
-    if touch is not None and not touch.face_mm:
-        shallow = max(least, touch.depth_of(EVEN_CONTACT * pad.thickness_mm))
-        if shallow < depth_mm[0]:
-            depth_mm = np.r_[shallow, depth_mm]
-    return depth_mm[depth_mm >= least * (1.0 - 1e-9)]
-
-
-def least_depth_mm(pad: Pad | Puck, in_space: bool = False) -> float:
-    """Smallest depth that is solved. [mm]"""
-    from dummydesign.pad.first_touch import touch_of
-
-    h = pad.thickness_mm
-    least = (LEAST_SHARE_IN_SPACE if in_space else LEAST_SHARE) * h
-    if isinstance(pad, Puck):
-        return least
-    touch = touch_of(pad)
-    if touch is not None and not touch.face_mm:
-        return max(least, touch.depth_of(FIRST_CONTACT["profile" if pad.geometry == SLAB else "tip"] * h))
-    plain = pad.geometry == SLAB and pad.profile_mm is None
-    if plain and (pad.edge_radius_mm or (pad.condition == "bonded" and pad.base in BASES)):
-        return 0.0  # interpolated between depths of its own, first touch among them
-    return least
 
 
 def solve_points(pad: Pad | Puck, depth_mm: Array, cells: int | None = None, independent: bool = False) -> PadCurve:
@@ -257,6 +221,7 @@ def _of_unit_modulus(
 
 def _shape_in_space(pad: Pad, deepest_mm: float | None, depths_mm: Array | None) -> ForceCurve:
     """A shaped pad under its own punch, square or round, solved in space with unit modulus."""
+    from dummydesign.pad.first_touch import solvable_depths
     from dummydesign.pad.spatial.shaped_pad import solve_shaped_block
 
     grid, _ = depth_grid(pad.thickness_mm, deepest_mm, depths_mm)

@@ -296,7 +296,7 @@ def has_fields(pad: Pad | Puck) -> TypeGuard[Pad]:
 
 def contact_pressures(pad: Pad, depth_mm: Sequence[float]) -> tuple[list[dict[str, Any]], tuple[str, ...]]:
     """Mean, peak and profile of the contact pressure at static depths; solves are kept in the cache."""
-    from dummydesign.pad.elastic_force import least_depth_mm
+    from dummydesign.pad.first_touch import least_depth_mm
 
     # a contact of a few cells has a force, but no pressures
     least = FIELD_DEPTHS * least_depth_mm(pad)

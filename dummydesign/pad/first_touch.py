@@ -27,6 +27,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from dummydesign.geometry.interface import BASES
 from dummydesign.pad.specimen import SLAB, Pad, Puck
 
 Array = np.ndarray
@@ -38,6 +39,13 @@ RADII, SMALLEST, QUADRATURE = 240, 1e-7, 48
 FACTOR_ERROR = 0.1
 # The change of F / d^power between the first solved depth and one at least this much deeper states how far it is known.
 FURTHER = 1.5
+# Contact grows cell by cell: its radius at the first depth that is solved, over the thickness, under a profile and on
+# a tip. A shallower one is known better by the law of first touch. Depths over the thickness that are solved at least.
+FIRST_CONTACT = {"profile": 0.01, "tip": 0.1}
+LEAST_SHARE, LEAST_SHARE_IN_SPACE = 1e-4, 0.01
+# A contact that grows is solved once at no more than this radius over the thickness, up to which a layer's factor is
+# known to follow the contact's radius.
+EVEN_CONTACT = 0.25
 
 
 @dataclass(frozen=True)
@@ -240,3 +248,28 @@ def stuck_factor(poisson: float) -> float:
     if poisson > 0.499999:
         return 1.0
     return (1.0 - poisson) * float(np.log(3.0 - 4.0 * poisson)) / (1.0 - 2.0 * poisson)
+
+
+def solvable_depths(pad: Pad | Puck, depth_mm: Array, in_space: bool = False) -> Array:
+    """Depths of a grid that can be solved, and one shallow enough to join the law of first touch to. [mm]"""
+    touch, least = touch_of(pad), least_depth_mm(pad, in_space)
+    if touch is not None and not touch.face_mm:
+        shallow = max(least, touch.depth_of(EVEN_CONTACT * pad.thickness_mm))
+        if shallow < depth_mm[0]:
+            depth_mm = np.r_[shallow, depth_mm]
+    return depth_mm[depth_mm >= least * (1.0 - 1e-9)]
+
+
+def least_depth_mm(pad: Pad | Puck, in_space: bool = False) -> float:
+    """Smallest depth that is solved. [mm]"""
+    h = pad.thickness_mm
+    least = (LEAST_SHARE_IN_SPACE if in_space else LEAST_SHARE) * h
+    if isinstance(pad, Puck):
+        return least
+    touch = touch_of(pad)
+    if touch is not None and not touch.face_mm:
+        return max(least, touch.depth_of(FIRST_CONTACT["profile" if pad.geometry == SLAB else "tip"] * h))
+    plain = pad.geometry == SLAB and pad.profile_mm is None
+    if plain and (pad.edge_radius_mm or (pad.condition == "bonded" and pad.base in BASES)):
+        return 0.0  # interpolated between depths of its own, first touch among them
+    return least

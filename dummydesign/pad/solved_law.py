@@ -253,8 +253,8 @@ def solve_over_table(table: ForceLaw, pad: Pad, thickness_mm: float) -> Solved:
         depth_share, factor, error = (np.asarray(made[name], float) for name in ("share", "log_factor", "error"))
         error = error + table.relative_error(depth_share * thickness_mm, thickness_mm, pad.radius_mm)
     else:
-        from dummydesign.pad.elastic_force import solvable_depths, solve_points
-        from dummydesign.pad.first_touch import low_end
+        from dummydesign.pad.elastic_force import solve_points
+        from dummydesign.pad.first_touch import low_end, solvable_depths
 
         curve = solve_points(own, solvable_depths(own, share * thickness_mm))
         depth, force, error = curve.depth_mm, curve.force_N, curve.error_N / curve.force_N

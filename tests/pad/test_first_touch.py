@@ -11,8 +11,8 @@ from dummydesign.geometry.shapes.crowned import Crowned
 from dummydesign.pad import elastic_force
 from dummydesign.pad.axisymmetric.case import Case, first_stiffness
 from dummydesign.pad.axisymmetric.profile_punch import profile
-from dummydesign.pad.elastic_force import elastic_curve, solvable_depths
-from dummydesign.pad.first_touch import low_end, stuck_factor, touch_of
+from dummydesign.pad.elastic_force import elastic_curve
+from dummydesign.pad.first_touch import low_end, solvable_depths, stuck_factor, touch_of
 from dummydesign.pad.force_law import PadCurve
 from dummydesign.pad.specimen import Pad, Puck
 

@@ -27,7 +27,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from dummydesign.geometry.interface import BASES
+from dummydesign.geometry.interface import BASES, Interface
 from dummydesign.pad.specimen import SLAB, Pad, Puck
 
 Array = np.ndarray
@@ -43,6 +43,10 @@ FURTHER = 1.5
 # a tip. A shallower one is known better by the law of first touch. Depths over the thickness that are solved at least.
 FIRST_CONTACT = {"profile": 0.01, "tip": 0.1}
 LEAST_SHARE, LEAST_SHARE_IN_SPACE = 1e-4, 0.01
+# A pad that rests on friction is solved from this share on: there the slip at which friction acts in full, which the
+# elements need, is 1 % of the force. In shallower presses the pad's weight holds it; the force then rises from that of
+# a pad that slips (0.61 to 0.98 of the glued pad's, docs/data/pad-base-friction.csv) to the glued pad's.
+LEAST_SHARE_RESTING, STUCK_BASE = 0.01, 0.5
 # A contact that grows is solved once at no more than this radius over the thickness, up to which a layer's factor is
 # known to follow the contact's radius.
 EVEN_CONTACT = 0.25
@@ -237,6 +241,8 @@ def low_end(pad: Pad | Puck, depth_mm: Array, force_N: Array, relative_error: Ar
         doubt += float(abs(secant[1] - secant[0])) * first / (float(depth_mm[other]) - first)
     if isinstance(pad, Pad) and pad.condition != "frictionless":
         doubt += float(np.log(stuck_factor(pad.poisson)))
+    if isinstance(pad, Pad) and Interface.names_friction(pad.base):
+        doubt += STUCK_BASE * touch.face_mm / float(touch.contact(first))
     return LowEnd(first, force, error, touch, log_first, 0.0, doubt, touch.power(first))
 
 
@@ -266,6 +272,8 @@ def least_depth_mm(pad: Pad | Puck, in_space: bool = False) -> float:
     least = (LEAST_SHARE_IN_SPACE if in_space else LEAST_SHARE) * h
     if isinstance(pad, Puck):
         return least
+    if Interface.names_friction(pad.base):
+        least = max(least, LEAST_SHARE_RESTING * h)
     touch = touch_of(pad)
     if touch is not None and not touch.face_mm:
         return max(least, touch.depth_of(FIRST_CONTACT["profile" if pad.geometry == SLAB else "tip"] * h))

@@ -12,7 +12,7 @@ from dummydesign.pad import elastic_force
 from dummydesign.pad.axisymmetric.case import Case, first_stiffness
 from dummydesign.pad.axisymmetric.profile_punch import profile
 from dummydesign.pad.elastic_force import elastic_curve
-from dummydesign.pad.first_touch import low_end, solvable_depths, stuck_factor, touch_of
+from dummydesign.pad.first_touch import least_depth_mm, low_end, solvable_depths, stuck_factor, touch_of
 from dummydesign.pad.force_law import PadCurve
 from dummydesign.pad.specimen import Pad, Puck
 
@@ -145,6 +145,14 @@ def test_what_sticks_to_a_compressible_pad_is_doubted_by_what_sticking_adds():
         pad = ball(10.0, 10.0, condition=condition, poisson=0.3)
         errors.append(low_end(pad, depth, hertz(depth, 10.0), np.full(2, 0.01)).relative_error(1e-9))
     assert errors[1] - errors[0] == pytest.approx(np.log(stuck_factor(0.3)), rel=1e-6)
+
+
+def test_a_pad_that_rests_is_solved_from_a_hundredth_on_and_doubted_by_what_its_weight_holds():
+    resting = Pad(10.0, 0.025, 8.0, base="friction:0.3")
+    assert least_depth_mm(resting) == pytest.approx(0.1)
+    depth = np.array([0.1, 0.2])
+    end = low_end(resting, depth, 0.5 * depth, np.full(2, 0.01))
+    assert end.force(1e-4) == pytest.approx(5e-5) and end.relative_error(1e-4) > np.log(1.0 / 0.61)
 
 
 def test_depths_asked_for_are_solved_but_those_whose_contact_is_too_small(monkeypatch):

@@ -163,11 +163,18 @@ def _shape_law(pad: Pad) -> TabulatedShapeLaw:
 
 
 def _by_elements(pad: Pad | Puck, deepest_mm: float | None, depths_mm: Array | None) -> ForceCurve:
-    grid, deepest = depth_grid(pad.thickness_mm, deepest_mm, depths_mm)
-    if isinstance(pad, Pad) and pad.condition != "bonded":
-        # A face that slides needs some depth to start from.
-        grid = grid[grid >= min(0.025 * pad.thickness_mm, 0.25 * deepest)]
-    return interpolate_curve(pad.geometry.first_exponent if isinstance(pad, Pad) else 1.0, solve_points(pad, grid))
+    from dummydesign.pad.first_touch import solvable_depths
+
+    grid, _ = depth_grid(pad.thickness_mm, deepest_mm, depths_mm)
+    return _through(pad, solve_points(pad, solvable_depths(pad, grid)))
+
+
+def _through(pad: Pad | Puck, solved: PadCurve) -> ForceCurve:
+    from dummydesign.pad.first_touch import low_end
+
+    depth, force = solved.depth_mm, solved.force_N
+    end = low_end(pad, depth, force, solved.error_N / force) if len(depth) > 1 else None
+    return interpolate_curve(solved, end)
 
 
 def solve_points(pad: Pad | Puck, depth_mm: Array, cells: int | None = None, independent: bool = False) -> PadCurve:
@@ -214,10 +221,10 @@ def _of_unit_modulus(
 
 def _shape_in_space(pad: Pad, deepest_mm: float | None, depths_mm: Array | None) -> ForceCurve:
     """A shaped pad under its own punch, square or round, solved in space with unit modulus."""
+    from dummydesign.pad.first_touch import solvable_depths
     from dummydesign.pad.spatial.shaped_pad import solve_shaped_block
 
     grid, _ = depth_grid(pad.thickness_mm, deepest_mm, depths_mm)
-    if depths_mm is None:
-        grid = grid[1::2]
+    grid = solvable_depths(pad, grid[1::2] if depths_mm is None else grid, in_space=True)
     solved = _of_unit_modulus("shape-3d", pad, {"depth": grid}, lambda own: solve_shaped_block(own, grid))
-    return interpolate_curve(pad.geometry.first_exponent, solved)
+    return _through(pad, solved)

@@ -261,6 +261,10 @@ class Setup:
     visited: tuple[VisitedState, ...] = ()
 
 
+# Pressures are resolved from this many times the depth from which a force is.
+FIELD_DEPTHS = 4.0
+
+
 def solve_fields(
     pad: Pad | Puck, depth_mm: Sequence[float], coarse: bool = False
 ) -> tuple[tuple[Pressed, ...], tuple[str, ...]]:
@@ -292,12 +296,22 @@ def has_fields(pad: Pad | Puck) -> TypeGuard[Pad]:
 
 def contact_pressures(pad: Pad, depth_mm: Sequence[float]) -> tuple[list[dict[str, Any]], tuple[str, ...]]:
     """Mean, peak and profile of the contact pressure at static depths; solves are kept in the cache."""
+    from dummydesign.pad.first_touch import least_depth_mm
+
+    # a contact of a few cells has a force, but no pressures
+    least = FIELD_DEPTHS * least_depth_mm(pad)
+    wanted = [depth for depth in depth_mm if depth >= least]
+    left_out = f"the contact at depths below {least:.2g} mm is too small for its pressures to be resolved"
+    if not wanted:
+        return [], (left_out,)
+    notes_before = () if len(wanted) == len(depth_mm) else (left_out,)
+
     def solve() -> dict[str, Any]:
-        fields, notes = solve_fields(pad, depth_mm)
+        fields, notes = solve_fields(pad, wanted)
         return {"contact": [pressed.contact() for pressed in fields], "notes": list(notes)}
 
-    made = cached("contact", {"pad": replace(pad, prony=()), "depth": np.asarray(depth_mm, dtype=float)}, solve)
-    return made["contact"], tuple(made["notes"])
+    made = cached("contact", {"pad": replace(pad, prony=()), "depth": np.asarray(wanted, dtype=float)}, solve)
+    return made["contact"], (*notes_before, *made["notes"])
 
 
 def _follow(pad: Pad, depths: Array, coarse: bool, keep: Keep) -> tuple[str | None, tuple[str, ...]]:

@@ -6,7 +6,7 @@ from abc import abstractmethod
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from types import MappingProxyType
-from typing import Any, Protocol, runtime_checkable
+from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -14,6 +14,9 @@ from numpy.typing import ArrayLike
 from dummydesign.core.errors import NoAnswerError
 from dummydesign.core.interpolation import monotone_cubic
 from dummydesign.geometry.dimensions import MAX_DEPTH_OVER_THICKNESS
+
+if TYPE_CHECKING:
+    from dummydesign.pad.first_touch import LowEnd
 
 Array = np.ndarray
 NOTHING_KNOWN: Mapping[str, Any] = MappingProxyType({})
@@ -210,6 +213,8 @@ class ScaledLaw(BaseForceLaw):
         return error + self.law.relative_error(depth_mm, thickness_mm, radius_mm)
 
 
+# A contact grows with depth where the force rises with more than this power of it.
+GROWING = 1.05
 # Depths at which a finite-element curve is solved before it is followed along a motion.
 CURVE_POINTS = 16
 NO_COST: dict[str, float] = {"unknowns": 0, "load_steps": 0, "newton_iterations": 0, "seconds": 0.0}
@@ -232,7 +237,8 @@ class PadCurve:
 class ForceCurve:
     """Long-term elastic force of one pad as a function of depth, and its relative error.
 
-    ``provenance`` is that of the law or table, empty where the pad was solved.
+    ``provenance`` is that of the law or table, empty where the pad was solved; ``first_mm`` is then the first solved
+    depth, below which the force is by the law of first touch.
     """
 
     force: Callable[[Array], Array]
@@ -241,6 +247,7 @@ class ForceCurve:
     solver: dict[str, Any]
     notes: tuple[str, ...] = ()
     provenance: Mapping[str, Any] = field(default_factory=dict)
+    first_mm: float = 0.0
 
     def stiffness(self, depth_mm: Array) -> Array:
         """Tangent stiffness dF/dd, by a central difference. [N/mm]"""
@@ -284,8 +291,15 @@ def depth_grid(thickness_mm: float, deepest_mm: float | None, depths_mm: Array |
     return grid, deepest
 
 
-def interpolate_curve(power: float, solved: PadCurve) -> ForceCurve:
-    """A curve through solved depths of a force that begins as depth to a power (1 of a flat, 1.5 of a rounded tip).
+def interpolate_curve(solved: PadCurve, end: LowEnd | None) -> ForceCurve:
+    """A curve through solved depths that runs down to first touch by its law.
+
+    Parameters
+    ----------
+    solved : PadCurve
+        What was solved, at depths above 0.
+    end : LowEnd or None
+        The law of first touch, joined at the first solved depth; None where fewer than two depths were reached.
 
     Raises
     ------
@@ -293,19 +307,24 @@ def interpolate_curve(power: float, solved: PadCurve) -> ForceCurve:
         When fewer than two were reached.
     """
     depth, force = solved.depth_mm, solved.force_N
-    if len(depth) < 2:
+    if len(depth) < 2 or end is None:
         message = f"the pad could be solved at {len(depth)} depth only: {solved.notes[0]}"
         raise NoAnswerError("no_convergence", message, quantity="force_N")
-    # F / d (under a rounded tip F / d^1.5) varies little; between solved depths lies a monotone cubic through it.
-    stiffness = monotone_cubic(depth, np.log(force / depth**power))
+    law, first = end, float(depth[0])
+    # F over depth to the power of first touch varies little: with a contact that grows, over the root of the depth.
+    scale = np.sqrt if law.power > GROWING else np.asarray
+    stiffness = monotone_cubic(scale(depth), np.log(force / depth**law.power))
     error = solved.error_N / force
 
     def value(at: Array) -> Array:
         at = np.asarray(at, dtype=float)
-        inside = np.clip(at, 0.0, depth[-1])
-        return np.where(at > 0.0, inside**power * np.exp(stiffness(inside)), 0.0)
+        inside = np.clip(at, first, depth[-1])
+        return np.where(at < first, law.force(at), inside**law.power * np.exp(stiffness(scale(inside))))
 
-    return ForceCurve(value, lambda at: np.interp(at, depth, error), float(depth[-1]), solved.solver, solved.notes)
+    def error_at(at: Array) -> Array:
+        return np.where(np.asarray(at) < first, law.relative_error(at), np.interp(at, depth, error))
+
+    return ForceCurve(value, error_at, float(depth[-1]), solved.solver, solved.notes, first_mm=first)
 
 
 def scale_curve(curve: ForceCurve, factor: Callable[[Array], tuple[Array, Array]]) -> ForceCurve:

@@ -195,7 +195,10 @@ def predict_static(
     _check_depth(depth, curve, pad)
     force, error = curve.force(depth), curve.relative_error(depth)
     step = 1e-4 * pad.thickness_mm
-    low, high = np.maximum(depth - step, step), np.minimum(np.maximum(depth, 2.0 * step) + step, curve.limit_mm)
+    # at the surface itself that of the first such step
+    at = np.where(depth > 0.0, depth, 2.0 * step)
+    half = np.minimum(step, 0.5 * at)
+    low, high = at - half, np.minimum(at + half, curve.limit_mm)
     exponent = np.log(curve.force(high) / curve.force(low)) / np.log(high / low)
     return StaticPrediction(
         depth, force, force * (1.0 - error), force * (1.0 + error), exponent, fidelity, curve.solver, curve.notes

@@ -60,7 +60,9 @@ class SolvedLaw(BaseForceLaw):
         force = np.empty(depth.shape)
         for value in np.unique(thickness):
             at = thickness == value
-            series = np.polynomial.polynomial.polyval(depth[at] / value, self.polynomials[float(value)])
+            # F / d of a flat face is that of the first solved depth down to first touch
+            held = np.maximum(depth[at], self.errors[float(value)][0][0])
+            series = np.polynomial.polynomial.polyval(held / value, self.polynomials[float(value)])
             force[at] = young[at] * radius * depth[at] * np.exp(series)
         return force
 
@@ -144,6 +146,8 @@ def solve_law(
 
 
 NODES = 5
+BELOW_FIRST = np.geomspace(1e-8, 1.0, 81)[:-1]
+"""Depths over the first solved one at which the law of first touch is kept; ln of a factor is straight between them."""
 SHARES = MAX_DEPTH_OVER_THICKNESS * np.array([0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0])
 RIM_CHANGE, RIM_DECAY, RIM_COUNTS = 0.5, 1.5, 0.002
 """What a rim takes of the force falls as 0.5 exp(-1.5 way / thickness), way from the punch to it: solved for slabs of
@@ -172,7 +176,6 @@ class OwnSlabLaw(BaseForceLaw):
     table: ForceLaw
     solved: tuple[Solved, ...]
     doubt: float
-    steep: bool = False
 
     @property
     def ratio_range(self) -> tuple[float, float]:  # type: ignore[override]
@@ -200,7 +203,7 @@ class OwnSlabLaw(BaseForceLaw):
     def _over(self, depth: Array, thickness: Array, name: str) -> Array:
         """A solved quantity between shares and thicknesses."""
         share = np.log(np.maximum(depth / thickness, 1e-9))
-        rows = [_along(one, share, name, self.steep) for one in self.solved]
+        rows = [_along(one, share, name) for one in self.solved]
         if len(rows) == 1:
             return rows[0]
         nodes = np.log([one.thickness_mm for one in self.solved])
@@ -211,12 +214,8 @@ class OwnSlabLaw(BaseForceLaw):
         return low + part * (high - low)
 
 
-def _along(one: Solved, log_share: Array, name: str, steep: bool) -> Array:
-    known, values = np.log(one.share), getattr(one, name)
-    values_at = np.interp(log_share, known, values)
-    if steep and name == "log_factor" and len(known) > 1:
-        values_at += (values[1] - values[0]) / (known[1] - known[0]) * np.minimum(log_share - known[0], 0.0)
-    return values_at
+def _along(one: Solved, log_share: Array, name: str) -> Array:
+    return np.interp(log_share, np.log(one.share), getattr(one, name))
 
 
 def own_slab_law(table: ForceLaw, pad: Pad, thickness_mm: Array) -> ForceLaw:
@@ -226,7 +225,7 @@ def own_slab_law(table: ForceLaw, pad: Pad, thickness_mm: Array) -> ForceLaw:
         return table
     count = 1 if ends[0] == ends[1] else NODES
     solved = tuple(solve_over_table(table, pad, float(h)) for h in np.geomspace(*ends, count))
-    return OwnSlabLaw(table, solved, _doubt(solved), pad.profile_mm is not None)
+    return OwnSlabLaw(table, solved, _doubt(solved))
 
 
 def in_table(pad: Pad) -> bool:
@@ -255,11 +254,17 @@ def solve_over_table(table: ForceLaw, pad: Pad, thickness_mm: float) -> Solved:
         error = error + table.relative_error(depth_share * thickness_mm, thickness_mm, pad.radius_mm)
     else:
         from dummydesign.pad.elastic_force import solve_points
+        from dummydesign.pad.first_touch import low_end, solvable_depths
 
-        curve = solve_points(own, share * thickness_mm)
-        depth_share = curve.depth_mm / thickness_mm
-        factor = np.log(curve.force_N / table.force(curve.depth_mm, thickness_mm, 1.0, pad.radius_mm))
-        error = curve.error_N / curve.force_N
+        curve = solve_points(own, solvable_depths(own, share * thickness_mm))
+        depth, force, error = curve.depth_mm, curve.force_N, curve.error_N / curve.force_N
+        if len(depth) > 1:
+            end = low_end(own, depth, force, error)
+            below = end.first_mm * BELOW_FIRST
+            depth, force = np.r_[below, depth], np.r_[end.force(below), force]
+            error = np.r_[end.relative_error(below), error]
+        depth_share = depth / thickness_mm
+        factor = np.log(force / table.force(depth, thickness_mm, 1.0, pad.radius_mm))
     if len(depth_share) < 2:
         message = f"a slab of {thickness_mm:.3g} mm under this punch could not be solved"
         raise NoAnswerError("no_convergence", message, quantity="pad")
@@ -290,6 +295,6 @@ def _doubt(solved: tuple[Solved, ...]) -> float:
     changes = [0.0]
     for before, here, after in zip(solved, solved[1:], solved[2:]):
         share = np.log(here.share[here.share <= min(before.share[-1], after.share[-1]) + 1e-9])
-        low, high = (_along(one, share, "log_factor", False) for one in (before, after))
+        low, high = (_along(one, share, "log_factor") for one in (before, after))
         changes.append(float(np.max(np.abs(0.5 * (low + high) - here.log_factor[: len(share)]), initial=0.0)))
     return 0.25 * max(changes)

@@ -42,14 +42,16 @@ def document(checks: list[Check]) -> str:
         f"{len(checks)} checks, {failed} failed.",
     ]
     for group in dict.fromkeys(check.group for check in checks):
-        lines += ["", f"## {group}", "", "| check | expected | found | deviation | tolerance | source | |"]
-        lines.append("|---|---|---|---|---|---|---|")
-        for check in checks:
-            if check.group == group:
-                lines.append(_row(check))
+        lines += ["", f"## {group}", "", *table_of([check for check in checks if check.group == group])]
     if ROWS.is_file():
         lines += _faults([json.loads(line) for line in ROWS.read_text(encoding="utf-8").splitlines()])
     return "\n".join(lines) + "\n"
+
+
+def table_of(checks: Iterable[Check]) -> list[str]:
+    """Lines of a table of checks."""
+    head = ["| check | expected | found | deviation | tolerance | source | |", "|---|---|---|---|---|---|---|"]
+    return head + [_row(check) for check in checks]
 
 
 def _faults(rows: list[dict[str, Any]]) -> list[str]:

@@ -20,7 +20,7 @@ from dummydesign.pad.material.relaxation import PronyTerm, Viscoelastic, relaxed
 from dummydesign.pad.solve.continuation import follow
 from dummydesign.pad.solve.sparse import Pattern
 from dummydesign.pad.specimen import Pad
-from studies.verification import contact, edges
+from studies.verification import contact, edges, first_touch
 from studies.verification.check import Check
 from studies.verification.shapes import cap_on_layer, slab_limits
 
@@ -280,5 +280,5 @@ ALL: tuple[tuple[bool, Callable[[], Iterator[Check]]], ...] = (
     (False, tables),
     (False, cap_on_layer),
     (False, slab_limits),
-    *((False, check) for check in (*edges.CHECKS, *contact.CHECKS)),
+    *((False, check) for check in (*edges.CHECKS, *contact.CHECKS, *first_touch.CHECKS)),
 )

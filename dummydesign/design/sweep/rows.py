@@ -221,8 +221,6 @@ def _by_tables(task: Task) -> list[dict[str, Any]]:
 
 def _solved(task: Task) -> list[dict[str, Any]]:
     """One pad by finite elements, for all its ratios."""
-    from scipy.interpolate import PchipInterpolator
-
     from dummydesign.pad.elastic_force import elastic_curve
     from dummydesign.pad.specimen import Pad
 
@@ -246,17 +244,10 @@ def _solved(task: Task) -> list[dict[str, Any]]:
     depth = wanted[wanted <= force_curve.limit_mm * (1.0 + 1e-9)]
     if len(depth) < 3:
         return empty_rows(task, "could not be solved to a useful depth")
-    area, error = force_curve.force(depth), force_curve.relative_error(depth)
-    # ln F over ln d without overshoot; before the first depth the power that the first two have
-    spline = PchipInterpolator(np.log(depth), np.log(area))
-    first = np.log(area[1] / area[0]) / np.log(depth[1] / depth[0])
-    grid = float(depth[-1]) * np.linspace(0.0, 1.0, SAMPLES)[1:]
-    below = area[0] * (grid / depth[0]) ** first
-    inside = np.exp(spline(np.log(np.clip(grid, depth[0], depth[-1]))))
-    curve = np.concatenate([[0.0], np.where(grid < depth[0], below, inside)])
+    curve = force_curve.force(float(depth[-1]) * np.linspace(0.0, 1.0, SAMPLES))
     curves = Curves(np.array([thickness]), depth[-1:], curve[None])
     slabs = Slabs(curves, np.zeros(len(task.ratio), int), task.young_MPa, task.tau_s, task.beta)
-    return rows_of(task, slabs, lambda at: np.interp(at, depth, error))
+    return rows_of(task, slabs, force_curve.relative_error)
 
 
 def work(task: Task, law: ForceLaw | None = None) -> list[dict[str, Any]]:

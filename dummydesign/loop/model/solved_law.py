@@ -19,11 +19,13 @@ from dummydesign.loop.model.base_law import USUAL_ROUGHNESS, SlabLaw
 from dummydesign.loop.model.effect import UnitForce
 from dummydesign.measurement.campaign import Trial
 from dummydesign.pad.axisymmetric.case import Case
+from dummydesign.pad.first_touch import low_end, touch_of
 from dummydesign.pad.specimen import Pad, Puck
 from dummydesign.pad.tables.slab import load_table
 
 POINTS, DENSE = 24, 600  # depths that are solved, and at which the curve is kept
 STARTS_AT = 0.01
+AT_TOUCH = 1e-9  # of the first dense depth: where the law of first touch is taken for depth 0
 FINE_CELLS = 24
 """Cells under the punch of a pad with a shape, where a design takes 16: on a crowned pad of 7 mm those are 1.5 % off
 cells of half the size in the depths where the contact reaches the flat, these 0.4 %."""
@@ -91,10 +93,9 @@ class SolvedCurve:
 
     @property
     def power(self) -> float:
-        """d ln F / d ln d at first touch."""
-        if isinstance(self.pad, Puck):
-            return 1.0
-        return 1.5 if self.pad.profile_mm is not None else self.pad.geometry.first_exponent
+        """d ln F / d ln d at first touch, to the nearest half: 1 of a flat face, 1.5 of a tip, 2 of a cone."""
+        touch = touch_of(self.pad)
+        return 1.0 if touch is None else round(2.0 * touch.power(float(self.depths_mm[0]))) / 2.0
 
     @cached_property
     def dense_mm(self) -> NDArray:
@@ -103,16 +104,15 @@ class SolvedCurve:
 
     @cached_property
     def log_secant(self) -> NDArray:
-        """ln of F / (E d^power) at the dense depths."""
+        """ln of F / (E d^power) at the dense depths; below the first solved one by the law of first touch."""
         from scipy.interpolate import PchipInterpolator
 
-        pad, (depth, area, _) = self.pad, self._points
-        value = np.log(area / depth**self.power)
-        tip = None if isinstance(pad, Puck) or pad.profile_mm is not None else pad.geometry.tip_radius_mm
-        if tip and pad.poisson == 0.5:
-            # Hertz, exact at first touch
-            depth, value = np.r_[0.0, depth], np.r_[np.log(16.0 / 9.0 * np.sqrt(tip)), value]
-        return PchipInterpolator(depth, value)(np.clip(self.dense_mm, depth[0], depth[-1]))
+        depth, area, error = self._points
+        end = low_end(self.pad, depth, area * self.pad.young_MPa, error)
+        dense = np.maximum(self.dense_mm, AT_TOUCH * self.dense_mm[1])
+        below = np.log(end.force(dense) / (self.pad.young_MPa * dense**self.power))
+        solved = PchipInterpolator(depth, np.log(area / depth**self.power))(np.clip(dense, depth[0], depth[-1]))
+        return np.where(dense < depth[0], below, solved)
 
     @cached_property
     def with_thickness(self) -> tuple[NDArray, NDArray]:

@@ -31,8 +31,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("--skip", metavar="N", help="lines to leave out at the start of the file")
     add("--flip", metavar="WHICH",
         help="reverse the sign of displacement, force, or displacement,force; none (default: detected)")
-    add("--tare", metavar="auto|none|first|N",
-        help="force reading without load, in the file's unit, or each test's first sample (default auto: lead-in)")
+    add("--tare", metavar="auto|none|first|drift|slope|N",
+        help="force reading without load, in the file's unit; drift, slope: what grows with time or depth too")
     add("--contact", metavar="auto|none|MM",
         help="displacement reading at contact, in the file's unit (default auto: by force)")
     add("--split", metavar="auto|none", help="auto: split where force and depth return to zero; none: one press")

@@ -275,7 +275,7 @@ def verdict(
     shares_known = shares_of(differences if measured is None else measured, limits)
     short_95, over_95, force_95 = (None, None, None) if spread is None else every.quantiles
     if beyond > 1.0 and not unsettled:
-        unsettled = f"the test goes to {beyond:.2g} times the hardest press of people"
+        unsettled = f"the test goes to {beyond:.2g} times the hardest press of the subjects"
     inside = [float(1.0 - (below[name] | above[name]).mean()) for name in (PEAK, STEADY) if below[name].size]
     stands = ranges.subjects > 1 and (strict or min(inside, default=0.0) >= limits.stands_inside)
     level = level_of(shares, shares_known, limits, strict, stands)

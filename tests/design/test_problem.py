@@ -13,7 +13,7 @@ from dummydesign.core import library
 from dummydesign.core.library import data_folder
 from dummydesign.design.problem import read_problem
 from dummydesign.design.request import ANSWER, Request
-from dummydesign.design.suggest import design, other_mould
+from dummydesign.design.suggest import design
 from dummydesign.geometry.shape_registry import read_shape
 from dummydesign.mold.model.preset import mould_spec
 from dummydesign.resin import load_resin
@@ -78,7 +78,7 @@ def asked(capsys, words):
 
 @pytest.mark.parametrize(("name", "old", "new"), [
     ("materials/verdict.toml", "[usable.over]\nvalue = 1.25", "[usable.over]\nvalue = 1.45"),
-    ("materials/puck.toml", "value = 0.03", "value = 0.05"),
+    ("materials/puck.toml", "value = 0.043", "value = 0.06"),
 ])  # fmt: skip
 def test_an_answer_under_other_limits_goes_into_a_folder_of_its_own_and_names_them(
     own_folder, capsys, tmp_path, monkeypatch, name, old, new
@@ -175,7 +175,7 @@ def test_the_ratio_for_a_mould_follows_the_resin_and_its_modulus_does_not(mould,
     assert ratios[1] < ratios[0] and young[1] == pytest.approx(young[0], rel=0.25)
 
 
-def test_two_moulds_a_pucks_and_what_contradicts_the_mould_are_refused(mould, tmp_path):
+def test_two_moulds_and_what_contradicts_the_mould_are_refused(mould, tmp_path):
     mould("two/a")
     mould("two/b", 5.0)
     with raises_code("conflict", "mould"):
@@ -213,4 +213,4 @@ def test_a_worse_mould_is_told_by_how_much_another_would_be_better(mould):
     assert other["after_puck"] > found.castings.outlook.after_puck
     assert f"{100 * other['as_poured']:.0f} %" in other["text"]
     assert found.to_dict()["other_mould"] == other
-    assert np.isfinite(other["ratio"]) and callable(other_mould)
+    assert np.isfinite(other["ratio"])

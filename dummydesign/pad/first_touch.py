@@ -33,7 +33,7 @@ from dummydesign.pad.specimen import SLAB, Pad, Puck
 Array = np.ndarray
 
 # Radii of contact at which the law is worked out, the smallest over the largest, and points along each integral.
-RADII, SMALLEST, QUADRATURE = 240, 1e-7, 48
+RADII, SMALLEST, QUADRATURE, FLAT = 240, 1e-7, 48, 1e-20
 # Share of the logarithm of the layer's factor by which that between a contact without size and the first solved one
 # may be off: 3.4 % at c / h = 0.6 and 2 % at 1 by [3].
 FACTOR_ERROR = 0.1
@@ -124,7 +124,11 @@ def half_space_touch(
     r = c[:, None] - grown[:, None] * t**2
     part = 2.0 * np.sqrt(grown)[:, None] * slope(r) / np.sqrt(c[:, None] + r)
     depth, area = c * (part @ weight), per_contact * ((r**2 * part) @ weight)
-    rising = np.minimum.accumulate((depth > 0.0) & (np.diff(depth, prepend=0.0) > 0.0) & (area > 0.0))
+    flat = int(np.argmax(depth > FLAT * depth[-1]))
+    if flat and not face_mm:  # a flat that the shape did not name
+        return half_space_touch(slope, float(c[flat - 1]), reach_mm, poisson)
+    rising = (depth > 0.0) & (np.diff(depth, prepend=0.0) > 0.0) & (area > 0.0)
+    rising[flat:] = np.minimum.accumulate(rising[flat:])
     return HalfSpaceTouch(depth[rising], area[rising], c[rising], face_mm, per_contact)
 
 
@@ -194,7 +198,7 @@ class LowEnd:
         depth = np.asarray(depth_mm, float)
         safe = np.maximum(depth, 1e-300)
         if self.touch is None:
-            part = np.sqrt(safe / self.first_mm)
+            part = (safe / self.first_mm) ** _way(self.power)
             log = self.power * np.log(safe / self.first_mm) + self.log_change * (1.0 - part)
         else:
             part = self.touch.contact(safe) / self.touch.contact(self.first_mm)
@@ -226,12 +230,10 @@ def low_end(pad: Pad | Puck, depth_mm: Array, force_N: Array, relative_error: Ar
         change = doubt = 0.0
         if other is not None:
             log = np.log(force_N[[0, other]] / depth_mm[[0, other]] ** power)
-            way = np.sqrt(depth_mm[other] / first) - 1.0
-            # evenly with the contact's radius, which grows as the root of the depth
+            # evenly with the contact's radius, which grows as the root of the depth; of a whole face with the depth
+            way = (depth_mm[other] / first) ** _way(power) - 1.0
             change = -float(log[1] - log[0]) / way
             doubt = abs(change)
-        if power == 1.0:
-            change = 0.0
         return LowEnd(first, force, error, None, 0.0, change, doubt, power)
     log_first = float(np.log(force / (pad.young_MPa * touch.area(first))))
     doubt = FACTOR_ERROR * abs(log_first) * (1.0 - touch.face_mm / float(touch.contact(first)))
@@ -244,6 +246,12 @@ def low_end(pad: Pad | Puck, depth_mm: Array, force_N: Array, relative_error: Ar
     if isinstance(pad, Pad) and Interface.names_friction(pad.base):
         doubt += STUCK_BASE * touch.face_mm / float(touch.contact(first))
     return LowEnd(first, force, error, touch, log_first, 0.0, doubt, touch.power(first))
+
+
+def _way(power: float) -> float:
+    """Power of the depth with which the secant changes: that of the contact's radius, 1 where a face touches at once.
+    """
+    return 1.0 if power == 1.0 else 0.5
 
 
 def stuck_factor(poisson: float) -> float:

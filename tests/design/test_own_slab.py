@@ -21,8 +21,8 @@ def test_between_solved_thicknesses_a_factor_that_is_a_power_law_is_exact():
         Solved(h, share, 0.3 * np.log(h) + 0.1 * np.log(share), np.full(6, 0.01)) for h in (4.0, 8.0, 20.0)
     )
     table = load_table("bonded")
-    law = OwnSlabLaw(table, solved, 0.0, True)
-    depth, h = np.array([0.05, 1.0, 3.0]), np.array([5.0, 11.0, 17.0])
+    law = OwnSlabLaw(table, solved, 0.0)
+    depth, h = np.array([0.2, 1.0, 3.0]), np.array([5.0, 11.0, 17.0])
     wanted = table.force(depth, h, 1.0, RADIUS) * h**0.3 * (depth / h) ** 0.1
     np.testing.assert_allclose(law.force(depth, h, 1.0, RADIUS), wanted, rtol=1e-9)
     np.testing.assert_allclose(law.relative_error(depth, h, RADIUS), 0.01)

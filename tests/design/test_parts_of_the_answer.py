@@ -148,7 +148,7 @@ def trace(force, time, contact_s=0.0, stop_s=1.0, x=None):
     inside = np.ones(len(time), bool)
     return SimpleNamespace(trace=SimpleNamespace(force_N=force, time_s=time, displacement_mm=time if x is None else x),
                            inside=inside, ramp=SimpleNamespace(contact_time_s=contact_s, stop_time_s=stop_s,
-                                                               hold_end_s=time[-1]))  # fmt: skip
+                                                               hold_end_s=time[-1], overshoot_mm=0.0))  # fmt: skip
 
 
 def test_a_peak_is_that_of_a_parabola_and_noise_does_not_raise_it():
@@ -188,7 +188,7 @@ def test_readings_of_repeats_are_averaged_and_their_scatter_is_over_the_lowest_s
     monkeypatch.setattr(measured_pad, "tissue_press", press)
 
     def pair(name, low, scale):
-        band = SimpleNamespace(peak_low_N=low, peak_high_N=2.0 * low, scale=scale)
+        band = SimpleNamespace(peak_low_N=low, peak_high_N=2.0 * low, scale=scale, energy_mJ=None)
         return SimpleNamespace(name=name, hold_s=7.0, steady_force_N=5.0 + name), band, 1234.0
 
     pressed = [measured_pad.ComparedPress(*pair(*one)) for one in ((1, 10.0, 1.0), (2, 12.0, 2.0))]

@@ -20,6 +20,6 @@ def test_the_energy_of_a_trace_goes_to_where_the_punch_stands_still(speed):
     ideal_stop = DEPTH_MM / speed  # a ramp without braking stops here
     trace = SimpleNamespace(
         trace=SimpleNamespace(time_s=time, displacement_mm=x, force_N=0.4 * x**2),
-        ramp=SimpleNamespace(contact_time_s=0.0, stop_time_s=ideal_stop, hold_end_s=time[-1]),
+        ramp=SimpleNamespace(contact_time_s=0.0, stop_time_s=ideal_stop, hold_end_s=time[-1], overshoot_mm=0.0),
     )
     assert energy_of(trace) == pytest.approx(0.4 * DEPTH_MM**3 / 3.0, rel=2e-3)

@@ -53,10 +53,9 @@ def test_the_mean_pressure_over_the_contact_carries_the_force(pictures):
         assert 1e-3 * one.contact["mean_kPa"] * area == pytest.approx(one.static_N)
 
 
-def test_a_crown_is_pressed_most_in_the_middle_and_more_than_the_slab_whose_edge_has_no_bound(pictures):
-    crown, slab = pictures.pads[-1].contact, pictures.slab[-1].contact
+def test_a_crown_is_pressed_most_in_the_middle(pictures):
+    crown = pictures.pads[-1].contact
     assert crown["peak_radius_mm"] < 0.5 and crown["peak_kPa"] > 1.2 * crown["mean_kPa"]
-    assert crown["peak_kPa"] > 1.2 * slab["peak_kPa"] and slab["edge_kPa"] > 1.5 * slab["peak_kPa"]
 
 
 @pytest.mark.slow
@@ -82,7 +81,7 @@ def test_without_finite_elements_and_for_pads_that_are_not_round_it_says_what_is
 
 def test_the_report_draws_to_scale_and_compares_the_pressures(answer, pictures):
     section = pressed_section(answer, pictures)
-    assert "the best slab" in section.text and "times the slab's" in section.text
+    assert "largest at the centre" in section.text
     sections = [plot for plot in section.plots if plot.to_scale]
     assert [plot.name for plot in sections] == ["pressed-5N", "pressed-10N", "pressed-15N"]
     for plot in sections:

@@ -18,7 +18,6 @@ from dummydesign.design.search.shape_search import candidate_of, outlook_for, se
 from dummydesign.design.suggest import cast_pad, design
 from dummydesign.geometry.shape_registry import read_shape
 
-TISSUES = ("forefinger", "palm", "thenar")
 CROWN, THICKNESS_MM, YOUNG_MPA = "crowned:radius=2.4,height=3.5,foot=7.8", 11.0, 0.034
 """A pad for the palm of which about half of the castings are usable as poured."""
 

@@ -153,7 +153,7 @@ def test_a_mould_keeps_shape_thickness_and_size_of_its_pad(mould, place):
 
 @pytest.mark.slow
 def test_the_ratio_for_a_mould_follows_the_resin_and_its_modulus_does_not(mould, tmp_path):
-    """a resin twice as stiff at every ratio is poured leaner, to about the same modulus"""
+    """a resin twice as stiff at every ratio is poured leaner, to a modulus in the same window"""
     from dataclasses import replace
 
     from dummydesign.core.quantity import Quantity
@@ -172,7 +172,9 @@ def test_the_ratio_for_a_mould_follows_the_resin_and_its_modulus_does_not(mould,
         assert one.other_mould["text"]
     ratios = [one.best.ratio for one in found]
     young = [float(one.resin.young_MPa(ratio)) for one, ratio in zip(found, ratios)]
-    assert ratios[1] < ratios[0] and young[1] == pytest.approx(young[0], rel=0.25)
+    assert ratios[1] < ratios[0] and young[1] / young[0] < 1.5
+    low_kPa, high_kPa = found[0].to_dict()["window_kPa"]
+    assert all(low_kPa < 1e3 * value < high_kPa for value in young)
 
 
 def test_two_moulds_and_what_contradicts_the_mould_are_refused(mould, tmp_path):

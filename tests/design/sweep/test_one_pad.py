@@ -1,5 +1,7 @@
 """One pad looked at by itself: the same verdict and depths as the search gives, at any thickness and ratio."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -24,7 +26,9 @@ def test_the_recommended_pad_gets_the_verdict_and_the_curve_of_the_suggestion(in
     best = found.best
     evaluator = PadEvaluator(inputs)
     pad = evaluator.evaluate(Slab(), best.thickness_mm, best.ratio)
-    assert evaluator.with_castings(pad, Slab()) == found.verdict
+    given = evaluator.with_castings(pad, Slab())
+    assert replace(given, correction=found.verdict.correction) == found.verdict
+    assert given.correction.force == pytest.approx(found.verdict.correction.force)
     grids = force_grids(found.targets.protocol)
     assert np.array_equal(pad.candidate.steady_depth_mm(grids.pad), best.steady_depth_mm(grids.pad), equal_nan=True)
 

@@ -86,6 +86,7 @@ def render_details(result: dict[str, Any]) -> str:
     """Make the readable tables."""
     from dummydesign.report import compare as facts
     from dummydesign.report.sections.conformity import budget_lines
+    from dummydesign.report.sections.curves import curves_text
     from dummydesign.report.suggest_facts import people_lines
 
     against = f"against {result['tissue']}, {facts.law_text(result)}"
@@ -105,6 +106,7 @@ def render_details(result: dict[str, Any]) -> str:
     lines += table([{**row, "span": f"{row['range_peak_low_N']:.2f} to {row['range_peak_high_N']:.2f}",
                      "inside": f"{100 * row['inside_fraction']:.0f} %"}
                     for row in result["force_variation_range"]], PRESSES)  # fmt: skip
+    lines.append(f"curves over time: {curves_text(result['curves'], result['verdict']['subjects'])}")
     lines += budget_lines(result["budget"])
     lines += people_lines(result["people"])
     return "\n".join(lines + warning_lines(result) + file_lines(result))

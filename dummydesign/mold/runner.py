@@ -9,10 +9,11 @@ import shlex
 import subprocess
 import sys
 import tempfile
+from collections.abc import Callable
 from dataclasses import asdict, dataclass, field
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from dummydesign.core.errors import InputError, NoAnswerError
 from dummydesign.core.files import output_folder, writing
@@ -106,7 +107,7 @@ PROCESSOR_S = 900.0
 
 
 @dataclass(frozen=True)
-class MouldResult(Serialised):
+class Made(Serialised):
     """What was made: files by role, volumes, masses to weigh, all checks, and the hash of the assembly."""
 
     files: dict[str, str]
@@ -117,6 +118,15 @@ class MouldResult(Serialised):
     warnings: list[dict[str, str]]
     pour: dict[str, Any]
     spec_hash: str
+
+
+M = TypeVar("M", bound=Made)
+
+
+@dataclass(frozen=True)
+class MouldResult(Made):
+    """A mould that was made, with the batch to mix and where its pad is gauged."""
+
     batch: dict[str, Any]
     gauge_points: tuple[GaugePoint, ...]
     seconds: float = field(default=0.0, compare=False)
@@ -132,43 +142,39 @@ def make_mold(
     if spec.insert is not None and bone_file is None:
         message = f"the bone of this mould comes from {spec.insert.file}; give the file again"
         raise InputError(message, "missing", "bone")
+    asked = {"spec": spec.to_dict(), "bone": str(bone_file) if bone_file else None, "processor_s": processor_s}
+    what = f"preset {spec.preset}, {spec.pad.title}, specification {spec.hash}"
+
+    def result(answer: dict[str, Any]) -> MouldResult:
+        return MouldResult(**answer, masses_g=masses_g(answer["pour"]), spec_hash=spec.hash,
+                           gauge_points=gauge_points(spec))  # fmt: skip
+
+    return _build(folder, ".mould-", asked, what, without_cad(spec), result)
+
+
+def _build(
+    folder: Path, prefix: str, asked: dict[str, Any], what: str, known: dict[str, Any],
+    result_of: Callable[[dict[str, Any]], M],
+) -> M:  # fmt: skip
+    """Let the child make all files in a place of their own; they are moved when no check failed."""
     target = output_folder(folder)
-    with tempfile.TemporaryDirectory(prefix=".mould-", dir=target, ignore_cleanup_errors=True) as work:
-        asked = {"spec": spec.to_dict(), "papers": papers(), "bone": str(bone_file) if bone_file else None,
-                 "folder": work, "processor_s": processor_s}  # fmt: skip
-        what = f"preset {spec.preset}, {spec.pad.title}, specification {spec.hash}"
-        answer = _made(asked, what, without_cad(spec))
+    with tempfile.TemporaryDirectory(prefix=prefix, dir=target, ignore_cleanup_errors=True) as work:
+        answer = _made({**asked, "papers": papers(), "folder": work}, what, known)
         files = answer["files"]
-        result = MouldResult(
-            **{**answer, "files": {role: str(target / name) for role, name in files.items()}},
-            masses_g=masses_g(answer["pour"]), spec_hash=spec.hash, gauge_points=gauge_points(spec),
-        )  # fmt: skip
-        _refuse_failed(result)
+        result = result_of({**answer, "files": {role: str(target / name) for role, name in files.items()}})
+        failed = [item for item in result.checks if item["status"] == "fail"]
+        if failed:
+            names = "; ".join(f"{item['id']} = {item['value']} (limit {item['limit']})" for item in failed)
+            message = f"the mould was built but failed {names}; no file was kept"
+            raise NoAnswerError("check_failed", message, {**result.to_dict(), "files": {}}, "mould")
         _move(Path(work), target, files)
     return result
 
 
-def _refuse_failed(result: MouldResult | PuckResult) -> None:
-    """Keep no file of a mould that failed a check."""
-    failed = [item for item in result.checks if item["status"] == "fail"]
-    if failed:
-        names = "; ".join(f"{item['id']} = {item['value']} (limit {item['limit']})" for item in failed)
-        message = f"the mould was built but failed {names}; no file was kept"
-        raise NoAnswerError("check_failed", message, {**result.to_dict(), "files": {}}, "mould")
-
-
 @dataclass(frozen=True)
-class PuckResult(Serialised):
-    """Rings of pucks that were made: as :class:`MouldResult`; hours and grams of printing are estimates."""
+class PuckResult(Made):
+    """Rings of pucks that were made; hours and grams of printing are estimates."""
 
-    files: dict[str, str]
-    volumes_mm3: dict[str, float]
-    masses_g: dict[str, float]
-    checks: list[dict[str, Any]]
-    step_sha256: str
-    warnings: list[dict[str, str]]
-    pour: dict[str, Any]
-    spec_hash: str
     printing_h: float
     filament_g: float
     seconds: float = field(default=0.0, compare=False)
@@ -178,20 +184,16 @@ def make_puck_rings(spec: PuckSpec, folder: Path, processor_s: float = PROCESSOR
     """Build the rings of some pucks with all their files into a folder; an error leaves nothing there."""
     from dummydesign.mold.puck.plan import puck_plan, spec_cost, warnings_of
 
-    target = output_folder(folder)
-    with tempfile.TemporaryDirectory(prefix=".puck-", dir=target, ignore_cleanup_errors=True) as work:
-        plan, cost = puck_plan(spec), spec_cost(spec)
-        known = {"files": {}, "masses_g": dict(plan.mix.components), "pour": plan.to_dict(), "spec_hash": spec.hash,
-                 "printing_h": cost.printing_h, "filament_g": cost.filament_g,
-                 "warnings": warnings_of(spec, plan)}  # fmt: skip
-        asked = {"puck": spec.to_dict(), "papers": papers(), "folder": work, "processor_s": processor_s}
-        answer = _made(asked, f"{spec.title}, specification {spec.hash}", known)
-        files = answer["files"]
-        del answer["memory_MB"]
-        result = PuckResult(**{**answer, "files": {role: str(target / name) for role, name in files.items()}})
-        _refuse_failed(result)
-        _move(Path(work), target, files)
-    return result
+    plan, cost = puck_plan(spec), spec_cost(spec)
+    known = {"files": {}, "masses_g": dict(plan.mix.components), "pour": plan.to_dict(), "spec_hash": spec.hash,
+             "printing_h": cost.printing_h, "filament_g": cost.filament_g,
+             "warnings": warnings_of(spec, plan)}  # fmt: skip
+    asked = {"puck": spec.to_dict(), "processor_s": processor_s}
+
+    def result(answer: dict[str, Any]) -> PuckResult:
+        return PuckResult(**{name: value for name, value in answer.items() if name != "memory_MB"})
+
+    return _build(folder, ".puck-", asked, f"{spec.title}, specification {spec.hash}", known, result)
 
 
 def _move(work: Path, target: Path, files: dict[str, str]) -> None:

@@ -22,7 +22,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from benchmarks.accuracy.puck_batches import HEIGHT_MM, SPEEDS_MM_S, Batch, pressed
+from benchmarks.accuracy.puck_batches import HEIGHT_MM, Batch, neo_hookean_curves, written
 from benchmarks.castings_blind import Cast, classes_of, drawn, needs
 from benchmarks.rows import keep_row, read_rows, scratch
 from dummydesign.design.problem import read_problem
@@ -88,8 +88,6 @@ def weighed(ratio: float, total_g: float, rng: np.random.Generator) -> float:
 
 def puck_curve(plates: str, rng: np.random.Generator):
     """Force of a neo-Hookean puck of 1 kPa over compression, with a friction of its own between lubricated plates."""
-    from benchmarks.accuracy.puck_batches import neo_hookean_curves
-
     pool = neo_hookean_curves(plates)
     return pool[rng.integers(len(pool))]
 
@@ -101,12 +99,7 @@ def puck_files(batch: Drawn, resin: Resin, ratio: float, plates: str, folder: Pa
     gauge = float(0.1 * rng.standard_normal()), float(0.05 * rng.standard_normal())
     one = Batch(ratio, float(batch.young_kPa(mixed)), arms, puck_curve(plates, rng), float(rng.uniform(-0.1, 0.3)),
                 float(rng.uniform(0.01, 0.05)), gauge)  # fmt: skip
-    files = []
-    for speed in SPEEDS_MM_S:
-        files.append(folder / f"v{speed:g}.csv")
-        np.savetxt(files[-1], np.column_stack(pressed(one, speed, rng)), fmt="%.6g", delimiter=",",
-                   header="time_s,displacement_mm,force_N", comments="")  # fmt: skip
-    return files, (DIAMETER_MM + gauge[0], HEIGHT_MM + gauge[1])
+    return written(one, folder, rng), (DIAMETER_MM + gauge[0], HEIGHT_MM + gauge[1])
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,7 @@
 from __future__ import annotations
 
 import datetime
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -90,7 +90,6 @@ class _Style:
     units: str
     quoted: bool = False
     preamble: tuple[str, ...] = ()
-    forms: dict[str, str] = field(default_factory=dict)
 
 
 def write_file(
@@ -163,7 +162,7 @@ def _columns(path: Path, rng: np.random.Generator, style: _Style, press: list[ND
     columns, error_s, lines = _time_columns(rng, form, style, names[0], units["time"], time)
     truth["time_error_s"] = error_s
     length = _Column(names[1], units["length"], _numbers(style, x, *LENGTHS[units["length"]]), "displacement")
-    shown = {"force": units["force"], **({"force": "N"} if slip == "force" else {})}["force"]
+    shown = "N" if slip == "force" else units["force"]
     written = "mN" if slip == "force" else units["force"]
     load = _Column(names[2], shown, _numbers(style, force, *FORCES[written]), "force")
     if slip == "time":

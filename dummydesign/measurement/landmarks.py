@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from dummydesign.core.errors import InputError, errors_within
 from dummydesign.core.interpolation import true_runs
-from dummydesign.measurement.motion import Ramp
+from dummydesign.measurement.motion import LATE, Ramp
 from dummydesign.measurement.plateau import SLOWED, find_plateau, path_noise, slowing
 
 if TYPE_CHECKING:
@@ -122,8 +122,6 @@ def approach_velocity(time: NDArray, x: NDArray, ramp: Ramp) -> float:
     return float(stretch / needed.min())
 
 
-LATE = 0.05
-"""Share of the hold, at its end, whose mean force is the steady force."""
 STEADY_PERIODS = 2.0
 """Periods of a ringing that is not over from which the steady force is read."""
 

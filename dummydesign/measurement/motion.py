@@ -14,6 +14,8 @@ DECELERATION_MM_S2 = 30_000.0
 """Default braking of the robot, 30 m/s2: 250 mm/s are stopped in 8.3 ms and 1.04 mm."""
 HOLD_S = 10.0
 """Default hold after the stop, that of the published presses. [s]"""
+LATE = 0.05
+"""Share of the hold, at its end, whose mean force is the steady force."""
 
 
 @dataclass(frozen=True)

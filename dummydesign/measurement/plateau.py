@@ -83,10 +83,9 @@ def find_plateau(time: NDArray, x: NDArray, start: int, noise: float) -> Plateau
     level = _level(time[half : last + 1], x[half : last + 1], noise, top)
     inside = slice(first, last + 1)
     close = np.abs(x[inside] - level) <= max(NEAR_MM, NEAR_SHARE * top)
-    depth = _median(time[inside], x[inside], close)
     swing = float(np.max(np.abs(x[half : last + 1] - level)))
     rings = swing > max(NEAR_MM, NEAR_SHARE * top)
-    depth = level if rings or not close.any() else depth
+    depth = level if rings or not close.any() else _median(time[inside], x[inside], close)
     end = _end(time, x, depth, (first, last), swing if rings else 0.0, back if released else None)
     return _with_ringing(time, x, depth, (first, last), end, noise)
 
@@ -149,8 +148,6 @@ def _stands(
 
 def _median(time: NDArray, x: NDArray, use: NDArray | None = None) -> float:
     """Median over time; over the samples where they are even. [mm]"""
-    if use is not None and not use.any():
-        return float(np.median(x))
     kept = x if use is None else x[use]
     gaps = np.diff(time)
     if len(time) < 3 or float(gaps.max()) < 2.0 * float(gaps.mean()):

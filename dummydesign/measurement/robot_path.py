@@ -7,10 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from dummydesign.measurement.motion import Motion
+from dummydesign.measurement.motion import LATE, Motion
 
-LATE = 0.05
-"""Share of the hold, at its end, whose mean force is the steady force."""
 RISE, COARSE = 128, 32
 """Even steps from contact to the stop, for curves and to find depths."""
 

@@ -266,7 +266,8 @@ def stuck_factor(poisson: float) -> float:
 
 def solvable_depths(pad: Pad | Puck, depth_mm: Array, in_space: bool = False) -> Array:
     """Depths of a grid that can be solved, and one shallow enough to join the law of first touch to. [mm]"""
-    touch, least = touch_of(pad), least_depth_mm(pad, in_space)
+    touch = touch_of(pad)
+    least = _least_depth_mm(pad, touch, in_space)
     if touch is not None and not touch.face_mm:
         shallow = max(least, touch.depth_of(EVEN_CONTACT * pad.thickness_mm))
         if shallow < depth_mm[0]:
@@ -276,13 +277,16 @@ def solvable_depths(pad: Pad | Puck, depth_mm: Array, in_space: bool = False) ->
 
 def least_depth_mm(pad: Pad | Puck, in_space: bool = False) -> float:
     """Smallest depth that is solved. [mm]"""
+    return _least_depth_mm(pad, touch_of(pad), in_space)
+
+
+def _least_depth_mm(pad: Pad | Puck, touch: HalfSpaceTouch | None, in_space: bool) -> float:
     h = pad.thickness_mm
     least = (LEAST_SHARE_IN_SPACE if in_space else LEAST_SHARE) * h
     if isinstance(pad, Puck):
         return least
     if Interface.names_friction(pad.base):
         least = max(least, LEAST_SHARE_RESTING * h)
-    touch = touch_of(pad)
     if touch is not None and not touch.face_mm:
         return max(least, touch.depth_of(FIRST_CONTACT["profile" if pad.geometry == SLAB else "tip"] * h))
     plain = pad.geometry == SLAB and pad.profile_mm is None

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from dummydesign.core.errors import InputError
 from dummydesign.measurement.importing.signs import noise_of
 from dummydesign.measurement.landmarks import approach_velocity, ramp_of
-from dummydesign.measurement.motion import Ramp, work_to_deepest_mJ
+from dummydesign.measurement.motion import LATE, Ramp, work_to_deepest_mJ
 from dummydesign.measurement.sensor import Lowpass
 from dummydesign.measurement.trace import Trace
 from dummydesign.person.ringing import Arm, growing_nodes, real_bends, smoothed_ringing, still_rings
@@ -31,8 +31,6 @@ SHORTEST_HOLD_S = 0.3
 CONTACT_WINDOW, LEAST_NEAR, SPEED_SHARE = 0.3, 5, 0.002
 """Share of the rise on both sides of contact whose samples give the speed there, how many there are at least on a
 side, and the relative error of their curve."""
-LATE = 0.05
-"""Share of the hold, at its end, whose mean force is the steady force."""
 RINGS = 5
 """Intervals after the stop in which samples show more than the nodes: an arm that rings on."""
 LATE_CONTACT = 0.6

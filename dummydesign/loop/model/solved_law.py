@@ -91,7 +91,7 @@ class SolvedCurve:
         """Radius of what is pressed on, of equal area. [mm]"""
         return self.pad.radius_mm
 
-    @property
+    @cached_property
     def power(self) -> float:
         """d ln F / d ln d at first touch, to the nearest half: 1 of a flat face, 1.5 of a tip, 2 of a cone."""
         touch = touch_of(self.pad)

@@ -16,7 +16,7 @@ _ARRIVAL = re.compile(rf"\s*(?:\[{_CLOCK}\]\s*(?:[-=]?>|→|:)?|{_CLOCK}\s*(?:[-
 _LABELLED = re.compile(
     r"(?:^|(?<=[,;\s]))([^\W\d][\w.]*(?: ?[(\[][^\])]+[)\]])?)\s*[:=]\s*([-+]?[\d.]+(?:[eE][-+]?\d+)?)(?=[,;\s]|$)[,;]?"
 )
-_LABVIEW, _END = "LabVIEW Measurement", "***End_of_Header***"
+_LABVIEW = "LabVIEW Measurement"
 _HEAD = 60
 """Lines at the start among which a header is looked for."""
 

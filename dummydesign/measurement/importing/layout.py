@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import islice
 
 from dummydesign.core.errors import InputError
@@ -116,8 +116,9 @@ def find_layout(text: str, log: ImportLog) -> Layout:
     if after:
         log.decide("footer", f"{len(after)} lines", f"not rows of the table; the first: '{_short(after[0])}'")
     thousands = any(cell_text.has_thousands(cell, decimal) for cell in cells)
-    found = Layout(lines, first, last, skipped, separator, decimal, thousands, kinds, names, units)
-    return replace(found, rate_Hz=rates.pop() if len(rates) == 1 else None, sparse=sparse)
+    rate = rates.pop() if len(rates) == 1 else None
+    return Layout(lines, first, last, skipped, separator, decimal, thousands, kinds, names, units, rate_Hz=rate,
+                  sparse=sparse)  # fmt: skip
 
 
 def _gaps(column: Sequence[str]) -> float:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import io
 from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -52,22 +53,27 @@ def read_named_table(path: Path, what: str, columns: Sequence[str], optional: Se
     text = decode(data, ImportLog(path.name)).removeprefix("\ufeff") if data.strip() else ""
     best: tuple[int, int, str, list[str]] = (0, 0, ",", [])
     for separator in (",", ";", "\t", "|", " "):
-        for number, row in enumerate(_split(text, separator)):
-            known = sum(_key(cell, columns) is not None for cell in row[1])
-            if known > best[0]:
-                best = known, number, separator, row[1]
-            if number > _HEAD:
-                break
+        with suppress(csv.Error):  # of another separator
+            for number, row in enumerate(_split(text, separator)):
+                known = sum(_key(cell, columns) is not None for cell in row[1])
+                if known > best[0]:
+                    best = known, number, separator, row[1]
+                if number > _HEAD:
+                    break
     _, head, separator, header = best
     keys = [_key(cell, columns) or (cell, None) for cell in header]
     for column in columns:
         if column not in [key for key, _ in keys] and column not in optional:
-            shown = ", ".join(f"'{cell}'" for cell in header or next(_split(text, ","), (1, [""]))[1])[:200]
+            shown = ", ".join(f"'{cell}'" for cell in header or text.split("\n", 1)[0].split(","))[:200]
             message = (f"{path.name}:1: column '{column}' is missing (found {shown}); the header must be "
                        f"{','.join(columns)}, or name each quantity with its unit, such as 'Depth (cm)'")  # fmt: skip
             raise InputError(message, "missing", column)
+    try:
+        read = list(_split(text, separator))
+    except csv.Error as problem:
+        raise InputError(f"{path.name}: {problem}; is a quote open?", "malformed", what, str(path)) from None
     rows = [(line, {key: cell for (key, _), cell in zip(keys, [*cells, *[""] * len(keys)])})
-            for line, cells in list(_split(text, separator))[head + 1 :] if any(cells)]  # fmt: skip
+            for line, cells in read[head + 1 :] if any(cells)]  # fmt: skip
     numeric = {key: factor or _factor(key) for key, factor in keys if factor or _factor(key)}
     found = [parts[0] if (parts := measure(row[key])) else row[key] for _, row in rows for key in numeric]
     seen = decimal_evidence(cell for cell in found if is_number(cell))
@@ -79,13 +85,10 @@ def read_named_table(path: Path, what: str, columns: Sequence[str], optional: Se
 
 
 def _split(text: str, separator: str) -> Iterator[tuple[int, list[str]]]:
-    """Lines and stripped cells."""
+    """Lines and stripped cells; raises :class:`csv.Error` where a quote is never closed."""
     reader = csv.reader(io.StringIO(text, newline=""), delimiter=separator, skipinitialspace=True)
-    try:
-        for row in reader:
-            yield reader.line_num, [cell.strip() for cell in row]
-    except csv.Error:
-        return
+    for row in reader:
+        yield reader.line_num, [cell.strip() for cell in row]
 
 
 def _factor(key: str) -> float:

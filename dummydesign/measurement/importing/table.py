@@ -38,6 +38,7 @@ from dummydesign.measurement.importing.times import (
     fill,
     find_bases,
     rows_in_order,
+    seconds_per_count,
     time_by_rate,
     timelike,
 )
@@ -161,8 +162,7 @@ def _check_time(column: Column, seconds: NDArray, columns: Sequence[Column], val
         if other is column or other.index not in values or not timelike(other):
             continue
         rising = bool(np.all(np.diff(values[other.index]) >= 0))
-        factor = 1.0 if other.kind == "stamp" else other.unit.factor if other.unit else 0.0
-        span = float(np.ptp(values[other.index])) * factor
+        span = float(np.ptp(values[other.index])) * seconds_per_count(other)
         if rising and span > 0 and abs(span - length) > max(AGREES * span, 1.0):
             raise log.question(f"the recording lasts {length:.4g} s by '{column.label}' and {span:.4g} s by "
                                f"'{other.label}'", f"--columns time={other.label} or --units time={text} where the "

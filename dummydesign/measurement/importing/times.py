@@ -27,6 +27,11 @@ def timelike(column: Column) -> bool:
     return column.numeric and (column.kind == "stamp" or unit or column.roles == {"time"})
 
 
+def seconds_per_count(column: Column) -> float:
+    """Seconds in one of a column's unit; a clock is read in seconds, 0 where no unit is known."""
+    return 1.0 if column.kind == "stamp" else column.unit.factor if column.unit else 0.0
+
+
 @dataclass(frozen=True)
 class ComposedTime:
     """Whole seconds and their fraction in another column: both columns, and the time from the first second. [s]"""
@@ -39,7 +44,7 @@ def compose_time(columns: Sequence[Column], values: Values) -> ComposedTime | No
     """Find a column of whole seconds (a clock, minutes) beside one of a smaller unit that begins again with each."""
     parts = [one for one in columns if one.index in values and timelike(one)]
     for whole in parts:
-        factor = 1.0 if whole.kind == "stamp" else whole.unit.factor if whole.unit else 0.0
+        factor = seconds_per_count(whole)
         seconds = values[whole.index] * factor
         if factor < 1.0 or np.any(seconds != np.rint(seconds / factor) * factor):
             continue
@@ -76,7 +81,7 @@ def time_by_rate(
 def check_rate(rate: float, times: Sequence[Column], values: Values, log: ImportLog) -> None:
     """Refuse a rate of the user's that the file's own time contradicts."""
     for column in times:
-        factor = 1.0 if column.kind == "stamp" else column.unit.factor if column.unit else 0.0
+        factor = seconds_per_count(column)
         length, count = float(np.ptp(values[column.index])) * factor, len(values[column.index]) - 1
         if length > 0 and np.all(np.diff(values[column.index]) >= 0) and abs(length - count / rate) > AGREES * length:
             message = f"--rate {rate:g}, but '{column.label}' says {count / length:.4g} Hz; leave --rate out"

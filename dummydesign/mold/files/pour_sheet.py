@@ -22,7 +22,7 @@ from dummydesign.mold.pour.acceptance import acceptance_rows, gauge_points, meas
 from dummydesign.mold.pour.bill_of_materials import bill_of_materials, materials
 from dummydesign.mold.pour.plan import CUP_FACTOR, WITNESS_MM, Batch, Mix, PourPlan, batch_of, pours_of
 from dummydesign.mold.pour.printing import demould_steps, mould_steps, print_words, tip_words
-from dummydesign.mold.pour.steps import BLANK, demould_first, plug_finish, pour_steps, shape_mark
+from dummydesign.mold.pour.steps import BLANK, cup_words, demould_first, plug_finish, pour_steps, shape_mark
 from dummydesign.resin.model.ratio_meaning import ratio_words
 
 PADS_A_TABLE = 4
@@ -53,7 +53,7 @@ def pour_sheet(
     typed = ",".join(f"{point.name}=MM" for point in gauge_points(spec))
     record = f"dummydesign mold record DIR --thickness {typed} --mass G [--modulus KPA --level DEG --bubbles N]"
     safety = "Gloves, goggles, extraction or a hood; read the safety data sheets of all products first."
-    if spec.has_isocyanate:
+    if spec.pour.has_isocyanate:
         safety = ("isocyanates harm the airways and can cause a lasting allergy; never heat open isocyanate; "
                   f"keep moisture out. {safety}")  # fmt: skip
     return [
@@ -144,10 +144,7 @@ def _weighing(spec: MouldSpec, pour: Pour, plan: PourPlan) -> list[Block]:
     batch = batch_of(spec, pour, plan)
     mixes = [batch.mix] if batch.holds_witness else [batch.mix, batch.with_witness]
     rows = weight_rows(mixes, digits)
-    litres = CUP_FACTOR * mixes[-1].total_g / pour.density_g_per_cm3 * 1e-3
-    cup = f"Cup of at least {litres:.2f} litres: the mix foams to four times its volume under vacuum."
-    if not pour.is_degassed:
-        cup = f"Cup of at least {litres / 2:.2f} litres."
+    cup = cup_words(pour, CUP_FACTOR * mixes[-1].total_g / pour.density_g_per_cm3 * 1e-3)
     diameter, height = WITNESS_MM
     witness = (f"Witness: a puck of {diameter:g} mm diameter and {height:g} mm height from the same cup "
                f"({batch.witness_g:.1f} g). Its printed ring and how to press it: dummydesign mold --puck "

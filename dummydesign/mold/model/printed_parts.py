@@ -11,6 +11,8 @@ from dummydesign.mold.model.spec import MouldSpec
 EAR_RADIUS_MM = 8.0
 """Radius of the tray's ears; their middles stand 4 mm outside its rim."""
 EAR_OUT_MM = EAR_RADIUS_MM - 4.0
+EAR_MM2 = 162.0
+"""What an ear adds to the tray in plan."""
 COLLAR_GAP_MM, COLLAR_LIP_MM = 0.3, 4.0
 """Room around silicone that a printed ring is put over, and how deep it reaches over it. [mm]"""
 CARRIER_BORDER_MM = 15.0

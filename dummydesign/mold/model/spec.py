@@ -322,6 +322,11 @@ class Pour:
         return replace(self, ratio_component="", assumed=(), chemistry="")
 
     @property
+    def has_isocyanate(self) -> bool:
+        """Whether a component of the resin is an isocyanate."""
+        return any("isocyanate" in name.lower() for name, _ in self.components)
+
+    @property
     def is_degassed(self) -> bool:
         """Whether a vacuum takes the air out of the resin."""
         return self.degas != "none"
@@ -398,11 +403,6 @@ class MouldSpec:
         """Lid, gutter and funnels of a lidded mould."""
         assert self.closure is not None
         return self.closure
-
-    @property
-    def has_isocyanate(self) -> bool:
-        """Whether a component of the resin is an isocyanate."""
-        return any("isocyanate" in name.lower() for name, _ in self.pour.components)
 
     def to_dict(self) -> dict[str, Any]:
         """Return nested plain dictionaries, tuples as lists; what the mould does not have is left out."""

@@ -13,13 +13,12 @@ from dummydesign.mold.model.layout import (
     layout,
     parting_mm,
 )
+from dummydesign.mold.model.printed_parts import EAR_MM2, tray_outline
 from dummydesign.mold.model.spec import MouldSpec
 from dummydesign.mold.pour.bill_of_materials import FILLED_SHARE, GRAM_PER_HOUR
 from dummydesign.mold.pour.plan import CARRIER_VENT_MM, CARRIER_VENTS, batch_of, pour_plan, pours_of
 
 BOLTS, SCREWS = 8, 3
-EAR_MM2 = 162.0
-"""What an ear of the tray (radius 8 mm, middle 4 mm outside) adds to it in plan."""
 PLAIN_DENSITY = 1.24
 """Of filament where a preset names no plastic. [g/cm3]"""
 
@@ -82,7 +81,7 @@ def printed_volumes_mm3(spec: MouldSpec) -> dict[str, float] | None:
         frame += (plan.flange.area_mm2 - walls - bolts) * min(box.flange_thickness_mm, high + box.rim_mm)
         pocket = plan.bottom.grown(aids.tray_clearance_mm)
         ears = SCREWS * (EAR_MM2 - math.pi / 4 * aids.level_screw_hole_mm**2)
-        floor = pocket.grown(aids.tray_rim_mm).area_mm2
+        floor = tray_outline(spec, plan).area_mm2
         tray = (floor + ears) * aids.tray_floor_mm + (floor - pocket.area_mm2) * aids.tray_rim_height_mm
         volumes = {"master": (plan.flange.area_mm2 - bolts) * box.base_mm + grow**3 * cavities, "frame": frame,
                    "tray": tray}  # fmt: skip

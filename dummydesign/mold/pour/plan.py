@@ -277,9 +277,9 @@ def batch_of(spec: MouldSpec, pour: Pour, plan: PourPlan) -> Batch:
     least = math.ceil(min(plan.batch_for_ratio_g, math.floor(most) if pour.is_degassed else math.inf) - 1e-9)
     own = Mix(plan.components, plan.batch_mass_g, plan.ratio_error_percent, plan.weighed_ratio,
               volumes_ml(pour, plan.components))  # fmt: skip
-    mix = own if plan.batch_mass_g >= least else _mix(least, pour, machines.balance_resolution_g, most)
+    mix = own if plan.batch_mass_g >= least else mix_of(least, pour, machines.balance_resolution_g, most)
     wanted = plan.batch_mass_g + (1 + pour.extra_percent / 100) * witness_mass_g(pour)
-    both = mix if wanted <= mix.total_g else _mix(wanted, pour, machines.balance_resolution_g)
+    both = mix if wanted <= mix.total_g else mix_of(wanted, pour, machines.balance_resolution_g)
     poured = spec.count * plan.fill_mass_g
     return Batch(mix, round(poured, 2), mix is not own, round(witness_mass_g(pour), 2), both)
 
@@ -296,7 +296,8 @@ def batches_of(spec: MouldSpec, plan: PourPlan) -> dict[str, Any]:
     return {**first, "base": base[0]} if base else first
 
 
-def _mix(total_g: float, pour: Pour, resolution_g: float, most_g: float = math.inf) -> Mix:
+def mix_of(total_g: float, pour: Pour, resolution_g: float, most_g: float = math.inf) -> Mix:
+    """What is weighed for so much of a resin, in steps of the balance."""
     components, error = split_batch(total_g, pour.components, resolution_g, most_g)
     return Mix(components, round(sum(mass for _, mass in components), 6), error, weighed_ratio(pour, components),
                volumes_ml(pour, components))  # fmt: skip

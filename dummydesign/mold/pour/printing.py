@@ -140,7 +140,7 @@ def release_words(spec: MouldSpec) -> str:
     assert spec.surface is not None
     chemistry = spec.pour.chemistry
     bonds = f"{chemistry or spec.pour.resin} may bond to plastic"
-    if chemistry == "polyurethane" or spec.has_isocyanate:
+    if chemistry == "polyurethane" or spec.pour.has_isocyanate:
         bonds = "polyurethane bonds to plastic"
     elif "silicone" in chemistry:
         bonds = "some prints inhibit the cure of silicone, which does not bond to plastic but grips its valleys"

@@ -166,7 +166,7 @@ def _site(spec: MouldSpec) -> str:
 
 
 def _drying(spec: MouldSpec) -> list[Step]:
-    if not spec.has_isocyanate:
+    if not spec.pour.has_isocyanate:
         return []
     at = f"at {spec.pour.cure_temperature_C:g} C" if spec.pour.cures_warm or spec.is_printed else "at 60 C"
     wet = "plastic" if spec.is_printed else "silicone"
@@ -207,6 +207,13 @@ def assumed_words(pour: Pour) -> str:
                        if key in pour.assumed)  # fmt: skip
     return listed and (f"assumed, as the file of resin {pour.resin} does not state them: {listed}. Write those of the "
                        "data sheet into [property] of the file")  # fmt: skip
+
+
+def cup_words(pour: Pour, litres: float) -> str:
+    """The cup to mix in; ``litres`` is what foam under a vacuum needs."""
+    if not pour.is_degassed:
+        return f"Cup of at least {litres / 2:.2f} litres."
+    return f"Cup of at least {litres:.2f} litres: the mix foams to four times its volume under vacuum."
 
 
 def degas_words(pour: Pour) -> str:
@@ -282,7 +289,7 @@ def _cure(spec: MouldSpec, plan: PourPlan) -> Step:
     how = f"Cure {hours} {pour.cure_place}"
     if pour.cures_warm:
         vapour = "warm resin and release agent give off vapour"
-        if spec.has_isocyanate:
+        if spec.pour.has_isocyanate:
             vapour = "warm isocyanate gives off vapour that harms the airways"
         how = (f"Close the {VENTED_OVEN} and cure {hours} at {pour.cure_temperature_C:g} C ({vapour}: "
                "lead the oven's air outdoors or into extraction)")  # fmt: skip

@@ -64,7 +64,7 @@ def _against_silicone(spec: MouldSpec) -> dict[str, str]:
     """What the pad's resin and the mould's silicone do to each other."""
     pour, mould = spec.pour, spec.tool.name
     notes = {}
-    if pour.chemistry in ("", "other") and not spec.has_isocyanate:
+    if pour.chemistry in ("", "other") and not spec.pour.has_isocyanate:
         notes["bonding"] = (f"if {pour.resin} is a silicone it bonds to a silicone mould: use a release agent "
                             "and try it on a scrap first")  # fmt: skip
     if "silicone" in pour.chemistry:

@@ -8,14 +8,7 @@ from typing import Any
 
 from dummydesign.mold.model import formulas as formula
 from dummydesign.mold.pour.bill_of_materials import GRAM_PER_HOUR
-from dummydesign.mold.pour.plan import (
-    CUP_FACTOR,
-    RATIO_ERROR_LIMIT_PERCENT,
-    Mix,
-    split_batch,
-    volumes_ml,
-    weighed_ratio,
-)
+from dummydesign.mold.pour.plan import CUP_FACTOR, RATIO_ERROR_LIMIT_PERCENT, Mix, mix_of
 from dummydesign.mold.pour.steps import assumed_words
 from dummydesign.mold.puck.ring import PRINTED, PuckSpec, Ring, cavity_mm3, puck_spec, ring_mass_g
 
@@ -52,12 +45,10 @@ def puck_plan(spec: PuckSpec) -> PuckPlan:
     least = math.ceil(resolution / (RATIO_ERROR_LIMIT_PERCENT / 100 * smallest) - 1e-9)
     if pour.is_degassed:
         least = min(least, math.floor(math.pi / 4 * cup_mm**3 / CUP_FACTOR * density))
-    components, error = split_batch(max(wanted, least), pour.components, resolution)
-    total = round(sum(mass for _, mass in components), 6)
+    mix = mix_of(max(wanted, least), pour, resolution)
     return PuckPlan(
-        Mix(components, total, error, weighed_ratio(pour, components), volumes_ml(pour, components)),
-        over, tuple(density * ring.volume_mm3 for ring in spec.rings), wanted, wanted < least,
-        CUP_FACTOR * total / density,
+        mix, over, tuple(density * ring.volume_mm3 for ring in spec.rings), wanted, wanted < least,
+        CUP_FACTOR * mix.total_g / density,
         min(formula.level_tolerance_deg(ring.height_mm, ring.diameter_mm) for ring in spec.rings),
     )  # fmt: skip
 

@@ -42,8 +42,6 @@ TURNED = "turned"
 EXACT_REL = 1e-9
 OVERLAP_MM3 = 1e-6
 GAP_MM = 30.0
-POUR_MIN = 8.0
-"""Time to degas, pour and strike off, as in the presets. [min]"""
 
 
 def half_solid(spec: PuckSpec, ring: Ring) -> Any:
@@ -189,7 +187,7 @@ def _check_process(spec: PuckSpec, plan: PuckPlan) -> list[Check]:
               "%, what one balance step allows"),
         above("plastic_bears_oven", spec.plastic.service_temperature_C - pour.cure_temperature_C, 0.0,
               f"K to spare for {spec.plastic.name} in the oven"),
-        above("pot_life", pour.pot_life_min, POUR_MIN, "min against degassing, pouring, striking off"),
+        above("pot_life", pour.pot_life_min, pour.pour_and_degas_min, "min against degassing, pouring, striking off"),
     ]  # fmt: skip
 
 

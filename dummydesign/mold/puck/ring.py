@@ -20,10 +20,11 @@ from typing import Any
 from dummydesign.core.errors import InputError, out_of_range
 from dummydesign.core.parsing import read_size
 from dummydesign.core.serialise import rebuild, to_plain
-from dummydesign.mold.model.layout import cavity_scale
+from dummydesign.mold.model.layout import Outline, cavity_scale
 from dummydesign.mold.model.preset import mould_spec
 from dummydesign.mold.model.products import Machines, Plastic
 from dummydesign.mold.model.spec import Acceptance, Pour, without_usual
+from dummydesign.mold.model.validate import spare_mm
 
 WALL_MM, LUG_LONG_MM, LUG_THICK_MM, RIDGE_MM = 2.4, 8.0, 4.0, 1.0
 """Wall (six lines of a 0.4 mm nozzle), length and thickness of a lug, height of the ridge on it."""
@@ -161,10 +162,9 @@ def check_bed(spec: PuckSpec) -> None:
 def bed_spare_mm(spec: PuckSpec, ring: Ring) -> float:
     """Room that a half leaves on the printer, in the direction with the least. [mm]"""
     long, wide = half_size_mm(spec, ring)
-    room = sorted(spec.machines.bed_mm)
-    high = spec.machines.printer_height_mm - spec.scale * ring.height_mm
-    grow = spec.machines.print_scale
-    return min(room[0] - grow * wide, room[1] - grow * long, high)
+    grow, machines = spec.machines.print_scale, spec.machines
+    high = machines.printer_height_mm - grow * spec.scale * ring.height_mm
+    return min(spare_mm(Outline(grow * long, grow * wide, 0.0), machines.bed_mm), high)
 
 
 def half_size_mm(spec: PuckSpec, ring: Ring) -> tuple[float, float]:

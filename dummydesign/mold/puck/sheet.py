@@ -15,7 +15,7 @@ from dummydesign.mold.pour.bill_of_materials import (
     sold,
 )
 from dummydesign.mold.pour.plan import CUP_FACTOR
-from dummydesign.mold.pour.steps import BLANK, degas_words
+from dummydesign.mold.pour.steps import BLANK, cup_words, degas_words
 from dummydesign.mold.puck.plan import PuckPlan, spec_cost
 from dummydesign.mold.puck.protocol import command, press_rows, protocol_steps, trace_names
 from dummydesign.mold.puck.ring import PuckSpec, Ring, ring_mass_g
@@ -27,7 +27,7 @@ ROUND_MM, PARALLEL_SHARE, SIZE_SHARE = 0.5, 0.01, 0.02
 def puck_sheet(spec: PuckSpec, plan: PuckPlan) -> list[Block]:
     """Put together the sheet of some pucks, in the order of the work."""
     safety = "Gloves, goggles, extraction or a hood; read the safety data sheets of all products first."
-    if any("isocyanate" in name.lower() for name, _ in spec.pour.components):
+    if spec.pour.has_isocyanate:
         safety = f"isocyanates harm the airways and can cause a lasting allergy. {safety}"
     blocks = [
         Block("head", f"Pour sheet: {spec.title}"),
@@ -77,13 +77,12 @@ def _weighing(spec: PuckSpec, plan: PuckPlan) -> list[Block]:
     if plan.raised:
         why = (f"With the loss in the cup and the spare {plan.wanted_g:.0f} g would do; less than this mix the balance "
                f"does not weigh in the right ratio. {why} A finer balance saves resin.")  # fmt: skip
-    litres = plan.cup_mm3 * 1e-6
     return [
         Block("text", f"{pour.resin}, ratio {pour.ratio:.6g} ({ratio_text(pour)}); balance step {resolution:g} g."),
         Block("table", rows=tuple(weight_rows([plan.mix], digits))),
         *volume_blocks(pour),
-        Block("text", f"Mix {plan.mix.total_g:.{digits}f} g. Pour {each}. {why} Cup of at least {litres:.2f} litres: "
-              "the mix foams to four times its volume under vacuum."),
+        Block("text", f"Mix {plan.mix.total_g:.{digits}f} g. Pour {each}. {why} "
+              f"{cup_words(pour, plan.cup_mm3 * 1e-6)}"),
     ]  # fmt: skip
 
 

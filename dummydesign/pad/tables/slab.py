@@ -171,10 +171,6 @@ class ResponseTable(ForceAndStiffness):
         """Largest valid depth. [mm]"""
         return self.depth_limit(self._ratio(thickness_mm, radius_mm)) * np.asarray(thickness_mm, dtype=float)
 
-    def gel_mm(self, thickness_mm: ArrayLike) -> Array:
-        """The slab's whole thickness; see :class:`dummydesign.pad.force_law.ForceLaw`. [mm]"""
-        return np.asarray(thickness_mm, float)
-
     def relative_error(self, depth_mm: ArrayLike, thickness_mm: ArrayLike, radius_mm: ArrayLike) -> Array:
         """Error of the force over the force: elements plus interpolation, or what independent solutions differ by; see
         :class:`dummydesign.pad.force_law.ForceLaw`.

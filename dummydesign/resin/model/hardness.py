@@ -171,8 +171,9 @@ class HardnessLaw:
         by_hardness : bool
             Whether the modulus follows from a stated hardness.
         """
-        scale = SHORE_00 if self._reading(young_kPa.value, SHORE_00) <= CHANGE_00 else SHORE_A
-        value = self._reading(young_kPa.value, scale)
+        scale, value = SHORE_00, self._reading(young_kPa.value, SHORE_00)
+        if value > CHANGE_00:
+            scale, value = SHORE_A, self._reading(young_kPa.value, SHORE_A)
         scatter = self.log_scatter(value, scale)
         below, above = (math.log(end / young_kPa.value) for end in (young_kPa.low, young_kPa.high))
         own = -(scatter**2) if by_hardness else scatter**2

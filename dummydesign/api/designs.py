@@ -14,6 +14,7 @@ from dummydesign.api.answers import Answer, Result, Rows, answer_folder, questio
 from dummydesign.core.errors import InputError, NoAnswerError, out_of_range
 from dummydesign.core.files import FilePath
 from dummydesign.core.parsing import MASS, ROBOT_VELOCITY, read_number
+from dummydesign.core.serialise import with_texts
 from dummydesign.design.options import read_options
 
 if TYPE_CHECKING:
@@ -206,7 +207,7 @@ def _answer(
             "text": result["verdict"]["text"], **({"mould": True} if mould else {}),
         }  # fmt: skip
     if missing is not None:
-        raise NoAnswerError(missing.code, output.settled(str(missing)), result, missing.quantity)
+        raise NoAnswerError(missing.code, output.settled(str(missing)), with_texts(result), missing.quantity)
     return Answer(suggestion, result)
 
 

@@ -303,12 +303,14 @@ def predict(
     return Result(prediction, result | ({"files": files} if files else {}), "predict")
 
 
-AVERAGE, HOLD_S, DECELERATION_MM_S2 = "average", 10.0, 30_000.0
-"""Values of ``aim``, ``hold_s`` and ``deceleration_mm_s2`` when they are not given."""
+AVERAGE = "average"
+"""Value of ``aim`` when it is not given."""
 
 
 def _check_unused(inputs: dict[str, Any], asked: list[str], tissue: str | None) -> None:
     """Refuse an aim, a hold and a braking that nothing reads."""
+    from dummydesign.measurement.motion import DECELERATION_MM_S2, HOLD_S
+
     if tissue is not None:
         return
     if inputs["aim"] != AVERAGE:

@@ -189,9 +189,10 @@ def compare(
         missed = [] if pad is None else pad.warnings()
         values["warnings"] = [*test.warnings(site), *comparison.result["warnings"], *missed]
         values["curves"] = to_plain(curves_of_traces(comparison, site, passed))
-        values["budget"] = to_plain(budget_of_traces(comparison, site, *readings_of_traces(comparison, site)))
+        found = readings_of_traces(comparison, site)
+        values["budget"] = to_plain(budget_of_traces(comparison, site, *found))
         comparison = replace_fields(comparison, result=values)
-        judged = verdict_of_traces(comparison, site).to_dict()
+        judged = verdict_of_traces(comparison, site, found).to_dict()
         people = shares_of_traces(comparison, site, passed).to_dict()
         result = {"inputs": inputs, "verdict": judged, "people": people, **values, "sources": list(site.sources),
                   "files": {}}  # fmt: skip

@@ -101,15 +101,17 @@ RAW_BIAS = 1.5
 """Standard deviations by which the largest of the few samples about a peak is too large."""
 
 
-def verdict_of_traces(comparison: Comparison, tissue: Tissue) -> Verdict:
+def verdict_of_traces(
+    comparison: Comparison, tissue: Tissue, found: tuple[Ranges, Readings, Readings] | None = None
+) -> Verdict:
     """Judge a cast pad by its traces.
 
     Each press is compared with the subjects at its own steady force, speed, hold and braking; repeats are averaged.
     True pads that may be behind the measurement are drawn from the noise, the scatter of repeats and the zero of
     depth. A press of the test that was not made, or without a test a speed of the tissue at which the pad was not
-    pressed, leaves open whether it is inside.
+    pressed, leaves open whether it is inside. ``found`` is :func:`readings_of_traces`, where it is known.
     """
-    ranges, readings, spread = readings_of_traces(comparison, tissue)
+    ranges, readings, spread = found or readings_of_traces(comparison, tissue)
     reduced = [press.trace for press in comparison.presses]
     unsettled = missing_of(reduced, comparison.test, tissue.velocities_mm_s)
     if not len(ranges.steady_N):
@@ -216,8 +218,9 @@ def verdicts_of_campaign(campaign: Campaign, tissue: Tissue) -> tuple[PadVerdict
         judged, budget, reason = None, None, ""
         try:
             compared = compare_traces(traces, tissue, campaign.lowpass)
-            judged = verdict_of_traces(compared, tissue)
-            budget = budget_of_traces(compared, tissue, *readings_of_traces(compared, tissue))
+            found = readings_of_traces(compared, tissue)
+            judged = verdict_of_traces(compared, tissue, found)
+            budget = budget_of_traces(compared, tissue, *found)
         except DummydesignError as problem:
             reason = str(problem)
         verdicts.append(PadVerdict(shape, thickness, len(traces), judged, reason, budget))

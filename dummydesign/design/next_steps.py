@@ -9,8 +9,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from dummydesign.core.serialise import Serialised
+from dummydesign.design.assessment.value_of_information import batch_name
 from dummydesign.design.options import SuggestOptions, command_words
 from dummydesign.design.scoring.verdict import PEAK, deviations, ranges_of
+from dummydesign.mold.pour.plan import WITNESS_MM
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -23,7 +25,6 @@ TYPED_AGAIN = ("aim", "punch", "edge_radius_mm", "force_N", "velocity_mm_s", "ho
 """Options of the next search beside tissue, resin and mould, in the order in which they are typed."""
 SEARCHED_AGAIN = ("shape", "preset", "pad_mm", "thickness_mm", "ratio", "sites")
 """Those that a mould which is kept has decided already."""
-PUCK_MM = (50.0, 30.0)
 # A puck and its two presses on the machine, and a pad by the protocol. [h]
 PRESSING_H = 0.5
 
@@ -73,15 +74,15 @@ def _puck_first(answer: Suggestion, inputs: Mapping[str, Any]) -> list[Step]:
     from dummydesign.mold.puck.plan import ring_cost
     from dummydesign.mold.puck.protocol import SPEEDS_MM_S, command, trace_names
 
-    resin, ratio = answer.resin.name, answer.best.ratio
-    diameter, height = (f"{value:g}" for value in PUCK_MM)
+    ratio = answer.best.ratio
+    diameter, height = (f"{value:g}" for value in WITNESS_MM)
     size = f"{diameter}x{height}"
-    take = ring_cost(*PUCK_MM, resin=str(inputs["resin"]), ratio=ratio)
-    batch = "my-batch" if resin != "my-batch" else "my-batch-2"
+    take = ring_cost(*WITNESS_MM, resin=str(inputs["resin"]), ratio=ratio)
+    batch = batch_name(answer.resin.name)
     wait = _curing_h(answer)
     speeds = " and ".join(f"{speed:g}" for speed in SPEEDS_MM_S)
     named = f"--resin {shlex.quote(inputs['resin'])} --ratio {ratio:g}"
-    added = command(trace_names(size), diameter, height, ratio, shlex.quote(inputs["resin"])).replace("my-batch", batch)
+    added = command(trace_names(size), diameter, height, ratio, shlex.quote(inputs["resin"]), batch)
     return [
         Step(f"print the ring of a puck ({diameter} mm diameter, {height} mm high)",
              f"dummydesign mold --puck {size} {named}", take.printing_h, {"filament": take.filament_g}),
@@ -121,11 +122,11 @@ def paths_of(answer: Suggestion) -> list[Path]:
     """
     from dummydesign.mold.puck.plan import ring_cost
 
-    strict, shares, pad = ranges_of(answer.targets).strict, answer.shares, _mould(answer)
+    strict, shares, pad = answer.targets.strict, answer.shares, _mould(answer)
     poured, after = (
         one.stands_for + (0.0 if strict else one.usable) for one in (shares.as_poured, shares.after_puck)
     )
-    ring, wait = ring_cost(*PUCK_MM, resin=answer.request.resin, ratio=answer.best.ratio), _curing_h(answer)
+    ring, wait = ring_cost(*WITNESS_MM, resin=answer.request.resin, ratio=answer.best.ratio), _curing_h(answer)
     printing, kept = pad.printing_h, answer.request.mould is not None
     grams = {"silicone": 0.0 if kept else pad.silicone_g, "resin": pad.resin_g}
     if kept:

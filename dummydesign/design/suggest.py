@@ -31,7 +31,7 @@ from dummydesign.design.search.shape_search import (
     rank,
     search_shapes,
 )
-from dummydesign.design.search.slabs import DesignCandidate, SearchResult, search, with_parameters
+from dummydesign.design.search.slabs import ALTERNATIVES, DesignCandidate, SearchResult, search, with_parameters
 from dummydesign.design.suggestion import CentringTolerance, RecommendedDesign, Suggestion, Verification
 from dummydesign.design.test_setup import beyond_people, own_warnings, pad_of_request, refused_kinds
 from dummydesign.geometry.dimensions import PAD_EXTENT_MM
@@ -87,7 +87,6 @@ def solve(problem: Problem, outcome: SearchOutcome, progress: Progress = quiet) 
     progress("castings")
     castings = cast_pad(problem, chosen)
     result = _neighbours(problem, chosen, castings.candidate)
-    castings = replace(castings, candidate=result.best)
     done = SolvedDesign(chosen, designs, castings, result, not_verified("not requested"))
     if request.calibration is not None and chosen.shape.plain:
         return replace(done, verification=not_verified(CALIBRATED))
@@ -112,7 +111,7 @@ def cast_pad(problem: Problem, design: ShapedDesign) -> PadCastings:
     """Draw the castings of a design at the ratio to pour, as many as make its level certain."""
     space, castings, limits = problem.space, problem.space.castings, problem.space.targets.limits
     outlook = outlook_for(design.cast, design.shape, design.thickness_mm, design.match, space, castings.n)
-    candidate = candidate_of(design.cast, design.thickness_mm, outlook.ratio, space)
+    (candidate,) = with_parameters([candidate_of(design.cast, design.thickness_mm, outlook.ratio, space)], space)
     tolerances = space.tolerances(design.shape, design.thickness_mm, outlook.ratio)
     cast = PadCastings(castings, design.cast, candidate, space, tolerances, outlook)
     while MORE * cast.castings.n <= MOST_DRAWN and _near_a_limit(cast, limits.share):
@@ -140,10 +139,9 @@ def _neighbours(problem: Problem, chosen: ShapedDesign, best: DesignCandidate) -
         able = known & pads.castable(space.pad_mm, space.least_film_mm)
         around = near[able] if able.any() else np.array([chosen.thickness_mm])
     found = search(chosen.law, replace(space, thickness_mm=around))
-    fitted = with_parameters([best], space)[0]
     others = [one for one in (found.best, *found.alternatives)
               if abs(one.thickness_mm - best.thickness_mm) > 1e-9 or abs(one.ratio - best.ratio) > 1e-9]  # fmt: skip
-    return replace(found, best=fitted, alternatives=tuple(others[:4]))
+    return replace(found, best=best, alternatives=tuple(others[:ALTERNATIVES]))
 
 
 def _verify(chosen: ShapedDesign, best: DesignCandidate, problem: Problem) -> Verification:
@@ -301,7 +299,7 @@ def design(problem: Problem, progress: Progress = quiet) -> Suggestion:
 def other_mould(problem: Problem, chosen: ShapedDesign) -> dict[str, Any]:
     """What the best other mould would be worth beside the one that is kept, by the tables."""
     assert problem.wide is not None
-    limits, strict = problem.wide.targets.limits, ranges_of(problem.wide.targets).strict
+    limits, strict = problem.wide.targets.limits, problem.wide.targets.strict
     try:
         designs = search_shapes("auto", problem.slab_law, problem.wide, refused_kinds(problem.request, problem.punch))
     except NoAnswerError:

@@ -10,6 +10,7 @@ from typing import Any
 
 from dummydesign.design.options import base_words
 from dummydesign.report.sections.curves import curves_text
+from dummydesign.tissue.model.people_share import is_strict
 
 MOST_NOTES = 4
 NOTES = ("bottoms_out", "people_bound", "measured_curves", "tissue_punch", "force_not_in_band", "speed_not_in_band",
@@ -197,7 +198,7 @@ def _factors(what: str, values: list[float | None], reach: str | None) -> str:
 
 def castings_lines(result: dict[str, Any]) -> list[str]:
     """Castings that are usable as poured, with the resin known and after one puck, and the window of moduli."""
-    shares, strict = result["shares"], result["inputs"]["aim"].lower().startswith(("safe-side", "people:"))
+    shares, strict = result["shares"], is_strict(result["inputs"]["aim"])
     good = {name: share["stands_for"] + (0.0 if strict else share["usable"]) for name, share in shares.items()}
     after = shares["after_puck"]
     words = "on the safe side" if strict else "usable"

@@ -228,7 +228,6 @@ def _render_pucks(result: dict[str, Any], details: bool = False) -> str:
         head += [f"  {one['status']:<8}{one['id']}: {one['value']} (limit {one['limit']})"
                  for one in result.get("checks", [])]  # fmt: skip
         head += [f"  {name:<24}{volume / 1000:10.3f} cm3" for name, volume in result.get("volumes_mm3", {}).items()]
-    if details:
         rows = [*head, *_not_passed(result), *(f"  - {item['message']}" for item in result["warnings"])]
         return "\n".join(rows + [f"  {role:<24}{path}" for role, path in result["files"].items()])
     more = labelled("MORE", "--details: volumes, every check, every file")

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from dummydesign.core.serialise import Serialised, to_plain
 from dummydesign.design.request import PAPER
 from dummydesign.design.scoring.targets import Targets
-from dummydesign.design.scoring.verdict import LEVELS, ranges_of
+from dummydesign.design.scoring.verdict import LEVELS
 from dummydesign.design.search.shape_search import ShapedDesign, candidate_of
 from dummydesign.design.search.slabs import DesignCandidate, SearchSpace, with_parameters
 from dummydesign.geometry.pad_shape import PadShape
@@ -38,7 +38,7 @@ def explain(chosen: ShapedDesign, others: Sequence[ShapedDesign], space: SearchS
         return Choice("no other kind of shape was compared", None, None)
     other = rest[0]
     name = f"the {other.shape.name} pad ({other.thickness_mm:g} mm, ratio {other.outlook.ratio:g})"
-    limits, strict = space.targets.limits, ranges_of(space.targets).strict
+    limits, strict = space.targets.limits, space.targets.strict
     mine, its = (design.outlook.level(limits, strict) for design in (chosen, other))
     share, other_share = (100.0 * design.outlook.after_puck for design in (chosen, other))
     if mine < its:
@@ -130,7 +130,7 @@ def compare_kinds(
     designs: Sequence[ShapedDesign], missing: dict[str, str], space: SearchSpace
 ) -> list[ShapeComparison]:
     """Rows of the best design of each kind, and the reasons of kinds without one."""
-    limits, strict = space.targets.limits, ranges_of(space.targets).strict
+    limits, strict = space.targets.limits, space.targets.strict
     pads = [candidate_of(one.cast, one.thickness_mm, one.outlook.ratio, space) for one in designs]
     rows = []
     for design, best in zip(designs, with_parameters(pads, space)):

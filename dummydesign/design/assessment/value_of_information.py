@@ -20,6 +20,7 @@ from dummydesign.design.scoring.verdict import (
     ranges_of,
 )
 from dummydesign.design.scoring.windows import readings_along
+from dummydesign.mold.pour.plan import WITNESS_MM
 
 # Castings, the first of an answer's, that are judged for every tissue that is drawn.
 POURS = 120
@@ -39,8 +40,11 @@ HOW = {
     TISSUE: ("press the people themselves, or use published traces of them",
              "dummydesign tissues add NAME TRACE.csv..."),
 }  # fmt: skip
-# Diameter and height.
-PUCK_MM = (50.0, 30.0)
+
+
+def batch_name(resin: str) -> str:
+    """Name to give a batch that is measured of a resin: not the resin's own."""
+    return "my-batch" if resin != "my-batch" else "my-batch-2"
 
 
 @dataclass(frozen=True)
@@ -118,15 +122,14 @@ def _how(group: str, cast: PadCastings) -> tuple[str, str]:
     """How a group is measured, and what to type then."""
     resin, ratio = cast.space.resin.name, cast.candidate.ratio
     if group in RESIN:
-        diameter, height = PUCK_MM
-        batch = "my-batch" if resin != "my-batch" else "my-batch-2"
+        diameter, height = WITNESS_MM
         protocol = (
             f"cast a puck ({diameter:g} mm diameter, {height:g} mm high) at ratio {ratio:g}; press it: ramp, then 10 s "
             "hold; this measures modulus and relaxation with one puck in two minutes"
         )
         command = (
             f"dummydesign resins add-compression puck.csv --diameter {diameter:g} --height {height:g} "
-            f"--ratio {ratio:g} --name {batch} --resin {resin}"
+            f"--ratio {ratio:g} --name {batch_name(resin)} --resin {resin}"
         )
         return protocol, command
     return HOW[group]

@@ -17,6 +17,7 @@ from dummydesign.design.scoring.settings import VerdictLimits, Weights, verdict_
 from dummydesign.measurement.motion import work_mJ
 from dummydesign.tissue.model.laws import law_named
 from dummydesign.tissue.model.maxwell_law import SETTLED_S
+from dummydesign.tissue.model.people_share import is_share, is_strict
 from dummydesign.tissue.model.posterior import DRAWN, drawn_tissues
 
 if TYPE_CHECKING:
@@ -91,7 +92,7 @@ class Targets:
 
         One who is named is followed as he was measured: nothing is drawn. The bound of a share of people has it all.
         """
-        if self.aim.lower().startswith(("subject:", "people:")):
+        if self.aim.lower().startswith("subject:") or is_share(self.aim):
             return ()
         return self.of_tissues(drawn_tissues(self.tissue, DRAWN), self.aim)
 
@@ -117,6 +118,11 @@ class Targets:
         from dummydesign.design.scoring.people import bounds_of
 
         return bounds_of(self)
+
+    @property
+    def strict(self) -> bool:
+        """Whether a pad may read no lower than any subject, or than the bound of a share of people."""
+        return is_strict(self.aim)
 
     @property
     def settled(self) -> bool:

@@ -153,7 +153,7 @@ LIGHTS = dict(zip(LEVELS, ("green", "amber", "amber", "red")))
 QUANTITIES = {PEAK: "the peak", ENERGY: "the energy"}
 OUTCOMES = {OUT_OF_REACH: "too soft to reach a force", READS_LOW: "too low", OVER: "too high"}
 TIMES = 3.0  # a reading further above the subjects is stated in times, not in per cent
-SAFE_SIDE, QUANTILE = "safe-side", 0.95
+QUANTILE = 0.95
 
 
 @dataclass(frozen=True)
@@ -434,7 +434,7 @@ def _casting_words(
     shares: dict[str, float], level: str, limits: VerdictLimits, strict: bool, of: str, poured: bool
 ) -> str:
     """What becomes of the castings; the classes add up to 100 %."""
-    share = shares[STANDS_FOR] + (0.0 if strict else shares[USABLE])
+    share = good_share(shares, strict)
     good = round(100.0 * share)
     rest = whole_percents([shares[name] for name in OUTCOMES], good)
     lost = [f"{percent} % {words}" for words, percent in zip(OUTCOMES.values(), rest) if percent > 0]
@@ -481,8 +481,8 @@ def ranges_of(targets: Targets) -> Ranges:
     stiff, soft = targets.depth_range_mm(grid_N)
     bounds = targets.bounds
     high, most, stiff, highest = bounds or (high, most, stiff, "")
-    strict = targets.aim.lower() == SAFE_SIDE or bounds is not None
-    return Ranges(force, speed, low, high, least, most, grid_N, stiff, soft, subjects, targets.power, strict, highest)
+    return Ranges(force, speed, low, high, least, most, grid_N, stiff, soft, subjects, targets.power, targets.strict,
+                  highest)  # fmt: skip
 
 
 def readings_of(evaluation: Evaluation, index: int | None = None) -> Readings:

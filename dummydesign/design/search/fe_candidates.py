@@ -14,7 +14,6 @@ from dummydesign.core.errors import NoAnswerError
 from dummydesign.core.interpolation import monotone_cubic
 from dummydesign.design.request import Progress, quiet
 from dummydesign.design.scoring.presses import designed_depth_mm
-from dummydesign.design.scoring.verdict import ranges_of
 from dummydesign.design.search.shape_family import FamilyLaw
 from dummydesign.design.search.shape_search import MANY_BATCHES, ShapedDesign, candidate_of, feasible, outlook_for, rank
 from dummydesign.design.search.slabs import SearchSpace
@@ -173,7 +172,7 @@ def _solved(design: ShapedDesign, space: SearchSpace) -> ShapedDesign | None:
 
 def _better(other: ShapedDesign, solved: ShapedDesign, space: SearchSpace) -> bool:
     """Whether a design that only a table knows is better than a solved one by more than solving moves it."""
-    limits, strict = space.targets.limits, ranges_of(space.targets).strict
+    limits, strict = space.targets.limits, space.targets.strict
     its, own = (one.outlook.level(limits, strict) for one in (other, solved))
     return its < own or (its == own and other.outlook.after_puck > solved.outlook.after_puck + DOUBT)
 

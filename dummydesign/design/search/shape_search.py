@@ -20,7 +20,6 @@ from dummydesign.core.errors import InputError, NoAnswerError, unknown_name
 from dummydesign.core.quantity import HALF_WIDTH
 from dummydesign.design.scoring.outlook import LEAST, Match, Outlook, Scatter, outlook_of, smoothed
 from dummydesign.design.scoring.presses import DEPTH_SHARE, Curves, Slabs, make_curves
-from dummydesign.design.scoring.verdict import ranges_of
 from dummydesign.design.scoring.windows import Batches, unlike, windows_of
 from dummydesign.design.search.shape_family import Designs, Family, FamilyLaw, designable_kinds, load_family
 from dummydesign.design.search.slabs import DesignCandidate, SearchSpace, exact_candidates, make_slabs
@@ -146,7 +145,7 @@ def rank(designs: Sequence[ShapedDesign], space: SearchSpace) -> list[ShapedDesi
 
     Shares within two standard errors of the largest are tied.
     """
-    limits, strict, left = space.targets.limits, ranges_of(space.targets).strict, list(designs)
+    limits, strict, left = space.targets.limits, space.targets.strict, list(designs)
     ordered: list[ShapedDesign] = []
     while left:
         level = min(one.outlook.level(limits, strict) for one in left)
@@ -178,17 +177,22 @@ def match_of(forces_N: NDArray, area_mm2: NDArray) -> tuple[NDArray, NDArray]:
     return np.where(known.any(axis=1), mean, np.nan), spread
 
 
-def _sieve_slabs(law: ForceLaw, space: SearchSpace) -> list[_Sieved]:
-    """A slab of each thickness; its modulus is that which carries the middle force as deep as the aim, if it can."""
-    targets, thickness = space.targets, space.thickness_mm
-    curves = make_curves(law, thickness, space.radius_mm, targets.limits.gel_compression)
+def _thickness_matches(law: ForceLaw, thickness_mm: NDArray, space: SearchSpace) -> tuple[Curves, NDArray, NDArray]:
+    """Curves of a law at thicknesses (M,) with the mean and the spread (M,) of :func:`match_of`, up to their limits."""
+    targets = space.targets
+    curves = make_curves(law, thickness_mm, space.radius_mm, targets.limits.gel_compression)
     forces = targets.protocol.misfit_N[::SIEVE_STEP]
     depth = np.minimum(targets.aim_depth_mm(forces), curves.limit_mm[:, None])
-    area = np.array([curves.area_at(np.array([n]), depth[[n]])[0] for n in range(len(thickness))])
-    mean, spread = match_of(forces, area)
+    area = np.array([curves.area_at(np.array([n]), depth[[n]])[0] for n in range(len(thickness_mm))])
+    return (curves, *match_of(forces, area))
+
+
+def _sieve_slabs(law: ForceLaw, space: SearchSpace) -> list[_Sieved]:
+    """A slab of each thickness; its modulus is that which carries the middle force as deep as the aim, if it can."""
+    curves, mean, spread = _thickness_matches(law, space.thickness_mm, space)
     return [
         _Sieved(Slab(), float(t), law, law, Match(float(m), float(s)))
-        for t, m, s, limit in zip(thickness, mean, spread, curves.limit_mm)
+        for t, m, s, limit in zip(space.thickness_mm, mean, spread, curves.limit_mm)
         if limit > 0.0 and np.isfinite(m)
     ]
 
@@ -285,12 +289,7 @@ def _sieve_fixed(family: Family, shape: PadShape, space: SearchSpace) -> list[_S
             f"to {fitting[-1]:g} mm; press it with 'dummydesign predict --shape {shape} --fidelity {shape.fidelity}'",
             quantity="shape",
         )
-    curves = make_curves(law, steps, space.radius_mm, space.targets.limits.gel_compression)
-    forces = space.targets.protocol.misfit_N[::SIEVE_STEP]
-    wanted = space.targets.aim_depth_mm(forces)
-    depth = np.minimum(wanted, curves.limit_mm[:, None])
-    area = np.array([curves.area_at(np.array([n]), depth[[n]])[0] for n in range(len(steps))])
-    mean, spread = match_of(forces, area)
+    _, mean, spread = _thickness_matches(law, steps, space)
     return [
         _Sieved(shape, float(t), FamilyLaw(family, shape, float(t)), replace(law, made_for_mm=float(t)),
                 Match(float(m), float(s)))
@@ -392,7 +391,7 @@ def outlook_for(
         float(np.hypot(weighing, error / HALF_WIDTH)), float(np.hypot(weighing, space.puck_error)),
         _shifts(around.usable[:, 0], around.log_young[0]),
     )  # fmt: skip
-    limits, strict = targets.limits, ranges_of(targets).strict
+    limits, strict = targets.limits, targets.strict
     return outlook_of(windows, around.of_pad(1), batches, centre, match, scatter, limits, strict)
 
 

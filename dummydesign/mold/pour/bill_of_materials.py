@@ -8,12 +8,8 @@ from dataclasses import dataclass, replace
 
 from dummydesign.mold.model.layout import DOWEL_MM, layout, parting_mm, sheet_outline
 from dummydesign.mold.model.spec import MouldSpec
-from dummydesign.mold.pour.plan import CUP_FACTOR, PourPlan, batch_of, pours_of
+from dummydesign.mold.pour.plan import CUP_FACTOR, FILLED_SHARE, GRAM_PER_HOUR, PourPlan, batch_of, pours_of
 
-# Share of a printed part that is plastic: 4 perimeters and 15 % infill fill plates of 5 to 8 mm by about half
-# (judgement; a slicer knows better), and grams an hour of a 0.4 mm nozzle (judgement).
-FILLED_SHARE = 0.5
-GRAM_PER_HOUR = 18.0
 # Lengths in which machine screws are sold, and grip beyond the flanges for nut and washer. [mm]
 SCREW_MM = (10, 12, 16, 20, 25, 30, 35, 40, 45, 50, 60, 70)
 NUT_MM = 5.0

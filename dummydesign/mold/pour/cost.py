@@ -15,8 +15,15 @@ from dummydesign.mold.model.layout import (
 )
 from dummydesign.mold.model.printed_parts import EAR_MM2, tray_outline
 from dummydesign.mold.model.spec import MouldSpec
-from dummydesign.mold.pour.bill_of_materials import FILLED_SHARE, GRAM_PER_HOUR
-from dummydesign.mold.pour.plan import CARRIER_VENT_MM, CARRIER_VENTS, batch_of, pour_plan, pours_of
+from dummydesign.mold.pour.plan import (
+    CARRIER_VENT_MM,
+    CARRIER_VENTS,
+    FILLED_SHARE,
+    GRAM_PER_HOUR,
+    batch_of,
+    pour_plan,
+    pours_of,
+)
 
 BOLTS, SCREWS = 8, 3
 PLAIN_DENSITY = 1.24
@@ -41,7 +48,7 @@ def mould_cost(spec: MouldSpec) -> MouldCost:
     """Estimate what a mould and one casting of it take; loads no CAD.
 
     Printed volumes are in closed form, but for the label; of them
-    :data:`~dummydesign.mold.pour.bill_of_materials.FILLED_SHARE` is plastic.
+    :data:`~dummydesign.mold.pour.plan.FILLED_SHARE` is plastic.
     """
     plan = pour_plan(spec)
     resin = sum(batch_of(spec, *one).mix.total_g for one in pours_of(spec, plan))

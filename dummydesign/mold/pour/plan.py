@@ -213,6 +213,9 @@ def least_film_mm(spec: MouldSpec) -> float:
     return float((spreading_time_s(spec, spec.pour, 1.0) / left_s) ** (1 / 3))
 
 
+FILLED_SHARE, GRAM_PER_HOUR = 0.5, 18.0
+"""Share of a printed part that is plastic: 4 perimeters and 15 % infill fill plates of 5 to 8 mm by about half
+(judgement; a slicer knows better), and grams an hour of a 0.4 mm nozzle (judgement)."""
 WITNESS_MM = 50.0, 30.0
 """Diameter and height of the witness puck."""
 

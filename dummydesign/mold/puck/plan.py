@@ -7,9 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from dummydesign.mold.model import formulas as formula
-from dummydesign.mold.pour.bill_of_materials import GRAM_PER_HOUR
-from dummydesign.mold.pour.plan import CUP_FACTOR, RATIO_ERROR_LIMIT_PERCENT, Mix, mix_of
-from dummydesign.mold.pour.steps import assumed_words
+from dummydesign.mold.pour.plan import CUP_FACTOR, GRAM_PER_HOUR, RATIO_ERROR_LIMIT_PERCENT, Mix, mix_of
 from dummydesign.mold.puck.ring import PRINTED, PuckSpec, Ring, cavity_mm3, puck_spec, ring_mass_g
 
 
@@ -62,6 +60,8 @@ def _over_rim_mm3(spec: PuckSpec, ring: Ring) -> float:
 
 def warnings_of(spec: PuckSpec, plan: PuckPlan) -> list[dict[str, str]]:
     """What changes what the user does."""
+    from dummydesign.mold.pour.steps import assumed_words
+
     found: list[dict[str, str]] = []
     if words := assumed_words(spec.pour):
         found.append({"code": "assumed_numbers", "message": words})

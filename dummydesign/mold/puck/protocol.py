@@ -18,10 +18,12 @@ def trace_names(tag: str, number: int = 1, count: int = 1) -> tuple[str, ...]:
     return tuple(f"{puck}-v{speed:g}.csv" for speed in SPEEDS_MM_S)
 
 
-def command(names: Sequence[str], diameter: str, height: str, ratio: float, resin: str) -> str:
+def command(
+    names: Sequence[str], diameter: str, height: str, ratio: float, resin: str, name: str = "my-batch"
+) -> str:
     """What is typed when the presses are saved."""
     return (f"dummydesign resins add-compression {' '.join(names)} --diameter {diameter} --height {height} "
-            f"--friction lubricated --name my-batch --ratio {ratio:.6g} --resin {resin}")  # fmt: skip
+            f"--friction lubricated --name {name} --ratio {ratio:.6g} --resin {resin}")  # fmt: skip
 
 
 def press_rows(names: Sequence[str], height_mm: float) -> list[tuple[str, ...]]:

@@ -26,6 +26,8 @@ from dummydesign.core.errors import InputError, out_of_range
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
+SAFE_SIDE = "safe-side"
+"""Aim at the safe side of all subjects."""
 AIM = "people"
 """How an aim at a share of people begins: ``people:95``."""
 CONFIDENCE, LEVEL = 0.95, 0.90
@@ -70,6 +72,11 @@ def share_of_aim(aim: str) -> float | None:
 def is_share(aim: str) -> bool:
     """Whether an aim is at a share of people."""
     return aim.partition(":")[0].strip().lower() == AIM
+
+
+def is_strict(aim: str) -> bool:
+    """Whether a pad of this aim may read no lower than any subject, or than the bound of a share of people."""
+    return aim.lower() == SAFE_SIDE or is_share(aim)
 
 
 @lru_cache(maxsize=64)

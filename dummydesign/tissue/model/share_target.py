@@ -11,7 +11,7 @@ from dummydesign.tissue.model.laws import law_named
 from dummydesign.tissue.model.maxwell_law import SETTLED_S, stack
 from dummydesign.tissue.model.parameters import Parameters
 from dummydesign.tissue.model.people_share import Population
-from dummydesign.tissue.model.posterior import STEADY_N, posterior_tissues
+from dummydesign.tissue.model.posterior import DRAWN, STEADY_N, posterior_tissues
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -20,8 +20,8 @@ if TYPE_CHECKING:
 
     from dummydesign.tissue.model.tissue import Tissue
 
-GROUPS, STEPS = 49, 24
-"""Groups of subjects that are drawn of an inferred tissue; halvings of the interval of the arms' factor."""
+STEPS = 24
+"""Halvings of the interval of the arms' factor."""
 LOG_FACTOR = -7.0, 7.0
 """Smallest and largest ln of the factor on the arms."""
 
@@ -46,7 +46,7 @@ def share_parameters(tissue: Tissue, share: float) -> Parameters:
         For one subject.
     """
     law = law_named(tissue.law)
-    groups = [one.parameter_sets for one in posterior_tissues(tissue, GROUPS) or (tissue,)]
+    groups = [one.parameter_sets for one in posterior_tissues(tissue, DRAWN) or (tissue,)]
     gamma1 = float(Population.of_groups([[one.gamma1_N_per_mm3 for one in group] for group in groups]).bound(share))
     if not tissue.velocities_mm_s:
         return Parameters(tissue.law, gamma1, (), ())

@@ -69,13 +69,18 @@ def test_pictures_are_within_three_percent_of_the_fine_elements(answer, pictures
         assert rough.contact["peak_kPa"] == pytest.approx(one.contact()["peak_kPa"], rel=0.03)
 
 
+def _verified(answer, verify):
+    problem = answer.problem
+    return replace(answer, problem=replace(problem, request=replace(problem.request, verify=verify)))
+
+
 @pytest.mark.slow
 def test_without_finite_elements_and_for_pads_that_are_not_round_it_says_what_is_left_out(answer):
-    quick = replace(answer, request=replace(answer.request, verify=False))
+    quick = _verified(answer, False)
     made = press_pictures(quick)
     assert made.pads == () and "finite elements were not requested" in pressed_section(quick, made).text
     bumped = suggest(Request("forefinger", shape="bumped:5,2.91,1.24,0.34", verify=False))
-    bumped = replace(bumped, request=replace(bumped.request, verify=True))
+    bumped = _verified(bumped, True)
     assert "bumped pads are not round" in pressed_section(bumped, press_pictures(bumped)).text
 
 

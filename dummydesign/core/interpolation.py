@@ -21,8 +21,13 @@ def monotone_cubic(x: NDArray, y: NDArray) -> Callable[[ArrayLike], NDArray]:
     """
     x, y = np.asarray(x, float), np.asarray(y, float)
     step = np.diff(x)
+    return cubic_by_slopes(x, y, _tilts(step, np.diff(y) / step))
+
+
+def cubic_by_slopes(x: NDArray, y: NDArray, tilt: NDArray) -> Callable[[ArrayLike], NDArray]:
+    """Piecewise cubic of Hermite: values and slopes are known at increasing places."""
+    step = np.diff(x)
     slope = np.diff(y) / step
-    tilt = _tilts(step, slope)
     bend = (3.0 * slope - 2.0 * tilt[:-1] - tilt[1:]) / step
     twist = (tilt[:-1] + tilt[1:] - 2.0 * slope) / step**2
 

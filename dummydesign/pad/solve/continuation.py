@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from dummydesign.core.interpolation import cubic_by_slopes, monotone_cubic
 from dummydesign.core.process import one_blas_thread, tell_depth
 from dummydesign.pad.force_law import NO_COST
 from dummydesign.pad.solve.equilibrium import (
@@ -38,7 +39,8 @@ WITHOUT_TIES = 4.0
 class Path:
     """Forces at the depths that were reached, and what the solve cost.
 
-    ``stop`` is None when every depth was reached, else the reason in words.
+    ``stop`` is None when every depth was reached, else the reason in words; ``doubt`` the relative error of forces
+    that lie between the ends of steps.
     """
 
     depth: Array
@@ -50,16 +52,39 @@ class Path:
     seconds: float
     stop: str | None
     residuals: tuple[tuple[float, ...], ...] = ()
+    doubt: Array | None = None
 
 
 @dataclass(frozen=True)
 class VisitedState:
-    """The end of a step on a path: depth, displacements, pressures, and what the surface remembers of contact."""
+    """The end of a step on a path: depth, displacements, pressures, and what the surface remembers of contact.
+
+    ``force`` is what the pad carries there, ``slope`` its change by the depth, ``smallest_J`` the smallest volume ratio.
+    """
 
     depth: float
     u: Array
     p: Array
     memory: Any
+    force: float = math.nan
+    slope: float = math.nan
+    smallest_J: float = math.nan
+
+
+def force_between(ends: Sequence[VisitedState], depths: Array) -> tuple[Array, Array]:
+    """Force at depths up to the last end of a step, and its relative error: ln F over ln d by cubic Hermite.
+
+    The error is how far the monotone cubic through the same forces, which knows nothing of the slopes, lies from it.
+    Above the first end the force goes with the power of the depth that it has there.
+    """
+    depth, force, slope = (np.array([getattr(end, name) for end in ends]) for name in ("depth", "force", "slope"))
+    x, y, power, at = np.log(depth), np.log(force), depth * slope / force, np.log(depths)
+    if len(ends) == 1:
+        return np.exp(y[0] + power[0] * (at - x[0])), np.zeros(len(depths))
+    inside = np.clip(at, x[0], x[-1])
+    log = cubic_by_slopes(x, y, power)(inside)
+    doubt = np.abs(monotone_cubic(x, y)(inside) - log)
+    return np.exp(log + power[0] * np.minimum(at - x[0], 0.0)), doubt
 
 
 def state_between(problem: Problem, passed: Sequence[VisitedState], depth: float) -> Solution | Failure:
@@ -89,7 +114,7 @@ def add_costs(*costs: Mapping[str, float]) -> dict[str, float]:
 def follow(
     problem: Problem, depths: ArrayLike, first_step: float, largest_step: float, smallest_step: float,
     sound_J: float = 0.0, lattice: bool = False, visit: Callable[[float, Solution], str | None] | None = None,
-    keep: Callable[[VisitedState], None] | None = None, most_wasted: float = math.inf,
+    keep: Callable[[VisitedState], str | None] | None = None, most_wasted: float = math.inf,
 ) -> Path:  # fmt: skip
     """Follow the equilibrium from first touch through ``depths`` (increasing, in the mesh's unit of length).
 
@@ -102,7 +127,7 @@ def follow(
     remembers its path, so this makes an answer independent of the other requested depths.
 
     ``visit`` is called with every wanted depth and the equilibrium found there, ``keep`` with the end of every step.
-    Where ``visit`` says why, the path ends before that depth.
+    Where ``visit`` says why, the path ends before that depth; where ``keep`` does, there.
     """
     began = time.perf_counter()
     targets = np.asarray(depths, dtype=float)
@@ -169,7 +194,9 @@ def follow(
             problem.surface.restore(tied)
         earlier, u, p, depth = (u, p, depth), answer.u, answer.p, trial_depth
         if keep:
-            keep(VisitedState(depth, u, p, None if problem.surface is None else problem.surface.memory()))
+            memory = None if problem.surface is None else problem.surface.memory()
+            reached = problem.force(answer.state), problem.slope(answer.tangent), float(answer.state.J.min())
+            stop = stop or keep(VisitedState(depth, u, p, memory, *reached))
         if problem.surface is not None:
             problem.surface.settle(u, problem.punch, depth)
         steps += 1

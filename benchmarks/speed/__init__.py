@@ -1,0 +1,1 @@
+"""What the slow parts of the program cost: counts and processor time."""

@@ -1,0 +1,107 @@
+"""Counts and processor time of finite-element paths of pads: a crown, three searches, presses to several forces.
+
+    python -m benchmarks.speed.pad_paths [--out benchmarks/results/speed_pad_paths.json] [NAME ...]
+
+Every case runs in a process of its own with the cache off. Processor seconds depend on the machine and on what else
+it does, so the seconds of a fixed loop of the same kind of work stand beside them; counts do not depend on either.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+from typing import Any
+
+ROOT = Path(__file__).resolve().parents[2]
+CROWN = ["--thickness", "11", "--shape", "crowned:2.4,3.5,7.8", "--fidelity", "axisymmetric", "--punch", "round:15.798"]
+COMMANDS = {
+    "one crown": ["predict", *CROWN, "--young", "30", "--depth", "1,2,3,4,5,5.5"],
+    **{f"suggest {name}": ["suggest", "--tissue", name, "--no-cad"] for name in ("palm", "thenar", "forefinger")},
+    "three forces on a crown": [
+        "predict", *CROWN, "--resin", "polyurethane-nagoya", "--ratio", "16", "--force", "0.5,1,2", "--velocity", "10",
+    ],
+}  # fmt: skip
+COUNTED = {
+    "states": ("pad.fem.mixed_solid", "Solid", "state"),
+    "tangents": ("pad.fem.mixed_solid", "Solid", "linearise"),
+    "factorisations": ("pad.solve.sparse", "Pattern", "solve"),
+    "further_solves": ("pad.solve.sparse", "Pattern", "again"),
+}
+PATHS = ("pad.axisymmetric.shaped_problem", "follow")
+
+
+def _work() -> float:
+    """Processor seconds of a fixed loop: band factorisations and products of small matrices."""
+    import numpy as np
+    from scipy.linalg.lapack import dpbtrf
+
+    band = np.zeros((100, 2500), order="F")
+    band[0], band[1:] = 200.0, 1.0
+    small = np.ones((1000, 21, 18))
+    began = time.process_time()
+    for _ in range(60):
+        dpbtrf(band, lower=1)
+        small.transpose(0, 2, 1) @ small
+    return time.process_time() - began
+
+
+def measure(name: str) -> dict[str, Any]:
+    """Run one command in this process and count."""
+    import importlib
+    from contextlib import redirect_stdout
+
+    from dummydesign.cli.entry import main
+
+    counts = dict.fromkeys((*COUNTED, "paths"), 0)
+
+    def counted(owner: Any, attribute: str, key: str) -> None:
+        whole = getattr(owner, attribute)
+
+        def call(*args: Any, **more: Any) -> Any:
+            counts[key] += 1
+            return whole(*args, **more)
+
+        setattr(owner, attribute, call)
+
+    for key, (module, owner, attribute) in COUNTED.items():
+        counted(getattr(importlib.import_module(f"dummydesign.{module}"), owner), attribute, key)
+    counted(importlib.import_module(f"dummydesign.{PATHS[0]}"), PATHS[1], "paths")
+    began = time.process_time()
+    with open(os.devnull, "w", encoding="utf-8") as nowhere, redirect_stdout(nowhere):
+        status = main(COMMANDS[name])
+    spent = time.process_time() - began
+    # a further solve is also counted within the factorisation that it belongs to
+    counts["further_solves"] -= counts["factorisations"]
+    return {"case": name, "status": status or 0, "processor_s": round(spent, 2), "loop_s": round(_work(), 3)} | counts
+
+
+def main() -> None:
+    """Measure all or some cases; print a line a case, and write them all."""
+    parser = argparse.ArgumentParser()
+    parser.add_argument("names", nargs="*", default=[])
+    parser.add_argument("--out", type=Path)
+    parser.add_argument("--one", action="store_true")
+    asked = parser.parse_args()
+    if asked.one:
+        print(json.dumps(measure(asked.names[0])), flush=True)
+        return
+    rows = []
+    environment = os.environ | {"DUMMYDESIGN_CACHE": "off", "PYTHONPATH": str(ROOT)}
+    with tempfile.TemporaryDirectory() as folder:
+        for name in asked.names or COMMANDS:
+            command = [sys.executable, "-m", "benchmarks.speed.pad_paths", "--one", name]
+            text = subprocess.run(command, capture_output=True, text=True, check=True, cwd=folder, env=environment)
+            rows.append(json.loads(text.stdout.splitlines()[-1]))
+            print(rows[-1], flush=True)
+    if asked.out:
+        asked.out.write_text(json.dumps({"command": "python -m benchmarks.speed.pad_paths", "rows": rows}, indent=1) + "\n")
+
+
+if __name__ == "__main__":
+    main()

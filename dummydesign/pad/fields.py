@@ -348,10 +348,11 @@ def _setup(pad: Pad, case: Case, depths: Array, coarse: bool) -> Setup:
     scale = case.scale
     if pad.geometry != SLAB:
         case = shaped.meshed(case)
+        # pressures of a contact that is smaller than those whose force is solved
+        case = replace(case, first=min(case.first, float(depths[0])))
         flat, cells = pad.geometry.flat_top, shaped.CELLS // 2 if coarse else shaped.CELLS
         visited = () if flat else tuple(shaped.visited_states(case, cells, RIM, float(depths[-1])))
-        first, largest = shaped.load_steps(case, cells, RIM)
-        return Setup(shaped.shaped_problem(case, cells, RIM), first, largest, shaped.SMALLEST_STEP, True, visited)
+        return Setup(shaped.shaped_problem(case, cells, RIM), *shaped.load_steps(case, cells, RIM), True, visited)
     if pad.profile_mm is not None:
         punch = ProfilePunch(profile(*(np.asarray(part) / pad.thickness_mm for part in pad.profile_mm)).height)
         cells = PROFILE_CELLS // 2 if coarse else PROFILE_CELLS

@@ -353,6 +353,9 @@ def press_to_forces(
     """Press a pad to every force at every speed."""
     presses: list[RampPress] = []
     out_of_reach: NoAnswerError | None = None
+    with reporting_depths(progress):
+        # one curve for all presses
+        curve = elastic_curve(pad, fidelity)
     for velocity in velocity_mm_s:
 
         def motion_to(depth: float, velocity: float = velocity) -> Motion:
@@ -360,14 +363,14 @@ def press_to_forces(
 
         for force in force_N:
             try:
-                depth = depth_for_steady_force(pad, force, hold_s, motion_to, fidelity)
+                depth = depth_for_steady_force(pad, force, hold_s, motion_to, fidelity, curve)
             except NoAnswerError as problem:
                 if problem.code != "out_of_reach":
                     raise
                 out_of_reach = out_of_reach or problem
                 presses.append(RampPress(force, velocity, None, None, str(problem)))
                 continue
-            prediction = predict_motion(pad, motion_to(depth), fidelity, progress)
+            prediction = motion_on_curve(pad, motion_to(depth), curve, fidelity)
             presses.append(RampPress(force, velocity, depth, prediction))
     if out_of_reach is not None and all(press.prediction is None for press in presses):
         raise out_of_reach

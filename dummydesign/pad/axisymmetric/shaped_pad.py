@@ -37,7 +37,7 @@ from dummydesign.pad.axisymmetric.case import (
 from dummydesign.pad.axisymmetric.filleted import filleted_problem, follow_filleted, solve_filleted
 from dummydesign.pad.axisymmetric.profile_punch import edge_problem
 from dummydesign.pad.axisymmetric.self_contact import FOLDED
-from dummydesign.pad.axisymmetric.shaped_problem import CELLS, Climb, PathCache, grids, meshed
+from dummydesign.pad.axisymmetric.shaped_problem import CELLS, SOUND_J, Climb, PathCache, grids, meshed
 from dummydesign.pad.axisymmetric.sharp_edge import RIM_POWER, extrapolate_to_sharp, solve_curve
 from dummydesign.pad.contact.friction import SLIP_SCALE
 from dummydesign.pad.force_law import NO_COST, PadCurve
@@ -109,8 +109,7 @@ def solve_ratio(case: Case, depths: Array) -> dict[str, Any]:
 # From one fillet (RIMS) to the next of half the size the missing force falls by 0.42 (the power 1.25 of
 # ``edge_extrapolation``), so this share of the last step is left.
 LEFT_TO_SHARP = 0.42 / (1.0 - 0.42)
-# Share of that extrapolation, and of the step to cells of half the size, that is stated as error. The step between
-# fillets is taken from cells of twice the size, of which it differs by up to a tenth on the finer ones.
+# Share of that extrapolation, and of the step to cells of half the size, that is stated as error.
 EDGE_ERROR = 0.3
 MESH_ERROR = 1.0
 LEAST_ERROR = 2e-3
@@ -158,17 +157,22 @@ def solve_shaped_pad(pad: Pad, depth_mm: ArrayLike, cells: int = CELLS, solved: 
     solved = PathCache() if solved is None else solved
     if case.shape.flat_top:
         return _over_slab(pad, case, depths, cells, solved)
-    climbs = [solved.climb(case, depths[-1], grid, False) for grid in grids(cells, case)]
+    climbs = _climbs(case, depths[-1], cells, solved, False)
     asked, at = _looked_back(depths, climbs)
     paths = [one.at(asked) for one in climbs]
     fine, half, *large = (padded(path, len(asked)) for path in paths)
     value, mesh = _by_both(fine, half, large[0] if large else half)
-    added = sharp(large[0], half)[1] if large else np.zeros(len(asked))
+    added = sharp(large[0], fine)[1] if large else np.zeros(len(asked))
     value, own = value * (1.0 + added), at[:, -1]
     doubt = last_known(padded(replace(paths[0], force=paths[0].doubt), len(asked)), 0.0)
     error = LEAST_ERROR + EDGE_ERROR * np.abs(added[own]) + MESH_ERROR * mesh[at].max(axis=1) + doubt[own]
     stops = [path.stop for path in paths if path.stop]
     return _curve(case, depths, value[own] * pad.shear_MPa * pad.thickness_mm**2, error, paths, stops)
+
+
+def _climbs(case: Case, deepest: float, cells: int, solved: PathCache, twin: bool) -> list[Climb]:
+    """Paths on all grids; large cells are there to compare with."""
+    return [solved.climb(case, deepest, grid, twin, SOUND_J * (grid[0] < cells)) for grid in grids(cells, case)]
 
 
 def _by_both(fine: Array, half: Array, further: Array) -> tuple[Array, Array]:
@@ -213,14 +217,14 @@ def _over_slab(pad: Pad, case: Case, depths: Array, cells: int, solved: PathCach
     if case.shape.plain:
         error = slab.error_N / slab.force_N + 1e-3
         return _curve(case, depths, slab.force_N, error, [], list(slab.notes))
-    pairs = [[solved.climb(case, depths[-1], grid, twin) for twin in (False, True)] for grid in grids(cells, case)]
+    pairs = list(zip(*(_climbs(case, depths[-1], cells, solved, twin) for twin in (False, True))))
     asked, at = _looked_back(depths, [one for pair in pairs for one in pair])
     paths = [one.at(asked) for pair in pairs for one in pair]
     forces = [padded(path, len(asked)) for path in paths]
     fine, half, *large = (one / twin for one, twin in zip(forces[::2], forces[1::2]))
     ratio, spread = _by_both(fine, half, large[0] if large else half)
     if large:
-        spread = spread + np.abs(last_known(np.log(large[0] / half), 0.0))
+        spread = spread + np.abs(last_known(np.log(large[0] / fine), 0.0))
     doubt = last_known(padded(replace(paths[0], force=paths[0].doubt), len(asked)), 0.0)
     error = slab.error_N / slab.force_N + 1e-3 + (spread[at].max(axis=1) + doubt[at[:, -1]])[:count]
     stops = [path.stop for path in paths if path.stop]

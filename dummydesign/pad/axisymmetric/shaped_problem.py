@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
+from itertools import takewhile
 from typing import Any
 
 import numpy as np
@@ -96,7 +97,7 @@ def _grid(case: Case, cells: int, rim: float, refinement: float) -> tuple[Array,
     tip = case.tip
     if tip is not None:
         # Contact radius of a first touch: sqrt(R d).
-        first = min(first, 0.65 * np.sqrt(tip * case.first) * 8.0 / cells)
+        first = min(first, 1.3 * np.sqrt(tip * case.first) * 8.0 / cells)
         places.append(0.0)
         sizes.append(first)
     wanted = Sizes(places, sizes, SIZE_SLOPE, coarse, case.radius)
@@ -113,12 +114,15 @@ LARGEST_STEP = 0.01
 # slab by at most 0.25 %, twice as much by 1 %.
 FLAT_STEP = 0.015
 FREE_STEP = 0.03
-# A tip is meshed for a contact of this radius, which is the smallest whose force is asked for (``first_touch``). The
-# first step ends there or at this depth.
-FIRST_CONTACT, FIRST_END = 0.1, 0.005
-# Depth that a tip is meshed for where nothing else is known of it.
-FIRST_DEPTH = 0.02
-SMALLEST_STEP = 3e-4
+# A tip is meshed for a contact of half the radius of the smallest one whose force is asked for (``first_touch``), or of
+# the smallest depth; the first step ends there, or at the last of these depths.
+FIRST_CONTACT, LEAST_DEPTH, FIRST_END = 0.05, 1e-4, 0.005
+# Smallest step, and over the first one.
+SMALLEST_STEP, SMALLEST_SHARE = 3e-4, 1.0 / 32.0
+# Large cells that are only compared with are left where one of them is crumpled to this share of its volume.
+SOUND_J = 0.25
+# Tangents that failed steps may cost before a path ends.
+MOST_WASTED = 60
 # Steps of a contact without memory may be this long; over it, as they grow where nothing is tied.
 LONGEST_FREE = FREE_STEP / WITHOUT_TIES
 
@@ -136,17 +140,17 @@ def visited_states(case: Case, cells: int, rim: float, deepest: float) -> list[V
 
 def meshed(case: Case) -> Case:
     """The case with the depth that its tip is meshed for, by the tip's radius alone."""
-    return case if case.tip is None else replace(case, first=FIRST_CONTACT**2 / case.tip)
+    return case if case.tip is None else replace(case, first=max(FIRST_CONTACT**2 / case.tip, LEAST_DEPTH))
 
 
-def load_steps(case: Case, cells: int, rim: float) -> tuple[float, float]:
-    """The first and the largest load step: what the pad, not a list of depths, asks for."""
-    first = min(case.first, FIRST_END)
+def load_steps(case: Case, cells: int, rim: float) -> tuple[float, float, float]:
+    """The first, the largest and the smallest load step: what the pad, not a list of depths, asks for."""
+    first, largest = min(case.first, FIRST_END), LARGEST_STEP * CELLS / cells
     if case.condition == "frictionless":
-        return first, LONGEST_FREE
-    if case.shape.flat_top:
-        return 0.3 * rim, FLAT_STEP
-    return first, LARGEST_STEP * CELLS / cells
+        largest = LONGEST_FREE
+    elif case.shape.flat_top:
+        first, largest = 0.3 * rim, FLAT_STEP
+    return first, largest, min(SMALLEST_STEP, SMALLEST_SHARE * first)
 
 
 @dataclass(frozen=True)
@@ -173,27 +177,33 @@ class Climb:
 
 def climb(
     case: Case, deepest: float, cells: int = CELLS, rim: float = RIMS[-1], twin: bool = False,
-    visit: Callable[[Problem, VisitedState], None] | None = None,
+    visit: Callable[[Problem, VisitedState], None] | None = None, smaller: Climb | None = None, sound_J: float = 0.0,
 ) -> Climb:  # fmt: skip
     """Follow the pad under a punch with one edge fillet to the first end of a step beyond a depth.
 
-    ``visit`` is told of every end of a step.
+    ``visit`` is told of every end of a step. ``smaller`` is the path of a crown under a smaller fillet on the same
+    cells, which this one shares until the contact comes to its own fillet. The path ends where the smallest volume
+    ratio is below ``sound_J``.
     """
     problem = shaped_problem(case, cells, rim, twin)
     watch = None if twin or case.shape.flat_top else FoldWatch(RoundFace(problem, case.thickness_mm))
-    ends: list[VisitedState] = []
+    ends = [] if smaller is None else list(takewhile(partial(_inside, problem), smaller.ends))
 
     def keep(end: VisitedState) -> str | None:
         if watch is not None and (folded := watch.check(end.depth, end.u)):
             return folded
+        if end.smallest_J < sound_J:
+            return f"a volume ratio fell below {sound_J:g} at relative depth {end.depth:.3f}"
         ends.append(end)
         if visit is not None:
             visit(problem, end)
         tell_depth(end.depth)
         return FAR_ENOUGH if end.depth >= deepest * (1.0 - 1e-9) else None
 
-    first, largest = load_steps(case, cells, rim)
-    path = follow(problem, [np.inf], first, largest, SMALLEST_STEP, lattice=True, keep=keep)
+    path = follow(
+        problem, [np.inf], *load_steps(case, cells, rim), lattice=True, keep=keep, most_wasted=MOST_WASTED,
+        after=tuple(ends),
+    )  # fmt: skip
     path = replace(path, stop=None if path.stop == FAR_ENOUGH else path.stop)
     if watch is None:
         return Climb(tuple(ends), path)
@@ -204,6 +214,20 @@ def climb(
 
 
 FAR_ENOUGH = "far enough"
+
+
+def _inside(problem: Problem, end: VisitedState) -> bool:
+    """Whether a contact, under whatever fillet, is inside the flat face of a problem's punch."""
+    points = _face(problem).points(end.u)
+    assert isinstance(problem.punch, FlatPunch)
+    return bool(np.all(points[..., 0][points[..., 1] + end.depth >= 0.0] < problem.punch.flat_radius))
+
+
+def _face(problem: Problem) -> Surface:
+    """The surface that the punch presses."""
+    surface = problem.surface.face if isinstance(problem.surface, CombinedSurface) else problem.surface
+    assert isinstance(surface, Surface)
+    return surface
 
 
 def solve_path(
@@ -225,12 +249,17 @@ class PathCache:
         self._climbs: dict[tuple[int, float, bool], Climb] = {}
         self.touched: list[tuple[float, float, bool]] = []
 
-    def climb(self, case: Case, deepest: float, grid: tuple[int, float], twin: bool) -> Climb:
+    def climb(
+        self, case: Case, deepest: float, grid: tuple[int, float], twin: bool, sound_J: float = 0.0
+    ) -> Climb:  # fmt: skip
         """The path on one grid, followed now if it was not yet."""
         key = (*grid, twin)
         if key not in self._climbs:
             visit = self._touch if grid == grids(CELLS, case)[0] and not case.shape.flat_top else None
-            self._climbs[key] = climb(case, deepest, *grid, twin=twin, visit=visit)
+            cells, rim = grid
+            crown = not case.edge and not case.shape.flat_top
+            smaller = self._climbs.get((cells, RIMS[1], twin)) if crown and rim == RIMS[0] else None
+            self._climbs[key] = climb(case, deepest, *grid, twin, visit, smaller, sound_J)
         return self._climbs[key]
 
     def _touch(self, problem: Problem, end: VisitedState) -> None:
@@ -239,11 +268,8 @@ class PathCache:
 
 def radius_touched(problem: Problem, depth: float, u: Array) -> tuple[float, bool]:
     """Radius of the contact at displacements, and whether it has reached the fillet of the punch's edge."""
-    surface, punch = problem.surface, problem.punch
-    if isinstance(surface, CombinedSurface):
-        surface = surface.face
-    assert isinstance(surface, Surface) and punch is not None
-    points = surface.points(u)
+    punch, points = problem.punch, _face(problem).points(u)
+    assert punch is not None
     touching = punch.gap(points, depth)[0] <= 0.0
     glued = np.unique(problem.driven // 2)
     moved = problem.solid.mesh.nodes[0, glued] + u.reshape(-1, 2)[glued, 0]
@@ -251,13 +277,16 @@ def radius_touched(problem: Problem, depth: float, u: Array) -> tuple[float, boo
     return radius, isinstance(punch, FlatPunch) and radius >= punch.flat_radius
 
 
+FIRST_DEPTH = 0.02
+
+
 def first_depth(depths: Array) -> float:
-    """Depth that the apex is meshed for: 0.02, halved until no wanted depth is smaller."""
+    """Depth that an apex is meshed for in space: 0.02, halved until no wanted depth is smaller."""
     return FIRST_DEPTH * 0.5 ** max(0, int(np.ceil(np.log2(FIRST_DEPTH / float(depths[0])) - 1e-9)))
 
 
 def grids(cells: int, case: Case) -> list[tuple[int, float]]:
-    """Cells and fillet of the solves: small fillet, small and large one on cells of twice the size.
+    """Cells and fillet of the solves: small fillet, the same on cells of twice the size, large fillet.
 
     A real fillet is solved as it is, without the last.
     """
@@ -265,7 +294,7 @@ def grids(cells: int, case: Case) -> list[tuple[int, float]]:
     if case.edge:
         rim = case.edge / case.scale
         return [(cells, rim), (coarse, rim)]
-    return [(cells, RIMS[1]), (coarse, RIMS[1]), (coarse, RIMS[0])]
+    return [(cells, RIMS[1]), (coarse, RIMS[1]), (cells, RIMS[0])]
 
 
 @dataclass(frozen=True)

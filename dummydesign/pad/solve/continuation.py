@@ -115,6 +115,7 @@ def follow(
     problem: Problem, depths: ArrayLike, first_step: float, largest_step: float, smallest_step: float,
     sound_J: float = 0.0, lattice: bool = False, visit: Callable[[float, Solution], str | None] | None = None,
     keep: Callable[[VisitedState], str | None] | None = None, most_wasted: float = math.inf,
+    after: Sequence[VisitedState] = (),
 ) -> Path:  # fmt: skip
     """Follow the equilibrium from first touch through ``depths`` (increasing, in the mesh's unit of length).
 
@@ -127,7 +128,8 @@ def follow(
     remembers its path, so this makes an answer independent of the other requested depths.
 
     ``visit`` is called with every wanted depth and the equilibrium found there, ``keep`` with the end of every step.
-    Where ``visit`` says why, the path ends before that depth; where ``keep`` does, there.
+    Where ``visit`` says why, the path ends before that depth; where ``keep`` does, there. It goes on from the ends of
+    steps ``after``, where there are some.
     """
     began = time.perf_counter()
     targets = np.asarray(depths, dtype=float)
@@ -135,7 +137,13 @@ def follow(
     direction = problem.direction()
     earlier: tuple[Array, Array, float] | None = None
     depth, step, iterations, steps, stop = 0.0, min(first_step, largest_step), 0, 0, None
-    wasted, since = 0, 0.0
+    if len(after) > 1:
+        before, last = after[-2:]
+        earlier, u, p, depth, step = (before.u, before.p, before.depth), last.u, last.p, last.depth, last.depth - before.depth
+        if problem.surface is not None:
+            problem.surface.restore(last.memory)
+            problem.surface.settle(u, problem.punch, depth)
+    wasted, since = 0, depth
     points: list[tuple[float, float, float]] = []
     history: list[tuple[float, ...]] = []
     while len(points) < len(targets) and stop is None:

@@ -51,6 +51,9 @@ class Spring:
     def force(self, state):
         return state.force
 
+    def slope(self, tangent):
+        return tangent
+
 
 @pytest.fixture
 def walk(monkeypatch):

@@ -346,6 +346,26 @@ class RampPress:
         return {**asked, **{name: values[name] for name in curves}}
 
 
+# A solve goes this much deeper than the depth at which the table has a force.
+BEYOND_TABLE = 1.1
+
+
+def curve_to(pad: Pad | Puck, fidelity: str, force_N: float) -> ForceCurve:
+    """The long-term force of a pad, solved as deep as a steady force takes: where a table knows how deep that is."""
+    if fidelity == "table":
+        return elastic_curve(pad, fidelity)
+    try:
+        table = elastic_curve(pad, "table")
+    except InputError:
+        return elastic_curve(pad, fidelity)
+    depth = np.linspace(0.0, table.limit_mm, 200)
+    enough = np.flatnonzero(table.force(depth) >= force_N)
+    if not len(enough) or BEYOND_TABLE * depth[enough[0]] >= MAX_DEPTH_OVER_THICKNESS * pad.thickness_mm:
+        return elastic_curve(pad, fidelity)
+    curve = elastic_curve(pad, fidelity, float(BEYOND_TABLE * depth[enough[0]]))
+    return curve if float(curve.force(curve.limit_mm)) >= force_N else elastic_curve(pad, fidelity)
+
+
 def press_to_forces(
     pad: Pad | Puck, force_N: Sequence[float], velocity_mm_s: Sequence[float], hold_s: float,
     deceleration_mm_s2: float, fidelity: str = "table", progress: Callable[[float], None] | None = None,
@@ -354,8 +374,7 @@ def press_to_forces(
     presses: list[RampPress] = []
     out_of_reach: NoAnswerError | None = None
     with reporting_depths(progress):
-        # one curve for all presses
-        curve = elastic_curve(pad, fidelity)
+        curve = curve_to(pad, fidelity, max(force_N))
     for velocity in velocity_mm_s:
 
         def motion_to(depth: float, velocity: float = velocity) -> Motion:

@@ -179,7 +179,7 @@ def climb(
     case: Case, deepest: float, cells: int = CELLS, rim: float = RIMS[-1], twin: bool = False,
     visit: Callable[[Problem, VisitedState], None] | None = None, smaller: Climb | None = None, sound_J: float = 0.0,
 ) -> Climb:  # fmt: skip
-    """Follow the pad under a punch with one edge fillet to the first end of a step beyond a depth.
+    """Follow the pad under a punch with one edge fillet to the second end of a step beyond a depth.
 
     ``visit`` is told of every end of a step. ``smaller`` is the path of a crown under a smaller fillet on the same
     cells, which this one shares until the contact comes to its own fillet. The path ends where the smallest volume
@@ -198,7 +198,9 @@ def climb(
         if visit is not None:
             visit(problem, end)
         tell_depth(end.depth)
-        return FAR_ENOUGH if end.depth >= deepest * (1.0 - 1e-9) else None
+        # Forces between ends know of the next end but one, the first of the first three.
+        far = len(ends) >= LEAST_ENDS and ends[-2].depth >= deepest * (1.0 - 1e-9)
+        return FAR_ENOUGH if far else None
 
     path = follow(
         problem, [np.inf], *load_steps(case, cells, rim), lattice=True, keep=keep, most_wasted=MOST_WASTED,
@@ -213,7 +215,7 @@ def climb(
     return Climb(tuple(ends), watch.with_stop_reason(path, ends[-1].u if ends else None))
 
 
-FAR_ENOUGH = "far enough"
+FAR_ENOUGH, LEAST_ENDS = "far enough", 4
 
 
 def _inside(problem: Problem, end: VisitedState) -> bool:

@@ -148,11 +148,6 @@ class SideContact(ContactSurface):
         self._pairs = np.einsum("qi,qj->ijq", self._shape, self._shape).reshape(9, -1)
         self.dofs = np.stack([2 * sides, 2 * sides + 1], axis=-1).reshape(len(sides), 6)
 
-    @property
-    def face_dofs(self) -> Array:
-        """Unknowns along the axis."""
-        return self.dofs[:, 1::2]
-
     def points(self, u: Array) -> Array:
         """Where the quadrature points are at displacements ``u``."""
         moved = self._corners + u[self.dofs].reshape(self._corners.shape)

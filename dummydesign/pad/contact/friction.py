@@ -72,11 +72,6 @@ class CombinedSurface(ContactSurface):
         """The surface that the punch presses."""
         return self._parts[0]
 
-    @property
-    def face_dofs(self) -> Array:
-        """Those of the face; the base does not move with the punch."""
-        return self.face.face_dofs
-
     def begin(self) -> None:
         """As of each."""
         for part in self._parts:

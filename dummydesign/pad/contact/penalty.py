@@ -42,11 +42,6 @@ class ContactSurface:
 
     dofs: Array
 
-    @property
-    def face_dofs(self) -> Array:
-        """Unknowns of what faces the punch, along its motion."""
-        return np.array([], dtype=int)
-
     def forces(self, u: Array, punch: Any, depth: float) -> tuple[Array, Array]:
         """Internal force (full length) and its derivative (per side)."""
         raise NotImplementedError

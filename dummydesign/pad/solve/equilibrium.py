@@ -93,40 +93,23 @@ class Problem:
         assert state is not None
         tangent = self.solid.linearise(state)
         matrices = self.pressed(u, 0.0)[1]()
+
+        def pull(of: Array) -> Array:
+            local = (tangent.stiffness @ of[mesh.dofs][:, :, None])[:, :, 0]
+            return np.bincount(mesh.dofs.ravel(), local.ravel(), minlength=len(u))
+
         lift = np.zeros(len(u))
         lift[self.carried] = -1.0
-        du = lift + self.pattern.solve([tangent.stiffness, *matrices], -self._pull(tangent, lift))
-        force = float(self._pull(tangent, du)[self.base].sum())
-        touch = du, self.solid.pressure_step(tangent, state, du), force
+        du = lift + self.pattern.solve([tangent.stiffness, *matrices], -pull(lift))
+        touch = du, self.solid.pressure_step(tangent, state, du), float(pull(du)[self.base].sum())
         if self.surface is None:
             self._touch = touch
         return touch
 
-    def _pull(self, tangent: Tangent, of: Array) -> Array:
-        """Forces of the solid by displacements, with a tangent."""
-        dofs = self.solid.mesh.dofs
-        local = (tangent.stiffness @ of[dofs][:, :, None])[:, :, 0]
-        return np.bincount(dofs.ravel(), local.ravel(), minlength=len(of))
-
-    @one_blas_thread()
-    def slope(self, tangent: Tangent) -> float:
-        """Force per depth with the matrices that were factorised last, those of ``tangent`` and of its contact.
-
-        The face that moves with the punch feels no more contact: what is left is the solid's pull on it.
-        """
-        lift = np.zeros(self.solid.mesh.size)
-        lift[self.carried] = -1.0
-        if self.surface is not None:
-            lift[self.surface.face_dofs] = -1.0
-        return float(self._pull(tangent, lift + self.pattern.again(-self._pull(tangent, lift)))[self.base].sum())
-
 
 @dataclass
 class Solution:
-    """A state in equilibrium, the relative residuals on the way to it, ties of contact, and factorised tangents.
-
-    ``tangent`` is the last of these.
-    """
+    """A state in equilibrium, the relative residuals on the way to it, ties of contact, and factorised tangents."""
 
     u: Array
     p: Array
@@ -134,7 +117,6 @@ class Solution:
     residuals: tuple[float, ...]
     ties: int
     iterations: int
-    tangent: Any = None
 
 
 @dataclass
@@ -200,7 +182,7 @@ def find_equilibrium(
                     tangent = None
                 continue
         if at.residual < tolerance and at.fraction == 1.0:
-            return Solution(at.u, at.p, at.state, tuple(residuals), ties, factorised, tangent)
+            return Solution(at.u, at.p, at.state, tuple(residuals), ties, factorised)
         good = at.residual < (contraction * last if again else REUSE_BELOW)
         again = at.fraction == 1.0 and good and factorised <= REUSE_UP_TO
         if not again and (held >= HELD or at.residual < REUSE_BELOW):

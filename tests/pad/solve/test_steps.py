@@ -51,9 +51,6 @@ class Spring:
     def force(self, state):
         return state.force
 
-    def slope(self, tangent):
-        return tangent
-
 
 @pytest.fixture
 def walk(monkeypatch):

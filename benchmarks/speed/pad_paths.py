@@ -100,7 +100,8 @@ def main() -> None:
             rows.append(json.loads(text.stdout.splitlines()[-1]))
             print(rows[-1], flush=True)
     if asked.out:
-        asked.out.write_text(json.dumps({"command": "python -m benchmarks.speed.pad_paths", "rows": rows}, indent=1) + "\n")
+        written = {"command": "python -m benchmarks.speed.pad_paths", "rows": rows}
+        asked.out.write_text(json.dumps(written, indent=1) + "\n")
 
 
 if __name__ == "__main__":

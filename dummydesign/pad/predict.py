@@ -363,7 +363,7 @@ def curve_to(pad: Pad | Puck, fidelity: str, force_N: float) -> ForceCurve:
     if not len(enough) or BEYOND_TABLE * depth[enough[0]] >= MAX_DEPTH_OVER_THICKNESS * pad.thickness_mm:
         return elastic_curve(pad, fidelity)
     curve = elastic_curve(pad, fidelity, float(BEYOND_TABLE * depth[enough[0]]))
-    return curve if float(curve.force(curve.limit_mm)) >= force_N else elastic_curve(pad, fidelity)
+    return curve if float(curve.force(np.array([curve.limit_mm]))[0]) >= force_N else elastic_curve(pad, fidelity)
 
 
 def press_to_forces(

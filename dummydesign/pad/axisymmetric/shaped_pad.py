@@ -164,7 +164,7 @@ def solve_shaped_pad(pad: Pad, depth_mm: ArrayLike, cells: int = CELLS, solved: 
     value, mesh = _by_both(fine, half, large[0] if large else half)
     added = sharp(large[0], fine)[1] if large else np.zeros(len(asked))
     value, own = value * (1.0 + added), at[:, -1]
-    doubt = last_known(padded(replace(paths[0], force=paths[0].doubt), len(asked)), 0.0)
+    doubt = _doubt(paths[0], len(asked))
     error = LEAST_ERROR + EDGE_ERROR * np.abs(added[own]) + MESH_ERROR * mesh[at].max(axis=1) + doubt[own]
     stops = [path.stop for path in paths if path.stop]
     return _curve(case, depths, value[own] * pad.shear_MPa * pad.thickness_mm**2, error, paths, stops)
@@ -173,6 +173,12 @@ def solve_shaped_pad(pad: Pad, depth_mm: ArrayLike, cells: int = CELLS, solved: 
 def _climbs(case: Case, deepest: float, cells: int, solved: PathCache, twin: bool) -> list[Climb]:
     """Paths on all grids; large cells are there to compare with."""
     return [solved.climb(case, deepest, grid, twin, SOUND_J * (grid[0] < cells)) for grid in grids(cells, case)]
+
+
+def _doubt(path: Path, count: int) -> Array:
+    """Relative error of a path's forces between the ends of its steps, shape (count,); the last one carried on."""
+    known = np.zeros(len(path.force)) if path.doubt is None else path.doubt
+    return last_known(np.concatenate([known, np.full(count - len(known), np.nan)]), 0.0)
 
 
 def _by_both(fine: Array, half: Array, further: Array) -> tuple[Array, Array]:
@@ -225,7 +231,7 @@ def _over_slab(pad: Pad, case: Case, depths: Array, cells: int, solved: PathCach
     ratio, spread = _by_both(fine, half, large[0] if large else half)
     if large:
         spread = spread + np.abs(last_known(np.log(large[0] / fine), 0.0))
-    doubt = last_known(padded(replace(paths[0], force=paths[0].doubt), len(asked)), 0.0)
+    doubt = _doubt(paths[0], len(asked))
     error = slab.error_N / slab.force_N + 1e-3 + (spread[at].max(axis=1) + doubt[at[:, -1]])[:count]
     stops = [path.stop for path in paths if path.stop]
     curve = _curve(case, depths, ratio[at[:, -1]][:count] * slab.force_N, error, paths, stops + list(slab.notes))

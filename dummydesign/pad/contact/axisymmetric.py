@@ -21,8 +21,8 @@ Array = np.ndarray
 
 # Of the way along the punch that a point goes in a step without sticking, up to when its gap closes, this share where a
 # contact grows: ahead of an edge that sticks points move with the root of their distance, which shrinks to nothing on
-# the way (the integral of a root is two thirds of it). With the whole of it a thin crown's force fell by up to 1.4 % when
-# steps were four times as long, so by 0.2 %.
+# the way (the integral of a root is two thirds of it). With the whole of it a thin crown's force fell by up to 1.4 %
+# when steps were four times as long, so by 0.2 %.
 GROWN_SLIP = 2.0 / 3.0
 # A point this near counts as touching for the stiffness, so that the first step knows of the punch.
 TOUCHING = 1e-12
@@ -226,7 +226,9 @@ class Surface(SideContact):
 
     def _where_closed(self, points: Array, touching: Array, depth: float, rest: Array, room: Array) -> Array:
         """Places at which gaps closed since the last step, in the frame of the punch."""
-        share = closure(*(x.ravel()[self._order] for x in (self._r, self._before, touching, room)), self._slip_share)
+        share = closure(
+            *(x.ravel()[self._order] for x in (self._r, self._before, touching, room)), grown=self._slip_share
+        )
         part = np.empty(share.shape)
         part[self._order] = share
         part = part.reshape(room.shape)[..., None]

@@ -68,7 +68,7 @@ class ContactSurface:
         """Take back what was tied."""
 
 
-def closure(r: Array, held: Array, touching: Array, room: Array, grown: float = 1.0) -> Array:
+def closure(r: Array, held: Array, touching: Array, room: Array, *, grown: float = 1.0) -> Array:
     """Share of a load step at which each point's gap closed; 1 where it did not.
 
     Where a contact grows on from points held before, its edge is taken to move evenly, and ``grown`` is a factor of the

@@ -142,7 +142,8 @@ def follow(
     depth, step, iterations, steps, stop = 0.0, min(first_step, largest_step), 0, 0, None
     if len(after) > 1:
         before, last = after[-2:]
-        earlier, u, p, depth, step = (before.u, before.p, before.depth), last.u, last.p, last.depth, last.depth - before.depth
+        earlier, u, p, depth = (before.u, before.p, before.depth), last.u, last.p, last.depth
+        step = depth - before.depth
         if problem.surface is not None:
             problem.surface.restore(last.memory)
             problem.surface.settle(u, problem.punch, depth)

@@ -27,7 +27,7 @@ NEAR_ENOUGH = 0.03
 
 @dataclass
 class EdgeWatch:
-    """Contact radius and gaps over the punch's radius and the thickness, depth by depth, as ``visit`` of ``solve_path``."""
+    """Contact radius and gaps over the punch's radius and the thickness, by depth, as ``visit`` of ``solve_path``."""
 
     press: Case
     depth: list[float] = field(default_factory=list)

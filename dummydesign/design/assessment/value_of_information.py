@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from dummydesign.core.serialise import Serialised
 from dummydesign.design.assessment.pad_castings import PadCastings
-from dummydesign.design.scoring.castings import FORCE_LAW, MAKING, MODULUS, RELAXATION, RESIN, TISSUE, Pours
+from dummydesign.design.scoring.castings import FORCE_LAW, MAKING, MODULUS, RELAXATION, RESIN, TISSUE, Pours, joined
 from dummydesign.design.scoring.verdict import (
     CLASSES,
     STANDS_FOR,
@@ -159,7 +159,7 @@ def _two_ratios(cast: PadCastings, worst: int) -> tuple[Pair, Pair, float] | tup
 
 def _usable(cast: PadCastings, pours: list[Pours], worst: int) -> NDArray:
     """Which castings of several ratios are acceptable, shape (ratios, castings)."""
-    every = Pours(*(np.concatenate(columns) for columns in zip(*(vars(one).values() for one in pours))))
+    every = joined(pours)
     targets = cast.space.targets
     grid, sampling = targets.protocol.steady_grid_N, cast.space.sampling.coarse
     readings = readings_along(cast.slabs(every), targets, grid, sampling)

@@ -165,8 +165,9 @@ def acceptance_rows(spec: MouldSpec, plan: PourPlan) -> list[tuple[str, ...]]:
 
     crown = crown_limits(spec.pad, limits.thickness_percent)
     within, at_limit = f"within {h * limits.thickness_percent / 100:.2f} mm", costs(limits.thickness_percent)
-    heights: list[tuple[str, ...]] = []
+    spread, heights = "deviation from nominal, largest minus smallest", list[tuple[str, ...]]()
     if crown is not None:
+        spread += ", without the crown's height"
         at_limit = f"{MOST_PERCENT:g} % of force at a given depth at most"
         within = "table above"
         heights = [("height over the flat: tip less shoulder", f"{spec.pad.shape.relief_mm:.2f} mm",
@@ -178,8 +179,8 @@ def acceptance_rows(spec: MouldSpec, plan: PourPlan) -> list[tuple[str, ...]]:
         ("thickness at each gauge point", "its nominal", within, at_limit, "table above",
          "enter the measured thickness in the record (below); beyond twice the limit cast again"),
         *heights,
-        ("deviation from nominal, largest minus smallest" + (", without the crown's height" if heights else ""), "0 mm",
-         f"{spread_mm(spec):.2f} mm", costs(100 * spread_mm(spec) / h / 2.0), BLANK, "level again with the weight in the mould, cast again"),
+        (spread, "0 mm", f"{spread_mm(spec):.2f} mm", costs(100 * spread_mm(spec) / h / 2.0),
+         BLANK, "level again with the weight in the mould, cast again"),
         ("mass", f"{mass:.1f} g", f"{light:.1f} to {heavy:.1f} g", costs(limits.mass_percent), BLANK,
          "too light: air inside or a leak; too heavy: overfilled"),
         # the modulus of a puck is what it is cast for

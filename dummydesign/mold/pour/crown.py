@@ -40,8 +40,9 @@ class CrownLimits:
 
 def crown_shape(shape: PadShape, higher_mm: float = 0.0, blunter: float = 1.0) -> PadShape:
     """The shape with its crown higher and its tip radius larger, on the same foot."""
-    changed: dict[str, Any] = {"height_mm": shape.height_mm + higher_mm,
-                               "radius_mm": shape.radius_mm * blunter}  # fmt: skip
+    now: Any = shape
+    # without the last digits of a sum: the shape is kept as text
+    changed: dict[str, Any] = {"height_mm": round(now.height_mm + higher_mm, 9), "radius_mm": now.radius_mm * blunter}
     return replace(shape, **changed)
 
 
@@ -116,10 +117,33 @@ def _inwards(nominal: float, off: list[float], step: float) -> tuple[float, floa
 
 @dataclass(frozen=True)
 class MeasuredCrown:
-    """Lengths of a cast crown: height over the flat, and how much the flat is thicker than designed. [mm]"""
+    """How much a cast crown is higher over the flat than designed, and the flat thicker; number of tips gauged. [mm]"""
 
-    height_mm: float
+    higher_mm: float
     thicker_mm: float
+    tips: int = 1
+
+    def change_percent(self, pad: PadGeometry) -> float | None:
+        """Change of the force at a given depth. [%]"""
+        return crown_change_percent(pad, self.higher_mm, self.thicker_mm)
+
+    def gauge_percent(self, pad: PadGeometry, gauge_mm: float) -> float | None:
+        """Standard error of that change for the standard error of one reading, at tip and shoulder. [%]"""
+        found = self.change_percent(pad)
+        others = (
+            crown_change_percent(pad, self.higher_mm + gauge_mm, self.thicker_mm),
+            crown_change_percent(pad, self.higher_mm - gauge_mm, self.thicker_mm + gauge_mm),
+        )
+        if found is None or None in others:
+            return None
+        tip, shoulder = (float(one or 0.0) - found for one in others)
+        return math.hypot(tip / math.sqrt(self.tips), shoulder)
+
+    def differs(self, gauge_mm: float, limits: CrownLimits | None, relief_mm: float) -> bool:
+        """Whether the height is beyond its limits, or off by more than twice the error with which it is gauged."""
+        error = gauge_mm * math.sqrt(1.0 + 1.0 / self.tips)
+        low, high = (-math.inf, math.inf) if limits is None else (one - relief_mm for one in limits.height_mm)
+        return not low - 1e-9 <= self.higher_mm <= high + 1e-9 or abs(self.higher_mm) > 2.0 * error
 
 
 SHOULDER, TIP = "shoulder", "tip"
@@ -128,10 +152,11 @@ SHOULDER, TIP = "shoulder", "tip"
 def measured_crown(readings: Mapping[str, float], pad: PadGeometry) -> MeasuredCrown | None:
     """Read the lengths of a crown from its tips, by their mean, and the flat beside them; None of a pad without one.
 
-    The flat is that of the gauge point next to the crown: a plate that sags or lies askew is another one at the corners.
+    The flat is that of the gauge point next to the crown: at the corners a plate that sags or lies askew leaves
+    another.
     """
     tips = [value for name, value in readings.items() if name.startswith(TIP)]
     if not (pad.shape.crowned and tips and SHOULDER in readings):
         return None
-    flat = readings[SHOULDER]
-    return MeasuredCrown(sum(tips) / len(tips) - flat, flat - (pad.thickness_mm - pad.shape.relief_mm))
+    thicker = readings[SHOULDER] - (pad.thickness_mm - pad.shape.relief_mm)
+    return MeasuredCrown(sum(tips) / len(tips) - pad.thickness_mm - thicker, thicker, len(tips))

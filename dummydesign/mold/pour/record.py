@@ -10,7 +10,6 @@ from pathlib import Path
 from typing import Any
 
 from dummydesign.core.errors import InputError, out_of_range, unknown_name
-from dummydesign.geometry.pad_shape import PadShape
 from dummydesign.measurement.pad_record import PadRecord, thickness_error
 from dummydesign.mold.model import formulas as formula
 from dummydesign.mold.model.spec import MouldSpec
@@ -215,7 +214,8 @@ def record_pad(measured: Measured, spec: MouldSpec, points: tuple[GaugePoint, ..
         force_percent=None if by_lengths is None else 100 * ((1 + by_lengths / 100) * stiffer - 1),
         missed=tuple(_words(one) for one in limits if one.missed), note=measured.note,
         limits=tuple(asdict(one) for one in limits), young_sd_kPa=measured.young_sd_kPa, weighed_ratio=ratio[0],
-        weighed_ratio_sd=ratio[1], cast_shape="" if crown is None else str(_cast_shape(crown, spec)),
+        weighed_ratio_sd=ratio[1], cast_shape=_cast_shape(crown, measured.gauge_mm, spec),
+        force_sd_percent=None if crown is None else crown.gauge_percent(pad, measured.gauge_mm),
     )  # fmt: skip
 
 
@@ -223,12 +223,16 @@ def _by_lengths(crown: MeasuredCrown | None, thickness_mm: float, spec: MouldSpe
     """Change of the force for the lengths of a cast pad. [%]"""
     if crown is None:
         return force_change_percent(spec, thickness_mm / spec.pad.thickness_mm)
-    return crown_change_percent(spec.pad, crown.height_mm - spec.pad.shape.relief_mm, crown.thicker_mm)
+    return crown.change_percent(spec.pad)
 
 
-def _cast_shape(crown: MeasuredCrown, spec: MouldSpec) -> PadShape:
-    """The pad's shape with the height that was gauged, in micrometres."""
-    return crown_shape(spec.pad.shape, round(crown.height_mm - spec.pad.shape.relief_mm, 3))
+def _cast_shape(crown: MeasuredCrown | None, gauge_mm: float, spec: MouldSpec) -> str:
+    """The pad's shape with the height that was gauged, in micrometres; empty where the gauge cannot tell it is another.
+    """
+    limits = crown_limits(spec.pad, spec.acceptance.thickness_percent)
+    if crown is None or not crown.differs(gauge_mm, limits, spec.pad.shape.relief_mm):
+        return ""
+    return str(crown_shape(spec.pad.shape, round(crown.higher_mm, 3)))
 
 
 def weighed_ratio(measured: Measured, spec: MouldSpec) -> tuple[float, float]:
@@ -265,7 +269,7 @@ def _evened_mm(measured: Measured, spec: MouldSpec, points: tuple[GaugePoint, ..
     if not measured.points:
         return measured.thicknesses_mm
     crown = measured_crown(measured.readings, spec.pad)
-    higher = 0.0 if crown is None else crown.height_mm - spec.pad.shape.relief_mm
+    higher = 0.0 if crown is None else crown.higher_mm
     return tuple(
         spec.pad.thickness_mm + off - (higher if name.startswith(TIP) else 0.0)
         for name, off in offsets_mm(measured.readings, points).items()

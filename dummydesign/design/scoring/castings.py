@@ -58,13 +58,12 @@ class Pours:
 
 def joined(pours: Sequence[Pours]) -> Pours:
     """Pours of one design, at several ratios, one after the other."""
-    names = ("thickness_mm", "young_MPa", "beta")
-    columns = [np.concatenate([getattr(one, name) for one in pours]) for name in names]
+    def column(parts: Sequence[Pours | Crowns], name: str) -> NDArray:
+        return np.concatenate([getattr(one, name) for one in parts])
+
+    pads = Pours(column(pours, "thickness_mm"), column(pours, "young_MPa"), column(pours, "beta"))
     crowns = [one.crowns for one in pours if one.crowns is not None]
-    if not crowns:
-        return Pours(*columns)
-    off = (np.concatenate([getattr(one, name) for one in crowns]) for name in ("higher_mm", "blunter"))
-    return Pours(*columns, Crowns(*off))
+    return replace(pads, crowns=Crowns(column(crowns, "higher_mm"), column(crowns, "blunter"))) if crowns else pads
 
 
 @dataclass(frozen=True)

@@ -134,3 +134,18 @@ def test_scatter_of_small_errors_is_the_slope_times_their_deviation(space):
     ]  # fmt: skip
     assert found == pytest.approx(abs(logs[1] - logs[0]) / 2e-3 * off.std(), rel=0.02)
     assert crown_scatter(law, Crowns(np.zeros(5), np.ones(5)), thickness, depth, RADIUS) == 0.0
+
+
+def test_depths_in_many_curves_at_once_are_those_in_each(space):
+    shape, thickness = PADS[1]
+    law, crowns = law_of(space, shape, thickness), drawn(700)
+    made = crowned_curves(law, crowns, rows(law, thickness, 700), thickness, RADIUS, GEL)
+    slab, area = np.arange(700), np.geomspace(0.1, 1e4, 9) * np.ones((700, 1))
+    found = made.depth_at(slab, area)
+    for n in (0, 333, 699):
+        alone = made.take(slab[n : n + 1]).depth_at(np.zeros(1, int), area[[n]])
+        np.testing.assert_allclose(found[n], alone[0], rtol=1e-9)
+    known = np.isfinite(found)
+    assert known.any() and not known.all()
+    np.testing.assert_allclose(made.area_at(slab, found)[known], area[known], rtol=1e-6)
+    np.testing.assert_array_equal(made.depth_at(slab, area[:, 4]), found[:, 4])

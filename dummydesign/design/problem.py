@@ -15,7 +15,7 @@ from dummydesign.core.files import read_json
 from dummydesign.design.request import ANSWER, Request
 from dummydesign.design.scoring.castings import Castings, Tolerances
 from dummydesign.design.scoring.presses import Sampling
-from dummydesign.design.scoring.settings import puck_error, settings_files
+from dummydesign.design.scoring.settings import crown_making, puck_error, settings_files
 from dummydesign.design.scoring.targets import make_targets
 from dummydesign.design.search.shape_search import kinds_of
 from dummydesign.design.search.slabs import Correct, SearchSpace, thickness_steps
@@ -159,7 +159,8 @@ def _tolerances(
 ) -> Tolerances:
     """How well a pad is made: the batch that is mixed is what is weighed."""
     _, batch = recipe_and_batch(_mould(request, preset, resin, shape, thickness_mm, ratio))
-    return Tolerances(batch["total_g"], request.weighing_g, request.thickness_tolerance_mm)
+    crown = crown_making() if shape.crowned else None
+    return Tolerances(batch["total_g"], request.weighing_g, request.thickness_tolerance_mm, crown)
 
 
 def _least_film_mm(

@@ -79,6 +79,7 @@ def asked(capsys, words):
 @pytest.mark.parametrize(("name", "old", "new"), [
     ("materials/verdict.toml", "[usable.over]\nvalue = 1.25", "[usable.over]\nvalue = 1.45"),
     ("materials/puck.toml", "value = 0.043", "value = 0.06"),
+    ("materials/making.toml", "low = -0.05", "low = -0.06"),
 ])  # fmt: skip
 def test_an_answer_under_other_limits_goes_into_a_folder_of_its_own_and_names_them(
     own_folder, capsys, tmp_path, monkeypatch, name, old, new

@@ -3,7 +3,7 @@
     python -m benchmarks.speed.pad_paths [--out benchmarks/results/speed_pad_paths.json] [NAME ...]
 
 Every case runs in a process of its own with the cache off. Processor seconds depend on the machine and on what else
-it does, so the seconds of a fixed loop of the same kind of work stand beside them; counts do not depend on either.
+it does: compare runs of one hour. Counts depend on neither.
 """
 
 from __future__ import annotations
@@ -36,21 +36,6 @@ COUNTED = {
 PATHS = ("pad.axisymmetric.shaped_problem", "follow")
 
 
-def _work() -> float:
-    """Processor seconds of a fixed loop: band factorisations and sums of arrays."""
-    import numpy as np
-    from scipy.linalg.lapack import dpbtrf
-
-    band = np.zeros((80, 2500), order="F")
-    band[0], band[1:] = 200.0, 1.0
-    whole = np.ones((500, 2000))
-    began = time.process_time()
-    for _ in range(60):
-        dpbtrf(band, lower=1)
-        (whole + whole).sum()
-    return time.process_time() - began
-
-
 def measure(name: str) -> dict[str, Any]:
     """Run one command in this process and count."""
     import importlib
@@ -78,7 +63,7 @@ def measure(name: str) -> dict[str, Any]:
     spent = time.process_time() - began
     # a further solve is also counted within the factorisation that it belongs to
     counts["further_solves"] -= counts["factorisations"]
-    return {"case": name, "status": status or 0, "processor_s": round(spent, 2), "loop_s": round(_work(), 3)} | counts
+    return {"case": name, "status": status or 0, "processor_s": round(spent, 2)} | counts
 
 
 def main() -> None:

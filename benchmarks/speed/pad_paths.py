@@ -43,14 +43,17 @@ def measure(name: str) -> dict[str, Any]:
 
     from dummydesign.cli.entry import run
 
-    counts = dict.fromkeys((*COUNTED, "paths"), 0)
+    counts, seconds = dict.fromkeys((*COUNTED, "paths"), 0), dict.fromkeys((*COUNTED, "paths"), 0.0)
 
     def counted(owner: Any, attribute: str, key: str) -> None:
         whole = getattr(owner, attribute)
 
         def call(*args: Any, **more: Any) -> Any:
             counts[key] += 1
-            return whole(*args, **more)
+            start = time.process_time()
+            answer = whole(*args, **more)
+            seconds[key] += time.process_time() - start
+            return answer
 
         setattr(owner, attribute, call)
 
@@ -63,7 +66,8 @@ def measure(name: str) -> dict[str, Any]:
     spent = time.process_time() - began
     # a further solve is also counted within the factorisation that it belongs to
     counts["further_solves"] -= counts["factorisations"]
-    return {"case": name, "status": status or 0, "processor_s": round(spent, 2)} | counts
+    took = {"processor_s": round(spent, 2), "paths_s": round(seconds["paths"], 2)}
+    return {"case": name, "status": status or 0} | took | counts
 
 
 def main() -> None:

@@ -20,7 +20,7 @@ from dummydesign.mold.checks.check import Check, above, below, equal, skipped
 from dummydesign.mold.files.meshes import tessellate
 from dummydesign.mold.model import layout as dimensions
 from dummydesign.mold.model.layout import Outline
-from dummydesign.mold.model.spec import PadGeometry
+from dummydesign.mold.model.spec import Insert, PadGeometry
 
 OFF_MM = 1e-4
 
@@ -88,6 +88,13 @@ def check_validity(made: Parts) -> list[Check]:
     return [equal("solids_valid", len(made.parts) - len(bad), len(made.parts), ", ".join(bad))]
 
 
+def volume_limit(made: Parts, volume_mm3: float) -> float:
+    """Largest relative error of a volume: that of closed forms, or with a bone from a file what its force allows."""
+    bone = made.spec.insert
+    allowed_mm3 = 0.0 if bone is None else bone.volume_error_mm3(made.spec.pad.thickness_mm)
+    return max(VOLUME_REL, allowed_mm3 / volume_mm3)
+
+
 def check_volumes(made: Parts) -> list[Check]:
     """Cavity against what fills it, compensated pad against nominal pad, and the pad against its closed form."""
     spec, plan, pad = made.spec, made.plan, made.solid("pad")
@@ -96,11 +103,12 @@ def check_volumes(made: Parts) -> list[Check]:
     filled = made.cavity.Volume()
     what = "against pad" if made.with_bone is None else "against pad and bone"
     off = max(abs(one / filled - 1) for one in cavities)
+    near = volume_limit(made, pad.Volume())
     added = spec.pad.shape.closed_form if spec.insert is None else ", less the placed bone as measured"
     return [
-        below("cavity_volume", off, VOLUME_REL, f"cavity to the fill plane {what}"),
-        below("compensation", abs(pad.Volume() / (made.pad_nominal.Volume() * plan.scale**3) - 1), VOLUME_REL),
-        below("closed_form", abs(pad.Volume() / dimensions.resin_volume_mm3(spec) - 1), VOLUME_REL,
+        below("cavity_volume", off, volume_limit(made, filled), f"cavity to the fill plane {what}"),
+        below("compensation", abs(pad.Volume() / (made.pad_nominal.Volume() * plan.scale**3) - 1), near),
+        below("closed_form", abs(pad.Volume() / dimensions.resin_volume_mm3(spec) - 1), near,
               f"drafted slab by Steiner and Pappus{added}"),
     ]  # fmt: skip
 
@@ -306,17 +314,47 @@ def _bone(made: Parts) -> list[Check]:
     """The bone fills what the gel leaves free and keeps its cover over the tested face."""
     spec, plan = made.spec, made.plan
     exact = plan.scale**3 * dimensions.bone_volume_mm3(spec)
-    what = "closed form" if spec.insert is None else "the placed file"
+    what = "against the closed form" if spec.insert is None else "against the placed file"
     bone = _below(made.solid("carrier"), made, plan.depth_mm)
     whole = made.parts["pad"].volume_mm3 + bone
     cover = plan.scale * (spec.pad.thickness_mm - spec.pad.shape.bone_height_mm)
     lowest = made.solid("carrier").BoundingBox().zmin
     near = HEIGHT_MM if spec.insert is None else PLACED_MM
+    filled = made.cavity.Volume()
     return [
-        below("bone_volume", abs(bone / exact - 1), VOLUME_REL, f"carrier below the fill plane against {what}"),
-        below("gel_and_bone", abs(whole / made.cavity.Volume() - 1), VOLUME_REL, "together against the cavity"),
+        below("bone_volume", abs(bone / exact - 1), volume_limit(made, exact), f"carrier below the fill plane, {what}"),
+        below("gel_and_bone", abs(whole / filled - 1), volume_limit(made, filled), "together against the cavity"),
         below("bone_cover", abs(lowest - cover), near, f"mm off the cover of {cover:.3f} mm under the bone"),
+        *([] if spec.insert is None else [_kernel(made, spec.insert)]),
     ]
+
+
+def _kernel(made: Parts, insert: Insert) -> Check:
+    """How far the kernel's volume of a bone without a closed form is off that of ever finer meshes."""
+    exact, error = settled_volume_mm3(made.placed, 0.1 * insert.volume_error_mm3(made.spec.pad.thickness_mm))
+    off = (abs(insert.volume_mm3 - exact) + error) / exact
+    note = f"kernel's volume against meshes that are refined until it stands to {error / exact:.1g}"
+    return below("bone_kernel", off, volume_limit(made, exact), note)
+
+
+MOST_QUARTERS = 7
+
+
+def settled_volume_mm3(solid: Any, enough_mm3: float) -> tuple[float, float]:
+    """Volume of a solid by meshes of a quarter of the deflection each, extrapolated until it stands, and its error.
+
+    The error of a mesh's volume is proportional to its deflection (A. Ern, J.-L. Guermond, Theory and Practice of
+    Finite Elements, 2004, section 1.3), so that the limit is the last volume and a third of its last change.
+    """
+    meshes = (tessellate(solid, 0.2 / 4**i, 0.4 / 2**i).volume for i in range(MOST_QUARTERS))
+    volume = next(meshes)
+    limits: list[float] = []
+    for finer in meshes:
+        limits.append(finer + (finer - volume) / 3)
+        volume = finer
+        if len(limits) > 1 and abs(limits[-1] - limits[-2]) < enough_mm3:
+            break
+    return limits[-1], abs(limits[-1] - limits[-2])
 
 
 def _below(solid: Any, made: Parts, height_mm: float) -> float:

@@ -14,7 +14,7 @@ from dummydesign.geometry.conic import Conic
 from dummydesign.geometry.dimensions import STEEPEST_BONE_DEG
 from dummydesign.mold.cad.bone_mesh import FEWER, fault, read_triangles, sewn, simplified
 from dummydesign.mold.cad.kernel import cq, occ
-from dummydesign.mold.cad.solids import heights_over
+from dummydesign.mold.cad.solids import exact_volume_mm3, heights_over
 from dummydesign.mold.model.spec import THIN_LAYER
 
 GRID, ROUNDS = 41, 4
@@ -164,7 +164,7 @@ def measure(bone: Any, asked: dict[str, Any], thickness_mm: float, room_mm: floa
     heights = np.where(np.isfinite(under), thickness_mm - under, 0.0)
     radius, foot, off = nearest_dome(heights, np.hypot(*grid.T), asked["height_mm"], room_mm)
     return {
-        "volume_mm3": bone.Volume(), "seat_mm2": seat_mm2, "overhang": bool(up.any()),
+        "volume_mm3": exact_volume_mm3(bone), "seat_mm2": seat_mm2, "overhang": bool(up.any()),
         "x_low_mm": float(low[0]), "x_high_mm": float(high[0]), "y_low_mm": float(low[1]), "y_high_mm": float(high[1]),
         "off_dome_mm": off, "tip_mm": radius, "foot_mm": foot,
     }  # fmt: skip

@@ -225,7 +225,8 @@ def broken(rng: Generator, folder: Path, number: int) -> Bone:
     points, faces = np.asarray(mesh.vertices).copy(), np.asarray(mesh.faces).copy()
     kind, reason = (
         ("holes", "not closed"), ("crossing", "crosses itself"), ("two bodies", "2 bodies"),
-        ("crossing bodies", "bodies|crosses itself"), ("fin", "more than two triangles"), ("crossing", "crosses itself"),
+        ("crossing bodies", "bodies|crosses itself"), ("fin", "more than two triangles"),
+        ("crossing", "crosses itself"),
     )[number % 6]  # fmt: skip
     if kind == "holes":
         faces = faces[np.linalg.norm(points[faces].mean(axis=1) - points[rng.integers(len(points))], axis=1) > 1.5]
@@ -312,7 +313,10 @@ def tried(bone: Bone, rng: Generator, folder: Path, scale: float, whole: bool) -
     turn = (0.0, 0.0, round(float(rng.uniform(-20, 20)), 1))
     preset, before = str(rng.choice(["open", "printed"])), processor_s()
     try:
-        answer = _whole(bone, cover, turn, preset, scale, folder) if whole else _placed(bone, cover, turn, scale, folder)
+        if whole:
+            answer = _whole(bone, cover, turn, preset, scale, folder)
+        else:
+            answer = _placed(bone, cover, turn, scale, folder)
     except DummydesignError as problem:
         answer = {"outcome": "refused", "code": problem.code, "message": str(problem)}
     return {**answer, "cover_mm": cover, "seconds": round(processor_s() - before, 1)}

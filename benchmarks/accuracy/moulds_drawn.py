@@ -132,7 +132,8 @@ def opened(path: Path) -> list[str]:
     if program := shutil.which("admesh"):
         text = _said([program, str(path)])
         wrong = [line.strip() for line in text.splitlines() if re.search(WRONG, line)]
-        said += [f"admesh, {path.name}: {line}" for line in wrong or ([] if "Number of parts" in text else ["no answer"])]
+        wrong = wrong or ([] if "Number of parts" in text else ["no answer"])
+        said += [f"admesh, {path.name}: {line}" for line in wrong]
     if program := shutil.which("gmsh"):
         text = _said([program, str(path), "-parse_and_exit"])
         if re.search("Warning|Error", text) or "Done reading" not in text:
@@ -204,10 +205,10 @@ def summary(rows: list[dict[str, Any]]) -> str:
              f"least room of a closed outline: {min(row['room_mm'] for row in fit):.2f} mm"]  # fmt: skip
     if parts:
         programs = [name for name in ("prusa-slicer", "admesh", "gmsh") if shutil.which(name)]
-        hanging = max(part["overhang_mm2"] for part in parts)
-        lines += [f"{len(parts)} printed parts built: off the bed by at most {max(p['off_bed_mm'] for p in parts):.1g} mm, "
-                  f"least room {min(p['room_mm'] for p in parts):.2f} mm, off their outline by at most "
-                  f"{max(p['off_outline_mm'] for p in parts):.3f} mm, largest overhang {hanging:.0f} mm2 "
+        most = {name: max(part[name] for part in parts) for name in ("off_bed_mm", "off_outline_mm", "overhang_mm2")}
+        lines += [f"{len(parts)} printed parts built: off the bed by at most {most['off_bed_mm']:.1g} mm, "
+                  f"least room {min(part['room_mm'] for part in parts):.2f} mm, off their outline by at most "
+                  f"{most['off_outline_mm']:.3f} mm, largest overhang {most['overhang_mm2']:.0f} mm2 "
                   f"(allowed {MOST_OVERHANG_MM2:g})",
                   f"opened by {', '.join(programs) or 'no other program'}: "
                   f"{sum(bool(part['complaints']) for part in parts)} parts with complaints"]  # fmt: skip

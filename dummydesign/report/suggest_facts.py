@@ -14,8 +14,9 @@ from dummydesign.tissue.model.people_share import is_strict
 
 MOST_NOTES = 4
 NOTES = ("bottoms_out", "impact_beyond_people", "people_bound", "measured_curves", "tissue_punch",
-         "force_not_in_band", "speed_not_in_band", "calibration_resin", "out_of_reach", "one_subject", "contradictory_points", "calibration", "at_edge",
-         "outside_steady_range", "cad_unavailable", "curved_master")  # fmt: skip
+         "force_not_in_band", "speed_not_in_band", "calibration_resin", "out_of_reach", "one_subject",
+         "contradictory_points", "calibration", "at_edge", "outside_steady_range", "cad_unavailable",
+         "curved_master")  # fmt: skip
 """Warnings that change what one does, the most pressing first."""
 NOTE_WORDS = {
     "out_of_reach": "{message}. Allow a thicker pad (--thickness) or a smaller force.",

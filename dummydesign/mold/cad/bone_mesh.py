@@ -19,6 +19,10 @@ SAME, FLAT = 1e-6, 1e-6
 """Corners nearer than this share of the bone's size are one; lower triangles than that have no area."""
 
 
+ON_EDGE = 1e-9
+"""Barycentric coordinate from which on a point on a triangle's side is on the triangle."""
+
+
 def fault(name: str, problem: str, code: str = "malformed") -> InputError:
     """Error of a bone's file."""
     return InputError(f"bone '{name}': {problem}", code, "bone", name)
@@ -159,7 +163,7 @@ def crossing(points: NDArray, faces: NDArray) -> NDArray | None:
                     turned = np.cross(off, u)
                     t = np.einsum("ij,ij->i", way, turned) / det
                     share = np.einsum("ij,ij->i", v, turned) / det
-                    hit = apart & (s > 0) & (t > 0) & (s + t < 1) & (share > 0) & (share < 1)
+                    hit = apart & (s > -ON_EDGE) & (t > -ON_EDGE) & (s + t < 1 + ON_EDGE) & (share > 0) & (share < 1)
                 if hit.any():
                     at = int(hit.argmax())
                     return np.asarray(foot[at] + share[at] * way[at])
@@ -193,7 +197,7 @@ def simplified(points: NDArray, faces: NDArray, name: str) -> tuple[NDArray, NDA
     """
     if len(faces) <= FEWER[0]:
         if (at := crossing(points, faces)) is not None:
-            raise _crosses(name, at)
+            raise crosses(name, at)
         return points, faces, 0.0, 0.0
     try:
         import pyvista
@@ -208,13 +212,14 @@ def simplified(points: NDArray, faces: NDArray, name: str) -> tuple[NDArray, NDA
             off = whole.compute_implicit_distance(small)["implicit_distance"]
             return corners, kept, float(np.abs(off).max()), float(np.sqrt(np.mean(off**2)))
     if (at := crossing(points, faces)) is not None:
-        raise _crosses(name, at)
+        raise crosses(name, at)
     problem = f"its {len(faces):,} triangles cannot be simplified to {FEWER[0]:,} that do not cross each other"
     raise fault(name, f"{problem}: smooth it in a mesh program first", "too_large")
 
 
-def _crosses(name: str, at: NDArray) -> InputError:
-    return fault(name, f"its surface crosses itself near {_at(at)}; repair it in a mesh program first")
+def crosses(name: str, at: NDArray) -> InputError:
+    """Error of a surface that crosses itself at a point."""
+    return fault(name, f"its surface crosses itself near {_at(at)}; repair it first")
 
 
 def _is_closed(faces: NDArray) -> bool:

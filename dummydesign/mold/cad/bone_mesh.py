@@ -157,6 +157,9 @@ def crossing(points: NDArray, faces: NDArray) -> NDArray | None:
                 foot, way = points[start], points[stop] - points[start]
                 across = np.cross(way, v)
                 det = np.einsum("ij,ij->i", u, across)
+                # An edge that lies in the triangle's plane, but for rounding, runs through it nowhere.
+                sizes = np.linalg.norm(u, axis=1) * np.linalg.norm(v, axis=1) * np.linalg.norm(way, axis=1)
+                det[np.abs(det) < ON_EDGE * sizes] = 0.0
                 with np.errstate(divide="ignore", invalid="ignore"):
                     off = foot - a
                     s = np.einsum("ij,ij->i", off, across) / det

@@ -13,13 +13,14 @@ import numpy as np
 
 from dummydesign.core.process import write_progress
 from dummydesign.mold.cad.build import Parts, build
+from dummydesign.mold.cad.tessellate import tessellate
 from dummydesign.mold.checks import files as check_files
 from dummydesign.mold.checks import release
 from dummydesign.mold.checks.process import check_process
 from dummydesign.mold.checks.solids import check_shape, check_solids
 from dummydesign.mold.files import picture as view
 from dummydesign.mold.files.drawing_sheet import to_dxf, to_pdf, to_svg
-from dummydesign.mold.files.meshes import lying, tessellate, write_3mf, write_glb, write_stl
+from dummydesign.mold.files.meshes import lying, write_3mf, write_glb, write_stl
 from dummydesign.mold.files.part_drawings import part_views, sheets
 from dummydesign.mold.files.picture import turned_over
 from dummydesign.mold.files.pour_sheet import Foot, pour_sheet, sheet_pdf, to_html, to_markdown

@@ -15,7 +15,7 @@ from dummydesign.geometry.dimensions import STEEPEST_BONE_DEG
 from dummydesign.mold.cad.bone_mesh import FEWER, crosses, crossing, fault, read_triangles, sewn, simplified
 from dummydesign.mold.cad.kernel import cq, occ
 from dummydesign.mold.cad.solids import exact_volume_mm3, heights_over
-from dummydesign.mold.files.meshes import tessellate
+from dummydesign.mold.cad.tessellate import tessellate
 from dummydesign.mold.model.spec import THIN_LAYER
 
 GRID, ROUNDS = 41, 4
@@ -98,8 +98,9 @@ def _of_step(path: Path) -> Any:
         solid = solid.fix()
         if not solid.isValid() or len(solid.Solids()) != 1:
             raise fault(path.name, "its surfaces do not close to a valid solid; repair it in a CAD program first")
-    if all((at := _crossing(solid, near)) is not None for near in (0.05, 0.0125)):
-        raise crosses(path.name, at)
+    places = [_crossing(solid, near) for near in (0.05, 0.0125)]
+    if places[0] is not None and places[1] is not None:
+        raise crosses(path.name, places[1])
     if solid.Volume() < 0:
         occ.BRepLib.OrientClosedSolid_s(solid.wrapped)
     return solid

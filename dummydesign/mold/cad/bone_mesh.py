@@ -216,8 +216,8 @@ def simplified(points: NDArray, faces: NDArray, name: str) -> tuple[NDArray, NDA
             return corners, kept, float(np.abs(off).max()), float(np.sqrt(np.mean(off**2)))
     if (at := crossing(points, faces)) is not None:
         raise crosses(name, at)
-    problem = f"its {len(faces):,} triangles cannot be simplified to {FEWER[0]:,} that do not cross each other"
-    raise fault(name, f"{problem}: smooth it in a mesh program first", "too_large")
+    why = f"its {len(faces):,} triangles cannot be simplified to {FEWER[0]:,} that do not cross each other"
+    raise fault(name, f"{why}: smooth it in a mesh program first", "too_large")
 
 
 def crosses(name: str, at: NDArray) -> InputError:

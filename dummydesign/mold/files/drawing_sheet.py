@@ -5,7 +5,8 @@ from __future__ import annotations
 import html
 import io
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from functools import lru_cache
 from typing import Any
@@ -255,29 +256,38 @@ def to_pdf(sheets: Sequence[Drawing], title: str) -> bytes:
     """Write sheets as PDF; a millimetre of the drawing is a millimetre of the page; equal sheets, equal files."""
     from reportlab.pdfgen.canvas import Canvas
 
-    binary_streams()
     stream = io.BytesIO()
     canvas = Canvas(stream, invariant=1, pageCompression=1)
-    canvas.setTitle(title)
-    canvas.setCreator("dummydesign")
-    for sheet in sheets:
-        canvas.setPageSize(tuple(POINT_PER_MM * side for side in sheet.size))
-        canvas.saveState()
-        canvas.scale(POINT_PER_MM, POINT_PER_MM)
-        draw(canvas, sheet)
-        canvas.restoreState()
-        canvas.bookmarkPage(sheet.title)
-        canvas.addOutlineEntry(sheet.title, sheet.title)
-        canvas.showPage()
-    canvas.save()
+    with packed_pages():
+        canvas.setTitle(title)
+        canvas.setCreator("dummydesign")
+        for sheet in sheets:
+            canvas.setPageSize(tuple(POINT_PER_MM * side for side in sheet.size))
+            canvas.saveState()
+            canvas.scale(POINT_PER_MM, POINT_PER_MM)
+            draw(canvas, sheet)
+            canvas.restoreState()
+            canvas.bookmarkPage(sheet.title)
+            canvas.addOutlineEntry(sheet.title, sheet.title)
+            canvas.showPage()
+        canvas.save()
     return stream.getvalue()
 
 
-def binary_streams() -> None:
-    """Have pages packed as they are, not also spelt out in letters, which takes longer and a quarter more room."""
+@contextmanager
+def packed_pages() -> Iterator[None]:
+    """Write pages packed as they are, not also spelt out in letters; reportlab's setting is given back.
+
+    Letters take longer and a quarter more room.
+    """
     from reportlab import rl_config
 
+    before = rl_config.useA85
     rl_config.useA85 = 0
+    try:
+        yield
+    finally:
+        rl_config.useA85 = before
 
 
 def draw(canvas: Any, sheet: Drawing) -> None:

@@ -16,7 +16,7 @@ from typing import Any
 
 from dummydesign.mold.cad.label import label_text
 from dummydesign.mold.files.drawing_layout import font_file
-from dummydesign.mold.files.drawing_sheet import PAPERS, Drawing, binary_streams, draw
+from dummydesign.mold.files.drawing_sheet import PAPERS, Drawing, draw, packed_pages
 from dummydesign.mold.model.spec import MouldSpec, Pour
 from dummydesign.mold.pour.acceptance import acceptance_rows, gauge_points, measured_blanks, points_rows, when_it_fails
 from dummydesign.mold.pour.bill_of_materials import bill_of_materials, materials
@@ -325,7 +325,6 @@ def sheet_pdf(blocks: Sequence[Block], foot: Foot, drawings: Sequence[Drawing] =
     from reportlab.pdfgen.canvas import Canvas
     from reportlab.platypus import BaseDocTemplate, Frame, PageTemplate
 
-    binary_streams()
     wide, high = (MM * side for side in PAGES_MM[paper])
     margin, low = MM * MARGIN_MM, MM * (FOOT_MM + 4.0)
     story = _story(blocks, wide - 2 * margin)
@@ -354,7 +353,8 @@ def sheet_pdf(blocks: Sequence[Block], foot: Foot, drawings: Sequence[Drawing] =
     document = BaseDocTemplate(stream, pagesize=(wide, high), invariant=1, title=blocks[0].text, creator="dummydesign")
     frame = Frame(margin, low, wide - 2 * margin, high - low - margin, 0, 0, 0, 0)
     document.addPageTemplates(PageTemplate("page", [frame]))
-    document.build(story, canvasmaker=Numbered)
+    with packed_pages():
+        document.build(story, canvasmaker=Numbered)
     return stream.getvalue()
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import segno
 
-from dummydesign.mold.files.drawing_sheet import Drawing, Line
+from dummydesign.mold.files.drawing_sheet import Drawing, Line, to_pdf
 from dummydesign.mold.files.pour_sheet import QR_MM, Block, Foot, pour_sheet, sheet_pdf
 from dummydesign.mold.pour.plan import pour_plan
 from dummydesign.mold.pour.warnings import pour_warnings
@@ -60,3 +60,11 @@ def test_japanese_letters_have_a_font_that_holds_them():
     data = sheet_pdf(blocks, Foot("ABCD", "command", "2026-01-01"))
     assert b"HeiseiKakuGo-W5" in data and pages_mm(data)
     assert b"HeiseiKakuGo" not in sheet_pdf([Block("text", "resin ± 1")], Foot("ABCD", "command", "2026-01-01"))
+
+
+def test_pdfs_of_a_mould_leave_the_settings_of_their_library_as_they_were(monkeypatch):
+    from reportlab import rl_config
+
+    monkeypatch.setattr(rl_config, "useA85", 1)
+    for data in (sheet_pdf([Block("head", "a")], Foot("A")), to_pdf([LINE], "a")):
+        assert rl_config.useA85 == 1 and b"ASCII85Decode" not in data

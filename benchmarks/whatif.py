@@ -17,7 +17,6 @@ from pathlib import Path
 
 import numpy as np
 
-from dummydesign.design.sweep.live_data import live_data
 from dummydesign.design.sweep.rows import RowsFile, settings_of
 from dummydesign.design.sweep.run import open_executor, targets_of, tasks_of, whatif
 from dummydesign.design.sweep.spec import Study, parse_shapes
@@ -61,7 +60,7 @@ def main() -> None:
             whatif(THOUSAND, file=RowsFile(home, THOUSAND, settings_of(THOUSAND, resin, None), False))
 
         print(f"the same with its file: {fastest(repeats, filed):.3f} s")
-        report = fastest(repeats, lambda: write_whatif(home, THOUSAND, rows, resin, None, live_data(resin, None), []))
+        report = fastest(repeats, lambda: write_whatif(home, THOUSAND, rows, resin, None, []))
         print(f"its report: {report:.3f} s")
     print(f"{SHAPED.size} shaped designs, table, scored: {fastest(repeats, lambda: whatif(SHAPED)):.3f} s")
     tasks = len(list(tasks_of(MANY, resin, targets_of(MANY))))

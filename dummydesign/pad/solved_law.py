@@ -70,7 +70,8 @@ class SolvedLaw(BaseForceLaw):
     def depth_limit_mm(self, thickness_mm: ArrayLike, radius_mm: ArrayLike) -> Array:
         """Largest depth that was solved. [mm]"""
         thickness = np.asarray(thickness_mm, float)
-        return np.array([self.limits_mm[self._solved(float(value))] for value in thickness.flat]).reshape(thickness.shape)
+        limits = [self.limits_mm[self._solved(float(value))] for value in thickness.flat]
+        return np.array(limits).reshape(thickness.shape)
 
     def relative_error(self, depth_mm: ArrayLike, thickness_mm: ArrayLike, radius_mm: ArrayLike) -> Array:
         """Error of the force over the force, between solved depths on straight lines; see

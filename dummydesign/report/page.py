@@ -256,13 +256,6 @@ def write_report(
     return {"report": str(write_text(folder / f"{stem}.html", text)), **files}
 
 
-def script_json(value: Any) -> str:
-    """JSON that may stand inside a script element."""
-    import json
-
-    return json.dumps(value, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c")
-
-
 PAD_UP = "pad, tested face up"
 
 

@@ -65,23 +65,7 @@ def test_nothing_is_wider_than_a_phone_and_figures_fill_it(made, name, tmp_path)
     seen = visit(outer.as_uri(), tmp_path, "--allow-file-access-from-files", "--disable-web-security")
     found = json.loads(re.search("<title>(.*?)</title>", seen.dom)[1])
     assert found["width"] == PHONE and found["page"] <= PHONE
-    assert len(found["plots"]) >= 5 and min(found["plots"]) > 0.85 * PHONE
-
-
-def test_the_sliders_show_what_the_rows_say(made, tmp_path):
-    with open(made["whatif"] / "rows.csv", newline="") as stream:
-        row = next(r for r in csv.DictReader(stream) if r["thickness_mm"] == "15.0" and r["ratio"] == "16.5")
-    place = "#thickness=15&ratio=16.5&force=10&velocity=250&size=14&shape=square&base=bonded"
-    dom = visit((made["whatif"] / "report.html").as_uri() + place, tmp_path).dom
-    for name, column in (
-        ("young_kPa", "young_kPa"),
-        ("depth_mm", "depth_mm_at_10_N"),
-        ("exponent", "exponent_at_10_N"),
-        ("stiffness_N_per_mm", "stiffness_N_per_mm_at_10_N"),
-        ("peak_over_steady", "peak_over_steady_at_250_mm_s"),
-    ):
-        shown = float(re.search(rf'id="v-{name}" data-value="([^"]+)"', dom)[1])
-        assert shown == pytest.approx(float(row[column]), rel=1e-3), name
+    assert len(found["plots"]) >= 4 and min(found["plots"]) > 0.85 * PHONE
 
 
 class Outline(HTMLParser):
@@ -110,7 +94,7 @@ def test_figures_have_words_units_and_are_closed(made, name):
     outline.feed(text)
     assert outline.open == []
     plots = [a for a in outline.found["svg"] if a.get("class") == "plot"]
-    assert len(plots) >= 5 and all(a["role"] == "img" and len(a["aria-label"]) > 10 for a in plots)
+    assert len(plots) >= 4 and all(a["role"] == "img" and len(a["aria-label"]) > 10 for a in plots)
     assert not [a for tag in outline.found.values() for a in tag if str(a.get("src", "")).startswith("http")]
     labels = re.findall(r'class="label"[^>]*>([^<]+)<', text)
     assert {"depth [mm]", "thickness [mm]"} & set(labels)

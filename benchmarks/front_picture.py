@@ -8,7 +8,6 @@ mould is the left half of ``docs/images/mould.png``. Takes about a minute.
 
 from __future__ import annotations
 
-import csv
 import sys
 import tempfile
 from pathlib import Path
@@ -19,6 +18,7 @@ ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT))
 
 import dummydesign  # noqa: E402
+from dummydesign.report.page import figure_values  # noqa: E402
 
 MOULD, PICTURE = ROOT / "docs" / "images" / "mould.png", ROOT / "docs" / "images" / "pad-and-force.png"
 LEFT, TOP, RIGHT, BOTTOM = 90, 50, 800, 610
@@ -28,7 +28,7 @@ COLOURS = 256
 
 
 def steady_curves(folder: Path) -> dict[str, np.ndarray]:
-    """Read depth, force, shallowest and deepest subject of each series of ``report-steady.csv``.
+    """Read depth, force, shallowest and deepest subject of each series of the figure ``steady``.
 
     Parameters
     ----------
@@ -36,9 +36,9 @@ def steady_curves(folder: Path) -> dict[str, np.ndarray]:
         Of an answer of ``suggest``.
     """
     curves: dict[str, list[list[float]]] = {}
-    with open(folder / "report-steady.csv", encoding="utf-8", newline="") as file:
-        for name, *values in list(csv.reader(file))[1:]:
-            curves.setdefault(name, []).append([float(value) if value else np.nan for value in values])
+    for row in figure_values(folder / "report.csv")["steady"]:
+        values = [float(row[key]) if row[key] else np.nan for key in ("x", "y", "low", "high")]
+        curves.setdefault(row["series"], []).append(values)
     return {name: np.array(rows) for name, rows in curves.items()}
 
 

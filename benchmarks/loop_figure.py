@@ -8,7 +8,6 @@ Takes half a minute. One campaign as an example: rates are those of the blind st
 
 from __future__ import annotations
 
-import csv
 import tempfile
 from pathlib import Path
 
@@ -16,6 +15,7 @@ import numpy as np
 
 import dummydesign
 from dummydesign.loop.result import named
+from dummydesign.report.page import figure_values
 from tests.support import campaign_generator as generator
 
 FIGURE = Path(__file__).resolve().parent.parent / "docs" / "images" / "loop.svg"
@@ -23,12 +23,11 @@ EFFECT, SIZE, SEED, CAST = "rate_dependent_viscosity", 0.12, 1, 'resin = "polyur
 MEASURED, BASE, AFTER = "0.35", "#c94a1f", "#1f4e79"
 
 
-def series(path: Path) -> dict[str, np.ndarray]:
-    """x and y of each series of a report's CSV."""
+def series(rows: list[dict[str, str]]) -> dict[str, np.ndarray]:
+    """x and y of each series of a figure."""
     columns: dict[str, list[list[float]]] = {}
-    with open(path, encoding="utf-8", newline="") as file:
-        for name, *values in list(csv.reader(file))[1:]:
-            columns.setdefault(name, []).append([float(value) if value else np.nan for value in values[:2]])
+    for row in rows:
+        columns.setdefault(row["series"], []).append([float(row[key]) if row[key] else np.nan for key in ("x", "y")])
     return {name: np.array(rows) for name, rows in columns.items()}
 
 
@@ -40,7 +39,8 @@ def deepest(folder: Path) -> dict[str, np.ndarray]:
                           for one in ("measured", "base"))  # fmt: skip
         return float(np.max(np.abs(measured[:, 1] - base[:, 1])))
 
-    return max((series(path) for path in sorted(folder.glob("report-press-*.csv"))), key=miss)
+    figures = figure_values(folder / "report.csv")
+    return max((series(rows) for name, rows in figures.items() if name.startswith("press-")), key=miss)
 
 
 def draw(loop: Path, answer: dict, designs: dict[str, Path]) -> None:
@@ -75,7 +75,7 @@ def draw(loop: Path, answer: dict, designs: dict[str, Path]) -> None:
     cause.axvline(answer["threshold"], color="black", lw=0.8, ls="--")
     cause.set(xlabel="evidence (needed: dashed)", title="3 Effect: find the cause, calibrate")
     for name, colour, style in (("without calibration", BASE, "--"), ("with calibration", AFTER, "-")):
-        curve = series(designs[name] / "report-steady.csv")["recommended pad"]
+        curve = series(figure_values(designs[name] / "report.csv")["steady"])["recommended pad"]
         design.plot(np.append(0.0, curve[:, 0]), np.append(0.0, curve[:, 1]), style, color=colour, label=name)
     design.set(xlabel="depth [mm]", ylabel="steady force [N]", title="4 Next design: a 12 mm slab")
     design.legend(frameon=False, fontsize=8)

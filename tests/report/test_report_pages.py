@@ -1,6 +1,5 @@
 """Reports in a real browser: no error, no request, readable on a phone; and what they hold without one."""
 
-import csv
 import json
 import re
 import xml.etree.ElementTree as xml
@@ -9,7 +8,7 @@ from html.parser import HTMLParser
 import pytest
 
 from dummydesign.cli.entry import run
-from dummydesign.report.page import Section, page
+from dummydesign.report.page import Section, figure_values, page
 from tests.support.browser import visit
 
 PHONE = 390
@@ -112,13 +111,11 @@ def test_the_report_says_what_the_answer_says(made):
 
 @pytest.mark.parametrize("name", ["suggest", "whatif"])
 def test_every_figure_has_its_csv_with_numbers(made, name):
-    files = sorted(made[name].glob("report-*.csv"))
-    assert len(files) >= (11 if name == "suggest" else 3)
-    for path in files:
-        with open(path, newline="") as stream:
-            rows = list(csv.reader(stream))
-        assert rows[0][0] == "series" and rows[0][3:] == ["low", "high"] and len(rows) > 1
-        assert all(len(row) == 5 and sum(map(is_number, row[1:])) >= 1 for row in rows[1:])
+    figures = figure_values(made[name] / "report.csv")
+    assert len(figures) == text_of(made[name]).count("<figure") and len(figures) >= (11 if name == "suggest" else 3)
+    for rows in figures.values():
+        assert len({(row["x_name"], row["y_name"]) for row in rows}) == 1
+        assert all(any(is_number(row[key]) for key in ("x", "y", "low", "high")) for row in rows)
     assert not list(made[name].glob(".*"))
 
 
@@ -131,11 +128,12 @@ def is_number(text):
 
 
 def test_the_csv_of_the_steady_curve_is_the_answer(made):
-    with open(made["suggest"] / "report-steady.csv", newline="") as stream:
-        rows = [row for row in csv.DictReader(stream) if row["series"] == "recommended pad"]
-    forces = [float(row["force_N"]) for row in rows]
+    figure = figure_values(made["suggest"] / "report.csv")["steady"]
+    rows = [row for row in figure if row["series"] == "recommended pad"]
+    assert (rows[0]["x_name"], rows[0]["y_name"]) == ("depth_mm", "force_N")
+    forces = [float(row["y"]) for row in rows]
     assert forces[0] < 0.2 and forces[-1] == 15.0
-    known = [float(row["depth_mm"]) for row in rows if row["depth_mm"]]
+    known = [float(row["x"]) for row in rows if row["x"]]
     assert known == sorted(known) and len(known) > 30
 
 

@@ -159,8 +159,21 @@ def _outline(punch: Punch, foot_mm: float) -> tuple[np.ndarray, np.ndarray]:
     return np.r_[-across[::-1], across], foot_mm + np.r_[height[::-1], height]
 
 
+SMALL = (
+    "<style>main h1,main h2,.lead,footer,.terms{display:none}html,body,main,section{height:100%;margin:0}"
+    "main{padding:0 .5rem;box-sizing:border-box}main section p{margin:.2rem 0;font-size:.9rem}"
+    "main section,main .viewer{display:flex;flex-direction:column;min-height:0;padding:0;border:0}"
+    "main .viewer,main .viewer .stage{flex:1 1 0;min-height:0}main .viewer .stage{min-height:140px}"
+    "main .viewer .stage canvas{height:100%}main .viewer .controls{display:none}</style>"
+)
+"""The view takes what the lines around it leave of the frame; its own style comes later, so "main" outranks it."""
+
+
 def pad_page(shape: PadShape, thickness_mm: float) -> str:
     """A page of its own with a pad as a solid to turn."""
+    from dummydesign.mold.files.solid_view import view_script
+    from dummydesign.report.page import page, solid_section
+
     half = 0.5 * np.array([PAD_LENGTH_MM, PAD_WIDTH_MM])
     fine = np.linspace(-32.0, 32.0, 65)
     x, y = (np.unique(np.r_[-h, fine[np.abs(fine) < h], h]) for h in half)
@@ -172,39 +185,15 @@ def pad_page(shape: PadShape, thickness_mm: float) -> str:
     for side in (nodes[::-1, 0], nodes[:, -1], nodes[0], nodes[-1, ::-1]):
         under = side * np.array([1.0, 1.0, 0.0])
         walls += [np.stack([side[:-1], under[:-1], under[1:]], 1), np.stack([side[:-1], under[1:], side[1:]], 1)]
-    return solids_page({"pad": np.concatenate([_faces(nodes), _faces(floor)[:, ::-1], *walls])})
+    solid = {"pad": np.concatenate([_faces(nodes), _faces(floor)[:, ::-1], *walls])}
+    section = solid_section(solid, "Drag or use the arrow keys to turn, scroll to zoom.")
+    return page("Solids", "", [section], scripts=[view_script()], tables="").replace("</head>", f"{SMALL}</head>")
 
 
 def _faces(nodes: np.ndarray) -> np.ndarray:
     """Triangles over a grid of points, seen from above; shape (n, 3, 3)."""
     a, b, c, d = nodes[:-1, :-1], nodes[1:, :-1], nodes[1:, 1:], nodes[:-1, 1:]
     return np.concatenate([np.stack([a, b, c], -2).reshape(-1, 3, 3), np.stack([a, c, d], -2).reshape(-1, 3, 3)])
-
-
-def mould_page(folder: Path) -> str | None:
-    """A page of its own with pad and mould of a folder as solids; None where there are no STL files."""
-    from dummydesign.mold.files.solid_view import read_stl
-
-    parts = {name: read_stl(path) for name in ("mould", "pad") for path in sorted(folder.glob(f"{name}_*.stl"))[:1]}
-    return solids_page(parts) if parts else None
-
-
-def solids_page(parts: dict[str, np.ndarray]) -> str:
-    """A page with solids and the script that turns them."""
-    from dummydesign.mold.files.solid_view import view_script
-    from dummydesign.report.page import page, solid_section
-
-    section = solid_section(parts, "Drag or use the arrow keys to turn, scroll to zoom.")
-    # the view takes what the lines around it leave of the frame; its own style comes later, so "main" outranks it
-    alone = "" if len(parts) > 1 else "main .viewer .controls{display:none}"
-    small = (
-        "<style>main h1,main h2,.lead,footer,.terms{display:none}html,body,main,section{height:100%;margin:0}"
-        "main{padding:0 .5rem;box-sizing:border-box}main section p{margin:.2rem 0;font-size:.9rem}"
-        "main section,main .viewer{display:flex;flex-direction:column;min-height:0;padding:0;border:0}"
-        "main .viewer,main .viewer .stage{flex:1 1 0;min-height:0}main .viewer .stage{min-height:140px}"
-        f"main .viewer .stage canvas{{height:100%}}{alone}</style>"
-    )
-    return page("Solids", "", [section], scripts=[view_script()], tables="").replace("</head>", f"{small}</head>")
 
 
 HEAD = ("pad", "verdict", "score", "usable after a puck", "shortfall", "over", "thickness mm", "ratio")

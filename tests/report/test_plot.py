@@ -10,10 +10,9 @@ import zlib
 import numpy as np
 import pytest
 
-from dummydesign.mold.files.solid_view import box, pack, read_stl
+from dummydesign.mold.files.solid_view import Shown, box, pack, read_view, view_page
 from dummydesign.report.plot import COLUMNS, HEIGHT, WIDTH, Axis, Plot, colours, png_uri, round_step, span
 from dummydesign.report.plot_layers import Band, Bars, Cells, Dots, Ellipse, Line, edges, thin
-from tests.support.refusal import raises_code
 
 
 def plot(*layers, **more):
@@ -140,14 +139,13 @@ def test_packed_triangles_come_back_within_a_step():
     assert np.abs(low + (high - low) * steps / 65535 - triangles).max() < 150 / 65535
 
 
-def test_stl_files_of_another_library_are_read(tmp_path):
-    trimesh = pytest.importorskip("trimesh")
-    ball = trimesh.creation.icosphere(2, 10.0)
-    ball.export(tmp_path / "ball.stl")
-    assert volume(read_stl(tmp_path / "ball.stl")) == pytest.approx(ball.volume, rel=1e-5)
-    for content in (b"solid x\nendsolid", b"", b"\0" * 84 + b"x"):
-        (tmp_path / "bad.stl").write_bytes(content)
-        with raises_code("file_unreadable", "stl_file"):
-            read_stl(tmp_path / "bad.stl")
-    with raises_code("file_not_found", "stl_file"):
-        read_stl(tmp_path / "none.stl")
+def test_a_view_is_read_again_and_without_one_there_are_no_parts(tmp_path):
+    ball = box(20.0, 30.0, 8.0)
+    page = tmp_path / "assembly.html"
+    page.write_text(view_page([Shown(name, ball, (1, 1, 1)) for name in ("pad, tested face up", "frame")], "t", ""))
+    (parts,) = read_view(page).items()
+    assert parts[0] == "pad, tested face up" and np.abs(parts[1] - ball).max() < 30 / 65535
+    for content in ("", 'id="view-data">[{"name": "pad"}]</script>', 'id="view-data">nonsense</script>'):
+        page.write_text(content)
+        assert read_view(page) == {}
+    assert read_view(tmp_path / "none.html") == {}

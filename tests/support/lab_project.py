@@ -42,7 +42,7 @@ def mould(root: Path, name: str, thickness: float, shape: str = "slab") -> None:
     folder = manifest(root, f"moulds/{name}", "mold", inputs, summary={
         key: inputs[key] for key in ("shape", "thickness_mm", "ratio", "resin", "preset")
     })  # fmt: skip
-    for file in (f"pour_t{thickness:g}.pdf", f"master_t{thickness:g}.step", f"drawing_pad_t{thickness:g}.svg"):
+    for file in (f"pour_t{thickness:g}.pdf", f"master_t{thickness:g}.step", f"drawings_t{thickness:g}.dxf"):
         (folder / file).write_text("x", encoding="utf-8")
     checks = [{"id": "solids_valid", "status": "pass"}, {"id": "fits", "status": "skipped", "note": "no oven"}]
     (folder / "checks.json").write_text(json.dumps(checks), encoding="utf-8")

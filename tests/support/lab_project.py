@@ -10,6 +10,7 @@ from dummydesign.core.files import csv_text
 from dummydesign.core.manifest import sha256_of
 from dummydesign.measurement.campaign_file import SetUp
 from dummydesign.measurement.campaign_plan import PlanSettings
+from dummydesign.mold.files.solid_view import Shown, box, view_page
 from dummydesign.project.folder import make_project
 from dummydesign.report.plot import COLUMNS
 from tests.support.pressed_plan import press_campaign
@@ -44,6 +45,8 @@ def mould(root: Path, name: str, thickness: float, shape: str = "slab") -> None:
     })  # fmt: skip
     for file in (f"pour_t{thickness:g}.pdf", f"master_t{thickness:g}.step", f"drawings_t{thickness:g}.dxf"):
         (folder / file).write_text("x", encoding="utf-8")
+    solid = Shown("pad", box(150.0, 120.0, thickness), (0.9, 0.7, 0.6))
+    (folder / f"assembly_t{thickness:g}.html").write_text(view_page([solid], name, ""), encoding="utf-8")
     checks = [{"id": "solids_valid", "status": "pass"}, {"id": "fits", "status": "skipped", "note": "no oven"}]
     (folder / "checks.json").write_text(json.dumps(checks), encoding="utf-8")
 

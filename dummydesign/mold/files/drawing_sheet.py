@@ -155,7 +155,7 @@ def number_text(value: float) -> str:
     return f"{value:.2f}".rstrip("0").rstrip(".")
 
 
-FORBIDDEN = r"""[<>/\\":;?*=`|,]"""
+FORBIDDEN = r"""[<>/\\":;?*=`|]"""
 """Signs that the name of a layout must not have."""
 
 
@@ -177,7 +177,7 @@ def to_dxf(sheets: Sequence[Drawing]) -> str:
         document.layers.add("viewport").off()
         left = 0.0
         for number, sheet in enumerate(sheets, 1):
-            name = f"{number} {re.sub(FORBIDDEN, '-', sheet.title)}"
+            name = f"{number} {re.sub(FORBIDDEN, '-', sheet.title.partition(',')[0])}"
             if number == 1:
                 document.layouts.rename("Layout1", name)
             page: Any = document.layout(name) if number == 1 else document.layouts.new(name)

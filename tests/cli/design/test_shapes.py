@@ -66,6 +66,7 @@ def test_the_report_shows_the_shapes_side_by_side_with_their_curves_as_csv(crown
     assert {row["series"].split(":")[0] for row in rows} >= {"aim", "crowned"}
 
 
+@pytest.mark.slow
 def test_a_shape_with_its_lengths_is_kept(capsys):
     status, found = answer(capsys, "suggest", "--tissue", "forefinger", "--shape", "crowned:20,2", *QUICK)
     assert status == (1 if found["verdict"]["light"] == "red" else 0)

@@ -7,6 +7,7 @@ import json
 import math
 import random
 import re
+from collections import Counter
 from html.parser import HTMLParser
 from pathlib import Path
 
@@ -220,6 +221,10 @@ def test_witness_puck_has_the_mass_of_its_cylinder(open_spec):
 def test_manifest_names_every_file_with_its_hash(lidded_package):
     folder, result = lidded_package
     sums = json.loads(Path(result.files["manifest"]).read_text())["sha256"]
+    endings = Counter(path.suffix for path in folder.iterdir())
+    assert {kind: endings[kind] for kind in (".pdf", ".dxf", ".html", ".png")} == {
+        ".pdf": 2, ".dxf": 1, ".html": 2, ".png": 1}  # fmt: skip
+    assert set(endings) == {".pdf", ".dxf", ".html", ".png", ".step", ".3mf", ".json"}
     for path in folder.iterdir():
         assert not path.name.startswith(".")
         if path.name != "manifest.json":

@@ -66,7 +66,9 @@ def _write_and_check(
     checks += release.check_mould_mesh(made, tool, tessellate(made.core, *release.FINE))
     write_progress("step 4 of 5: reading the files again")
     assembly = folder / files["assembly"]
-    checks += check_files.check_step(made.parts, {name: folder / files[name] for name in made.parts}, assembly)
+    bone_mm3 = 0.0 if spec.insert is None else spec.insert.volume_error_mm3(spec.pad.thickness_mm)
+    single = {name: folder / files[name] for name in made.parts}
+    checks += check_files.check_step(made.parts, single, assembly, bone_mm3)
     checks += check_files.check_step_text(assembly, folder / files["pad"], spec.hash)
     total = sum(part.volume_mm3 for part in made.parts.values())
     checks.append(check_files.check_second_reader(assembly, total, len(made.parts)))

@@ -5,9 +5,10 @@
 cavities. A specification that is refused for its size must fit when the size of its advice is taken. Of every mould
 that can be made, the parts' closed outlines are laid on the bed by arithmetic of this file's own.
 
-The first ``--built`` of these are built: STL and 3MF of each printed part are written as ``mold`` writes them, read by
-trimesh and measured as they lie (on the bed, inside it, area flatter than 45 degrees that hangs), and opened by
-PrusaSlicer, admesh and gmsh where they are installed. Those are run as programs; no library of theirs is loaded.
+The first ``--built`` of these are built: the 3MF of each printed part is written as ``mold`` writes it, and its mesh as
+STL for programs that read no 3MF. The 3MF is read by trimesh and measured as they lie (on the bed, inside it, area
+flatter than 45 degrees that hangs), and opened by PrusaSlicer, admesh and gmsh where they are installed. Those are run
+as programs; no library of theirs is loaded.
 """
 
 from __future__ import annotations
@@ -91,16 +92,16 @@ def built(spec: MouldSpec, folder: Path) -> Iterator[dict[str, Any]]:
 
     from dummydesign.mold.cad.build import build
     from dummydesign.mold.cad.tessellate import tessellate
-    from dummydesign.mold.files.meshes import lying, write_3mf, write_stl
+    from dummydesign.mold.files.meshes import lying, write_3mf
 
     made, bed = build(spec), sorted(spec.machines.bed_mm)
     for part in printed_parts(spec):
         solid = made.parts[part.name].solid
         mesh = lying(tessellate(solid), part.turned, made.print_scale(part.name))
         stl, threemf = folder / f"{part.name}.stl", folder / f"{part.name}.3mf"
-        write_stl(mesh, stl)
+        mesh.export(stl)
         write_3mf(mesh, threemf)
-        read: Any = trimesh.load(stl, force="mesh")
+        read: Any = trimesh.load(threemf, force="mesh")
         low, high = read.bounds
         across = np.sort((high - low)[:2])
         expected = np.sort([part.outline.length_mm, part.outline.width_mm])

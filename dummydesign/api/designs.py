@@ -429,7 +429,6 @@ def _work_out(
         return Rows(study, tuple(swept["rows"]), swept["seconds"], inputs, tuple(swept["warnings"]), sources)
     from dummydesign.core.outputs import growing_folder
     from dummydesign.design.scoring.settings import settings_files
-    from dummydesign.design.sweep.live_data import live_data
     from dummydesign.design.sweep.rows import RowsFile, settings_of
     from dummydesign.report.whatif import write_whatif
 
@@ -440,8 +439,7 @@ def _work_out(
         kept = len(file.rows)
         swept = work_out(study, executor=executor, file=file, progress=progress, targets=targets)
         rows = swept["rows"]
-        live = live_data(resin, sites, study.sampling)
-        page = write_whatif(output.work, study, rows, resin, sites, live, swept["warnings"])
+        page = write_whatif(output.work, study, rows, resin, sites, swept["warnings"])
     answered = output.answer({"warnings": swept["warnings"], "files": {"rows": str(file.path), **page}})
     inputs = {**inputs, "out": str(output.folder)}
     warnings = tuple(answered["warnings"])

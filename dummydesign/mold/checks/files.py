@@ -147,24 +147,21 @@ def overhang_mm2(mesh: Any) -> float:
     return float(np.asarray(mesh.area_faces)[above_bed & flat].sum())
 
 
-def check_lying(made: Parts, files: Mapping[str, Mapping[str, Path]]) -> list[Check]:
+def check_lying(made: Parts, files: Mapping[str, Path]) -> list[Check]:
     """Print files lie on z = 0, hang over the bed nowhere, and fit it with their margin; read again from disk."""
     import trimesh
 
     machines = made.spec.machines
     low, spare, hanging, names = 0.0, math.inf, 0.0, {"spare": "", "hanging": ""}
-    for name, paths in files.items():
-        if not made.parts[name].is_printed:
-            continue
-        for path in paths.values():
-            mesh: Any = trimesh.load(path, force="mesh")
-            (x0, y0, z0), (x1, y1, z1) = mesh.bounds
-            low = max(low, abs(z0))
-            room = min(spare_mm(Outline(x1 - x0, y1 - y0, 0.0), machines.bed_mm), machines.printer_height_mm - z1)
-            if room < spare:
-                spare, names["spare"] = room, name
-            if not _bone_overhangs(made.spec, name) and (area := overhang_mm2(mesh)) > hanging:
-                hanging, names["hanging"] = area, name
+    for name, path in files.items():
+        mesh: Any = trimesh.load(path, force="mesh")
+        (x0, y0, z0), (x1, y1, z1) = mesh.bounds
+        low = max(low, abs(z0))
+        room = min(spare_mm(Outline(x1 - x0, y1 - y0, 0.0), machines.bed_mm), machines.printer_height_mm - z1)
+        if room < spare:
+            spare, names["spare"] = room, name
+        if not _bone_overhangs(made.spec, name) and (area := overhang_mm2(mesh)) > hanging:
+            hanging, names["hanging"] = area, name
     note = "mm2 flatter than 45 degrees off the bed"
     if _bone_overhangs(made.spec, "carrier"):
         note += "; the carrier's bone overhangs and is printed with support"
@@ -184,22 +181,20 @@ def _bone_overhangs(spec: MouldSpec, name: str) -> bool:
     return name == "carrier" and spec.insert is not None and spec.insert.overhang
 
 
-def check_meshes(made: Parts, files: Mapping[str, Mapping[str, Path]]) -> list[Check]:
+def check_meshes(made: Parts, files: Mapping[str, Path]) -> list[Check]:
     """Load every mesh file again: watertight, wound outwards, the solid's volume, the expected Euler number."""
     import trimesh
 
     loose: list[str] = []
     torn: list[str] = []
     worst, genus = 0.0, genera(made.spec)
-    for name, paths in files.items():
-        solid_mm3 = made.print_scale(name) ** 3 * made.parts[name].volume_mm3
-        for path in paths.values():
-            mesh: Any = trimesh.load(path, force="mesh")
-            if not (mesh.is_watertight and mesh.is_winding_consistent and mesh.is_volume):
-                loose.append(path.name)
-            if mesh.euler_number != 2 - 2 * genus[name]:
-                torn.append(f"{path.name}: {mesh.euler_number} instead of {2 - 2 * genus[name]}")
-            worst = max(worst, abs(mesh.volume / solid_mm3 - 1))
+    for name, path in files.items():
+        mesh: Any = trimesh.load(path, force="mesh")
+        if not (mesh.is_watertight and mesh.is_winding_consistent and mesh.is_volume):
+            loose.append(path.name)
+        if mesh.euler_number != 2 - 2 * genus[name]:
+            torn.append(f"{path.name}: {mesh.euler_number} instead of {2 - 2 * genus[name]}")
+        worst = max(worst, abs(mesh.volume / (made.print_scale(name) ** 3 * made.parts[name].volume_mm3) - 1))
     return [
         equal("mesh_watertight", len(loose), 0, ", ".join(loose)),
         equal("mesh_euler", len(torn), 0, "; ".join(torn)),

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -19,12 +18,6 @@ def lying(mesh: Any, turned: bool, scale: float = 1.0) -> Any:
         laid.apply_scale(scale)
     laid.apply_translation((0.0, 0.0, -laid.bounds[0][2]))
     return laid
-
-
-def write_stl(mesh: Any, path: Path) -> None:
-    """Write a binary STL; the 80-byte head is blank but for the name, so equal meshes give equal files."""
-    data = mesh.export(file_type="stl")
-    path.write_bytes(path.stem.encode("ascii", "replace")[:80].ljust(80, b" ") + data[80:])
 
 
 _TYPES = (
@@ -65,23 +58,3 @@ def write_3mf(mesh: Any, path: Path) -> None:
             entry = zipfile.ZipInfo(name, (1980, 1, 1, 0, 0, 0))
             entry.compress_type = zipfile.ZIP_DEFLATED
             target.writestr(entry, text)
-
-
-def write_glb(meshes: Mapping[str, Any], colours: Mapping[str, tuple[float, float, float]], path: Path) -> None:
-    """Write meshes as one binary glTF, whose unit is the metre; z up is turned to y up as its viewers expect."""
-    import numpy as np
-    import trimesh
-
-    turn = trimesh.transformations.rotation_matrix(-np.pi / 2, [1, 0, 0])
-    scene = trimesh.Scene()
-    for name, mesh in meshes.items():
-        shown = mesh.copy()
-        shown.apply_scale(1e-3)
-        shown.apply_transform(turn)
-        colour = [*(int(255 * c) for c in colours[name]), 255]
-        material = trimesh.visual.material.PBRMaterial(
-            name=name, baseColorFactor=colour, metallicFactor=0.0, roughnessFactor=0.7
-        )
-        shown.visual = trimesh.visual.TextureVisuals(material=material)
-        scene.add_geometry(shown, node_name=name, geom_name=name)
-    path.write_bytes(scene.export(file_type="glb"))

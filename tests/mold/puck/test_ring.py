@@ -157,7 +157,7 @@ def test_the_command_makes_checked_files_of_several_pucks_with_one_sheet(tmp_pat
     assert run(words) == 0
     answer = json.loads(capsys.readouterr().out)
     assert {check["status"] for check in answer["checks"]} == {"pass"}
-    assert {"assembly", "ring_half_50x30", "puck_30x20", "pour_sheet", "ring_half_50x30_stl"} <= answer["files"].keys()
+    assert {"assembly", "ring_half_50x30", "puck_30x20", "pour_sheet", "ring_half_50x30_3mf"} <= answer["files"].keys()
     assert len(answer["step_sha256"]) == 64 and sum(answer["masses_g"].values()) > 150.0
     volumes = answer["volumes_mm3"]
     assert volumes["puck_50x30"] == pytest.approx(math.pi / 4 * 2500 * 30, rel=1e-12)

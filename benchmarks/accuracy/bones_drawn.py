@@ -369,7 +369,7 @@ def judged(bone: Bone, number: int, seed: int, work: Path, whole: bool) -> dict[
         row["as_expected"] = answer["outcome"] != "refused"
     if bone.volume_mm3 is not None and answer["outcome"] != "refused":
         row["volume_off"] = answer["volume_mm3"] / bone.volume_mm3 - 1
-        row["as_expected"] = row["as_expected"] and abs(row["volume_off"]) < bone.volume_within
+        row["as_expected"] = row["as_expected"] and abs(off) < bone.volume_within
     return {**row, **{key: hidden(value, work) for key, value in answer.items()}}
 
 

@@ -368,7 +368,8 @@ def judged(bone: Bone, number: int, seed: int, work: Path, whole: bool) -> dict[
     else:
         row["as_expected"] = answer["outcome"] != "refused"
     if bone.volume_mm3 is not None and answer["outcome"] != "refused":
-        row["volume_off"] = answer["volume_mm3"] / bone.volume_mm3 - 1
+        off = answer["volume_mm3"] / bone.volume_mm3 - 1
+        row["volume_off"] = off
         row["as_expected"] = row["as_expected"] and abs(off) < bone.volume_within
     return {**row, **{key: hidden(value, work) for key, value in answer.items()}}
 

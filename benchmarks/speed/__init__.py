@@ -1,1 +1,1 @@
-"""What the slow parts of the program cost: counts and processor time."""
+"""How long commands and parts take."""

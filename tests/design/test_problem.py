@@ -178,6 +178,14 @@ def test_the_ratio_for_a_mould_follows_the_resin_and_its_modulus_does_not(mould,
     assert all(low_kPa < 1e3 * value < high_kPa for value in young)
 
 
+def test_a_pad_of_another_size_than_the_mould_is_refused(mould):
+    mould()
+    read_problem(Request("forefinger", mould="m", pad_mm=(120.0, 100.0), verify=False))
+    with raises_code("conflict", "mould") as caught:
+        read_problem(Request("forefinger", mould="m", pad_mm=(100.0, 80.0), thickness_mm=(4.0, 8.0), verify=False))
+    assert "leave --thickness and --pad out" in str(caught.value)
+
+
 def test_two_moulds_and_what_contradicts_the_mould_are_refused(mould, tmp_path):
     mould("two/a")
     mould("two/b", 5.0)

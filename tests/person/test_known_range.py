@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from benchmarks.fit_coverage import GAMMA1
-from benchmarks.fit_coverage import press as pressed_person
+from benchmarks.accuracy.fit_coverage import GAMMA1
+from benchmarks.accuracy.fit_coverage import press as pressed_person
 from dummydesign.person.drives import read_drive
 from dummydesign.person.on_person import on_person
 from dummydesign.tissue.fitting.fit import fit_traces

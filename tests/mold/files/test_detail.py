@@ -94,6 +94,6 @@ def test_pad_and_master_of_a_crown_have_the_detail_in_every_format(crowned):
         words = [one.words for one in drawing.texts]
         assert any(one.startswith("R3") for one in words) and "A" in words
         assert any(one.startswith("Profile, distance from the axis") for one in words)
-        texts = [e.dxf.text for e in ezdxf.read(io.StringIO(to_dxf(drawing))).layout("Layout1").query("TEXT")]
+        texts = [e.dxf.text for e in ezdxf.read(io.StringIO(to_dxf([drawing]))).layout(f"1 {name}").query("TEXT")]
         assert any(one.startswith("detail A (") for one in texts)
     assert not any("detail" in one.words for one in found["frame"].texts)

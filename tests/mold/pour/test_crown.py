@@ -21,6 +21,7 @@ from dummydesign.mold.pour.warnings import pour_warnings
 from dummydesign.pad.tables.shape import TabulatedShapeLaw
 from tests.mold.pour.test_gauge_points import keep, record, typed
 from tests.support.mould_checks import shape_spec
+from tests.support.sheet_text import sheet_text
 
 PALM = shape_spec("crowned:2.6,3.2,7.8", 10.0)
 FOREFINGER = shape_spec("crowned:21.2,2,9.4", 4.5)
@@ -122,7 +123,7 @@ def test_the_sheet_gives_nominal_and_limits_of_the_height_on_the_plug_and_on_the
     for spec in (PALM, FOREFINGER):
         low, high = crown_limits(spec.pad, spec.acceptance.thickness_percent).height_mm
         plan = pour_plan(spec)
-        text = sheet.to_markdown(sheet.pour_sheet(spec, plan, pour_warnings(spec, plan)))
+        text = sheet_text(sheet.pour_sheet(spec, plan, pour_warnings(spec, plan)))
         nominal = spec.pad.shape.height_mm
         assert height_words(spec) in text and f"| {nominal:.2f} mm | {low:.2f} to {high:.2f} mm |" in text
         grow = face_factor(spec)

@@ -22,6 +22,7 @@ from dummydesign.mold.pour.plan import pour_plan
 from dummydesign.mold.pour.warnings import pour_warnings
 from tests.measurement.test_campaign import write
 from tests.support.mould_checks import shape_spec
+from tests.support.sheet_text import sheet_text
 
 CROWN = mould_spec(4.5, 150.0, 120.0, kind="crowned", parameters=(("radius", 21.2), ("height", 2.0), ("foot", 9.4)))
 CORNERS = [f"corner{i}" for i in range(1, 5)]
@@ -205,5 +206,5 @@ def test_the_sheet_lists_every_point_with_its_limits_and_a_column_for_each_pad()
                 assert row[0] == one.name and f"{one.nominal_mm:.2f}" in row
                 assert f"{one.low_mm:.2f} to {one.high_mm:.2f}" in row
         assert sum(cell == sheet.BLANK for rows in tables for cell in rows[1]) == spec.count
-        text = sheet.to_markdown(blocks)
+        text = sheet_text(blocks)
         assert "mean of five" not in text and all(f"{one.name}=MM" in text for one in gauge_points(spec))

@@ -138,7 +138,7 @@ def sharp(rough: Array, fine: Array) -> tuple[Array, Array]:
 
 
 def last_known(values: Array, otherwise: float) -> Array:
-    """Values by depth, the last known one carried on."""
+    """Values by depth, held at the last known one."""
     known = np.flatnonzero(np.isfinite(values))
     if not len(known):
         return np.full(len(values), otherwise)
@@ -148,7 +148,7 @@ def last_known(values: Array, otherwise: float) -> Array:
 def solve_shaped_pad(pad: Pad, depth_mm: ArrayLike, cells: int = CELLS, solved: PathCache | None = None) -> PadCurve:
     """Static force of a round shaped pad under a round, flat punch with a sharp or filleted edge, from first touch.
 
-    Force and error at a depth are the same whatever other depths are asked for.
+    Force and error at a depth are the same whatever the other depths are.
     """
     least = least_fillet_mm(pad)
     if 0.0 < pad.edge_radius_mm < least:
@@ -176,7 +176,7 @@ def _climbs(case: Case, deepest: float, cells: int, solved: PathCache, twin: boo
 
 
 def _doubt(path: Path, count: int) -> Array:
-    """Relative error of a path's forces between the ends of its steps, shape (count,); the last one carried on."""
+    """Relative error of a path's forces between the ends of its steps, shape (count,); held at the last one."""
     known = np.zeros(len(path.force)) if path.doubt is None else path.doubt
     return last_known(np.concatenate([known, np.full(count - len(known), np.nan)]), 0.0)
 

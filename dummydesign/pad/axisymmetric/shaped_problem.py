@@ -121,7 +121,7 @@ LARGEST_STEP = 0.01
 # slab by at most 0.25 %, twice as much by 1 %.
 FLAT_STEP = 0.015
 FREE_STEP = 0.03
-# A tip is meshed for a contact of half the radius of the smallest one whose force is asked for (``first_touch``), or of
+# A tip is meshed for a contact of half the radius of the smallest one whose force is solved (``first_touch``), or of
 # the smallest depth; the first step ends there, or at the last of these depths.
 FIRST_CONTACT, LEAST_DEPTH, FIRST_END = 0.05, 1e-4, 0.005
 # Smallest step, and over the first one.
@@ -188,7 +188,7 @@ def climb(
 ) -> Climb:  # fmt: skip
     """Follow the pad under a punch with one edge fillet to the second end of a step beyond a depth.
 
-    ``visit`` is told of every end of a step. ``smaller`` is the path of a crown under a smaller fillet on the same
+    ``visit`` is called with every end of a step. ``smaller`` is the path of a crown under a smaller fillet on the same
     cells, which this one shares until the contact comes to its own fillet. The path ends where the smallest volume
     ratio is below ``sound_J``.
     """

@@ -146,7 +146,8 @@ def test_the_next_step_opens_the_campaign_that_it_is_about(project):
 
 def test_the_next_step_opens_the_design_whose_mould_it_makes(project):
     write(project.root, "designs/a", **design(thickness=6.0))
-    write(project.root, "designs/b", date="2026-02-01", **design("crowned:radius=20,height=2,foot=9", 4.5, 15.4))
+    best = design("crowned:radius=20,height=2,foot=9", 4.5, 15.4, verdict="stands_for")
+    write(project.root, "designs/b", date="2026-02-01", **best)
     chosen = read_state(project, {"design": "designs/a"})
     assert chosen.thickness_mm == 6.0
     status = status_of(project)

@@ -12,6 +12,7 @@ from nicegui import ui
 from dummydesign.core.errors import InputError
 from dummydesign.core.library import entries
 from dummydesign.project.folder import Project, change_project, project_of
+from dummydesign.project.status import witness_size
 from dummydesign.studio import choices, jobs, parts
 from dummydesign.studio.parts import html, keep_state, open_page
 from dummydesign.studio.state import State, page_link
@@ -30,6 +31,8 @@ class PuckPage:
         start = {name: query[name] for name in OWN if name in query} or _last(project.root)
         html("<p>Press a puck of the batch slowly between two plates, by a third of its height or more. "
              "Its modulus makes a resin of the batch.</p>")  # fmt: skip
+        with ui.expansion("Print the ring of a puck", value=not known).props('data-test="ring"'):
+            Work(project.root, "ring", "Make the ring", self._ring_words, _show_ring, needs="files")
         if not known:
             html(f'<p class="note">No presses yet: {page_link("/measured", "bring in the file of a puck")} first.</p>')
             return
@@ -59,6 +62,11 @@ class PuckPage:
     def _renew(self) -> None:
         keep_state(self._state, **{name: _text(field.value) for name, field in self._fields.items()})
         self._work.renew()
+
+    def _ring_words(self) -> list[str]:
+        size = witness_size()
+        given = {"puck": size, "resin": self._state.resin, "ratio": self._state.ratio, "out": f"moulds/puck_{size}"}
+        return ["mold", *jobs.options(given)]
 
     def _words(self) -> list[str]:
         given = {name: field.value for name, field in self._fields.items()}
@@ -105,6 +113,12 @@ class PuckPage:
             if own:
                 names = ", ".join(f"{one.name}{' (chosen)' * (one.name == self._state.resin)}" for one in own)
                 html(f"<h2>Your own resins</h2><p>{escape(names)}</p>")
+
+
+def _show_ring(job: jobs.Job) -> None:
+    folder = Path(next(iter(job.answer["files"].values()))).parent.as_posix()
+    html(f"<p>The ring is in <b>{escape(folder)}</b>, with its pour sheet and how the puck is pressed.</p>")
+    parts.zip_link(folder)
 
 
 def pucks(root: Path) -> dict[str, str]:

@@ -173,10 +173,11 @@ def _after_design(project: Project, best: dict[str, Any], ring: bool, tissue: st
             return "design again with the batch that was measured", f"dummydesign suggest{tissue} --no-cad"
         size = witness_size()
         if ring:
-            added = command(trace_names(size), *size.split("x"), best["ratio"], quote(resin))
+            diameter, height = size.split("x")
+            added = command(trace_names(size), diameter, height, best["ratio"], quote(resin))
             return "cast and press the puck, then read it", added
-        text = str(step.get("do") or "measure one puck of the resin first")
-        return text, str(step.get("command") or f"dummydesign mold --puck {size} --resin {quote(resin)} --ratio {best['ratio']:g}")
+        made = f"dummydesign mold --puck {size} --resin {quote(resin)} --ratio {best['ratio']:g}"
+        return str(step.get("do") or "measure one puck of the resin first"), str(step.get("command") or made)
     return "make the mould", _mould(project, best)
 
 

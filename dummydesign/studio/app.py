@@ -101,7 +101,7 @@ def make_app(root: Path) -> FastAPI:
     for path in PAGES:
         _add_page(root, path)
     ui.run_with(app, title="dummydesign studio", dark=None, tailwind=False, unocss=None, storage_secret=None,
-                reconnect_timeout=30.0, show_welcome_message=False)  # fmt: skip
+                reconnect_timeout=120.0, show_welcome_message=False)  # fmt: skip
     return app
 
 

@@ -17,7 +17,7 @@ from urllib.parse import urlencode
 from nicegui import ui
 from nicegui.elements.mixins.value_element import ValueElement
 
-from dummydesign.core.errors import InputError
+from dummydesign.core.errors import InputError, out_of_range
 from dummydesign.project.folder import Project, project_of
 from dummydesign.report import page as report_page
 from dummydesign.studio.choices import offered
@@ -99,6 +99,18 @@ def keep_state(state: State, **more: str) -> None:
     ui.run_javascript(f"keepState({json.dumps(state.query())}, {json.dumps(kept)})")
 
 
+class Kept:
+    """What a page keeps in its address: the state, and choices of this page alone by name."""
+
+    def __init__(self, state: State, **own: str) -> None:
+        self.state, self.own = state, own
+
+    def keep(self, **own: str) -> None:
+        """Keep further choices."""
+        self.own |= own
+        keep_state(self.state, **self.own)
+
+
 def open_page(path: str, state: State) -> None:
     """Go to a page in a state."""
     ui.navigate.to(f"{address(path)}?{state.query()}")
@@ -160,6 +172,53 @@ def button(words: str, action: Callable[..., object], test: str = "", label: str
     # not in a text of properties: a name with a backslash in it would break off there
     added.props.update({name: text for name, text in (("data-test", test), ("aria-label", label)) if text})
     return added
+
+
+def number_of(text: str, name: str, key: str = "") -> float | None:
+    """A typed number, with a dot or a comma; None for an empty field."""
+    given = text.strip().replace(",", ".")
+    if not given:
+        return None
+    try:
+        value = float(given)
+    except ValueError:
+        value = math.nan
+    if not math.isfinite(value):
+        raise InputError(f"{name} = '{text.strip()}' is not a number", "not_a_number", key or name, text.strip())
+    return value
+
+
+class NumberField(ui.input):
+    """A field for a number. What is not allowed stays as it was typed, with the reason under it."""
+
+    def __init__(
+        self, label: str, value: float | None = None, low: float = 0.0, high: float = 1e6, test: str = "",
+        hint: str = "",
+    ) -> None:  # fmt: skip
+        self._name, self._low, self._high = label, low, high
+        super().__init__(label, value="" if value is None else f"{value:.10g}", validation=self._refusal)
+        given = {"inputmode": "decimal", "data-test": test, "hint": hint}
+        self.props("hide-bottom-space").props.update({name: text for name, text in given.items() if text})
+
+    @property
+    def number(self) -> float | None:
+        """The number; None for an empty field, InputError for one that is not allowed."""
+        value = number_of(self.value or "", self._name)
+        if value is not None and not self._low <= value <= self._high:
+            raise out_of_range(self._name, f"{value:g}", f"{self._low:g}", f"{self._high:g}")
+        return value
+
+    def _refusal(self, text: object) -> str | None:
+        try:
+            self.number  # noqa: B018
+        except InputError as refused:
+            return str(refused)
+        return None
+
+
+def values_of(fields: Mapping[str, Any]) -> dict[str, Any]:
+    """Values of fields by name (InputError for a number that is not allowed)."""
+    return {name: field.number if isinstance(field, NumberField) else field.value for name, field in fields.items()}
 
 
 def select(label: str, known: Mapping[str, str], value: str, test: str = "") -> ui.select:

@@ -42,6 +42,7 @@ class Work:
         self._show, self._belongs, self._ended, self._stamp = show, belongs, ended, stamp
         self._needs, self._check = needs, check
         self._seen: object = None
+        self.shown: jobs.Job | None = None
         self._watched = ""
         self._pressed = self.running = self.answered = False
         with ui.element("section").classes("work"):
@@ -107,6 +108,7 @@ class Work:
             _move_focus(self._stop, self._button)
         answer = next((one for one in reversed(every) if belongs(one, words) and one.has_answer), None)
         self.answered = answer is not None
+        self.shown = answer if answer is not None and self._needs in ("", *answer.answer) else None
         if newest is not None and self.running:
             self._watched = newest.folder.name
             self._status.set_text(f"{newest.progress or 'at work'} – {newest.seconds:.0f} s")
@@ -122,7 +124,7 @@ class Work:
                 if answer is not newest or not as_chosen:
                     when = time.strftime("%d %b %H:%M", time.localtime(answer.started))
                     html(f'<p class="source">Result of {when}: <code>{escape(answer.begun)}</code></p>')
-                if not self._needs or self._needs in answer.answer:
+                if self.shown is not None:
                     self._show(answer)
         if newest is not None and not self.running and newest.folder.name == self._watched:
             self._watched = ""

@@ -17,7 +17,7 @@ from dummydesign.geometry.pad_shape import PadShape
 from dummydesign.geometry.punch import read_punch
 from dummydesign.geometry.shape_registry import read_shape
 from dummydesign.project.folder import Project
-from dummydesign.studio import choices, figures, parts
+from dummydesign.studio import choices, figures, made, parts
 from dummydesign.studio import slider_model as sliders
 from dummydesign.studio.pages import search
 from dummydesign.studio.parts import html, keep_state, open_page
@@ -28,6 +28,7 @@ SETTLE_S = 0.35
 """After this time without a move the verdict counts what castings may turn out as. [s]"""
 WATCH_S = 2.0
 """How often the files behind the verdict are looked at. [s]"""
+ESTIMATE = "Estimate by interpolation; a search solves the pad."
 
 
 @dataclass(frozen=True)
@@ -279,6 +280,8 @@ class DesignPage:
         resin = view.evaluator.problem.space.resin
         young = 1e3 * float(resin.young_MPa(state.ratio))
         with self.numbers:
+            if (calibrated := view.evaluator.problem.calibrated) is not None:
+                parts.warnings({"warnings": calibrated.warnings})
             parts.facts([(f"{young:.3g} kPa", "modulus"), (f"{state.thickness_mm:g} mm", "thickness"),
                          (f"{state.ratio:g}", resin.ratio_meaning)])  # fmt: skip
             parts.table(search.PRESS_HEAD, view.presses)
@@ -297,18 +300,25 @@ class DesignPage:
             if view.solvable:
                 self.solved.offer()
             return
-        verdict = await run.io_bound(view.evaluator.with_castings, view.pad, view.shape)
+        verdict = await run.io_bound(self._verdict, state, view)
         if number != self.wanted or verdict is None:
             return
-        self._say(state, verdict.light, verdict.text, "settled")
+        self._say(state, *verdict[:2], "settled", verdict[2])
         with self.solid:
             size = f"{state.thickness_mm:g}"
             title = f"solid of {state.shape}, {size} mm"
             parts.shown_file("/solid/pad", title, "shown solid", shape=state.shape, thickness=size)
 
-    def _say(self, state: State, light: str, text: str, shown: str) -> None:
+    def _verdict(self, state: State, view: View) -> tuple[str, str, str]:
+        """Light, sentence and source: the design of this pad where there is one, else an estimate by the table."""
+        if solved := made.verdict_of_design(self.root, state):
+            return *solved, ""
+        verdict = view.evaluator.with_castings(view.pad, view.shape)
+        return verdict.light, verdict.text, ESTIMATE
+
+    def _say(self, state: State, light: str, text: str, shown: str, note: str = "") -> None:
         with parts.fresh(self.verdict):
-            parts.tell_verdict(light, text, shown, "" if shown else "(castings are being counted …)", state.label)
+            parts.tell_verdict(light, text, shown, note if shown else "(castings are being counted …)", state.label)
 
     def pad_words(self) -> list[str]:
         """The pad under the sliders as a command: a search whose limits are this pad."""

@@ -20,6 +20,7 @@ from dummydesign.studio.work_panel import Work
 
 OWN = ("puck", "diameter", "height", "mixed", "name", "base")
 """Choices of this page in the address."""
+SIZES_MM = (1.0, 500.0)
 
 
 class PuckPage:
@@ -45,9 +46,9 @@ class PuckPage:
         with ui.element("div").classes("fields"):
             self._fields: dict[str, Any] = {
                 "puck": parts.select("Press of the puck", choices.offered(known, first, f"{first} (missing)"), first),
-                "diameter": ui.number("Diameter [mm]", value=_number(start.get("diameter")), min=1, max=500),
-                "height": ui.number("Height [mm]", value=_number(start.get("height")), min=1, max=500),
-                "mixed": ui.number("Mixing ratio", value=_number(start.get("mixed")) or state.ratio, step=0.1),
+                "diameter": parts.NumberField("Diameter [mm]", _number(start.get("diameter")), *SIZES_MM),
+                "height": parts.NumberField("Height [mm]", _number(start.get("height")), *SIZES_MM),
+                "mixed": parts.NumberField("Mixing ratio", _number(start.get("mixed")) or state.ratio),
                 "name": ui.input("Name of the batch", value=name),
                 "base": parts.select("Resin whose law is updated", bases, base if base in bases else ""),
             }  # fmt: skip
@@ -60,7 +61,7 @@ class PuckPage:
         self._list()
 
     def _renew(self) -> None:
-        keep_state(self._state, **{name: _text(field.value) for name, field in self._fields.items()})
+        keep_state(self._state, **{name: field.value or "" for name, field in self._fields.items()})
         self._work.renew()
 
     def _ring_words(self) -> list[str]:
@@ -69,7 +70,7 @@ class PuckPage:
         return ["mold", *jobs.options(given)]
 
     def _words(self) -> list[str]:
-        given = {name: field.value for name, field in self._fields.items()}
+        given = parts.values_of(self._fields)
         for name, words in (("diameter", "diameter"), ("height", "height"), ("mixed", "ratio")):
             if given[name] is None:
                 raise InputError(f"Enter the {words} of the puck.", "missing", words)
@@ -168,10 +169,6 @@ def _last(root: Path) -> dict[str, str]:
 
 def _number(text: str | None) -> float | None:
     try:
-        return float(text) if text else None
-    except ValueError:
+        return parts.number_of(text or "", "")
+    except InputError:
         return None
-
-
-def _text(value: object) -> str:
-    return f"{value:g}" if isinstance(value, (int, float)) else str(value or "")

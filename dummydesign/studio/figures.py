@@ -158,19 +158,35 @@ def _outline(punch: Punch, foot_mm: float) -> tuple[np.ndarray, np.ndarray]:
 
 
 def pad_page(shape: PadShape, thickness_mm: float) -> str:
-    """A page of its own with a pad as a solid to turn."""
+    """A page of its own with a pad as a solid to turn: layers apart, cut through the middle where a bone is inside."""
     half = 0.5 * np.array([PAD_LENGTH_MM, PAD_WIDTH_MM])
-    fine = np.linspace(-32.0, 32.0, 65)
+    fine = np.r_[np.linspace(-32.0, 32.0, 33), np.linspace(-16.0, 16.0, 65)]
     x, y = (np.unique(np.r_[-h, fine[np.abs(fine) < h], h]) for h in half)
-    across, along = np.meshgrid(x, y, indexing="ij")
-    top = thickness_mm - np.broadcast_to(np.asarray(shape.drop_mm(across, along), float), across.shape)
-    nodes = np.stack([across, along, top], axis=-1)
-    floor = nodes * np.array([1.0, 1.0, 0.0])
-    walls = []
-    for side in (nodes[::-1, 0], nodes[:, -1], nodes[0], nodes[-1, ::-1]):
-        under = side * np.array([1.0, 1.0, 0.0])
-        walls += [np.stack([side[:-1], under[:-1], under[1:]], 1), np.stack([side[:-1], under[1:], side[1:]], 1)]
-    return solids_page({"pad": np.concatenate([_faces(nodes), _faces(floor)[:, ::-1], *walls])})
+
+    def body(x: np.ndarray, y: np.ndarray, low: Any, high: Any) -> np.ndarray:
+        """What lies between two height fields, closed; shape (n, 3, 3)."""
+        across, along = np.meshgrid(x, y, indexing="ij")
+        over, under = (np.stack([across, along, np.broadcast_to(one(across, along) if callable(one) else one,
+                                                                across.shape)], axis=-1) for one in (high, low))
+        walls = []
+        for side in (np.s_[::-1, 0], np.s_[:, -1], np.s_[0], np.s_[-1, ::-1]):
+            top, foot = over[side], under[side]
+            walls += [np.stack([top[:-1], foot[1:], foot[:-1]], 1), np.stack([top[:-1], top[1:], foot[1:]], 1)]
+        faces = np.concatenate([_faces(over), _faces(under)[:, ::-1], *walls])
+        return faces[np.ptp(faces[:, :, 2], axis=1) + np.ptp(faces[:, :, 1], axis=1) > 0.0]
+
+    def top(across: np.ndarray, along: np.ndarray) -> np.ndarray:
+        return thickness_mm - np.asarray(shape.drop_mm(across, along), float)
+
+    if (layers := shape.layers()) is not None:
+        between = thickness_mm - layers[0]
+        ends = x[[0, -1]], y[[0, -1]]
+        return solids_page({"lower layer": body(*ends, 0.0, between), "upper layer": body(*ends, between, top)})
+    if float(np.max(shape.bone_mm(np.zeros(1), np.zeros(1)))) > 0.0:
+        bone = body(x, y, 0.0, shape.bone_mm)
+        bone = bone[bone[:, :, 2].max(axis=1) > 0.0]
+        return solids_page({"rigid bone": bone, "pad": body(x, y[y >= 0.0], shape.bone_mm, top)})
+    return solids_page({"pad": body(x, y, 0.0, top)})
 
 
 def _faces(nodes: np.ndarray) -> np.ndarray:

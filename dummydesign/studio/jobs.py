@@ -8,6 +8,7 @@ import re
 import shlex
 import shutil
 import signal
+import statistics
 import subprocess
 import sys
 import time
@@ -87,6 +88,8 @@ def changed_since(paths: list[Path], started: float) -> bool:
 HOME = ".studio"
 MOST_AT_ONCE = 2
 """Commands that may run at once: each may fill a processor."""
+MOST_KEPT = 30
+"""Ended commands of a step that are kept; older ones go when the next begins."""
 STARTING_S = 120.0
 """On systems where a lock cannot be handed on: a command that did not begin within this time never will. [s]"""
 UNEXPECTED = "the process stopped unexpectedly (machine switched off, disk or memory full?): run it again"
@@ -183,7 +186,27 @@ def start(root: Path, name: str, *commands: Sequence[str]) -> Job:
             message = f"'{sys.executable}' cannot be run: {problem.strerror or problem}"
             raise InputError(message, "program_failed", "python") from None
         raise unwritable("folder", home, problem, "folder") from None
+    ended = [one.folder for one in all_jobs(root, name) if one.name == name and one.state != "running"]
+    for old in ended[:-MOST_KEPT]:
+        shutil.rmtree(old, ignore_errors=True)
     return read_job(folder)
+
+
+def usual_s(root: Path, name: str) -> float | None:
+    """How long the last runs of a step took, the middle of up to five; None before the first. [s]"""
+    taken = [one.seconds for one in all_jobs(root, name) if one.name == name and one.has_answer][-5:]
+    return statistics.median(taken) if taken else None
+
+
+def progress_line(job: Job, usual: float | None) -> str:
+    """How far a running command is; the time left is learned from earlier runs, not extrapolated from its steps."""
+    # how many steps a search has is known at its end alone
+    text = re.sub(r"step \d+ of about \d+: |, about \d+ (s|min) left$", "", job.progress) or "at work"
+    left = (usual or 0.0) - job.seconds
+    if left < 1.0:
+        return f"{text} – {job.seconds:.0f} s"
+    rest = f"{left:.0f} s" if left < 90.0 else f"{left / 60.0:.0f} min"
+    return f"{text} – {job.seconds:.0f} s, about {rest} left"
 
 
 def _spawn(root: Path, folder: Path) -> None:

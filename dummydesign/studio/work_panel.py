@@ -44,6 +44,7 @@ class Work:
         self._seen: object = None
         self.shown: jobs.Job | None = None
         self._watched = ""
+        self._usual: tuple[Path | None, float | None] = None, None
         self._pressed = self.running = self.answered = False
         with ui.element("section").classes("work"):
             self._lines = parts.area()
@@ -111,7 +112,9 @@ class Work:
         self.shown = answer if answer is not None and self._needs in ("", *answer.answer) else None
         if newest is not None and self.running:
             self._watched = newest.folder.name
-            self._status.set_text(f"{newest.progress or 'at work'} – {newest.seconds:.0f} s")
+            if newest.folder != self._usual[0]:
+                self._usual = newest.folder, jobs.usual_s(self.root, self.name)
+            self._status.set_text(jobs.progress_line(newest, self._usual[1]))
         as_chosen = answer is not None and same(answer, words)
         ours = newest and (newest.folder.name, newest.state, mine)
         seen = ours, answer and (answer.folder.name, as_chosen), self._stamp()

@@ -96,3 +96,21 @@ def test_the_script_of_the_plots_is_an_element_of_the_head():
     assert f"<script>{plots_js()}</script>" in text
     assert text.count("<script>") == text.count("</script") == 3 and text.count("</style") == 1
     assert "http://" not in text.replace("http://www.w3.org/2000/svg", "")
+
+
+@pytest.mark.parametrize(("text", "parts"), [
+    ("slab", {"pad"}), ("crowned:20,2,9", {"pad"}), ("layered:4,0.6", {"lower layer", "upper layer"}),
+    ("boned:radius=7.7,height=3.6,foot=6.5", {"rigid bone", "pad"}),
+])  # fmt: skip
+def test_a_solid_shows_what_is_inside_a_pad(text, parts, monkeypatch):
+    monkeypatch.setattr(figures, "solids_page", lambda solids: solids)
+    solids = figures.pad_page(read_shape(text), 9.0)
+    assert set(solids) == parts
+    assert all(len(faces) and np.isfinite(faces).all() for faces in solids.values())
+    volume = sum(float(np.einsum("ni,ni->n", faces[:, 0], np.cross(faces[:, 1], faces[:, 2])).sum()) / 6.0
+                 for faces in solids.values())  # fmt: skip
+    if "rigid bone" not in parts:
+        whole = 150.0 * 120.0 * 9.0
+        assert 0.7 * whole < volume <= whole * (1.0 + 1e-9)
+    else:
+        assert solids["rigid bone"][:, :, 2].max() == pytest.approx(3.6) and solids["pad"][:, :, 1].min() == 0.0

@@ -396,7 +396,11 @@ def show_people(root: Path, answer: Mapping[str, Any]) -> None:
     word, text = people.headline(result)
     if wrong := people.mismatch(result):
         parts.tell_verdict("amber", f"CAUTION. {wrong}", test="drive-mismatch")
-    if word in LIGHTS:
+    beyond = people.worst_beyond(result["presses"])
+    if beyond and beyond[1] > people.FAR:
+        first = people.extrapolation_text(result["presses"])
+        parts.tell_verdict("red", text if first in text else f"{first}{text}", test="people")
+    elif word in LIGHTS:
         parts.tell_verdict(LIGHTS[word], f"{word.upper()}. {text}", test="people")
     else:
         html(f'<p data-test="people">{escape(text)}</p>')

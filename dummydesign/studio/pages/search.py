@@ -149,6 +149,7 @@ class Designs:
     def __init__(self, root: Path, state: Callable[[], State]) -> None:
         self.root, self.state = root, state
         self.seen: list[str] | None = None
+        self.stamps: list[tuple[Path, int]] | None = None
         self.box = parts.area("designs")
         self.chosen = parts.select_several("Designs to compare", {}, [], "to-compare")
         self.work = Work(root, "compare-designs", "Compare them", self.words, self.show, self.belongs)
@@ -167,6 +168,10 @@ class Designs:
     def renew(self) -> None:
         """List the designs anew when one came or went."""
         root = self.root
+        stamps = [(path, path.stat().st_mtime_ns) for path in sorted((root / "designs").glob(f"*/{MANIFEST}"))]
+        if stamps == self.stamps:
+            return
+        self.stamps = stamps
         designs = [one for one in things_in(root, "designs") if is_design(one) and design_state(root, one.folder)]
         names = [f"{one.folder} {one.date}" for one in designs]
         if names == self.seen:

@@ -126,11 +126,11 @@ def _next(project: Project, files: dict[str, tuple[ProjectFile, ...]]) -> tuple[
     if not designs:
         return "design a pad", f"dummydesign suggest{tissue} --no-cad"
     best = designs[-1].summary or {}
-    if not _pads(files) and "mould" not in best:
+    if not pads_of(files) and "mould" not in best:
         return _after_design(project, best, bool(files["moulds"]), tissue)
     open_plans = [one for one in files["campaigns"] if one.summary and (one.summary["missing"] or one.summary["wrong"])]
     if not files["campaigns"]:
-        moulds = [one for one in _pads(files) if one.command == "mold"]
+        moulds = [one for one in pads_of(files) if one.command == "mold"]
         return "cast the pads, then plan what to press", _plan(best, moulds[-1].folder if moulds else "")
     done = {str((one.summary or {}).get("campaign", "")) for one in files["calibrations"]}
     for one in files["campaigns"]:
@@ -155,7 +155,7 @@ def witness_size() -> str:
     return "{:g}x{:g}".format(*WITNESS_MM)
 
 
-def _pads(files: dict[str, tuple[ProjectFile, ...]]) -> list[ProjectFile]:
+def pads_of(files: dict[str, tuple[ProjectFile, ...]]) -> list[ProjectFile]:
     """Moulds of pads; the rings of pucks have no thickness."""
     return [one for one in files["moulds"] if not one.summary or "thickness_mm" in one.summary]
 

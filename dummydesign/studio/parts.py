@@ -298,7 +298,7 @@ def command_line(words: Sequence[str]) -> None:
     """Show the command that does the same as the page, to copy."""
     text = shown(words)
     with ui.element("div").classes("command"):
-        html(f"<code>{escape(text)}</code>")
+        html(f'<code tabindex="0" title="{escape(text)}">{escape(text)}</code>')
         copy = ui.button("Copy", on_click=lambda: ui.clipboard.write(text), color=None)
         copy.props('flat dense aria-label="copy the command"')
 
@@ -310,11 +310,19 @@ def facts(rows: Sequence[tuple[str, str]]) -> None:
     html(f'<div class="facts">{values}</div>')
 
 
+MOST_WARNINGS = 4
+"""Warnings in sight; further ones are folded."""
+
+
 def warnings(answer: Mapping[str, Any]) -> None:
     """Show what a command warned of."""
-    lines = "".join(f"<li>{marked(str(one['message']))}</li>" for one in answer.get("warnings", []))
+    lines = [f"<li>{marked(str(one['message']))}</li>" for one in answer.get("warnings", [])]
+    left = len(lines) - MOST_WARNINGS
     if lines:
-        html(f'<ul class="warnings">{lines}</ul>')
+        html(f'<ul class="warnings">{"".join(lines[:MOST_WARNINGS])}</ul>')
+    if left > 0:
+        html(f'<details><summary>{left} more warnings</summary><ul class="warnings">{"".join(lines[MOST_WARNINGS:])}'
+             "</ul></details>")  # fmt: skip
 
 
 def table(head: Sequence[str], rows: Sequence[Sequence[object]], words: bool = False, under: str = "") -> None:
@@ -327,15 +335,20 @@ def table(head: Sequence[str], rows: Sequence[Sequence[object]], words: bool = F
 
 def file_links(rows: Sequence[tuple[str, str]]) -> None:
     """Show links to files of the project: (words, path from the project folder on)."""
-    links = "".join(f'<a href="{address(f"/files/{path}")}" target="_blank" rel="noopener">{escape(words)}</a>'
-                    for words, path in rows)  # fmt: skip
-    html(f'<div class="links">{links}</div>')
+    html(f'<div class="links">{"".join(file_link(*row) for row in rows)}</div>')
 
 
-def zip_link(folder: str) -> None:
-    """Show a link that downloads a folder of the project as one file."""
-    link = f'<a data-test="zip" href="{address(f"/zip/{folder}")}" download>Download all files (ZIP)</a>'
-    html(f'<div class="links">{link}</div>')
+def file_link(words: str, path: str, kind: str = "") -> str:
+    """Return a link to a file of the project as HTML."""
+    return (f'<a class="{escape(kind)}" href="{address(f"/files/{path}")}" target="_blank" rel="noopener">'
+            f"{escape(words)}</a>")  # fmt: skip
+
+
+def zip_link(folder: str, sheets: Sequence[str] = ()) -> None:
+    """Show a link that downloads a folder of the project as one file; a button beside that of its pour sheet."""
+    kind, more = "go" if sheets else "", "".join(file_link("Pour sheet (PDF)", path, "go") for path in sheets)
+    link = f'<a class="{kind}" data-test="zip" href="{address(f"/zip/{folder}")}" download>Download all files (ZIP)</a>'
+    html(f'<div class="links">{link}{more}</div>')
 
 
 def show_report(root: Path, files: Mapping[str, str], title: str) -> None:

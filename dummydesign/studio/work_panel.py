@@ -47,13 +47,12 @@ class Work:
         self._usual: tuple[Path | None, float | None] = None, None
         self._pressed = self.running = self.answered = False
         with ui.element("section").classes("work"):
-            self._lines = parts.area()
             with ui.element("div").classes("state"):
                 self._button = parts.button(label, self.begin, f"run-{name}", main=True)
                 self._stop = parts.button("Stop", self.end, f"stop-{name}")
                 self._spinner = ui.spinner(size="1.4em")
                 self._status = ui.label("").props('role="status" aria-live="polite"')
-            self._problem = ui.element("div")
+            self._problem, self._lines = ui.element("div"), parts.area()
             self._result_area = parts.area(f"found-{name}")
         self.renew()
         ui.timer(0.5, self.update)

@@ -9,7 +9,7 @@ import pytest
 from dummydesign.loop.calibration_file import write_calibration
 from tests.support import lab_project as lab
 from tests.support.made_calibration import calibration
-from tests.support.studio import opened
+from tests.support.studio import choose, opened
 from tests.support.studio import test_id as by
 
 pytestmark = pytest.mark.slow
@@ -103,3 +103,69 @@ def test_a_typed_number_counts_once_it_is_typed_to_its_end_and_is_never_cut_in_s
     assert thickness.input_value() == "100"
     thickness.fill("7,5")
     page.wait_for_selector(".command code >> text=--thickness 7.5")
+
+
+MAIN = {"": ("newest", "next", "steps"), "measured": ("run-import",), "tissue": ("use",),
+        "design": ("verdict", "run-suggest", "plots"), "mould": ("red", "run-mould"), "cast": ("run-compare",),
+        "learn": ("run-loop",), "resin": ("run-ring",)}  # fmt: skip
+
+
+@pytest.mark.parametrize(("width", "height", "screens"), [(1280, 800, 1), (390, 844, 2)])
+def test_the_answer_and_the_next_button_of_a_page_are_in_sight(page, studio, width, height, screens):
+    page.set_viewport_size({"width": width, "height": height})
+    for path, wanted in MAIN.items():
+        opened(page, studio, path)
+        for test in wanted:
+            page.wait_for_selector(by(test))
+            page.wait_for_timeout(300)
+            box = page.locator(by(test)).first.bounding_box()
+            end = box["y"] + (40 if test == "plots" else box["height"])
+            assert box["y"] >= 0 and end <= screens * height, (path, test, box)
+        wide = page.evaluate("document.documentElement.scrollWidth - document.documentElement.clientWidth")
+        assert wide <= 0, path
+
+
+def test_a_drop_of_many_files_keeps_the_button_in_sight_and_a_page_is_refused(page, studio):
+    opened(page, studio, "measured")
+    rows = "time_s,displacement_mm,force_N\n0,0,{}\n"
+    files = [{"name": f"press{k}.csv", "mimeType": "text/csv", "buffer": rows.format(k).encode()} for k in range(37)]
+    other = {"name": "page.html", "mimeType": "text/html", "buffer": b"<p>"}
+    page.locator("input[type=file]").set_input_files([*files, other])
+    page.wait_for_selector("summary >> text=37 files were taken")
+    refused = page.locator(f"{by('drop-measured-said')} [data-kind=refused]")
+    assert "page.html" in refused.inner_text() and ".csv" in refused.inner_text()
+    assert not (studio[1] / "measured" / "page.html").exists()
+    box = page.locator(by("run-import")).bounding_box()
+    assert box["y"] + box["height"] <= 800
+
+
+def test_what_has_the_focus_is_seen(page, studio):
+    for path, test in (("measured", "run-import"), ("design", "run-suggest"), ("tissue", "use"), ("", "next")):
+        opened(page, studio, path)
+        page.locator(by(test)).focus()
+        page.keyboard.press("Shift+Tab")
+        page.keyboard.press("Tab")
+        page.wait_for_timeout(500)
+        seen = page.evaluate("(() => { const s = getComputedStyle(document.activeElement);"
+                             "return (s.outlineStyle === 'solid' && parseFloat(s.outlineWidth) >= 2)"
+                             "|| s.boxShadow.includes('0px 0px 0px 5px'); })()")  # fmt: skip
+        assert page.evaluate("(one) => document.activeElement.matches(one)", by(test)), test
+        assert seen, test
+
+
+def test_numbers_that_must_not_be_used_stand_under_a_red_light(page, studio):
+    words = ["on-person", "measured/cast-pad/a.csv", "--tissue", "forefinger", "--drive", "position", "--punch",
+             "square:14", "--out", "designs/on-person-forefinger"]  # fmt: skip
+    folder = studio[1] / "measured" / "cast-pad"
+    folder.mkdir(parents=True)
+    (folder / "a.csv").write_text("time_s,displacement_mm,force_N\n0,0,0\n1,1,1\n2,2,2\n", encoding="utf-8")
+    span = [1.0, 2.0]
+    keys = ("peak_force_N", "depth_mm", "steady_force_N", "energy_mJ", "velocity_mm_s", "impulse_Ns", "hold_s")
+    one = {"file": "a.csv", "drive_contradicted": None, "beyond_range": [
+        {"value": 100.0, "pressed_to": 15.0, "text": "100 N, people were pressed to 15 N"}],
+        "factor_peak": span, "factor_peak_95": span, "pad": dict.fromkeys(keys, 1.0),
+        "band": dict.fromkeys(keys, span), "interval_95": dict.fromkeys(keys, span), "limits": [], "subjects": [1]}
+    lab.job(studio[1], 1, "on-person", words, {"presses": [one], "warnings": [], "drive": "position"}, 0)
+    opened(page, studio, "cast?tissue=forefinger&shape=layered:4,0.6&thickness_mm=9&ratio=15")
+    choose(page, "pad", "files dropped here: 1 press")
+    page.wait_for_selector(f"{by('people')}.red >> text=Do not use these numbers")

@@ -60,20 +60,17 @@ class DesignPage:
         self.lengths: dict[str, Slider] = {}
         self.kind_of_lengths: tuple[str, float] = ("", 0.0)
         self.verdict = parts.area("verdict", live=True).classes("sticky")
-        html('<p><a href="#search">Find the best pad</a>, or move the sliders:</p>')
+        self.search = search.Search(project, lambda: self.state, self.take)
         with ui.element("div").classes("two"):
             with ui.element("div"):
                 self._controls()
             with ui.element("div"):
-                self.numbers = parts.area("numbers")
                 self.plots = html("").props('data-test="plots"').style("width:100%")
+                self.numbers = parts.area("numbers")
                 self.solid = parts.area("solid")
                 self.solved = search.SolvedPad(self.root, lambda: self.state, self._say)
         html("<h2>This pad by the command line</h2>")
         self.same = parts.area("same")
-        html("<h2 id=search>Find the best pad</h2><p>Searches thickness, ratio and lengths, checks the best by finite "
-             "elements and writes the report. The sliders then stand at it.</p>")  # fmt: skip
-        self.search = search.Search(project, lambda: self.state, self.take)
         html("<h2>Designs of this project</h2>")
         search.Designs(self.root, lambda: self.state)
         self.stamp: object = None
@@ -282,9 +279,8 @@ class DesignPage:
         with self.numbers:
             if (calibrated := view.evaluator.problem.calibrated) is not None:
                 parts.warnings({"warnings": calibrated.warnings})
-            parts.facts([(f"{young:.3g} kPa", "modulus"), (f"{state.thickness_mm:g} mm", "thickness"),
-                         (f"{state.ratio:g}", resin.ratio_meaning)])  # fmt: skip
-            parts.table(search.PRESS_HEAD, view.presses)
+            parts.table(search.PRESS_HEAD, view.presses, under=f"the {len(view.presses)} presses in numbers")
+            self.ratio.say(f"modulus {young:.3g} kPa")
 
     async def settle(self, state: State, view: View | Refusal, number: int) -> None:
         """After the last move: castings in the verdict, solid, command line, address, ends of the lengths."""

@@ -172,13 +172,35 @@ def _source(root: Path, state: State) -> None:
 
 
 def _links(root: Path, folder: str) -> None:
-    parts.zip_link(folder)
-    if list((root / folder).glob("*.stl")):
-        parts.shown_file(f"/solid/mould/{folder}", "pad and mould as solids", "shown solid")
+    """Two buttons, the solid, a table of parts by format; what is read seldom is folded."""
     names = [path.name for path in (root / folder).iterdir() if path.is_file() and not path.name.startswith(".")]
-    for group, rows in made.grouped_files(names):
-        html(f"<h3>{escape(group)}</h3>")
-        parts.file_links([(words, f"{folder}/{name}") for words, name in rows])
+    groups = dict(made.grouped_files(names))
+    start = [f"{folder}/{name}" for words, name in groups.get("Pour", []) if "start here" in words]
+    parts.zip_link(folder, start)
+    with ui.element("div").classes("pair"):
+        if list((root / folder).glob("*.stl")):
+            parts.shown_file(f"/solid/mould/{folder}", "pad and mould as solids", "shown solid")
+        made_of = groups.pop("Print or machine", []) + groups.pop("Draw", [])
+        if made_of:
+            html(_part_table(made_of, folder))
+    with ui.expansion("Further files").props('data-test="further-files"'):
+        for group, rows in groups.items():
+            html(f"<h3>{escape(group)}</h3>")
+            parts.file_links([(words, f"{folder}/{name}") for words, name in rows])
+
+
+def _part_table(rows: Sequence[tuple[str, str]], folder: str) -> str:
+    """A row a part, with a link to each of its formats."""
+    by_part: dict[str, list[tuple[str, str]]] = {}
+    for words, name in rows:
+        part, _, kind = words.removeprefix("Drawing of the ").removeprefix("Picture of the ").partition(", ")
+        part, kind = part.capitalize(), kind or name.rpartition(".")[2].upper()
+        by_part.setdefault(part, []).append((kind, f"{folder}/{name}"))
+    lines = ""
+    for part, files in by_part.items():
+        links = " ".join(parts.file_link(*one) for one in files)
+        lines += f"<tr><th scope=row>{escape(part)}</th><td>{links}</td></tr>"
+    return f'<table class="files" data-test="parts"><tbody>{lines}</tbody></table>'
 
 
 def _checks(folder: Path) -> None:

@@ -51,8 +51,11 @@ def suggest(given: Mapping[str, object], out: str) -> list[str]:
     return ["suggest", *options(given), "--no-cad", "--out", f"designs/{out}"]
 
 
-KINDS = {"tissue": "materials/tissues", "resin": "materials/resins", "mould preset": "molds"}
+KINDS = {"tissue": "materials/tissues", "resin": "materials/resins", "mould preset": "molds",
+         "silicone": "molds/silicones", "plastic": "molds/plastics", "machine": "molds/machines"}  # fmt: skip
 """Files that a manifest lists by what they are and their name or path."""
+SETTINGS = "materials/"
+"""Weights, limits and the puck's error are listed by this and their name."""
 
 
 def changed_inputs(root: Path, manifest: Path) -> list[str]:
@@ -65,6 +68,10 @@ def changed_inputs(root: Path, manifest: Path) -> list[str]:
 
 def _path_of(root: Path, name: str) -> Path:
     """Where a file of a manifest lies now."""
+    if name.startswith(SETTINGS):
+        kind, _, stem = name.rpartition("/")
+        with suppress(InputError):
+            return find(kind, stem, stem).path
     for what, kind in KINDS.items():
         called = name.removeprefix(f"{what} ")
         if called != name:

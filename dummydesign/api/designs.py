@@ -192,6 +192,10 @@ def _answer(
     with answer_folder(folder, asked, replace) as output:
         suggestion = design(wanted, progress)
         safety = safety_view(suggestion, mass_kg, velocity_mm_s, limits)
+        if mass_kg is not None:
+            from dummydesign.person.free_mass import with_known_range
+
+            safety = with_known_range(safety, suggestion.targets.tissue, mass_kg, velocity_mm_s)
         people, people_sections = _on_people(suggestion, inputs.get("drive"), limits)
         if output is None:
             return Answer(suggestion, suggestion.to_dict(inputs, safety) | people)

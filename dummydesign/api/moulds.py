@@ -98,6 +98,14 @@ def make_mould(
         if thickness_mm is not None:
             message = "a puck has its height in --puck 50x30; leave thickness_mm out"
             raise InputError(message, "conflict", "thickness_mm")
+        pads_only = {"length": str(length_mm) not in ("150", "150.0"), "width": str(width_mm) not in ("120", "120.0"),
+                     "shape": shape != "slab", "count": count != 1, "castings": castings != 1,
+                     "base_ratio": base_ratio is not None, "face_sheet": face_sheet_mm is not None,
+                     "bone": bone is not None, "bone_height": bone_height_mm is not None, "bone_scale": bone_scale != 1,
+                     "bone_turn": any(bone_turn_deg), "bone_at": any(bone_at_mm)}  # fmt: skip
+        if given := [f"--{name.replace('_', '-')}" for name, is_given in pads_only.items() if is_given]:
+            message = f"--puck {puck} makes rings of pucks, no pad; leave {', '.join(given)} out"
+            raise InputError(message, "conflict", "puck", puck)
         return _make_pucks(puck, preset, resin, ratio, out, replace)
     if thickness_mm is None:
         message = "--thickness is missing: the thickness of the pad in mm, 3 to 30"

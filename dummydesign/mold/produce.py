@@ -13,13 +13,14 @@ import numpy as np
 
 from dummydesign.core.process import write_progress
 from dummydesign.mold.cad.build import Parts, build
+from dummydesign.mold.cad.tessellate import tessellate
 from dummydesign.mold.checks import files as check_files
 from dummydesign.mold.checks import release
 from dummydesign.mold.checks.process import check_process
 from dummydesign.mold.checks.solids import check_shape, check_solids
 from dummydesign.mold.files import picture as view
 from dummydesign.mold.files.drawing_sheet import to_dxf, to_pdf, to_svg
-from dummydesign.mold.files.meshes import lying, tessellate, write_3mf, write_glb, write_stl
+from dummydesign.mold.files.meshes import lying, write_3mf, write_glb, write_stl
 from dummydesign.mold.files.part_drawings import part_views, sheets
 from dummydesign.mold.files.picture import turned_over
 from dummydesign.mold.files.pour_sheet import Foot, pour_sheet, sheet_pdf, to_html, to_markdown
@@ -67,7 +68,9 @@ def _write_and_check(
     checks += release.check_mould_mesh(made, tool, tessellate(made.core, *release.FINE))
     write_progress("step 4 of 5: reading the files again")
     assembly = folder / files["assembly"]
-    checks += check_files.check_step(made.parts, {name: folder / files[name] for name in made.parts}, assembly)
+    bone_mm3 = 0.0 if spec.insert is None else spec.insert.volume_error_mm3(spec.pad.thickness_mm)
+    single = {name: folder / files[name] for name in made.parts}
+    checks += check_files.check_step(made.parts, single, assembly, bone_mm3)
     checks += check_files.check_step_text(assembly, folder / files["pad"], spec.hash)
     total = sum(part.volume_mm3 for part in made.parts.values())
     checks.append(check_files.check_second_reader(assembly, total, len(made.parts)))

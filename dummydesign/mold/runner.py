@@ -64,8 +64,10 @@ def _measured(asked: dict[str, Any]) -> dict[str, Any]:
     if done is None:
         raise NoAnswerError("cad_failed", f"the bone was not read within {TIMEOUT_S:g} s", {}, "bone")
     if not measured:
-        last = _last_line(done, f"exit status {done.returncode}")
-        raise NoAnswerError("cad_failed", f"the bone could not be read: {last}", {}, "bone")
+        ended = f"signal {-done.returncode}" if done.returncode < 0 else _last_line(done, f"status {done.returncode}")
+        message = (f"the CAD kernel broke off while it read or cut the bone ({ended}), as it does where a surface "
+                   "crosses or touches itself; repair it, or simplify it")  # fmt: skip
+        raise NoAnswerError("cad_failed", message, {}, "bone")
     if "error" not in measured:
         return measured
     if "fault" in measured["error"]:

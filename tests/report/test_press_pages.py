@@ -48,6 +48,7 @@ def made(tmp_path_factory):
     return {"fit": (folder / "fit" / "mine-report.html", fit), "compare": (folder / "compare" / "report.html", compare)}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["fit", "compare"])
 def test_a_report_opens_without_errors_asks_nothing_and_fits_a_phone(made, name, tmp_path):
     path, _ = made[name]

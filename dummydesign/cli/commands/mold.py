@@ -96,7 +96,9 @@ def render_record(result: dict[str, Any]) -> str:
         lines.append("force at a given depth: not known for this shape")
     else:
         by = "" if result["inputs"]["modulus_kPa"] is not None else ", its modulus taken as designed"
-        lines.append(f"force at a given depth: {force:+.1f} % off the designed pad's{by}")
+        error = result["force_sd_percent"]
+        gauged = "" if error is None else f" +- {error:.1f} (gauge)"
+        lines.append(f"force at a given depth: {force:+.1f}{gauged} % off the designed pad's{by}")
     lines.append("accepted" if result["accepted"] else f"not accepted: {len(result['missed'])} limits missed")
     lines.append(f"record: {result['files']['record']}")
     lines.append('in a campaign: record = "PATH" under [pad] or [[trial]]; compare TRACE.csv --record PATH')

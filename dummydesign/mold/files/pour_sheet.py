@@ -21,7 +21,7 @@ from dummydesign.mold.model.spec import MouldSpec, Pour
 from dummydesign.mold.pour.acceptance import acceptance_rows, gauge_points, measured_blanks, points_rows, when_it_fails
 from dummydesign.mold.pour.bill_of_materials import bill_of_materials, materials
 from dummydesign.mold.pour.plan import CUP_FACTOR, WITNESS_MM, Batch, Mix, PourPlan, batch_of, pours_of
-from dummydesign.mold.pour.printing import demould_steps, mould_steps, print_words, tip_words
+from dummydesign.mold.pour.printing import demould_steps, height_words, mould_steps, print_words, tip_words
 from dummydesign.mold.pour.steps import BLANK, cup_words, demould_first, plug_finish, pour_steps, shape_mark
 from dummydesign.resin.model.ratio_meaning import ratio_words
 
@@ -97,7 +97,7 @@ def _mould_steps(spec: MouldSpec, plan: PourPlan) -> tuple[str, ...]:
         plastic = f"{spec.plastic.name.upper()}, bears {spec.plastic.service_temperature_C:g} C"
     face = plug_finish(spec)
     if words := tip_words(spec):
-        face += f" There {words}. Height over the flat: {BLANK} mm."
+        face += f" There {words}. {height_words(spec)}"
     if silicone is None:
         return mould_steps(spec, plastic, face)
     pins = ["Stand the sprue pin (one) and the vent pins (five) in their sockets; pull them before peeling the lid."]

@@ -14,11 +14,12 @@ from dummydesign.core.process import write_progress
 from dummydesign.mold.cad.build import COLOURS, Material, Part
 from dummydesign.mold.cad.kernel import cq
 from dummydesign.mold.cad.solids import single_solid
+from dummydesign.mold.cad.tessellate import tessellate
 from dummydesign.mold.checks import files as check_files
 from dummydesign.mold.checks.check import Check, above, below, equal
 from dummydesign.mold.files.drawing_layout import Measure, Title, View, arrange
 from dummydesign.mold.files.drawing_sheet import Drawing, to_dxf, to_pdf, to_svg
-from dummydesign.mold.files.meshes import tessellate, write_3mf, write_glb, write_stl
+from dummydesign.mold.files.meshes import write_3mf, write_glb, write_stl
 from dummydesign.mold.files.part_drawings import cut, edges_from_above
 from dummydesign.mold.files.pour_sheet import Foot, sheet_pdf, to_html, to_markdown
 from dummydesign.mold.files.step import step_text

@@ -65,6 +65,7 @@ def test_the_report_shows_the_shapes_side_by_side_with_their_curves_as_csv(crown
     assert {line.split(",")[0].strip('"').split(":")[0] for line in lines[1:]} >= {"aim", "crowned"}
 
 
+@pytest.mark.slow
 def test_a_shape_with_its_lengths_is_kept(capsys):
     status, found = answer(capsys, "suggest", "--tissue", "forefinger", "--shape", "crowned:20,2", *QUICK)
     assert status == (1 if found["verdict"]["light"] == "red" else 0)

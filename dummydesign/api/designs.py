@@ -208,7 +208,7 @@ def _answer(
         best = result["recommendation"]
         output.extra["summary"] = {name: best[name] for name in ("shape", "thickness_mm", "ratio", "resin")} | {
             "tissue": inputs["tissue"], "young_kPa": best["young_kPa"]["value"], "verdict": result["verdict"]["level"],
-            "text": result["verdict"]["text"], **({"mould": True} if mould else {}),
+            "text": result["verdict"]["text"], "next": result["next"][0], **({"mould": True} if mould else {}),
         }  # fmt: skip
     if missing is not None:
         raise NoAnswerError(missing.code, output.settled(str(missing)), with_texts(result), missing.quantity)

@@ -15,6 +15,7 @@ from dummydesign.core.files import read_json
 from dummydesign.core.manifest import NAME as MANIFEST
 from dummydesign.measurement.campaign_file import FILE as CAMPAIGN
 from dummydesign.measurement.campaign_status import check_campaign
+from dummydesign.mold.puck.protocol import command, trace_names
 from dummydesign.project.folder import FOLDERS, Project
 
 STANDARD_RESIN = "polyurethane-nagoya"
@@ -134,11 +135,11 @@ def _next(project: Project, files: dict[str, tuple[ProjectFile, ...]]) -> tuple[
     if not designs:
         return "design a pad", f"dummydesign suggest{tissue} --no-cad"
     best = designs[-1].summary or {}
-    if not files["moulds"] and "mould" not in best:
-        return "make the mould", _mould(project, best)
+    if not pads_of(files) and "mould" not in best:
+        return _after_design(project, best, bool(files["moulds"]), tissue)
     open_plans = [one for one in files["campaigns"] if one.summary and (one.summary["missing"] or one.summary["wrong"])]
     if not files["campaigns"]:
-        moulds = [one for one in files["moulds"] if one.command == "mold"]
+        moulds = [one for one in pads_of(files) if one.command == "mold"]
         return "cast the pads, then plan what to press", _plan(best, moulds[-1].folder if moulds else "")
     done = {str((one.summary or {}).get("campaign", "")) for one in files["calibrations"]}
     for one in files["campaigns"]:
@@ -154,6 +155,39 @@ def _next(project: Project, files: dict[str, tuple[ProjectFile, ...]]) -> tuple[
         again = f"dummydesign suggest{tissue} --shape slab --calibration {quote(f'{latest.folder}/calibration.json')}"
         return "design again with what was learned", again
     return f"all steps are done: read {designs[-1].folder}/report.html", "dummydesign status"
+
+
+def witness_size() -> str:
+    """Diameter and height of the witness puck, as ``--puck`` takes them. [mm]"""
+    from dummydesign.mold.pour.plan import WITNESS_MM
+
+    return "{:g}x{:g}".format(*WITNESS_MM)
+
+
+def pads_of(files: dict[str, tuple[ProjectFile, ...]]) -> list[ProjectFile]:
+    """Moulds of pads; the rings of pucks have no thickness."""
+    return [one for one in files["moulds"] if not one.summary or "thickness_mm" in one.summary]
+
+
+def _after_design(project: Project, best: dict[str, Any], ring: bool, tissue: str) -> tuple[str, str]:
+    """What a design without a mould asks for: another search where it is red, a puck where that settles it."""
+    given = best.get("next")
+    step = given if isinstance(given, dict) else {}
+    level, resin = best.get("verdict"), str(best.get("resin"))
+    if level == "not_representative":
+        text = str(step.get("do") or "do not cast this pad: it is not representative")
+        return f"{text}; then design again", f"dummydesign suggest{tissue} --no-cad"
+    if level == "not_settled" and "ratio" in best:
+        if project.resin not in (None, resin):
+            return "design again with the batch that was measured", f"dummydesign suggest{tissue} --no-cad"
+        size = witness_size()
+        if ring:
+            diameter, height = size.split("x")
+            added = command(trace_names(size), diameter, height, best["ratio"], quote(resin))
+            return "cast and press the puck, then read it", added
+        made = f"dummydesign mold --puck {size} --resin {quote(resin)} --ratio {best['ratio']:g}"
+        return str(step.get("do") or "measure one puck of the resin first"), str(step.get("command") or made)
+    return "make the mould", _mould(project, best)
 
 
 def _mould(project: Project, best: dict[str, Any]) -> str:

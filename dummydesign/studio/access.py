@@ -28,6 +28,9 @@ FILE_POLICY = (
 """What a file of the project may do: run by itself, and reach neither the studio nor any other server."""
 PDF_POLICY = "default-src 'none'; object-src 'self'; style-src 'unsafe-inline'; frame-ancestors 'self'"
 """The same for a PDF, which browsers do not show in a sandbox."""
+FRAME_POLICY = ("default-src 'none'; style-src 'unsafe-inline'; frame-src 'self'; frame-ancestors 'none'; "
+                "base-uri 'none'; form-action 'none'")  # fmt: skip
+"""Of the page around a file in a tab of its own: a frame cannot lead to another server, a tab could."""
 LONGEST_PATH = 4000
 UNKEPT = {"cache-control": "no-store"}
 NO_KEY = (
@@ -162,7 +165,8 @@ def _with_policy(send: Send, policy: str) -> Send:
         if message["type"] == "http.response.start":
             heads = MutableHeaders(scope=message)
             pdf = policy == FILE_POLICY and heads.get("content-type") == "application/pdf"
-            heads["content-security-policy"] = PDF_POLICY if pdf else policy
+            framed = heads.get("content-security-policy") == FRAME_POLICY
+            heads["content-security-policy"] = FRAME_POLICY if framed else PDF_POLICY if pdf else policy
             heads.update({"x-dns-prefetch-control": "off", "x-content-type-options": "nosniff",
                           "referrer-policy": "no-referrer"})  # fmt: skip
         await send(message)

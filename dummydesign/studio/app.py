@@ -10,6 +10,7 @@ import stat
 from collections.abc import Callable
 from contextlib import ExitStack, suppress
 from functools import partial
+from html import escape
 from pathlib import Path
 from secrets import token_bytes, token_urlsafe
 from typing import IO, Any
@@ -28,7 +29,7 @@ from dummydesign.core.files import take, writing
 from dummydesign.geometry.dimensions import THICKNESS_MM
 from dummydesign.geometry.shape_registry import read_shape
 from dummydesign.studio import figures, file_transfer
-from dummydesign.studio.access import VIEW, Guard, same_secret
+from dummydesign.studio.access import FRAME_POLICY, VIEW, Guard, same_secret
 from dummydesign.studio.pages import campaign, cast, design, learn, measured, mould, overview, pucks, tissue
 from dummydesign.studio.parts import Body, lay_out
 
@@ -69,11 +70,14 @@ def make_app(root: Path) -> FastAPI:
         return RedirectResponse(f"{VIEW}{mark_of(path)}/{quote(path)}", 303)
 
     @app.get(VIEW + "{mark}/{path:path}")
-    def view(mark: str, path: str) -> Response:
+    def view(request: Request, mark: str, path: str) -> Response:
         # without cookie: a file that knows its own address knows no other
         if not same_secret(mark, mark_of(path)):
             return PlainTextResponse("open this file from the studio again", 404)
-        return FileResponse(_readable(root, path), headers={"cache-control": "no-cache"})
+        file = _readable(root, path)
+        if request.headers.get("sec-fetch-dest") == "document" and file.suffix.lower() in SCRIPTED:
+            return _framed(f"{VIEW}{mark}/{quote(path)}", file.name)
+        return FileResponse(file, headers={"cache-control": "no-cache", "vary": "sec-fetch-dest"})
 
     @app.get("/zip/{path:path}")
     def archive(path: str) -> Response:
@@ -93,7 +97,7 @@ def make_app(root: Path) -> FastAPI:
     for path in PAGES:
         _add_page(root, path)
     ui.run_with(app, title="dummydesign studio", dark=None, tailwind=False, unocss=None, storage_secret=None,
-                reconnect_timeout=30.0, show_welcome_message=False)  # fmt: skip
+                reconnect_timeout=120.0, show_welcome_message=False)  # fmt: skip
     return app
 
 
@@ -122,6 +126,19 @@ def _readable(root: Path, path: str) -> Path:
     except OSError as problem:
         message = f"'{path}' cannot be read: {problem.strerror or problem}"
         raise InputError(message, "file_unreadable", "path", path) from None
+
+
+SCRIPTED = (".html", ".htm", ".xhtml", ".xht", ".svg", ".xml", ".mht", ".mhtml")
+"""Files that can run a script, which could lead a tab of their own to another server."""
+
+
+def _framed(address: str, name: str) -> Response:
+    """A page that shows a file in a frame."""
+    text = (f'<!doctype html><html lang="en"><meta charset="utf-8"><title>{escape(name)}</title><style>html,body,iframe'
+            f'{{margin:0;border:0;width:100%;height:100%;display:block}}</style><iframe src="{escape(address)}" '
+            f'title="{escape(name)}"></iframe></html>')  # fmt: skip
+    heads = {"cache-control": "no-cache", "vary": "sec-fetch-dest", "content-security-policy": FRAME_POLICY}
+    return HTMLResponse(text, headers=heads)
 
 
 class Archive(StreamingResponse):

@@ -79,7 +79,12 @@ def read_sent(name: str, content: bytes, read: Callable[[Path], object]) -> None
     with tempfile.TemporaryDirectory() as away:
         path = Path(away) / name
         path.write_bytes(content)
-        read(path)
+        try:
+            read(path)
+        except InputError as problem:
+            # the user knows the file by its name
+            text = str(problem).replace(str(path), name)
+            raise InputError(text, problem.code, problem.quantity, problem.value, problem.allowed) from None
 
 
 def check_press(name: str, content: bytes, speed_mm_s: object = None) -> None:

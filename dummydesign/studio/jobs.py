@@ -8,6 +8,7 @@ import re
 import shlex
 import shutil
 import signal
+import statistics
 import subprocess
 import sys
 import time
@@ -50,8 +51,11 @@ def suggest(given: Mapping[str, object], out: str) -> list[str]:
     return ["suggest", *options(given), "--no-cad", "--out", f"designs/{out}"]
 
 
-KINDS = {"tissue": "materials/tissues", "resin": "materials/resins", "mould preset": "molds"}
+KINDS = {"tissue": "materials/tissues", "resin": "materials/resins", "mould preset": "molds",
+         "silicone": "molds/silicones", "plastic": "molds/plastics", "machine": "molds/machines"}  # fmt: skip
 """Files that a manifest lists by what they are and their name or path."""
+SETTINGS = "materials/"
+"""Weights, limits and the puck's error are listed by this and their name."""
 
 
 def changed_inputs(root: Path, manifest: Path) -> list[str]:
@@ -64,6 +68,10 @@ def changed_inputs(root: Path, manifest: Path) -> list[str]:
 
 def _path_of(root: Path, name: str) -> Path:
     """Where a file of a manifest lies now."""
+    if name.startswith(SETTINGS):
+        kind, _, stem = name.rpartition("/")
+        with suppress(InputError):
+            return find(kind, stem, stem).path
     for what, kind in KINDS.items():
         called = name.removeprefix(f"{what} ")
         if called != name:
@@ -168,7 +176,7 @@ def start(root: Path, name: str, *commands: Sequence[str]) -> Job:
         message = f"{len(running)} commands are at work: wait for one, or stop one"
         raise InputError(message, "busy", "commands", len(running), MOST_AT_ONCE)
     home = root / HOME / "jobs"
-    ended = [one for one in all_jobs(root, name) if one.state != "running"]
+    ended = [one for one in all_jobs(root, name) if one.name == name and one.state != "running"]
     for one in ended[:-MOST_KEPT]:
         shutil.rmtree(one.folder, ignore_errors=True)
     try:
@@ -189,6 +197,23 @@ def start(root: Path, name: str, *commands: Sequence[str]) -> Job:
             raise InputError(message, "program_failed", "python") from None
         raise unwritable("folder", home, problem, "folder") from None
     return read_job(folder)
+
+
+def usual_s(root: Path, name: str) -> float | None:
+    """How long the last runs of a step took, the middle of up to five; None before the first. [s]"""
+    taken = [one.seconds for one in all_jobs(root, name) if one.name == name and one.has_answer][-5:]
+    return statistics.median(taken) if taken else None
+
+
+def progress_line(job: Job, usual: float | None) -> str:
+    """How far a running command is; the time left is learned from earlier runs, not extrapolated from its steps."""
+    # how many steps a search has is known at its end alone
+    text = re.sub(r"step \d+ of about \d+: |, about \d+ (s|min) left$", "", job.progress) or "at work"
+    left = (usual or 0.0) - job.seconds
+    if left < 1.0:
+        return f"{text} – {job.seconds:.0f} s"
+    rest = f"{left:.0f} s" if left < 90.0 else f"{left / 60.0:.0f} min"
+    return f"{text} – {job.seconds:.0f} s, about {rest} left"
 
 
 def _spawn(root: Path, folder: Path) -> None:

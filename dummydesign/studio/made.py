@@ -14,13 +14,15 @@ from dummydesign.core.errors import InputError
 from dummydesign.core.files import read_json
 from dummydesign.core.manifest import NAME as MANIFEST
 from dummydesign.core.manifest import sha256_of
+from dummydesign.design.scoring.verdict import LIGHTS
 from dummydesign.geometry.shape_registry import read_shape, shape_kinds
 from dummydesign.measurement.campaign_file import FILE as CAMPAIGN
 from dummydesign.measurement.campaign_file import read_campaign_toml
 from dummydesign.measurement.campaign_from_files import read_trials
 from dummydesign.project.status import finished_manifest, things_in
 from dummydesign.studio import choices, file_transfer
-from dummydesign.studio.state import State, design_state
+from dummydesign.studio.jobs import changed_inputs
+from dummydesign.studio.state import State, design_state, design_summary
 
 GROUPS = ("Pour", "Print or machine", "Draw", "Check", "More")
 PRESETS = {
@@ -71,6 +73,16 @@ def answers(root: Path, folder: str, state: State) -> bool:
     """Whether a design was made for the tissue, aim, resin, calibration and punch that are chosen."""
     given = design_state(root, folder)
     return bool(given) and all(given[name] == value for name, value in state.question.items())
+
+
+def verdict_of_design(root: Path, state: State) -> tuple[str, str] | None:
+    """Light and sentence of the design of this pad, made for what is chosen from files that are still the same."""
+    folder = design_of_pad(root, state)
+    if not folder or not answers(root, folder, state) or changed_inputs(root, root / folder / MANIFEST):
+        return None
+    summary = design_summary(root, folder)
+    light = LIGHTS.get(str(summary.get("verdict")))
+    return None if light is None else (light, str(summary.get("text", "")))
 
 
 @dataclass(frozen=True)

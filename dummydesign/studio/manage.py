@@ -30,6 +30,8 @@ HEADER = """
 REASONS = {"max-file-size": f"is larger than {LARGEST_BYTES // 2**20} MB"}
 STILL_OFFERED_S = 60.0
 """How long a deletion can be undone right where it happened, also after the page was loaded again. [s]"""
+MOST_LISTED = 3
+"""Files of one drop that are taken and still listed one by one."""
 REJECTED = "(entries) => emit(performance.now(), entries.map((e) => [e.file.name, e.failedPropValidation]))"
 ADDED = "(files) => emit(performance.now())"
 
@@ -155,6 +157,7 @@ class DropList:
         self, take: Callable[[str, bytes], str], then: Callable[[], None], words: str = "", test: str = "presses"
     ) -> None:
         self._take, self._then = take, then
+        self._taken: tuple[ui.html, list[str]] | None = None
         if words:
             html(f'<p class="note">{escape(words)}</p>')
         with parts.area(f"drop-{test}"):
@@ -175,9 +178,18 @@ class DropList:
 
     def tell(self, sentence: str, refused: bool = False) -> None:
         """Add a sentence to the list."""
-        style, kind = "problem" if refused else "note", "refused" if refused else "taken"
         with self.listed:
-            html(f'<p class="{style}" data-kind="{kind}">{escape(sentence)}</p>')
+            if refused:
+                html(f'<p class="problem" data-kind="refused">{escape(sentence)}</p>')
+                return
+            if self._taken is None or self._taken[0].is_deleted:
+                self._taken = html(""), []
+        shown, sentences = self._taken
+        sentences.append(sentence)
+        lines = "".join(f'<p class="note" data-kind="taken">{escape(one)}</p>' for one in sentences)
+        count = len(sentences)
+        shown.set_content(lines if count <= MOST_LISTED else
+                          f"<details><summary>{count} files were taken</summary>{lines}</details>")  # fmt: skip
 
 
 class UndoBar:

@@ -17,7 +17,7 @@ from urllib.parse import urlencode
 from nicegui import ui
 from nicegui.elements.mixins.value_element import ValueElement
 
-from dummydesign.core.errors import InputError
+from dummydesign.core.errors import InputError, out_of_range
 from dummydesign.project.folder import Project, project_of
 from dummydesign.report import page as report_page
 from dummydesign.studio.choices import offered
@@ -99,6 +99,18 @@ def keep_state(state: State, **more: str) -> None:
     ui.run_javascript(f"keepState({json.dumps(state.query())}, {json.dumps(kept)})")
 
 
+class Kept:
+    """What a page keeps in its address: the state, and choices of this page alone by name."""
+
+    def __init__(self, state: State, **own: str) -> None:
+        self.state, self.own = state, own
+
+    def keep(self, **own: str) -> None:
+        """Keep further choices."""
+        self.own |= own
+        keep_state(self.state, **self.own)
+
+
 def open_page(path: str, state: State) -> None:
     """Go to a page in a state."""
     ui.navigate.to(f"{address(path)}?{state.query()}")
@@ -160,6 +172,53 @@ def button(words: str, action: Callable[..., object], test: str = "", label: str
     # not in a text of properties: a name with a backslash in it would break off there
     added.props.update({name: text for name, text in (("data-test", test), ("aria-label", label)) if text})
     return added
+
+
+def number_of(text: str, name: str, key: str = "") -> float | None:
+    """A typed number, with a dot or a comma; None for an empty field."""
+    given = text.strip().replace(",", ".")
+    if not given:
+        return None
+    try:
+        value = float(given)
+    except ValueError:
+        value = math.nan
+    if not math.isfinite(value):
+        raise InputError(f"{name} = '{text.strip()}' is not a number", "not_a_number", key or name, text.strip())
+    return value
+
+
+class NumberField(ui.input):
+    """A field for a number. What is not allowed stays as it was typed, with the reason under it."""
+
+    def __init__(
+        self, label: str, value: float | None = None, low: float = 0.0, high: float = 1e6, test: str = "",
+        hint: str = "",
+    ) -> None:  # fmt: skip
+        self._name, self._low, self._high = label, low, high
+        super().__init__(label, value="" if value is None else f"{value:.10g}", validation=self._refusal)
+        given = {"inputmode": "decimal", "data-test": test, "hint": hint}
+        self.props("hide-bottom-space").props.update({name: text for name, text in given.items() if text})
+
+    @property
+    def number(self) -> float | None:
+        """The number; None for an empty field, InputError for one that is not allowed."""
+        value = number_of(self.value or "", self._name)
+        if value is not None and not self._low <= value <= self._high:
+            raise out_of_range(self._name, f"{value:g}", f"{self._low:g}", f"{self._high:g}")
+        return value
+
+    def _refusal(self, text: object) -> str | None:
+        try:
+            self.number  # noqa: B018
+        except InputError as refused:
+            return str(refused)
+        return None
+
+
+def values_of(fields: Mapping[str, Any]) -> dict[str, Any]:
+    """Values of fields by name (InputError for a number that is not allowed)."""
+    return {name: field.number if isinstance(field, NumberField) else field.value for name, field in fields.items()}
 
 
 def select(label: str, known: Mapping[str, str], value: str, test: str = "") -> ui.select:
@@ -239,7 +298,7 @@ def command_line(words: Sequence[str]) -> None:
     """Show the command that does the same as the page, to copy."""
     text = shown(words)
     with ui.element("div").classes("command"):
-        html(f"<code>{escape(text)}</code>")
+        html(f'<code tabindex="0" title="{escape(text)}">{escape(text)}</code>')
         copy = ui.button("Copy", on_click=lambda: ui.clipboard.write(text), color=None)
         copy.props('flat dense aria-label="copy the command"')
 
@@ -251,11 +310,19 @@ def facts(rows: Sequence[tuple[str, str]]) -> None:
     html(f'<div class="facts">{values}</div>')
 
 
+MOST_WARNINGS = 4
+"""Warnings in sight; further ones are folded."""
+
+
 def warnings(answer: Mapping[str, Any]) -> None:
     """Show what a command warned of."""
-    lines = "".join(f"<li>{marked(str(one['message']))}</li>" for one in answer.get("warnings", []))
+    lines = [f"<li>{marked(str(one['message']))}</li>" for one in answer.get("warnings", [])]
+    left = len(lines) - MOST_WARNINGS
     if lines:
-        html(f'<ul class="warnings">{lines}</ul>')
+        html(f'<ul class="warnings">{"".join(lines[:MOST_WARNINGS])}</ul>')
+    if left > 0:
+        html(f'<details><summary>{left} more warnings</summary><ul class="warnings">{"".join(lines[MOST_WARNINGS:])}'
+             "</ul></details>")  # fmt: skip
 
 
 def table(head: Sequence[str], rows: Sequence[Sequence[object]], words: bool = False, under: str = "") -> None:
@@ -268,15 +335,20 @@ def table(head: Sequence[str], rows: Sequence[Sequence[object]], words: bool = F
 
 def file_links(rows: Sequence[tuple[str, str]]) -> None:
     """Show links to files of the project: (words, path from the project folder on)."""
-    links = "".join(f'<a href="{address(f"/files/{path}")}" target="_blank" rel="noopener">{escape(words)}</a>'
-                    for words, path in rows)  # fmt: skip
-    html(f'<div class="links">{links}</div>')
+    html(f'<div class="links">{"".join(file_link(*row) for row in rows)}</div>')
 
 
-def zip_link(folder: str) -> None:
-    """Show a link that downloads a folder of the project as one file."""
-    link = f'<a data-test="zip" href="{address(f"/zip/{folder}")}" download>Download all files (ZIP)</a>'
-    html(f'<div class="links">{link}</div>')
+def file_link(words: str, path: str, kind: str = "") -> str:
+    """Return a link to a file of the project as HTML."""
+    return (f'<a class="{escape(kind)}" href="{address(f"/files/{path}")}" target="_blank" rel="noopener">'
+            f"{escape(words)}</a>")  # fmt: skip
+
+
+def zip_link(folder: str, sheets: Sequence[str] = ()) -> None:
+    """Show a link that downloads a folder of the project as one file; a button beside that of its pour sheet."""
+    kind, more = "go" if sheets else "", "".join(file_link("Pour sheet (PDF)", path, "go") for path in sheets)
+    link = f'<a class="{kind}" data-test="zip" href="{address(f"/zip/{folder}")}" download>Download all files (ZIP)</a>'
+    html(f'<div class="links">{link}{more}</div>')
 
 
 def show_report(root: Path, files: Mapping[str, str], title: str) -> None:

@@ -64,9 +64,15 @@ def delete(root: Path, path: str, why: str = "deleted") -> Deleted:
         write_text(entry.folder / ENTRY, json.dumps({"path": path, "time": now, "why": why}))
         _move([(part, entry.folder / CONTENT / part.name) for part in parts])
     except InputError:
-        shutil.rmtree(entry.folder, ignore_errors=True)
+        _forget(entry)
         raise
     return entry
+
+
+def _forget(entry: Deleted) -> None:
+    """Remove an entry of the bin, unless something lies in it that could not be moved back."""
+    if not any((entry.folder / CONTENT).glob("*")):
+        shutil.rmtree(entry.folder, ignore_errors=True)
 
 
 def restore(root: Path, entry: Deleted) -> str:
@@ -89,7 +95,7 @@ def restore(root: Path, entry: Deleted) -> str:
                 if not any((target.parent / name).exists() for name in _renamed(names, old, one)))  # fmt: skip
     after = _renamed(names, old, stem)
     _move([(content / name, target.parent / new) for name, new in zip(names, after)])
-    shutil.rmtree(entry.folder, ignore_errors=True)
+    _forget(entry)
     if stem != old:
         _follow_inside(target.parent, after, old, stem)
     return f"{target.parent.relative_to(root).as_posix()}/{after[names.index(target.name)]}"
@@ -108,7 +114,7 @@ def undone_if_refused(root: Path, entry: Deleted) -> Iterator[None]:
 def rename(root: Path, path: str, name: str) -> str:
     """Give a file or folder of a project another name; return its new path from the project folder on.
 
-    ``project.toml`` follows where it names a tissue or calibration that moved.
+    ``project.toml`` and the manifests of the project follow where they name a tissue or calibration that moved.
     """
     parts = parts_of(root, path)
     check_idle(root, path)
@@ -129,11 +135,14 @@ def rename(root: Path, path: str, name: str) -> str:
         raise InputError(f"'{taken}' is there already: choose another name", "file_exists", "name", taken)
     project = project_of(root)
     moves = [(part, source.parent / one) for part, one in zip(parts, after)]
-    before = {part: part.read_bytes() for part in parts if _is_tissue(path)}
+    others = [] if source.parent.name not in ("tissue", "calibrations") else sorted(root.glob(f"*/*/{MANIFEST}"))
+    before = {file: file.read_bytes() for file in [*others, *(parts if _is_tissue(path) else [])] if file.is_file()}
     new = f"{path.rpartition('/')[0]}/{after[0]}"
     _move(moves)
     try:
         _follow_inside(source.parent, after, old, wanted)
+        for manifest in (one for one in others if one.is_file()):
+            _follow_in_manifest(root, manifest, path, new)
         if project is not None:
             _follow_in_project(project, path, new)
     except InputError:
@@ -143,6 +152,32 @@ def rename(root: Path, path: str, name: str) -> str:
                 write_bytes(part, content)
         raise
     return new
+
+
+def _follow_in_manifest(root: Path, manifest: Path, old: str, new: str) -> None:
+    """Write the new path into a manifest that names a renamed tissue or calibration, so that its answer stays open."""
+    kept = read_json(manifest)
+    inputs, read = kept.get("inputs"), kept.get("files_read")
+    if not isinstance(inputs, dict):
+        return
+
+    def moved(text: object) -> object:
+        """A path, typed from the project folder on or whole; with the words before it."""
+        for home in ("", f"{root}/"):
+            at = str(text).partition(f"{home}{old}")
+            if isinstance(text, str) and at[1] and at[0] in ("", "tissue ") and at[2][:1] in ("", "/"):
+                return f"{at[0]}{home}{new}{at[2]}"
+        return text
+
+    after = {key: moved(value) for key, value in inputs.items()}
+    if after == inputs:
+        return
+    files = []
+    for one in read if isinstance(read, list) else []:
+        name = moved(one["name"])
+        now = root / str(name).removeprefix("tissue ")
+        files.append(one if name == one["name"] else {"name": name, "file": now.name, "sha256": sha256_of(now)})
+    write_text(manifest, json.dumps(kept | {"inputs": after, "files_read": files}, indent=1) + "\n")
 
 
 def _follow_in_project(project: Project, old: str, new: str) -> None:
@@ -231,16 +266,17 @@ def _follow_inside(folder: Path, names: Sequence[str], old: str, new: str) -> No
 
 
 def _move(pairs: Sequence[tuple[Path, Path]]) -> None:
-    """Move all, or none."""
+    """Rename all, or none: a copy in the place of a refused rename could lose what it copies."""
     done: list[tuple[Path, Path]] = []
     try:
         for start, end in pairs:
             end.parent.mkdir(exist_ok=True)
-            shutil.move(start, end)
+            start.rename(end)
             done.append((start, end))
     except OSError as problem:
         for start, end in reversed(done):
-            shutil.move(end, start)
+            with suppress(OSError):
+                end.rename(start)
         raise unwritable("folder of", pairs[0][0].name, problem, "path") from None
 
 

@@ -26,18 +26,28 @@ from dummydesign.studio.state import State, absolute
 
 THROTTLE_S = 0.03
 LONG_UNIT = 8
-# an input that is typed in half way says nothing; the other one follows in the browser itself
-MOVED = (
-    "(e) => { const t = e.target; if (t.value === '' || !t.validity.valid) return; "
-    "for (const o of e.currentTarget.querySelectorAll('input')) if (o !== t) o.value = t.value; emit(t.value); }"
-)
-
-
-# a field that is left empty or with a number that is not allowed shows again the number that is in use
-LEFT = (
-    "(e) => { const t = e.target; if (t.type === 'number' && (t.value === '' || !t.validity.valid)) "
-    "t.value = e.currentTarget.querySelector('input[type=range]').value; }"
-)
+SLIDE = """(e) => {
+  const box = e.currentTarget, t = e.target, note = box.querySelector('[role=status]');
+  const range = box.querySelector('[type=range]'), field = box.querySelector('[type=text]');
+  const way = {ArrowUp: 1, ArrowDown: -1}[e.key];
+  if (e.type === 'keydown' ? t !== field || !way : (e.type === 'change') !== (t === field)) return;
+  let value = range.value;
+  if (way) { range.stepUp(way); value = range.value; e.preventDefault(); }
+  else if (t === field) {
+    const typed = field.value.trim(), number = Number(typed.replace(',', '.'));
+    const steps = (number - range.min) / range.step;
+    const allowed = number >= range.min && number <= range.max && Math.abs(steps - Math.round(steps)) < 1e-6;
+    if (typed && allowed) range.value = number;
+    field.value = range.value;
+    note.textContent = !typed || allowed ? '' : `${typed} is not allowed: ` +
+      `${Number(range.min)} to ${Number(range.max)} in steps of ${Number(range.step)}.`;
+    if (!typed || !allowed) return;
+    value = String(number);
+  }
+  if (t !== field || way) { field.value = value; note.textContent = ''; }
+  emit(value);
+}"""
+"""Range and field follow each other in the browser; a number counts once it is typed to its end."""
 
 
 class Slider:
@@ -51,8 +61,10 @@ class Slider:
     ) -> None:
         self.value, self._name, self._moved, self._written = value, name, moved, 0
         self._box = ui.html("", sanitize=False).classes("slide")
-        self._box.on("input", self._take, js_handler=MOVED, throttle=THROTTLE_S)
-        self._box.on("focusout", lambda: None, js_handler=LEFT)
+        self._beside = ui.label("").classes("beside")
+        self._box.on("input", self._take, js_handler=SLIDE, throttle=THROTTLE_S)
+        for event in ("change", "keydown"):
+            self._box.on(event, self._take, js_handler=SLIDE)
         self.limit(low, high, step, unit)
 
     def limit(self, low: float, high: float, step: float, unit: str) -> None:
@@ -70,11 +82,16 @@ class Slider:
         self._written += 1
         self._box.set_content(
             f'<div class="row" data-written="{self._written}"><span>{named}</span>'
-            f'<span><input type="number" {ends} aria-label="{named} {escape(short)}" data-test="number-{test}"> '
+            f'<span><input type="text" inputmode="decimal" value="{self.value:.6g}" data-test="number-{test}" '
+            f'aria-label="{named} {escape(short)}"> '
             f"{escape(short)}</span></div>"
             f'<input type="range" {ends} aria-label="{named}, slider" data-test="slide-{test}">'
-            f"<small>{self.low:g} to {self.high:g} {escape(self._unit)}</small>"
+            f'<small>{self.low:g} to {self.high:g} {escape(self._unit)}</small><small role="status"></small>'
         )
+
+    def say(self, words: str) -> None:
+        """Say beside it what its value means."""
+        self._beside.set_text(words)
 
     def _take(self, event: events.GenericEventArguments) -> None:
         self.value = float(event.args)

@@ -214,14 +214,15 @@ def page_link(path: str, words: str, state: State | None = None, test: str = "",
 
 
 PAGES = {"tissues": "/tissue", "import": "/measured", "fit": "/tissue", "suggest": "/design", "mold": "/mould",
-         "campaign": "/campaign", "loop": "/learn", "status": "/design"}  # fmt: skip
+         "campaign": "/campaign", "loop": "/learn", "status": "/design", "resins": "/resin"}  # fmt: skip
 """Page that a command belongs to."""
 _NUMBERS = {"thickness": "thickness_mm", "ratio": "ratio"}
 
 
 def next_page(status: ProjectStatus) -> str:
     """The page on which the next step is done."""
-    return PAGES.get(shlex.split(status.next_command)[1], "/design")
+    words = shlex.split(status.next_command)
+    return "/resin" if "--puck" in words else PAGES.get(words[1], "/design")
 
 
 def next_state(status: ProjectStatus, state: State) -> State:

@@ -42,16 +42,17 @@ class Work:
         self._show, self._belongs, self._ended, self._stamp = show, belongs, ended, stamp
         self._needs, self._check = needs, check
         self._seen: object = None
+        self.shown: jobs.Job | None = None
         self._watched = ""
+        self._usual: tuple[Path | None, float | None] = None, None
         self._pressed = self.running = self.answered = False
         with ui.element("section").classes("work"):
-            self._lines = parts.area()
             with ui.element("div").classes("state"):
                 self._button = parts.button(label, self.begin, f"run-{name}", main=True)
                 self._stop = parts.button("Stop", self.end, f"stop-{name}")
                 self._spinner = ui.spinner(size="1.4em")
                 self._status = ui.label("").props('role="status" aria-live="polite"')
-            self._problem = ui.element("div")
+            self._problem, self._lines = ui.element("div"), parts.area()
             self._result_area = parts.area(f"found-{name}")
         self.renew()
         ui.timer(0.5, self.update)
@@ -107,9 +108,12 @@ class Work:
             _move_focus(self._stop, self._button)
         answer = next((one for one in reversed(every) if belongs(one, words) and one.has_answer), None)
         self.answered = answer is not None
+        self.shown = answer if answer is not None and self._needs in ("", *answer.answer) else None
         if newest is not None and self.running:
             self._watched = newest.folder.name
-            self._status.set_text(f"{newest.progress or 'at work'} – {newest.seconds:.0f} s")
+            if newest.folder != self._usual[0]:
+                self._usual = newest.folder, jobs.usual_s(self.root, self.name)
+            self._status.set_text(jobs.progress_line(newest, self._usual[1]))
         as_chosen = answer is not None and same(answer, words)
         ours = newest and (newest.folder.name, newest.state, mine)
         seen = ours, answer and (answer.folder.name, as_chosen), self._stamp()
@@ -122,7 +126,7 @@ class Work:
                 if answer is not newest or not as_chosen:
                     when = time.strftime("%d %b %H:%M", time.localtime(answer.started))
                     html(f'<p class="source">Result of {when}: <code>{escape(answer.begun)}</code></p>')
-                if not self._needs or self._needs in answer.answer:
+                if self.shown is not None:
                     self._show(answer)
         if newest is not None and not self.running and newest.folder.name == self._watched:
             self._watched = ""

@@ -3,8 +3,9 @@
 import json
 import os
 
-from dummydesign.project.folder import make_project
+from dummydesign.project.folder import change_project, make_project, read_project
 from dummydesign.project.status import finished_manifest, status_of
+from dummydesign.studio.state import next_page, next_state, read_state
 
 
 def wrote(folder, command, date, **summary):
@@ -47,6 +48,33 @@ def test_each_stage_of_the_work_asks_for_the_next_one(tmp_path):
     for name in ("a.csv", "b.csv"):
         (tmp_path / "campaigns" / "first" / name).write_text("", encoding="utf-8")
     assert "problem" in status_of(project).next_text
+
+
+def test_a_red_design_asks_for_no_mould_and_an_unsettled_one_for_a_puck_first(tmp_path):
+    project = make_project(tmp_path, tissue="palm")
+    pad = {"shape": "slab", "thickness_mm": 8.0, "ratio": 15.4, "resin": "polyurethane-nagoya"}
+
+    def then():
+        status = status_of(project)
+        return status.next_text, status.next_command, next_page(status)
+
+    wrote(tmp_path / "designs" / "red", "suggest", "2026-01-02", **pad, verdict="not_representative",
+          next={"do": "do not cast this pad: why", "command": None})  # fmt: skip
+    text, command, page = then()
+    assert text.startswith("do not cast this pad: why") and command.startswith("dummydesign suggest")
+    assert page == "/design"
+    wrote(tmp_path / "designs" / "open", "suggest", "2026-01-03", **pad, verdict="not_settled")
+    text, command, page = then()
+    assert "puck" in text and command.startswith("dummydesign mold --puck 50x30") and page == "/resin"
+    assert next_state(status_of(project), read_state(project, {})).ratio == 15.4
+    wrote(tmp_path / "moulds" / "puck_50x30", "mold", "2026-01-04", ratio=15.4, resin="x", preset="printed")
+    text, command, page = then()
+    assert "press the puck" in text and "--diameter 50" in command and page == "/resin"
+    change_project(project, resin="my-batch")
+    project = read_project(tmp_path)
+    assert "with the batch" in then()[0] and then()[2] == "/design"
+    wrote(tmp_path / "designs" / "batch", "suggest", "2026-01-05", **pad | {"resin": "my-batch"}, verdict="stands_for")
+    assert then()[:2] == ("make the mould", "dummydesign mold --thickness 8 --ratio 15.4")
 
 
 def test_a_learned_calibration_asks_for_the_design_again(tmp_path):

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import errno
 import json
+import os
+import pathlib
 import time
 
 import pytest
@@ -15,6 +18,7 @@ from dummydesign.studio import job_process as runner
 from dummydesign.studio import jobs
 from dummydesign.studio import project_files as bin
 from dummydesign.studio import project_files as uploads
+from dummydesign.studio.state import design_state
 from tests.support.refusal import raises_code
 
 
@@ -90,6 +94,43 @@ def test_what_is_in_the_bin_for_longer_than_a_month_goes_with_the_next_deletion(
     assert names(root / ".studio" / "bin") == sorted(one.folder.name for one in (kept[0.0], kept[29.0]))
 
 
+def test_a_delete_that_is_refused_changes_nothing(root, monkeypatch):
+    """A folder without the right to rename in it: no copy is made, and no part is removed."""
+    design = root / "designs" / "a"
+    design.mkdir()
+    (design / "report.html").write_text("report")
+    real = pathlib.Path.rename
+
+    def refuse(path, target):
+        if path.parent == root / "designs":
+            raise PermissionError(errno.EACCES, os.strerror(errno.EACCES), str(path))
+        return real(path, target)
+
+    monkeypatch.setattr(pathlib.Path, "rename", refuse)
+    for change in (lambda: bin.delete(root, "designs/a"), lambda: bin.rename(root, "designs/a", "b")):
+        with raises_code("file_unwritable", "path"):
+            change()
+    assert (design / "report.html").read_text() == "report"
+    assert names(root / "designs") == ["a"] and bin.deleted(root) == []
+
+
+def test_what_cannot_be_moved_back_stays_in_the_bin(root, monkeypatch):
+    """Of a tissue's files the second is refused, and so is the way back of the first: nothing is lost."""
+    real, moved = pathlib.Path.rename, []
+
+    def refuse_all_but_the_first(path, target):
+        moved.append(path)
+        if len(moved) > 1:
+            raise OSError(errno.EIO, os.strerror(errno.EIO), str(path))
+        return real(path, target)
+
+    monkeypatch.setattr(pathlib.Path, "rename", refuse_all_but_the_first)
+    with pytest.raises(InputError):
+        bin.delete(root, "tissue/mine.toml")
+    assert [one.path for one in bin.deleted(root)] == ["tissue/mine.toml"]
+    assert (bin.deleted(root)[0].folder / bin.CONTENT / "mine.toml").is_file()
+
+
 def test_a_restore_overwrites_nothing(root):
     gone = bin.delete(root, "measured/a.csv")
     (root / "measured" / "a.csv").write_text("new")
@@ -132,6 +173,30 @@ def test_a_tissue_is_renamed_in_its_file_its_manifest_and_the_project(root):
     assert read_project(root).tissue == "tissue/thumb.toml"
     sums = json.loads((root / "tissue" / "thumb-manifest.json").read_text())["sha256"]
     assert sums == {name: sha256_of(root / "tissue" / name) for name in ("thumb.toml", "thumb-report.html")}
+
+
+@pytest.mark.parametrize("whole", [False, True])
+def test_designs_follow_a_tissue_and_a_calibration_that_are_renamed(root, whole):
+    home = f"{root}/" if whole else ""
+    tissue, taught = f"{home}tissue/mine.toml", f"{home}calibrations/a/calibration.json"
+    (root / "calibrations" / "a").mkdir()
+    (root / "calibrations" / "a" / "calibration.json").write_text("{}")
+    design = root / "designs" / "a"
+    design.mkdir()
+    read = [{"name": name, "file": file.name, "sha256": sha256_of(file)}
+            for name, file in ((f"tissue {tissue}", root / "tissue" / "mine.toml"),
+                               (taught, root / "calibrations" / "a" / "calibration.json"))]  # fmt: skip
+    pad = {"shape": "slab", "thickness_mm": 6.0, "ratio": 15.0, "resin": "polyurethane-nagoya"}
+    inputs = {"tissue": tissue, "calibration": taught}
+    kept = {"command": "suggest", "finished": True, "inputs": inputs, "files_read": read, "summary": pad}
+    (design / "manifest.json").write_text(json.dumps(kept))
+    bin.rename(root, "tissue/mine.toml", "thumb")
+    bin.rename(root, "calibrations/a", "monday")
+    state = design_state(root, "designs/a")
+    assert (state["tissue"], state["calibration"]) == ("tissue/thumb.toml", "calibrations/monday/calibration.json")
+    assert jobs.changed_inputs(root, design / "manifest.json") == []
+    bin.rename(root, "tissue/minerva.toml", "other")
+    assert design_state(root, "designs/a") == state
 
 
 def test_a_calibration_is_renamed_in_the_project(root):

@@ -5,8 +5,11 @@ from __future__ import annotations
 import json
 import shutil
 
+from dummydesign.api.answers import question
 from dummydesign.core.library import find
 from dummydesign.core.manifest import sha256_of
+from dummydesign.design.problem import read_problem
+from dummydesign.design.request import Request
 from dummydesign.studio.jobs import changed_inputs, changed_since, holds_answer
 
 
@@ -47,3 +50,11 @@ def test_a_file_that_was_written_after_a_command_began_has_changed_since(tmp_pat
     path.write_text("a", encoding="utf-8")
     written = path.stat().st_mtime
     assert changed_since([path], written - 1.0) and not changed_since([path, tmp_path / "gone"], written + 1.0)
+
+
+def test_every_file_that_a_search_reads_is_found_again(tmp_path):
+    """Weights, limits, machine and silicone too: none is said to have changed where nothing did."""
+    problem = read_problem(Request("forefinger", shape="slab", verify=False))
+    asked = question("suggest", {}, tissue="forefinger", resin="polyurethane-nagoya", named=dict(problem.files))
+    assert {"materials/score", "silicone platinum_a20"} <= set(asked.files)
+    assert changed_inputs(tmp_path, manifest(tmp_path, {}, *asked.files.items())) == []

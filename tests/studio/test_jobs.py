@@ -7,6 +7,7 @@ import subprocess
 import sys
 import threading
 import time
+from dataclasses import replace
 
 import pytest
 
@@ -45,19 +46,6 @@ def test_of_several_commands_each_keeps_its_answer_and_the_last_one_counts(tmp_p
     assert job.commands == (("tissues", "list"), ("resins", "list")) and job.words == ("resins", "list")
     assert [job.answer_of(number)["schema"] for number in (1, 2)] == ["dummydesign.tissues/1", "dummydesign.resins/1"]
     assert job.answer == job.answer_of(2)
-
-
-def test_a_start_forgets_the_oldest_runs_of_its_step_and_of_no_other(tmp_path, monkeypatch):
-    monkeypatch.setattr(jobs, "MOST_KEPT", 2)
-    for number, name in enumerate(("list", "list", "list", "other"), 1):
-        folder = tmp_path / jobs.HOME / "jobs" / f"{number:04d}-{name}"
-        folder.mkdir(parents=True)
-        (folder / runner.COMMAND).write_text(json.dumps({"name": name, "words": ["tissues"], "start": float(number)}))
-        (folder / runner.STATUS).write_text(json.dumps({"status": 0, "end": number + 1.0, "stopped": False}))
-    started = jobs.start(tmp_path, "list", ["tissues", "list"])
-    kept = sorted(path.name for path in (tmp_path / jobs.HOME / "jobs").iterdir())
-    assert kept == ["0002-list", "0003-list", "0004-other", "0005-list"]
-    wait_for(started.folder, "done")
 
 
 def test_a_command_that_fails_ends_those_after_it(tmp_path):
@@ -248,3 +236,28 @@ def test_of_two_commands_that_made_the_same_the_later_one_counts(tmp_path):
     found = jobs.all_jobs(tmp_path, "fit")
     last = [jobs.is_last(tmp_path, one, lambda job: job.answer.get("files", {}).get("tissue", "")) for one in found]
     assert last == [False, True, True, True]
+
+
+def test_the_time_left_is_learned_from_earlier_runs_and_never_grows(tmp_path):
+    assert jobs.usual_s(tmp_path, "suggest") is None
+    for number in range(1, 4):
+        lab.job(tmp_path, number, "suggest", ["suggest"], {"a": 1}, 0)
+    assert jobs.usual_s(tmp_path, "suggest") == 3.0
+    job = jobs.Job(tmp_path, "suggest", (("suggest",),), "running", 0.0, 12.0,
+                   "step 8 of about 10: crowned pads, about 67 s left")  # fmt: skip
+    assert jobs.progress_line(job, None) == "crowned pads – 12 s"
+    assert jobs.progress_line(job, 40.0) == "crowned pads – 12 s, about 28 s left"
+    assert jobs.progress_line(job, 9.0) == "crowned pads – 12 s"
+    assert jobs.progress_line(replace(job, progress="step 2 of 5: STEP files"), 240.0) == (
+        "step 2 of 5: STEP files – 12 s, about 4 min left"
+    )
+
+
+def test_old_commands_of_a_step_go_when_the_next_one_begins(tmp_path):
+    for number in range(1, jobs.MOST_KEPT + 4):
+        lab.job(tmp_path, number, "list", ["tissues", "list"], {"a": number}, 0)
+    lab.job(tmp_path, 900, "re-list", ["tissues", "list"], {"a": 1}, 0)
+    job = jobs.start(tmp_path, "list", ["tissues", "list"])
+    kept = [one.folder.name for one in jobs.all_jobs(tmp_path) if one.name == "list"]
+    assert len(kept) == jobs.MOST_KEPT + 1 and kept[0] == "0004-list" and job.folder.name == "0901-list"
+    assert jobs.latest(tmp_path, "re-list") is not None

@@ -7,10 +7,11 @@ import os
 
 import pytest
 
+from dummydesign.core.manifest import sha256_of
 from dummydesign.project.folder import make_project
 from dummydesign.project.status import status_of
 from dummydesign.studio import made
-from dummydesign.studio.state import next_page, next_state, read_state
+from dummydesign.studio.state import State, next_page, next_state, read_state
 
 
 def write(folder, name, command, inputs, date="2026-01-01T00:00:00+00:00", **more):
@@ -145,7 +146,8 @@ def test_the_next_step_opens_the_campaign_that_it_is_about(project):
 
 def test_the_next_step_opens_the_design_whose_mould_it_makes(project):
     write(project.root, "designs/a", **design(thickness=6.0))
-    write(project.root, "designs/b", date="2026-02-01", **design("crowned:radius=20,height=2,foot=9", 4.5, 15.4))
+    best = design("crowned:radius=20,height=2,foot=9", 4.5, 15.4, verdict="stands_for")
+    write(project.root, "designs/b", date="2026-02-01", **best)
     chosen = read_state(project, {"design": "designs/a"})
     assert chosen.thickness_mm == 6.0
     status = status_of(project)
@@ -197,3 +199,18 @@ def test_a_campaign_that_was_renamed_keeps_its_calibration(project):
 )  # fmt: skip
 def test_units_are_read_from_the_names_of_parameters(name, unit, words):
     assert made.name_and_unit(name) == (words, unit)
+
+
+def test_the_verdict_of_a_pad_is_that_of_its_design_while_its_files_are_the_same(project):
+    root = project.root
+    tissue = root / "tissue" / "mine.toml"
+    tissue.write_text("1", encoding="utf-8")
+    read = [{"name": "tissue tissue/mine.toml", "file": "mine.toml", "sha256": sha256_of(tissue)}]
+    made_for = design(tissue="tissue/mine.toml", verdict="usable_with_correction")
+    write(root, "designs/a", files_read=read, **made_for)
+    state = State("tissue/mine.toml", thickness_mm=6.0, ratio=15.0)
+    assert made.verdict_of_design(root, state) == ("amber", "words")
+    for other in ({"ratio": 15.1}, {"aim": "safe-side"}, {"calibration": "calibrations/a/calibration.json"}):
+        assert made.verdict_of_design(root, state.changed(**other)) is None
+    tissue.write_text("2", encoding="utf-8")
+    assert made.verdict_of_design(root, state) is None

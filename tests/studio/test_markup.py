@@ -12,12 +12,12 @@ from dummydesign.report.plot import Plot
 from dummydesign.report.plot_layers import Line
 
 STUDIO = Path(dummydesign.studio.__file__).parent
-ESCAPES = {"escape", "page_link", "state_link", "marked", "address", "len"}
+ESCAPES = {"escape", "page_link", "file_link", "marked", "address", "len"}
 """Functions that return HTML, or text without a sign that HTML knows."""
 OURS = {"_list", "html", "plots_html", "table_html", "whole_glossary", "style", "_ended", "strftime", "plots_js",
         "replace", "sub", "_file"}  # fmt: skip
 """Functions that put HTML or words of our own together."""
-NUMBERS = {"low", "high", "number", "done", "left", "passed"}
+NUMBERS = {"left", "low", "high", "number", "done", "passed"}
 CONSTANTS = {"key", "stage", "kind", "line", "title", "short", "name"}
 """Arguments and loop variables that only our own code fills."""
 

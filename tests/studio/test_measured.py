@@ -271,6 +271,8 @@ def test_the_overview_lists_what_was_deleted_and_restores_it_beside_a_new_file(s
         bin.delete(root, f"measured/{name}")
     (root / "measured" / EXPORTS[0]).write_text("new")
     visit(page, found.home)
+    page.locator(f"{by('bin')} .q-item").click()
+    page.wait_for_selector(by("restore"))
     assert page.evaluate(NAMELESS) == [] and page.evaluate(RULES) == []
     for name in EXPORTS[:2]:
         page.locator(f'{by("restore")}[aria-label="Restore measured/{name}"]').click()

@@ -250,15 +250,16 @@ def test_the_keyboard_moves_a_slider_and_the_verdict_stays_in_sight(studio):
         number = page.locator(by("number-thickness"))
         assert number.input_value() == "7.2"
         page.wait_for_function("(old) => document.querySelector('[data-test=plots]').innerHTML !== old", arg=before)
-        page.wait_for_selector(".facts b >> text='7.2 mm'")
+        page.wait_for_selector("small.label >> text='7.2 mm'")
         assert page.evaluate(f"{slider}.value") == "7.2" and page.evaluate(f"document.activeElement === {slider}")
         number.fill("8.4")
-        page.wait_for_selector(".facts b >> text='8.4 mm'")
+        number.press("Enter")
+        page.wait_for_selector("small.label >> text='8.4 mm'")
         assert page.evaluate(f"{slider}.value") == "8.4"
         number.fill("999")
+        number.press("Enter")
         page.wait_for_timeout(400)
         assert page.evaluate(f"{slider}.value") == "8.4"
-        number.fill("8.4")
         page.mouse.wheel(0, 500)
         page.wait_for_selector('[data-test="verdict"] .verdict[data-state="settled"]')
         page.wait_for_timeout(300)

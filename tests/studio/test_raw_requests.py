@@ -60,6 +60,10 @@ def test_pages_and_files_are_answered(studio):
     assert place.startswith("/view/") and studio.path not in place
     status, back = studio.get(place, known=False)
     assert status == 200 and back.endswith(b"<p>ours</p>") and b"security-policy: sandbox" in back
+    # a tab of its own gets a page around it, which leads nowhere else
+    status, back = studio.get(place, "Sec-Fetch-Dest: document", known=False)
+    assert status == 200 and f'<iframe src="{place}"'.encode() in back and b"ours" not in back
+    assert b"frame-src 'self'" in back and b"security-policy: sandbox" not in back
     for other in (place.replace("report.html", "x.html"), "/view/0/designs/a/report.html", "/view/", "/view//x"):
         assert studio.get(other, known=False)[0] == 404, other
 

@@ -288,7 +288,8 @@ def verdict(
     level = level_of(shares, shares_known, limits, strict, stands)
     if unsettled and level in ("stands_for", "usable_with_correction"):
         level = "not_settled"
-    if beyond > limits.beyond_people:
+    # castings are judged by the subjects' presses: far beyond these none is called usable
+    if far := beyond > limits.beyond_people:
         level = "not_representative"
     after, _, force_after = (None, None, None) if measured is None else measured.quantiles
     shortfall = _deviation(differences, differences.short, short_95)
@@ -301,7 +302,7 @@ def verdict(
     bound = tuple(limits_that_bind)
     parts = [
         _reading_words(differences, readings, level),
-        "" if castings is None else _casting_words(castings, level, limits, strict, of, measured is not None),
+        "" if castings is None or far else _casting_words(castings, level, limits, strict, of, measured is not None),
         _known_words(shares_known, level, strict) if measured is not None and not unsettled else "",
         _ending(level, correction, unsettled, castings is not None),
     ]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Mapping, Sequence
 from html import escape
 from pathlib import Path
@@ -78,7 +77,7 @@ class BringIn:
 
     def changed(self, row: int, key: str, text: str) -> None:
         """Take over a value of the table."""
-        self.rows[row][key] = number_of(text, f"{self.rows[row]['file']}: {HEADS[key]}", key)
+        self.rows[row][key] = parts.number_of(text, f"{self.rows[row]['file']}: {HEADS[key]}", key)
         incoming.write_table(self.root, self.rows)
 
     def renew(self) -> None:
@@ -283,20 +282,6 @@ HEADS = {"sequence": "order", "thickness_mm": "pad [mm]", "velocity_mm_s": "spee
 CHANGED = "({target: t}) => { if (t.dataset.key) emit([Number(t.dataset.row), t.dataset.key, t.value]); }"
 
 
-def number_of(text: str, name: str, key: str = "") -> float | None:
-    """A typed number, with a dot or a comma; None for an empty field."""
-    given = text.strip().replace(",", ".")
-    if not given:
-        return None
-    try:
-        value = float(given)
-    except ValueError:
-        value = math.nan
-    if not math.isfinite(value):
-        raise InputError(f"{name} = '{text.strip()}' is not a number", "not_a_number", key or name, text.strip())
-    return value
-
-
 def table_html(keys: Sequence[str], rows: Sequence[Mapping[str, Any]]) -> str:
     """The table as HTML; each row has ``file`` and the keys, None where a value is unknown."""
     head = "".join(f"<th scope=col>{escape(HEADS[key])}</th>" for key in keys)
@@ -366,13 +351,13 @@ class TrialTable:
     def changed(self, row: int, key: str, text: str) -> None:
         """Write one value."""
         file = self.rows[row]["file"]
-        self.write({row: {key: number_of(text, f"{file}: {key}", key)}}, f"{HEADS[key]} of {file} is kept.")
+        self.write({row: {key: parts.number_of(text, f"{file}: {key}", key)}}, f"{HEADS[key]} of {file} is kept.")
 
     def fill(self) -> None:
         """Write one value for all presses of a day."""
         rows, key = rows_of(self.rows, self.day.value), str(self.key.value)
         with parts.problems_in(self.message):
-            value = number_of(str(self.value.value or ""), key)
+            value = parts.number_of(str(self.value.value or ""), key)
             self.write({row: {key: value} for row in rows}, f"{HEADS[key]} of {len(rows)} presses is kept.")
             self.read()
 
@@ -436,13 +421,13 @@ class PlanForm:
             add("shape", "Shape with its lengths")
             add("pad", "Outline, length x width [mm]")
             self.fields["resin"] = parts.select("Resin", choices.resins(), given["resin"])
-            self.fields["ratio"] = ui.number("Ratio", value=given["ratio"], step=0.1)
+            self.fields["ratio"] = parts.NumberField("Ratio", given["ratio"])
         with ui.element("div").classes("fields"):
             add("speeds", "Speeds [mm/s]")
             add("forces", "Steady forces [N]")
-            self.fields["repeats"] = ui.number("Repeats", value=given["repeats"], min=1, max=9, step=1)
+            self.fields["repeats"] = parts.NumberField("Repeats", given["repeats"], 1, 9)
             add("ages", "Age of the pads on each day [days]")
-            self.fields["hold"] = ui.number("Hold [s]", value=given["hold"], min=1, max=600)
+            self.fields["hold"] = parts.NumberField("Hold [s]", given["hold"], 1, 600)
         for key in ("pads", "shape", "speeds", "forces", "repeats", "ages"):
             self.fields[key].props(f'data-test="{"re" if replaced else ""}plan-{key}"')
         label = "Change the plan" if replaced else "Plan it"
@@ -459,7 +444,7 @@ class PlanForm:
 
     def words(self) -> list[str]:
         """The plan as a command."""
-        given: dict[str, Any] = {key: field.value for key, field in self.fields.items()}
+        given = parts.values_of(self.fields)
         for key in ("repeats", "ratio"):
             if given[key] is None:
                 raise InputError(f"{key} is empty", "missing", key)

@@ -21,7 +21,7 @@ from dummydesign.studio import choices, file_transfer, made, parts
 from dummydesign.studio.jobs import Job, changed_since, options
 from dummydesign.studio.made import PressedPad
 from dummydesign.studio.manage import DropList
-from dummydesign.studio.parts import html, keep_state
+from dummydesign.studio.parts import NumberField, html
 from dummydesign.studio.state import State, page_link
 from dummydesign.studio.work_panel import Work
 
@@ -32,16 +32,18 @@ def show_cast_pad(project: Project, state: State, query: Mapping[str, str]) -> N
     html("<h2>What was cast</h2>")
     cast = parts.area()
     html("<h2>Its presses against the tissue</h2>")
-    comparison = Comparison(project.root, state)
+    kept = parts.Kept(state, **{name: text for name, text in query.items() if name.startswith(TYPED)})
+    comparison = Comparison(project.root, kept)
     with cast:
-        record_form(project.root, state, comparison.find_pads)
+        record_form(project.root, kept, comparison.find_pads)
 
 
 class Comparison:
     """Presses of one pad, the tissue, the calibration, and what the comparison says."""
 
-    def __init__(self, root: Path, state: State) -> None:
-        self.root, self.state = root, state
+    def __init__(self, root: Path, kept: parts.Kept) -> None:
+        self.root, self.kept = root, kept
+        self.state = state = kept.state
         self.pads: list[PressedPad] = []
         DropList(lambda name, content: f"{made.keep_press(self.root, name, content)} was added.",
                  lambda: self.find_pads(dropped=True), "Drop presses of the pad: CSV with time_s, displacement_mm, "
@@ -104,7 +106,8 @@ class Comparison:
 
     def renew(self) -> None:
         """Tissue or calibration was chosen."""
-        keep_state(self.state.changed(tissue=self.tissue.value, calibration=self.calibration.value))
+        self.kept.state = self.state.changed(tissue=self.tissue.value, calibration=self.calibration.value)
+        self.kept.keep()
         self.renew_lines()
 
     def renew_lines(self) -> None:
@@ -199,33 +202,45 @@ def correction(verdict: Mapping[str, Any]) -> str:
     return f"Correction: {best} at central estimates. Multiply by {sure:.2f} to be safe in 95 % of cases."
 
 
-def record_form(root: Path, state: State, then: Callable[[], None]) -> None:
+TYPED = "cast_"
+"""Beginning of the names under which the address keeps what was typed of a cast pad."""
+
+
+def record_form(root: Path, kept: parts.Kept, then: Callable[[], None]) -> None:
     """Fields for what was really cast, and the verdict of the record."""
     moulds = [one for one in reversed(made.moulds(root)) if made.gauge_points(root / one.folder)]
     if not moulds:
         html(f'<p class="note">No mould in this project yet: {page_link("/mould", "make one")}.</p>')
         return
-    first = next((one for one in moulds if one.is_of(state)), moulds[0])
     known = {one.folder: f"{one.folder}: {one.label}" for one in moulds}
-    chosen = parts.select("Mould it was cast in", known, first.folder, "record-mould")
-    gauged: dict[str, ui.number] = {}
+    first = next((one for one in moulds if one.is_of(kept.state)), moulds[0]).folder
+    before = kept.own.get(f"{TYPED}mould", "")
+    chosen = parts.select("Mould it was cast in", known, before if before in known else first, "record-mould")
+    fields: dict[str, Any] = {}
     points = ui.element("div").classes("fields")
+
+    def add(name: str, label: str, test: str, hint: str) -> None:
+        field = NumberField(label, test=test, hint=hint)
+        field.set_value(kept.own.get(f"{TYPED}{name}", ""))
+        fields[name] = field
+
     with ui.element("div").classes("fields"):
-        mass = ui.number("Mass, trimmed [g]", min=0, step=0.1).props('data-test="record-mass" hint="of the pad"')
-        modulus = ui.number("Witness modulus [kPa]", min=0).props('hint="of the puck; optional"')
-        level = ui.number("Level [deg]", min=0, step=0.01).props('hint="when filled; optional"')
-        bubbles = ui.number("Bubbles", min=0, step=1).props('hint="over 1 mm; optional"')
-        note = ui.input("Note").props('hint="optional"')
+        add("mass", "Mass, trimmed [g]", "record-mass", "of the pad")
+        add("modulus", "Witness modulus [kPa]", "record-modulus", "of the puck; optional")
+        add("level", "Level [deg]", "record-level", "when filled; optional")
+        add("bubbles", "Bubbles", "record-bubbles", "over 1 mm; optional")
+        fields["note"] = ui.input("Note", value=kept.own.get(f"{TYPED}note", "")).props('hint="optional"')
+    others = dict(fields)
 
     def words() -> list[str]:
-        empty = [name for name, field in gauged.items() if field.value is None]
-        if empty:
+        values = parts.values_of(fields)
+        gauged = {name: value for name, value in values.items() if name not in others}
+        if empty := [name for name, value in gauged.items() if value is None]:
             raise InputError(f"thickness at {', '.join(empty)} is empty", "missing", "thickness")
-        if mass.value is None:
+        if values["mass"] is None:
             raise InputError("the mass of the trimmed pad is empty", "missing", "mass")
-        readings = ",".join(f"{name}={field.value:g}" for name, field in gauged.items())
-        given = {"thickness": readings, "mass": float(mass.value), "modulus": modulus.value, "level": level.value,
-                 "bubbles": None if bubbles.value is None else int(bubbles.value), "note": note.value}  # fmt: skip
+        readings = ",".join(f"{name}={value:g}" for name, value in gauged.items())
+        given = {"thickness": readings} | {name: values[name] for name in others}
         return ["mold", "record", chosen.value, *options(given)]
 
     def show(job: Job) -> None:
@@ -233,27 +248,33 @@ def record_form(root: Path, state: State, then: Callable[[], None]) -> None:
         then()
 
     def list_records() -> None:
-        with parts.fresh(kept):
+        with parts.fresh(records):
             _records(root, chosen.value)
 
-    work = Work(root, "record", "Keep this record", words, show, lambda job, words: job.words[2:3] == (chosen.value,),
-                lambda job, mine: list_records(), needs="limits")  # fmt: skip
-    kept = parts.area()
+    def renew() -> None:
+        kept.keep(**{f"{TYPED}{name}": field.value or "" for name, field in fields.items()},
+                  **{f"{TYPED}mould": chosen.value})  # fmt: skip
+        work.renew()
+
+    work = Work(root, "record", "Keep this record", words, show, ended=lambda job, mine: list_records(),
+                needs="limits")  # fmt: skip
+    records = parts.area()
 
     def new_mould() -> None:
-        gauged.clear()
+        for name in fields.keys() - others.keys():
+            del fields[name]
         with parts.fresh(points):
             for one in made.gauge_points(root / chosen.value):
-                field = ui.number(f"Thickness, {one.name} [mm]", min=0, step=0.01)
-                field.props(f'data-test="gauge-{one.name}" hint="{one.low_mm:.2f} to {one.high_mm:.2f} mm"')
-                field.on_value_change(work.renew)
-                gauged[one.name] = field
+                add(one.name, f"Thickness, {one.name} [mm]", f"gauge-{one.name}",
+                    f"{one.low_mm:.2f} to {one.high_mm:.2f} mm")  # fmt: skip
+                fields[one.name].on_value_change(renew)
         list_records()
         work.renew()
 
     new_mould()
-    chosen.on_value_change(new_mould)
-    parts.on_change(work.renew, mass, modulus, level, bubbles, note)
+    for follow in (new_mould, renew):
+        chosen.on_value_change(follow)
+    parts.on_change(renew, *others.values())
 
 
 def _records(root: Path, folder: str) -> None:
@@ -302,11 +323,11 @@ class PeopleOfPad:
         with ui.element("div").classes("fields"):
             known = {name: f"{name}: {SHORT[name]}" if name in SHORT else name for name in DRIVES}
             self.drive = parts.select("What moves the robot", known, "position", "drive")
-            self.numbers: dict[str, ui.number] = {}
+            self.numbers: dict[str, NumberField] = {}
             for purpose, usual in _numbers().items():
                 name = purpose.quantity.partition(" in ")[0]
                 label = f"{name[0].upper()}{name[1:]}" + (f" [{purpose.unit}]" if purpose.unit else "")
-                self.numbers[purpose.quantity] = ui.number(label, value=usual, min=0).props(f'data-test="drive-{name}"')
+                self.numbers[purpose.quantity] = NumberField(label, usual, test=f"drive-{name}")
             self.limits = parts.select("Your limits", self._known_limits(), "", "limits")
         DropList(self._keep_limits, self._find_limits, "Drop your limits of force and pressure with their source: "
                  "a TOML file as 'suggest --limits' takes it.", "limits")  # fmt: skip
@@ -319,7 +340,7 @@ class PeopleOfPad:
     def words(self) -> list[str]:
         """The command of what is chosen."""
         (pad, presses), tissue = self.comparison.presses(), self.comparison.tissue.value
-        values = {name: self.numbers[name].value for name in self._wanted()}
+        values = {name: self.numbers[name].number for name in self._wanted()}
         for name, value in values.items():
             if value is None:
                 raise InputError(f"{name} is empty: give it", "missing", "drive")
@@ -375,7 +396,11 @@ def show_people(root: Path, answer: Mapping[str, Any]) -> None:
     word, text = people.headline(result)
     if wrong := people.mismatch(result):
         parts.tell_verdict("amber", f"CAUTION. {wrong}", test="drive-mismatch")
-    if word in LIGHTS:
+    beyond = people.worst_beyond(result["presses"])
+    if beyond and beyond[1] > people.FAR:
+        first = people.extrapolation_text(result["presses"])
+        parts.tell_verdict("red", text if first in text else f"{first}{text}", test="people")
+    elif word in LIGHTS:
         parts.tell_verdict(LIGHTS[word], f"{word.upper()}. {text}", test="people")
     else:
         html(f'<p data-test="people">{escape(text)}</p>')

@@ -17,7 +17,7 @@ from dummydesign.geometry.pad_shape import PadShape
 from dummydesign.geometry.punch import read_punch
 from dummydesign.geometry.shape_registry import read_shape
 from dummydesign.project.folder import Project
-from dummydesign.studio import choices, figures, parts
+from dummydesign.studio import choices, figures, made, parts
 from dummydesign.studio import slider_model as sliders
 from dummydesign.studio.pages import search
 from dummydesign.studio.parts import html, keep_state, open_page
@@ -28,6 +28,7 @@ SETTLE_S = 0.35
 """After this time without a move the verdict counts what castings may turn out as. [s]"""
 WATCH_S = 2.0
 """How often the files behind the verdict are looked at. [s]"""
+ESTIMATE = "Estimate by interpolation; a search solves the pad."
 
 
 @dataclass(frozen=True)
@@ -59,20 +60,17 @@ class DesignPage:
         self.lengths: dict[str, Slider] = {}
         self.kind_of_lengths: tuple[str, float] = ("", 0.0)
         self.verdict = parts.area("verdict", live=True).classes("sticky")
-        html('<p><a href="#search">Find the best pad</a>, or move the sliders:</p>')
+        self.search = search.Search(project, lambda: self.state, self.take)
         with ui.element("div").classes("two"):
             with ui.element("div"):
                 self._controls()
             with ui.element("div"):
-                self.numbers = parts.area("numbers")
                 self.plots = html("").props('data-test="plots"').style("width:100%")
+                self.numbers = parts.area("numbers")
                 self.solid = parts.area("solid")
                 self.solved = search.SolvedPad(self.root, lambda: self.state, self._say)
         html("<h2>This pad by the command line</h2>")
         self.same = parts.area("same")
-        html("<h2 id=search>Find the best pad</h2><p>Searches thickness, ratio and lengths, checks the best by finite "
-             "elements and writes the report. The sliders then stand at it.</p>")  # fmt: skip
-        self.search = search.Search(project, lambda: self.state, self.take)
         html("<h2>Designs of this project</h2>")
         search.Designs(self.root, lambda: self.state)
         self.stamp: object = None
@@ -279,9 +277,10 @@ class DesignPage:
         resin = view.evaluator.problem.space.resin
         young = 1e3 * float(resin.young_MPa(state.ratio))
         with self.numbers:
-            parts.facts([(f"{young:.3g} kPa", "modulus"), (f"{state.thickness_mm:g} mm", "thickness"),
-                         (f"{state.ratio:g}", resin.ratio_meaning)])  # fmt: skip
-            parts.table(search.PRESS_HEAD, view.presses)
+            if (calibrated := view.evaluator.problem.calibrated) is not None:
+                parts.warnings({"warnings": calibrated.warnings})
+            parts.table(search.PRESS_HEAD, view.presses, under=f"the {len(view.presses)} presses in numbers")
+            self.ratio.say(f"modulus {young:.3g} kPa")
 
     async def settle(self, state: State, view: View | Refusal, number: int) -> None:
         """After the last move: castings in the verdict, solid, command line, address, ends of the lengths."""
@@ -297,18 +296,25 @@ class DesignPage:
             if view.solvable:
                 self.solved.offer()
             return
-        verdict = await run.io_bound(view.evaluator.with_castings, view.pad, view.shape)
+        verdict = await run.io_bound(self._verdict, state, view)
         if number != self.wanted or verdict is None:
             return
-        self._say(state, verdict.light, verdict.text, "settled")
+        self._say(state, *verdict[:2], "settled", verdict[2])
         with self.solid:
             size = f"{state.thickness_mm:g}"
             title = f"solid of {state.shape}, {size} mm"
             parts.shown_file("/solid/pad", title, "shown solid", shape=state.shape, thickness=size)
 
-    def _say(self, state: State, light: str, text: str, shown: str) -> None:
+    def _verdict(self, state: State, view: View) -> tuple[str, str, str]:
+        """Light, sentence and source: the design of this pad where there is one, else an estimate by the table."""
+        if solved := made.verdict_of_design(self.root, state):
+            return *solved, ""
+        verdict = view.evaluator.with_castings(view.pad, view.shape)
+        return verdict.light, verdict.text, ESTIMATE
+
+    def _say(self, state: State, light: str, text: str, shown: str, note: str = "") -> None:
         with parts.fresh(self.verdict):
-            parts.tell_verdict(light, text, shown, "" if shown else "(castings are being counted …)", state.label)
+            parts.tell_verdict(light, text, shown, note if shown else "(castings are being counted …)", state.label)
 
     def pad_words(self) -> list[str]:
         """The pad under the sliders as a command: a search whose limits are this pad."""

@@ -38,7 +38,6 @@ class Learning:
 
     def __init__(self, root: Path, state: State, known: Mapping[str, str]) -> None:
         self.root, self.state = root, state
-        self.shown = ""
         with ui.element("div").classes("fields"):
             self.campaign = parts.select("Campaign", known, state.campaign, "campaign")
             self.prior = parts.select("Earlier calibration of the same material", choices.calibrations(root), "")
@@ -75,7 +74,6 @@ class Learning:
 
     def renew(self) -> None:
         """Another campaign was chosen."""
-        self.shown = ""
         keep_state(self.chosen())
         self.renew_lines()
         self.list_calibrations()
@@ -92,8 +90,8 @@ class Learning:
     def show(self, job: Job) -> None:
         """What a command learned."""
         answer = job.answer
-        self.shown = Path(answer["calibration_file"]).parent.as_posix()
-        self._outdated(self.shown)
+        folder = Path(answer["calibration_file"]).parent.as_posix()
+        self._outdated(folder)
         first, *more = answer["answer"] or [""]
         html(f'<p class="note next" data-test="verdict"><b>{escape(first)}</b></p>')
         html("".join(f"<p>{escape(text)}</p>" for text in more))
@@ -107,7 +105,7 @@ class Learning:
         parts.warnings(answer)
         self._again(answer["calibration_file"])
         html('<p><a href="#next">Plan the next measurement</a></p>')
-        _curves(self.root, self.shown)
+        _curves(self.root, folder)
 
     def _again(self, calibration: str) -> None:
         again = self.chosen().changed(calibration=calibration)
@@ -122,14 +120,16 @@ class Learning:
     def list_calibrations(self) -> None:
         """Calibrations of this campaign in the folder, also those made on the terminal."""
         known = list(reversed(made.calibrations(self.root, self.campaign.value or "")))
-        newest = next((one for one in known if one.folder != self.shown), None)
+        job = self.work.shown
+        shown = Path(job.answer["calibration_file"]).parent.as_posix() if job else ""
+        newest = next((one for one in known if one.folder != shown), None)
         with parts.fresh(self.others):
             if known:
                 html("<h2>Calibrations of this campaign</h2>")
             for one in known:
                 html(f'<h3 data-test="calibration">{escape(one.folder)}</h3>')
                 manage(self.root, one.folder, "calibration", self._moved)
-                if one.folder == self.shown:
+                if one.folder == shown:
                     html("<p>It is shown above.</p>")
                     continue
                 self._outdated(one.folder)

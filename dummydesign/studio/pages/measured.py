@@ -64,6 +64,9 @@ class MeasuredPage:
 
     def _take(self, name: str, content: bytes) -> str:
         """Store a file that was dropped and choose it; one that differs from an earlier one may replace it."""
+        if Path(name).suffix.lower() not in TEXTS:
+            message = f"choose a file that ends in {', '.join(TEXTS)}"
+            raise InputError(message, "unknown_name", "file_ending", name, TEXTS)
         stored = bin.store(self._root, self._folder, name, content)
         if stored.outcome == "numbered":
             self._offer_swap(stored)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from html import escape
 from pathlib import Path
 from typing import Any
@@ -11,6 +12,7 @@ from typing import Any
 from nicegui import ui
 
 from dummydesign.core.errors import InputError
+from dummydesign.geometry.dimensions import THICKNESS_MM
 from dummydesign.project.folder import Project
 from dummydesign.studio import choices, made, parts
 from dummydesign.studio.jobs import Job, holds_answer, options
@@ -19,7 +21,7 @@ from dummydesign.studio.parts import html, keep_state, open_page
 from dummydesign.studio.state import State, design_state, design_summary, page_link
 from dummydesign.studio.work_panel import Work
 
-OUTLINE_MM = (150.0, 120.0)
+OUTLINE_MM, OUTLINES_MM = (150.0, 120.0), (20.0, 300.0)
 OPTIONS = ("thickness", "length", "width", "shape", "preset", "resin", "ratio")
 
 
@@ -28,7 +30,6 @@ class MouldPage:
 
     def __init__(self, project: Project, state: State, query: Mapping[str, str]) -> None:
         self.root, self.state = project.root, state
-        self.shown = ""
         undo_bar(self.root)
         self.source = parts.area()
         mine = [one for one in made.moulds(self.root) if one.is_of(state)]
@@ -36,15 +37,14 @@ class MouldPage:
         preset = mine[-1].preset if mine and mine[-1].preset in made.PRESETS else "open"
         with ui.element("div").classes("fields"):
             self.fields: dict[str, Any] = {
-                "thickness": ui.number("Thickness [mm]", value=state.thickness_mm, min=3, max=30, step=0.5),
-                "length": ui.number("Length [mm]", value=length_mm, min=20, max=300, step=5),
-                "width": ui.number("Width [mm]", value=width_mm, min=20, max=300, step=5),
+                "thickness": parts.NumberField("Thickness [mm]", state.thickness_mm, *THICKNESS_MM, "thickness"),
+                "length": parts.NumberField("Length [mm]", length_mm, *OUTLINES_MM),
+                "width": parts.NumberField("Width [mm]", width_mm, *OUTLINES_MM),
                 "shape": ui.input("Shape", value=state.shape),
-                "ratio": ui.number("Ratio", value=state.ratio, step=0.1),
+                "ratio": parts.NumberField("Ratio", state.ratio),
                 "resin": parts.select("Resin", choices.resins(), state.resin),
                 "preset": parts.select("Kind of mould", {name: name for name in made.PRESETS}, preset, "preset"),
             }
-        self.fields["thickness"].props('data-test="thickness"')
         self.kind = html("")
         self.work = Work(self.root, "mould", "Make the mould", self.words, self.show, self.belongs,
                          lambda job, mine: self.list_moulds(), needs="pour")  # fmt: skip
@@ -54,7 +54,8 @@ class MouldPage:
 
     def words(self) -> list[str]:
         """The mould as a command."""
-        given = {name: self.fields[name].value for name in OPTIONS}
+        values = parts.values_of(self.fields)
+        given = {name: values[name] for name in OPTIONS}
         for name in ("thickness", "length", "width", "ratio"):
             if given[name] is None:
                 raise InputError(f"{name} is empty", "missing", name)
@@ -66,10 +67,12 @@ class MouldPage:
 
     def chosen(self) -> State:
         """The state with the pad of the fields."""
-        now = {name: field.value for name, field in self.fields.items()}
-        lengths = {"thickness_mm": float(now["thickness"] or self.state.thickness_mm),
-                   "ratio": float(now["ratio"] or self.state.ratio)}  # fmt: skip
-        return self.state.changed(shape=(now["shape"] or "slab").strip(), resin=now["resin"], **lengths)
+        shape, resin = (self.fields[name].value for name in ("shape", "resin"))
+        now = self.state.changed(shape=(shape or "slab").strip(), resin=resin)
+        for name, field in (("thickness_mm", "thickness"), ("ratio", "ratio")):
+            with suppress(InputError):
+                now = now.changed(**{name: self.fields[field].number or getattr(now, name)})
+        return now
 
     def belongs(self, job: Job, words: list[str]) -> bool:
         """Whether a job made the mould that is chosen, and its files are still there."""
@@ -87,23 +90,22 @@ class MouldPage:
         with parts.fresh(self.source):
             _source(self.root, now)
         self.kind.set_content(f'<p class="note">{escape(made.PRESETS[self.fields["preset"].value])}</p>')
-        self.shown = ""
         self.work.renew()
         self.list_moulds()
 
     def show(self, job: Job) -> None:
         """What a command made."""
         answer = job.answer
-        self.shown = folder_of(answer)
+        folder = folder_of(answer)
         batch = answer.get("batch") or {**answer["pour"], "pour_g": answer["pour"]["fill_mass_g"]}
         poured = [(f"{part['mass_g']:.1f} g", f"{part['name']}, to mix") for part in batch["components"]]
         poured.append((f"{batch['pour_g']:.1f} g", "of the mix, into the mould"))
         silicone = answer["pour"]["silicone_mass_g"]
         parts.facts([*poured, *([(f"{silicone:.0f} g", "silicone for the mould")] if silicone else [])])
         parts.warnings(answer)
-        if self.shown:
-            html(f"<h2>{escape(self.shown)}</h2>")
-            self._files(self.shown)
+        if folder:
+            html(f"<h2>{escape(folder)}</h2>")
+            self._files(folder)
         html(f'<p class="note">Next: cast the pads, then {page_link("/cast", "check a cast pad")} or '
              f'{page_link("/campaign", "plan what to press")}.</p>')  # fmt: skip
 
@@ -121,12 +123,13 @@ class MouldPage:
     def list_moulds(self) -> None:
         """Further moulds of this pad with their files, and moulds of other pads as links."""
         now, links = self.chosen(), []
+        shown = folder_of(self.work.shown.answer) if self.work.shown else ""
         with parts.fresh(self.others):
             for one in reversed(made.moulds(self.root)):
-                if one.folder != self.shown and one.is_of(now):
+                if one.folder != shown and one.is_of(now):
                     html(f'<h2 data-test="mould-of-this-pad">{escape(one.folder)}</h2><p>{escape(one.label)}</p>')
                     self._files(one.folder)
-                elif one.folder != self.shown:
+                elif one.folder != shown:
                     other = self.state.changed(**one.pad, design="")
                     links.append(f"<li>{page_link('/mould', one.label, other, 'other-mould')}</li>")
             if links:
@@ -169,13 +172,35 @@ def _source(root: Path, state: State) -> None:
 
 
 def _links(root: Path, folder: str) -> None:
-    parts.zip_link(folder)
-    for view in sorted((root / folder).glob("assembly_*.html"))[:1]:
-        parts.shown_file(f"/files/{folder}/{view.name}", "the parts as solids", "shown solid")
+    """Two buttons, the solid, a table of parts by format; what is read seldom is folded."""
     names = [path.name for path in (root / folder).iterdir() if path.is_file() and not path.name.startswith(".")]
-    for group, rows in made.grouped_files(names):
-        html(f"<h3>{escape(group)}</h3>")
-        parts.file_links([(words, f"{folder}/{name}") for words, name in rows])
+    groups = dict(made.grouped_files(names))
+    start = [f"{folder}/{name}" for words, name in groups.get("Pour", []) if "start here" in words]
+    parts.zip_link(folder, start)
+    with ui.element("div").classes("pair"):
+        for view in sorted((root / folder).glob("assembly_*.html"))[:1]:
+            parts.shown_file(f"/files/{folder}/{view.name}", "the parts as solids", "shown solid")
+        made_of = groups.pop("Print or machine", []) + groups.pop("Draw", [])
+        if made_of:
+            html(_part_table(made_of, folder))
+    with ui.expansion("Further files").props('data-test="further-files"'):
+        for group, rows in groups.items():
+            html(f"<h3>{escape(group)}</h3>")
+            parts.file_links([(words, f"{folder}/{name}") for words, name in rows])
+
+
+def _part_table(rows: Sequence[tuple[str, str]], folder: str) -> str:
+    """A row a part, with a link to each of its formats."""
+    by_part: dict[str, list[tuple[str, str]]] = {}
+    for words, name in rows:
+        part, _, kind = words.removeprefix("Drawing of the ").removeprefix("Picture of the ").partition(", ")
+        part, kind = part.capitalize(), kind or name.rpartition(".")[2].upper()
+        by_part.setdefault(part, []).append((kind, f"{folder}/{name}"))
+    lines = ""
+    for part, files in by_part.items():
+        links = " ".join(parts.file_link(*one) for one in files)
+        lines += f"<tr><th scope=row>{escape(part)}</th><td>{links}</td></tr>"
+    return f'<table class="files" data-test="parts"><tbody>{lines}</tbody></table>'
 
 
 def _checks(folder: Path) -> None:

@@ -2,18 +2,24 @@
 
 from __future__ import annotations
 
+import shlex
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from html import escape
 from pathlib import Path
 
 from nicegui import ui
 
+from dummydesign.core.errors import InputError
+from dummydesign.design.scoring.verdict import LEVELS, LIGHTS
+from dummydesign.geometry.punch import read_punch
+from dummydesign.geometry.shape_registry import read_shape
 from dummydesign.project.folder import Project, make_project
-from dummydesign.project.status import STANDARD_RESIN, ProjectStatus, status_of
-from dummydesign.studio import choices, jobs, made, parts
+from dummydesign.project.status import STANDARD_RESIN, ProjectStatus, pads_of, status_of
+from dummydesign.studio import choices, figures, jobs, made, parts
 from dummydesign.studio.manage import deleted_files
 from dummydesign.studio.parts import html
-from dummydesign.studio.state import State, address, design_state, next_page, next_state, page_link
+from dummydesign.studio.state import State, address, design_state, is_design, next_page, next_state, page_link
 
 ROOMS = {"measured": ("/measured", "Measured files"), "tissue": ("/tissue", "Tissues of your own"),
          "designs": ("/design", "Designs"), "moulds": ("/mould", "Moulds"), "campaigns": ("/campaign", "Campaigns"),
@@ -52,12 +58,18 @@ def make_new(root: Path) -> None:
 def show_status(project: Project, state: State, query: Mapping[str, str]) -> None:
     """Build the page of a project."""
     status = status_of(project)
-    html(f'<p class="note next">Next: <b>{escape(status.next_text)}</b></p>')
-    following = escape(next_state(status, state).query())
-    html(f'<a class="go" data-test="next" href="{address(next_page(status))}?{following}">Go there</a>')
-    html(f'<div class="command"><code>{escape(status.next_command)}</code></div>')
-    given = ", ".join(f"{name} {value}" for name, value in project.given().items()) or "nothing chosen yet"
-    html(f"<p>Chosen for this project: {escape(given)}</p>")
+    following, page = next_state(status, state), next_page(status)
+    html(_strip(status, page, following))
+    with ui.element("div").classes("pair"):
+        with ui.element("div"):
+            html(f'<p class="next">Next: <b>{escape(status.next_text)}</b></p>')
+            link = f'{address(page)}?{escape(following.query())}'
+            html(f'<a class="go" data-test="next" href="{link}">Go there</a>')
+            parts.command_line(shlex.split(status.next_command)[1:])
+            given = ", ".join(f"{name} {value}" for name, value in project.given().items()) or "nothing chosen yet"
+            html(f"<p>Chosen for this project: {escape(given)}</p>")
+        with ui.element("div"):
+            _show_newest(project.root, status, state)
     for problem in status.problems:
         parts.tell_problem(problem)
     links, cards, reports = links_of(project.root, status, state), "", []
@@ -73,12 +85,57 @@ def show_status(project: Project, state: State, query: Mapping[str, str]) -> Non
     if reports:
         html("<h2>Reports</h2>")
         parts.file_links(reports)
-    deleted_files(project.root)
-    html("<h2>What was run</h2>")
-    rows = ""
-    for job in reversed(jobs.all_jobs(project.root)[-12:]):
-        rows += f"<li>{_ended(job)}, {job.seconds:.0f} s: <code>{escape(job.begun)}</code></li>"
-    html(f"<ul>{rows}</ul>" if rows else "<p>nothing yet</p>")
+    with ui.expansion("Deleted").props('data-test="bin"'):
+        deleted_files(project.root)
+    with ui.expansion("What was run"):
+        rows = ""
+        for job in reversed(jobs.all_jobs(project.root)[-12:]):
+            rows += f"<li>{_ended(job)}, {job.seconds:.0f} s: <code>{escape(job.begun)}</code></li>"
+        html(f"<ul>{rows}</ul>" if rows else "<p>nothing yet</p>")
+
+
+def _strip(status: ProjectStatus, next_path: str, following: State) -> str:
+    """The seven steps: what each has, ticked when it is done; the next one stands out."""
+    files, tissue = status.files, status.project.tissue
+    designs = [one for one in files["designs"] if is_design(one) and one.command == "suggest"]
+    verdict = str((designs[-1].summary or {}).get("verdict", "")) if designs else ""
+    compared = [one for one in files["designs"] if one.command == "compare"]
+    moulds, plans = pads_of(files), files["campaigns"]
+    pressed = [one for one in plans if (one.summary or {}).get("pressed")]
+    whole = [one for one in pressed if not (one.summary or {})["missing"] + (one.summary or {})["wrong"]]
+    imports = [one for one in files["measured"] if one.command == "import"]
+    own = tissue or (files["tissue"][-1].folder if files["tissue"] else "")
+    learned = files["calibrations"][-1].folder.partition("/")[2] if files["calibrations"] else ""
+    words = {
+        "/measured": (bool(imports), f"{len(imports)} imports" if imports else "tissue of the library" if own else ""),
+        "/tissue": (bool(own), own), "/design": (verdict not in ("", LEVELS[-1]), verdict.replace("_", " ")),
+        "/mould": (bool(moulds), f"{len(moulds)} made" if moulds else ""),
+        "/cast": (bool(compared), f"{len(compared)} compared" if compared else ""),
+        "/campaign": (bool(whole), f"{len(whole)} of {len(plans)} pressed" if plans else ""),
+        "/learn": (bool(learned), learned),
+    }  # fmt: skip
+    items = ""
+    for path, name in parts.STEPS[1:]:
+        done, what = words[path]
+        mark = "next" if path == next_path else "done" if done else ""
+        tick = "✓ " if done else ""
+        spoken = '<span class="hide">done: </span>' if done else ""
+        link = page_link(path, f"{tick}{name}", following if path == next_path else None)
+        items += f'<li class="{mark}">{spoken}{link}<small>{escape(what)}</small></li>'
+    return f'<ol class="strip" data-test="steps">{items}</ol>'
+
+
+def _show_newest(root: Path, status: ProjectStatus, state: State) -> None:
+    """The light and the section of the newest pad."""
+    designs = [one for one in status.files["designs"] if is_design(one) and design_state(root, one.folder)]
+    if not designs:
+        return
+    newest, summary = state.changed(**design_state(root, designs[-1].folder)), designs[-1].summary or {}
+    light = LIGHTS.get(str(summary.get("verdict")), "amber")
+    parts.tell_verdict(light, str(summary.get("text", "")), label=newest.label, test="newest")
+    with suppress(InputError):
+        plot = figures.section(read_shape(newest.shape), newest.thickness_mm, read_punch(newest.punch))
+        html(f'<div class="plots">{plot.html()}</div>')
 
 
 def _list(lines: Sequence[str]) -> str:

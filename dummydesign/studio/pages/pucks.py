@@ -12,6 +12,7 @@ from nicegui import ui
 from dummydesign.core.errors import InputError
 from dummydesign.core.library import entries
 from dummydesign.project.folder import Project, change_project, project_of
+from dummydesign.project.status import witness_size
 from dummydesign.studio import choices, jobs, parts
 from dummydesign.studio.parts import html, keep_state, open_page
 from dummydesign.studio.state import State, page_link
@@ -19,6 +20,7 @@ from dummydesign.studio.work_panel import Work
 
 OWN = ("puck", "diameter", "height", "mixed", "name", "base")
 """Choices of this page in the address."""
+SIZES_MM = (1.0, 500.0)
 
 
 class PuckPage:
@@ -30,6 +32,8 @@ class PuckPage:
         start = {name: query[name] for name in OWN if name in query} or _last(project.root)
         html("<p>Press a puck of the batch slowly between two plates, by a third of its height or more. "
              "Its modulus makes a resin of the batch.</p>")  # fmt: skip
+        with ui.expansion("Print the ring of a puck", value=not known).props('data-test="ring"'):
+            Work(project.root, "ring", "Make the ring", self._ring_words, _show_ring, needs="files")
         if not known:
             html(f'<p class="note">No presses yet: {page_link("/measured", "bring in the file of a puck")} first.</p>')
             return
@@ -42,9 +46,9 @@ class PuckPage:
         with ui.element("div").classes("fields"):
             self._fields: dict[str, Any] = {
                 "puck": parts.select("Press of the puck", choices.offered(known, first, f"{first} (missing)"), first),
-                "diameter": ui.number("Diameter [mm]", value=_number(start.get("diameter")), min=1, max=500),
-                "height": ui.number("Height [mm]", value=_number(start.get("height")), min=1, max=500),
-                "mixed": ui.number("Mixing ratio", value=_number(start.get("mixed")) or state.ratio, step=0.1),
+                "diameter": parts.NumberField("Diameter [mm]", _number(start.get("diameter")), *SIZES_MM),
+                "height": parts.NumberField("Height [mm]", _number(start.get("height")), *SIZES_MM),
+                "mixed": parts.NumberField("Mixing ratio", _number(start.get("mixed")) or state.ratio),
                 "name": ui.input("Name of the batch", value=name),
                 "base": parts.select("Resin whose law is updated", bases, base if base in bases else ""),
             }  # fmt: skip
@@ -57,11 +61,16 @@ class PuckPage:
         self._list()
 
     def _renew(self) -> None:
-        keep_state(self._state, **{name: _text(field.value) for name, field in self._fields.items()})
+        keep_state(self._state, **{name: field.value or "" for name, field in self._fields.items()})
         self._work.renew()
 
+    def _ring_words(self) -> list[str]:
+        size = witness_size()
+        given = {"puck": size, "resin": self._state.resin, "ratio": self._state.ratio, "out": f"moulds/puck_{size}"}
+        return ["mold", *jobs.options(given)]
+
     def _words(self) -> list[str]:
-        given = {name: field.value for name, field in self._fields.items()}
+        given = parts.values_of(self._fields)
         for name, words in (("diameter", "diameter"), ("height", "height"), ("mixed", "ratio")):
             if given[name] is None:
                 raise InputError(f"Enter the {words} of the puck.", "missing", words)
@@ -105,6 +114,12 @@ class PuckPage:
             if own:
                 names = ", ".join(f"{one.name}{' (chosen)' * (one.name == self._state.resin)}" for one in own)
                 html(f"<h2>Your own resins</h2><p>{escape(names)}</p>")
+
+
+def _show_ring(job: jobs.Job) -> None:
+    folder = Path(next(iter(job.answer["files"].values()))).parent.as_posix()
+    html(f"<p>The ring is in <b>{escape(folder)}</b>, with its pour sheet and how the puck is pressed.</p>")
+    parts.zip_link(folder)
 
 
 def pucks(root: Path) -> dict[str, str]:
@@ -154,10 +169,6 @@ def _last(root: Path) -> dict[str, str]:
 
 def _number(text: str | None) -> float | None:
     try:
-        return float(text) if text else None
-    except ValueError:
+        return parts.number_of(text or "", "")
+    except InputError:
         return None
-
-
-def _text(value: object) -> str:
-    return f"{value:g}" if isinstance(value, (int, float)) else str(value or "")

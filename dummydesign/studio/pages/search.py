@@ -76,10 +76,10 @@ class Search:
         self.root, self.state, self.take = project.root, state, take
         known = choices.shapes()
         wish = dict(project.asked).get("shape", "auto").partition(":")[0]
-        self.kinds = parts.select("Shapes to search", known, wish if wish in known else "auto", "searched")
-        self.kinds.style("max-width:320px")
-        self.work = Work(self.root, "suggest", "Find the best pad", self.words, self.show, self.belongs, self.ended,
-                         lambda: sliders.stamp_of(self.root, self.state()), "recommendation")  # fmt: skip
+        with ui.element("div").classes("two"):
+            self.kinds = parts.select("Shapes to search", known, wish if wish in known else "auto", "searched")
+            self.work = Work(self.root, "suggest", "Find the best pad", self.words, self.show, self.belongs, self.ended,
+                             lambda: sliders.stamp_of(self.root, self.state()), "recommendation")  # fmt: skip
         self.kinds.on_value_change(self.work.renew)
 
     def words(self) -> list[str]:
@@ -101,29 +101,34 @@ class Search:
             self.take(state_of_answer(self.state(), job.answer, _folder(job)))
 
     def show(self, job: jobs.Job) -> None:
-        """What a search found: the pad, why this one, the other kinds, the presses."""
+        """What a search found: the pad and its mould; folded why this one, the other kinds, the presses."""
         answer = job.answer
         parts.tell_changes(self.root, f"{_folder(job)}/{MANIFEST}", "Search again.")
         best, light = answer["recommendation"], answer["verdict"]["light"]
-        parts.tell_verdict(str(light), str(answer["verdict"]["text"]))
         mixed = (best.get("batch") or best["recipe"])["components"]
         parts.facts([(f"{best['thickness_mm']:g} mm", best["shape"]), (f"{best['ratio']:g}", best["ratio_meaning"]),
                      *((f"{part['mass_g']:.1f} g", f"{part['name']}, to mix") for part in mixed)])  # fmt: skip
         designed = state_of_answer(self.state(), answer, _folder(job))
         red = "This pad is not representative: do not cast it. " if light == "red" else ""
         html(f'<p class="note next">{red}{page_link("/mould", "Make its mould", designed, "mould")}</p>')
-        with ui.row():
-            parts.button("Put the sliders at this pad", lambda: self.take(designed))
-        parts.table(PRESS_HEAD, press_rows(best["conditions"]))
-        self._compare_kinds(answer)
+        parts.button("Put the sliders at this pad", lambda: self.take(designed))
         parts.warnings(answer)
         if answer.get("files", {}).get("report"):
             parts.file_links([("the whole report", answer["files"]["report"])])
 
+        def tell_why() -> None:
+            with parts.fresh(why):
+                if why.value:
+                    self._compare_kinds(answer)
+                    parts.table(PRESS_HEAD, press_rows(best["conditions"]))
+
+        why = ui.expansion("Why this pad, the other kinds, the presses").props('data-test="why"')
+        why.on_value_change(tell_why)
+
     def _compare_kinds(self, answer: dict[str, Any]) -> None:
         """The best pad of each kind, and why this one; the verdicts of the others come a moment later."""
         sentences = "".join(f"<p>{parts.marked(one)}</p>" for one in figures.kind_sentences(answer))
-        html(f"<h3>Why this pad</h3>{sentences}")
+        html(sentences)
         rows, state = figures.kind_rows(answer), self.state()
         if len(rows) < 2:
             return
@@ -149,6 +154,7 @@ class Designs:
     def __init__(self, root: Path, state: Callable[[], State]) -> None:
         self.root, self.state = root, state
         self.seen: list[str] | None = None
+        self.stamps: list[tuple[Path, int]] | None = None
         self.box = parts.area("designs")
         self.chosen = parts.select_several("Designs to compare", {}, [], "to-compare")
         self.work = Work(root, "compare-designs", "Compare them", self.words, self.show, self.belongs)
@@ -167,6 +173,10 @@ class Designs:
     def renew(self) -> None:
         """List the designs anew when one came or went."""
         root = self.root
+        stamps = [(path, path.stat().st_mtime_ns) for path in sorted((root / "designs").glob(f"*/{MANIFEST}"))]
+        if stamps == self.stamps:
+            return
+        self.stamps = stamps
         designs = [one for one in things_in(root, "designs") if is_design(one) and design_state(root, one.folder)]
         names = [f"{one.folder} {one.date}" for one in designs]
         if names == self.seen:

@@ -34,9 +34,8 @@ class TissuePage:
         html("<p>The tissue that the dummy imitates. Its band is the range of the subjects that were measured.</p>")
         self._chosen = ui.select({}, label="Tissue").props('data-test="tissue"')
         undo_bar(self.root)
-        self._shown = parts.area()
         parts.button("Use it for this project", lambda: self.use(self.tissue), "use", main=True)
-        self._problem = parts.area()
+        self._problem, self._shown = parts.area(), parts.area()
         self._renew()
         self._chosen.on_value_change(self._choose_shown)
         html("<h2>Fit a tissue to your own presses</h2>")
@@ -127,12 +126,13 @@ def _show_tissue(root: Path, name: str) -> None:
         return
     subjects = f"{len(tissue.subjects)} subject{'s' * (len(tissue.subjects) != 1)}"
     html(f"<p><b>{escape(name)}</b>: {escape(tissue.title)}, {escape(subjects)}, law {escape(tissue.law)}</p>")
-    html(f'<div class="plots">{plot.html()}</div>')
+    rows = parameter_rows(tissue.to_dict()["bands"], lambda one: one["kind"])
+    with ui.element("div").classes("pair"):
+        html(plot.html())
+        parts.table(["parameter", "mean", "lowest", "highest", "kind"], rows)
     report = f"{name.removesuffix('.toml')}-report.html"
     if name.endswith(".toml") and (root / report).is_file():
         parts.file_links([("report of the fit", report)])
-    rows = parameter_rows(tissue.to_dict()["bands"], lambda one: one["kind"])
-    parts.table(["parameter", "mean", "lowest", "highest", "kind"], rows)
     for note in tissue.notes:
         html(f"<p>{escape(note)}</p>")
 

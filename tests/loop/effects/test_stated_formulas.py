@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from dummydesign.loop.effects.registry import effect_named
+from dummydesign.loop.effects.rig.friction_hysteresis import turned_mm
 from dummydesign.loop.model.effect import Arm
 from tests.support import puck_presses as pucks
 
@@ -177,6 +178,29 @@ def test_a_tacky_pad_pulls_on_the_way_back_alone():
         found = effect.surface(PRESSES, np.full_like(DEPTH, depth), np.full_like(DEPTH, -9.0), values)
         np.testing.assert_allclose(found[away], -held, atol=1e-9)
     assert effect.unseen(SimpleNamespace(pulls=2)) == "" != effect.unseen(SimpleNamespace(pulls=1))
+
+
+def test_a_peeling_edge_pulls_at_every_depth():
+    effect, values = acting("adhesion", pull_off_N=2.0, release_mm=0.5, neck_mm=0.1, deep=0.25)
+    away = PRESSES.time_s > PRESSES.hold_end_s[:, None]
+    force = np.full_like(DEPTH, 5.0)
+    for depth, share in ((0.0, 1.0), (0.1, np.exp(-1.0)), (5.0, 0.0)):
+        found = effect.surface(PRESSES, np.full_like(DEPTH, depth), force, values)
+        np.testing.assert_allclose(found[away], 5.0 - 2.0 * share - 0.5 * np.sqrt(10.0), atol=1e-9)
+        np.testing.assert_allclose(found[~away], 5.0)
+
+
+def test_dry_friction_follows_small_moves_of_the_hold_in_part():
+    path = np.array([[0.0, 1.0, 2.0, 1.99, 1.97, 1.98, 2.03, 2.02, 1.0]])
+    np.testing.assert_allclose(turned_mm(path, 0.1), [[0.0, 0.0, 0.0, 0.01, 0.03, 0.02, 0.0, 0.01, 0.1]], atol=1e-12)
+    presses = SimpleNamespace(displacement_mm=path, time_s=np.arange(9.0)[None], hold_end_s=np.array([7.5]),
+                              depth_mm=np.array([2.0]))  # fmt: skip
+    effect, values = acting("friction_hysteresis", friction_fraction=0.2, turn_mm=0.1, in_hold=0.5)
+    found = effect.surface(presses, path, np.full_like(path, 10.0), values)
+    np.testing.assert_allclose(found[0, :3], 12.0)
+    # half of the turn: 1 - 2 (0.5 x 0.3)
+    np.testing.assert_allclose(found[0, 4], 10.0 * (1.0 + 0.2 * 0.7))
+    np.testing.assert_allclose(found[0, 8], 8.0)
 
 
 def test_sensors_add_bend_and_clip_as_stated():

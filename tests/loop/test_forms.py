@@ -31,9 +31,9 @@ def test_a_form_has_its_usual_value_at_coordinate_zero_and_is_never_a_size(one, 
 
 def test_only_forms_and_the_law_error_have_priors():
     problem = SimpleNamespace(effects=(effect_named("friction_hysteresis"),), thicknesses=np.array([5.0, 10.0]))
-    turn = effect_named("friction_hysteresis").parameters[1]
+    forms = [one.spread**-2.0 for one in effect_named("friction_hysteresis").parameters[1:]]
     sizes = SimpleNamespace(law=(0.1, 0.2, 0.5))
-    expected = [*[0.0] * 6, turn.spread**-2.0, 100.0, 100.0, 25.0, 25.0, 4.0, 4.0]
+    expected = [*[0.0] * 6, *forms, 100.0, 100.0, 25.0, 25.0, 4.0, 4.0]
     assert prior_precision(problem, sizes) == pytest.approx(expected)
 
 
@@ -42,8 +42,8 @@ def test_a_calibration_that_lacks_a_form_or_a_size_is_refused(tmp_path):
     names = tuple(parameter_names([made.after.active[0].effect]))
     made = replace(made, posterior=replace(made.posterior, names=names))
     path = write_calibration(made, tmp_path / "calibration.json")
-    assert read_calibration(path).after.active[0].values == {"friction_fraction": 0.05, "turn_mm": 0.1}
-    for lacking in ("turn_mm", "friction_fraction"):
+    assert read_calibration(path).after.active[0].values == {"friction_fraction": 0.05, "turn_mm": 0.05, "in_hold": 0.0}
+    for lacking in ("turn_mm", "in_hold", "friction_fraction"):
         whole = json.loads(path.read_text())
         del whole["after"]["effects"][0]["parameters"][lacking]
         other = tmp_path / f"{lacking}.json"

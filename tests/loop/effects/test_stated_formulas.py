@@ -53,7 +53,7 @@ def test_friction_adds_on_the_way_in_and_takes_off_on_the_way_out():
     back = PRESSES.depth_mm[:, None] - PRESSES.displacement_mm
     np.testing.assert_allclose(found[~away], 1.1)
     np.testing.assert_allclose(found[away & (back >= 2.0)], 0.9, atol=1e-5)
-    turned = 2.0 * np.exp(-np.maximum(back, 0.0) / 0.2) - 1.0
+    turned = 2.0 * 0.25 ** (np.maximum(back, 0.0) / 0.2) - 1.0
     np.testing.assert_allclose(found[away], (1.0 + 0.1 * turned)[away])
 
 
@@ -202,7 +202,7 @@ def test_dry_friction_follows_small_moves_of_the_hold_in_part():
     np.testing.assert_allclose(dahl(path, 0.1)[0, [2, 4, 5, 6, 8]], [1.0, turned, forward, 1.0, -1.0], atol=6e-3)
     presses = SimpleNamespace(displacement_mm=path, time_s=np.arange(9.0)[None], hold_end_s=np.array([6.5]),
                               depth_mm=np.array([2.05]))  # fmt: skip
-    effect, values = acting("friction_hysteresis", friction_fraction=0.2, turn_mm=0.1, in_hold=0.5)
+    effect, values = acting("friction_hysteresis", friction_fraction=0.2, turn_mm=0.2 * np.log(2.0), in_hold=0.5)
     found = effect.surface(presses, path, np.full_like(path, 10.0), values)
     np.testing.assert_allclose(found[0, :3], 12.0)
     np.testing.assert_allclose(found[0, 4], 10.0 * (1.0 + 0.2 * (1.0 - 0.5 * (1.0 - turned))))

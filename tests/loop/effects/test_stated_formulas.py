@@ -247,5 +247,8 @@ def test_a_third_arm_begins_from_two_arms_that_it_has_moved_or_used_up(name):
     own = used_up[3:] if name.startswith("slow") else used_up[1:3]
     other = logs[1:3] if name.startswith("slow") else np.array([min(logs[3], np.log(0.3)), logs[4]])
     np.testing.assert_allclose(own, other)
-    (term,) = effect.adds_terms({"tau_s": 9.0, "beta": 0.2})
+    (term,) = effect.adds_terms({"tau_s": 9.0, "beta": 0.2, "variance": 0.0})
     assert (term.tau_s, term.beta) == (9.0, 0.2)
+    wide = effect.adds_terms({"tau_s": 9.0, "beta": 0.2, "variance": 0.16})
+    assert [term.beta for term in wide] == [0.1, 0.1]
+    np.testing.assert_allclose(np.log([term.tau_s for term in wide]), np.log(9.0) + np.array([-0.4, 0.4]))

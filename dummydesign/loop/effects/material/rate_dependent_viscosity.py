@@ -43,7 +43,7 @@ class RateDependentViscosity(Effect):
             speed = speed * np.where(away, (presses.back_mm_s[:, None] / speed) ** values["way_back"], 1.0)
         over = (speed**2 + slow**2) / (REFERENCE_MM_S**2 + slow**2)
         # the base's two arms come first; a fit may exchange them
-        fast = int(np.argmin([np.mean(arm.tau_s) for arm in arms[:2]]))
+        fast = min(range(len(arms[:2])), key=lambda at: np.mean(arms[at].tau_s), default=0)
         powers = [values["exponent"] * (values["fast_arm"] if at == fast else 1.0) for at in range(len(arms))]
         return tuple(arm.changed(tau_s=arm.tau_s * over ** (-0.5 * power)) for arm, power in zip(arms, powers))
 

@@ -94,11 +94,17 @@ def imported(tree: ast.Module) -> list[str]:
 
 def _imports(tree: ast.Module) -> list[ast.Import | ast.ImportFrom]:
     """Import statements that run, those inside functions too."""
-    hidden: set[int] = set()
-    for node in ast.walk(tree):
-        if isinstance(node, ast.If) and "TYPE_CHECKING" in ast.dump(node.test):
-            hidden |= {id(inner) for inner in ast.walk(node)}
-    return [n for n in ast.walk(tree) if isinstance(n, ast.Import | ast.ImportFrom) and id(n) not in hidden]
+    found: list[ast.Import | ast.ImportFrom] = []
+    left: list[ast.AST] = [tree]
+    while left:
+        node = left.pop()
+        if isinstance(node, ast.Import | ast.ImportFrom):
+            found.append(node)
+        elif not (isinstance(node, ast.If) and "TYPE_CHECKING" in ast.dump(node.test)):
+            # only statements hold imports: expressions need not be walked
+            inner = ast.iter_child_nodes(node)
+            left += [one for one in inner if isinstance(one, ast.stmt | ast.ExceptHandler | ast.match_case)]
+    return found
 
 
 def module_imports(package: Path) -> dict[str, set[str]]:

@@ -119,6 +119,8 @@ STUDIES = (
     Study("verification", "", ("VERIFICATION.md",), "checks of the pad model against closed forms"),
     Study("ways", "", ("docs/architecture.md",), "ways of design, campaign and slider", "1 min"),
     Study("errors", "", ("docs/errors.md",), "list of error codes", "1 s"),
+    Study("front_picture", "", ("docs/images/pad-and-force.png",), "picture of the README", "1 min"),
+    Study("loop_figure", "", ("docs/images/loop.svg",), "the loop on one simulated campaign", "30 s"),
     Study("architecture", "", ("docs/images/architecture.svg",), "picture of the rooms", "1 s"),
 )  # fmt: skip
 """All studies, tables first."""
@@ -145,21 +147,21 @@ class DataFile:
 
 WRITTEN, COPIED, BY_HAND = "written by the command", "copied from what the command prints", "a list by hand"
 DATA_FILES = (
-    *(DataFile(f"castings-blind{part}.csv", "python benchmarks/castings_blind.py", WRITTEN)
+    *(DataFile(f"castings-blind{part}.csv", "python -m benchmarks.accuracy.castings_blind", WRITTEN)
       for part in ("", "-classes")),
     DataFile(
-        "fit-coverage.csv", "python benchmarks/fit_coverage.py --draws 400 --seed SEED SEED --csv FILE",
+        "fit-coverage.csv", "python -m benchmarks.accuracy.fit_coverage --draws 400 --seed SEED SEED --csv FILE",
         f"{COPIED}; two seeds, not recorded",
     ),
-    *(DataFile(f"loop-blind{part}.csv", "python benchmarks/loop_blind.py --table-only", WRITTEN)
+    *(DataFile(f"loop-blind{part}.csv", "python -m benchmarks.accuracy.loop_blind --table-only", WRITTEN)
       for part in ("", "-effects", "-errors", "-missed", "-unnamed")),
-    DataFile("loop-detection.csv", "python -m benchmarks.loop_detection --table", WRITTEN),
-    DataFile("loop-ecoflex.csv", "python benchmarks/loop_ecoflex.py DATA_DIR", WRITTEN),
-    DataFile("loop-functions.csv", "python benchmarks/loop_blind.py --table-only", WRITTEN),
+    DataFile("loop-detection.csv", "python -m benchmarks.accuracy.loop_detection --table", WRITTEN),
+    DataFile("loop-ecoflex.csv", "python -m benchmarks.accuracy.loop_ecoflex DATA_DIR", WRITTEN),
+    DataFile("loop-functions.csv", "python -m benchmarks.accuracy.loop_blind --table-only", WRITTEN),
     DataFile("loop-rules.csv", "", f"{BY_HAND} of the constants in dummydesign/loop/selection"),
-    DataFile("loop-turns.csv", "python benchmarks/loop_turns.py", WRITTEN),
+    DataFile("loop-turns.csv", "python -m benchmarks.accuracy.loop_turns", WRITTEN),
     DataFile(
-        "mould-cost.csv", "python benchmarks/mold_build.py",
+        "mould-cost.csv", "python -m benchmarks.speed.mold_build",
         f"{COPIED}; rows 'before ...' are of an earlier version and cannot be measured again; shaped pads: "
         "by the same functions",
     ),
@@ -167,22 +169,23 @@ DATA_FILES = (
     DataFile("mould-parts.csv", "", f"{BY_HAND} of the parts that dummydesign/mold/cad/build.py makes"),
     DataFile("mould-shape-limits.csv", "", f"{BY_HAND} of dummydesign/geometry/dimensions.py and the shapes' checks"),
     DataFile(
-        "on-person-blind.csv", "python -m benchmarks.on_person_blind --cases 240 --seed 417023 --out FILE", WRITTEN,
+        "on-person-blind.csv", "python -m benchmarks.accuracy.on_person_blind --cases 240 --seed 417023 --out FILE",
+        WRITTEN,
     ),
     DataFile("pad-checks.csv", "", f"{BY_HAND} of comparisons; its last column names the test or command of each"),
-    DataFile("pad-getfem.csv", "python benchmarks/pad_getfem.py --python PATH", f"{COPIED}; GetFEM is needed"),
+    DataFile("pad-getfem.csv", "python -m benchmarks.accuracy.pad_getfem --python PATH", f"{COPIED}; GetFEM is needed"),
     DataFile("pad-limits.csv", "", f"{BY_HAND} of where solved curves ended and the errors that they stated"),
     DataFile("pad-rejected.csv", "", f"{BY_HAND} of methods that left the sources; cannot be measured again"),
     DataFile("pad-three-fillets.csv", "", f"{BY_HAND} of counts of one comparison; no command repeats it"),
-    DataFile("pad-time.csv", "python benchmarks/pad.py", f"{COPIED}; on one machine"),
+    DataFile("pad-time.csv", "python -m benchmarks.speed.pad", f"{COPIED}; on one machine"),
     DataFile("people-share.csv", "python -m benchmarks.accuracy.people_share FILE.csv", WRITTEN),
-    DataFile("puck-drawn.csv", "python benchmarks/puck_shapes.py --drawn 10", COPIED),
-    DataFile("puck-hold.csv", "python benchmarks/puck_hold.py --draws 25 --csv FILE", COPIED),
-    DataFile("puck-shapes.csv", "python benchmarks/puck_shapes.py --csv FILE", WRITTEN),
-    DataFile("random-tissues.csv", "python benchmarks/random_tissues.py --table-only", WRITTEN),
+    DataFile("puck-drawn.csv", "python -m benchmarks.accuracy.puck_shapes --drawn 10", COPIED),
+    DataFile("puck-hold.csv", "python -m benchmarks.accuracy.puck_hold --draws 25 --csv FILE", COPIED),
+    DataFile("puck-shapes.csv", "python -m benchmarks.accuracy.puck_shapes --csv FILE", WRITTEN),
+    DataFile("random-tissues.csv", "python -m benchmarks.accuracy.random_tissues --table-only", WRITTEN),
     DataFile("shapes-model-checks.csv", "", f"{BY_HAND} of checks in VERIFICATION.md and in tests/pad/shaped"),
     DataFile("shapes-model-cubic.csv", "", f"{BY_HAND} of fits of crowns to a cubic law; no command repeats them"),
-    DataFile("shapes-offset.csv", "python benchmarks/pad_shaped_3d.py offset", COPIED),
+    DataFile("shapes-offset.csv", "python -m benchmarks.accuracy.pad_shaped_3d offset", COPIED),
     DataFile("suggest-keys.csv", "", f"{BY_HAND} of the keys of 'suggest --json'"),
     DataFile("upgrade.csv", "", f"{BY_HAND} of names that changed since 0.1.0"),
 )  # fmt: skip

@@ -149,7 +149,7 @@ def made_files(folder: Path) -> dict[str, str]:
     """Names of all files written; of tables and solids a digest of their bytes."""
     found = {}
     for path in sorted(p for p in folder.rglob("*") if p.is_file()):
-        digest = path.suffix in (".csv", ".step", ".stl")
+        digest = path.suffix in (".csv", ".step", ".3mf")
         found[path.relative_to(folder).as_posix()] = hashlib.sha256(path.read_bytes()).hexdigest() if digest else ""
     return found
 

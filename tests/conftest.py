@@ -16,8 +16,8 @@ os.environ["DUMMYDESIGN_CACHE"] = "off"
 # At a landing the drawn examples are the same for the same code; at a desk they are new each time.
 # How long a busy machine takes to draw them is no fault of the code.
 BUSY = [hypothesis.HealthCheck.too_slow]
-hypothesis.settings.register_profile("landing", derandomize=True, suppress_health_check=BUSY)
-hypothesis.settings.register_profile("desk", suppress_health_check=BUSY)
+hypothesis.settings.register_profile("landing", derandomize=True, deadline=None, suppress_health_check=BUSY)
+hypothesis.settings.register_profile("desk", deadline=None, suppress_health_check=BUSY)
 hypothesis.settings.load_profile("landing" if os.environ.get("CI") else "desk")
 
 

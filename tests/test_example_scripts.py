@@ -13,6 +13,7 @@ LONG = [pytest.mark.slow]
 LONG_EXAMPLES = ("suggest_forefinger", "safety")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "path", [pytest.param(path, marks=LONG * (path.stem in LONG_EXAMPLES), id=path.stem) for path in EXAMPLES]
 )

@@ -1,13 +1,13 @@
 """End to end: a batch is drawn, one puck of it pressed and read, the ratio chosen for a mould that is kept, a pad cast.
 
 ``python -m benchmarks.accuracy.batches_blind [--batches 200] [--seed N] [--rows FILE]``. A batch is drawn from the
-stated intervals of the paper's polyurethane by code of ``benchmarks/castings_blind.py``. Its puck is weighed with
-errors and pressed at 10 and 50 mm/s between lubricated or bonded plates, with friction, gauge, contact and noise of its
-own (``benchmarks/accuracy/puck_batches.py``); ``resins add-compression`` reads it with the plates declared. The ratio
-is then chosen for a pad of given shape and thickness. A pad is cast at this ratio of the same batch, with errors of
-weighing and thickness, and pressed by curves that were solved 0.2 mm below and above its thickness, with a smooth error
-of the force law. Counted is how often the pad is usable where the answer calls it usable, and whether the stated share
-of usable castings is the counted one. It is also counted what the same batch gives as poured, without the puck.
+stated intervals of the paper's polyurethane by code of ``benchmarks/accuracy/castings_blind.py``. Its puck is weighed
+with errors and pressed at 10 and 50 mm/s between lubricated or bonded plates, with friction, gauge, contact and noise
+of its own (``benchmarks/accuracy/puck_batches.py``); ``resins add-compression`` reads it with the plates declared. The
+ratio is then chosen for a pad of given shape and thickness. A pad is cast at this ratio of the same batch, with errors
+of weighing and thickness, and pressed by curves that were solved 0.2 mm below and above its thickness, with a smooth
+error of the force law. Counted is how often the pad is usable where the answer calls it usable, and whether the stated
+share of usable castings is the counted one. It is also counted what the same batch gives as poured, without the puck.
 """
 
 from __future__ import annotations
@@ -22,8 +22,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from benchmarks.accuracy.castings_blind import Cast, classes_of, drawn, needs
 from benchmarks.accuracy.puck_batches import HEIGHT_MM, Batch, neo_hookean_curves, written
-from benchmarks.castings_blind import Cast, classes_of, drawn, needs
 from benchmarks.rows import keep_row, read_rows, scratch
 from dummydesign.design.problem import read_problem
 from dummydesign.design.request import Request
@@ -38,7 +38,7 @@ PADS = (
     ("thenar", "crowned:radius=1.5,height=4.1,foot=7.8", 13.0),
     ("forefinger", "crowned:radius=21.2,height=2,foot=9.4", 4.5),
 )
-"""Tissue, shape and thickness of pads whose curves are solved (``benchmarks/castings_blind_curves.json``). [mm]"""
+"""Tissue, shape and thickness of pads whose curves are solved (``results/castings_blind_curves.json``). [mm]"""
 DIAMETER_MM, PUCK_BATCH_G = 50.0, 150.0
 WEIGHING_G, THICKNESS_MM = 0.1, 0.2
 

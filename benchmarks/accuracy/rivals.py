@@ -35,7 +35,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from benchmarks import loop_campaigns, loop_other_mind
+from benchmarks.accuracy import loop_campaigns, loop_other_mind
 from benchmarks.rows import keep_row, read_rows, scratch
 from dummydesign.core.process import one_blas_thread
 from dummydesign.loop.calibration import Model, calibration_of
@@ -54,7 +54,7 @@ from dummydesign.measurement.campaign import Campaign
 from dummydesign.measurement.campaign_file import read_campaign
 from tests.support import campaign_generator, other_mind
 
-ROWS = Path(__file__).resolve().parents[1] / "results" / "loop_rivals.jsonl"
+ROWS = Path(__file__).resolve().parents[1] / "results" / "loop_rivals_2100000.jsonl"
 KINDS = ("one", "two", "one", "none")
 BLOCK = len(KINDS)
 STRIDE = 7  # of single effects through the vocabulary, so that few are of every kind

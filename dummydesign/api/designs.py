@@ -192,6 +192,10 @@ def _answer(
     with answer_folder(folder, asked, replace) as output:
         suggestion = design(wanted, progress)
         safety = safety_view(suggestion, mass_kg, velocity_mm_s, limits)
+        if mass_kg is not None:
+            from dummydesign.person.free_mass import with_known_range
+
+            safety = with_known_range(safety, suggestion.targets.tissue, mass_kg, velocity_mm_s)
         people, people_sections = _on_people(suggestion, inputs.get("drive"), limits)
         if output is None:
             return Answer(suggestion, suggestion.to_dict(inputs, safety) | people)
@@ -425,7 +429,6 @@ def _work_out(
         return Rows(study, tuple(swept["rows"]), swept["seconds"], inputs, tuple(swept["warnings"]), sources)
     from dummydesign.core.outputs import growing_folder
     from dummydesign.design.scoring.settings import settings_files
-    from dummydesign.design.sweep.live_data import live_data
     from dummydesign.design.sweep.rows import RowsFile, settings_of
     from dummydesign.report.whatif import write_whatif
 
@@ -436,8 +439,7 @@ def _work_out(
         kept = len(file.rows)
         swept = work_out(study, executor=executor, file=file, progress=progress, targets=targets)
         rows = swept["rows"]
-        live = live_data(resin, sites, study.sampling)
-        page = write_whatif(output.work, study, rows, resin, sites, live, swept["warnings"])
+        page = write_whatif(output.work, study, rows, resin, sites, swept["warnings"])
     answered = output.answer({"warnings": swept["warnings"], "files": {"rows": str(file.path), **page}})
     inputs = {**inputs, "out": str(output.folder)}
     warnings = tuple(answered["warnings"])

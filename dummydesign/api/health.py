@@ -19,7 +19,7 @@ from dummydesign.core.serialise import Serialised
 
 NEEDED = ("numpy", "scipy", "scikit-fem", "threadpoolctl")
 PARTS = (
-    ("mould", ("cadquery", "trimesh", "networkx", "lxml", "ezdxf", "reportlab", "segno"), "", "moulds and drawings"),
+    ("mould", ("cadquery", "trimesh", "networkx", "lxml", "ezdxf", "reportlab"), "", "moulds and drawings"),
     ("pictures", ("matplotlib",), "", "pictures of moulds and curves"),
     ("fields", ("pyvista",), "", "fields for ParaView, bones of many triangles"),
     ("studio", ("nicegui",), "dummydesign[studio]", "the pages in the browser"),

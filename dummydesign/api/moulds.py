@@ -10,7 +10,7 @@ from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
 
 from dummydesign.api.answers import Result, question
-from dummydesign.core.errors import InputError, NoAnswerError
+from dummydesign.core.errors import InputError, NoAnswerError, unknown_name
 from dummydesign.core.files import FilePath
 from dummydesign.core.parsing import LENGTH, WIDTH, read_number
 from dummydesign.core.serialise import with_texts
@@ -26,7 +26,7 @@ def make_mould(
     face_sheet_mm: float | None = None, bone: FilePath | None = None, bone_height_mm: float | None = None,
     bone_scale: float = 1.0, bone_turn_deg: tuple[float, float, float] = (0.0, 0.0, 0.0),
     bone_at_mm: tuple[float, float] = (0.0, 0.0), out: FilePath | None = None, replace: bool = False,
-    puck: str | None = None,
+    puck: str | None = None, paper: str = "A4",
 ) -> Result:  # fmt: skip
     """Make the silicone mould of a pad: STEP files, printable master and frame, pour sheet, all checked.
 
@@ -68,6 +68,8 @@ def make_mould(
     puck : str, optional
         Witness pucks instead of a pad, ``"50x30"`` (diameter x height) or several, comma-separated: the printed rings
         they are cast in, one pour sheet with the protocol of the test. Takes a preset of printed moulds. [mm]
+    paper : str
+        Of pour sheet and drawings: ``A4`` or ``A3``.
 
     Returns
     -------
@@ -90,15 +92,26 @@ def make_mould(
     >>> {check["verdict"] for check in made.to_dict()["checks"]}  # doctest: +SKIP
     {'pass'}
     """
+    from dummydesign.mold.files.drawing_sheet import PAPERS
     from dummydesign.mold.job import read_thicknesses
     from dummydesign.mold.model.preset import mould_spec
     from dummydesign.mold.model.spec import read_kind
 
+    if paper not in PAPERS:
+        raise unknown_name("paper", paper, PAPERS)
     if puck is not None:
         if thickness_mm is not None:
             message = "a puck has its height in --puck 50x30; leave thickness_mm out"
             raise InputError(message, "conflict", "thickness_mm")
-        return _make_pucks(puck, preset, resin, ratio, out, replace)
+        pads_only = {"length": str(length_mm) not in ("150", "150.0"), "width": str(width_mm) not in ("120", "120.0"),
+                     "shape": shape != "slab", "count": count != 1, "castings": castings != 1,
+                     "base_ratio": base_ratio is not None, "face_sheet": face_sheet_mm is not None,
+                     "bone": bone is not None, "bone_height": bone_height_mm is not None, "bone_scale": bone_scale != 1,
+                     "bone_turn": any(bone_turn_deg), "bone_at": any(bone_at_mm)}  # fmt: skip
+        if given := [f"--{name.replace('_', '-')}" for name, is_given in pads_only.items() if is_given]:
+            message = f"--puck {puck} makes rings of pucks, no pad; leave {', '.join(given)} out"
+            raise InputError(message, "conflict", "puck", puck)
+        return _make_pucks(puck, preset, resin, ratio, out, replace, paper)
     if thickness_mm is None:
         message = "--thickness is missing: the thickness of the pad in mm, 3 to 30"
         raise InputError(message, "missing", "thickness")
@@ -116,14 +129,14 @@ def make_mould(
         with TemporaryDirectory(prefix="dummydesign-bone-") as work:
             solid = Path(work) / "bone.brep"
             spec = _boned(Path(bone), placing, wanted[0], length_mm, width_mm, settings, solid)
-            return _make_one(spec, resin, preset, out, replace, solid)
+            return _make_one(spec, resin, preset, out, replace, paper, solid)
     if bone_height_mm is not None:
         raise InputError("bone_height_mm belongs to a bone from a file (bone)", "not_applicable", "bone_height_mm")
     specs = [mould_spec(one, length_mm, width_mm, kind=kind, parameters=parameters, count=count, **settings)
              for one in wanted]  # fmt: skip
     if len(specs) != 1 or castings != 1:
-        return _make_job(specs, castings, resin, preset, out, replace)
-    return _make_one(specs[0], resin, preset, out, replace)
+        return _make_job(specs, castings, resin, preset, out, replace, paper)
+    return _make_one(specs[0], resin, preset, out, replace, paper)
 
 
 def _placing(
@@ -154,7 +167,7 @@ def _boned(
 
 
 def _make_one(
-    spec: MouldSpec, resin: str | None, preset: str, out: FilePath | None, replace: bool,
+    spec: MouldSpec, resin: str | None, preset: str, out: FilePath | None, replace: bool, paper: str,
     bone_file: Path | None = None,
 ) -> Result:  # fmt: skip
     from dummydesign.core.outputs import new_folder
@@ -164,7 +177,7 @@ def _make_one(
     inputs = {
         "thickness_mm": spec.pad.thickness_mm, "length_mm": spec.pad.length_mm, "width_mm": spec.pad.width_mm,
         "shape": spec.pad.name, "preset": spec.preset, "resin": spec.pour.resin,
-        "ratio": spec.pour.ratio, "ratio_meaning": spec.pour.ratio_meaning, "out": str(folder),
+        "ratio": spec.pour.ratio, "ratio_meaning": spec.pour.ratio_meaning, "paper": paper, "out": str(folder),
     }  # fmt: skip
     if spec.base is not None:
         inputs |= {"base_ratio": spec.base.pour.ratio, "modulus_ratio_of_base": spec.base.modulus_ratio}
@@ -178,7 +191,7 @@ def _make_one(
     with new_folder(folder, asked, replace=replace) as output:
         head = {"inputs": {**inputs, "out": str(output.folder)}, "sources": list(spec.sources)}
         try:
-            made = make_mold(spec, output.work, bone_file=bone_file)
+            made = make_mold(spec, output.work, bone_file=bone_file, paper=paper)
             mould = dataclasses.replace(made, files=output.settled(made.files))
         except NoAnswerError as reason:
             result = output.settled({**head, **reason.result})
@@ -192,7 +205,7 @@ def _make_one(
 
 
 def _make_pucks(
-    puck: str, preset: str, resin: str | None, ratio: float, out: FilePath | None, replace: bool
+    puck: str, preset: str, resin: str | None, ratio: float, out: FilePath | None, replace: bool, paper: str
 ) -> Result:
     from dummydesign.core.outputs import new_folder
     from dummydesign.mold.puck.ring import PRINTED, puck_spec, read_pucks
@@ -206,13 +219,13 @@ def _make_pucks(
         "puck": [{"diameter_mm": ring.diameter_mm, "height_mm": ring.height_mm, "count": ring.count}
                  for ring in spec.rings],
         "preset": spec.preset, "resin": spec.pour.resin, "ratio": spec.pour.ratio,
-        "ratio_meaning": spec.pour.ratio_meaning,
+        "ratio_meaning": spec.pour.ratio_meaning, "paper": paper,
     }  # fmt: skip
     asked = question("mold", {**inputs, "specification": spec.hash}, resin=resin, preset=spec.preset)
     with new_folder(folder, asked, replace=replace) as output:
         head = {"inputs": {**inputs, "out": str(output.folder)}, "sources": list(spec.sources)}
         try:
-            made = make_puck_rings(spec, output.work)
+            made = make_puck_rings(spec, output.work, paper=paper)
             rings_made = dataclasses.replace(made, files=output.settled(made.files))
         except NoAnswerError as reason:
             result = output.settled({**head, **reason.result})
@@ -225,14 +238,15 @@ def _make_pucks(
 
 def _make_job(
     specs: list[MouldSpec], castings: int, resin: str | None, preset: str, out: FilePath | None, replace: bool,
+    paper: str,
 ) -> Result:  # fmt: skip
     from dummydesign.mold.job import folder_name, job_inputs, make_job
 
-    inputs = job_inputs(specs, castings)
+    inputs = {**job_inputs(specs, castings), "paper": paper}
     name = folder_name(inputs["thickness_mm"], castings, specs[0].pad.prefix, specs[0].count)
     folder = Path(out) if out else Path(name)
     asked = question("mold", {**inputs, "specifications": [spec.hash for spec in specs]}, resin=resin, preset=preset)
-    result = make_job(specs, castings, folder, asked, replace)
+    result = make_job(specs, castings, folder, asked, replace, paper)
     return Result(result["moulds"], result, "make_mould")
 
 

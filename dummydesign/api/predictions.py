@@ -26,7 +26,7 @@ def pad_of_inputs(inputs: dict[str, Any]) -> tuple[Pad | Puck, dict[str, float],
     """Make the pad or puck of the question; also its modulus with interval, and sources."""
     from dummydesign.geometry.dimensions import check_covers
     from dummydesign.geometry.interface import BASES, FACES, Interface
-    from dummydesign.geometry.punch import equal_area_radius_mm, punch_sides_mm, read_profile
+    from dummydesign.geometry.punch import read_punch
     from dummydesign.geometry.shape_registry import read_shape
     from dummydesign.pad.material.hyperelastic import read_law
     from dummydesign.pad.specimen import SLAB, Pad, Puck
@@ -61,15 +61,14 @@ def pad_of_inputs(inputs: dict[str, Any]) -> tuple[Pad | Puck, dict[str, float],
             raise InputError(message, "not_applicable", "edge_radius_mm", inputs["edge_radius_mm"])
         given = inputs["thickness_mm"], young["value"] * 1e-3, sides[0], prony, inputs["condition"], inputs["poisson"]
         return Puck(*given, law), young, sources
-    profile = read_profile(punch[len("profile:") :]) if punch.startswith("profile:") else None
-    radius = profile[0][-1] if profile else equal_area_radius_mm(punch)
-    widest = max((punch_sides_mm(punch) if profile is None else None) or (2.0 * radius,))
+    face = read_punch(punch)
+    widest = max(face.sides_mm or (2.0 * face.radius_mm,))
     check_covers(size, sides, widest, punch)
     same = {name: inputs[name] for name in ("thickness_mm", "base", "condition", "poisson", "edge_radius_mm")}
     made = Pad(
-        **same, young_MPa=young["value"] * 1e-3, radius_mm=radius, prony=prony, law=law, geometry=geometry,
-        extent_mm=sqrt(sides[0] * sides[-1] / pi), sides_mm=None if profile else punch_sides_mm(punch),
-        slab_mm=(sides[0], sides[-1]), profile_mm=profile,
+        **same, young_MPa=young["value"] * 1e-3, radius_mm=face.radius_mm, prony=prony, law=law, geometry=geometry,
+        extent_mm=sqrt(sides[0] * sides[-1] / pi), sides_mm=face.sides_mm,
+        slab_mm=(sides[0], sides[-1]), profile_mm=face.profile_mm,
     )  # fmt: skip
     return made, young, sources
 
@@ -190,7 +189,7 @@ def predict(
         Hold the pad against a tissue as ``suggest`` does, under presses to 5, 10 and 15 N at 10 and 250 mm/s: the
         answer then has ``verdict`` and ``conditions``. Depths, a motion or a force may be left out.
     punch : str
-        ``square:14``, ``round:D``, ``rectangle:AxB``, ``profile:FILE.csv`` or ``plate``.
+        ``square:14``, ``round:D``, ``rectangle:AxB``, ``ball:D``, ``profile:FILE.csv`` or ``plate``.
     condition, base : str
         Face and base: ``bonded``, ``frictionless`` (face) or ``sliding`` (base), ``friction:MU``.
     pad : str

@@ -234,7 +234,7 @@ def _files(result: dict[str, Any]) -> list[str]:
     if not files:
         return []
     start = "after the puck" if result["verdict"]["level"] == "not_settled" else "start here"
-    named = {"pour_sheet_a4": f"{{}} ({start})", "mould": "{}", "report": "{}", "first_page": "{}"}
+    named = {"pour_sheet": f"{{}} ({start})", "mould": "{}", "report": "{}", "first_page": "{}"}
     shown = [words.format(Path(files[role]).name) for role, words in named.items() if role in files]
     folder = Path(next(iter(files.values()))).parent
     return labelled("FILES", f"{folder}/: {', '.join(shown)}, {len(files) - len(shown)} more", 2)

@@ -204,8 +204,8 @@ def screen(head: Sequence[str], table: Sequence[str], *tail: Sequence[str], more
 
 
 def file_lines(result: dict[str, Any]) -> list[str]:
-    """What was written, the report's tables left out."""
-    return [f"{role}: {path}" for role, path in result["files"].items() if not role.startswith("report_")]
+    """What was written."""
+    return [f"{role}: {path}" for role, path in result["files"].items()]
 
 
 def first_lines(result: dict[str, Any]) -> list[str]:

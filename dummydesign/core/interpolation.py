@@ -20,9 +20,19 @@ def monotone_cubic(x: NDArray, y: NDArray) -> Callable[[ArrayLike], NDArray]:
     F. N. Fritsch, J. Butland, SIAM J. Sci. Stat. Comput. 5 (1984) 300, doi 10.1137/0905021.
     """
     x, y = np.asarray(x, float), np.asarray(y, float)
+    return cubic_by_slopes(x, y, monotone_slopes(x, y))
+
+
+def monotone_slopes(x: NDArray, y: NDArray) -> NDArray:
+    """Slopes of :func:`monotone_cubic` at its points; each knows of the points next to it, those of the ends of two."""
+    step = np.diff(x)
+    return _tilts(step, np.diff(y) / step)
+
+
+def cubic_by_slopes(x: NDArray, y: NDArray, tilt: NDArray) -> Callable[[ArrayLike], NDArray]:
+    """Piecewise cubic of Hermite: values and slopes are known at increasing places."""
     step = np.diff(x)
     slope = np.diff(y) / step
-    tilt = _tilts(step, slope)
     bend = (3.0 * slope - 2.0 * tilt[:-1] - tilt[1:]) / step
     twist = (tilt[:-1] + tilt[1:] - 2.0 * slope) / step**2
 

@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 def curves_of_traces(comparison: Comparison, tissue: Tissue, lowpass: Lowpass | None = None) -> CurveMatch:
     """Compare measured presses with the subjects' ranges and the tissue's average, each in its own test."""
     aim = tissue.target("average")
-    noise = float(comparison.fit.result["noise_floor_N"] or 0.0)
+    noise = comparison.noise_N
     conditions = []
     for (speed, pressed), row in zip(comparison.conditions, _shares(comparison)):
         curves = []

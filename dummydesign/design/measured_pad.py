@@ -122,7 +122,7 @@ def verdict_of_traces(
 
 def readings_of_traces(comparison: Comparison, tissue: Tissue) -> tuple[Ranges, Readings, Readings]:
     """Subjects' ranges at the presses of a cast pad, its readings, and those of pads that fit its traces."""
-    noise = float(comparison.fit.result["noise_floor_N"] or 0.0)
+    noise = comparison.noise_N
     rows = [_press(pressed, tissue, speed, noise) for speed, pressed in comparison.conditions]
     reduced = [press.trace for press in comparison.presses]
     lowest = comparison.test.span_N[0]

@@ -44,7 +44,7 @@ def shares_of_traces(comparison: Comparison, tissue: Tissue, lowpass: Lowpass | 
     count, inferred, reason = len(tissue.subjects), is_inferred(tissue), reason_of(tissue)
     if reason is not None:
         return PeopleShares(count, (), inferred, reason)
-    noise = float(comparison.fit.result["noise_floor_N"] or 0.0)
+    noise = comparison.noise_N
     posterior = posterior_tissues(tissue, DRAWN)
     moved = [] if posterior else moved_tissues(tissue)
     kinds = [kind for kind, _ in moved]

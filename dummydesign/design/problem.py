@@ -15,12 +15,12 @@ from dummydesign.core.files import read_json
 from dummydesign.design.request import ANSWER, Request
 from dummydesign.design.scoring.castings import Castings, Tolerances
 from dummydesign.design.scoring.presses import Sampling
-from dummydesign.design.scoring.settings import puck_error, settings_files
+from dummydesign.design.scoring.settings import crown_making, puck_error, settings_files
 from dummydesign.design.scoring.targets import make_targets
 from dummydesign.design.search.shape_search import kinds_of
 from dummydesign.design.search.slabs import Correct, SearchSpace, thickness_steps
 from dummydesign.design.test_setup import check_calibrated, check_test, own_slab_law, standard_press, tabulated
-from dummydesign.geometry.dimensions import THICKNESS_MM
+from dummydesign.geometry.dimensions import PAD_LENGTH_MM, PAD_WIDTH_MM, THICKNESS_MM
 from dummydesign.geometry.pad_shape import PadShape
 from dummydesign.geometry.punch import Punch, read_punch
 from dummydesign.geometry.shapes.slab import Slab
@@ -125,8 +125,9 @@ def _with_mould(request: Request) -> tuple[Request, MouldSpec]:
     given += ["--shape"] if request.shape.lower() not in ("auto", pad.name) else []
     given += ["--thickness"] if request.thickness_mm is not None else []
     given += ["--sites"] if request.sites is not None else []
+    given += ["--pad"] if request.pad_mm not in ((PAD_LENGTH_MM, PAD_WIDTH_MM), (pad.length_mm, pad.width_mm)) else []
     if given:
-        message = f"mould = {request.mould} keeps shape and thickness of its pad; leave {' and '.join(given)} out"
+        message = f"mould = {request.mould} keeps shape, thickness and size of its pad; leave {' and '.join(given)} out"
         raise InputError(message, "conflict", "mould", request.mould)
     preset = spec.preset if request.preset == "open" else request.preset
     return replace(request, shape=pad.name, pad_mm=(pad.length_mm, pad.width_mm), preset=preset), spec
@@ -159,7 +160,8 @@ def _tolerances(
 ) -> Tolerances:
     """How well a pad is made: the batch that is mixed is what is weighed."""
     _, batch = recipe_and_batch(_mould(request, preset, resin, shape, thickness_mm, ratio))
-    return Tolerances(batch["total_g"], request.weighing_g, request.thickness_tolerance_mm)
+    crown = crown_making() if shape.crowned else None
+    return Tolerances(batch["total_g"], request.weighing_g, request.thickness_tolerance_mm, crown)
 
 
 def _least_film_mm(

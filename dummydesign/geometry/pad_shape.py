@@ -101,6 +101,8 @@ class PadShape:
     """Whether this is the flat slab of one resin."""
     flat_top: ClassVar[bool] = True
     """Whether the punch touches the whole face at once."""
+    crowned: ClassVar[bool] = False
+    """Whether ``height`` over the flat and ``radius`` of the tip may be changed alone, in the force law too."""
     similarity: ClassVar[Similarity | None] = None
     """Numbers of the kind's response table; None without one."""
     closed_form: ClassVar[str] = ""

@@ -24,6 +24,8 @@ class PadRecord:
     gauged, :func:`thickness_error`. ``points`` are the names of the gauge points, empty for a plain list.
     ``young_kPa`` is the witness's modulus, None where none was tested, ``young_sd_kPa`` its standard error, None where
     it was not given. ``weighed_ratio`` is the ratio that the weighed masses make, with its standard error.
+    ``cast_shape`` is the shape with the height of the crown that was gauged, empty where it may be the designed one;
+    ``force_sd_percent`` is what the gauge's error leaves of ``force_percent``, None of a pad without a crown.
     ``missed`` are the limits of acceptance that the pad fails, in words.
     """
 
@@ -51,6 +53,8 @@ class PadRecord:
     young_sd_kPa: float | None = None
     weighed_ratio: float | None = None
     weighed_ratio_sd: float | None = None
+    cast_shape: str = ""
+    force_sd_percent: float | None = None
 
     def to_dict(self) -> dict[str, Any]:
         """Return the fields as plain values, with the schema first."""
@@ -102,6 +106,7 @@ def read_record(path: str | Path) -> PadRecord:
             _optional(data, "force_percent"), tuple(str(one) for one in data["missed"]), str(data.get("note", "")),
             tuple(data.get("limits", ())), tuple(str(one) for one in data.get("points", ())),
             _optional(data, "young_sd_kPa"), _optional(data, "weighed_ratio"), _optional(data, "weighed_ratio_sd"),
+            str(data.get("cast_shape", "")), _optional(data, "force_sd_percent"),
         )  # fmt: skip
     except (KeyError, TypeError, ValueError) as problem:
         message = f"pad record '{path}' is damaged at {problem}; record the pad again"
@@ -158,7 +163,7 @@ def trial_with_record(table: Table, record: PadRecord) -> Table:
     if shape != record.shape:
         message = f"{where}: shape = {shape!r}, but the record is of shape {record.shape!r}"
         raise InputError(message, "inconsistent", "trial.shape", shape, record.shape)
-    own = {} if record.shape in ("slab", "puck") else {"shape": record.shape}
+    own = {} if record.shape in ("slab", "puck") else {"shape": record.cast_shape or record.shape}
     measured: dict[str, Any] = {"thickness_mm": record.thickness_mm, "thickness_sd_mm": record.thickness_sd_mm}
     measured["design_thickness_mm"] = record.design_thickness_mm
     batch = {

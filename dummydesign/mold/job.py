@@ -12,7 +12,7 @@ from dummydesign.core.errors import InputError, NoAnswerError, out_of_range
 from dummydesign.core.manifest import Question
 from dummydesign.core.outputs import new_folder
 from dummydesign.core.parsing import THICKNESSES, read_number
-from dummydesign.mold.files.pour_sheet import Block, Foot, sheet_pdf, to_markdown
+from dummydesign.mold.files.pour_sheet import Block, Foot, sheet_pdf
 from dummydesign.mold.model.spec import MouldSpec
 from dummydesign.mold.pour.bill_of_materials import bill_of_materials, materials
 from dummydesign.mold.pour.plan import PourPlan, batches_of, pour_plan
@@ -106,16 +106,18 @@ def job_inputs(specs: Sequence[MouldSpec], castings: int) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def make_job(specs: Sequence[MouldSpec], castings: int, folder: Path, asked: Question, replace: bool) -> dict[str, Any]:
+def make_job(
+    specs: Sequence[MouldSpec], castings: int, folder: Path, asked: Question, replace: bool, paper: str = "A4"
+) -> dict[str, Any]:
     """Make several moulds, all or none."""
-    inputs, hashes = job_inputs(specs, castings), [spec.hash for spec in specs]
+    inputs, hashes = {**job_inputs(specs, castings), "paper": paper}, [spec.hash for spec in specs]
     moulds: list[dict[str, Any]] = []
     ordered: list[Ordered] = []
     with new_folder(folder, asked, replace=replace) as output:
         head = {"inputs": {**inputs, "out": str(output.folder)}, "sources": list(specs[0].sources)}
         for spec in specs:
             try:
-                made = make_mold(spec, output.path(spec.tag)).to_dict()
+                made = make_mold(spec, output.path(spec.tag), paper=paper).to_dict()
             except NoAnswerError as reason:
                 result = output.settled({**head, **reason.result, "moulds": moulds, "files": {}})
                 message = output.settled(f"{spec.pad.title}: {reason}")
@@ -126,15 +128,13 @@ def make_job(specs: Sequence[MouldSpec], castings: int, folder: Path, asked: Que
             other = NOT_PRINTED if spec.is_printed else (*NOT_PRINTED, *SILICONE)
             ordered.append(Ordered(spec, plan, {name: one for name, one in volumes.items() if name not in other}))
             moulds.append({"thickness_mm": spec.pad.thickness_mm, "folder": str(output.path(spec.tag)), **made})
-        files = {"job": output.path("job.md"), "job_pdf": output.path("job.pdf")}
-        blocks = job_sheet(ordered, castings)
-        files["job"].write_text(to_markdown(blocks), encoding="utf-8")
-        files["job_pdf"].write_bytes(sheet_pdf(blocks, Foot(" ".join(hashes), **papers())))
+        job = output.path("job.pdf")
+        job.write_bytes(sheet_pdf(job_sheet(ordered, castings), Foot(" ".join(hashes), **papers(paper))))
         output.extra["hashes"] = hashes
         listed = {f"{spec.tag}_{role}": path for spec, one in zip(specs, moulds) for role, path in one["files"].items()}
         warnings = [{**item, "message": f"{spec.pad.thickness_mm:g} mm: {item['message']}"}
                     for spec, one in zip(specs, moulds) for item in one["warnings"]]  # fmt: skip
         return output.answer({
             **head, "moulds": moulds, "bill_of_materials": [list(row) for row in job_bill(ordered, castings)],
-            "files": {**{role: str(path) for role, path in files.items()}, **listed}, "warnings": warnings,
+            "files": {"job": str(job), **listed}, "warnings": warnings,
         })  # fmt: skip

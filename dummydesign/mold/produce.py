@@ -13,16 +13,16 @@ import numpy as np
 
 from dummydesign.core.process import write_progress
 from dummydesign.mold.cad.build import Parts, build
+from dummydesign.mold.cad.tessellate import tessellate
 from dummydesign.mold.checks import files as check_files
 from dummydesign.mold.checks import release
 from dummydesign.mold.checks.process import check_process
 from dummydesign.mold.checks.solids import check_shape, check_solids
 from dummydesign.mold.files import picture as view
-from dummydesign.mold.files.drawing_sheet import to_dxf, to_pdf, to_svg
-from dummydesign.mold.files.meshes import lying, tessellate, write_3mf, write_glb, write_stl
+from dummydesign.mold.files.meshes import lying, write_3mf
 from dummydesign.mold.files.part_drawings import part_views, sheets
 from dummydesign.mold.files.picture import turned_over
-from dummydesign.mold.files.pour_sheet import Foot, pour_sheet, sheet_pdf, to_html, to_markdown
+from dummydesign.mold.files.pour_sheet import Foot, pour_sheet, write_papers
 from dummydesign.mold.files.solid_view import mould_view
 from dummydesign.mold.files.step import step_text
 from dummydesign.mold.model.printed_parts import printed_parts
@@ -67,7 +67,9 @@ def _write_and_check(
     checks += release.check_mould_mesh(made, tool, tessellate(made.core, *release.FINE))
     write_progress("step 4 of 5: reading the files again")
     assembly = folder / files["assembly"]
-    checks += check_files.check_step(made.parts, {name: folder / files[name] for name in made.parts}, assembly)
+    bone_mm3 = 0.0 if spec.insert is None else spec.insert.volume_error_mm3(spec.pad.thickness_mm)
+    single = {name: folder / files[name] for name in made.parts}
+    checks += check_files.check_step(made.parts, single, assembly, bone_mm3)
     checks += check_files.check_step_text(assembly, folder / files["pad"], spec.hash)
     total = sum(part.volume_mm3 for part in made.parts.values())
     checks.append(check_files.check_second_reader(assembly, total, len(made.parts)))
@@ -76,8 +78,8 @@ def _write_and_check(
     write_progress("step 5 of 5: drawings, picture and pour sheet")
     warnings = pour_warnings(spec, plan)
     checks += check_process(spec, plan, warnings)
-    files |= {f"{name}_{kind}": path.name for name, paths_of in mesh_files.items() for kind, path in paths_of.items()}
-    files |= _write_views(made, meshes, folder)
+    files |= {f"{name}_3mf": path.name for name, path in mesh_files.items()}
+    files |= {"view": _write_view(made, meshes, folder)}
     files |= _write_papers(made, plan, warnings, folder, foot)
     files |= finish_picture(picture, folder, spec, warnings)
     files |= {"spec": "spec.json", "checks": "checks.json"}
@@ -107,18 +109,12 @@ def description(spec: MouldSpec, name: str) -> str:
     return f"{name} of the {spec.preset} mould for a {spec.pad.title}, specification {spec.hash}, lengths in mm"
 
 
-def _write_meshes(made: Parts, meshes: dict[str, Any], folder: Path) -> dict[str, dict[str, Path]]:
-    """STL and 3MF of what is printed, as it lies on the bed; STL of the other parts as they stand in the mould."""
-    files: dict[str, dict[str, Path]] = {}
+def _write_meshes(made: Parts, meshes: dict[str, Any], folder: Path) -> dict[str, Path]:
+    """3MF of what is printed, as it lies on the bed."""
     turned = {part.name: part.turned for part in printed_parts(made.spec)}
-    for name, part in meshes.items():
-        if made.parts[name].is_printed:
-            part = lying(part, turned[name], made.print_scale(name))
-        files[name] = {"stl": folder / f"{name}_{made.spec.tag}.stl"}
-        write_stl(part, files[name]["stl"])
-        if made.parts[name].is_printed:
-            files[name]["3mf"] = folder / f"{name}_{made.spec.tag}.3mf"
-            write_3mf(part, files[name]["3mf"])
+    files = {name: folder / f"{name}_{made.spec.tag}.3mf" for name, part in made.parts.items() if part.is_printed}
+    for name, path in files.items():
+        write_3mf(lying(meshes[name], turned[name], made.print_scale(name)), path)
     return files
 
 
@@ -167,47 +163,22 @@ def finish_picture(
     return {}
 
 
-def _write_views(made: Parts, meshes: dict[str, Any], folder: Path) -> dict[str, str]:
-    """GLB of the assembly as in the STEP file, and a one-file HTML view with the stacked parts lifted apart."""
-    colours = {name: part.material.colour for name, part in made.parts.items()}
-    joined = {name: part.copy() for name, part in meshes.items()}
-    for name, part in joined.items():
-        part.apply_translation(made.parts[name].offset_mm)
-    files = {"glb": f"assembly_{made.spec.tag}.glb", "view": f"assembly_{made.spec.tag}.html"}
-    write_glb(joined, colours, folder / files["glb"])
-    shown, shown_colours = _shown(made, meshes)
-    page = mould_view(shown, shown_colours, f"Mould {made.spec.tag}, specification {made.spec.hash}")
-    (folder / files["view"]).write_text(page, encoding="utf-8")
-    return files
+def _write_view(made: Parts, meshes: dict[str, Any], folder: Path) -> str:
+    """A one-file HTML view with the stacked parts lifted apart; return its name."""
+    page = mould_view(*_shown(made, meshes), f"Mould {made.spec.tag}, specification {made.spec.hash}")
+    name = f"assembly_{made.spec.tag}.html"
+    (folder / name).write_text(page, encoding="utf-8")
+    return name
 
 
 def _write_papers(
     made: Parts, plan: PourPlan, warnings: list[dict[str, str]], folder: Path, foot: Foot
 ) -> dict[str, str]:
-    """Drawings as DXF, SVG and, all in one, as PDF; the pour sheet as Markdown, HTML and PDF."""
-    spec, tag = made.spec, made.spec.tag
-    views = part_views(made)
-    drawn = {paper: sheets(made, views, foot.date, paper) for paper in ("A3", "A4")}
+    """Drawings and pour sheet; return role to file name."""
+    drawn = sheets(made, part_views(made), foot.date, foot.paper)
     printed = {name: part.volume_mm3 for name, part in made.parts.items() if part.is_printed}
-    blocks = pour_sheet(spec, plan, warnings, printed)
-    files: dict[str, str] = {}
-
-    def write(role: str, name: str, content: str | bytes) -> None:
-        files[role] = name
-        (folder / name).write_bytes(content if isinstance(content, bytes) else content.encode())
-
-    for name, drawing in drawn["A3"].items():
-        write(f"drawing_{name}_svg", f"drawing_{name}_{tag}.svg", to_svg(drawing))
-        write(f"drawing_{name}_dxf", f"drawing_{name}_{tag}.dxf", to_dxf(drawing))
-    for paper, end in (("A3", "_a3"), ("A4", "")):
-        small, pages = paper.lower(), drawn[paper]
-        bound = to_pdf(list(pages.values()), f"Drawings, specification {spec.hash}")
-        write(f"drawings_{small}", f"drawings_{tag}_{small}.pdf", bound)
-        shown = [pages[name] for name in ("pad", "mould")]
-        write(f"pour_sheet_{small}", f"pour_{tag}{end}.pdf", sheet_pdf(blocks, foot, shown, paper))
-    write("pour_sheet", f"pour_{tag}.md", to_markdown(blocks))
-    write("pour_sheet_html", f"pour_{tag}.html", to_html(blocks, to_svg(drawn["A3"]["mould"])))
-    return files
+    blocks = pour_sheet(made.spec, plan, warnings, printed)
+    return write_papers(folder, made.spec.tag, blocks, foot, list(drawn.values()), [drawn["pad"], drawn["mould"]])
 
 
 def write_json(path: Path, content: Any) -> None:

@@ -64,8 +64,10 @@ def _measured(asked: dict[str, Any]) -> dict[str, Any]:
     if done is None:
         raise NoAnswerError("cad_failed", f"the bone was not read within {TIMEOUT_S:g} s", {}, "bone")
     if not measured:
-        last = _last_line(done, f"exit status {done.returncode}")
-        raise NoAnswerError("cad_failed", f"the bone could not be read: {last}", {}, "bone")
+        ended = f"signal {-done.returncode}" if done.returncode < 0 else _last_line(done, f"status {done.returncode}")
+        message = (f"the CAD kernel broke off while it read or cut the bone ({ended}), as it does where a surface "
+                   "crosses or touches itself; repair it, or simplify it")  # fmt: skip
+        raise NoAnswerError("cad_failed", message, {}, "bone")
     if "error" not in measured:
         return measured
     if "fault" in measured["error"]:
@@ -134,7 +136,7 @@ class MouldResult(Made):
 
 
 def make_mold(
-    spec: MouldSpec, folder: Path, processor_s: float = PROCESSOR_S, bone_file: Path | None = None
+    spec: MouldSpec, folder: Path, processor_s: float = PROCESSOR_S, bone_file: Path | None = None, paper: str = "A4"
 ) -> MouldResult:
     """Build the mould of a specification with all its files into a folder; an error leaves nothing there."""
     validate(spec)
@@ -142,7 +144,8 @@ def make_mold(
     if spec.insert is not None and bone_file is None:
         message = f"the bone of this mould comes from {spec.insert.file}; give the file again"
         raise InputError(message, "missing", "bone")
-    asked = {"spec": spec.to_dict(), "bone": str(bone_file) if bone_file else None, "processor_s": processor_s}
+    asked = {"spec": spec.to_dict(), "bone": str(bone_file) if bone_file else None, "processor_s": processor_s,
+             "papers": papers(paper)}  # fmt: skip
     what = f"preset {spec.preset}, {spec.pad.title}, specification {spec.hash}"
 
     def result(answer: dict[str, Any]) -> MouldResult:
@@ -159,7 +162,7 @@ def _build(
     """Let the child make all files in a place of their own; they are moved when no check failed."""
     target = output_folder(folder)
     with tempfile.TemporaryDirectory(prefix=prefix, dir=target, ignore_cleanup_errors=True) as work:
-        answer = _made({**asked, "papers": papers(), "folder": work}, what, known)
+        answer = _made({**asked, "folder": work}, what, known)
         files = answer["files"]
         result = result_of({**answer, "files": {role: str(target / name) for role, name in files.items()}})
         failed = [item for item in result.checks if item["status"] == "fail"]
@@ -180,7 +183,9 @@ class PuckResult(Made):
     seconds: float = field(default=0.0, compare=False)
 
 
-def make_puck_rings(spec: PuckSpec, folder: Path, processor_s: float = PROCESSOR_S) -> PuckResult:
+def make_puck_rings(
+    spec: PuckSpec, folder: Path, processor_s: float = PROCESSOR_S, paper: str = "A4"
+) -> PuckResult:
     """Build the rings of some pucks with all their files into a folder; an error leaves nothing there."""
     from dummydesign.mold.puck.plan import puck_plan, spec_cost, warnings_of
 
@@ -188,7 +193,7 @@ def make_puck_rings(spec: PuckSpec, folder: Path, processor_s: float = PROCESSOR
     known = {"files": {}, "masses_g": dict(plan.mix.components), "pour": plan.to_dict(), "spec_hash": spec.hash,
              "printing_h": cost.printing_h, "filament_g": cost.filament_g,
              "warnings": warnings_of(spec, plan)}  # fmt: skip
-    asked = {"puck": spec.to_dict(), "processor_s": processor_s}
+    asked = {"puck": spec.to_dict(), "processor_s": processor_s, "papers": papers(paper)}
 
     def result(answer: dict[str, Any]) -> PuckResult:
         return PuckResult(**{name: value for name, value in answer.items() if name != "memory_MB"})
@@ -248,10 +253,10 @@ def _made(asked: dict[str, Any], what: str, known: dict[str, Any]) -> dict[str, 
     raise NoAnswerError(code, message, known, "mould")
 
 
-def papers() -> dict[str, str]:
-    """What drawings and sheet carry besides: the command line as typed, the date (``SOURCE_DATE_EPOCH`` if given)."""
+def papers(paper: str) -> dict[str, str]:
+    """What drawings and sheet are on and carry: paper, command line as typed, date (``SOURCE_DATE_EPOCH`` if given)."""
     words = COMMAND_LINE.get()
     command = "" if words is None else shlex.join(["dummydesign", *words])
     fixed = os.environ.get("SOURCE_DATE_EPOCH", "")
     day = datetime.fromtimestamp(int(fixed), UTC) if fixed.isdigit() else datetime.now()
-    return {"command": command, "date": day.date().isoformat()}
+    return {"command": command, "date": day.date().isoformat(), "paper": paper}

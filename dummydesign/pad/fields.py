@@ -347,11 +347,12 @@ def _setup(pad: Pad, case: Case, depths: Array, coarse: bool) -> Setup:
     """The problem that the pad's own curve is solved by, with one fillet."""
     scale = case.scale
     if pad.geometry != SLAB:
-        case = replace(case, first=shaped.first_depth(depths))
+        case = shaped.meshed(case)
+        # pressures of a contact that is smaller than those whose force is solved
+        case = replace(case, first=min(case.first, float(depths[0])))
         flat, cells = pad.geometry.flat_top, shaped.CELLS // 2 if coarse else shaped.CELLS
         visited = () if flat else tuple(shaped.visited_states(case, cells, RIM, float(depths[-1])))
-        first, largest = 0.3 * RIM if flat else 0.25 * case.first, shaped.LARGEST_STEP * shaped.CELLS / cells
-        return Setup(shaped.shaped_problem(case, cells, RIM), first, largest, shaped.SMALLEST_STEP, True, visited)
+        return Setup(shaped.shaped_problem(case, cells, RIM), *shaped.load_steps(case, cells, RIM), True, visited)
     if pad.profile_mm is not None:
         punch = ProfilePunch(profile(*(np.asarray(part) / pad.thickness_mm for part in pad.profile_mm)).height)
         cells = PROFILE_CELLS // 2 if coarse else PROFILE_CELLS
@@ -403,7 +404,7 @@ def _face(problem: Problem, solution: Solution, depth: float, pad: Pad, shear: f
         state = np.where(touches & (np.abs(drag) >= limit), SLIPS, state)
     pressure, drag = np.where(touches, pressure, 0.0), np.where(touches, drag, 0.0)
     position = solid.mesh.nodes[:, node] + solution.u.reshape(-1, 2).T[:, node]
-    (reach, at_edge), punch = shaped.radius_touched(problem, depth, solution), problem.punch
+    (reach, at_edge), punch = shaped.radius_touched(problem, depth, solution.u), problem.punch
     if not pad.edge_radius_mm and at_edge and isinstance(punch, FlatPunch):
         reach = punch.radius  # the fillet stands for a sharp edge, which is reached
     height, rest = position[1] - float(solid.mesh.nodes[1].min()), solid.mesh.nodes[0, node]

@@ -346,6 +346,26 @@ class RampPress:
         return {**asked, **{name: values[name] for name in curves}}
 
 
+# A solve goes this much deeper than the depth at which the table has a force.
+BEYOND_TABLE = 1.1
+
+
+def curve_to(pad: Pad | Puck, fidelity: str, force_N: float) -> ForceCurve:
+    """The long-term force of a pad, solved as deep as a steady force takes: where a table knows how deep that is."""
+    if fidelity == "table":
+        return elastic_curve(pad, fidelity)
+    try:
+        table = elastic_curve(pad, "table")
+    except InputError:
+        return elastic_curve(pad, fidelity)
+    depth = np.linspace(0.0, table.limit_mm, 200)
+    enough = np.flatnonzero(table.force(depth) >= force_N)
+    if not len(enough) or BEYOND_TABLE * depth[enough[0]] >= MAX_DEPTH_OVER_THICKNESS * pad.thickness_mm:
+        return elastic_curve(pad, fidelity)
+    curve = elastic_curve(pad, fidelity, float(BEYOND_TABLE * depth[enough[0]]))
+    return curve if float(curve.force(np.array([curve.limit_mm]))[0]) >= force_N else elastic_curve(pad, fidelity)
+
+
 def press_to_forces(
     pad: Pad | Puck, force_N: Sequence[float], velocity_mm_s: Sequence[float], hold_s: float,
     deceleration_mm_s2: float, fidelity: str = "table", progress: Callable[[float], None] | None = None,
@@ -353,6 +373,8 @@ def press_to_forces(
     """Press a pad to every force at every speed."""
     presses: list[RampPress] = []
     out_of_reach: NoAnswerError | None = None
+    with reporting_depths(progress):
+        curve = curve_to(pad, fidelity, max(force_N))
     for velocity in velocity_mm_s:
 
         def motion_to(depth: float, velocity: float = velocity) -> Motion:
@@ -360,14 +382,14 @@ def press_to_forces(
 
         for force in force_N:
             try:
-                depth = depth_for_steady_force(pad, force, hold_s, motion_to, fidelity)
+                depth = depth_for_steady_force(pad, force, hold_s, motion_to, fidelity, curve)
             except NoAnswerError as problem:
                 if problem.code != "out_of_reach":
                     raise
                 out_of_reach = out_of_reach or problem
                 presses.append(RampPress(force, velocity, None, None, str(problem)))
                 continue
-            prediction = predict_motion(pad, motion_to(depth), fidelity, progress)
+            prediction = motion_on_curve(pad, motion_to(depth), curve, fidelity)
             presses.append(RampPress(force, velocity, depth, prediction))
     if out_of_reach is not None and all(press.prediction is None for press in presses):
         raise out_of_reach

@@ -61,15 +61,17 @@ class SolvedLaw(BaseForceLaw):
         for value in np.unique(thickness):
             at = thickness == value
             # F / d of a flat face is that of the first solved depth down to first touch
-            held = np.maximum(depth[at], self.errors[float(value)][0][0])
-            series = np.polynomial.polynomial.polyval(held / value, self.polynomials[float(value)])
+            solved = self._solved(float(value))
+            held = np.maximum(depth[at], self.errors[solved][0][0])
+            series = np.polynomial.polynomial.polyval(held / value, self.polynomials[solved])
             force[at] = young[at] * radius * depth[at] * np.exp(series)
         return force
 
     def depth_limit_mm(self, thickness_mm: ArrayLike, radius_mm: ArrayLike) -> Array:
         """Largest depth that was solved. [mm]"""
-        return np.array([self.limits_mm[float(value)] for value in np.atleast_1d(thickness_mm)])
-
+        thickness = np.asarray(thickness_mm, float)
+        limits = [self.limits_mm[self._solved(float(value))] for value in thickness.flat]
+        return np.array(limits).reshape(thickness.shape)
 
     def relative_error(self, depth_mm: ArrayLike, thickness_mm: ArrayLike, radius_mm: ArrayLike) -> Array:
         """Error of the force over the force, between solved depths on straight lines; see
@@ -79,8 +81,16 @@ class SolvedLaw(BaseForceLaw):
         error = np.empty(depth.shape)
         for value in np.unique(thickness):
             at = thickness == value
-            error[at] = np.interp(depth[at], *self.errors[float(value)])
+            error[at] = np.interp(depth[at], *self.errors[self._solved(float(value))])
         return error
+
+    def _solved(self, thickness_mm: float) -> float:
+        """The solved thickness that is meant; between them nothing is known."""
+        nearest = min(self.polynomials, key=lambda solved: abs(solved - thickness_mm))
+        if not np.isclose(nearest, thickness_mm):
+            solved = ", ".join(f"{value:g}" for value in self.polynomials)
+            raise ValueError(f"solved for thicknesses of {solved} mm, requested {thickness_mm:g} mm")
+        return nearest
 
 
 def corners_known(pad: Pad, fidelity: str) -> bool:

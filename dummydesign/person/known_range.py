@@ -21,6 +21,8 @@ if TYPE_CHECKING:
 STEADY, DEPTH, PEAK = PRESSED
 NEAR = 1.05
 """Factor up to which a press still counts as inside."""
+FAR = 2.0
+"""Times beyond the presses on people from which on numbers must not be used, as in the verdict on a pad."""
 QUANTITIES = {"velocity_mm_s": ("speed", "mm/s"), "steady_force_N": ("steady force", "N"),
               "depth_mm": ("depth", "mm"), "peak_force_N": ("peak force", "N")}  # fmt: skip
 RANKED = re.compile(r"rank-(\d+)-of-(\d+)")
@@ -64,7 +66,7 @@ def beyond_range(tissue: Tissue, response: Response, velocity_mm_s: float) -> li
         ways = ((least, values[least] < ends[0] / factor), (most, values[most] > ends[1] * factor))
         rows += [_beyond(quantity, float(values[at]), end, f"the {word} press on people", names[at] if differ else "")
                  for (at, outside), end, word in zip(ways, ends, words) if outside]  # fmt: skip
-    deepest, strongest = _limits(tissue)
+    deepest, strongest = limits_of_subjects(tissue)
     for quantity, values, limits in (
         ("depth_mm", response.depth_mm, deepest), ("peak_force_N", response.peak_N, strongest)
     ):  # fmt: skip
@@ -110,7 +112,7 @@ def _forces(tissue: Tissue) -> tuple[float, float]:
     return (min(low for low, _ in known), max(high for _, high in known)) if known else PAPER_N
 
 
-def _limits(tissue: Tissue) -> tuple[NDArray, NDArray]:
+def limits_of_subjects(tissue: Tissue) -> tuple[NDArray, NDArray]:
     """Deepest press and strongest peak of each subject, shapes (subjects,). [mm, N]"""
     from dummydesign.tissue.model.laws import law_named
 

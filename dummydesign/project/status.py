@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass
+from functools import lru_cache
 from pathlib import Path
 from shlex import quote
 from typing import Any
@@ -52,11 +53,19 @@ class ProjectStatus:
 
 def finished_manifest(path: Path) -> dict[str, Any] | None:
     """Return the content of a finished manifest, its summary a table or None; None where none can be read."""
-    content = read_json(path)
+    try:
+        content = _manifest(path, path.stat().st_mtime_ns)
+    except OSError:
+        return None
     if not (content.get("command") and content.get("finished")):
         return None
     summary = content.get("summary")
     return content | {"summary": summary if isinstance(summary, dict) else None}
+
+
+@lru_cache(maxsize=4096)
+def _manifest(path: Path, stamp: int) -> dict[str, Any]:
+    return read_json(path)
 
 
 def status_of(project: Project) -> ProjectStatus:

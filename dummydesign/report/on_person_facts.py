@@ -4,14 +4,12 @@ from __future__ import annotations
 
 from typing import Any
 
-from dummydesign.person.known_range import short_number, subject_words
+from dummydesign.person.known_range import FAR, short_number, subject_words
 
 FIVE = (("peak_N", "peak force", "N"), ("steady_N", "steady force", "N"), ("depth_mm", "depth", "mm"),
         ("energy_mJ", "energy", "mJ"), ("mean_pressure_N_per_cm2", "mean pressure", "N/cm2"))  # fmt: skip
 WORST = ("fail", "undecided", "pass")
 LIMITS_TEMPLATE = "limits-template.toml"
-FAR = 2.0
-"""Times beyond the presses on people from which on numbers must not be used, as in the verdict on a pad."""
 IN_HEADLINE = ("drive_mismatch", "beyond_range", "inferred_tissue")
 """Warnings whose facts the first lines of an answer give."""
 

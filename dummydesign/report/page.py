@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 import math
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -15,12 +16,12 @@ from typing import Any
 from numpy.typing import NDArray
 
 from dummydesign._version import __version__
-from dummydesign.core.files import write_bytes, write_text
+from dummydesign.core.files import csv_text, write_bytes, write_text
 from dummydesign.core.library import data_folder, read_toml
 from dummydesign.core.serialise import parameter_rows
 from dummydesign.mold.files.solid_view import stack, view_html
 from dummydesign.report.front_page import PAPER_MM, FrontPage, lay_out
-from dummydesign.report.plot import Plot
+from dummydesign.report.plot import COLUMNS, Plot
 
 NOT_READ = re.compile(r"<(script|style|title|desc)\b.*?</\1>|<[^>]+>", re.DOTALL)
 
@@ -166,7 +167,7 @@ def page(
     warned = f'<ul class="warnings">{items}</ul>' if items else ""
     listed = "".join(f"<li>{escape(text)}</li>" for text in sources)
     cited = f'<section id="sources"><h2>Sources</h2><ul class="sources">{listed}</ul></section>' if listed else ""
-    where = f" The values of every figure are in the {escape(tables)}-*.csv files beside this page." if tables else ""
+    where = f" The values of every figure are in {escape(tables)}.csv beside this page." if tables else ""
     return (
         '<!doctype html><html lang="en"><head><meta charset="utf-8">'
         f'<meta http-equiv="Content-Security-Policy" content="{POLICY}">'
@@ -220,7 +221,7 @@ def write_report(
     folder: Path, title: str, lead: str, sections: Sequence[Section], stem: str = "report",
     front: FrontPage | None = None, **parts: Any,
 ) -> dict[str, str]:  # fmt: skip
-    """Write ``report.html`` and a CSV of every plot (``report-NAME.csv``); see :func:`page` for the other parts.
+    """Write ``report.html`` and the values of all plots (``report.csv``); see :func:`page` for the other parts.
 
     A front is the page's first sheet, and ``report.pdf`` where the library that writes PDF is installed.
 
@@ -241,7 +242,7 @@ def write_report(
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     files = write_report(Path(folder), "Fit", "Five elements.", [Section("Residual", "", [plot], table)])
     >>> sorted(files)
-    ['report', 'report_residual']
+    ['report', 'report_values']
     """
     files = {}
     if front is not None:
@@ -249,18 +250,20 @@ def write_report(
         parts["front"] = sheet.svg()
         with suppress(ImportError):
             files["first_page"] = str(write_bytes(folder / f"{stem}.pdf", sheet.pdf(PAPER_MM)))
-    for plot in (plot for section in sections for plot in section.plots):
-        path = write_text(folder / f"{stem}-{plot.name}.csv", plot.csv_text())
-        files[f"report_{plot.name.replace('-', '_')}"] = str(path)
-    text = page(title, lead, sections, tables=stem, **parts)
+    rows = [row for section in sections for plot in section.plots for row in plot.rows()]
+    if rows:
+        files["report_values"] = str(write_text(folder / f"{stem}.csv", csv_text(COLUMNS, rows)))
+    text = page(title, lead, sections, tables=stem if rows else "", **parts)
     return {"report": str(write_text(folder / f"{stem}.html", text)), **files}
 
 
-def script_json(value: Any) -> str:
-    """JSON that may stand inside a script element."""
-    import json
-
-    return json.dumps(value, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c")
+def figure_values(path: str | Path) -> dict[str, list[dict[str, str]]]:
+    """Rows of the values that :func:`write_report` wrote, by the name of the figure."""
+    figures: dict[str, list[dict[str, str]]] = {}
+    with open(path, newline="", encoding="utf-8") as stream:
+        for row in csv.DictReader(stream):
+            figures.setdefault(row["figure"], []).append(row)
+    return figures
 
 
 PAD_UP = "pad, tested face up"

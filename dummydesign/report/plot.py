@@ -6,7 +6,7 @@ import base64
 import math
 import struct
 import zlib
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from html import escape
 from typing import Any
@@ -14,7 +14,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from dummydesign.core.files import csv_text
 from dummydesign.core.interpolation import true_runs
 from dummydesign.report.plot_layers import Band, Bars, Cells, Dots, Ellipse, Label, Layer, Line, corners, edges, thin
 
@@ -122,6 +121,10 @@ _STOPS = " ".join(css(k / (len(STOPS) - 1)) for k in range(len(STOPS)))
 LETTER = 6.6  # mean width of a letter of 13 px
 
 
+COLUMNS = ("figure", "series", "x_name", "y_name", "x", "y", "low", "high")
+"""Of the values of figures; the names of x and y carry their units."""
+
+
 @dataclass(frozen=True)
 class Plot:
     """A figure: what it shows, its axes with units, a title, and words for those who cannot see it."""
@@ -142,11 +145,11 @@ class Plot:
     to_scale: bool = False
     size: tuple[float, float] = (WIDTH, HEIGHT)
 
-    def csv_text(self) -> str:
-        """All plotted values: ``series``, x, y, and low and high of bands, bars and maps."""
-        records = (record for layer in self.layers for record in layer.records())
-        rows = ([_text(value) for value in record] for record in records)
-        return csv_text(["series", self.x_name, self.y_name, "low", "high"], rows)
+    def rows(self) -> Iterator[list[str]]:
+        """All plotted values under :data:`COLUMNS`; low and high are those of bands, bars and maps."""
+        for layer in self.layers:
+            for series, *values in layer.records():
+                yield [self.name, series, self.x_name, self.y_name, *map(_text, values)]
 
     def svg(self) -> str:
         """The figure as SVG with its alternative text, and the ends of its axes for the page's script."""

@@ -14,7 +14,7 @@ from dummydesign.design.options import base_words
 from dummydesign.design.plot_data import THICKNESS_GRID_MM, PressPictures, SuggestionCurves
 from dummydesign.design.safety import SafetyView
 from dummydesign.geometry.punch import read_punch
-from dummydesign.mold.files.solid_view import box, read_stl, view_script
+from dummydesign.mold.files.solid_view import box, read_view, view_script
 from dummydesign.report import suggest_facts
 from dummydesign.report.front_page import FOOT, Fact, FrontPage, Grid, Panel
 from dummydesign.report.pad_drawing import pad_section
@@ -417,11 +417,10 @@ def _alternatives(result: dict[str, Any]) -> Table | None:
 
 
 def _solids(best: dict[str, Any], files: dict[str, str], pad_mm: tuple[float, float]) -> Section:
-    """The made parts when their STL files are there, else a plain block."""
-    paths = {name: Path(files[f"{name}_stl"]) for name in ("mould", "pad") if f"{name}_stl" in files}
-    parts = {name: read_stl(path) for name, path in paths.items() if path.is_file()}
+    """Pad and mould as they were made, else a plain block."""
+    parts = read_view(Path(files["view"])) if "view" in files else {}
     text = "Drag or use the arrow keys to turn, scroll to zoom."
-    if "pad" not in parts:
+    if not parts:
         parts = {"pad": box(*pad_mm, best["thickness_mm"])}
         text += " No mould was made; this is a block of the pad's size, without its shape."
     return solid_section(parts, text)

@@ -13,9 +13,10 @@ from dummydesign.report.sections.curves import curves_text
 from dummydesign.tissue.model.people_share import is_strict
 
 MOST_NOTES = 4
-NOTES = ("bottoms_out", "people_bound", "measured_curves", "tissue_punch", "force_not_in_band", "speed_not_in_band",
-         "calibration_resin", "out_of_reach", "one_subject", "contradictory_points", "calibration", "at_edge",
-         "outside_steady_range", "cad_unavailable", "curved_master")  # fmt: skip
+NOTES = ("bottoms_out", "impact_beyond_people", "people_bound", "measured_curves", "tissue_punch",
+         "force_not_in_band", "speed_not_in_band", "calibration_resin", "out_of_reach", "one_subject",
+         "contradictory_points", "calibration", "at_edge", "outside_steady_range", "cad_unavailable",
+         "curved_master")  # fmt: skip
 """Warnings that change what one does, the most pressing first."""
 NOTE_WORDS = {
     "out_of_reach": "{message}. Allow a thicker pad (--thickness) or a smaller force.",
@@ -262,7 +263,10 @@ def impact_text(result: dict[str, Any]) -> str:
     if not pad or not known:
         return ""
     span = f"{min(known):.3g} to {max(known):.3g} N" if len(known) > 1 else f"{known[0]:.3g} N"
-    return f"peak {pad['peak_force_N']:.3g} N at {pad['depth_mm']:.3g} mm on the pad, {span} on the subjects"
+    notes = [row["note"] for row in result["safety"]["impact"] if row.get("beyond_range")]
+    unusable = any("do not use" in note for note in notes)
+    mark = f" ({'do not use' if unusable else 'extrapolated'}: people were not pressed so hard)" if notes else ""
+    return f"peak {pad['peak_force_N']:.3g} N at {pad['depth_mm']:.3g} mm on the pad, {span} on the subjects{mark}"
 
 
 def next_steps(result: dict[str, Any]) -> list[str]:

@@ -8,13 +8,14 @@ from __future__ import annotations
 
 import io
 import unicodedata
-from collections.abc import Iterable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache
 from html import escape
 from itertools import accumulate
 from typing import Any
+
+from dummydesign.mold.files.drawing_sheet import packed_pages
 
 Point = tuple[float, float]
 Box = tuple[float, float, float, float]
@@ -212,23 +213,10 @@ class VectorSheet:
                 _pdf_text(canvas, item, left, top)
             else:
                 _pdf_path(canvas, item, left, top)
-        with _packed():
+        with packed_pages():
             canvas.showPage()
             canvas.save()
         return stream.getvalue()
-
-
-@contextmanager
-def _packed() -> Iterator[None]:
-    """Write pages packed as they are, not also spelt out in letters; reportlab's setting is given back."""
-    from reportlab import rl_config
-
-    before = rl_config.useA85
-    rl_config.useA85 = 0
-    try:
-        yield
-    finally:
-        rl_config.useA85 = before
 
 
 def _svg_path(path: Path) -> str:

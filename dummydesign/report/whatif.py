@@ -1,4 +1,4 @@
-"""Report of a what-if study, and its live page."""
+"""Report of a what-if study."""
 
 from __future__ import annotations
 
@@ -6,7 +6,6 @@ import itertools
 import math
 import shlex
 from collections.abc import Sequence
-from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -14,7 +13,7 @@ import numpy as np
 
 from dummydesign.design.options import SuggestOptions, command_words
 from dummydesign.report.front_page import FOOT, Fact, FrontPage, Grid, Panel, sentence, warning_texts
-from dummydesign.report.page import STYLES, Section, Table, script_json, write_report
+from dummydesign.report.page import STYLES, Section, Table, write_report
 from dummydesign.report.plot import Plot
 from dummydesign.report.plot_drawing import plot_drawing
 from dummydesign.report.plot_layers import Cells, Dots, Layer, Line
@@ -23,69 +22,6 @@ if TYPE_CHECKING:
     from dummydesign.design.sweep.spec import Study
     from dummydesign.resin.model.resin import Resin
     from dummydesign.tissue.model.tissue import Tissue
-
-
-FORCES_N, VELOCITIES_MM_S, SIZES_MM = (0.5, 15.0), (1.0, 500.0), (8.0, 24.0)
-
-
-def live_section(data: dict[str, Any], resin: Resin, tissue: Tissue | None, start: dict[str, Any]) -> Section:
-    """Sliders, numbers and two figures."""
-    from dummydesign.geometry.dimensions import THICKNESS_MM
-
-    step = resin.ratio_step / 2
-    sliders: list[tuple[str, str, float, float, float | str, float]] = [
-        ("ratio", f"ratio ({resin.ratio_meaning})", resin.ratio_min, resin.ratio_max, step, start["ratio"]),
-        ("thickness", "thickness", *THICKNESS_MM, 0.1, start["thickness_mm"]),
-        ("size", "punch side or diameter", *SIZES_MM, 0.5, start["size_mm"]),
-        ("velocity", "speed", *np.log10(VELOCITIES_MM_S), "any", math.log10(start["velocity_mm_s"])),
-        ("force", "steady force", *FORCES_N, 0.1, start["force_N"]),
-    ]
-    controls = "".join(
-        f'<label>{escape(text)} <output id="out-{name}"></output><input type="range" id="in-{name}" min="{low:.6g}" '
-        f'max="{high:.6g}" step="{step if isinstance(step, str) else f"{step:.6g}"}" value="{value:.6g}"></label>'
-        for name, text, low, high, step, value in sliders
-    )
-    controls += _select("shape", "punch", ("square", "round"), start["shape"])
-    controls += _select("base", "base", ("bonded", "sliding"), start["base"])
-    numbers = {"young_kPa": "modulus", "depth_mm": "relaxed depth", "depth_over_thickness": "depth over thickness",
-               "stiffness_N_per_mm": "tangent stiffness", "exponent": "local exponent d ln F / d ln x",
-               "peak_force_N": "peak force", "peak_over_steady": "peak over steady"}  # fmt: skip
-    if tissue is not None and data["tissue"] is not None:
-        numbers |= {"inside_fraction": f"fraction of the press in the range of {tissue.name}",
-                    "tissue_depth": f"depth of {tissue.name}", "tissue_peak": f"peak of {tissue.name}"}  # fmt: skip
-    boxes = "".join(
-        f'<div class="fact"><b id="v-{name}">–</b><span>{escape(text)}</span></div>' for name, text in numbers.items()
-    )
-    press = data["protocol"]
-    held = f"braking at {press['deceleration_mm_s2'] / 1e3:g} m/s2, hold of {press['hold_s']:g} s"
-    figures = "".join(
-        f'<figure><svg class="plot" id="live-{name}" viewBox="0 0 440 310" role="img" aria-label="{title}"></svg>'
-        f"<figcaption><strong>{title}</strong><small>{note}</small></figcaption></figure>"
-        for name, title, note in (
-            ("depth", "Relaxed force over depth", "blue: pad; area: subjects of the tissue, where one is given"),
-            ("time", "Force over time", f"ramp, {held}; area: subjects"),
-        )
-    )
-    html = (
-        f'<div class="controls noprint">{controls}</div><p id="live-limit" role="status"></p>'
-        f'<div class="facts">{boxes}</div><div class="plots">{figures}</div>'
-        f'<script type="application/json" id="live-data">{script_json(data)}</script>'
-    )
-    text = (
-        "Everything here is computed in this page from the response table and the tissue's numbers inside it, by "
-        "the formulas of the package."
-    )
-    return Section("Try it", text, html=html)
-
-
-def _select(name: str, text: str, options: tuple[str, ...], chosen: str) -> str:
-    items = "".join(f"<option{' selected' if item == chosen else ''}>{item}</option>" for item in options)
-    return f'<label>{text}<select id="in-{name}">{items}</select></label>'
-
-
-def live_scripts() -> list[str]:
-    """The page's computing and its controls."""
-    return [(Path(__file__).parent / name).read_text(encoding="utf-8") for name in ("live.js", "sliders.js")]
 
 
 SHOWN, SERIES = 200, 6
@@ -183,13 +119,11 @@ def first_table(rows: Rows) -> tuple[list[str], list[list[str]], int]:
 
 
 def write_whatif(
-    folder: Path, study: Study, rows: Rows, resin: Resin, tissue: Tissue | None, data: dict[str, Any],
-    warnings: list[dict[str, str]],
-) -> dict[str, str]:  # fmt: skip
+    folder: Path, study: Study, rows: Rows, resin: Resin, tissue: Tissue | None, warnings: list[dict[str, str]]
+) -> dict[str, str]:
     """Write the report of a study into a folder; see :func:`dummydesign.report.page.write_report`."""
-    live = live_section(data, resin, tissue, _start(study, rows))
     thickness = _thickness(study, rows)
-    sections = [live, thickness, *_map(study, rows), _table(study, rows)]
+    sections = [thickness, *_map(study, rows), _table(study, rows)]
     lead = (
         f"{study.size} pads of {resin.title}: {_span(study.thickness_mm)} mm thick, ratio {_span(study.ratio)}, "
         f"{', '.join(name for name, _ in study.punches)}, by {_solved(study)}."
@@ -197,7 +131,7 @@ def write_whatif(
     if tissue is not None and tissue.notice is not None:
         lead = f"{tissue.notice[1]}. {lead}"
     sources = [*resin.references, *([] if tissue is None else tissue.sources)]
-    return write_report(folder, "What if", lead, sections, warnings=warnings, sources=sources, scripts=live_scripts(),
+    return write_report(folder, "What if", lead, sections, warnings=warnings, sources=sources,
                         front=_front(study, rows, lead, thickness.plots, warnings))  # fmt: skip
 
 
@@ -233,31 +167,13 @@ def _front(study: Study, rows: Rows, lead: str, plots: Sequence[Plot], warnings:
         "Local exponent d ln F / d ln x over thickness [mm]",
         [Panel(plot, plot.title.partition(" thickness ")[2], "") for plot in plots[:2]], (),
         Grid(head, body), [("Cells", [sentence(", ".join(plane_texts(ordered)))])] if plane else (),
-        warning_texts(warnings), steps, foot=f"{FOOT} Its sliders compute any other pad; rows.csv has every design.",
+        warning_texts(warnings), steps, foot=f"{FOOT} rows.csv has every design.",
     )  # fmt: skip
 
 
 def _span(values: tuple[float, ...]) -> str:
     low, high = min(values), max(values)
     return f"{low:g}" if low == high else f"{low:g} to {high:g}"
-
-
-def _start(study: Study, rows: Rows) -> dict[str, Any]:
-    """Where the sliders stand first: the best score, else the middle of the lists."""
-    # the page computes slabs
-    rows = [row for row in rows if row["shape"] == "slab"] or rows
-    scored = [row for row in rows if row.get("score")]
-    best = max(scored, key=lambda row: row["score"]["total"]) if scored else rows[len(rows) // 2]
-    name, size = best["punch"].split(":")[0], dict(study.punches)[best["punch"]]
-    square = name != "round"
-    side = size * math.sqrt(math.pi) if square else 2.0 * size
-    force = study.forces_N[len(study.forces_N) // 2]
-    return {
-        "ratio": best["ratio"], "thickness_mm": best["thickness_mm"], "base": best["base"],
-        "size_mm": min(max(side, SIZES_MM[0]), SIZES_MM[1]), "shape": "square" if square else "round",
-        "velocity_mm_s": min(max(study.velocities_mm_s[-1], 1.0), 500.0),
-        "force_N": min(max(force, FORCES_N[0]), FORCES_N[1]),
-    }  # fmt: skip
 
 
 def _groups(study: Study, rows: Rows) -> list[tuple[str, Rows]]:

@@ -1,4 +1,4 @@
-"""The server: start, addresses of pages, files, archives and solids."""
+"""The server: start, addresses of pages, files, archives and the solid of a pad."""
 
 from __future__ import annotations
 
@@ -89,14 +89,6 @@ def make_app(root: Path) -> FastAPI:
         made = read_shape(shape)
         made.check(thickness)
         return HTMLResponse(figures.pad_page(made, thickness))
-
-    @app.get("/solid/mould/{path:path}")
-    def mould_solid(path: str) -> Response:
-        try:
-            text = figures.mould_page(file_transfer.inside(root, path))
-        except (OSError, ValueError) as problem:
-            return PlainTextResponse(f"the solids of '{path}' cannot be read: {problem}", 404)
-        return HTMLResponse(text) if text else PlainTextResponse("no solids in this folder", 404)
 
     for path in PAGES:
         _add_page(root, path)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -14,7 +14,7 @@ from dummydesign.core.errors import InputError
 from dummydesign.design.plot_data import force_grids
 from dummydesign.geometry.dimensions import PAD_LENGTH_MM, PAD_WIDTH_MM
 from dummydesign.geometry.shape_registry import read_shape
-from dummydesign.report.page import STYLES, log_start
+from dummydesign.report.page import STYLES, figure_values, log_start
 from dummydesign.report.plot import Plot, press_plot
 from dummydesign.report.plot_layers import Band, Dots, Layer, Line
 
@@ -78,14 +78,20 @@ def plots_html(plots: Iterable[Plot], small: bool = False) -> str:
 
 
 def measured_over_fitted(root: Path, answer: Mapping[str, Any]) -> list[Plot]:
-    """Measured force over time with the model's curve, one plot a condition, from the files that the report wrote."""
-    paths = [root / path for role, path in answer.get("files", {}).items() if role.startswith("report_press_")]
-    return [measured_press(path) for path in paths if path.is_file()]
+    """Measured force over time with the model's curve, one plot a condition, from the values that the report wrote."""
+    path = answer.get("files", {}).get("report_values")
+    return measured_presses(root / path) if path else []
 
 
-def measured_press(path: Path) -> Plot:
-    """One plot from the CSV file of a report's plot: series, time, force."""
-    series = _series(path)
+def measured_presses(path: Path) -> list[Plot]:
+    """The presses among the values of a report; none without the file."""
+    figures = figure_values(path) if path.is_file() else {}
+    return [_measured_press(name, rows) for name, rows in figures.items() if name.startswith("press-")]
+
+
+def _measured_press(plot: str, rows: Sequence[Mapping[str, str]]) -> Plot:
+    """One plot from the values of a report's plot: series, time, force."""
+    series = _series(rows)
     layers: list[Layer] = []
     traces = list(dict.fromkeys(name.partition(", ")[2] for name in series))
     for name, (time, force) in series.items():
@@ -99,27 +105,23 @@ def measured_press(path: Path) -> Plot:
     peak = max(float(force.max()) for _, force in seen)
     rise = min(float(time[int(np.argmax(force))]) for time, force in seen)
     last = max(float(time.max()) for time, _ in series.values())
-    title = _condition_of(path.stem)
+    title = _condition_of(plot)
     alt = f"Measured force and the model's over time on a logarithmic axis, {title}; measured peak {peak:.3g} N."
-    name = path.stem.partition("report-")[2]
-    return press_plot(name, title, alt, layers, (min(log_start(rise), 0.5 * last), last))
+    return press_plot(plot, title, alt, layers, (min(log_start(rise), 0.5 * last), last))
 
 
-def _series(path: Path) -> dict[str, tuple[np.ndarray, np.ndarray]]:
-    """Time and force of each series of a plot's CSV file, in its order; bands are left out."""
-    import csv
-
+def _series(rows: Sequence[Mapping[str, str]]) -> dict[str, tuple[np.ndarray, np.ndarray]]:
+    """Time and force of each series of a plot, in its order; bands are left out."""
     curves: dict[str, list[tuple[float, float]]] = {}
-    with open(path, newline="", encoding="utf-8") as stream:
-        for name, time, force, *_ in list(csv.reader(stream))[1:]:
-            if time and force:
-                curves.setdefault(name, []).append((float(time), float(force)))
+    for row in rows:
+        if row["x"] and row["y"]:
+            curves.setdefault(row["series"], []).append((float(row["x"]), float(row["y"])))
     return {name: (np.array(rows)[:, 0], np.array(rows)[:, 1]) for name, rows in curves.items()}
 
 
-def _condition_of(stem: str) -> str:
-    """The condition in the name of a plot's file, in words."""
-    name = stem.partition("report-press-")[2]
+def _condition_of(plot: str) -> str:
+    """The condition in the name of a plot, in words."""
+    name = plot.removeprefix("press-")
     if fitted := re.fullmatch(r"(.+)N-(.+)mm-s(?:-\d+)?", name):
         return f"{fitted[1]} N steady at {fitted[2]} mm/s"
     if looped := re.fullmatch(r"(.+?)mm-(.+?)mm-s-([\d.e+-]+)(N|mmdeep)(?:-\d+)?", name):
@@ -157,8 +159,21 @@ def _outline(punch: Punch, foot_mm: float) -> tuple[np.ndarray, np.ndarray]:
     return np.r_[-across[::-1], across], foot_mm + np.r_[height[::-1], height]
 
 
+SMALL = (
+    "<style>main h1,main h2,.lead,footer,.terms{display:none}html,body,main,section{height:100%;margin:0}"
+    "main{padding:0 .5rem;box-sizing:border-box}main section p{margin:.2rem 0;font-size:.9rem}"
+    "main section,main .viewer{display:flex;flex-direction:column;min-height:0;padding:0;border:0}"
+    "main .viewer,main .viewer .stage{flex:1 1 0;min-height:0}main .viewer .stage{min-height:140px}"
+    "main .viewer .stage canvas{height:100%}main .viewer .controls{display:none}</style>"
+)
+"""The view takes what the lines around it leave of the frame; its own style comes later, so "main" outranks it."""
+
+
 def pad_page(shape: PadShape, thickness_mm: float) -> str:
     """A page of its own with a pad as a solid to turn."""
+    from dummydesign.mold.files.solid_view import view_script
+    from dummydesign.report.page import page, solid_section
+
     half = 0.5 * np.array([PAD_LENGTH_MM, PAD_WIDTH_MM])
     fine = np.linspace(-32.0, 32.0, 65)
     x, y = (np.unique(np.r_[-h, fine[np.abs(fine) < h], h]) for h in half)
@@ -170,39 +185,15 @@ def pad_page(shape: PadShape, thickness_mm: float) -> str:
     for side in (nodes[::-1, 0], nodes[:, -1], nodes[0], nodes[-1, ::-1]):
         under = side * np.array([1.0, 1.0, 0.0])
         walls += [np.stack([side[:-1], under[:-1], under[1:]], 1), np.stack([side[:-1], under[1:], side[1:]], 1)]
-    return solids_page({"pad": np.concatenate([_faces(nodes), _faces(floor)[:, ::-1], *walls])})
+    solid = {"pad": np.concatenate([_faces(nodes), _faces(floor)[:, ::-1], *walls])}
+    section = solid_section(solid, "Drag or use the arrow keys to turn, scroll to zoom.")
+    return page("Solids", "", [section], scripts=[view_script()], tables="").replace("</head>", f"{SMALL}</head>")
 
 
 def _faces(nodes: np.ndarray) -> np.ndarray:
     """Triangles over a grid of points, seen from above; shape (n, 3, 3)."""
     a, b, c, d = nodes[:-1, :-1], nodes[1:, :-1], nodes[1:, 1:], nodes[:-1, 1:]
     return np.concatenate([np.stack([a, b, c], -2).reshape(-1, 3, 3), np.stack([a, c, d], -2).reshape(-1, 3, 3)])
-
-
-def mould_page(folder: Path) -> str | None:
-    """A page of its own with pad and mould of a folder as solids; None where there are no STL files."""
-    from dummydesign.mold.files.solid_view import read_stl
-
-    parts = {name: read_stl(path) for name in ("mould", "pad") for path in sorted(folder.glob(f"{name}_*.stl"))[:1]}
-    return solids_page(parts) if parts else None
-
-
-def solids_page(parts: dict[str, np.ndarray]) -> str:
-    """A page with solids and the script that turns them."""
-    from dummydesign.mold.files.solid_view import view_script
-    from dummydesign.report.page import page, solid_section
-
-    section = solid_section(parts, "Drag or use the arrow keys to turn, scroll to zoom.")
-    # the view takes what the lines around it leave of the frame; its own style comes later, so "main" outranks it
-    alone = "" if len(parts) > 1 else "main .viewer .controls{display:none}"
-    small = (
-        "<style>main h1,main h2,.lead,footer,.terms{display:none}html,body,main,section{height:100%;margin:0}"
-        "main{padding:0 .5rem;box-sizing:border-box}main section p{margin:.2rem 0;font-size:.9rem}"
-        "main section,main .viewer{display:flex;flex-direction:column;min-height:0;padding:0;border:0}"
-        "main .viewer,main .viewer .stage{flex:1 1 0;min-height:0}main .viewer .stage{min-height:140px}"
-        f"main .viewer .stage canvas{{height:100%}}{alone}</style>"
-    )
-    return page("Solids", "", [section], scripts=[view_script()], tables="").replace("</head>", f"{small}</head>")
 
 
 HEAD = ("pad", "verdict", "score", "usable after a puck", "shortfall", "over", "thickness mm", "ratio")

@@ -89,6 +89,8 @@ MOST_AT_ONCE = 2
 """Commands that may run at once: each may fill a processor."""
 STARTING_S = 120.0
 """On systems where a lock cannot be handed on: a command that did not begin within this time never will. [s]"""
+MOST_KEPT = 100
+"""Commands of a step that ended and are kept, the newest ones: pages look at all of them twice a second."""
 UNEXPECTED = "the process stopped unexpectedly (machine switched off, disk or memory full?): run it again"
 _CHILDREN: list[subprocess.Popen[bytes]] = []
 """Processes that this one started; looked at now and then, so that those that ended are let go."""
@@ -166,6 +168,9 @@ def start(root: Path, name: str, *commands: Sequence[str]) -> Job:
         message = f"{len(running)} commands are at work: wait for one, or stop one"
         raise InputError(message, "busy", "commands", len(running), MOST_AT_ONCE)
     home = root / HOME / "jobs"
+    ended = [one for one in all_jobs(root, name) if one.state != "running"]
+    for one in ended[:-MOST_KEPT]:
+        shutil.rmtree(one.folder, ignore_errors=True)
     try:
         home.mkdir(parents=True, exist_ok=True)
         numbers = [int(match[1]) for path in home.iterdir() if (match := re.match(r"(\d+)-", path.name))]

@@ -33,7 +33,7 @@ CHECKED = {"checks.json": "Checks of the solids", "manifest.json": "What was ask
            "spec.json": "All dimensions and settings"}  # fmt: skip
 PAD = ("shape", "thickness_mm", "ratio", "resin")
 SIZE = PAD[:2]
-_TAIL = r"_(?:(?:{})_)?t\d+(?:\.\d+)?(?:_(a\d))?$"
+_TAIL = r"_(?:(?:{})_)?t\d+(?:\.\d+)?$"
 
 
 @dataclass(frozen=True)
@@ -182,21 +182,15 @@ def _group(name: str) -> tuple[str, str]:
     stem, _, ending = name.rpartition(".")
     tail = re.search(_TAIL.format("|".join(shape_kinds())), stem)
     part = stem[: tail.start()] if tail else stem
-    paper = f", {tail[1].upper()}" if tail and tail[1] else ""
     words = part.replace("_", " ").capitalize()
     if part == "pour":
-        if ending == "pdf" and not paper:
-            return "Pour", "Pour sheet (PDF): start here"
-        kind = {"pdf": f"PDF{paper}", "html": "web page", "md": "text"}.get(ending, ending)
-        return "Pour", f"Pour sheet ({kind})"
+        return "Pour", "Pour sheet (PDF): start here" if ending == "pdf" else "Pour sheet (web page)"
     if part == "drawings":
-        return "Draw", f"All drawings (PDF{paper})"
-    if part.startswith("drawing_") and ending in ("svg", "dxf", "pdf"):
-        return "Draw", f"Drawing of the {part.removeprefix('drawing_').replace('_', ' ')}, {ending.upper()}"
-    if part == "assembly" and ending in ("html", "step", "glb"):
+        return "Draw", f"All drawings ({ending.upper()})"
+    if part == "assembly" and ending in ("html", "step"):
         kind = ", to turn (web page)" if ending == "html" else f", {ending.upper()}"
         return "Print or machine", f"All parts{kind}"
-    if part != "assembly" and tail and ending in ("step", "stl", "3mf", "glb"):
+    if part != "assembly" and tail and ending in ("step", "3mf"):
         return "Print or machine", f"{words}, {ending.upper()}"
     if part != "assembly" and tail and ending == "png":
         return "Draw", f"Picture of the {words.lower()}"

@@ -25,6 +25,8 @@ from dummydesign.studio.file_transfer import inside, new_folder, numbered, plain
 
 HOME = ".studio/bin"
 ENTRY, CONTENT = "entry.json", "content"
+KEPT_DAYS = 30.0
+"""How long something stays in the bin; what is older goes when the next thing is deleted."""
 
 
 @dataclass(frozen=True)
@@ -54,6 +56,9 @@ def delete(root: Path, path: str, why: str = "deleted") -> Deleted:
     parts = parts_of(root, path)
     check_idle(root, path)
     now = time.time()
+    for old in deleted(root):
+        if now - old.time > KEPT_DAYS * 86400.0:
+            shutil.rmtree(old.folder, ignore_errors=True)
     entry = Deleted(_new_folder(root / HOME, PurePosixPath(path).name, now), path, now, why)
     try:
         write_text(entry.folder / ENTRY, json.dumps({"path": path, "time": now, "why": why}))

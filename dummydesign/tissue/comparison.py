@@ -182,6 +182,11 @@ class Comparison:
         """All presses, condition by condition."""
         return [press for _, pressed in self.conditions for press in pressed]
 
+    @property
+    def noise_N(self) -> float:
+        """Noise of the traces; 0 where their holds do not tell it."""
+        return float(self.fit.result["noise_floor_N"] or 0.0)
+
 
 def compare_traces(
     traces: Sequence[Trace], tissue: Tissue, lowpass: Lowpass | None = None, test: PressTest = AS_PRESSED,

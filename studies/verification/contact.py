@@ -15,7 +15,7 @@ from studies.verification.check import Check
 from studies.verification.edges import PRESSURE
 
 FRICTION = "Friction under a filleted edge"
-GETFEM = "GetFEM 5.4.2, its steps carried to none (benchmarks/pad_getfem.py)"
+GETFEM = "GetFEM 5.4.2, its steps carried to none (benchmarks/accuracy/pad_getfem.py)"
 # Force in N by d/h, and by depth in mm; punch of 15.8 mm, 30 kPa, pad of radius 75.7 mm.
 GLUED_CROWN_N = {0.1: 0.25697, 0.15: 0.73717, 0.2: 1.74405, 0.25: 3.62345, 0.3: 6.0923}
 FREE_CROWN_N = {0.1: 0.011969, 0.2: 0.035734, 0.4: 0.109963}

@@ -11,7 +11,7 @@ from typing import Any
 from studies.verification.check import Check
 from studies.verification.slabs_and_pucks import ALL
 
-ROWS = Path(__file__).parents[2] / "benchmarks" / "mutation.jsonl"
+ROWS = Path(__file__).parents[2] / "benchmarks" / "results" / "mutation.jsonl"
 
 
 def run(fast: bool, say: Callable[[str], None] | None = None) -> list[Check]:
@@ -36,8 +36,9 @@ def document(checks: list[Check]) -> str:
         "",
         "Made by `python -m studies.verification`; do not edit. Lengths in thicknesses, stresses in shear",
         "moduli unless a unit is given. Tolerances are relative unless marked `abs`; `>=` asks for at least what",
-        "is expected. Comparisons with FElupe and GetFEM, separate programs, are `python benchmarks/pad_felupe.py`",
-        "and `python benchmarks/pad_getfem.py`; their figures are in `docs/pad.md`.",
+        "is expected. Comparisons with FElupe and GetFEM, separate programs, are",
+        "`python -m benchmarks.accuracy.pad_felupe` and `python -m benchmarks.accuracy.pad_getfem`;",
+        "their figures are in `docs/pad.md`.",
         "",
         f"{len(checks)} checks, {failed} failed.",
     ]
@@ -58,8 +59,9 @@ def _faults(rows: list[dict[str, Any]]) -> list[str]:
     """How many faults the tests see, and those that they do not, with the reason."""
     lines = [
         "", "## Faults that the tests see", "",
-        "`python -m benchmarks.mutation` changes one sign, limit or index in lines drawn at random from core, pad,",
-        "loop and design, and runs the default tests that execute the line; rows in `benchmarks/mutation.jsonl`.",
+        "`python -m benchmarks.accuracy.mutation` changes one sign, limit or index in lines drawn at random from core,",
+        "pad, loop and design, and runs the default tests that execute the line; rows in",
+        "`benchmarks/results/mutation.jsonl`.",
         "Faults that were not run count as open. The tests of the second figure were written for this draw: a new draw",
         "is better judged by the first.", "",
         "| state | seed | faults | caught | caught with the tests written for those missed | open |",

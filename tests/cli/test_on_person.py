@@ -70,6 +70,7 @@ def test_the_contract(here, capsys, drive):
     assert any(one in RESULTS for one in words) and "NEXT" in words
 
 
+@pytest.mark.slow
 def test_limits_pass_fail_or_stay_undecided_and_never_pass_an_extrapolation(here, capsys):
     words = ["v10.csv", "--tissue", "forefinger", "--drive", "steady", "--limits"]
     results = {}
@@ -134,6 +135,7 @@ def test_bad_input_is_one_line_and_status_2(here, capsys):
         assert "internal error" not in printed.err, printed.err
 
 
+@pytest.mark.slow
 def test_a_press_beyond_people_is_named_before_any_factor(here, capsys):
     from dummydesign.report.on_person_facts import extrapolation_text
 

@@ -16,6 +16,7 @@ def inside(tmp_path, monkeypatch, capsys):
     return tmp_path / "thumb"
 
 
+@pytest.mark.slow
 def test_commands_inside_take_tissue_and_place_from_the_project(inside, capsys):
     assert run(["suggest", "--no-cad", "--no-verify", "--json"]) == 0
     found = json.loads(capsys.readouterr().out)

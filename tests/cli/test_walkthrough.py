@@ -53,6 +53,7 @@ def faults_of(count: int | None, folder: Path, monkeypatch: pytest.MonkeyPatch) 
     return [fault(block, answer) for block, answer in answers if block.shown and fault(block, answer)]
 
 
+@pytest.mark.slow
 def test_the_way_to_tissue_and_resin_prints_what_the_page_shows(tmp_path, monkeypatch):
     assert faults_of(4, tmp_path, monkeypatch) == []
 

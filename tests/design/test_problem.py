@@ -79,6 +79,7 @@ def asked(capsys, words):
 @pytest.mark.parametrize(("name", "old", "new"), [
     ("materials/verdict.toml", "[usable.over]\nvalue = 1.25", "[usable.over]\nvalue = 1.45"),
     ("materials/puck.toml", "value = 0.043", "value = 0.06"),
+    ("materials/making.toml", "low = -0.05", "low = -0.06"),
 ])  # fmt: skip
 def test_an_answer_under_other_limits_goes_into_a_folder_of_its_own_and_names_them(
     own_folder, capsys, tmp_path, monkeypatch, name, old, new
@@ -175,6 +176,14 @@ def test_the_ratio_for_a_mould_follows_the_resin_and_its_modulus_does_not(mould,
     assert ratios[1] < ratios[0] and young[1] / young[0] < 1.5
     low_kPa, high_kPa = found[0].to_dict()["window_kPa"]
     assert all(low_kPa < 1e3 * value < high_kPa for value in young)
+
+
+def test_a_pad_of_another_size_than_the_mould_is_refused(mould):
+    mould()
+    read_problem(Request("forefinger", mould="m", pad_mm=(120.0, 100.0), verify=False))
+    with raises_code("conflict", "mould") as caught:
+        read_problem(Request("forefinger", mould="m", pad_mm=(100.0, 80.0), thickness_mm=(4.0, 8.0), verify=False))
+    assert "leave --thickness and --pad out" in str(caught.value)
 
 
 def test_two_moulds_and_what_contradicts_the_mould_are_refused(mould, tmp_path):

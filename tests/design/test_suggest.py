@@ -81,6 +81,7 @@ def tissue_file(tmp_path, tissue):
     return str(path)
 
 
+@pytest.mark.slow
 def test_a_single_subject_can_be_followed(tmp_path, layer_law):
     asked = Request(tissue_file(tmp_path, make_tissue((1.2,))), verify=False, shape="slab")
     answer = design(read_problem(asked, layer_law))
@@ -99,6 +100,7 @@ def test_one_subject_is_said_to_make_no_range_and_has_no_share_of_castings(tmp_p
     assert answer["measure_first"]["group"] is None
 
 
+@pytest.mark.slow
 def test_speeds_and_law_come_from_the_tissue(tmp_path, layer_law):
     asked = Request(tissue_file(tmp_path, make_tissue(law="published")), verify=False, shape="slab")
     answer = design(read_problem(asked, layer_law)).to_dict()

@@ -10,6 +10,8 @@ from dummydesign.design.search.shape_family import FamilyLaw
 from dummydesign.design.suggest import suggest
 from dummydesign.report.suggest import write_suggestion
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture(scope="module")
 def crowned():

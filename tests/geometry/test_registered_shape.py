@@ -28,6 +28,7 @@ from dummydesign.mold.pour.plan import pour_plan
 from dummydesign.mold.pour.warnings import pour_warnings
 from dummydesign.pad.tables.slab import load_table
 from tests.support.refusal import raises_code
+from tests.support.sheet_text import sheet_text
 
 
 @dataclass(frozen=True)
@@ -191,7 +192,7 @@ def test_its_mould_is_specified_weighed_and_described():
     assert plan.pad_mass_g == pytest.approx(cavity_volume_mm3(spec) * spec.pour.density_g_per_cm3 * 1e-3)
     warnings = pour_warnings(spec, plan)
     assert Coned.required_warnings <= {item["code"] for item in warnings}
-    written = sheet.to_markdown(sheet.pour_sheet(spec, plan, warnings))
+    written = sheet_text(sheet.pour_sheet(spec, plan, warnings))
     assert "Truncated cone: top radius 4" in written and "coned pad 60 x 50 x 12 mm" in written
     assert "at a tip of radius" not in written
     assert spec.tag == "coned_t12" and spec.pad.least_gel_mm == pytest.approx(9.0)

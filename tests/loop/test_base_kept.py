@@ -72,6 +72,7 @@ def campaign(tmp_path_factory):
     return read_campaign(folder / "a")
 
 
+@pytest.mark.slow
 def test_where_the_corrected_model_predicts_worse_the_base_is_written(campaign, monkeypatch):
     right = close_loop(campaign)
     shown = left_out_errors(right.base, right.after)

@@ -29,8 +29,7 @@ def test_loop_writes_report_and_calibration_and_replay_reads_it(small, tmp_path,
     assert found["schema"] == "dummydesign.loop/1" and found["verdict"] == "none"
     made = {p.name for p in tmp_path.iterdir()}
     assert {"calibration.json", "report.html", "report.pdf"} <= made
-    made -= {"calibration.json", "report.html", "report.pdf", "manifest.json"}
-    assert all(name.startswith("report-") and name.endswith(".csv") for name in made)
+    assert made - {"calibration.json", "report.html", "report.pdf", "manifest.json"} == {"report.csv"}
     assert found["calibration_file"].endswith("calibration.json")
     assert cli.run(["replay", str(small), "--calibration", found["calibration_file"], "--json"]) == 0
     predicted = json.loads(capsys.readouterr().out)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -14,6 +13,7 @@ from dummydesign.loop.result import answer_of, result_dict, worth_of
 from dummydesign.loop.run import close_loop, replay
 from dummydesign.measurement.campaign_file import read_campaign
 from dummydesign.report.loop import write_loop_report
+from dummydesign.report.page import figure_values
 from dummydesign.studio.figures import measured_over_fitted
 from tests.support.browser import visit
 from tests.support.refusal import raises_code
@@ -95,9 +95,10 @@ def test_the_report_is_one_page_with_a_figure_a_condition_and_loads_nothing(resu
     result = results("temperature", 402)
     files = write_loop_report(tmp_path, result)
     page = (tmp_path / "report.html").read_text()
-    presses = [name for name in files if name.startswith("report_press")]
+    figures = figure_values(files["report_values"])
+    presses = [name for name in figures if name.startswith("press-")]
     assert len(presses) == len(np.unique(result.presses.cell))
-    assert page.count("<figure>") == len(files) - 2
+    assert page.count("<figure>") == len(figures)
     assert "src=" not in page and page.count("<script") == 1 and page.count("href=") == page.count('href="#') > 5
     drawn = measured_over_fitted(tmp_path, {"files": files})
     assert len(drawn) == len(presses) and all(" mm pad, " in plot.title for plot in drawn)
@@ -117,9 +118,9 @@ def test_the_report_opens_in_a_browser_without_errors_and_asks_nothing_of_the_ou
 def test_the_report_draws_the_residual_of_every_trial_before_and_after(results, tmp_path):
     result = results("temperature", 402)
     files = write_loop_report(tmp_path, result)
-    rows = Path(files["report_by_trial"]).read_text().splitlines()
+    rows = figure_values(files["report_values"])["by-trial"]
     for series, key in (("base", "base_rmse_N"), ("corrected", "rmse_N")):
-        drawn = [float(row.split(",")[2]) for row in rows if row.startswith(f"{series},")]
+        drawn = [float(row["y"]) for row in rows if row["series"] == series]
         assert drawn == pytest.approx([row[key] for row in result_dict(result)["residual"]["by_trial"]], rel=1e-5)
 
 
@@ -143,7 +144,7 @@ def test_the_answer_says_what_was_found_what_it_is_worth_and_what_to_do(results)
 def test_residuals_are_drawn_pad_by_pad_in_two_colours_named_at_the_curves(results, tmp_path):
     result = results("temperature", 402)
     files = write_loop_report(tmp_path, result)
-    pads = [name for name in files if name.startswith("report_residual")]
+    pads = [name for name in figure_values(files["report_values"]) if name.startswith("residual")]
     assert len(pads) == len(result.presses.pads) == 3
     page = (tmp_path / "report.html").read_text()
     assert page.count('class="direct aim"') == page.count('class="direct main"') == 3

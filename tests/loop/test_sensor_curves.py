@@ -26,6 +26,7 @@ def largest(campaign):
     return max(float(trial.trace.force_N.max()) for trial in campaign.trials)
 
 
+@pytest.mark.slow
 def test_clipped_readings_are_named_and_the_modulus_is_that_without(campaigns):
     campaign = read_campaign(campaigns("none", 411))
     limit = 0.8 * largest(campaign)
@@ -49,9 +50,8 @@ def test_errors_by_real_fits_are_those_of_linear_steps_where_nothing_is_missing(
     assert refitted_squares(base) == pytest.approx(total / weight.sum(), rel=0.05)
 
 
-@pytest.mark.parametrize("seed, curve_per_N", [
-    (413, -0.015), pytest.param(414, 0.01, marks=pytest.mark.slow), pytest.param(415, -0.03, marks=pytest.mark.slow),
-])  # fmt: skip
+@pytest.mark.slow
+@pytest.mark.parametrize("seed, curve_per_N", [(413, -0.015), (414, 0.01), (415, -0.03)])
 def test_a_quadratic_amplifier_is_named_and_the_modulus_is_that_without(campaigns, seed, curve_per_N):
     campaign = read_campaign(campaigns("none", seed))
     found = close_loop(reading(campaign, lambda force: force + curve_per_N * force * np.abs(force)))
@@ -63,6 +63,7 @@ def test_a_quadratic_amplifier_is_named_and_the_modulus_is_that_without(campaign
     assert found.after.fit.base.young_MPa == pytest.approx(close_loop(campaign).after.fit.base.young_MPa, rel=0.015)
 
 
+@pytest.mark.slow
 def test_a_curve_within_what_load_cells_are_good_for_is_not_named(campaigns):
     campaign = read_campaign(campaigns("none", 416))
     found = close_loop(reading(campaign, lambda force: force * (1.0 - 0.0005 * np.abs(force))))

@@ -14,7 +14,7 @@ from dummydesign.mold.checks.check import genera
 from dummydesign.mold.checks.process import check_process
 from dummydesign.mold.files import meshes as mesh
 from dummydesign.mold.files.part_drawings import part_views
-from dummydesign.mold.files.pour_sheet import pour_sheet, to_markdown
+from dummydesign.mold.files.pour_sheet import pour_sheet
 from dummydesign.mold.model.layout import best_grid, layout, mould_volume_mm3
 from dummydesign.mold.model.preset import mould_spec
 from dummydesign.mold.model.spec import MouldSpec
@@ -22,6 +22,7 @@ from dummydesign.mold.pour.plan import pour_plan
 from dummydesign.mold.pour.warnings import pour_warnings
 from tests.support.mould_checks import failed, shape_spec
 from tests.support.refusal import raises_code
+from tests.support.sheet_text import sheet_text
 
 THREE = mould_spec(6.0, 30.0, 24.0, count=3)
 ONE = mould_spec(6.0, 30.0, 24.0)
@@ -77,7 +78,7 @@ def test_the_batch_is_for_all_cavities_and_a_pad_weighs_what_it_weighs_alone():
     extra, film = 1 + ONE.pour.extra_percent / 100, ONE.pour.film_loss_g
     assert three.batch_mass_g - film == pytest.approx(3 * one.fill_mass_g * extra, abs=0.2)
     assert not [item for item in check_process(THREE, three, pour_warnings(THREE, three)) if item.status == "fail"]
-    text = to_markdown(pour_sheet(THREE, three, []))
+    text = sheet_text(pour_sheet(THREE, three, []))
     assert "Fill the 3 cavities one after the other" in text and "with 3 cavities" in text
 
 

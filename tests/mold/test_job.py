@@ -9,12 +9,12 @@ import pytest
 
 from dummydesign import cli
 from dummydesign.mold import runner
-from dummydesign.mold.files.pour_sheet import to_markdown
 from dummydesign.mold.job import Ordered, check_job, folder_name, job_bill, job_sheet, read_thicknesses
 from dummydesign.mold.model.preset import mould_spec
 from dummydesign.mold.pour.bill_of_materials import bill_of_materials, materials
 from dummydesign.mold.pour.plan import pour_plan
 from tests.support.refusal import raises_code
+from tests.support.sheet_text import sheet_text
 
 SPECS = [mould_spec(t, 60.0, 50.0) for t in (5.0, 8.0)]
 PRINTED = {"master": 120_000.0, "tray": 70_000.0}
@@ -67,7 +67,7 @@ def test_a_job_of_one_casting_of_one_mould_needs_what_the_mould_needs():
 
 
 def test_the_sheet_names_every_mould_its_folder_and_the_castings():
-    text = to_markdown(job_sheet(ORDERED, 2))
+    text = sheet_text(job_sheet(ORDERED, 2))
     for spec in SPECS:
         assert spec.hash in text and spec.tag in text
     assert "2 moulds, 4 pads" in text
@@ -95,7 +95,7 @@ def test_the_command_makes_a_folder_each_under_one_manifest_and_records_go_with_
     folder = no_cad / "moulds_t5_t8"
     assert [one["thickness_mm"] for one in answer["moulds"]] == [5.0, 8.0] and answer["inputs"]["castings"] == 2
     sums = json.loads((folder / "manifest.json").read_text())["sha256"]
-    assert set(sums) == {"job.md", "job.pdf", "t5/spec.json", "t8/spec.json"}
+    assert set(sums) == {"job.pdf", "t5/spec.json", "t8/spec.json"}
     assert (folder / "job.pdf").read_bytes().startswith(b"%PDF")
     mass = f"{pour_plan(SPECS[0]).pad_mass_g:.1f}"
     assert cli.run(["mold", "record", "moulds_t5_t8/t5", "--thickness", "5,5,5,5,5", "--mass", mass]) == 0

@@ -63,6 +63,7 @@ def test_several_thicknesses_of_one_shape_are_one_campaign_also_from_the_folder_
     assert len(answer["inputs"]["from_mould"]) == 2
 
 
+@pytest.mark.slow
 def test_different_shapes_stand_in_each_trial_and_are_expected_as_they_are(mould, capsys):
     mould("flat", 5)
     mould("crown", 8, shape=CROWN)

@@ -14,7 +14,7 @@ from dummydesign.mold.checks import solids as check
 from dummydesign.mold.checks import solids as check_shape
 from dummydesign.mold.checks.process import check_process
 from dummydesign.mold.files import meshes as mesh
-from dummydesign.mold.files.pour_sheet import pour_sheet, to_markdown
+from dummydesign.mold.files.pour_sheet import pour_sheet
 from dummydesign.mold.model.layout import dowel_places, layout, level_places, pad_scale, parting_mm
 from dummydesign.mold.model.preset import mould_spec
 from dummydesign.mold.model.spec import MouldSpec
@@ -24,6 +24,7 @@ from dummydesign.mold.pour.warnings import pour_warnings
 from dummydesign.mold.runner import make_mold
 from tests.support.mould_checks import failed, named, no_check_fails, shape_spec
 from tests.support.refusal import raises_code
+from tests.support.sheet_text import sheet_text
 
 SPEC = mould_spec(8.0, 60.0, 50.0, preset="printed")
 
@@ -100,7 +101,7 @@ def mould_spec_with(**changed):
 
 def test_sheet_list_and_answer_do_not_speak_of_silicone_that_is_cast():
     plan = pour_plan(SPEC)
-    text = to_markdown(pour_sheet(SPEC, plan, pour_warnings(SPEC, plan)))
+    text = sheet_text(pour_sheet(SPEC, plan, pour_warnings(SPEC, plan)))
     assert "Lift the ring straight up" in text and "wax" in text.lower() and "in the tray" not in text
     assert "mould silicone" not in text and "silicone foams" not in text and "draft of 3 deg" in text
     bill = " ".join(row[0] for row in bill_of_materials(materials(SPEC, plan, {"mould": 1e5})))
@@ -140,5 +141,5 @@ def test_every_shape_is_cast_in_a_printed_mould(text, thickness):
 def test_the_command_makes_all_files_of_a_printed_mould(tmp_path):
     result = make_mold(mould_spec(8.0, 60.0, 50.0, preset="printed", face_sheet_mm=3.0), tmp_path)
     assert no_check_fails(result.checks) and all(Path(name).is_file() for name in result.files.values())
-    assert {"mould_3mf", "frame_3mf", "drawing_frame_svg", "face_sheet"} <= set(result.files)
+    assert {"mould_3mf", "frame_3mf", "drawings_dxf", "face_sheet"} <= set(result.files)
     assert "silicone" not in result.masses_g

@@ -123,6 +123,7 @@ def test_the_worker_takes_its_limit_from_the_question(tmp_path):
     assert subprocess.run(words, capture_output=True, text=True, check=True).stdout.strip() == "77"
 
 
+@pytest.mark.slow
 def test_failed_check_keeps_no_file_but_reports_all_checks(monkeypatch, tmp_path):
     found = {
         "files": {"mould": "mould_t5.step"}, "volumes_mm3": {}, "step_sha256": "0", "warnings": [], "batch": {},

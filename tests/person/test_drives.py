@@ -61,6 +61,7 @@ def through(t, x):
     return lambda s: np.interp(s, t, x), lambda s: (np.interp(s + 1e-7, t, x) - np.interp(s - 1e-7, t, x)) / 2e-7
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("velocity", SPEEDS)
 def test_steady_presses_everyone_to_the_pad_s_steady_force(velocity):
     run, _ = pressed(velocity, hold=9.0)
@@ -89,6 +90,7 @@ def test_with_steady_the_robot_stops_on_people_as_softly_as_on_the_pad(velocity,
         assert float(found.peak_N[0]) == pytest.approx(run.peak, rel=5e-3)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("velocity", SPEEDS)
 def test_force_gives_the_depth_that_another_integrator_gives(velocity):
     run, _ = pressed(velocity)

@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from benchmarks.fit_coverage import GAMMA1
-from benchmarks.fit_coverage import press as pressed_person
+from benchmarks.accuracy.fit_coverage import GAMMA1
+from benchmarks.accuracy.fit_coverage import press as pressed_person
 from dummydesign.person.drives import read_drive
 from dummydesign.person.on_person import on_person
 from dummydesign.tissue.fitting.fit import fit_traces
@@ -51,6 +51,7 @@ def test_a_fit_keeps_the_range_of_its_presses_and_a_file_gives_it_back(presses, 
     assert tissue.to_dict()["subjects"][0]["pressed"]["depth_mm"]["value"] == pytest.approx(np.mean(depths), rel=2e-3)
 
 
+@pytest.mark.slow
 def test_a_press_is_beyond_where_the_fitted_presses_end_not_where_the_protocol_does(tissue):
     deepest = tissue.subjects[0].pressed["depth_mm"].high
     bare = replace(tissue, subjects=tuple(replace(one, pressed={}) for one in tissue.subjects))

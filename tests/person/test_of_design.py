@@ -6,6 +6,8 @@ import pytest
 
 from dummydesign.cli import run
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture(scope="module")
 def designed(tmp_path_factory):

@@ -90,6 +90,7 @@ def test_noise_of_the_trace_does_not_drive_the_arm():
     assert 0.005 < found.depth_mm.std() < 0.02
 
 
+@pytest.mark.slow
 def test_a_filter_of_the_sensor_does_not_drive_it_either():
     from dummydesign.measurement.sensor import Lowpass
 
@@ -106,6 +107,7 @@ def test_a_filter_of_the_sensor_does_not_drive_it_either():
     assert float(found.depth_mm[0]) == pytest.approx(own.depth, rel=0.015)
 
 
+@pytest.mark.slow
 def test_what_the_trace_cannot_show_is_said():
     pad, _ = rung(hold=0.8)
     codes = {}

@@ -1,9 +1,10 @@
 """What comes next in a project, at every stage of the work."""
 
 import json
+import os
 
 from dummydesign.project.folder import make_project
-from dummydesign.project.status import status_of
+from dummydesign.project.status import finished_manifest, status_of
 
 
 def wrote(folder, command, date, **summary):
@@ -77,3 +78,13 @@ def test_a_design_for_a_tissue_that_was_only_typed_is_not_forgotten(tmp_path):
     assert status_of(project).next_command.startswith("dummydesign campaign new campaigns/first")
     (tmp_path / "measured" / "hand.csv").write_text("1,2\n", encoding="utf-8")
     assert status_of(project).next_command == "dummydesign import measured/hand.csv"
+
+
+def test_a_manifest_that_is_written_again_is_read_again(tmp_path):
+    path = tmp_path / "manifest.json"
+    for number, date in enumerate(("2026-01-01", "2026-01-02")):
+        path.write_text(json.dumps({"command": "mold", "date": date, "finished": True}), encoding="utf-8")
+        os.utime(path, ns=(number, number))
+        assert finished_manifest(path)["date"] == date
+    path.unlink()
+    assert finished_manifest(path) is None

@@ -17,6 +17,8 @@ from tests.report.test_front_page import pdf_texts, sheet_texts
 from tests.support.answer_inputs import make_inputs
 from tests.support.pdf_paths import pages_mm
 
+pytestmark = pytest.mark.slow
+
 LIMITS = FilePath(__file__).parents[2] / "examples" / "limits.toml"
 PRESSES = ("press_0.csv", "press_2.csv")
 COMMANDS = {

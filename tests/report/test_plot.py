@@ -1,8 +1,6 @@
 """Plots: places, ticks, CSV, maps and solids hold the values they are given."""
 
 import base64
-import csv
-import io
 import math
 import re
 import struct
@@ -12,10 +10,9 @@ import zlib
 import numpy as np
 import pytest
 
-from dummydesign.mold.files.solid_view import box, pack, read_stl
-from dummydesign.report.plot import HEIGHT, WIDTH, Axis, Plot, colours, png_uri, round_step, span
+from dummydesign.mold.files.solid_view import Shown, box, pack, read_view, view_page
+from dummydesign.report.plot import COLUMNS, HEIGHT, WIDTH, Axis, Plot, colours, png_uri, round_step, span
 from dummydesign.report.plot_layers import Band, Bars, Cells, Dots, Ellipse, Line, edges, thin
-from tests.support.refusal import raises_code
 
 
 def plot(*layers, **more):
@@ -79,12 +76,13 @@ def test_all_layers_draw_valid_svg_with_words():
 def test_the_csv_holds_every_value_that_is_drawn():
     x, y = np.linspace(0, 1, 1000), np.linspace(5, 6, 1000) ** 2
     figure = plot(Line("a", x, y), Band("b", [0.0, 1.0], [2.0, 3.0], [4.0, 5.0]), Dots("c", [7.0], [math.nan]))
-    rows = list(csv.DictReader(io.StringIO(figure.csv_text())))
+    rows = [dict(zip(COLUMNS, row)) for row in figure.rows()]
+    assert {(row["figure"], row["x_name"], row["y_name"]) for row in rows} == {(figure.name, "x_mm", "y_N")}
     line = [row for row in rows if row["series"] == "a"]
     assert len(line) == 1000
-    assert [float(row["y_N"]) for row in line] == pytest.approx(y.tolist(), rel=1e-5)
-    assert [(r["x_mm"], r["low"], r["high"]) for r in rows if r["series"] == "b"] == [("0", "2", "4"), ("1", "3", "5")]
-    assert rows[-1] == {"series": "c", "x_mm": "7", "y_N": "", "low": "", "high": ""}
+    assert [float(row["y"]) for row in line] == pytest.approx(y.tolist(), rel=1e-5)
+    assert [(r["x"], r["low"], r["high"]) for r in rows if r["series"] == "b"] == [("0", "2", "4"), ("1", "3", "5")]
+    assert list(rows[-1].values())[4:] == ["7", "", "", ""]
 
 
 def test_thinning_keeps_ends_and_extremes():
@@ -141,14 +139,13 @@ def test_packed_triangles_come_back_within_a_step():
     assert np.abs(low + (high - low) * steps / 65535 - triangles).max() < 150 / 65535
 
 
-def test_stl_files_of_another_library_are_read(tmp_path):
-    trimesh = pytest.importorskip("trimesh")
-    ball = trimesh.creation.icosphere(2, 10.0)
-    ball.export(tmp_path / "ball.stl")
-    assert volume(read_stl(tmp_path / "ball.stl")) == pytest.approx(ball.volume, rel=1e-5)
-    for content in (b"solid x\nendsolid", b"", b"\0" * 84 + b"x"):
-        (tmp_path / "bad.stl").write_bytes(content)
-        with raises_code("file_unreadable", "stl_file"):
-            read_stl(tmp_path / "bad.stl")
-    with raises_code("file_not_found", "stl_file"):
-        read_stl(tmp_path / "none.stl")
+def test_a_view_is_read_again_and_without_one_there_are_no_parts(tmp_path):
+    ball = box(20.0, 30.0, 8.0)
+    page = tmp_path / "assembly.html"
+    page.write_text(view_page([Shown(name, ball, (1, 1, 1)) for name in ("pad, tested face up", "frame")], "t", ""))
+    (parts,) = read_view(page).items()
+    assert parts[0] == "pad, tested face up" and np.abs(parts[1] - ball).max() < 30 / 65535
+    for content in ("", 'id="view-data">[{"name": "pad"}]</script>', 'id="view-data">nonsense</script>'):
+        page.write_text(content)
+        assert read_view(page) == {}
+    assert read_view(tmp_path / "none.html") == {}

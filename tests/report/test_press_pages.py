@@ -11,6 +11,7 @@ import pytest
 
 from dummydesign.cli.entry import run
 from dummydesign.measurement.motion import Motion, ramp_and_hold
+from dummydesign.report.page import figure_values
 from dummydesign.studio.figures import measured_over_fitted
 from dummydesign.tissue.model.tissue_file import load_tissue
 from tests.support.browser import visit
@@ -48,6 +49,7 @@ def made(tmp_path_factory):
     return {"fit": (folder / "fit" / "mine-report.html", fit), "compare": (folder / "compare" / "report.html", compare)}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["fit", "compare"])
 def test_a_report_opens_without_errors_asks_nothing_and_fits_a_phone(made, name, tmp_path):
     path, _ = made[name]
@@ -71,7 +73,7 @@ def test_figures_are_listed_have_words_and_units_and_text_from_files_is_no_marku
     path, answer = made[name]
     text = path.read_text(encoding="utf-8")
     figures = re.findall(r'<svg class="plot" viewBox="0 0 440 310" role="img" aria-label=.*?</svg>', text)
-    assert len(figures) == sum(role.startswith("report_") for role in answer["files"])
+    assert len(figures) == len(figure_values(answer["files"]["report_values"]))
     for svg in figures:
         xml.fromstring(svg)
     labels = re.findall(r'class="label"[^>]*>([^<]+)<', text)
@@ -85,34 +87,34 @@ def rows_of(path):
         return list(csv.DictReader(stream))
 
 
-def press_file(answer, speed):
-    """CSV of the press at about 5 N at one speed."""
-    roles = [role for role in answer["files"] if role.startswith("report_press_5") and role.endswith(f"_{speed}")]
-    assert len(roles) == 1
-    return answer["files"][roles[0]]
+def press_rows(answer, speed):
+    """Values of the press at about 5 N at one speed."""
+    figures = figure_values(answer["files"]["report_values"])
+    (name,) = [name for name in figures if name.startswith("press-5") and name.endswith(f"-{speed}")]
+    return figures[name]
 
 
 def test_measured_and_fitted_differ_in_the_report_by_the_residual_of_the_fit(made):
     answer = made["fit"][1]
-    rows = rows_of(press_file(answer, "250mm_s"))
+    rows = press_rows(answer, "250mm-s")
     seen, model = (
-        np.array([(float(r["time_s"]), float(r["force_N"])) for r in rows if r["series"] == series]).T
+        np.array([(float(r["x"]), float(r["y"])) for r in rows if r["series"] == series]).T
         for series in ("measured", "fitted")
     )
     late = seen[0] > 0.1
     left = seen[1][late] - np.interp(seen[0][late], *model)
     assert np.sqrt(np.mean(left**2)) < answer["noise_floor_N"]
-    residual = rows_of(answer["files"]["report_residual_hold"])
+    residual = figure_values(answer["files"]["report_values"])["residual-hold"]
     table = rows_of(answer["files"]["residuals"])
-    drawn = sorted(float(r["residual_N"]) for r in residual if r["series"] != "three noise floors")
+    drawn = sorted(float(r["y"]) for r in residual if r["series"] != "three noise floors")
     assert len(drawn) > 80 and drawn[-1] <= max(float(r["residual_N"]) for r in table) * (1 + 1e-5)
 
 
 def test_the_studio_draws_the_presses_that_the_fit_report_wrote(made):
     path, answer = made["fit"]
     plots = measured_over_fitted(path.parent, answer)
-    roles = [role for role in answer["files"] if role.startswith("report_press_")]
-    assert [f"report_{plot.name.replace('-', '_')}" for plot in plots] == roles and len(roles) == 4
+    names = [name for name in figure_values(answer["files"]["report_values"]) if name.startswith("press-")]
+    assert [plot.name for plot in plots] == names and len(names) == 4
     text = path.read_text(encoding="utf-8")
     for plot in plots:
         assert " N steady at " in plot.title
@@ -144,10 +146,10 @@ def test_what_is_not_identifiable_is_said_beside_its_parameter():
 
 def test_the_compare_report_draws_the_dummy_in_the_ranges_it_counted(made):
     answer = made["compare"][1]
-    rows = rows_of(press_file(answer, "10mm_s"))
+    rows = press_rows(answer, "10mm-s")
     low, high = ([float(r[end]) for r in rows if r["series"] == "subjects of palm"] for end in ("low", "high"))
-    time = [float(r["time_s"]) for r in rows if r["series"] == "subjects of palm"]
-    x, y = np.array([(float(r["time_s"]), float(r["force_N"])) for r in rows if r["series"] == "dummy"]).T
+    time = [float(r["x"]) for r in rows if r["series"] == "subjects of palm"]
+    x, y = np.array([(float(r["x"]), float(r["y"])) for r in rows if r["series"] == "dummy"]).T
     inside = (y >= np.interp(x, time, low) - 0.06) & (y <= np.interp(x, time, high) + 0.06)
     condition = next(r for r in answer["force_variation_range"] if r["velocity_mm_s"] == 10 and r["steady_force_N"] < 6)
     assert abs(inside.mean() - condition["inside_fraction"]) < 0.1

@@ -132,6 +132,7 @@ def test_a_campaign_on_pads_of_it_is_held_against_its_modulus_and_a_design_takes
     assert best["young_kPa"]["value"] == pytest.approx(softer * young_kPa(best["ratio"]), rel=0.06)
 
 
+@pytest.mark.slow
 def test_the_same_resin_is_drawn_the_same(tmp_path):
     code = (
         "import sys; from dummydesign.cli.entry import run; "

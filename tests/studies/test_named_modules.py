@@ -23,7 +23,7 @@ RUN = re.compile(r"python -m ((?:dummydesign|studies)(?:\.\w+)+)")
 def texts() -> list[Path]:
     """Sources, shipped data and, in a checkout, the documents and benchmarks."""
     shipped = [path for folder in ("materials", "molds") for path in (data_folder() / folder).rglob("*")]
-    documents = [*PROJECT.glob("docs/**/*.md"), *PROJECT.glob("*.md"), *PROJECT.glob("benchmarks/*.py")]
+    documents = [*PROJECT.glob("docs/**/*.md"), *PROJECT.glob("*.md"), *PROJECT.glob("benchmarks/**/*.py")]
     kept = [*PACKAGE.rglob("*.py"), *PROJECT.glob("studies/**/*.py"), *shipped, *documents]
     return sorted(p for p in kept if p.suffix in (".py", ".md", ".toml", ".json") and p.name != "CHANGELOG.md")
 
@@ -65,3 +65,11 @@ def test_every_file_that_a_document_names_is_there():
         if "NAME" not in name and not any((base / name).exists() for base in (PROJECT, PACKAGE))
     }
     assert gone == set()
+
+
+def test_every_result_of_a_benchmark_has_the_command_that_makes_it():
+    folder = PROJECT / "benchmarks" / "results"
+    rows = re.findall(r"^\| `([^`]+)` \| (.+?) \| (.+?) \|$", (folder / "README.md").read_text(encoding="utf-8"), re.M)
+    assert sorted(name for name, *_ in rows) == sorted(path.name for path in folder.iterdir() if path.suffix != ".md")
+    for name, command, _ in rows:
+        assert "the same" in command or there(re.search(r"python -m (benchmarks\.\w+\.\w+)", command)[1]), name

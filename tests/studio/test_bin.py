@@ -79,6 +79,17 @@ def test_things_of_one_name_deleted_in_one_second_are_all_kept(root):
     assert newest_first == ["3", "2", "1"]
 
 
+def test_what_is_in_the_bin_for_longer_than_a_month_goes_with_the_next_deletion(root, monkeypatch):
+    now = time.time()
+    kept = {}
+    for days in (31.0, 29.0, 0.0):
+        monkeypatch.setattr(bin.time, "time", lambda days=days: now - days * 86400.0)
+        (root / "measured" / "a.csv").write_text(f"{days}")
+        kept[days] = bin.delete(root, "measured/a.csv")
+    assert bin.deleted(root) == [kept[0.0], kept[29.0]]
+    assert names(root / ".studio" / "bin") == sorted(one.folder.name for one in (kept[0.0], kept[29.0]))
+
+
 def test_a_restore_overwrites_nothing(root):
     gone = bin.delete(root, "measured/a.csv")
     (root / "measured" / "a.csv").write_text("new")

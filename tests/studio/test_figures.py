@@ -9,9 +9,10 @@ import xml.etree.ElementTree as xml
 import numpy as np
 import pytest
 
+from dummydesign.core.files import csv_text
 from dummydesign.geometry.shape_registry import read_shape
 from dummydesign.report.page import plots_js
-from dummydesign.report.plot import Plot
+from dummydesign.report.plot import COLUMNS, Plot
 from dummydesign.report.plot_layers import Dots, Line
 from dummydesign.studio import figures
 from dummydesign.studio.parts import page_head
@@ -78,9 +79,10 @@ def test_measured_presses_are_read_from_the_files_of_a_report(tmp_path, name, ti
     force = 5.0 + 3.0 * np.exp(-((np.log(t) - np.log(0.2)) ** 2))
     layers = tuple((Dots if one.startswith("measured") else Line)(one, t, force + k) for k, one in enumerate(series))
     made = Plot(name, "t", "a", "time since contact [s]", "force [N]", "time_s", "force_N", layers, log_x=True)
-    (tmp_path / f"mine-report-{name}.csv").write_text(made.csv_text(), encoding="utf-8")
-    role = f"report_{name.replace('-', '_')}"
-    answer = {"files": {"report": "x.html", role: f"mine-report-{name}.csv", "report_press_gone": "gone.csv"}}
+    other = Plot("residual", "t", "a", "x", "y", "time_s", "force_N", layers)
+    (tmp_path / "mine.csv").write_text(csv_text(COLUMNS, [*other.rows(), *made.rows()]), encoding="utf-8")
+    answer = {"files": {"report": "x.html", "report_values": "mine.csv"}}
+    assert figures.measured_over_fitted(tmp_path, {"files": {"report_values": "gone.csv"}}) == []
     (plot,) = figures.measured_over_fitted(tmp_path, answer)
     assert plot.title == title and plot.x_range == (0.01, 10.0)
     for k, (layer, one) in enumerate(zip(plot.layers, series)):

@@ -47,6 +47,19 @@ def test_of_several_commands_each_keeps_its_answer_and_the_last_one_counts(tmp_p
     assert job.answer == job.answer_of(2)
 
 
+def test_a_start_forgets_the_oldest_runs_of_its_step_and_of_no_other(tmp_path, monkeypatch):
+    monkeypatch.setattr(jobs, "MOST_KEPT", 2)
+    for number, name in enumerate(("list", "list", "list", "other"), 1):
+        folder = tmp_path / jobs.HOME / "jobs" / f"{number:04d}-{name}"
+        folder.mkdir(parents=True)
+        (folder / runner.COMMAND).write_text(json.dumps({"name": name, "words": ["tissues"], "start": float(number)}))
+        (folder / runner.STATUS).write_text(json.dumps({"status": 0, "end": number + 1.0, "stopped": False}))
+    started = jobs.start(tmp_path, "list", ["tissues", "list"])
+    kept = sorted(path.name for path in (tmp_path / jobs.HOME / "jobs").iterdir())
+    assert kept == ["0002-list", "0003-list", "0004-other", "0005-list"]
+    wait_for(started.folder, "done")
+
+
 def test_a_command_that_fails_ends_those_after_it(tmp_path):
     commands = ["tissues", "list"], ["tissues", "show", "palms"], ["tissues", "list"]
     job = wait_for(jobs.start(tmp_path, "three", *commands).folder, "failed")

@@ -55,6 +55,7 @@ def test_a_pad_that_stands_alone_names_no_other():
     assert "bumped" not in kind_sentences(answer(next_best=None, decided_by=None, text=None))[0]
 
 
+@pytest.mark.slow
 def test_other_kinds_are_judged_as_suggest_judges(tmp_path, capsys):
     words = ["suggest", "--tissue", "forefinger", "--no-cad", "--no-verify", "--out", str(tmp_path / "out"), "--json"]
     assert run(words) == 0

@@ -60,6 +60,10 @@ def test_a_red_design_is_named_before_the_button_and_its_mould_is_not_handed_out
     heads = page.locator("h3").all_inner_texts()
     assert heads[:3] == ["Pour", "Print or machine", "Draw"]
     assert page.locator(".links a").nth(1).get_attribute("href").endswith("pour_t15.pdf")
+    page.locator("iframe.solid").scroll_into_view_if_needed()
+    solid = page.frame_locator("iframe.solid").locator("canvas")
+    solid.wait_for()
+    assert solid.evaluate("(one) => one.clientHeight") > 140
 
 
 def test_another_thickness_takes_the_mould_away(page, studio):

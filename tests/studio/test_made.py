@@ -73,18 +73,16 @@ def test_a_mould_is_that_of_the_pad_by_all_that_makes_it(project):
 
 def test_files_of_a_mould_are_grouped_under_plain_names_and_none_is_lost():
     names = [
-        "pad_t6.step", "mould_t6.step", "mould_t6.stl", "master_t6.3mf", "strike_off_t6.stl", "assembly_t6.html",
-        "assembly_t6.glb", "drawing_strike_off_t6.svg", "drawing_pad_t6.dxf", "drawings_t6_a4.pdf", "pour_t6.pdf",
-        "pour_t6_a3.pdf",
-        "pour_t6.html", "pour_t6.md", "mould_t6.png", "checks.json", "manifest.json", "spec.json", "record.json",
-        "mine.odt",
+        "pad_t6.step", "mould_t6.step", "master_t6.3mf", "strike_off_t6.3mf", "assembly_t6.html", "assembly_t6.step",
+        "drawings_t6.dxf", "drawings_t6.pdf", "pour_t6.pdf", "pour_t6.html", "mould_t6.png", "checks.json",
+        "manifest.json", "spec.json", "record.json", "mine.odt",
     ]  # fmt: skip
     groups = dict(made.grouped_files(names))
     assert sorted(name for rows in groups.values() for _, name in rows) == sorted(names)
     assert groups["Pour"][0][1] == "pour_t6.pdf"
-    assert {"pad_t6.step", "mould_t6.stl", "strike_off_t6.stl"} <= {name for _, name in groups["Print or machine"]}
+    assert {"pad_t6.step", "strike_off_t6.3mf", "assembly_t6.html"} <= {name for _, name in groups["Print or machine"]}
     drawn = {name for _, name in groups["Draw"]}
-    assert {"drawing_strike_off_t6.svg", "drawing_pad_t6.dxf", "drawings_t6_a4.pdf"} <= drawn
+    assert drawn == {"drawings_t6.dxf", "drawings_t6.pdf", "mould_t6.png"}
     assert {name for _, name in groups["Check"]} == {"checks.json", "manifest.json", "spec.json", "record.json"}
     assert [name for _, name in groups["More"]] == ["mine.odt"]
     words = [said for rows in groups.values() for said, _ in rows]
@@ -92,8 +90,9 @@ def test_files_of_a_mould_are_grouped_under_plain_names_and_none_is_lost():
 
 
 def test_names_of_a_crowned_mould_are_grouped_too():
-    groups = dict(made.grouped_files(["strike_off_crowned_t4.5.stl", "pour_crowned_t4.5.pdf", "pour_crowned_t4.5.md"]))
-    assert groups["Print or machine"] == [("Strike off, STL", "strike_off_crowned_t4.5.stl")]
+    names = ["strike_off_crowned_t4.5.3mf", "pour_crowned_t4.5.pdf", "pour_crowned_t4.5.html"]
+    groups = dict(made.grouped_files(names))
+    assert groups["Print or machine"] == [("Strike off, 3MF", "strike_off_crowned_t4.5.3mf")]
     assert groups["Pour"][0][1] == "pour_crowned_t4.5.pdf"
 
 

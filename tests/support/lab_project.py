@@ -6,10 +6,13 @@ import json
 from pathlib import Path
 
 from dummydesign.api.campaigns import plan_campaign
+from dummydesign.core.files import csv_text
 from dummydesign.core.manifest import sha256_of
 from dummydesign.measurement.campaign_file import SetUp
 from dummydesign.measurement.campaign_plan import PlanSettings
+from dummydesign.mold.files.solid_view import Shown, box, view_page
 from dummydesign.project.folder import make_project
+from dummydesign.report.plot import COLUMNS
 from tests.support.pressed_plan import press_campaign
 
 RESIN = "polyurethane-nagoya"
@@ -40,8 +43,10 @@ def mould(root: Path, name: str, thickness: float, shape: str = "slab") -> None:
     folder = manifest(root, f"moulds/{name}", "mold", inputs, summary={
         key: inputs[key] for key in ("shape", "thickness_mm", "ratio", "resin", "preset")
     })  # fmt: skip
-    for file in (f"pour_t{thickness:g}.pdf", f"master_t{thickness:g}.step", f"drawing_pad_t{thickness:g}.svg"):
+    for file in (f"pour_t{thickness:g}.pdf", f"master_t{thickness:g}.step", f"drawings_t{thickness:g}.dxf"):
         (folder / file).write_text("x", encoding="utf-8")
+    solid = Shown("pad", box(150.0, 120.0, thickness), (0.9, 0.7, 0.6))
+    (folder / f"assembly_t{thickness:g}.html").write_text(view_page([solid], name, ""), encoding="utf-8")
     checks = [{"id": "solids_valid", "status": "pass"}, {"id": "fits", "status": "skipped", "note": "no oven"}]
     (folder / "checks.json").write_text(json.dumps(checks), encoding="utf-8")
 
@@ -65,10 +70,9 @@ def calibration(root: Path, name: str, campaign: str) -> None:
                       summary=summary, files_read=read)  # fmt: skip
     (folder / "calibration.json").write_text("{}", encoding="utf-8")
     (folder / "report.html").write_text("<h1>report</h1>", encoding="utf-8")
-    rows = "series,time_s,force_N\n" + "".join(
-        f'"{kind}, a.csv",{0.01 * (k + 1)},{0.1 * k}\n' for kind in ("measured", "base", "corrected") for k in range(9)
-    )
-    (folder / "report-press-6mm-10mm-s-3N.csv").write_text(rows, encoding="utf-8")
+    rows = [("press-6mm-10mm-s-3N", f"{kind}, a.csv", "time_s", "force_N", 0.01 * (k + 1), 0.1 * k, "", "")
+            for kind in ("measured", "base", "corrected") for k in range(9)]  # fmt: skip
+    (folder / "report.csv").write_text(csv_text(COLUMNS, rows), encoding="utf-8")
 
 
 def job(root: Path, number: int, name: str, words: list[str], answer: dict, status: int, error: str = "") -> None:

@@ -1,8 +1,9 @@
 """Simulated campaigns of another mind: laws near those that the loop assumes and none of them exactly.
 
-Force curves are GetFEM's (``other_mind_curves.json``, made by ``benchmarks/other_mind_curves.py``). Every arm is a pair
-of times, every effect has another form, order or exponent than the class that must find it, recursive filters do the
-integration, and speeds, pads, plan and sampling differ from the other generator's. Nothing is shared with the loop.
+Force curves are GetFEM's (``other_mind_curves.json``, made by ``benchmarks/accuracy/other_mind_curves.py``). Every arm
+is a pair of times, every effect has another form, order or exponent than the class that must find it, recursive filters
+do the integration, and speeds, pads, plan and sampling differ from the other generator's. Nothing is shared with the
+loop.
 """
 
 from __future__ import annotations

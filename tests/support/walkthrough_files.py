@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
-from benchmarks.fit_coverage import press
+from benchmarks.accuracy.fit_coverage import press
 from dummydesign.pad.axisymmetric.puck import solve_puck
 from dummydesign.pad.material.hyperelastic import Yeoh
 from dummydesign.pad.specimen import Puck

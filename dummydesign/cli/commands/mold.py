@@ -96,7 +96,9 @@ def render_record(result: dict[str, Any]) -> str:
         lines.append("force at a given depth: not known for this shape")
     else:
         by = "" if result["inputs"]["modulus_kPa"] is not None else ", its modulus taken as designed"
-        lines.append(f"force at a given depth: {force:+.1f} % off the designed pad's{by}")
+        error = result["force_sd_percent"]
+        gauged = "" if error is None else f" +- {error:.1f} (gauge)"
+        lines.append(f"force at a given depth: {force:+.1f}{gauged} % off the designed pad's{by}")
     lines.append("accepted" if result["accepted"] else f"not accepted: {len(result['missed'])} limits missed")
     lines.append(f"record: {result['files']['record']}")
     lines.append('in a campaign: record = "PATH" under [pad] or [[trial]]; compare TRACE.csv --record PATH')
@@ -132,6 +134,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("--bone-scale", type=float, default=1.0, metavar="S", help="scale factor of the file (default 1)")
     add("--bone-turn", default="0,0,0", metavar="X,Y,Z", help="degrees about x, y, z; then its lowest point is the tip")
     add("--bone-at", default="0,0", metavar="X,Y", help="where the tip lies from the pad's middle, mm (default 0,0)")
+    add("--paper", default="A4", metavar="A4|A3", help="paper of pour sheet and drawings (default A4)")
     add("--out", metavar="DIR", help="folder for the files (default mould_tMM)")
     add_replace_option(parser)
 
@@ -179,9 +182,9 @@ def render(result: dict[str, Any]) -> str:
     if "specification" in result:
         return render_record(result)
     if "moulds" in result:
-        left_out = "warning: ", "job: ", "job_pdf: ", "manifest: "
+        left_out = "warning: ", "job: ", "manifest: "
         lines = [line for line in _job(result).splitlines() if not line.startswith(left_out)]
-        return screen([], lines, warning_block(result), files_block(result, ("job_pdf", "job")))
+        return screen([], lines, warning_block(result), files_block(result, ("job",)))
     if "puck" in result["inputs"]:
         return _render_pucks(result)
     inputs, pour, batch = result["inputs"], result["pour"], result["batch"]
@@ -200,7 +203,7 @@ def render(result: dict[str, Any]) -> str:
     more = labelled("MORE", "--details: volumes, every check, every file and caution")
     return screen(
         head, _not_passed(result), warning_block(result),
-        files_block(result, ("pour_sheet_a4", "mould")), more, more="  ... and {} more checks: --details",
+        files_block(result, ("pour_sheet", "mould")), more, more="  ... and {} more checks: --details",
     )  # fmt: skip
 
 
@@ -231,7 +234,7 @@ def _render_pucks(result: dict[str, Any], details: bool = False) -> str:
         rows = [*head, *_not_passed(result), *(f"  - {item['message']}" for item in result["warnings"])]
         return "\n".join(rows + [f"  {role:<24}{path}" for role, path in result["files"].items()])
     more = labelled("MORE", "--details: volumes, every check, every file")
-    files = files_block(result, ("pour_sheet_a4", "assembly"))
+    files = files_block(result, ("pour_sheet", "assembly"))
     return screen(head, _not_passed(result), warning_block(result), files, more)
 
 
@@ -291,7 +294,7 @@ def _job(result: dict[str, Any]) -> str:
         return "\n".join(lines + _not_passed(result, ("fail",)))
     lines += ["", f"Needed for all, {result['inputs']['castings']} castings of each"]
     lines += [f"  {what:<46}{much:<16}{purpose}" for what, much, purpose in result["bill_of_materials"][1:]]
-    lines += ["", *(f"{role}: {result['files'][role]}" for role in ("job", "job_pdf", "manifest"))]
+    lines += ["", *(f"{role}: {result['files'][role]}" for role in ("job", "manifest"))]
     return "\n".join(lines + [f"warning: {item['message']}" for item in result["warnings"]])
 
 

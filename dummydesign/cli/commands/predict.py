@@ -31,7 +31,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("--tissue", metavar="NAME|FILE", help="compare the pad with a tissue: the verdict and its numbers")
     aims = "with --tissue: average (default), safe-side, subject:NAME or people:PERCENT"
     add("--aim", default="average", metavar="AIM", help=aims)
-    punches = "square:14 (default), round:D, rectangle:AxB, profile:FILE.csv, plate"
+    punches = "square:14 (default), round:D, rectangle:AxB, ball:D, profile:FILE.csv, plate"
     add("--punch", default="square:14", metavar="KIND:SIZE", help=punches)
     edge = "fillet of the punch's edge, 0 (default, sharp) to 0.3 of its half-width; shapes: --fidelity axisymmetric"
     add("--edge-radius", default=0.0, metavar="MM", help=edge)

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from dummydesign.core.serialise import Serialised
 from dummydesign.design.scoring.castings import FORCE_LAW, MODULUS, RELAXATION, RESIN, Castings, Pours, Tolerances
+from dummydesign.design.scoring.crowns import crowned_curves
 from dummydesign.design.scoring.outlook import Outlook
 from dummydesign.design.scoring.presses import Slabs, make_curves, steady_depth
 from dummydesign.design.scoring.score import Evaluation, evaluate
@@ -108,7 +109,7 @@ class PadCastings:
 def poured_slabs(law: ForceLaw, pours: Pours, space: SearchSpace) -> Slabs:
     """Pours as designs to press; their thicknesses are taken at the nearest of 41 even steps.
 
-    These are a hundredth of a millimetre apart for 0.2 mm either way.
+    These are a hundredth of a millimetre apart for 0.2 mm either way. Pads whose crowns differ have a curve each.
     """
     smallest, largest = law.ratio_range
     thickness = np.clip(pours.thickness_mm, space.radius_mm / largest, space.radius_mm / smallest)
@@ -116,6 +117,10 @@ def poured_slabs(law: ForceLaw, pours: Pours, space: SearchSpace) -> Slabs:
     nodes = np.linspace(low, high, NODES) if high > low else np.array([low])
     index = np.rint((thickness - low) / max(high - low, 1e-12) * (len(nodes) - 1)).astype(int)
     curves = make_curves(law, nodes, space.radius_mm, space.targets.limits.gel_compression)
+    if pours.crowns is not None:
+        middle, gel = float(np.median(thickness)), space.targets.limits.gel_compression
+        curves = crowned_curves(law, pours.crowns, curves.take(index), middle, space.radius_mm, gel)
+        index = np.arange(len(index))
     return Slabs(curves, index, pours.young_MPa, space.resin.tau_s, pours.beta)
 
 

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from dummydesign.core.serialise import Serialised
 from dummydesign.design.assessment.pad_castings import PadCastings
-from dummydesign.design.scoring.castings import FORCE_LAW, MAKING, MODULUS, RELAXATION, RESIN, TISSUE, Pours
+from dummydesign.design.scoring.castings import FORCE_LAW, MAKING, MODULUS, RELAXATION, RESIN, TISSUE, Pours, joined
 from dummydesign.design.scoring.verdict import (
     CLASSES,
     STANDS_FOR,
@@ -32,6 +32,7 @@ NAMES = {
     MODULUS: "the modulus", RELAXATION: "the relaxation", MAKING: "weighing and thickness",
     FORCE_LAW: "the pad's force law", TISSUE: "the tissue",
 }  # fmt: skip
+CROWN = "weighing, thickness and the crown's height"
 # How what is no resin is measured, and what to type then.
 HOW = {
     MAKING: ("weigh a larger batch or use a finer balance, and gauge the thickness of the cast pad",
@@ -100,7 +101,8 @@ def measure_first(cast: PadCastings) -> MeasureFirst:
         text = f"measure people: for other people that the data allow {100 * (over_tissues or 0.0):.0f} % of castings"
         return MeasureFirst(group, *shares, *_how(group, cast), f"{text} {words}")
     then = f"{100 * (now + gains[group]):.0f} % of castings {words}"
-    text = f"measure {NAMES[group]}: then {then} (now {100 * now:.0f} %)"
+    crowned = group == MAKING and cast.tolerances.crown is not None
+    text = f"measure {CROWN if crowned else NAMES[group]}: then {then} (now {100 * now:.0f} %)"
     pair = _two_ratios(cast, worst) if group in RESIN else (None, None, None)
     return MeasureFirst(group, *shares, *_how(group, cast), text, *pair)
 
@@ -132,7 +134,9 @@ def _how(group: str, cast: PadCastings) -> tuple[str, str]:
             f"--ratio {ratio:g} --name {batch_name(resin)} --resin {resin}"
         )
         return protocol, command
-    return HOW[group]
+    protocol, command = HOW[group]
+    crowned = group == MAKING and cast.tolerances.crown is not None
+    return f"{protocol}, at its tip and beside the crown" if crowned else protocol, command
 
 
 Pair = tuple[float, float]
@@ -159,7 +163,7 @@ def _two_ratios(cast: PadCastings, worst: int) -> tuple[Pair, Pair, float] | tup
 
 def _usable(cast: PadCastings, pours: list[Pours], worst: int) -> NDArray:
     """Which castings of several ratios are acceptable, shape (ratios, castings)."""
-    every = Pours(*(np.concatenate(columns) for columns in zip(*(vars(one).values() for one in pours))))
+    every = joined(pours)
     targets = cast.space.targets
     grid, sampling = targets.protocol.steady_grid_N, cast.space.sampling.coarse
     readings = readings_along(cast.slabs(every), targets, grid, sampling)

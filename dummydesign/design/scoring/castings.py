@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
@@ -11,8 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.core.errors import InputError
-from dummydesign.core.quantity import HALF_WIDTH
+from dummydesign.core.quantity import HALF_WIDTH, value_at
 from dummydesign.core.serialise import Serialised
+from dummydesign.design.scoring.crowns import Crowns
+from dummydesign.design.scoring.settings import STEPS, CrownMaking
 from dummydesign.resin.model.resin import Draws, Resin
 
 MODULUS, RELAXATION, MAKING, FORCE_LAW, TISSUE = GROUPS = ("modulus", "relaxation", "making", "force_law", "tissue")
@@ -25,25 +27,43 @@ COUNT, SEED, MOST = 1200, 11, 100_000
 class Tolerances(Serialised):
     """How well a pad is made. Errors are even within plus and minus these limits.
 
-    ``pour_g`` is the whole mass that is weighed in.
+    ``pour_g`` is the whole mass that is weighed in, ``crown`` what is known of a crown's height and tip radius; None
+    for a pad without one.
     """
 
     pour_g: float
     weighing_g: float = 0.1
     thickness_mm: float = 0.2
+    crown: CrownMaking | None = None
 
 
 @dataclass(frozen=True)
 class Pours:
-    """Pads that may come out of one design: ``thickness_mm``, ``young_MPa`` (n,) and ``beta`` (n, arms)."""
+    """Pads that may come out of one design: ``thickness_mm``, ``young_MPa`` (n,) and ``beta`` (n, arms).
+
+    ``thickness_mm`` is that of a pad whose crown is as designed; ``crowns`` are those of the pads, None where they are
+    as designed.
+    """
 
     thickness_mm: NDArray
     young_MPa: NDArray
     beta: NDArray
+    crowns: Crowns | None = None
 
     def first(self, count: int) -> Pours:
         """The first of them."""
-        return Pours(self.thickness_mm[:count], self.young_MPa[:count], self.beta[:count])
+        crowns = None if self.crowns is None else self.crowns.first(count)
+        return Pours(self.thickness_mm[:count], self.young_MPa[:count], self.beta[:count], crowns)
+
+
+def joined(pours: Sequence[Pours]) -> Pours:
+    """Pours of one design, at several ratios, one after the other."""
+    def column(parts: Sequence[Pours | Crowns], name: str) -> NDArray:
+        return np.concatenate([getattr(one, name) for one in parts])
+
+    pads = Pours(column(pours, "thickness_mm"), column(pours, "young_MPa"), column(pours, "beta"))
+    crowns = [one.crowns for one in pours if one.crowns is not None]
+    return replace(pads, crowns=Crowns(column(crowns, "higher_mm"), column(crowns, "blunter"))) if crowns else pads
 
 
 @dataclass(frozen=True)
@@ -65,12 +85,14 @@ class Castings:
         of_resin, of_making, of_law = np.random.default_rng(self.seed).spawn(3)
         weighed = {liquid.name: of_making.uniform(-1.0, 1.0, self.n) for liquid in self.resin.liquids}
         thickness, law = of_making.uniform(-1.0, 1.0, self.n), of_law.standard_normal(self.n)
+        crown = of_making.standard_normal((2, len(STEPS), self.n))
         resin = self.resin.draw(self.n, of_resin)
         central = {name: np.full(self.n, value) for name, value in self.resin.central.items()}
         beta = np.tile([arm.beta.value for arm in self.resin.arms], (self.n, 1))
         softness = np.full(self.n, self.resin.softness_exponent.value)
         stated = replace(resin, numbers=central, beta_ref=beta, softness_exponent=softness)
-        return {"weighed": weighed, "thickness": thickness, "law": law, "resin": resin, "central": stated}
+        return {"weighed": weighed, "thickness": thickness, "crown": crown, "law": law, "resin": resin,
+                "central": stated}  # fmt: skip
 
     @property
     def batches(self) -> Draws:
@@ -94,7 +116,15 @@ class Castings:
         off = np.zeros(self.n) if FORCE_LAW in known else error / HALF_WIDTH * drawn["law"]
         kept = np.clip(weighed, self.resin.ratio_min, self.resin.ratio_max)
         young = np.maximum(modulus.young_MPa(weighed), 1e-9) * np.exp(off)
-        return Pours(thickness, young, relaxation.beta(kept))
+        crowns = self.crowns(tolerances.crown) if making and tolerances.crown else None
+        return Pours(thickness, young, relaxation.beta(kept), crowns)
+
+    def crowns(self, making: CrownMaking) -> Crowns:
+        """Crowns that may come out; the errors of the steps add up."""
+        heights, radii = self._drawn["crown"]
+        higher = sum(value_at(making.height_mm[name], z) for name, z in zip(STEPS, heights))
+        blunter = sum(value_at(making.tip_radius_percent[name], z) for name, z in zip(STEPS, radii))
+        return Crowns(np.asarray(higher), np.maximum(1.0 + 0.01 * np.asarray(blunter), 0.01))
 
     def _weighed_ratio(self, ratio: float | NDArray, tolerances: Tolerances) -> NDArray:
         """Ratio that is in the cup when every component is weighed with an error of its own."""

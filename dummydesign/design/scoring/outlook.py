@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.design.scoring.settings import VerdictLimits
+from dummydesign.design.scoring.verdict import level_number
 from dummydesign.design.scoring.windows import Batches, Windows
 
 # Even nodes of a normal distribution for what a puck leaves unknown of the modulus at another ratio: a quarter of its
@@ -84,11 +85,7 @@ class Outlook:
 
     def level(self, limits: VerdictLimits, strict: bool) -> int:
         """0 stands for the subjects, 1 usable as poured, 2 usable once the resin is measured, 3 none of these."""
-        if self.stands >= limits.share:
-            return 0
-        if not strict and self.as_poured >= limits.share:
-            return 1
-        return 2 if self.known >= limits.share else 3
+        return level_number(self.stands, self.as_poured, self.known, limits.share, strict)
 
 
 def outlook_of(

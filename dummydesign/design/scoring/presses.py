@@ -19,6 +19,8 @@ FIRST_HOLD_S = 0.005
 # Largest depth over thickness that is designed for, as in the contract of the commands.
 DEPTH_SHARE = MAX_DEPTH_OVER_THICKNESS
 SAMPLES = 481
+# Curves beyond which depths are sought in all of them at once.
+AT_ONCE = 600
 
 
 @dataclass(frozen=True)
@@ -122,13 +124,30 @@ class Curves:
     def depth_at(self, slab: NDArray, area_mm2: NDArray) -> NDArray:
         """Depth at which slabs (D,) reach F / E of shape (D,) or (D, n); NaN beyond their limit. [mm]"""
         wanted = np.asarray(area_mm2, float)
+        if len(self.limit_mm) > AT_ONCE:
+            found = self._depth_of_each(slab, wanted.reshape(len(slab), -1))
+            return found.reshape(wanted.shape)
         depth = np.full(wanted.shape, np.nan)
         order = np.argsort(slab, kind="stable")
         known, first = np.unique(slab[order], return_index=True)
-        for index, rows in zip(known, np.split(order, first[1:])):
-            grid = self.step_mm[index] * np.arange(self.area_mm2.shape[-1])
-            depth[rows] = np.interp(wanted[rows], self.area_mm2[index], grid, right=np.nan)
+        steps, count = self.step_mm, np.arange(self.area_mm2.shape[-1])
+        for index, start, end in zip(known, first, [*first[1:], len(order)]):
+            rows = order[start:end]
+            depth[rows] = np.interp(wanted[rows], self.area_mm2[index], steps[index] * count, right=np.nan)
         return depth
+
+    def _depth_of_each(self, slab: NDArray, wanted: NDArray) -> NDArray:
+        """The same for (D, n), by bisection in all curves at once."""
+        row, last = slab[:, None], self.area_mm2.shape[-1] - 1
+        left, step = np.zeros(wanted.shape, int), 1 << (last.bit_length() - 1)
+        while step:
+            tried = np.minimum(left + step, last - 1)
+            left = np.where(self.area_mm2[row, tried] <= wanted, tried, left)
+            step //= 2
+        low, high = self.area_mm2[row, left], self.area_mm2[row, left + 1]
+        share = np.clip((wanted - low) / (high - low), 0.0, 1.0)
+        found = self.step_mm[slab][:, None] * (left + share)
+        return np.where(wanted <= self.area_mm2[slab, -1][:, None], found, np.nan)
 
     def slope_at(self, slab: NDArray, depth_mm: NDArray) -> NDArray:
         """Tangent d(F / E) / d depth at depths (D, n) of slabs (D,), by central differences. [mm]"""

@@ -56,9 +56,12 @@ class Weights:
         return {"set": self.name, "origin": self.origin, **{name: self[name] for name in self.numbers}}
 
 
+FILES = ("score", "verdict", "puck", "making")
+
+
 def settings_files() -> dict[str, Path]:
-    """Files of weights, limits and the puck's error, the user's own where there are any, by what they are."""
-    return {f"materials/{name}": find("materials", name, name).path for name in ("score", "verdict", "puck")}
+    """Files of weights, limits, puck's error and making, the user's own where there are any, by what they are."""
+    return {f"materials/{name}": find("materials", name, name).path for name in FILES}
 
 
 def puck_error() -> float:
@@ -66,6 +69,30 @@ def puck_error() -> float:
     """
     top = read_table(find("materials", "puck", "puck").path, ("schema", "modulus_error"))
     return _bounded(top, "modulus_error", 0.0, 1.0).value
+
+
+@dataclass(frozen=True)
+class CrownMaking(Serialised):
+    """Errors of a crown, by the step that makes them: print, plug (its finish) and cast.
+
+    ``height_mm`` is that of the height over the flat, ``tip_radius_percent`` that of the tip radius.
+    """
+
+    height_mm: dict[str, Quantity]
+    tip_radius_percent: dict[str, Quantity]
+
+
+STEPS = ("print", "plug", "cast")
+
+
+def crown_making() -> CrownMaking:
+    """Read how true a crown is made: the user's own file, else the built-in one."""
+    top = read_table(find("materials", "making", "making").path, ("schema", "crown_height_mm", "tip_radius_percent"))
+    heights, radii = top.table("crown_height_mm").only(STEPS), top.table("tip_radius_percent").only(STEPS)
+    return CrownMaking(
+        {name: _bounded(heights, name, -1.0, 1.0) for name in STEPS},
+        {name: _bounded(radii, name, -50.0, 50.0) for name in STEPS},
+    )
 
 
 def weights_of(aim: str) -> Weights:

@@ -248,11 +248,18 @@ def level_of(
 
     ``stands`` is whether the pad may be called one that stands for the subjects.
     """
-    if stands and as_poured[STANDS_FOR] >= limits.share:
-        return "stands_for"
-    if not strict and good_share(as_poured, strict) >= limits.share:
-        return "usable_with_correction"
-    return "not_settled" if good_share(known, strict) >= limits.share else "not_representative"
+    stands_for = as_poured[STANDS_FOR] if stands else 0.0
+    poured, after = good_share(as_poured, strict), good_share(known, strict)
+    return LEVELS[level_number(stands_for, poured, after, limits.share, strict)]
+
+
+def level_number(stands_for: float, poured: float, known: float, enough: float, strict: bool) -> int:
+    """Place in :data:`LEVELS` by the share of castings that stand for the subjects and by both shares that are good."""
+    if stands_for >= enough:
+        return 0
+    if not strict and poured >= enough:
+        return 1
+    return 2 if known >= enough else 3
 
 
 def verdict(

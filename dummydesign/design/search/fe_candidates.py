@@ -13,6 +13,7 @@ from dummydesign.core.cache import cached
 from dummydesign.core.errors import NoAnswerError
 from dummydesign.core.interpolation import monotone_cubic
 from dummydesign.design.request import Progress, quiet
+from dummydesign.design.scoring.crowns import Crowns
 from dummydesign.design.scoring.presses import designed_depth_mm
 from dummydesign.design.search.shape_family import FamilyLaw
 from dummydesign.design.search.shape_search import MANY_BATCHES, ShapedDesign, candidate_of, feasible, outlook_for, rank
@@ -52,6 +53,10 @@ class ElementsLaw(BaseForceLaw):
         inside = np.clip(depth_mm, self.depth_mm[0], self.depth_mm[-1])
         factor = np.exp(monotone_cubic(self.depth_mm, self.log_factor)(inside))
         return factor * self.table.force(depth_mm, thickness_mm, young_MPa, radius_mm)
+
+    def with_crowns(self, crowns: Crowns) -> ElementsLaw:
+        """The law of pads whose crowns are off, one a row: what the table says of them, times the same factor."""
+        return replace(self, table=self.table.with_crowns(crowns))
 
     def depth_limit_mm(self, thickness_mm: ArrayLike, radius_mm: ArrayLike) -> NDArray:
         """Depth that the table holds and to which the elements did not fail. [mm]"""

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from dummydesign.core.errors import InputError, unknown_name
+from dummydesign.design.scoring.crowns import Crowns
 from dummydesign.geometry.pad_shape import PadShape
 from dummydesign.geometry.shape_registry import make_shape, part_of, shape_kind, shape_kinds
 from dummydesign.mold.model.spec import PadGeometry
@@ -136,13 +137,15 @@ class FamilyLaw(BaseForceLaw):
     """Force law (:class:`~dummydesign.pad.force_law.ForceLaw`) of one shape on pads near its own thickness.
 
     Without ``cast`` the shape's heights go in proportion with the thickness, as in a study of thickness. With it
-    they stay: a pad poured too thick from one mould has the same top on a thicker base.
+    they stay: a pad poured too thick from one mould has the same top on a thicker base. With ``crowns`` it is the law
+    of as many pads, one a row, whose thickness at the tip has the crown's error in it.
     """
 
     family: Family
     shape: PadShape
     made_for_mm: float
     cast: bool = False
+    crowns: Crowns | None = None
 
     @property
     def notes(self) -> tuple[str, ...]:  # type: ignore[override]
@@ -158,7 +161,14 @@ class FamilyLaw(BaseForceLaw):
         if not self.cast:
             return self.family.at_thickness(self.shape, self.made_for_mm, thickness_mm)
         same = {name: np.full(len(thickness_mm), value) for name, value in self.shape.parameters}
+        if self.crowns is not None:
+            same["height"] += self.crowns.higher_mm
+            same["radius"] *= self.crowns.blunter
         return Designs(self.shape.name, thickness_mm, same)
+
+    def with_crowns(self, crowns: Crowns) -> FamilyLaw:
+        """The law of pads of this shape, as cast, whose crowns are off, one a row."""
+        return replace(self, cast=True, crowns=crowns)
 
     def shape_at(self, thickness_mm: float) -> PadShape:
         """Shape of a pad of another thickness, with lengths in tenths of a millimetre."""

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from dummydesign.core.errors import InputError, NoAnswerError, unknown_name
 from dummydesign.core.quantity import HALF_WIDTH
+from dummydesign.design.scoring.crowns import crown_scatter
 from dummydesign.design.scoring.outlook import LEAST, Match, Outlook, Scatter, outlook_of, smoothed
 from dummydesign.design.scoring.presses import DEPTH_SHARE, Curves, Slabs, make_curves
 from dummydesign.design.scoring.windows import Batches, unlike, windows_of
@@ -43,6 +44,8 @@ ROUGH, SIEVED = [0, 5, 9, -1], 3000
 # Nodes of an even tolerance of thickness, over its half width, that are equally likely.
 TOLERANCE_NODES = (-0.7746, 0.0, 0.7746)
 AUTO = "auto"
+# Castings whose crowns tell how much they scatter the force of a pad.
+CROWNS = 60
 # Level of a pad that is usable neither as poured nor with the resin measured.
 NONE = 3
 
@@ -387,8 +390,13 @@ def outlook_for(
     windows = windows_of(curves.take(np.array([1])), middle, batches, targets, sampling, MANY_NODES)
     error = relative_error_of(law, curves.limit_mm[1], thickness_mm, space.radius_mm)
     weighing = space.castings.weighing_spread(ratio, tolerances)
+    crown = 0.0
+    if tolerances.crown is not None:
+        pressed = np.minimum(targets.aim_depth_mm(targets.protocol.misfit_N[::SIEVE_STEP]), 0.98 * curves.limit_mm[1])
+        crowns = space.castings.crowns(tolerances.crown).first(CROWNS)
+        crown = crown_scatter(law, crowns, thickness_mm, pressed, space.radius_mm)
     scatter = Scatter(
-        float(np.hypot(weighing, error / HALF_WIDTH)), float(np.hypot(weighing, space.puck_error)),
+        float(np.hypot(np.hypot(weighing, error / HALF_WIDTH), crown)), float(np.hypot(weighing, space.puck_error)),
         _shifts(around.usable[:, 0], around.log_young[0]),
     )  # fmt: skip
     limits, strict = targets.limits, targets.strict

@@ -35,6 +35,7 @@ class Crowned(ConicProfile):
     name: ClassVar[str] = "crowned"
     order: ClassVar[int] = 1
     flat_top: ClassVar[bool] = False
+    crowned: ClassVar[bool] = True
     closed_form: ClassVar[str] = ", its crown by the conic's integral"
     required_warnings: ClassVar[frozenset[str]] = frozenset({"curved_master", "thickness_varies"})
     similarity: ClassVar[Similarity | None] = Similarity(

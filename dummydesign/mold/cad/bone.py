@@ -12,8 +12,11 @@ from numpy.typing import NDArray
 from dummydesign.core.errors import InputError
 from dummydesign.geometry.conic import Conic
 from dummydesign.geometry.dimensions import STEEPEST_BONE_DEG
+from dummydesign.mold.cad.bone_mesh import FEWER, crosses, crossing, fault, read_triangles, sewn, simplified
 from dummydesign.mold.cad.kernel import cq, occ
-from dummydesign.mold.cad.solids import heights_over
+from dummydesign.mold.cad.solids import exact_volume_mm3, heights_over
+from dummydesign.mold.cad.tessellate import tessellate
+from dummydesign.mold.model.spec import THIN_LAYER
 
 GRID, ROUNDS = 41, 4
 MOST_TIP_MM = 500.0
@@ -54,89 +57,79 @@ def undersides(triangles: NDArray, points: NDArray) -> NDArray:
     return np.concatenate([np.fmin.reduce(heights, axis=1, initial=np.nan) for _, heights in rays])
 
 
-MOST_TRIANGLES, MOST_READ = 1500, 500_000
-OFF_FILE_MM = 0.1
 STEPS = 40
 TOUCH_MM = 1e-4
+LONGEST_MM = 5.0, 300.0
+"""Lengths that a bone of a hand may have; beyond them its file is in other units."""
+UNITS = {"metres": 1000.0, "inches": 25.4, "centimetres": 10.0, "micrometres": 0.001}
+MOST_FORCE = 0.05
+"""Change of the force that a simplified surface may make; other tolerances of a casting are held to the same."""
 
 
-def read_solid(path: Path) -> tuple[Any, float]:
-    """One solid of a STEP or STL file, and how far simplified triangles are off the file's. [mm]"""
-    if path.suffix.lower() in (".step", ".stp"):
-        try:
-            shapes = cq.importers.importStep(str(path)).vals()
-        except Exception:
-            raise _wrong(path.name, "is not a STEP file that can be read", "file_unreadable") from None
-        bodies = [solid for shape in shapes for solid in shape.Solids()]
-        if len(bodies) != 1:
-            raise _wrong(path.name, f"holds {len(bodies)} solids, one is needed")
-        return bodies[0], 0.0
-    return _of_triangles(path)
+def read_solid(path: Path, scale: float) -> tuple[Any, dict[str, Any]]:
+    """One solid of a STEP or STL file in mm, and what was done to its triangles."""
+    if path.suffix.lower() not in (".step", ".stp"):
+        points, faces, mended = read_triangles(path)
+        points = points * scale
+        _check_units(float(np.ptp(points, axis=0).max()), scale, path.name)
+        few, kept, off, rms = simplified(points, faces, path.name)
+        return sewn(few, kept, path.name), {
+            "mended": mended, "triangles": len(faces), "off_file_mm": off, "off_file_rms_mm": rms,
+        }  # fmt: skip
+    solid = _of_step(path).scale(scale)
+    box = solid.BoundingBox(1e-2)
+    _check_units(max(box.xlen, box.ylen, box.zlen), scale, path.name)
+    return solid, {}
 
 
-def _wrong(name: str, problem: str, code: str = "malformed") -> InputError:
-    return InputError(f"bone '{name}': {problem}", code, "bone", name)
-
-
-def _of_triangles(path: Path) -> tuple[Any, float]:
-    """The solid of a closed triangle mesh; fewer, larger triangles where there are many."""
-    import trimesh
-
+def _of_step(path: Path) -> Any:
+    """The one solid of a STEP file, checked as far as the kernel can."""
     try:
-        mesh: Any = trimesh.load(path, force="mesh")
+        shapes = cq.importers.importStep(str(path)).vals()
     except Exception:
-        raise _wrong(path.name, "is not an STL file that can be read", "file_unreadable") from None
-    if not len(getattr(mesh, "faces", ())):
-        raise _wrong(path.name, "holds no triangles")
-    if len(mesh.faces) > MOST_READ:
-        problem = f"{len(mesh.faces)} triangles; allowed are {MOST_READ}: simplify it first"
-        raise _wrong(path.name, problem, "too_large")
-    mesh.merge_vertices(digits_vertex=6)
-    if not mesh.is_watertight or not mesh.is_winding_consistent:
-        raise _wrong(path.name, "its surface is not closed; repair it in a mesh program first")
-    if mesh.body_count != 1:
-        raise _wrong(path.name, f"holds {mesh.body_count} bodies, one is needed")
-    points, faces = np.asarray(mesh.vertices), np.asarray(mesh.faces)
-    if mesh.volume < 0:
-        faces = faces[:, ::-1]
-    off = 0.0
-    if len(faces) > MOST_TRIANGLES:
-        points, faces, off = _simplified(points, faces, path.name)
-    return _sewn(points, faces, path.name), off
-
-
-def _simplified(points: Any, faces: Any, name: str) -> tuple[Any, Any, float]:
-    """At most so many triangles, and the largest distance of the old corners from the new surface."""
-    try:
-        import pyvista
-    except ModuleNotFoundError as problem:
-        what = f"has {len(faces):,} triangles; more than {MOST_TRIANGLES:,} need PyVista ({problem.name} is missing)"
-        raise _wrong(name, f"{what}: pip install pyvista, or give STEP", "program_missing") from None
-
-    packed = np.hstack([np.full((len(faces), 1), 3), faces]).ravel()
-    whole = pyvista.PolyData(points, packed)
-    small = whole.decimate(1.0 - MOST_TRIANGLES / len(faces), volume_preservation=True)
-    away = np.abs(whole.compute_implicit_distance(small)["implicit_distance"])
-    return np.asarray(small.points, float), small.faces.reshape(-1, 4)[:, 1:], float(away.max())
-
-
-def _sewn(points: Any, faces: Any, name: str) -> Any:
-    sewing = occ.BRepBuilderAPI_Sewing(1e-6)
-    for corners in points[faces]:
-        line = occ.BRepBuilderAPI_MakePolygon(*(occ.gp_Pnt(*map(float, corner)) for corner in corners), True)
-        sewing.Add(occ.BRepBuilderAPI_MakeFace(line.Wire(), True).Face())
-    sewing.Perform()
-    shells = cq.Shape.cast(sewing.SewedShape()).Shells()
-    if len(shells) != 1 or not shells[0].Closed():
-        raise _wrong(name, "its surface is not closed; repair it in a mesh program first")
-    solid = cq.Solid.makeSolid(shells[0])
-    occ.BRepLib.OrientClosedSolid_s(solid.wrapped)
+        raise fault(path.name, "is not a STEP file that can be read", "file_unreadable") from None
+    bodies = [solid for shape in shapes for solid in shape.Solids()]
+    if len(bodies) != 1:
+        surfaces = sum(len(shape.Faces()) for shape in shapes)
+        what = f"holds {surfaces} surfaces and no solid" if surfaces and not bodies else f"holds {len(bodies)} solids"
+        raise fault(path.name, f"{what}, one solid is needed")
+    solid = bodies[0]
+    if not solid.isValid():
+        solid = solid.fix()
+        if not solid.isValid() or len(solid.Solids()) != 1:
+            raise fault(path.name, "its surfaces do not close to a valid solid; repair it in a CAD program first")
+    places = [_crossing(solid, near) for near in (0.05, 0.0125)]
+    if places[0] is not None and places[1] is not None:
+        raise crosses(path.name, places[1])
+    if solid.Volume() < 0:
+        occ.BRepLib.OrientClosedSolid_s(solid.wrapped)
     return solid
 
 
+def _crossing(solid: Any, share: float) -> NDArray | None:
+    """Where the triangles of a solid cross; its size may be any, so that their deflection is a share of a hundredth.
+
+    The kernel's own analyser finds crossings in sound ellipsoids of splines.
+    """
+    size = solid.BoundingBox(1e-2).DiagonalLength
+    mesh = tessellate(solid, share * 1e-2 * size, 4.0 * share)
+    return crossing(np.asarray(mesh.vertices), np.asarray(mesh.faces))
+
+
+def _check_units(longest_mm: float, scale: float, name: str) -> None:
+    """Ask about the unit of a file that makes no bone of a hand."""
+    low, high = LONGEST_MM
+    if low <= longest_mm <= high:
+        return
+    may_be = [f"{unit} with --bone-scale {scale * factor:g} ({longest_mm * factor:.3g} mm)"
+              for unit, factor in UNITS.items() if low <= longest_mm * factor <= high]  # fmt: skip
+    advice = f"the file may be in {' or in '.join(may_be)}" if may_be else "give --bone-scale"
+    message = f"bone '{name}' is {longest_mm:.4g} mm long as scaled, a bone is {low:g} to {high:g} mm long: {advice}"
+    raise InputError(message, "implausible_unit", "bone_scale", scale)
+
+
 def set_into_pad(solid: Any, asked: dict[str, Any], thickness_mm: float, name: str) -> Any:
-    """Scale, turn, set the tip down and cut at the free face; see :class:`dummydesign.mold.model.spec.Placing`."""
-    solid = solid.scale(asked["scale"])
+    """Turn, set the tip down and cut at the free face; see :class:`dummydesign.mold.model.spec.Placing`."""
     for axis, angle in zip(((1, 0, 0), (0, 1, 0), (0, 0, 1)), asked["turn_deg"]):
         if angle:
             solid = solid.rotate(cq.Vector(), cq.Vector(*axis), angle)
@@ -179,7 +172,7 @@ def measure(bone: Any, asked: dict[str, Any], thickness_mm: float, room_mm: floa
     heights = np.where(np.isfinite(under), thickness_mm - under, 0.0)
     radius, foot, off = nearest_dome(heights, np.hypot(*grid.T), asked["height_mm"], room_mm)
     return {
-        "volume_mm3": bone.Volume(), "seat_mm2": seat_mm2, "overhang": bool(up.any()),
+        "volume_mm3": exact_volume_mm3(bone), "seat_mm2": seat_mm2, "overhang": bool(up.any()),
         "x_low_mm": float(low[0]), "x_high_mm": float(high[0]), "y_low_mm": float(low[1]), "y_high_mm": float(high[1]),
         "off_dome_mm": off, "tip_mm": radius, "foot_mm": foot,
     }  # fmt: skip
@@ -190,11 +183,15 @@ def placed_bone(
 ) -> dict[str, Any]:
     """Read a bone from a file, place it, write it as ``solid`` and say what was measured."""
     path = Path(file)
-    read, off = read_solid(path)
+    read, facts = read_solid(path, placing["scale"])
+    rms = facts.get("off_file_rms_mm", 0.0)
+    cover = thickness_mm - placing["height_mm"]
+    if (change := THIN_LAYER * rms / cover) > MOST_FORCE:
+        problem = (f"simplified to {FEWER[0]:,} triangles its surface is {rms:.2f} mm off (root mean square), up to "
+                   f"{100 * change:.0f} % of force over {cover:g} mm of gel; allowed are {100 * MOST_FORCE:g} %: "
+                   "smooth the scan first, or give STEP")  # fmt: skip
+        raise fault(path.name, problem, "too_large")
     bone = set_into_pad(read, placing, thickness_mm, path.name)
     measured = measure(bone, placing, thickness_mm, room_mm)
     bone.exportBrep(solid)
-    if off > OFF_FILE_MM:
-        message = f"{MOST_TRIANGLES} triangles are up to {off:.2f} mm off its surface; give STEP"
-        raise _wrong(path.name, message, "too_large")
-    return {**measured, "off_file_mm": off}
+    return {**measured, **facts}

@@ -106,7 +106,8 @@ class Part:
 class Parts:
     """All parts of a mould and the tools they were cut with, for the checks.
 
-    ``with_bone`` is the pad with its bone, when it has one; ``whole`` the parts of a printed mould in one.
+    ``with_bone`` is the pad with its bone, when it has one, ``placed`` the bone of a file; ``whole`` the parts of a
+    printed mould in one.
     """
 
     spec: MouldSpec
@@ -116,6 +117,7 @@ class Parts:
     tools: dict[str, list[Any]] = field(default_factory=dict)
     hull: Any = None
     with_bone: Any = None
+    placed: Any = None
     whole: Any = None
     _core: tuple[Any, Any] = (None, None)
 
@@ -169,7 +171,7 @@ def build(spec: MouldSpec, bone_file: Path | None = None) -> Parts:
     plan = layout(spec)
     whole, bone = cavity_solid(spec.pad), bone_solid(spec.pad, placed)
     nominal = whole if bone is None else single_solid(whole.cut(bone))
-    made = Parts(spec, plan, nominal)
+    made = Parts(spec, plan, nominal, placed=placed)
     made.with_bone = None if bone is None else single_solid(whole.scale(plan.scale))
     made.add("pad", plan.at_places(single_solid(nominal.scale(plan.scale)))[0], "resin")
     shift = plan.flange.length_mm / 2 + plan.top.length_mm / 2 + 40.0

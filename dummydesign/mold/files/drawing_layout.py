@@ -368,8 +368,20 @@ def _drop(shape: PadShape, at_mm: np.ndarray) -> np.ndarray:
     return shape.drop_mm(still, at_mm) if shape.runs_out else shape.drop_mm(at_mm, still)
 
 
-def crown_detail(shape: PadShape, factor: float = 1.0) -> View:
-    """Show the crown, or the highest cap, enlarged, with its dimensions."""
+PROFILE_POINTS = 9
+
+
+def profile_words(shape: PadShape, factor: float = 1.0, zone_mm: float | None = None) -> str:
+    """The profile of a crown as points from its tip, and how far a point may lie off it."""
+    across = np.linspace(0.0, foot_mm(shape), PROFILE_POINTS)
+    points = zip(factor * across, factor * _drop(shape, across))
+    listed = ", ".join(f"{r:.2f}/{z:.3f}" for r, z in points)
+    within = "" if zone_mm is None else f"; profile tolerance {zone_mm:.2f} to the flat, half of it to either side"
+    return f"Profile, distance from the axis/drop below the tip: {listed}{within}."
+
+
+def crown_detail(shape: PadShape, factor: float = 1.0, radii_mm: tuple[float, float] | None = None) -> View:
+    """Show the crown, or the highest cap, enlarged, with its dimensions and the limits of its tip radius."""
     foot, high = foot_mm(shape), shape.relief_mm
     wide, low = factor * BEYOND * foot, -factor * (1.0 + UNDER) * high
     across = np.union1d(np.linspace(-BEYOND * foot, BEYOND * foot, POINTS), [-foot, 0.0, foot])
@@ -384,7 +396,10 @@ def crown_detail(shape: PadShape, factor: float = 1.0) -> View:
     if shape.tip_radius_mm is not None:
         at = -0.35 * foot
         depth = float(_drop(shape, np.array([abs(at) / factor]))[0])
-        leaders = (((at, -factor * depth), f"R{number_text(factor * shape.tip_radius_mm)} at the tip"),)
+        words = f"R{number_text(factor * shape.tip_radius_mm)} at the tip"
+        if radii_mm is not None:
+            words += " ({} to {})".format(*(number_text(factor * one) for one in radii_mm))
+        leaders = (((at, -factor * depth), words),)
     runs = ((border, "bound"), (profile, "cut"), (axis, "thin"))
     return View(f"detail {LETTER}", runs, measures, leaders, True, True)
 

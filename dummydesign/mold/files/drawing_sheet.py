@@ -5,7 +5,9 @@ from __future__ import annotations
 import html
 import io
 import math
-from collections.abc import Sequence
+import re
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from functools import lru_cache
 from typing import Any
@@ -153,11 +155,15 @@ def number_text(value: float) -> str:
     return f"{value:.2f}".rstrip("0").rstrip(".")
 
 
-def to_dxf(sheet: Drawing) -> str:
-    """Write the sheet as DXF R2010 in millimetres; equal sheets, equal files.
+FORBIDDEN = r"""[<>/\\":;?*=`|]"""
+"""Signs that the name of a layout must not have."""
 
-    Model space holds the part at 1:1 with dimensions that measure it, so that it can be cut from. The sheet, with
-    frame, texts and enlarged details, is the paper space; its viewport scales the model.
+
+def to_dxf(sheets: Sequence[Drawing]) -> str:
+    """Write sheets as one DXF R2010 in millimetres; equal sheets, equal files.
+
+    Model space holds the parts side by side at 1:1 with dimensions that measure them, so that they can be cut from.
+    Each sheet, with frame, texts and enlarged details, is a layout of its own; its viewport scales the model.
     """
     import ezdxf
     from ezdxf.sections.classes import REQ_R2000
@@ -169,22 +175,14 @@ def to_dxf(sheet: Drawing) -> str:
         for name, width in LAYERS.items():
             document.layers.add(name, lineweight=round(100 * width))
         document.layers.add("viewport").off()
-        model = document.modelspace()
-        page: Any = document.layout("Layout1")
-        (wide, high), whole = sheet.size, 1.0 / sheet.scale
-        page.page_setup(size=sheet.size, margins=(0, 0, 0, 0), units="mm")
-        view = page.add_viewport((wide / 2, high / 2), sheet.size, (whole * wide / 2, whole * high / 2), whole * high,
-                                 status=2)  # fmt: skip
-        view.dxf.layer = "viewport"
-        # edges come from the solid in an order that differs between processes
-        for line in sorted(sheet.lines, key=lambda one: (one.layer, one.points)):
-            space, factor = (model, whole) if line.of_part else (page, 1.0)
-            points = [(factor * x, factor * y) for x, y in line.points]
-            space.add_lwpolyline(points, dxfattribs={"layer": line.layer})
-        _dxf_texts(page, sheet)
-        for d in sheet.dimensions:
-            space, factor = (page, 1.0) if d.enlarged != 1.0 else (model, whole)
-            _dxf_dimension(space, factor, d, sheet)
+        left = 0.0
+        for number, sheet in enumerate(sheets, 1):
+            name = f"{number} {re.sub(FORBIDDEN, '-', sheet.title.partition(',')[0])}"
+            if number == 1:
+                document.layouts.rename("Layout1", name)
+            page: Any = document.layout(name) if number == 1 else document.layouts.new(name)
+            _dxf_sheet(document.modelspace(), page, sheet, left)
+            left += sheet.size[0] / sheet.scale
         # Left to itself the library adds the last of these in the order of a set, which differs between processes.
         for name in REQ_R2000:
             document.classes.add_class(name)
@@ -193,6 +191,24 @@ def to_dxf(sheet: Drawing) -> str:
         return stream.getvalue()
     finally:
         ezdxf.options.write_fixed_meta_data_for_testing = fixed
+
+
+def _dxf_sheet(model: Any, page: Any, sheet: Drawing, left: float) -> None:
+    """One sheet on its layout, its part in model space from ``left`` on. [mm]"""
+    (wide, high), whole = sheet.size, 1.0 / sheet.scale
+    page.page_setup(size=sheet.size, margins=(0, 0, 0, 0), units="mm")
+    view = page.add_viewport((wide / 2, high / 2), sheet.size, (left + whole * wide / 2, whole * high / 2),
+                             whole * high, status=2)  # fmt: skip
+    view.dxf.layer = "viewport"
+    # edges come from the solid in an order that differs between processes
+    for line in sorted(sheet.lines, key=lambda one: (one.layer, one.points)):
+        space, factor, shift = (model, whole, left) if line.of_part else (page, 1.0, 0.0)
+        points = [(shift + factor * x, factor * y) for x, y in line.points]
+        space.add_lwpolyline(points, dxfattribs={"layer": line.layer})
+    _dxf_texts(page, sheet)
+    for d in sheet.dimensions:
+        space, factor, shift = (page, 1.0, 0.0) if d.enlarged != 1.0 else (model, whole, left)
+        _dxf_dimension(space, factor, shift, d, sheet)
 
 
 def _dxf_texts(page: Any, sheet: Drawing) -> None:
@@ -206,10 +222,10 @@ def _dxf_texts(page: Any, sheet: Drawing) -> None:
         entity.set_placement(text.at, align=alignment)
 
 
-def _dxf_dimension(space: Any, factor: float, d: Dimension, sheet: Drawing) -> None:
+def _dxf_dimension(space: Any, factor: float, shift: float, d: Dimension, sheet: Drawing) -> None:
     """A dimension that measures its own length; one of a detail on the page divides by the detail's scale."""
     measured = 1.0 / (factor * sheet.scale * d.enlarged)
-    base, start, end = ((factor * x, factor * y) for x, y in (d.line[0], d.start, d.end))
+    base, start, end = ((shift + factor * x, factor * y) for x, y in (d.line[0], d.start, d.end))
     style = {"dimtxt": factor * TEXT_MM, "dimasz": factor * ARROW_MM, "dimexe": factor * 1.25, "dimexo": 0.0,
              "dimgap": factor * 0.6, "dimscale": 1.0, "dimlfac": measured, "dimdec": 2, "dimzin": 8, "dimrnd": 0.0,
              "dimclrt": 7}  # fmt: skip
@@ -255,29 +271,38 @@ def to_pdf(sheets: Sequence[Drawing], title: str) -> bytes:
     """Write sheets as PDF; a millimetre of the drawing is a millimetre of the page; equal sheets, equal files."""
     from reportlab.pdfgen.canvas import Canvas
 
-    binary_streams()
     stream = io.BytesIO()
     canvas = Canvas(stream, invariant=1, pageCompression=1)
-    canvas.setTitle(title)
-    canvas.setCreator("dummydesign")
-    for sheet in sheets:
-        canvas.setPageSize(tuple(POINT_PER_MM * side for side in sheet.size))
-        canvas.saveState()
-        canvas.scale(POINT_PER_MM, POINT_PER_MM)
-        draw(canvas, sheet)
-        canvas.restoreState()
-        canvas.bookmarkPage(sheet.title)
-        canvas.addOutlineEntry(sheet.title, sheet.title)
-        canvas.showPage()
-    canvas.save()
+    with packed_pages():
+        canvas.setTitle(title)
+        canvas.setCreator("dummydesign")
+        for sheet in sheets:
+            canvas.setPageSize(tuple(POINT_PER_MM * side for side in sheet.size))
+            canvas.saveState()
+            canvas.scale(POINT_PER_MM, POINT_PER_MM)
+            draw(canvas, sheet)
+            canvas.restoreState()
+            canvas.bookmarkPage(sheet.title)
+            canvas.addOutlineEntry(sheet.title, sheet.title)
+            canvas.showPage()
+        canvas.save()
     return stream.getvalue()
 
 
-def binary_streams() -> None:
-    """Have pages packed as they are, not also spelt out in letters, which takes longer and a quarter more room."""
+@contextmanager
+def packed_pages() -> Iterator[None]:
+    """Write pages packed as they are, not also spelt out in letters; reportlab's setting is given back.
+
+    Letters take longer and a quarter more room.
+    """
     from reportlab import rl_config
 
+    before = rl_config.useA85
     rl_config.useA85 = 0
+    try:
+        yield
+    finally:
+        rl_config.useA85 = before
 
 
 def draw(canvas: Any, sheet: Drawing) -> None:

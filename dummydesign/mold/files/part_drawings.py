@@ -10,8 +10,10 @@ from typing import Any
 from dummydesign.mold.cad.build import Parts
 from dummydesign.mold.cad.kernel import cq, occ
 from dummydesign.mold.cad.solids import edges_of, height_range
-from dummydesign.mold.files.drawing_layout import LETTER, Measure, Title, View, arrange, crown_detail
+from dummydesign.mold.files.drawing_layout import LETTER, Measure, Title, View, arrange, crown_detail, profile_words
 from dummydesign.mold.files.drawing_sheet import Drawing
+from dummydesign.mold.pour.crown import MOST_PERCENT, CrownLimits, crown_limits
+from dummydesign.mold.pour.printing import face_factor
 from dummydesign.mold.pour.steps import shape_mark
 
 CURVE_MM = 0.5
@@ -194,7 +196,9 @@ def sheets(made: Parts, views: dict[str, list[View]], date: str = "", paper: str
     """Arrange what is shown of the parts, a sheet each."""
     pad, limits, drawings = made.spec.pad, made.spec.acceptance, {}
     names = PRINTED_NAMES if made.spec.is_printed else NAMES
-    thickness = f"; thickness +-{pad.thickness_mm * limits.thickness_percent / 100:.2f}"
+    thickness, crown = f"; thickness +-{pad.thickness_mm * limits.thickness_percent / 100:.2f}", _crown(made)
+    if crown is not None:
+        thickness = "; thickness {:.2f} to {:.2f}".format(*crown.thickness_mm)
     for count, name in enumerate(views, 1):
         title = Title(
             f"{pad.title}, {made.spec.preset} mould", f"{names.get(name, name)}, t = {pad.thickness_mm:g}",
@@ -203,6 +207,24 @@ def sheets(made: Parts, views: dict[str, list[View]], date: str = "", paper: str
         )  # fmt: skip
         drawings[name] = arrange(views[name], title, _notes(made, name), paper)
     return drawings
+
+
+def _crown(made: Parts) -> CrownLimits | None:
+    return crown_limits(made.spec.pad, made.spec.acceptance.thickness_percent)
+
+
+def _profile(made: Parts, name: str) -> list[str]:
+    """The profile of the crown on the parts that have it, with its tolerance where that is known."""
+    pad, shape = made.spec.pad, made.spec.pad.shape
+    if name not in (*DETAILED, *(["mould"] if made.spec.is_printed else [])) or not shape.relief_mm:
+        return []
+    factor, limits = 1.0 if name == "pad" else face_factor(made.spec), _crown(made)
+    if limits is None:
+        return [profile_words(shape, factor)]
+    zone = 2.0 * factor * min(abs(one - pad.shape.relief_mm) for one in limits.height_mm)
+    low, high = (factor * one for one in limits.height_mm)
+    return [f"{profile_words(shape, factor, zone)} Height over the flat {low:.2f} to {high:.2f}: "
+            f"{MOST_PERCENT:g} % of force."]  # fmt: skip
 
 
 def _material(made: Parts, name: str) -> str:
@@ -224,7 +246,8 @@ def _notes(made: Parts, name: str) -> list[str]:
         size = f"Tested face {pad.length_mm:g} x {pad.width_mm:g} to its sharp corner."
         draft = f"Draft {pad.draft_deg:g} deg, widening from the tested face."
         radii = f"Vertical corners R{pad.corner_radius_mm:g}, edge of the tested face R{pad.edge_radius_mm:g}."
-        return ["After cure; tested face up.", size, draft, radii, *([f"{pad.kind}: {mark}."] if mark else [])]
+        return ["After cure; tested face up.", size, draft, radii, *([f"{pad.kind}: {mark}."] if mark else []),
+                *_profile(made, name)]  # fmt: skip
     notes = [f"For a {pad.title} after cure.{' Drawn turned over.' if name in TURNED else ''}"]
     if name in ("mould", "lid") or (spec.is_printed and name == "frame"):
         notes.append(f"Cavity x {plan.scale:.5f} of the pad; draft {pad.draft_deg:g} deg, outside "
@@ -232,9 +255,11 @@ def _notes(made: Parts, name: str) -> list[str]:
         notes.append(f"Corners of the cavity R{plan.floor_outline.radius_mm:.2f}, edge of its floor "
                      f"R{plan.scale * pad.edge_radius_mm:.2f}, outside R{plan.top.radius_mm:.3g}.")  # fmt: skip
         notes += [f"{pad.kind}: {mark}."] if mark and name == "mould" else []
+        notes += _profile(made, name)
     elif name in ("master", "frame", "lid_master", "lid_frame"):
         notes.append(f"x {plan.silicone_scale:.5f} of the silicone part; draft {pad.draft_deg:g} deg inside, "
                      f"{spec.body.outer_draft_deg:g} deg outside; flange R{plan.flange.radius_mm:.3g}.")  # fmt: skip
+        notes += _profile(made, name)
     if name == "face_sheet":
         return [*notes, "Cut to size, edges broken; bonded into the master, flush with the plug's top."]
     if name == "carrier" and made.with_bone is None:
@@ -260,7 +285,8 @@ def _views(made: Parts, name: str) -> list[View]:
         views.append(_section(made, name, solid, rims, across=True))
     if name in DETAILED and shape.relief_mm:
         factor = 1.0 if name == "pad" else made.plan.scale * made.plan.silicone_scale
-        views.append(crown_detail(shape, factor))
+        limits = _crown(made)
+        views.append(crown_detail(shape, factor, None if limits is None else limits.tip_radius_mm))
         shown = 2 if name == "pad" and shape.runs_out else 0
         x, _ = min(shape.places_mm, key=lambda centre: (abs(centre[1]), abs(centre[0])))
         views[shown] = replace(views[shown], marks=(((factor * x, 0.0), LETTER),))

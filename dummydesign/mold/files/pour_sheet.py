@@ -1,6 +1,6 @@
-"""The pour sheet: one set of blocks, written as Markdown, as a self-contained HTML page and as PDF. No CAD, no browser.
+"""The pour sheet: one set of blocks, written as a self-contained HTML page and as PDF. No CAD, no browser.
 
-Pages of the PDF carry number, date, command, and the hash as text and as QR code.
+Pages of the PDF carry number, date, command and hash.
 """
 
 from __future__ import annotations
@@ -12,16 +12,17 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
+from pathlib import Path
 from typing import Any
 
 from dummydesign.mold.cad.label import label_text
 from dummydesign.mold.files.drawing_layout import font_file
-from dummydesign.mold.files.drawing_sheet import PAPERS, Drawing, binary_streams, draw
+from dummydesign.mold.files.drawing_sheet import PAPERS, Drawing, draw, packed_pages, to_dxf, to_pdf, to_svg
 from dummydesign.mold.model.spec import MouldSpec, Pour
 from dummydesign.mold.pour.acceptance import acceptance_rows, gauge_points, measured_blanks, points_rows, when_it_fails
 from dummydesign.mold.pour.bill_of_materials import bill_of_materials, materials
 from dummydesign.mold.pour.plan import CUP_FACTOR, WITNESS_MM, Batch, Mix, PourPlan, batch_of, pours_of
-from dummydesign.mold.pour.printing import demould_steps, mould_steps, print_words, tip_words
+from dummydesign.mold.pour.printing import demould_steps, height_words, mould_steps, print_words, tip_words
 from dummydesign.mold.pour.steps import BLANK, cup_words, demould_first, plug_finish, pour_steps, shape_mark
 from dummydesign.resin.model.ratio_meaning import ratio_words
 
@@ -97,7 +98,7 @@ def _mould_steps(spec: MouldSpec, plan: PourPlan) -> tuple[str, ...]:
         plastic = f"{spec.plastic.name.upper()}, bears {spec.plastic.service_temperature_C:g} C"
     face = plug_finish(spec)
     if words := tip_words(spec):
-        face += f" There {words}. Height over the flat: {BLANK} mm."
+        face += f" There {words}. {height_words(spec)}"
     if silicone is None:
         return mould_steps(spec, plastic, face)
     pins = ["Stand the sprue pin (one) and the vent pins (five) in their sockets; pull them before peeling the lid."]
@@ -227,25 +228,6 @@ def _batch_words(spec: MouldSpec, pour: Pour, plan: PourPlan, batch: Batch, digi
     ]  # fmt: skip
 
 
-def to_markdown(blocks: Sequence[Block]) -> str:
-    """Write blocks as Markdown."""
-    lines: list[str] = []
-    for index, block in enumerate(blocks):
-        if block.kind == "head":
-            lines.append(f"{'#' if index == 0 else '##'} {block.text}")
-        elif block.kind == "text":
-            lines.append(block.text)
-        elif block.kind == "list":
-            lines += [f"{number}. {item}" for number, item in enumerate(block.items, 1)]
-        else:
-            head, *rows = block.rows
-            lines.append("| " + " | ".join(head) + " |")
-            lines.append("|" + "---|" * len(head))
-            lines += ["| " + " | ".join(row) + " |" for row in rows]
-        lines.append("")
-    return "\n".join(lines)
-
-
 _STYLE = (
     "body{font:15px/1.45 system-ui,sans-serif;max-width:860px;margin:2em auto;padding:0 1em;color:#20303c}"
     "table{border-collapse:collapse}td,th{border:1px solid #9fb0bc;padding:.35em .8em;text-align:right}"
@@ -255,8 +237,8 @@ _STYLE = (
 )
 
 
-def to_html(blocks: Sequence[Block], drawing_svg: str = "") -> str:
-    """Write blocks as one HTML page that needs nothing else; a drawing may stand at its end."""
+def to_html(blocks: Sequence[Block], drawings_svg: str = "") -> str:
+    """Write blocks as one HTML page that needs nothing else; drawings may stand at its end."""
     parts: list[str] = []
     for index, block in enumerate(blocks):
         if block.kind == "list":
@@ -268,7 +250,7 @@ def to_html(blocks: Sequence[Block], drawing_svg: str = "") -> str:
             parts.append(_each("p" if block.kind == "text" else "h2" if index else "h1", [block.text]))
     return (
         f'<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8">{_each("title", [blocks[0].text])}'
-        f"<style>{_STYLE}</style></head><body>\n" + "\n".join(parts) + f"\n{drawing_svg}\n</body></html>\n"
+        f"<style>{_STYLE}</style></head><body>\n" + "\n".join(parts) + f"\n{drawings_svg}\n</body></html>\n"
     )
 
 
@@ -278,16 +260,17 @@ def _each(tag: str, texts: Sequence[str]) -> str:
 
 PAGES_MM = {"A4": (210.0, 297.0), "A3": (297.0, 420.0)}
 MM = 72.0 / 25.4
-MARGIN_MM, FOOT_MM, QR_MM = 16.0, 22.0, 18.0
+MARGIN_MM, FOOT_MM = 16.0, 22.0
 
 
 @dataclass(frozen=True)
 class Foot:
-    """What stands at the foot of every page."""
+    """What stands at the foot of every page, and the paper of pages and drawings."""
 
     hash: str
     command: str = ""
     date: str = ""
+    paper: str = "A4"
 
 
 @lru_cache(1)
@@ -320,13 +303,12 @@ def marked(words: str) -> str:
     return JAPANESE.sub(lambda match: f'<font name="{name}">{match[0]}</font>', html.escape(words))
 
 
-def sheet_pdf(blocks: Sequence[Block], foot: Foot, drawings: Sequence[Drawing] = (), paper: str = "A4") -> bytes:
+def sheet_pdf(blocks: Sequence[Block], foot: Foot, drawings: Sequence[Drawing] = ()) -> bytes:
     """Write a pour sheet as PDF."""
     from reportlab.pdfgen.canvas import Canvas
     from reportlab.platypus import BaseDocTemplate, Frame, PageTemplate
 
-    binary_streams()
-    wide, high = (MM * side for side in PAGES_MM[paper])
+    wide, high = (MM * side for side in PAGES_MM[foot.paper])
     margin, low = MM * MARGIN_MM, MM * (FOOT_MM + 4.0)
     story = _story(blocks, wide - 2 * margin)
     for drawing in drawings:
@@ -354,7 +336,8 @@ def sheet_pdf(blocks: Sequence[Block], foot: Foot, drawings: Sequence[Drawing] =
     document = BaseDocTemplate(stream, pagesize=(wide, high), invariant=1, title=blocks[0].text, creator="dummydesign")
     frame = Frame(margin, low, wide - 2 * margin, high - low - margin, 0, 0, 0, 0)
     document.addPageTemplates(PageTemplate("page", [frame]))
-    document.build(story, canvasmaker=Numbered)
+    with packed_pages():
+        document.build(story, canvasmaker=Numbered)
     return stream.getvalue()
 
 
@@ -426,7 +409,7 @@ def _picture(drawing: Drawing, wide: float) -> list[Any]:
 
 
 def _foot(canvas: Any, foot: Foot, page: int, pages: int, wide: float, margin: float) -> None:
-    """Page number, date, command and hash; the hash as QR code on the right."""
+    """Page number, date, command and hash."""
     from reportlab.lib.utils import simpleSplit
 
     plain, bold = fonts()
@@ -437,22 +420,21 @@ def _foot(canvas: Any, foot: Foot, page: int, pages: int, wide: float, margin: f
     canvas.setFont(bold, 8)
     canvas.drawString(margin, top - 10, f"Specification {foot.hash}    page {page} of {pages}    {foot.date}")
     canvas.setFont(plain, 7)
-    room = wide - 2 * margin - MM * (QR_MM + 4)
-    for row, line in enumerate(simpleSplit(foot.command, plain, 7, room)[:3]):
+    for row, line in enumerate(simpleSplit(foot.command, plain, 7, wide - 2 * margin)[:3]):
         canvas.drawString(margin, top - 20 - 9 * row, line)
-    _code(canvas, foot.hash, wide - margin - MM * QR_MM, top - MM * (QR_MM + 1))
     canvas.restoreState()
 
 
-def _code(canvas: Any, words: str, x: float, y: float) -> None:
-    """A QR code as squares, its lower left at a place."""
-    import segno
-
-    rows = [list(row) for row in segno.make(words, error="m", micro=False).matrix]
-    side = MM * QR_MM / len(rows)
-    path = canvas.beginPath()
-    for row, line in enumerate(rows):
-        for column, dark in enumerate(line):
-            if dark:
-                path.rect(x + column * side, y + (len(rows) - 1 - row) * side, side, side)
-    canvas.drawPath(path, stroke=0, fill=1)
+def write_papers(
+    folder: Path, tag: str, blocks: Sequence[Block], foot: Foot, drawings: Sequence[Drawing], shown: Sequence[Drawing]
+) -> dict[str, str]:
+    """Write all drawings as one DXF and one PDF, the pour sheet with those shown as PDF and HTML; name them by role."""
+    contents: dict[str, tuple[str, bytes]] = {
+        "drawings_dxf": (f"drawings_{tag}.dxf", to_dxf(drawings).encode()),
+        "drawings": (f"drawings_{tag}.pdf", to_pdf(drawings, f"Drawings, specification {foot.hash}")),
+        "pour_sheet": (f"pour_{tag}.pdf", sheet_pdf(blocks, foot, shown)),
+        "pour_sheet_html": (f"pour_{tag}.html", to_html(blocks, "\n".join(map(to_svg, shown))).encode()),
+    }
+    for name, content in contents.values():
+        (folder / name).write_bytes(content)
+    return {role: name for role, (name, _) in contents.items()}

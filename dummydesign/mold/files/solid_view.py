@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import base64
 import json
-import struct
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from html import escape
@@ -14,23 +14,27 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from dummydesign.core.errors import InputError
-
-COLOURS = {"pad": (0.93, 0.71, 0.60), "mould": (0.62, 0.72, 0.80)}
-_RECORD = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("spare", "<u2")])
+COLOURS = {"pad": (0.93, 0.71, 0.60), "layer top": (0.93, 0.71, 0.60), "mould": (0.62, 0.72, 0.80)}
+STEPS = 65535
 
 
-def read_stl(path: str | Path) -> NDArray:
-    """Triangles of a binary STL file, shape (n, 3, 3). [mm]"""
+def read_view(page: Path) -> dict[str, NDArray]:
+    """Triangles of pad, layers and mould in a page of :func:`mould_view`, shape (n, 3, 3); none where there are none.
+
+    [mm]
+    """
     try:
-        content = Path(path).read_bytes()
-    except OSError as problem:
-        code = "file_not_found" if isinstance(problem, FileNotFoundError) else "file_unreadable"
-        raise InputError(f"{Path(path).name}: cannot be read: {problem.strerror}", code, "stl_file") from None
-    count = struct.unpack("<I", content[80:84])[0] if len(content) >= 84 else -1
-    if len(content) != 84 + 50 * count:
-        raise InputError(f"{Path(path).name}: is not a binary STL file", "file_unreadable", "stl_file")
-    return np.frombuffer(content, _RECORD, offset=84)["corners"].astype(float)
+        found = re.search(r'id="view-data">(.*?)</script>', page.read_text(encoding="utf-8"), re.DOTALL)
+        parts = json.loads(found[1]) if found else []
+        return {one["name"]: _unpacked(one) for one in parts if one["name"].startswith(("pad", "layer", "mould"))}
+    except (OSError, ValueError, KeyError, TypeError):
+        return {}
+
+
+def _unpacked(part: dict[str, Any]) -> NDArray:
+    low, high = np.array(part["low"], float), np.array(part["high"], float)
+    steps = np.frombuffer(base64.b64decode(part["triangles"]), "<u2").reshape(-1, 3, 3)
+    return low + steps / STEPS * (high - low)
 
 
 def box(length_mm: float, width_mm: float, height_mm: float) -> NDArray:
@@ -58,7 +62,7 @@ class Shown:
 def pack(triangles: NDArray, colour: tuple[float, float, float], lift_mm: float) -> dict[str, Any]:
     """One part for the page: corners in 65535 steps of its box, colour, and how far it is lifted when apart."""
     low, high = triangles.min(axis=(0, 1)), triangles.max(axis=(0, 1))
-    steps = np.round((triangles - low) / np.maximum(high - low, 1e-9) * 65535).astype("<u2")
+    steps = np.round((triangles - low) / np.maximum(high - low, 1e-9) * STEPS).astype("<u2")
     coded = base64.b64encode(steps.tobytes()).decode("ascii")
     return {"triangles": coded, "low": low.tolist(), "high": high.tolist(), "colour": colour, "lift": lift_mm}
 

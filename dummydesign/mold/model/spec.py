@@ -18,6 +18,10 @@ from dummydesign.mold.model.products import Machines, Plastic, Silicone, Surface
 
 LEAST_SEAT_MM2 = 20.0
 """What of a bone must meet the plate that carries it."""
+THIN_LAYER = 3.0
+"""Power of the gel's thickness in its force at a given depth, at most: thin, glued, incompressible (squeeze film)."""
+FORCE_SHARE = 1e-3
+"""Change of the force below which the volume of a bone from a file is right (judgement: a tenth of a per cent)."""
 
 
 @dataclass(frozen=True)
@@ -51,8 +55,9 @@ class Insert:
     """A placed bone: its file by name and hash, and what was measured on the solid. [mm]
 
     ``seat_mm2`` meets the plate; ``reach`` are its bounds in x and y; ``off_dome_mm`` is the root mean square distance
-    of its underside from the dome that the finite elements take in its place; ``off_file_mm`` what the simplified
-    triangles are off the file's.
+    of its underside from the dome that the finite elements take in its place; ``off_file_mm`` at most, and
+    ``off_file_rms_mm`` as root mean square, what the simplified triangles are off the ``triangles`` of the file, which
+    were ``mended`` in these words.
     """
 
     file: str
@@ -67,6 +72,9 @@ class Insert:
     off_dome_mm: float
     off_file_mm: float = 0.0
     overhang: bool = False
+    off_file_rms_mm: float = 0.0
+    triangles: int = 0
+    mended: str = ""
 
     def check(self, length_mm: float, width_mm: float) -> None:
         """Refuse a bone that sticks out of the gel or hardly meets its plate."""
@@ -87,12 +95,23 @@ class Insert:
                 "out_of_range", "bone_seat_mm2", self.seat_mm2, (LEAST_SEAT_MM2, None),
             )  # fmt: skip
 
+    def volume_error_mm3(self, thickness_mm: float) -> float:
+        """Error of the volume that changes the force by :data:`FORCE_SHARE`, spread as a height over the seat."""
+        return FORCE_SHARE / THIN_LAYER * (thickness_mm - self.placing.height_mm) * self.seat_mm2
+
     @property
     def words(self) -> str:
         """The warning that goes out with it."""
-        simpler = f"; its triangles were simplified by up to {self.off_file_mm:.3f} mm" if self.off_file_mm else ""
+        simpler = f"; {self.mended}" if self.mended else ""
+        if self.off_file_mm:
+            simpler += (f"; its {self.triangles:,} triangles were simplified: {self.off_file_rms_mm:.3f} mm off (root "
+                        f"mean square), {self.off_file_mm:.3f} mm at most")  # fmt: skip
         return (f"the bone comes from {self.file} (scale {self.placing.scale:g}); finite elements take the nearest "
                 f"dome in its place, which is {self.off_dome_mm:.2f} mm off its underside (root mean square){simpler}")
+
+
+USUAL_FILE = ("off_file_rms_mm", "triangles", "mended")
+"""Fields of a bone that are left out of a specification when its file needed nothing."""
 
 
 @dataclass(frozen=True)
@@ -410,6 +429,9 @@ class MouldSpec:
         plain.setdefault("closure", None)
         for holder in [plain, *([plain["base"]] if self.base else [])]:
             holder["pour"] = without_usual(holder["pour"])
+        if self.insert is not None:
+            # Specifications of earlier versions keep their hash.
+            plain["insert"] = {key: value for key, value in plain["insert"].items() if value or key not in USUAL_FILE}
         if self.count == 1:
             del plain["count"]
         if not self.machines.layer_mm:

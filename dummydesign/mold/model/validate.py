@@ -37,7 +37,9 @@ def validate(spec: MouldSpec) -> Layout:
         ) from InputError(fault[0], "cannot_be_made", fault[1])  # fmt: skip
     message, quantity, value, allowed = fault
     advice = "name other machines in a preset file"
-    if (size := largest_pad_mm(replace(spec, count=1))) is not None:
+    if turned_fits(spec):
+        advice = f"turned by 90 degrees, {spec.pad.width_mm:g} x {spec.pad.length_mm:g} mm, it fits"
+    elif (size := largest_pad_mm(replace(spec, count=1))) is not None:
         advice = f"a pad of {size[0]:g} x {size[1]:g} mm fits, or {advice}"
     raise InputError(f"{message}; {advice}", "cannot_be_made", quantity, value, allowed)
 
@@ -285,6 +287,20 @@ def _too_large(
 
 TRIED = 3
 """Whole millimetres about the size that the bed suggests in which a pad that fits is looked for."""
+
+
+def turned_fits(spec: MouldSpec) -> bool:
+    """Whether the same pad with length and width exchanged can be made; tried."""
+    pad = spec.pad
+    # A bone and places of several crowns lie in the pad and would have to be turned with it.
+    if pad.length_mm == pad.width_mm or spec.insert is not None or len(pad.shape.places_mm) > 1:
+        return False
+    turned = replace(spec, pad=replace(pad, length_mm=pad.width_mm, width_mm=pad.length_mm))
+    try:
+        _check_makeable(turned)
+    except InputError:
+        return False
+    return _machine_fault(turned) is None
 
 
 def largest_pad_mm(spec: MouldSpec) -> tuple[float, float] | None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -12,6 +12,7 @@ from dummydesign.core.errors import InputError
 from dummydesign.core.serialise import Serialised
 from dummydesign.geometry.dimensions import PUNCH_RADIUS_MM, RIM_FREE_MM
 from dummydesign.mold.model.spec import MouldSpec
+from dummydesign.mold.pour.crown import COMPARED_DEPTH, MOST_PERCENT, SHOULDER, crown_limits
 from dummydesign.mold.pour.plan import PourPlan
 from dummydesign.mold.pour.steps import BLANK
 
@@ -42,7 +43,8 @@ def gauge_points(spec: MouldSpec) -> tuple[GaugePoint, ...]:
     """Return the gauge points of a pad: tips or middle, what its shape adds, four corners.
 
     Nominal values come from the shape's own heights. Each limit is the preset's share of the pad's full thickness on
-    either side: a plate that lies too high adds as much at every point.
+    either side: a plate that lies too high adds as much at every point. At a crown's tip and beside it, it is also that
+    of the force (:func:`dummydesign.mold.pour.crown.crown_limits`).
     """
     pad, shape = spec.pad, spec.pad.shape
     first = "middle" if shape.flat_top else "tip"
@@ -53,7 +55,15 @@ def gauge_points(spec: MouldSpec) -> tuple[GaugePoint, ...]:
     corner = _corner(spec)
     places |= {f"{'edge' if pad.is_puck else 'corner'}{i}": (a * corner[0], b * corner[1])
                for i, (a, b) in enumerate(CORNERS, 1)}  # fmt: skip
-    return tuple(_point(spec, name, point, stands) for name, point in places.items())
+    points = tuple(_point(spec, name, point, stands) for name, point in places.items())
+    limits = crown_limits(pad, spec.acceptance.thickness_percent)
+    if limits is None:
+        return points
+    low, high = (one - pad.thickness_mm for one in limits.thickness_mm)
+    return tuple(
+        replace(one, low_mm=one.nominal_mm + low, high_mm=one.nominal_mm + high)
+        if one.pressed or one.name == SHOULDER else one for one in points
+    )  # fmt: skip
 
 
 def _corner(spec: MouldSpec) -> tuple[float, float]:
@@ -90,10 +100,6 @@ def points_rows(points: Sequence[GaugePoint], blank: str, first_pad: int = 1, pa
         rows.append((one.name, f"{one.x_mm:g}", f"{one.y_mm:g}", f"{one.nominal_mm:.2f}", *gel,
                      f"{one.low_mm:.2f} to {one.high_mm:.2f}", *[blank] * pads))  # fmt: skip
     return rows
-
-
-# Depth over thickness at which the force's sensitivity to the thickness is stated.
-COMPARED_DEPTH = 0.25
 
 
 def force_at_thickness(spec: MouldSpec, shares: tuple[float, ...]) -> tuple[float, ...] | None:
@@ -135,6 +141,16 @@ def force_per_thickness(spec: MouldSpec) -> float | None:
     return float(np.log(force[1] / force[0]) / np.log((1.0 + step) / (1.0 - step)))
 
 
+def spread_mm(spec: MouldSpec) -> float:
+    """How much the offsets of gauge points may differ, the crown's own height taken out. [mm]
+
+    That of the preset; of a crowned pad at most what half of it at the tip changes the force by 5 %.
+    """
+    most = spec.pad.thickness_mm * spec.acceptance.spread_percent / 100
+    limits = crown_limits(spec.pad, spec.acceptance.thickness_percent)
+    return most if limits is None else min(most, limits.thickness_mm[1] - limits.thickness_mm[0])
+
+
 WRONG_MODULUS = "wrong ratio, moist or old resin: cast again, or design again with resins add-compression"
 BUBBLES = "reject; degas longer or at a lower pressure"
 
@@ -147,14 +163,24 @@ def acceptance_rows(spec: MouldSpec, plan: PourPlan) -> list[tuple[str, ...]]:
     def costs(percent: float) -> str:
         return "not known" if slope is None else f"{abs(slope) * percent:.0f} % of force at a given depth"
 
+    crown = crown_limits(spec.pad, limits.thickness_percent)
+    within, at_limit = f"within {h * limits.thickness_percent / 100:.2f} mm", costs(limits.thickness_percent)
+    spread, heights = "deviation from nominal, largest minus smallest", list[tuple[str, ...]]()
+    if crown is not None:
+        spread += ", without the crown's height"
+        at_limit = f"{MOST_PERCENT:g} % of force at a given depth at most"
+        within = "table above"
+        heights = [("height over the flat: tip less shoulder", f"{spec.pad.shape.relief_mm:.2f} mm",
+                    "{:.2f} to {:.2f} mm".format(*crown.height_mm), at_limit, BLANK,
+                    "enter the readings in the record (below); cast again when the plug is off, too")]  # fmt: skip
     light, heavy = (mass * (1 + sign * limits.mass_percent / 100) for sign in (-1, 1))
     return [
         ("measured", "wanted", "allowed", "effect at the limit", "measured value", "if outside"),
-        ("thickness at each gauge point", "its nominal", f"within {h * limits.thickness_percent / 100:.2f} mm",
-         costs(limits.thickness_percent), "table above",
+        ("thickness at each gauge point", "its nominal", within, at_limit, "table above",
          "enter the measured thickness in the record (below); beyond twice the limit cast again"),
-        ("deviation from nominal, largest minus smallest", "0 mm", f"{h * limits.spread_percent / 100:.2f} mm",
-         costs(limits.spread_percent / 2.0), BLANK, "level again with the weight in the mould, cast again"),
+        *heights,
+        (spread, "0 mm", f"{spread_mm(spec):.2f} mm", costs(100 * spread_mm(spec) / h / 2.0),
+         BLANK, "level again with the weight in the mould, cast again"),
         ("mass", f"{mass:.1f} g", f"{light:.1f} to {heavy:.1f} g", costs(limits.mass_percent), BLANK,
          "too light: air inside or a leak; too heavy: overfilled"),
         # the modulus of a puck is what it is cast for

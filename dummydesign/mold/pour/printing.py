@@ -9,7 +9,8 @@ from dummydesign.mold.model import formulas as formula
 from dummydesign.mold.model.layout import layout, plug_top_mm
 from dummydesign.mold.model.printed_parts import lying_words
 from dummydesign.mold.model.spec import MouldSpec
-from dummydesign.mold.pour.acceptance import COMPARED_DEPTH, force_change_percent
+from dummydesign.mold.pour.acceptance import force_change_percent
+from dummydesign.mold.pour.crown import COMPARED_DEPTH, MOST_PERCENT, crown_change_percent, crown_limits
 from dummydesign.mold.pour.steps import BLANK
 
 ALLOWED_PERCENT = 1.0
@@ -28,6 +29,8 @@ def height_cost(spec: MouldSpec, low_mm: float) -> float | None:
     from dummydesign.pad.tables.shape import TabulatedShapeLaw
 
     pad, shape = spec.pad, spec.pad.shape
+    if shape.crowned:
+        return crown_change_percent(pad, higher_mm=-low_mm)
     if not (shape.relief_mm or shape.bone_height_mm):
         return 0.0
     lower = tuple((name, value - low_mm if name == "height" else value) for name, value in shape.parameters)
@@ -117,6 +120,23 @@ def tip_words(spec: MouldSpec) -> str:
     layer = spec.machines.layer_mm or formula.print_layer_mm(tall)
     return (f"{allowed / 2:.3f} mm of its height change the force by {ALLOWED_PERCENT:g} %, layers of {layer:.2g} mm "
             f"by up to {ALLOWED_PERCENT * layer / allowed:.1f} %")
+
+
+def height_words(spec: MouldSpec) -> str:
+    """The height over the flat to gauge on the printed face, with its limits, as it is measured and written down."""
+    limits = crown_limits(spec.pad, spec.acceptance.thickness_percent)
+    if limits is None:
+        return f"Height over the flat: {BLANK} mm."
+    grow = face_factor(spec)
+    low, high = (grow * one for one in limits.height_mm)
+    return (f"Height over the flat: {grow * spec.pad.shape.relief_mm:.2f} mm, {low:.2f} to {high:.2f} mm allowed "
+            f"({MOST_PERCENT:g} % of force); measured: {BLANK} mm.")  # fmt: skip
+
+
+def face_factor(spec: MouldSpec) -> float:
+    """Length of the printed face that shapes the tested face over that of the pad."""
+    plan = layout(spec)
+    return plan.scale * (1.0 if spec.is_printed else plan.silicone_scale)
 
 
 def print_words(spec: MouldSpec) -> str:

@@ -13,7 +13,23 @@ from dummydesign.core.errors import InputError, out_of_range, unknown_name
 from dummydesign.measurement.pad_record import PadRecord, thickness_error
 from dummydesign.mold.model import formulas as formula
 from dummydesign.mold.model.spec import MouldSpec
-from dummydesign.mold.pour.acceptance import BUBBLES, WRONG_MODULUS, GaugePoint, force_change_percent, gauge_points
+from dummydesign.mold.pour.acceptance import (
+    BUBBLES,
+    WRONG_MODULUS,
+    GaugePoint,
+    force_change_percent,
+    gauge_points,
+    spread_mm,
+)
+from dummydesign.mold.pour.crown import (
+    SHOULDER,
+    TIP,
+    MeasuredCrown,
+    crown_change_percent,
+    crown_limits,
+    crown_shape,
+    measured_crown,
+)
 from dummydesign.mold.pour.plan import pour_plan
 
 PLACES = 5
@@ -175,16 +191,17 @@ def record_pad(measured: Measured, spec: MouldSpec, points: tuple[GaugePoint, ..
 
     The force is that at a quarter of the designed thickness by the response table, over that of the designed pad:
     by the thickness and in proportion to the witness's modulus. The thickness is the mean of a flat pad's readings
-    and the reading at the tip of a pad that is not flat.
+    and the reading at the tip of a pad that is not flat; of a crowned pad the height of the crown over the flat beside
+    it counts too.
     """
     points = points or gauge_points(spec)
     check_measured(measured, spec, points)
-    pad, young = spec.pad, measured.young_kPa
+    pad, young, crown = spec.pad, measured.young_kPa, measured_crown(measured.readings, spec.pad)
     evened = _evened_mm(measured, spec, points)
     thickness = sum(evened) / len(evened)
     if measured.points:
         thickness = pressed_thickness_mm(measured.readings, points, pad.thickness_mm)
-    by_thickness = force_change_percent(spec, thickness / pad.thickness_mm)
+    by_lengths = _by_lengths(crown, thickness, spec)
     limits = judge(measured, spec, points)
     ratio = weighed_ratio(measured, spec) if measured.weighed_g else (None, None)
     stiffer = 1.0 if young is None or spec.base is not None else young / spec.pour.young_kPa
@@ -194,11 +211,28 @@ def record_pad(measured: Measured, spec: MouldSpec, points: tuple[GaugePoint, ..
         points=measured.points, thickness_mm=thickness, thickness_sd_mm=thickness_error(evened, measured.gauge_mm),
         mass_g=measured.mass_g, design_young_kPa=spec.pour.young_kPa, young_kPa=young, level_deg=measured.level_deg,
         bubbles=measured.bubbles, accepted=not any(one.missed for one in limits),
-        force_percent=None if by_thickness is None else 100 * ((1 + by_thickness / 100) * stiffer - 1),
+        force_percent=None if by_lengths is None else 100 * ((1 + by_lengths / 100) * stiffer - 1),
         missed=tuple(_words(one) for one in limits if one.missed), note=measured.note,
         limits=tuple(asdict(one) for one in limits), young_sd_kPa=measured.young_sd_kPa, weighed_ratio=ratio[0],
-        weighed_ratio_sd=ratio[1],
+        weighed_ratio_sd=ratio[1], cast_shape=_cast_shape(crown, measured.gauge_mm, spec),
+        force_sd_percent=None if crown is None else crown.gauge_percent(pad, measured.gauge_mm),
     )  # fmt: skip
+
+
+def _by_lengths(crown: MeasuredCrown | None, thickness_mm: float, spec: MouldSpec) -> float | None:
+    """Change of the force for the lengths of a cast pad. [%]"""
+    if crown is None:
+        return force_change_percent(spec, thickness_mm / spec.pad.thickness_mm)
+    return crown.change_percent(spec.pad)
+
+
+def _cast_shape(crown: MeasuredCrown | None, gauge_mm: float, spec: MouldSpec) -> str:
+    """The pad's shape with the height that was gauged, in micrometres; empty where the gauge cannot tell it is another.
+    """
+    limits = crown_limits(spec.pad, spec.acceptance.thickness_percent)
+    if crown is None or not crown.differs(gauge_mm, limits, spec.pad.shape.relief_mm):
+        return ""
+    return str(crown_shape(spec.pad.shape, round(crown.higher_mm, 3)))
 
 
 def weighed_ratio(measured: Measured, spec: MouldSpec) -> tuple[float, float]:
@@ -228,10 +262,18 @@ def weighed_ratio(measured: Measured, spec: MouldSpec) -> tuple[float, float]:
 
 
 def _evened_mm(measured: Measured, spec: MouldSpec, points: tuple[GaugePoint, ...]) -> tuple[float, ...]:
-    """Readings as a flat pad would have them: designed thickness and offset from the nominal of each point. [mm]"""
+    """Readings as a flat pad would have them: designed thickness and offset from the nominal of each point. [mm]
+
+    Of what stands over the flat, tips and all, a crown's own error of height is taken out.
+    """
     if not measured.points:
         return measured.thicknesses_mm
-    return tuple(spec.pad.thickness_mm + off for off in offsets_mm(measured.readings, points).values())
+    crown = measured_crown(measured.readings, spec.pad)
+    higher = 0.0 if crown is None else crown.higher_mm
+    return tuple(
+        spec.pad.thickness_mm + off - (higher if name.startswith(TIP) else 0.0)
+        for name, off in offsets_mm(measured.readings, points).items()
+    )
 
 
 def judge(measured: Measured, spec: MouldSpec, points: tuple[GaugePoint, ...] | None = None) -> tuple[LimitCheck, ...]:
@@ -241,13 +283,15 @@ def judge(measured: Measured, spec: MouldSpec, points: tuple[GaugePoint, ...] | 
     mean, spread = sum(values) / len(values), max(values) - min(values)
     again = "level again with the load in the mould, cast again"
     if measured.points:
-        checks = [_at(point, measured.readings[point.name], spec) for point in points]
+        crown = measured_crown(measured.readings, pad)
+        checks = [_at(point, measured.readings[point.name], spec, crown) for point in points]
+        checks += _crown_checks(measured.readings, spec)
     else:
         cost = force_change_percent(spec, mean / h)
         checks = [_around("thickness, mean", mean, "mm", h, limits.thickness_percent, cost, _advice(mean, spec))]
     what = "thickness, largest less smallest" if pad.shape.flat_top else "off nominal, largest less smallest"
     checks += [
-        _at_most(what, spread, "mm", h * limits.spread_percent / 100, force_change_percent(spec, 1 + spread / 2 / h),
+        _at_most(what, spread, "mm", spread_mm(spec), force_change_percent(spec, 1 + spread / 2 / h),
                  f"{again}; until then press in one place and gauge it there"),
         _mass(measured, spec, mean),
     ]  # fmt: skip
@@ -264,13 +308,34 @@ def judge(measured: Measured, spec: MouldSpec, points: tuple[GaugePoint, ...] | 
     return tuple(checks)
 
 
-def _at(point: GaugePoint, value: float, spec: MouldSpec) -> LimitCheck:
-    """The thickness at a gauge point; its cost in force where it is the gel under the punch."""
+def _at(point: GaugePoint, value: float, spec: MouldSpec, crown: MeasuredCrown | None) -> LimitCheck:
+    """The thickness at a gauge point; its cost in force where it is the gel under the punch.
+
+    A crown's tip costs what its height over the flat and the flat's thickness cost together.
+    """
     h, off = spec.pad.thickness_mm, value - point.nominal_mm
-    cost = force_change_percent(spec, 1 + off / h) if point.pressed else None
+    cost = _by_lengths(crown, h + off, spec) if point.pressed else None
     missed = not point.low_mm <= value <= point.high_mm
     return LimitCheck(f"thickness at {point.name}", value, "mm", point.low_mm, point.high_mm, missed, cost,
                       _advice(h + off, spec))  # fmt: skip
+
+
+def _crown_checks(readings: Mapping[str, float], spec: MouldSpec) -> list[LimitCheck]:
+    """The height of each crown over the flat beside it, where its limits are known."""
+    limits, nominal = crown_limits(spec.pad, spec.acceptance.thickness_percent), spec.pad.shape.relief_mm
+    if limits is None or SHOULDER not in readings:
+        return []
+    checks = []
+    low, high = limits.height_mm
+    for name in (name for name in readings if name.startswith(TIP)):
+        value = readings[name] - readings[SHOULDER]
+        cost = crown_change_percent(spec.pad, value - nominal)
+        missed = not low - 1e-9 <= value <= high + 1e-9
+        checks.append(LimitCheck(f"height over the flat at {name}", value, "mm", low, high, missed, cost, OFF_HEIGHT))
+    return checks
+
+
+OFF_HEIGHT = "usable with its real heights: give this record to the campaign, gauge the plug before the next pad"
 
 
 def _at_most(what: str, value: float, unit: str, high: float, cost: float | None, advice: str) -> LimitCheck:

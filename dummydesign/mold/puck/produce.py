@@ -14,13 +14,14 @@ from dummydesign.core.process import write_progress
 from dummydesign.mold.cad.build import COLOURS, Material, Part
 from dummydesign.mold.cad.kernel import cq
 from dummydesign.mold.cad.solids import single_solid
+from dummydesign.mold.cad.tessellate import tessellate
 from dummydesign.mold.checks import files as check_files
 from dummydesign.mold.checks.check import Check, above, below, equal
 from dummydesign.mold.files.drawing_layout import Measure, Title, View, arrange
-from dummydesign.mold.files.drawing_sheet import Drawing, to_dxf, to_pdf, to_svg
-from dummydesign.mold.files.meshes import tessellate, write_3mf, write_glb, write_stl
+from dummydesign.mold.files.drawing_sheet import Drawing
+from dummydesign.mold.files.meshes import write_3mf
 from dummydesign.mold.files.part_drawings import cut, edges_from_above
-from dummydesign.mold.files.pour_sheet import Foot, sheet_pdf, to_html, to_markdown
+from dummydesign.mold.files.pour_sheet import Foot, write_papers
 from dummydesign.mold.files.step import step_text
 from dummydesign.mold.puck.plan import PuckPlan, puck_plan, spec_cost, warnings_of
 from dummydesign.mold.puck.ring import (
@@ -87,14 +88,8 @@ def produce_pucks(spec: PuckSpec, folder: Path, foot: Foot) -> dict[str, Any]:
             continue
         printed = mesh.copy()
         printed.apply_scale(spec.machines.print_scale)
-        files |= {f"{name}_stl": f"{name}.stl", f"{name}_3mf": f"{name}.3mf"}
-        write_stl(printed, folder / f"{name}.stl")
+        files[f"{name}_3mf"] = f"{name}.3mf"
         write_3mf(printed, folder / f"{name}.3mf")
-    files["glb"] = f"assembly_puck_{spec.tag}.glb"
-    joined = {name: mesh.copy() for name, mesh in meshes.items()}
-    for name, mesh in joined.items():
-        mesh.apply_translation(parts[name].offset_mm)
-    write_glb(joined, {name: part.material.colour for name, part in parts.items()}, folder / files["glb"])
     write_progress("step 3 of 3: drawing and pour sheet")
     files |= _write_papers(spec, plan, parts, folder, foot)
     listed, cost = [check.to_dict() for check in checks], spec_cost(spec)
@@ -214,22 +209,8 @@ def _drawing(spec: PuckSpec, ring: Ring, part: Part, date: str, number: str, pap
 def _write_papers(
     spec: PuckSpec, plan: PuckPlan, parts: Mapping[str, Part], folder: Path, foot: Foot
 ) -> dict[str, str]:
-    """Drawings as DXF, SVG and PDF; the pour sheet with its protocol as Markdown, HTML and PDF."""
+    """Drawings, and the pour sheet with its protocol; return role to file name."""
     count = len(spec.rings)
-    drawn = {paper: [_drawing(spec, ring, parts[f"ring_half_{ring.tag}"], foot.date, f"{number} of {count}", paper)
-                     for number, ring in enumerate(spec.rings, 1)] for paper in ("A3", "A4")}  # fmt: skip
-    blocks, tag = puck_sheet(spec, plan), f"puck_{spec.tag}"
-    files: dict[str, str] = {}
-
-    def write(role: str, name: str, content: str | bytes) -> None:
-        files[role] = name
-        (folder / name).write_bytes(content if isinstance(content, bytes) else content.encode())
-
-    for ring, drawing in zip(spec.rings, drawn["A3"]):
-        write(f"drawing_{ring.tag}_svg", f"drawing_ring_{ring.tag}.svg", to_svg(drawing))
-        write(f"drawing_{ring.tag}_dxf", f"drawing_ring_{ring.tag}.dxf", to_dxf(drawing))
-    write("drawings", f"drawings_{tag}.pdf", to_pdf(drawn["A4"], f"Drawings, specification {spec.hash}"))
-    write("pour_sheet_a4", f"pour_{tag}.pdf", sheet_pdf(blocks, foot, drawn["A4"], "A4"))
-    write("pour_sheet", f"pour_{tag}.md", to_markdown(blocks))
-    write("pour_sheet_html", f"pour_{tag}.html", to_html(blocks, to_svg(drawn["A3"][0])))
-    return files
+    drawn = [_drawing(spec, ring, parts[f"ring_half_{ring.tag}"], foot.date, f"{number} of {count}", foot.paper)
+             for number, ring in enumerate(spec.rings, 1)]  # fmt: skip
+    return write_papers(folder, f"puck_{spec.tag}", puck_sheet(spec, plan), foot, drawn, drawn)

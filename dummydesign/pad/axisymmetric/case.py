@@ -96,6 +96,13 @@ class Case:
         """Height of the bone."""
         return self.shape.bone_mm(r * self.thickness_mm, 0.0 * r) / self.thickness_mm
 
+    @property
+    def tip(self) -> float | None:
+        """Radius of curvature of the tested face on the axis, from its profile; None of a flat one."""
+        near = 1e-3
+        fallen = float(self.drop(np.array([near]))[0])
+        return near**2 / (2.0 * fallen) if fallen > 0.0 else None
+
     def check(self) -> None:
         """Refuse what cannot be meshed round."""
         what = "slab" if self.shape == SLAB else "pad"

@@ -176,8 +176,8 @@ def solve_ratio(
 
 def _of_shape(case: Case, prony: tuple[PronyTerm, ...], time_s: Array, depth: Array, cells: int) -> RatioPath:
     flat = case.shape.flat_top
-    # Twice the step of a force and no finer cells at the edge: what they leave out cancels in the ratio.
-    step = (FLAT_STEP if flat else 2.0 * LARGEST_STEP) * 16.0 / cells
+    # No finer cells at the edge: what they leave out cancels in the ratio.
+    step = (FLAT_STEP if flat else LARGEST_STEP) * 16.0 / cells
 
     def follow(twin: bool, rims: Sequence[float]) -> RatioPath:
         def problem(own: Case, rim: float) -> Problem:

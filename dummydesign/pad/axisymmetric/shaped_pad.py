@@ -29,7 +29,6 @@ from dummydesign.geometry.interface import BASES, FACES, Interface
 from dummydesign.pad.axisymmetric.case import (
     Case,
     end_note,
-    held_on,
     padded,
     relative_depths,
     solve_on_lattice,
@@ -38,7 +37,7 @@ from dummydesign.pad.axisymmetric.case import (
 from dummydesign.pad.axisymmetric.filleted import filleted_problem, follow_filleted, solve_filleted
 from dummydesign.pad.axisymmetric.profile_punch import edge_problem
 from dummydesign.pad.axisymmetric.self_contact import FOLDED
-from dummydesign.pad.axisymmetric.shaped_problem import CELLS, PathCache, first_depth, grids
+from dummydesign.pad.axisymmetric.shaped_problem import CELLS, SOUND_J, Climb, PathCache, grids, meshed
 from dummydesign.pad.axisymmetric.sharp_edge import RIM_POWER, extrapolate_to_sharp, solve_curve
 from dummydesign.pad.contact.friction import SLIP_SCALE
 from dummydesign.pad.force_law import NO_COST, PadCurve
@@ -114,34 +113,18 @@ LEFT_TO_SHARP = 0.42 / (1.0 - 0.42)
 EDGE_ERROR = 0.3
 MESH_ERROR = 1.0
 LEAST_ERROR = 2e-3
+# The step to cells of half the size changes sign on the way: its largest size over these shares of a depth is stated,
+# which is that of the contact as it is there and not that of a tip of a few cells.
+BACK = np.linspace(0.6, 1.0, 5)
 # Smallest fillet over the smaller of radius and thickness that is followed: smaller ones end at half the depth. They
 # are interpolated to the sharp edge in the power that slabs show (``tables.filleted``).
 LEAST_FILLET = 0.015
 
 
-def rough_shaped_pad(pad: Pad, depth_mm: ArrayLike, solved: PathCache) -> PadCurve:
-    """Force of a round shaped pad on the coarsest of the grids of :func:`solve_shaped_pad`.
-
-    A third to a sixth of the work, to see which of several pads is worth the whole of it; the error is not stated.
-    """
-    if pad.edge_radius_mm:
-        pad = replace(pad, edge_radius_mm=max(pad.edge_radius_mm, least_fillet_mm(pad)))
-    case, depths = _case(pad, depth_mm)
-    grid = grids(CELLS, case)[-1]
-    paths = [solved.path(case, depths, grid, False)]
-    force = padded(paths[0], len(depths)) * pad.shear_MPa * pad.thickness_mm**2
-    if case.shape.flat_top:
-        slab = _slab_curve(pad, case, depths)
-        paths.append(solved.path(case, depths, grid, True))
-        count = len(slab.force_N)
-        force = slab.force_N * padded(paths[0], len(depths))[:count] / padded(paths[1], len(depths))[:count]
-    return _curve(case, depths, force, np.full(len(depths), np.nan), paths, [path.stop or "" for path in paths])
-
-
 def _case(pad: Pad, depth_mm: ArrayLike) -> tuple[Case, Array]:
-    """A shaped pad, meshed for the first of its depths, and the depths over its thickness."""
+    """A shaped pad, its tip meshed, and the depths over its thickness."""
     depths = relative_depths(depth_mm, pad.thickness_mm)
-    return replace(Case.of(pad), first=first_depth(depths), thickness_mm=float(pad.thickness_mm)), depths
+    return meshed(replace(Case.of(pad), thickness_mm=float(pad.thickness_mm))), depths
 
 
 def sharp(rough: Array, fine: Array) -> tuple[Array, Array]:
@@ -149,15 +132,24 @@ def sharp(rough: Array, fine: Array) -> tuple[Array, Array]:
 
     Where only one is known, the step between them is taken from the last depth at which both are.
     """
-    step = np.log(fine / rough)
-    known = np.isfinite(step)
-    step = np.where(known, step, step[known][-1] if known.any() and not known[-1] else 0.0)
+    step = last_known(np.log(fine / rough), 0.0)
     best = np.where(np.isfinite(fine), fine, rough * np.exp(step))
     return extrapolate_to_sharp(best, step, LEFT_TO_SHARP), np.expm1(LEFT_TO_SHARP * step)
 
 
+def last_known(values: Array, otherwise: float) -> Array:
+    """Values by depth, held at the last known one."""
+    known = np.flatnonzero(np.isfinite(values))
+    if not len(known):
+        return np.full(len(values), otherwise)
+    return np.where(np.arange(len(values)) <= known[-1], values, values[known[-1]])
+
+
 def solve_shaped_pad(pad: Pad, depth_mm: ArrayLike, cells: int = CELLS, solved: PathCache | None = None) -> PadCurve:
-    """Static force of a round shaped pad under a round, flat punch with a sharp or filleted edge, from first touch."""
+    """Static force of a round shaped pad under a round, flat punch with a sharp or filleted edge, from first touch.
+
+    Force and error at a depth are the same whatever the other depths are.
+    """
     least = least_fillet_mm(pad)
     if 0.0 < pad.edge_radius_mm < least:
         return _nearly_sharp(pad, least, depth_mm, cells, solved)
@@ -165,12 +157,44 @@ def solve_shaped_pad(pad: Pad, depth_mm: ArrayLike, cells: int = CELLS, solved: 
     solved = PathCache() if solved is None else solved
     if case.shape.flat_top:
         return _over_slab(pad, case, depths, cells, solved)
-    paths = [solved.path(case, depths, grid, False) for grid in grids(cells, case)]
-    rough, fine, half = (padded(path, len(depths)) for path in _three(paths))
-    value, added = sharp(rough, fine)
-    error = LEAST_ERROR + EDGE_ERROR * np.abs(added) + MESH_ERROR * held_on(np.abs(np.log(half / fine)))
-    stops = [path.stop for path in paths[:-1] if path.stop]
-    return _curve(case, depths, value * pad.shear_MPa * pad.thickness_mm**2, error, paths, stops)
+    climbs = _climbs(case, depths[-1], cells, solved, False)
+    asked, at = _looked_back(depths, climbs)
+    paths = [one.at(asked) for one in climbs]
+    fine, half, *large = (padded(path, len(asked)) for path in paths)
+    value, mesh = _by_both(fine, half, large[0] if large else half)
+    added = sharp(large[0], fine)[1] if large else np.zeros(len(asked))
+    value, own = value * (1.0 + added), at[:, -1]
+    doubt = _doubt(paths[0], len(asked))
+    error = LEAST_ERROR + EDGE_ERROR * np.abs(added[own]) + MESH_ERROR * mesh[at].max(axis=1) + doubt[own]
+    stops = [path.stop for path in paths if path.stop]
+    return _curve(case, depths, value[own] * pad.shear_MPa * pad.thickness_mm**2, error, paths, stops)
+
+
+def _climbs(case: Case, deepest: float, cells: int, solved: PathCache, twin: bool) -> list[Climb]:
+    """Paths on all grids; large cells are there to compare with."""
+    return [solved.climb(case, deepest, grid, twin, SOUND_J * (grid[0] < cells)) for grid in grids(cells, case)]
+
+
+def _doubt(path: Path, count: int) -> Array:
+    """Relative error of a path's forces between the ends of its steps, shape (count,); held at the last one."""
+    known = np.zeros(len(path.force)) if path.doubt is None else path.doubt
+    return last_known(np.concatenate([known, np.full(count - len(known), np.nan)]), 0.0)
+
+
+def _by_both(fine: Array, half: Array, further: Array) -> tuple[Array, Array]:
+    """Values on fine cells, and beyond their end those of a path that got further, made equal there; what cells change.
+    """
+    change = last_known(np.abs(np.log(half / fine)), 0.01)
+    beyond = further * np.exp(last_known(np.log(fine / further), 0.0))
+    return np.where(np.isfinite(fine), fine, beyond), change
+
+
+def _looked_back(depths: Array, climbs: Sequence[Climb]) -> tuple[Array, Array]:
+    """Depths with those at shares of each and the ends of paths, and where the shares of each depth are among them."""
+    back = np.outer(depths, BACK)
+    ends = [one.reached for one in climbs if 0.0 < one.reached < depths[-1]]
+    asked, at = np.unique(np.concatenate([back.ravel(), ends]), return_inverse=True)
+    return asked, at[: back.size].reshape(back.shape)
 
 
 def least_fillet_mm(pad: Pad) -> float:
@@ -195,21 +219,22 @@ def _nearly_sharp(pad: Pad, least_mm: float, depth_mm: ArrayLike, cells: int, so
 def _over_slab(pad: Pad, case: Case, depths: Array, cells: int, solved: PathCache) -> PadCurve:
     """Force of a flat-topped pad: its ratio to the slab of the upper resin on twin grids, times the slab's force."""
     slab = _slab_curve(pad, case, depths)
-    factors: list[Array] = []
-    paths: list[Path] = []
-    if case.shape.plain:
-        factors = [np.ones(len(depths))] * 3
-    else:
-        for grid in grids(cells, case):
-            pair = [solved.path(case, depths, grid, twin) for twin in (False, True)]
-            factors.append(padded(pair[0], len(depths)) / padded(pair[1], len(depths)))
-            paths += pair
-    rough, fine, half = _three(factors)
     count = len(slab.depth_mm)
-    spread = np.abs(np.log(rough / fine)) + MESH_ERROR * np.abs(np.log(half / fine))
-    error = slab.error_N / slab.force_N + 1e-3 + held_on(spread)[:count]
-    force = np.where(np.isfinite(fine), fine, rough)[:count] * slab.force_N
-    curve = _curve(case, depths, force, error, paths, [path.stop for path in paths[:4] if path.stop] + list(slab.notes))
+    if case.shape.plain:
+        error = slab.error_N / slab.force_N + 1e-3
+        return _curve(case, depths, slab.force_N, error, [], list(slab.notes))
+    pairs = list(zip(*(_climbs(case, depths[-1], cells, solved, twin) for twin in (False, True))))
+    asked, at = _looked_back(depths, [one for pair in pairs for one in pair])
+    paths = [one.at(asked) for pair in pairs for one in pair]
+    forces = [padded(path, len(asked)) for path in paths]
+    fine, half, *large = (one / twin for one, twin in zip(forces[::2], forces[1::2]))
+    ratio, spread = _by_both(fine, half, large[0] if large else half)
+    if large:
+        spread = spread + np.abs(last_known(np.log(large[0] / fine), 0.0))
+    doubt = _doubt(paths[0], len(asked))
+    error = slab.error_N / slab.force_N + 1e-3 + (spread[at].max(axis=1) + doubt[at[:, -1]])[:count]
+    stops = [path.stop for path in paths if path.stop]
+    curve = _curve(case, depths, ratio[at[:, -1]][:count] * slab.force_N, error, paths, stops + list(slab.notes))
     return replace(curve, solver=add_costs(curve.solver, slab.solver))
 
 
@@ -230,11 +255,6 @@ def _slab_curve(pad: Pad, case: Case, depths: Array) -> PadCurve:
     if case.edge:
         return solve_on_lattice("filleted", own, depths * h, solve_filleted)
     return (solve_curve if pad.condition == "bonded" else solve_flat)(own, depths * h)
-
-
-def _three(forces: list[Any]) -> list[Any]:
-    """What was found with the large fillet, the small one, and large cells; a real fillet stands for the first two."""
-    return forces if len(forces) == 3 else [forces[0], *forces]
 
 
 def _curve(

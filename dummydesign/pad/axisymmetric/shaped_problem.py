@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
+from itertools import takewhile
 from typing import Any
 
 import numpy as np
@@ -12,16 +13,17 @@ import numpy as np
 from dummydesign.core.cache import cached
 from dummydesign.core.errors import InputError
 from dummydesign.core.parsing import one_of
+from dummydesign.core.process import tell_depth
 from dummydesign.geometry.interface import BASES, FACES, Interface
 from dummydesign.pad.axisymmetric.case import FILM_REACH, Case, glue_film, round_problem
 from dummydesign.pad.axisymmetric.self_contact import FoldWatch, RoundFace
-from dummydesign.pad.contact.axisymmetric import FilletedPunch, FlatPunch, Surface
+from dummydesign.pad.contact.axisymmetric import GROWN_SLIP, FilletedPunch, FlatPunch, Surface
 from dummydesign.pad.contact.friction import CombinedSurface
 from dummydesign.pad.contact.penalty import ROUND_SHAPED_PAD
 from dummydesign.pad.fem import mesh_axisymmetric as meshes
 from dummydesign.pad.fem.mesh_axisymmetric import Sizes, columns, height_lines, lines_by_size, stretch
 from dummydesign.pad.fem.mixed_solid import STABILISATION
-from dummydesign.pad.solve.continuation import Path, VisitedState, follow
+from dummydesign.pad.solve.continuation import WITHOUT_TIES, Path, VisitedState, follow, force_between
 from dummydesign.pad.solve.equilibrium import Problem, Solution
 from dummydesign.pad.specimen import Pad
 
@@ -36,6 +38,8 @@ CELLS = 16
 EDGE_REFINEMENT = 0.25
 # Cells grow by this share of their distance from where they are wanted fine; a part of one that is no cell of its own.
 SIZE_SLOPE, SPARE = 0.25, 0.2
+# So many thicknesses beside the punch and further out they grow by this share more: it changes forces by 0.01 %.
+FAR, FAR_SLOPE = 1.0, 0.5
 
 
 def shaped_problem(
@@ -47,7 +51,9 @@ def shaped_problem(
     shape, shear, coarse = case.shape, case.law.shear_MPa, case.radius / cells
     # Without a fillet of its own the punch has no sides.
     punch = FilletedPunch(case.radius, case.edge or rim * case.scale, sides=case.edge > 0.0)
-    r, share, interface = _grid(case, cells, punch.rim, refinement)
+    # A crown has the same cells under every fillet that stands for a sharp edge: what they leave out cancels.
+    finest = punch.rim if case.edge or shape.flat_top else RIMS[-1] * case.scale
+    r, share, interface = _grid(case, cells, finest, refinement)
     points, quads, row = columns(r, share)
     nothing = np.zeros_like
     move = stretch(nothing, nothing) if twin else stretch(case.drop, case.bone)
@@ -77,6 +83,7 @@ def shaped_problem(
     surface = Surface(
         mesh.nodes, top[near], strength, film, ROUND_SHAPED_PAD.grip_share * strength * float(face.bonded),
         punch.flat_radius if len(glued) else 0.0, face.coulomb or 0.0, 0.02 * coarse, ties_within_step=True,
+        slip_share=1.0 if shape.flat_top else GROWN_SLIP,
     )  # fmt: skip
     return round_problem(mesh, case, glued, surface, punch, carried, STABILISATION, below)
 
@@ -89,35 +96,45 @@ def _grid(case: Case, cells: int, rim: float, refinement: float) -> tuple[Array,
     top = finer * min(coarse, 1.0 / cells)
     places = [case.radius - 0.5 * rim, *case.lines]
     sizes = [min(coarse, finer * 16.0 / cells * rim), *[0.6 * coarse] * len(case.lines)]
-    near = np.array([1e-3])
-    fallen = float(case.drop(near)[0])
-    if fallen > 0.0:
-        # Contact radius of a first touch: sqrt(R d), with R from the profile itself.
-        tip = float(near[0] ** 2 / (2.0 * fallen))
+    tip = case.tip
+    if tip is not None:
+        # Contact radius of a first touch: sqrt(R d).
         first = min(first, 1.3 * np.sqrt(tip * case.first) * 8.0 / cells)
         places.append(0.0)
         sizes.append(first)
     wanted = Sizes(places, sizes, SIZE_SLOPE, coarse, case.radius)
-    r = lines_by_size(0.0, case.extent, (*case.lines, case.radius), wanted.at, SPARE)
+
+    def size(x: Array) -> Array:
+        far: Array = wanted.at(x) + FAR_SLOPE * np.maximum(x - case.radius - FAR, 0.0)
+        return far
+
+    r = lines_by_size(0.0, case.extent, (*case.lines, case.radius), size, SPARE)
     layers = case.shape.layers()
     interface = layers[0] / case.thickness_mm if layers else None
     return r, height_lines(min(first, top), interface), interface
 
 
 # Load steps in thicknesses, at 16 cells, while a contact grows that sticks: half of them moves a force by at most
-# 0.35 %, twice as much by 1.2 %. Wanted depths are solved beside the path, which is the same whatever they are. Other
-# contact takes larger ones.
-LARGEST_STEP = 0.005
+# 0.2 %. Wanted depths lie between their ends. Other contact takes larger ones.
+LARGEST_STEP = 0.01
 # The same under a flat top, where only what is drawn to the fillet comes to touch: half of it moves the ratio to the
 # slab by at most 0.25 %, twice as much by 1 %.
 FLAT_STEP = 0.015
 FREE_STEP = 0.03
-FIRST_DEPTH = 0.02
-SMALLEST_STEP = 3e-4
+# A tip is meshed for a contact of half the radius of the smallest one whose force is solved (``first_touch``), or of
+# the smallest depth; the first step ends there, or at the last of these depths.
+FIRST_CONTACT, LEAST_DEPTH, FIRST_END = 0.05, 1e-4, 0.005
+# Smallest step, and over the first one.
+SMALLEST_STEP, SMALLEST_SHARE = 3e-4, 1.0 / 32.0
+# Large cells that are only compared with are left where one of them is crumpled to this share of its volume.
+SOUND_J = 0.25
+# Tangents that failed steps may cost before a path ends.
+MOST_WASTED = 60
+# Steps of a contact without memory may be this long; over it, as they grow where nothing is tied.
+LONGEST_FREE = FREE_STEP / WITHOUT_TIES
 
 
-# Ends of the steps of the paths followed last that do not fold, for whoever wants fields on the way; so many paths, the
-# oldest first.
+# Ends of the steps of the paths followed last, for whoever wants fields on the way; so many paths, the oldest first.
 _VISITED: dict[tuple[Case, int, float], list[VisitedState]] = {}
 MOST_VISITED = 8
 
@@ -128,92 +145,165 @@ def visited_states(case: Case, cells: int, rim: float, deepest: float) -> list[V
     return known if known and known[-1].depth >= deepest * (1.0 - 1e-9) else []
 
 
-def solve_path(
-    case: Case, depths: Array, cells: int = CELLS, rim: float = RIMS[-1], twin: bool = False,
-    visit: Callable[[Problem, float, Solution], None] | None = None,
-) -> Path:  # fmt: skip
-    """Follow the pad under a punch with one edge fillet."""
-    problem = shaped_problem(case, cells, rim, twin)
-    watch = None if twin or case.shape.flat_top else FoldWatch(RoundFace(problem, case.thickness_mm))
+def meshed(case: Case) -> Case:
+    """The case with the depth that its tip is meshed for, by the tip's radius alone."""
+    return case if case.tip is None else replace(case, first=max(FIRST_CONTACT**2 / case.tip, LEAST_DEPTH))
 
-    def check(depth: float, solution: Solution) -> str | None:
-        if watch is not None and (folded := watch.check(depth, solution.u)):
-            return folded
-        if visit is not None:
-            visit(problem, depth, solution)
-        return None
 
-    first, largest, lattice = 0.25 * case.first, LARGEST_STEP * CELLS / cells, True
+def load_steps(case: Case, cells: int, rim: float) -> tuple[float, float, float]:
+    """The first, the largest and the smallest load step: what the pad, not a list of depths, asks for."""
+    first, largest = min(case.first, FIRST_END), LARGEST_STEP * CELLS / cells
     if case.condition == "frictionless":
-        # Contact without memory: the force is the same whatever the steps were.
-        largest, lattice = FREE_STEP, False
+        largest = LONGEST_FREE
     elif case.shape.flat_top:
         first, largest = 0.3 * rim, FLAT_STEP
-    ends: list[VisitedState] = []
-    keep = ends.append if watch is not None and lattice else None
-    path = follow(problem, depths, first, largest, SMALLEST_STEP, lattice=lattice, visit=check, keep=keep)
+    return first, largest, min(SMALLEST_STEP, SMALLEST_SHARE * first)
+
+
+@dataclass(frozen=True)
+class Climb:
+    """A path as far as it was followed: ends of its steps, why it ends where no depth was reached, and its cost."""
+
+    ends: tuple[VisitedState, ...]
+    path: Path
+
+    @property
+    def reached(self) -> float:
+        """The deepest end of a step."""
+        return self.ends[-1].depth if self.ends else 0.0
+
+    def at(self, depths: Array) -> Path:
+        """Forces at the depths that were reached, between the ends of steps."""
+        kept = depths[depths <= self.reached * (1.0 + 1e-9)]
+        force, doubt = force_between(self.ends, kept) if len(kept) else (kept, kept)
+        own = [end.smallest_J for end in self.ends[:1]]
+        J = np.interp(kept, [end.depth for end in self.ends], [end.smallest_J for end in self.ends]) if own else kept
+        stop = None if len(kept) == len(depths) else self.path.stop
+        return replace(self.path, depth=kept, force=force, smallest_J=J, stop=stop, doubt=doubt)
+
+
+def climb(
+    case: Case, deepest: float, cells: int = CELLS, rim: float = RIMS[-1], twin: bool = False,
+    visit: Callable[[Problem, VisitedState], None] | None = None, smaller: Climb | None = None, sound_J: float = 0.0,
+) -> Climb:  # fmt: skip
+    """Follow the pad under a punch with one edge fillet to the second end of a step beyond a depth.
+
+    ``visit`` is called with every end of a step. ``smaller`` is the path of a crown under a smaller fillet on the same
+    cells, which this one shares until the contact comes to its own fillet. The path ends where the smallest volume
+    ratio is below ``sound_J``.
+    """
+    problem = shaped_problem(case, cells, rim, twin)
+    watch = None if twin or case.shape.flat_top else FoldWatch(RoundFace(problem, case.thickness_mm))
+    ends = [] if smaller is None else list(takewhile(partial(_inside, problem), smaller.ends))
+
+    def keep(end: VisitedState) -> str | None:
+        if watch is not None and (folded := watch.check(end.depth, end.u)):
+            return folded
+        if end.smallest_J < sound_J:
+            return f"a volume ratio fell below {sound_J:g} at relative depth {end.depth:.3f}"
+        ends.append(end)
+        if visit is not None:
+            visit(problem, end)
+        tell_depth(end.depth)
+        # Forces between ends know of the next end but one, the first of the first three.
+        far = len(ends) >= LEAST_ENDS and ends[-2].depth >= deepest * (1.0 - 1e-9)
+        return FAR_ENOUGH if far else None
+
+    path = follow(
+        problem, [np.inf], *load_steps(case, cells, rim), lattice=True, keep=keep, most_wasted=MOST_WASTED,
+        after=tuple(ends),
+    )  # fmt: skip
+    path = replace(path, stop=None if path.stop == FAR_ENOUGH else path.stop)
     if watch is None:
-        return path
-    if watch.folded is None:
-        if len(_VISITED) >= MOST_VISITED:
-            _VISITED.pop(next(iter(_VISITED)))
-        # Up to the last state that was checked for a fold.
-        last = path.depth[-1] if len(path.depth) else 0.0
-        _VISITED[case, cells, rim] = [end for end in ends if end.depth <= last * (1.0 + 1e-9)]
-    return watch.with_stop_reason(path, ends[-1].u if ends else None)
+        return Climb(tuple(ends), path)
+    if len(_VISITED) >= MOST_VISITED:
+        _VISITED.pop(next(iter(_VISITED)))
+    _VISITED[case, cells, rim] = ends
+    return Climb(tuple(ends), watch.with_stop_reason(path, ends[-1].u if ends else None))
+
+
+FAR_ENOUGH, LEAST_ENDS = "far enough", 4
+
+
+def _inside(problem: Problem, end: VisitedState) -> bool:
+    """Whether a contact, under whatever fillet, is inside the flat face of a problem's punch."""
+    points = _face(problem).points(end.u)
+    assert isinstance(problem.punch, FlatPunch)
+    return bool(np.all(points[..., 0][points[..., 1] + end.depth >= 0.0] < problem.punch.flat_radius))
+
+
+def _face(problem: Problem) -> Surface:
+    """The surface that the punch presses."""
+    surface = problem.surface.face if isinstance(problem.surface, CombinedSurface) else problem.surface
+    assert isinstance(surface, Surface)
+    return surface
+
+
+def solve_path(
+    case: Case, depths: Array, cells: int = CELLS, rim: float = RIMS[-1], twin: bool = False,
+    visit: Callable[[Problem, VisitedState], None] | None = None,
+) -> Path:  # fmt: skip
+    """Forces of the pad under a punch with one edge fillet at depths."""
+    return climb(case, float(np.max(depths)), cells, rim, twin, visit).at(np.asarray(depths, float))
 
 
 class PathCache:
-    """Paths of one pad and its depths that were followed already, by grid.
+    """Paths of one pad that were followed already, by grid.
 
-    ``touched`` has, of a pad that is touched gradually, every depth, the radius of its contact, and whether that
-    is the punch's edge, from the finest grid. [thicknesses]
+    ``touched`` has, of a pad that is touched gradually, ends of steps, the radius of the contact there, and whether
+    that is the punch's edge, from the finest grid. [thicknesses]
     """
 
     def __init__(self) -> None:
-        self._paths: dict[tuple[int, float, bool], Path] = {}
+        self._climbs: dict[tuple[int, float, bool], Climb] = {}
         self.touched: list[tuple[float, float, bool]] = []
 
-    def path(self, case: Case, depths: Array, grid: tuple[int, float], twin: bool) -> Path:
+    def climb(
+        self, case: Case, deepest: float, grid: tuple[int, float], twin: bool, sound_J: float = 0.0
+    ) -> Climb:  # fmt: skip
         """The path on one grid, followed now if it was not yet."""
         key = (*grid, twin)
-        if key not in self._paths:
-            visit = self._touch if grid == grids(CELLS, case)[-2] and not case.shape.flat_top else None
-            self._paths[key] = solve_path(case, depths, *grid, twin=twin, visit=visit)
-        return self._paths[key]
+        if key not in self._climbs:
+            visit = self._touch if grid == grids(CELLS, case)[0] and not case.shape.flat_top else None
+            cells, rim = grid
+            crown = not case.edge and not case.shape.flat_top
+            smaller = self._climbs.get((cells, RIMS[1], twin)) if crown and rim == RIMS[0] else None
+            self._climbs[key] = climb(case, deepest, *grid, twin, visit, smaller, sound_J)
+        return self._climbs[key]
 
-    def _touch(self, problem: Problem, depth: float, solution: Solution) -> None:
-        self.touched.append((depth, *radius_touched(problem, depth, solution)))
+    def _touch(self, problem: Problem, end: VisitedState) -> None:
+        self.touched.append((end.depth, *radius_touched(problem, end.depth, end.u)))
 
 
-def radius_touched(problem: Problem, depth: float, solution: Solution) -> tuple[float, bool]:
-    """Radius of the contact at an equilibrium, and whether it has reached the fillet of the punch's edge."""
-    surface, punch = problem.surface, problem.punch
-    if isinstance(surface, CombinedSurface):
-        surface = surface.face
-    assert isinstance(surface, Surface) and punch is not None
-    points = surface.points(solution.u)
+def radius_touched(problem: Problem, depth: float, u: Array) -> tuple[float, bool]:
+    """Radius of the contact at displacements, and whether it has reached the fillet of the punch's edge."""
+    punch, points = problem.punch, _face(problem).points(u)
+    assert punch is not None
     touching = punch.gap(points, depth)[0] <= 0.0
     glued = np.unique(problem.driven // 2)
-    moved = problem.solid.mesh.nodes[0, glued] + solution.u.reshape(-1, 2)[glued, 0]
+    moved = problem.solid.mesh.nodes[0, glued] + u.reshape(-1, 2)[glued, 0]
     radius = float(max(np.max(points[..., 0], where=touching, initial=0.0), np.max(moved, initial=0.0)))
     return radius, isinstance(punch, FlatPunch) and radius >= punch.flat_radius
 
 
+FIRST_DEPTH = 0.02
+
+
 def first_depth(depths: Array) -> float:
-    """Depth that the apex is meshed for: 0.02, halved until no wanted depth is smaller."""
+    """Depth that an apex is meshed for in space: 0.02, halved until no wanted depth is smaller."""
     return FIRST_DEPTH * 0.5 ** max(0, int(np.ceil(np.log2(FIRST_DEPTH / float(depths[0])) - 1e-9)))
 
 
 def grids(cells: int, case: Case) -> list[tuple[int, float]]:
-    """Cells and fillet of the solves: large fillet, small fillet, small fillet on cells of twice the size.
+    """Cells and fillet of the solves: small fillet, the same on cells of twice the size, large fillet.
 
-    A real fillet is solved as it is, without the first.
+    A real fillet is solved as it is, without the last.
     """
+    coarse = max(4, cells // 2)
     if case.edge:
         rim = case.edge / case.scale
-        return [(cells, rim), (max(4, cells // 2), rim)]
-    return [(cells, RIMS[0]), (cells, RIMS[1]), (max(4, cells // 2), RIMS[1])]
+        return [(cells, rim), (coarse, rim)]
+    return [(cells, RIMS[1]), (coarse, RIMS[1]), (cells, RIMS[0])]
 
 
 @dataclass(frozen=True)
@@ -246,7 +336,7 @@ def _touch(case: Case, depths: Array, cells: int) -> dict[str, Any]:
     rows: list[tuple[float, bool]] = []
 
     def measure(depth: float, solution: Solution) -> None:
-        rows.append(radius_touched(problem, depth, solution))
+        rows.append(radius_touched(problem, depth, solution.u))
 
     path = follow(problem, depths, 0.25 * float(depths[0]), FREE_STEP, SMALLEST_STEP, visit=measure)
     radius, edge = np.array(rows).reshape(-1, 2).T

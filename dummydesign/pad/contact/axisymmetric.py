@@ -19,6 +19,11 @@ from dummydesign.pad.contact.penalty import ContactSurface, closure
 
 Array = np.ndarray
 
+# Of the way along the punch that a point goes in a step without sticking, up to when its gap closes, this share where a
+# contact grows: ahead of an edge that sticks points move with the root of their distance, which shrinks to nothing on
+# the way (the integral of a root is two thirds of it). With the whole of it a thin crown's force fell by up to 1.4 %
+# when steps were four times as long, so by 0.2 %.
+GROWN_SLIP = 2.0 / 3.0
 # A point this near counts as touching for the stiffness, so that the first step knows of the punch.
 TOUCHING = 1e-12
 
@@ -167,7 +172,7 @@ class Surface(SideContact):
     def __init__(
         self, nodes: Array, sides: Array, stiffness: float | Callable[[Array], Array],
         film: Callable[[Array], Array] | None = None, grip: float = 0.0, grip_from: float = np.inf,
-        friction: float = 0.0, slip_scale: float = 1e-3, ties_within_step: bool = False,
+        friction: float = 0.0, slip_scale: float = 1e-3, ties_within_step: bool = False, slip_share: float = 1.0,
     ) -> None:  # fmt: skip
         super().__init__(nodes, sides, 5)
         shape, r, area = self._shape, self._r, self._area
@@ -176,7 +181,7 @@ class Surface(SideContact):
         if film is not None:
             self._film[:, ::2, ::2] = np.einsum("qi,qj,eq->eij", shape, shape, area * film(r))
         self._grip = np.where(r >= grip_from, area * grip, 0.0)
-        self._friction, self._slip_scale = friction, slip_scale
+        self._friction, self._slip_scale, self._slip_share = friction, slip_scale, slip_share
         self._held = np.zeros(area.shape, dtype=bool)
         self._spot = np.zeros((*area.shape, 2))
         self._along = np.zeros((*area.shape, 2))
@@ -221,7 +226,9 @@ class Surface(SideContact):
 
     def _where_closed(self, points: Array, touching: Array, depth: float, rest: Array, room: Array) -> Array:
         """Places at which gaps closed since the last step, in the frame of the punch."""
-        share = closure(*(x.ravel()[self._order] for x in (self._r, self._before, touching, room)))
+        share = closure(
+            *(x.ravel()[self._order] for x in (self._r, self._before, touching, room)), grown=self._slip_share
+        )
         part = np.empty(share.shape)
         part[self._order] = share
         part = part.reshape(room.shape)[..., None]

@@ -68,11 +68,11 @@ class ContactSurface:
         """Take back what was tied."""
 
 
-def closure(r: Array, held: Array, touching: Array, room: Array) -> Array:
+def closure(r: Array, held: Array, touching: Array, room: Array, *, grown: float = 1.0) -> Array:
     """Share of a load step at which each point's gap closed; 1 where it did not.
 
-    Where a contact grows on from points held before, its edge is taken to move evenly; a contact of its own is
-    taken to close as its gaps were.
+    Where a contact grows on from points held before, its edge is taken to move evenly, and ``grown`` is a factor of the
+    share; a contact of its own is taken to close as its gaps were.
     """
     share = np.ones(len(r))
     new = touching & ~held
@@ -87,7 +87,7 @@ def closure(r: Array, held: Array, touching: Array, room: Array) -> Array:
         stop = 0.5 * (r[last] + r[last + 1]) if last + 1 < len(r) else r[last]
         if left != right and stop > start:
             along = (r[inside] - start) / (stop - start)
-            share[inside] = along if left else 1.0 - along
+            share[inside] = grown * (along if left else 1.0 - along)
         else:
             ends = [room[k] for k in (first - 1, last + 1) if 0 <= k < len(r) and not touching[k]]
             widest = max([*ends, room[inside].max(), 1e-300])

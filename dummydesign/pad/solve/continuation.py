@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from dummydesign.core.interpolation import cubic_by_slopes, monotone_slopes
 from dummydesign.core.process import one_blas_thread, tell_depth
 from dummydesign.pad.force_law import NO_COST
 from dummydesign.pad.solve.equilibrium import (
@@ -38,7 +39,8 @@ WITHOUT_TIES = 4.0
 class Path:
     """Forces at the depths that were reached, and what the solve cost.
 
-    ``stop`` is None when every depth was reached, else the reason in words.
+    ``stop`` is None when every depth was reached, else the reason in words; ``doubt`` the relative error of forces
+    that lie between the ends of steps.
     """
 
     depth: Array
@@ -50,16 +52,42 @@ class Path:
     seconds: float
     stop: str | None
     residuals: tuple[tuple[float, ...], ...] = ()
+    doubt: Array | None = None
 
 
 @dataclass(frozen=True)
 class VisitedState:
-    """The end of a step on a path: depth, displacements, pressures, and what the surface remembers of contact."""
+    """The end of a step on a path: depth, displacements, pressures, and what the surface remembers of contact.
+
+    ``force`` is what the pad carries there, ``smallest_J`` the smallest volume ratio.
+    """
 
     depth: float
     u: Array
     p: Array
     memory: Any
+    force: float = math.nan
+    smallest_J: float = math.nan
+
+
+def force_between(ends: Sequence[VisitedState], depths: Array) -> tuple[Array, Array]:
+    """Force at depths up to the last end of a step, and its relative error: ln F over ln d by a monotone cubic.
+
+    A force knows of two ends before it and two after it. The stiffness at an end is no slope for it: it jumps by some
+    per cent when a point comes to touch, and forces left out were met three times worse by it. The error is how far the
+    parabolas through both ends and the slope at one of them lie apart. Above the first end the force goes with a power
+    of the depth.
+    """
+    x, y = (np.log([getattr(end, name) for end in ends]) for name in ("depth", "force"))
+    at = np.log(depths)
+    if len(ends) == 1:
+        return np.exp(np.full(len(at), y[0])), np.zeros(len(at))
+    power, inside = monotone_slopes(x, y), np.clip(at, x[0], x[-1])
+    left = np.clip(np.searchsorted(x, inside, side="right") - 1, 0, len(x) - 2)
+    step, far = np.diff(x)[left], inside - x[left]
+    bend = (power[left] + power[left + 1] - 2.0 * np.diff(y)[left] / step) / step
+    log = cubic_by_slopes(x, y, power)(inside) + power[0] * np.minimum(at - x[0], 0.0)
+    return np.exp(log), np.abs(bend * far * (step - far))
 
 
 def state_between(problem: Problem, passed: Sequence[VisitedState], depth: float) -> Solution | Failure:
@@ -89,7 +117,8 @@ def add_costs(*costs: Mapping[str, float]) -> dict[str, float]:
 def follow(
     problem: Problem, depths: ArrayLike, first_step: float, largest_step: float, smallest_step: float,
     sound_J: float = 0.0, lattice: bool = False, visit: Callable[[float, Solution], str | None] | None = None,
-    keep: Callable[[VisitedState], None] | None = None, most_wasted: float = math.inf,
+    keep: Callable[[VisitedState], str | None] | None = None, most_wasted: float = math.inf,
+    after: Sequence[VisitedState] = (),
 ) -> Path:  # fmt: skip
     """Follow the equilibrium from first touch through ``depths`` (increasing, in the mesh's unit of length).
 
@@ -102,7 +131,8 @@ def follow(
     remembers its path, so this makes an answer independent of the other requested depths.
 
     ``visit`` is called with every wanted depth and the equilibrium found there, ``keep`` with the end of every step.
-    Where ``visit`` says why, the path ends before that depth.
+    Where ``visit`` says why, the path ends before that depth; where ``keep`` does, there. It goes on from the ends of
+    steps ``after``, where there are some.
     """
     began = time.perf_counter()
     targets = np.asarray(depths, dtype=float)
@@ -110,7 +140,14 @@ def follow(
     direction = problem.direction()
     earlier: tuple[Array, Array, float] | None = None
     depth, step, iterations, steps, stop = 0.0, min(first_step, largest_step), 0, 0, None
-    wasted, since = 0, 0.0
+    if len(after) > 1:
+        before, last = after[-2:]
+        earlier, u, p, depth = (before.u, before.p, before.depth), last.u, last.p, last.depth
+        step = depth - before.depth
+        if problem.surface is not None:
+            problem.surface.restore(last.memory)
+            problem.surface.settle(u, problem.punch, depth)
+    wasted, since = 0, depth
     points: list[tuple[float, float, float]] = []
     history: list[tuple[float, ...]] = []
     while len(points) < len(targets) and stop is None:
@@ -169,7 +206,9 @@ def follow(
             problem.surface.restore(tied)
         earlier, u, p, depth = (u, p, depth), answer.u, answer.p, trial_depth
         if keep:
-            keep(VisitedState(depth, u, p, None if problem.surface is None else problem.surface.memory()))
+            memory = None if problem.surface is None else problem.surface.memory()
+            state = answer.state
+            stop = stop or keep(VisitedState(depth, u, p, memory, problem.force(state), float(state.J.min())))
         if problem.surface is not None:
             problem.surface.settle(u, problem.punch, depth)
         steps += 1

@@ -34,6 +34,8 @@ REUSE_UP_TO = 7
 # than the second: small residuals may grow when a point comes to touch, and shortening for it leads nowhere.
 SHORTEN_ABOVE = 0.2
 SHORTEST = 0.25
+# Where contact changes, the solid's tangent is kept for so many factorisations.
+HELD = 3
 # Least share of a step taken where a whole one would invert an element.
 LEAST_FRACTION = 0.05
 
@@ -143,23 +145,26 @@ def find_equilibrium(
     ties = factorised = 0
     contraction, least = problem.pattern.contraction
     tangent: Tangent | None = None
-    while factorised < MAX_ITERATIONS or tangent is not None:
-        again = tangent is not None
+    again = False
+    while factorised < MAX_ITERATIONS or again:
         if tangent is None:
-            tangent = solid.linearise(at.state)
-            factorised += 1
+            tangent, held = solid.linearise(at.state), 0
         load = solid.force_of_pressure(tangent, at.state) - at.state.internal_force - at.contact
-        du = problem.pattern.again(load) if again else problem.pattern.solve([tangent.stiffness, *at.matrices()], load)
+        if again:
+            du = problem.pattern.again(load)
+        else:
+            du = problem.pattern.solve([tangent.stiffness, *at.matrices()], load)
+            factorised, held = factorised + 1, held + 1
         dp = solid.pressure_step(tangent, at.state, du)
         trial = _sound(problem, at, du, dp, depth)
         if trial is None:
-            if again:
-                tangent = None
+            if again or held > 1:
+                tangent, again = None, False
                 continue
             return Failure("an element would invert", factorised)
         if again and not trial.residual < max(least * at.residual, tolerance):
             # A used tangent that leads away is given up together with its step.
-            tangent = None
+            tangent, again = None, False
             continue
         if trial.residual > SHORTEN_ABOVE and trial.unbalanced > at.unbalanced:
             trial = _shortened(problem, at, du, dp, depth, trial)
@@ -172,12 +177,15 @@ def find_equilibrium(
                 if without_ties:
                     return Failure(TIED, factorised)
                 ties, at = ties + 1, _met(problem, depth, at.fraction, at.u, at.p, at.state)
-                tangent = None
+                again = False
+                if held >= HELD:
+                    tangent = None
                 continue
         if at.residual < tolerance and at.fraction == 1.0:
             return Solution(at.u, at.p, at.state, tuple(residuals), ties, factorised)
         good = at.residual < (contraction * last if again else REUSE_BELOW)
-        if at.fraction < 1.0 or not good or factorised > REUSE_UP_TO:
+        again = at.fraction == 1.0 and good and factorised <= REUSE_UP_TO
+        if not again and (held >= HELD or at.residual < REUSE_BELOW):
             tangent = None
     reason = f"no equilibrium after {MAX_ITERATIONS} iterations (relative residual {residuals[-1]:.1e})"
     return Failure(reason, factorised)

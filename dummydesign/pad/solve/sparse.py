@@ -32,6 +32,7 @@ class Band:
         lower = np.nonzero(below >= 0)[0]
         self._lower = inside[lower]
         self._takes: list[Array] = []
+        self._first: Array | None = None
         # LAPACK's lower band storage, column by column.
         self._slot = self._to[column[lower]] * (self.width + 1) + below[lower]
 
@@ -52,8 +53,15 @@ class Band:
             cuts = np.searchsorted(self._lower, ends)
             self._takes = [part - end + matrix.size for part, end, matrix in
                            zip(np.split(self._lower, cuts[:-1]), ends, groups)]  # fmt: skip
-        values = np.concatenate([matrix.ravel().take(take) for matrix, take in zip(groups, self._takes)])
-        data = np.bincount(self._slot, values, minlength=self._n * (self.width + 1))
+        first = groups[0]
+        count = len(self._takes[0])
+        if first is not self._first:
+            values = first.ravel().take(self._takes[0])
+            self._data = np.bincount(self._slot[:count], values, minlength=self._n * (self.width + 1))
+            self._first = first
+        rest = [matrix.ravel().take(take) for matrix, take in zip(groups[1:], self._takes[1:])]
+        data = self._data.copy()
+        np.add.at(data, self._slot[count:], np.concatenate([np.array([]), *rest]))
         factor, info = dpbtrf(data.reshape(self._n, self.width + 1).T, lower=1, overwrite_ab=1)
         if info:
             return None
@@ -103,6 +111,7 @@ class Pattern:
         self._band = Band(row, column, len(self._kept), orders)
         self._order: Array | None = None
         self._to: Array | None = None
+        self._whole: Array | None = None
 
     def _arrange(self, order: Array) -> None:
         """Number the unknowns anew; ``order`` is where each one goes."""
@@ -119,10 +128,12 @@ class Pattern:
         The first matrices, those of ``groups[0]``, are symmetric.
         """
         whole, shared = matrices[0], self._shared
-        self._inner_inverse, coupling = _inverse(whole[:, shared:, shared:]), whole[:, shared:, :shared]
-        self._onto = self._inner_inverse @ coupling
-        condensed = whole[:, :shared, :shared] - coupling.transpose(0, 2, 1) @ self._onto
-        groups = [condensed, *matrices[1:]]
+        if whole is not self._whole:
+            self._whole = whole
+            self._inner_inverse, coupling = _inverse(whole[:, shared:, shared:]), whole[:, shared:, :shared]
+            self._onto = self._inner_inverse @ coupling
+            self._condensed = whole[:, :shared, :shared] - coupling.transpose(0, 2, 1) @ self._onto
+        groups = [self._condensed, *matrices[1:]]
         factor = self._band.factorise(groups) if self._band.narrow and symmetric(matrices[1:]) else None
         self._factor = factor or self._sparse(np.concatenate([matrix.ravel() for matrix in groups])[self._keep])
         return self.again(load)

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from typing import Any
 
+from dummydesign.design.assessment.budget import STATEMENTS
 from dummydesign.report.page import Section, Table
 
 TITLE = "Decision rule and uncertainty budget"
-STATEMENTS = ("pass", "conditional pass", "conditional fail", "fail")
 SURE = 1e-4
 
 

@@ -168,8 +168,8 @@ def _curves(root: Path, folder: str) -> None:
     report = f"{folder}/report.html"
     there = (root / report).is_file()
     try:
-        plots = [figures.measured_press(path) for path in sorted((root / folder).glob("report-press-*.csv"))]
-    except (OSError, ValueError, IndexError):
+        plots = figures.measured_presses(root / folder / "report.csv")
+    except (OSError, ValueError, KeyError):
         plots = []
     if plots and there:
         parts.file_links([("the whole report", report)])

@@ -170,8 +170,8 @@ def _source(root: Path, state: State) -> None:
 
 def _links(root: Path, folder: str) -> None:
     parts.zip_link(folder)
-    if list((root / folder).glob("*.stl")):
-        parts.shown_file(f"/solid/mould/{folder}", "pad and mould as solids", "shown solid")
+    for view in sorted((root / folder).glob("assembly_*.html"))[:1]:
+        parts.shown_file(f"/files/{folder}/{view.name}", "the parts as solids", "shown solid")
     names = [path.name for path in (root / folder).iterdir() if path.is_file() and not path.name.startswith(".")]
     for group, rows in made.grouped_files(names):
         html(f"<h3>{escape(group)}</h3>")

@@ -74,8 +74,6 @@ class MaxwellLaw(ABC):
         Whether it is fitted to traces.
     measured : bool
         Whether its subjects are measured curves and no parameters.
-    live : dict or None
-        What ``live.js`` computes the law by; None where a page cannot.
     """
 
     name: ClassVar[str]
@@ -89,7 +87,6 @@ class MaxwellLaw(ABC):
     measured: ClassVar[bool] = False
     log_gamma1: ClassVar[tuple[float, float]] = (-6.0, 3.0)
     log_gamma: ClassVar[tuple[float, float]] = (float(np.log(1e-5)), float(np.log(1e4)))
-    live: ClassVar[dict[str, Any] | None] = None
 
     @abstractmethod
     def drive(self, motion: Motion) -> Drive:

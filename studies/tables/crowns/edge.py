@@ -9,7 +9,8 @@ import numpy as np
 from dummydesign.pad.axisymmetric.case import Case
 from dummydesign.pad.axisymmetric.shaped_problem import radius_touched
 from dummydesign.pad.contact.axisymmetric import Surface
-from dummydesign.pad.solve.equilibrium import Problem, Solution
+from dummydesign.pad.solve.continuation import VisitedState
+from dummydesign.pad.solve.equilibrium import Problem
 
 Array = np.ndarray
 
@@ -26,21 +27,21 @@ NEAR_ENOUGH = 0.03
 
 @dataclass
 class EdgeWatch:
-    """Contact radius and gaps over the punch's radius and the thickness, depth by depth, as ``visit`` of ``climb``."""
+    """Contact radius and gaps over the punch's radius and the thickness, by depth, as ``visit`` of ``solve_path``."""
 
     press: Case
     depth: list[float] = field(default_factory=list)
     touched: list[float] = field(default_factory=list)
     gaps: list[Array] = field(default_factory=list)
 
-    def __call__(self, problem: Problem, depth: float, solution: Solution) -> None:
+    def __call__(self, problem: Problem, end: VisitedState) -> None:
         """Note one state."""
         assert isinstance(problem.surface, Surface), "a crown is touched by a round punch"
-        points = problem.surface.points(solution.u).reshape(-1, 2)
+        points = problem.surface.points(end.u).reshape(-1, 2)
         points = points[np.argsort(points[:, 0])]
-        self.depth.append(depth)
-        self.touched.append(radius_touched(problem, depth, solution)[0] / self.press.radius)
-        self.gaps.append(np.interp(PLACES * self.press.radius, points[:, 0], -points[:, 1] - depth))
+        self.depth.append(end.depth)
+        self.touched.append(radius_touched(problem, end.depth, end.u)[0] / self.press.radius)
+        self.gaps.append(np.interp(PLACES * self.press.radius, points[:, 0], -points[:, 1] - end.depth))
 
     def reached(self, foot: float, fillet: float) -> tuple[float, float] | None:
         """d / h at which the edge is reached, and what is not known of it; None where it was not.

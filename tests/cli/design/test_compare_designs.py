@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import json
 import shutil
 from html.parser import HTMLParser
@@ -13,6 +12,7 @@ import pytest
 import dummydesign
 from dummydesign.cli.commands.compare_designs import COLUMNS
 from dummydesign.cli.entry import run
+from dummydesign.report.page import figure_values
 
 ASKED = {
     "thin": ("forefinger", {"thickness_mm": (5, 6), "ratio": (15, 15.5)}),
@@ -159,10 +159,9 @@ def test_the_report_has_every_design_and_the_steady_curves(designs, capsys):
     (score,) = [row[1:] for row in page.rows if row[:1] == ["score"]]
     assert score == [f"{designs[name]['recommendation']['scores']['total']:.2f}" for name in names]
     for name in names:
-        with Path(found["files"]["report_steady"]).open() as file:
-            mine = [row["depth_mm"] for row in csv.DictReader(file) if row["series"] == name]
-        with Path(name, "report-steady.csv").open() as file:
-            theirs = [row["depth_mm"] for row in csv.DictReader(file) if row["series"] == "recommended pad"]
+        mine = [row["x"] for row in figure_values(found["files"]["report_values"])["steady"] if row["series"] == name]
+        rows = figure_values(Path(name, "report.csv"))["steady"]
+        theirs = [row["x"] for row in rows if row["series"] == "recommended pad"]
         assert mine == theirs and len(mine) > 20
 
 

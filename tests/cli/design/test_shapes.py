@@ -9,6 +9,7 @@ import pytest
 from dummydesign.cli.entry import run
 from dummydesign.design.search.shape_family import designable_kinds
 from dummydesign.geometry.shape_registry import read_shape
+from dummydesign.report.page import figure_values
 from tests.support.command_answer import answer
 
 QUICK = ["--no-cad", "--no-verify"]
@@ -60,11 +61,12 @@ def test_the_report_shows_the_shapes_side_by_side_with_their_curves_as_csv(crown
     folder, _ = crowned
     page = (folder / "report.html").read_text(encoding="utf-8")
     assert "Shapes side by side" in page
-    lines = (folder / "report-shapes.csv").read_text(encoding="utf-8").splitlines()
-    assert lines[0].startswith("series,tissue_force_N,force_ratio")
-    assert {line.split(",")[0].strip('"').split(":")[0] for line in lines[1:]} >= {"aim", "crowned"}
+    rows = figure_values(folder / "report.csv")["shapes"]
+    assert {(row["x_name"], row["y_name"]) for row in rows} == {("tissue_force_N", "force_ratio")}
+    assert {row["series"].split(":")[0] for row in rows} >= {"aim", "crowned"}
 
 
+@pytest.mark.slow
 def test_a_shape_with_its_lengths_is_kept(capsys):
     status, found = answer(capsys, "suggest", "--tissue", "forefinger", "--shape", "crowned:20,2", *QUICK)
     assert status == (1 if found["verdict"]["light"] == "red" else 0)

@@ -40,6 +40,7 @@ def asked(tmp_path_factory):
     }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("command", COMMANDS)
 def test_steps_are_on_the_terminal_alone_counted_and_cleared_and_not_with_quiet(command, asked, monkeypatch, capsys):
     told = {}

@@ -29,6 +29,7 @@ def test_a_cubic_person_stops_a_mass_where_the_closed_form_says(mass, speed):
     assert [float(note.split()[2]) for note in found.notes] == pytest.approx(depth, abs=0.006)
 
 
+@pytest.mark.slow
 def test_people_by_the_law_are_stopped_in_as_the_law_followed_says(tmp_path, monkeypatch):
     """depths within 1 %, forces at most a tenth too high: a mass slows down, and the law relaxes meanwhile"""
     monkeypatch.setenv("DUMMYDESIGN_HOME", str(tmp_path / "home"))

@@ -5,7 +5,6 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from dummydesign.design.assessment import decision
 from dummydesign.design.assessment.decision import LEVEL, MISFIT, SHARE, compare_kinds, explain
 from dummydesign.design.problem import read_problem
 from dummydesign.design.request import Request
@@ -25,9 +24,8 @@ def design(kind, level=2, chances=0.5, misfit=0.1):
 
 
 @pytest.fixture
-def told(monkeypatch):
-    monkeypatch.setattr(decision, "ranges_of", lambda targets: SimpleNamespace(strict=False))
-    space = SimpleNamespace(targets=SimpleNamespace(limits=None))
+def told():
+    space = SimpleNamespace(targets=SimpleNamespace(limits=None, strict=False))
     return lambda chosen, *others: explain(chosen, others, space)
 
 

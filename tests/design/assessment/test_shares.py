@@ -79,6 +79,7 @@ def test_the_window_is_about_the_modulus_that_is_poured(cast, shares):
     assert low < wanted < high
 
 
+@pytest.mark.slow
 def test_castings_of_an_answer_are_the_shares_as_poured():
     answer = design(read_problem(Request("forefinger", shape="slab", thickness_mm=(5.0, 6.0), verify=False)))
     told = answer.to_dict()

@@ -156,7 +156,7 @@ def pressed_as(tissue, subject, speed):
 
 def test_a_measured_pad_that_is_a_subject_has_that_subjects_share(tissue):
     conditions = tuple(pressed_as(tissue, 4, speed) for speed in (10.0, 250.0))
-    comparison = SimpleNamespace(conditions=conditions, fit=SimpleNamespace(result={"noise_floor_N": 0.0}))
+    comparison = SimpleNamespace(conditions=conditions, noise_N=0.0)
     found = shares_of_traces(comparison, tissue)
     targets = make_targets(tissue, "average", Sampling())
     at_10 = [row for row, one in enumerate(targets.conditions) if one.steady_force_N == 10.0]

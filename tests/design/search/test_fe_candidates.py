@@ -87,7 +87,7 @@ def shaped(thickness=10.0, flat=True, axisymmetric=True, share=0.5):
 def space(*pressed_mm, gel=0.6, **given):
     """Where a design's deepest presses are those given."""
     usual = {"base": "bonded", "extent_mm": PAD_EXTENT_MM, "edge_radius_mm": 0.0, "radius_mm": 7.0}
-    targets = SimpleNamespace(limits=SimpleNamespace(gel_compression=gel))
+    targets = SimpleNamespace(limits=SimpleNamespace(gel_compression=gel), strict=False)
     return SimpleNamespace(pressed_mm=pressed_mm or (1.0, 2.0, 3.0), targets=targets, **{**usual, **given})
 
 
@@ -236,7 +236,6 @@ def leading(monkeypatch):
 
         monkeypatch.setattr(fe_candidates, "on_elements", on_elements)
         monkeypatch.setattr(fe_candidates, "feasible", lambda design, where: design.outlook.after_puck >= 0.0)
-        monkeypatch.setattr(fe_candidates, "ranges_of", lambda targets: SimpleNamespace(strict=False))
         monkeypatch.setattr(fe_candidates, "rank", lambda some, where: sorted(some, key=lambda one: one.outlook.number))
         designs = solve_leading([design for design, _ in rows], space())
         return designs, [next(n for n, (design, _) in enumerate(rows) if design is one) for one in order]

@@ -15,6 +15,8 @@ from dummydesign.design.test_setup import pad_of_request
 from dummydesign.pad.fields import solve_fields
 from dummydesign.report.suggest_sections import pressed_section
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture(scope="module")
 def answer():

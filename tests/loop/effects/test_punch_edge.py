@@ -55,6 +55,7 @@ def undeclared(folder, seed):
     return read_campaign(folder / "a")
 
 
+@pytest.mark.slow
 def test_a_rounded_edge_that_is_not_declared_is_named_and_sized(tmp_path):
     result = close_loop(undeclared(tmp_path, 961000))
     assert [one.candidate.effect.name for one in result.effects] == ["punch_edge"]

@@ -8,7 +8,7 @@ import pytest
 
 from dummydesign.core.errors import InputError
 from dummydesign.mold.checks import solids as check
-from dummydesign.mold.files.pour_sheet import pour_sheet, to_markdown
+from dummydesign.mold.files.pour_sheet import pour_sheet
 from dummydesign.mold.model.layout import layout, plug_top_mm, recess_outline, sheet_outline
 from dummydesign.mold.model.preset import mould_spec
 from dummydesign.mold.model.spec import MouldSpec
@@ -16,6 +16,7 @@ from dummydesign.mold.pour.bill_of_materials import bill_of_materials, materials
 from dummydesign.mold.pour.plan import pour_plan
 from tests.support.mould_checks import failed, named, shape_spec
 from tests.support.refusal import raises_code
+from tests.support.sheet_text import sheet_text
 
 GLASS = mould_spec(8.0, 60.0, 50.0, face_sheet_mm=3.0)
 
@@ -76,7 +77,7 @@ def test_sheet_and_list_name_the_size_to_cut():
     plan, sheet = pour_plan(GLASS), sheet_outline(GLASS, layout(GLASS))
     size = f"{sheet.length_mm:g} x {sheet.width_mm:g} mm"
     assert any("glass, 3 mm" in row[0] and size in row[0] for row in bill_of_materials(materials(GLASS, plan)))
-    assert "flush with the plug's top" in to_markdown(pour_sheet(GLASS, plan, []))
+    assert "flush with the plug's top" in sheet_text(pour_sheet(GLASS, plan, []))
 
 
 def test_the_section_of_a_sheet_goes_through_the_sheet_of_a_printed_mould_with_two_cavities():

@@ -3,12 +3,22 @@
 from __future__ import annotations
 
 import io
+import re
 
 import numpy as np
 import pytest
 
 from dummydesign.geometry.shape_registry import read_shape
-from dummydesign.mold.files.drawing_layout import SCALES, View, arrange, crown_detail, foot_mm, ratio
+from dummydesign.mold.files.drawing_layout import (
+    PROFILE_POINTS,
+    SCALES,
+    View,
+    arrange,
+    crown_detail,
+    foot_mm,
+    profile_words,
+    ratio,
+)
 from dummydesign.mold.files.drawing_sheet import PAPERS, to_dxf
 from dummydesign.mold.files.part_drawings import part_views, sheets
 from tests.mold.files.test_drawings import TITLE, meeting
@@ -51,6 +61,25 @@ def test_a_detail_is_larger_than_the_sheet_says_its_scale_and_meets_no_text(text
     assert "A" in [one.words for one in drawing.texts]
 
 
+@pytest.mark.parametrize("text", CROWNS)
+def test_the_profile_is_given_as_points_of_the_shape_from_tip_to_foot_with_its_tolerance(text):
+    shape, (_, high, foot) = read_shape(text), CROWNS[text]
+    words = profile_words(shape, 1.01, 0.14)
+    r, drop = np.array([[float(one) for one in pair] for pair in re.findall(r"(\d+\.\d+)/(\d+\.\d+)", words)]).T
+    assert len(r) == PROFILE_POINTS and (r[0], drop[0]) == (0.0, 0.0)
+    assert (r[-1], drop[-1]) == pytest.approx((1.01 * foot, 1.01 * high), abs=0.006)
+    still = np.zeros(len(r))
+    known = shape.drop_mm(still, r / 1.01) if shape.runs_out else shape.drop_mm(r / 1.01, still)
+    # r is rounded to 0.01 mm on a slope of at most 70 deg
+    assert drop == pytest.approx(1.01 * known, abs=0.015)
+    assert "profile tolerance 0.14" in words and "tolerance" not in profile_words(shape)
+
+
+def test_the_limits_of_the_tip_radius_stand_at_the_tip():
+    view = crown_detail(read_shape("crowned:21.2,2,9.4"), 1.01, (20.0, 22.5))
+    assert [words for _, words in view.leaders] == ["R21.41 at the tip (20.2 to 22.73)"]
+
+
 @pytest.mark.slow
 def test_pad_and_master_of_a_crown_have_the_detail_in_every_format(crowned):
     import ezdxf
@@ -64,6 +93,7 @@ def test_pad_and_master_of_a_crown_have_the_detail_in_every_format(crowned):
         assert sorted(values) == pytest.approx(sorted([grown * shape["height"], grown * shape["foot"]]), abs=1e-3)
         words = [one.words for one in drawing.texts]
         assert any(one.startswith("R3") for one in words) and "A" in words
-        texts = [e.dxf.text for e in ezdxf.read(io.StringIO(to_dxf(drawing))).layout("Layout1").query("TEXT")]
+        assert any(one.startswith("Profile, distance from the axis") for one in words)
+        texts = [e.dxf.text for e in ezdxf.read(io.StringIO(to_dxf([drawing]))).layout(f"1 {name}").query("TEXT")]
         assert any(one.startswith("detail A (") for one in texts)
     assert not any("detail" in one.words for one in found["frame"].texts)

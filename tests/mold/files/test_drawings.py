@@ -204,24 +204,24 @@ def test_drawings_are_wellformed_and_equal_for_equal_parts(open_parts):
     drawing = sheets(open_parts, part_views(open_parts))["mould"]
     root = ElementTree.fromstring(to_svg(drawing))
     assert root.get("width") == "420mm"
-    text = to_dxf(drawing)
+    text = to_dxf([drawing])
     document = ezdxf.read(io.StringIO(text))
     assert not document.audit().errors and len(document.modelspace().query("DIMENSION")) >= 5
-    assert text == to_dxf(drawing) and to_pdf([drawing], "a") == to_pdf([drawing], "a")
+    assert text == to_dxf([drawing]) and to_pdf([drawing], "a") == to_pdf([drawing], "a")
 
 
 def test_the_order_of_the_lines_does_not_change_the_dxf():
     from dummydesign.mold.files.drawing_sheet import LAYERS, Drawing, Line, to_dxf
 
     lines = [Line(((0.0, float(i)), (10.0, 5.0)), layer) for i in range(3) for layer in list(LAYERS)[:2]]
-    assert to_dxf(Drawing("t", 1.0, lines=lines)) == to_dxf(Drawing("t", 1.0, lines=lines[::-1]))
+    assert to_dxf([Drawing("t", 1.0, lines=lines)]) == to_dxf([Drawing("t", 1.0, lines=lines[::-1])])
 
 
 def test_the_dxf_is_the_same_in_processes_that_hash_differently():
     code = (
         "import sys, hashlib; from dummydesign.mold.files.drawing_sheet import Drawing, Line, to_dxf; "
         "sheet = Drawing('t', 1.0, lines=[Line(((0.0, 0.0), (1.0, 1.0)), 'cut')]); "
-        "print(hashlib.sha256(to_dxf(sheet).encode()).hexdigest())"
+        "print(hashlib.sha256(to_dxf([sheet, sheet]).encode()).hexdigest())"
     )
     found = {
         subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True,
@@ -244,33 +244,38 @@ def drawn_sheet(rng):
     return arrange([view, detail], TITLE, [], str(rng.choice(["A3", "A4"]))), length, width
 
 
-def test_a_dxf_has_the_part_at_full_size_and_the_sheet_in_paper_space():
-    """Read by ezdxf: lengths in model space are the part's, dimensions measure them, the viewport has the scale."""
+def test_a_dxf_has_the_parts_side_by_side_at_full_size_and_each_sheet_as_a_layout():
+    """Read by ezdxf: lengths in model space are the parts', dimensions measure them, the viewports have the scale."""
     import io
 
     import ezdxf
 
     scales = set()
-    for seed in np.random.default_rng().integers(0, 2**32, 12):
-        drawing, length, width = drawn_sheet(np.random.default_rng(seed))
-        scales.add(drawing.scale)
-        document = ezdxf.read(io.StringIO(to_dxf(drawing)))
-        assert not document.audit().errors
-        model, page = document.modelspace(), document.layout("Layout1")
-        (line,) = model.query("LWPOLYLINE")
-        xs, ys = zip(*((x, y) for x, y in line.get_points("xy")))
-        assert (max(xs) - min(xs), max(ys) - min(ys)) == pytest.approx((length, width), abs=1e-6)
+    for seed in np.random.default_rng().integers(0, 2**32, 6):
+        rng = np.random.default_rng(seed)
+        drawn = [drawn_sheet(rng) for _ in range(2)]
+        scales |= {drawing.scale for drawing, *_ in drawn}
+        document = ezdxf.read(io.StringIO(to_dxf([drawing for drawing, *_ in drawn])))
+        assert not document.audit().errors and document.layout_names() == ["Model", "1 part", "2 part"]
+        model, lines = document.modelspace(), document.modelspace().query("LWPOLYLINE")
+        ends = sorted([min(xs), max(xs), min(ys), max(ys)] for line in lines
+                      for xs, ys in [list(zip(*line.get_points("xy")))])  # fmt: skip
+        assert len(ends) == 2 and ends[0][1] < ends[1][0]
         found = sorted(d.get_measurement() for d in model.query("DIMENSION"))
-        assert found == pytest.approx(sorted((length, width)), abs=1e-6)
-        assert all(d.dxf.text in ("", "<>") for d in [*model.query("DIMENSION"), *page.query("DIMENSION")])
-        (detail,) = page.query("DIMENSION")
-        assert detail.get_measurement() * detail.override().get("dimlfac") == pytest.approx(length / 20, abs=1e-6)
-        assert not model.query("TEXT") and len(page.query("TEXT")) == len(drawing.texts)
-        view = next(one for one in page.query("VIEWPORT") if one.dxf.id != 1)
-        assert view.dxf.height / view.dxf.view_height == pytest.approx(drawing.scale)
-        # A point of the model is seen where the sheet has it.
-        x, y = (drawing.scale * (at - middle) for at, middle in zip((min(xs), min(ys)), view.dxf.view_center_point))
-        at = (x + view.dxf.center[0], y + view.dxf.center[1])
-        first = next(line for line in drawing.lines if line.of_part).points
-        assert at == pytest.approx((min(x for x, _ in first), min(y for _, y in first)), abs=1e-6)
+        assert found == pytest.approx(sorted(side for _, *sides in drawn for side in sides), abs=1e-6)
+        assert not model.query("TEXT")
+        for number, ((drawing, length, width), (x0, x1, y0, y1)) in enumerate(zip(drawn, ends), 1):
+            page = document.layout(f"{number} part")
+            assert (x1 - x0, y1 - y0) == pytest.approx((length, width), abs=1e-6)
+            assert all(d.dxf.text in ("", "<>") for d in [*model.query("DIMENSION"), *page.query("DIMENSION")])
+            (detail,) = page.query("DIMENSION")
+            assert detail.get_measurement() * detail.override().get("dimlfac") == pytest.approx(length / 20, abs=1e-6)
+            assert len(page.query("TEXT")) == len(drawing.texts)
+            view = next(one for one in page.query("VIEWPORT") if one.dxf.id != 1)
+            assert view.dxf.height / view.dxf.view_height == pytest.approx(drawing.scale)
+            # A point of the model is seen where the sheet has it.
+            x, y = (drawing.scale * (at - middle) for at, middle in zip((x0, y0), view.dxf.view_center_point))
+            at = (x + view.dxf.center[0], y + view.dxf.center[1])
+            first = next(line for line in drawing.lines if line.of_part).points
+            assert at == pytest.approx((min(x for x, _ in first), min(y for _, y in first)), abs=1e-6)
     assert len(scales) > 1

@@ -7,6 +7,7 @@ import json
 import math
 import random
 import re
+from collections import Counter
 from html.parser import HTMLParser
 from pathlib import Path
 
@@ -16,9 +17,11 @@ import pytest
 from dummydesign.mold.files import meshes as mesh
 from dummydesign.mold.files import pour_sheet as sheet
 from dummydesign.mold.files import step
+from dummydesign.mold.files.solid_view import read_view
 from dummydesign.mold.files.step import canonical_step
 from dummydesign.mold.pour.plan import CUP_FACTOR, batch_of, pour_plan, witness_mass_g
 from dummydesign.mold.pour.warnings import pour_warnings
+from tests.support.sheet_text import sheet_text
 
 HEADER = ("x.step", "test")
 
@@ -145,20 +148,20 @@ def test_mesh_in_3mf_is_the_mesh_in_millimetres(open_parts, tmp_path):
 
 def test_mesh_files_are_equal_for_equal_meshes(open_parts, tmp_path):
     part = mesh.tessellate(open_parts.solid("tray"))
-    for write, kind in ((mesh.write_stl, "stl"), (mesh.write_3mf, "3mf")):
-        write(part, tmp_path / f"a.{kind}")
-        first = (tmp_path / f"a.{kind}").read_bytes()
-        write(part, tmp_path / f"a.{kind}")
-        assert (tmp_path / f"a.{kind}").read_bytes() == first
+    mesh.write_3mf(part, tmp_path / "a.3mf")
+    first = (tmp_path / "a.3mf").read_bytes()
+    mesh.write_3mf(part, tmp_path / "a.3mf")
+    assert (tmp_path / "a.3mf").read_bytes() == first
 
 
 @pytest.mark.slow
-def test_glb_is_in_metres_and_html_needs_no_network(lidded_package):
-    import trimesh
-
+def test_the_view_needs_no_network_and_holds_pad_and_mould_for_the_report(lidded_package, lidded_parts):
     _, result = lidded_package
-    scene = trimesh.load(result.files["glb"])
-    assert 0.2 < max(scene.extents) < 1.0
+    parts = read_view(Path(result.files["view"]))
+    assert set(parts) == {"pad", "mould"}
+    for name, triangles in parts.items():
+        box = lidded_parts.solid(name).BoundingBox()
+        assert np.ptp(triangles, axis=(0, 1)) == pytest.approx((box.xlen, box.ylen, box.zlen), abs=0.01)
     page = Path(result.files["view"]).read_text(encoding="utf-8")
     assert not re.findall(r"<(?:script|link|img)[^>]+(?:src|href)=.https?:", page)
     assert "<canvas" in page
@@ -184,7 +187,7 @@ def test_pour_sheet_carries_what_the_pour_needs(open_spec, lidded_spec):
     for spec in (open_spec, lidded_spec):
         plan = pour_plan(spec)
         blocks = sheet.pour_sheet(spec, plan, pour_warnings(spec, plan))
-        text = sheet.to_markdown(blocks)
+        text = sheet_text(blocks)
         batch = batch_of(spec, spec.pour, plan)
         cup_l = CUP_FACTOR * batch.with_witness.total_g / spec.pour.density_g_per_cm3 * 1e-3
         for name, mass in batch.mix.components:
@@ -218,6 +221,10 @@ def test_witness_puck_has_the_mass_of_its_cylinder(open_spec):
 def test_manifest_names_every_file_with_its_hash(lidded_package):
     folder, result = lidded_package
     sums = json.loads(Path(result.files["manifest"]).read_text())["sha256"]
+    endings = Counter(path.suffix for path in folder.iterdir())
+    assert {kind: endings[kind] for kind in (".pdf", ".dxf", ".html", ".png")} == {
+        ".pdf": 2, ".dxf": 1, ".html": 2, ".png": 1}  # fmt: skip
+    assert set(endings) == {".pdf", ".dxf", ".html", ".png", ".step", ".3mf", ".json"}
     for path in folder.iterdir():
         assert not path.name.startswith(".")
         if path.name != "manifest.json":

@@ -7,7 +7,7 @@ from dataclasses import replace
 import pytest
 
 from dummydesign.mold.checks.process import check_process
-from dummydesign.mold.files.pour_sheet import pour_sheet, to_markdown
+from dummydesign.mold.files.pour_sheet import pour_sheet
 from dummydesign.mold.model.preset import mould_spec
 from dummydesign.mold.model.products import PrintFit, read_machines
 from dummydesign.mold.model.spec import MouldSpec
@@ -15,6 +15,7 @@ from dummydesign.mold.pour.plan import pour_plan
 from dummydesign.mold.pour.warnings import pour_warnings
 from tests.support.mould_checks import named
 from tests.support.refusal import raises_code
+from tests.support.sheet_text import sheet_text
 
 TEXT = """schema = 1\nname = "mine"\nbalance_resolution_g = 0.1
 [printer]\nbed_x_mm = 220.0\nbed_y_mm = 220.0\nheight_mm = 250.0\nmargin_mm = 5.0
@@ -73,5 +74,5 @@ def test_the_sheet_says_what_to_set_in_the_slicer():
     spec = mould_spec(8.0, 60.0, 50.0)
     enlarged = replace(spec, machines=replace(spec.machines, fit=PrintFit(0.2, 0.2, 0.5)))
     for one, said in ((spec, "print a bar of 150 mm"), (enlarged, "enlarged by 0.5 %")):
-        text = to_markdown(pour_sheet(one, pour_plan(one), []))
+        text = sheet_text(pour_sheet(one, pour_plan(one), []))
         assert said in text and "elephant's foot" in text

@@ -72,6 +72,16 @@ def test_the_advised_pad_cannot_be_made_larger_on_the_bed():
             mould_spec(6.0, length + 1.0, width + 1.0, on_bed(preset, x, y))
 
 
+def test_a_pad_that_fits_turned_is_advised_to_be_turned():
+    with raises_code("cannot_be_made", "printer_bed") as caught:
+        mould_spec(5.0, 120.0, 150.0, "lidded")
+    assert "turned by 90 degrees, 150 x 120 mm, it fits" in str(caught.value)
+    mould_spec(5.0, 150.0, 120.0, "lidded")
+    with raises_code("cannot_be_made", "printer_bed") as caught:
+        mould_spec(5.0, 158.0, 158.0)
+    assert "turned" not in str(caught.value) and "a pad of " in str(caught.value)
+
+
 def test_a_part_taller_than_the_printer_is_refused():
     tallest = max(part.height_mm for part in printed_parts(mould_spec(12.0, 80.0, 60.0)))
     mould_spec(12.0, 80.0, 60.0, on_bed("open", 300.0, 300.0, tallest + 0.01))
@@ -112,8 +122,9 @@ def drawn_spec(preset, shape, given):
 @pytest.mark.parametrize(("preset", "shape", "given"), CASES)
 def test_outlines_are_those_of_the_solids_and_nothing_hangs(preset, shape, given):
     from dummydesign.mold.cad.build import build
+    from dummydesign.mold.cad.tessellate import tessellate
     from dummydesign.mold.checks.files import overhang_mm2
-    from dummydesign.mold.files.meshes import lying, tessellate
+    from dummydesign.mold.files.meshes import lying
 
     spec = drawn_spec(preset, shape, given)
     made = build(spec)

@@ -21,6 +21,7 @@ from dummydesign.mold.pour.plan import (
 from dummydesign.mold.pour.warnings import pour_warnings
 from dummydesign.mold.runner import without_cad
 from tests.support.mould_checks import shape_spec
+from tests.support.sheet_text import sheet_text
 
 CROWN = mould_spec(4.5, 150.0, 120.0, kind="crowned", parameters=(("radius", 21.2), ("height", 2.0), ("foot", 9.4)))
 
@@ -31,7 +32,7 @@ def with_balance(spec, resolution_g):
 
 def text_of(spec):
     plan = pour_plan(spec)
-    return sheet.to_markdown(sheet.pour_sheet(spec, plan, pour_warnings(spec, plan)))
+    return sheet_text(sheet.pour_sheet(spec, plan, pour_warnings(spec, plan)))
 
 
 @pytest.mark.parametrize("spec", [CROWN, shape_spec("slab", 8.0), mould_spec(8.0, 40.0, 30.0, count=4)])

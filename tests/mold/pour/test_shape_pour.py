@@ -16,6 +16,7 @@ from dummydesign.mold.pour.warnings import pour_warnings
 from dummydesign.mold.runner import without_cad
 from dummydesign.resin import load_resin
 from tests.support.mould_checks import shape_spec
+from tests.support.sheet_text import sheet_text
 
 
 def test_base_is_mixed_to_the_ratio_of_moduli():
@@ -57,7 +58,7 @@ def test_pour_sheet_says_what_the_shape_needs(text):
     spec = shape_spec(text, 15.0)
     plan = pour_plan(spec)
     warnings = pour_warnings(spec, plan)
-    written = sheet.to_markdown(sheet.pour_sheet(spec, plan, warnings))
+    written = sheet_text(sheet.pour_sheet(spec, plan, warnings))
     for words in (*TOLD[text], str(spec.pad.shape), f"{plan.fill_mass_g:.1f} g"):
         assert words in written
     assert [c.id for c in check_process.check_process(spec, plan, warnings) if c.status == "fail"] == []
@@ -71,7 +72,7 @@ def test_pour_sheet_says_what_the_shape_needs(text):
 def test_two_pours_are_weighed_apart_and_in_their_order():
     spec = shape_spec("layered:6,0.4", 15.0)
     plan = pour_plan(spec)
-    written = sheet.to_markdown(sheet.pour_sheet(spec, plan, pour_warnings(spec, plan)))
+    written = sheet_text(sheet.pour_sheet(spec, plan, pour_warnings(spec, plan)))
     assert written.index("UPPER LAYER FIRST") < written.index("Gelled at") < written.index("BASE LAYER SECOND")
     for pour, part in ((spec.pour, plan), (spec.base.pour, plan.base)):
         for name, mass in batch_of(spec, pour, part).mix.components:

@@ -23,6 +23,7 @@ from dummydesign.mold.pour.steps import BLANK, MOVE, PREPARE, Step, order_faults
 from dummydesign.mold.pour.warnings import pour_warnings
 from tests.support.mould_checks import shape_spec
 from tests.support.refusal import raises_code
+from tests.support.sheet_text import sheet_text
 
 SHAPES = ("slab", "crowned:3,8,9", "layered:6,0.4", "boned:20,6")
 
@@ -46,7 +47,7 @@ def test_nothing_that_was_levelled_is_moved_before_the_resin_has_gelled(spec):
     carried = [*steps[:-1], Step("Stand the mould on the balance.", (MOVE,)), steps[-1]]
     assert "not level or was moved" in " ".join(order_faults(carried))
     assert order_faults([*reversed(steps)])
-    text = sheet.to_markdown(sheet.pour_sheet(spec, plan, pour_warnings(spec, plan)))
+    text = sheet_text(sheet.pour_sheet(spec, plan, pour_warnings(spec, plan)))
     assert "mould on the balance" not in text
 
 
@@ -145,7 +146,7 @@ def test_each_pad_of_a_mould_has_its_own_places_for_what_is_measured():
 @pytest.mark.parametrize("spec", specs(), ids=lambda spec: f"{spec.preset}-{spec.pad.name}-{spec.pour.degas}")
 def test_every_oven_of_the_sheet_is_vented_and_the_cure_says_why(spec):
     plan = pour_plan(spec)
-    text = sheet.to_markdown(sheet.pour_sheet(spec, plan, pour_warnings(spec, plan)))
+    text = sheet_text(sheet.pour_sheet(spec, plan, pour_warnings(spec, plan)))
     sentences = [one for one in text.replace("|", ".").split(".") if " oven" in one]
     assert sentences and all("vented oven" in one or "oven's air" in one for one in sentences)
     cure = pour_steps(spec, plan)[-1].text

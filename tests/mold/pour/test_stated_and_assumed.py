@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from dummydesign.mold.checks.process import check_process
-from dummydesign.mold.files.pour_sheet import pour_sheet, to_markdown
+from dummydesign.mold.files.pour_sheet import pour_sheet
 from dummydesign.mold.model.preset import _RESIN_FALLBACK, mould_spec, read_preset
 from dummydesign.mold.model.spec import MouldSpec
 from dummydesign.mold.pour.plan import batch_of, pour_plan
@@ -23,6 +23,7 @@ from dummydesign.resin.model.modulus_laws import LAWS
 from dummydesign.resin.model.resin import save_resin
 from tests.support.mould_checks import failed
 from tests.support.refusal import raises_code
+from tests.support.sheet_text import sheet_text
 
 BASE = load_resin()
 
@@ -39,7 +40,7 @@ def with_properties(resin=BASE, drop=(), **values):
 def written(spec):
     plan = pour_plan(spec)
     warnings = pour_warnings(spec, plan)
-    return to_markdown(pour_sheet(spec, plan, warnings)), {item["code"]: item["message"] for item in warnings}
+    return sheet_text(pour_sheet(spec, plan, warnings)), {item["code"]: item["message"] for item in warnings}
 
 
 def with_process(preset, **changed):
@@ -181,6 +182,6 @@ def test_pucks_mark_what_is_assumed(tmp_path):
                       tmp_path / "my.toml")  # fmt: skip
     spec = puck_spec(read_pucks("50x30"), resin=str(path), ratio=15.0)
     plan = puck_plan(spec)
-    text = to_markdown(puck_sheet(spec, plan))
+    text = sheet_text(puck_sheet(spec, plan))
     assert "min (assumed)" in text and "h (assumed)" in text
     assert "assumed_numbers" in {item["code"] for item in warnings_of(spec, plan)}

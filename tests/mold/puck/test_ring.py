@@ -157,13 +157,25 @@ def test_the_command_makes_checked_files_of_several_pucks_with_one_sheet(tmp_pat
     assert run(words) == 0
     answer = json.loads(capsys.readouterr().out)
     assert {check["status"] for check in answer["checks"]} == {"pass"}
-    assert {"assembly", "ring_half_50x30", "puck_30x20", "pour_sheet", "ring_half_50x30_stl"} <= answer["files"].keys()
+    assert {"assembly", "ring_half_50x30", "puck_30x20", "pour_sheet", "ring_half_50x30_3mf"} <= answer["files"].keys()
     assert len(answer["step_sha256"]) == 64 and sum(answer["masses_g"].values()) > 150.0
     volumes = answer["volumes_mm3"]
     assert volumes["puck_50x30"] == pytest.approx(math.pi / 4 * 2500 * 30, rel=1e-12)
     assert volumes["cavity_50x30"] > volumes["puck_50x30"]
     assert run(words) == 0
     assert json.loads(capsys.readouterr().out) | {"seconds": 0} == answer | {"seconds": 0}
+
+
+@pytest.mark.parametrize("words, named", [
+    (["--count", "2"], "--count"), (["--castings", "3"], "--castings"), (["--shape", "crowned:20,2"], "--shape"),
+    (["--length", "100"], "--length"), (["--width", "80mm"], "--width"), (["--base-ratio", "20"], "--base-ratio"),
+    (["--face-sheet", "3"], "--face-sheet"), (["--bone", "b.stl", "--bone-height", "4"], "--bone, --bone-height"),
+    (["--bone-scale", "2", "--bone-turn", "0,0,9", "--bone-at", "1,0"], "--bone-scale, --bone-turn, --bone-at"),
+])  # fmt: skip
+def test_what_belongs_to_pads_is_refused_beside_a_puck(words, named, capsys):
+    assert run(["mold", "--puck", "50x30", *words, "--json"]) == 2
+    error = json.loads(capsys.readouterr().out)["error"]
+    assert (error["code"], error["quantity"]) == ("conflict", "puck") and f"leave {named} out" in error["message"]
 
 
 def test_thickness_and_puck_are_not_given_together(capsys):

@@ -290,7 +290,7 @@ def test_fields_on_the_way_of_a_followed_path_are_those_followed_anew():
 
 def test_fields_on_the_way_of_a_followed_path_follow_none(monkeypatch):
     pad = Pad(5.0, YOUNG_MPa, 7.9, geometry=read_shape("crowned:8,2"))
-    press = Case(7.9 / 5.0, PAD_EXTENT_MM / 5.0, shape=pad.geometry, thickness_mm=5.0, first=0.02)
+    press = paths.meshed(Case(7.9 / 5.0, PAD_EXTENT_MM / 5.0, shape=pad.geometry, thickness_mm=5.0))
     paths.solve_path(press, np.array([0.1, 0.15]), 8)
     monkeypatch.setattr(fields_solve, "follow", None)
     assert len(solve_fields(pad, [0.4, 0.63], coarse=True)[0]) == 2

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
 
 from dummydesign.geometry.dimensions import PAD_EXTENT_MM
 from dummydesign.geometry.shape_registry import read_shape
-from dummydesign.geometry.shapes.crowned import Crowned
 from dummydesign.geometry.shapes.layered import Layered
 from dummydesign.pad.axisymmetric import shaped_pad
 from dummydesign.pad.axisymmetric.case import Case, first_stiffness
@@ -17,17 +16,15 @@ from dummydesign.pad.axisymmetric.shaped_pad import (
     GLUED_ERROR,
     SLIDING_ERROR,
     least_fillet_mm,
-    rough_shaped_pad,
     solve_flat,
     solve_ratio,
     solve_shaped_pad,
 )
-from dummydesign.pad.axisymmetric.shaped_problem import PathCache, grids, solve_path
+from dummydesign.pad.axisymmetric.shaped_problem import grids
 from dummydesign.pad.force_law import NO_COST, PadCurve
 from dummydesign.pad.material.hyperelastic import Yeoh
 from dummydesign.pad.solve.continuation import Path
 from dummydesign.pad.specimen import Pad
-from dummydesign.pad.tables.shape import TabulatedShapeLaw
 from dummydesign.pad.tables.slab import load_table
 
 DEPTHS = np.array([0.02, 0.1, 0.3])
@@ -121,28 +118,37 @@ class MadePaths:
 
     touched = ()
 
-    def path(self, case, depths, grid, twin):
-        cells, rim = grid
-        force = 3.0 * depths**1.5 * np.exp(-0.8 * rim**POWER + 0.02 * (cells < 16))
-        count = 2 if (cells, rim) == (16, 0.05) else len(depths)
-        stop = None if count == len(depths) else "ends"
-        return Path(depths[:count], force[:count], np.ones(count), 9, 1, 2, 0.1, stop)
+    def climb(self, case, deepest, grid, twin, sound_J=0.0):
+        return MadePath(*grid, DEPTHS[1] if grid == (16, 0.05) else deepest)
+
+
+@dataclass
+class MadePath:
+    cells: int
+    rim: float
+    reached: float
+
+    def at(self, depths):
+        depths = depths[depths <= self.reached]
+        force = 3.0 * depths**1.5 * np.exp(-0.8 * self.rim**POWER + 0.02 * (self.cells < 16))
+        stop = "ends" if (self.cells, self.rim) == (16, 0.05) else None
+        return Path(depths, force, np.ones(len(depths)), 9, 1, 2, 0.1, stop, doubt=np.full(len(depths), 1e-4))
 
 
 def test_a_crown_is_carried_to_the_sharp_edge_and_states_what_that_and_its_cells_leave_open():
     pad, depth = Pad(8.0, 0.03, 7.0, geometry=read_shape("crowned:20,2,9")), 8.0 * DEPTHS
     found = solve_shaped_pad(pad, depth, solved=MadePaths())
     assert found.depth_mm == pytest.approx(depth) and found.notes == () and found.solver["load_steps"] == 3
+    # Where the fine cells have ended, the larger ones carry on from there.
     assert found.force_N == pytest.approx(3.0 * DEPTHS**1.5 * 0.01 * 64.0, rel=1e-3)
     added = np.expm1(0.8 * 0.05**POWER)
-    share = shaped_pad.LEAST_ERROR + shaped_pad.EDGE_ERROR * added + shaped_pad.MESH_ERROR * 0.02
-    # What larger cells change is held where the small fillet has ended.
+    share = shaped_pad.LEAST_ERROR + shaped_pad.EDGE_ERROR * added + shaped_pad.MESH_ERROR * 0.02 + 1e-4
     assert found.error_N / found.force_N == pytest.approx(np.full(3, share), rel=0.01)
     plain = Pad(8.0, 0.03, 7.0, geometry=read_shape("crowned:20,2,9"), edge_radius_mm=0.35)
     real = solve_shaped_pad(plain, depth[:2], solved=MadePaths())
     own = 3.0 * DEPTHS[:2] ** 1.5 * np.exp(-0.8 * 0.05**POWER)
     assert real.force_N == pytest.approx(own * 0.01 * 64.0, rel=1e-9)
-    least = shaped_pad.LEAST_ERROR + shaped_pad.MESH_ERROR * 0.02
+    least = shaped_pad.LEAST_ERROR + shaped_pad.MESH_ERROR * 0.02 + 1e-4
     assert real.error_N / real.force_N == pytest.approx(np.full(2, least))
 
 
@@ -169,26 +175,12 @@ def test_a_fillet_smaller_than_the_smallest_followed_lies_on_the_power_law_betwe
 
 def test_the_grids_of_a_solve_are_two_fillets_and_twice_the_cells_and_a_real_fillet_is_its_own():
     sharp = grids(16, Case(0.5, 9.0))
-    assert [cells for cells, _ in sharp] == [16, 16, 8] and sharp[0][1] == 2.0 * sharp[1][1] == 2.0 * sharp[2][1]
+    assert [cells for cells, _ in sharp] == [16, 8, 16] and 2.0 * sharp[0][1] == 2.0 * sharp[1][1] == sharp[2][1]
     for radius in (0.5, 2.0):
         real = grids(16, Case(radius, 9.0, edge=0.07))
         assert [cells for cells, _ in real] == [16, 8]
         assert [rim * min(radius, 1.0) for _, rim in real] == pytest.approx([0.07, 0.07])
     assert min(cells for cells, _ in grids(6, Case(0.5, 9.0))) == 4
-
-
-@pytest.mark.parametrize("shape", [Crowned(10.0, 2.5, 6.6), Layered(2.5, 2.0)], ids=lambda one: one.name)
-def test_a_rough_solve_is_near_the_table_and_scales_with_modulus_and_lengths(shape):
-    pad, depth = Pad(5.0, 0.03, 7.9, geometry=shape), np.array([0.5, 1.0])
-    rough = rough_shaped_pad(pad, depth, PathCache())
-    assert rough.depth_mm == pytest.approx(depth) and np.isnan(rough.error_N).all() and rough.notes == ()
-    assert rough.force_N == pytest.approx(TabulatedShapeLaw(shape).force(depth, 5.0, 0.03, 7.9), rel=0.04)
-    case = Case(7.9 / 5.0, PAD_EXTENT_MM / 5.0, shape=shape, thickness_mm=5.0)
-    path, whole = solve_path(case, depth / 5.0, 8, 0.05), 0.01 * 25.0
-    if shape.flat_top:
-        twin = solve_path(case, depth / 5.0, 8, 0.05, twin=True)
-        whole = load_table("bonded").force(depth, 5.0, 0.03, 7.9) / twin.force
-    assert rough.force_N == pytest.approx(whole * path.force, rel=1e-6)
 
 
 def slab_curve(monkeypatch, **kind):

@@ -287,5 +287,5 @@ def test_a_crown_in_motion_is_watched_for_folds_and_needs_no_slab(monkeypatch):
     monkeypatch.setattr(finite_strain, "RoundFace", lambda problem, thickness: watched.append(thickness))
     found = solve_ratio(Case(0.5, 3.0, shape=Crowned(20.0, 2.0), thickness_mm=10.0), ARMS, TIME, DEPTH)
     assert {kind for kind, *_ in asked} == {"pad"} and watched == [10.0, 10.0]
-    assert asked[0][2] == pytest.approx(2.0 * finite_strain.LARGEST_STEP * 16.0 / finite_strain.CELLS)
+    assert asked[0][2] == pytest.approx(finite_strain.LARGEST_STEP * 16.0 / finite_strain.CELLS)
     assert found.ratio[1:] == pytest.approx(np.full(3, 0.95)) and found.solver["rim_over_scale"] == 0.05

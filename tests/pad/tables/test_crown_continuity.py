@@ -53,6 +53,7 @@ def test_a_path_through_all_parameters_meets_no_step(table):
     assert np.max(largest_steps(lambda points: log_force(table, points), start, end, STEP)) < ALLOWED
 
 
+@pytest.mark.slow
 def test_a_path_across_the_feet_of_all_joins_meets_no_step(table):
     pads = random_pads(table, 40962, 1000)
     start = np.hstack([pads, np.random.default_rng(41).uniform(0.02, 0.58, (len(pads), 1))])

@@ -25,6 +25,7 @@ def volume(shape, thickness, depth):
     return 4.0 * inside.sum() * (HALF / 350.0) ** 2
 
 
+@pytest.mark.slow
 def test_the_overlap_is_the_volume_that_punch_and_field_have_in_common():
     """Without Hertz's term; a cap at the edge counts by a share of its own: within 4 % at the median and 25 %."""
     off = []

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from dummydesign.core import library
-from dummydesign.mold.files.pour_sheet import pour_sheet, to_markdown
+from dummydesign.mold.files.pour_sheet import pour_sheet
 from dummydesign.mold.model.preset import mould_spec
 from dummydesign.mold.model.spec import MouldSpec
 from dummydesign.mold.pour.plan import batch_of, pour_plan
@@ -15,6 +15,7 @@ from dummydesign.mold.pour.warnings import pour_warnings
 from dummydesign.resin import load_resin
 from dummydesign.resin.model.resin import save_resin
 from tests.support.refusal import raises_code
+from tests.support.sheet_text import sheet_text
 
 TEXT = (library.data_folder() / "materials" / "resins" / "polyurethane-nagoya.toml").read_text(encoding="utf-8")
 MEANING = next(line for line in TEXT.splitlines() if line.startswith("ratio_meaning"))
@@ -123,7 +124,7 @@ def test_the_sheet_gives_grams_and_millilitres_whose_ratio_is_stated(tmp_path):
         mix = batch_of(spec, spec.pour, plan).mix
         fixed, varied = mix.volumes_ml
         assert mix.ratio == pytest.approx(100 * varied / fixed, rel=1e-9) == pytest.approx(16.0, rel=0.01)
-        text = to_markdown(pour_sheet(spec, plan, pour_warnings(spec, plan)))
+        text = sheet_text(pour_sheet(spec, plan, pour_warnings(spec, plan)))
         assert "mix, ml" in text and f"| {fixed:.1f} |" in text and "by volume" in text
         again = MouldSpec.from_dict(spec.to_dict())
         assert again.pour == spec.pour and again.hash == spec.hash

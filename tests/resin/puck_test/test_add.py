@@ -42,6 +42,7 @@ def command(file, *more, diameter=50, height=30, ratio=15):
     return [*words, "--name", "batch", "--ratio", str(ratio), *more]
 
 
+@pytest.mark.slow
 def test_the_modulus_of_a_solved_puck_is_recovered_inside_its_interval(curve, tmp_path, monkeypatch, capsys):
     monkeypatch.setenv("DUMMYDESIGN_HOME", str(tmp_path))
     assert run(command(curve, "--json")) == 0

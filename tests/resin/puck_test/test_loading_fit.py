@@ -36,6 +36,7 @@ def table():
     return load_puck_table()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("plates", "friction"), [("friction:0.12", 0.12), ("bonded", np.inf)])
 def test_what_made_the_curves_is_found_within_its_interval(table, plates, friction):
     tests = [("A1", 0.3, 1.02), ("A2", -0.2, 1.01), ("B1", 0.0, 0.98), ("B2", 0.1, 0.99)]

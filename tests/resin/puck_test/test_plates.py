@@ -39,6 +39,7 @@ def half(fit):
     return 0.5 * math.log(fit.young_high_kPa / fit.young_low_kPa)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("plates", "declared"), [("friction:0.05", "lubricated"), ("bonded", "bonded"),
                                                   ("friction:0.12", "0.12")])  # fmt: skip
 def test_declared_plates_narrow_the_modulus_and_hold_the_truth(plates, declared):

@@ -1,6 +1,7 @@
 """Pucks with holds: holds are found, modulus and arms recovered from histories summed by other code, limits said.
 
-``python benchmarks/puck_hold.py`` counts over many draws, with friction by finite elements and a misfit of the law.
+``python -m benchmarks.accuracy.puck_hold`` counts over many draws, with friction by finite elements and a misfit of the
+law.
 """
 
 from __future__ import annotations
@@ -115,8 +116,8 @@ def test_misfit_of_the_law_is_the_same_all_through_a_hold_and_noise_falls_with_s
 
 @pytest.mark.slow
 def test_intervals_hold_the_truth_over_draws_with_friction_misfit_and_drift():
-    """The whole study: python benchmarks/puck_hold.py"""
-    from benchmarks.puck_hold import CASES, study
+    """The whole study: python -m benchmarks.accuracy.puck_hold"""
+    from benchmarks.accuracy.puck_hold import CASES, study
 
     got = study(20, 7, next(iter(CASES.values())))
     for name in ("young", "friction", "tau", "beta"):

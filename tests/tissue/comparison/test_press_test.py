@@ -123,6 +123,7 @@ def test_a_speed_with_three_digits_keeps_its_name_and_its_range(palm):
     assert row["velocity_mm_s"] == 125.0
 
 
+@pytest.mark.slow
 def test_how_the_punch_held_the_face_is_said_and_changes_no_number(palm):
     traces = subject_presses(palm, (5.0,), (10.0,))
     glued, slid = (compare(traces, "palm", condition=condition).to_dict() for condition in (None, "friction:0.3"))

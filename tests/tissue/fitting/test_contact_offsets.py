@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from benchmarks.fit_coverage import DAMPER, GAMMA, GAMMA1, TRUTH, press
+from benchmarks.accuracy.fit_coverage import DAMPER, GAMMA, GAMMA1, TRUTH, press
 from dummydesign.measurement.trace import Trace
 from dummydesign.tissue.fitting.fit import _chosen, fit_traces
 from tests.support.refusal import raises_code

@@ -4,7 +4,7 @@
 import numpy as np
 import pytest
 
-from benchmarks.fit_coverage import DAMPER, GAMMA, GAMMA1, TRUTH, coverage, press
+from benchmarks.accuracy.fit_coverage import DAMPER, GAMMA, GAMMA1, TRUTH, coverage, press
 from dummydesign.inference.least_squares import covariance, solve
 from dummydesign.inference.noise import Noise, whitener
 from dummydesign.measurement.motion import Motion, ramp_and_hold
@@ -85,7 +85,7 @@ def test_the_motion_between_samples_is_exact_in_braking_and_does_not_overshoot_a
 
 @pytest.mark.slow
 def test_coverage_over_many_draws_is_near_ninety_five_percent():
-    """The whole study: python benchmarks/fit_coverage.py"""
+    """The whole study: python -m benchmarks.accuracy.fit_coverage"""
     for slow, life in ((0.0, 1.0), (0.02, 1.0), (0.05, 0.1)):
         held = coverage(300, 5, slow, life_s=life)
         assert np.all(held > 0.90) and held.mean() > 0.92

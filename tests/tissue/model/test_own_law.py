@@ -8,9 +8,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from dummydesign.cli.entry import run
 from dummydesign.core.recurrence import linear_recurrence
-from dummydesign.design.sweep.live_data import live_data
 from dummydesign.measurement.motion import Motion, ramp_and_hold
-from dummydesign.resin import load_resin
 from dummydesign.tissue import load_tissue
 from dummydesign.tissue.model.laws import LAWS
 from dummydesign.tissue.model.maxwell_law import Drive, MaxwellLaw
@@ -107,7 +105,6 @@ def test_what_the_law_does_not_offer_is_left_out_or_refused_in_words(traces, law
     assert run(["fit", *traces, "--law", "one-time", "--elements", "7"]) == 2
     assert "elements = 7 is not one of 3, 5" in capsys.readouterr().err
     assert run(["tissues", "add", "mine", *traces, "--law", "one-time"]) == 0
-    assert live_data(load_resin(), load_tissue("mine"))["tissue"] is None
     with raises_code("unsupported", "law"):
         law.stretch_rates(np.ones(1), np.ones((1, 2)))
 

@@ -1,6 +1,6 @@
 """The laws of soft tissue that are known: each module here offers instances of ``MaxwellLaw``.
 
-A new law is one module here, and one part in ``report/live.js`` where the what-if page shall compute it.
+A new law is one module here.
 """
 
 from __future__ import annotations

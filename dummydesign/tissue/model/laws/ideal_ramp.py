@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -36,7 +36,6 @@ class Consistent(IdealRamp):
     name = "consistent"
     words = "equation (5) for an ideal ramp, continuous at the stop"
     running_clock = False
-    live: ClassVar[dict[str, Any] | None] = {"ideal_ramp": True, "running_clock": False}
 
 
 class Published(IdealRamp):
@@ -45,7 +44,6 @@ class Published(IdealRamp):
     name = "published"
     words = "equation (5) for an ideal ramp, as printed"
     running_clock = True
-    live: ClassVar[dict[str, Any] | None] = {"ideal_ramp": True, "running_clock": True}
 
 
 class RampDrive(Drive):

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import itertools
-from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -24,7 +23,6 @@ class Ode(MaxwellLaw):
         "our reading of figure 6(b) of 'Development of Dummy Based on Impedance Properties of Human Soft Tissue Using "
         "a Nonlinear Viscoelastic Model', IEEE Access"
     )
-    live: ClassVar[dict[str, Any] | None] = {"ideal_ramp": False}
 
     def drive(self, motion: Motion) -> OdeDrive:
         """Drive by the motion as it is."""

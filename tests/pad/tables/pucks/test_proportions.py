@@ -40,7 +40,7 @@ def test_small_compressions_between_bonded_plates_have_the_published_apparent_mo
 
 @pytest.mark.slow
 def test_between_solved_proportions_the_table_agrees_with_a_solve():
-    """The standard disc of 29 x 12.5 mm; benchmarks/puck_shapes.py measures all half-way places."""
+    """The standard disc of 29 x 12.5 mm; benchmarks/accuracy/puck_shapes.py measures all half-way places."""
     compression, law = np.array([0.1, 0.25]), Ogden([2.0 / 3.0], [3.0])
     curve = solve_puck(Puck(12.5, 0.03, 29.0, plates="friction:0.25", law=law), 12.5 * compression)
     factor = table_for(29.0, 12.5).factor(3.0, float(grip(0.25)), compression)

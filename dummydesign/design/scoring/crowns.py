@@ -1,0 +1,86 @@
+"""Crowns as they are made: heights and tips that are off, and what that makes of the force of a pad."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol, cast
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dummydesign.design.scoring.presses import Curves, make_curves
+from dummydesign.pad.force_law import ForceLaw
+
+# Even steps of a crown's height, and of the logarithm of its tip radius, at which a force law is asked.
+HEIGHTS, RADII = 9, 3
+
+
+@dataclass(frozen=True)
+class Crowns:
+    """Crowns of n pads: height over the flat less the designed one [mm], tip radius over the designed one; (n,)."""
+
+    higher_mm: NDArray
+    blunter: NDArray
+
+    def first(self, count: int) -> Crowns:
+        """The first of them."""
+        return Crowns(self.higher_mm[:count], self.blunter[:count])
+
+
+class CrownedLaw(Protocol):
+    """A force law of a shape that knows pads whose crowns are off."""
+
+    def with_crowns(self, crowns: Crowns) -> ForceLaw:
+        """The law of such pads, one a row; their thickness at the tip has the crown's error in it."""
+
+
+def law_with_crowns(law: ForceLaw, crowns: Crowns) -> ForceLaw:
+    """The law of pads of a crowned shape whose crowns are off, one a row."""
+    return cast(CrownedLaw, law).with_crowns(crowns)
+
+
+def crowned_curves(
+    law: ForceLaw, crowns: Crowns, designed: Curves, thickness_mm: float, radius_mm: float, gel_compression: float
+) -> Curves:
+    """Curves of n pads with their own crowns, from those with the designed one, row by row.
+
+    What a crown changes is worked out on a pad of one thickness, as ln F / E at shares of the depth limit, and
+    interpolated: straight over the height, by a parabola over the logarithm of the tip radius. A crown that the law
+    does not hold counts as designed.
+    """
+    heights, logs = crowns.higher_mm, np.log(crowns.blunter)
+    rows, radii = (np.linspace(one.min(), one.max(), count) for one, count in ((heights, HEIGHTS), (logs, RADII)))
+    nodes = Crowns(np.r_[0.0, np.repeat(rows, RADII)], np.exp(np.r_[0.0, np.tile(radii, HEIGHTS)]))
+    made = make_curves(law_with_crowns(law, nodes), thickness_mm + nodes.higher_mm, radius_mm, gel_compression)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        logarithms = np.log(np.column_stack([made.limit_mm, made.area_mm2[:, 1:]]))
+        changes = np.nan_to_num(logarithms[1:] - logarithms[0], nan=0.0, posinf=0.0, neginf=0.0)
+    place = np.clip((heights - rows[0]) / max(rows[1] - rows[0], 1e-12), 0.0, HEIGHTS - 1.000001)
+    left, each = place.astype(int), np.arange(len(heights))
+    parabola = np.stack([_lagrange(radii, k, logs) for k in range(RADII)], axis=-1)
+    weights = np.zeros((len(heights), HEIGHTS, RADII))
+    weights[each, left] = (1.0 - place + left)[:, None] * parabola
+    weights[each, left + 1] = (place - left)[:, None] * parabola
+    factor = np.exp(weights.reshape(len(heights), -1) @ changes)
+    area = np.column_stack([designed.area_mm2[:, :1], designed.area_mm2[:, 1:] * factor[:, 1:]])
+    return Curves(designed.thickness_mm + heights, designed.limit_mm * factor[:, 0], area)
+
+
+def _lagrange(nodes: NDArray, k: int, at: NDArray) -> NDArray:
+    """The polynomial that is 1 at node k and 0 at the others; where all nodes are one, the middle one's is 1."""
+    if np.ptp(nodes) == 0.0:
+        return np.full(len(at), float(k == len(nodes) // 2))
+    others = np.delete(nodes, k)
+    return np.asarray(np.prod([(at - one) / (nodes[k] - one) for one in others], axis=0))
+
+
+def crown_scatter(law: ForceLaw, crowns: Crowns, thickness_mm: float, depth_mm: NDArray, radius_mm: float) -> float:
+    """Standard deviation of the logarithm of the force that crowns leave, as a mean over depths (m,)."""
+    pads = Crowns(np.r_[0.0, crowns.higher_mm], np.r_[1.0, crowns.blunter])
+    thickness = (thickness_mm + pads.higher_mm)[:, None]
+    depth = np.broadcast_to(depth_mm, (len(thickness), len(depth_mm)))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        logs = np.log(law_with_crowns(law, pads).force(depth, thickness, 1.0, radius_mm))
+    means = (logs[1:] - logs[0]).mean(axis=-1)
+    known = means[np.isfinite(means)]
+    return float(known.std()) if len(known) else 0.0

@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks.accuracy.rivals import RIVALS, ROWS
 from benchmarks.accuracy.loop_blind_table import rate
+from benchmarks.accuracy.rivals import RIVALS, ROWS
 from benchmarks.rows import read_rows
 from studies.marked_page import MarkedPage
 

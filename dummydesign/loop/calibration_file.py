@@ -19,7 +19,16 @@ from dummydesign.loop.calibration import PADS, Calibration, Model, Posterior
 from dummydesign.loop.data.pad_factors import USUAL
 from dummydesign.loop.effects.learned import Learned, SmoothChange, followed_by
 from dummydesign.loop.effects.registry import known_effects
-from dummydesign.loop.model.forward_model import HIGH, LAW_TERMS, LOW, NAMES, Active, BaseParameters, parameter_names
+from dummydesign.loop.model.forward_model import (
+    BASE,
+    HIGH,
+    LAW_TERMS,
+    LOW,
+    NAMES,
+    Active,
+    BaseParameters,
+    parameter_names,
+)
 
 SCHEMA = "dummydesign.calibration/1"
 VERDICTS = ("effect", "none", "unexplained")
@@ -169,13 +178,14 @@ def _calibration(data: _Entry) -> Calibration:
 
 def _posterior(table: _Entry, after: Model) -> Posterior:
     """Mean and covariance of the corrected model's parameters; the intervals in the file are for its reader."""
-    names = parameter_names([one.effect for one in after.active])
-    if table["names"].value != names:
+    names, forms = parameter_names([one.effect for one in after.active]), _forms(after)
+    held = [name for name in names if name not in forms or name in table["names"].of(list)]
+    if table["names"].value != held:
         raise _Fault(f"posterior.names must be {', '.join(names)}")
     mean = table["mean"].numbers(-LARGEST, LARGEST)
     matrix = [row.numbers(-LARGEST, LARGEST) for row in table["covariance"].items()]
-    if {len(mean), len(matrix), *(len(row) for row in matrix)} != {len(names)}:
-        raise _Fault(f"posterior must hold {len(names)} means and as many rows and columns of covariance")
+    if {len(mean), len(matrix), *(len(row) for row in matrix)} != {len(held)}:
+        raise _Fault(f"posterior must hold {len(held)} means and as many rows and columns of covariance")
     covariance = np.array(matrix)
     spread = np.sqrt(np.maximum(np.diag(covariance), 0.0))
     if not np.allclose(covariance, covariance.T, rtol=1e-6, atol=1e-12 * (1.0 + spread.max()) ** 2):
@@ -183,8 +193,22 @@ def _posterior(table: _Entry, after: Model) -> Posterior:
     scaled = covariance / np.outer(np.maximum(spread, 1e-150), np.maximum(spread, 1e-150))
     if np.diag(covariance).min() < 0.0 or np.linalg.eigvalsh(scaled)[0] < -1e-6:
         raise _Fault("posterior.covariance has a negative variance")
+    for place, name in enumerate(names):
+        if name not in held:  # a form that an earlier version did not have: its usual value, known as before any data
+            usual, deviation = forms[name]
+            mean.insert(place, usual)
+            covariance = np.insert(np.insert(covariance, place, 0.0, axis=0), place, 0.0, axis=1)
+            covariance[place, place] = deviation**2
     level, slope, curve = (table["pad_to_pad"][key].number(0.0, LARGEST_LAW_ERROR) for key in PADS)
     return Posterior(tuple(names), np.array(mean), covariance, (level, slope, curve))
+
+
+def _forms(after: Model) -> dict[str, tuple[float, float]]:
+    """Usual value and standard deviation of each parameter of form, as a posterior keeps them."""
+    pairs = [(one.effect, p) for one in after.active for p in one.effect.parameters]
+    values = [(np.log(p.null), p.spread) if p.log else (p.null, p.spread * p.typical) for _, p in pairs if p.of_form]
+    names = parameter_names([one.effect for one in after.active])[BASE:]
+    return dict(zip([name for name, (_, p) in zip(names, pairs) if p.of_form], values))
 
 
 def _pad(table: _Entry) -> dict[str, Any]:
@@ -229,7 +253,10 @@ def _effects(entries: _Entry) -> tuple[Active, ...]:
             raise entry["name"].fault(f"is not one of {', '.join(known)}{own}")
         if name in active:
             raise _Fault(f"{entry.at}: {name} is listed twice")
-        numbers = {p.name: entry["parameters"][p.name].number(p.low, p.high) for p in known[name].parameters}
+        given = entry["parameters"]
+        # earlier versions have fewer parameters of form
+        numbers = {p.name: p.null if p.of_form and p.name not in given.of(dict) else given[p.name].number(p.low, p.high)
+                   for p in known[name].parameters}  # fmt: skip
         active[name] = Active(known[name], numbers)
     return tuple(active.values())
 

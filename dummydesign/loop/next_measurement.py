@@ -9,7 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.geometry.pad_shape import PadShape
-from dummydesign.loop.data.trials import Presses, stack
+from dummydesign.loop.data.reduction import UNLOADING
+from dummydesign.loop.data.trials import SAME_DEPTH, Presses, stack
+from dummydesign.loop.fitting.candidates import USUAL_POSITION_MM
 from dummydesign.loop.fitting.fit import CampaignFit
 from dummydesign.loop.fitting.problem import CampaignProblem
 from dummydesign.loop.model.base_law import SlabLaw
@@ -21,6 +23,9 @@ from dummydesign.measurement.trace import Trace
 
 HOLD_S = 10.0  # of every planned press
 BACK_MM_S = 10.0
+MADE, SCATTER = 2, 3.0
+"""How often a press must have been made to be known, and how many standard deviations of the contact two presses of one
+condition lie apart at most."""
 
 
 @dataclass(frozen=True)
@@ -149,6 +154,29 @@ def planned_presses(presses: Presses, lowpass: Lowpass | None, chosen: list[Opti
     return replace(made, history=history)
 
 
+def still_new(presses: Presses, chosen: list[Option], planned: Presses, position_mm: float) -> NDArray:
+    """Bins (T, B) of planned presses that the campaign does not hold already.
+
+    A press under usual circumstances that was made :data:`MADE` times or more, at a depth within :data:`SAME_DEPTH` or
+    :data:`SCATTER` of the contact's ``position_mm``, shows nothing new; its way back does where none was recorded.
+    """
+    new = planned.used.copy()
+    away = planned.label // 100 == UNLOADING
+    for row, option in enumerate(chosen):
+        if option.circumstance:
+            continue
+        depth = option.depth_share * option.thickness_mm
+        slack = max(SAME_DEPTH * depth, SCATTER * np.sqrt(2.0) * position_mm)
+        same = np.array([trial.pad == option.pad for trial in presses.trials])
+        same &= np.array([trial.velocity_mm_s == option.velocity_mm_s for trial in presses.trials])
+        same &= np.abs(presses.depth_mm - depth) <= slack
+        if same.sum() >= MADE:
+            new[row] &= away[row]
+        if (same & presses.unloads).sum() >= MADE:
+            new[row] = False
+    return new
+
+
 def _prediction(fit: CampaignFit, planned: Presses) -> tuple[NDArray, NDArray]:
     """Bins (T, B) of the planned presses and a square root (T, B, n) of their parameter covariance."""
     problem = replace(fit.problem, presses=planned)
@@ -176,7 +204,7 @@ def next_measurement(
     """Find the press with the largest expected gap in chi2 between two fitted explanations.
 
     gap = d' (C + S1 + S2)^-1 d with d the difference of their predictions, C the noise, S their parameter
-    uncertainty (law error of new pads included).
+    uncertainty (law error of new pads included). Only what is new counts, see :func:`still_new`.
     """
     presses = first.problem.presses
     chosen = [o for o in options(presses, first.problem.law) if o.depth_share * o.thickness_mm > 0.2]
@@ -189,8 +217,9 @@ def next_measurement(
         np.r_[first.vector[:BASE], np.zeros(LAW_TERMS * len(planned.pads))], forces
     )
     cover = planned.bins.covariance(noise, np.where(planned.used, slope, 0.0))
-    for row in range(len(chosen)):
-        use = planned.used[row]
+    new = still_new(presses, chosen, planned, min(noise.position_mm, USUAL_POSITION_MM))
+    for row in np.nonzero(new.any(axis=1))[0]:
+        use = new[row]
         total = cover[row][np.ix_(use, use)]
         for half in (root[row][use], other_root[row][use]):
             total = total + half @ half.T

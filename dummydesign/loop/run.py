@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.core.errors import InputError
-from dummydesign.core.process import Progress, one_blas_thread, quiet
+from dummydesign.core.process import Progress, budget_spent, one_blas_thread, processor_budget, quiet
 from dummydesign.loop.calibration import Calibration
 from dummydesign.loop.data.pad_factors import with_pad_factors
 from dummydesign.loop.data.trials import Presses, make_presses
@@ -99,18 +99,30 @@ def replay(campaign: Campaign, calibration: Calibration, progress: Progress = qu
     )  # fmt: skip
 
 
+SEARCH_BUDGET_S = 40.0
+"""Processor time after which no further model is begun; usual searches take 3 to 20 s. [s]"""
+
+
 @one_blas_thread()
-def close_loop(campaign: Campaign, progress: Progress = quiet, prior: Calibration | None = None) -> LoopResult:
-    """Run the loop on a campaign."""
+def close_loop(
+    campaign: Campaign, progress: Progress = quiet, prior: Calibration | None = None,
+    budget_s: float = SEARCH_BUDGET_S,
+) -> LoopResult:  # fmt: skip
+    """Run the loop on a campaign.
+
+    After ``budget_s`` of processor time the best model so far is judged and returned, with a warning.
+    """
     if prior is not None:
         check_prior(prior, campaign)
     campaign = with_pad_factors(campaign, None if prior is None else prior.pad)
     law = law_of(campaign, progress)
     campaign, presses, beyond = within_reach(campaign, make_presses(campaign), law)
-    base = assess(fit_base(presses, law, 1e-3 * start_young_kPa(campaign), progress))
-    available, untested = _available(presses, law)
-    seen = examine(base.fit)
-    answer = _against_base(base, seen, _explain(base, seen, available, progress), progress)
+    with processor_budget(budget_s) as budget:
+        base = assess(fit_base(presses, law, 1e-3 * start_young_kPa(campaign), progress))
+        available, untested = _available(presses, law)
+        seen = examine(base.fit)
+        explained = _explain(base, seen, available, progress)
+    answer = _against_base(base, seen, explained, progress)
     plain, learnt = answer.after.fit, answer.learnt
     doubt = doubt_of(plain, answer.selection.rivals) if learnt is None else doubt_of_curve(learnt.effect.shape.flat)
     after = replace(answer.after, fit=with_rough_law(plain, doubt))
@@ -124,7 +136,9 @@ def close_loop(campaign: Campaign, progress: Progress = quiet, prior: Calibratio
         after = assess(fit) if joined.used else after
     progress("next measurement")
     following = _next(campaign, base, answer.effects, answer.selection.ranking)
-    warnings = (*_warnings(campaign, presses, beyond, answer, joined), *_better_alone(answer.selection, after))
+    stopped = f"{budget_s:g} s of processor time" if budget.ran_out else ""
+    warnings = (*_warnings(campaign, presses, beyond, stopped, answer, joined),
+                *_better_alone(answer.selection, after))  # fmt: skip
     return LoopResult(
         **{**vars(answer), "after": after}, campaign=campaign, presses=presses, base=base, seen_before=seen,
         next=following, untested=untested, warnings=warnings, joined=joined,
@@ -141,7 +155,7 @@ def _explain(base: AssessedModel, seen: Seen, available: tuple[Effect, ...], pro
     seen_after = seen if after is base else examine(after.fit)
     left = remainder(base, after, seen_after)
     verdict = "unexplained" if left.reasons or alone else "effect" if effects else "none"
-    if left.reasons:
+    if left.reasons and not budget_spent():
         progress("learning the remainder")
         first = learned_first(base, seen, after, available, progress)
         if first is not None:
@@ -216,9 +230,12 @@ def _better_alone(selection: Selection, after: AssessedModel) -> Iterator[dict[s
 
 
 def _warnings(
-    campaign: Campaign, presses: Presses, beyond: str, answer: Explained, joined: Joined | None
+    campaign: Campaign, presses: Presses, beyond: str, stopped: str, answer: Explained, joined: Joined | None
 ) -> Iterator[dict[str, str]]:
     """What a reader must know: what a fit does not see comes first."""
+    if stopped:
+        yield {"code": "search_stopped", "message": f"the search was stopped after {stopped}: the best model so far is "
+               "used, and further effects were not tried"}  # fmt: skip
     if answer.base_kept:
         yield {"code": "base_kept", "message": answer.base_kept}
     if answer.learnt is not None:

@@ -31,25 +31,55 @@ def test_a_form_has_its_usual_value_at_coordinate_zero_and_is_never_a_size(one, 
 
 def test_only_forms_and_the_law_error_have_priors():
     problem = SimpleNamespace(effects=(effect_named("friction_hysteresis"),), thicknesses=np.array([5.0, 10.0]))
-    turn = effect_named("friction_hysteresis").parameters[1]
+    forms = [one.spread**-2.0 for one in effect_named("friction_hysteresis").parameters[1:]]
     sizes = SimpleNamespace(law=(0.1, 0.2, 0.5))
-    expected = [*[0.0] * 6, turn.spread**-2.0, 100.0, 100.0, 25.0, 25.0, 4.0, 4.0]
+    expected = [*[0.0] * 6, *forms, 100.0, 100.0, 25.0, 25.0, 4.0, 4.0]
     assert prior_precision(problem, sizes) == pytest.approx(expected)
 
 
-def test_a_calibration_that_lacks_a_form_or_a_size_is_refused(tmp_path):
+@pytest.fixture
+def written(tmp_path):
+    """A calibration's file as a table, and a function that reads it when it was changed."""
     made = calibration(effect("friction_hysteresis", friction_fraction=0.05))
     names = tuple(parameter_names([made.after.active[0].effect]))
     made = replace(made, posterior=replace(made.posterior, names=names))
     path = write_calibration(made, tmp_path / "calibration.json")
-    assert read_calibration(path).after.active[0].values == {"friction_fraction": 0.05, "turn_mm": 0.1}
-    for lacking in ("turn_mm", "friction_fraction"):
-        whole = json.loads(path.read_text())
-        del whole["after"]["effects"][0]["parameters"][lacking]
-        other = tmp_path / f"{lacking}.json"
-        other.write_text(json.dumps(whole))
-        with raises_code("malformed"):
-            read_calibration(other)
+
+    def read(table):
+        path.write_text(json.dumps(table))
+        return read_calibration(path)
+
+    return json.loads(path.read_text()), read
+
+
+def test_a_calibration_that_lacks_a_size_is_refused(written):
+    whole, read = written
+    assert read(whole).after.active[0].values == {"friction_fraction": 0.05, "turn_mm": 0.1, "in_hold": 0.0}
+    del whole["after"]["effects"][0]["parameters"]["friction_fraction"]
+    with raises_code("malformed"):
+        read(whole)
+
+
+def test_a_form_that_an_earlier_version_did_not_have_has_its_usual_value_and_prior(written):
+    whole, read = written
+    before = read(whole).posterior
+    del whole["after"]["effects"][0]["parameters"]["in_hold"]
+    at = whole["posterior"]["names"].index("friction_hysteresis.in_hold")
+    for key in ("names", "mean", "covariance"):
+        del whole["posterior"][key][at]
+    for row in whole["posterior"]["covariance"]:
+        del row[at]
+    after = read(whole)
+    assert after.after.active[0].values["in_hold"] == 0.0 and after.posterior.names == before.names
+    form = effect_named("friction_hysteresis").parameters[2]
+    assert after.posterior.mean[at] == form.null
+    assert after.posterior.spread("friction_hysteresis.in_hold") == pytest.approx(form.spread * form.typical)
+    rest = np.arange(len(before.names)) != at
+    assert after.posterior.covariance[at, rest] == pytest.approx(0.0)
+    assert after.posterior.covariance[np.ix_(rest, rest)] == pytest.approx(before.covariance[np.ix_(rest, rest)])
+    del whole["posterior"]["names"][-1]
+    with raises_code("malformed"):
+        read(whole)
 
 
 def test_an_arm_whose_time_changes_decays_with_each_time_in_turn():

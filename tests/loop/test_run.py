@@ -59,6 +59,19 @@ def test_an_effect_is_named_sized_and_lowers_the_error_on_a_second_campaign(resu
     assert predicted.total_rmse_N < 0.8 * predicted.total_base_rmse_N
 
 
+def test_a_search_out_of_time_returns_its_best_so_far_and_says_so(results, campaigns):
+    """Without time one effect is fitted, and none in its place."""
+    whole = results("temperature", 402)
+    assert "search_stopped" not in {one["code"] for one in whole.warnings}
+    result = close_loop(read_campaign(campaigns("temperature", 402)), budget_s=0.0)
+    (warning,) = [one for one in result.warnings if one["code"] == "search_stopped"]
+    assert "0 s of processor time" in warning["message"]
+    assert [one.candidate.effect.name for one in result.effects] == ["temperature"]
+    assert len(result.selection.ranking) == 1 < len(whole.selection.ranking)
+    assert len(result.effects[0].ranking) == 1
+    assert result.after.fit.score == pytest.approx(whole.after.fit.score, abs=1.0)
+
+
 @pytest.mark.slow
 def test_ringing_is_not_in_the_vocabulary_and_called_unexplained(results):
     result = results("ringing", 403, 2.0)

@@ -247,13 +247,16 @@ def stack(trials: tuple[Trial, ...], lowpass: Lowpass | None) -> Presses:
     )  # fmt: skip
 
 
+SAME_DEPTH = 0.04  # relative change of depth up to which presses are of one condition
+
+
 def _cells(trials: tuple[Trial, ...], depth: NDArray) -> NDArray:
-    """Number the conditions: same pad, declared speed and target force (or depth within 4 %)."""
+    """Number the conditions: same pad, declared speed and target force (or depth, see :data:`SAME_DEPTH`)."""
     keys: list[tuple[tuple[str, float], float, float]] = []
     numbers = []
     for trial, reached in zip(trials, depth):
         target = trial.target_force_N
-        level, slack = (float(reached), 0.04 * float(reached)) if target is None else (target, 1e-9)
+        level, slack = (float(reached), SAME_DEPTH * float(reached)) if target is None else (target, 1e-9)
         pad, speed = trial.pad, trial.velocity_mm_s
         match = [i for i, key in enumerate(keys) if key[:2] == (pad, speed) and abs(key[2] - level) <= slack]
         if not match:

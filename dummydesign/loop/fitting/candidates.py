@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from dummydesign.core.process import Progress, quiet
+from dummydesign.core.process import Progress, budget_spent, quiet
 from dummydesign.loop.fitting.fit import CampaignFit, fit, fit_with_noise, with_sizes
 from dummydesign.loop.fitting.noise import Sizes
 from dummydesign.loop.fitting.screening import Screened, screen
@@ -73,6 +73,8 @@ def first_fits(
     chosen = [one for rank, one in enumerate(screened) if rank < keep or one.effect.always_fitted]
     tried: list[EffectCandidate] = []
     for one in chosen:
+        if tried and budget_spent():
+            break
         most = HOPE[len(one.effect.parameters) > 1] * one.z**2
         won = max((other.gain for other in tried), default=0.0)
         hopeless = most < least_gain or (len(tried) >= FEWEST and most < HOPELESS * won)
@@ -94,7 +96,7 @@ def to_the_end(campaign_fit: CampaignFit, tried: list[EffectCandidate]) -> list[
     out = []
     for rank, one in enumerate(tried):
         near = one.gain > tried[0].gain - NEAR or (rank < SETTLED and one.gain > SHARE * tried[0].gain)
-        out.append(finished(campaign_fit, one) if near else one)
+        out.append(finished(campaign_fit, one) if near and (rank == 0 or not budget_spent()) else one)
     return sorted(out, key=lambda c: -c.gain)
 
 

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from dummydesign.core.process import Progress
+from dummydesign.core.process import Progress, budget_spent
 from dummydesign.loop.effects.learned import BY_TRIAL, FOLLOWED, Learned, SmoothChange, followed, largest_change
 from dummydesign.loop.fitting.candidates import EffectCandidate, modest
 from dummydesign.loop.fitting.fit import CampaignFit, fit, fit_with_noise
@@ -176,6 +176,8 @@ def _learnt(campaign_fit: CampaignFit, usual: CampaignFit, shape: SmoothChange, 
     """The fit with an effect of this shape, when it predicts left-out conditions much better."""
     fit, evidence, score = usual, step.evidence, campaign_fit.score
     for turn in range(MOST_ROUNDS):
+        if turn and budget_spent():
+            break
         if turn:
             step = _step(fit, shape)
         new = _without_modulus(shape, step)
@@ -234,7 +236,7 @@ def _pairs(
         pairs.append((BY_TIME, "since_stop_s"))
     # in a press these go together: their plane is hardly seen
     alike = {"depth_mm", "depth_share", "force_N", "reading_N"}
-    return [_first(fit, quantities, *pair) for pair in pairs if not set(pair) <= alike]
+    return [_first(fit, quantities, *pair) for pair in pairs if not (set(pair) <= alike or budget_spent())]
 
 
 def _knots(fit: CampaignFit, name: str, values: NDArray, most: int) -> tuple[float, ...]:
@@ -388,13 +390,15 @@ def learned_first(
         return None
     progress("learning before the named effects")
     function = learn(base.fit, among)
-    if function is None:
+    if function is None or budget_spent():
         return None
     # it takes the place of named effects: no more of them join it than stood without it
     selection = search(assess(function.fit), available, progress, most=len(named.fit.problem.effects))
     after = selection.after
     if not any(isinstance(one, Learned) for one in after.fit.problem.effects):
         return None  # named effects have taken its place
+    if budget_spent():
+        return None
     worse = _cost(after, function) >= _cost(named)
     if worse or refitted_squares(after.fit) >= refitted_squares(named.fit):
         return None

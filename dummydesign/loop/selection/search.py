@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from dummydesign.core.process import Progress, quiet
+from dummydesign.core.process import Progress, budget_spent, quiet
 from dummydesign.loop.fitting.candidates import EffectCandidate, finished, first_fit, first_fits, modest, to_the_end
 from dummydesign.loop.fitting.fit import CampaignFit, fit_with_noise, same_noise
 from dummydesign.loop.fitting.screening import Screened, screen
@@ -75,6 +75,8 @@ def refit_without(full: CampaignFit, effect: Effect, available: tuple[Effect, ..
     others = [one for one in screened if one.effect.name != effect.name and one.z**2 >= least][:ALTERNATIVES]
     options = []
     for one in others:
+        if budget_spent():
+            break
         trial = first_fit(usual, one)
         option = EffectCandidate(one.effect, trial, reduced.score - trial.score, one)
         options.append(finished(reduced, option) if option.gain > first.gain - NEAR else option)
@@ -206,7 +208,7 @@ def search(
     The best models of each size are kept, so that a rival that fits less well alone may win with a partner,
     and one size beyond the last that was worth it, because two effects may only be worth it together: unless the last
     that was worth it left nothing but noise. What must be gained grows with the number of models tried. At most
-    ``most`` effects are added.
+    ``most`` effects are added. Once a processor budget is spent no model is begun that is not needed to judge the best.
     """
     screened, ranking = ranked or rank(base, available, progress)
     tried = len(ranking)
@@ -227,6 +229,8 @@ def search(
             break
         else:
             waiting = True
+        if budget_spent():
+            break
         before, won = best, won + gained
         progress(f"effect {size + 1}")
         # rivals are continued where something is missing
@@ -284,6 +288,8 @@ def _children(parents: list[CampaignFit], available: tuple[Effect, ...], won: fl
     best: dict[frozenset[str], EffectCandidate] = {}
     size = len(parents[0].problem.effects) + 1
     for parent in parents:
+        if best and budget_spent():
+            break
         known, behind = names_of(parent), parent.score - parents[0].score
         rest = tuple(one for one in available if one.name not in known and known | {one.name} not in best)
         top = max((child.gain for child in best.values()), default=0.0)

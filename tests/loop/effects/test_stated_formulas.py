@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from dummydesign.loop.effects.registry import effect_named
+from dummydesign.loop.effects.rig.friction_hysteresis import dahl
 from dummydesign.loop.model.effect import Arm
 from tests.support import puck_presses as pucks
 
@@ -51,9 +52,9 @@ def test_friction_adds_on_the_way_in_and_takes_off_on_the_way_out():
     away = PRESSES.time_s > PRESSES.hold_end_s[:, None]
     back = PRESSES.depth_mm[:, None] - PRESSES.displacement_mm
     np.testing.assert_allclose(found[~away], 1.1)
-    np.testing.assert_allclose(found[away & (back >= 0.2)], 0.9)
-    turning = away & (back < 0.2)
-    np.testing.assert_allclose(found[turning], (1.0 + 0.1 * (1.0 - 2.0 * np.clip(back / 0.2, 0.0, 1.0)))[turning])
+    np.testing.assert_allclose(found[away & (back >= 2.0)], 0.9, atol=1e-5)
+    turned = 2.0 * 0.25 ** (np.maximum(back, 0.0) / 0.2) - 1.0
+    np.testing.assert_allclose(found[away], (1.0 + 0.1 * turned)[away])
 
 
 def test_a_tilted_punch_is_the_mean_over_strips_of_its_face():
@@ -158,6 +159,11 @@ def test_viscosity_thins_with_speed_about_fifty_millimetres_a_second_above_its_p
     slow = 0.5 * ((PRESSES.back_mm_s[:, None] ** 2 + 36.0) / (2500.0 + 36.0)) ** -0.2
     np.testing.assert_allclose(np.broadcast_to(own.tau_s, away.shape)[away], np.broadcast_to(slow, away.shape)[away])
     np.testing.assert_allclose(own.tau_s[~away], np.broadcast_to(arm.tau_s, away.shape)[~away])
+    # the fast arm has an exponent of its own, wherever it stands; a third arm that of the slow one
+    times = (1.5, 0.1, 0.01)
+    arms = effect.arms(PRESSES, tuple(Arm(one, 0.3) for one in times), DEPTH, {**values, "fast_arm": -0.5})
+    for arm, time, power in zip(arms, times, (-0.2, 0.1, -0.2)):
+        np.testing.assert_allclose(arm.tau_s, time * ((speed**2 + 36.0) / (2500.0 + 36.0)) ** power)
     for ratio, shown in ((1.51, True), (1.49, False)):
         assert (effect.untestable(SimpleNamespace(velocity_mm_s=np.array([10.0, 10.0 * ratio]))) == "") is shown
 
@@ -177,6 +183,31 @@ def test_a_tacky_pad_pulls_on_the_way_back_alone():
         found = effect.surface(PRESSES, np.full_like(DEPTH, depth), np.full_like(DEPTH, -9.0), values)
         np.testing.assert_allclose(found[away], -held, atol=1e-9)
     assert effect.unseen(SimpleNamespace(pulls=2)) == "" != effect.unseen(SimpleNamespace(pulls=1))
+
+
+def test_a_peeling_edge_pulls_at_every_depth():
+    effect, values = acting("adhesion", pull_off_N=2.0, release_mm=0.5, neck_mm=0.1, deep=0.25)
+    away = PRESSES.time_s > PRESSES.hold_end_s[:, None]
+    force = np.full_like(DEPTH, 5.0)
+    for depth, share in ((0.0, 1.0), (0.1, np.exp(-1.0)), (5.0, 0.0)):
+        found = effect.surface(PRESSES, np.full_like(DEPTH, depth), force, values)
+        np.testing.assert_allclose(found[away], 5.0 - 2.0 * share - 0.5 * np.sqrt(0.5), atol=1e-9)
+        np.testing.assert_allclose(found[~away], 5.0)
+
+
+def test_dry_friction_follows_small_moves_of_the_hold_in_part():
+    path = np.array([[0.0, 1.0, 2.0, 1.99, 1.97, 1.98, 2.5, 2.0, 1.0]])
+    turned = 2.0 * np.exp(-0.3) - 1.0  # 0.03 mm back
+    forward = 1.0 - (1.0 - turned) * np.exp(-0.1)
+    np.testing.assert_allclose(dahl(path, 0.1)[0, [2, 4, 5, 6, 8]], [1.0, turned, forward, 1.0, -1.0], atol=6e-3)
+    presses = SimpleNamespace(displacement_mm=path, time_s=np.arange(9.0)[None], hold_end_s=np.array([6.5]),
+                              depth_mm=np.array([2.05]))  # fmt: skip
+    effect, values = acting("friction_hysteresis", friction_fraction=0.2, turn_mm=0.2 * np.log(2.0), in_hold=0.5)
+    found = effect.surface(presses, path, np.full_like(path, 10.0), values)
+    np.testing.assert_allclose(found[0, :3], 12.0)
+    np.testing.assert_allclose(found[0, 4], 10.0 * (1.0 + 0.2 * (1.0 - 0.5 * (1.0 - turned))))
+    # on the way back from the depth of the press
+    np.testing.assert_allclose(found[0, 7:], [10.0 + 2.0 * (2.0 * np.exp(-0.5) - 1.0), 8.0], atol=1e-3)
 
 
 def test_sensors_add_bend_and_clip_as_stated():
@@ -216,5 +247,8 @@ def test_a_third_arm_begins_from_two_arms_that_it_has_moved_or_used_up(name):
     own = used_up[3:] if name.startswith("slow") else used_up[1:3]
     other = logs[1:3] if name.startswith("slow") else np.array([min(logs[3], np.log(0.3)), logs[4]])
     np.testing.assert_allclose(own, other)
-    (term,) = effect.adds_terms({"tau_s": 9.0, "beta": 0.2})
+    (term,) = effect.adds_terms({"tau_s": 9.0, "beta": 0.2, "variance": 0.0})
     assert (term.tau_s, term.beta) == (9.0, 0.2)
+    wide = effect.adds_terms({"tau_s": 9.0, "beta": 0.2, "variance": 0.16})
+    assert [term.beta for term in wide] == [0.1, 0.1]
+    np.testing.assert_allclose(np.log([term.tau_s for term in wide]), np.log(9.0) + np.array([-0.4, 0.4]))

@@ -15,6 +15,7 @@ import pytest
 
 from dummydesign.core.process import quiet
 from dummydesign.loop import run
+from dummydesign.loop.data.trials import SAME_DEPTH
 from dummydesign.loop.effects.learned import SmoothChange
 from dummydesign.loop.effects.registry import effect_named
 from dummydesign.loop.fitting.noise import Sizes
@@ -294,6 +295,11 @@ def test_at_most_the_written_number_of_effects_and_from_the_fourth_on_only_what_
         assert len(chosen[-1].problem.effects) == count
     search.search(base, (), quiet, ([], child(1)), most=2)
     assert len(chosen[-1].problem.effects) == 2
+
+
+def test_the_search_and_repeated_presses_end_where_it_is_written():
+    assert run.SEARCH_BUDGET_S == written("stop the search (search_stopped)", "after # s of processor time")
+    assert 100.0 * SAME_DEPTH == written("next measurement", "within # % of the depth")
 
 
 def test_an_effect_whose_interval_holds_zero_needs_the_written_multiple(monkeypatch):

@@ -13,7 +13,8 @@ class RateDependentViscosity(Effect):
     """Time constants fall as (speed / 50 mm/s)^-exponent: a shear-thinning viscosity, frozen per trial.
 
     The speed is sqrt(v^2 + v0^2) with v the ramp's and ``plateau_mm_per_s`` v0, below which gels thin no more. On the
-    way back v goes towards the speed there by the power ``way_back``: 0 is that of the ramp, 1 its own.
+    way back v goes towards the speed there by the power ``way_back``: 0 is that of the ramp, 1 its own. The fast arm
+    has the exponent times ``fast_arm``: the two viscosities need not thin alike.
     """
 
     name = "rate_dependent_viscosity"
@@ -24,6 +25,7 @@ class RateDependentViscosity(Effect):
         Parameter("exponent", "1", 0.0, -0.8, 1.5, 0.1),
         Parameter("plateau_mm_per_s", "mm/s", 5.0, 0.5, 100.0, 5.0, log=True, spread=1.0),
         Parameter("way_back", "1", 0.0, 0.0, 1.0, 1.0, spread=0.5),
+        Parameter("fast_arm", "1", 1.0, -1.0, 3.0, 0.5, spread=1.0),
     )
     signature = "time constants differ between speeds; one spectrum cannot serve both"
     cause = "gel whose flow thins with speed"
@@ -39,8 +41,11 @@ class RateDependentViscosity(Effect):
         if values["way_back"] and presses.unloads.any():
             away = presses.time_s > presses.hold_end_s[:, None]
             speed = speed * np.where(away, (presses.back_mm_s[:, None] / speed) ** values["way_back"], 1.0)
-        factor = ((speed**2 + slow**2) / (REFERENCE_MM_S**2 + slow**2)) ** (-0.5 * values["exponent"])
-        return tuple(arm.changed(tau_s=arm.tau_s * factor) for arm in arms)
+        over = (speed**2 + slow**2) / (REFERENCE_MM_S**2 + slow**2)
+        # the base's two arms come first; a fit may exchange them
+        fast = min(range(len(arms[:2])), key=lambda at: np.mean(arms[at].tau_s), default=0)
+        powers = [values["exponent"] * (values["fast_arm"] if at == fast else 1.0) for at in range(len(arms))]
+        return tuple(arm.changed(tau_s=arm.tau_s * over ** (-0.5 * power)) for arm, power in zip(arms, powers))
 
 
 REFERENCE_MM_S = 50.0

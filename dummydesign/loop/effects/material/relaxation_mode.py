@@ -12,9 +12,15 @@ from dummydesign.pad.material.relaxation import PronyTerm
 
 USUAL_FAST_S, USUAL_SLOW_S, LONGEST_FAST_S, USUAL_BETA = 0.05, 1.5, 0.3, 0.2
 
+VARIANCE = Parameter("variance", "1", 0.0, 0.0, 1.5, 0.3, spread=1.5)
+
 
 class RelaxationMode(Effect):
-    """A third arm (tau, beta), its time bounded away from the usual two."""
+    """A third arm (tau, beta), its time bounded away from the usual two.
+
+    A gel relaxes over a range of times: with a ``variance`` of ln tau, a form, the arm is two of half the strength, at
+    tau exp(+-sqrt(variance)).
+    """
 
     hook = "pad"
     belongs_to = "pad"
@@ -27,14 +33,17 @@ class RelaxationMode(Effect):
         self, name: str, signature: str, time: Parameter, base_starts: Callable[[NDArray], list[NDArray]]
     ) -> None:
         self.name, self.signature = name, signature
-        self.parameters = (Parameter("beta", "1", 0.0, 0.0, 5.0, 0.05), time)
+        self.parameters = (Parameter("beta", "1", 0.0, 0.0, 5.0, 0.05), time, VARIANCE)
         self._starts = base_starts
 
     def base_starts(self, logs: NDArray) -> list[NDArray]:
         return self._starts(logs)
 
     def adds_terms(self, values: Values) -> tuple[PronyTerm, ...]:
-        return (PronyTerm(values["tau_s"], values["beta"]),)
+        apart = float(np.exp(np.sqrt(values["variance"])))
+        if apart == 1.0:
+            return (PronyTerm(values["tau_s"], values["beta"]),)
+        return tuple(PronyTerm(values["tau_s"] * one, 0.5 * values["beta"]) for one in (1.0 / apart, apart))
 
 
 def _starts_slow(logs: NDArray) -> list[NDArray]:

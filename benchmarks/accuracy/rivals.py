@@ -345,8 +345,8 @@ def run_one(number: int, seed: int, folder: Path) -> dict[str, Any]:
     measured = [trial.trace.force_N for trial in new.trials]
     data = prepare(campaign, new)
     base = assess(data.base)
-    row = {"seed": seed, "kind": kind, "generator": maker, "put": put, "floor_N": floor, "young_kPa": young,
-           "base_heldout_N": base.errors.heldout_N,
+    row: dict[str, Any] = {"seed": seed, "kind": kind, "generator": maker, "put": put, "floor_N": floor,
+           "young_kPa": young, "base_heldout_N": base.errors.heldout_N,
            "base_rmse_N": rmse(data.forces_of(data.model_of(data.base)), measured), "rivals": {}}  # fmt: skip
     for name, rival in RIVALS.items():
         began = time.process_time()

@@ -8,11 +8,11 @@ from itertools import combinations
 import pytest
 
 from dummydesign import cli
+from dummydesign.mold.cad.tessellate import tessellate
 from dummydesign.mold.checks import release as check_mesh
 from dummydesign.mold.checks import solids as check
 from dummydesign.mold.checks.check import genera
 from dummydesign.mold.checks.process import check_process
-from dummydesign.mold.files import meshes as mesh
 from dummydesign.mold.files.part_drawings import part_views
 from dummydesign.mold.files.pour_sheet import pour_sheet
 from dummydesign.mold.model.layout import best_grid, layout, mould_volume_mm3
@@ -38,8 +38,8 @@ def three():
 @pytest.mark.slow
 def test_all_checks_pass_and_the_silicone_is_the_closed_form(three):
     assert failed(check.check_solids(three)) == []
-    fine = mesh.tessellate(three.mould, *check_mesh.FINE)
-    assert failed(check_mesh.check_mould_mesh(three, mesh.tessellate(three.mould), fine)) == []
+    fine = tessellate(three.mould, *check_mesh.FINE)
+    assert failed(check_mesh.check_mould_mesh(three, tessellate(three.mould), fine)) == []
     label = sum(tool.Volume() for tool in three.tools["label"])
     assert three.solid("mould").Volume() == pytest.approx(mould_volume_mm3(THREE), abs=label)
 
@@ -128,4 +128,4 @@ def test_printed_moulds_and_glass_go_with_several_cavities():
         assert failed(check.check_solids(made)) == []
         holes = genera(made.spec)
         for name in ("mould", "frame"):
-            assert mesh.tessellate(made.solid(name)).euler_number == 2 - 2 * holes[name], (name, given)
+            assert tessellate(made.solid(name)).euler_number == 2 - 2 * holes[name], (name, given)

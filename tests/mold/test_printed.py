@@ -8,12 +8,12 @@ from pathlib import Path
 import pytest
 
 from dummydesign import cli
+from dummydesign.mold.cad.tessellate import tessellate
 from dummydesign.mold.checks import release as check_mesh
 from dummydesign.mold.checks import release as demould
 from dummydesign.mold.checks import solids as check
 from dummydesign.mold.checks import solids as check_shape
 from dummydesign.mold.checks.process import check_process
-from dummydesign.mold.files import meshes as mesh
 from dummydesign.mold.files.pour_sheet import pour_sheet
 from dummydesign.mold.model.layout import dowel_places, layout, level_places, pad_scale, parting_mm
 from dummydesign.mold.model.preset import mould_spec
@@ -42,8 +42,8 @@ def test_all_checks_pass_and_nothing_of_silicone_is_made(printed):
     assert failed(checks) == [] and {"cavity_volume", "interference_frame_mould", "draft_cavity"} <= set(named(checks))
     assert set(printed.parts) == {"pad", "mould", "frame", "strike_off"}
     assert all(part.is_printed for name, part in printed.parts.items() if name != "pad")
-    whole = mesh.tessellate(printed.mould)
-    assert failed(check_mesh.check_mould_mesh(printed, whole, mesh.tessellate(printed.mould, *check_mesh.FINE))) == []
+    whole = tessellate(printed.mould)
+    assert failed(check_mesh.check_mould_mesh(printed, whole, tessellate(printed.mould, *check_mesh.FINE))) == []
 
 
 def test_base_and_ring_together_are_the_block_without_its_cavity(printed):

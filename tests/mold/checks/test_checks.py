@@ -8,11 +8,11 @@ import pytest
 
 from dummydesign.mold.cad.build import brim_tool, pad_solid
 from dummydesign.mold.cad.solids import drafted_prism, single_solid
+from dummydesign.mold.cad.tessellate import tessellate
 from dummydesign.mold.checks import process as check_process
 from dummydesign.mold.checks import release as check_mesh
 from dummydesign.mold.checks import release as demould
 from dummydesign.mold.checks import solids as check
-from dummydesign.mold.files import meshes as mesh
 from dummydesign.mold.model.layout import Outline, layout
 from dummydesign.mold.pour.plan import above_fill_mm3, pour_plan
 from dummydesign.mold.pour.warnings import pour_warnings
@@ -35,7 +35,7 @@ def test_all_checks_of_a_lidded_mould_pass(lidded_parts):
 
 
 def _mesh_checks(made, mould):
-    return check_mesh.check_mould_mesh(made, mesh.tessellate(mould), mesh.tessellate(mould, *check_mesh.FINE))
+    return check_mesh.check_mould_mesh(made, tessellate(mould), tessellate(mould, *check_mesh.FINE))
 
 
 @pytest.mark.slow
@@ -52,7 +52,7 @@ def _bad_mould(made, pad=None, lip=None):
 
 def _measures(made, mould, pad):
     plan = made.plan
-    fine = mesh.tessellate(mould, *check_mesh.FINE)
+    fine = tessellate(mould, *check_mesh.FINE)
     return {
         "draft": check.cavity_draft_deg(mould, made),
         "rays": demould.ray_hits(fine, plan.opening, -0.01, plan.land_mm),
@@ -260,4 +260,4 @@ def test_points_are_told_inside_a_mesh_from_those_in_its_hole():
 
     plate = cq.Solid.makeBox(10, 10, 2).cut(cq.Solid.makeBox(4, 4, 5).translate(cq.Vector(3, 3, -1)))
     points = np.array([(5.0, 5.0, 1.0), (1.0, 5.0, 1.0), (5.0, 9.0, 1.9), (1.0, 1.0, 2.1), (-1.0, 5.0, 1.0)])
-    assert inside_mesh(mesh.tessellate(plate), points).tolist() == [False, True, True, False, False]
+    assert inside_mesh(tessellate(plate), points).tolist() == [False, True, True, False, False]

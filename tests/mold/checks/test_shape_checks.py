@@ -8,19 +8,19 @@ import pytest
 
 from dummydesign.mold.cad.build import brim_tool, build, pad_solid
 from dummydesign.mold.cad.solids import single_solid
+from dummydesign.mold.cad.tessellate import tessellate
 from dummydesign.mold.checks import release as check_mesh
 from dummydesign.mold.checks import release as demould
 from dummydesign.mold.checks import solids as check
 from dummydesign.mold.checks import solids as check_shape
-from dummydesign.mold.files import meshes as mesh
 from tests.support.mould_checks import failed, named, shape_spec
 
 
 @pytest.mark.slow
 def test_all_checks_of_a_crowned_mould_pass(crowned):
     checks = check.check_solids(crowned) + check_shape.check_shape(crowned)
-    fine = mesh.tessellate(crowned.solid("mould"), *check_mesh.FINE)
-    checks += check_mesh.check_mould_mesh(crowned, mesh.tessellate(crowned.solid("mould")), fine)
+    fine = tessellate(crowned.solid("mould"), *check_mesh.FINE)
+    checks += check_mesh.check_mould_mesh(crowned, tessellate(crowned.solid("mould")), fine)
     assert failed(checks) == []
     assert {"face_profile", "closed_form", "floor_thickness"} <= set(named(checks))
     assert named(checks)["floor_thickness"].value == pytest.approx(crowned.spec.body.floor_mm, abs=0.06)
@@ -61,7 +61,7 @@ def test_pocket_near_the_underside_fails_the_floor_check(crowned):
     for left, most in ((3.0, 3.4), (-1.0, 1.0)):
         low = crowned.solid("pad").translate(cq.Vector(0, 0, left - floor))
         thin = single_solid(crowned.hull.cut(low, crowned.solid("pad"), brim_tool(crowned.spec, crowned.plan)))
-        rough = mesh.tessellate(thin, 0.2, 0.5)
+        rough = tessellate(thin, 0.2, 0.5)
         found = named(check_mesh.check_mould_mesh(crowned, rough, rough))["floor_thickness"]
         assert found.status == "fail" and found.value < most
 
@@ -78,7 +78,7 @@ def test_undercut_bulb_fails_draft_rays_and_sweep(crowned):
     pad = single_solid(flat.translate(cq.Vector(0, 0, plan.face_mm)).fuse(bulb))
     mould = single_solid(crowned.hull.cut(pad, brim_tool(spec, plan)))
     assert check.cavity_draft_deg(mould, crowned) < 0
-    fine = mesh.tessellate(mould, *check_mesh.FINE)
+    fine = tessellate(mould, *check_mesh.FINE)
     assert demould.ray_hits(fine, plan.opening, -0.01, plan.land_mm) > 0
     assert demould.sweep_interference_mm3(pad, mould, check.sweep_offsets_mm(plan.depth_mm)) > 1.0
 

@@ -14,6 +14,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from dummydesign.mold.cad.tessellate import tessellate
 from dummydesign.mold.files import meshes as mesh
 from dummydesign.mold.files import pour_sheet as sheet
 from dummydesign.mold.files import step
@@ -130,7 +131,7 @@ def test_every_step_file_reads_back_with_name_colour_material_and_volume(lidded_
 def test_finer_meshes_come_closer_to_the_solid(open_parts):
     solid = open_parts.solid("pad")
     errors = [
-        abs(mesh.tessellate(solid, tol, ang).volume / solid.Volume() - 1)
+        abs(tessellate(solid, tol, ang).volume / solid.Volume() - 1)
         for tol, ang in ((0.4, 0.8), (0.05, 0.2), (0.005, 0.05))
     ]
     assert errors[0] > errors[1] > errors[2] and errors[2] < 2e-5
@@ -139,7 +140,7 @@ def test_finer_meshes_come_closer_to_the_solid(open_parts):
 def test_mesh_in_3mf_is_the_mesh_in_millimetres(open_parts, tmp_path):
     import trimesh
 
-    part = mesh.tessellate(open_parts.solid("tray"))
+    part = tessellate(open_parts.solid("tray"))
     mesh.write_3mf(part, tmp_path / "tray.3mf")
     again = trimesh.load(tmp_path / "tray.3mf", force="mesh")
     assert again.is_volume and again.volume == pytest.approx(part.volume, rel=1e-6)
@@ -147,7 +148,7 @@ def test_mesh_in_3mf_is_the_mesh_in_millimetres(open_parts, tmp_path):
 
 
 def test_mesh_files_are_equal_for_equal_meshes(open_parts, tmp_path):
-    part = mesh.tessellate(open_parts.solid("tray"))
+    part = tessellate(open_parts.solid("tray"))
     mesh.write_3mf(part, tmp_path / "a.3mf")
     first = (tmp_path / "a.3mf").read_bytes()
     mesh.write_3mf(part, tmp_path / "a.3mf")

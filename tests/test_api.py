@@ -262,6 +262,7 @@ def test_refusals_leave_no_folder(tmp_path):
     assert not list(tmp_path.iterdir())
 
 
+@pytest.mark.slow
 def test_answers_are_short_to_look_at_and_give_their_values_as_attributes():
     pressed = dummydesign.predict(10.0, young_kPa=30.0, depth_mm=[1.0, 2.0, 3.0])
     assert pressed.force_N.shape == (3,) and pressed.fidelity == "table"

@@ -58,6 +58,7 @@ def ran(tmp_path_factory):
     return {**json.loads(done.stdout), "left": [path.name for path in folder.iterdir()]}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", WITH_EXAMPLES)
 def test_examples_give_what_they_say(name, ran):
     assert ran["told"][name] == ""

@@ -36,6 +36,7 @@ def test_the_light_set_with_moulds_lacks_pyvista_alone_and_names_what_cadquery_n
     }  # fmt: skip
 
 
+@pytest.mark.slow
 def test_solids_need_neither_vtk_nor_solvers_of_assemblies(tmp_path):
     """Where CadQuery's other requirements are not installed, as with the light set with moulds."""
     absent = ("vtk", "vtkmodules", "pyvista", "casadi", "nlopt", "numba", "llvmlite", "trame", "pandas", "nicegui")
@@ -55,6 +56,7 @@ print(cad_problem(), cq.Workplane().box(30, 20, 10).edges().fillet(1).val().Volu
     assert done.stdout.split() == ["None", "True"], done.stderr
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "words",
     [

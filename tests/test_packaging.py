@@ -57,9 +57,8 @@ def test_the_installed_package_is_the_wheel_and_not_the_repository(installed, tm
     assert data == str(Path(package).parent / "_data")
 
 
-@pytest.mark.parametrize(
-    "tissue", ["forefinger", *(pytest.param(name, marks=pytest.mark.slow) for name in ("palm", "thenar"))]
-)
+@pytest.mark.slow
+@pytest.mark.parametrize("tissue", ["forefinger", "palm", "thenar"])
 def test_the_main_job_runs_from_the_wheel(installed, tmp_path, tissue):
     quick = ("--shape", "slab", "--no-cad", "--no-verify")
     done = run(installed, tmp_path, "suggest", "--tissue", tissue, *quick, "--json")

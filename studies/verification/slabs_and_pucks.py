@@ -18,6 +18,7 @@ from dummydesign.pad.fem.mixed_solid import Solid
 from dummydesign.pad.material.hyperelastic import HyperelasticLaw, Ogden, Yeoh
 from dummydesign.pad.material.relaxation import PronyTerm, Viscoelastic, relaxed_force
 from dummydesign.pad.solve.continuation import follow
+from dummydesign.pad.solve.equilibrium import RESIDUAL_TOLERANCE, Solution, newton_search
 from dummydesign.pad.solve.sparse import Pattern
 from dummydesign.pad.specimen import Pad
 from studies.verification import contact, edges, first_touch
@@ -175,8 +176,10 @@ def _smooth_energy(k: float) -> float:
 def newton() -> Iterator[Check]:
     """Order of the last steps of Newton's method, with contact."""
     problem = puck_problem(UnitPuck(1.0, "bonded"), Ogden([0.4], [5.0]), corner=0.05)
-    path = follow(problem, [0.1], 0.1, 0.1, 0.05)
-    last = [residual for residual in path.residuals[-1] if residual > 1e-13]
+    start = (0.1 * part for part in problem.direction())
+    found = newton_search(problem, *start, 0.1, RESIDUAL_TOLERANCE, without_ties=False, most_held=1)
+    assert isinstance(found, Solution)
+    last = [residual for residual in found.residuals if residual > 1e-13]
     rates = [np.log(c / b) / np.log(b / a) for a, b, c in zip(last, last[1:], last[2:])]
     yield Check(
         "Convergence orders", "Newton's method", 2.0, float(max(rates)), 0.3, "exact tangent",

@@ -109,6 +109,7 @@ def test_verbose_and_quiet_at_once_are_refused_in_one_line(capsys):
     assert capsys.readouterr().err == "error: --verbose and --quiet: the one or the other\n"
 
 
+@pytest.mark.slow
 def test_an_option_typed_twice_is_told_and_its_last_value_counts(capsys):
     words = ["predict", "--young", "25", "--thickness", "5", "--depth", "1", "--json"]
     assert cli.run([*words, "--thickness=7", "--quiet", "--quiet"]) == 0

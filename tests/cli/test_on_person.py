@@ -46,6 +46,7 @@ def answer(capsys, *words):
     return json.loads(capsys.readouterr().out)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("drive", ["position", "steady", "force", "mass:2", "spring:20,3"])
 def test_the_contract(here, capsys, drive):
     found = answer(capsys, "v10.csv", "v250.csv", "--tissue", "forefinger", "--drive", drive, "--limits", "wide.toml")
@@ -85,6 +86,7 @@ def test_limits_pass_fail_or_stay_undecided_and_never_pass_an_extrapolation(here
     assert "beyond_range" in {one["code"] for one in deep["warnings"]}
 
 
+@pytest.mark.slow
 def test_files_hold_the_curves_at_the_rate_and_the_report(here, capsys):
     found = answer(capsys, "v250.csv", "--tissue", "palm", "--rate", "500", "--out", "o")
     with open(found["files"]["curves"], encoding="utf-8") as stream:
@@ -105,6 +107,7 @@ def test_python_gives_the_answer_of_the_command(here, capsys):
     assert mine["presses"] == theirs["presses"] and mine["files"] == {}
 
 
+@pytest.mark.slow
 def test_bad_input_is_one_line_and_status_2(here, capsys):
     path, speed, end = command(100.0, 1.1, 1.0, 1e-3)
     good = sampled(by_path(gel_pad(), path, speed, end, -0.006, 8001))
@@ -150,6 +153,7 @@ def test_a_press_beyond_people_is_named_before_any_factor(here, capsys):
     assert places == sorted(places)
 
 
+@pytest.mark.slow
 def test_a_drive_that_does_not_fit_comes_first_with_its_size_and_the_drive_that_does(here, capsys):
     words = ["v10.csv", "--tissue", "palm", "--drive", "force"]
     signs = answer(capsys, *words)["presses"][0]["signs"]
@@ -159,6 +163,7 @@ def test_a_drive_that_does_not_fit_comes_first_with_its_size_and_the_drive_that_
         assert head.startswith("CAUTION") and f"{signs['relaxed_N']:.2g} N" in head and "--drive position" in head
 
 
+@pytest.mark.slow
 def test_where_people_get_the_pad_s_force_the_answer_is_their_depth(here, capsys):
     found = answer(capsys, "v10.csv", "--tissue", "palm", "--drive", "force")["presses"][0]
     assert run(["on-person", "v10.csv", "--tissue", "palm", "--drive", "force"]) == 0
@@ -175,6 +180,7 @@ def test_one_value_is_printed_once_and_a_multiple_as_a_multiple():
     assert subject_words("rank-5-of-5") == "subject 5 of 5" and subject_words("anna") == "anna"
 
 
+@pytest.mark.slow
 def test_next_names_a_template_of_limits_that_can_be_filled_in_and_used(here, capsys):
     found = answer(capsys, "v10.csv", "--tissue", "forefinger", "--out", "people")
     template = Path(found["files"]["limits_template"])

@@ -19,6 +19,7 @@ def test_it_is_the_one_of_scipy_inside_and_beyond(count, seed):
         assert monotone_cubic(x, y)(at) == pytest.approx(expected, abs=1e-12 * np.abs(expected).max(), rel=1e-12)
 
 
+@pytest.mark.slow
 def test_a_suggestion_loads_neither_interpolation_nor_the_loop():
     code = (
         "import sys, dummydesign, dummydesign.design.search.fe_candidates; "

@@ -34,6 +34,7 @@ def test_a_terminal_that_knows_ascii_alone_gets_every_answer(tmp_path, name):
     done.stdout.decode("ascii")
 
 
+@pytest.mark.slow
 def test_files_of_a_campaign_are_utf8_whatever_the_locale(tmp_path):
     words = ["campaign", "new", "plan", "--young", "25", "--no-power"]
     pages = []

@@ -86,6 +86,7 @@ def two():
     return run(SOLVE, 2)
 
 
+@pytest.mark.slow
 def test_a_solve_in_space_has_one_thread_and_the_same_digits_where_the_environment_gives_two(two):
     one = run(SOLVE, 1)
     assert len(two["forces"]) >= 2 and two["seen"]

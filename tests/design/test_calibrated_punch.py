@@ -62,11 +62,13 @@ def test_the_punch_of_the_campaign_takes_its_force_law_too(calibration):
     assert not [one for one in found.calibrated.warnings if one["code"] == "calibration_punch"]
 
 
+@pytest.mark.slow
 def test_a_file_without_a_punch_is_taken_for_the_standard_punch(calibration):
     law = _force(_resolved(calibration(), "square:14")) / _force(_resolved(calibration("round:16"), "square:14"))
     assert law == pytest.approx(1.1, rel=1e-6)
 
 
+@pytest.mark.slow
 def test_a_fillet_is_designed_for_with_the_table_of_that_fillet_and_the_law_of_a_campaign_under_it(calibration):
     table = load_filleted("bonded", 1.0 / 8.0).force(DEPTH_MM, THICKNESS_MM, YOUNG_MPA, 8.0)
     for pressed, found, warned in (("round:16, edge radius 1 mm", 1.1, False), ("round:16", 1.0, True)):

@@ -41,6 +41,7 @@ def own_folder(tmp_path, monkeypatch):
     return write
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("aim", ["average", "safe-side"])
 def test_nothing_below_the_problem_reads_a_users_folder(monkeypatch, aim):
     problem = read_problem(Request("forefinger", aim=aim, **NARROW))
@@ -76,6 +77,7 @@ def asked(capsys, words):
     return json.loads(capsys.readouterr().out)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "old", "new"), [
     ("materials/verdict.toml", "[usable.over]\nvalue = 1.25", "[usable.over]\nvalue = 1.45"),
     ("materials/puck.toml", "value = 0.043", "value = 0.06"),

@@ -91,6 +91,7 @@ def test_a_single_subject_can_be_followed(tmp_path, layer_law):
     assert answer.to_dict()["recommendation"]["scores"]["aim"] >= 0.0
 
 
+@pytest.mark.slow
 def test_one_subject_is_said_to_make_no_range_and_has_no_share_of_castings(tmp_path, layer_law):
     asked = Request(tissue_file(tmp_path, make_tissue((1.2,))), verify=False, shape="slab")
     answer = design(read_problem(asked, layer_law)).to_dict()

@@ -22,6 +22,7 @@ def test_a_held_pad_relaxes_to_its_elastic_force(tmp_path):
         assert 0.96 < np.mean(force[held] / elastic) < 1.06
 
 
+@pytest.mark.slow
 def test_the_same_seed_is_the_same_material_on_other_pads(tmp_path):
     first = other_mind.write_campaign(tmp_path / "a", (("force_bias", 0.1),), 960002)
     other = other_mind.write_campaign(tmp_path / "b", (("force_bias", 0.1),), 960002, held_out=True)

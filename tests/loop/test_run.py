@@ -59,6 +59,7 @@ def test_an_effect_is_named_sized_and_lowers_the_error_on_a_second_campaign(resu
     assert predicted.total_rmse_N < 0.8 * predicted.total_base_rmse_N
 
 
+@pytest.mark.slow
 def test_a_search_out_of_time_returns_its_best_so_far_and_says_so(results, campaigns):
     """Without time one effect is fitted, and none in its place."""
     whole = results("temperature", 402)

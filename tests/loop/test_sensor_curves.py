@@ -38,6 +38,7 @@ def test_clipped_readings_are_named_and_the_modulus_is_that_without(campaigns):
     assert active.values["share"] == pytest.approx(1.0, abs=0.05)
 
 
+@pytest.mark.slow
 def test_errors_by_real_fits_are_those_of_linear_steps_where_nothing_is_missing(campaigns):
     campaign = read_campaign(campaigns("none", 412))
     base = fit_base(make_presses(campaign), law_of(campaign), 0.03)

@@ -47,6 +47,7 @@ def near(response, run, row, share=0.01):
     assert found == pytest.approx([run.peak, run.depth, run.energy], rel=share)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("velocity", SPEEDS)
 def test_position_is_the_law_along_the_path_by_another_integrator(velocity):
     run, (path, speed, end) = pressed(velocity)
@@ -73,6 +74,7 @@ def test_steady_presses_everyone_to_the_pad_s_steady_force(velocity):
         near(found, by_path(skin_of(one, velocity), *through(t, x), t[-1], 0.0), row)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("velocity", "rounding_s"), [(20.0, 2e-3), (120.0, 4e-3), (250.0, 2e-3)])
 @pytest.mark.parametrize("approach_mm", (0.0, 6.0))
 def test_with_steady_the_robot_stops_on_people_as_softly_as_on_the_pad(velocity, rounding_s, approach_mm):
@@ -107,6 +109,7 @@ def test_force_gives_the_depth_that_another_integrator_gives(velocity):
         near(found, own, row)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("mass", (0.5, 8.0))
 def test_a_free_mass_stops_as_by_another_integrator_and_gives_its_energy(mass):
     run, _ = pressed(250.0)
@@ -276,6 +279,7 @@ def test_sampling_does_not_matter():
             assert rows[1][name] == pytest.approx(rows[2][name], rel=1e-2), (text, name)
 
 
+@pytest.mark.slow
 def test_a_declared_filter_is_undone():
     from dummydesign.measurement.sensor import Lowpass
 

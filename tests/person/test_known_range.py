@@ -39,6 +39,7 @@ def pushed(depth, velocity=100.0):
     return sampled(by_path(gel_pad(), path, speed, end, -0.6 / velocity, 20001))
 
 
+@pytest.mark.slow
 def test_a_fit_keeps_the_range_of_its_presses_and_a_file_gives_it_back(presses, tissue):
     found = tissue.subjects[0].pressed
     depths = [np.cbrt(force / GAMMA1) for force in FORCES_N]

@@ -44,6 +44,7 @@ def struck(mass=2.0, velocity=200.0):
                    2000.0, noise_N=0.02, noise_mm=0.001)  # fmt: skip
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("velocity", (10.0, 250.0))
 def test_with_steady_the_lowest_subject_over_the_pad_is_the_shortfall_of_the_verdict(velocity):
     from dummydesign.design.measured_pad import verdict_of_traces
@@ -72,6 +73,7 @@ def peak_factor(found):
     return band.peak_low_N / own, band.peak_high_N / own
 
 
+@pytest.mark.slow
 def test_intervals_hold_the_band_and_grow_with_noise():
     plain = on_person([press(noise_N=0.01, noise_mm=0.001)], TISSUE, read_drive("position")).presses[0]
     for name in ("peak_N", "steady_N", "energy_mJ"):
@@ -94,6 +96,7 @@ def test_one_more_person_is_student_s_prediction():
     assert 0.947 < inside < 0.956
 
 
+@pytest.mark.slow
 def test_the_same_question_has_the_same_answer():
     one, other = (on_person([press()], TISSUE, read_drive("force")).presses[0].to_dict(196.0) for _ in range(2))
     assert one == other
@@ -131,6 +134,7 @@ def test_forces_and_pressures_above_a_limit_do_not_pass(share):
         assert against_guarded_limits([load], limits, 196.0, False)[0].result == "fail"
 
 
+@pytest.mark.slow
 def test_an_extrapolation_says_how_far():
     deep = on_person([press(depth=2.5)], TISSUE, read_drive("position")).presses[0]
     depth = next(one for one in deep.beyond if one.quantity == "depth_mm")
@@ -156,6 +160,7 @@ def test_the_trace_tells_which_drive_made_it(trace, looks, fits, not_):
         assert signs.mass_kg == pytest.approx(2.0, rel=0.05)
 
 
+@pytest.mark.slow
 def test_measured_curves_take_steady_and_refuse_the_rest(tmp_path, monkeypatch):
     from dummydesign.tissue.adding.from_curves import add_curves
     from tests.support.fung_people import PEOPLE, write_table
@@ -196,6 +201,7 @@ def test_bad_traces_are_one_line(trace, drive, code):
     assert code is None or raised.value.code == code
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("drive", ["position", "steady", "force", "mass:2", "spring:1000,3"])
 def test_the_work_of_ten_seconds_at_1_khz_is_less_than_a_solve_a_sample(drive, monkeypatch):
     # benchmarks/speed/on_person_time.py has the processor time: at most a second a subject

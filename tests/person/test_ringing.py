@@ -72,6 +72,7 @@ def test_the_noise_beside_a_ringing_is_found():
     assert quiet_noise(0.2 * np.sin(2 * np.pi * 90.0 * t) + noise) == pytest.approx(0.001, rel=0.05)
 
 
+@pytest.mark.slow
 def test_noise_of_the_trace_does_not_drive_the_arm():
     """Exact people under presses drawn from the errors of a noisy trace of an arm that rings: as on the true arm."""
     pad, robot = rung()
@@ -119,6 +120,7 @@ def test_what_the_trace_cannot_show_is_said():
     assert "arm_unseen" in codes["spring:60,0.2", 400.0]
 
 
+@pytest.mark.slow
 def test_an_arm_that_is_still_does_not_move_and_means_change_nothing():
     """On the pad itself as a person, the press is the pad's own: through the ringing, and through its means."""
     k = 9.0

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import json
 
+import pytest
+
 from dummydesign.cli import run
 from dummydesign.project.status import history_of
 
@@ -27,6 +29,7 @@ def test_the_newest_is_first_and_what_is_not_finished_is_left_out(tmp_path):
     assert history_of(tmp_path / "half") == ()
 
 
+@pytest.mark.slow
 def test_an_answer_is_listed_with_its_verdict(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     run(["suggest", "--tissue", "palm", "--shape", "slab", "--no-cad", "--no-verify", "--out", "palm", "-q"])

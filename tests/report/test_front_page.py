@@ -60,6 +60,7 @@ def sheet_texts(html):
     return [unescape(text) for text in re.findall(r"<text[^>]*>(.*?)</text>", svg)]
 
 
+@pytest.mark.slow
 def test_the_pdf_is_one_sheet_of_a4_and_equal_inputs_give_equal_bytes(made):
     first, answer, second = made
     data = (first / "report.pdf").read_bytes()

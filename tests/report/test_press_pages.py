@@ -68,6 +68,7 @@ def test_a_report_opens_without_errors_asks_nothing_and_fits_a_phone(made, name,
     assert len(found["plots"]) >= 6 and min(found["plots"]) > 0.85 * PHONE
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["fit", "compare"])
 def test_figures_are_listed_have_words_and_units_and_text_from_files_is_no_markup(made, name):
     path, answer = made[name]

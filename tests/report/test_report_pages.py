@@ -29,6 +29,7 @@ def text_of(folder):
     return (folder / "report.html").read_text(encoding="utf-8")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["suggest", "whatif"])
 def test_a_report_opens_without_errors_and_asks_nothing_of_the_outside(made, name, tmp_path):
     seen = visit((made[name] / "report.html").as_uri(), tmp_path)

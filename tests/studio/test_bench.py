@@ -33,6 +33,7 @@ def suggested(shape, thickness_mm, ratio, **more):
                                   verify=False, **more)))  # fmt: skip
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("punch", "shape", "thickness_mm"), [("round:20", "slab", 9.0), ("round:20", CROWN, 9.0), ("square:14", CROWN, 9.0)]
 )

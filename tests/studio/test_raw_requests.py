@@ -199,6 +199,7 @@ def test_what_is_not_there_or_makes_no_sense_is_a_plain_line_of_4xx(studio, path
     assert body and b"Traceback" not in body and len(body) < 3000
 
 
+@pytest.mark.slow
 def test_no_request_breaks_the_server(studio):
     pieces = ["", "/", "//", ".", "..", "%2e%2e", "%2f", "%5c", "\\", "%00", "%", "%zz", "%ff", "a" * 300, "~", "*",
               ":", "?", "#", ";", "%0d%0a", "%e8%a6%aa", "%F0%9F%98%80", "con", "a.toml",

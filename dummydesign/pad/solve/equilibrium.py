@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -132,6 +132,18 @@ def find_equilibrium(
     without_ties: bool = False,
 ) -> Solution | Failure:  # fmt: skip
     """Newton's method at one depth, from a predicted state."""
+    found = newton_search(problem, u, p, depth, tolerance, without_ties, HELD)
+    if isinstance(found, Failure) and found.iterations >= MAX_ITERATIONS:
+        # Near the end of what can be solved a tangent that is kept wanders: the exact one is tried before giving up.
+        other = newton_search(problem, u, p, depth, tolerance, without_ties, 1)
+        return replace(other, iterations=other.iterations + found.iterations)
+    return found
+
+
+def newton_search(
+    problem: Problem, u: Array, p: Array, depth: float, tolerance: float, without_ties: bool, most_held: int
+) -> Solution | Failure:
+    """One search, the solid's tangent kept for up to ``most_held`` factorisations."""
     solid, surface = problem.solid, problem.surface
     u = u.copy()
     u[problem.driven] = -depth
@@ -178,14 +190,14 @@ def find_equilibrium(
                     return Failure(TIED, factorised)
                 ties, at = ties + 1, _met(problem, depth, at.fraction, at.u, at.p, at.state)
                 again = False
-                if held >= HELD:
+                if held >= most_held:
                     tangent = None
                 continue
         if at.residual < tolerance and at.fraction == 1.0:
             return Solution(at.u, at.p, at.state, tuple(residuals), ties, factorised)
         good = at.residual < (contraction * last if again else REUSE_BELOW)
         again = at.fraction == 1.0 and good and factorised <= REUSE_UP_TO
-        if not again and (held >= HELD or at.residual < REUSE_BELOW):
+        if not again and (held >= most_held or at.residual < REUSE_BELOW):
             tangent = None
     reason = f"no equilibrium after {MAX_ITERATIONS} iterations (relative residual {residuals[-1]:.1e})"
     return Failure(reason, factorised)

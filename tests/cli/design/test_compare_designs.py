@@ -52,6 +52,7 @@ def changed(folder, change, name="suggest.json"):
     Path(folder, name).write_text(json.dumps(content))
 
 
+@pytest.mark.slow
 def test_the_folder_of_a_design_keeps_its_answer(made):
     root, answers = made
     for name, answer in answers.items():

@@ -41,6 +41,7 @@ def test_several_forces_and_speeds_are_the_single_presses_one_after_the_other(ca
         assert several[name] == presses[-1][name]
 
 
+@pytest.mark.slow
 def test_several_presses_are_a_file_each_that_compare_reads(tmp_path):
     given = {"resin": "polyurethane-nagoya", "ratio": 15, "out": tmp_path / "c.csv"}
     found = dummydesign.predict(5, force_N=np.array([5.0, 8.5, 300.0]), velocity_mm_s=[250], **given).to_dict()

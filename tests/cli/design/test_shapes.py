@@ -39,6 +39,7 @@ def test_a_crowned_pad_for_the_forefinger_has_at_most_a_third_of_the_slabs_misfi
     assert rows["crowned"]["depth_over_thickness"] <= 0.6
 
 
+@pytest.mark.slow
 def test_the_recommended_shape_can_be_cast_and_read_back(crowned):
     best = crowned[1]["recommendation"]
     shape = read_shape(best["shape"])

@@ -49,6 +49,7 @@ def test_every_tissue_gets_a_design_with_all_that_the_contract_names(tissue, cap
         assert set(other) == set(best)
 
 
+@pytest.mark.slow
 def test_the_recipe_has_the_ratio_and_more_than_the_pad_weighs(capsys):
     _, found = answer(capsys, "suggest", "--tissue", "forefinger", *QUICK)
     best = found["recommendation"]
@@ -66,6 +67,7 @@ def test_the_same_question_has_the_same_answer(capsys):
     assert first == again
 
 
+@pytest.mark.slow
 def test_limits_are_followed_and_named(capsys):
     _, found = answer(
         capsys, "suggest", "--tissue", "palm", "--thickness", "15:15", "--ratio", "15:16", "--aim", "safe-side", *QUICK
@@ -107,6 +109,7 @@ def test_without_cad_the_recipe_stands_and_the_missing_step_is_named(capsys, mon
     assert "polyol" in shown.out and shown.err.startswith("error: libGL")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("more", [
     (), ("--resin", "ecoflex-00-30"), ("--force", "1,2,3,5,8,10,12,15", "--velocity", "10,100,250"),
     ("--robot-mass", "2", "--robot-velocity", "100"), ("--aim", "safe-side"), ("--shape", "auto"),
@@ -122,6 +125,7 @@ def test_the_answer_fits_one_screen_and_says_the_verdict_first(more, capsys):
     assert (labels.count("WARNING") <= 4 and "polyol" in shown.out) or "thinner" in shown.out
 
 
+@pytest.mark.slow
 def test_details_hold_every_number_of_the_screen(capsys):
     import re
 
@@ -138,6 +142,7 @@ def test_details_hold_every_number_of_the_screen(capsys):
         assert any(line.split()[:3] == [force, speed, depth] for line in details.splitlines())
 
 
+@pytest.mark.slow
 def test_castings_are_counted_and_add_up(capsys):
     _, found = answer(capsys, "suggest", "--tissue", "palm", *QUICK, "--castings", "1500")
     drawn = found["castings"]
@@ -152,6 +157,7 @@ def test_castings_are_counted_and_add_up(capsys):
     assert poured["stands_for"] + poured["usable"] == pytest.approx(drawn["stands_for"] + drawn["usable"], abs=1e-12)
 
 
+@pytest.mark.slow
 def test_a_limits_file_of_ones_own_decides_and_a_damaged_one_is_refused(capsys, tmp_path, monkeypatch):
     from pathlib import Path
 
@@ -196,6 +202,7 @@ def test_bad_input_is_one_line_and_status_2(arguments, message, capsys):
     assert status == 2 and error.startswith("error: ") and message in error and "\n" not in error
 
 
+@pytest.mark.slow
 def test_one_ratio_is_a_range_of_one(capsys):
     status, found = answer(capsys, "suggest", "--tissue", "palm", "--ratio", "15", *QUICK)
     assert fits(status, found) and found["recommendation"]["ratio"] == 15.0

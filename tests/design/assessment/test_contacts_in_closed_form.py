@@ -97,6 +97,7 @@ def springs(stiffness=20.0, limit=8.0, beta=0.0, tau=1.0):
     return Slabs(curves, np.array([0]), np.array([0.5]), (tau,), np.array([[beta]]))
 
 
+@pytest.mark.slow
 def test_a_mass_on_a_spring_stops_after_a_quarter_of_its_period():
     mass, speed, stiffness = 0.4, 100.0, 10.0
     found = impact(pad_body(springs()), mass, speed)

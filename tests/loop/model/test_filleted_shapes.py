@@ -44,6 +44,7 @@ def test_a_campaign_s_law_of_a_crown_under_a_fillet_agrees_with_getfem():
     np.testing.assert_allclose(force, list(GLUED_CROWN_N.values()), rtol=0.01)
 
 
+@pytest.mark.slow
 def test_under_a_small_fillet_a_crown_is_as_under_the_sharp_edge_and_under_a_large_one_softer_where_it_touches_it():
     curves = [
         solve_shaped_pad(Pad(7.0, 1.0, RADIUS_MM, geometry=CROWN, edge_radius_mm=edge), [0.4, 1.4, 2.1], cells=8)
@@ -56,6 +57,7 @@ def test_under_a_small_fillet_a_crown_is_as_under_the_sharp_edge_and_under_a_lar
     assert sharp[2] - large[2] > max(stated[2], 0.05 * sharp[2])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("geometry", [CROWN, Layered(3.0, 0.3)], ids=["crowned", "layered"])
 def test_fillets_smaller_than_can_be_followed_join_those_that_are_without_a_jump(geometry):
     pad = Pad(10.0, 1.0, RADIUS_MM, geometry=geometry)

@@ -58,6 +58,7 @@ def test_a_step_with_temperature_is_learned_as_high_as_it_is():
     assert found.fit.score < base.score - found.evidence * 0.8
 
 
+@pytest.mark.slow
 def test_a_creep_after_the_stop_is_learned_from_zero():
     found = learn(changed_fit(creeping), ("since_stop_s",))
     at = np.array([0.003, 0.3, 1.0, 2.0])
@@ -68,6 +69,7 @@ def test_a_creep_after_the_stop_is_learned_from_zero():
     assert np.corrcoef(seen, wanted)[0, 1] > 0.97 and found.left_out < 0.1
 
 
+@pytest.mark.slow
 def test_what_depends_on_two_quantities_is_learned_over_both_though_each_alone_is_tried():
     found = learn(changed_fit(together), ("depth_share", "temperature_C"))
     assert set(found.effect.shape.follows) == {"depth_share", "temperature_C"} and found.form.name == "surface"

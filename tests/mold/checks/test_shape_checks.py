@@ -34,6 +34,7 @@ def test_all_checks_of_a_boned_mould_pass(boned):
     assert wanted <= set(named(checks)) and "strike_off" not in boned.parts
 
 
+@pytest.mark.slow
 def test_shape_checks_of_a_layered_mould_pass(layered):
     checks = check_shape.check_shape(layered) + check.check_validity(layered) + check.check_volumes(layered)
     assert failed(checks) == []
@@ -54,6 +55,7 @@ def test_volumes_drafts_and_shape_of_the_other_moulds_pass(text, thickness):
     assert failed(checks) == []
 
 
+@pytest.mark.slow
 def test_pocket_near_the_underside_fails_the_floor_check(crowned):
     import cadquery as cq
 

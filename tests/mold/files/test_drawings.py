@@ -217,6 +217,7 @@ def test_the_order_of_the_lines_does_not_change_the_dxf():
     assert to_dxf([Drawing("t", 1.0, lines=lines)]) == to_dxf([Drawing("t", 1.0, lines=lines[::-1])])
 
 
+@pytest.mark.slow
 def test_the_dxf_is_the_same_in_processes_that_hash_differently():
     code = (
         "import sys, hashlib; from dummydesign.mold.files.drawing_sheet import Drawing, Line, to_dxf; "

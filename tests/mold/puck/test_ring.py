@@ -88,6 +88,7 @@ def test_costs_load_no_cad():
     assert done.stdout.split() == ["False", "False"], done.stderr
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("fixture", ["open_parts", "boned"])
 def test_printed_volumes_are_those_of_the_solids(fixture, request):
     made = request.getfixturevalue(fixture)

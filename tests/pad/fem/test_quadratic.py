@@ -34,6 +34,7 @@ def test_nodes_slopes_and_areas_are_those_of_scikit_fem():
         assert found.value[:, i] == pytest.approx(np.asarray(basis.basis[i][0])[0], abs=1e-14)
 
 
+@pytest.mark.slow
 def test_sections_are_meshed_without_scikit_fem():
     code = (
         "import sys, numpy as np; from dummydesign.pad.axisymmetric.sharp_edge import solve_curve; "

@@ -67,6 +67,7 @@ def test_the_drawn_punch_is_flat_then_a_quarter_circle_tangent_to_both():
     assert (r[-2], z[-2]) == pytest.approx((radius, rim - depth))
 
 
+@pytest.mark.slow
 def test_a_picture_of_a_press_is_written_in_the_format_of_its_name(tmp_path):
     assert write_picture([pressed()], tmp_path / "a.svg").read_text(encoding="utf-8").lstrip().startswith("<?xml")
     assert write_picture([pressed()], tmp_path / "a.png").read_bytes()[:8] == b"\x89PNG\r\n\x1a\n"

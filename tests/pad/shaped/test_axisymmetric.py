@@ -50,6 +50,7 @@ def test_on_a_thick_pad_the_first_touch_is_that_of_hertz():
     assert cap_force(press, depth, 24) == pytest.approx(law, rel=7e-3)
 
 
+@pytest.mark.slow
 def test_cells_of_half_the_size_do_not_move_the_force_once_the_contact_is_at_the_edge():
     # With cells at the edge as large as elsewhere they moved it by 0.8 and 1.1 %.
     press = Case(0.79, 7.57, shape=Crowned(20.0, 3.0, 11.0), thickness_mm=10.0)
@@ -79,6 +80,7 @@ def test_sticking_changes_little_while_the_contact_is_small_and_stiffens_a_wide_
     assert 1.1 < shares[1] < 1.4
 
 
+@pytest.mark.slow
 def test_a_crown_without_height_to_speak_of_is_a_glued_slab(monkeypatch):
     monkeypatch.setattr(Crowned, "check", lambda *_: None)  # it could not be cast
     depths = np.array([1.0, 2.0])
@@ -150,6 +152,7 @@ def test_a_finer_grid_stays_within_the_stated_error():
     assert np.all(np.abs(coarse.force_N - fine.force_N) < coarse.error_N + fine.error_N)
 
 
+@pytest.mark.slow
 def test_friction_lies_between_sliding_and_sticking_on_a_crown():
     crown = Crowned(10.0, 2.5, 6.6)
     forces = [

@@ -60,6 +60,7 @@ def test_a_profile_through_points_of_a_ball_presses_like_the_ball():
     assert pair[1] == pytest.approx(pair[0], rel=3e-3)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("condition", ["bonded", "friction:0.3"])
 def test_the_force_under_a_ball_that_sticks_or_rubs_does_not_depend_on_the_list_of_depths(condition):
     lists = [0.5, 1.0, 1.5], np.arange(0.15, 1.51, 0.07).tolist() + [0.5, 1.0, 1.5]

@@ -104,6 +104,7 @@ def test_the_force_approaches_its_sharp_edge_limit_from_below_as_the_rim_shrinks
     assert second < first / 1.8
 
 
+@pytest.mark.slow
 def test_the_extrapolated_limit_foresees_what_finer_rims_give():
     """From rims 0.1 to 0.025 alone, the limit lies above a rim of 0.00625 by that rim's share, to the stated error."""
     slab = Case(1.0, 9.58)

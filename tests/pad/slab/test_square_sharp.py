@@ -135,6 +135,7 @@ def test_half_of_a_quarter_under_a_square_carries_half(base, condition):
     assert forces[1] == pytest.approx(0.5 * forces[0], rel=1e-7)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("thickness", [10.0, 20.0])
 def test_what_the_outline_of_a_slab_changes_at_first_touch_is_the_same_on_finer_cells_and_at_depth(thickness):
     block = half(thickness)
@@ -186,6 +187,7 @@ def deep():
     return problem, follow(problem, [0.1, 0.2], 0.1, 0.1, 0.01), states
 
 
+@pytest.mark.slow
 def test_the_punch_pushes_as_hard_as_the_base_pushes_back(deep):
     problem, path, states = deep
     assert path.stop is None

@@ -48,6 +48,7 @@ def test_the_finite_strain_force_lies_in_the_interval_of_the_quick_one(quick, so
     assert np.all(solved.force_N[moving] >= quick.force_low_N[moving] * 0.999)
 
 
+@pytest.mark.slow
 def test_the_quick_force_is_too_low_at_the_peak_and_right_at_the_end_of_the_hold(quick, solved):
     assert 1.01 < solved.peak_force_N / quick.peak_force_N < 1.1
     assert solved.steady_force_N == pytest.approx(quick.steady_force_N, rel=3e-3)

@@ -82,6 +82,7 @@ def same_resin(first, second):
     assert first.title == second.title and first.relaxation_ratio_ref == second.relaxation_ratio_ref
 
 
+@pytest.mark.slow
 def test_a_puck_added_twice_counts_once_also_under_another_name_of_its_file(curve, tmp_path, monkeypatch, capsys):
     monkeypatch.setenv("DUMMYDESIGN_HOME", str(tmp_path))
     assert run(command(curve)) == 0
@@ -121,6 +122,7 @@ def test_show_says_where_each_point_came_from(curve, tmp_path, monkeypatch, caps
     assert "point at ratio 15: 30 kPa" in (text := capsys.readouterr().out) and "50 x 30 mm puck, puck.csv" in text
 
 
+@pytest.mark.slow
 def test_points_of_a_resin_are_not_lost_silently(curve, tmp_path, monkeypatch, capsys):
     monkeypatch.setenv("DUMMYDESIGN_HOME", str(tmp_path))
     second = other_recording(curve, tmp_path)
@@ -215,6 +217,7 @@ def test_what_cannot_be_fitted_is_refused(curve, tmp_path, monkeypatch, capsys, 
     assert not list(tmp_path.rglob("*.toml"))
 
 
+@pytest.mark.slow
 def test_a_trace_that_no_puck_would_give_is_doubted_and_a_puck_is_not(curve, tmp_path, monkeypatch, capsys):
     monkeypatch.setenv("DUMMYDESIGN_HOME", str(tmp_path))
     depth = np.linspace(0.0, 12.0, 400)

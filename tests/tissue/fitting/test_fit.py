@@ -213,6 +213,7 @@ def test_a_linear_slab_shows_falling_gamma1_and_falling_c_without_any_rate_depen
     assert joint.result["max_residual_N"] > 1.0
 
 
+@pytest.mark.slow
 def test_an_arm_too_fast_for_the_data_is_called_not_identifiable_not_given_a_number():
     truth = np.r_[GAMMA1, 0.03, 200.0, 1.2, 0.02]
     traces = [noisy(press(10.0, np.cbrt(f / GAMMA1), truth=truth), k) for k, f in enumerate((5.0, 10.0, 15.0))]

@@ -73,6 +73,7 @@ def test_ranges_between_the_presses_are_those_of_the_people(people, by_hand):
         np.testing.assert_allclose(getattr(found, name), getattr(by_hand, name), rtol=near, err_msg=name)
 
 
+@pytest.mark.slow
 def test_the_verdict_is_what_the_forces_say_directly(people, by_hand):
     targets = make_targets(people, "average", Sampling())
     seen, near, count = set(), 0, 0

@@ -31,6 +31,7 @@ def test_a_spring_constant_with_its_spread_makes_three_people_that_are_read_agai
     assert run([*ADD, "--stiffness", "30"]) == 2 and "replace" in capsys.readouterr().err
 
 
+@pytest.mark.slow
 def test_a_slab_is_designed_for_a_spring_constant_and_no_law_is_fitted_to_it(capsys):
     assert run([*ADD, "--stiffness", "10", "--spread", "30%"]) == 0
     capsys.readouterr()

@@ -250,11 +250,11 @@ def test_the_keyboard_moves_a_slider_and_the_verdict_stays_in_sight(studio):
         number = page.locator(by("number-thickness"))
         assert number.input_value() == "7.2"
         page.wait_for_function("(old) => document.querySelector('[data-test=plots]').innerHTML !== old", arg=before)
-        page.wait_for_selector("small.label >> text='7.2 mm'")
+        page.wait_for_selector("small.label >> text=7.2 mm")
         assert page.evaluate(f"{slider}.value") == "7.2" and page.evaluate(f"document.activeElement === {slider}")
         number.fill("8.4")
         number.press("Enter")
-        page.wait_for_selector("small.label >> text='8.4 mm'")
+        page.wait_for_selector("small.label >> text=8.4 mm")
         assert page.evaluate(f"{slider}.value") == "8.4"
         number.fill("999")
         number.press("Enter")

@@ -107,7 +107,7 @@ def browser(**options: object) -> Iterator[object]:
         page.outside, page.broken = [], []
         page.on("request", lambda asked: _note(page, asked.url))
         page.on("pageerror", lambda error: page.broken.append(str(error)))
-        page.set_default_timeout(600_000)
+        page.set_default_timeout(240_000)
         try:
             yield page
         finally:

@@ -257,6 +257,6 @@ def test_names_in_any_script_work_to_the_end(encoding, tmp_path):
     name = "樹脂-weiß".encode(encoding, "backslashreplace")
     assert name in done.stdout and b" 0 failed" in done.stdout
     out = tmp_path / "出力-ö"
-    assert "樹脂-weiß" in (out / "pour_t5.md").read_text(encoding="utf-8")
+    assert "樹脂-weiß" in (out / "pour_t5.html").read_text(encoding="utf-8")
     assert r"\X2\6A398102\X0\-wei\X2\00DF\X0" in (out / "assembly_t5.step").read_text(encoding="ascii")
     assert no_check_fails(json.loads((out / "checks.json").read_text(encoding="utf-8")))

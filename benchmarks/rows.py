@@ -7,9 +7,14 @@ import io
 import json
 import shutil
 import tempfile
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import asdict
 from pathlib import Path
+from typing import Any, TypeVar
+
+R = TypeVar("R", bound=Any)
+"""A dataclass with the fields ``seed`` and ``number``."""
 
 
 def read_rows(path: Path) -> list[dict]:
@@ -21,6 +26,18 @@ def keep_row(path: Path, row: dict) -> None:
     """Add a row to the file."""
     with path.open("a") as stream:
         stream.write(json.dumps(row) + "\n")
+
+
+def resume(path: Path, seed: int, count: int, row_type: type[R], run: Callable[[int, int], R]) -> list[R]:
+    """Rows of a seed: those that were kept, and those that were not yet run, each kept and printed when it is there."""
+    rows = [row_type(**row) for row in read_rows(path) if row["seed"] == seed]
+    done = {row.number for row in rows}
+    for number in range(count):
+        if number not in done:
+            rows.append(run(number, seed))
+            keep_row(path, asdict(rows[-1]))
+            print(json.dumps(asdict(rows[-1])), flush=True)
+    return rows
 
 
 def write_csv(path: Path, head: Sequence[str], rows: Iterable[Sequence[object]]) -> None:

@@ -13,10 +13,9 @@ share of usable castings is the counted one. It is also counted what the same ba
 from __future__ import annotations
 
 import argparse
-import json
 import os
 import time
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -24,7 +23,7 @@ from numpy.typing import NDArray
 
 from benchmarks.accuracy.castings_blind import Cast, classes_of, drawn, needs
 from benchmarks.accuracy.puck_batches import HEIGHT_MM, Batch, neo_hookean_curves, written
-from benchmarks.rows import keep_row, read_rows, scratch
+from benchmarks.rows import resume, scratch
 from dummydesign.design.problem import read_problem
 from dummydesign.design.request import Request
 from dummydesign.design.suggest import design
@@ -194,13 +193,7 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=int(time.time()))
     parser.add_argument("--rows", type=Path, default=Path("batches_blind.jsonl"))
     options = parser.parse_args()
-    rows = [Row(**row) for row in read_rows(options.rows) if row["seed"] == options.seed]
-    done = {row.number for row in rows}
-    for number in range(options.batches):
-        if number not in done:
-            rows.append(run(number, options.seed))
-            keep_row(options.rows, asdict(rows[-1]))
-            print(json.dumps(asdict(rows[-1])), flush=True)
+    rows = resume(options.rows, options.seed, options.batches, Row, run)
     print(f"{len(rows)} batches, seed {options.seed}")
     print("\n".join(table(rows)))
 

@@ -12,14 +12,13 @@ castings are drawn with, at the other two depths. Wanted: within 3 % in 95 %.
 from __future__ import annotations
 
 import argparse
-import json
 import time
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
-from benchmarks.rows import keep_row, read_rows
+from benchmarks.rows import resume
 from dummydesign.core.cache import cached
 from dummydesign.core.quantity import value_at
 from dummydesign.design.scoring.settings import STEPS, crown_making
@@ -143,13 +142,7 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=int(time.time()))
     parser.add_argument("--rows", type=Path, default=Path("crown_heights.jsonl"))
     options = parser.parse_args()
-    rows = [Row(**row) for row in read_rows(options.rows) if row["seed"] == options.seed]
-    done = {row.number for row in rows}
-    for number in range(options.castings):
-        if number not in done:
-            rows.append(run(number, options.seed))
-            keep_row(options.rows, asdict(rows[-1]))
-            print(json.dumps(asdict(rows[-1])), flush=True)
+    rows = resume(options.rows, options.seed, options.castings, Row, run)
     print(f"{len(rows)} castings, seed {options.seed}")
     print("\n".join(table(rows)))
 

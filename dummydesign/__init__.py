@@ -12,9 +12,22 @@ from typing import Any
 from dummydesign._version import __version__
 
 CALLS = (
-    "calibrate", "close_loop", "compare", "compare_designs", "fit", "import_traces", "load_resin", "load_tissue",
-    "make_mould", "on_person", "predict", "record_pad", "replay", "suggest", "whatif",
-)  # fmt: skip
+    "calibrate",
+    "close_loop",
+    "compare",
+    "compare_designs",
+    "fit",
+    "import_traces",
+    "load_resin",
+    "load_tissue",
+    "make_mould",
+    "on_person",
+    "predict",
+    "record_pad",
+    "replay",
+    "suggest",
+    "whatif",
+)
 __all__ = ["__version__", *CALLS]
 
 

@@ -23,8 +23,12 @@ PAGE = Path("docs") / "design.md"
 DESIGNS = MarkedPage(PAGE, "<!-- built-in tissues: begin -->", "<!-- built-in tissues: end -->")
 MEASURE_FIRST = MarkedPage(PAGE, "<!-- measure first: begin -->", "<!-- measure first: end -->")
 SHARES = {"resin_known": "resin known", "after_puck": "after a puck"}
-LEVELS = {"stands_for": "green", "usable_with_correction": "usable with a correction", "not_settled": "not settled",
-          "not_representative": "red"}  # fmt: skip
+LEVELS = {
+    "stands_for": "green",
+    "usable_with_correction": "usable with a correction",
+    "not_settled": "not settled",
+    "not_representative": "red",
+}
 KNOWN = {"modulus": "modulus known", "relaxation": "relaxation known", "modulus+relaxation": "both known"}
 
 Answers = Sequence[tuple[str, Mapping[str, Any], Mapping[str, Any] | None]]
@@ -45,21 +49,34 @@ def design_table(answers: Answers) -> str:
     Fractions of a known resin and after a puck have columns where the answers state them.
     """
     shares = [name for name in SHARES if all(name in answer.get("shares", {}) for _, answer, _ in answers)]
-    head = ["tissue", "verdict", "shape, thickness, ratio", "usable as poured", *(SHARES[name] for name in shares),
-            "out of reach", "factor: central, 95 %, once measured", "best slab"]  # fmt: skip
+    head = [
+        "tissue",
+        "verdict",
+        "shape, thickness, ratio",
+        "usable as poured",
+        *(SHARES[name] for name in shares),
+        "out of reach",
+        "factor: central, 95 %, once measured",
+        "best slab",
+    ]
     rows = []
     for tissue, answer, slab in answers:
         best, castings, factor = answer["recommendation"], answer["castings"], answer["verdict"]["correction"]
         factors = (factor[name] for name in ("factor_central", "factor", "factor_after_measuring"))
         shape = str(best["shape"]).partition(":")
         lengths = ",".join(part.partition("=")[2] for part in shape[2].split(",")) if shape[2] else ""
-        rows.append([
-            tissue, LEVELS[answer["verdict"]["level"]],
-            f"{shape[0]}{f':{lengths}' if lengths else ''}, {best['thickness_mm']:g} mm, {best['ratio']:g}",
-            _percent(_usable(castings)), *(_percent(_usable(answer["shares"][name])) for name in shares),
-            _percent(castings["out_of_reach"]), ", ".join("-" if one is None else f"{one:.2f}" for one in factors),
-            _slab_words(slab),
-        ])  # fmt: skip
+        rows.append(
+            [
+                tissue,
+                LEVELS[answer["verdict"]["level"]],
+                f"{shape[0]}{f':{lengths}' if lengths else ''}, {best['thickness_mm']:g} mm, {best['ratio']:g}",
+                _percent(_usable(castings)),
+                *(_percent(_usable(answer["shares"][name])) for name in shares),
+                _percent(castings["out_of_reach"]),
+                ", ".join("-" if one is None else f"{one:.2f}" for one in factors),
+                _slab_words(slab),
+            ]
+        )
     return _table(head, rows)
 
 
@@ -69,8 +86,9 @@ def measure_table(answers: Answers) -> str:
     for tissue, answer, _ in answers:
         first = answer["measure_first"]
         known = {name: first["acceptable_if_known"][name] for name in KNOWN}
-        cells = [f"**{_percent(share)}**" if name == first["group"] else _percent(share)
-                 for name, share in known.items()]  # fmt: skip
+        cells = [
+            f"**{_percent(share)}**" if name == first["group"] else _percent(share) for name, share in known.items()
+        ]
         rows.append([tissue, f"`{first['acceptable_means']}`", _percent(first["acceptable_now"]), *cells])
     return _table(["tissue", "acceptable means", "now", *KNOWN.values()], rows)
 

@@ -19,8 +19,10 @@ def origins() -> dict[str, tuple[str, str]]:
     """Command and origin of each file, by its name."""
     made = {
         file.removeprefix(FOLDER): (study.command, WRITTEN)
-        for study in STUDIES for file in study.files if file.startswith(FOLDER) and file.endswith(".csv")
-    }  # fmt: skip
+        for study in STUDIES
+        for file in study.files
+        if file.startswith(FOLDER) and file.endswith(".csv")
+    }
     return dict(sorted((made | {one.name: (one.command, one.origin) for one in DATA_FILES}).items()))
 
 
@@ -37,11 +39,17 @@ def page() -> str:
         else:
             by_hand.append(f"| {name} | {origin.removeprefix(BY_HAND).removeprefix(' of').lstrip('; ')} |\n")
     rows = [f"| `{command}` | {', '.join(names)} |\n" for command, names in written.items()]
-    return "".join([
-        HEAD, "\n## Written by a command\n\n| command | files |\n|---|---|\n", *rows,
-        "\n## Copied from what a command prints\n\n| file | command | |\n|---|---|---|\n", *copied,
-        "\n## Lists by hand\n\n| file | of |\n|---|---|\n", *by_hand,
-    ])  # fmt: skip
+    return "".join(
+        [
+            HEAD,
+            "\n## Written by a command\n\n| command | files |\n|---|---|\n",
+            *rows,
+            "\n## Copied from what a command prints\n\n| file | command | |\n|---|---|---|\n",
+            *copied,
+            "\n## Lists by hand\n\n| file | of |\n|---|---|\n",
+            *by_hand,
+        ]
+    )
 
 
 def main() -> None:

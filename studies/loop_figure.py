@@ -35,8 +35,9 @@ def deepest(folder: Path) -> dict[str, np.ndarray]:
     """Measured and modelled force of the press in which the base model misses most."""
 
     def miss(curves: dict[str, np.ndarray]) -> float:
-        measured, base = (next(rows for name, rows in curves.items() if name.startswith(one))
-                          for one in ("measured", "base"))  # fmt: skip
+        measured, base = (
+            next(rows for name, rows in curves.items() if name.startswith(one)) for one in ("measured", "base")
+        )
         return float(np.max(np.abs(measured[:, 1] - base[:, 1])))
 
     figures = figure_values(folder / "report.csv")
@@ -90,11 +91,21 @@ def main() -> None:
         generator.write_campaign(folder / "campaign", EFFECT, SIZE, SEED, cast=CAST)
         answer = dummydesign.calibrate(folder / "campaign", out=folder / "loop").to_dict()
         designs = {}
-        for name, more in (("without calibration", {}), ("with calibration", {"calibration": folder / "loop" /
-                                                                             "calibration.json"})):  # fmt: skip
+        for name, more in (
+            ("without calibration", {}),
+            ("with calibration", {"calibration": folder / "loop" / "calibration.json"}),
+        ):
             designs[name] = folder / name
-            dummydesign.suggest("palm", shape="slab", thickness_mm=(12.0, 12.0), ratio=(15.0, 15.0), verify=False,
-                                cad=False, out=designs[name], **more)  # fmt: skip
+            dummydesign.suggest(
+                "palm",
+                shape="slab",
+                thickness_mm=(12.0, 12.0),
+                ratio=(15.0, 15.0),
+                verify=False,
+                cad=False,
+                out=designs[name],
+                **more,
+            )
         draw(folder / "loop", answer, designs)
     print([(one["name"], one["evidence"]) for one in answer["effects"]], answer["after"]["parameters"]["young_kPa"])
 

@@ -1,6 +1,6 @@
 """The figures of docs/on-person.md: one press on a pad, and what it is on people under each drive.
 
-    python -m studies.on_person_figures
+python -m studies.on_person_figures
 """
 
 from __future__ import annotations
@@ -31,8 +31,9 @@ def main() -> None:
     made = dummydesign.predict(thickness_mm=15, resin="polyurethane-nagoya", ratio=15, force_N=8, velocity_mm_s=100)
     trace = Trace("pad", made.time_s, made.displacement_mm, made.force_N)
     lead = np.linspace(-0.01, 0.0, 20)[:-1]
-    trace = Trace("pad", np.r_[lead, trace.time_s], np.r_[100.0 * lead, trace.displacement_mm],
-                  np.r_[0.0 * lead, trace.force_N])  # fmt: skip
+    trace = Trace(
+        "pad", np.r_[lead, trace.time_s], np.r_[100.0 * lead, trace.displacement_mm], np.r_[0.0 * lead, trace.force_N]
+    )
     tissue = load_tissue("palm")
     for text in DRIVES:
         one = on_person([trace], tissue, read_drive(text)).presses[0]

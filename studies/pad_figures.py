@@ -106,9 +106,11 @@ def fillet() -> Iterator[Row]:
 
 
 FACES = (
-    *((h, "0") for h in (5.0, 10.0, 15.0)), *((5.0, face) for face in ("0.3", "0.5", "glued")),
-    *((10.0, face) for face in ("0.1", "0.3", "0.5", "glued")), *((20.0, face) for face in ("0.3", "0.5", "glued")),
-)  # fmt: skip
+    *((h, "0") for h in (5.0, 10.0, 15.0)),
+    *((5.0, face) for face in ("0.3", "0.5", "glued")),
+    *((10.0, face) for face in ("0.1", "0.3", "0.5", "glued")),
+    *((20.0, face) for face in ("0.3", "0.5", "glued")),
+)
 """Thickness and friction at the punch's face."""
 
 
@@ -124,9 +126,13 @@ def face_friction() -> Iterator[Row]:
 
 
 FIGURES: dict[str, Callable[[], Iterator[Row]]] = {
-    "pad-sharp-error": sharp_error, "pad-square": square, "pad-quick-error": quick_error,
-    "pad-base-friction": base_friction, "pad-fillet": fillet, "pad-friction": face_friction,
-}  # fmt: skip
+    "pad-sharp-error": sharp_error,
+    "pad-square": square,
+    "pad-quick-error": quick_error,
+    "pad-base-friction": base_friction,
+    "pad-fillet": fillet,
+    "pad-friction": face_friction,
+}
 
 
 def text_of(name: str) -> str:

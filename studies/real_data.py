@@ -39,9 +39,21 @@ RATES = ("0d1", "1", "2", "5")
 SWAPPED = "0d1"
 """The file of the adhesive in which displacement stands before force."""
 FIELDS = (
-    "source", "group", "press", "depth_mm", "velocity_mm_s", "peak_N", "elements", "error_spring", "error_law",
-    "error_law_scaled", "scale", "error_law_shifted", "shift_mm", "error_linear",
-)  # fmt: skip
+    "source",
+    "group",
+    "press",
+    "depth_mm",
+    "velocity_mm_s",
+    "peak_N",
+    "elements",
+    "error_spring",
+    "error_law",
+    "error_law_scaled",
+    "scale",
+    "error_law_shifted",
+    "shift_mm",
+    "error_linear",
+)
 
 
 @dataclass(frozen=True)
@@ -135,9 +147,14 @@ def errors(trace: Trace, spring: float, law: Law, linear: Linear) -> tuple[float
     )
     base = error(spring * np.maximum(trace.displacement_mm[held], 0.0) ** 3)
     return (
-        base, error(predicted), error(scale * predicted), scale, float(moved.fun), float(moved.x),
+        base,
+        error(predicted),
+        error(scale * predicted),
+        scale,
+        float(moved.fun),
+        float(moved.x),
         error(linear.force_N(trace)[held]),
-    )  # fmt: skip
+    )
 
 
 def predicted_rows(source: str, group: str, traces: Sequence[Trace], folds: int) -> list[dict[str, object]]:

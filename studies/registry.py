@@ -40,80 +40,128 @@ class Study:
 
 SHAPES = tuple(
     Study(
-        "tables.shapes", f"{kind} --count {count} --fresh {fresh}", (f"{TABLES}{kind}-bonded.json",),
+        "tables.shapes",
+        f"{kind} --count {count} --fresh {fresh}",
+        (f"{TABLES}{kind}-bonded.json",),
         f"response table of {kind} pads",
     )
     for kind, count, fresh in (("crowned", 494, 40), ("layered", 80, 40), ("boned", 80, 40), ("bumped", 60, 20))
 )
 STUDIES = (
     Study(
-        "tables.slab", "", (f"{TABLES}slab-bonded.json", f"{TABLES}slab-sliding.json"),
+        "tables.slab",
+        "",
+        (f"{TABLES}slab-bonded.json", f"{TABLES}slab-sliding.json"),
         "response tables of slabs under a round, glued punch",
     ),
     Study(
-        "tables.square", "", (f"{TABLES}square-bonded.json", f"{TABLES}square-sliding.json"),
-        "square over circle of equal area, in space", "7 min of one core",
+        "tables.square",
+        "",
+        (f"{TABLES}square-bonded.json", f"{TABLES}square-sliding.json"),
+        "square over circle of equal area, in space",
+        "7 min of one core",
     ),
     *SHAPES,
     Study(
-        "tables.filleted", "", (f"{TABLES}filleted-bonded.json", f"{TABLES}filleted-sliding.json"),
+        "tables.filleted",
+        "",
+        (f"{TABLES}filleted-bonded.json", f"{TABLES}filleted-sliding.json"),
         "slabs under punches with a filleted edge",
     ),
     Study(
-        "tables.puck", "--keep", (f"{TABLES}puck-50x30.json",), "plate friction of a puck of 50 x 30 mm",
+        "tables.puck",
+        "--keep",
+        (f"{TABLES}puck-50x30.json",),
+        "plate friction of a puck of 50 x 30 mm",
         "1 min of one core",
     ),
     Study(
-        "tables.puck", "--shapes --keep", (f"{TABLES}puck-shapes.json",),
-        "plate friction of pucks of other proportions", "some 6 min of one core",
+        "tables.puck",
+        "--shapes --keep",
+        (f"{TABLES}puck-shapes.json",),
+        "plate friction of pucks of other proportions",
+        "some 6 min of one core",
     ),
     Study(
-        "tables.separability", "", (f"{TABLES}quick-error.json",), "error of the quick prediction of motions",
+        "tables.separability",
+        "",
+        (f"{TABLES}quick-error.json",),
+        "error of the quick prediction of motions",
         "--part shapes: 4 min of one core",
     ),
     Study(
-        "tables.compressibility", "", (f"{TABLES}slab-compressibility.json",),
+        "tables.compressibility",
+        "",
+        (f"{TABLES}slab-compressibility.json",),
         "how a Poisson's ratio below 1/2 softens a slab",
     ),
     Study(
-        "tissues.infer", "--seed 1 --samples 200000",
-        tuple(f"materials/tissues/{site}{end}" for site in ("forefinger", "palm", "thenar")
-              for end in (".toml", "_draws.csv")),
+        "tissues.infer",
+        "--seed 1 --samples 200000",
+        tuple(
+            f"materials/tissues/{site}{end}"
+            for site in ("forefinger", "palm", "thenar")
+            for end in (".toml", "_draws.csv")
+        ),
         "built-in tissues, inferred from published statements",
     ),
     Study(
-        "resins.ecoflex", "", tuple(f"materials/resins/ecoflex-00-{grade}.toml" for grade in ("10", "30", "50")),
+        "resins.ecoflex",
+        "",
+        tuple(f"materials/resins/ecoflex-00-{grade}.toml" for grade in ("10", "30", "50")),
         "Ecoflex resins, fitted to public compression curves",
     ),
     Study(
-        "resins.polyurethane_relaxation", "", ("materials/resins/polyurethane-nagoya.toml",),
+        "resins.polyurethane_relaxation",
+        "",
+        ("materials/resins/polyurethane-nagoya.toml",),
         "relaxation of the polyurethane, printed to be entered by hand",
     ),
     Study(
-        "paper_dummies.study", "",
-        ("docs/dummies.md", *(f"docs/data/dummies{part}.csv" for part in (
-            "", "-statements", "-figures", "-verdicts", "-at-once", "-exponents", "-peaks"))),
-        "the published method's dummies", "2 min",
+        "paper_dummies.study",
+        "",
+        (
+            "docs/dummies.md",
+            *(
+                f"docs/data/dummies{part}.csv"
+                for part in ("", "-statements", "-figures", "-verdicts", "-at-once", "-exponents", "-peaks")
+            ),
+        ),
+        "the published method's dummies",
+        "2 min",
     ),
     Study(
-        "thickness", "", ("docs/whatif.md", "docs/data/thickness.csv", "docs/data/thickness-curves.csv"),
-        "what thickness does to a slab", "some minutes with --solve",
+        "thickness",
+        "",
+        ("docs/whatif.md", "docs/data/thickness.csv", "docs/data/thickness-curves.csv"),
+        "what thickness does to a slab",
+        "some minutes with --solve",
     ),
     Study(
-        "shapes", "", ("docs/shapes.md", "docs/data/shapes.csv", "docs/data/shapes-designs.csv"),
-        "what each shape reaches for each tissue", "6 min",
+        "shapes",
+        "",
+        ("docs/shapes.md", "docs/data/shapes.csv", "docs/data/shapes-designs.csv"),
+        "what each shape reaches for each tissue",
+        "6 min",
     ),
     Study("built_in", "", ("docs/design.md",), "recommended pads of the built-in tissues, and what to measure first"),
     Study("shape_figure", "", ("docs/images/shapes.png",), "cross-sections of the best pads of a forefinger", "2 s"),
     Study(
-        "real_data", "MEAT_DIR ADHESIVE_DIR", ("docs/real-data.md", "docs/data/real-data.csv"),
-        "real presses of other laboratories, predicted from left-out presses", "3 min",
+        "real_data",
+        "MEAT_DIR ADHESIVE_DIR",
+        ("docs/real-data.md", "docs/data/real-data.csv"),
+        "real presses of other laboratories, predicted from left-out presses",
+        "3 min",
     ),
     Study(
-        "pad_figures", "",
-        tuple(f"docs/data/pad-{name}.csv" for name in (
-            "sharp-error", "square", "quick-error", "base-friction", "fillet", "friction")),
-        "figures of the pad model", "2 min",
+        "pad_figures",
+        "",
+        tuple(
+            f"docs/data/pad-{name}.csv"
+            for name in ("sharp-error", "square", "quick-error", "base-friction", "fillet", "friction")
+        ),
+        "figures of the pad model",
+        "2 min",
     ),
     Study("data_files", "", ("docs/data/README.md",), "list of the data files and where each is from", "1 s"),
     Study("verification", "", ("VERIFICATION.md",), "checks of the pad model against closed forms"),
@@ -122,7 +170,7 @@ STUDIES = (
     Study("front_picture", "", ("docs/images/pad-and-force.png",), "picture of the README", "1 min"),
     Study("loop_figure", "", ("docs/images/loop.svg",), "the loop on one simulated campaign", "30 s"),
     Study("architecture", "", ("docs/images/architecture.svg",), "picture of the rooms", "1 s"),
-)  # fmt: skip
+)
 """All studies, tables first."""
 
 
@@ -147,21 +195,27 @@ class DataFile:
 
 WRITTEN, COPIED, BY_HAND = "written by the command", "copied from what the command prints", "a list by hand"
 DATA_FILES = (
-    *(DataFile(f"castings-blind{part}.csv", "python -m benchmarks.accuracy.castings_blind", WRITTEN)
-      for part in ("", "-classes")),
+    *(
+        DataFile(f"castings-blind{part}.csv", "python -m benchmarks.accuracy.castings_blind", WRITTEN)
+        for part in ("", "-classes")
+    ),
     DataFile(
-        "fit-coverage.csv", "python -m benchmarks.accuracy.fit_coverage --draws 400 --seed SEED SEED --csv FILE",
+        "fit-coverage.csv",
+        "python -m benchmarks.accuracy.fit_coverage --draws 400 --seed SEED SEED --csv FILE",
         f"{COPIED}; two seeds, not recorded",
     ),
-    *(DataFile(f"loop-blind{part}.csv", "python -m benchmarks.accuracy.loop_blind --table-only", WRITTEN)
-      for part in ("", "-effects", "-errors", "-missed", "-unnamed")),
+    *(
+        DataFile(f"loop-blind{part}.csv", "python -m benchmarks.accuracy.loop_blind --table-only", WRITTEN)
+        for part in ("", "-effects", "-errors", "-missed", "-unnamed")
+    ),
     DataFile("loop-detection.csv", "python -m benchmarks.accuracy.loop_detection --table", WRITTEN),
     DataFile("loop-ecoflex.csv", "python -m benchmarks.accuracy.loop_ecoflex DATA_DIR", WRITTEN),
     DataFile("loop-functions.csv", "python -m benchmarks.accuracy.loop_blind --table-only", WRITTEN),
     DataFile("loop-rules.csv", "", f"{BY_HAND} of the constants in dummydesign/loop/selection"),
     DataFile("loop-turns.csv", "python -m benchmarks.accuracy.loop_turns", WRITTEN),
     DataFile(
-        "mould-cost.csv", "python -m benchmarks.speed.mold_build",
+        "mould-cost.csv",
+        "python -m benchmarks.speed.mold_build",
         f"{COPIED}; rows 'before ...' are of an earlier version and cannot be measured again; shaped pads: "
         "by the same functions",
     ),
@@ -169,7 +223,8 @@ DATA_FILES = (
     DataFile("mould-parts.csv", "", f"{BY_HAND} of the parts that dummydesign/mold/cad/build.py makes"),
     DataFile("mould-shape-limits.csv", "", f"{BY_HAND} of dummydesign/geometry/dimensions.py and the shapes' checks"),
     DataFile(
-        "on-person-blind.csv", "python -m benchmarks.accuracy.on_person_blind --cases 240 --seed 417023 --out FILE",
+        "on-person-blind.csv",
+        "python -m benchmarks.accuracy.on_person_blind --cases 240 --seed 417023 --out FILE",
         WRITTEN,
     ),
     DataFile("pad-checks.csv", "", f"{BY_HAND} of comparisons; its last column names the test or command of each"),
@@ -188,5 +243,5 @@ DATA_FILES = (
     DataFile("shapes-offset.csv", "python -m benchmarks.accuracy.pad_shaped_3d offset", COPIED),
     DataFile("suggest-keys.csv", "", f"{BY_HAND} of the keys of 'suggest --json'"),
     DataFile("upgrade.csv", "", f"{BY_HAND} of names that changed since 0.1.0"),
-)  # fmt: skip
+)
 """Every other file of ``docs/data``."""

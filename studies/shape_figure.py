@@ -1,6 +1,6 @@
 """The figure of docs/shapes.md: cross-sections of the best pad of each kind for the forefinger.
 
-    python -m studies.shape_figure
+python -m studies.shape_figure
 """
 
 from __future__ import annotations

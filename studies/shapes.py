@@ -156,13 +156,24 @@ def designs_text(rows: list[Row]) -> str:
     table = csv.writer(stream, lineterminator="\n")
     forces = next(row.centring.force_N for row in rows if row.centring)
     exponents = next(row.item.low_force.exponent_at_N for row in rows if row.item.low_force)
-    table.writerow([
-        "tissue", "shape", "thickness_mm", "young_kPa", "misfit", *(f"misfit_{name}" for name in CONDITIONS),
-        *(f"misfit_{name}_to_N" for name in CONDITIONS), "steady_inside_below_5N", "steady_inside_above_5N",
-        *(f"exponent_{force}N" for force in exponents), "depth_over_thickness_15N", "total",
-        *(f"contact_radius_{force:g}N_mm" for force in forces),
-        *(f"alignment_tolerance_{force:g}N_mm" for force in forces),
-    ])  # fmt: skip
+    table.writerow(
+        [
+            "tissue",
+            "shape",
+            "thickness_mm",
+            "young_kPa",
+            "misfit",
+            *(f"misfit_{name}" for name in CONDITIONS),
+            *(f"misfit_{name}_to_N" for name in CONDITIONS),
+            "steady_inside_below_5N",
+            "steady_inside_above_5N",
+            *(f"exponent_{force}N" for force in exponents),
+            "depth_over_thickness_15N",
+            "total",
+            *(f"contact_radius_{force:g}N_mm" for force in forces),
+            *(f"alignment_tolerance_{force:g}N_mm" for force in forces),
+        ]
+    )
     for row in rows:
         item, near, lands = row.item, row.item.low_force, row.centring
         if item.candidate is None or near is None:
@@ -170,10 +181,18 @@ def designs_text(rows: list[Row]) -> str:
         misfits = [(row.solved and row.solved.misfit[name]) or (None, None) for name in CONDITIONS]
         ends = (*lands.contact_radius_mm, *lands.margin_mm) if lands else (None,) * (2 * len(forces))
         values = (
-            item.candidate.thickness_mm, item.young_kPa, near.misfit_rms_ln_force, *(one for one, _ in misfits),
-            *(end for _, end in misfits), near.share_below_5N, near.share_above_5N, *near.exponent_at_N.values(),
-            near.depth_over_thickness, item.candidate.total, *ends,
-        )  # fmt: skip
+            item.candidate.thickness_mm,
+            item.young_kPa,
+            near.misfit_rms_ln_force,
+            *(one for one, _ in misfits),
+            *(end for _, end in misfits),
+            near.share_below_5N,
+            near.share_above_5N,
+            *near.exponent_at_N.values(),
+            near.depth_over_thickness,
+            item.candidate.total,
+            *ends,
+        )
         table.writerow([row.tissue, item.shape, *("" if value is None else f"{value:.4g}" for value in values)])
     return stream.getvalue()
 

@@ -14,8 +14,11 @@ COPIED = ("VERIFICATION.md", "CONTRIBUTING.md", "CHANGELOG.md")
 # The start page is the README up to here: what follows are notes for who works in the folder.
 LAST_HEADING = "## Licence"
 # Links of the README and of pages point into the repository; on the site the pages lie beside each other.
-MOVED = ((r"\]\(docs/", "]("), (r"\]\(\.\./(VERIFICATION|CONTRIBUTING|CHANGELOG)", r"](\1"),
-         (r"\]\(\.\./README\.md", "](index.md"))  # fmt: skip
+MOVED = (
+    (r"\]\(docs/", "]("),
+    (r"\]\(\.\./(VERIFICATION|CONTRIBUTING|CHANGELOG)", r"](\1"),
+    (r"\]\(\.\./README\.md", "](index.md"),
+)
 # What is in the repository only.
 NO_PAGE = re.compile(r"\[([^\]]+)\]\((?:LICENSE|examples|docs|data/[^)]*\.csv|\.\./examples[^)]*)\)")
 

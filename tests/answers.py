@@ -160,9 +160,14 @@ def ask(case: Case, top: Path) -> dict[str, Any]:
     folder.mkdir()
     threads = {f"{name}_NUM_THREADS": "1" for name in ("OMP", "OPENBLAS", "MKL")}
     env = {
-        **os.environ, **threads, "PYTHONPATH": str(ROOT), "PYTHONDONTWRITEBYTECODE": "1", "PYTHONHASHSEED": "0",
-        "DUMMYDESIGN_CACHE": "off", "DUMMYDESIGN_HOME": str(top / "home"),
-    }  # fmt: skip
+        **os.environ,
+        **threads,
+        "PYTHONPATH": str(ROOT),
+        "PYTHONDONTWRITEBYTECODE": "1",
+        "PYTHONHASHSEED": "0",
+        "DUMMYDESIGN_CACHE": "off",
+        "DUMMYDESIGN_HOME": str(top / "home"),
+    }
     env.pop("DUMMYDESIGN_DEBUG", None)
     words = [*case.words.split(), *(["--json"] if case.json else [])]
     done = subprocess.run(

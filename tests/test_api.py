@@ -47,8 +47,18 @@ def printed(capsys, *arguments, status=0):
 
 
 PALM = {"thickness_mm": (8, 16), "ratio": (15, 16), "shape": "slab"}
-PALM_OPTIONS = ["suggest", "--tissue", "palm", "--thickness", "8:16", "--ratio", "15:16", "--shape", "slab",
-                "--no-verify"]  # fmt: skip
+PALM_OPTIONS = [
+    "suggest",
+    "--tissue",
+    "palm",
+    "--thickness",
+    "8:16",
+    "--ratio",
+    "15:16",
+    "--shape",
+    "slab",
+    "--no-verify",
+]
 
 
 def test_suggest_is_the_answer_of_the_command(capsys, tmp_path, monkeypatch):

@@ -26,19 +26,56 @@ import pytest
 import dummydesign
 
 OUTWARD = (
-    "api", "core.errors", "core.quantity", "geometry.pad_shape", "loop.effects.contract_check", "loop.model.effect",
-    "measurement.campaign", "measurement.campaign_file", "measurement.importing.read",
-    "measurement.trace", "pad.force_law", "resin.model.resin", "resin.model.resin_file", "tissue.model.maxwell_law",
-    "tissue.model.tissue", "tissue.model.tissue_file", "design.search.shape_family",
-)  # fmt: skip
+    "api",
+    "core.errors",
+    "core.quantity",
+    "geometry.pad_shape",
+    "loop.effects.contract_check",
+    "loop.model.effect",
+    "measurement.campaign",
+    "measurement.campaign_file",
+    "measurement.importing.read",
+    "measurement.trace",
+    "pad.force_law",
+    "resin.model.resin",
+    "resin.model.resin_file",
+    "tissue.model.maxwell_law",
+    "tissue.model.tissue",
+    "tissue.model.tissue_file",
+    "design.search.shape_family",
+)
 """What people outside call or derive from: the calls for scripts, the contracts, the readers."""
 FEWEST = 3
 UNITS = {
-    "mm": "mm", "mm2": "mm2", "mm3": "mm3", "mm_s": "mm/s", "N": "N", "s": "s", "ms": "ms", "MPa": "MPa", "kPa": "kPa",
-    "GPa": "GPa", "Pa": "Pa", "Pa_s": "Pa s", "deg": "deg", "rad": "rad", "K": "K", "C": "C", "g": "g", "kg": "kg",
-    "h": "h", "Hz": "Hz", "N_mm": "N/mm", "ml": "ml", "per_K": "1/K", "g_per_cm3": "g/cm3", "N_per_m": "N/m",
-    "mm_s2": "mm/s2", "N_per_mm3": "N/mm3", "N_s_per_mm": "N s/mm",
-}  # fmt: skip
+    "mm": "mm",
+    "mm2": "mm2",
+    "mm3": "mm3",
+    "mm_s": "mm/s",
+    "N": "N",
+    "s": "s",
+    "ms": "ms",
+    "MPa": "MPa",
+    "kPa": "kPa",
+    "GPa": "GPa",
+    "Pa": "Pa",
+    "Pa_s": "Pa s",
+    "deg": "deg",
+    "rad": "rad",
+    "K": "K",
+    "C": "C",
+    "g": "g",
+    "kg": "kg",
+    "h": "h",
+    "Hz": "Hz",
+    "N_mm": "N/mm",
+    "ml": "ml",
+    "per_K": "1/K",
+    "g_per_cm3": "g/cm3",
+    "N_per_m": "N/m",
+    "mm_s2": "mm/s2",
+    "N_per_mm3": "N/mm3",
+    "N_s_per_mm": "N s/mm",
+}
 ENTRY = re.compile(r"^(\*{0,2}\w+(?:, \*{0,2}\w+)*)(?: : (.+))?$")
 ARRAY = re.compile(r"ndarray|NDArray|ArrayLike|\bArray\b")
 SEE = re.compile(r"[Ss]ee\s+:(?:class|meth|func):`~?([\w.]+)`")
@@ -71,8 +108,11 @@ def documented(module: Any, follow: bool = True) -> Iterator[tuple[str, Function
                 if key.startswith("_") or not isinstance(member, FunctionType):
                     continue
                 overridden = [getattr(base, key).__doc__ or "" for base in thing.__mro__ if hasattr(base, key)]
-                yield (f"{module.__name__}.{name}.{key}", member,
-                       [member.__doc__ or "", *overridden, *(named(member, module) if follow else ())])  # fmt: skip
+                yield (
+                    f"{module.__name__}.{name}.{key}",
+                    member,
+                    [member.__doc__ or "", *overridden, *(named(member, module) if follow else ())],
+                )
 
 
 def named(function: FunctionType, module: Any) -> Iterator[str]:
@@ -198,5 +238,3 @@ def test_a_faulty_section_is_complained_of(old, new, fault):
 
 def test_names_with_a_unit_are_recognised_by_their_longest_ending():
     assert [unit_of(name) for name in ("speed_mm_s", "expansion_per_K", "hold_s", "bins")] == ["mm/s", "1/K", "s", ""]
-
-

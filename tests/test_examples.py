@@ -23,12 +23,22 @@ WITH_EXAMPLES = sorted(
     if ">>> " in path.read_text(encoding="utf-8")
 )
 MAIN = (
-    "api.designs.suggest", "api.designs.whatif", "api.predictions.predict", "api.traces.fit",
-    "api.moulds.make_mould", "geometry.interface.Interface.parse", "geometry.pad_shape.PadShape",
-    "geometry.shape_registry.read_shape", "inference.least_squares.profile_interval", "inference.binning.cut",
-    "pad.force_law.BaseForceLaw", "pad.tables.slab.load_table", "resin.model.resin_file.load_resin",
-    "tissue.load_tissue", "tissue.model.parameters.Parameters.force",
-)  # fmt: skip
+    "api.designs.suggest",
+    "api.designs.whatif",
+    "api.predictions.predict",
+    "api.traces.fit",
+    "api.moulds.make_mould",
+    "geometry.interface.Interface.parse",
+    "geometry.pad_shape.PadShape",
+    "geometry.shape_registry.read_shape",
+    "inference.least_squares.profile_interval",
+    "inference.binning.cut",
+    "pad.force_law.BaseForceLaw",
+    "pad.tables.slab.load_table",
+    "resin.model.resin_file.load_resin",
+    "tissue.load_tissue",
+    "tissue.model.parameters.Parameters.force",
+)
 HEAVY = ("cadquery", "matplotlib", "pandas", "pyvista", "skfem", "trimesh")
 
 

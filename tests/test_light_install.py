@@ -11,8 +11,23 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[1]
-LEFT_OUT = ("cadquery", "OCP", "casadi", "pyvista", "vtk", "vtkmodules", "trimesh", "networkx", "lxml", "ezdxf",
-            "pandas", "xarray", "nicegui", "numba", "PIL")  # fmt: skip
+LEFT_OUT = (
+    "cadquery",
+    "OCP",
+    "casadi",
+    "pyvista",
+    "vtk",
+    "vtkmodules",
+    "trimesh",
+    "networkx",
+    "lxml",
+    "ezdxf",
+    "pandas",
+    "xarray",
+    "nicegui",
+    "numba",
+    "PIL",
+)
 
 
 def lines_of(name):
@@ -32,8 +47,11 @@ def test_the_light_set_with_moulds_lacks_pyvista_alone_and_names_what_cadquery_n
     light = lines_of("requirements-mould-light.txt")
     assert {line.split(">")[0] for line in whole() - light} == {"cadquery", "pyvista"}
     assert {line.split(">")[0] for line in light - whole()} == {
-        "cadquery-ocp-novtk", "multimethod", "runtype", "pyparsing",
-    }  # fmt: skip
+        "cadquery-ocp-novtk",
+        "multimethod",
+        "runtype",
+        "pyparsing",
+    }
 
 
 @pytest.mark.slow
@@ -51,8 +69,13 @@ from dummydesign.mold.cad.kernel import cad_problem, cq
 print(cad_problem(), cq.Workplane().box(30, 20, 10).edges().fillet(1).val().Volume() < 6000)
 """
     path = os.pathsep.join(filter(None, (str(ROOT), os.environ.get("PYTHONPATH"))))
-    done = subprocess.run([sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True,
-                          env={**os.environ, "PYTHONPATH": path})  # fmt: skip
+    done = subprocess.run(
+        [sys.executable, "-c", code],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        env={**os.environ, "PYTHONPATH": path},
+    )
     assert done.stdout.split() == ["None", "True"], done.stderr
 
 
@@ -69,6 +92,11 @@ def test_commands_without_solids_run_on_the_light_set(words, tmp_path):
     code = f"import sys\nfor name in {LEFT_OUT!r}:\n    sys.modules[name] = None\n"
     code += f"from dummydesign.cli import run\nsys.exit(run({words!r}))"
     path = os.pathsep.join(filter(None, (str(ROOT), os.environ.get("PYTHONPATH"))))
-    done = subprocess.run([sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True,
-                          env={**os.environ, "PYTHONPATH": path})  # fmt: skip
+    done = subprocess.run(
+        [sys.executable, "-c", code],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        env={**os.environ, "PYTHONPATH": path},
+    )
     assert done.returncode == 0, done.stderr

@@ -38,9 +38,12 @@ def ran(name, folder):
     shutil.copytree(ROOT / "examples", folder / "examples")
     path = os.pathsep.join(filter(None, (str(ROOT), os.environ.get("PYTHONPATH"))))
     done = subprocess.run(
-        [sys.executable, "-c", RUN, f"{name}.ipynb"], cwd=folder / "examples", capture_output=True, text=True,
+        [sys.executable, "-c", RUN, f"{name}.ipynb"],
+        cwd=folder / "examples",
+        capture_output=True,
+        text=True,
         env={**os.environ, "PYTHONPATH": path, "DUMMYDESIGN_HOME": str(folder / "home")},
-    )  # fmt: skip
+    )
     assert done.returncode == 0, done.stderr[-3000:]
     texts = []
     for cell in cells(folder / "examples" / "ran.ipynb"):

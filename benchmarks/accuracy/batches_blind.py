@@ -80,8 +80,9 @@ def draw_batch(resin: Resin, rng: np.random.Generator) -> Drawn:
 
 def weighed(ratio: float, total_g: float, rng: np.random.Generator) -> float:
     """Ratio that is in the cup when both liquids are weighed with errors even within 0.1 g."""
-    polyol, isocyanate = (total_g * part / (100.0 + ratio) + rng.uniform(-WEIGHING_G, WEIGHING_G)
-                          for part in (100.0, ratio))  # fmt: skip
+    polyol, isocyanate = (
+        total_g * part / (100.0 + ratio) + rng.uniform(-WEIGHING_G, WEIGHING_G) for part in (100.0, ratio)
+    )
     return 100.0 * isocyanate / polyol
 
 
@@ -96,8 +97,15 @@ def puck_files(batch: Drawn, resin: Resin, ratio: float, plates: str, folder: Pa
     mixed = weighed(ratio, PUCK_BATCH_G, rng)
     arms = tuple(zip(resin.tau_s, batch.strengths(mixed).tolist()))
     gauge = float(0.1 * rng.standard_normal()), float(0.05 * rng.standard_normal())
-    one = Batch(ratio, float(batch.young_kPa(mixed)), arms, puck_curve(plates, rng), float(rng.uniform(-0.1, 0.3)),
-                float(rng.uniform(0.01, 0.05)), gauge)  # fmt: skip
+    one = Batch(
+        ratio,
+        float(batch.young_kPa(mixed)),
+        arms,
+        puck_curve(plates, rng),
+        float(rng.uniform(-0.1, 0.3)),
+        float(rng.uniform(0.01, 0.05)),
+        gauge,
+    )
     return written(one, folder, rng), (DIAMETER_MM + gauge[0], HEIGHT_MM + gauge[1])
 
 
@@ -144,15 +152,27 @@ def run(number: int, seed: int) -> Row:
         os.environ["DUMMYDESIGN_HOME"] = str(folder)
         files, size = puck_files(batch, resin, before.best.ratio, plates, folder, rng)
         diameter_mm, height_mm = size
-        add_compression(files, diameter_mm, height_mm, "batch", before.best.ratio, "polyurethane-nagoya",
-                        friction=plates)  # fmt: skip
+        add_compression(
+            files, diameter_mm, height_mm, "batch", before.best.ratio, "polyurethane-nagoya", friction=plates
+        )
         answer = _designed(tissue, "batch", **asked)
         kind = cast(batch, answer, answer.best.ratio, thickness, rng)
     usable = answer.verdict.usable_share
-    return Row(number, seed, tissue, plates, answer.verdict.level, float(usable or 0.0), answer.best.ratio, kind,
-               before.verdict.level, float(before.verdict.usable_share or 0.0), poured,
-               before.shares.after_puck.stands_for + before.shares.after_puck.usable,
-               time.process_time() - began)  # fmt: skip
+    return Row(
+        number,
+        seed,
+        tissue,
+        plates,
+        answer.verdict.level,
+        float(usable or 0.0),
+        answer.best.ratio,
+        kind,
+        before.verdict.level,
+        float(before.verdict.usable_share or 0.0),
+        poured,
+        before.shares.after_puck.stands_for + before.shares.after_puck.usable,
+        time.process_time() - began,
+    )
 
 
 _KEPT: dict[tuple[str, str], object] = {}
@@ -168,21 +188,33 @@ def _designed(tissue: str, resin: str, **asked):
 
 def table(rows: list[Row]) -> list[str]:
     """Stated and counted shares, by tissue and level."""
-    lines = ["pads | batches | as poured: stated, counted % | after one puck: stated before, counted % | "
-             "called usable | of these usable %"]  # fmt: skip
+    lines = [
+        "pads | batches | as poured: stated, counted % | after one puck: stated before, counted % | "
+        "called usable | of these usable %"
+    ]
     for name in ("all", *dict.fromkeys(row.tissue for row in rows)):
         own = [row for row in rows if name in ("all", row.tissue)]
         called = [row for row in own if row.level in ("stands_for", "usable_with_correction")]
         good = np.mean([row.kind <= 1 for row in called]) if called else np.nan
-        numbers = [100 * np.mean(shares) for shares in (
-            [row.poured_stated for row in own], [row.poured_kind <= 1 for row in own],
-            [row.after_stated for row in own], [row.kind <= 1 for row in own],
-        )]  # fmt: skip
-        lines.append(f"{name} | {len(own)} | {numbers[0]:.1f}, {numbers[1]:.1f} | {numbers[2]:.1f}, {numbers[3]:.1f} | "
-                     f"{len(called)} | {100 * good:.1f}")  # fmt: skip
+        numbers = [
+            100 * np.mean(shares)
+            for shares in (
+                [row.poured_stated for row in own],
+                [row.poured_kind <= 1 for row in own],
+                [row.after_stated for row in own],
+                [row.kind <= 1 for row in own],
+            )
+        ]
+        lines.append(
+            f"{name} | {len(own)} | {numbers[0]:.1f}, {numbers[1]:.1f} | {numbers[2]:.1f}, {numbers[3]:.1f} | "
+            f"{len(called)} | {100 * good:.1f}"
+        )
     levels = {level: [row for row in rows if row.level == level] for level in dict.fromkeys(row.level for row in rows)}
-    lines += [f"{level}: {len(own)} batches, stated {100 * np.mean([row.stated for row in own]):.1f} %, counted "
-              f"{100 * np.mean([row.kind <= 1 for row in own]):.1f} %" for level, own in levels.items()]  # fmt: skip
+    lines += [
+        f"{level}: {len(own)} batches, stated {100 * np.mean([row.stated for row in own]):.1f} %, counted "
+        f"{100 * np.mean([row.kind <= 1 for row in own]):.1f} %"
+        for level, own in levels.items()
+    ]
     return lines
 
 

@@ -53,8 +53,10 @@ class Bone:
 def capsule(rng: Generator) -> tuple[Any, float, float]:
     """Solid along x, its radius, and the closed volume of its lower part for a height."""
     r, long = rng.uniform(4.0, 8.0), rng.uniform(10.0, 35.0)
-    ends = [cq.Solid.makeSphere(r, cq.Vector(), cq.Vector(0, 0, 1), -90, 90, 360).translate(cq.Vector(x, 0, 0))
-            for x in (-long / 2, long / 2)]  # fmt: skip
+    ends = [
+        cq.Solid.makeSphere(r, cq.Vector(), cq.Vector(0, 0, 1), -90, 90, 360).translate(cq.Vector(x, 0, 0))
+        for x in (-long / 2, long / 2)
+    ]
     middle = cq.Solid.makeCylinder(r, long, cq.Vector(-long / 2, 0, 0), cq.Vector(1, 0, 0))
     return middle.fuse(*ends).clean().Solids()[0], r, long
 
@@ -224,10 +226,13 @@ def broken(rng: Generator, folder: Path, number: int) -> Bone:
     mesh = mesh_of(solid, 0.05)
     points, faces = np.asarray(mesh.vertices).copy(), np.asarray(mesh.faces).copy()
     kind, reason = (
-        ("holes", "not closed"), ("crossing", "crosses itself"), ("two bodies", "2 bodies"),
-        ("crossing bodies", "bodies|crosses itself"), ("fin", "more than two triangles"),
+        ("holes", "not closed"),
         ("crossing", "crosses itself"),
-    )[number % 6]  # fmt: skip
+        ("two bodies", "2 bodies"),
+        ("crossing bodies", "bodies|crosses itself"),
+        ("fin", "more than two triangles"),
+        ("crossing", "crosses itself"),
+    )[number % 6]
     if kind == "holes":
         faces = faces[np.linalg.norm(points[faces].mean(axis=1) - points[rng.integers(len(points))], axis=1) > 1.5]
     if kind == "crossing":
@@ -334,13 +339,26 @@ def _placed(bone: Bone, cover_mm: float, turn: Turn, scale: float, folder: Path)
 
 def _whole(bone: Bone, cover_mm: float, turn: Turn, preset: str, scale: float, folder: Path) -> dict[str, Any]:
     made = dummydesign.make_mould(
-        bone.height_mm + cover_mm, length_mm=110, width_mm=80, bone=bone.file, bone_height_mm=bone.height_mm,
-        bone_scale=scale, bone_turn_deg=turn, preset=preset, out=folder, replace=True,
-    ).to_dict()  # fmt: skip
+        bone.height_mm + cover_mm,
+        length_mm=110,
+        width_mm=80,
+        bone=bone.file,
+        bone_height_mm=bone.height_mm,
+        bone_scale=scale,
+        bone_turn_deg=turn,
+        preset=preset,
+        out=folder,
+        replace=True,
+    ).to_dict()
     checks = {one["id"]: one for one in made["checks"]}
     insert = made["spec"]["insert"]
-    return {"outcome": "made", **{name: insert.get(name) for name in FACTS}, "preset": preset,
-            **{name: checks[name]["value"] for name in CHECKS}, "limit": checks["bone_kernel"]["limit"]}  # fmt: skip
+    return {
+        "outcome": "made",
+        **{name: insert.get(name) for name in FACTS},
+        "preset": preset,
+        **{name: checks[name]["value"] for name in CHECKS},
+        "limit": checks["bone_kernel"]["limit"],
+    }
 
 
 FACTS = ("volume_mm3", "off_file_mm", "off_file_rms_mm", "mended")
@@ -349,8 +367,9 @@ CHECKS = ("closed_form", "bone_volume", "gel_and_bone", "bone_kernel")
 
 def processor_s() -> float:
     """Processor time of this process and of those that it waited for. [s]"""
-    return sum(use.ru_utime + use.ru_stime for use in map(resource.getrusage, (resource.RUSAGE_SELF,
-                                                                             resource.RUSAGE_CHILDREN)))  # fmt: skip
+    return sum(
+        use.ru_utime + use.ru_stime for use in map(resource.getrusage, (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN))
+    )
 
 
 def judged(bone: Bone, number: int, seed: int, work: Path, whole: bool) -> dict[str, Any]:
@@ -398,8 +417,10 @@ def main() -> None:
         mark = "" if rows[-1]["as_expected"] else "NOT AS EXPECTED"
         print(number, rows[-1]["kind"], rows[-1]["outcome"], mark, flush=True)
     outcomes = Counter(row["outcome"] for row in rows)
-    print(f"{sum(row['as_expected'] for row in rows)} of {len(rows)} as expected; {dict(outcomes)}; "
-          f"{sum(row['seconds'] for row in rows):.0f} s of processor time")  # fmt: skip
+    print(
+        f"{sum(row['as_expected'] for row in rows)} of {len(rows)} as expected; {dict(outcomes)}; "
+        f"{sum(row['seconds'] for row in rows):.0f} s of processor time"
+    )
 
 
 if __name__ == "__main__":

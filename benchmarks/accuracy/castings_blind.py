@@ -107,10 +107,14 @@ def solve_curves() -> list[dict]:
             else:
                 pad = Pad(thickness, 1.0, RADIUS_MM, extent_mm=75.7, geometry=read_shape(shape))
                 curve = solve_shaped_pad(pad, depth, cells=CELLS)
-            rows.append({
-                "shape": shape, "thickness_mm": thickness, "depth_mm": [round(float(d), 5) for d in curve.depth_mm],
-                "force_over_young_mm2": [float(f"{f:.6g}") for f in curve.force_N],
-            })  # fmt: skip
+            rows.append(
+                {
+                    "shape": shape,
+                    "thickness_mm": thickness,
+                    "depth_mm": [round(float(d), 5) for d in curve.depth_mm],
+                    "force_over_young_mm2": [float(f"{f:.6g}") for f in curve.force_N],
+                }
+            )
             CURVES.write_text("[\n" + ",\n".join(json.dumps(row) for row in rows) + "\n]\n")
             print("solved", shape, thickness, len(curve.depth_mm), file=sys.stderr, flush=True)
     return rows
@@ -119,8 +123,10 @@ def solve_curves() -> list[dict]:
 @lru_cache(maxsize=32)
 def solved(shape: str, middle: float) -> tuple[NDArray, tuple, float]:
     """Two thicknesses, curves of ln(F / (E h^2 share^p)) over ln share through solved points, and the last share."""
-    rows = sorted((r for r in json.loads(CURVES.read_text()) if r["shape"] == shape
-                   and abs(r["thickness_mm"] - middle) < 0.21), key=lambda r: r["thickness_mm"])  # fmt: skip
+    rows = sorted(
+        (r for r in json.loads(CURVES.read_text()) if r["shape"] == shape and abs(r["thickness_mm"] - middle) < 0.21),
+        key=lambda r: r["thickness_mm"],
+    )
     curves = []
     for row in rows:
         share = np.log(np.array(row["depth_mm"]) / row["thickness_mm"])
@@ -326,12 +332,23 @@ def run_one(design_: tuple, case: tuple, pads: int, seed: int) -> dict:
     rng = np.random.default_rng([seed, number, round(100 * ratio)])
     making = answer.castings.tolerances.pour_g, answer.request.weighing_g, answer.request.thickness_tolerance_mm
     row = {
-        "number": number, "seed": seed, "tissue": tissue, "shape": shape, "thickness_mm": thickness, "ratio": ratio,
-        "knowledge": knowledge, "suggested": recommended, "level": judged.level, "stated": judged.castings,
-        "factor": judged.correction.factor, "factor_after_measuring": judged.correction.factor_after_measuring,
-        "shortfall_q95": judged.shortfall.q95, "over_q95": judged.over.q95,
-        "law_error": round(answer.castings.error, 4), "pads": pads,
-    }  # fmt: skip
+        "number": number,
+        "seed": seed,
+        "tissue": tissue,
+        "shape": shape,
+        "thickness_mm": thickness,
+        "ratio": ratio,
+        "knowledge": knowledge,
+        "suggested": recommended,
+        "level": judged.level,
+        "stated": judged.castings,
+        "factor": judged.correction.factor,
+        "factor_after_measuring": judged.correction.factor_after_measuring,
+        "shortfall_q95": judged.shortfall.q95,
+        "over_q95": judged.over.q95,
+        "law_error": round(answer.castings.error, 4),
+        "pads": pads,
+    }
     for name, measured in (("", False), ("measured_", True)):
         cast = cast_pads(answer.resin, ratio, thickness, making, pads, rng, measured)
         lowest, highest, reached = needs(cast, answer, shape, thickness)
@@ -348,15 +365,24 @@ def run_one(design_: tuple, case: tuple, pads: int, seed: int) -> dict:
 def covered(rows: list[dict], needed: str, stated: str) -> tuple[int, int]:
     """How many pads in reach are at most what was stated, and how many are in reach."""
     known = [row for row in rows if row[stated] is not None]
-    flags = [max(value, 1.0 if "factor" in stated else 0.0) <= row[stated] for row in known for value in row[needed]
-             if value is not None]  # fmt: skip
+    flags = [
+        max(value, 1.0 if "factor" in stated else 0.0) <= row[stated]
+        for row in known
+        for value in row[needed]
+        if value is not None
+    ]
     return sum(flags), len(flags)
 
 
 def beyond(rows: list[dict], needed: str, stated: str) -> str:
     """By how much pads are above what was stated: the 95 % quantile of the ratio, in per cent."""
-    ratios = [max(value, 1.0 if "factor" in stated else 0.0) / row[stated] for row in rows if row[stated] is not None
-              for value in row[needed] if value is not None]  # fmt: skip
+    ratios = [
+        max(value, 1.0 if "factor" in stated else 0.0) / row[stated]
+        for row in rows
+        if row[stated] is not None
+        for value in row[needed]
+        if value is not None
+    ]
     return f"{100 * (float(np.quantile(ratios, 0.95)) - 1):+.1f}" if ratios else ""
 
 
@@ -376,9 +402,11 @@ def shares_of(rows: list[dict], name: str) -> tuple[float, float, float, int]:
 
 
 QUANTITIES = (
-    ("factor", "needed", "factor"), ("shortfall", "needed", "shortfall_q95"), ("over-reading", "over", "over_q95"),
+    ("factor", "needed", "factor"),
+    ("shortfall", "needed", "shortfall_q95"),
+    ("over-reading", "over", "over_q95"),
     ("factor after measuring", "measured_needed", "factor_after_measuring"),
-)  # fmt: skip
+)
 """Stated 95 % figures: name, what a pad needs, and what was stated."""
 HEAD = """# Blind check of castings
 
@@ -408,10 +436,12 @@ def groups_of(rows: list[dict]) -> dict[str, list[dict]]:
 
 def data(rows: list[dict]) -> dict[str, list[tuple]]:
     """Rows of both data files, with heads: 95 % figures of every group, and classes by knowledge of the resin."""
-    held: list[tuple] = [("designs", "number", "quantity", "pads", "held_percent", "standard_error_percent",
-                          "q95_over_stated_percent")]  # fmt: skip
-    kinds: list[tuple] = [("resin", "pads", "class", "stated_percent", "counted_percent", "difference_points",
-                           "standard_error_points")]  # fmt: skip
+    held: list[tuple] = [
+        ("designs", "number", "quantity", "pads", "held_percent", "standard_error_percent", "q95_over_stated_percent")
+    ]
+    kinds: list[tuple] = [
+        ("resin", "pads", "class", "stated_percent", "counted_percent", "difference_points", "standard_error_points")
+    ]
     for words, own in groups_of(rows).items():
         for name, *names in QUANTITIES:
             good, every = covered(own, *names)
@@ -439,21 +469,33 @@ def table(rows: list[dict]) -> str:
         METHOD,
         f"{len(rows)} designs, seed {seeds}. {pads} pads have all uncertainties. {pads} further ones have a known",
         'modulus and relaxation (column "factor after measuring").',
-        "`python -m benchmarks.accuracy.castings_blind` runs the study.", "",
-        "## 95 % figures", "",
+        "`python -m benchmarks.accuracy.castings_blind` runs the study.",
+        "",
+        "## 95 % figures",
+        "",
         "For how many of the pads in reach does the stated figure suffice? 95 % is expected. In brackets: one standard",
-        "error. The figure itself comes from 1200 castings, which adds 0.6 percentage points.", "",
-        "| designs | number | " + " | ".join(name for name, *_ in shown) + " |", "|---|---|" + "---|" * len(shown),
-    ]  # fmt: skip
+        "error. The figure itself comes from 1200 castings, which adds 0.6 percentage points.",
+        "",
+        "| designs | number | " + " | ".join(name for name, *_ in shown) + " |",
+        "|---|---|" + "---|" * len(shown),
+    ]
     for words, own in groups.items():
         if words == "all" or words in LEVELS:
             cells = (_share(*covered(own, *names)) for _, *names in shown)
             lines.append(f"| {words} | {len(own)} | {' | '.join(cells)} |")
     lines += [
-        "", "Weakest groups:", "", *(_weakest(groups, *one) for one in shown), "",
-        "All groups: `docs/data/castings-blind.csv`.", "",
-        "## Levels", "", "| level | promised | stated | counted |", "|---|---|---|---|",
-    ]  # fmt: skip
+        "",
+        "Weakest groups:",
+        "",
+        *(_weakest(groups, *one) for one in shown),
+        "",
+        "All groups: `docs/data/castings-blind.csv`.",
+        "",
+        "## Levels",
+        "",
+        "| level | promised | stated | counted |",
+        "|---|---|---|---|",
+    ]
     for level, worst in (("stands_for", 0), ("usable_with_correction", 1), ("not_settled", 1)):
         own = groups[level]
         pads = sum(row["pads"] for row in own)
@@ -503,8 +545,10 @@ def main() -> None:
                 continue
             started = time.process_time()
             # the designs of one shape are kept together, so that a study that was stopped goes on at a whole shape
-            judged = [run_one(one, (number, geometry, knowledge), options.pads, options.seed)
-                      for one in designs_of(*geometry, knowledge)]  # fmt: skip
+            judged = [
+                run_one(one, (number, geometry, knowledge), options.pads, options.seed)
+                for one in designs_of(*geometry, knowledge)
+            ]
             for row in judged:
                 keep_row(options.rows, row)
             rows += judged

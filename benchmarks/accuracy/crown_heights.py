@@ -102,8 +102,9 @@ def run(number: int, seed: int) -> Row:
     shape, (drawn, higher, thicker) = read_shape(text), drawn_lengths(number, rng)
     higher, thicker = round(higher, 2), round(thicker, 2)
     spec = mould_spec(h, 150.0, 120.0, kind=shape.name, parameters=shape.parameters)
-    readings = {one.name: one.nominal_mm + thicker + (higher if one.name == "tip" else 0.0)
-                for one in gauge_points(spec)}  # fmt: skip
+    readings = {
+        one.name: one.nominal_mm + thicker + (higher if one.name == "tip" else 0.0) for one in gauge_points(spec)
+    }
     mass = pour_plan(spec).cast_mass_g + thicker * pour_plan(spec).gram_per_mm_g
     record = record_pad(Measured(tuple(readings.values()), mass, points=tuple(readings)), spec)
     cast, thickness, depth = crown_shape(shape, higher), h + higher + thicker, h * np.array(DEPTHS)
@@ -111,14 +112,28 @@ def run(number: int, seed: int) -> Row:
             for one, t in ((cast, thickness), (shape, h))]  # fmt: skip
     elements = [solved_forces(one, t, depth) for one, t in ((cast, thickness), (shape, h))]
     by_law, by_elements = (tuple((100 * (one[0] / one[1] - 1)).tolist()) for one in (laws, elements))
-    return Row(number, seed, name, drawn, higher, thicker, record.accepted, record.missed, record.force_percent, by_law,
-               by_elements, time.process_time() - began)  # fmt: skip
+    return Row(
+        number,
+        seed,
+        name,
+        drawn,
+        higher,
+        thicker,
+        record.accepted,
+        record.missed,
+        record.force_percent,
+        by_law,
+        by_elements,
+        time.process_time() - began,
+    )
 
 
 def table(rows: list[Row]) -> list[str]:
     """Errors of the recorded force, by pad and by how a casting is drawn and judged."""
-    lines = ["castings | number | elements, largest change % | record off: median, 95 %, largest % | within 3 % | "
-             "law off at 0.1, 0.4 of the thickness: 95 %"]  # fmt: skip
+    lines = [
+        "castings | number | elements, largest change % | record off: median, 95 %, largest % | within 3 % | "
+        "law off at 0.1, 0.4 of the thickness: 95 %"
+    ]
     groups = {"all": rows, **{name: [row for row in rows if row.pad == name] for name, *_ in PADS}}
     groups |= {drawn: [row for row in rows if row.drawn == drawn] for drawn in ("making", "far")}
     groups |= {"accepted": [row for row in rows if row.accepted], "missed": [row for row in rows if not row.accepted]}

@@ -52,16 +52,24 @@ def draw(rng: np.random.Generator) -> Drawn:
         return float(np.exp(rng.uniform(np.log(low), np.log(high))))
 
     kinds = {
-        "overshoot": float(rng.uniform(0.0, 0.1)), "ringing_Hz": spread(3.0, 50.0), "damping": spread(0.02, 1.0),
-        "depth_mm": spread(1.0, 8.0), "speed_mm_s": spread(1.0, 100.0), "hold_s": float(rng.uniform(3.0, 10.0)),
-        "peak_N": spread(3.0, 30.0), "noise_N": spread(0.002, 0.03),
+        "overshoot": float(rng.uniform(0.0, 0.1)),
+        "ringing_Hz": spread(3.0, 50.0),
+        "damping": spread(0.02, 1.0),
+        "depth_mm": spread(1.0, 8.0),
+        "speed_mm_s": spread(1.0, 100.0),
+        "hold_s": float(rng.uniform(3.0, 10.0)),
+        "peak_N": spread(3.0, 30.0),
+        "noise_N": spread(0.002, 0.03),
         "digit_N": float(rng.choice([1e-4, 0.001, 0.01, 0.1])),
         "drift_N_s": float(rng.choice([0, 1]) * rng.uniform(-0.1, 0.1)),
-        "slope_N_mm": float(rng.choice([0, 1]) * rng.uniform(-0.01, 0.01)), "wander": float(rng.choice([0.0, 0.5])),
-        "dropped": float(rng.choice([0.0, 0.0, 0.01])), "dwell_s": float(rng.uniform(0.5, 4.0)),
-        "gap_mm": float(rng.uniform(1.0, 5.0)), "released": float(rng.integers(2)),
+        "slope_N_mm": float(rng.choice([0, 1]) * rng.uniform(-0.01, 0.01)),
+        "wander": float(rng.choice([0.0, 0.5])),
+        "dropped": float(rng.choice([0.0, 0.0, 0.01])),
+        "dwell_s": float(rng.uniform(0.5, 4.0)),
+        "gap_mm": float(rng.uniform(1.0, 5.0)),
+        "released": float(rng.integers(2)),
         "zero_mm": float(rng.choice([0, 0, 0, 0, 0, 0, 0, 1, 1, 1]) * rng.uniform(5, 400)),
-    }  # fmt: skip
+    }
     kinds["release_mm_s"] = kinds["speed_mm_s"]
     rate = float(rng.choice([200.0, 500.0, 1000.0]))
     stop = kinds["depth_mm"] / kinds["speed_mm_s"]
@@ -85,8 +93,16 @@ def draw(rng: np.random.Generator) -> Drawn:
     measured = np.round(measured / kinds["digit_N"]) * kinds["digit_N"]
     x = np.round(x + rng.normal(0.0, 0.001, len(x)), 4)
     held = kinds["hold_s"] if kinds["released"] else float(time[-1]) - stop
-    return Drawn(time - time[0], x + kinds["zero_mm"], measured, kinds["depth_mm"], held,
-                 scale * float(plain[late].mean()), kinds["zero_mm"], kinds)  # fmt: skip
+    return Drawn(
+        time - time[0],
+        x + kinds["zero_mm"],
+        measured,
+        kinds["depth_mm"],
+        held,
+        scale * float(plain[late].mean()),
+        kinds["zero_mm"],
+        kinds,
+    )
 
 
 def forces(law: str, time: NDArray, x: NDArray) -> NDArray:
@@ -124,9 +140,10 @@ def judge(press: Drawn, found: Imported) -> tuple[list[str], bool | None]:
         faults.append("hold")
     if summary.steady_force_N is None or abs(summary.steady_force_N / press.steady_N - 1.0) > STEADY:
         faults.append("steady force")
-    if not 0.5 < float(np.ptp(one.time_s)) / float(np.ptp(press.time_s)) < 2.0 or not 0.5 < (
-        float(np.ptp(one.displacement_mm)) / float(np.ptp(press.displacement_mm))
-    ) < 2.0:
+    if (
+        not 0.5 < float(np.ptp(one.time_s)) / float(np.ptp(press.time_s)) < 2.0
+        or not 0.5 < (float(np.ptp(one.displacement_mm)) / float(np.ptp(press.displacement_mm))) < 2.0
+    ):
         faults = ["unit"]
     return faults, bool(one.contact_low_mm <= moved <= one.contact_high_mm)
 
@@ -178,8 +195,14 @@ def main() -> None:
             if faults and number < options.show:
                 drawn = {key: round(value, 4) for key, value in press.kinds.items()}
                 print(number, faults, sorted(codes), read[0].presses[0].summary, drawn, round(press.steady_N, 4))
-    result = {"draws": options.draws, "seed": options.seed, "plain": options.plain, "contact_intervals": len(inside),
-              "contact_coverage": round(float(np.mean(inside)), 4), "counts": dict(sorted(counts.items()))}  # fmt: skip
+    result = {
+        "draws": options.draws,
+        "seed": options.seed,
+        "plain": options.plain,
+        "contact_intervals": len(inside),
+        "contact_coverage": round(float(np.mean(inside)), 4),
+        "counts": dict(sorted(counts.items())),
+    }
     print(f"contact intervals that hold the truth: {result['contact_coverage']:.3f} of {len(inside)}")
     for name, count in sorted(counts.items()):
         print(f"{name:28s} {count:5d}  {100.0 * count / options.draws:.1f} %")

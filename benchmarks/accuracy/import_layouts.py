@@ -13,56 +13,19 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-NAMES = {
-    "english": (("Time", "Elapsed Time", "Test time"), ("Displacement", "Extension", "Position"), ("Load", "Force")),
-    "german": (("Zeit", "Prüfzeit"), ("Weg", "Standardweg", "Traversenweg"), ("Kraft", "Prüfkraft")),
-    "french": (("Temps", "Durée"), ("Déplacement", "Course"), ("Force", "Charge")),
-    "spanish": (("Tiempo",), ("Desplazamiento", "Posición", "Recorrido"), ("Fuerza", "Carga")),
-    "italian": (("Tempo",), ("Spostamento", "Posizione", "Corsa"), ("Forza", "Carico")),
-    "portuguese": (("Tempo",), ("Deslocamento", "Posição"), ("Força", "Carga")),
-    "polish": (("Czas", "Godzina"), ("Przemieszczenie", "Droga"), ("Siła", "Obciążenie")),
-    "czech": (("Čas",), ("Posunutí", "Dráha", "Poloha"), ("Síla", "Zatížení")),
-    "dutch": (("Tijd",), ("Verplaatsing", "Positie"), ("Kracht", "Belasting")),
-    "swedish": (("Tid",), ("Förskjutning", "Läge"), ("Kraft", "Last")),
-    "russian": (("Время",), ("Перемещение", "Положение"), ("Сила", "Нагрузка", "Усилие")),
-    "chinese": (("时间", "试验时间"), ("位移", "变形"), ("力", "载荷", "试验力", "负荷")),
-    "japanese": (("時間", "経過時間"), ("変位", "ストローク"), ("荷重", "試験力")),
-    "korean": (("시간",), ("변위", "위치"), ("하중", "힘")),
-}
-STRESS = {
-    "english": ("Compressive stress", "Compressive strain"), "german": ("Spannung", "Dehnung"),
-    "french": ("Contrainte", "Déformation relative"), "spanish": ("Esfuerzo", "Deformación unitaria"),
-    "italian": ("Tensione", "Deformazione percentuale"), "portuguese": ("Tensão", "Deformação específica"),
-    "polish": ("Naprężenie", "Odkształcenie 1"), "czech": ("Napětí", "Poměrná deformace"),
-    "dutch": ("Spanning", "Rek"), "swedish": ("Spänning", "Töjning"), "russian": ("Напряжение", "Относит. деформация"),
-    "chinese": ("压缩应力", "应变"), "japanese": ("応力", "ひずみ"), "korean": ("응력", "변형률"),
-}  # fmt: skip
-CODE_PAGES = {
-    "english": ("utf-8",), "german": ("cp1252", "utf-8-sig", "utf-16"), "french": ("cp1252", "utf-8"),
-    "spanish": ("cp1252", "utf-8"), "italian": ("cp1252", "utf-8"), "portuguese": ("cp1252", "utf-8"),
-    "polish": ("cp1250", "utf-8"), "czech": ("cp1250", "utf-8-sig"), "dutch": ("utf-8",), "swedish": ("cp1252",),
-    "russian": ("cp1251", "utf-8"), "chinese": ("gb18030", "utf-8", "utf-16"), "japanese": ("cp932", "utf-8-sig"),
-    "korean": ("cp949", "utf-8"),
-}  # fmt: skip
-COMMA = {"german", "french", "spanish", "italian", "portuguese", "polish", "czech", "dutch", "swedish", "russian"}
-"""Languages whose machines write a decimal comma."""
-PREAMBLES = {
-    "english": ("Test method;Compression", "Operator;Smith", "Rate;10.00;mm/s"),
-    "german": ("Prüfer;Müller", "Vorkraft;0,1;N"), "french": ("Essai;Compression", "Vitesse;10;mm/s"),
-    "polish": ('Test : Tempo 1;"600,00000";mm/min', 'Etykieta próbki;"P03"'),
-    "spanish": ("Ensayo;Compresión", "Velocidad;10;mm/s"), "japanese": ("試験日;2025/11/19", "試験速度;10;mm/s"),
-    "chinese": ("试样编号;12", "试验速度;10;mm/s"),
-}  # fmt: skip
-RATES = ("Sample rate;{rate};Hz", "Acquisition rate :;{rate:.1f};[Hz]", "Sampling frequency (Hz);{rate}",
-         "Sampling interval;{step};s")  # fmt: skip
+from benchmarks.accuracy.import_words import (
+    CODE_PAGES,
+    COMMA,
+    FORCES,
+    LENGTHS,
+    NAMES,
+    PREAMBLES,
+    RATES,
+    STRESS,
+    TIME_FORMS,
+    TIMES,
+)
 
-LENGTHS = {"mm": (1.0, 4), "um": (1e3, 1), "cm": (0.1, 5), "m": (1e-3, 7), "in": (1 / 25.4, 6)}
-FORCES = {"N": (1.0, 4), "mN": (1e3, 1), "kN": (1e-3, 7), "gf": (1 / 9.80665e-3, 2), "kgf": (1 / 9.80665, 5),
-          "lbf": (1 / 4.4482216, 5)}  # fmt: skip
-TIMES = {"s": (1.0, 4), "ms": (1e3, 1), "min": (1 / 60, 7)}
-TIME_FORMS = ("plain", "plain", "plain", "clock", "iso", "compact", "date_clock", "clock_ms", "secs_nsecs", "epoch",
-              "two_bases", "counter", "rate", "coarse", "packets")  # fmt: skip
-"""How time is written; ``plain`` is one column of numbers."""
 FAULTS = ("none", "none", "none", "none", "dropped", "twice", "swapped", "padded", "slip_time", "slip_force")
 SPECIAL = ("lvm", "arrow", "cells", "side_by_side")
 """Whole formats, drawn in a quarter of the files."""
@@ -156,9 +119,19 @@ def _columns(path: Path, rng: np.random.Generator, style: _Style, press: list[ND
     time, x, force = press
     names = [str(rng.choice(options)) for options in NAMES[style.language]]
     rate = (len(time) - 1) / time[-1]
-    truth: dict[str, Any] = {"layout": {"form": form, "fault": fault, "language": style.language, "units": style.units,
-                                        "separator": style.separator, "decimal": style.decimal},
-                             "time_error_s": 0.0, "slip": slip, "needs": {}}  # fmt: skip
+    truth: dict[str, Any] = {
+        "layout": {
+            "form": form,
+            "fault": fault,
+            "language": style.language,
+            "units": style.units,
+            "separator": style.separator,
+            "decimal": style.decimal,
+        },
+        "time_error_s": 0.0,
+        "slip": slip,
+        "needs": {},
+    }
     columns, error_s, lines = _time_columns(rng, form, style, names[0], units["time"], time)
     truth["time_error_s"] = error_s
     length = _Column(names[1], units["length"], _numbers(style, x, *LENGTHS[units["length"]]), "displacement")
@@ -234,8 +207,14 @@ def _time_columns(
         nano = np.rint(time * 1e9).astype(np.int64) + int(rng.integers(0, 10**9))
         names = [("secs", "nsecs"), ("header.stamp.secs", "header.stamp.nsecs"), ("sec", "nanosec")][rng.integers(3)]
         whole, part = np.divmod(nano, 10**9)
-        return [_Column(names[0], "", [str(origin + int(one)) for one in whole]),
-                _Column(names[1], "", [str(int(one)) for one in part])], 1e-6, []  # fmt: skip
+        return (
+            [
+                _Column(names[0], "", [str(origin + int(one)) for one in whole]),
+                _Column(names[1], "", [str(int(one)) for one in part]),
+            ],
+            1e-6,
+            [],
+        )
     if form == "epoch":
         return [_Column("timestamp", "", _numbers(style, time + 1763561000.0, 1.0, 5), "time")], 1e-5, []
     if form == "counter":
@@ -282,9 +261,12 @@ def _extras(rng: np.random.Generator, style: _Style, x: NDArray, force: NDArray,
     possible = [
         _Column(stress, "MPa", _numbers(style, force / 196.0, 1.0, 6)),
         _Column(strain, str(rng.choice(["mm/mm", "%"])), _numbers(style, x / 30.0, 1.0, 5)),
-        _Column("Temperature", "°C" if style.language in ("german", "french", "english") else "C",
-                _numbers(style, rng.normal(21.0, 0.02, count), 1.0, 2)),
-    ]  # fmt: skip
+        _Column(
+            "Temperature",
+            "°C" if style.language in ("german", "french", "english") else "C",
+            _numbers(style, rng.normal(21.0, 0.02, count), 1.0, 2),
+        ),
+    ]
     return [one for one in possible if rng.random() < 0.25]
 
 
@@ -321,9 +303,15 @@ def _header(style: _Style, columns: list[_Column]) -> list[Cells]:
 
 
 def _write(
-    path: Path, rng: np.random.Generator, style: _Style, columns: list[_Column], rows: list[Cells], lines: list[str],
-    above: Cells | None = None, padded: bool = False,
-) -> None:  # fmt: skip
+    path: Path,
+    rng: np.random.Generator,
+    style: _Style,
+    columns: list[_Column],
+    rows: list[Cells],
+    lines: list[str],
+    above: Cells | None = None,
+    padded: bool = False,
+) -> None:
     """Write header and rows in the code page of the language."""
 
     def line(cells: Cells) -> str:
@@ -349,8 +337,14 @@ def _write(
 
 
 def _simple_truth(style: _Style, form: str, presses: list[tuple[NDArray, ...]], error_s: float = 0.0) -> dict[str, Any]:
-    layout = {"form": form, "fault": "none", "language": style.language, "units": style.units,
-              "separator": style.separator, "decimal": style.decimal}  # fmt: skip
+    layout = {
+        "form": form,
+        "fault": "none",
+        "language": style.language,
+        "units": style.units,
+        "separator": style.separator,
+        "decimal": style.decimal,
+    }
     return {"layout": layout, "presses": presses, "time_error_s": error_s, "slip": "", "needs": {}}
 
 
@@ -361,8 +355,10 @@ def _arrow(path: Path, rng: np.random.Generator, style: _Style, press: list[NDAr
     stamps = [datetime.datetime(2025, 11, 19, 14, 3, 20) + datetime.timedelta(seconds=float(one)) for one in time]
     head = style.separator.join(["Position_mm", "Force_N"])
     lines = [f"14:03:19.990 -> {head}"]
-    lines += [f"{one:%H:%M:%S}.{one.microsecond // 1000:03d} -> {a:.4f}{style.separator}{b:.4f}"
-              for one, a, b in zip(stamps, x, force)]  # fmt: skip
+    lines += [
+        f"{one:%H:%M:%S}.{one.microsecond // 1000:03d} -> {a:.4f}{style.separator}{b:.4f}"
+        for one, a, b in zip(stamps, x, force)
+    ]
     path.write_text("\n".join([*lines, ""]), encoding="utf-8")
     return _simple_truth(style, "arrow", [tuple(press)], 1e-3)
 
@@ -393,9 +389,11 @@ def _side_by_side(path: Path, rng: np.random.Generator, style: _Style, press: li
         own = tuple(part[:end] for part in (press[0], press[1], press[2] * (1.0 - 0.2 * number)))
         presses.append(own)
         blank = [""] * (len(press[0]) - end)
-        columns += [_Column(names[0], "s", _numbers(style, own[0], 1.0, 4) + blank, "time"),
-                    _Column(names[2], "N", _numbers(style, own[2], 1.0, 4) + blank, "force"),
-                    _Column(names[1], "mm", _numbers(style, own[1], 1.0, 4) + blank, "displacement")]  # fmt: skip
+        columns += [
+            _Column(names[0], "s", _numbers(style, own[0], 1.0, 4) + blank, "time"),
+            _Column(names[2], "N", _numbers(style, own[2], 1.0, 4) + blank, "force"),
+            _Column(names[1], "mm", _numbers(style, own[1], 1.0, 4) + blank, "displacement"),
+        ]
         above += [f"1 _ {number + 1}", "", ""]
     rows = [list(row) for row in zip(*(one.cells for one in columns))]
     _write(path, rng, style, columns, rows, [], above if rng.random() < 0.7 else None)
@@ -410,18 +408,37 @@ def _lvm(path: Path, rng: np.random.Generator, press: list[NDArray]) -> dict[str
     style, step = _Style("english", "\t", "," if comma else ".", "row"), float(time[1] - time[0])
     several, t = form == "Multi", "\t" if form == "Multi" else ""
     cells = [_numbers(style, one, 1.0, 6) for one in (time, force, x)]
-    body = {"No": [f"\t{b}\t{c}" for b, c in zip(*cells[1:])], "One": ["\t".join(row) for row in zip(*cells)],
-            "Multi": [f"{a}\t{b}\t{a}\t{c}" for a, b, c in zip(*cells)]}[form]  # fmt: skip
+    body = {
+        "No": [f"\t{b}\t{c}" for b, c in zip(*cells[1:])],
+        "One": ["\t".join(row) for row in zip(*cells)],
+        "Multi": [f"{a}\t{b}\t{a}\t{c}" for a, b, c in zip(*cells)],
+    }[form]
     delta, zero = (one.replace(".", style.decimal) for one in (f"{step:.9f}", "0.0"))
-    head = ["LabVIEW Measurement\t", "Writer_Version\t2", "Reader_Version\t2", "Separator\tTab",
-            f"Decimal_Separator\t{style.decimal}", f"Multi_Headings\t{'Yes' if several else 'No'}",
-            f"X_Columns\t{form}", f"Time_Pref\t{rng.choice(['Absolute', 'Relative'])}", "Operator\tlab",
-            "Date\t2025/11/19", "Time\t14:03:20.25", "***End_of_Header***\t", "\t", f"Channels\t2{t}\t\t{t}",
-            f"Samples\t{len(time)}{t}\t{len(time)}\t", f"Date\t2025/11/19{t}\t2025/11/19\t",
-            f"Time\t14:03:20.25{t}\t14:03:20.25\t", f"Y_Unit_Label\tNewton{t}\tMillimeter\t",
-            f"X_Dimension\tTime{t}\tTime\t", f"X0\t{zero}{t}\t{zero}\t", f"Delta_X\t{delta}{t}\t{delta}\t",
-            f"***End_of_Header***\t\t{t}\t",
-            f"X_Value\tForce\t{'X_Value' + t if t else ''}Position\tComment"]  # fmt: skip
+    head = [
+        "LabVIEW Measurement\t",
+        "Writer_Version\t2",
+        "Reader_Version\t2",
+        "Separator\tTab",
+        f"Decimal_Separator\t{style.decimal}",
+        f"Multi_Headings\t{'Yes' if several else 'No'}",
+        f"X_Columns\t{form}",
+        f"Time_Pref\t{rng.choice(['Absolute', 'Relative'])}",
+        "Operator\tlab",
+        "Date\t2025/11/19",
+        "Time\t14:03:20.25",
+        "***End_of_Header***\t",
+        "\t",
+        f"Channels\t2{t}\t\t{t}",
+        f"Samples\t{len(time)}{t}\t{len(time)}\t",
+        f"Date\t2025/11/19{t}\t2025/11/19\t",
+        f"Time\t14:03:20.25{t}\t14:03:20.25\t",
+        f"Y_Unit_Label\tNewton{t}\tMillimeter\t",
+        f"X_Dimension\tTime{t}\tTime\t",
+        f"X0\t{zero}{t}\t{zero}\t",
+        f"Delta_X\t{delta}{t}\t{delta}\t",
+        f"***End_of_Header***\t\t{t}\t",
+        f"X_Value\tForce\t{'X_Value' + t if t else ''}Position\tComment",
+    ]
     path.write_bytes("\r\n".join([*head, *body, ""]).encode())
     return _simple_truth(style, f"lvm {form}", [tuple(press)], 1e-5)
 

@@ -121,8 +121,11 @@ def measures(rows: list[Row]) -> Iterator[Measure]:
 
 def rates(rows: list[Row]) -> list[tuple]:
     """What is counted, the count, the total, the rate with its interval, and the rate that is wanted."""
-    return [(name, count, total, *(f"{part:.0f}" for part in rate(count, total)), wanted)
-            for name, count, total, wanted in measures(rows) if total]  # fmt: skip
+    return [
+        (name, count, total, *(f"{part:.0f}" for part in rate(count, total)), wanted)
+        for name, count, total, wanted in measures(rows)
+        if total
+    ]
 
 
 def data(rows: list[Row]) -> dict[str, list[tuple]]:
@@ -130,9 +133,11 @@ def data(rows: list[Row]) -> dict[str, list[tuple]]:
     kinds = by_kind(rows)
     return {
         "loop-blind": rates(rows),
-        "loop-blind-errors": _errors(kinds), "loop-blind-effects": _by_effect(kinds["one"]),
-        "loop-blind-missed": _missed(kinds), "loop-blind-unnamed": _unnamed(kinds["unnamed"]),
-    }  # fmt: skip
+        "loop-blind-errors": _errors(kinds),
+        "loop-blind-effects": _by_effect(kinds["one"]),
+        "loop-blind-missed": _missed(kinds),
+        "loop-blind-unnamed": _unnamed(kinds["unnamed"]),
+    }
 
 
 def table(rows: list[Row]) -> str:
@@ -142,12 +147,17 @@ def table(rows: list[Row]) -> str:
         HEAD.format(count=len(FLOORS)),
         f"{len(every)} campaigns, seeds {_ranges(every)}: `python -m benchmarks.accuracy.loop_blind --seed "
         f"{min(row['seed'] for row in every)} --campaigns {len(rows)}`. In brackets: 95 % interval of the rate.",
-        *(f"Seed {row['seed']} ({', '.join(row['effects'])}) was refused before the loop: {row['message']}."
-          for row in rows if row["kind"] == REFUSED),
+        *(
+            f"Seed {row['seed']} ({', '.join(row['effects'])}) was refused before the loop: {row['message']}."
+            for row in rows
+            if row["kind"] == REFUSED
+        ),
         "`docs/data/loop-blind.csv` has all rates; `loop-blind-effects.csv`, `loop-blind-errors.csv`,",
         "`loop-blind-missed.csv` and `loop-blind-unnamed.csv` have errors and mistakes.",
-        "", "| campaigns | counted | wanted |", "|---|---|---|",
-    ]  # fmt: skip
+        "",
+        "| campaigns | counted | wanted |",
+        "|---|---|---|",
+    ]
     counted = rates(rows)
     for name, count, total, _, low, high, wanted in counted:
         if wanted and not name.endswith(LESS):
@@ -161,8 +171,9 @@ def table(rows: list[Row]) -> str:
         lines += [text, ""]
     single = [row for row in _by_effect(by_kind(rows)["one"]) if row[2] < row[1]]
     if single:
-        missed = (f"`{name}`" + ("" if total == 1 else f" in {total - first} of {total}")
-                  for name, total, first, _ in single)  # fmt: skip
+        missed = (
+            f"`{name}`" + ("" if total == 1 else f" in {total - first} of {total}") for name, total, first, _ in single
+        )
         lines += [f"One effect, not named first: {', '.join(missed)}."]
     lines += ["", _before(read_rows(BEFORE))]
     return "\n".join(lines) + "\n"
@@ -173,12 +184,19 @@ def _before(rows: list[Row]) -> str:
     of = by_kind(rows)
     every = ((1, "one"), (2, "two"), (3, "three"))
     counts = [f"{sum(right(row) == size for row in of[kind])} of {len(of[kind])}" for size, kind in every]
-    return (f"The study before (seed 746000, names chosen alike): {', '.join(counts)}; of two a wrong name in "
-            f"{sum(map(wrong, of['two']))} of {len(of['two'])}.")  # fmt: skip
+    return (
+        f"The study before (seed 746000, names chosen alike): {', '.join(counts)}; of two a wrong name in "
+        f"{sum(map(wrong, of['two']))} of {len(of['two'])}."
+    )
 
 
-LESS = ("silent", "at least two named", "of the state: called unexplained", "nothing learned",
-        "unexplained: in its 95 % interval")  # fmt: skip
+LESS = (
+    "silent",
+    "at least two named",
+    "of the state: called unexplained",
+    "nothing learned",
+    "unexplained: in its 95 % interval",
+)
 """Ends of names that only the data file has, or that are counted together."""
 
 
@@ -214,8 +232,14 @@ def _covered(rows: list[Row], names: tuple[str, ...]) -> list[bool]:
     return out
 
 
-QUANTITIES = ("left out, base", "left out, corrected", "new pads, base", "new pads, corrected",
-              "without the pads' own part", "processor seconds")  # fmt: skip
+QUANTITIES = (
+    "left out, base",
+    "left out, corrected",
+    "new pads, base",
+    "new pads, corrected",
+    "without the pads' own part",
+    "processor seconds",
+)
 
 
 def _errors(kinds: dict[str, list[Row]]) -> list[tuple]:
@@ -243,9 +267,11 @@ def _by_effect(rows: list[Row]) -> list[tuple]:
 
 def _missed(kinds: dict[str, list[Row]]) -> list[tuple]:
     """Every campaign of two or three in which not all was named, or something wrong."""
-    return [(", ".join(row["effects"]), ", ".join(row["found"]), row["verdict"],
-             f"{row['replay'][2] / row['floor']:.1f}")
-            for row in (*kinds["two"], *kinds["three"]) if right(row) < len(row["effects"]) or wrong(row)]  # fmt: skip
+    return [
+        (", ".join(row["effects"]), ", ".join(row["found"]), row["verdict"], f"{row['replay'][2] / row['floor']:.1f}")
+        for row in (*kinds["two"], *kinds["three"])
+        if right(row) < len(row["effects"]) or wrong(row)
+    ]
 
 
 def _unnamed(rows: list[Row]) -> list[tuple]:

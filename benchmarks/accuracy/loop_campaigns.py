@@ -30,11 +30,22 @@ ROOT = Path(__file__).resolve().parents[2]
 Put = list[tuple[str, float]]
 
 FLOORS = {
-    "contact_offset": 9.8, "punch_tilt": 4.4, "rate_dependent_viscosity": 2.3, "fast_relaxation_mode": 1.8,
-    "strain_dependent_relaxation": 1.2, "softening_with_cycles": 4.4, "incomplete_recovery": 2.2, "temperature": 4.5,
-    "ageing": 3.8, "inertia": 3.6, "friction_hysteresis": 1.1, "force_bias": 1.2, "adhesion": 1.0, "sensor_lag": 39.0,
+    "contact_offset": 9.8,
+    "punch_tilt": 4.4,
+    "rate_dependent_viscosity": 2.3,
+    "fast_relaxation_mode": 1.8,
+    "strain_dependent_relaxation": 1.2,
+    "softening_with_cycles": 4.4,
+    "incomplete_recovery": 2.2,
+    "temperature": 4.5,
+    "ageing": 3.8,
+    "inertia": 3.6,
+    "friction_hysteresis": 1.1,
+    "force_bias": 1.2,
+    "adhesion": 1.0,
+    "sensor_lag": 39.0,
     "time_skew": 31.0,
-}  # fmt: skip
+}
 """Noise floors that each effect of its usual size leaves to the base model beyond noise on left-out conditions (median
 of three sizes). Left out are those that the force law's own error takes up: their size would leave the range in which
 they are small (compliance, slip, compressibility, thickness, stiffening, slow mode, drift)."""
@@ -46,9 +57,32 @@ KINDS = (*COUNTS, "unnamed")
 REFUSED = "refused"
 """Kind of a campaign that the reader refuses: it counts in no rate and is listed."""
 ROUND = (
-    "two", "one", "none", "unnamed", "three", "two", "one", "none", "two", "unnamed", "one", "none", "two", "three",
-    "one", "none", "unnamed", "two", "one", "none", "two", "three", "one", "none", "unnamed",
-)  # fmt: skip
+    "two",
+    "one",
+    "none",
+    "unnamed",
+    "three",
+    "two",
+    "one",
+    "none",
+    "two",
+    "unnamed",
+    "one",
+    "none",
+    "two",
+    "three",
+    "one",
+    "none",
+    "unnamed",
+    "two",
+    "one",
+    "none",
+    "two",
+    "three",
+    "one",
+    "none",
+    "unnamed",
+)
 """Kinds of campaign in the order they are run, as 6 none : 6 one : 6 two : 3 three : 4 unnamed: wherever the study is
 stopped, what was run is a fair sample."""
 PADS, POSITION_MM, USUAL = (0.007, 0.01, 0.005), 0.004, 2.5
@@ -89,8 +123,16 @@ def run_one(kind: str, before: int, seed: int, folder: Path) -> dict:
         return {"seed": seed, "kind": kind, **learned(put_in, seed, folder)}
     except InputError as problem:
         message = str(problem).partition("; ")[0]
-        return {"seed": seed, "kind": REFUSED, "effects": [n for n, _ in put_in], "sizes": [s for _, s in put_in],
-                "verdict": REFUSED, "found": [], "cpu_seconds": 0.0, "message": message}  # fmt: skip
+        return {
+            "seed": seed,
+            "kind": REFUSED,
+            "effects": [n for n, _ in put_in],
+            "sizes": [s for _, s in put_in],
+            "verdict": REFUSED,
+            "found": [],
+            "cpu_seconds": 0.0,
+            "message": message,
+        }
 
 
 def learned(
@@ -115,7 +157,7 @@ def learned(
         **row,
         "replay": [predicted.total_base_rmse_N, predicted.total_rmse_N, beyond],
         "young": [truth.young_kPa, *calibration.posterior.interval("log young_kPa")],
-    }  # fmt: skip
+    }
 
 
 def row_of(put_in: Put, truth: generator.Truth, result: LoopResult, seconds: float) -> dict:
@@ -126,16 +168,22 @@ def row_of(put_in: Put, truth: generator.Truth, result: LoopResult, seconds: flo
         size = next(iter(effect_intervals(result.after, accepted.candidate.effect).values()))
         intervals[accepted.candidate.effect.name] = [size["low"], size["value"], size["high"]]
     return {
-        "effects": [name for name, _ in put_in], "sizes": [size for _, size in put_in], "floor": truth.floor_N,
-        "verdict": result.verdict, "found": names, "intervals": intervals,
+        "effects": [name for name, _ in put_in],
+        "sizes": [size for _, size in put_in],
+        "floor": truth.floor_N,
+        "verdict": result.verdict,
+        "found": names,
+        "intervals": intervals,
         "confounded": [list(accepted.confounded_with) for accepted in result.effects],
         "evidence": [round(accepted.candidate.gain, 1) for accepted in result.effects],
         "ranking": [c.effect.name for c in result.selection.ranking[:5]],
         "heldout": [result.base.errors.heldout_N, result.after.errors.heldout_N],
-        "expected": result.remainder.expected, "lack": [result.after.lack.ratio, result.after.lack.p],
+        "expected": result.remainder.expected,
+        "lack": [result.after.lack.ratio, result.after.lack.p],
         "where": [(one.factor, round(one.excess, 1)) for one in result.seen.where[:3]],
-        "reasons": list(result.remainder.reasons), "cpu_seconds": round(seconds, 1),
-    }  # fmt: skip
+        "reasons": list(result.remainder.reasons),
+        "cpu_seconds": round(seconds, 1),
+    }
 
 
 def beyond_pads_N(campaign: Campaign, calibration: Calibration, total_N: float, noise: Noise) -> float:

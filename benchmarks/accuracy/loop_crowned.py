@@ -41,9 +41,11 @@ def draw(number: int, seed: int) -> Put:
 
 
 KINDS: dict[str, dict[str, Any]] = {
-    "crowned": {"crowned": True}, "slabs": {}, "fillet": {"crowned": True, "edge_mm": 0.4},
+    "crowned": {"crowned": True},
+    "slabs": {},
+    "fillet": {"crowned": True, "edge_mm": 0.4},
     "undeclared": {"crowned": True, "edge_mm": 0.4, "declared": False},
-}  # fmt: skip
+}
 """Pads of a campaign and the punch's fillet, as ``learned`` takes them."""
 
 

@@ -34,8 +34,15 @@ from tests.support import other_mind as generator
 USUAL = {**generator.SIZES, "sensor_square": generator.UNNAMED["sensor_square"]}
 NAMES = {"sensor_square": "sensor_curve"}
 """What is to be named where the generator's word is another one."""
-MOST = {"base_slip": 4.0, "compressibility": 3.0, "punch_tilt": 3.0, "strain_dependent_relaxation": 4.0,
-        "thickness_error": 4.0, "softening_with_cycles": 3.0, "sensor_clipping": 1.5}  # fmt: skip
+MOST = {
+    "base_slip": 4.0,
+    "compressibility": 3.0,
+    "punch_tilt": 3.0,
+    "strain_dependent_relaxation": 4.0,
+    "thickness_error": 4.0,
+    "softening_with_cycles": 3.0,
+    "sensor_clipping": 1.5,
+}
 """Largest size over the usual one where ten times the usual one is not physical."""
 DATA, FIGURE = Path("docs/data/loop-detection.csv"), Path("docs/images/loop-detection.svg")
 GOLDEN, SPREAD = 0.618034, 2
@@ -69,13 +76,16 @@ def run_one(number: int, turn: int, seed: int, folder: Path, rows: list[dict]) -
         return {**row, "refused": str(problem).partition("; ")[0]}
     posterior = calibration_of(result).posterior
     return {
-        **row, "verdict": result.verdict, "named": [one.candidate.effect.name for one in result.effects],
+        **row,
+        "verdict": result.verdict,
+        "named": [one.candidate.effect.name for one in result.effects],
         "learned": None if result.learnt is None else result.learnt.effect.shape.name,
         "ranking": [[one.effect.name, round(one.gain, 1)] for one in result.selection.ranking[:3]],
         "heldout_N": [result.base.errors.heldout_N, result.after.errors.heldout_N],
-        "young_kPa": truth.young_kPa, "interval_kPa": posterior and list(posterior.interval("log young_kPa")),
+        "young_kPa": truth.young_kPa,
+        "interval_kPa": posterior and list(posterior.interval("log young_kPa")),
         "cpu_s": round(time.process_time() - began, 1),
-    }  # fmt: skip
+    }
 
 
 def singles(rows: list[dict]) -> list[dict]:
@@ -135,12 +145,22 @@ def detection(rows: list[dict]) -> list[DetectionLimit]:
         misses = [row["size"] for row in some if row["named"][:1] != [name]]
         seen = [floors(row) / row["size"] for row in some if floors(row) >= 1.0]
         shown = np.geomspace(min(sizes), max(sizes), 40)
-        chance = [np.average(1.0 / (1.0 + np.exp(-STEEP[:, None] * (np.log(one) - grids[name]))), weights=weights)
-                  for one in shown]  # fmt: skip
+        chance = [
+            np.average(1.0 / (1.0 + np.exp(-STEEP[:, None] * (np.log(one) - grids[name]))), weights=weights)
+            for one in shown
+        ]
         limits.append(
-            DetectionLimit(name, half, (float(low), float(middle), float(high)), (min(sizes), max(sizes)),
-                           float(np.median(seen)) if len(seen) > 1 else 0.0, hits, misses, (shown, np.array(chance)))
-        )  # fmt: skip
+            DetectionLimit(
+                name,
+                half,
+                (float(low), float(middle), float(high)),
+                (min(sizes), max(sizes)),
+                float(np.median(seen)) if len(seen) > 1 else 0.0,
+                hits,
+                misses,
+                (shown, np.array(chance)),
+            )
+        )
     return limits
 
 
@@ -150,9 +170,21 @@ def _quantiles(values: NDArray, weights: NDArray, wanted: tuple[float, ...]) -> 
     return np.interp(wanted, share / share[-1], values.ravel()[order])
 
 
-UNITS = {"contact_offset": "mm", "machine_compliance": "mm/N", "punch_tilt": "degrees", "thickness_error": "mm",
-         "adhesion": "N", "inertia": "kg", "force_bias": "N", "force_drift": "N/s", "sensor_lag": "s",
-         "time_skew": "s", "temperature": "1/C", "ageing": "", "sensor_curve": "1/N"}  # fmt: skip
+UNITS = {
+    "contact_offset": "mm",
+    "machine_compliance": "mm/N",
+    "punch_tilt": "degrees",
+    "thickness_error": "mm",
+    "adhesion": "N",
+    "inertia": "kg",
+    "force_bias": "N",
+    "force_drift": "N/s",
+    "sensor_lag": "s",
+    "time_skew": "s",
+    "temperature": "1/C",
+    "ageing": "",
+    "sensor_curve": "1/N",
+}
 
 
 def lines_of(limits: list[DetectionLimit]) -> list[list[str]]:
@@ -193,15 +225,29 @@ def figure(limits: list[DetectionLimit]) -> str:
     from dummydesign.report.vector_sheet import Text, VectorSheet
 
     wide, high = PANEL_MM
-    sheet = VectorSheet("Chance that the loop names a single effect first, over its size", ACROSS * wide,
-                        -(-len(limits) // ACROSS) * high)  # fmt: skip
+    sheet = VectorSheet(
+        "Chance that the loop names a single effect first, over its size",
+        ACROSS * wide,
+        -(-len(limits) // ACROSS) * high,
+    )
     for number, one in enumerate(limits):
         left, top = number % ACROSS * wide + 2.0, number // ACROSS * high + 2.0
         named = np.repeat([1.0, 0.0], [len(one.hits), len(one.misses)])
         layers = [Line("", *one.curve), Dots("", [*one.hits, *one.misses], named)]
         unit = UNITS.get(one.name, "")
-        plot = Plot(one.name, one.name, one.name, f"size [{unit or '1'}]", "", "size", "chance", layers, log_x=True,
-                    x_range=(0.8 * one.range[0], 1.25 * one.range[1]), y_range=(-0.08, 1.08))  # fmt: skip
+        plot = Plot(
+            one.name,
+            one.name,
+            one.name,
+            f"size [{unit or '1'}]",
+            "",
+            "size",
+            "chance",
+            layers,
+            log_x=True,
+            x_range=(0.8 * one.range[0], 1.25 * one.range[1]),
+            y_range=(-0.08, 1.08),
+        )
         sheet.items.append(Text(left, top + 3.0, one.name.replace("_", " "), LETTERS_PT + 1.0, "bold"))
         sheet.items += plot_drawing(plot, LETTERS_PT)((left, top + 2.0, left + wide - 5.0, top + high - 4.0))
     return sheet.svg().replace("<svg ", '<svg xmlns="http://www.w3.org/2000/svg" ', 1) + "\n"

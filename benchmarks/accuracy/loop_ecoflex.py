@@ -51,9 +51,18 @@ def heads(depth_mm: float) -> tuple[str, str, str]:
 
 
 HEADS = [
-    "mixture", "largest_N", "young_base_kPa", "young_after_kPa", "verdict", "found", "rivals", "evidence_alone",
-    "left_out_base_N", "left_out_after_N", *(name for depth in SHALLOW_MM for name in heads(depth)),
-]  # fmt: skip
+    "mixture",
+    "largest_N",
+    "young_base_kPa",
+    "young_after_kPa",
+    "verdict",
+    "found",
+    "rivals",
+    "evidence_alone",
+    "left_out_base_N",
+    "left_out_after_N",
+    *(name for depth in SHALLOW_MM for name in heads(depth)),
+]
 
 
 def read_raw(path: Path) -> np.ndarray:
@@ -106,8 +115,17 @@ def run_mixture(name: str, curves: dict[str, np.ndarray], folder: Path) -> list[
     held = [model.errors.heldout_N or float("nan") for model in (result.base, result.after)]
     top = max(trial.trace.force_N.max() for trial in deep.trials)
     alone = ", ".join(f"{row['name']} {row['evidence']:.0f}" for row in data["ranking"][:3])
-    return [name, f"{top:.0f}", *(f"{one:.1f}" for one in modulus), result.verdict, "; ".join(parts), rivals, alone,
-            *(f"{one:.2f}" for one in held), *shallow]  # fmt: skip
+    return [
+        name,
+        f"{top:.0f}",
+        *(f"{one:.1f}" for one in modulus),
+        result.verdict,
+        "; ".join(parts),
+        rivals,
+        alone,
+        *(f"{one:.2f}" for one in held),
+        *shallow,
+    ]
 
 
 def page(table: list[dict[str, str]]) -> str:
@@ -120,14 +138,22 @@ def page(table: list[dict[str, str]]) -> str:
     stiffer = [row for row in table if row not in rubbing and "strain_stiffening" in row["found"]]
     unexplained = sum(row["verdict"] == "unexplained" for row in table)
     evidence = [dict(one.rsplit(" ", 1) for one in row["evidence_alone"].split(", ")) for row in rubbing]
-    alike = sum(any(float(value) > 0.9 * float(one.get("plate_friction", "0")) for name, value in one.items()
-                    if name != "plate_friction") for one in evidence)  # fmt: skip
+    alike = sum(
+        any(
+            float(value) > 0.9 * float(one.get("plate_friction", "0"))
+            for name, value in one.items()
+            if name != "plate_friction"
+        )
+        for one in evidence
+    )
     lines = [
-        "# The loop on real curves: silicone pucks between plates", "",
+        "# The loop on real curves: silicone pucks between plates",
+        "",
         "Data: Dawood, Zhang, Osman, Suulker, Abdulali, Angelmahr, Althoefer (2026), Hyperelastic Characterisation",
         "of Silicone Tissue Phantoms, CC BY 4.0. Two specimens of each mixture, 50 x 30 mm, 10 mm/min, no hold,",
-        "friction of the plates not stated. Base: frictionless neo-Hookean puck. Errors are N rms to "
-        f"{DEEP_MM:g} mm.", "Other public measurements: [real presses](real-data.md).", "",
+        f"friction of the plates not stated. Base: frictionless neo-Hookean puck. Errors are N rms to {DEEP_MM:g} mm.",
+        "Other public measurements: [real presses](real-data.md).",
+        "",
         f"- The loop finds plate friction in {len(rubbing)} of {len(table)} mixtures, {min(sizes):.2f} to "
         f"{max(sizes):.2f}.",
         f"- With it the error on the left-out specimen is {min(share):.2f} to {max(share):.2f} of the base's "
@@ -136,11 +162,13 @@ def page(table: list[dict[str, str]]) -> str:
         f"- In {len(learned)} it learns a function only; in {len(other)} it finds nothing.",
         f"- `unexplained`: {unexplained} of {len(table)}.",
         "- Stiffening, a curve of the load cell or a thickness error have over 0.9 of the friction's evidence in",
-        f"  {alike} of them.", "",
-        "**Press to half the height.** Curves cut at less depth do not separate friction from modulus:", "",
+        f"  {alike} of them.",
+        "",
+        "**Press to half the height.** Curves cut at less depth do not separate friction from modulus:",
+        "",
         "| calibrated to | friction found | another effect found | error to 15 mm larger with it |",
         "|---|---|---|---|",
-    ]  # fmt: skip
+    ]
     for depth in SHALLOW_MM:
         name, base, after = heads(depth)
         own = [row for row in table if row[name]]
@@ -151,8 +179,10 @@ def page(table: list[dict[str, str]]) -> str:
     lines.append("|---|---|---|---|---|")
     for row in table:
         if row["mixture"].endswith("_0T"):
-            modulus, left = (f"{row[f'{name}_base_{unit}']}, {row[f'{name}_after_{unit}']}"
-                             for name, unit in (("young", "kPa"), ("left_out", "N")))  # fmt: skip
+            modulus, left = (
+                f"{row[f'{name}_base_{unit}']}, {row[f'{name}_after_{unit}']}"
+                for name, unit in (("young", "kPa"), ("left_out", "N"))
+            )
             lines.append(f"| {row['mixture']} | {row['largest_N']} | {modulus} | {row['found'] or '-'} | {left} |")
     made = "`python -m benchmarks.accuracy.loop_ecoflex DATA_DIR`"
     lines += ["", f"`docs/data/{TABLE.name}` has all mixtures. Made by {made}."]

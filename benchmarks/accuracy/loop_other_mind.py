@@ -46,8 +46,14 @@ def draw(kind: str, number: int, seed: int) -> Put:
     if kind == "one":
         name = names[number % len(names)]
         spread = 10.0 ** rng.uniform(-1.0, 1.0) if name != "sensor_clipping" else rng.uniform(0.2, 1.5)
-        most = {"strain_dependent_relaxation": 4.0, "base_slip": 4.0, "compressibility": 3.0, "punch_tilt": 3.0,
-                "thickness_error": 4.0, "softening_with_cycles": 3.0}.get(name, 10.0)  # fmt: skip
+        most = {
+            "strain_dependent_relaxation": 4.0,
+            "base_slip": 4.0,
+            "compressibility": 3.0,
+            "punch_tilt": 3.0,
+            "thickness_error": 4.0,
+            "softening_with_cycles": 3.0,
+        }.get(name, 10.0)
         return ((name, generator.SIZES[name] * min(spread, most)),)
     rare = {"base_slip", "compressibility", "thickness_error", "sensor_clipping"}
     chosen = rng.choice([name for name in names if name not in rare], COUNTS[kind], replace=False)
@@ -63,8 +69,13 @@ def run_one(kind: str, number: int, seed: int, folder: Path) -> dict:
     truth = generator.write_campaign(folder / "a", put, seed)
     generator.write_campaign(folder / "b", put, seed, held_out=True)
     generator.write_campaign(folder / "c", put, seed, held_out=True, usual_pads=True)
-    row = {"seed": seed, "kind": kind, "put": list(truth.effects.items()), "young_kPa": truth.young_kPa,
-           "floor_N": truth.floor_N}  # fmt: skip
+    row = {
+        "seed": seed,
+        "kind": kind,
+        "put": list(truth.effects.items()),
+        "young_kPa": truth.young_kPa,
+        "floor_N": truth.floor_N,
+    }
     try:
         campaign, began = read_campaign(folder / "a"), time.process_time()
         result = close_loop(campaign)
@@ -79,17 +90,22 @@ def run_one(kind: str, number: int, seed: int, folder: Path) -> dict:
         size = next(iter(effect_intervals(result.after, one.candidate.effect).values()))
         sizes[one.candidate.effect.name] = [size["low"], size["value"], size["high"]]
     return {
-        **row, "verdict": result.verdict, "named": list(sizes), "sizes": sizes,
+        **row,
+        "verdict": result.verdict,
+        "named": list(sizes),
+        "sizes": sizes,
         "rivals": {one.candidate.effect.name: list(one.confounded_with) for one in result.effects},
         "learned": None if result.learnt is None else result.learnt.effect.shape.name,
         "gains": [round(one.candidate.gain, 1) for one in result.effects],
         "ranking": [[one.effect.name, round(one.gain, 1)] for one in result.selection.ranking[:4]],
-        "warnings": [one["code"] for one in result.warnings], "reasons": list(result.remainder.reasons),
+        "warnings": [one["code"] for one in result.warnings],
+        "reasons": list(result.remainder.reasons),
         "heldout_N": [result.base.errors.heldout_N, result.after.errors.heldout_N],
-        "expected": result.remainder.expected, "replay_N": [other.total_base_rmse_N, other.total_rmse_N],
+        "expected": result.remainder.expected,
+        "replay_N": [other.total_base_rmse_N, other.total_rmse_N],
         "usual_pads_N": [usual.total_base_rmse_N, usual.total_rmse_N],
         "interval_kPa": list(calibration.posterior.interval("log young_kPa")),
-    }  # fmt: skip
+    }
 
 
 def floors(row: dict) -> float:
@@ -135,8 +151,9 @@ def table(rows: list[dict]) -> str:
     adhering = [row for row in large if "adhesion" in put[row["seed"]]]
     functions = [row for row in of["unnamed"] if not put[row["seed"]] & set(READINGS)]
     curves = [row for row in of["unnamed"] if put[row["seed"]] & set(READINGS)]
-    sizes = [(row, name, size) for row in known for name, size in row["put"]
-             if name in SAME_LAW and name in row["named"]]  # fmt: skip
+    sizes = [
+        (row, name, size) for row in known for name, size in row["put"] if name in SAME_LAW and name in row["named"]
+    ]
     usual = np.median([(row["replay_N"][1] / row["floor_N"]) ** 2 for row in of["none"]]) if of["none"] else 1.0
 
     def inside(row: dict, name: str, size: float) -> bool:
@@ -157,42 +174,62 @@ def table(rows: list[dict]) -> str:
         share("one, 3 floors or more: right first", [r["named"][:1] == [*put[r["seed"]]] for r in large], ">= 90 %"),
         share("one, 3 floors or more: a wrong name", [not only(r) for r in large]),
         share("one, less: a wrong name", [not only(r) for r in of["one"] if r not in large]),
-        *([share("one, less: a wrong name, the right one not among its rivals",
-                 [beyond_rivals(r) for r in of["one"] if r not in large])] if all("rivals" in r for r in ran) else []),
+        *(
+            [
+                share(
+                    "one, less: a wrong name, the right one not among its rivals",
+                    [beyond_rivals(r) for r in of["one"] if r not in large],
+                )
+            ]
+            if all("rivals" in r for r in ran)
+            else []
+        ),
         share("two: both", [all_named(r) for r in of["two"]], ">= 85 %"),
         share("two: a wrong name", [not only(r) for r in of["two"]], "<= 5 %"),
         share("three: all", [all_named(r) for r in of["three"]], ">= 65 %"),
         share("three: a wrong name", [not only(r) for r in of["three"]]),
         share("known, called unexplained", [r["verdict"] == "unexplained" for r in known if r["kind"] != "none"]),
         share("unnamed function of the state: learned", [r["learned"] is not None for r in functions], ">= 80 %"),
-        share("unnamed function of the state: learned, or called unexplained",
-              [r["learned"] is not None or r["verdict"] == "unexplained" for r in functions]),
+        share(
+            "unnamed function of the state: learned, or called unexplained",
+            [r["learned"] is not None or r["verdict"] == "unexplained" for r in functions],
+        ),
         share("curve of the reading: named", ["sensor_curve" in r["named"] for r in curves]),
         share("clipping found", [r["named"][:1] == ["sensor_clipping"] for r in clipped], "95 %"),
         share("adhesion found, 3 floors or more", ["adhesion" in r["named"] for r in adhering], "90 %"),
         share("`effect` or `none`, more than two floors left on other pads", [silent(r) for r in ran], "0"),
-        *([share("the same on pads without a factor of their own", [silent_on_usual_pads(r) for r in ran], "0")]
-          if all("usual_pads_N" in r for r in ran) else []),
+        *(
+            [share("the same on pads without a factor of their own", [silent_on_usual_pads(r) for r in ran], "0")]
+            if all("usual_pads_N" in r for r in ran)
+            else []
+        ),
         share("modulus inside its 95 % interval", [covers(r) for r in known], "92 to 98 %"),
         share("modulus inside, effects all right", [covers(r) for r in named]),
         share("size inside its 95 % interval, effects of the same law", [inside(*one) for one in sizes], "92 to 98 %"),
-        share("new pads: corrected model worse than the base",
-              [r["replay_N"][1] > 1.02 * r["replay_N"][0] for r in ran]),
+        share(
+            "new pads: corrected model worse than the base", [r["replay_N"][1] > 1.02 * r["replay_N"][0] for r in ran]
+        ),
         share("refused", ["refused" in r for r in rows]),
-    ]  # fmt: skip
+    ]
     ratio = [r["replay_N"][1] / r["replay_N"][0] for r in of["unnamed"]]
     beyond = [r for r in of["unnamed"] if "usual_pads_N" in r]
     parts = [[np.sqrt(max(n**2 - r["floor_N"] ** 2, 0.0)) for n in r["usual_pads_N"]] for r in beyond]
     spans = [0.5 * abs((row["sizes"][name][2] - row["sizes"][name][0]) / size) for row, name, size in sizes]
     width = [0.5 * (r["interval_kPa"][1] / r["interval_kPa"][0] - 1.0) for r in named]
-    lines += ["", f"Unnamed: error on other pads over the base's, median {np.median(ratio):.2f}." if ratio else "",
-              "The same beyond noise, on pads without a factor of their own: median "
-              f"{np.median([after / max(base, 1e-9) for base, after in parts]):.2f}." if parts else "",
-              f"Half width of the modulus, effects all right: median {100 * np.median(width):.1f} %." if width else "",
-              f"Half width of those sizes: median {100 * np.median(spans):.1f} %." if spans else "",
-              f"Processor seconds: two effects median {np.median([r['cpu_s'] for r in of['two']]):.1f}; all "
-              f"{np.quantile([r['cpu_s'] for r in ran], 0.95):.1f} in 95 %, largest {max(r['cpu_s'] for r in ran):.1f}."
-              if of["two"] else ""]  # fmt: skip
+    lines += [
+        "",
+        f"Unnamed: error on other pads over the base's, median {np.median(ratio):.2f}." if ratio else "",
+        "The same beyond noise, on pads without a factor of their own: median "
+        f"{np.median([after / max(base, 1e-9) for base, after in parts]):.2f}."
+        if parts
+        else "",
+        f"Half width of the modulus, effects all right: median {100 * np.median(width):.1f} %." if width else "",
+        f"Half width of those sizes: median {100 * np.median(spans):.1f} %." if spans else "",
+        f"Processor seconds: two effects median {np.median([r['cpu_s'] for r in of['two']]):.1f}; all "
+        f"{np.quantile([r['cpu_s'] for r in ran], 0.95):.1f} in 95 %, largest {max(r['cpu_s'] for r in ran):.1f}."
+        if of["two"]
+        else "",
+    ]
     lines += ["", "| effect | campaigns | found | floors of those found first | of those not |"]
     lines.append("|---|---|---|---|---|")
     for name in generator.SIZES:

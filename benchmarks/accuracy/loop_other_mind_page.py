@@ -85,10 +85,17 @@ def write_functions(path: Path) -> None:
         writer.writerow(FIELDS)
         for row in sorted(functions(), key=lambda one: (_put(one) != "none", _put(one), one["seed"])):
             low, high = row["interval_kPa"]
-            writer.writerow([
-                row["seed"], _put(row), row["verdict"], " ".join(row["named"]), row["learned"] or "",
-                "yes" if low <= row["young_kPa"] <= high else "no", f"{row['replay_N'][1] / row['replay_N'][0]:.2f}",
-            ])  # fmt: skip
+            writer.writerow(
+                [
+                    row["seed"],
+                    _put(row),
+                    row["verdict"],
+                    " ".join(row["named"]),
+                    row["learned"] or "",
+                    "yes" if low <= row["young_kPa"] <= high else "no",
+                    f"{row['replay_N'][1] / row['replay_N'][0]:.2f}",
+                ]
+            )
 
 
 def rates_of(rows: list[dict]) -> str:
@@ -120,23 +127,35 @@ def section() -> str:
         further += own
         missed = sorted(row["put"][0][1] for row in own if row["named"][:1] != [name])
         sizes = f" Missed at {' and '.join(f'{size:.2g}' for size in missed)}." if missed else ""
-        more.append(f"- `{name}` alone (`--seed {seed} --campaigns {len(own)} --effect {name}`): right first in"
-                    f"\n  {len(own) - len(missed)} of {len(own)}.{sizes}")  # fmt: skip
+        more.append(
+            f"- `{name}` alone (`--seed {seed} --campaigns {len(own)} --effect {name}`): right first in"
+            f"\n  {len(own) - len(missed)} of {len(own)}.{sizes}"
+        )
     known = [*read_rows(SIZES), *loop_detection.singles([*earlier, *further])]
     none = read_rows(NONE)
     beside = [row for row in [*none, *others, *rows, *read_rows(BEFORE)] if row["kind"] == "none"]
     state = [row for row in others if _put(row) in STATE]
     curves = [row for row in others if _put(row) in loop_other_mind.READINGS]
     return SECTION.format(
-        count=len(rows), rates=rates_of(rows), silent=listed(silent) or "none",
+        count=len(rows),
+        rates=rates_of(rows),
+        silent=listed(silent) or "none",
         wrong=f"- Single effects with a wrong name: {listed(wrong)}.\n" if wrong else "",
-        same=", ".join(loop_other_mind.SAME_LAW), more="\n".join(more),
-        others=len(others), none=len(none), false=_false(none), none_beside=len(beside), false_beside=_false(beside),
-        functions=len(state), learned=sum(row["learned"] is not None for row in state),
-        curves=len(curves), read=sum("sensor_curve" in row["named"] for row in curves),
+        same=", ".join(loop_other_mind.SAME_LAW),
+        more="\n".join(more),
+        others=len(others),
+        none=len(none),
+        false=_false(none),
+        none_beside=len(beside),
+        false_beside=_false(beside),
+        functions=len(state),
+        learned=sum(row["learned"] is not None for row in state),
+        curves=len(curves),
+        read=sum("sensor_curve" in row["named"] for row in curves),
         both=_learned_of([*rows, *others]),
-        runs=len(read_rows(SIZES)), **_sizes(loop_detection.lines_of(loop_detection.detection(known))),
-    )  # fmt: skip
+        runs=len(read_rows(SIZES)),
+        **_sizes(loop_detection.lines_of(loop_detection.detection(known))),
+    )
 
 
 def _false(rows: list[dict]) -> int:
@@ -160,5 +179,7 @@ def _sizes(lines: list[list[str]]) -> dict[str, str]:
     """Sizes of some effects, and the names of those that are not found at any size."""
     sizes = {line[0]: line[3] for line in lines}
     named = (f"`{name}` {sizes[name]}" for name in INSTANCES)
-    return {"sizes": ", ".join(named),
-            "never": ", ".join(f"`{name}`" for name, size in sizes.items() if size.startswith("above"))}  # fmt: skip
+    return {
+        "sizes": ", ".join(named),
+        "never": ", ".join(f"`{name}`" for name, size in sizes.items() if size.startswith("above")),
+    }

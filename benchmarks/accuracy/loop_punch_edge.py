@@ -37,13 +37,17 @@ def run_one(seed: int, other: bool, folder: Path) -> dict:
     edge = sizes.get("punch_edge")
     posterior = calibration_of(result).posterior
     return {
-        "seed": seed, "put": [name for name, _ in put], "verdict": result.verdict, "named": list(sizes),
+        "seed": seed,
+        "put": [name for name, _ in put],
+        "verdict": result.verdict,
+        "named": list(sizes),
         "edge_mm": edge and [edge["edge_radius_mm"][key] for key in ("low", "value", "high")],
-        "young_kPa": truth.young_kPa, "interval_kPa": posterior and list(posterior.interval("log young_kPa")),
+        "young_kPa": truth.young_kPa,
+        "interval_kPa": posterior and list(posterior.interval("log young_kPa")),
         "learned": None if result.learnt is None else result.learnt.effect.shape.name,
         "ranking": [[one.effect.name, round(one.gain, 1)] for one in result.selection.ranking[:4]],
         "cpu_s": round(time.process_time() - begun, 1),
-    }  # fmt: skip
+    }
 
 
 def main() -> None:

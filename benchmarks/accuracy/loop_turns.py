@@ -55,8 +55,17 @@ def first_rows() -> list[dict]:
 
 
 def _row(h: float, v: float, target: float, repeat: int, sequence: int, rest: float, age: float) -> dict:
-    return {"h": h, "v": v, "target": target, "repeat": repeat, "sequence": sequence, "rest": rest, "age": age,
-            "temperature": 20.0 + (7.0 * sequence * 0.618) % 7.0, "unload": sequence % 3 == 0}  # fmt: skip
+    return {
+        "h": h,
+        "v": v,
+        "target": target,
+        "repeat": repeat,
+        "sequence": sequence,
+        "rest": rest,
+        "age": age,
+        "temperature": 20.0 + (7.0 * sequence * 0.618) % 7.0,
+        "unload": sequence % 3 == 0,
+    }
 
 
 def planned_rows(plan: Path, designed_mm: float, turn: int) -> list[dict]:
@@ -64,10 +73,17 @@ def planned_rows(plan: Path, designed_mm: float, turn: int) -> list[dict]:
     trials = tomllib.loads((plan / "campaign.toml").read_text())["trial"]
     age = 14.0 + 10.0 * turn
     rows = [
-        _row(round(float(np.clip(t["thickness_mm"], *REACH_MM)), 1), t["velocity_mm_s"], t["target_force_N"],
-             t["repeat"], t["sequence"], t.get("rest_s", 60.0), t.get("age_days", age))
+        _row(
+            round(float(np.clip(t["thickness_mm"], *REACH_MM)), 1),
+            t["velocity_mm_s"],
+            t["target_force_N"],
+            t["repeat"],
+            t["sequence"],
+            t.get("rest_s", 60.0),
+            t.get("age_days", age),
+        )
         for t in trials
-    ]  # fmt: skip
+    ]
     for repeat in (1, 2):
         for target in (3.0, 6.0, 9.0):
             rows.append(_row(designed_mm, 10.0 if repeat == 1 else 250.0, target, 1, len(rows) + 1, 60.0, age))
@@ -89,8 +105,14 @@ def run_seed(seed: int, folder: Path, pads: generator.CastPads | None = None) ->
         result = calibrated.to_dict()
         prior = folder / f"out-{turn}" / "calibration.json"
         try:
-            answer = dummydesign.suggest("forefinger", shape="slab", calibration=prior, ratio=(RATIO, RATIO),
-                                         thickness_mm=(5.0, 20.0), verify=False).to_dict()  # fmt: skip
+            answer = dummydesign.suggest(
+                "forefinger",
+                shape="slab",
+                calibration=prior,
+                ratio=(RATIO, RATIO),
+                thickness_mm=(5.0, 20.0),
+                verify=False,
+            ).to_dict()
         except NoAnswerError as reason:
             answer = reason.result
         best = answer["recommendation"]
@@ -100,14 +122,18 @@ def run_seed(seed: int, folder: Path, pads: generator.CastPads | None = None) ->
         low, high = known.posterior.interval("log young_kPa")
         turns.append(
             {
-                "presses": len(rows), "verdict": result["verdict"], "found": [one["name"] for one in result["effects"]],
+                "presses": len(rows),
+                "verdict": result["verdict"],
+                "found": [one["name"] for one in result["effects"]],
                 "prior_used": None if result["prior"] is None else result["prior"]["used"],
                 "conflicts": [] if result["prior"] is None else result["prior"]["conflicts"],
-                "young": [low, high], "design": [best["thickness_mm"], best["young_kPa"]["low"],
-                best["young_kPa"]["high"]], "replay": seen.total_rmse_N,
-                "pad_factors": result["pad_factors"], "cpu_seconds": time.process_time() - started,
+                "young": [low, high],
+                "design": [best["thickness_mm"], best["young_kPa"]["low"], best["young_kPa"]["high"]],
+                "replay": seen.total_rmse_N,
+                "pad_factors": result["pad_factors"],
+                "cpu_seconds": time.process_time() - started,
             }
-        )  # fmt: skip
+        )
         designed = round(float(np.clip(best["thickness_mm"], *REACH_MM)), 1)
         rows = planned_rows(folder / f"plan-{turn}", designed, turn + 1)
     records = {} if pads is None else {"recorded": pads.recorded}
@@ -134,35 +160,46 @@ def planned_like(rows: list[dict]) -> list[dict]:
 
 
 FIELDS = (
-    "seed", "put_in", "records", "turn", "modulus_half_width_percent", "error_on_other_pads_floors",
-    "modulus_in_interval", "named",
-)  # fmt: skip
+    "seed",
+    "put_in",
+    "records",
+    "turn",
+    "modulus_half_width_percent",
+    "error_on_other_pads_floors",
+    "modulus_in_interval",
+    "named",
+)
 
 
 def turn_rows(rows: list[dict]) -> list[dict]:
     """Each turn of each series, as a row of the data file."""
     return [
         {
-            "seed": row["seed"], "put_in": row["effect"],
-            "records": {None: "", False: "no", True: "yes"}[row.get("recorded")], "turn": number,
+            "seed": row["seed"],
+            "put_in": row["effect"],
+            "records": {None: "", False: "no", True: "yes"}[row.get("recorded")],
+            "turn": number,
             "modulus_half_width_percent": f"{100 * np.log(turn['young'][1] / turn['young'][0]) / 2:.2f}",
             "error_on_other_pads_floors": f"{turn['replay'] / row['floor']:.2f}",
             "modulus_in_interval": "yes" if turn["young"][0] <= row["young"] <= turn["young"][1] else "no",
             "named": " ".join(turn["found"]),
         }
-        for row in rows if "turns" in row for number, turn in enumerate(row["turns"], 1)
-    ]  # fmt: skip
+        for row in rows
+        if "turns" in row
+        for number, turn in enumerate(row["turns"], 1)
+    ]
 
 
 def table(rows: list[dict]) -> str:
     """Write what was found as the page of the documentation."""
     plain = [row for row in rows if "turns" in row and "recorded" not in row]
     lines = [
-        "# Three turns", "",
+        "# Three turns",
+        "",
         "Simulated material. Each turn is a campaign, `loop --prior --plan` and `suggest --calibration`. The next turn",
         "presses the plan and the designed pad. Errors are those on pads that no turn presses, in noise floors. All",
         "turns: `docs/data/loop-turns.csv`.",
-    ]  # fmt: skip
+    ]
     if plain:
         lines += _plain_lines(rows, plain)
     return "\n".join([*lines, *pads_table(rows)]) + "\n"
@@ -176,13 +213,17 @@ def _plain_lines(rows: list[dict], plain: list[dict]) -> list[str]:
     narrower = int((np.diff(width, axis=1) < 0).all(axis=1).sum())
     smaller = int((error[:, -1] < error[:, 0]).sum())
     lines = [
-        "", "## Pads of one material", "",
+        "",
+        "## Pads of one material",
+        "",
         f"`python -m benchmarks.accuracy.loop_turns --seed {min(row['seed'] for row in plain)}`, {len(plain)} series "
-        "of new seeds:", "",
+        "of new seeds:",
+        "",
         f"- Modulus: half width of the interval {_medians(width)} %, narrower after each turn in {narrower} of "
-        f"{len(plain)}.", f"- It contains the true value in {sum(map(sum, inside))} of {np.size(inside)} turns.",
+        f"{len(plain)}.",
+        f"- It contains the true value in {sum(map(sum, inside))} of {np.size(inside)} turns.",
         f"- Error on the other pads {_medians(error)}. It fell from turn one to three in {smaller} of {len(plain)}.",
-    ]  # fmt: skip
+    ]
     refused = f"- A prior of the same material was refused in {_refused(plain)} of {2 * len(plain)} turns"
     wrong = [row for row in rows if "contradicted" in row]
     if wrong:
@@ -204,14 +245,20 @@ def pads_table(rows: list[dict]) -> list[str]:
         return []
     pads = generator.CastPads()
     lines = [
-        "", "## Pads with a factor of their own", "",
+        "",
+        "## Pads with a factor of their own",
+        "",
         f"Each pad has its own thickness ({pads.thickness_mm:g} mm) and modulus ({100 * pads.ln_young:g} %), as "
-        "standard deviations. Level and slope", "of its force are off by a further half per cent that no record shows. "
-        "Each series is run without records, and with", f"the gauged thickness ({pads.gauge_mm:g} mm) and a witness of "
+        "standard deviations. Level and slope",
+        "of its force are off by a further half per cent that no record shows. "
+        "Each series is run without records, and with",
+        f"the gauged thickness ({pads.gauge_mm:g} mm) and a witness of "
         f"each batch ({100 * pads.witness:g} %). The other pads are newly cast too.",
-        f"`python -m benchmarks.accuracy.loop_turns --pads --seed {seeds[0]}`, {len(seeds)} series of new seeds:", "",
-        "| | without records | with records |", "|---|---|---|",
-    ]  # fmt: skip
+        f"`python -m benchmarks.accuracy.loop_turns --pads --seed {seeds[0]}`, {len(seeds)} series of new seeds:",
+        "",
+        "| | without records | with records |",
+        "|---|---|---|",
+    ]
     error: dict[bool, list[list[float]]] = {False: [], True: []}
     right: dict[bool, list[bool]] = {False: [], True: []}
     for seed in seeds:
@@ -229,11 +276,12 @@ def pads_table(rows: list[dict]) -> list[str]:
         f"| error smaller after the third turn | {falls[False]} of {len(seeds)} | {falls[True]} of {len(seeds)} |",
         f"| exactly the right names | {sum(right[False])} of {len(right[False])} turns | {sum(right[True])} of "
         f"{len(right[True])} |",
-        "", f"- With records the error is smaller in {smaller} of {3 * len(seeds)} turns.",
+        "",
+        f"- With records the error is smaller in {smaller} of {3 * len(seeds)} turns.",
         f"- The third answer states that pads differ by {np.median([one['size_percent'] for one in last]):.1f} % "
         f"(standard deviation). With the records {np.median([one['left_percent'] for one in last]):.1f} %",
         f"  remains: they explain {100 * np.median(explained):.0f} % of the variance (medians).",
-    ]  # fmt: skip
+    ]
     return lines
 
 

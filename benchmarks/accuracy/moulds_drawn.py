@@ -42,8 +42,14 @@ def drawn(rng: Generator) -> dict[str, Any]:
     length, width = (float(side) for side in rng.integers(30, 201, 2))
     kind = str(rng.choice(["slab", "crowned", "bumped", "layered", "boned", "puck"]))
     preset = str(rng.choice(["open", "lidded", "printed"]))
-    asked = {"thickness_mm": thickness, "length_mm": length, "width_mm": length if kind == "puck" else width,
-             "preset": preset, "machines": str(rng.choice(["workshop", "large"])), "shape": kind}  # fmt: skip
+    asked = {
+        "thickness_mm": thickness,
+        "length_mm": length,
+        "width_mm": length if kind == "puck" else width,
+        "preset": preset,
+        "machines": str(rng.choice(["workshop", "large"])),
+        "shape": kind,
+    }
     part = rng.uniform(0.1, 0.6) * thickness
     if kind in ("crowned", "boned"):
         asked["shape"] = f"{kind}:{rng.uniform(4, 25):.1f},{part:.1f}"
@@ -106,11 +112,13 @@ def built(spec: MouldSpec, folder: Path) -> Iterator[dict[str, Any]]:
         across = np.sort((high - low)[:2])
         expected = np.sort([part.outline.length_mm, part.outline.width_mm])
         yield {
-            "part": part.name, "off_bed_mm": abs(float(low[2])), "overhang_mm2": hanging_mm2(read),
+            "part": part.name,
+            "off_bed_mm": abs(float(low[2])),
+            "overhang_mm2": hanging_mm2(read),
             "room_mm": float(min(bed[0] - across[0], bed[1] - across[1], spec.machines.printer_height_mm - high[2])),
             "off_outline_mm": float(max(np.abs(across - expected).max(), abs(high[2] - part.height_mm))),
             "complaints": [*opened(stl), *opened(threemf)],
-        }  # fmt: skip
+        }
 
 
 def hanging_mm2(mesh: Any) -> float:
@@ -201,19 +209,23 @@ def summary(rows: list[dict[str, Any]]) -> str:
     parts = [part for row in rows for part in row.get("parts", ())]
     fit = [row for row in rows if row["outcome"] != "refused"]
     advice = [row["advice_fits"] for row in rows if "advice_fits" in row]
-    lines = [f"{len(rows)} drawn: {dict(Counter(row['outcome'] for row in rows))}",
-             f"refused: {dict(Counter(row['code'] for row in rows if row['outcome'] == 'refused'))}",
-             f"sizes and counts advised: {len(advice)}, of which fit {sum(advice)}",
-             f"least room of a closed outline: {min(row['room_mm'] for row in fit):.2f} mm"]  # fmt: skip
+    lines = [
+        f"{len(rows)} drawn: {dict(Counter(row['outcome'] for row in rows))}",
+        f"refused: {dict(Counter(row['code'] for row in rows if row['outcome'] == 'refused'))}",
+        f"sizes and counts advised: {len(advice)}, of which fit {sum(advice)}",
+        f"least room of a closed outline: {min(row['room_mm'] for row in fit):.2f} mm",
+    ]
     if parts:
         programs = [name for name in ("prusa-slicer", "admesh", "gmsh") if shutil.which(name)]
         most = {name: max(part[name] for part in parts) for name in ("off_bed_mm", "off_outline_mm", "overhang_mm2")}
-        lines += [f"{len(parts)} printed parts built: off the bed by at most {most['off_bed_mm']:.1g} mm, "
-                  f"least room {min(part['room_mm'] for part in parts):.2f} mm, off their outline by at most "
-                  f"{most['off_outline_mm']:.3f} mm, largest overhang {most['overhang_mm2']:.0f} mm2 "
-                  f"(allowed {MOST_OVERHANG_MM2:g})",
-                  f"opened by {', '.join(programs) or 'no other program'}: "
-                  f"{sum(bool(part['complaints']) for part in parts)} parts with complaints"]  # fmt: skip
+        lines += [
+            f"{len(parts)} printed parts built: off the bed by at most {most['off_bed_mm']:.1g} mm, "
+            f"least room {min(part['room_mm'] for part in parts):.2f} mm, off their outline by at most "
+            f"{most['off_outline_mm']:.3f} mm, largest overhang {most['overhang_mm2']:.0f} mm2 "
+            f"(allowed {MOST_OVERHANG_MM2:g})",
+            f"opened by {', '.join(programs) or 'no other program'}: "
+            f"{sum(bool(part['complaints']) for part in parts)} parts with complaints",
+        ]
     return "\n".join(lines)
 
 

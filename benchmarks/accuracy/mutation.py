@@ -33,11 +33,19 @@ from typing import Any
 ROOMS = ("core", "pad", "loop", "design")
 LEFT_OUT = ("tests/mold", "tests/studio")
 SIGNS: dict[type[ast.operator], tuple[str, type[ast.operator]]] = {
-    ast.Add: ("+", ast.Sub), ast.Sub: ("-", ast.Add), ast.Mult: ("*", ast.Div), ast.Div: ("/", ast.Mult),
-}  # fmt: skip
+    ast.Add: ("+", ast.Sub),
+    ast.Sub: ("-", ast.Add),
+    ast.Mult: ("*", ast.Div),
+    ast.Div: ("/", ast.Mult),
+}
 LIMITS: dict[type[ast.cmpop], type[ast.cmpop]] = {
-    ast.Lt: ast.GtE, ast.LtE: ast.Gt, ast.Gt: ast.LtE, ast.GtE: ast.Lt, ast.Eq: ast.NotEq, ast.NotEq: ast.Eq,
-}  # fmt: skip
+    ast.Lt: ast.GtE,
+    ast.LtE: ast.Gt,
+    ast.Gt: ast.LtE,
+    ast.GtE: ast.Lt,
+    ast.Eq: ast.NotEq,
+    ast.NotEq: ast.Eq,
+}
 
 
 def mutants(path: Path) -> Iterator[tuple[int, str, str]]:
@@ -164,8 +172,20 @@ class Copy:
         env["PYTHONPATH"] = os.pathsep.join((str(self.folder), str(Path(__file__).parent)))
         listed = self.folder.with_suffix(".args")
         listed.write_text("".join(f"{word}\n" for word in words), encoding="utf-8")
-        command = [sys.executable, "-m", "pytest", "-n", "0", "-p", "no:cacheprovider", "--no-header", "-rfE",
-                   "--tb=no", *(["-p", "mutation"] if more else []), f"@{listed}"]  # fmt: skip
+        command = [
+            sys.executable,
+            "-m",
+            "pytest",
+            "-n",
+            "0",
+            "-p",
+            "no:cacheprovider",
+            "--no-header",
+            "-rfE",
+            "--tb=no",
+            *(["-p", "mutation"] if more else []),
+            f"@{listed}",
+        ]
         done = subprocess.run(command, cwd=self.folder, capture_output=True, text=True, timeout=limit_s, env=env)
         return done.stdout if done.returncode != 4 else f"{done.stdout}\nERROR {done.stderr.strip()[-300:]}"
 
@@ -200,9 +220,17 @@ def caught_by(copy: Copy, lines: Lines, mutant: tuple[str, int, str, str]) -> di
         count += len(batch)
         if failed:
             break
-    return {"file": name, "line": line, "kind": kind, "before": whole.splitlines()[line - 1].strip(),
-            "after": text.splitlines()[line - 1].strip(), "caught": failed, "tests": count, "doubtful": doubtful,
-            "seconds": round(time.perf_counter() - begun, 1)}  # fmt: skip
+    return {
+        "file": name,
+        "line": line,
+        "kind": kind,
+        "before": whole.splitlines()[line - 1].strip(),
+        "after": text.splitlines()[line - 1].strip(),
+        "caught": failed,
+        "tests": count,
+        "doubtful": doubtful,
+        "seconds": round(time.perf_counter() - begun, 1),
+    }
 
 
 def record(repository: Path, out: Path) -> None:
@@ -213,8 +241,10 @@ def record(repository: Path, out: Path) -> None:
         copy = Copy(repository, Path(folder) / "tree")
         rooms = "".join(f"    {copy.folder}/dummydesign/{room}/*\n" for room in ROOMS)
         config = Path(folder) / "coveragerc"
-        config.write_text(f"[run]\nparallel = true\ndata_file = {folder}/data\ncontext = ${{MUTATION_TEST-}}\n"
-                          f"disable_warnings = no-data-collected\ninclude =\n{rooms}")  # fmt: skip
+        config.write_text(
+            f"[run]\nparallel = true\ndata_file = {folder}/data\ncontext = ${{MUTATION_TEST-}}\n"
+            f"disable_warnings = no-data-collected\ninclude =\n{rooms}"
+        )
         words = ["tests", *(f"--ignore={one}" for one in LEFT_OUT)]
         seen = copy.pytest(words, COVERAGE_PROCESS_START=str(config), MUTATION_SECONDS=f"{folder}/seconds.json")
         print("\n".join(seen.splitlines()[-20:]))

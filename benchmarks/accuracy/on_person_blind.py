@@ -46,8 +46,13 @@ from tests.support.robot_presses import (
 DRIVES = ("position", "steady", "force", "mass", "spring", "damped")
 METHOD = "LSODA"
 CONTACT_MM = 0.01
-TRIVIAL = {("position", "depth_mm"), ("steady", "steady_N"), ("force", "peak_N"), ("force", "steady_N"),
-           ("mass", "energy_mJ")}  # fmt: skip
+TRIVIAL = {
+    ("position", "depth_mm"),
+    ("steady", "steady_N"),
+    ("force", "peak_N"),
+    ("force", "steady_N"),
+    ("mass", "energy_mJ"),
+}
 """What the drive itself prescribes: the interval there is that of the trace alone."""
 
 
@@ -86,8 +91,9 @@ def case(number: int, seed: int) -> tuple[str, dict[str, tuple[float, float, flo
     values = np.exp(hidden)
     person = skin(values[0], values[1:3], values[3:])
     scale = (10.0 / values[0]) ** (1.0 / 3.0)
-    pad = gel_pad(rng.uniform(0.7, 1.3) * 9.0 / scale**1.35, rng.uniform(1.2, 1.7), rng.uniform(0.2, 0.8),
-                  rng.uniform(0.05, 0.4))  # fmt: skip
+    pad = gel_pad(
+        rng.uniform(0.7, 1.3) * 9.0 / scale**1.35, rng.uniform(1.2, 1.7), rng.uniform(0.2, 0.8), rng.uniform(0.05, 0.4)
+    )
     depth, hold = rng.uniform(0.8, 1.1) * scale, rng.uniform(1.0, 2.0)
     rounding = max(velocity / (4.0 * rng.uniform(5e3, 30e3)), 2e-4)
     path, speed, end = command(velocity, depth, hold, rounding)
@@ -111,11 +117,19 @@ def case(number: int, seed: int) -> tuple[str, dict[str, tuple[float, float, flo
         run = by_path(pad, path, speed, end, begin, 12001, method=METHOD)
     passed = Lowpass(float(rng.uniform(50.0, 150.0)), 2, 1) if number % 3 == 0 else None
     rate = float(rng.choice([1000.0, 2000.0]) if velocity < 60 else rng.choice([2000.0, 5000.0]))
-    trace = sampled(run, rate, rng.uniform(0.005, 0.03), rng.uniform(0.0005, 0.002), int(rng.integers(1 << 30)),
-                    f"case-{number}", passed)  # fmt: skip
+    trace = sampled(
+        run,
+        rate,
+        rng.uniform(0.005, 0.03),
+        rng.uniform(0.0005, 0.002),
+        int(rng.integers(1 << 30)),
+        f"case-{number}",
+        passed,
+    )
     trace = Trace(trace.name, trace.time_s, trace.displacement_mm + CONTACT_MM * rng.standard_normal(), trace.force_N)
-    truth = truth_of(drive, person, values, run, (path, speed, end, begin, hold, rounding), velocity, mass, stiffness,
-                     ratio)  # fmt: skip
+    truth = truth_of(
+        drive, person, values, run, (path, speed, end, begin, hold, rounding), velocity, mass, stiffness, ratio
+    )
     answer = on_person([trace], tissue, read_drive(text), lowpass=passed)
     interval = answer.presses[0].interval
     rows = {}
@@ -127,9 +141,16 @@ def case(number: int, seed: int) -> tuple[str, dict[str, tuple[float, float, flo
 
 
 def truth_of(
-    drive: str, person: Any, values: np.ndarray, pad: Run, robot: tuple[Any, ...], velocity: float, mass: float,
-    stiffness: float, ratio: float,
-) -> dict[str, float]:  # fmt: skip
+    drive: str,
+    person: Any,
+    values: np.ndarray,
+    pad: Run,
+    robot: tuple[Any, ...],
+    velocity: float,
+    mass: float,
+    stiffness: float,
+    ratio: float,
+) -> dict[str, float]:
     """What the press is on the person."""
     path, speed, end, begin, hold, rounding = robot
     late = pad.t[-1] - 0.05 * hold
@@ -143,18 +164,25 @@ def truth_of(
         after = pad.t > 0.0
         rate = np.gradient(pad.f[after], pad.t[after])
         first = pad.t[after][np.argmax(pad.f[after] > 0.01 * pad.peak)]
-        run = skin_by_force(values[0], values[1:3], values[3:], lambda t: np.interp(t, pad.t, pad.f),
-                            lambda t: np.interp(t, pad.t[after], rate), first, pad.t[-1], 12001)  # fmt: skip
+        run = skin_by_force(
+            values[0],
+            values[1:3],
+            values[3:],
+            lambda t: np.interp(t, pad.t, pad.f),
+            lambda t: np.interp(t, pad.t[after], rate),
+            first,
+            pad.t[-1],
+            12001,
+        )
     else:
         run = pressed_to(person, float(pad.f[pad.t >= late].mean()), hold, rounding, begin, velocity, values)
     held = float(run.f[run.t >= run.t[-1] - 0.05 * hold].mean()) if drive != "mass" else np.nan
-    return {"peak_N": run.peak, "steady_N": held, "depth_mm": run.depth,
-            "energy_mJ": run.energy}  # fmt: skip
+    return {"peak_N": run.peak, "steady_N": held, "depth_mm": run.depth, "energy_mJ": run.energy}
 
 
 def pressed_to(
     person: Any, force: float, hold: float, rounding: float, begin: float, velocity: float, values: np.ndarray
-) -> Run:  # fmt: skip
+) -> Run:
     """The same robot, sent deeper until the force at the end of the hold is that of the pad."""
     guess = (force / values[0]) ** (1.0 / 3.0)
     low, high = 0.3 * guess, 1.3 * guess

@@ -48,14 +48,29 @@ def exact_press(rng: np.random.Generator, velocity: float, gamma1: float) -> Pre
     trace = Trace("exact", np.r_[lead, fine], np.r_[velocity * lead, x], np.r_[0.0 * lead, force])
     chosen, none = np.searchsorted(fine, nodes), np.zeros((len(nodes), 1))
     steady = np.asarray(force[fine >= end - 0.05 * hold].mean())
-    return Press(trace, nodes, x[chosen], force[chosen], none, none, 0.0, stop, hold, velocity,
-                 np.asarray(speed(0.0)), 0.0, steady, 0.01)  # fmt: skip
+    return Press(
+        trace,
+        nodes,
+        x[chosen],
+        force[chosen],
+        none,
+        none,
+        0.0,
+        stop,
+        hold,
+        velocity,
+        np.asarray(speed(0.0)),
+        0.0,
+        steady,
+        0.01,
+    )
 
 
 def together(rows: Sequence[People]) -> People:
     """Several groups of people as one."""
-    return People(rows[0].law, *(np.concatenate([getattr(one, part) for one in rows])
-                                 for part in ("gamma1", "gamma", "c")))  # fmt: skip
+    return People(
+        rows[0].law, *(np.concatenate([getattr(one, part) for one in rows]) for part in ("gamma1", "gamma", "c"))
+    )
 
 
 def group(number: int, seed: int, drives: Sequence[str]) -> dict[tuple[str, str], list[int]]:
@@ -70,8 +85,10 @@ def group(number: int, seed: int, drives: Sequence[str]) -> dict[tuple[str, str]
     gamma1 = float(np.exp(np.mean(np.log([one.gamma1_N_per_mm3 for one in subjects]))))
     press = exact_press(rng, velocity, gamma1)
     mass = 1e-2 * (10.0 / gamma1) ** (1.0 / 3.0) / (velocity * 1e-3) ** 2 * rng.uniform(0.5, 1.5)
-    full = {"mass": f"mass:{mass:.3g}kg",
-            "spring": f"spring:{rng.uniform(15.0, 100.0):.3g},{rng.uniform(0.1, 0.5):.3g},0.05"}  # fmt: skip
+    full = {
+        "mass": f"mass:{mass:.3g}kg",
+        "spring": f"spring:{rng.uniform(15.0, 100.0):.3g},{rng.uniform(0.1, 0.5):.3g},0.05",
+    }
     rows: dict[tuple[str, str], list[int]] = {}
     for name in drives:
         answer = read_drive(full.get(name, name)).respond(press, everyone, keep=False).four()
@@ -79,8 +96,10 @@ def group(number: int, seed: int, drives: Sequence[str]) -> dict[tuple[str, str]
             if (name, quantity) in TRIVIAL or not np.isfinite(values[:SIZE]).all():
                 continue
             ends = [_ends(one) for one in values[SIZE:].reshape(SIZE, DRAWS)]
-            rows[name, quantity] = [-1 if low is None or value < low else int(high is None or value > high)
-                                    for value, (low, high) in zip(values[:SIZE], ends)]  # fmt: skip
+            rows[name, quantity] = [
+                -1 if low is None or value < low else int(high is None or value > high)
+                for value, (low, high) in zip(values[:SIZE], ends)
+            ]
     return rows
 
 

@@ -68,8 +68,15 @@ def main() -> None:
             force = [round(over * value, 5) for value in solved]
             kept = [round(float(one), 5) for one in depth[: len(force)]]
             print(base, poisson, thickness, f"to d/h {kept[-1] / thickness if kept else 0:.3f}", flush=True)
-            rows.append({"base": base, "poisson": poisson, "thickness_mm": thickness, "depth_mm": kept,
-                         "force_over_young_mm2": force})  # fmt: skip
+            rows.append(
+                {
+                    "base": base,
+                    "poisson": poisson,
+                    "thickness_mm": thickness,
+                    "depth_mm": kept,
+                    "force_over_young_mm2": force,
+                }
+            )
             write_text(options.out, json.dumps(rows, indent=0) + "\n")
 
 

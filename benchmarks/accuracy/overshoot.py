@@ -78,18 +78,21 @@ def drawn(rng: np.random.Generator, for_fit: bool = False, overshoot: tuple[floa
         return float(np.exp(rng.uniform(np.log(low), np.log(high))))
 
     settings = {
-        "overshoot": float(rng.uniform(*overshoot)), "ringing_Hz": spread(3.0, 50.0), "damping": spread(0.02, 1.0),
+        "overshoot": float(rng.uniform(*overshoot)),
+        "ringing_Hz": spread(3.0, 50.0),
+        "damping": spread(0.02, 1.0),
         "depth_mm": spread(2.0, 8.0) if for_fit else spread(0.5, 12.0),
         "speed_mm_s": spread(5.0, 100.0) if for_fit else spread(1.0, 400.0),
         "sampling_Hz": spread(200.0, 2000.0) if for_fit else spread(20.0, 5000.0),
         "hold_s": float(rng.uniform(8.0, 12.0) if for_fit else rng.uniform(2.0, 10.0)),
-    }  # fmt: skip
+    }
     settings["release_mm_s"] = settings["speed_mm_s"] * float(rng.choice([0.3, 1.0]))
     stop, released = settings["depth_mm"] / settings["speed_mm_s"], rng.random() < 0.5
     end = stop + settings["hold_s"]
     last = end + (settings["depth_mm"] / settings["release_mm_s"] + 0.1 if released else 0.0)
-    time = np.arange(-APPROACH_MM / settings["speed_mm_s"] - LEAD_S * rng.uniform(0.5, 1.5), last,
-                     1.0 / settings["sampling_Hz"])  # fmt: skip
+    time = np.arange(
+        -APPROACH_MM / settings["speed_mm_s"] - LEAD_S * rng.uniform(0.5, 1.5), last, 1.0 / settings["sampling_Hz"]
+    )
     short = min(STEP_SHARE * stop, STEP_SHARE / settings["ringing_Hz"] * 10.0)
     fine = np.union1d(np.arange(0.0, last + short, short), stop + np.array([-1e-6, 0.0, 1e-6]))
     force = law_force(fine, path(fine, settings))
@@ -146,10 +149,14 @@ def fits(draws: int, seed: int, overshoot: tuple[float, float]) -> None:
         known += found["low"] is not None and found["high"] is not None
         width.append((high - low) / GAMMA1)
     size = np.abs(error)
-    print(f"gamma1: within 3 % in {int((size <= 0.03).sum())} of {draws}; median error {100 * np.median(size):.3f} %, "
-          f"mean {100 * np.mean(error):+.3f} %, largest {100 * size.max():.2f} %")  # fmt: skip
-    print(f"95 % interval of gamma1 holds the truth in {covered} of {draws} ({100 * covered / draws:.1f} %); bounded "
-          f"on both sides in {known}; median width {100 * np.median(width):.2f} %")  # fmt: skip
+    print(
+        f"gamma1: within 3 % in {int((size <= 0.03).sum())} of {draws}; median error {100 * np.median(size):.3f} %, "
+        f"mean {100 * np.mean(error):+.3f} %, largest {100 * size.max():.2f} %"
+    )
+    print(
+        f"95 % interval of gamma1 holds the truth in {covered} of {draws} ({100 * covered / draws:.1f} %); bounded "
+        f"on both sides in {known}; median width {100 * np.median(width):.2f} %"
+    )
     print("largest error at", {key: round(value, 3) for key, value in worst[1].items()})
 
 

@@ -136,9 +136,13 @@ def ours_slab(ratio: float, extent: float, depth: np.ndarray, corner: float = CO
     problem = Problem(Solid(mesh, Yeoh(1.0)), held, 2 * under + 1, 2 * base + 1)
     path = follow(problem, depth, cell, 0.05 * scale, 1e-3 * scale)
     return {
-        "force": path.force.tolist(), "seconds": time.process_time() - began, "unknowns": path.unknowns,
-        "r": r.tolist(), "z": np.sort(z).tolist(), "steps": path.load_steps,
-    }  # fmt: skip
+        "force": path.force.tolist(),
+        "seconds": time.process_time() - began,
+        "unknowns": path.unknowns,
+        "r": r.tolist(),
+        "z": np.sort(z).tolist(),
+        "steps": path.load_steps,
+    }
 
 
 def ours_puck() -> dict[str, Any]:
@@ -159,18 +163,26 @@ def ours_puck() -> dict[str, Any]:
     vertices = mesh.dofs.reshape(-1, 9, 2)[:, :4, 0] // 2
     lines = [np.unique(np.round(mesh.nodes[axis][vertices], 7)).tolist() for axis in (0, 1)]
     return {
-        "force": path.force.tolist(), "seconds": seconds, "unknowns": path.unknowns, "r": lines[0], "z": lines[1],
+        "force": path.force.tolist(),
+        "seconds": seconds,
+        "unknowns": path.unknowns,
+        "r": lines[0],
+        "z": lines[1],
         "steps": path.load_steps,
-    }  # fmt: skip
+    }
 
 
 def theirs(python: str, task: dict[str, Any]) -> dict[str, Any]:
     """The answer of the other program; ``skipped`` or ``failed`` says why there is none."""
     # one thread, as this package's solves have: processor seconds are compared
     done = subprocess.run(
-        [python, "-c", PROGRAM], input=json.dumps(task), capture_output=True, text=True, timeout=3600,
+        [python, "-c", PROGRAM],
+        input=json.dumps(task),
+        capture_output=True,
+        text=True,
+        timeout=3600,
         env={**os.environ, **ONE_THREAD},
-    )  # fmt: skip
+    )
     if done.returncode:
         return {"failed": done.stderr.strip().splitlines()[-1] if done.stderr.strip() else "no output"}
     return json.loads(done.stdout.strip().splitlines()[-1])
@@ -220,8 +232,11 @@ def limits(python: str) -> float:
         coarse, fine = (np.array(run["force"]) for run in runs)
         limit, own = 2.0 * fine - coarse, curve.force_N / (1e-3 * thickness**2)
         for row in zip(depth, coarse, fine, limit, own, curve.error_N / curve.force_N):
-            print("  {:4g} mm, d/h {:5.3f}: {:9.5f} {:9.5f} {:9.5f} | {:9.5f} {:+7.3f} %, stated error {:.2f} %".format(
-                thickness, *row[:5], 100 * (row[4] / row[3] - 1.0), 100 * row[5]))  # fmt: skip
+            print(
+                "  {:4g} mm, d/h {:5.3f}: {:9.5f} {:9.5f} {:9.5f} | {:9.5f} {:+7.3f} %, stated error {:.2f} %".format(
+                    thickness, *row[:5], 100 * (row[4] / row[3] - 1.0), 100 * row[5]
+                )
+            )
         worst = max(worst, float(np.abs(own / limit - 1.0).max()))
     return worst
 

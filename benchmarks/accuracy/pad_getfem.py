@@ -159,9 +159,7 @@ def graded(at: float, low: float, high: float, cell: float, growth: float = 1.4)
     return np.unique(np.round(np.concatenate([at - way(at - low), at + way(high - at)]), 10))
 
 
-def theirs(
-    python: str, pad: Pad, depth_mm: Array, step_mm: float, cell_mm: float, penalty: float
-) -> dict[str, Any]:
+def theirs(python: str, pad: Pad, depth_mm: Array, step_mm: float, cell_mm: float, penalty: float) -> dict[str, Any]:
     """Force at the depths by GetFEM, its steps given; ``skipped`` or ``failed`` says why there is none."""
     h, shape = pad.thickness_mm, pad.geometry
     crown = isinstance(shape, Crowned)
@@ -177,12 +175,23 @@ def theirs(
     mu = YOUNG_MPA / 3.0
     ring = float(r[np.abs(r - 0.5 * RADIUS_MM).argmin()])
     task = {
-        "ring": ring, "h": h, "a": RADIUS_MM, "fillet": FILLET_MM, "mu": mu, "bulk": BULK_OVER_SHEAR * mu,
-        "penalty": penalty * mu, "r": r.tolist(), "z": graded(h, 0.0, h, cell_mm).tolist(),
-        "top_r": along.tolist(), "top_z": top.tolist(),
-        "reach": 1.5 * RADIUS_MM, "stick": pad.condition == "bonded", "flat": not crown,
-        "depth": depth_mm.tolist(), "step": step_mm,
-    }  # fmt: skip
+        "ring": ring,
+        "h": h,
+        "a": RADIUS_MM,
+        "fillet": FILLET_MM,
+        "mu": mu,
+        "bulk": BULK_OVER_SHEAR * mu,
+        "penalty": penalty * mu,
+        "r": r.tolist(),
+        "z": graded(h, 0.0, h, cell_mm).tolist(),
+        "top_r": along.tolist(),
+        "top_z": top.tolist(),
+        "reach": 1.5 * RADIUS_MM,
+        "stick": pad.condition == "bonded",
+        "flat": not crown,
+        "depth": depth_mm.tolist(),
+        "step": step_mm,
+    }
     options: dict[str, Any] = {"capture_output": True, "text": True, "env": {**os.environ, **ONE_THREAD}}
     done = subprocess.run([python, "-c", PROGRAM], input=json.dumps(task), **options)
     if done.returncode or not done.stdout.strip():

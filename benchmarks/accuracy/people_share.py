@@ -34,9 +34,21 @@ SUBJECTS, SHARE = (5, 15), 0.95
 AT = (0.5, 0.8, 0.95)
 ABOVE_ALL = 1.5
 LOG_NORMAL, LOG_SPREAD = 20_000, 0.3
-HEAD = ("site", "reading", "people", "skewness", "normal_p", "subjects", "draws", "lower_holds_percent",
-        "upper_holds_percent", "bound_holds_percent", "share_below_bound_5th", "mean_stated_share",
-        "mean_true_share")  # fmt: skip
+HEAD = (
+    "site",
+    "reading",
+    "people",
+    "skewness",
+    "normal_p",
+    "subjects",
+    "draws",
+    "lower_holds_percent",
+    "upper_holds_percent",
+    "bound_holds_percent",
+    "share_below_bound_5th",
+    "mean_stated_share",
+    "mean_true_share",
+)
 
 
 @dataclass(frozen=True)
@@ -120,8 +132,19 @@ def main() -> None:
         normal = 1.0 if site.reading == "drawn" else float(shapiro(site.logs).pvalue)
         for subjects in SUBJECTS:
             found = hold(site, subjects, options.draws, rng)
-            rows.append((site.name, site.reading, len(site.values), f"{skew(site.logs):.2f}", f"{normal:.3f}", subjects,
-                         options.draws, *(f"{one:.1f}" for one in found[:3]), *(f"{one:.3f}" for one in found[3:])))
+            rows.append(
+                (
+                    site.name,
+                    site.reading,
+                    len(site.values),
+                    f"{skew(site.logs):.2f}",
+                    f"{normal:.3f}",
+                    subjects,
+                    options.draws,
+                    *(f"{one:.1f}" for one in found[:3]),
+                    *(f"{one:.3f}" for one in found[3:]),
+                )
+            )
             print(*rows[-1], flush=True)
     write_text(options.table, csv_text(HEAD, rows))
 

@@ -22,12 +22,14 @@ from tests.support.ball_punch import sphere
 SHARES = np.array([0.03, 0.05, 0.1, 0.2, 0.3, 0.4, 0.5])
 AT = np.linspace(0.0, 8.0, 33)
 CASES = (
-    ("ball of radius 6 mm", sphere(6.0), 10.0, 5.88), ("ball of radius 15 mm", sphere(15.0), 10.0, 14.7),
-    ("ball of radius 20 mm", sphere(20.0), 4.0, 14.0), ("ball of radius 8 mm", sphere(8.0), 20.0, 7.84),
+    ("ball of radius 6 mm", sphere(6.0), 10.0, 5.88),
+    ("ball of radius 15 mm", sphere(15.0), 10.0, 14.7),
+    ("ball of radius 20 mm", sphere(20.0), 4.0, 14.0),
+    ("ball of radius 8 mm", sphere(8.0), 20.0, 7.84),
     ("blunt cone", profile(AT, np.where(AT < 1.0, 0.5 * AT**2, AT - 0.5)), 10.0, 8.0),
     ("quartic", profile(np.linspace(0.0, 5.0, 26), 0.05 * np.linspace(0.0, 5.0, 26) ** 4), 10.0, 5.0),
     ("ledge", profile([0.0, 3.0, 3.5, 4.0, 4.2, 6.0], [0.0, 0.0, 0.1, 1.0, 3.0, 3.2]), 10.0, 6.0),
-)  # fmt: skip
+)
 
 
 def main() -> None:

@@ -124,9 +124,14 @@ def drawn_batch(rng: np.random.Generator, plates: str, seed: int) -> Batch:
     arms = tuple(zip(times.tolist(), draws.beta(ratio)[0].tolist()))
     pool = curves(plates, seed)
     return Batch(
-        ratio, young_kPa, arms, pool[rng.integers(len(pool))], float(rng.uniform(-0.1, 0.3)),
-        float(rng.uniform(0.01, 0.05)), (float(0.1 * rng.standard_normal()), float(0.05 * rng.standard_normal())),
-    )  # fmt: skip
+        ratio,
+        young_kPa,
+        arms,
+        pool[rng.integers(len(pool))],
+        float(rng.uniform(-0.1, 0.3)),
+        float(rng.uniform(0.01, 0.05)),
+        (float(0.1 * rng.standard_normal()), float(0.05 * rng.standard_normal())),
+    )
 
 
 def pressed(batch: Batch, speed_mm_s: float, rng: np.random.Generator) -> tuple[NDArray, NDArray, NDArray]:
@@ -152,8 +157,14 @@ def written(batch: Batch, folder: Path, rng: np.random.Generator) -> list[Path]:
     files = []
     for speed in SPEEDS_MM_S:
         files.append(folder / f"v{speed:g}.csv")
-        np.savetxt(files[-1], np.column_stack(pressed(batch, speed, rng)), fmt="%.6g", delimiter=",",
-                   header="time_s,displacement_mm,force_N", comments="")  # fmt: skip
+        np.savetxt(
+            files[-1],
+            np.column_stack(pressed(batch, speed, rng)),
+            fmt="%.6g",
+            delimiter=",",
+            header="time_s,displacement_mm,force_N",
+            comments="",
+        )
     return files
 
 
@@ -189,15 +200,29 @@ def read(batch: Batch, plates: str, declared: str, files: Sequence[Path]) -> Row
     sums = resin.draw(4000, 3).beta(batch.ratio)[:, counted].sum(axis=1)
     low, high = np.percentile(sums, [2.5, 97.5])
     truth = np.array(batch.arms)
-    arms = [abs(math.log(arm.tau_s.value / t)) < 0.4 and arm.beta.low <= beta <= arm.beta.high
-            for arm, (t, beta) in zip(resin.arms, truth)] if len(resin.arms) == len(truth) else [False]  # fmt: skip
+    arms = (
+        [
+            abs(math.log(arm.tau_s.value / t)) < 0.4 and arm.beta.low <= beta <= arm.beta.high
+            for arm, (t, beta) in zip(resin.arms, truth)
+        ]
+        if len(resin.arms) == len(truth)
+        else [False]
+    )
     own = done.young_kPa
     return Row(
-        plates, declared, batch.young_kPa, young.low <= batch.young_kPa <= young.high,
-        0.5 * math.log(young.high / young.low), own.low <= batch.young_kPa <= own.high,
-        0.5 * math.log(own.high / own.low), bool(low <= batch.strength <= high), 0.5 * math.log(high / low),
-        float(np.mean(arms)), any(one["code"] == "plates_doubted" for one in done.warnings), spent,
-    )  # fmt: skip
+        plates,
+        declared,
+        batch.young_kPa,
+        young.low <= batch.young_kPa <= young.high,
+        0.5 * math.log(young.high / young.low),
+        own.low <= batch.young_kPa <= own.high,
+        0.5 * math.log(own.high / own.low),
+        bool(low <= batch.strength <= high),
+        0.5 * math.log(high / low),
+        float(np.mean(arms)),
+        any(one["code"] == "plates_doubted" for one in done.warnings),
+        spent,
+    )
 
 
 def study(batches: int, seed: int, others: int = 5, first: int = 0) -> Iterator[Row]:
@@ -227,15 +252,37 @@ def main() -> None:
         rows.append(row)
         print(row, flush=True)
     print(f"{options.batches} batches, seed {options.seed}, {sum(row.seconds for row in rows):.0f} s of processor time")
-    head = ("plates", "declared", "pucks", "modulus_covered", "modulus_half_percent", "puck_covered",
-            "puck_half_percent", "strengths_covered", "strengths_half_percent", "arms_covered", "doubted")  # fmt: skip
+    head = (
+        "plates",
+        "declared",
+        "pucks",
+        "modulus_covered",
+        "modulus_half_percent",
+        "puck_covered",
+        "puck_half_percent",
+        "strengths_covered",
+        "strengths_half_percent",
+        "arms_covered",
+        "doubted",
+    )
     table = []
     for kind in dict.fromkeys((row.plates, row.declared) for row in rows):
         own = [row for row in rows if (row.plates, row.declared) == kind]
-        shares = [f"{np.mean([getattr(row, name) for row in own]):.3f}" if "half" not in name else
-                  f"{100 * np.median([getattr(row, name) for row in own]):.1f}"
-                  for name in ("young_holds", "young_half", "puck_holds", "puck_half", "strength_holds",
-                               "strength_half", "arms_hold", "doubted")]  # fmt: skip
+        shares = [
+            f"{np.mean([getattr(row, name) for row in own]):.3f}"
+            if "half" not in name
+            else f"{100 * np.median([getattr(row, name) for row in own]):.1f}"
+            for name in (
+                "young_holds",
+                "young_half",
+                "puck_holds",
+                "puck_half",
+                "strength_holds",
+                "strength_half",
+                "arms_hold",
+                "doubted",
+            )
+        ]
         table.append((kind[0], kind[1] or "not", len(own), *shares))
     print(" | ".join(head))
     for line in table:

@@ -68,9 +68,20 @@ def motion(levels_mm, velocity_mm_s, hold_s, step_s=0.05, before_s=1.0):
 
 
 def made(
-    rng, arms, levels=(0.1, 0.2, 0.3), hold_s=60.0, velocity_mm_s=2.0, diameter_mm=50.0, height_mm=30.0, alpha=2.3,
-    plates="friction:0.2", offset_mm=0.15, misfit=0.02, white_N=0.02, drift=1e-3,
-):  # fmt: skip
+    rng,
+    arms,
+    levels=(0.1, 0.2, 0.3),
+    hold_s=60.0,
+    velocity_mm_s=2.0,
+    diameter_mm=50.0,
+    height_mm=30.0,
+    alpha=2.3,
+    plates="friction:0.2",
+    offset_mm=0.15,
+    misfit=0.02,
+    white_N=0.02,
+    drift=1e-3,
+):
     """One noisy press: time, displacement, force."""
     time, x = motion([level * height_mm for level in levels], velocity_mm_s, hold_s)
     c = np.maximum(x - offset_mm, 0.0) / height_mm

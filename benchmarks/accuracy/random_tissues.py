@@ -66,10 +66,15 @@ def study_one(number: int, seed: int) -> dict[str, Any]:
     limits, strict = space.targets.limits, ranges_of(space.targets).strict
     for design in designs:  # ranked: the first of a kind is its best
         outlook = design.outlook
-        kinds.setdefault(design.shape.name, {
-            "level": LEVELS[outlook.level(limits, strict)], "as_poured": round(outlook.as_poured, 4),
-            "resin_known": round(outlook.known, 4), "after_puck": round(outlook.after_puck, 4),
-        })  # fmt: skip
+        kinds.setdefault(
+            design.shape.name,
+            {
+                "level": LEVELS[outlook.level(limits, strict)],
+                "as_poured": round(outlook.as_poured, 4),
+                "resin_known": round(outlook.known, 4),
+                "after_puck": round(outlook.after_puck, 4),
+            },
+        )
     row = {"number": number, "seed": seed, "site": site, "draw": draw, "kinds": kinds, "taken": taken}
     return {**row, "cpu_seconds": round(time.process_time() - started, 1)}
 
@@ -80,14 +85,19 @@ def taken_pad(problem: Problem, design: ShapedDesign) -> dict[str, Any]:
     judged, shares = verdict_of_design(cast), shares_of_pad(cast)
     window = shares.window_kPa
     return {
-        "kind": design.shape.name, "shape": str(design.shape), "thickness_mm": design.thickness_mm,
-        "ratio": cast.candidate.ratio, "level": judged.level, "reads": judged.reads,
+        "kind": design.shape.name,
+        "shape": str(design.shape),
+        "thickness_mm": design.thickness_mm,
+        "ratio": cast.candidate.ratio,
+        "level": judged.level,
+        "reads": judged.reads,
         "window_kPa": None if window is None else [round(one, 2) for one in window],
-        "no_ratio": round(shares.after_puck.no_ratio, 4), "no_ratio_reason": shares.after_puck.no_ratio_reason,
+        "no_ratio": round(shares.after_puck.no_ratio, 4),
+        "no_ratio_reason": shares.after_puck.no_ratio_reason,
         "shares": {name: _share(getattr(shares, name)) for name in SHARES},
         "shortfall": [judged.shortfall.central, judged.shortfall.q95, judged.shortfall.quantity],
         "over": [judged.over.central, judged.over.q95, judged.over.quantity],
-    }  # fmt: skip
+    }
 
 
 def _share(share: Share) -> dict[str, float]:
@@ -110,8 +120,10 @@ def table(rows: list[dict[str, Any]]) -> str:
 
 def levels_table(rows: list[dict[str, Any]]) -> str:
     """Share of tissues by the level of the pad that is taken, and medians of its three shares of usable castings."""
-    lines = ["| site | tissues | " + " | ".join([*LEVELS, "no pad", *SHARES]) + " |",
-             "|---" * (3 + len(LEVELS) + len(SHARES)) + "|"]  # fmt: skip
+    lines = [
+        "| site | tissues | " + " | ".join([*LEVELS, "no pad", *SHARES]) + " |",
+        "|---" * (3 + len(LEVELS) + len(SHARES)) + "|",
+    ]
     for site in (*SITES, "all"):
         own = [row["taken"] for row in rows if site in (row["site"], "all")]
         if not own:
@@ -148,7 +160,8 @@ def red_words(rows: list[dict[str, Any]]) -> str:
             worst = max(("reads_low", "over", "out_of_reach"), key=lambda name: lost[name])
             count[worst] = count.get(worst, 0) + 1
     return "Red pads by what most castings of a measured resin do: " + (
-        ", ".join(f"{name} {number}" for name, number in sorted(count.items())) or "none")
+        ", ".join(f"{name} {number}" for name, number in sorted(count.items())) or "none"
+    )
 
 
 def main() -> None:

@@ -262,9 +262,13 @@ def gaussian_process(data: Prepared) -> Finding:
     vector[keep] += moved
     half = NORMAL_95 * float(np.sqrt(covariance[0, 0]))
     young = [1e3 * float(np.exp(vector[0] + k * half)) for k in (-1.0, 0.0, 1.0)]
-    model = Model(fit.problem.base_of(vector), (), fit.problem.thicknesses,
-                  np.stack(np.split(vector[fit.problem.fixed :], LAW_TERMS)),
-                  tuple(shape for shape, _ in presses.pads))  # fmt: skip
+    model = Model(
+        fit.problem.base_of(vector),
+        (),
+        fit.problem.thicknesses,
+        np.stack(np.split(vector[fit.problem.fixed :], LAW_TERMS)),
+        tuple(shape for shape, _ in presses.pads),
+    )
     weights = np.linalg.solve(joint, residual - slopes @ moved)
     smooth, (new, _) = process.kernel_.k1, data.new_presses
     forces = []
@@ -302,9 +306,13 @@ def loop(data: Prepared) -> Finding:
 
 
 RIVALS: dict[str, Callable[[Prepared], Finding]] = {
-    "loop": loop, "omp": omp, "lasso": lasso, "ard": ard, "one_at_a_time": one_at_a_time,
+    "loop": loop,
+    "omp": omp,
+    "lasso": lasso,
+    "ard": ard,
+    "one_at_a_time": one_at_a_time,
     "gaussian_process": gaussian_process,
-}  # fmt: skip
+}
 
 
 def draw(number: int, seed: int) -> tuple[str, str, Put]:
@@ -345,16 +353,28 @@ def run_one(number: int, seed: int, folder: Path) -> dict[str, Any]:
     measured = [trial.trace.force_N for trial in new.trials]
     data = prepare(campaign, new)
     base = assess(data.base)
-    row: dict[str, Any] = {"seed": seed, "kind": kind, "generator": maker, "put": put, "floor_N": floor,
-           "young_kPa": young, "base_heldout_N": base.errors.heldout_N,
-           "base_rmse_N": rmse(data.forces_of(data.model_of(data.base)), measured), "rivals": {}}  # fmt: skip
+    row: dict[str, Any] = {
+        "seed": seed,
+        "kind": kind,
+        "generator": maker,
+        "put": put,
+        "floor_N": floor,
+        "young_kPa": young,
+        "base_heldout_N": base.errors.heldout_N,
+        "base_rmse_N": rmse(data.forces_of(data.model_of(data.base)), measured),
+        "rivals": {},
+    }
     for name, rival in RIVALS.items():
         began = time.process_time()
         found = rival(data)
         row["rivals"][name] = {
-            "names": list(found.names), "sizes": found.sizes, "young_kPa": found.young_kPa,
-            "rmse_N": rmse(found.forces_N, measured), "cpu_s": round(time.process_time() - began, 1), **found.more,
-        }  # fmt: skip
+            "names": list(found.names),
+            "sizes": found.sizes,
+            "young_kPa": found.young_kPa,
+            "rmse_N": rmse(found.forces_N, measured),
+            "cpu_s": round(time.process_time() - began, 1),
+            **found.more,
+        }
     return row
 
 
@@ -397,11 +417,18 @@ def sample_posterior(number: int, seed: int, folder: Path) -> dict[str, Any]:
     ends = np.exp(np.quantile(chain[:, 0], [0.025, 0.5, 0.975])) * 1e3
     steps = float(sampler.get_autocorr_time(quiet=True, tol=0)[0])
     return {
-        "seed": seed, "kind": kind, "put": put, "named": [one.candidate.effect.name for one in result.effects],
-        "young_kPa": young, "emcee_kPa": ends.tolist(), "fit_kPa": young_of(fit),
-        "loop_kPa": list(posterior.interval("log young_kPa")), "autocorrelation_steps": steps, "steps": STEPS,
+        "seed": seed,
+        "kind": kind,
+        "put": put,
+        "named": [one.candidate.effect.name for one in result.effects],
+        "young_kPa": young,
+        "emcee_kPa": ends.tolist(),
+        "fit_kPa": young_of(fit),
+        "loop_kPa": list(posterior.interval("log young_kPa")),
+        "autocorrelation_steps": steps,
+        "steps": STEPS,
         "cpu_s": round(time.process_time() - began, 1),
-    }  # fmt: skip
+    }
 
 
 def main() -> None:
@@ -424,8 +451,10 @@ def main() -> None:
         with scratch("rivals-") as folder:
             row = (sample_posterior if options.emcee else run_one)(number, seed, folder)
         keep_row(options.rows, row)
-        shown = {name: [one["names"], round(one["rmse_N"] / row["floor_N"], 2), one["cpu_s"]]
-                 for name, one in row.get("rivals", {}).items()}  # fmt: skip
+        shown = {
+            name: [one["names"], round(one["rmse_N"] / row["floor_N"], 2), one["cpu_s"]]
+            for name, one in row.get("rivals", {}).items()
+        }
         print(seed, row["put"], json.dumps(shown or row), file=sys.stderr, flush=True)
 
 

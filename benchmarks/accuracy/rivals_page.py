@@ -18,9 +18,13 @@ ROOT = Path(__file__).resolve().parents[2]
 PAGE = MarkedPage(Path("docs/loop-rivals.md"), "<!-- rivals begin -->", "<!-- rivals end -->")
 FIGURE = ROOT / "docs" / "images" / "loop-rivals.svg"
 WORDS = {
-    "loop": "`loop`", "omp": "OMP, BIC", "lasso": "LASSO, BIC", "ard": "ARD (relevance vectors)",
-    "one_at_a_time": "one at a time, BIC", "gaussian_process": "Gaussian process",
-}  # fmt: skip
+    "loop": "`loop`",
+    "omp": "OMP, BIC",
+    "lasso": "LASSO, BIC",
+    "ard": "ARD (relevance vectors)",
+    "one_at_a_time": "one at a time, BIC",
+    "gaussian_process": "Gaussian process",
+}
 SEEN_FLOORS = 3.0
 """What an effect leaves to the base model on left-out conditions to count as one that can be seen, in noise floors."""
 NAMELESS = ("gaussian_process",)
@@ -73,10 +77,14 @@ def measures(rows: list[Row]) -> list[tuple[str, Callable[[str], str]]]:
         return 50.0 * (high - low) / value
 
     return [
-        (f"one effect, {SEEN_FLOORS:.0f} floors or more: right first",
-         named(lambda name: [names(row, name)[:1] == [*put(row)] for row in seen])),
-        ("one effect, all: right first",
-         named(lambda name: [names(row, name)[:1] == [*put(row)] for row in of["one"]])),
+        (
+            f"one effect, {SEEN_FLOORS:.0f} floors or more: right first",
+            named(lambda name: [names(row, name)[:1] == [*put(row)] for row in seen]),
+        ),
+        (
+            "one effect, all: right first",
+            named(lambda name: [names(row, name)[:1] == [*put(row)] for row in of["one"]]),
+        ),
         ("one effect: a wrong name", named(lambda name: [wrong(row, name) for row in of["one"]])),
         ("two effects: both named", named(lambda name: [put(row) <= set(names(row, name)) for row in of["two"]])),
         ("two effects: a wrong name", named(lambda name: [wrong(row, name) for row in of["two"]])),
@@ -84,10 +92,12 @@ def measures(rows: list[Row]) -> list[tuple[str, Callable[[str], str]]]:
         ("modulus in its 95 % interval", lambda name: counted([inside(row, name) for row in rows])),
         ("half width of the modulus, median %", middle(half_width, 1)),
         ("error on new pads, median noise floors", middle(lambda row, name: over_floor(row, name), 2)),
-        ("error on new pads over the base's, median, with an effect",
-         lambda name: f"{np.median([over_base(row, name) for row in rows if row['put']]):.2f}"),
+        (
+            "error on new pads over the base's, median, with an effect",
+            lambda name: f"{np.median([over_base(row, name) for row in rows if row['put']]):.2f}",
+        ),
         ("processor time, median s", middle(lambda row, name: row["rivals"][name]["cpu_s"], 1)),
-    ]  # fmt: skip
+    ]
 
 
 def over_floor(row: Row, name: str) -> float:
@@ -115,13 +125,22 @@ def posterior(rows: list[Row]) -> str:
     def half(ends: Sequence[float]) -> str:
         return f"{50.0 * (ends[-1] - ends[0]) / np.mean([ends[0], ends[-1]]):.2f}"
 
-    lines = ["", "| put in | emcee, half width % | loop's fit | stated by `loop` | true modulus in: emcee, loop | s |",
-             "|---|---|---|---|---|---|"]  # fmt: skip
+    lines = [
+        "",
+        "| put in | emcee, half width % | loop's fit | stated by `loop` | true modulus in: emcee, loop | s |",
+        "|---|---|---|---|---|---|",
+    ]
     for row in rows:
         hits = [ends[0] <= row["young_kPa"] <= ends[-1] for ends in (row["emcee_kPa"], row["loop_kPa"])]
         words = ", ".join(f"{name} {size:.3g}" for name, size in row["put"])
-        cells = (words, half(row["emcee_kPa"]), half(row["fit_kPa"]), half(row["loop_kPa"]),
-                 ", ".join("yes" if hit else "no" for hit in hits), f"{row['cpu_s']:.0f}")  # fmt: skip
+        cells = (
+            words,
+            half(row["emcee_kPa"]),
+            half(row["fit_kPa"]),
+            half(row["loop_kPa"]),
+            ", ".join("yes" if hit else "no" for hit in hits),
+            f"{row['cpu_s']:.0f}",
+        )
         lines.append(f"| {' | '.join(cells)} |")
     return "\n".join(lines)
 
@@ -133,8 +152,9 @@ def draw(rows: list[Row]) -> None:
     matplotlib.use("Agg")
     import matplotlib.pyplot as plt
 
-    plt.rcParams.update({"svg.hashsalt": "rivals", "font.size": 9, "axes.spines.top": False,
-                         "axes.spines.right": False})  # fmt: skip
+    plt.rcParams.update(
+        {"svg.hashsalt": "rivals", "font.size": 9, "axes.spines.top": False, "axes.spines.right": False}
+    )
     figure, (names, errors) = plt.subplots(1, 2, figsize=(8.4, 3.2), layout="constrained", sharey=True)
     place = {name: len(RIVALS) - at for at, name in enumerate(RIVALS)}
     seen = [row for row in rows if row["kind"] == "one" and floors(row) >= SEEN_FLOORS]

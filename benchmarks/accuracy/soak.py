@@ -30,17 +30,38 @@ from dummydesign.cli.completion import _values
 from dummydesign.cli.entry import COMMANDS, actions_of, parser_of, run
 
 WRONG = ("", "0", "-1", "nan", "1e400", "1e-300", "x", "🙂", "1,,2", "5:1", "/no/such/file", "--", "3kg", "a" * 300)
-PLAIN = ("5", "10", "1,2", "5:20:5", "0.5", "30", "15", "a.csv", "b.csv", "campaign", "new-1", "square:14",
-         "150x120", "3")  # fmt: skip
+PLAIN = (
+    "5",
+    "10",
+    "1,2",
+    "5:20:5",
+    "0.5",
+    "30",
+    "15",
+    "a.csv",
+    "b.csv",
+    "campaign",
+    "new-1",
+    "square:14",
+    "150x120",
+    "3",
+)
 NEVER = {"studio", "doctor"}
 COSTLY = {"suggest", "loop", "mold", "whatif", "replay", "fit", "on-person", "compare"}
 VALID = (
-    "predict --young 30 --thickness 10 --depth 1,2,3 --out p.csv", "resins show polyurethane-nagoya --out shown",
+    "predict --young 30 --thickness 10 --depth 1,2,3 --out p.csv",
+    "resins show polyurethane-nagoya --out shown",
     "predict --young 30 --thickness 10 --prony 0.1:0.3 --force 5 --velocity 50 --rate 100 --out r.csv",
-    "tissues list", "resins list --json", "history", "status", "tissues show forefinger --json", "completion zsh",
-    "campaign new plan --young 30 --pads 5,10", "campaign check plan",
+    "tissues list",
+    "resins list --json",
+    "history",
+    "status",
+    "tissues show forefinger --json",
+    "completion zsh",
+    "campaign new plan --young 30 --pads 5,10",
+    "campaign check plan",
     "predict --young 30 --thickness 10 --tissue palm",
-)  # fmt: skip
+)
 
 
 def draw(rng: random.Random, costly: bool) -> list[str]:
@@ -96,9 +117,11 @@ def broken(folder: Path) -> list[str]:
                 json.loads(content)
                 continue
             bad.append(f"{path.name} does not parse")
-        elif (path.suffix == ".pdf" and b"%%EOF" not in content[-20:]) or (
-            path.suffix == ".step" and b"END-ISO-10303-21;" not in content[-40:]
-        ) or (path.suffix in (".csv", ".toml") and not content.endswith(b"\n")):
+        elif (
+            (path.suffix == ".pdf" and b"%%EOF" not in content[-20:])
+            or (path.suffix == ".step" and b"END-ISO-10303-21;" not in content[-40:])
+            or (path.suffix in (".csv", ".toml") and not content.endswith(b"\n"))
+        ):
             bad.append(f"{path.name} is cut off")
     return bad
 
@@ -137,8 +160,14 @@ def children(rng: random.Random, count: int, folder: Path) -> tuple[Counter, lis
             words = draw(rng, costly=rng.random() < 0.1)
             full = rng.random() < 0.3
             limit = _small_files if full else None
-            child = subprocess.Popen([sys.executable, "-m", "dummydesign", *words], cwd=folder, preexec_fn=limit,
-                                     stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)  # fmt: skip
+            child = subprocess.Popen(
+                [sys.executable, "-m", "dummydesign", *words],
+                cwd=folder,
+                preexec_fn=limit,
+                stdout=subprocess.DEVNULL,
+                stderr=subprocess.PIPE,
+                text=True,
+            )
             pair.append((words, child, rng.uniform(0.1, 2.0) if rng.random() < 0.5 else 60.0, full))
         for words, child, most_s, full in pair:
             killed = False
@@ -166,14 +195,30 @@ def full_disk(rng: random.Random, count: int, home: Path) -> tuple[Counter, list
             inside = {f"DUMMYDESIGN_{name.upper()}": str(disk / name) for name in ("home", "cache")}
             environment = {**os.environ, **({**inside, "TMPDIR": str(disk)} if rng.random() < 0.5 else {})}
             words = [sys.executable, "-m", "dummydesign"]
-            subprocess.run([*words, "init", str(folder), "--tissue", "forefinger"], env=environment, check=True,
-                           stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)  # fmt: skip
+            subprocess.run(
+                [*words, "init", str(folder), "--tissue", "forefinger"],
+                env=environment,
+                check=True,
+                stdout=subprocess.DEVNULL,
+                stderr=subprocess.DEVNULL,
+            )
             (disk / "filler").write_bytes(b"0" * (shutil.disk_usage(disk).free // 4096 - rng.randint(0, 10)) * 4096)
             for _ in range(5):
-                pair = [rng.choice(VALID).split() if rng.random() < 0.6 else draw(rng, costly=rng.random() < 0.1)
-                        for _ in range(2)]  # fmt: skip
-                running = [subprocess.Popen([*words, *one], cwd=folder, env=environment, stdout=subprocess.DEVNULL,
-                                            stderr=subprocess.PIPE, text=True) for one in pair]  # fmt: skip
+                pair = [
+                    rng.choice(VALID).split() if rng.random() < 0.6 else draw(rng, costly=rng.random() < 0.1)
+                    for _ in range(2)
+                ]
+                running = [
+                    subprocess.Popen(
+                        [*words, *one],
+                        cwd=folder,
+                        env=environment,
+                        stdout=subprocess.DEVNULL,
+                        stderr=subprocess.PIPE,
+                        text=True,
+                    )
+                    for one in pair
+                ]
                 for one, child in zip(pair, running):
                     error = child.communicate()[1]
                     full = "no space" in error.lower()

@@ -182,12 +182,19 @@ def cast(number: int, attempt: int, design: tuple, seed: int) -> dict:
     rng = np.random.default_rng((seed, number, attempt))
     at = int(rng.integers(DRAWN))
     return {
-        "number": number, "attempt": attempt, "tissue": tissue, "shape": shape, "curve_mm": middle,
-        "ratio": round(ratio, 3), "seed": seed,
-        "thickness_mm": float(pours.thickness_mm[at]), "young_MPa": float(pours.young_MPa[at]),
-        "tau_s": [arm.tau_s.value for arm in resin.arms], "beta": pours.beta[at].tolist(),
+        "number": number,
+        "attempt": attempt,
+        "tissue": tissue,
+        "shape": shape,
+        "curve_mm": middle,
+        "ratio": round(ratio, 3),
+        "seed": seed,
+        "thickness_mm": float(pours.thickness_mm[at]),
+        "young_MPa": float(pours.young_MPa[at]),
+        "tau_s": [arm.tau_s.value for arm in resin.arms],
+        "beta": pours.beta[at].tolist(),
         "pad_level": LEVEL * float(rng.standard_normal()),
-    }  # fmt: skip
+    }
 
 
 def pressable(number: int, known: list[tuple], targets: dict, seed: int) -> tuple[dict, Readings, np.ndarray]:
@@ -207,19 +214,32 @@ def run_one(casting: dict, readings: Readings, depth: np.ndarray, targets, seed:
     true = verdict(ranges, readings, limits=limits)
     kind = CLASSES[int(classes(deviations(ranges, readings), limits)[0])]
     near = {
-        verdict(ranges, Readings(readings.peak_N * (1 + s), readings.energy_mJ * (1 + s),
-                                 readings.depth_mm * (1 + s) ** (-1 / 3)), limits=limits).level
+        verdict(
+            ranges,
+            Readings(readings.peak_N * (1 + s), readings.energy_mJ * (1 + s), readings.depth_mm * (1 + s) ** (-1 / 3)),
+            limits=limits,
+        ).level
         for s in (-BORDER, 0.0, BORDER)
-    }  # fmt: skip
+    }
     rng = np.random.default_rng((seed, 7, casting["number"]))
     measured = verdict_of_traces(compare_traces(traces_of(casting, depth, rng), targets.tissue), targets.tissue)
     agrees = measured.level == true.level or (len(near) > 1 and measured.level in near | {"not_settled"})
     row = {
-        **casting, "class": kind, "true": true.level, "true_shortfall": round(true.shortfall.central or 0.0, 4),
-        "true_over": round(true.over.central or 0.0, 4), "near_border": len(near) > 1, "level": measured.level,
-        "light": measured.light, "factor": measured.correction.factor, "shortfall": measured.shortfall.central,
-        "over": measured.over.central, "over_q95": measured.over.q95, "agrees": agrees, "text": measured.text,
-    }  # fmt: skip
+        **casting,
+        "class": kind,
+        "true": true.level,
+        "true_shortfall": round(true.shortfall.central or 0.0, 4),
+        "true_over": round(true.over.central or 0.0, 4),
+        "near_border": len(near) > 1,
+        "level": measured.level,
+        "light": measured.light,
+        "factor": measured.correction.factor,
+        "shortfall": measured.shortfall.central,
+        "over": measured.over.central,
+        "over_q95": measured.over.q95,
+        "agrees": agrees,
+        "text": measured.text,
+    }
     return {**row, "cpu_seconds": round(time.process_time() - started, 2)}
 
 
@@ -254,16 +274,24 @@ def table(rows: list[dict]) -> str:
     seconds = np.mean([row["cpu_seconds"] for row in rows])
     lines = [
         HEAD,
-        f"{len(rows)} castings, seed {seeds}, {seconds:.1f} s of processor time each.", "",
-        "`python -m benchmarks.accuracy.verdict_blind` runs the study.", "", "## Results", "",
+        f"{len(rows)} castings, seed {seeds}, {seconds:.1f} s of processor time each.",
+        "",
+        "`python -m benchmarks.accuracy.verdict_blind` runs the study.",
+        "",
+        "## Results",
+        "",
         f"- `compare` gives the true level in {same} of {len(rows)}.",
         f"- {len(low)} castings read more than 1 % too low: {wrong} are green, {passed} amber, the others red.",
         f"- {len(red)} castings are truly not representative: {len(red) - missed} are red, of the others {clear} are "
-        "not near a border." if missed else f"- {len(red)} castings are truly not representative: all are red.",
+        "not near a border."
+        if missed
+        else f"- {len(red)} castings are truly not representative: all are red.",
         f"- The stated factor suffices in {held} of {len(known)}, a factor 1 % larger in {nearly}.",
         f"- The true over-reading is below the stated 95 % figure in {over} of {len(rows)}.",
-        "", "| true level | " + " | ".join(LEVELS) + " |", "|---|" + "---|" * len(LEVELS),
-    ]  # fmt: skip
+        "",
+        "| true level | " + " | ".join(LEVELS) + " |",
+        "|---|" + "---|" * len(LEVELS),
+    ]
     for true in LEVELS:
         count = Counter(row["level"] for row in rows if row["true"] == true)
         lines.append(f"| {true} ({LIGHTS[true]}) | " + " | ".join(str(count[level]) for level in LEVELS) + " |")
@@ -295,8 +323,16 @@ def main() -> None:
         row = run_one(casting, readings, depth, targets[casting["tissue"]], options.seed)
         rows.append(row)
         keep_row(options.rows, row)
-        print(row["number"], row["tissue"], row["true"], row.get("level"), row["near_border"], row["cpu_seconds"],
-              file=sys.stderr, flush=True)  # fmt: skip
+        print(
+            row["number"],
+            row["tissue"],
+            row["true"],
+            row.get("level"),
+            row["near_border"],
+            row["cpu_seconds"],
+            file=sys.stderr,
+            flush=True,
+        )
     options.out.write_text(wrapped(table(sorted(rows, key=lambda row: row["number"]))))
 
 

@@ -15,9 +15,12 @@ import time
 from pathlib import Path
 
 CASES = (
-    ("open", 4.5, "crowned:21.2,2,9.4"), ("open", 5.0, "slab"), ("open", 20.0, "slab"), ("lidded", 5.0, "slab"),
+    ("open", 4.5, "crowned:21.2,2,9.4"),
+    ("open", 5.0, "slab"),
+    ("open", 20.0, "slab"),
+    ("lidded", 5.0, "slab"),
     ("lidded", 20.0, "slab"),
-)  # fmt: skip
+)
 LIMIT_S = {"open": 8.0, "lidded": 12.0}
 """What a mould with all its files may take of the processor on an idle machine. [s]"""
 LIMIT_IMPORTS = {"open": 5.0, "lidded": 7.0}

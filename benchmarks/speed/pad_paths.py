@@ -24,9 +24,18 @@ COMMANDS = {
     "one crown": ["predict", *CROWN, "--young", "30", "--depth", "1,2,3,4,5,5.5"],
     **{f"suggest {name}": ["suggest", "--tissue", name, "--no-cad"] for name in ("palm", "thenar", "forefinger")},
     "three forces on a crown": [
-        "predict", *CROWN, "--resin", "polyurethane-nagoya", "--ratio", "16", "--force", "0.5,1,2", "--velocity", "10",
+        "predict",
+        *CROWN,
+        "--resin",
+        "polyurethane-nagoya",
+        "--ratio",
+        "16",
+        "--force",
+        "0.5,1,2",
+        "--velocity",
+        "10",
     ],
-}  # fmt: skip
+}
 COUNTED = {
     "states": ("pad.fem.mixed_solid", "Solid", "state"),
     "tangents": ("pad.fem.mixed_solid", "Solid", "linearise"),

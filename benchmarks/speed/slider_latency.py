@@ -23,8 +23,13 @@ MOVE = """([name, value]) => new Promise((done) => {
     watch.observe(plots, {childList: true, subtree: true, characterData: true});
     const slider = document.querySelector(`[data-test="slide-${name}"]`);
     slider.value = value; slider.dispatchEvent(new Event('input', {bubbles: true})); })"""
-PADS = {"slab": "slab", "crowned": "crowned:20,2,9", "bumped": "bumped:5.5,3.2,1.36,0.48", "layered": "layered:4,1.5",
-        "boned": "boned:20.57,2.2,9.3"}  # fmt: skip
+PADS = {
+    "slab": "slab",
+    "crowned": "crowned:20,2,9",
+    "bumped": "bumped:5.5,3.2,1.36,0.48",
+    "layered": "layered:4,1.5",
+    "boned": "boned:20.57,2.2,9.3",
+}
 SETTLED = '[data-test="verdict"] .verdict[data-state="settled"]'
 
 
@@ -52,10 +57,15 @@ def main(moves: int = 60, seed: int = 20261123) -> None:
                     # every third move comes while the castings of the one before are counted
                     page.wait_for_timeout(int(draw.choice([30, 300, 700])))
                 every += taken
-                print(f"{kind:<8} {len(taken)} moves: {np.median(taken):.3f} s in the middle, 95 % within "
-                      f"{np.quantile(taken, 0.95):.3f} s, longest {max(taken):.3f} s", flush=True)  # fmt: skip
-    print(f"all      {len(every)} moves: {np.median(every):.3f} s, 95 % within {np.quantile(every, 0.95):.3f} s; "
-          f"load {os.getloadavg()[0]:.1f}")  # fmt: skip
+                print(
+                    f"{kind:<8} {len(taken)} moves: {np.median(taken):.3f} s in the middle, 95 % within "
+                    f"{np.quantile(taken, 0.95):.3f} s, longest {max(taken):.3f} s",
+                    flush=True,
+                )
+    print(
+        f"all      {len(every)} moves: {np.median(every):.3f} s, 95 % within {np.quantile(every, 0.95):.3f} s; "
+        f"load {os.getloadavg()[0]:.1f}"
+    )
 
 
 if __name__ == "__main__":

@@ -23,12 +23,21 @@ COMMANDS = {
         for name in ("forefinger", "palm", "thenar")
     },
     "search alone, forefinger": [
-        "-c", "from dummydesign import suggest; suggest('forefinger').to_dict()",
+        "-c",
+        "from dummydesign import suggest; suggest('forefinger').to_dict()",
     ],
     "whatif, 1000 designs": [
-        "-m", "dummydesign", "whatif", "--thickness", "3:22.5:0.5", "--ratio", "14:20:0.25", "--out", "{out}",
+        "-m",
+        "dummydesign",
+        "whatif",
+        "--thickness",
+        "3:22.5:0.5",
+        "--ratio",
+        "14:20:0.25",
+        "--out",
+        "{out}",
     ],
-}  # fmt: skip
+}
 CHILD = """
 import os, resource, subprocess, sys, time
 start = time.perf_counter()

@@ -31,13 +31,26 @@ print(json.dumps({"ratio": found.ratio.tolist()}))
 COMMANDS = {
     "predict 3d, 3 depths": [*PREDICT, "--depth", "1,2,3", "--fidelity", "3d"],
     "predict axisymmetric, 12 depths": [
-        *PREDICT, "--depth", ",".join(f"{0.3 * step:.1f}" for step in range(1, 13)), "--fidelity", "axisymmetric",
+        *PREDICT,
+        "--depth",
+        ",".join(f"{0.3 * step:.1f}" for step in range(1, 13)),
+        "--fidelity",
+        "axisymmetric",
     ],
-    "suggest --shape auto": ["-m", "dummydesign", "suggest", "--tissue", "forefinger", "--shape", "auto", "--no-cad",
-                             "--json"],
+    "suggest --shape auto": [
+        "-m",
+        "dummydesign",
+        "suggest",
+        "--tissue",
+        "forefinger",
+        "--shape",
+        "auto",
+        "--no-cad",
+        "--json",
+    ],
     "loop": ["-m", "dummydesign", "loop", "{campaign}", "--out", "loop", "--json"],
     "from Python, one solve in space": ["-c", LIBRARY],
-}  # fmt: skip
+}
 VARIABLES = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "BLIS_NUM_THREADS")
 
 

@@ -26,13 +26,19 @@ from dummydesign.resin import load_resin
 SQUARE = (("square:14", 14.0 / np.sqrt(np.pi)),)
 THOUSAND = Study(tuple(np.linspace(3.0, 30.0, 40)), tuple(np.linspace(14.0, 20.0, 25)), SQUARE)
 SHAPED = Study(
-    tuple(np.linspace(4.0, 8.0, 5)), tuple(np.linspace(15.0, 16.0, 10)), SQUARE, tissue="forefinger",
+    tuple(np.linspace(4.0, 8.0, 5)),
+    tuple(np.linspace(15.0, 16.0, 10)),
+    SQUARE,
+    tissue="forefinger",
     shapes=parse_shapes("crowned:radius=12:22:2.5,height=1.5:3:0.5,foot=9.4"),
-)  # fmt: skip
+)
 SOLVED = Study(
-    tuple(np.linspace(5.0, 9.0, 5)), tuple(np.linspace(14.6, 16.4, 10)), SQUARE, fidelity="axisymmetric",
+    tuple(np.linspace(5.0, 9.0, 5)),
+    tuple(np.linspace(14.6, 16.4, 10)),
+    SQUARE,
+    fidelity="axisymmetric",
     shapes=parse_shapes("crowned:radius=12:22:2,height=1.5,foot=9.4"),
-)  # fmt: skip
+)
 MANY = Study(tuple(np.linspace(3.0, 30.0, 200)), tuple(np.linspace(14.0, 20.0, 200)), SQUARE, tissue="palm")
 
 
@@ -74,8 +80,10 @@ def main() -> None:
         os.environ["DUMMYDESIGN_CACHE"] = "off"
         one = fastest(1, lambda: whatif(SOLVED))
         two = fastest(1, lambda: whatif(SOLVED, executor=pool))
-        print(f"{SOLVED.size} solved designs of {len(list(tasks_of(SOLVED, resin, None)))} pads: {one:.1f} s here, "
-              f"{two:.1f} s in 2 processes, {one / two:.2f} times as fast")  # fmt: skip
+        print(
+            f"{SOLVED.size} solved designs of {len(list(tasks_of(SOLVED, resin, None)))} pads: {one:.1f} s here, "
+            f"{two:.1f} s in 2 processes, {one / two:.2f} times as fast"
+        )
 
 
 if __name__ == "__main__":

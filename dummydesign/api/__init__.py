@@ -14,12 +14,25 @@ import importlib
 from typing import Any
 
 _MODULES = {
-    "Answer": "api.answers", "Fitted": "api.answers", "Result": "api.answers", "Rows": "api.answers",
-    "calibrate": "api.campaigns", "replay": "api.campaigns", "compare_designs": "api.designs",
-    "suggest": "api.designs", "make_mould": "api.moulds", "record_pad": "api.moulds", "predict": "api.predictions",
-    "whatif": "api.designs", "compare": "api.traces", "fit": "api.traces", "import_traces": "api.traces",
-    "on_person": "api.traces", "load_resin": "resin", "load_tissue": "tissue",
-}  # fmt: skip
+    "Answer": "api.answers",
+    "Fitted": "api.answers",
+    "Result": "api.answers",
+    "Rows": "api.answers",
+    "calibrate": "api.campaigns",
+    "replay": "api.campaigns",
+    "compare_designs": "api.designs",
+    "suggest": "api.designs",
+    "make_mould": "api.moulds",
+    "record_pad": "api.moulds",
+    "predict": "api.predictions",
+    "whatif": "api.designs",
+    "compare": "api.traces",
+    "fit": "api.traces",
+    "import_traces": "api.traces",
+    "on_person": "api.traces",
+    "load_resin": "resin",
+    "load_tissue": "tissue",
+}
 __all__ = sorted([*_MODULES, "close_loop"])
 
 

@@ -60,8 +60,10 @@ class Values:
 
     def _repr_html_(self) -> str:
         left = "style='text-align:left'"
-        rows = "".join(f"<tr><th {left}>{escape(str(name))}</th><td {left}>{escape(_short(value, 90))}</td></tr>"
-                       for name, value in self.values().items())  # fmt: skip
+        rows = "".join(
+            f"<tr><th {left}>{escape(str(name))}</th><td {left}>{escape(_short(value, 90))}</td></tr>"
+            for name, value in self.values().items()
+        )
         return f"<table><caption>{escape(self.call)}</caption>{rows}</table>"
 
     def to_dict(self) -> dict[str, Any]:
@@ -92,8 +94,14 @@ class Values:
             length = max(len(value) for value in columns.values())
             same = {name: value for name, value in columns.items() if len(value) == length}
             return [dict(zip(same, row)) for row in zip(*same.values())]
-        lists = [value for name, value in known.items() if isinstance(value, list | tuple) and name != "warnings"
-                 and len(value) > 0 and all(isinstance(one, Mapping) for one in value)]  # fmt: skip
+        lists = [
+            value
+            for name, value in known.items()
+            if isinstance(value, list | tuple)
+            and name != "warnings"
+            and len(value) > 0
+            and all(isinstance(one, Mapping) for one in value)
+        ]
         if not lists:
             raise InputError(f"{self.call} has no table; use to_dict", "nothing_found", "table")
         return [dict(one) for one in max(lists, key=len)]
@@ -188,8 +196,9 @@ def _flat(row: Mapping[str, Any]) -> dict[str, Any]:
     """Values of a row without what was varied; parts of the score by names of their own."""
     parts = {f"score_{part}": value for part, value in (row.get("score") or {}).items()}
     whole = {name: value for name, value in row.items() if name not in (*VARIED, "score")} | parts
-    return {name: value for name, value in whole.items()
-            if name == "limit" or not isinstance(value, str | list | tuple)}  # fmt: skip
+    return {
+        name: value for name, value in whole.items() if name == "limit" or not isinstance(value, str | list | tuple)
+    }
 
 
 IGNORED_INPUTS = ("out", "workers", "scheduler", "resume", "replace", "save_profile")
@@ -197,9 +206,15 @@ IGNORED_INPUTS = ("out", "workers", "scheduler", "resume", "replace", "save_prof
 
 
 def question(
-    command: str, inputs: Mapping[str, Any], *, tissue: str | None = None, resin: str | None = None,
-    preset: str | None = None, files: Iterable[FilePath | None] = (), named: Mapping[str, FilePath] | None = None,
-) -> Question:  # fmt: skip
+    command: str,
+    inputs: Mapping[str, Any],
+    *,
+    tissue: str | None = None,
+    resin: str | None = None,
+    preset: str | None = None,
+    files: Iterable[FilePath | None] = (),
+    named: Mapping[str, FilePath] | None = None,
+) -> Question:
     """Make the question of a call.
 
     Parameters
@@ -217,10 +232,14 @@ def question(
     """
     from dummydesign.core.library import find
 
-    library = (("materials/tissues", "tissue", tissue), ("materials/resins", "resin", resin),
-             ("molds", "mould preset", preset))  # fmt: skip
-    read: dict[str, FilePath] = {f"{what} {name}": find(kind, what, name).path
-                                 for kind, what, name in library if name is not None} | dict(named or {})  # fmt: skip
+    library = (
+        ("materials/tissues", "tissue", tissue),
+        ("materials/resins", "resin", resin),
+        ("molds", "mould preset", preset),
+    )
+    read: dict[str, FilePath] = {
+        f"{what} {name}": find(kind, what, name).path for kind, what, name in library if name is not None
+    } | dict(named or {})
     read |= {fspath(path): path for path in files if path is not None}
     return Question(command, {key: value for key, value in inputs.items() if key not in IGNORED_INPUTS}, read)
 
@@ -335,10 +354,14 @@ class Rows(Values):
     def values(self) -> Mapping[str, Any]:
         """The whole answer as plain values."""
         return {
-            "inputs": dict(self.inputs), "warnings": [dict(item) for item in self.warnings],
-            "sources": list(self.sources), "rows": self.records(), "seconds": self.seconds,
-            "resumed_rows": self.resumed_rows, "files": dict(self.files),
-        }  # fmt: skip
+            "inputs": dict(self.inputs),
+            "warnings": [dict(item) for item in self.warnings],
+            "sources": list(self.sources),
+            "rows": self.records(),
+            "seconds": self.seconds,
+            "resumed_rows": self.resumed_rows,
+            "files": dict(self.files),
+        }
 
     def records(self) -> list[dict[str, Any]]:
         """One row a design."""

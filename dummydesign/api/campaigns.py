@@ -22,9 +22,14 @@ if TYPE_CHECKING:
 
 
 def plan_campaign(
-    folder: FilePath, set_up: SetUp, design: PlanSettings, *, power: bool = True, replace: bool = False,
+    folder: FilePath,
+    set_up: SetUp,
+    design: PlanSettings,
+    *,
+    power: bool = True,
+    replace: bool = False,
     units: str = "mm",
-) -> Result:  # fmt: skip
+) -> Result:
     """Make a randomised, balanced plan of presses, with its campaign file and a sheet to press from.
 
     Parameters
@@ -80,13 +85,16 @@ def plan_campaign(
         _copy_profile(set_up, output.work)
         page = sheet_html(set_up.name, plan, summary, design.seed, expected, units)
         output.path("sheet.html").write_text(page, encoding="utf-8")
-        result = output.answer({
-            "inputs": {**inputs, "folder": str(output.folder)},
-            "trials": [row | (expected[i].to_dict() if expected else {}) for i, row in enumerate(trials)],
-            "expected": material, "power": seen,
-            "files": {"campaign": str(output.path(FILE)), "sheet": str(output.path("sheet.html"))},
-            "warnings": [*no_ratio(set_up.ratio), *notes, *warnings],
-        })  # fmt: skip
+        result = output.answer(
+            {
+                "inputs": {**inputs, "folder": str(output.folder)},
+                "trials": [row | (expected[i].to_dict() if expected else {}) for i, row in enumerate(trials)],
+                "expected": material,
+                "power": seen,
+                "files": {"campaign": str(output.path(FILE)), "sheet": str(output.path("sheet.html"))},
+                "warnings": [*no_ratio(set_up.ratio), *notes, *warnings],
+            }
+        )
     return Result(plan, result)
 
 
@@ -179,12 +187,19 @@ def _by_shape(
 def _trial(row: Planned, set_up: SetUp) -> dict[str, Any]:
     shape = {"shape": set_up.shape_of(row.thickness_mm)} if set_up.shapes else {}
     return {
-        "file": row.file, "thickness_mm": row.thickness_mm, **shape, "velocity_mm_s": row.velocity_mm_s,
+        "file": row.file,
+        "thickness_mm": row.thickness_mm,
+        **shape,
+        "velocity_mm_s": row.velocity_mm_s,
         "hold_s": row.hold_s,
-        ("target_depth_mm" if row.by_depth else "target_force_N"): row.target, "repeat": row.repeat,
-        "sequence": row.sequence, "rest_s": row.rest_s, "age_days": row.age_days, "unload": row.unload,
+        ("target_depth_mm" if row.by_depth else "target_force_N"): row.target,
+        "repeat": row.repeat,
+        "sequence": row.sequence,
+        "rest_s": row.rest_s,
+        "age_days": row.age_days,
+        "unload": row.unload,
         "temperature_C": None,
-    }  # fmt: skip
+    }
 
 
 def _power(
@@ -212,15 +227,31 @@ def _empty_campaign(set_up: SetUp, tables: Mapping[str, Mapping[str, Any]]) -> C
     profile = ball_profile(punch["diameter_mm"]) if punch["shape"] == "ball" else None
     profile = read_profile(set_up.profile) if set_up.profile is not None else profile
     return Campaign(
-        set_up.name, Path(),
-        PadSpec(pad.get("young_kPa_nominal"), pad.get("resin"), pad.get("ratio"),
-                "cylinder" if pad.get("shape") == "cylinder" else "slab",
-                pad.get("length_mm"), pad.get("width_mm"), pad.get("diameter_mm"), pad["base"],
-                Slab() if pad.get("shape") in (None, "cylinder") else read_shape(pad["shape"])),
-        PunchSpec(punch["shape"], punch.get("side_mm"), punch.get("diameter_mm"), punch["contact"], profile,
-                  punch.get("edge_radius_mm", 0.0)),
-        set_up.lowpass, set_up.force_resolution_N, (),
-    )  # fmt: skip
+        set_up.name,
+        Path(),
+        PadSpec(
+            pad.get("young_kPa_nominal"),
+            pad.get("resin"),
+            pad.get("ratio"),
+            "cylinder" if pad.get("shape") == "cylinder" else "slab",
+            pad.get("length_mm"),
+            pad.get("width_mm"),
+            pad.get("diameter_mm"),
+            pad["base"],
+            Slab() if pad.get("shape") in (None, "cylinder") else read_shape(pad["shape"]),
+        ),
+        PunchSpec(
+            punch["shape"],
+            punch.get("side_mm"),
+            punch.get("diameter_mm"),
+            punch["contact"],
+            profile,
+            punch.get("edge_radius_mm", 0.0),
+        ),
+        set_up.lowpass,
+        set_up.force_resolution_N,
+        (),
+    )
 
 
 def check_campaign(folder: FilePath) -> Result:
@@ -244,17 +275,26 @@ def check_campaign(folder: FilePath) -> Result:
 
     status = status_of_campaign(fspath(folder))
     result = {
-        "inputs": {"folder": fspath(folder)}, "name": status.name, "ready": status.ready,
-        "pressed": list(status.pressed), "missing": list(status.missing),
-        "wrong": list(status.wrong), "warnings": list(status.warnings),
-    }  # fmt: skip
+        "inputs": {"folder": fspath(folder)},
+        "name": status.name,
+        "ready": status.ready,
+        "pressed": list(status.pressed),
+        "missing": list(status.missing),
+        "wrong": list(status.wrong),
+        "warnings": list(status.warnings),
+    }
     return Result(status, result)
 
 
 def campaign_from_files(
-    folder: FilePath, files: Iterable[FilePath], set_up: SetUp, *,
-    table: FilePath | None = None, thickness_mm: float | None = None, replace: bool = False,
-) -> Result:  # fmt: skip
+    folder: FilePath,
+    files: Iterable[FilePath],
+    set_up: SetUp,
+    *,
+    table: FilePath | None = None,
+    thickness_mm: float | None = None,
+    replace: bool = False,
+) -> Result:
     """Make a campaign of traces that one has; they are copied, never changed.
 
     Parameters
@@ -292,9 +332,11 @@ def campaign_from_files(
     tables = set_up.tables()
     trials, decisions = trials_of(paths, None if table is None else fspath(table), thickness_mm)
     inputs = {
-        "files": [str(path) for path in paths], "table": None if table is None else fspath(table),
-        "thickness_mm": thickness_mm, "set_up": {**set_up.__dict__, "lowpass": tables["sensor"].get("lowpass_hz")},
-    }  # fmt: skip
+        "files": [str(path) for path in paths],
+        "table": None if table is None else fspath(table),
+        "thickness_mm": thickness_mm,
+        "set_up": {**set_up.__dict__, "lowpass": tables["sensor"].get("lowpass_hz")},
+    }
     asked = question("campaign from-files", inputs, files=[*paths, table])
     with new_folder(folder, asked, replace=replace) as output:
         for path in paths:
@@ -302,10 +344,15 @@ def campaign_from_files(
         _copy_profile(set_up, output.work)
         output.path(FILE).write_text(campaign_toml(set_up, trials), encoding="utf-8")
         read = read_campaign(output.work)
-        result = output.answer({
-            "inputs": {**inputs, "folder": str(output.folder)}, "trials": trials, "decisions": decisions,
-            "files": {"campaign": str(output.path(FILE))}, "warnings": list(read.warnings),
-        })  # fmt: skip
+        result = output.answer(
+            {
+                "inputs": {**inputs, "folder": str(output.folder)},
+                "trials": trials,
+                "decisions": decisions,
+                "files": {"campaign": str(output.path(FILE))},
+                "warnings": list(read.warnings),
+            }
+        )
     return Result(trials, result)
 
 
@@ -313,9 +360,15 @@ Paths = Iterable[FilePath]
 
 
 def calibrate(
-    campaign: FilePath, *, effects: Paths = (), prior: FilePath | None = None, plan: FilePath | None = None,
-    out: FilePath | None = None, replace: bool = False, progress: Callable[[str], None] | None = None,
-) -> Result:  # fmt: skip
+    campaign: FilePath,
+    *,
+    effects: Paths = (),
+    prior: FilePath | None = None,
+    plan: FilePath | None = None,
+    out: FilePath | None = None,
+    replace: bool = False,
+    progress: Callable[[str], None] | None = None,
+) -> Result:
     """Find what the model lacks in a measured campaign, and correct it; see :func:`dummydesign.loop.run.close_loop`.
 
     Parameters
@@ -378,17 +431,23 @@ def calibrate(
         written |= {"calibration": calibration, **write_loop_report(output.work, calibrated)}
         result["inputs"] = {**inputs, "out": str(output.folder)}
         output.extra["summary"] = {
-            "campaign": read.folder.resolve().name, "verdict": result["verdict"],
-            "effects": [one["name"] for one in result["effects"]], "text": result["answer"][0],
-        }  # fmt: skip
+            "campaign": read.folder.resolve().name,
+            "verdict": result["verdict"],
+            "effects": [one["name"] for one in result["effects"]],
+            "text": result["answer"][0],
+        }
         result = output.answer({**result, "calibration_file": calibration, "files": written})
     return Result(calibrated, result, "close_loop")
 
 
 def replay(
-    campaign: FilePath, calibration: FilePath, *, tissue: str | None = None, effects: Paths = (),
+    campaign: FilePath,
+    calibration: FilePath,
+    *,
+    tissue: str | None = None,
+    effects: Paths = (),
     progress: Callable[[str], None] | None = None,
-) -> Result:  # fmt: skip
+) -> Result:
     """Predict a campaign with a calibration and compare with what was measured.
 
     Parameters
@@ -430,15 +489,20 @@ def replay(
     beyond = [{"code": "beyond_table", "message": replayed.left_out}] if replayed.left_out else []
     pads = () if site is None else verdicts_of_campaign(read, site)
     judged = [pad.verdict for pad in pads if pad.verdict is not None]
-    unjudged = [{"code": "pad_not_judged", "message": f"{pad.shape or 'slab'} of {pad.thickness_mm:g} mm: {pad.reason}"}
-                for pad in pads if pad.reason]  # fmt: skip
+    unjudged = [
+        {"code": "pad_not_judged", "message": f"{pad.shape or 'slab'} of {pad.thickness_mm:g} mm: {pad.reason}"}
+        for pad in pads
+        if pad.reason
+    ]
     result = {
         "inputs": {"campaign": fspath(campaign), "calibration": fspath(calibration), "tissue": tissue},
         "warnings": [*beyond, *read.warnings, *caution, *unjudged],
         "verdict": judged[0].to_dict() if judged else None,
         "budget": next((to_plain(pad.budget) for pad in pads if pad.verdict is not None), None),
         "pads": [pad.to_dict() for pad in pads],
-        "calibration_verdict": known.verdict, "effects": [one.effect.name for one in known.after.active],
-        **replayed.to_dict(), "warning_band_N": known.remainder_N,
-    }  # fmt: skip
+        "calibration_verdict": known.verdict,
+        "effects": [one.effect.name for one in known.after.active],
+        **replayed.to_dict(),
+        "warning_band_N": known.remainder_N,
+    }
     return Result(replayed, result, "replay")

@@ -33,20 +33,42 @@ Numbers = float | str | Iterable[float | str]
 
 
 def suggest(
-    tissue: str, *, aim: str = "average", resin: str = "polyurethane-nagoya",
-    thickness_mm: tuple[float, float] | str | None = None, ratio: tuple[float, float] | str | None = None,
-    shape: str = "auto", mould: FilePath | None = None, calibration: FilePath | None = None,
+    tissue: str,
+    *,
+    aim: str = "average",
+    resin: str = "polyurethane-nagoya",
+    thickness_mm: tuple[float, float] | str | None = None,
+    ratio: tuple[float, float] | str | None = None,
+    shape: str = "auto",
+    mould: FilePath | None = None,
+    calibration: FilePath | None = None,
     effects: Iterable[FilePath] = (),
-    verify: bool = True, cad: bool | None = None, punch: str = "square:14",
-    force_N: Numbers = (5.0, 10.0, 15.0), velocity_mm_s: Numbers = (10.0, 250.0), hold_s: float | str = 10.0,
-    deceleration_mm_s2: float | str = 30_000.0, pad: tuple[float, float] | str = "150x120",
-    base: str = "bonded", edge_radius_mm: float | str = 0.0, condition: str | None = None, preset: str = "open",
-    machine: str | None = None, silicone: str | None = None, sites: tuple[int, int] | str | None = None,
-    balance_g: float | str = 0.1, thickness_tolerance_mm: float | str = 0.2, castings: int | str = 1200,
-    robot_mass_kg: float | str | None = None, robot_velocity_mm_s: float | str | None = None,
-    limits: FilePath | None = None, drive: str | None = None, out: FilePath | None = None,
-    replace: bool = False, progress: Callable[[str], None] | None = None,
-) -> Answer:  # fmt: skip
+    verify: bool = True,
+    cad: bool | None = None,
+    punch: str = "square:14",
+    force_N: Numbers = (5.0, 10.0, 15.0),
+    velocity_mm_s: Numbers = (10.0, 250.0),
+    hold_s: float | str = 10.0,
+    deceleration_mm_s2: float | str = 30_000.0,
+    pad: tuple[float, float] | str = "150x120",
+    base: str = "bonded",
+    edge_radius_mm: float | str = 0.0,
+    condition: str | None = None,
+    preset: str = "open",
+    machine: str | None = None,
+    silicone: str | None = None,
+    sites: tuple[int, int] | str | None = None,
+    balance_g: float | str = 0.1,
+    thickness_tolerance_mm: float | str = 0.2,
+    castings: int | str = 1200,
+    robot_mass_kg: float | str | None = None,
+    robot_velocity_mm_s: float | str | None = None,
+    limits: FilePath | None = None,
+    drive: str | None = None,
+    out: FilePath | None = None,
+    replace: bool = False,
+    progress: Callable[[str], None] | None = None,
+) -> Answer:
     """Recommend ratio, thickness and, on request, shape of a pad for a tissue; with ``out`` its mould and report.
 
     Parameters
@@ -140,10 +162,13 @@ def suggest(
         raise InputError("cad = True needs out, the folder for the files of the mould", "missing", "out")
     folder = None if out is None else Path(out)
     inputs = {
-        **request.to_dict(), "cad": False if folder is None else cad,
-        "out": None if folder is None else str(folder), "robot_mass_kg": robot_mass_kg,
-        "robot_velocity_mm_s": robot_velocity_mm_s, "limits": None if limits is None else str(limits),
-    }  # fmt: skip
+        **request.to_dict(),
+        "cad": False if folder is None else cad,
+        "out": None if folder is None else str(folder),
+        "robot_mass_kg": robot_mass_kg,
+        "robot_velocity_mm_s": robot_velocity_mm_s,
+        "limits": None if limits is None else str(limits),
+    }
     if drive is not None:
         from dummydesign.person.drives import read_drive
 
@@ -163,9 +188,13 @@ def _effects(own: list[str], calibration: str | None) -> AbstractContextManager[
 
 
 def _answer(
-    request: Request, inputs: dict[str, Any], effects: list[str], folder: Path | None, replace: bool,
+    request: Request,
+    inputs: dict[str, Any],
+    effects: list[str],
+    folder: Path | None,
+    replace: bool,
     progress: Callable[[str], None],
-) -> Answer:  # fmt: skip
+) -> Answer:
     """Resolve, design, and write what there is a folder for."""
     from dummydesign.design.problem import read_problem
     from dummydesign.design.safety import read_limits, safety_view
@@ -207,9 +236,13 @@ def _answer(
         result = _written(suggestion, safety, whole, output, progress, people_sections)
         best = result["recommendation"]
         output.extra["summary"] = {name: best[name] for name in ("shape", "thickness_mm", "ratio", "resin")} | {
-            "tissue": inputs["tissue"], "young_kPa": best["young_kPa"]["value"], "verdict": result["verdict"]["level"],
-            "text": result["verdict"]["text"], "next": result["next"][0], **({"mould": True} if mould else {}),
-        }  # fmt: skip
+            "tissue": inputs["tissue"],
+            "young_kPa": best["young_kPa"]["value"],
+            "verdict": result["verdict"]["level"],
+            "text": result["verdict"]["text"],
+            "next": result["next"][0],
+            **({"mould": True} if mould else {}),
+        }
     if missing is not None:
         raise NoAnswerError(missing.code, output.settled(str(missing)), with_texts(result), missing.quantity)
     return Answer(suggestion, result)
@@ -245,9 +278,13 @@ def _mould(suggestion: Suggestion, output: Output) -> tuple[dict[str, Any] | Non
 
 
 def _written(
-    suggestion: Suggestion, safety: SafetyView, result: dict[str, Any], output: Output, progress: Callable[[str], None],
+    suggestion: Suggestion,
+    safety: SafetyView,
+    result: dict[str, Any],
+    output: Output,
+    progress: Callable[[str], None],
     people: tuple[Any, ...],
-) -> dict[str, Any]:  # fmt: skip
+) -> dict[str, Any]:
     """Write the report and the answer, and return the answer with all files."""
     from dummydesign.design.plot_data import press_pictures, suggestion_curves
     from dummydesign.report.suggest import write_suggestion
@@ -270,9 +307,10 @@ def _write_answer(output: Output, result: dict[str, Any], curves: Any) -> Path:
     kept["inputs"] = {key: value for key, value in kept["inputs"].items() if key != "out"}
     kept["files"] = {role: Path(file).relative_to(output.work).as_posix() for role, file in result["files"].items()}
     kept["steady_curve"] = {
-        "force_N": curves.forces_N.pad, "depth_mm": curves.pad_depth_mm,
+        "force_N": curves.forces_N.pad,
+        "depth_mm": curves.pad_depth_mm,
         "subjects": {"force_N": curves.forces_N.measured, "depth_low_mm": low, "depth_high_mm": high},
-    }  # fmt: skip
+    }
     return write_text(output.path(ANSWER), json_text("suggest", kept) + "\n")
 
 
@@ -320,15 +358,30 @@ Values = float | str | Iterable[float]
 
 
 def whatif(
-    thickness_mm: Values, ratio: Values | None = None, *, resin: str = "polyurethane-nagoya",
-    tissue: str | None = None, aim: str = "average", punch: str | Iterable[str] = "square:14",
-    condition: str | Iterable[str] = "bonded", base: str | Iterable[str] = "bonded",
-    shape: str | Iterable[str] = "slab", edge_radius_mm: Values = 0.0, velocity_mm_s: Values = (10.0, 250.0),
-    force_N: Values = (1.0, 5.0, 10.0, 15.0), hold_s: float | str = 10.0,
-    deceleration_mm_s2: float | str = 30_000.0, fidelity: str = "table", workers: int = 1,
-    scheduler: str | None = None, executor: Executor | None = None, out: FilePath | None = None,
-    resume: bool = False, replace: bool = False, progress: Callable[[int, int], None] | None = None,
-) -> Rows:  # fmt: skip
+    thickness_mm: Values,
+    ratio: Values | None = None,
+    *,
+    resin: str = "polyurethane-nagoya",
+    tissue: str | None = None,
+    aim: str = "average",
+    punch: str | Iterable[str] = "square:14",
+    condition: str | Iterable[str] = "bonded",
+    base: str | Iterable[str] = "bonded",
+    shape: str | Iterable[str] = "slab",
+    edge_radius_mm: Values = 0.0,
+    velocity_mm_s: Values = (10.0, 250.0),
+    force_N: Values = (1.0, 5.0, 10.0, 15.0),
+    hold_s: float | str = 10.0,
+    deceleration_mm_s2: float | str = 30_000.0,
+    fidelity: str = "table",
+    workers: int = 1,
+    scheduler: str | None = None,
+    executor: Executor | None = None,
+    out: FilePath | None = None,
+    resume: bool = False,
+    replace: bool = False,
+    progress: Callable[[int, int], None] | None = None,
+) -> Rows:
     """Work out every combination of slabs, ratios, punches and supports.
 
     Parameters
@@ -396,26 +449,41 @@ def whatif(
         read_values(thickness_mm, parsing.THICKNESS),
         (material.relaxation_ratio_ref,) if ratio is None else read_values(ratio, "ratio"),
         tuple((name, equal_area_radius_mm(name)) for name in read_names(punch)),
-        read_values(velocity_mm_s, parsing.VELOCITY), read_values(force_N, parsing.FORCE), resin, tissue, aim,
-        fidelity, read_names(condition), read_names(base),
+        read_values(velocity_mm_s, parsing.VELOCITY),
+        read_values(force_N, parsing.FORCE),
+        resin,
+        tissue,
+        aim,
+        fidelity,
+        read_names(condition),
+        read_names(base),
         tuple(text for item in ([shape] if isinstance(shape, str) else shape) for text in parse_shapes(item)),
-        read_values(edge_radius_mm, parsing.EDGE), read_number(hold_s, HOLD),
+        read_values(edge_radius_mm, parsing.EDGE),
+        read_number(hold_s, HOLD),
         read_number(deceleration_mm_s2, DECELERATION),
-    )  # fmt: skip
+    )
     study.check(material)
     folder = None if out is None else Path(out)
     inputs = {
-        **study.to_dict(), "workers": workers if executor is None else None, "scheduler": scheduler, "resume": resume,
+        **study.to_dict(),
+        "workers": workers if executor is None else None,
+        "scheduler": scheduler,
+        "resume": resume,
         "out": None if folder is None else str(folder),
-    }  # fmt: skip
+    }
     opened = open_executor(workers, scheduler) if executor is None else nullcontext(executor)
     return _work_out(study, material, opened, folder, inputs, replace, progress)
 
 
 def _work_out(
-    study: Study, resin: Resin, opened: Any, folder: Path | None, inputs: dict[str, Any], replace: bool,
+    study: Study,
+    resin: Resin,
+    opened: Any,
+    folder: Path | None,
+    inputs: dict[str, Any],
+    replace: bool,
     progress: Callable[[int, int], None] | None,
-) -> Rows:  # fmt: skip
+) -> Rows:
     """Run a study that was checked, and write rows and report when there is a folder."""
     from dummydesign.design.sweep.run import targets_of
     from dummydesign.design.sweep.run import whatif as work_out

@@ -144,8 +144,9 @@ def _solid() -> Check:
     begun = time.perf_counter()
     try:
         words = [sys.executable, "-c", SOLID]
-        done = subprocess.run(words, capture_output=True, encoding="utf-8", errors="replace",
-                              timeout=SOLID_S, check=False)  # fmt: skip
+        done = subprocess.run(
+            words, capture_output=True, encoding="utf-8", errors="replace", timeout=SOLID_S, check=False
+        )
     except (OSError, subprocess.TimeoutExpired) as problem:
         return Check("solid", "missing", f"{type(problem).__name__}", advice)
     printed = done.stdout.split()

@@ -20,14 +20,28 @@ if TYPE_CHECKING:
 
 
 def make_mould(
-    thickness_mm: float | str | Iterable[float] | None = None, *, length_mm: float | str = 150.0,
-    width_mm: float | str = 120.0, shape: str = "slab", preset: str = "open", resin: str | None = None,
-    ratio: float = 15.0, count: int = 1, castings: int = 1, base_ratio: float | None = None,
-    face_sheet_mm: float | None = None, bone: FilePath | None = None, bone_height_mm: float | None = None,
-    bone_scale: float = 1.0, bone_turn_deg: tuple[float, float, float] = (0.0, 0.0, 0.0),
-    bone_at_mm: tuple[float, float] = (0.0, 0.0), out: FilePath | None = None, replace: bool = False,
-    puck: str | None = None, paper: str = "A4",
-) -> Result:  # fmt: skip
+    thickness_mm: float | str | Iterable[float] | None = None,
+    *,
+    length_mm: float | str = 150.0,
+    width_mm: float | str = 120.0,
+    shape: str = "slab",
+    preset: str = "open",
+    resin: str | None = None,
+    ratio: float = 15.0,
+    count: int = 1,
+    castings: int = 1,
+    base_ratio: float | None = None,
+    face_sheet_mm: float | None = None,
+    bone: FilePath | None = None,
+    bone_height_mm: float | None = None,
+    bone_scale: float = 1.0,
+    bone_turn_deg: tuple[float, float, float] = (0.0, 0.0, 0.0),
+    bone_at_mm: tuple[float, float] = (0.0, 0.0),
+    out: FilePath | None = None,
+    replace: bool = False,
+    puck: str | None = None,
+    paper: str = "A4",
+) -> Result:
     """Make the silicone mould of a pad: STEP files, printable master and frame, pour sheet, all checked.
 
     Parameters
@@ -103,11 +117,20 @@ def make_mould(
         if thickness_mm is not None:
             message = "a puck has its height in --puck 50x30; leave thickness_mm out"
             raise InputError(message, "conflict", "thickness_mm")
-        pads_only = {"length": str(length_mm) not in ("150", "150.0"), "width": str(width_mm) not in ("120", "120.0"),
-                     "shape": shape != "slab", "count": count != 1, "castings": castings != 1,
-                     "base_ratio": base_ratio is not None, "face_sheet": face_sheet_mm is not None,
-                     "bone": bone is not None, "bone_height": bone_height_mm is not None, "bone_scale": bone_scale != 1,
-                     "bone_turn": any(bone_turn_deg), "bone_at": any(bone_at_mm)}  # fmt: skip
+        pads_only = {
+            "length": str(length_mm) not in ("150", "150.0"),
+            "width": str(width_mm) not in ("120", "120.0"),
+            "shape": shape != "slab",
+            "count": count != 1,
+            "castings": castings != 1,
+            "base_ratio": base_ratio is not None,
+            "face_sheet": face_sheet_mm is not None,
+            "bone": bone is not None,
+            "bone_height": bone_height_mm is not None,
+            "bone_scale": bone_scale != 1,
+            "bone_turn": any(bone_turn_deg),
+            "bone_at": any(bone_at_mm),
+        }
         if given := [f"--{name.replace('_', '-')}" for name, is_given in pads_only.items() if is_given]:
             message = f"--puck {puck} makes rings of pucks, no pad; leave {', '.join(given)} out"
             raise InputError(message, "conflict", "puck", puck)
@@ -119,8 +142,13 @@ def make_mould(
     wanted = read_thicknesses(thickness_mm)
     length_mm, width_mm = read_number(length_mm, LENGTH), read_number(width_mm, WIDTH)
 
-    settings: dict[str, Any] = {"preset": preset, "resin": resin, "ratio": ratio, "base_ratio": base_ratio,
-                                "face_sheet_mm": face_sheet_mm}  # fmt: skip
+    settings: dict[str, Any] = {
+        "preset": preset,
+        "resin": resin,
+        "ratio": ratio,
+        "base_ratio": base_ratio,
+        "face_sheet_mm": face_sheet_mm,
+    }
     if bone is not None:
         if len(wanted) != 1 or castings != 1 or count != 1:
             message = "a bone from a file goes into one mould: one thickness, count 1, castings 1"
@@ -132,8 +160,10 @@ def make_mould(
             return _make_one(spec, resin, preset, out, replace, paper, solid)
     if bone_height_mm is not None:
         raise InputError("bone_height_mm belongs to a bone from a file (bone)", "not_applicable", "bone_height_mm")
-    specs = [mould_spec(one, length_mm, width_mm, kind=kind, parameters=parameters, count=count, **settings)
-             for one in wanted]  # fmt: skip
+    specs = [
+        mould_spec(one, length_mm, width_mm, kind=kind, parameters=parameters, count=count, **settings)
+        for one in wanted
+    ]
     if len(specs) != 1 or castings != 1:
         return _make_job(specs, castings, resin, preset, out, replace, paper)
     return _make_one(specs[0], resin, preset, out, replace, paper)
@@ -154,9 +184,14 @@ def _placing(
 
 
 def _boned(
-    bone: Path, placing: Placing, thickness_mm: float, length_mm: float, width_mm: float, settings: dict[str, Any],
+    bone: Path,
+    placing: Placing,
+    thickness_mm: float,
+    length_mm: float,
+    width_mm: float,
+    settings: dict[str, Any],
     solid: Path,
-) -> MouldSpec:  # fmt: skip
+) -> MouldSpec:
     """The specification of a pad with a placed bone; what the pad itself cannot be is refused before CAD is loaded."""
     from dummydesign.mold.model.preset import mould_spec
     from dummydesign.mold.runner import insert_bone
@@ -167,18 +202,30 @@ def _boned(
 
 
 def _make_one(
-    spec: MouldSpec, resin: str | None, preset: str, out: FilePath | None, replace: bool, paper: str,
+    spec: MouldSpec,
+    resin: str | None,
+    preset: str,
+    out: FilePath | None,
+    replace: bool,
+    paper: str,
     bone_file: Path | None = None,
-) -> Result:  # fmt: skip
+) -> Result:
     from dummydesign.core.outputs import new_folder
     from dummydesign.mold.runner import make_mold
 
     folder = Path(out) if out else Path(f"mould_{spec.tag}")
     inputs = {
-        "thickness_mm": spec.pad.thickness_mm, "length_mm": spec.pad.length_mm, "width_mm": spec.pad.width_mm,
-        "shape": spec.pad.name, "preset": spec.preset, "resin": spec.pour.resin,
-        "ratio": spec.pour.ratio, "ratio_meaning": spec.pour.ratio_meaning, "paper": paper, "out": str(folder),
-    }  # fmt: skip
+        "thickness_mm": spec.pad.thickness_mm,
+        "length_mm": spec.pad.length_mm,
+        "width_mm": spec.pad.width_mm,
+        "shape": spec.pad.name,
+        "preset": spec.preset,
+        "resin": spec.pour.resin,
+        "ratio": spec.pour.ratio,
+        "ratio_meaning": spec.pour.ratio_meaning,
+        "paper": paper,
+        "out": str(folder),
+    }
     if spec.base is not None:
         inputs |= {"base_ratio": spec.base.pour.ratio, "modulus_ratio_of_base": spec.base.modulus_ratio}
     if spec.insert is not None:
@@ -216,11 +263,15 @@ def _make_pucks(
     spec = puck_spec(rings, PRINTED if preset == "open" else preset, resin, ratio)
     folder = Path(out) if out else Path(f"puck_{spec.tag}")
     inputs = {
-        "puck": [{"diameter_mm": ring.diameter_mm, "height_mm": ring.height_mm, "count": ring.count}
-                 for ring in spec.rings],
-        "preset": spec.preset, "resin": spec.pour.resin, "ratio": spec.pour.ratio,
-        "ratio_meaning": spec.pour.ratio_meaning, "paper": paper,
-    }  # fmt: skip
+        "puck": [
+            {"diameter_mm": ring.diameter_mm, "height_mm": ring.height_mm, "count": ring.count} for ring in spec.rings
+        ],
+        "preset": spec.preset,
+        "resin": spec.pour.resin,
+        "ratio": spec.pour.ratio,
+        "ratio_meaning": spec.pour.ratio_meaning,
+        "paper": paper,
+    }
     asked = question("mold", {**inputs, "specification": spec.hash}, resin=resin, preset=spec.preset)
     with new_folder(folder, asked, replace=replace) as output:
         head = {"inputs": {**inputs, "out": str(output.folder)}, "sources": list(spec.sources)}
@@ -237,9 +288,14 @@ def _make_pucks(
 
 
 def _make_job(
-    specs: list[MouldSpec], castings: int, resin: str | None, preset: str, out: FilePath | None, replace: bool,
+    specs: list[MouldSpec],
+    castings: int,
+    resin: str | None,
+    preset: str,
+    out: FilePath | None,
+    replace: bool,
     paper: str,
-) -> Result:  # fmt: skip
+) -> Result:
     from dummydesign.mold.job import folder_name, job_inputs, make_job
 
     inputs = {**job_inputs(specs, castings), "paper": paper}
@@ -251,12 +307,20 @@ def _make_job(
 
 
 def record_pad(
-    folder: FilePath, thicknesses_mm: Iterable[float] | Mapping[str, float], mass_g: float, *,
-    modulus_kPa: float | None = None, level_deg: float | None = None, bubbles: int | None = None,
-    gauge_mm: float | None = None, note: str = "", replace: bool = False,
-    modulus_error_kPa: float | None = None, weighed_g: Mapping[str, float] | None = None,
+    folder: FilePath,
+    thicknesses_mm: Iterable[float] | Mapping[str, float],
+    mass_g: float,
+    *,
+    modulus_kPa: float | None = None,
+    level_deg: float | None = None,
+    bubbles: int | None = None,
+    gauge_mm: float | None = None,
+    note: str = "",
+    replace: bool = False,
+    modulus_error_kPa: float | None = None,
+    weighed_g: Mapping[str, float] | None = None,
     scale_g: float | None = None,
-) -> Result:  # fmt: skip
+) -> Result:
     """Keep what was really poured in the folder of its mould, and say which limits the pad misses.
 
     Parameters
@@ -311,18 +375,34 @@ def record_pad(
     gauge = GAUGE_MM if gauge_mm is None else gauge_mm
     spec = read_spec(fspath(folder))
     measured = Measured(
-        places, mass_g, modulus_kPa, level_deg, bubbles, gauge, note, tuple(named), modulus_error_kPa,
-        dict(weighed_g or {}), SCALE_G if scale_g is None else scale_g,
-    )  # fmt: skip
+        places,
+        mass_g,
+        modulus_kPa,
+        level_deg,
+        bubbles,
+        gauge,
+        note,
+        tuple(named),
+        modulus_error_kPa,
+        dict(weighed_g or {}),
+        SCALE_G if scale_g is None else scale_g,
+    )
     judgement = judged(measured, spec, read_points(fspath(folder)))
     content = {**judgement.to_dict(), "gauge_mm": gauge, "version": __version__, "date": date.today().isoformat()}
     path = add_record(Path(folder), STEM, content, ignored=("date", "version"), replace=replace)
     inputs: dict[str, Any] = {
-        "folder": str(folder), "thicknesses_mm": dict(named) or list(places), "mass_g": mass_g,
-        "modulus_kPa": modulus_kPa, "level_deg": level_deg, "bubbles": bubbles, "gauge_mm": gauge, "note": note,
-        "modulus_error_kPa": modulus_error_kPa, "weighed_g": None if weighed_g is None else dict(weighed_g),
+        "folder": str(folder),
+        "thicknesses_mm": dict(named) or list(places),
+        "mass_g": mass_g,
+        "modulus_kPa": modulus_kPa,
+        "level_deg": level_deg,
+        "bubbles": bubbles,
+        "gauge_mm": gauge,
+        "note": note,
+        "modulus_error_kPa": modulus_error_kPa,
+        "weighed_g": None if weighed_g is None else dict(weighed_g),
         "scale_g": scale_g,
-    }  # fmt: skip
+    }
     warnings = [{"code": "limit_missed", "message": text} for text in judgement.missed]
     plain = {key: value for key, value in judgement.to_dict().items() if key not in ("schema", *inputs)}
     result = {"inputs": inputs, **plain, "files": {"record": str(path)}, "warnings": warnings, "sources": []}

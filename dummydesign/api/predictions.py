@@ -66,10 +66,17 @@ def pad_of_inputs(inputs: dict[str, Any]) -> tuple[Pad | Puck, dict[str, float],
     check_covers(size, sides, widest, punch)
     same = {name: inputs[name] for name in ("thickness_mm", "base", "condition", "poisson", "edge_radius_mm")}
     made = Pad(
-        **same, young_MPa=young["value"] * 1e-3, radius_mm=face.radius_mm, prony=prony, law=law, geometry=geometry,
-        extent_mm=sqrt(sides[0] * sides[-1] / pi), sides_mm=face.sides_mm,
-        slab_mm=(sides[0], sides[-1]), profile_mm=face.profile_mm,
-    )  # fmt: skip
+        **same,
+        young_MPa=young["value"] * 1e-3,
+        radius_mm=face.radius_mm,
+        prony=prony,
+        law=law,
+        geometry=geometry,
+        extent_mm=sqrt(sides[0] * sides[-1] / pi),
+        sides_mm=face.sides_mm,
+        slab_mm=(sides[0], sides[-1]),
+        profile_mm=face.profile_mm,
+    )
     return made, young, sources
 
 
@@ -153,17 +160,36 @@ MOVED = ("time_s", "displacement_mm", "force_N", "force_low_N", "force_high_N")
 
 
 def predict(
-    thickness_mm: float | str, *, young_kPa: float | str | None = None, resin: str | None = None,
-    ratio: float | None = None, depth_mm: str | float | Iterable[float] | None = None,
-    motion: FilePath | None = None, force_N: float | str | Iterable[float] | None = None,
-    velocity_mm_s: float | str | Iterable[float] | None = None, hold_s: float | str = 10.0,
-    deceleration_mm_s2: float | str = 30_000.0, tissue: str | None = None, aim: str = "average",
-    punch: str = "square:14", condition: str = "bonded", base: str = "bonded", pad: str = "slab:150x120",
-    shape: str = "slab", poisson: float = 0.5, law: str = "neo-hookean", edge_radius_mm: float | str = 0.0,
-    prony: str | None = None, fidelity: str = "table", out: FilePath | None = None,
-    rate_Hz: float | str | None = None, units: str = "mm", fields: FilePath | None = None,
-    picture: FilePath | None = None, progress: Callable[[float], None] | None = None,
-) -> Result:  # fmt: skip
+    thickness_mm: float | str,
+    *,
+    young_kPa: float | str | None = None,
+    resin: str | None = None,
+    ratio: float | None = None,
+    depth_mm: str | float | Iterable[float] | None = None,
+    motion: FilePath | None = None,
+    force_N: float | str | Iterable[float] | None = None,
+    velocity_mm_s: float | str | Iterable[float] | None = None,
+    hold_s: float | str = 10.0,
+    deceleration_mm_s2: float | str = 30_000.0,
+    tissue: str | None = None,
+    aim: str = "average",
+    punch: str = "square:14",
+    condition: str = "bonded",
+    base: str = "bonded",
+    pad: str = "slab:150x120",
+    shape: str = "slab",
+    poisson: float = 0.5,
+    law: str = "neo-hookean",
+    edge_radius_mm: float | str = 0.0,
+    prony: str | None = None,
+    fidelity: str = "table",
+    out: FilePath | None = None,
+    rate_Hz: float | str | None = None,
+    units: str = "mm",
+    fields: FilePath | None = None,
+    picture: FilePath | None = None,
+    progress: Callable[[float], None] | None = None,
+) -> Result:
     """Force of one pad at static depths, under a measured motion, or in a ramp and hold.
 
     Parameters
@@ -351,11 +377,14 @@ def _measured(
 
 
 ALLOWED = {
-    "thickness_mm": (parsing.THICKNESS, 0.01, 1000.0), "young_kPa": (parsing.YOUNG, *parsing.YOUNG_KPA),
-    "force_N": (parsing.FORCE, 1e-4, 1e5), "velocity_mm_s": (parsing.VELOCITY, 1e-4, 1e5),
-    "hold_s": (parsing.HOLD, 1e-6, 1e6), "deceleration_mm_s2": (parsing.DECELERATION, 1e-3, inf),
+    "thickness_mm": (parsing.THICKNESS, 0.01, 1000.0),
+    "young_kPa": (parsing.YOUNG, *parsing.YOUNG_KPA),
+    "force_N": (parsing.FORCE, 1e-4, 1e5),
+    "velocity_mm_s": (parsing.VELOCITY, 1e-4, 1e5),
+    "hold_s": (parsing.HOLD, 1e-6, 1e6),
+    "deceleration_mm_s2": (parsing.DECELERATION, 1e-3, inf),
     "rate_Hz": (parsing.RATE, *parsing.RATES_HZ),
-}  # fmt: skip
+}
 """Purpose, smallest and largest of each number; those of the edge follow from the punch."""
 SEVERAL = ("force_N", "velocity_mm_s")
 """Of which there may be several."""
@@ -473,8 +502,10 @@ def _at_rate(curves: list[dict[str, Any]], columns: tuple[str, ...], rate_Hz: fl
     from dummydesign.core.interpolation import uniform_times
 
     times = uniform_times([(curve["time_s"][0], curve["time_s"][-1]) for curve in curves], rate_Hz)
-    return [{"time_s": time, **{name: np.interp(time, curve["time_s"], curve[name]) for name in columns[1:]}}
-            for curve, time in zip(curves, times)]  # fmt: skip
+    return [
+        {"time_s": time, **{name: np.interp(time, curve["time_s"], curve[name]) for name in columns[1:]}}
+        for curve, time in zip(curves, times)
+    ]
 
 
 def _csv(columns: tuple[str, ...], curve: dict[str, Any], units: str) -> str:

@@ -26,10 +26,17 @@ Numbers = float | str | Iterable[float | str]
 
 
 def fit(
-    traces: Traces, *, elements: int | str = "auto", law: str = "ode", mode: str = "auto",
-    contact: str = "none", lowpass: str | None = None, out: FilePath | None = None,
-    replace: bool = False, progress: Callable[[str], None] | None = None,
-) -> Fitted:  # fmt: skip
+    traces: Traces,
+    *,
+    elements: int | str = "auto",
+    law: str = "ode",
+    mode: str = "auto",
+    contact: str = "none",
+    lowpass: str | None = None,
+    out: FilePath | None = None,
+    replace: bool = False,
+    progress: Callable[[str], None] | None = None,
+) -> Fitted:
     """Fit the tissue law to traces of one tissue or dummy; see :func:`dummydesign.tissue.fitting.fit.fit_traces`.
 
     Parameters
@@ -93,9 +100,14 @@ def fit(
         raise InputError(message, "bad_name", "out", str(out))
     names, read = _read(traces)
     inputs = {
-        "traces": names, "elements": str(elements), "law": law, "mode": mode, "contact": contact,
-        "lowpass": passed.to_dict() if passed else None, "out": None if out is None else fspath(out),
-    }  # fmt: skip
+        "traces": names,
+        "elements": str(elements),
+        "law": law,
+        "mode": mode,
+        "contact": contact,
+        "lowpass": passed.to_dict() if passed else None,
+        "out": None if out is None else fspath(out),
+    }
     asked = _question("fit", inputs, names, read)
     with nullcontext() if out is None else new_files(out, asked, replace=replace) as output:
         fitted = fit_traces(read, count, law, mode, passed, contact=contact, progress=progress)
@@ -111,12 +123,22 @@ def fit(
 
 
 def compare(
-    traces: Traces, tissue: str, *, lowpass: str | None = None, record: FilePath | None = None,
-    punch: str = "square:14", edge_radius_mm: float | str = 0.0, force_N: Numbers | None = None,
-    velocity_mm_s: Numbers | None = None, hold_s: float | str | None = None,
-    deceleration_mm_s2: float | str | None = None, condition: str | None = None, out: FilePath | None = None,
-    replace: bool = False, progress: Callable[[str], None] | None = None,
-) -> Result:  # fmt: skip
+    traces: Traces,
+    tissue: str,
+    *,
+    lowpass: str | None = None,
+    record: FilePath | None = None,
+    punch: str = "square:14",
+    edge_radius_mm: float | str = 0.0,
+    force_N: Numbers | None = None,
+    velocity_mm_s: Numbers | None = None,
+    hold_s: float | str | None = None,
+    deceleration_mm_s2: float | str | None = None,
+    condition: str | None = None,
+    out: FilePath | None = None,
+    replace: bool = False,
+    progress: Callable[[str], None] | None = None,
+) -> Result:
     """Compare the traces of a cast dummy with a tissue; see :mod:`dummydesign.tissue.comparison`.
 
     Parameters
@@ -175,9 +197,13 @@ def compare(
     pad = None if record is None else read_record(fspath(record))
     names, read = _read(traces)
     inputs = {
-        "traces": names, "tissue": tissue, "lowpass": passed.to_dict() if passed else None, **test.to_dict(),
-        "out": None if out is None else fspath(out), **({} if record is None else {"record": fspath(record)}),
-    }  # fmt: skip
+        "traces": names,
+        "tissue": tissue,
+        "lowpass": passed.to_dict() if passed else None,
+        **test.to_dict(),
+        "out": None if out is None else fspath(out),
+        **({} if record is None else {"record": fspath(record)}),
+    }
     more = [fspath(name) for name in (record, punch.partition("profile:")[2] or None) if name is not None]
     with answer_folder(out, _question("compare", inputs, [*names, *more], read, tissue), replace) as output:
         comparison = compare_traces(read, site, passed, test.presses, progress)
@@ -194,8 +220,14 @@ def compare(
         comparison = replace_fields(comparison, result=values)
         judged = verdict_of_traces(comparison, site, found).to_dict()
         people = shares_of_traces(comparison, site, passed).to_dict()
-        result = {"inputs": inputs, "verdict": judged, "people": people, **values, "sources": list(site.sources),
-                  "files": {}}  # fmt: skip
+        result = {
+            "inputs": inputs,
+            "verdict": judged,
+            "people": people,
+            **values,
+            "sources": list(site.sources),
+            "files": {},
+        }
         if output is not None:
             from dummydesign.report.compare import write_comparison
 
@@ -211,8 +243,10 @@ def _question(
     """Make the question of a call with traces; those in memory count by their numbers."""
     from hashlib import sha256
 
-    numbers = [sha256(b"".join(part.tobytes() for part in (one.time_s, one.displacement_mm, one.force_N))).hexdigest()
-               for one in traces]  # fmt: skip
+    numbers = [
+        sha256(b"".join(part.tobytes() for part in (one.time_s, one.displacement_mm, one.force_N))).hexdigest()
+        for one in traces
+    ]
     files = [name for name in names if Path(name).is_file()]
     return question(command, {**inputs, "trace_numbers_sha256": numbers}, tissue=tissue, files=files)
 
@@ -234,13 +268,25 @@ def _read(traces: Traces) -> tuple[list[str], list[Trace]]:
 
 
 def import_traces(
-    files: Iterable[FilePath], *, profile: str | None = None, save_profile: str | None = None,
-    columns: Mapping[str, str] | None = None, units: Mapping[str, str] | None = None,
-    separator: str | None = None, decimal: str | None = None, encoding: str | None = None,
-    skip: int | None = None, flip: Iterable[str] | None = None, tare: str | None = None,
-    contact: str | None = None, split: str | None = None, sheets: str | None = None,
-    rate: float | str | None = None, out: FilePath | None = None, replace: bool = False,
-) -> Result:  # fmt: skip
+    files: Iterable[FilePath],
+    *,
+    profile: str | None = None,
+    save_profile: str | None = None,
+    columns: Mapping[str, str] | None = None,
+    units: Mapping[str, str] | None = None,
+    separator: str | None = None,
+    decimal: str | None = None,
+    encoding: str | None = None,
+    skip: int | None = None,
+    flip: Iterable[str] | None = None,
+    tare: str | None = None,
+    contact: str | None = None,
+    split: str | None = None,
+    sheets: str | None = None,
+    rate: float | str | None = None,
+    out: FilePath | None = None,
+    replace: bool = False,
+) -> Result:
     """Read files as test machines wrote them, and write each press as a trace.
 
     What is None is taken from the profile, and where there is none from the file.
@@ -292,16 +338,30 @@ def import_traces(
     from dummydesign.measurement.importing.read import describe, import_files, learned, plan_traces, write_traces
     from dummydesign.measurement.importing.read import save_profile as keep
 
-    given: dict[str, Any] = {"columns": columns, "units": units, "separator": separator, "decimal": decimal,
-                             "encoding": encoding, "skip": skip, "tare": tare, "contact": contact, "split": split,
-                             "sheets": sheets,
-                             "rate": None if rate is None else read_allowed(rate, RATE, *RATES_HZ),
-                             "flip": None if flip is None else frozenset(flip)}  # fmt: skip
+    given: dict[str, Any] = {
+        "columns": columns,
+        "units": units,
+        "separator": separator,
+        "decimal": decimal,
+        "encoding": encoding,
+        "skip": skip,
+        "tare": tare,
+        "contact": contact,
+        "split": split,
+        "sheets": sheets,
+        "rate": None if rate is None else read_allowed(rate, RATE, *RATES_HZ),
+        "flip": None if flip is None else frozenset(flip),
+    }
     settings = _settings(profile, {key: value for key, value in given.items() if value is not None})
     names = [fspath(name) for name in files]
     imported, warnings = import_files(names, settings)
-    inputs = {"files": names, "profile": profile, **settings.to_dict(), "save_profile": save_profile,
-              "out": None if out is None else fspath(out)}  # fmt: skip
+    inputs = {
+        "files": names,
+        "profile": profile,
+        **settings.to_dict(),
+        "save_profile": save_profile,
+        "out": None if out is None else fspath(out),
+    }
     planned = plan_traces(imported, None if out is None else Path(out))
     described = describe(imported, planned)
     of_files = [warning for one in described for warning in one["warnings"]]
@@ -342,10 +402,18 @@ GUARD_BAND = "JCGM 106:2012, The role of measurement uncertainty in conformity a
 
 
 def on_person(
-    traces: Traces, tissue: str, *, drive: str = "position", limits: FilePath | None = None,
-    lowpass: str | None = None, rate: float | str = 1000.0, punch: str = "square:14",
-    out: FilePath | None = None, replace: bool = False, progress: Callable[[str], None] | None = None,
-) -> Result:  # fmt: skip
+    traces: Traces,
+    tissue: str,
+    *,
+    drive: str = "position",
+    limits: FilePath | None = None,
+    lowpass: str | None = None,
+    rate: float | str = 1000.0,
+    punch: str = "square:14",
+    out: FilePath | None = None,
+    replace: bool = False,
+    progress: Callable[[str], None] | None = None,
+) -> Result:
     """Work out what presses on a pad would have been on people; see :mod:`dummydesign.person`.
 
     Parameters
@@ -399,21 +467,30 @@ def on_person(
     allowed = None if limits is None else read_limits(fspath(limits))
     names, read = _read(traces)
     inputs: dict[str, Any] = {
-        "traces": names, "tissue": tissue, "drive": moved.text, "limits": None if limits is None else fspath(limits),
-        "lowpass": passed.to_dict() if passed else None, "rate": rate_hz, "punch": punch,
+        "traces": names,
+        "tissue": tissue,
+        "drive": moved.text,
+        "limits": None if limits is None else fspath(limits),
+        "lowpass": passed.to_dict() if passed else None,
+        "rate": rate_hz,
+        "punch": punch,
         "out": None if out is None else fspath(out),
-    }  # fmt: skip
+    }
     more = [] if limits is None else [fspath(limits)]
     with answer_folder(out, _question("on-person", inputs, [*names, *more], read, tissue), replace) as output:
         answer = work_out(read, site, moved, limits=allowed, lowpass=passed, area_mm2=area, progress=progress)
         sources = [*site.sources, *([GUARD_BAND] if allowed is not None else [])]
         result: dict[str, Any] = {
-            "inputs": inputs, "drive": moved.text, "tissue": site.name,
+            "inputs": inputs,
+            "drive": moved.text,
+            "tissue": site.name,
             "presses": [one.to_dict(area) for one in answer.presses],
             "budget": to_plain(budget_of_people(answer)),
             "limits_file": to_plain(allowed.to_dict()) if allowed is not None else None,
-            "warnings": [dict(one) for one in answer.warnings], "sources": sources, "files": {},
-        }  # fmt: skip
+            "warnings": [dict(one) for one in answer.warnings],
+            "sources": sources,
+            "files": {},
+        }
         if output is not None:
             from dummydesign.report.on_person import write_on_person
 

@@ -15,9 +15,12 @@ WORDS = "DUMMYDESIGN_COMPLETE"
 """Environment variable with the words typed so far, by which a shell's script asks for the next one."""
 BETWEEN = "\x1f"
 LIBRARY = {
-    "tissue": "materials/tissues", "resin": "materials/resins", "preset": "molds", "machine": "molds/machines",
+    "tissue": "materials/tissues",
+    "resin": "materials/resins",
+    "preset": "molds",
+    "machine": "molds/machines",
     "silicone": "molds/silicones",
-}  # fmt: skip
+}
 
 
 def next_words(typed: Sequence[str]) -> list[str]:
@@ -51,8 +54,11 @@ def _values(command: str, action: argparse.Action) -> list[str]:
     own_only = command.endswith((" remove", " rename"))
     if name == "name" and command.partition(" ")[2] in ("show", "path", "remove", "rename"):
         name = command.partition(" ")[0].removesuffix("s")
-    named = [one.name for one in entries(LIBRARY[name]).values() if one.origin == "user" or not own_only] \
-        if name in LIBRARY else []  # fmt: skip
+    named = (
+        [one.name for one in entries(LIBRARY[name]).values() if one.origin == "user" or not own_only]
+        if name in LIBRARY
+        else []
+    )
     listed = [part for part in str(action.metavar or "").split("|") if re.fullmatch(r"[a-z][a-z-]*|\d", part)]
     meant = [word.partition(":")[0] + ":" * (":" in word) for word in meanings_of(command, action) if " " not in word]
     return [*named, *(listed if len(listed) > 1 else []), *meant]

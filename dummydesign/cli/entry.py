@@ -83,10 +83,27 @@ def finish(parser: argparse.ArgumentParser, command: str) -> None:
 
 
 COMMANDS = (
-    "suggest", "compare-designs", "predict", "whatif", "import", "fit", "mold", "campaign", "loop", "replay", "compare",
-    "on-person", "tissues", "resins", "init", "status", "history", "studio", "doctor",
+    "suggest",
+    "compare-designs",
+    "predict",
+    "whatif",
+    "import",
+    "fit",
+    "mold",
+    "campaign",
+    "loop",
+    "replay",
+    "compare",
+    "on-person",
+    "tissues",
+    "resins",
+    "init",
+    "status",
+    "history",
+    "studio",
+    "doctor",
     "completion",
-)  # fmt: skip
+)
 """The commands in the order of the overview; each is a module in ``cli/commands``, but for the one about the command
 line itself."""
 ELSEWHERE = {"import": "commands.import_", "completion": "completion"}
@@ -186,9 +203,11 @@ def _options(parser: argparse.ArgumentParser) -> dict[str, argparse.Action]:
 def _repeated(parser: argparse.ArgumentParser, words: Sequence[str]) -> list[dict[str, str]]:
     """A warning for each option that is typed more than once and keeps one value."""
     known, typed = _options(parser), Counter(word.partition("=")[0] for word in words)
-    return [{"code": "option_repeated", "message": f"{option} is given {times} times; the last value counts"}
-            for option, times in typed.items()
-            if times > 1 and type(known.get(option)) is argparse._StoreAction]  # fmt: skip
+    return [
+        {"code": "option_repeated", "message": f"{option} is given {times} times; the last value counts"}
+        for option, times in typed.items()
+        if times > 1 and type(known.get(option)) is argparse._StoreAction
+    ]
 
 
 def parser_of(name: str) -> argparse.ArgumentParser:
@@ -326,8 +345,15 @@ def _loudness(options: argparse.Namespace) -> str:
     return "verbose" if verbose else "quiet" if quiet else ""
 
 
-PACKAGES = {"skfem": "scikit-fem", "OCP": "cadquery", "vtkmodules": "vtk", "PIL": "pillow", "fastapi": "nicegui",
-            "starlette": "nicegui", "uvicorn": "nicegui"}  # fmt: skip
+PACKAGES = {
+    "skfem": "scikit-fem",
+    "OCP": "cadquery",
+    "vtkmodules": "vtk",
+    "PIL": "pillow",
+    "fastapi": "nicegui",
+    "starlette": "nicegui",
+    "uvicorn": "nicegui",
+}
 """Packages by the name of their module, where the two differ."""
 FULL = {getattr(errno, name) for name in ("ENOSPC", "EDQUOT", "EFBIG", "EROFS") if hasattr(errno, name)}
 """Reasons of the system why no file can be written: a full disk, a quota, a limit of size, a disk for reading only."""

@@ -12,10 +12,16 @@ from dummydesign.report import suggest_facts as facts
 from dummydesign.report.sections.conformity import budget_lines
 
 SMALL = [("N", "force_N", "<6g"), ("depth mm", "depth_mm", "<10.2f"), ("tissue mm", "span", "<1")]
-OTHERS = [("mm", "thickness_mm", "<6g"), ("ratio", "ratio", "<7g"), ("kPa", "young", "<7.3g"),
-          ("total", "total", "<6.2f"), ("steady", "steady_state_range", "<7.2f"),
-          ("force-time", "force_variation_range", "<11.2f"), ("aim", "aim", "<5.2f"),
-          ("below 5 N", "low_force_range", "<1.2f")]  # fmt: skip
+OTHERS = [
+    ("mm", "thickness_mm", "<6g"),
+    ("ratio", "ratio", "<7g"),
+    ("kPa", "young", "<7.3g"),
+    ("total", "total", "<6.2f"),
+    ("steady", "steady_state_range", "<7.2f"),
+    ("force-time", "force_variation_range", "<11.2f"),
+    ("aim", "aim", "<5.2f"),
+    ("below 5 N", "low_force_range", "<1.2f"),
+]
 
 
 def details(result: dict[str, Any]) -> str:
@@ -37,17 +43,25 @@ def details(result: dict[str, Any]) -> str:
         f"  modulus    {young['value']:.3g} kPa long-term (95 %: {young['low']:.3g} to {young['high']:.3g})",
         "",
         "scores, 0 to 1 (more is better):",
-        "  " + "   ".join(f"{name.replace('_', ' ')} {'none' if value is None else format(value, '.2f')}"
-                          for name, value in best["scores"].items()),
+        "  "
+        + "   ".join(
+            f"{name.replace('_', ' ')} {'none' if value is None else format(value, '.2f')}"
+            for name, value in best["scores"].items()
+        ),
         "",
         "  steady N  mm/s   depth mm  depth/thickness  % of gel  peak N   tissue peak N   fraction in range  reads",
         *(_condition(row) for row in best["conditions"]),
-    ]  # fmt: skip
+    ]
     no_law = any(item["code"] == text.NO_LAW for item in result["warnings"])
-    words = "the people's slowest rise, scaled to their steady force" if no_law else (
-        "the tissue's law extrapolated; no data on people")  # fmt: skip
-    small = [{**row, "span": f"{row['tissue_depth_low_mm']:.2f} to {row['tissue_depth_high_mm']:.2f}"}
-             for row in best["low_force"]]  # fmt: skip
+    words = (
+        "the people's slowest rise, scaled to their steady force"
+        if no_law
+        else ("the tissue's law extrapolated; no data on people")
+    )
+    small = [
+        {**row, "span": f"{row['tissue_depth_low_mm']:.2f} to {row['tissue_depth_high_mm']:.2f}"}
+        for row in best["low_force"]
+    ]
     lines += ["", *facts.people_lines(result["people"])]
     lines += ["", f"  small forces ({words}):", *table(small, SMALL, "  ")]
     lines += _shapes(result) + _parameters(best) + _more_details(result)
@@ -148,8 +162,10 @@ def _more_details(result: dict[str, Any]) -> list[str]:
     ]
     checked = result["verification"]
     if checked["max_difference_percent"] is not None:
-        lines.append(f"verified: {checked['fidelity']} finite elements differ by at most "
-                     f"{checked['max_difference_percent']:.2f} % from the stored solutions")  # fmt: skip
+        lines.append(
+            f"verified: {checked['fidelity']} finite elements differ by at most "
+            f"{checked['max_difference_percent']:.2f} % from the stored solutions"
+        )
     lines += ["", *budget_lines(result["budget"]), "", result["rests_on"]["text"]]
     return lines + file_lines(result) + text.warning_lines(result)
 
@@ -200,15 +216,21 @@ def render(result: dict[str, Any]) -> str:
         "",
     ]
     more = f"--details: scores, other shapes, parameters, castings, {len(result['warnings'])} notes"
-    tail = [labelled("PEOPLE", facts.people_text(result["people"]), 2),
-            labelled("CURVES", facts.curves_line(result), 2),
-            labelled("SHARES", "\n".join(facts.castings_lines(result))),
-            labelled("MOULD", facts.other_mould_text(result)),
-            labelled("CORRECT", "\n".join(facts.correction_lines(result))),
-            labelled("WHY", facts.why_text(result), 3), labelled("RISK", facts.risk_text(result)), _notes(result),
-            _next(result), labelled("", facts.meanwhile_text(result)),
-            labelled("PATHS", "\n".join(facts.paths_lines(result))), _files(result),
-            labelled("MORE", more)]  # fmt: skip
+    tail = [
+        labelled("PEOPLE", facts.people_text(result["people"]), 2),
+        labelled("CURVES", facts.curves_line(result), 2),
+        labelled("SHARES", "\n".join(facts.castings_lines(result))),
+        labelled("MOULD", facts.other_mould_text(result)),
+        labelled("CORRECT", "\n".join(facts.correction_lines(result))),
+        labelled("WHY", facts.why_text(result), 3),
+        labelled("RISK", facts.risk_text(result)),
+        _notes(result),
+        _next(result),
+        labelled("", facts.meanwhile_text(result)),
+        labelled("PATHS", "\n".join(facts.paths_lines(result))),
+        _files(result),
+        labelled("MORE", more),
+    ]
     risk, meanwhile, why = 6, 9, 5
     columns, rows = facts.press_rows(result)
     presses = columns_of((columns, *rows), (8, 5, 8, 8, 10, 12, 0), "  ")

@@ -25,8 +25,17 @@ def labelled(label: str, text: str, most: int | None = None) -> list[str]:
         # the words of a command stay on one line
         part = re.sub(r"\bdummydesign [a-z-]+(?: (?:add|new|check|show|list|record)\b)?", _joined, part)
         wrapped = textwrap.wrap(part, WIDTH - INDENT, break_long_words=False, break_on_hyphens=False)
-        lines += [wrapped[0], *(f"   {line}" for line in textwrap.wrap(" ".join(wrapped[1:]), WIDTH - INDENT - 3,
-                                                                  break_on_hyphens=False))] if _step(part) else wrapped
+        lines += (
+            [
+                wrapped[0],
+                *(
+                    f"   {line}"
+                    for line in textwrap.wrap(" ".join(wrapped[1:]), WIDTH - INDENT - 3, break_on_hyphens=False)
+                ),
+            ]
+            if _step(part)
+            else wrapped
+        )
     if most is not None and len(lines) > most:
         last = lines[most - 1]
         if len(last) > WIDTH - INDENT - 4:
@@ -90,8 +99,12 @@ def table(rows: Iterable[Mapping[str, Any]], columns: Columns, indent: str = "")
     wide = [re.sub(r"[+g]|\..*", "", form) for _, _, form in columns]
     lines = [[format(head, width) for (head, _, _), width in zip(columns, wide)]]
     for row in rows:
-        lines.append([format("-", width) if row[key] is None else format(row[key], form)
-                      for (_, key, form), width in zip(columns, wide)])  # fmt: skip
+        lines.append(
+            [
+                format("-", width) if row[key] is None else format(row[key], form)
+                for (_, key, form), width in zip(columns, wide)
+            ]
+        )
     return [f"{indent}{' '.join(cells)}".rstrip() for cells in lines]
 
 
@@ -215,8 +228,11 @@ def first_lines(result: dict[str, Any]) -> list[str]:
     lines = [f"BOTTOMS OUT: {item['message']}" for item in result["warnings"] if item["code"] == "bottoms_out"]
     pad, known = impact_of(result)
     if pad and known:
-        with_ = f"the subjects with {min(known):.3g} to {max(known):.3g} N" if len(known) > 1 else (
-            f"the subject with {known[0]:.3g} N")  # fmt: skip
+        with_ = (
+            f"the subjects with {min(known):.3g} to {max(known):.3g} N"
+            if len(known) > 1
+            else (f"the subject with {known[0]:.3g} N")
+        )
         lines.append(f"impact: the pad stops it with {pad['peak_force_N']:.3g} N at {pad['depth_mm']:.3g} mm, {with_}")
     first = result.get("measure_first")
     lines += [f"{first['text']}: {first['protocol']}", f"then: {first['command']}"] if first and first["text"] else []

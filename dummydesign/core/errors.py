@@ -25,9 +25,13 @@ class DummydesignError(Exception):
     """
 
     def __init__(
-        self, message: str, code: str = "not_specified", quantity: str = "", value: object = None,
+        self,
+        message: str,
+        code: str = "not_specified",
+        quantity: str = "",
+        value: object = None,
         allowed: object = None,
-    ) -> None:  # fmt: skip
+    ) -> None:
         super().__init__(message)
         self.code, self.quantity, self.value, self.allowed = code, quantity, value, allowed
 
@@ -38,9 +42,12 @@ class DummydesignError(Exception):
     def to_dict(self) -> dict[str, Any]:
         """Return the error as ``--json`` prints it."""
         return {
-            "code": self.code, "quantity": self.quantity, "value": _plain(self.value),
-            "allowed": _plain(self.allowed), "message": " ".join(str(self).split()),
-        }  # fmt: skip
+            "code": self.code,
+            "quantity": self.quantity,
+            "value": _plain(self.value),
+            "allowed": _plain(self.allowed),
+            "message": " ".join(str(self).split()),
+        }
 
 
 def _plain(value: object) -> object:

@@ -90,8 +90,7 @@ def write_bytes(path: str | Path, content: bytes) -> Path:
 
 
 def take(path: Path, patience_s: float = 0.0) -> IO[str] | None:
-    """Lock a file, made when needed; None when another process holds it. Keep what is returned as long as it counts.
-    """
+    """Lock a file, made when needed; None when another process holds it. Keep what is returned as long as it counts."""
     path.parent.mkdir(parents=True, exist_ok=True)
     until = time.monotonic() + patience_s
     stream = open(path, "a+", encoding="utf-8")

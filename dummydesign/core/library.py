@@ -186,8 +186,9 @@ def own_entry(kind: str, what: str, name: str) -> Entry:
     known = entries(kind)
     entry = known.get(name.lower())
     if entry is None:
-        raise unknown_name(f"{what} of your own", name, [one.name for one in known.values() if one.origin == "user"],
-                           quantity=what)  # fmt: skip
+        raise unknown_name(
+            f"{what} of your own", name, [one.name for one in known.values() if one.origin == "user"], quantity=what
+        )
     if entry.origin != "user":
         message = f"{what} '{entry.name}' is built in and stays as it is; only your own can be changed"
         raise InputError(message, "not_allowed", quantity_name(what), name)

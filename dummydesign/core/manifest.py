@@ -59,13 +59,18 @@ def manifest_text(
     """Write a manifest as JSON."""
     words = COMMAND_LINE.get()
     content = {
-        "schema": SCHEMA, "command": question.command,
+        "schema": SCHEMA,
+        "command": question.command,
         "command_line": None if words is None else shlex.join(["dummydesign", *words]),
-        "version": __version__, "date": datetime.now(UTC).isoformat(timespec="seconds"),
-        "finished": names is not None, "question": question.key, "inputs": dict(question.inputs),
+        "version": __version__,
+        "date": datetime.now(UTC).isoformat(timespec="seconds"),
+        "finished": names is not None,
+        "question": question.key,
+        "inputs": dict(question.inputs),
         "files_read": question.sums,
-        "sha256": {name: sha256_of(folder / name) for name in sorted(names or ())}, **(extra or {}),
-    }  # fmt: skip
+        "sha256": {name: sha256_of(folder / name) for name in sorted(names or ())},
+        **(extra or {}),
+    }
     return json.dumps(content, indent=1, default=str) + "\n"
 
 

@@ -121,8 +121,11 @@ def _likely(number: float, purpose: Purpose) -> None:
         if abs(math.log10(size)) >= 3.0 and low <= meant <= high:
             raise InputError(
                 f"{purpose.quantity} = {number:g} looks like {unit}: give {meant:g}, or {number:g}{purpose.unit} if "
-                "that is what you mean", "implausible_unit", quantity_name(purpose.quantity), number,
-            )  # fmt: skip
+                "that is what you mean",
+                "implausible_unit",
+                quantity_name(purpose.quantity),
+                number,
+            )
 
 
 def read_numbers(values: float | str | Iterable[float | str], purpose: Purpose) -> tuple[float, ...]:

@@ -19,10 +19,14 @@ if TYPE_CHECKING:
 
 
 ONE_THREAD = {
-    "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", "MKL_NUM_THREADS": "1", "BLIS_NUM_THREADS": "1",
+    "OMP_NUM_THREADS": "1",
+    "OPENBLAS_NUM_THREADS": "1",
+    "MKL_NUM_THREADS": "1",
+    "BLIS_NUM_THREADS": "1",
     "VECLIB_MAXIMUM_THREADS": "1",
-}  # fmt: skip
+}
 """What a process of our own has in its environment before numpy is loaded."""
+
 
 def leave() -> None:
     """End this process at once: what a CAD kernel or a graphics library holds is not taken apart piece by piece."""

@@ -61,9 +61,14 @@ class Table:
         return value
 
     def number(
-        self, key: str, default: Any = REQUIRED, *, above: float | None = None, low: float = -math.inf,
+        self,
+        key: str,
+        default: Any = REQUIRED,
+        *,
+        above: float | None = None,
+        low: float = -math.inf,
         high: float = math.inf,
-    ) -> Any:  # fmt: skip
+    ) -> Any:
         """Return a finite number: ``above`` is left out of the range, ``low`` and ``high`` belong to it."""
         value = self.get(key, (int, float), "a finite number", default)
         if key not in self.data:

@@ -53,10 +53,14 @@ class Calibrated:
             parts = ", ".join(f"{value:.3g} N {phase.replace('_', ' ')}" for phase, value in left.items())
             text += f"; left {parts}; noise floor {used.noise_floor_N:.3g} N"
         return {
-            "file": self.path, "verdict": used.verdict, "effects": names,
-            "unexplained_because": list(used.unexplained_because), "left_N": dict(left),
-            "noise_floor_N": used.noise_floor_N, "text": text,
-        }  # fmt: skip
+            "file": self.path,
+            "verdict": used.verdict,
+            "effects": names,
+            "unexplained_because": list(used.unexplained_because),
+            "left_N": dict(left),
+            "noise_floor_N": used.noise_floor_N,
+            "text": text,
+        }
 
 
 def with_calibration(
@@ -81,8 +85,12 @@ def with_calibration(
         raise InputError(
             f"calibration {path} is of {pressed} at ratio {ratio:g}, which {resin.name} does not have "
             f"({resin.ratio_min:g} to {resin.ratio_max:g}): design with --resin {pressed}, or without it "
-            "(--calibration none)", "inconsistent", "calibration.ratio", ratio, (resin.ratio_min, resin.ratio_max),
-        )  # fmt: skip
+            "(--calibration none)",
+            "inconsistent",
+            "calibration.ratio",
+            ratio,
+            (resin.ratio_min, resin.ratio_max),
+        )
     punch = with_edge(punch, edge_radius_mm)
     warnings = _differences(calibration, resin, punch)
     source = f"calibration {path} of a measured campaign"
@@ -93,9 +101,11 @@ def with_calibration(
         raise InputError(
             f"calibration {path} leaves the modulus undetermined: {young:.3g} kPa, 95 % within a factor of "
             f"{exp(min(spread, 99.0)):.2g}, at most {UNDETERMINED:g} is allowed; press deeper or more pads and run "
-            "'dummydesign loop' again, or design without it (--calibration none)", "not_enough_data",
-            "calibration.young_kPa", young,
-        )  # fmt: skip
+            "'dummydesign loop' again, or design without it (--calibration none)",
+            "not_enough_data",
+            "calibration.young_kPa",
+            young,
+        )
     point = Point(ratio, _around(young, spread, source))
     updated = update_resin(resin, [point], resin.name)
     arms = []
@@ -103,15 +113,20 @@ def with_calibration(
         own = calibration.strength_spread(term)
         beta_spread = BETA_SPREAD if own is None else NORMAL_95 * own
         if not beta_spread <= log(UNDETERMINED):
-            message = (f"the calibration's campaign leaves the strength of the relaxation at {term.tau_s:.2g} s "
-                       f"undetermined ({term.beta:.2g}, 95 % within a factor of {exp(min(beta_spread, 99.0)):.2g}); "
-                       "press a ramp and a longer hold")  # fmt: skip
+            message = (
+                f"the calibration's campaign leaves the strength of the relaxation at {term.tau_s:.2g} s "
+                f"undetermined ({term.beta:.2g}, 95 % within a factor of {exp(min(beta_spread, 99.0)):.2g}); "
+                "press a ramp and a longer hold"
+            )
             warnings = (*warnings, {"code": "calibration_relaxation", "message": message})
         arms.append(Arm(_around(term.tau_s, 0.0, source), _around(term.beta, beta_spread, source)))
     resin = replace(
-        updated, arms=tuple(arms), relaxation_ratio_ref=float(ratio), references=(*resin.references, source),
+        updated,
+        arms=tuple(arms),
+        relaxation_ratio_ref=float(ratio),
+        references=(*resin.references, source),
         joint_relaxation=_joint(calibration),
-    )  # fmt: skip
+    )
     law = CorrectedLaw(Correction(calibration, BASE, punch), square, edge_radius_mm)
     return Calibrated(resin, law, calibration, warnings, path)
 
@@ -123,8 +138,10 @@ def _ratio(calibration: Calibration, path: str) -> float:
         raise InputError(
             f"calibration {path} has no mixing ratio, so no weights follow from its modulus: write 'ratio = R' into "
             "[pad] of the campaign's campaign.toml and run 'dummydesign loop' on it again, or design without it "
-            "(--calibration none)", "missing", "calibration.ratio",
-        )  # fmt: skip
+            "(--calibration none)",
+            "missing",
+            "calibration.ratio",
+        )
     return float(ratio)
 
 
@@ -145,8 +162,11 @@ def _check_family(calibration: Calibration, resin: Resin, path: str) -> None:
         raise InputError(
             f"calibration {path} is of {pressed}, whose ratio is {other.ratio_meaning}; that of {resin.name} is "
             f"{resin.ratio_meaning}: design with --resin {pressed}, or without it (--calibration none)",
-            "inconsistent", "calibration.resin", pressed, resin.name,
-        )  # fmt: skip
+            "inconsistent",
+            "calibration.resin",
+            pressed,
+            resin.name,
+        )
 
 
 def _joint(calibration: Calibration) -> RelaxationGivenModulus | None:
@@ -168,16 +188,30 @@ def _differences(calibration: Calibration, resin: Resin, punch: str) -> tuple[di
     notes = []
     carried = "modulus, relaxation and effects are carried over, what was found of the force law is not"
     if pad.get("resin") not in (None, resin.name):
-        notes.append(("calibration_resin", f"the calibration's campaign pressed pads of {pad['resin']}; this design is "
-                      f"of {resin.name}, and still uses its modulus and relaxation"))
+        notes.append(
+            (
+                "calibration_resin",
+                f"the calibration's campaign pressed pads of {pad['resin']}; this design is "
+                f"of {resin.name}, and still uses its modulus and relaxation",
+            )
+        )
     if not calibration.on_pucks():
         for name, own, designed in (("base", pad.get("base"), BASE), ("contact", pad.get("contact"), CONTACT)):
             if own not in (None, designed):
-                notes.append((f"calibration_{name}", f"the calibration's campaign had {name} = {own}, the pad that is "
-                              f"designed has {designed}: {carried}"))
+                notes.append(
+                    (
+                        f"calibration_{name}",
+                        f"the calibration's campaign had {name} = {own}, the pad that is "
+                        f"designed has {designed}: {carried}",
+                    )
+                )
         if (own := pad.get("punch") or PUNCH) != punch:
-            notes.append(("calibration_punch", f"the calibration's campaign pressed with punch {own}, this design is "
-                          f"for {punch}: {carried}"))
+            notes.append(
+                (
+                    "calibration_punch",
+                    f"the calibration's campaign pressed with punch {own}, this design is for {punch}: {carried}",
+                )
+            )
     return tuple({"code": code, "message": message} for code, message in notes)
 
 

@@ -17,13 +17,25 @@ SCHEMA = "dummydesign.suggest/1"
 MANIFEST = "manifest.json"
 # Inputs that change what a verdict or a score means; limits of the search are left out.
 QUESTIONS = {
-    "tissue": "tissue", "aim": "aim", "resin": "resin", "calibration": "calibration", "punch": "punch",
-    "edge_radius_mm": "edge radius in mm", "condition": "contact of the punch", "base": "base",
-    "force_N": "steady forces in N", "velocity_mm_s": "speeds in mm/s", "hold_s": "hold in s",
-    "deceleration_mm_s2": "braking in mm/s2", "pad_mm": "pad size in mm", "weighing_g": "weighing error in g",
-    "thickness_tolerance_mm": "thickness tolerance in mm", "castings": "number of castings",
-    "verify": "check by finite elements", "weights": "weights of the score",
-}  # fmt: skip
+    "tissue": "tissue",
+    "aim": "aim",
+    "resin": "resin",
+    "calibration": "calibration",
+    "punch": "punch",
+    "edge_radius_mm": "edge radius in mm",
+    "condition": "contact of the punch",
+    "base": "base",
+    "force_N": "steady forces in N",
+    "velocity_mm_s": "speeds in mm/s",
+    "hold_s": "hold in s",
+    "deceleration_mm_s2": "braking in mm/s2",
+    "pad_mm": "pad size in mm",
+    "weighing_g": "weighing error in g",
+    "thickness_tolerance_mm": "thickness tolerance in mm",
+    "castings": "number of castings",
+    "verify": "check by finite elements",
+    "weights": "weights of the score",
+}
 LARGEST_FILE = 64_000_000
 
 
@@ -92,32 +104,55 @@ def _design(path: Path, name: str, answer: Mapping[str, Any]) -> dict[str, Any]:
     """What is compared of one answer."""
     best, verdict, inputs, castings = (answer[key] for key in ("recommendation", "verdict", "inputs", "castings"))
     length, width = inputs["pad_mm"]
-    steps = ("steady_force_N", "velocity_mm_s", "depth_mm", "peak_force_N", "target_peak_low_N", "target_peak_high_N",
-             "reads", "percent_outside", "gel_compression")  # fmt: skip
+    steps = (
+        "steady_force_N",
+        "velocity_mm_s",
+        "depth_mm",
+        "peak_force_N",
+        "target_peak_low_N",
+        "target_peak_high_N",
+        "reads",
+        "percent_outside",
+        "gel_compression",
+    )
     return {
-        "name": name, "folder": str(path), "tissue": inputs["tissue"], "aim": inputs["aim"],
+        "name": name,
+        "folder": str(path),
+        "tissue": inputs["tissue"],
+        "aim": inputs["aim"],
         "verdict": {key: verdict[key] for key in ("level", "light", "reads", "text")},
-        "pad": {"shape": best["shape"], "thickness_mm": float(best["thickness_mm"]), "length_mm": float(length),
-                "width_mm": float(width), "base": inputs["base"]},
-        "resin": best["resin"], "ratio": float(best["ratio"]), "ratio_meaning": best["ratio_meaning"],
+        "pad": {
+            "shape": best["shape"],
+            "thickness_mm": float(best["thickness_mm"]),
+            "length_mm": float(length),
+            "width_mm": float(width),
+            "base": inputs["base"],
+        },
+        "resin": best["resin"],
+        "ratio": float(best["ratio"]),
+        "ratio_meaning": best["ratio_meaning"],
         "young_kPa": {key: float(best["young_kPa"][key]) for key in ("value", "low", "high")},
         "scores": {"total": best["scores"]["total"], **best["scores"]},
         **{side: {key: verdict[side][key] for key in ("central", "q95", "press")} for side in ("shortfall", "over")},
         "correction": {key: verdict["correction"][key] for key in ("factor_central", "factor")},
-        "castings": {**castings, "usable_fraction": castings["stands_for"] + castings["usable"],
-                     "needed_fraction": (verdict.get("limits") or {}).get("share")},
+        "castings": {
+            **castings,
+            "usable_fraction": castings["stands_for"] + castings["usable"],
+            "needed_fraction": (verdict.get("limits") or {}).get("share"),
+        },
         "batch": _batch(best["batch"]),
         "conditions": [{key: row[key] for key in steps} for row in best["conditions"]],
         "steady_curve": answer["steady_curve"],
-    }  # fmt: skip
+    }
 
 
 def _batch(batch: Mapping[str, Any]) -> dict[str, Any]:
     """What to weigh, of a layered pad also of its base."""
     kept: dict[str, Any] = {
         "components": [{"name": one["name"], "mass_g": float(one["mass_g"])} for one in batch["components"]],
-        "total_g": float(batch["total_g"]), "pour_g": float(batch["pour_g"]),
-    }  # fmt: skip
+        "total_g": float(batch["total_g"]),
+        "pour_g": float(batch["pour_g"]),
+    }
     return {**kept, "base": _batch(batch["base"])} if "base" in batch else kept
 
 

@@ -43,8 +43,9 @@ def curves_of_traces(comparison: Comparison, tissue: Tissue, lowpass: Lowpass | 
             time, force = trace.since_contact
             own = force_range((aim,), trace.steady_force_N, speed, trace.hold_s, braking, lowpass)
             near = max(STEADY_TOLERANCE * trace.steady_force_N, 3.0 * noise)
-            curves.append(PressCurve(trace.steady_force_N, speed, time, force, trace.ramp.rise_time_s, band, own, share,
-                                     near))  # fmt: skip
+            curves.append(
+                PressCurve(trace.steady_force_N, speed, time, force, trace.ramp.rise_time_s, band, own, share, near)
+            )
         conditions.append(curves)
     return match_of_presses(conditions)
 
@@ -78,8 +79,17 @@ def _spread_of_ends(comparison: Comparison, tissue: Tissue, ranges: Ranges) -> E
     several = []
     for peak, energy, one in zip(peaks, energies, drawn):
         stiff, soft = one.steady_depth_range(ranges.steady_N)
-        several.append(replace(ranges, peak_low_N=peak[0], peak_high_N=peak[1], energy_low_mJ=energy[0],
-                               energy_high_mJ=energy[1], stiff_mm=stiff, soft_mm=soft))  # fmt: skip
+        several.append(
+            replace(
+                ranges,
+                peak_low_N=peak[0],
+                peak_high_N=peak[1],
+                energy_low_mJ=energy[0],
+                energy_high_mJ=energy[1],
+                stiff_mm=stiff,
+                soft_mm=soft,
+            )
+        )
     return spread_of_ends(several)
 
 

@@ -49,10 +49,14 @@ class TracesTest:
         """Return all as plain values, None for what is taken from each press."""
         test = self.presses
         return {
-            "punch": self.punch, "edge_radius_mm": self.edge_radius_mm, "condition": self.condition,
-            "force_N": to_plain(test.forces_N), "velocity_mm_s": to_plain(test.velocities_mm_s),
-            "hold_s": test.hold_s, "deceleration_mm_s2": test.deceleration_mm_s2,
-        }  # fmt: skip
+            "punch": self.punch,
+            "edge_radius_mm": self.edge_radius_mm,
+            "condition": self.condition,
+            "force_N": to_plain(test.forces_N),
+            "velocity_mm_s": to_plain(test.velocities_mm_s),
+            "hold_s": test.hold_s,
+            "deceleration_mm_s2": test.deceleration_mm_s2,
+        }
 
     @property
     def given(self) -> dict[str, Any]:
@@ -71,10 +75,14 @@ class TracesTest:
 
 
 def read_test(
-    punch: str = PUNCH, edge_radius_mm: float | str = 0.0, force_N: Numbers | None = None,
-    velocity_mm_s: Numbers | None = None, hold_s: float | str | None = None,
-    deceleration_mm_s2: float | str | None = None, condition: str | None = None,
-) -> TracesTest:  # fmt: skip
+    punch: str = PUNCH,
+    edge_radius_mm: float | str = 0.0,
+    force_N: Numbers | None = None,
+    velocity_mm_s: Numbers | None = None,
+    hold_s: float | str | None = None,
+    deceleration_mm_s2: float | str | None = None,
+    condition: str | None = None,
+) -> TracesTest:
     """Read a test; numbers may carry their unit."""
     asked, face = read_punch(punch), face_of(punch, condition)
     Interface.parse(face, "condition", CONDITIONS)
@@ -206,8 +214,14 @@ class PadVerdict:
     def to_dict(self) -> dict[str, Any]:
         """Return all fields as plain values."""
         judged = None if self.verdict is None else self.verdict.to_dict()
-        return {"shape": self.shape or "slab", "thickness_mm": self.thickness_mm, "presses": self.presses,
-                "verdict": judged, "budget": to_plain(self.budget), "reason": self.reason or None}  # fmt: skip
+        return {
+            "shape": self.shape or "slab",
+            "thickness_mm": self.thickness_mm,
+            "presses": self.presses,
+            "verdict": judged,
+            "budget": to_plain(self.budget),
+            "reason": self.reason or None,
+        }
 
 
 def verdicts_of_campaign(campaign: Campaign, tissue: Tissue) -> tuple[PadVerdict, ...]:
@@ -224,5 +238,6 @@ def verdicts_of_campaign(campaign: Campaign, tissue: Tissue) -> tuple[PadVerdict
         except DummydesignError as problem:
             reason = str(problem)
         verdicts.append(PadVerdict(shape, thickness, len(traces), judged, reason, budget))
-    return tuple(sorted(verdicts, key=lambda pad: -1 if pad.verdict is None else LEVELS.index(pad.verdict.level),
-                        reverse=True))  # fmt: skip
+    return tuple(
+        sorted(verdicts, key=lambda pad: -1 if pad.verdict is None else LEVELS.index(pad.verdict.level), reverse=True)
+    )

@@ -20,8 +20,21 @@ if TYPE_CHECKING:
     from dummydesign.design.suggestion import Suggestion
     from dummydesign.mold.pour.cost import MouldCost
 
-TYPED_AGAIN = ("aim", "punch", "edge_radius_mm", "force_N", "velocity_mm_s", "hold_s", "base", "condition",
-               "deceleration_mm_s2", "machine", "silicone", "weighing_g", "thickness_tolerance_mm")  # fmt: skip
+TYPED_AGAIN = (
+    "aim",
+    "punch",
+    "edge_radius_mm",
+    "force_N",
+    "velocity_mm_s",
+    "hold_s",
+    "base",
+    "condition",
+    "deceleration_mm_s2",
+    "machine",
+    "silicone",
+    "weighing_g",
+    "thickness_tolerance_mm",
+)
 """Options of the next search beside tissue, resin and mould, in the order in which they are typed."""
 SEARCHED_AGAIN = ("shape", "preset", "pad_mm", "thickness_mm", "ratio", "sites")
 """Those that a mould which is kept has decided already."""
@@ -84,13 +97,21 @@ def _puck_first(answer: Suggestion, inputs: Mapping[str, Any]) -> list[Step]:
     named = f"--resin {shlex.quote(inputs['resin'])} --ratio {ratio:g}"
     added = command(trace_names(size), diameter, height, ratio, shlex.quote(inputs["resin"]), batch)
     return [
-        Step(f"print the ring of a puck ({diameter} mm diameter, {height} mm high)",
-             f"dummydesign mold --puck {size} {named}", take.printing_h, {"filament": take.filament_g}),
-        Step(f"cast the puck at ratio {ratio:g}; press it at {speeds} mm/s, 10 s hold", None, wait + PRESSING_H,
-             {"resin": take.resin_g}),
+        Step(
+            f"print the ring of a puck ({diameter} mm diameter, {height} mm high)",
+            f"dummydesign mold --puck {size} {named}",
+            take.printing_h,
+            {"filament": take.filament_g},
+        ),
+        Step(
+            f"cast the puck at ratio {ratio:g}; press it at {speeds} mm/s, 10 s hold",
+            None,
+            wait + PRESSING_H,
+            {"resin": take.resin_g},
+        ),
         Step("read the puck", added),
         Step("choose the ratio for the batch, for the same mould", _search_again(inputs, batch)),
-    ]  # fmt: skip
+    ]
 
 
 def _search_again(inputs: Mapping[str, Any], batch: str) -> str:
@@ -102,8 +123,7 @@ def _search_again(inputs: Mapping[str, Any], batch: str) -> str:
     names = TYPED_AGAIN if folder else (*TYPED_AGAIN, *SEARCHED_AGAIN)
     words = command_words(SuggestOptions, given, names)
     words += f" --mould {shlex.quote(str(folder))}" if folder else ""
-    return (f"dummydesign suggest --tissue {shlex.quote(given['tissue'])}{words}{_safety_words(given)} "
-            f"--resin {batch}")  # fmt: skip
+    return f"dummydesign suggest --tissue {shlex.quote(given['tissue'])}{words}{_safety_words(given)} --resin {batch}"
 
 
 def _safety_words(given: Mapping[str, Any]) -> str:
@@ -118,14 +138,11 @@ def _safety_words(given: Mapping[str, Any]) -> str:
 
 
 def paths_of(answer: Suggestion) -> list[Path]:
-    """The puck first and then the pad, beside the pad at once: what each takes and how many castings are usable then.
-    """
+    """The puck first and then the pad, beside the pad at once: what each takes and how many castings are usable."""
     from dummydesign.mold.puck.plan import ring_cost
 
     strict, shares, pad = answer.targets.strict, answer.shares, _mould(answer)
-    poured, after = (
-        one.stands_for + (0.0 if strict else one.usable) for one in (shares.as_poured, shares.after_puck)
-    )
+    poured, after = (one.stands_for + (0.0 if strict else one.usable) for one in (shares.as_poured, shares.after_puck))
     ring, wait = ring_cost(*WITNESS_MM, resin=answer.request.resin, ratio=answer.best.ratio), _curing_h(answer)
     printing, kept = pad.printing_h, answer.request.mould is not None
     grams = {"silicone": 0.0 if kept else pad.silicone_g, "resin": pad.resin_g}
@@ -133,19 +150,27 @@ def paths_of(answer: Suggestion) -> list[Path]:
         printing = 0.0
     # the pad's mould is printed while the puck cures, and is the same for every batch
     first = Path(
-        "puck first", None if printing is None else ring.printing_h + printing,
+        "puck first",
+        None if printing is None else ring.printing_h + printing,
         None if printing is None else max(ring.printing_h + wait + PRESSING_H, printing) + wait,
-        {**grams, "filament": ring.filament_g + (0.0 if kept else pad.filament_g or 0.0),
-         "resin": grams["resin"] + ring.resin_g}, after,
+        {
+            **grams,
+            "filament": ring.filament_g + (0.0 if kept else pad.filament_g or 0.0),
+            "resin": grams["resin"] + ring.resin_g,
+        },
+        after,
         f"puck first, {ring.printing_h:.1f} h of printing, {ring.resin_g:.0f} g, {_days(ring.printing_h + wait)}: "
         f"{100.0 * after:.0f} % usable",
-    )  # fmt: skip
+    )
     hours = "" if not printing else f"{printing:.0f} h, "
     at_once = Path(
-        "pad at once", printing, None if printing is None else printing + wait,
-        {**grams, "filament": 0.0 if kept else pad.filament_g or 0.0}, poured,
+        "pad at once",
+        printing,
+        None if printing is None else printing + wait,
+        {**grams, "filament": 0.0 if kept else pad.filament_g or 0.0},
+        poured,
         f"pad at once, {hours}{grams['resin']:.0f} g, {_days((printing or 0.0) + wait)}: {100.0 * poured:.0f} %",
-    )  # fmt: skip
+    )
     return [first, at_once]
 
 
@@ -180,11 +205,23 @@ def why_red(answer: Suggestion) -> str:
     short, name, at = differences.worst(differences.short)
     over, other, its = differences.worst(differences.above)
     if short / low >= over / high and name == PEAK:
-        return _relaxation(float(ranges.peak_low_N[at]), float(readings.peak_N[at]), low, ranges.force_N[at],
-                           ranges.velocity_mm_s[at], "little")  # fmt: skip
+        return _relaxation(
+            float(ranges.peak_low_N[at]),
+            float(readings.peak_N[at]),
+            low,
+            ranges.force_N[at],
+            ranges.velocity_mm_s[at],
+            "little",
+        )
     if over / high > short / low and other == PEAK:
-        return _relaxation(float(ranges.peak_high_N[its]), float(readings.peak_N[its]), 1.0 / high, ranges.force_N[its],
-                           ranges.velocity_mm_s[its], "much")  # fmt: skip
+        return _relaxation(
+            float(ranges.peak_high_N[its]),
+            float(readings.peak_N[its]),
+            1.0 / high,
+            ranges.force_N[its],
+            ranges.velocity_mm_s[its],
+            "much",
+        )
     side = "softer" if over / high > short / low else "stiffer"
     return f"its steady curve is {side} shaped than the subjects'; try another resin or a smaller force"
 

@@ -58,8 +58,12 @@ def add_options(parser: _ActionsContainer, table: type, names: Iterable[str]) ->
 def read_options(table: type[T], given: Mapping[str, Any]) -> T:
     """Read the arguments of a Python call, texts or values, into a table."""
     values = {name: (spec, given[spec.argument or name]) for name, (_, spec) in options_of(table).items()}
-    return table(**{name: value if spec.read is None or value is None else spec.read(value)
-                    for name, (spec, value) in values.items()})  # fmt: skip
+    return table(
+        **{
+            name: value if spec.read is None or value is None else spec.read(value)
+            for name, (spec, value) in values.items()
+        }
+    )
 
 
 def command_words(table: type, values: Mapping[str, Any], names: Iterable[str]) -> str:
@@ -117,47 +121,111 @@ class SuggestOptions:
     tissue: str = option(MISSING, "tissue", "NAME|FILE", "see 'dummydesign tissues list'")
     aim: str = option("average", "aim", "AIM", "average (default), safe-side, subject:NAME or people:PERCENT")
     resin: str = option("polyurethane-nagoya", "resin", "NAME|FILE", "see 'dummydesign resins list'")
-    thickness_mm: tuple[float, float] | None = option(None, "thickness", "MIN:MAX", "search range in mm, in 3 to 30",
-        read=partial(parse_limits, quantity="thickness in mm"), between=":")  # fmt: skip
-    ratio: tuple[float, float] | None = option(None, "ratio", "MIN:MAX",
+    thickness_mm: tuple[float, float] | None = option(
+        None,
+        "thickness",
+        "MIN:MAX",
+        "search range in mm, in 3 to 30",
+        read=partial(parse_limits, quantity="thickness in mm"),
+        between=":",
+    )
+    ratio: tuple[float, float] | None = option(
+        None,
+        "ratio",
+        "MIN:MAX",
         "search range of the mixing ratio, within the resin's range",
-        read=partial(parse_limits, quantity="ratio"), between=":")  # fmt: skip
+        read=partial(parse_limits, quantity="ratio"),
+        between=":",
+    )
     shape: str = option("auto", "shape", "NAME[:P,..]", _shape_help)
-    mould: str | None = option(None, "mould", "DIR|FILE",
-        "keep shape and thickness of a mould that was made; choose the ratio for the resin at hand", read=str)
+    mould: str | None = option(
+        None,
+        "mould",
+        "DIR|FILE",
+        "keep shape and thickness of a mould that was made; choose the ratio for the resin at hand",
+        read=str,
+    )
     verify: bool = option(True, "no-verify", "", "do not check the design by finite elements")
-    hold_s: float = option(10.0, "hold", "S", "hold after the stop (default 10 s)",
-        read=partial(read_number, purpose=parsing.HOLD))  # fmt: skip
-    deceleration_mm_s2: float = option(30_000.0, "deceleration", "MM_S2", "braking (default 30000 mm/s2)",
-        read=partial(read_number, purpose=parsing.DECELERATION))  # fmt: skip
-    weighing_g: float = option(0.1, "balance", "G", "weighing error, plus or minus (default 0.1 g)",
-        read=partial(_read_error, purpose=parsing.BALANCE), argument="balance_g")  # fmt: skip
-    thickness_tolerance_mm: float = option(0.2, "thickness-tolerance", "MM",
+    hold_s: float = option(
+        10.0, "hold", "S", "hold after the stop (default 10 s)", read=partial(read_number, purpose=parsing.HOLD)
+    )
+    deceleration_mm_s2: float = option(
+        30_000.0,
+        "deceleration",
+        "MM_S2",
+        "braking (default 30000 mm/s2)",
+        read=partial(read_number, purpose=parsing.DECELERATION),
+    )
+    weighing_g: float = option(
+        0.1,
+        "balance",
+        "G",
+        "weighing error, plus or minus (default 0.1 g)",
+        read=partial(_read_error, purpose=parsing.BALANCE),
+        argument="balance_g",
+    )
+    thickness_tolerance_mm: float = option(
+        0.2,
+        "thickness-tolerance",
+        "MM",
         "error of the cast thickness, plus or minus (default 0.2 mm)",
-        read=partial(_read_error, purpose=parsing.TOLERANCE))  # fmt: skip
-    calibration: str | None = option(None, "calibration", "FILE",
-        "file written by 'dummydesign loop'; none: ignore the project's", read=str)  # fmt: skip
-    punch: str = option(PUNCH, "punch", "KIND:SIZE",
-        "square:14 (default), rectangle:AxB, round:D, ball:D, profile:FILE.csv")  # fmt: skip
-    force_N: tuple[float, ...] = option((5.0, 10.0, 15.0), "force", "F1,F2,...", "steady forces (default 5,10,15 N)",
-        read=partial(read_numbers, purpose=parsing.FORCE))  # fmt: skip
-    velocity_mm_s: tuple[float, ...] = option((10.0, 250.0), "velocity", "V1,V2,...", "speeds (default 10,250 mm/s)",
-        read=partial(read_numbers, purpose=parsing.VELOCITY))  # fmt: skip
-    pad_mm: tuple[float, float] = option((PAD_LENGTH_MM, PAD_WIDTH_MM), "pad", "LxW",
+        read=partial(_read_error, purpose=parsing.TOLERANCE),
+    )
+    calibration: str | None = option(
+        None, "calibration", "FILE", "file written by 'dummydesign loop'; none: ignore the project's", read=str
+    )
+    punch: str = option(
+        PUNCH, "punch", "KIND:SIZE", "square:14 (default), rectangle:AxB, round:D, ball:D, profile:FILE.csv"
+    )
+    force_N: tuple[float, ...] = option(
+        (5.0, 10.0, 15.0),
+        "force",
+        "F1,F2,...",
+        "steady forces (default 5,10,15 N)",
+        read=partial(read_numbers, purpose=parsing.FORCE),
+    )
+    velocity_mm_s: tuple[float, ...] = option(
+        (10.0, 250.0),
+        "velocity",
+        "V1,V2,...",
+        "speeds (default 10,250 mm/s)",
+        read=partial(read_numbers, purpose=parsing.VELOCITY),
+    )
+    pad_mm: tuple[float, float] = option(
+        (PAD_LENGTH_MM, PAD_WIDTH_MM),
+        "pad",
+        "LxW",
         "length and width of the pad (default 150x120 mm)",
-        read=partial(read_size, quantity="pad"), argument="pad", between="x")  # fmt: skip
+        read=partial(read_size, quantity="pad"),
+        argument="pad",
+        between="x",
+    )
     base: str = option("bonded", "base", "NAME", "bonded (default), sliding or friction:MU")
-    edge_radius_mm: float = option(0.0, "edge-radius", "MM", "fillet of the punch's edge (default 0, sharp)",
-        read=partial(read_number, purpose=parsing.EDGE))  # fmt: skip
-    condition: str | None = option(None, "condition", "NAME",
-        "bonded (default; under a ball or a profile frictionless), frictionless, friction:MU")  # fmt: skip
+    edge_radius_mm: float = option(
+        0.0,
+        "edge-radius",
+        "MM",
+        "fillet of the punch's edge (default 0, sharp)",
+        read=partial(read_number, purpose=parsing.EDGE),
+    )
+    condition: str | None = option(
+        None, "condition", "NAME", "bonded (default; under a ball or a profile frictionless), frictionless, friction:MU"
+    )
     preset: str = option("open", "preset", "NAME|FILE", "mould preset: open (default), lidded, printed or a TOML file")
-    machine: str | None = option(None, "machine", "NAME|FILE",
-        "printer, vacuum chamber and oven the mould must fit")  # fmt: skip
+    machine: str | None = option(None, "machine", "NAME|FILE", "printer, vacuum chamber and oven the mould must fit")
     silicone: str | None = option(None, "silicone", "NAME|FILE", "silicone of the mould")
-    sites: tuple[int, int] | None = option(None, "sites", "NxM",
+    sites: tuple[int, int] | None = option(
+        None,
+        "sites",
+        "NxM",
         "crowns along and across one pad, such as 4x3, far enough apart to be independent",
-        read=read_sites, between="x")  # fmt: skip
-    castings: int = option(1200, "castings", "N",
+        read=read_sites,
+        between="x",
+    )
+    castings: int = option(
+        1200,
+        "castings",
+        "N",
         "number of simulated castings (default and minimum 1200)",
-        read=partial(read_count, quantity="castings"))  # fmt: skip
+        read=partial(read_count, quantity="castings"),
+    )

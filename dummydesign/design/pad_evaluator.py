@@ -39,9 +39,14 @@ USUAL_BATCH_G = 150.0
 
 
 def verdict_of_pad(
-    pad: Pad, curve: ForceCurve, young: dict[str, float], tissue: Tissue, aim: str, sampling: Sampling,
+    pad: Pad,
+    curve: ForceCurve,
+    young: dict[str, float],
+    tissue: Tissue,
+    aim: str,
+    sampling: Sampling,
     resin: tuple[Resin, float] | None = None,
-) -> tuple[Verdict, DesignCandidate, Targets]:  # fmt: skip
+) -> tuple[Verdict, DesignCandidate, Targets]:
     """Press a pad by the paper's test and judge it, with what is not known of its modulus and of the force.
 
     With a resin and its ratio the castings are those of the batch: modulus, relaxation and weighing of 150 g.
@@ -75,9 +80,14 @@ def verdict_of_pad(
         pours = [castings.pours(thickness, resin[1], tolerances, error, group) for group in ((), RESIN)]
         spread, known = (readings(one.young_MPa, one.beta) for one in pours)
     judged = verdict(
-        ranges_of(targets), candidate.readings, spread, bound,
-        of="castings" if resin else "pads with a modulus in its interval", known=known, limits=targets.limits,
-    )  # fmt: skip
+        ranges_of(targets),
+        candidate.readings,
+        spread,
+        bound,
+        of="castings" if resin else "pads with a modulus in its interval",
+        known=known,
+        limits=targets.limits,
+    )
     return judged, candidate, targets
 
 
@@ -91,9 +101,12 @@ class EvaluatedPad:
 
 
 def law_of_shape(
-    slab_law: ForceLaw, shape: PadShape, thickness_mm: float,
-    pad_mm: tuple[float, float] = (PAD_LENGTH_MM, PAD_WIDTH_MM), correct: Callable[[Family], Family] | None = None,
-) -> ForceLaw:  # fmt: skip
+    slab_law: ForceLaw,
+    shape: PadShape,
+    thickness_mm: float,
+    pad_mm: tuple[float, float] = (PAD_LENGTH_MM, PAD_WIDTH_MM),
+    correct: Callable[[Family], Family] | None = None,
+) -> ForceLaw:
     """Elastic force of a pad of a shape: the slabs' law, or the response surface of the kind."""
     if shape.plain:
         return slab_law

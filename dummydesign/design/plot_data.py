@@ -60,8 +60,12 @@ def reactions(answer: Suggestion, law: ForceLaw) -> list[Reaction]:
     young, beta = resin.young_MPa(ratio), resin.strengths([ratio, *mixed])
     ends = [[getattr(arm.beta, end) / arm.beta.value for arm in resin.arms] for end in ("low", "high")]
     # the pad itself, then both ends of each
-    names = (f"thickness ± {tolerance:g} mm", f"weighing ± {answer.request.weighing_g:g} g", "modulus, 95 %",
-             "relaxation, 95 %")  # fmt: skip
+    names = (
+        f"thickness ± {tolerance:g} mm",
+        f"weighing ± {answer.request.weighing_g:g} g",
+        "modulus, 95 %",
+        "relaxation, 95 %",
+    )
     moduli = [young, young, young, *resin.young_MPa(mixed), 1e-3 * modulus.low, 1e-3 * modulus.high, young, young]
     strengths = np.concatenate([beta[[0, 0, 0, 1, 2, 0, 0]], beta[0] * np.array(ends)])
     slab, gel = np.array([0, 1, 2, 0, 0, 0, 0, 0, 0]), answer.targets.limits.gel_compression
@@ -103,10 +107,13 @@ def force_grids(protocol: Protocol) -> ForceGrids:
     low, high = protocol.forces_N[0], protocol.forces_N[-1]
     above = np.linspace(low + 0.025 * (high - low), high, 40) if high > low else np.zeros(0)
     return ForceGrids(
-        pad=np.r_[np.linspace(0.02 * low, low, 25), above], extrapolated=np.linspace(0.0, low, 21),
-        measured=np.linspace(low, high, 41 if high > low else 1), aim=np.linspace(0.0, high, 61),
-        relative=np.geomspace(0.06 * low, high, 60), exponent_at=protocol.forces_N,
-    )  # fmt: skip
+        pad=np.r_[np.linspace(0.02 * low, low, 25), above],
+        extrapolated=np.linspace(0.0, low, 21),
+        measured=np.linspace(low, high, 41 if high > low else 1),
+        aim=np.linspace(0.0, high, 61),
+        relative=np.geomspace(0.06 * low, high, 60),
+        exponent_at=protocol.forces_N,
+    )
 
 
 @dataclass(frozen=True)
@@ -136,7 +143,9 @@ def suggestion_curves(answer: Suggestion) -> SuggestionCurves:
     depth = answer.best.steady_depth_mm(grids.pad)
     exponent = exponent_over_thickness(answer, answer.law, grids)
     return SuggestionCurves(
-        forces_N=grids, pad_depth_mm=depth, limit_mm=answer.best.limit_mm,
+        forces_N=grids,
+        pad_depth_mm=depth,
+        limit_mm=answer.best.limit_mm,
         castings_mm=answer.castings.depth_band_mm(grids.pad),
         pad_depth_at_needed_mm=float(np.interp(targets.protocol.needed_N, grids.pad, depth)),
         other_depths_mm=tuple(other.candidate.steady_depth_mm(grids.pad) for other in answer.alternatives),
@@ -149,8 +158,9 @@ def suggestion_curves(answer: Suggestion) -> SuggestionCurves:
         ),
         exponent=exponent,
         exponent_here=tuple(float(np.interp(here, THICKNESS_GRID_MM, column)) for column in exponent.T),
-        ratio_error=ratio_error(answer), reactions=tuple(reactions(answer, answer.cast)),
-    )  # fmt: skip
+        ratio_error=ratio_error(answer),
+        reactions=tuple(reactions(answer, answer.cast)),
+    )
 
 
 def relative_force(candidate: DesignCandidate, targets: Targets, grids: ForceGrids) -> NDArray:
@@ -259,12 +269,20 @@ def _solved(pad: Pad, depth_mm: NDArray) -> dict[str, Any]:
     from dummydesign.pad.fields import solve_fields
 
     fields, _ = solve_fields(pad, np.maximum.accumulate(depth_mm).tolist(), coarse=True)
-    return {"states": [
-        {"depth_mm": one.depth_mm, "force_N": one.force_N, "place_mm": one.rest_mm + one.displacement_mm,
-         "stress_kPa": 1e3 * one.von_mises_MPa, "punch_mm": one.punch_mm, "contact": one.contact(),
-         "face_mm": np.stack([one.face.radius_mm, one.face.height_mm], axis=1)}
-        for one in fields
-    ]}  # fmt: skip
+    return {
+        "states": [
+            {
+                "depth_mm": one.depth_mm,
+                "force_N": one.force_N,
+                "place_mm": one.rest_mm + one.displacement_mm,
+                "stress_kPa": 1e3 * one.von_mises_MPa,
+                "punch_mm": one.punch_mm,
+                "contact": one.contact(),
+                "face_mm": np.stack([one.face.radius_mm, one.face.height_mm], axis=1),
+            }
+            for one in fields
+        ]
+    }
 
 
 def _linear(points: NDArray, value: NDArray, at: NDArray) -> NDArray:
@@ -295,6 +313,14 @@ def _drawn(pad: Pad, force_N: float, state: dict[str, Any]) -> PressedPad:
     inside = up <= np.interp(out, face[:, 0], face[:, 1])
     inside &= up >= np.asarray(pad.geometry.bone_mm(out, 0.0 * out), float)
     return PressedPad(
-        pad.geometry.name, force_N, float(state["force_N"]), float(state["depth_mm"]), radius, height,
-        np.where(inside, stress, np.nan), face, np.asarray(state["punch_mm"], float), state["contact"],
-    )  # fmt: skip
+        pad.geometry.name,
+        force_N,
+        float(state["force_N"]),
+        float(state["depth_mm"]),
+        radius,
+        height,
+        np.where(inside, stress, np.nan),
+        face,
+        np.asarray(state["punch_mm"], float),
+        state["contact"],
+    )

@@ -107,10 +107,21 @@ def read_problem(request: Request, law: ForceLaw | None = None) -> Problem:
     made = partial(_tolerances, request, preset, resin)
     made(Slab(), float(thickness[0]), float(ratios[0]))  # a pad that no mould can make is refused at once
     space = SearchSpace(
-        resin, targets, thickness, ratios, punch.radius_mm, Castings(resin, request.castings), made, puck_error(),
-        sampling, request.pad_mm, request.base, correct, request.edge_radius_mm,
+        resin,
+        targets,
+        thickness,
+        ratios,
+        punch.radius_mm,
+        Castings(resin, request.castings),
+        made,
+        puck_error(),
+        sampling,
+        request.pad_mm,
+        request.base,
+        correct,
+        request.edge_radius_mm,
         _least_film_mm(request, preset, resin, float(thickness[-1]), ratios),
-    )  # fmt: skip
+    )
     wide = None if kept is None else replace(space, thickness_mm=tabulated(steps, request, punch))
     files = {**settings_files(), **preset.files}
     return Problem(request, tissue, space, law, punch, preset, files, calibrated, wide)
@@ -140,13 +151,22 @@ def _check_mould(spec: MouldSpec, place: str, resin: Resin, punch: str) -> None:
         raise InputError(
             f"mould '{place}' was made for {spec.pour.resin} ({', '.join(made)}) and its shrinkage; {resin.name} is "
             f"mixed of {', '.join(liquids)}: leave --mould out, or name a resin of these liquids",
-            "inconsistent", "mould", spec.pour.resin, resin.name,
-        )  # fmt: skip
+            "inconsistent",
+            "mould",
+            spec.pour.resin,
+            resin.name,
+        )
     folder = Path(place) if Path(place).is_dir() else Path(place).parent
     designed = read_json(folder / ANSWER).get("inputs", {}).get("punch")
     if designed is not None and designed != punch:
-        raise InputError(f"mould '{place}' was designed under the punch {designed}; it is now {punch}: leave --mould "
-                         f"out, or give --punch {designed}", "inconsistent", "mould", punch, designed)  # fmt: skip
+        raise InputError(
+            f"mould '{place}' was designed under the punch {designed}; it is now {punch}: leave --mould "
+            f"out, or give --punch {designed}",
+            "inconsistent",
+            "mould",
+            punch,
+            designed,
+        )
 
 
 def _mould(
@@ -164,9 +184,7 @@ def _tolerances(
     return Tolerances(batch["total_g"], request.weighing_g, request.thickness_tolerance_mm, crown)
 
 
-def _least_film_mm(
-    request: Request, preset: Preset, resin: Resin, thickness_mm: float, ratios: NDArray
-) -> float:
+def _least_film_mm(request: Request, preset: Preset, resin: Resin, thickness_mm: float, ratios: NDArray) -> float:
     """Thinnest gel that levels itself within the pot life, over the ratios. [mm]"""
     from dummydesign.mold.pour.plan import least_film_mm
 
@@ -184,8 +202,11 @@ def _ratios(resin: Resin, wanted: tuple[float, float] | None) -> NDArray:
         raise InputError(
             f"ratio range {wanted[0]:g}:{wanted[1]:g} holds no step of {resin.ratio_step:g}; "
             f"{resin.name} allows {resin.ratio_min:g} to {resin.ratio_max:g}",
-            "out_of_range", "ratio", wanted, (resin.ratio_min, resin.ratio_max),
-        )  # fmt: skip
+            "out_of_range",
+            "ratio",
+            wanted,
+            (resin.ratio_min, resin.ratio_max),
+        )
     return ratios
 
 

@@ -218,8 +218,11 @@ def curves_impact(subjects: Sequence[Parameters], mass_kg: float, velocity_mm_s:
             raise InputError(
                 f"robot_velocity_mm_s = {velocity_mm_s:g} is outside the speeds that were pressed, and measured curves "
                 f"say nothing of others: all were pressed at {', '.join(f'{v:g}' for v in speeds)} mm/s",
-                "out_of_range", "robot_velocity_mm_s", velocity_mm_s, speeds,
-            )  # fmt: skip
+                "out_of_range",
+                "robot_velocity_mm_s",
+                velocity_mm_s,
+                speeds,
+            )
         depth, peak, taken = _stopped(*curve, wanted)
         rows.append((depth, wanted if np.isfinite(depth) else np.nan, peak))
         if not np.isfinite(depth):
@@ -322,9 +325,11 @@ class SafetyView(Serialised):
 
 
 def safety_view(
-    answer: Suggestion, robot_mass_kg: float | None = None, robot_velocity_mm_s: float = 250.0,
+    answer: Suggestion,
+    robot_mass_kg: float | None = None,
+    robot_velocity_mm_s: float = 250.0,
     limits: Limits | None = None,
-) -> SafetyView:  # fmt: skip
+) -> SafetyView:
     """Work out the safety view of a suggestion."""
     sampling = answer.targets.sampling
     slabs, depths = answer.best.alone, answer.best.depth_mm
@@ -396,12 +401,14 @@ def _impact_rows(name: str, contact: SafetyContact, area: float, notes: Sequence
     return [
         {
             "body": name if len(contact.depth_mm) == 1 else f"{name}, subject {index + 1}",
-            "depth_mm": depth, "peak_force_N": peak, "energy_mJ": energy,
+            "depth_mm": depth,
+            "peak_force_N": peak,
+            "energy_mJ": energy,
             "mean_pressure_N_per_cm2": None if peak is None else peak * N_PER_CM2 / area,
             "note": notes[index] if notes else ("" if peak is not None else BEYOND),
         }
         for index, (depth, peak, energy) in enumerate(zip(*columns))
-    ]  # fmt: skip
+    ]
 
 
 def _ends(values: NDArray) -> tuple[float, float]:

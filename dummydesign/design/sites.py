@@ -70,12 +70,15 @@ class IsolatedCrown:
         return self._change(line, self.extent_mm, line, rim_mm)
 
     def stiffer(self, pitch_mm: float) -> float:
-        """The same when the pad has its full thickness all around from the nearest neighbour's foot on: upper bound.
-        """
+        """The same when the pad has its full thickness all around from the nearest neighbour's foot on: upper bound."""
         inner = pitch_mm - float(self.crown.lines_mm()[0])
         around = max(self.extent_mm, 2.0 * pitch_mm, PAD_EXTENT_MM)
-        return self._change(CrownWithRing(self.crown, inner), max(self.extent_mm, 1.1 * inner),
-                            CrownWithRing(self.crown, inner, True), around)  # fmt: skip
+        return self._change(
+            CrownWithRing(self.crown, inner),
+            max(self.extent_mm, 1.1 * inner),
+            CrownWithRing(self.crown, inner, True),
+            around,
+        )
 
     def _change(self, one: CrownWithRing, extent_mm: float, other: CrownWithRing, its_extent_mm: float) -> float:
         alone, among = self._force(one, extent_mm), self._force(other, its_extent_mm)
@@ -91,8 +94,14 @@ class IsolatedCrown:
         from dummydesign.core.cache import cached
 
         depth = self.depth_mm * DEPTH_SHARES
-        inputs = {"shape": str(shape), "thickness": self.thickness_mm, "radius": self.radius_mm, "depth": depth,
-                  "extent": extent_mm, "base": self.base}  # fmt: skip
+        inputs = {
+            "shape": str(shape),
+            "thickness": self.thickness_mm,
+            "radius": self.radius_mm,
+            "depth": depth,
+            "extent": extent_mm,
+            "base": self.base,
+        }
         solved = cached("site", inputs, lambda: self._solve(shape, depth, extent_mm))
         return np.asarray(solved["force"], float)
 
@@ -143,10 +152,14 @@ class Sites:
     def to_dict(self, shape: PadShape) -> dict[str, Any]:
         """Return the grid with the places of the tips."""
         return {
-            "along": self.along, "across": self.across, "pitch_mm": list(self.pitch_mm), "rim_mm": self.rim_mm,
+            "along": self.along,
+            "across": self.across,
+            "pitch_mm": list(self.pitch_mm),
+            "rim_mm": self.rim_mm,
             "places_mm": [list(position) for position in shape.places_mm],
-            "force_change": {"low": self.softer, "high": self.stiffer}, "text": self.text,
-        }  # fmt: skip
+            "force_change": {"low": self.softer, "high": self.stiffer},
+            "text": self.text,
+        }
 
 
 def lay_out_sites(
@@ -197,8 +210,13 @@ def _sites(
     sides = [0.5 * (size - (count - 1) * pitch) for count, size, pitch in zip(wanted, pad_mm, pitches)]
     rim = floor(10.0 * min(sides) + 1e-6) / 10.0
     nearest = min((pitch for pitch in pitches if pitch), default=0.0)
-    return Sites(*wanted, (pitches[0], pitches[1]), rim, min(alone.softer(rim), 0.0),
-                 max(alone.stiffer(nearest), 0.0) if nearest else 0.0)  # fmt: skip
+    return Sites(
+        *wanted,
+        (pitches[0], pitches[1]),
+        rim,
+        min(alone.softer(rim), 0.0),
+        max(alone.stiffer(nearest), 0.0) if nearest else 0.0,
+    )
 
 
 def _needed(change: Callable[[float], float], least_mm: float) -> float:

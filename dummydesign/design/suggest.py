@@ -94,9 +94,14 @@ def solve(problem: Problem, outcome: SearchOutcome, progress: Progress = quiet) 
         return done
     best, forces = done.best, (space.targets.protocol.low_grid_N[1], *space.targets.protocol.forces_N)
     centring = centring_tolerance(
-        best, chosen.shape, space.radius_mm, problem.punch.half_width_mm, forces, space.extent_mm,
+        best,
+        chosen.shape,
+        space.radius_mm,
+        problem.punch.half_width_mm,
+        forces,
+        space.extent_mm,
         getattr(chosen.cast, "touch", None),
-    )  # fmt: skip
+    )
     sites = None
     if request.sites is not None:
         from dummydesign.design.sites import lay_out_sites
@@ -139,8 +144,11 @@ def _neighbours(problem: Problem, chosen: ShapedDesign, best: DesignCandidate) -
         able = known & pads.castable(space.pad_mm, space.least_film_mm)
         around = near[able] if able.any() else np.array([chosen.thickness_mm])
     found = search(chosen.law, replace(space, thickness_mm=around))
-    others = [one for one in (found.best, *found.alternatives)
-              if abs(one.thickness_mm - best.thickness_mm) > 1e-9 or abs(one.ratio - best.ratio) > 1e-9]  # fmt: skip
+    others = [
+        one
+        for one in (found.best, *found.alternatives)
+        if abs(one.thickness_mm - best.thickness_mm) > 1e-9 or abs(one.ratio - best.ratio) > 1e-9
+    ]
     return replace(found, best=best, alternatives=tuple(others[:ALTERNATIVES]))
 
 
@@ -202,9 +210,14 @@ DEPTH_SHARES = np.linspace(0.05, 1.0, 12)
 
 
 def centring_tolerance(
-    best: DesignCandidate, shape: PadShape, radius_mm: float, half_side_mm: float,
-    forces_N: tuple[float, ...] = (1.0, *PAPER.forces_N), extent_mm: float = PAD_EXTENT_MM, touch: Touch | None = None,
-) -> CentringTolerance | None:  # fmt: skip
+    best: DesignCandidate,
+    shape: PadShape,
+    radius_mm: float,
+    half_side_mm: float,
+    forces_N: tuple[float, ...] = (1.0, *PAPER.forces_N),
+    extent_mm: float = PAD_EXTENT_MM,
+    touch: Touch | None = None,
+) -> CentringTolerance | None:
     """Solve the contact of a round crowned pad; None for flat tops, shapes that are not round, or a failed solve."""
     from dummydesign.pad.specimen import Pad
 
@@ -244,17 +257,27 @@ def assess(problem: Problem, solved: SolvedDesign, missing: dict[str, str] | Non
     listed = [{"code": code, "message": text} for code, text in warnings]
     calibrated = problem.calibrated
     return Suggestion(
-        problem=problem, result=solved.result, law=chosen.law, cast=chosen.cast, comparisons=tuple(comparisons),
-        verification=solved.verification, centring=solved.centring, sites=solved.sites,
-        verdict=verdict_of_design(castings, beyond), castings=castings, shares=shares_of_pad(castings), pour=pour,
+        problem=problem,
+        result=solved.result,
+        law=chosen.law,
+        cast=chosen.cast,
+        comparisons=tuple(comparisons),
+        verification=solved.verification,
+        centring=solved.centring,
+        sites=solved.sites,
+        verdict=verdict_of_design(castings, beyond),
+        castings=castings,
+        shares=shares_of_pad(castings),
+        pour=pour,
         recommended=_recommended(problem, best, chosen.shape),
         alternatives=tuple(_recommended(problem, one, _shape_at(chosen, one)) for one in solved.result.alternatives),
         rests_on=count_unmeasured(space.resin, problem.tissue, best),
         warnings=(*listed, *(() if calibrated is None else calibrated.warnings)),
         choice=explain(chosen, rank([one for one in designs if one is not chosen], space), space),
         measure_first=measure_first(castings),
-        curves=match_of_design(best.evaluation, best.index, space.targets), budget=budget_of_castings(castings),
-    )  # fmt: skip
+        curves=match_of_design(best.evaluation, best.index, space.targets),
+        budget=budget_of_castings(castings),
+    )
 
 
 def _of_kinds(designs: Sequence[ShapedDesign]) -> list[ShapedDesign]:
@@ -306,15 +329,20 @@ def other_mould(problem: Problem, chosen: ShapedDesign) -> dict[str, Any]:
         return {"shape": None, "text": "no other mould is better"}
     best = rank([chosen, *designs.designs], problem.wide)[0]
     mine, its = chosen.outlook, best.outlook
-    if best is chosen or (its.level(limits, strict) == mine.level(limits, strict) and its.ties(mine)
-                          and mine.ties(its)):  # fmt: skip
+    if best is chosen or (
+        its.level(limits, strict) == mine.level(limits, strict) and its.ties(mine) and mine.ties(its)
+    ):
         return {"shape": None, "text": "no other mould is better"}
     text = (
         f"another mould ({best.shape.name}, {best.thickness_mm:g} mm) would make {100 * its.as_poured:.0f} % of "
         f"castings usable instead of {100 * mine.as_poured:.0f} %"
     )
     return {
-        "shape": str(best.shape), "thickness_mm": best.thickness_mm, "ratio": its.ratio,
-        "level": LEVELS[its.level(limits, strict)], "as_poured": its.as_poured, "after_puck": its.after_puck,
+        "shape": str(best.shape),
+        "thickness_mm": best.thickness_mm,
+        "ratio": its.ratio,
+        "level": LEVELS[its.level(limits, strict)],
+        "as_poured": its.as_poured,
+        "after_puck": its.after_puck,
         "text": text,
-    }  # fmt: skip
+    }

@@ -132,9 +132,11 @@ class Suggestion:
         return self.recommended.shape
 
     def to_dict(
-        self, inputs: dict[str, Any] | None = None, safety: SafetyView | None = None,
+        self,
+        inputs: dict[str, Any] | None = None,
+        safety: SafetyView | None = None,
         mould: dict[str, Any] | None = None,
-    ) -> dict[str, Any]:  # fmt: skip
+    ) -> dict[str, Any]:
         """Return the answer in the form of the ``suggest`` contract.
 
         With inputs and safety view it is the whole answer. The recipe is that of the mould's volumes where it was made.
@@ -153,17 +155,25 @@ class Suggestion:
             "people": shares_below(self.targets, self.best.readings.peak_N).to_dict(),
             "measure_first": self.measure_first.to_dict(),
             "choice": {**self.choice.to_dict(), "weights": self.targets.weights.to_dict()},
-            "curves": to_plain(self.curves), "budget": to_plain(self.budget),
-            "calibration": self.calibration, "recommendation": recommendation,
+            "curves": to_plain(self.curves),
+            "budget": to_plain(self.budget),
+            "calibration": self.calibration,
+            "recommendation": recommendation,
             "alternatives": [design_dict(other, self.resin, self.targets) for other in self.alternatives],
-            "sensitivity": {"d_ln_young_per_percent_ratio": 0.01 * self.resin.log_slope(self.best.ratio),
-                            **self.pour.to_dict()},
-            "verification": self.verification.to_dict(), "shapes": to_plain(self.comparisons),
-            "tissue_exponent": self.targets.power, "landing": to_plain(self.centring),
-            "sites": self.sites.to_dict(self.shape) if self.sites else None, "other_mould": self.other_mould,
+            "sensitivity": {
+                "d_ln_young_per_percent_ratio": 0.01 * self.resin.log_slope(self.best.ratio),
+                **self.pour.to_dict(),
+            },
+            "verification": self.verification.to_dict(),
+            "shapes": to_plain(self.comparisons),
+            "tissue_exponent": self.targets.power,
+            "landing": to_plain(self.centring),
+            "sites": self.sites.to_dict(self.shape) if self.sites else None,
+            "other_mould": self.other_mould,
             "rests_on": self.rests_on,
-            "warnings": [*(safety.warnings if safety else ()), *self.warnings], "sources": sources,
-        }  # fmt: skip
+            "warnings": [*(safety.warnings if safety else ()), *self.warnings],
+            "sources": sources,
+        }
         if inputs is None or safety is None:
             return answer
         ahead = {"next": to_plain(next_steps(self, inputs)), "paths": to_plain(paths_of(self))}
@@ -187,21 +197,29 @@ def design_dict(design: RecommendedDesign, resin: Resin, targets: Targets) -> di
     at, one = candidate.index, candidate.evaluation
     fitted = {} if candidate.parameters is None else to_plain(candidate.parameters.to_dict())
     return {
-        "resin": resin.name, "ratio": candidate.ratio, "ratio_meaning": resin.ratio_meaning,
-        "shape": str(design.shape), "thickness_mm": candidate.thickness_mm,
-        "young_kPa": resin.modulus_kPa(candidate.ratio).to_dict(), "prony": to_plain(resin.prony(candidate.ratio)),
-        "recipe": design.recipe, "batch": design.batch,
+        "resin": resin.name,
+        "ratio": candidate.ratio,
+        "ratio_meaning": resin.ratio_meaning,
+        "shape": str(design.shape),
+        "thickness_mm": candidate.thickness_mm,
+        "young_kPa": resin.modulus_kPa(candidate.ratio).to_dict(),
+        "prony": to_plain(resin.prony(candidate.ratio)),
+        "recipe": design.recipe,
+        "batch": design.batch,
         "parameters": {name: value for name, value in fitted.items() if name != "law"} or None,
         "parameters_law": targets.tissue.law,
         "scores": {
-            "total": candidate.total, "steady_state_range": float(one.steady_state_range[at]),
-            "force_variation_range": float(one.force_variation_range[at]), "aim": float(one.aim[at]),
+            "total": candidate.total,
+            "steady_state_range": float(one.steady_state_range[at]),
+            "force_variation_range": float(one.force_variation_range[at]),
+            "aim": float(one.aim[at]),
             "parametric": candidate.parametric if targets.parametric else None,
             "low_force_range": float(one.low_force_range[at]),
         },
         "conditions": condition_rows(candidate, targets, design.shape),
-        "low_force": _low_force(candidate, targets), "from_first_touch": low_force(candidate, targets).to_dict(),
-    }  # fmt: skip
+        "low_force": _low_force(candidate, targets),
+        "from_first_touch": low_force(candidate, targets).to_dict(),
+    }
 
 
 def condition_rows(candidate: DesignCandidate, targets: Targets, shape: PadShape) -> list[dict[str, Any]]:
@@ -214,18 +232,30 @@ def condition_rows(candidate: DesignCandidate, targets: Targets, shape: PadShape
         peak = None if depth is None else float(candidate.evaluation.presses[column].peak_N[at])
         low, high = condition.range.peak_low_N, condition.range.peak_high_N
         reads, outside = _reads(peak, low, high)
-        why = None if depth is not None else (
-            f"{condition.steady_force_N:g} N steady needs more than {limit:.1f} mm, {limit / thickness:.2f} of the "
-            "thickness; the gel bottoms out"
-        )  # fmt: skip
-        rows.append({
-            "steady_force_N": condition.steady_force_N, "velocity_mm_s": condition.velocity_mm_s, "depth_mm": depth,
-            "depth_over_thickness": None if depth is None else depth / thickness,
-            "gel_compression": None if depth is None else depth / gel,
-            "peak_force_N": peak, "target_peak_low_N": low, "target_peak_high_N": high,
-            "reads": reads, "percent_outside": outside,
-            "inside_fraction": float(candidate.evaluation.inside[at, column]), "out_of_reach": why,
-        })  # fmt: skip
+        why = (
+            None
+            if depth is not None
+            else (
+                f"{condition.steady_force_N:g} N steady needs more than {limit:.1f} mm, {limit / thickness:.2f} of the "
+                "thickness; the gel bottoms out"
+            )
+        )
+        rows.append(
+            {
+                "steady_force_N": condition.steady_force_N,
+                "velocity_mm_s": condition.velocity_mm_s,
+                "depth_mm": depth,
+                "depth_over_thickness": None if depth is None else depth / thickness,
+                "gel_compression": None if depth is None else depth / gel,
+                "peak_force_N": peak,
+                "target_peak_low_N": low,
+                "target_peak_high_N": high,
+                "reads": reads,
+                "percent_outside": outside,
+                "inside_fraction": float(candidate.evaluation.inside[at, column]),
+                "out_of_reach": why,
+            }
+        )
     return rows
 
 

@@ -39,10 +39,18 @@ def tabulated(thickness_mm: NDArray, request: Request, punch: Punch) -> NDArray:
             raise InputError(
                 f"punch {request.punch} is outside what is tabulated: the circle of its area has a radius of "
                 f"{punch.radius_mm:.3g} mm, allowed is {smallest * THICKNESS_MM[0]:.3g} to "
-                f"{largest * THICKNESS_MM[1]:.3g}", "out_of_range", "punch_radius_mm", punch.radius_mm,
-            )  # fmt: skip
-        raise out_of_range("thickness in mm", f"{thickness_mm[0]:g}:{thickness_mm[-1]:g}", f"{low:.3g}", f"{high:.3g}",
-                           f"under the punch {request.punch}")  # fmt: skip
+                f"{largest * THICKNESS_MM[1]:.3g}",
+                "out_of_range",
+                "punch_radius_mm",
+                punch.radius_mm,
+            )
+        raise out_of_range(
+            "thickness in mm",
+            f"{thickness_mm[0]:g}:{thickness_mm[-1]:g}",
+            f"{low:.3g}",
+            f"{high:.3g}",
+            f"under the punch {request.punch}",
+        )
     return kept
 
 
@@ -90,19 +98,28 @@ def check_calibrated(request: Request, punch: Punch, thickness_mm: NDArray) -> N
     elif request.face != "bonded" and punch.profile_mm is None:
         why = f"condition = {request.face} is not in them"
     if why:
-        raise InputError("a calibration corrects the tables of glued pads under flat glued punches, and "
-                         f"{why}: design without it (--calibration none){instead}",
-                         "not_applicable", "calibration")  # fmt: skip
+        raise InputError(
+            "a calibration corrects the tables of glued pads under flat glued punches, and "
+            f"{why}: design without it (--calibration none){instead}",
+            "not_applicable",
+            "calibration",
+        )
 
 
 def pad_of_request(request: Request, punch: Punch, thickness_mm: float = 10.0, young_MPa: float = 1.0) -> Pad:
     """The slab of a request as the pad model takes it."""
     return Pad(
-        thickness_mm, young_MPa, punch.radius_mm, base=request.base, sides_mm=punch.sides_mm,
-        extent_mm=sqrt(request.pad_mm[0] * request.pad_mm[1] / pi), slab_mm=request.pad_mm,
-        profile_mm=punch.profile_mm, edge_radius_mm=request.edge_radius_mm,
+        thickness_mm,
+        young_MPa,
+        punch.radius_mm,
+        base=request.base,
+        sides_mm=punch.sides_mm,
+        extent_mm=sqrt(request.pad_mm[0] * request.pad_mm[1] / pi),
+        slab_mm=request.pad_mm,
+        profile_mm=punch.profile_mm,
+        edge_radius_mm=request.edge_radius_mm,
         condition=request.face,
-    )  # fmt: skip
+    )
 
 
 FORCE_N, VELOCITY_MM_S, HOLD_S = (0.05, 300.0), (0.1, 5000.0), (0.05, 3600.0)
@@ -121,22 +138,31 @@ def check_test(request: Request, punch: Punch) -> None:
     if not (isfinite(length) and isfinite(width) and min(length, width) >= least):
         raise InputError(
             f"pad = {length:g}x{width:g} mm is too small for the punch {request.punch}: the smallest that is designed "
-            f"is {least:g}x{least:g}, {LEAST_SIDE:g} times the punch", "out_of_range", "pad_mm", request.pad_mm,
-        )  # fmt: skip
+            f"is {least:g}x{least:g}, {LEAST_SIDE:g} times the punch",
+            "out_of_range",
+            "pad_mm",
+            request.pad_mm,
+        )
     Interface.parse(request.base, "base", BASES)
     held = Interface.parse(request.face, "condition", CONDITIONS)
     if held.friction == 0.0 and not request.edge_radius_mm and not punch.profile_mm:
         raise InputError(
             f"condition = {request.face} under a sharp edge is solved to a tenth of a thin pad only, no depth "
             f"to design for: give the real edge's fillet, such as --edge-radius {0.1 * punch.half_width_mm:.2g}",
-            "unsupported", "condition", request.face,
-        )  # fmt: skip
+            "unsupported",
+            "condition",
+            request.face,
+        )
     if request.edge_radius_mm:
         check_edge(request.edge_radius_mm, punch)
         if Interface.names_friction(request.base):
-            raise InputError(f"edge_radius_mm = {request.edge_radius_mm:g} with base = {request.base} is not solved: "
-                             "leave the fillet out, or take base = sliding or bonded",
-                             "unsupported", "edge_radius_mm", request.edge_radius_mm)
+            raise InputError(
+                f"edge_radius_mm = {request.edge_radius_mm:g} with base = {request.base} is not solved: "
+                "leave the fillet out, or take base = sliding or bonded",
+                "unsupported",
+                "edge_radius_mm",
+                request.edge_radius_mm,
+            )
     _check_sites(request)
     refused = refused_kinds(request, punch).get(request.kind.partition(":")[0].lower())
     if refused:
@@ -226,8 +252,13 @@ def own_warnings(request: Request, punch: Punch, tissue: Tissue, edge_known: boo
     """What must be said of a test that is not the paper's; ``edge_known`` is whether the force knows the fillet."""
     notes = tissue_warnings(tissue, request.punch, request.edge_radius_mm, request.protocol.forces_N)
     if punch.sides_mm and not (punch.square and request.face == "bonded"):
-        notes.append(("equal_area_punch", f"the punch {request.punch} is taken as the circle of its area; 'predict "
-                      "--fidelity 3d' gives what its sides add"))  # fmt: skip
+        notes.append(
+            (
+                "equal_area_punch",
+                f"the punch {request.punch} is taken as the circle of its area; 'predict "
+                "--fidelity 3d' gives what its sides add",
+            )
+        )
     if request.edge_radius_mm and not edge_known:
         notes.append(("fillet", _fillet_words(request, punch)))
     return notes
@@ -241,8 +272,13 @@ def tissue_warnings(
     built_in = tissue.origin == "built-in"
     if built_in and (punch != PUNCH or edge_radius_mm):
         edge = f" with an edge radius of {edge_radius_mm:g} mm" if edge_radius_mm else ""
-        notes.append(("tissue_punch", f"{tissue.name} is known under the 14 x 14 mm punch: under {punch}{edge} "
-                      "its ranges are those of another test; add your own tissue measured with it"))  # fmt: skip
+        notes.append(
+            (
+                "tissue_punch",
+                f"{tissue.name} is known under the 14 x 14 mm punch: under {punch}{edge} "
+                "its ranges are those of another test; add your own tissue measured with it",
+            )
+        )
     low, high = KNOWN_FORCE_N
     far = [force for force in forces_N if not low <= force <= high]
     if built_in and far:  # curves refuse forces that were not pressed

@@ -51,8 +51,11 @@ class Interface:
         if interface is None:
             raise InputError(
                 f"{quantity} '{text}' is not {', '.join(known)} or {FRICTION} with MU from 0 to {LARGEST_FRICTION:g}",
-                "unknown_name", quantity, text, (*known, FRICTION),
-            )  # fmt: skip
+                "unknown_name",
+                quantity,
+                text,
+                (*known, FRICTION),
+            )
         return interface
 
     @staticmethod

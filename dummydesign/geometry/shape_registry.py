@@ -73,8 +73,7 @@ def part_of(name: str, role: str, package: str) -> Any:
 
 @contextmanager
 def registered(kind: type[PadShape], **parts: Any) -> Iterator[type[PadShape]]:
-    """Let a shape from elsewhere be known for a while, with the parts of other rooms by their role (``SOLIDS=...``).
-    """
+    """Let a shape from elsewhere be known for a while, with the parts of other rooms by their role (``SOLIDS=...``)."""
     if kind.name in shape_kinds():
         raise InputError(f"shape {kind.name} is there already", "file_exists", "shape", kind.name)
     _REGISTERED[kind.name] = kind

@@ -36,32 +36,49 @@ class Solution:
     jacobian: NDArray | None = None
 
 
-def solve(
-    model: Model, starts: Sequence[NDArray], low: NDArray, high: NDArray, tolerance: float = 1e-9
-) -> Solution:
+def solve(model: Model, starts: Sequence[NDArray], low: NDArray, high: NDArray, tolerance: float = 1e-9) -> Solution:
     """Minimise the sum of squares inside a box by the trust-region method of scipy, from every start."""
     return _best([_descend(*_apart(model), start, low, high, tolerance) for start in starts])
 
 
 def solve_by_differences(
-    residual: Residual, starts: Sequence[NDArray], low: NDArray, high: NDArray, tolerance: float = 1e-8,
-    most: int = 400, scale: NDArray | str = "jac",
-) -> Solution:  # fmt: skip
+    residual: Residual,
+    starts: Sequence[NDArray],
+    low: NDArray,
+    high: NDArray,
+    tolerance: float = 1e-8,
+    most: int = 400,
+    scale: NDArray | str = "jac",
+) -> Solution:
     """As :func:`solve`, with the Jacobian by forward differences."""
     return _best([_descend(residual, "2-point", start, low, high, tolerance, most, scale) for start in starts])
 
 
 def _descend(
-    residual: Residual, jacobian: Residual | str, start: NDArray, low: NDArray, high: NDArray, tolerance: float,
-    most: int = 400, scale: NDArray | str = "jac",
-) -> Any:  # fmt: skip
+    residual: Residual,
+    jacobian: Residual | str,
+    start: NDArray,
+    low: NDArray,
+    high: NDArray,
+    tolerance: float,
+    most: int = 400,
+    scale: NDArray | str = "jac",
+) -> Any:
     from scipy.optimize import least_squares
 
     margin = 1e-9 * np.minimum(high - low, 1.0)
     return least_squares(
-        residual, np.clip(start, low + margin, high - margin), jacobian, bounds=(low, high), method="trf",
-        x_scale=scale, ftol=tolerance, xtol=tolerance, gtol=tolerance, max_nfev=most,
-    )  # fmt: skip
+        residual,
+        np.clip(start, low + margin, high - margin),
+        jacobian,
+        bounds=(low, high),
+        method="trf",
+        x_scale=scale,
+        ftol=tolerance,
+        xtol=tolerance,
+        gtol=tolerance,
+        max_nfev=most,
+    )
 
 
 def _best(results: list[Any]) -> Solution:
@@ -85,9 +102,16 @@ def _apart(model: Model) -> tuple[Residual, Residual]:
 
 
 def solve_marquardt(
-    residual: Residual, jacobian: Callable[[NDArray], NDArray], start: NDArray, low: NDArray, high: NDArray,
-    fixed: Sequence[int] = (), iterations: int = 12, enough: float = 0.02, trusted: float = np.inf,
-) -> NDArray:  # fmt: skip
+    residual: Residual,
+    jacobian: Callable[[NDArray], NDArray],
+    start: NDArray,
+    low: NDArray,
+    high: NDArray,
+    fixed: Sequence[int] = (),
+    iterations: int = 12,
+    enough: float = 0.02,
+    trusted: float = np.inf,
+) -> NDArray:
     """Minimise the sum of squares in a box from one start, for models whose Jacobian costs many simulations.
 
     Levenberg-Marquardt with the parameters on a bound held there while the gradient points outward: the Jacobian

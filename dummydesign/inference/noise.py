@@ -144,9 +144,13 @@ def likeliest(
     for _ in range(BOXES):
         least, most = np.maximum(bottom, at - np.log(REACH)), np.minimum(top, at + np.log(REACH))
         optimum = minimize(
-            lambda logs: cost(np.exp(logs)), at, method="L-BFGS-B", jac=gradient or None,
-            bounds=list(zip(least, most)), options=options,
-        )  # fmt: skip
+            lambda logs: cost(np.exp(logs)),
+            at,
+            method="L-BFGS-B",
+            jac=gradient or None,
+            bounds=list(zip(least, most)),
+            options=options,
+        )
         at, value = optimum.x, float(optimum.fun)
         stopped = ((at <= least + 1e-9) & (least > bottom)) | ((at >= most - 1e-9) & (most < top))
         if not stopped.any():

@@ -65,10 +65,12 @@ class Posterior:
     def to_dict(self) -> dict[str, Any]:
         """Plain values, with the 95 % intervals spelt out."""
         return {
-            "names": list(self.names), "mean": self.mean.tolist(), "covariance": self.covariance.tolist(),
+            "names": list(self.names),
+            "mean": self.mean.tolist(),
+            "covariance": self.covariance.tolist(),
             "intervals_95": {name.removeprefix("log "): list(self.interval(name)) for name in self.names},
             "pad_to_pad": dict(zip(PADS, self.pads)),
-        }  # fmt: skip
+        }
 
 
 def posterior_of(fit: CampaignFit, lack_ratio: float | None = None) -> Posterior:
@@ -148,7 +150,8 @@ class Model:
                 for one in self.active
             ],
             "law_error": {
-                "thickness_mm": self.thickness_mm.tolist(), "level_slope_curve": self.law.tolist(),
+                "thickness_mm": self.thickness_mm.tolist(),
+                "level_slope_curve": self.law.tolist(),
                 **({"shape": list(self.shapes)} if any(self.shapes) else {}),
                 **({"carried_to_other_pads": self.carried} if self.carried < 1.0 else {}),
             },
@@ -234,6 +237,12 @@ def calibration_of(result: LoopResult, prior: Calibration | None = None) -> Cali
         **result.campaign.usual_pad,
     }
     return Calibration(
-        model_of(result.base.fit), after, result.verdict, left, fit.sizes.floor_N, pad, result.remainder.reasons,
+        model_of(result.base.fit),
+        after,
+        result.verdict,
+        left,
+        fit.sizes.floor_N,
+        pad,
+        result.remainder.reasons,
         posterior_of(fit, result.after.lack.ratio),
-    )  # fmt: skip
+    )

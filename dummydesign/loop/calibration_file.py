@@ -75,8 +75,13 @@ def read_calibration(path: str | Path) -> Calibration:
         raise InputError(f"{name} cannot be read: {problem}", "file_unreadable", "calibration") from None
     version = str(data.get("schema")) if isinstance(data, dict) else ""
     if version != SCHEMA and version.startswith(SCHEMA.rpartition("/")[0]):
-        raise InputError(f"{name} is of another version: schema = {_shown(version)}, this one reads {SCHEMA}; run loop "
-                         "again, or update dummydesign", "unsupported", "schema", allowed=SCHEMA)  # fmt: skip
+        raise InputError(
+            f"{name} is of another version: schema = {_shown(version)}, this one reads {SCHEMA}; run loop "
+            "again, or update dummydesign",
+            "unsupported",
+            "schema",
+            allowed=SCHEMA,
+        )
     if not isinstance(data, dict) or version != SCHEMA:
         raise InputError(f"{name} is not one: schema must be {SCHEMA}", "file_unreadable", "calibration")
     try:
@@ -169,11 +174,15 @@ def _calibration(data: _Entry) -> Calibration:
     after, reasons, posterior = _model(data["after"]), data.get("unexplained_because"), data.get("posterior")
     left = data["remainder_rmse_N"]
     return Calibration(
-        _model(data["base"]), after, data["verdict"].text(VERDICTS),
-        {phase: left[phase].number(0.0) for phase in left.of(dict)}, data["noise_floor_N"].number(0.0),
-        _pad(data["pad"]), () if reasons is None else tuple(one.text() for one in reasons.items()),
+        _model(data["base"]),
+        after,
+        data["verdict"].text(VERDICTS),
+        {phase: left[phase].number(0.0) for phase in left.of(dict)},
+        data["noise_floor_N"].number(0.0),
+        _pad(data["pad"]),
+        () if reasons is None else tuple(one.text() for one in reasons.items()),
         None if posterior is None else _posterior(posterior, after),
-    )  # fmt: skip
+    )
 
 
 def _posterior(table: _Entry, after: Model) -> Posterior:
@@ -220,11 +229,15 @@ def _pad(table: _Entry) -> dict[str, Any]:
     if slab:
         table["base"].interface(BASES)
     return {
-        "young_kPa_expected": young and young.positive(), "resin": resin and resin.text(),
-        "ratio": ratio and ratio.positive(), "base": base and base.text(), "shape": "slab" if slab else "cylinder",
-        "contact": contact and contact.interface(CONDITIONS), **({"punch": punch.text()} if punch else {}),
+        "young_kPa_expected": young and young.positive(),
+        "resin": resin and resin.text(),
+        "ratio": ratio and ratio.positive(),
+        "base": base and base.text(),
+        "shape": "slab" if slab else "cylinder",
+        "contact": contact and contact.interface(CONDITIONS),
+        **({"punch": punch.text()} if punch else {}),
         **{key: usual.positive() for key in USUAL if (usual := table.get(key))},
-    }  # fmt: skip
+    }
 
 
 def _model(data: _Entry) -> Model:
@@ -255,8 +268,10 @@ def _effects(entries: _Entry) -> tuple[Active, ...]:
             raise _Fault(f"{entry.at}: {name} is listed twice")
         given = entry["parameters"]
         # earlier versions have fewer parameters of form
-        numbers = {p.name: p.null if p.of_form and p.name not in given.of(dict) else given[p.name].number(p.low, p.high)
-                   for p in known[name].parameters}  # fmt: skip
+        numbers = {
+            p.name: p.null if p.of_form and p.name not in given.of(dict) else given[p.name].number(p.low, p.high)
+            for p in known[name].parameters
+        }
         active[name] = Active(known[name], numbers)
     return tuple(active.values())
 

@@ -48,9 +48,13 @@ class Correction:
         return f"it needs {' and '.join(needs)}" if shaped and needs else ""
 
     def apply(
-        self, law: UnitForce, depth_mm: NDArray, thickness_mm: NDArray, limit_mm: NDArray,
+        self,
+        law: UnitForce,
+        depth_mm: NDArray,
+        thickness_mm: NDArray,
+        limit_mm: NDArray,
         shapes: Sequence[str] | None = None,
-    ) -> NDArray:  # fmt: skip
+    ) -> NDArray:
         """F / E with all that was found of the pad. [mm2]"""
         acting = law
         for one in self.effects(shaped=shapes is not None):

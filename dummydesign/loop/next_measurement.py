@@ -80,9 +80,11 @@ class NextMeasurement:
     def to_dict(self) -> dict[str, Any]:
         """Return all in words and numbers."""
         return {
-            "text": self.text, "separates": list(self.separates), "expected_gain": self.expected_gain,
+            "text": self.text,
+            "separates": list(self.separates),
+            "expected_gain": self.expected_gain,
             "alternatives": [list(row) for row in self.alternatives],
-        }  # fmt: skip
+        }
 
 
 def options(presses: Presses, law: object) -> list[Option]:
@@ -139,9 +141,21 @@ def planned_presses(presses: Presses, lowpass: Lowpass | None, chosen: list[Opti
         depth = option.depth_share * option.thickness_mm
         trace = planned_trace(f"planned-{number}", option.velocity_mm_s, depth, HOLD_S, option.unloading)
         trials.append(
-            Trial(trace.name, option.thickness_mm, option.velocity_mm_s, HOLD_S, None, 1, number + 1, option.rest_s,
-                  option.temperature_C, option.age_days, trace, option.geometry)
-        )  # fmt: skip
+            Trial(
+                trace.name,
+                option.thickness_mm,
+                option.velocity_mm_s,
+                HOLD_S,
+                None,
+                1,
+                number + 1,
+                option.rest_s,
+                option.temperature_C,
+                option.age_days,
+                trace,
+                option.geometry,
+            )
+        )
     made = stack(tuple(trials), lowpass)
     count = len(presses.trials)
     earlier, elapsed = np.zeros((len(chosen), count)), np.full((len(chosen), count), np.inf)

@@ -95,9 +95,11 @@ def known_pads(trials: Sequence[Trial]) -> tuple[dict[str, Any], ...]:
     for trial in trials:
         if _read(trial) or trial.thickness_sd_mm:
             known[trial.pad] = {
-                "thickness_mm": trial.thickness_mm, "thickness_sd_mm": trial.thickness_sd_mm,
-                "young_factor": trial.young_factor, "young_factor_sd": trial.young_factor_sd or None,
-            }  # fmt: skip
+                "thickness_mm": trial.thickness_mm,
+                "thickness_sd_mm": trial.thickness_sd_mm,
+                "young_factor": trial.young_factor,
+                "young_factor_sd": trial.young_factor_sd or None,
+            }
     return tuple(known.values())
 
 

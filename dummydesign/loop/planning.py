@@ -83,10 +83,13 @@ class Expected:
         """Return plain values, by the names of the quantity."""
         name, unit = ("force", "N") if self.by_depth else ("depth", "mm")
         return {
-            f"expected_{name}_{unit}": self.value, f"expected_{name}_low_{unit}": self.low,
-            f"expected_{name}_high_{unit}": self.high, "depth_limit_mm": self.limit_mm,
-            "beyond_depth_limit": self.beyond, "may_go_beyond_depth_limit": self.may_go_beyond,
-        }  # fmt: skip
+            f"expected_{name}_{unit}": self.value,
+            f"expected_{name}_low_{unit}": self.low,
+            f"expected_{name}_high_{unit}": self.high,
+            "depth_limit_mm": self.limit_mm,
+            "beyond_depth_limit": self.beyond,
+            "may_go_beyond_depth_limit": self.may_go_beyond,
+        }
 
 
 def material_of(campaign: Campaign) -> Material:
@@ -190,8 +193,9 @@ def plan_of(result: LoopResult, repeats: int = REPEATS) -> tuple[PlannedPress, .
     chosen = list(result.next.options) if result.next is not None else _of_new_pads(result.presses, fit.problem.law)
     planned = planned_presses(result.presses, None, chosen)
     forces = simulate(planned, fit.problem.law, fit.base, fit.active)
-    held = [float(np.interp(end, time, force))
-            for end, time, force in zip(planned.hold_end_s - 0.1, planned.time_s, forces)]  # fmt: skip
+    held = [
+        float(np.interp(end, time, force)) for end, time, force in zip(planned.hold_end_s - 0.1, planned.time_s, forces)
+    ]
     out = []
     for sequence, index in enumerate(np.random.default_rng(ORDER_SEED).permutation(repeats * len(chosen)).tolist(), 1):
         before, number = divmod(index, len(chosen))
@@ -222,27 +226,50 @@ def _toml(campaign: Campaign, presses: tuple[PlannedPress, ...]) -> str:
     shape = pad.shape if pad.shape == "cylinder" else str(pad.geometry)
     lines = ["schema = 1", f"name = {toml_text(f'{campaign.name}, next')}"]
     lines += _table(
-        "[pad]", young_kPa_nominal=pad.young_kPa_nominal, resin=pad.resin, ratio=pad.ratio, shape=shape,
-        length_mm=pad.length_mm, width_mm=pad.width_mm, diameter_mm=pad.diameter_mm, base=pad.base,
-    )  # fmt: skip
-    lines += _table("[punch]", shape=punch.shape, side_mm=punch.side_mm, diameter_mm=punch.diameter_mm,
-                    contact=punch.contact, edge_radius_mm=punch.edge_radius_mm or None)  # fmt: skip
+        "[pad]",
+        young_kPa_nominal=pad.young_kPa_nominal,
+        resin=pad.resin,
+        ratio=pad.ratio,
+        shape=shape,
+        length_mm=pad.length_mm,
+        width_mm=pad.width_mm,
+        diameter_mm=pad.diameter_mm,
+        base=pad.base,
+    )
+    lines += _table(
+        "[punch]",
+        shape=punch.shape,
+        side_mm=punch.side_mm,
+        diameter_mm=punch.diameter_mm,
+        contact=punch.contact,
+        edge_radius_mm=punch.edge_radius_mm or None,
+    )
     if punch.shape == "profile":
         lines.append("# file = the profile of the punch: copy it into this folder and name it here")
     lines += _table(
-        "[sensor]", lowpass_hz=low and low.cutoff_hz, lowpass_order=low and low.order,
-        lowpass_passes=low and low.passes, force_resolution_N=campaign.force_resolution_N or None,
-    )  # fmt: skip
+        "[sensor]",
+        lowpass_hz=low and low.cutoff_hz,
+        lowpass_order=low and low.order,
+        lowpass_passes=low and low.passes,
+        force_resolution_N=campaign.force_resolution_N or None,
+    )
     for press in presses:
         option = press.option
         own = None if option.geometry == pad.geometry else str(option.geometry)
         lines += _table(
-            "[[trial]]", file=press.file, thickness_mm=option.thickness_mm, shape=own,
-            velocity_mm_s=option.velocity_mm_s, hold_s=HOLD_S, target_force_N=round(press.target_force_N, 2),
-            repeat=press.repeat, sequence=press.sequence, rest_s=option.rest_s,
+            "[[trial]]",
+            file=press.file,
+            thickness_mm=option.thickness_mm,
+            shape=own,
+            velocity_mm_s=option.velocity_mm_s,
+            hold_s=HOLD_S,
+            target_force_N=round(press.target_force_N, 2),
+            repeat=press.repeat,
+            sequence=press.sequence,
+            rest_s=option.rest_s,
             temperature_C=None if option.temperature_C is None else round(option.temperature_C, 1),
             age_days=None if option.age_days is None else round(option.age_days, 1),
-        )  # fmt: skip
+        )
         lines.append(f"# {option.text}")
     return "\n".join(lines) + "\n"
 
@@ -259,11 +286,18 @@ def _sheet(presses: tuple[PlannedPress, ...]) -> str:
     for press in presses:
         option = press.option
         cells = (
-            str(press.sequence), press.file, f"{option.thickness_mm:g}", f'"{option.geometry}"',
-            f"{option.velocity_mm_s:g}", f"{option.depth_share * option.thickness_mm:.3g}",
-            f"{press.target_force_N:.3g}", f"{HOLD_S:g}", "record" if option.unloading else "",
-            f"{option.rest_s:g}", "",
-        )  # fmt: skip
+            str(press.sequence),
+            press.file,
+            f"{option.thickness_mm:g}",
+            f'"{option.geometry}"',
+            f"{option.velocity_mm_s:g}",
+            f"{option.depth_share * option.thickness_mm:.3g}",
+            f"{press.target_force_N:.3g}",
+            f"{HOLD_S:g}",
+            "record" if option.unloading else "",
+            f"{option.rest_s:g}",
+            "",
+        )
         rows.append(",".join(cells))
     return "\n".join([head, *rows]) + "\n"
 
@@ -326,9 +360,20 @@ def planned_trials(
         depth = row.target if row.by_depth else depth_for(law, row.thickness_mm, row.target / young_MPa)
         trace = planned_trace(row.file, row.velocity_mm_s, depth, row.hold_s, row.unload)
         trials.append(
-            Trial(row.file, row.thickness_mm, row.velocity_mm_s, row.hold_s, None if row.by_depth else row.target,
-                  row.repeat, row.sequence, row.rest_s, float(draw.uniform(20.0, 27.0)), row.age_days, trace)
-        )  # fmt: skip
+            Trial(
+                row.file,
+                row.thickness_mm,
+                row.velocity_mm_s,
+                row.hold_s,
+                None if row.by_depth else row.target,
+                row.repeat,
+                row.sequence,
+                row.rest_s,
+                float(draw.uniform(20.0, 27.0)),
+                row.age_days,
+                trace,
+            )
+        )
     return tuple(trials)
 
 

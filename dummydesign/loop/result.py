@@ -23,8 +23,7 @@ from dummydesign.measurement.campaign import Campaign
 
 @dataclass(frozen=True)
 class Explained:
-    """A model that explains a campaign, with what it leaves; ``base_kept`` says why it is the base and no better fit.
-    """
+    """A model that explains a campaign, with what it leaves; ``base_kept`` says why it is the base, no better fit."""
 
     selection: Selection
     after: AssessedModel
@@ -72,8 +71,11 @@ def result_dict(result: LoopResult) -> dict[str, Any]:
             "checks": to_plain(result.seen.checks),
             "by_trial": [
                 {
-                    "file": trial.file, "thickness_mm": trial.thickness_mm, "velocity_mm_s": trial.velocity_mm_s,
-                    "base_rmse_N": float(base), "rmse_N": float(after),
+                    "file": trial.file,
+                    "thickness_mm": trial.thickness_mm,
+                    "velocity_mm_s": trial.velocity_mm_s,
+                    "base_rmse_N": float(base),
+                    "rmse_N": float(after),
                     "heldout_rmse_N": float(left) if np.isfinite(left) else None,
                 }
                 for trial, base, after, left in zip(result.presses.trials, *errors)
@@ -90,7 +92,7 @@ def result_dict(result: LoopResult) -> dict[str, Any]:
         "next_measurement": to_plain(result.next),
         "warnings": list(result.warnings),
         "sources": sorted({effect.reference for effect in effects}),
-    }  # fmt: skip
+    }
 
 
 def _effect(accepted: AcceptedEffect, result: LoopResult) -> dict[str, Any]:
@@ -148,8 +150,10 @@ def answer_of(result: LoopResult) -> list[str]:
     else:
         used = "is" if len(names) == 1 else "are"
         insufficient = f" {listed(names).capitalize()} {used} used, but not enough." if names else ""
-        first = (f"Something is missing that no known effect explains.{insufficient} What remains: "
-                 f"{result.remainder.reasons[0]}.")  # fmt: skip
+        first = (
+            f"Something is missing that no known effect explains.{insufficient} What remains: "
+            f"{result.remainder.reasons[0]}."
+        )
     # what the fit did not see comes first
     unseen = "".join(f"{one['message']}. " for one in result.warnings if one["code"] == "beyond_table")
     lines = [unseen + first]
@@ -163,8 +167,9 @@ def answer_of(result: LoopResult) -> list[str]:
     young = parameters["young_kPa"]
     lines.append(
         f"The long-term modulus is {young['value']:.3g} kPa (95 %: {young['low']:.4g} to {young['high']:.4g})."
-        if young["determined"] else "The long-term modulus is not determined by this campaign."
-    )  # fmt: skip
+        if young["determined"]
+        else "The long-term modulus is not determined by this campaign."
+    )
     unknown = [name for name, one in parameters.items() if not one["determined"] and name != "young_kPa"]
     if unknown:
         lines.append(f"Not determined by this campaign: {', '.join(unknown)}.")
@@ -195,8 +200,10 @@ def answer_rows(data: dict[str, Any]) -> tuple[list[str], list[list[str]]]:
         values = (data["base"]["parameters"][name]["value"], *(after[end] for end in ("value", "low", "high")))
         rows.append([name, *(f"{value:.4g}" for value in values)])
     for effect in data["effects"]:
-        rows += [[name, "-", *(f"{value[end]:.4g}" for end in ("value", "low", "high")), f"({effect['name']})"]
-                 for name, value in effect["parameters"].items()]  # fmt: skip
+        rows += [
+            [name, "-", *(f"{value[end]:.4g}" for end in ("value", "low", "high")), f"({effect['name']})"]
+            for name, value in effect["parameters"].items()
+        ]
     return ["", "base", "corrected", "95 % low", "95 % high"], rows
 
 

@@ -94,9 +94,15 @@ def replay(campaign: Campaign, calibration: Calibration, progress: Progress = qu
     )
     own, plain = (float(np.sqrt(np.average(one, weights=weight))) for one in (squares, base_squares))
     return Replayed(
-        tuple(trial.file for trial in campaign.trials), np.sqrt(squares), np.sqrt(base_squares), peaks[0] - peaks[1],
-        own, plain, known_pads(presses.trials), left_out,
-    )  # fmt: skip
+        tuple(trial.file for trial in campaign.trials),
+        np.sqrt(squares),
+        np.sqrt(base_squares),
+        peaks[0] - peaks[1],
+        own,
+        plain,
+        known_pads(presses.trials),
+        left_out,
+    )
 
 
 SEARCH_BUDGET_S = 40.0
@@ -105,9 +111,11 @@ SEARCH_BUDGET_S = 40.0
 
 @one_blas_thread()
 def close_loop(
-    campaign: Campaign, progress: Progress = quiet, prior: Calibration | None = None,
+    campaign: Campaign,
+    progress: Progress = quiet,
+    prior: Calibration | None = None,
     budget_s: float = SEARCH_BUDGET_S,
-) -> LoopResult:  # fmt: skip
+) -> LoopResult:
     """Run the loop on a campaign.
 
     After ``budget_s`` of processor time the best model so far is judged and returned, with a warning.
@@ -137,12 +145,18 @@ def close_loop(
     progress("next measurement")
     following = _next(campaign, base, answer.effects, answer.selection.ranking)
     stopped = f"{budget_s:g} s of processor time" if budget.ran_out else ""
-    warnings = (*_warnings(campaign, presses, beyond, stopped, answer, joined),
-                *_better_alone(answer.selection, after))  # fmt: skip
+    warnings = (*_warnings(campaign, presses, beyond, stopped, answer, joined), *_better_alone(answer.selection, after))
     return LoopResult(
-        **{**vars(answer), "after": after}, campaign=campaign, presses=presses, base=base, seen_before=seen,
-        next=following, untested=untested, warnings=warnings, joined=joined,
-    )  # fmt: skip
+        **{**vars(answer), "after": after},
+        campaign=campaign,
+        presses=presses,
+        base=base,
+        seen_before=seen,
+        next=following,
+        untested=untested,
+        warnings=warnings,
+        joined=joined,
+    )
 
 
 def _explain(base: AssessedModel, seen: Seen, available: tuple[Effect, ...], progress: Progress) -> Explained:
@@ -184,8 +198,10 @@ def _against_base(base: AssessedModel, seen: Seen, answer: Explained, progress: 
     names = [named(one.candidate.effect.name) for one in answer.effects]
     names += [] if answer.learnt is None else [f"a function of {answer.learnt.effect.shape.text}"]
     errors = ", ".join(f"{one.kind} {one.corrected_N:.3g} N with it, {one.base_N:.3g} N without" for one in compared)
-    kept = (f"{' and '.join(names)} explains this campaign but predicts left-out presses worse ({errors}): the base "
-            "model is kept")  # fmt: skip
+    kept = (
+        f"{' and '.join(names)} explains this campaign but predicts left-out presses worse ({errors}): the base "
+        "model is kept"
+    )
     verdict = "unexplained" if left.reasons else "none"
     return Explained(replace(answer.selection, rivals=rivals), base, (), None, verdict, left, seen, kept)
 
@@ -234,23 +250,34 @@ def _warnings(
 ) -> Iterator[dict[str, str]]:
     """What a reader must know: what a fit does not see comes first."""
     if stopped:
-        yield {"code": "search_stopped", "message": f"the search was stopped after {stopped}: the best model so far is "
-               "used, and further effects were not tried"}  # fmt: skip
+        yield {
+            "code": "search_stopped",
+            "message": f"the search was stopped after {stopped}: the best model so far is "
+            "used, and further effects were not tried",
+        }
     if answer.base_kept:
         yield {"code": "base_kept", "message": answer.base_kept}
     if answer.learnt is not None:
         level = f"it shares its level with the learned curve of {answer.learnt.effect.shape.text}"
-        yield {"code": "modulus_beside_curve",
-               "message": f"do not use the modulus: {level}; compress a puck of this batch"}  # fmt: skip
+        yield {
+            "code": "modulus_beside_curve",
+            "message": f"do not use the modulus: {level}; compress a puck of this batch",
+        }
     if beyond:
         yield {"code": "beyond_table", "message": beyond}
     yield from campaign.warnings
     if not repeat_pairs(presses):
-        yield {"code": "no_repeats", "message": "no condition is repeated: lack of fit cannot be tested against pure "
-               "error, and the slow noise is taken from the residuals, where model error counts as noise"}  # fmt: skip
+        yield {
+            "code": "no_repeats",
+            "message": "no condition is repeated: lack of fit cannot be tested against pure "
+            "error, and the slow noise is taken from the residuals, where model error counts as noise",
+        }
     if presses.elastic_only:
-        yield {"code": "elastic_only", "message": "no trial holds and all have one speed: relaxation is not fitted, "
-               "the modulus is that of this speed"}  # fmt: skip
+        yield {
+            "code": "elastic_only",
+            "message": "no trial holds and all have one speed: relaxation is not fitted, "
+            "the modulus is that of this speed",
+        }
     if joined is not None and not joined.used:
         message = f"the prior contradicts this campaign and was not used: {'; '.join(joined.conflicts)}"
         yield {"code": "prior_conflict", "message": message}

@@ -174,6 +174,10 @@ def check_edge(pad: PadSpec, punch: PunchSpec, shapes: Sequence[PadShape], where
     held = ("bonded",) if any(shape.bone_height_mm for shape in shaped) else BASES
     unsolved += [] if pad.base in held else [f"base = {pad.base}"]
     if unsolved:
-        raise InputError(f"{text} with {unsolved[0]} is not solved; a fillet goes with a flat punch on slabs, or glued "
-                         "on round shapes, whose base is bonded, or sliding without a bone: give 0 for the sharp edge",
-                         "unsupported", "edge_radius_mm", edge)  # fmt: skip
+        raise InputError(
+            f"{text} with {unsolved[0]} is not solved; a fillet goes with a flat punch on slabs, or glued "
+            "on round shapes, whose base is bonded, or sliding without a bone: give 0 for the sharp edge",
+            "unsupported",
+            "edge_radius_mm",
+            edge,
+        )

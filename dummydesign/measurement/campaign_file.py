@@ -26,12 +26,21 @@ from dummydesign.measurement.trace import read_trace
 
 FILE = "campaign.toml"
 TRIAL_NUMBERS = {
-    "thickness_mm": (0.5, 200.0), "thickness_sd_mm": (0.0, 10.0), "design_thickness_mm": (0.5, 200.0),
-    "witness_kPa": (0.5, 5000.0), "witness_sd_kPa": (0.0, 2500.0), "weighed_ratio": (0.0, 1000.0),
-    "weighed_ratio_sd": (0.0, 100.0), "velocity_mm_s": (0.001, 5000.0), "hold_s": (0.0, 1e5),
-    "target_force_N": (0.0, 2000.0), "rest_s": (0.0, 1e9), "temperature_C": (-20.0, 80.0), "age_days": (0.0, 36500.0),
+    "thickness_mm": (0.5, 200.0),
+    "thickness_sd_mm": (0.0, 10.0),
+    "design_thickness_mm": (0.5, 200.0),
+    "witness_kPa": (0.5, 5000.0),
+    "witness_sd_kPa": (0.0, 2500.0),
+    "weighed_ratio": (0.0, 1000.0),
+    "weighed_ratio_sd": (0.0, 100.0),
+    "velocity_mm_s": (0.001, 5000.0),
+    "hold_s": (0.0, 1e5),
+    "target_force_N": (0.0, 2000.0),
+    "rest_s": (0.0, 1e9),
+    "temperature_C": (-20.0, 80.0),
+    "age_days": (0.0, 36500.0),
     "target_depth_mm": (0.0, 200.0),
-}  # fmt: skip
+}
 TRIAL_REQUIRED = ("thickness_mm", "velocity_mm_s")
 PUNCHES = ("square", "round", "ball", "profile", "plate")
 PUNCH_KEYS = {"punch", "side_mm", "diameter_mm", "contact", "edge_radius_mm"}
@@ -104,9 +113,13 @@ def read_campaign(folder: str | Path) -> Campaign:
     lowpass, resolution = _read_sensor(sensor)
     tables = trial_tables(top)
     if len(tables) < 2:
-        raise InputError(f"{tables[0].where()}: a single trial; a modulus and two relaxation arms need at least two "
-                         "trials (two depths or speeds), and repeats to know the noise",
-                         "not_enough_data", "campaign.trials", 1)  # fmt: skip
+        raise InputError(
+            f"{tables[0].where()}: a single trial; a modulus and two relaxation arms need at least two "
+            "trials (two depths or speeds), and repeats to know the noise",
+            "not_enough_data",
+            "campaign.trials",
+            1,
+        )
     measured = [records.of(table) or own for table in tables]
     tables = [trial_with_record(table, one) if one else table for table, one in zip(tables, measured)]
     trials = tuple(_read_trial(table, index, folder, pad, punch) for index, table in enumerate(tables, 1))
@@ -214,22 +227,35 @@ def _check_against_declared(trial: Trial, table: Table) -> None:
     trace, ramp = trial.trace, ramp_of(trial.trace)
     deepest = float(trace.displacement_mm.max())
     if deepest >= 0.95 * trial.thickness_mm:
-        raise InputError(f"{table.where('thickness_mm')}: {trial.file} presses {deepest:g} mm into a pad of "
-                         f"{trial.thickness_mm:g} mm; is displacement_mm or thickness_mm in another unit?",
-                         "inconsistent", "trial.thickness_mm", trial.thickness_mm)  # fmt: skip
+        raise InputError(
+            f"{table.where('thickness_mm')}: {trial.file} presses {deepest:g} mm into a pad of "
+            f"{trial.thickness_mm:g} mm; is displacement_mm or thickness_mm in another unit?",
+            "inconsistent",
+            "trial.thickness_mm",
+            trial.thickness_mm,
+        )
     if trial.target_force_N:
         held = held_force(trace, ramp)
         share = held / trial.target_force_N
         if share > 100 or share < 0.01:
             unit = "millinewtons: --units force=mN" if share > 100 else "kilonewtons: --units force=kN"
-            raise InputError(f"{trial.file}: force_N is {held:g} in the hold, the target at "
-                             f"{table.where('target_force_N')} is {trial.target_force_N:g} N; it looks like {unit} of "
-                             "'dummydesign import' reads them", "implausible_unit", "force_N", held)  # fmt: skip
+            raise InputError(
+                f"{trial.file}: force_N is {held:g} in the hold, the target at "
+                f"{table.where('target_force_N')} is {trial.target_force_N:g} N; it looks like {unit} of "
+                "'dummydesign import' reads them",
+                "implausible_unit",
+                "force_N",
+                held,
+            )
     if not 0.02 < ramp.velocity_mm_s / trial.velocity_mm_s < 20.0:
-        raise InputError(f"{table.where('velocity_mm_s')}: velocity_mm_s = {trial.velocity_mm_s:g}, but {trial.file} "
-                         f"moves at {ramp.velocity_mm_s:.4g} mm/s; is the speed in m/s, or the time of the trace in "
-                         "another unit (--units time=ms of 'dummydesign import' reads milliseconds)?",
-                         "inconsistent", "trial.velocity_mm_s", trial.velocity_mm_s)  # fmt: skip
+        raise InputError(
+            f"{table.where('velocity_mm_s')}: velocity_mm_s = {trial.velocity_mm_s:g}, but {trial.file} "
+            f"moves at {ramp.velocity_mm_s:.4g} mm/s; is the speed in m/s, or the time of the trace in "
+            "another unit (--units time=ms of 'dummydesign import' reads milliseconds)?",
+            "inconsistent",
+            "trial.velocity_mm_s",
+            trial.velocity_mm_s,
+        )
 
 
 def _trial_geometry(table: Table, pad: PadSpec, punch: PunchSpec) -> PadShape:
@@ -264,8 +290,10 @@ def no_ratio(ratio: float | None) -> tuple[dict[str, str], ...]:
     """Warn of a campaign whose modulus leads to no recipe."""
     if ratio is not None:
         return ()
-    message = ("the campaign has no mixing ratio, so 'suggest' cannot use its calibration: give --resin and --ratio, "
-               f"or write ratio into [pad] of {FILE}")  # fmt: skip
+    message = (
+        "the campaign has no mixing ratio, so 'suggest' cannot use its calibration: give --resin and --ratio, "
+        f"or write ratio into [pad] of {FILE}"
+    )
     return ({"code": "no_ratio", "message": message},)
 
 

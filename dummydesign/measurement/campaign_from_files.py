@@ -18,9 +18,16 @@ from dummydesign.measurement.landmarks import approach_velocity, ramp_of
 from dummydesign.measurement.trace import read_trace
 
 KEYS = (
-    "sequence", "thickness_mm", "velocity_mm_s", "target_force_N", "target_depth_mm", "hold_s", "age_days",
-    "temperature_C", "rest_s",
-)  # fmt: skip
+    "sequence",
+    "thickness_mm",
+    "velocity_mm_s",
+    "target_force_N",
+    "target_depth_mm",
+    "hold_s",
+    "age_days",
+    "temperature_C",
+    "rest_s",
+)
 """Values of a press that can be filled in."""
 MARK = "\ufeff"
 
@@ -31,9 +38,13 @@ def read_trials(folder: str | Path) -> list[dict[str, Any]]:
     pad = top.data.get("pad")
     shape = pad.get("shape", "slab") if isinstance(pad, dict) else "slab"
     return [
-        {"file": str(trial.get("file", "")), "shape": str(trial.get("shape", shape)),
-         **{key: trial.get(key) for key in KEYS}} for trial in (table.data for table in trial_tables(top))
-    ]  # fmt: skip
+        {
+            "file": str(trial.get("file", "")),
+            "shape": str(trial.get("shape", shape)),
+            **{key: trial.get(key) for key in KEYS},
+        }
+        for trial in (table.data for table in trial_tables(top))
+    ]
 
 
 def write_trial_values(folder: str | Path, changes: Mapping[int, Mapping[str, float | None]]) -> None:
@@ -89,7 +100,7 @@ def _write_line(lines: list[str], head: int, key: str, value: float | None, end:
     given, empty = (
         next((at for at in range(head + 1, last) if re.match(rf"\s*{mark}{key}\s*=", lines[at])), None)
         for mark in ("", r"#\s*")
-    )  # fmt: skip
+    )
     at = empty if given is None else given
     if at is not None:
         match = re.match(rf"[ \t]*(?:#[ \t]*)?{key}[ \t]*=[^#\r\n]*?([ \t]*(?:#[^\r\n]*)?)(\r?\n|$)", lines[at])
@@ -151,9 +162,12 @@ def _trial(path: Path, row: Mapping[str, Any], thickness_mm: float | None) -> tu
     known = {**named, **row}
     trace = read_trace(path, known.get("velocity_mm_s"))
     if "thickness_mm" not in known:
-        raise InputError(f"{path.name}: how thick was the pad? the name does not say (such as t05_v010_f05_1.csv); "
-                         "give --table trials.csv with file,thickness_mm,..., or --thickness MM for all files",
-                         "missing", "thickness_mm")  # fmt: skip
+        raise InputError(
+            f"{path.name}: how thick was the pad? the name does not say (such as t05_v010_f05_1.csv); "
+            "give --table trials.csv with file,thickness_mm,..., or --thickness MM for all files",
+            "missing",
+            "thickness_mm",
+        )
     sources = [word for word, used in (("table", row), ("name", set(named) - set(row))) if used]
     if "velocity_mm_s" not in known:
         speed = approach_velocity(trace.time_s, trace.displacement_mm, ramp_of(trace))

@@ -57,11 +57,13 @@ class PlanSettings:
         ranges = {
             "pad thickness in mm": (self.pads_mm, 0.5, 200.0),
             "velocity in mm/s": (self.velocities_mm_s, 0.001, 5000.0),
-            "age in days": (self.ages_days, 0.0, 36500.0), "rest in s": ((self.rest_s,), 0.0, 1e9),
-            "hold in s": ((self.hold_s,), 0.0, 1e5), "repeats": ((self.repeats,), 1, 100),
+            "age in days": (self.ages_days, 0.0, 36500.0),
+            "rest in s": ((self.rest_s,), 0.0, 1e9),
+            "hold in s": ((self.hold_s,), 0.0, 1e5),
+            "repeats": ((self.repeats,), 1, 100),
             "seed": ((self.seed,), 0, 2**31 - 1),
             "depth in mm" if self.by_depth else "force in N": (self.targets, 0.01, 200.0 if self.by_depth else 2000.0),
-        }  # fmt: skip
+        }
         for name, (values, low, high) in ranges.items():
             if not values:
                 raise InputError(f"{name}: give at least one", "missing", quantity_name(name))

@@ -81,9 +81,15 @@ def find_ramp(time_s: ArrayLike, displacement_mm: ArrayLike, stop: Stop = "reach
     end = max(plateau.end_s, stopped) if plateau.held else stopped
     settled = min(max(plateau.settled_s, stopped), end)
     return Ramp(
-        contact, stopped, end, depth, depth / max(stopped - contact, 1e-9), plateau.overshoot_mm, settled,
+        contact,
+        stopped,
+        end,
+        depth,
+        depth / max(stopped - contact, 1e-9),
+        plateau.overshoot_mm,
+        settled,
         plateau.period_s,
-    )  # fmt: skip
+    )
 
 
 def _reached(time: NDArray, x: NDArray, depth: float, reach: float) -> float:

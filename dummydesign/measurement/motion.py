@@ -85,10 +85,14 @@ def contact_velocity(velocity_mm_s: ArrayLike, depth_mm: ArrayLike, deceleration
 
 
 def ramp_and_hold(
-    velocity_mm_s: ArrayLike, depth_mm: ArrayLike, hold_s: float = HOLD_S,
-    deceleration_mm_s2: float = DECELERATION_MM_S2, ramp_points: int = 60, brake_points: int = 24,
+    velocity_mm_s: ArrayLike,
+    depth_mm: ArrayLike,
+    hold_s: float = HOLD_S,
+    deceleration_mm_s2: float = DECELERATION_MM_S2,
+    ramp_points: int = 60,
+    brake_points: int = 24,
     hold_points: int = 60,
-) -> Motion:  # fmt: skip
+) -> Motion:
     """Move at constant speed, brake at constant deceleration to stop exactly at the depth, and hold.
 
     Time starts at contact. When the stopping distance v^2 / (2 a) is larger than the depth, the robot

@@ -98,16 +98,33 @@ def read_record(path: str | Path) -> PadRecord:
         raise InputError(message, "file_unreadable", "record")
     try:
         record = PadRecord(
-            str(data["specification"]), str(data["shape"]), _length(data, "length_mm"), _length(data, "width_mm"),
-            str(data["resin"]), float(data["ratio"]), _length(data, "design_thickness_mm"),
-            tuple(float(one) for one in data["thicknesses_mm"]), _length(data, "thickness_mm"),
-            float(data["thickness_sd_mm"]), _length(data, "mass_g"), _optional(data, "design_young_kPa"),
-            _optional(data, "young_kPa"), _optional(data, "level_deg"), data.get("bubbles"), bool(data["accepted"]),
-            _optional(data, "force_percent"), tuple(str(one) for one in data["missed"]), str(data.get("note", "")),
-            tuple(data.get("limits", ())), tuple(str(one) for one in data.get("points", ())),
-            _optional(data, "young_sd_kPa"), _optional(data, "weighed_ratio"), _optional(data, "weighed_ratio_sd"),
-            str(data.get("cast_shape", "")), _optional(data, "force_sd_percent"),
-        )  # fmt: skip
+            str(data["specification"]),
+            str(data["shape"]),
+            _length(data, "length_mm"),
+            _length(data, "width_mm"),
+            str(data["resin"]),
+            float(data["ratio"]),
+            _length(data, "design_thickness_mm"),
+            tuple(float(one) for one in data["thicknesses_mm"]),
+            _length(data, "thickness_mm"),
+            float(data["thickness_sd_mm"]),
+            _length(data, "mass_g"),
+            _optional(data, "design_young_kPa"),
+            _optional(data, "young_kPa"),
+            _optional(data, "level_deg"),
+            data.get("bubbles"),
+            bool(data["accepted"]),
+            _optional(data, "force_percent"),
+            tuple(str(one) for one in data["missed"]),
+            str(data.get("note", "")),
+            tuple(data.get("limits", ())),
+            tuple(str(one) for one in data.get("points", ())),
+            _optional(data, "young_sd_kPa"),
+            _optional(data, "weighed_ratio"),
+            _optional(data, "weighed_ratio_sd"),
+            str(data.get("cast_shape", "")),
+            _optional(data, "force_sd_percent"),
+        )
     except (KeyError, TypeError, ValueError) as problem:
         message = f"pad record '{path}' is damaged at {problem}; record the pad again"
         raise InputError(message, "malformed", "record") from None
@@ -156,9 +173,13 @@ def trial_with_record(table: Table, record: PadRecord) -> Table:
     if given is not None and not (
         isinstance(given, int | float) and any(abs(given / thickness - 1) <= NEAR for thickness in near)
     ):
-        raise InputError(f"{where}: thickness_mm = {given!r}, but the record is of a pad of {near[0]:.4g} mm (designed "
-                         f"{near[1]:g}); name the record of this pad",
-                         "inconsistent", "trial.thickness_mm", given)  # fmt: skip
+        raise InputError(
+            f"{where}: thickness_mm = {given!r}, but the record is of a pad of {near[0]:.4g} mm (designed "
+            f"{near[1]:g}); name the record of this pad",
+            "inconsistent",
+            "trial.thickness_mm",
+            given,
+        )
     shape = table.data.get("shape", record.shape)
     if shape != record.shape:
         message = f"{where}: shape = {shape!r}, but the record is of shape {record.shape!r}"
@@ -167,9 +188,11 @@ def trial_with_record(table: Table, record: PadRecord) -> Table:
     measured: dict[str, Any] = {"thickness_mm": record.thickness_mm, "thickness_sd_mm": record.thickness_sd_mm}
     measured["design_thickness_mm"] = record.design_thickness_mm
     batch = {
-        "witness_kPa": record.young_kPa, "witness_sd_kPa": record.young_sd_kPa,
-        "weighed_ratio": record.weighed_ratio, "weighed_ratio_sd": record.weighed_ratio_sd,
-    }  # fmt: skip
+        "witness_kPa": record.young_kPa,
+        "witness_sd_kPa": record.young_sd_kPa,
+        "weighed_ratio": record.weighed_ratio,
+        "weighed_ratio_sd": record.weighed_ratio_sd,
+    }
     if not record.shape.startswith("layered"):
         # a witness of two resins is of one of them
         measured |= {key: value for key, value in batch.items() if value is not None}

@@ -91,9 +91,14 @@ def find_plateau(time: NDArray, x: NDArray, start: int, noise: float) -> Plateau
 
 
 def slowing(
-    time: NDArray, x: NDArray, depth: float, start: int, noise_mm: float = 0.0, share: float = SLOWED,
+    time: NDArray,
+    x: NDArray,
+    depth: float,
+    start: int,
+    noise_mm: float = 0.0,
+    share: float = SLOWED,
     multiple: float = 10.0,
-) -> tuple[int, float]:  # fmt: skip
+) -> tuple[int, float]:
     """Sample after 60 % of the depth from which the punch goes on at a tenth of its speed; the window of that. [s]"""
     late = int(np.argmax(x >= 0.6 * depth))
     speed = (x[late] - x[start]) / max(time[late] - time[start], 1e-9)
@@ -127,7 +132,7 @@ def _leaving(time: NDArray, x: NDArray, top: float, noise: float) -> tuple[int, 
 
 def _stands(
     time: NDArray, x: NDArray, top: float, start: int, ends: tuple[int, int], windows: tuple[float, float], noise: float
-) -> bool:  # fmt: skip
+) -> bool:
     """Whether the punch stands between two samples, and does not only turn there.
 
     A sharp turn is slow for about one window. A round one, such as half a sine, passes gradually from half of its
@@ -141,8 +146,9 @@ def _stands(
     if windows[1] == 0.0 or lasts > TURNS * float(time[deep[-1]] - time[deep[0]]):
         return True
     middle = 0.5 * float(time[first] + time[last])
-    half_speed, tenth = (float(time[slowing(time, x, top, start, noise, share, NOISELESS)[0]])
-                         for share in (0.5, SLOWED))  # fmt: skip
+    half_speed, tenth = (
+        float(time[slowing(time, x, top, start, noise, share, NOISELESS)[0]]) for share in (0.5, SLOWED)
+    )
     return middle - tenth > ABRUPT * (middle - half_speed)
 
 
@@ -182,9 +188,7 @@ def _level(time: NDArray, x: NDArray, noise: float, top: float) -> float:
     return float(np.sum(0.5 * (values[1:] + values[:-1]) * np.diff(at)) / (end - begin))
 
 
-def _end(
-    time: NDArray, x: NDArray, depth: float, ends: tuple[int, int], swing: float, back: float | None
-) -> float:  # fmt: skip
+def _end(time: NDArray, x: NDArray, depth: float, ends: tuple[int, int], swing: float, back: float | None) -> float:
     """Time at which the punch begins to leave for good, on the line of its release. [s]"""
     first, slow = ends
     wander = max(LEAVE_MM, LEAVE_SHARE * depth) + swing
@@ -207,7 +211,7 @@ def _end(
 
 def _with_ringing(
     time: NDArray, x: NDArray, depth: float, ends: tuple[int, int], end_s: float, noise: float
-) -> Plateau:  # fmt: skip
+) -> Plateau:
     """The plateau with its overshoot, if it has one: farther than the noise, and back again."""
     first, last = ends
     arrival = first - int(np.argmax(x[first::-1] < depth))

@@ -18,8 +18,12 @@ UNITS = {
 }
 """Units that are proposed, in s, mm and N; 1 cN is 1.02 gf and is not proposed beside it."""
 ROLE = {
-    "force_N": "force", "depth_mm": "displacement", "speed_mm_s": "time", "stop_mm_s2": "time", "step_s": "time",
-}  # fmt: skip
+    "force_N": "force",
+    "depth_mm": "displacement",
+    "speed_mm_s": "time",
+    "stop_mm_s2": "time",
+    "step_s": "time",
+}
 """The column whose unit is doubted by each quantity."""
 RISE, END = (0.2, 0.9), (0.88, 0.98)
 """Shares of the depth between which the speed of a press, and that at its end, are taken."""
@@ -68,9 +72,13 @@ def press_quantities(time: NDArray, x: NDArray, force: NDArray) -> dict[str, flo
     top = max(int(np.argmax(x >= END[1] * depth)), 1)
     way = max((1.0 - END[1]) * depth, last * float(time[top] - time[top - 1]), 1e-12)
     return {
-        "force_N": largest, "depth_mm": depth, "speed_mm_s": speed, "stop_mm_s2": last**2 / (2.0 * way),
-        "step_s": step, "stiffness_N_mm": largest / max(depth, 1e-12),
-    }  # fmt: skip
+        "force_N": largest,
+        "depth_mm": depth,
+        "speed_mm_s": speed,
+        "stop_mm_s2": last**2 / (2.0 * way),
+        "step_s": step,
+        "stiffness_N_mm": largest / max(depth, 1e-12),
+    }
 
 
 def _speed(time: NDArray, x: NDArray, low: float, high: float) -> float:

@@ -39,8 +39,13 @@ def check_job(thicknesses_mm: Sequence[float], castings: int) -> None:
         raise out_of_range("number of thicknesses", len(thicknesses_mm), 1, MOST)
     most, times = Counter(thicknesses_mm).most_common(1)[0]
     if times > 1:
-        raise out_of_range(f"number of {most:g} mm in --thickness", times, 1, 1,
-                           "several pads of one thickness are --count or --castings")  # fmt: skip
+        raise out_of_range(
+            f"number of {most:g} mm in --thickness",
+            times,
+            1,
+            1,
+            "several pads of one thickness are --count or --castings",
+        )
 
 
 def job_bill(ordered: Sequence[Ordered], castings: int) -> list[tuple[str, str, str]]:
@@ -57,18 +62,34 @@ def job_sheet(ordered: Sequence[Ordered], castings: int) -> list[Block]:
         mass = batch["total_g"] + batch.get("base", {}).get("total_g", 0.0)
         several = f", {one.spec.count} cavities" if one.spec.count > 1 else ""
         days = " ".join([BLANK] * min(castings, 3))
-        rows.append((one.spec.pad.title + several, one.spec.hash, one.spec.tag, f"{castings}", f"{mass:.1f}",
-                     f"{one.plan.silicone_mass_g:.0f}", days))  # fmt: skip
+        rows.append(
+            (
+                one.spec.pad.title + several,
+                one.spec.hash,
+                one.spec.tag,
+                f"{castings}",
+                f"{mass:.1f}",
+                f"{one.plan.silicone_mass_g:.0f}",
+                days,
+            )
+        )
     hours, pads = max(one.spec.pour.cure_time_h for one in ordered), castings * sum(one.spec.count for one in ordered)
     return [
         Block("head", f"Job: {len(ordered)} moulds, {pads} pads"),
-        Block("text", "Every mould has its own folder with its pour sheet. Record each cast pad there with dummydesign "
-              "mold record, as its pour sheet says."),
+        Block(
+            "text",
+            "Every mould has its own folder with its pour sheet. Record each cast pad there with dummydesign "
+            "mold record, as its pour sheet says.",
+        ),
         Block("table", rows=tuple(rows)),
-        Block("text", f"A mould is in use for about {hours:g} h a casting: {castings} castings of each take {castings} "
-              "cures. Pads of one campaign are best cast of one resin batch; the witness puck goes with every cup."),
-        Block("head", "What is needed for all"), Block("table", rows=tuple(job_bill(ordered, castings))),
-    ]  # fmt: skip
+        Block(
+            "text",
+            f"A mould is in use for about {hours:g} h a casting: {castings} castings of each take {castings} "
+            "cures. Pads of one campaign are best cast of one resin batch; the witness puck goes with every cup.",
+        ),
+        Block("head", "What is needed for all"),
+        Block("table", rows=tuple(job_bill(ordered, castings))),
+    ]
 
 
 NOT_PRINTED = ("cavity", "pad_nominal", "pad_compensated", "layer_top", "layer_base", "face_sheet")
@@ -100,10 +121,17 @@ def job_inputs(specs: Sequence[MouldSpec], castings: int) -> dict[str, Any]:
     first, thicknesses = specs[0], [spec.pad.thickness_mm for spec in specs]
     check_job(thicknesses, castings)
     return {
-        "thickness_mm": thicknesses, "length_mm": first.pad.length_mm, "width_mm": first.pad.width_mm,
-        "shape": first.pad.name, "preset": first.preset, "resin": first.pour.resin, "ratio": first.pour.ratio,
-        "ratio_meaning": first.pour.ratio_meaning, "count": first.count, "castings": castings,
-    }  # fmt: skip
+        "thickness_mm": thicknesses,
+        "length_mm": first.pad.length_mm,
+        "width_mm": first.pad.width_mm,
+        "shape": first.pad.name,
+        "preset": first.preset,
+        "resin": first.pour.resin,
+        "ratio": first.pour.ratio,
+        "ratio_meaning": first.pour.ratio_meaning,
+        "count": first.count,
+        "castings": castings,
+    }
 
 
 def make_job(
@@ -132,9 +160,17 @@ def make_job(
         job.write_bytes(sheet_pdf(job_sheet(ordered, castings), Foot(" ".join(hashes), **papers(paper))))
         output.extra["hashes"] = hashes
         listed = {f"{spec.tag}_{role}": path for spec, one in zip(specs, moulds) for role, path in one["files"].items()}
-        warnings = [{**item, "message": f"{spec.pad.thickness_mm:g} mm: {item['message']}"}
-                    for spec, one in zip(specs, moulds) for item in one["warnings"]]  # fmt: skip
-        return output.answer({
-            **head, "moulds": moulds, "bill_of_materials": [list(row) for row in job_bill(ordered, castings)],
-            "files": {"job": str(job), **listed}, "warnings": warnings,
-        })  # fmt: skip
+        warnings = [
+            {**item, "message": f"{spec.pad.thickness_mm:g} mm: {item['message']}"}
+            for spec, one in zip(specs, moulds)
+            for item in one["warnings"]
+        ]
+        return output.answer(
+            {
+                **head,
+                "moulds": moulds,
+                "bill_of_materials": [list(row) for row in job_bill(ordered, castings)],
+                "files": {"job": str(job), **listed},
+                "warnings": warnings,
+            }
+        )

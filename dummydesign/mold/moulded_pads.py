@@ -63,8 +63,10 @@ def moulded_pads(folders: Sequence[FilePath]) -> MouldedPads:
             raise InputError(
                 f"moulds '{other}' and '{mould}' both have {thickness:g} mm: a campaign tells pads by their thickness; "
                 "plan one for each",
-                "duplicate", "thickness_mm", thickness,
-            )  # fmt: skip
+                "duplicate",
+                "thickness_mm",
+                thickness,
+            )
         size = f"cylinder:{pad.length_mm:g}" if pad.is_puck else f"{pad.length_mm:g}x{pad.width_mm:g}"
         pads.append((thickness, pad.name, size, mould))
         pours.setdefault((spec.pour.resin, float(spec.pour.ratio)))
@@ -74,8 +76,11 @@ def moulded_pads(folders: Sequence[FilePath]) -> MouldedPads:
             raise InputError(
                 f"moulds '{pads[0][3]}' ({pads[0][2]}) and '{mould}' ({outline}) differ in outline: a campaign has "
                 "one; plan one for each",
-                "inconsistent", "outline", outline, pads[0][2],
-            )  # fmt: skip
+                "inconsistent",
+                "outline",
+                outline,
+                pads[0][2],
+            )
     shapes = tuple((h, "slab" if outline.startswith("cylinder") else shape) for h, shape, outline, _ in pads)
     return MouldedPads(shapes, pads[0][2], tuple(pours), tuple(str(mould) for *_, mould in pads))
 

@@ -57,9 +57,12 @@ def _write_and_check(
     spec = made.spec
     files = _write_steps(made, folder)
     mesh_files = _write_meshes(made, meshes, folder)
-    volumes = {"cavity": made.cavity.Volume(), "pad_nominal": made.pad_nominal.Volume(),
-               "pad_compensated": made.parts["pad"].volume_mm3,
-               **{name: part.volume_mm3 for name, part in made.parts.items() if name != "pad"}}  # fmt: skip
+    volumes = {
+        "cavity": made.cavity.Volume(),
+        "pad_nominal": made.pad_nominal.Volume(),
+        "pad_compensated": made.parts["pad"].volume_mm3,
+        **{name: part.volume_mm3 for name, part in made.parts.items() if name != "pad"},
+    }
     plan = pour_plan(spec, volumes["pad_compensated"], volumes["mould"] + volumes.get("lid", 0.0))
     write_progress("step 3 of 5: checking the solids")
     tool = meshes["mould"] if made.whole is None else tessellate(made.mould)
@@ -88,9 +91,14 @@ def _write_and_check(
     write_json(folder / files["spec"], {"hash": spec.hash, "spec": spec.to_dict(), "gauge_points": points})
     write_json(folder / files["checks"], listed)
     return {
-        "files": files, "volumes_mm3": volumes, "checks": listed, "warnings": warnings, "pour": plan.to_dict(),
-        "batch": batches_of(spec, plan), "step_sha256": hashlib.sha256(assembly.read_bytes()).hexdigest(),
-    }  # fmt: skip
+        "files": files,
+        "volumes_mm3": volumes,
+        "checks": listed,
+        "warnings": warnings,
+        "pour": plan.to_dict(),
+        "batch": batches_of(spec, plan),
+        "step_sha256": hashlib.sha256(assembly.read_bytes()).hexdigest(),
+    }
 
 
 def _write_steps(made: Parts, folder: Path) -> dict[str, str]:

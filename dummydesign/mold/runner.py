@@ -49,10 +49,20 @@ def insert_bone(
         code = "file_not_found" if isinstance(problem, FileNotFoundError) else "file_unreadable"
         raise InputError(f"bone '{file}': cannot be read: {problem.strerror}", code, "bone", str(file)) from None
     room = min(length_mm, width_mm) / 2 - RIM_FREE_MM
-    measured = _measured({"file": str(file), "solid": str(solid), "placing": asdict(placing),
-                          "thickness_mm": thickness_mm, "room_mm": room})  # fmt: skip
-    dome = (("radius", round(measured.pop("tip_mm"), 2)), ("height", placing.height_mm),
-            ("foot", round(measured.pop("foot_mm"), 2)))  # fmt: skip
+    measured = _measured(
+        {
+            "file": str(file),
+            "solid": str(solid),
+            "placing": asdict(placing),
+            "thickness_mm": thickness_mm,
+            "room_mm": room,
+        }
+    )
+    dome = (
+        ("radius", round(measured.pop("tip_mm"), 2)),
+        ("height", placing.height_mm),
+        ("foot", round(measured.pop("foot_mm"), 2)),
+    )
     insert = Insert(file.name, hashlib.sha256(content).hexdigest(), placing, **measured)
     insert.check(length_mm, width_mm)
     return insert, dome
@@ -65,8 +75,10 @@ def _measured(asked: dict[str, Any]) -> dict[str, Any]:
         raise NoAnswerError("cad_failed", f"the bone was not read within {TIMEOUT_S:g} s", {}, "bone")
     if not measured:
         ended = f"signal {-done.returncode}" if done.returncode < 0 else _last_line(done, f"status {done.returncode}")
-        message = (f"the CAD kernel broke off while it read or cut the bone ({ended}), as it does where a surface "
-                   "crosses or touches itself; repair it, or simplify it")  # fmt: skip
+        message = (
+            f"the CAD kernel broke off while it read or cut the bone ({ended}), as it does where a surface "
+            "crosses or touches itself; repair it, or simplify it"
+        )
         raise NoAnswerError("cad_failed", message, {}, "bone")
     if "error" not in measured:
         return measured
@@ -90,8 +102,14 @@ def _answered(
         question, answer = Path(work) / "question.json", Path(work) / "answer.json"
         question.write_text(json.dumps(asked), encoding="utf-8")
         try:
-            done = subprocess.run([sys.executable, *WORKER, str(question), str(answer)], capture_output=True,
-                                  encoding="utf-8", errors="replace", timeout=timeout_s, env=environment)  # fmt: skip
+            done = subprocess.run(
+                [sys.executable, *WORKER, str(question), str(answer)],
+                capture_output=True,
+                encoding="utf-8",
+                errors="replace",
+                timeout=timeout_s,
+                env=environment,
+            )
         except subprocess.TimeoutExpired:
             return None, {}
         # One that was stopped by its limit may have been writing.
@@ -144,21 +162,30 @@ def make_mold(
     if spec.insert is not None and bone_file is None:
         message = f"the bone of this mould comes from {spec.insert.file}; give the file again"
         raise InputError(message, "missing", "bone")
-    asked = {"spec": spec.to_dict(), "bone": str(bone_file) if bone_file else None, "processor_s": processor_s,
-             "papers": papers(paper)}  # fmt: skip
+    asked = {
+        "spec": spec.to_dict(),
+        "bone": str(bone_file) if bone_file else None,
+        "processor_s": processor_s,
+        "papers": papers(paper),
+    }
     what = f"preset {spec.preset}, {spec.pad.title}, specification {spec.hash}"
 
     def result(answer: dict[str, Any]) -> MouldResult:
-        return MouldResult(**answer, masses_g=masses_g(answer["pour"]), spec_hash=spec.hash,
-                           gauge_points=gauge_points(spec))  # fmt: skip
+        return MouldResult(
+            **answer, masses_g=masses_g(answer["pour"]), spec_hash=spec.hash, gauge_points=gauge_points(spec)
+        )
 
     return _build(folder, ".mould-", asked, what, without_cad(spec), result)
 
 
 def _build(
-    folder: Path, prefix: str, asked: dict[str, Any], what: str, known: dict[str, Any],
+    folder: Path,
+    prefix: str,
+    asked: dict[str, Any],
+    what: str,
+    known: dict[str, Any],
     result_of: Callable[[dict[str, Any]], M],
-) -> M:  # fmt: skip
+) -> M:
     """Let the child make all files in a place of their own; they are moved when no check failed."""
     target = output_folder(folder)
     with tempfile.TemporaryDirectory(prefix=prefix, dir=target, ignore_cleanup_errors=True) as work:
@@ -183,16 +210,20 @@ class PuckResult(Made):
     seconds: float = field(default=0.0, compare=False)
 
 
-def make_puck_rings(
-    spec: PuckSpec, folder: Path, processor_s: float = PROCESSOR_S, paper: str = "A4"
-) -> PuckResult:
+def make_puck_rings(spec: PuckSpec, folder: Path, processor_s: float = PROCESSOR_S, paper: str = "A4") -> PuckResult:
     """Build the rings of some pucks with all their files into a folder; an error leaves nothing there."""
     from dummydesign.mold.puck.plan import puck_plan, spec_cost, warnings_of
 
     plan, cost = puck_plan(spec), spec_cost(spec)
-    known = {"files": {}, "masses_g": dict(plan.mix.components), "pour": plan.to_dict(), "spec_hash": spec.hash,
-             "printing_h": cost.printing_h, "filament_g": cost.filament_g,
-             "warnings": warnings_of(spec, plan)}  # fmt: skip
+    known = {
+        "files": {},
+        "masses_g": dict(plan.mix.components),
+        "pour": plan.to_dict(),
+        "spec_hash": spec.hash,
+        "printing_h": cost.printing_h,
+        "filament_g": cost.filament_g,
+        "warnings": warnings_of(spec, plan),
+    }
     asked = {"puck": spec.to_dict(), "processor_s": processor_s, "papers": papers(paper)}
 
     def result(answer: dict[str, Any]) -> PuckResult:
@@ -216,10 +247,14 @@ def without_cad(spec: MouldSpec) -> dict[str, Any]:
     """What is known of a mould without CAD: weights from closed forms, warnings, the hash."""
     plan = pour_plan(spec)
     return {
-        "files": {}, "masses_g": masses_g(plan.to_dict()), "pour": plan.to_dict(), "batch": batches_of(spec, plan),
-        "spec_hash": spec.hash, "gauge_points": [point.to_dict() for point in gauge_points(spec)],
+        "files": {},
+        "masses_g": masses_g(plan.to_dict()),
+        "pour": plan.to_dict(),
+        "batch": batches_of(spec, plan),
+        "spec_hash": spec.hash,
+        "gauge_points": [point.to_dict() for point in gauge_points(spec)],
         "warnings": pour_warnings(spec, plan),
-    }  # fmt: skip
+    }
 
 
 def masses_g(pour: dict[str, Any]) -> dict[str, float]:

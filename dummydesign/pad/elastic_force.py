@@ -32,9 +32,12 @@ FIDELITIES = ("table", "axisymmetric", "viscoelastic", "3d")
 
 
 def elastic_curve(
-    pad: Pad | Puck, fidelity: str, deepest_mm: float | None = None, depths_mm: Array | None = None,
+    pad: Pad | Puck,
+    fidelity: str,
+    deepest_mm: float | None = None,
+    depths_mm: Array | None = None,
     force_law: ForceLaw | None = None,
-) -> ForceCurve:  # fmt: skip
+) -> ForceCurve:
     """Long-term force as a function of depth, by the table or solved by finite elements."""
     if fidelity not in FIDELITIES:
         raise unknown_name("fidelity", fidelity, FIDELITIES)

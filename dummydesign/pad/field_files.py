@@ -70,8 +70,17 @@ def _section(axes: Any, pressed: Pressed, reach: float, top: float, ceiling: flo
     near = (pressed.rest_mm[pressed.cells, 0] < 1.3 * reach).any(axis=1)
     triangles = _triangles(pressed.cells[near])
     for side in (1.0, -1.0):
-        shown = axes.tripcolor(side * points[:, 0], points[:, 1], triangles, stress, shading="gouraud", cmap="viridis",
-                               vmin=0.0, vmax=ceiling, rasterized=True)  # fmt: skip
+        shown = axes.tripcolor(
+            side * points[:, 0],
+            points[:, 1],
+            triangles,
+            stress,
+            shading="gouraud",
+            cmap="viridis",
+            vmin=0.0,
+            vmax=ceiling,
+            rasterized=True,
+        )
         axes.plot(side * points[pressed.face.node, 0], points[pressed.face.node, 1], color="0.1", linewidth=0.8)
     half = np.concatenate([pressed.punch_mm, [[pressed.punch_mm[-1, 0], top + reach]]])
     outline = np.concatenate([half[::-1] * (-1.0, 1.0), half])

@@ -337,9 +337,14 @@ def _follow(pad: Pad, depths: Array, coarse: bool, keep: Keep) -> tuple[str | No
         return None
 
     path = follow(
-        setup.problem, depths, setup.first_step, setup.largest_step, setup.smallest_step,
-        lattice=setup.lattice, visit=visit,
-    )  # fmt: skip
+        setup.problem,
+        depths,
+        setup.first_step,
+        setup.largest_step,
+        setup.smallest_step,
+        lattice=setup.lattice,
+        visit=visit,
+    )
     return path.stop if watch is None else watch.stop_reason(path.stop), ()
 
 
@@ -383,9 +388,16 @@ def _pressed(problem: Problem, solution: Solution, depth: float, pad: Pad, shear
     face = replace(face, node=number[face.node])
     outline = _outline(problem, depth, pad.radius_mm / h)
     return Pressed(
-        depth * h, problem.force(solution.state) * shear * h * h, (mesh.nodes.T - lift)[used] * h, moved[used] * h,
-        number[meshes.cell_nodes(mesh)], stress[used] * shear, stretch[used], face, (outline - lift) * h,
-    )  # fmt: skip
+        depth * h,
+        problem.force(solution.state) * shear * h * h,
+        (mesh.nodes.T - lift)[used] * h,
+        moved[used] * h,
+        number[meshes.cell_nodes(mesh)],
+        stress[used] * shear,
+        stretch[used],
+        face,
+        (outline - lift) * h,
+    )
 
 
 def _face(problem: Problem, solution: Solution, depth: float, pad: Pad, shear: float) -> Face:

@@ -249,8 +249,7 @@ def low_end(pad: Pad | Puck, depth_mm: Array, force_N: Array, relative_error: Ar
 
 
 def _way(power: float) -> float:
-    """Power of the depth with which the secant changes: that of the contact's radius, 1 where a face touches at once.
-    """
+    """Power of the depth with which the secant changes: that of the contact's radius, 1 if a face touches at once."""
     return 1.0 if power == 1.0 else 0.5
 
 

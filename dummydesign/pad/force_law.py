@@ -267,8 +267,11 @@ def curve_at(law: ForceLaw, thickness_mm: float, young_MPa: float, radius_mm: fl
     return ForceCurve(
         lambda depth: law.force(depth, thickness_mm, young_MPa, radius_mm),
         lambda depth: law.relative_error(np.clip(depth, 0.0, limit), thickness_mm, radius_mm),
-        limit, dict(NO_COST), law.notes, law.provenance,
-    )  # fmt: skip
+        limit,
+        dict(NO_COST),
+        law.notes,
+        law.provenance,
+    )
 
 
 def depth_grid(thickness_mm: float, deepest_mm: float | None, depths_mm: Array | None) -> tuple[Array, float]:

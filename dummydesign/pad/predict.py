@@ -134,9 +134,15 @@ def most_viscous(force: Array, elastic: Array) -> Array:
 
 
 def allowance(
-    base: str, ratio: float, relative_depth: Array, time_s: Array, elastic: Array, prony: Sequence[PronyTerm],
-    shape: PadShape = SLAB, thickness_mm: float = 1.0,
-) -> tuple[Array, Array]:  # fmt: skip
+    base: str,
+    ratio: float,
+    relative_depth: Array,
+    time_s: Array,
+    elastic: Array,
+    prony: Sequence[PronyTerm],
+    shape: PadShape = SLAB,
+    thickness_mm: float = 1.0,
+) -> tuple[Array, Array]:
     """How far the force of a slab or shaped pad may lie below and above the quick prediction. [unit of force]"""
     if shape.plain:
         return slab_allowance(base, ratio, relative_depth, time_s, elastic, prony)
@@ -178,9 +184,12 @@ class MotionPrediction(Serialised):
 
 
 def predict_static(
-    pad: Pad | Puck, depth_mm: Sequence[float], fidelity: str = "table",
-    progress: Callable[[float], None] | None = None, force_law: ForceLaw | None = None,
-) -> StaticPrediction:  # fmt: skip
+    pad: Pad | Puck,
+    depth_mm: Sequence[float],
+    fidelity: str = "table",
+    progress: Callable[[float], None] | None = None,
+    force_law: ForceLaw | None = None,
+) -> StaticPrediction:
     """Long-term force at static depths."""
     if fidelity == "viscoelastic":
         message = "fidelity = viscoelastic needs a motion; static depths are long-term: table or axisymmetric"
@@ -206,9 +215,12 @@ def predict_static(
 
 
 def predict_motion(
-    pad: Pad | Puck, motion: Motion, fidelity: str = "table", progress: Callable[[float], None] | None = None,
+    pad: Pad | Puck,
+    motion: Motion,
+    fidelity: str = "table",
+    progress: Callable[[float], None] | None = None,
     force_law: ForceLaw | None = None,
-) -> MotionPrediction:  # fmt: skip
+) -> MotionPrediction:
     """Force along a motion: elastic force of the depth, convolved with the Prony terms.
 
     F(t) = integral of (1 + sum beta_i exp(-(t - s) / tau_i)) dF_inf(d(s)); the pad does not pull, so the
@@ -253,9 +265,18 @@ def motion_on_curve(pad: Pad | Puck, motion: Motion, curve: ForceCurve, fidelity
         below, above = np.max([allowance(base, *args) for base in bases], axis=0)[:, keep]
     peak = int(np.argmax(force))
     return MotionPrediction(
-        motion.time_s, motion.displacement_mm, force, np.maximum(force - error - below, 0.0), force + error + above,
-        float(force[peak]), float(motion.time_s[peak]), float(force[-1]), fidelity, solver, curve.notes,
-    )  # fmt: skip
+        motion.time_s,
+        motion.displacement_mm,
+        force,
+        np.maximum(force - error - below, 0.0),
+        force + error + above,
+        float(force[peak]),
+        float(motion.time_s[peak]),
+        float(force[-1]),
+        fidelity,
+        solver,
+        curve.notes,
+    )
 
 
 def _finite_strain_ratio(pad: Pad, motion: Motion) -> tuple[Array, dict[str, Any]]:
@@ -269,9 +290,13 @@ def _finite_strain_ratio(pad: Pad, motion: Motion) -> tuple[Array, dict[str, Any
 
 
 def depth_for_steady_force(
-    pad: Pad | Puck, force_N: float, hold_s: float, motion_to: Callable[[float], Motion], fidelity: str = "table",
+    pad: Pad | Puck,
+    force_N: float,
+    hold_s: float,
+    motion_to: Callable[[float], Motion],
+    fidelity: str = "table",
     curve: ForceCurve | None = None,
-) -> float:  # fmt: skip
+) -> float:
     """Depth at which the force at the end of a ramp and hold is the wanted one. [mm]"""
     positive("force in N", force_N)
     positive("hold in s", hold_s)
@@ -294,8 +319,10 @@ def depth_for_steady_force(
     if steady(low) > force_N:
         raise InputError(
             f"force in N = {force_N:g} is below {steady(low):.3g}, the force at 0.1 % of the thickness: press deeper",
-            "out_of_range", "force_N", force_N,
-        )  # fmt: skip
+            "out_of_range",
+            "force_N",
+            force_N,
+        )
     from scipy.optimize import brentq
 
     return float(brentq(lambda depth: steady(depth) - force_N, low, high, xtol=1e-9))
@@ -367,9 +394,14 @@ def curve_to(pad: Pad | Puck, fidelity: str, force_N: float) -> ForceCurve:
 
 
 def press_to_forces(
-    pad: Pad | Puck, force_N: Sequence[float], velocity_mm_s: Sequence[float], hold_s: float,
-    deceleration_mm_s2: float, fidelity: str = "table", progress: Callable[[float], None] | None = None,
-) -> tuple[RampPress, ...]:  # fmt: skip
+    pad: Pad | Puck,
+    force_N: Sequence[float],
+    velocity_mm_s: Sequence[float],
+    hold_s: float,
+    deceleration_mm_s2: float,
+    fidelity: str = "table",
+    progress: Callable[[float], None] | None = None,
+) -> tuple[RampPress, ...]:
     """Press a pad to every force at every speed."""
     presses: list[RampPress] = []
     out_of_reach: NoAnswerError | None = None

@@ -112,8 +112,9 @@ def solve_slab(pad: Pad, fidelity: str = "axisymmetric") -> SolvedSlab:
         raise InputError(
             f"punch of {sides} mm has no corners at fidelity = axisymmetric, which knows them of a glued square on a "
             "neo-Hookean slab inside the response table only; take fidelity 3d, or a round punch of the same area",
-            "unsupported", "punch",
-        )  # fmt: skip
+            "unsupported",
+            "punch",
+        )
     depth = np.array(SLAB_SHARES) * pad.thickness_mm
     if pad.condition != "bonded" and fidelity != "3d":
         solved = solve_points(pad, depth)
@@ -143,9 +144,13 @@ def law_of(slabs: Iterable[SolvedSlab]) -> SolvedLaw:
 
 
 def solve_law(
-    thickness_mm: Sequence[float], radius_mm: float, base: str = "bonded", condition: str = "bonded",
-    sides_mm: tuple[float, float] | None = None, fidelity: str = "axisymmetric",
-) -> SolvedLaw:  # fmt: skip
+    thickness_mm: Sequence[float],
+    radius_mm: float,
+    base: str = "bonded",
+    condition: str = "bonded",
+    sides_mm: tuple[float, float] | None = None,
+    fidelity: str = "axisymmetric",
+) -> SolvedLaw:
     """Solve one curve a thickness."""
     slabs = (
         Pad(h, 1.0, radius_mm, base=base, condition=condition, sides_mm=sides_mm)

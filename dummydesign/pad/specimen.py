@@ -99,8 +99,10 @@ class Pad(_Elastic):
                     f"edge_radius_mm = {self.edge_radius_mm:g} with {name} = {value} is not solved; a fillet goes with "
                     "a flat punch that is glued, on a slab or a round shaped pad whose base is bonded or sliding, or "
                     "that slides or rubs (frictionless, friction:MU) on such a slab; edge radius 0 is the sharp edge",
-                    "unsupported", "edge_radius_mm", self.edge_radius_mm,
-                )  # fmt: skip
+                    "unsupported",
+                    "edge_radius_mm",
+                    self.edge_radius_mm,
+                )
 
 
 @dataclass(frozen=True)

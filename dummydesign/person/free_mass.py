@@ -52,14 +52,19 @@ def with_known_range(view: SafetyView, tissue: Tissue, robot_kg: float, velocity
         subject += 1
     hand_kg = hand_mass_kg().value
     reduced = float(f"{reduced_mass_kg(robot_kg, hand_kg):.3g}")
-    free = (f"A hand that is free takes the reduced mass with its {hand_kg:g} kg: --robot-mass {reduced:g}"
-            if robot_kg > hand_kg else "")  # fmt: skip
+    free = (
+        f"A hand that is free takes the reduced mass with its {hand_kg:g} kg: --robot-mass {reduced:g}"
+        if robot_kg > hand_kg
+        else ""
+    )
     words = f"{view.impact_text} {free}." if free else view.impact_text
     if not times:
         return replace(view, impact=tuple(rows), impact_text=words)
     over, most, pressed = max(times)
     first = "do not use the subjects' numbers" if over > FAR else "the subjects' numbers are extrapolated"
-    message = (f"{first}: {robot_kg:g} kg at {velocity_mm_s:g} mm/s bring {short_number(most)} N, people were pressed "
-               f"to {short_number(pressed)} N")  # fmt: skip
+    message = (
+        f"{first}: {robot_kg:g} kg at {velocity_mm_s:g} mm/s bring {short_number(most)} N, people were pressed "
+        f"to {short_number(pressed)} N"
+    )
     warned = {"code": "impact_beyond_people", "message": f"{message}. {free}" if free else message}
     return replace(view, impact=tuple(rows), impact_text=words, warnings=(*view.warnings, warned))

@@ -81,9 +81,13 @@ def late_mean(time_s: NDArray, force: NDArray, from_s: float) -> NDArray:
 
 
 def follow_force(
-    people: People, time_s: NDArray, force_N: NDArray, late_s: float = np.inf, substeps: int = SUBSTEPS,
+    people: People,
+    time_s: NDArray,
+    force_N: NDArray,
+    late_s: float = np.inf,
+    substeps: int = SUBSTEPS,
     tolerance: float = SOLVED,
-) -> Response:  # fmt: skip
+) -> Response:
     """Press so that each person bears a force that is given over time, F(x, q) = F(t).
 
     Each step solves for the depth at its end, by Newton's method inside a bracket; the arms are exact for the even
@@ -144,11 +148,21 @@ def _depth_for(people: People, x: NDArray, q: NDArray, step: float, goal: NDArra
 
 
 def run_robot(
-    people: People, arm: Arm, given: Input, end_s: float, velocity_mm_s: NDArray, scale_mm: NDArray,
-    longest_step: Callable[[float], float], until_stop: bool = False, keep: bool = True, late_s: float = np.inf,
-    loose_after_s: float = np.inf, tolerance: float = TOLERANCE, mean_from_s: float = np.inf,
+    people: People,
+    arm: Arm,
+    given: Input,
+    end_s: float,
+    velocity_mm_s: NDArray,
+    scale_mm: NDArray,
+    longest_step: Callable[[float], float],
+    until_stop: bool = False,
+    keep: bool = True,
+    late_s: float = np.inf,
+    loose_after_s: float = np.inf,
+    tolerance: float = TOLERANCE,
+    mean_from_s: float = np.inf,
     lost_mm_s: NDArray | float = 0.0,
-) -> Response:  # fmt: skip
+) -> Response:
     """Integrate M u'' = F_p(t) - D u' - K u - F(x_p(t) + u, q) of all persons, by Newmark's rules.
 
     u is the difference of the path on a person to the path x_p on the pad, where the force was F_p. The command
@@ -262,9 +276,16 @@ def run_robot(
 
 
 def _solve(
-    people: People, x: NDArray, q: NDArray, step: float, constant: NDArray, weight: float, stiffness: float,
-    path: NDArray | float, guess: NDArray,
-) -> tuple[NDArray, NDArray, NDArray]:  # fmt: skip
+    people: People,
+    x: NDArray,
+    q: NDArray,
+    step: float,
+    constant: NDArray,
+    weight: float,
+    stiffness: float,
+    path: NDArray | float,
+    guess: NDArray,
+) -> tuple[NDArray, NDArray, NDArray]:
     """Solve u = constant - weight (K u + F(path + u)) for u, stretches and force at the end of a step (Newton)."""
     new = guess
     for _ in range(25):

@@ -23,8 +23,12 @@ NEAR = 1.05
 """Factor up to which a press still counts as inside."""
 FAR = 2.0
 """Times beyond the presses on people from which on numbers must not be used, as in the verdict on a pad."""
-QUANTITIES = {"velocity_mm_s": ("speed", "mm/s"), "steady_force_N": ("steady force", "N"),
-              "depth_mm": ("depth", "mm"), "peak_force_N": ("peak force", "N")}  # fmt: skip
+QUANTITIES = {
+    "velocity_mm_s": ("speed", "mm/s"),
+    "steady_force_N": ("steady force", "N"),
+    "depth_mm": ("depth", "mm"),
+    "peak_force_N": ("peak force", "N"),
+}
 RANKED = re.compile(r"rank-(\d+)-of-(\d+)")
 
 
@@ -56,25 +60,35 @@ def beyond_range(tissue: Tissue, response: Response, velocity_mm_s: float) -> li
     """
     low, high = _forces(tissue)
     speeds, rows, names = tissue.velocities_mm_s, list[Beyond](), [one.name for one in tissue.subjects]
-    ranges = [("velocity_mm_s", np.array([velocity_mm_s]), (min(speeds), max(speeds)), SPEED_FACTOR,
-               ("slowest", "fastest"))] if speeds else []  # fmt: skip
+    ranges = (
+        [("velocity_mm_s", np.array([velocity_mm_s]), (min(speeds), max(speeds)), SPEED_FACTOR, ("slowest", "fastest"))]
+        if speeds
+        else []
+    )
     if np.isfinite(response.steady_N).any():
         ranges.append(("steady_force_N", response.steady_N, (low, high), FORCE_FACTOR, ("smallest", "largest")))
     for quantity, values, ends, factor, words in ranges:
         least, most = int(np.nanargmin(values)), int(np.nanargmax(values))
         differ = values[most] > NEAR * values[least]
         ways = ((least, values[least] < ends[0] / factor), (most, values[most] > ends[1] * factor))
-        rows += [_beyond(quantity, float(values[at]), end, f"the {word} press on people", names[at] if differ else "")
-                 for (at, outside), end, word in zip(ways, ends, words) if outside]  # fmt: skip
+        rows += [
+            _beyond(quantity, float(values[at]), end, f"the {word} press on people", names[at] if differ else "")
+            for (at, outside), end, word in zip(ways, ends, words)
+            if outside
+        ]
     deepest, strongest = limits_of_subjects(tissue)
     for quantity, values, limits in (
-        ("depth_mm", response.depth_mm, deepest), ("peak_force_N", response.peak_N, strongest)
-    ):  # fmt: skip
+        ("depth_mm", response.depth_mm, deepest),
+        ("peak_force_N", response.peak_N, strongest),
+    ):
         over = values / limits
         worst = int(np.argmax(over))
         if over[worst] > NEAR:
-            rows.append(_beyond(quantity, float(values[worst]), float(limits[worst]),
-                                f"the most for {subject_words(names[worst])}"))  # fmt: skip
+            rows.append(
+                _beyond(
+                    quantity, float(values[worst]), float(limits[worst]), f"the most for {subject_words(names[worst])}"
+                )
+            )
     return rows
 
 

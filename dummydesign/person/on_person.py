@@ -66,17 +66,24 @@ class PersonPress:
             return None if force is None else force * N_PER_CM2 / area_mm2
 
         name = "mean_pressure_N_per_cm2"
-        return to_plain({
-            "file": self.press.trace.name, "velocity_mm_s": self.press.velocity_mm_s,
-            "contact_mm_s": float(self.press.contact_mm_s), "hold_s": self.press.hold_s,
-            "pad": {**self.pad, name: pressure(self.pad["peak_N"])},
-            "subjects": [{**one, name: pressure(one["peak_N"])} for one in self.subjects],
-            "band": {**self.band, name: [pressure(end) for end in self.band["peak_N"]]},
-            "interval_95": {**self.interval, name: [pressure(end) for end in self.interval["peak_N"]]},
-            "factor_peak": list(self.factor), "factor_peak_95": list(self.factor_95),
-            "limits": self.limits, "signs": self.signs, "drive_contradicted": self.contradicted or None,
-            "beyond_range": self.beyond,
-        })  # fmt: skip
+        return to_plain(
+            {
+                "file": self.press.trace.name,
+                "velocity_mm_s": self.press.velocity_mm_s,
+                "contact_mm_s": float(self.press.contact_mm_s),
+                "hold_s": self.press.hold_s,
+                "pad": {**self.pad, name: pressure(self.pad["peak_N"])},
+                "subjects": [{**one, name: pressure(one["peak_N"])} for one in self.subjects],
+                "band": {**self.band, name: [pressure(end) for end in self.band["peak_N"]]},
+                "interval_95": {**self.interval, name: [pressure(end) for end in self.interval["peak_N"]]},
+                "factor_peak": list(self.factor),
+                "factor_peak_95": list(self.factor_95),
+                "limits": self.limits,
+                "signs": self.signs,
+                "drive_contradicted": self.contradicted or None,
+                "beyond_range": self.beyond,
+            }
+        )
 
 
 @dataclass(frozen=True)
@@ -91,9 +98,15 @@ class OnPerson:
 
 
 def on_person(
-    traces: Sequence[Trace], tissue: Tissue, drive: Drive, *, limits: Limits | None = None,
-    lowpass: Lowpass | None = None, area_mm2: float = 196.0, progress: Callable[[str], None] | None = None,
-) -> OnPerson:  # fmt: skip
+    traces: Sequence[Trace],
+    tissue: Tissue,
+    drive: Drive,
+    *,
+    limits: Limits | None = None,
+    lowpass: Lowpass | None = None,
+    area_mm2: float = 196.0,
+    progress: Callable[[str], None] | None = None,
+) -> OnPerson:
     """Work out what each press would have been on the subjects of a tissue and on one more person.
 
     Parameters
@@ -134,7 +147,7 @@ def on_person(
 
 def _press_people(
     press: Press, tissue: Tissue, drive: Drive, limits: Limits | None, area_mm2: float, doubt: str
-) -> PersonPress:  # fmt: skip
+) -> PersonPress:
     """Press subjects and draws, and judge."""
     names, rng = [one.name for one in tissue.subjects], np.random.default_rng(SEED)
     pad = {name: None if value is None else float(np.mean(value)) for name, value in drive.on_pad(press).items()}
@@ -147,8 +160,9 @@ def _press_people(
         response = drive.respond(press, people)
         drawn = [draw_another(tissue, speed, OTHERS, rng)]
         drawn += [draw_subject(tissue, row, speed, OWN, rng) for row in range(count)]
-        everyone = People(people.law, *(np.concatenate([getattr(one, part) for one in drawn])
-                                        for part in ("gamma1", "gamma", "c")))  # fmt: skip
+        everyone = People(
+            people.law, *(np.concatenate([getattr(one, part) for one in drawn]) for part in ("gamma1", "gamma", "c"))
+        )
         pressed = press.drawn(len(everyone), rng)
         answer = drive.respond(pressed, everyone, keep=False)
         values = {**answer.four(), "held_N": answer.held_N}
@@ -159,19 +173,32 @@ def _press_people(
     interval = {name: _ends(another[name]) for name in FOUR}
     band = {name: _outer(response.four()[name]) for name in FOUR}
     subjects = tuple(
-        {"name": name, **{key: _number(value[row]) for key, value in response.four().items()},
-         "interval_95": {key: _ends(own[key][row]) for key in FOUR} if own else None}
+        {
+            "name": name,
+            **{key: _number(value[row]) for key, value in response.four().items()},
+            "interval_95": {key: _ends(own[key][row]) for key in FOUR} if own else None,
+        }
         for row, name in enumerate(names)
-    )  # fmt: skip
+    )
     signs = signs_of(press)
     rows: tuple[LimitRow, ...] = ()
     if limits is not None:
         rows = against_guarded_limits(_loads(press, response, another, own), limits, area_mm2, bool(beyond))
     low, high = (None if end is None else end / (pad["peak_N"] or np.nan) for end in band["peak_N"])
     return PersonPress(
-        press, response, pad, subjects, band, interval, (low, high), _ends(another["peak_N"] / pads), signs,
-        drive.contradicted(signs) or doubt, beyond, rows,
-    )  # fmt: skip
+        press,
+        response,
+        pad,
+        subjects,
+        band,
+        interval,
+        (low, high),
+        _ends(another["peak_N"] / pads),
+        signs,
+        drive.contradicted(signs) or doubt,
+        beyond,
+        rows,
+    )
 
 
 def _loads(press: Press, response: Response, another: dict[str, NDArray], own: dict[str, NDArray]) -> list[Load]:
@@ -225,8 +252,11 @@ def _number(value: float) -> float | None:
 def _of_presses(pressed: Sequence[PersonPress], drive: Drive, tissue: Tissue) -> list[dict[str, str]]:
     """What the reader must know: a drive that does not fit, a range that is left, people who were not measured."""
     rows: list[tuple[str, str]] = []
-    rows += [("drive_mismatch", f"{one.press.trace.name}: the trace does not fit --drive {drive.text}: "
-              f"{one.contradicted}") for one in pressed if one.contradicted]  # fmt: skip
+    rows += [
+        ("drive_mismatch", f"{one.press.trace.name}: the trace does not fit --drive {drive.text}: {one.contradicted}")
+        for one in pressed
+        if one.contradicted
+    ]
     arm = drive.arm
     for one in pressed:
         file, step = one.press.trace.name, float(np.median(np.diff(one.press.trace.time_s)))
@@ -275,8 +305,15 @@ def predicted_traces(answer: Suggestion) -> list[Trace]:
         time, x, force = time[distinct], press.displacement_mm[0][order][distinct], press.force_N[0][order][distinct]
         touch = float((x[1] - x[0]) / (time[1] - time[0]))
         lead = np.linspace(-APPROACH_S, 0.0, APPROACH_SAMPLES + 1)[:-1]
-        traces.append(Trace(f"{condition.steady_force_N:g} N, {speed:g} mm/s", np.r_[lead, time],
-                            np.r_[touch * lead, x], np.r_[0.0 * lead, force], speed))  # fmt: skip
+        traces.append(
+            Trace(
+                f"{condition.steady_force_N:g} N, {speed:g} mm/s",
+                np.r_[lead, time],
+                np.r_[touch * lead, x],
+                np.r_[0.0 * lead, force],
+                speed,
+            )
+        )
     return traces
 
 

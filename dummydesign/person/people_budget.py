@@ -37,8 +37,11 @@ def budget_of_people(answer: OnPerson) -> Budget | None:
     mean square over the subjects, the rest are differences among people.
     """
     limited = [(press, row) for press in answer.presses for row in press.limits]
-    checks = [(press, row, known) for press, row in limited
-              if (known := middle_and_spread((row.person_low_95, row.person_high_95)))]  # fmt: skip
+    checks = [
+        (press, row, known)
+        for press, row in limited
+        if (known := middle_and_spread((row.person_low_95, row.person_high_95)))
+    ]
     if checks:
         press, row, known = max(checks, key=lambda one: math.log(one[2][0] / one[1].limit) / max(one[2][1], 1e-9))
         return _of_check(press, row, *known)
@@ -46,16 +49,23 @@ def budget_of_people(answer: OnPerson) -> Budget | None:
     if not peaks or limited:
         return None
     press, (value, spread) = max(peaks, key=lambda one: one[1][0])
-    reading = Reading("peak force on one more person", value, "N", None, press.press.velocity_mm_s,
-                      press.press.trace.name)  # fmt: skip
+    reading = Reading(
+        "peak force on one more person", value, "N", None, press.press.velocity_mm_s, press.press.trace.name
+    )
     return Budget(reading, _components(press, "peak_N", spread), NO_LIMIT, None, doubt=BEYOND if press.beyond else "")
 
 
 def _of_check(press: PersonPress, row: LimitRow, value: float, spread: float) -> Budget:
     kind = row.name.rpartition(" ")[2]
     quantity = row.name.rpartition(" ")[0]
-    reading = Reading(f"{kind} {quantity} on one more person", value, row.unit, None, press.press.velocity_mm_s,
-                      press.press.trace.name)  # fmt: skip
+    reading = Reading(
+        f"{kind} {quantity} on one more person",
+        value,
+        row.unit,
+        None,
+        press.press.velocity_mm_s,
+        press.press.trace.name,
+    )
     decision = decide(value, (None, row.limit), (0.0, spread))
     requirement = f"{kind} {quantity} at most {row.limit:.4g} {row.unit}"
     doubt = BEYOND if press.beyond else ""

@@ -178,10 +178,24 @@ def read_press(trace: Trace, lowpass: Lowpass | None = None, arm: Arm | None = N
     late = force[used][since >= since[-1] - LATE * hold]
     steady = np.asarray(late.mean()) if hold >= SHORTEST_HOLD_S else None
     return Press(
-        trace, nodes, path.value, np.maximum(load.value, 0.0), path.factor, load.factor, ramp.contact_time_s, stop,
-        hold, velocity, speed, error, steady, load.noise, rings, mean_from,
+        trace,
+        nodes,
+        path.value,
+        np.maximum(load.value, 0.0),
+        path.factor,
+        load.factor,
+        ramp.contact_time_s,
+        stop,
+        hold,
+        velocity,
+        speed,
+        error,
+        steady,
+        load.noise,
+        rings,
+        mean_from,
         approached,
-    )  # fmt: skip
+    )
 
 
 def contact_speed(time_s: NDArray, x_mm: NDArray, stop_s: float, noise_mm: float) -> tuple[NDArray, float]:

@@ -105,8 +105,10 @@ def smoothed_ringing(
     inside = since_s <= beyond
     rough = real_bends(close)
     noises = [float(np.nanmin([quiet_noise(one), noise_of(one)])) for one in (x, force)]
-    first = [smooth_curve(since_s[inside], one[inside], close, passed, bends=rough, noise=noise)
-             for one, passed, noise in zip((x, force), (None, lowpass), noises)]  # fmt: skip
+    first = [
+        smooth_curve(since_s[inside], one[inside], close, passed, bends=rough, noise=noise)
+        for one, passed, noise in zip((x, force), (None, lowpass), noises)
+    ]
     if not split:
         return first[0], first[1], close, np.inf
     kept = int(np.searchsorted(close, until)) + 1

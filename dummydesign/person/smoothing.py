@@ -35,9 +35,14 @@ class SmoothCurve:
 
 
 def smooth_curve(
-    time_s: NDArray, values: NDArray, nodes_s: NDArray, lowpass: Lowpass | None = None, from_zero: bool = True,
-    bends: NDArray | None = None, noise: float | None = None,
-) -> SmoothCurve:  # fmt: skip
+    time_s: NDArray,
+    values: NDArray,
+    nodes_s: NDArray,
+    lowpass: Lowpass | None = None,
+    from_zero: bool = True,
+    bends: NDArray | None = None,
+    noise: float | None = None,
+) -> SmoothCurve:
     """Fit a curve, linear between nodes, to samples: least squares with a penalty on second differences.
 
     The weight of the penalty makes the expected error smallest (Mallows' C_p with the noise of the samples). The

@@ -151,8 +151,12 @@ GIVEN: dict[tuple[str, ...], tuple[str, ...]] = {
     ("campaign", "from-files"): ("punch",),
 }
 """Options that each command takes from the project; ``resin`` and ``young`` of ``predict`` stay with the user."""
-OUT = {**dict.fromkeys(("suggest", "whatif", "compare", "compare-designs", "on-person"), "designs"),
-       "import": "measured", "mold": "moulds", "loop": "calibrations"}  # fmt: skip
+OUT = {
+    **dict.fromkeys(("suggest", "whatif", "compare", "compare-designs", "on-person"), "designs"),
+    "import": "measured",
+    "mold": "moulds",
+    "loop": "calibrations",
+}
 """Folder of the project into which each command writes when no ``--out`` is typed."""
 WITH_TISSUE = ("aim",)
 """Defaults that hold for the project's own tissue alone, as the name of a subject does."""

@@ -46,10 +46,13 @@ class ProjectStatus:
     def to_dict(self) -> dict[str, Any]:
         """Return plain values."""
         return {
-            "name": self.project.name, "folder": str(self.project.root), "given": self.project.given(),
+            "name": self.project.name,
+            "folder": str(self.project.root),
+            "given": self.project.given(),
             "found": {room: [asdict(one) for one in items] for room, items in self.files.items()},
-            "next": {"text": self.next_text, "command": self.next_command}, "problems": list(self.problems),
-        }  # fmt: skip
+            "next": {"text": self.next_text, "command": self.next_command},
+            "problems": list(self.problems),
+        }
 
 
 def finished_manifest(path: Path) -> dict[str, Any] | None:

@@ -22,9 +22,13 @@ td.free { min-width: 16mm } .tight td, .tight th { padding: 0.3px 3px; font-size
 
 
 def sheet_html(
-    name: str, plan: Sequence[Planned], set_up: dict[str, str], seed: int, expected: Sequence[Expected] = (),
+    name: str,
+    plan: Sequence[Planned],
+    set_up: dict[str, str],
+    seed: int,
+    expected: Sequence[Expected] = (),
     units: str = "mm",
-) -> str:  # fmt: skip
+) -> str:
     """Write the sheet as one HTML page, to be printed on one side for up to about fifty presses.
 
     With ``units`` "in" presses are in inches, inches a second and pounds-force; the set-up is as in the campaign file.
@@ -32,8 +36,17 @@ def sheet_html(
     head = "".join(f"<p><b>{escape(key)}</b> {escape(value)}</p>" for key, value in set_up.items())
     rows, expected_of = [], dict(zip((row.sequence for row in plan), expected))
     length = twin_of("_mm", units)[0].removeprefix("_")
-    columns = ["", f"pad {length}", f"{length}/s", *_targets(plan[0].by_depth, bool(expected), units), "hold s",
-               "rest before", "unloading", "save as", "°C, remarks"]  # fmt: skip
+    columns = [
+        "",
+        f"pad {length}",
+        f"{length}/s",
+        *_targets(plan[0].by_depth, bool(expected), units),
+        "hold s",
+        "rest before",
+        "unloading",
+        "save as",
+        "°C, remarks",
+    ]
     for age, day in groupby(plan, key=lambda row: row.age_days):
         rows.append(
             f'<tr class="day"><td colspan="{len(columns)}">age {age:g} days &nbsp; date ____________ &nbsp; '
@@ -78,10 +91,15 @@ def _row(row: Planned, expected: Expected | None, units: str) -> str:
     form = "g" if units == "mm" else ".4g"
     rest = "fresh, 1 h" if row.rest_s >= FRESH_REST_S else f"{row.rest_s:g} s"
     cells = (
-        f"{row.sequence}", f"{row.thickness_mm / length:{form}}", f"{row.velocity_mm_s / length:{form}}",
-        f"{row.target / planned:{form}}", *([] if expected is None else [_expected_text(expected, other)]),
-        f"{row.hold_s:g}", rest, "record" if row.unload else "",
-    )  # fmt: skip
+        f"{row.sequence}",
+        f"{row.thickness_mm / length:{form}}",
+        f"{row.velocity_mm_s / length:{form}}",
+        f"{row.target / planned:{form}}",
+        *([] if expected is None else [_expected_text(expected, other)]),
+        f"{row.hold_s:g}",
+        rest,
+        "record" if row.unload else "",
+    )
     numbers = "".join(f'<td class="n">{cell}</td>' for cell in cells)
     return f'<tr>{numbers}<td>{row.file}</td><td class="free"></td></tr>'
 

@@ -54,17 +54,34 @@ def _write_report(folder: Path, comparison: Comparison, tissue: Tissue, verdict:
     steady_figure, presses = _steady(comparison, tissue), _presses(comparison, data)
     sections = [
         Section("Steady force", _steady_words(data), [steady_figure]),
-        Section("Force over time", "Repeats of a condition share a figure; the range is that of the first.",
-                presses, _conditions(rows)),
+        Section(
+            "Force over time",
+            "Repeats of a condition share a figure; the range is that of the first.",
+            presses,
+            _conditions(rows),
+        ),
         *([curves_section(data["curves"], len(tissue.subjects), "average")] if "curves" in data else []),
         *([Section("Parameters", PARAMETERS, _parameters(data), _parametric(data))] if data["parametric"] else []),
-        Section("Fit behind the parameters", f"Rms residual {fit['rmse_N']:.3g} N, noise floor "
-                f"{fit['noise_floor_N']:.3g} N, largest residual {fit['max_residual_N']:.3g} N.", table=_traces(data)),
+        Section(
+            "Fit behind the parameters",
+            f"Rms residual {fit['rmse_N']:.3g} N, noise floor "
+            f"{fit['noise_floor_N']:.3g} N, largest residual {fit['max_residual_N']:.3g} N.",
+            table=_traces(data),
+        ),
         *budget_section(data.get("budget")),
-    ]  # fmt: skip
+    ]
     title = f"Dummy against {tissue.name}"
-    return write_report(folder, title, lead, sections, facts=facts, warnings=data["warnings"], sources=tissue.sources,
-                        verdict=verdict, front=_front(title, data, verdict, steady_figure, presses))  # fmt: skip
+    return write_report(
+        folder,
+        title,
+        lead,
+        sections,
+        facts=facts,
+        warnings=data["warnings"],
+        sources=tissue.sources,
+        verdict=verdict,
+        front=_front(title, data, verdict, steady_figure, presses),
+    )
 
 
 def _front(title: str, data: dict[str, Any], verdict: dict[str, Any], steady: Plot, presses: list[Plot]) -> FrontPage:
@@ -77,14 +94,20 @@ def _front(title: str, data: dict[str, Any], verdict: dict[str, Any], steady: Pl
         Fact("pad", pad_text(data)),
     ]
     return FrontPage(
-        title, f"Each press is compared with the subjects at its own steady force, speed and hold.{_test_words(data)}",
+        title,
+        f"Each press is compared with the subjects at its own steady force, speed and hold.{_test_words(data)}",
         (verdict["light"], verdict["text"]),
-        ("Steady force over depth", plot_drawing(steady)), "Comparison", [fact for fact in facts if fact.text],
+        ("Steady force over depth", plot_drawing(steady)),
+        "Comparison",
+        [fact for fact in facts if fact.text],
         "Force [N] over time since contact",
         [Panel(plot, f"{row[0]} N, {row[1]} mm/s", f"{row[3]} N: {row[5]} inside") for plot, row in zip(presses, rows)],
-        [("band", "subjects"), ("main", "this pad")], Grid(head, rows), notes=warning_texts(data["warnings"]),
-        steps=[sentence(step) for step in next_steps({"verdict": verdict})], foot=FOOT,
-    )  # fmt: skip
+        [("band", "subjects"), ("main", "this pad")],
+        Grid(head, rows),
+        notes=warning_texts(data["warnings"]),
+        steps=[sentence(step) for step in next_steps({"verdict": verdict})],
+        foot=FOOT,
+    )
 
 
 def _test_words(data: dict[str, Any]) -> str:
@@ -117,10 +140,14 @@ def _steady_words(data: dict[str, Any]) -> str:
 
 def _steady(comparison: Comparison, tissue: Tissue) -> Plot:
     low, high = comparison.test.span_N
-    parts = [np.r_[0.0, comparison.grid_N[comparison.grid_N <= low * (1 + 1e-9)]],
-             comparison.grid_N[comparison.grid_N >= low * (1 - 1e-9)]]  # fmt: skip
-    below, among = ([np.interp(part, np.r_[0.0, comparison.grid_N], np.r_[0.0, edge]) for edge in comparison.range_mm]
-                    for part in parts)  # fmt: skip
+    parts = [
+        np.r_[0.0, comparison.grid_N[comparison.grid_N <= low * (1 + 1e-9)]],
+        comparison.grid_N[comparison.grid_N >= low * (1 - 1e-9)],
+    ]
+    below, among = (
+        [np.interp(part, np.r_[0.0, comparison.grid_N], np.r_[0.0, edge]) for edge in comparison.range_mm]
+        for part in parts
+    )
     layers = (
         Band("subjects, extrapolated", parts[0], below[0], below[1], sideways=True, style="extra"),
         Band(f"subjects of {tissue.name}", parts[1], among[0], among[1], sideways=True),
@@ -165,13 +192,20 @@ def _thin(time: np.ndarray, force: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _conditions(rows: list[dict[str, Any]]) -> Table:
-    return Table.of(rows, {
-        "steady N": "steady_force_N", "mm/s": "velocity_mm_s:g", "depth mm": "depth_mm", "peak N": "peak_force_N",
-        "subjects' peaks N": lambda row: f"{row['range_peak_low_N']:.1f} to {row['range_peak_high_N']:.1f}",
-        "inside": lambda row: _percent(row["inside_fraction"]),
-        "of the rise": lambda row: _percent(row["inside_rise_fraction"]),
-        "of the hold": lambda row: _percent(row["inside_hold_fraction"]), "repeats": "repeats",
-    })  # fmt: skip
+    return Table.of(
+        rows,
+        {
+            "steady N": "steady_force_N",
+            "mm/s": "velocity_mm_s:g",
+            "depth mm": "depth_mm",
+            "peak N": "peak_force_N",
+            "subjects' peaks N": lambda row: f"{row['range_peak_low_N']:.1f} to {row['range_peak_high_N']:.1f}",
+            "inside": lambda row: _percent(row["inside_fraction"]),
+            "of the rise": lambda row: _percent(row["inside_rise_fraction"]),
+            "of the hold": lambda row: _percent(row["inside_hold_fraction"]),
+            "repeats": "repeats",
+        },
+    )
 
 
 def _parameters(data: dict[str, Any]) -> list[Plot]:
@@ -195,26 +229,44 @@ def _parameters(data: dict[str, Any]) -> list[Plot]:
     )
     words = "; ".join(f"{label} {a:.2g} to {b:.2g}" for label, a, b in zip(labels, low, high))
     return [
-        Plot("parameters", "Parameters in their bands", f"Place of each parameter in its band, 0 and 1 are the ends: "
-             f"{words}.", "place in the band [0 to 1]", "", "place", "none", layers, y_range=(0.0, count),
-             x_range=(min(-0.3, *low) - 0.1, max(1.3, *high) + 0.1),
-             note=f"cut off {FARTHEST:g} widths beside the band")
-    ]  # fmt: skip
+        Plot(
+            "parameters",
+            "Parameters in their bands",
+            f"Place of each parameter in its band, 0 and 1 are the ends: {words}.",
+            "place in the band [0 to 1]",
+            "",
+            "place",
+            "none",
+            layers,
+            y_range=(0.0, count),
+            x_range=(min(-0.3, *low) - 0.1, max(1.3, *high) + 0.1),
+            note=f"cut off {FARTHEST:g} widths beside the band",
+        )
+    ]
 
 
 def _parametric(data: dict[str, Any]) -> Table:
     verdict = {True: "inside", False: "outside", None: "no band"}
     keys = ("value", "low", "high", "band_low", "band_high")
-    body = [[name, *(digits(row[key]) for key in keys), verdict[row["inside"]], "at bound" if row["at_bound"] else ""]
-            for name, row in data["parametric"].items()]  # fmt: skip
+    body = [
+        [name, *(digits(row[key]) for key in keys), verdict[row["inside"]], "at bound" if row["at_bound"] else ""]
+        for name, row in data["parametric"].items()
+    ]
     return Table(["parameter", "dummy", "95 % low", "95 % high", "band low", "band high", "", ""], body)
 
 
 def _traces(data: dict[str, Any]) -> Table:
-    return Table.of(data["by_trace"], {
-        "file": "file", "mm/s": "velocity_mm_s:g", "steady N": "steady_force_N", "depth mm": "depth_mm",
-        "peak N": "peak_force_N", "inside": lambda row: _percent(row["inside_fraction"]),
-    })  # fmt: skip
+    return Table.of(
+        data["by_trace"],
+        {
+            "file": "file",
+            "mm/s": "velocity_mm_s:g",
+            "steady N": "steady_force_N",
+            "depth mm": "depth_mm",
+            "peak N": "peak_force_N",
+            "inside": lambda row: _percent(row["inside_fraction"]),
+        },
+    )
 
 
 def write_comparison(comparison: Comparison, tissue: Tissue, folder: Path, verdict: dict[str, Any]) -> dict[str, str]:
@@ -240,10 +292,13 @@ def _parametric_file(comparison: Comparison) -> str:
 
 def _steady_file(comparison: Comparison) -> str:
     rows = zip(comparison.grid_N, comparison.steady, *comparison.range_mm)
-    return csv_text(("force_N", "depth_mm", "range_low_mm", "range_high_mm"), [
-        (f"{force:.4g}", "" if np.isnan(depth) else f"{depth:.5g}", f"{least:.5g}", f"{most:.5g}")
-        for force, depth, least, most in rows
-    ])  # fmt: skip
+    return csv_text(
+        ("force_N", "depth_mm", "range_low_mm", "range_high_mm"),
+        [
+            (f"{force:.4g}", "" if np.isnan(depth) else f"{depth:.5g}", f"{least:.5g}", f"{most:.5g}")
+            for force, depth, least, most in rows
+        ],
+    )
 
 
 def _force_variation(comparison: Comparison) -> str:
@@ -283,9 +338,11 @@ def _picture(comparison: Comparison, tissue: Tissue) -> bytes:
         panel.fill_between(np.maximum(band.time_s, 1e-4), band.low_N, band.high_N, color="0.85")
         panel.semilogx(np.maximum(time, 1e-4), force, lw=1.0)
         panel.set(
-            xlabel="time since contact [s]", ylabel="force [N]", xlim=(0.1 * trace.ramp.rise_time_s, time[-1]),
+            xlabel="time since contact [s]",
+            ylabel="force [N]",
+            xlim=(0.1 * trace.ramp.rise_time_s, time[-1]),
             title=f"{band.velocity_mm_s:g} mm/s, {band.steady_force_N:.1f} N",
-        )  # fmt: skip
+        )
     for panel in axes[count:]:
         panel.set_visible(False)
     stream = io.BytesIO()
@@ -311,11 +368,16 @@ def pad_text(result: dict[str, Any]) -> str:
 def press_rows(result: dict[str, Any]) -> tuple[list[str], list[list[str]]]:
     """Head and rows of the table of presses."""
     rows = [
-        [f"{row['steady_force_N']:.3g}", f"{row['velocity_mm_s']:.4g}", f"{row['depth_mm']:.2f}",
-         f"{row['peak_force_N']:.2f}", f"{row['range_peak_low_N']:.2f} to {row['range_peak_high_N']:.2f}",
-         _percent(row["inside_fraction"])]
+        [
+            f"{row['steady_force_N']:.3g}",
+            f"{row['velocity_mm_s']:.4g}",
+            f"{row['depth_mm']:.2f}",
+            f"{row['peak_force_N']:.2f}",
+            f"{row['range_peak_low_N']:.2f} to {row['range_peak_high_N']:.2f}",
+            _percent(row["inside_fraction"]),
+        ]
         for row in result["force_variation_range"]
-    ]  # fmt: skip
+    ]
     return ["steady N", "mm/s", "depth mm", "pad peak N", "subjects N", "samples inside"], rows
 
 
@@ -343,12 +405,17 @@ def next_steps(result: dict[str, Any]) -> list[str]:
     if verdict["light"] == "green":
         return ["use the pad; its readings need no correction"]
     if verdict["level"] == "not_settled":
-        return ["do not use the pad yet: press what is missing, or press more repeats, and compare again",
-                "a plan of the presses: dummydesign campaign new DIR"]  # fmt: skip
+        return [
+            "do not use the pad yet: press what is missing, or press more repeats, and compare again",
+            "a plan of the presses: dummydesign campaign new DIR",
+        ]
     if verdict["light"] == "amber" and verdict["correction"]["factor"] is not None:
         force, energy = verdict["correction"]["force"], verdict["correction"]["factor"]
         return [f"use the pad; multiply forces by {max(force or 1.0, 1.0):.2f}, energies by {max(energy, 1.0):.2f}"]
     if verdict["light"] != "red":
         return []
-    return ["do not use this pad for these presses", "press a campaign of it: dummydesign campaign new DIR",
-            "let it correct the next design: dummydesign loop DIR"]  # fmt: skip
+    return [
+        "do not use this pad for these presses",
+        "press a campaign of it: dummydesign campaign new DIR",
+        "let it correct the next design: dummydesign loop DIR",
+    ]

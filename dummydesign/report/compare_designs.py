@@ -18,9 +18,12 @@ if TYPE_CHECKING:
 
 Row = tuple[str, list[str]]
 TERMS = {
-    "aim": "aim", "steady_state_range": "steady range", "force_variation_range": "force range",
-    "parametric": "parametric", "low_force_range": "low forces",
-}  # fmt: skip
+    "aim": "aim",
+    "steady_state_range": "steady range",
+    "force_variation_range": "force range",
+    "parametric": "parametric",
+    "low_force_range": "low forces",
+}
 """Score terms in the order of the answer's weights."""
 
 
@@ -33,21 +36,40 @@ def write_designs_report(folder: Path, comparison: Comparison) -> dict[str, str]
     sections = [
         *(asked if comparison.differences else []),
         Section("Verdicts", "\n\n".join(f"{one['name']}: {one['verdict']['text']}" for one in designs)),
-        Section("Designs", table=Table(head, [[label.replace("  ", "score: "), *cells]
-                                              for label, cells in [*design_rows(designs), *_lengths(designs)]])),
-        Section("Peak force against the subjects' range",
-                "Peak of the pad, then the range of the subjects' peaks, in N: < below it, in inside it, > above it.",
-                table=Table(head, [[label, *cells] for label, cells in press_rows(designs)])),
+        Section(
+            "Designs",
+            table=Table(
+                head,
+                [
+                    [label.replace("  ", "score: "), *cells]
+                    for label, cells in [*design_rows(designs), *_lengths(designs)]
+                ],
+            ),
+        ),
+        Section(
+            "Peak force against the subjects' range",
+            "Peak of the pad, then the range of the subjects' peaks, in N: < below it, in inside it, > above it.",
+            table=Table(head, [[label, *cells] for label, cells in press_rows(designs)]),
+        ),
         Section("Steady force", "", [_steady(designs)]),
-        Section("Weights to mix", table=Table(["design", "pour", "component", "weigh g", "of total g", "pour g"],
-                                              _weights(designs))),
-    ]  # fmt: skip
+        Section(
+            "Weights to mix",
+            table=Table(["design", "pour", "component", "weigh g", "of total g", "pour g"], _weights(designs)),
+        ),
+    ]
     lead = f"{len(designs)} designs of 'dummydesign suggest': {', '.join(one['folder'] for one in designs)}."
     if comparison.differences:
         names = ", ".join(one["name"] for one in comparison.differences)
         lead = f"These designs answer different questions: they differ in {names}. {lead}"
-    return write_report(folder, "Designs side by side", lead, sections, facts=facts, warnings=comparison.warnings,
-                        sources=comparison.sources)  # fmt: skip
+    return write_report(
+        folder,
+        "Designs side by side",
+        lead,
+        sections,
+        facts=facts,
+        warnings=comparison.warnings,
+        sources=comparison.sources,
+    )
 
 
 def difference_rows(differences: Sequence[Mapping[str, Any]]) -> list[list[str]]:
@@ -113,8 +135,9 @@ def press_rows(designs: Sequence[Mapping[str, Any]]) -> list[Row]:
     """Peak of each press against the subjects' range, a cell a design."""
     pressed = [{(row["steady_force_N"], row["velocity_mm_s"]): row for row in one["conditions"]} for one in designs]
     keys = sorted({key for one in pressed for key in one}, key=lambda key: (key[1], key[0]))
-    return [(f"{force:g} N {speed:g} mm/s", [_press(one.get((force, speed))) for one in pressed])
-            for force, speed in keys]  # fmt: skip
+    return [
+        (f"{force:g} N {speed:g} mm/s", [_press(one.get((force, speed))) for one in pressed]) for force, speed in keys
+    ]
 
 
 def _press(row: Mapping[str, Any] | None) -> str:
@@ -149,8 +172,17 @@ def _weights(designs: Sequence[Mapping[str, Any]]) -> list[list[Any]]:
     for one in designs:
         pours = [("gel", one["batch"]), *([("base", one["batch"]["base"])] if "base" in one["batch"] else [])]
         for name, batch in pours:
-            rows += [[one["name"], name, part["name"], f"{part['mass_g']:.1f}", f"{batch['total_g']:.1f}",
-                      f"{batch['pour_g']:.1f}"] for part in batch["components"]]  # fmt: skip
+            rows += [
+                [
+                    one["name"],
+                    name,
+                    part["name"],
+                    f"{part['mass_g']:.1f}",
+                    f"{batch['total_g']:.1f}",
+                    f"{batch['pour_g']:.1f}",
+                ]
+                for part in batch["components"]
+            ]
     return rows
 
 
@@ -159,8 +191,16 @@ def _steady(designs: Sequence[Mapping[str, Any]]) -> Plot:
     layers: list[Layer] = []
     for tissue, one in {one["tissue"]: one for one in reversed(designs)}.items():
         people = one["steady_curve"]["subjects"]
-        layers.append(Band(f"subjects of {tissue}", people["force_N"], people["depth_low_mm"], people["depth_high_mm"],
-                           sideways=True, style="band" if tissue == designs[0]["tissue"] else "extra"))  # fmt: skip
+        layers.append(
+            Band(
+                f"subjects of {tissue}",
+                people["force_N"],
+                people["depth_low_mm"],
+                people["depth_high_mm"],
+                sideways=True,
+                style="band" if tissue == designs[0]["tissue"] else "extra",
+            )
+        )
     for number, one in enumerate(designs):
         curve = one["steady_curve"]
         depth = np.array(curve["depth_mm"], float)

@@ -49,17 +49,24 @@ def write_fit_report(folder: Path, stem: str, fit: TissueFit, sources: Sequence[
     more = len(_groups(fit)) - MOST_PLOTS
     left_out = f" {more} more conditions are in the residual table." if more > 0 else ""
     sections = [
-        Section("Force over time", "Dots are means over the bins that were fitted, the line is the fit along the "
-                f"measured motion.{left_out}", _presses(fit)),
-        Section("Residual", "Measured minus fitted, in bins. The area is three times the noise floor, up and down.",
-                _residuals(fit)),
+        Section(
+            "Force over time",
+            f"Dots are means over the bins that were fitted, the line is the fit along the measured motion.{left_out}",
+            _presses(fit),
+        ),
+        Section(
+            "Residual",
+            "Measured minus fitted, in bins. The area is three times the noise floor, up and down.",
+            _residuals(fit),
+        ),
         Section("Parameters", _notes(data), table=table_of_parameters(data["parameters"])),
         *_by_condition(data),
         Section("3, 5 and 7 elements", f"{data['elements']} elements are reported. {RIVALS}", table=_rivals(data)),
         Section("Traces", "", table=_traces(data)),
-    ]  # fmt: skip
-    return write_report(folder, f"Fit {stem}", lead, sections, f"{stem}-report", facts=facts,
-                        warnings=data["warnings"], sources=sources)  # fmt: skip
+    ]
+    return write_report(
+        folder, f"Fit {stem}", lead, sections, f"{stem}-report", facts=facts, warnings=data["warnings"], sources=sources
+    )
 
 
 def _series(fit: TissueFit) -> Iterable[tuple[ReducedTrace, np.ndarray, np.ndarray, np.ndarray]]:
@@ -91,8 +98,14 @@ def _presses(fit: TissueFit) -> list[Plot]:
             label = "measured" if len(rows) == 1 else f"measured, {trace.trace.name}"
             layers.append(Dots(label, middle[shown], trace.force_N[shown], "other" if len(rows) == 1 else style))
             keep = time > 0
-            layers.append(Line("fitted" if len(rows) == 1 else f"fitted, {trace.trace.name}", time[keep], curve[keep],
-                               "main" if len(rows) == 1 else style))  # fmt: skip
+            layers.append(
+                Line(
+                    "fitted" if len(rows) == 1 else f"fitted, {trace.trace.name}",
+                    time[keep],
+                    curve[keep],
+                    "main" if len(rows) == 1 else style,
+                )
+            )
         rms = float(np.sqrt(np.mean(np.concatenate([trace.force_N - binned for trace, binned, *_ in rows]) ** 2)))
         peak = max(float(trace.force_N.max()) for trace, *_ in rows)
         ends = [float(time[-1]) for *_, time, _ in rows]
@@ -131,9 +144,20 @@ def _residuals(fit: TissueFit) -> list[Plot]:
         words = "over depth in the rise" if name.endswith("rise") else "over time in the hold"
         alt = f"Residual {words}; the largest of all bins is {largest:.3g} N, three noise floors are {floor:.2g} N."
         plots.append(
-            Plot(name, f"Residual {words}", alt, label, "measured - fitted [N]", column, "residual_N",
-                 (band, *lines), log_x=log, x_range=ends, y_range=(-reach, reach))
-        )  # fmt: skip
+            Plot(
+                name,
+                f"Residual {words}",
+                alt,
+                label,
+                "measured - fitted [N]",
+                column,
+                "residual_N",
+                (band, *lines),
+                log_x=log,
+                x_range=ends,
+                y_range=(-reach, reach),
+            )
+        )
     return plots
 
 
@@ -163,19 +187,34 @@ def _by_condition(data: dict[str, Any]) -> list[Section]:
 def _rivals(data: dict[str, Any]) -> Table:
     lowest = min(row["aicc"] for row in data["comparison"].values())
     rows = [
-        [f"{name}{' (reported)' if int(name) == data['elements'] else ''}", row["parameters"], row["rmse_N"],
-         row["heldout_rmse_N"], f"{row['aicc']:.1f}", f"{row['aicc'] - lowest:.1f}"]
+        [
+            f"{name}{' (reported)' if int(name) == data['elements'] else ''}",
+            row["parameters"],
+            row["rmse_N"],
+            row["heldout_rmse_N"],
+            f"{row['aicc']:.1f}",
+            f"{row['aicc'] - lowest:.1f}",
+        ]
         for name, row in data["comparison"].items()
-    ]  # fmt: skip
+    ]
     return Table(["elements", "parameters", "rms N", "left out rms N", "AICc", "above lowest"], rows)
 
 
 def _traces(data: dict[str, Any]) -> Table:
-    return Table.of(data["by_trace"], {
-        "file": "file", "mm/s": "velocity_mm_s", "depth mm": "depth_mm", "steady N": "steady_force_N",
-        "peak N": "peak_force_N", "fitted peak N": "fitted_peak_force_N", "rms N": "rmse_N",
-        "worst bin N": "max_residual_N", "at s": "max_residual_time_s",
-    })  # fmt: skip
+    return Table.of(
+        data["by_trace"],
+        {
+            "file": "file",
+            "mm/s": "velocity_mm_s",
+            "depth mm": "depth_mm",
+            "steady N": "steady_force_N",
+            "peak N": "peak_force_N",
+            "fitted peak N": "fitted_peak_force_N",
+            "rms N": "rmse_N",
+            "worst bin N": "max_residual_N",
+            "at s": "max_residual_time_s",
+        },
+    )
 
 
 def write_fit(fit: TissueFit, out: str, sources: Sequence[str] = ()) -> dict[str, str]:

@@ -209,8 +209,10 @@ def _head(items: list[Item], page: FrontPage, size: float, spare_mm: float = 0.0
     """Title, for what it holds, verdict, drawing and facts; the drawing takes what is spare."""
     version = f"dummydesign {__version__}"
     room = WIDTH_MM - text_width_mm(version, 7.0) - 6.0
-    items += [Text(0.0, 5.6, shortened(page.title, room, 16.0, "bold"), 16.0, "bold"),
-              Text(WIDTH_MM, 5.6, version, 7.0, anchor="end", colour=SOFT)]  # fmt: skip
+    items += [
+        Text(0.0, 5.6, shortened(page.title, room, 16.0, "bold"), 16.0, "bold"),
+        Text(WIDTH_MM, 5.6, version, 7.0, anchor="end", colour=SOFT),
+    ]
     y = paragraph(items, 0.0, 7.6, wrapped(page.basis, WIDTH_MM, size, most=4), size, colour=SOFT)
     y = _verdict(items, *page.verdict, y + 2.0, size + 1.5) + GAP_MM
     wide, facts = 0.6 * WIDTH_MM, list[Item]()
@@ -294,9 +296,7 @@ def _range(panels: Sequence[Panel]) -> tuple[float, float] | None:
     return 0.0, 1.06 * max(most, default=1.0)
 
 
-def _panel(
-    panel: Panel, box: Box, y_range: tuple[float, float] | None, size: float, keyed: bool = True
-) -> list[Item]:
+def _panel(panel: Panel, box: Box, y_range: tuple[float, float] | None, size: float, keyed: bool = True) -> list[Item]:
     """One press: its test and how it reads over its plot."""
     left, high, right, low = box
     line = _line_mm(size)
@@ -371,8 +371,10 @@ def _grid(items: list[Item], table: Grid, x: float, y: float, wide: float, size:
 
     def widths(of: float) -> list[float]:
         faces = ["bold", *["plain"] * len(rows)]
-        return [max(text_width_mm(row[k], of, face) for row, face in zip(rows, faces) if 1 < len(row) > k)
-                for k in range(count)]  # fmt: skip
+        return [
+            max(text_width_mm(row[k], of, face) for row, face in zip(rows, faces) if 1 < len(row) > k)
+            for k in range(count)
+        ]
 
     while size > 4.5 and sum(widths(size)) + 2.0 * (count - 1) > wide:
         size -= 0.5

@@ -73,9 +73,16 @@ def _recording(number: int, one: Imported) -> Plot:
     count = len(one.presses)
     alt = f"Force over time of {one.name}: {count} press{'es' if count > 1 else ''}, largest force {top:.3g} N."
     return Plot(
-        f"file-{number + 1}", "Force over time", alt, "time of the file [s]", "force [N]", "time_s", "force_N",
-        tuple(layers), note="Nothing of the recording is left out: presses are parted where the punch is farthest out.",
-    )  # fmt: skip
+        f"file-{number + 1}",
+        "Force over time",
+        alt,
+        "time of the file [s]",
+        "force [N]",
+        "time_s",
+        "force_N",
+        tuple(layers),
+        note="Nothing of the recording is left out: presses are parted where the punch is farthest out.",
+    )
 
 
 def _contact_time(press: ImportedPress) -> float:
@@ -102,9 +109,15 @@ def _toe(number: int, one: Imported, press: ImportedPress) -> Plot:
     )
     zero = Dots("zero", np.zeros(1), np.zeros(1), "aim")
     return Plot(
-        f"contact-{number + 1}-{press.number}", f"Contact of press {press.number}", alt, "displacement [mm]",
-        "force [N]", "displacement_mm", "force_N", (interval, line, zero),
-    )  # fmt: skip
+        f"contact-{number + 1}-{press.number}",
+        f"Contact of press {press.number}",
+        alt,
+        "displacement [mm]",
+        "force [N]",
+        "displacement_mm",
+        "force_N",
+        (interval, line, zero),
+    )
 
 
 def _traces(written: Mapping[str, Any]) -> Table:

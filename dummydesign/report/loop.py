@@ -30,13 +30,24 @@ def _screening(data: dict[str, Any]) -> list[Plot]:
     words = "; ".join(f"{label} {value:.1f}" for label, value in zip(labels, z))
     top = float(len(rows))
     ends = [-FITTED_FROM, -FITTED_FROM, np.nan, FITTED_FROM, FITTED_FROM]
-    layers = (Bars("score", labels, np.minimum(z, 0.0), np.maximum(z, 0.0)),
-              Line(f"fitted from {FITTED_FROM:g} on", ends, [0.0, top, np.nan, 0.0, top], "aim"))  # fmt: skip
+    layers = (
+        Bars("score", labels, np.minimum(z, 0.0), np.maximum(z, 0.0)),
+        Line(f"fitted from {FITTED_FROM:g} on", ends, [0.0, top, np.nan, 0.0, top], "aim"),
+    )
     return [
-        Plot("screening", "Score of each effect at the base model", f"Score of each effect: {words}.",
-             "score [standard deviations]", "", "z", "none", layers, y_range=(0.0, top),
-             note=f"the {len(rows)} largest of {len(data['screening'])}; one fit step, each effect alone")
-    ]  # fmt: skip
+        Plot(
+            "screening",
+            "Score of each effect at the base model",
+            f"Score of each effect: {words}.",
+            "score [standard deviations]",
+            "",
+            "z",
+            "none",
+            layers,
+            y_range=(0.0, top),
+            note=f"the {len(rows)} largest of {len(data['screening'])}; one fit step, each effect alone",
+        )
+    ]
 
 
 def _evidence(data: dict[str, Any]) -> list[Plot]:
@@ -54,10 +65,20 @@ def _evidence(data: dict[str, Any]) -> list[Plot]:
     )
     alt = f"Evidence of each effect alone: {words}; {needed:.0f} are needed."
     return [
-        Plot("evidence", "Evidence of each effect alone", alt, "root of evidence [-]", "", "root_of_evidence", "none",
-             layers, x_range=(0.0, 1.05 * max(float(np.sqrt(gain.max())), needed**0.5)), y_range=(0.0, top),
-             note="evidence: drop of minus twice the log likelihood against the base model")
-    ]  # fmt: skip
+        Plot(
+            "evidence",
+            "Evidence of each effect alone",
+            alt,
+            "root of evidence [-]",
+            "",
+            "root_of_evidence",
+            "none",
+            layers,
+            x_range=(0.0, 1.05 * max(float(np.sqrt(gain.max())), needed**0.5)),
+            y_range=(0.0, top),
+            note="evidence: drop of minus twice the log likelihood against the base model",
+        )
+    ]
 
 
 def trial_plot(result: LoopResult, data: dict[str, Any]) -> Plot:
@@ -80,16 +101,30 @@ def trial_plot(result: LoopResult, data: dict[str, Any]) -> Plot:
         f"Rms residual of each of {len(rows)} trials before and after; the worst after is {worst['file']} with "
         f"{worst['rmse_N']:.3g} N, it was {worst['base_rmse_N']:.3g} N; the noise floor is {floor:.3g} N."
     )
-    return Plot("by-trial", "Rms residual of each trial", alt, "trial [number in the campaign]", "rms residual [N]",
-                "trial", "rmse_N", layers, note="in the order of campaign.toml")  # fmt: skip
+    return Plot(
+        "by-trial",
+        "Rms residual of each trial",
+        alt,
+        "trial [number in the campaign]",
+        "rms residual [N]",
+        "trial",
+        "rmse_N",
+        layers,
+        note="in the order of campaign.toml",
+    )
 
 
 def _groups(result: LoopResult) -> Iterator[tuple[str, NDArray]]:
     """Name and rows of each condition, by thickness, speed and depth."""
     presses = result.presses
     groups = [np.nonzero(presses.cell == cell)[0] for cell in np.unique(presses.cell)]
-    groups.sort(key=lambda rows: (presses.thickness_mm[rows[0]], presses.trials[rows[0]].velocity_mm_s,
-                                  presses.depth_mm[rows[0]]))  # fmt: skip
+    groups.sort(
+        key=lambda rows: (
+            presses.thickness_mm[rows[0]],
+            presses.trials[rows[0]].velocity_mm_s,
+            presses.depth_mm[rows[0]],
+        )
+    )
     for rows in groups:
         trial = presses.trials[rows[0]]
         force = trial.target_force_N
@@ -129,10 +164,20 @@ def residual_plots(result: LoopResult) -> list[Plot]:
             words.append(f"{name} at most {abs(float(most[at])):.3g} N")
         pad = f"{thickness:g} mm{' ' + shape if shape else ''}"
         plots.append(
-            Plot(f"residual-pad-{number + 1}", f"Residual on the {pad} pad", f"{pad}: {'; '.join(words)}.",
-                 "time since contact [s]", "measured - modelled [N]", "time_s", "residual_N", layers,
-                 log_x=True, x_range=ends, y_range=(-1.05 * reach, 1.05 * reach))
-        )  # fmt: skip
+            Plot(
+                f"residual-pad-{number + 1}",
+                f"Residual on the {pad} pad",
+                f"{pad}: {'; '.join(words)}.",
+                "time since contact [s]",
+                "measured - modelled [N]",
+                "time_s",
+                "residual_N",
+                layers,
+                log_x=True,
+                x_range=ends,
+                y_range=(-1.05 * reach, 1.05 * reach),
+            )
+        )
     return plots
 
 
@@ -146,8 +191,14 @@ def press_plots(result: LoopResult) -> Iterator[Plot]:
         for number, row in enumerate(rows):
             shown, time = _times(result, row)
             own = "" if len(rows) == 1 else f", {presses.trials[row].file}"
-            layers.append(Dots(f"measured{own}", time, presses.force_N[row][shown],
-                               "other" if len(rows) == 1 else STYLES[number % len(STYLES)]))  # fmt: skip
+            layers.append(
+                Dots(
+                    f"measured{own}",
+                    time,
+                    presses.force_N[row][shown],
+                    "other" if len(rows) == 1 else STYLES[number % len(STYLES)],
+                )
+            )
             layers.append(Line(f"base{own}", time, base[row][shown], "aim"))
             layers.append(Line(f"corrected{own}", time, after[row][shown], STYLES[number % len(STYLES)]))
             ends.append(float(time[-1]))
@@ -170,12 +221,17 @@ def write_loop_report(folder: Path, result: LoopResult) -> dict[str, str]:
     base, after = (data[label]["error"] for label in ("base", "after"))
     facts = [
         (data["verdict"], "verdict"),
-        *((named(effect["name"]), f"effect, evidence {effect['evidence']:.0f} where "
-           f"{effect['threshold']:.0f} are needed") for effect in data["effects"]),
+        *(
+            (
+                named(effect["name"]),
+                f"effect, evidence {effect['evidence']:.0f} where {effect['threshold']:.0f} are needed",
+            )
+            for effect in data["effects"]
+        ),
         (f"{base['train_rmse_N']:.3g} N", "rms residual of the base model"),
         (f"{after['train_rmse_N']:.3g} N", "rms residual of the corrected model"),
         (f"{after['noise_floor_N']:.3g} N", "noise floor"),
-    ]  # fmt: skip
+    ]
     left = data["residual"]
     if left["heldout_over_noise_floor"] is not None:
         expected = f"{left['expected_over_noise_floor']:.2f} when nothing is missing"
@@ -186,20 +242,36 @@ def write_loop_report(folder: Path, result: LoopResult) -> dict[str, str]:
     because = [f"Unexplained: {reason}." for reason in data["residual"]["unexplained_because"]]
     sections = [
         Section("Answer", "\n\n".join(answer[1:])),
-        Section("Effects", "\n\n".join([*because, *_effect_words(data)]), [*_screening(data), *_evidence(data)],
-                _effects(data)),
+        Section(
+            "Effects",
+            "\n\n".join([*because, *_effect_words(data)]),
+            [*_screening(data), *_evidence(data)],
+            _effects(data),
+        ),
         Section("Error", "Left out: each thickness, speed and force predicted from the others.", table=_errors(data)),
         Section("Parameters of the pad", "", table=_parameters(data)),
         Section("Residual by trial", "", [trial_plot(result, data)]),
         Section("What the residual depends on", _where_words(data), residual_plots(result), _where(data)),
         *_next(data),
-        Section("Force over time", "Dots are measured means over bins, broken lines the base model, full lines the "
-                "corrected one; repeats of a condition share a figure.", presses),
+        Section(
+            "Force over time",
+            "Dots are measured means over bins, broken lines the base model, full lines the "
+            "corrected one; repeats of a condition share a figure.",
+            presses,
+        ),
         *_untested(data),
-    ]  # fmt: skip
+    ]
     title = f"Loop: {result.campaign.name}"
-    return write_report(folder, title, lead, sections, facts=facts, warnings=data["warnings"], sources=data["sources"],
-                        front=_front(title, data, presses, trial_plot(result, data)))  # fmt: skip
+    return write_report(
+        folder,
+        title,
+        lead,
+        sections,
+        facts=facts,
+        warnings=data["warnings"],
+        sources=data["sources"],
+        front=_front(title, data, presses, trial_plot(result, data)),
+    )
 
 
 def _front(title: str, data: dict[str, Any], presses: list[Plot], trials: Plot) -> FrontPage:
@@ -217,17 +289,26 @@ def _front(title: str, data: dict[str, Any], presses: list[Plot], trials: Plot) 
     if young["determined"]:
         words = f"{young['value']:.3g} kPa (95 %: {young['low']:.4g} to {young['high']:.4g})"
         facts.append(Fact("long-term modulus", words))
-    blocks = [("Effects", _effect_words(data)), ("Unexplained", [sentence(text) for text in data["residual"][
-        "unexplained_because"]])]  # fmt: skip
+    blocks = [
+        ("Effects", _effect_words(data)),
+        ("Unexplained", [sentence(text) for text in data["residual"]["unexplained_because"]]),
+    ]
     return FrontPage(
-        title, f"{len(data['residual']['by_trial'])} trials; base: the model without effects.",
-        (None, answer_words(data)), ("Rms residual of each trial", plot_drawing(trials)), "Result", facts,
+        title,
+        f"{len(data['residual']['by_trial'])} trials; base: the model without effects.",
+        (None, answer_words(data)),
+        ("Rms residual of each trial", plot_drawing(trials)),
+        "Result",
+        facts,
         "Force [N] over time since contact",
         [Panel(plot, words[0], words[2]) for plot, words in zip(presses, texts)],
-        [("dots", "measured"), ("aim", "base"), ("main", "corrected")], Grid([*head, ""], rows),
-        [(name, texts) for name, texts in blocks if texts], warning_texts(data["warnings"]),
-        [sentence(coming["text"])] if coming else [], foot=FOOT,
-    )  # fmt: skip
+        [("dots", "measured"), ("aim", "base"), ("main", "corrected")],
+        Grid([*head, ""], rows),
+        [(name, texts) for name, texts in blocks if texts],
+        warning_texts(data["warnings"]),
+        [sentence(coming["text"])] if coming else [],
+        foot=FOOT,
+    )
 
 
 def _effect_words(data: dict[str, Any]) -> list[str]:
@@ -245,28 +326,42 @@ def _effect_words(data: dict[str, Any]) -> list[str]:
 
 def _effects(data: dict[str, Any]) -> Table | None:
     rows = [
-        [named(effect["name"]), name, *(digits(p[key]) for key in ("value", "low", "high")),
-         "at bound" if p["at_bound"] else ""]
+        [
+            named(effect["name"]),
+            name,
+            *(digits(p[key]) for key in ("value", "low", "high")),
+            "at bound" if p["at_bound"] else "",
+        ]
         for effect in data["effects"]
         for name, p in effect["parameters"].items()
-    ]  # fmt: skip
+    ]
     return Table(["effect", "parameter", "value", "95 % low", "95 % high", ""], rows) if rows else None
 
 
 def _errors(data: dict[str, Any]) -> Table:
     rows = ({"model": label, **data[model]["error"]} for label, model in (("base", "base"), ("corrected", "after")))
-    return Table.of(rows, {
-        "model": "model", "fitted rms N": "train_rmse_N", "left out rms N": "heldout_rmse_N",
-        "left-out pads rms N": "heldout_pad_rmse_N", "noise floor N": "noise_floor_N", "lack of fit p": "lack_of_fit_p",
-    })  # fmt: skip
+    return Table.of(
+        rows,
+        {
+            "model": "model",
+            "fitted rms N": "train_rmse_N",
+            "left out rms N": "heldout_rmse_N",
+            "left-out pads rms N": "heldout_pad_rmse_N",
+            "noise floor N": "noise_floor_N",
+            "lack of fit p": "lack_of_fit_p",
+        },
+    )
 
 
 def _parameters(data: dict[str, Any]) -> Table:
     rows = [
-        [name, *(digits(data["base"]["parameters"][name][key]) for key in ("value", "low", "high")),
-         *(digits(p[key]) for key in ("value", "low", "high"))]
+        [
+            name,
+            *(digits(data["base"]["parameters"][name][key]) for key in ("value", "low", "high")),
+            *(digits(p[key]) for key in ("value", "low", "high")),
+        ]
         for name, p in data["after"]["parameters"].items()
-    ]  # fmt: skip
+    ]
     return Table(["parameter", "base", "low", "high", "corrected", "low", "high"], rows)
 
 
@@ -279,11 +374,17 @@ def _where_words(data: dict[str, Any]) -> str:
 
 def _where(data: dict[str, Any]) -> Table:
     after = {row["factor"]: row for row in data["residual"]["where_after"]}
-    return Table.of(data["residual"]["where"], {
-        "factor": "factor", "base: excess": "excess:.0f",
-        "fraction of chi-square": lambda row: f"{100 * row['share']:.0f} %",
-        "corrected: excess": lambda row: f"{after[row['factor']]['excess']:.0f}" if row["factor"] in after else None,
-    })  # fmt: skip
+    return Table.of(
+        data["residual"]["where"],
+        {
+            "factor": "factor",
+            "base: excess": "excess:.0f",
+            "fraction of chi-square": lambda row: f"{100 * row['share']:.0f} %",
+            "corrected: excess": lambda row: (
+                f"{after[row['factor']]['excess']:.0f}" if row["factor"] in after else None
+            ),
+        },
+    )
 
 
 def _next(data: dict[str, Any]) -> list[Section]:

@@ -39,8 +39,9 @@ def write_on_person(answer: OnPerson, result: dict[str, Any], rate_hz: float, fo
     title = f"On people: {answer.tissue.name}"
     front = _front(title, lead, result, [plot for section in pressed for plot in section.plots])
     whole = f"{verdict_text(result)} {lead}"
-    files = write_report(folder, title, whole, sections, facts=shown, warnings=result["warnings"],
-                         sources=result["sources"], front=front)  # fmt: skip
+    files = write_report(
+        folder, title, whole, sections, facts=shown, warnings=result["warnings"], sources=result["sources"], front=front
+    )
     files["curves"] = str(write_text(folder / "on_person.csv", curves_csv(answer, rate_hz)))
     files["json"] = str(write_text(folder / "on_person.json", json.dumps(result["presses"], indent=1) + "\n"))
     if result["limits_file"] is None:
@@ -62,22 +63,36 @@ def _front(title: str, lead: str, result: dict[str, Any], plots: list[Plot]) -> 
     hardest, (head, rows) = presses[at], facts.press_table(result)
     times = f"{span_text(hardest['factor_peak'])} times"
     factors = [f"up to {one['factor_peak'][1] or 0.0:.3g} times the pad" for one in presses]
-    checks = [sentence(f"{row['result']}: {facts.limit_text(row)}")
-              for row, _ in facts.limit_rows(result)[:MOST_CHECKS]]  # fmt: skip
+    checks = [
+        sentence(f"{row['result']}: {facts.limit_text(row)}") for row, _ in facts.limit_rows(result)[:MOST_CHECKS]
+    ]
     shown = [one for one in result["warnings"] if one["code"] not in facts.IN_HEADLINE]
     return FrontPage(
-        title, lead, (None, verdict_text(result)),
-        (f"Force [N] over time, {hardest['file']}", plot_drawing(plots[at])), "Largest peak against the pad's",
-        [Fact("peak force on the subjects over the pad's", times, True),
-         Fact("peak force, 95 % of people", f"{span_text(hardest['interval_95']['peak_N'])} N"),
-         Fact("peak force on the pad", f"{number_text(hardest['pad']['peak_N'])} N"),
-         Fact("drive", result["drive"])],
+        title,
+        lead,
+        (None, verdict_text(result)),
+        (f"Force [N] over time, {hardest['file']}", plot_drawing(plots[at])),
+        "Largest peak against the pad's",
+        [
+            Fact("peak force on the subjects over the pad's", times, True),
+            Fact("peak force, 95 % of people", f"{span_text(hardest['interval_95']['peak_N'])} N"),
+            Fact("peak force on the pad", f"{number_text(hardest['pad']['peak_N'])} N"),
+            Fact("drive", result["drive"]),
+        ],
         "Force [N] over time since contact",
-        [Panel(plot, f"{one['velocity_mm_s']:g} mm/s, {one['file']}", factor)
-         for plot, one, factor in zip(plots, presses, factors)] if len(presses) > 1 else (),
-        [("band", "subjects"), ("main", "pad")], Grid(head, rows), [("Limits", checks)] if checks else (),
-        warning_texts(shown), steps=[sentence(step) for step in facts.next_steps(result)], foot=FOOT,
-    )  # fmt: skip
+        [
+            Panel(plot, f"{one['velocity_mm_s']:g} mm/s, {one['file']}", factor)
+            for plot, one, factor in zip(plots, presses, factors)
+        ]
+        if len(presses) > 1
+        else (),
+        [("band", "subjects"), ("main", "pad")],
+        Grid(head, rows),
+        [("Limits", checks)] if checks else (),
+        warning_texts(shown),
+        steps=[sentence(step) for step in facts.next_steps(result)],
+        foot=FOOT,
+    )
 
 
 def people_sections(answer: OnPerson, rows: list[dict[str, Any]], prefix: str = "press") -> list[Section]:
@@ -109,8 +124,10 @@ def curves_csv(answer: OnPerson, rate_hz: float) -> str:
         with np.errstate(all="ignore"):
             outer = [np.where(np.isnan(force).any(axis=0), np.nan, edge) for edge in (force.min(0), force.max(0))]
         columns = [time, *pad, *outer, *(row for pair in zip(depth, force) for row in pair)]
-        rows += [[one.press.trace.name, *("" if v != v else f"{v:.6g}" for v in values)]
-                 for values in zip(*(column.tolist() for column in columns))]  # fmt: skip
+        rows += [
+            [one.press.trace.name, *("" if v != v else f"{v:.6g}" for v in values)]
+            for values in zip(*(column.tolist() for column in columns))
+        ]
     return csv_text(head, rows)
 
 
@@ -135,12 +152,24 @@ def press_figure(one: PersonPress, name: str) -> Plot:
 
 
 def _press_section(one: PersonPress, row: dict[str, Any], prefix: str, names: set[str]) -> Section:
-    body = [[f"{words} [{unit}]", number_text(row["pad"][key]), span_text(row["band"][key]),
-             span_text(row["interval_95"][key])] for key, words, unit in facts.FIVE]  # fmt: skip
-    body += [[f"{subject_words(subject['name'])}: peak, depth", "",
-              f"{number_text(subject['peak_N'])} N, {number_text(subject['depth_mm'])} mm",
-              span_text(subject["interval_95"]["peak_N"]) + " N" if subject["interval_95"] else "-"]
-             for subject in row["subjects"]]  # fmt: skip
+    body = [
+        [
+            f"{words} [{unit}]",
+            number_text(row["pad"][key]),
+            span_text(row["band"][key]),
+            span_text(row["interval_95"][key]),
+        ]
+        for key, words, unit in facts.FIVE
+    ]
+    body += [
+        [
+            f"{subject_words(subject['name'])}: peak, depth",
+            "",
+            f"{number_text(subject['peak_N'])} N, {number_text(subject['depth_mm'])} mm",
+            span_text(subject["interval_95"]["peak_N"]) + " N" if subject["interval_95"] else "-",
+        ]
+        for subject in row["subjects"]
+    ]
     text = f"The peak force on the subjects is {span_text(row['factor_peak'])} times the pad's."
     if one.beyond:
         text += " Extrapolated: " + "; ".join(entry.text for entry in one.beyond) + "."
@@ -155,19 +184,38 @@ def _limit_section(presses: list[dict[str, Any]]) -> Section:
         "Pass: the upper 95 % end of people is at most the limit, and nothing is extrapolated. Fail: the lower 95 % "
         "end of one subject is above the limit. Undecided: anything else."
     )
-    return Section("Limits", text, table=Table.of(rows, {
-        "press": "file", "limit of": facts.limit_name, "limit": "limit", "unit": "unit",
-        "pad": lambda row: number_text(row["pad"]),
-        "95 % of people": lambda row: span_text([row["person_low_95"], row["person_high_95"]]),
-        "result": lambda row: row["result"].upper(), "why": "reason",
-    }))  # fmt: skip
+    return Section(
+        "Limits",
+        text,
+        table=Table.of(
+            rows,
+            {
+                "press": "file",
+                "limit of": facts.limit_name,
+                "limit": "limit",
+                "unit": "unit",
+                "pad": lambda row: number_text(row["pad"]),
+                "95 % of people": lambda row: span_text([row["person_low_95"], row["person_high_95"]]),
+                "result": lambda row: row["result"].upper(),
+                "why": "reason",
+            },
+        ),
+    )
 
 
 def _drive_section(answer: OnPerson, result: dict[str, Any]) -> Section:
     text = f"The drive is {answer.drive.text}. What the traces show of the drive that made them:"
-    return Section("Which drive", text, table=Table.of(result["presses"], {
-        "press": "file", "looks like": lambda row: row["signs"]["looks_like"] or "not clear",
-        "creep in the hold [mm]": lambda row: row["signs"]["creep_mm"],
-        "fall of the force [N]": lambda row: row["signs"]["relaxed_N"],
-        f"contradiction of {answer.drive.text}": lambda row: row["drive_contradicted"] or "none",
-    }))  # fmt: skip
+    return Section(
+        "Which drive",
+        text,
+        table=Table.of(
+            result["presses"],
+            {
+                "press": "file",
+                "looks like": lambda row: row["signs"]["looks_like"] or "not clear",
+                "creep in the hold [mm]": lambda row: row["signs"]["creep_mm"],
+                "fall of the force [N]": lambda row: row["signs"]["relaxed_N"],
+                f"contradiction of {answer.drive.text}": lambda row: row["drive_contradicted"] or "none",
+            },
+        ),
+    )

@@ -6,8 +6,13 @@ from typing import Any
 
 from dummydesign.person.known_range import FAR, short_number, subject_words
 
-FIVE = (("peak_N", "peak force", "N"), ("steady_N", "steady force", "N"), ("depth_mm", "depth", "mm"),
-        ("energy_mJ", "energy", "mJ"), ("mean_pressure_N_per_cm2", "mean pressure", "N/cm2"))  # fmt: skip
+FIVE = (
+    ("peak_N", "peak force", "N"),
+    ("steady_N", "steady force", "N"),
+    ("depth_mm", "depth", "mm"),
+    ("energy_mJ", "energy", "mJ"),
+    ("mean_pressure_N_per_cm2", "mean pressure", "N/cm2"),
+)
 WORST = ("fail", "undecided", "pass")
 LIMITS_TEMPLATE = "limits-template.toml"
 IN_HEADLINE = ("drive_mismatch", "beyond_range", "inferred_tissue")
@@ -49,8 +54,10 @@ def mismatch(result: dict[str, Any]) -> str:
     where = "" if count == 1 else f"{one['file']}: "
     reason = one["drive_contradicted"]
     change, name = _capital(other_drive(drive, one["signs"])), drive.partition(":")[0]
-    return (f"{what} not fit --drive {drive}. {where}{_capital(reason)}. {change}. Keep --drive {name} if this is how "
-            "the robot acts on people.")  # fmt: skip
+    return (
+        f"{what} not fit --drive {drive}. {where}{_capital(reason)}. {change}. Keep --drive {name} if this is how "
+        "the robot acts on people."
+    )
 
 
 def other_drive(drive: str, signs: dict[str, Any]) -> str:
@@ -91,11 +98,15 @@ def comparison_text(result: dict[str, Any]) -> str:
     if factor == "1":
         press = max(presses, key=lambda one: one["band"]["depth_mm"][1] or 0.0)
         where = f" ({press['file']})" if len(presses) > 1 else ""
-        return (f"The force is the pad's. The subjects are pressed {span_text(press['band']['depth_mm'])} mm deep, "
-                f"the pad {number_text(press['pad']['depth_mm'])} mm. For 95 % of people it is "
-                f"{span_text(press['interval_95']['depth_mm'])} mm{where}.")  # fmt: skip
-    return (f"The peak force on the subjects is {factor} times the pad's. For 95 % of people it is {of_people} "
-            f"times{where}.")  # fmt: skip
+        return (
+            f"The force is the pad's. The subjects are pressed {span_text(press['band']['depth_mm'])} mm deep, "
+            f"the pad {number_text(press['pad']['depth_mm'])} mm. For 95 % of people it is "
+            f"{span_text(press['interval_95']['depth_mm'])} mm{where}."
+        )
+    return (
+        f"The peak force on the subjects is {factor} times the pad's. For 95 % of people it is {of_people} "
+        f"times{where}."
+    )
 
 
 def worst_beyond(presses: list[dict[str, Any]]) -> tuple[dict[str, Any], float] | None:
@@ -127,15 +138,33 @@ def press_table(result: dict[str, Any]) -> tuple[list[str], list[list[str]]]:
     """Head and rows: all five numbers of a single press, a row a press of several."""
     if len(result["presses"]) == 1:
         one = result["presses"][0]
-        rows = [[f"{words} {unit}", number_text(one["pad"][key]), span_text(one["band"][key]),
-                 span_text(one["interval_95"][key])] for key, words, unit in FIVE]  # fmt: skip
+        rows = [
+            [
+                f"{words} {unit}",
+                number_text(one["pad"][key]),
+                span_text(one["band"][key]),
+                span_text(one["interval_95"][key]),
+            ]
+            for key, words, unit in FIVE
+        ]
         return ["", "pad", "subjects", "95 % of people"], rows
     rows = [
-        [one["file"], f"{one['velocity_mm_s']:.4g}", number_text(one["pad"]["peak_N"]),
-         *(span_text(ends) for ends in (one["band"]["peak_N"], one["interval_95"]["peak_N"], one["factor_peak"],
-                                        one["band"]["depth_mm"]))]
+        [
+            one["file"],
+            f"{one['velocity_mm_s']:.4g}",
+            number_text(one["pad"]["peak_N"]),
+            *(
+                span_text(ends)
+                for ends in (
+                    one["band"]["peak_N"],
+                    one["interval_95"]["peak_N"],
+                    one["factor_peak"],
+                    one["band"]["depth_mm"],
+                )
+            ),
+        ]
         for one in result["presses"]
-    ]  # fmt: skip
+    ]
     return ["press", "mm/s", "pad peak N", "subjects N", "95 % N", "subjects/pad", "depth mm"], rows
 
 
@@ -154,8 +183,10 @@ def limit_name(row: dict[str, Any]) -> str:
 def limit_text(row: dict[str, Any]) -> str:
     """A check of a limit with its numbers."""
     unit, people = row["unit"], number_text(row["person_high_95"])
-    return (f"{limit_name(row)}, people up to {people} {unit} (95 %), limit {number_text(row['limit'])} {unit}, "
-            f"pad {number_text(row['pad'])} {unit}")  # fmt: skip
+    return (
+        f"{limit_name(row)}, people up to {people} {unit} (95 %), limit {number_text(row['limit'])} {unit}, "
+        f"pad {number_text(row['pad'])} {unit}"
+    )
 
 
 def next_steps(result: dict[str, Any]) -> list[str]:
@@ -175,8 +206,9 @@ def next_steps(result: dict[str, Any]) -> list[str]:
         steps.append("reduce speed, force or moving mass, or measure more subjects: dummydesign tissues add")
     elif word == "result":
         template = result["files"].get("limits_template", LIMITS_TEMPLATE)
-        steps.append(f"compare with your limits: copy {template} to limits.toml, fill it in, repeat with "
-                     "--limits limits.toml")  # fmt: skip
+        steps.append(
+            f"compare with your limits: copy {template} to limits.toml, fill it in, repeat with --limits limits.toml"
+        )
     return steps
 
 

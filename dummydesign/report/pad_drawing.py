@@ -71,8 +71,11 @@ def _section(
     items += [Path(run(face), INK, width_mm=0.45), *_base(at(-half, 0.0), at(half, 0.0))]
     for side in (-half, half):
         top = float(face[-1])
-        items.append(Path((at(side, 0.0), at(side, top)), INK, width_mm=0.35) if half >= edge else
-                     _break(at(side, 0.0), at(side, top)))  # fmt: skip
+        items.append(
+            Path((at(side, 0.0), at(side, top)), INK, width_mm=0.35)
+            if half >= edge
+            else _break(at(side, 0.0), at(side, top))
+        )
     items += _punch(punch, at, thickness_mm, high)
     items.append(Path((at(0.0, 0.0), (axis, high)), SOFT, None, 0.15, (3.0, 0.8, 0.6, 0.8)))
     items += _radius(shape, thickness_mm, foot, half, at)
@@ -101,8 +104,10 @@ def _base(left: Point, right: Point) -> list[Item]:
     wide = right[0] - left[0]
     count = max(int(wide / 2.2), 2)
     ticks = [left[0] + wide * (k + 0.7) / count for k in range(count)]
-    return [Path((left, right), INK, width_mm=0.5),
-            *(Path(((x, left[1]), (x - 1.4, left[1] + 1.6)), SOFT, width_mm=0.15) for x in ticks)]  # fmt: skip
+    return [
+        Path((left, right), INK, width_mm=0.5),
+        *(Path(((x, left[1]), (x - 1.4, left[1] + 1.6)), SOFT, width_mm=0.15) for x in ticks),
+    ]
 
 
 def _break(low: Point, high: Point) -> Path:
@@ -128,9 +133,13 @@ def _punch(punch: Punch, at: Callable[[float, float], Point], thickness_mm: floa
 
 
 def _dimensions(
-    shape: PadShape, thickness_mm: float, flat_mm: float, foot: float, half: float,
+    shape: PadShape,
+    thickness_mm: float,
+    flat_mm: float,
+    foot: float,
+    half: float,
     at: Callable[[float, float], Point],
-) -> list[Item]:  # fmt: skip
+) -> list[Item]:
     """Thicknesses left and right, widths below, the radius at the tip."""
     items = _measure(at(0.0, thickness_mm), at(0.0, 0.0), at(-half, 0.0)[0] - 6.0, "left", _number(thickness_mm))
     layers = shape.layers()
@@ -160,11 +169,16 @@ def _radius(
     if not radius:
         return []
     share = 0.55 * foot
-    height = (_height(shape.bone_mm, shape, np.array([share]))[0] if shape.bone_height_mm else
-              thickness_mm - _height(shape.drop_mm, shape, np.array([share]))[0])  # fmt: skip
+    height = (
+        _height(shape.bone_mm, shape, np.array([share]))[0]
+        if shape.bone_height_mm
+        else thickness_mm - _height(shape.drop_mm, shape, np.array([share]))[0]
+    )
     end = at(-0.85 * half, 0.0)[0] - 2.0, at(0.0, thickness_mm)[1] - 3.5
-    return [Path((at(-share, float(height)), end), SOFT, width_mm=0.15),
-            Text(end[0], end[1] - 0.6, f"R {_number(radius)}", SIZE_PT, anchor="middle")]  # fmt: skip
+    return [
+        Path((at(-share, float(height)), end), SOFT, width_mm=0.15),
+        Text(end[0], end[1] - 0.6, f"R {_number(radius)}", SIZE_PT, anchor="middle"),
+    ]
 
 
 def _number(value: float) -> str:
@@ -182,8 +196,10 @@ def _measure(top: Point, bottom: Point, x: float, side: str, words: str) -> list
     """A height between two points, its line at a place beside them; short ones have their arrows outside."""
     (_, high), (_, low) = top, bottom
     reach = 1.0 if side == "right" else -1.0
-    items: list[Item] = [Path(((end[0] + 0.6 * reach, end[1]), (x + TAIL_MM * reach, end[1])), RULE, width_mm=0.2)
-                         for end in (top, bottom)]  # fmt: skip
+    items: list[Item] = [
+        Path(((end[0] + 0.6 * reach, end[1]), (x + TAIL_MM * reach, end[1])), RULE, width_mm=0.2)
+        for end in (top, bottom)
+    ]
     inside = low - high > 3.0 * HEAD_MM
     start, stop = (high, low) if inside else (high - 3.0, low + 3.0)
     items.append(Path(((x, start), (x, stop)), INK, width_mm=0.18))

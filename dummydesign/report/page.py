@@ -152,10 +152,17 @@ class Section:
 
 
 def page(
-    title: str, lead: str, sections: Iterable[Section], facts: Sequence[tuple[str, str]] = (),
-    warnings: Sequence[Mapping[str, str]] = (), sources: Sequence[str] = (), scripts: Sequence[str] = (),
-    tables: str = "report", verdict: Mapping[str, Any] | None = None, front: str = "",
-) -> str:  # fmt: skip
+    title: str,
+    lead: str,
+    sections: Iterable[Section],
+    facts: Sequence[tuple[str, str]] = (),
+    warnings: Sequence[Mapping[str, str]] = (),
+    sources: Sequence[str] = (),
+    scripts: Sequence[str] = (),
+    tables: str = "report",
+    verdict: Mapping[str, Any] | None = None,
+    front: str = "",
+) -> str:
     """Lay out one page; with a front, which prints on a sheet of its own, a list of contents follows it."""
     style = (Path(__file__).parent / "page.css").read_text(encoding="utf-8")
     sections = list(sections)
@@ -218,9 +225,14 @@ def _banner(verdict: Mapping[str, Any] | None) -> str:
 
 
 def write_report(
-    folder: Path, title: str, lead: str, sections: Sequence[Section], stem: str = "report",
-    front: FrontPage | None = None, **parts: Any,
-) -> dict[str, str]:  # fmt: skip
+    folder: Path,
+    title: str,
+    lead: str,
+    sections: Sequence[Section],
+    stem: str = "report",
+    front: FrontPage | None = None,
+    **parts: Any,
+) -> dict[str, str]:
     """Write ``report.html`` and the values of all plots (``report.csv``); see :func:`page` for the other parts.
 
     A front is the page's first sheet, and ``report.pdf`` where the library that writes PDF is installed.

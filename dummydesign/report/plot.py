@@ -155,20 +155,22 @@ class Plot:
         """The figure as SVG with its alternative text, and the ends of its axes for the page's script."""
         x, y = self.axes()
         clip = f"clip-{escape(self.name)}"
-        return "".join([
-            f'<svg class="plot" viewBox="0 0 {self._width:g} {self._height:g}" role="img" '
-            f'aria-label="{escape(self.alt)}" data-x="{_ends(x)}" data-y="{_ends(y)}">',
-            f"<title>{escape(self.title)}</title><desc>{escape(self.alt)}</desc>",
-            f'<clipPath id="{clip}"><rect x="{x.start:g}" y="{y.stop:g}" width="{x.stop - x.start:g}" '
-            f'height="{y.start - y.stop:g}"/></clipPath>',
-            f'<g class="ticks">{self._ticks(x, y)}</g>{self._labels(x, y)}',
-            f'<g clip-path="url(#{clip})">',
-            *(_DRAW[type(layer)](layer, x, y) for layer in self.layers),
-            "</g>",
-            *(_scale(layer, x, y) for layer in self.layers if isinstance(layer, Cells)),
-            f'<rect class="frame" x="{x.start:g}" y="{y.stop:g}" width="{x.stop - x.start:g}" '
-            f'height="{y.start - y.stop:g}"/></svg>',
-        ])  # fmt: skip
+        return "".join(
+            [
+                f'<svg class="plot" viewBox="0 0 {self._width:g} {self._height:g}" role="img" '
+                f'aria-label="{escape(self.alt)}" data-x="{_ends(x)}" data-y="{_ends(y)}">',
+                f"<title>{escape(self.title)}</title><desc>{escape(self.alt)}</desc>",
+                f'<clipPath id="{clip}"><rect x="{x.start:g}" y="{y.stop:g}" width="{x.stop - x.start:g}" '
+                f'height="{y.start - y.stop:g}"/></clipPath>',
+                f'<g class="ticks">{self._ticks(x, y)}</g>{self._labels(x, y)}',
+                f'<g clip-path="url(#{clip})">',
+                *(_DRAW[type(layer)](layer, x, y) for layer in self.layers),
+                "</g>",
+                *(_scale(layer, x, y) for layer in self.layers if isinstance(layer, Cells)),
+                f'<rect class="frame" x="{x.start:g}" y="{y.stop:g}" width="{x.stop - x.start:g}" '
+                f'height="{y.start - y.stop:g}"/></svg>',
+            ]
+        )
 
     def legend(self) -> str:
         """Names beside their colours, as HTML."""
@@ -247,14 +249,33 @@ class Plot:
 
 def press_plot(name: str, title: str, alt: str, layers: Sequence[Layer], x_range: tuple[float, float]) -> Plot:
     """Plot the force of a press over time on a logarithmic axis."""
-    return Plot(name, title, alt, "time since contact [s]", "force [N]", "time_s", "force_N", layers, log_x=True,
-                x_range=x_range)  # fmt: skip
+    return Plot(
+        name,
+        title,
+        alt,
+        "time since contact [s]",
+        "force [N]",
+        "time_s",
+        "force_N",
+        layers,
+        log_x=True,
+        x_range=x_range,
+    )
 
 
 def steady_plot(alt: str, layers: Sequence[Layer], note: str = "") -> Plot:
     """Plot steady force over depth."""
-    return Plot("steady", "Steady force over depth", alt, "depth [mm]", "steady force [N]", "depth_mm", "force_N",
-                layers, note=note)  # fmt: skip
+    return Plot(
+        "steady",
+        "Steady force over depth",
+        alt,
+        "depth [mm]",
+        "steady force [N]",
+        "depth_mm",
+        "force_N",
+        layers,
+        note=note,
+    )
 
 
 def _text(value: float | str) -> str:
@@ -313,8 +334,10 @@ def _bars(layer: Bars, x: Axis, y: Axis) -> str:
     ends = (x.positions(np.asarray(end, float)) for end in (layer.low, layer.high))
     for row, (label, left, right) in enumerate(zip(layer.labels, *ends)):
         top, middle, bottom = (y.position(count - row - share) for share in (0.2, 0.5, 0.8))
-        bars += (f'<rect class="bar" data-n="{escape(label)}" x="{left:.1f}" y="{top:.1f}" '
-                 f'width="{max(right - left, 1):.1f}" height="{bottom - top:.1f}"/>')  # fmt: skip
+        bars += (
+            f'<rect class="bar" data-n="{escape(label)}" x="{left:.1f}" y="{top:.1f}" '
+            f'width="{max(right - left, 1):.1f}" height="{bottom - top:.1f}"/>'
+        )
         labels += f'<text x="{x.start - 6:g}" y="{middle + 4:.1f}" text-anchor="end">{escape(label)}</text>'
     bars += f'<line class="line other" x1="{zero:.1f}" x2="{zero:.1f}" y1="{y.start:g}" y2="{y.stop:g}"/>'
     # the labels stand left of the frame, outside the clipped group
@@ -379,5 +402,11 @@ _KEYS: dict[type, str] = {
 }
 """Marks of the legend."""
 _DRAW: dict[type, Any] = {
-    Line: _line, Dots: _dots, Band: _band, Bars: _bars, Cells: _cells, Ellipse: _ellipse, Label: _label,
-}  # fmt: skip
+    Line: _line,
+    Dots: _dots,
+    Band: _band,
+    Bars: _bars,
+    Cells: _cells,
+    Ellipse: _ellipse,
+    Label: _label,
+}

@@ -43,8 +43,9 @@ def plot_drawing(plot: Plot, size_pt: float = 7.5) -> Callable[[Box], list[Item]
         across = shortened(plot.x_label, right - left, size_pt)
         items.append(Text(0.5 * (x.start + x.stop), low - 0.25 * line, across, size_pt, anchor="middle", colour=SOFT))
         if plot.y_label:
-            items.append(Text(left, high + 0.6 * line, shortened(plot.y_label, right - left, size_pt), size_pt,
-                              colour=SOFT))  # fmt: skip
+            items.append(
+                Text(left, high + 0.6 * line, shortened(plot.y_label, right - left, size_pt), size_pt, colour=SOFT)
+            )
         return items + draw_layers(plot, x, y, size_pt) + name_curves(plot, x, y, size_pt, names)
 
     return drawn
@@ -152,8 +153,14 @@ def draw_layers(plot: Plot, x: Axis, y: Axis, size_pt: float) -> list[Item]:
 
 
 def _run(
-    x: Axis, y: Axis, xs: NDArray, ys: NDArray, stroke: str | None, fill: str | None, dash: tuple[float, ...] = (),
-) -> list[Item]:  # fmt: skip
+    x: Axis,
+    y: Axis,
+    xs: NDArray,
+    ys: NDArray,
+    stroke: str | None,
+    fill: str | None,
+    dash: tuple[float, ...] = (),
+) -> list[Item]:
     """A curve or an area inside its axes, without points that no one would see."""
     known = (xs > 0.0) if x.log else np.ones(len(xs), bool)
     if known.sum() < 2:
@@ -186,6 +193,9 @@ def _bars(layer: Bars, x: Axis, y: Axis, size_pt: float) -> list[Item]:
         left, right = (min(max(x.position(value), x.start), x.stop) for value in (low, high))
         items.append(rectangle((left, top, max(right, left + 0.3), bottom), STYLES["main"][0], None))
         words = shortened(label, 40.0, size_pt)
-        items.append(Text(x.start - 1.0, 0.5 * (top + bottom) + 0.25 * size_pt * PT_MM, words, size_pt, anchor="end",
-                          colour=SOFT))  # fmt: skip
+        items.append(
+            Text(
+                x.start - 1.0, 0.5 * (top + bottom) + 0.25 * size_pt * PT_MM, words, size_pt, anchor="end", colour=SOFT
+            )
+        )
     return items

@@ -41,10 +41,20 @@ def relative_force_plot(answer: Suggestion, curves: SuggestionCurves) -> Plot:
         misfit = None if item.low_force is None else item.low_force.misfit_rms_ln_force
         words.append(f"{item.shape}: misfit {'not reached' if misfit is None else f'{misfit:.2f}'}")
     alt = f"Steady force of each pad over the tissue's at the same depth; 1 is the tissue. {'; '.join(words)}."
-    return Plot("shapes", "Force of each pad over the tissue's, at equal depth", alt, "steady force of the tissue [N]",
-                "ratio to tissue's force", "tissue_force_N", "force_ratio", layers, log_x=True,
-                x_range=(float(force[0]), float(force[-1])), y_range=(0.0, 4.0),
-                note="1 is the tissue; above 4 is cut off")  # fmt: skip
+    return Plot(
+        "shapes",
+        "Force of each pad over the tissue's, at equal depth",
+        alt,
+        "steady force of the tissue [N]",
+        "ratio to tissue's force",
+        "tissue_force_N",
+        "force_ratio",
+        layers,
+        log_x=True,
+        x_range=(float(force[0]), float(force[-1])),
+        y_range=(0.0, 4.0),
+        note="1 is the tissue; above 4 is cut off",
+    )
 
 
 def steady_figure(answer: Suggestion, curves: SuggestionCurves) -> Plot:
@@ -66,8 +76,9 @@ def steady_figure(answer: Suggestion, curves: SuggestionCurves) -> Plot:
             f"{curves.limit_mm:.1f} mm, where the band ends"
         )
     if known.any():
-        layers.append(Band("95 % of the pad's castings", grids.pad[known], stiff[known], soft[known], sideways=True,
-                           style="cast"))  # fmt: skip
+        layers.append(
+            Band("95 % of the pad's castings", grids.pad[known], stiff[known], soft[known], sideways=True, style="cast")
+        )
     for other, depth, style in zip(answer.result.alternatives, curves.other_depths_mm, STYLES[1:5]):
         layers.append(Line(f"{other.thickness_mm:g} mm, ratio {other.ratio:g}", depth, grids.pad, style))
     layers.append(Line("recommended pad", curves.pad_depth_mm, grids.pad))
@@ -85,8 +96,10 @@ def press_plots(answer: Suggestion) -> list[Plot]:
     for column, condition in enumerate(answer.targets.conditions):
         band, press = condition.range, best.evaluation.presses[column]
         force, speed = condition.steady_force_N, condition.velocity_mm_s
-        layers: list[Layer] = [Band("subjects", band.time_s, band.low_N, band.high_N),
-                               Line("aim", condition.aim.time_s, condition.aim.curves_N[0], "aim")]  # fmt: skip
+        layers: list[Layer] = [
+            Band("subjects", band.time_s, band.low_N, band.high_N),
+            Line("aim", condition.aim.time_s, condition.aim.curves_N[0], "aim"),
+        ]
         words = "out of the pad's reach"
         if np.isfinite(press.depth_mm[best.index]):
             curve = press.force_N[best.index]
@@ -110,9 +123,13 @@ def score_maps(answer: Suggestion, curves: SuggestionCurves) -> list[Plot]:
     rests = answer.rests_on
     layers: list[Layer] = [
         Cells("total score", scores.ratio, scores.thickness_mm, value),
-        Line("ratio that gives the modulus, 95 %", [rests["ratio_low"], rests["ratio_high"]],
-             [best.thickness_mm] * 2, "other"),
-    ]  # fmt: skip
+        Line(
+            "ratio that gives the modulus, 95 %",
+            [rests["ratio_low"], rests["ratio_high"]],
+            [best.thickness_mm] * 2,
+            "other",
+        ),
+    ]
     off, thick = curves.ratio_error, answer.request.thickness_tolerance_mm
     layers.append(Ellipse("tolerance of weighing and thickness", best.ratio, best.thickness_mm, off, thick))
     others = answer.result.alternatives
@@ -126,17 +143,33 @@ def score_maps(answer: Suggestion, curves: SuggestionCurves) -> list[Plot]:
     ends = [float(scores.ratio[0]), float(scores.ratio[-1])]
     wide = None if len(scores.ratio) < 2 else (ends[0], ends[1])
     label = f"ratio ({answer.resin.ratio_meaning})"
-    whole = Plot("score-map", "Score over ratio and thickness", alt, label, "thickness [mm]", "ratio", "thickness_mm",
-                 tuple(layers), x_range=wide, note=f"1 is best; empty: {needed:g} N out of reach")  # fmt: skip
+    whole = Plot(
+        "score-map",
+        "Score over ratio and thickness",
+        alt,
+        label,
+        "thickness [mm]",
+        "ratio",
+        "thickness_mm",
+        tuple(layers),
+        x_range=wide,
+        note=f"1 is best; empty: {needed:g} N out of reach",
+    )
     if wide is None or off == 0.0:
         return [whole]
     columns = np.abs(scores.ratio - best.ratio) <= 8 * off + 0.1
     rows = np.abs(scores.thickness_mm - best.thickness_mm) <= 8 * thick + 0.5
     layers[0] = Cells("total score", scores.ratio[columns], scores.thickness_mm[rows], value[rows][:, columns])
-    close = replace(whole, name="score-map-near", title="The same around the recommended design",
-                    alt=f"{alt} The ellipse is {off:.3g} parts and {thick:g} mm in half.", layers=tuple(layers),
-                    note="", x_range=(best.ratio - 6 * off, best.ratio + 6 * off),
-                    y_range=(best.thickness_mm - 6 * thick, best.thickness_mm + 6 * thick))  # fmt: skip
+    close = replace(
+        whole,
+        name="score-map-near",
+        title="The same around the recommended design",
+        alt=f"{alt} The ellipse is {off:.3g} parts and {thick:g} mm in half.",
+        layers=tuple(layers),
+        note="",
+        x_range=(best.ratio - 6 * off, best.ratio + 6 * off),
+        y_range=(best.thickness_mm - 6 * thick, best.thickness_mm + 6 * thick),
+    )
     return [whole, close]
 
 
@@ -144,14 +177,25 @@ def exponent_plot(answer: Suggestion, curves: SuggestionCurves) -> Plot:
     """Local exponent over thickness at several forces."""
     here = list(curves.exponent_here)
     layers = [
-        *(Line(f"{force:g} N", THICKNESS_GRID_MM, curves.exponent[:, column], style)
-          for column, (force, style) in enumerate(zip(curves.forces_N.exponent_at, STYLES[:5]))),
+        *(
+            Line(f"{force:g} N", THICKNESS_GRID_MM, curves.exponent[:, column], style)
+            for column, (force, style) in enumerate(zip(curves.forces_N.exponent_at, STYLES[:5]))
+        ),
         Dots("recommended", [answer.best.thickness_mm] * len(here), here, "aim"),
-    ]  # fmt: skip
+    ]
     alt = f"Local exponent over thickness at ratio {answer.best.ratio:g}; the tissue's law has 3 everywhere."
-    return Plot("exponent", f"Local exponent over thickness, ratio {answer.best.ratio:g}", alt, "thickness [mm]",
-                "d ln F / d ln x", "thickness_mm", "exponent", layers, zero=False,
-                note="1 is linear; the tissue's law has 3")  # fmt: skip
+    return Plot(
+        "exponent",
+        f"Local exponent over thickness, ratio {answer.best.ratio:g}",
+        alt,
+        "thickness [mm]",
+        "d ln F / d ln x",
+        "thickness_mm",
+        "exponent",
+        layers,
+        zero=False,
+        note="1 is linear; the tissue's law has 3",
+    )
 
 
 def sensitivity_bars(answer: Suggestion, curves: SuggestionCurves) -> list[Plot]:
@@ -163,17 +207,33 @@ def sensitivity_bars(answer: Suggestion, curves: SuggestionCurves) -> list[Plot]
         low, high = np.array([getattr(item, f"{what}_percent") for item in bars]).T
         title = f"Change of {what} at {force:g} N, {speed:g} mm/s"
         words = "; ".join(f"{label} {a:.1f} to {b:.1f} %" for label, a, b in zip(names, low, high))
-        plots.append(Plot(f"sensitivity-{what}", title, f"{title}: {words}.", "change [%]", "", "change_percent",
-                          "none", (Bars("change", names, low, high),), y_range=(0.0, float(len(names))),
-                          note=note))  # fmt: skip
+        plots.append(
+            Plot(
+                f"sensitivity-{what}",
+                title,
+                f"{title}: {words}.",
+                "change [%]",
+                "",
+                "change_percent",
+                "none",
+                (Bars("change", names, low, high),),
+                y_range=(0.0, float(len(names))),
+                note=note,
+            )
+        )
     return plots
 
 
 def suggestion_front(answer: Suggestion, result: dict[str, Any], presses: Sequence[Plot]) -> FrontPage:
     """Fill the first page from the answer and the plots of its presses, in the order of its conditions."""
     best, given = result["recommendation"], result["inputs"]
-    section = pad_section(answer.shape, best["thickness_mm"], tuple(given["pad_mm"]), read_punch(given["punch"]),
-                          base_words(given["base"]))  # fmt: skip
+    section = pad_section(
+        answer.shape,
+        best["thickness_mm"],
+        tuple(given["pad_mm"]),
+        read_punch(given["punch"]),
+        base_words(given["base"]),
+    )
     head, rows = suggest_facts.press_rows(result)
     impact, steps = suggest_facts.impact_text(result), suggest_facts.next_steps(result)
     risks = [suggest_facts.risk_text(result), impact and f"impact: {impact}"]
@@ -226,8 +286,13 @@ def _panel(plot: Plot, row: dict[str, Any], cells: Sequence[str]) -> Panel:
 
 
 def write_suggestion(
-    folder: Path, answer: Suggestion, result: dict[str, Any], curves: SuggestionCurves, safety: SafetyView,
-    pictures: PressPictures, people: Sequence[Section] = (),
+    folder: Path,
+    answer: Suggestion,
+    result: dict[str, Any],
+    curves: SuggestionCurves,
+    safety: SafetyView,
+    pictures: PressPictures,
+    people: Sequence[Section] = (),
 ) -> dict[str, str]:
     """Write the report of a suggestion into a folder; see :func:`dummydesign.report.page.write_report`.
 
@@ -252,8 +317,7 @@ def write_suggestion(
     first = result["measure_first"]
     lead = (f"{full_sentence(first['text'])} {full_sentence(first['protocol'])} " if first["text"] else "") + (
         f"Tissue: {answer.tissue.title}, aim {answer.request.aim}. Resin: {answer.resin.title}. "
-        f"{result['rests_on']['text']}"
-        + ("" if first["text"] else f" Next: {result['rests_on']['next_step']}.")
+        f"{result['rests_on']['text']}" + ("" if first["text"] else f" Next: {result['rests_on']['next_step']}.")
     )
     if answer.tissue.notice is not None:
         lead = f"{answer.tissue.notice[1]}. {lead}"
@@ -266,31 +330,48 @@ def write_suggestion(
         Section("Force over time", _press_words(answer), presses, _conditions(best)),
         curves_section(result["curves"], result["verdict"]["subjects"], answer.request.aim),
         pressed_section(answer, pictures),
-        Section("Why this design", _why(result),
-                [*score_maps(answer, curves), exponent_plot(answer, curves), *sensitivity_bars(answer, curves)],
-                _alternatives(result)),
-        Section("Recipe", "Weigh the whole batch: it keeps the weighing error small. Pour the mass in the last column "
-                "into the mould; the rest is spare.", table=_recipe_table(best)),
+        Section(
+            "Why this design",
+            _why(result),
+            [*score_maps(answer, curves), exponent_plot(answer, curves), *sensitivity_bars(answer, curves)],
+            _alternatives(result),
+        ),
+        Section(
+            "Recipe",
+            "Weigh the whole batch: it keeps the weighing error small. Pour the mass in the last column "
+            "into the mould; the rest is spare.",
+            table=_recipe_table(best),
+        ),
         _solids(best, result.get("files", {}), answer.request.pad_mm),
         *budget_section(result["budget"]),
         safety_section(safety),
         *people,
-    ]  # fmt: skip
+    ]
     title = f"Dummy for the {answer.tissue.name}"
-    return write_report(folder, title, lead, sections, facts=facts, scripts=[view_script()],
-                        front=suggestion_front(answer, result, presses),
-                        **{name: result[name] for name in ("warnings", "sources", "verdict")})  # fmt: skip
+    return write_report(
+        folder,
+        title,
+        lead,
+        sections,
+        facts=facts,
+        scripts=[view_script()],
+        front=suggestion_front(answer, result, presses),
+        **{name: result[name] for name in ("warnings", "sources", "verdict")},
+    )
 
 
 def _recipe_table(best: dict[str, Any]) -> Table:
     """What to weigh, the least batch that fills the mould, and what to pour; of a layered pad both pours."""
     rows = []
-    for layer, batch, recipe in (("", best["batch"], best["recipe"]),
-                                 *((("base: ", best["batch"]["base"], best["recipe"].get("base")),)
-                                   if "base" in best["batch"] else ())):  # fmt: skip
+    for layer, batch, recipe in (
+        ("", best["batch"], best["recipe"]),
+        *((("base: ", best["batch"]["base"], best["recipe"].get("base")),) if "base" in best["batch"] else ()),
+    ):
         needs = {} if recipe is None else {item["name"]: f"{item['mass_g']:.1f}" for item in recipe["components"]}
-        rows += [[layer + item["name"], f"{item['mass_g']:.1f}", needs.get(item["name"], ""), ""]
-                 for item in batch["components"]]  # fmt: skip
+        rows += [
+            [layer + item["name"], f"{item['mass_g']:.1f}", needs.get(item["name"], ""), ""]
+            for item in batch["components"]
+        ]
         total = "" if recipe is None else f"{recipe['total_g']:.1f}"
         rows.append([f"{layer}total", f"{batch['total_g']:.1f}", total, f"{batch['pour_g']:.1f}"])
     return Table(["component", "weigh g", "least batch g", "pour g"], rows)
@@ -313,8 +394,10 @@ def _castings_fact(result: dict[str, Any]) -> list[tuple[str, str]]:
 def _steady_words(answer: Suggestion) -> str:
     low = "Below 5 N there are no data on people; the range there is their law extrapolated and drawn paler."
     if answer.tissue.measured:
-        low = (f"Below {answer.request.protocol.forces_N[0]:g} N the subjects' range is their slowest rise, scaled to "
-               "their steady force, and drawn paler.")  # fmt: skip
+        low = (
+            f"Below {answer.request.protocol.forces_N[0]:g} N the subjects' range is their slowest rise, scaled to "
+            "their steady force, and drawn paler."
+        )
     top = "The pad's top is touched gradually, so it starts soft."
     if answer.shape.flat_top:
         # a straight line it can follow, a cube not
@@ -351,17 +434,37 @@ def _shapes(answer: Suggestion, result: dict[str, Any], curves: SuggestionCurves
     if answer.centring:
         text += f" Recommended pad, {answer.centring.text}."
     shown = [f"{force:g}" for force in (0.2 * low, low, high)]
-    head = ["pad", "thickness mm", "ratio", "misfit", f"in range {0.1 * low:g} to {low:g} N",
-            f"in range {low:g} to {high:g} N", *(f"exponent at {force} N" for force in shown),
-            f"depth / thickness, {high:g} N", "total", "usable after a puck"]  # fmt: skip
+    head = [
+        "pad",
+        "thickness mm",
+        "ratio",
+        "misfit",
+        f"in range {0.1 * low:g} to {low:g} N",
+        f"in range {low:g} to {high:g} N",
+        *(f"exponent at {force} N" for force in shown),
+        f"depth / thickness, {high:g} N",
+        "total",
+        "usable after a puck",
+    ]
     rows = []
     for row in result["shapes"]:
         if row["shape"] is None:
             rows.append([f"{row['kind']}: {row['reason']}", *[""] * (len(head) - 1)])
             continue
-        rows.append([row["shape"], f"{row['thickness_mm']:g}", f"{row['ratio']:g}", row["misfit_rms_ln_force"],
-                     row["share_below_5N"], row["share_above_5N"], *(row["exponent_at_N"][f] for f in shown),
-                     row["depth_over_thickness"], row["total"], f"{100 * row['after_puck']:.0f} %"])  # fmt: skip
+        rows.append(
+            [
+                row["shape"],
+                f"{row['thickness_mm']:g}",
+                f"{row['ratio']:g}",
+                row["misfit_rms_ln_force"],
+                row["share_below_5N"],
+                row["share_above_5N"],
+                *(row["exponent_at_N"][f] for f in shown),
+                row["depth_over_thickness"],
+                row["total"],
+                f"{100 * row['after_puck']:.0f} %",
+            ]
+        )
     return [Section("Shapes side by side", text, [relative_force_plot(answer, curves)], Table(head, rows))]
 
 
@@ -386,19 +489,33 @@ SCORED = ("aim", "steady_state_range", "force_variation_range", "parametric")
 
 
 def _low_table(best: dict[str, Any]) -> Table:
-    return Table.of(best["low_force"], {
-        "steady force N": "force_N:g", "pad mm": "depth_mm", "stiffest subject mm": "tissue_depth_low_mm",
-        "softest subject mm": "tissue_depth_high_mm",
-    })  # fmt: skip
+    return Table.of(
+        best["low_force"],
+        {
+            "steady force N": "force_N:g",
+            "pad mm": "depth_mm",
+            "stiffest subject mm": "tissue_depth_low_mm",
+            "softest subject mm": "tissue_depth_high_mm",
+        },
+    )
 
 
 def _conditions(best: dict[str, Any]) -> Table:
-    return Table.of(best["conditions"], {
-        "steady N": "steady_force_N:g", "speed mm/s": "velocity_mm_s:g", "depth mm": "depth_mm",
-        "depth / thickness": "depth_over_thickness", "gel compression": "gel_compression", "peak N": "peak_force_N",
-        "subjects' peaks N": lambda row: f"{row['target_peak_low_N']:.1f} to {row['target_peak_high_N']:.1f}",
-        "reads": _reads, "inside": "inside_fraction", "": lambda row: row["out_of_reach"] or "",
-    })  # fmt: skip
+    return Table.of(
+        best["conditions"],
+        {
+            "steady N": "steady_force_N:g",
+            "speed mm/s": "velocity_mm_s:g",
+            "depth mm": "depth_mm",
+            "depth / thickness": "depth_over_thickness",
+            "gel compression": "gel_compression",
+            "peak N": "peak_force_N",
+            "subjects' peaks N": lambda row: f"{row['target_peak_low_N']:.1f} to {row['target_peak_high_N']:.1f}",
+            "reads": _reads,
+            "inside": "inside_fraction",
+            "": lambda row: row["out_of_reach"] or "",
+        },
+    )
 
 
 def _reads(row: dict[str, Any]) -> str:
@@ -410,8 +527,10 @@ def _reads(row: dict[str, Any]) -> str:
 
 def _alternatives(result: dict[str, Any]) -> Table | None:
     designs = [result["recommendation"], *result["alternatives"]]
-    rows = [[f"{one['thickness_mm']:g} mm", f"{one['ratio']:g}", one["young_kPa"]["value"], *one["scores"].values()]
-            for one in designs]  # fmt: skip
+    rows = [
+        [f"{one['thickness_mm']:g} mm", f"{one['ratio']:g}", one["young_kPa"]["value"], *one["scores"].values()]
+        for one in designs
+    ]
     names = (name.replace("_", " ") for name in designs[0]["scores"])
     return Table(["design (first: recommended)", "ratio", "E kPa", *names], rows)
 

@@ -13,10 +13,24 @@ from dummydesign.report.sections.curves import curves_text
 from dummydesign.tissue.model.people_share import is_strict
 
 MOST_NOTES = 4
-NOTES = ("bottoms_out", "impact_beyond_people", "people_bound", "measured_curves", "tissue_punch",
-         "force_not_in_band", "speed_not_in_band", "calibration_resin", "out_of_reach", "one_subject",
-         "contradictory_points", "calibration", "at_edge", "outside_steady_range", "cad_unavailable",
-         "curved_master")  # fmt: skip
+NOTES = (
+    "bottoms_out",
+    "impact_beyond_people",
+    "people_bound",
+    "measured_curves",
+    "tissue_punch",
+    "force_not_in_band",
+    "speed_not_in_band",
+    "calibration_resin",
+    "out_of_reach",
+    "one_subject",
+    "contradictory_points",
+    "calibration",
+    "at_edge",
+    "outside_steady_range",
+    "cad_unavailable",
+    "curved_master",
+)
 """Warnings that change what one does, the most pressing first."""
 NOTE_WORDS = {
     "out_of_reach": "{message}. Allow a thicker pad (--thickness) or a smaller force.",
@@ -132,8 +146,16 @@ def press_rows(result: dict[str, Any]) -> tuple[list[str], list[list[str]]]:
             continue
         people = f"{row['target_peak_low_N']:.1f} to {row['target_peak_high_N']:.1f}"
         reads = row["reads"] if row["reads"] == "inside" else f"{row['percent_outside']:.0f} % {row['reads']}"
-        rows.append([*test, f"{row['depth_mm']:.2f}", f"{100 * row['gel_compression']:.0f} %",
-                     f"{row['peak_force_N']:.1f}", people, reads])  # fmt: skip
+        rows.append(
+            [
+                *test,
+                f"{row['depth_mm']:.2f}",
+                f"{100 * row['gel_compression']:.0f} %",
+                f"{row['peak_force_N']:.1f}",
+                people,
+                reads,
+            ]
+        )
     return ["steady N", "mm/s", "depth mm", "% of gel", "pad peak N", "subjects N", ""], rows
 
 
@@ -158,10 +180,12 @@ def people_lines(people: dict[str, Any]) -> list[str]:
     head = [f"share of people whose peak is at most the pad's, by {people['subjects']} subjects (90 % interval):"]
     return (head if rows else []) + [
         "  {:g} N, {:g} mm/s: {:.0f} % ({:.0f} to {:.0f} %)".format(
-            float(f"{row['steady_force_N']:.3g}"), row["velocity_mm_s"],
+            float(f"{row['steady_force_N']:.3g}"),
+            row["velocity_mm_s"],
             *(100 * share for share in (row["below_expected"], *row["below_90"])),
-        ) for row in rows
-    ]  # fmt: skip
+        )
+        for row in rows
+    ]
 
 
 def curves_line(result: dict[str, Any]) -> str:
@@ -204,12 +228,16 @@ def castings_lines(result: dict[str, Any]) -> list[str]:
     after = shares["after_puck"]
     words = "on the safe side" if strict else "usable"
     none = f" ({_percent(after['no_ratio'])} never)" if after["no_ratio"] >= 0.005 else ""
-    lines = [f"{_percent(good['as_poured'])} {words} as poured, {_percent(good['resin_known'])} with the resin known, "
-             f"{_percent(good['after_puck'])} after one puck{none}"]  # fmt: skip
+    lines = [
+        f"{_percent(good['as_poured'])} {words} as poured, {_percent(good['resin_known'])} with the resin known, "
+        f"{_percent(good['after_puck'])} after one puck{none}"
+    ]
     window, young = result["window_kPa"], result["recommendation"]["young_kPa"]
     if window is not None:
-        lines.append(f"usable from {window[0]:.3g} to {window[1]:.3g} kPa; batches of this ratio: "
-                     f"{young['low']:.3g} to {young['high']:.3g} kPa (95 %)")  # fmt: skip
+        lines.append(
+            f"usable from {window[0]:.3g} to {window[1]:.3g} kPa; batches of this ratio: "
+            f"{young['low']:.3g} to {young['high']:.3g} kPa (95 %)"
+        )
     return lines
 
 

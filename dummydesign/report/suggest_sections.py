@@ -71,8 +71,19 @@ def _section(answer: Suggestion, pad: PressedPad, ceiling_kPa: float) -> Plot:
         f"{soft:.2f} mm; contact radius {contact['contact_radius_mm']:.1f} mm."
     )
     title = f"{pad.force_N:g} N: {pad.depth_mm:.2f} mm deep"
-    return Plot(f"pressed-{pad.force_N:g}N", title, alt, "from the axis [mm]", "height [mm]", "radius_mm", "height_mm",
-                layers, x_range=(-half, half), y_range=(0.0, top), to_scale=True)  # fmt: skip
+    return Plot(
+        f"pressed-{pad.force_N:g}N",
+        title,
+        alt,
+        "from the axis [mm]",
+        "height [mm]",
+        "radius_mm",
+        "height_mm",
+        layers,
+        x_range=(-half, half),
+        y_range=(0.0, top),
+        to_scale=True,
+    )
 
 
 def _pressure(pictures: PressPictures) -> Plot:
@@ -82,13 +93,24 @@ def _pressure(pictures: PressPictures) -> Plot:
     for pad, style in ((deepest, "main"), *((one, "alt1") for one in pictures.slab[-1:])):
         profile = pad.contact["profile"]
         layers.append(Line(pad.title, profile["radius_mm"], profile["pressure_kPa"], style))
-        words.append(f"{pad.title} {pad.contact['mean_kPa']:.3g} kPa on average, {pad.contact['peak_kPa']:.3g} at most "
-                     f"{_peak_words(pad)}")  # fmt: skip
+        words.append(
+            f"{pad.title} {pad.contact['mean_kPa']:.3g} kPa on average, {pad.contact['peak_kPa']:.3g} at most "
+            f"{_peak_words(pad)}"
+        )
     high = 1.3 * max(max(one.contact["peak_kPa"], one.contact["mean_kPa"]) for one in (deepest, *pictures.slab[-1:]))
     note = "the last tenth of the contact, at the punch's edge, may leave the picture"
-    return Plot("contact-pressure", f"Contact pressure at {deepest.force_N:g} N", f"{'; '.join(words)}.",
-                "from the axis [mm]", "contact pressure [kPa]", "radius_mm", "pressure_kPa", tuple(layers),
-                y_range=(0.0, high), note=note)  # fmt: skip
+    return Plot(
+        "contact-pressure",
+        f"Contact pressure at {deepest.force_N:g} N",
+        f"{'; '.join(words)}.",
+        "from the axis [mm]",
+        "contact pressure [kPa]",
+        "radius_mm",
+        "pressure_kPa",
+        tuple(layers),
+        y_range=(0.0, high),
+        note=note,
+    )
 
 
 def _peak_words(pad: PressedPad) -> str:
@@ -124,26 +146,48 @@ def _compared(pictures: PressPictures) -> str:
 
 def _table(pictures: PressPictures) -> Table:
     pads = (*pictures.pads, *pictures.slab)
-    return Table.of(({**pad.contact, **vars(pad)} for pad in pads), {
-        "pad": "title", "steady N": "force_N:g", "depth mm": "depth_mm:.2f",
-        "contact radius mm": "contact_radius_mm:.1f", "mean kPa": "mean_kPa:.3g",
-        "largest away from the edge kPa": "peak_kPa:.3g", "at radius mm": "peak_radius_mm:.1f",
-        "at the edge": lambda row: "rises" if row["edge_kPa"] > row["peak_kPa"] else "falls",
-    })  # fmt: skip
+    return Table.of(
+        ({**pad.contact, **vars(pad)} for pad in pads),
+        {
+            "pad": "title",
+            "steady N": "force_N:g",
+            "depth mm": "depth_mm:.2f",
+            "contact radius mm": "contact_radius_mm:.1f",
+            "mean kPa": "mean_kPa:.3g",
+            "largest away from the edge kPa": "peak_kPa:.3g",
+            "at radius mm": "peak_radius_mm:.1f",
+            "at the edge": lambda row: "rises" if row["edge_kPa"] > row["peak_kPa"] else "falls",
+        },
+    )
 
 
 def safety_section(view: SafetyView) -> Section:
     """Energy and pressure at each condition, and on request an impact and a user's limits."""
-    presses = Table.of(map(vars, view.presses), {
-        "steady N": "steady_force_N:g", "speed mm/s": "velocity_mm_s:g",
-        "energy of the rise, subjects mJ": lambda row: _pair(row["tissue_energy_mJ"]), "pad mJ": "pad_energy_mJ",
-        "largest mean pressure, subjects N/cm2": lambda row: _pair(row["tissue_pressure_N_per_cm2"]),
-        "pad N/cm2": "pad_pressure_N_per_cm2",
-    })  # fmt: skip
+    presses = Table.of(
+        map(vars, view.presses),
+        {
+            "steady N": "steady_force_N:g",
+            "speed mm/s": "velocity_mm_s:g",
+            "energy of the rise, subjects mJ": lambda row: _pair(row["tissue_energy_mJ"]),
+            "pad mJ": "pad_energy_mJ",
+            "largest mean pressure, subjects N/cm2": lambda row: _pair(row["tissue_pressure_N_per_cm2"]),
+            "pad N/cm2": "pad_pressure_N_per_cm2",
+        },
+    )
     html = _impact_html(view) if view.impact else ""
     if view.limits:
-        lines = [[row["body"], row["case"], row["criterion"], row["contact"], row["value"], row["limit"],
-                  {True: "yes", False: "no", None: "–"}[row["within"]]] for row in view.limits]  # fmt: skip
+        lines = [
+            [
+                row["body"],
+                row["case"],
+                row["criterion"],
+                row["contact"],
+                row["value"],
+                row["limit"],
+                {True: "yes", False: "no", None: "–"}[row["within"]],
+            ]
+            for row in view.limits
+        ]
         table = Table(["body", "case", "criterion", "contact", "value", "limit", "within"], lines)
         html += f"<p>{escape(view.limits_source)}</p>" + table.html()
     return Section("Safety view", view.text, [_energy(view)], presses, html)
@@ -164,13 +208,29 @@ def _energy(view: SafetyView) -> Plot:
         pad = np.array([row.pad_energy_mJ for row in rows], float)
         layers.append(Line(f"pad, {speed:g} mm/s", forces, pad, styles.get(speed, "alt2")))
     alt = "Energy of the rise over steady force for the pad and the subjects at each speed."
-    return Plot("energy", "Energy of the rise", alt, "steady force [N]", "energy [mJ]", "force_N", "energy_mJ",
-                tuple(layers), note="integral of F dx from touch to stop")  # fmt: skip
+    return Plot(
+        "energy",
+        "Energy of the rise",
+        alt,
+        "steady force [N]",
+        "energy [mJ]",
+        "force_N",
+        "energy_mJ",
+        tuple(layers),
+        note="integral of F dx from touch to stop",
+    )
 
 
 def _impact_html(view: SafetyView) -> str:
-    rows = Table.of(view.impact, {
-        "body": "body", "depth mm": "depth_mm", "peak N": "peak_force_N", "energy mJ": "energy_mJ",
-        "mean pressure N/cm2": "mean_pressure_N_per_cm2", "": "note",
-    })  # fmt: skip
+    rows = Table.of(
+        view.impact,
+        {
+            "body": "body",
+            "depth mm": "depth_mm",
+            "peak N": "peak_force_N",
+            "energy mJ": "energy_mJ",
+            "mean pressure N/cm2": "mean_pressure_N_per_cm2",
+            "": "note",
+        },
+    )
     return f"<p>{escape(view.impact_text)}</p>{rows.html()}"

@@ -25,10 +25,15 @@ PT_MM = 25.4 / 72.0
 INK, SOFT, RULE, PANEL, PAPER = "#1b232b", "#4f5b66", "#c9d1d8", "#f3f5f7", "#ffffff"
 BAND = "#b9cfe4"
 STYLES: dict[str, tuple[str, tuple[float, ...]]] = {
-    "main": ("#0b5cad", ()), "aim": ("#b3500f", (1.2, 0.8)), "other": ("#6b7782", (0.4, 0.6)),
-    "alt1": ("#2f8f5b", ()), "alt2": ("#8a4fb0", ()), "alt3": ("#c2417c", ()), "alt4": ("#8c7a10", ()),
+    "main": ("#0b5cad", ()),
+    "aim": ("#b3500f", (1.2, 0.8)),
+    "other": ("#6b7782", (0.4, 0.6)),
+    "alt1": ("#2f8f5b", ()),
+    "alt2": ("#8a4fb0", ()),
+    "alt3": ("#c2417c", ()),
+    "alt4": ("#8c7a10", ()),
     "alt5": ("#2a8c9c", ()),
-}  # fmt: skip
+}
 """Colour and dashes of curves by the names that plots use."""
 PITCH = 1.28
 """Distance of lines over the size of their text."""
@@ -50,9 +55,9 @@ _MONO, _OTHER, _WIDE = 600, 667, 1000
 """Thousandths of the size: of every letter of Courier, of letters that no table holds, of East Asian ones."""
 PDF_FONTS = {"plain": "Helvetica", "bold": "Helvetica-Bold", "mono": "Courier"}
 CSS_FONTS = {
-    "plain": 'font-family="Helvetica,Arial,\'Liberation Sans\',sans-serif"',
+    "plain": "font-family=\"Helvetica,Arial,'Liberation Sans',sans-serif\"",
     "bold": 'font-family="Helvetica,Arial,\'Liberation Sans\',sans-serif" font-weight="bold"',
-    "mono": 'font-family="Courier,\'Courier New\',\'Liberation Mono\',monospace"',
+    "mono": "font-family=\"Courier,'Courier New','Liberation Mono',monospace\"",
 }
 
 
@@ -280,11 +285,18 @@ def _font(text: Text) -> str:
 
 
 def paragraph(
-    items: list[Item], x_mm: float, y_mm: float, lines: Sequence[str], size_pt: float, face: str = "plain",
-    colour: str = INK, pitch: float = PITCH,
-) -> float:  # fmt: skip
+    items: list[Item],
+    x_mm: float,
+    y_mm: float,
+    lines: Sequence[str],
+    size_pt: float,
+    face: str = "plain",
+    colour: str = INK,
+    pitch: float = PITCH,
+) -> float:
     """Add texts of lines from a top edge on; return the edge under the last. [mm]"""
     step = pitch * size_pt * PT_MM
-    items += [Text(x_mm, y_mm + (row + 0.8) * step, line, size_pt, face, colour=colour)
-              for row, line in enumerate(lines)]  # fmt: skip
+    items += [
+        Text(x_mm, y_mm + (row + 0.8) * step, line, size_pt, face, colour=colour) for row, line in enumerate(lines)
+    ]
     return y_mm + len(lines) * step

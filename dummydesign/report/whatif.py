@@ -56,8 +56,11 @@ def varied(rows: Rows) -> dict[str, list[Any]]:
 
 def fixed_texts(rows: Rows) -> list[str]:
     """Settings that all designs share."""
-    return [f"{name.removesuffix('_mm').replace('_', ' ')} {values[0]}" for name, values in varied(rows).items()
-            if len(values) == 1 and values[0]]  # fmt: skip
+    return [
+        f"{name.removesuffix('_mm').replace('_', ' ')} {values[0]}"
+        for name, values in varied(rows).items()
+        if len(values) == 1 and values[0]
+    ]
 
 
 def in_plane(rows: Rows) -> bool:
@@ -79,15 +82,20 @@ def plane_tables(rows: Rows) -> tuple[list[str], list[list[str]], list[list[str]
     """Head, rows of depth at one force, rows of peak over steady, and how many thicknesses are left out."""
     force = _middle(rows)
     across = sorted({row["thickness_mm"] for row in rows})
-    shown = across if len(across) <= ACROSS else [across[round(i * (len(across) - 1) / (ACROSS - 1))]
-                                                  for i in range(ACROSS)]  # fmt: skip
+    shown = (
+        across
+        if len(across) <= ACROSS
+        else [across[round(i * (len(across) - 1) / (ACROSS - 1))] for i in range(ACROSS)]
+    )
     at = {(row["ratio"], row["thickness_mm"]): row for row in rows}
     depths, peaks = list[list[str]](), list[list[str]]()
     for ratio in sorted({row["ratio"] for row in rows}):
         cells = [at.get((ratio, thickness)) for thickness in shown]
         depth = [None if row is None else row["depth_mm_at_N"][force] for row in cells]
-        peak = [None if row is None or x is None else list(row["peak_over_steady"].values())[-1]
-                for row, x in zip(cells, depth)]  # fmt: skip
+        peak = [
+            None if row is None or x is None else list(row["peak_over_steady"].values())[-1]
+            for row, x in zip(cells, depth)
+        ]
         first = [f"{ratio:g}", f"{next(row['young_kPa'] for row in rows if row['ratio'] == ratio):.3g}"]
         for body, values in ((depths, depth), (peaks, peak)):
             body.append([*first, *("-" if value is None else f"{value:.2f}" for value in values)])
@@ -110,10 +118,16 @@ def first_table(rows: Rows) -> tuple[list[str], list[list[str]], int]:
     body = []
     for row in rows[:BEST] if score else rows:
         depths = (row["depth_mm_at_N"][force] for force in shown)
-        body.append([*([f"{row['score']['total']:.2f}"] if score else []), f"{row['thickness_mm']:g}",
-                     f"{row['ratio']:g}", f"{row['young_kPa']:.3g}",
-                     *("-" if depth is None else f"{depth:.2f}" for depth in depths),
-                     ", ".join(str(row[name]) for name in differ)])  # fmt: skip
+        body.append(
+            [
+                *([f"{row['score']['total']:.2f}"] if score else []),
+                f"{row['thickness_mm']:g}",
+                f"{row['ratio']:g}",
+                f"{row['young_kPa']:.3g}",
+                *("-" if depth is None else f"{depth:.2f}" for depth in depths),
+                ", ".join(str(row[name]) for name in differ),
+            ]
+        )
     head = [*(["score"] if score else []), "pad mm", "ratio", "kPa", *(f"at {force} N" for force in shown)]
     return [*head, ", ".join(differ)], body, len(rows) - BEST if score else 0
 
@@ -131,8 +145,15 @@ def write_whatif(
     if tissue is not None and tissue.notice is not None:
         lead = f"{tissue.notice[1]}. {lead}"
     sources = [*resin.references, *([] if tissue is None else tissue.sources)]
-    return write_report(folder, "What if", lead, sections, warnings=warnings, sources=sources,
-                        front=_front(study, rows, lead, thickness.plots, warnings))  # fmt: skip
+    return write_report(
+        folder,
+        "What if",
+        lead,
+        sections,
+        warnings=warnings,
+        sources=sources,
+        front=_front(study, rows, lead, thickness.plots, warnings),
+    )
 
 
 def _solved(study: Study) -> str:
@@ -157,18 +178,27 @@ def _front(study: Study, rows: Rows, lead: str, plots: Sequence[Plot], warnings:
         facts = [Fact(f"best score for {study.tissue}, 0 to 1", score, True), Fact("pad", text)]
         words = f"Highest score for {study.tissue}, aim {study.aim}: {text}. A score is no verdict. {lead}"
         asked = command_words(SuggestOptions, {"aim": study.aim, "resin": study.resin}, ("aim", "resin"))
-        steps = ["Search all pads for a verdict, with castings, recipe and mould.",
-                 f"dummydesign suggest --tissue {shlex.quote(str(study.tissue))}{asked}"]  # fmt: skip
+        steps = [
+            "Search all pads for a verdict, with castings, recipe and mould.",
+            f"dummydesign suggest --tissue {shlex.quote(str(study.tissue))}{asked}",
+        ]
     fixed = "\n".join(fixed_texts(ordered))
     return FrontPage(
         "What if",
         f"By {_solved(study)}; forces {_span(study.forces_N)} N, speeds {_span(study.velocities_mm_s)} mm/s.",
-        (None, words), (plots[2].title, plot_drawing(plots[2])), "Study", [*facts, Fact("all designs", fixed)],
+        (None, words),
+        (plots[2].title, plot_drawing(plots[2])),
+        "Study",
+        [*facts, Fact("all designs", fixed)],
         "Local exponent d ln F / d ln x over thickness [mm]",
-        [Panel(plot, plot.title.partition(" thickness ")[2], "") for plot in plots[:2]], (),
-        Grid(head, body), [("Cells", [sentence(", ".join(plane_texts(ordered)))])] if plane else (),
-        warning_texts(warnings), steps, foot=f"{FOOT} rows.csv has every design.",
-    )  # fmt: skip
+        [Panel(plot, plot.title.partition(" thickness ")[2], "") for plot in plots[:2]],
+        (),
+        Grid(head, body),
+        [("Cells", [sentence(", ".join(plane_texts(ordered)))])] if plane else (),
+        warning_texts(warnings),
+        steps,
+        foot=f"{FOOT} rows.csv has every design.",
+    )
 
 
 def _span(values: tuple[float, ...]) -> str:
@@ -183,9 +213,13 @@ def _groups(study: Study, rows: Rows) -> list[tuple[str, Rows]]:
     each = itertools.product(study.setups, study.pads, ratios)
     for ((punch, _), condition, base), (shape, edge), ratio in itertools.islice(each, SERIES):
         varied: dict[str, Sequence[Any]] = {
-            f"ratio {ratio:g}": study.ratio, punch: study.punches, f"{condition} face": study.conditions,
-            f"{base} base": study.bases, shape: study.shapes, f"edge {edge:g} mm": study.edge_radii_mm,
-        }  # fmt: skip
+            f"ratio {ratio:g}": study.ratio,
+            punch: study.punches,
+            f"{condition} face": study.conditions,
+            f"{base} base": study.bases,
+            shape: study.shapes,
+            f"edge {edge:g} mm": study.edge_radii_mm,
+        }
         words = [text for text, values in varied.items() if len(values) > 1]
         wanted = (punch, condition, base, shape, edge)
         chosen = [row for row in rows if row["ratio"] == ratio and _setup(row) == wanted]
@@ -207,19 +241,39 @@ def _thickness(study: Study, rows: Rows) -> Section:
     def curves(name: str, force: float) -> list[Layer]:
         return [mark(words, *_series(chosen, name, force), style) for (words, chosen), style in zip(groups, STYLES)]
 
-    by_force = [mark(f"{force:g} N", *_series(one, "exponent_at_N", force), style)
-                for force, style in zip(study.forces_N, STYLES)]  # fmt: skip
+    by_force = [
+        mark(f"{force:g} N", *_series(one, "exponent_at_N", force), style)
+        for force, style in zip(study.forces_N, STYLES)
+    ]
     exponent = ("thickness [mm]", "local exponent d ln F / d ln x", "thickness_mm", "exponent")
     plots = [
-        Plot("exponent-by-force", f"Exponent against thickness at equal force, {first}",
-             f"Local exponent over thickness at equal forces, {first}.", *exponent, by_force, zero=False),
-        Plot("exponent-by-design", f"Exponent against thickness at {middle:g} N",
-             f"Local exponent over thickness at {middle:g} N for several designs.", *exponent,
-             curves("exponent_at_N", middle), zero=False),
-        Plot("depth", f"Relaxed depth against thickness at {middle:g} N",
-             f"Relaxed depth over thickness at {middle:g} N for several designs.", "thickness [mm]", "depth [mm]",
-             "thickness_mm", "depth_mm", curves("depth_mm_at_N", middle)),
-    ]  # fmt: skip
+        Plot(
+            "exponent-by-force",
+            f"Exponent against thickness at equal force, {first}",
+            f"Local exponent over thickness at equal forces, {first}.",
+            *exponent,
+            by_force,
+            zero=False,
+        ),
+        Plot(
+            "exponent-by-design",
+            f"Exponent against thickness at {middle:g} N",
+            f"Local exponent over thickness at {middle:g} N for several designs.",
+            *exponent,
+            curves("exponent_at_N", middle),
+            zero=False,
+        ),
+        Plot(
+            "depth",
+            f"Relaxed depth against thickness at {middle:g} N",
+            f"Relaxed depth over thickness at {middle:g} N for several designs.",
+            "thickness [mm]",
+            "depth [mm]",
+            "thickness_mm",
+            "depth_mm",
+            curves("depth_mm_at_N", middle),
+        ),
+    ]
     return Section("Thickness and nonlinearity", STATEMENT, plots)
 
 
@@ -240,14 +294,25 @@ def _map(study: Study, rows: Rows) -> list[Section]:
     score = {(row["thickness_mm"], row["ratio"]): row["score"]["total"] for row in shown}
     value = np.array([[score.get((one, other), np.nan) for other in ratio] for one in thickness])
     best = max(shown, key=lambda row: row["score"]["total"])
-    layers = (Cells("total score", ratio, thickness, value),
-              Dots("best of this study", [best["ratio"]], [best["thickness_mm"]], "aim"))  # fmt: skip
+    layers = (
+        Cells("total score", ratio, thickness, value),
+        Dots("best of this study", [best["ratio"]], [best["thickness_mm"]], "aim"),
+    )
     alt = (
         f"Map of the total score for {study.tissue} over ratio and thickness; best {best['score']['total']:.2f} at "
         f"{best['thickness_mm']:g} mm and ratio {best['ratio']:g}."
     )
-    plot = Plot("score", f"Score for {study.tissue}, aim {study.aim}", alt, "ratio", "thickness [mm]", "ratio",
-                "thickness_mm", layers, note=f"{shape}, {punch}, {condition} face, {base} base; 1 is best")  # fmt: skip
+    plot = Plot(
+        "score",
+        f"Score for {study.tissue}, aim {study.aim}",
+        alt,
+        "ratio",
+        "thickness [mm]",
+        "ratio",
+        "thickness_mm",
+        layers,
+        note=f"{shape}, {punch}, {condition} face, {base} base; 1 is best",
+    )
     return [Section("Score", "", [plot])]
 
 

@@ -9,9 +9,12 @@ import importlib
 from typing import Any
 
 _PLACES = {
-    "load_resin": "model.resin_file", "read_resin": "model.resin_file", "Resin": "model.resin",
-    "Component": "model.resin", "update_resin": "update.modulus",
-}  # fmt: skip
+    "load_resin": "model.resin_file",
+    "read_resin": "model.resin_file",
+    "Resin": "model.resin",
+    "Component": "model.resin",
+    "update_resin": "update.modulus",
+}
 
 
 def __getattr__(name: str) -> Any:

@@ -27,20 +27,27 @@ def explain(resin: Resin) -> dict[str, Any]:
     }
     curve = [{**row, "hardness": expected_hardness(resin, row["ratio"]).to_dict()} for row in _curve(resin, ROWS)]
     return {
-        "name": resin.name, "origin": resin.origin, "resin": resin.to_dict(), "curve": curve,
-        "numbers": to_plain(numbers), "warnings": resin_warnings(resin),
-    }  # fmt: skip
+        "name": resin.name,
+        "origin": resin.origin,
+        "resin": resin.to_dict(),
+        "curve": curve,
+        "numbers": to_plain(numbers),
+        "warnings": resin_warnings(resin),
+    }
 
 
 def _curve(resin: Resin, rows: int) -> list[dict[str, Any]]:
     """Ratios with modulus and interval, sensitivity and Prony terms relative to the long-term modulus."""
     rows = rows if resin.ratio_min < resin.ratio_max else 1
     return [
-        {"ratio": ratio, "young_kPa": resin.modulus_kPa(ratio).to_dict(),
-         "d_ln_young_per_percent_ratio": 0.01 * resin.log_slope(ratio),
-         "prony": to_plain(resin.prony(ratio))}
+        {
+            "ratio": ratio,
+            "young_kPa": resin.modulus_kPa(ratio).to_dict(),
+            "d_ln_young_per_percent_ratio": 0.01 * resin.log_slope(ratio),
+            "prony": to_plain(resin.prony(ratio)),
+        }
         for ratio in np.linspace(resin.ratio_min, resin.ratio_max, rows).tolist()
-    ]  # fmt: skip
+    ]
 
 
 def hardness_text(curve: list[dict[str, Any]]) -> str:

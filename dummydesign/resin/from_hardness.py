@@ -38,9 +38,12 @@ class FromHardness(Serialised):
 
 
 def add_hardness(
-    name: str, shore_00: float | None = None, shore_a: float | None = None, base: str | None = None,
+    name: str,
+    shore_00: float | None = None,
+    shore_a: float | None = None,
+    base: str | None = None,
     replace_own: bool = False,
-) -> FromHardness:  # fmt: skip
+) -> FromHardness:
     """Make a resin of a supplier's Shore value and keep it in the user's own folder.
 
     With a base its law of the ratio is kept and moved to the modulus at its reference ratio; relaxation and liquid
@@ -76,14 +79,22 @@ def add_hardness(
     path = save_resin(resin, output_folder(user_folder() / KIND) / f"{name}.toml")
     factor = max(young.high / young.value, young.value / young.low)
     warnings = [
-        {"code": "hardness_only", "message": f"made from {stated} alone: the modulus is known to a factor of "
-         f"{factor:.1f}, the relaxation is assumed; cast a puck and press it (resins add-compression)"},
+        {
+            "code": "hardness_only",
+            "message": f"made from {stated} alone: the modulus is known to a factor of "
+            f"{factor:.1f}, the relaxation is assumed; cast a puck and press it (resins add-compression)",
+        },
         *shadowed,
-    ]  # fmt: skip
+    ]
     return FromHardness(
-        name, {"scale": scale, "value": shore}, base, resin.relaxation_ratio_ref, young, tuple(warnings),
+        name,
+        {"scale": scale, "value": shore},
+        base,
+        resin.relaxation_ratio_ref,
+        young,
+        tuple(warnings),
         {"resin": str(path)},
-    )  # fmt: skip
+    )
 
 
 def reference_ratio(resin: Resin) -> float:
@@ -98,19 +109,39 @@ def _moved(base: Resin, young: Quantity) -> Resin:
     arms, ratio_ref = base.prior_relaxation or (base.arms, base.relaxation_ratio_ref)
     taken = f"taken from resin {base.name}, not of this product"
     kept = tuple(
-        Arm(arm.tau_s, Quantity(arm.beta.value, arm.beta.low / DOUBT, arm.beta.high * DOUBT, "assumed",
-                                f"{taken}, a factor of {DOUBT:g} wider: {arm.beta.source}"))
+        Arm(
+            arm.tau_s,
+            Quantity(
+                arm.beta.value,
+                arm.beta.low / DOUBT,
+                arm.beta.high * DOUBT,
+                "assumed",
+                f"{taken}, a factor of {DOUBT:g} wider: {arm.beta.source}",
+            ),
+        )
         for arm in arms
-    )  # fmt: skip
+    )
     at = reference_ratio(base)
     return replace(
-        base, title=base_title(base), numbers={**numbers, scale: young}, arms=kept, relaxation_ratio_ref=ratio_ref,
-        properties={key: replace(one, kind="assumed", source=f"{taken}: {one.source}")
-                    for key, one in base.properties.items()},
-        notes=(f"Made from a Shore value: the modulus is put to ratio {at:g}, the law of the ratio, relaxation and "
-               f"liquid properties are those of {base.name}.",),
-        points=(), posterior=None, prior_numbers=None, prior_relaxation=None, contradictions=(), joint_relaxation=None,
-    )  # fmt: skip
+        base,
+        title=base_title(base),
+        numbers={**numbers, scale: young},
+        arms=kept,
+        relaxation_ratio_ref=ratio_ref,
+        properties={
+            key: replace(one, kind="assumed", source=f"{taken}: {one.source}") for key, one in base.properties.items()
+        },
+        notes=(
+            f"Made from a Shore value: the modulus is put to ratio {at:g}, the law of the ratio, relaxation and "
+            f"liquid properties are those of {base.name}.",
+        ),
+        points=(),
+        posterior=None,
+        prior_numbers=None,
+        prior_relaxation=None,
+        contradictions=(),
+        joint_relaxation=None,
+    )
 
 
 def _fixed(young: Quantity) -> Resin:
@@ -132,11 +163,20 @@ def _fixed(young: Quantity) -> Resin:
         for key in ("density_g_per_cm3", "viscosity_Pa_s")
     )
     return Resin(
-        name="", title="Resin of one fixed mix", origin="user",
-        ratio_meaning="parts of mixed resin, A and B as the supplier says", ratio_min=FIXED_RATIO,
-        ratio_max=FIXED_RATIO, ratio_step=1.0, liquids=(Liquid(MIXED, None, density, viscosity),), law=LAWS["fixed"],
-        numbers={"young_kPa": young}, arms=arms, relaxation_ratio_ref=FIXED_RATIO,
+        name="",
+        title="Resin of one fixed mix",
+        origin="user",
+        ratio_meaning="parts of mixed resin, A and B as the supplier says",
+        ratio_min=FIXED_RATIO,
+        ratio_max=FIXED_RATIO,
+        ratio_step=1.0,
+        liquids=(Liquid(MIXED, None, density, viscosity),),
+        law=LAWS["fixed"],
+        numbers={"young_kPa": young},
+        arms=arms,
+        relaxation_ratio_ref=FIXED_RATIO,
         softness_exponent=Quantity(0.0, 0.0, 0.0, "assumed", "one mix: nothing changes with the ratio"),
-        properties=properties, references=("materials/hardness.toml, and the supplier's Shore value",),
+        properties=properties,
+        references=("materials/hardness.toml, and the supplier's Shore value",),
         notes=("Mix A and B as the supplier says; the weights on the pour sheet are of the mixed resin.",),
-    )  # fmt: skip
+    )

@@ -28,8 +28,10 @@ FILE_POLICY = (
 """What a file of the project may do: run by itself, and reach neither the studio nor any other server."""
 PDF_POLICY = "default-src 'none'; object-src 'self'; style-src 'unsafe-inline'; frame-ancestors 'self'"
 """The same for a PDF, which browsers do not show in a sandbox."""
-FRAME_POLICY = ("default-src 'none'; style-src 'unsafe-inline'; frame-src 'self'; frame-ancestors 'none'; "
-                "base-uri 'none'; form-action 'none'")  # fmt: skip
+FRAME_POLICY = (
+    "default-src 'none'; style-src 'unsafe-inline'; frame-src 'self'; frame-ancestors 'none'; "
+    "base-uri 'none'; form-action 'none'"
+)
 """Of the page around a file in a tab of its own: a frame cannot lead to another server, a tab could."""
 LONGEST_PATH = 4000
 UNKEPT = {"cache-control": "no-store"}
@@ -49,9 +51,13 @@ class Guard:
     """
 
     def __init__(
-        self, app: ASGIApp, key: str, port: int, largest_bytes: int = LARGEST_BYTES,
+        self,
+        app: ASGIApp,
+        key: str,
+        port: int,
+        largest_bytes: int = LARGEST_BYTES,
         once: Callable[[str], bool] = lambda key: False,
-    ) -> None:  # fmt: skip
+    ) -> None:
         self._app, self._key, self._allowed, self._once = app, key, largest_bytes + ROOM_BYTES, once
         self._path, self._session = f"/{token_urlsafe(16)}", token_urlsafe(24)
         self._hosts = {f"{name}:{port}" for name in ("127.0.0.1", "localhost")}
@@ -167,8 +173,9 @@ def _with_policy(send: Send, policy: str) -> Send:
             pdf = policy == FILE_POLICY and heads.get("content-type") == "application/pdf"
             framed = heads.get("content-security-policy") == FRAME_POLICY
             heads["content-security-policy"] = FRAME_POLICY if framed else PDF_POLICY if pdf else policy
-            heads.update({"x-dns-prefetch-control": "off", "x-content-type-options": "nosniff",
-                          "referrer-policy": "no-referrer"})  # fmt: skip
+            heads.update(
+                {"x-dns-prefetch-control": "off", "x-content-type-options": "nosniff", "referrer-policy": "no-referrer"}
+            )
         await send(message)
 
     return sent

@@ -34,12 +34,16 @@ from dummydesign.studio.pages import campaign, cast, design, learn, measured, mo
 from dummydesign.studio.parts import Body, lay_out
 
 PAGES: dict[str, tuple[str, Body]] = {
-    "/": ("Overview", overview.show_status), "/measured": ("Measured files", measured.MeasuredPage),
-    "/tissue": ("Tissue", tissue.TissuePage), "/design": ("Design", design.DesignPage),
-    "/mould": ("Mould", mould.MouldPage), "/cast": ("Check a cast pad", cast.show_cast_pad),
-    "/campaign": ("Campaign", campaign.show_campaigns), "/learn": ("Learn", learn.show_learning),
+    "/": ("Overview", overview.show_status),
+    "/measured": ("Measured files", measured.MeasuredPage),
+    "/tissue": ("Tissue", tissue.TissuePage),
+    "/design": ("Design", design.DesignPage),
+    "/mould": ("Mould", mould.MouldPage),
+    "/cast": ("Check a cast pad", cast.show_cast_pad),
+    "/campaign": ("Campaign", campaign.show_campaigns),
+    "/learn": ("Learn", learn.show_learning),
     "/resin": ("Resin batch", pucks.PuckPage),
-}  # fmt: skip
+}
 
 
 def make_app(root: Path) -> FastAPI:
@@ -96,8 +100,16 @@ def make_app(root: Path) -> FastAPI:
 
     for path in PAGES:
         _add_page(root, path)
-    ui.run_with(app, title="dummydesign studio", dark=None, tailwind=False, unocss=None, storage_secret=None,
-                reconnect_timeout=120.0, show_welcome_message=False)  # fmt: skip
+    ui.run_with(
+        app,
+        title="dummydesign studio",
+        dark=None,
+        tailwind=False,
+        unocss=None,
+        storage_secret=None,
+        reconnect_timeout=120.0,
+        show_welcome_message=False,
+    )
     return app
 
 
@@ -134,9 +146,11 @@ SCRIPTED = (".html", ".htm", ".xhtml", ".xht", ".svg", ".xml", ".mht", ".mhtml")
 
 def _framed(address: str, name: str) -> Response:
     """A page that shows a file in a frame."""
-    text = (f'<!doctype html><html lang="en"><meta charset="utf-8"><title>{escape(name)}</title><style>html,body,iframe'
-            f'{{margin:0;border:0;width:100%;height:100%;display:block}}</style><iframe src="{escape(address)}" '
-            f'title="{escape(name)}"></iframe></html>')  # fmt: skip
+    text = (
+        f'<!doctype html><html lang="en"><meta charset="utf-8"><title>{escape(name)}</title><style>html,body,iframe'
+        f'{{margin:0;border:0;width:100%;height:100%;display:block}}</style><iframe src="{escape(address)}" '
+        f'title="{escape(name)}"></iframe></html>'
+    )
     heads = {"cache-control": "no-cache", "vary": "sec-fetch-dest", "content-security-policy": FRAME_POLICY}
     return HTMLResponse(text, headers=heads)
 
@@ -145,8 +159,10 @@ class Archive(StreamingResponse):
     """An archive as a download; closed when it is out, or when nobody wants it any more."""
 
     def __init__(self, packed: IO[bytes], name: str) -> None:
-        heads = {"content-disposition": f"attachment; filename*=UTF-8''{quote(name + '.zip', safe='')}",
-                 "content-length": str(os.fstat(packed.fileno()).st_size)}  # fmt: skip
+        heads = {
+            "content-disposition": f"attachment; filename*=UTF-8''{quote(name + '.zip', safe='')}",
+            "content-length": str(os.fstat(packed.fileno()).st_size),
+        }
         super().__init__(iter(lambda: packed.read(1 << 20), b""), media_type="application/zip", headers=heads)
         self._packed = packed
 

@@ -35,11 +35,16 @@ def steady(tissue: Tissue, targets: Targets, pad: EvaluatedPad | None = None) ->
     """Steady force over depth: the subjects, the aim, and a pad where one is given."""
     grids = force_grids(targets.protocol)
     layers: list[Layer] = [
-        Band("subjects, extrapolated", grids.extrapolated, *targets.depth_range_mm(grids.extrapolated), sideways=True,
-             style="extra"),
+        Band(
+            "subjects, extrapolated",
+            grids.extrapolated,
+            *targets.depth_range_mm(grids.extrapolated),
+            sideways=True,
+            style="extra",
+        ),
         Band(f"subjects of {tissue.name}", grids.measured, *targets.depth_range_mm(grids.measured), sideways=True),
         Line(f"aim: {targets.aim}", targets.aim_depth_mm(grids.aim), grids.aim, "aim"),
-    ]  # fmt: skip
+    ]
     alt = f"Steady force over depth of the subjects of {tissue.name}"
     if pad is not None:
         depth = pad.candidate.steady_depth_mm(grids.pad)
@@ -47,24 +52,47 @@ def steady(tissue: Tissue, targets: Targets, pad: EvaluatedPad | None = None) ->
         at = float(np.interp(10.0, grids.pad, depth)) if np.isfinite(depth).all() else float("nan")
         alt += f"; the pad is {at:.2f} mm deep at 10 N" if np.isfinite(at) else "; the pad does not reach 10 N"
     deepest = float(max(targets.depth_range_mm(grids.measured)[1].max(), targets.aim_depth_mm(grids.aim).max()))
-    return Plot("steady", "Steady force over depth", f"{alt}.", "depth [mm]", "steady force [N]", "depth_mm",
-                "force_N", tuple(layers), x_range=(0.0, 1.25 * deepest), y_range=(0.0, 16.0))  # fmt: skip
+    return Plot(
+        "steady",
+        "Steady force over depth",
+        f"{alt}.",
+        "depth [mm]",
+        "steady force [N]",
+        "depth_mm",
+        "force_N",
+        tuple(layers),
+        x_range=(0.0, 1.25 * deepest),
+        y_range=(0.0, 16.0),
+    )
 
 
 def _press(targets: Targets, pad: EvaluatedPad, column: int) -> Plot:
     """Force over time of one press of the protocol: subjects, aim, pad."""
     condition = targets.conditions[column]
     band, press = condition.range, pad.candidate.evaluation.presses[column]
-    layers: list[Layer] = [Band("subjects", band.time_s, band.low_N, band.high_N),
-                                 Line("aim", condition.aim.time_s, condition.aim.curves_N[0], "aim")]  # fmt: skip
+    layers: list[Layer] = [
+        Band("subjects", band.time_s, band.low_N, band.high_N),
+        Line("aim", condition.aim.time_s, condition.aim.curves_N[0], "aim"),
+    ]
     reached = "out of the pad's reach"
     if np.isfinite(press.depth_mm[0]):
         layers.append(Line("this pad", press.time_s[0], press.force_N[0]))
         reached = f"peak {press.force_N[0].max():.1f} N"
     start = 1e-2 if condition.velocity_mm_s < 50 else 1e-3
     title = f"{condition.steady_force_N:g} N at {condition.velocity_mm_s:g} mm/s: {reached}"
-    return Plot(f"press-{column}", title, f"Force over time, {title}.", "time [s]", "force [N]", "time_s", "force_N",
-                tuple(layers), log_x=True, x_range=(start, float(band.time_s[-1])), size=SMALL_PX)  # fmt: skip
+    return Plot(
+        f"press-{column}",
+        title,
+        f"Force over time, {title}.",
+        "time [s]",
+        "force [N]",
+        "time_s",
+        "force_N",
+        tuple(layers),
+        log_x=True,
+        x_range=(start, float(band.time_s[-1])),
+        size=SMALL_PX,
+    )
 
 
 def presses(targets: Targets, pad: EvaluatedPad) -> list[Plot]:
@@ -144,8 +172,18 @@ def section(shape: PadShape, thickness_mm: float, punch: Punch) -> Plot:
     layers.append(Line("tested face", y, top))
     layers.append(Line(f"punch, {punch.text}", *_outline(punch, thickness_mm + ABOVE_MM), "aim"))
     alt = f"Cross-section of a {shape.title}, {thickness_mm:g} mm thick; 64 mm of {PAD_WIDTH_MM:g} mm are shown."
-    return Plot("section", "Cross-section, heights stretched", alt, "across [mm]", "height [mm]", "across_mm",
-                "height_mm", tuple(layers), x_range=(-half, half), y_range=(0.0, thickness_mm + 5.0))  # fmt: skip
+    return Plot(
+        "section",
+        "Cross-section, heights stretched",
+        alt,
+        "across [mm]",
+        "height [mm]",
+        "across_mm",
+        "height_mm",
+        tuple(layers),
+        x_range=(-half, half),
+        y_range=(0.0, thickness_mm + 5.0),
+    )
 
 
 def _outline(punch: Punch, foot_mm: float) -> tuple[np.ndarray, np.ndarray]:
@@ -168,8 +206,12 @@ def pad_page(shape: PadShape, thickness_mm: float) -> str:
     def body(x: np.ndarray, y: np.ndarray, low: Any, high: Any) -> np.ndarray:
         """What lies between two height fields, closed; shape (n, 3, 3)."""
         across, along = np.meshgrid(x, y, indexing="ij")
-        over, under = (np.stack([across, along, np.broadcast_to(one(across, along) if callable(one) else one,
-                                                                across.shape)], axis=-1) for one in (high, low))
+        over, under = (
+            np.stack(
+                [across, along, np.broadcast_to(one(across, along) if callable(one) else one, across.shape)], axis=-1
+            )
+            for one in (high, low)
+        )
         walls = []
         for side in (np.s_[::-1, 0], np.s_[:, -1], np.s_[0], np.s_[-1, ::-1]):
             top, foot = over[side], under[side]

@@ -190,12 +190,27 @@ def words(root: Path, name: str, more: Sequence[str]) -> list[str]:
     if not presses:
         raise InputError("drop the files of the presses first", "missing", "trace")
     folder = new_campaign_folder(root, name)
-    return ["campaign", "from-files", folder, *(f"{FOLDER}/{one}" for one in presses),
-            "--table", f"{FOLDER}/{TABLE}", *more]  # fmt: skip
+    return [
+        "campaign",
+        "from-files",
+        folder,
+        *(f"{FOLDER}/{one}" for one in presses),
+        "--table",
+        f"{FOLDER}/{TABLE}",
+        *more,
+    ]
 
 
-FIELDS: dict[str, Any] = {"pads": "5,15,20", "speeds": "10,250", "forces": "5,10,15", "ages": "9,14,29", "repeats": 2,
-                          "hold": 10.0, "shape": "slab", "pad": "150x120"}  # fmt: skip
+FIELDS: dict[str, Any] = {
+    "pads": "5,15,20",
+    "speeds": "10,250",
+    "forces": "5,10,15",
+    "ages": "9,14,29",
+    "repeats": 2,
+    "hold": 10.0,
+    "shape": "slab",
+    "pad": "150x120",
+}
 
 
 def usual_moulds(root: Path, state: State) -> list[str]:
@@ -222,11 +237,18 @@ def plan_of(root: Path, campaign: str) -> dict[str, Any]:
         if manifest["command"] != "campaign new" or pads["by_depth"]:
             return {}
         plan: dict[str, Any] = {
-            "pads": _list(pads["pads_mm"]), "speeds": _list(pads["velocities_mm_s"]),
-            "forces": _list(pads["targets"]), "ages": _list(pads["ages_days"]), "repeats": int(pads["repeats"]),
-            "hold": float(pads["hold_s"]), "shape": str(set_up.get("shape", "slab")), "pad": str(set_up["pad"]),
-            "resin": set_up.get("resin"), "ratio": set_up.get("ratio"), "punch": str(set_up["punch"]),
-        }  # fmt: skip
+            "pads": _list(pads["pads_mm"]),
+            "speeds": _list(pads["velocities_mm_s"]),
+            "forces": _list(pads["targets"]),
+            "ages": _list(pads["ages_days"]),
+            "repeats": int(pads["repeats"]),
+            "hold": float(pads["hold_s"]),
+            "shape": str(set_up.get("shape", "slab")),
+            "pad": str(set_up["pad"]),
+            "resin": set_up.get("resin"),
+            "ratio": set_up.get("ratio"),
+            "punch": str(set_up["punch"]),
+        }
     except (ValueError, KeyError, TypeError):
         return {}
     return plan if plan["resin"] and plan["ratio"] else {}
@@ -238,10 +260,17 @@ def _list(values: Sequence[float]) -> str:
 
 def plan_options(given: Mapping[str, Any]) -> dict[str, object]:
     """Options of ``campaign new`` for the fields of a plan; pads come from moulds where some are named."""
-    presses = {"velocity": given["speeds"], "force": given["forces"], "repeats": given["repeats"],
-               "ages": given["ages"], "hold": given["hold"]}  # fmt: skip
+    presses = {
+        "velocity": given["speeds"],
+        "force": given["forces"],
+        "repeats": given["repeats"],
+        "ages": given["ages"],
+        "hold": given["hold"],
+    }
     if given.get("moulds"):
         return {"from-mould": ",".join(given["moulds"]), **presses, "punch": given["punch"]}
-    pads = {key: "" if key in ("shape", "pad") and given[key] == FIELDS[key] else given[key]
-            for key in ("pads", "shape", "pad")}  # fmt: skip
+    pads = {
+        key: "" if key in ("shape", "pad") and given[key] == FIELDS[key] else given[key]
+        for key in ("pads", "shape", "pad")
+    }
     return {**pads, **presses, **{key: given[key] for key in ("resin", "ratio", "punch")}}

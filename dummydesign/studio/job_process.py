@@ -52,10 +52,14 @@ def main(folder: Path, handed_on: int | None = None) -> int:
         # The command that ends the job is the last that writes its errors.
         with open(folder / answer_name(number, len(commands)), "wb") as answer, open(folder / ERRORS, "wb") as errors:
             child = subprocess.Popen(
-                [sys.executable, "-m", "dummydesign", *words, "--json"], cwd=asked["cwd"], stdout=answer,
-                stderr=errors, stdin=subprocess.DEVNULL, env=environment,
+                [sys.executable, "-m", "dummydesign", *words, "--json"],
+                cwd=asked["cwd"],
+                stdout=answer,
+                stderr=errors,
+                stdin=subprocess.DEVNULL,
+                env=environment,
                 pass_fds=() if os.name == "nt" else (lock.fileno(),),
-            )  # fmt: skip
+            )
         write_text(folder / CHILD, str(child.pid))
         status, stopped = _wait(child, lambda: bool(signals) or (folder / STOP).exists())
         if status or stopped:

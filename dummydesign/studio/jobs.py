@@ -51,8 +51,14 @@ def suggest(given: Mapping[str, object], out: str) -> list[str]:
     return ["suggest", *options(given), "--no-cad", "--out", f"designs/{out}"]
 
 
-KINDS = {"tissue": "materials/tissues", "resin": "materials/resins", "mould preset": "molds",
-         "silicone": "molds/silicones", "plastic": "molds/plastics", "machine": "molds/machines"}  # fmt: skip
+KINDS = {
+    "tissue": "materials/tissues",
+    "resin": "materials/resins",
+    "mould preset": "molds",
+    "silicone": "molds/silicones",
+    "plastic": "molds/plastics",
+    "machine": "molds/machines",
+}
 """Files that a manifest lists by what they are and their name or path."""
 SETTINGS = "materials/"
 """Weights, limits and the puck's error are listed by this and their name."""
@@ -126,8 +132,9 @@ class Job:
         """The commands that were begun, as they are typed."""
         count = len(self.commands)
         files = (self.folder / runner.answer_name(number, count) for number in range(1, count + 1))
-        return "; ".join([shown(words) for words, file in zip(self.commands, files) if file.is_file()]
-                         or [shown(self.commands[0])])  # fmt: skip
+        return "; ".join(
+            [shown(words) for words, file in zip(self.commands, files) if file.is_file()] or [shown(self.commands[0])]
+        )
 
     @property
     def has_answer(self) -> bool:
@@ -184,8 +191,13 @@ def start(root: Path, name: str, *commands: Sequence[str]) -> Job:
         numbers = [int(match[1]) for path in home.iterdir() if (match := re.match(r"(\d+)-", path.name))]
         folder = new_folder(home, (f"{number:04d}-{name}" for number in count(max(numbers, default=0) + 1)))
         try:
-            request = {"name": name, "first": commands[:-1], "words": commands[-1], "cwd": str(root),
-                       "start": time.time()}  # fmt: skip
+            request = {
+                "name": name,
+                "first": commands[:-1],
+                "words": commands[-1],
+                "cwd": str(root),
+                "start": time.time(),
+            }
             write_text(folder / runner.COMMAND, json.dumps(request))
             _spawn(root, folder)
         except (OSError, InputError):
@@ -229,8 +241,17 @@ def _spawn(root: Path, folder: Path) -> None:
         detached["pass_fds"] = (lock.fileno(),)
         words.append(str(lock.fileno()))
     with lock or nullcontext(), open(folder / "runner.txt", "wb") as output:
-        _CHILDREN.append(subprocess.Popen(words, cwd=root, stdin=subprocess.DEVNULL, stdout=output, stderr=output,
-                                          env={**os.environ, "PYTHONPATH": path}, **detached))  # fmt: skip
+        _CHILDREN.append(
+            subprocess.Popen(
+                words,
+                cwd=root,
+                stdin=subprocess.DEVNULL,
+                stdout=output,
+                stderr=output,
+                env={**os.environ, "PYTHONPATH": path},
+                **detached,
+            )
+        )
 
 
 def read_job(folder: Path) -> Job:

@@ -31,8 +31,11 @@ PRESETS = {
     "printed": "printed: no silicone; the pad is cast in the print, which is taken apart",
 }
 """Kinds of mould, each in a line."""
-CHECKED = {"checks.json": "Checks of the solids", "manifest.json": "What was asked, and sums of all files",
-           "spec.json": "All dimensions and settings"}  # fmt: skip
+CHECKED = {
+    "checks.json": "Checks of the solids",
+    "manifest.json": "What was asked, and sums of all files",
+    "spec.json": "All dimensions and settings",
+}
 PAD = ("shape", "thickness_mm", "ratio", "resin")
 SIZE = PAD[:2]
 _TAIL = r"_(?:(?:{})_)?t\d+(?:\.\d+)?$"
@@ -56,16 +59,21 @@ class Mould:
     def label(self) -> str:
         """The pad and the kind of mould, in one line."""
         pad = self.pad
-        return (f"{pad['shape']}, {pad['thickness_mm']:g} mm, ratio {pad['ratio']:g}, {pad['resin']}; "
-                f"{self.length_mm:g} x {self.width_mm:g} mm, {self.preset}")  # fmt: skip
+        return (
+            f"{pad['shape']}, {pad['thickness_mm']:g} mm, ratio {pad['ratio']:g}, {pad['resin']}; "
+            f"{self.length_mm:g} x {self.width_mm:g} mm, {self.preset}"
+        )
 
 
 def design_of_pad(root: Path, state: State) -> str:
     """Folder of the newest design of the pad that is chosen, one for what is asked before all others; else empty."""
     if state.design:
         return state.design
-    designs = [folder for folder, _ in _manifests(root, "designs", "suggest")
-               if (pad := design_state(root, folder)) and same_pad(pad, vars(state))]  # fmt: skip
+    designs = [
+        folder
+        for folder, _ in _manifests(root, "designs", "suggest")
+        if (pad := design_state(root, folder)) and same_pad(pad, vars(state))
+    ]
     return ([folder for folder in designs if answers(root, folder, state)] or designs or [""])[-1]
 
 
@@ -138,8 +146,12 @@ def moulds(root: Path) -> list[Mould]:
     for folder, manifest in _manifests(root, "moulds", "mold"):
         with suppress(KeyError, TypeError, ValueError):
             given = manifest["inputs"]
-            pad = {"shape": str(given["shape"]), "thickness_mm": float(given["thickness_mm"]),
-                   "ratio": float(given["ratio"]), "resin": str(given["resin"])}  # fmt: skip
+            pad = {
+                "shape": str(given["shape"]),
+                "thickness_mm": float(given["thickness_mm"]),
+                "ratio": float(given["ratio"]),
+                "resin": str(given["resin"]),
+            }
             own.append(Mould(folder, pad, float(given["length_mm"]), float(given["width_mm"]), str(given["preset"])))
     return own
 
@@ -150,8 +162,11 @@ def calibrations(root: Path, campaign: str) -> list[Calibration]:
     for folder, manifest in _manifests(root, "calibrations", "loop"):
         path = str(manifest.get("inputs", {}).get("campaign", ""))
         read = manifest.get("files_read") or []
-        sums = tuple((str(one["file"]), one.get("sha256")) for one in read
-                     if str(one.get("name", "")).rpartition("/")[0] == path.rstrip("/"))  # fmt: skip
+        sums = tuple(
+            (str(one["file"]), one.get("sha256"))
+            for one in read
+            if str(one.get("name", "")).rpartition("/")[0] == path.rstrip("/")
+        )
         of_campaign = _names(root, path, campaign) or _was_renamed(root, path, campaign, dict(sums))
         if of_campaign and (root / folder / "calibration.json").is_file():
             text = str((manifest["summary"] or {}).get("text", ""))

@@ -116,9 +116,12 @@ def _short(root: Path, path: str) -> str:
 
 
 def drop_zone(
-    took: Callable[[events.UploadEventArguments], Awaitable[None]], refused: Callable[[str, str], None], test: str,
-    begins: Callable[[], object] = lambda: None, multiple: bool = True,
-) -> None:  # fmt: skip
+    took: Callable[[events.UploadEventArguments], Awaitable[None]],
+    refused: Callable[[str, str], None],
+    test: str,
+    begins: Callable[[], object] = lambda: None,
+    multiple: bool = True,
+) -> None:
     """A place to drop files; ``refused`` is called with a name and the reason, ``begins`` once a drop."""
     last_ms = -1e9
 
@@ -161,8 +164,12 @@ class DropList:
         if words:
             html(f'<p class="note">{escape(words)}</p>')
         with parts.area(f"drop-{test}"):
-            drop_zone(self._took, lambda name, why: self.tell(f"{name} was refused: it {why}", refused=True), "choose",
-                      lambda: self.listed.clear())  # fmt: skip
+            drop_zone(
+                self._took,
+                lambda name, why: self.tell(f"{name} was refused: it {why}", refused=True),
+                "choose",
+                lambda: self.listed.clear(),
+            )
         self.listed = parts.area(f"drop-{test}-said", live=True)
 
     async def _took(self, event: events.UploadEventArguments) -> None:
@@ -188,8 +195,9 @@ class DropList:
         sentences.append(sentence)
         lines = "".join(f'<p class="note" data-kind="taken">{escape(one)}</p>' for one in sentences)
         count = len(sentences)
-        shown.set_content(lines if count <= MOST_LISTED else
-                          f"<details><summary>{count} files were taken</summary>{lines}</details>")  # fmt: skip
+        shown.set_content(
+            lines if count <= MOST_LISTED else f"<details><summary>{count} files were taken</summary>{lines}</details>"
+        )
 
 
 class UndoBar:

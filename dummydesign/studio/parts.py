@@ -24,9 +24,16 @@ from dummydesign.studio.choices import offered
 from dummydesign.studio.jobs import changed_inputs, shown
 from dummydesign.studio.state import State, address, page_link, read_state
 
-STEPS = (("/", "Overview"), ("/measured", "1 Measured"), ("/tissue", "2 Tissue"), ("/design", "3 Design"),
-         ("/mould", "4 Mould"), ("/cast", "5 Cast pad"), ("/campaign", "6 Campaign"),
-         ("/learn", "7 Learn"))  # fmt: skip
+STEPS = (
+    ("/", "Overview"),
+    ("/measured", "1 Measured"),
+    ("/tissue", "2 Tissue"),
+    ("/design", "3 Design"),
+    ("/mould", "4 Mould"),
+    ("/cast", "5 Cast pad"),
+    ("/campaign", "6 Campaign"),
+    ("/learn", "7 Learn"),
+)
 
 
 @cache
@@ -48,9 +55,13 @@ Body = Callable[[Project, State, Mapping[str, str]], object]
 
 
 def lay_out(
-    root: Path, here: str, title: str, query: Mapping[str, str], body: Body,
+    root: Path,
+    here: str,
+    title: str,
+    query: Mapping[str, str],
+    body: Body,
     empty: Callable[[Path], None] | None = None,
-) -> None:  # fmt: skip
+) -> None:
     """Lay out a page; with faults of the folder on it."""
     ui.colors(primary="#0b5cad")
     ui.add_head_html(page_head())
@@ -192,9 +203,14 @@ class NumberField(ui.input):
     """A field for a number. What is not allowed stays as it was typed, with the reason under it."""
 
     def __init__(
-        self, label: str, value: float | None = None, low: float = 0.0, high: float = 1e6, test: str = "",
+        self,
+        label: str,
+        value: float | None = None,
+        low: float = 0.0,
+        high: float = 1e6,
+        test: str = "",
         hint: str = "",
-    ) -> None:  # fmt: skip
+    ) -> None:
         self._name, self._low, self._high = label, low, high
         super().__init__(label, value="" if value is None else f"{value:.10g}", validation=self._refusal)
         given = {"inputmode": "decimal", "data-test": test, "hint": hint}
@@ -290,8 +306,10 @@ def tell_verdict(light: str, text: str, state: str = "", note: str = "", label: 
     light, marks = escape(light), f' data-test="{escape(test)}"' if test else ""
     more = f" <small>{escape(note)}</small>" if note else ""
     more += f'<small class="label">{escape(label)}</small>' if label else ""
-    html(f'<div class="verdict {light}" data-state="{escape(state)}"{marks}><span class="light" aria-hidden="true">'
-         f'</span><p><span class="hide">{light} light: </span>{marked(text)}{more}</p></div>')  # fmt: skip
+    html(
+        f'<div class="verdict {light}" data-state="{escape(state)}"{marks}><span class="light" aria-hidden="true">'
+        f'</span><p><span class="hide">{light} light: </span>{marked(text)}{more}</p></div>'
+    )
 
 
 def command_line(words: Sequence[str]) -> None:
@@ -305,8 +323,9 @@ def command_line(words: Sequence[str]) -> None:
 
 def facts(rows: Sequence[tuple[str, str]]) -> None:
     """Show values, large, with what they are."""
-    values = "".join(f'<div class="fact"><b>{escape(value)}</b><span>{marked(what)}</span></div>'
-                     for value, what in rows)  # fmt: skip
+    values = "".join(
+        f'<div class="fact"><b>{escape(value)}</b><span>{marked(what)}</span></div>' for value, what in rows
+    )
     html(f'<div class="facts">{values}</div>')
 
 
@@ -321,8 +340,10 @@ def warnings(answer: Mapping[str, Any]) -> None:
     if lines:
         html(f'<ul class="warnings">{"".join(lines[:MOST_WARNINGS])}</ul>')
     if left > 0:
-        html(f'<details><summary>{left} more warnings</summary><ul class="warnings">{"".join(lines[MOST_WARNINGS:])}'
-             "</ul></details>")  # fmt: skip
+        html(
+            f'<details><summary>{left} more warnings</summary><ul class="warnings">{"".join(lines[MOST_WARNINGS:])}'
+            "</ul></details>"
+        )
 
 
 def table(head: Sequence[str], rows: Sequence[Sequence[object]], words: bool = False, under: str = "") -> None:
@@ -340,8 +361,10 @@ def file_links(rows: Sequence[tuple[str, str]]) -> None:
 
 def file_link(words: str, path: str, kind: str = "") -> str:
     """Return a link to a file of the project as HTML."""
-    return (f'<a class="{escape(kind)}" href="{address(f"/files/{path}")}" target="_blank" rel="noopener">'
-            f"{escape(words)}</a>")  # fmt: skip
+    return (
+        f'<a class="{escape(kind)}" href="{address(f"/files/{path}")}" target="_blank" rel="noopener">'
+        f"{escape(words)}</a>"
+    )
 
 
 def zip_link(folder: str, sheets: Sequence[str] = ()) -> None:

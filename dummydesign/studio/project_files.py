@@ -91,8 +91,9 @@ def restore(root: Path, entry: Deleted) -> str:
         message = f"'{target.parent.relative_to(root).as_posix()}' is not there. Restore it first"
         raise InputError(message, "file_not_found", "folder")
     old = _stem(content / target.name)
-    stem = next(one for one in numbered(old)
-                if not any((target.parent / name).exists() for name in _renamed(names, old, one)))  # fmt: skip
+    stem = next(
+        one for one in numbered(old) if not any((target.parent / name).exists() for name in _renamed(names, old, one))
+    )
     after = _renamed(names, old, stem)
     _move([(content / name, target.parent / new) for name, new in zip(names, after)])
     _forget(entry)
@@ -255,8 +256,9 @@ def _follow_inside(folder: Path, names: Sequence[str], old: str, new: str) -> No
     if folder.name != "tissue" or tissue.name not in names:
         return
     head, table, rest = tissue.read_text(encoding="utf-8").partition("\n[")
-    lines = [f"name = {toml_text(new)}" if line.replace(" ", "").startswith("name=") else line
-             for line in head.split("\n")]  # fmt: skip
+    lines = [
+        f"name = {toml_text(new)}" if line.replace(" ", "").startswith("name=") else line for line in head.split("\n")
+    ]
     write_text(tissue, "\n".join(lines) + table + rest)
     if manifest.name not in names or not _sums(manifest):
         return
@@ -301,11 +303,12 @@ class Stored:
         """The same in a sentence."""
         return {
             "new": f"{self.name} was added.",
-            "same": f"{self.sent} is there already: not copied." if self.name == self.sent
+            "same": f"{self.sent} is there already: not copied."
+            if self.name == self.sent
             else f"{self.sent} is the same as {self.name}, which is there: not copied.",
             "numbered": f"{self.sent} differs from the {self.sent} that is there. It was added as {self.name}.",
             "replaced": f"{self.name} was added. It replaces the earlier {self.name}.",
-        }[self.outcome]  # fmt: skip
+        }[self.outcome]
 
 
 def store(root: Path, folder: Path, name: str, content: bytes, replace: bool = False) -> Stored:

@@ -170,8 +170,15 @@ def _evaluator(root: Path, question: State, stamp: object) -> PadEvaluator:
     calibration, punch_text = str(root / question.calibration) if question.calibration else None, question.punch
     if punch_text.startswith(PROFILE):
         punch_text = f"{PROFILE}{root / punch_text.removeprefix(PROFILE)}"
-    request = Request(absolute(root, question.tissue), question.aim, absolute(root, question.resin), shape="slab",
-                      verify=False, calibration=calibration, punch=punch_text)  # fmt: skip
+    request = Request(
+        absolute(root, question.tissue),
+        question.aim,
+        absolute(root, question.resin),
+        shape="slab",
+        verify=False,
+        calibration=calibration,
+        punch=punch_text,
+    )
     punch = read_punch(request.punch)
     if punch.profile_mm is not None:
         raise NotTabulated(why_solved(request, punch, THICKNESS_MM[0]), "punch")
@@ -179,8 +186,7 @@ def _evaluator(root: Path, question: State, stamp: object) -> PadEvaluator:
 
 
 def stamp_of(root: Path, state: State) -> tuple[tuple[str, int, int], ...]:
-    """Path, time and size of the files behind what is chosen, those of the library too; names of nothing are left out.
-    """
+    """Path, time and size of the files behind what is chosen, the library's too; names of nothing are left out."""
     paths = [root / state.calibration] if state.calibration else []
     if state.punch.startswith(PROFILE):
         paths.append(root / state.punch.removeprefix(PROFILE))

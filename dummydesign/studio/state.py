@@ -42,8 +42,13 @@ class State:
     def query(self) -> str:
         """Return the state as the query of an address."""
         given = {one.name: getattr(self, one.name) for one in fields(self) if one.name != "missing"}
-        return urlencode({name: f"{value:g}" if isinstance(value, float) else value
-                          for name, value in given.items() if value != "" or name == "calibration"})  # fmt: skip
+        return urlencode(
+            {
+                name: f"{value:g}" if isinstance(value, float) else value
+                for name, value in given.items()
+                if value != "" or name == "calibration"
+            }
+        )
 
     def changed(self, **new: Any) -> State:
         """Return the state with other values; a pad that is no longer the design's forgets it."""
@@ -66,8 +71,10 @@ class State:
         """The pad and what it is compared with, in one line."""
         taught = f", calibration {Path(self.calibration).parent.name}" if self.calibration else ""
         aim = "" if self.aim == "average" else f" ({self.aim})"
-        return (f"{self.shape}, {self.thickness_mm:g} mm, ratio {self.ratio:g}, {self.resin}; "
-                f"{self.tissue}{aim}, {self.punch}{taught}")  # fmt: skip
+        return (
+            f"{self.shape}, {self.thickness_mm:g} mm, ratio {self.ratio:g}, {self.resin}; "
+            f"{self.tissue}{aim}, {self.punch}{taught}"
+        )
 
 
 def read_state(project: Project, query: Mapping[str, str]) -> State:
@@ -76,8 +83,11 @@ def read_state(project: Project, query: Mapping[str, str]) -> State:
     The address wins; then the design that it names; then ``project.toml``, with the newest design for its tissue.
     """
     # no calibration is a choice too: without it the one of project.toml would come back
-    given = {name: text for name, text in query.items()
-             if (text.strip() or name == "calibration") and _in_project(project.root, name, text)}  # fmt: skip
+    given = {
+        name: text
+        for name, text in query.items()
+        if (text.strip() or name == "calibration") and _in_project(project.root, name, text)
+    }
     designs = [one.folder for one in things_in(project.root, "designs") if is_design(one)]
     own, tissue = _of_project(project), given.get("tissue") or project.tissue or ""
     # what was edited by hand since wins over an older design
@@ -128,10 +138,15 @@ def design_state(root: Path, folder: str) -> dict[str, Any]:
         manifest = finished_manifest(root / folder / MANIFEST) or {}
         pad, inputs = manifest["summary"], manifest.get("inputs", {})
         values = {
-            "shape": str(pad["shape"]), "thickness_mm": float(pad["thickness_mm"]), "ratio": float(pad["ratio"]),
-            "resin": str(pad["resin"]), "tissue": str(inputs["tissue"]), "aim": str(inputs.get("aim", "average")),
-            "punch": str(inputs.get("punch") or PUNCH), "calibration": _inside(root, inputs.get("calibration")),
-        }  # fmt: skip
+            "shape": str(pad["shape"]),
+            "thickness_mm": float(pad["thickness_mm"]),
+            "ratio": float(pad["ratio"]),
+            "resin": str(pad["resin"]),
+            "tissue": str(inputs["tissue"]),
+            "aim": str(inputs.get("aim", "average")),
+            "punch": str(inputs.get("punch") or PUNCH),
+            "calibration": _inside(root, inputs.get("calibration")),
+        }
     except (ValueError, KeyError, TypeError, AttributeError):
         return {}
     return values | {"tissue": _inside(root, values["tissue"]), "design": folder}
@@ -168,9 +183,13 @@ def _number(text: str, before: Any, is_number: bool) -> Any:
 
 
 def _missing(
-    root: Path, state: State, known: Mapping[str, str], campaigns: list[str], designs: list[str],
+    root: Path,
+    state: State,
+    known: Mapping[str, str],
+    campaigns: list[str],
+    designs: list[str],
     given: Mapping[str, str],
-) -> tuple[str, ...]:  # fmt: skip
+) -> tuple[str, ...]:
     """What is chosen and not there."""
     there = (
         ("tissue", state.tissue, known, "Choose another, or bring its file back."),
@@ -179,8 +198,11 @@ def _missing(
         ("campaign", state.campaign, ["", *campaigns], "Choose another."),
         ("design", given.get("design", ""), ["", *designs], "The pad comes from the address."),
     )
-    problems = tuple(f"The {what} '{name}' is not there. {advice}" for what, name, names, advice in there
-                     if name not in names and not (root / name).is_file())  # fmt: skip
+    problems = tuple(
+        f"The {what} '{name}' is not there. {advice}"
+        for what, name, names, advice in there
+        if name not in names and not (root / name).is_file()
+    )
     try:
         if not problems and state.aim not in choices.aims(absolute(root, state.tissue)):
             return (f"The tissue '{state.tissue}' has no aim '{state.aim}'. Choose another aim.",)
@@ -213,8 +235,17 @@ def page_link(path: str, words: str, state: State | None = None, test: str = "",
     return f'<a{marks} href="{address(path)}{query}">{escape(words)}</a>'
 
 
-PAGES = {"tissues": "/tissue", "import": "/measured", "fit": "/tissue", "suggest": "/design", "mold": "/mould",
-         "campaign": "/campaign", "loop": "/learn", "status": "/design", "resins": "/resin"}  # fmt: skip
+PAGES = {
+    "tissues": "/tissue",
+    "import": "/measured",
+    "fit": "/tissue",
+    "suggest": "/design",
+    "mold": "/mould",
+    "campaign": "/campaign",
+    "loop": "/learn",
+    "status": "/design",
+    "resins": "/resin",
+}
 """Page that a command belongs to."""
 _NUMBERS = {"thickness": "thickness_mm", "ratio": "ratio"}
 

@@ -25,11 +25,19 @@ class Work:
     """
 
     def __init__(
-        self, root: Path, name: str, label: str, words: Callable[[], list[str]], show: Callable[[jobs.Job], None],
+        self,
+        root: Path,
+        name: str,
+        label: str,
+        words: Callable[[], list[str]],
+        show: Callable[[jobs.Job], None],
         belongs: Callable[[jobs.Job, list[str]], bool] | None = None,
-        ended: Callable[[jobs.Job, bool], None] | None = None, stamp: Callable[[], object] = lambda: None,
-        needs: str = "", first: Callable[[], Steps] = list, check: Callable[[], object] = lambda: None,
-    ) -> None:  # fmt: skip
+        ended: Callable[[jobs.Job, bool], None] | None = None,
+        stamp: Callable[[], object] = lambda: None,
+        needs: str = "",
+        first: Callable[[], Steps] = list,
+        check: Callable[[], object] = lambda: None,
+    ) -> None:
         """Build it.
 
         ``belongs`` is given a job and the command that is chosen (empty when that is refused), ``ended`` a job that

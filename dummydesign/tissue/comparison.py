@@ -72,8 +72,9 @@ def presses_of(
         raise InputError(
             f"no press belongs to the test ({words}): the traces are of {'; '.join(made[:6])}; "
             "give --force and --velocity that were pressed",
-            "nothing_found", "press",
-        )  # fmt: skip
+            "nothing_found",
+            "press",
+        )
     others = [trace.name for trace, reduced in every if not _belongs(reduced, test)]
     names = ", ".join(others[:5]) + (", ..." if len(others) > 5 else "")
     text = f"{len(others)} of {len(every)} presses are not of the test ({words}) and are left out: {names}"
@@ -189,9 +190,12 @@ class Comparison:
 
 
 def compare_traces(
-    traces: Sequence[Trace], tissue: Tissue, lowpass: Lowpass | None = None, test: PressTest = AS_PRESSED,
+    traces: Sequence[Trace],
+    tissue: Tissue,
+    lowpass: Lowpass | None = None,
+    test: PressTest = AS_PRESSED,
     progress: Progress | None = None,
-) -> Comparison:  # fmt: skip
+) -> Comparison:
     """Compare a dummy's traces with a tissue: by parameters, by steady-state range, by force variation range.
 
     The dummy is fitted per speed with the law and the number of elements of the tissue. Its steady-state
@@ -213,9 +217,12 @@ def compare_traces(
     points, depth = steady_curve(reduced, grid)
     slowest = min(trace.velocity_mm_s for trace in reduced)
     held = law_named(tissue.law).end_of_hold_depths(
-        tissue.parameter_sets, grid, test.speed_of(rounded_velocity(slowest)), hold_of(reduced, test),
+        tissue.parameter_sets,
+        grid,
+        test.speed_of(rounded_velocity(slowest)),
+        hold_of(reduced, test),
         test.deceleration_mm_s2 or DECELERATION_MM_S2,
-    )  # fmt: skip
+    )
     span = held.min(axis=0), held.max(axis=0)
     follows = not law_named(tissue.law).ideal_ramp and not law_named(tissue.law).measured
     conditions, by_condition, rows = [], [], list[dict[str, Any]]()
@@ -337,8 +344,10 @@ def overshoots_of(reduced: Sequence[ReducedTrace]) -> list[tuple[str, str]]:
     if not over:
         return []
     most = max(over, key=lambda trace: trace.ramp.overshoot_mm / trace.ramp.depth_mm)
-    text = (f"{len(over)} of {len(reduced)} presses went beyond their depth, {most.trace.name} by "
-            f"{most.ramp.overshoot_mm:.2g} mm; people's peaks are without an overshoot: let the robot brake earlier")
+    text = (
+        f"{len(over)} of {len(reduced)} presses went beyond their depth, {most.trace.name} by "
+        f"{most.ramp.overshoot_mm:.2g} mm; people's peaks are without an overshoot: let the robot brake earlier"
+    )
     return [("overshoot", text)]
 
 
@@ -381,9 +390,10 @@ def _steady_shares(
     reached = ~np.isnan(depth)
     inside = (depth >= range_mm[0] - 1e-9) & (depth <= range_mm[1] + 1e-9)
     parts = {
-        "inside_fraction": reached, "below_5N_fraction": reached & (grid_N <= span_N[0] * (1 + 1e-9)),
+        "inside_fraction": reached,
+        "below_5N_fraction": reached & (grid_N <= span_N[0] * (1 + 1e-9)),
         "above_5N_fraction": reached & (grid_N >= span_N[0] * (1 - 1e-9)),
-    }  # fmt: skip
+    }
     shares: dict[str, Any] = {name: float(inside[part].mean()) if part.any() else None for name, part in parts.items()}
     span = grid_N[reached]
     reach = [float(span[0]), float(span[-1])] if len(span) else None
@@ -398,8 +408,13 @@ def _warnings(
     if "inferred" in tissue.kinds:
         own.append(("inferred_tissue", f"the band of {tissue.name} is inferred, not measured"))
     if points[0, 1] > 0.6:
-        own.append(("steady_from_rise", f"below {points[0, 1]:.2g} N the steady-state curve is the scaled rise of the "
-                    "slowest press, not a measured steady force"))  # fmt: skip
+        own.append(
+            (
+                "steady_from_rise",
+                f"below {points[0, 1]:.2g} N the steady-state curve is the scaled rise of the "
+                "slowest press, not a measured steady force",
+            )
+        )
     own += [] if tissue.notice is None else [tissue.notice]
     near, known = SPEED_FACTOR if tissue.measured else 1.0, tissue.velocities_mm_s
     speeds_made = sorted({row["velocity_mm_s"] for row in rows})

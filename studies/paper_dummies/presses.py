@@ -48,8 +48,11 @@ def stiffening_cases() -> list[Pad]:
     """Slabs that the response tables do not hold."""
     return [
         unit_slab(thickness, RADIUS_MM, base, c2)
-        for c2 in STIFFENING if c2 for base in BASES for _, thickness in SITES.values()
-    ]  # fmt: skip
+        for c2 in STIFFENING
+        if c2
+        for base in BASES
+        for _, thickness in SITES.values()
+    ]
 
 
 def force_laws(slabs: list[SolvedSlab]) -> dict[tuple[str, float], ForceLaw]:

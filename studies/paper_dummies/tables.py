@@ -103,9 +103,10 @@ def statements_text(judged: AllJudged) -> str:
         head,
         (
             (s.dummy, s.words, s.section, s.basis, *_named(v), ANSWERS[holds], number)
-            for s, outcome in judged for v, (holds, number) in outcome.items()
+            for s, outcome in judged
+            for v, (holds, number) in outcome.items()
         ),
-    )  # fmt: skip
+    )
 
 
 def _named(variant: Variant) -> tuple[str, str, str]:
@@ -182,8 +183,9 @@ def peaks(results: Results) -> Cells:
             wanted = [(low + position * (high - low)) / 10.0 for position in WANTED_PEAK[name]]
             every = [
                 dummies[name].presses[10.0, speed].peak_N / 10.0
-                for dummies in results.values() if (10.0, speed) in dummies[name].presses
-            ]  # fmt: skip
+                for dummies in results.values()
+                if (10.0, speed) in dummies[name].presses
+            ]
             arms = "" if name == "II" else f"{_largest_arm(results, speed, name):.2f}"
             spans = (f"{press.peak_N / 10:.2f}", _span(every))
             rows.append((f"{speed:g}", name, f"{wanted[0]:.2f} to {wanted[1]:.2f}", *spans, arms))
@@ -199,20 +201,32 @@ def _largest_arm(results: Results, speed: float, other: str) -> float:
 def figures_text(results: Results) -> str:
     """Reach, depths, shares inside the bands and fitted parameters in every variant, as CSV; empty out of reach."""
     head = (
-        "base", "young_kPa", "yeoh_c2_over_mu", "dummy", "reach_N", *(f"depth_{force:g}N_mm" for force in FORCES_N),
-        "steady_inside_0.5_to_5N", "steady_inside_5_to_15N",
+        "base",
+        "young_kPa",
+        "yeoh_c2_over_mu",
+        "dummy",
+        "reach_N",
+        *(f"depth_{force:g}N_mm" for force in FORCES_N),
+        "steady_inside_0.5_to_5N",
+        "steady_inside_5_to_15N",
         *(f"inside_{force:g}N_{speed:g}mm_s" for speed in SPEEDS for force in FORCES_N),
         *(f"gamma{arm}_N_per_mm3" for arm in (1, 2, 3)),
-        *(f"c{arm}_{speed:g}mm_s_N_s_per_mm" for speed in SPEEDS for arm in (2, 3)), "rms_misfit_N",
-    )  # fmt: skip
+        *(f"c{arm}_{speed:g}mm_s_N_s_per_mm" for speed in SPEEDS for arm in (2, 3)),
+        "rms_misfit_N",
+    )
     rows = (
         (
-            *_named(variant), name, f"{dummy.reach_N:.1f}", *(_cell(dummy.depth_at(force)) for force in FORCES_N),
+            *_named(variant),
+            name,
+            f"{dummy.reach_N:.1f}",
+            *(_cell(dummy.depth_at(force)) for force in FORCES_N),
             *(_cell(dummy.steady_inside[part]) for part in SHARES),
-            *(_cell(share) for speed in SPEEDS for share in _range_shares(dummy, speed)), *_fitted(dummy),
+            *(_cell(share) for speed in SPEEDS for share in _range_shares(dummy, speed)),
+            *_fitted(dummy),
         )
-        for variant, dummies in results.items() for name, dummy in dummies.items()
-    )  # fmt: skip
+        for variant, dummies in results.items()
+        for name, dummy in dummies.items()
+    )
     return _csv(head, rows)
 
 

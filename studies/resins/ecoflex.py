@@ -162,7 +162,7 @@ def fit_family(mixtures: list[Mixture]) -> FamilyLaw:
 
 def _number(quantity: dict[str, Any]) -> str:
     return (
-        f'{{ value = {quantity["value"]:.4g}, low = {quantity["low"]:.4g}, high = {quantity["high"]:.4g}, '
+        f"{{ value = {quantity['value']:.4g}, low = {quantity['low']:.4g}, high = {quantity['high']:.4g}, "
         f'kind = "{quantity["kind"]}", source = "{quantity["source"]}" }}'
     )
 
@@ -216,10 +216,19 @@ def _resin_text(family: str, law: FamilyLaw, largest: float) -> str:
 def moduli_text(mixtures: list[Mixture]) -> str:
     """The fitted mixtures as CSV."""
     columns = (
-        "young_kPa", "young_low_kPa", "young_high_kPa", "alpha", "friction",
-        "friction_low", "friction_high", "young_frictionless_kPa", "young_bonded_kPa", "rmse", "rmse_frictionless",
+        "young_kPa",
+        "young_low_kPa",
+        "young_high_kPa",
+        "alpha",
+        "friction",
+        "friction_low",
+        "friction_high",
+        "young_frictionless_kPa",
+        "young_bonded_kPa",
+        "rmse",
+        "rmse_frictionless",
         "scatter",
-    )  # fmt: skip
+    )
     lines = [",".join(("family", "thinner_per_100", *columns, "offset_low_mm", "offset_high_mm"))]
     for m in mixtures:
         offsets = m.fit.offset_mm.values()

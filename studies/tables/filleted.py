@@ -78,9 +78,12 @@ def content(base: str, count: int, fresh: int, pool: ProcessPoolExecutor) -> dic
     table = {
         "base": base,
         "meaning": "ln(F / (E a d)) over a/h, fillet over a, and d/h; E long-term, a punch radius, glued, with sides",
-        "ratio": _list(ratios), "fillet": _list(FILLETS), "depth": _list(DEPTHS),
-        "value": _list(value), "error": _list(error, 3),
-    }  # fmt: skip
+        "ratio": _list(ratios),
+        "fillet": _list(FILLETS),
+        "depth": _list(DEPTHS),
+        "value": _list(value),
+        "error": _list(error, 3),
+    }
     rng = np.random.default_rng(SEED)
     low, high = np.log(RATIO_RANGE)
     places = np.exp(rng.uniform(low, high, fresh)), rng.uniform(FILLETS[0], FILLETS[-1], fresh)

@@ -42,9 +42,15 @@ SINGLE_SPEED_MM_S = 50.0
 
 
 def measure(
-    base: str, thickness_mm: float, relative_depth: float, speed_mm_s: float, prony: tuple[PronyTerm, ...],
-    finer: int = 1, rim: float | None = None, deceleration_mm_s2: float = DECELERATION_MM_S2,
-) -> dict[str, Any]:  # fmt: skip
+    base: str,
+    thickness_mm: float,
+    relative_depth: float,
+    speed_mm_s: float,
+    prony: tuple[PronyTerm, ...],
+    finer: int = 1,
+    rim: float | None = None,
+    deceleration_mm_s2: float = DECELERATION_MM_S2,
+) -> dict[str, Any]:
     """Solve one press and hold and return the range of rho and the error of the quick force at its peak.
 
     Parameters
@@ -155,9 +161,11 @@ def build_convergence() -> dict[str, Any]:
 def main() -> None:
     """Measure and write; parts that are not asked for stay as they are."""
     parts: dict[str, Callable[[], Any]] = {
-        "convergence": build_convergence, "single": build_single, "values": build_sets,
+        "convergence": build_convergence,
+        "single": build_single,
+        "values": build_sets,
         "shapes": partial(build_shapes, SETS),
-    }  # fmt: skip
+    }
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--part", action="append", choices=list(parts), help="measure this part only; may be repeated")
     parser.add_argument("--keep", action="store_true", help="keep the file's shapes beside those drawn now")

@@ -61,9 +61,12 @@ def _gather(design: Design, points: Array, store: Path, workers: int, finer: boo
 
 
 def content(
-    design: Design, answers: list[dict[str, Any]], checks: list[dict[str, Any]], finer: list[dict[str, Any]],
+    design: Design,
+    answers: list[dict[str, Any]],
+    checks: list[dict[str, Any]],
+    finer: list[dict[str, Any]],
     twins: list[dict[str, Any]],
-) -> dict[str, Any]:  # fmt: skip
+) -> dict[str, Any]:
     """Fit the response surface, measure its error on fresh solves, and return what goes into the file.
 
     Parameters

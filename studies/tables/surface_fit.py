@@ -10,9 +10,15 @@ Array = np.ndarray
 
 
 def fit(
-    inputs: Array, values: Array, levels: Array, low: Array, high: Array, anchored: bool, reach: Array,
+    inputs: Array,
+    values: Array,
+    levels: Array,
+    low: Array,
+    high: Array,
+    anchored: bool,
+    reach: Array,
     noise: float = 3e-3,
-) -> Response:  # fmt: skip
+) -> Response:
     """Fit a response surface: lengths, scale and scatter, alike for all levels, of the largest marginal likelihood."""
     from scipy.optimize import minimize
 

@@ -83,20 +83,43 @@ def judge(site: str, gamma1: NDArray, arms: dict[str, NDArray], rng: np.random.G
     near = np.exp(rng.uniform(np.log(1.5), np.log(2.5), count))
     pulp = "Pawluk and Howe 1999, J Biomech Eng 121:178: fingerpad 4 ms, 70 ms, 1.4 s"
     rows = [
-        ("peak ratio at 250 mm/s", "peak 2 to 2.75 times the slow force", _RATIO_SOURCE[site],
-         (peaks[1] > low / factor) & (peaks[1] < high * factor)),
-        ("smaller peak at 10 than at 250 mm/s", "forces rise with speed", "Sensors 2017, 17:1190",
-         peaks[0] < peaks[1]),
-        ("slow time near 1.4 s at 10 mm/s", "slowest mode 1.4 s", pulp,
-         (slow[:, 0] > 1.4 / near) & (slow[:, 0] < 1.4 * near)),
-        ("fast time between 4 and 70 ms at 250 mm/s", "fast modes 4 and 70 ms", pulp,
-         (fast[:, 1] > 0.004 * near) & (fast[:, 1] < 0.07 * near)),
-        ("gamma2 below gamma3", "gamma2 is always smaller than gamma3", "paper, section V-A",
-         arms["strength"][:, 0] < arms["strength"][:, 1]),
-        ("c2 above c3", "c2 is always larger than c3", "paper, section V-A",
-         (dampers[..., 0] > dampers[..., 1]).all(axis=1)),
+        (
+            "peak ratio at 250 mm/s",
+            "peak 2 to 2.75 times the slow force",
+            _RATIO_SOURCE[site],
+            (peaks[1] > low / factor) & (peaks[1] < high * factor),
+        ),
+        ("smaller peak at 10 than at 250 mm/s", "forces rise with speed", "Sensors 2017, 17:1190", peaks[0] < peaks[1]),
+        (
+            "slow time near 1.4 s at 10 mm/s",
+            "slowest mode 1.4 s",
+            pulp,
+            (slow[:, 0] > 1.4 / near) & (slow[:, 0] < 1.4 * near),
+        ),
+        (
+            "fast time between 4 and 70 ms at 250 mm/s",
+            "fast modes 4 and 70 ms",
+            pulp,
+            (fast[:, 1] > 0.004 * near) & (fast[:, 1] < 0.07 * near),
+        ),
+        (
+            "gamma2 below gamma3",
+            "gamma2 is always smaller than gamma3",
+            "paper, section V-A",
+            arms["strength"][:, 0] < arms["strength"][:, 1],
+        ),
+        (
+            "c2 above c3",
+            "c2 is always larger than c3",
+            "paper, section V-A",
+            (dampers[..., 0] > dampers[..., 1]).all(axis=1),
+        ),
         ("steady after 10 s", "decreased to a constant value", "paper, section II-C", drift < 0.01),
-        ("rise curved upward", "concavity of the rising phase", "paper, section V-A",
-         (np.array(middle) < 0.5).all(axis=0)),
-    ]  # fmt: skip
+        (
+            "rise curved upward",
+            "concavity of the rising phase",
+            "paper, section V-A",
+            (np.array(middle) < 0.5).all(axis=0),
+        ),
+    ]
     return [Statement(f"{site}: {name}", text, source, holds) for name, text, source, holds in rows]

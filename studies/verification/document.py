@@ -59,15 +59,18 @@ def table_of(checks: Iterable[Check]) -> list[str]:
 def _faults(rows: list[dict[str, Any]]) -> list[str]:
     """How many faults the tests see, and those that they do not, with the reason."""
     lines = [
-        "", "## Faults that the tests see", "",
+        "",
+        "## Faults that the tests see",
+        "",
         "`python -m benchmarks.accuracy.mutation` changes one sign, limit or index in lines drawn at random from core,",
         "pad, loop and design, and runs the default tests that execute the line; rows in",
         "`benchmarks/results/mutation.jsonl`.",
         "Faults that were not run count as open. The tests of the second figure were written for this draw: a new draw",
-        "is better judged by the first.", "",
+        "is better judged by the first.",
+        "",
         "| state | seed | faults | caught | caught with the tests written for those missed | open |",
         "|---|---|---|---|---|---|",
-    ]  # fmt: skip
+    ]
     for state, seed in dict.fromkeys((row["state"], row["seed"]) for row in rows):
         drawn = [row for row in rows if (row["state"], row["seed"]) == (state, seed)]
         first, since = (sum(bool(row.get(key)) for row in drawn) for key in ("caught", "since"))

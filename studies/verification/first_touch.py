@@ -41,9 +41,13 @@ BALLS = (0.5, 1.0, 4.0)
 
 
 def _rows(
-    name: str, pad: Pad | Puck, form: Callable[[np.ndarray], np.ndarray], source: str, fidelity: str = "axisymmetric",
+    name: str,
+    pad: Pad | Puck,
+    form: Callable[[np.ndarray], np.ndarray],
+    source: str,
+    fidelity: str = "axisymmetric",
     deepest: float = DECADES[-1],
-) -> Iterator[Check]:  # fmt: skip
+) -> Iterator[Check]:
     """Force at six decades of depth up to one, as `predict --depth` has it."""
     h = pad.thickness_mm
     depth = deepest * h * 10.0 ** np.arange(-5, 1)
@@ -51,8 +55,14 @@ def _rows(
     for d, exact, force, error in zip(depth, form(depth), curve.force(depth), curve.relative_error(depth)):
         how = "solved" if d >= curve.first_mm * (1.0 - 1e-9) else "first touch"
         shown = how if fidelity != "table" else "table"
-        yield Check(GROUP, f"{name}, d/h {d / h:.1e}, N ({shown}, stated {100.0 * error:.1f} %)", float(exact),
-                    float(force), SHARE, source)  # fmt: skip
+        yield Check(
+            GROUP,
+            f"{name}, d/h {d / h:.1e}, N ({shown}, stated {100.0 * error:.1f} %)",
+            float(exact),
+            float(force),
+            SHARE,
+            source,
+        )
 
 
 def power(factor: float, exponent: float = 1.0) -> Callable[[np.ndarray], np.ndarray]:
@@ -82,14 +92,15 @@ def balls() -> Iterator[Check]:
     for ratio in BALLS:
         deepest = min(0.01, ON_LAYER**2 / ratio)
         pad = ball(10.0 * ratio, 10.0, "frictionless")
-        yield from _rows(f"ball, R/h {ratio:g}, frictionless", pad, layer(10.0 * ratio, 10.0, 1.0), LAYER,
-                         deepest=deepest)  # fmt: skip
+        yield from _rows(
+            f"ball, R/h {ratio:g}, frictionless", pad, layer(10.0 * ratio, 10.0, 1.0), LAYER, deepest=deepest
+        )
     for condition in ("bonded", "friction:0.3"):
-        yield from _rows(f"ball, R/h 1, {condition}", ball(10.0, 10.0, condition), layer(10.0, 10.0, 1.0), LAYER,
-                         deepest=0.01)  # fmt: skip
+        yield from _rows(
+            f"ball, R/h 1, {condition}", ball(10.0, 10.0, condition), layer(10.0, 10.0, 1.0), LAYER, deepest=0.01
+        )
     thick = ball(2.0, 60.0, "frictionless")
-    yield from _rows("ball, R/h 1/30", thick, power(16.0 / 9.0 * np.sqrt(2.0), 1.5), HERTZ,
-                     deepest=SHALLOW_BALL / 30.0)  # fmt: skip
+    yield from _rows("ball, R/h 1/30", thick, power(16.0 / 9.0 * np.sqrt(2.0), 1.5), HERTZ, deepest=SHALLOW_BALL / 30.0)
 
 
 def cones() -> Iterator[Check]:
@@ -98,8 +109,13 @@ def cones() -> Iterator[Check]:
     for angle in (10.0, 20.0):
         steep = np.tan(np.radians(angle))
         pad = Pad(40.0, 1.0, 10.0, condition="frictionless", profile_mm=(tuple(r), tuple(steep * r)))
-        yield from _rows(f"cone, {angle:g} deg", pad, power(8.0 / (3.0 * np.pi * steep), 2.0), CONE,
-                         deepest=ON_HALF_SPACE * 0.5 * np.pi * steep)  # fmt: skip
+        yield from _rows(
+            f"cone, {angle:g} deg",
+            pad,
+            power(8.0 / (3.0 * np.pi * steep), 2.0),
+            CONE,
+            deepest=ON_HALF_SPACE * 0.5 * np.pi * steep,
+        )
 
 
 def crowns() -> Iterator[Check]:
@@ -107,8 +123,14 @@ def crowns() -> Iterator[Check]:
     for radius, h in ((21.2, 10.0), (21.2, 7.0)):
         pad = Pad(h, 1.0, 7.9, geometry=Crowned(radius, 2.0, 9.4))
         for fidelity in ("axisymmetric", "table"):
-            yield from _rows(f"crown, tip radius {radius:g} mm on {h:g} mm", pad, layer(radius, h, 1.0), LAYER,
-                             fidelity, min(0.01, ON_LAYER**2 * h / radius))  # fmt: skip
+            yield from _rows(
+                f"crown, tip radius {radius:g} mm on {h:g} mm",
+                pad,
+                layer(radius, h, 1.0),
+                LAYER,
+                fidelity,
+                min(0.01, ON_LAYER**2 * h / radius),
+            )
 
 
 # kappa of the layer solution by a / h, as in the group "Small depth".
@@ -119,29 +141,38 @@ def flats() -> Iterator[Check]:
     """Flat punches that slide: sharp, and with a fillet, whose flat face is what touches first."""
     for (base, ratio), kappa in KAPPA.items():
         pad = Pad(10.0, 1.0, 10.0 * ratio, base=base, condition="frictionless")
-        yield from _rows(f"flat punch, a/h {ratio:g}, frictionless, base {base}", pad,
-                         power(8.0 / 3.0 * kappa * 10.0 * ratio), HAYES)  # fmt: skip
+        yield from _rows(
+            f"flat punch, a/h {ratio:g}, frictionless, base {base}", pad, power(8.0 / 3.0 * kappa * 10.0 * ratio), HAYES
+        )
     rim = 0.5
     pad = Pad(10.0, 1.0, 10.0 + rim, condition="frictionless", edge_radius_mm=rim)
     # beyond, the contact rolls on to the fillet
-    yield from _rows("flat punch with a fillet, flat face a/h 1, frictionless", pad,
-                     power(8.0 / 3.0 * 3.619 * 10.0), HAYES, deepest=1e-3)  # fmt: skip
+    yield from _rows(
+        "flat punch with a fillet, flat face a/h 1, frictionless",
+        pad,
+        power(8.0 / 3.0 * 3.619 * 10.0),
+        HAYES,
+        deepest=1e-3,
+    )
 
 
 def glued() -> Iterator[Check]:
     """What is glued touches at once: F / d is one number, that of the table where it has one."""
     cases: dict[str, tuple[float, PadShape]] = {
-        "slab": (0.0, Slab()), "slab, fillet 0.8 mm": (0.8, Slab()),
-        "boned": (0.0, read_shape("boned:height=3,radius=7.5")), "layered": (0.0, Layered(4.0, 2.0)),
-    }  # fmt: skip
+        "slab": (0.0, Slab()),
+        "slab, fillet 0.8 mm": (0.8, Slab()),
+        "boned": (0.0, read_shape("boned:height=3,radius=7.5")),
+        "layered": (0.0, Layered(4.0, 2.0)),
+    }
     for name, (rim, shape) in cases.items():
         pad = Pad(10.0, 1.0, 7.9, edge_radius_mm=rim, geometry=shape, extent_mm=PAD_EXTENT_MM)
         table = elastic_curve(pad, "table")
         first = float(table.force(np.array([1e-6]))[0]) / 1e-6
         yield from _rows(f"glued flat punch, {name}", pad, power(first), LINEAR, deepest=2e-3)
     puck = Puck(20.0, 1.0, 30.0)
-    yield from _rows("puck between plates without friction", puck, power(np.pi * 15.0**2 / 20.0), "E A d / h",
-                     deepest=2e-3)  # fmt: skip
+    yield from _rows(
+        "puck between plates without friction", puck, power(np.pi * 15.0**2 / 20.0), "E A d / h", deepest=2e-3
+    )
 
 
 CHECKS = (balls, cones, crowns, flats, glued)

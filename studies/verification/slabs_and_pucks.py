@@ -56,9 +56,13 @@ def uniform_compression() -> Iterator[Check]:
         path = compress(UnitPuck(1.3, "frictionless"), law, np.array([0.5]), corner=0.2)
         expected = np.pi * 1.3**2 * float(stress(np.array(0.5)))
         yield Check(
-            "Uniform compression (patch test)", f"{name}, force at 50 %", expected, float(path.force[0]), 5e-5,
+            "Uniform compression (patch test)",
+            f"{name}, force at 50 %",
+            expected,
+            float(path.force[0]),
+            5e-5,
             "uniaxial closed form",
-        )  # fmt: skip
+        )
 
 
 def bonded_pucks() -> Iterator[Check]:
@@ -78,9 +82,7 @@ def layer_solution() -> Iterator[Check]:
         for ratio, kappa in row.items():
             slab = Case(ratio, ratio + 12.0, "bonded", "frictionless", poisson=poisson)
             value = first_stiffness(slab) * 3.0 * (1 - poisson**2) / (4.0 * (1 + poisson))
-            yield Check(
-                "Small depth", f"kappa, bonded base, a/h {ratio:g}, nu {poisson:g}", kappa, value, 1e-3, HAYES
-            )
+            yield Check("Small depth", f"kappa, bonded base, a/h {ratio:g}, nu {poisson:g}", kappa, value, 1e-3, HAYES)
     for ratio, kappa in {0.2: 1.171, 0.4: 1.385, 1.0: 2.199}.items():
         slab = Case(ratio, ratio + 40.0, "sliding", "frictionless")
         value = first_stiffness(slab) * 3.0 * 0.75 / 6.0
@@ -105,9 +107,15 @@ def orders() -> Iterator[Check]:
     expected = {"displacement (L2)": 3.0, "pressure (L2)": 2.0, "energy, and so force": 4.0}
     for (name, rate), value in zip(expected.items(), rates):
         yield Check(
-            "Convergence orders", name, rate, float(value), 0.2, "biquadratic displacement, linear pressure",
-            absolute=True, one_sided=True,
-        )  # fmt: skip
+            "Convergence orders",
+            name,
+            rate,
+            float(value),
+            0.2,
+            "biquadratic displacement, linear pressure",
+            absolute=True,
+            one_sided=True,
+        )
 
 
 def smooth_errors(cells: int) -> tuple[float, float, float]:
@@ -139,9 +147,9 @@ def smooth_errors(cells: int) -> tuple[float, float, float]:
     load = -np.bincount(mesh.dofs.ravel(), pull.ravel(), minlength=mesh.size)
     u = lift + Pattern([mesh.dofs], np.nonzero(~fixed)[0], mesh.size).solve([tangent.stiffness], load)
     p = solid.pressure_step(tangent, state, u) @ mesh.pressure_basis.T
-    work = 0.5 * float(u @ np.bincount(
-        mesh.dofs.ravel(), (tangent.stiffness @ u[mesh.dofs][:, :, None]).ravel(), minlength=mesh.size
-    ))  # fmt: skip
+    work = 0.5 * float(
+        u @ np.bincount(mesh.dofs.ravel(), (tangent.stiffness @ u[mesh.dofs][:, :, None]).ravel(), minlength=mesh.size)
+    )
     # The quadrature points from the isoparametric values: r from u_r / r, which is linear in the nodes.
     at_r = (mesh.gradient[:, :, 4, 0::2] @ np.ones((9, 1)))[..., 0] ** -1
     shape = mesh.gradient[:, :, 4, 0::2] * at_r[..., None]
@@ -182,9 +190,15 @@ def newton() -> Iterator[Check]:
     last = [residual for residual in found.residuals if residual > 1e-13]
     rates = [np.log(c / b) / np.log(b / a) for a, b, c in zip(last, last[1:], last[2:])]
     yield Check(
-        "Convergence orders", "Newton's method", 2.0, float(max(rates)), 0.3, "exact tangent",
-        absolute=True, one_sided=True,
-    )  # fmt: skip
+        "Convergence orders",
+        "Newton's method",
+        2.0,
+        float(max(rates)),
+        0.3,
+        "exact tangent",
+        absolute=True,
+        one_sided=True,
+    )
 
 
 def relaxation() -> Iterator[Check]:
@@ -203,9 +217,13 @@ def relaxation() -> Iterator[Check]:
     path = follow_motion(puck_problem(bonded, Viscoelastic(NEO, ARMS)), time, small, 1.0)
     expected = relaxed_force(time, puck_problem(bonded, NEO).stiffness() * small, ARMS)
     yield Check(
-        "Relaxation", "small press of a bonded puck, force at its stop", 1.0, float(path.force[5] / expected[5]),
-        2e-4, "linear viscoelasticity: the separable convolution",
-    )  # fmt: skip
+        "Relaxation",
+        "small press of a bonded puck, force at its stop",
+        1.0,
+        float(path.force[5] / expected[5]),
+        2e-4,
+        "linear viscoelasticity: the separable convolution",
+    )
 
 
 def _force(slab: Case, depth: float, rim: float, resolution: Resolution | None = None) -> float:
@@ -225,9 +243,13 @@ def independence() -> Iterator[Check]:
     yield Check("Independence", "cells, against half the cells, rim 0.05, d/h 0.2", fine, coarse, 3e-3, "finer mesh")
     wide, narrow = (_force(Case(0.395, extent), 0.2, 0.05) for extent in (3.785, 3.0))
     yield Check(
-        "Independence", "60 mm instead of 75.7 mm outer radius, 20 mm pad, d/h 0.2", 0.996, narrow / wide, 2e-3,
+        "Independence",
+        "60 mm instead of 75.7 mm outer radius, 20 mm pad, d/h 0.2",
+        0.996,
+        narrow / wide,
+        2e-3,
         "an independent finite-element code: 0.3 to 0.5 % softer",
-    )  # fmt: skip
+    )
     one = solve_curve(Pad(10.0, 0.025, 7.9), [1.0, 2.0]).force_N[-1]
     si = solve_curve(Pad(0.01, 0.025e6, 0.0079, extent_mm=0.0756940), [0.001, 0.002]).force_N[-1]
     yield Check("Independence", "mm and MPa, or m and Pa", float(one), float(si), 1e-4, "units")
@@ -265,9 +287,13 @@ def laws_on_a_pad() -> Iterator[Check]:
         for c2, factor in ((0.05, weak), (0.2, strong)):
             force = _force(replace(slab, law=Yeoh(1.0, c2)), 0.3, 0.05)
             yield Check(
-                "Laws on a slab", f"Yeoh c2/mu {c2:g} over neo-Hookean, {thickness:g} mm, d/h 0.3", factor,
-                force / base, 2e-2, "an independent finite-element code",
-            )  # fmt: skip
+                "Laws on a slab",
+                f"Yeoh c2/mu {c2:g} over neo-Hookean, {thickness:g} mm, d/h 0.3",
+                factor,
+                force / base,
+                2e-2,
+                "an independent finite-element code",
+            )
 
 
 ALL: tuple[tuple[bool, Callable[[], Iterator[Check]]], ...] = (

@@ -75,8 +75,11 @@ def shell(name, script, environment):
 
 
 def test_bash(path):
-    for typed, offered in (("sug", ["suggest"]), ("suggest --tissue fore", ["forefinger"]),
-                           ("predict --condition fric", ["frictionless", "friction:"])):  # fmt: skip
+    for typed, offered in (
+        ("sug", ["suggest"]),
+        ("suggest --tissue fore", ["forefinger"]),
+        ("predict --condition fric", ["frictionless", "friction:"]),
+    ):
         words = f"COMP_WORDS=(dummydesign {typed}); COMP_CWORD=$((${{#COMP_WORDS[@]}} - 1)); _dummydesign"
         script = f'source <(dummydesign completion bash); {words}; printf "%s\\n" "${{COMPREPLY[@]}}"'
         assert shell("bash", ["-c", script], path) == offered

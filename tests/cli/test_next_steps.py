@@ -17,10 +17,17 @@ from dummydesign.design.options import SuggestOptions
 
 DEFAULTS = {one.name: one.default for one in dataclasses.fields(SuggestOptions)}
 ASKED = {
-    "tissue": "my people/Käse hand.toml", "machine": "my printers/large one.toml", "silicone": "tin_a25",
-    "weighing_g": 0.05, "thickness_tolerance_mm": 0.1, "robot_mass_kg": 2.0, "robot_velocity_mm_s": 400.0,
-    "limits": "our limits.toml", "drive": "spring:10,2", "deceleration_mm_s2": 20000.0,
-}  # fmt: skip
+    "tissue": "my people/Käse hand.toml",
+    "machine": "my printers/large one.toml",
+    "silicone": "tin_a25",
+    "weighing_g": 0.05,
+    "thickness_tolerance_mm": 0.1,
+    "robot_mass_kg": 2.0,
+    "robot_velocity_mm_s": 400.0,
+    "limits": "our limits.toml",
+    "drive": "spring:10,2",
+    "deceleration_mm_s2": 20000.0,
+}
 
 
 def suggested(asked):
@@ -62,8 +69,18 @@ def test_details_of_a_loop_without_evidence_have_no_empty_list(ranking):
     number = {"train_rmse_N": 0.1, "heldout_rmse_N": 0.1, "noise_floor_N": 0.1, "lack_of_fit_p": 0.5}
     side = {"error": number, "parameters": {}}
     residual = {"heldout_over_noise_floor": None, "expected_over_noise_floor": None, "unexplained_because": []}
-    result = {"answer": [], "verdict": "none", "residual": residual, "effects": [], "base": side, "after": side,
-              "ranking": ranking, "next_measurement": None, "warnings": [], "files": {}}  # fmt: skip
+    result = {
+        "answer": [],
+        "verdict": "none",
+        "residual": residual,
+        "effects": [],
+        "base": side,
+        "after": side,
+        "ranking": ranking,
+        "next_measurement": None,
+        "warnings": [],
+        "files": {},
+    }
     lines = loop.render_details(result).splitlines()
     assert not lines[-1].endswith(":")
     assert ("sensor_lag" in lines[-1]) == bool(ranking)

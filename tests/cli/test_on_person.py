@@ -116,8 +116,14 @@ def test_bad_input_is_one_line_and_status_2(here, capsys):
     write("no_force.csv", good, columns=(0, 1))
     twice = np.r_[good.displacement_mm, np.linspace(good.displacement_mm[-1], -0.6, 50), good.displacement_mm]
     load = np.r_[good.force_N, np.linspace(good.force_N[-1], 0.0, 50), good.force_N]
-    np.savetxt("twice.csv", np.c_[np.arange(len(twice)) * 1e-3, twice, load], delimiter=",", comments="", fmt="%.6g",
-               header="time_s,displacement_mm,force_N")  # fmt: skip
+    np.savetxt(
+        "twice.csv",
+        np.c_[np.arange(len(twice)) * 1e-3, twice, load],
+        delimiter=",",
+        comments="",
+        fmt="%.6g",
+        header="time_s,displacement_mm,force_N",
+    )
     short = good.time_s < 0.012
     rows = np.c_[good.time_s, good.displacement_mm, good.force_N]
     for name, kept in (("short.csv", rows[short]), ("air.csv", rows * [1, 1, 0] + [0, -3, 0])):
@@ -125,12 +131,25 @@ def test_bad_input_is_one_line_and_status_2(here, capsys):
     tissue = ["--tissue", "palm"]
     names = "metres", "millinewtons", "no_force", "twice", "short", "air", "gone"
     cases = [[f"{name}.csv", *tissue] for name in names]
-    cases += [["v10.csv", *tissue, *more] for more in (
-        ["--drive", "mass:0"], ["--drive", "mass:-1"], ["--drive", "mass:5000"], ["--drive", "spring:0,1"],
-        ["--drive", "spring:20,-1"], ["--drive", "spring:50000,2"], ["--drive", "mass"], ["--drive", "hand"],
-        ["--rate", "0"], ["--rate", "fast"], ["--limits", "gone.toml"], ["--punch", "star:3"], ["--lowpass", "x"],
-        ["--rate", "1e5", "--out", "o"],
-    )] + [["v10.csv", "--tissue", "nobody"]]  # fmt: skip
+    cases += [
+        ["v10.csv", *tissue, *more]
+        for more in (
+            ["--drive", "mass:0"],
+            ["--drive", "mass:-1"],
+            ["--drive", "mass:5000"],
+            ["--drive", "spring:0,1"],
+            ["--drive", "spring:20,-1"],
+            ["--drive", "spring:50000,2"],
+            ["--drive", "mass"],
+            ["--drive", "hand"],
+            ["--rate", "0"],
+            ["--rate", "fast"],
+            ["--limits", "gone.toml"],
+            ["--punch", "star:3"],
+            ["--lowpass", "x"],
+            ["--rate", "1e5", "--out", "o"],
+        )
+    ] + [["v10.csv", "--tissue", "nobody"]]
     for words in cases:
         assert run(["on-person", *words]) == 2, words
         printed = capsys.readouterr()

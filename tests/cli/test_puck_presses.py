@@ -19,8 +19,14 @@ def trace(folder, name, velocity_mm_s, step_s, hold_s=4.0):
     time, x = ramps((0.25,), HEIGHT, velocity_mm_s, hold_s, step_s)
     force = relaxed(time, YOUNG_KPA * frictionless(x / HEIGHT, DIAMETER, 2.0), ARMS)
     force += 0.02 * np.random.default_rng(1).normal(size=len(time))
-    np.savetxt(folder / name, np.column_stack([time, x, force]), delimiter=",", comments="", fmt="%.6g",
-               header="time_s,displacement_mm,force_N")  # fmt: skip
+    np.savetxt(
+        folder / name,
+        np.column_stack([time, x, force]),
+        delimiter=",",
+        comments="",
+        fmt="%.6g",
+        header="time_s,displacement_mm,force_N",
+    )
     return str(folder / name)
 
 

@@ -9,9 +9,17 @@ from tests.support.refusal import raises_code
 
 @pytest.mark.parametrize(
     ("text", "purpose", "value"),
-    [("0.25m/s", VELOCITY, 250.0), ("10 mm/s", VELOCITY, 10.0), ("25kPa", YOUNG, 25.0), ("0.025MPa", YOUNG, 25.0),
-     ("0.25mm/s", VELOCITY, 0.25), ("5", FORCE, 5.0), (7.5, FORCE, 7.5), ("0.01kN", FORCE, 10.0)],
-)  # fmt: skip
+    [
+        ("0.25m/s", VELOCITY, 250.0),
+        ("10 mm/s", VELOCITY, 10.0),
+        ("25kPa", YOUNG, 25.0),
+        ("0.025MPa", YOUNG, 25.0),
+        ("0.25mm/s", VELOCITY, 0.25),
+        ("5", FORCE, 5.0),
+        (7.5, FORCE, 7.5),
+        ("0.01kN", FORCE, 10.0),
+    ],
+)
 def test_a_number_with_a_unit_means_what_it_says(text, purpose, value):
     assert read_number(text, purpose) == pytest.approx(value, rel=1e-12)
 
@@ -22,9 +30,10 @@ def test_every_unit_reads_back_its_own_size(unit):
         assert read_number(f"3{name}", Purpose("x", unit, (0.0, 1e9))) == pytest.approx(3.0 * size)
 
 
-@pytest.mark.parametrize(("value", "purpose", "code"), [(0.25, VELOCITY, "implausible_unit"),
-                                                         ("0.025", YOUNG, "implausible_unit"),
-                                                         (25000.0, YOUNG, "implausible_unit")])  # fmt: skip
+@pytest.mark.parametrize(
+    ("value", "purpose", "code"),
+    [(0.25, VELOCITY, "implausible_unit"), ("0.025", YOUNG, "implausible_unit"), (25000.0, YOUNG, "implausible_unit")],
+)
 def test_a_bare_number_off_by_a_thousand_is_refused_with_the_likely_unit(value, purpose, code):
     with raises_code(code):
         read_number(value, purpose)

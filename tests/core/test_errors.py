@@ -48,9 +48,13 @@ def test_a_fault_keeps_its_code_and_quantity_in_the_place_it_was_found_at_and_th
 
 @pytest.mark.parametrize(
     ("words", "name"),
-    [("thickness in mm", "thickness_mm"), ("--robot-mass", "robot_mass"), ("velocity in mm/s", "velocity_mm_s"),
-     ("Young's modulus in kPa", "young_kPa")],
-)  # fmt: skip
+    [
+        ("thickness in mm", "thickness_mm"),
+        ("--robot-mass", "robot_mass"),
+        ("velocity in mm/s", "velocity_mm_s"),
+        ("Young's modulus in kPa", "young_kPa"),
+    ],
+)
 def test_words_of_a_message_become_a_name_with_its_unit(words, name):
     assert quantity_name(words) == name
 

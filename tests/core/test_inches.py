@@ -60,9 +60,7 @@ def test_a_sheet_in_inches_has_the_numbers_of_the_one_in_millimetres(tmp_path, a
     assert cells["in"][0][1:5] == ["pad in", "in/s", "steady force lbf", "depth in (95 %)"]
     assert len(cells["mm"][1]) > 10
     np.testing.assert_allclose(cells["in"][1] * [25.4, 25.4, 4.4482216, 25.4], cells["mm"][1], rtol=6e-3)
-    assert (tmp_path / "in" / "campaign.toml").read_text() == (
-        (tmp_path / "mm" / "campaign.toml").read_text()
-    )
+    assert (tmp_path / "in" / "campaign.toml").read_text() == ((tmp_path / "mm" / "campaign.toml").read_text())
 
 
 @pytest.fixture

@@ -23,14 +23,26 @@ READERS = {
     "slab-compressibility.json": (compressibility.load_compressibility, compressibility.COMMAND),
 }
 CACHED = (
-    slab.load_table, square.load_square, filleted.load_filleted, shape.load_shape_table, puck.load_puck_table,
+    slab.load_table,
+    square.load_square,
+    filleted.load_filleted,
+    shape.load_shape_table,
+    puck.load_puck_table,
     puck.load_shapes,
-    separability.load_quick_error, compressibility.load_compressibility,
-)  # fmt: skip
+    separability.load_quick_error,
+    compressibility.load_compressibility,
+)
 DAMAGED = (
-    "", "{ torn", "[]", "3", '"text"', "null", "{}", "\xff",
+    "",
+    "{ torn",
+    "[]",
+    "3",
+    '"text"',
+    "null",
+    "{}",
+    "\xff",
     '{"single": 1, "shapes": 2, "surface": [], "base": 1}',
-)  # fmt: skip
+)
 
 
 @pytest.fixture

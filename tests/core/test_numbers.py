@@ -85,10 +85,17 @@ def test_a_number_at_the_end_of_its_range_is_allowed():
 
 @pytest.mark.parametrize(
     ("text", "values"),
-    [("3:5:0.5", [3.0, 3.5, 4.0, 4.5, 5.0]), ("3:5:0.75", [3.0, 3.75, 4.5]), ("2:2:1", [2.0]),
-     ("0:1:0.1", [0.1 * k for k in range(11)]), ("1,5, 2.5", [1.0, 5.0, 2.5]), ("-1:1:1", [-1.0, 0.0, 1.0]),
-     ("1e3:2e3:500", [1000.0, 1500.0, 2000.0]), ("5mm,1cm", [5.0, 10.0])],
-)  # fmt: skip
+    [
+        ("3:5:0.5", [3.0, 3.5, 4.0, 4.5, 5.0]),
+        ("3:5:0.75", [3.0, 3.75, 4.5]),
+        ("2:2:1", [2.0]),
+        ("0:1:0.1", [0.1 * k for k in range(11)]),
+        ("1,5, 2.5", [1.0, 5.0, 2.5]),
+        ("-1:1:1", [-1.0, 0.0, 1.0]),
+        ("1e3:2e3:500", [1000.0, 1500.0, 2000.0]),
+        ("5mm,1cm", [5.0, 10.0]),
+    ],
+)
 def test_a_range_has_its_ends_and_steps(text, values):
     found = parse_values(text, "thickness in mm")
     assert found == pytest.approx(values, abs=1e-15) and found[-1] == pytest.approx(values[-1], abs=0.0)

@@ -20,10 +20,17 @@ class Press:
 
     name: str = option(MISSING, "name", "NAME", "what it is called")
     hold_s: float = option(10.0, "hold", "S", "hold", read=partial(read_number, purpose=HOLD))
-    speeds_mm_s: tuple[float, ...] = option((10.0, 250.0), "speed", "V,V", lambda: "speeds", argument="velocity_mm_s",
-        read=partial(read_numbers, purpose=VELOCITY))  # fmt: skip
-    limits: tuple[float, float] | None = option(None, "limits", "MIN:MAX", "limits", between=":",
-        read=partial(parse_limits, quantity="limits"))  # fmt: skip
+    speeds_mm_s: tuple[float, ...] = option(
+        (10.0, 250.0),
+        "speed",
+        "V,V",
+        lambda: "speeds",
+        argument="velocity_mm_s",
+        read=partial(read_numbers, purpose=VELOCITY),
+    )
+    limits: tuple[float, float] | None = option(
+        None, "limits", "MIN:MAX", "limits", between=":", read=partial(parse_limits, quantity="limits")
+    )
     quick: bool = option(True, "slow", "", "take time")
 
 
@@ -34,8 +41,13 @@ def parsed(*words: str) -> argparse.Namespace:
 
 
 def test_options_are_declared_by_their_flags_with_the_defaults_of_the_table():
-    assert vars(parsed("--name", "a")) == {"quick": True, "name": "a", "hold": 10.0, "speed": (10.0, 250.0),
-                                           "limits": None}  # fmt: skip
+    assert vars(parsed("--name", "a")) == {
+        "quick": True,
+        "name": "a",
+        "hold": 10.0,
+        "speed": (10.0, 250.0),
+        "limits": None,
+    }
     assert parsed("--name", "a", "--slow").quick is False
     with pytest.raises((SystemExit, argparse.ArgumentError)):
         parsed("--hold", "3")
@@ -62,8 +74,9 @@ def test_a_request_of_suggest_is_typed_as_it_was_read():
     parser = argparse.ArgumentParser()
     add_options(parser, SuggestOptions, ("force_N", "pad_mm", "thickness_mm", "sites", "weighing_g"))
     typed = vars(parser.parse_args(words.split()))
-    asked = Request("palm", force_N=(2.0, 6.0), pad_mm=(100.0, 80.0), thickness_mm=(4.0, 9.0), sites=(2, 1),
-                    weighing_g=0.05)  # fmt: skip
+    asked = Request(
+        "palm", force_N=(2.0, 6.0), pad_mm=(100.0, 80.0), thickness_mm=(4.0, 9.0), sites=(2, 1), weighing_g=0.05
+    )
     assert typed["pad"] == "100x80"
     assert command_words(Request, asked.to_dict(), ("force_N", "pad_mm", "thickness_mm", "sites", "weighing_g")) == (
         f" {words}"

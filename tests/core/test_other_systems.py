@@ -110,8 +110,11 @@ def test_the_user_s_folder_is_the_platform_s_where_none_is_named(monkeypatch, tm
     monkeypatch.setattr(Path, "home", classmethod(lambda cls: tmp_path))
     for name in ("XDG_DATA_HOME", "LOCALAPPDATA"):
         monkeypatch.delenv(name, raising=False)
-    places = {"linux": tmp_path / ".local" / "share", "win32": tmp_path,
-              "darwin": tmp_path / "Library" / "Application Support"}  # fmt: skip
+    places = {
+        "linux": tmp_path / ".local" / "share",
+        "win32": tmp_path,
+        "darwin": tmp_path / "Library" / "Application Support",
+    }
     for platform, place in places.items():
         monkeypatch.setattr("sys.platform", platform)
         assert library.user_folder() == place / "dummydesign"

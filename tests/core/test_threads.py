@@ -31,7 +31,9 @@ def threads():
     return [one["num_threads"] for one in threadpool_info() if one["user_api"] == "blas"]
 """
 
-SOLVE = COUNT + """
+SOLVE = (
+    COUNT
+    + """
 import numpy
 from dummydesign.core.process import reporting_depths
 from dummydesign.pad.spatial.square_punch import Block, Cells, solve_ratios
@@ -43,8 +45,11 @@ forces = [number.hex() for name in vars(found) for number in numpy.ravel(vars(fo
           and isinstance(number, float)]
 print(json.dumps({"before": before, "seen": seen, "after": threads(), "forces": forces}))
 """
+)
 
-COMMAND = COUNT + """
+COMMAND = (
+    COUNT
+    + """
 from dummydesign import cli
 from dummydesign.cli.commands import tissues
 
@@ -57,6 +62,7 @@ sys.argv = ["dummydesign", "tissues", "list", "--json"]
 assert "numpy" not in sys.modules
 cli.main()
 """
+)
 
 
 def limits() -> list[int]:

@@ -30,8 +30,15 @@ def calibration(tmp_path):
     def written(punch=None):
         base = BaseParameters(YOUNG_MPA, (0.05, 1.2), (0.3, 0.2))
         model = Model(base, (), np.array([THICKNESS_MM]), np.array([[0.1], [0.0], [0.0]]))
-        pad = {"young_kPa_expected": 30.0, "resin": None, "ratio": 15.0, "base": "bonded", "shape": "slab",
-               "contact": "bonded", **({} if punch is None else {"punch": punch})}  # fmt: skip
+        pad = {
+            "young_kPa_expected": 30.0,
+            "resin": None,
+            "ratio": 15.0,
+            "base": "bonded",
+            "shape": "slab",
+            "contact": "bonded",
+            **({} if punch is None else {"punch": punch}),
+        }
         return str(write_calibration(Calibration(model, model, "none", {}, 0.0, pad), tmp_path / "c.json"))
 
     return written
@@ -77,10 +84,14 @@ def test_a_fillet_is_designed_for_with_the_table_of_that_fillet_and_the_law_of_a
         assert any(one["code"] == "calibration_punch" for one in made.calibrated.warnings) == warned
 
 
-@pytest.mark.parametrize("punch, more, code", [
-    ("ball:20", {}, "not_applicable"),
-    ("square:14", {"base": "sliding"}, "not_applicable"), ("square:14", {"pad_mm": (40.0, 40.0)}, "not_applicable"),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    "punch, more, code",
+    [
+        ("ball:20", {}, "not_applicable"),
+        ("square:14", {"base": "sliding"}, "not_applicable"),
+        ("square:14", {"pad_mm": (40.0, 40.0)}, "not_applicable"),
+    ],
+)
 def test_what_a_calibration_cannot_correct_is_refused_with_the_way_out(calibration, punch, more, code):
     with raises_code(code) as problem:
         _resolved(calibration("square:14"), punch, **more)

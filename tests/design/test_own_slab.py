@@ -17,9 +17,7 @@ def pad(**more):
 
 def test_between_solved_thicknesses_a_factor_that_is_a_power_law_is_exact():
     share = np.geomspace(0.03, 0.6, 6)
-    solved = tuple(
-        Solved(h, share, 0.3 * np.log(h) + 0.1 * np.log(share), np.full(6, 0.01)) for h in (4.0, 8.0, 20.0)
-    )
+    solved = tuple(Solved(h, share, 0.3 * np.log(h) + 0.1 * np.log(share), np.full(6, 0.01)) for h in (4.0, 8.0, 20.0))
     table = load_table("bonded")
     law = OwnSlabLaw(table, solved, 0.0)
     depth, h = np.array([0.2, 1.0, 3.0]), np.array([5.0, 11.0, 17.0])

@@ -109,19 +109,28 @@ def test_one_force_and_one_speed_are_a_test():
 
 @pytest.mark.parametrize(
     ("given", "code"),
-    [({"pad_mm": (15.0, 15.0)}, "out_of_range"), ({"force_N": (400.0,)}, "out_of_range"),
-     ({"velocity_mm_s": (0.0,)}, "out_of_range"), ({"hold_s": -1.0}, "out_of_range"),
-     ({"punch": "plate"}, "not_applicable"), ({"base": "loose"}, "unknown_name"),
-     ({"edge_radius_mm": 5.0}, "out_of_range"), ({"punch": "round:150"}, "out_of_range"),
-     ({"punch": "round:40", "thickness_mm": (3.0, 4.0), "pad_mm": (150.0, 120.0)}, "out_of_range"),
-     ({"machine": "nowhere"}, "unknown_name"), ({"silicone": "none-such"}, "unknown_name"),
-     ({"preset": "shut"}, "unknown_name"),
-     ({"punch": "round:20", "shape": "bumped"}, "unsupported"),
-     ({"punch": "ball:20", "shape": "crowned"}, "unsupported"), ({"condition": "glue"}, "unknown_name"),
-     ({"condition": "frictionless"}, "unsupported"), ({"condition": "friction:0"}, "unsupported"),
-     ({"condition": "friction:0.3", "shape": "crowned"}, "unsupported"),
-     ({"condition": "friction:0.3", "edge_radius_mm": 0.5, "base": "friction:0.3"}, "unsupported")],
-)  # fmt: skip
+    [
+        ({"pad_mm": (15.0, 15.0)}, "out_of_range"),
+        ({"force_N": (400.0,)}, "out_of_range"),
+        ({"velocity_mm_s": (0.0,)}, "out_of_range"),
+        ({"hold_s": -1.0}, "out_of_range"),
+        ({"punch": "plate"}, "not_applicable"),
+        ({"base": "loose"}, "unknown_name"),
+        ({"edge_radius_mm": 5.0}, "out_of_range"),
+        ({"punch": "round:150"}, "out_of_range"),
+        ({"punch": "round:40", "thickness_mm": (3.0, 4.0), "pad_mm": (150.0, 120.0)}, "out_of_range"),
+        ({"machine": "nowhere"}, "unknown_name"),
+        ({"silicone": "none-such"}, "unknown_name"),
+        ({"preset": "shut"}, "unknown_name"),
+        ({"punch": "round:20", "shape": "bumped"}, "unsupported"),
+        ({"punch": "ball:20", "shape": "crowned"}, "unsupported"),
+        ({"condition": "glue"}, "unknown_name"),
+        ({"condition": "frictionless"}, "unsupported"),
+        ({"condition": "friction:0"}, "unsupported"),
+        ({"condition": "friction:0.3", "shape": "crowned"}, "unsupported"),
+        ({"condition": "friction:0.3", "edge_radius_mm": 0.5, "base": "friction:0.3"}, "unsupported"),
+    ],
+)
 def test_what_cannot_be_pressed_is_refused_before_the_work_in_one_line(given, code):
     with raises_code(code) as caught:
         suggest(Request(FINGER, verify=False, **({"shape": "slab"} | given)))
@@ -148,9 +157,11 @@ def test_kinds_that_are_refused_for_the_same_reason_are_warned_of_in_one_line():
         return ShapeComparison(kind, None, None, None, None, reason)
 
     compared = (
-        beside("crowned", "crowned pads need glue"), beside("boned", "boned pads need glue"),
-        beside("layered", "nothing reaches 10 N"), beside("bumped", "bumped pads are tabulated on 14 mm"),
-    )  # fmt: skip
+        beside("crowned", "crowned pads need glue"),
+        beside("boned", "boned pads need glue"),
+        beside("layered", "nothing reaches 10 N"),
+        beside("bumped", "bumped pads are tabulated on 14 mm"),
+    )
     wanted = ["crowned, boned pads need glue", "nothing reaches 10 N", "bumped pads are tabulated on 14 mm"]
     assert _reasons(compared) == wanted
 
@@ -206,8 +217,10 @@ def test_measured_people_are_known_as_far_as_they_were_pressed_and_a_fit_of_ones
     from dummydesign.tissue.model.measured_curves import SHARES, HeldPress, MeasuredPerson
 
     def person(*steady):
-        held = [HeldPress(10.0, force, force * SHARES, np.array([0.0, 10.0]), np.array([2.0, 1.0]) * force)
-                for force in steady]  # fmt: skip
+        held = [
+            HeldPress(10.0, force, force * SHARES, np.array([0.0, 10.0]), np.array([2.0, 1.0]) * force)
+            for force in steady
+        ]
         return MeasuredPerson(held)
 
     finger = load_tissue(FINGER)

@@ -46,8 +46,12 @@ def pressed_candidate(depths=(1.0, np.nan)):
 
 
 def test_conditions_of_a_design_are_its_own_and_one_out_of_reach_says_why():
-    bands = [SimpleNamespace(steady_force_N=force, velocity_mm_s=10.0, range=SimpleNamespace(
-        peak_low_N=8.0, peak_high_N=12.0)) for force in (5.0, 15.0)]  # fmt: skip
+    bands = [
+        SimpleNamespace(
+            steady_force_N=force, velocity_mm_s=10.0, range=SimpleNamespace(peak_low_N=8.0, peak_high_N=12.0)
+        )
+        for force in (5.0, 15.0)
+    ]
     rows = condition_rows(pressed_candidate(), SimpleNamespace(conditions=bands), SimpleNamespace(bone_height_mm=4.0))
     first, last = rows
     assert first["depth_over_thickness"] == pytest.approx(1.0 / 12.0)
@@ -67,7 +71,8 @@ def test_small_forces_are_shares_of_the_lowest_at_their_own_depths():
         assert 0.0 < row["force_N"] <= 5.0
         assert row["depth_mm"] == pytest.approx(2.0 * row["force_N"], rel=0.1)
         assert (row["tissue_depth_low_mm"], row["tissue_depth_high_mm"]) == pytest.approx(
-            (0.5 * row["force_N"], 3.0 * row["force_N"]))  # fmt: skip
+            (0.5 * row["force_N"], 3.0 * row["force_N"])
+        )
 
 
 def test_a_verification_is_the_largest_difference_at_the_same_depths(monkeypatch):
@@ -89,8 +94,9 @@ def test_a_verification_is_the_largest_difference_at_the_same_depths(monkeypatch
     monkeypatch.setattr(elastic_force, "solve_points", fails)
     assert verify_design(None, [1.0], [1.0]).max_difference_percent is None
     table = SimpleNamespace(force=lambda d, h, young, radius: 2.0 * d, shape=SimpleNamespace(fidelity="axisymmetric"))
-    law = SimpleNamespace(table=table, depth_mm=np.array([1.0, 2.0]), thickness_mm=10.0,
-                          log_factor=np.log([0.9, 1.05]), end="")  # fmt: skip
+    law = SimpleNamespace(
+        table=table, depth_mm=np.array([1.0, 2.0]), thickness_mm=10.0, log_factor=np.log([0.9, 1.05]), end=""
+    )
     own = of_shape(law, 0.03, 7.9)
     assert own.max_difference_percent == pytest.approx(10.0) and own.solved_force_N == pytest.approx((1.8, 4.2))
 
@@ -115,8 +121,11 @@ def test_only_slow_depths_that_the_circle_reaches_are_verified(monkeypatch):
     from dummydesign.geometry.shapes.slab import Slab
 
     chosen = SimpleNamespace(cast=None, shape=Slab())
-    space = SimpleNamespace(resin=SimpleNamespace(young_MPa=lambda ratio: 0.5), radius_mm=7.9,
-                            targets=SimpleNamespace(protocol=PAPER, limits=verdict_limits()))  # fmt: skip
+    space = SimpleNamespace(
+        resin=SimpleNamespace(young_MPa=lambda ratio: 0.5),
+        radius_mm=7.9,
+        targets=SimpleNamespace(protocol=PAPER, limits=verdict_limits()),
+    )
     suggest._verify(chosen, best, SimpleNamespace(space=space, request=None, punch=None))
     pad, depths, forces = asked[0]
     assert pad == (10.0, 0.5)
@@ -146,9 +155,11 @@ def test_the_way_a_punch_may_be_moved_is_to_the_side_of_the_contact():
 
 def trace(force, time, contact_s=0.0, stop_s=1.0, x=None):
     inside = np.ones(len(time), bool)
-    return SimpleNamespace(trace=SimpleNamespace(force_N=force, time_s=time, displacement_mm=time if x is None else x),
-                           inside=inside, ramp=SimpleNamespace(contact_time_s=contact_s, stop_time_s=stop_s,
-                                                               hold_end_s=time[-1], overshoot_mm=0.0))  # fmt: skip
+    return SimpleNamespace(
+        trace=SimpleNamespace(force_N=force, time_s=time, displacement_mm=time if x is None else x),
+        inside=inside,
+        ramp=SimpleNamespace(contact_time_s=contact_s, stop_time_s=stop_s, hold_end_s=time[-1], overshoot_mm=0.0),
+    )
 
 
 def test_a_peak_is_that_of_a_parabola_and_noise_does_not_raise_it():
@@ -205,10 +216,16 @@ def test_readings_of_repeats_are_averaged_and_their_scatter_is_over_the_lowest_s
 @pytest.mark.parametrize(("kind", "factor"), [("measured", 1.15), ("fitted", 1.5)])
 def test_speeds_far_from_those_of_the_subjects_are_named(monkeypatch, kind, factor):
     monkeypatch.setattr(warnings, "law_named", lambda law: SimpleNamespace(fitted=True))
-    for speed, far in ((10.0 * factor * 0.99, False), (10.0 * factor * 1.01, True), (10.0 / factor * 1.01, False),
-                       (10.0 / factor * 0.99, True), (250.0, False)):  # fmt: skip
-        tissue = SimpleNamespace(notice=None, measured=kind == "measured", velocities_mm_s=(10.0, 250.0), name="t",
-                                 law="")  # fmt: skip
+    for speed, far in (
+        (10.0 * factor * 0.99, False),
+        (10.0 * factor * 1.01, True),
+        (10.0 / factor * 1.01, False),
+        (10.0 / factor * 0.99, True),
+        (250.0, False),
+    ):
+        tissue = SimpleNamespace(
+            notice=None, measured=kind == "measured", velocities_mm_s=(10.0, 250.0), name="t", law=""
+        )
         space = SimpleNamespace(targets=SimpleNamespace(conditions=[SimpleNamespace(velocity_mm_s=speed)]))
         told = warnings._of_speeds(space, tissue)
         assert bool(told) is far
@@ -246,8 +263,12 @@ def test_forces_out_of_reach_and_a_stiff_start_are_named():
 
 def test_designs_at_an_end_of_the_range_are_named():
     assert warnings._edges(chosen_of()[1], SPACE) == []
-    for thickness, ratio, named in ((8.0, 15.0, "thickness"), (12.0, 15.0, "thickness"), (10.0, 14.0, "ratio"),
-                                    (10.0, 16.0, "ratio")):  # fmt: skip
+    for thickness, ratio, named in (
+        (8.0, 15.0, "thickness"),
+        (12.0, 15.0, "thickness"),
+        (10.0, 14.0, "ratio"),
+        (10.0, 16.0, "ratio"),
+    ):
         ((code, text),) = warnings._edges(chosen_of(thickness=thickness, ratio=ratio)[1], SPACE)
         assert code == "at_edge" and named in text
     single = SimpleNamespace(thickness_mm=np.array([10.0]), ratio=np.array([15.0]), resin=RESIN)
@@ -255,12 +276,19 @@ def test_designs_at_an_end_of_the_range_are_named():
 
 
 def test_kinds_without_a_design_share_a_line_where_they_share_the_reason():
-    rows = [SimpleNamespace(kind=kind, reason=reason) for kind, reason in (
-        ("boned", "boned pads are designed on a glued base only"),
-        ("layered", "layered pads are designed on a glued base only"),
-        ("crowned", "no crowned pad reaches"), ("slab", ""))]  # fmt: skip
+    rows = [
+        SimpleNamespace(kind=kind, reason=reason)
+        for kind, reason in (
+            ("boned", "boned pads are designed on a glued base only"),
+            ("layered", "layered pads are designed on a glued base only"),
+            ("crowned", "no crowned pad reaches"),
+            ("slab", ""),
+        )
+    ]
     assert warnings._reasons(rows) == [
-        "boned, layered pads are designed on a glued base only", "no crowned pad reaches"]  # fmt: skip
+        "boned, layered pads are designed on a glued base only",
+        "no crowned pad reaches",
+    ]
 
 
 def warned(monkeypatch, off=None, share=0.9, people=3, judged=(5.0, 10.0, 15.0), plain=True, verify=True):
@@ -272,8 +300,9 @@ def warned(monkeypatch, off=None, share=0.9, people=3, judged=(5.0, 10.0, 15.0),
     pour = SimpleNamespace(yield_fraction=share, making_only_fraction=1.0, judged_at_N=judged)
     verification = SimpleNamespace(max_difference_percent=off, notes=("n",))
     tissue = SimpleNamespace(subjects=range(people), name="t")
-    return [code for code, _ in warnings.design_warnings(chosen, best, (), space, tissue, pour, verification,
-                                                           None, verify)]
+    return [
+        code for code, _ in warnings.design_warnings(chosen, best, (), space, tissue, pour, verification, None, verify)
+    ]
 
 
 def test_warnings_of_a_design_begin_where_their_limits_are(monkeypatch):
@@ -288,9 +317,12 @@ def test_warnings_of_a_design_begin_where_their_limits_are(monkeypatch):
 
 @pytest.mark.parametrize(
     ("short", "over", "level", "first"),
-    [(1.3, 1.2, "not_representative", "below"), (1.2, 1.3, "not_representative", "above"),
-     (1.2, 1.3, "usable_with_correction", "below")],
-)  # fmt: skip
+    [
+        (1.3, 1.2, "not_representative", "below"),
+        (1.2, 1.3, "not_representative", "above"),
+        (1.2, 1.3, "usable_with_correction", "below"),
+    ],
+)
 def test_what_is_farther_off_comes_first_where_a_pad_is_not_representative(short, over, level, first):
     readings = away(short, over)
     text = _reading_words(deviations(ranges(), readings), readings, level)
@@ -324,9 +356,15 @@ def test_shares_are_rounded_so_that_they_keep_their_sum():
 def test_numbers_of_a_test_are_refused_beyond_their_ends():
     check_numbers((0.05, 300.0), (0.1, 5000.0), 3600.0)
     check_numbers(tuple(np.linspace(1.0, 8.0, 8)), None, 0.05)
-    for force, speed, hold in (((0.049,), None, None), ((301.0,), None, None), (None, (0.09,), None),
-                               (None, (5001.0,), None), (None, None, 0.049), (None, None, 3601.0),
-                               ((np.nan,), None, None)):  # fmt: skip
+    for force, speed, hold in (
+        ((0.049,), None, None),
+        ((301.0,), None, None),
+        (None, (0.09,), None),
+        (None, (5001.0,), None),
+        (None, None, 0.049),
+        (None, None, 3601.0),
+        ((np.nan,), None, None),
+    ):
         with raises_code("out_of_range"):
             check_numbers(force, speed, hold)
     with raises_code("too_large"):
@@ -351,8 +389,11 @@ def test_errors_of_making_are_read_to_two_grams_and_two_millimetres():
         with raises_code("out_of_range"):
             options(**given)
     assert LARGEST_ERROR <= 2.0
-    words = command_words(SuggestOptions, vars(options(force_N="5,10", pad="60x50", balance_g=0.5)),
-                          ["force_N", "pad_mm", "weighing_g", "hold_s"])  # fmt: skip
+    words = command_words(
+        SuggestOptions,
+        vars(options(force_N="5,10", pad="60x50", balance_g=0.5)),
+        ["force_N", "pad_mm", "weighing_g", "hold_s"],
+    )
     assert words == " --force 5,10 --pad 60x50 --balance 0.5"
 
 
@@ -395,8 +436,12 @@ def test_limits_bind_where_a_design_lies_at_them():
 
 
 def answer(**inputs):
-    return {"inputs": inputs, "verdict": {"limits": inputs.pop("limits", None)}, "files_read": inputs.pop("files", []),
-            "version": inputs.pop("version", "1")}  # fmt: skip
+    return {
+        "inputs": inputs,
+        "verdict": {"limits": inputs.pop("limits", None)},
+        "files_read": inputs.pop("files", []),
+        "version": inputs.pop("version", "1"),
+    }
 
 
 def test_designs_that_answer_other_questions_or_read_other_files_say_so():
@@ -434,7 +479,11 @@ def test_a_mould_that_fails_leaves_the_recipe_and_says_what_to_type(monkeypatch)
     request = SimpleNamespace(resin="r", pad_mm=(60.0, 50.0), preset="lidded")
     problem = SimpleNamespace(mould=lambda best, shape: None)
     with pytest.raises(NoAnswerError) as caught:
-        suggestion.make_mould(SimpleNamespace(best=SimpleNamespace(thickness_mm=9.0, ratio=15.5), request=request,
-                                              problem=problem, shape="slab"), None)  # fmt: skip
+        suggestion.make_mould(
+            SimpleNamespace(
+                best=SimpleNamespace(thickness_mm=9.0, ratio=15.5), request=request, problem=problem, shape="slab"
+            ),
+            None,
+        )
     words = "--thickness 9 --resin r --ratio 15.5 --shape slab --length 60 --width 50 --preset lidded"
     assert words in str(caught.value)

@@ -68,8 +68,22 @@ def test_the_problem_names_the_files_that_decide(own_folder):
     assert own.space.targets.limits.origin == "user"
 
 
-SUGGEST = ["suggest", "--tissue", "forefinger", "--shape", "slab", "--thickness", "5:5.5", "--ratio", "15:15.4",
-           "--no-verify", "--no-cad", "--out", "s1", "--json"]  # fmt: skip
+SUGGEST = [
+    "suggest",
+    "--tissue",
+    "forefinger",
+    "--shape",
+    "slab",
+    "--thickness",
+    "5:5.5",
+    "--ratio",
+    "15:15.4",
+    "--no-verify",
+    "--no-cad",
+    "--out",
+    "s1",
+    "--json",
+]
 
 
 def asked(capsys, words):
@@ -78,11 +92,14 @@ def asked(capsys, words):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("name", "old", "new"), [
-    ("materials/verdict.toml", "[usable.over]\nvalue = 1.25", "[usable.over]\nvalue = 1.45"),
-    ("materials/puck.toml", "value = 0.043", "value = 0.06"),
-    ("materials/making.toml", "low = -0.05", "low = -0.06"),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("name", "old", "new"),
+    [
+        ("materials/verdict.toml", "[usable.over]\nvalue = 1.25", "[usable.over]\nvalue = 1.45"),
+        ("materials/puck.toml", "value = 0.043", "value = 0.06"),
+        ("materials/making.toml", "low = -0.05", "low = -0.06"),
+    ],
+)
 def test_an_answer_under_other_limits_goes_into_a_folder_of_its_own_and_names_them(
     own_folder, capsys, tmp_path, monkeypatch, name, old, new
 ):
@@ -92,8 +109,13 @@ def test_an_answer_under_other_limits_goes_into_a_folder_of_its_own_and_names_th
     second = asked(capsys, SUGGEST)
     folders = sorted(one.name for one in tmp_path.iterdir() if (one / "manifest.json").exists())
     assert len(folders) == 2, "the first answer is kept"
-    read = [{entry["name"]: entry["sha256"] for entry in json.loads((tmp_path / one / "manifest.json").read_text())[
-        "files_read"]} for one in folders]  # fmt: skip
+    read = [
+        {
+            entry["name"]: entry["sha256"]
+            for entry in json.loads((tmp_path / one / "manifest.json").read_text())["files_read"]
+        }
+        for one in folders
+    ]
     key = name.removesuffix(".toml")
     assert all(key in one for one in read) and read[0][key] != read[1][key] and path.exists()
     if key == "materials/verdict":
@@ -136,8 +158,15 @@ def mould(tmp_path, monkeypatch):
 
     def make(name="m", thickness_mm=4.5, shape=CROWN, resin=RESIN, ratio=15.4, size=(120.0, 100.0), **more):
         made = read_shape(shape)
-        spec = mould_spec(thickness_mm, *size, resin=load_resin(resin), ratio=ratio, kind=made.name,
-                          parameters=made.parameters, **more)  # fmt: skip
+        spec = mould_spec(
+            thickness_mm,
+            *size,
+            resin=load_resin(resin),
+            ratio=ratio,
+            kind=made.name,
+            parameters=made.parameters,
+            **more,
+        )
         (tmp_path / name).mkdir(parents=True)
         (tmp_path / name / "spec.json").write_text(json.dumps({"spec": spec.to_dict(), "hash": spec.hash}))
         return name
@@ -166,10 +195,12 @@ def test_the_ratio_for_a_mould_follows_the_resin_and_its_modulus_does_not(mould,
     resin = load_resin(RESIN)
     old = resin.numbers["young_ref_kPa"]
     stiff = Quantity(2.0 * old.value, 2.0 * old.low, 2.0 * old.high, "measured", "made for this test")
-    path = save_resin(replace(resin, name="stiff", numbers={**resin.numbers, "young_ref_kPa": stiff}),
-                      tmp_path / "stiff.toml")  # fmt: skip
-    found = [design(read_problem(Request("forefinger", mould="m", resin=name, verify=False)))
-             for name in (RESIN, str(path))]  # fmt: skip
+    path = save_resin(
+        replace(resin, name="stiff", numbers={**resin.numbers, "young_ref_kPa": stiff}), tmp_path / "stiff.toml"
+    )
+    found = [
+        design(read_problem(Request("forefinger", mould="m", resin=name, verify=False))) for name in (RESIN, str(path))
+    ]
     for one in found:
         assert one.best.thickness_mm == 4.5 and one.shape == read_shape(CROWN)
         assert one.other_mould["text"]

@@ -117,8 +117,10 @@ def test_the_search_leaves_a_start_where_a_size_is_hardly_seen():
     for start in (1e-4, 1e-2, 1.0):
         found, _ = likeliest(
             lambda z: 100.0 * float(np.log(1e-3 + z[0] ** 2) + 1.0 / (1e-3 + z[0] ** 2)),
-            np.array([start]), np.array([1e-4]), np.array([10.0]),
-        )  # fmt: skip
+            np.array([start]),
+            np.array([1e-4]),
+            np.array([10.0]),
+        )
         assert found[0] == pytest.approx(np.sqrt(1.0 - 1e-3), rel=1e-2)
 
 
@@ -158,9 +160,14 @@ def test_the_puck_test_finds_slow_noise_and_misfit():
     one = press(60.0, 50.0)
     compression = np.minimum(one.end_s / 0.5, 1.0) * 9.0
     puck = SimpleNamespace(
-        start_s=one.start_s, end_s=one.end_s, samples=one.samples, force_N=20.0 + 10.0 * compression,
-        compression_mm=compression, white_N=0.02, holds=(Hold(0.5, 60.5, 9.0),),
-    )  # fmt: skip
+        start_s=one.start_s,
+        end_s=one.end_s,
+        samples=one.samples,
+        force_N=20.0 + 10.0 * compression,
+        compression_mm=compression,
+        white_N=0.02,
+        holds=(Hold(0.5, 60.5, 9.0),),
+    )
     truth = PuckNoise(0.02, 0.3, 6.0, 0.06)
     lower = np.linalg.cholesky(covariance(puck, 30.0, truth))
     rng = np.random.default_rng(5)

@@ -66,9 +66,10 @@ def test_a_calibration_of_another_version_says_so_wherever_it_is_used(example, t
     data = json.loads(path.read_text())
     path.write_text(json.dumps({**data, "schema": "dummydesign.calibration/2"}))
     for words in (
-        ["replay", example, "--calibration", path], ["loop", example, "--prior", path, "--out", tmp_path / "out"],
+        ["replay", example, "--calibration", path],
+        ["loop", example, "--prior", path, "--out", tmp_path / "out"],
         ["suggest", "--tissue", "forefinger", "--calibration", path, "--no-cad", "--out", tmp_path / "out"],
-    ):  # fmt: skip
+    ):
         assert "another version" in refused(words, capsys)
     assert not (tmp_path / "out").exists()
 
@@ -95,8 +96,10 @@ def test_an_interrupt_leaves_nothing_new_and_the_old_answer_as_it_was(where, exa
 
     campaign = read_campaign(example)
     few = __import__("dataclasses").replace(campaign, trials=campaign.trials[:8])
-    monkeypatch.setattr("dummydesign.loop.run.close_loop", lambda *_, **options: once(few, **{
-        key: value for key, value in options.items() if key != "prior"}))  # fmt: skip
+    monkeypatch.setattr(
+        "dummydesign.loop.run.close_loop",
+        lambda *_, **options: once(few, **{key: value for key, value in options.items() if key != "prior"}),
+    )
     assert cli.run(["loop", str(example), "--out", str(tmp_path / "out")]) == 0
     before = {path.name: path.read_bytes() for path in (tmp_path / "out").iterdir()}
 

@@ -52,8 +52,9 @@ def test_without_a_kind_nothing_is_compared():
 
 
 def test_presses_of_one_condition_are_left_out_one_by_one(monkeypatch):
-    presses = SimpleNamespace(cell=np.full(3, 7), samples=np.ones((3, 2)), used=np.ones((3, 2), bool),
-                              force_N=np.arange(6.0).reshape(3, 2))  # fmt: skip
+    presses = SimpleNamespace(
+        cell=np.full(3, 7), samples=np.ones((3, 2)), used=np.ones((3, 2), bool), force_N=np.arange(6.0).reshape(3, 2)
+    )
     left: list[list[bool]] = []
 
     def nothing(found, out, shape=None):

@@ -45,8 +45,9 @@ def test_without_effects_a_shaped_pad_is_as_without_a_calibration_and_stiffening
 
 
 def test_effects_of_the_laboratory_change_no_shaped_pad():
-    law = law_of(effect("contact_offset", offset_mm=0.1), effect("force_bias", bias_N=0.2), effect("punch_tilt",
-                 tilt_deg=2.0))  # fmt: skip
+    law = law_of(
+        effect("contact_offset", offset_mm=0.1), effect("force_bias", bias_N=0.2), effect("punch_tilt", tilt_deg=2.0)
+    )
     assert np.array_equal(law.force(D, H, 0.025, RADIUS), law.plain.force(D, H, 0.025, RADIUS))
     assert law.notes == ()
 
@@ -65,9 +66,12 @@ def test_a_search_that_leaves_out_lengths_of_usual_value_finds_the_shape_that_wa
 def test_the_law_error_is_that_of_the_shape_that_was_pressed():
     pressed = law_of(shapes=(CROWN,), level=0.03)
     np.testing.assert_allclose(pressed.force(D, H, 1.0, RADIUS), 1.03 * pressed.plain.force(D, H, 1.0, RADIUS))
-    for other in (law_of(shapes=("",), level=0.03), law_of(shapes=("crowned:radius=19,height=3,foot=11",), level=0.03),
-                  law_of(shapes=(CROWN,), level=0.03, pad={"contact": "frictionless"}),
-                  law_of(shapes=(CROWN,), level=0.03, pad={"base": "sliding"})):  # fmt: skip
+    for other in (
+        law_of(shapes=("",), level=0.03),
+        law_of(shapes=("crowned:radius=19,height=3,foot=11",), level=0.03),
+        law_of(shapes=(CROWN,), level=0.03, pad={"contact": "frictionless"}),
+        law_of(shapes=(CROWN,), level=0.03, pad={"base": "sliding"}),
+    ):
         assert np.array_equal(other.force(D, H, 1.0, RADIUS), other.plain.force(D, H, 1.0, RADIUS))
 
 
@@ -92,8 +96,9 @@ def test_a_solved_shape_carries_the_correction_once(monkeypatch):
     law = replace(law_of(effect("strain_stiffening", coefficient=2.0)), cast=True)
     depth = np.array([0.5, 1.5, 3.0])
     plain = law.plain.force(depth, 10.0, 1.0, RADIUS)
-    monkeypatch.setattr(fe_candidates, "cached", lambda *_: {
-        "depth_mm": depth, "force_N": 1.05 * plain, "error_N": 0.01 * plain})  # fmt: skip
+    monkeypatch.setattr(
+        fe_candidates, "cached", lambda *_: {"depth_mm": depth, "force_N": 1.05 * plain, "error_N": 0.01 * plain}
+    )
 
     pressed = SimpleNamespace(depth_mm=np.array([1.0, 2.0, 3.0]))
     monkeypatch.setattr(fe_candidates, "candidate_of", lambda *_: pressed)

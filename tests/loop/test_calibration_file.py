@@ -22,9 +22,30 @@ from dummydesign.resin import load_resin
 from tests.support.refusal import raises_code
 
 JUNK = [
-    None, True, 0, -1, 1e300, -1e-300, 10**400, float("nan"), float("inf"), "", "junk", "\ud800", [], [[]], {},
-    {"a": {}}, [1, "2"], {"name": []}, 3.5, "5", [None], [[1.0, 2.0]], {"parameters": 1},
-]  # fmt: skip
+    None,
+    True,
+    0,
+    -1,
+    1e300,
+    -1e-300,
+    10**400,
+    float("nan"),
+    float("inf"),
+    "",
+    "junk",
+    "\ud800",
+    [],
+    [[]],
+    {},
+    {"a": {}},
+    [1, "2"],
+    {"name": []},
+    3.5,
+    "5",
+    [None],
+    [[1.0, 2.0]],
+    {"parameters": 1},
+]
 
 
 def made(active=None):
@@ -33,8 +54,7 @@ def made(active=None):
         active = tuple(Active(one, {**one.null_values(), **size(one)}) for one in EFFECTS)
     after = Model(base, active, np.array([5.0, 20.0]), np.array([[0.01, -0.02], [0.0, 0.1], [-0.03, 0.5]]))
     plain = Model(base, (), np.array([12.0]), np.zeros((3, 1)))
-    pad = {"young_kPa_expected": 25.0, "resin": None, "ratio": 15.0, "base": "bonded", "shape": "slab",
-           "contact": None}  # fmt: skip
+    pad = {"young_kPa_expected": 25.0, "resin": None, "ratio": 15.0, "base": "bonded", "shape": "slab", "contact": None}
     return Calibration(plain, after, "effect", {"rise": 0.05, "hold": 0.02}, 0.03, pad)
 
 

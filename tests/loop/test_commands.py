@@ -58,8 +58,6 @@ def test_a_campaign_may_name_resin_and_ratio_instead_of_a_modulus(small, tmp_pat
     for path in small.iterdir():
         (tmp_path / path.name).write_bytes(path.read_bytes())
     text = (tmp_path / "campaign.toml").read_text().splitlines()
-    text = [
-        'resin = "polyurethane-nagoya"' if line.startswith("young_kPa_nominal") else line for line in text
-    ]
+    text = ['resin = "polyurethane-nagoya"' if line.startswith("young_kPa_nominal") else line for line in text]
     (tmp_path / "campaign.toml").write_text("\n".join(text))
     assert 5.0 < start_young_kPa(read_campaign(tmp_path)) < 100.0

@@ -44,8 +44,15 @@ def whole():
     known = Posterior(names, np.arange(6.0), cover, (0.01, 0.02, 0.03))
     model = Model(BaseParameters(0.03, (0.05, 1.2), (0.3, 0.2)), active, np.array([5.0, 9.0]),
                   np.array([[0.01, 0.02], [0.0, -0.03], [0.04, 0.0]]), carried=0.25)  # fmt: skip
-    pad = {"young_kPa_expected": 30.0, "resin": "r", "ratio": 15.0, "base": "bonded", "shape": "slab",
-           "contact": "bonded", "usual_witness_kPa": 31.0}  # fmt: skip
+    pad = {
+        "young_kPa_expected": 30.0,
+        "resin": "r",
+        "ratio": 15.0,
+        "base": "bonded",
+        "shape": "slab",
+        "contact": "bonded",
+        "usual_witness_kPa": 31.0,
+    }
     return Calibration(model, model, "effect", {"hold": 0.02}, 0.03, pad, ("why",), known)
 
 
@@ -69,40 +76,46 @@ def damaged(tmp_path, change):
     return path
 
 
-@pytest.mark.parametrize("change", [
-    lambda d: d["posterior"]["covariance"][0].__setitem__(1, 2e-4),
-    lambda d: d["posterior"]["covariance"][2].__setitem__(2, -1e-4),
-    lambda d: [d["posterior"]["covariance"][a].__setitem__(b, 9e-4) for a, b in ((0, 1), (1, 0))],
-    lambda d: d["posterior"]["covariance"].pop(),
-    lambda d: d["posterior"]["mean"].pop(),
-    lambda d: d["posterior"]["names"].reverse(),
-    lambda d: d["after"]["law_error"]["thickness_mm"].reverse(),
-    lambda d: d["after"]["law_error"]["thickness_mm"].__setitem__(0, 0.0),
-    lambda d: d["after"]["law_error"]["level_slope_curve"].pop(),
-    lambda d: d["after"]["law_error"]["level_slope_curve"][1].pop(),
-    lambda d: d["after"]["law_error"].__setitem__("carried_to_other_pads", 1.1),
-    lambda d: d["after"]["law_error"].__setitem__("shape", [""]),
-    lambda d: d["after"]["base"].__setitem__("young_kPa", 1e3 * float(np.exp(HIGH[0])) * 1.01),
-    lambda d: d["after"]["base"].__setitem__("tau_1_s", float(np.exp(LOW[1])) * 0.99),
-    lambda d: d["after"]["effects"].append(d["after"]["effects"][0]),
-    lambda d: d["after"]["effects"][0].__setitem__("name", "unheard_of"),
-    lambda d: d.__setitem__("noise_floor_N", -0.1),
-    lambda d: d.__setitem__("verdict", "perhaps"),
-    lambda d: d["pad"].__setitem__("ratio", 0.0),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    "change",
+    [
+        lambda d: d["posterior"]["covariance"][0].__setitem__(1, 2e-4),
+        lambda d: d["posterior"]["covariance"][2].__setitem__(2, -1e-4),
+        lambda d: [d["posterior"]["covariance"][a].__setitem__(b, 9e-4) for a, b in ((0, 1), (1, 0))],
+        lambda d: d["posterior"]["covariance"].pop(),
+        lambda d: d["posterior"]["mean"].pop(),
+        lambda d: d["posterior"]["names"].reverse(),
+        lambda d: d["after"]["law_error"]["thickness_mm"].reverse(),
+        lambda d: d["after"]["law_error"]["thickness_mm"].__setitem__(0, 0.0),
+        lambda d: d["after"]["law_error"]["level_slope_curve"].pop(),
+        lambda d: d["after"]["law_error"]["level_slope_curve"][1].pop(),
+        lambda d: d["after"]["law_error"].__setitem__("carried_to_other_pads", 1.1),
+        lambda d: d["after"]["law_error"].__setitem__("shape", [""]),
+        lambda d: d["after"]["base"].__setitem__("young_kPa", 1e3 * float(np.exp(HIGH[0])) * 1.01),
+        lambda d: d["after"]["base"].__setitem__("tau_1_s", float(np.exp(LOW[1])) * 0.99),
+        lambda d: d["after"]["effects"].append(d["after"]["effects"][0]),
+        lambda d: d["after"]["effects"][0].__setitem__("name", "unheard_of"),
+        lambda d: d.__setitem__("noise_floor_N", -0.1),
+        lambda d: d.__setitem__("verdict", "perhaps"),
+        lambda d: d["pad"].__setitem__("ratio", 0.0),
+    ],
+)
 def test_damage_is_refused(tmp_path, change):
     with raises_code("malformed", "calibration"):
         read_calibration(damaged(tmp_path, change))
 
 
-@pytest.mark.parametrize("change", [
-    lambda d: d["after"]["base"].__setitem__("young_kPa", 1e3 * float(np.exp(HIGH[0]))),
-    lambda d: d["after"]["base"].__setitem__("tau_1_s", float(np.exp(LOW[1]))),
-    lambda d: d["after"]["law_error"].__setitem__("carried_to_other_pads", 1.0),
-    lambda d: [d["posterior"]["covariance"][a].__setitem__(b, 1.99e-4) for a, b in ((0, 1), (1, 0))],
-    lambda d: d.__setitem__("noise_floor_N", 0.0),
-    lambda d: d.__setitem__("later", {"anything": 1}),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    "change",
+    [
+        lambda d: d["after"]["base"].__setitem__("young_kPa", 1e3 * float(np.exp(HIGH[0]))),
+        lambda d: d["after"]["base"].__setitem__("tau_1_s", float(np.exp(LOW[1]))),
+        lambda d: d["after"]["law_error"].__setitem__("carried_to_other_pads", 1.0),
+        lambda d: [d["posterior"]["covariance"][a].__setitem__(b, 1.99e-4) for a, b in ((0, 1), (1, 0))],
+        lambda d: d.__setitem__("noise_floor_N", 0.0),
+        lambda d: d.__setitem__("later", {"anything": 1}),
+    ],
+)
 def test_what_is_at_a_bound_is_read(tmp_path, change):
     assert read_calibration(damaged(tmp_path, change)).posterior is not None
 

@@ -93,8 +93,11 @@ def test_all_that_differ_by_two_and_a_half_standard_deviations_are_named_largest
 def test_effects_of_the_pad_are_shared_in_their_own_units():
     effects = effect_named("temperature"), effect_named("contact_offset"), effect_named("strain_stiffening")
     problem = CampaignProblem(clean_fit().problem.presses, pucks.LAW, effects)
-    names = ("temperature.modulus_loss_per_K", "contact_offset.offset_mm", *(
-        f"{'log ' if p.log else ''}strain_stiffening.{p.name}" for p in effects[2].parameters))  # fmt: skip
+    names = (
+        "temperature.modulus_loss_per_K",
+        "contact_offset.offset_mm",
+        *(f"{'log ' if p.log else ''}strain_stiffening.{p.name}" for p in effects[2].parameters),
+    )
     rows = _shared(SimpleNamespace(problem=problem), names)
     assert rows[0] == (0, "log young_kPa", 1.0, pytest.approx(np.log(1e3)))
     taken = {name: (entry, unit, zero) for entry, name, unit, zero in rows[BASE:]}
@@ -203,8 +206,9 @@ def test_options_are_the_campaigns_pads_at_all_speeds_and_three_depths_with_circ
     assert sorted(one.rest_s for one in others) == [10.0, 10.0] + [3600.0] * 4
     assert {round(one.temperature_C - warm) for one in others} == {0, 10}
     assert {one.age_days / old for one in others} == {1.0, 3.0}
-    silent = replace(presses, history=replace(presses.history, temperature_C=np.full(16, np.nan),
-                                              age_days=np.full(16, np.nan)))  # fmt: skip
+    silent = replace(
+        presses, history=replace(presses.history, temperature_C=np.full(16, np.nan), age_days=np.full(16, np.nan))
+    )
     assert len(options(silent, pucks.LAW)) == 18 + 2
 
 
@@ -217,7 +221,8 @@ def test_new_slabs_are_thinner_between_and_thicker_as_far_as_the_table_reaches()
     thin = SlabLaw(law.table, 2.0 * 7.9, False)
     reach = tuple(2.0 * one for one in (low, high))
     assert sorted({one.thickness_mm for one in options(presses, thin) if not one.known}) == [
-        h for h in (5.6, 10.0, 15.6) if reach[0] <= h <= reach[1]]  # fmt: skip
+        h for h in (5.6, 10.0, 15.6) if reach[0] <= h <= reach[1]
+    ]
 
 
 def test_a_planned_press_is_the_next_one_on_its_pad():
@@ -289,7 +294,8 @@ def test_a_plan_repeats_every_press_and_expects_the_force_near_the_end_of_its_ho
     plan = planning.plan_of(result, 2)
     assert len(plan) == 8 and [one.sequence for one in plan] == list(range(1, 9))
     assert {(one.option.thickness_mm, one.option.velocity_mm_s) for one in plan} == {
-        (h, v) for h in (8.0, 12.0) for v in (2.0, 190.0)}  # fmt: skip
+        (h, v) for h in (8.0, 12.0) for v in (2.0, 190.0)
+    }
     assert all(one.option.depth_share == planning.DEEP for one in plan) and len({one.file for one in plan}) == 8
     base = found.base
     for one in plan:
@@ -323,10 +329,12 @@ class Curve:
 @pytest.fixture
 def simple(monkeypatch):
     """The steady force is 2 N/mm times the depth; the law of force and modulus have an interval each."""
+
     def moved(pad, motion, curve):
         force = 2.0 * float(motion.displacement_mm[-1])
-        return SimpleNamespace(steady_force_N=force, force_low_N=np.array([0.9 * force]),
-                               force_high_N=np.array([1.2 * force]))  # fmt: skip
+        return SimpleNamespace(
+            steady_force_N=force, force_low_N=np.array([0.9 * force]), force_high_N=np.array([1.2 * force])
+        )
 
     def depth(pad, force, hold, motion_to, curve):
         if force > 2.0 * curve.limit_mm:
@@ -382,8 +390,17 @@ def test_a_plan_that_is_written_has_the_pads_and_presses_of_the_plan_and_names_a
     crown = read_shape("crowned:radius=21.2,height=2,foot=9.4")
     other = replace(plan[0], option=replace(plan[0].option, geometry=crown, temperature_C=None, unloading=False))
     own = plan[0].option.geometry
-    pad = SimpleNamespace(shape="slab", geometry=own, young_kPa_nominal=30.0, resin=None, ratio=15.0, length_mm=60.0,
-                          width_mm=50.0, diameter_mm=None, base="bonded")  # fmt: skip
+    pad = SimpleNamespace(
+        shape="slab",
+        geometry=own,
+        young_kPa_nominal=30.0,
+        resin=None,
+        ratio=15.0,
+        length_mm=60.0,
+        width_mm=50.0,
+        diameter_mm=None,
+        base="bonded",
+    )
     punch = SimpleNamespace(shape="square", side_mm=14.0, diameter_mm=None, contact="bonded", edge_radius_mm=0.0)
     campaign = SimpleNamespace(name="first", pad=pad, punch=punch, lowpass=Lowpass(35.0, 2, 1), force_resolution_N=0.0)
     files = planning.write_plan(tmp_path, campaign, (*plan[1:], other))
@@ -405,8 +422,11 @@ def test_a_plan_that_is_written_has_the_pads_and_presses_of_the_plan_and_names_a
 
 def test_effects_of_the_pad_come_from_a_prior_as_far_as_the_campaign_can_take_them():
     found = clean_fit()
-    names = {"strain_stiffening": {"coefficient": 0.2, "exponent": 2.0}, "contact_offset": {"offset_mm": 0.05},
-             "compressibility": {"poisson_ratio": 0.49}}  # fmt: skip
+    names = {
+        "strain_stiffening": {"coefficient": 0.2, "exponent": 2.0},
+        "contact_offset": {"offset_mm": 0.05},
+        "compressibility": {"poisson_ratio": 0.49},
+    }
     active = tuple(Active(effect_named(name), values) for name, values in names.items())
     prior = prior_of(found)
     assert with_prior_effects(found, prior) is found

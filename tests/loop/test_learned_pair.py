@@ -43,9 +43,13 @@ def test_its_roughness_is_zero_for_planes_and_not_for_bends():
 
 @pytest.mark.parametrize(
     "follows",
-    [("depth_mm", "temperature_C"), ("since_stop_s", "depth_share"), ("age_days", "force_N"),
-     ("thickness_mm", "since_stop_s")],
-)  # fmt: skip
+    [
+        ("depth_mm", "temperature_C"),
+        ("since_stop_s", "depth_share"),
+        ("age_days", "force_N"),
+        ("thickness_mm", "since_stop_s"),
+    ],
+)
 def test_a_learned_pair_keeps_the_contract_of_effects(follows):
     learned = Learned(SmoothChange(follows, ((0.01, 1.0, 30.0),) * 2, ((0.1, -0.05, 0.02),) * 3))
     assert check_effect(learned) == () and followed_by(learned.name) == follows
@@ -58,9 +62,11 @@ def test_names_of_learned_effects_say_what_they_follow():
 
 def test_a_learned_pair_survives_its_file_and_damage_is_refused(tmp_path):
     model = Model(
-        BaseParameters(0.03, (0.05, 1.2), (0.3, 0.2)), (Active(Learned(SEEN), {"size": 1.0}),), np.array([5.0]),
+        BaseParameters(0.03, (0.05, 1.2), (0.3, 0.2)),
+        (Active(Learned(SEEN), {"size": 1.0}),),
+        np.array([5.0]),
         np.zeros((3, 1)),
-    )  # fmt: skip
+    )
     pad = {"young_kPa_expected": 30.0, "resin": None, "ratio": 15.0, "base": "bonded", "shape": "slab"}
     path = write_calibration(Calibration(model, model, "unexplained", {}, 0.03, pad), tmp_path / "c.json")
     assert read_calibration(path).after.active[0].effect.shape == SEEN

@@ -234,7 +234,7 @@ def test_a_later_call_knows_nothing_of_the_effects_of_an_earlier_one(toy):
         ("np.maximum(depth_mm, 0.0) / 0.5", "np.log(values['skin_mm2'] - 200.5)", "is not finite"),
         ("return wrap(law, crusted)", "return None", "TypeError: 'NoneType' object is not callable"),
     ],
-)  # fmt: skip
+)
 def test_what_breaks_the_contract_is_said(broken, old, new, said):
     path = broken(old, new)
     try:
@@ -271,9 +271,15 @@ def test_a_missing_file_and_another_kind_of_file_are_refused(tmp_path, campaigns
 
 @pytest.mark.parametrize(
     "fault",
-    ["raise ZeroDivisionError('oh')", "skin = np.nan", "raise SystemExit(0)", "skin = np.random.rand()",
-     "return 1j * law(depth_mm, thickness_mm)", "return law(depth_mm, thickness_mm)[:, 1:]"],
-)  # fmt: skip
+    [
+        "raise ZeroDivisionError('oh')",
+        "skin = np.nan",
+        "raise SystemExit(0)",
+        "skin = np.random.rand()",
+        "return 1j * law(depth_mm, thickness_mm)",
+        "return law(depth_mm, thickness_mm)[:, 1:]",
+    ],
+)
 def test_an_effect_that_fails_only_on_this_campaign_ends_in_one_line(broken, fault, campaigns, tmp_path, capsys):
     """The reference presses have eight trials, the campaign more: the fault shows there only."""
     path = broken(

@@ -31,8 +31,7 @@ def made(level=0.004, young=0.01):
     recovery = effect_named("incomplete_recovery")
     found = Active(recovery, {"fraction": 0.02, "tau_s": 100.0, "adding": 0.0})
     after = Model(base, (found,), np.array([5.0]), np.zeros((3, 1)))
-    names = (*BASE_NAMES, "incomplete_recovery.fraction", "log incomplete_recovery.tau_s",
-             "incomplete_recovery.adding")  # fmt: skip
+    names = (*BASE_NAMES, "incomplete_recovery.fraction", "log incomplete_recovery.tau_s", "incomplete_recovery.adding")
     mean = np.r_[np.log([30.0, 0.05, 0.3, 1.2, 0.2]), 0.02, np.log(100.0), 0.0]
     spread = np.array([young, 0.02, 0.03, 0.02, 0.04, 0.001, 0.2, 0.1])
     covariance = np.outer(spread, spread) * (0.7 * np.eye(8) + 0.3)
@@ -148,10 +147,13 @@ def test_units_of_an_effect_are_those_of_its_parameters(monkeypatch):
     step = tilt.parameters[0].typical
     covariance = np.diag([1e-4, 1e-4, 1e-4, 1e-4, 1e-4, 4.0, 1e-4])
     fit = SimpleNamespace(
-        vector=np.r_[np.zeros(5), 2.0, 0.0], covariance=covariance, sizes=SimpleNamespace(law=(0.1, 0.2, 0.3)),
-        active=(Active(tilt, {tilt.parameters[0].name: tilt.parameters[0].to_value(2.0)}),), joined=True,
+        vector=np.r_[np.zeros(5), 2.0, 0.0],
+        covariance=covariance,
+        sizes=SimpleNamespace(law=(0.1, 0.2, 0.3)),
+        active=(Active(tilt, {tilt.parameters[0].name: tilt.parameters[0].to_value(2.0)}),),
+        joined=True,
         problem=SimpleNamespace(presses=SimpleNamespace(trials=())),
-    )  # fmt: skip
+    )
     monkeypatch.setattr("dummydesign.loop.calibration.pad_spreads", lambda found: found.sizes.law)
     known = posterior_of(fit)
     assert known.spread(known.names[-1]) == pytest.approx(2.0 * abs(step)) and len(known.names) == 6

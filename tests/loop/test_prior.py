@@ -96,8 +96,9 @@ def test_a_prior_of_another_material_or_of_an_earlier_version_is_refused(fits, c
 
 def test_pads_of_earlier_campaigns_keep_their_law_error(fits):
     prior = known(fits[0])
-    new = replace(prior.after, thickness_mm=np.array([20.0, 10.0]), law=np.full((3, 2), 0.01),
-                  shapes=("", "crowned:radius=20"))  # fmt: skip
+    new = replace(
+        prior.after, thickness_mm=np.array([20.0, 10.0]), law=np.full((3, 2), 0.01), shapes=("", "crowned:radius=20")
+    )
     both = new.with_pads_of(prior.after)
     assert both.pads == (("", 15.0), ("", 20.0), ("crowned:radius=20", 10.0))
     assert both.law[:, 0] == pytest.approx(prior.after.law[:, 0]) and (both.law[:, 1:] == 0.01).all()
@@ -122,7 +123,9 @@ def test_the_plan_is_a_campaign_to_press(campaigns, tmp_path):
     made = tomllib.loads((tmp_path / "campaign.toml").read_text())
     assert made["punch"]["side_mm"] == few.punch.side_mm and made["sensor"]["lowpass_hz"] == 35.0
     assert len({trial["file"] for trial in made["trial"]}) == len(planned) and set(files) == {
-        "plan_campaign", "plan_sheet"}  # fmt: skip
+        "plan_campaign",
+        "plan_sheet",
+    }
     for trial, press in zip(made["trial"], planned):
         assert trial["thickness_mm"] == press.option.thickness_mm and trial["repeat"] == press.repeat
         assert 0.0 < trial["target_force_N"] == pytest.approx(press.target_force_N, abs=0.006)

@@ -44,8 +44,10 @@ def test_a_replay_is_the_models_readings_beside_the_samples():
     assert said.total_rmse_N == pytest.approx(np.sqrt(np.average(own, weights=weight)), rel=1e-6)
     assert said.total_base_rmse_N == pytest.approx(np.sqrt(np.average(plain, weights=weight)), rel=1e-6)
     smooth = np.ones(5) / 5.0
-    peaks = [np.convolve(a + 0.5, smooth, "valid").max() - np.convolve(b, smooth, "valid").max()
-             for a, b in zip(modelled, measured)]  # fmt: skip
+    peaks = [
+        np.convolve(a + 0.5, smooth, "valid").max() - np.convolve(b, smooth, "valid").max()
+        for a, b in zip(modelled, measured)
+    ]
     np.testing.assert_allclose(said.peak_error_N, peaks, rtol=1e-6, atol=1e-9)
     assert said.files == tuple(trial.file for trial in presses.trials) and said.left_out == "" and said.pads == ()
     rows = said.to_dict()

@@ -12,8 +12,21 @@ from tests.support.pressed_set_up import press_set_up
 
 CROWN = "crowned:radius=20,height=3,foot=11"
 BONE = "boned:height=3,radius=20,foot=9"
-PLAN = ["--young", "25", "--pads", "10", "--depth", "1,2.5", "--velocity", "10,250", "--repeats", "2", "--ages", "9",
-        "--no-power"]  # fmt: skip
+PLAN = [
+    "--young",
+    "25",
+    "--pads",
+    "10",
+    "--depth",
+    "1,2.5",
+    "--velocity",
+    "10,250",
+    "--repeats",
+    "2",
+    "--ages",
+    "9",
+    "--no-power",
+]
 YOUNG_KPA = 27.0
 
 
@@ -21,18 +34,23 @@ YOUNG_KPA = 27.0
 @pytest.mark.parametrize(
     "words",
     [
-        ["--edge-radius", "0.5"], ["--punch", "round:14", "--edge-radius", "1", "--base", "sliding"],
-        ["--punch", "ball:14"], ["--punch", "profile:PROFILE"], ["--punch", "round:14", "--contact", "frictionless"],
+        ["--edge-radius", "0.5"],
+        ["--punch", "round:14", "--edge-radius", "1", "--base", "sliding"],
+        ["--punch", "ball:14"],
+        ["--punch", "profile:PROFILE"],
+        ["--punch", "round:14", "--contact", "frictionless"],
         ["--punch", "round:14", "--contact", "frictionless", "--edge-radius", "0.5"],
         ["--punch", "round:14", "--contact", "friction:0.3", "--edge-radius", "0.5"],
-        ["--punch", "round:14", "--contact", "friction:0.3"], ["--punch", "round:14", "--base", "friction:0.5"],
-        ["--punch", "round:14", "--shape", CROWN], ["--punch", "round:14", "--shape", CROWN, "--edge-radius", "0.4"],
+        ["--punch", "round:14", "--contact", "friction:0.3"],
+        ["--punch", "round:14", "--base", "friction:0.5"],
+        ["--punch", "round:14", "--shape", CROWN],
+        ["--punch", "round:14", "--shape", CROWN, "--edge-radius", "0.4"],
         ["--shape", "layered:top=3,modulus_ratio=0.3", "--base", "sliding", "--edge-radius", "0.5"],
         ["--pad", "cylinder:20", "--contact", "friction:0.3"],
         ["--pad", "cylinder:50", "--contact", "frictionless"],
     ],
     ids=lambda words: " ".join(words).replace("--", ""),
-)  # fmt: skip
+)
 def test_a_campaign_of_the_set_up_is_planned_pressed_checked_calibrated_and_predicted(words, tmp_path, capsys):
     """The modulus is found within the force law's stated error, and the calibration predicts presses with new noise."""
     profile = tmp_path / "cone.csv"
@@ -94,8 +112,14 @@ def test_a_campaign_file_with_a_fillet_that_is_not_solved_is_refused_with_its_li
     for trial in (folder / "campaign.toml").read_text().split('file = "')[1:]:
         time = np.linspace(0.0, 4.0, 400)
         x = np.minimum(10.0 * time - 0.5, 1.0)
-        np.savetxt(folder / trial.split('"')[0], np.column_stack([time, x, 3.0 * np.maximum(x, 0.0)]), "%.4f", ",",
-                   header="time_s,displacement_mm,force_N", comments="")  # fmt: skip
+        np.savetxt(
+            folder / trial.split('"')[0],
+            np.column_stack([time, x, 3.0 * np.maximum(x, 0.0)]),
+            "%.4f",
+            ",",
+            header="time_s,displacement_mm,force_N",
+            comments="",
+        )
     path = folder / "campaign.toml"
     path.write_text(path.read_text().replace('contact = "bonded"', line).replace("250.0", "10.0"))
     capsys.readouterr()

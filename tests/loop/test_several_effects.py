@@ -144,9 +144,16 @@ def errors_of(square):
 
 @pytest.mark.parametrize(
     ("gain", "left", "apart", "stands"),
-    [(49.0, 0.1, 60.0, False), (51.0, 0.5, 0.0, True), (51.0, 0.9, 0.0, False), (51.0, 0.9, 51.0, True),
-     (51.0, 0.9, 49.0, False), (101.0, 0.9, 0.0, True), (101.0, 1.0, 0.0, True)],
-)  # fmt: skip
+    [
+        (49.0, 0.1, 60.0, False),
+        (51.0, 0.5, 0.0, True),
+        (51.0, 0.9, 0.0, False),
+        (51.0, 0.9, 51.0, True),
+        (51.0, 0.9, 49.0, False),
+        (101.0, 0.9, 0.0, True),
+        (101.0, 1.0, 0.0, True),
+    ],
+)
 def test_an_effect_in_doubt_has_its_evidence_apart_or_lowers_the_left_out_error(gain, left, apart, stands, monkeypatch):
     monkeypatch.setattr(acceptance, "errors", lambda fit: errors_of(fit))
     monkeypatch.setattr(acceptance, "separate_evidence", lambda fit, name: apart)
@@ -167,8 +174,15 @@ def test_evidence_apart_counts_only_bins_that_the_form_error_of_another_effect_d
 
     problem = Problem(SimpleNamespace(used=np.ones((1, bins), bool)), None, effects)
     forces = jacobian @ vector
-    fit = SimpleNamespace(problem=problem, sizes=SimpleNamespace(noise=None), slope=None, jacobian=jacobian,
-                          vector=vector, forces=forces, residual=np.zeros((1, bins)))  # fmt: skip
+    fit = SimpleNamespace(
+        problem=problem,
+        sizes=SimpleNamespace(noise=None),
+        slope=None,
+        jacobian=jacobian,
+        vector=vector,
+        forces=forces,
+        residual=np.zeros((1, bins)),
+    )
     monkeypatch.setattr(verdict, "make_whitener", lambda *args: lambda values: values)
     monkeypatch.setattr(verdict, "prior_precision", lambda problem, sizes: np.zeros(7))
     # fifty bins of size 3 and noise 1 are left; 100 on the others is off by up to sqrt(0.015) x 100 = 12

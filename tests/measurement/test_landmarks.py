@@ -78,8 +78,14 @@ def test_overshoot_period_and_end_of_a_ringing_are_those_that_were_drawn():
 def test_a_turn_has_no_hold(form, noise_mm):
     time = np.arange(-1.0, 21.0, 2e-3)
     share = np.clip(time / 20.0, 0.0, 1.0)
-    x = 5.0 * {"triangle": 1.0 - np.abs(2.0 * share - 1.0), "half sine": np.sin(np.pi * share),
-               "parabola": 4.0 * share * (1.0 - share)}[form]  # fmt: skip
+    x = (
+        5.0
+        * {
+            "triangle": 1.0 - np.abs(2.0 * share - 1.0),
+            "half sine": np.sin(np.pi * share),
+            "parabola": 4.0 * share * (1.0 - share),
+        }[form]
+    )
     x = np.where(time < 0.0, 0.5 * time, x) + noise_mm * np.random.default_rng(1).standard_normal(len(time))
     for stop in ("reached", "slowed"):
         found = find_ramp(time, x, stop)

@@ -11,9 +11,23 @@ from tests.measurement.test_campaign import refused, write
 
 PLACES = (15.2, 15.3, 15.1, 15.2, 15.4)
 RECORD = PadRecord(
-    "ABCD1234", "slab", 150.0, 120.0, "polyurethane-nagoya", 15.0, 15.0, PLACES, sum(PLACES) / 5,
-    thickness_error(PLACES, 0.05), 250.0, 25.0, 26.5, accepted=False, force_percent=-1.9, missed=("mass 250 g",),
-)  # fmt: skip
+    "ABCD1234",
+    "slab",
+    150.0,
+    120.0,
+    "polyurethane-nagoya",
+    15.0,
+    15.0,
+    PLACES,
+    sum(PLACES) / 5,
+    thickness_error(PLACES, 0.05),
+    250.0,
+    25.0,
+    26.5,
+    accepted=False,
+    force_percent=-1.9,
+    missed=("mass 250 g",),
+)
 
 
 def save(folder, record=RECORD, name="record.json"):
@@ -71,9 +85,13 @@ def test_a_record_of_another_pad_or_one_that_is_none_is_refused_with_the_line(tm
         given = f'thickness_mm = {thickness}\nrecord = "{name}"'
         return lambda text: text.replace("thickness_mm = 15.0", given, 1)
 
-    for name, thickness, word in (("record.json", 20.0, "another|this pad"), ("bad.json", 15.0, "cannot be read"),
-                                  ("damaged.json", 15.0, "damaged"), ("other.json", 15.0, "mold record"),
-                                  ("none.json", 15.0, "cannot be read")):  # fmt: skip
+    for name, thickness, word in (
+        ("record.json", 20.0, "another|this pad"),
+        ("bad.json", 15.0, "cannot be read"),
+        ("damaged.json", 15.0, "damaged"),
+        ("other.json", 15.0, "mold record"),
+        ("none.json", 15.0, "cannot be read"),
+    ):
         write(tmp_path, text=trial(name, thickness))
         refused(tmp_path, "campaign.toml:", word.split("|")[-1])
     write(tmp_path, text=lambda t: t.replace("[pad]", '[pad]\nrecord = "record.json"\nlength_mm = 100.0'))

@@ -22,12 +22,19 @@ def test_quantities_of_an_ideal_stop_are_those_of_its_motion():
 
 @pytest.mark.parametrize(
     ("role", "scale", "key", "fitting"),
-    [("time", 1e-3, "stop_mm_s2", "s"), ("displacement", 1e3, "depth_mm", "mm"), ("force", 1e3, "force_N", "mN"),
-     ("force", 1e-4, "force_N", "kN"), ("force", 1.0 / 9.80665e-3 * 5.0, "force_N", "gf")],
-)  # fmt: skip
+    [
+        ("time", 1e-3, "stop_mm_s2", "s"),
+        ("displacement", 1e3, "depth_mm", "mm"),
+        ("force", 1e3, "force_N", "mN"),
+        ("force", 1e-4, "force_N", "kN"),
+        ("force", 1.0 / 9.80665e-3 * 5.0, "force_N", "gf"),
+    ],
+)
 def test_another_unit_is_seen_and_those_that_fit_are_named(role, scale, key, fitting):
-    press = [scale * column if name == role else column
-             for name, column in (("time", TIME), ("displacement", X), ("force", FORCE))]  # fmt: skip
+    press = [
+        scale * column if name == role else column
+        for name, column in (("time", TIME), ("displacement", X), ("force", FORCE))
+    ]
     assert impossible(press_quantities(*press))[0] == key
     factor = {"time": 1e-3, "displacement": 1e3}.get(role, 1.0)
     assert fitting in units_that_fit(role, *press, factor=factor)

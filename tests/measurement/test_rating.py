@@ -113,12 +113,15 @@ def test_the_warping_path_has_the_least_sum_of_all_paths_in_the_window(seed):
     assert np.abs(first - second).max() <= wide
 
 
-@pytest.mark.parametrize("code, reference, compared", [
-    ("inconsistent", np.arange(30.0), np.arange(31.0)),
-    ("inconsistent", np.arange(19.0), np.arange(19.0)),
-    ("inconsistent", np.ones(30), np.arange(30.0)),
-    ("malformed", np.arange(30.0), np.r_[np.arange(29.0), np.nan]),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    "code, reference, compared",
+    [
+        ("inconsistent", np.arange(30.0), np.arange(31.0)),
+        ("inconsistent", np.arange(19.0), np.arange(19.0)),
+        ("inconsistent", np.ones(30), np.arange(30.0)),
+        ("malformed", np.arange(30.0), np.r_[np.arange(29.0), np.nan]),
+    ],
+)
 def test_curves_that_cannot_be_rated_are_refused(code, reference, compared):
     with raises_code(code, "curve"):
         rate(reference, compared)

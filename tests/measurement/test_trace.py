@@ -53,9 +53,8 @@ def test_wrong_units_signs_times_and_headers_are_named(tmp_path, change, code):
 
 @pytest.mark.parametrize(
     "line, code",
-    [("0.05,abc,1", "not_a_number"), ("0.05,1", "malformed"),
-     ("0.05,nan,1", "out_of_range")],
-)  # fmt: skip
+    [("0.05,abc,1", "not_a_number"), ("0.05,1", "malformed"), ("0.05,nan,1", "out_of_range")],
+)
 def test_a_bad_cell_is_named_by_line_and_column(tmp_path, line, code):
     path = tmp_path / "press.csv"
     path.write_text(f"time_s,displacement_mm,force_N\n0,0,0\n{line}\n")
@@ -82,9 +81,13 @@ def test_a_fast_approach_from_far_above_the_surface_is_no_sign_error(tmp_path):
 
 @pytest.mark.parametrize(
     "change",
-    [{"header": "Time_s,displacement_mm,force_N"}, {"header": "Zeit [s];Weg [mm];Kraft [N]"}, {"force": -FORCE},
-     {"depth": DEPTH * 1000}],
-)  # fmt: skip
+    [
+        {"header": "Time_s,displacement_mm,force_N"},
+        {"header": "Zeit [s];Weg [mm];Kraft [N]"},
+        {"force": -FORCE},
+        {"depth": DEPTH * 1000},
+    ],
+)
 def test_a_file_in_another_form_says_how_to_bring_it_in(tmp_path, change):
     path = _write(tmp_path, **change)
     with pytest.raises(InputError, match="import it first: dummydesign import ") as caught:
@@ -134,8 +137,11 @@ def test_a_pad_that_pulls_harder_than_it_was_pressed_is_data(tmp_path):
     force = np.where((time > 3.0) & (depth < 0.3) & (depth > -0.4), -9.0, force)
     trace = read_trace(_write(tmp_path, time, depth, force))
     assert trace.force_N.min() == -9.0 and trace.force_N.max() == 4.0
-    for wrong in ({"force": -force, "depth": depth}, {"force": force, "depth": -depth}, {"force": -force,
-                                                                                         "depth": -depth}):
+    for wrong in (
+        {"force": -force, "depth": depth},
+        {"force": force, "depth": -depth},
+        {"force": -force, "depth": -depth},
+    ):
         with raises_code("out_of_range"):
             read_trace(_write(tmp_path, time, wrong["depth"], wrong["force"]))
 

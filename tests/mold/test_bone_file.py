@@ -74,9 +74,11 @@ def test_past_its_middle_a_ball_overhangs_and_one_that_does_not_reach_the_plate_
 
 
 def test_a_bone_that_sticks_out_or_hardly_meets_its_plate_is_refused_with_the_room_there_is():
-    for change, said in (({"x_high_mm": 27.0}, "along the length it lies from -14.0 to 27.0"),
-                         ({"y_low_mm": -18.0}, "along the width.*allowed is -17 to 17"),
-                         ({"seat_mm2": 3.0}, "meets its plate with 3.0 mm2")):  # fmt: skip
+    for change, said in (
+        ({"x_high_mm": 27.0}, "along the length it lies from -14.0 to 27.0"),
+        ({"y_low_mm": -18.0}, "along the width.*allowed is -17 to 17"),
+        ({"seat_mm2": 3.0}, "meets its plate with 3.0 mm2"),
+    ):
         with pytest.raises(InputError, match=said):
             Insert(**{**BALL.__dict__, **change}).check(60.0, 50.0)
     BALL.check(60.0, 50.0)
@@ -95,16 +97,20 @@ def test_the_resin_is_the_pads_less_the_bone_as_measured_and_the_answer_tells_th
     assert MouldSpec.from_dict(json.loads(boned.canonical())) == boned and boned.hash != plain.hash
 
 
-@pytest.mark.parametrize("words, said", [
-    (["--bone", "no.stl", "--bone-height", "5"], "cannot be read"),
-    (["--bone", "ball.stl"], "bone_height_mm is missing"),
-    (["--bone", "ball.obj", "--bone-height", "5"], ".stl, .step, .stp"), (["--bone-height", "5"], "belongs to a bone"),
-    (["--bone", "ball.stl", "--bone-height", "14"], "bone height = 14"),
-    (["--bone", "ball.stl", "--bone-height", "5", "--bone-turn", "1,2"], "3 comma-separated numbers"),
-    (["--bone", "ball.stl", "--bone-height", "5", "--bone-scale", "0"], "bone scale = 0"),
-    (["--bone", "ball.stl", "--bone-height", "5", "--shape", "crowned:20,2"], "takes no bone"),
-    (["--bone", "ball.stl", "--bone-height", "5", "--count", "2"], "one mould"),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    "words, said",
+    [
+        (["--bone", "no.stl", "--bone-height", "5"], "cannot be read"),
+        (["--bone", "ball.stl"], "bone_height_mm is missing"),
+        (["--bone", "ball.obj", "--bone-height", "5"], ".stl, .step, .stp"),
+        (["--bone-height", "5"], "belongs to a bone"),
+        (["--bone", "ball.stl", "--bone-height", "14"], "bone height = 14"),
+        (["--bone", "ball.stl", "--bone-height", "5", "--bone-turn", "1,2"], "3 comma-separated numbers"),
+        (["--bone", "ball.stl", "--bone-height", "5", "--bone-scale", "0"], "bone scale = 0"),
+        (["--bone", "ball.stl", "--bone-height", "5", "--shape", "crowned:20,2"], "takes no bone"),
+        (["--bone", "ball.stl", "--bone-height", "5", "--count", "2"], "one mould"),
+    ],
+)
 def test_what_makes_no_bone_is_one_line_before_cad(words, said, ball, tmp_path, capsys, monkeypatch):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "ball.obj").write_text("")

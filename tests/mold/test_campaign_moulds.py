@@ -10,8 +10,22 @@ from dummydesign import cli
 from dummydesign.mold import runner
 from tests.mold.test_job import CHILD
 
-PLAN = ["campaign", "new", "thumb", "--pads", "5,8", "--velocity", "10", "--repeats", "1", "--ages", "9", "--no-power",
-        "--pad", "60x50"]  # fmt: skip
+PLAN = [
+    "campaign",
+    "new",
+    "thumb",
+    "--pads",
+    "5,8",
+    "--velocity",
+    "10",
+    "--repeats",
+    "1",
+    "--ages",
+    "9",
+    "--no-power",
+    "--pad",
+    "60x50",
+]
 RESIN = ["--resin", "polyurethane-nagoya", "--ratio", "15.2"]
 
 
@@ -33,10 +47,15 @@ def test_one_call_makes_the_plan_and_a_job_with_the_moulds_of_its_pads(no_cad, c
     assert {path.name for path in (no_cad / "thumb").iterdir()} == {"campaign.toml", "sheet.html", "manifest.json"}
 
 
-@pytest.mark.parametrize("more, said", [
-    (["--young", "25"], "--resin"), ([*RESIN, "--preset", "opn"], "did you mean 'open'"),
-    ([*RESIN, "--pads", "5,50"], "thickness_mm = 50"), ([*RESIN, "--pad", "400x300"], "does not fit"),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    "more, said",
+    [
+        (["--young", "25"], "--resin"),
+        ([*RESIN, "--preset", "opn"], "did you mean 'open'"),
+        ([*RESIN, "--pads", "5,50"], "thickness_mm = 50"),
+        ([*RESIN, "--pad", "400x300"], "does not fit"),
+    ],
+)
 def test_moulds_that_cannot_be_made_are_one_line_and_no_plan(no_cad, capsys, more, said):
     assert cli.run([*PLAN, *more, "--moulds"]) == 2
     message = capsys.readouterr().err

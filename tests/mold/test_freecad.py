@@ -15,9 +15,12 @@ from tests.support.mould_checks import shape_spec
 
 FREECAD = next((found for name in ("freecadcmd", "FreeCADCmd") if (found := shutil.which(name))), None)
 SHAPES = (
-    ("slab", 5.0, "lidded"), ("crowned:12,2.4", 8.0, "printed"), ("bumped:12,5,1.2,0,1", 8.0, "open"),
-    ("layered:4,0.4", 8.0, "open"), ("boned:20,3", 12.5, "open"),
-)  # fmt: skip
+    ("slab", 5.0, "lidded"),
+    ("crowned:12,2.4", 8.0, "printed"),
+    ("bumped:12,5,1.2,0,1", 8.0, "open"),
+    ("layered:4,0.4", 8.0, "open"),
+    ("boned:20,3", 12.5, "open"),
+)
 READ = """
 import Part
 for line in open({listed!r}):

@@ -73,9 +73,15 @@ def test_the_sheet_names_every_mould_its_folder_and_the_castings():
     assert "2 moulds, 4 pads" in text
 
 
-@pytest.mark.parametrize("thicknesses, count, code", [
-    ((5.0, 5.0), 1, "out_of_range"), ((5.0,), 0, "out_of_range"), ((5.0,), 21, "out_of_range"), ((), 1, "out_of_range"),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    "thicknesses, count, code",
+    [
+        ((5.0, 5.0), 1, "out_of_range"),
+        ((5.0,), 0, "out_of_range"),
+        ((5.0,), 21, "out_of_range"),
+        ((), 1, "out_of_range"),
+    ],
+)
 def test_a_job_without_sense_is_refused(thicknesses, count, code):
     with raises_code(code):
         check_job(thicknesses, count)
@@ -112,9 +118,16 @@ def test_one_mould_that_fails_leaves_nothing_of_the_job(no_cad, capsys):
     assert "7 mm" in capsys.readouterr().err and list(no_cad.iterdir()) == []
 
 
-@pytest.mark.parametrize("arguments", [["--thickness", "5,400"], ["--thickness", "5,5"], ["--thickness", "5,x"],
-                                       ["--thickness", "5", "--castings", "0"],
-                                       ["--thickness", "5", "--count", "0"]])  # fmt: skip
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ["--thickness", "5,400"],
+        ["--thickness", "5,5"],
+        ["--thickness", "5,x"],
+        ["--thickness", "5", "--castings", "0"],
+        ["--thickness", "5", "--count", "0"],
+    ],
+)
 def test_a_bad_job_is_one_line_and_no_file(no_cad, capsys, arguments):
     assert cli.run(["mold", *arguments]) == 2
     assert capsys.readouterr().err.count("\n") == 1 and list(no_cad.iterdir()) == []

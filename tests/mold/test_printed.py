@@ -109,12 +109,16 @@ def test_sheet_list_and_answer_do_not_speak_of_silicone_that_is_cast():
     assert MouldSpec.from_dict(SPEC.to_dict()) == SPEC and "silicone" not in SPEC.to_dict()
 
 
-@pytest.mark.parametrize("change, said", [
-    (("[surface.depth_mm]", "[surface.depth]"), "unknown key 'depth'"),
-    (('plastic = "asa"', ""), "'plastic' is missing"),
-    (('style = "printed"', 'style = "printed"\nsilicone = "platinum_a20"'), "has no silicone"),
-    (("draft_deg = 3.0", "draft_deg = 1.0"), "draft_deg = 1"), (("value = 0.025", "value = 0.5"), "high"),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    "change, said",
+    [
+        (("[surface.depth_mm]", "[surface.depth]"), "unknown key 'depth'"),
+        (('plastic = "asa"', ""), "'plastic' is missing"),
+        (('style = "printed"', 'style = "printed"\nsilicone = "platinum_a20"'), "has no silicone"),
+        (("draft_deg = 3.0", "draft_deg = 1.0"), "draft_deg = 1"),
+        (("value = 0.025", "value = 0.5"), "high"),
+    ],
+)
 def test_a_damaged_preset_is_one_line_and_no_file(change, said, tmp_path, capsys, monkeypatch):
     from dummydesign.core.library import find
 
@@ -128,8 +132,10 @@ def test_a_damaged_preset_is_one_line_and_no_file(change, said, tmp_path, capsys
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("text, thickness", [("crowned:3,8,9", 15.0), ("crowned:3,8,9,1", 15.0), ("boned:20,6", 15.0),
-                                             ("layered:3,0.4", 8.0)])  # fmt: skip
+@pytest.mark.parametrize(
+    "text, thickness",
+    [("crowned:3,8,9", 15.0), ("crowned:3,8,9,1", 15.0), ("boned:20,6", 15.0), ("layered:3,0.4", 8.0)],
+)
 def test_every_shape_is_cast_in_a_printed_mould(text, thickness):
     from dummydesign.mold.cad.build import build
 

@@ -126,10 +126,16 @@ def test_the_worker_takes_its_limit_from_the_question(tmp_path):
 @pytest.mark.slow
 def test_failed_check_keeps_no_file_but_reports_all_checks(monkeypatch, tmp_path):
     found = {
-        "files": {"mould": "mould_t5.step"}, "volumes_mm3": {}, "step_sha256": "0", "warnings": [], "batch": {},
+        "files": {"mould": "mould_t5.step"},
+        "volumes_mm3": {},
+        "step_sha256": "0",
+        "warnings": [],
+        "batch": {},
         "checks": [{"id": "draft_cavity", "value": -2.0, "limit": 1.99, "status": "fail"}],
-        "pour": {"components": [], "silicone_mass_g": 1.0}, "seconds": 1.0, "memory_MB": 1.0,
-    }  # fmt: skip
+        "pour": {"components": [], "silicone_mass_g": 1.0},
+        "seconds": 1.0,
+        "memory_MB": 1.0,
+    }
     code = (
         "import json, sys, pathlib; folder = json.load(open(sys.argv[1]))['folder']; "
         "(pathlib.Path(folder) / 'mould_t5.step').write_text('bad'); "
@@ -151,9 +157,16 @@ def test_failed_check_keeps_no_file_but_reports_all_checks(monkeypatch, tmp_path
 def test_final_name_taken_by_a_folder_is_refused(monkeypatch, tmp_path):
     (tmp_path / "mould_t5.step").mkdir()
     found = {
-        "files": {"mould": "mould_t5.step"}, "volumes_mm3": {}, "step_sha256": "0", "warnings": [], "batch": {},
-        "checks": [], "pour": {"components": [], "silicone_mass_g": 1.0}, "seconds": 1.0, "memory_MB": 1.0,
-    }  # fmt: skip
+        "files": {"mould": "mould_t5.step"},
+        "volumes_mm3": {},
+        "step_sha256": "0",
+        "warnings": [],
+        "batch": {},
+        "checks": [],
+        "pour": {"components": [], "silicone_mass_g": 1.0},
+        "seconds": 1.0,
+        "memory_MB": 1.0,
+    }
     code = (
         "import json, sys, pathlib; folder = json.load(open(sys.argv[1]))['folder']; "
         "(pathlib.Path(folder) / 'mould_t5.step').write_text('good'); "
@@ -169,9 +182,16 @@ def test_a_folder_that_has_a_final_name_is_left_and_the_mould_goes_into_a_folder
     out = tmp_path / "out"
     (out / "mould_t5.step").mkdir(parents=True)
     found = {
-        "files": {"mould": "mould_t5.step"}, "volumes_mm3": {}, "step_sha256": "0", "warnings": [], "batch": {},
-        "checks": [], "pour": {"components": [], "silicone_mass_g": 1.0}, "seconds": 1.0, "memory_MB": 1.0,
-    }  # fmt: skip
+        "files": {"mould": "mould_t5.step"},
+        "volumes_mm3": {},
+        "step_sha256": "0",
+        "warnings": [],
+        "batch": {},
+        "checks": [],
+        "pour": {"components": [], "silicone_mass_g": 1.0},
+        "seconds": 1.0,
+        "memory_MB": 1.0,
+    }
     code = (
         "import json, sys, pathlib; folder = json.load(open(sys.argv[1]))['folder']; "
         "(pathlib.Path(folder) / 'mould_t5.step').write_text('good'); "
@@ -217,14 +237,23 @@ def test_weights_without_cad_match_those_with_it(lidded_package, lidded_spec):
 
 
 SWEEP = [
-    (3, 150, 120, "open", {}), (30, 150, 120, "open", {}), (7.5, 150, 120, "open", {}),
-    (3, 150, 120, "lidded", {}), (30, 150, 120, "lidded", {}), (5, 20, 20, "open", {}), (30, 20, 20, "open", {}),
-    (20, 30, 140, "open", {}), (12, 50, 50, "lidded", {}), (5, 120, 142, "lidded", {}),
-    (10, 80, 60, "open", {"draft_deg": 0.0}), (10, 80, 60, "open", {"edge_radius_mm": 0.0}),
+    (3, 150, 120, "open", {}),
+    (30, 150, 120, "open", {}),
+    (7.5, 150, 120, "open", {}),
+    (3, 150, 120, "lidded", {}),
+    (30, 150, 120, "lidded", {}),
+    (5, 20, 20, "open", {}),
+    (30, 20, 20, "open", {}),
+    (20, 30, 140, "open", {}),
+    (12, 50, 50, "lidded", {}),
+    (5, 120, 142, "lidded", {}),
+    (10, 80, 60, "open", {"draft_deg": 0.0}),
+    (10, 80, 60, "open", {"edge_radius_mm": 0.0}),
     (10, 80, 60, "open", {"corner_radius_mm": 0.5, "edge_radius_mm": 0.0}),
-    (3, 80, 60, "open", {"edge_radius_mm": 2.6}), (10, 80, 60, "open", {"draft_deg": 10.0}),
+    (3, 80, 60, "open", {"edge_radius_mm": 2.6}),
+    (10, 80, 60, "open", {"draft_deg": 10.0}),
     (30, 80, 60, "lidded", {"draft_deg": 0.0}),
-]  # fmt: skip
+]
 
 
 @pytest.mark.slow
@@ -249,8 +278,26 @@ def test_names_in_any_script_work_to_the_end(encoding, tmp_path):
     resin = resin.replace('name = "polyurethane-nagoya"', 'name = "樹脂-weiß"')
     (home / "materials/resins/樹脂-weiß.toml").write_text(resin, encoding="utf-8")
     (home / "molds/型-für.toml").write_bytes((root / "molds/open.toml").read_bytes())
-    command = [sys.executable, "-m", "dummydesign", "mold", "--thickness", "5", "--length", "60", "--width", "60",
-               "--resin", "樹脂-weiß", "--ratio", "15", "--preset", "型-für", "--out", "出力-ö"]  # fmt: skip
+    command = [
+        sys.executable,
+        "-m",
+        "dummydesign",
+        "mold",
+        "--thickness",
+        "5",
+        "--length",
+        "60",
+        "--width",
+        "60",
+        "--resin",
+        "樹脂-weiß",
+        "--ratio",
+        "15",
+        "--preset",
+        "型-für",
+        "--out",
+        "出力-ö",
+    ]
     environment = {**os.environ, "DUMMYDESIGN_HOME": str(home), "PYTHONIOENCODING": encoding, "PYTHONPATH": str(root)}
     done = subprocess.run(command, capture_output=True, env=environment, cwd=tmp_path)
     assert done.returncode == 0, done.stderr

@@ -11,13 +11,18 @@ from dummydesign.mold.runner import make_mold
 from tests.support.mould_checks import no_check_fails, shape_spec
 
 REFUSED = [
-    (["--shape", "crown:10,2"], "did you mean 'crowned'"), (["--shape", "crowned:10"], "needs height"),
-    (["--shape", "crowned:5,6"], "no cap that widens"), (["--shape", "crowned:20,7"], "at least 1.5 mm"),
-    (["--shape", "puck:3"], "takes no parameters"), (["--shape", "layered:4,0.05"], "allowed is 0.199 to 21"),
-    (["--shape", "layered:4,0.4", "--preset", "lidded"], "--preset open"), (["--base-ratio", "14.5"], "layered pad"),
+    (["--shape", "crown:10,2"], "did you mean 'crowned'"),
+    (["--shape", "crowned:10"], "needs height"),
+    (["--shape", "crowned:5,6"], "no cap that widens"),
+    (["--shape", "crowned:20,7"], "at least 1.5 mm"),
+    (["--shape", "puck:3"], "takes no parameters"),
+    (["--shape", "layered:4,0.05"], "allowed is 0.199 to 21"),
+    (["--shape", "layered:4,0.4", "--preset", "lidded"], "--preset open"),
+    (["--base-ratio", "14.5"], "layered pad"),
     (["--shape", "boned:20,4", "--preset", "lidded"], "--preset open"),
-    (["--shape", "layered:4,0.4", "--base-ratio", "3"], "14.0 to 20.0"), (["--shape", "bumped:5,6,1"], "caps overlap"),
-]  # fmt: skip
+    (["--shape", "layered:4,0.4", "--base-ratio", "3"], "14.0 to 20.0"),
+    (["--shape", "bumped:5,6,1"], "caps overlap"),
+]
 
 
 @pytest.mark.parametrize("arguments, named", REFUSED)
@@ -35,12 +40,18 @@ def test_refused_before_cad_with_the_reason(arguments, named, tmp_path, capsys, 
 @pytest.mark.parametrize(
     "text, thickness, preset",
     [
-        ("crowned:10,2", 5.0, "open"), ("crowned:3,8,9", 15.0, "lidded"), ("crowned:3,8,9,1", 15.0, "open"),
-        ("bumped:13,6,1.5,0.2", 10.0, "lidded"), ("layered:8,0.4", 20.0, "open"), ("boned:20,6", 15.0, "open"),
-        ("boned:20,6,0,1", 15.0, "open"), ("crowned:1,12,10", 25.0, "open"), ("boned:1,10,14,1", 20.0, "open"),
+        ("crowned:10,2", 5.0, "open"),
+        ("crowned:3,8,9", 15.0, "lidded"),
+        ("crowned:3,8,9,1", 15.0, "open"),
+        ("bumped:13,6,1.5,0.2", 10.0, "lidded"),
+        ("layered:8,0.4", 20.0, "open"),
+        ("boned:20,6", 15.0, "open"),
+        ("boned:20,6,0,1", 15.0, "open"),
+        ("crowned:1,12,10", 25.0, "open"),
+        ("boned:1,10,14,1", 20.0, "open"),
         ("crowned:10,2,6,0,2,2,20,18", 5.0, "open"),
     ],
-)  # fmt: skip
+)
 def test_every_shape_is_made_with_all_its_files(text, thickness, preset, tmp_path):
     result = make_mold(shape_spec(text, thickness, preset=preset), tmp_path)
     assert no_check_fails(result.checks)

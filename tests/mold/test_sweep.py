@@ -26,10 +26,12 @@ ONE_OPENING = ("layered", "boned")
 def shapes(h):
     """A pad of each kind that a thickness can have."""
     return {
-        "slab": "slab", "crowned": f"crowned:12,{min(0.3 * h, 5):g}",
+        "slab": "slab",
+        "crowned": f"crowned:12,{min(0.3 * h, 5):g}",
         "bumped": f"bumped:12,5,{min(0.25 * h, 1.5):g},0,1",
-        "layered": f"layered:{0.5 * h:g},0.4", "boned": f"boned:20,{0.3 * h:g}",
-    }  # fmt: skip
+        "layered": f"layered:{0.5 * h:g},0.4",
+        "boned": f"boned:20,{0.3 * h:g}",
+    }
 
 
 SWEEP = [(kind, preset, h) for h, preset in product(THICKNESSES, PRESETS) for kind in shapes(h)]

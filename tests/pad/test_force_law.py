@@ -89,8 +89,11 @@ def test_a_solved_law_keeps_the_form_of_its_thicknesses_and_names_one_that_was_n
     for thickness in (10.0, np.array([10.0]), np.array([[10.0], [10.0 + 1e-12]])):
         limit = solved.depth_limit_mm(thickness, RADIUS)
         assert np.shape(limit) == np.shape(thickness) and np.all(limit == 5.0)
-    asked = (lambda: solved.force(1.0, 8.1, 0.03, RADIUS), lambda: solved.depth_limit_mm(8.1, RADIUS),
-             lambda: solved.relative_error(1.0, 8.1, RADIUS))  # fmt: skip
+    asked = (
+        lambda: solved.force(1.0, 8.1, 0.03, RADIUS),
+        lambda: solved.depth_limit_mm(8.1, RADIUS),
+        lambda: solved.relative_error(1.0, 8.1, RADIUS),
+    )
     for ask in asked:
         with pytest.raises(ValueError, match=r"thicknesses of 10 mm, requested 8\.1 mm"):
             ask()

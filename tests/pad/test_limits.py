@@ -31,11 +31,13 @@ RANGES = {
     "fillet": (lambda one: check_fillet(one, 2.0), None, LARGEST_EDGE_RADIUS * 2.0),
     "edge": (lambda one: Pad(10.0, 0.03, 8.0, edge_radius_mm=one), 0.0, LARGEST_EDGE_RADIUS * 8.0),
     "edge of an oblong": (
-        lambda one: Pad(10.0, 0.03, 8.0, sides_mm=(20.0, 10.0), edge_radius_mm=one), 0.0, LARGEST_EDGE_RADIUS * 5.0,
+        lambda one: Pad(10.0, 0.03, 8.0, sides_mm=(20.0, 10.0), edge_radius_mm=one),
+        0.0,
+        LARGEST_EDGE_RADIUS * 5.0,
     ),
     "offset": (lambda one: Load(Slab(), 9.0, (1.0, 1.0), (3.0, 3.0), offset=(0.0, one)).check(), -1.7, 1.7),
     "depth": (lambda one: relative_depths([1.0, one], 10.0), 0.0, MAX_DEPTH_OVER_THICKNESS * 10.0),
-}  # fmt: skip
+}
 
 
 @pytest.mark.parametrize("name", RANGES)
@@ -51,9 +53,14 @@ def test_the_ends_of_a_range_belong_to_it_and_one_per_cent_beyond_is_refused(nam
 
 @pytest.mark.parametrize(
     ("shape", "thickness", "stays"),
-    [(Boned(9.0, 7.5, 9.0), 10.0, True), (Layered(0.21, 2.0), 10.0, True), (Layered(0.19, 2.0), 10.0, False),
-     (Layered(9.79, 2.0), 10.0, True), (Layered(9.81, 2.0), 10.0, False)],
-)  # fmt: skip
+    [
+        (Boned(9.0, 7.5, 9.0), 10.0, True),
+        (Layered(0.21, 2.0), 10.0, True),
+        (Layered(0.19, 2.0), 10.0, False),
+        (Layered(9.79, 2.0), 10.0, True),
+        (Layered(9.81, 2.0), 10.0, False),
+    ],
+)
 def test_a_fiftieth_of_a_pad_must_stay_at_its_thinnest(shape, thickness, stays):
     case = Case(0.8, 7.0, shape=shape, thickness_mm=thickness)
     if stays:

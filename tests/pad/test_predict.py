@@ -82,8 +82,9 @@ def test_the_interval_of_a_motion_adds_the_error_of_the_curve_and_what_is_allowe
     elastic = curve.force(motion.displacement_mm)
     force = np.maximum(relaxed_force(motion.time_s, elastic, ARMS), 0.0)
     error = force * curve.relative_error(np.maximum.accumulate(np.maximum(motion.displacement_mm, 0.0)))
-    below, above = allowance(own.base, 7.9 / 12.0, motion.displacement_mm / 12.0, motion.time_s, elastic, ARMS,
-                             own.geometry, 12.0)  # fmt: skip
+    below, above = allowance(
+        own.base, 7.9 / 12.0, motion.displacement_mm / 12.0, motion.time_s, elastic, ARMS, own.geometry, 12.0
+    )
     assert found.force_N == pytest.approx(force, abs=1e-12)
     assert found.force_high_N == pytest.approx(force + error + above, abs=1e-12)
     assert found.force_low_N == pytest.approx(np.maximum(force - error - below, 0.0), abs=1e-12)
@@ -213,11 +214,19 @@ def test_the_quick_error_lies_on_straight_lines_inside_and_is_carried_on_as_stat
 def test_the_quick_error_is_read_as_a_share_of_the_viscous_force_and_must_fill_its_grid():
     error = quick_error()
     rows = [
-        {"base": base, "radius_over_thickness": ratio, "relative_depth": depth, "rise_over_tau": rise,
-         "viscous_share_at_peak": 0.5, "error_at_peak": sign * 0.5 * error.rho[i, j + 1, k]}
-        for base, sign in (("bonded", 1.0), ("sliding", -1.0)) for i, ratio in enumerate(error.ratio)
-        for j, depth in enumerate(error.depth[1:]) for k, rise in enumerate(error.rise)
-    ]  # fmt: skip
+        {
+            "base": base,
+            "radius_over_thickness": ratio,
+            "relative_depth": depth,
+            "rise_over_tau": rise,
+            "viscous_share_at_peak": 0.5,
+            "error_at_peak": sign * 0.5 * error.rho[i, j + 1, k],
+        }
+        for base, sign in (("bonded", 1.0), ("sliding", -1.0))
+        for i, ratio in enumerate(error.ratio)
+        for j, depth in enumerate(error.depth[1:])
+        for k, rise in enumerate(error.rise)
+    ]
     for base, sign in (("bonded", 1.0), ("sliding", -1.0)):
         read = predict._from_dict({"single": rows[::-1]}, base)
         assert read.rho == pytest.approx(sign * error.rho) and read.depth == pytest.approx(error.depth)
@@ -370,20 +379,32 @@ def test_depths_that_are_asked_for_are_solved_whatever_the_face_does(monkeypatch
 
 @pytest.mark.parametrize(
     ("change", "has"),
-    [({}, True), ({"sides_mm": (14.0, 12.0)}, False), ({"sides_mm": None}, False), ({"base": "sliding"}, True),
-     ({"edge_radius_mm": 0.5}, True), ({"law": Yeoh(1.0, 0.1)}, False), ({"poisson": 0.49}, False),
-     ({"condition": "frictionless"}, False), ({"thickness_mm": 60.0}, False), ({"thickness_mm": 2.0}, False)],
-)  # fmt: skip
+    [
+        ({}, True),
+        ({"sides_mm": (14.0, 12.0)}, False),
+        ({"sides_mm": None}, False),
+        ({"base": "sliding"}, True),
+        ({"edge_radius_mm": 0.5}, True),
+        ({"law": Yeoh(1.0, 0.1)}, False),
+        ({"poisson": 0.49}, False),
+        ({"condition": "frictionless"}, False),
+        ({"thickness_mm": 60.0}, False),
+        ({"thickness_mm": 2.0}, False),
+    ],
+)
 def test_a_square_has_its_tabulated_factor_where_base_law_and_proportion_are_in_the_table(change, has):
     assert has_square_factor(pad(**({"thickness_mm": 10.0, "sides_mm": (14.0, 14.0)} | change))) == has
 
 
 @pytest.mark.parametrize(
     ("change", "code"),
-    [({"base": "sliding", "geometry": Crowned(20.0, 2.0)}, "not_tabulated"),
-     ({"edge_radius_mm": 0.5, "geometry": Crowned(20.0, 2.0)}, "not_tabulated"),
-     ({"poisson": 0.49}, "not_tabulated"), ({"condition": "frictionless"}, "not_tabulated")],
-)  # fmt: skip
+    [
+        ({"base": "sliding", "geometry": Crowned(20.0, 2.0)}, "not_tabulated"),
+        ({"edge_radius_mm": 0.5, "geometry": Crowned(20.0, 2.0)}, "not_tabulated"),
+        ({"poisson": 0.49}, "not_tabulated"),
+        ({"condition": "frictionless"}, "not_tabulated"),
+    ],
+)
 def test_what_no_table_has_is_refused_by_the_table(change, code):
     with raises_code(code):
         elastic_curve(pad(**change), "table")

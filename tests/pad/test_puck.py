@@ -96,8 +96,10 @@ def test_a_puck_is_the_same_in_metres_and_of_any_law_up_to_its_modulus():
 
 
 def test_a_predicted_puck_is_the_solved_one_and_slips_unless_said():
-    slipping, held = (predict_static(Puck(30.0, 0.03, 50.0, plates=p), [3.0, 6.0], "axisymmetric").force_N
-                      for p in ("frictionless", "friction:0.5"))  # fmt: skip
+    slipping, held = (
+        predict_static(Puck(30.0, 0.03, 50.0, plates=p), [3.0, 6.0], "axisymmetric").force_N
+        for p in ("frictionless", "friction:0.5")
+    )
     assert np.array_equal(slipping, predict_static(Puck(30.0, 0.03, 50.0), [3.0, 6.0], "axisymmetric").force_N)
     stretch = 1.0 - np.array([3.0, 6.0]) / 30.0
     assert slipping == pytest.approx(0.01 * np.pi * 625.0 * (stretch**-2 - stretch), rel=2e-3)

@@ -44,11 +44,15 @@ def pad(**more) -> Pad:
 
 @pytest.mark.parametrize(
     ("change", "known"),
-    [({}, True), ({"sides_mm": (14.0, 14.0)}, True), ({"sides_mm": (14.0, 10.0)}, False),
-     ({"sides_mm": (14.0, 10.0), "fidelity": "3d"}, True),
-     ({"sides_mm": (14.0, 14.0), "condition": "frictionless"}, False),
-     ({"sides_mm": (14.0, 14.0), "law": Yeoh(1.0, 0.1)}, False)],
-)  # fmt: skip
+    [
+        ({}, True),
+        ({"sides_mm": (14.0, 14.0)}, True),
+        ({"sides_mm": (14.0, 10.0)}, False),
+        ({"sides_mm": (14.0, 10.0), "fidelity": "3d"}, True),
+        ({"sides_mm": (14.0, 14.0), "condition": "frictionless"}, False),
+        ({"sides_mm": (14.0, 14.0), "law": Yeoh(1.0, 0.1)}, False),
+    ],
+)
 def test_corners_are_known_of_round_punches_in_space_and_of_glued_squares_in_the_table(change, known):
     own, fidelity = dict(change), change.get("fidelity", "axisymmetric")
     own.pop("fidelity", None)
@@ -193,9 +197,15 @@ def test_what_lies_between_nodes_is_doubted_by_a_quarter_of_what_leaving_one_out
 
 @pytest.mark.parametrize(
     ("change", "inside"),
-    [({}, True), ({"base": "sliding"}, True), ({"base": "friction:0.3"}, False), ({"edge_radius_mm": 0.5}, False),
-     ({"condition": "frictionless"}, False), ({"profile_mm": ((0.0, 3.0, 6.0), (0.0, 0.3, 1.0))}, False)],
-)  # fmt: skip
+    [
+        ({}, True),
+        ({"base": "sliding"}, True),
+        ({"base": "friction:0.3"}, False),
+        ({"edge_radius_mm": 0.5}, False),
+        ({"condition": "frictionless"}, False),
+        ({"profile_mm": ((0.0, 3.0, 6.0), (0.0, 0.3, 1.0))}, False),
+    ],
+)
 def test_a_table_s_own_punch_and_base_need_no_solve(monkeypatch, change, inside):
     assert in_table(pad(**change)) == inside
     asked = []

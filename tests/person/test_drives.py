@@ -102,10 +102,14 @@ def test_force_gives_the_depth_that_another_integrator_gives(velocity):
     found = read_drive("force").respond(press, People.of(TISSUE.parameter_sets, velocity))
     for row, one in enumerate(TISSUE.parameter_sets):
         own = skin_by_force(
-            one.gamma1_N_per_mm3, one.gamma_N_per_mm3, one.dampers_at(velocity),
-            lambda t: np.interp(t, run.t, run.f), lambda t: np.interp(t, run.t[after], rate),
-            0.01 * 1.4 / velocity, run.t[-1],
-        )  # fmt: skip
+            one.gamma1_N_per_mm3,
+            one.gamma_N_per_mm3,
+            one.dampers_at(velocity),
+            lambda t: np.interp(t, run.t, run.f),
+            lambda t: np.interp(t, run.t[after], rate),
+            0.01 * 1.4 / velocity,
+            run.t[-1],
+        )
         near(found, own, row)
 
 
@@ -183,8 +187,9 @@ def test_a_free_mass_on_springs_is_that_of_the_closed_form_and_of_the_safety_vie
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("velocity", "stiffness", "mass"), [(10.0, 5.0, 0.5), (250.0, 20.0, 0.1), (250.0, 80.0, 0.5),
-                                                            (100.0, 300.0, 5.0)])  # fmt: skip
+@pytest.mark.parametrize(
+    ("velocity", "stiffness", "mass"), [(10.0, 5.0, 0.5), (250.0, 20.0, 0.1), (250.0, 80.0, 0.5), (100.0, 300.0, 5.0)]
+)
 @pytest.mark.parametrize("ratio", (0.0, 0.05))
 def test_an_arm_with_a_spring_acts_on_people_as_its_true_command_does(velocity, stiffness, mass, ratio):
     path, speed, end = command(velocity, 2.0, 2.0, 0.02)
@@ -294,15 +299,31 @@ def test_a_declared_filter_is_undone():
             assert one[name] == pytest.approx(other[name], rel=1e-2), (text, name)
 
 
-@pytest.mark.parametrize(("text", "code"), [
-    ("mass:0", "out_of_range"), ("mass:-2", "out_of_range"), ("mass:4000", "implausible_unit"),
-    ("mass", "malformed"), ("mass:two", "not_a_number"), ("mass:nan", "not_a_number"), ("mass:1,2", "malformed"),
-    ("spring:0,3", "out_of_range"), ("spring:-5,3", "out_of_range"), ("spring:20000,3", "implausible_unit"),
-    ("spring:20", "malformed"), ("spring:20,3,0.1,1", "malformed"), ("spring:20,3,-0.1", "out_of_range"),
-    ("spring:20,3,5", "out_of_range"), ("spring:20,3,nan", "not_a_number"),
-    ("spring:20,0", "out_of_range"), ("spring:20,4000", "implausible_unit"),
-    ("bounce", "unknown_name"), ("position:3", "malformed"), ("", "unknown_name"),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("text", "code"),
+    [
+        ("mass:0", "out_of_range"),
+        ("mass:-2", "out_of_range"),
+        ("mass:4000", "implausible_unit"),
+        ("mass", "malformed"),
+        ("mass:two", "not_a_number"),
+        ("mass:nan", "not_a_number"),
+        ("mass:1,2", "malformed"),
+        ("spring:0,3", "out_of_range"),
+        ("spring:-5,3", "out_of_range"),
+        ("spring:20000,3", "implausible_unit"),
+        ("spring:20", "malformed"),
+        ("spring:20,3,0.1,1", "malformed"),
+        ("spring:20,3,-0.1", "out_of_range"),
+        ("spring:20,3,5", "out_of_range"),
+        ("spring:20,3,nan", "not_a_number"),
+        ("spring:20,0", "out_of_range"),
+        ("spring:20,4000", "implausible_unit"),
+        ("bounce", "unknown_name"),
+        ("position:3", "malformed"),
+        ("", "unknown_name"),
+    ],
+)
 def test_bad_drives_are_refused(text, code):
     with pytest.raises(InputError) as raised:
         read_drive(text)
@@ -313,5 +334,8 @@ def test_units_of_masses_and_stiffnesses():
     assert read_drive("spring:20000N/m,500g").values == pytest.approx((20.0, 0.5, 0.0))
     assert read_drive("spring:20,0.5,5%").values == pytest.approx((20.0, 0.5, 0.05))
     assert [read_drive(text).text for text in ("spring:20,3", "spring:20,3,0", "spring:20,3,0.05")] == [
-        "spring:20,3", "spring:20,3", "spring:20,3,0.05"]  # fmt: skip
+        "spring:20,3",
+        "spring:20,3",
+        "spring:20,3,0.05",
+    ]
     assert list(DRIVES) == ["position", "steady", "force", "mass", "spring"]

@@ -13,15 +13,23 @@ from dummydesign.tissue.model.tissue_file import load_tissue
 
 
 def row(body, depth_mm, peak_N):
-    return {"body": body, "depth_mm": depth_mm, "peak_force_N": peak_N, "energy_mJ": 1.0,
-            "mean_pressure_N_per_cm2": 1.0, "note": ""}  # fmt: skip
+    return {
+        "body": body,
+        "depth_mm": depth_mm,
+        "peak_force_N": peak_N,
+        "energy_mJ": 1.0,
+        "mean_pressure_N_per_cm2": 1.0,
+        "note": "",
+    }
 
 
 def marked(shares, mass_kg=16.0):
     tissue = load_tissue("palm")
     deepest, strongest = limits_of_subjects(tissue)
-    rows = [row(f"tissue, subject {at + 1}", 0.5 * deep, share * most)
-            for at, (deep, most, share) in enumerate(zip(deepest, strongest, shares))]  # fmt: skip
+    rows = [
+        row(f"tissue, subject {at + 1}", 0.5 * deep, share * most)
+        for at, (deep, most, share) in enumerate(zip(deepest, strongest, shares))
+    ]
     view = SafetyView((), (row("pad", 3.0, 90.0), *rows), "A free mass.")
     return with_known_range(view, tissue, mass_kg, 250.0)
 

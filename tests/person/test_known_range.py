@@ -65,11 +65,14 @@ def test_a_press_is_beyond_where_the_fitted_presses_end_not_where_the_protocol_d
             assert any(row.quantity == "depth_mm" for row in beyond) == wanted, (depth, one is tissue)
 
 
-@pytest.mark.parametrize(("old", "new", "code"), [
-    ("pressed.depth_mm", "pressed.depth", "malformed"),
-    ("pressed.depth_mm = {", "pressed.depth_mm = 1.0 #", "malformed"),
-    ("pressed.", "press.", "unknown_key"),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("old", "new", "code"),
+    [
+        ("pressed.depth_mm", "pressed.depth", "malformed"),
+        ("pressed.depth_mm = {", "pressed.depth_mm = 1.0 #", "malformed"),
+        ("pressed.", "press.", "unknown_key"),
+    ],
+)
 def test_a_range_that_is_not_whole_is_refused(tissue, tmp_path, old, new, code):
     path = tmp_path / "odd.toml"
     path.write_text(tissue_toml(tissue).replace(old, new), encoding="utf-8")

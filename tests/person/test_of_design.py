@@ -12,8 +12,20 @@ pytestmark = pytest.mark.slow
 @pytest.fixture(scope="module")
 def designed(tmp_path_factory):
     folder = tmp_path_factory.mktemp("design")
-    words = ["suggest", "--tissue", "palm", "--shape", "slab", "--no-cad", "--no-verify", "--drive", "steady",
-             "--out", str(folder / "o"), "--json"]  # fmt: skip
+    words = [
+        "suggest",
+        "--tissue",
+        "palm",
+        "--shape",
+        "slab",
+        "--no-cad",
+        "--no-verify",
+        "--drive",
+        "steady",
+        "--out",
+        str(folder / "o"),
+        "--json",
+    ]
     import contextlib
     import io
 

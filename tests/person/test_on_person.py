@@ -40,8 +40,12 @@ def struck(mass=2.0, velocity=200.0):
     lead = np.linspace(-0.01, 0.0, 200)[:-1]
     back = slice(None, None, -1)
     t = np.r_[lead, hit.t, 2 * hit.t[-1] - hit.t[back][1:]]
-    return sampled(Run(t, np.r_[velocity * lead, hit.x, hit.x[back][1:]], np.r_[0 * lead, hit.f, hit.f[back][1:]]),
-                   2000.0, noise_N=0.02, noise_mm=0.001)  # fmt: skip
+    return sampled(
+        Run(t, np.r_[velocity * lead, hit.x, hit.x[back][1:]], np.r_[0 * lead, hit.f, hit.f[back][1:]]),
+        2000.0,
+        noise_N=0.02,
+        noise_mm=0.001,
+    )
 
 
 @pytest.mark.slow
@@ -102,11 +106,18 @@ def test_the_same_question_has_the_same_answer():
     assert one == other
 
 
-@pytest.mark.parametrize(("high", "low", "beyond", "result"), [
-    (90.0, 50.0, False, "pass"), (90.0, 50.0, True, "undecided"), (110.0, 50.0, False, "undecided"),
-    (110.0, 101.0, False, "fail"), (110.0, 101.0, True, "fail"), (None, 50.0, False, "undecided"),
-    (100.0, 50.0, False, "pass"),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("high", "low", "beyond", "result"),
+    [
+        (90.0, 50.0, False, "pass"),
+        (90.0, 50.0, True, "undecided"),
+        (110.0, 50.0, False, "undecided"),
+        (110.0, 101.0, False, "fail"),
+        (110.0, 101.0, True, "fail"),
+        (None, 50.0, False, "undecided"),
+        (100.0, 50.0, False, "pass"),
+    ],
+)
 def test_the_guard_band(high, low, beyond, result):
     assert decide(high, (low, 20.0), 100.0, beyond)[0] == result
 
@@ -145,12 +156,19 @@ def test_an_extrapolation_says_how_far():
     assert inside.beyond == ()
 
 
-@pytest.mark.parametrize(("trace", "looks", "fits", "not_"), [
-    (press(noise_N=0.01, noise_mm=0.001), "position", ("position", "steady", "spring:2000,3"),
-     ("force", "mass:2", "spring:3,1")),
-    (crept(), "force", ("force",), ("position", "steady", "mass:2")),
-    (struck(), "mass", ("mass:2", "mass:1.8"), ("position", "force", "mass:8")),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("trace", "looks", "fits", "not_"),
+    [
+        (
+            press(noise_N=0.01, noise_mm=0.001),
+            "position",
+            ("position", "steady", "spring:2000,3"),
+            ("force", "mass:2", "spring:3,1"),
+        ),
+        (crept(), "force", ("force",), ("position", "steady", "mass:2")),
+        (struck(), "mass", ("mass:2", "mass:1.8"), ("position", "force", "mass:8")),
+    ],
+)
 def test_the_trace_tells_which_drive_made_it(trace, looks, fits, not_):
     signs = signs_of(read_press(trace))
     assert signs.looks_like == looks
@@ -186,14 +204,20 @@ def cut(trace, until):
 WHOLE = press()
 
 
-@pytest.mark.parametrize(("trace", "drive", "code"), [
-    (cut(WHOLE, 0.012), "position", "not_enough_data"),
-    (replace(WHOLE, force_N=0.02 * np.random.default_rng(1).standard_normal(len(WHOLE.time_s))), "position",
-     "nothing_found"),
-    (replace(WHOLE, displacement_mm=WHOLE.displacement_mm - 5.0), "position", "nothing_found"),
-    (replace(WHOLE, displacement_mm=WHOLE.displacement_mm + 1.0), "position", None),
-    (cut(WHOLE, 0.1), "steady", "not_enough_data"),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("trace", "drive", "code"),
+    [
+        (cut(WHOLE, 0.012), "position", "not_enough_data"),
+        (
+            replace(WHOLE, force_N=0.02 * np.random.default_rng(1).standard_normal(len(WHOLE.time_s))),
+            "position",
+            "nothing_found",
+        ),
+        (replace(WHOLE, displacement_mm=WHOLE.displacement_mm - 5.0), "position", "nothing_found"),
+        (replace(WHOLE, displacement_mm=WHOLE.displacement_mm + 1.0), "position", None),
+        (cut(WHOLE, 0.1), "steady", "not_enough_data"),
+    ],
+)
 def test_bad_traces_are_one_line(trace, drive, code):
     with pytest.raises(InputError) as raised:
         on_person([trace], TISSUE, read_drive(drive))

@@ -22,11 +22,17 @@ def limit(value, middle, spread, name="force transient"):
 
 
 def press(file, middle=100.0, spread=0.3, own=(0.1, 0.1), limits=(), beyond=()):
-    subjects = [{"interval_95": {"peak_N": interval(middle, one), "steady_N": interval(middle, 2.0 * one)}}
-                for one in own]  # fmt: skip
+    subjects = [
+        {"interval_95": {"peak_N": interval(middle, one), "steady_N": interval(middle, 2.0 * one)}} for one in own
+    ]
     of_press = SimpleNamespace(trace=SimpleNamespace(name=file), velocity_mm_s=10.0)
-    return SimpleNamespace(press=of_press, subjects=subjects or [{"interval_95": None}], limits=limits, beyond=beyond,
-                           interval={"peak_N": interval(middle, spread)})  # fmt: skip
+    return SimpleNamespace(
+        press=of_press,
+        subjects=subjects or [{"interval_95": None}],
+        limits=limits,
+        beyond=beyond,
+        interval={"peak_N": interval(middle, spread)},
+    )
 
 
 def budget_of(*presses):

@@ -39,8 +39,9 @@ def test_a_damped_arm_on_a_spring_swings_as_in_closed_form(ratio):
     def given(time):
         return force, 0.0
 
-    run = run_robot(springs(k), arm, given, end, np.zeros(1), np.ones(1), lambda time: arm.period_s / 48.0,
-                    tolerance=1.0)  # fmt: skip
+    run = run_robot(
+        springs(k), arm, given, end, np.zeros(1), np.ones(1), lambda time: arm.period_s / 48.0, tolerance=1.0
+    )
     d = arm.damping_N_s_per_mm / (2e-3 * mass)
     w = np.sqrt((stiffness + k) / (1e-3 * mass) - d**2)
     t = run.time_s

@@ -78,11 +78,21 @@ def test_a_project_file_that_is_no_text_is_refused(tmp_path):
 def test_options_come_from_the_project_and_what_is_typed_wins(tmp_path):
     project = make_project(tmp_path, tissue="palm", resin="ecoflex-00-30", aim="safe-side", ratio="0:20")
     assert words_for(project, ["suggest"]) == [
-        "--tissue", "palm", "--resin", "ecoflex-00-30", "--aim", "safe-side", "--ratio", "0:20",
-    ]  # fmt: skip
+        "--tissue",
+        "palm",
+        "--resin",
+        "ecoflex-00-30",
+        "--aim",
+        "safe-side",
+        "--ratio",
+        "0:20",
+    ]
     assert words_for(project, ["suggest", "--aim=average", "--ratio", "5:10"]) == [
-        "--tissue", "palm", "--resin", "ecoflex-00-30",
-    ]  # fmt: skip
+        "--tissue",
+        "palm",
+        "--resin",
+        "ecoflex-00-30",
+    ]
     assert words_for(project, ["compare", "a.csv"]) == ["--tissue", "palm"]
     assert words_for(project, ["replay", "a"]) == []
 

@@ -17,8 +17,10 @@ def wrote(folder, command, date, **summary):
 def plan(root, name, files):
     folder = root / "campaigns" / name
     folder.mkdir()
-    rows = [f'[[trial]]\nfile = "{file}"\nthickness_mm = 5.0\nvelocity_mm_s = 10.0\ntarget_force_N = 5.0\n'
-            for file in files]  # fmt: skip
+    rows = [
+        f'[[trial]]\nfile = "{file}"\nthickness_mm = 5.0\nvelocity_mm_s = 10.0\ntarget_force_N = 5.0\n'
+        for file in files
+    ]
     head = 'schema = 1\nname = "x"\n[pad]\nyoung_kPa_nominal = 25.0\nlength_mm = 150.0\nwidth_mm = 120.0\n'
     head += 'base = "bonded"\n[punch]\nshape = "square"\nside_mm = 14.0\ncontact = "bonded"\n[sensor]\n'
     (folder / "campaign.toml").write_text(head + "".join(rows), encoding="utf-8")
@@ -58,8 +60,14 @@ def test_a_red_design_asks_for_no_mould_and_an_unsettled_one_for_a_puck_first(tm
         status = status_of(project)
         return status.next_text, status.next_command, next_page(status)
 
-    wrote(tmp_path / "designs" / "red", "suggest", "2026-01-02", **pad, verdict="not_representative",
-          next={"do": "do not cast this pad: why", "command": None})  # fmt: skip
+    wrote(
+        tmp_path / "designs" / "red",
+        "suggest",
+        "2026-01-02",
+        **pad,
+        verdict="not_representative",
+        next={"do": "do not cast this pad: why", "command": None},
+    )
     text, command, page = then()
     assert text.startswith("do not cast this pad: why") and command.startswith("dummydesign suggest")
     assert page == "/design"

@@ -64,13 +64,20 @@ def test_a_probability_is_never_printed_as_nothing(share, text):
 
 def rows(*shares):
     rating = dict.fromkeys(("R", "Z", "EP", "EM", "ES"), 0.9)
-    return [{"steady_force_N": 15.0, "velocity_mm_s": 250.0, "inside_fraction": share, "rating": rating}
-            for share in shares]  # fmt: skip
+    return [
+        {"steady_force_N": 15.0, "velocity_mm_s": 250.0, "inside_fraction": share, "rating": rating} for share in shares
+    ]
 
 
 def miss(**changes):
-    return {"steady_force_N": 12.5, "velocity_mm_s": 250.0, "time_after_stop_s": -0.0123, "miss_N": -12.3,
-            "miss_percent": -98.0, **changes}  # fmt: skip
+    return {
+        "steady_force_N": 12.5,
+        "velocity_mm_s": 250.0,
+        "time_after_stop_s": -0.0123,
+        "miss_N": -12.3,
+        "miss_percent": -98.0,
+        **changes,
+    }
 
 
 def test_the_line_of_the_curves_fits_one_line_of_the_screen():
@@ -81,9 +88,16 @@ def test_the_line_of_the_curves_fits_one_line_of_the_screen():
     assert ";" not in curves_text({"conditions": rows(1.0, 1.0), "worst": None}, 5)
 
 
-@pytest.mark.parametrize("after_s, text", [
-    (0.0626, "63 ms after"), (-0.0051, "5.1 ms before"), (0.0, "at"), (0.1, "0.1 s after"), (1.234, "1.2 s after"),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    "after_s, text",
+    [
+        (0.0626, "63 ms after"),
+        (-0.0051, "5.1 ms before"),
+        (0.0, "at"),
+        (0.1, "0.1 s after"),
+        (1.234, "1.2 s after"),
+    ],
+)
 def test_a_moment_is_told_by_its_distance_from_the_stop(after_s, text):
     assert moment_text(after_s) == f"{text} the stop"
 

@@ -27,8 +27,19 @@ CROWN = "crowned:radius=21.2,height=2,foot=9.4"
 def made(tmp_path_factory, request):
     """A suggestion twice: folder, answer and folder of the second."""
     first, second = (tmp_path_factory.mktemp(name) for name in ("first", "second"))
-    words = ["suggest", "--tissue", "forefinger", "--shape", CROWN, "--thickness", "4.5:4.5", "--no-cad",
-             "--no-verify", "--json", "--out"]  # fmt: skip
+    words = [
+        "suggest",
+        "--tissue",
+        "forefinger",
+        "--shape",
+        CROWN,
+        "--thickness",
+        "4.5:4.5",
+        "--no-cad",
+        "--no-verify",
+        "--json",
+        "--out",
+    ]
     printed = []
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("builtins.print", lambda text="", **_: printed.append(str(text)))
@@ -83,9 +94,14 @@ def test_page_and_pdf_have_the_same_texts_and_the_answers_numbers(made):
     assert f"pour {best['batch']['pour_g']:.1f} g" in page and f"{best['young_kPa']['value']:.3g} kPa" in page
     assert len(best["conditions"]) == 6
     for row in best["conditions"]:
-        cells = [f"{row['steady_force_N']:g}", f"{row['velocity_mm_s']:g}", f"{row['depth_mm']:.2f}",
-                 f"{100 * row['gel_compression']:.0f} %", f"{row['peak_force_N']:.1f}",
-                 f"{row['target_peak_low_N']:.1f} to {row['target_peak_high_N']:.1f}"]  # fmt: skip
+        cells = [
+            f"{row['steady_force_N']:g}",
+            f"{row['velocity_mm_s']:g}",
+            f"{row['depth_mm']:.2f}",
+            f"{100 * row['gel_compression']:.0f} %",
+            f"{row['peak_force_N']:.1f}",
+            f"{row['target_peak_low_N']:.1f} to {row['target_peak_high_N']:.1f}",
+        ]
         assert " ".join(cells) in page
         at = texts.index(f"{row['steady_force_N']:g} N, {row['velocity_mm_s']:g} mm/s")
         assert texts[at - 1].startswith(f"{row['peak_force_N']:.1f} N: ")
@@ -108,8 +124,11 @@ def test_the_recipe_weighs_the_batch_that_is_mixed(made):
     cells = [re.findall(r"<td[^>]*>(.*?)</td>", row) for row in table.split("<tr>")[2:]]
     mixed = [(item["name"], f"{item['mass_g']:.1f}") for item in best["batch"]["components"]]
     assert [tuple(row[:2]) for row in cells[:-1]] == mixed
-    assert cells[-1][1:] == [f"{best['batch']['total_g']:.1f}", f"{best['recipe']['total_g']:.1f}",
-                             f"{best['batch']['pour_g']:.1f}"]  # fmt: skip
+    assert cells[-1][1:] == [
+        f"{best['batch']['total_g']:.1f}",
+        f"{best['recipe']['total_g']:.1f}",
+        f"{best['batch']['pour_g']:.1f}",
+    ]
     assert best["recipe"]["total_g"] < best["batch"]["total_g"]
 
 
@@ -148,12 +167,21 @@ def some_page(presses=6, long=False):
     section = pad_section(read_shape(CROWN), 4.5, (150.0, 120.0), read_punch("square:14"), "glued")
     rows = [[f"{n}", "250", "1.11", "8.6 to 10.3", "inside"] for n in range(presses)]
     return FrontPage(
-        f"Pad for the {'fore' * (60 if long else 1)}finger", words, ("amber", f"Not settled. {words}"),
-        ("Pad (mm)", section), "Recipe", [Fact("ratio", "15.5", True), *[Fact(words, words)] * (6 if long else 2)],
-        "Force", [Panel(plot, f"press {n} {words}", words, level="a") for n, plot in enumerate(plots)],
-        [("band", "people"), ("main", "pad")], Grid(("steady N", "mm/s", "depth mm", "people N", ""), rows),
-        [(words, [words] * 2)] * 3, [words] * (8 if long else 1),
-        [words, f"dummydesign suggest --out {'x' * (400 if long else 4)}", words], words, "report.html continues",
+        f"Pad for the {'fore' * (60 if long else 1)}finger",
+        words,
+        ("amber", f"Not settled. {words}"),
+        ("Pad (mm)", section),
+        "Recipe",
+        [Fact("ratio", "15.5", True), *[Fact(words, words)] * (6 if long else 2)],
+        "Force",
+        [Panel(plot, f"press {n} {words}", words, level="a") for n, plot in enumerate(plots)],
+        [("band", "people"), ("main", "pad")],
+        Grid(("steady N", "mm/s", "depth mm", "people N", ""), rows),
+        [(words, [words] * 2)] * 3,
+        [words] * (8 if long else 1),
+        [words, f"dummydesign suggest --out {'x' * (400 if long else 4)}", words],
+        words,
+        "report.html continues",
     )
 
 

@@ -93,10 +93,12 @@ def test_the_page_of_a_comparison_has_the_verdict_and_each_press(made):
 @pytest.mark.parametrize(
     ("light", "level", "numbers"),
     [
-        ("green", "stands_for", ()), ("amber", "usable_with_correction", ("1.12", "1.16")),
-        ("red", "not_representative", ("dummydesign loop",)), (None, "", ()),
+        ("green", "stands_for", ()),
+        ("amber", "usable_with_correction", ("1.12", "1.16")),
+        ("red", "not_representative", ("dummydesign loop",)),
+        (None, "", ()),
     ],
-)  # fmt: skip
+)
 def test_what_to_do_with_a_measured_pad_follows_from_its_light(light, level, numbers):
     verdict = light and {"light": light, "level": level, "correction": {"factor": 1.16, "force": 1.12}}
     steps = next_steps({"verdict": verdict})

@@ -60,11 +60,14 @@ def test_a_line_passes_through_its_points_and_breaks_where_one_is_missing():
 
 def test_all_layers_draw_valid_svg_with_words():
     layers = (
-        Line("l", [0, 1], [0, 1]), Dots("d", [0.5], [0.5]), Band("b", [0, 1], [0, 0], [1, 2]),
-        Band("s", [0, 1], [0, 0], [1, 2], sideways=True), Ellipse("e", 0.5, 0.5, 0.1, 0.2),
+        Line("l", [0, 1], [0, 1]),
+        Dots("d", [0.5], [0.5]),
+        Band("b", [0, 1], [0, 0], [1, 2]),
+        Band("s", [0, 1], [0, 0], [1, 2], sideways=True),
+        Ellipse("e", 0.5, 0.5, 0.1, 0.2),
         Cells("c", [0, 1, 2], [0, 1], np.arange(6.0).reshape(2, 3) / 6),
         Cells("uneven", [0, 1, 5], [0, 1], np.array([[0.1, 0.2, math.nan], [0.3, 0.4, 0.5]])),
-    )  # fmt: skip
+    )
     for chosen in (layers, (Bars("bars", ["p", "q & r"], [-1, -2], [1, 0]),)):
         figure = plot(*chosen)
         tree = xml.fromstring(figure.svg().replace("href=", "xlink="))

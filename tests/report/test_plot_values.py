@@ -124,11 +124,22 @@ def made(tmp_path_factory):
     folder = tmp_path_factory.mktemp("values")
     time = np.geomspace(1e-3, 10.0, 500)
     force = 5.0 + 7.0 * np.exp(-time)
-    press = plot(Band("subjects", time, force - 1.0, force + 2.0), Line("this pad", time, force), name="press",
-                 log_x=True, x_range=(1e-3, 10.0), y_range=(0.0, 16.0))  # fmt: skip
+    press = plot(
+        Band("subjects", time, force - 1.0, force + 2.0),
+        Line("this pad", time, force),
+        name="press",
+        log_x=True,
+        x_range=(1e-3, 10.0),
+        y_range=(0.0, 16.0),
+    )
     depth = np.linspace(0.0, 2.0, 80)
-    steady = plot(Band("band", depth**2, 0.9 * depth, 1.1 * depth, sideways=True), Line("steady", depth, depth**2),
-                  name="steady", x_range=(0.0, 2.5), y_range=(0.0, 5.0))  # fmt: skip
+    steady = plot(
+        Band("band", depth**2, 0.9 * depth, 1.1 * depth, sideways=True),
+        Line("steady", depth, depth**2),
+        name="steady",
+        x_range=(0.0, 2.5),
+        y_range=(0.0, 5.0),
+    )
     bars = plot(Bars("bars", ["modulus", "thickness"], [-3.0, -1.0], [4.0, 2.0]), name="bars", y_range=(0.0, 2.0))
     share = np.array([[0.05, 0.37, 0.62], [0.81, np.nan, 1.0]])
     cells = plot(Cells("map", [1.0, 2.0, 3.0], [1.0, 2.0], 50.0 * share, high=50.0), name="cells")
@@ -274,8 +285,12 @@ def test_a_map_is_read_by_its_colours_also_when_it_is_enlarged(made):
         page.wait_for_timeout(300)
         page.locator("svg.plot").nth(3).scroll_into_view_if_needed()
         page.wait_for_timeout(300)
-        for (across, along), value in (((0.17, 0.25), 2.5), ((0.5, 0.25), 18.5), ((0.83, 0.25), 31.0),
-                                       ((0.17, 0.75), 40.5)):  # fmt: skip
+        for (across, along), value in (
+            ((0.17, 0.25), 2.5),
+            ((0.5, 0.25), 18.5),
+            ((0.83, 0.25), 31.0),
+            ((0.17, 0.75), 40.5),
+        ):
             page.mouse.move(*place(page, 3, across, along))
             assert number(shown(page)[1]["map"])[0] == pytest.approx(value, abs=50 * 0.006)
         page.mouse.move(*place(page, 3, 0.5, 0.75))

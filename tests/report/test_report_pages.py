@@ -18,10 +18,37 @@ PHONE = 390
 def made(tmp_path_factory):
     """One report of each command: {name: folder}."""
     folders = {name: tmp_path_factory.mktemp(name) for name in ("suggest", "whatif")}
-    assert run(["suggest", "--tissue", "palm", "--shape", "slab", "--no-cad", "--no-verify", "--robot-mass", "3",
-                "--out", str(folders["suggest"])]) in (0, 1)  # fmt: skip
-    assert run(["whatif", "--thickness", "5:20:5", "--ratio", "15:17:0.5", "--tissue", "palm",
-                "--out", str(folders["whatif"])]) == 0  # fmt: skip
+    assert run(
+        [
+            "suggest",
+            "--tissue",
+            "palm",
+            "--shape",
+            "slab",
+            "--no-cad",
+            "--no-verify",
+            "--robot-mass",
+            "3",
+            "--out",
+            str(folders["suggest"]),
+        ]
+    ) in (0, 1)
+    assert (
+        run(
+            [
+                "whatif",
+                "--thickness",
+                "5:20:5",
+                "--ratio",
+                "15:17:0.5",
+                "--tissue",
+                "palm",
+                "--out",
+                str(folders["whatif"]),
+            ]
+        )
+        == 0
+    )
     return folders
 
 
@@ -105,8 +132,19 @@ def test_figures_have_words_units_and_are_closed(made, name):
 
 def test_the_report_says_what_the_answer_says(made):
     text = text_of(made["suggest"])
-    for part in ("polyol", "isocyanate", "Steady force", "Force over time", "Score over ratio", "Safety view", "Recipe",
-                 "Sources", "inferred or assumed", "mJ", "free mass of 3 kg"):  # fmt: skip
+    for part in (
+        "polyol",
+        "isocyanate",
+        "Steady force",
+        "Force over time",
+        "Score over ratio",
+        "Safety view",
+        "Recipe",
+        "Sources",
+        "inferred or assumed",
+        "mJ",
+        "free mass of 3 kg",
+    ):
         assert part in text
 
 
@@ -142,4 +180,4 @@ def test_text_from_outside_cannot_become_markup():
     made = page("<b>", "a & b", [Section("<i>", "<script>")], [("<1>", "x")], [{"code": "", "message": "<u>"}], ["<a>"])
     body = made.split("</style>")[1]
     for bad in ("<b>", "<i>", "<script>", "<1>", "<u>", "<a>"):
-        assert bad not in body.replace('<b>&lt;1&gt;</b>', "")
+        assert bad not in body.replace("<b>&lt;1&gt;</b>", "")

@@ -132,8 +132,9 @@ def test_a_base_with_points_of_its_own_gives_its_law_alone():
     points = user_folder() / "points.toml"
     points.write_text(
         'base = "first"\nname = "batch"\n[[point]]\nratio = 15.0\nyoung_kPa = { value = 120.0, low = 118.0, '
-        'high = 122.0, kind = "measured", source = "puck" }\n', encoding="utf-8",
-    )  # fmt: skip
+        'high = 122.0, kind = "measured", source = "puck" }\n',
+        encoding="utf-8",
+    )
     assert run(["resins", "add", str(points)]) == 0
     made = add_hardness("second", shore_00=30.0, base="batch")
     resin = load_resin("second")
@@ -153,12 +154,15 @@ def test_a_fixed_modulus_over_a_range_of_ratios_is_refused():
 @pytest.mark.parametrize(
     ("given", "code", "quantity"),
     [
-        ({"shore_00": 2.0}, "out_of_range", "shore_00"), ({"shore_00": 95.0}, "out_of_range", "shore_00"),
-        ({"shore_00": math.nan}, "out_of_range", "shore_00"), ({"shore_a": 5.0}, "out_of_range", "shore_a"),
-        ({"shore_a": 95.0}, "out_of_range", "shore_a"), ({}, "missing", "shore"),
+        ({"shore_00": 2.0}, "out_of_range", "shore_00"),
+        ({"shore_00": 95.0}, "out_of_range", "shore_00"),
+        ({"shore_00": math.nan}, "out_of_range", "shore_00"),
+        ({"shore_a": 5.0}, "out_of_range", "shore_a"),
+        ({"shore_a": 95.0}, "out_of_range", "shore_a"),
+        ({}, "missing", "shore"),
         ({"shore_00": 20.0, "shore_a": 20.0}, "conflict", "shore"),
     ],
-)  # fmt: skip
+)
 def test_what_is_no_hardness_of_a_soft_resin_is_refused(given, code, quantity):
     with raises_code(code, quantity):
         add_hardness("gel", **given)

@@ -15,14 +15,20 @@ def answer(level="not_settled", **more):
         "recommendation": {"shape": "crowned:radius=2.4,height=3.5,foot=7.8", "thickness_mm": 11.0, "ratio": 15.2},
         "castings": {"stands_for": 0.2, "usable": 0.41, "out_of_reach": 0.28},
         "verdict": {
-            "level": level, "not_reached": 0, "shortfall": excess, "over": {"central": 1.69, "quantity": "energy"},
+            "level": level,
+            "not_reached": 0,
+            "shortfall": excess,
+            "over": {"central": 1.69, "quantity": "energy"},
             "correction": {"factor_central": 1.0, "factor": 1.161, "factor_after_measuring": None},
         },
         "measure_first": {
-            "group": "relaxation", "acceptable_means": "usable", "acceptable_now": 0.61,
+            "group": "relaxation",
+            "acceptable_means": "usable",
+            "acceptable_now": 0.61,
             "acceptable_if_known": {"modulus": 0.7, "relaxation": 0.9, "modulus+relaxation": 0.9496},
-        }, **more,
-    }  # fmt: skip
+        },
+        **more,
+    }
 
 
 def cells(table, row=-1):
@@ -32,9 +38,14 @@ def cells(table, row=-1):
 def test_a_row_has_the_pad_its_castings_its_factors_and_the_slab():
     table = built_in.design_table([("palm", answer(), answer("not_representative"))])
     assert cells(table) == [
-        "palm", "not settled", "crowned:2.4,3.5,7.8, 11 mm, 15.2", "61 %", "28 %", "1.00, 1.16, -",
+        "palm",
+        "not settled",
+        "crowned:2.4,3.5,7.8, 11 mm, 15.2",
+        "61 %",
+        "28 %",
+        "1.00, 1.16, -",
         "red: energy 69 % too high",
-    ]  # fmt: skip
+    ]
     assert cells(built_in.design_table([("palm", answer(), None)]))[-1] == "none reaches the presses"
 
 
@@ -49,8 +60,13 @@ def test_the_shares_have_columns_where_every_answer_states_them():
 
 def test_what_to_measure_first_is_bold_and_a_share_near_the_limit_has_a_decimal():
     assert cells(built_in.measure_table([("palm", answer(), None)])) == [
-        "palm", "`usable`", "61 %", "70 %", "**90 %**", "95.0 %"
-    ]  # fmt: skip
+        "palm",
+        "`usable`",
+        "61 %",
+        "70 %",
+        "**90 %**",
+        "95.0 %",
+    ]
 
 
 @pytest.mark.parametrize("page", [built_in.DESIGNS, built_in.MEASURE_FIRST])

@@ -55,12 +55,25 @@ def made_mixture(thinner, young, spread=0.03, open_friction=False):
     above = 1.0 if open_friction else 50.0
     profile = ((0.0, 1.4 * young, above), (np.inf, young, 0.0))
     return Mixture(
-        "EF10", thinner,
+        "EF10",
+        thinner,
         PuckFit(
-            young, young * np.exp(-1.96 * spread), young * np.exp(1.96 * spread), 2.0, np.inf, 0.0, np.inf,
-            {}, 1.4 * young, young, 0.01, 0.02, 0.01, profile,
+            young,
+            young * np.exp(-1.96 * spread),
+            young * np.exp(1.96 * spread),
+            2.0,
+            np.inf,
+            0.0,
+            np.inf,
+            {},
+            1.4 * young,
+            young,
+            0.01,
+            0.02,
+            0.01,
+            profile,
         ),
-    )  # fmt: skip
+    )
 
 
 def family(error=0.0, **kwargs):

@@ -26,8 +26,10 @@ def test_the_dummies_have_the_stiffness_of_the_layer_solution_at_small_depth():
     # N/mm at 25 kPa on a glued base: layer solution of the square punch times glued over frictionless face;
     # for the 5 mm pad, where that factor is large, what an independent code found
     for site, stiffness, near in (
-        ("palm", 1.087 * 1.015, 0.01), ("thenar", 0.906 * 1.005, 0.01), ("forefinger", 4.3, 0.03)
-    ):  # fmt: skip
+        ("palm", 1.087 * 1.015, 0.01),
+        ("thenar", 0.906 * 1.005, 0.01),
+        ("forefinger", 4.3, 0.03),
+    ):
         depth = 0.002 * THICKNESS_MM[site]
         tangent = 0.025 * slab_force(np.array([depth]), THICKNESS_MM[site], "bonded")[0] / depth
         assert tangent == pytest.approx(stiffness, rel=near)

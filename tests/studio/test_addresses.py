@@ -9,7 +9,7 @@ from dummydesign.core.errors import InputError
 from dummydesign.studio.file_transfer import check_press, read_sent
 from dummydesign.studio.state import address
 
-NAMES = ["plain", "親指 パッド", "50% & more?", 'a"b\'<i>#x', "a+b;c=d", "http:x", "caf\udce9"]
+NAMES = ["plain", "親指 パッド", "50% & more?", "a\"b'<i>#x", "a+b;c=d", "http:x", "caf\udce9"]
 
 
 @pytest.mark.parametrize("name", NAMES)

@@ -108,8 +108,11 @@ def test_a_file_of_the_project_reaches_no_server(tmp_path, framed):
     with project_with(tmp_path, evil=EVIL) as (studio, page, _, reached):
         place = f"{studio.home}files/designs/evil/evil.html"
         if framed:
-            page.evaluate("(place) => { const f = document.createElement('iframe'); f.src = place; f.id = 'evil';"
-                          "document.body.append(f); }", place)  # fmt: skip
+            page.evaluate(
+                "(place) => { const f = document.createElement('iframe'); f.src = place; f.id = 'evil';"
+                "document.body.append(f); }",
+                place,
+            )
             page.wait_for_timeout(1000)
         else:
             page.goto(place)
@@ -132,8 +135,9 @@ LEAVING = {
 def test_a_file_leads_neither_a_page_of_the_studio_nor_its_own_tab_to_another_server(tmp_path, way):
     with project_with(tmp_path, evil=LEAVING[way]) as (studio, page, other, reached):
         place = f"{studio.home}files/designs/evil/evil.html"
-        page.evaluate("(place) => { const f = document.createElement('iframe'); f.src = place;"
-                      "document.body.append(f); }", place)  # fmt: skip
+        page.evaluate(
+            "(place) => { const f = document.createElement('iframe'); f.src = place;document.body.append(f); }", place
+        )
         page.wait_for_timeout(3000)
         assert reached == []
         tab = page.context.new_page()
@@ -156,12 +160,23 @@ def test_a_page_of_another_port_gets_nothing_from_the_studio(tmp_path):
         for place in (studio.home, studio.home + "design", studio.home + "zip/designs/evil"):
             asked = "(place) => fetch(place, {credentials: 'include'}).then(() => 'yes', () => 'no')"
             assert tab.evaluate(asked, place) == "no"
-            assert tab.evaluate("(place) => new Promise((done) => { const f = document.createElement('iframe');"
-                                "f.src = place; f.onload = () => done(f.contentDocument); document.body.append(f); })",
-                                place) is None  # fmt: skip
+            assert (
+                tab.evaluate(
+                    "(place) => new Promise((done) => { const f = document.createElement('iframe');"
+                    "f.src = place; f.onload = () => done(f.contentDocument); document.body.append(f); })",
+                    place,
+                )
+                is None
+            )
         socket = studio.home.replace("http", "ws") + "_nicegui_ws/socket.io/?EIO=4&transport=websocket"
-        assert tab.evaluate("(place) => new Promise((done) => { const s = new WebSocket(place); s.onopen = () =>"
-                            "done('open'); s.onerror = () => done('refused'); })", socket) == "refused"  # fmt: skip
+        assert (
+            tab.evaluate(
+                "(place) => new Promise((done) => { const s = new WebSocket(place); s.onopen = () =>"
+                "done('open'); s.onerror = () => done('refused'); })",
+                socket,
+            )
+            == "refused"
+        )
         assert not any(cookie for _, cookie in reached)
         # a link with the key opens it, wherever the link is
         tab.evaluate("(place) => { location = place; }", studio.address)

@@ -29,8 +29,13 @@ def looked(root, shape, thickness_mm, ratio, **asked):
 
 
 def suggested(shape, thickness_mm, ratio, **more):
-    return design(read_problem(Request("forefinger", thickness_mm=(thickness_mm,) * 2, ratio=(ratio,) * 2, shape=shape,
-                                  verify=False, **more)))  # fmt: skip
+    return design(
+        read_problem(
+            Request(
+                "forefinger", thickness_mm=(thickness_mm,) * 2, ratio=(ratio,) * 2, shape=shape, verify=False, **more
+            )
+        )
+    )
 
 
 @pytest.mark.slow

@@ -183,9 +183,13 @@ def test_designs_follow_a_tissue_and_a_calibration_that_are_renamed(root, whole)
     (root / "calibrations" / "a" / "calibration.json").write_text("{}")
     design = root / "designs" / "a"
     design.mkdir()
-    read = [{"name": name, "file": file.name, "sha256": sha256_of(file)}
-            for name, file in ((f"tissue {tissue}", root / "tissue" / "mine.toml"),
-                               (taught, root / "calibrations" / "a" / "calibration.json"))]  # fmt: skip
+    read = [
+        {"name": name, "file": file.name, "sha256": sha256_of(file)}
+        for name, file in (
+            (f"tissue {tissue}", root / "tissue" / "mine.toml"),
+            (taught, root / "calibrations" / "a" / "calibration.json"),
+        )
+    ]
     pad = {"shape": "slab", "thickness_mm": 6.0, "ratio": 15.0, "resin": "polyurethane-nagoya"}
     inputs = {"tissue": tissue, "calibration": taught}
     kept = {"command": "suggest", "finished": True, "inputs": inputs, "files_read": read, "summary": pad}
@@ -222,8 +226,19 @@ def test_a_name_that_is_not_plain_or_is_taken_is_refused_and_nothing_moves(root,
     assert names(root / "measured") == before
 
 
-@pytest.mark.parametrize("path", ["project.toml", "measured", "measured/", "../other", ".studio/jobs", "measured/b.csv",
-                                  "measured/../project.toml", "/etc/hosts"])  # fmt: skip
+@pytest.mark.parametrize(
+    "path",
+    [
+        "project.toml",
+        "measured",
+        "measured/",
+        "../other",
+        ".studio/jobs",
+        "measured/b.csv",
+        "measured/../project.toml",
+        "/etc/hosts",
+    ],
+)
 def test_only_things_of_the_steps_can_be_deleted(root, path):
     with pytest.raises(InputError):
         bin.delete(root, path)
@@ -232,12 +247,14 @@ def test_only_things_of_the_steps_can_be_deleted(root, path):
 
 @pytest.mark.parametrize(
     ("words", "path"),
-    [(["import", "measured/a.csv", "--out", "measured/import-b"], "measured/a.csv"),
-     (["fit", "measured/import-a/a_1.csv", "--out", "tissue/x.toml"], "measured/import-a"),
-     (["suggest", "--tissue", "tissue/mine.toml", "--out", "designs/a"], "tissue/mine.toml"),
-     (["compare-designs", "designs/b,measured/import-a"], "measured/import-a"),
-     (["loop", "measured"], "measured/a.csv")],
-)  # fmt: skip
+    [
+        (["import", "measured/a.csv", "--out", "measured/import-b"], "measured/a.csv"),
+        (["fit", "measured/import-a/a_1.csv", "--out", "tissue/x.toml"], "measured/import-a"),
+        (["suggest", "--tissue", "tissue/mine.toml", "--out", "designs/a"], "tissue/mine.toml"),
+        (["compare-designs", "designs/b,measured/import-a"], "measured/import-a"),
+        (["loop", "measured"], "measured/a.csv"),
+    ],
+)
 def test_what_a_running_command_reads_or_writes_stays(root, running, words, path):
     running(*words)
     for change in (lambda: bin.delete(root, path), lambda: bin.rename(root, path, "other")):

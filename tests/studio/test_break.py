@@ -67,8 +67,22 @@ def test_the_verdict_follows_a_tissue_that_changes_on_the_disk(page, studio):
 
 
 def test_a_failure_is_said_for_the_tissue_it_was_for_alone(page, studio):
-    words = ["suggest", "--tissue", "forefinger", "--aim", "average", "--resin", lab.RESIN, "--punch", "square:14",
-             "--shape", "slab", "--no-cad", "--out", "designs/suggest-forefinger"]  # fmt: skip
+    words = [
+        "suggest",
+        "--tissue",
+        "forefinger",
+        "--aim",
+        "average",
+        "--resin",
+        lab.RESIN,
+        "--punch",
+        "square:14",
+        "--shape",
+        "slab",
+        "--no-cad",
+        "--out",
+        "designs/suggest-forefinger",
+    ]
     lab.job(studio[1], 1, "suggest", words, {}, 2, "the disk is full")
     opened(page, studio, "design?tissue=forefinger")
     page.wait_for_selector(".work .problem >> text=the disk is full")
@@ -145,8 +159,19 @@ def test_a_number_that_is_not_allowed_gives_way_to_the_one_in_use(page, studio):
 
 def test_a_mould_in_a_folder_that_another_one_took_is_not_shown(page, studio):
     root = studio[1]
-    words = ["mold", "--thickness", "6", "--preset", "open", "--resin", lab.RESIN, "--ratio", "16", "--out",
-             "moulds/mould_t6"]  # fmt: skip
+    words = [
+        "mold",
+        "--thickness",
+        "6",
+        "--preset",
+        "open",
+        "--resin",
+        lab.RESIN,
+        "--ratio",
+        "16",
+        "--out",
+        "moulds/mould_t6",
+    ]
     part = {"name": "polyol", "mass_g": 61.0}
     pour = {"fill_mass_g": 70.0, "silicone_mass_g": None, "components": [part]}
     answer = {"inputs": {"ratio": 16.0, "thickness_mm": 6.0}, "pour": pour, "files": {"a": "moulds/mould_t6/a.step"}}

@@ -14,9 +14,12 @@ HEAD = "time_s,displacement_mm,force_N\n"
 def test_pucks_are_imported_presses_and_files_that_are_traces_as_they_are(tmp_path):
     (tmp_path / "measured" / "import-a").mkdir(parents=True)
     texts = {
-        "import-a/a_1.csv": HEAD, "plain.csv": HEAD, "order.csv": "\ufeffforce_N, note,time_s,displacement_mm\n",
-        "machine.csv": "Zeit;Weg;Kraft\n", "part.csv": "time_s,force_N\n",
-    }  # fmt: skip
+        "import-a/a_1.csv": HEAD,
+        "plain.csv": HEAD,
+        "order.csv": "\ufeffforce_N, note,time_s,displacement_mm\n",
+        "machine.csv": "Zeit;Weg;Kraft\n",
+        "part.csv": "time_s,force_N\n",
+    }
     for name, text in texts.items():
         (tmp_path / "measured" / name).write_text(text, encoding="utf-8")
     (tmp_path / "measured" / "binary.csv").write_bytes(b"\xff\xfe\x00")

@@ -51,8 +51,9 @@ def opened(page, studio, query=""):
 def slide(page, name, value):
     page.evaluate(
         """([name, value]) => { const slider = document.querySelector(`[data-test="slide-${name}"]`);
-            slider.value = value; slider.dispatchEvent(new Event('input', {bubbles: true})); }""", [name, value],
-    )  # fmt: skip
+            slider.value = value; slider.dispatchEvent(new Event('input', {bubbles: true})); }""",
+        [name, value],
+    )
 
 
 def label(page):

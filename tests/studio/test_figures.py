@@ -50,12 +50,15 @@ def test_every_press_of_the_protocol_is_drawn_small(looked):
     ("name", "title", "series"),
     [
         ("press-5N-10mm-s", "5 N steady at 10 mm/s", ("measured", "fitted")),
-        ("press-1.2e+01N-250mm-s-2", "1.2e+01 N steady at 250 mm/s", ("measured, a.csv", "fitted, a.csv",
-                                                                      "measured, b, c.csv", "fitted, b, c.csv")),
+        (
+            "press-1.2e+01N-250mm-s-2",
+            "1.2e+01 N steady at 250 mm/s",
+            ("measured, a.csv", "fitted, a.csv", "measured, b, c.csv", "fitted, b, c.csv"),
+        ),
         ("press-5mm-10mm-s-7N", "5 mm pad, 10 mm/s, 7 N", ("measured", "base", "corrected")),
         ("press-12.5mm-250mm-s-2.1mmdeep", "12.5 mm pad, 250 mm/s, 2.1 mm deep", ("measured", "base", "corrected")),
     ],
-)  # fmt: skip
+)
 def test_measured_presses_are_read_from_the_files_of_a_report(tmp_path, name, title, series):
     t = np.geomspace(1e-4, 10.0, 300)
     force = 5.0 + 3.0 * np.exp(-((np.log(t) - np.log(0.2)) ** 2))
@@ -82,17 +85,24 @@ def test_the_script_of_the_plots_is_an_element_of_the_head():
     assert "http://" not in text.replace("http://www.w3.org/2000/svg", "")
 
 
-@pytest.mark.parametrize(("text", "parts"), [
-    ("slab", {"pad"}), ("crowned:20,2,9", {"pad"}), ("layered:4,0.6", {"lower layer", "upper layer"}),
-    ("boned:radius=7.7,height=3.6,foot=6.5", {"rigid bone", "pad"}),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("text", "parts"),
+    [
+        ("slab", {"pad"}),
+        ("crowned:20,2,9", {"pad"}),
+        ("layered:4,0.6", {"lower layer", "upper layer"}),
+        ("boned:radius=7.7,height=3.6,foot=6.5", {"rigid bone", "pad"}),
+    ],
+)
 def test_a_solid_shows_what_is_inside_a_pad(text, parts, monkeypatch):
     monkeypatch.setattr(figures, "solids_page", lambda solids: solids)
     solids = figures.pad_page(read_shape(text), 9.0)
     assert set(solids) == parts
     assert all(len(faces) and np.isfinite(faces).all() for faces in solids.values())
-    volume = sum(float(np.einsum("ni,ni->n", faces[:, 0], np.cross(faces[:, 1], faces[:, 2])).sum()) / 6.0
-                 for faces in solids.values())  # fmt: skip
+    volume = sum(
+        float(np.einsum("ni,ni->n", faces[:, 0], np.cross(faces[:, 1], faces[:, 2])).sum()) / 6.0
+        for faces in solids.values()
+    )
     if "rigid bone" not in parts:
         whole = 150.0 * 120.0 * 9.0
         assert 0.7 * whole < volume <= whole * (1.0 + 1e-9)

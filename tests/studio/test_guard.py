@@ -45,8 +45,13 @@ def ask(path="/", query="", head=(), body=(b"",), kind="http", largest=1000, met
     async def request(guard, path, query, head, kind="http", method="GET"):
         sent.clear()
         head = {"host": "127.0.0.1:8420", **dict(head)}
-        scope = {"type": kind, "path": path, "query_string": query.encode(), "method": method,
-                 "headers": [(name.encode(), value.encode()) for name, value in head.items()]}  # fmt: skip
+        scope = {
+            "type": kind,
+            "path": path,
+            "query_string": query.encode(),
+            "method": method,
+            "headers": [(name.encode(), value.encode()) for name, value in head.items()],
+        }
         await guard(scope, receive, send)
         first = sent[0] if sent else {}
         return first.get("status", first.get("code")), dict(first.get("headers", []))
@@ -107,8 +112,18 @@ def test_the_key_in_the_address_becomes_a_cookie_that_is_not_the_key_and_goes_to
     assert ask("/design", "key=sesame")[1][b"location"] != head[b"location"]
 
 
-@pytest.mark.parametrize("path", ["//evil.example/", "///evil.example/a", "/\t/evil.example", "/\\evil.example/",
-                                  "/a\r\nset-cookie: b=c", "http://evil.example/", "/親指 a?b#c"])  # fmt: skip
+@pytest.mark.parametrize(
+    "path",
+    [
+        "//evil.example/",
+        "///evil.example/a",
+        "/\t/evil.example",
+        "/\\evil.example/",
+        "/a\r\nset-cookie: b=c",
+        "http://evil.example/",
+        "/親指 a?b#c",
+    ],
+)
 def test_the_key_never_leads_to_another_server(path):
     status, head, _ = ask(path, "key=sesame")
     if status == 303:
@@ -119,9 +134,17 @@ def test_the_key_never_leads_to_another_server(path):
         assert status == 404 and "location" not in head
 
 
-FOREIGN = [("host", "evil.example"), ("host", "127.0.0.1:1"), ("host", ""), ("origin", "http://evil.example"),
-           ("origin", "null"), ("origin", "http://localhost:8420"), ("origin", "http://127.0.0.1:1"),
-           ("sec-fetch-site", "cross-site"), ("sec-fetch-site", "same-site")]  # fmt: skip
+FOREIGN = [
+    ("host", "evil.example"),
+    ("host", "127.0.0.1:1"),
+    ("host", ""),
+    ("origin", "http://evil.example"),
+    ("origin", "null"),
+    ("origin", "http://localhost:8420"),
+    ("origin", "http://127.0.0.1:1"),
+    ("sec-fetch-site", "cross-site"),
+    ("sec-fetch-site", "same-site"),
+]
 
 
 @pytest.mark.parametrize("head", FOREIGN)
@@ -184,8 +207,22 @@ def test_files_of_the_project_run_apart_and_reach_no_server(path):
 
 @pytest.mark.parametrize(
     "name",
-    ["../a.csv", "a/b.csv", "..", "", ".hidden", "a\\b.csv", "C:a.csv", "con.txt", "a\n.csv", "x" * 300 + ".csv",
-     "project.toml", "Campaign.TOML", "manifest.json", "calibration.json"],
+    [
+        "../a.csv",
+        "a/b.csv",
+        "..",
+        "",
+        ".hidden",
+        "a\\b.csv",
+        "C:a.csv",
+        "con.txt",
+        "a\n.csv",
+        "x" * 300 + ".csv",
+        "project.toml",
+        "Campaign.TOML",
+        "manifest.json",
+        "calibration.json",
+    ],
 )
 def test_a_name_that_is_not_plain_is_refused_and_nothing_is_written(tmp_path, name):
     with raises_code("bad_name", "file_name"):
@@ -210,8 +247,9 @@ def test_a_disk_that_is_full_is_said_and_leaves_nothing(tmp_path, monkeypatch):
     assert list(tmp_path.iterdir()) == []
 
 
-@pytest.mark.parametrize("path", ["../x", "designs/../../x", "a/../designs", ".studio/lock", "designs/.part/a",
-                                  "/etc/passwd"])  # fmt: skip
+@pytest.mark.parametrize(
+    "path", ["../x", "designs/../../x", "a/../designs", ".studio/lock", "designs/.part/a", "/etc/passwd"]
+)
 def test_only_what_lies_in_the_project_is_given_out(tmp_path, path):
     with raises_code("not_allowed", "path"):
         files.inside(tmp_path, path)
@@ -291,8 +329,13 @@ def test_the_page_that_goes_on_by_itself_holds_no_html_of_the_address():
 
     tab = {"sec-fetch-site": "cross-site", "sec-fetch-mode": "navigate", "sec-fetch-dest": "document"}
     heads = [(name.encode(), value.encode()) for name, value in {"host": "127.0.0.1:8420", **tab}.items()]
-    scope = {"type": "http", "method": "GET", "path": '/"><b>', "query_string": b"key=sesame&a=%22%3E%3Cb%3E&c=d",
-             "headers": heads}  # fmt: skip
+    scope = {
+        "type": "http",
+        "method": "GET",
+        "path": '/"><b>',
+        "query_string": b"key=sesame&a=%22%3E%3Cb%3E&c=d",
+        "headers": heads,
+    }
     asyncio.run(Guard(None, "sesame", 8420)(scope, None, send))
     page = sent[1]["body"]
     assert page.count(b'"') == 4 and page.count(b">") == 2 and b"&amp;c=d" in page
@@ -315,6 +358,7 @@ def test_only_the_studio_frames_its_pages_and_none_moves_its_links_or_runs_plugi
 
 def of_type(kind, path):
     """The policy of an answer of a type."""
+
     async def server(scope, receive, send):
         await send({"type": "http.response.start", "status": 200, "headers": [(b"content-type", kind)]})
         await send({"type": "http.response.body", "body": b""})
@@ -324,8 +368,13 @@ def of_type(kind, path):
     async def send(message):
         sent.append(message)
 
-    scope = {"type": "http", "method": "GET", "path": path, "query_string": b"",
-             "headers": [(b"host", b"127.0.0.1:8420")]}  # fmt: skip
+    scope = {
+        "type": "http",
+        "method": "GET",
+        "path": path,
+        "query_string": b"",
+        "headers": [(b"host", b"127.0.0.1:8420")],
+    }
     asyncio.run(Guard(server, "sesame", 8420)(scope, None, send))
     text = dict(sent[0]["headers"])[b"content-security-policy"].decode()
     return {words.split()[0]: words.split()[1:] for words in text.split(";")}

@@ -218,9 +218,15 @@ def test_a_studio_whose_folder_cannot_be_written_is_one_line_and_lets_go_of_the_
 
 @pytest.mark.parametrize(
     "odd",
-    ["null", "[]", '{"name": "a", "words": [1], "start": 1}', '{"name": "a", "words": null, "start": 1}',
-     '{"name": "a", "words": [], "start": 1e300}', '{"name": "a", "words": [], "start": NaN}'],
-)  # fmt: skip
+    [
+        "null",
+        "[]",
+        '{"name": "a", "words": [1], "start": 1}',
+        '{"name": "a", "words": null, "start": 1}',
+        '{"name": "a", "words": [], "start": 1e300}',
+        '{"name": "a", "words": [], "start": NaN}',
+    ],
+)
 def test_a_record_that_no_studio_wrote_is_passed_over(tmp_path, odd):
     for number, text in ((1, odd), (2, '{"name": "a", "words": ["x"], "start": 1}')):
         folder = tmp_path / ".studio" / "jobs" / f"000{number}-a"
@@ -229,6 +235,8 @@ def test_a_record_that_no_studio_wrote_is_passed_over(tmp_path, odd):
         (folder / runner.STATUS).write_text('{"status": 0, "stopped": false, "end": 2}')
     for found in (jobs.all_jobs(tmp_path), jobs.all_jobs(tmp_path, "a")):
         assert [job.words for job in found] == [("x",)]
+
+
 def test_of_two_commands_that_made_the_same_the_later_one_counts(tmp_path):
     for number, made in enumerate(("tissue/a.toml", "tissue/b.toml", "tissue/a.toml"), 1):
         lab.job(tmp_path, number, "fit", ["fit", str(number)], {"files": {"tissue": made}}, 0)
@@ -243,8 +251,9 @@ def test_the_time_left_is_learned_from_earlier_runs_and_never_grows(tmp_path):
     for number in range(1, 4):
         lab.job(tmp_path, number, "suggest", ["suggest"], {"a": 1}, 0)
     assert jobs.usual_s(tmp_path, "suggest") == 3.0
-    job = jobs.Job(tmp_path, "suggest", (("suggest",),), "running", 0.0, 12.0,
-                   "step 8 of about 10: crowned pads, about 67 s left")  # fmt: skip
+    job = jobs.Job(
+        tmp_path, "suggest", (("suggest",),), "running", 0.0, 12.0, "step 8 of about 10: crowned pads, about 67 s left"
+    )
     assert jobs.progress_line(job, None) == "crowned pads – 12 s"
     assert jobs.progress_line(job, 40.0) == "crowned pads – 12 s, about 28 s left"
     assert jobs.progress_line(job, 9.0) == "crowned pads – 12 s"

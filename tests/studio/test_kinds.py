@@ -13,8 +13,14 @@ from dummydesign.studio.state import State
 
 SHAPES = [
     {"kind": "slab", "shape": "slab", "thickness_mm": 6.0, "ratio": 15.0, "total": 0.5, "after_puck": 0.3},
-    {"kind": "crowned", "shape": "crowned:radius=20", "thickness_mm": 4.5, "ratio": 15.4, "total": 0.8,
-     "after_puck": 0.9},
+    {
+        "kind": "crowned",
+        "shape": "crowned:radius=20",
+        "thickness_mm": 4.5,
+        "ratio": 15.4,
+        "total": 0.8,
+        "after_puck": 0.9,
+    },
     {"kind": "bumped", "shape": "bumped:pitch=5", "thickness_mm": 4.0, "ratio": 16.0, "total": 0.9, "after_puck": 0.6},
     {"kind": "boned", "shape": None, "reason": "too thin for a bone"},
 ]
@@ -26,11 +32,18 @@ def verdict(light, shortfall, over):
 
 def answer(**more):
     choice = {
-        "next_best": "the bumped pad (4 mm, ratio 16)", "decided_by": "after_puck",
-        "text": "after one puck 90 % of its castings are usable, of the bumped pad (4 mm, ratio 16) 60 %", **more,
-    }  # fmt: skip
-    best = {"shape": "crowned:radius=20", "thickness_mm": 4.5, "ratio": 15.5, "scores": {"total": 0.85},
-            "conditions": [{"steady_force_N": 15.0}, {"steady_force_N": 3.0}]}  # fmt: skip
+        "next_best": "the bumped pad (4 mm, ratio 16)",
+        "decided_by": "after_puck",
+        "text": "after one puck 90 % of its castings are usable, of the bumped pad (4 mm, ratio 16) 60 %",
+        **more,
+    }
+    best = {
+        "shape": "crowned:radius=20",
+        "thickness_mm": 4.5,
+        "ratio": 15.5,
+        "scores": {"total": 0.85},
+        "conditions": [{"steady_force_N": 15.0}, {"steady_force_N": 3.0}],
+    }
     return {"recommendation": best, "choice": choice, "shapes": SHAPES, "verdict": verdict("amber", 1.02, 1.1)}
 
 

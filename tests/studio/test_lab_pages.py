@@ -118,8 +118,14 @@ def test_a_bad_press_is_replaced_comes_back_and_others_are_assigned_or_refused_e
     opened(page, studio, "campaign?campaign=campaigns/first")
     page.wait_for_selector(by("state"))
     longer, other = before[first] + b"999.0,0.0,0.0\n", before[second] + b"999.0,0.0,0.0\n"
-    drop(page, "presses", sent(first, longer), sent("run 7.csv", other), sent("bad.csv", "no numbers"),
-         sent("image.png", b"\x89PNG"))  # fmt: skip
+    drop(
+        page,
+        "presses",
+        sent(first, longer),
+        sent("run 7.csv", other),
+        sent("bad.csv", "no numbers"),
+        sent("image.png", b"\x89PNG"),
+    )
     said = f"{by('drop-presses-said')} [data-kind=refused]"
     page.wait_for_function(f"document.querySelectorAll('{said}').length === 2")
     refused = " ".join(page.locator(said).all_inner_texts())
@@ -284,8 +290,12 @@ def test_presses_of_a_pad_are_put_on_people_by_a_drive_and_limits_of_ones_own(pa
     assert not page.locator(f"input{by('drive-stiffness')}").is_visible()
     page.wait_for_selector("text=mass in kg is empty")
     page.locator(f"input{by('drive-mass')}").fill("4")
-    drop(page, "limits", {"name": "ours.toml", "mimeType": "text/plain", "buffer": LIMITS.encode()},
-         {"name": "bad.toml", "mimeType": "text/plain", "buffer": b"name = 'bad'"})  # fmt: skip
+    drop(
+        page,
+        "limits",
+        {"name": "ours.toml", "mimeType": "text/plain", "buffer": LIMITS.encode()},
+        {"name": "bad.toml", "mimeType": "text/plain", "buffer": b"name = 'bad'"},
+    )
     page.wait_for_selector(f"{by('drop-limits-said')} [data-kind=refused] >> text=bad.toml")
     page.wait_for_selector(f"{by('drop-limits-said')} [data-kind=taken] >> text=ours.toml")
     assert [path.name for path in (root / "limits").iterdir()] == ["ours.toml"]

@@ -22,14 +22,27 @@ def write(folder, name, command, inputs, date="2026-01-01T00:00:00+00:00", **mor
 
 
 def mould(shape="slab", thickness=6.0, ratio=15.0, preset="open", resin="polyurethane-nagoya", size=(150.0, 120.0)):
-    return {"shape": shape, "thickness_mm": thickness, "length_mm": size[0], "width_mm": size[1], "preset": preset,
-            "resin": resin, "ratio": ratio}  # fmt: skip
+    return {
+        "shape": shape,
+        "thickness_mm": thickness,
+        "length_mm": size[0],
+        "width_mm": size[1],
+        "preset": preset,
+        "resin": resin,
+        "ratio": ratio,
+    }
 
 
 def design(shape="slab", thickness=6.0, ratio=15.0, tissue="forefinger", verdict="not_settled", calibration=None):
     inputs = {"tissue": tissue, "aim": "average", "punch": "square:14", "calibration": calibration}
-    summary = {"shape": shape, "thickness_mm": thickness, "ratio": ratio, "resin": "polyurethane-nagoya",
-               "verdict": verdict, "text": "words"}  # fmt: skip
+    summary = {
+        "shape": shape,
+        "thickness_mm": thickness,
+        "ratio": ratio,
+        "resin": "polyurethane-nagoya",
+        "verdict": verdict,
+        "text": "words",
+    }
     return {"command": "suggest", "inputs": inputs, "summary": summary}
 
 
@@ -74,10 +87,23 @@ def test_a_mould_is_that_of_the_pad_by_all_that_makes_it(project):
 
 def test_files_of_a_mould_are_grouped_under_plain_names_and_none_is_lost():
     names = [
-        "pad_t6.step", "mould_t6.step", "master_t6.3mf", "strike_off_t6.3mf", "assembly_t6.html", "assembly_t6.step",
-        "drawings_t6.dxf", "drawings_t6.pdf", "pour_t6.pdf", "pour_t6.html", "mould_t6.png", "checks.json",
-        "manifest.json", "spec.json", "record.json", "mine.odt",
-    ]  # fmt: skip
+        "pad_t6.step",
+        "mould_t6.step",
+        "master_t6.3mf",
+        "strike_off_t6.3mf",
+        "assembly_t6.html",
+        "assembly_t6.step",
+        "drawings_t6.dxf",
+        "drawings_t6.pdf",
+        "pour_t6.pdf",
+        "pour_t6.html",
+        "mould_t6.png",
+        "checks.json",
+        "manifest.json",
+        "spec.json",
+        "record.json",
+        "mine.odt",
+    ]
     groups = dict(made.grouped_files(names))
     assert sorted(name for rows in groups.values() for _, name in rows) == sorted(names)
     assert groups["Pour"][0][1] == "pour_t6.pdf"
@@ -102,16 +128,21 @@ def test_calibrations_are_those_of_their_campaign_wherever_they_were_made(projec
     plan(project, "first")
     plan(project, "second")
     for name, campaign in (
-        ("a", "campaigns/first"), ("b", str(root / "campaigns" / "first")), ("c", "campaigns/second"),
-        ("d", "../campaigns/first"), ("e", "/elsewhere/campaigns/first"),
-    ):  # fmt: skip
+        ("a", "campaigns/first"),
+        ("b", str(root / "campaigns" / "first")),
+        ("c", "campaigns/second"),
+        ("d", "../campaigns/first"),
+        ("e", "/elsewhere/campaigns/first"),
+    ):
         write(root, f"calibrations/{name}", "loop", {"campaign": campaign}, summary={"campaign": "first"})
         (root / "calibrations" / name / "calibration.json").write_text("{}", encoding="utf-8")
     write(root, "calibrations/f", "loop", {"campaign": "campaigns/first"})  # ended without a calibration
     monkeypatch.chdir(os.path.dirname(root))
     assert [one.folder for one in made.calibrations(root, "campaigns/first")] == [
-        "calibrations/a", "calibrations/b", "calibrations/d",
-    ]  # fmt: skip
+        "calibrations/a",
+        "calibrations/b",
+        "calibrations/d",
+    ]
     assert [one.folder for one in made.calibrations(root, "campaigns/second")] == ["calibrations/c"]
 
 
@@ -165,9 +196,10 @@ def test_the_next_step_after_learning_chooses_the_calibration(project):
     from dataclasses import replace
 
     told = replace(
-        status, next_command="dummydesign suggest --tissue 'my tissue' --shape slab "
+        status,
+        next_command="dummydesign suggest --tissue 'my tissue' --shape slab "
         "--calibration 'calibrations/of may/calibration.json'",
-    )  # fmt: skip
+    )
     after = next_state(told, read_state(project, {}))
     assert after.calibration == "calibrations/of may/calibration.json" and after.tissue == "my tissue"
     assert next_page(told) == "/design"
@@ -193,10 +225,17 @@ def test_a_campaign_that_was_renamed_keeps_its_calibration(project):
 
 @pytest.mark.parametrize(
     ("name", "unit", "words"),
-    [("compliance_mm_per_N", "mm/N", "compliance"), ("drift_N_per_s", "N/s", "drift"), ("tau_s", "s", "tau"),
-     ("modulus_loss_per_K", "1/K", "modulus loss"), ("slip_fraction", "", "slip fraction"), ("beta", "", "beta"),
-     ("growth_per_doubling", "", "growth per doubling"), ("offset_mm", "mm", "offset")],
-)  # fmt: skip
+    [
+        ("compliance_mm_per_N", "mm/N", "compliance"),
+        ("drift_N_per_s", "N/s", "drift"),
+        ("tau_s", "s", "tau"),
+        ("modulus_loss_per_K", "1/K", "modulus loss"),
+        ("slip_fraction", "", "slip fraction"),
+        ("beta", "", "beta"),
+        ("growth_per_doubling", "", "growth per doubling"),
+        ("offset_mm", "mm", "offset"),
+    ],
+)
 def test_units_are_read_from_the_names_of_parameters(name, unit, words):
     assert made.name_and_unit(name) == (words, unit)
 

@@ -14,8 +14,20 @@ from dummydesign.report.plot_layers import Line
 STUDIO = Path(dummydesign.studio.__file__).parent
 ESCAPES = {"escape", "page_link", "file_link", "marked", "address", "len"}
 """Functions that return HTML, or text without a sign that HTML knows."""
-OURS = {"_list", "html", "plots_html", "table_html", "whole_glossary", "style", "_ended", "strftime", "plots_js",
-        "replace", "sub", "_file"}  # fmt: skip
+OURS = {
+    "_list",
+    "html",
+    "plots_html",
+    "table_html",
+    "whole_glossary",
+    "style",
+    "_ended",
+    "strftime",
+    "plots_js",
+    "replace",
+    "sub",
+    "_file",
+}
 """Functions that put HTML or words of our own together."""
 NUMBERS = {"left", "low", "high", "number", "done", "passed"}
 CONSTANTS = {"key", "stage", "kind", "line", "title", "short", "name"}
@@ -54,9 +66,7 @@ def safe(value: ast.expr, known: dict[str, list[ast.expr]], seen: frozenset[str]
             if value.id.isupper() or value.id in NUMBERS | CONSTANTS:
                 return True
             bound = known.get(value.id, [])
-            return value.id in seen or (
-                bool(bound) and all(safe(one, known, seen | {value.id}) for one in bound)
-            )
+            return value.id in seen or (bool(bound) and all(safe(one, known, seen | {value.id}) for one in bound))
     return False
 
 
@@ -94,8 +104,9 @@ def unsafe(code: str) -> list[str]:
             continue
         known = bound_names(function)
         for text in ast.walk(function):
-            if isinstance(text, ast.JoinedStr) and any("<" in str(getattr(part, "value", "")) for part in text.values
-                                                       if isinstance(part, ast.Constant)):  # fmt: skip
+            if isinstance(text, ast.JoinedStr) and any(
+                "<" in str(getattr(part, "value", "")) for part in text.values if isinstance(part, ast.Constant)
+            ):
                 found += [ast.unparse(part) for part in text.values if not _part_safe(part, known, frozenset())]
     return found
 

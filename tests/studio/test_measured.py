@@ -65,8 +65,9 @@ def chips(page):
 def wait_for_chips(page, *names):
     page.wait_for_function(
         "(names) => JSON.stringify([...document.querySelectorAll('.q-chip__content')].map((e) => e.textContent.trim())"
-        ".sort()) === JSON.stringify(names)", arg=sorted(names),
-    )  # fmt: skip
+        ".sort()) === JSON.stringify(names)",
+        arg=sorted(names),
+    )
 
 
 def choose(page, *names):
@@ -158,7 +159,7 @@ def test_files_are_renamed_replaced_and_deleted_by_the_keyboard_and_come_back(pa
     (tmp_path / "better.txt").write_text("better")
     press("replace", "monday.txt")
     with page.expect_file_chooser() as chooser:
-        page.locator(f'button{by("replace")}:not([data-name])').click()
+        page.locator(f"button{by('replace')}:not([data-name])").click()
     chooser.value.set_files(str(tmp_path / "better.txt"))
     page.wait_for_selector(f"{by('undo')} >> text=replaced")
     assert (root / "measured" / "monday.txt").read_text() == "better"
@@ -217,8 +218,9 @@ def test_a_puck_makes_a_resin_which_the_project_takes(page, studio, base):
     # simulated with 31 kPa
     young = float(page.locator(f"{by('found-puck')} .fact b").first.inner_text().split()[0])
     assert abs(young - 31.0) < 1.0
-    before, after = (page.locator(f"{by('found-puck')} tbody tr").nth(row).locator("td").all_inner_texts()
-                     for row in (1, 2))  # fmt: skip
+    before, after = (
+        page.locator(f"{by('found-puck')} tbody tr").nth(row).locator("td").all_inner_texts() for row in (1, 2)
+    )
     assert abs(float(after[1]) - 31.0) < abs(float(before[1]) - 31.0)
     assert float(after[3]) - float(after[2]) < float(before[3]) - float(before[2])
     page.reload()

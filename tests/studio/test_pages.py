@@ -76,12 +76,45 @@ RULES = """() => {
     let level = 0;
     for (const e of all('h1, h2, h3, h4').filter(shown)) { const now = Number(e.tagName[1]);
         if (now > level + 1) say('a level of headings left out', e); level = now; }
-    return found; }""".replace("KNOWN", str([
-    "status", "alert", "img", "button", "combobox", "listbox", "option", "checkbox", "radio", "radiogroup", "group",
-    "tab", "tablist", "tabpanel", "progressbar", "dialog", "menu", "presentation", "none", "main", "navigation",
-    "switch", "list", "listitem", "application", "slider", "textbox", "link", "tooltip", "region", "alertdialog",
-    "toolbar",
-]))  # fmt: skip
+    return found; }""".replace(
+    "KNOWN",
+    str(
+        [
+            "status",
+            "alert",
+            "img",
+            "button",
+            "combobox",
+            "listbox",
+            "option",
+            "checkbox",
+            "radio",
+            "radiogroup",
+            "group",
+            "tab",
+            "tablist",
+            "tabpanel",
+            "progressbar",
+            "dialog",
+            "menu",
+            "presentation",
+            "none",
+            "main",
+            "navigation",
+            "switch",
+            "list",
+            "listitem",
+            "application",
+            "slider",
+            "textbox",
+            "link",
+            "tooltip",
+            "region",
+            "alertdialog",
+            "toolbar",
+        ]
+    ),
+)
 
 WHERE = """() => { const e = document.activeElement; if (!e || e === document.body) return null;
     const box = e.getBoundingClientRect(), look = getComputedStyle(e);
@@ -154,10 +187,26 @@ def test_the_rules_find_what_is_wrong():
             "<p role=listbox><b tabindex=-1></b></p><p role=combobox aria-expanded=true aria-controls=gone></p>"
         )
         told = page.evaluate(RULES)
-    for fault in ("no language", "not one main heading", "no title", "no named navigation", "id twice",
-                  "order of its own", "frame without", "picture without", "hidden but reached",
-                  "a control in a control", "file field", "unknown role", "a level of headings",
-                  "empty head", "no option", "list without", "progress without", "outside the landmarks"):  # fmt: skip
+    for fault in (
+        "no language",
+        "not one main heading",
+        "no title",
+        "no named navigation",
+        "id twice",
+        "order of its own",
+        "frame without",
+        "picture without",
+        "hidden but reached",
+        "a control in a control",
+        "file field",
+        "unknown role",
+        "a level of headings",
+        "empty head",
+        "no option",
+        "list without",
+        "progress without",
+        "outside the landmarks",
+    ):
         assert any(one.startswith(fault) for one in told), fault
 
 
@@ -228,8 +277,10 @@ def test_a_page_opens_in_less_than_two_seconds_of_the_server_and_tells_the_clock
             if before is None:
                 pytest.skip("this system does not tell the processor time of a process")
             spent = processor_s(found.process.pid) - before
-            print(f"{path or 'overview':<10} {clock:.2f} s by the clock, {spent:.2f} s of the server's processor, "
-                  f"load {os.getloadavg()[0]:.1f}")  # fmt: skip
+            print(
+                f"{path or 'overview':<10} {clock:.2f} s by the clock, {spent:.2f} s of the server's processor, "
+                f"load {os.getloadavg()[0]:.1f}"
+            )
             assert spent < 2.0, path
 
 
@@ -286,7 +337,7 @@ def test_files_that_are_too_large_or_badly_named_or_unreadable_are_said_and_noth
         posts = []
         page.on("request", lambda asked: posts.append(asked.url) if asked.method == "POST" else None)
         drop.set_input_files([{"name": "words.csv", "mimeType": "text/csv", "buffer": b"no numbers here\n"}])
-        page.wait_for_selector('.q-chip >> text=words.csv')
+        page.wait_for_selector(".q-chip >> text=words.csv")
         address = next(url for url in posts if "upload" in url)
         for name in ("../evil.csv", "../../evil.csv", "/evil.csv", ".evil.csv"):
             sent = {"name": name, "mimeType": "text/csv", "buffer": b"1,2\n"}

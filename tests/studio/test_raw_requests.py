@@ -121,8 +121,12 @@ REFUSED = {
 
 @pytest.mark.parametrize("heads", REFUSED.values(), ids=REFUSED)
 def test_a_refused_request_gets_403_and_nothing_of_the_project(studio, heads):
-    socket_heads = ("Upgrade: websocket", "Connection: Upgrade", "Sec-WebSocket-Version: 13",
-                    "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==")  # fmt: skip
+    socket_heads = (
+        "Upgrade: websocket",
+        "Connection: Upgrade",
+        "Sec-WebSocket-Version: 13",
+        "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==",
+    )
     socket_path = "/_nicegui_ws/socket.io/?transport=websocket"
     for path, more in (("/", ()), ("/zip/designs/a", ()), (socket_path, socket_heads)):
         status, back = studio.get(studio.path + path, *more, *heads)
@@ -130,20 +134,30 @@ def test_a_refused_request_gets_403_and_nothing_of_the_project(studio, heads):
 
 
 def test_a_websocket_of_the_studio_itself_is_taken(studio):
-    head = (f"GET {studio.path}/_nicegui_ws/socket.io/?EIO=4&transport=websocket HTTP/1.1\r\n"
-            f"Host: 127.0.0.1:{studio.port}\r\nOrigin: http://127.0.0.1:{studio.port}\r\nCookie: {studio.cookie}\r\n"
-            "Upgrade: websocket\r\nConnection: Upgrade\r\nSec-WebSocket-Version: 13\r\n"
-            "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n\r\n")  # fmt: skip
+    head = (
+        f"GET {studio.path}/_nicegui_ws/socket.io/?EIO=4&transport=websocket HTTP/1.1\r\n"
+        f"Host: 127.0.0.1:{studio.port}\r\nOrigin: http://127.0.0.1:{studio.port}\r\nCookie: {studio.cookie}\r\n"
+        "Upgrade: websocket\r\nConnection: Upgrade\r\nSec-WebSocket-Version: 13\r\n"
+        "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n\r\n"
+    )
     with socket.create_connection(("127.0.0.1", studio.port), timeout=60) as link:
         link.sendall(head.encode())
         assert link.recv(65536).startswith(b"HTTP/1.1 101")
 
 
-@pytest.mark.parametrize("sent", [
-    b"\x16\x03\x01\x02\x00\x01\x00\x01\xfc\x03\x03\r\n\r\n", b"GET\r\n\r\n", b"GARBAGE / LINE AND MORE\r\n\r\n",
-    b"GET / HTTP/9.9\r\n\r\n", b"GET / HTTP/1.1\r\nno colon\r\n\r\n", b"GET /\x00 HTTP/1.1\r\nHost: a\r\n\r\n",
-    b"GET / HTTP/1.1\r\nHost: a\r\nHost: b\r\nConnection: close\r\n\r\n", b"\r\n" * 200 + b"x\r\n\r\n",
-])  # fmt: skip
+@pytest.mark.parametrize(
+    "sent",
+    [
+        b"\x16\x03\x01\x02\x00\x01\x00\x01\xfc\x03\x03\r\n\r\n",
+        b"GET\r\n\r\n",
+        b"GARBAGE / LINE AND MORE\r\n\r\n",
+        b"GET / HTTP/9.9\r\n\r\n",
+        b"GET / HTTP/1.1\r\nno colon\r\n\r\n",
+        b"GET /\x00 HTTP/1.1\r\nHost: a\r\n\r\n",
+        b"GET / HTTP/1.1\r\nHost: a\r\nHost: b\r\nConnection: close\r\n\r\n",
+        b"\r\n" * 200 + b"x\r\n\r\n",
+    ],
+)
 def test_garbage_is_refused_and_the_next_request_is_answered(studio, sent):
     assert studio.answer(sent)[0] in (0, 400, 403)
     assert studio.get(f"{studio.path}/alive")[0] == 204
@@ -178,17 +192,48 @@ def test_a_body_without_a_length_is_taken_until_it_is_too_large(studio, root, pa
 
 
 SOLID = "/solid/pad?shape=slab&thickness="
-BAD = ["/files/%00", "/zip/%00", "/files/" + "a" * 5000, "/files/" + "a/" * 2400,
-       "/zip/" + "a" * 3000, "/files/", "/files//", "/zip/", "/zip//", "/zip/.",
-       "/zip/x", "/files/designs",
-       "/files/../secret", "/files/%2e%2e/secret", "/files/..%2fsecret", "/files/..%5csecret", "/files/%2fetc/passwd",
-       "/files//etc/passwd", "/files/.studio/lock", "/files/designs/../.studio/lock", "/zip/.studio", "/zip/%2e%2e",
-       "/files/%ff%fe", "/files/%c0%ae%c0%ae/secret", "/files/%u002e", "/files/%", "/files/a%0d%0ab", "/files/con",
-       f"/files/{quote(JAPANESE)}/out.txt", f"/files/{quote(JAPANESE)}/loop", f"/zip/{quote(JAPANESE)}/loop",
-       "/solid/pad", "/solid/pad?shape=slab", "/solid/pad?thickness=5", "/solid/pad?shape=&thickness=5",
-       "/solid/pad?shape=crowned:radius=nan,height=2&thickness=9", "/solid/pad?shape=crowned:20,2,9,9,9&thickness=9",
-       "/solid/pad?shape=crowned:radius=1e308,height=2&thickness=9", "/solid/pad?shape=%00&thickness=9",
-       *(SOLID + value for value in ("nan", "-5", "0", "inf", "-inf", "1e9", "1e400", "", "%00", "five"))]  # fmt: skip
+BAD = [
+    "/files/%00",
+    "/zip/%00",
+    "/files/" + "a" * 5000,
+    "/files/" + "a/" * 2400,
+    "/zip/" + "a" * 3000,
+    "/files/",
+    "/files//",
+    "/zip/",
+    "/zip//",
+    "/zip/.",
+    "/zip/x",
+    "/files/designs",
+    "/files/../secret",
+    "/files/%2e%2e/secret",
+    "/files/..%2fsecret",
+    "/files/..%5csecret",
+    "/files/%2fetc/passwd",
+    "/files//etc/passwd",
+    "/files/.studio/lock",
+    "/files/designs/../.studio/lock",
+    "/zip/.studio",
+    "/zip/%2e%2e",
+    "/files/%ff%fe",
+    "/files/%c0%ae%c0%ae/secret",
+    "/files/%u002e",
+    "/files/%",
+    "/files/a%0d%0ab",
+    "/files/con",
+    f"/files/{quote(JAPANESE)}/out.txt",
+    f"/files/{quote(JAPANESE)}/loop",
+    f"/zip/{quote(JAPANESE)}/loop",
+    "/solid/pad",
+    "/solid/pad?shape=slab",
+    "/solid/pad?thickness=5",
+    "/solid/pad?shape=&thickness=5",
+    "/solid/pad?shape=crowned:radius=nan,height=2&thickness=9",
+    "/solid/pad?shape=crowned:20,2,9,9,9&thickness=9",
+    "/solid/pad?shape=crowned:radius=1e308,height=2&thickness=9",
+    "/solid/pad?shape=%00&thickness=9",
+    *(SOLID + value for value in ("nan", "-5", "0", "inf", "-inf", "1e9", "1e400", "", "%00", "five")),
+]
 
 
 @pytest.mark.parametrize("path", BAD)
@@ -201,12 +246,56 @@ def test_what_is_not_there_or_makes_no_sense_is_a_plain_line_of_4xx(studio, path
 
 @pytest.mark.slow
 def test_no_request_breaks_the_server(studio):
-    pieces = ["", "/", "//", ".", "..", "%2e%2e", "%2f", "%5c", "\\", "%00", "%", "%zz", "%ff", "a" * 300, "~", "*",
-              ":", "?", "#", ";", "%0d%0a", "%e8%a6%aa", "%F0%9F%98%80", "con", "a.toml",
-              ".studio", "%3F", "+"]  # fmt: skip
-    heads = ["/files/", "/zip/", "/solid/mould/", "/solid/", "/view/", "/view/0/", "/_nicegui/", "/_nicegui/3/static/",
-             "/_nicegui/client/", "/_nicegui_ws/socket.io/", "/", "/design?which=", "/mould?which=", "/campaign?which=",
-             "/learn?which=", "/tissue?which=", "/measured?which=", "/solid/pad?shape="]  # fmt: skip
+    pieces = [
+        "",
+        "/",
+        "//",
+        ".",
+        "..",
+        "%2e%2e",
+        "%2f",
+        "%5c",
+        "\\",
+        "%00",
+        "%",
+        "%zz",
+        "%ff",
+        "a" * 300,
+        "~",
+        "*",
+        ":",
+        "?",
+        "#",
+        ";",
+        "%0d%0a",
+        "%e8%a6%aa",
+        "%F0%9F%98%80",
+        "con",
+        "a.toml",
+        ".studio",
+        "%3F",
+        "+",
+    ]
+    heads = [
+        "/files/",
+        "/zip/",
+        "/solid/mould/",
+        "/solid/",
+        "/view/",
+        "/view/0/",
+        "/_nicegui/",
+        "/_nicegui/3/static/",
+        "/_nicegui/client/",
+        "/_nicegui_ws/socket.io/",
+        "/",
+        "/design?which=",
+        "/mould?which=",
+        "/campaign?which=",
+        "/learn?which=",
+        "/tissue?which=",
+        "/measured?which=",
+        "/solid/pad?shape=",
+    ]
     broken = []
     for head in heads:
         for piece in pieces:

@@ -40,8 +40,19 @@ def test_a_calibration_of_another_resin_is_warned_of_on_the_design_page(page, st
 
 
 def test_a_mould_is_shown_once_when_its_page_is_opened_again(page, studio):
-    words = ["mold", "--thickness", "6", "--preset", "open", "--resin", lab.RESIN, "--ratio", "15", "--out",
-             "moulds/mould_t6"]  # fmt: skip
+    words = [
+        "mold",
+        "--thickness",
+        "6",
+        "--preset",
+        "open",
+        "--resin",
+        lab.RESIN,
+        "--ratio",
+        "15",
+        "--out",
+        "moulds/mould_t6",
+    ]
     pour = {"fill_mass_g": 70.0, "silicone_mass_g": None, "components": [{"name": "polyol", "mass_g": 61.0}]}
     files = {"a": "moulds/mould_t6/master_t6.step"}
     lab.job(studio[1], 1, "mould", words, {"inputs": {"ratio": 15.0}, "pour": pour, "files": files}, 0)
@@ -84,8 +95,13 @@ def test_a_typed_number_counts_once_it_is_typed_to_its_end_and_is_never_cut_in_s
     page.wait_for_selector(SETTLED)
     field, note = page.locator(by("number-thickness")), page.locator(".slide small[role=status]").first
     seen = []
-    for keys, then, said in (("7,5", "7.5", ""), ("100", "7.5", "100 is not allowed: 3 to 30"), ("8.4", "8.4", ""),
-                             ("8.43", "8.4", "steps of 0.1"), ("soft", "8.4", "soft is not allowed")):  # fmt: skip
+    for keys, then, said in (
+        ("7,5", "7.5", ""),
+        ("100", "7.5", "100 is not allowed: 3 to 30"),
+        ("8.4", "8.4", ""),
+        ("8.43", "8.4", "steps of 0.1"),
+        ("soft", "8.4", "soft is not allowed"),
+    ):
         field.fill("")
         field.press_sequentially(keys)
         field.press("Enter")
@@ -105,9 +121,16 @@ def test_a_typed_number_counts_once_it_is_typed_to_its_end_and_is_never_cut_in_s
     page.wait_for_selector(".command code >> text=--thickness 7.5")
 
 
-MAIN = {"": ("newest", "next", "steps"), "measured": ("run-import",), "tissue": ("use",),
-        "design": ("verdict", "run-suggest", "plots"), "mould": ("red", "run-mould"), "cast": ("run-compare",),
-        "learn": ("run-loop",), "resin": ("run-ring",)}  # fmt: skip
+MAIN = {
+    "": ("newest", "next", "steps"),
+    "measured": ("run-import",),
+    "tissue": ("use",),
+    "design": ("verdict", "run-suggest", "plots"),
+    "mould": ("red", "run-mould"),
+    "cast": ("run-compare",),
+    "learn": ("run-loop",),
+    "resin": ("run-ring",),
+}
 
 
 @pytest.mark.parametrize(("width", "height", "screens"), [(1280, 800, 1), (390, 844, 2)])
@@ -146,25 +169,45 @@ def test_what_has_the_focus_is_seen(page, studio):
         page.keyboard.press("Shift+Tab")
         page.keyboard.press("Tab")
         page.wait_for_timeout(500)
-        seen = page.evaluate("(() => { const s = getComputedStyle(document.activeElement);"
-                             "return (s.outlineStyle === 'solid' && parseFloat(s.outlineWidth) >= 2)"
-                             "|| s.boxShadow.includes('0px 0px 0px 5px'); })()")  # fmt: skip
+        seen = page.evaluate(
+            "(() => { const s = getComputedStyle(document.activeElement);"
+            "return (s.outlineStyle === 'solid' && parseFloat(s.outlineWidth) >= 2)"
+            "|| s.boxShadow.includes('0px 0px 0px 5px'); })()"
+        )
         assert page.evaluate("(one) => document.activeElement.matches(one)", by(test)), test
         assert seen, test
 
 
 def test_numbers_that_must_not_be_used_stand_under_a_red_light(page, studio):
-    words = ["on-person", "measured/cast-pad/a.csv", "--tissue", "forefinger", "--drive", "position", "--punch",
-             "square:14", "--out", "designs/on-person-forefinger"]  # fmt: skip
+    words = [
+        "on-person",
+        "measured/cast-pad/a.csv",
+        "--tissue",
+        "forefinger",
+        "--drive",
+        "position",
+        "--punch",
+        "square:14",
+        "--out",
+        "designs/on-person-forefinger",
+    ]
     folder = studio[1] / "measured" / "cast-pad"
     folder.mkdir(parents=True)
     (folder / "a.csv").write_text("time_s,displacement_mm,force_N\n0,0,0\n1,1,1\n2,2,2\n", encoding="utf-8")
     span = [1.0, 2.0]
     keys = ("peak_force_N", "depth_mm", "steady_force_N", "energy_mJ", "velocity_mm_s", "impulse_Ns", "hold_s")
-    one = {"file": "a.csv", "drive_contradicted": None, "beyond_range": [
-        {"value": 100.0, "pressed_to": 15.0, "text": "100 N, people were pressed to 15 N"}],
-        "factor_peak": span, "factor_peak_95": span, "pad": dict.fromkeys(keys, 1.0),
-        "band": dict.fromkeys(keys, span), "interval_95": dict.fromkeys(keys, span), "limits": [], "subjects": [1]}
+    one = {
+        "file": "a.csv",
+        "drive_contradicted": None,
+        "beyond_range": [{"value": 100.0, "pressed_to": 15.0, "text": "100 N, people were pressed to 15 N"}],
+        "factor_peak": span,
+        "factor_peak_95": span,
+        "pad": dict.fromkeys(keys, 1.0),
+        "band": dict.fromkeys(keys, span),
+        "interval_95": dict.fromkeys(keys, span),
+        "limits": [],
+        "subjects": [1],
+    }
     lab.job(studio[1], 1, "on-person", words, {"presses": [one], "warnings": [], "drive": "position"}, 0)
     opened(page, studio, "cast?tissue=forefinger&shape=layered:4,0.6&thickness_mm=9&ratio=15")
     choose(page, "pad", "files dropped here: 1 press")

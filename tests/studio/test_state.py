@@ -23,11 +23,19 @@ def design(project, name, thickness_mm, tissue="forefinger", date="2026-01-01", 
     folder = project.root / "designs" / name
     folder.mkdir(parents=True)
     manifest = {
-        "command": "suggest", "finished": True, "date": date,
+        "command": "suggest",
+        "finished": True,
+        "date": date,
         "inputs": {"tissue": tissue, "aim": "average", "punch": "square:14", "calibration": None, **inputs},
-        "summary": {"shape": "crowned:radius=20,height=2,foot=9", "thickness_mm": thickness_mm, "ratio": 15.5,
-                    "resin": "polyurethane-nagoya", "verdict": "not_settled", "text": "Not settled."},
-    }  # fmt: skip
+        "summary": {
+            "shape": "crowned:radius=20,height=2,foot=9",
+            "thickness_mm": thickness_mm,
+            "ratio": 15.5,
+            "resin": "polyurethane-nagoya",
+            "verdict": "not_settled",
+            "text": "Not settled.",
+        },
+    }
     (folder / "manifest.json").write_text(json.dumps(manifest), encoding="utf-8")
 
 
@@ -67,11 +75,15 @@ def test_a_design_brings_its_calibration_and_a_changed_pad_is_no_longer_that_des
 
 @pytest.mark.parametrize(
     ("query", "what"),
-    [({"tissue": "tissue/gone.toml"}, "tissue/gone.toml"), ({"resin": "gone"}, "gone"),
-     ({"calibration": "calibrations/gone/calibration.json"}, "calibrations/gone"),
-     ({"campaign": "campaigns/gone"}, "campaigns/gone"), ({"design": "designs/gone"}, "designs/gone"),
-     ({"aim": "subject:nobody"}, "subject:nobody")],
-)  # fmt: skip
+    [
+        ({"tissue": "tissue/gone.toml"}, "tissue/gone.toml"),
+        ({"resin": "gone"}, "gone"),
+        ({"calibration": "calibrations/gone/calibration.json"}, "calibrations/gone"),
+        ({"campaign": "campaigns/gone"}, "campaigns/gone"),
+        ({"design": "designs/gone"}, "designs/gone"),
+        ({"aim": "subject:nobody"}, "subject:nobody"),
+    ],
+)
 def test_what_is_missing_stays_chosen_and_is_said(project, query, what):
     state = read_state(project, query)
     assert len(state.missing) == 1 and what in state.missing[0]
@@ -137,8 +149,20 @@ def test_a_search_without_a_punch_is_for_the_one_it_used_not_for_the_one_of_toda
 
 
 def test_a_search_belongs_to_the_question_it_was_asked(project):
-    words = ["suggest", "--tissue", "palm", "--aim", "average", "--resin", "polyurethane-nagoya", "--shape", "auto",
-             "--no-cad", "--out", "designs/suggest-palm"]  # fmt: skip
+    words = [
+        "suggest",
+        "--tissue",
+        "palm",
+        "--aim",
+        "average",
+        "--resin",
+        "polyurethane-nagoya",
+        "--shape",
+        "auto",
+        "--no-cad",
+        "--out",
+        "designs/suggest-palm",
+    ]
     assert question_of(words, {}) == State("palm").question
     assert question_of([*words, "--calibration", "calibrations/a/calibration.json"], {}) != State("palm").question
 

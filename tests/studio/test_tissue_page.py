@@ -168,7 +168,7 @@ def test_two_people_become_one_tissue_by_the_command_lines_that_are_shown(page, 
     # the same name again would take the place of the first: it has to be ticked
     page.locator(by("run-people")).click()
     page.wait_for_selector(".problem >> text=Replace")
-    page.locator(f'{by("found-people")} {by("use-fitted")}').click()
+    page.locator(f"{by('found-people')} {by('use-fitted')}").click()
     page.wait_for_url("**/design?**")
     assert read_project(root).tissue == "people"
 

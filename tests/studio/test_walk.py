@@ -147,8 +147,9 @@ def _slide(page, number):
     page.wait_for_selector('[data-test="verdict"] .verdict[data-state="settled"]')
     taken, before = [], processor_s(number)
     for step in range(9):
-        taken.append(page.evaluate(
-            """(value) => new Promise((done) => {
+        taken.append(
+            page.evaluate(
+                """(value) => new Promise((done) => {
                 const plots = document.querySelector('[data-test="plots"]'), start = performance.now();
                 const end = () => { watch.disconnect(); done((performance.now() - start) / 1e3); };
                 const watch = new MutationObserver(end);
@@ -156,8 +157,9 @@ def _slide(page, number):
                 const slider = document.querySelector('[data-test="slide-thickness"]');
                 slider.value = value; slider.dispatchEvent(new Event('input', {bubbles: true}));
             })""",
-            5.0 + 0.5 * step,
-        ))  # fmt: skip
+                5.0 + 0.5 * step,
+            )
+        )
     spent = None if before is None else (processor_s(number) - before) / 9
     page.wait_for_timeout(600)
     return sorted(taken)[4], spent
@@ -165,9 +167,16 @@ def _slide(page, number):
 
 def test_every_step_left_its_files_in_the_folder(walked):
     folder = walked["folder"]
-    for pattern in ("measured/finger*.txt", "measured/import-*/*.csv", "tissue/*.toml", "designs/*/report.html",
-                    "moulds/*/*.step", "campaigns/first/campaign.toml", "calibrations/*/calibration.json",
-                    "designs/*calibrated*/manifest.json"):  # fmt: skip
+    for pattern in (
+        "measured/finger*.txt",
+        "measured/import-*/*.csv",
+        "tissue/*.toml",
+        "designs/*/report.html",
+        "moulds/*/*.step",
+        "campaigns/first/campaign.toml",
+        "calibrations/*/calibration.json",
+        "designs/*calibrated*/manifest.json",
+    ):
         assert list(folder.glob(pattern)), pattern
     assert walked["pressed"].ready
 
@@ -196,9 +205,12 @@ def test_the_command_that_is_shown_writes_the_same_files(walked, tmp_path):
     for path in (folder / "tissue").iterdir():
         (tmp_path / "tissue" / path.name).write_bytes(path.read_bytes())
     done = subprocess.run(
-        [sys.executable, "-m", "dummydesign", *words], cwd=tmp_path, capture_output=True, text=True,
+        [sys.executable, "-m", "dummydesign", *words],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
         env=surroundings(walked["home"]),
-    )  # fmt: skip
+    )
     assert done.returncode in (0, 1), done.stderr
     place = f"{words[words.index('--out') + 1]}/manifest.json"
     first, second = (json.loads((root / place).read_text(encoding="utf-8")) for root in (folder, tmp_path))

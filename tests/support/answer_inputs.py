@@ -75,11 +75,24 @@ def make_campaign(folder: Path) -> None:
     """Twelve presses of two slabs at two speeds whose contact was taken 0.06 mm too early."""
     folder.mkdir()
     lines = [
-        "schema = 1", 'name = "twelve presses"', "[pad]", "ratio = 15.0", "young_kPa_nominal = 30.0",
+        "schema = 1",
+        'name = "twelve presses"',
+        "[pad]",
+        "ratio = 15.0",
+        "young_kPa_nominal = 30.0",
         "length_mm = 150.0",
-        "width_mm = 120.0", 'base = "bonded"', "[punch]", 'shape = "square"', "side_mm = 14.0", 'contact = "bonded"',
-        "[sensor]", "lowpass_hz = 35.0", "lowpass_order = 2", "lowpass_passes = 1", "force_resolution_N = 0.01",
-    ]  # fmt: skip
+        "width_mm = 120.0",
+        'base = "bonded"',
+        "[punch]",
+        'shape = "square"',
+        "side_mm = 14.0",
+        'contact = "bonded"',
+        "[sensor]",
+        "lowpass_hz = 35.0",
+        "lowpass_order = 2",
+        "lowpass_passes = 1",
+        "force_resolution_N = 0.01",
+    ]
     rng = np.random.default_rng(20260417)
     young_MPa, count = 0.032, 0
     for thickness in (5.0, 10.0):
@@ -91,10 +104,18 @@ def make_campaign(folder: Path) -> None:
                 save_trace(folder / f"t{count:02d}.csv", t, x, force)
                 target = young_MPa * np.interp(share, SHARES, SLABS[thickness])
                 lines += [
-                    "[[trial]]", f'file = "t{count:02d}.csv"', f"thickness_mm = {thickness}",
-                    f"velocity_mm_s = {velocity}", "hold_s = 5.0", f"target_force_N = {target:.2f}", "repeat = 1",
-                    f"sequence = {count}", "rest_s = 120.0", "temperature_C = 23.0", "age_days = 7.0",
-                ]  # fmt: skip
+                    "[[trial]]",
+                    f'file = "t{count:02d}.csv"',
+                    f"thickness_mm = {thickness}",
+                    f"velocity_mm_s = {velocity}",
+                    "hold_s = 5.0",
+                    f"target_force_N = {target:.2f}",
+                    "repeat = 1",
+                    f"sequence = {count}",
+                    "rest_s = 120.0",
+                    "temperature_C = 23.0",
+                    "age_days = 7.0",
+                ]
     (folder / "campaign.toml").write_text("\n".join(lines) + "\n", encoding="utf-8")
 
 

@@ -32,12 +32,24 @@ def visit(url: str, folder: Path, *more: str) -> Visit:
     """Open a page in a fresh profile and read what it did once its scripts have run."""
     log = folder / "net.json"
     command = [
-        chromium(), "--headless=new", "--no-sandbox", "--disable-background-networking", "--disable-component-update",
-        "--disable-sync", "--disable-features=NetworkTimeServiceQuerying,OptimizationHints", "--no-first-run",
-        "--use-angle=swiftshader", "--enable-unsafe-swiftshader",
-        f"--user-data-dir={folder / 'profile'}", f"--log-net-log={log}", "--enable-logging=stderr",
-        "--virtual-time-budget=3000", "--dump-dom", *more, url,
-    ]  # fmt: skip
+        chromium(),
+        "--headless=new",
+        "--no-sandbox",
+        "--disable-background-networking",
+        "--disable-component-update",
+        "--disable-sync",
+        "--disable-features=NetworkTimeServiceQuerying,OptimizationHints",
+        "--no-first-run",
+        "--use-angle=swiftshader",
+        "--enable-unsafe-swiftshader",
+        f"--user-data-dir={folder / 'profile'}",
+        f"--log-net-log={log}",
+        "--enable-logging=stderr",
+        "--virtual-time-budget=3000",
+        "--dump-dom",
+        *more,
+        url,
+    ]
     done = subprocess.run(command, capture_output=True, text=True, timeout=120)
     assert done.returncode == 0, done.stderr[-2000:]
     console = [line for line in done.stderr.splitlines() if ":CONSOLE" in line]

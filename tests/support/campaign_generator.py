@@ -112,10 +112,19 @@ def conditions(rng: np.random.Generator, held_out: bool, thicknesses: tuple = SL
                 key = (h, v, f)
                 seen[key] = seen.get(key, 0) + 1
                 rows.append(
-                    {"h": h, "v": v, "level": f, "repeat": seen[key], "sequence": sequence,
-                     "rest": 3600.0 if fresh else 60.0, "age": day, "temperature": round(rng.uniform(20, 27), 1),
-                     "unload": rng.random() < 1 / 3, "day_first": fresh}
-                )  # fmt: skip
+                    {
+                        "h": h,
+                        "v": v,
+                        "level": f,
+                        "repeat": seen[key],
+                        "sequence": sequence,
+                        "rest": 3600.0 if fresh else 60.0,
+                        "age": day,
+                        "temperature": round(rng.uniform(20, 27), 1),
+                        "unload": rng.random() < 1 / 3,
+                        "day_first": fresh,
+                    }
+                )
                 fresh = False
     return rows
 
@@ -200,8 +209,9 @@ def write_campaign(
         pads = {t: rng.normal(0, level_error, 2) for t in sorted((*kinds[0], kinds[1]))}
     else:
         rng = np.random.default_rng([seed, 4, len(rows), round(100 * sum(row["h"] for row in rows))])
-        pads = {row["h"]: np.random.default_rng([seed, 5, round(100 * row["h"])]).normal(0, level_error, 2)
-                for row in rows}  # fmt: skip
+        pads = {
+            row["h"]: np.random.default_rng([seed, 5, round(100 * row["h"])]).normal(0, level_error, 2) for row in rows
+        }
     h = np.array([row["h"] for row in rows])
     own = {"crown": crowned, "edge_mm": edge_mm}
     of_pad = {t: (t, 1.0, f"thickness_mm = {t}") for t in pads}
@@ -306,13 +316,29 @@ def _physics(effects, young, tau, beta, pad, rows, depths, rng) -> Physics:
 def _write(folder, effects, rows, moved, force, nominal, young, slow_time, rng, crowned, cast, punch) -> Truth:
     folder.mkdir(parents=True, exist_ok=True)
     lines = [
-        "schema = 1", f'name = "{folder.name}"', "[pad]", "ratio = 15.0", f"young_kPa_nominal = {nominal:.2f}",
-        *([cast] if cast else []), "length_mm = 150.0",
-        "width_mm = 120.0", 'base = "bonded"', "[punch]", *punch,
-        *(['shape = "round"', f"diameter_mm = {28.0 / np.sqrt(np.pi):.6f}"] if crowned else
-          ['shape = "square"', "side_mm = 14.0"]), 'contact = "bonded"',
-        "[sensor]", "lowpass_hz = 35.0", "lowpass_order = 2", "lowpass_passes = 1", "force_resolution_N = 0.01",
-    ]  # fmt: skip
+        "schema = 1",
+        f'name = "{folder.name}"',
+        "[pad]",
+        "ratio = 15.0",
+        f"young_kPa_nominal = {nominal:.2f}",
+        *([cast] if cast else []),
+        "length_mm = 150.0",
+        "width_mm = 120.0",
+        'base = "bonded"',
+        "[punch]",
+        *punch,
+        *(
+            ['shape = "round"', f"diameter_mm = {28.0 / np.sqrt(np.pi):.6f}"]
+            if crowned
+            else ['shape = "square"', "side_mm = 14.0"]
+        ),
+        'contact = "bonded"',
+        "[sensor]",
+        "lowpass_hz = 35.0",
+        "lowpass_order = 2",
+        "lowpass_passes = 1",
+        "force_resolution_N = 0.01",
+    ]
     squares, samples = 0.0, 0
     for i, (row, (time, x, _away, save, _)) in enumerate(zip(rows, moved)):
         signal = as_saved(effects, time, force[i, : len(time)], rng)[save]
@@ -325,11 +351,18 @@ def _write(folder, effects, rows, moved, force, nominal, young, slow_time, rng, 
         table = "\n".join(f"{a:.4f},{b:.3f},{c:.2f}" for a, b, c in zip(t, place, saved))
         (folder / name).write_text("time_s,displacement_mm,force_N\n" + table + "\n")
         lines += [
-            "[[trial]]", f'file = "{name}"', row["declared"], f"velocity_mm_s = {row['v']}",
-            "hold_s = 10.0", f"target_force_N = {row['target']}", f"repeat = {row['repeat']}",
-            f"sequence = {row['sequence']}", f"rest_s = {row['rest']}", f"temperature_C = {row['temperature']}",
+            "[[trial]]",
+            f'file = "{name}"',
+            row["declared"],
+            f"velocity_mm_s = {row['v']}",
+            "hold_s = 10.0",
+            f"target_force_N = {row['target']}",
+            f"repeat = {row['repeat']}",
+            f"sequence = {row['sequence']}",
+            f"rest_s = {row['rest']}",
+            f"temperature_C = {row['temperature']}",
             f"age_days = {row['age']}",
-        ]  # fmt: skip
+        ]
     (folder / "campaign.toml").write_text("\n".join(lines) + "\n")
     effect, size = next(iter(effects.items()))
     shown = 0.5 - size if effect == "compressibility" else size

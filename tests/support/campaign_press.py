@@ -54,9 +54,10 @@ def _layer_force(depth: np.ndarray, thickness: np.ndarray, base: str, poisson: f
 def _crowns(base: str, poisson: float, edge_mm: float) -> list[tuple[float, CubicSpline]]:
     """Solved thicknesses and splines of ln F / (E d^1.5) over the root of the depth, from first touch."""
     rows = [
-        r for r in json.loads(CROWNED_CURVES.read_text())
+        r
+        for r in json.loads(CROWNED_CURVES.read_text())
         if r["base"] == base and abs(r["poisson"] - poisson) < 1e-9 and r.get("edge_radius_mm", 0.0) == edge_mm
-    ]  # fmt: skip
+    ]
     out = []
     for row in sorted(rows, key=lambda r: r["thickness_mm"]):
         depth, area = np.array(row["depth_mm"]), np.array(row["force_over_young_mm2"])

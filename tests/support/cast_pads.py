@@ -49,9 +49,16 @@ def space_with(resin, targets, thickness_mm, ratio, tolerances=Tolerances(100.0)
     """What is searched of a resin under the paper's punch, however pads are made."""
     radius, castings = 14.0 / np.sqrt(np.pi), more.pop("castings", None) or Castings(resin)
     return SearchSpace(
-        resin, targets, np.asarray(thickness_mm, float), np.asarray(ratio, float), radius, castings,
-        lambda *_: tolerances, more.pop("puck_error", 0.03), **more,
-    )  # fmt: skip
+        resin,
+        targets,
+        np.asarray(thickness_mm, float),
+        np.asarray(ratio, float),
+        radius,
+        castings,
+        lambda *_: tolerances,
+        more.pop("puck_error", 0.03),
+        **more,
+    )
 
 
 def cast_pad(space, slab_law, castings, pad=CROWNED, tolerances=Tolerances(60.0)):  # noqa: B008

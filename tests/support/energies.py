@@ -17,8 +17,7 @@ def stretches(F):
 
 
 def energy(law, F):
-    """Energy per reference volume; of a viscoelastic law that of the step, whose derivative is the stress at its end.
-    """
+    """Energy per reference volume; of a viscoelastic law that of the step; its derivative is the stress at its end."""
     if isinstance(law, Viscoelastic):
         total = energy(law.law, F) + law._strength * energy(law.isochoric, F)
         return total if law._history is None else total + 0.5 * _stored(law._history, F)

@@ -78,9 +78,16 @@ def press(
 
 
 def write_table(
-    path: Path, people=PEOPLE, forces=(5.0, 10.0, 15.0), speeds=(10.0, 250.0), hold_s=10.0, repeats=1,
-    noise_N=0.0, depth_sd_mm=0.0, seed=1,
-) -> Path:  # fmt: skip
+    path: Path,
+    people=PEOPLE,
+    forces=(5.0, 10.0, 15.0),
+    speeds=(10.0, 250.0),
+    hold_s=10.0,
+    repeats=1,
+    noise_N=0.0,
+    depth_sd_mm=0.0,
+    seed=1,
+) -> Path:
     """A table of curves as ``tissues add-curves`` reads it, a few hundred samples a press."""
     rng = np.random.default_rng(seed)
     rows = ["subject,velocity_mm_s,press,time_s,depth_mm,force_N"]

@@ -21,9 +21,17 @@ STEADY_N = np.linspace(5.0, 15.0, 41)
 def ranges(subjects=5, width=1.3):
     middle = np.cbrt(STEADY_N / 2.0)
     return Ranges(
-        FORCES, SPEEDS, 1.6 * FORCES, 1.6 * width * FORCES, FORCES**1.3, width * FORCES**1.3, STEADY_N,
-        middle / width**0.3, middle * width**0.3, subjects,
-    )  # fmt: skip
+        FORCES,
+        SPEEDS,
+        1.6 * FORCES,
+        1.6 * width * FORCES,
+        FORCES**1.3,
+        width * FORCES**1.3,
+        STEADY_N,
+        middle / width**0.3,
+        middle * width**0.3,
+        subjects,
+    )
 
 
 def pad(peak=1.0, energy=1.0, depth=1.0, width=1.3):

@@ -31,18 +31,35 @@ def manifest(root: Path, folder: str, command: str, inputs: dict, **more: object
 def design(root: Path, name: str, shape: str, thickness: float, verdict: str, date: str) -> None:
     """A design with its verdict."""
     inputs = {"tissue": "forefinger", "aim": "average", "punch": "square:14", "calibration": None}
-    summary = {"shape": shape, "thickness_mm": thickness, "ratio": 15.0, "resin": RESIN, "verdict": verdict,
-               "text": f"The verdict of {name}."}  # fmt: skip
+    summary = {
+        "shape": shape,
+        "thickness_mm": thickness,
+        "ratio": 15.0,
+        "resin": RESIN,
+        "verdict": verdict,
+        "text": f"The verdict of {name}.",
+    }
     manifest(root, f"designs/{name}", "suggest", inputs, summary=summary, date=date)
 
 
 def mould(root: Path, name: str, thickness: float, shape: str = "slab") -> None:
     """A mould with a few of its files."""
-    inputs = {"shape": shape, "thickness_mm": thickness, "length_mm": 150.0, "width_mm": 120.0, "preset": "open",
-              "resin": RESIN, "ratio": 15.0}  # fmt: skip
-    folder = manifest(root, f"moulds/{name}", "mold", inputs, summary={
-        key: inputs[key] for key in ("shape", "thickness_mm", "ratio", "resin", "preset")
-    })  # fmt: skip
+    inputs = {
+        "shape": shape,
+        "thickness_mm": thickness,
+        "length_mm": 150.0,
+        "width_mm": 120.0,
+        "preset": "open",
+        "resin": RESIN,
+        "ratio": 15.0,
+    }
+    folder = manifest(
+        root,
+        f"moulds/{name}",
+        "mold",
+        inputs,
+        summary={key: inputs[key] for key in ("shape", "thickness_mm", "ratio", "resin", "preset")},
+    )
     for file in (f"pour_t{thickness:g}.pdf", f"master_t{thickness:g}.step", f"drawings_t{thickness:g}.dxf"):
         (folder / file).write_text("x", encoding="utf-8")
     solid = Shown("pad", box(150.0, 120.0, thickness), (0.9, 0.7, 0.6))
@@ -66,12 +83,21 @@ def calibration(root: Path, name: str, campaign: str) -> None:
     toml = root / "campaigns" / campaign / "campaign.toml"
     read = [{"name": f"campaigns/{campaign}/campaign.toml", "file": "campaign.toml", "sha256": sha256_of(toml)}]
     summary = {"campaign": campaign, "verdict": "none", "effects": [], "text": f"Learned of {campaign}."}
-    folder = manifest(root, f"calibrations/{name}", "loop", {"campaign": f"campaigns/{campaign}", "trials": 8},
-                      summary=summary, files_read=read)  # fmt: skip
+    folder = manifest(
+        root,
+        f"calibrations/{name}",
+        "loop",
+        {"campaign": f"campaigns/{campaign}", "trials": 8},
+        summary=summary,
+        files_read=read,
+    )
     (folder / "calibration.json").write_text("{}", encoding="utf-8")
     (folder / "report.html").write_text("<h1>report</h1>", encoding="utf-8")
-    rows = [("press-6mm-10mm-s-3N", f"{kind}, a.csv", "time_s", "force_N", 0.01 * (k + 1), 0.1 * k, "", "")
-            for kind in ("measured", "base", "corrected") for k in range(9)]  # fmt: skip
+    rows = [
+        ("press-6mm-10mm-s-3N", f"{kind}, a.csv", "time_s", "force_N", 0.01 * (k + 1), 0.1 * k, "", "")
+        for kind in ("measured", "base", "corrected")
+        for k in range(9)
+    ]
     (folder / "report.csv").write_text(csv_text(COLUMNS, rows), encoding="utf-8")
 
 
@@ -89,8 +115,14 @@ def job(root: Path, number: int, name: str, words: list[str], answer: dict, stat
 
 def learned(file: str, sentence: str) -> dict:
     """An answer of ``loop``, short."""
-    return {"answer": [sentence], "effects": [], "warnings": [], "calibration_file": file, "next_measurement": None,
-            "after": {"error": {"heldout_rmse_N": 0.02, "noise_floor_N": 0.02}}}  # fmt: skip
+    return {
+        "answer": [sentence],
+        "effects": [],
+        "warnings": [],
+        "calibration_file": file,
+        "next_measurement": None,
+        "after": {"error": {"heldout_rmse_N": 0.02, "noise_floor_N": 0.02}},
+    }
 
 
 def lab_project(folder: Path) -> Path:

@@ -10,8 +10,14 @@ from dummydesign.loop.calibration import Calibration, Model, Posterior
 from dummydesign.loop.effects.registry import effect_named
 from dummydesign.loop.model.forward_model import Active, BaseParameters
 
-PAD = {"young_kPa_expected": 30.0, "resin": "polyurethane-nagoya", "ratio": 15.0, "base": "bonded", "shape": "slab",
-       "contact": "bonded"}  # fmt: skip
+PAD = {
+    "young_kPa_expected": 30.0,
+    "resin": "polyurethane-nagoya",
+    "ratio": 15.0,
+    "base": "bonded",
+    "shape": "slab",
+    "contact": "bonded",
+}
 NAMES = ("log young_kPa", "log tau_1_s", "log beta_1", "log tau_2_s", "log beta_2")
 
 

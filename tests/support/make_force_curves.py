@@ -37,9 +37,10 @@ def main() -> None:
             if (base, poisson, thickness) in done:
                 continue
             curve = solve_curve(
-                Pad(thickness, 1.0, RADIUS_MM, base=base, poisson=poisson, extent_mm=75.7), SHARES * thickness,
+                Pad(thickness, 1.0, RADIUS_MM, base=base, poisson=poisson, extent_mm=75.7),
+                SHARES * thickness,
                 independent=True,
-            )  # fmt: skip
+            )
             rows.append(
                 {
                     "base": base,
@@ -73,9 +74,12 @@ def crowned() -> None:
 
 def _crowned_row(thickness, depth, force) -> dict:
     return {
-        "base": "bonded", "poisson": 0.5, "thickness_mm": thickness, "depth_mm": [float(f"{d:.6g}") for d in depth],
+        "base": "bonded",
+        "poisson": 0.5,
+        "thickness_mm": thickness,
+        "depth_mm": [float(f"{d:.6g}") for d in depth],
         "force_over_young_mm2": [float(f"{f:.6g}") for f in force],
-    }  # fmt: skip
+    }
 
 
 if __name__ == "__main__":

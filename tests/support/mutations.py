@@ -41,10 +41,31 @@ def _drop(draw, data):
 
 
 def _insert(draw, data):
-    words = (b"NaN", b"inf", b"\x00", b"\n", b",,,", b";;", b'"', b"1e999", b"-", b"\xff\xfe", b"text,text", b"\r",
-             b"  ",
-             "変位".encode(), b"9" * 400, b"\x1a", b"=1/0", b"#REF!", b"1.2.3", b"1,2,3", b"--", b"1e-400",
-             b"\t\t\t")  # fmt: skip
+    words = (
+        b"NaN",
+        b"inf",
+        b"\x00",
+        b"\n",
+        b",,,",
+        b";;",
+        b'"',
+        b"1e999",
+        b"-",
+        b"\xff\xfe",
+        b"text,text",
+        b"\r",
+        b"  ",
+        "変位".encode(),
+        b"9" * 400,
+        b"\x1a",
+        b"=1/0",
+        b"#REF!",
+        b"1.2.3",
+        b"1,2,3",
+        b"--",
+        b"1e-400",
+        b"\t\t\t",
+    )
     at = _place(draw, data)
     return data[:at] + words[int(draw.integers(len(words)))] + data[at:]
 

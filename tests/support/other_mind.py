@@ -20,21 +20,51 @@ CURVES = Path(__file__).parent / "other_mind_curves.json"
 STEP_S, PEAK = 2.5e-4, 1.4
 PADS_MM, FURTHER_MM = (6.0, 10.0, 16.0), 12.0
 SIZES = {
-    "contact_offset": 0.05, "machine_compliance": 0.006, "punch_tilt": 2.0, "base_slip": 0.2, "compressibility": 0.012,
-    "thickness_error": 0.3, "strain_stiffening": 0.8, "strain_dependent_relaxation": 1.5,
-    "rate_dependent_viscosity": 0.15, "slow_relaxation_mode": 0.08, "fast_relaxation_mode": 0.25,
-    "softening_with_cycles": 0.04, "incomplete_recovery": 0.012, "temperature": 0.008, "ageing": 0.03,
-    "adhesion": 0.25, "inertia": 0.04, "friction_hysteresis": 0.03, "force_bias": 0.06, "force_drift": 0.01,
-    "sensor_lag": 0.004, "time_skew": 0.004, "sensor_clipping": 1.0,
-}  # fmt: skip
+    "contact_offset": 0.05,
+    "machine_compliance": 0.006,
+    "punch_tilt": 2.0,
+    "base_slip": 0.2,
+    "compressibility": 0.012,
+    "thickness_error": 0.3,
+    "strain_stiffening": 0.8,
+    "strain_dependent_relaxation": 1.5,
+    "rate_dependent_viscosity": 0.15,
+    "slow_relaxation_mode": 0.08,
+    "fast_relaxation_mode": 0.25,
+    "softening_with_cycles": 0.04,
+    "incomplete_recovery": 0.012,
+    "temperature": 0.008,
+    "ageing": 0.03,
+    "adhesion": 0.25,
+    "inertia": 0.04,
+    "friction_hysteresis": 0.03,
+    "force_bias": 0.06,
+    "force_drift": 0.01,
+    "sensor_lag": 0.004,
+    "time_skew": 0.004,
+    "sensor_clipping": 1.0,
+}
 """Usual size of each effect, in the units of the vocabulary; of clipping the share of the largest force."""
 UNNAMED = {
-    "sensor_square": 0.015, "sensor_cube": 0.08, "skin": 0.15, "bottom_felt": 0.25, "flow_through": 0.8,
-    "creeping_hold": 0.06, "cold_stiffening": 0.06,
-}  # fmt: skip
+    "sensor_square": 0.015,
+    "sensor_cube": 0.08,
+    "skin": 0.15,
+    "bottom_felt": 0.25,
+    "flow_through": 0.8,
+    "creeping_hold": 0.06,
+    "cold_stiffening": 0.06,
+}
 """Functions of the reading (two), of depth, of depth over thickness, of thickness and time, of time, of temperature."""
-TWO_SIGNED = {"contact_offset", "thickness_error", "temperature", "force_bias", "force_drift", "time_skew",
-              "sensor_square", "sensor_cube"}  # fmt: skip
+TWO_SIGNED = {
+    "contact_offset",
+    "thickness_error",
+    "temperature",
+    "force_bias",
+    "force_drift",
+    "time_skew",
+    "sensor_square",
+    "sensor_cube",
+}
 
 
 @dataclass(frozen=True)
@@ -75,18 +105,23 @@ def _plan(rng: np.random.Generator, top_N: float, held_out: bool) -> Plan:
         seen[row[:3]] = seen.get(row[:3], 0) + 1
         repeat.append(seen[row[:3]])
     return Plan(
-        np.array([r[0] for r in rows]), np.array([r[1] for r in rows]), top_N * np.array([r[2] for r in rows]),
-        np.array(repeat), np.where(fresh, 7200.0, rng.choice([45.0, 90.0, 240.0], len(rows))),
-        np.array([8.0, 15.0, 31.0])[days[order]], np.round(23.0 + 3.5 * rng.standard_normal(len(rows)).clip(-1, 1), 1),
+        np.array([r[0] for r in rows]),
+        np.array([r[1] for r in rows]),
+        top_N * np.array([r[2] for r in rows]),
+        np.array(repeat),
+        np.where(fresh, 7200.0, rng.choice([45.0, 90.0, 240.0], len(rows))),
+        np.array([8.0, 15.0, 31.0])[days[order]],
+        np.round(23.0 + 3.5 * rng.standard_normal(len(rows)).clip(-1, 1), 1),
         rng.random(len(rows)) < 0.4,
-    )  # fmt: skip
+    )
 
 
 def _solved_mm(h: float) -> float:
     """Largest depth that was solved on a slab. [mm]"""
     rows = json.loads(CURVES.read_text())
-    return next(r["depth_mm"][-1] for r in rows if r["base"] == "bonded" and r["poisson"] == 0.5
-                and r["thickness_mm"] == h)  # fmt: skip
+    return next(
+        r["depth_mm"][-1] for r in rows if r["base"] == "bonded" and r["poisson"] == 0.5 and r["thickness_mm"] == h
+    )
 
 
 def _layer(h: float, depth: np.ndarray, base: str = "bonded", poisson: float = 0.5) -> np.ndarray:
@@ -197,11 +232,25 @@ def write_campaign(
     largest = max(float(force.max()) for _, _, force in presses)
     folder.mkdir(parents=True, exist_ok=True)
     lines = [
-        "schema = 1", f'name = "{folder.name}"', "[pad]", "ratio = 15.0", f"young_kPa_nominal = {1e3 * nominal:.2f}",
-        "length_mm = 150.0", "width_mm = 120.0", 'base = "bonded"', "[punch]", 'shape = "round"', "diameter_mm = 15.8",
-        "edge_radius_mm = 0.5", 'contact = "bonded"', "[sensor]", "lowpass_hz = 50.0", "lowpass_order = 2",
-        "lowpass_passes = 1", "force_resolution_N = 0.01",
-    ]  # fmt: skip
+        "schema = 1",
+        f'name = "{folder.name}"',
+        "[pad]",
+        "ratio = 15.0",
+        f"young_kPa_nominal = {1e3 * nominal:.2f}",
+        "length_mm = 150.0",
+        "width_mm = 120.0",
+        'base = "bonded"',
+        "[punch]",
+        'shape = "round"',
+        "diameter_mm = 15.8",
+        "edge_radius_mm = 0.5",
+        'contact = "bonded"',
+        "[sensor]",
+        "lowpass_hz = 50.0",
+        "lowpass_order = 2",
+        "lowpass_passes = 1",
+        "force_resolution_N = 0.01",
+    ]
     for k, (time, x, force) in enumerate(presses):
         signal = _read(time, force, put, PEAK * top_N)
         stop = int(np.argmax(x >= 0.999 * x.max()))
@@ -220,11 +269,18 @@ def write_campaign(
         table = "\n".join(f"{a:.5f},{b:.4f},{c:.2f}" for a, b, c in zip(t, place, shown))
         (folder / name).write_text("time_s,displacement_mm,force_N\n" + table + "\n")
         lines += [
-            "[[trial]]", f'file = "{name}"', f"thickness_mm = {plan.thickness_mm[k]}",
-            f"velocity_mm_s = {plan.speed_mm_s[k]}", "hold_s = 8.0", f"target_force_N = {plan.target_N[k]}",
-            f"repeat = {plan.repeat[k]}", f"sequence = {k + 1}", f"rest_s = {plan.rest_s[k]}",
-            f"temperature_C = {plan.temperature_C[k]}", f"age_days = {plan.age_days[k]}",
-        ]  # fmt: skip
+            "[[trial]]",
+            f'file = "{name}"',
+            f"thickness_mm = {plan.thickness_mm[k]}",
+            f"velocity_mm_s = {plan.speed_mm_s[k]}",
+            "hold_s = 8.0",
+            f"target_force_N = {plan.target_N[k]}",
+            f"repeat = {plan.repeat[k]}",
+            f"sequence = {k + 1}",
+            f"rest_s = {plan.rest_s[k]}",
+            f"temperature_C = {plan.temperature_C[k]}",
+            f"age_days = {plan.age_days[k]}",
+        ]
     (folder / "campaign.toml").write_text("\n".join(lines) + "\n")
     return Truth(put, 1e3 * young, float(np.sqrt(np.mean(np.concatenate(squares)))))
 

@@ -34,11 +34,21 @@ def press_campaign(folder: Path, seed: int = 1, young_kPa: float | None = None, 
     young, ratio = pad.get("young_kPa_nominal", 25.0), pad.get("ratio")
     set_up = SetUp(data["name"], young, ratio=ratio, lowpass=parse_lowpass(lowpass))
     plan = tuple(
-        Planned(t["file"], t["thickness_mm"], t["velocity_mm_s"], t.get("target_force_N", t.get("target_depth_mm")),
-                "target_depth_mm" in t, t["repeat"], t["sequence"], t["age_days"], t["rest_s"], t["hold_s"],
-                t["unload"])
+        Planned(
+            t["file"],
+            t["thickness_mm"],
+            t["velocity_mm_s"],
+            t.get("target_force_N", t.get("target_depth_mm")),
+            "target_depth_mm" in t,
+            t["repeat"],
+            t["sequence"],
+            t["age_days"],
+            t["rest_s"],
+            t["hold_s"],
+            t["unload"],
+        )
         for t in data["trial"]
-    )  # fmt: skip
+    )
     young = 1e-3 * (young_kPa or set_up.young_kPa)
     draw = np.random.default_rng([seed, 77])
     campaign = _empty_campaign(set_up, set_up.tables())
@@ -69,8 +79,9 @@ def _thinned(trial):
     late = trace.time_s > trace.time_s[np.argmax(trace.displacement_mm > 0.99 * trace.displacement_mm.max())] + 0.05
     keep[late] = np.arange(int(late.sum())) % 3 == 0
     keep[-1] = True
-    return replace(trace, time_s=trace.time_s[keep], displacement_mm=trace.displacement_mm[keep],
-                   force_N=trace.force_N[keep])  # fmt: skip
+    return replace(
+        trace, time_s=trace.time_s[keep], displacement_mm=trace.displacement_mm[keep], force_N=trace.force_N[keep]
+    )
 
 
 if __name__ == "__main__":

@@ -62,7 +62,13 @@ def pad_of(data: dict, folder: Path, thickness_mm: float, young_MPa: float) -> P
     side = punch.get("side_mm")
     radius = profile[0][-1] if profile else side / np.sqrt(np.pi) if side else 0.5 * punch["diameter_mm"]
     return Pad(
-        thickness_mm, young_MPa, float(radius), base=pad["base"], condition=punch["contact"], profile_mm=profile,
+        thickness_mm,
+        young_MPa,
+        float(radius),
+        base=pad["base"],
+        condition=punch["contact"],
+        profile_mm=profile,
         geometry=read_shape(pad["shape"]) if "shape" in pad else Slab(),
-        edge_radius_mm=punch.get("edge_radius_mm", 0.0), sides_mm=(side, side) if side else None,
-    )  # fmt: skip
+        edge_radius_mm=punch.get("edge_radius_mm", 0.0),
+        sides_mm=(side, side) if side else None,
+    )

@@ -31,11 +31,26 @@ def trial(
     fine = np.arange(plan.time_s[0] + STEP_S, share * thickness_mm / velocity_mm_s + 0.4, STEP_S)
     time = np.r_[fine, plan.time_s[plan.time_s > fine[-1] + 2e-3] + 0.137 * STEP_S]
     time = time[time < plan.time_s[-1]]
-    trace = replace(plan, time_s=time, displacement_mm=np.interp(time, plan.time_s, plan.displacement_mm),
-                    force_N=np.zeros_like(time))  # fmt: skip
+    trace = replace(
+        plan,
+        time_s=time,
+        displacement_mm=np.interp(time, plan.time_s, plan.displacement_mm),
+        force_N=np.zeros_like(time),
+    )
     given = {"rest_s": 300.0, "temperature_C": 21.0 + 0.5 * sequence, "age_days": 7.0 + thickness_mm, **more}
-    return Trial(name, thickness_mm, velocity_mm_s, 2.0, None, repeat, sequence, given["rest_s"],
-                 given["temperature_C"], given["age_days"], trace)  # fmt: skip
+    return Trial(
+        name,
+        thickness_mm,
+        velocity_mm_s,
+        2.0,
+        None,
+        repeat,
+        sequence,
+        given["rest_s"],
+        given["temperature_C"],
+        given["age_days"],
+        trace,
+    )
 
 
 @lru_cache(maxsize=1)

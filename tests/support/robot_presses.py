@@ -93,16 +93,23 @@ def command(velocity, depth, hold, ramp_s=0.004):
 
 def by_path(body, path, speed, end, begin, points=60001, max_step=0.01, method="Radau"):
     """Follow a path."""
-    got = solve_ivp(lambda t, q: body.rates(path(t), speed(t), q), (begin, end), np.zeros(body.arms), method,
-                    dense_output=True, rtol=1e-8, atol=1e-10, max_step=max_step)  # fmt: skip
+    got = solve_ivp(
+        lambda t, q: body.rates(path(t), speed(t), q),
+        (begin, end),
+        np.zeros(body.arms),
+        method,
+        dense_output=True,
+        rtol=1e-8,
+        atol=1e-10,
+        max_step=max_step,
+    )
     t = grid(begin, end, points)
     q = got.sol(t) if body.arms else np.zeros((0, len(t)))
     x = np.array([path(one) for one in t])
     return Run(t, x, np.array([body.force(a, b) for a, b in zip(x, q.T)]))
 
 
-def by_robot(body, path, speed, end, begin, stiffness, mass_kg, points=60001, max_step=0.01, ratio=0.0,
-             method="Radau"):  # fmt: skip
+def by_robot(body, path, speed, end, begin, stiffness, mass_kg, points=60001, max_step=0.01, ratio=0.0, method="Radau"):
     """A mass on a spring, and a damper beside it, whose other end follows a path."""
     mass = 1e-3 * mass_kg
     damping = 2.0 * ratio * np.sqrt(stiffness * mass)
@@ -112,8 +119,16 @@ def by_robot(body, path, speed, end, begin, stiffness, mass_kg, points=60001, ma
         pulled = stiffness * (path(t) - x) + (damping * (speed(t) - v) if damping else 0.0)
         return np.r_[v, (pulled - body.force(x, q)) / mass, body.rates(x, v, q)]
 
-    got = solve_ivp(slope, (begin, end), np.r_[path(begin), speed(begin), np.zeros(body.arms)], method,
-                    dense_output=True, rtol=1e-8, atol=1e-10, max_step=max_step)  # fmt: skip
+    got = solve_ivp(
+        slope,
+        (begin, end),
+        np.r_[path(begin), speed(begin), np.zeros(body.arms)],
+        method,
+        dense_output=True,
+        rtol=1e-8,
+        atol=1e-10,
+        max_step=max_step,
+    )
     t = grid(begin, end, points)
     y = got.sol(t)
     return Run(t, y[0], np.array([body.force(one[0], one[2:]) for one in y.T]))
@@ -130,8 +145,16 @@ def by_mass(body, velocity, mass_kg, points=20001, rebound=0.0):
         return y[1]
 
     stopped.terminal, stopped.direction = True, -1
-    got = solve_ivp(slope, (0.0, 60.0), np.r_[0.0, velocity, np.zeros(body.arms)], "Radau", events=stopped,
-                    dense_output=True, rtol=1e-9, atol=1e-11)  # fmt: skip
+    got = solve_ivp(
+        slope,
+        (0.0, 60.0),
+        np.r_[0.0, velocity, np.zeros(body.arms)],
+        "Radau",
+        events=stopped,
+        dense_output=True,
+        rtol=1e-9,
+        atol=1e-11,
+    )
     t = np.linspace(0.0, got.t[-1], points)
     y = got.sol(t)
     if rebound:
@@ -154,8 +177,16 @@ def skin_by_force(gamma1, gammas, dampers, force, force_rate, begin, end, points
         v = (force_rate(t) + x**2 * (gammas @ loss)) / tangent
         return np.r_[v, v - loss]
 
-    got = solve_ivp(slope, (begin, end), np.r_[x0, np.full(len(gammas), x0)], "Radau", dense_output=True, rtol=1e-8,
-                    atol=1e-11, max_step=max_step)  # fmt: skip
+    got = solve_ivp(
+        slope,
+        (begin, end),
+        np.r_[x0, np.full(len(gammas), x0)],
+        "Radau",
+        dense_output=True,
+        rtol=1e-8,
+        atol=1e-11,
+        max_step=max_step,
+    )
     t = grid(begin, end, points)
     y = got.sol(t)
     return Run(t, y[0], np.array([force(one) for one in t]))

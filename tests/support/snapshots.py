@@ -81,8 +81,12 @@ def answers(folder: Path) -> Iterator[tuple[str, str]]:
 
             return screen
 
-        with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err), contextlib.chdir(folder), (
-                mock.patch.object(entry, "_render_of", both)):  # fmt: skip
+        with (
+            contextlib.redirect_stdout(out),
+            contextlib.redirect_stderr(err),
+            contextlib.chdir(folder),
+            mock.patch.object(entry, "_render_of", both),
+        ):
             try:
                 status = cli.run([*words.split(), *([] if "help" in name else ["-q"])])
             except SystemExit as end:

@@ -73,8 +73,14 @@ def _write_puck(folder: Path, draw: np.random.Generator) -> None:
         elastic = np.interp(np.maximum(x, 0.0), np.r_[0.0, solved.depth_mm], np.r_[0.0, solved.force_N])
         force = elastic + sum(_arm(time, elastic, tau, beta) for tau, beta in arms)
         rows = np.column_stack([time, x, force + draw.normal(0.0, 0.02, len(time))])
-        np.savetxt(folder / f"puck50x30-v{speed:g}.csv", rows, "%.5f", ",", header="time_s,displacement_mm,force_N",
-                   comments="")  # fmt: skip
+        np.savetxt(
+            folder / f"puck50x30-v{speed:g}.csv",
+            rows,
+            "%.5f",
+            ",",
+            header="time_s,displacement_mm,force_N",
+            comments="",
+        )
 
 
 def _arm(time: np.ndarray, elastic: np.ndarray, tau: float, beta: float) -> np.ndarray:
@@ -96,8 +102,16 @@ def _write_pad(folder: Path, draw: np.random.Generator) -> None:
     for speed in (10.0, 250.0):
         for force in (5.0, 10.0, 15.0):
             file = folder / f"pad_v{speed:03.0f}_f{force:02.0f}.csv"
-            dummydesign.predict(thickness, young_kPa=young_kPa, shape=shape, prony=prony, force_N=force,
-                                velocity_mm_s=speed, rate_Hz=2000.0, out=file)  # fmt: skip
+            dummydesign.predict(
+                thickness,
+                young_kPa=young_kPa,
+                shape=shape,
+                prony=prony,
+                force_N=force,
+                velocity_mm_s=speed,
+                rate_Hz=2000.0,
+                out=file,
+            )
             made = np.loadtxt(file, delimiter=",", skiprows=1)[:, :3].T
             lead = np.arange(-0.1, -2.5e-4, 5e-4)
             force = np.r_[0.0 * lead, made[2]] + draw.normal(0.0, 0.02, len(lead) + len(made[0]))

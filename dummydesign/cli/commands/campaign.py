@@ -82,9 +82,13 @@ def run(options: argparse.Namespace) -> dict[str, Any]:
         from dummydesign.api.campaigns import campaign_from_files
 
         return campaign_from_files(
-            options.folder, options.files, set_up, table=options.table, thickness_mm=options.thickness,
+            options.folder,
+            options.files,
+            set_up,
+            table=options.table,
+            thickness_mm=options.thickness,
             replace=options.replace,
-        ).to_dict()  # fmt: skip
+        ).to_dict()
     from dummydesign.api.campaigns import plan_campaign
 
     design = _design(options, moulded)
@@ -122,10 +126,16 @@ def _unused_moulds() -> list[dict[str, str]]:
     from dummydesign.project.folder import find_project
 
     project = find_project()
-    made = [] if project is None else [
-        folder for room in ("moulds", "designs") for folder in sorted((project.root / room).glob("[!.]*"))
-        if (folder / SPEC).is_file() or any(folder.glob(f"[!.]*/{SPEC}"))
-    ]  # fmt: skip
+    made = (
+        []
+        if project is None
+        else [
+            folder
+            for room in ("moulds", "designs")
+            for folder in sorted((project.root / room).glob("[!.]*"))
+            if (folder / SPEC).is_file() or any(folder.glob(f"[!.]*/{SPEC}"))
+        ]
+    )
     if not made:
         return []
     listed = shlex.quote(",".join(os.path.relpath(folder) for folder in made))
@@ -144,8 +154,13 @@ def _moulds(options: argparse.Namespace, set_up: Any, design: Any) -> dict[str, 
     pad = set_up.tables()["pad"]
     shape = PUCK if "diameter_mm" in pad else set_up.shape
     length, width = (pad.get(name, pad.get("diameter_mm")) for name in ("length_mm", "width_mm"))
-    asked = {"length_mm": length, "width_mm": width, "preset": options.preset, "resin": options.resin,
-             "ratio": options.ratio}  # fmt: skip
+    asked = {
+        "length_mm": length,
+        "width_mm": width,
+        "preset": options.preset,
+        "resin": options.resin,
+        "ratio": options.ratio,
+    }
     kind, parameters = read_kind(shape)
     for one in design.pads_mm:
         mould_spec(one, kind=kind, parameters=parameters, **asked)
@@ -165,8 +180,13 @@ def _with_moulds(plan: dict[str, Any], asked: dict[str, Any]) -> dict[str, Any]:
     roles = ("job", "manifest") if "moulds" in made else ("pour_sheet", "manifest")
     files = {f"moulds_{role}": made["files"][role] for role in roles if role in made["files"]}
     needed = {"bill_of_materials": made["bill_of_materials"]} if "bill_of_materials" in made else {}
-    return {**plan, "files": {**plan["files"], **files}, "moulds": made["inputs"], **needed,
-            "warnings": [*plan["warnings"], *made["warnings"]]}  # fmt: skip
+    return {
+        **plan,
+        "files": {**plan["files"], **files},
+        "moulds": made["inputs"],
+        **needed,
+        "warnings": [*plan["warnings"], *made["warnings"]],
+    }
 
 
 def _set_up(options: argparse.Namespace, moulded: Any = None) -> Any:
@@ -182,12 +202,19 @@ def _set_up(options: argparse.Namespace, moulded: Any = None) -> Any:
             material.check_ratio(options.ratio)
     young = None if options.young is None else read_allowed(options.young, YOUNG, *YOUNG_KPA)
     return SetUp(
-        options.name or Path(options.folder).resolve().name, young, options.resin, options.ratio,
-        moulded.outline if moulded else options.pad or "150x120", options.punch, options.base, options.contact,
-        parse_lowpass(options.lowpass), shape=moulded.shape if moulded else options.shape or "slab",
+        options.name or Path(options.folder).resolve().name,
+        young,
+        options.resin,
+        options.ratio,
+        moulded.outline if moulded else options.pad or "150x120",
+        options.punch,
+        options.base,
+        options.contact,
+        parse_lowpass(options.lowpass),
+        shape=moulded.shape if moulded else options.shape or "slab",
         edge_radius_mm=read_number(options.edge_radius, EDGE),
         shapes=moulded.shapes if moulded and moulded.mixed else (),
-    )  # fmt: skip
+    )
 
 
 def _design(options: argparse.Namespace, moulded: Any = None) -> Any:
@@ -197,10 +224,15 @@ def _design(options: argparse.Namespace, moulded: Any = None) -> Any:
     if options.force is not None and options.depth is not None:
         raise InputError("--force and --depth: press to the one or to the other", "conflict", "depth")
 
-    typed = (("pads_mm", options.pads, parsing.THICKNESS), ("velocities_mm_s", options.velocity, parsing.VELOCITY),
-             ("targets", options.depth, parsing.DEPTH), ("targets", options.force, parsing.FORCE))  # fmt: skip
-    given: dict[str, Any] = {name: parsing.read_numbers(text, purpose) for name, text, purpose in typed
-                             if text is not None}  # fmt: skip
+    typed = (
+        ("pads_mm", options.pads, parsing.THICKNESS),
+        ("velocities_mm_s", options.velocity, parsing.VELOCITY),
+        ("targets", options.depth, parsing.DEPTH),
+        ("targets", options.force, parsing.FORCE),
+    )
+    given: dict[str, Any] = {
+        name: parsing.read_numbers(text, purpose) for name, text, purpose in typed if text is not None
+    }
     given |= {"pads_mm": moulded.pads_mm} if moulded else {}
     if options.ages is not None:
         try:
@@ -223,19 +255,29 @@ def render(result: dict[str, Any]) -> str:
         return screen([], table, warning_block(result), files_block(result, ("campaign",)))
     first, power = _plan(result)[0], result["power"]
     head = labelled("PLAN", first)
-    for label, names in () if power is None else (
-        ("DETECTS", list(power["seen"])), ("MISSES", list(power["hidden"])),
-        ("ALIKE", [f"{' and '.join(pair['effects'])} look the same in this plan" for pair in power["alike"]]),
-        ("NO TEST", list(power["untested"])),
-    ):  # fmt: skip
+    for label, names in (
+        ()
+        if power is None
+        else (
+            ("DETECTS", list(power["seen"])),
+            ("MISSES", list(power["hidden"])),
+            ("ALIKE", [f"{' and '.join(pair['effects'])} look the same in this plan" for pair in power["alike"]]),
+            ("NO TEST", list(power["untested"])),
+        )
+    ):
         head += labelled(label, ", ".join(names), 4)
     return screen(
-        head, [], warning_block(result),
-        labelled("NEXT", "print the sheet, press in its order and save each trace under its name in the folder; then "
-                         f"dummydesign campaign check {shlex.quote(result['inputs']['folder'])}"),
+        head,
+        [],
+        warning_block(result),
+        labelled(
+            "NEXT",
+            "print the sheet, press in its order and save each trace under its name in the folder; then "
+            f"dummydesign campaign check {shlex.quote(result['inputs']['folder'])}",
+        ),
         files_block(result, ("sheet", "campaign")),
         labelled("MORE", "--details: sizes of the effects that this plan misses"),
-    )  # fmt: skip
+    )
 
 
 def render_details(result: dict[str, Any]) -> str:

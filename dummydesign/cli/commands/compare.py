@@ -63,23 +63,37 @@ def render(result: dict[str, Any]) -> str:
     rows = columns_of((columns, *body), (8, 5, 8, 10, 14, 0), "  ")
     steady = f"fraction inside the subjects' range: {facts.steady_text(result)}"
     return text.screen(
-        [*head, *labelled("PAD", facts.pad_text(result)), ""], rows,
-        ["", *labelled("PEOPLE", people_text(result["people"]), 2)], labelled("STEADY", steady),
+        [*head, *labelled("PAD", facts.pad_text(result)), ""],
+        rows,
+        ["", *labelled("PEOPLE", people_text(result["people"]), 2)],
+        labelled("STEADY", steady),
         labelled("CURVES", curves_text(result["curves"], result["verdict"]["subjects"]), 2),
-        labelled("LAW", facts.parameters_text(result), 2), text.warning_block(result),
+        labelled("LAW", facts.parameters_text(result), 2),
+        text.warning_block(result),
         labelled("NEXT", "; ".join(facts.next_steps(result))),
         text.files_block(result, ("report", "first_page", "picture")),
         labelled("MORE", "--details: parameters of the law with their intervals"),
-    )  # fmt: skip
+    )
 
 
-PARAMETERS = [("parameter", "name", "<22"), ("dummy", "value", ">10.4g"), ("95 % low", "low", ">10.4g"),
-              ("95 % high", "high", ">10.4g"), ("band low", "band_low", ">10.4g"),
-              ("band high", "band_high", ">10.4g"), ("", "position", "<1")]  # fmt: skip
+PARAMETERS = [
+    ("parameter", "name", "<22"),
+    ("dummy", "value", ">10.4g"),
+    ("95 % low", "low", ">10.4g"),
+    ("95 % high", "high", ">10.4g"),
+    ("band low", "band_low", ">10.4g"),
+    ("band high", "band_high", ">10.4g"),
+    ("", "position", "<1"),
+]
 POSITIONS = {True: " inside", False: " outside", None: " no band"}
-PRESSES = [("mm/s", "velocity_mm_s", ">6.4g"), ("steady N", "steady_force_N", ">9.3f"),
-           ("depth mm", "depth_mm", ">9.3f"), ("peak N", "peak_force_N", ">8.3f"), ("range of peak N", "span", ">17"),
-           ("inside", "inside", ">7")]  # fmt: skip
+PRESSES = [
+    ("mm/s", "velocity_mm_s", ">6.4g"),
+    ("steady N", "steady_force_N", ">9.3f"),
+    ("depth mm", "depth_mm", ">9.3f"),
+    ("peak N", "peak_force_N", ">8.3f"),
+    ("range of peak N", "span", ">17"),
+    ("inside", "inside", ">7"),
+]
 
 
 def render_details(result: dict[str, Any]) -> str:
@@ -94,8 +108,10 @@ def render_details(result: dict[str, Any]) -> str:
     if "pad" in result:
         lines.append(f"pad of {facts.pad_text(result)}")
     if result["parametric"]:
-        lines += table([{**row, "name": name, "position": POSITIONS[row["inside"]]}
-                        for name, row in result["parametric"].items()], PARAMETERS)  # fmt: skip
+        lines += table(
+            [{**row, "name": name, "position": POSITIONS[row["inside"]]} for name, row in result["parametric"].items()],
+            PARAMETERS,
+        )
     steady = result["steady_state_range"]
     lines.append("steady-state curve, fraction in range of the force reached:")
     low, high = steady["span_N"]
@@ -103,9 +119,17 @@ def render_details(result: dict[str, Any]) -> str:
     for label, key in spans:
         share = steady[key]
         lines.append(f"  {label:<11} {'not reached' if share is None else f'{100 * share:.0f} %'}")
-    lines += table([{**row, "span": f"{row['range_peak_low_N']:.2f} to {row['range_peak_high_N']:.2f}",
-                     "inside": f"{100 * row['inside_fraction']:.0f} %"}
-                    for row in result["force_variation_range"]], PRESSES)  # fmt: skip
+    lines += table(
+        [
+            {
+                **row,
+                "span": f"{row['range_peak_low_N']:.2f} to {row['range_peak_high_N']:.2f}",
+                "inside": f"{100 * row['inside_fraction']:.0f} %",
+            }
+            for row in result["force_variation_range"]
+        ],
+        PRESSES,
+    )
     lines.append(f"curves over time: {curves_text(result['curves'], result['verdict']['subjects'])}")
     lines += budget_lines(result["budget"])
     lines += people_lines(result["people"])

@@ -33,8 +33,13 @@ def render_details(result: dict[str, Any]) -> str:
     lines = _different(result, None)
     for start in range(0, len(result["designs"]), COLUMNS):
         shown = result["designs"][start : start + COLUMNS]
-        lines += [*_rows(_header(shown), shown), *_rows(report.design_rows(shown), shown), "peak N, subjects' range",
-                  *_rows(report.press_rows(shown), shown), ""]  # fmt: skip
+        lines += [
+            *_rows(_header(shown), shown),
+            *_rows(report.design_rows(shown), shown),
+            "peak N, subjects' range",
+            *_rows(report.press_rows(shown), shown),
+            "",
+        ]
     for one in result["designs"]:
         lines += labelled("", f"{one['name']}: {one['verdict']['text']}")
     return "\n".join([*lines, *warning_lines(result), *(f"{role}: {path}" for role, path in result["files"].items())])

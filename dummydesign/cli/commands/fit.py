@@ -15,18 +15,34 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
     parser.add_argument("traces", nargs="+", metavar="TRACE.csv", help="time_s,displacement_mm,force_N")
     add = parser.add_argument
-    add("--elements", default="auto", metavar="3|5|7|auto",
-        help="auto (default): chosen by AICc, or fewer if these predict left-out presses better")  # fmt: skip
-    add("--law", default="ode", metavar="published|consistent|ode",
+    add(
+        "--elements",
+        default="auto",
+        metavar="3|5|7|auto",
+        help="auto (default): chosen by AICc, or fewer if these predict left-out presses better",
+    )
+    add(
+        "--law",
+        default="ode",
+        metavar="published|consistent|ode",
         help="ode (default): the law along the measured motion; published, consistent: closed forms of an ideal "
-        "ramp and hold, as printed and as they follow from the law")  # fmt: skip
-    add("--mode", default="auto", metavar="joint|per-speed|per-condition",
+        "ramp and hold, as printed and as they follow from the law",
+    )
+    add(
+        "--mode",
+        default="auto",
+        metavar="joint|per-speed|per-condition",
         help="joint: one set of parameters for all presses; per-speed: springs shared, dampers of their own for each "
         "speed, as the paper reports them; per-condition: every speed and depth by itself, then the mean, without "
-        "intervals; default auto: per-speed when speeds differ, else joint")  # fmt: skip
-    add("--contact", default="none", metavar="none|per-press",
+        "intervals; default auto: per-speed when speeds differ, else joint",
+    )
+    add(
+        "--contact",
+        default="none",
+        metavar="none|per-press",
         help="per-press: fit where each press touched, as an offset of its zero; for presses whose contact is "
-        "late or early (fit proposes it when that explains the residual)")  # fmt: skip
+        "late or early (fit proposes it when that explains the residual)",
+    )
     parser.add_argument("--lowpass", metavar="HZ[:ORDER[:PASSES]]", help="filter the force went through")
     parser.add_argument("--out", metavar="tissue.toml", help="write a tissue file; residuals and report beside it")
     add_replace_option(parser)
@@ -48,33 +64,52 @@ def render(result: dict[str, Any]) -> str:
     rows = sorted(result["by_trace"], key=lambda row: -row["rmse_N"])
     worst = rows[0]
     presses = f"{len(rows)} press{'es' * (len(rows) != 1)}"
-    head = labelled("FIT", f"{result['elements']} elements (law {result['law']}, mode {result['mode']}): residual "
-                           f"{result['rmse_N']:.3g} N rms, noise alone {result['noise_floor_N']:.3g} N. {presses}; "
-                           f"the worst is {worst['file']} with {worst['rmse_N']:.3g} N rms.")  # fmt: skip
+    head = labelled(
+        "FIT",
+        f"{result['elements']} elements (law {result['law']}, mode {result['mode']}): residual "
+        f"{result['rmse_N']:.3g} N rms, noise alone {result['noise_floor_N']:.3g} N. {presses}; "
+        f"the worst is {worst['file']} with {worst['rmse_N']:.3g} N rms.",
+    )
     left = {count: row["heldout_rmse_N"] for count, row in result["comparison"].items()}
     rivals = "; ".join(f"{count} elements {error:.3g} N" for count, error in left.items() if error is not None)
     return screen(
-        [*head, ""], _parameters(result, 28, ">10.4g", "at its bound", "  "), [""],
+        [*head, ""],
+        _parameters(result, 28, ">10.4g", "at its bound", "  "),
+        [""],
         labelled("RIVALS", f"error on presses left out: {rivals}" if rivals else ""),
-        warning_block(result), files_block(result, ("tissue", "report")),
+        warning_block(result),
+        files_block(result, ("tissue", "report")),
         labelled("MORE", "--details: residual of every press, other numbers of elements"),
-    )  # fmt: skip
+    )
 
 
 def _parameters(result: dict[str, Any], wide: int, form: str, at_bound: str, indent: str = "") -> list[str]:
     """Each parameter with its interval, and whether it lies at its bound."""
     from dummydesign.core.serialise import parameter_rows
 
-    rows = [{"label": label, **one, "state": f" {at_bound}" if one["at_bound"] else ""}
-            for label, one in parameter_rows(result["parameters"])]  # fmt: skip
-    columns = [("parameter", "label", f"<{wide}"), ("value", "value", form), ("95 % low", "low", form),
-               ("95 % high", "high", form), ("", "state", "<1")]  # fmt: skip
+    rows = [
+        {"label": label, **one, "state": f" {at_bound}" if one["at_bound"] else ""}
+        for label, one in parameter_rows(result["parameters"])
+    ]
+    columns = [
+        ("parameter", "label", f"<{wide}"),
+        ("value", "value", form),
+        ("95 % low", "low", form),
+        ("95 % high", "high", form),
+        ("", "state", "<1"),
+    ]
     return table(rows, columns, indent)
 
 
-TRACES = [("trace", "file", "<28.28"), ("mm/s", "velocity_mm_s", ">7.4g"), ("mm", "depth_mm", ">7.3f"),
-          ("steady N", "steady_force_N", ">9.3f"), ("peak N", "peak_force_N", ">8.3f"), ("rms N", "rmse_N", ">8.4f"),
-          ("worst N", "max_residual_N", ">8.4f")]  # fmt: skip
+TRACES = [
+    ("trace", "file", "<28.28"),
+    ("mm/s", "velocity_mm_s", ">7.4g"),
+    ("mm", "depth_mm", ">7.3f"),
+    ("steady N", "steady_force_N", ">9.3f"),
+    ("peak N", "peak_force_N", ">8.3f"),
+    ("rms N", "rmse_N", ">8.4f"),
+    ("worst N", "max_residual_N", ">8.4f"),
+]
 
 
 def render_details(result: dict[str, Any]) -> str:
@@ -82,9 +117,10 @@ def render_details(result: dict[str, Any]) -> str:
     lines = [
         f"{result['elements']} elements, law {result['law']}, {result['mode']}: rms residual "
         f"{result['rmse_N']:.4g} N (noise floor {result['noise_floor_N']:.3g} N), largest "
-        f"{result['max_residual_N']:.3g} N", *_parameters(result, 30, ">11.5g", "at bound"),
+        f"{result['max_residual_N']:.3g} N",
+        *_parameters(result, 30, ">11.5g", "at bound"),
         f"{'elements':<9} {'rms N':>9} {'AICc above':>11} {'held-out rms N':>15}",
-    ]  # fmt: skip
+    ]
     lowest = min(row["aicc"] for row in result["comparison"].values())
     for count, row in result["comparison"].items():
         above = f"{row['aicc'] - lowest:.1f}" if row["aicc"] - lowest < 1000 else "> 1000"
@@ -92,6 +128,9 @@ def render_details(result: dict[str, Any]) -> str:
     tried = result["starts"]
     lines.append(f"{tried['same_optimum']} of {tried['tried']} starts ended in the same optimum")
     lines += table(result["by_trace"], TRACES)
-    lines += [f"{row['file'][:28]:<28} touched {row['value_mm']:+.3f} mm before its zero "
-              f"({row['low_mm']:+.3f} to {row['high_mm']:+.3f})" for row in result.get("contact_offsets") or []]
+    lines += [
+        f"{row['file'][:28]:<28} touched {row['value_mm']:+.3f} mm before its zero "
+        f"({row['low_mm']:+.3f} to {row['high_mm']:+.3f})"
+        for row in result.get("contact_offsets") or []
+    ]
     return "\n".join(lines + warning_lines(result) + file_lines(result))

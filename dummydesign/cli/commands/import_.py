@@ -29,12 +29,21 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("--decimal", metavar="C", help="decimal sign: . or ,")
     add("--encoding", metavar="E", help="such as utf-8, utf-16, cp1252, cp932")
     add("--skip", metavar="N", help="lines to leave out at the start of the file")
-    add("--flip", metavar="WHICH",
-        help="reverse the sign of displacement, force, or displacement,force; none (default: detected)")
-    add("--tare", metavar="auto|none|first|drift|slope|N",
-        help="force reading without load, in the file's unit; drift, slope: what grows with time or depth too")
-    add("--contact", metavar="auto|none|MM",
-        help="displacement reading at contact, in the file's unit (default auto: by force)")
+    add(
+        "--flip",
+        metavar="WHICH",
+        help="reverse the sign of displacement, force, or displacement,force; none (default: detected)",
+    )
+    add(
+        "--tare",
+        metavar="auto|none|first|drift|slope|N",
+        help="force reading without load, in the file's unit; drift, slope: what grows with time or depth too",
+    )
+    add(
+        "--contact",
+        metavar="auto|none|MM",
+        help="displacement reading at contact, in the file's unit (default auto: by force)",
+    )
     add("--split", metavar="auto|none", help="auto: split where force and depth return to zero; none: one press")
     add("--sheets", metavar="NAME,...", help="sheets of a workbook or specimens to read; not:NAME,...: all others")
     add("--out", metavar="DIR", help="folder of the traces (default import-NAME)")
@@ -99,21 +108,31 @@ def render(result: dict[str, Any]) -> str:
     count = sum(len(one["traces"]) for one in result["files"])
     files, sheets = len({one["source"] for one in result["files"]}), sum("sheet" in one for one in result["files"])
     origin = f"{files} file{'s' * (files != 1)}" + (f" ({sheets} sheets)" if sheets else "")
-    head = labelled("READ", f"{count} press{'es' * (count != 1)} from {origin}. "
-                            "Check units, signs and contact in the preview.")  # fmt: skip
+    head = labelled(
+        "READ", f"{count} press{'es' * (count != 1)} from {origin}. Check units, signs and contact in the preview."
+    )
     for one in result["files"][:3]:
         known = {decision["what"]: decision["value"] for decision in one["decisions"]}
         sheet = f" [{one['sheet']}]" if "sheet" in one else ""
         head += labelled("FILE", f"{Path(one['source']).name}{sheet}: {_decided(known)}", 3)
     more, kind = len(result["files"]) - 3, "sheets" if sheets else "files"
     head += labelled("", f"{more} more {kind}: --details" if more > 0 else "")
-    presses = [{**trace, "file": trace["file"] if len(trace["file"]) <= 28 else "..." + trace["file"][-25:]}
-               for one in result["files"] for trace in one["traces"]]  # fmt: skip
+    presses = [
+        {**trace, "file": trace["file"] if len(trace["file"]) <= 28 else "..." + trace["file"][-25:]}
+        for one in result["files"]
+        for trace in one["traces"]
+    ]
     columns = [("press", "file", "<28"), *MOTION, ("depth mm", "depth_mm", ">8.3f"), *FORCES]
     made = f"traces in {result['inputs']['out']}/, {result['preview']} (look at it first)"
     made += f", profile {result['profile']}" if "profile" in result else ""
-    return screen([*head, ""], table(presses, columns, "  "), [""], warning_block(result), labelled("FILES", made),
-                  labelled("MORE", "--details: every decision and why"))  # fmt: skip
+    return screen(
+        [*head, ""],
+        table(presses, columns, "  "),
+        [""],
+        warning_block(result),
+        labelled("FILES", made),
+        labelled("MORE", "--details: every decision and why"),
+    )
 
 
 MOTION = [("mm/s", "velocity_mm_s", ">8.4g"), ("hold s", "hold_s", ">8.3g")]

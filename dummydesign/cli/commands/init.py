@@ -37,9 +37,12 @@ def run(options: argparse.Namespace) -> dict[str, Any]:
         load_resin(options.resin)
     project = make_project(options.folder, options.name, **given)
     return {
-        "inputs": {"folder": options.folder, "name": options.name, **given}, "name": project.name,
-        "folder": str(project.root), "folders": list(FOLDERS), "files": {"project": str(project.root / FILE)},
-    }  # fmt: skip
+        "inputs": {"folder": options.folder, "name": options.name, **given},
+        "name": project.name,
+        "folder": str(project.root),
+        "folders": list(FOLDERS),
+        "files": {"project": str(project.root / FILE)},
+    }
 
 
 def render(result: dict[str, Any]) -> str:

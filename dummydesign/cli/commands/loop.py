@@ -46,21 +46,36 @@ def render(result: dict[str, Any]) -> str:
     from dummydesign.loop.result import answer_rows, answer_words
 
     head, body = answer_rows(result)
-    rows = [f"  {row[0]:<20} " + " ".join(f"{cell:>9}" for cell in row[1:5]) + "".join(f"  {word}" for word in row[5:])
-            for row in (head, *body)]  # fmt: skip
+    rows = [
+        f"  {row[0]:<20} " + " ".join(f"{cell:>9}" for cell in row[1:5]) + "".join(f"  {word}" for word in row[5:])
+        for row in (head, *body)
+    ]
     coming = result["next_measurement"]
     return screen(
-        [*labelled("RESULT", answer_words(result), 9), ""], rows, [""], warning_block(result),
+        [*labelled("RESULT", answer_words(result), 9), ""],
+        rows,
+        [""],
+        warning_block(result),
         labelled("NEXT", coming["text"] if coming else "", 3),
         files_block(result, ("report", "first_page", "calibration")),
         labelled("MORE", "--details: evidence of each effect, rivals, what stays unexplained"),
-    )  # fmt: skip
+    )
 
 
-ERRORS = [("", "label", "<8"), ("fitted N", "train_rmse_N", ">9.4f"), ("held-out N", "heldout_rmse_N", ">11.4f"),
-          ("noise floor N", "noise_floor_N", ">14.4f"), ("lack of fit p", "lack_of_fit_p", ">14.4f")]  # fmt: skip
-PARAMETERS = [("parameter", "name", "<12"), ("base", "base", ">10.4g"), ("after", "value", ">10.4g"),
-              ("95 % low", "low", ">10.4g"), ("95 % high", "high", ">10.4g")]  # fmt: skip
+ERRORS = [
+    ("", "label", "<8"),
+    ("fitted N", "train_rmse_N", ">9.4f"),
+    ("held-out N", "heldout_rmse_N", ">11.4f"),
+    ("noise floor N", "noise_floor_N", ">14.4f"),
+    ("lack of fit p", "lack_of_fit_p", ">14.4f"),
+]
+PARAMETERS = [
+    ("parameter", "name", "<12"),
+    ("base", "base", ">10.4g"),
+    ("after", "value", ">10.4g"),
+    ("95 % low", "low", ">10.4g"),
+    ("95 % high", "high", ">10.4g"),
+]
 
 
 def render_details(result: dict[str, Any]) -> str:
@@ -82,8 +97,13 @@ def render_details(result: dict[str, Any]) -> str:
             lines.append(f"  indistinguishable in this campaign: {', '.join(effect['family'])}")
     lines += table([{"label": label, **result[label]["error"]} for label in ("base", "after")], ERRORS)
     before = result["base"]["parameters"]
-    lines += table([{"name": name, "base": before[name]["value"], **after}
-                    for name, after in result["after"]["parameters"].items()], PARAMETERS)  # fmt: skip
+    lines += table(
+        [
+            {"name": name, "base": before[name]["value"], **after}
+            for name, after in result["after"]["parameters"].items()
+        ],
+        PARAMETERS,
+    )
     rows = [f"  {row['name']:<28} {row['evidence']:>10.1f}" for row in result["ranking"]]
     lines += ["evidence of each effect alone:", *rows] if rows else ["evidence of each effect alone: none has any"]
     if result["next_measurement"]:

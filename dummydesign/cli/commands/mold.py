@@ -18,8 +18,13 @@ def add_record_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the measured values."""
     parser.add_argument("folder", metavar="DIR", help="folder that mold wrote")
     add = parser.add_argument
-    add("--thickness", dest="thicknesses", metavar="NAME=MM,..", required=True,
-        help="at the gauge points of the pour sheet; of a flat pad also five or more numbers")  # fmt: skip
+    add(
+        "--thickness",
+        dest="thicknesses",
+        metavar="NAME=MM,..",
+        required=True,
+        help="at the gauge points of the pour sheet; of a flat pad also five or more numbers",
+    )
     add("--mass", type=float, metavar="G", required=True, help="of the trimmed pad")
     add("--modulus", type=float, metavar="KPA", help="of the witness puck, from resins add-compression")
     add("--modulus-error", type=float, metavar="KPA", help="standard error of that modulus")
@@ -149,8 +154,10 @@ def run(options: argparse.Namespace) -> dict[str, Any]:
         message = "--thickness is missing: the thickness of the pad in mm, 3 to 30; or --puck 50x30 for a witness puck"
         raise InputError(message, "missing", "thickness")
 
-    turn, position = (_numbers(f"--bone-{name}", text, count) for name, text, count in
-                      (("turn", options.bone_turn, 3), ("at", options.bone_at, 2)))  # fmt: skip
+    turn, position = (
+        _numbers(f"--bone-{name}", text, count)
+        for name, text, count in (("turn", options.bone_turn, 3), ("at", options.bone_at, 2))
+    )
     with Watch():
         return call(make_mould, options, bone_turn_deg=turn, bone_at_mm=position).to_dict()
 
@@ -191,8 +198,11 @@ def render(result: dict[str, Any]) -> str:
     count = inputs.get("count", 1)
     size = f"{inputs['length_mm']:g} x {inputs['width_mm']:g} x {inputs['thickness_mm']:g} mm"
     head = labelled("MOULD", f"{inputs['preset']}, for {count} pad{'s' * (count > 1)} {inputs['shape']} of {size}", 2)
-    weights = [("", batch)] if "base" not in batch else [("upper layer, poured first: ", batch),
-                                                         ("base layer, poured second: ", batch["base"])]  # fmt: skip
+    weights = (
+        [("", batch)]
+        if "base" not in batch
+        else [("upper layer, poured first: ", batch), ("base layer, poured second: ", batch["base"])]
+    )
     for words, one in weights:
         parts = " + ".join(map(_part, one["components"]))
         head += labelled("WEIGH", f"{words}{parts} = {one['total_g']:.1f} g; pour {one['pour_g']:.1f} g of it")
@@ -202,9 +212,13 @@ def render(result: dict[str, Any]) -> str:
     head += labelled("CHECKS", _counted(result["checks"]) if result.get("checks") else "")
     more = labelled("MORE", "--details: volumes, every check, every file and caution")
     return screen(
-        head, _not_passed(result), warning_block(result),
-        files_block(result, ("pour_sheet", "mould")), more, more="  ... and {} more checks: --details",
-    )  # fmt: skip
+        head,
+        _not_passed(result),
+        warning_block(result),
+        files_block(result, ("pour_sheet", "mould")),
+        more,
+        more="  ... and {} more checks: --details",
+    )
 
 
 def _part(part: dict[str, Any]) -> str:
@@ -220,16 +234,21 @@ def _render_pucks(result: dict[str, Any], details: bool = False) -> str:
     count = sum(one["count"] for one in inputs["puck"])
     parts = " + ".join(map(_part, pour["components"]))
     each = ", ".join(f"{mass:.1f} g" for mass in pour["pour_g"])
-    head = labelled("PUCK", f"{sizes} (diameter x height): {'a printed ring' if count == 1 else 'printed rings'}, "
-                    "two halves each", 2)  # fmt: skip
+    head = labelled(
+        "PUCK",
+        f"{sizes} (diameter x height): {'a printed ring' if count == 1 else 'printed rings'}, two halves each",
+        2,
+    )
     head += labelled("PRINT", f"about {result['printing_h']:.1f} h, {result['filament_g']:.0f} g")
     head += labelled("WEIGH", f"{parts} = {pour['total_g']:.1f} g; pour {each} into each ring, strike off at the rim")
     head += labelled("", f"ratio {inputs['ratio']:g} ({inputs['ratio_meaning']}), {inputs['resin']}")
     head += labelled("CHECKS", _counted(result["checks"]) if result.get("checks") else "")
     head += labelled("NEXT", "cast, press as the pour sheet says, then dummydesign resins add-compression")
     if details:
-        head += [f"  {one['status']:<8}{one['id']}: {one['value']} (limit {one['limit']})"
-                 for one in result.get("checks", [])]  # fmt: skip
+        head += [
+            f"  {one['status']:<8}{one['id']}: {one['value']} (limit {one['limit']})"
+            for one in result.get("checks", [])
+        ]
         head += [f"  {name:<24}{volume / 1000:10.3f} cm3" for name, volume in result.get("volumes_mm3", {}).items()]
         rows = [*head, *_not_passed(result), *(f"  - {item['message']}" for item in result["warnings"])]
         return "\n".join(rows + [f"  {role:<24}{path}" for role, path in result["files"].items()])
@@ -246,8 +265,11 @@ def _counted(checks: list[dict[str, Any]], word: str = "") -> str:
 
 def _not_passed(result: dict[str, Any], ends: Collection[str] = ("fail", "skipped")) -> list[str]:
     """A line for each check that ended so."""
-    return [f"  {item['status']:<8}{item['id']}: {item.get('note', '')}"
-            for item in result.get("checks", []) if item["status"] in ends]  # fmt: skip
+    return [
+        f"  {item['status']:<8}{item['id']}: {item.get('note', '')}"
+        for item in result.get("checks", [])
+        if item["status"] in ends
+    ]
 
 
 def render_details(result: dict[str, Any]) -> str:
@@ -263,9 +285,12 @@ def render_details(result: dict[str, Any]) -> str:
     count, batch = inputs.get("count", 1), result["batch"]
     pads = f"a {inputs['shape']} pad" if count == 1 else f"{count} pads ({inputs['shape']}), each"
     first = "upper layer, poured first: " if "base" in batch else ""
-    lines = [f"Mould ({inputs['preset']}) for {pads} of {size}, specification {result['spec_hash']}", "",
-             f"Mix ({first}{inputs['resin']}, ratio {inputs['ratio']:g} {inputs['ratio_meaning']})",
-             *_weights(batch, count)]  # fmt: skip
+    lines = [
+        f"Mould ({inputs['preset']}) for {pads} of {size}, specification {result['spec_hash']}",
+        "",
+        f"Mix ({first}{inputs['resin']}, ratio {inputs['ratio']:g} {inputs['ratio_meaning']})",
+        *_weights(batch, count),
+    ]
     if "base" in batch:
         lines.append(f"Mix (base layer, poured second: {inputs['resin']}, ratio {inputs['base_ratio']:.4g})")
         lines += _weights(batch["base"], count)
@@ -287,8 +312,10 @@ def render_details(result: dict[str, Any]) -> str:
 
 def _job(result: dict[str, Any]) -> str:
     """One line a mould, then what all need."""
-    lines = [f"{one['thickness_mm']:>6g} mm  {one['spec_hash']}  {_counted(one['checks'], ' checks')}  {one['folder']}"
-             for one in result["moulds"]]  # fmt: skip
+    lines = [
+        f"{one['thickness_mm']:>6g} mm  {one['spec_hash']}  {_counted(one['checks'], ' checks')}  {one['folder']}"
+        for one in result["moulds"]
+    ]
     if "bill_of_materials" not in result:
         # One of them failed, and what was made is not kept.
         return "\n".join(lines + _not_passed(result, ("fail",)))

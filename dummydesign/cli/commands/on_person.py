@@ -53,9 +53,14 @@ def render(result: dict[str, Any]) -> str:
 
     limits = ["", *_limits(result, 4)] if facts.limit_rows(result) else []
     notes, checks = len(result["warnings"]), "all limits, " if limits else ""
-    tail = [limits, ["", *_drive(result)], warning_block(result, facts.IN_HEADLINE, 2),
-            step_lines(facts.next_steps(result)), files_block(result, ("report", "first_page", "curves")),
-            labelled("MORE", f"--details: each subject, {checks}{notes} note{'s' * (notes != 1)}")]  # fmt: skip
+    tail = [
+        limits,
+        ["", *_drive(result)],
+        warning_block(result, facts.IN_HEADLINE, 2),
+        step_lines(facts.next_steps(result)),
+        files_block(result, ("report", "first_page", "curves")),
+        labelled("MORE", f"--details: each subject, {checks}{notes} note{'s' * (notes != 1)}"),
+    ]
     head, left_out = [*_headline(result), ""], "  ... and {} more presses: --details"
     return "\n".join(fitted(head, _table(result), tail, (1,), left_out))
 
@@ -68,8 +73,15 @@ def render_details(result: dict[str, Any]) -> str:
     lines = [*_headline(result), "", *_table(result), ""]
     for press in result["presses"]:
         head, rows = facts.subject_table(press)
-        lines += [f"  {press['file']}", *(f"  {row[0]:<20}" + "".join(f"{cell:>{max(len(name) + 2, 10)}}"
-                  for cell, name in zip(row[1:], head[1:])) for row in (head, *rows)), ""]  # fmt: skip
+        lines += [
+            f"  {press['file']}",
+            *(
+                f"  {row[0]:<20}"
+                + "".join(f"{cell:>{max(len(name) + 2, 10)}}" for cell, name in zip(row[1:], head[1:]))
+                for row in (head, *rows)
+            ),
+            "",
+        ]
     checks = _limits(result, None)
     lines += [*checks, *([""] if checks else []), *budget_lines(result["budget"]), *_drive(result)]
     lines += [line for one in result["warnings"] for line in labelled("NOTE", one["message"])]

@@ -74,20 +74,29 @@ def render(result: dict[str, Any]) -> str:
     shape = "" if given["shape"] == "slab" else f"{given['shape']}, "
     first = [item["message"] for item in result["warnings"] if item["code"] == NO_RELAXATION]
     head = [
-        *verdict_lines(result.get("verdict")), *tissue_lines(result),
+        *verdict_lines(result.get("verdict")),
+        *tissue_lines(result),
         *(line for text in first for line in labelled("WARNING", text, 2)),
-        *labelled("PAD", f"{shape}{given['thickness_mm']:g} mm, E = {young['value']:.4g} kPa{span}, "
-                         f"punch {given['punch']}{solved}"),
-    ]  # fmt: skip
+        *labelled(
+            "PAD",
+            f"{shape}{given['thickness_mm']:g} mm, E = {young['value']:.4g} kPa{span}, punch {given['punch']}{solved}",
+        ),
+    ]
     if "peak_force_N" in result:
-        head += labelled("PRESS", f"peak {result['peak_force_N']:.3f} N at {result['peak_time_s']:.4f} s, "
-                                  f"{result['steady_force_N']:.3f} N at the end")  # fmt: skip
+        head += labelled(
+            "PRESS",
+            f"peak {result['peak_force_N']:.3f} N at {result['peak_time_s']:.4f} s, "
+            f"{result['steady_force_N']:.3f} N at the end",
+        )
         head += labelled("ERROR", _error_text(result))
     elif "presses" not in result and "conditions" not in result:
         head += labelled("FORCE", "static, fully relaxed at each depth; low and high: the model's own uncertainty")
     tail = [line for text in _contact_texts(result) for line in labelled("CONTACT", text)]
-    rows = _tissue_presses(result) if "conditions" in result else (
-        _press_lines(result["presses"]) if "presses" in result else _curve_lines(result, 12)[-13:])  # fmt: skip
+    rows = (
+        _tissue_presses(result)
+        if "conditions" in result
+        else (_press_lines(result["presses"]) if "presses" in result else _curve_lines(result, 12)[-13:])
+    )
     written = _files_written(result)
     curve = "" if any(role.startswith("curve") for role in result.get("files", {})) else "; --out FILE writes the curve"
     more = labelled("MORE", f"--details: all points and the solver's work{curve}")
@@ -103,8 +112,10 @@ def _contact_texts(result: dict[str, Any]) -> list[str]:
     texts = []
     for one in result.get("contact_pressure", []):
         edge = f", at the edge up to {one['edge_kPa']:.3g} kPa" if one["edge_kPa"] > one["peak_kPa"] else ""
-        texts.append(f"at {one['depth_mm']:.3g} mm: mean {one['mean_kPa']:.3g} kPa, peak {one['peak_kPa']:.3g} kPa "
-                     f"at radius {one['peak_radius_mm']:.2g} mm{edge}")  # fmt: skip
+        texts.append(
+            f"at {one['depth_mm']:.3g} mm: mean {one['mean_kPa']:.3g} kPa, peak {one['peak_kPa']:.3g} kPa "
+            f"at radius {one['peak_radius_mm']:.2g} mm{edge}"
+        )
     return texts
 
 
@@ -113,8 +124,10 @@ def _error_text(result: dict[str, Any]) -> str:
     if "measured" not in result:
         return ""
     one = result["measured"]
-    return (f"{one['rmse_N']:.3g} N rms against the file's force; largest force {one['peak_error_N']:+.3g} N, "
-            f"measured {one['peak_force_N']:.4g} N")  # fmt: skip
+    return (
+        f"{one['rmse_N']:.3g} N rms against the file's force; largest force {one['peak_error_N']:+.3g} N, "
+        f"measured {one['peak_force_N']:.4g} N"
+    )
 
 
 def _files_written(result: dict[str, Any]) -> list[str]:
@@ -145,7 +158,8 @@ def render_details(result: dict[str, Any]) -> str:
         *verdict_lines(result.get("verdict")),
         *tissue_lines(result),
         f"pad {result['inputs']['thickness_mm']:g} mm, E = {young['value']:.4g} kPa "
-        f"({young['low']:.4g} to {young['high']:.4g}), punch {result['inputs']['punch']}, fidelity {result['fidelity']}"
+        f"({young['low']:.4g} to {young['high']:.4g}), punch {result['inputs']['punch']}, "
+        f"fidelity {result['fidelity']}",
     ]
     lines += [f"error of the prediction: {text}"] if (text := _error_text(result)) else []
     for row in result.get("conditions", []):
@@ -159,8 +173,10 @@ def render_details(result: dict[str, Any]) -> str:
     lines += [f"contact pressure {text}" for text in _contact_texts(result)]
     solver = result["solver"]
     if solver["unknowns"]:
-        lines.append(f"solved {solver['unknowns']} unknowns, {solver['load_steps']} load steps, "
-                     f"{solver['newton_iterations']} Newton iterations, {solver['seconds']:.1f} s")  # fmt: skip
+        lines.append(
+            f"solved {solver['unknowns']} unknowns, {solver['load_steps']} load steps, "
+            f"{solver['newton_iterations']} Newton iterations, {solver['seconds']:.1f} s"
+        )
     others = [item for item in result["warnings"] if item["code"] != NO_RELAXATION]
     lines += warning_lines({"warnings": others})
     lines += [f"written: {path}" for path in _files_written(result)]
@@ -181,8 +197,13 @@ def _press_lines(presses: list[dict[str, Any]]) -> list[str]:
 
 
 MOVED = {"time_s": ">10.4f", "displacement_mm": ">16.3f", "force_N": ">10.3f"}
-STATIC = {"depth_mm": ">9.3f", "force_N": ">9.3f", "force_low_N": ">12.3f", "force_high_N": ">13.3f",
-          "local_exponent": ">15.3f"}  # fmt: skip
+STATIC = {
+    "depth_mm": ">9.3f",
+    "force_N": ">9.3f",
+    "force_low_N": ">12.3f",
+    "force_high_N": ">13.3f",
+    "local_exponent": ">15.3f",
+}
 
 
 def _curve_lines(result: dict[str, Any], shown: int = SHOWN) -> list[str]:
@@ -191,8 +212,10 @@ def _curve_lines(result: dict[str, Any], shown: int = SHOWN) -> list[str]:
     forms, lines = STATIC, []
     if moved:
         forms = MOVED
-        lines = [f"peak force    {result['peak_force_N']:.3f} N at {result['peak_time_s']:.4f} s",
-                 f"force at end  {result['steady_force_N']:.3f} N"]  # fmt: skip
+        lines = [
+            f"peak force    {result['peak_force_N']:.3f} N at {result['peak_time_s']:.4f} s",
+            f"force at end  {result['steady_force_N']:.3f} N",
+        ]
     rows = list(zip(*(result[name] for name in forms)))
     if moved and shown < SHOWN:
         rows = _spread_in_time(rows, result["peak_time_s"], shown)

@@ -45,16 +45,20 @@ def render(result: dict[str, Any]) -> str:
     return screen([*head[:14], ""], presses, [""], warning_block(result), more)
 
 
-ERRORS = [("rms N", "rmse_N", ">9.4f"), ("base rms N", "base_rmse_N", ">11.4f"),
-          ("peak error N", "peak_error_N", ">+13.4f")]  # fmt: skip
+ERRORS = [
+    ("rms N", "rmse_N", ">9.4f"),
+    ("base rms N", "base_rmse_N", ">11.4f"),
+    ("peak error N", "peak_error_N", ">+13.4f"),
+]
 
 
 def _pads(result: dict[str, Any]) -> list[str]:
     """The verdict on each of several pads."""
     if len(result["pads"]) < 2:
         return []
-    levels = (pad["reason"] if pad["verdict"] is None else pad["verdict"]["level"].replace("_", " ")
-              for pad in result["pads"])  # fmt: skip
+    levels = (
+        pad["reason"] if pad["verdict"] is None else pad["verdict"]["level"].replace("_", " ") for pad in result["pads"]
+    )
     return [f"{pad['shape']}, {pad['thickness_mm']:g} mm: {level}" for pad, level in zip(result["pads"], levels)]
 
 

@@ -55,8 +55,13 @@ def run(options: argparse.Namespace) -> dict[str, Any]:
     """Do the action and return plain values."""
     if options.action in ACTIONS:
         return run_own(options, "materials/resins", "resin")
-    actions = {"list": _list, "show": _show, "add": _add, "add-compression": _add_compression,
-               "add-hardness": _add_hardness}  # fmt: skip
+    actions = {
+        "list": _list,
+        "show": _show,
+        "add": _add,
+        "add-compression": _add_compression,
+        "add-hardness": _add_hardness,
+    }
     return actions[options.action](options)
 
 
@@ -75,9 +80,16 @@ def _list(options: argparse.Namespace) -> dict[str, Any]:
             continue
         by_end = sorted((1e3 * resin.young_MPa(end), end) for end in (resin.ratio_min, resin.ratio_max))
         ends = [young for young, _ in by_end]
-        rows.append({"name": entry.name, "origin": entry.origin, "ratio_range": [resin.ratio_min, resin.ratio_max],
-                     "ratio_meaning": resin.ratio_meaning, "young_kPa_range": ends,
-                     "hardness": [expected_hardness(resin, end).to_dict() for _, end in by_end]})  # fmt: skip
+        rows.append(
+            {
+                "name": entry.name,
+                "origin": entry.origin,
+                "ratio_range": [resin.ratio_min, resin.ratio_max],
+                "ratio_meaning": resin.ratio_meaning,
+                "young_kPa_range": ends,
+                "hardness": [expected_hardness(resin, end).to_dict() for _, end in by_end],
+            }
+        )
         sources += [text for text in resin.references if text not in sources]
     return {"inputs": {"action": "list"}, "warnings": warnings, "sources": sources, "resins": rows}
 
@@ -105,16 +117,27 @@ def _add(options: argparse.Namespace) -> dict[str, Any]:
     resin, path = add_resin(options.file, options.replace)
     explained = explain(resin)
     warnings = [*hidden_by("materials/resins", "resin", path.stem), *explained["warnings"]]
-    return {"inputs": {"action": "add", "file": options.file}, **explained, "warnings": warnings,
-            "sources": list(resin.references), "files": {"resin": str(path)}}  # fmt: skip
+    return {
+        "inputs": {"action": "add", "file": options.file},
+        **explained,
+        "warnings": warnings,
+        "sources": list(resin.references),
+        "files": {"resin": str(path)},
+    }
 
 
 def _add_compression(options: argparse.Namespace) -> dict[str, Any]:
     from dummydesign.resin.puck_test.add_compression import add_compression
 
     file = options.file[0] if len(options.file) == 1 else options.file
-    given = {"file": file, "friction": options.friction, "diameter_mm": options.diameter, "height_mm": options.height,
-             "name": options.name, "ratio": options.ratio}  # fmt: skip
+    given = {
+        "file": file,
+        "friction": options.friction,
+        "diameter_mm": options.diameter,
+        "height_mm": options.height,
+        "name": options.name,
+        "ratio": options.ratio,
+    }
     done = add_compression(**given, base=options.resin, replace_own=options.replace)
     inputs = {"action": "add-compression", **given, "resin": options.resin}
     return {"inputs": inputs, "sources": [done.young_kPa.source], **done.to_dict()}
@@ -140,15 +163,25 @@ def render(result: dict[str, Any]) -> str:
     kinds = Counter(item["kind"] for item in result["numbers"].values())
     counted = ", ".join(f"{count} {kind}" for kind, count in kinds.items())
     return screen(
-        [*labelled("RESIN", rows[0], 2), *rows[1:3]], rows[3 : end - 1], [""],
-        labelled("SHORE", hardness_text(result["curve"]), 3), labelled("NUMBERS", counted),
-        text.notes_block(result["resin"]["notes"]), text.warning_block(result, most=2), text.files_block(result, ()),
+        [*labelled("RESIN", rows[0], 2), *rows[1:3]],
+        rows[3 : end - 1],
+        [""],
+        labelled("SHORE", hardness_text(result["curve"]), 3),
+        labelled("NUMBERS", counted),
+        text.notes_block(result["resin"]["notes"]),
+        text.warning_block(result, most=2),
+        text.files_block(result, ()),
         labelled("MORE", "--details: every number with its interval and source, all notes"),
-    )  # fmt: skip
+    )
 
 
-LISTED = [("name", "name", "<20"), ("origin", "origin", "<9"), ("ratio", "ratio", "<9"), ("E in kPa", "young", "<13"),
-          ("ratio definition", "ratio_meaning", "<1")]  # fmt: skip
+LISTED = [
+    ("name", "name", "<20"),
+    ("origin", "origin", "<9"),
+    ("ratio", "ratio", "<9"),
+    ("E in kPa", "young", "<13"),
+    ("ratio definition", "ratio_meaning", "<1"),
+]
 
 
 def render_details(result: dict[str, Any]) -> str:
@@ -160,8 +193,14 @@ def render_details(result: dict[str, Any]) -> str:
 
     lines: list[str] = []
     if "resins" in result:
-        rows = [{**row, "ratio": _span([f"{end:g}" for end in row["ratio_range"]]),
-                 "young": _span([_kPa(end) for end in row["young_kPa_range"]])} for row in result["resins"]]
+        rows = [
+            {
+                **row,
+                "ratio": _span([f"{end:g}" for end in row["ratio_range"]]),
+                "young": _span([_kPa(end) for end in row["young_kPa_range"]]),
+            }
+            for row in result["resins"]
+        ]
         lines += [*table(rows, LISTED), "", "hardness to expect of the softest and of the hardest mix:"]
         lines += [f"  {row['name']}: {_span([Hardness(**end).text for end in row['hardness']])}" for row in rows]
     elif "shore" in result:
@@ -205,7 +244,8 @@ def _render_puck(result: dict[str, Any]) -> list[str]:
         f"misfit    {result['rmse_N']:.3g} N rms over {result['compression_mm'][0]:.3g} to "
         f"{result['compression_mm'][1]:.3g} mm",
         *_render_relaxation(result["relaxation"]),
-        f"resin     {result['name']}: " + {
+        f"resin     {result['name']}: "
+        + {
             "added": f"law of {result['base']} updated at ratio {result['ratio']:g}",
             "unchanged": f"has this puck at ratio {result['ratio']:g} already; nothing was changed",
             "replaced": f"had this puck at {result['before']}; that point was replaced by ratio {result['ratio']:g}",
@@ -218,8 +258,11 @@ def _render_relaxation(relaxation: dict[str, Any] | None) -> list[str]:
     if relaxation is None:
         return []
     pairs = ((arm["beta"], arm["tau_s"]) for arm in relaxation["prony"])
-    lines = [f"term      {beta['value']:.3g} of the long-term modulus (95 %: {beta['low']:.3g} to {beta['high']:.3g}) "
-             f"at {tau['value']:.3g} s ({tau['low']:.3g} to {tau['high']:.3g})" for beta, tau in pairs]  # fmt: skip
+    lines = [
+        f"term      {beta['value']:.3g} of the long-term modulus (95 %: {beta['low']:.3g} to {beta['high']:.3g}) "
+        f"at {tau['value']:.3g} s ({tau['low']:.3g} to {tau['high']:.3g})"
+        for beta, tau in pairs
+    ]
     seen = "seen      terms from {:.2g} to {:.2g} s".format(*relaxation["seen_s"])
     return [*(lines or ["term      none that the holds resolve"]), seen]
 

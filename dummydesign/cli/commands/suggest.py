@@ -10,8 +10,21 @@ from dummydesign.core.errors import NoAnswerError
 
 ABOUT_STEPS = 8
 HELP = "Recommend resin ratio, pad thickness, weights to pour and a mould for a tissue."
-OWN_TEST = ("punch", "edge_radius_mm", "condition", "force_N", "velocity_mm_s", "hold_s", "deceleration_mm_s2",
-            "pad_mm", "base", "sites", "preset", "machine", "silicone")  # fmt: skip
+OWN_TEST = (
+    "punch",
+    "edge_radius_mm",
+    "condition",
+    "force_N",
+    "velocity_mm_s",
+    "hold_s",
+    "deceleration_mm_s2",
+    "pad_mm",
+    "base",
+    "sites",
+    "preset",
+    "machine",
+    "silicone",
+)
 """How people and pad are pressed, and what the mould must fit."""
 
 

@@ -55,10 +55,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 ADDING = {
-    "add": ("from_traces", "add_tissue"), "add-curves": ("from_curves", "add_curves"),
-    "add-points": ("from_points", "add_points"), "add-spring": ("from_springs", "add_spring"),
-    "template": ("from_springs", "write_template"), "add-regions": ("from_springs", "add_regions"),
-}  # fmt: skip
+    "add": ("from_traces", "add_tissue"),
+    "add-curves": ("from_curves", "add_curves"),
+    "add-points": ("from_points", "add_points"),
+    "add-spring": ("from_springs", "add_spring"),
+    "template": ("from_springs", "write_template"),
+    "add-regions": ("from_springs", "add_regions"),
+}
 """Module and function of each action that makes or changes a tissue."""
 
 
@@ -91,8 +94,15 @@ def _list() -> dict[str, Any]:
         steady = next(iter(tissue.bands)) if tissue.measured else law_named(tissue.law).steady_name
         gamma1 = tissue.bands[steady]
         known = {name: getattr(tissue, name) for name in ("name", "title", "origin", "law", "elements")}
-        rows.append({**known, "kinds": list(tissue.kinds), "subjects": [one.name for one in tissue.subjects],
-                     "velocities_mm_s": list(tissue.velocities_mm_s), steady: [gamma1.low, gamma1.high]})  # fmt: skip
+        rows.append(
+            {
+                **known,
+                "kinds": list(tissue.kinds),
+                "subjects": [one.name for one in tissue.subjects],
+                "velocities_mm_s": list(tissue.velocities_mm_s),
+                steady: [gamma1.low, gamma1.high],
+            }
+        )
     return {"inputs": {"action": "list"}, "tissues": rows, "warnings": warnings}
 
 
@@ -120,16 +130,32 @@ def render(result: dict[str, Any]) -> str:
     left = [one for one in result["warnings"] if one["message"] not in result["notes"]]
     following = result["next_measurement"]["text"] if "next_measurement" in result else ""
     return screen(
-        labelled("TISSUE", rows[0]), shown, [""], text.notes_block(result["notes"]),
-        text.warning_block({"warnings": left}, most=2), labelled("NEXT", following, 2), text.files_block(result, ()),
+        labelled("TISSUE", rows[0]),
+        shown,
+        [""],
+        text.notes_block(result["notes"]),
+        text.warning_block({"warnings": left}, most=2),
+        labelled("NEXT", following, 2),
+        text.files_block(result, ()),
         labelled("MORE", "--details: where every number comes from, all notes"),
-    )  # fmt: skip
+    )
 
 
-LISTED = [("tissue", "name", "<14"), ("origin", "origin", "<9"), ("kind", "kind", "<20"), ("law", "law", "<11"),
-          ("subjects", "people", ">8"), (" gamma1 N/mm3, or k N/mm", "steady", "<1")]  # fmt: skip
-BANDS = [("parameter", "label", "<26"), ("mean", "value", ">10.4g"), ("lowest", "low", ">10.4g"),
-         ("highest", "high", ">10.4g"), (" kind", "kind", "<1")]  # fmt: skip
+LISTED = [
+    ("tissue", "name", "<14"),
+    ("origin", "origin", "<9"),
+    ("kind", "kind", "<20"),
+    ("law", "law", "<11"),
+    ("subjects", "people", ">8"),
+    (" gamma1 N/mm3, or k N/mm", "steady", "<1"),
+]
+BANDS = [
+    ("parameter", "label", "<26"),
+    ("mean", "value", ">10.4g"),
+    ("lowest", "low", ">10.4g"),
+    ("highest", "high", ">10.4g"),
+    (" kind", "kind", "<1"),
+]
 
 
 def render_details(result: dict[str, Any]) -> str:
@@ -142,16 +168,23 @@ def render_details(result: dict[str, Any]) -> str:
     if "regions" in result:
         return f"fill and read by 'dummydesign tissues add-regions': {result['files']['template']}"
     if "added" in result:
-        lines = [f"{row['name']:<14} {' / '.join(f'{k:.4g}' for k in row['k_N_per_mm'])} N/mm"
-                 for row in result["added"]]  # fmt: skip
+        lines = [
+            f"{row['name']:<14} {' / '.join(f'{k:.4g}' for k in row['k_N_per_mm'])} N/mm" for row in result["added"]
+        ]
         return "\n".join(lines + warning_lines(result))
     if "tissues" in result:
         rows = []
         for row in result["tissues"]:
             name, (low, high) = list(row.items())[-1]
             at = f" mm at {name.removeprefix('depth_at_').removesuffix('_mm')}" if name.startswith("depth_at_") else ""
-            rows.append({**row, "kind": "+".join(row["kinds"]), "people": len(row["subjects"]),
-                         "steady": f" {low:.3g} to {high:.3g}{at}"})  # fmt: skip
+            rows.append(
+                {
+                    **row,
+                    "kind": "+".join(row["kinds"]),
+                    "people": len(row["subjects"]),
+                    "steady": f" {low:.3g} to {high:.3g}{at}",
+                }
+            )
         return "\n".join(table(rows, LISTED) + warning_lines(result))
     measured = result["law"] == "curves"
     law = "measured curves, no law" if measured else f"law {result['law']}"
@@ -161,15 +194,21 @@ def render_details(result: dict[str, Any]) -> str:
     lines += table(bands, BANDS)
     for subject in result["subjects"]:
         if measured:
-            cells = [f"{value['value']:.3g} mm at {key.removeprefix('depth_at_').removesuffix('N_mm')} N"
-                     for key, value in subject.items() if key.startswith("depth_at_")]  # fmt: skip
+            cells = [
+                f"{value['value']:.3g} mm at {key.removeprefix('depth_at_').removesuffix('N_mm')} N"
+                for key, value in subject.items()
+                if key.startswith("depth_at_")
+            ]
             lines.append(f"subject {subject['name']:<16} {', '.join(cells)}")
             continue
-        key, name, unit = ("k_N_per_mm", "k", "N/mm") if "k_N_per_mm" in subject else (
-            "gamma1_N_per_mm3", "gamma1", "N/mm3")  # fmt: skip
+        key, name, unit = (
+            ("k_N_per_mm", "k", "N/mm") if "k_N_per_mm" in subject else ("gamma1_N_per_mm3", "gamma1", "N/mm3")
+        )
         one = subject[key]
-        lines.append(f"subject {subject['name']:<16} {name} {one['value']:.4g} {unit} (95 %: {one['low']:.4g} to "
-                     f"{one['high']:.4g}, {one['kind']}: {one['source']})")  # fmt: skip
+        lines.append(
+            f"subject {subject['name']:<16} {name} {one['value']:.4g} {unit} (95 %: {one['low']:.4g} to "
+            f"{one['high']:.4g}, {one['kind']}: {one['source']})"
+        )
     lines += [f"note: {note}" for note in result["notes"] if not measured]
     lines += [f"source: {source}" for source in result["sources"]]
     lines += file_lines({"files": {}, **result})

@@ -27,8 +27,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("--punch", default="square:14", metavar="LIST", help="such as square:14,round:16 (default square:14)")
     add("--condition", default="bonded", metavar="LIST", help="face: bonded (default), frictionless or friction:MU")
     add("--base", default="bonded", metavar="LIST", help="pad on its base: bonded (default), sliding")
-    add("--shape", default="slab", metavar="NAME[:KEY=RANGE,..],..",
-        help="such as slab,crowned:radius=10:20:2,height=1.5/2; every combination of its lengths (default slab)")
+    add(
+        "--shape",
+        default="slab",
+        metavar="NAME[:KEY=RANGE,..],..",
+        help="such as slab,crowned:radius=10:20:2,height=1.5/2; every combination of its lengths (default slab)",
+    )
     edges = "fillets of the punch's edge in mm, for slabs (default 0, sharp)"
     add("--edge-radius", default="0", metavar="RANGE|LIST", help=edges)
     add("--velocity", default="10,250", metavar="RANGE|LIST", help="in mm/s (default 10,250)")
@@ -85,9 +89,14 @@ def render(result: dict[str, Any]) -> str:
     more = "  ... and {} more rows: --details" if plane else "  ... and {} more designs: --details"
     files = text.files_block(result, ("report", "first_page", "rows"))
     return screen(
-        [*head, ""], shown, [""], text.warning_block(result), files,
-        labelled("MORE", "--details: exponents, peaks and every design; rows.csv has every number"), more=more,
-    )  # fmt: skip
+        [*head, ""],
+        shown,
+        [""],
+        text.warning_block(result),
+        files,
+        labelled("MORE", "--details: exponents, peaks and every design; rows.csv has every number"),
+        more=more,
+    )
 
 
 def render_details(result: dict[str, Any]) -> str:
@@ -99,8 +108,12 @@ def render_details(result: dict[str, Any]) -> str:
     shaped = len({row["shape"] for row in rows} | {"slab"}) > 1
     filleted = any(row["edge_radius_mm"] for row in rows)
     supports = {(row["condition"], row["base"]) for row in rows}
-    columns = [("mm", "thickness_mm", "<6g"), ("ratio", "ratio", "<6g"), ("kPa", "young_kPa", "<7.3g"),
-               ("punch", "punch", "<12")]  # fmt: skip
+    columns = [
+        ("mm", "thickness_mm", "<6g"),
+        ("ratio", "ratio", "<6g"),
+        ("kPa", "young_kPa", "<7.3g"),
+        ("punch", "punch", "<12"),
+    ]
     columns += [("face, base", "support", "<21")] if len(supports) > 1 else []
     columns += [("edge", "edge_radius_mm", "<5g")] if filleted else []
     columns += [(f"x,n at {force} N", f"at {force} N", "<14") for force in rows[0]["depth_mm_at_N"]]
@@ -111,8 +124,10 @@ def render_details(result: dict[str, Any]) -> str:
     what = f"x depth in mm, n local exponent d ln F / d ln x (both relaxed), peak over steady at 10 N steady{end}"
     shown = []
     for row in rows[:SHOWN]:
-        depths = {f"at {force} N": None if depth is None else f"{depth:.2f}, {row['exponent_at_N'][force]:.2f}"
-                  for force, depth in row["depth_mm_at_N"].items()}  # fmt: skip
+        depths = {
+            f"at {force} N": None if depth is None else f"{depth:.2f}, {row['exponent_at_N'][force]:.2f}"
+            for force, depth in row["depth_mm_at_N"].items()
+        }
         peaks = {f"peak {speed}": value for speed, value in row["peak_over_steady"].items()}
         score = {"score": f"score {row['score']['total']:.2f}"} if scored else {}
         shown.append({**row, "support": f"{row['condition']}, {row['base']}", **depths, **peaks, **score})

@@ -33,8 +33,11 @@ from dummydesign.design.scoring.verdict import (
 
 K = 2.0
 PASS, CONDITIONAL_PASS, CONDITIONAL_FAIL, FAIL = STATEMENTS = (
-    "pass", "conditional pass", "conditional fail", "fail",
-)  # fmt: skip
+    "pass",
+    "conditional pass",
+    "conditional fail",
+    "fail",
+)
 RULE = (
     "ILAC-G8:09/2019, 4.2.3 (ISO/IEC 17025:2017, 7.1.3): non-binary statement, guard band equal to the expanded "
     "uncertainty (k = 2)"
@@ -127,14 +130,15 @@ def decide(
         tails.append(_tail(room, u))
         rooms.append((room, k * u))
         guards.append((limit * math.exp(side * k * u), limit * math.exp(-side * k * u)))
-    places = [
-        0 if room >= guard else 1 if room >= 0.0 else 2 if room >= -guard else 3 for room, guard in rooms
-    ]  # fmt: skip
+    places = [0 if room >= guard else 1 if room >= 0.0 else 2 if room >= -guard else 3 for room, guard in rooms]
     (accept_low, reject_low), (accept_high, reject_high) = guards
     return Decision(
-        STATEMENTS[max(places, default=0)], min(sum(tails), 1.0), Limits(*tolerance), Limits(accept_low, accept_high),
+        STATEMENTS[max(places, default=0)],
+        min(sum(tails), 1.0),
+        Limits(*tolerance),
+        Limits(accept_low, accept_high),
         Limits(reject_low, reject_high),
-    )  # fmt: skip
+    )
 
 
 def _tail(room: float, u: float) -> float:
@@ -215,15 +219,22 @@ class Budget:
         """Return the budget in the form of the contract, with what it rests on."""
         made = self.decision
         return {
-            "components": [one.to_dict() for one in self.components], "combined_percent": self.combined_percent,
-            "expanded_percent": self.expanded_percent, "k": K, "rule": RULE,
+            "components": [one.to_dict() for one in self.components],
+            "combined_percent": self.combined_percent,
+            "expanded_percent": self.expanded_percent,
+            "k": K,
+            "rule": RULE,
             "false_acceptance": self.false_acceptance,
-            "statement": self.statement, "reading": self.reading.to_dict(), "requirement": self.requirement,
+            "statement": self.statement,
+            "reading": self.reading.to_dict(),
+            "requirement": self.requirement,
             "guard_band_percent": None if made is None else self.expanded_percent,
-            "decision": to_plain(made), "exact_range": to_plain(self.exact_range), "missing": self.missing,
+            "decision": to_plain(made),
+            "exact_range": to_plain(self.exact_range),
+            "missing": self.missing,
             "doubt": self.doubt or None,
             "not_known": list(self.not_known),
-        }  # fmt: skip
+        }
 
 
 @dataclass(frozen=True)
@@ -303,9 +314,13 @@ def deciding(
 
 
 def budget_of_pad(
-    ranges: Ranges, readings: Readings, limits: tuple[float, float | None], parts: Mapping[str, Readings],
-    whole: Readings, ends: EndSpread | None,
-) -> Budget | None:  # fmt: skip
+    ranges: Ranges,
+    readings: Readings,
+    limits: tuple[float, float | None],
+    parts: Mapping[str, Readings],
+    whole: Readings,
+    ends: EndSpread | None,
+) -> Budget | None:
     """Make the budget of one pad against the subjects' ranges; None where no press was reached.
 
     Parameters
@@ -344,13 +359,20 @@ def budget_of_pad(
     exact = decide(value, (low, high), (own, own))
     made = decide(value, (low, high), (math.hypot(own, of_ends[0]), math.hypot(own, of_ends[1])))
     missing = int((~np.isfinite(readings.peak_N)).sum())
-    force, speed = (ranges.steady_N[at], ranges.velocity_mm_s.min()) if name == STEADY else (
-        ranges.force_N[at], ranges.velocity_mm_s[at])  # fmt: skip
+    force, speed = (
+        (ranges.steady_N[at], ranges.velocity_mm_s.min())
+        if name == STEADY
+        else (ranges.force_N[at], ranges.velocity_mm_s[at])
+    )
     reading = Reading(QUANTITY_WORDS[name], value, UNITS[name], float(force), float(speed))
     return Budget(
-        reading, tuple(components), requirement_words(limits, ranges.strict), made, None if ends is None else exact,
+        reading,
+        tuple(components),
+        requirement_words(limits, ranges.strict),
+        made,
+        None if ends is None else exact,
         missing,
-    )  # fmt: skip
+    )
 
 
 def _percent(value: float) -> float | None:

@@ -128,8 +128,9 @@ def match_of_presses(conditions: Sequence[Sequence[PressCurve]]) -> CurveMatch:
     for repeats in conditions:
         ratings = [rate_press(one) for one in repeats]
         rating = Rating(*(float(np.mean([getattr(one, name) for one in ratings])) for name in vars(ratings[0])))
-        force, speed, share = np.mean([(one.steady_force_N, one.velocity_mm_s, one.inside_fraction) for one in repeats],
-                                      axis=0).tolist()  # fmt: skip
+        force, speed, share = np.mean(
+            [(one.steady_force_N, one.velocity_mm_s, one.inside_fraction) for one in repeats], axis=0
+        ).tolist()
         rows.append(CurveRow(force, speed, share, rating))
     return _match(rows, [largest_miss(one) for repeats in conditions for one in repeats])
 

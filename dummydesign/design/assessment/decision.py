@@ -72,10 +72,11 @@ def low_force(candidate: DesignCandidate, targets: Targets) -> LowForce:
     wide = candidate.steady_depth_mm(protocol.wide_N)
     return LowForce(
         misfit(wide, protocol.wide_N, targets.aim_depth_mm(protocol.misfit_N), protocol.misfit_N),
-        float(evaluation.low_force_range[index]), float(evaluation.steady_state_range[index]),
+        float(evaluation.low_force_range[index]),
+        float(evaluation.steady_state_range[index]),
         to_plain({f"{force:g}": value for force, value in zip(protocol.exponent_at_N, exponent)}),
         to_plain(deepest / candidate.thickness_mm),
-    )  # fmt: skip
+    )
 
 
 def misfit(depth_mm: NDArray, force_N: NDArray, aim_depth_mm: NDArray, aim_N: NDArray = MISFIT_N) -> float | None:
@@ -119,11 +120,19 @@ class ShapeComparison:
         if self.candidate is None or self.low_force is None:
             return {"kind": self.kind, "shape": None, "reason": self.reason}
         return {
-            "kind": self.kind, "shape": str(self.shape), "thickness_mm": self.candidate.thickness_mm,
-            "ratio": self.candidate.ratio, "young_kPa": self.young_kPa, "total": self.candidate.total, "by": self.by,
-            "level": self.level, "after_puck": self.after_puck, "acceptable": self.level != LEVELS[-1],
-            **self.low_force.to_dict(), "reason": None,
-        }  # fmt: skip
+            "kind": self.kind,
+            "shape": str(self.shape),
+            "thickness_mm": self.candidate.thickness_mm,
+            "ratio": self.candidate.ratio,
+            "young_kPa": self.young_kPa,
+            "total": self.candidate.total,
+            "by": self.by,
+            "level": self.level,
+            "after_puck": self.after_puck,
+            "acceptable": self.level != LEVELS[-1],
+            **self.low_force.to_dict(),
+            "reason": None,
+        }
 
 
 def compare_kinds(
@@ -136,6 +145,17 @@ def compare_kinds(
     for design, best in zip(designs, with_parameters(pads, space)):
         young = 1e3 * float(np.asarray(space.resin.young_MPa(best.ratio)))
         level = LEVELS[design.outlook.level(limits, strict)]
-        rows.append(ShapeComparison(design.shape.name, design.shape, best, young, low_force(best, space.targets), None,
-                                    design.source, level, design.outlook.after_puck))  # fmt: skip
+        rows.append(
+            ShapeComparison(
+                design.shape.name,
+                design.shape,
+                best,
+                young,
+                low_force(best, space.targets),
+                None,
+                design.source,
+                level,
+                design.outlook.after_puck,
+            )
+        )
     return rows + [ShapeComparison(kind, reason=reason) for kind, reason in missing.items()]

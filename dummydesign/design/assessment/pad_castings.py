@@ -143,9 +143,14 @@ def verdict_of_design(cast: PadCastings, beyond: float = 1.0) -> Verdict:
     space, candidate = cast.space, cast.candidate
     bound = limits_that_bind(candidate, space.thickness_mm, space.ratio)
     return verdict(
-        ranges_of(space.targets), candidate.readings, cast.readings(), bound, known=cast.resin_known,
-        limits=space.targets.limits, beyond=beyond,
-    )  # fmt: skip
+        ranges_of(space.targets),
+        candidate.readings,
+        cast.readings(),
+        bound,
+        known=cast.resin_known,
+        limits=space.targets.limits,
+        beyond=beyond,
+    )
 
 
 @dataclass(frozen=True)
@@ -198,8 +203,9 @@ def shares_of_pad(cast: PadCastings) -> Shares:
     return Shares(
         Share(cast.candidate.ratio, **share(cast.readings())),
         Share(outlook.known_ratio, **share(cast.resin_known)),
-        AfterPuck(ends, **share(after), no_ratio=float(none.mean()), no_ratio_reason=reason), outlook.window_kPa,
-    )  # fmt: skip
+        AfterPuck(ends, **share(after), no_ratio=float(none.mean()), no_ratio_reason=reason),
+        outlook.window_kPa,
+    )
 
 
 @dataclass(frozen=True)

@@ -29,18 +29,25 @@ GAIN = 0.03
 # Steps of the ratio that are tried for two pads, castings of each, and the share below which none is proposed.
 NEAR_RATIOS, ROUGH, LEAST = 10, 120, 0.01
 NAMES = {
-    MODULUS: "the modulus", RELAXATION: "the relaxation", MAKING: "weighing and thickness",
-    FORCE_LAW: "the pad's force law", TISSUE: "the tissue",
-}  # fmt: skip
+    MODULUS: "the modulus",
+    RELAXATION: "the relaxation",
+    MAKING: "weighing and thickness",
+    FORCE_LAW: "the pad's force law",
+    TISSUE: "the tissue",
+}
 CROWN = "weighing, thickness and the crown's height"
 # How what is no resin is measured, and what to type then.
 HOW = {
-    MAKING: ("weigh a larger batch or use a finer balance, and gauge the thickness of the cast pad",
-             "dummydesign suggest ... --balance 0.01 --thickness-tolerance 0.1"),
+    MAKING: (
+        "weigh a larger batch or use a finer balance, and gauge the thickness of the cast pad",
+        "dummydesign suggest ... --balance 0.01 --thickness-tolerance 0.1",
+    ),
     FORCE_LAW: ("cast the pad, press it by a campaign and calibrate", "dummydesign loop CAMPAIGN_DIR"),
-    TISSUE: ("press the people themselves, or use published traces of them",
-             "dummydesign tissues add NAME TRACE.csv..."),
-}  # fmt: skip
+    TISSUE: (
+        "press the people themselves, or use published traces of them",
+        "dummydesign tissues add NAME TRACE.csv...",
+    ),
+}
 
 
 def batch_name(resin: str) -> str:

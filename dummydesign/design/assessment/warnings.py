@@ -49,11 +49,15 @@ def count_unmeasured(resin: Resin, tissue: Tissue, best: DesignCandidate) -> dic
         f"lies between {low:.2f} and {high:.2f} (95 %)."
     )
     return {
-        "numbers": sum(count.values()), "inferred_or_assumed": sum(weak.values()),
+        "numbers": sum(count.values()),
+        "inferred_or_assumed": sum(weak.values()),
         **{name: {"numbers": count[name], "inferred_or_assumed": weak[name]} for name in numbers},
-        "wanted_young_kPa": wanted, "ratio_low": low, "ratio_high": high,
-        "text": text, "next_step": _next_step(resin, best, weak),
-    }  # fmt: skip
+        "wanted_young_kPa": wanted,
+        "ratio_low": low,
+        "ratio_high": high,
+        "text": text,
+        "next_step": _next_step(resin, best, weak),
+    }
 
 
 def _next_step(resin: Resin, best: DesignCandidate, weak: dict[str, int]) -> str:
@@ -74,9 +78,16 @@ def _leaves(numbers: dict[str, Any]) -> list[Any]:
 
 
 def design_warnings(
-    chosen: ShapedDesign, best: DesignCandidate, comparisons: Sequence[ShapeComparison], space: SearchSpace,
-    tissue: Tissue, pour: PourYield, verification: Verification, centring: CentringTolerance | None, verify: bool,
-) -> Warnings:  # fmt: skip
+    chosen: ShapedDesign,
+    best: DesignCandidate,
+    comparisons: Sequence[ShapeComparison],
+    space: SearchSpace,
+    tissue: Tissue,
+    pour: PourYield,
+    verification: Verification,
+    centring: CentringTolerance | None,
+    verify: bool,
+) -> Warnings:
     """List what is out of reach, at an edge, doubtful or contradictory, as (code, message)."""
     notes = _of_forces(chosen, best, len(comparisons), space)
     notes += [("off_centre", centring.text)] if centring else []
@@ -181,9 +192,14 @@ def _edges(best: DesignCandidate, space: SearchSpace) -> Warnings:
     notes = []
     for name, value, steps, limits, beyond in (
         ("thickness", best.thickness_mm, space.thickness_mm, THICKNESS_MM, ("", "")),
-        ("ratio", best.ratio, space.ratio, (resin.ratio_min, resin.ratio_max),
-         ("softer", "stiffer") if ends[0] < ends[1] else ("stiffer", "softer")),
-    ):  # fmt: skip
+        (
+            "ratio",
+            best.ratio,
+            space.ratio,
+            (resin.ratio_min, resin.ratio_max),
+            ("softer", "stiffer") if ends[0] < ends[1] else ("stiffer", "softer"),
+        ),
+    ):
         if len(steps) < 2 or value not in (steps[0], steps[-1]):
             continue
         at = int(value != steps[0])

@@ -58,6 +58,7 @@ class Pours:
 
 def joined(pours: Sequence[Pours]) -> Pours:
     """Pours of one design, at several ratios, one after the other."""
+
     def column(parts: Sequence[Pours | Crowns], name: str) -> NDArray:
         return np.concatenate([getattr(one, name) for one in parts])
 
@@ -91,8 +92,14 @@ class Castings:
         beta = np.tile([arm.beta.value for arm in self.resin.arms], (self.n, 1))
         softness = np.full(self.n, self.resin.softness_exponent.value)
         stated = replace(resin, numbers=central, beta_ref=beta, softness_exponent=softness)
-        return {"weighed": weighed, "thickness": thickness, "crown": crown, "law": law, "resin": resin,
-                "central": stated}  # fmt: skip
+        return {
+            "weighed": weighed,
+            "thickness": thickness,
+            "crown": crown,
+            "law": law,
+            "resin": resin,
+            "central": stated,
+        }
 
     @property
     def batches(self) -> Draws:
@@ -105,9 +112,13 @@ class Castings:
         return self._drawn["central"]
 
     def pours(
-        self, thickness_mm: float, ratio: float | NDArray, tolerances: Tolerances, error: float = 0.0,
+        self,
+        thickness_mm: float,
+        ratio: float | NDArray,
+        tolerances: Tolerances,
+        error: float = 0.0,
         known: Collection[str] = (),
-    ) -> Pours:  # fmt: skip
+    ) -> Pours:
         """Pads that may come out of one design; ``ratio`` is one for all, or one a casting, shape (n,)."""
         drawn, making = self._drawn, MAKING not in known
         weighed = self._weighed_ratio(ratio, tolerances) if making else np.broadcast_to(ratio, self.n)

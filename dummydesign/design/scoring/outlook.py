@@ -89,9 +89,15 @@ class Outlook:
 
 
 def outlook_of(
-    windows: Windows, central: Windows, batches: Batches, centre: Batches, match: Match, scatter: Scatter,
-    limits: VerdictLimits, strict: bool,
-) -> Outlook:  # fmt: skip
+    windows: Windows,
+    central: Windows,
+    batches: Batches,
+    centre: Batches,
+    match: Match,
+    scatter: Scatter,
+    limits: VerdictLimits,
+    strict: bool,
+) -> Outlook:
     """Work out the outlook of one pad from the windows of its batches and that of the resin's centre."""
     ratio, count = batches.ratio, len(batches)
     # on the safe side more than the share that is needed only reads higher
@@ -104,8 +110,9 @@ def outlook_of(
     first = _best(shares, misfit, most, SLACK)
     known = _Chance(central.usable[0], central.log_young[0], scatter)(centre.log_young)[0]
     best_known = _best(known, misfit, most, SLACK)
-    beyond = np.interp(centre.log_young[0], central.log_young[0], central.beyond_usable[0, 0], left=np.inf,
-                       right=np.inf)  # fmt: skip
+    beyond = np.interp(
+        centre.log_young[0], central.log_young[0], central.beyond_usable[0, 0], left=np.inf, right=np.inf
+    )
     if not known[best_known] > LEAST:
         # nowhere usable: where the readings are least beyond the limits
         best_known = int(np.argmin(beyond))
@@ -117,12 +124,20 @@ def outlook_of(
     rows = np.arange(count)
     after = each[rows, chosen]
     return Outlook(
-        float(ratio[first]), float(shares[first]), float(of_stands(batches.log_young[:, [first]]).mean()),
-        float(ratio[best_known]), float(known[best_known]), float(after.mean()),
+        float(ratio[first]),
+        float(shares[first]),
+        float(of_stands(batches.log_young[:, [first]]).mean()),
+        float(ratio[best_known]),
+        float(known[best_known]),
+        float(after.mean()),
         float(match.misfit(batches.log_young[rows, chosen]).mean()),
-        float(beyond[best_known]), after, each[:, first],
-        ratio[chosen], windows.usable[0].any(axis=-1), _window(central),
-    )  # fmt: skip
+        float(beyond[best_known]),
+        after,
+        each[:, first],
+        ratio[chosen],
+        windows.usable[0].any(axis=-1),
+        _window(central),
+    )
 
 
 def _window(central: Windows) -> tuple[float, float] | None:

@@ -93,8 +93,10 @@ def people_of(targets: Targets) -> PeopleReadings | None:
         return None
     grid, stated = targets.protocol.steady_grid_N, Population.of(_peaks(targets))
     views: tuple[Callable[[Targets], NDArray], ...] = (
-        _peaks, lambda one: one.subject_energies_mJ(), lambda one: 1.0 / one.subject_depths_mm(grid),
-    )  # fmt: skip
+        _peaks,
+        lambda one: one.subject_energies_mJ(),
+        lambda one: 1.0 / one.subject_depths_mm(grid),
+    )
     if posterior_tissues(targets.tissue, 1):
         groups = targets.drawn or targets.of_tissues(posterior_tissues(targets.tissue, DRAWN), "average")
         peak, energy, stiffness = (Population.of_groups([view(one) for one in groups]) for view in views)
@@ -163,9 +165,10 @@ def _rows(
         span = float(low[at]), float(high[at])
         reached = np.isfinite(peak_N[at])
         rows.append(
-            ShareBelow(*test, float(expected[at]), span, float(exact[at])) if reached
+            ShareBelow(*test, float(expected[at]), span, float(exact[at]))
+            if reached
             else ShareBelow(*test, None, None, None)
-        )  # fmt: skip
+        )
     return tuple(rows)
 
 
@@ -194,11 +197,11 @@ def bounds_of(targets: Targets) -> tuple[NDArray, NDArray, NDArray, str] | None:
         reason = reason_of(targets.tissue)
         raise InputError(
             f"aim = '{targets.aim}': {reason}; use average, safe-side or a tissue of several people",
-            "not_enough_data", "subjects", len(targets.tissue.subjects),
-        )  # fmt: skip
-    one, two, three = (
-        each.bound(share) for each in (people.peak_N, people.energy_mJ, people.stiffness_per_mm)
-    )
+            "not_enough_data",
+            "subjects",
+            len(targets.tissue.subjects),
+        )
+    one, two, three = (each.bound(share) for each in (people.peak_N, people.energy_mJ, people.stiffness_per_mm))
     return one, two, 1.0 / three, f"the bound of {100 * share:g} % of people"
 
 

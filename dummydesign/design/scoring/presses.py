@@ -93,8 +93,10 @@ def parabolic_work_mJ(displacement_mm: NDArray, force_N: NDArray) -> NDArray:
     whole = first + second
     with np.errstate(invalid="ignore", divide="ignore"):
         curved = (
-            (2.0 - second / first) * low + whole**2 / (first * second) * middle + (2.0 - first / second) * high
-        ) * whole / 6.0  # fmt: skip
+            ((2.0 - second / first) * low + whole**2 / (first * second) * middle + (2.0 - first / second) * high)
+            * whole
+            / 6.0
+        )
     plain = lines[:, 0:pairs:2] + lines[:, 1:pairs:2]
     work = np.where((first > 0.0) & (second > 0.0), curved, plain)
     return np.asarray(work.sum(axis=-1) + lines[:, pairs:].sum(axis=-1))

@@ -106,7 +106,11 @@ def scored_for(evaluation: Evaluation, targets: Targets) -> Evaluation:
 
 
 def _scored(
-    slabs: Slabs, targets: Targets, sampling: Sampling, reached: NDArray, presses: tuple[SimulatedPress, ...],
+    slabs: Slabs,
+    targets: Targets,
+    sampling: Sampling,
+    reached: NDArray,
+    presses: tuple[SimulatedPress, ...],
     share: Callable[[SimulatedPress, ForceRange], NDArray],
 ) -> Evaluation:
     """Scores of designs by their depths at the steady forces, low ones first, and by their presses."""
@@ -119,11 +123,20 @@ def _scored(
     peaks = [np.log(press.peak_N / one.aim_peak_N) / one.peak_half_width for one, press in pairs]
     aim = 0.5 * (closeness(away[:, lows:]) + closeness(np.stack(peaks, axis=-1)))
     return Evaluation(
-        slabs, targets.steady_inside(protocol.steady_grid_N, reached[:, lows:]),
-        targets.steady_inside(low_N, reached[:, :lows]), np.mean(inside, axis=0), aim,
-        np.stack(inside, axis=-1), np.stack([press.depth_mm for press in presses], axis=-1),
-        reached[:, :lows], reached[:, lows:], presses, protocol, sampling, targets.weights,
-    )  # fmt: skip
+        slabs,
+        targets.steady_inside(protocol.steady_grid_N, reached[:, lows:]),
+        targets.steady_inside(low_N, reached[:, :lows]),
+        np.mean(inside, axis=0),
+        aim,
+        np.stack(inside, axis=-1),
+        np.stack([press.depth_mm for press in presses], axis=-1),
+        reached[:, :lows],
+        reached[:, lows:],
+        presses,
+        protocol,
+        sampling,
+        targets.weights,
+    )
 
 
 def _inside_exact(press: SimulatedPress, band: ForceRange) -> NDArray:
@@ -171,8 +184,7 @@ def steady_gamma1(slabs: Slabs, protocol: Protocol = PAPER, sampling: Sampling =
 
 
 def evaluated_gamma1(evaluation: Evaluation, power: float = 3.0) -> NDArray:
-    """The :func:`steady_gamma1` of designs whose evaluation is not exact, from its depths at the slowest ramp, (D,).
-    """
+    """The :func:`steady_gamma1` of designs whose evaluation is not exact, from its depths at the slowest ramp, (D,)."""
     return _gamma1(evaluation.depth_mm[:, : len(evaluation.protocol.forces_N)], evaluation.protocol, power)
 
 

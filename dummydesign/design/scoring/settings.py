@@ -16,8 +16,10 @@ from dummydesign.tissue.model.people_share import is_share
 
 PARTS = ("aim", "steady_state_range", "force_variation_range", "parametric")
 # Entries of earlier editions in a user's own file, and what to do with them.
-OLD_WEIGHTS = dict.fromkeys(("low_aim", "not_representative", "borderline", "resolution"),
-                            "pads are chosen by the castings that are usable, not by a score: delete it")  # fmt: skip
+OLD_WEIGHTS = dict.fromkeys(
+    ("low_aim", "not_representative", "borderline", "resolution"),
+    "pads are chosen by the castings that are usable, not by a score: delete it",
+)
 AIMS = ("average", "safe-side", "subject")
 
 
@@ -65,8 +67,7 @@ def settings_files() -> dict[str, Path]:
 
 
 def puck_error() -> float:
-    """Read the standard deviation of ln modulus that a puck's test leaves: the user's own file, else the built-in one.
-    """
+    """Read the standard deviation of ln modulus that a puck's test leaves: the user's own file or the built-in one."""
     top = read_table(find("materials", "puck", "puck").path, ("schema", "modulus_error"))
     return _bounded(top, "modulus_error", 0.0, 1.0).value
 
@@ -126,8 +127,9 @@ def _refuse_old(table: Table, entries: dict[str, str]) -> None:
     """Refuse what an earlier edition read and this one does not, with what to do."""
     for key, advice in entries.items():
         if key in table:
-            raise InputError(f"{table.where(key)}: '{key}' is of an earlier edition; {advice}", "unknown_key",
-                             f"{table.name}.{key}")  # fmt: skip
+            raise InputError(
+                f"{table.where(key)}: '{key}' is of an earlier edition; {advice}", "unknown_key", f"{table.name}.{key}"
+            )
 
 
 def _bounded(table: Table, key: str, low: float, high: float, kinds: tuple[str, ...] = KINDS) -> Quantity:
@@ -148,8 +150,11 @@ NUMBERS = {
     "bottoming_out": {"gel_compression": "gel_compression"},
 }
 BOUNDS = {
-    "beyond_people": (1.0, 10.0), "stands_inside": (0.0, 1.0), "share": (0.5, 0.999), "gel_compression": (0.05, 0.6),
-}  # fmt: skip
+    "beyond_people": (1.0, 10.0),
+    "stands_inside": (0.0, 1.0),
+    "share": (0.5, 0.999),
+    "gel_compression": (0.05, 0.6),
+}
 # Allowed range of shortfalls and over-readings.
 FACTORS = (1.0, 3.0)
 # Each limit and one that it must not exceed.
@@ -208,6 +213,9 @@ def _read_limits(path: Path, changed_ns: int) -> VerdictLimits:
         if values[lower] > values[upper]:
             raise InputError(
                 f"{path.name}: {typed[lower]} = {values[lower]:g} is above {typed[upper]} = {values[upper]:g}; "
-                f"give at most {values[upper]:g}", "inconsistent", typed[lower], values[lower],
-            )  # fmt: skip
+                f"give at most {values[upper]:g}",
+                "inconsistent",
+                typed[lower],
+                values[lower],
+            )
     return VerdictLimits(**values)

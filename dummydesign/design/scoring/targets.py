@@ -191,9 +191,13 @@ def make_targets(tissue: Tissue, aim: str, sampling: Sampling, protocol: Protoco
 
 
 def make_each(
-    tissues: Sequence[Tissue], aim: str, sampling: Sampling, protocol: Protocol, weights: Weights | None = None,
+    tissues: Sequence[Tissue],
+    aim: str,
+    sampling: Sampling,
+    protocol: Protocol,
+    weights: Weights | None = None,
     limits: VerdictLimits | None = None,
-) -> tuple[Targets, ...]:  # fmt: skip
+) -> tuple[Targets, ...]:
     """The :func:`make_targets` of several tissues of one law, all subjects pressed at once."""
     from dummydesign.tissue.model.ranges import force_ranges
 

@@ -263,10 +263,16 @@ def level_number(stands_for: float, poured: float, known: float, enough: float, 
 
 
 def verdict(
-    ranges: Ranges, readings: Readings, spread: Readings | None = None, limits_that_bind: Sequence[str] = (),
-    of: str = "castings", unsettled: str = "", known: Readings | None = None, limits: VerdictLimits | None = None,
+    ranges: Ranges,
+    readings: Readings,
+    spread: Readings | None = None,
+    limits_that_bind: Sequence[str] = (),
+    of: str = "castings",
+    unsettled: str = "",
+    known: Readings | None = None,
+    limits: VerdictLimits | None = None,
     beyond: float = 1.0,
-) -> Verdict:  # fmt: skip
+) -> Verdict:
     """Judge one pad against the subjects of a tissue.
 
     ``spread`` are the readings of its castings as poured, ``known`` those with the resin measured; without them the pad
@@ -309,12 +315,25 @@ def verdict(
     words = OPEN if level == "not_settled" and (measured is None or unsettled) else LEVEL_WORDS[level]
     reached = np.isfinite(readings.peak_N)
     return Verdict(
-        level, reads_of(below, above), _sentence(words, parts, bound if level != "stands_for" else ()), shortfall, over,
-        correction, int(below[PEAK].sum()), int(above[PEAK].sum()), int(reached.sum()),
-        *_steady_shares(ranges, readings, below, above), _energy_ratio(ranges, readings),
-        int(below[ENERGY].sum()), int(above[ENERGY].sum()), int((~reached).sum()),
-        ranges.subjects, castings, bound, limits,
-    )  # fmt: skip
+        level,
+        reads_of(below, above),
+        _sentence(words, parts, bound if level != "stands_for" else ()),
+        shortfall,
+        over,
+        correction,
+        int(below[PEAK].sum()),
+        int(above[PEAK].sum()),
+        int(reached.sum()),
+        *_steady_shares(ranges, readings, below, above),
+        _energy_ratio(ranges, readings),
+        int(below[ENERGY].sum()),
+        int(above[ENERGY].sum()),
+        int((~reached).sum()),
+        ranges.subjects,
+        castings,
+        bound,
+        limits,
+    )
 
 
 def _known_words(shares: dict[str, float], level: str, strict: bool) -> str:
@@ -390,7 +409,7 @@ def whole_percents(shares: list[float], taken: int | None = None) -> list[int]:
     whole = np.floor(exact).astype(int)
     left = (round(float(exact.sum())) if taken is None else 100 - taken) - int(whole.sum())
     if left < 0:
-        whole[np.argsort(exact - whole - 1.0 * (whole > 0), kind="stable")[: -left]] -= 1
+        whole[np.argsort(exact - whole - 1.0 * (whole > 0), kind="stable")[:-left]] -= 1
     else:
         whole[np.argsort(whole - exact, kind="stable")[:left]] += 1
     return [int(value) for value in whole]
@@ -489,8 +508,9 @@ def ranges_of(targets: Targets) -> Ranges:
     stiff, soft = targets.depth_range_mm(grid_N)
     bounds = targets.bounds
     high, most, stiff, highest = bounds or (high, most, stiff, "")
-    return Ranges(force, speed, low, high, least, most, grid_N, stiff, soft, subjects, targets.power, targets.strict,
-                  highest)  # fmt: skip
+    return Ranges(
+        force, speed, low, high, least, most, grid_N, stiff, soft, subjects, targets.power, targets.strict, highest
+    )
 
 
 def readings_of(evaluation: Evaluation, index: int | None = None) -> Readings:

@@ -61,8 +61,9 @@ class Batches:
 
 def _taken(draws: Draws, chosen: NDArray) -> Draws:
     numbers = {name: values[chosen] for name, values in draws.numbers.items()}
-    return replace(draws, numbers=numbers, beta_ref=draws.beta_ref[chosen],
-                   softness_exponent=draws.softness_exponent[chosen])  # fmt: skip
+    return replace(
+        draws, numbers=numbers, beta_ref=draws.beta_ref[chosen], softness_exponent=draws.softness_exponent[chosen]
+    )
 
 
 def unlike(batches: Batches, count: int) -> Batches:
@@ -112,13 +113,13 @@ def coarse_ranges(targets: Targets) -> Ranges:
     """The subjects' ranges with a few steady forces, enough for a window."""
     whole = ranges_of(targets)
     chosen = np.unique(np.linspace(0, len(whole.steady_N) - 1, STEADY).round().astype(int))
-    return replace(whole, steady_N=whole.steady_N[chosen], stiff_mm=whole.stiff_mm[chosen],
-                   soft_mm=whole.soft_mm[chosen])  # fmt: skip
+    return replace(
+        whole, steady_N=whole.steady_N[chosen], stiff_mm=whole.stiff_mm[chosen], soft_mm=whole.soft_mm[chosen]
+    )
 
 
 def excess(differences: Deviations, limits: VerdictLimits) -> tuple[NDArray, NDArray]:
-    """ln of the largest reading over its limit, to stand for the subjects and to be usable, each (n,); NaN unreached.
-    """
+    """ln of the largest reading over its limit, to stand for people and to be usable, each (n,); NaN unreached."""
     with np.errstate(invalid="ignore", divide="ignore"):
         short, over = np.log(differences.shortfall), np.log(differences.over)
     if differences.ranges.strict:

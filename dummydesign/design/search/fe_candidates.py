@@ -33,8 +33,7 @@ BEYOND = 1.3
 
 @dataclass(frozen=True)
 class ElementsLaw(BaseForceLaw):
-    """Force law of one cast shape: its table times the elements' force over the table's, at the pad's own thickness.
-    """
+    """Force law of one cast shape: its table times the elements' force over the table's, at the pad's own thickness."""
 
     table: FamilyLaw
     thickness_mm: float

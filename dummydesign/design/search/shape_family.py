@@ -204,9 +204,12 @@ class FamilyLaw(BaseForceLaw):
         return self._of_each(self.family.relative_error, depth_mm, thickness_mm, radius_mm)
 
     def _of_each(
-        self, quantity: Callable[[Designs, NDArray, float], NDArray], depth_mm: ArrayLike, thickness_mm: ArrayLike,
+        self,
+        quantity: Callable[[Designs, NDArray, float], NDArray],
+        depth_mm: ArrayLike,
+        thickness_mm: ArrayLike,
         radius_mm: ArrayLike,
-    ) -> NDArray:  # fmt: skip
+    ) -> NDArray:
         """A quantity of the family, one pad after the other."""
         depth, thickness = np.broadcast_arrays(np.asarray(depth_mm, float), np.asarray(thickness_mm, float))
         values = np.empty(depth.shape)

@@ -227,7 +227,7 @@ def sieve(family: Family, space: SearchSpace) -> tuple[Designs, NDArray, NDArray
             f"no {family.kind} pad of {thickness[0]:g} to {thickness[-1]:g} mm reaches {depth[-1]:.2f} mm, the "
             f"tissue's depth at {forces[-1]:g} N, within {DEPTH_SHARE:g} of its thickness; allow thicker pads",
             quantity="pad",
-        )  # fmt: skip
+        )
     return designs.take(order), mean[order], spread[order]
 
 
@@ -294,10 +294,16 @@ def _sieve_fixed(family: Family, shape: PadShape, space: SearchSpace) -> list[_S
         )
     _, mean, spread = _thickness_matches(law, steps, space)
     return [
-        _Sieved(shape, float(t), FamilyLaw(family, shape, float(t)), replace(law, made_for_mm=float(t)),
-                Match(float(m), float(s)))
-        for t, m, s in zip(steps, mean, spread) if np.isfinite(m)
-    ]  # fmt: skip
+        _Sieved(
+            shape,
+            float(t),
+            FamilyLaw(family, shape, float(t)),
+            replace(law, made_for_mm=float(t)),
+            Match(float(m), float(s)),
+        )
+        for t, m, s in zip(steps, mean, spread)
+        if np.isfinite(m)
+    ]
 
 
 def mixable(shape: PadShape, young_MPa: float, resin: Resin) -> bool:
@@ -348,10 +354,14 @@ def _leading(sieved: Sequence[_Sieved], space: SearchSpace) -> list[_Sieved]:
     held = smoothed(windows.usable, windows.log_young[0], USUAL_SCATTER).max(axis=-1)
     score = held.mean(axis=-1)
     beyond = np.nan_to_num(windows.beyond_usable.min(axis=-1), posinf=1e3).mean(axis=-1)
-    order = sorted(range(len(sieved)), key=lambda n: (-round(float(score[n]), 2), round(float(beyond[n]), 2),
-                                                      sieved[n].match.spread))  # fmt: skip
-    firsts = [next(n for n in order if sieved[n].shape.name == kind)
-              for kind in dict.fromkeys(pad.shape.name for pad in sieved)]  # fmt: skip
+    order = sorted(
+        range(len(sieved)),
+        key=lambda n: (-round(float(score[n]), 2), round(float(beyond[n]), 2), sieved[n].match.spread),
+    )
+    firsts = [
+        next(n for n in order if sieved[n].shape.name == kind)
+        for kind in dict.fromkeys(pad.shape.name for pad in sieved)
+    ]
     return [sieved[n] for n in dict.fromkeys([*order[:LEADING], *firsts])]
 
 
@@ -396,9 +406,10 @@ def outlook_for(
         crowns = space.castings.crowns(tolerances.crown).first(CROWNS)
         crown = crown_scatter(law, crowns, thickness_mm, pressed, space.radius_mm)
     scatter = Scatter(
-        float(np.hypot(np.hypot(weighing, error / HALF_WIDTH), crown)), float(np.hypot(weighing, space.puck_error)),
+        float(np.hypot(np.hypot(weighing, error / HALF_WIDTH), crown)),
+        float(np.hypot(weighing, space.puck_error)),
         _shifts(around.usable[:, 0], around.log_young[0]),
-    )  # fmt: skip
+    )
     limits, strict = targets.limits, targets.strict
     return outlook_of(windows, around.of_pad(1), batches, centre, match, scatter, limits, strict)
 

@@ -222,8 +222,9 @@ def search(law: ForceLaw, space: SearchSpace) -> SearchResult:
             "no_feasible_design",
             f"no slab of {thickness[0]:g} to {thickness[-1]:g} mm and ratio {ratio[0]:g} to {ratio[-1]:g} of "
             f"{resin.name} reaches {targets.protocol.needed_N:g} N within its depth limit; allow stiffer ratios or "
-            "thinner pads", quantity="pad",
-        )  # fmt: skip
+            "thinner pads",
+            quantity="pad",
+        )
     ranked = np.argsort(-np.where(rough.feasible, total, -1.0), kind="stable")[: min(REFINED, able)]
     chosen = np.r_[ranked, np.setdiff1d(pareto(score_map, int(ranked[0])), ranked)]
     every = exact_candidates(slabs.take(chosen), ratio[column[chosen]], space)

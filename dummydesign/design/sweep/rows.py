@@ -103,17 +103,29 @@ def rows_of(task: Task, slabs: Slabs, error: Callable[[NDArray], NDArray]) -> li
 
 
 def _row(
-    task: Task, index: int, by_force: Sequence[Sequence[float | None]], peaks: Sequence[float | None],
-    error: float | None, limit: str | None, scores: Sequence[float | None] | None,
-) -> dict[str, Any]:  # fmt: skip
+    task: Task,
+    index: int,
+    by_force: Sequence[Sequence[float | None]],
+    peaks: Sequence[float | None],
+    error: float | None,
+    limit: str | None,
+    scores: Sequence[float | None] | None,
+) -> dict[str, Any]:
     forces, speeds = task.keys
     row = {
-        "thickness_mm": float(task.thickness_mm[index]), "ratio": float(task.ratio[index]), "punch": task.punch,
-        "condition": task.condition, "base": task.base, "shape": task.shape_of(index),
-        "edge_radius_mm": task.edge_radius_mm, "young_kPa": float(1e3 * task.young_MPa[index]),
+        "thickness_mm": float(task.thickness_mm[index]),
+        "ratio": float(task.ratio[index]),
+        "punch": task.punch,
+        "condition": task.condition,
+        "base": task.base,
+        "shape": task.shape_of(index),
+        "edge_radius_mm": task.edge_radius_mm,
+        "young_kPa": float(1e3 * task.young_MPa[index]),
         **{name: dict(zip(forces, values)) for name, values in zip(BY_FORCE, by_force)},
-        "peak_over_steady": dict(zip(speeds, peaks)), "force_error_percent": error, "limit": limit,
-    }  # fmt: skip
+        "peak_over_steady": dict(zip(speeds, peaks)),
+        "force_error_percent": error,
+        "limit": limit,
+    }
     return row if scores is None else row | {"score": dict(zip(SCORES, scores))}
 
 
@@ -234,9 +246,15 @@ def _solved(task: Task) -> list[dict[str, Any]]:
     if sides is not None and sides[0] != sides[1]:
         sides = None
     pad = Pad(
-        thickness, 1.0, task.radius_mm, base=task.base, condition=task.condition, sides_mm=sides,
-        edge_radius_mm=task.edge_radius_mm, geometry=read_shape(shape),
-    )  # fmt: skip
+        thickness,
+        1.0,
+        task.radius_mm,
+        base=task.base,
+        condition=task.condition,
+        sides_mm=sides,
+        edge_radius_mm=task.edge_radius_mm,
+        geometry=read_shape(shape),
+    )
     try:
         force_curve = elastic_curve(pad, task.fidelity, float(wanted[-1]), wanted)
     except NoAnswerError as problem:
@@ -361,8 +379,11 @@ class RowsFile:
             odd = next((a for a, b in zip(lines[0], self.format.columns) if a != b), lines[0][-1])
             raise InputError(
                 f"{self.path.name}: its columns are those of another study (first difference: '{odd}'); "
-                "use the same forces, speeds and tissue, or another --out", "inconsistent", "rows_file", odd,
-            )  # fmt: skip
+                "use the same forces, speeds and tissue, or another --out",
+                "inconsistent",
+                "rows_file",
+                odd,
+            )
         for fields in lines[1:]:
             row = self.format.row(fields)
             if row is not None:
@@ -401,13 +422,17 @@ def settings_of(study: Study, resin: Any, tissue: Any) -> dict[str, Any]:
     from dummydesign._version import __version__
 
     settings = {
-        "version": __version__, "fidelity": study.fidelity, "resin": f"{resin.name} {_hash(resin.to_dict())}",
+        "version": __version__,
+        "fidelity": study.fidelity,
+        "resin": f"{resin.name} {_hash(resin.to_dict())}",
         "tissue": None if tissue is None else f"{tissue.name} {study.aim} {_hash(tissue.to_dict())}",
-        "forces_N": list(study.forces_N), "velocities_mm_s": list(study.velocities_mm_s),
-        "hold_s": study.hold_s, "deceleration_mm_s2": study.deceleration_mm_s2,
+        "forces_N": list(study.forces_N),
+        "velocities_mm_s": list(study.velocities_mm_s),
+        "hold_s": study.hold_s,
+        "deceleration_mm_s2": study.deceleration_mm_s2,
         "gel_compression": verdict_limits().gel_compression,
         "weights": None if tissue is None else _hash(weights_of(study.aim).to_dict()),
-    }  # fmt: skip
+    }
     if study.fidelity == "table":
         from dummydesign.geometry.interface import BASES
         from dummydesign.pad.tables.slab import load_table
@@ -426,12 +451,18 @@ def _same_settings(path: Path, settings: dict[str, Any]) -> None:
     except (OSError, ValueError):
         raise InputError(
             f"--resume: {path.name} beside {ROWS} cannot be read, so its rows cannot be trusted; "
-            "run without --resume or into another --out", "file_unreadable", "resume",
-        ) from None  # fmt: skip
+            "run without --resume or into another --out",
+            "file_unreadable",
+            "resume",
+        ) from None
     for name, value in settings.items():
         was = before.get(name)
         if was != value:
             raise InputError(
                 f"--resume: {ROWS} was made with {name} = {was}, now {value}; "
-                "run without --resume or into another --out", "inconsistent", name, value, was,
-            )  # fmt: skip
+                "run without --resume or into another --out",
+                "inconsistent",
+                name,
+                value,
+                was,
+            )

@@ -104,9 +104,13 @@ def completed(function: Callable[[Any], Any], tasks: Iterable[Any], executor: Ex
 
 
 def whatif(
-    study: Study, law: ForceLaw | None = None, executor: Executor | None = None, file: RowsFile | None = None,
-    progress: Callable[[int, int], None] | None = None, targets: Targets | None = None,
-) -> dict[str, Any]:  # fmt: skip
+    study: Study,
+    law: ForceLaw | None = None,
+    executor: Executor | None = None,
+    file: RowsFile | None = None,
+    progress: Callable[[int, int], None] | None = None,
+    targets: Targets | None = None,
+) -> dict[str, Any]:
     """Work out every design of a study."""
     from dummydesign.resin import load_resin
 
@@ -194,10 +198,25 @@ def tasks_of(study: Study, resin: Resin, targets: Targets | None, done: Iterable
             for part in parts:
                 which, thickness, columns = (np.array(values) for values in zip(*part))
                 yield Task(
-                    study.fidelity, punch, condition, base, radius, thickness, ratios[columns], young[columns],
-                    resin.tau_s, beta[columns], study.forces_N, study.velocities_mm_s, targets, shapes, which, edge,
-                    study.sampling, gel,
-                )  # fmt: skip
+                    study.fidelity,
+                    punch,
+                    condition,
+                    base,
+                    radius,
+                    thickness,
+                    ratios[columns],
+                    young[columns],
+                    resin.tau_s,
+                    beta[columns],
+                    study.forces_N,
+                    study.velocities_mm_s,
+                    targets,
+                    shapes,
+                    which,
+                    edge,
+                    study.sampling,
+                    gel,
+                )
 
 
 def _groups(study: Study) -> Iterator[tuple[tuple[str, ...], float]]:

@@ -103,9 +103,13 @@ def check_pads(study: Study) -> None:
     if not shaped:
         return
     if study.fidelity == "3d":
-        raise InputError("shapes are worked out by the tables or by --fidelity axisymmetric; press one in space with "
-                         f"'dummydesign predict --shape {shaped[0]} --fidelity 3d'",
-                         "unsupported", "shape", shaped[0])  # fmt: skip
+        raise InputError(
+            "shapes are worked out by the tables or by --fidelity axisymmetric; press one in space with "
+            f"'dummydesign predict --shape {shaped[0]} --fidelity 3d'",
+            "unsupported",
+            "shape",
+            shaped[0],
+        )
     if study.fidelity == "table":
         from dummydesign.design.search.shape_family import designable_kinds
 
@@ -157,8 +161,11 @@ def _check_edges(study: Study, edges: list[float], shaped: list[str]) -> None:
     if shaped and slides:
         raise InputError(
             f"edge radius in mm = {edge:g} with condition = {slides} is solved for flat slabs only; leave out "
-            f"--shape {shaped[0]}, --edge-radius or --condition", "unsupported", "edge_radius_mm", edge,
-        )  # fmt: skip
+            f"--shape {shaped[0]}, --edge-radius or --condition",
+            "unsupported",
+            "edge_radius_mm",
+            edge,
+        )
 
 
 @dataclass(frozen=True)
@@ -243,10 +250,14 @@ class Study(Serialised):
         self._check_setups()
         check_pads(self)
         varied: dict[str, Sequence[float | str]] = {
-            "thickness in mm": self.thickness_mm, "ratio": self.ratio, "punch": [punch for punch, _ in self.punches],
-            "condition": self.conditions, "base": self.bases, "shape": self.shapes,
+            "thickness in mm": self.thickness_mm,
+            "ratio": self.ratio,
+            "punch": [punch for punch, _ in self.punches],
+            "condition": self.conditions,
+            "base": self.bases,
+            "shape": self.shapes,
             "edge radius in mm": self.edge_radii_mm,
-        }  # fmt: skip
+        }
         for name, listed in varied.items():
             for twice in [value for value, count in Counter(listed).most_common(1) if count > 1]:
                 raise InputError(f"{name} = {twice} is listed twice", "duplicate", quantity_name(name), twice)
@@ -263,8 +274,12 @@ class Study(Serialised):
                 if condition != "bonded":
                     raise InputError(
                         f"condition = '{condition}' is not in the response table (only bonded); "
-                        "add --fidelity axisymmetric", "not_tabulated", "condition", condition, "bonded",
-                    )  # fmt: skip
+                        "add --fidelity axisymmetric",
+                        "not_tabulated",
+                        "condition",
+                        condition,
+                        "bonded",
+                    )
             low, high = load_table(self.bases[0]).ratio_range
             for name, radius in self.punches:
                 for thickness in (min(self.thickness_mm), max(self.thickness_mm)):
@@ -310,5 +325,6 @@ class Study(Serialised):
 def check_friction(condition: str) -> None:
     """Refuse a coefficient of friction outside 0 to 5 (InputError)."""
     if Interface.find(condition, ()) is None:
-        raise out_of_range(f"friction of condition '{condition}'", condition.partition(":")[2], 0, 5, FRICTION,
-                           "friction")  # fmt: skip
+        raise out_of_range(
+            f"friction of condition '{condition}'", condition.partition(":")[2], 0, 5, FRICTION, "friction"
+        )

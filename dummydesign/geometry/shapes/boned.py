@@ -34,8 +34,9 @@ class Boned(ConicProfile):
     required_warnings: ClassVar[frozenset[str]] = frozenset({"bone_air"})
     similarity: ClassVar[Similarity | None] = Similarity(
         ("thickness over punch radius", "bone height over thickness", "foot over punch radius"),
-        (True, False, True), "slab",
-    )  # fmt: skip
+        (True, False, True),
+        "slab",
+    )
     sliders: ClassVar[tuple[str, ...]] = ("height", "foot")
 
     bar: float = 0.0

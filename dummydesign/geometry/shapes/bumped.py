@@ -44,8 +44,9 @@ class Bumped(PadShape):
     required_warnings: ClassVar[frozenset[str]] = frozenset({"curved_master", "thickness_varies", "air_pockets"})
     similarity: ClassVar[Similarity | None] = Similarity(
         ("thickness over punch radius", "pitch over punch radius", "grade over height of the caps"),
-        (True, True, False), "tip",
-    )  # fmt: skip
+        (True, True, False),
+        "tip",
+    )
     sliders: ClassVar[tuple[str, ...]] = ("pitch", "grade")
     pitch_mm: float
     radius_mm: float

@@ -40,8 +40,9 @@ class Crowned(ConicProfile):
     required_warnings: ClassVar[frozenset[str]] = frozenset({"curved_master", "thickness_varies"})
     similarity: ClassVar[Similarity | None] = Similarity(
         ("thickness over punch radius", "crown height over thickness", "foot over punch radius", "R c / b^2"),
-        (True, False, True, True), "tip",
-    )  # fmt: skip
+        (True, False, True, True),
+        "tip",
+    )
     ridge: float = 0.0
     sites_along: float = 1.0
     sites_across: float = 1.0

@@ -63,10 +63,19 @@ def reduce_press(trace: Trace, lowpass: Lowpass | None) -> ReducedPress:
     operator = binning.average(trace.time_s, nodes) @ filtered
     acceleration = np.interp(nodes, trace.time_s, _acceleration(trace.time_s, trace.displacement_mm))
     return ReducedPress(
-        ramp, binning.start_s, binning.end_s, binning.samples.astype(float), binning.mean(trace.force_N),
-        labels[binning.interval], nodes, x, acceleration, filtered, operator,
+        ramp,
+        binning.start_s,
+        binning.end_s,
+        binning.samples.astype(float),
+        binning.mean(trace.force_N),
+        labels[binning.interval],
+        nodes,
+        x,
+        acceleration,
+        filtered,
+        operator,
         _white(trace, ramp),
-    )  # fmt: skip
+    )
 
 
 def has_hold(ramp: Ramp) -> bool:

@@ -239,12 +239,25 @@ def stack(trials: tuple[Trial, ...], lowpass: Lowpass | None) -> Presses:
     thickness = np.array([trial.thickness_mm for trial in trials])
     depth = np.array([ramp.depth_mm for ramp in ramps])
     return Presses(
-        trials, reduced, time, x, acceleration, thickness,
-        np.array([r.contact_time_s for r in ramps]), np.array([r.stop_time_s for r in ramps]),
-        np.array([r.hold_end_s for r in ramps]), depth, np.array([r.velocity_mm_s for r in ramps]),
-        joined("force_N"), joined("samples"), joined("label").astype(int), operator, bins,
-        _cells(trials, depth), make_history(trials, depth),
-    )  # fmt: skip
+        trials,
+        reduced,
+        time,
+        x,
+        acceleration,
+        thickness,
+        np.array([r.contact_time_s for r in ramps]),
+        np.array([r.stop_time_s for r in ramps]),
+        np.array([r.hold_end_s for r in ramps]),
+        depth,
+        np.array([r.velocity_mm_s for r in ramps]),
+        joined("force_N"),
+        joined("samples"),
+        joined("label").astype(int),
+        operator,
+        bins,
+        _cells(trials, depth),
+        make_history(trials, depth),
+    )
 
 
 SAME_DEPTH = 0.04  # relative change of depth up to which presses are of one condition

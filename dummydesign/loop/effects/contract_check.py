@@ -248,9 +248,20 @@ def reference_presses(shape: str) -> tuple[Presses, SetupLaw]:
     for order, (repeat, thickness, speed) in enumerate(product((1, 2), thicknesses, (10.0, 250.0))):
         trace = _trace(f"reference_{order}", share * thickness * (1.0 - 0.3 * (repeat - 1)), speed, law, thickness)
         trials.append(
-            Trial(trace.name, thickness, speed, 3.0, None, repeat, order + 1, 60.0 if order % 2 else 3600.0,
-                  21.0 + order, 9.0 * repeat, trace)
-        )  # fmt: skip
+            Trial(
+                trace.name,
+                thickness,
+                speed,
+                3.0,
+                None,
+                repeat,
+                order + 1,
+                60.0 if order % 2 else 3600.0,
+                21.0 + order,
+                9.0 * repeat,
+                trace,
+            )
+        )
     presses = stack(tuple(trials), None)
     vars(presses)["flat_top_N"] = 0.5 * float(simulate(presses, law, BASE).max())  # as if their readings were clipped
     return presses, law
@@ -266,9 +277,10 @@ def _trace(name: str, depth_mm: float, speed_mm_s: float, law: UnitForce, thickn
     back = np.arange(hold[-1] + 0.005, hold[-1] + (depth_mm + 2.0) / 10.0, 0.005)
     time = np.r_[fine, hold, back]
     x = np.where(
-        time < straight, speed_mm_s * time,
+        time < straight,
+        speed_mm_s * time,
         depth_mm - 0.5 * speed_mm_s / brake * np.clip(stop - time, 0.0, None) ** 2,
-    )  # fmt: skip
+    )
     x = np.where(time > hold[-1], depth_mm - 10.0 * (time - hold[-1]), x)
     force = BASE.young_MPa * law(np.maximum(x, 0.0)[None], np.array([[thickness_mm]]))[0]
     return Trace(name, time + 0.1, x, force)

@@ -25,10 +25,14 @@ FOLLOWED = {
 """Quantities that a learned effect can follow, in words; thickness only together with the time since the stop: alone,
 or with depth, it is the law error of each pad."""
 ACTS_ON = {
-    "depth_mm": "law", "depth_share": "law", "force_N": "sensor", "reading_N": "reading",
-    "since_stop_s": "surface", "temperature_C": "scale",
+    "depth_mm": "law",
+    "depth_share": "law",
+    "force_N": "sensor",
+    "reading_N": "reading",
+    "since_stop_s": "surface",
+    "temperature_C": "scale",
     "age_days": "scale",
-}  # fmt: skip
+}
 """The method of :class:`Effect` through which a learned effect of one quantity acts; one of two acts on the surface."""
 BY_TRIAL = ("temperature_C", "age_days")
 FADE = 0.25  # share of the range seen over which the effect fades out beyond it

@@ -64,9 +64,13 @@ def modest(campaign_fit: CampaignFit) -> CampaignFit:
 
 
 def first_fits(
-    campaign_fit: CampaignFit, effects: tuple[Effect, ...], keep: int, least_z: float, progress: Progress = quiet,
+    campaign_fit: CampaignFit,
+    effects: tuple[Effect, ...],
+    keep: int,
+    least_z: float,
+    progress: Progress = quiet,
     least_gain: float = 0.0,
-) -> tuple[list[Screened], list[EffectCandidate]]:  # fmt: skip
+) -> tuple[list[Screened], list[EffectCandidate]]:
     """Screen all effects and fit the best once beside those of the model; scores best first, fits in that order."""
     usual = modest(campaign_fit)
     screened = screen(usual, effects)

@@ -70,6 +70,7 @@ DEPTHS = (0.3, 0.45, MAX_DEPTH_OVER_THICKNESS)
 """Depths over thickness to which pads are solved: the first that covers what was pressed."""
 MARGIN = 1.1
 
+
 def law_of(campaign: Campaign, progress: Progress = quiet) -> SlabLaw | PuckLaw | SolvedLaw:
     """Choose the force law that a campaign declares."""
     if not campaign.trials:
@@ -95,8 +96,10 @@ def tabulated_law(campaign: Campaign) -> SlabLaw | PuckLaw:
     shape = pad.shape if pad.geometry.plain else str(pad.geometry)
     raise InputError(
         f"a pad of shape = {shape} on base = {pad.base} under a {_named(campaign.punch)} has no tabulated force; "
-        "'dummydesign loop' solves this pad once it is pressed", "not_tabulated", "pad",
-    )  # fmt: skip
+        "'dummydesign loop' solves this pad once it is pressed",
+        "not_tabulated",
+        "pad",
+    )
 
 
 def _named(punch: PunchSpec) -> str:
@@ -148,8 +151,10 @@ def check_round(geometry: PadShape) -> None:
         f"shape = {geometry} is not round: {rough}its force under a punch is solved in space, minutes for each pad and "
         "for each change of it that an effect asks for, which the loop does not do; press a crowned, layered or "
         f"boned pad, or compare its traces with 'dummydesign predict --shape {geometry} --fidelity 3d'",
-        "unsupported", "shape", str(geometry),
-    )  # fmt: skip
+        "unsupported",
+        "shape",
+        str(geometry),
+    )
 
 
 def _solved(
@@ -206,8 +211,16 @@ def pad_of(
         return Puck(thickness_mm, young_MPa, pad.diameter_mm or 0.0, prony, punch.contact)
     size = (pad.length_mm, pad.width_mm) if pad.length_mm and pad.width_mm else None
     return Pad(
-        thickness_mm, young_MPa, punch.radius_mm, prony=prony, base=pad.base, condition=punch.contact,
+        thickness_mm,
+        young_MPa,
+        punch.radius_mm,
+        prony=prony,
+        base=pad.base,
+        condition=punch.contact,
         extent_mm=math.sqrt(size[0] * size[1] / math.pi) if size else None,
-        sides_mm=(punch.side_mm, punch.side_mm) if punch.side_mm else None, profile_mm=punch.profile_mm,
-        geometry=geometry, edge_radius_mm=punch.edge_radius_mm, slab_mm=size or (PAD_LENGTH_MM, PAD_WIDTH_MM),
-    )  # fmt: skip
+        sides_mm=(punch.side_mm, punch.side_mm) if punch.side_mm else None,
+        profile_mm=punch.profile_mm,
+        geometry=geometry,
+        edge_radius_mm=punch.edge_radius_mm,
+        slab_mm=size or (PAD_LENGTH_MM, PAD_WIDTH_MM),
+    )

@@ -25,8 +25,7 @@ REFERENCE_DEPTH = 0.4
 
 
 def parameter_names(effects: Sequence[Effect]) -> list[str]:
-    """Names of the parameters of base and effects in a posterior: ``log`` where the logarithm is kept; modulus in kPa.
-    """
+    """Names of the parameters of base and effects in a posterior: ``log`` where that is kept; modulus in kPa."""
     own = [f"{'log ' if p.log else ''}{effect.name}.{p.name}" for effect in effects for p in effect.parameters]
     return [*(f"log {name}" for name in NAMES), *own]
 
@@ -130,9 +129,14 @@ def simulate(
 
 
 def simulate_yielding(
-    presses: Presses, law: SetupLaw, base: BaseParameters, active: Sequence[Active], error: LawError | None,
-    offset_mm: NDArray | float = 0.0, near_mm: NDArray | None = None,
-) -> tuple[NDArray, NDArray]:  # fmt: skip
+    presses: Presses,
+    law: SetupLaw,
+    base: BaseParameters,
+    active: Sequence[Active],
+    error: LawError | None,
+    offset_mm: NDArray | float = 0.0,
+    near_mm: NDArray | None = None,
+) -> tuple[NDArray, NDArray]:
     """Return the force of :func:`simulate` for a surface deeper by an offset, and how much the set-up gives way under
     it, both (T, N); ``near_mm`` is a guess of that. [N, mm]
     """

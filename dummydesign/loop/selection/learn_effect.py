@@ -94,10 +94,17 @@ def _forms(knots: NDArray) -> list[tuple[str, int, list[tuple[NDArray, str]]]]:
         ("power", 2, [(u**p, f"{{:.3g}} u^{p:.2g}") for p in np.arange(0.25, 6.01, 0.25) if p != 1.0]),
         ("exponential", 2, [(np.expm1(u / s), f"{{:.3g}} (exp(u / {s:.3g}) - 1)") for s in scales[8:]]),
         ("saturation", 2, [(-np.expm1(-u / s), f"{{:.3g}} (1 - exp(-u / {s:.3g}))") for s in scales]),
-        ("bump", 3, [(np.exp(-(((u - c) / w) ** 2)), f"{{:.3g}} exp(-((u - {c:.3g}) / {w:.3g})^2)")
-                     for c in np.linspace(u[0], u[-1], 4 * len(u)) for w in span * np.geomspace(0.02, 0.5, 30)]),
+        (
+            "bump",
+            3,
+            [
+                (np.exp(-(((u - c) / w) ** 2)), f"{{:.3g}} exp(-((u - {c:.3g}) / {w:.3g})^2)")
+                for c in np.linspace(u[0], u[-1], 4 * len(u))
+                for w in span * np.geomspace(0.02, 0.5, 30)
+            ],
+        ),
         ("step", 2, [(1.0 * (u > s), f"{{:.3g}} beyond {s:.3g}") for s in 0.5 * (u[1:] + u[:-1])]),
-    ]  # fmt: skip
+    ]
 
 
 KNOTS, MOST_BY_TRIAL = 30, 12
@@ -140,10 +147,14 @@ class Learnt:
         """Return name, range, curve, closed form, evidence and the left-out error over that before."""
         shape = self.effect.shape
         return {
-            "name": self.effect.name, "follows": shape.follows if len(shape.follows) > 1 else shape.name,
-            **shape.to_dict(), "closed_form": self.form.name, "text": self.text,
-            "evidence": self.evidence, "heldout_rmse_over_without": float(np.sqrt(self.left_out)),
-        }  # fmt: skip
+            "name": self.effect.name,
+            "follows": shape.follows if len(shape.follows) > 1 else shape.name,
+            **shape.to_dict(),
+            "closed_form": self.form.name,
+            "text": self.text,
+            "evidence": self.evidence,
+            "heldout_rmse_over_without": float(np.sqrt(self.left_out)),
+        }
 
 
 @dataclass(frozen=True)
@@ -157,8 +168,11 @@ class _Step:
 def learn(campaign_fit: CampaignFit, among: tuple[str, ...] = tuple(FOLLOWED)) -> Learnt | None:
     """Learn what a model leaves, if it follows such quantities and predicts left-out conditions much better."""
     usual = modest(campaign_fit)
-    quantities = {name: values for name, values in followed(campaign_fit.problem.presses, campaign_fit.forces).items()
-                  if name in among}  # fmt: skip
+    quantities = {
+        name: values
+        for name, values in followed(campaign_fit.problem.presses, campaign_fit.forces).items()
+        if name in among
+    }
     alone = [_first(usual, quantities, name) for name in quantities if name != BY_TIME]
     if not alone:
         return None
@@ -226,9 +240,7 @@ def _first(fit: CampaignFit, quantities: dict[str, NDArray], *names: str) -> tup
     return shape, _step(fit, shape)
 
 
-def _pairs(
-    fit: CampaignFit, quantities: dict[str, NDArray], best_first: list[str]
-) -> list[tuple[SmoothChange, _Step]]:
+def _pairs(fit: CampaignFit, quantities: dict[str, NDArray], best_first: list[str]) -> list[tuple[SmoothChange, _Step]]:
     """Changes over two quantities, one of them promising alone, with their first step."""
     places = range(min(PROMISING, len(best_first)))
     pairs = [(best_first[rank], second) for rank in places for second in best_first[rank + 1 :]]

@@ -200,9 +200,12 @@ def rank(base: AssessedModel, available: tuple[Effect, ...], progress: Progress 
 
 
 def search(
-    base: AssessedModel, available: tuple[Effect, ...], progress: Progress = quiet, ranked: Ranked | None = None,
+    base: AssessedModel,
+    available: tuple[Effect, ...],
+    progress: Progress = quiet,
+    ranked: Ranked | None = None,
     most: int = MOST,
-) -> Selection:  # fmt: skip
+) -> Selection:
     """Grow models by one effect at a time, take the largest that is worth its effects, then look at each of them.
 
     The best models of each size are kept, so that a rival that fits less well alone may win with a partner,

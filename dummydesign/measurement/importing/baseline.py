@@ -136,9 +136,15 @@ def find_baseline(
 
 
 def _with_changes(
-    plain: Baseline, parts: list[NDArray], leading: int, time: NDArray, x: NDArray, load: NDArray,
-    press: tuple[int, int], noise: Noise,
-) -> Baseline:  # fmt: skip
+    plain: Baseline,
+    parts: list[NDArray],
+    leading: int,
+    time: NDArray,
+    x: NDArray,
+    load: NDArray,
+    press: tuple[int, int],
+    noise: Noise,
+) -> Baseline:
     """Add drift and slope where they stand out of their errors; ``leading`` parts lie before contact."""
     clock, way, mean = (np.array([float(v[part].mean()) for part in parts]) for v in (time, x, load))
     clock, way = clock - plain.at_s, way - plain.at_mm
@@ -177,7 +183,13 @@ def _with_changes(
     effect = abs(value[1]) * lasts + abs(value[2]) * depth
     before = float(value[1] * -clock[0] + value[2] * -way[0])
     return replace(
-        plain, level_N=float(value[0]), error_N=2.0 * float(error[0]), drift_N_s=float(value[1]),
-        slope_N_mm=float(value[2]), before_N=before, effect_N=float(effect),
-        effect_error_N=float(np.hypot(error[1] * lasts, error[2] * depth)), comes_back=len(parts) > leading,
-    )  # fmt: skip
+        plain,
+        level_N=float(value[0]),
+        error_N=2.0 * float(error[0]),
+        drift_N_s=float(value[1]),
+        slope_N_mm=float(value[2]),
+        before_N=before,
+        effect_N=float(effect),
+        effect_error_N=float(np.hypot(error[1] * lasts, error[2] * depth)),
+        comes_back=len(parts) > leading,
+    )

@@ -16,8 +16,10 @@ from dummydesign.measurement.importing.layout import Layout
 from dummydesign.measurement.importing.vocabulary import BASE, KIND_OF_ROLE, ROLES, Unit
 
 _BEHAVIOUR = {
-    "time": "the only one that always rises", "displacement": "stands still in holds", "force": "moves on in holds",
-}  # fmt: skip
+    "time": "the only one that always rises",
+    "displacement": "stands still in holds",
+    "force": "moves on in holds",
+}
 
 
 @dataclass(frozen=True)
@@ -154,8 +156,10 @@ def _ask_for_size(absent: Sequence[str], columns: Sequence[Column], log: ImportL
     raise log.question(" and ".join(doubt), f"{option} --units {','.join(sizes)} ({'; '.join(rules)})")
 
 
-_SIZED = {"displacement": ("a strain, not a displacement", "a height", "mm", 30, "mm"),
-          "force": ("a stress, not a force", "an area", "mm2", 1000, "N")}  # fmt: skip
+_SIZED = {
+    "displacement": ("a strain, not a displacement", "a height", "mm", 30, "mm"),
+    "force": ("a stress, not a force", "an area", "mm2", 1000, "N"),
+}
 
 
 def choose(candidates: Candidates, values: Values, log: ImportLog) -> dict[str, Column]:
@@ -228,10 +232,14 @@ def choose_by_behaviour(
     if not missing:
         return {}
     free = [
-        column for column in columns
-        if column.index in values and column not in chosen.values() and not column.roles and column.unit is None
+        column
+        for column in columns
+        if column.index in values
+        and column not in chosen.values()
+        and not column.roles
+        and column.unit is None
         and float(np.ptp(values[column.index])) > 0
-    ]  # fmt: skip
+    ]
     guess: dict[str, Column] = {}
     rising = [column for column in free if _rises(values[column.index])]
     if "time" in missing and len(rising) == 1:
@@ -307,8 +315,11 @@ def _unit(role: str, column: Column, values: NDArray, log: ImportLog) -> Unit | 
             raise InputError(f"--units {role}={given} is not a unit of {kind}; {usual}", "unknown_unit", "units", given)
         log.decide(f"{role} unit", unit.text, "given by --units")
         if stated is not None and stated.kind == kind and stated.factor != unit.factor:
-            log.warn("unit_overridden", f"the header says that {role} is in {stated.text}; it is taken in {unit.text}, "
-                     "as --units or the profile says: leave that out if the header is right")  # fmt: skip
+            log.warn(
+                "unit_overridden",
+                f"the header says that {role} is in {stated.text}; it is taken in {unit.text}, "
+                "as --units or the profile says: leave that out if the header is right",
+            )
         return unit
     if column.kind == "stamp":
         log.decide("time unit", "s", "clock times, counted from the first")

@@ -185,9 +185,13 @@ def interval(contact: ContactEstimate) -> tuple[float, float]:
 
 
 def find_contacts(
-    contacts: Sequence[ContactEstimate], depths: Sequence[float], first_mm: float, sign: float, log: ImportLog,
+    contacts: Sequence[ContactEstimate],
+    depths: Sequence[float],
+    first_mm: float,
+    sign: float,
+    log: ImportLog,
     given_mm: float | None = None,
-) -> list[float]:  # fmt: skip
+) -> list[float]:
     """Choose the zero of position of each press: the reading that is given, the file's own, or contact. [mm]"""
     if log.settings.contact == "none" or given_mm is not None:
         zero = 0.0 if given_mm is None else sign * given_mm
@@ -228,12 +232,18 @@ def _doubt_own_zero(contact: ContactEstimate, depth: float, sign: float, log: Im
     if not contact.low_mm <= 0.0 <= contact.high_mm:
         late = f"at {contact.velocity_mm_s:.3g} mm/s would agree with it behind a force filter"
         why = late if low <= 0.0 < contact.low_mm else "only just agrees with it"
-        log.warn("contact_may_be_late", f"the file's own zero is kept, but the force begins at {_text(contact, sign)}, "
-                 f"which {why}; else the surface lies {abs(off):.2g} mm {'deeper' if off > 0 else 'higher'}: press "
-                 "slowly once, or say --contact")  # fmt: skip
+        log.warn(
+            "contact_may_be_late",
+            f"the file's own zero is kept, but the force begins at {_text(contact, sign)}, "
+            f"which {why}; else the surface lies {abs(off):.2g} mm {'deeper' if off > 0 else 'higher'}: press "
+            "slowly once, or say --contact",
+        )
     elif 0.5 * (high - low) > max(SURE_MM, SURE_SHARE * depth):
-        log.warn("contact_not_checked", f"by the force contact lies between {_between(contact, sign)}, which is too "
-                 "wide to check the file's own zero by: press slowly once, or say --contact")  # fmt: skip
+        log.warn(
+            "contact_not_checked",
+            f"by the force contact lies between {_between(contact, sign)}, which is too "
+            "wide to check the file's own zero by: press slowly once, or say --contact",
+        )
 
 
 def _between(contact: ContactEstimate, sign: float) -> str:
@@ -252,9 +262,12 @@ def _zero_by_force(contact: ContactEstimate, depth: float, sign: float, log: Imp
         )
     log.decide("contact", f"{sign * zero_mm:.3f} mm", f"the force begins there ({text}), not at the file's own zero")
     if wide > max(UNSURE_MM, UNSURE_SHARE * depth):
-        log.warn("contact_uncertain", f"the zero rests on the force alone, which begins at {text}: it may be "
-                 f"{wide:.2g} mm off; a slower press or a sensor of less noise tells it more closely, or "
-                 "say --contact N")  # fmt: skip
+        log.warn(
+            "contact_uncertain",
+            f"the zero rests on the force alone, which begins at {text}: it may be "
+            f"{wide:.2g} mm off; a slower press or a sensor of less noise tells it more closely, or "
+            "say --contact N",
+        )
     return zero_mm
 
 
@@ -277,11 +290,12 @@ def _together(contacts: Sequence[ContactEstimate], first: int) -> ContactEstimat
     reference = contacts[first]
     half_width = 0.5 * (reference.high_mm - reference.low_mm)
     agree = [
-        (one.position_mm, half) for one in contacts
+        (one.position_mm, half)
+        for one in contacts
         for half in [0.5 * (one.high_mm - one.low_mm)]
         if abs(one.position_mm - reference.position_mm) <= math.hypot(half, half_width)
         and one.velocity_mm_s < 2.0 * reference.velocity_mm_s
-    ]  # fmt: skip
+    ]
     weights = [half**-2 for _, half in agree]
     position = sum(weight * mm for weight, (mm, _) in zip(weights, agree)) / sum(weights)
     half = sum(weights) ** -0.5
@@ -297,12 +311,18 @@ def _zero_of_press(
     if low - SMALL_MM <= zero <= high + SMALL_MM:
         return zero
     if off < 0 or off > OTHER_SITE * depth:
-        log.warn("another_place", f"press {number + 1} begins at {sign * contact.position_mm:.3f} mm, {abs(off):.2g} "
-                 f"mm {'above' if off < 0 else 'below'} the first contact: taken as another place with a zero of its "
-                 "own; if it is the same place, say --contact")  # fmt: skip
+        log.warn(
+            "another_place",
+            f"press {number + 1} begins at {sign * contact.position_mm:.3f} mm, {abs(off):.2g} "
+            f"mm {'above' if off < 0 else 'below'} the first contact: taken as another place with a zero of its "
+            "own; if it is the same place, say --contact",
+        )
         return contact.position_mm
-    log.warn("surface_not_back", f"press {number + 1} begins {off:.2g} mm deeper than the first contact, which stays "
-             "zero: the surface had not come back; rest longer between presses, or tell the loop the rest")  # fmt: skip
+    log.warn(
+        "surface_not_back",
+        f"press {number + 1} begins {off:.2g} mm deeper than the first contact, which stays "
+        "zero: the surface had not come back; rest longer between presses, or tell the loop the rest",
+    )
     return zero
 
 
@@ -347,8 +367,11 @@ def find_tares(
         tares.append(tare)
     if max(tares) > min(tares):
         text = ", ".join(f"{tare:.4g}" for tare in tares)
-        log.warn("zero_wanders", f"the force at no load changes from press to press ({text} N); each press is tared by "
-                 "its own lead-in: let the sensor warm up, or zero it before each press")  # fmt: skip
+        log.warn(
+            "zero_wanders",
+            f"the force at no load changes from press to press ({text} N); each press is tared by "
+            "its own lead-in: let the sensor warm up, or zero it before each press",
+        )
     return [_constant(one, tare) for one, tare in zip(lines, tares)]
 
 
@@ -363,15 +386,20 @@ def _line(contact: ContactEstimate, rest_N: float, log: ImportLog) -> Baseline:
     if changes <= max(MATTERS * contact.peak_N, 2.0 * line.effect_error_N):
         return _constant(line, rest_N + line.mean_N)
     if line.drift_alone_N_s and kind not in ("drift", "slope"):
-        doubt = (f"before contact the force changes by {line.before_N:+.3g} N while the punch moves; either as a drift "
-                 f"with time ({line.drift_alone_N_s:+.3g} N/s) or as a slope with travel "
-                 f"({line.slope_alone_N_mm:+.3g} N/mm)")  # fmt: skip
+        doubt = (
+            f"before contact the force changes by {line.before_N:+.3g} N while the punch moves; either as a drift "
+            f"with time ({line.drift_alone_N_s:+.3g} N/s) or as a slope with travel "
+            f"({line.slope_alone_N_mm:+.3g} N/mm)"
+        )
         raise log.question(doubt, "--tare drift or --tare slope, whichever it is (the punch moved in the air shows it)")
     line = line.only(kind)
     if not line.comes_back:
-        log.warn("force_drifts", f"{_words_of_line(line, 'the force before contact')}; by the end of the hold it is "
-                 f"{line.effect_N:.2g} N with an error of {line.effect_error_N:.2g} N if it goes on like this: let the "
-                 "sensor warm up, record after the punch is back, or keep the force by --tare N")  # fmt: skip
+        log.warn(
+            "force_drifts",
+            f"{_words_of_line(line, 'the force before contact')}; by the end of the hold it is "
+            f"{line.effect_N:.2g} N with an error of {line.effect_error_N:.2g} N if it goes on like this: let the "
+            "sensor warm up, record after the punch is back, or keep the force by --tare N",
+        )
     return replace(line, level_N=rest_N + line.level_N)
 
 

@@ -15,34 +15,46 @@ from dummydesign.measurement.importing.decisions import ImportLog
 from dummydesign.measurement.importing.vocabulary import ROLES, is_known_word, roles_of_name, split_name
 
 _MARKS = {
-    codecs.BOM_UTF8: "utf-8-sig", codecs.BOM_UTF32_LE: "utf-32", codecs.BOM_UTF32_BE: "utf-32",
-    codecs.BOM_UTF16_LE: "utf-16", codecs.BOM_UTF16_BE: "utf-16",
-}  # fmt: skip
+    codecs.BOM_UTF8: "utf-8-sig",
+    codecs.BOM_UTF32_LE: "utf-32",
+    codecs.BOM_UTF32_BE: "utf-32",
+    codecs.BOM_UTF16_LE: "utf-16",
+    codecs.BOM_UTF16_BE: "utf-16",
+}
 _PAGES = ("cp1252", "cp932", "mac_roman", "cp850", "euc_jp", "cp1250", "cp1251", "gb18030", "cp949", "big5")
 """Code pages that are tried, likeliest first: Western and Japanese Windows, old Macs, DOS, Unix, Central Europe,
 Cyrillic, Chinese, Korean."""
 _HEADER_ROWS = 60
 """Rows of a sheet among which the names of columns are looked for."""
 _CONTAINERS = {
-    b"%PDF": "a PDF", b"\x89PNG": "a picture", b"\xff\xd8\xff": "a picture", b"GIF8": "a picture",
+    b"%PDF": "a PDF",
+    b"\x89PNG": "a picture",
+    b"\xff\xd8\xff": "a picture",
+    b"GIF8": "a picture",
     b"\xd0\xcf\x11\xe0": "an old Excel workbook (.xls): save it as .xlsx or CSV",
     b"\x89HDF": "an HDF5 file: export with h5py and numpy.savetxt, or HDFView, as CSV",
-    b"\x0e\x03\x13\x01": "an HDF4 file: export the test as CSV", b"HDF": "an HDF file: export the test as CSV",
+    b"\x0e\x03\x13\x01": "an HDF4 file: export the test as CSV",
+    b"HDF": "an HDF file: export the test as CSV",
     b"MATLAB": "a MATLAB file (.mat): export with writetable or writematrix as CSV",
     b"TDSm": "a TDMS file: export with 'tdms to CSV' of LabVIEW or DIAdem, or npTDMS as CSV",
     b"\x93NUMPY": "a NumPy array (.npy): export with numpy.savetxt as CSV",
-    b"PAR1": "a Parquet file: export with pandas to_csv", b"ARROW1": "a Feather file: export with pandas to_csv",
+    b"PAR1": "a Parquet file: export with pandas to_csv",
+    b"ARROW1": "a Feather file: export with pandas to_csv",
     b"SQLite format 3": "a database (SQLite, or a ROS 2 bag): export the topic or table as CSV",
     b"#ROSBAG": "a ROS bag: export the topic with 'rostopic echo -b FILE -p TOPIC' as CSV",
     b"\x89MCAP": "a ROS 2 bag (MCAP): export the topic as CSV",
-    b"\x1f\x8b": "a gzip archive: unpack it first", b"7z\xbc\xaf": "a 7-Zip archive: unpack it first",
-    b"Rar!": "a RAR archive: unpack it first", b"<?xml": "an XML file: export the test as CSV",
+    b"\x1f\x8b": "a gzip archive: unpack it first",
+    b"7z\xbc\xaf": "a 7-Zip archive: unpack it first",
+    b"Rar!": "a RAR archive: unpack it first",
+    b"<?xml": "an XML file: export the test as CSV",
     b"<html": "a web page (some programs name it .xls): open it in a spreadsheet and save it as .xlsx or CSV",
     b"<!DOCTYPE": "a web page: open it in a spreadsheet and save it as .xlsx or CSV",
-}  # fmt: skip
+}
 """First bytes of files that are no text table: what each is, and how to export it."""
-_ZIPPED = {"content.xml": "an OpenDocument spreadsheet (.ods): save it as .xlsx or CSV",
-           ".npy": "NumPy arrays (.npz): export with numpy.savetxt as CSV"}  # fmt: skip
+_ZIPPED = {
+    "content.xml": "an OpenDocument spreadsheet (.ods): save it as .xlsx or CSV",
+    ".npy": "NumPy arrays (.npz): export with numpy.savetxt as CSV",
+}
 
 
 def decode(data: bytes, log: ImportLog) -> str:
@@ -81,8 +93,11 @@ def _without_padding(text: str, log: ImportLog) -> str:
         return text
     whole = kept[: max(kept.rfind("\n"), kept.rfind("\r")) + 1]
     cut = f", and the line '{kept[len(whole) :].strip()[:40]}' that they cut" if kept[len(whole) :].strip() else ""
-    log.warn("padded", f"{len(text) - len(kept)} zero bytes at its end were left out{cut}: the logger lost its power "
-             "or was not closed; check that the recording is complete")  # fmt: skip
+    log.warn(
+        "padded",
+        f"{len(text) - len(kept)} zero bytes at its end were left out{cut}: the logger lost its power "
+        "or was not closed; check that the recording is complete",
+    )
     return whole
 
 
@@ -91,9 +106,10 @@ def _decode_text(data: bytes, log: ImportLog) -> str:
         return _decode_as(data, log.settings.encoding, log)
     marked = next((name for mark, name in _MARKS.items() if data.startswith(mark)), None)
     for name, why in (
-        (marked, "byte order mark at the start"), (_wide(data), "every second byte is zero"),
+        (marked, "byte order mark at the start"),
+        (_wide(data), "every second byte is zero"),
         ("utf-8", "all of it is valid UTF-8"),
-    ):  # fmt: skip
+    ):
         if name and (text := _try(data, name)) is not None:
             if name != "utf-8" or not data.isascii():
                 log.decide("encoding", name, why)

@@ -34,8 +34,9 @@ def plain_lines(lines: list[str], log: ImportLog) -> list[str]:
     log.decide("form", "serial monitor", "the time of its arrival stands before each line")
     rest = "\n".join(match[3] for match in matches[:_HEAD] if match)
     separator = next((sign for sign in SEPARATORS if sign in rest), ",")
-    return [line if match is None else f"{match[1] or match[2]}{separator}{match[3]}"
-            for line, match in zip(lines, matches)]  # fmt: skip
+    return [
+        line if match is None else f"{match[1] or match[2]}{separator}{match[3]}" for line, match in zip(lines, matches)
+    ]
 
 
 def _without_labels(lines: list[str], log: ImportLog) -> list[str]:

@@ -86,9 +86,13 @@ def find_layout(text: str, log: ImportLog) -> Layout:
     if sum(map(kinds.count, _TESTS)) < 2:
         if log.settings.separator is None:
             raise log.no_table(_why_no_table(lines))
-        raise log.fault(f"separated by {SEPARATORS[separator]}, as --separator or the profile says, there is no table "
-                        "of numbers; leave that out to have it found",
-                        "inconsistent", "separator", log.settings.separator)  # fmt: skip
+        raise log.fault(
+            f"separated by {SEPARATORS[separator]}, as --separator or the profile says, there is no table "
+            "of numbers; leave that out to have it found",
+            "inconsistent",
+            "separator",
+            log.settings.separator,
+        )
     first, last = _bounds(lines, separator, kinds)
     if last - first < LEAST_ROWS:
         raise log.no_table(_why_no_table(lines))
@@ -104,8 +108,10 @@ def find_layout(text: str, log: ImportLog) -> Layout:
         inside, beside = [""] * len(kinds), [""] * len(kinds)
     if any(inside):
         log.decide("units", ", ".join(filter(None, inside)), "stand behind the numbers, in the cells")
-        units = tuple(own or unit or (right if kind == "number" else "") for own, unit, right, kind in
-                      zip(inside, units, beside, kinds))  # fmt: skip
+        units = tuple(
+            own or unit or (right if kind == "number" else "")
+            for own, unit, right, kind in zip(inside, units, beside, kinds)
+        )
     _refuse_two_commas(separator, cells, len(kinds), lines[max(first - HEADER_LINES, 0) : first], log)
     _refuse_unfinished(lines, last, separator, kinds, log)
     before = [lines[at] for at in range(first) if lines[at].strip() and at not in header]
@@ -117,8 +123,9 @@ def find_layout(text: str, log: ImportLog) -> Layout:
         log.decide("footer", f"{len(after)} lines", f"not rows of the table; the first: '{_short(after[0])}'")
     thousands = any(cell_text.has_thousands(cell, decimal) for cell in cells)
     rate = rates.pop() if len(rates) == 1 else None
-    return Layout(lines, first, last, skipped, separator, decimal, thousands, kinds, names, units, rate_Hz=rate,
-                  sparse=sparse)  # fmt: skip
+    return Layout(
+        lines, first, last, skipped, separator, decimal, thousands, kinds, names, units, rate_Hz=rate, sparse=sparse
+    )
 
 
 def _gaps(column: Sequence[str]) -> float:
@@ -338,9 +345,12 @@ def _refuse_two_commas(separator: str, cells: Sequence[str], width: int, header:
         return
     for names in (cell_text.split(line, ",") for line in header):
         if len(names) == width // 2 and _count_names(names) >= 2:
-            raise log.fault(f"{len(names)} names but {width} cells a row: the comma separates both columns and "
-                            "decimals, which look the same; export with ';' between columns, or with numbers in quotes",
-                            "malformed", "table")  # fmt: skip
+            raise log.fault(
+                f"{len(names)} names but {width} cells a row: the comma separates both columns and "
+                "decimals, which look the same; export with ';' between columns, or with numbers in quotes",
+                "malformed",
+                "table",
+            )
 
 
 def _refuse_unfinished(lines: Sequence[str], last: int, separator: str, kinds: Sequence[str], log: ImportLog) -> None:
@@ -357,9 +367,13 @@ def _refuse_unfinished(lines: Sequence[str], last: int, separator: str, kinds: S
         fewer = len(digits) > 5 and len(set(digits)) == 1 and _decimals(cells[final]) < digits[0]
         broken = is_missing(cells[final]) or fewer
     if broken:
-        raise log.fault(f"the last line breaks off ('{lines[-1].strip()[-40:]}'): the file is still being written, or "
-                        "was cut; wait for the test to end and export it again",
-                        "malformed", "table", line=index + (log.settings.skip or 0) + 1)  # fmt: skip
+        raise log.fault(
+            f"the last line breaks off ('{lines[-1].strip()[-40:]}'): the file is still being written, or "
+            "was cut; wait for the test to end and export it again",
+            "malformed",
+            "table",
+            line=index + (log.settings.skip or 0) + 1,
+        )
 
 
 def _decimals(cell: str) -> int:

@@ -65,15 +65,20 @@ def read_named_table(path: Path, what: str, columns: Sequence[str], optional: Se
     for column in columns:
         if column not in [key for key, _ in keys] and column not in optional:
             shown = ", ".join(f"'{cell}'" for cell in header or text.split("\n", 1)[0].split(","))[:200]
-            message = (f"{path.name}:1: column '{column}' is missing (found {shown}); the header must be "
-                       f"{','.join(columns)}, or name each quantity with its unit, such as 'Depth (cm)'")  # fmt: skip
+            message = (
+                f"{path.name}:1: column '{column}' is missing (found {shown}); the header must be "
+                f"{','.join(columns)}, or name each quantity with its unit, such as 'Depth (cm)'"
+            )
             raise InputError(message, "missing", column)
     try:
         read = list(_split(text, separator))
     except csv.Error as problem:
         raise InputError(f"{path.name}: {problem}; is a quote open?", "malformed", what, str(path)) from None
-    rows = [(line, {key: cell for (key, _), cell in zip(keys, [*cells, *[""] * len(keys)])})
-            for line, cells in read[head + 1 :] if any(cells)]  # fmt: skip
+    rows = [
+        (line, {key: cell for (key, _), cell in zip(keys, [*cells, *[""] * len(keys)])})
+        for line, cells in read[head + 1 :]
+        if any(cells)
+    ]
     numeric = {key: factor or _factor(key) for key, factor in keys if factor or _factor(key)}
     found = [parts[0] if (parts := measure(row[key])) else row[key] for _, row in rows for key in numeric]
     seen = decimal_evidence(cell for cell in found if is_number(cell))

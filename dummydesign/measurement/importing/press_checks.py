@@ -76,8 +76,11 @@ def _swapped(press: _Press) -> bool:
     fall = float(begin.mean() - middle.mean())
     swapped = fall > RELAXED * reach and fall > 4.0 * float(np.hypot(begin.std(), middle.std())) / np.sqrt(tenth)
     if swapped:
-        press.warn("columns_swapped", f"the position falls back by {100 * fall / reach:.0f} % while the force stands: "
-                   "give --columns displacement and force the other way round")  # fmt: skip
+        press.warn(
+            "columns_swapped",
+            f"the position falls back by {100 * fall / reach:.0f} % while the force stands: "
+            "give --columns displacement and force the other way round",
+        )
     return swapped
 
 
@@ -85,15 +88,19 @@ def _coarse(press: _Press) -> None:
     """Digits that the noise does not spread, so coarse that the steady force is not known to 1 %."""
     step, steady = digit_step(press.force), press.summary.steady_force_N
     if steady and 0.5 * step > COARSE * steady and press.noise_N < 0.3 * step:
-        press.warn("coarse_digits", f"the digits of the force are {step:.2g} N, {100 * step / steady:.1f} % of the "
-                   "steady force: export it with more digits, or use a smaller range")  # fmt: skip
+        press.warn(
+            "coarse_digits",
+            f"the digits of the force are {step:.2g} N, {100 * step / steady:.1f} % of the "
+            "steady force: export it with more digits, or use a smaller range",
+        )
 
 
 def _hold(press: _Press) -> None:
     steady, hold_s, end_s = press.summary.steady_force_N, press.summary.hold_s, press.summary.hold_end_s
     if steady is None:
-        press.warn(NO_HOLD, "the punch does not stand still: no steady force; 'fit', 'compare' and 'loop' need a "
-                   "hold of 10 s")  # fmt: skip
+        press.warn(
+            NO_HOLD, "the punch does not stand still: no steady force; 'fit', 'compare' and 'loop' need a hold of 10 s"
+        )
     if steady is None or hold_s >= 0.95 * SHORT_HOLD_S:
         return
     begin = end_s - 0.2 * hold_s
@@ -102,8 +109,11 @@ def _hold(press: _Press) -> None:
         return
     fall = -float(np.polyfit(press.time[late] - begin, press.force[late], 1)[0]) * 0.2 * hold_s
     if fall > FALLING * steady and fall > 4.0 * press.noise_N / np.sqrt(late.sum()):
-        press.warn("hold_too_short", f"after {hold_s:.3g} s the force still falls, by {100 * fall / steady:.1f} % in "
-                   f"the last {0.2 * hold_s:.2g} s: {steady:.3g} N is no steady force; hold for 10 s")  # fmt: skip
+        press.warn(
+            "hold_too_short",
+            f"after {hold_s:.3g} s the force still falls, by {100 * fall / steady:.1f} % in "
+            f"the last {0.2 * hold_s:.2g} s: {steady:.3g} N is no steady force; hold for 10 s",
+        )
 
 
 def _several_holds(press: _Press) -> None:
@@ -131,16 +141,22 @@ def _several_holds(press: _Press) -> None:
     plateaus = [float(np.median(x[a:b])) for a, b in runs if stepped(a, b)]
     if plateaus:
         depths = ", ".join(f"{depth:.2f}" for depth in sorted({*plateaus, summary.depth_mm}))
-        press.warn("several_holds", f"the punch stands at several depths ({depths} mm) without coming back to zero "
-                   "between; fits read one ramp and one hold: press each depth by itself, or cut the file")  # fmt: skip
+        press.warn(
+            "several_holds",
+            f"the punch stands at several depths ({depths} mm) without coming back to zero "
+            "between; fits read one ramp and one hold: press each depth by itself, or cut the file",
+        )
 
 
 def _clipped(press: _Press) -> None:
     """The load cell's end: the force stands within its noise while the punch still moves, or before it relaxes."""
     if clip := find_clip(press.time, press.x, press.force):
-        press.warn("clipped", f"the force stands at {clip.level_N:.6g} N for {clip.stop - clip.first} samples from "
-                   f"{clip.start_s:.4g} s: the load cell or its amplifier is at its end; use a larger range; fits "
-                   "leave these samples out, the peak is not known")  # fmt: skip
+        press.warn(
+            "clipped",
+            f"the force stands at {clip.level_N:.6g} N for {clip.stop - clip.first} samples from "
+            f"{clip.start_s:.4g} s: the load cell or its amplifier is at its end; use a larger range; fits "
+            "leave these samples out, the peak is not known",
+        )
 
 
 def _longest(mask: NDArray) -> tuple[int, int]:
@@ -158,8 +174,11 @@ def _gaps(press: _Press) -> None:
     gaps = np.flatnonzero(hole & (moved | rising | (step > 0.2 * max(summary.hold_s, 1e-9))))
     if gaps.size:
         at = int(gaps[0])
-        press.warn("drop_out", f"no samples from {time[at]:.4g} to {time[at + 1]:.4g} s ({gaps.size} such gaps) within "
-                   "the press; the force between is not known: record again")  # fmt: skip
+        press.warn(
+            "drop_out",
+            f"no samples from {time[at]:.4g} to {time[at + 1]:.4g} s ({gaps.size} such gaps) within "
+            "the press; the force between is not known: record again",
+        )
 
 
 def _lost(press: _Press) -> None:
@@ -170,8 +189,11 @@ def _lost(press: _Press) -> None:
     deep &= np.cumsum(force > 0.5 * near) > 0  # a filtered force is late in a fast rise
     lost = np.flatnonzero(deep & (np.abs(force) < max(3.0 * noise, 0.02 * near)) & (near > 20.0 * max(noise, 1e-9)))
     if lost.size:
-        press.warn("drop_out", f"the force is zero at {press.time[lost[0]]:.4g} s ({lost.size} samples) while the "
-                   f"punch presses {x[lost[0]]:.3g} mm deep: a loose contact? record again")  # fmt: skip
+        press.warn(
+            "drop_out",
+            f"the force is zero at {press.time[lost[0]]:.4g} s ({lost.size} samples) while the "
+            f"punch presses {x[lost[0]]:.3g} mm deep: a loose contact? record again",
+        )
 
 
 def _frozen(press: _Press) -> None:
@@ -182,8 +204,11 @@ def _frozen(press: _Press) -> None:
     if last - first < 5 or last >= len(x) - 1:
         return
     if abs(x[last + 1] - x[last]) > 3.0 * float(np.median(np.abs(np.diff(x)[rise]))):
-        press.warn("drop_out", f"force and position repeat for {last - first} samples from {time[first]:.4g} s in the "
-                   "rise and then jump: the recording stood still; record again")  # fmt: skip
+        press.warn(
+            "drop_out",
+            f"force and position repeat for {last - first} samples from {time[first]:.4g} s in the "
+            "rise and then jump: the recording stood still; record again",
+        )
 
 
 def _spikes(press: _Press) -> None:
@@ -250,11 +275,17 @@ def doubts_of(trace: Trace, resolution_N: float = 0.0) -> list[dict[str, str]]:
     tare, noise = rest + before.mean_N, max(before.noise_N, noise_of(force))
     allowed = allowed_offset(summary.peak_force_N, noise, before.error_N, resolution_N)
     if contact.lead_in >= LEAST_LEAD_IN and abs(tare) > allowed:
-        warn("force_before_contact", f"the force is {tare:.3g} N before contact and counts as pressing; up to "
-             f"{allowed:.2g} N is allowed (noise {noise:.2g} N)")  # fmt: skip
+        warn(
+            "force_before_contact",
+            f"the force is {tare:.3g} N before contact and counts as pressing; up to "
+            f"{allowed:.2g} N is allowed (noise {noise:.2g} N)",
+        )
     elif abs(before.before_N) > max(OFFSET_SHARE * summary.peak_force_N, READING * noise):
-        warn("force_before_contact", f"the force changes by {before.before_N:+.3g} N before contact, which makes "
-             f"{before.effect_N:.2g} N by the end of the hold")  # fmt: skip
+        warn(
+            "force_before_contact",
+            f"the force changes by {before.before_N:+.3g} N before contact, which makes "
+            f"{before.effect_N:.2g} N by the end of the hold",
+        )
     elif contact.lead_in >= LEAST_LEAD_IN and contact_off(contact, summary.depth_mm):
         tares = (before.mean_N + side * READING * noise for side in (-1.0, -0.5, 0.5, 1.0))
         others = (find_contact(time, x, force - rest, span, other) for other in tares)
@@ -305,8 +336,10 @@ def subjects_among(rows: Sequence[Mapping[str, Any]]) -> list[dict[str, str]]:
             continue
         ratios = [deep[key] / max(shallow[key], 1e-12) for key in ("steady_force_N", "peak_force_N")]
         if max(ratios) < depth / DIFFERENT or min(ratios) > depth**3 * DIFFERENT:
-            message = (f"{a['file']} and {b['file']} press {a['depth_mm']:.3g} and {b['depth_mm']:.3g} mm deep with "
-                       f"{a['steady_force_N']:.3g} and {b['steady_force_N']:.3g} N: two subjects or pads in one fit? "
-                       "fit each by itself")  # fmt: skip
+            message = (
+                f"{a['file']} and {b['file']} press {a['depth_mm']:.3g} and {b['depth_mm']:.3g} mm deep with "
+                f"{a['steady_force_N']:.3g} and {b['steady_force_N']:.3g} N: two subjects or pads in one fit? "
+                "fit each by itself"
+            )
             return [{"code": "several_subjects", "message": message}]
     return []

@@ -185,10 +185,14 @@ def _find_contact(
 ) -> contact_zero.ContactEstimate:
     """Contact of one press; where nothing was recorded before it, with the force counted from zero."""
     if float(x[span.onset : span.stop].max() - x[span.start : span.onset + 1].min()) < SHALLOWEST_MM:
-        raise log.fault(f"the force rises to {load[span.start : span.stop].max():.3g} N while the position stands at "
-                        f"{x[span.onset]:.4g} mm; does the recording begin pressed, or is this another column? "
-                        "(--columns displacement=NAME)",
-                        "inconsistent", "displacement_mm", float(x[span.onset]))  # fmt: skip
+        raise log.fault(
+            f"the force rises to {load[span.start : span.stop].max():.3g} N while the position stands at "
+            f"{x[span.onset]:.4g} mm; does the recording begin pressed, or is this another column? "
+            "(--columns displacement=NAME)",
+            "inconsistent",
+            "displacement_mm",
+            float(x[span.onset]),
+        )
     contact = contact_zero.find_contact(time, x, load, span, None if tare is None else 0.0)
     if tare is None and contact.lead_in < contact_zero.LEAST_LEAD_IN:
         return contact_zero.find_contact(time, x, load, span, -rest if log.settings.tare == "none" else 0.0)
@@ -267,8 +271,10 @@ def import_files(paths: Sequence[str | Path], settings: Settings | None = None) 
             key = fingerprint(press.displacement_mm, press.force_N)
             other, number = seen.setdefault(key, (one, press.number))
             if other is not one:
-                message = (f"{one.name} press {press.number} is the same recording as {other.name} press {number}: one "
-                           "subject under two names, or a copy? take one of them out")  # fmt: skip
+                message = (
+                    f"{one.name} press {press.number} is the same recording as {other.name} press {number}: one "
+                    "subject under two names, or a copy? take one of them out"
+                )
                 warnings.append({"code": "same_press", "message": message})
     return imported, warnings
 
@@ -309,12 +315,19 @@ def write_traces(planned: Sequence[Planned], folder: Path) -> None:
 def describe(imported: Sequence[Imported], planned: Sequence[Planned]) -> list[dict[str, Any]]:
     """Return what became of each file: ``source``, ``traces`` (without their folder), ``decisions``, ``warnings``."""
     return [
-        {"source": str(one.source), **({"sheet": one.sheet} if one.sheet else {}),
-         "traces": [{"file": name, "press": press.number, "samples": len(press.time_s), **press.summary.to_dict()}
-                    for owner, press, name in planned if owner is one],
-         "decisions": to_plain(one.decisions), "warnings": list(one.warnings)}
+        {
+            "source": str(one.source),
+            **({"sheet": one.sheet} if one.sheet else {}),
+            "traces": [
+                {"file": name, "press": press.number, "samples": len(press.time_s), **press.summary.to_dict()}
+                for owner, press, name in planned
+                if owner is one
+            ],
+            "decisions": to_plain(one.decisions),
+            "warnings": list(one.warnings),
+        }
         for one in imported
-    ]  # fmt: skip
+    ]
 
 
 def _name(source: Path, sheet: str, number: int, taken: set[str]) -> str:
@@ -425,8 +438,9 @@ def learned(given: Settings, imported: Iterable[Imported]) -> Settings:
         if role not in columns and name and all(one.count(name) == 1 for one in names):
             columns[role] = name
     separator, decimal = (common([getattr(one.layout, name) for one in layouts]) for name in ("separator", "decimal"))
-    return replace(given, sheets=None, columns=columns, separator=given.separator or separator,
-                   decimal=given.decimal or decimal)  # fmt: skip
+    return replace(
+        given, sheets=None, columns=columns, separator=given.separator or separator, decimal=given.decimal or decimal
+    )
 
 
 def save_profile(name: str, settings: Settings, overwrite: bool = False) -> Path:

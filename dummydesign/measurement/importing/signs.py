@@ -55,16 +55,21 @@ def find_signs(x: NDArray, force: NDArray, tare_N: float | None, log: ImportLog)
     up, down = max(float(reached.max() - rest), 0.0), max(float(rest - reached.min()), 0.0)
     swing = max(up, down)
     if swing <= 1e-9 * abs(rest) or swing < 8.0 * noise_of(force):
-        raise log.fault(f"nothing is pressed: the force stays within {swing:.3g} N of {rest:.4g} N; is this the force "
-                        "column, and the right file? (--columns force=NAME)",
-                        "nothing_found", "force_N", swing)  # fmt: skip
+        raise log.fault(
+            f"nothing is pressed: the force stays within {swing:.3g} N of {rest:.4g} N; is this the force "
+            "column, and the right file? (--columns force=NAME)",
+            "nothing_found",
+            "force_N",
+            swing,
+        )
     if flip is not None:
         way, push = (-1.0 if name in flip else 1.0 for name in ("displacement", "force"))
         load = push * (smooth - rest)
         wrong = "force" if load.max() < -load.min() else "displacement" if _way(x, load, log) * way < 0 else ""
         if wrong:
-            raise log.fault(f"with --flip as given, pressing lowers the {wrong}: reverse --flip {wrong}",
-                            "inconsistent", "flip")  # fmt: skip
+            raise log.fault(
+                f"with --flip as given, pressing lowers the {wrong}: reverse --flip {wrong}", "inconsistent", "flip"
+            )
         for name in ("displacement", "force"):
             log.decide(f"{name} sign", "flipped" if name in flip else "as written", "given by --flip")
         return Signs(way, push, rest)
@@ -74,9 +79,11 @@ def find_signs(x: NDArray, force: NDArray, tare_N: float | None, log: ImportLog)
     sign = 1.0 if up >= down else -1.0
     # A recording that begins pressed and ends free looks like a press of the other sign on a large offset.
     if tare_N is None and abs(rest) > 0.5 * swing and abs(rest + sign * swing) < 0.25 * abs(rest):
-        raise log.question(f"the force is {rest:.3g} N at the start and near zero later: either the file begins "
-                           "pressed (then record from before contact), or this is an offset",
-                           f"--tare {rest:.4g} where it is an offset")  # fmt: skip
+        raise log.question(
+            f"the force is {rest:.3g} N at the start and near zero later: either the file begins "
+            "pressed (then record from before contact), or this is an offset",
+            f"--tare {rest:.4g} where it is an offset",
+        )
     way = _way(x, sign * (smooth - rest), log)
     written = {1.0: "as written", -1.0: "flipped"}
     log.decide("force sign", written[sign], f"pressing moves it by {sign * swing:+.3g} N from its reading at rest")

@@ -111,9 +111,13 @@ def columns_of(text: str, log: ImportLog) -> Columns:
 
 
 def _quantities(
-    columns: Sequence[Column], candidates: Candidates, chosen: dict[str, Column], values: Values, stated: float | None,
+    columns: Sequence[Column],
+    candidates: Candidates,
+    chosen: dict[str, Column],
+    values: Values,
+    stated: float | None,
     log: ImportLog,
-) -> tuple[NDArray, NDArray, NDArray, NDArray]:  # fmt: skip
+) -> tuple[NDArray, NDArray, NDArray, NDArray]:
     """Time, displacement and force in s, mm and N, and which rows of the table they are; the time's column is added."""
     settings, second, seconds = log.settings, None, None
     times, composed = candidates["time"], compose_time(columns, values)
@@ -164,9 +168,10 @@ def _check_time(column: Column, seconds: NDArray, columns: Sequence[Column], val
         rising = bool(np.all(np.diff(values[other.index]) >= 0))
         span = float(np.ptp(values[other.index])) * seconds_per_count(other)
         if rising and span > 0 and abs(span - length) > max(AGREES * span, 1.0):
-            raise log.question(f"the recording lasts {length:.4g} s by '{column.label}' and {span:.4g} s by "
-                               f"'{other.label}'", f"--columns time={other.label} or --units time={text} where the "
-                               "header is right")  # fmt: skip
+            raise log.question(
+                f"the recording lasts {length:.4g} s by '{column.label}' and {span:.4g} s by '{other.label}'",
+                f"--columns time={other.label} or --units time={text} where the header is right",
+            )
 
 
 def _read_bytes(path: Path) -> bytes:

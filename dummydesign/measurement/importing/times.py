@@ -117,9 +117,14 @@ def align(
     for time in (force_s[inside], displacement_s[own]):
         if np.any(np.diff(time) <= 0):
             at = int(np.argmax(np.diff(time) <= 0)) + 1
-            raise log.fault("displacement and force have their own times, and one of them does not rise "
-                            f"({time[at]:.6g} s after {time[at - 1]:.6g} s); name the one time that is right for both "
-                            "by --columns time=NAME", "malformed", "time_s", float(time[at]))  # fmt: skip
+            raise log.fault(
+                "displacement and force have their own times, and one of them does not rise "
+                f"({time[at]:.6g} s after {time[at - 1]:.6g} s); name the one time that is right for both "
+                "by --columns time=NAME",
+                "malformed",
+                "time_s",
+                float(time[at]),
+            )
     both = inside & own
     first, last = displacement_s[own][[0, -1]]
     lag = float(first - force_s[inside][0])
@@ -130,12 +135,19 @@ def align(
         return both, x
     shared = inside & (force_s >= first) & (force_s <= last)
     if shared.sum() < 0.5 * inside.sum():
-        raise log.fault(f"displacement and force have their own times, {lag:+.4g} s apart: less than half of the "
-                        "recording is covered by both; name the one time that is right for both by --columns time=NAME",
-                        "inconsistent", "time_s", lag)  # fmt: skip
+        raise log.fault(
+            f"displacement and force have their own times, {lag:+.4g} s apart: less than half of the "
+            "recording is covered by both; name the one time that is right for both by --columns time=NAME",
+            "inconsistent",
+            "time_s",
+            lag,
+        )
     log.decide("two times", f"begin {lag:+.6g} s apart", "displacement interpolated to the force")
-    log.warn("two_time_bases", f"displacement and force have their own times, which begin {lag:+.4g} s apart; the "
-             "displacement was interpolated to the times of the force: check that both share a zero")  # fmt: skip
+    log.warn(
+        "two_time_bases",
+        f"displacement and force have their own times, which begin {lag:+.4g} s apart; the "
+        "displacement was interpolated to the times of the force: check that both share a zero",
+    )
     return shared, np.interp(force_s, displacement_s[own], x[own])
 
 
@@ -209,8 +221,10 @@ def _sorted(time: NDArray, lines: NDArray, log: ImportLog) -> NDArray:
     most = max(1.5 * usual, 1.2 * float(steps[~touched].max(initial=0.0)))
     if np.any(steps[touched] > most) or np.any(steps[touched] < 0.3 * usual):
         at = int(back[0])
-        message = (f"time = {time[at]:.6g} s goes back (the row before has {time[at - 1]:.6g} s; {len(back)} such "
-                   f"row{'s' * (len(back) > 1)}) and fits nowhere else: remove or correct these rows")  # fmt: skip
+        message = (
+            f"time = {time[at]:.6g} s goes back (the row before has {time[at - 1]:.6g} s; {len(back)} such "
+            f"row{'s' * (len(back) > 1)}) and fits nowhere else: remove or correct these rows"
+        )
         raise log.fault(message, "malformed", "time_s", float(time[at]), line=int(lines[at]))
     why = f"their times fit between those of other rows; the first is line {int(lines[back[0]])}"
     log.decide("rows sorted by time", f"{len(back)} rows", why)
@@ -244,9 +258,12 @@ def _spread(time: NDArray, lines: NDArray, log: ImportLog) -> NDArray:
     size = float(np.max(np.diff(stamps)))
     log.decide("equal times", f"{equal} rows spread", f"between the times before and after; {where}")
     if share > COARSE:
-        log.warn("coarse_time", f"each time is written {1 / (1 - share):.1f} times on average and the samples are not "
-                 f"even: spread between the times, they may be {size:.2g} s off; give --rate HZ where the samples are "
-                 "even, or export the time with more digits")  # fmt: skip
+        log.warn(
+            "coarse_time",
+            f"each time is written {1 / (1 - share):.1f} times on average and the samples are not "
+            f"even: spread between the times, they may be {size:.2g} s off; give --rate HZ where the samples are "
+            "even, or export the time with more digits",
+        )
     return spread
 
 

@@ -120,8 +120,10 @@ class Unit:
 
 _UNITS = {
     name: Unit(kind, float(factor), name)
-    for kind, factors in _DATA["units"].items() for factor, names in factors.items() for name in names.split()
-}  # fmt: skip
+    for kind, factors in _DATA["units"].items()
+    for factor, names in factors.items()
+    for name in names.split()
+}
 _LOWER = Counter(name.lower() for name in _UNITS)
 _ALIKE_UNITS = {name.lower(): unit for name, unit in _UNITS.items() if _LOWER[name.lower()] == 1}
 """Units that no other one is written like in other letters."""
@@ -202,5 +204,7 @@ def absent_words(absent: Sequence[str], titles: Sequence[str], roles: Sequence[s
     ways = "export the test again with them"
     if list(absent) == ["time"] or ("time" in absent and len(titles) == 2):
         ways += "; 'import --rate HZ' reads evenly spaced samples, 'tissues add-points' steady forces over depth"
-    return (f"no column is {' or '.join(absent)} (there are {shown}); {', '.join(roles[:-1])} and {roles[-1]} are "
-            f"needed: {ways}")  # fmt: skip
+    return (
+        f"no column is {' or '.join(absent)} (there are {shown}); {', '.join(roles[:-1])} and {roles[-1]} are "
+        f"needed: {ways}"
+    )

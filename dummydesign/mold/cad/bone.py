@@ -74,8 +74,11 @@ def read_solid(path: Path, scale: float) -> tuple[Any, dict[str, Any]]:
         _check_units(float(np.ptp(points, axis=0).max()), scale, path.name)
         few, kept, off, rms = simplified(points, faces, path.name)
         return sewn(few, kept, path.name), {
-            "mended": mended, "triangles": len(faces), "off_file_mm": off, "off_file_rms_mm": rms,
-        }  # fmt: skip
+            "mended": mended,
+            "triangles": len(faces),
+            "off_file_mm": off,
+            "off_file_rms_mm": rms,
+        }
     solid = _of_step(path).scale(scale)
     box = solid.BoundingBox(1e-2)
     _check_units(max(box.xlen, box.ylen, box.zlen), scale, path.name)
@@ -121,8 +124,11 @@ def _check_units(longest_mm: float, scale: float, name: str) -> None:
     low, high = LONGEST_MM
     if low <= longest_mm <= high:
         return
-    may_be = [f"{unit} with --bone-scale {scale * factor:g} ({longest_mm * factor:.3g} mm)"
-              for unit, factor in UNITS.items() if low <= longest_mm * factor <= high]  # fmt: skip
+    may_be = [
+        f"{unit} with --bone-scale {scale * factor:g} ({longest_mm * factor:.3g} mm)"
+        for unit, factor in UNITS.items()
+        if low <= longest_mm * factor <= high
+    ]
     advice = f"the file may be in {' or in '.join(may_be)}" if may_be else "give --bone-scale"
     message = f"bone '{name}' is {longest_mm:.4g} mm long as scaled, a bone is {low:g} to {high:g} mm long: {advice}"
     raise InputError(message, "implausible_unit", "bone_scale", scale)
@@ -142,8 +148,11 @@ def set_into_pad(solid: Any, asked: dict[str, Any], thickness_mm: float, name: s
         raise InputError(
             f"bone '{name}' is {high:.2f} mm high as scaled and turned; it must reach through the free face to its "
             f"plate, so bone height must be below that (it is {asked['height_mm']:g} mm)",
-            "out_of_range", "bone_height_mm", asked["height_mm"], (None, high - TOUCH_MM),
-        )  # fmt: skip
+            "out_of_range",
+            "bone_height_mm",
+            asked["height_mm"],
+            (None, high - TOUCH_MM),
+        )
     bottom = thickness_mm - asked["height_mm"]
     moved = solid.translate(cq.Vector(asked["x_mm"] - middle[0], asked["y_mm"] - middle[1], bottom - low))
     reach = 2.0 * max(max(abs(x), abs(y)) for x, y, _ in corners) + 1000.0
@@ -172,24 +181,31 @@ def measure(bone: Any, asked: dict[str, Any], thickness_mm: float, room_mm: floa
     heights = np.where(np.isfinite(under), thickness_mm - under, 0.0)
     radius, foot, off = nearest_dome(heights, np.hypot(*grid.T), asked["height_mm"], room_mm)
     return {
-        "volume_mm3": exact_volume_mm3(bone), "seat_mm2": seat_mm2, "overhang": bool(up.any()),
-        "x_low_mm": float(low[0]), "x_high_mm": float(high[0]), "y_low_mm": float(low[1]), "y_high_mm": float(high[1]),
-        "off_dome_mm": off, "tip_mm": radius, "foot_mm": foot,
-    }  # fmt: skip
+        "volume_mm3": exact_volume_mm3(bone),
+        "seat_mm2": seat_mm2,
+        "overhang": bool(up.any()),
+        "x_low_mm": float(low[0]),
+        "x_high_mm": float(high[0]),
+        "y_low_mm": float(low[1]),
+        "y_high_mm": float(high[1]),
+        "off_dome_mm": off,
+        "tip_mm": radius,
+        "foot_mm": foot,
+    }
 
 
-def placed_bone(
-    file: str, solid: str, placing: dict[str, Any], thickness_mm: float, room_mm: float
-) -> dict[str, Any]:
+def placed_bone(file: str, solid: str, placing: dict[str, Any], thickness_mm: float, room_mm: float) -> dict[str, Any]:
     """Read a bone from a file, place it, write it as ``solid`` and say what was measured."""
     path = Path(file)
     read, facts = read_solid(path, placing["scale"])
     rms = facts.get("off_file_rms_mm", 0.0)
     cover = thickness_mm - placing["height_mm"]
     if (change := THIN_LAYER * rms / cover) > MOST_FORCE:
-        problem = (f"simplified to {FEWER[0]:,} triangles its surface is {rms:.2f} mm off (root mean square), up to "
-                   f"{100 * change:.0f} % of force over {cover:g} mm of gel; allowed are {100 * MOST_FORCE:g} %: "
-                   "smooth the scan first, or give STEP")  # fmt: skip
+        problem = (
+            f"simplified to {FEWER[0]:,} triangles its surface is {rms:.2f} mm off (root mean square), up to "
+            f"{100 * change:.0f} % of force over {cover:g} mm of gel; allowed are {100 * MOST_FORCE:g} %: "
+            "smooth the scan first, or give STEP"
+        )
         raise fault(path.name, problem, "too_large")
     bone = set_into_pad(read, placing, thickness_mm, path.name)
     measured = measure(bone, placing, thickness_mm, room_mm)

@@ -55,8 +55,11 @@ def _mended(points: NDArray, faces: NDArray, name: str) -> tuple[NDArray, NDArra
     flipped = _without_flat(points, faces, FLAT * size)
     if _volume(points, faces) < 0:
         faces = faces[:, ::-1]
-    words = [f"{count:,} {what}" for count, what in ((lost + flipped, "degenerate triangles removed"),
-                                                     (turned, "triangles turned round")) if count]  # fmt: skip
+    words = [
+        f"{count:,} {what}"
+        for count, what in ((lost + flipped, "degenerate triangles removed"), (turned, "triangles turned round"))
+        if count
+    ]
     return points, faces, ", ".join(words)
 
 
@@ -74,8 +77,10 @@ def _joined(points: NDArray, faces: NDArray, near: float) -> tuple[NDArray, NDAr
 def _refuse_open(points: NDArray, faces: NDArray, name: str) -> None:
     """Every edge has two triangles."""
     edges, count = np.unique(np.sort(_edges(faces), axis=1), axis=0, return_counts=True)
-    for wrong, words in ((count > 2, "more than two triangles meet at {} of its edges"),
-                         (count == 1, "its surface is not closed: {} edges have one triangle only")):  # fmt: skip
+    for wrong, words in (
+        (count > 2, "more than two triangles meet at {} of its edges"),
+        (count == 1, "its surface is not closed: {} edges have one triangle only"),
+    ):
         if wrong.any():
             at = _at(points[edges[wrong][0]].mean(axis=0))
             raise fault(name, f"{words.format(wrong.sum())}, one near {at}; repair it in a mesh program first")

@@ -37,9 +37,12 @@ CORE_MM = 1.0
 
 
 COLOURS = {
-    "resin": (0.93, 0.62, 0.50), "resin_base": (0.62, 0.36, 0.45), "silicone": (0.36, 0.62, 0.74),
-    "rigid": (0.72, 0.73, 0.75), "glass": (0.62, 0.80, 0.72),
-}  # fmt: skip
+    "resin": (0.93, 0.62, 0.50),
+    "resin_base": (0.62, 0.36, 0.45),
+    "silicone": (0.36, 0.62, 0.74),
+    "rigid": (0.72, 0.73, 0.75),
+    "glass": (0.62, 0.80, 0.72),
+}
 
 
 @dataclass(frozen=True)
@@ -236,8 +239,14 @@ def label_tools(spec: MouldSpec, plan: Layout) -> list[Any]:
     tools = []
     for letter, (x, y) in label_corners(spec):
         if letter not in made:
-            made[letter] = x, _letter(letter_bars(letter, spec.body.label_height_mm, spec.body.label_stroke_mm, (x, y)),
-                                      spec.body.label_depth_mm, plan.land_mm)  # fmt: skip
+            made[letter] = (
+                x,
+                _letter(
+                    letter_bars(letter, spec.body.label_height_mm, spec.body.label_stroke_mm, (x, y)),
+                    spec.body.label_depth_mm,
+                    plan.land_mm,
+                ),
+            )
         first, solids = made[letter]
         tools += solids if x == first else [one.translate(cq.Vector(x - first, 0.0, 0.0)) for one in solids]
     return tools
@@ -394,12 +403,20 @@ def marked_carrier(spec: MouldSpec, plan: Layout) -> Any:
     solid = drafted_prism(pad.grown(CARRIER_BORDER_MM), spec.aids.plate_mm, 0.0, low)
     long = CARRIER_BORDER_MM - MARK_GAP_MM + 1.0
     off = MARK_GAP_MM + long / 2
-    grooves = [(x, side * (pad.width_mm / 2 + off), MARK_WIDTH_MM, long)
-               for x in sorted({x for x, _ in places}) for side in (1.0, -1.0)]  # fmt: skip
-    grooves += [(side * (pad.length_mm / 2 + off), y, long, MARK_WIDTH_MM)
-                for y in sorted({y for _, y in places}) for side in (1.0, -1.0)]  # fmt: skip
-    tools = [cq.Solid.makeBox(dx, dy, MARK_DEPTH_MM + 1.0).translate(cq.Vector(x - dx / 2, y - dy / 2, low - 1.0))
-             for x, y, dx, dy in grooves]  # fmt: skip
+    grooves = [
+        (x, side * (pad.width_mm / 2 + off), MARK_WIDTH_MM, long)
+        for x in sorted({x for x, _ in places})
+        for side in (1.0, -1.0)
+    ]
+    grooves += [
+        (side * (pad.length_mm / 2 + off), y, long, MARK_WIDTH_MM)
+        for y in sorted({y for _, y in places})
+        for side in (1.0, -1.0)
+    ]
+    tools = [
+        cq.Solid.makeBox(dx, dy, MARK_DEPTH_MM + 1.0).translate(cq.Vector(x - dx / 2, y - dy / 2, low - 1.0))
+        for x, y, dx, dy in grooves
+    ]
     return single_solid(solid.cut(*tools))
 
 

@@ -67,9 +67,12 @@ def bolt_holes(spec: MouldSpec, flange: Outline, z_mm: float, height_mm: float) 
 
 
 def let_in_sheet(
-    made: Parts, part: Any, places: Sequence[tuple[float, float, float]], top_mm: float,
+    made: Parts,
+    part: Any,
+    places: Sequence[tuple[float, float, float]],
+    top_mm: float,
     offset_mm: tuple[float, float, float] = (0.0, 0.0, 0.0),
-) -> Any:  # fmt: skip
+) -> Any:
     """Add the sheet that is the tested face, flush with ``top_mm``; return the part with a pocket for each."""
     box = made.spec.box
     deep = box.face_sheet_mm + box.sheet_bond_mm
@@ -110,10 +113,15 @@ def add_lid(made: Parts, shift_mm: float) -> None:
     made.add("backer", _backer(spec, plan), "rigid")
     # Blind holes in the base plate for the spigots of the pins.
     sockets = made.tools["sockets"] = [
-        tool for one in plan.funnels
-        for tool in cylinders([Point(one.x_mm * plan.silicone_scale, one.y_mm * plan.silicone_scale)],
-                              _spigot_radius_mm(spec, one) + spec.machines.gap_mm, c.pin_spigot_mm, -c.pin_spigot_mm)
-    ]  # fmt: skip
+        tool
+        for one in plan.funnels
+        for tool in cylinders(
+            [Point(one.x_mm * plan.silicone_scale, one.y_mm * plan.silicone_scale)],
+            _spigot_radius_mm(spec, one) + spec.machines.gap_mm,
+            c.pin_spigot_mm,
+            -c.pin_spigot_mm,
+        )
+    ]
     master, frame = casting_box(spec, full, hull, land, False, tuple(sockets))
     made.add("lid_master", master, "rigid", (shift_mm, row, 0))
     made.add("lid_frame", frame, "rigid", (shift_mm, row, 0))
@@ -137,8 +145,12 @@ def _wire(outline: Outline, z_mm: float) -> Any:
 def _funnel(funnel: Funnel, high_mm: float, z_mm: float) -> Any:
     """Cone through the lid, half a millimetre longer at both ends."""
     slope, more = (funnel.large_mm - funnel.small_mm) / 2 / high_mm, 0.5
-    return cq.Solid.makeCone(funnel.small_mm / 2 - slope * more, funnel.large_mm / 2 + slope * more,
-                             high_mm + more + more, cq.Vector(funnel.x_mm, funnel.y_mm, z_mm - more))  # fmt: skip
+    return cq.Solid.makeCone(
+        funnel.small_mm / 2 - slope * more,
+        funnel.large_mm / 2 + slope * more,
+        high_mm + more + more,
+        cq.Vector(funnel.x_mm, funnel.y_mm, z_mm - more),
+    )
 
 
 def _backer(spec: MouldSpec, plan: Layout) -> Any:

@@ -48,8 +48,10 @@ def check_second_reader(assembly: Path, volume_mm3: float, count: int) -> Check:
     name, limit = "step_second_reader", VOLUME_REL
     program = shutil.which("FreeCADCmd") or shutil.which("freecadcmd")
     if program is not None:
-        script = (f"import Part; s = Part.Shape(); s.read({str(assembly)!r}); print('RESULT', len(s.Solids), "
-                  "sum(x.Volume for x in s.Solids), all(x.isValid() for x in s.Solids))")  # fmt: skip
+        script = (
+            f"import Part; s = Part.Shape(); s.read({str(assembly)!r}); print('RESULT', len(s.Solids), "
+            "sum(x.Volume for x in s.Solids), all(x.isValid() for x in s.Solids))"
+        )
         hit = re.search(r"RESULT (\d+) (\S+) (\w+)", _run([program, "-c", script]))
         if hit is not None:
             error = abs(float(hit[2]) / volume_mm3 - 1) if int(hit[1]) == count and hit[3] == "True" else 1.0
@@ -170,7 +172,7 @@ def check_lying(made: Parts, files: Mapping[str, Path]) -> list[Check]:
         below("print_on_bed", low, ON_BED_MM, "mm, lowest point of the print files off the bed"),
         below("print_overhang", hanging, MOST_OVERHANG_MM2, note + worst),
         above("print_fits_bed", spare, -BED_SLACK_MM, f"mm to spare for print file {names['spare']}, margin kept"),
-    ]  # fmt: skip
+    ]
 
 
 BED_SLACK_MM = 0.01

@@ -31,10 +31,15 @@ def _machines(spec: MouldSpec) -> list[Check]:
     play = spec.box.bolt_hole_mm - 2 * m.elephant_foot_mm - bolt
     tight = min(printed_parts(spec), key=lambda part: bed_spare_mm(part, spec))
     checks = [
-        above("fits_printer", bed_spare_mm(tight, spec), 0.0, "mm to spare on the bed, margin kept, or in height; "
-              f"tightest of all printed parts as they lie: {part_title(tight.name, spec.is_printed)}"),
+        above(
+            "fits_printer",
+            bed_spare_mm(tight, spec),
+            0.0,
+            "mm to spare on the bed, margin kept, or in height; "
+            f"tightest of all printed parts as they lie: {part_title(tight.name, spec.is_printed)}",
+        ),
         above("bolts_pass", play, 0.0, f"mm of play for M{bolt} where the print's first layer spreads"),
-    ]  # fmt: skip
+    ]
     if spec.pour.cures_warm:
         shelf = spare_mm(footprint(spec), (m.shelf_x_mm, m.shelf_y_mm))
         checks.append(above("fits_oven", shelf, 0.0, "mm to spare on the shelf"))
@@ -76,13 +81,19 @@ def _weights(spec: MouldSpec, pour: Pour, plan: PourPlan) -> list[Check]:
     return [
         equal("weights_sum", whole and math.isclose(total, plan.batch_mass_g, abs_tol=1e-9), True),
         above("batch_covers_cavity", plan.batch_mass_g - pour.film_loss_g, filled, "g after film loss"),
-        below("weighing_error", plan.ratio_error_percent, 100 * resolution / lightest,
-              "%, what one balance step allows"),
-        skipped("cup_fits_chamber", "poured without a vacuum") if not pour.is_degassed else
-        below("cup_fits_chamber", cup, min(spec.machines.chamber_diameter_mm, spec.machines.chamber_height_mm),
-              f"mm, cup of {CUP_FACTOR:g} times the liquid, as high as wide"),
+        below(
+            "weighing_error", plan.ratio_error_percent, 100 * resolution / lightest, "%, what one balance step allows"
+        ),
+        skipped("cup_fits_chamber", "poured without a vacuum")
+        if not pour.is_degassed
+        else below(
+            "cup_fits_chamber",
+            cup,
+            min(spec.machines.chamber_diameter_mm, spec.machines.chamber_height_mm),
+            f"mm, cup of {CUP_FACTOR:g} times the liquid, as high as wide",
+        ),
         above("pot_life", pour.pot_life_min, needed, "min against degassing, pouring and levelling"),
-    ]  # fmt: skip
+    ]
 
 
 def _check_warnings(spec: MouldSpec, warnings: Sequence[Mapping[str, str]]) -> Check:

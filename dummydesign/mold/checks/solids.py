@@ -114,20 +114,40 @@ def check_volumes(made: Parts) -> list[Check]:
     return [
         below("cavity_volume", off, VOLUME_REL, f"cavity to the fill plane {what}"),
         below("compensation", abs(pad.Volume() / (made.pad_nominal.Volume() * plan.scale**3) - 1), VOLUME_REL),
-        below("closed_form", abs(whole / dimensions.resin_volume_mm3(spec) - 1), near,
-              f"drafted slab by Steiner and Pappus{added}"),
-    ]  # fmt: skip
+        below(
+            "closed_form",
+            abs(whole / dimensions.resin_volume_mm3(spec) - 1),
+            near,
+            f"drafted slab by Steiner and Pappus{added}",
+        ),
+    ]
 
 
 TOUCHING = (
-    ("mould", "pad"), ("master", "frame"), ("tray", "mould"), ("lid", "mould"), ("lid", "pad"), ("backer", "lid"),
-    ("lid_master", "lid_frame"), ("strike_off", "mould"), ("strike_off", "pad"), ("collar", "mould"),
-    ("spacer", "mould"), ("carrier", "mould"), ("carrier", "pad"), ("face_sheet", "master"),
-)  # fmt: skip
+    ("mould", "pad"),
+    ("master", "frame"),
+    ("tray", "mould"),
+    ("lid", "mould"),
+    ("lid", "pad"),
+    ("backer", "lid"),
+    ("lid_master", "lid_frame"),
+    ("strike_off", "mould"),
+    ("strike_off", "pad"),
+    ("collar", "mould"),
+    ("spacer", "mould"),
+    ("carrier", "mould"),
+    ("carrier", "pad"),
+    ("face_sheet", "master"),
+)
 TOUCHING_PRINTED = (
-    ("frame", "mould"), ("frame", "pad"), ("strike_off", "frame"), ("carrier", "frame"), ("spacer", "frame"),
-    ("face_sheet", "mould"), ("face_sheet", "pad"),
-)  # fmt: skip
+    ("frame", "mould"),
+    ("frame", "pad"),
+    ("strike_off", "frame"),
+    ("carrier", "frame"),
+    ("spacer", "frame"),
+    ("face_sheet", "mould"),
+    ("face_sheet", "pad"),
+)
 
 
 def check_interference(made: Parts) -> list[Check]:
@@ -211,8 +231,10 @@ def check_sheet(made: Parts) -> list[Check]:
     top = 0.0 if printed else rough_bounds(_without_pocket(made))[5]
     offset = abs(rough_bounds(sheet)[5] - top)
     bed = made.solid("mould" if printed else "master").distance(sheet.translate((0, 0, -box.sheet_bond_mm)))
-    return [below("face_sheet_flush", offset, 1e-5, "mm off the face around it"),
-            below("face_sheet_seated", bed, 1e-5, "mm from the pocket's floor, its bond taken away")]  # fmt: skip
+    return [
+        below("face_sheet_flush", offset, 1e-5, "mm off the face around it"),
+        below("face_sheet_seated", bed, 1e-5, "mm from the pocket's floor, its bond taken away"),
+    ]
 
 
 def sweep_offsets_mm(depth_mm: float) -> list[float]:
@@ -294,8 +316,11 @@ def face_profile(made: Parts) -> Check:
     pad, shape = made.spec.pad, made.spec.pad.shape
     turn = math.radians(shape.steepest_deg) / 3
     tall = max(shape.relief_mm, shape.bone_height_mm)
-    corners = [point.toTuple() for face in _inner_faces(made.pad_nominal.copy(), pad)
-               for point in face.tessellate(0.05 * tall, turn)[0]]  # fmt: skip
+    corners = [
+        point.toTuple()
+        for face in _inner_faces(made.pad_nominal.copy(), pad)
+        for point in face.tessellate(0.05 * tall, turn)[0]
+    ]
     if len(corners) < LEAST_POINTS:
         return below("face_profile", math.inf, PROFILE_MM, "no curved face was found")
     x, y, z = np.array(corners).T

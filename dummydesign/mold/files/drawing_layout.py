@@ -48,8 +48,11 @@ def hatch(loops: Sequence[Sequence[Point]], pitch: float) -> list[tuple[Point, .
     pieces = []
     level = math.ceil(low / pitch) * pitch + 1e-7
     while level < high:
-        crossings = sorted(a[0] + (level - a[1]) / (b[1] - a[1]) * (b[0] - a[0]) for a, b in edges
-                           if (a[1] <= level) != (b[1] <= level))  # fmt: skip
+        crossings = sorted(
+            a[0] + (level - a[1]) / (b[1] - a[1]) * (b[0] - a[0])
+            for a, b in edges
+            if (a[1] <= level) != (b[1] <= level)
+        )
         for start, end in zip(crossings[::2], crossings[1::2]):
             pieces.append(tuple((root * (u - level), root * (u + level)) for u in (start, end)))
         level += pitch
@@ -296,8 +299,9 @@ def frame_and_title(sheet: Drawing, title: Title, notes: Sequence[str]) -> None:
     cells = (
         (("project", title.project), ("part", title.part)),
         (("material", title.material), ("scale", f"{ratio(sheet.scale)}  {sheet.paper}  lengths in mm")),
-        (("tolerance", title.tolerance), ("revision", title.revision)), (("date", title.date), ("sheet", title.number)),
-    )  # fmt: skip
+        (("tolerance", title.tolerance), ("revision", title.revision)),
+        (("date", title.date), ("sheet", title.number)),
+    )
     for row, pair in enumerate(cells):
         y = top - (row + 1) * ROW_MM + 2.7
         for x, (name, words) in zip((left + 2.0, middle + 2.0), pair):

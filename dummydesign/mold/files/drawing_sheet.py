@@ -17,8 +17,16 @@ Box = tuple[float, float, float, float]
 """x low, y low, x high, y high. [mm]"""
 PAPERS = {"A3": (420.0, 297.0), "A4": (297.0, 210.0)}
 """Papers, landscape. [mm]"""
-LAYERS = {"outline": 0.5, "thin": 0.18, "cut": 0.7, "bound": 0.18, "hatch": 0.13, "dimension": 0.18, "text": 0.25,
-          "frame": 0.5}  # fmt: skip
+LAYERS = {
+    "outline": 0.5,
+    "thin": 0.18,
+    "cut": 0.7,
+    "bound": 0.18,
+    "hatch": 0.13,
+    "dimension": 0.18,
+    "text": 0.25,
+    "frame": 0.5,
+}
 """Width of the lines of each layer. [mm]"""
 TEXT_MM, CAP_SHARE = 2.5, 0.718
 """Height of the capital letters of the smallest text [mm], and their share of the font size (Helvetica)."""
@@ -197,8 +205,9 @@ def _dxf_sheet(model: Any, page: Any, sheet: Drawing, left: float) -> None:
     """One sheet on its layout, its part in model space from ``left`` on. [mm]"""
     (wide, high), whole = sheet.size, 1.0 / sheet.scale
     page.page_setup(size=sheet.size, margins=(0, 0, 0, 0), units="mm")
-    view = page.add_viewport((wide / 2, high / 2), sheet.size, (left + whole * wide / 2, whole * high / 2),
-                             whole * high, status=2)  # fmt: skip
+    view = page.add_viewport(
+        (wide / 2, high / 2), sheet.size, (left + whole * wide / 2, whole * high / 2), whole * high, status=2
+    )
     view.dxf.layer = "viewport"
     # edges come from the solid in an order that differs between processes
     for line in sorted(sheet.lines, key=lambda one: (one.layer, one.points)):
@@ -226,11 +235,28 @@ def _dxf_dimension(space: Any, factor: float, shift: float, d: Dimension, sheet:
     """A dimension that measures its own length; one of a detail on the page divides by the detail's scale."""
     measured = 1.0 / (factor * sheet.scale * d.enlarged)
     base, start, end = ((shift + factor * x, factor * y) for x, y in (d.line[0], d.start, d.end))
-    style = {"dimtxt": factor * TEXT_MM, "dimasz": factor * ARROW_MM, "dimexe": factor * 1.25, "dimexo": 0.0,
-             "dimgap": factor * 0.6, "dimscale": 1.0, "dimlfac": measured, "dimdec": 2, "dimzin": 8, "dimrnd": 0.0,
-             "dimclrt": 7}  # fmt: skip
-    space.add_linear_dim(base=base, p1=start, p2=end, angle=90 if d.vertical else 0, dimstyle="EZDXF", override=style,
-                         dxfattribs={"layer": "dimension"}).render()  # fmt: skip
+    style = {
+        "dimtxt": factor * TEXT_MM,
+        "dimasz": factor * ARROW_MM,
+        "dimexe": factor * 1.25,
+        "dimexo": 0.0,
+        "dimgap": factor * 0.6,
+        "dimscale": 1.0,
+        "dimlfac": measured,
+        "dimdec": 2,
+        "dimzin": 8,
+        "dimrnd": 0.0,
+        "dimclrt": 7,
+    }
+    space.add_linear_dim(
+        base=base,
+        p1=start,
+        p2=end,
+        angle=90 if d.vertical else 0,
+        dimstyle="EZDXF",
+        override=style,
+        dxfattribs={"layer": "dimension"},
+    ).render()
 
 
 def to_svg(sheet: Drawing) -> str:
@@ -238,9 +264,10 @@ def to_svg(sheet: Drawing) -> str:
     w, h = sheet.size
     out = [
         f'<svg xmlns="http://www.w3.org/2000/svg" width="{w:g}mm" height="{h:g}mm" viewBox="0 0 {w:g} {h:g}">',
-        f"<title>{html.escape(sheet.title)}</title>", f'<rect width="{w:g}" height="{h:g}" fill="#fff"/>',
+        f"<title>{html.escape(sheet.title)}</title>",
+        f'<rect width="{w:g}" height="{h:g}" fill="#fff"/>',
         '<g fill="none" stroke="#111" stroke-linejoin="round" stroke-linecap="round">',
-    ]  # fmt: skip
+    ]
     for line in sheet.lines:
         points = " ".join(f"{x:.3f},{h - y:.3f}" for x, y in line.points)
         out.append(f'<polyline stroke-width="{LAYERS[line.layer]}" points="{points}"/>')

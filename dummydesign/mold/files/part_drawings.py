@@ -181,10 +181,15 @@ LEFT_OUT = ("layer_top", "layer_base")
 DETAILED = ("pad", "master")
 """Parts whose crown is shown enlarged."""
 MOST_WIDTHS, NEAR_MM = 6, 0.3
-NAMES = {"strike_off": "strike-off plate", "lid_master": "master of the lid", "lid_frame": "frame of the lid",
-         "face_sheet": "face sheet", "sprue_pin": "sprue pin", "vent_pin": "vent pin"}  # fmt: skip
+NAMES = {
+    "strike_off": "strike-off plate",
+    "lid_master": "master of the lid",
+    "lid_frame": "frame of the lid",
+    "face_sheet": "face sheet",
+    "sprue_pin": "sprue pin",
+    "vent_pin": "vent pin",
+}
 PRINTED_NAMES = {**NAMES, "mould": "base of the mould", "frame": "ring of the mould"}
-
 
 
 def part_views(made: Parts) -> dict[str, list[View]]:
@@ -201,10 +206,14 @@ def sheets(made: Parts, views: dict[str, list[View]], date: str = "", paper: str
         thickness = "; thickness {:.2f} to {:.2f}".format(*crown.thickness_mm)
     for count, name in enumerate(views, 1):
         title = Title(
-            f"{pad.title}, {made.spec.preset} mould", f"{names.get(name, name)}, t = {pad.thickness_mm:g}",
-            _material(made, name), f"ISO 2768-m{thickness if name == 'pad' else ''}", made.spec.hash, date or "-",
+            f"{pad.title}, {made.spec.preset} mould",
+            f"{names.get(name, name)}, t = {pad.thickness_mm:g}",
+            _material(made, name),
+            f"ISO 2768-m{thickness if name == 'pad' else ''}",
+            made.spec.hash,
+            date or "-",
             f"{count} of {len(views)}",
-        )  # fmt: skip
+        )
         drawings[name] = arrange(views[name], title, _notes(made, name), paper)
     return drawings
 
@@ -223,8 +232,10 @@ def _profile(made: Parts, name: str) -> list[str]:
         return [profile_words(shape, factor)]
     zone = 2.0 * factor * min(abs(one - pad.shape.relief_mm) for one in limits.height_mm)
     low, high = (factor * one for one in limits.height_mm)
-    return [f"{profile_words(shape, factor, zone)} Height over the flat {low:.2f} to {high:.2f}: "
-            f"{MOST_PERCENT:g} % of force."]  # fmt: skip
+    return [
+        f"{profile_words(shape, factor, zone)} Height over the flat {low:.2f} to {high:.2f}: "
+        f"{MOST_PERCENT:g} % of force."
+    ]
 
 
 def _material(made: Parts, name: str) -> str:
@@ -246,25 +257,40 @@ def _notes(made: Parts, name: str) -> list[str]:
         size = f"Tested face {pad.length_mm:g} x {pad.width_mm:g} to its sharp corner."
         draft = f"Draft {pad.draft_deg:g} deg, widening from the tested face."
         radii = f"Vertical corners R{pad.corner_radius_mm:g}, edge of the tested face R{pad.edge_radius_mm:g}."
-        return ["After cure; tested face up.", size, draft, radii, *([f"{pad.kind}: {mark}."] if mark else []),
-                *_profile(made, name)]  # fmt: skip
+        return [
+            "After cure; tested face up.",
+            size,
+            draft,
+            radii,
+            *([f"{pad.kind}: {mark}."] if mark else []),
+            *_profile(made, name),
+        ]
     notes = [f"For a {pad.title} after cure.{' Drawn turned over.' if name in TURNED else ''}"]
     if name in ("mould", "lid") or (spec.is_printed and name == "frame"):
-        notes.append(f"Cavity x {plan.scale:.5f} of the pad; draft {pad.draft_deg:g} deg, outside "
-                     f"{spec.body.outer_draft_deg:g} deg.")  # fmt: skip
-        notes.append(f"Corners of the cavity R{plan.floor_outline.radius_mm:.2f}, edge of its floor "
-                     f"R{plan.scale * pad.edge_radius_mm:.2f}, outside R{plan.top.radius_mm:.3g}.")  # fmt: skip
+        notes.append(
+            f"Cavity x {plan.scale:.5f} of the pad; draft {pad.draft_deg:g} deg, outside "
+            f"{spec.body.outer_draft_deg:g} deg."
+        )
+        notes.append(
+            f"Corners of the cavity R{plan.floor_outline.radius_mm:.2f}, edge of its floor "
+            f"R{plan.scale * pad.edge_radius_mm:.2f}, outside R{plan.top.radius_mm:.3g}."
+        )
         notes += [f"{pad.kind}: {mark}."] if mark and name == "mould" else []
         notes += _profile(made, name)
     elif name in ("master", "frame", "lid_master", "lid_frame"):
-        notes.append(f"x {plan.silicone_scale:.5f} of the silicone part; draft {pad.draft_deg:g} deg inside, "
-                     f"{spec.body.outer_draft_deg:g} deg outside; flange R{plan.flange.radius_mm:.3g}.")  # fmt: skip
+        notes.append(
+            f"x {plan.silicone_scale:.5f} of the silicone part; draft {pad.draft_deg:g} deg inside, "
+            f"{spec.body.outer_draft_deg:g} deg outside; flange R{plan.flange.radius_mm:.3g}."
+        )
         notes += _profile(made, name)
     if name == "face_sheet":
         return [*notes, "Cut to size, edges broken; bonded into the master, flush with the plug's top."]
     if name == "carrier" and made.with_bone is None:
-        return [*notes, "Glue the pad on by its free face, its middle on the plate's; each groove points at a row of "
-                "tips, and the punch is set down where the lines cross."]
+        return [
+            *notes,
+            "Glue the pad on by its free face, its middle on the plate's; each groove points at a row of "
+            "tips, and the punch is set down where the lines cross.",
+        ]
     if made.parts[name].is_printed:
         against = "resin" if spec.is_printed else "silicone"
         notes.append(f"Print solid skins; faces against {against} sanded or sealed.")
@@ -329,8 +355,10 @@ def _heights(solid: Any, loops: Sequence[Run]) -> list[Measure]:
     heights = levels(solid)
     xs = [x for loop in loops for x, _ in loop]
     low, left, right = heights[0], min(xs), max(xs)
-    return [Measure((left, low), (left, heights[-1]), "left"),
-            *(Measure((right, low), (right, z), "right") for z in heights[1:-1])]  # fmt: skip
+    return [
+        Measure((left, low), (left, heights[-1]), "left"),
+        *(Measure((right, low), (right, z), "right") for z in heights[1:-1]),
+    ]
 
 
 def _of_cavity(made: Parts, loops: Sequence[Run]) -> list[Measure]:
@@ -384,7 +412,8 @@ def _pattern(places: Sequence[tuple[float, float]]) -> list[Measure]:
             row = [point for point in places if abs(abs(point[axis]) - at) < 1e-6]
             both = any(point[axis] > 0 for point in row) and any(point[axis] < 0 for point in row)
             level = max(point[1 - axis] for point in row)
-            start, end = ((one, level) if axis == 0 else (level, one)
-                          for one in ((-at, at) if both else (0.0, row[0][axis])))  # fmt: skip
+            start, end = (
+                (one, level) if axis == 0 else (level, one) for one in ((-at, at) if both else (0.0, row[0][axis]))
+            )
             measures.append(Measure(start, end, side))
     return measures

@@ -55,29 +55,42 @@ def pour_sheet(
     record = f"dummydesign mold record DIR --thickness {typed} --mass G [--modulus KPA --level DEG --bubbles N]"
     safety = "Gloves, goggles, extraction or a hood; read the safety data sheets of all products first."
     if spec.pour.has_isocyanate:
-        safety = ("isocyanates harm the airways and can cause a lasting allergy; never heat open isocyanate; "
-                  f"keep moisture out. {safety}")  # fmt: skip
+        safety = (
+            "isocyanates harm the airways and can cause a lasting allergy; never heat open isocyanate; "
+            f"keep moisture out. {safety}"
+        )
     return [
         Block("head", title),
         Block("text", f"Specification {spec.hash}; {label}. Date {BLANK}  Operator {BLANK}  Resin batch {BLANK}"),
         *([Block("text", f"{pad.title}. {mark[0].upper()}{mark[1:]}.")] if mark else []),
         Block("text", f"Safety: {safety}"),
-        Block("head", "1. The mould"), Block("list", items=_mould_steps(spec, plan)),
+        Block("head", "1. The mould"),
+        Block("list", items=_mould_steps(spec, plan)),
         *_weight_blocks(spec, plan),
-        Block("head", "3. Pour"), Block("list", items=tuple(step.text for step in pour_steps(spec, plan))),
-        Block("head", "When a step fails"), Block("list", items=when_it_fails(spec)),
-        Block("head", "4. Demould and measure"), Block("list", items=(
-            *demould_steps(spec), demould_first(spec), measured_blanks(spec.count),
-            f"Age {spec.pour.age_before_test_days:g} days{spec.pour.mark('age_before_test_days')} at room temperature "
-            "before testing; test pad and witness on one day.")),
+        Block("head", "3. Pour"),
+        Block("list", items=tuple(step.text for step in pour_steps(spec, plan))),
+        Block("head", "When a step fails"),
+        Block("list", items=when_it_fails(spec)),
+        Block("head", "4. Demould and measure"),
+        Block(
+            "list",
+            items=(
+                *demould_steps(spec),
+                demould_first(spec),
+                measured_blanks(spec.count),
+                f"Age {spec.pour.age_before_test_days:g} days{spec.pour.mark('age_before_test_days')} at room "
+                "temperature before testing; test pad and witness on one day.",
+            ),
+        ),
         *_gauge_blocks(spec),
         Block("head", "5. Accept or reject" + (", each pad" if spec.count > 1 else "")),
         Block("table", rows=tuple(acceptance_rows(spec, plan))),
         Block("text", f"Keep these values: {record}. Then name the record in the campaign of this pad."),
         Block("head", "What is needed"),
         Block("table", rows=tuple(bill_of_materials(materials(spec, plan, printed_mm3)))),
-        Block("head", "Cautions"), Block("list", items=tuple(item["message"] for item in warnings)),
-    ]  # fmt: skip
+        Block("head", "Cautions"),
+        Block("list", items=tuple(item["message"] for item in warnings)),
+    ]
 
 
 def _gauge_blocks(spec: MouldSpec) -> list[Block]:
@@ -85,8 +98,10 @@ def _gauge_blocks(spec: MouldSpec) -> list[Block]:
     words = "Gauge the thickness at these points, seen on the tested face; x runs along the length from the middle."
     words += f" Zero the gauge on {'the plate of the bone' if spec.pad.shape.bone_height_mm else 'a flat base'}."
     points = gauge_points(spec)
-    tables = [Block("table", rows=tuple(points_rows(points, BLANK, first, min(PADS_A_TABLE, spec.count - first + 1))))
-              for first in range(1, spec.count + 1, PADS_A_TABLE)]  # fmt: skip
+    tables = [
+        Block("table", rows=tuple(points_rows(points, BLANK, first, min(PADS_A_TABLE, spec.count - first + 1))))
+        for first in range(1, spec.count + 1, PADS_A_TABLE)
+    ]
     return [Block("text", words), *tables]
 
 
@@ -132,10 +147,15 @@ def _aids(spec: MouldSpec) -> str:
 def _weight_blocks(spec: MouldSpec, plan: PourPlan) -> list[Block]:
     heads = ["2. Weigh the resin"]
     if spec.base is not None:
-        heads = ["2a. Weigh the resin of the upper layer (poured first)",
-                 "2b. Weigh the resin of the base layer (poured second, when the first has gelled)"]  # fmt: skip
-    return [block for head, one in zip(heads, pours_of(spec, plan))
-            for block in (Block("head", head), *_weighing(spec, *one))]  # fmt: skip
+        heads = [
+            "2a. Weigh the resin of the upper layer (poured first)",
+            "2b. Weigh the resin of the base layer (poured second, when the first has gelled)",
+        ]
+    return [
+        block
+        for head, one in zip(heads, pours_of(spec, plan))
+        for block in (Block("head", head), *_weighing(spec, *one))
+    ]
 
 
 def _weighing(spec: MouldSpec, pour: Pour, plan: PourPlan) -> list[Block]:
@@ -147,14 +167,19 @@ def _weighing(spec: MouldSpec, pour: Pour, plan: PourPlan) -> list[Block]:
     rows = weight_rows(mixes, digits)
     cup = cup_words(pour, CUP_FACTOR * mixes[-1].total_g / pour.density_g_per_cm3 * 1e-3)
     diameter, height = WITNESS_MM
-    witness = (f"Witness: a puck of {diameter:g} mm diameter and {height:g} mm height from the same cup "
-               f"({batch.witness_g:.1f} g). Its printed ring and how to press it: dummydesign mold --puck "
-               f"{diameter:g}x{height:g}. Compress it on the day of the test and read its modulus with: "
-               f"dummydesign resins add-compression TRACE.csv --diameter {diameter:g} --height {height:g} --friction "
-               f"lubricated --name NAME --ratio {pour.ratio:.6g}.")  # fmt: skip
+    witness = (
+        f"Witness: a puck of {diameter:g} mm diameter and {height:g} mm height from the same cup "
+        f"({batch.witness_g:.1f} g). Its printed ring and how to press it: dummydesign mold --puck "
+        f"{diameter:g}x{height:g}. Compress it on the day of the test and read its modulus with: "
+        f"dummydesign resins add-compression TRACE.csv --diameter {diameter:g} --height {height:g} --friction "
+        f"lubricated --name NAME --ratio {pour.ratio:.6g}."
+    )
     return [
-        Block("text", f"{pour.resin}, ratio {pour.ratio:.6g} ({ratio_text(pour)}){_made(mixes)}; balance step "
-                      f"{resolution:g} g, each reading within half of it."),
+        Block(
+            "text",
+            f"{pour.resin}, ratio {pour.ratio:.6g} ({ratio_text(pour)}){_made(mixes)}; balance step "
+            f"{resolution:g} g, each reading within half of it.",
+        ),
         Block("table", rows=tuple(rows)),
         *volume_blocks(pour),
         Block("text", " ".join((*_batch_words(spec, pour, plan, batch, digits), cup))),
@@ -192,16 +217,19 @@ def volume_blocks(pour: Pour) -> list[Block]:
     """How the weights follow from a ratio by volume; nothing for one by weight."""
     if not pour.component_densities_g_per_cm3:
         return []
-    densities = ", ".join(f"{name} {density:g} g/cm3" for (name, _), density
-                          in zip(pour.components, pour.component_densities_g_per_cm3))  # fmt: skip
+    densities = ", ".join(
+        f"{name} {density:g} g/cm3" for (name, _), density in zip(pour.components, pour.component_densities_g_per_cm3)
+    )
     return [Block("text", f"The ratio is by volume. The masses follow from the densities: {densities}.")]
 
 
 def _hardness_words(pour: Pour) -> str:
     """The reading that a durometer should show on the cured resin."""
-    return (f"Hardness, a rough check without a press: a durometer should show {pour.hardness} after "
-            f"{pour.age_before_test_days:g} days{pour.mark('age_before_test_days')}, on a piece at least 6 mm thick. "
-            f"Outside it the batch is not this recipe. Reading: {BLANK}")  # fmt: skip
+    return (
+        f"Hardness, a rough check without a press: a durometer should show {pour.hardness} after "
+        f"{pour.age_before_test_days:g} days{pour.mark('age_before_test_days')}, on a piece at least 6 mm thick. "
+        f"Outside it the batch is not this recipe. Reading: {BLANK}"
+    )
 
 
 def _made(mixes: Sequence[Mix]) -> str:
@@ -215,17 +243,23 @@ def _batch_words(spec: MouldSpec, pour: Pour, plan: PourPlan, batch: Batch, digi
     each = f" ({plan.fill_mass_g:.1f} g into each of {spec.count} cavities)" if spec.count > 1 else ""
     error = f"The balance leaves up to {batch.mix.error_percent:.2f} % error in a component's share."
     if batch.raised:
-        error = (f"With the loss in the cup and the spare {plan.batch_mass_g:.{digits}f} g would do. Of that the "
-                 f"balance leaves up to {plan.ratio_error_percent:.2f} % error in a component's share; of this mix "
-                 f"{batch.mix.error_percent:.2f} %. A finer balance saves resin.")  # fmt: skip
-    rest = (f"With a witness puck mix the second column, {batch.with_witness.total_g:.{digits}f} g; pour the same mass "
-            "into the mould.")  # fmt: skip
+        error = (
+            f"With the loss in the cup and the spare {plan.batch_mass_g:.{digits}f} g would do. Of that the "
+            f"balance leaves up to {plan.ratio_error_percent:.2f} % error in a component's share; of this mix "
+            f"{batch.mix.error_percent:.2f} %. A finer balance saves resin."
+        )
+    rest = (
+        f"With a witness puck mix the second column, {batch.with_witness.total_g:.{digits}f} g; pour the same mass "
+        "into the mould."
+    )
     if batch.holds_witness:
         rest = f"The rest is enough for the witness puck ({batch.witness_g:.1f} g)."
     return [
-        f"Mix {batch.mix.total_g:.{digits}f} g and pour {batch.pour_g:.1f} g of it into the mould{each}.", error,
-        f"{pour.film_loss_g:g} g stay on cup and stirrer; {pour.extra_percent:g} % of the pour are spare.", rest,
-    ]  # fmt: skip
+        f"Mix {batch.mix.total_g:.{digits}f} g and pour {batch.pour_g:.1f} g of it into the mould{each}.",
+        error,
+        f"{pour.film_loss_g:g} g stay on cup and stirrer; {pour.extra_percent:g} % of the pour are spare.",
+        rest,
+    ]
 
 
 _STYLE = (
@@ -349,14 +383,30 @@ def _story(blocks: Sequence[Block], wide: float) -> list[Any]:
     plain, bold = fonts()
     text = ParagraphStyle("text", fontName=plain, fontSize=9, leading=12.5)
     cell = ParagraphStyle("cell", parent=text, fontSize=8, leading=10.5)
-    heads = [ParagraphStyle(name, parent=text, fontName=bold, fontSize=size, leading=1.35 * size, spaceBefore=9,
-                            spaceAfter=3, keepWithNext=1) for name, size in (("title", 14), ("head", 11))]  # fmt: skip
-    grid = flow.TableStyle([
-        ("GRID", (0, 0), (-1, -1), 0.4, HexColor("#8a99a5")), ("VALIGN", (0, 0), (-1, -1), "TOP"),
-        ("BACKGROUND", (0, 0), (-1, 0), HexColor("#eef2f5")), ("LEFTPADDING", (0, 0), (-1, -1), 3),
-        ("RIGHTPADDING", (0, 0), (-1, -1), 3), ("TOPPADDING", (0, 0), (-1, -1), 2),
-        ("BOTTOMPADDING", (0, 0), (-1, -1), 2),
-    ])  # fmt: skip
+    heads = [
+        ParagraphStyle(
+            name,
+            parent=text,
+            fontName=bold,
+            fontSize=size,
+            leading=1.35 * size,
+            spaceBefore=9,
+            spaceAfter=3,
+            keepWithNext=1,
+        )
+        for name, size in (("title", 14), ("head", 11))
+    ]
+    grid = flow.TableStyle(
+        [
+            ("GRID", (0, 0), (-1, -1), 0.4, HexColor("#8a99a5")),
+            ("VALIGN", (0, 0), (-1, -1), "TOP"),
+            ("BACKGROUND", (0, 0), (-1, 0), HexColor("#eef2f5")),
+            ("LEFTPADDING", (0, 0), (-1, -1), 3),
+            ("RIGHTPADDING", (0, 0), (-1, -1), 3),
+            ("TOPPADDING", (0, 0), (-1, -1), 2),
+            ("BOTTOMPADDING", (0, 0), (-1, -1), 2),
+        ]
+    )
     story: list[Any] = []
     for index, block in enumerate(blocks):
         if block.kind == "head":

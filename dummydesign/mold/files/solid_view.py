@@ -75,14 +75,23 @@ def stack(parts: Mapping[str, NDArray], gap_mm: float = 25.0, shift_mm: float = 
 
         heights = {name: (float(one[..., 2].min()), float(one[..., 2].max())) for name, one in parts.items()}
         lifts = exploded(heights, list(parts), gap_mm)
-    return [Shown(name, one, COLOURS.get(name.split(",")[0], (0.7, 0.7, 0.72)), lifts[name], shift_mm)
-            for name, one in parts.items()]  # fmt: skip
+    return [
+        Shown(name, one, COLOURS.get(name.split(",")[0], (0.7, 0.7, 0.72)), lifts[name], shift_mm)
+        for name, one in parts.items()
+    ]
 
 
 def view_html(parts: Sequence[Shown]) -> str:
     """Canvas, controls and packed parts; :func:`view_script` draws them."""
-    packed = [{**pack(one.triangles, one.colour, one.lift_mm), "name": one.name.replace("_", " "),
-               "beside": one.shift_mm, "turned": ", " in one.name} for one in parts]  # fmt: skip
+    packed = [
+        {
+            **pack(one.triangles, one.colour, one.lift_mm),
+            "name": one.name.replace("_", " "),
+            "beside": one.shift_mm,
+            "turned": ", " in one.name,
+        }
+        for one in parts
+    ]
     names = " and ".join(one["name"] for one in packed)
     plain = json.dumps(packed, separators=(",", ":")).replace("<", "\\u003c")
     return (

@@ -49,10 +49,14 @@ def canonical_step(text: str, name: str, description: str) -> str:
     lines = [_wrapped(f"{new}={_joined(parts[old], renumbered)};") for old, new in renumbered.items()]
     name, description, who = _quoted(name), _quoted(description), _quoted(ORGANISATION)
     head = [
-        "ISO-10303-21;", "HEADER;", f"FILE_DESCRIPTION(({description}),'2;1');",
+        "ISO-10303-21;",
+        "HEADER;",
+        f"FILE_DESCRIPTION(({description}),'2;1');",
         f"FILE_NAME({name},{_quoted(time_stamp())},({who}),({who}),{who},{who},'');",
-        f"FILE_SCHEMA(({schema.group(1)}));", "ENDSEC;", "DATA;",
-    ]  # fmt: skip
+        f"FILE_SCHEMA(({schema.group(1)}));",
+        "ENDSEC;",
+        "DATA;",
+    ]
     return "\n".join([*head, *lines, "ENDSEC;", "END-ISO-10303-21;", ""])
 
 
@@ -244,8 +248,10 @@ def _add_part(document: Any, shapes: Any, part: Part) -> Any:
     tool = occ.XCAFDoc_DocumentTool.ColorTool_s(document.Main())
     tool.SetColor(label, colour, occ.XCAFDoc_ColorType.XCAFDoc_ColorSurf)
     material = occ.XCAFDoc_DocumentTool.MaterialTool_s(document.Main())
-    name, words, *kinds = (occ.TCollection_HAsciiString(one) for one in (
-        part.material.name, part.material.description, "density measure", "POSITIVE_RATIO_MEASURE"))  # fmt: skip
+    name, words, *kinds = (
+        occ.TCollection_HAsciiString(one)
+        for one in (part.material.name, part.material.description, "density measure", "POSITIVE_RATIO_MEASURE")
+    )
     material.SetMaterial(label, name, words, part.material.density_g_per_cm3, *kinds)
     occ.XCAFDoc_Volume.Set_s(label, part.volume_mm3)
     occ.XCAFDoc_Area.Set_s(label, part.area_mm2)
@@ -282,11 +288,16 @@ def _read_part(document: Any, label: Any, validity: bool) -> ReadPart:
     declared = volume.Get() if label.FindAttribute(occ.XCAFDoc_Volume.GetID_s(), volume) else None
     material, density = _read_material(label)
     return ReadPart(
-        name=name.Get().ToExtString() if named else "", volume_mm3=shape.Volume(), bounds_mm=rough_bounds(shape),
-        solids=len(shape.Solids()), valid=shape.isValid() if validity else True,
+        name=name.Get().ToExtString() if named else "",
+        volume_mm3=shape.Volume(),
+        bounds_mm=rough_bounds(shape),
+        solids=len(shape.Solids()),
+        valid=shape.isValid() if validity else True,
         colour=tuple(colour.Values(occ.Quantity_TypeOfColor.Quantity_TOC_sRGB)) if coloured else None,
-        material=material, density_g_per_cm3=density, declared_volume_mm3=declared,
-    )  # fmt: skip
+        material=material,
+        density_g_per_cm3=density,
+        declared_volume_mm3=declared,
+    )
 
 
 def _read_material(label: Any) -> tuple[str | None, float | None]:

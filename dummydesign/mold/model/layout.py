@@ -102,8 +102,9 @@ def best_grid(
 
     best = min(range(1, count + 1), key=rank)
     along, across = reach(best)
-    return (along, across), tuple((i % best * pitch_x_mm - along / 2, i // best * pitch_y_mm - across / 2)
-                                  for i in range(count))  # fmt: skip
+    return (along, across), tuple(
+        (i % best * pitch_x_mm - along / 2, i // best * pitch_y_mm - across / 2) for i in range(count)
+    )
 
 
 def pad_scale(spec: MouldSpec) -> float:
@@ -207,13 +208,28 @@ def layout(spec: MouldSpec) -> Layout:
     gutter = 0.0 if c is None else c.gutter_distance_mm + c.gutter_radius_mm
     keys = () if c is None else _key_places(spec, c, fill, gutter)
     return Layout(
-        scale=scale, silicone_scale=grow, face_mm=face, interface_mm=interface, depth_mm=depth, land_mm=land,
-        floor_outline=floor, interface_outline=floor.grown(k * interface), fill_outline=fill, brim_outline=brim,
-        opening=opening, openings=openings, top=top, bottom=bottom, flange=top.scaled(grow).grown(rim),
-        height_mm=height, keys=keys, funnels=() if c is None else _funnels(c, fill),
+        scale=scale,
+        silicone_scale=grow,
+        face_mm=face,
+        interface_mm=interface,
+        depth_mm=depth,
+        land_mm=land,
+        floor_outline=floor,
+        interface_outline=floor.grown(k * interface),
+        fill_outline=fill,
+        brim_outline=brim,
+        opening=opening,
+        openings=openings,
+        top=top,
+        bottom=bottom,
+        flange=top.scaled(grow).grown(rim),
+        height_mm=height,
+        keys=keys,
+        funnels=() if c is None else _funnels(c, fill),
         label_y_mm=-(openings.width_mm / 2 + (gutter + body.wall_mm) / 2),
-        label_room_mm=_label_room_mm(c, openings, keys), places=places,
-    )  # fmt: skip
+        label_room_mm=_label_room_mm(c, openings, keys),
+        places=places,
+    )
 
 
 def _side_by_side(spec: MouldSpec, opening: Outline, border_mm: float) -> tuple[Outline, tuple[Point, ...]]:
@@ -318,13 +334,21 @@ def check_face_sheet(spec: MouldSpec, plan: Layout) -> None:
     if shape.relief_mm:
         raise InputError(
             f"face_sheet_mm = {box.face_sheet_mm:g}: the tested face of {shape} is curved, a sheet is flat; use 0",
-            "not_applicable", "face_sheet_mm", box.face_sheet_mm, 0,
-        )  # fmt: skip
+            "not_applicable",
+            "face_sheet_mm",
+            box.face_sheet_mm,
+            0,
+        )
     under = spec.body.floor_mm if spec.is_printed else plug_top_mm(plan) + box.base_mm
     most = min(SHEET_MM[1], under - LEAST_FLOOR_MM - box.sheet_bond_mm)
     if not SHEET_MM[0] <= box.face_sheet_mm <= most:
-        raise out_of_range("face_sheet_mm", f"{box.face_sheet_mm:g}", f"{SHEET_MM[0]:g}", f"{most:.3g}",
-                           f"{LEAST_FLOOR_MM:g} mm of plastic stay under it")  # fmt: skip
+        raise out_of_range(
+            "face_sheet_mm",
+            f"{box.face_sheet_mm:g}",
+            f"{SHEET_MM[0]:g}",
+            f"{most:.3g}",
+            f"{LEAST_FLOOR_MM:g} mm of plastic stay under it",
+        )
     for name, low, high in (("sheet_bond_mm", 0.0, 0.5), ("sheet_rim_mm", 2.0, 20.0)):
         if not low <= getattr(box, name) <= high:
             raise out_of_range(name, f"{getattr(box, name):g}", f"{low:g}", f"{high:g}")
@@ -333,8 +357,10 @@ def check_face_sheet(spec: MouldSpec, plan: Layout) -> None:
         raise InputError(
             f"a sheet of {sheet.length_mm:g} x {sheet.width_mm:g} mm is all that fits on the tested face inside its "
             f"rim; at least {LEAST_MM:g} mm each way are of use: leave face_sheet_mm at 0 or take a larger pad",
-            "cannot_be_made", "face_sheet_mm", box.face_sheet_mm,
-        )  # fmt: skip
+            "cannot_be_made",
+            "face_sheet_mm",
+            box.face_sheet_mm,
+        )
 
 
 def _step(length_mm: float) -> float:

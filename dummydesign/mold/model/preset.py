@@ -23,7 +23,7 @@ from dummydesign.mold.model.products import (
     read_product,
     read_quantities,
     read_quantity_table,
-)  # fmt: skip
+)
 from dummydesign.mold.model.spec import (
     Acceptance,
     Aids,
@@ -36,19 +36,46 @@ from dummydesign.mold.model.spec import (
     PadGeometry,
     Pour,
     canonical_kind,
-)  # fmt: skip
+)
 from dummydesign.mold.model.validate import validate
 
 if TYPE_CHECKING:
     from dummydesign.resin import Resin
 
-_POUR = ("film_loss_g", "extra_percent", "silicone_extra_percent", "surface_tension_N_per_m", "contact_angle_deg",
-         "resin_expansion_per_K")  # fmt: skip
-_KEYS = ("schema", "name", "title", "style", "silicone", "machines", "plastic", "acceptance", "pad", "body", "box",
-         "aids", "process", "closure", "pour", "surface")  # fmt: skip
+_POUR = (
+    "film_loss_g",
+    "extra_percent",
+    "silicone_extra_percent",
+    "surface_tension_N_per_m",
+    "contact_angle_deg",
+    "resin_expansion_per_K",
+)
+_KEYS = (
+    "schema",
+    "name",
+    "title",
+    "style",
+    "silicone",
+    "machines",
+    "plastic",
+    "acceptance",
+    "pad",
+    "body",
+    "box",
+    "aids",
+    "process",
+    "closure",
+    "pour",
+    "surface",
+)
 # What a resin may leave out; each is plain room-temperature practice and listed as assumed in the answer.
-_RESIN_FALLBACK = {"pot_life_min": 20.0, "shrinkage_percent": 0.0, "cure_time_h": 24.0, "age_before_test_days": 7.0,
-                   "degas_pressure_kPa": 3.0}  # fmt: skip
+_RESIN_FALLBACK = {
+    "pot_life_min": 20.0,
+    "shrinkage_percent": 0.0,
+    "cure_time_h": 24.0,
+    "age_before_test_days": 7.0,
+    "degas_pressure_kPa": 3.0,
+}
 ASSUMED_SOURCE = "usual practice at room temperature, by judgement"
 
 
@@ -72,8 +99,9 @@ def mould_spec(
     kind, parameters = canonical_kind(kind, parameters)
     used = preset if isinstance(preset, Preset) else read_preset(preset, machines, silicone)
     top = used.top
-    pad = read_numbers(PadGeometry, top.table("pad"), thickness_mm=float(thickness_mm), kind=kind,
-                       parameters=parameters)  # fmt: skip
+    pad = read_numbers(
+        PadGeometry, top.table("pad"), thickness_mm=float(thickness_mm), kind=kind, parameters=parameters
+    )
     pad = _fitted(replace(pad, length_mm=float(length_mm), width_mm=float(width_mm)))
     if resin is None or isinstance(resin, str):
         from dummydesign.resin import load_resin
@@ -84,14 +112,23 @@ def mould_spec(
     if face_sheet_mm is not None:
         box = replace(box, face_sheet_mm=float(face_sheet_mm))
     spec = MouldSpec(
-        preset=used.name, pad=pad, body=read_numbers(Body, top.table("body"), style=used.style), box=box,
-        aids=read_numbers(Aids, top.table("aids")), silicone=used.silicone, pour=pour, machines=used.machines,
+        preset=used.name,
+        pad=pad,
+        body=read_numbers(Body, top.table("body"), style=used.style),
+        box=box,
+        aids=read_numbers(Aids, top.table("aids")),
+        silicone=used.silicone,
+        pour=pour,
+        machines=used.machines,
         closure=read_numbers(Closure, top.table("closure")) if "closure" in top else None,
         sources=tuple(dict.fromkeys((*sources, *used.sources))),
-        base=_base_layer(pad.shape, pour, resin, base_ratio), plastic=used.plastic,
+        base=_base_layer(pad.shape, pour, resin, base_ratio),
+        plastic=used.plastic,
         acceptance=read_numbers(Acceptance, top.table("acceptance", required=False)),
-        surface=used.surface, count=count, insert=insert,
-    )  # fmt: skip
+        surface=used.surface,
+        count=count,
+        insert=insert,
+    )
     validate(spec)
     return spec
 
@@ -118,26 +155,39 @@ def read_preset(preset: str = "open", machines: str | None = None, silicone: str
     style = str(top.data.get("style", ""))
     printed = style == "printed"
     if printed and (silicone or "silicone" in top):
-        raise InputError(f"{top.where('silicone')}: a printed mould has no silicone; leave it out", "not_applicable",
-                         "silicone")  # fmt: skip
+        raise InputError(
+            f"{top.where('silicone')}: a printed mould has no silicone; leave it out", "not_applicable", "silicone"
+        )
     for key in ("style", "machines", *(("plastic", "surface") if printed else ("silicone",))):
         if key not in top:
             raise top.fault(key, "is missing", "missing")
-    names = {"silicone": None if printed else silicone or str(top.data["silicone"]),
-             "plastic": str(top.data["plastic"]) if "plastic" in top else None,
-             "machine": machines or str(top.data["machines"])}  # fmt: skip
+    names = {
+        "silicone": None if printed else silicone or str(top.data["silicone"]),
+        "plastic": str(top.data["plastic"]) if "plastic" in top else None,
+        "machine": machines or str(top.data["machines"]),
+    }
     product, more = (None, []) if names["silicone"] is None else read_product(Silicone, names["silicone"], path)
     plastic, of_plastic = (None, []) if names["plastic"] is None else read_product(Plastic, names["plastic"], path)
     if printed and (plastic is None or plastic.expansion_per_K is None):
         message = "of a printed mould needs expansion_per_K and young_MPa in its file"
-        raise InputError(f"{top.where('plastic')}: plastic '{top.data['plastic']}' {message}", "missing",
-                         "plastic.expansion_per_K")  # fmt: skip
+        raise InputError(
+            f"{top.where('plastic')}: plastic '{top.data['plastic']}' {message}", "missing", "plastic.expansion_per_K"
+        )
     surface, of_surface = read_quantity_table(Surface, top.table("surface"), "surface ") if printed else (None, [])
     its_machines, of_machines = read_machines(str(names["machine"]), path)
     files = {f"{what} {name}": product_file(name, path, what).path for what, name in names.items() if name is not None}
     sources = (*more, *of_plastic, *of_machines, *of_surface)
-    return Preset(entry.name, style, top, its_machines, product, plastic, surface, sources,
-                  {f"mould preset {entry.name}": path, **files})  # fmt: skip
+    return Preset(
+        entry.name,
+        style,
+        top,
+        its_machines,
+        product,
+        plastic,
+        surface,
+        sources,
+        {f"mould preset {entry.name}": path, **files},
+    )
 
 
 def _fitted(pad: PadGeometry) -> PadGeometry:
@@ -175,8 +225,11 @@ def _ratio_of_base(resin: Resin, pour: Pour, upper_MPa: float, modulus_ratio: fl
             f"modulus_ratio = {modulus_ratio:g} asks {1e3 * modulus_ratio * upper_MPa:.3g} kPa of {resin.name} for the "
             f"base; with the upper layer at ratio {pour.ratio:g} ({1e3 * upper_MPa:.3g} kPa) allowed is {low:.3g} to "
             f"{high:.3g}",
-            "out_of_range", "modulus_ratio", modulus_ratio, (low, high),
-        )  # fmt: skip
+            "out_of_range",
+            "modulus_ratio",
+            modulus_ratio,
+            (low, high),
+        )
     return resin.ratio_for(modulus_ratio * upper_MPa)
 
 
@@ -188,11 +241,17 @@ def _read_pour(top: Table, resin: Resin, ratio: float) -> tuple[Pour, list[str]]
     values, sources = read_quantities(pour, _POUR)
     room = process.number("room_temperature_C")
     result = Pour(
-        **_resin_numbers(resin, ratio, room), **values, room_temperature_C=room, degas=process.string("degas"),
-        foam_factor=process.number("foam_factor"), pour_and_degas_min=process.number("pour_and_degas_min"),
-    )  # fmt: skip
-    sources += [f"resin {resin.name} {name} = {getattr(result, name):g} (assumed): not in its file, {ASSUMED_SOURCE}"
-                for name in result.assumed]  # fmt: skip
+        **_resin_numbers(resin, ratio, room),
+        **values,
+        room_temperature_C=room,
+        degas=process.string("degas"),
+        foam_factor=process.number("foam_factor"),
+        pour_and_degas_min=process.number("pour_and_degas_min"),
+    )
+    sources += [
+        f"resin {resin.name} {name} = {getattr(result, name):g} (assumed): not in its file, {ASSUMED_SOURCE}"
+        for name in result.assumed
+    ]
     return result, sources + [f"resin {resin.name}: {reference}" for reference in resin.references[:1]]
 
 
@@ -209,14 +268,20 @@ def _resin_numbers(resin: Resin, ratio: float, room_temperature_C: float) -> dic
     for name in ("density_g_per_cm3", "viscosity_Pa_s"):
         numbers[name] = float(resin.property(name, ratio).value)
     return {
-        "resin": resin.name, "ratio": float(ratio), "ratio_meaning": resin.ratio_meaning,
+        "resin": resin.name,
+        "ratio": float(ratio),
+        "ratio_meaning": resin.ratio_meaning,
         "components": tuple((part.name, float(part.mass_g)) for part in parts),
-        "young_kPa": 1e3 * float(resin.young_MPa(ratio)), "hardness": expected_hardness(resin, ratio).text, **numbers,
+        "young_kPa": 1e3 * float(resin.young_MPa(ratio)),
+        "hardness": expected_hardness(resin, ratio).text,
+        **numbers,
         "ratio_component": next((liquid.name for liquid in resin.liquids if liquid.parts is None), ""),
-        "ratio_by": resin.ratio_by, "ratio_per": resin.ratio_per,
+        "ratio_by": resin.ratio_by,
+        "ratio_per": resin.ratio_per,
         "component_densities_g_per_cm3": _densities(resin, [part.name for part in parts]),
-        "assumed": tuple(name for name in fallback if name not in known), "chemistry": resin.chemistry,
-    }  # fmt: skip
+        "assumed": tuple(name for name in fallback if name not in known),
+        "chemistry": resin.chemistry,
+    }
 
 
 def _densities(resin: Resin, names: list[str]) -> tuple[float, ...]:

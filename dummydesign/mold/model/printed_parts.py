@@ -65,21 +65,27 @@ def printed_parts(spec: MouldSpec) -> tuple[PrintedPart, ...]:
 
 def _printed_mould(spec: MouldSpec, plan: Layout) -> list[PrintedPart]:
     part = parting_mm(spec, plan)
-    return [PrintedPart("mould", plan.flange, part + spec.body.floor_mm, False, "underside"),
-            PrintedPart("frame", plan.flange, plan.land_mm - part, False, "flange")]  # fmt: skip
+    return [
+        PrintedPart("mould", plan.flange, part + spec.body.floor_mm, False, "underside"),
+        PrintedPart("frame", plan.flange, plan.land_mm - part, False, "flange"),
+    ]
 
 
 def _casting_boxes(spec: MouldSpec, plan: Layout) -> list[PrintedPart]:
     """Master and frame of the mould, of a lidded one those of the lid and the pins, and the tray."""
     box, grow, flange = spec.box, plan.silicone_scale, plan.flange
     high = plan.height_mm * grow
-    made = [PrintedPart("master", flange, box.base_mm + grow * plan.land_mm, False, "base plate"),
-            PrintedPart("frame", flange, high + box.rim_mm, False, "flange")]  # fmt: skip
+    made = [
+        PrintedPart("master", flange, box.base_mm + grow * plan.land_mm, False, "base plate"),
+        PrintedPart("frame", flange, high + box.rim_mm, False, "flange"),
+    ]
     if spec.closure is not None:
         c = spec.closure
         lid = grow * c.lid_mm
-        made += [PrintedPart("lid_master", flange, box.base_mm, False, "base plate"),
-                 PrintedPart("lid_frame", flange, lid + box.rim_mm, False, "flange")]  # fmt: skip
+        made += [
+            PrintedPart("lid_master", flange, box.base_mm, False, "base plate"),
+            PrintedPart("lid_frame", flange, lid + box.rim_mm, False, "flange"),
+        ]
         for name, funnel in (("sprue_pin", plan.funnels[0]), ("vent_pin", plan.funnels[1])):
             wide = grow * funnel.large_mm
             tall = lid + c.pin_handle_mm + c.pin_spigot_mm - 0.5
@@ -104,18 +110,30 @@ def _plates(spec: MouldSpec, plan: Layout) -> list[PrintedPart]:
         border = plan.fill_outline.scaled(1.0 / plan.scale).grown(CARRIER_BORDER_MM)
         made.append(PrintedPart("carrier", border, aids.plate_mm, True, "face without the grooves"))
     if spec.base is not None:
-        made.append(PrintedPart("spacer", plate, aids.plate_mm + plan.land_mm - plan.interface_mm, True,
-                                "face without the step"))  # fmt: skip
+        made.append(
+            PrintedPart(
+                "spacer", plate, aids.plate_mm + plan.land_mm - plan.interface_mm, True, "face without the step"
+            )
+        )
     if spec.pour.degas == "mould":
         gap = COLLAR_GAP_MM + spec.machines.elephant_foot_mm
         high = formula.collar_height_mm(plan.depth_mm, spec.pour.foam_factor)
-        made.append(PrintedPart("collar", plan.top.grown(gap + aids.collar_wall_mm), high + COLLAR_LIP_MM, True,
-                                "face without the lip"))  # fmt: skip
+        made.append(
+            PrintedPart(
+                "collar", plan.top.grown(gap + aids.collar_wall_mm), high + COLLAR_LIP_MM, True, "face without the lip"
+            )
+        )
     return made
 
 
-PART_NAMES = {"mould": "base", "strike_off": "strike-off plate", "lid_master": "lid master", "lid_frame": "lid frame",
-              "sprue_pin": "sprue pin", "vent_pin": "vent pins"}  # fmt: skip
+PART_NAMES = {
+    "mould": "base",
+    "strike_off": "strike-off plate",
+    "lid_master": "lid master",
+    "lid_frame": "lid frame",
+    "sprue_pin": "sprue pin",
+    "vent_pin": "vent pins",
+}
 """What the sheet calls a part whose file has another name."""
 
 

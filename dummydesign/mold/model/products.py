@@ -95,16 +95,19 @@ def read_numbers(kind: type[T], table: Table, /, **given: Any) -> T:
     """Make a dataclass of a table: fields that are not given are numbers; those with a default may be left out."""
     wanted = [item for item in fields(kind) if item.name not in given]  # type: ignore[arg-type]
     table.only(item.name for item in wanted)
-    numbers = {item.name: table.number(item.name, REQUIRED if item.default is MISSING else item.default)
-               for item in wanted}  # fmt: skip
+    numbers = {
+        item.name: table.number(item.name, REQUIRED if item.default is MISSING else item.default) for item in wanted
+    }
     return kind(**given, **numbers)
 
 
 def read_quantities(table: Table, keys: Iterable[str], product: str = "") -> tuple[dict[str, Any], list[str]]:
     """Read quantities; return their values and a line for each: what, how much, how sure, from where."""
     quantities = {key: table.quantity(key) for key in keys}
-    sources = [f"{product}{key} = {one.value:g} ({one.low:g} to {one.high:g}, {one.kind}): {one.source}"
-               for key, one in quantities.items()]  # fmt: skip
+    sources = [
+        f"{product}{key} = {one.value:g} ({one.low:g} to {one.high:g}, {one.kind}): {one.source}"
+        for key, one in quantities.items()
+    ]
     return {key: one.value for key, one in quantities.items()}, sources
 
 
@@ -153,13 +156,20 @@ def read_machines(name: str, preset: Path) -> tuple[Machines, list[str]]:
     _check_between_0_and(1.0, "layer_mm", layer := printer.number("layer_mm", 0.0), printer)
     fit, sources = _read_fit(top.table("print_fit")) if "print_fit" in top else (None, [])
     machines = Machines(
-        name, balance_resolution_g=top.number("balance_resolution_g"),
-        bed_x_mm=printer.number("bed_x_mm"), bed_y_mm=printer.number("bed_y_mm"),
-        printer_height_mm=printer.number("height_mm"), bed_margin_mm=printer.number("margin_mm"), layer_mm=layer,
-        chamber_diameter_mm=chamber.number("diameter_mm"), chamber_height_mm=chamber.number("height_mm"),
-        shelf_x_mm=oven.number("shelf_x_mm"), shelf_y_mm=oven.number("shelf_y_mm"),
-        oven_height_mm=oven.number("height_mm"), fit=fit,
-    )  # fmt: skip
+        name,
+        balance_resolution_g=top.number("balance_resolution_g"),
+        bed_x_mm=printer.number("bed_x_mm"),
+        bed_y_mm=printer.number("bed_y_mm"),
+        printer_height_mm=printer.number("height_mm"),
+        bed_margin_mm=printer.number("margin_mm"),
+        layer_mm=layer,
+        chamber_diameter_mm=chamber.number("diameter_mm"),
+        chamber_height_mm=chamber.number("height_mm"),
+        shelf_x_mm=oven.number("shelf_x_mm"),
+        shelf_y_mm=oven.number("shelf_y_mm"),
+        oven_height_mm=oven.number("height_mm"),
+        fit=fit,
+    )
     return machines, sources
 
 
@@ -210,5 +220,8 @@ def check_surface(surface: Surface | None, draft_deg: float) -> None:
         raise InputError(
             f"draft_deg = {draft_deg:g} of a printed mould: valleys of {surface.depth_mm:g} mm need at least "
             f"{surface.draft_needed_deg:.2f} deg; give more draft, or finish it to {deep:.3f} mm (surface depth_mm)",
-            "out_of_range", "draft_deg", draft_deg, (surface.draft_needed_deg, None),
-        )  # fmt: skip
+            "out_of_range",
+            "draft_deg",
+            draft_deg,
+            (surface.draft_needed_deg, None),
+        )

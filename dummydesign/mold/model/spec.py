@@ -46,8 +46,9 @@ class Placing:
             raise out_of_range("bone scale", f"{self.scale:g}", 0.001, 1000, "of the file's lengths, taken as mm")
         most = thickness_mm - THINNEST_COVER_MM
         if not 0.3 <= self.height_mm <= most:
-            raise out_of_range("bone height", f"{self.height_mm:g}", 0.3, f"{most:g}",
-                               f"{THINNEST_COVER_MM:g} mm of gel stay over it")  # fmt: skip
+            raise out_of_range(
+                "bone height", f"{self.height_mm:g}", 0.3, f"{most:g}", f"{THINNEST_COVER_MM:g} mm of gel stay over it"
+            )
 
 
 @dataclass(frozen=True)
@@ -78,22 +79,30 @@ class Insert:
 
     def check(self, length_mm: float, width_mm: float) -> None:
         """Refuse a bone that sticks out of the gel or hardly meets its plate."""
-        for name, low, high, across in (("length", self.x_low_mm, self.x_high_mm, length_mm),
-                                        ("width", self.y_low_mm, self.y_high_mm, width_mm)):  # fmt: skip
+        for name, low, high, across in (
+            ("length", self.x_low_mm, self.x_high_mm, length_mm),
+            ("width", self.y_low_mm, self.y_high_mm, width_mm),
+        ):
             room = across / 2 - RIM_FREE_MM
             if low < -room or high > room:
                 raise InputError(
                     f"bone '{self.file}' sticks out: along the {name} it lies from {low:.1f} to {high:.1f} mm of the "
                     f"pad's middle, allowed is {-room:g} to {room:g} ({RIM_FREE_MM:g} mm of gel all round); scale or "
                     "move it, or take a larger pad",
-                    "out_of_range", f"bone_{name}_mm", (low, high), (-room, room),
-                )  # fmt: skip
+                    "out_of_range",
+                    f"bone_{name}_mm",
+                    (low, high),
+                    (-room, room),
+                )
         if self.seat_mm2 < LEAST_SEAT_MM2:
             raise InputError(
                 f"bone '{self.file}' meets its plate with {self.seat_mm2:.1f} mm2, at least {LEAST_SEAT_MM2:g} are "
                 "needed: let it reach less deep into the gel (bone height) so that a wider section lies at the plate",
-                "out_of_range", "bone_seat_mm2", self.seat_mm2, (LEAST_SEAT_MM2, None),
-            )  # fmt: skip
+                "out_of_range",
+                "bone_seat_mm2",
+                self.seat_mm2,
+                (LEAST_SEAT_MM2, None),
+            )
 
     def volume_error_mm3(self, thickness_mm: float) -> float:
         """Error of the volume that changes the force by :data:`FORCE_SHARE`, spread as a height over the seat."""
@@ -104,10 +113,14 @@ class Insert:
         """The warning that goes out with it."""
         simpler = f"; {self.mended}" if self.mended else ""
         if self.off_file_mm:
-            simpler += (f"; its {self.triangles:,} triangles were simplified: {self.off_file_rms_mm:.3f} mm off (root "
-                        f"mean square), {self.off_file_mm:.3f} mm at most")  # fmt: skip
-        return (f"the bone comes from {self.file} (scale {self.placing.scale:g}); finite elements take the nearest "
-                f"dome in its place, which is {self.off_dome_mm:.2f} mm off its underside (root mean square){simpler}")
+            simpler += (
+                f"; its {self.triangles:,} triangles were simplified: {self.off_file_rms_mm:.3f} mm off (root "
+                f"mean square), {self.off_file_mm:.3f} mm at most"
+            )
+        return (
+            f"the bone comes from {self.file} (scale {self.placing.scale:g}); finite elements take the nearest "
+            f"dome in its place, which is {self.off_dome_mm:.2f} mm off its underside (root mean square){simpler}"
+        )
 
 
 USUAL_FILE = ("off_file_rms_mm", "triangles", "mended")
@@ -356,8 +369,13 @@ class Pour:
         return self.cure_temperature_C > self.room_temperature_C + WARM_K
 
 
-USUAL_POUR = {"ratio_by": "weight", "ratio_per": "others", "component_densities_g_per_cm3": (), "assumed": (),
-              "chemistry": ""}  # fmt: skip
+USUAL_POUR = {
+    "ratio_by": "weight",
+    "ratio_per": "others",
+    "component_densities_g_per_cm3": (),
+    "assumed": (),
+    "chemistry": "",
+}
 """Fields of a pour that are left out of a specification when they are as usual."""
 
 

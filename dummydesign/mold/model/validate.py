@@ -33,8 +33,11 @@ def validate(spec: MouldSpec) -> Layout:
         raise InputError(
             f"count = {spec.count} cavities of {spec.pad.length_mm:g} x {spec.pad.width_mm:g} mm do not fit machines "
             f"'{spec.machines.name}'; {fewer} fit{'s' if fewer == 1 else ''} in one mould",
-            "out_of_range", "count", spec.count, (1, fewer),
-        ) from InputError(fault[0], "cannot_be_made", fault[1])  # fmt: skip
+            "out_of_range",
+            "count",
+            spec.count,
+            (1, fewer),
+        ) from InputError(fault[0], "cannot_be_made", fault[1])
     message, quantity, value, allowed = fault
     advice = "name other machines in a preset file"
     if turned_fits(spec):
@@ -178,8 +181,13 @@ def _check_closure(spec: MouldSpec) -> None:
     least_distance = c.gutter_radius_mm + 1.5
     if c.gutter_distance_mm < least_distance:
         message = f"gutter_distance_mm = {c.gutter_distance_mm:g} leaves less than 1.5 mm beside the cavity"
-        raise InputError(f"{message}; at least {least_distance:g}", "out_of_range", "gutter_distance_mm",
-                         c.gutter_distance_mm, (least_distance, None))  # fmt: skip
+        raise InputError(
+            f"{message}; at least {least_distance:g}",
+            "out_of_range",
+            "gutter_distance_mm",
+            c.gutter_distance_mm,
+            (least_distance, None),
+        )
     _between("key_clearance_mm", c.key_clearance_mm, 0.05, 0.5)
     _between("key_shift_mm", c.key_shift_mm, socket + 1.0, pad.length_mm / 2)
     _between("key_radius_mm", c.key_radius_mm, 1.5, min(c.lid_mm, body.floor_mm) - 2.0)
@@ -201,9 +209,12 @@ def _check_process(spec: MouldSpec) -> None:
     if plastic is not None and hot > plastic.service_temperature_C:
         raise InputError(
             f"plastic '{plastic.name}' bears {plastic.service_temperature_C:g} C, the resin cures at {hot:g} C and the "
-            "tray stays in the oven: name a plastic in the preset that bears it, such as plastic = \"asa\"",
-            "out_of_range", "plastic.service_temperature_C", plastic.service_temperature_C, (hot, None),
-        )  # fmt: skip
+            'tray stays in the oven: name a plastic in the preset that bears it, such as plastic = "asa"',
+            "out_of_range",
+            "plastic.service_temperature_C",
+            plastic.service_temperature_C,
+            (hot, None),
+        )
     for name, value in asdict(spec.acceptance).items():
         _between(f"acceptance {name}", value, 0.1, 50.0)
     _between("foam_factor", pour.foam_factor, 1.5, 8.0)
@@ -217,9 +228,12 @@ def _check_process(spec: MouldSpec) -> None:
             f"pour_and_degas_min = {pour.pour_and_degas_min:g} is not below the pot life of {pour.resin}, "
             f"{pour.pot_life_min:g} min{pour.mark('pot_life_min')}. It is in [process] of mould preset "
             f"'{spec.preset}': copy its file, write the minutes that you need and pass the copy with --preset. Without "
-            "a vacuum write degas = \"none\" there, and the minutes to pour alone",
-            "out_of_range", "pour_and_degas_min", pour.pour_and_degas_min, (None, pour.pot_life_min),
-        )  # fmt: skip
+            'a vacuum write degas = "none" there, and the minutes to pour alone',
+            "out_of_range",
+            "pour_and_degas_min",
+            pour.pour_and_degas_min,
+            (None, pour.pot_life_min),
+        )
     if not pour.components or not math.isclose(sum(share for _, share in pour.components), 1.0, abs_tol=1e-9):
         raise InputError("the mass fractions of the resin's components must sum to 1", "inconsistent", "components")
     _between("balance_resolution_g", spec.machines.balance_resolution_g, 0.001, 10.0)
@@ -259,8 +273,12 @@ def _machine_fault(spec: MouldSpec) -> tuple[str, str, Any, Any] | None:
             return _too_large("printer bed", f"the {name}", part.outline, m.bed_mm, spec)
         if part.height_mm > m.printer_height_mm:
             message = f"the {name} is {part.height_mm:.0f} mm high as it is printed, the printer of machines"
-            return (f"{message} '{m.name}' prints up to {m.printer_height_mm:g} mm", "printer_height_mm",
-                    part.height_mm, (None, m.printer_height_mm))  # fmt: skip
+            return (
+                f"{message} '{m.name}' prints up to {m.printer_height_mm:g} mm",
+                "printer_height_mm",
+                part.height_mm,
+                (None, m.printer_height_mm),
+            )
     shelf = m.shelf_x_mm, m.shelf_y_mm
     if spec.pour.cures_warm and spare_mm(footprint(spec), shelf) < 0:
         return _too_large("oven shelf", "the mould" if spec.is_printed else "the tray", footprint(spec), shelf, spec)
@@ -269,8 +287,11 @@ def _machine_fault(spec: MouldSpec) -> tuple[str, str, Any, Any] | None:
         return (
             f"the mould with its collar ({plan.top.diagonal_mm:.0f} mm across, {high:.0f} mm high) does not fit "
             f"the vacuum chamber of machines '{m.name}' ({m.chamber_diameter_mm:g} x {m.chamber_height_mm:g} mm); "
-            "degas in the cup or use a smaller pad", "vacuum_chamber", None, None,
-        )  # fmt: skip
+            "degas in the cup or use a smaller pad",
+            "vacuum_chamber",
+            None,
+            None,
+        )
     return None
 
 
@@ -279,9 +300,11 @@ def _too_large(
 ) -> tuple[str, str, Any, Any]:
     """What is wrong with a part larger than a machine."""
     pad, short, long = spec.pad, min(room_mm), max(room_mm)
-    message = (f"pad of {pad.length_mm:g} x {pad.width_mm:g} mm: {part} of {size.length_mm:.1f} x {size.width_mm:.1f} "
-               f"mm does not fit the {machine} of machines '{spec.machines.name}' ({long:g} x {short:g} mm "
-               "usable)")  # fmt: skip
+    message = (
+        f"pad of {pad.length_mm:g} x {pad.width_mm:g} mm: {part} of {size.length_mm:.1f} x {size.width_mm:.1f} "
+        f"mm does not fit the {machine} of machines '{spec.machines.name}' ({long:g} x {short:g} mm "
+        "usable)"
+    )
     return message, quantity_name(machine), (size.length_mm, size.width_mm), (long, short)
 
 

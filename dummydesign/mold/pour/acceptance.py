@@ -53,8 +53,10 @@ def gauge_points(spec: MouldSpec) -> tuple[GaugePoint, ...]:
     places = {first if len(stands) == 1 else f"{first}{i}": point for i, point in enumerate(stands, 1)}
     places |= {} if pad.is_puck else shape.gauge_places(pad)
     corner = _corner(spec)
-    places |= {f"{'edge' if pad.is_puck else 'corner'}{i}": (a * corner[0], b * corner[1])
-               for i, (a, b) in enumerate(CORNERS, 1)}  # fmt: skip
+    places |= {
+        f"{'edge' if pad.is_puck else 'corner'}{i}": (a * corner[0], b * corner[1])
+        for i, (a, b) in enumerate(CORNERS, 1)
+    }
     points = tuple(_point(spec, name, point, stands) for name, point in places.items())
     limits = crown_limits(pad, spec.acceptance.thickness_percent)
     if limits is None:
@@ -62,8 +64,10 @@ def gauge_points(spec: MouldSpec) -> tuple[GaugePoint, ...]:
     low, high = (one - pad.thickness_mm for one in limits.thickness_mm)
     return tuple(
         replace(one, low_mm=one.nominal_mm + low, high_mm=one.nominal_mm + high)
-        if one.pressed or one.name == SHOULDER else one for one in points
-    )  # fmt: skip
+        if one.pressed or one.name == SHOULDER
+        else one
+        for one in points
+    )
 
 
 def _corner(spec: MouldSpec) -> tuple[float, float]:
@@ -84,9 +88,15 @@ def _point(spec: MouldSpec, name: str, at: tuple[float, float], stands: Sequence
     middle = pad.thickness_mm - shape.bone_height_mm
     allowed = pad.thickness_mm * spec.acceptance.thickness_percent / 100
     return GaugePoint(
-        name, round(at[0], 2), round(at[1], 2), nominal, nominal - allowed, nominal + allowed, gel,
+        name,
+        round(at[0], 2),
+        round(at[1], 2),
+        nominal,
+        nominal - allowed,
+        nominal + allowed,
+        gel,
         abs(nominal - pad.thickness_mm) < 1e-9 and abs(gel - middle) < 1e-9,
-    )  # fmt: skip
+    )
 
 
 def points_rows(points: Sequence[GaugePoint], blank: str, first_pad: int = 1, pads: int = 1) -> list[tuple[str, ...]]:
@@ -97,8 +107,17 @@ def points_rows(points: Sequence[GaugePoint], blank: str, first_pad: int = 1, pa
     rows = [("gauge point", "x, mm", "y, mm", "nominal, mm", *part, "allowed, mm", *free)]
     for one in points:
         gel = [f"{one.gel_mm:.2f}"] if bone else []
-        rows.append((one.name, f"{one.x_mm:g}", f"{one.y_mm:g}", f"{one.nominal_mm:.2f}", *gel,
-                     f"{one.low_mm:.2f} to {one.high_mm:.2f}", *[blank] * pads))  # fmt: skip
+        rows.append(
+            (
+                one.name,
+                f"{one.x_mm:g}",
+                f"{one.y_mm:g}",
+                f"{one.nominal_mm:.2f}",
+                *gel,
+                f"{one.low_mm:.2f} to {one.high_mm:.2f}",
+                *[blank] * pads,
+            )
+        )
     return rows
 
 
@@ -170,25 +189,61 @@ def acceptance_rows(spec: MouldSpec, plan: PourPlan) -> list[tuple[str, ...]]:
         spread += ", without the crown's height"
         at_limit = f"{MOST_PERCENT:g} % of force at a given depth at most"
         within = "table above"
-        heights = [("height over the flat: tip less shoulder", f"{spec.pad.shape.relief_mm:.2f} mm",
-                    "{:.2f} to {:.2f} mm".format(*crown.height_mm), at_limit, BLANK,
-                    "enter the readings in the record (below); cast again when the plug is off, too")]  # fmt: skip
+        heights = [
+            (
+                "height over the flat: tip less shoulder",
+                f"{spec.pad.shape.relief_mm:.2f} mm",
+                "{:.2f} to {:.2f} mm".format(*crown.height_mm),
+                at_limit,
+                BLANK,
+                "enter the readings in the record (below); cast again when the plug is off, too",
+            )
+        ]
     light, heavy = (mass * (1 + sign * limits.mass_percent / 100) for sign in (-1, 1))
     return [
         ("measured", "wanted", "allowed", "effect at the limit", "measured value", "if outside"),
-        ("thickness at each gauge point", "its nominal", within, at_limit, "table above",
-         "enter the measured thickness in the record (below); beyond twice the limit cast again"),
+        (
+            "thickness at each gauge point",
+            "its nominal",
+            within,
+            at_limit,
+            "table above",
+            "enter the measured thickness in the record (below); beyond twice the limit cast again",
+        ),
         *heights,
-        (spread, "0 mm", f"{spread_mm(spec):.2f} mm", costs(100 * spread_mm(spec) / h / 2.0),
-         BLANK, "level again with the weight in the mould, cast again"),
-        ("mass", f"{mass:.1f} g", f"{light:.1f} to {heavy:.1f} g", costs(limits.mass_percent), BLANK,
-         "too light: air inside or a leak; too heavy: overfilled"),
+        (
+            spread,
+            "0 mm",
+            f"{spread_mm(spec):.2f} mm",
+            costs(100 * spread_mm(spec) / h / 2.0),
+            BLANK,
+            "level again with the weight in the mould, cast again",
+        ),
+        (
+            "mass",
+            f"{mass:.1f} g",
+            f"{light:.1f} to {heavy:.1f} g",
+            costs(limits.mass_percent),
+            BLANK,
+            "too light: air inside or a leak; too heavy: overfilled",
+        ),
         # the modulus of a puck is what it is cast for
-        *([] if spec.pad.is_puck else [
-            ("modulus of the witness", f"{spec.pour.young_kPa:.1f} kPa", f"within {limits.modulus_percent:g} %",
-             f"{limits.modulus_percent:.0f} % of force", BLANK, WRONG_MODULUS)]),
+        *(
+            []
+            if spec.pad.is_puck
+            else [
+                (
+                    "modulus of the witness",
+                    f"{spec.pour.young_kPa:.1f} kPa",
+                    f"within {limits.modulus_percent:g} %",
+                    f"{limits.modulus_percent:.0f} % of force",
+                    BLANK,
+                    WRONG_MODULUS,
+                )
+            ]
+        ),
         ("bubbles over 1 mm under the punch", "none", "none", "softer there; size not known", BLANK, BUBBLES),
-    ]  # fmt: skip
+    ]
 
 
 def when_it_fails(spec: MouldSpec) -> tuple[str, ...]:

@@ -67,8 +67,10 @@ def materials(spec: MouldSpec, plan: PourPlan, printed_mm3: Mapping[str, float] 
     bolted, levelled = ("ring on base", "mould") if spec.is_printed else ("frame on master", "tray")
     bolts = f"screws M{math.floor(box.bolt_hole_mm)} x {screw_length_mm(grip)} with nuts and washers"
     levels = f"screws M{math.floor(aids.level_screw_hole_mm)} x {long} with nuts"
-    needs = [MaterialItem(bolts, 8 if spec.closure is None else 16, "{:.0f}", bolted),
-             MaterialItem(levels, 3, "{:.0f}", f"levelling the {levelled}")]  # fmt: skip
+    needs = [
+        MaterialItem(bolts, 8 if spec.closure is None else 16, "{:.0f}", bolted),
+        MaterialItem(levels, 3, "{:.0f}", f"levelling the {levelled}"),
+    ]
     if spec.silicone is not None:
         needs.append(MaterialItem(f"mould silicone {spec.silicone.name}", plan.silicone_mass_g, "{:.0f} g", "mould"))
     else:
@@ -83,10 +85,15 @@ def materials(spec: MouldSpec, plan: PourPlan, printed_mm3: Mapping[str, float] 
         size = f"{cut.length_mm:g} mm across" if cut.is_circle else f"{cut.length_mm:g} x {cut.width_mm:g} mm"
         glass = f"sheet of glass, {box.face_sheet_mm:g} mm, {size}"
         needs.append(MaterialItem(glass, spec.count, "{:.0f}", "tested face"))
-    mixes = [(name, pour, batch_of(spec, pour, its_plan).with_witness)
-             for name, (pour, its_plan) in zip(("", " (base layer)"), pours_of(spec, plan))]  # fmt: skip
-    needs += [MaterialItem(f"{what}{name}", mass, "{:.1f} g", "pad and witness", POUR)
-              for name, _, mix in mixes for what, mass in mix.components]  # fmt: skip
+    mixes = [
+        (name, pour, batch_of(spec, pour, its_plan).with_witness)
+        for name, (pour, its_plan) in zip(("", " (base layer)"), pours_of(spec, plan))
+    ]
+    needs += [
+        MaterialItem(f"{what}{name}", mass, "{:.1f} g", "pad and witness", POUR)
+        for name, _, mix in mixes
+        for what, mass in mix.components
+    ]
     foam = max(CUP_FACTOR * mix.total_g / pour.density_g_per_cm3 * 1e3 for _, pour, mix in mixes)
     cup = f"cups of {sold(CUPS_LITRE, foam * 1e-6):g} l"
     needs.append(MaterialItem(cup, 2 * len(mixes), "{:.0f}", "mixing and pouring over", POUR))
@@ -106,8 +113,10 @@ def materials(spec: MouldSpec, plan: PourPlan, printed_mm3: Mapping[str, float] 
     needs.append(MaterialItem("gloves, goggles, extraction", 1, "{:.0f} set", against, SHARED))
     filament = spec.plastic.name.upper() if spec.plastic else "filament"
     gram = 1e-3 * FILLED_SHARE * (spec.plastic.density_g_per_cm3 if spec.plastic else 1.24)
-    return needs + [MaterialItem(f"{filament}: {name}", volume * gram, "about {:.0f} g", "")
-                    for name, volume in (printed_mm3 or {}).items()]  # fmt: skip
+    return needs + [
+        MaterialItem(f"{filament}: {name}", volume * gram, "about {:.0f} g", "")
+        for name, volume in (printed_mm3 or {}).items()
+    ]
 
 
 def bill_of_materials(needs: Iterable[MaterialItem]) -> list[tuple[str, str, str]]:

@@ -90,8 +90,11 @@ def printed_volumes_mm3(spec: MouldSpec) -> dict[str, float] | None:
         ears = SCREWS * (EAR_MM2 - math.pi / 4 * aids.level_screw_hole_mm**2)
         floor = tray_outline(spec, plan).area_mm2
         tray = (floor + ears) * aids.tray_floor_mm + (floor - pocket.area_mm2) * aids.tray_rim_height_mm
-        volumes = {"master": (plan.flange.area_mm2 - bolts) * box.base_mm + grow**3 * cavities, "frame": frame,
-                   "tray": tray}  # fmt: skip
+        volumes = {
+            "master": (plan.flange.area_mm2 - bolts) * box.base_mm + grow**3 * cavities,
+            "frame": frame,
+            "tray": tray,
+        }
     dip = drafted_volume_mm3(plan.brim_outline.grown(-aids.plate_clearance_mm), body.freeboard_mm, spec.pad.draft_deg)
     plate = plan.top.grown(-1.0).area_mm2 * aids.plate_mm + spec.count * dip
     if spec.pad.shape.bone_height_mm:

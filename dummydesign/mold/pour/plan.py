@@ -154,18 +154,29 @@ def _one_pour(
     mass_mould = silicone_mm3 * spec.tool.density_g_per_cm3 * 1e-3
     warmer = max(0.0, pour.cure_temperature_C - pour.room_temperature_C)
     return PourPlan(
-        cavity_mm3=resin_mm3, pad_mass_g=density * resin_mm3, batch_mass_g=round(batch, 6), components=components,
-        ratio_error_percent=error, batch_for_ratio_g=resolution / (RATIO_ERROR_LIMIT_PERCENT / 100 * smallest),
-        cup_mm3=CUP_FACTOR * batch / density, fill_mass_g=in_mould, gram_per_mm_g=density * face.area_mm2,
+        cavity_mm3=resin_mm3,
+        pad_mass_g=density * resin_mm3,
+        batch_mass_g=round(batch, 6),
+        components=components,
+        ratio_error_percent=error,
+        batch_for_ratio_g=resolution / (RATIO_ERROR_LIMIT_PERCENT / 100 * smallest),
+        cup_mm3=CUP_FACTOR * batch / density,
+        fill_mass_g=in_mould,
+        gram_per_mm_g=density * face.area_mm2,
         silicone_mass_g=0.0 if spec.is_printed else mass_mould * (1 + pour.silicone_extra_percent / 100),
-        mould_mass_g=mass_mould, level_deg=level, level_mm=formula.tilt_error_mm(long, level),
-        meniscus_mm=formula.meniscus_height_mm(*_liquid(pour)), meniscus_mm3=_meniscus_mm3(spec, pour),
+        mould_mass_g=mass_mould,
+        level_deg=level,
+        level_mm=formula.tilt_error_mm(long, level),
+        meniscus_mm=formula.meniscus_height_mm(*_liquid(pour)),
+        meniscus_mm3=_meniscus_mm3(spec, pour),
         wall_deflection_mm=formula.wall_deflection_mm(
-            plan.depth_mm, spec.body.wall_mm, spec.tool.young_MPa or 0.0, pour.density_g_per_cm3),
+            plan.depth_mm, spec.body.wall_mm, spec.tool.young_MPa or 0.0, pour.density_g_per_cm3
+        ),
         thermal_growth_mm=plan.bottom.length_mm * (spec.tool.expansion_per_K or 0.0) * warmer,
         collar_mm=formula.collar_height_mm(plan.depth_mm, pour.foam_factor) if pour.degas == "mould" else 0.0,
-        pour_time_s=spreading_time_s(spec, pour, film_mm), weighed_ratio=weighed_ratio(pour, components),
-    )  # fmt: skip
+        pour_time_s=spreading_time_s(spec, pour, film_mm),
+        weighed_ratio=weighed_ratio(pour, components),
+    )
 
 
 def _liquid(pour: Pour) -> tuple[float, float, float]:
@@ -236,8 +247,12 @@ class Mix:
 
     def to_dict(self) -> dict[str, Any]:
         """Return plain values."""
-        return {"components": _named(self.components, self.volumes_ml), "total_g": self.total_g,
-                "weighing_error_percent": self.error_percent, "ratio": self.ratio}  # fmt: skip
+        return {
+            "components": _named(self.components, self.volumes_ml),
+            "total_g": self.total_g,
+            "weighing_error_percent": self.error_percent,
+            "ratio": self.ratio,
+        }
 
 
 @dataclass(frozen=True)
@@ -278,8 +293,13 @@ def batch_of(spec: MouldSpec, pour: Pour, plan: PourPlan) -> Batch:
     foamed = math.pi / 4 * cup_mm**3 / CUP_FACTOR * pour.density_g_per_cm3 * 1e-3
     most = foamed if pour.is_degassed else math.inf
     least = math.ceil(min(plan.batch_for_ratio_g, math.floor(most) if pour.is_degassed else math.inf) - 1e-9)
-    own = Mix(plan.components, plan.batch_mass_g, plan.ratio_error_percent, plan.weighed_ratio,
-              volumes_ml(pour, plan.components))  # fmt: skip
+    own = Mix(
+        plan.components,
+        plan.batch_mass_g,
+        plan.ratio_error_percent,
+        plan.weighed_ratio,
+        volumes_ml(pour, plan.components),
+    )
     mix = own if plan.batch_mass_g >= least else mix_of(least, pour, machines.balance_resolution_g, most)
     wanted = plan.batch_mass_g + (1 + pour.extra_percent / 100) * witness_mass_g(pour)
     both = mix if wanted <= mix.total_g else mix_of(wanted, pour, machines.balance_resolution_g)
@@ -302,5 +322,10 @@ def batches_of(spec: MouldSpec, plan: PourPlan) -> dict[str, Any]:
 def mix_of(total_g: float, pour: Pour, resolution_g: float, most_g: float = math.inf) -> Mix:
     """What is weighed for so much of a resin, in steps of the balance."""
     components, error = split_batch(total_g, pour.components, resolution_g, most_g)
-    return Mix(components, round(sum(mass for _, mass in components), 6), error, weighed_ratio(pour, components),
-               volumes_ml(pour, components))  # fmt: skip
+    return Mix(
+        components,
+        round(sum(mass for _, mass in components), 6),
+        error,
+        weighed_ratio(pour, components),
+        volumes_ml(pour, components),
+    )

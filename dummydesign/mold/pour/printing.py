@@ -99,8 +99,11 @@ def check_layers(spec: MouldSpec) -> None:
             f"layer_mm = {layer:g} of machines '{spec.machines.name}' may leave the tip of {spec.pad.shape} half a "
             f"layer low, {ALLOWED_PERCENT * layer / allowed:.1f} % of force; allowed is up to {allowed:.3f} mm "
             f"for {ALLOWED_PERCENT:g} %: machine the master or take a higher, flatter curve",
-            "out_of_range", "layer_mm", layer, (0, allowed),
-        )  # fmt: skip
+            "out_of_range",
+            "layer_mm",
+            layer,
+            (0, allowed),
+        )
     cost = rounding_cost(spec, layer) if layer else 0.0
     if cost is not None and abs(cost) > ALLOWED_PERCENT:
         good = [one for one in LAYERS_MM if one < layer and abs(rounding_cost(spec, one) or 0.0) <= ALLOWED_PERCENT]
@@ -108,8 +111,10 @@ def check_layers(spec: MouldSpec) -> None:
         raise InputError(
             f"layer_mm = {layer:g} of machines '{spec.machines.name}': {layer_words(spec)}; allowed is "
             f"{ALLOWED_PERCENT:g} %: {finer}, or take a thickness near {printed_thickness_mm(spec, layer):.2f} mm",
-            "out_of_range", "layer_mm", layer,
-        )  # fmt: skip
+            "out_of_range",
+            "layer_mm",
+            layer,
+        )
 
 
 def tip_words(spec: MouldSpec) -> str:
@@ -118,8 +123,10 @@ def tip_words(spec: MouldSpec) -> str:
         return ""
     tall = max(spec.pad.shape.relief_mm, spec.pad.shape.bone_height_mm)
     layer = spec.machines.layer_mm or formula.print_layer_mm(tall)
-    return (f"{allowed / 2:.3f} mm of its height change the force by {ALLOWED_PERCENT:g} %, layers of {layer:.2g} mm "
-            f"by up to {ALLOWED_PERCENT * layer / allowed:.1f} %")
+    return (
+        f"{allowed / 2:.3f} mm of its height change the force by {ALLOWED_PERCENT:g} %, layers of {layer:.2g} mm "
+        f"by up to {ALLOWED_PERCENT * layer / allowed:.1f} %"
+    )
 
 
 def height_words(spec: MouldSpec) -> str:
@@ -129,8 +136,10 @@ def height_words(spec: MouldSpec) -> str:
         return f"Height over the flat: {BLANK} mm."
     grow = face_factor(spec)
     low, high = (grow * one for one in limits.height_mm)
-    return (f"Height over the flat: {grow * spec.pad.shape.relief_mm:.2f} mm, {low:.2f} to {high:.2f} mm allowed "
-            f"({MOST_PERCENT:g} % of force); measured: {BLANK} mm.")  # fmt: skip
+    return (
+        f"Height over the flat: {grow * spec.pad.shape.relief_mm:.2f} mm, {low:.2f} to {high:.2f} mm allowed "
+        f"({MOST_PERCENT:g} % of force); measured: {BLANK} mm."
+    )
 
 
 def face_factor(spec: MouldSpec) -> float:
@@ -164,8 +173,10 @@ def release_words(spec: MouldSpec) -> str:
         bonds = "polyurethane bonds to plastic"
     elif "silicone" in chemistry:
         bonds = "some prints inhibit the cure of silicone, which does not bond to plastic but grips its valleys"
-    return (f"a printed mould is rigid and {bonds}: finish the faces to valleys of at most "
-            f"{spec.surface.depth_mm:g} mm, wax them, lay on a film of PVA, and try a scrap of print and resin first")
+    return (
+        f"a printed mould is rigid and {bonds}: finish the faces to valleys of at most "
+        f"{spec.surface.depth_mm:g} mm, wax them, lay on a film of PVA, and try a scrap of print and resin first"
+    )
 
 
 def mould_steps(spec: MouldSpec, plastic: str, face: str) -> tuple[str, ...]:
@@ -192,9 +203,11 @@ def demould_steps(spec: MouldSpec) -> tuple[str, ...]:
     hold = formula.suction_force_N(pad.length_mm * pad.width_mm)
     peel = formula.peel_force_N(min(pad.length_mm, pad.width_mm), 5.0)
     if not spec.is_printed:
-        return (f"Never pull it straight: air pressure alone can hold {hold:.0f} N on the sealed face. Peel a corner "
-                "of the mould's wall outwards, let air in, and roll the mould off the pad "
-                f"(about {peel:.1f} N at 5 J/m2).",)  # fmt: skip
+        return (
+            f"Never pull it straight: air pressure alone can hold {hold:.0f} N on the sealed face. Peel a corner "
+            "of the mould's wall outwards, let air in, and roll the mould off the pad "
+            f"(about {peel:.1f} N at 5 J/m2).",
+        )
     return (
         f"Never pull the pad out of the ring: air pressure alone can hold {hold:.0f} N on the sealed face. Turn the "
         "mould over onto release film on a flat board and take the bolts out.",

@@ -126,9 +126,12 @@ def check_measured(measured: Measured, spec: MouldSpec, points: tuple[GaugePoint
     if measured.points:
         check_readings(measured.readings, points)
     elif not spec.pad.shape.flat_top:
-        raise InputError(f"--thickness without names cannot be judged: a {spec.pad.shape.title} is not equally thick "
-                         f"everywhere; give the reading at each gauge point: {example(points)}",
-                         "malformed", "thickness")  # fmt: skip
+        raise InputError(
+            f"--thickness without names cannot be judged: a {spec.pad.shape.title} is not equally thick "
+            f"everywhere; give the reading at each gauge point: {example(points)}",
+            "malformed",
+            "thickness",
+        )
     elif count < PLACES:
         message = f"--thickness has {count} values; measure at {PLACES} places or more"
         raise InputError(message, "not_enough_data", "thickness", count, (PLACES, None))
@@ -143,9 +146,10 @@ def check_measured(measured: Measured, spec: MouldSpec, points: tuple[GaugePoint
         ("--modulus", measured.young_kPa, 0.5, 5000.0),
         ("--modulus-error", measured.young_sd_kPa, 0.0, 0.5 * (measured.young_kPa or 5000.0)),
         ("--scale", measured.scale_g, 0.0, 10.0),
-        ("--level", measured.level_deg, 0.0, 10.0), ("--bubbles", measured.bubbles, 0, 10000),
+        ("--level", measured.level_deg, 0.0, 10.0),
+        ("--bubbles", measured.bubbles, 0, 10000),
         ("--gauge", measured.gauge_mm, 0.0, 0.2 * h),
-    ):  # fmt: skip
+    ):
         if value is not None and not low <= value <= high:
             raise out_of_range(name, f"{value:g}", f"{low:g}", f"{high:g}")
 
@@ -161,8 +165,13 @@ def check_readings(readings: Mapping[str, float], points: Sequence[GaugePoint]) 
     for point in points:
         value, nominal = readings[point.name], point.nominal_mm
         if not 0.5 * nominal <= value <= 2.0 * nominal:
-            raise out_of_range(f"--thickness {point.name}", f"{value:g} mm", f"{0.5 * nominal:g}",
-                               f"{2 * nominal:g} mm", f"its nominal is {nominal:.2f} mm")  # fmt: skip
+            raise out_of_range(
+                f"--thickness {point.name}",
+                f"{value:g} mm",
+                f"{0.5 * nominal:g}",
+                f"{2 * nominal:g} mm",
+                f"its nominal is {nominal:.2f} mm",
+            )
 
 
 def example(points: Sequence[GaugePoint]) -> str:
@@ -206,17 +215,33 @@ def record_pad(measured: Measured, spec: MouldSpec, points: tuple[GaugePoint, ..
     ratio = weighed_ratio(measured, spec) if measured.weighed_g else (None, None)
     stiffer = 1.0 if young is None or spec.base is not None else young / spec.pour.young_kPa
     return PadRecord(
-        specification=spec.hash, shape=pad.name, length_mm=pad.length_mm, width_mm=pad.width_mm, resin=spec.pour.resin,
-        ratio=spec.pour.ratio, design_thickness_mm=pad.thickness_mm, thicknesses_mm=measured.thicknesses_mm,
-        points=measured.points, thickness_mm=thickness, thickness_sd_mm=thickness_error(evened, measured.gauge_mm),
-        mass_g=measured.mass_g, design_young_kPa=spec.pour.young_kPa, young_kPa=young, level_deg=measured.level_deg,
-        bubbles=measured.bubbles, accepted=not any(one.missed for one in limits),
+        specification=spec.hash,
+        shape=pad.name,
+        length_mm=pad.length_mm,
+        width_mm=pad.width_mm,
+        resin=spec.pour.resin,
+        ratio=spec.pour.ratio,
+        design_thickness_mm=pad.thickness_mm,
+        thicknesses_mm=measured.thicknesses_mm,
+        points=measured.points,
+        thickness_mm=thickness,
+        thickness_sd_mm=thickness_error(evened, measured.gauge_mm),
+        mass_g=measured.mass_g,
+        design_young_kPa=spec.pour.young_kPa,
+        young_kPa=young,
+        level_deg=measured.level_deg,
+        bubbles=measured.bubbles,
+        accepted=not any(one.missed for one in limits),
         force_percent=None if by_lengths is None else 100 * ((1 + by_lengths / 100) * stiffer - 1),
-        missed=tuple(_words(one) for one in limits if one.missed), note=measured.note,
-        limits=tuple(asdict(one) for one in limits), young_sd_kPa=measured.young_sd_kPa, weighed_ratio=ratio[0],
-        weighed_ratio_sd=ratio[1], cast_shape=_cast_shape(crown, measured.gauge_mm, spec),
+        missed=tuple(_words(one) for one in limits if one.missed),
+        note=measured.note,
+        limits=tuple(asdict(one) for one in limits),
+        young_sd_kPa=measured.young_sd_kPa,
+        weighed_ratio=ratio[0],
+        weighed_ratio_sd=ratio[1],
+        cast_shape=_cast_shape(crown, measured.gauge_mm, spec),
         force_sd_percent=None if crown is None else crown.gauge_percent(pad, measured.gauge_mm),
-    )  # fmt: skip
+    )
 
 
 def _by_lengths(crown: MeasuredCrown | None, thickness_mm: float, spec: MouldSpec) -> float | None:
@@ -227,8 +252,7 @@ def _by_lengths(crown: MeasuredCrown | None, thickness_mm: float, spec: MouldSpe
 
 
 def _cast_shape(crown: MeasuredCrown | None, gauge_mm: float, spec: MouldSpec) -> str:
-    """The pad's shape with the height that was gauged, in micrometres; empty where the gauge cannot tell it is another.
-    """
+    """The pad's shape with the height that was gauged, in micrometres; empty where the gauge cannot tell another."""
     limits = crown_limits(spec.pad, spec.acceptance.thickness_percent)
     if crown is None or not crown.differs(gauge_mm, limits, spec.pad.shape.relief_mm):
         return ""
@@ -254,8 +278,9 @@ def weighed_ratio(measured: Measured, spec: MouldSpec) -> tuple[float, float]:
     ratio = float(resin.ratio_of(masses))
     if not 0.5 * spec.pour.ratio <= ratio <= 2.0 * spec.pour.ratio:
         meant = f"the mould is for ratio {spec.pour.ratio:g}"
-        raise out_of_range("--weighed", f"ratio {ratio:.4g}", f"{0.5 * spec.pour.ratio:g}", f"{2 * spec.pour.ratio:g}",
-                           meant)  # fmt: skip
+        raise out_of_range(
+            "--weighed", f"ratio {ratio:.4g}", f"{0.5 * spec.pour.ratio:g}", f"{2 * spec.pour.ratio:g}", meant
+        )
     each = measured.scale_g / math.sqrt(3.0)
     share = 1.0 - ratio / 100.0 if resin.ratio_per == "mix" else 1.0
     return ratio, share * ratio * each * math.hypot(1.0 / masses[by_ratio], math.sqrt(len(masses) - 1) / rest)
@@ -291,18 +316,41 @@ def judge(measured: Measured, spec: MouldSpec, points: tuple[GaugePoint, ...] | 
         checks = [_around("thickness, mean", mean, "mm", h, limits.thickness_percent, cost, _advice(mean, spec))]
     what = "thickness, largest less smallest" if pad.shape.flat_top else "off nominal, largest less smallest"
     checks += [
-        _at_most(what, spread, "mm", spread_mm(spec), force_change_percent(spec, 1 + spread / 2 / h),
-                 f"{again}; until then press in one place and gauge it there"),
+        _at_most(
+            what,
+            spread,
+            "mm",
+            spread_mm(spec),
+            force_change_percent(spec, 1 + spread / 2 / h),
+            f"{again}; until then press in one place and gauge it there",
+        ),
         _mass(measured, spec, mean),
-    ]  # fmt: skip
+    ]
     if measured.young_kPa is not None:
         change = 100 * (measured.young_kPa / spec.pour.young_kPa - 1) if spec.base is None else None
-        checks.append(_around("modulus of the witness", measured.young_kPa, "kPa", spec.pour.young_kPa,
-                              limits.modulus_percent, change, WRONG_MODULUS))  # fmt: skip
+        checks.append(
+            _around(
+                "modulus of the witness",
+                measured.young_kPa,
+                "kPa",
+                spec.pour.young_kPa,
+                limits.modulus_percent,
+                change,
+                WRONG_MODULUS,
+            )
+        )
     if measured.level_deg is not None:
         half_mm = formula.tilt_error_mm(max(pad.length_mm, pad.width_mm), measured.level_deg) / 2
-        checks.append(_at_most("level", measured.level_deg, "deg", pour_plan(spec).level_deg,
-                               force_change_percent(spec, 1 + half_mm / h), again))  # fmt: skip
+        checks.append(
+            _at_most(
+                "level",
+                measured.level_deg,
+                "deg",
+                pour_plan(spec).level_deg,
+                force_change_percent(spec, 1 + half_mm / h),
+                again,
+            )
+        )
     if measured.bubbles is not None:
         checks.append(_at_most("bubbles over 1 mm under the punch", measured.bubbles, "", 0.0, None, BUBBLES))
     return tuple(checks)
@@ -316,8 +364,9 @@ def _at(point: GaugePoint, value: float, spec: MouldSpec, crown: MeasuredCrown |
     h, off = spec.pad.thickness_mm, value - point.nominal_mm
     cost = _by_lengths(crown, h + off, spec) if point.pressed else None
     missed = not point.low_mm <= value <= point.high_mm
-    return LimitCheck(f"thickness at {point.name}", value, "mm", point.low_mm, point.high_mm, missed, cost,
-                      _advice(h + off, spec))  # fmt: skip
+    return LimitCheck(
+        f"thickness at {point.name}", value, "mm", point.low_mm, point.high_mm, missed, cost, _advice(h + off, spec)
+    )
 
 
 def _crown_checks(readings: Mapping[str, float], spec: MouldSpec) -> list[LimitCheck]:

@@ -12,8 +12,17 @@ from dummydesign.mold.pour.plan import PourPlan
 
 # What a step may do. A move is anything that disturbs the level: carrying, weighing the mould itself, tilting it.
 PREPARE, LEVEL, MIX, DEGAS, POUR, WAIT, CLOSE, GEL, MOVE, CURE = (
-    "prepare", "level", "mix", "degas", "pour", "wait", "close", "gel", "move", "cure",
-)  # fmt: skip
+    "prepare",
+    "level",
+    "mix",
+    "degas",
+    "pour",
+    "wait",
+    "close",
+    "gel",
+    "move",
+    "cure",
+)
 
 
 # What is filled in by hand.
@@ -69,15 +78,19 @@ def plug_finish(spec: MouldSpec) -> str:
     pad, sheet = spec.pad, spec.box.face_sheet_mm
     where = "floor of the base" if spec.is_printed else "plug's top"
     if sheet:
-        return (f"The tested face is the sheet of {sheet:g} mm (drawing face_sheet): gauge it first, another "
-                f"thickness is another face_sheet_mm (measured: {BLANK} mm). Bond it into the pocket with a film of "
-                f"{spec.box.sheet_bond_mm:g} mm, weighed down on a flat plate so that it ends flush with the {where} "
-                f"(step measured: {BLANK} mm), and fill the gap around it.")  # fmt: skip
+        return (
+            f"The tested face is the sheet of {sheet:g} mm (drawing face_sheet): gauge it first, another "
+            f"thickness is another face_sheet_mm (measured: {BLANK} mm). Bond it into the pocket with a film of "
+            f"{spec.box.sheet_bond_mm:g} mm, weighed down on a flat plate so that it ends flush with the {where} "
+            f"(step measured: {BLANK} mm), and fill the gap around it."
+        )
     if not pad.shape.relief_mm:
         return f"The {where} becomes the tested face: sand it, or have a sheet of glass let in (face_sheet_mm)."
     layer = formula.print_layer_mm(pad.shape.relief_mm)
-    return (f"The {where} shapes the tested face and is curved. Print it in layers of at most {layer:.2g} mm, then "
-            "sand it with a soft pad or coat it. Measure its height over the flat with a dial gauge.")  # fmt: skip
+    return (
+        f"The {where} shapes the tested face and is curved. Print it in layers of at most {layer:.2g} mm, then "
+        "sand it with a soft pad or coat it. Measure its height over the flat with a dial gauge."
+    )
 
 
 def shape_mark(spec: MouldSpec) -> str:
@@ -94,9 +107,11 @@ def by_difference(plan: PourPlan, why: str, count: int = 1) -> str:
             f"it, pour in a thin stream into one corner, put the cup back and stop at -{plan.fill_mass_g:.1f} g "
             f"({why}). Do not move the mould. Poured: {' '.join([BLANK] * count)} g"
         )
-    return ("Put the cup on the balance and tare it. Pour in a thin stream into one corner and put the cup back: the "
-            f"balance shows how much you poured. Stop at -{plan.fill_mass_g:.1f} g ({why}). Do not move the mould. "
-            f"Poured: {BLANK} g")  # fmt: skip
+    return (
+        "Put the cup on the balance and tare it. Pour in a thin stream into one corner and put the cup back: the "
+        f"balance shows how much you poured. Stop at -{plan.fill_mass_g:.1f} g ({why}). Do not move the mould. "
+        f"Poured: {BLANK} g"
+    )
 
 
 def _layer_steps(spec: MouldSpec, plan: PourPlan) -> list[Step]:
@@ -104,37 +119,57 @@ def _layer_steps(spec: MouldSpec, plan: PourPlan) -> list[Step]:
     assert spec.base is not None and plan.base is not None
     pour = spec.pour
     return [
-        Step("UPPER LAYER FIRST (it forms the tested face). "
-             f"{by_difference(plan, f'{plan.gram_per_mm_g:.1f} g fill one millimetre')} at: {BLANK}", (POUR,)),
-        Step(f"Prick bubbles, wait {max(30.0, plan.pour_time_s):.0f} s. Lay release film on the spacer, set it down on "
-             "one edge and lower it like a hinge until it rests on the land; excess comes up in the gap. "
-             "Without a spacer the layer is as even as the mould is level.", (WAIT, CLOSE)),
-        Step(f"Let it gel where it stands, {pour.cure_place}; not before its pot life of {pour.pot_life_min:g} "
-             f"min{pour.mark('pot_life_min')} is over "
-             f"lift the spacer on one edge. Gelled at: {BLANK}", (GEL,)),
-        Step("BASE LAYER SECOND, while the first is tacky: weigh, mix and degas it only now, as the first (ratio "
-             f"{spec.base.pour.ratio:.4g}). The surface must be free of film, dust and release agent. "
-             f"{by_difference(plan.base, 'up to the step of the brim')} at: {BLANK}", (MIX, DEGAS, POUR)),
-    ]  # fmt: skip
+        Step(
+            "UPPER LAYER FIRST (it forms the tested face). "
+            f"{by_difference(plan, f'{plan.gram_per_mm_g:.1f} g fill one millimetre')} at: {BLANK}",
+            (POUR,),
+        ),
+        Step(
+            f"Prick bubbles, wait {max(30.0, plan.pour_time_s):.0f} s. Lay release film on the spacer, set it down on "
+            "one edge and lower it like a hinge until it rests on the land; excess comes up in the gap. "
+            "Without a spacer the layer is as even as the mould is level.",
+            (WAIT, CLOSE),
+        ),
+        Step(
+            f"Let it gel where it stands, {pour.cure_place}; not before its pot life of {pour.pot_life_min:g} "
+            f"min{pour.mark('pot_life_min')} is over "
+            f"lift the spacer on one edge. Gelled at: {BLANK}",
+            (GEL,),
+        ),
+        Step(
+            "BASE LAYER SECOND, while the first is tacky: weigh, mix and degas it only now, as the first (ratio "
+            f"{spec.base.pour.ratio:.4g}). The surface must be free of film, dust and release agent. "
+            f"{by_difference(plan.base, 'up to the step of the brim')} at: {BLANK}",
+            (MIX, DEGAS, POUR),
+        ),
+    ]
 
 
 def _preparing_bone(spec: MouldSpec) -> list[Step]:
     if not spec.pad.shape.bone_height_mm:
         return []
-    return [Step("Roughen or drill the bone and the underside of its plate (keys), clean, prime them for this resin "
-                 "and let the primer dry: what is neither keyed nor primed peels off the gel. No release agent here. "
-                 "Lower the carrier into the empty mould once: it must sit on the land all round.")]  # fmt: skip
+    return [
+        Step(
+            "Roughen or drill the bone and the underside of its plate (keys), clean, prime them for this resin "
+            "and let the primer dry: what is neither keyed nor primed peels off the gel. No release agent here. "
+            "Lower the carrier into the empty mould once: it must sit on the land all round."
+        )
+    ]
 
 
 def demould_first(spec: MouldSpec) -> str:
     """Where the pad goes when the mould is off."""
     if spec.pad.shape.bone_height_mm:
-        return ("The pad stays on its plate for good: lift both, cut the stems in the vents and the rim flush, and "
-                "screw the plate to the base of the test rig through its four corner holes.")  # fmt: skip
+        return (
+            "The pad stays on its plate for good: lift both, cut the stems in the vents and the rim flush, and "
+            "screw the plate to the base of the test rig through its four corner holes."
+        )
     if len(spec.pad.shape.places_mm) > 1:
-        return ("Slide the pad on release film onto a flat board, then glue it by its free face to the middle of the "
-                "carrier (drawing carrier): its grooves point at the tips, the punch is set down where the lines "
-                "cross. No silicone spray on the face that is tested.")  # fmt: skip
+        return (
+            "Slide the pad on release film onto a flat board, then glue it by its free face to the middle of the "
+            "carrier (drawing carrier): its grooves point at the tips, the punch is set down where the lines "
+            "cross. No silicone spray on the face that is tested."
+        )
     return "Slide the pad on release film onto a flat board. No silicone spray on the face that is tested."
 
 
@@ -170,9 +205,14 @@ def _drying(spec: MouldSpec) -> list[Step]:
         return []
     at = f"at {spec.pour.cure_temperature_C:g} C" if spec.pour.cures_warm or spec.is_printed else "at 60 C"
     wet = "plastic" if spec.is_printed else "silicone"
-    return [Step(f"Dry the mould {DRYING_H:g} h {at} in a {VENTED_OVEN}: traces of release agent and resin give off "
-                 f"vapour. Water in the {wet} would foam the polyurethane. Let it cool below 40 C before you pour, "
-                 "else the pot life shortens.", (PREPARE, MOVE))]  # fmt: skip
+    return [
+        Step(
+            f"Dry the mould {DRYING_H:g} h {at} in a {VENTED_OVEN}: traces of release agent and resin give off "
+            f"vapour. Water in the {wet} would foam the polyurethane. Let it cool below 40 C before you pour, "
+            "else the pot life shortens.",
+            (PREPARE, MOVE),
+        )
+    ]
 
 
 def _levelling(spec: MouldSpec, plan: PourPlan) -> Step:
@@ -183,30 +223,41 @@ def _levelling(spec: MouldSpec, plan: PourPlan) -> Step:
         under = "at once, with the resin in it"
     carried, stay = ("the mould", "it stays") if spec.is_printed else ("tray and mould", "they stay")
     long = max(spec.pad.length_mm, spec.pad.width_mm)
-    return Step(f"Set {carried} where {stay} until the resin is cured: {_site(spec)}. Level with the three screws to "
-                f"{plan.level_deg:.2f} deg ({plan.level_mm:.2f} mm over {long:g} mm), along and across, {under}. From "
-                f"here on do not move the mould. Level read: {BLANK}", (MOVE, LEVEL))  # fmt: skip
+    return Step(
+        f"Set {carried} where {stay} until the resin is cured: {_site(spec)}. Level with the three screws to "
+        f"{plan.level_deg:.2f} deg ({plan.level_mm:.2f} mm over {long:g} mm), along and across, {under}. From "
+        f"here on do not move the mould. Level read: {BLANK}",
+        (MOVE, LEVEL),
+    )
 
 
 def _mixing(spec: MouldSpec) -> Step:
-    return Step(f"Weigh {', then '.join(name for name, _ in spec.pour.components)}; stir slowly for two minutes, "
-                f"scrape wall and floor, pour it into a second cup and stir again. Start of mixing: {BLANK}",
-                (MIX,))  # fmt: skip
+    return Step(
+        f"Weigh {', then '.join(name for name, _ in spec.pour.components)}; stir slowly for two minutes, "
+        f"scrape wall and floor, pour it into a second cup and stir again. Start of mixing: {BLANK}",
+        (MIX,),
+    )
 
 
 ASSUMED = {
-    "pot_life_min": ("pot life", "min"), "shrinkage_percent": ("shrinkage", "%"), "cure_time_h": ("cure time", "h"),
-    "age_before_test_days": ("age before the test", "days"), "degas_pressure_kPa": ("degassing pressure", "kPa"),
+    "pot_life_min": ("pot life", "min"),
+    "shrinkage_percent": ("shrinkage", "%"),
+    "cure_time_h": ("cure time", "h"),
+    "age_before_test_days": ("age before the test", "days"),
+    "degas_pressure_kPa": ("degassing pressure", "kPa"),
     "cure_temperature_C": ("cure temperature", "C"),
-}  # fmt: skip
+}
 
 
 def assumed_words(pour: Pour) -> str:
     """What the resin's file does not state, with the numbers taken instead; empty where it states all."""
-    listed = ", ".join(f"{name} {getattr(pour, key):g} {unit}" for key, (name, unit) in ASSUMED.items()
-                       if key in pour.assumed)  # fmt: skip
-    return listed and (f"assumed, as the file of resin {pour.resin} does not state them: {listed}. Write those of the "
-                       "data sheet into [property] of the file")  # fmt: skip
+    listed = ", ".join(
+        f"{name} {getattr(pour, key):g} {unit}" for key, (name, unit) in ASSUMED.items() if key in pour.assumed
+    )
+    return listed and (
+        f"assumed, as the file of resin {pour.resin} does not state them: {listed}. Write those of the "
+        "data sheet into [property] of the file"
+    )
 
 
 def cup_words(pour: Pour, litres: float) -> str:
@@ -219,11 +270,15 @@ def cup_words(pour: Pour, litres: float) -> str:
 def degas_words(pour: Pour) -> str:
     """How the air is taken out of the mixed resin, in its cup or without a vacuum."""
     if not pour.is_degassed:
-        return ("No vacuum: stir slowly without drawing air in. Let large bubbles rise for a minute and prick them. "
-                "Pour from high up in a thin thread, so that bubbles break as it stretches.")
+        return (
+            "No vacuum: stir slowly without drawing air in. Let large bubbles rise for a minute and prick them. "
+            "Pour from high up in a thin thread, so that bubbles break as it stretches."
+        )
     below = f"{pour.degas_pressure_kPa:g} kPa{pour.mark('degas_pressure_kPa')}"
-    return (f"Degas in the cup below {below} until the foam has fallen, then one minute more. "
-            "With less vacuum the bubbles only swell.")  # fmt: skip
+    return (
+        f"Degas in the cup below {below} until the foam has fallen, then one minute more. "
+        "With less vacuum the bubbles only swell."
+    )
 
 
 def _degas_in_cup(spec: MouldSpec) -> Step:
@@ -234,10 +289,13 @@ def _degas_in_mould(spec: MouldSpec, plan: PourPlan) -> list[Step]:
     filled = by_difference(plan, "the step of the brim is the fill line", spec.count)
     return [
         Step(f"Set the collar on the land. {filled.replace(' Do not move the mould.', '')}", (POUR,)),
-        Step(f"Stand the mould in the chamber and degas below {spec.pour.degas_pressure_kPa:g} kPa"
-             f"{spec.pour.mark('degas_pressure_kPa')} until the foam "
-             f"falls (it may rise {plan.collar_mm:.0f} mm), then take the collar off.", (MOVE, DEGAS)),
-    ]  # fmt: skip
+        Step(
+            f"Stand the mould in the chamber and degas below {spec.pour.degas_pressure_kPa:g} kPa"
+            f"{spec.pour.mark('degas_pressure_kPa')} until the foam "
+            f"falls (it may rise {plan.collar_mm:.0f} mm), then take the collar off.",
+            (MOVE, DEGAS),
+        ),
+    ]
 
 
 def _filling(spec: MouldSpec, plan: PourPlan) -> list[Step]:
@@ -253,34 +311,56 @@ def _filling(spec: MouldSpec, plan: PourPlan) -> list[Step]:
 def _closing(spec: MouldSpec, plan: PourPlan) -> list[Step]:
     """What closes an open mould that is filled: a bone's carrier or the strike-off plate."""
     if spec.pad.shape.bone_height_mm:
-        return [Step("Wet bone and plate with resin. Set the plate down on one edge and lower it like a hinge, slowly, "
-                     "until it rests on the land and every vent shows resin; top up through a vent. Clamp it or weigh "
-                     f"it down: it must not float. Seated all round: {BLANK}", (CLOSE,))]  # fmt: skip
+        return [
+            Step(
+                "Wet bone and plate with resin. Set the plate down on one edge and lower it like a hinge, slowly, "
+                "until it rests on the land and every vent shows resin; top up through a vent. Clamp it or weigh "
+                f"it down: it must not float. Seated all round: {BLANK}",
+                (CLOSE,),
+            )
+        ]
     last, pour = plan.base or plan, spec.base.pour if spec.base else spec.pour
     return [
-        Step(f"Prick bubbles, wait {max(30.0, last.pour_time_s):.0f} s for the liquid to level (viscosity "
-             f"{pour.viscosity_Pa_s:.2g} Pa s).", (WAIT,)),
-        Step("Lay release film on the strike-off plate, set it down on one edge and lower it like a hinge until it "
-             "rests on the land; excess comes up in the gap.", (CLOSE,)),
-    ]  # fmt: skip
+        Step(
+            f"Prick bubbles, wait {max(30.0, last.pour_time_s):.0f} s for the liquid to level (viscosity "
+            f"{pour.viscosity_Pa_s:.2g} Pa s).",
+            (WAIT,),
+        ),
+        Step(
+            "Lay release film on the strike-off plate, set it down on one edge and lower it like a hinge until it "
+            "rests on the land; excess comes up in the gap.",
+            (CLOSE,),
+        ),
+    ]
 
 
 def _closing_lid(spec: MouldSpec) -> list[Step]:
     return [
-        Step("Put release agent on the parting faces only. Close the lid (it goes on in one way), put the backer on, "
-             "clamp."),
-        Step(f"Set it {_site(spec)}, where it stays until the resin is cured, and prop the vent end 5 to 10 degrees "
-             "high.", (MOVE,)),
-    ]  # fmt: skip
+        Step(
+            "Put release agent on the parting faces only. Close the lid (it goes on in one way), put the backer on, "
+            "clamp."
+        ),
+        Step(
+            f"Set it {_site(spec)}, where it stays until the resin is cured, and prop the vent end 5 to 10 degrees "
+            "high.",
+            (MOVE,),
+        ),
+    ]
 
 
 def _filling_lidded(plan: PourPlan) -> list[Step]:
     return [
-        Step(f"Pour through the sprue until all five vents show resin (about {plan.fill_mass_g:.0f} g; put the cup "
-             f"back on the balance to see how much you poured). Poured: {BLANK} g", (POUR,)),
-        Step(f"Take the prop away and level to {plan.level_deg:.2f} deg; top up. Keep the vents open while it is hot. "
-             f"Level read: {BLANK}", (MOVE, LEVEL)),
-    ]  # fmt: skip
+        Step(
+            f"Pour through the sprue until all five vents show resin (about {plan.fill_mass_g:.0f} g; put the cup "
+            f"back on the balance to see how much you poured). Poured: {BLANK} g",
+            (POUR,),
+        ),
+        Step(
+            f"Take the prop away and level to {plan.level_deg:.2f} deg; top up. Keep the vents open while it is hot. "
+            f"Level read: {BLANK}",
+            (MOVE, LEVEL),
+        ),
+    ]
 
 
 def _cure(spec: MouldSpec, plan: PourPlan) -> Step:
@@ -291,11 +371,14 @@ def _cure(spec: MouldSpec, plan: PourPlan) -> Step:
         vapour = "warm resin and release agent give off vapour"
         if spec.pour.has_isocyanate:
             vapour = "warm isocyanate gives off vapour that harms the airways"
-        how = (f"Close the {VENTED_OVEN} and cure {hours} at {pour.cure_temperature_C:g} C ({vapour}: "
-               "lead the oven's air outdoors or into extraction)")  # fmt: skip
+        how = (
+            f"Close the {VENTED_OVEN} and cure {hours} at {pour.cure_temperature_C:g} C ({vapour}: "
+            "lead the oven's air outdoors or into extraction)"
+        )
     carried = "" if spec.is_printed else ", in the tray"
     hot = f" The hot mould grows by {plan.thermal_growth_mm:.1f} mm." if pour.cures_warm else ""
     shrinks = f" (shrinkage {pour.shrinkage_percent:g} % assumed)" if pour.mark("shrinkage_percent") else ""
     cut = f"{100 * (layout(spec).scale - 1):+.2f} %{shrinks}"
-    return Step(f"{how}, where it stands{carried}.{hot} The cavity is cut {cut} so that the cured pad has its size.",
-                (CURE,))  # fmt: skip
+    return Step(
+        f"{how}, where it stands{carried}.{hot} The cavity is cut {cut} so that the cured pad has its size.", (CURE,)
+    )

@@ -17,35 +17,45 @@ RATIO_OFF = 0.02
 def pour_warnings(spec: MouldSpec, plan: PourPlan) -> list[dict[str, str]]:
     """Say what may go wrong with this pour, as {code, message}."""
     pad = spec.pad
-    notes = {"level": f"level the mould to {plan.level_deg:.2f} deg: {plan.level_mm:.2f} mm over the longer side, "
-                      f"{100 * plan.level_mm / pad.thickness_mm:.1f} % of {pad.thickness_mm:g} mm"}  # fmt: skip
+    notes = {
+        "level": f"level the mould to {plan.level_deg:.2f} deg: {plan.level_mm:.2f} mm over the longer side, "
+        f"{100 * plan.level_mm / pad.thickness_mm:.1f} % of {pad.thickness_mm:g} mm"
+    }
     if spec.body.style != "lidded":
         plate = "the carrier of the bone" if pad.shape.bone_height_mm else "the strike-off plate onto a release film"
-        notes["meniscus"] = (f"fill to the sharp step of the brim, no higher, and lower {plate}: the liquid rises up "
-                             f"to {plan.meniscus_mm:.1f} mm at the walls of an open cavity")  # fmt: skip
+        notes["meniscus"] = (
+            f"fill to the sharp step of the brim, no higher, and lower {plate}: the liquid rises up "
+            f"to {plan.meniscus_mm:.1f} mm at the walls of an open cavity"
+        )
     if words := assumed_words(spec.pour):
         notes["assumed_numbers"] = words
     if not spec.pour.is_degassed:
-        notes["not_degassed"] = ("poured without a vacuum: air that stays makes the pad softer by an unknown amount; "
-                                 "weigh the pad, and cast the witness puck from the same cup")  # fmt: skip
+        notes["not_degassed"] = (
+            "poured without a vacuum: air that stays makes the pad softer by an unknown amount; "
+            "weigh the pad, and cast the witness puck from the same cup"
+        )
     pours = pours_of(spec, plan)
     pour, small = max(pours, key=lambda one: one[1].ratio_error_percent)
     if small.ratio_error_percent > RATIO_ERROR_LIMIT_PERCENT:
         mix, alone = batch_of(spec, pour, small).mix, small.batch_mass_g
-        notes["small_batch"] = (f"mix {mix.total_g:g} g, although {alone:g} g with cup loss and spare would do: with a "
-                                "balance of "
-                                f"{spec.machines.balance_resolution_g:g} g the error of the smaller component is then "
-                                f"at most {mix.error_percent:.2f} % instead of {small.ratio_error_percent:.2f} %; a "
-                                "finer balance saves resin")  # fmt: skip
+        notes["small_batch"] = (
+            f"mix {mix.total_g:g} g, although {alone:g} g with cup loss and spare would do: with a "
+            "balance of "
+            f"{spec.machines.balance_resolution_g:g} g the error of the smaller component is then "
+            f"at most {mix.error_percent:.2f} % instead of {small.ratio_error_percent:.2f} %; a "
+            "finer balance saves resin"
+        )
     if plan.wall_deflection_mm > 0.2:
         bulge = f"the walls may bulge by {plan.wall_deflection_mm:.2f} mm under the liquid"
         notes["wall_deflection"] = f"{bulge}: support them in the tray"
     slowest_s = max(one.pour_time_s for _, one in pours)
     if slowest_s > 60 * spec.pour.pot_life_min / 4:
-        notes["slow_levelling"] = (f"the liquid needs about {slowest_s / 60:.0f} min to level itself in "
-                                   f"{pad.least_gel_mm:g} mm, a good part of its pot life of "
-                                   f"{spec.pour.pot_life_min:g} min{spec.pour.mark('pot_life_min')}: spread it "
-                                   "with a spatula")  # fmt: skip
+        notes["slow_levelling"] = (
+            f"the liquid needs about {slowest_s / 60:.0f} min to level itself in "
+            f"{pad.least_gel_mm:g} mm, a good part of its pot life of "
+            f"{spec.pour.pot_life_min:g} min{spec.pour.mark('pot_life_min')}: spread it "
+            "with a spatula"
+        )
     if spec.is_printed:
         notes["printed_mould"] = release_words(spec)
     else:
@@ -65,16 +75,21 @@ def _against_silicone(spec: MouldSpec) -> dict[str, str]:
     pour, mould = spec.pour, spec.tool.name
     notes = {}
     if pour.chemistry in ("", "other") and not spec.pour.has_isocyanate:
-        notes["bonding"] = (f"if {pour.resin} is a silicone it bonds to a silicone mould: use a release agent "
-                            "and try it on a scrap first")  # fmt: skip
+        notes["bonding"] = (
+            f"if {pour.resin} is a silicone it bonds to a silicone mould: use a release agent "
+            "and try it on a scrap first"
+        )
     if "silicone" in pour.chemistry:
-        notes["bonding"] = (f"{pour.resin} is a silicone and bonds to a silicone mould: use a release agent "
-                            "and try it on a scrap first")  # fmt: skip
+        notes["bonding"] = (
+            f"{pour.resin} is a silicone and bonds to a silicone mould: use a release agent and try it on a scrap first"
+        )
         if is_tin(mould) and pour.chemistry != "tin silicone":
             sure = "inhibits" if pour.chemistry == "platinum silicone" else "may inhibit"
-            notes["cure_inhibition"] = (f"the mould silicone {mould} cures with tin, which {sure} the cure of "
-                                        f"{pour.resin}: the pad stays tacky. Name a platinum-cured silicone in the "
-                                        "preset, or cast in a printed mould (--preset printed)")  # fmt: skip
+            notes["cure_inhibition"] = (
+                f"the mould silicone {mould} cures with tin, which {sure} the cure of "
+                f"{pour.resin}: the pad stays tacky. Name a platinum-cured silicone in the "
+                "preset, or cast in a printed mould (--preset printed)"
+            )
     return notes
 
 
@@ -96,13 +111,15 @@ def _relief(spec: MouldSpec) -> dict[str, str]:
     effect = "".join(f"; {words}" for words in (tip, tip_words(spec)) if words)
     notes = {
         "curved_master": f"the plug's top is curved: print it in layers of at most {layer:.2g} mm, sand or coat "
-                         f"the steps, or machine it{effect}",
+        f"the steps, or machine it{effect}",
         "thickness_varies": f"the pad is {pad.thickness_mm:g} mm thick at its highest point and {pad.least_gel_mm:g} "
-                            "mm beside it: pour by mass, not by depth",
-    }  # fmt: skip
+        "mm beside it: pour by mass, not by depth",
+    }
     if shape.pockets:
-        notes["air_pockets"] = (f"the {shape.pockets} pockets in the floor keep air: brush a thin coat of resin into "
-                                "them first, or draw a vacuum on the filled mould")  # fmt: skip
+        notes["air_pockets"] = (
+            f"the {shape.pockets} pockets in the floor keep air: brush a thin coat of resin into "
+            "them first, or draw a vacuum on the filled mould"
+        )
     return notes
 
 
@@ -110,16 +127,20 @@ def _bone(spec: MouldSpec) -> dict[str, str]:
     """How the carrier of a bone is lowered, and how true its height must be."""
     if not spec.pad.shape.bone_height_mm:
         return {}
-    notes = {"bone_air": "the plate shuts the mould: lower it tilted, one edge first, until all "
-                         f"{CARRIER_VENTS} vents show resin"}  # fmt: skip
+    notes = {
+        "bone_air": "the plate shuts the mould: lower it tilted, one edge first, until all "
+        f"{CARRIER_VENTS} vents show resin"
+    }
     if spec.insert is None:
         if words := tip_words(spec):
             notes["bone_height"] = f"measure the bone over its plate: {words}"
         return notes
     notes["bone_from_file"] = spec.insert.words
     if spec.insert.overhang:
-        notes["bone_overhang"] = ("parts of the bone look up towards its plate and keep air under them: wet them with "
-                                  "resin, lower the bone tilted and turn it while it sinks")  # fmt: skip
+        notes["bone_overhang"] = (
+            "parts of the bone look up towards its plate and keep air under them: wet them with "
+            "resin, lower the bone tilted and turn it while it sinks"
+        )
     return notes
 
 
@@ -128,8 +149,10 @@ def _layers(spec: MouldSpec) -> dict[str, str]:
     layers = spec.pad.shape.layers()
     if layers is None or spec.base is None:
         return {}
-    notes = {"layer_bond": "the layers bond only while the first is gelled and still tacky: a finger in a glove sticks "
-                           "but draws no resin; try it on the witness of this batch, not on the pad"}  # fmt: skip
+    notes = {
+        "layer_bond": "the layers bond only while the first is gelled and still tacky: a finger in a glove sticks "
+        "but draws no resin; try it on the witness of this batch, not on the pad"
+    }
     made, wanted = spec.base.modulus_ratio, layers[1]
     if abs(made / wanted - 1) > RATIO_OFF:
         of = f"base ratio {spec.base.pour.ratio:g} gives a base of {made:.3g} times the upper modulus"

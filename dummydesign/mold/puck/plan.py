@@ -25,9 +25,15 @@ class PuckPlan:
 
     def to_dict(self) -> dict[str, Any]:
         """Return plain values."""
-        return {**self.mix.to_dict(), "pour_g": list(self.pour_g), "puck_g": list(self.puck_g),
-                "wanted_g": self.wanted_g, "raised": self.raised, "cup_mm3": self.cup_mm3,
-                "level_deg": self.level_deg}  # fmt: skip
+        return {
+            **self.mix.to_dict(),
+            "pour_g": list(self.pour_g),
+            "puck_g": list(self.puck_g),
+            "wanted_g": self.wanted_g,
+            "raised": self.raised,
+            "cup_mm3": self.cup_mm3,
+            "level_deg": self.level_deg,
+        }
 
 
 def puck_plan(spec: PuckSpec) -> PuckPlan:
@@ -45,10 +51,14 @@ def puck_plan(spec: PuckSpec) -> PuckPlan:
         least = min(least, math.floor(math.pi / 4 * cup_mm**3 / CUP_FACTOR * density))
     mix = mix_of(max(wanted, least), pour, resolution)
     return PuckPlan(
-        mix, over, tuple(density * ring.volume_mm3 for ring in spec.rings), wanted, wanted < least,
+        mix,
+        over,
+        tuple(density * ring.volume_mm3 for ring in spec.rings),
+        wanted,
+        wanted < least,
         CUP_FACTOR * mix.total_g / density,
         min(formula.level_tolerance_deg(ring.height_mm, ring.diameter_mm) for ring in spec.rings),
-    )  # fmt: skip
+    )
 
 
 def _over_rim_mm3(spec: PuckSpec, ring: Ring) -> float:
@@ -66,9 +76,15 @@ def warnings_of(spec: PuckSpec, plan: PuckPlan) -> list[dict[str, str]]:
     if words := assumed_words(spec.pour):
         found.append({"code": "assumed_numbers", "message": words})
     if plan.raised:
-        found.append({"code": "batch_raised", "message": (
-            f"the balance cannot weigh {plan.wanted_g:.0f} g, the pucks with cup loss and spare, in the right ratio: "
-            f"mix {plan.mix.total_g:.0f} g, or pour the pad's or a second puck of the same cup")})  # fmt: skip
+        found.append(
+            {
+                "code": "batch_raised",
+                "message": (
+                    f"the balance cannot weigh {plan.wanted_g:.0f} g, the pucks with cup loss and spare, in the right "
+                    f"ratio: mix {plan.mix.total_g:.0f} g, or pour the pad's or a second puck of the same cup"
+                ),
+            }
+        )
     return found
 
 
@@ -83,9 +99,13 @@ class RingCost:
 
 
 def ring_cost(
-    diameter_mm: float = 50.0, height_mm: float = 30.0, count: int = 1, preset: str = PRINTED,
-    resin: str | None = None, ratio: float = 15.0,
-) -> RingCost:  # fmt: skip
+    diameter_mm: float = 50.0,
+    height_mm: float = 30.0,
+    count: int = 1,
+    preset: str = PRINTED,
+    resin: str | None = None,
+    ratio: float = 15.0,
+) -> RingCost:
     """Estimate printing hours and grams of a puck's ring and of the resin to mix; loads no CAD.
 
     Parameters

@@ -99,20 +99,33 @@ def produce_pucks(spec: PuckSpec, folder: Path, foot: Foot) -> dict[str, Any]:
         (folder / files[role]).write_text(text + "\n", encoding="utf-8")
     volumes: dict[str, float] = {}
     for ring in spec.rings:
-        volumes |= {f"cavity_{ring.tag}": parts[f"puck_{ring.tag}"].volume_mm3, f"puck_{ring.tag}": ring.volume_mm3,
-                    f"ring_{ring.tag}": 2 * parts[f"ring_half_{ring.tag}"].volume_mm3}  # fmt: skip
+        volumes |= {
+            f"cavity_{ring.tag}": parts[f"puck_{ring.tag}"].volume_mm3,
+            f"puck_{ring.tag}": ring.volume_mm3,
+            f"ring_{ring.tag}": 2 * parts[f"ring_half_{ring.tag}"].volume_mm3,
+        }
     return {
-        "files": files, "volumes_mm3": volumes, "checks": listed, "warnings": warnings_of(spec, plan),
-        "pour": plan.to_dict(), "masses_g": dict(plan.mix.components), "printing_h": cost.printing_h,
-        "filament_g": cost.filament_g, "spec_hash": spec.hash,
+        "files": files,
+        "volumes_mm3": volumes,
+        "checks": listed,
+        "warnings": warnings_of(spec, plan),
+        "pour": plan.to_dict(),
+        "masses_g": dict(plan.mix.components),
+        "printing_h": cost.printing_h,
+        "filament_g": cost.filament_g,
+        "spec_hash": spec.hash,
         "step_sha256": hashlib.sha256((folder / files["assembly"]).read_bytes()).hexdigest(),
-    }  # fmt: skip
+    }
 
 
 def _parts(spec: PuckSpec) -> dict[str, Part]:
     """Half and puck of each size side by side; the second half is the first turned by half a turn."""
-    plastic = Material("rigid", "printed rigid polymer", f"{spec.plastic.name.upper()}, density as printed solid",
-                       spec.plastic.density_g_per_cm3)  # fmt: skip
+    plastic = Material(
+        "rigid",
+        "printed rigid polymer",
+        f"{spec.plastic.name.upper()}, density as printed solid",
+        spec.plastic.density_g_per_cm3,
+    )
     resin = Material("resin", spec.pour.resin, f"ratio {spec.pour.ratio:g}", spec.pour.density_g_per_cm3)
     assert {plastic.kind, resin.kind} <= COLOURS.keys()
     parts: dict[str, Part] = {}
@@ -136,8 +149,11 @@ def _check_solids(spec: PuckSpec, parts: Mapping[str, Part]) -> list[Check]:
     off = met = open_mm3 = 0.0
     for ring in spec.rings:
         half, other, puck = (parts[f"{name}_{ring.tag}"] for name in ("ring_half", "ring_half_turned", "puck"))
-        off = max(off, abs(2 * half.volume_mm3 / ring_volume_mm3(spec, ring) - 1),
-                  abs(puck.volume_mm3 / cavity_mm3(spec, ring) - 1))  # fmt: skip
+        off = max(
+            off,
+            abs(2 * half.volume_mm3 / ring_volume_mm3(spec, ring) - 1),
+            abs(puck.volume_mm3 / cavity_mm3(spec, ring) - 1),
+        )
         for one, two in ((half, other), (half, puck), (other, puck)):
             met = max(met, one.solid.intersect(two.solid).Volume())
         # a thin shell outside the puck must be plastic all round
@@ -178,12 +194,15 @@ def _check_process(spec: PuckSpec, plan: PuckPlan) -> list[Check]:
     lightest = min(mass for _, mass in plan.mix.components)
     return [
         above("batch_covers_rings", plan.mix.total_g - pour.film_loss_g, poured, "g after film loss"),
-        below("weighing_error", plan.mix.error_percent, 100 * resolution / lightest,
-              "%, what one balance step allows"),
-        above("plastic_bears_oven", spec.plastic.service_temperature_C - pour.cure_temperature_C, 0.0,
-              f"K to spare for {spec.plastic.name} in the oven"),
+        below("weighing_error", plan.mix.error_percent, 100 * resolution / lightest, "%, what one balance step allows"),
+        above(
+            "plastic_bears_oven",
+            spec.plastic.service_temperature_C - pour.cure_temperature_C,
+            0.0,
+            f"K to spare for {spec.plastic.name} in the oven",
+        ),
         above("pot_life", pour.pot_life_min, pour.pour_and_degas_min, "min against degassing, pouring, striking off"),
-    ]  # fmt: skip
+    ]
 
 
 def _drawing(spec: PuckSpec, ring: Ring, part: Part, date: str, number: str, paper: str) -> Drawing:
@@ -191,18 +210,39 @@ def _drawing(spec: PuckSpec, ring: Ring, part: Part, date: str, number: str, pap
     solid = part.solid
     inner = spec.scale * ring.diameter_mm / 2
     outer, lug = inner + WALL_MM, inner + WALL_MM + LUG_LONG_MM
-    top = View("view from above", tuple(edges_from_above(solid)), (
-        Measure((-lug, 0.0), (lug, 0.0), "below"), Measure((-inner, 0.0), (inner, 0.0), "below"),
-        Measure((lug, 0.0), (lug, LUG_THICK_MM), "right"), Measure((0.0, 0.0), (0.0, outer), "left")))  # fmt: skip
+    top = View(
+        "view from above",
+        tuple(edges_from_above(solid)),
+        (
+            Measure((-lug, 0.0), (lug, 0.0), "below"),
+            Measure((-inner, 0.0), (inner, 0.0), "below"),
+            Measure((lug, 0.0), (lug, LUG_THICK_MM), "right"),
+            Measure((0.0, 0.0), (0.0, outer), "left"),
+        ),
+    )
     loops = cut(solid.translate((0.0, -outer / 2, 0.0))).loops
     low = spec.scale * ring.height_mm
-    side = View("section through the walls", tuple((loop, "cut") for loop in loops),
-                (Measure((-outer, 0.0), (-outer, low), "left"),), (), True)  # fmt: skip
-    title = Title(f"{spec.title}, printed ring", f"half of the ring {ring.tag}", spec.plastic.name.upper(),
-                  "ISO 2768-m", spec.hash, date or "-", number)  # fmt: skip
-    notes = [f"For a puck {ring.diameter_mm:g} x {ring.height_mm:g} mm after cure; ring x {spec.scale:.5f}.",
-             f"Print {2 * ring.count} halves. Wall {WALL_MM:g}, ridge {RIDGE_MM:g}, groove {groove_mm(spec):g} deep, "
-             "sides at 45 deg. No draft: the halves are taken apart."]  # fmt: skip
+    side = View(
+        "section through the walls",
+        tuple((loop, "cut") for loop in loops),
+        (Measure((-outer, 0.0), (-outer, low), "left"),),
+        (),
+        True,
+    )
+    title = Title(
+        f"{spec.title}, printed ring",
+        f"half of the ring {ring.tag}",
+        spec.plastic.name.upper(),
+        "ISO 2768-m",
+        spec.hash,
+        date or "-",
+        number,
+    )
+    notes = [
+        f"For a puck {ring.diameter_mm:g} x {ring.height_mm:g} mm after cure; ring x {spec.scale:.5f}.",
+        f"Print {2 * ring.count} halves. Wall {WALL_MM:g}, ridge {RIDGE_MM:g}, groove {groove_mm(spec):g} deep, "
+        "sides at 45 deg. No draft: the halves are taken apart.",
+    ]
     return arrange([side, top], title, notes, paper)
 
 
@@ -211,6 +251,8 @@ def _write_papers(
 ) -> dict[str, str]:
     """Drawings, and the pour sheet with its protocol; return role to file name."""
     count = len(spec.rings)
-    drawn = [_drawing(spec, ring, parts[f"ring_half_{ring.tag}"], foot.date, f"{number} of {count}", foot.paper)
-             for number, ring in enumerate(spec.rings, 1)]  # fmt: skip
+    drawn = [
+        _drawing(spec, ring, parts[f"ring_half_{ring.tag}"], foot.date, f"{number} of {count}", foot.paper)
+        for number, ring in enumerate(spec.rings, 1)
+    ]
     return write_papers(folder, f"puck_{spec.tag}", puck_sheet(spec, plan), foot, drawn, drawn)

@@ -18,20 +18,25 @@ def trace_names(tag: str, number: int = 1, count: int = 1) -> tuple[str, ...]:
     return tuple(f"{puck}-v{speed:g}.csv" for speed in SPEEDS_MM_S)
 
 
-def command(
-    names: Sequence[str], diameter: str, height: str, ratio: float, resin: str, name: str = "my-batch"
-) -> str:
+def command(names: Sequence[str], diameter: str, height: str, ratio: float, resin: str, name: str = "my-batch") -> str:
     """What is typed when the presses are saved."""
-    return (f"dummydesign resins add-compression {' '.join(names)} --diameter {diameter} --height {height} "
-            f"--friction lubricated --name {name} --ratio {ratio:.6g} --resin {resin}")  # fmt: skip
+    return (
+        f"dummydesign resins add-compression {' '.join(names)} --diameter {diameter} --height {height} "
+        f"--friction lubricated --name {name} --ratio {ratio:.6g} --resin {resin}"
+    )
 
 
 def press_rows(names: Sequence[str], height_mm: float) -> list[tuple[str, ...]]:
     """Table of the presses of a puck; the first row is the head."""
     head = ("file to save", "speed, mm/s", "compress by, mm", "hold, s", "samples a second")
     depth = DEPTH_SHARE * height_mm
-    return [head, *((name, f"{speed:g}", f"{depth:.1f} ({100 * DEPTH_SHARE:.0f} %)", f"{HOLD_S:g}", f"{RATE_HZ:g}")
-                    for name, speed in zip(names, SPEEDS_MM_S))]  # fmt: skip
+    return [
+        head,
+        *(
+            (name, f"{speed:g}", f"{depth:.1f} ({100 * DEPTH_SHARE:.0f} %)", f"{HOLD_S:g}", f"{RATE_HZ:g}")
+            for name, speed in zip(names, SPEEDS_MM_S)
+        ),
+    ]
 
 
 def protocol_steps(diameter_mm: float, age_days: float, mark: str = "") -> tuple[str, ...]:

@@ -47,15 +47,22 @@ class Ring:
     def __post_init__(self) -> None:
         from dummydesign.pad.tables.puck import shape_range
 
-        for name, value, (low, high) in (("puck diameter", self.diameter_mm, DIAMETERS_MM),
-                                         ("puck height", self.height_mm, HEIGHTS_MM)):  # fmt: skip
+        for name, value, (low, high) in (
+            ("puck diameter", self.diameter_mm, DIAMETERS_MM),
+            ("puck height", self.height_mm, HEIGHTS_MM),
+        ):
             if not low <= value <= high:
                 raise out_of_range(name, f"{value:g}", f"{low:g}", f"{high:g}", "mm")
         low, high = shape_range()
         shape = self.diameter_mm / self.height_mm
         if not low * (1 - 1e-6) <= shape <= high * (1 + 1e-6):
-            raise out_of_range("puck diameter over height", f"{shape:.3g}", f"{low:.3g}", f"{high:.3g}",
-                               "for which plate friction is solved")  # fmt: skip
+            raise out_of_range(
+                "puck diameter over height",
+                f"{shape:.3g}",
+                f"{low:.3g}",
+                f"{high:.3g}",
+                "for which plate friction is solved",
+            )
 
     @property
     def tag(self) -> str:
@@ -99,8 +106,11 @@ class PuckSpec:
     def title(self) -> str:
         """Pucks in words."""
         sizes = " and ".join(f"{ring.count} of {ring.diameter_mm:g} x {ring.height_mm:g} mm" for ring in self.rings)
-        return f"puck {self.rings[0].diameter_mm:g} x {self.rings[0].height_mm:g} mm" if self.pucks == 1 else (
-            f"{self.pucks} pucks ({sizes})")  # fmt: skip
+        return (
+            f"puck {self.rings[0].diameter_mm:g} x {self.rings[0].height_mm:g} mm"
+            if self.pucks == 1
+            else (f"{self.pucks} pucks ({sizes})")
+        )
 
     def to_dict(self) -> dict[str, Any]:
         """Return nested plain dictionaries."""
@@ -134,9 +144,7 @@ def read_pucks(text: str) -> tuple[Ring, ...]:
     return tuple(Ring(*size, count) for size, count in Counter(sizes).items())
 
 
-def puck_spec(
-    rings: Sequence[Ring], preset: str = PRINTED, resin: str | None = None, ratio: float = 15.0
-) -> PuckSpec:
+def puck_spec(rings: Sequence[Ring], preset: str = PRINTED, resin: str | None = None, ratio: float = 15.0) -> PuckSpec:
     """Put together what pucks are made from; machines and plastic are those of a preset of printed moulds."""
     pad = mould_spec(*DUMMY_MM, preset=preset, resin=resin, ratio=ratio)
     if not pad.is_printed or pad.plastic is None:
@@ -155,8 +163,10 @@ def check_bed(spec: PuckSpec) -> None:
             raise InputError(
                 f"the ring of a puck of {ring.tag} mm does not fit the printer of {spec.machines.name} (too large by "
                 f"{-spare:.0f} mm); cast a smaller puck, or name your printer in a preset",
-                "cannot_be_made", "puck", ring.tag,
-            )  # fmt: skip
+                "cannot_be_made",
+                "puck",
+                ring.tag,
+            )
 
 
 def bed_spare_mm(spec: PuckSpec, ring: Ring) -> float:

@@ -34,20 +34,32 @@ def puck_sheet(spec: PuckSpec, plan: PuckPlan) -> list[Block]:
         Block("text", f"Specification {spec.hash}. Date {BLANK}  Operator {BLANK}  Resin batch {BLANK}"),
         Block("text", "A puck measures the modulus and the relaxation of a batch. Do not reject it for its modulus."),
         Block("text", f"Safety: {safety}"),
-        Block("head", "1. The ring"), Block("list", items=_ring_steps(spec)),
-        Block("head", "2. Weigh the resin"), *_weighing(spec, plan),
-        Block("head", "3. Pour"), Block("list", items=_pour_steps(spec, plan)),
-        Block("head", "4. Accept or reject, each puck"), Block("table", rows=tuple(acceptance_rows(spec, plan))),
-        Block("head", "5. Press"), Block("list", items=protocol_steps(
-            max(ring.diameter_mm for ring in spec.rings), spec.pour.age_before_test_days,
-            spec.pour.mark("age_before_test_days"))),
-    ]  # fmt: skip
+        Block("head", "1. The ring"),
+        Block("list", items=_ring_steps(spec)),
+        Block("head", "2. Weigh the resin"),
+        *_weighing(spec, plan),
+        Block("head", "3. Pour"),
+        Block("list", items=_pour_steps(spec, plan)),
+        Block("head", "4. Accept or reject, each puck"),
+        Block("table", rows=tuple(acceptance_rows(spec, plan))),
+        Block("head", "5. Press"),
+        Block(
+            "list",
+            items=protocol_steps(
+                max(ring.diameter_mm for ring in spec.rings),
+                spec.pour.age_before_test_days,
+                spec.pour.mark("age_before_test_days"),
+            ),
+        ),
+    ]
     for ring in spec.rings:
         for number in range(1, ring.count + 1):
             names = trace_names(ring.tag, number, ring.count)
             typed = command(names, "MEASURED", "MEASURED", spec.pour.ratio, spec.pour.resin)
-            blocks += [Block("table", rows=tuple(press_rows(names, ring.height_mm))),
-                       Block("text", f"Then type, with the measured sizes in mm: {typed}")]  # fmt: skip
+            blocks += [
+                Block("table", rows=tuple(press_rows(names, ring.height_mm))),
+                Block("text", f"Then type, with the measured sizes in mm: {typed}"),
+            ]
     return [*blocks, Block("head", "What is needed"), Block("table", rows=tuple(needed(spec, plan)))]
 
 
@@ -75,15 +87,18 @@ def _weighing(spec: PuckSpec, plan: PuckPlan) -> list[Block]:
     each = "; ".join(f"{mass:.1f} g into each ring {ring.tag}" for ring, mass in zip(spec.rings, plan.pour_g))
     why = f"The balance leaves up to {plan.mix.error_percent:.2f} % error in a component's share."
     if plan.raised:
-        why = (f"With the loss in the cup and the spare {plan.wanted_g:.0f} g would do; less than this mix the balance "
-               f"does not weigh in the right ratio. {why} A finer balance saves resin.")  # fmt: skip
+        why = (
+            f"With the loss in the cup and the spare {plan.wanted_g:.0f} g would do; less than this mix the balance "
+            f"does not weigh in the right ratio. {why} A finer balance saves resin."
+        )
     return [
         Block("text", f"{pour.resin}, ratio {pour.ratio:.6g} ({ratio_text(pour)}); balance step {resolution:g} g."),
         Block("table", rows=tuple(weight_rows([plan.mix], digits))),
         *volume_blocks(pour),
-        Block("text", f"Mix {plan.mix.total_g:.{digits}f} g. Pour {each}. {why} "
-              f"{cup_words(pour, plan.cup_mm3 * 1e-6)}"),
-    ]  # fmt: skip
+        Block(
+            "text", f"Mix {plan.mix.total_g:.{digits}f} g. Pour {each}. {why} {cup_words(pour, plan.cup_mm3 * 1e-6)}"
+        ),
+    ]
 
 
 def _pour_steps(spec: PuckSpec, plan: PuckPlan) -> tuple[str, ...]:
@@ -113,18 +128,48 @@ def acceptance_rows(spec: PuckSpec, plan: PuckPlan) -> list[tuple[str, ...]]:
         puck = f" of {ring.tag}" if several else ""
         light, heavy = (mass * (1 + sign * spec.acceptance.mass_percent / 100) for sign in (-1, 1))
         rows += [
-            (f"diameter{puck}, mean of top, middle and bottom", f"{ring.diameter_mm:g} mm", *_size(ring.diameter_mm),
-             "none if the measured one is typed; else 2 % of modulus per 1 %", BLANK, "type the measured diameter"),
-            (f"largest minus smallest diameter{puck}", "0 mm", f"{ROUND_MM:g} mm", "not a cylinder: modulus off by as "
-             "much as the area", BLANK, "cast again; scrape the joint faces"),
-            (f"height{puck}, mean of four places", f"{ring.height_mm:g} mm", *_size(ring.height_mm),
-             "none if the measured one is typed; else 1 % of modulus per 1 %", BLANK, "type the measured height"),
-            (f"largest minus smallest height{puck}", "0 mm", f"{PARALLEL_SHARE * ring.height_mm:.2f} mm",
-             "a tilted face looks soft at the start", BLANK, "cast again, plate level"),
-            (f"mass{puck}", f"{mass:.1f} g", f"{light:.1f} to {heavy:.1f} g, for the planned size",
-             "air inside is softer", BLANK, "first correct for the measured size; still light: air inside, cast again"),
+            (
+                f"diameter{puck}, mean of top, middle and bottom",
+                f"{ring.diameter_mm:g} mm",
+                *_size(ring.diameter_mm),
+                "none if the measured one is typed; else 2 % of modulus per 1 %",
+                BLANK,
+                "type the measured diameter",
+            ),
+            (
+                f"largest minus smallest diameter{puck}",
+                "0 mm",
+                f"{ROUND_MM:g} mm",
+                "not a cylinder: modulus off by as much as the area",
+                BLANK,
+                "cast again; scrape the joint faces",
+            ),
+            (
+                f"height{puck}, mean of four places",
+                f"{ring.height_mm:g} mm",
+                *_size(ring.height_mm),
+                "none if the measured one is typed; else 1 % of modulus per 1 %",
+                BLANK,
+                "type the measured height",
+            ),
+            (
+                f"largest minus smallest height{puck}",
+                "0 mm",
+                f"{PARALLEL_SHARE * ring.height_mm:.2f} mm",
+                "a tilted face looks soft at the start",
+                BLANK,
+                "cast again, plate level",
+            ),
+            (
+                f"mass{puck}",
+                f"{mass:.1f} g",
+                f"{light:.1f} to {heavy:.1f} g, for the planned size",
+                "air inside is softer",
+                BLANK,
+                "first correct for the measured size; still light: air inside, cast again",
+            ),
             (f"bubbles over 1 mm{puck}", "none", "none", "softer", BLANK, "cast again; degas longer"),
-        ]  # fmt: skip
+        ]
     return rows
 
 
@@ -143,13 +188,14 @@ def needed(spec: PuckSpec, plan: PuckPlan) -> list[tuple[str, str, str]]:
     items += [
         MaterialItem(f"cups of {cup:g} l", 2, "{:.0f}", "mixing and pouring over", POUR),
         MaterialItem("foldback clips, 19 mm", 2 * spec.pucks, "{:.0f}", "ring halves", ONCE),
-        MaterialItem(f"flat plates of glass, {wide:.0f} x {wide:.0f} mm", 2 * spec.pucks, "{:.0f}", "base, strike-off",
-                     ONCE),
+        MaterialItem(
+            f"flat plates of glass, {wide:.0f} x {wide:.0f} mm", 2 * spec.pucks, "{:.0f}", "base, strike-off", ONCE
+        ),
         MaterialItem("release film", 2 * spec.pucks, "{:.0f} pieces", "plates", POUR),
         MaterialItem("hard wax, plasticine, abrasive paper to 400", 1, "a little", "ring", SHARED),
         MaterialItem("silicone oil", 1, "a little", "plates of the press", SHARED),
         MaterialItem("gloves, goggles, extraction", 1, "{:.0f} set", "resin", SHARED),
-    ]  # fmt: skip
+    ]
     if spec.pour.cures_warm:
         items.append(MaterialItem("vented oven", spec.pour.cure_temperature_C, "to {:.0f} C", "cure", SHARED))
     return bill_of_materials(items)

@@ -71,9 +71,17 @@ class Case:
         own_mm = 1.0 if pad.geometry == SLAB else float(h)
         weight = weight_over_shear(h, pad.shear_MPa) if Interface.names_friction(pad.base) else 0.0
         case = cls(
-            pad.radius_mm / h, extent_mm / h, pad.base, pad.condition, pad.shape, pad.poisson, pad.edge_radius_mm / h,
-            pad.geometry, own_mm, weight=weight,
-        )  # fmt: skip
+            pad.radius_mm / h,
+            extent_mm / h,
+            pad.base,
+            pad.condition,
+            pad.shape,
+            pad.poisson,
+            pad.edge_radius_mm / h,
+            pad.geometry,
+            own_mm,
+            weight=weight,
+        )
         if check:
             case.check()
         return case
@@ -115,8 +123,10 @@ class Case:
             raise InputError(
                 f"{what} radius over punch radius = {self.extent / self.radius:.3g} is below 1.5; "
                 f"the punch must stay away from the {what}'s rim",
-                "out_of_range", f"{what}_radius_over_punch_radius", self.extent / self.radius,
-            )  # fmt: skip
+                "out_of_range",
+                f"{what}_radius_over_punch_radius",
+                self.extent / self.radius,
+            )
         r = np.linspace(0.0, self.extent, 400)
         left = float((1.0 - self.drop(r) - self.bone(r)).min())
         layers = self.shape.layers()
@@ -126,19 +136,30 @@ class Case:
             raise InputError(
                 f"shape {self.shape} leaves {left * self.thickness_mm:.3g} mm of a pad of {self.thickness_mm:g} mm "
                 f"at its thinnest; at least {THINNEST * self.thickness_mm:.3g} mm must stay",
-                "cannot_be_made", "shape", str(self.shape),
-            )  # fmt: skip
+                "cannot_be_made",
+                "shape",
+                str(self.shape),
+            )
         if self.lines and max(self.lines) > WIDEST * self.extent:
             raise InputError(
                 f"shape {self.shape} reaches {max(self.lines) * self.thickness_mm:.3g} mm from the middle of a pad "
-                f"of radius {self.extent * self.thickness_mm:.3g} mm", "cannot_be_made", "shape", str(self.shape),
-            )  # fmt: skip
+                f"of radius {self.extent * self.thickness_mm:.3g} mm",
+                "cannot_be_made",
+                "shape",
+                str(self.shape),
+            )
 
 
 def round_problem(
-    mesh: Discretisation, case: Case, glued: Array, surface: ContactSurface | None = None, punch: Punch | None = None,
-    face: Array | None = None, stabilisation: float = EDGE_STABILISATION, base: Array | None = None,
-) -> Problem:  # fmt: skip
+    mesh: Discretisation,
+    case: Case,
+    glued: Array,
+    surface: ContactSurface | None = None,
+    punch: Punch | None = None,
+    face: Array | None = None,
+    stabilisation: float = EDGE_STABILISATION,
+    base: Array | None = None,
+) -> Problem:
     """Hold axis and base of a pad, or let it rest on friction, and move the ``glued`` nodes with the punch.
 
     ``face`` are the nodes that lie on the punch at first touch, ``base`` those on the base where it is not at -1.
@@ -197,9 +218,13 @@ def rimmed_problem(case: Case, rim: float, resolution: Resolution) -> Problem:
     sides = meshes.edges_on(mesh, top & (r >= inner - 1e-9) & (r <= reach))
     film = partial(glue_film, punch=punch, shear_MPa=shear) if glued else None
     surface = Surface(
-        mesh.nodes, sides, shear * GLUED_SLAB.contact / rim, film, shear * FILM_STIFFNESS / rim * glued,
+        mesh.nodes,
+        sides,
+        shear * GLUED_SLAB.contact / rim,
+        film,
+        shear * FILM_STIFFNESS / rim * glued,
         punch.flat_radius,
-    )  # fmt: skip
+    )
     face = np.nonzero(top & (r <= punch.flat_radius + 1e-9))[0]
     return round_problem(mesh, case, np.nonzero(top & (r <= inner + 1e-9))[0], surface, punch, face)
 
@@ -307,5 +332,10 @@ def of_two_meshes(coarse: Path, fine: Path, nodes: Array, least_error: float) ->
     if both and further is coarse:
         force[both:] *= np.exp(step[both - 1])
     error = least_error + np.where(np.arange(count) < both, 1.0, 2.0) * np.maximum.accumulate(np.abs(step))
-    return {"depth": nodes[:count], "stiffness": force / nodes[:count], "error": error, "solver": cost([coarse, fine]),
-            "stop": further.stop}  # fmt: skip
+    return {
+        "depth": nodes[:count],
+        "stiffness": force / nodes[:count],
+        "error": error,
+        "solver": cost([coarse, fine]),
+        "stop": further.stop,
+    }

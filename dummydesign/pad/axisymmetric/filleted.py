@@ -80,10 +80,13 @@ def filleted_problem(case: Case, sides: bool = True, coarser: float = 1.0) -> Pr
 
 def fine_columns(case: Case, near: Array, cell: float, growth: float, largest: float) -> Discretisation:
     """Mesh a slab with the columns ``near``, and cells that grow away from them and down from the face."""
-    r = np.concatenate([
-        near[0] - lines(near[0], cell, growth, largest)[:0:-1], near,
-        near[-1] + lines(case.extent - near[-1], cell, growth, largest, 1.0)[1:],
-    ])  # fmt: skip
+    r = np.concatenate(
+        [
+            near[0] - lines(near[0], cell, growth, largest)[:0:-1],
+            near,
+            near[-1] + lines(case.extent - near[-1], cell, growth, largest, 1.0)[1:],
+        ]
+    )
     points, quads, _ = columns(r, lines(1.0, cell, growth, largest))
     return meshes.discretise(points, quads)
 
@@ -118,9 +121,12 @@ def solve_filleted(case: Case, nodes: Array, sides: bool = True) -> dict[str, An
     # Largest step so far: single ones pass through zero.
     error = LEAST_ERROR + MESH_LEFT * np.maximum.accumulate(np.abs(step))
     return {
-        "depth": np.concatenate([[0.0], nodes[:count]]), "stiffness": stiffness,
-        "error": np.concatenate([[LEAST_ERROR], error]), "solver": cost([coarse, fine]), "stop": fine.stop,
-    }  # fmt: skip
+        "depth": np.concatenate([[0.0], nodes[:count]]),
+        "stiffness": stiffness,
+        "error": np.concatenate([[LEAST_ERROR], error]),
+        "solver": cost([coarse, fine]),
+        "stop": fine.stop,
+    }
 
 
 # Undeformed length of the face over the fillet, and of the even cells above it, in fillets.
@@ -152,9 +158,14 @@ class SlidingMesh:
         self._column = np.argmin(np.abs(r[:, None] - self._middles(flat)), axis=1)
         self._row = np.argmin(np.abs(mesh.nodes[1][:, None] - depths), axis=1)
         self.problem: Problem = round_problem(
-            mesh, case, np.array([], dtype=int), self._surface(mesh), self.punch,
-            np.nonzero(top & (r <= flat + 1e-9))[0], STABILISATION,
-        )  # fmt: skip
+            mesh,
+            case,
+            np.array([], dtype=int),
+            self._surface(mesh),
+            self.punch,
+            np.nonzero(top & (r <= flat + 1e-9))[0],
+            STABILISATION,
+        )
 
     def _radii(self, edge: float) -> Array:
         """Radii of the columns when the fillet's first one is at ``edge`` in the undeformed slab."""

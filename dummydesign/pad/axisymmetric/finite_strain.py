@@ -44,9 +44,12 @@ class MotionPath:
 
 
 def follow_motion(
-    problem: Problem, time_s: Array, depth: Array, largest_step: float,
+    problem: Problem,
+    time_s: Array,
+    depth: Array,
+    largest_step: float,
     check: Callable[[float, Array], str | None] | None = None,
-) -> MotionPath:  # fmt: skip
+) -> MotionPath:
     """Follow a motion, piecewise linear in time, from the undeformed state."""
     began = clock.perf_counter()
     law = problem.solid.law if isinstance(problem.solid.law, Viscoelastic) else None
@@ -95,9 +98,16 @@ def follow_motion(
         tell_depth(here)
     count = len(forces)
     return MotionPath(
-        time_s[:count], depth[:count], np.array(forces), problem.pattern.n, steps, iterations,
-        clock.perf_counter() - began, stop, refused,
-    )  # fmt: skip
+        time_s[:count],
+        depth[:count],
+        np.array(forces),
+        problem.pattern.n,
+        steps,
+        iterations,
+        clock.perf_counter() - began,
+        stop,
+        refused,
+    )
 
 
 def _guess(
@@ -153,9 +163,14 @@ class RatioPath:
 
 
 def solve_ratio(
-    case: Case, prony: Sequence[PronyTerm], time_s: Array, depth: Array, *, rims: Sequence[float] = SLAB_RIMS,
+    case: Case,
+    prony: Sequence[PronyTerm],
+    time_s: Array,
+    depth: Array,
+    *,
+    rims: Sequence[float] = SLAB_RIMS,
     cells: int = CELLS,
-) -> RatioPath:  # fmt: skip
+) -> RatioPath:
     """Solve one motion of a round pad twice on one mesh, with and without relaxation.
 
     ``rims`` are the fillets that are tried on a slab, ``cells`` those under the punch of a shaped pad.
@@ -167,9 +182,15 @@ def solve_ratio(
         if case.shape != SLAB:
             return _of_shape(case, arms, time_s, depth, cells)
         return _ratio_path(
-            lambda own, rim: rimmed_problem(own, rim * case.scale, Resolution()), case, arms, time_s, depth, rims,
-            0.05 * case.scale, False,
-        )  # fmt: skip
+            lambda own, rim: rimmed_problem(own, rim * case.scale, Resolution()),
+            case,
+            arms,
+            time_s,
+            depth,
+            rims,
+            0.05 * case.scale,
+            False,
+        )
 
     return RatioPath(**cached("viscoelastic-ratio", inputs, lambda: vars(solve())))
 
@@ -197,9 +218,15 @@ def _of_shape(case: Case, prony: tuple[PronyTerm, ...], time_s: Array, depth: Ar
 
 
 def _ratio_path(
-    problem: Callable[[Case, float], Problem], case: Case, prony: tuple[PronyTerm, ...], time_s: Array, depth: Array,
-    rims: Sequence[float], largest_step: float, folds: bool,
-) -> RatioPath:  # fmt: skip
+    problem: Callable[[Case, float], Problem],
+    case: Case,
+    prony: tuple[PronyTerm, ...],
+    time_s: Array,
+    depth: Array,
+    rims: Sequence[float],
+    largest_step: float,
+    folds: bool,
+) -> RatioPath:
     """Follow one motion with and without relaxation on the mesh of any pad, with the first fillet that gets there."""
     for rim in rims:
         paths, why = [], None

@@ -134,10 +134,15 @@ def indentation_problem(punch: Punch, region: Region, case: Case, penalty: Penal
     sides = meshes.edges_on(mesh, meshes.on_top(mesh) & (mesh.nodes[0] <= region.stop + 0.5))
     contact = case.law.shear_MPa * penalty.contact
     surface = Surface(
-        mesh.nodes, sides, lambda radius: contact / np.maximum(cell, region.share * radius),
-        grip=contact / cell * float(face.bonded), grip_from=0.0, friction=face.coulomb or 0.0,
-        slip_scale=SLIP_SCALE * cell, ties_within_step=True,
-    )  # fmt: skip
+        mesh.nodes,
+        sides,
+        lambda radius: contact / np.maximum(cell, region.share * radius),
+        grip=contact / cell * float(face.bonded),
+        grip_from=0.0,
+        friction=face.coulomb or 0.0,
+        slip_scale=SLIP_SCALE * cell,
+        ties_within_step=True,
+    )
     # What touches at the start sticks or slips from where it is.
     surface.settle(np.zeros(mesh.size), punch, 0.0)
     return round_problem(mesh, case, np.array([], dtype=int), surface, punch, None, STABILISATION)

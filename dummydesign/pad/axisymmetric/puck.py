@@ -114,9 +114,12 @@ class RoughPlate(SideContact):
 
 
 def puck_problem(
-    puck: UnitPuck, law: HyperelasticLaw, poisson: float = 0.5, corner: float = CORNER_CELLS[0],
+    puck: UnitPuck,
+    law: HyperelasticLaw,
+    poisson: float = 0.5,
+    corner: float = CORNER_CELLS[0],
     slip_scale: float = SLIP_SCALE,
-) -> Problem:  # fmt: skip
+) -> Problem:
     """Upper half of a cylinder of unit height under a plate; the plate's depth is half the compression."""
     r = meshes.graded(puck.radius, 0.0, corner, GROWTH)[::-1]
     z = meshes.graded(0.0, -0.5, corner, GROWTH)
@@ -150,8 +153,11 @@ def solve_puck(puck: Puck, compression_mm: Sequence[float] | Array) -> PadCurve:
         raise InputError(
             f"compression_mm = {list(wanted)} is outside the allowed range 0 to {limit:.4g} "
             f"({MAX_DEPTH_OVER_THICKNESS} of the height {h} mm)",
-            "out_of_range", "compression_mm", list(wanted), (0.0, limit),
-        )  # fmt: skip
+            "out_of_range",
+            "compression_mm",
+            list(wanted),
+            (0.0, limit),
+        )
     unit = UnitPuck(0.5 * puck.diameter_mm / h, puck.plates)
     law = puck.shape
     relative, start = wanted[wanted > 0.0] / h, np.zeros(int(wanted[0] == 0.0))
@@ -179,9 +185,13 @@ def _farthest(puck: UnitPuck, law: HyperelasticLaw, poisson: float, compression:
 
 
 def compress(
-    puck: UnitPuck, law: HyperelasticLaw, compression: Array, poisson: float = 0.5, corner: float = CORNER_CELLS[0],
+    puck: UnitPuck,
+    law: HyperelasticLaw,
+    compression: Array,
+    poisson: float = 0.5,
+    corner: float = CORNER_CELLS[0],
     slip_scale: float = SLIP_SCALE,
-) -> Path:  # fmt: skip
+) -> Path:
     """Follow a puck of unit height through relative compressions; a Path whose depth is HALF of them."""
     problem = puck_problem(puck, law, poisson, corner, slip_scale)
     first = 0.02 if problem.surface is None else slip_scale

@@ -182,8 +182,7 @@ def _doubt(path: Path, count: int) -> Array:
 
 
 def _by_both(fine: Array, half: Array, further: Array) -> tuple[Array, Array]:
-    """Values on fine cells, and beyond their end those of a path that got further, made equal there; what cells change.
-    """
+    """Values on fine cells, and beyond their end those of a path that got further, made equal there; what cells do."""
     change = last_known(np.abs(np.log(half / fine)), 0.01)
     beyond = further * np.exp(last_known(np.log(fine / further), 0.0))
     return np.where(np.isfinite(fine), fine, beyond), change

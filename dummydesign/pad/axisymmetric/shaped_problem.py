@@ -81,10 +81,17 @@ def shaped_problem(
         glued, near = np.unique(top[inside]), near & ~inside
         film = partial(glue_film, punch=punch, shear_MPa=shear)
     surface = Surface(
-        mesh.nodes, top[near], strength, film, ROUND_SHAPED_PAD.grip_share * strength * float(face.bonded),
-        punch.flat_radius if len(glued) else 0.0, face.coulomb or 0.0, 0.02 * coarse, ties_within_step=True,
+        mesh.nodes,
+        top[near],
+        strength,
+        film,
+        ROUND_SHAPED_PAD.grip_share * strength * float(face.bonded),
+        punch.flat_radius if len(glued) else 0.0,
+        face.coulomb or 0.0,
+        0.02 * coarse,
+        ties_within_step=True,
         slip_share=1.0 if shape.flat_top else GROWN_SLIP,
-    )  # fmt: skip
+    )
     return round_problem(mesh, case, glued, surface, punch, carried, STABILISATION, below)
 
 
@@ -183,9 +190,15 @@ class Climb:
 
 
 def climb(
-    case: Case, deepest: float, cells: int = CELLS, rim: float = RIMS[-1], twin: bool = False,
-    visit: Callable[[Problem, VisitedState], None] | None = None, smaller: Climb | None = None, sound_J: float = 0.0,
-) -> Climb:  # fmt: skip
+    case: Case,
+    deepest: float,
+    cells: int = CELLS,
+    rim: float = RIMS[-1],
+    twin: bool = False,
+    visit: Callable[[Problem, VisitedState], None] | None = None,
+    smaller: Climb | None = None,
+    sound_J: float = 0.0,
+) -> Climb:
     """Follow the pad under a punch with one edge fillet to the second end of a step beyond a depth.
 
     ``visit`` is called with every end of a step. ``smaller`` is the path of a crown under a smaller fillet on the same
@@ -210,9 +223,14 @@ def climb(
         return FAR_ENOUGH if far else None
 
     path = follow(
-        problem, [np.inf], *load_steps(case, cells, rim), lattice=True, keep=keep, most_wasted=MOST_WASTED,
+        problem,
+        [np.inf],
+        *load_steps(case, cells, rim),
+        lattice=True,
+        keep=keep,
+        most_wasted=MOST_WASTED,
         after=tuple(ends),
-    )  # fmt: skip
+    )
     path = replace(path, stop=None if path.stop == FAR_ENOUGH else path.stop)
     if watch is None:
         return Climb(tuple(ends), path)
@@ -240,9 +258,13 @@ def _face(problem: Problem) -> Surface:
 
 
 def solve_path(
-    case: Case, depths: Array, cells: int = CELLS, rim: float = RIMS[-1], twin: bool = False,
+    case: Case,
+    depths: Array,
+    cells: int = CELLS,
+    rim: float = RIMS[-1],
+    twin: bool = False,
     visit: Callable[[Problem, VisitedState], None] | None = None,
-) -> Path:  # fmt: skip
+) -> Path:
     """Forces of the pad under a punch with one edge fillet at depths."""
     return climb(case, float(np.max(depths)), cells, rim, twin, visit).at(np.asarray(depths, float))
 
@@ -258,9 +280,7 @@ class PathCache:
         self._climbs: dict[tuple[int, float, bool], Climb] = {}
         self.touched: list[tuple[float, float, bool]] = []
 
-    def climb(
-        self, case: Case, deepest: float, grid: tuple[int, float], twin: bool, sound_J: float = 0.0
-    ) -> Climb:  # fmt: skip
+    def climb(self, case: Case, deepest: float, grid: tuple[int, float], twin: bool, sound_J: float = 0.0) -> Climb:
         """The path on one grid, followed now if it was not yet."""
         key = (*grid, twin)
         if key not in self._climbs:

@@ -126,9 +126,13 @@ def _correction(samples: Samples, ratio_range: tuple[float, float] | None) -> Ar
 
 
 def fit_limit(
-    samples: Samples, first_ratio: Array, first: Array, depth_range: tuple[float, float],
-    ratio_range: tuple[float, float] | None, terms: tuple[int, int],
-) -> Limit:  # fmt: skip
+    samples: Samples,
+    first_ratio: Array,
+    first: Array,
+    depth_range: tuple[float, float],
+    ratio_range: tuple[float, float] | None,
+    terms: tuple[int, int],
+) -> Limit:
     """Fit the sharp-edge limit to values with rims and to the exact stiffness at first touch."""
     samples = samples.take(samples.psi <= LARGEST_PSI)
     depth = np.concatenate([samples.depth, np.zeros(len(first))])
@@ -280,9 +284,10 @@ def solve_curve(pad: Pad, depth_mm: Sequence[float] | Array, independent: bool =
     case, depths = Case.of(pad), relative_depths(depth_mm, pad.thickness_mm)
     table = None if independent else _table_of(case, depths)
     made = cached(
-        "slab" if table is None else "slab-by-table", {"case": case, "depths": depths},
+        "slab" if table is None else "slab-by-table",
+        {"case": case, "depths": depths},
         lambda: _relative_curve(case, depths, table),
-    )  # fmt: skip
+    )
     unit = pad.young_MPa * 1.5 / (1.0 + pad.poisson)  # E' = 3 mu of the law with this shear modulus
     depth = depths[: len(made["stiffness"])] * pad.thickness_mm
     force = unit * pad.radius_mm * depth * made["stiffness"]

@@ -170,10 +170,18 @@ class Surface(SideContact):
     """Sides of the pad that may touch the punch; stiffness and film of the glued face by radius."""
 
     def __init__(
-        self, nodes: Array, sides: Array, stiffness: float | Callable[[Array], Array],
-        film: Callable[[Array], Array] | None = None, grip: float = 0.0, grip_from: float = np.inf,
-        friction: float = 0.0, slip_scale: float = 1e-3, ties_within_step: bool = False, slip_share: float = 1.0,
-    ) -> None:  # fmt: skip
+        self,
+        nodes: Array,
+        sides: Array,
+        stiffness: float | Callable[[Array], Array],
+        film: Callable[[Array], Array] | None = None,
+        grip: float = 0.0,
+        grip_from: float = np.inf,
+        friction: float = 0.0,
+        slip_scale: float = 1e-3,
+        ties_within_step: bool = False,
+        slip_share: float = 1.0,
+    ) -> None:
         super().__init__(nodes, sides, 5)
         shape, r, area = self._shape, self._r, self._area
         self._stiffness = area * (stiffness(r) if callable(stiffness) else stiffness)

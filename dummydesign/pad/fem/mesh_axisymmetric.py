@@ -121,9 +121,12 @@ def web_mesh(
 
 
 def discretise(
-    points: Array, quads: Array, centre: Array | None = None, quarter_points: bool = False,
+    points: Array,
+    quads: Array,
+    centre: Array | None = None,
+    quarter_points: bool = False,
     move: Callable[[Array], Array] | None = None,
-) -> Discretisation:  # fmt: skip
+) -> Discretisation:
     """Build the biquadratic discretisation of a quadrilateral mesh in the (r, z) plane."""
     places, node = nine_nodes(points, quads)
     if quarter_points:

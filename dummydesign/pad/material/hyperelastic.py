@@ -131,8 +131,10 @@ class Ogden:
             if not (np.isfinite(mu) and np.isfinite(alpha_p) and mu * alpha_p > 0.0):
                 raise InputError(
                     f"Ogden term mu = {mu:g}, alpha = {alpha_p:g}: mu times alpha must be above 0, "
-                    "else the solid softens without bound", "out_of_range", "law",
-                )  # fmt: skip
+                    "else the solid softens without bound",
+                    "out_of_range",
+                    "law",
+                )
 
     @property
     def shear_MPa(self) -> float:

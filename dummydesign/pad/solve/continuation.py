@@ -115,11 +115,18 @@ def add_costs(*costs: Mapping[str, float]) -> dict[str, float]:
 
 @one_blas_thread()
 def follow(
-    problem: Problem, depths: ArrayLike, first_step: float, largest_step: float, smallest_step: float,
-    sound_J: float = 0.0, lattice: bool = False, visit: Callable[[float, Solution], str | None] | None = None,
-    keep: Callable[[VisitedState], str | None] | None = None, most_wasted: float = math.inf,
+    problem: Problem,
+    depths: ArrayLike,
+    first_step: float,
+    largest_step: float,
+    smallest_step: float,
+    sound_J: float = 0.0,
+    lattice: bool = False,
+    visit: Callable[[float, Solution], str | None] | None = None,
+    keep: Callable[[VisitedState], str | None] | None = None,
+    most_wasted: float = math.inf,
     after: Sequence[VisitedState] = (),
-) -> Path:  # fmt: skip
+) -> Path:
     """Follow the equilibrium from first touch through ``depths`` (increasing, in the mesh's unit of length).
 
     Every depth is met exactly. A step that fails is halved and tried again from the last good state;
@@ -217,8 +224,15 @@ def follow(
             step = min(1.4 * step, largest_step if answer.ties or not lattice else WITHOUT_TIES * largest_step)
     table = np.array(points).reshape(-1, 3)
     return Path(
-        table[:, 0], table[:, 1], table[:, 2], problem.pattern.n, steps, iterations,
-        time.perf_counter() - began, stop, tuple(history),
+        table[:, 0],
+        table[:, 1],
+        table[:, 2],
+        problem.pattern.n,
+        steps,
+        iterations,
+        time.perf_counter() - began,
+        stop,
+        tuple(history),
     )
 
 

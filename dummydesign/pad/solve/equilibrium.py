@@ -44,10 +44,16 @@ class Problem:
     """A solid, the unknowns that move with the punch or are held, and the surface in contact."""
 
     def __init__(
-        self, solid: Solid, held: Array, driven: Array, base: Array, surface: ContactSurface | None = None,
-        punch: Punch | None = None, carried: Array | None = None,
+        self,
+        solid: Solid,
+        held: Array,
+        driven: Array,
+        base: Array,
+        surface: ContactSurface | None = None,
+        punch: Punch | None = None,
+        carried: Array | None = None,
         solver: Callable[[list[Array], Array, int], Any] | None = None,
-    ) -> None:  # fmt: skip
+    ) -> None:
         self.solid, self.driven, self.base, self.surface, self.punch = solid, driven, base, surface, punch
         self.carried = driven if carried is None else np.union1d(driven, carried)
         fixed = held.copy()
@@ -128,9 +134,13 @@ class Failure:
 
 
 def find_equilibrium(
-    problem: Problem, u: Array, p: Array, depth: float, tolerance: float = RESIDUAL_TOLERANCE,
+    problem: Problem,
+    u: Array,
+    p: Array,
+    depth: float,
+    tolerance: float = RESIDUAL_TOLERANCE,
     without_ties: bool = False,
-) -> Solution | Failure:  # fmt: skip
+) -> Solution | Failure:
     """Newton's method at one depth, from a predicted state."""
     found = newton_search(problem, u, p, depth, tolerance, without_ties, HELD)
     if isinstance(found, Failure) and found.iterations >= MAX_ITERATIONS:

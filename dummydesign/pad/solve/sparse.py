@@ -15,8 +15,7 @@ ASYMMETRY = 1e-12
 
 
 class Band:
-    """Places of entries in the lower band of a symmetric matrix, after Cuthill and McKee's ordering or a narrower one.
-    """
+    """Places of entries in the lower band of a symmetric matrix, after Cuthill and McKee's order or a narrower one."""
 
     def __init__(self, row: Array, column: Array, n: int, orders: Sequence[Array] = ()) -> None:
         from scipy.sparse import csr_matrix
@@ -51,8 +50,9 @@ class Band:
         if len(self._takes) != len(groups):
             ends = np.cumsum([matrix.size for matrix in groups])
             cuts = np.searchsorted(self._lower, ends)
-            self._takes = [part - end + matrix.size for part, end, matrix in
-                           zip(np.split(self._lower, cuts[:-1]), ends, groups)]  # fmt: skip
+            self._takes = [
+                part - end + matrix.size for part, end, matrix in zip(np.split(self._lower, cuts[:-1]), ends, groups)
+            ]
         first = groups[0]
         count = len(self._takes[0])
         if first is not self._first:

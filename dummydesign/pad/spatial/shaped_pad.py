@@ -111,9 +111,13 @@ class SpatialFace:
     )
 
     def __init__(
-        self, problem: Problem, faces: Array, mirrored: tuple[bool, bool], thickness_mm: float,
+        self,
+        problem: Problem,
+        faces: Array,
+        mirrored: tuple[bool, bool],
+        thickness_mm: float,
         unknowns: Array | None = None,
-    ) -> None:  # fmt: skip
+    ) -> None:
         used = np.unique(faces)
         face_nodes = problem.solid.mesh.nodes[:, used].T
         (x, i), (y, j) = (np.unique(face_nodes[:, axis].round(9), return_inverse=True) for axis in (0, 1))
@@ -222,8 +226,19 @@ class Load:
             (float(one) / h, float(other) / h)
             for one, other in (half_mm, (0.5 * pad.slab_mm[0], 0.5 * pad.slab_mm[1]), offset_mm)
         )
-        load = cls(pad.geometry, float(h), half_sides, extents, pad.sides_mm is None, offset, pad.base, pad.condition,
-                   pad.poisson, first, law=pad.shape)  # fmt: skip
+        load = cls(
+            pad.geometry,
+            float(h),
+            half_sides,
+            extents,
+            pad.sides_mm is None,
+            offset,
+            pad.base,
+            pad.condition,
+            pad.poisson,
+            first,
+            law=pad.shape,
+        )
         load.check()
         return load
 
@@ -240,8 +255,10 @@ class Load:
                 raise InputError(
                     f"punch of half side {half * h:g} mm, {shift * h:g} mm off the middle, leaves the pad of half "
                     f"side {extent * h:g} mm or comes near its rim; take a smaller offset",
-                    "out_of_range", "offset_mm", shift * h,
-                )  # fmt: skip
+                    "out_of_range",
+                    "offset_mm",
+                    shift * h,
+                )
 
     @property
     def scale(self) -> float:
@@ -398,9 +415,16 @@ def _open_depths(load: Load, depths: Array) -> tuple[Array, str | None]:
     if load.shape.flat_top or not load.shape.axisymmetric or not centred:
         return depths, None
     case = Case(
-        radius, extent, load.base, load.condition, load.law, load.poisson, shape=load.shape,
-        thickness_mm=load.thickness_mm, first=first_depth(depths),
-    )  # fmt: skip
+        radius,
+        extent,
+        load.base,
+        load.condition,
+        load.law,
+        load.poisson,
+        shape=load.shape,
+        thickness_mm=load.thickness_mm,
+        first=first_depth(depths),
+    )
     # Checked often, as a notch that is narrow shows in the state before.
     ends = np.union1d(depths, np.arange(CHECKED_AT, depths[-1], CHECKED_AT))
     path = solve_round_path(case, ends, CELLS, RIMS[0])
@@ -445,8 +469,7 @@ def field_lines(pitch_mm: float, rim_mm: float, cells: int) -> Array:
 
 
 def field_problem(shape: Bumped, thickness_mm: float, cells: int) -> tuple[Problem, SpatialFace]:
-    """An eighth of a field of caps under the punch, what touches sticks; unit shear modulus, lengths in thicknesses.
-    """
+    """An eighth of a field of caps under the punch, what touches sticks; unit shear modulus, lengths in thicknesses."""
     h, half, extent = thickness_mm, HALF_SIDE_MM / thickness_mm, 0.5 * PAD_WIDTH_MM / thickness_mm
     load = Load(shape, h, (half, half), (extent, extent))
     rim = RIM * load.scale

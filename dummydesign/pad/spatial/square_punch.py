@@ -68,8 +68,11 @@ class Block:
             if not extent >= 1.5 * side:
                 raise InputError(
                     f"slab over punch = {extent / side:.3g} is below 1.5 along one side; "
-                    "the punch must stay away from the slab's rim", "out_of_range", "slab_over_punch", extent / side,
-                )  # fmt: skip
+                    "the punch must stay away from the slab's rim",
+                    "out_of_range",
+                    "slab_over_punch",
+                    extent / side,
+                )
 
     @property
     def radius(self) -> float:
@@ -160,16 +163,24 @@ def twin_problem(block: Block, cells: Cells, rim: float = 0.0) -> Problem:
     inside = (mesh.nodes[0] >= last - _TOLERANCE) & (mesh.nodes[0] <= block.radius + REACH * block.scale)
     strength = block.law.shear_MPa / bead
     surface = Surface(
-        mesh.nodes, plane.edges_on(mesh, plane.on_top(mesh) & inside), BEADED_SQUARE.contact * strength,
-        grip=(block.condition == "bonded") * GRIP_STIFFNESS * strength, grip_from=0.0,
-    )  # fmt: skip
+        mesh.nodes,
+        plane.edges_on(mesh, plane.on_top(mesh) & inside),
+        BEADED_SQUARE.contact * strength,
+        grip=(block.condition == "bonded") * GRIP_STIFFNESS * strength,
+        grip_from=0.0,
+    )
     return _problem(mesh, block, np.array([core]), np.array([last]), surface, FlatPunch(block.radius, bead))
 
 
 def _problem(
-    mesh: Discretisation, block: Block, core: Array, last: Array, surface: ContactSurface | None = None,
-    punch: Any = None, solver: Callable[..., Any] | None = None,
-) -> Problem:  # fmt: skip
+    mesh: Discretisation,
+    block: Block,
+    core: Array,
+    last: Array,
+    surface: ContactSurface | None = None,
+    punch: Any = None,
+    solver: Callable[..., Any] | None = None,
+) -> Problem:
     """Hold the planes of symmetry, base and inner face; what lies on the face at first touch sticks at once."""
     plan, level, dimension = mesh.nodes[:-1], mesh.nodes[-1], len(mesh.nodes)
     held = np.zeros((mesh.nodes.shape[1], dimension), dtype=bool)
@@ -186,9 +197,15 @@ def _problem(
         surface.settle(np.zeros(mesh.size), punch, 0.0)
     down, solid = dimension - 1, Solid(mesh, block.law, block.poisson)
     return Problem(
-        solid, held.ravel(), dimension * driven + down, dimension * base + down, surface, punch,
-        dimension * face + down, solver=solver,
-    )  # fmt: skip
+        solid,
+        held.ravel(),
+        dimension * driven + down,
+        dimension * base + down,
+        surface,
+        punch,
+        dimension * face + down,
+        solver=solver,
+    )
 
 
 @dataclass(frozen=True)

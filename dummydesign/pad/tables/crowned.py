@@ -82,8 +82,9 @@ class CrownResponse:
         value, slope = np.zeros(len(depth)), np.zeros(len(depth))
         own = np.zeros(len(inputs), dtype=int)
         for part, which, edge, surface, piece in (
-            (narrow, few, met, self.jump, self._narrow), (wide, many, grown, self.bend, self._wide)
-        ):  # fmt: skip
+            (narrow, few, met, self.jump, self._narrow),
+            (wide, many, grown, self.bend, self._wide),
+        ):
             own[which] = np.arange(len(which))
             wanted = np.nonzero(part[at])[0]
             i = at[wanted]
@@ -154,9 +155,7 @@ def _on(surface: Response, rows: Array, row: Array, x: Array, unit: Array | floa
     return value, slope / (2.0 * np.sqrt(np.maximum(depth, 1e-12)) * unit)
 
 
-def _mix(
-    value: Array, slope: Array, share: Array, steep: Array, other: Callable[[Array], tuple[Array, Array]]
-) -> None:
+def _mix(value: Array, slope: Array, share: Array, steep: Array, other: Callable[[Array], tuple[Array, Array]]) -> None:
     """Fade ``value`` and ``slope`` in place into what ``other`` gives at the places where it has a share."""
     on = np.nonzero(share > 0.0)[0]
     there, tilt = other(on)

@@ -74,9 +74,18 @@ def between_fillets(data: dict[str, Any], fillet: float) -> FilletedTable:
     reach = np.array([_last_known(depth, row) for row in values])
     provenance = data.get("provenance", {})
     table = FilletedTable(
-        data["base"], np.zeros(TERMS), (float(ratios[0]), float(ratios[-1])), (0.0, float(depth[-1])), ratios, reach,
-        ratios, depth, np.zeros(values.shape), provenance, fillet,
-    )  # fmt: skip
+        data["base"],
+        np.zeros(TERMS),
+        (float(ratios[0]), float(ratios[-1])),
+        (0.0, float(depth[-1])),
+        ratios,
+        reach,
+        ratios,
+        depth,
+        np.zeros(values.shape),
+        provenance,
+        fillet,
+    )
     coefficients, misfit = _series(table, values, depth)
     # What the series leaves is part of the error; beyond a solve's end the last one holds.
     total = np.nan_to_num(np.array(errors)) + np.nan_to_num(np.abs(misfit))

@@ -106,8 +106,11 @@ def table_for(diameter_mm: float, height_mm: float) -> PuckTable:
         raise InputError(
             f"diameter over height = {2 * shape:.4g} is outside the allowed range {low:.3g} to {high:.3g} for which "
             "plate friction is solved; cast a puck inside it, such as the 50 x 30 mm of the pour sheet",
-            "out_of_range", "diameter_over_height", 2 * shape, (low, high),
-        )  # fmt: skip
+            "out_of_range",
+            "diameter_over_height",
+            2 * shape,
+            (low, high),
+        )
     return interpolate(tables, shape)
 
 

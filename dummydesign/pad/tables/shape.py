@@ -103,7 +103,6 @@ class ShapeTable:
         levels = np.sqrt(self.error_depth)
         return np.hypot(np.interp(at, levels, self.error), np.interp(at, levels, self.solve_error))
 
-
     def force_error(self, depth_mm: ArrayLike, thickness_mm: ArrayLike, radius_mm: ArrayLike) -> Array:
         """Error of the force over the force: of the factor and, where it is over a slab, of the slab's table."""
         depth, h, a = np.broadcast_arrays(*(np.asarray(v, dtype=float) for v in (depth_mm, thickness_mm, radius_mm)))

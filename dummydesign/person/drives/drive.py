@@ -111,8 +111,10 @@ class Drive(ABC):
         raise InputError(
             f"drive = {self.name} needs the force under any motion, and the tissue is measured curves without a law; "
             "use --drive steady, or a tissue with a law",
-            "unsupported", "drive", self.name,
-        )  # fmt: skip
+            "unsupported",
+            "drive",
+            self.name,
+        )
 
     def contradicted(self, signs: TraceSigns) -> str:
         """Say why this drive cannot have made the trace; empty where nothing speaks against it."""

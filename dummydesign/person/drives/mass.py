@@ -66,8 +66,10 @@ class Mass(Drive):
         if abs(speed - path) <= SURE * float(np.hypot(error, press.contact_sd_mm_s)):
             return ""
         energy, needed = float(press.energy_mJ), 0.5e-3 * self.values[0] * path**2
-        return (f"the pad took {energy:.3g} mJ up to the stop; {self.values[0]:g} kg at {path:.3g} mm/s have "
-                f"{needed:.3g} mJ")  # fmt: skip
+        return (
+            f"the pad took {energy:.3g} mJ up to the stop; {self.values[0]:g} kg at {path:.3g} mm/s have "
+            f"{needed:.3g} mJ"
+        )
 
     def respond(self, press: Press, people: People, keep: bool = True) -> Response:
         """Integrate until every body has stopped; with curves, as long again for the rebound."""
@@ -80,8 +82,9 @@ class Mass(Drive):
 
         given = speed, scale, longest
         looser = TOLERANCE * (1.0 if keep else FASTER)
-        run = run_robot(people, Arm(0.0, mass), _nothing, LONGEST_S, *given, until_stop=True, keep=False,
-                        tolerance=looser)  # fmt: skip
+        run = run_robot(
+            people, Arm(0.0, mass), _nothing, LONGEST_S, *given, until_stop=True, keep=False, tolerance=looser
+        )
         if not keep:
             return run
         end = (1.0 + AFTER_STOP) * float(np.max(run.stop_s))

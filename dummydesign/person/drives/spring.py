@@ -61,9 +61,21 @@ def press_by_spring(press: Press, people: People, arm: Arm, keep: bool = True) -
         return left if not press.stop_s <= time < calm or left <= even else left / int(np.ceil(left / even - 1e-6))
 
     scale = np.full(count, float(np.max(press.depth_mm)))
-    return run_robot(people, arm, _between_nodes(press), float(nodes[-1]), np.zeros(count), scale, longest, keep=keep,
-                     late_s=press.late_from_s, loose_after_s=press.stop_s, mean_from_s=press.mean_from_s,
-                     tolerance=TOLERANCE * (1.0 if keep else FASTER), lost_mm_s=press.lost_mm_s)  # fmt: skip
+    return run_robot(
+        people,
+        arm,
+        _between_nodes(press),
+        float(nodes[-1]),
+        np.zeros(count),
+        scale,
+        longest,
+        keep=keep,
+        late_s=press.late_from_s,
+        loose_after_s=press.stop_s,
+        mean_from_s=press.mean_from_s,
+        tolerance=TOLERANCE * (1.0 if keep else FASTER),
+        lost_mm_s=press.lost_mm_s,
+    )
 
 
 def _between_nodes(press: Press) -> Input:
@@ -73,8 +85,9 @@ def _between_nodes(press: Press) -> Input:
     def given(time: float) -> tuple[NDArray, NDArray]:
         at = min(max(int(np.searchsorted(nodes, time)), 1), len(nodes) - 1)
         share = float((time - nodes[at - 1]) / (nodes[at] - nodes[at - 1]))
-        force, path = (row[..., at - 1] + share * (row[..., at] - row[..., at - 1])
-                       for row in (press.force_N, press.x_mm))  # fmt: skip
+        force, path = (
+            row[..., at - 1] + share * (row[..., at] - row[..., at - 1]) for row in (press.force_N, press.x_mm)
+        )
         return force, path
 
     return given

@@ -16,8 +16,10 @@ def budget_section(budget: dict[str, Any] | None) -> list[Section]:
     if budget is None:
         return []
     components = [[one["name"], _percent(one["standard_percent"])] for one in budget["components"]]
-    components += [["combined standard uncertainty", _percent(budget["combined_percent"])],
-                   [f"expanded uncertainty (k = {budget['k']:g})", _percent(budget["expanded_percent"])]]  # fmt: skip
+    components += [
+        ["combined standard uncertainty", _percent(budget["combined_percent"])],
+        [f"expanded uncertainty (k = {budget['k']:g})", _percent(budget["expanded_percent"])],
+    ]
     table = Table(["component", "standard uncertainty, % of the reading"], components)
     made = budget["decision"]
     html = "" if made is None else statement_table(budget).html()
@@ -31,7 +33,7 @@ def budget_texts(budget: dict[str, Any]) -> list[str]:
         f"Reading that decides: {reading}. Of all readings it is the most probable to be outside its limits. Standard "
         "uncertainties are those of its natural logarithm, independent of each other: combined they are the root of "
         "the sum of squares."
-    ]  # fmt: skip
+    ]
     if budget["decision"] is not None:
         texts += [statement_text(budget), f"Decision rule: {budget['rule']}. Agree it before the measurement."]
     if budget["not_known"]:
@@ -83,8 +85,12 @@ def statement_table(budget: dict[str, Any]) -> Table:
     made, unit = budget["decision"], budget["reading"]["unit"]
     edges = [made[name] for name in ("acceptance", "tolerance", "rejection")]
     lows, highs = ([edge[side] for edge in edges] for side in ("low", "high"))
-    spans = [_between(lows[0], highs[0], unit), _sides(lows[:2], highs[:2], unit), _sides(lows[1:], highs[1:], unit),
-             _outside(lows[2], highs[2], unit)]  # fmt: skip
+    spans = [
+        _between(lows[0], highs[0], unit),
+        _sides(lows[:2], highs[:2], unit),
+        _sides(lows[1:], highs[1:], unit),
+        _outside(lows[2], highs[2], unit),
+    ]
     if none_can_pass(made):
         spans[:2] = "no reading", _between(lows[1], highs[1], unit)
     rows = [[name, span, "this reading" * (name == budget["statement"])] for name, span in zip(STATEMENTS, spans)]

@@ -49,11 +49,17 @@ def curves_section(curves: dict[str, Any], subjects: int, aim: str) -> Section:
         "until twice the time in which the aim stops."
     )
     rows = [
-        [f"{row['steady_force_N']:.3g}", f"{row['velocity_mm_s']:.4g}", f"{100.0 * row['inside_fraction']:.0f} %",
-         *(f"{row['rating'][name]:.2f}" if row["rating"] else "out of reach" if name == "R" else ""
-           for name in RATINGS)]
+        [
+            f"{row['steady_force_N']:.3g}",
+            f"{row['velocity_mm_s']:.4g}",
+            f"{100.0 * row['inside_fraction']:.0f} %",
+            *(
+                f"{row['rating'][name]:.2f}" if row["rating"] else "out of reach" if name == "R" else ""
+                for name in RATINGS
+            ),
+        ]
         for row in curves["conditions"]
-    ]  # fmt: skip
+    ]
     head = ["steady N", "mm/s", "time inside", "R", "corridor Z", "phase EP", "magnitude EM", "slope ES"]
     return Section(TITLE, text, table=Table(head, rows))
 

@@ -10,8 +10,10 @@ CHEMISTRIES = ("polyurethane", "platinum silicone", "tin silicone", "silicone", 
 _WORDS = (
     ("polyurethane", r"isocyanate|polyol|urethane"),
     ("tin silicone", r"(\btin\b|tin[- ]cur|condensation).*silicon|silicon.*(\btin\b|tin[- ]cur|condensation)"),
-    ("platinum silicone",
-     r"ecoflex|dragon\s?skin|(platinum|addition[- ]cur).*silicon|silicon.*(platinum|addition[- ]cur)"),
+    (
+        "platinum silicone",
+        r"ecoflex|dragon\s?skin|(platinum|addition[- ]cur).*silicon|silicon.*(platinum|addition[- ]cur)",
+    ),
     ("silicone", r"silicone|\bpdms\b|polydimethylsiloxane"),
     ("polyurethane", r"\bpur?\b"),
     ("gelatin", r"gelatine?\b|\bagar"),

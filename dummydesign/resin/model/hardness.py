@@ -140,8 +140,11 @@ class HardnessLaw:
         ends = self.young_kPa(np.array([shore - self.points, shore + self.points]), scale)
         scatter = self.log_scatter(shore, scale)
         low, high = (math.hypot(scatter, math.log(float(end) / value)) for end in ends)
-        laws = "Hertz contact of the ball, fitted to six products" if scale == SHORE_00 else (
-            f"mean of {', '.join(law.name for law in self.laws_a)}")  # fmt: skip
+        laws = (
+            "Hertz contact of the ball, fitted to six products"
+            if scale == SHORE_00
+            else (f"mean of {', '.join(law.name for law in self.laws_a)}")
+        )
         source = f"{STATED}{scale} {shore:g} as stated, within {self.points:g} points; {laws} (materials/hardness.toml)"
         return Quantity(value, value * math.exp(-low), value * math.exp(high), "inferred", source)
 
@@ -223,9 +226,16 @@ def _read(path: Path, changed_ns: int) -> HardnessLaw:
               for scale, one in ((SHORE_00, ball), (SHORE_A, cone))}  # fmt: skip
     points = tuple((one.number("shore"), one.quantity("young_kPa")) for one in ball.tables("point"))
     return HardnessLaw(
-        ranges, radius, travel, (first, rise), ball.quantity("factor"), tuple(map(_law, cone.tables("law"))),
-        scatter.quantity("between_products_a").value, scatter.quantity("points").value, points,
-    )  # fmt: skip
+        ranges,
+        radius,
+        travel,
+        (first, rise),
+        ball.quantity("factor"),
+        tuple(map(_law, cone.tables("law"))),
+        scatter.quantity("between_products_a").value,
+        scatter.quantity("points").value,
+        points,
+    )
 
 
 def _law(table: Table) -> _ShoreA:

@@ -65,13 +65,17 @@ def read_ratio_meaning(top: Table, also: str = "") -> tuple[str, str, str]:
         raise top.fault("ratio_by", f"contradicts ratio_meaning = {text!r}; correct one of them", "inconsistent")
     if not by and (volume or (not weight and _VOLUME.search(also))):
         said = f"{text!r} names" if volume else "title or components name"
-        words = (f"is missing, and {said} volume: write ratio_by = \"volume\" if the parts are volumes, "
-                 "ratio_by = \"weight\" if they are weights")  # fmt: skip
+        words = (
+            f'is missing, and {said} volume: write ratio_by = "volume" if the parts are volumes, '
+            'ratio_by = "weight" if they are weights'
+        )
         raise top.fault("ratio_by", words, "missing", RATIO_BY)
     if not per and _OF_THE_MIX.search(text) and not _TO_OTHERS.search(text):
-        words = (f"is missing, and {text!r} may count parts of the whole mix: write ratio_per = \"mix\" if the ratio "
-                 "is in 100 parts of the mix, "
-                 "ratio_per = \"others\" if it is to the parts of the other components")  # fmt: skip
+        words = (
+            f'is missing, and {text!r} may count parts of the whole mix: write ratio_per = "mix" if the ratio '
+            "is in 100 parts of the mix, "
+            'ratio_per = "others" if it is to the parts of the other components'
+        )
         raise top.fault("ratio_per", words, "missing", RATIO_PER)
     if by == "volume" and BY_VOLUME not in text:
         text = f"{text}, {BY_VOLUME}"

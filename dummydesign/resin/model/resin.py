@@ -252,8 +252,9 @@ class Resin:
         values = np.atleast_1d(np.asarray(ratio, float))
         wrong = values[~((values >= self.ratio_min - 1e-9) & (values <= self.ratio_max + 1e-9))].tolist()
         if wrong:
-            raise out_of_range(f"ratio of {self.name}", wrong[0], self.ratio_min, self.ratio_max, self.ratio_meaning,
-                               "ratio")  # fmt: skip
+            raise out_of_range(
+                f"ratio of {self.name}", wrong[0], self.ratio_min, self.ratio_max, self.ratio_meaning, "ratio"
+            )
 
     @property
     def central(self) -> dict[str, float]:
@@ -400,8 +401,10 @@ class Resin:
         others = 1.0
         if self.ratio_per == "mix":
             others = (100.0 - ratio) / sum(liquid.parts for liquid in self.liquids if liquid.parts is not None)
-        return {liquid.name: self._weight_per_part(liquid) * (ratio if liquid.parts is None else others * liquid.parts)
-                for liquid in self.liquids}  # fmt: skip
+        return {
+            liquid.name: self._weight_per_part(liquid) * (ratio if liquid.parts is None else others * liquid.parts)
+            for liquid in self.liquids
+        }
 
     def _weight_per_part(self, liquid: Liquid) -> float:
         return liquid.density_g_per_cm3.value if self.ratio_by == "volume" else 1.0
@@ -414,8 +417,10 @@ class Resin:
         masses_g : mapping of str to float or array_like
             Mass of each liquid. What is missing counts as none. [g]
         """
-        parts = {liquid.name: np.asarray(masses_g.get(liquid.name, 0.0), float) / self._weight_per_part(liquid)
-                 for liquid in self.liquids}  # fmt: skip
+        parts = {
+            liquid.name: np.asarray(masses_g.get(liquid.name, 0.0), float) / self._weight_per_part(liquid)
+            for liquid in self.liquids
+        }
         varied = next(liquid.name for liquid in self.liquids if liquid.parts is None)
         rest = sum(part for name, part in parts.items() if name != varied)
         if self.ratio_per == "mix":
@@ -489,21 +494,41 @@ class Resin:
 
     def to_dict(self) -> dict[str, Any]:
         """Return the whole resin file as plain values, every number with interval, kind and source."""
-        simple = ["name", "title", "ratio_meaning", "ratio_by", "ratio_per", "ratio_min", "ratio_max", "ratio_step",
-                  "references", "notes", "contradictions"]  # fmt: skip
+        simple = [
+            "name",
+            "title",
+            "ratio_meaning",
+            "ratio_by",
+            "ratio_per",
+            "ratio_min",
+            "ratio_max",
+            "ratio_step",
+            "references",
+            "notes",
+            "contradictions",
+        ]
         if self.chemistry:
             simple.insert(2, "chemistry")
         liquids = [to_plain(one) | ({"parts": "ratio"} if one.parts is None else {}) for one in self.liquids]
         modulus: dict[str, Any] = {"law": self.law.name, **self.numbers}
         if self.posterior is not None and self.prior_numbers is not None:
             modulus |= {"prior": self.prior_numbers, "posterior": self.posterior}
-        relaxation: dict[str, Any] = {"ratio_ref": self.relaxation_ratio_ref,
-                                      "softness_exponent": self.softness_exponent, "term": self.arms}  # fmt: skip
+        relaxation: dict[str, Any] = {
+            "ratio_ref": self.relaxation_ratio_ref,
+            "softness_exponent": self.softness_exponent,
+            "term": self.arms,
+        }
         if self.prior_relaxation is not None:
             arms, ratio_ref = self.prior_relaxation
             relaxation["prior"] = {"ratio_ref": ratio_ref, "term": arms}
-        content = {"schema": 1, **{key: getattr(self, key) for key in simple}, "component": liquids,
-                   "modulus": modulus, "relaxation": relaxation, "property": self.properties}  # fmt: skip
+        content = {
+            "schema": 1,
+            **{key: getattr(self, key) for key in simple},
+            "component": liquids,
+            "modulus": modulus,
+            "relaxation": relaxation,
+            "property": self.properties,
+        }
         return to_plain(content | ({"point": self.points} if self.points else {}))
 
     def uncertain(self) -> list[str]:

@@ -23,13 +23,35 @@ if TYPE_CHECKING:
 KIND = "materials/resins"
 DEFAULT = "polyurethane-nagoya"
 PROPERTIES = (
-    "density_g_per_cm3", "viscosity_Pa_s", "pot_life_min", "degas_pressure_kPa", "cure_temperature_C", "cure_time_h",
-    "age_before_test_days", "shrinkage_percent",
-)  # fmt: skip
+    "density_g_per_cm3",
+    "viscosity_Pa_s",
+    "pot_life_min",
+    "degas_pressure_kPa",
+    "cure_temperature_C",
+    "cure_time_h",
+    "age_before_test_days",
+    "shrinkage_percent",
+)
 KEYS = (
-    "schema", "name", "title", "chemistry", "ratio_meaning", "ratio_by", "ratio_per", "ratio_min", "ratio_max",
-    "ratio_step", "references", "notes", "component", "modulus", "relaxation", "property", "point", "contradictions",
-)  # fmt: skip
+    "schema",
+    "name",
+    "title",
+    "chemistry",
+    "ratio_meaning",
+    "ratio_by",
+    "ratio_per",
+    "ratio_min",
+    "ratio_max",
+    "ratio_step",
+    "references",
+    "notes",
+    "component",
+    "modulus",
+    "relaxation",
+    "property",
+    "point",
+    "contradictions",
+)
 
 
 def recording_sha256(trace: Trace) -> str:
@@ -87,16 +109,29 @@ def read_resin(entry: Entry) -> Resin:
     before = relaxation.table("prior", required=False).only(("ratio_ref", "term"))
     properties = top.table("property", required=False).only(PROPERTIES)
     resin = Resin(
-        name=name, title=top.string("title", name), origin=entry.origin, ratio_meaning=meaning, ratio_by=by,
+        name=name,
+        title=top.string("title", name),
+        origin=entry.origin,
+        ratio_meaning=meaning,
+        ratio_by=by,
         chemistry=top.string("chemistry", guessed_chemistry(name, also), choices=CHEMISTRIES),
-        ratio_per=per, ratio_min=low, ratio_max=high, ratio_step=step, liquids=liquids, law=law, numbers=numbers,
+        ratio_per=per,
+        ratio_min=low,
+        ratio_max=high,
+        ratio_step=step,
+        liquids=liquids,
+        law=law,
+        numbers=numbers,
         arms=arms,
-        relaxation_ratio_ref=ratio_ref, softness_exponent=_positive(relaxation, "softness_exponent", zero=True),
+        relaxation_ratio_ref=ratio_ref,
+        softness_exponent=_positive(relaxation, "softness_exponent", zero=True),
         properties={key: _positive(properties, key) for key in properties.data},
         **{key: top.strings(key, ()) for key in ("references", "notes", "contradictions")},
-        points=tuple(map(_point, top.tables("point", required=False))), posterior=posterior, prior_numbers=prior,
+        points=tuple(map(_point, top.tables("point", required=False))),
+        posterior=posterior,
+        prior_numbers=prior,
         prior_relaxation=_arms(before, low, high, ratio_ref) if "prior" in relaxation else None,
-    )  # fmt: skip
+    )
     _check_physics(resin, top.table("modulus"))
     return resin
 

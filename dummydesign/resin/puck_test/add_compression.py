@@ -83,9 +83,15 @@ def loading(displacement_mm: Array, force_N: Array) -> tuple[Array, Array]:
 
 
 def add_compression(
-    file: str | Path | Sequence[str | Path], diameter_mm: float, height_mm: float, name: str, ratio: float,
-    base: str | None = None, replace_own: bool = False, friction: str | float | None = None,
-) -> Compressed:  # fmt: skip
+    file: str | Path | Sequence[str | Path],
+    diameter_mm: float,
+    height_mm: float,
+    name: str,
+    ratio: float,
+    base: str | None = None,
+    replace_own: bool = False,
+    friction: str | float | None = None,
+) -> Compressed:
     """Fit a puck's compression curves and keep the resin that its modulus makes of a law.
 
     Curves without a hold: load = A E u(c; alpha) B(c; alpha, friction), see
@@ -112,8 +118,12 @@ def add_compression(
     known = entries(KIND).get(name.lower())
     own = known if known is not None and known.origin == "user" else None
     if own and base is not None and base.lower() != name.lower() and not replace_own:
-        raise InputError(f"resin '{own.name}' exists; leave --resin out to add this puck to it, or --replace to begin "
-                         "it again", "file_exists", "resin", own.name)  # fmt: skip
+        raise InputError(
+            f"resin '{own.name}' exists; leave --resin out to add this puck to it, or --replace to begin it again",
+            "file_exists",
+            "resin",
+            own.name,
+        )
     if own and replace_own and base is None:
         message = f"--replace begins resin '{own.name}' again; say from which one with --resin"
         raise InputError(message, "missing", "resin")
@@ -144,7 +154,12 @@ def add_compression(
     if before and before.puck:
         was = before.puck
         same = (before.ratio, was.diameter_mm, was.height_mm, was.plates, was.sha256) == (
-            ratio, diameter_mm, height_mm, plates.name, puck.sha256)  # fmt: skip
+            ratio,
+            diameter_mm,
+            height_mm,
+            plates.name,
+            puck.sha256,
+        )
         action = "unchanged" if same else "replaced"
         if not same:
             declared = f", plates {was.plates}" if was.plates else ""
@@ -158,9 +173,21 @@ def add_compression(
             relaxation |= {"updates": [one.to_dict() for one in updates]}
         save_resin(kept, output_folder(path.parent) / path.name)
     return Compressed(
-        name, resin.name, ratio, point.young_kPa, {"name": "ogden, one term", "alpha": fit.alpha}, plates.name or None,
-        fit.friction._asdict(), fit.rmse_N, window, relaxation, warnings, action, former, {"resin": str(path)},
-    )  # fmt: skip
+        name,
+        resin.name,
+        ratio,
+        point.young_kPa,
+        {"name": "ogden, one term", "alpha": fit.alpha},
+        plates.name or None,
+        fit.friction._asdict(),
+        fit.rmse_N,
+        window,
+        relaxation,
+        warnings,
+        action,
+        former,
+        {"resin": str(path)},
+    )
 
 
 RAMP_TIMES = 10.0
@@ -210,8 +237,11 @@ def _holds(trace: Trace, window: Window) -> tuple[Hold, ...]:
         raise InputError(
             f"{trace.name}: holds at {', '.join(f'{hold.displacement_mm:.3g}' for hold in seen)} mm; one must lie "
             f"between {window[0]:.3g} and {window[1]:.3g} mm, or cut the file at the end of the loading",
-            "out_of_range", "displacement_mm", [hold.displacement_mm for hold in seen], window,
-        )  # fmt: skip
+            "out_of_range",
+            "displacement_mm",
+            [hold.displacement_mm for hold in seen],
+            window,
+        )
     return holds
 
 
@@ -229,15 +259,19 @@ def _window(trace: Trace, height_mm: float, table: PuckTable) -> Window:
     if last < 4.0 * first:
         raise InputError(
             f"{trace.name}: largest displacement_mm = {largest:.3g} is too small; compress the puck by at least "
-            f"{4.0 * first:.3g} mm, better {share * height_mm:.3g} mm", "out_of_range", "displacement_mm", largest,
-        )  # fmt: skip
+            f"{4.0 * first:.3g} mm, better {share * height_mm:.3g} mm",
+            "out_of_range",
+            "displacement_mm",
+            largest,
+        )
     return first, last
 
 
 def _misfit(traces: Sequence[Trace], window: Window, rmse_N: float) -> tuple[dict[str, str], ...]:
     """A warning where the puck's law misses the forces as no real puck did."""
-    used = [trace.force_N[(trace.displacement_mm >= window[0]) & (trace.displacement_mm <= window[1])]
-            for trace in traces]  # fmt: skip
+    used = [
+        trace.force_N[(trace.displacement_mm >= window[0]) & (trace.displacement_mm <= window[1])] for trace in traces
+    ]
     forces = np.concatenate(used)
     share = rmse_N / max(float(np.sqrt(np.mean(forces**2))), 1e-300) if forces.size else 0.0
     if share <= LARGEST_MISFIT:
@@ -282,30 +316,39 @@ def _fit_loading(
 
 
 def _fit_holds(
-    traces: Sequence[Trace], held: Sequence[tuple[Hold, ...]], table: PuckTable, window: Window, puck: PuckPoint,
+    traces: Sequence[Trace],
+    held: Sequence[tuple[Hold, ...]],
+    table: PuckTable,
+    window: Window,
+    puck: PuckPoint,
     plates: Plates = OPEN,
-) -> _Fit:  # fmt: skip
+) -> _Fit:
     from dummydesign.resin.puck_test.loading_fit import contradicts, reduce_press
     from dummydesign.resin.puck_test.relaxation_fit import fit_relaxation
 
     # half a hundredth of the height more, so that a hold at the very end is not cut by its own noise
     wider = window[0], window[1] + 0.005 * puck.height_mm
-    presses = [reduce_press(trace.time_s, trace.displacement_mm, trace.force_N, holds, wider)
-               for trace, holds in zip(traces, held)]  # fmt: skip
+    presses = [
+        reduce_press(trace.time_s, trace.displacement_mm, trace.force_N, holds, wider)
+        for trace, holds in zip(traces, held)
+    ]
     fit = fit_relaxation(presses, puck.diameter_mm, puck.height_mm, table, plates)
     source = f"holds of puck {puck.diameter_mm:g} x {puck.height_mm:g} mm, {puck.file}"
     known = [arm for arm in fit.arms if not arm.reason]
     reasons = [arm.reason for arm in fit.arms if arm.reason]
     arms = tuple(Arm(*(Quantity(*one, "fitted", source) for one in (arm.tau_s, arm.beta))) for arm in known)
     within = f"{source}; what relaxes within them, the time may be longer"
-    arms += tuple(Arm(*(Quantity(*one, "inferred", within) for one in (arm.tau_s, arm.beta)))
-                  for arm in fit.arms if arm.slow)  # fmt: skip
+    arms += tuple(
+        Arm(*(Quantity(*one, "inferred", within) for one in (arm.tau_s, arm.beta))) for arm in fit.arms if arm.slow
+    )
     relaxation = {
-        "holds": [hold for holds in held for hold in holds], "seen_s": fit.seen_s,
+        "holds": [hold for holds in held for hold in holds],
+        "seen_s": fit.seen_s,
         "prony": [{"tau_s": arm.tau_s._asdict(), "beta": arm.beta._asdict()} for arm in known],
         "not_identifiable": [{"tau_s": None, "beta": None, "reason": reason} for reason in reasons],
-        "comparison": fit.comparison, "noise": fit.noise,
-    }  # fmt: skip
+        "comparison": fit.comparison,
+        "noise": fit.noise,
+    }
     said = [f"an arm of the relaxation has no value: {reason}" for reason in reasons]
     warnings = tuple({"code": "not_identifiable", "message": message} for message in said)
     warnings += _doubted(plates, contradicts(fit.misfit, fit.misfit_open))

@@ -85,9 +85,13 @@ class _Point:
 
 
 def fit_pucks(
-    curves: Sequence[LoadingCurve], diameter_mm: float, height_mm: float, table: PuckTable,
-    window_mm: tuple[float, float], plates: Plates = OPEN,
-) -> PuckFit:  # fmt: skip
+    curves: Sequence[LoadingCurve],
+    diameter_mm: float,
+    height_mm: float,
+    table: PuckTable,
+    window_mm: tuple[float, float],
+    plates: Plates = OPEN,
+) -> PuckFit:
     """Fit one batch."""
     table.check_shape(diameter_mm, height_mm)
     low, high = window_mm
@@ -151,9 +155,12 @@ def _best(parts: list[tuple[Array, Array]], table: PuckTable, grip_value: float,
 
 
 def _summarise(
-    curves: Sequence[LoadingCurve], points: list[_Point], height_mm: float, plates: Plates = OPEN,
+    curves: Sequence[LoadingCurve],
+    points: list[_Point],
+    height_mm: float,
+    plates: Plates = OPEN,
     free: _Point | None = None,
-) -> PuckFit:  # fmt: skip
+) -> PuckFit:
     """Intervals from the points of a profile; ``free`` is the best fit without the declaration of the plates."""
     pucks = len({curve.puck for curve in curves})
     closest = min(points, key=lambda point: point.mean_square)
@@ -173,13 +180,19 @@ def _summarise(
         young_kPa=float(np.exp(best.log_young)),
         young_low_kPa=float(np.exp(min(log - one for log, one in zip(logs, around)))),
         young_high_kPa=float(np.exp(max(log + one for log, one in zip(logs, around)))),
-        alpha=best.alpha, friction=friction_of(best.grip),
-        friction_low=friction_of(points[kept[0]].grip), friction_high=friction_of(points[kept[-1]].grip),
+        alpha=best.alpha,
+        friction=friction_of(best.grip),
+        friction_low=friction_of(points[kept[0]].grip),
+        friction_high=friction_of(points[kept[-1]].grip),
         offset_mm={curve.name: float(o * height_mm) for curve, o in zip(curves, best.offsets)},
-        young_frictionless_kPa=profile[0][1], young_bonded_kPa=profile[-1][1], rmse=float(np.sqrt(best.mean_square)),
-        rmse_frictionless=float(np.sqrt(points[0].mean_square)), scatter=scatter, profile=profile,
+        young_frictionless_kPa=profile[0][1],
+        young_bonded_kPa=profile[-1][1],
+        rmse=float(np.sqrt(best.mean_square)),
+        rmse_frictionless=float(np.sqrt(points[0].mean_square)),
+        scatter=scatter,
+        profile=profile,
         rmse_open=float(np.sqrt((free or best).mean_square)),
-    )  # fmt: skip
+    )
 
 
 def contradicts(declared: float, open_: float) -> bool:
@@ -235,9 +248,17 @@ def reduce_press(
     displacement = binning.mean(x)
     keep = (displacement >= window_mm[0]) & (displacement <= window_mm[1])
     return PuckPress(
-        holds, nodes, motion, binning.average(time, nodes)[keep], binning.start_s[keep], binning.end_s[keep],
-        binning.samples[keep], binning.mean(force)[keep], displacement[keep], _white(time, force, holds),
-    )  # fmt: skip
+        holds,
+        nodes,
+        motion,
+        binning.average(time, nodes)[keep],
+        binning.start_s[keep],
+        binning.end_s[keep],
+        binning.samples[keep],
+        binning.mean(force)[keep],
+        displacement[keep],
+        _white(time, force, holds),
+    )
 
 
 def _edges(time: Array, x: Array, touch: int, step: float, holds: tuple[Hold, ...]) -> Array:

@@ -82,7 +82,10 @@ def read_plates(text: str | float | None) -> Plates:
     if not 0.0 <= value <= LARGEST:
         raise InputError(
             f"friction = {text} is not allowed; give lubricated, bonded or a friction coefficient from 0 to "
-            f"{LARGEST:g}", "out_of_range" if math.isfinite(value) else "unknown_name", "friction", text,
+            f"{LARGEST:g}",
+            "out_of_range" if math.isfinite(value) else "unknown_name",
+            "friction",
+            text,
             [LUBRICATED, BONDED, (0.0, LARGEST)],
-        )  # fmt: skip
+        )
     return Plates(f"{value:g}", Quantity(value, value, value, "assumed", "declared"))

@@ -65,9 +65,7 @@ class PuckProblem:
     Parameters: ln E [kPa], alpha, an offset over height for each press, then ln beta of the arms, then ln tau [s].
     """
 
-    def __init__(
-        self, presses: Sequence[PuckPress], diameter_mm: float, height_mm: float, table: PuckTable
-    ) -> None:
+    def __init__(self, presses: Sequence[PuckPress], diameter_mm: float, height_mm: float, table: PuckTable) -> None:
         self.presses, self.height_mm, self.table = tuple(presses), height_mm, table
         self.force_N = joined(presses, "force_N")
         self.first = 2 + len(self.presses)
@@ -102,8 +100,12 @@ class PuckProblem:
         alpha, grip = float(q[1]), float(grip)
         offsets = [float(q[2 + number]) for number in range(len(self.presses))]
         taus = [np.inf, *(float(tau) for tau in times)]
-        return np.concatenate([np.stack([self.column(number, alpha, grip, offset, tau) for tau in taus], axis=1)
-                               for number, offset in enumerate(offsets)])  # fmt: skip
+        return np.concatenate(
+            [
+                np.stack([self.column(number, alpha, grip, offset, tau) for tau in taus], axis=1)
+                for number, offset in enumerate(offsets)
+            ]
+        )
 
     def _column(self, number: int, alpha: float, grip: float, offset: float, tau_s: float) -> Array:
         """Bins of a press: its elastic force over E (infinite time), or that of an arm of strength one."""
@@ -289,9 +291,13 @@ def _spreads(trial: Trial) -> Array:
 
 
 def _summarise(
-    problem: PuckProblem, profile: list[Trial], comparison: Comparison, noise: PuckNoise, plates: Plates,
+    problem: PuckProblem,
+    profile: list[Trial],
+    comparison: Comparison,
+    noise: PuckNoise,
+    plates: Plates,
     misfit: tuple[float, float],
-) -> PuckRelaxation:  # fmt: skip
+) -> PuckRelaxation:
     costs = [one.chi_square + plates.surprise(one.grip) for one in profile]
     best, least = profile[int(np.argmin(costs))], min(costs)
     places = within(costs)
@@ -315,35 +321,47 @@ def _summarise(
     carried = [float(problem.arm(elastic, arm.tau_s.value, longest)[-1] / elastic[-1]) * arm.slow for arm in parts]
     stiff = 1.0 + sum(arm.beta.value * share for arm, share in zip(parts, carried))
     given = tuple(
-        PuckArm(arm.tau_s, Interval((1.0 - share) * arm.beta.value / stiff, (1.0 - share) * arm.beta.low / stiff,
-                                    arm.beta.high), arm.reason, arm.slow)
+        PuckArm(
+            arm.tau_s,
+            Interval((1.0 - share) * arm.beta.value / stiff, (1.0 - share) * arm.beta.low / stiff, arm.beta.high),
+            arm.reason,
+            arm.slow,
+        )
         for arm, share in zip(parts, carried)
-    )  # fmt: skip
+    )
     young, friction = _elastic(problem, profile, best, plates)
     slow_low = float(np.exp(low[0])) if stiff > 1.0 else young.low
     young = Interval(young.value * stiff, min(young.low, slow_low), young.high * stiff)
     return PuckRelaxation(
-        young, float(q[1]), friction, given, _seen(problem, best, given), comparison, noise, _rmse(problem, best),
+        young,
+        float(q[1]),
+        friction,
+        given,
+        _seen(problem, best, given),
+        comparison,
+        noise,
+        _rmse(problem, best),
         *misfit,
-    )  # fmt: skip
+    )
 
 
-def _elastic(
-    problem: PuckProblem, profile: list[Trial], best: Trial, plates: Plates
-) -> tuple[Interval, Interval]:
+def _elastic(problem: PuckProblem, profile: list[Trial], best: Trial, plates: Plates) -> tuple[Interval, Interval]:
     """Modulus [kPa] and friction with cautious intervals: the puck is one independent number."""
     squares = [_misfit(problem, one) ** 2 for one in profile]
     own = squares[profile.index(best)]
     variance = PUCK_SCATTER**2 + own
-    excess = [(square - own) / variance + plates.surprise(one.grip) - plates.surprise(best.grip)
-              for square, one in zip(squares, profile)]  # fmt: skip
+    excess = [
+        (square - own) / variance + plates.surprise(one.grip) - plates.surprise(best.grip)
+        for square, one in zip(squares, profile)
+    ]
     places = within(excess, 1.0, 0.0)
     around = [np.sqrt(CHI_SQUARE_95 * variance)] * len(places)
     if plates:
         # an open friction hides what the elastic law leaves open; a declared one does not
         law = [_spreads(profile[index])[0] ** 2 for index in places]
-        around = [np.sqrt((variance + one) * (CHI_SQUARE_95 - max(excess[index], 0.0)))
-                  for index, one in zip(places, law)]  # fmt: skip
+        around = [
+            np.sqrt((variance + one) * (CHI_SQUARE_95 - max(excess[index], 0.0))) for index, one in zip(places, law)
+        ]
     logs = [profile[index].parameters[0] for index in places]
     low = min(log - one for log, one in zip(logs, around))
     high = max(log + one for log, one in zip(logs, around))
@@ -388,8 +406,10 @@ def _fastest_seen(problem: PuckProblem, best: Trial) -> float:
 def _reason(problem: PuckProblem, tau_s: Interval, beta: Interval, above_shortest: float) -> str:
     """Why an arm is not identifiable, or nothing."""
     if tau_s.high > problem.longest:
-        return (f"its time ({tau_s.value:.3g} s) may be longer than the longest hold ({problem.longest:.4g} s): hold "
-                "longer to see it")  # fmt: skip
+        return (
+            f"its time ({tau_s.value:.3g} s) may be longer than the longest hold ({problem.longest:.4g} s): hold "
+            "longer to see it"
+        )
     if above_shortest < 1e-3:
         return f"faster than the samples show ({problem.times[0]:.2g} s)"
     for name, interval in (("time", tau_s), ("strength", beta)):

@@ -67,10 +67,16 @@ def update_resin(resin: Resin, points: Sequence[Point], name: str, seed: int = S
     central = {key: float(value[0]) for key, value in numbers_at(best[None, :]).items()}
     title = f"{base_title(resin)}, updated by {len(every)} measured point{'s' if len(every) > 1 else ''}"
     return replace(
-        resin, name=name, title=title, origin="user", numbers=_summary(prior, draws, central, len(every)),
-        posterior={key: draws[key] for key in prior}, prior_numbers=prior, points=tuple(every),
+        resin,
+        name=name,
+        title=title,
+        origin="user",
+        numbers=_summary(prior, draws, central, len(every)),
+        posterior={key: draws[key] for key in prior},
+        prior_numbers=prior,
+        points=tuple(every),
         contradictions=tuple(contradictions(resin, every, misfit, best, names, widening)),
-    )  # fmt: skip
+    )
 
 
 def base_title(resin: Resin) -> str:
@@ -190,10 +196,18 @@ def without_puck(resin: Resin, sha256: str) -> Resin:
     """Begin again from the base and add every other point in its order."""
     arms, ratio_ref = resin.prior_relaxation or (resin.arms, resin.relaxation_ratio_ref)
     base = replace(
-        resin, title=base_title(resin), numbers=base_numbers(resin), posterior=None, prior_numbers=None, points=(),
-        contradictions=(), arms=arms, relaxation_ratio_ref=ratio_ref, prior_relaxation=None,
+        resin,
+        title=base_title(resin),
+        numbers=base_numbers(resin),
+        posterior=None,
+        prior_numbers=None,
+        points=(),
+        contradictions=(),
+        arms=arms,
+        relaxation_ratio_ref=ratio_ref,
+        prior_relaxation=None,
         notes=tuple(note for note in resin.notes if not note.startswith(NOTE)),
-    )  # fmt: skip
+    )
     for point in resin.points:
         if point.puck is None or not point.puck.has(sha256):
             base = with_point(base, point, resin.name)[0]
@@ -210,9 +224,14 @@ def add_resin(file: str | Path, replace_own: bool = False) -> tuple[Resin, Path]
     if not path.is_file():
         raise InputError(f"resin file '{file}' does not exist", "file_not_found", "resin_file", str(file))
     if path.suffix.lower() == ".csv":
-        raise InputError(f"resin file '{file}' is a CSV, not TOML: give each point as [[point]] with ratio and "
-                         "young_kPa (value, low, high, kind, source); of a puck's trace 'dummydesign resins "
-                         "add-compression' makes the point", "file_unreadable", "resin_file", str(file))  # fmt: skip
+        raise InputError(
+            f"resin file '{file}' is a CSV, not TOML: give each point as [[point]] with ratio and "
+            "young_kPa (value, low, high, kind, source); of a puck's trace 'dummydesign resins "
+            "add-compression' makes the point",
+            "file_unreadable",
+            "resin_file",
+            str(file),
+        )
     content, _ = read_toml(path)
     if "modulus" in content or "point" not in content:
         resin = replace(read_resin(Entry(path.stem, path, "user")), origin="user")

@@ -101,16 +101,20 @@ def update_relaxation(resin: Resin, measured: Sequence[Arm], ratio: float, seen_
         value = base[index] or Interval(0.0, 0.0, 0.0)
         source = f"{arm.beta.source}; carried to ratio {ratio:g}"
         arms.append(Arm(arm.tau_s, Quantity(*value, arm.beta.kind, source)))
-        notice = (f"the base's arm at {time:g} s, {value.value:.3g} ({value.low:.3g} to {value.high:.3g}), is kept: "
-                  f"the presses show {seen_s[0]:.2g} to {seen_s[1]:.3g} s")  # fmt: skip
+        notice = (
+            f"the base's arm at {time:g} s, {value.value:.3g} ({value.low:.3g} to {value.high:.3g}), is kept: "
+            f"the presses show {seen_s[0]:.2g} to {seen_s[1]:.3g} s"
+        )
         updates.append(ArmUpdate(time, "base", base[index], None, value, notice))
     updates.sort(key=lambda one: one.tau_s)
     notices = tuple(one.notice for one in updates if one.notice)
     changed = replace(
-        resin, arms=tuple(sorted(arms, key=lambda arm: arm.tau_s.value)), relaxation_ratio_ref=ratio,
+        resin,
+        arms=tuple(sorted(arms, key=lambda arm: arm.tau_s.value)),
+        relaxation_ratio_ref=ratio,
         prior_relaxation=resin.prior_relaxation or (resin.arms, resin.relaxation_ratio_ref),
         notes=tuple(dict.fromkeys([*resin.notes, *(NOTE + text for text in notices)])),
-    )  # fmt: skip
+    )
     return changed, tuple(updates), notices
 
 

@@ -21,9 +21,16 @@ from dummydesign.studio.parts import html, open_page
 from dummydesign.studio.state import State, page_link
 from dummydesign.studio.work_panel import Work
 
-FIELDS = {"young": "Modulus of the pads [kPa]", "ratio": "Ratio", "punch": "Punch", "pad": "Outline [mm]",
-          "shape": "Shape", "base": "Base", "contact": "Contact under the punch",
-          "lowpass": "Filter of the force, HZ[:ORDER[:PASSES]]"}  # fmt: skip
+FIELDS = {
+    "young": "Modulus of the pads [kPa]",
+    "ratio": "Ratio",
+    "punch": "Punch",
+    "pad": "Outline [mm]",
+    "shape": "Shape",
+    "base": "Base",
+    "contact": "Contact under the punch",
+    "lowpass": "Filter of the force, HZ[:ORDER[:PASSES]]",
+}
 
 
 class BringIn:
@@ -31,9 +38,13 @@ class BringIn:
 
     def __init__(self, root: Path, state: State) -> None:
         self.root, self.state = root, state
-        self.drop = DropList(lambda name, content: f"{incoming.save_waiting_file(self.root, name, content)} was added.",
-                             self.show, "Drop all files of the campaign at once: the presses (CSV) and, where there is "
-                             "one, campaign.toml or a table trials.csv.", "campaign")  # fmt: skip
+        self.drop = DropList(
+            lambda name, content: f"{incoming.save_waiting_file(self.root, name, content)} was added.",
+            self.show,
+            "Drop all files of the campaign at once: the presses (CSV) and, where there is "
+            "one, campaign.toml or a table trials.csv.",
+            "campaign",
+        )
         self.name = ui.input("Name of the campaign", value=choices.free_name(root, "campaigns", "earlier"))
         self.name.props('data-test="bring-name"').on_value_change(self.renew)
         self.problem, self.as_it_is, self.by_table, self.files = parts.area(), parts.area(), parts.area(), parts.area()
@@ -41,11 +52,18 @@ class BringIn:
             html("<p>campaign.toml is among the files. They are taken as they are.</p>")
             parts.button("Bring it in", self.bring, "bring", main=True)
         with self.by_table:
-            html("<p>No campaign.toml: say of each press what it was. Pad and speed are needed; empty means unknown."
-                 "</p>")  # fmt: skip
+            html(
+                "<p>No campaign.toml: say of each press what it was. Pad and speed are needed; empty means unknown.</p>"
+            )
             self.table_problem, self.table = parts.area(live=True), parts.area()
-            start = {"ratio": f"{state.ratio:g}", "punch": state.punch, "pad": "150x120", "shape": "slab",
-                     "base": "bonded", "contact": "bonded"}  # fmt: skip
+            start = {
+                "ratio": f"{state.ratio:g}",
+                "punch": state.punch,
+                "pad": "150x120",
+                "shape": "slab",
+                "base": "bonded",
+                "contact": "bonded",
+            }
             with ui.element("div").classes("fields"):
                 resins = {"": "unknown", **choices.resins()}
                 self.fields: dict[str, Any] = {"resin": parts.select("Resin of the pads", resins, state.resin)}
@@ -150,12 +168,19 @@ class Presses:
         self.root, self.state, self.campaign = root, state, state.campaign
         self.folder = self.root / self.campaign
         self.wanted, self.at_work = 0, False
-        links = [("the sheet to press from", f"{self.campaign}/{name}") for name in ("sheet.html", "sheet.csv")
-                 if (self.folder / name).is_file()]  # fmt: skip
+        links = [
+            ("the sheet to press from", f"{self.campaign}/{name}")
+            for name in ("sheet.html", "sheet.csv")
+            if (self.folder / name).is_file()
+        ]
         parts.file_links([*links, ("campaign.toml", f"{self.campaign}/campaign.toml")])
         parts.zip_link(self.campaign)
-        DropList(self.take, self.renew, "Drop the presses (CSV). A file with a planned name takes its place; the "
-                 "earlier one goes to the bin. Any other file is assigned to a press below.")  # fmt: skip
+        DropList(
+            self.take,
+            self.renew,
+            "Drop the presses (CSV). A file with a planned name takes its place; the "
+            "earlier one goes to the bin. Any other file is assigned to a press below.",
+        )
         self.undone, self.held, self.status_area = parts.area(), parts.area(), parts.area("state")
         self.holder = parts.area()
         with ui.expansion("Values of the presses: order, age, temperature, rest") as expansion:
@@ -275,10 +300,18 @@ def _show_status(status: CampaignStatus, chosen: State) -> None:
         html(f'<p class="note">All is there: {page_link("/learn", "learn from it", chosen, "learn")}.</p>')
 
 
-HEADS = {"sequence": "order", "thickness_mm": "pad [mm]", "velocity_mm_s": "speed [mm/s]",
-         "target_force_N": "force [N]", "target_depth_mm": "depth [mm]", "hold_s": "hold [s]",
-         "age_days": "age [days]", "temperature_C": "temperature [C]", "rest_s": "rest [s]",
-         "repeat": "repeat"}  # fmt: skip
+HEADS = {
+    "sequence": "order",
+    "thickness_mm": "pad [mm]",
+    "velocity_mm_s": "speed [mm/s]",
+    "target_force_N": "force [N]",
+    "target_depth_mm": "depth [mm]",
+    "hold_s": "hold [s]",
+    "age_days": "age [days]",
+    "temperature_C": "temperature [C]",
+    "rest_s": "rest [s]",
+    "repeat": "repeat",
+}
 CHANGED = "({target: t}) => { if (t.dataset.key) emit([Number(t.dataset.row), t.dataset.key, t.value]); }"
 
 
@@ -292,15 +325,21 @@ def table_html(keys: Sequence[str], rows: Sequence[Mapping[str, Any]]) -> str:
             value = row.get(key)
             shown = f"{value:g}" if isinstance(value, int | float) and not isinstance(value, bool) else ""
             label = escape(f"{HEADS[key]} of {row['file']}")
-            body += (f'<td><input inputmode="decimal" size="6" data-row="{number}" data-key="{key}" value="{shown}" '
-                     f'aria-label="{label}"></td>')  # fmt: skip
+            body += (
+                f'<td><input inputmode="decimal" size="6" data-row="{number}" data-key="{key}" value="{shown}" '
+                f'aria-label="{label}"></td>'
+            )
         body += "</tr>"
-    return (f'<div class="values"><table><thead><tr><th scope=col>press</th>{head}</tr></thead>'
-            f"<tbody>{body}</tbody></table></div>")  # fmt: skip
+    return (
+        f'<div class="values"><table><thead><tr><th scope=col>press</th>{head}</tr></thead>'
+        f"<tbody>{body}</tbody></table></div>"
+    )
 
 
 def value_table(
-    keys: Sequence[str], rows: Sequence[Mapping[str, Any]], changed: Callable[[int, str, str], None],
+    keys: Sequence[str],
+    rows: Sequence[Mapping[str, Any]],
+    changed: Callable[[int, str, str], None],
     refusal: ui.element,
 ) -> None:
     """Show the table; why a value is refused stands in a place of its own."""

@@ -45,9 +45,13 @@ class Comparison:
         self.root, self.kept = root, kept
         self.state = state = kept.state
         self.pads: list[PressedPad] = []
-        DropList(lambda name, content: f"{made.keep_press(self.root, name, content)} was added.",
-                 lambda: self.find_pads(dropped=True), "Drop presses of the pad: CSV with time_s, displacement_mm, "
-                 "force_N. Bring files in another form in under Measured first.", "cast")  # fmt: skip
+        DropList(
+            lambda name, content: f"{made.keep_press(self.root, name, content)} was added.",
+            lambda: self.find_pads(dropped=True),
+            "Drop presses of the pad: CSV with time_s, displacement_mm, "
+            "force_N. Bring files in another form in under Measured first.",
+            "cast",
+        )
         self.pad = ui.select({}, label="Pad").props('data-test="pad"')
         self.files = parts.select_several("Its presses", {}, [], "presses")
         with ui.element("div").classes("fields"):
@@ -59,8 +63,15 @@ class Comparison:
             html("<h2>By the calibration</h2>")
             known = choices.calibrations(root)
             self.calibration = parts.select("Calibration", known, state.calibration, "calibration").style("width:auto")
-            self.replay = Work(root, "replay", "Predict its presses and compare", self.replay_words, self.show_replay,
-                               self.replay_belongs, needs="trials")  # fmt: skip
+            self.replay = Work(
+                root,
+                "replay",
+                "Predict its presses and compare",
+                self.replay_words,
+                self.show_replay,
+                self.replay_belongs,
+                needs="trials",
+            )
         self.people = PeopleOfPad(self)
         self._list_earlier()
         self.find_pads()
@@ -119,8 +130,13 @@ class Comparison:
         """The comparison as a command."""
         pad, presses = self.presses()
         stem = self.tissue.value.rpartition("/")[2].removesuffix(".toml")
-        given = {"tissue": self.tissue.value, "lowpass": pad.lowpass, "record": self.record.value,
-                 "punch": pad.punch, "out": f"designs/compare-{stem}"}  # fmt: skip
+        given = {
+            "tissue": self.tissue.value,
+            "lowpass": pad.lowpass,
+            "record": self.record.value,
+            "punch": pad.punch,
+            "out": f"designs/compare-{stem}",
+        }
         return ["compare", *presses, *options(given)]
 
     def replay_words(self) -> list[str]:
@@ -142,8 +158,12 @@ class Comparison:
         answer, pad = job.answer, self.chosen()
         if pad is None:
             return
-        parts.facts([(f"{answer['rmse_N']:.3g} N", "error of the calibrated model (rms)"),
-                     (f"{answer['base_rmse_N']:.3g} N", "error of the plain model (rms)")])  # fmt: skip
+        parts.facts(
+            [
+                (f"{answer['rmse_N']:.3g} N", "error of the calibrated model (rms)"),
+                (f"{answer['base_rmse_N']:.3g} N", "error of the plain model (rms)"),
+            ]
+        )
         for one in answer.get("pads") or []:
             mine = pad.thickness_mm is not None and abs(one["thickness_mm"] - pad.thickness_mm) < 1e-6
             if mine and one.get("verdict"):
@@ -165,10 +185,25 @@ class Comparison:
         if pad := answer.get("pad"):
             size = f"{pad['thickness_mm']:.2f} mm (standard error {pad['thickness_sd_mm']:.2f} mm)"
             html(f"<p>Cast: {size}, {'accepted' if pad['accepted'] else 'not accepted'}.</p>")
-        head = ["press", "mm/s", "steady N", "depth mm", "peak N", "subjects from N", "subjects to N",
-                "fraction in range"]  # fmt: skip
-        keys = ("velocity_mm_s", "steady_force_N", "depth_mm", "peak_force_N", "range_peak_low_N", "range_peak_high_N",
-                "inside_fraction")  # fmt: skip
+        head = [
+            "press",
+            "mm/s",
+            "steady N",
+            "depth mm",
+            "peak N",
+            "subjects from N",
+            "subjects to N",
+            "fraction in range",
+        ]
+        keys = (
+            "velocity_mm_s",
+            "steady_force_N",
+            "depth_mm",
+            "peak_force_N",
+            "range_peak_low_N",
+            "range_peak_high_N",
+            "inside_fraction",
+        )
         rows = [[Path(one["file"]).name, *(one[key] for key in keys)] for one in answer.get("by_trace", [])]
         parts.table(head, rows)
         parts.warnings(answer)
@@ -252,12 +287,12 @@ def record_form(root: Path, kept: parts.Kept, then: Callable[[], None]) -> None:
             _records(root, chosen.value)
 
     def renew() -> None:
-        kept.keep(**{f"{TYPED}{name}": field.value or "" for name, field in fields.items()},
-                  **{f"{TYPED}mould": chosen.value})  # fmt: skip
+        kept.keep(
+            **{f"{TYPED}{name}": field.value or "" for name, field in fields.items()}, **{f"{TYPED}mould": chosen.value}
+        )
         work.renew()
 
-    work = Work(root, "record", "Keep this record", words, show, ended=lambda job, mine: list_records(),
-                needs="limits")  # fmt: skip
+    work = Work(root, "record", "Keep this record", words, show, ended=lambda job, mine: list_records(), needs="limits")
     records = parts.area()
 
     def new_mould() -> None:
@@ -265,8 +300,12 @@ def record_form(root: Path, kept: parts.Kept, then: Callable[[], None]) -> None:
             del fields[name]
         with parts.fresh(points):
             for one in made.gauge_points(root / chosen.value):
-                add(one.name, f"Thickness, {one.name} [mm]", f"gauge-{one.name}",
-                    f"{one.low_mm:.2f} to {one.high_mm:.2f} mm")  # fmt: skip
+                add(
+                    one.name,
+                    f"Thickness, {one.name} [mm]",
+                    f"gauge-{one.name}",
+                    f"{one.low_mm:.2f} to {one.high_mm:.2f} mm",
+                )
                 fields[one.name].on_value_change(renew)
         list_records()
         work.renew()
@@ -308,8 +347,13 @@ def show_record(answer: Mapping[str, Any]) -> None:
 LIMITS = "limits"
 """Folder of a project with the user's own limits."""
 LIGHTS = {"pass": "green", "undecided": "amber", "fail": "red"}
-SHORT = {"position": "the arm keeps its path", "steady": "the same steady force", "force": "the arm keeps its force",
-         "mass": "a free body", "spring": "an arm with a spring and a mass"}  # fmt: skip
+SHORT = {
+    "position": "the arm keeps its path",
+    "steady": "the same steady force",
+    "force": "the arm keeps its force",
+    "mass": "a free body",
+    "spring": "an arm with a spring and a mass",
+}
 
 
 class PeopleOfPad:
@@ -318,8 +362,10 @@ class PeopleOfPad:
     def __init__(self, comparison: Comparison) -> None:
         self.root, self.comparison = comparison.root, comparison
         html("<h2>The same presses on people</h2>")
-        html("<p>What the robot would have done to people with the press it made on the pad. The result depends on "
-             "what moves the robot.</p>")  # fmt: skip
+        html(
+            "<p>What the robot would have done to people with the press it made on the pad. The result depends on "
+            "what moves the robot.</p>"
+        )
         with ui.element("div").classes("fields"):
             known = {name: f"{name}: {SHORT[name]}" if name in SHORT else name for name in DRIVES}
             self.drive = parts.select("What moves the robot", known, "position", "drive")
@@ -329,10 +375,20 @@ class PeopleOfPad:
                 label = f"{name[0].upper()}{name[1:]}" + (f" [{purpose.unit}]" if purpose.unit else "")
                 self.numbers[purpose.quantity] = NumberField(label, usual, test=f"drive-{name}")
             self.limits = parts.select("Your limits", self._known_limits(), "", "limits")
-        DropList(self._keep_limits, self._find_limits, "Drop your limits of force and pressure with their source: "
-                 "a TOML file as 'suggest --limits' takes it.", "limits")  # fmt: skip
-        self.work = Work(self.root, "on-person", "Compute the presses on people", self.words,
-                         lambda job: show_people(self.root, job.answer), needs="presses")  # fmt: skip
+        DropList(
+            self._keep_limits,
+            self._find_limits,
+            "Drop your limits of force and pressure with their source: a TOML file as 'suggest --limits' takes it.",
+            "limits",
+        )
+        self.work = Work(
+            self.root,
+            "on-person",
+            "Compute the presses on people",
+            self.words,
+            lambda job: show_people(self.root, job.answer),
+            needs="presses",
+        )
         self.drive.on_value_change(self._new_drive)
         parts.on_change(self.work.renew, self.limits, *self.numbers.values())
         self._new_drive()
@@ -346,8 +402,14 @@ class PeopleOfPad:
                 raise InputError(f"{name} is empty: give it", "missing", "drive")
         numbers = ",".join(f"{value:g}" for value in values.values())
         drive = read_drive(f"{self.drive.value}:{numbers}" if numbers else self.drive.value)
-        given = {"tissue": tissue, "drive": drive.text, "limits": self.limits.value, "lowpass": pad.lowpass,
-                 "punch": pad.punch, "out": f"designs/on-person-{Path(tissue).stem}"}  # fmt: skip
+        given = {
+            "tissue": tissue,
+            "drive": drive.text,
+            "limits": self.limits.value,
+            "lowpass": pad.lowpass,
+            "punch": pad.punch,
+            "out": f"designs/on-person-{Path(tissue).stem}",
+        }
         return ["on-person", *presses, *options(given)]
 
     def _wanted(self) -> list[str]:
@@ -405,9 +467,19 @@ def show_people(root: Path, answer: Mapping[str, Any]) -> None:
     else:
         html(f'<p data-test="people">{escape(text)}</p>')
     parts.table(*people.press_table(result))
-    rows = [[row["result"].upper(), people.limit_name(row), row["limit"], row["unit"], people.number_text(row["pad"]),
-             people.span_text([row["person_low_95"], row["person_high_95"]]), row["reason"], file]
-            for row, file in people.limit_rows(result)]  # fmt: skip
+    rows = [
+        [
+            row["result"].upper(),
+            people.limit_name(row),
+            row["limit"],
+            row["unit"],
+            people.number_text(row["pad"]),
+            people.span_text([row["person_low_95"], row["person_high_95"]]),
+            row["reason"],
+            file,
+        ]
+        for row, file in people.limit_rows(result)
+    ]
     if rows:
         head = ["result", "limit of", "limit", "unit", "pad", "people, 95 %", "why", "press"]
         parts.table(head, rows, words=True)

@@ -79,8 +79,10 @@ class DesignPage:
 
     def _controls(self) -> None:
         """Build the controls, empty of what the state says."""
-        self.fields = {name: ui.select({}, label=name.capitalize()).props(f'data-test="{name}"')
-                       for name in ("tissue", "aim", "resin", "calibration")}  # fmt: skip
+        self.fields = {
+            name: ui.select({}, label=name.capitalize()).props(f'data-test="{name}"')
+            for name in ("tissue", "aim", "resin", "calibration")
+        }
         self.punch = ui.input("Punch").props('data-test="punch"')
         kinds = {name: words for name, words in choices.shapes().items() if name != "auto"}
         self.kind = ui.select(kinds, label="Shape").props('data-test="kind"')
@@ -161,10 +163,11 @@ class DesignPage:
         """Offer what there is; what is chosen and not there is offered as missing, and nothing takes its place."""
         resins = choices.resins()
         known = {
-            "tissue": choices.tissues(self.root), "aim": self._aims(state.tissue),
+            "tissue": choices.tissues(self.root),
+            "aim": self._aims(state.tissue),
             "resin": choices.offered(resins, state.resin) if (self.root / state.resin).is_file() else resins,
             "calibration": choices.calibrations(self.root),
-        }  # fmt: skip
+        }
         for name, offered in known.items():
             value = getattr(state, name)
             self.fields[name].set_options(choices.offered(offered, value, f"{value} (missing)"), value=value)

@@ -41,12 +41,27 @@ class Learning:
         with ui.element("div").classes("fields"):
             self.campaign = parts.select("Campaign", known, state.campaign, "campaign")
             self.prior = parts.select("Earlier calibration of the same material", choices.calibrations(root), "")
-        self.work = Work(root, "loop", "Learn from it", self.words, self.show, self.belongs,
-                         lambda job, mine: self.list_calibrations(), needs="answer")  # fmt: skip
+        self.work = Work(
+            root,
+            "loop",
+            "Learn from it",
+            self.words,
+            self.show,
+            self.belongs,
+            lambda job, mine: self.list_calibrations(),
+            needs="answer",
+        )
         self.others = parts.area()
         html("<h2 id=next>The next measurement</h2><p>Plans the presses that tell most, as a new campaign.</p>")
-        self.next = Work(root, "next", "Plan the next measurement", self.next_words, self.show_plan,
-                         self.belongs, lambda job, mine: self.list_calibrations())  # fmt: skip
+        self.next = Work(
+            root,
+            "next",
+            "Plan the next measurement",
+            self.next_words,
+            self.show_plan,
+            self.belongs,
+            lambda job, mine: self.list_calibrations(),
+        )
         self.campaign.on_value_change(self.renew)
         self.prior.on_value_change(self.renew_lines)
         self.list_calibrations()
@@ -63,8 +78,10 @@ class Learning:
         words = self.words()
         name = choices.free_name(self.root, "campaigns", f"{self.campaign.value.partition('/')[2]}-next")
         # learned from the same files with the same prior: the same calibration, which needs no second folder
-        same = any(one.folder == words[-1] and one.prior == self.prior.value and not one.outdated(self.root)
-                   for one in made.calibrations(self.root, self.campaign.value))  # fmt: skip
+        same = any(
+            one.folder == words[-1] and one.prior == self.prior.value and not one.outdated(self.root)
+            for one in made.calibrations(self.root, self.campaign.value)
+        )
         return [*words, *options({"plan": f"campaigns/{name}", "replace": same})]
 
     def belongs(self, job: Job, words: list[str]) -> bool:
@@ -96,10 +113,17 @@ class Learning:
         html(f'<p class="note next" data-test="verdict"><b>{escape(first)}</b></p>')
         html("".join(f"<p>{escape(text)}</p>" for text in more))
         errors = answer["after"]["error"]
-        parts.facts([(f"{errors['heldout_rmse_N']:.3g} N", "error on presses that were left out (rms)"),
-                     (f"{errors['noise_floor_N']:.3g} N", "noise of the measurement (rms)")])  # fmt: skip
-        rows = [[effect["name"].replace("_", " "), *made.name_and_unit(name), *(value[key] for key in INTERVAL)]
-                for effect in answer["effects"] for name, value in effect["parameters"].items()]  # fmt: skip
+        parts.facts(
+            [
+                (f"{errors['heldout_rmse_N']:.3g} N", "error on presses that were left out (rms)"),
+                (f"{errors['noise_floor_N']:.3g} N", "noise of the measurement (rms)"),
+            ]
+        )
+        rows = [
+            [effect["name"].replace("_", " "), *made.name_and_unit(name), *(value[key] for key in INTERVAL)]
+            for effect in answer["effects"]
+            for name, value in effect["parameters"].items()
+        ]
         if rows:
             parts.table(["effect", "parameter", "unit", "value", "95 % low", "95 % high"], rows)
         parts.warnings(answer)
@@ -114,8 +138,10 @@ class Learning:
     def _outdated(self, folder: str) -> None:
         known = made.calibrations(self.root, self.campaign.value)
         if any(one.folder == folder and one.outdated(self.root) for one in known):
-            html('<p class="problem" role="alert" data-test="outdated">The campaign changed after this was learned. '
-                 "Learn again.</p>")  # fmt: skip
+            html(
+                '<p class="problem" role="alert" data-test="outdated">The campaign changed after this was learned. '
+                "Learn again.</p>"
+            )
 
     def list_calibrations(self) -> None:
         """Calibrations of this campaign in the folder, also those made on the terminal."""

@@ -22,12 +22,17 @@ from dummydesign.studio.parts import html, keep_state
 from dummydesign.studio.state import State, page_link
 from dummydesign.studio.work_panel import Work
 
-OPEN = {"columns": "columns, as time=NAME,displacement=NAME,force=NAME",
-        "units": "units, as time=s,displacement=mm,force=N",
-        "separator": "separator: tab, semicolon, comma, bar, spaces", "decimal": "decimal sign: . or ,",
-        "skip": "lines to leave out at the start", "flip": "turn round: displacement, force, both, or none",
-        "tare": "reading at no force: auto, none or a number", "contact": "reading at contact: auto, none or a number",
-        "split": "parts: auto, or none for one press"}  # fmt: skip
+OPEN = {
+    "columns": "columns, as time=NAME,displacement=NAME,force=NAME",
+    "units": "units, as time=s,displacement=mm,force=N",
+    "separator": "separator: tab, semicolon, comma, bar, spaces",
+    "decimal": "decimal sign: . or ,",
+    "skip": "lines to leave out at the start",
+    "flip": "turn round: displacement, force, both, or none",
+    "tare": "reading at no force: auto, none or a number",
+    "contact": "reading at contact: auto, none or a number",
+    "split": "parts: auto, or none for one press",
+}
 SEPARATOR = "\n"
 """Between names in the address; no file name has one."""
 
@@ -41,8 +46,10 @@ class MeasuredPage:
         self._let_go: set[str] = set()
         wanted, last = query.get("files"), jobs.latest(self._root, "import")
         chosen = wanted.split(SEPARATOR) if wanted else [Path(name).name for name in _sources(last)] if last else []
-        html("<p>Files of your test machine: text with columns of time, displacement and force, or .xlsx. They are "
-             f"copied into <code>measured/</code>, up to {LARGEST_BYTES // 2**20} MB each.</p>")  # fmt: skip
+        html(
+            "<p>Files of your test machine: text with columns of time, displacement and force, or .xlsx. They are "
+            f"copied into <code>measured/</code>, up to {LARGEST_BYTES // 2**20} MB each.</p>"
+        )
         for name in chosen:
             if wanted and name not in self._names():
                 parts.tell_problem(f"'{name}' is not in measured/ (any more). Choose another file, or bring it back.")
@@ -53,8 +60,16 @@ class MeasuredPage:
             self._fields = {name: ui.input(words).props(f'data-test="open-{name}"') for name, words in OPEN.items()}
         self._change = ui.expansion("Rename, replace or delete files").props('data-test="change-files"')
         self._change.on_value_change(self._list_files)
-        self._work = Work(self._root, "import", "Read the files", self._words, self._show, self._belongs,
-                          lambda job, mine: self._list_imports(), needs="files")  # fmt: skip
+        self._work = Work(
+            self._root,
+            "import",
+            "Read the files",
+            self._words,
+            self._show,
+            self._belongs,
+            lambda job, mine: self._list_imports(),
+            needs="files",
+        )
         self._choose(chosen)
         parts.on_change(self._renew, self._chosen, *self._fields.values())
         self._imports = parts.area("imports")

@@ -46,8 +46,16 @@ class MouldPage:
                 "preset": parts.select("Kind of mould", {name: name for name in made.PRESETS}, preset, "preset"),
             }
         self.kind = html("")
-        self.work = Work(self.root, "mould", "Make the mould", self.words, self.show, self.belongs,
-                         lambda job, mine: self.list_moulds(), needs="pour")  # fmt: skip
+        self.work = Work(
+            self.root,
+            "mould",
+            "Make the mould",
+            self.words,
+            self.show,
+            self.belongs,
+            lambda job, mine: self.list_moulds(),
+            needs="pour",
+        )
         self.others = parts.area()
         parts.on_change(self.renew, *self.fields.values())
         self.show_pad()
@@ -106,8 +114,10 @@ class MouldPage:
         if folder:
             html(f"<h2>{escape(folder)}</h2>")
             self._files(folder)
-        html(f'<p class="note">Next: cast the pads, then {page_link("/cast", "check a cast pad")} or '
-             f'{page_link("/campaign", "plan what to press")}.</p>')  # fmt: skip
+        html(
+            f'<p class="note">Next: cast the pads, then {page_link("/cast", "check a cast pad")} or '
+            f"{page_link('/campaign', 'plan what to press')}.</p>"
+        )
 
     def _files(self, folder: str) -> None:
         """Buttons, checks, solids and files of a mould; of a pad that must not be cast, folded away."""
@@ -165,8 +175,10 @@ def _source(root: Path, state: State) -> None:
     html(f"<p>This pad is the design <b>{escape(design)}</b>.</p>")
     if not made.answers(root, design, state):
         words = State(**design_state(root, design)).label.partition("; ")[2]
-        html(f'<p class="note" data-test="other-question">That design was judged for {escape(words)}. '
-             f'For what is chosen, check it on the {page_link("/design", "design page")}.</p>')  # fmt: skip
+        html(
+            f'<p class="note" data-test="other-question">That design was judged for {escape(words)}. '
+            f"For what is chosen, check it on the {page_link('/design', 'design page')}.</p>"
+        )
     if red := verdict_of(root, state):
         html(f'<p class="problem" role="alert" data-test="red">Do not cast this pad. {escape(red)}</p>')
 

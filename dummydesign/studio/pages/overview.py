@@ -21,15 +21,22 @@ from dummydesign.studio.manage import deleted_files
 from dummydesign.studio.parts import html
 from dummydesign.studio.state import State, address, design_state, is_design, next_page, next_state, page_link
 
-ROOMS = {"measured": ("/measured", "Measured files"), "tissue": ("/tissue", "Tissues of your own"),
-         "designs": ("/design", "Designs"), "moulds": ("/mould", "Moulds"), "campaigns": ("/campaign", "Campaigns"),
-         "calibrations": ("/learn", "Calibrations")}  # fmt: skip
+ROOMS = {
+    "measured": ("/measured", "Measured files"),
+    "tissue": ("/tissue", "Tissues of your own"),
+    "designs": ("/design", "Designs"),
+    "moulds": ("/mould", "Moulds"),
+    "campaigns": ("/campaign", "Campaigns"),
+    "calibrations": ("/learn", "Calibrations"),
+}
 
 
 def make_new(root: Path) -> None:
     """Build the page of a folder that is no project yet."""
-    html("<p>A project folder keeps everything about one dummy: what was measured, the tissue, designs, moulds, "
-         "campaigns and what was learned. The files in it are all there is; this page keeps nothing.</p>")  # fmt: skip
+    html(
+        "<p>A project folder keeps everything about one dummy: what was measured, the tissue, designs, moulds, "
+        "campaigns and what was learned. The files in it are all there is; this page keeps nothing.</p>"
+    )
     with ui.element("div").classes("fields"):
         name = ui.input("Name", value=root.name).props('data-test="name"')
         tissue = parts.select("Tissue", {"": "decide later", **choices.tissues(root)}, "", "tissue")
@@ -63,7 +70,7 @@ def show_status(project: Project, state: State, query: Mapping[str, str]) -> Non
     with ui.element("div").classes("pair"):
         with ui.element("div"):
             html(f'<p class="next">Next: <b>{escape(status.next_text)}</b></p>')
-            link = f'{address(page)}?{escape(following.query())}'
+            link = f"{address(page)}?{escape(following.query())}"
             html(f'<a class="go" data-test="next" href="{link}">Go there</a>')
             parts.command_line(shlex.split(status.next_command)[1:])
             given = ", ".join(f"{name} {value}" for name, value in project.given().items()) or "nothing chosen yet"
@@ -108,12 +115,13 @@ def _strip(status: ProjectStatus, next_path: str, following: State) -> str:
     learned = files["calibrations"][-1].folder.partition("/")[2] if files["calibrations"] else ""
     words = {
         "/measured": (bool(imports), f"{len(imports)} imports" if imports else "tissue of the library" if own else ""),
-        "/tissue": (bool(own), own), "/design": (verdict not in ("", LEVELS[-1]), verdict.replace("_", " ")),
+        "/tissue": (bool(own), own),
+        "/design": (verdict not in ("", LEVELS[-1]), verdict.replace("_", " ")),
         "/mould": (bool(moulds), f"{len(moulds)} made" if moulds else ""),
         "/cast": (bool(compared), f"{len(compared)} compared" if compared else ""),
         "/campaign": (bool(whole), f"{len(whole)} of {len(plans)} pressed" if plans else ""),
         "/learn": (bool(learned), learned),
-    }  # fmt: skip
+    }
     items = ""
     for path, name in parts.STEPS[1:]:
         done, what = words[path]
@@ -159,8 +167,11 @@ def links_of(root: Path, status: ProjectStatus, state: State) -> dict[str, str]:
     for one in status.files["tissue"]:
         states[one.folder] = ("/tissue", state.changed(tissue=one.folder, aim="average"))
     known = {one.folder: one for room in status.files.values() for one in room}
-    return {folder: page_link(path, choices.file_line(known[folder]), of, f"open-{folder}")
-            for folder, (path, of) in states.items() if folder in known}  # fmt: skip
+    return {
+        folder: page_link(path, choices.file_line(known[folder]), of, f"open-{folder}")
+        for folder, (path, of) in states.items()
+        if folder in known
+    }
 
 
 def _ended(job: jobs.Job) -> str:

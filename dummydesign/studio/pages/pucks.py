@@ -30,8 +30,10 @@ class PuckPage:
         self._root, self._project, self._state = project.root, project, state
         known = pucks(project.root)
         start = {name: query[name] for name in OWN if name in query} or _last(project.root)
-        html("<p>Press a puck of the batch slowly between two plates, by a third of its height or more. "
-             "Its modulus makes a resin of the batch.</p>")  # fmt: skip
+        html(
+            "<p>Press a puck of the batch slowly between two plates, by a third of its height or more. "
+            "Its modulus makes a resin of the batch.</p>"
+        )
         with ui.expansion("Print the ring of a puck", value=not known).props('data-test="ring"'):
             Work(project.root, "ring", "Make the ring", self._ring_words, _show_ring, needs="files")
         if not known:
@@ -51,11 +53,18 @@ class PuckPage:
                 "mixed": parts.NumberField("Mixing ratio", _number(start.get("mixed")) or state.ratio),
                 "name": ui.input("Name of the batch", value=name),
                 "base": parts.select("Resin whose law is updated", bases, base if base in bases else ""),
-            }  # fmt: skip
+            }
         for name, field in self._fields.items():
             field.props(f'data-test="{"puck" if name == "puck" else f"puck-{name}"}"')
-        self._work = Work(project.root, "puck", "Find the modulus", self._words, self._show,
-                          ended=lambda job, mine: self._list(), needs="young_kPa")  # fmt: skip
+        self._work = Work(
+            project.root,
+            "puck",
+            "Find the modulus",
+            self._words,
+            self._show,
+            ended=lambda job, mine: self._list(),
+            needs="young_kPa",
+        )
         parts.on_change(self._renew, *self._fields.values())
         self._own = parts.area()
         self._list()
@@ -78,8 +87,13 @@ class PuckPage:
         if not name:
             raise InputError("Give the batch a name.", "missing", "name")
         choices.check_name("resin", name)
-        typed = {"diameter": given["diameter"], "height": given["height"], "name": name, "ratio": given["mixed"],
-                 "resin": given["base"]}  # fmt: skip
+        typed = {
+            "diameter": given["diameter"],
+            "height": given["height"],
+            "name": name,
+            "ratio": given["mixed"],
+            "resin": given["base"],
+        }
         return ["resins", "add-compression", given["puck"], *jobs.options(typed)]
 
     def _show(self, job: jobs.Job) -> None:
@@ -87,10 +101,13 @@ class PuckPage:
         puck, friction = answer["young_kPa"], answer["friction"]
         html(f"<p><b>{escape(name)}</b> from {escape(Path(job.words[2]).name)}, ratio {answer['ratio']:g}.</p>")
         low, high = ("bonded" if friction[end] is None else f"{friction[end]:.2g}" for end in ("low", "high"))
-        parts.facts([(f"{puck['value']:.3g} kPa",
-                      f"modulus of this puck, 95 %: {puck['low']:.3g} to {puck['high']:.3g}"),
-                     (f"{answer['rmse_N']:.2g} N", "residual, rms"),
-                     (f"{low} to {high}", "plate friction that fits, in the interval")])  # fmt: skip
+        parts.facts(
+            [
+                (f"{puck['value']:.3g} kPa", f"modulus of this puck, 95 %: {puck['low']:.3g} to {puck['high']:.3g}"),
+                (f"{answer['rmse_N']:.2g} N", "residual, rms"),
+                (f"{low} to {high}", "plate friction that fits, in the interval"),
+            ]
+        )
         rows, problem = _moduli(self._root / job.words[2], answer)
         if problem:
             html(f'<p class="problem" role="alert">{escape(problem)}</p>')

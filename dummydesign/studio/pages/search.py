@@ -48,11 +48,16 @@ def press_rows(presses: Sequence[Mapping[str, Any]]) -> list[list[object]]:
         reads = str(one["reads"]) if reached else "out of reach"
         if reads in ("low", "high"):
             reads = f"{one['percent_outside']:.0f} % {reads}"
-        rows.append([
-            one["steady_force_N"], one["velocity_mm_s"], round(one["depth_mm"], 2) if reached else None,
-            round(one["peak_force_N"], 1) if reached else None,
-            f"{one['target_peak_low_N']:.1f} to {one['target_peak_high_N']:.1f}", reads,
-        ])  # fmt: skip
+        rows.append(
+            [
+                one["steady_force_N"],
+                one["velocity_mm_s"],
+                round(one["depth_mm"], 2) if reached else None,
+                round(one["peak_force_N"], 1) if reached else None,
+                f"{one['target_peak_low_N']:.1f} to {one['target_peak_high_N']:.1f}",
+                reads,
+            ]
+        )
     return rows
 
 
@@ -60,8 +65,13 @@ def state_of_answer(state: State, answer: dict[str, Any], folder: str) -> State:
     """The state of the pad that a search recommends."""
     best = answer["recommendation"]
     resin = best["resin"] if best["resin"] == state.resin.rpartition("/")[2] else state.resin
-    return state.changed(shape=best["shape"], thickness_mm=float(best["thickness_mm"]), ratio=float(best["ratio"]),
-                         resin=resin, design=folder)  # fmt: skip
+    return state.changed(
+        shape=best["shape"],
+        thickness_mm=float(best["thickness_mm"]),
+        ratio=float(best["ratio"]),
+        resin=resin,
+        design=folder,
+    )
 
 
 def _folder(job: jobs.Job) -> str:
@@ -78,8 +88,17 @@ class Search:
         wish = dict(project.asked).get("shape", "auto").partition(":")[0]
         with ui.element("div").classes("two"):
             self.kinds = parts.select("Shapes to search", known, wish if wish in known else "auto", "searched")
-            self.work = Work(self.root, "suggest", "Find the best pad", self.words, self.show, self.belongs, self.ended,
-                             lambda: sliders.stamp_of(self.root, self.state()), "recommendation")  # fmt: skip
+            self.work = Work(
+                self.root,
+                "suggest",
+                "Find the best pad",
+                self.words,
+                self.show,
+                self.belongs,
+                self.ended,
+                lambda: sliders.stamp_of(self.root, self.state()),
+                "recommendation",
+            )
         self.kinds.on_value_change(self.work.renew)
 
     def words(self) -> list[str]:
@@ -106,8 +125,13 @@ class Search:
         parts.tell_changes(self.root, f"{_folder(job)}/{MANIFEST}", "Search again.")
         best, light = answer["recommendation"], answer["verdict"]["light"]
         mixed = (best.get("batch") or best["recipe"])["components"]
-        parts.facts([(f"{best['thickness_mm']:g} mm", best["shape"]), (f"{best['ratio']:g}", best["ratio_meaning"]),
-                     *((f"{part['mass_g']:.1f} g", f"{part['name']}, to mix") for part in mixed)])  # fmt: skip
+        parts.facts(
+            [
+                (f"{best['thickness_mm']:g} mm", best["shape"]),
+                (f"{best['ratio']:g}", best["ratio_meaning"]),
+                *((f"{part['mass_g']:.1f} g", f"{part['name']}, to mix") for part in mixed),
+            ]
+        )
         designed = state_of_answer(self.state(), answer, _folder(job))
         red = "This pad is not representative: do not cast it. " if light == "red" else ""
         html(f'<p class="note next">{red}{page_link("/mould", "Make its mould", designed, "mould")}</p>')

@@ -206,8 +206,10 @@ def _presses(words: Sequence[str]) -> list[str]:
 def _show(page: TissuePage, job: jobs.Job) -> None:
     answer, root, tissue = job.answer, page.root, _tissue_of(job)
     parts.tell_changes(root, answer["files"].get("manifest", ""), "Fit the tissue again.")
-    html(f"<p><b>{escape(tissue)}</b>: {escape(str(answer['elements']))} elements, {escape(answer['mode'])}. Residual "
-         f"{answer['rmse_N']:.3g} N rms, noise {answer['noise_floor_N']:.3g} N.</p>")  # fmt: skip
+    html(
+        f"<p><b>{escape(tissue)}</b>: {escape(str(answer['elements']))} elements, {escape(answer['mode'])}. Residual "
+        f"{answer['rmse_N']:.3g} N rms, noise {answer['noise_floor_N']:.3g} N.</p>"
+    )
     page.use_button(tissue)
     parts.warnings(answer)
     show_curves(root, answer)
@@ -246,8 +248,10 @@ class _People:
         self._page, self._root = page, page.root
         traces = choices.traces(page.root)
         start, start_name = self._read()
-        html("<p>Write the person's name beside each press. A press without a name is left out. "
-             "Each person is fitted, then all make one tissue.</p>")  # fmt: skip
+        html(
+            "<p>Write the person's name beside each press. A press without a name is left out. "
+            "Each person is fitted, then all make one tissue.</p>"
+        )
         for path in start.keys() - traces.keys():
             parts.tell_problem(f"The press '{path}' is not there (any more). It is left out until you bring it back.")
         parts.button("Take the names from the file names", self._guess, "guess-people")
@@ -263,8 +267,17 @@ class _People:
             self._lowpass = ui.input("Filter of the force, HZ[:ORDER[:PASSES]] (optional)")
             self._lowpass.props('data-test="people-lowpass"')
             self._replace = ui.checkbox("Replace my tissue of this name").props('data-test="people-replace"')
-        self._work = Work(page.root, "people", "Fit all and make the tissue", self._words, self._show,
-                          ended=self._ended, needs="name", first=self._fits, check=self._check)  # fmt: skip
+        self._work = Work(
+            page.root,
+            "people",
+            "Fit all and make the tissue",
+            self._words,
+            self._show,
+            ended=self._ended,
+            needs="name",
+            first=self._fits,
+            check=self._check,
+        )
         parts.on_change(self._renew, *self._fields.values(), self._name, self._elements, self._lowpass, self._replace)
 
     def _renew(self) -> None:
@@ -303,8 +316,10 @@ class _People:
     def _fits(self) -> Steps:
         people, name = self._people(), self._tissue()
         given = {"elements": self._elements.value, "mode": "per-speed", "lowpass": self._lowpass.value}
-        return [["fit", *presses, *jobs.options(given | {"out": f"tissue/{name}/{person}.toml", "replace": True})]
-                for person, presses in people.items()]  # fmt: skip
+        return [
+            ["fit", *presses, *jobs.options(given | {"out": f"tissue/{name}/{person}.toml", "replace": True})]
+            for person, presses in people.items()
+        ]
 
     def _words(self) -> list[str]:
         name, replaced = self._tissue(), jobs.options({"replace": self._replace.value})

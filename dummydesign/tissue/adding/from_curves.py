@@ -149,8 +149,13 @@ def misfit_of(subject: str, fit: TissueFit, person: MeasuredPerson) -> Misfit:
 def _measured(trace: ReducedTrace) -> NDArray:
     """Peak, steady force and energy of a press, smoothed as curves are. [N, N, mJ]"""
     press = held_press(trace, trace.velocity_mm_s)
-    return np.array([max(press.rise_N.max(), press.hold_N.max()), trace.steady_force_N, work_mJ(
-        SHARES * press.depth_mm, press.rise_N)])  # fmt: skip
+    return np.array(
+        [
+            max(press.rise_N.max(), press.hold_N.max()),
+            trace.steady_force_N,
+            work_mJ(SHARES * press.depth_mm, press.rise_N),
+        ]
+    )
 
 
 def _of_model(trace: ReducedTrace, force_N: NDArray) -> NDArray:
@@ -228,9 +233,12 @@ def add_curves(name: str, table: str, law: str, elements: str, replace_own: bool
     write_text(target, tissue_toml(tissue))
     return {
         "inputs": {"action": "add-curves", "name": name, "curves": table, "law": law, "elements": elements},
-        **tissue.to_dict(), "fits": rows, "law_misfit": [one.to_dict() for one in misfits],
-        "warnings": warnings + _few(tissue) + hidden, "files": {"tissue": str(target)},
-    }  # fmt: skip
+        **tissue.to_dict(),
+        "fits": rows,
+        "law_misfit": [one.to_dict() for one in misfits],
+        "warnings": warnings + _few(tissue) + hidden,
+        "files": {"tissue": str(target)},
+    }
 
 
 def _few(tissue: Tissue) -> list[dict[str, str]]:

@@ -99,15 +99,21 @@ def add_points(name: str, points: str) -> dict[str, Any]:
         raise InputError(
             f"tissue '{tissue.name}' is {law_named(tissue.law).words}: points update gamma1 of a law, which it "
             "does not have; make a tissue of its own from them",
-            "unsupported", "tissue", tissue.name,
-        )  # fmt: skip
+            "unsupported",
+            "tissue",
+            tissue.name,
+        )
     folder = tissue_folder(tissue.name)
     steady = read_points(Path(points))
     warnings = [
-        {"code": "not_cubic", "message": f"{one.name}: the points scatter {one.scatter:.1f} times as much about "
-         "gamma1 x^3 as their reading errors allow; its interval was widened"}
-        for one in steady if one.scatter > 2.0
-    ]  # fmt: skip
+        {
+            "code": "not_cubic",
+            "message": f"{one.name}: the points scatter {one.scatter:.1f} times as much about "
+            "gamma1 x^3 as their reading errors allow; its interval was widened",
+        }
+        for one in steady
+        if one.scatter > 2.0
+    ]
     draws_file = posterior.draws_path(entry.path)
     files = {"tissue": folder / f"{tissue.name}.toml"}
     extra: dict[str, Any] = {}
@@ -173,9 +179,13 @@ def _update_inferred(
 
 
 def _with_people(
-    tissue: Tissue, draws: NDArray, weight: NDArray, people: list[tuple[str, float]], measured: dict[str, Steady],
+    tissue: Tissue,
+    draws: NDArray,
+    weight: NDArray,
+    people: list[tuple[str, float]],
+    measured: dict[str, Steady],
     unknown: float,
-) -> Tissue:  # fmt: skip
+) -> Tissue:
     """Give everybody the arms of the posterior, with intervals, and make the tissue."""
     gamma1 = np.exp([value for _, value in people])
     value = _arms_for(draws, weight, gamma1)
@@ -244,18 +254,24 @@ def _update_fitted(tissue: Tissue, steady: list[Steady]) -> tuple[Tissue, list[d
             raise InputError(
                 f"tissue {tissue.name} has no subject '{one.name}' and no posterior to take its arms from; "
                 f"its subjects are {', '.join(s.name for s in tissue.subjects)}",
-                "unknown_name", "subject", one.name, [s.name for s in tissue.subjects],
-            )  # fmt: skip
+                "unknown_name",
+                "subject",
+                one.name,
+                [s.name for s in tissue.subjects],
+            )
         subject = subjects[one.name.lower()]
         old = subject.numbers["gamma1_N_per_mm3"]
         old_deviation = max(math.log(old.high / old.low) / 3.92, 1e-4)
         distance = abs(math.log(old.value) - one.log_gamma1) / math.hypot(old_deviation, one.deviation)
         if distance > 3:
             warnings.append(
-                {"code": "points_contradict", "message": f"{one.name}: points say gamma1 = "
-                 f"{math.exp(one.log_gamma1):.4g}, the tissue {old.value:.4g} N/mm3, {distance:.1f} standard "
-                 "deviations apart; both were combined anyway"}
-            )  # fmt: skip
+                {
+                    "code": "points_contradict",
+                    "message": f"{one.name}: points say gamma1 = "
+                    f"{math.exp(one.log_gamma1):.4g}, the tissue {old.value:.4g} N/mm3, {distance:.1f} standard "
+                    "deviations apart; both were combined anyway",
+                }
+            )
         a, b = old_deviation**-2, one.deviation**-2
         mean, span = (a * math.log(old.value) + b * one.log_gamma1) / (a + b), math.exp(1.96 * (a + b) ** -0.5)
         value = math.exp(mean)

@@ -21,20 +21,40 @@ SPREAD = Purpose("spread in N/mm", "N/mm", (0.0, 1000.0))
 NAME = "k_N_per_mm"
 COLUMNS = ("region", "stiffness_N_per_mm", "spread_N_per_mm", "source")
 REGIONS = (
-    "forehead", "face", "neck", "back", "chest", "abdomen", "pelvis", "upper-arm", "lower-arm", "hand", "thigh",
+    "forehead",
+    "face",
+    "neck",
+    "back",
+    "chest",
+    "abdomen",
+    "pelvis",
+    "upper-arm",
+    "lower-arm",
+    "hand",
+    "thigh",
     "lower-leg",
-)  # fmt: skip
+)
 """Rows of the template; a user names his own."""
 
 
 def add_spring(
-    name: str, stiffness: float | str, spread: float | str | None, source: str, kind: str = "digitised",
+    name: str,
+    stiffness: float | str,
+    spread: float | str | None,
+    source: str,
+    kind: str = "digitised",
     replace_own: bool = False,
-) -> dict[str, Any]:  # fmt: skip
+) -> dict[str, Any]:
     """Make a tissue of one spring constant and keep it in the user's folder."""
     tissue = spring_tissue(name, stiffness, spread, source, kind)
-    inputs = {"action": "add-spring", "name": name, "stiffness_N_per_mm": stiffness, "spread_N_per_mm": spread,
-              "source": source, "kind": kind}  # fmt: skip
+    inputs = {
+        "action": "add-spring",
+        "name": name,
+        "stiffness_N_per_mm": stiffness,
+        "spread_N_per_mm": spread,
+        "source": source,
+        "kind": kind,
+    }
     path, warnings = _keep(tissue, replace_own)
     return {"inputs": inputs, **tissue.to_dict(), "warnings": warnings, "files": {"tissue": str(path)}}
 

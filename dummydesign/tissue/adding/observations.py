@@ -188,14 +188,17 @@ def check_curves(curves: list[ObservedCurve], file: str) -> None:
                 f"{file}: curves of {first.subject} contradict each other at {depth:.2g} mm: {forces[0]:.3g} N at "
                 f"{slow.velocity_mm_s:g} mm/s (line {slow.line}) and {forces[1]:.3g} N at {fast.velocity_mm_s:g} mm/s "
                 f"(line {fast.line}), {why}; name them as two subjects or leave one out",
-                "inconsistent", "force_N", forces,
-            )  # fmt: skip
+                "inconsistent",
+                "force_N",
+                forces,
+            )
     if all(curve.held_s < HELD_S for curve in curves):
         raise InputError(
             f"{file}: no curve of {curves[0].subject} is held for {HELD_S:g} s, so the steady force is not known; give "
             "the hold with its times, or depths at steady forces by 'dummydesign tissues add-points'",
-            "not_enough_data", "hold_s",
-        )  # fmt: skip
+            "not_enough_data",
+            "hold_s",
+        )
 
 
 @dataclass(frozen=True)

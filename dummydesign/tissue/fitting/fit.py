@@ -65,8 +65,10 @@ class ContactOffsets:
         names = [trace.name for trace, end in zip(traces, self.at_end) if end]
         if not names:
             return []
-        message = (f"contact of {_some(names)} would lie before what was recorded, or too far in: the offset there is "
-                   "no measurement; record from above the surface")  # fmt: skip
+        message = (
+            f"contact of {_some(names)} would lie before what was recorded, or too far in: the offset there is "
+            "no measurement; record from above the surface"
+        )
         return [{"code": "contact_at_end", "message": message}]
 
 
@@ -128,12 +130,16 @@ def _slope(problem: TissueProblem, optimum: Optimum) -> NDArray:
     """Change of the force of every bin with the offset of its press, shape (bins,). [N/mm]"""
     theta, arms = optimum.solution.parameters, range(optimum.arms)
     gamma1, gamma, damper = problem.split(theta, optimum.arms)
-    pushed = [[replace(t, motion=Motion(t.motion.time_s, t.motion.displacement_mm + _STEP_MM)) for t in group]
-              for group in problem.groups]  # fmt: skip
-    moved = np.concatenate([
-        np.exp(gamma1) * own.elastic + sum(np.exp(gamma[arm]) * own.arm(gamma[arm] - c[arm])[0] for arm in arms)
-        for own, c in zip((Responses(problem.law, group, problem.lowpass) for group in pushed), damper)
-    ])  # fmt: skip
+    pushed = [
+        [replace(t, motion=Motion(t.motion.time_s, t.motion.displacement_mm + _STEP_MM)) for t in group]
+        for group in problem.groups
+    ]
+    moved = np.concatenate(
+        [
+            np.exp(gamma1) * own.elastic + sum(np.exp(gamma[arm]) * own.arm(gamma[arm] - c[arm])[0] for arm in arms)
+            for own, c in zip((Responses(problem.law, group, problem.lowpass) for group in pushed), damper)
+        ]
+    )
     return (moved - problem.predict(theta, optimum.arms)[0]) / _STEP_MM
 
 
@@ -216,9 +222,15 @@ class TissueFit:
 
 @one_blas_thread()
 def fit_traces(
-    traces: Sequence[Trace], elements: int | str = "auto", law: str = "ode", mode: str = "joint",
-    lowpass: Lowpass | None = None, intervals: bool = True, contact: str = "none", progress: Progress | None = None,
-) -> TissueFit:  # fmt: skip
+    traces: Sequence[Trace],
+    elements: int | str = "auto",
+    law: str = "ode",
+    mode: str = "joint",
+    lowpass: Lowpass | None = None,
+    intervals: bool = True,
+    contact: str = "none",
+    progress: Progress | None = None,
+) -> TissueFit:
     """Fit the tissue law to traces of one tissue or dummy.
 
     Trust-region least squares in log parameters on binned data (about fifty bins a trace), from several
@@ -337,10 +349,15 @@ def _parameters(
     ]
     reason = "mean over conditions, as the paper reports; a mean of separate fits has no profile interval"
     mean = {
-        name: {"value": float(np.mean([one["value"] for one in each])), "low": None, "high": None,
-               "at_bound": any(one["at_bound"] for one in each), "reason": reason}
+        name: {
+            "value": float(np.mean([one["value"] for one in each])),
+            "low": None,
+            "high": None,
+            "at_bound": any(one["at_bound"] for one in each),
+            "reason": reason,
+        }
         for name, each in zip(names, zip(*objects))
-    }  # fmt: skip
+    }
     return {"parameters": mean, "by_condition": conditions}
 
 
@@ -367,8 +384,12 @@ def _warnings(law: str, result: dict[str, Any], pairs: Sequence[tuple[TissueProb
     """Warn of what a reader of the parameters must know."""
     notes: list[tuple[str, str]] = []
     if law_named(law).ideal_ramp:
-        notes.append(("ideal_ramp", f"law {law} knows only an ideal ramp: mean speed and stop time of each measured "
-                      "motion were used"))  # fmt: skip
+        notes.append(
+            (
+                "ideal_ramp",
+                f"law {law} knows only an ideal ramp: mean speed and stop time of each measured motion were used",
+            )
+        )
     rmse, floor = result["rmse_N"], result["noise_floor_N"]
     if rmse > 2.0 * floor:
         above = f"{rmse / floor:.3g} times the noise" if floor > 0.0 else "above traces without noise"
@@ -388,8 +409,13 @@ def _warnings(law: str, result: dict[str, Any], pairs: Sequence[tuple[TissueProb
         broken |= {"gamma2 < gamma3"} if gamma[0] >= gamma[1] else set()
         broken |= {"c2 > c3"} if np.any(damper[:, 0] <= damper[:, 1]) else set()
     if broken:
-        notes.append(("paper_order", f"{' and '.join(sorted(broken))}, which the paper found in all its subjects, does "
-                      "not hold here (arm 2 is the slow one)"))  # fmt: skip
+        notes.append(
+            (
+                "paper_order",
+                f"{' and '.join(sorted(broken))}, which the paper found in all its subjects, does "
+                "not hold here (arm 2 is the slow one)",
+            )
+        )
     return [{"code": code, "message": text} for code, text in notes]
 
 
@@ -418,8 +444,10 @@ def subject_from_fit(name: str, fit: TissueFit) -> Subject:
     if min(map(min, pressed.values())) <= 0.0:
         return Subject.of(name, fit.law, numbers)
     words = f"{len(files)} press{'es' if len(files) > 1 else ''}: {shown}; median, lowest and highest"
-    spans = {key: Quantity(float(np.median(values)), min(values), max(values), "measured", words)
-             for key, values in pressed.items()}  # fmt: skip
+    spans = {
+        key: Quantity(float(np.median(values)), min(values), max(values), "measured", words)
+        for key, values in pressed.items()
+    }
     return Subject.of(name, fit.law, numbers, spans)
 
 

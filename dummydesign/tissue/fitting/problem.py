@@ -83,9 +83,14 @@ FLOOR_N = 1e-3
 
 
 def estimate_noise(
-    bins: Bins, level: NDArray, slope: NDArray, residual: NDArray, jacobian: NDArray, largest_slow_N: float,
+    bins: Bins,
+    level: NDArray,
+    slope: NDArray,
+    residual: NDArray,
+    jacobian: NDArray,
+    largest_slow_N: float,
     start: Noise | None = None,
-) -> Noise:  # fmt: skip
+) -> Noise:
     """Estimate the noise by restricted maximum likelihood."""
     with_position = len(residual) >= 4
     scale = max(float(np.sqrt((residual**2).sum() / bins.used.sum())), FLOOR_N)
@@ -207,8 +212,10 @@ class TissueProblem:
 
     def _columns(self, rates: NDArray) -> NDArray:
         """X and A at ln rates (groups, arms), shape (bins, 1 + arms)."""
-        parts = (np.column_stack([response.elastic, *(response.arm(rate)[0] for rate in own)])
-                 for response, own in zip(self.responses, rates))  # fmt: skip
+        parts = (
+            np.column_stack([response.elastic, *(response.arm(rate)[0] for rate in own)])
+            for response, own in zip(self.responses, rates)
+        )
         return np.concatenate(list(parts))
 
     def _combinations(self, arms: int, grid: NDArray, weight: NDArray, where: list[slice], count: int) -> list[NDArray]:
@@ -308,17 +315,19 @@ def trace_residuals(pairs: Sequence[tuple[TissueProblem, Optimum]]) -> dict[str,
             model = np.interp(time, trace.motion.time_s, fitted_force(problem, optimum, index))
             worst = int(np.argmax(np.abs(own)))
             squares, count = squares + float(((raw - model) ** 2).sum()), count + len(raw)
-            rows.append({
-                "file": trace.trace.name,
-                "velocity_mm_s": trace.velocity_mm_s,
-                "depth_mm": trace.ramp.depth_mm,
-                "steady_force_N": trace.steady_force_N,
-                "peak_force_N": float(trace.force_N.max()),
-                "fitted_peak_force_N": float(model.max()),
-                "rmse_N": float(np.sqrt(np.mean((raw - model) ** 2))),
-                "max_residual_N": float(abs(own[worst])),
-                "max_residual_time_s": float(trace.middle_s[worst] - trace.ramp.contact_time_s),
-            })  # fmt: skip
+            rows.append(
+                {
+                    "file": trace.trace.name,
+                    "velocity_mm_s": trace.velocity_mm_s,
+                    "depth_mm": trace.ramp.depth_mm,
+                    "steady_force_N": trace.steady_force_N,
+                    "peak_force_N": float(trace.force_N.max()),
+                    "fitted_peak_force_N": float(model.max()),
+                    "rmse_N": float(np.sqrt(np.mean((raw - model) ** 2))),
+                    "max_residual_N": float(abs(own[worst])),
+                    "max_residual_time_s": float(trace.middle_s[worst] - trace.ramp.contact_time_s),
+                }
+            )
     return {
         "rmse_N": float(np.sqrt(squares / count)),
         "max_residual_N": max(row["max_residual_N"] for row in rows),

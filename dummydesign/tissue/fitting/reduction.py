@@ -79,8 +79,10 @@ def reduce_trace(trace: Trace) -> ReducedTrace:
     hold = ramp.hold_end_s - ramp.stop_time_s
     if hold < 5 * ramp.rise_time_s * 0.02 or hold < 0.05:
         needed = max(10.0, 0.1 * ramp.rise_time_s)
-        message = (f"{trace.name}: a hold of {hold:.3g} s after a rise of {ramp.rise_time_s:.3g} s is too short to see "
-                   f"relaxation; hold {needed:.3g} s")  # fmt: skip
+        message = (
+            f"{trace.name}: a hold of {hold:.3g} s after a rise of {ramp.rise_time_s:.3g} s is too short to see "
+            f"relaxation; hold {needed:.3g} s"
+        )
         raise InputError(message, "not_enough_data", "hold_s", float(hold))
     edges, settled_s = _edges(ramp, time), ramp.stop_time_s + SETTLED_S
     clip = find_clip(time, trace.displacement_mm, force)
@@ -91,9 +93,18 @@ def reduce_trace(trace: Trace) -> ReducedTrace:
     steady = steady_force(time, trace.displacement_mm, force, ramp)
     velocity = trace.commanded_speed_mm_s or approach_velocity(time, trace.displacement_mm, ramp)
     return ReducedTrace(
-        trace, ramp, velocity, steady, binning.start_s, binning.end_s, binning.samples, binning.mean(force),
-        motion, binning.average(time, nodes, settled_s), binning.inside,
-    )  # fmt: skip
+        trace,
+        ramp,
+        velocity,
+        steady,
+        binning.start_s,
+        binning.end_s,
+        binning.samples,
+        binning.mean(force),
+        motion,
+        binning.average(time, nodes, settled_s),
+        binning.inside,
+    )
 
 
 def _edges(ramp: Ramp, time: NDArray) -> NDArray:
@@ -145,9 +156,10 @@ def between(at: NDArray, time: NDArray, x: NDArray) -> NDArray:
     h = step[index]
     t = np.clip((at - time[index]) / h, 0.0, 1.0)
     return (
-        x[index] * (1 + 2 * t) * (1 - t) ** 2 + x[index + 1] * t**2 * (3 - 2 * t)
+        x[index] * (1 + 2 * t) * (1 - t) ** 2
+        + x[index + 1] * t**2 * (3 - 2 * t)
         + h * t * (1 - t) * (slope[index] * (1 - t) - slope[index + 1] * t)
-    )  # fmt: skip
+    )
 
 
 def rounded_velocity(velocity_mm_s: float) -> float:

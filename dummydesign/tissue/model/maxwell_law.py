@@ -114,8 +114,10 @@ class MaxwellLaw(ABC):
         """
         raise InputError(
             f"law = '{self.name}' follows ideal ramps only; a robot of finite mass needs a tissue of law ode",
-            "unsupported", "law", self.name,
-        )  # fmt: skip
+            "unsupported",
+            "law",
+            self.name,
+        )
 
     def notice_of(self, name: str) -> tuple[str, str] | None:
         """Code and words of what must be said of a tissue of this law, by its name; None for nothing."""
@@ -249,9 +251,13 @@ class MaxwellLaw(ABC):
         return self.power
 
     def held_depths(
-        self, subjects: Sequence[Parameters], force_N: NDArray, velocity_mm_s: float, hold_s: float,
+        self,
+        subjects: Sequence[Parameters],
+        force_N: NDArray,
+        velocity_mm_s: float,
+        hold_s: float,
         deceleration_mm_s2: float,
-    ) -> NDArray:  # fmt: skip
+    ) -> NDArray:
         """Depths at which subjects still carry forces at the end of a hold, shape (subjects, n). [mm]
 
         Parameters
@@ -271,9 +277,13 @@ class MaxwellLaw(ABC):
         return np.stack([self.steady_depth(coarse, float(force), *arms) for force in force_N], axis=-1)
 
     def end_of_hold_depths(
-        self, subjects: Sequence[Parameters], force_N: NDArray, velocity_mm_s: float, hold_s: float,
+        self,
+        subjects: Sequence[Parameters],
+        force_N: NDArray,
+        velocity_mm_s: float,
+        hold_s: float,
         deceleration_mm_s2: float,
-    ) -> NDArray:  # fmt: skip
+    ) -> NDArray:
         """Return the held depths at many rising forces: at rest after a long hold, else between forty of them. [mm]
 
         See :meth:`~dummydesign.tissue.model.maxwell_law.MaxwellLaw.held_depths`.
@@ -287,9 +297,13 @@ class MaxwellLaw(ABC):
         return np.exp([np.interp(np.log(force_N), np.log(known), row) for row in depth])
 
     def press(
-        self, subjects: Sequence[Parameters], force_N: float, velocity_mm_s: float, hold_s: float,
+        self,
+        subjects: Sequence[Parameters],
+        force_N: float,
+        velocity_mm_s: float,
+        hold_s: float,
         deceleration_mm_s2: float,
-    ) -> tuple[Motion, NDArray, NDArray]:  # fmt: skip
+    ) -> tuple[Motion, NDArray, NDArray]:
         """Press every subject to its own depth for the same force at the end of the hold.
 
         Parameters

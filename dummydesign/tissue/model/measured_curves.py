@@ -192,8 +192,10 @@ class MeasuredPerson(MeasuredParameters):
 
     def known_N(self, velocity_mm_s: float, hold_s: float) -> tuple[float, float] | None:
         """Lowest and highest steady force that was pressed at a speed, None for a speed that was not. [N]"""
-        forces = [[np.mean([press.steady_N(hold_s) for press in group]) for group in self._by_speed[speed]]
-                  for speed, _ in self._speeds(velocity_mm_s)]  # fmt: skip
+        forces = [
+            [np.mean([press.steady_N(hold_s) for press in group]) for group in self._by_speed[speed]]
+            for speed, _ in self._speeds(velocity_mm_s)
+        ]
         return (float(max(map(min, forces))), float(min(map(max, forces)))) if forces else None
 
     def depth_mm(self, force_N: ArrayLike, hold_s: float) -> NDArray:

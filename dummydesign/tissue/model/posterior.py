@@ -56,8 +56,11 @@ def draws_path(tissue_path: Path) -> Path:
 def draws_csv(draws: NDArray, weight: NDArray | None = None) -> str:
     """Write draws (m, 5, 7) as CSV: draw, weight, rank and the columns of :data:`COLUMNS`."""
     share = np.full(len(draws), 1.0 / len(draws)) if weight is None else weight / weight.sum()
-    rows = ((index + 1, f"{share[index]:.5g}", rank, *(f"{x:.4g}" for x in row))
-            for index, draw in enumerate(draws) for rank, row in enumerate(draw, start=1))  # fmt: skip
+    rows = (
+        (index + 1, f"{share[index]:.5g}", rank, *(f"{x:.4g}" for x in row))
+        for index, draw in enumerate(draws)
+        for rank, row in enumerate(draw, start=1)
+    )
     return csv_text(("draw", "weight", "rank", *COLUMNS), rows)
 
 

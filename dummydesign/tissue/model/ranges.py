@@ -84,17 +84,27 @@ def interpolate_rows(at: NDArray, time: NDArray, values: NDArray) -> NDArray:
 
 
 def force_range(
-    subjects: tuple[Parameters, ...], steady_force_N: float, velocity_mm_s: float, hold_s: float = 10.0,
-    deceleration_mm_s2: float = DECELERATION_MM_S2, lowpass: Lowpass | None = None, path: RobotPath | None = None,
-) -> ForceRange:  # fmt: skip
+    subjects: tuple[Parameters, ...],
+    steady_force_N: float,
+    velocity_mm_s: float,
+    hold_s: float = 10.0,
+    deceleration_mm_s2: float = DECELERATION_MM_S2,
+    lowpass: Lowpass | None = None,
+    path: RobotPath | None = None,
+) -> ForceRange:
     """Envelope of the subjects' F(t), each pressed to its own depth for the same force at the end of hold."""
     return force_ranges((subjects,), steady_force_N, velocity_mm_s, hold_s, deceleration_mm_s2, lowpass, path)[0]
 
 
 def force_ranges(
-    groups: Sequence[tuple[Parameters, ...]], steady_force_N: float, velocity_mm_s: float, hold_s: float = 10.0,
-    deceleration_mm_s2: float = DECELERATION_MM_S2, lowpass: Lowpass | None = None, path: RobotPath | None = None,
-) -> list[ForceRange]:  # fmt: skip
+    groups: Sequence[tuple[Parameters, ...]],
+    steady_force_N: float,
+    velocity_mm_s: float,
+    hold_s: float = 10.0,
+    deceleration_mm_s2: float = DECELERATION_MM_S2,
+    lowpass: Lowpass | None = None,
+    path: RobotPath | None = None,
+) -> list[ForceRange]:
     """The :func:`force_range` of each of several groups of subjects of one law, all pressed at once."""
     everyone = [one for group in groups for one in group]
     law = law_named(everyone[0].law)

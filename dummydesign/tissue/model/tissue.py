@@ -145,9 +145,11 @@ class Tissue:
             what = "one subject does" if law.fitted or law.measured else "a spring constant and its spread do"
             raise InputError(
                 f"aim = '{aim}' needs at least two subjects: {what} not show how people differ; use average or "
-                "safe-side, or add people with 'dummydesign tissues add'", "not_enough_data", "subjects",
+                "safe-side, or add people with 'dummydesign tissues add'",
+                "not_enough_data",
+                "subjects",
                 len(self.subjects),
-            )  # fmt: skip
+            )
         if self.measured:
             return MeasuredAim(self.parameter_sets, aim)  # type: ignore[arg-type]
         from dummydesign.tissue.model.share_target import share_parameters
@@ -160,9 +162,14 @@ class Tissue:
         return depth.min(axis=0), depth.max(axis=0)
 
     def force_range(
-        self, steady_force_N: float, velocity_mm_s: float, hold_s: float = 10.0,
-        deceleration_mm_s2: float = 30_000.0, lowpass: Lowpass | None = None, path: RobotPath | None = None,
-    ) -> ForceRange:  # fmt: skip
+        self,
+        steady_force_N: float,
+        velocity_mm_s: float,
+        hold_s: float = 10.0,
+        deceleration_mm_s2: float = 30_000.0,
+        lowpass: Lowpass | None = None,
+        path: RobotPath | None = None,
+    ) -> ForceRange:
         """Envelope of the subjects' F(t) at one condition; see :func:`dummydesign.tissue.model.ranges.force_range`.
 
         Parameters
@@ -204,8 +211,11 @@ def same_shape(subjects: tuple[Subject, ...]) -> None:
             raise InputError(
                 f"subject '{subject.name}' has law {subject.parameters.law}, "
                 f"'{subjects[0].name}' {first.law}; laws are never mixed",
-                "inconsistent", "law", subject.parameters.law, first.law,
-            )  # fmt: skip
+                "inconsistent",
+                "law",
+                subject.parameters.law,
+                first.law,
+            )
         if len(subject.parameters.gamma_N_per_mm3) != len(first.gamma_N_per_mm3):
             message = f"subject '{subject.name}' has another number of elements than '{subjects[0].name}'"
             raise InputError(message, "inconsistent", "elements")
@@ -222,5 +232,8 @@ def share_a_speed(velocities_mm_s: Mapping[str, Sequence[float]]) -> None:
             raise InputError(
                 f"subject '{name}' ({own} mm/s) shares no speed with '{first}' ({others} mm/s): "
                 "people pressed at different speeds make no range; press all at one of them",
-                "inconsistent", "velocity_mm_s", list(speeds), list(velocities_mm_s[first]),
-            )  # fmt: skip
+                "inconsistent",
+                "velocity_mm_s",
+                list(speeds),
+                list(velocities_mm_s[first]),
+            )

@@ -56,9 +56,7 @@ class EdgeWatch:
         return edge_depth(np.array(self.depth), np.array(self.touched), np.array(self.gaps), foot, fillet)
 
 
-def edge_depth(
-    depth: Array, touched: Array, gaps: Array, foot: float, fillet: float
-) -> tuple[float, float] | None:
+def edge_depth(depth: Array, touched: Array, gaps: Array, foot: float, fillet: float) -> tuple[float, float] | None:
     """See :meth:`EdgeWatch.reached`.
 
     Parameters

@@ -76,9 +76,7 @@ def fit_crowns(curves: Curves) -> CrownResponse:
     seen = np.isfinite(curves.edge)
     narrow_edge = _edge(curves, met & (inputs[:, 2] < np.log(OF_JUMP)), met)
     wide_edge = _edge(curves, seen & (inputs[:, 2] > np.log(NARROW - 0.05)), met)
-    modelled = height * np.exp(
-        np.where(narrow, narrow_edge.at_levels(inputs)[:, 0], wide_edge.at_levels(inputs)[:, 0])
-    )
+    modelled = height * np.exp(np.where(narrow, narrow_edge.at_levels(inputs)[:, 0], wide_edge.at_levels(inputs)[:, 0]))
     edge = np.where(narrow & met, curves.edge, modelled)
     carries = (np.abs(np.nan_to_num(curves.added)) > CARRIES) & (x > 0.03)
     engaged = np.where(carries.any(axis=1), x[carries.argmax(axis=1)], np.inf)
@@ -103,10 +101,13 @@ def fit_crowns(curves: Curves) -> CrownResponse:
         return fit_by_level(inputs[which], values, np.full(values.shape, NOISE), levels, False, reach[which])
 
     return CrownResponse(
-        fit_by_level(crown_inputs(inputs), alone, unsure, ALONE, True, reach), narrow_edge, wide_edge,
+        fit_by_level(crown_inputs(inputs), alone, unsure, ALONE, True, reach),
+        narrow_edge,
+        wide_edge,
         fit_by_level(inputs[jumped], risen, scatter, RISEN, False, reach[jumped]),
-        fitted(bent, BENT, wide), fitted(shared, SHARED, np.arange(len(inputs))),
-    )  # fmt: skip
+        fitted(bent, BENT, wide),
+        fitted(shared, SHARED, np.arange(len(inputs))),
+    )
 
 
 def _edge(curves: Curves, use: Array, met: Array) -> Response:
@@ -117,9 +118,7 @@ def _edge(curves: Curves, use: Array, met: Array) -> Response:
     return fit_by_level(inputs, value, noise, np.ones(1), False, curves.reach[use])
 
 
-def _levels(
-    y: Array, use: Array, x: Array, levels: Array, unit: Array, ends: Array, anchored: bool = False
-) -> Array:
+def _levels(y: Array, use: Array, x: Array, levels: Array, unit: Array, ends: Array, anchored: bool = False) -> Array:
     """Curves (n, m) at the levels, counted in ``unit`` (n,): a natural spline in sqrt(d / h), straight from its last
     point to the ``ends`` (n,); NaN where not known."""
     out = np.full((len(y), len(levels)), np.nan)

@@ -26,9 +26,7 @@ SCATTERS = np.array([5e-4, 1e-3, 2e-3, 4e-3, 8e-3, 0.016, 0.03, 0.06])
 SCALES = np.array([0.5, 1.0, 2.0])
 
 
-def fit_by_level(
-    inputs: Array, values: Array, noise: Array, levels: Array, anchored: bool, reach: Array
-) -> Response:
+def fit_by_level(inputs: Array, values: Array, noise: Array, levels: Array, anchored: bool, reach: Array) -> Response:
     """Fit a response surface to points that do not scatter alike.
 
     Parameters

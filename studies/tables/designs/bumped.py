@@ -131,6 +131,8 @@ def _read(row: Array, depth: Array, y: Array, levels: Array, least: float = 0.0)
 
 
 DESIGN = BumpedDesign(
-    np.array([np.log(0.48), np.log(0.5), 0.04]), np.array([np.log(2.2), np.log(0.92), 0.66]),
-    np.array([0.02, 0.04, 0.08, 0.13, 0.2, 0.28, 0.37, 0.47, 0.58]), COARSE,
-)  # fmt: skip
+    np.array([np.log(0.48), np.log(0.5), 0.04]),
+    np.array([np.log(2.2), np.log(0.92), 0.66]),
+    np.array([0.02, 0.04, 0.08, 0.13, 0.2, 0.28, 0.37, 0.47, 0.58]),
+    COARSE,
+)

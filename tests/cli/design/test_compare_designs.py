@@ -98,8 +98,15 @@ def test_other_questions_come_before_any_number(designs, capsys):
 
 @pytest.mark.parametrize(
     ("key", "value"),
-    [("punch", "round:10"), ("aim", "safe-side"), ("resin", "ecoflex-00-30"), ("force_N", [2.0]), ("hold_s", 3.0),
-     ("verify", True), ("castings", 2400)],
+    [
+        ("punch", "round:10"),
+        ("aim", "safe-side"),
+        ("resin", "ecoflex-00-30"),
+        ("force_N", [2.0]),
+        ("hold_s", 3.0),
+        ("verify", True),
+        ("castings", 2400),
+    ],
 )
 def test_every_input_that_counts_is_a_difference(key, value, designs, capsys):
     changed("thick", lambda content: content["inputs"].update({key: value}))

@@ -11,10 +11,24 @@ import pytest
 ROOT = Path(__file__).parents[3]
 MOST = 150
 ABSENT = (
-    "loop", "pad.axisymmetric", "pad.spatial", "pad.fields", "pad.fem", "pad.contact", "pad.solve", "pad.tables.shape",
-    "pad.tables.crowned", "pad.tables.bumped", "pad.tables.response_surface", "mold.cad", "mold.checks",
-    "mold.produce", "core.cache", "design.search.fe_candidates", "design.calibrated",
-)  # fmt: skip
+    "loop",
+    "pad.axisymmetric",
+    "pad.spatial",
+    "pad.fields",
+    "pad.fem",
+    "pad.contact",
+    "pad.solve",
+    "pad.tables.shape",
+    "pad.tables.crowned",
+    "pad.tables.bumped",
+    "pad.tables.response_surface",
+    "mold.cad",
+    "mold.checks",
+    "mold.produce",
+    "core.cache",
+    "design.search.fe_candidates",
+    "design.calibrated",
+)
 WORDS = ["suggest", "--tissue", "forefinger", "--shape", "slab", "--no-cad", "--no-verify", "--out", "slab"]
 
 

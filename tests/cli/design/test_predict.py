@@ -116,10 +116,11 @@ def test_units_are_taken_by_edges_studies_and_moulds():
 def test_what_nothing_would_read_is_refused():
     pad = {"young_kPa": 30.0, "depth_mm": 1.0}
     for more, code, quantity in (
-        ({"ratio": 17.0}, "conflict", "ratio"), ({"aim": "nonsense"}, "not_applicable", "aim"),
+        ({"ratio": 17.0}, "conflict", "ratio"),
+        ({"aim": "nonsense"}, "not_applicable", "aim"),
         ({"hold_s": 5.0}, "not_applicable", "hold_s"),
         ({"deceleration_mm_s2": "5m/s2"}, "not_applicable", "deceleration_mm_s2"),
-    ):  # fmt: skip
+    ):
         with raises_code(code, quantity):
             dummydesign.predict(8, **pad, **more)
     with raises_code("not_applicable", "aim"):
@@ -219,9 +220,14 @@ def test_a_motion_with_a_measured_force_is_compared_with_it(tmp_path, capsys):
 
 @pytest.mark.parametrize(
     ("option", "value", "quantity"),
-    [("--poisson", "0.6", "poisson"), ("--poisson", "0", "poisson"), ("--base", "slidng", "base"),
-     ("--condition", "friction:-1", "condition"), ("--condition", "frictionles", "condition")],
-)  # fmt: skip
+    [
+        ("--poisson", "0.6", "poisson"),
+        ("--poisson", "0", "poisson"),
+        ("--base", "slidng", "base"),
+        ("--condition", "friction:-1", "condition"),
+        ("--condition", "frictionles", "condition"),
+    ],
+)
 def test_a_value_that_nothing_solves_is_not_sent_to_another_solver(option, value, quantity, capsys):
     assert run([*ELASTIC, "--depth", "1", option, value, "--json"]) == 2
     error = json.loads(capsys.readouterr().out)["error"]

@@ -1,6 +1,5 @@
 """``suggest`` on the command line: the contract, the recipe, refusals."""
 
-
 import pytest
 
 from dummydesign.cli.entry import run
@@ -110,10 +109,17 @@ def test_without_cad_the_recipe_stands_and_the_missing_step_is_named(capsys, mon
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("more", [
-    (), ("--resin", "ecoflex-00-30"), ("--force", "1,2,3,5,8,10,12,15", "--velocity", "10,100,250"),
-    ("--robot-mass", "2", "--robot-velocity", "100"), ("--aim", "safe-side"), ("--shape", "auto"),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    "more",
+    [
+        (),
+        ("--resin", "ecoflex-00-30"),
+        ("--force", "1,2,3,5,8,10,12,15", "--velocity", "10,100,250"),
+        ("--robot-mass", "2", "--robot-velocity", "100"),
+        ("--aim", "safe-side"),
+        ("--shape", "auto"),
+    ],
+)
 def test_the_answer_fits_one_screen_and_says_the_verdict_first(more, capsys):
     status = run(["suggest", "--tissue", "forefinger", *QUICK, *more])
     shown = capsys.readouterr()
@@ -259,9 +265,11 @@ def test_the_safety_view_holds_energy_pressure_mass_and_limits(capsys, tmp_path)
     assert len(stopped) > 1 and all(row["energy_mJ"] == pytest.approx(10.0, rel=5e-3) for row in stopped)
     held = [r for r in safety["limits"] if r["body"] == "pad" and r["case"] == "15 N, 10 mm/s"]
     assert {(r["criterion"], r["contact"]): r["limit"] for r in held} == {
-        ("force_N", "quasi-static"): 12.0, ("force_N", "transient"): 24.0,
-        ("mean_pressure_N_per_cm2", "quasi-static"): 9.0, ("mean_pressure_N_per_cm2", "transient"): 18.0,
-    }  # fmt: skip
+        ("force_N", "quasi-static"): 12.0,
+        ("force_N", "transient"): 24.0,
+        ("mean_pressure_N_per_cm2", "quasi-static"): 9.0,
+        ("mean_pressure_N_per_cm2", "transient"): 18.0,
+    }
     assert all(row["within"] == (row["value"] <= row["limit"]) for row in safety["limits"] if row["value"])
     assert any(row["within"] is False for row in safety["limits"])
     text = (tmp_path / "suggest-palm" / "report.html").read_text()

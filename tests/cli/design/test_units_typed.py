@@ -8,10 +8,15 @@ from dummydesign.cli.entry import run
 from dummydesign.core.parsing import FORCE, THICKNESS, VELOCITY, YOUNG, read_number
 
 
-@pytest.mark.parametrize(("text", "purpose", "value"), [
-    ("0.5in", THICKNESS, 12.7), ("2 in/s", VELOCITY, 50.8), ("1lbf", FORCE, 0.45359237 * 9.80665),
-    ("1psi", YOUNG, 0.45359237 * 9.80665 / 25.4**2 * 1000),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("text", "purpose", "value"),
+    [
+        ("0.5in", THICKNESS, 12.7),
+        ("2 in/s", VELOCITY, 50.8),
+        ("1lbf", FORCE, 0.45359237 * 9.80665),
+        ("1psi", YOUNG, 0.45359237 * 9.80665 / 25.4**2 * 1000),
+    ],
+)
 def test_their_definitions(text, purpose, value):
     assert read_number(text, purpose) == pytest.approx(value, rel=1e-11)
 

@@ -1,6 +1,5 @@
 """``whatif`` on the command line: rows and their files, going on, refusals."""
 
-
 import pytest
 
 from dummydesign.cli.entry import run

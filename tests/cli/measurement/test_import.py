@@ -55,7 +55,7 @@ def test_the_json_has_what_the_contract_names_and_the_traces_are_canonical(tmp_p
         assert trace["peak_force_N"] == pytest.approx(read.force_N.max(), abs=1e-5)
         assert abs(read.force_N[:20].mean()) < 0.05 and read.displacement_mm[0] < 0
     page = (tmp_path / result["preview"]).read_text(encoding="utf-8")
-    assert page.count("<svg class=\"plot\"") == 3 and "http" not in page.replace("http-equiv", "")
+    assert page.count('<svg class="plot"') == 3 and "http" not in page.replace("http-equiv", "")
     assert not list((tmp_path / "out").glob(".*"))
 
 
@@ -172,15 +172,20 @@ def test_bad_input_is_one_line_and_exit_2(tmp_path, capsys, words, says):
 @pytest.mark.parametrize(
     ("text", "says"),
     [
-        ("", "is empty"), ("time_s,displacement_mm,force_N\n", "no rows of numbers"),
+        ("", "is empty"),
+        ("time_s,displacement_mm,force_N\n", "no rows of numbers"),
         ("time_s,displacement_mm,force_N\n" + "".join(f"{i},{i},0\n" for i in range(40)), "nothing is pressed"),
         ("time_s,displacement_mm\n" + "".join(f"{i},{i}\n" for i in range(40)), "no column is force"),
-        ("time_s,displacement_mm,force_N\n" + "".join(f"{i},{i},{'nan' if i == 20 else i}\n" for i in range(40)),
-         "a.csv:22: force_N: 'nan'"),
-        ("time_s,displacement_mm,force_N\n" + "".join(f"{i},{i},{i}\n" for i in range(40)) + "41,2",
-         "still being written"),
+        (
+            "time_s,displacement_mm,force_N\n" + "".join(f"{i},{i},{'nan' if i == 20 else i}\n" for i in range(40)),
+            "a.csv:22: force_N: 'nan'",
+        ),
+        (
+            "time_s,displacement_mm,force_N\n" + "".join(f"{i},{i},{i}\n" for i in range(40)) + "41,2",
+            "still being written",
+        ),
     ],
-)  # fmt: skip
+)
 def test_a_file_that_is_no_press_says_why(tmp_path, capsys, text, says):
     (tmp_path / "a.csv").write_text(text)
     status, _, err = asked(capsys, "a.csv")
@@ -197,8 +202,9 @@ def test_given_readings_are_taken_as_the_file_counts_them(tmp_path, capsys):
     trace = read_trace(tmp_path / "import-r" / result["files"][0]["traces"][0]["file"])
     assert np.allclose(trace.displacement_mm, record.displacement_mm, atol=1e-4)
     assert np.allclose(trace.force_N, record.force_N, atol=1e-4)
-    status, result, _ = asked(capsys, "r.csv", "--contact", "30cm", "--tare", "none", "--split", "none", "--flip",
-                              "displacement,force")  # fmt: skip
+    status, result, _ = asked(
+        capsys, "r.csv", "--contact", "30cm", "--tare", "none", "--split", "none", "--flip", "displacement,force"
+    )
     assert result["inputs"]["out"] == "import-r-2"
     trace = read_trace(tmp_path / "import-r-2" / result["files"][0]["traces"][0]["file"])
     assert status == 0 and np.allclose(trace.force_N, record.force_N - 1.5, atol=1e-4)
@@ -223,10 +229,16 @@ def test_a_profile_is_kept_used_listed_and_not_lost(tmp_path, capsys):
 
 @pytest.mark.parametrize(
     ("text", "says"),
-    [("colums = 3", "did you mean 'columns'"), ("skip = 'a'", "whole number"), ("flip = ['x']", "must be a list"),
-     ("columns = 3", "must be texts for"), ("tare = 3", "text in quotes"), ("schema = 2", "schema"),
-     ("a = [", "not valid TOML")],
-)  # fmt: skip
+    [
+        ("colums = 3", "did you mean 'columns'"),
+        ("skip = 'a'", "whole number"),
+        ("flip = ['x']", "must be a list"),
+        ("columns = 3", "must be texts for"),
+        ("tare = 3", "text in quotes"),
+        ("schema = 2", "schema"),
+        ("a = [", "not valid TOML"),
+    ],
+)
 def test_a_damaged_profile_is_named(tmp_path, capsys, text, says):
     write(tmp_path / "a.csv")
     (tmp_path / "p.toml").write_text(text)

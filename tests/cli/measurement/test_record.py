@@ -20,8 +20,13 @@ def test_compare_tells_the_pad_as_cast_and_what_it_missed(tmp_path, capsys):
         traces.append(str(tmp_path / f"v{velocity:g}.csv"))
         save_trace(tmp_path / f"v{velocity:g}.csv", t, x, five_elements(t, x))
     # Of a crown the thickness is that of its tip, not the mean of its points.
-    crown = replace(RECORD, shape="crowned:21.2,2,9.4", thickness_mm=4.58, thicknesses_mm=(4.58, 2.5, 2.5, 2.5, 2.5),
-                    points=("tip", "corner1", "corner2", "corner3", "corner4"))  # fmt: skip
+    crown = replace(
+        RECORD,
+        shape="crowned:21.2,2,9.4",
+        thickness_mm=4.58,
+        thicknesses_mm=(4.58, 2.5, 2.5, 2.5, 2.5),
+        points=("tip", "corner1", "corner2", "corner3", "corner4"),
+    )
     record = str(save(tmp_path, crown))
     words = ["compare", *traces, "--tissue", "palm", "--out", str(tmp_path / "c")]
     assert cli.run([*words, "--record", record, "--json"]) == 0

@@ -93,9 +93,7 @@ def test_without_a_named_folder_it_is_the_platforms_cache_folder(tmp_path, monke
     for platform in ("linux", "win32", "darwin"):
         monkeypatch.setattr(sys, "platform", platform)
         found[platform] = cache.folder().relative_to(tmp_path).as_posix()
-    assert found == {
-        "linux": "dummydesign", "win32": "local/dummydesign/Cache", "darwin": "Library/Caches/dummydesign"
-    }  # fmt: skip
+    assert found == {"linux": "dummydesign", "win32": "local/dummydesign/Cache", "darwin": "Library/Caches/dummydesign"}
 
 
 def test_beyond_its_bounds_the_entries_unused_for_longest_go_and_nothing_else(place, monkeypatch):

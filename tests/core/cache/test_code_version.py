@@ -37,9 +37,13 @@ def copied(tmp_path, monkeypatch):
 
 @pytest.mark.parametrize(
     "path",
-    ["package/shape.py", "package/pad/slab/newton.py", "data/materials/tables/slab-bonded.json",
-     "data/materials/tables/shapes/crowned.json"],
-)  # fmt: skip
+    [
+        "package/shape.py",
+        "package/pad/slab/newton.py",
+        "data/materials/tables/slab-bonded.json",
+        "data/materials/tables/shapes/crowned.json",
+    ],
+)
 def test_a_byte_in_a_source_or_a_table_at_any_depth_is_another_code_version(copied, path):
     before = cache.code_version.__wrapped__()
     assert cache.code_version.__wrapped__() == before

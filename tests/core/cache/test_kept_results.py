@@ -13,9 +13,14 @@ from dummydesign.pad.material.hyperelastic import Ogden, Yeoh
 from tests.support.counted_solve import CountedSolve, entries
 
 VALUE = {
-    "force": np.array([[0.1 + 0.2, 1e-300, np.pi]]), "count": np.array([3, 4]), "none": np.array([]),
-    "notes": ("a", "b\nc"), "solver": {"seconds": 1.5, "corner": {0.45: 1.0 / 3.0}}, "stop": None, "gap": float("nan"),
-}  # fmt: skip
+    "force": np.array([[0.1 + 0.2, 1e-300, np.pi]]),
+    "count": np.array([3, 4]),
+    "none": np.array([]),
+    "notes": ("a", "b\nc"),
+    "solver": {"seconds": 1.5, "corner": {0.45: 1.0 / 3.0}},
+    "stop": None,
+    "gap": float("nan"),
+}
 
 
 def same(one, other):
@@ -35,9 +40,14 @@ def test_a_kept_result_is_the_computed_one_to_the_last_bit(place):
 
 @pytest.mark.parametrize(
     "other",
-    [{"a": 1.0000000000000002, "law": Yeoh(1.0)}, {"a": 1.0, "law": Yeoh(1.0, 0.1)}, {"a": 1.0, "law": Ogden([1], [2])},
-     {"a": 1.0, "law": None}, {"a": [1.0], "law": Yeoh(1.0)}],
-)  # fmt: skip
+    [
+        {"a": 1.0000000000000002, "law": Yeoh(1.0)},
+        {"a": 1.0, "law": Yeoh(1.0, 0.1)},
+        {"a": 1.0, "law": Ogden([1], [2])},
+        {"a": 1.0, "law": None},
+        {"a": [1.0], "law": Yeoh(1.0)},
+    ],
+)
 def test_other_inputs_are_another_entry(place, other):
     solve = CountedSolve()
     cache.cached("test", {"a": 1.0, "law": Yeoh(1.0)}, solve)

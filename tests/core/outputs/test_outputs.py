@@ -52,8 +52,9 @@ def test_a_manifest_lists_every_file_the_question_what_was_read_and_the_date(tmp
     read = {"name": "trace", "file": "trace.csv", "sha256": hashlib.sha256(b"1,2,3").hexdigest()}
     assert content["files_read"] == [read]
     assert output.answer({"files": {"a": str(output.work / "a.csv")}})["files"] == {
-        "a": str(tmp_path / "o/a.csv"), "manifest": str(tmp_path / "o/manifest.json")
-    }  # fmt: skip
+        "a": str(tmp_path / "o/a.csv"),
+        "manifest": str(tmp_path / "o/manifest.json"),
+    }
 
 
 @pytest.mark.parametrize("words", [["tissues", "list"], ["tissues", "show", "no such tissue"], ["--version"]])

@@ -36,10 +36,18 @@ def test_the_combined_uncertainty_is_the_root_sum_of_squares_of_what_is_known():
     assert combined_percent(()) == 0.0
 
 
-@pytest.mark.parametrize("room, statement, risk", [
-    (2.5, 0, None), (2.0001, 0, PHI_2), (1.9999, 1, PHI_2), (1e-6, 1, 0.5), (-1e-6, 2, 0.5), (-1.9999, 2, 1.0 - PHI_2),
-    (-2.0001, 3, 1.0 - PHI_2),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    "room, statement, risk",
+    [
+        (2.5, 0, None),
+        (2.0001, 0, PHI_2),
+        (1.9999, 1, PHI_2),
+        (1e-6, 1, 0.5),
+        (-1e-6, 2, 0.5),
+        (-1.9999, 2, 1.0 - PHI_2),
+        (-2.0001, 3, 1.0 - PHI_2),
+    ],
+)
 def test_the_statement_changes_at_the_limit_and_at_either_end_of_the_guard_band(room, statement, risk):
     u = 0.1
     for value, tolerance in ((math.exp(-room * u), (None, 1.0)), (math.exp(room * u), (1.0, None))):
@@ -102,10 +110,15 @@ def test_further_inside_a_false_acceptance_is_less_probable(room, more, u):
     assert STATEMENTS.index(far.statement) <= STATEMENTS.index(near.statement)
 
 
-@pytest.mark.parametrize("quantity, arguments", [
-    ("reading", (0.0, (0.5, 1.0), (0.1, 0.1))), ("limit", (1.0, (-0.5, 1.0), (0.1, 0.1))),
-    ("standard_uncertainty", (1.0, (0.5, 1.0), (0.1, math.nan))), ("k", (1.0, (0.5, 1.0), (0.1, 0.1), -1.0)),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    "quantity, arguments",
+    [
+        ("reading", (0.0, (0.5, 1.0), (0.1, 0.1))),
+        ("limit", (1.0, (-0.5, 1.0), (0.1, 0.1))),
+        ("standard_uncertainty", (1.0, (0.5, 1.0), (0.1, math.nan))),
+        ("k", (1.0, (0.5, 1.0), (0.1, 0.1), -1.0)),
+    ],
+)
 def test_numbers_that_mean_nothing_are_refused(quantity, arguments):
     with raises_code("out_of_range", quantity):
         decide(*arguments)
@@ -150,8 +163,9 @@ def test_the_reading_that_scatters_most_decides_where_all_are_in_the_middle(name
 def test_the_spread_of_the_subjects_is_a_part_and_is_left_out_of_the_exact_range():
     rng, band = np.random.default_rng(11), ranges()
     factors = np.exp(0.2 * rng.standard_normal(400))
-    ends = spread_of_ends([replace(band, peak_low_N=f * band.peak_low_N, peak_high_N=f * band.peak_high_N)
-                           for f in factors])  # fmt: skip
+    ends = spread_of_ends(
+        [replace(band, peak_low_N=f * band.peak_low_N, peak_high_N=f * band.peak_high_N) for f in factors]
+    )
     assert isinstance(ends, EndSpread) and ends.low[PEAK] == pytest.approx(0.2, rel=0.1)
     assert ends.low[ENERGY] == pytest.approx(0.0, abs=1e-9) and ends.high[STEADY] == pytest.approx(0.0, abs=1e-9)
     whole = drawn(rng, peak=0.03)

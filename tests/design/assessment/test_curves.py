@@ -24,8 +24,17 @@ def press(factor=1.0, force_N=5.0, share=1.0, **changes):
     band = people(0.9, 1.1, force_N)
     aim = people(1.0, 1.0, force_N)
     middle = aim.curves_N[0]
-    curve = PressCurve(force_N, 10.0, TIME, factor * middle, 0.1, band, replace(aim, curves_N=middle[None], stop_s=np.
-                       array([0.1])), share, 0.01 * force_N)  # fmt: skip
+    curve = PressCurve(
+        force_N,
+        10.0,
+        TIME,
+        factor * middle,
+        0.1,
+        band,
+        replace(aim, curves_N=middle[None], stop_s=np.array([0.1])),
+        share,
+        0.01 * force_N,
+    )
     return replace(curve, **changes)
 
 
@@ -56,8 +65,9 @@ def test_the_moment_is_counted_from_the_pads_own_stop(at, sign):
 def test_what_the_range_does_not_reach_is_left_out():
     plain = press()
     late = np.where(TIME > 5.0, 20.0, plain.force_N)
-    short = replace(plain.range, time_s=TIME[TIME < 4.0], low_N=plain.range.low_N[TIME < 4.0],
-                    high_N=plain.range.high_N[TIME < 4.0])  # fmt: skip
+    short = replace(
+        plain.range, time_s=TIME[TIME < 4.0], low_N=plain.range.low_N[TIME < 4.0], high_N=plain.range.high_N[TIME < 4.0]
+    )
     assert largest_miss(replace(plain, force_N=late, range=short)) is None
 
 

@@ -17,8 +17,14 @@ COUNT = 160
 def design(kind, level=2, chances=0.5, misfit=0.1):
     """A design of a kind by its outlook."""
     chances = np.broadcast_to(np.asarray(chances, float), COUNT)
-    outlook = SimpleNamespace(level=lambda limits, strict: level, chances=chances, poured=chances, ratio=15.0,
-                              after_puck=float(chances.mean()), misfit=misfit)  # fmt: skip
+    outlook = SimpleNamespace(
+        level=lambda limits, strict: level,
+        chances=chances,
+        poured=chances,
+        ratio=15.0,
+        after_puck=float(chances.mean()),
+        misfit=misfit,
+    )
     outlook.ties = lambda best: Outlook.ties(outlook, best)
     return SimpleNamespace(shape=SimpleNamespace(name=kind), thickness_mm=10.0, outlook=outlook)
 

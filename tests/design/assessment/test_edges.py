@@ -22,8 +22,9 @@ from dummydesign.resin.model.resin_file import load_resin
     ],
 )
 def test_the_advice_is_possible(resin, ratios, best, thickness, words):
-    space = SimpleNamespace(resin=load_resin(resin), ratio=np.array([ratios[0], 15.0, ratios[1]]),
-                            thickness_mm=np.array([4.0, 10.0, 12.0]))  # fmt: skip
+    space = SimpleNamespace(
+        resin=load_resin(resin), ratio=np.array([ratios[0], 15.0, ratios[1]]), thickness_mm=np.array([4.0, 10.0, 12.0])
+    )
     notes = _edges(SimpleNamespace(ratio=best, thickness_mm=thickness), space)
     assert [code for code, _ in notes] == ["at_edge"] * len(words)
     assert all(word in text for word, (_, text) in zip(words, notes))

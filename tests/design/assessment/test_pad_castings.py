@@ -81,13 +81,17 @@ def test_with_everything_known_all_castings_press_as_the_central_pad(cast):
 
 
 UNTOUCHED = {
-    MODULUS: ("thickness_mm", "beta"), RELAXATION: ("thickness_mm", "young_MPa"), FORCE_LAW: ("thickness_mm", "beta"),
+    MODULUS: ("thickness_mm", "beta"),
+    RELAXATION: ("thickness_mm", "young_MPa"),
+    FORCE_LAW: ("thickness_mm", "beta"),
     MAKING: (),
-}  # fmt: skip
+}
 MOVED = {
-    MODULUS: ("young_MPa",), RELAXATION: ("beta",), FORCE_LAW: ("young_MPa",),
+    MODULUS: ("young_MPa",),
+    RELAXATION: ("beta",),
+    FORCE_LAW: ("young_MPa",),
     MAKING: ("thickness_mm", "young_MPa", "beta"),
-}  # fmt: skip
+}
 
 
 @pytest.mark.parametrize("others", [(), (MAKING,), (FORCE_LAW,), (MODULUS,), (RELAXATION,)])
@@ -120,8 +124,12 @@ def test_thickness_is_even_within_its_limits_whatever_else_is_drawn(castings):
 def test_groups_are_drawn_independently_of_each_other(castings):
     """no pair of groups goes together: correlations of 1200 draws stay within four standard errors"""
     found = pours(castings, (FORCE_LAW, MAKING))
-    columns = [castings._drawn["law"], castings._drawn["thickness"], *castings._drawn["weighed"].values(),
-               np.log(found.young_MPa)]  # fmt: skip
+    columns = [
+        castings._drawn["law"],
+        castings._drawn["thickness"],
+        *castings._drawn["weighed"].values(),
+        np.log(found.young_MPa),
+    ]
     table = np.abs(np.corrcoef(columns) - np.eye(len(columns)))
     assert table.max() < 4.0 / np.sqrt(COUNT)
 

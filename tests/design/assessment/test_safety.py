@@ -139,7 +139,6 @@ def test_what_cannot_be_is_refused(pads, finger):
         tissue_body(finger.parameter_sets, 10.0)
 
 
-
 @pytest.mark.parametrize("mass_kg", [0.05, 4.0, 80.0])
 @pytest.mark.parametrize("velocity_mm_s", [1.0, 30.0, 1000.0])
 def test_a_mass_on_a_spring_stops_where_its_energy_is_taken_at_any_speed(mass_kg, velocity_mm_s):

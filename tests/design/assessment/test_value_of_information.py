@@ -109,9 +109,10 @@ def test_every_share_of_an_answer_is_from_the_same_draws(palm, whole):
     assert found.acceptable_now == now
     assert told.castings["stands_for"] == (kinds == 0).mean()
     assert told.usable_share == pytest.approx((kinds <= 1).mean(), abs=1e-12)
-    assert found.acceptable_now == {"stands_for": told.castings["stands_for"], "usable": told.usable_share}[
-        found.acceptable_means
-    ]
+    assert (
+        found.acceptable_now
+        == {"stands_for": told.castings["stands_for"], "usable": told.usable_share}[found.acceptable_means]
+    )
 
 
 @pytest.mark.slow

@@ -128,10 +128,15 @@ def test_scatter_of_small_errors_is_the_slope_times_their_deviation(space):
     off = drawn(200, height=1e-3, radius=0.0).higher_mm
     found = crown_scatter(law, Crowns(off, np.ones(200)), thickness, depth, RADIUS)
     logs = [
-        float(np.log(TabulatedShapeLaw(type(one)(one.radius_mm, one.height_mm + step, one.foot_mm)).force(
-            depth, np.array([thickness + step]), 1.0, RADIUS)[0]))
+        float(
+            np.log(
+                TabulatedShapeLaw(type(one)(one.radius_mm, one.height_mm + step, one.foot_mm)).force(
+                    depth, np.array([thickness + step]), 1.0, RADIUS
+                )[0]
+            )
+        )
         for step in (-1e-3, 1e-3)
-    ]  # fmt: skip
+    ]
     assert found == pytest.approx(abs(logs[1] - logs[0]) / 2e-3 * off.std(), rel=0.02)
     assert crown_scatter(law, Crowns(np.zeros(5), np.ones(5)), thickness, depth, RADIUS) == 0.0
 

@@ -33,9 +33,17 @@ def subjects(power=3.0, count=4, soft=SOFT, stiff=STIFF):
     peak = RISE * FORCE
     energy = [RISE * FORCE * (FORCE / g) ** (1 / power) / (power + 1) for g in (stiff, soft)]
     return Ranges(
-        FORCE, np.full(3, 10.0), peak, peak, *energy, GRID, (GRID / stiff) ** (1 / power), (GRID / soft) ** (1 / power),
-        count, power,
-    )  # fmt: skip
+        FORCE,
+        np.full(3, 10.0),
+        peak,
+        peak,
+        *energy,
+        GRID,
+        (GRID / stiff) ** (1 / power),
+        (GRID / soft) ** (1 / power),
+        count,
+        power,
+    )
 
 
 def power_pad(g, power=3.0, rise=RISE):
@@ -124,12 +132,22 @@ def of_pads(short, over, reached=None):
 @pytest.mark.parametrize(
     ("short", "over", "name"),
     [
-        (0.9, 0.9, "stands_for"), (1.01, 1.10, "stands_for"), (1.0101, 1.0, "usable"), (1.0, 1.1001, "usable"),
-        (1.20, 1.25, "usable"), (1.2001, 1.0, "reads_low"), (1.0, 1.2501, "over"), (1.2001, 1.2499, "reads_low"),
-        (1.1999, 1.2501, "over"), (1.3, 1.3, "reads_low"), (1.3, 1.4, "over"), (1.5, 1.5625, "reads_low"),
-        (1.5, 1.563, "over"), (3.0, 2.0, "reads_low"),
+        (0.9, 0.9, "stands_for"),
+        (1.01, 1.10, "stands_for"),
+        (1.0101, 1.0, "usable"),
+        (1.0, 1.1001, "usable"),
+        (1.20, 1.25, "usable"),
+        (1.2001, 1.0, "reads_low"),
+        (1.0, 1.2501, "over"),
+        (1.2001, 1.2499, "reads_low"),
+        (1.1999, 1.2501, "over"),
+        (1.3, 1.3, "reads_low"),
+        (1.3, 1.4, "over"),
+        (1.5, 1.5625, "reads_low"),
+        (1.5, 1.563, "over"),
+        (3.0, 2.0, "reads_low"),
     ],
-)  # fmt: skip
+)
 def test_a_casting_that_falls_short_and_over_reads_counts_by_the_larger_excess(short, over, name):
     limits = verdict_limits()
     assert CLASSES[int(classes(of_pads([short], [over]), limits)[0])] == name

@@ -50,11 +50,30 @@ def windows(count, low=LOW, high=HIGH, inside=0.105 / HALF):
     return Windows(GRID[None], stands, usable)
 
 
-def outlook(spread=0.3, making=0.1, puck=0.03, shifts=NO_SHIFT, match=Match(MIDDLE, 0.0), strict=False, low=LOW,  # noqa: B008
-            high=HIGH, ratio=RATIO, limits=LIMITS, **more):  # fmt: skip
+def outlook(
+    spread=0.3,
+    making=0.1,
+    puck=0.03,
+    shifts=NO_SHIFT,
+    match=Match(MIDDLE, 0.0),  # noqa: B008
+    strict=False,
+    low=LOW,
+    high=HIGH,
+    ratio=RATIO,
+    limits=LIMITS,
+    **more,
+):
     drawn = batches(spread, ratio, **more)
-    return outlook_of(windows(COUNT, low, high), windows(1, low, high), drawn, centre(ratio), match,
-                      Scatter(making, puck, np.asarray(shifts)), limits, strict)  # fmt: skip
+    return outlook_of(
+        windows(COUNT, low, high),
+        windows(1, low, high),
+        drawn,
+        centre(ratio),
+        match,
+        Scatter(making, puck, np.asarray(shifts)),
+        limits,
+        strict,
+    )
 
 
 def cover(half, spread):
@@ -122,10 +141,15 @@ def test_the_shares_depend_on_ratios_of_moduli_alone():
     moved = batches(0.3)
     by = np.log(7.0)
     again = outlook_of(
-        replace(windows(COUNT), log_young=GRID[None] + by), replace(windows(1), log_young=GRID[None] + by),
-        replace(moved, log_young=moved.log_young + by), replace(centre(), log_young=centre().log_young + by),
-        Match(MIDDLE + by, 0.0), Scatter(0.1, 0.1, NO_SHIFT), LIMITS, False,
-    )  # fmt: skip
+        replace(windows(COUNT), log_young=GRID[None] + by),
+        replace(windows(1), log_young=GRID[None] + by),
+        replace(moved, log_young=moved.log_young + by),
+        replace(centre(), log_young=centre().log_young + by),
+        Match(MIDDLE + by, 0.0),
+        Scatter(0.1, 0.1, NO_SHIFT),
+        LIMITS,
+        False,
+    )
     for name in ("ratio", "as_poured", "known", "after_puck", "stands", "misfit"):
         assert getattr(again, name) == pytest.approx(getattr(first, name), abs=1e-9)
     np.testing.assert_allclose(np.array(again.window_kPa), 7.0 * np.array(first.window_kPa))
@@ -136,10 +160,12 @@ def test_a_tolerance_of_thickness_moves_the_window_and_its_ends_count_alike():
     assert log_young(one.ratio) == pytest.approx(MIDDLE + 0.4, abs=0.1)
     wide = outlook(0.2, 0.05, shifts=[-0.25, 0.0, 0.25])
     at = log_young(wide.ratio) - MIDDLE
-    wanted = np.mean([
-        norm.cdf((HALF + s - at) / np.hypot(0.2, 0.05)) - norm.cdf((-HALF + s - at) / np.hypot(0.2, 0.05))
-        for s in (-0.25, 0.0, 0.25)
-    ])  # fmt: skip
+    wanted = np.mean(
+        [
+            norm.cdf((HALF + s - at) / np.hypot(0.2, 0.05)) - norm.cdf((-HALF + s - at) / np.hypot(0.2, 0.05))
+            for s in (-0.25, 0.0, 0.25)
+        ]
+    )
     assert wide.as_poured == pytest.approx(wanted, abs=3e-3)
 
 
@@ -183,17 +209,25 @@ def test_batches_without_a_window_are_counted_as_those_that_no_ratio_suits():
     every = np.array(windows(COUNT).beyond_usable)
     every[0, ::4] = 1.0
     drawn = replace(windows(COUNT), beyond_usable=every)
-    found = outlook_of(drawn, windows(1), batches(0.3), centre(), Match(MIDDLE, 0.0), Scatter(0.05, 0.0, NO_SHIFT),
-                       LIMITS, False)  # fmt: skip
+    found = outlook_of(
+        drawn, windows(1), batches(0.3), centre(), Match(MIDDLE, 0.0), Scatter(0.05, 0.0, NO_SHIFT), LIMITS, False
+    )
     assert found.possible.mean() == pytest.approx(300 / 401)
     assert found.after_puck == pytest.approx(0.75 * cover(HALF, 0.05), abs=0.01)
 
 
-@pytest.mark.parametrize(("stands", "poured", "known", "strict", "level"), [
-    (0.95, 0.95, 0.2, False, 0), (0.949, 0.95, 0.2, False, 1), (0.949, 0.949, 0.95, False, 2),
-    (0.949, 0.949, 0.949, False, 3), (0.95, 0.99, 0.2, True, 0), (0.949, 0.99, 0.95, True, 2),
-    (0.949, 0.99, 0.949, True, 3),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("stands", "poured", "known", "strict", "level"),
+    [
+        (0.95, 0.95, 0.2, False, 0),
+        (0.949, 0.95, 0.2, False, 1),
+        (0.949, 0.949, 0.95, False, 2),
+        (0.949, 0.949, 0.949, False, 3),
+        (0.95, 0.99, 0.2, True, 0),
+        (0.949, 0.99, 0.95, True, 2),
+        (0.949, 0.99, 0.949, True, 3),
+    ],
+)
 def test_levels_at_both_sides_of_the_share_that_is_needed(stands, poured, known, strict, level):
     found = replace(outlook(), stands=stands, as_poured=poured, known=known)
     assert found.level(LIMITS, strict) == level

@@ -36,15 +36,21 @@ def measured(arms=ARMS, wide=1.0, kind="fitted"):
     subjects = []
     for subject, arm in zip(tissue.subjects, arms):
         g = subject.numbers["gamma1_N_per_mm3"].value
-        values = {"gamma1_N_per_mm3": g, "gamma2_N_per_mm3": 0.5 * arm * g, "gamma3_N_per_mm3": arm * g,
-                  "c2_N_s_per_mm": {"10": 0.5 * arm * g, "250": 0.25 * arm * g},
-                  "c3_N_s_per_mm": {"10": 0.15 * arm * g, "250": 0.03 * arm * g}}  # fmt: skip
+        values = {
+            "gamma1_N_per_mm3": g,
+            "gamma2_N_per_mm3": 0.5 * arm * g,
+            "gamma3_N_per_mm3": arm * g,
+            "c2_N_s_per_mm": {"10": 0.5 * arm * g, "250": 0.25 * arm * g},
+            "c3_N_s_per_mm": {"10": 0.15 * arm * g, "250": 0.03 * arm * g},
+        }
 
         def quantity(value):
             return Quantity(value, value / wide, value * wide, kind, "test")
 
-        numbers = {key: {speed: quantity(one) for speed, one in value.items()} if isinstance(value, dict)
-                   else quantity(value) for key, value in values.items()}  # fmt: skip
+        numbers = {
+            key: {speed: quantity(one) for speed, one in value.items()} if isinstance(value, dict) else quantity(value)
+            for key, value in values.items()
+        }
         subjects.append(Subject.of(subject.name, "ode", numbers))
     return dataclasses.replace(tissue, law="ode", subjects=tuple(subjects))
 

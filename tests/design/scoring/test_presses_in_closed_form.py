@@ -115,8 +115,9 @@ def test_work_by_parabolas_is_exact_for_parabolas_on_uneven_steps_and_lines_wher
     force = 2.0 + x + 0.5 * x**2
     whole = 2.0 * x[-1] + 0.5 * x[-1] ** 2 + x[-1] ** 3 / 6.0
     odd = count % 2 == 0
-    last = np.trapezoid(force[-2:], x[-2:]) - (2.0 * np.diff(x[-2:])[0] + 0.5 * np.diff(x[-2:] ** 2)[0]
-                                              + np.diff(x[-2:] ** 3)[0] / 6.0)  # fmt: skip
+    last = np.trapezoid(force[-2:], x[-2:]) - (
+        2.0 * np.diff(x[-2:])[0] + 0.5 * np.diff(x[-2:] ** 2)[0] + np.diff(x[-2:] ** 3)[0] / 6.0
+    )
     assert parabolic_work_mJ(x[None], force[None])[0] == pytest.approx(whole + odd * last)
     still = np.array([[0.0, 1.0, 1.0, 2.0, 2.0]])
     assert parabolic_work_mJ(still, np.array([[0.0, 2.0, 3.0, 5.0, 9.0]]))[0] == pytest.approx(1.0 + 4.0)
@@ -203,8 +204,9 @@ def test_an_aims_own_distances_are_none_and_a_factor_in_depth_is_its_logarithm(t
     protocol = targets.protocol
     lows, steady = protocol.low_grid_N, protocol.steady_grid_N
     reached = targets.aim_depth_mm(np.concatenate([lows, steady]))
-    presses = tuple(SimpleNamespace(peak_N=np.array([one.aim_peak_N]), depth_mm=np.array([1.0]))
-                    for one in targets.conditions)  # fmt: skip
+    presses = tuple(
+        SimpleNamespace(peak_N=np.array([one.aim_peak_N]), depth_mm=np.array([1.0])) for one in targets.conditions
+    )
 
     def scored(factor, peak=1.0, low=1.0, share=0.25):
         own = np.r_[low * reached[: len(lows)], factor * reached[len(lows) :]][None]
@@ -294,11 +296,18 @@ def test_gamma1_of_steady_forces_is_least_squares():
 
 
 def ranges(**more):
-    given = {"force_N": np.array([5.0, 10.0]), "velocity_mm_s": np.array([10.0, 250.0]),
-             "peak_low_N": np.array([6.0, 12.0]), "peak_high_N": np.array([8.0, 16.0]),
-             "energy_low_mJ": np.array([2.0, 6.0]),
-             "energy_high_mJ": np.array([4.0, 9.0]), "steady_N": np.array([5.0, 7.0, 10.0]),
-             "stiff_mm": np.array([1.0, 1.2, 1.5]), "soft_mm": np.array([2.0, 2.2, 2.5]), "subjects": 3}  # fmt: skip
+    given = {
+        "force_N": np.array([5.0, 10.0]),
+        "velocity_mm_s": np.array([10.0, 250.0]),
+        "peak_low_N": np.array([6.0, 12.0]),
+        "peak_high_N": np.array([8.0, 16.0]),
+        "energy_low_mJ": np.array([2.0, 6.0]),
+        "energy_high_mJ": np.array([4.0, 9.0]),
+        "steady_N": np.array([5.0, 7.0, 10.0]),
+        "stiff_mm": np.array([1.0, 1.2, 1.5]),
+        "soft_mm": np.array([2.0, 2.2, 2.5]),
+        "subjects": 3,
+    }
     return Ranges(**{**given, **more})
 
 
@@ -372,8 +381,9 @@ def test_the_law_of_a_tissue_is_recovered_from_presses_that_it_made(targets, mon
 
     def pressed(slabs, depth, velocity, sampling):
         motion = sampling.motion(velocity, depth)
-        drive = law_parameters.law_named(targets.tissue.law).drive(SimpleNamespace(
-            time_s=motion.time_s[:, None], displacement_mm=motion.displacement_mm[:, None]))  # fmt: skip
+        drive = law_parameters.law_named(targets.tissue.law).drive(
+            SimpleNamespace(time_s=motion.time_s[:, None], displacement_mm=motion.displacement_mm[:, None])
+        )
         force = truth.gamma1_N_per_mm3 * drive.elastic
         for gamma, damper in zip(truth.gamma_N_per_mm3, truth.dampers_at(velocity)):
             force = force + gamma * drive.arm(np.full((len(depth), 1, 1), gamma / damper)[..., 0])

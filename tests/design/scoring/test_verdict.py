@@ -36,8 +36,9 @@ def test_far_below_every_subject_in_peak_energy_or_steady_force_is_red(what):
     assert found.shortfall.quantity == {"peak": PEAK, "energy": ENERGY, "depth": STEADY}[next(iter(what))]
 
 
-@pytest.mark.parametrize(("factor", "level"), [(0.92, "stands_for"), (0.8, "usable_with_correction"),
-                                               (0.7, "not_representative")])  # fmt: skip
+@pytest.mark.parametrize(
+    ("factor", "level"), [(0.92, "stands_for"), (0.8, "usable_with_correction"), (0.7, "not_representative")]
+)
 @pytest.mark.parametrize("press", range(6))
 def test_one_low_peak_of_six_decides(press, factor, level):
     readings = pad()
@@ -70,9 +71,10 @@ def test_a_little_above_every_subject_reads_high_and_is_amber(what):
 def test_a_quarter_above_every_subject_is_red(what):
     found = verdict(ranges(), pad(**what))
     assert (found.level, found.light, found.reads) == ("not_representative", "red", "high")
-    assert found.over.central > 1.25 and found.over.quantity == {"peak": PEAK, "energy": ENERGY, "depth": STEADY}[
-        next(iter(what))
-    ]
+    assert (
+        found.over.central > 1.25
+        and found.over.quantity == {"peak": PEAK, "energy": ENERGY, "depth": STEADY}[next(iter(what))]
+    )
 
 
 def test_out_of_reach_is_red_and_hides_nothing_low():
@@ -107,13 +109,20 @@ def test_a_stiff_pad_that_takes_less_energy_is_mixed_and_red():
 
 
 LIMITS = [
-    (1.0099, None, "stands_for"), (1.0101, None, "usable_with_correction"), (1.1111, None, "usable_with_correction"),
-    (1.1999, None, "usable_with_correction"), (1.2001, None, "not_representative"),
-    (None, 1.0999, "stands_for"), (None, 1.1001, "usable_with_correction"),
-    (None, 1.2499, "usable_with_correction"), (None, 1.2501, "not_representative"),
-    (1.1999, 1.2499, "usable_with_correction"), (1.0099, 1.0999, "stands_for"),
-    (1.1999, 1.2501, "not_representative"), (1.2001, 1.2499, "not_representative"),
-]  # fmt: skip
+    (1.0099, None, "stands_for"),
+    (1.0101, None, "usable_with_correction"),
+    (1.1111, None, "usable_with_correction"),
+    (1.1999, None, "usable_with_correction"),
+    (1.2001, None, "not_representative"),
+    (None, 1.0999, "stands_for"),
+    (None, 1.1001, "usable_with_correction"),
+    (None, 1.2499, "usable_with_correction"),
+    (None, 1.2501, "not_representative"),
+    (1.1999, 1.2499, "usable_with_correction"),
+    (1.0099, 1.0999, "stands_for"),
+    (1.1999, 1.2501, "not_representative"),
+    (1.2001, 1.2499, "not_representative"),
+]
 
 
 @pytest.mark.parametrize(("shortfall", "over", "level"), LIMITS)

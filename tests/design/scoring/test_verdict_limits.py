@@ -78,8 +78,12 @@ DAMAGED = [
     ("usable.over", "value = 1.25\nlow = 1.0\nhigh = 1.60", "value = 3.5\nlow = 1.0\nhigh = 4.0", "usable.over"),
     ("usable.shortfall", "value = 1.20\nlow = 1.0", "value = 0.9\nlow = 0.8", "usable.shortfall"),
     ("castings.share", "value = 0.95\nlow = 0.8\nhigh = 0.99", "value = 1.0\nlow = 0.8\nhigh = 1.0", "castings.share"),
-    ("bottoming_out.gel_compression", "value = 0.6\nlow = 0.3\nhigh = 0.6", "value = 0.7\nlow = 0.3\nhigh = 0.8",
-     "bottoming_out.gel_compression"),
+    (
+        "bottoming_out.gel_compression",
+        "value = 0.6\nlow = 0.3\nhigh = 0.6",
+        "value = 0.7\nlow = 0.3\nhigh = 0.8",
+        "bottoming_out.gel_compression",
+    ),
     ("usable.over", 'kind = "choice"', 'kind = "chosen"', "usable.over"),
     ("usable.over", 'kind = "choice"\n', "", "usable.over"),
     ("stands_for.over", "value = 1.10", 'value = "much"', "stands_for.over"),
@@ -106,8 +110,16 @@ def test_a_damaged_file_is_refused_in_one_line_that_names_it(own_file, table, ol
         assert start <= named <= start + 6, said
 
 
-@pytest.mark.parametrize("table", ["stands_for.shortfall", "usable.shortfall", "castings.share",
-                                   "bottoming_out.gel_compression", "usable.beyond_people"])  # fmt: skip
+@pytest.mark.parametrize(
+    "table",
+    [
+        "stands_for.shortfall",
+        "usable.shortfall",
+        "castings.share",
+        "bottoming_out.gel_compression",
+        "usable.beyond_people",
+    ],
+)
 def test_a_missing_limit_is_refused(own_file, table):
     own_file(re.sub(rf"(?ms)^\[{re.escape(table)}\]\n.*?(?=^\[|^#|\Z)", "", BUILT_IN))
     with raises_code("missing") as refused:
@@ -138,9 +150,14 @@ def test_too_few_castings_for_a_percentage_are_refused(count):
 
 
 @pytest.mark.parametrize(
-    ("table", "value", "allowed"), [("stands_for.over", 1.0, True), ("stands_for.over", 0.99, False),
-                                    ("usable.over", 3.0, True), ("usable.over", 3.05, False)],
-)  # fmt: skip
+    ("table", "value", "allowed"),
+    [
+        ("stands_for.over", 1.0, True),
+        ("stands_for.over", 0.99, False),
+        ("usable.over", 3.0, True),
+        ("usable.over", 3.05, False),
+    ],
+)
 def test_over_readings_are_allowed_from_one_to_three(own_file, table, value, allowed):
     start = BUILT_IN.index(f"[{table}]")
     numbers = f"value = {value}\nlow = 0.5\nhigh = 9.0\n"

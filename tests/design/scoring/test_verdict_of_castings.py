@@ -10,13 +10,22 @@ from tests.support.judged_pads import away, cast, pad, ranges, stacked
 
 CASTINGS = [
     # per 200: stands, needs a correction, low, far above, out of reach -> level with a resin that would settle it
-    ((200, 0, 0, 0, 0), "stands_for"), ((190, 10, 0, 0, 0), "stands_for"), ((190, 0, 10, 0, 0), "stands_for"),
-    ((190, 0, 0, 0, 10), "stands_for"), ((189, 11, 0, 0, 0), "usable_with_correction"),
-    ((0, 200, 0, 0, 0), "usable_with_correction"), ((180, 10, 10, 0, 0), "usable_with_correction"),
-    ((180, 10, 0, 10, 0), "usable_with_correction"), ((180, 9, 11, 0, 0), "not_settled"),
-    ((180, 9, 0, 11, 0), "not_settled"), ((180, 9, 0, 0, 11), "not_settled"), ((189, 0, 4, 4, 3), "not_settled"),
-    ((0, 0, 200, 0, 0), "not_settled"), ((0, 0, 0, 200, 0), "not_settled"), ((0, 0, 0, 0, 200), "not_settled"),
-]  # fmt: skip
+    ((200, 0, 0, 0, 0), "stands_for"),
+    ((190, 10, 0, 0, 0), "stands_for"),
+    ((190, 0, 10, 0, 0), "stands_for"),
+    ((190, 0, 0, 0, 10), "stands_for"),
+    ((189, 11, 0, 0, 0), "usable_with_correction"),
+    ((0, 200, 0, 0, 0), "usable_with_correction"),
+    ((180, 10, 10, 0, 0), "usable_with_correction"),
+    ((180, 10, 0, 10, 0), "usable_with_correction"),
+    ((180, 9, 11, 0, 0), "not_settled"),
+    ((180, 9, 0, 11, 0), "not_settled"),
+    ((180, 9, 0, 0, 11), "not_settled"),
+    ((189, 0, 4, 4, 3), "not_settled"),
+    ((0, 0, 200, 0, 0), "not_settled"),
+    ((0, 0, 0, 200, 0), "not_settled"),
+    ((0, 0, 0, 0, 200), "not_settled"),
+]
 
 
 @pytest.mark.parametrize(("counts", "level"), CASTINGS)
@@ -42,8 +51,11 @@ def test_half_of_the_castings_low_is_never_green_however_good_the_rest():
 @pytest.mark.parametrize("seed", range(3))
 def test_the_order_of_castings_makes_no_difference(seed):
     rng = np.random.default_rng(seed)
-    pads = [Readings(p.peak_N * f, p.energy_mJ / f, p.depth_mm * f) for p in cast((40, 8, 4, 5, 3))
-            for f in [np.exp(0.1 * rng.standard_normal())]]  # fmt: skip
+    pads = [
+        Readings(p.peak_N * f, p.energy_mJ / f, p.depth_mm * f)
+        for p in cast((40, 8, 4, 5, 3))
+        for f in [np.exp(0.1 * rng.standard_normal())]
+    ]
     first = verdict(ranges(), pad(), stacked(pads))
     second = verdict(ranges(), pad(), stacked([pads[at] for at in rng.permutation(len(pads))]))
     assert (first.level, first.castings, first.text) == (second.level, second.castings, second.text)
@@ -100,9 +112,15 @@ def test_without_castings_of_the_measured_resin_the_pad_itself_counts_as_the_res
         assert verdict(ranges(), nominal, poured).level == level
 
 
-@pytest.mark.parametrize(("beyond", "level"), [
-    (1.0, "stands_for"), (1.01, "not_settled"), (2.0, "not_settled"), (2.01, "not_representative"),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("beyond", "level"),
+    [
+        (1.0, "stands_for"),
+        (1.01, "not_settled"),
+        (2.0, "not_settled"),
+        (2.01, "not_representative"),
+    ],
+)
 def test_a_test_harder_than_any_press_of_people_is_open_and_from_twice_on_red(beyond, level):
     found = verdict(ranges(), pad(), stacked([pad()] * 40), known=stacked([pad()] * 40), beyond=beyond)
     assert found.level == level

@@ -24,9 +24,12 @@ EXAMPLES = settings(max_examples=30, deadline=None, suppress_health_check=[Healt
 
 @EXAMPLES
 @given(
-    st.lists(st.floats(0.4, 2.5), min_size=6, max_size=6), st.lists(st.floats(0.4, 2.5), min_size=6, max_size=6),
-    st.floats(0.7, 1.4), st.floats(1.0, 1.5), st.integers(0, 5),
-)  # fmt: skip
+    st.lists(st.floats(0.4, 2.5), min_size=6, max_size=6),
+    st.lists(st.floats(0.4, 2.5), min_size=6, max_size=6),
+    st.floats(0.7, 1.4),
+    st.floats(1.0, 1.5),
+    st.integers(0, 5),
+)
 def test_more_force_never_makes_a_pad_lower(peaks, energies, depth, more, press):
     start = pad()
     readings = Readings(start.peak_N * peaks, start.energy_mJ * energies, start.depth_mm * depth)
@@ -37,15 +40,20 @@ def test_more_force_never_makes_a_pad_lower(peaks, energies, depth, more, press)
     assert after.shortfall.central <= before.shortfall.central * (1 + 1e-12)
     assert after.over.central >= before.over.central * (1 - 1e-12)
     assert not (before.reads in ("inside", "high") and after.reads in ("low", "mixed"))
-    assert (before.reads in ("low", "mixed")) == bool(before.peaks_below or before.energy_below
-                                                      or before.steady_below_fraction)  # fmt: skip
+    assert (before.reads in ("low", "mixed")) == bool(
+        before.peaks_below or before.energy_below or before.steady_below_fraction
+    )
 
 
 @EXAMPLES
 @given(
-    st.lists(st.floats(0.6, 1.0), min_size=6, max_size=6), st.floats(0.95, 1.05), st.floats(0.5, 1.0),
-    st.integers(0, 5), st.floats(0.0, 0.1), st.integers(0, 10),
-)  # fmt: skip
+    st.lists(st.floats(0.6, 1.0), min_size=6, max_size=6),
+    st.floats(0.95, 1.05),
+    st.floats(0.5, 1.0),
+    st.integers(0, 5),
+    st.floats(0.0, 0.1),
+    st.integers(0, 10),
+)
 def test_a_lower_peak_never_raises_the_level(peaks, depth, less, press, width, seed):
     """where no peak is above the highest subject; central and castings fall together"""
     start, band = pad(), ranges()
@@ -91,10 +99,7 @@ def judged(slabs, tissue, sampling):
     targets = make_targets(tissue, "average", sampling)
     evaluation = evaluate(slabs, targets, sampling)
     band = ranges_of(targets)
-    return [
-        verdict(band, readings_of(evaluation, index))
-        for index in range(len(slabs.slab))
-    ]
+    return [verdict(band, readings_of(evaluation, index)) for index in range(len(slabs.slab))]
 
 
 @pytest.mark.parametrize("thickness_mm", [4.0, 6.0, 9.0])

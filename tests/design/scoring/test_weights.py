@@ -57,16 +57,28 @@ def test_a_file_of_ones_own_changes_the_total_of_its_aim_alone(own_file, finger)
         ("[sets.curves.aim]", "[sets.curves.ain]", "unknown_key", "sets.curves.ain", "did you mean 'aim'"),
         ("schema = 1", "schema = 2", "unsupported", "schema", "2"),
         ("schema = 1", "schema = ", "file_unreadable", None, "TOML"),
-        ("value = 0.6\nlow = 0.4\nhigh = 0.8", "value = 5\nlow = 0.0\nhigh = 7", "out_of_range", "sets.curves.aim",
-         "aim = 5"),
+        (
+            "value = 0.6\nlow = 0.4\nhigh = 0.8",
+            "value = 5\nlow = 0.0\nhigh = 7",
+            "out_of_range",
+            "sets.curves.aim",
+            "aim = 5",
+        ),
         ('kind = "assumed"', "", "missing", None, "lacks kind"),
         ("[sets.curves.parametric]", "[sets.curves.reads_low]", "unknown_key", "sets.curves.reads_low", "reads_low"),
-        *((
-            "[sets.curves.parametric]", f"[sets.curves.{name}]\nvalue = 0.1\nlow = 0\nhigh = 1\nkind = 'assumed'\n"
-            "source = 'mine'\n[sets.curves.parametric]", "unknown_key", f"sets.curves.{name}", "delete it",
-        ) for name in ("low_aim", "not_representative", "borderline", "resolution")),
+        *(
+            (
+                "[sets.curves.parametric]",
+                f"[sets.curves.{name}]\nvalue = 0.1\nlow = 0\nhigh = 1\nkind = 'assumed'\n"
+                "source = 'mine'\n[sets.curves.parametric]",
+                "unknown_key",
+                f"sets.curves.{name}",
+                "delete it",
+            )
+            for name in ("low_aim", "not_representative", "borderline", "resolution")
+        ),
     ],
-)  # fmt: skip
+)
 def test_a_damaged_file_is_refused_in_one_line(own_file, capsys, old, new, code, quantity, said):
     assert old in BUILT_IN
     own_file(BUILT_IN.replace(old, new, 1))

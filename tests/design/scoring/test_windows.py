@@ -45,8 +45,11 @@ def curves(power=3.0, size=SIZE, limit_mm=LIMIT_MM):
 def batches(*beta, softness=0.0, reference=LOG_YOUNG):
     """Batches of one arm with strengths at a modulus of reference, that fall with the modulus by a power."""
     count = len(beta)
-    draws = SimpleNamespace(resin=SimpleNamespace(tau_s=(TAU_S,)), beta_ref=np.array(beta)[:, None],
-                            softness_exponent=np.full(count, softness))  # fmt: skip
+    draws = SimpleNamespace(
+        resin=SimpleNamespace(tau_s=(TAU_S,)),
+        beta_ref=np.array(beta)[:, None],
+        softness_exponent=np.full(count, softness),
+    )
     return Batches(draws, np.array([15.0]), np.zeros((count, 1)), np.full(count, reference))
 
 
@@ -57,10 +60,16 @@ def excess_by_hand(log_young, targets, power, size, limits):
     depth = (ranges.force_N / (young * size)) ** (1.0 / power)
     steady = (ranges.steady_N / (young * size)) ** (1.0 / power)
     energy = ranges.force_N * depth / (power + 1.0)
-    short = [ranges.peak_low_N / ranges.force_N + 0.0 * depth, (steady / ranges.soft_mm) ** ranges.power,
-             ranges.energy_low_mJ / energy]  # fmt: skip
-    over = [ranges.force_N / ranges.peak_high_N + 0.0 * depth, (ranges.stiff_mm / steady) ** ranges.power,
-            energy / ranges.energy_high_mJ]  # fmt: skip
+    short = [
+        ranges.peak_low_N / ranges.force_N + 0.0 * depth,
+        (steady / ranges.soft_mm) ** ranges.power,
+        ranges.energy_low_mJ / energy,
+    ]
+    over = [
+        ranges.force_N / ranges.peak_high_N + 0.0 * depth,
+        (ranges.stiff_mm / steady) ** ranges.power,
+        energy / ranges.energy_high_mJ,
+    ]
     low, high = (np.concatenate(one, axis=1).max(axis=1) for one in (short, over))
     return np.maximum(np.log(low / limits[0]), np.log(high / limits[1]))
 
@@ -80,8 +89,10 @@ def test_the_window_of_an_elastic_pad_is_the_one_in_closed_form(targets, power):
     found = windows_of(curves(power, size), centre, batches(0.0), targets, SAMPLING, 40)
     grid = found.log_young[0]
     step = grid[1] - grid[0]
-    for beyond, pair in ((found.beyond_usable, (limits.shortfall, limits.over)),
-                         (found.beyond_stands, (limits.stands_shortfall, limits.stands_over))):  # fmt: skip
+    for beyond, pair in (
+        (found.beyond_usable, (limits.shortfall, limits.over)),
+        (found.beyond_stands, (limits.stands_shortfall, limits.stands_over)),
+    ):
         wanted = excess_by_hand(grid, targets, power, size, pair)
         known = np.abs(grid - centre) <= REACH
         # straight between nodes: exact but for the cells that hold a kink
@@ -148,8 +159,14 @@ def test_a_pad_of_another_unit_of_modulus_has_the_same_window(targets, factor):
     by = np.log(factor)
     centre = np.array([np.log(0.04)])
     first = windows_of(curves(), centre, batches(0.4, 1.0, softness=0.5), targets, SAMPLING, 12)
-    again = windows_of(curves(size=SIZE / factor), centre + by,
-                       batches(0.4, 1.0, softness=0.5, reference=np.log(0.04) + by), targets, SAMPLING, 12)  # fmt: skip
+    again = windows_of(
+        curves(size=SIZE / factor),
+        centre + by,
+        batches(0.4, 1.0, softness=0.5, reference=np.log(0.04) + by),
+        targets,
+        SAMPLING,
+        12,
+    )
     np.testing.assert_allclose(again.log_young, first.log_young + by, rtol=1e-12)
     for one, other in ((again.beyond_usable, first.beyond_usable), (again.beyond_stands, first.beyond_stands)):
         both = np.isfinite(one) & np.isfinite(other)

@@ -78,10 +78,12 @@ def test_the_error_is_that_of_the_elements_and_beyond_them_at_least_the_tables()
 
 
 def shaped(thickness=10.0, flat=True, axisymmetric=True, share=0.5):
-    shape = SimpleNamespace(name="crowned", axisymmetric=axisymmetric, flat_top=flat, plain=False,
-                            check=lambda *given: None)  # fmt: skip
-    return SimpleNamespace(shape=shape, thickness_mm=thickness, table=Table(cast=True, share=share),
-                           outlook=SimpleNamespace(ratio=15.0))  # fmt: skip
+    shape = SimpleNamespace(
+        name="crowned", axisymmetric=axisymmetric, flat_top=flat, plain=False, check=lambda *given: None
+    )
+    return SimpleNamespace(
+        shape=shape, thickness_mm=thickness, table=Table(cast=True, share=share), outlook=SimpleNamespace(ratio=15.0)
+    )
 
 
 def space(*pressed_mm, gel=0.6, **given):
@@ -93,8 +95,11 @@ def space(*pressed_mm, gel=0.6, **given):
 
 @pytest.fixture(autouse=True)
 def pressed(monkeypatch):
-    monkeypatch.setattr(fe_candidates, "candidate_of", lambda law, thickness, ratio, where: SimpleNamespace(
-        depth_mm=np.array(where.pressed_mm)))  # fmt: skip
+    monkeypatch.setattr(
+        fe_candidates,
+        "candidate_of",
+        lambda law, thickness, ratio, where: SimpleNamespace(depth_mm=np.array(where.pressed_mm)),
+    )
 
 
 @pytest.mark.parametrize("flat", [True, False])

@@ -12,8 +12,15 @@ from tests.support.refusal import raises_code
 
 
 def test_pads_are_far_beyond_a_millimetre_or_three_tenths_of_a_part():
-    for thickness, ratio, far in ((11.01, 15.0, True), (10.99, 15.0, False), (10.0, 15.31, True), (10.0, 15.29, False),
-                                  (8.99, 15.0, True), (10.0, 14.69, True), (10.9, 15.2, False)):  # fmt: skip
+    for thickness, ratio, far in (
+        (11.01, 15.0, True),
+        (10.99, 15.0, False),
+        (10.0, 15.31, True),
+        (10.0, 15.29, False),
+        (8.99, 15.0, True),
+        (10.0, 14.69, True),
+        (10.9, 15.2, False),
+    ):
         assert _far((thickness, ratio), [(10.0, 15.0)]) is far
     assert not _far((12.0, 15.0), [(10.0, 15.0), (12.2, 15.1)]) and _far((1.0, 1.0), [])
 
@@ -22,10 +29,15 @@ def scored(total, values, feasible=None):
     total = np.array(total)[:, None]
     named = dict(zip(search_module.OBJECTIVES, np.array(values, float).T[..., None]))
     return search_module.ScoreMap(
-        np.arange(len(total)) * 2.0 + 4.0, np.array([15.0]), total, named["steady_state_range"],
-        named["force_variation_range"], named["aim"], named["low_force_range"],
+        np.arange(len(total)) * 2.0 + 4.0,
+        np.array([15.0]),
+        total,
+        named["steady_state_range"],
+        named["force_variation_range"],
+        named["aim"],
+        named["low_force_range"],
         np.ones_like(total, bool) if feasible is None else np.array(feasible)[:, None],
-    )  # fmt: skip
+    )
 
 
 def test_unbeaten_designs_of_the_map_have_half_of_the_best_total_and_lie_apart():
@@ -47,9 +59,14 @@ def test_alternatives_are_those_that_no_other_beats_by_falling_total():
         return SimpleNamespace(thickness_mm=thickness, ratio=15.0, total=total, index=0, evaluation=evaluation)
 
     best = one(10.0, 0.9, (0.9, 0.5, 0.5, 0.5))
-    rows = [best, one(12.0, 0.6, (0.5, 0.9, 0.5, 0.5)), one(14.0, 0.7, (0.5, 0.5, 0.9, 0.5)),
-            one(16.0, 0.8, (0.4, 0.4, 0.8, 0.5)), one(10.5, 0.85, (0.1, 0.1, 0.1, 0.99)),
-            one(18.0, 0.2, (0.5, 0.9, 0.5, 0.5))]  # fmt: skip
+    rows = [
+        best,
+        one(12.0, 0.6, (0.5, 0.9, 0.5, 0.5)),
+        one(14.0, 0.7, (0.5, 0.5, 0.9, 0.5)),
+        one(16.0, 0.8, (0.4, 0.4, 0.8, 0.5)),
+        one(10.5, 0.85, (0.1, 0.1, 0.1, 0.99)),
+        one(18.0, 0.2, (0.5, 0.9, 0.5, 0.5)),
+    ]
     found = alternatives_to(rows, best)
     assert [one.thickness_mm for one in found] == [14.0, 12.0, 18.0]
 

@@ -46,9 +46,11 @@ class CapFamily:
 
     def at_thickness(self, shape, thickness_mm, wanted_mm):
         k = np.asarray(wanted_mm, float) / thickness_mm
-        return Designs(self.kind, np.asarray(wanted_mm, float),
-                       {"radius": shape.radius_mm / k, "height": shape.height_mm * k,
-                        "foot": np.full(len(k), shape.foot_mm)})  # fmt: skip
+        return Designs(
+            self.kind,
+            np.asarray(wanted_mm, float),
+            {"radius": shape.radius_mm / k, "height": shape.height_mm * k, "foot": np.full(len(k), shape.foot_mm)},
+        )
 
     def area_mm2(self, designs, depth_mm, radius_mm):
         r, h = designs.parameters["radius"][:, None], designs.thickness_mm[:, None]
@@ -131,8 +133,10 @@ def test_every_kind_has_designs_in_one_order_and_shapes_can_be_cast(found, setti
 def test_a_cap_comes_nearer_to_the_tissue_than_the_slab_and_is_chosen(found, setting, shaped):
     flat = next(one for one in found.designs if one.shape.name == "slab")
     assert found.designs[0] is shaped and shaped.outlook.after_puck > flat.outlook.after_puck
-    near, far = (low_force(candidate_of(one.cast, one.thickness_mm, one.outlook.ratio, setting), setting.targets)
-                 for one in (shaped, flat))  # fmt: skip
+    near, far = (
+        low_force(candidate_of(one.cast, one.thickness_mm, one.outlook.ratio, setting), setting.targets)
+        for one in (shaped, flat)
+    )
     assert near.misfit_rms_ln_force < 0.5 * far.misfit_rms_ln_force
     assert near.exponent_at_N["0.5"] > far.exponent_at_N["0.5"] + 0.5
 
@@ -261,7 +265,10 @@ def test_all_pads_of_a_law_at_once_have_the_forces_of_one_after_the_other():
 
 
 def test_a_search_lists_no_crown_whose_foot_is_thinner_than_the_least_film() -> None:
-    thin = Designs("crowned", np.array([4.5, 4.5]), {
-        "radius": np.array([21.5, 21.2]), "height": np.array([2.8, 2.0]), "foot": np.array([11.2, 9.4])})  # fmt: skip
+    thin = Designs(
+        "crowned",
+        np.array([4.5, 4.5]),
+        {"radius": np.array([21.5, 21.2]), "height": np.array([2.8, 2.0]), "foot": np.array([11.2, 9.4])},
+    )
     assert thin.castable((150.0, 120.0)).all()
     assert thin.castable((150.0, 120.0), least_film_mm(mould_spec(4.5))).tolist() == [False, True]

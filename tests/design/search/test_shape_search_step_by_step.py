@@ -56,14 +56,21 @@ class Made:
         return self.thickness_mm < pad_mm[0]
 
 
-TARGETS = SimpleNamespace(protocol=PAPER, aim_depth_mm=lambda force: np.sqrt(np.asarray(force) / 1.2),
-                          limits=verdict_limits())  # fmt: skip
+TARGETS = SimpleNamespace(
+    protocol=PAPER, aim_depth_mm=lambda force: np.sqrt(np.asarray(force) / 1.2), limits=verdict_limits()
+)
 
 
 def sieved(*thickness, young=(0.01, 0.1), gel=0.6):
     targets = SimpleNamespace(**{**vars(TARGETS), "limits": SimpleNamespace(gel_compression=gel)})
-    space = SimpleNamespace(thickness_mm=np.array(thickness), targets=targets, radius_mm=7.9, pad_mm=(150.0, 120.0),
-                            resin=SimpleNamespace(young_MPa=np.asarray), ratio=np.array(young))  # fmt: skip
+    space = SimpleNamespace(
+        thickness_mm=np.array(thickness),
+        targets=targets,
+        radius_mm=7.9,
+        pad_mm=(150.0, 120.0),
+        resin=SimpleNamespace(young_MPa=np.asarray),
+        ratio=np.array(young),
+    )
     return sieve(Powers(), space)
 
 
@@ -141,8 +148,13 @@ def candidate(power=2.0, young=0.06):
     depth = 6.0 * np.linspace(0.0, 1.0, SAMPLES)
     curves = Curves(np.array([9.0, 10.0]), np.array([6.0, 6.0]), np.stack([depth, 20.0 * depth**power]))
     slabs = Slabs(curves, np.array([0, 1]), np.array([1.0, young]), (1e-9,), np.zeros((2, 1)))
-    evaluation = SimpleNamespace(slabs=slabs, protocol=PAPER, sampling=Sampling(), low_force_range=np.array([0.0, 0.4]),
-                                 steady_state_range=np.array([0.0, 0.7]))  # fmt: skip
+    evaluation = SimpleNamespace(
+        slabs=slabs,
+        protocol=PAPER,
+        sampling=Sampling(),
+        low_force_range=np.array([0.0, 0.4]),
+        steady_state_range=np.array([0.0, 0.7]),
+    )
     return DesignCandidate(10.0, 15.0, 1, evaluation)
 
 
@@ -170,9 +182,16 @@ class Soft:
 
 
 @pytest.mark.parametrize(
-    ("share", "ratio", "able"), [(0.5, 15.9, True), (0.5, 18.1, False), (1.2, 12.0, False), (1.2, 14.1, True),
-                                 (0.2, 12.0, True), (0.19, 12.0, False)],
-)  # fmt: skip
+    ("share", "ratio", "able"),
+    [
+        (0.5, 15.9, True),
+        (0.5, 18.1, False),
+        (1.2, 12.0, False),
+        (1.2, 14.1, True),
+        (0.2, 12.0, True),
+        (0.19, 12.0, False),
+    ],
+)
 def test_a_second_resin_is_mixed_within_the_resins_ends(share, ratio, able):
     shape, resin = SimpleNamespace(layers=lambda: (3.0, share)), Soft()
     assert mixable(shape, float(resin.young_MPa(ratio)), resin) is able and mixable(Slab(), 99.0, resin)

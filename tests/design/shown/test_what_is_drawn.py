@@ -55,8 +55,11 @@ class Resin:
     arms = (SimpleNamespace(tau_s=quantity(0.05), beta=quantity(0.4, 0.2, 0.6)),)
     tau_s = (0.05,)
     ratio_min, ratio_max = 12.0, 15.01
-    liquids = (SimpleNamespace(name="base", parts=None), SimpleNamespace(name="hardener", parts=1.0),
-               SimpleNamespace(name="dye", parts=0.1))  # fmt: skip
+    liquids = (
+        SimpleNamespace(name="base", parts=None),
+        SimpleNamespace(name="hardener", parts=1.0),
+        SimpleNamespace(name="dye", parts=0.1),
+    )
 
     def young_MPa(self, ratio):
         return 0.1 * (np.asarray(ratio) / 15.0) ** -6.0
@@ -73,12 +76,13 @@ def answer(tolerance=0.2, weighing=0.1, **more):
     masses = {"base": 150.0, "hardener": 10.0, "dye": 1.0}
     components = [{"name": name, "mass_g": mass} for name, mass in masses.items()]
     given = {
-        "resin": Resin(), "radius_mm": 7.9,
+        "resin": Resin(),
+        "radius_mm": 7.9,
         "best": SimpleNamespace(ratio=15.0, thickness_mm=10.0),
         "request": SimpleNamespace(thickness_tolerance_mm=tolerance, weighing_g=weighing),
         "recommended": SimpleNamespace(batch={"components": components}),
         "targets": SimpleNamespace(protocol=PAPER, sampling=Sampling(), limits=verdict_limits()),
-    }  # fmt: skip
+    }
     return SimpleNamespace(**{**given, **more})
 
 
@@ -97,7 +101,8 @@ def test_depth_and_peak_react_as_the_power_law_says():
     assert bars["thickness"].name == "thickness ± 0.2 mm"
     assert bars["thickness"].depth_percent == pytest.approx((-2.0, 2.0), abs=0.02)
     assert bars["modulus"].depth_percent == pytest.approx(
-        (100.0 * (1.1**-0.5 - 1.0), 100.0 * (0.9**-0.5 - 1.0)), abs=0.02)  # fmt: skip
+        (100.0 * (1.1**-0.5 - 1.0), 100.0 * (0.9**-0.5 - 1.0)), abs=0.02
+    )
     off = ratio_error(answer())
     # the rich end is held at the resin's largest ratio
     lean = (15.0 - off, 15.01)
@@ -195,8 +200,15 @@ def test_a_picture_is_even_cells_about_the_axis_inside_the_pad_and_above_its_bon
     points = np.stack([x.ravel(), y.ravel()], axis=1)
     face = np.array([[0.0, 6.0], [7.0, 6.0], [12.0, 8.0], [40.0, 8.0]])
     stress = 10.0 + points[:, 0] + 2.0 * points[:, 1]
-    state = {"place_mm": points, "stress_kPa": stress, "face_mm": face, "force_N": 9.0, "depth_mm": 2.0,
-             "punch_mm": face[:2], "contact": {"contact_radius_mm": 7.0}}  # fmt: skip
+    state = {
+        "place_mm": points,
+        "stress_kPa": stress,
+        "face_mm": face,
+        "force_N": 9.0,
+        "depth_mm": 2.0,
+        "punch_mm": face[:2],
+        "contact": {"contact_radius_mm": 7.0},
+    }
     bone = SimpleNamespace(name="boned", bone_mm=lambda x, y: np.where(np.asarray(x) < 3.0, 1.0, 0.0))
     one = _drawn(SimpleNamespace(radius_mm=7.0, geometry=bone), 10.0, state)
     size = 2.0 * REACH * 7.0 / COLUMNS
@@ -221,8 +233,9 @@ def test_the_scale_of_stress_is_that_of_nearly_all_under_the_contact():
     level = _under_punch(pad)
     # nearly all: between nineteen and ninety-nine of a hundred
     assert np.quantile(inside, 0.95) < level < np.quantile(inside, 0.99)
-    nothing = PressedPad("", 1.0, 1.0, 1.0, radius, np.arange(5.0), np.full_like(stress, np.nan), None, None,
-                         {"contact_radius_mm": 10.0})  # fmt: skip
+    nothing = PressedPad(
+        "", 1.0, 1.0, 1.0, radius, np.arange(5.0), np.full_like(stress, np.nan), None, None, {"contact_radius_mm": 10.0}
+    )
     assert _under_punch(nothing) == 1.0
 
 
@@ -258,9 +271,19 @@ def test_solved_states_are_drawn_where_the_pad_is_with_stress_in_kilopascal(monk
         asked.append((depths, coarse))
         face = SimpleNamespace(radius_mm=np.array([0.0, 1.0]), height_mm=np.array([8.0, 9.0]))
         ones = np.ones((3, 2))
-        return [SimpleNamespace(depth_mm=d, force_N=2.0 * d, rest_mm=ones, displacement_mm=-0.25 * ones,
-                                von_mises_MPa=np.array([0.01, 0.02, 0.03]), punch_mm=face, contact=lambda: {"a": 1},
-                                face=face) for d in depths], None  # fmt: skip
+        return [
+            SimpleNamespace(
+                depth_mm=d,
+                force_N=2.0 * d,
+                rest_mm=ones,
+                displacement_mm=-0.25 * ones,
+                von_mises_MPa=np.array([0.01, 0.02, 0.03]),
+                punch_mm=face,
+                contact=lambda: {"a": 1},
+                face=face,
+            )
+            for d in depths
+        ], None
 
     monkeypatch.setattr(fields, "solve_fields", solve)
     first, second = module._solved(None, np.array([2.0, 1.5]))["states"]

@@ -32,8 +32,9 @@ FOOT = 9.4
 def compared(monkeypatch):
     """The pads that each bound compares, with their extents."""
     pairs = []
-    monkeypatch.setattr(IsolatedCrown, "_change", lambda _, one, reach, other, end: pairs.append(
-        (one, reach, other, end)) or 0.0)  # fmt: skip
+    monkeypatch.setattr(
+        IsolatedCrown, "_change", lambda _, one, reach, other, end: pairs.append((one, reach, other, end)) or 0.0
+    )
     return pairs
 
 
@@ -163,8 +164,9 @@ def test_a_grid_needs_its_pitches_and_two_rims():
     assert "fit it" not in str(caught.value)
 
 
-@pytest.mark.parametrize(("known", "reach", "size", "least"), [(Stepped(40.0), REACH, 76.0, 40.0),
-                                                               (Stepped(), 30.0, 80.0, FOOT + 32.0)])  # fmt: skip
+@pytest.mark.parametrize(
+    ("known", "reach", "size", "least"), [(Stepped(40.0), REACH, 76.0, 40.0), (Stepped(), 30.0, 80.0, FOOT + 32.0)]
+)
 def test_crowns_that_need_more_than_an_even_share_move_out_to_the_rim(known, reach, size, least):
     """Neighbours that are felt farther than twice the rim, and a punch that would touch them."""
     sites = lay_out(known, (2, 1), (size, 60.0), reach)
@@ -179,8 +181,9 @@ def test_one_crown_alone_has_no_neighbour():
     assert one.pitch_mm == (0.0, 0.0) and one.rim_mm == pytest.approx(25.0) and one.stiffer == 0.0
 
 
-@pytest.mark.parametrize(("sides", "reach"), [(None, 7.9), ((14.0, 14.0), hypot(14.0, 14.0) / 2.0),
-                                              ((20.0, 10.0), hypot(20.0, 10.0) / 2.0)])  # fmt: skip
+@pytest.mark.parametrize(
+    ("sides", "reach"), [(None, 7.9), ((14.0, 14.0), hypot(14.0, 14.0) / 2.0), ((20.0, 10.0), hypot(20.0, 10.0) / 2.0)]
+)
 def test_a_punch_reaches_to_its_corners_and_crowns_are_solved_at_the_deepest_press(monkeypatch, sides, reach):
     asked = []
     monkeypatch.setattr(module, "lay_out", lambda *given: asked.append(given))

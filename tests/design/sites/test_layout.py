@@ -77,9 +77,13 @@ def test_what_is_no_grid_is_refused(text):
 
 @pytest.mark.parametrize(
     "given, code",
-    [({"shape": "slab"}, "conflict"), ({"verify": False}, "conflict"),
-     ({"shape": "crowned:10,2,6,1"}, "conflict"), ({"shape": "boned"}, "conflict")],
-)  # fmt: skip
+    [
+        ({"shape": "slab"}, "conflict"),
+        ({"verify": False}, "conflict"),
+        ({"shape": "crowned:10,2,6,1"}, "conflict"),
+        ({"shape": "boned"}, "conflict"),
+    ],
+)
 def test_sites_that_cannot_be_solved_are_refused_before_any_work(given, code):
     with raises_code(code):
         read_problem(Request("forefinger", sites=(2, 2), **given))

@@ -32,9 +32,20 @@ THICKNESS, RATIO, YOUNG = np.array([10.0, 20.0, 10.0]), np.array([15.0, 15.0, 16
 
 
 def task(**more):
-    given = {"fidelity": "table", "punch": "square:14", "condition": "bonded", "base": "bonded", "radius_mm": 7.9,
-             "thickness_mm": THICKNESS, "ratio": RATIO, "young_MPa": YOUNG, "tau_s": (0.1,),
-             "beta": np.full((3, 1), 0.5), "forces_N": (5.0, 10.0, 20.0), "velocities_mm_s": (10.0, 250.0)}  # fmt: skip
+    given = {
+        "fidelity": "table",
+        "punch": "square:14",
+        "condition": "bonded",
+        "base": "bonded",
+        "radius_mm": 7.9,
+        "thickness_mm": THICKNESS,
+        "ratio": RATIO,
+        "young_MPa": YOUNG,
+        "tau_s": (0.1,),
+        "beta": np.full((3, 1), 0.5),
+        "forces_N": (5.0, 10.0, 20.0),
+        "velocities_mm_s": (10.0, 250.0),
+    }
     return Task(**{**given, **more})
 
 
@@ -72,8 +83,11 @@ def test_a_row_that_stops_early_names_the_first_force_and_the_depth_it_would_nee
     slabs = slabs_of((2.0, 8.0))
     depth = np.array([[1.0, np.nan, np.nan], [1.0, 2.0, 3.0], [np.nan] * 3])
     told = _limits(slabs, depth, (5.0, 20.0, 10.0))
-    assert told == ["10 N needs more than 2.00 mm (0.20 of the thickness)", None,
-                    "5 N needs more than 2.00 mm (0.20 of the thickness)"]  # fmt: skip
+    assert told == [
+        "10 N needs more than 2.00 mm (0.20 of the thickness)",
+        None,
+        "5 N needs more than 2.00 mm (0.20 of the thickness)",
+    ]
 
 
 def test_the_error_of_a_row_is_the_largest_of_the_forces_that_are_reached():
@@ -95,8 +109,11 @@ def test_rows_without_values_have_every_column():
 
 def curve_of(limit, power=POWER):
     """A solved pad of unit modulus: SCALE d^power, 2 % off."""
-    return SimpleNamespace(limit_mm=limit, force=lambda depth: SCALE * np.asarray(depth) ** power,
-                           relative_error=lambda depth: 0.02 + 0.0 * np.asarray(depth))  # fmt: skip
+    return SimpleNamespace(
+        limit_mm=limit,
+        force=lambda depth: SCALE * np.asarray(depth) ** power,
+        relative_error=lambda depth: 0.02 + 0.0 * np.asarray(depth),
+    )
 
 
 @pytest.mark.parametrize("power", [1.0, 1.7])
@@ -179,8 +196,9 @@ def test_a_table_that_does_not_hold_a_pad_and_a_pad_that_cannot_be_cast_say_so()
 
 
 def test_a_line_is_the_row_again_and_a_damaged_one_is_none(monkeypatch):
-    study = Study((10.0, 20.0), (15.0, 16.0), (("square:14", 7.9),), forces_N=(5.0, 10.0, 20.0),
-                  velocities_mm_s=(10.0, 250.0))  # fmt: skip
+    study = Study(
+        (10.0, 20.0), (15.0, 16.0), (("square:14", 7.9),), forces_N=(5.0, 10.0, 20.0), velocities_mm_s=(10.0, 250.0)
+    )
     form = RowFormat(study)
     made = rows_of(task(), slabs_of((2.0, 8.0)), lambda depth: 0.01 * depth)
     lines = form.text(made).splitlines()

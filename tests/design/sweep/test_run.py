@@ -210,8 +210,11 @@ def test_supports_and_punches_the_model_does_not_know_are_refused(changes, code)
 def test_a_sliding_base_is_softer_and_every_support_has_its_rows():
     rows = whatif(Study((5.0, 15.0), (15.5,), SQUARE, bases=("bonded", "sliding")))["rows"]
     assert [(row["base"], row["thickness_mm"]) for row in rows] == [
-        ("bonded", 5.0), ("bonded", 15.0), ("sliding", 5.0), ("sliding", 15.0)
-    ]  # fmt: skip
+        ("bonded", 5.0),
+        ("bonded", 15.0),
+        ("sliding", 5.0),
+        ("sliding", 15.0),
+    ]
     for bonded, sliding in zip(rows[:2], rows[2:]):
         assert sliding["depth_mm_at_N"]["1"] > 1.2 * bonded["depth_mm_at_N"]["1"]
 

@@ -22,8 +22,13 @@ from dummydesign.resin import load_resin
 from tests.support.refusal import raises_code
 
 CROWN = "crowned:radius=20,height=2,foot=9.4"
-STUDY = Study((4.5, 6.0), (15.5,), (("square:14", equal_area_radius_mm("square:14")),), tissue="forefinger",
-              shapes=("slab", CROWN, "layered:top=3,modulus_ratio=5"))  # fmt: skip
+STUDY = Study(
+    (4.5, 6.0),
+    (15.5,),
+    (("square:14", equal_area_radius_mm("square:14")),),
+    tissue="forefinger",
+    shapes=("slab", CROWN, "layered:top=3,modulus_ratio=5"),
+)
 
 
 def test_every_combination_of_ranges_lists_and_places_is_a_shape():
@@ -36,10 +41,15 @@ def test_every_combination_of_ranges_lists_and_places_is_a_shape():
 
 @pytest.mark.parametrize(
     ("text", "code"),
-    [("crownd:radius=1", "unknown_name"), ("crowned:radius=1", "missing"),
-     ("crowned:radius=a,height=2", "not_a_number"),
-     ("crowned:radius=5:1:1,height=2", "malformed"), ("crowned:size=1,height=2", "unknown_key"), ("", "missing")],
-)  # fmt: skip
+    [
+        ("crownd:radius=1", "unknown_name"),
+        ("crowned:radius=1", "missing"),
+        ("crowned:radius=a,height=2", "not_a_number"),
+        ("crowned:radius=5:1:1,height=2", "malformed"),
+        ("crowned:size=1,height=2", "unknown_key"),
+        ("", "missing"),
+    ],
+)
 def test_what_is_no_shape_is_refused_in_words(text, code):
     with raises_code(code):
         parse_shapes(text)
@@ -52,8 +62,13 @@ def test_a_shaped_row_has_the_force_of_the_pad_asked_for_alone():
     ]
     for row in rows[2:4]:
         depth = row["depth_mm_at_N"]["10"]
-        alone = predict(young_kPa=row["young_kPa"], thickness_mm=row["thickness_mm"], shape=row["shape"],
-                        punch="round:15.7979", depth_mm=[depth]).to_dict()  # fmt: skip
+        alone = predict(
+            young_kPa=row["young_kPa"],
+            thickness_mm=row["thickness_mm"],
+            shape=row["shape"],
+            punch="round:15.7979",
+            depth_mm=[depth],
+        ).to_dict()
         assert alone["force_N"][0] == pytest.approx(10.0, rel=2e-3)
         assert alone["local_exponent"][0] == pytest.approx(row["exponent_at_N"]["10"], rel=0.02)
     slabs = whatif(replace(STUDY, shapes=("slab",)))["rows"]

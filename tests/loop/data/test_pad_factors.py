@@ -64,17 +64,19 @@ def test_a_witness_counts_by_its_precision_and_a_pad_without_one_is_the_usual_pa
     assert np.log(found[15.0][0]) == pytest.approx(0.5 * weight * np.log(1.2))
     assert found[15.0][1] == pytest.approx(np.sqrt(weight) * 0.1)
     assert found[20.0] == (1.0, PADS_DIFFER)
-    usual = factors(with_pad_factors(replace(campaign, trials=tuple(
-        replace(t, witness_kPa=30.0) for t in campaign.trials
-    ))))  # fmt: skip
+    usual = factors(
+        with_pad_factors(replace(campaign, trials=tuple(replace(t, witness_kPa=30.0) for t in campaign.trials)))
+    )
     assert 0.9 * WITNESS_SHARE < usual[5.0][1] < WITNESS_SHARE, "without an error of its own it has the usual one"
 
 
 def test_a_weighed_ratio_counts_as_the_resin_s_law_says_and_a_coarse_scale_tells_nothing(campaign):
     ratios = {5.0: 14.9, 15.0: 15.1, 20.0: 15.0}
-    weighed = replace(campaign, pad=replace(campaign.pad, resin="polyurethane-nagoya", ratio=15.0), trials=tuple(
-        replace(t, weighed_ratio=ratios[t.thickness_mm], weighed_ratio_sd=0.01) for t in campaign.trials
-    ))  # fmt: skip
+    weighed = replace(
+        campaign,
+        pad=replace(campaign.pad, resin="polyurethane-nagoya", ratio=15.0),
+        trials=tuple(replace(t, weighed_ratio=ratios[t.thickness_mm], weighed_ratio_sd=0.01) for t in campaign.trials),
+    )
     found = factors(with_pad_factors(weighed))
     resin = load_resin("polyurethane-nagoya")
     expected = float(resin.young_MPa(15.1) / resin.young_MPa(14.9))
@@ -93,8 +95,9 @@ def test_a_force_is_in_proportion_to_the_factor_of_its_pad(campaign):
 
 
 def test_the_law_s_error_is_expected_to_hold_what_the_record_does_not_say(campaign):
-    exact, rough = (law_of(with_pad_factors(witnessed(campaign, {5.0: 30.0, 15.0: 33.0, 20.0: 27.0}, sd)))
-                    for sd in (0.0, 0.04))  # fmt: skip
+    exact, rough = (
+        law_of(with_pad_factors(witnessed(campaign, {5.0: 30.0, 15.0: 33.0, 20.0: 27.0}, sd))) for sd in (0.0, 0.04)
+    )
     assert exact.error_priors == law_of(campaign).error_priors
     weight = PADS_DIFFER**2 / (PADS_DIFFER**2 + 0.04**2)
     expected = np.hypot(exact.error_priors[0][0], np.sqrt(weight) * 0.04)
@@ -127,14 +130,26 @@ def test_what_the_records_told_and_what_is_left_add_up_to_the_pads_own_factor(ca
 
 def test_records_of_pads_that_differ_leave_less_to_the_pads_than_none(tmp_path):
     """Pads of 5 % scatter with exact readings: what is left of the level is the force law's."""
-    rows = [{"h": h, "v": v, "target": 4.0, "repeat": k, "sequence": n + 1, "rest": 60.0, "age": 9.0, "unload": False,
-             "temperature": 23.0} for n, (h, v, k) in enumerate((h, v, k) for h in (6.0, 8.0, 10.0, 14.0)
-                                                              for v in (10.0, 250.0) for k in (1, 2))]  # fmt: skip
+    rows = [
+        {
+            "h": h,
+            "v": v,
+            "target": 4.0,
+            "repeat": k,
+            "sequence": n + 1,
+            "rest": 60.0,
+            "age": 9.0,
+            "unload": False,
+            "temperature": 23.0,
+        }
+        for n, (h, v, k) in enumerate((h, v, k) for h in (6.0, 8.0, 10.0, 14.0) for v in (10.0, 250.0) for k in (1, 2))
+    ]
     levels = {}
     for recorded in (True, False):
         pads = generator.CastPads(gauge_mm=0.0, witness=0.0, recorded=recorded)
-        generator.write_campaign(tmp_path / str(recorded), "none", 0.0, 77, rows=[dict(row) for row in rows],
-                                 cast_pads=pads)  # fmt: skip
+        generator.write_campaign(
+            tmp_path / str(recorded), "none", 0.0, 77, rows=[dict(row) for row in rows], cast_pads=pads
+        )
         made = with_pad_factors(read_campaign(tmp_path / str(recorded)))
         fit = fit_base(make_presses(made), law_of(made), 0.03)
         level = fit.vector[fit.problem.law_entries(0)]

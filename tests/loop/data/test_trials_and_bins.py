@@ -168,13 +168,18 @@ def trial(sequence, thickness=8.0, rest=60.0, age=None, long_s=10.0, **more):
 
 def test_the_history_of_a_pad_is_its_earlier_presses_and_the_time_since_each():
     """Time since is from the end of a press to the beginning of the next: rests, and the presses in between."""
-    trials = (trial(3, rest=100.0), trial(1, rest=5.0, long_s=20.0), trial(2, rest=30.0, long_s=40.0),
-              trial(4, 12.0, rest=9.0))  # fmt: skip
+    trials = (
+        trial(3, rest=100.0),
+        trial(1, rest=5.0, long_s=20.0),
+        trial(2, rest=30.0, long_s=40.0),
+        trial(4, 12.0, rest=9.0),
+    )
     found = make_history(trials, np.array([3.0, 1.0, 2.0, 7.0]))
     inf = np.inf
     np.testing.assert_array_equal(found.earlier_depth_mm, [[0, 1, 2, 0], [0, 0, 0, 0], [0, 1, 0, 0], [0, 0, 0, 0]])
     np.testing.assert_array_equal(
-        found.elapsed_s, [[inf, 100 + 40 + 30, 100, inf], [inf] * 4, [inf, 30, inf, inf], [inf] * 4])  # fmt: skip
+        found.elapsed_s, [[inf, 100 + 40 + 30, 100, inf], [inf] * 4, [inf, 30, inf, inf], [inf] * 4]
+    )
     assert np.isnan(found.temperature_C).all() and found.sequence.tolist() == [3, 1, 2, 4]
 
 

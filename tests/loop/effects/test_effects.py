@@ -120,9 +120,7 @@ def test_compliance_of_a_series_spring_adds_to_the_initial_compliance(plain):
 def test_offset_and_dent_move_the_motion(plain):
     presses, law = plain
     moved = replace(presses, displacement_mm=presses.displacement_mm - 0.07)
-    np.testing.assert_array_equal(
-        run(plain, values_of("contact_offset", offset_mm=0.07)), simulate(moved, law, BASE)
-    )
+    np.testing.assert_array_equal(run(plain, values_of("contact_offset", offset_mm=0.07)), simulate(moved, law, BASE))
     first = presses.history.earlier_depth_mm.max(axis=1) == 0
     dent = run(plain, values_of("incomplete_recovery", fraction=0.1, tau_s=100.0))
     np.testing.assert_array_equal(dent[first], run(plain)[first])

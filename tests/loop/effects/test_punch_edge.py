@@ -42,8 +42,9 @@ def test_it_is_undefined_where_the_edge_is_declared_and_defined_where_it_is_not(
     campaign = undeclared(tmp_path, 961001)
     presses, law = stack(campaign.trials, campaign.lowpass), law_of(campaign)
     assert effect_named("punch_edge").undefined(presses, law) == ""
-    assert "sharp edge" in effect_named("punch_edge").undefined(presses, type("Declared", (), {
-        "shape": "slab", "offers": frozenset({"flat_faces"})})())  # fmt: skip
+    assert "sharp edge" in effect_named("punch_edge").undefined(
+        presses, type("Declared", (), {"shape": "slab", "offers": frozenset({"flat_faces"})})()
+    )
 
 
 def undeclared(folder, seed):

@@ -104,9 +104,20 @@ def test_faults_are_told_and_what_is_sound_is_not():
 
 
 @pytest.mark.parametrize(
-    "wrong", [{"low": 0.1}, {"high": -0.1}, {"typical": 0.0}, {"typical": 0.6}, {"starts": (0.7,)}, {"null": 0.6},
-              {"low": 0.5}, {"unit": ""}, {"high": float("inf")}, {"typical": -0.51}],
-)  # fmt: skip
+    "wrong",
+    [
+        {"low": 0.1},
+        {"high": -0.1},
+        {"typical": 0.0},
+        {"typical": 0.6},
+        {"starts": (0.7,)},
+        {"null": 0.6},
+        {"low": 0.5},
+        {"unit": ""},
+        {"high": float("inf")},
+        {"typical": -0.51},
+    ],
+)
 def test_a_parameter_that_cannot_be_is_told(wrong):
     parameter = replace(Good.parameters[0], **wrong)
     assert check_effect(type("Odd", (Good,), {"__doc__": "x", "parameters": (parameter,)}))

@@ -101,8 +101,11 @@ def test_sensitivities_are_differences_of_predictions(names):
 def test_what_is_held_or_not_seen_has_no_sensitivity():
     presses = clean_fit().problem.presses
     assert CampaignProblem(presses, pucks.LAW).frozen() == []
-    elastic = replace(presses, velocity_mm_s=np.full(16, 5.0), presses=tuple(
-        replace(one, ramp=replace(one.ramp, hold_end_s=one.ramp.stop_time_s)) for one in presses.presses))  # fmt: skip
+    elastic = replace(
+        presses,
+        velocity_mm_s=np.full(16, 5.0),
+        presses=tuple(replace(one, ramp=replace(one.ramp, hold_end_s=one.ramp.stop_time_s)) for one in presses.presses),
+    )
     problem = CampaignProblem(elastic, pucks.LAW)
     assert problem.frozen() == list(ARMS)
     assert not problem.jacobian(pucks.truth(), problem.predict(pucks.truth()))[..., list(ARMS)].any()
@@ -142,14 +145,16 @@ def test_a_set_up_that_gives_way_balances_its_force():
     problem = CampaignProblem(found.problem.presses, pucks.LAW, (effect,))
     vector = np.insert(found.vector, BASE, [0.5, *(p.to_coordinate(p.null) for p in effect.parameters[1:])])
     active = problem.active_of(vector)
-    forces, yielding = simulate_yielding(problem.presses, pucks.LAW, problem.base_of(vector), active,
-                                         problem.law_error_of(vector))  # fmt: skip
+    forces, yielding = simulate_yielding(
+        problem.presses, pucks.LAW, problem.base_of(vector), active, problem.law_error_of(vector)
+    )
     wanted = effect.yielding(problem.presses, forces, active[0].values)
     np.testing.assert_allclose(yielding, wanted, atol=2e-5)
     assert yielding.max() > 0.01
     # from a start nearby the same balance is found
-    near = simulate_yielding(problem.presses, pucks.LAW, problem.base_of(vector), active, problem.law_error_of(vector),
-                             0.0, 0.9 * yielding)  # fmt: skip
+    near = simulate_yielding(
+        problem.presses, pucks.LAW, problem.base_of(vector), active, problem.law_error_of(vector), 0.0, 0.9 * yielding
+    )
     np.testing.assert_allclose(near[0], forces, atol=1e-3)
 
 
@@ -302,8 +307,13 @@ def test_a_better_model_shows_the_noise_better_and_sizes_are_at_their_best():
     again = same_noise(found)
     assert again.sizes.noise.slow_N == pytest.approx(found.sizes.noise.slow_N, abs=5e-3)
     sized = with_sizes(found)
-    assert sized.score <= size_likelihood(found)._score(size_likelihood(found)._terms(),
-                      np.array([found.sizes.noise.position_mm, *found.sizes.law]), False)[0] + 1e-6  # fmt: skip
+    assert (
+        sized.score
+        <= size_likelihood(found)._score(
+            size_likelihood(found)._terms(), np.array([found.sizes.noise.position_mm, *found.sizes.law]), False
+        )[0]
+        + 1e-6
+    )
     wide = replace(found, sizes=Sizes(replace(found.sizes.noise, position_mm=0.2), 0.1, 0.1, 0.1))
     kept = modest(wide)
     assert kept.sizes.law == tuple(median for median, _ in pucks.LAW.error_priors)
@@ -333,8 +343,11 @@ def test_effects_that_cannot_win_are_not_fitted(monkeypatch):
     """At most twice the squared score is gained by one parameter, twenty times by several."""
     tried = []
     monkeypatch.setattr(candidates, "modest", lambda fit: fit)
-    monkeypatch.setattr(candidates, "first_fit", lambda usual, one: tried.append(one.effect.name) or SimpleNamespace(
-        score=1000.0 - gains[one.effect.name]))  # fmt: skip
+    monkeypatch.setattr(
+        candidates,
+        "first_fit",
+        lambda usual, one: tried.append(one.effect.name) or SimpleNamespace(score=1000.0 - gains[one.effect.name]),
+    )
     gains = dict.fromkeys("abcdef", 100.0)
     base = SimpleNamespace(score=1000.0)
 
@@ -371,8 +384,9 @@ def test_a_first_fit_starts_from_where_the_effect_scored_best(monkeypatch):
     found = clean_fit()
     effect = effect_named("contact_offset")
     starts = []
-    monkeypatch.setattr(candidates, "fit", lambda problem, vector, *_: starts.append(vector) or SimpleNamespace(
-        chi2=1.0))  # fmt: skip
+    monkeypatch.setattr(
+        candidates, "fit", lambda problem, vector, *_: starts.append(vector) or SimpleNamespace(chi2=1.0)
+    )
     monkeypatch.setattr(candidates, "with_sizes", lambda fit: fit)
     for coordinate, begun in ((2.0, 2.0), (-30.0, -8.0), (30.0, 8.0), (0.04, 0.3), (0.06, 0.06), (-0.01, 0.3)):
         one = Screened(effect, 1.0, coordinate, np.zeros(1), starts_of(effect)[0])

@@ -45,8 +45,10 @@ def test_repeats_are_paired_within_their_condition(plain):
     for a, b in pairs:
         one, two = presses.trials[a], presses.trials[b]
         assert (one.thickness_mm, one.velocity_mm_s, one.target_force_N) == (
-            two.thickness_mm, two.velocity_mm_s, two.target_force_N
-        )  # fmt: skip
+            two.thickness_mm,
+            two.velocity_mm_s,
+            two.target_force_N,
+        )
 
 
 def test_repeats_are_compared_bin_by_bin_of_one_label_and_only_where_both_were_sampled():
@@ -55,8 +57,14 @@ def test_repeats_are_compared_bin_by_bin_of_one_label_and_only_where_both_were_s
     used = np.ones((2, len(label)), bool)
     used[1, 0] = used[0, 7] = False
     edges = SimpleNamespace(start_s=np.arange(17.0), end_s=np.arange(1.0, 18.0))
-    made = SimpleNamespace(cell=np.zeros(2), history=SimpleNamespace(repeat=np.arange(2)), label=np.stack([label] * 2),
-                           used=used, presses=(edges, edges), samples=np.ones((2, 17)))  # fmt: skip
+    made = SimpleNamespace(
+        cell=np.zeros(2),
+        history=SimpleNamespace(repeat=np.arange(2)),
+        label=np.stack([label] * 2),
+        used=used,
+        presses=(edges, edges),
+        samples=np.ones((2, 17)),
+    )
     [(_, _, a, b)] = contrasts(made, np.zeros((2, 17)))[1]
     np.testing.assert_array_equal(a, [*range(1, 7), *range(8, 16)])
     np.testing.assert_array_equal(a, b)

@@ -56,11 +56,13 @@ def test_step_and_doubt_are_those_of_least_squares_with_a_row_for_each_wave(edge
     count = len(edged.vector)
     jacobian = whiten(edged.jacobian).reshape(-1, count)
     waves = whiten(rough_columns(edged)).reshape(len(jacobian), -1)
-    wide = np.block([
-        [jacobian, waves],
-        [np.diag(np.sqrt(prior_precision(edged.problem, edged.sizes))), np.zeros((count, waves.shape[1]))],
-        [np.zeros((waves.shape[1], count)), np.eye(waves.shape[1])],
-    ])  # fmt: skip
+    wide = np.block(
+        [
+            [jacobian, waves],
+            [np.diag(np.sqrt(prior_precision(edged.problem, edged.sizes))), np.zeros((count, waves.shape[1]))],
+            [np.zeros((waves.shape[1], count)), np.eye(waves.shape[1])],
+        ]
+    )
     covariance = np.linalg.inv(wide.T @ wide)
     rough = with_rough_law(edged)
     whole = (edged.covariance + rough.doubt)[: BASE + 1, : BASE + 1]

@@ -102,13 +102,17 @@ BOWL = Boned(20.0, 3.0, 9.0)
 @pytest.mark.parametrize(
     ("base", "contact", "shape", "solved"),
     [
-        ("bonded", "bonded", CROWN, True), ("sliding", "bonded", CROWN, True),
+        ("bonded", "bonded", CROWN, True),
+        ("sliding", "bonded", CROWN, True),
         ("sliding", "bonded", Layered(3.0, 0.3), True),
-        ("bonded", "bonded", BOWL, True), ("sliding", "bonded", BOWL, False), ("bonded", "frictionless", CROWN, False),
-        ("bonded", "friction:0.3", CROWN, False), ("friction:0.3", "bonded", CROWN, False),
+        ("bonded", "bonded", BOWL, True),
+        ("sliding", "bonded", BOWL, False),
+        ("bonded", "frictionless", CROWN, False),
+        ("bonded", "friction:0.3", CROWN, False),
+        ("friction:0.3", "bonded", CROWN, False),
         ("bonded", "bonded", Bumped(5.0, 2.0, 1.0), False),
     ],
-)  # fmt: skip
+)
 def test_a_fillet_is_taken_where_the_elements_solve_it_and_refused_elsewhere(campaign, base, contact, shape, solved):
     pad, punch = replace(campaign.pad, base=base), replace(campaign.punch, contact=contact, edge_radius_mm=0.5)
     if solved:

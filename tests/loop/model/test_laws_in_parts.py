@@ -42,6 +42,7 @@ class Known(SolvedCurve):
 @pytest.fixture
 def curve(monkeypatch):
     """Its changes are known too: under a ball whose first touch it has."""
+
     def ratio(self, **change):
         depth = np.maximum(self.dense_mm, 1e-9)
         if "thickness_mm" in change:
@@ -220,8 +221,16 @@ def test_errors_of_a_law_add_in_squares():
 def trial(thickness=10.0, sd=None, factor_sd=0.0, depth=2.0, geometry=CROWN, factor=1.0, **more):
     trace = SimpleNamespace(displacement_mm=np.array([0.0, depth]))
     given = {"witness_kPa": None, "weighed_ratio": None, "design_thickness_mm": None, **more}
-    return SimpleNamespace(thickness_mm=thickness, thickness_sd_mm=sd, young_factor_sd=factor_sd, young_factor=factor,
-                           pad=(str(geometry), thickness), geometry=geometry, trace=trace, **given)  # fmt: skip
+    return SimpleNamespace(
+        thickness_mm=thickness,
+        thickness_sd_mm=sd,
+        young_factor_sd=factor_sd,
+        young_factor=factor,
+        pad=(str(geometry), thickness),
+        geometry=geometry,
+        trace=trace,
+        **given,
+    )
 
 
 def test_what_is_not_known_of_a_pads_level_is_its_gauge_and_its_modulus():
@@ -246,8 +255,9 @@ def test_a_pad_is_solved_to_the_first_depth_beyond_what_was_pressed_by_a_tenth(m
         return Stub(pad=pad)
 
     monkeypatch.setattr(campaign_law, "SolvedCurve", solved)
-    punch = SimpleNamespace(profile_mm=None, contact="bonded", shape="square", radius_mm=7.9, edge_radius_mm=0.0,
-                            side_mm=14.0)  # fmt: skip
+    punch = SimpleNamespace(
+        profile_mm=None, contact="bonded", shape="square", radius_mm=7.9, edge_radius_mm=0.0, side_mm=14.0
+    )
     pad = SimpleNamespace(base="bonded", shape="slab", length_mm=60.0, width_mm=50.0, diameter_mm=None)
     campaign = SimpleNamespace(pad=pad, punch=punch)
     law = campaign_law._solved(campaign, [trial(9.0, depth=0.1), trial(9.0, depth=0.9 * depth)], "shaped", 0.0, print)
@@ -268,7 +278,8 @@ def test_learned_changes_interpolate_between_knots_and_fade_evenly():
     reach = FADE * 7.0
     np.testing.assert_allclose(
         fading(np.array([1.0, 8.0, 8.0 + 0.25 * reach, 1.0 - 0.75 * reach, 8.0 + 2.0 * reach]), (1.0, 8.0)),
-        [1.0, 1.0, 0.75, 0.25, 0.0])  # fmt: skip
+        [1.0, 1.0, 0.75, 0.25, 0.0],
+    )
     pair = SmoothChange(("depth_mm", "age_days"), ((0.0, 1.0, 3.0), (0.0, 4.0)), ((0.0, 1.0), (1.0, 2.0), (3.0, 4.0)))
     x, y = np.meshgrid([0.0, 0.5, 2.0, 3.0], [0.0, 1.0, 4.0])
     np.testing.assert_allclose(pair(x, y), x + y / 4.0)
@@ -283,8 +294,9 @@ def test_a_learned_pair_acts_on_the_force_where_both_are_defined():
     seen = after & (presses.time_s < presses.stop_s[:, None] + 4.9)
     np.testing.assert_allclose(out[seen], 1.05)
     np.testing.assert_array_equal(out[~after], 1.0)
-    np.testing.assert_allclose(at_nodes("since_stop_s", presses, force, force)[after],
-                               (presses.time_s - presses.stop_s[:, None])[after])  # fmt: skip
+    np.testing.assert_allclose(
+        at_nodes("since_stop_s", presses, force, force)[after], (presses.time_s - presses.stop_s[:, None])[after]
+    )
     share = at_nodes("depth_share", presses, presses.displacement_mm, force)
     np.testing.assert_allclose(share, np.maximum(presses.displacement_mm, 0.0) / presses.thickness_mm[:, None])
     for name in ("temperature_C", "age_days"):
@@ -330,8 +342,11 @@ def scattered(level, *trials):
 
 
 def test_a_pads_factor_is_what_its_record_says_of_modulus_and_thickness():
-    trials = (trial(10.0, factor=1.1, factor_sd=0.02, witness_kPa=30.0, design_thickness_mm=9.5), trial(12.0),
-              trial(14.0, factor=0.9, factor_sd=0.02, weighed_ratio=15.0))  # fmt: skip
+    trials = (
+        trial(10.0, factor=1.1, factor_sd=0.02, witness_kPa=30.0, design_thickness_mm=9.5),
+        trial(12.0),
+        trial(14.0, factor=0.9, factor_sd=0.02, weighed_ratio=15.0),
+    )
     stated, known = recorded_ln(scattered(0.02, *trials).problem.presses)
     np.testing.assert_allclose(stated, [np.log(1.1) - np.log(10.0 / 9.5), 0.0, np.log(0.9)])
     assert known.tolist() == [True, False, True]
@@ -347,8 +362,10 @@ def test_a_pads_factor_is_what_its_record_says_of_modulus_and_thickness():
 
 
 def test_errors_of_readings_are_root_mean_squares_and_named_where_they_make_half_of_the_rest():
-    trials = (trial(10.0, sd=0.3, factor=1.1, factor_sd=0.01, witness_kPa=30.0),
-              trial(20.0, sd=0.8, factor=0.9, factor_sd=0.03, witness_kPa=30.0))  # fmt: skip
+    trials = (
+        trial(10.0, sd=0.3, factor=1.1, factor_sd=0.01, witness_kPa=30.0),
+        trial(20.0, sd=0.8, factor=0.9, factor_sd=0.03, witness_kPa=30.0),
+    )
     found = pad_scatter(scattered(0.05, *trials))
     thick = 100.0 * np.sqrt(0.5 * (0.03**2 + 0.04**2))
     assert found.errors == pytest.approx({"thickness": thick, "modulus": 100.0 * np.sqrt(0.5 * (0.01**2 + 0.03**2))})
@@ -390,14 +407,17 @@ def test_the_worth_of_an_effect_is_what_it_changes_at_the_largest_force_and_at_m
 SLIPS, GIVES, FLAT = "base_that_can_slip", "bulk_that_gives", "flat_faces"
 
 
-@pytest.mark.parametrize(("shape", "base", "contact", "offers", "grows"), [
-    ("layered:top=3,modulus_ratio=0.3", "bonded", "bonded", {SLIPS, GIVES, FLAT}, False),
-    ("boned:height=3,radius=20,foot=9", "bonded", "bonded", {GIVES, FLAT}, False),
-    ("crowned:radius=20,height=3,foot=11", "bonded", "bonded", {SLIPS, GIVES}, True),
-    ("layered:top=3,modulus_ratio=0.3", "bonded", "frictionless", {FLAT}, True),
-    ("layered:top=3,modulus_ratio=0.3", "sliding", "bonded", {FLAT}, False),
-    ("layered:top=3,modulus_ratio=0.3", "friction:0.3", "bonded", {FLAT}, True),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("shape", "base", "contact", "offers", "grows"),
+    [
+        ("layered:top=3,modulus_ratio=0.3", "bonded", "bonded", {SLIPS, GIVES, FLAT}, False),
+        ("boned:height=3,radius=20,foot=9", "bonded", "bonded", {GIVES, FLAT}, False),
+        ("crowned:radius=20,height=3,foot=11", "bonded", "bonded", {SLIPS, GIVES}, True),
+        ("layered:top=3,modulus_ratio=0.3", "bonded", "frictionless", {FLAT}, True),
+        ("layered:top=3,modulus_ratio=0.3", "sliding", "bonded", {FLAT}, False),
+        ("layered:top=3,modulus_ratio=0.3", "friction:0.3", "bonded", {FLAT}, True),
+    ],
+)
 def test_a_solved_pad_offers_what_its_faces_and_its_base_allow(monkeypatch, shape, base, contact, offers, grows):
     """Slip where it is glued on a whole base, a bulk where it is glued, flat faces where it is flat; a contact that
     grows cell by cell is rough."""
@@ -408,10 +428,12 @@ def test_a_solved_pad_offers_what_its_faces_and_its_base_allow(monkeypatch, shap
         return SimpleNamespace(pad=pad, relative_error=0.01)
 
     monkeypatch.setattr(campaign_law, "SolvedCurve", solved)
-    punch = SimpleNamespace(profile_mm=None, contact=contact, shape="round", radius_mm=7.9, edge_radius_mm=0.0,
-                            side_mm=None)  # fmt: skip
-    pad = SimpleNamespace(base=base, shape="slab", length_mm=60.0, width_mm=50.0, diameter_mm=None, ratio=15.0,
-                          young_kPa_nominal=30.0)  # fmt: skip
+    punch = SimpleNamespace(
+        profile_mm=None, contact=contact, shape="round", radius_mm=7.9, edge_radius_mm=0.0, side_mm=None
+    )
+    pad = SimpleNamespace(
+        base=base, shape="slab", length_mm=60.0, width_mm=50.0, diameter_mm=None, ratio=15.0, young_kPa_nominal=30.0
+    )
     pressed = trial(9.0, geometry=read_shape(shape))
     campaign_law._solved(SimpleNamespace(pad=pad, punch=punch), [pressed], "shaped", 0.0, lambda text: None)
     assert made[0][0] == offers and (made[0][1] > 0.0) is grows

@@ -46,9 +46,7 @@ def closed_form(monkeypatch):
         return PadCurve(depth_mm, force, 0.02 * force, {}, ())
 
     monkeypatch.setattr(elastic, "solve_points", points)
-    monkeypatch.setattr(
-        solved_curve, "_coarse", lambda pad, depth_mm, cells: hertz(pad, depth_mm) / pad.young_MPa
-    )
+    monkeypatch.setattr(solved_curve, "_coarse", lambda pad, depth_mm, cells: hertz(pad, depth_mm) / pad.young_MPa)
     return solved
 
 
@@ -130,8 +128,6 @@ def test_effects_that_a_set_up_cannot_show_are_left_out_with_a_word(shaped, clos
     assert said == "needs pads glued to their base under a glued flat punch"
     for effect in EFFECTS:
         assert effect.undefined(presses, law) or effect.untestable(presses) is not None
-
-
 
 
 def test_a_measured_thickness_and_a_solves_error_widen_the_allowance():
@@ -223,5 +219,6 @@ def test_a_small_fillet_on_a_slab_is_near_the_table_and_changes_as_the_table_doe
         np.testing.assert_allclose(curve.compressibility_coefficient(depth, np.array([[10.0]])), bulk, rtol=0.01)
         np.testing.assert_allclose(
             curve.sliding()(depth, np.array([[10.0]])) / curve(depth, np.array([[10.0]])),
-            law.sliding()(depth, np.array([[10.0]])) / law(depth, np.array([[10.0]])), rtol=2e-3,
-        )  # fmt: skip
+            law.sliding()(depth, np.array([[10.0]])) / law(depth, np.array([[10.0]])),
+            rtol=2e-3,
+        )

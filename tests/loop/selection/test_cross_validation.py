@@ -218,8 +218,9 @@ def test_the_jackknife_is_that_of_the_textbook():
 
 
 def bounded(at, low, high):
-    return SimpleNamespace(problem=SimpleNamespace(bounds=lambda: (np.array([low]), np.array([high]))),
-                           vector=np.array([at]))  # fmt: skip
+    return SimpleNamespace(
+        problem=SimpleNamespace(bounds=lambda: (np.array([low]), np.array([high]))), vector=np.array([at])
+    )
 
 
 def test_an_interval_reaches_two_standard_deviations_within_the_bounds():
@@ -286,9 +287,17 @@ def errors_of(*squares):
 
 @pytest.mark.parametrize(
     ("cells", "pads", "better"),
-    [(0.997, 1.5, True), (0.999, 0.97, True), (0.999, 0.99, False), (1.015, 0.97, True), (1.03, 0.9, False),
-     (None, 0.97, True), (None, 0.99, False), (1.0, None, False)],
-)  # fmt: skip
+    [
+        (0.997, 1.5, True),
+        (0.999, 0.97, True),
+        (0.999, 0.99, False),
+        (1.015, 0.97, True),
+        (1.03, 0.9, False),
+        (None, 0.97, True),
+        (None, 0.99, False),
+        (1.0, None, False),
+    ],
+)
 def test_an_effect_predicts_better_on_conditions_or_without_loss_there_on_pads(cells, pads, better, monkeypatch):
     """Two in a thousand of the square on conditions, two in a hundred on pads."""
     nothing = errors_of(np.nan, np.nan)
@@ -308,8 +317,13 @@ def test_a_size_is_at_its_bound_within_a_thousandth_of_its_range_but_not_at_null
     effect = effect_named("contact_offset")
     size = effect.parameters[0]
     reach = size.high - size.low
-    for value, bound in ((size.low + 0.95e-3 * reach, True), (size.low + 1.05e-3 * reach, False), (size.null, False),
-                         (size.high - 0.95e-3 * reach, True), (size.high - 1.05e-3 * reach, False)):  # fmt: skip
+    for value, bound in (
+        (size.low + 0.95e-3 * reach, True),
+        (size.low + 1.05e-3 * reach, False),
+        (size.null, False),
+        (size.high - 0.95e-3 * reach, True),
+        (size.high - 1.05e-3 * reach, False),
+    ):
         active = (SimpleNamespace(effect=effect, values={size.name: value}),)
         assert verdict.at_bound(SimpleNamespace(active=active)) is bound
     one_sided = effect_named("machine_compliance")

@@ -153,7 +153,8 @@ def test_a_step_is_the_normal_posterior_of_the_curve_with_all_other_parameters_f
     assert presses.used.sum() == np.count_nonzero(target)
     np.testing.assert_allclose(step.information, information, rtol=2e-3, atol=2e-4 * np.abs(information).max())
     np.testing.assert_allclose(
-        (step.information + step.precision) @ step.values, pull, rtol=5e-3, atol=5e-3 * np.abs(pull).max())  # fmt: skip
+        (step.information + step.precision) @ step.values, pull, rtol=5e-3, atol=5e-3 * np.abs(pull).max()
+    )
     ratio = np.linalg.slogdet(np.eye(6) + np.linalg.solve(step.precision, information))[1]
     assert step.evidence == pytest.approx(float(pull @ step.values - ratio), rel=1e-2)
 
@@ -232,15 +233,20 @@ def test_the_largest_change_is_named_where_the_campaign_says_something():
     assert "+90.0 % at 3 and 7" in largest_change(shape, np.eye(6))
 
 
-@pytest.mark.parametrize(("name", "scale"), [("linear", 1e3), ("power", 1e-3), ("exponential", 1.0),
-                                             ("saturation", 1e3), ("bump", 1e-3), ("step", 1.0)])  # fmt: skip
+@pytest.mark.parametrize(
+    ("name", "scale"),
+    [("linear", 1e3), ("power", 1e-3), ("exponential", 1.0), ("saturation", 1e3), ("bump", 1e-3), ("step", 1.0)],
+)
 def test_a_form_is_found_whatever_the_unit_of_the_quantity(name, scale):
     u = np.linspace(0.0, 10.0, 30)
     curves = {
-        "linear": 0.02 * u, "power": 3e-4 * u**2.5, "exponential": 0.004 * np.expm1(u / 4.0),
-        "saturation": -0.2 * np.expm1(-u / 2.0), "bump": 0.1 * np.exp(-(((u - 6.0) / 2.0) ** 2)),
+        "linear": 0.02 * u,
+        "power": 3e-4 * u**2.5,
+        "exponential": 0.004 * np.expm1(u / 4.0),
+        "saturation": -0.2 * np.expm1(-u / 2.0),
+        "bump": 0.1 * np.exp(-(((u - 6.0) / 2.0) ** 2)),
         "step": 0.05 * (u > 3.1),
-    }  # fmt: skip
+    }
     found = closed_form(scale * u, curves[name], 1e6 * np.eye(30), "depth_mm")
     assert found.name == name and found.lost < 0.05
     # what is said is the curve, relative to no depth
@@ -343,8 +349,11 @@ def test_a_function_first_must_cost_less_and_predict_better_than_the_named_effec
             return SimpleNamespace(after=after, effects=tuple(entries))
 
         monkeypatch.setattr(learn_effect, "search", search_it)
-        monkeypatch.setattr(learn_effect, "learn", lambda *args: SimpleNamespace(
-            fit=None, cost=20.0, effect=SimpleNamespace(shape=None)))  # fmt: skip
+        monkeypatch.setattr(
+            learn_effect,
+            "learn",
+            lambda *args: SimpleNamespace(fit=None, cost=20.0, effect=SimpleNamespace(shape=None)),
+        )
         return learn_effect.learned_first(model(1000.0), SEEN, named, (), quiet)
 
     least = 600.0 + learn_effect.EACH_PARAMETER - 20.0

@@ -40,11 +40,14 @@ def made_of(factor, presses, forces):
         "depth": lambda: forces * np.maximum(1.0 - np.abs(8.0 * depth / depth.max() - 4.0), 0.0),
         "speed": lambda: forces * np.log(presses.velocity_mm_s / 30.0)[:, None] * (since > 0.05),
         "thickness": lambda: forces * np.log(presses.thickness_mm / 9.8)[:, None] * (since > 0.1),
-        "time since stop": lambda: forces * np.interp(
-            np.log(since.clip(1e-3)), np.log([0.03, 0.12, 0.5]), [0.0, 1.0, 0.0]) * (since > 0.0),
+        "time since stop": lambda: (
+            forces * np.interp(np.log(since.clip(1e-3)), np.log([0.03, 0.12, 0.5]), [0.0, 1.0, 0.0]) * (since > 0.0)
+        ),
         "oscillation after the stop": lambda: np.where(
             (since > 0.0) & (since < 0.3) & (presses.velocity_mm_s > 100.0)[:, None],
-            np.sin(2.0 * np.pi * 20.0 * since), 0.0),
+            np.sin(2.0 * np.pi * 20.0 * since),
+            0.0,
+        ),
         "order": lambda: forces * ((history.sequence - 8.5) / 7.5)[:, None],
         "repeat": lambda: forces * (history.repeat - 1.5)[:, None],
         "loading or unloading": lambda: forces * (phase == UNLOADING),
@@ -52,7 +55,7 @@ def made_of(factor, presses, forces):
         "single trials": lambda: forces * (np.arange(len(forces)) == 5)[:, None],
         "temperature": lambda: forces * (history.temperature_C - history.temperature_C.mean())[:, None],
         "age": lambda: forces * (history.age_days - history.age_days.mean())[:, None],
-    }  # fmt: skip
+    }
     made = np.where(presses.used, rows[factor](), 0.0)
     return made / np.abs(made).max()
 
@@ -68,10 +71,24 @@ def shuffled():
     return replace(clean_fit(), problem=problem)
 
 
-@pytest.mark.parametrize("factor", [
-    "force", "depth", "speed", "thickness", "time since stop", "oscillation after the stop", "order", "repeat",
-    "loading or unloading", "before contact", "single trials", "temperature", "age",
-])  # fmt: skip
+@pytest.mark.parametrize(
+    "factor",
+    [
+        "force",
+        "depth",
+        "speed",
+        "thickness",
+        "time since stop",
+        "oscillation after the stop",
+        "order",
+        "repeat",
+        "loading or unloading",
+        "before contact",
+        "single trials",
+        "temperature",
+        "age",
+    ],
+)
 def test_a_residual_made_of_one_factor_is_put_to_it(factor):
     found = shuffled()
     left = 0.5 * made_of(factor, found.problem.presses, found.forces)
@@ -136,13 +153,16 @@ def test_raw_residuals_are_what_was_added_and_a_shift_of_contact_is_taken_out():
     problem, shift = found.problem, 0.02 * (-1.0) ** np.arange(16)
     sizes = replace(found.sizes, noise=replace(found.sizes.noise, position_mm=0.1))
     moved = problem.at_samples(found.vector, -shift)
-    trials = tuple(replace(trial, trace=replace(trial.trace, force_N=force)) for trial, force in
-                   zip(problem.presses.trials, moved))  # fmt: skip
+    trials = tuple(
+        replace(trial, trace=replace(trial.trace, force_N=force)) for trial, force in zip(problem.presses.trials, moved)
+    )
     presses = replace(problem.presses, trials=trials)
     bins = np.where(presses.used, problem.predict(found.vector, -shift) - found.forces, 0.0)
     made = replace(found, problem=replace(problem, presses=presses), residual=bins, sizes=sizes)
-    left, before = (np.concatenate(one) for one in (raw_residuals(made), [a - b for a, b in
-                    zip(moved, problem.at_samples(found.vector))]))  # fmt: skip
+    left, before = (
+        np.concatenate(one)
+        for one in (raw_residuals(made), [a - b for a, b in zip(moved, problem.at_samples(found.vector))])
+    )
     assert np.abs(left).max() < 0.1 * np.abs(before).max()
 
 
@@ -193,6 +213,7 @@ def test_noise_before_contact_is_read_against_the_floor_and_does_not_see_a_bias(
     found = clean_fit()
     floor = found.sizes.floor_N
     for times in (1.0, 1.4, 1.6):
+
         def noisy(row, since, time, times=times):
             return 0.7 * row + times * floor * (-1.0) ** np.arange(len(time))
 
@@ -254,8 +275,10 @@ def test_clock_and_order_of_the_trials_change_no_fit_and_nothing_that_is_read_of
     drops = {row.factor: row.drop for row in again.where}
     assert {row.factor: row.drop for row in seen.where} == pytest.approx(drops, rel=0.02, abs=0.1)
     assert [row.value for row in again.checks] == pytest.approx([row.value for row in seen.checks], rel=1e-2)
-    noise = [estimate_slow_noise(fit.problem.presses, fit.residual, fit.slope, fit.forces, fit.sizes.noise) for fit in
-             (found, other)]  # fmt: skip
+    noise = [
+        estimate_slow_noise(fit.problem.presses, fit.residual, fit.slope, fit.forces, fit.sizes.noise)
+        for fit in (found, other)
+    ]
     assert noise[1].slow_N == pytest.approx(noise[0].slow_N, abs=1e-4)
 
 

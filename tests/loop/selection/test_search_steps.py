@@ -49,8 +49,13 @@ def test_a_rival_is_kept_with_the_share_of_the_evidence_that_is_stated_for_its_s
 
 
 def test_models_of_the_same_effects_count_once_and_three_are_kept():
-    rows = [child(100.0, "ageing", "inertia"), child(99.0, "inertia", "ageing"), child(98.0, "ageing"),
-            child(97.0, "inertia"), child(96.0, "temperature")]  # fmt: skip
+    rows = [
+        child(100.0, "ageing", "inertia"),
+        child(99.0, "inertia", "ageing"),
+        child(98.0, "ageing"),
+        child(97.0, "inertia"),
+        child(96.0, "temperature"),
+    ]
     assert kept(rows, 0.0, 2) == [["ageing", "inertia"], ["ageing"], ["inertia"]]
 
 
@@ -140,8 +145,11 @@ def judged(monkeypatch):
 
 
 def model(*names, score=0.0, ratio=None, value=None):
-    return SimpleNamespace(fit=fit_of(*names, score=score, value=value), lack=SimpleNamespace(ratio=ratio),
-                           errors=SimpleNamespace(heldout_N=0.04))  # fmt: skip
+    return SimpleNamespace(
+        fit=fit_of(*names, score=score, value=value),
+        lack=SimpleNamespace(ratio=ratio),
+        errors=SimpleNamespace(heldout_N=0.04),
+    )
 
 
 def test_the_weakest_effect_is_dropped_first_and_nothing_of_a_model_that_stands(judged):
@@ -191,9 +199,17 @@ def test_an_effect_stays_where_a_rival_that_looks_the_same_predicts_better(judge
 def test_what_was_accepted_names_its_rivals_and_what_looks_alike(judged, monkeypatch):
     current = model("ageing", "inertia", ratio=2.0)
     rivals = [child(gain, name) for gain, name in ((695.0, "temperature"), (685.0, "adhesion"), (681.0, "time_skew"))]
-    first = search.EffectCheck(effect_named("ageing"), None, [
-        screened("ageing", 9.0), screened("temperature", 8.0, (0.95, 0.1)), screened("adhesion", 7.0, (-0.95, 0.0)),
-        screened("force_bias", 6.0, (0.85, 0.5))], [child(700.0, "ageing"), *rivals])  # fmt: skip
+    first = search.EffectCheck(
+        effect_named("ageing"),
+        None,
+        [
+            screened("ageing", 9.0),
+            screened("temperature", 8.0, (0.95, 0.1)),
+            screened("adhesion", 7.0, (-0.95, 0.0)),
+            screened("force_bias", 6.0, (0.85, 0.5)),
+        ],
+        [child(700.0, "ageing"), *rivals],
+    )
     first.options[0] = SimpleNamespace(**{**vars(first.options[0]), "screened": screened("ageing", 9.0)})
     other = search.EffectCheck(effect_named("inertia"), None, [screened("inertia", 9.0)], [child(900.0, "inertia")])
     other.options[0] = SimpleNamespace(**{**vars(other.options[0]), "screened": screened("inertia", 9.0)})
@@ -238,8 +254,9 @@ def rival(gain, shift, extra=(), scale=1.0, bound=False):
     vector = found.vector.copy()
     vector[:5] += shift
     made = fit_of(*extra, bound=bound)
-    return gain, SimpleNamespace(vector=vector, covariance=scale * found.covariance, problem=made.problem,
-                                 active=made.active)  # fmt: skip
+    return gain, SimpleNamespace(
+        vector=vector, covariance=scale * found.covariance, problem=made.problem, active=made.active
+    )
 
 
 def test_doubt_is_the_spread_of_rivals_weighed_by_their_evidence():
@@ -305,11 +322,17 @@ def searched(monkeypatch):
     monkeypatch.setattr(search, "errors", lambda fit: None)
     monkeypatch.setattr(search, "examine", lambda fit: None)
     monkeypatch.setattr(search, "assess", lambda fit: SimpleNamespace(fit=fit))
-    monkeypatch.setattr(search, "remainder", lambda base, after, seen: SimpleNamespace(
-        reasons=() if len(after.fit.problem.effects) >= state.noise else ("more",)))  # fmt: skip
+    monkeypatch.setattr(
+        search,
+        "remainder",
+        lambda base, after, seen: SimpleNamespace(
+            reasons=() if len(after.fit.problem.effects) >= state.noise else ("more",)
+        ),
+    )
     monkeypatch.setattr(search, "_children", children)
-    monkeypatch.setattr(search, "prune_effects", lambda current, *_: (current, [SimpleNamespace(ranking=[
-        SimpleNamespace(gain=1.0)])]))  # fmt: skip
+    monkeypatch.setattr(
+        search, "prune_effects", lambda current, *_: (current, [SimpleNamespace(ranking=[SimpleNamespace(gain=1.0)])])
+    )
 
     def run():
         state.grown, state.asked = 0, []

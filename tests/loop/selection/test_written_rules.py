@@ -120,12 +120,15 @@ def test_much_better_is_a_squared_error_lower_by_what_is_written():
 
 def test_an_effect_in_doubt_needs_the_written_share_of_anothers_evidence(monkeypatch):
     share = 0.01 * written("keep an effect beside others", "evidence below # % of another's")
-    first, beside = written("keep an effect", "evidence above # and the"), written(
-        "keep an effect beside others", "evidence above # plus twice the logarithm")  # fmt: skip
+    first, beside = (
+        written("keep an effect", "evidence above # and the"),
+        written("keep an effect beside others", "evidence above # plus twice the logarithm"),
+    )
     monkeypatch.setattr(verdict, "lack_of_fit", lambda fit: SimpleNamespace(ratio=None))
     own, others = np.array([0.25, 0.75, 0.0]), np.array([0.25, 0.25, 0.5])
-    monkeypatch.setattr(verdict, "_where", lambda fit, names: {
-        name: own if name == "ageing" else others for name in names})  # fmt: skip
+    monkeypatch.setattr(
+        verdict, "_where", lambda fit, names: {name: own if name == "ageing" else others for name in names}
+    )
     alone = verdict.needed([], None, "ageing", {}, 50)
     assert alone == Needed(first, first, "ageing")
     found = verdict.needed([], None, "ageing", {"inertia": 1e5, "adhesion": 1e4}, 50)
@@ -140,8 +143,9 @@ def candidate(name, gain, score=0.0, bound=False):
     effect = effect_named(name)
     size = effect.parameters[0]
     values = {size.name: size.high if bound else 0.5 * (size.low + size.high)}
-    fit = SimpleNamespace(problem=SimpleNamespace(effects=(effect,)), score=score,
-                          active=(SimpleNamespace(effect=effect, values=values),))  # fmt: skip
+    fit = SimpleNamespace(
+        problem=SimpleNamespace(effects=(effect,)), score=score, active=(SimpleNamespace(effect=effect, values=values),)
+    )
     unlike = SimpleNamespace(signature=np.eye(2)[int(name == "ageing")])
     return SimpleNamespace(effect=effect, fit=fit, gain=gain, screened=unlike)
 

@@ -8,9 +8,11 @@ from dummydesign.cli.entry import run
 from dummydesign.measurement.importing.vocabulary import absent_roles
 
 COMMANDS = {
-    "import": ["import"], "fit": ["fit"], "compare": ["compare", "--tissue", "palm"],
+    "import": ["import"],
+    "fit": ["fit"],
+    "compare": ["compare", "--tissue", "palm"],
     "predict": ["predict", "--young", "30", "--thickness", "10", "--motion"],
-}  # fmt: skip
+}
 
 
 @pytest.mark.parametrize("rows", [2, 5, 60])
@@ -18,10 +20,13 @@ COMMANDS = {
 @pytest.mark.parametrize(
     ("header", "absent"),
     [
-        ("time,force", "displacement"), ("displacement,force", "time"), ("time_s,force_N", "displacement"),
-        ("displacement_mm,force_N", "time"), ("time_s,displacement_mm", "force"),
+        ("time,force", "displacement"),
+        ("displacement,force", "time"),
+        ("time_s,force_N", "displacement"),
+        ("displacement_mm,force_N", "time"),
+        ("time_s,displacement_mm", "force"),
     ],
-)  # fmt: skip
+)
 def test_the_missing_column_is_named_in_one_line(command, header, absent, rows, tmp_path, capsys):
     if command == "predict" and absent == "force":
         pytest.skip("a motion needs no force")
@@ -38,10 +43,13 @@ def test_the_missing_column_is_named_in_one_line(command, header, absent, rows, 
 @pytest.mark.parametrize(
     ("titles", "absent"),
     [
-        (["Zeit [s]", "Weg [mm]", "Kraft [N]"], ()), (["a", "b", "c"], ()), (["s", "mm", "N"], ()),
-        (["time", "foo", "force"], ()), (["Zeit", "Kraft"], ("displacement",)),
+        (["Zeit [s]", "Weg [mm]", "Kraft [N]"], ()),
+        (["a", "b", "c"], ()),
+        (["s", "mm", "N"], ()),
+        (["time", "foo", "force"], ()),
+        (["Zeit", "Kraft"], ("displacement",)),
         (["a", "b"], ("time", "displacement", "force")),
     ],
-)  # fmt: skip
+)
 def test_a_column_is_absent_only_where_no_other_can_be_it(titles, absent):
     assert absent_roles(titles) == absent

@@ -32,14 +32,22 @@ def close(found):
 @pytest.mark.parametrize(
     ("text", "name", "unit", "kind"),
     [
-        ("Zeit [s]", "Zeit", "s", "time"), ("Weg in mm", "Weg", "mm", "length"), ("Time_s", "Time", "s", "time"),
-        ("t/s", "t", "s", "time"), ("Kraft (kN)", "Kraft", "kN", "force"), ("変位（mm）", "変位", "mm", "length"),
-        ("Prüfzeit in ms", "Prüfzeit", "ms", "time"), ("Déplacement (µm)", "Déplacement", "um", "length"),
-        ("Elapsed Time (sec)", "Elapsed Time", "sec", "time"), ("mm", "", "mm", "length"),
+        ("Zeit [s]", "Zeit", "s", "time"),
+        ("Weg in mm", "Weg", "mm", "length"),
+        ("Time_s", "Time", "s", "time"),
+        ("t/s", "t", "s", "time"),
+        ("Kraft (kN)", "Kraft", "kN", "force"),
+        ("変位（mm）", "変位", "mm", "length"),
+        ("Prüfzeit in ms", "Prüfzeit", "ms", "time"),
+        ("Déplacement (µm)", "Déplacement", "um", "length"),
+        ("Elapsed Time (sec)", "Elapsed Time", "sec", "time"),
+        ("mm", "", "mm", "length"),
         ("Load [gf]", "Load", "gf", "force"),
-        ("Stress (MPa)", "Stress", "MPa", "other"), ("Force", "Force", None, None), ("Kanal M", "Kanal M", None, None),
+        ("Stress (MPa)", "Stress", "MPa", "other"),
+        ("Force", "Force", None, None),
+        ("Kanal M", "Kanal M", None, None),
     ],
-)  # fmt: skip
+)
 def test_a_name_is_parted_from_its_unit(text, name, unit, kind):
     found_name, found = split_name(text)
     assert found_name == name
@@ -49,16 +57,30 @@ def test_a_name_is_parted_from_its_unit(text, name, unit, kind):
 @pytest.mark.parametrize(
     ("name", "role"),
     [
-        ("Prüfzeit", "time"), ("Temps", "time"), ("Durée", "time"), ("経過時間", "time"), ("timestamp", "time"),
-        ("Standardweg", "displacement"), ("Traversenweg absolut", "displacement"), ("Enfoncement", "displacement"),
-        ("押込み深さ", "displacement"), ("Compressive extension", "displacement"),
+        ("Prüfzeit", "time"),
+        ("Temps", "time"),
+        ("Durée", "time"),
+        ("経過時間", "time"),
+        ("timestamp", "time"),
+        ("Standardweg", "displacement"),
+        ("Traversenweg absolut", "displacement"),
+        ("Enfoncement", "displacement"),
+        ("押込み深さ", "displacement"),
+        ("Compressive extension", "displacement"),
         ("actual_TCP_pose_z", "displacement"),
-        ("Standardkraft", "force"), ("Charge", "force"), ("試験力", "force"), ("Axial Force", "force"), ("Fz", "force"),
-        ("Kraft Sollwert", "other"), ("Load cell temperature", "other"), ("Stress", "other"),
+        ("Standardkraft", "force"),
+        ("Charge", "force"),
+        ("試験力", "force"),
+        ("Axial Force", "force"),
+        ("Fz", "force"),
+        ("Kraft Sollwert", "other"),
+        ("Load cell temperature", "other"),
+        ("Stress", "other"),
         ("Geschwindigkeit", "other"),
-        ("応力", "other"), ("Cycle elapsed time", "time"),
+        ("応力", "other"),
+        ("Cycle elapsed time", "time"),
     ],
-)  # fmt: skip
+)
 def test_names_in_four_languages_say_their_role(name, role):
     assert roles_of_name(name) == {role}
 
@@ -74,10 +96,11 @@ def test_units_that_differ_by_a_capital_are_kept_apart():
 @pytest.mark.parametrize(
     ("head", "scale"),
     [
-        ("Zeit [ms];Weg [m];Kraft [kN]", (1e3, 1e-3, 1e-3)), ("Zeit [min];Weg [µm];Kraft [cN]", (1 / 60, 1e3, 1e2)),
+        ("Zeit [ms];Weg [m];Kraft [kN]", (1e3, 1e-3, 1e-3)),
+        ("Zeit [min];Weg [µm];Kraft [cN]", (1 / 60, 1e3, 1e2)),
         ("time (h);depth (in);load (lbf)", (1 / 3600, 1 / 25.4, 1 / 4.4482216152605)),
     ],
-)  # fmt: skip
+)
 def test_stated_units_are_brought_to_s_mm_and_newton(head, scale):
     rows = [values * factor for values, factor in zip((TIME, WAY, FORCE), scale)]
     lines = [";".join(f"{cell:.12f}" for cell in row) for row in zip(*rows)]
@@ -158,10 +181,12 @@ def test_the_same_name_twice_is_asked_for_by_number(tmp_path):
 @pytest.mark.parametrize(
     ("columns", "code"),
     [
-        ({"force": "Kraftt"}, "unknown_name"), ({"force": "9"}, "unknown_name"),
-        ({"force": "2", "displacement": "2"}, "duplicate"), ({"force": "Notiz"}, "not_a_number"),
+        ({"force": "Kraftt"}, "unknown_name"),
+        ({"force": "9"}, "unknown_name"),
+        ({"force": "2", "displacement": "2"}, "duplicate"),
+        ({"force": "Notiz"}, "not_a_number"),
     ],
-)  # fmt: skip
+)
 def test_a_column_that_is_not_there_is_refused(tmp_path, columns, code):
     head = "Zeit [s];Weg [mm];Kraft [N];Notiz"
     with raises_code(code):

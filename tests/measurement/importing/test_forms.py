@@ -39,12 +39,24 @@ def check(found, atol=1e-6):
 
 def labview(columns, decimal=".", unit=("Newton", "Micrometer")):
     several, gap = columns == "Multi", ["\t"] if columns == "Multi" else [""]
-    head = ["LabVIEW Measurement\t", "Writer_Version\t2", "Separator\tTab", f"Decimal_Separator\t{decimal}",
-            f"X_Columns\t{columns}", "Date\t2025/11/19", "***End_of_Header***\t", "\t", "Channels\t2",
-            f"Samples\t600{gap[0]}\t600", f"Y_Unit_Label\t{unit[0]}{gap[0]}\t{unit[1]}\t",
-            f"X_Dimension\tTime{gap[0]}\tTime", f"X0\t0{decimal}0{gap[0]}\t0{decimal}0",
-            f"Delta_X\t0{decimal}01{gap[0]}\t0{decimal}01", "***End_of_Header***\t\t",
-            f"X_Value\tForce\t{'X_Value' + gap[0] if several else ''}Position\tComment"]  # fmt: skip
+    head = [
+        "LabVIEW Measurement\t",
+        "Writer_Version\t2",
+        "Separator\tTab",
+        f"Decimal_Separator\t{decimal}",
+        f"X_Columns\t{columns}",
+        "Date\t2025/11/19",
+        "***End_of_Header***\t",
+        "\t",
+        "Channels\t2",
+        f"Samples\t600{gap[0]}\t600",
+        f"Y_Unit_Label\t{unit[0]}{gap[0]}\t{unit[1]}\t",
+        f"X_Dimension\tTime{gap[0]}\tTime",
+        f"X0\t0{decimal}0{gap[0]}\t0{decimal}0",
+        f"Delta_X\t0{decimal}01{gap[0]}\t0{decimal}01",
+        "***End_of_Header***\t\t",
+        f"X_Value\tForce\t{'X_Value' + gap[0] if several else ''}Position\tComment",
+    ]
     way = 1e3 * WAY
     parts = {"One": (TIME, FORCE, way), "Multi": (TIME, FORCE, TIME, way), "No": (FORCE, way)}
     body = rows(*parts[columns], separator="\t", form="{:.9f}")
@@ -142,13 +154,21 @@ def zipped(name):
 
 @pytest.mark.parametrize(
     ("data", "named"),
-    [(zipped("content.xml"), ".ods"), (zipped("a.npy"), ".npz"), (zipped("a.txt"), "ZIP"),
-     (b"PAR1\x15", "Parquet"),
-     (b"MATLAB 5.0 MAT-file, Platform", ".mat"), (b"\x93NUMPY\x01\x00v", ".npy"), (b"TDSm\x0e\x00", "TDMS"),
-     (b"\x89HDF\r\n\x1a\n", "HDF5"), (json.dumps({"force": [1, 2]}).encode(), "JSON"),
-     (b"\xd0\xcf\x11\xe0\xa1", ".xls"),
-     (b"<html><table>", "web page"), (b"#ROSBAG V2.0\n", "ROS bag")],
-)  # fmt: skip
+    [
+        (zipped("content.xml"), ".ods"),
+        (zipped("a.npy"), ".npz"),
+        (zipped("a.txt"), "ZIP"),
+        (b"PAR1\x15", "Parquet"),
+        (b"MATLAB 5.0 MAT-file, Platform", ".mat"),
+        (b"\x93NUMPY\x01\x00v", ".npy"),
+        (b"TDSm\x0e\x00", "TDMS"),
+        (b"\x89HDF\r\n\x1a\n", "HDF5"),
+        (json.dumps({"force": [1, 2]}).encode(), "JSON"),
+        (b"\xd0\xcf\x11\xe0\xa1", ".xls"),
+        (b"<html><table>", "web page"),
+        (b"#ROSBAG V2.0\n", "ROS bag"),
+    ],
+)
 def test_a_known_container_is_refused_by_its_name(data, named):
     with raises_code("file_unreadable", "file") as fault:
         decode(data, ImportLog("a"))
@@ -185,9 +205,11 @@ def test_a_profile_reads_the_next_file_of_the_machine(tmp_path, monkeypatch):
 
 @pytest.mark.parametrize(
     ("head", "units"),
-    [("Time (s);Strain (%);Load (N)", {"displacement": "0.3mm"}),
-     ("Time (s);Compressive strain (mm/mm);Compressive stress (kPa)", {"displacement": "30mm", "force": "1N"})],
-)  # fmt: skip
+    [
+        ("Time (s);Strain (%);Load (N)", {"displacement": "0.3mm"}),
+        ("Time (s);Compressive strain (mm/mm);Compressive stress (kPa)", {"displacement": "30mm", "force": "1N"}),
+    ],
+)
 def test_strain_and_stress_ask_for_height_and_area_and_the_answer_reads_them(head, units):
     with pytest.raises(QuestionError) as asked:
         read([head, *rows(TIME, WAY, FORCE)])
@@ -209,9 +231,15 @@ def test_two_columns_without_a_time_name_what_reads_them():
 
 @pytest.mark.parametrize(
     ("line", "rate"),
-    [("Sample rate: 500 Hz", 500.0), ("サンプリング周波数,2,kHz", 2000.0), ("Intervalo de muestreo;2;ms", 500.0),
-     ("Rate;10.00;mm/s", None), ("Sample 12", None), ("Sampling 500 Hz and 2 kHz", None),
-     ("Sampling filter cut-off 50 Hz", None)],
-)  # fmt: skip
+    [
+        ("Sample rate: 500 Hz", 500.0),
+        ("サンプリング周波数,2,kHz", 2000.0),
+        ("Intervalo de muestreo;2;ms", 500.0),
+        ("Rate;10.00;mm/s", None),
+        ("Sample 12", None),
+        ("Sampling 500 Hz and 2 kHz", None),
+        ("Sampling filter cut-off 50 Hz", None),
+    ],
+)
 def test_a_sampling_rate_is_a_number_with_its_unit(line, rate):
     assert sampling_rate_in(line) == rate

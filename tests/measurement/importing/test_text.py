@@ -96,11 +96,19 @@ def test_a_comma_for_both_is_refused_and_the_mend_is_named():
 @pytest.mark.parametrize(
     ("cell", "decimal", "value"),
     [
-        ("1.234,5", ",", 1234.5), ("1,234.5", ".", 1234.5), ("1'234.5", ".", 1234.5), ("1 234,5", ",", 1234.5),
-        ("1\u202f234,5", ",", 1234.5), ("-0,25", ",", -0.25), ("−0.25", ".", -0.25), ("+1.5E-03", ".", 0.0015),
-        ("12.", ".", 12.0), (".5", ".", 0.5), ("1,234,567", ".", 1234567.0),
+        ("1.234,5", ",", 1234.5),
+        ("1,234.5", ".", 1234.5),
+        ("1'234.5", ".", 1234.5),
+        ("1 234,5", ",", 1234.5),
+        ("1\u202f234,5", ",", 1234.5),
+        ("-0,25", ",", -0.25),
+        ("−0.25", ".", -0.25),
+        ("+1.5E-03", ".", 0.0015),
+        ("12.", ".", 12.0),
+        (".5", ".", 0.5),
+        ("1,234,567", ".", 1234567.0),
     ],
-)  # fmt: skip
+)
 def test_numbers_are_read_with_thousands_signs_and_typographic_minus(cell, decimal, value):
     assert is_number(cell) and parse(cell, decimal) == pytest.approx(value)
 
@@ -196,7 +204,7 @@ def test_every_kind_of_line_end_is_one(newline):
         ("0.4000,1.0,2.0,3.0", "malformed"),
         ("0.4000,1e999,1.0", "out_of_range"),
     ],
-)  # fmt: skip
+)
 def test_a_bad_row_is_named_by_its_line(bad, code):
     with raises_code(code):
         values_of(table() + bad + "\n" + table(head=""))

@@ -29,15 +29,22 @@ def read(head, *columns, **settings):
 
 def off(found):
     """Largest errors of time, displacement and force; the time from the first sample. [s, mm, N]"""
-    return [float(np.max(np.abs(own - true))) for own, true in
-            ((found.time_s - found.time_s[0], TIME), (found.displacement_mm, WAY), (found.force_N, FORCE))]  # fmt: skip
+    return [
+        float(np.max(np.abs(own - true)))
+        for own, true in ((found.time_s - found.time_s[0], TIME), (found.displacement_mm, WAY), (found.force_N, FORCE))
+    ]
 
 
 @pytest.mark.parametrize(
     ("names", "size"),
-    [("secs;nsecs", 10**9), ("header.stamp.secs;header.stamp.nsecs", 10**9), ("sec;nanosec", 10**9),
-     ("Sekunden;us", 10**6), ("Time [s];Milliseconds", 1000)],
-)  # fmt: skip
+    [
+        ("secs;nsecs", 10**9),
+        ("header.stamp.secs;header.stamp.nsecs", 10**9),
+        ("sec;nanosec", 10**9),
+        ("Sekunden;us", 10**6),
+        ("Time [s];Milliseconds", 1000),
+    ],
+)
 def test_seconds_and_their_fraction_are_one_time(names, size):
     counts = np.rint((TIME + 0.35) * size).astype(int)
     whole, part = ([str(one) for one in column] for column in np.divmod(counts, size))
@@ -81,8 +88,9 @@ def test_the_same_time_in_two_units_is_one_and_a_file_may_be_written_from_its_en
 
 
 @pytest.mark.parametrize("lag", [-0.3, 0.02, 0.5])
-@pytest.mark.parametrize("names", ["Time Load [s];Load [N];Time Position [s];Position [mm]",
-                                   "t [s];Load [N];t [s];Position [mm]"])  # fmt: skip
+@pytest.mark.parametrize(
+    "names", ["Time Load [s];Load [N];Time Position [s];Position [mm]", "t [s];Load [N];t [s];Position [mm]"]
+)
 def test_two_time_bases_are_aligned_by_interpolation(names, lag):
     """The position is sampled at moments of its own: its time is the truth of each sample."""
     own = TIME + lag

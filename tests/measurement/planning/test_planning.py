@@ -82,8 +82,11 @@ def test_names_say_what_was_pressed():
 @pytest.mark.parametrize(
     ("change", "code"),
     [
-        ({"pads_mm": (0.1,)}, "out_of_range"), ({"velocities_mm_s": ()}, "missing"),
-        ({"targets": (3.0, 3.0)}, "duplicate"), ({"repeats": 0}, "out_of_range"), ({"seed": -1}, "out_of_range"),
+        ({"pads_mm": (0.1,)}, "out_of_range"),
+        ({"velocities_mm_s": ()}, "missing"),
+        ({"targets": (3.0, 3.0)}, "duplicate"),
+        ({"repeats": 0}, "out_of_range"),
+        ({"seed": -1}, "out_of_range"),
         ({"pads_mm": (5.0,), "velocities_mm_s": (10.0,), "targets": (3.0,), "repeats": 1}, "out_of_range"),
         ({"targets": (4.0,), "by_depth": True}, "out_of_range"),
     ],
@@ -104,9 +107,12 @@ def test_the_default_forces_are_those_that_a_verdict_needs():
 def test_a_plan_without_a_ratio_says_that_it_leads_to_no_recipe(tmp_path, capsys):
     codes = [
         [one["code"] for one in asked(capsys, "new", str(tmp_path / name), *SMALL, "--no-power", *words)["warnings"]]
-        for name, words in (("a", ["--young", "25"]), ("b", ["--resin", "polyurethane-nagoya", "--ratio", "15"]),
-                            ("c", ["--young", "25", "--ratio", "15"]))
-    ]  # fmt: skip
+        for name, words in (
+            ("a", ["--young", "25"]),
+            ("b", ["--resin", "polyurethane-nagoya", "--ratio", "15"]),
+            ("c", ["--young", "25", "--ratio", "15"]),
+        )
+    ]
     assert [codes_of.count("no_ratio") for codes_of in codes] == [1, 0, 0]
 
 
@@ -203,7 +209,8 @@ def test_a_table_wins_over_names_and_gives_what_they_do_not_say(mine, tmp_path, 
     assert (first.file, first.sequence, first.thickness_mm) == ("press2.csv", 1, 15.0)
     assert second.temperature_C == 23.5 and second.velocity_mm_s == pytest.approx(10.0, rel=0.05)
     for text, said in (
-        ("name\nx\n", "needs a column 'file'"), ("file,thicknes_mm\n", "did you mean 'thickness_mm'"),
+        ("name\nx\n", "needs a column 'file'"),
+        ("file,thicknes_mm\n", "did you mean 'thickness_mm'"),
         ("file,thickness_mm\npress3.csv,5\n", "unknown file 'press3.csv'"),
         ("file,thickness_mm\npress1.csv,five\n", "thickness_mm = 'five'"),
         ("file,thickness_mm\npress1.csv,5,6\n", "3 cells"),
@@ -216,13 +223,15 @@ def test_a_table_wins_over_names_and_gives_what_they_do_not_say(mine, tmp_path, 
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        (["new", "c"], "--young KPA, or --resin"), (["new", "c", "--young", "25", "--pads", "five"], "= five "),
+        (["new", "c"], "--young KPA, or --resin"),
+        (["new", "c", "--young", "25", "--pads", "five"], "= five "),
         (["new", "c", "--young", "25", "--punch", "star:3"], "punch 'star:3'"),
         (["new", "c", "--young", "25", "--pad", "cylinder:50", "--punch", "round:9"], "a puck by plate"),
         (["new", "c", "--young", "25", "--force", "3", "--depth", "1"], "the one or to the other"),
         (["new", "c", "--young", "25", "--pad", "150x13"], "at least 14 mm"),
         (["new", "c", "--young", "25", "--pad", "10x60", "--punch", "ball:20"], "smaller than the punch ball:20"),
-        (["new", "c", "--resin", "nylon", "--ratio", "15"], "unknown resin 'nylon'"), (["check", "."], "campaign new"),
+        (["new", "c", "--resin", "nylon", "--ratio", "15"], "unknown resin 'nylon'"),
+        (["check", "."], "campaign new"),
     ],
 )
 def test_bad_requests_are_one_line_and_status_2(words, said, tmp_path, capsys, monkeypatch):
@@ -234,8 +243,21 @@ def test_bad_requests_are_one_line_and_status_2(words, said, tmp_path, capsys, m
 
 def test_a_crowned_pad_without_a_tabulated_force_keeps_its_name(tmp_path, capsys):
     crown = "crowned:radius=20,height=3,foot=11"
-    found = asked(capsys, "new", str(tmp_path / "c"), "--pads", "15", "--shape", crown, "--young", "25",
-                  "--repeats", "1", "--force", "3")  # fmt: skip
+    found = asked(
+        capsys,
+        "new",
+        str(tmp_path / "c"),
+        "--pads",
+        "15",
+        "--shape",
+        crown,
+        "--young",
+        "25",
+        "--repeats",
+        "1",
+        "--force",
+        "3",
+    )
     (message,) = [one["message"] for one in found["warnings"] if one["code"] == "no_power"]
     assert "crowned" in message and "slab" not in message and found["power"] is None
 

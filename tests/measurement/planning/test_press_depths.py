@@ -32,25 +32,51 @@ def pressed_to(trial, **given):
     from dummydesign.measurement.motion import ramp_and_hold
     from dummydesign.pad.predict import predict_motion
 
-    asked = {"young_kPa": None, "resin": None, "ratio": None, "punch": "square:14", "condition": "bonded",
-             "base": "bonded", "pad": "slab:150x120", "shape": "slab", "poisson": 0.5, "law": "neo-hookean",
-             "edge_radius_mm": 0.0, "prony": None, "thickness_mm": trial["thickness_mm"], **given}  # fmt: skip
+    asked = {
+        "young_kPa": None,
+        "resin": None,
+        "ratio": None,
+        "punch": "square:14",
+        "condition": "bonded",
+        "base": "bonded",
+        "pad": "slab:150x120",
+        "shape": "slab",
+        "poisson": 0.5,
+        "law": "neo-hookean",
+        "edge_radius_mm": 0.0,
+        "prony": None,
+        "thickness_mm": trial["thickness_mm"],
+        **given,
+    }
     fidelity = asked.pop("fidelity", "table")
     pad, _, _ = pad_of_inputs(asked)
     motion = ramp_and_hold(trial["velocity_mm_s"], trial["expected_depth_mm"], trial["hold_s"], 30000.0)
     return predict_motion(pad, motion, fidelity).steady_force_N
 
 
-@pytest.mark.parametrize("words, given", [
-    (["--young", "25"], {"young_kPa": 25.0}),
-    (RESIN, {"resin": "polyurethane-nagoya", "ratio": 15.4}),
-    ([*RESIN, "--punch", "round:16", "--base", "sliding"],
-     {"resin": "polyurethane-nagoya", "ratio": 15.4, "punch": "round:16", "base": "sliding"}),
-    ([*RESIN, "--shape", CROWN], {"resin": "polyurethane-nagoya", "ratio": 15.4, "shape": CROWN}),
-    (["--young", "60", "--pad", "cylinder:50", "--contact", "frictionless"],
-     {"young_kPa": 60.0, "pad": "cylinder:50", "punch": "plate", "condition": "frictionless",
-      "fidelity": "axisymmetric"}),
-], ids=["slab", "resin", "round sliding", "crown", "puck"])  # fmt: skip
+@pytest.mark.parametrize(
+    "words, given",
+    [
+        (["--young", "25"], {"young_kPa": 25.0}),
+        (RESIN, {"resin": "polyurethane-nagoya", "ratio": 15.4}),
+        (
+            [*RESIN, "--punch", "round:16", "--base", "sliding"],
+            {"resin": "polyurethane-nagoya", "ratio": 15.4, "punch": "round:16", "base": "sliding"},
+        ),
+        ([*RESIN, "--shape", CROWN], {"resin": "polyurethane-nagoya", "ratio": 15.4, "shape": CROWN}),
+        (
+            ["--young", "60", "--pad", "cylinder:50", "--contact", "frictionless"],
+            {
+                "young_kPa": 60.0,
+                "pad": "cylinder:50",
+                "punch": "plate",
+                "condition": "frictionless",
+                "fidelity": "axisymmetric",
+            },
+        ),
+    ],
+    ids=["slab", "resin", "round sliding", "crown", "puck"],
+)
 def test_pressed_to_the_sheets_depth_the_pad_carries_the_sheets_force(words, given, tmp_path, capsys):
     found, page = planned(tmp_path, capsys, *words, "--pads", "6,10", "--force", "2,5")
     assert len(found["trials"]) == 8
@@ -80,8 +106,15 @@ def test_depths_rise_with_the_force_and_lie_inside_their_interval(tmp_path, caps
 
 def campaign_of(**pad):
     given = {"young_kPa_nominal": None, "resin": None, "ratio": None, **pad}
-    return Campaign("c", None, PadSpec(**given, shape="slab", length_mm=150.0, width_mm=120.0, diameter_mm=None,
-                                       base="bonded"), PunchSpec("square", 14.0, None, "bonded"), None, 0.01, ())
+    return Campaign(
+        "c",
+        None,
+        PadSpec(**given, shape="slab", length_mm=150.0, width_mm=120.0, diameter_mm=None, base="bonded"),
+        PunchSpec("square", 14.0, None, "bonded"),
+        None,
+        0.01,
+        (),
+    )
 
 
 def test_the_interval_brackets_the_depths_at_both_ends_of_the_modulus():

@@ -87,9 +87,17 @@ def test_line_ends_and_the_mark_at_the_beginning_stay(folder):
 
 @pytest.mark.parametrize(
     ("key", "value"),
-    [("temperature_C", 120.0), ("temperature_C", float("nan")), ("age_days", -1.0), ("rest_s", -1.0),
-     ("sequence", 0), ("sequence", 1.5), ("thickness_mm", None), ("velocity_mm_s", 0.0)],
-)  # fmt: skip
+    [
+        ("temperature_C", 120.0),
+        ("temperature_C", float("nan")),
+        ("age_days", -1.0),
+        ("rest_s", -1.0),
+        ("sequence", 0),
+        ("sequence", 1.5),
+        ("thickness_mm", None),
+        ("velocity_mm_s", 0.0),
+    ],
+)
 def test_a_value_out_of_range_is_refused_by_name_and_nothing_is_written(folder, key, value):
     with pytest.raises(InputError, match=key) as problem:
         write_trial_values(folder, {0: {"age_days": 10.0}, 1: {key: value}})

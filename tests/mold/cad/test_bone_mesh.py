@@ -45,10 +45,16 @@ def twice(points, faces):
     return points, np.vstack([faces, faces[:4]])
 
 
-@pytest.mark.parametrize("damage, words", [
-    (flat_added, "1 degenerate"), (doubled_corners, "2 degenerate"), (mixed, "427 triangles turned"),
-    (inside_out, ""), (twice, "4 degenerate"),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    "damage, words",
+    [
+        (flat_added, "1 degenerate"),
+        (doubled_corners, "2 degenerate"),
+        (mixed, "427 triangles turned"),
+        (inside_out, ""),
+        (twice, "4 degenerate"),
+    ],
+)
 def test_a_fault_with_one_remedy_is_mended_and_said(damage, words, tmp_path):
     points, faces, mended = read_triangles(written(tmp_path, *damage(POINTS, FACES)))
     assert mended.startswith(words) and bool(mended) == bool(words)
@@ -62,11 +68,14 @@ def test_metres_are_mended_like_millimetres(tmp_path):
     assert _volume(points, faces) == pytest.approx(1e-9 * BALL.volume, rel=1e-4)
 
 
-@pytest.mark.parametrize("damage, reason", [
-    (lambda p, f: (p, f[3:]), "not closed: .* edges have one triangle only, one near"),
-    (lambda p, f: (np.vstack([p, p + (20.0, 0, 0)]), np.vstack([f, f + len(p)])), "holds 2 bodies"),
-    (lambda p, f: (np.vstack([p, [[0, 0, 20.0]]]), np.vstack([f, [[f[0, 0], f[0, 1], len(p)]]])), "more than two"),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    "damage, reason",
+    [
+        (lambda p, f: (p, f[3:]), "not closed: .* edges have one triangle only, one near"),
+        (lambda p, f: (np.vstack([p, p + (20.0, 0, 0)]), np.vstack([f, f + len(p)])), "holds 2 bodies"),
+        (lambda p, f: (np.vstack([p, [[0, 0, 20.0]]]), np.vstack([f, [[f[0, 0], f[0, 1], len(p)]]])), "more than two"),
+    ],
+)
 def test_a_fault_without_one_remedy_is_refused_by_name(damage, reason, tmp_path):
     with pytest.raises(InputError, match=reason) as refused:
         read_triangles(written(tmp_path, *damage(POINTS, FACES)))
@@ -91,15 +100,24 @@ def test_crossings_are_those_of_every_pair(seed):
     for scale, expected in ((1.0, True), (0.02, False)):
         corners = points[:10, None] * (1 if scale == 1 else 40) + scale * rng.normal(size=(10, 3, 3))
         flat, faces = corners.reshape(-1, 3), np.arange(30).reshape(-1, 3)
-        assert (crossing(flat, faces) is not None) == expected == any(
-            pierces(corners[i, k], corners[i, (k + 1) % 3], corners[j]) for i in range(10) for j in range(10)
-            if i != j for k in range(3))  # fmt: skip
+        assert (
+            (crossing(flat, faces) is not None)
+            == expected
+            == any(
+                pierces(corners[i, k], corners[i, (k + 1) % 3], corners[j])
+                for i in range(10)
+                for j in range(10)
+                if i != j
+                for k in range(3)
+            )
+        )
 
 
 def pierces(foot, tip, triangle):
     try:
-        x = np.linalg.solve(np.column_stack([triangle[1] - triangle[0], triangle[2] - triangle[0], foot - tip]),
-                            foot - triangle[0])  # fmt: skip
+        x = np.linalg.solve(
+            np.column_stack([triangle[1] - triangle[0], triangle[2] - triangle[0], foot - tip]), foot - triangle[0]
+        )
     except np.linalg.LinAlgError:
         return False
     return x[0] > 0 and x[1] > 0 and x[0] + x[1] < 1 and 0 < x[2] < 1

@@ -28,4 +28,5 @@ def test_edges_of_both_faces_at_an_edge_have_one_key_and_the_tip_of_a_cone_is_no
     assert len({key for face in box.Faces() for key, _ in edges_of(face)}) == 12
     assert len({key for face in cone.Faces() for key, _ in edges_of(face)}) == 2
     assert {tuple(round(x, 9) for x in corner) for corner in corners_of(box)} == {
-        (x, y, z) for x in (0, 1) for y in (0, 2) for z in (0, 3)}  # fmt: skip
+        (x, y, z) for x in (0, 1) for y in (0, 2) for z in (0, 3)
+    }

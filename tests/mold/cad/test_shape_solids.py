@@ -26,8 +26,14 @@ def _top_by_heights(spec, count: int = 600) -> float:
     return float(rise.mean() * pad.length_mm * pad.width_mm)
 
 
-CURVED = ["crowned:10,2", "crowned:3,8,9", "crowned:5,3,5.5", "bumped:13,6,1.5,0.2", "boned:20,6",
-          "crowned:10,2,6,0,2,1,20"]
+CURVED = [
+    "crowned:10,2",
+    "crowned:3,8,9",
+    "crowned:5,3,5.5",
+    "bumped:13,6,1.5,0.2",
+    "boned:20,6",
+    "crowned:10,2,6,0,2,1,20",
+]
 
 
 @pytest.mark.parametrize("text", CURVED)
@@ -50,11 +56,20 @@ def test_ridge_is_a_circular_segment_times_its_length_and_its_leaning_ends_add_t
 
 
 SOLIDS = [
-    ("crowned:10,2", 5.0), ("crowned:3,8,9", 15.0), ("crowned:1,12,10", 20.0), ("crowned:5,3,5.477225575051661", 8.0),
-    ("crowned:10,2,0,1", 5.0), ("crowned:3,8,9,1", 15.0), ("bumped:13,6,1.5,0.2", 10.0), ("boned:20,6", 15.0),
-    ("boned:8,4,14", 15.0), ("boned:20,6,0,1", 15.0), ("boned:8,4,14,1", 15.0), ("layered:3,0.4", 8.0),
+    ("crowned:10,2", 5.0),
+    ("crowned:3,8,9", 15.0),
+    ("crowned:1,12,10", 20.0),
+    ("crowned:5,3,5.477225575051661", 8.0),
+    ("crowned:10,2,0,1", 5.0),
+    ("crowned:3,8,9,1", 15.0),
+    ("bumped:13,6,1.5,0.2", 10.0),
+    ("boned:20,6", 15.0),
+    ("boned:8,4,14", 15.0),
+    ("boned:20,6,0,1", 15.0),
+    ("boned:8,4,14,1", 15.0),
+    ("layered:3,0.4", 8.0),
     ("crowned:10,2,6,0,2,1,20", 5.0),
-]  # fmt: skip
+]
 
 
 @pytest.mark.slow
@@ -64,8 +79,10 @@ def test_solid_of_a_shape_has_its_closed_form_and_its_height(text, thickness):
     pad, solid = spec.pad, pad_solid(spec.pad)
     plain = slab_volume_mm3(
         layout(spec).floor_outline.scaled(1 / layout(spec).scale),
-        thickness - pad.face_height_mm, pad.draft_deg, pad.edge_radius_mm,
-    )  # fmt: skip
+        thickness - pad.face_height_mm,
+        pad.draft_deg,
+        pad.edge_radius_mm,
+    )
     exact = plain + pad.shape.top_volume_mm3(pad) - pad.shape.bone_volume_mm3(pad)
     assert solid.Volume() == pytest.approx(exact, rel=check.VOLUME_REL)
     assert solid.isValid() and len(solid.Solids()) == 1

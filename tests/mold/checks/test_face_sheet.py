@@ -46,7 +46,8 @@ def test_all_checks_pass_and_a_sheet_that_stands_proud_fails(glazed):
     glazed.parts["face_sheet"] = replace(part, solid=part.solid.translate((0, 0, 0.05)))
     try:
         assert {item.id for item in check.check_sheet(glazed) if item.status == "fail"} == {
-            "face_sheet_flush", "face_sheet_seated"
+            "face_sheet_flush",
+            "face_sheet_seated",
         }
     finally:
         glazed.parts["face_sheet"] = part

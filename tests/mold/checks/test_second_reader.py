@@ -22,17 +22,23 @@ def programs(tmp_path, monkeypatch):
     return put
 
 
-@pytest.mark.parametrize("lines, status", [
-    (("RESULT 10.0", "RESULT 20.0"), "pass"), (("RESULT 10.0", "RESULT 20.1"), "fail"), (("RESULT 30.0",), "fail"),
-    (("Error : no solids",), "skipped"),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    "lines, status",
+    [
+        (("RESULT 10.0", "RESULT 20.0"), "pass"),
+        (("RESULT 10.0", "RESULT 20.1"), "fail"),
+        (("RESULT 30.0",), "fail"),
+        (("Error : no solids",), "skipped"),
+    ],
+)
 def test_gmsh_must_find_every_solid_with_its_volume(programs, tmp_path, lines, status):
     programs("gmsh", *lines)
     assert check_second_reader(tmp_path / "a.step", 30.0, 2).status == status
 
 
-@pytest.mark.parametrize("line, status", [("RESULT 2 30.0 True", "pass"), ("RESULT 2 30.0 False", "fail"),
-                                          ("RESULT 3 30.0 True", "fail")])  # fmt: skip
+@pytest.mark.parametrize(
+    "line, status", [("RESULT 2 30.0 True", "pass"), ("RESULT 2 30.0 False", "fail"), ("RESULT 3 30.0 True", "fail")]
+)
 def test_freecad_is_asked_first_and_must_call_them_valid(programs, tmp_path, line, status):
     programs("freecadcmd", line)
     programs("gmsh", "RESULT 1.0")

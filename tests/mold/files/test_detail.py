@@ -23,8 +23,12 @@ from dummydesign.mold.files.drawing_sheet import PAPERS, to_dxf
 from dummydesign.mold.files.part_drawings import part_views, sheets
 from tests.mold.files.test_drawings import TITLE, meeting
 
-CROWNS = {"crowned:21.2,2,9.4": (21.2, 2.0, 9.4), "crowned:3,8,9,1": (3.0, 8.0, 9.0), "crowned:10,2": (10.0, 2.0, 6.0),
-          "bumped:12,5,1,0,1": (5.0, 1.0, 3.0)}  # fmt: skip
+CROWNS = {
+    "crowned:21.2,2,9.4": (21.2, 2.0, 9.4),
+    "crowned:3,8,9,1": (3.0, 8.0, 9.0),
+    "crowned:10,2": (10.0, 2.0, 6.0),
+    "bumped:12,5,1,0,1": (5.0, 1.0, 3.0),
+}
 SLAB = (((-75.0, -4.5), (75.0, -4.5), (75.0, -2.0), (0.0, 0.0), (-75.0, -2.0), (-75.0, -4.5)), "cut")
 
 

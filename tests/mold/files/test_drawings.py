@@ -59,12 +59,21 @@ def test_every_part_has_a_drawing_without_texts_on_each_other(open_parts, crowne
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("shape, thickness, preset", [
-    *(("slab", t, preset) for t in (3.0, 5.0, 12.5, 20.0, 30.0) for preset in ("open", "lidded")),
-    ("crowned:10,2", 5.0, "lidded"), ("crowned:10,2,0,1", 12.5, "open"), ("bumped:12,5,1,0,1", 12.5, "open"),
-    ("bumped:12,5,1,0,1", 30.0, "lidded"), ("layered:8,0.4", 20.0, "open"), ("boned:20,6", 12.5, "open"),
-    ("boned:20,6,0,1", 30.0, "open"), ("crowned:10,2", 3.5, "open"), ("bumped:5,2.91,1.24,0.34", 5.0, "printed"),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    "shape, thickness, preset",
+    [
+        *(("slab", t, preset) for t in (3.0, 5.0, 12.5, 20.0, 30.0) for preset in ("open", "lidded")),
+        ("crowned:10,2", 5.0, "lidded"),
+        ("crowned:10,2,0,1", 12.5, "open"),
+        ("bumped:12,5,1,0,1", 12.5, "open"),
+        ("bumped:12,5,1,0,1", 30.0, "lidded"),
+        ("layered:8,0.4", 20.0, "open"),
+        ("boned:20,6", 12.5, "open"),
+        ("boned:20,6,0,1", 30.0, "open"),
+        ("crowned:10,2", 3.5, "open"),
+        ("bumped:5,2.91,1.24,0.34", 5.0, "printed"),
+    ],
+)
 def test_drawings_are_sound_for_every_shape_preset_and_thickness(shape, thickness, preset):
     from dummydesign.mold.cad.build import build
 
@@ -160,9 +169,12 @@ def test_dimensions_of_one_side_never_share_a_place():
 
 
 @given(
-    half=st.floats(2.0, 120.0), high=st.floats(1.0, 40.0), scale=st.sampled_from(SCALES[2:]),
-    widths=st.lists(st.floats(0.3, 1.0), max_size=4), levels=st.lists(st.floats(0.05, 0.95), max_size=3),
-)  # fmt: skip
+    half=st.floats(2.0, 120.0),
+    high=st.floats(1.0, 40.0),
+    scale=st.sampled_from(SCALES[2:]),
+    widths=st.lists(st.floats(0.3, 1.0), max_size=4),
+    levels=st.lists(st.floats(0.05, 0.95), max_size=3),
+)
 def test_no_number_stands_on_a_number_or_a_dimension_line_however_narrow_the_view(half, high, scale, widths, levels):
     """Numbers without room between their arrows stand beyond them: right of a width, above a height."""
     outline = ((-half, 0.0), (half, 0.0), (half, high), (-half, high), (-half, 0.0))
@@ -225,10 +237,15 @@ def test_the_dxf_is_the_same_in_processes_that_hash_differently():
         "print(hashlib.sha256(to_dxf([sheet, sheet]).encode()).hexdigest())"
     )
     found = {
-        subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True,
-                       env={**os.environ, "PYTHONHASHSEED": seed}).stdout
+        subprocess.run(
+            [sys.executable, "-c", code],
+            capture_output=True,
+            text=True,
+            check=True,
+            env={**os.environ, "PYTHONHASHSEED": seed},
+        ).stdout
         for seed in ("1", "2", "4", "5")
-    }  # fmt: skip
+    }
     assert len(found) == 1
 
 
@@ -259,8 +276,9 @@ def test_a_dxf_has_the_parts_side_by_side_at_full_size_and_each_sheet_as_a_layou
         document = ezdxf.read(io.StringIO(to_dxf([drawing for drawing, *_ in drawn])))
         assert not document.audit().errors and document.layout_names() == ["Model", "1 part", "2 part"]
         model, lines = document.modelspace(), document.modelspace().query("LWPOLYLINE")
-        ends = sorted([min(xs), max(xs), min(ys), max(ys)] for line in lines
-                      for xs, ys in [list(zip(*line.get_points("xy")))])  # fmt: skip
+        ends = sorted(
+            [min(xs), max(xs), min(ys), max(ys)] for line in lines for xs, ys in [list(zip(*line.get_points("xy")))]
+        )
         assert len(ends) == 2 and ends[0][1] < ends[1][0]
         found = sorted(d.get_measurement() for d in model.query("DIMENSION"))
         assert found == pytest.approx(sorted(side for _, *sides in drawn for side in sides), abs=1e-6)

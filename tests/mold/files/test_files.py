@@ -224,7 +224,11 @@ def test_manifest_names_every_file_with_its_hash(lidded_package):
     sums = json.loads(Path(result.files["manifest"]).read_text())["sha256"]
     endings = Counter(path.suffix for path in folder.iterdir())
     assert {kind: endings[kind] for kind in (".pdf", ".dxf", ".html", ".png")} == {
-        ".pdf": 2, ".dxf": 1, ".html": 2, ".png": 1}  # fmt: skip
+        ".pdf": 2,
+        ".dxf": 1,
+        ".html": 2,
+        ".png": 1,
+    }
     assert set(endings) == {".pdf", ".dxf", ".html", ".png", ".step", ".3mf", ".json"}
     for path in folder.iterdir():
         assert not path.name.startswith(".")

@@ -96,8 +96,10 @@ def test_picture_shows_every_material_without_a_display(tmp_path):
              "pad": ((-20, -20, 9), (20, 20, 12)), "master": ((-25, -25, 0), (25, 25, 4))}  # fmt: skip
     materials = {"tray": "rigid", "mould": "silicone", "pad": "resin", "master": "rigid"}
     colours = {name: COLOURS[material] for name, material in materials.items()}
-    meshes = {name: SimpleNamespace(vertices=found[0], faces=found[1])
-              for name, found in ((name, box(*ends)) for name, ends in parts.items())}  # fmt: skip
+    meshes = {
+        name: SimpleNamespace(vertices=found[0], faces=found[1])
+        for name, found in ((name, box(*ends)) for name, ends in parts.items())
+    }
     view.pack(meshes, colours, "test", tmp_path / "m.npz")
     code = "import sys\nsys.modules.update(dict.fromkeys(('vtk', 'vtkmodules', 'pyvista')))\n"
     code += "import runpy; runpy.run_module('dummydesign.mold.files.picture', run_name='__main__')"

@@ -33,8 +33,10 @@ def test_drawings_dimension_the_curve_and_stay_on_paper(crowned, layered, boned)
     from dummydesign.mold.files.part_drawings import part_views, sheets
 
     heights = {
-        "crowned": crowned.plan.face_mm, "layered": layered.plan.interface_mm, "boned": 9.0 * boned.plan.scale,
-    }  # fmt: skip
+        "crowned": crowned.plan.face_mm,
+        "layered": layered.plan.interface_mm,
+        "boned": 9.0 * boned.plan.scale,
+    }
     for made in (crowned, layered, boned):
         paper = sheets(made, part_views(made))["mould"]
         assert any(d.vertical and d.value == pytest.approx(heights[made.spec.pad.kind]) for d in paper.dimensions)

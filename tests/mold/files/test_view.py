@@ -21,8 +21,10 @@ GREY = (0.7, 0.7, 0.7)
 def page():
     import trimesh
 
-    meshes = {name: trimesh.creation.box((60, 50, high)) for name, high in
-              (("tray", 12), ("mould", 20), ("pad", 8), ("strike_off", 8), ("master", 30), ("frame", 30))}  # fmt: skip
+    meshes = {
+        name: trimesh.creation.box((60, 50, high))
+        for name, high in (("tray", 12), ("mould", 20), ("pad", 8), ("strike_off", 8), ("master", 30), ("frame", 30))
+    }
     return mould_view(meshes, dict.fromkeys(meshes, GREY), "A mould")
 
 

@@ -50,13 +50,16 @@ def test_a_machine_without_fit_is_read_as_before(tmp_path):
     assert "fit" not in spec.to_dict()["machines"] and MouldSpec.from_dict(spec.to_dict()) == spec
 
 
-@pytest.mark.parametrize("text, code", [
-    (FIT.replace('source = "a bar of 150 mm"\n', "", 1), "missing"),
-    (quantity("gap_per_side_mm", 0.2), "missing"),
-    (FIT + quantity("overhang_deg", 45.0), "unknown_key"),
-    (FIT.replace("value = 0.3", "value = 1.3"), "out_of_range"),
-    (FIT.replace("value = 0.5", "value = 4.0"), "out_of_range"),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    "text, code",
+    [
+        (FIT.replace('source = "a bar of 150 mm"\n', "", 1), "missing"),
+        (quantity("gap_per_side_mm", 0.2), "missing"),
+        (FIT + quantity("overhang_deg", 45.0), "unknown_key"),
+        (FIT.replace("value = 0.3", "value = 1.3"), "out_of_range"),
+        (FIT.replace("value = 0.5", "value = 4.0"), "out_of_range"),
+    ],
+)
 def test_a_fit_without_sense_is_refused_with_file_and_quantity(tmp_path, text, code):
     with raises_code(code):
         read(tmp_path, TEXT + text)

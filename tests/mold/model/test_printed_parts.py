@@ -23,8 +23,9 @@ def on_bed(preset, x_mm, y_mm, height_mm=300.0, shrinkage_percent=0.0):
     """A preset whose printer has this bed, without margin."""
     used = read_preset(preset)
     fit = replace(used.machines.fit, shrinkage_percent=shrinkage_percent)
-    machines = replace(used.machines, bed_x_mm=x_mm, bed_y_mm=y_mm, printer_height_mm=height_mm, bed_margin_mm=0.0,
-                       fit=fit)  # fmt: skip
+    machines = replace(
+        used.machines, bed_x_mm=x_mm, bed_y_mm=y_mm, printer_height_mm=height_mm, bed_margin_mm=0.0, fit=fit
+    )
     return replace(used, machines=machines)
 
 
@@ -38,8 +39,12 @@ def test_drawn_pads_fit_with_every_part_or_are_refused_with_a_pad_that_does():
     rng = np.random.default_rng()
     refused = made = 0
     for _ in range(15):
-        preset = on_bed(str(rng.choice(PRESETS)), *rng.uniform(130.0, 320.0, 2), rng.uniform(40.0, 300.0),
-                        float(rng.choice([0.0, 0.7])))  # fmt: skip
+        preset = on_bed(
+            str(rng.choice(PRESETS)),
+            *rng.uniform(130.0, 320.0, 2),
+            rng.uniform(40.0, 300.0),
+            float(rng.choice([0.0, 0.7])),
+        )
         length, width = np.round(rng.uniform(60.0, 280.0, 2), 1)
         thickness = round(rng.uniform(4.0, 14.0), 1)
         try:
@@ -90,20 +95,34 @@ def test_a_part_taller_than_the_printer_is_refused():
 
 
 def test_the_sheet_names_the_lower_side_of_every_printed_part():
-    for spec in (mould_spec(8.0, 60.0, 50.0, preset="printed"), mould_spec(8.0, 70.0, 60.0, preset="lidded"),
-                 shape_spec("layered:3,0.4", 8.0), shape_spec("boned:20,6", 15.0)):  # fmt: skip
+    for spec in (
+        mould_spec(8.0, 60.0, 50.0, preset="printed"),
+        mould_spec(8.0, 70.0, 60.0, preset="lidded"),
+        shape_spec("layered:3,0.4", 8.0),
+        shape_spec("boned:20,6", 15.0),
+    ):
         words = lying_words(spec)
         assert all(f"{part_title(part.name, spec.is_printed)}: {part.down}" in words for part in printed_parts(spec))
 
 
 CASES = [
-    ("open", "slab", {}), ("open", "slab", {"count": 2}), ("open", "crowned:12,2,8", {}), ("open", "layered:3,0.4", {}),
-    ("open", "boned:20,4", {}), ("open", "slab", {"degas": "mould"}), ("open", "slab", {"face_sheet_mm": 3.0}),
-    ("open", "puck", {}), ("lidded", "slab", {}), ("printed", "slab", {}),
-    ("printed", "crowned:12,2,8", {}), ("printed", "layered:3,0.4", {}), ("printed", "boned:20,4", {}),
-    ("printed", "slab", {"count": 3}), ("open", "bumped:13,6,1.5", {}),
+    ("open", "slab", {}),
+    ("open", "slab", {"count": 2}),
+    ("open", "crowned:12,2,8", {}),
+    ("open", "layered:3,0.4", {}),
+    ("open", "boned:20,4", {}),
+    ("open", "slab", {"degas": "mould"}),
+    ("open", "slab", {"face_sheet_mm": 3.0}),
+    ("open", "puck", {}),
+    ("lidded", "slab", {}),
+    ("printed", "slab", {}),
+    ("printed", "crowned:12,2,8", {}),
+    ("printed", "layered:3,0.4", {}),
+    ("printed", "boned:20,4", {}),
+    ("printed", "slab", {"count": 3}),
+    ("open", "bumped:13,6,1.5", {}),
     ("open", "crowned:radius=12,height=1.5,foot=6,sites_along=2,pitch_along=30", {}),
-]  # fmt: skip
+]
 
 
 def drawn_spec(preset, shape, given):

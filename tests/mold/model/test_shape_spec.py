@@ -49,9 +49,15 @@ def test_edges_and_corners_that_meet_a_curve_are_refused(text, change, named):
         validate(replace(spec, pad=replace(spec.pad, **change)))
 
 
-@pytest.mark.parametrize("text, thickness, edge", [
-    ("crowned:10,2", 3.5, 1.3), ("layered:3,0.4", 8.0, 1.5), ("crowned:10,2", 4.5, 1.5), ("slab", 3.0, 1.5),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    "text, thickness, edge",
+    [
+        ("crowned:10,2", 3.5, 1.3),
+        ("layered:3,0.4", 8.0, 1.5),
+        ("crowned:10,2", 4.5, 1.5),
+        ("slab", 3.0, 1.5),
+    ],
+)
 def test_the_edge_of_the_preset_is_taken_as_large_as_the_rim_has_room_for_and_that_is_said(text, thickness, edge):
     from dummydesign.mold.pour.plan import pour_plan
     from dummydesign.mold.pour.warnings import pour_warnings

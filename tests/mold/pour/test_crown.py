@@ -60,9 +60,13 @@ def test_no_length_within_its_limits_changes_the_force_by_more_than_five_per_cen
     for ends, nominal, change, step in (
         (limits.height_mm, shape.height_mm, lambda x: crown_change_percent(pad, higher_mm=x), 0.01),
         (limits.thickness_mm, pad.thickness_mm, lambda x: crown_change_percent(pad, thicker_mm=x), 0.01),
-        (limits.tip_radius_mm, shape.radius_mm,
-         lambda x: crown_change_percent(pad, blunter=1 + x / shape.radius_mm), 0.1),
-    ):  # fmt: skip
+        (
+            limits.tip_radius_mm,
+            shape.radius_mm,
+            lambda x: crown_change_percent(pad, blunter=1 + x / shape.radius_mm),
+            0.1,
+        ),
+    ):
         for end, side in zip(ends, (-1, 1)):
             assert side * (end - nominal) >= 0.0 and abs(change(end - nominal)) <= MOST_PERCENT + 1e-6
             preset = abs(end - nominal) + step > pad.thickness_mm * percent / 100 and nominal == pad.thickness_mm

@@ -136,17 +136,20 @@ def test_a_crown_is_judged_at_each_point_and_its_thickness_is_that_of_its_tip(tm
     assert "MISSED" in printed.out and printed.err.count("\n") == 1
 
 
-@pytest.mark.parametrize("given, named", [
-    ("tip=4.5,corner1=2.5", "shoulder, corner2, corner3, corner4"),
-    ("top=4.5,shoulder=2.5,corner1=2.5,corner2=2.5,corner3=2.5,corner4=2.5", "tip"),
-    ("4.5,2.5,2.5,2.5,2.5", "shoulder="),
-    ("4.5,2.5,2.5,2.5,2.5,2.5", "shoulder="),
-    ("tip=4.5,2.5,2.5,2.5,2.5", "2.5"),
-    ("tip=4.5,tip=4.5", "tip"),
-    ("tip=4.5,shoulder=x", "shoulder=x"),
-    ("tip=4.5,shoulder=4.5,corner1=0.2,corner2=2.5,corner3=2.5,corner4=2.5", "corner1"),
-    ("tip=nan,shoulder=2.5,corner1=2.5,corner2=2.5,corner3=2.5,corner4=2.5", "tip"),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    "given, named",
+    [
+        ("tip=4.5,corner1=2.5", "shoulder, corner2, corner3, corner4"),
+        ("top=4.5,shoulder=2.5,corner1=2.5,corner2=2.5,corner3=2.5,corner4=2.5", "tip"),
+        ("4.5,2.5,2.5,2.5,2.5", "shoulder="),
+        ("4.5,2.5,2.5,2.5,2.5,2.5", "shoulder="),
+        ("tip=4.5,2.5,2.5,2.5,2.5", "2.5"),
+        ("tip=4.5,tip=4.5", "tip"),
+        ("tip=4.5,shoulder=x", "shoulder=x"),
+        ("tip=4.5,shoulder=4.5,corner1=0.2,corner2=2.5,corner3=2.5,corner4=2.5", "corner1"),
+        ("tip=nan,shoulder=2.5,corner1=2.5,corner2=2.5,corner3=2.5,corner4=2.5", "tip"),
+    ],
+)
 def test_readings_that_cannot_be_judged_are_one_line_with_the_names(given, named, tmp_path, capsys):
     folder = keep(tmp_path / "m", CROWN)
     assert record(folder, given, CROWN) == 2

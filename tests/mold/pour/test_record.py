@@ -71,15 +71,18 @@ def test_level_costs_half_its_wedge_and_a_puck_or_an_untabulated_pad_no_known_fo
     assert record.force_percent is None and record.accepted
 
 
-@pytest.mark.parametrize("given, code", [
-    (Measured((10.0,) * 4, MASS), "not_enough_data"),
-    (Measured((10.0, 10.0, 10.0, 10.0, 100.0), MASS), "out_of_range"),
-    (Measured((10.0, 10.0, 10.0, 10.0, float("nan")), MASS), "out_of_range"),
-    (Measured(EVEN, 1000.0 * MASS), "out_of_range"),
-    (Measured(EVEN, MASS, 0.025), "out_of_range"),
-    (Measured(EVEN, MASS, level_deg=-1.0), "out_of_range"),
-    (Measured(EVEN, MASS, bubbles=-1), "out_of_range"),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    "given, code",
+    [
+        (Measured((10.0,) * 4, MASS), "not_enough_data"),
+        (Measured((10.0, 10.0, 10.0, 10.0, 100.0), MASS), "out_of_range"),
+        (Measured((10.0, 10.0, 10.0, 10.0, float("nan")), MASS), "out_of_range"),
+        (Measured(EVEN, 1000.0 * MASS), "out_of_range"),
+        (Measured(EVEN, MASS, 0.025), "out_of_range"),
+        (Measured(EVEN, MASS, level_deg=-1.0), "out_of_range"),
+        (Measured(EVEN, MASS, bubbles=-1), "out_of_range"),
+    ],
+)
 def test_what_this_pad_cannot_have_is_refused_with_what_is_allowed(given, code):
     with raises_code(code):
         record_pad(given, SPEC)
@@ -107,8 +110,20 @@ def test_the_command_keeps_a_record_that_reads_back_and_names_what_is_missed(fol
 
 
 def test_weighed_masses_become_a_ratio_with_the_scale_s_error(folder, capsys):
-    words = ["mold", "record", str(folder), "--thickness", "10,10,10,10,10", "--mass", f"{MASS:.2f}", "--json",
-             "--modulus", f"{SPEC.pour.young_kPa:g}", "--modulus-error", "0.5"]  # fmt: skip
+    words = [
+        "mold",
+        "record",
+        str(folder),
+        "--thickness",
+        "10,10,10,10,10",
+        "--mass",
+        f"{MASS:.2f}",
+        "--json",
+        "--modulus",
+        f"{SPEC.pour.young_kPa:g}",
+        "--modulus-error",
+        "0.5",
+    ]
     assert cli.run([*words, "--weighed", "polyol=200.0,isocyanate=30.3", "--scale", "0.1"]) == 0
     record = read_record(json.loads(capsys.readouterr().out)["files"]["record"])
     assert record.weighed_ratio == pytest.approx(15.15) and record.young_sd_kPa == 0.5

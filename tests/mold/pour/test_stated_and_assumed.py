@@ -58,16 +58,28 @@ def test_every_set_of_missing_numbers_is_marked_in_sheet_sources_and_warnings():
         spec = mould_spec(8.0, 90.0, 70.0, resin=with_properties(drop=missing), ratio=15.0)
         text, codes = written(spec)
         assert set(spec.pour.assumed) == set(missing)
-        listed = {name for name in names if any(f" {name} = " in one and "(assumed)" in one for one in spec.sources
-                                                if one.startswith(f"resin {BASE.name} "))}  # fmt: skip
+        listed = {
+            name
+            for name in names
+            if any(
+                f" {name} = " in one and "(assumed)" in one
+                for one in spec.sources
+                if one.startswith(f"resin {BASE.name} ")
+            )
+        }
         assert listed == set(missing)
         assert ("assumed_numbers" in codes) == bool(missing)
         for name, (words, _) in ASSUMED.items():
             assert (name in missing) == (words in codes.get("assumed_numbers", ""))
         body = text.split("## Cautions")[0]
-        marks = {"pot_life_min": "min (assumed)", "cure_time_h": "h (assumed)", "shrinkage_percent": "% assumed",
-                 "age_before_test_days": "days (assumed)", "degas_pressure_kPa": "kPa (assumed)",
-                 "cure_temperature_C": " C (assumed)"}  # fmt: skip
+        marks = {
+            "pot_life_min": "min (assumed)",
+            "cure_time_h": "h (assumed)",
+            "shrinkage_percent": "% assumed",
+            "age_before_test_days": "days (assumed)",
+            "degas_pressure_kPa": "kPa (assumed)",
+            "cure_temperature_C": " C (assumed)",
+        }
         for name, words in marks.items():
             # A warm cure has a line of its own that a missing temperature never reaches.
             assert (name in missing) == bool(re.search(re.escape(words), body)), (name, missing)
@@ -76,8 +88,7 @@ def test_every_set_of_missing_numbers_is_marked_in_sheet_sources_and_warnings():
 def test_what_is_assumed_makes_no_other_mould_and_survives_the_file():
     whole = dict.fromkeys(_RESIN_FALLBACK)
     same = with_properties(**_RESIN_FALLBACK | {"shrinkage_percent": 1e-9})
-    missing = with_properties(drop=[name for name in whole if name != "shrinkage_percent"],
-                              shrinkage_percent=1e-9)  # fmt: skip
+    missing = with_properties(drop=[name for name in whole if name != "shrinkage_percent"], shrinkage_percent=1e-9)
     stated, assumed = (mould_spec(8.0, 90.0, 70.0, resin=one, ratio=15.0) for one in (same, missing))
     assert assumed.pour.assumed and not stated.pour.assumed
     assert dataclasses.replace(assumed, sources=stated.sources).hash == stated.hash
@@ -117,13 +128,24 @@ def test_without_a_vacuum_no_chamber_limits_the_batch():
     assert batches["none"] <= 0.5 < batches["cup"]
 
 
-@pytest.mark.parametrize(("text", "chemistry"), [
-    ("polyol isocyanate", "polyurethane"), ("Clear urethane rubber", "polyurethane"), ("PU gel", "polyurethane"),
-    ("PU gel, polyol with silicone oil", "polyurethane"), ("ecoflex-00-30", "platinum silicone"),
-    ("Dragon Skin 10", "platinum silicone"), ("platinum-cured silicone", "platinum silicone"),
-    ("silicone, tin-cured", "tin silicone"), ("tin_cure silicone rubber", "tin silicone"), ("PDMS 10:1", "silicone"),
-    ("Ballistic gelatin, bloom 250", "gelatin"), ("something", ""), ("vinyl silicone, martini grade", "silicone"),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("text", "chemistry"),
+    [
+        ("polyol isocyanate", "polyurethane"),
+        ("Clear urethane rubber", "polyurethane"),
+        ("PU gel", "polyurethane"),
+        ("PU gel, polyol with silicone oil", "polyurethane"),
+        ("ecoflex-00-30", "platinum silicone"),
+        ("Dragon Skin 10", "platinum silicone"),
+        ("platinum-cured silicone", "platinum silicone"),
+        ("silicone, tin-cured", "tin silicone"),
+        ("tin_cure silicone rubber", "tin silicone"),
+        ("PDMS 10:1", "silicone"),
+        ("Ballistic gelatin, bloom 250", "gelatin"),
+        ("something", ""),
+        ("vinyl silicone, martini grade", "silicone"),
+    ],
+)
 def test_chemistry_by_the_words_of_a_file(text, chemistry):
     assert guessed_chemistry(text) == chemistry
 
@@ -154,9 +176,17 @@ def test_one_fixed_mix_is_weighed(tmp_path):
     for by in ("weight", "volume"):
         young = dataclasses.replace(BASE.numbers["young_ref_kPa"], kind="measured")
         resin = dataclasses.replace(
-            BASE, name="fixed", ratio_min=85.0, ratio_max=85.0, ratio_step=1.0, ratio_by=by, law=LAWS["fixed"],
-            numbers={"young_kPa": young}, relaxation_ratio_ref=85.0, ratio_meaning=f"B per 100 A by {by}",
-        )  # fmt: skip
+            BASE,
+            name="fixed",
+            ratio_min=85.0,
+            ratio_max=85.0,
+            ratio_step=1.0,
+            ratio_by=by,
+            law=LAWS["fixed"],
+            numbers={"young_kPa": young},
+            relaxation_ratio_ref=85.0,
+            ratio_meaning=f"B per 100 A by {by}",
+        )
         again = load_resin(str(save_resin(resin, tmp_path / f"{by}.toml")))
         spec = mould_spec(8.0, 90.0, 70.0, resin=again, ratio=85.0)
         mix = batch_of(spec, spec.pour, pour_plan(spec)).mix
@@ -178,8 +208,9 @@ def test_what_the_mould_takes_is_what_is_poured():
 
 
 def test_pucks_mark_what_is_assumed(tmp_path):
-    path = save_resin(dataclasses.replace(with_properties(drop=("pot_life_min", "cure_time_h")), name="my"),
-                      tmp_path / "my.toml")  # fmt: skip
+    path = save_resin(
+        dataclasses.replace(with_properties(drop=("pot_life_min", "cure_time_h")), name="my"), tmp_path / "my.toml"
+    )
     spec = puck_spec(read_pucks("50x30"), resin=str(path), ratio=15.0)
     plan = puck_plan(spec)
     text = sheet_text(puck_sheet(spec, plan))

@@ -48,11 +48,14 @@ def test_sizes_as_typed_and_what_is_refused():
     assert read_pucks("50x30") == (Ring(50.0, 30.0),)
     assert read_pucks("50x30,40X25,50x30") == (Ring(50.0, 30.0, 2), Ring(40.0, 25.0))
     for text, code, quantity in (
-        ("50", "malformed", "puck"), ("50x30x20", "malformed", "puck"), ("axb", "malformed", "puck"),
-        ("5x5", "out_of_range", "puck_diameter"), ("50x5", "out_of_range", "puck_height"),
+        ("50", "malformed", "puck"),
+        ("50x30x20", "malformed", "puck"),
+        ("axb", "malformed", "puck"),
+        ("5x5", "out_of_range", "puck_diameter"),
+        ("50x5", "out_of_range", "puck_height"),
         ("100x10", "out_of_range", "puck_diameter_over_height"),
         (",".join(["50x30"] * 13), "out_of_range", "number_of_pucks"),
-    ):  # fmt: skip
+    ):
         with raises_code(code, quantity):
             read_pucks(text)
     with raises_code("not_applicable", "preset"):
@@ -81,9 +84,11 @@ def test_a_ring_prints_in_about_an_hour_where_the_silicone_mould_of_a_puck_takes
 
 
 def test_costs_load_no_cad():
-    code = ("import sys; from dummydesign.mold.puck.plan import ring_cost; ring_cost(); "
-            "from dummydesign.mold.pour.cost import mould_cost; from dummydesign.mold.model.preset import mould_spec; "
-            "mould_cost(mould_spec(10.0)); print('cadquery' in sys.modules, 'OCP' in sys.modules)")  # fmt: skip
+    code = (
+        "import sys; from dummydesign.mold.puck.plan import ring_cost; ring_cost(); "
+        "from dummydesign.mold.pour.cost import mould_cost; from dummydesign.mold.model.preset import mould_spec; "
+        "mould_cost(mould_spec(10.0)); print('cadquery' in sys.modules, 'OCP' in sys.modules)"
+    )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
     assert done.stdout.split() == ["False", "False"], done.stderr
 
@@ -167,12 +172,20 @@ def test_the_command_makes_checked_files_of_several_pucks_with_one_sheet(tmp_pat
     assert json.loads(capsys.readouterr().out) | {"seconds": 0} == answer | {"seconds": 0}
 
 
-@pytest.mark.parametrize("words, named", [
-    (["--count", "2"], "--count"), (["--castings", "3"], "--castings"), (["--shape", "crowned:20,2"], "--shape"),
-    (["--length", "100"], "--length"), (["--width", "80mm"], "--width"), (["--base-ratio", "20"], "--base-ratio"),
-    (["--face-sheet", "3"], "--face-sheet"), (["--bone", "b.stl", "--bone-height", "4"], "--bone, --bone-height"),
-    (["--bone-scale", "2", "--bone-turn", "0,0,9", "--bone-at", "1,0"], "--bone-scale, --bone-turn, --bone-at"),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    "words, named",
+    [
+        (["--count", "2"], "--count"),
+        (["--castings", "3"], "--castings"),
+        (["--shape", "crowned:20,2"], "--shape"),
+        (["--length", "100"], "--length"),
+        (["--width", "80mm"], "--width"),
+        (["--base-ratio", "20"], "--base-ratio"),
+        (["--face-sheet", "3"], "--face-sheet"),
+        (["--bone", "b.stl", "--bone-height", "4"], "--bone, --bone-height"),
+        (["--bone-scale", "2", "--bone-turn", "0,0,9", "--bone-at", "1,0"], "--bone-scale, --bone-turn, --bone-at"),
+    ],
+)
 def test_what_belongs_to_pads_is_refused_beside_a_puck(words, named, capsys):
     assert run(["mold", "--puck", "50x30", *words, "--json"]) == 2
     error = json.loads(capsys.readouterr().out)["error"]

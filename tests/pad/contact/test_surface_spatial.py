@@ -22,6 +22,7 @@ from dummydesign.pad.spatial.square_punch import Block, Cells, block_problem, so
 
 LAW = Yeoh(1.0)
 
+
 def rectangle_punch(half_sides, rim, centre=(0.0, 0.0)):
     return BeadedPunch((half_sides[0] - rim, half_sides[1] - rim), 0.0, rim, centre)
 

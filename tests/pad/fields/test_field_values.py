@@ -40,9 +40,16 @@ def pressed(scale: float = 1.0) -> Pressed:
     face = Face(top, radius, 0.0 * radius + 5.0, radius, pressure, 0.2 * pressure, state, 5.0)
     stress = scale * 0.01 * np.random.default_rng(3).standard_normal((len(places), 4))
     return Pressed(
-        1.0, 0.8, places + np.array([0.0, 6.0]), np.stack([0.01 * places[:, 0], 0.1 * places[:, 1]], axis=1),
-        meshes.cell_nodes(made), stress, np.ones((len(places), 3)), face, PUNCH,
-    )  # fmt: skip
+        1.0,
+        0.8,
+        places + np.array([0.0, 6.0]),
+        np.stack([0.01 * places[:, 0], 0.1 * places[:, 1]], axis=1),
+        meshes.cell_nodes(made),
+        stress,
+        np.ones((len(places), 3)),
+        face,
+        PUNCH,
+    )
 
 
 def test_principal_values_pressure_and_von_mises_are_those_of_the_whole_tensor():

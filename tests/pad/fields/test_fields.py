@@ -253,9 +253,7 @@ def test_cells_stand_upright_so_that_programs_find_their_area():
     assert np.abs(area).sum() == pytest.approx(10.0 * found.rest_mm[:, 0].max(), rel=1e-6)
 
 
-@pytest.mark.parametrize(
-    ("name", "code"), [("pad.vtk", "bad_name"), ("missing/pad.vtu", "file_unwritable")]
-)
+@pytest.mark.parametrize(("name", "code"), [("pad.vtk", "bad_name"), ("missing/pad.vtu", "file_unwritable")])
 def test_a_place_that_cannot_be_written_is_said_in_one_line(tmp_path, name, code):
     with raises_code(code):
         write_fields([pressed()], tmp_path / name)
@@ -303,11 +301,14 @@ WIDE = {"geometry": read_shape("crowned:21.2,2,9.4")}
 @pytest.mark.parametrize(
     ("more", "depths"),
     [
-        (WIDE, [0.2, 1.5, 2.0]), ({}, [0.05, 1.5]), ({"edge_radius_mm": 1.0}, [2.0]),
-        (WIDE | {"edge_radius_mm": 1.0}, [2.0]), ({"base": "friction:0.5"}, [0.4]),
+        (WIDE, [0.2, 1.5, 2.0]),
+        ({}, [0.05, 1.5]),
+        ({"edge_radius_mm": 1.0}, [2.0]),
+        (WIDE | {"edge_radius_mm": 1.0}, [2.0]),
+        ({"base": "friction:0.5"}, [0.4]),
         ({"condition": "frictionless"}, [0.2]),
     ],
-)  # fmt: skip
+)
 def test_the_contact_under_a_flat_punch_is_no_wider_than_the_punch(more, depths):
     radius = 7.8988
     found = [one.contact() for one in solve_fields(Pad(5.0, YOUNG_MPa, radius, **more), depths, coarse=True)[0]]

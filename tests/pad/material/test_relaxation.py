@@ -36,8 +36,11 @@ def test_it_is_the_hereditary_integral_on_an_uneven_grid():
             if time[k] < end:
                 kernel = quad(
                     lambda s: 1 + sum(a.beta * np.exp(-(end - s) / a.tau_s) for a in ARMS),
-                    time[k], min(time[k + 1], end), epsabs=1e-13, limit=200,
-                )[0]  # fmt: skip
+                    time[k],
+                    min(time[k + 1], end),
+                    epsabs=1e-13,
+                    limit=200,
+                )[0]
                 total += rate[k] * kernel
         return total
 

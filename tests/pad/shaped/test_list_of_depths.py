@@ -17,13 +17,15 @@ from dummydesign.pad.specimen import Pad
 CELLS = 6
 
 
-
-
 @pytest.mark.parametrize(
     ("shape", "more"),
-    [("crowned:2.4,3.5,7.8", {}), ("crowned:21.2,2,9.4", {"edge_radius_mm": 0.5}), ("boned:12,2", {}),
-     ("crowned:15,2", {"condition": "frictionless"})],
-)  # fmt: skip
+    [
+        ("crowned:2.4,3.5,7.8", {}),
+        ("crowned:21.2,2,9.4", {"edge_radius_mm": 0.5}),
+        ("boned:12,2", {}),
+        ("crowned:15,2", {"condition": "frictionless"}),
+    ],
+)
 def test_force_and_stated_error_do_not_know_the_other_depths(shape, more):
     pad = Pad(9.0, 0.03, 7.899, geometry=read_shape(shape), **more)
     wanted = 9.0 * np.array([0.05, 0.13])

@@ -192,6 +192,7 @@ def slab_curve(monkeypatch, **kind):
             pad, depth_mm = (words[1], words[2]) if name == "solve_on_lattice" else (words[0], words[1])
             asked.append((name, pad, np.asarray(depth_mm)))
             return PadCurve(asked[-1][2], asked[-1][2], asked[-1][2], dict(NO_COST))
+
         return solve
 
     for name in ("solve_on_lattice", "solve_curve", "solve_flat"):
@@ -224,12 +225,14 @@ def test_the_slab_of_a_table_ends_where_it_does_and_says_so():
 @pytest.mark.parametrize(
     ("kind", "by"),
     [
-        ({"poisson": 0.49}, "solve_curve"), ({"law": Yeoh(1.0, 0.2)}, "solve_curve"),
+        ({"poisson": 0.49}, "solve_curve"),
+        ({"law": Yeoh(1.0, 0.2)}, "solve_curve"),
         ({"extent_mm": 60.0}, "solve_curve"),
-        ({"condition": "frictionless"}, "solve_flat"), ({"poisson": 0.49, "edge_radius_mm": 0.8}, "solve_on_lattice"),
+        ({"condition": "frictionless"}, "solve_flat"),
+        ({"poisson": 0.49, "edge_radius_mm": 0.8}, "solve_on_lattice"),
         ({"radius_mm": 31.0, "extent_mm": PAD_EXTENT_MM}, "solve_curve"),
     ],
-)  # fmt: skip
+)
 def test_a_slab_that_no_table_holds_is_solved_in_millimetres(monkeypatch, kind, by):
     pad, curve, asked = slab_curve(monkeypatch, **kind)
     ((name, own, depth),) = asked

@@ -206,9 +206,11 @@ def test_a_round_pad_is_asked_in_a_meridian_plane_under_the_circle_of_the_punch_
         shaped_pad._open_depths(here, depths)
     count = len(asked)
     for other in (
-        load(half=(7.0, 7.0), offset=(1.0, 0.0)), load(Slab(), half=(7.0, 7.0)),
-        load(Bumped.proportioned(5.0, 0.3), half=(7.0, 7.0)), load(half=(7.0, 7.0), slab=(9.2, 9.2)),
-    ):  # fmt: skip
+        load(half=(7.0, 7.0), offset=(1.0, 0.0)),
+        load(Slab(), half=(7.0, 7.0)),
+        load(Bumped.proportioned(5.0, 0.3), half=(7.0, 7.0)),
+        load(half=(7.0, 7.0), slab=(9.2, 9.2)),
+    ):
         assert shaped_pad._open_depths(other, depths) == (pytest.approx(depths), None)
     assert len(asked) == count
 

@@ -153,9 +153,14 @@ def test_where_fine_cells_end_the_fields_of_coarser_ones_follow_and_it_says_so(m
 @pytest.mark.slow
 def test_a_study_of_designs_has_the_force_of_the_pad_asked_for_alone():
     study = Study(
-        (10.0,), (15.5,), (("round:15.8", 7.9),), fidelity="axisymmetric", conditions=("frictionless",),
-        edge_radii_mm=(0.5,), forces_N=(5.0,),
-    )  # fmt: skip
+        (10.0,),
+        (15.5,),
+        (("round:15.8", 7.9),),
+        fidelity="axisymmetric",
+        conditions=("frictionless",),
+        edge_radii_mm=(0.5,),
+        forces_N=(5.0,),
+    )
     row = whatif(study)["rows"][0]
     pad = Pad(10.0, 1e-3 * row["young_kPa"], 7.9, condition="frictionless", edge_radius_mm=0.5)
     force = solve_points(pad, np.array([row["depth_mm_at_N"]["5"]])).force_N

@@ -57,8 +57,13 @@ def test_a_curve_on_the_lattice_is_exact_where_its_logarithm_is_straight_over_th
     def solve(case, nodes, reach=None):
         asked.append(nodes)
         at = nodes[: reach or len(nodes)]
-        return {"depth": at, "stiffness": np.exp(1.0 + 2.0 * np.sqrt(at)), "error": 0.01 + 0.1 * np.sqrt(at),
-                "solver": dict(NO_COST), "stop": "ends" if reach else None}  # fmt: skip
+        return {
+            "depth": at,
+            "stiffness": np.exp(1.0 + 2.0 * np.sqrt(at)),
+            "error": 0.01 + 0.1 * np.sqrt(at),
+            "solver": dict(NO_COST),
+            "stop": "ends" if reach else None,
+        }
 
     pad = Pad(thickness, 0.03, 0.8 * thickness, extent_mm=3.0 * thickness)
     depth = thickness * np.array([0.0313, 0.1, 0.257])

@@ -59,16 +59,28 @@ def of_law(ratios, terms=1.0):
 @pytest.mark.parametrize("ratios", [np.array([0.8]), np.array([0.4, 0.8, 1.6])])
 def test_values_of_the_regression_s_own_form_give_their_limit_and_a_small_error(ratios):
     samples, many = of_law(ratios), len(ratios) > 1
-    limit = fit_limit(samples, ratios, np.exp(0.5 + 0.6 * np.log(ratios)), (0.0, 0.5),
-                      (ratios[0], ratios[-1]) if many else None, (4, 2 if many else 1))  # fmt: skip
+    limit = fit_limit(
+        samples,
+        ratios,
+        np.exp(0.5 + 0.6 * np.log(ratios)),
+        (0.0, 0.5),
+        (ratios[0], ratios[-1]) if many else None,
+        (4, 2 if many else 1),
+    )
     depth = np.linspace(0.0, 0.5, 6)
     for ratio in ratios:
         exact = 0.5 + 0.8 * depth + 0.6 * np.log(ratio)
         assert limit.log_stiffness(depth, ratio) == pytest.approx(exact, abs=2e-3)
         error = limit.error(depth[1:], ratio)
         assert np.all((error > VALUE_ERROR) & (error < VALUE_ERROR + LIMIT_ERROR * 0.05))
-    doubled = fit_limit(of_law(ratios, 2.0), ratios, np.exp(0.5 + 0.6 * np.log(ratios)), (0.0, 0.5),
-                        limit.ratio_range, (4, 2 if many else 1))  # fmt: skip
+    doubled = fit_limit(
+        of_law(ratios, 2.0),
+        ratios,
+        np.exp(0.5 + 0.6 * np.log(ratios)),
+        (0.0, 0.5),
+        limit.ratio_range,
+        (4, 2 if many else 1),
+    )
     # Twice the correction doubles what of the error comes from it.
     share = (doubled.error(depth[1:], ratios[0]) - VALUE_ERROR) / (limit.error(depth[1:], ratios[0]) - VALUE_ERROR)
     assert share == pytest.approx(np.full(5, 2.0), rel=0.3)

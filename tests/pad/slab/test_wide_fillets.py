@@ -265,9 +265,10 @@ def test_a_rubbing_path_that_ends_early_goes_on_with_the_softer_grip_and_doubts_
     full, soft = GRIPS
     coarse, fine = filleted.COARSE, filleted.FINE
     paths = {
-        (coarse, full): made([1.0, 2.0, 3.0, 4.0]), (fine, full): made([1.0, 2.0], "grip"),
+        (coarse, full): made([1.0, 2.0, 3.0, 4.0]),
+        (fine, full): made([1.0, 2.0], "grip"),
         (fine, soft): made([0.98, 1.96, 2.94, 3.92]),
-    }  # fmt: skip
+    }
     found = rubbing_with(monkeypatch, paths)
     # Made equal to the harder grip at the last depth that both reached, it goes on as that would.
     assert found["stiffness"] == pytest.approx(np.full(4, 10.0)) and found["stop"] is None

@@ -57,8 +57,18 @@ def walk(monkeypatch):
     """Follow a spring; iterations and ties of a step by its end, failures by a rule; all that was tried."""
     monkeypatch.setattr(continuation, "explain", lambda problem, u, p, depth, reason: f"{depth:.4f}: {reason}")
 
-    def go(depths, first=0.01, largest=0.04, smallest=1e-4, hard=lambda depth: EASY, ties=lambda depth: 0,
-           fails=lambda depth: None, J=lambda depth: 1.0, touches=False, **more):  # fmt: skip
+    def go(
+        depths,
+        first=0.01,
+        largest=0.04,
+        smallest=1e-4,
+        hard=lambda depth: EASY,
+        ties=lambda depth: 0,
+        fails=lambda depth: None,
+        J=lambda depth: 1.0,
+        touches=False,
+        **more,
+    ):
         tried = []
 
         def find(problem, u, p, depth, tolerance=1e-6, without_ties=False):
@@ -68,8 +78,14 @@ def walk(monkeypatch):
                 why = TIED
             if why:
                 return Failure(why, 9)
-            return Solution(np.array([-depth]), np.array([3.0 * depth]), Spring.State(depth, J(depth)), (1e-8,),
-                            ties(depth), hard(depth))  # fmt: skip
+            return Solution(
+                np.array([-depth]),
+                np.array([3.0 * depth]),
+                Spring.State(depth, J(depth)),
+                (1e-8,),
+                ties(depth),
+                hard(depth),
+            )
 
         monkeypatch.setattr(continuation, "find_equilibrium", find)
         problem = Spring(touches)

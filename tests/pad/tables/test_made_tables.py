@@ -125,9 +125,16 @@ def made_surface(anchored: bool) -> Response:
     levels = np.array([0.04, 0.16, 0.36, 0.64])
     trend = RNG.standard_normal((4, 6))
     return Response(
-        np.array([0.0, -1.0]), np.array([2.0, 3.0]), np.array([0.8, 0.5]), RNG.uniform([0, -1], [2, 3], (7, 2)), levels,
-        trend, RNG.standard_normal((4, 7)), RNG.uniform(0.4, 0.6, 7), anchored,
-    )  # fmt: skip
+        np.array([0.0, -1.0]),
+        np.array([2.0, 3.0]),
+        np.array([0.8, 0.5]),
+        RNG.uniform([0, -1], [2, 3], (7, 2)),
+        levels,
+        trend,
+        RNG.standard_normal((4, 7)),
+        RNG.uniform(0.4, 0.6, 7),
+        anchored,
+    )
 
 
 @pytest.mark.parametrize("anchored", [True, False])

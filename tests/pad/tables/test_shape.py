@@ -28,9 +28,11 @@ DESIGNS = designs()
 KINDS = list(tabulated_kinds())
 ROUND = [kind for kind in KINDS if kind != "bumped"]
 SHAPES = {
-    "crowned": Crowned(10.0, 3.0, 8.0), "layered": Layered(4.0, 0.3), "boned": Boned(9.1, 3.5, 7.2),
+    "crowned": Crowned(10.0, 3.0, 8.0),
+    "layered": Layered(4.0, 0.3),
+    "boned": Boned(9.1, 3.5, 7.2),
     "bumped": Bumped.proportioned(5.0, 0.25),
-}  # fmt: skip
+}
 
 
 def misses(kind):

@@ -146,8 +146,9 @@ def test_what_cannot_be_known_is_refused(monkeypatch, tmp_path):
 
 
 def test_the_stated_error_of_a_factor_adds_cells_scatter_and_what_is_extrapolated():
-    curve = FactorCurve(np.array([0.1, 0.5]), np.array([1.0]), np.array([2.0]), 0.5, {0.45: 0.1, 0.2: 0.05},
-                        {0.28: 0.5}, 1e-3, 2e-3, {})  # fmt: skip
+    curve = FactorCurve(
+        np.array([0.1, 0.5]), np.array([1.0]), np.array([2.0]), 0.5, {0.45: 0.1, 0.2: 0.05}, {0.28: 0.5}, 1e-3, 2e-3, {}
+    )
     value, error = curve.factor(np.array([0.04, 0.08, 0.3, 0.6]))
     half_of = np.array([0.2 * 1.0, 0.45 * 1.0, 0.28 * 2.0, 0.28 * 2.0]) * CORRECTION_ERROR
     scatter = 2.0 * np.array([1e-3, 1e-3, 2e-3, 2e-3])

@@ -28,9 +28,12 @@ def test_the_published_anchor_is_met(polyurethane):
 def test_every_law_is_inverted_by_its_ratio(name):
     law = LAWS[name]
     central = {
-        "young_ref_kPa": 25.0, "ratio_ref": 15.0, "gel_ratio_over_ref": 0.86, "exponent": 2.4,
+        "young_ref_kPa": 25.0,
+        "ratio_ref": 15.0,
+        "gel_ratio_over_ref": 0.86,
+        "exponent": 2.4,
         "young_neat_kPa": 60.0,
-    }  # fmt: skip
+    }
     ratios = np.linspace(13.5, 60.0, 50)
     young = law.young_kPa(ratios, central)
     assert np.all(np.diff(young) * law.direction > 0)

@@ -41,13 +41,29 @@ def with_densities(resin, fixed, varied):
     return dataclasses.replace(resin, liquids=tuple(liquids))
 
 
-@pytest.mark.parametrize("wording", [
-    "B per 100 A by volume", "B per 100 A by vol.", "B per 100 A (v/v)", "B per 100 A, V:V", "ml B per 100 ml A",
-    "B per 100 A in mL", "volumetric parts B per 100 A", "B per 100 A vol/vol", "Vol.-Teile B per 100 Teile A",
-    "Volumenteile B per 100 A", "en volume B per 100 A", "B per 100 cm3 of A", "B cc per 100 cc A", "体積比 B/A 100",
-    "B per 100 A, parts pbv", "cups of B per 100 cups of A", "litres of B per 100 litres of A",
-    "B per 100 A by weight or volume",
-])  # fmt: skip
+@pytest.mark.parametrize(
+    "wording",
+    [
+        "B per 100 A by volume",
+        "B per 100 A by vol.",
+        "B per 100 A (v/v)",
+        "B per 100 A, V:V",
+        "ml B per 100 ml A",
+        "B per 100 A in mL",
+        "volumetric parts B per 100 A",
+        "B per 100 A vol/vol",
+        "Vol.-Teile B per 100 Teile A",
+        "Volumenteile B per 100 A",
+        "en volume B per 100 A",
+        "B per 100 cm3 of A",
+        "B cc per 100 cc A",
+        "体積比 B/A 100",
+        "B per 100 A, parts pbv",
+        "cups of B per 100 cups of A",
+        "litres of B per 100 litres of A",
+        "B per 100 A by weight or volume",
+    ],
+)
 def test_volume_in_any_usual_words_is_refused_until_it_is_declared(tmp_path, wording):
     with raises_code("missing", "ratio_by"):
         load_resin(file_with(tmp_path, wording))
@@ -55,11 +71,19 @@ def test_volume_in_any_usual_words_is_refused_until_it_is_declared(tmp_path, wor
     assert by_volume.ratio_by == "volume" and "by volume" in by_volume.ratio_meaning
 
 
-@pytest.mark.parametrize("wording", [
-    "B per 100 A by weight", "thinner per 100 A+B by weight", "B per 100 A", "g of B per 100 g of A", "B per 100 A w/w",
-    "phr of involved filler", "B per 100 of the volatile A by mass",
-    "parts of mixed resin, A and B as the supplier says",
-])  # fmt: skip
+@pytest.mark.parametrize(
+    "wording",
+    [
+        "B per 100 A by weight",
+        "thinner per 100 A+B by weight",
+        "B per 100 A",
+        "g of B per 100 g of A",
+        "B per 100 A w/w",
+        "phr of involved filler",
+        "B per 100 of the volatile A by mass",
+        "parts of mixed resin, A and B as the supplier says",
+    ],
+)
 def test_older_files_by_weight_are_read_as_before(tmp_path, wording):
     resin = load_resin(file_with(tmp_path, wording))
     assert (resin.ratio_by, resin.ratio_per, resin.ratio_meaning) == ("weight", "others", wording)
@@ -71,15 +95,18 @@ def test_volume_in_the_title_alone_is_asked_about(tmp_path):
         load_resin(file_with(tmp_path, "B per 100 A", title='title = "Gel, 1A:1B by volume"'))
 
 
-@pytest.mark.parametrize(("meaning", "more", "code"), [
-    ("B per 100 A by weight", 'ratio_by = "volume"', "inconsistent"),
-    ("B per 100 A by volume", 'ratio_by = "weight"', "inconsistent"),
-    ("g of B per 100 ml of A", "", "unsupported"),
-    ("B per 100 A, w/v", 'ratio_by = "weight"', "unsupported"),
-    ("B in % of the mix by weight", "", "missing"),
-    ("B in 100 of the total by weight", "", "missing"),
-    ("B per 100 A", 'ratio_by = "mass"', "unknown_name"),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("meaning", "more", "code"),
+    [
+        ("B per 100 A by weight", 'ratio_by = "volume"', "inconsistent"),
+        ("B per 100 A by volume", 'ratio_by = "weight"', "inconsistent"),
+        ("g of B per 100 ml of A", "", "unsupported"),
+        ("B per 100 A, w/v", 'ratio_by = "weight"', "unsupported"),
+        ("B in % of the mix by weight", "", "missing"),
+        ("B in 100 of the total by weight", "", "missing"),
+        ("B per 100 A", 'ratio_by = "mass"', "unknown_name"),
+    ],
+)
 def test_contradictions_and_other_meanings_are_refused(tmp_path, meaning, more, code):
     with raises_code(code):
         load_resin(file_with(tmp_path, meaning, more))

@@ -42,7 +42,7 @@ def changed(tmp_path, old, new, count=1):
         ("[property.pot_life_min]", "[property.potlife]", "unknown_key"),
         ('name = "polyurethane-nagoya"', "", "missing"),
     ],
-)  # fmt: skip
+)
 def test_a_wrong_file_is_refused_with_its_reason(tmp_path, old, new, code):
     with raises_code(code):
         load_resin(str(changed(tmp_path, old, new)))

@@ -160,8 +160,9 @@ def held(tmp_path_factory):
     force = relaxed(time, YOUNG_KPA * frictionless(x / 28.0, 42.0, 2.0), ((1.2, 0.3), (10.0, 0.15)))
     force += 0.01 * np.random.default_rng(8).normal(size=len(time))
     file = tmp_path_factory.mktemp("held") / "held.csv"
-    np.savetxt(file, np.column_stack([time, x, force]), delimiter=",", header="time_s,displacement_mm,force_N",
-               comments="")  # fmt: skip
+    np.savetxt(
+        file, np.column_stack([time, x, force]), delimiter=",", header="time_s,displacement_mm,force_N", comments=""
+    )
     return file
 
 
@@ -182,16 +183,38 @@ def test_holds_give_the_long_term_modulus_and_arms_that_go_into_the_resin(held, 
     for arm in found["prony"]:
         assert any(abs(time / arm["tau_s"]["value"] - 1.0) < 1e-6 for time in times)
     assert any("holds show" in note for note in kept.notes)
-    assert run(["predict", "--resin", "batch", "--ratio", "15", "--thickness", "15", "--force", "10", "--velocity",
-                "10", "--json"]) == 0  # fmt: skip
+    assert (
+        run(
+            [
+                "predict",
+                "--resin",
+                "batch",
+                "--ratio",
+                "15",
+                "--thickness",
+                "15",
+                "--force",
+                "10",
+                "--velocity",
+                "10",
+                "--json",
+            ]
+        )
+        == 0
+    )
 
 
 def test_a_hold_too_deep_for_the_table_is_refused_with_what_to_do(tmp_path, monkeypatch, capsys):
     monkeypatch.setenv("DUMMYDESIGN_HOME", str(tmp_path))
     time, x = ramps((0.57,), 28.0, 1.0, 30.0)
     file = tmp_path / "deep.csv"
-    np.savetxt(file, np.column_stack([time, x, np.maximum(x, 0.0)]), delimiter=",", comments="",
-               header="time_s,displacement_mm,force_N")  # fmt: skip
+    np.savetxt(
+        file,
+        np.column_stack([time, x, np.maximum(x, 0.0)]),
+        delimiter=",",
+        comments="",
+        header="time_s,displacement_mm,force_N",
+    )
     assert run(command(file, diameter=42, height=28)) == 2
     assert "holds at 16 mm; one must lie between 0.84 and 14 mm" in capsys.readouterr().err
 

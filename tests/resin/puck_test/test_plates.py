@@ -40,8 +40,9 @@ def half(fit):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("plates", "declared"), [("friction:0.05", "lubricated"), ("bonded", "bonded"),
-                                                  ("friction:0.12", "0.12")])  # fmt: skip
+@pytest.mark.parametrize(
+    ("plates", "declared"), [("friction:0.05", "lubricated"), ("bonded", "bonded"), ("friction:0.12", "0.12")]
+)
 def test_declared_plates_narrow_the_modulus_and_hold_the_truth(plates, declared):
     curves, table = made(30.0, 2.0, plates, [("A1", 0.1, 1.0)]), load_puck_table()
     free = fit_pucks(curves, 50.0, 30.0, table, WINDOW)

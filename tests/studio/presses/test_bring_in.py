@@ -27,8 +27,10 @@ def test_a_folder_with_its_campaign_file_is_taken_as_it_is(root):
     folder = bring_in.bring_in(root, "may")
     assert folder == "campaigns/may"
     assert {path.name: path.read_bytes() for path in (root / folder).iterdir()} == {
-        "campaign.toml": TOML, "t05_v010_f03_1.csv": b"1,2\n", "notes.txt": b"words",
-    }  # fmt: skip
+        "campaign.toml": TOML,
+        "t05_v010_f03_1.csv": b"1,2\n",
+        "notes.txt": b"words",
+    }
     assert bring_in.waiting(root) == []
 
 

@@ -19,7 +19,7 @@ side_mm = 14.0
 """ + "".join(
     f'[[trial]]\nfile = "{name}.csv"\nthickness_mm = 6.0\nvelocity_mm_s = {speed}\ntarget_force_N = {force}\n'
     for name, speed, force in (("a", 2.0, 3.0), ("b", 2.0, 9.0))
-)  # fmt: skip
+)
 
 
 def trace(force=3.0):

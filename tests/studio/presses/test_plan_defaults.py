@@ -15,8 +15,15 @@ from tests.support.refusal import raises_code
 def mould(root, name, thickness, shape="slab", ratio=15.0, date="2026-01-01"):
     folder = root / "moulds" / name
     folder.mkdir(parents=True)
-    inputs = {"shape": shape, "thickness_mm": thickness, "length_mm": 80.0, "width_mm": 60.0, "preset": "open",
-              "resin": "polyurethane-nagoya", "ratio": ratio}  # fmt: skip
+    inputs = {
+        "shape": shape,
+        "thickness_mm": thickness,
+        "length_mm": 80.0,
+        "width_mm": 60.0,
+        "preset": "open",
+        "resin": "polyurethane-nagoya",
+        "ratio": ratio,
+    }
     told = {"command": "mold", "finished": True, "date": date, "inputs": inputs}
     (folder / "manifest.json").write_text(json.dumps(told), encoding="utf-8")
 
@@ -53,9 +60,16 @@ def test_a_plan_that_is_changed_begins_with_its_own_values(tmp_path):
     assert plan_defaults.plan_of(tmp_path, "campaigns/first") == {}
     inputs = {
         "set_up": {"resin": "r", "ratio": 15.0, "pad": "80x60", "punch": "round:12", "shape": "slab"},
-        "design": {"pads_mm": [6.0, 15.0], "velocities_mm_s": [10.0], "targets": [3.0, 9.0], "by_depth": False,
-                   "repeats": 3, "ages_days": [9.0], "hold_s": 5.0},
-    }  # fmt: skip
+        "design": {
+            "pads_mm": [6.0, 15.0],
+            "velocities_mm_s": [10.0],
+            "targets": [3.0, 9.0],
+            "by_depth": False,
+            "repeats": 3,
+            "ages_days": [9.0],
+            "hold_s": 5.0,
+        },
+    }
     (folder / "manifest.json").write_text(json.dumps({"command": "campaign new", "inputs": inputs}), encoding="utf-8")
     found = plan_defaults.plan_of(tmp_path, "campaigns/first")
     assert found["pads"] == "6,15" and found["forces"] == "3,9" and found["repeats"] == 3 and found["pad"] == "80x60"

@@ -28,8 +28,9 @@ lowpass_order = 2
 lowpass_passes = 1
 """ + "".join(
     f'[[trial]]\nfile = "t{pad}_{k}.csv"\nthickness_mm = {pad}.0\nvelocity_mm_s = 10.0\n'
-    for pad in (6, 15) for k in (1, 2, 3)
-)  # fmt: skip
+    for pad in (6, 15)
+    for k in (1, 2, 3)
+)
 
 
 @pytest.fixture
@@ -84,8 +85,15 @@ def test_records_are_those_of_the_moulds_of_the_pad(project):
     for name, thickness in (("a", 6.0), ("b", 15.0)):
         folder = project.root / "moulds" / name
         folder.mkdir(parents=True)
-        inputs = {"shape": "slab", "thickness_mm": thickness, "length_mm": 150.0, "width_mm": 120.0,
-                  "preset": "open", "resin": "polyurethane-nagoya", "ratio": 15.0}  # fmt: skip
+        inputs = {
+            "shape": "slab",
+            "thickness_mm": thickness,
+            "length_mm": 150.0,
+            "width_mm": 120.0,
+            "preset": "open",
+            "resin": "polyurethane-nagoya",
+            "ratio": 15.0,
+        }
         told = {"command": "mold", "finished": True, "date": "", "inputs": inputs}
         (folder / "manifest.json").write_text(json.dumps(told), encoding="utf-8")
         (folder / "record.json").write_text("{}", encoding="utf-8")

@@ -168,10 +168,13 @@ def test_the_command_takes_the_test_and_says_it(palm, tmp_path, capsys, monkeypa
     assert run([*words, *own]) == 0
     assert "2 to 4 N" in capsys.readouterr().out
     for wrong, said in (
-        (["--force", "0"], "force in N = 0"), (["--hold", "0.001"], "hold in s = 0.001"),
-        (["--punch", "plate"], "puck"), (["--edge-radius", "9"], "edge"),
-        (["--deceleration", "-1"], "deceleration in mm/s2 = -1"), (["--force", "40"], "no press belongs to the test"),
-    ):  # fmt: skip
+        (["--force", "0"], "force in N = 0"),
+        (["--hold", "0.001"], "hold in s = 0.001"),
+        (["--punch", "plate"], "puck"),
+        (["--edge-radius", "9"], "edge"),
+        (["--deceleration", "-1"], "deceleration in mm/s2 = -1"),
+        (["--force", "40"], "no press belongs to the test"),
+    ):
         assert run([*words, *wrong]) == 2, wrong
         lines = capsys.readouterr().err.strip().splitlines()
         assert len(lines) == 1 and said in lines[0], (wrong, lines)

@@ -58,9 +58,10 @@ def test_intervals_count_the_offsets_as_unknown():
         for fit in (known, free)
     ]
     assert widths[1] > 1.5 * widths[0]
-    assert all(row["low_mm"] < 0.0 < row["high_mm"] for row in free.result["contact_offsets"]) or max(
-        abs(row["value_mm"]) for row in free.result["contact_offsets"]
-    ) < 0.005
+    assert (
+        all(row["low_mm"] < 0.0 < row["high_mm"] for row in free.result["contact_offsets"])
+        or max(abs(row["value_mm"]) for row in free.result["contact_offsets"]) < 0.005
+    )
     assert "proposed_contact_offsets" not in known.result and not said(known, "contact_offsets")
 
 

@@ -1,6 +1,5 @@
 """The fit: recovery from an independent integrator's traces, coverage of intervals, and what is said."""
 
-
 import numpy as np
 import pytest
 

@@ -179,8 +179,12 @@ def test_the_depth_for_a_steady_force_gives_that_force_at_the_end_of_the_hold():
 
 def test_parameters_are_named_by_their_arms_and_units():
     assert law_named("ode").parameter_names(5) == [
-        "gamma1_N_per_mm3", "gamma2_N_per_mm3", "gamma3_N_per_mm3", "c2_N_s_per_mm", "c3_N_s_per_mm"
-    ]  # fmt: skip
+        "gamma1_N_per_mm3",
+        "gamma2_N_per_mm3",
+        "gamma3_N_per_mm3",
+        "c2_N_s_per_mm",
+        "c3_N_s_per_mm",
+    ]
 
 
 @pytest.mark.parametrize(

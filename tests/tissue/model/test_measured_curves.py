@@ -26,8 +26,14 @@ from tests.support.judged_pads import judged
 from tests.support.power_pads import pads
 from tests.support.refusal import raises_code
 
-NEAR = {"peak_low_N": 0.006, "peak_high_N": 0.006, "energy_low_mJ": 0.015, "energy_high_mJ": 0.015, "stiff_mm": 0.003,
-        "soft_mm": 0.003}  # fmt: skip
+NEAR = {
+    "peak_low_N": 0.006,
+    "peak_high_N": 0.006,
+    "energy_low_mJ": 0.015,
+    "energy_high_mJ": 0.015,
+    "stiff_mm": 0.003,
+    "soft_mm": 0.003,
+}
 """What the presses between those that were made may be off, for forces 1.3 to 1.7 apart."""
 FORCES, SPEEDS = (5.0, 10.0, 15.0), (10.0, 250.0)
 
@@ -89,13 +95,18 @@ def test_the_verdict_is_what_the_forces_say_directly(people, by_hand):
                 if a != b:
                     # only where the pad stands within the error of the ranges of a border
                     widened = [
-                        dataclasses.replace(by_hand, **{
-                            key: getattr(by_hand, key) * (1.0 + sign * share * (1 if key in LOWER else -1))
-                            for key, share in NEAR.items()
-                        }) for sign in (-1.0, 1.0)
-                    ]  # fmt: skip
-                    one = readings.__class__(readings.peak_N[[number]], readings.energy_mJ[[number]],
-                                             readings.depth_mm[[number]])  # fmt: skip
+                        dataclasses.replace(
+                            by_hand,
+                            **{
+                                key: getattr(by_hand, key) * (1.0 + sign * share * (1 if key in LOWER else -1))
+                                for key, share in NEAR.items()
+                            },
+                        )
+                        for sign in (-1.0, 1.0)
+                    ]
+                    one = readings.__class__(
+                        readings.peak_N[[number]], readings.energy_mJ[[number]], readings.depth_mm[[number]]
+                    )
                     assert judged(widened[0], one) != judged(widened[1], one)
                     near += 1
     assert {how for _, how in seen} >= {"inside", "low", "high"}
@@ -150,12 +161,14 @@ def test_there_are_no_parameters_and_the_other_parts_of_the_score_make_the_total
 
 @pytest.mark.parametrize(
     ("forces", "speeds", "hold", "said"),
-    [((5.0, 10.0, 25.0), SPEEDS, 10.0, "--force within 3.75 to 19.2 N"),
-     ((2.0, 10.0, 15.0), SPEEDS, 10.0, "2 N at 10 mm/s"),
-     (FORCES, (10.0, 500.0), 10.0, "--velocity 10,250"),
-     (FORCES, (2.0, 250.0), 10.0, "--velocity 10,250"),
-     (FORCES, SPEEDS, 30.0, "--hold 10")],
-)  # fmt: skip
+    [
+        ((5.0, 10.0, 25.0), SPEEDS, 10.0, "--force within 3.75 to 19.2 N"),
+        ((2.0, 10.0, 15.0), SPEEDS, 10.0, "2 N at 10 mm/s"),
+        (FORCES, (10.0, 500.0), 10.0, "--velocity 10,250"),
+        (FORCES, (2.0, 250.0), 10.0, "--velocity 10,250"),
+        (FORCES, SPEEDS, 30.0, "--hold 10"),
+    ],
+)
 def test_what_was_not_pressed_is_refused_in_one_line_with_what_was(people, forces, speeds, hold, said):
     with pytest.raises(InputError) as told:
         make_targets(people, "average", Sampling(hold_s=hold), Protocol(forces, speeds))
@@ -216,12 +229,14 @@ def test_the_file_is_read_as_it_was_written(people, tmp_path):
 
 @pytest.mark.parametrize(
     ("old", "new", "code", "quantity"),
-    [("velocity_mm_s = 10", "velocity_mm_s = -1", "out_of_range", "subject.press.velocity_mm_s"),
-     ("rise_force_N = [", "rise_force_N = [1, ", "malformed", "subject.press.rise_force_N"),
-     ("hold_time_s = [0, ", "hold_time_s = [", "malformed", "subject.press.hold_time_s"),
-     ("depth_mm", "depht_mm", "unknown_key", "subject.press.depht_mm"),
-     ('kind = "measured"', 'kind = "guessed"', "unknown_name", "subject.kind")],
-)  # fmt: skip
+    [
+        ("velocity_mm_s = 10", "velocity_mm_s = -1", "out_of_range", "subject.press.velocity_mm_s"),
+        ("rise_force_N = [", "rise_force_N = [1, ", "malformed", "subject.press.rise_force_N"),
+        ("hold_time_s = [0, ", "hold_time_s = [", "malformed", "subject.press.hold_time_s"),
+        ("depth_mm", "depht_mm", "unknown_key", "subject.press.depht_mm"),
+        ('kind = "measured"', 'kind = "guessed"', "unknown_name", "subject.kind"),
+    ],
+)
 def test_a_damaged_file_names_itself_and_the_line(people, tmp_path, old, new, code, quantity):
     path = tmp_path / "bad.toml"
     text = tissue_toml(people).replace(old, new, 1)

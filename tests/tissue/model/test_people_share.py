@@ -9,9 +9,15 @@ from tests.support.refusal import raises_code
 
 # ISO 16269-6:2014 and Hahn and Meeker 1991, one-sided factors with 95 % confidence
 FACTORS = {
-    (2, 0.95): 26.260, (5, 0.90): 3.407, (5, 0.95): 4.203, (5, 0.99): 5.741, (10, 0.95): 2.911, (15, 0.95): 2.566,
-    (40, 0.95): 2.125, (100, 0.95): 1.927,
-}  # fmt: skip
+    (2, 0.95): 26.260,
+    (5, 0.90): 3.407,
+    (5, 0.95): 4.203,
+    (5, 0.99): 5.741,
+    (10, 0.95): 2.911,
+    (15, 0.95): 2.566,
+    (40, 0.95): 2.125,
+    (100, 0.95): 1.927,
+}
 
 
 @pytest.mark.parametrize(("n", "share"), FACTORS)
@@ -103,7 +109,13 @@ def test_one_subject_is_refused():
 def test_an_aim_is_read_with_its_percentage():
     assert share_of_aim("people:95") == share_of_aim("People: 95%") == 0.95
     assert share_of_aim("average") is None and share_of_aim("subject:people") is None
-    for typed, code in (("0", "out_of_range"), ("100", "out_of_range"), ("nan", "out_of_range"), ("-5", "out_of_range"),
-                        ("abc", "not_a_number"), ("", "not_a_number")):  # fmt: skip
+    for typed, code in (
+        ("0", "out_of_range"),
+        ("100", "out_of_range"),
+        ("nan", "out_of_range"),
+        ("-5", "out_of_range"),
+        ("abc", "not_a_number"),
+        ("", "not_a_number"),
+    ):
         with raises_code(code, "aim"):
             share_of_aim(f"people:{typed}")

@@ -51,8 +51,14 @@ def test_curves_of_people_who_follow_the_law_give_the_verdict_that_the_law_gives
     add_curves("same", str(law_table(tmp_path / "c.csv", law)), "none", "5")
     by_law, by_curves = (make_targets(tissue, "average", Sampling()) for tissue in (law, load_tissue("same")))
     a, b = ranges_of(by_law), ranges_of(by_curves)
-    for edge, near in (("peak_low_N", 0.008), ("peak_high_N", 0.008), ("energy_low_mJ", 0.01), ("energy_high_mJ", 0.01),
-                       ("stiff_mm", 0.003), ("soft_mm", 0.003)):  # fmt: skip
+    for edge, near in (
+        ("peak_low_N", 0.008),
+        ("peak_high_N", 0.008),
+        ("energy_low_mJ", 0.01),
+        ("energy_high_mJ", 0.01),
+        ("stiff_mm", 0.003),
+        ("soft_mm", 0.003),
+    ):
         np.testing.assert_allclose(getattr(b, edge), getattr(a, edge), rtol=near, err_msg=edge)
     stiffness = law.target().gamma1_N_per_mm3 * np.geomspace(0.25, 3.0, 60)
     found = [
@@ -96,8 +102,9 @@ def test_the_curves_are_kept_where_the_law_does_not_follow_and_that_is_said_with
     said = {warning["code"]: warning["message"] for warning in found["warnings"]}
     row = found["law_misfit"][0]
     assert row["repeats"] and row["misfit_percent"] > 2.0 * row["scatter_percent"]
-    assert f"ada by {row['misfit_percent']:.1f} % (repeats scatter by {row['scatter_percent']:.1f} %)" in (
-        said["law_does_not_follow"]
+    assert (
+        f"ada by {row['misfit_percent']:.1f} % (repeats scatter by {row['scatter_percent']:.1f} %)"
+        in (said["law_does_not_follow"])
     )
     assert "one_subject" in said and "measured_curves" in said
 

@@ -68,12 +68,14 @@ def test_a_person_without_a_hold_has_no_steady_force(tmp_path):
 
 @pytest.mark.parametrize(
     ("text", "code"),
-    [("subject,depth_mm,force_N\na,1,1\n", "missing"),
-     ("subject,velocity_mm_s,time_s,depth_mm,force_N\n", "nothing_found"),
-     ("subject,velocity_mm_s,time_s,depth_mm,force_N\na,0,0,1,1\n", "out_of_range"),
-     ("subject,velocity_mm_s,time_s,depth_mm,force_N\na,10,0,x,1\n", "not_a_number"),
-     ("subject,velocity_mm_s,time_s,depth_mm,force_N\na,10,0,1,1\n", "not_enough_data")],
-)  # fmt: skip
+    [
+        ("subject,depth_mm,force_N\na,1,1\n", "missing"),
+        ("subject,velocity_mm_s,time_s,depth_mm,force_N\n", "nothing_found"),
+        ("subject,velocity_mm_s,time_s,depth_mm,force_N\na,0,0,1,1\n", "out_of_range"),
+        ("subject,velocity_mm_s,time_s,depth_mm,force_N\na,10,0,x,1\n", "not_a_number"),
+        ("subject,velocity_mm_s,time_s,depth_mm,force_N\na,10,0,1,1\n", "not_enough_data"),
+    ],
+)
 def test_what_is_no_table_of_curves_is_refused_with_its_line(tmp_path, text, code):
     path = tmp_path / "c.csv"
     path.write_text(text, encoding="utf-8")

@@ -23,19 +23,29 @@ def gamma1(folder, head, factor=(1.0, 1.0), separator=",", decimal=".", encoding
 
 @pytest.mark.parametrize(
     ("head", "factor"),
-    [("subject,depth_mm,force_N", (1.0, 1.0)), ("Subject,Depth (cm),Force (mN)", (0.1, 1e3)),
-     ("subject,depth_m,force_gf", (1e-3, 1 / 9.80665e-3)), ("Proband,Eindringtiefe [um],Kraft [kN]", (1e3, 1e-3)),
-     ("Person,Indentation in mm,Load_N", (1.0, 1.0))],
-)  # fmt: skip
+    [
+        ("subject,depth_mm,force_N", (1.0, 1.0)),
+        ("Subject,Depth (cm),Force (mN)", (0.1, 1e3)),
+        ("subject,depth_m,force_gf", (1e-3, 1 / 9.80665e-3)),
+        ("Proband,Eindringtiefe [um],Kraft [kN]", (1e3, 1e-3)),
+        ("Person,Indentation in mm,Load_N", (1.0, 1.0)),
+    ],
+)
 def test_names_and_units_of_points_are_read(tmp_path, head, factor):
     assert gamma1(tmp_path, head, factor) == pytest.approx(0.06, rel=1e-3)
 
 
 @pytest.mark.parametrize(
     "form",
-    [{"separator": ";", "decimal": ","}, {"separator": ";"}, {"separator": "\t", "decimal": ",", "encoding": "utf-16"},
-     {"decimal": ",", "quote": '"'}, {"encoding": "utf-8-sig"}, {"separator": " "}],
-)  # fmt: skip
+    [
+        {"separator": ";", "decimal": ","},
+        {"separator": ";"},
+        {"separator": "\t", "decimal": ",", "encoding": "utf-16"},
+        {"decimal": ",", "quote": '"'},
+        {"encoding": "utf-8-sig"},
+        {"separator": " "},
+    ],
+)
 def test_any_separator_decimal_sign_and_encoding_is_read(tmp_path, form):
     head = "subject,depth_mm,force_N".replace(",", form.get("separator", ","))
     assert gamma1(tmp_path, head, **form) == pytest.approx(0.06, rel=1e-6)

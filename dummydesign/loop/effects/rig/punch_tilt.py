@@ -25,8 +25,7 @@ class PunchTilt(Effect):
     signature = "rounded toe of fixed width in mm, largest share at small depth"
     cause = "punch or base plate that is not level"
     remedy = (
-        "level the punch with a feeler gauge or marking paper, "
-        "and turn the pad by 90 degrees to see the force change"
+        "level the punch with a feeler gauge or marking paper, and turn the pad by 90 degrees to see the force change"
     )
     reference = "Kauzlarich, J. Mater. Sci. Lett. 11 (1992); strip (Winkler) estimate"
 

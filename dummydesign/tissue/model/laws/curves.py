@@ -51,16 +51,24 @@ class Curves(MaxwellLaw):
         return float(np.mean(np.log(ends[1] / ends[0]) / (depth[:, 1] - depth[:, 0])))
 
     def held_depths(
-        self, subjects: Sequence[Any], force_N: NDArray, velocity_mm_s: float, hold_s: float,
+        self,
+        subjects: Sequence[Any],
+        force_N: NDArray,
+        velocity_mm_s: float,
+        hold_s: float,
         deceleration_mm_s2: float,
-    ) -> NDArray:  # fmt: skip
+    ) -> NDArray:
         """Depths on the steady curves, shape (subjects, n). [mm]"""
         return np.stack([one.depth_mm(force_N, hold_s) for one in subjects])
 
     def press(
-        self, subjects: Sequence[Any], force_N: float, velocity_mm_s: float, hold_s: float,
+        self,
+        subjects: Sequence[Any],
+        force_N: float,
+        velocity_mm_s: float,
+        hold_s: float,
         deceleration_mm_s2: float,
-    ) -> tuple[Motion, NDArray, NDArray]:  # fmt: skip
+    ) -> tuple[Motion, NDArray, NDArray]:
         """The press of each to a force at the end of the hold, between those that were made."""
         self.check(subjects, force_N, velocity_mm_s, hold_s)
         depth = np.array([float(one.depth_mm(force_N, hold_s)) for one in subjects])
@@ -84,8 +92,9 @@ class Curves(MaxwellLaw):
             f"{force_N:g} N at {velocity_mm_s:g} mm/s, held {hold_s:g} s, was not pressed: the tissue is measured "
             "curves, without a law that would carry them on; all its subjects were pressed "
             f"{known_words(people, hold)}",
-            "out_of_range", "velocity_mm_s" if span is None else "hold_s" if too_long else "force_N",
-        )  # fmt: skip
+            "out_of_range",
+            "velocity_mm_s" if span is None else "hold_s" if too_long else "force_N",
+        )
 
 
 def known_words(people: Sequence[Any], hold_s: float = np.inf) -> str:
@@ -99,9 +108,11 @@ def known_words(people: Sequence[Any], hold_s: float = np.inf) -> str:
     if not spans:
         return "to no steady force in common at one speed"
     low, high = max(low for low, _ in spans.values()), min(high for _, high in spans.values())
-    forces = f"--force within {low:.3g} to {high:.3g} N" if low <= high else "; ".join(
-        f"--force within {a:.3g} to {b:.3g} N at {speed:g} mm/s" for speed, (a, b) in spans.items()
-    )  # fmt: skip
+    forces = (
+        f"--force within {low:.3g} to {high:.3g} N"
+        if low <= high
+        else "; ".join(f"--force within {a:.3g} to {b:.3g} N at {speed:g} mm/s" for speed, (a, b) in spans.items())
+    )
     less = " or less" if hold > 0.99 * longest else ""
     return f"{forces}, --velocity {','.join(f'{v:g}' for v in spans)}, --hold {hold:.3g}{less}"
 

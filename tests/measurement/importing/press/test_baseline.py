@@ -26,14 +26,21 @@ def press(seed, drift=0.0, slope=0.0, dwell=3.0, gap=3.0, digit=0.0, speed=10.0,
 
 
 def imported(folder, columns, **settings):
-    np.savetxt(folder / "a.csv", np.stack(columns[:3], axis=1), fmt="%.5f", delimiter=",",
-               header="time_s,displacement_mm,force_N", comments="")  # fmt: skip
+    np.savetxt(
+        folder / "a.csv",
+        np.stack(columns[:3], axis=1),
+        fmt="%.5f",
+        delimiter=",",
+        header="time_s,displacement_mm,force_N",
+        comments="",
+    )
     return import_files([folder / "a.csv"], Settings(**settings))[0][0]
 
 
 @pytest.mark.parametrize("seed", range(3))
-@pytest.mark.parametrize(("drift", "slope", "digit"), [(0.08, 0.0, 0.0), (-0.06, 0.02, 0.0), (0.0, -0.03, 0.01),
-                                                       (0.05, 0.0, 0.05)])  # fmt: skip
+@pytest.mark.parametrize(
+    ("drift", "slope", "digit"), [(0.08, 0.0, 0.0), (-0.06, 0.02, 0.0), (0.0, -0.03, 0.01), (0.05, 0.0, 0.05)]
+)
 def test_contact_is_never_the_parking_place_and_drift_and_slope_are_removed(tmp_path, seed, drift, slope, digit):
     time, x, force, true = press(seed, drift, slope, digit=digit)
     (one,) = imported(tmp_path, (time, x, force)).presses

@@ -16,7 +16,6 @@ import numpy as np
 from dummydesign._version import __version__
 from dummydesign.report.plot import Plot
 from dummydesign.report.plot_drawing import draw_axes, draw_layers, name_curves, names_mm
-from dummydesign.report.plot_layers import Band, Line
 from dummydesign.report.vector_sheet import (
     BAND,
     INK,
@@ -291,7 +290,7 @@ def _range(panels: Sequence[Panel]) -> tuple[float, float] | None:
     """The range of forces of the panels of one level; None for their own."""
     if not panels[0].level:
         return None
-    ends = [layer.extent() for panel in panels for layer in panel.plot.layers if isinstance(layer, Band | Line)]
+    ends = [one.extent() for panel in panels for one in panel.plot.series if one.kind in ("band", "line", "dots")]
     most = [float(np.nanmax(y)) for _, y in ends if np.isfinite(y).any()]
     return 0.0, 1.06 * max(most, default=1.0)
 
@@ -312,7 +311,7 @@ def _panel(panel: Panel, box: Box, y_range: tuple[float, float] | None, size: fl
         *draw_layers(panel.plot, x, y, size - 0.5),
         *([] if keyed else name_curves(panel.plot, x, y, size - 0.5, names)),
     ]
-    if keyed and not any(isinstance(layer, Line) and layer.style == "main" for layer in panel.plot.layers):
+    if keyed and not any(one.kind in ("line", "dots") and one.style == "main" for one in panel.plot.series):
         items.append(Text(0.5 * (x.start + x.stop), y.position(0.15 * y.high), "not reached", size, anchor="middle"))
     return items
 

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from dummydesign.core.interpolation import true_runs
-from dummydesign.report.plot import Axis, Plot
-from dummydesign.report.plot_layers import Band, Bars, Dots, Line, corners
+from dummydesign.report.plot import Plot, Series
 from dummydesign.report.vector_sheet import (
     BAND,
     PAPER,
@@ -32,6 +32,73 @@ UNSEEN_MM, DOT_MM, MOST_DOTS = 0.02, 0.45, 40
 PX_PER_MM = 4.0
 
 
+LETTER_WIDTH = 7.0
+"""Mean width of a letter of an axis. [px]"""
+
+
+@dataclass(frozen=True)
+class Axis:
+    """One axis: label with unit, range of values, places of its ends, linear or logarithmic."""
+
+    label: str
+    low: float
+    high: float
+    start: float
+    stop: float
+    log: bool = False
+
+    def position(self, value: float) -> float:
+        """Position of a value along the axis."""
+        return float(self.positions(np.float64(value)))
+
+    def positions(self, values: NDArray | np.float64) -> NDArray:
+        """Positions of values along the axis; those outside are put a little outside, NaN stays."""
+        if self.log:
+            share = np.log(np.maximum(values, 1e-300) / self.low) / math.log(self.high / self.low)
+        else:
+            share = (values - self.low) / (self.high - self.low)
+        return self.start + np.clip(share, -1.0, 2.0) * (self.stop - self.start)
+
+    def ticks(self, about: int = 5) -> list[tuple[float, str]]:
+        """Round values inside the range and how to write them."""
+        if self.log:
+            first, last = math.ceil(math.log10(self.low) - 1e-9), math.floor(math.log10(self.high) + 1e-9)
+            ticks = [(10.0**power, f"{10.0**power:g}") for power in range(first, last + 1)]
+            room = abs(self.stop - self.start) / max(len(ticks), 1)
+            return ticks if room > LETTER_WIDTH * max((len(text) for _, text in ticks), default=0) else ticks[::2]
+        step = round_step((self.high - self.low) / max(about, 1))
+        first, last = math.ceil(self.low / step - 1e-9), math.floor(self.high / step + 1e-9)
+        return [(index * step, f"{round(index * step, 12):g}") for index in range(first, last + 1)]
+
+
+def round_step(step: float) -> float:
+    """The next of 1, 2, 2.5, 5 times a power of ten that is not below ``step``."""
+    power = 10.0 ** math.floor(math.log10(step))
+    return next(factor * power for factor in (1.0, 2.0, 2.5, 5.0, 10.0) if factor * power >= step * (1.0 - 1e-9))
+
+
+def span(values: list[float], from_zero: bool = False, margin: float = 0.04) -> tuple[float, float]:
+    """Range that holds all finite values with a margin; never empty."""
+    known = [value for value in values if math.isfinite(value)]
+    low, high = (min(known), max(known)) if known else (0.0, 1.0)
+    if from_zero:
+        low = min(low, 0.0)
+    if high <= low:
+        low, high = low - 0.5 * (abs(low) or 1.0), high + 0.5 * (abs(high) or 1.0)
+    room = margin * (high - low)
+    return (low if from_zero and low == 0.0 else low - room), high + room
+
+
+def axes_of(plot: Plot) -> tuple[Axis, Axis]:
+    """Both axes with their ranges, from 0 to 1."""
+    parts = [one.extent() for one in plot.series]
+    bars = any(one.kind == "bars" for one in plot.series)
+    xs, ys = (np.concatenate(side).tolist() if parts else [] for side in (zip(*parts) if parts else ((), ())))
+    x_range = plot.x_range or span(xs, plot.zero and not bars)
+    y_range = plot.y_range or span(ys, plot.zero, 0.0 if bars else 0.04)
+    return Axis(plot.x_label, *x_range, 0.0, 1.0, plot.log_x), Axis(plot.y_label, *y_range, 0.0, 1.0)
+
+
 def plot_drawing(plot: Plot, size_pt: float = 7.5) -> Callable[[Box], list[Item]]:
     """Return what draws a plot with the labels of its axes and the names of its curves into a box."""
 
@@ -51,9 +118,9 @@ def plot_drawing(plot: Plot, size_pt: float = 7.5) -> Callable[[Box], list[Item]
     return drawn
 
 
-def _curves(plot: Plot) -> dict[str, Line]:
+def _curves(plot: Plot) -> dict[str, Series]:
     """Curves and points by their names."""
-    return {layer.name: layer for layer in reversed(plot.layers) if isinstance(layer, Line)}
+    return {one.label: one for one in reversed(plot.series) if one.kind in ("line", "dots")}
 
 
 def names_mm(plot: Plot, size_pt: float, wide_mm: float) -> float:
@@ -66,7 +133,7 @@ def name_curves(plot: Plot, x: Axis, y: Axis, size_pt: float, room_mm: float) ->
     """Write the names of curves and points right of the axes, at the height of their ends and clear of each other."""
     step, ends = PITCH * size_pt * PT_MM, list[tuple[float, str, str]]()
     for name, layer in _curves(plot).items():
-        across, along = np.asarray(layer.x, float), y.positions(np.asarray(layer.y, float))
+        across, along = layer.x, y.positions(layer.y)
         known = np.flatnonzero(np.isfinite(across) & np.isfinite(along))
         if len(known):
             ends.append((float(along[known[-1]]), name, STYLES.get(layer.style, STYLES["other"])[0]))
@@ -102,11 +169,11 @@ def draw_axes(
     """
     left, high, right, low = box
     line = PITCH * size_pt * PT_MM
-    across, along = plot.axes()
+    across, along = axes_of(plot)
     if y_range is not None:
         along = replace(along, low=y_range[0], high=y_range[1])
-    bars = [layer for layer in plot.layers if isinstance(layer, Bars)]
-    names = [label for layer in bars for label in layer.labels]
+    bars = [one for one in plot.series if one.kind == "bars"]
+    names = [name for one in bars for name in one.names]
     about = max(min(round((low - high) / 8.0), 6), 4)
     marks = [] if bars else replace(along, start=low - line, stop=high).ticks(about)
     widest = max((text_width_mm(words, size_pt) for words in (*names, *(words for _, words in marks))), default=0.0)
@@ -133,20 +200,20 @@ def draw_axes(
 def draw_layers(plot: Plot, x: Axis, y: Axis, size_pt: float) -> list[Item]:
     """Draw bands, curves, points and bars of a plot inside its axes; maps, ellipses and labels are left out."""
     items: list[Item] = []
-    for layer in sorted(plot.layers, key=lambda layer: isinstance(layer, Dots)):
-        if isinstance(layer, Band):
-            at, low, high = (np.asarray(v, float) for v in (layer.at, layer.low, layer.high))
+    for layer in sorted(plot.series, key=lambda one: one.kind == "dots"):
+        if layer.kind == "band":
+            at, low, high = layer.y if layer.sideways else layer.x, layer.low, layer.high
             known = np.isfinite(at) & np.isfinite(low) & np.isfinite(high)
             sides = np.r_[at[known], at[known][::-1]], np.r_[high[known], low[known][::-1]]
             colour = BAND if layer.style == "band" else RULE
             items += _run(x, y, *(sides[::-1] if layer.sideways else sides), None, colour)
-        elif isinstance(layer, Bars):
+        elif layer.kind == "bars":
             items += _bars(layer, x, y, size_pt)
-        elif isinstance(layer, Dots):
+        elif layer.kind == "dots":
             items += _dots(layer, x, y)
-        elif isinstance(layer, Line):
+        elif layer.kind == "line":
             colour, dash = STYLES.get(layer.style, STYLES["other"])
-            xs, ys = np.asarray(layer.x, float), np.asarray(layer.y, float)
+            xs, ys = layer.x, layer.y
             for start, stop in true_runs(np.isfinite(xs) & np.isfinite(ys)):
                 items += _run(x, y, xs[start:stop], ys[start:stop], colour, None, dash)
     return items
@@ -171,10 +238,10 @@ def _run(
     return [Path(points, stroke, fill, 0.5, dash, fill is not None)]
 
 
-def _dots(layer: Dots, x: Axis, y: Axis) -> list[Item]:
+def _dots(layer: Series, x: Axis, y: Axis) -> list[Item]:
     """Small squares; of very many a part, evenly along the axis."""
     colour = STYLES.get(layer.style, STYLES["other"])[0]
-    across, along = x.positions(np.asarray(layer.x, float)), y.positions(np.asarray(layer.y, float))
+    across, along = x.positions(layer.x), y.positions(layer.y)
     shown = np.flatnonzero(np.isfinite(across) & np.isfinite(along))
     if len(shown) > MOST_DOTS:
         wanted = np.linspace(across[shown].min(), across[shown].max(), MOST_DOTS)
@@ -183,11 +250,11 @@ def _dots(layer: Dots, x: Axis, y: Axis) -> list[Item]:
     return [rectangle((a - DOT_MM, b - DOT_MM, a + DOT_MM, b + DOT_MM), colour, None) for a, b in boxes]
 
 
-def _bars(layer: Bars, x: Axis, y: Axis, size_pt: float) -> list[Item]:
+def _bars(layer: Series, x: Axis, y: Axis, size_pt: float) -> list[Item]:
     """Bars with their labels at the left."""
     items: list[Item] = []
-    count = len(layer.labels)
-    ends = zip(layer.labels, np.asarray(layer.low, float).tolist(), np.asarray(layer.high, float).tolist())
+    count = len(layer.names)
+    ends = zip(layer.names, layer.low.tolist(), layer.high.tolist())
     for row, (label, low, high) in enumerate(ends):
         top, bottom = y.position(count - row - 0.2), y.position(count - row - 0.8)
         left, right = (min(max(x.position(value), x.start), x.stop) for value in (low, high))
@@ -199,3 +266,30 @@ def _bars(layer: Bars, x: Axis, y: Axis, size_pt: float) -> list[Item]:
             )
         )
     return items
+
+
+def corners(across: NDArray, along: NDArray, tolerance: float) -> NDArray:
+    """Positions of the points that a polyline needs to pass all others within a tolerance.
+
+    Neighbours are joined in rounds. The deviations of joined parts add up, so the sum bounds the distance of every
+    point that is left out.
+    """
+    point = across + 1j * along
+    kept, error = np.arange(len(point)), np.zeros(max(len(point) - 1, 0))
+    first, idle = 1, 0
+    while idle < 2 and len(kept) > 2:
+        middle = np.arange(first, len(kept) - 1, 2)
+        start, chord = point[kept[middle - 1]], point[kept[middle + 1]] - point[kept[middle - 1]]
+        length = np.abs(chord)
+        turned = (point[kept[middle]] - start) * chord.conj() / np.maximum(length, 1e-12)
+        # a turn back along the chord leaves its ends
+        beyond = np.maximum(np.maximum(-turned.real, turned.real - length), 0.0)
+        whole = np.maximum(error[middle - 1], error[middle]) + np.hypot(turned.imag, beyond)
+        whole[length < tolerance] = np.inf
+        dropped = middle[whole <= tolerance]
+        if len(dropped):
+            error[dropped - 1] = whole[whole <= tolerance]
+            kept, error = np.delete(kept, dropped), np.delete(error, dropped)
+        idle = 0 if len(dropped) else idle + 1
+        first = 3 - first
+    return kept

@@ -11,6 +11,7 @@ from nicegui import ui
 
 from dummydesign.core.errors import InputError
 from dummydesign.project.folder import Project
+from dummydesign.report.plot import plots_html
 from dummydesign.studio import choices, figures, made, parts
 from dummydesign.studio.jobs import Job, options
 from dummydesign.studio.manage import manage, undo_bar
@@ -200,6 +201,6 @@ def _curves(root: Path, folder: str) -> None:
     if plots and there:
         parts.file_links([("the whole report", report)])
     if plots:
-        html(f'<div data-test="curves">{figures.plots_html(plots, small=True)}</div>')
+        html(f'<div data-test="curves">{plots_html(plots, small=True)}</div>')
     elif there:
         parts.shown_file(f"/files/{report}", "report of the loop")

@@ -14,6 +14,7 @@ from nicegui import ui
 
 from dummydesign.core.errors import InputError
 from dummydesign.project.folder import Project, change_project, project_of
+from dummydesign.report.plot import plots_html
 from dummydesign.studio import choices, figures, file_transfer, jobs, parts
 from dummydesign.studio.manage import manage, undo_bar
 from dummydesign.studio.parts import html, keep_state, open_page
@@ -223,7 +224,7 @@ def show_curves(root: Path, answer: Mapping[str, Any]) -> None:
     # several fits on a page have presses of the same name
     own = Path(answer["files"]["tissue"]).with_suffix("").as_posix().replace("/", "-")
     plots = figures.measured_over_fitted(root, answer)
-    html(figures.plots_html(replace(one, name=f"{own}-{one.name}") for one in plots))
+    html(plots_html(replace(one, name=f"{own}-{one.name}") for one in plots))
     report = answer["files"].get("report", "")
     if report and (root / report).is_file():
         parts.file_links([("report of the fit, with its residuals", report)])

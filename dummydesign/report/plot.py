@@ -110,6 +110,11 @@ class Series:
         """Whether low and high are those of x."""
         return self.kind == "band" and not np.isfinite(self.x).any()
 
+    @property
+    def seen(self) -> bool:
+        """Whether there is anything to draw: the band of one subject has no width."""
+        return self.kind != "band" or bool(np.any(self.high > self.low))
+
     def extent(self) -> tuple[NDArray, NDArray]:
         """Values of x and of y that the axes must hold."""
         ends = np.concatenate([self.low, self.high])
@@ -174,13 +179,19 @@ class Plot:
             y |= {"scaleanchor": "x", "constrain": "domain"}
         mode = "closest" if kinds & {"bars", "map"} else "x unified"
         layout = {"xaxis": x, "yaxis": y, "hovermode": mode}
-        return {"data": [trace for one in self.series for trace in _traces(one, self.log_x, x_unit, y_unit)],
-                "layout": layout}  # fmt: skip
+        return {
+            "data": [trace for one in self.series if one.seen for trace in _traces(one, self.log_x, x_unit, y_unit)],
+            "layout": layout,
+        }
 
     def legend(self) -> list[tuple[str, str]]:
         """Labels and their marks, as SVG."""
-        named = (one for one in self.series if one.label and one.kind in _KEYS)
-        return list(dict.fromkeys((one.label, _KEYS[one.kind].format(one.style, DASHES.get(one.style, "none"))) for one in named))
+        named = (one for one in self.series if one.label and one.seen and one.kind in _KEYS)
+        return list(
+            dict.fromkeys(
+                (one.label, _KEYS[one.kind].format(one.style, DASHES.get(one.style, "none"))) for one in named
+            )
+        )
 
     def html(self, keyed: bool = True) -> str:
         """The figure with caption and legend; until it is drawn its words stand in its place."""
@@ -298,27 +309,67 @@ def _traces(one: Series, log_x: bool, x_unit: str, y_unit: str) -> list[dict[str
         base, end = _numbers(one.low), _numbers(one.high)
         words = f"%{{text}}: %{{base:.4~g}} to %{{customdata:.4~g}}{x_unit}<extra></extra>"
         wide = _numbers(one.high - one.low)
-        return [{"type": "bar", "orientation": "h", "width": 0.6, "y": _bar_places(one).tolist(), "base": base,
-                 "x": wide, "customdata": end, "text": [*one.names], "textposition": "none", "hovertemplate": words,
-                 "marker": {"color": "var(--main)"}}]  # fmt: skip
+        return [
+            {
+                "type": "bar",
+                "orientation": "h",
+                "width": 0.6,
+                "y": _bar_places(one).tolist(),
+                "base": base,
+                "x": wide,
+                "customdata": end,
+                "text": [*one.names],
+                "textposition": "none",
+                "hovertemplate": words,
+                "marker": {"color": "var(--main)"},
+            }
+        ]
     if one.kind == "map":
         words = f"{one.label} %{{z:.4~g}}<br>at %{{x:.4~g}}{x_unit}, %{{y:.4~g}}{y_unit}<extra></extra>"
-        return [{"type": "heatmap", **{side: _numbers(getattr(one, side)) for side in "xy"}, "z": _numbers(one.low),
-                 "zmin": one.limits[0], "zmax": one.limits[1], "colorscale": "Viridis", "hovertemplate": words,
-                 "zsmooth": "best" if one.style == "smooth" else False, "hoverongaps": False,
-                 "colorbar": {"thickness": 12, "outlinewidth": 0}}]  # fmt: skip
+        return [
+            {
+                "type": "heatmap",
+                **{side: _numbers(getattr(one, side)) for side in "xy"},
+                "z": _numbers(one.low),
+                "zmin": one.limits[0],
+                "zmax": one.limits[1],
+                "colorscale": "Viridis",
+                "hovertemplate": words,
+                "zsmooth": "best" if one.style == "smooth" else False,
+                "hoverongaps": False,
+                "colorbar": {"thickness": 12, "outlinewidth": 0},
+            }
+        ]
     if one.kind == "ellipse":
         turn = np.linspace(0.0, 2.0 * np.pi, 73)
         (x_low, y_low), (x_high, y_high) = one.low, one.high
-        across, along = (0.5 * (low + high + (high - low) * wave(turn)) for low, high, wave in
-                         ((x_low, x_high, np.cos), (y_low, y_high, np.sin)))  # fmt: skip
-        return [trace | {"x": _numbers(across), "y": _numbers(along), "mode": "lines", "hoverinfo": "skip",
-                         "line": {"color": colour}}]  # fmt: skip
+        across, along = (
+            0.5 * (low + high + (high - low) * wave(turn))
+            for low, high, wave in ((x_low, x_high, np.cos), (y_low, y_high, np.sin))
+        )
+        return [
+            trace
+            | {
+                "x": _numbers(across),
+                "y": _numbers(along),
+                "mode": "lines",
+                "hoverinfo": "skip",
+                "line": {"color": colour},
+            }
+        ]
     x, y = thin(one.x, log_x, one.y) if one.kind == "line" else (one.x, one.y)
     trace |= {"x": _numbers(x), "y": _numbers(y)}
     if one.kind == "words":
-        return [trace | {"mode": "text", "text": [one.label], "textposition": "top center", "hoverinfo": "skip",
-                         "textfont": {"color": colour}}]  # fmt: skip
+        return [
+            trace
+            | {
+                "mode": "text",
+                "text": [one.label],
+                "textposition": "top center",
+                "hoverinfo": "skip",
+                "textfont": {"color": colour},
+            }
+        ]
     if one.kind == "dots":
         words = f"{trace['hovertemplate']} at %{{x:.4~g}}{x_unit}"
         return [trace | {"mode": "markers", "marker": {"color": colour}, "hovertemplate": words}]

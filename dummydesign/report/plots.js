@@ -26,13 +26,14 @@
     const { data, layout } = JSON.parse(div.dataset.plot.replace(/var\((--\w+)\)/g, (_, name) => of(name)));
     const axis = { color: of("--soft"), gridcolor: of("--rule"), linecolor: of("--other"), showline: true, mirror: true,
       zeroline: false, zerolinecolor: of("--other"), automargin: true, hoverformat: ".4~g", title: { font: { color: of("--ink") }, standoff: 6 } };
-    layout.template = { layout: { xaxis: axis, yaxis: axis, autosize: true, showlegend: false, uirevision: 1,
+    layout.template = { layout: { xaxis: axis, yaxis: axis, autosize: true, showlegend: false,
       margin: { l: 58, r: 14, t: 26, b: 48 }, font: { size: 12, family: style.fontFamily, color: of("--soft") },
       paper_bgcolor: of("--paper"), plot_bgcolor: of("--paper"), barmode: "overlay", hoverdistance: 12,
       dragmode: matchMedia("(pointer:coarse)").matches ? false : "zoom",
       modebar: { bgcolor: "transparent", color: of("--soft"), activecolor: of("--ink") },
       hoverlabel: { bgcolor: of("--panel"), bordercolor: of("--soft"), font: { color: of("--ink") }, namelength: -1 } },
       data: { scatter: [{ marker: { size: 8, line: { color: of("--paper"), width: 1.5 } } }] } };
+    layout.uirevision = 1;  // a zoom stays when the values change
     const first = !div.classList.contains("js-plotly-plot");
     if (first) div.replaceChildren();
     Plotly.react(div, data, layout, { displaylogo: false, responsive: true, doubleClick: "reset",

@@ -80,7 +80,8 @@ def steady_figure(answer: Suggestion, curves: SuggestionCurves) -> Plot:
                 "95 % of the pad's castings", grids.pad[known], stiff[known], soft[known], sideways=True, style="cast"
             )
         )
-    for other, depth, style in zip(answer.result.alternatives, curves.other_depths_mm, STYLES[1:5]):
+    others = sorted(zip(answer.result.alternatives, curves.other_depths_mm), key=lambda pair: pair[0].thickness_mm)
+    for (other, depth), style in zip(others, STYLES[1:5]):
         series.append(Series.line(f"{other.thickness_mm:g} mm, ratio {other.ratio:g}", depth, grids.pad, style))
     series.append(Series.line("recommended pad", curves.pad_depth_mm, grids.pad))
     inside = float(answer.best.evaluation.steady_state_range[answer.best.index])

@@ -103,7 +103,7 @@ def test_the_report_is_one_page_with_a_figure_a_condition_and_loads_nothing(resu
     assert "src=" not in page and page.count("<script") == 1 and page.count("href=") == page.count('href="#') > 5
     drawn = measured_over_fitted(tmp_path, {"files": files})
     assert len(drawn) == len(presses) and all(" mm pad, " in plot.title for plot in drawn)
-    assert all({"base", "corrected"} <= {layer.name.partition(", ")[0] for layer in plot.layers} for plot in drawn)
+    assert all({"base", "corrected"} <= {one.label.partition(", ")[0] for one in plot.series} for plot in drawn)
     effect = result_dict(result)["effects"][0]
     for part in ("temperature", f"{effect['evidence']:.0f}", "Residual by trial", result.next.text[1:]):
         assert part in page

@@ -10,7 +10,7 @@ from dummydesign.cli.entry import run
 from dummydesign.report.compare import next_steps
 from dummydesign.report.front_page import HEIGHT_MM, PAPER_MM, WIDTH_MM
 from dummydesign.report.plot import Plot, Series
-from dummydesign.report.plot_drawing import draw_axes, name_curves, plot_drawing
+from dummydesign.report.plot_drawing import plot_drawing
 from dummydesign.report.vector_sheet import PT_MM, Path, Text
 from tests.report.test_front_page import pdf_texts, sheet_texts
 from tests.support.answer_inputs import make_inputs
@@ -150,17 +150,16 @@ def plot_of(*layers, **more):
 def test_a_drawn_curve_lies_where_its_values_are():
     x, y = np.linspace(0.0, 4.0, 9), np.linspace(0.0, 8.0, 9) ** 2
     plot = plot_of(Series.line("pad", x, y), Series.dots("measured", [2.0], [10.0], "aim"))
-    items, (_, along) = draw_axes(plot, (0.0, 0.0, 100.0, 60.0), 7.0)
     drawn = plot_drawing(plot)((0.0, 0.0, 100.0, 60.0))
-    ticks = {item.words: item for item in items if isinstance(item, Text)}
+    ticks = {item.words: item for item in drawn if isinstance(item, Text)}
     assert {"0", "20", "40", "60", "1", "2", "3", "4"} <= set(ticks)
-    assert ticks["40"].y_mm == pytest.approx(along.position(40.0) + 0.25 * 7.0 * PT_MM)
     (curve,) = [item for item in drawn if isinstance(item, Path) and item.stroke == "#0b5cad"]
     (left, low), (right, high) = curve.points[0], curve.points[-1]
     (dot,) = [item for item in drawn if isinstance(item, Path) and item.fill == "#b3500f"]
     middle = np.mean(dot.points, axis=0)
-    assert (middle[0] - left) / (right - left) == pytest.approx(0.5, abs=1e-6)
-    assert (low - middle[1]) / (low - high) == pytest.approx(10.0 / 64.0, abs=1e-6)
+    assert (middle[0] - left) / (right - left) == pytest.approx(0.5, abs=1e-3)
+    assert (low - middle[1]) / (low - high) == pytest.approx(10.0 / 64.0, abs=1e-3)
+    assert (ticks["0"].y_mm - ticks["40"].y_mm) / (low - high) == pytest.approx(40.0 / 64.0, abs=1e-3)
 
 
 def test_a_gap_breaks_a_curve_and_a_sideways_band_lies_across():
@@ -176,8 +175,8 @@ def test_a_gap_breaks_a_curve_and_a_sideways_band_lies_across():
 
 def test_names_of_curves_that_end_together_are_clear_of_each_other_and_bars_have_labels():
     plot = plot_of(*(Series.line(f"ratio {n}", [0.0, 1.0], [0.0, 1.0 + 1e-3 * n], f"alt{n}") for n in range(1, 6)))
-    _, (x, y) = draw_axes(plot, (0.0, 0.0, 80.0, 50.0), 7.0)
-    heights = sorted(item.y_mm for item in name_curves(plot, x, y, 7.0, 20.0))
+    drawn = plot_drawing(plot)((0.0, 0.0, 80.0, 50.0))
+    heights = sorted(item.y_mm for item in drawn if isinstance(item, Text) and item.words.startswith("ratio"))
     assert len(heights) == 5 and np.diff(heights).min() >= 7.0 * PT_MM
     bars = plot_of(Series.bars(["thickness", "modulus"], [-1.0, 0.0], [2.0, 3.0]), y_range=(0.0, 2.0))
     items = plot_drawing(bars)((0.0, 0.0, WIDTH_MM, 0.2 * HEIGHT_MM))

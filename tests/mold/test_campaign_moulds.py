@@ -5,10 +5,10 @@ from __future__ import annotations
 import json
 
 import pytest
+from tests.mold.test_job import CHILD
 
 from dummydesign import cli
-from dummydesign.mold import runner
-from tests.mold.test_job import CHILD
+from dummydesign.mold import client
 
 PLAN = [
     "campaign",
@@ -31,7 +31,7 @@ RESIN = ["--resin", "polyurethane-nagoya", "--ratio", "15.2"]
 
 @pytest.fixture
 def no_cad(monkeypatch, tmp_path):
-    monkeypatch.setattr(runner, "WORKER", ("-c", CHILD))
+    monkeypatch.setattr(client, "WORKER", ("-c", CHILD))
     monkeypatch.chdir(tmp_path)
     return tmp_path
 

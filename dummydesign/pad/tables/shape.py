@@ -18,9 +18,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from dummydesign.core import library as json_table
+from dummydesign.core import user_library as json_table
 from dummydesign.core.errors import InputError, out_of_range
-from dummydesign.core.library import fill_table
+from dummydesign.core.user_library import fill_table
 from dummydesign.geometry.dimensions import MAX_DEPTH_OVER_THICKNESS
 from dummydesign.geometry.pad_shape import PadShape, Similarity
 from dummydesign.geometry.shape_registry import shape_kinds

@@ -7,7 +7,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from dummydesign.core.process import quiet
+from dummydesign.core.progress import quiet
 from dummydesign.loop.effects.learned import Learned, SmoothChange
 from dummydesign.loop.effects.registry import effect_named
 from dummydesign.loop.fitting.candidates import EffectCandidate

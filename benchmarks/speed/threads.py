@@ -25,7 +25,7 @@ LIBRARY = """
 import json
 import numpy, scipy.linalg
 from dummydesign.pad.spatial.square_punch import CornerCells, SquareProblem, solve_ratios
-found = solve_ratios(SquareProblem((0.7, 0.7), (7.5, 6.0)), numpy.array([0.1]), Cells(0.14))
+found = solve_ratios(SquareProblem((0.7, 0.7), (7.5, 6.0)), numpy.array([0.1]), CornerCells(0.14))
 print(json.dumps({"ratio": found.ratio.tolist()}))
 """
 COMMANDS = {

@@ -1,6 +1,6 @@
 """A reader of one's own machine: a file that `import` cannot know becomes traces, and is checked like any other.
 
-The machine of this example writes numpy's .npy: rows of microseconds, encoder counts (2000 a millimetre) and millinewton.
+The machine of this example writes .npy: rows of microseconds, encoder counts (2000 a millimetre) and millinewton.
 """
 
 import tempfile
@@ -36,5 +36,5 @@ with tempfile.TemporaryDirectory() as name:
     read = dummydesign.import_traces([write_csv(folder / "press1.npy", folder)], out=folder / "traces")
     for trace in read.to_dict()["files"][0]["traces"]:
         print(f"{trace['file']}: {trace['samples']} samples at {trace['velocity_mm_s']:.3g} mm/s")
-        print(f"depth {trace['depth_mm']:.3g} mm, {trace['steady_force_N']:.3f} N at the end of the hold (0.9 N was made)")
+        print(f"depth {trace['depth_mm']:.3g} mm, steady force {trace['steady_force_N']:.3f} N (0.9 N was made)")
     print(f"warnings: {[warning['code'] for warning in read.to_dict()['warnings']]}")

@@ -9,9 +9,9 @@ from dummydesign.core.files import csv_text
 from dummydesign.geometry.shape_registry import read_shape
 from dummydesign.report.plot import COLUMNS, Plot, Series, plots_html, plots_js
 from dummydesign.studio import figures
-from dummydesign.studio.parts import page_head
 from dummydesign.studio.slider_model import evaluator_of
 from dummydesign.studio.state import State
+from dummydesign.studio.widgets import page_head
 from tests.support.drawn_plots import figures_of
 
 

@@ -98,7 +98,7 @@ def render(scene: Scene, path: Path, lights: Sequence[tuple[Sequence[float], flo
     import pyvista
 
     away, right, up = scene.axes
-    plotter = pyvista.Plotter(off_screen=True, window_size=list(scene.window), lighting="none")
+    plotter: Any = pyvista.Plotter(off_screen=True, window_size=list(scene.window), lighting="none")
     plotter.set_background(BOTTOM, top=TOP)
     for vertices, faces, colour in scene.parts:
         mesh = pyvista.PolyData.from_regular_faces(vertices, faces)

@@ -308,10 +308,13 @@ def _drawn(pad: Pad, force_N: float, state: dict[str, Any]) -> PressedPad:
     height = (np.arange(int(np.ceil(float(face[:, 1].max()) / size))) + 0.5) * size
     near = points[:, 0] < 1.3 * reach
     out, up = np.meshgrid(np.abs(radius), height)
-    at = np.stack([np.maximum(out, 1e-6), up], axis=-1)
-    stress = _linear(points[near], np.asarray(state["stress_kPa"], float)[near], at)
     inside = up <= np.interp(out, face[:, 0], face[:, 1])
     inside &= up >= np.asarray(pad.geometry.bone_mm(out, 0.0 * out), float)
+    # Looked up in the gel on one side alone: each place outside of all triangles would be sought in every one of them.
+    stress, right = np.full(out.shape, np.nan), inside & (radius >= 0.0)
+    at = np.stack([np.maximum(out[right], 1e-6), up[right]], axis=-1)
+    stress[right] = _linear(points[near], np.asarray(state["stress_kPa"], float)[near], at)
+    stress = np.where(radius >= 0.0, stress, stress[:, ::-1])
     return PressedPad(
         pad.geometry.name,
         force_N,
@@ -319,7 +322,7 @@ def _drawn(pad: Pad, force_N: float, state: dict[str, Any]) -> PressedPad:
         float(state["depth_mm"]),
         radius,
         height,
-        np.where(inside, stress, np.nan),
+        stress,
         face,
         np.asarray(state["punch_mm"], float),
         state["contact"],

@@ -79,7 +79,7 @@ def steady_figure(answer: Suggestion, curves: SuggestionCurves) -> Plot:
         layers.append(
             Band("95 % of the pad's castings", grids.pad[known], stiff[known], soft[known], sideways=True, style="cast")
         )
-    for other, depth, style in zip(answer.result.alternatives, curves.other_depths_mm, STYLES[1:5]):
+    for other, depth, style in zip(answer.alternatives, curves.other_depths_mm, STYLES[1:5]):
         layers.append(Line(f"{other.thickness_mm:g} mm, ratio {other.ratio:g}", depth, grids.pad, style))
     layers.append(Line("recommended pad", curves.pad_depth_mm, grids.pad))
     inside = float(answer.best.evaluation.steady_state_range[answer.best.index])
@@ -118,7 +118,7 @@ def press_plots(answer: Suggestion) -> list[Plot]:
 
 def score_maps(answer: Suggestion, curves: SuggestionCurves) -> list[Plot]:
     """The whole map, and its surroundings of the recommended design, where the ellipse can be seen."""
-    scores, best, needed = answer.result.score_map, answer.best, answer.targets.protocol.needed_N
+    scores, best, needed = answer.score_map, answer.best, answer.targets.protocol.needed_N
     value = np.where(scores.feasible, scores.total, np.nan)
     rests = answer.rests_on
     layers: list[Layer] = [
@@ -132,7 +132,7 @@ def score_maps(answer: Suggestion, curves: SuggestionCurves) -> list[Plot]:
     ]
     off, thick = curves.ratio_error, answer.request.thickness_tolerance_mm
     layers.append(Ellipse("tolerance of weighing and thickness", best.ratio, best.thickness_mm, off, thick))
-    others = answer.result.alternatives
+    others = answer.alternatives
     if others:
         layers.append(Dots("alternatives", [o.ratio for o in others], [o.thickness_mm for o in others], "other"))
     layers.append(Dots("recommended", [best.ratio], [best.thickness_mm], "aim"))

@@ -190,7 +190,7 @@ def sharp_edges(faces: NDArray, normals: NDArray, least_deg: float) -> NDArray:
     return edges[twice[turn < np.cos(np.radians(least_deg))]]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Scene:
     """Parts as they stand in the picture (vertices, faces, colour), their labels, and a parallel view of them.
 

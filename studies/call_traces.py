@@ -129,6 +129,8 @@ QUESTION = {
     "velocity": ("11,240", (11.0, 240.0)),
 }
 """Options of the watched question, typed and read: values that occur nowhere else."""
+PAD = ("crowned:radius=2.4,height=3.5,foot=7.8", 11.0, 15.3)
+"""The pad that is asked for: shape, thickness and ratio."""
 MARKS = {value: option for option, values in QUESTION.items() for value in values}
 NAMED = {"base": "bonded", "edge_radius_mm": 0.0, "preset": "open", "punch": "square:14", "aim": "average"}
 """Fields of the question that keep their defaults; only their names tell them."""
@@ -240,32 +242,19 @@ def _items(value: Any) -> dict[str, Any]:
 
 
 def watch_forms(folder: Path) -> Forms:
-    """Ask ``suggest`` for a crowned pad on the command line twice: for its pad, then watched."""
-    import json
-
+    """Ask ``suggest`` on the command line for one pad of the palm, and watch."""
     from dummydesign.cli.entry import run
+    from dummydesign.geometry.shape_registry import read_shape
 
-    words = [
-        "suggest",
-        "--tissue",
-        "forefinger",
-        "--shape",
-        "crowned",
-        "--no-cad",
-        "--no-verify",
-        "--json",
-        "--replace",
-    ]
+    shape, thickness, ratio = PAD
+    words = ["suggest", "--tissue", "palm", "--shape", shape, "--no-cad", "--no-verify", "--json"]
+    words += ["--thickness", f"{thickness:g}:{thickness:g}", "--ratio", f"{ratio:g}:{ratio:g}"]
     words += [word for option, (typed, _) in QUESTION.items() for word in (f"--{option}", typed)]
-    words += ["--out", str(folder / "forms")]
-    with contextlib.redirect_stdout(io.StringIO()) as printed:
-        run(list(words))
-    best = json.loads(printed.getvalue())["recommendation"]
-    forms = Forms((best["shape"], best["thickness_mm"], best["ratio"]))
-    with contextlib.redirect_stdout(io.StringIO()):
+    forms = Forms((str(read_shape(shape)), thickness, ratio))
+    with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(io.StringIO()):
         sys.setprofile(forms.see)
         try:
-            run(list(words))
+            run([*words, "--out", str(folder / "forms")])
         finally:
             sys.setprofile(None)
     return forms

@@ -289,6 +289,7 @@ def _solved_again(
 
 def other_mould(problem: Problem, chosen: ShapedDesign) -> dict[str, Any]:
     """What the best other mould would be worth beside the one that is kept, by the tables."""
+    assert problem.wide_mm is not None
     wide = replace(problem, thickness_mm=problem.wide_mm)
     limits, strict = wide.targets.limits, wide.targets.strict
     try:

@@ -223,7 +223,7 @@ def _answer(
         raise InputError(message, "missing", "robot_mass")
     velocity_mm_s = ROBOT_VELOCITY_MM_S if velocity_mm_s is None else velocity_mm_s
     inputs = {**inputs, "robot_velocity_mm_s": None if mass_kg is None else velocity_mm_s}
-    inputs["weights"] = wanted.space.targets.weights.to_dict()
+    inputs["weights"] = wanted.targets.weights.to_dict()
     limits = None if inputs["limits"] is None else read_limits(inputs["limits"])
 
     profile = request.punch.partition("profile:")[2] or None

@@ -35,7 +35,7 @@ LOADED, FEW = 0.3, 0.05
 """Share of the largest force that counts as load, and of the samples under load that tell where it is deepest."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Trace:
     """One measured (or simulated) press; arrays of shape (n,), compression positive.
 

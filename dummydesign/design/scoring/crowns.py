@@ -15,7 +15,7 @@ from dummydesign.pad.force_law import ForceLaw
 HEIGHTS, RADII = 9, 3
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Crowns:
     """Crowns of n pads: height over the flat less the designed one [mm], tip radius over the designed one; (n,)."""
 

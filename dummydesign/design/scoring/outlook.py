@@ -23,7 +23,7 @@ LEAST = 0.01
 BESIDE = 1e-3
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Scatter:
     """What scatters the modulus of a pad about its batch's: making and force law, and the error of a puck's test.
 

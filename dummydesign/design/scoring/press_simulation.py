@@ -23,7 +23,7 @@ SAMPLES = 481
 AT_ONCE = 600
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class SimulatedPress:
     """Presses of D designs at one condition: arrays (D, n) over time, NaN where out of reach.
 
@@ -102,7 +102,7 @@ def parabolic_work_mJ(displacement_mm: NDArray, force_N: NDArray) -> NDArray:
     return np.asarray(work.sum(axis=-1) + lines[:, pairs:].sum(axis=-1))
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class SlabCurves:
     """Elastic force per unit modulus of T slabs on even depth grids."""
 
@@ -227,7 +227,7 @@ class Sampling:
 COARSE = Sampling(16, 8, 20)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class PadBatch:
     """D designs: which slab (index into curves), modulus and relaxation of each.
 

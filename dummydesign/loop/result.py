@@ -9,11 +9,13 @@ import numpy as np
 
 from dummydesign.core.serialise import to_plain
 from dummydesign.loop.data.trials import Presses
+from dummydesign.loop.fitting.candidates import EffectCandidate
 from dummydesign.loop.model.effect import Effect
 from dummydesign.loop.next_measurement import NextMeasurement
 from dummydesign.loop.pad_scatter import pad_scatter
 from dummydesign.loop.prior import Joined
 from dummydesign.loop.selection.cross_validation import AssessedModel, effect_intervals, lack_of_fit
+from dummydesign.loop.selection.explanations import Ambiguity, residual_N
 from dummydesign.loop.selection.learn_effect import Learnt
 from dummydesign.loop.selection.residuals import Seen
 from dummydesign.loop.selection.search import Selection
@@ -33,6 +35,7 @@ class Explained:
     remainder: Remainder
     seen: Seen
     base_kept: str
+    ambiguity: Ambiguity | None
 
 
 @dataclass(frozen=True)
@@ -87,12 +90,23 @@ def result_dict(result: LoopResult) -> dict[str, Any]:
         "screening": [{"name": one.effect.name, "z": one.z} for one in screened],
         "pad_factors": pad_scatter(result.after.fit).to_dict(),
         "learned": to_plain(result.learnt),
+        "ambiguity": None if result.ambiguity is None else _ambiguity(result.ambiguity),
         "untested": result.untested,
         "prior": to_plain(result.joined),
         "next_measurement": to_plain(result.next),
         "warnings": list(result.warnings),
         "sources": sorted({effect.reference for effect in effects}),
     }
+
+
+def _ambiguity(found: Ambiguity) -> dict[str, Any]:
+    rows = []
+    for one in found.found:
+        active = next(active for active in one.fit.active if active.effect.name == one.effect.name)
+        young = 1e3 * one.fit.base.young_MPa
+        row = {"name": one.effect.name, "parameters": dict(active.values), "young_kPa": young}
+        rows.append({**row, "evidence": one.gain, "residual_N": residual_N(one.fit)})
+    return {"explanations": rows, "base_residual_N": residual_N(found.base), "repeats_differ_N": found.differ_N}
 
 
 def _effect(accepted: AcceptedEffect, result: LoopResult) -> dict[str, Any]:
@@ -142,7 +156,9 @@ def answer_of(result: LoopResult) -> list[str]:
     """The answer in sentences, the most important first."""
     after, joined = result.after, result.joined
     names = [named(accepted.candidate.effect.name) for accepted in result.effects]
-    if result.verdict == "none":
+    if result.ambiguity is not None:
+        first = _ambiguity_text(result.ambiguity)
+    elif result.verdict == "none":
         first = "Nothing is missing: the model describes the campaign down to its noise."
     elif result.verdict == "effect":
         them = "it" if len(names) == 1 else "them"
@@ -157,7 +173,10 @@ def answer_of(result: LoopResult) -> list[str]:
     # what the fit did not see comes first
     unseen = "".join(f"{one['message']}. " for one in result.warnings if one["code"] == "beyond_table")
     lines = [unseen + first]
-    lines += [_effect_text(result, accepted.candidate.effect, accepted.confounded_with) for accepted in result.effects]
+    if result.ambiguity is None:
+        lines += [_effect_text(result, one.candidate.effect, one.confounded_with) for one in result.effects]
+    else:
+        lines += [_explanation_text(one) for one in result.ambiguity.found[:SHOWN]]
     before, left = result.base.errors.heldout_N, after.errors.heldout_N
     if left is not None and before is not None:
         change = f"falls from {before:.3g} to {left:.3g} N" if result.effects else f"is {left:.3g} N"
@@ -205,6 +224,35 @@ def answer_rows(data: dict[str, Any]) -> tuple[list[str], list[list[str]]]:
             for name, value in effect["parameters"].items()
         ]
     return ["", "base", "corrected", "95 % low", "95 % high"], rows
+
+
+SHOWN = 4
+"""Explanations that the answer lists; the JSON has all."""
+
+
+def _ambiguity_text(found: Ambiguity) -> str:
+    differ = f"presses of one condition differ by {found.differ_N:.2g} N" if found.differ_N else "no press is repeated"
+    if not found.found:
+        return f"Nothing is missing beyond the difference of pads: {differ}, the model leaves {residual_N(found.base):.2g} N."
+    forces, moduli = (np.array(rows) for rows in zip(*((one.fit.forces, one.fit.base.young_MPa) for one in found.found)))
+    names = listed([named(one.effect.name) for one in found.found], "or")
+    apart = float(np.ptp(forces, axis=0).max())
+    return (
+        f"{names.capitalize()}, or several of them: presses of pucks of one shape cannot tell. "
+        f"Known: the force on pucks of this shape ({differ}, these explanations by at most {apart:.2g} N). "
+        f"Not known: the cause, and with it the modulus ({1e3 * moduli.min():.3g} to {1e3 * moduli.max():.3g} kPa). "
+        "Press pucks of another height, and one between lubricated plates."
+    )
+
+
+def _explanation_text(one: EffectCandidate) -> str:
+    active = next(active for active in one.fit.active if active.effect.name == one.effect.name)
+    size = one.effect.parameters[0]
+    unit = "" if size.unit == "1" else f" {size.unit}"
+    return (
+        f"{named(one.effect.name).capitalize()} alone: {size.name} = {active.values[size.name]:.3g}{unit}, modulus "
+        f"{1e3 * one.fit.base.young_MPa:.3g} kPa, leaves {residual_N(one.fit):.2g} N."
+    )
 
 
 def _effect_text(result: LoopResult, effect: Effect, rivals: tuple[str, ...]) -> str:

@@ -24,13 +24,14 @@ from dummydesign.loop.model.forward_model import readings
 from dummydesign.loop.next_measurement import NextMeasurement, next_measurement
 from dummydesign.loop.pad_scatter import known_pads
 from dummydesign.loop.prior import Joined, check_prior, join, with_prior_effects
-from dummydesign.loop.result import Explained, LoopResult, named
+from dummydesign.loop.result import Explained, LoopResult, listed, named
 from dummydesign.loop.selection.base_kept import left_out_errors, predicts_worse
 from dummydesign.loop.selection.cross_validation import AssessedModel, assess
+from dummydesign.loop.selection.explanations import ambiguity, one_shape
 from dummydesign.loop.selection.learn_effect import can_be_learned, learn, learned_alone, learned_first
 from dummydesign.loop.selection.residuals import Seen, examine
-from dummydesign.loop.selection.search import Selection, doubt_of, doubt_of_curve, names_of, rank, search
-from dummydesign.loop.selection.verdict import AcceptedEffect, at_bound, needed, remainder
+from dummydesign.loop.selection.search import Selection, doubt_of, doubt_of_curve, names_of, rank, search, without
+from dummydesign.loop.selection.verdict import GAIN_FLOOR, AcceptedEffect, at_bound, needed, remainder
 from dummydesign.measurement.campaign import Campaign
 
 
@@ -131,6 +132,8 @@ def close_loop(
         seen = examine(base.fit)
         explained = _explain(base, seen, available, progress)
     answer = _against_base(base, seen, explained, progress)
+    if one_shape(presses, law):
+        base, answer = _of_one_shape(base, answer, available, progress)
     plain, learnt = answer.after.fit, answer.learnt
     doubt = doubt_of(plain, answer.selection.rivals) if learnt is None else doubt_of_curve(learnt.effect.shape.flat)
     after = replace(answer.after, fit=with_rough_law(plain, doubt))
@@ -143,9 +146,11 @@ def close_loop(
         fit, joined = join(both, prior, after.lack.ratio)
         after = assess(fit) if joined.used else after
     progress("next measurement")
-    following = _next(campaign, base, answer.effects, answer.selection.ranking)
+    most = 2 if answer.ambiguity is None else len(answer.ambiguity.found)
+    following = _next(campaign, base, answer.effects, answer.selection.ranking, most)
     stopped = f"{budget_s:g} s of processor time" if budget.ran_out else ""
-    warnings = (*_warnings(campaign, presses, beyond, stopped, answer, joined), *_better_alone(answer.selection, after))
+    better = _better_alone(answer.selection, after) if answer.ambiguity is None else ()
+    warnings = (*_warnings(campaign, presses, beyond, stopped, answer, joined), *better)
     return LoopResult(
         **{**vars(answer), "after": after},
         campaign=campaign,
@@ -181,7 +186,7 @@ def _explain(base: AssessedModel, seen: Seen, available: tuple[Effect, ...], pro
         seen_after = examine(after.fit)
         still = remainder(base, after, seen_after)
         left = replace(still, reasons=(learnt.text, *still.reasons))
-    return Explained(selection, after, effects, learnt, verdict, left, seen_after, "")
+    return Explained(selection, after, effects, learnt, verdict, left, seen_after, "", None)
 
 
 def _against_base(base: AssessedModel, seen: Seen, answer: Explained, progress: Progress) -> Explained:
@@ -203,7 +208,39 @@ def _against_base(base: AssessedModel, seen: Seen, answer: Explained, progress: 
         "model is kept"
     )
     verdict = "unexplained" if left.reasons else "none"
-    return Explained(replace(answer.selection, rivals=rivals), base, (), None, verdict, left, seen, kept)
+    return Explained(replace(answer.selection, rivals=rivals), base, (), None, verdict, left, seen, kept, None)
+
+
+def _of_one_shape(
+    base: AssessedModel, answer: Explained, available: tuple[Effect, ...], progress: Progress
+) -> tuple[AssessedModel, Explained]:
+    """Base and answer for pucks of one shape, with all that may be the cause where these presses cannot tell."""
+    if answer.verdict == "none":
+        return base, answer
+    progress("what one shape of puck cannot tell apart")
+    named_first = [one.candidate.effect for one in answer.effects]
+    contexts = [without(answer.after.fit, one) for one in named_first] if len(named_first) > 1 else [base.fit]
+    for context, effect in zip(contexts, named_first or [None]):
+        found = ambiguity(context, available)
+        if found is None or (answer.verdict == "effect" and (effect is None or effect.name not in found.names)):
+            continue
+        plain = assess(found.base)
+        base = plain if context is base.fit else base
+        if not found.found:
+            none = Selection(plain, (), answer.selection.screened, answer.selection.ranking)
+            left = replace(remainder(plain, plain, answer.seen), reasons=())
+            return base, Explained(none, plain, (), None, "none", left, examine(plain.fit), "", found)
+        first, after = found.found[0], assess(found.found[0].fit)
+        others = found.names[1:]
+        accepted = AcceptedEffect(first, others, others, GAIN_FLOOR, after.errors.heldout_N, found.found)
+        rivals = tuple((0.0, one.fit) for one in found.found[1:])
+        screened = [one.screened for one in found.found]
+        chosen = Selection(after, (accepted,), screened, list(found.found), rivals)
+        seen = examine(after.fit)
+        cannot_tell = f"{listed([named(name) for name in found.names], 'or')}: presses of one shape cannot tell"
+        left = replace(remainder(plain, after, seen), reasons=(cannot_tell,))
+        return base, Explained(chosen, after, (accepted,), None, "ambiguous", left, seen, "", found)
+    return base, answer
 
 
 def _available(presses: Presses, law: SetupLaw) -> tuple[tuple[Effect, ...], dict[str, str]]:
@@ -218,14 +255,19 @@ def _available(presses: Presses, law: SetupLaw) -> tuple[tuple[Effect, ...], dic
 
 
 def _next(
-    campaign: Campaign, base: AssessedModel, effects: tuple[AcceptedEffect, ...], ranking: list[EffectCandidate]
+    campaign: Campaign,
+    base: AssessedModel,
+    effects: tuple[AcceptedEffect, ...],
+    ranking: list[EffectCandidate],
+    most: int = 2,
 ) -> NextMeasurement | None:
-    """Separate the two likeliest explanations: effect and runner-up, or nothing and the best candidate."""
+    """Separate the ``most`` likeliest explanations: effect and runner-up, or nothing and the best candidate."""
     if not effects and not ranking:
         return None
-    first, *others = (effects[0].candidate, *effects[0].ranking[1:2]) if effects else ranking[:1]
-    fit, name = (others[0].fit, others[0].effect.name) if others else (base.fit, "none")
-    return next_measurement(first.fit, fit, (first.effect.name, name), campaign.lowpass)
+    first, *others = (effects[0].candidate, *effects[0].ranking[1:most]) if effects else ranking[:1]
+    fits = tuple(one.fit for one in others) or (base.fit,)
+    names = tuple(one.effect.name for one in others) or ("none",)
+    return next_measurement(first.fit, fits, (first.effect.name, *names), campaign.lowpass)
 
 
 BETTER = 10.0

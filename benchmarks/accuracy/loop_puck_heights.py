@@ -19,7 +19,7 @@ from tests.support.drawn_pucks import KINDS, draw_rubber, press_pucks
 
 ROOT = Path(__file__).resolve().parents[2]
 HEIGHTS = {"one": (30.0,), "two": (30.0, 15.0)}
-SEED, CAMPAIGNS = 3300000, 80
+SEED, CAMPAIGNS = 3300000, 40
 
 
 @dataclass(frozen=True)
@@ -33,6 +33,7 @@ class Row:
     verdict: dict[str, str]
     named: dict[str, list[str]]
     possible: dict[str, list[str]]
+    sets: dict[str, list[list[str]]]
     young_kPa: dict[str, list[float]]
     cpu_s: dict[str, float]
 
@@ -46,7 +47,7 @@ def run_one(number: int, seed: int) -> Row:
     """Draw a rubber and run the loop on its pucks."""
     kind = KINDS[number % len(KINDS)]
     rubber = draw_rubber(kind, np.random.default_rng([seed, number]))
-    verdict, named, possible, young, cpu = {}, {}, {}, {}, {}
+    verdict, named, possible, sets, young, cpu = {}, {}, {}, {}, {}, {}
     for count, heights in HEIGHTS.items():
         with scratch("pucks-") as folder:
             campaign = press_pucks(folder / "pucks", rubber, heights, np.random.default_rng([seed, number, 1]))
@@ -55,10 +56,11 @@ def run_one(number: int, seed: int) -> Row:
             cpu[count] = round(time.process_time() - start, 1)
         verdict[count] = result.verdict
         named[count] = [one.candidate.effect.name for one in result.effects]
-        possible[count] = [] if result.ambiguity is None else list(result.ambiguity.names)
+        possible[count] = [] if result.among is None else list(result.among.names)
+        sets[count] = [list(one.names) for one in result.among.found] if result.among else [named[count]]
         modulus = result.after.to_dict()["parameters"]["young_kPa"]
         young[count] = [round(modulus[end], 2) for end in ("value", "low", "high")]
-    return Row(seed, number, kind, asdict(rubber), verdict, named, possible, young, cpu)
+    return Row(seed, number, kind, asdict(rubber), verdict, named, possible, sets, young, cpu)
 
 
 def main() -> None:

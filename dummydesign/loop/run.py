@@ -27,7 +27,7 @@ from dummydesign.loop.prior import Joined, check_prior, join, with_prior_effects
 from dummydesign.loop.result import Explained, LoopResult, listed, named
 from dummydesign.loop.selection.base_kept import left_out_errors, predicts_worse
 from dummydesign.loop.selection.cross_validation import AssessedModel, assess
-from dummydesign.loop.selection.explanations import ambiguity, one_shape
+from dummydesign.loop.selection.explanations import explain, one_shape
 from dummydesign.loop.selection.learn_effect import can_be_learned, learn, learned_alone, learned_first
 from dummydesign.loop.selection.residuals import Seen, examine
 from dummydesign.loop.selection.search import Selection, doubt_of, doubt_of_curve, names_of, rank, search, without
@@ -132,8 +132,8 @@ def close_loop(
         seen = examine(base.fit)
         explained = _explain(base, seen, available, progress)
     answer = _against_base(base, seen, explained, progress)
-    if one_shape(presses, law):
-        base, answer = _of_one_shape(base, answer, available, progress)
+    if law.shape == "cylinder":
+        base, answer = _of_pucks(base, answer, available, progress)
     plain, learnt = answer.after.fit, answer.learnt
     doubt = doubt_of(plain, answer.selection.rivals) if learnt is None else doubt_of_curve(learnt.effect.shape.flat)
     after = replace(answer.after, fit=with_rough_law(plain, doubt))
@@ -146,10 +146,10 @@ def close_loop(
         fit, joined = join(both, prior, after.lack.ratio)
         after = assess(fit) if joined.used else after
     progress("next measurement")
-    most = 2 if answer.ambiguity is None else len(answer.ambiguity.found)
+    most = 2 if answer.among is None else len(answer.among.found)
     following = _next(campaign, base, answer.effects, answer.selection.ranking, most)
     stopped = f"{budget_s:g} s of processor time" if budget.ran_out else ""
-    better = _better_alone(answer.selection, after) if answer.ambiguity is None else ()
+    better = _better_alone(answer.selection, after) if answer.among is None else ()
     warnings = (*_warnings(campaign, presses, beyond, stopped, answer, joined), *better)
     return LoopResult(
         **{**vars(answer), "after": after},
@@ -211,35 +211,42 @@ def _against_base(base: AssessedModel, seen: Seen, answer: Explained, progress: 
     return Explained(replace(answer.selection, rivals=rivals), base, (), None, verdict, left, seen, kept, None)
 
 
-def _of_one_shape(
+def _of_pucks(
     base: AssessedModel, answer: Explained, available: tuple[Effect, ...], progress: Progress
 ) -> tuple[AssessedModel, Explained]:
-    """Base and answer for pucks of one shape, with all that may be the cause where these presses cannot tell."""
-    if answer.verdict == "none":
+    """Base and answer for pucks in the scatter of their specimens, with all causes that these cannot tell apart."""
+    presses = base.fit.problem.presses
+    single = one_shape(presses)
+    if answer.verdict == "none" or (answer.verdict == "effect" and not single):
         return base, answer
-    progress("what one shape of puck cannot tell apart")
-    named_first = [one.candidate.effect for one in answer.effects]
-    contexts = [without(answer.after.fit, one) for one in named_first] if len(named_first) > 1 else [base.fit]
-    for context, effect in zip(contexts, named_first or [None]):
-        found = ambiguity(context, available)
-        if found is None or (answer.verdict == "effect" and (effect is None or effect.name not in found.names)):
+    progress("what pucks of these shapes can tell apart")
+    first = [one.candidate.effect for one in answer.effects]
+    contexts = [without(answer.after.fit, one) for one in first] if single and len(first) > 1 else [base.fit]
+    for context, effect in zip(contexts, first or [None]):
+        among = explain(context, available, single)
+        if among is None or (answer.verdict == "effect" and (effect is None or effect.name not in among.names)):
             continue
-        plain = assess(found.base)
+        plain = assess(among.base)
         base = plain if context is base.fit else base
-        if not found.found:
+        if not among.found:
             none = Selection(plain, (), answer.selection.screened, answer.selection.ranking)
             left = replace(remainder(plain, plain, answer.seen), reasons=())
-            return base, Explained(none, plain, (), None, "none", left, examine(plain.fit), "", found)
-        first, after = found.found[0], assess(found.found[0].fit)
-        others = found.names[1:]
-        accepted = AcceptedEffect(first, others, others, GAIN_FLOOR, after.errors.heldout_N, found.found)
-        rivals = tuple((0.0, one.fit) for one in found.found[1:])
-        screened = [one.screened for one in found.found]
-        chosen = Selection(after, (accepted,), screened, list(found.found), rivals)
-        seen = examine(after.fit)
-        cannot_tell = f"{listed([named(name) for name in found.names], 'or')}: presses of one shape cannot tell"
-        left = replace(remainder(plain, after, seen), reasons=(cannot_tell,))
-        return base, Explained(chosen, after, (accepted,), None, "ambiguous", left, seen, "", found)
+            return base, Explained(none, plain, (), None, "none", left, examine(plain.fit), "", among)
+        best, after = among.found[0], assess(among.found[0].fit)
+        others = tuple(name for name in among.names if name not in best.names)
+        ranking = tuple(
+            EffectCandidate(one.effects[-1].effect, one.fit, one.gain, one.effects[-1].screened) for one in among.found
+        )
+        accepted = tuple(
+            AcceptedEffect(one, others, others, GAIN_FLOOR, after.errors.heldout_N, ranking) for one in best.effects
+        )
+        rivals = tuple((0.0, one.fit) for one in among.found[1:])
+        chosen = Selection(after, accepted, answer.selection.screened, list(ranking), rivals)
+        seen, told = examine(after.fit), len(among.found) == 1
+        cannot_tell = f"{listed([named(name) for name in among.names], 'or')}: these presses cannot tell"
+        left = replace(remainder(plain, after, seen), reasons=() if told else (cannot_tell,))
+        verdict = "effect" if told else "ambiguous"
+        return base, Explained(chosen, after, accepted, None, verdict, left, seen, "", among)
     return base, answer
 
 

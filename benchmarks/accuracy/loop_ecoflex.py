@@ -2,8 +2,7 @@
 
 DATA_DIR is the set "Hyperelastic Characterisation of Silicone Tissue Phantoms" (Dawood et al. 2026, CC BY 4.0), with
 raw/NAME_A1.csv and NAME_B1.csv of 19 mixtures: pucks of 50 x 30 mm between plates whose friction is not stated. Each
-mixture becomes a campaign of two specimens with the frictionless puck as base model. Specimens are left out in turn;
-depths are left out by calibrating to 12 and to 9 mm and predicting to 15 mm.
+mixture becomes a campaign of two specimens with the frictionless puck as base model. Specimens are left out in turn.
 """
 
 from __future__ import annotations
@@ -17,9 +16,8 @@ import numpy as np
 
 from benchmarks.accuracy.loop_puck_heights import SEED, rows_file
 from benchmarks.rows import read_rows, scratch
-from dummydesign.loop.calibration import calibration_of
 from dummydesign.loop.result import result_dict
-from dummydesign.loop.run import close_loop, replay
+from dummydesign.loop.run import close_loop
 from dummydesign.measurement.campaign import Campaign
 from dummydesign.measurement.campaign_file import read_campaign
 from studies.marked_page import MarkedPage, wrapped
@@ -43,14 +41,8 @@ velocity_mm_s = 0.1667
 repeat = {repeat}
 """
 VERDICTS = ("ambiguous", "none", "effect", "unexplained")
-DEEP_MM, SHALLOW_MM = 15.0, (12.0, 9.0)
+DEEP_MM = 15.0
 PAGE, TABLE = ROOT / "docs" / "loop-ecoflex.md", ROOT / "docs" / "data" / "loop-ecoflex.csv"
-
-
-def heads(depth_mm: float) -> tuple[str, str, str]:
-    """Columns of the calibration to a depth: what it found, error to 15 mm of its base and with what it found."""
-    base, after = (f"to_{DEEP_MM:g}mm{model}_from_{depth_mm:g}mm_N" for model in ("_base", ""))
-    return f"found_to_{depth_mm:g}mm", base, after
 
 
 HEADS = [
@@ -66,7 +58,6 @@ HEADS = [
     "residual_after_N",
     "left_out_base_N",
     "left_out_after_N",
-    *(name for depth in SHALLOW_MM for name in heads(depth)),
 ]
 
 
@@ -103,12 +94,6 @@ def run_mixture(name: str, curves: dict[str, np.ndarray], folder: Path) -> list[
     deep = campaign_to(folder / "deep", name, curves, DEEP_MM)
     result = close_loop(deep)
     data = result_dict(result)
-    shallow = []
-    for depth in SHALLOW_MM:
-        calibration = calibration_of(close_loop(campaign_to(folder / f"to-{depth:g}", name, curves, depth)))
-        predicted = replay(deep, calibration)
-        effects = ", ".join(one.effect.name for one in calibration.after.active)
-        shallow += [effects, f"{predicted.total_base_rmse_N:.2f}", f"{predicted.total_rmse_N:.2f}"]
     parts = []
     for effect in data["effects"]:
         p = next(iter(effect["parameters"].values()))
@@ -135,7 +120,6 @@ def run_mixture(name: str, curves: dict[str, np.ndarray], folder: Path) -> list[
         f"{among['repeats_differ_N']:.2f}",
         *(f"{one:.2f}" for one in fitted),
         *(f"{one:.2f}" for one in held),
-        *shallow,
     ]
 
 
@@ -183,12 +167,6 @@ def mixtures(table: list[dict[str, str]]) -> str:
             row["explanations"] or "-",
         )
         lines.append(f"| {' | '.join(cells)} | {left} |")
-    lines += ["", "Curves cut at less depth:", "", "| calibrated to | an effect used | error to 15 mm larger with it |"]
-    lines.append("|---|---|---|")
-    for depth in SHALLOW_MM:
-        name, base, after = heads(depth)
-        own = [row for row in table if row[name]]
-        lines.append(f"| {depth:g} mm | {len(own)} | {sum(float(row[after]) > float(row[base]) for row in own)} |")
     return "\n".join(lines) + "\n"
 
 

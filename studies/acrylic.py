@@ -104,8 +104,8 @@ def rows_of(model: str, curves: Sequence[Curve], predicted: Sequence[NDArray]) -
     """Errors of a model, a row a curve."""
     rows: list[dict[str, object]] = []
     for one, stress in zip(curves, predicted):
-        rms, peak = float(np.sqrt(np.mean((stress - one.stress_kPa) ** 2))), float(one.stress_kPa.max())
-        cells = model, one.largest, one.rate, one.largest == FITTED, rms, peak, rms / peak
+        error, peak = rms(stress - one.stress_kPa), float(one.stress_kPa.max())
+        cells = model, one.largest, one.rate, one.largest == FITTED, error, peak, error / peak
         rows.append(dict(zip(FIELDS, cells)))
     return rows
 
@@ -119,10 +119,26 @@ def network_of(folder: Path, curves: Sequence[Curve]) -> list[NDArray]:
     return out
 
 
-def table(rows: Sequence[dict[str, object]], exponents: dict[str, tuple[float, float]]) -> str:
+def rms(values: Sequence[float] | NDArray) -> float:
+    """Root mean square."""
+    return float(np.sqrt(np.mean(np.square(values))))
+
+
+def scatter(curves: Sequence[Curve], stretch: float = 1.4) -> float:
+    """By how much curves of one rate differ while they rise through a stretch, rms of ln stress about their mean."""
+    logs: dict[float, list[float]] = {}
+    for one in curves:
+        top = int(np.argmax(one.stretch)) + 1
+        logs.setdefault(one.rate, []).append(float(np.log(np.interp(stretch, one.stretch[:top], one.stress_kPa[:top]))))
+    squares = sum(len(own) * float(np.var(own)) for own in logs.values())
+    return float(np.sqrt(squares / (len(curves) - len(logs))))
+
+
+def table(rows: Sequence[dict[str, object]], exponents: dict[str, tuple[float, float]], curves: Sequence[Curve]) -> str:
     """A line a model: errors of the two fitted curves and of the nine others, by rate."""
+    at_rates = " | ".join(f"{rate} 1/s" for rate in RATES)
     lines = [
-        f"| model | law's exponent | rate's exponent | fitted | predicted, all | {' | '.join(f'{r} 1/s' for r in RATES)} |",
+        f"| model | law's exponent | rate's exponent | fitted | predicted, all | {at_rates} |",
         "|---|---|---|---|---|---|---|---|",
     ]
     for model in dict.fromkeys(str(row["model"]) for row in rows):
@@ -130,12 +146,11 @@ def table(rows: Sequence[dict[str, object]], exponents: dict[str, tuple[float, f
         new = [row for row in own if not row["fitted"]]
         groups = [[row for row in own if row["fitted"]], new]
         groups += [[row for row in new if row["rate_per_s"] == rate] for rate in RATES]
-        errors = [
-            f"{100 * np.sqrt(np.mean([float(str(row['rms_over_peak'])) ** 2 for row in g])):.1f} %" for g in groups
-        ]
+        errors = [f"{100 * rms([float(str(row['rms_over_peak'])) for row in group]):.1f} %" for group in groups]
         law, power = (f"{one:.2f}" for one in exponents[model]) if model in exponents else ("-", "-")
         lines.append(f"| {model} | {law} | {power} | {' | '.join(errors)} |")
-    return "\n".join(lines) + "\n"
+    differ = f"Curves of one rate differ by {100 * scatter(curves):.0f} % where they rise through a stretch of 1.4."
+    return "\n".join([*lines, "", differ]) + "\n"
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
@@ -158,7 +173,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
         writer = csv.DictWriter(file, FIELDS, lineterminator="\n")
         writer.writeheader()
         writer.writerows({k: f"{v:.4g}" if isinstance(v, float) else v for k, v in row.items()} for row in rows)
-    PAGE.write(REPOSITORY, table(rows, exponents))
+    PAGE.write(REPOSITORY, table(rows, exponents, curves))
 
 
 if __name__ == "__main__":

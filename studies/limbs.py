@@ -177,8 +177,8 @@ def tables(presses: Sequence[Press], used: Sequence[Press], results: Sequence[La
         over_sites = f"{one.people_slope:+.2f} ({one.people_low:+.2f} to {one.people_high:+.2f})"
         over_people = f"{one.sites_slope:+.2f} ({one.sites_low:+.2f} to {one.sites_high:+.2f})"
         lines.append(
-            f"| {LAWS[one.law]} | {over_sites} | {over_people} | {100 * one.within_person:.0f} % | {100 * one.within_site:.0f} % | "
-            f"off by a factor {one.left_out_factor:.2f} (rms) |"
+            f"| {LAWS[one.law]} | {over_sites} | {over_people} | {100 * one.within_person:.0f} % | "
+            f"{100 * one.within_site:.0f} % | off by a factor {one.left_out_factor:.2f} (rms) |"
         )
     lines += ["", "| site | presses | thickness mm | modulus kPa (2.5 to 97.5 % of people) | between people |"]
     lines.append("|---|---|---|---|---|")

@@ -9,10 +9,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from dummydesign.core.blas_threads import one_blas_thread
+from dummydesign.core.cpu_limit import budget_spent, processor_budget
 from dummydesign.core.errors import InputError
-from dummydesign.core.process import Progress, budget_spent, one_blas_thread, processor_budget, quiet
+from dummydesign.core.progress import Progress, quiet
 from dummydesign.loop.calibration import Calibration
-from dummydesign.loop.data.pad_factors import with_pad_factors
+from dummydesign.loop.data.pad_modulus_factors import with_pad_factors
 from dummydesign.loop.data.trials import Presses, make_presses
 from dummydesign.loop.effects.registry import known_effects, refuse_unsound
 from dummydesign.loop.fitting.candidates import EffectCandidate
@@ -23,13 +25,13 @@ from dummydesign.loop.model.effect import Effect, SetupLaw
 from dummydesign.loop.model.forward_model import readings
 from dummydesign.loop.next_measurement import NextMeasurement, next_measurement
 from dummydesign.loop.pad_scatter import known_pads
-from dummydesign.loop.prior import Joined, check_prior, join, with_prior_effects
-from dummydesign.loop.result import Explained, LoopResult, listed, named
-from dummydesign.loop.selection.base_kept import left_out_errors, predicts_worse
+from dummydesign.loop.prior import PooledFit, check_prior, join, with_prior_effects
+from dummydesign.loop.result import EffectModel, LoopResult, listed, named
 from dummydesign.loop.selection.cross_validation import AssessedModel, assess
 from dummydesign.loop.selection.explanations import explain, one_shape
-from dummydesign.loop.selection.learn_effect import can_be_learned, learn, learned_alone, learned_first
-from dummydesign.loop.selection.residuals import Seen, examine
+from dummydesign.loop.selection.holdout_test import left_out_errors, predicts_worse
+from dummydesign.loop.selection.nonparametric_effect import can_be_learned, learn, learned_alone, learned_first
+from dummydesign.loop.selection.residuals import ResidualDiagnostics, diagnose
 from dummydesign.loop.selection.search import Selection, doubt_of, doubt_of_curve, names_of, rank, search, without
 from dummydesign.loop.selection.verdict import GAIN_FLOOR, AcceptedEffect, at_bound, needed, remainder
 from dummydesign.measurement.campaign import Campaign
@@ -129,7 +131,7 @@ def close_loop(
     with processor_budget(budget_s) as budget:
         base = assess(fit_base(presses, law, 1e-3 * start_young_kPa(campaign), progress))
         available, untested = _available(presses, law)
-        seen = examine(base.fit)
+        seen = diagnose(base.fit)
         explained = _explain(base, seen, available, progress)
     answer = _against_base(base, seen, explained, progress)
     if law.shape == "cylinder":
@@ -164,14 +166,16 @@ def close_loop(
     )
 
 
-def _explain(base: AssessedModel, seen: Seen, available: tuple[Effect, ...], progress: Progress) -> Explained:
+def _explain(
+    base: AssessedModel, seen: ResidualDiagnostics, available: tuple[Effect, ...], progress: Progress
+) -> EffectModel:
     """Named effects and a learned function, whichever explain the campaign best; ``seen`` is what the base leaves."""
     ranked = rank(base, available, progress)
     alone = learned_alone(base, seen, ranked[1], progress)
     selection = search(base, available, progress, ranked) if alone is None else Selection(alone.after, (), *ranked)
     after, effects, learnt = selection.after, selection.effects, None if alone is None else alone.learnt
     progress("remainder")
-    seen_after = seen if after is base else examine(after.fit)
+    seen_after = seen if after is base else diagnose(after.fit)
     left = remainder(base, after, seen_after)
     verdict = "unexplained" if left.reasons or alone else "effect" if effects else "none"
     if left.reasons and not budget_spent():
@@ -183,13 +187,15 @@ def _explain(base: AssessedModel, seen: Seen, available: tuple[Effect, ...], pro
             learnt = learn(after.fit, among)
             after = after if learnt is None else assess(learnt.fit)
     if learnt is not None:
-        seen_after = examine(after.fit)
+        seen_after = diagnose(after.fit)
         still = remainder(base, after, seen_after)
         left = replace(still, reasons=(learnt.text, *still.reasons))
-    return Explained(selection, after, effects, learnt, verdict, left, seen_after, "", None)
+    return EffectModel(selection, after, effects, learnt, verdict, left, seen_after, "", None)
 
 
-def _against_base(base: AssessedModel, seen: Seen, answer: Explained, progress: Progress) -> Explained:
+def _against_base(
+    base: AssessedModel, seen: ResidualDiagnostics, answer: EffectModel, progress: Progress
+) -> EffectModel:
     """The answer, or the base model where it predicts left-out presses better."""
     if answer.after is base:
         return answer
@@ -208,12 +214,12 @@ def _against_base(base: AssessedModel, seen: Seen, answer: Explained, progress: 
         "model is kept"
     )
     verdict = "unexplained" if left.reasons else "none"
-    return Explained(replace(answer.selection, rivals=rivals), base, (), None, verdict, left, seen, kept, None)
+    return EffectModel(replace(answer.selection, rivals=rivals), base, (), None, verdict, left, seen, kept, None)
 
 
 def _of_pucks(
-    base: AssessedModel, answer: Explained, available: tuple[Effect, ...], progress: Progress
-) -> tuple[AssessedModel, Explained]:
+    base: AssessedModel, answer: EffectModel, available: tuple[Effect, ...], progress: Progress
+) -> tuple[AssessedModel, EffectModel]:
     """Base and answer for pucks in the scatter of their specimens, with all causes that these cannot tell apart."""
     presses = base.fit.problem.presses
     single = one_shape(presses)
@@ -231,7 +237,7 @@ def _of_pucks(
         if not among.found:
             none = Selection(plain, (), answer.selection.screened, answer.selection.ranking)
             left = replace(remainder(plain, plain, answer.seen), reasons=())
-            return base, Explained(none, plain, (), None, "none", left, examine(plain.fit), "", among)
+            return base, EffectModel(none, plain, (), None, "none", left, diagnose(plain.fit), "", among)
         best, after = among.found[0], assess(among.found[0].fit)
         others = tuple(name for name in among.names if name not in best.names)
         ranking = tuple(
@@ -242,11 +248,11 @@ def _of_pucks(
         )
         rivals = tuple((0.0, one.fit) for one in among.found[1:])
         chosen = Selection(after, accepted, answer.selection.screened, list(ranking), rivals)
-        seen, told = examine(after.fit), len(among.found) == 1
+        seen, told = diagnose(after.fit), len(among.found) == 1
         cannot_tell = f"{listed([named(name) for name in among.names], 'or')}: these presses cannot tell"
         left = replace(remainder(plain, after, seen), reasons=() if told else (cannot_tell,))
         verdict = "effect" if told else "ambiguous"
-        return base, Explained(chosen, after, accepted, None, verdict, left, seen, "", among)
+        return base, EffectModel(chosen, after, accepted, None, verdict, left, seen, "", among)
     return base, answer
 
 
@@ -295,7 +301,7 @@ def _better_alone(selection: Selection, after: AssessedModel) -> Iterator[dict[s
 
 
 def _warnings(
-    campaign: Campaign, presses: Presses, beyond: str, stopped: str, answer: Explained, joined: Joined | None
+    campaign: Campaign, presses: Presses, beyond: str, stopped: str, answer: EffectModel, joined: PooledFit | None
 ) -> Iterator[dict[str, str]]:
     """What a reader must know: what a fit does not see comes first."""
     if stopped:

@@ -116,7 +116,7 @@ def options(presses: Presses, law: object) -> list[PossiblePress]:
     ]
     if isinstance(law, PuckLaw):
         for shape, h, known in pads[:1]:
-            out.append(Option(float(h), float(speeds[0]), 0.45, True, LUBRICATED, *plain[1:], shape, known))
+            out.append(PossiblePress(float(h), float(speeds[0]), 0.45, True, LUBRICATED, *plain[1:], shape, known))
     pressed = len(presses.pads)
     for number in dict.fromkeys((0, pressed // 2)):
         shape, h, _ = pads[number]

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from dummydesign.loop.data.trials import Presses
 from dummydesign.loop.fitting.candidates import EffectCandidate, first_fit
 from dummydesign.loop.fitting.fit import KNOTS, CampaignFit, fit, hats
-from dummydesign.loop.fitting.noise import Sizes, contrasts
+from dummydesign.loop.fitting.noise import NoiseSizes, contrasts
 from dummydesign.loop.fitting.screening import Screened, project, screen
 from dummydesign.loop.model.effect import Effect
 from dummydesign.loop.model.forward_model import LAW_TERMS
@@ -90,7 +90,7 @@ def residual_N(campaign_fit: CampaignFit) -> float:
     return float(np.sqrt(np.average(campaign_fit.residual**2, weights=presses.samples * presses.used)))
 
 
-def usual_sizes(campaign_fit: CampaignFit) -> Sizes:
+def usual_sizes(campaign_fit: CampaignFit) -> NoiseSizes:
     """Noise in which explanations are compared: what presses of one condition differ by, and errors of the law."""
     presses, sizes = campaign_fit.problem.presses, campaign_fit.sizes
     differ, force = repeat_difference_N(campaign_fit), presses.force_N
@@ -98,7 +98,7 @@ def usual_sizes(campaign_fit: CampaignFit) -> Sizes:
     took = np.median([trial.trace.time_s[-1] - start for trial, start in zip(presses.trials, presses.contact_s)])
     noise = replace(sizes.noise, slow_N=slow, slow_time_s=CORRELATED * float(took), position_mm=FACES_MM)
     level, *rest = (prior[0] for prior in campaign_fit.problem.law.error_priors)
-    return Sizes(noise, float(np.hypot(level, differ / np.sqrt(np.mean(force[presses.used] ** 2)))), *rest)
+    return NoiseSizes(noise, float(np.hypot(level, differ / np.sqrt(np.mean(force[presses.used] ** 2)))), *rest)
 
 
 def functions_of_depth(campaign_fit: CampaignFit) -> list[NDArray]:

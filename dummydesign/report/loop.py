@@ -240,7 +240,7 @@ def write_loop_report(folder: Path, result: LoopResult) -> dict[str, str]:
         facts.insert(1, (f"{left['heldout_over_noise_floor']:.2f}", words))
     answer, presses = data["answer"], list(press_plots(result))
     lead = f"{result.campaign.name}, {len(result.presses.trials)} trials. {answer[0]}"
-    because = [f"Unexplained: {reason}." for reason in data["residual"]["unexplained_because"]]
+    because = [f"{data['verdict'].capitalize()}: {reason}." for reason in data["residual"]["unexplained_because"]]
     sections = [
         Section("Answer", "\n\n".join(answer[1:])),
         Section(
@@ -292,7 +292,7 @@ def _front(title: str, data: dict[str, Any], presses: list[Plot], trials: Plot) 
         facts.append(Fact("long-term modulus", words))
     blocks = [
         ("Effects", _effect_words(data)),
-        ("Unexplained", [sentence(text) for text in data["residual"]["unexplained_because"]]),
+        (data["verdict"].capitalize(), [sentence(text) for text in data["residual"]["unexplained_because"]]),
     ]
     return FrontPage(
         title,

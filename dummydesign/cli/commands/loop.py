@@ -86,7 +86,7 @@ def render_details(result: dict[str, Any]) -> str:
     if over is not None:
         lines.append(f"left out: predicted to {over:.2f} noise floors; {expected:.2f} when nothing is missing")
     for reason in result["residual"]["unexplained_because"]:
-        lines.append(f"  unexplained: {reason}")
+        lines.append(f"  {result['verdict']}: {reason}")
     for effect in result["effects"]:
         lines.append(f"effect {effect['name']}: evidence {effect['evidence']:.0f} (needed {effect['threshold']:.0f})")
         for name, value in effect["parameters"].items():

@@ -14,6 +14,7 @@ from dummydesign.loop.next_measurement import NextMeasurement
 from dummydesign.loop.pad_scatter import pad_scatter
 from dummydesign.loop.prior import Joined
 from dummydesign.loop.selection.cross_validation import AssessedModel, effect_intervals, lack_of_fit
+from dummydesign.loop.selection.doubts import Doubt
 from dummydesign.loop.selection.learn_effect import Learnt
 from dummydesign.loop.selection.residuals import Seen
 from dummydesign.loop.selection.search import Selection
@@ -47,6 +48,7 @@ class LoopResult(Explained):
     untested: dict[str, str]
     warnings: tuple[dict[str, str], ...]
     joined: Joined | None
+    doubts: tuple[Doubt, ...] = ()
 
 
 def result_dict(result: LoopResult) -> dict[str, Any]:
@@ -57,6 +59,7 @@ def result_dict(result: LoopResult) -> dict[str, Any]:
     lack = lack_of_fit(ranking[0].fit).ratio if ranking else None
     return {
         "answer": answer_of(result),
+        "doubts": to_plain(result.doubts),
         "worth": [asdict(worth_of(result, effect)) for effect in effects],
         "base": result.base.to_dict(),
         "verdict": result.verdict,
@@ -156,7 +159,8 @@ def answer_of(result: LoopResult) -> list[str]:
         )
     # what the fit did not see comes first
     unseen = "".join(f"{one['message']}. " for one in result.warnings if one["code"] == "beyond_table")
-    lines = [unseen + first]
+    doubtful = "".join(f"Look at the sheet first: {one.text}. " for one in result.doubts)
+    lines = [doubtful + unseen + first]
     lines += [_effect_text(result, accepted.candidate.effect, accepted.confounded_with) for accepted in result.effects]
     before, left = result.base.errors.heldout_N, after.errors.heldout_N
     if left is not None and before is not None:

@@ -27,6 +27,7 @@ from dummydesign.loop.prior import Joined, check_prior, join, with_prior_effects
 from dummydesign.loop.result import Explained, LoopResult, named
 from dummydesign.loop.selection.base_kept import left_out_errors, predicts_worse
 from dummydesign.loop.selection.cross_validation import AssessedModel, assess
+from dummydesign.loop.selection.doubts import doubt_warnings, doubts_of, without_doubted
 from dummydesign.loop.selection.learn_effect import can_be_learned, learn, learned_alone, learned_first
 from dummydesign.loop.selection.residuals import Seen, examine
 from dummydesign.loop.selection.search import Selection, doubt_of, doubt_of_curve, names_of, rank, search
@@ -124,9 +125,15 @@ def close_loop(
         check_prior(prior, campaign)
     campaign = with_pad_factors(campaign, None if prior is None else prior.pad)
     law = law_of(campaign, progress)
-    campaign, presses, beyond = within_reach(campaign, make_presses(campaign), law)
+    declared, every = campaign, make_presses(campaign)
+    campaign, presses, beyond = within_reach(declared, every, law)
     with processor_budget(budget_s) as budget:
-        base = assess(fit_base(presses, law, 1e-3 * start_young_kPa(campaign), progress))
+        first = fit_base(presses, law, 1e-3 * start_young_kPa(campaign), progress)
+        progress("labels")
+        # a label that is wrong is no effect, and would be taken for one
+        doubts = doubts_of(declared, every, first)
+        campaign, presses, first = without_doubted(campaign, presses, first, doubts)
+        base = assess(first)
         available, untested = _available(presses, law)
         seen = examine(base.fit)
         explained = _explain(base, seen, available, progress)
@@ -145,7 +152,11 @@ def close_loop(
     progress("next measurement")
     following = _next(campaign, base, answer.effects, answer.selection.ranking)
     stopped = f"{budget_s:g} s of processor time" if budget.ran_out else ""
-    warnings = (*_warnings(campaign, presses, beyond, stopped, answer, joined), *_better_alone(answer.selection, after))
+    warnings = (
+        *doubt_warnings(doubts, presses),
+        *_warnings(campaign, presses, beyond, stopped, answer, joined),
+        *_better_alone(answer.selection, after),
+    )
     return LoopResult(
         **{**vars(answer), "after": after},
         campaign=campaign,
@@ -156,6 +167,7 @@ def close_loop(
         untested=untested,
         warnings=warnings,
         joined=joined,
+        doubts=doubts,
     )
 
 

@@ -183,8 +183,8 @@ def write_campaign(
     ``rows`` are planned presses (h, v, target in N, repeat, sequence, rest, age, temperature, unload) in place of the
     usual ones; a pad pressed in several such campaigns of one seed is the same pad. ``cast`` is what [pad] says it was
     cast of (lines of TOML). ``edge_mm`` is a fillet of the punch that presses crowned pads, 0 or 0.4; the file says so
-    when it is ``declared``. ``cast_pads`` gives each pad a thickness and a modulus of its own, and a record. ``cutoff_hz`` is that of the
-    sensor, which the file says is 35.
+    when it is ``declared``. ``cast_pads`` gives each pad a thickness and a modulus of its own, and a record.
+    ``cutoff_hz`` is that of the sensor, which the file says is 35.
     """
     if edge_mm and not crowned:
         raise ValueError("the fillet is solved for crowned pads")

@@ -205,7 +205,11 @@ def _arm(elastic: np.ndarray, tau: np.ndarray, weight: np.ndarray | float, parts
 
 
 def write_campaign(
-    folder: Path, effects: tuple[tuple[str, float], ...], seed: int, held_out: bool = False, usual_pads: bool = False,
+    folder: Path,
+    effects: tuple[tuple[str, float], ...],
+    seed: int,
+    held_out: bool = False,
+    usual_pads: bool = False,
     cutoff_hz: float = 50.0,
 ) -> Truth:
     """Write a campaign; the same seed has the same material, machine and signs with and without ``held_out``.

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from dummydesign.core.library import toml_value
 from dummydesign.core.serialise import Serialised
 from dummydesign.loop.data.trials import Presses, stack
-from dummydesign.loop.fitting.by_trial import Own, cutoffs, gains, of_pad, zeros
+from dummydesign.loop.fitting.by_trial import UNDECLARED_HZ, Own, cutoffs, gains, of_pad, zeros
 from dummydesign.loop.fitting.fit import CampaignFit, fit_base
 from dummydesign.loop.model.campaign_law import BEYOND, within_reach
 from dummydesign.measurement.campaign import Campaign, Trial, held_force
@@ -33,14 +33,16 @@ ODD_TARGET = 0.1
 LEAST_ZERO_N, ZERO_FLOOR_N = 0.04, 0.01
 LEAST_CUTOFF, CUTOFF_FLOOR, CUTOFF_KNOWN = 0.2, 0.04, 0.25
 """Least ln of the cut-off by which a sensor is another, least scatter, and the standard error up to which it counts."""
+MOST_CUTOFF = 1.6
+"""Largest ln of the cut-off by which a sensor may be another: what asks for more is no filter."""
 LEAST_OF_IT = 0.35
 """Share of a press's oddness up to which another label must bring it."""
 MISFIT = 4.0
 """Chi-square a bin over the largest of rightly labelled presses, up to which another label is held to fit."""
 STUDENT, ROUNDS = 3.0, 40
 """Degrees of freedom of what scatters, so that odd presses do not draw the others, and rounds of its regression."""
-GROUP_Z = 5.5
-"""Difference of two groups of presses over the scatter within, from which they are two."""
+GROUP_Z, SINGLE_Z = 4.7, 6.0
+"""Difference of two groups of presses over the scatter within, from which they are two; where one is a single press."""
 
 
 @dataclass(frozen=True)
@@ -228,6 +230,12 @@ def odd_gains(labels: Labels, use: NDArray) -> tuple[NDArray, NDArray]:
     return odd(labels.gain.value, labels.gain_errors, labels.columns, labels.spreads, GAIN_FLOOR, own)
 
 
+def expected_gains(labels: Labels, use: NDArray) -> tuple[Expected, NDArray]:
+    """What the gains let expect of each other, and by which presses (T,)."""
+    own = use & ~labels.between
+    return expect(labels.gain.value, labels.gain_errors, labels.columns, labels.spreads, GAIN_FLOOR, own)[0], own
+
+
 @dataclass(frozen=True)
 class Readable:
     """Presses as presses of one of the pads: ln of the force and standard deviations by which they differ from what is
@@ -243,8 +251,7 @@ class Readable:
 def as_pads(labels: Labels, use: NDArray) -> list[Readable]:
     """All presses read as of each pad that more than a few presses name."""
     presses, shared = labels.presses, len(WIDE)
-    own = use & ~labels.between
-    near, _ = expect(labels.gain.value, labels.gain_errors, labels.columns, labels.spreads, GAIN_FLOOR, own)
+    near, own = expected_gains(labels, use)
     count = (len(labels.spreads) - shared) // 2
     out = []
     for number in np.unique(presses.pad[own]):
@@ -270,8 +277,41 @@ def doubts_of(campaign: Campaign, presses: Presses, fit: CampaignFit) -> tuple[D
     """Doubts about the labels of all presses of a campaign, from the base fit of those that its force law reaches."""
     labels, use = undrawn(presses, fit, campaign)
     looked = np.array([trial.confirmed for trial in presses.trials])
-    found = [*of_gains(labels, use, looked), *of_sensors(labels, use & ~looked, campaign), *of_zeros(labels, ~looked)]
-    return tuple(found)
+    found = of_gains(labels, use, looked)
+    rest = ~looked & ~np.isin(np.arange(len(looked)), [row for one in found for row in one.rows])
+    return (*found, *of_sensors(labels, rest & use, campaign), *of_zeros(labels, ~looked))
+
+
+LEAST_LEFT = 4
+"""Presses that must remain where those in doubt are left out."""
+
+
+def without_doubted(
+    campaign: Campaign, presses: Presses, fit: CampaignFit, doubts: tuple[Doubt, ...]
+) -> tuple[Campaign, Presses, CampaignFit]:
+    """Campaign, presses and base fit without the presses in doubt; with them where too few would remain."""
+    files = {file for one in doubts for file in one.files}
+    kept = tuple(trial for trial in presses.trials if trial.file not in files)
+    if len(kept) == len(presses.trials) or len(kept) < max(LEAST_LEFT, (1.0 - MOST) * len(presses.trials)):
+        return campaign, presses, fit
+    rest, law = replace(campaign, trials=kept), fit.problem.law
+    stacked = stack(kept, campaign.lowpass)
+    return rest, stacked, fit_base(stacked, law, fit.base.young_MPa)
+
+
+def doubt_warnings(doubts: tuple[Doubt, ...], used: Presses) -> list[dict[str, str]]:
+    """What to do about each doubt, and whether its presses are used."""
+    known = {trial.file for trial in used.trials}
+    out = []
+    for one in doubts:
+        use = "used all the same" if known & set(one.files) else "left out"
+        it = "It is" if len(one.files) == 1 else "They are"
+        message = (
+            f"{one.text}. {it} {use}. To read it so, add to campaign.toml:\n{one.read_as}\n"
+            "If the sheet is right, write confirmed = true in place of the last line"
+        )
+        out.append({"code": "doubtful_label", "message": message})
+    return out
 
 
 def of_gains(labels: Labels, use: NDArray, looked: NDArray) -> list[Doubt]:
@@ -321,7 +361,41 @@ def of_gains(labels: Labels, use: NDArray, looked: NDArray) -> list[Doubt]:
             out.append(_mistyped(presses, row, mm, float(z[row])))
     for row in np.flatnonzero(speed_odd & ~taken).tolist():
         out.append(_other_speed(presses, row, float(labels.ln_speed[row])))
-    return out
+    return out + of_whole_pads(labels, use, looked)
+
+
+WHOLE_PAD, WHOLE_SPAN, THINNEST = 0.12, 3.0, 4.0
+"""ln of the force by which all presses of a pad must differ from those of the others: at least, and over the
+differences among these; and how many times that of the thinnest pad."""
+
+
+def of_whole_pads(labels: Labels, use: NDArray, looked: NDArray) -> list[Doubt]:
+    """A pad whose thickness looks mistyped in all its rows.
+
+    The thinnest must differ by more: what changes its force most (slip of its base, compressibility, an error of all
+    thicknesses) is an effect, and looks the same.
+    """
+    presses = labels.presses
+    near, own = expected_gains(labels, use)
+    count = (len(labels.spreads) - len(WIDE)) // 2
+    numbers = np.unique(presses.pad[own])
+    if count < 3 or len(numbers) != count:
+        return []
+    levels, thick = near.middle[len(WIDE) : len(WIDE) + count], [presses.pads[number][1] for number in numbers]
+    apart = []
+    for place in range(count):
+        others = np.delete(levels, place)
+        differs = abs(float(levels[place] - np.median(others)))
+        limit = max(WHOLE_PAD, WHOLE_SPAN * float(np.ptp(others)))
+        apart.append(differs / limit / (1.0 if thick[place] > min(thick) else THINNEST))
+    place = int(np.argmax(apart))
+    rows = np.flatnonzero((presses.pad == numbers[place]) & ~looked)
+    if apart[place] < 1.0 or len(rows) == 0:
+        return []
+    pads = [one for one in as_pads(labels, use) if one.pad.pad != presses.pads[numbers[place]]]
+    seen = [mm for row in rows.tolist() if (mm := _thickness_mm(pads, row)) is not None]
+    z = float(levels[place] - np.median(np.delete(levels, place))) / near.scale
+    return [_whole_pad(presses, rows, float(np.median(seen)), z)] if seen else []
 
 
 def _like_its_repeats(presses: Presses, differences: NDArray, odd_ones: NDArray) -> NDArray:
@@ -390,8 +464,10 @@ def groups(values: NDArray, errors: NDArray, days: NDArray, floor: float, least:
         apart = abs(middles[1] - middles[0])
         # a day is chosen before it is seen: its mean counts, where a split by value must leave two heaps
         score = apart / within * (np.sqrt(1.0 / (1.0 / counts[0] + 1.0 / counts[1])) / 1.25 if is_day else 1.0)
-        if apart > least and score > GROUP_Z and score * (1.5 if is_day else 1.0) > clear:
-            fewer = split if counts[0] <= counts[1] else ~split
+        limit = SINGLE_Z if min(counts) == 1 else GROUP_Z
+        if apart > least and score > limit and score * (1.5 if is_day else 1.0) > clear:
+            counted = split if is_day else one
+            fewer = counted if 2 * counted.sum() <= (len(known) if is_day else known.sum()) else ~counted
             best, clear, of_day = fewer & (known | is_day), score * (1.5 if is_day else 1.0), is_day
     return best, clear, of_day
 
@@ -400,22 +476,30 @@ def of_sensors(labels: Labels, use: NDArray, campaign: Campaign) -> list[Doubt]:
     """Presses by a sensor of another filter."""
     presses = labels.presses
     own = cutoffs(presses, labels.fit, campaign.lowpass)
-    shows = use & (own.error < CUTOFF_KNOWN)
+    # what the model misses may look like a filter
+    error = own.error * np.sqrt(np.maximum(own.left, 1.0))
+    shows = use & (error < CUTOFF_KNOWN)
     if shows.sum() < 5:
         return []
     # by pad and depth the model may be off in what looks like a filter
     columns = labels.columns[:, [0, 1, *range(len(WIDE), len(WIDE) + (len(labels.spreads) - len(WIDE)) // 2)]]
     spreads = np.r_[10.0, 0.3, np.full(columns.shape[1] - 2, 0.3)]
-    near, _ = expect(own.value, own.error, columns, spreads, CUTOFF_FLOOR, shows)
+    near, _ = expect(own.value, error, columns, spreads, CUTOFF_FLOOR, shows)
     values = own.value - columns @ near.middle
     odd_ones, clear, of_day = groups(
-        values, np.where(shows, own.error, np.inf), presses.history.age_days, CUTOFF_FLOOR, LEAST_CUTOFF
+        values, np.where(shows, error, np.inf), presses.history.age_days, CUTOFF_FLOOR, LEAST_CUTOFF
     )
     if not odd_ones.any():
         return []
+    beside = np.array([np.any(shows & ~odd_ones & (presses.cell == cell)) for cell in presses.cell])
+    repeated = np.array([(shows & (presses.cell == cell)).sum() > 1 for cell in presses.cell])
+    if not of_day and np.any(repeated & odd_ones) and not np.any(beside & odd_ones):
+        return []  # all repeats differ alike: it is what they have in common
     both = [float(np.median(values[shows & part])) for part in (odd_ones, ~odd_ones)]
-    usual = campaign.lowpass.cutoff_hz if campaign.lowpass else 50.0
-    hz = usual * float(np.exp(np.clip(both[0] - both[1], -2.0, 2.0)))
+    if abs(both[0] - both[1]) > MOST_CUTOFF:
+        return []
+    usual = campaign.lowpass.cutoff_hz if campaign.lowpass else UNDECLARED_HZ
+    hz = usual * float(np.exp(both[0] - both[1]))
     return [_other_sensor(presses, odd_ones, hz, usual, clear, of_day)]
 
 
@@ -423,7 +507,8 @@ def of_zeros(labels: Labels, use: NDArray) -> list[Doubt]:
     """Presses of a day whose zero is another."""
     presses = labels.presses
     own = zeros(presses, labels.fit)
-    errors = np.where(use, own.error, np.inf)
+    # how far zeros scatter is seen; the noise of a hold, by which they would, is drawn by a zero that moved
+    errors = np.where(use & np.isfinite(own.error), 0.0, np.inf)
     odd_ones, clear, of_day = groups(own.value, errors, presses.history.age_days, ZERO_FLOOR_N, LEAST_ZERO_N)
     if not odd_ones.any():
         return []
@@ -433,7 +518,9 @@ def of_zeros(labels: Labels, use: NDArray) -> list[Doubt]:
 
 def _lines(files: list[str], **keys: object) -> str:
     """Lines of ``campaign.toml`` that read some presses in another way."""
-    return "\n".join(["[[read_as]]", f"files = {toml_value(files)}", *(f"{k} = {toml_value(v)}" for k, v in keys.items())])
+    return "\n".join(
+        ["[[read_as]]", f"files = {toml_value(files)}", *(f"{k} = {toml_value(v)}" for k, v in keys.items())]
+    )
 
 
 def _exchanged(presses: Presses, one: int, two: int, z: float) -> Doubt:
@@ -457,6 +544,13 @@ def _mistyped(presses: Presses, row: int, mm: float, z: float) -> Doubt:
     trial = presses.trials[row]
     text = f"{trial.file} looks like a pad of about {mm:.2g} mm, not {trial.thickness_mm:g} mm"
     return Doubt("thickness", (trial.file,), z, text, _lines([trial.file], thickness_mm=float(f"{mm:.3g}")), (row,))
+
+
+def _whole_pad(presses: Presses, rows: NDArray, mm: float, z: float) -> Doubt:
+    files, declared = [presses.trials[row].file for row in rows], presses.trials[rows[0]].thickness_mm
+    text = f"all {len(files)} presses of the {declared:g} mm pad look like one of about {mm:.2g} mm: gauge it"
+    lines = _lines(files, thickness_mm=float(f"{mm:.3g}"))
+    return Doubt("thickness", tuple(files), z, text, lines, tuple(rows.tolist()))
 
 
 def _other_speed(presses: Presses, row: int, ln_speed: float) -> Doubt:

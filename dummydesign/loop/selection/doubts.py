@@ -35,6 +35,8 @@ LEAST_CUTOFF, CUTOFF_FLOOR, CUTOFF_KNOWN = 0.2, 0.04, 0.25
 """Least ln of the cut-off by which a sensor is another, least scatter, and the standard error up to which it counts."""
 MOST_CUTOFF = 1.6
 """Largest ln of the cut-off by which a sensor may be another: what asks for more is no filter."""
+SAME_REPEAT = 0.5
+"""Share of the change by which repeats must differ of which one is of another sensor."""
 LEAST_OF_IT = 0.35
 """Share of a press's oddness up to which another label must bring it."""
 MISFIT = 4.0
@@ -277,7 +279,7 @@ def doubts_of(campaign: Campaign, presses: Presses, fit: CampaignFit) -> tuple[D
     """Doubts about the labels of all presses of a campaign, from the base fit of those that its force law reaches."""
     labels, use = undrawn(presses, fit, campaign)
     looked = np.array([trial.confirmed for trial in presses.trials])
-    found = of_gains(labels, use, looked)
+    found = [*of_gains(labels, use, looked), *of_whole_pads(labels, use, looked, campaign)]
     rest = ~looked & ~np.isin(np.arange(len(looked)), [row for one in found for row in one.rows])
     return (*found, *of_sensors(labels, rest & use, campaign), *of_zeros(labels, ~looked))
 
@@ -361,7 +363,7 @@ def of_gains(labels: Labels, use: NDArray, looked: NDArray) -> list[Doubt]:
             out.append(_mistyped(presses, row, mm, float(z[row])))
     for row in np.flatnonzero(speed_odd & ~taken).tolist():
         out.append(_other_speed(presses, row, float(labels.ln_speed[row])))
-    return out + of_whole_pads(labels, use, looked)
+    return out
 
 
 WHOLE_PAD, WHOLE_SPAN, THINNEST = 0.12, 3.0, 4.0
@@ -369,7 +371,7 @@ WHOLE_PAD, WHOLE_SPAN, THINNEST = 0.12, 3.0, 4.0
 differences among these; and how many times that of the thinnest pad."""
 
 
-def of_whole_pads(labels: Labels, use: NDArray, looked: NDArray) -> list[Doubt]:
+def of_whole_pads(labels: Labels, use: NDArray, looked: NDArray, campaign: Campaign) -> list[Doubt]:
     """A pad whose thickness looks mistyped in all its rows.
 
     The thinnest must differ by more: what changes its force most (slip of its base, compressibility, an error of all
@@ -392,7 +394,8 @@ def of_whole_pads(labels: Labels, use: NDArray, looked: NDArray) -> list[Doubt]:
     rows = np.flatnonzero((presses.pad == numbers[place]) & ~looked)
     if apart[place] < 1.0 or len(rows) == 0:
         return []
-    pads = [one for one in as_pads(labels, use) if one.pad.pad != presses.pads[numbers[place]]]
+    rest = use & (presses.pad != numbers[place])
+    pads = as_pads(labels_of(presses, refitted(campaign, presses, rest, labels.fit)), rest)
     seen = [mm for row in rows.tolist() if (mm := _thickness_mm(pads, row)) is not None]
     z = float(levels[place] - np.median(np.delete(levels, place))) / near.scale
     return [_whole_pad(presses, rows, float(np.median(seen)), z)] if seen else []
@@ -491,15 +494,22 @@ def of_sensors(labels: Labels, use: NDArray, campaign: Campaign) -> list[Doubt]:
     )
     if not odd_ones.any():
         return []
-    beside = np.array([np.any(shows & ~odd_ones & (presses.cell == cell)) for cell in presses.cell])
-    repeated = np.array([(shows & (presses.cell == cell)).sum() > 1 for cell in presses.cell])
-    if not of_day and np.any(repeated & odd_ones) and not np.any(beside & odd_ones):
-        return []  # all repeats differ alike: it is what they have in common
     both = [float(np.median(values[shows & part])) for part in (odd_ones, ~odd_ones)]
-    if abs(both[0] - both[1]) > MOST_CUTOFF:
+    shift = both[0] - both[1]
+    repeats = [shows & (presses.cell == presses.cell[row]) for row in np.flatnonzero(odd_ones & shows)]
+    if not of_day and any(one.sum() > 1 for one in repeats):
+        # a filter tells repeats apart; what all repeats have in common does not
+        apart = [
+            np.median(values[one & odd_ones]) - np.median(values[one & ~odd_ones])
+            for one in repeats
+            if np.any(one & ~odd_ones)
+        ]
+        if not apart or min(gap / shift for gap in apart) < SAME_REPEAT:
+            return []
+    if abs(shift) > MOST_CUTOFF:
         return []
     usual = campaign.lowpass.cutoff_hz if campaign.lowpass else UNDECLARED_HZ
-    hz = usual * float(np.exp(both[0] - both[1]))
+    hz = usual * float(np.exp(shift))
     return [_other_sensor(presses, odd_ones, hz, usual, clear, of_day)]
 
 

@@ -438,7 +438,7 @@ def _thickness_mm(pads: list[Readable], row: int) -> float | None:
     return float(np.exp(at)) if inside else None
 
 
-BEYOND_PADS = 0.7
+BEYOND_PADS = 1.2
 """ln of the thickness by which a press may be of a pad beyond all others."""
 
 

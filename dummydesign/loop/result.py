@@ -194,6 +194,14 @@ def answer_words(data: dict[str, Any]) -> str:
     return " ".join(text.strip() for text in data["answer"] if not text.startswith("Next:"))
 
 
+def read_as_words(data: dict[str, Any]) -> list[str]:
+    """Lines of ``campaign.toml`` that read presses in doubt as they look, and what to write if the sheet is right."""
+    if not data["doubts"]:
+        return []
+    lines = [line for one in data["doubts"] for line in one["read_as"].splitlines()]
+    return [*lines, "# where the sheet is right: confirmed = true in place of the last line"]
+
+
 def answer_rows(data: dict[str, Any]) -> tuple[list[str], list[list[str]]]:
     """Head and rows of errors and parameters before and after; of an effect's parameters its name comes last."""
     rows = []

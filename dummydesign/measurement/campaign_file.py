@@ -293,7 +293,7 @@ def _check_against_declared(trial: Trial, table: Table) -> None:
     if deepest >= 0.95 * trial.thickness_mm:
         raise InputError(
             f"{table.where('thickness_mm')}: {trial.file} presses {deepest:g} mm into a pad of "
-            f"{trial.thickness_mm:g} mm; is displacement_mm or thickness_mm in another unit?",
+            f"{trial.thickness_mm:g} mm; is displacement_mm or thickness_mm in another unit, or was it another pad?",
             "inconsistent",
             "trial.thickness_mm",
             trial.thickness_mm,

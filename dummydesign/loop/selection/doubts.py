@@ -307,12 +307,8 @@ def doubt_warnings(doubts: tuple[Doubt, ...], used: Presses) -> list[dict[str, s
     out = []
     for one in doubts:
         use = "used all the same" if known & set(one.files) else "left out"
-        it = "It is" if len(one.files) == 1 else "They are"
-        message = (
-            f"{one.text}. {it} {use}. To read it so, add to campaign.toml:\n{one.read_as}\n"
-            "If the sheet is right, write confirmed = true in place of the last line"
-        )
-        out.append({"code": "doubtful_label", "message": message})
+        it = "it is" if len(one.files) == 1 else "they are"
+        out.append({"code": "doubtful_label", "message": f"{one.text}; {it} {use}"})
     return out
 
 
@@ -398,7 +394,7 @@ def of_whole_pads(labels: Labels, use: NDArray, looked: NDArray, campaign: Campa
     pads = as_pads(labels_of(presses, refitted(campaign, presses, rest, labels.fit)), rest)
     seen = [mm for row in rows.tolist() if (mm := _thickness_mm(pads, row)) is not None]
     z = float(levels[place] - np.median(np.delete(levels, place))) / near.scale
-    return [_whole_pad(presses, rows, float(np.median(seen)), z)] if seen else []
+    return [_whole_pad(presses, rows, float(np.median(seen)) if seen else None, z)]
 
 
 def _like_its_repeats(presses: Presses, differences: NDArray, odd_ones: NDArray) -> NDArray:
@@ -556,10 +552,11 @@ def _mistyped(presses: Presses, row: int, mm: float, z: float) -> Doubt:
     return Doubt("thickness", (trial.file,), z, text, _lines([trial.file], thickness_mm=float(f"{mm:.3g}")), (row,))
 
 
-def _whole_pad(presses: Presses, rows: NDArray, mm: float, z: float) -> Doubt:
+def _whole_pad(presses: Presses, rows: NDArray, mm: float | None, z: float) -> Doubt:
     files, declared = [presses.trials[row].file for row in rows], presses.trials[rows[0]].thickness_mm
-    text = f"all {len(files)} presses of the {declared:g} mm pad look like one of about {mm:.2g} mm: gauge it"
-    lines = _lines(files, thickness_mm=float(f"{mm:.3g}"))
+    like = "look like one of another thickness" if mm is None else f"look like one of about {mm:.2g} mm"
+    text = f"all {len(files)} presses of the {declared:g} mm pad {like}: gauge it"
+    lines = _lines(files, thickness_mm=declared if mm is None else float(f"{mm:.3g}"))
     return Doubt("thickness", tuple(files), z, text, lines, tuple(rows.tolist()))
 
 

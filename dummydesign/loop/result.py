@@ -159,7 +159,7 @@ def answer_of(result: LoopResult) -> list[str]:
         )
     # what the fit did not see comes first
     unseen = "".join(f"{one['message']}. " for one in result.warnings if one["code"] == "beyond_table")
-    doubtful = "".join(f"Look at the sheet first: {one.text}. " for one in result.doubts)
+    doubtful = f"Look at the sheet first: {'; '.join(one.text for one in result.doubts)}. " if result.doubts else ""
     lines = [doubtful + unseen + first]
     lines += [_effect_text(result, accepted.candidate.effect, accepted.confounded_with) for accepted in result.effects]
     before, left = result.base.errors.heldout_N, after.errors.heldout_N

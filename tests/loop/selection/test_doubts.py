@@ -60,17 +60,19 @@ def unchanged(_number, block):
 
 def test_read_as_changes_what_it_names_and_says_so(small):
     plain = read_campaign(small(14, unchanged)).trials
-    other = next(trial for trial in plain if trial.thickness_mm != plain[0].thickness_mm)
+    order = sorted(range(14), key=lambda number: plain[number].thickness_mm)
+    thin, sensor, looked, thick = order[0], order[1], order[2], order[-1]
+    assert plain[thick].thickness_mm > plain[thin].thickness_mm
     lines = (
-        f'\n[[read_as]]\nfiles = ["{plain[0].file}"]\npad_of = "{other.file}"\n'
-        f'\n[[read_as]]\nfiles = ["{plain[1].file}"]\nlowpass_hz = 20.0\nzero_N = 0.5\nvelocity_mm_s = 12.0\n'
-        f'\n[[read_as]]\nfiles = ["{plain[2].file}"]\nconfirmed = true\n'
+        f'\n[[read_as]]\nfiles = ["{plain[thin].file}"]\npad_of = "{plain[thick].file}"\n'
+        f'\n[[read_as]]\nfiles = ["{plain[sensor].file}"]\nlowpass_hz = 20.0\nzero_N = 0.5\nvelocity_mm_s = 12.0\n'
+        f'\n[[read_as]]\nfiles = ["{plain[looked].file}"]\nconfirmed = true\n'
     )
     read = read_campaign(small(14, unchanged, lines))
-    assert read.trials[0].thickness_mm == other.thickness_mm
-    assert read.trials[1].lowpass.cutoff_hz == 20.0 and read.trials[1].velocity_mm_s == 12.0
-    np.testing.assert_allclose(read.trials[1].trace.force_N, plain[1].trace.force_N - 0.5)
-    assert [trial.confirmed for trial in read.trials] == [False, False, True, *[False] * 11]
+    assert read.trials[thin].thickness_mm == plain[thick].thickness_mm
+    assert read.trials[sensor].lowpass.cutoff_hz == 20.0 and read.trials[sensor].velocity_mm_s == 12.0
+    np.testing.assert_allclose(read.trials[sensor].trace.force_N, plain[sensor].trace.force_N - 0.5)
+    assert [number for number, trial in enumerate(read.trials) if trial.confirmed] == [looked]
     assert [one["code"] for one in read.warnings].count("read_as") == 3
 
 
